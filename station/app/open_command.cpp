@@ -1,3 +1,5 @@
+#include <cstdlib>
+
 #include "station/app/command_line.h"
 #include "station/desk/desk.h"
 
@@ -6,8 +8,20 @@ namespace {
 
 struct OpenOptions {
   desk::DeskOptions desk;
-  std::string size;
+  std::string size, language;
 };
+
+// The one asked for, else the one that this computer speaks.
+language::Language LanguageFor(const std::string& asked) {
+  if (auto named = language::LanguageOf(asked)) return *named;
+  for (const char* name : {"LC_ALL", "LC_MESSAGES", "LANG"}) {
+    const char* value = std::getenv(name);
+    if (value == nullptr || *value == 0) continue;
+    // The first that is set decides, as POSIX has it.
+    return language::LanguageOf(value).value_or(language::Language::kEnglish);
+  }
+  return language::Language::kEnglish;
+}
 
 }  // namespace
 
@@ -21,6 +35,9 @@ OpenCommand DeclareOpen(CommandGroup group) {
   AddCpu(cmd, o.cpu);
   cmd->add_option("--window", options->size,
                   "WIDTHxHEIGHT instead of the full screen, as 1280x720");
+  cmd->add_option("--language", options->language,
+                  "en, de or zh: what the window speaks until somebody chooses another; else LANG")
+      ->check(CLI::IsMember({"en", "de", "zh"}));
   cmd->add_option("--quality", o.quality,
                   "best, good, fair or low; else by how long pictures take");
   cmd->add_option("--idle-minutes", o.idle_minutes,
@@ -39,6 +56,7 @@ OpenCommand DeclareOpen(CommandGroup group) {
   // Given back as well: `main` runs it where no subcommand was named.
   auto run = [options, cmd, &place = group.place]() -> Status {
     options->desk.workplace = place.Options();
+    options->desk.language = LanguageFor(options->language);
     if (cmd->count("--window") > 0) {
       ENAMEL_RETURN_IF_ERROR(desk::SetWindowSize(options->size, options->desk));
     }

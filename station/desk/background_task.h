@@ -18,7 +18,7 @@ class BackgroundTask {
 
   ~BackgroundTask() { Join(); }
 
-  // Requires: !busy(). `what` is for the person who waits: "Signing in".
+  // Requires: !busy(). `what` is for the person who waits, a key of the words: "task.sign_in".
   void Start(std::string what, std::function<After()> work) {
     ENAMEL_CHECK(!busy());
     what_ = std::move(what);

@@ -27,14 +27,11 @@ void DrawOutline(const std::vector<glm::vec2>& outline, ImVec2 tip, float mm, Im
 
 }  // namespace
 
-std::string BurText(const cutting::Bur& bur) {
-  std::string name(cutting::BurShapeName(bur.shape));
-  std::replace(name.begin(), name.end(), '_', ' ');
-  name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));
-  char text[96];
-  std::snprintf(text, sizeof text, "%s, %.1f mm thick, %.1f mm long", name.c_str(),
-                2e3 * bur.radius_m, 1e3 * bur.height_m());
-  return text;
+std::string BurText(const Words& words, const cutting::Bur& bur) {
+  const std::string shape = "bur." + std::string(cutting::BurShapeName(bur.shape));
+  return words.Say("bur.text", {{"shape", words.Say(shape)},
+                                {"thick", words.Decimal(2e3 * bur.radius_m, 1)},
+                                {"long", words.Decimal(1e3 * bur.height_m(), 1)}});
 }
 
 void DrawBur(const cutting::Bur& bur, float width_px, float height_px, float mm) {

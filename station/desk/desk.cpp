@@ -17,16 +17,13 @@
 namespace enamel::station::desk {
 namespace {
 
+using language::Words;
 using render::Quality;
 using Clock = Workflow::Clock;
 
 // A signal handler may do no more: the frame looks.
 volatile std::sig_atomic_t interrupted = 0;
 void OnSignal(int) { interrupted = 1; }
-
-constexpr char kPointerHint[] =
-    "mouse: move   wheel: depth   left button, space: bur   Shift: slow   W A S D: tilt   1-4: view"
-    "   right drag: turn";
 
 uint32_t AttemptWarnings(RunningAttempt& run, double time_s, double limit_s) {
   uint32_t warnings = 0;
@@ -60,10 +57,12 @@ class OpeningDesk {
         opening_(opening),
         script_(script),
         governor_(render::GovernorFor(screen)),
-        ui_(screen) {}
+        ui_(screen),
+        words_(options.language) {}
 
   // Until it was opened, or the person has closed the window. Errors: the script's.
   Status Run() {
+    screen_.Speak(options_.language);
     while (opening_.workplace() == nullptr && Frame()) {
     }
     return script_.status();
@@ -74,7 +73,7 @@ class OpeningDesk {
     bool end = !screen_.Begin();
     opening_.Tick();
     TakePanelKey(screen_, ui_, panel_);
-    end |= DrawOpeningProblem(ui_, opening_);
+    end |= DrawOpeningProblem(ui_, words_, opening_);
     if (panel_) {
       DrawOperatorPanel(opening_.Lines(), screen_, times_, QualityOf(options_, governor_),
                         governor_.budget_s());
@@ -92,6 +91,7 @@ class OpeningDesk {
   render::QualityGovernor governor_;
   PictureTimes times_;
   Ui ui_;
+  const Words words_;
   bool panel_ = false;
 };
 
@@ -104,7 +104,7 @@ class Desk {
         script_(script),
         ui_(screen),
         flow_(workplace, {options.simulated, options.device, 60 * options.idle_minutes,
-                          options.profile, options.cpu}),
+                          options.profile, options.cpu, options.language}),
         pages_(ui_, flow_, workplace.credentials().name),
         station_(workplace) {
     if (options.sound) speaker_.emplace();
@@ -118,6 +118,7 @@ class Desk {
 
  private:
   bool Frame() {
+    screen_.Speak(flow_.words().language());
     if (!screen_.Begin()) AskToClose();
     auto now = Clock::now();
     // Of the window alone: the device and the tick have their own time.
@@ -191,19 +192,20 @@ class Desk {
     content.mm_per_pixel = 0;
     content.state.warnings |=
         AttemptWarnings(*attempt.run(), content.state.time_s, content.time_limit_s);
+    const Words& words = flow_.words();
     const Snapshot& newest = attempt.run()->snapshot();
     if (newest.fault != Fault::kNone) {
-      content.fault = std::string("Force is off: ") + FaultText(newest.fault);
+      content.fault = words.Say("fault.text", {{"reason", words.Say(FaultKey(newest.fault))}});
     } else if (newest.put_down) {
-      content.fault = "Force is off: the handpiece lies in its holder";
+      content.fault = words.Say("fault.in_holder");
     }
     // Graded work and exams: whoever saw the zones would cut to the numbers.
     if (MayShowProgress(prepared.exercise.graded, flow_.chosen().exam, flow_.instructor())) {
       content.zones = attempt.zones();
       content.reach = attempt.reach();
     }
-    content.hint = attempt.by_pointer() ? kPointerHint : render::kCameraHint;
-    render::DrawPanel(content, screen_.fonts(), screen_.width(), screen_.height());
+    content.hint = words.Say(attempt.by_pointer() ? "hint.pointer" : "hint.camera");
+    render::DrawPanel(content, words, screen_.fonts(), screen_.width(), screen_.height());
   }
 
   void Sound() {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "common/base/result.h"
+#include "common/language/words.h"
 #include "station/hid/open_device.h"
 #include "station/session/workplace.h"
 
@@ -14,6 +15,7 @@ struct DeskOptions {
   WorkplaceOptions workplace;
   std::string profile;  // of this station's device: it is offered first; empty: any
   int cpu = -1;         // bind the haptic loop to this processor; -1: to none
+  language::Language language = language::Language::kEnglish;
   bool full_screen = true;
   int width_px = 1280, height_px = 720;  // when not on the full screen
   std::string quality;       // "best", "good", "fair", "low"; empty: by how long pictures take

@@ -9,6 +9,8 @@
 namespace enamel::station::desk {
 namespace {
 
+using language::Words;
+
 using hid::HidInfo;
 using hid::HidKind;
 
@@ -17,27 +19,28 @@ struct Pedal {
   std::string words;
 };
 
-Pedal FindPedal(const std::vector<HidInfo>& attached, const hid::DeviceChoice& choice) {
-  if (!choice.pedal.empty()) return {choice.pedal, "pedal " + choice.pedal};
+Pedal FindPedal(const Words& words, const std::vector<HidInfo>& attached,
+                const hid::DeviceChoice& choice) {
+  if (!choice.pedal.empty()) {
+    return {choice.pedal, words.Say("device.pedal_named", {{"pedal", choice.pedal}})};
+  }
   for (const HidInfo& info : attached) {
     if (hid::Recognise(info) != HidKind::kFootPedal) continue;
     // Not the device's problem: it has a button of its own, so it is offered all the same.
     if (std::string refused = hid::WhyNotUsable(info); !refused.empty()) {
-      return {"", "without the foot pedal: " + refused};
+      return {"", words.Say("device.pedal_refused", {{"reason", refused}})};
     }
-    return {hid::DeviceNameOf(info), "with the foot pedal"};
+    return {hid::DeviceNameOf(info), words.Say("device.pedal")};
   }
-  return {"", "pedal: its own button"};
+  return {"", words.Say("device.button")};
 }
 
-std::string BoardText(const hid::FeatureReport& board) {
-  char text[80];
-  std::snprintf(text, sizeof text, "Felt up to %.1f N, cells of %.3f mm",
-                board.peak_force_mn[0] * 1e-3, board.resolution_nm[0] * 1e-6);
-  return text;
+std::string BoardText(const Words& words, const hid::FeatureReport& board) {
+  return words.Say("device.felt", {{"force", words.Decimal(board.peak_force_mn[0] * 1e-3, 1)},
+                                   {"cells", words.Decimal(board.resolution_nm[0] * 1e-6, 3)}});
 }
 
-void AskBoard(const HidInfo& info, DeviceOffer& offer) {
+void AskBoard(const Words& words, const HidInfo& info, DeviceOffer& offer) {
   auto board = hid::AskBoard(info);
   if (!board.ok()) {
     offer.problem = board.status().message();
@@ -46,15 +49,13 @@ void AskBoard(const HidInfo& info, DeviceOffer& offer) {
   // As the board calls itself: a bus name says nothing to a person.
   if (!board->name.empty()) offer.title = board->name;
   offer.profile = board->profile;
-  offer.detail = BoardText(*board);
+  offer.detail = BoardText(words, *board);
   if (board->profile.empty()) {
-    offer.problem =
-        "it names no profile: 'enamel-station calibrate' measures it and proposes one, which an "
-        "admin adds at the server";
+    offer.problem = words.Say("device.no_profile");
   }
 }
 
-DeviceOffer AttachedOffer(const HidInfo& info, const Pedal& pedal) {
+DeviceOffer AttachedOffer(const Words& words, const HidInfo& info, const Pedal& pedal) {
   bool board = hid::Recognise(info) == HidKind::kHapticBoard;
   DeviceOffer offer;
   offer.title = info.name.empty() ? hid::HidKindText(hid::Recognise(info)) : info.name;
@@ -63,50 +64,56 @@ DeviceOffer AttachedOffer(const HidInfo& info, const Pedal& pedal) {
   offer.problem = hid::WhyNotUsable(info);
   if (!board) {
     offer.profile = "pointer";
-    offer.detail = "The force is shown, not felt";
+    offer.detail = words.Say("device.shown");
   } else if (offer.problem.empty()) {
-    AskBoard(info, offer);
+    AskBoard(words, info, offer);
   }
-  if (offer.problem.empty()) offer.detail += "; " + pedal.words + ".";
+  if (offer.problem.empty()) {
+    offer.detail =
+        words.Say("device.with_pedal", {{"device", offer.detail}, {"pedal", pedal.words}});
+  }
   return offer;
 }
 
-DeviceOffer SdkOffer(const sdk::SdkDevice& found, const Pedal& pedal) {
+DeviceOffer SdkOffer(const Words& words, const sdk::SdkDevice& found, const Pedal& pedal) {
   DeviceOffer offer;
   offer.title = found.name;
   offer.device = found.choice;
   offer.profile = found.profile;
   offer.pedal = pedal.choice;
-  offer.detail = "Felt; by its maker's library (" + found.choice + "); " + pedal.words + ".";
+  offer.detail = words.Say("device.with_pedal",
+                           {{"device", words.Say("device.by_library", {{"library", found.choice}})},
+                            {"pedal", pedal.words}});
   return offer;
 }
 
 }  // namespace
 
-std::vector<DeviceOffer> DeviceOffers(bool simulated, const hid::DeviceChoice& choice) {
+std::vector<DeviceOffer> DeviceOffers(const language::Words& words, bool simulated,
+                                      const hid::DeviceChoice& choice) {
   const std::vector<HidInfo> attached = hid::ListHid();
-  const Pedal pedal = FindPedal(attached, choice);
+  const Pedal pedal = FindPedal(words, attached, choice);
   std::vector<DeviceOffer> offers;
   auto add = [&](HidKind kind) {
     for (const HidInfo& info : attached) {
-      if (hid::Recognise(info) == kind) offers.push_back(AttachedOffer(info, pedal));
+      if (hid::Recognise(info) == kind) offers.push_back(AttachedOffer(words, info, pedal));
     }
   };
   // In the order in which a person would want them: force that is felt first, a mouse when there is
   // nothing else. FirstUsable takes the first that fits.
   add(HidKind::kHapticBoard);
   for (const sdk::SdkDevice& found : sdk::ListSdkDevices()) {
-    offers.push_back(SdkOffer(found, pedal));
+    offers.push_back(SdkOffer(words, found, pedal));
   }
   add(HidKind::kSpaceMouse);
   offers.push_back(
       // Always there, so that the list is never empty.
-      {"Mouse and keyboard", "The force is shown, not felt.", "pointer", {}, {}, {}, {}});
+      {words.Say("device.mouse"), words.Say("device.mouse_detail"), "pointer", {}, {}, {}, {}});
   // Simulated hands are for tests and demonstrations: nobody is to practise by watching.
   if (!simulated) return offers;
   for (const OperatorPreset& preset : OperatorPresets()) {
     if (!preset.offered) continue;
-    offers.push_back({"Simulated: " + std::string(preset.name),
+    offers.push_back({words.Say("device.simulated", {{"name", std::string(preset.name)}}),
                       std::string(preset.summary),
                       "phantom_desktop",
                       std::string(preset.name),

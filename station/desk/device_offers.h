@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "common/language/words.h"
 #include "station/hid/open_device.h"
 
 namespace enamel::station::desk {
@@ -21,8 +22,9 @@ struct DeviceOffer {
 // and keyboard, and with `simulated` simulated hands, for demonstrations. An attached pedal goes
 // with every attached device; `choice.pedal` names one that is not recognised. Opens boards and
 // makers' devices for a moment to ask what they are: may take some 10 ms each. Not while an attempt
-// is made. Thread safety: any thread, one at a time.
-std::vector<DeviceOffer> DeviceOffers(bool simulated, const hid::DeviceChoice& choice);
+// is made. Thread safety: any thread, one at a time. What is said of them is in the words' language.
+std::vector<DeviceOffer> DeviceOffers(const language::Words& words, bool simulated,
+                                      const hid::DeviceChoice& choice);
 
 // The first that can be used with this profile (empty: with any), or offers.size().
 size_t FirstUsable(const std::vector<DeviceOffer>& offers, const std::string& profile);

@@ -1,6 +1,7 @@
 #include "station/desk/pages.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/base/unix_time.h"
 
@@ -8,52 +9,76 @@ namespace enamel::station::desk {
 namespace {
 
 // "3 days", "5 hours", "1 minute".
-std::string SpanText(int64_t span_ms) {
+std::string SpanText(const Words& words, int64_t span_ms) {
   int64_t minutes = std::max<int64_t>(span_ms, 0) / 60'000;
   // From two on, so that no span is told as one day when it is nearly two.
-  if (minutes >= 2 * 24 * 60) return std::to_string(minutes / (24 * 60)) + " days";
-  if (minutes == 0) return "less than a minute";
-  if (minutes >= 2 * 60) return std::to_string(minutes / 60) + " hours";
-  return std::to_string(minutes) + (minutes == 1 ? " minute" : " minutes");
+  if (minutes >= 2 * 24 * 60) return words.Say("span.days", {{"count", minutes / (24 * 60)}});
+  if (minutes >= 2 * 60) return words.Say("span.hours", {{"count", minutes / 60}});
+  return words.Say("span.minutes", {{"count", minutes}});
 }
 
 }  // namespace
 
-std::string AssignmentText(const Catalogue::Exercise& exercise, int64_t now_unix_ms) {
+std::string AssignmentText(const Words& words, const Catalogue::Exercise& exercise,
+                           int64_t now_unix_ms) {
   if (!exercise.refusal.empty()) return exercise.refusal;
-  std::string out;
-  auto add = [&](const std::string& words) { out += (out.empty() ? "" : ", ") + words; };
-  if (int64_t left_min = (exercise.due_unix_ms - now_unix_ms) / 60'000; exercise.due_unix_ms > 0) {
-    if (left_min < 0)
-      add("past due: counts as late");
-    else
-      add("due in " + SpanText(exercise.due_unix_ms - now_unix_ms));
+  std::string due, left;
+  if (exercise.due_unix_ms > 0) {
+    const int64_t span_ms = exercise.due_unix_ms - now_unix_ms;
+    due = span_ms / 60'000 < 0 ? words.Say("assignment.late")
+                               : words.Say("assignment.due", {{"span", SpanText(words, span_ms)}});
   }
   if (exercise.attempt_limit > 0) {
-    uint32_t left = exercise.attempts_left;
-    add(std::to_string(left) + (left == 1 ? " attempt left" : " attempts left"));
+    left = words.Say("assignment.left", {{"count", int64_t{exercise.attempts_left}}});
   }
-  return out.empty() ? "as often as you like" : out;
+  if (!due.empty() && !left.empty()) {
+    return words.Say("assignment.due_and_left", {{"due", due}, {"left", left}});
+  }
+  if (due.empty() && left.empty()) return words.Say("assignment.free");
+  return due.empty() ? left : due;
 }
 
-std::string CutOffText(const SpooledAttempt& attempt, int64_t now_unix_ms) {
-  return std::to_string(attempt.chunks) + " parts recorded on " + attempt.profile + ", begun " +
-         SpanText(now_unix_ms - attempt.created_unix_ms) + " ago";
+std::string CutOffText(const Words& words, const SpooledAttempt& attempt, int64_t now_unix_ms) {
+  return words.Say("cut_off.text",
+                   {{"count", int64_t{attempt.chunks}},
+                    {"profile", attempt.profile},
+                    {"span", SpanText(words, now_unix_ms - attempt.created_unix_ms)}});
 }
 
-std::string HandedInText(const SpooledAttempt& attempt, int64_t now_unix_ms) {
-  return std::string(attempt.complete() ? "Handed in" : "Not all of it is on the server yet") +
-         ", made " + SpanText(now_unix_ms - attempt.created_unix_ms) + " ago on " + attempt.profile;
+std::string HandedInText(const Words& words, const SpooledAttempt& attempt, int64_t now_unix_ms) {
+  return words.Say(attempt.complete() ? "handed_in.whole" : "handed_in.partly",
+                   {{"span", SpanText(words, now_unix_ms - attempt.created_unix_ms)},
+                    {"profile", attempt.profile}});
 }
 
-std::string ReservedText(const ReservedAttempt& reserved, int64_t now_unix_ms) {
-  return reserved.ticket.person + ", on " + reserved.ticket.profile + ", " +
-         SpanText(reserved.ticket.expires_unix_ms - now_unix_ms) + " left";
+std::string ReservedText(const Words& words, const ReservedAttempt& reserved, int64_t now_unix_ms) {
+  return words.Say("reserved.row",
+                   {{"person", reserved.ticket.person},
+                    {"profile", reserved.ticket.profile},
+                    {"span", SpanText(words, reserved.ticket.expires_unix_ms - now_unix_ms)}});
+}
+
+const char* FaultKey(Fault fault) {
+  switch (fault) {
+    case Fault::kNone:
+      return "";
+    case Fault::kStalled:
+      return "fault.stalled";
+    case Fault::kLateOnce:
+      return "fault.late_once";
+    case Fault::kLateOften:
+      return "fault.late_often";
+    case Fault::kUnplugged:
+      return "fault.unplugged";
+    case Fault::kSwitchedOff:
+      return "fault.switched_off";
+  }
+  return "";
 }
 
 void Pages::Busy() {
   if (flow_.busy()) {
-    ui_.Note(flow_.task() + " …");
+    ui_.Note(Say("task.running", {{"task", Say(flow_.task())}}));
   } else {
     // As high as the line it takes the place of: buttons below must not jump under a finger.
     ui_.Note(" ");
@@ -138,23 +163,25 @@ bool Pages::Draw() {
 void Pages::SignIn() {
   ui_.Begin("sign-in", {0.27f, 0.10f, 0.46f, 0.86f, false});
   ui_.Title("Enamel");
-  ui_.Note("Station " + station_ + ". Sign in with the login your school gave you.");
+  ui_.Note(Say("sign_in.station", {{"station", station_}}));
   ui_.Gap();
-  bool go = ui_.Field("Login", login_);
+  bool go = ui_.Field(Say("sign_in.login"), login_);
   // Enter in the first field goes on to the second.
   if (go && password_.empty()) {
-    ui_.Focus("Password");
+    ui_.Focus(Say("sign_in.password"));
     go = false;
   }
-  go |= ui_.Field("Password", password_, true);
+  go |= ui_.Field(Say("sign_in.password"), password_, true);
   ui_.Gap(12);
-  go |= ui_.Button(flow_.busy() ? "Signing in …" : "Sign in", Ui::Look::kMain, !flow_.busy());
+  go |= ui_.Button(Say(flow_.busy() ? "sign_in.going" : "sign_in.go"), Ui::Look::kMain,
+                   !flow_.busy());
   ui_.Gap(8);
   ui_.Problem(flow_.problem());
   if (!flow_.notice().empty()) ui_.Text(flow_.notice());
   bool offline = !flow_.reserved().empty() &&
-                 ui_.Button("Without the server", Ui::Look::kPlain, !flow_.busy());
-  ui_.Note("Esc closes the station, F1 shows how it is.");
+                 ui_.Button(Say("sign_in.offline"), Ui::Look::kPlain, !flow_.busy());
+  ui_.Note(Say("sign_in.keys"));
+  Languages();
   if (go) {
     flow_.SignIn(login_, password_);
     // Kept nowhere once it was sent, whatever the server says to it.
@@ -165,56 +192,73 @@ void Pages::SignIn() {
   ui_.End();
 }
 
+// In their own words, so that who cannot read this page finds theirs. Without letters for it Chinese
+// is not offered.
+void Pages::Languages() {
+  ui_.Gap(8);
+  bool first = true;
+  for (language::Language each : language::kLanguages) {
+    if (each == language::Language::kChinese && !render::FindChineseFont()) continue;
+    if (!std::exchange(first, false)) ui_.SameLine();
+    const bool spoken = each == flow_.words().language();
+    if (ui_.Button(std::string(NameOf(each)), Ui::Look::kSmall, !spoken)) flow_.Speak(each);
+  }
+}
+
 void Pages::Exercises() {
   ui_.Begin("exercises", kWidePage);
-  ui_.Title("Hello, " + flow_.person().display_name);
-  ui_.Note("Choose what to practise. Tab or the arrow keys move, Enter chooses.");
+  ui_.Title(Say("exercises.hello", {{"name", flow_.person().display_name}}));
+  ui_.Note(Say("exercises.choose"));
   ui_.Problem(flow_.problem());
   ui_.BeginList("exercises", 180);
   for (size_t i = 0; i < flow_.cut_off().size(); ++i) {
     const SpooledAttempt& attempt = flow_.cut_off()[i];
-    if (ui_.Row("Cut off: " + flow_.TitleOf(attempt), CutOffText(attempt, UnixMs()), "GO ON")) {
+    if (ui_.Row(Say("exercises.cut_off", {{"title", flow_.TitleOf(attempt)}}),
+                CutOffText(flow_.words(), attempt, UnixMs()), Say("exercises.go_on"))) {
       flow_.OpenCutOff(i);
     }
   }
   const auto& all = flow_.exercises();
   for (size_t i = 0; i < all.size(); ++i) {
-    std::string detail = AssignmentText(all[i], UnixMs());
-    if (ui_.Row(all[i].title, detail, all[i].exam ? "EXAM" : "")) flow_.ChooseExercise(i);
+    std::string detail = AssignmentText(flow_.words(), all[i], UnixMs());
+    if (ui_.Row(all[i].title, detail, all[i].exam ? Say("exercises.exam") : ""))
+      flow_.ChooseExercise(i);
   }
   for (size_t i = 0; i < flow_.handed_in().size(); ++i) {
     const SpooledAttempt& attempt = flow_.handed_in()[i];
-    if (ui_.Row("Result: " + flow_.TitleOf(attempt), HandedInText(attempt, UnixMs()), "LOOK")) {
+    if (ui_.Row(Say("exercises.result", {{"title", flow_.TitleOf(attempt)}}),
+                HandedInText(flow_.words(), attempt, UnixMs()), Say("exercises.look"))) {
       flow_.OpenHandedIn(i);
     }
   }
   if (all.empty() && !flow_.busy()) {
-    ui_.Text("There is nothing for you here yet. An instructor assigns exercises to your cohort.");
+    ui_.Text(Say("exercises.none"));
   }
   ui_.EndList();
   Busy();
-  if (ui_.Button("Look again", Ui::Look::kPlain, !flow_.busy())) flow_.Refresh();
+  if (ui_.Button(Say("exercises.again"), Ui::Look::kPlain, !flow_.busy())) flow_.Refresh();
   ui_.SameLine();
-  if (ui_.Button("Sign out") || ui_.escape()) flow_.SignOut();
+  if (ui_.Button(Say("exercises.sign_out")) || ui_.escape()) flow_.SignOut();
   ui_.End();
 }
 
 void Pages::ExerciseFacts(const PreparedAttempt& prepared) {
   const scene::Exercise& e = prepared.exercise;
-  ui_.Text(e.instructions.empty() ? "No instructions." : e.instructions);
+  ui_.Text(e.instructions.empty() ? Say("exercise.no_instructions") : e.instructions);
   ui_.Gap(8);
-  std::string facts = prepared.scene.title;
-  facts += e.graded ? ". Graded: the score is released by your instructor"
-                    : ". Practice: the score is shown at once";
-  if (e.time_limit_s > 0) facts += ". " + render::TimerText(e.time_limit_s) + " minutes";
-  ui_.Note(facts + ".");
+  std::string facts =
+      Say(e.graded ? "exercise.graded" : "exercise.practice", {{"scene", prepared.scene.title}});
+  if (e.time_limit_s > 0) {
+    facts = Say("exercise.time", {{"facts", facts}, {"time", render::TimerText(e.time_limit_s)}});
+  }
+  ui_.Note(facts);
 }
 
 void Pages::Exercise() {
   ui_.Begin("exercise", kWidePage);
   const Catalogue::Exercise& ref = flow_.chosen();
   ui_.Title(ref.title);
-  if (ref.exam) ui_.Note("An exam: no score is shown before your instructor releases it.");
+  if (ref.exam) ui_.Note(Say("exercise.exam"));
   ui_.Problem(flow_.problem().empty() ? ref.refusal : flow_.problem());
   if (!flow_.notice().empty()) ui_.Text(flow_.notice());
   const PreparedAttempt* prepared = flow_.preview();
@@ -223,7 +267,7 @@ void Pages::Exercise() {
     ExerciseFacts(*prepared);
     ui_.Gap(10);
     cutting::Bur bur = prepared->exercise.bur().metric();
-    ui_.Text("Bur: " + BurText(bur));
+    ui_.Text(Say("exercise.bur", {{"bur", BurText(flow_.words(), bur)}}));
     DrawBur(bur, 900 * ui_.px(), 170 * ui_.px(), 40 * ui_.px());
   } else {
     Busy();
@@ -232,14 +276,14 @@ void Pages::Exercise() {
   Devices();
   ui_.EndList();
   if (flow_.instructor() && flow_.way() == Way::kTicket) {
-    ui_.Check("A reference cut: what students are compared with later", as_reference_);
+    ui_.Check(Say("exercise.as_reference"), as_reference_);
   }
   ExerciseChoices(prepared != nullptr);
   ui_.End();
 }
 
 void Pages::Devices() {
-  ui_.Text("Device");
+  ui_.Text(Say("exercise.device"));
   for (size_t i = 0; i < flow_.offers().size(); ++i) {
     const DeviceOffer& offer = flow_.offers()[i];
     // A device that cannot be chosen for this attempt would only raise a question.
@@ -247,7 +291,7 @@ void Pages::Devices() {
     bool mine = i == flow_.offer_index();
     bool usable = offer.problem.empty();
     if (ui_.Row(offer.title, usable ? offer.detail : offer.problem,
-                mine ? "in use" : (usable ? "" : "not usable"), mine)) {
+                mine ? Say("exercise.in_use") : (usable ? "" : Say("exercise.not_usable")), mine)) {
       flow_.ChooseOffer(i);
     }
   }
@@ -257,92 +301,94 @@ void Pages::ExerciseChoices(bool prepared) {
   bool has_device = flow_.offer_index() < flow_.offers().size();
   bool ready = prepared && has_device && !flow_.busy() && flow_.chosen().refusal.empty();
   bool resumed = flow_.way() == Way::kResumed;
-  if (ui_.Button(resumed ? "Go on cutting" : "Start", Ui::Look::kMain, ready)) {
+  if (ui_.Button(Say(resumed ? "exercise.go_on" : "exercise.start"), Ui::Look::kMain, ready)) {
     // The box is only there for instructors, and its state outlives a sign-out.
     flow_.Start(as_reference_ && flow_.instructor());
   }
   ui_.SameLine();
   // An exam begins while the server is there; one that was kept for later is kept already.
   if (flow_.way() == Way::kTicket && !flow_.chosen().exam) {
-    if (ui_.Button("Keep for later", Ui::Look::kPlain, ready)) flow_.Open(Dialog::kReserve);
+    if (ui_.Button(Say("exercise.keep"), Ui::Look::kPlain, ready)) flow_.Open(Dialog::kReserve);
     ui_.SameLine();
   }
-  if (ui_.Button("Find devices", Ui::Look::kPlain, !flow_.busy())) flow_.LookForDevices();
+  if (ui_.Button(Say("exercise.find_devices"), Ui::Look::kPlain, !flow_.busy()))
+    flow_.LookForDevices();
   ui_.SameLine();
-  if (ui_.Button("Back") || ui_.escape()) flow_.Back();
+  if (ui_.Button(Say("exercise.back")) || ui_.escape()) flow_.Back();
 }
 
 void Pages::Reserved() {
   ui_.Begin("reserved", kWidePage);
-  ui_.Title("Without the server");
-  ui_.Note("Attempts that were kept for later here. Yours opens with your PIN.");
+  ui_.Title(Say("reserved.title"));
+  ui_.Note(Say("reserved.text"));
   ui_.Problem(flow_.problem());
   if (!flow_.notice().empty()) ui_.Text(flow_.notice());
   ui_.BeginList("reserved", 110);
   const auto& all = flow_.reserved();
   for (size_t i = 0; i < all.size(); ++i) {
-    if (ui_.Row(all[i].ticket.title, ReservedText(all[i], UnixMs()),
-                all[i].cut_off ? "GO ON" : "")) {
+    if (ui_.Row(all[i].ticket.title, ReservedText(flow_.words(), all[i], UnixMs()),
+                all[i].cut_off ? Say("exercises.go_on") : "")) {
       flow_.AskPin(i);
     }
   }
-  if (all.empty()) ui_.Text("Nothing is kept here any more.");
+  if (all.empty()) ui_.Text(Say("reserved.none"));
   ui_.EndList();
-  if (ui_.Button("Back") || ui_.escape()) flow_.Back();
+  if (ui_.Button(Say("exercise.back")) || ui_.escape()) flow_.Back();
   ui_.End();
 }
 
 void Pages::AskPin() {
   const ReservedAttempt& reserved = flow_.reserved_chosen();
   ui_.BeginDialog("pin", reserved.ticket.title);
-  ui_.Text(reserved.ticket.person + ", write the PIN you chose when you kept it." +
-           (reserved.cut_off ? "" : " Given back it does not count, and is gone from here."));
-  bool go = ui_.Field("PIN", pin_, true);
+  ui_.Text(
+      Say(reserved.cut_off ? "pin.ask_cut_off" : "pin.ask", {{"person", reserved.ticket.person}}));
+  bool go = ui_.Field(Say("pin.label"), pin_, true);
   ui_.Problem(flow_.problem());
   Busy();
-  go |= ui_.Button(reserved.cut_off ? "Go on" : "Open", Ui::Look::kMain, !flow_.busy());
+  go |= ui_.Button(Say(reserved.cut_off ? "cut_off.go_on" : "pin.open"), Ui::Look::kMain,
+                   !flow_.busy());
   if (go && !pin_.empty()) {
     flow_.OpenReserved(pin_);
     pin_.clear();
-    ui_.Focus("PIN");
+    ui_.Focus(Say("pin.label"));
   }
   ui_.SameLine();
   if (!reserved.cut_off) {
-    if (ui_.Button("Give back", Ui::Look::kDanger, !pin_.empty() && !flow_.busy())) {
+    if (ui_.Button(Say("pin.give_back"), Ui::Look::kDanger, !pin_.empty() && !flow_.busy())) {
       flow_.GiveBack(pin_);
       pin_.clear();
-      ui_.Focus("PIN");
+      ui_.Focus(Say("pin.label"));
     }
     ui_.SameLine();
   }
-  if (ui_.Button("Leave it", Ui::Look::kPlain, !flow_.busy()) || (ui_.escape() && !flow_.busy())) {
+  if (ui_.Button(Say("pin.leave"), Ui::Look::kPlain, !flow_.busy()) ||
+      (ui_.escape() && !flow_.busy())) {
     flow_.CloseDialog();
   }
   ui_.EndDialog();
 }
 
 void Pages::AskReserve() {
-  ui_.BeginDialog("reserve", "Keep it for later?");
-  ui_.Text(
-      "It can be made here within 12 hours, with or without the server, and counts as an attempt "
-      "unless you give it back. Choose a PIN of 6 to 12 digits.");
-  bool go = ui_.Field("PIN", pin_, true);
-  if (go) ui_.Focus("The same PIN again");
-  go = ui_.Field("The same PIN again", pin_again_, true);
+  ui_.BeginDialog("reserve", Say("reserve.title"));
+  ui_.Text(Say("reserve.text"));
+  bool go = ui_.Field(Say("pin.label"), pin_, true);
+  if (go) ui_.Focus(Say("pin.again"));
+  go = ui_.Field(Say("pin.again"), pin_again_, true);
   bool same = pin_ == pin_again_;
   // Two fields are different while the second is being written: said only once it is as long.
   bool typed = pin_again_.size() >= pin_.size() && !pin_.empty();
-  ui_.Problem(typed && !same ? "These are two different PINs." : flow_.problem());
+  ui_.Problem(typed && !same ? Say("pin.different") : flow_.problem());
   Busy();
-  go |= ui_.Button("Keep", Ui::Look::kMain, typed && same && !flow_.busy());
+  go |= ui_.Button(Say("reserve.keep"), Ui::Look::kMain, typed && same && !flow_.busy());
   if (go && typed && same) {
     flow_.Reserve(pin_);
     pin_.clear();
     pin_again_.clear();
-    ui_.Focus("PIN");
+    ui_.Focus(Say("pin.label"));
   }
   ui_.SameLine();
-  if (ui_.Button("Leave it", Ui::Look::kPlain, !flow_.busy()) || (ui_.escape() && !flow_.busy())) {
+  if (ui_.Button(Say("pin.leave"), Ui::Look::kPlain, !flow_.busy()) ||
+      (ui_.escape() && !flow_.busy())) {
     flow_.CloseDialog();
   }
   ui_.EndDialog();
@@ -350,53 +396,52 @@ void Pages::AskReserve() {
 
 void Pages::AskCutOff() {
   const SpooledAttempt& attempt = flow_.cut_off_chosen();
-  ui_.BeginDialog("cut-off", "Cut off: " + flow_.TitleOf(attempt));
+  ui_.BeginDialog("cut-off", Say("exercises.cut_off", {{"title", flow_.TitleOf(attempt)}}));
   // Without a chunk there is no seal to make, and so nothing to hand in.
   bool recorded = attempt.chunks > 0;
-  ui_.Text(CutOffText(attempt, UnixMs()) +
-           (recorded ? ". All but its last moment is kept: go on where that ends, or hand it in as "
-                       "it is."
-                     : ". Nothing was recorded yet: it can only go on."));
+  ui_.Text(Say(recorded ? "cut_off.some" : "cut_off.nothing",
+               {{"text", CutOffText(flow_.words(), attempt, UnixMs())}}));
   ui_.Problem(flow_.problem());
   Busy();
   bool free = !flow_.busy();
-  if (ui_.Button("Go on", Ui::Look::kMain, free)) flow_.GoOnWithCutOff();
+  if (ui_.Button(Say("cut_off.go_on"), Ui::Look::kMain, free)) flow_.GoOnWithCutOff();
   ui_.SameLine();
-  if (ui_.Button("Hand in", Ui::Look::kDanger, free && recorded)) flow_.EndCutOff();
+  if (ui_.Button(Say("cut_off.hand_in"), Ui::Look::kDanger, free && recorded)) flow_.EndCutOff();
   ui_.SameLine();
-  if (ui_.Button("Later", Ui::Look::kPlain, free) || (free && ui_.escape())) flow_.CloseDialog();
+  if (ui_.Button(Say("cut_off.later"), Ui::Look::kPlain, free) || (free && ui_.escape()))
+    flow_.CloseDialog();
   ui_.EndDialog();
 }
 
-bool DrawOpeningProblem(Ui& ui, Opening& opening) {
-  const OpeningProblem shown = opening.explained();
+bool DrawOpeningProblem(Ui& ui, const Words& words, Opening& opening) {
+  const OpeningProblem shown = opening.explained(words);
   ui.Begin("trouble", kWidePage);
-  ui.Title("This station cannot be used just now");
+  ui.Title(words.Say("trouble.title"));
   ui.Gap(8);
   ui.Problem(shown.what);
   ui.Text(shown.safe);
   ui.Text(shown.todo);
   ui.BeginList("operators", 150);
-  ui.Note("For whoever looks after it:");
+  ui.Note(words.Say("trouble.operators"));
   ui.Note(shown.operators);
   ui.EndList();
   // Who sits here sees no path and no command but in the part for the operator.
-  ui.Note(opening.busy() ? "Looking again …" : "F1 shows how the station is.");
-  if (ui.Button("Try again", Ui::Look::kMain, !opening.busy())) opening.TryAgain();
+  ui.Note(words.Say(opening.busy() ? "trouble.looking" : "trouble.f1"));
+  if (ui.Button(words.Say("trouble.again"), Ui::Look::kMain, !opening.busy())) opening.TryAgain();
   ui.SameLine();
-  const bool close = ui.Button("Close");
+  const bool close = ui.Button(words.Say("trouble.close"));
   ui.End();
   ui.EndFrame();
   return close;
 }
 
 bool Pages::AskClose() {
-  ui_.BeginDialog("close", "Close the station?");
-  ui_.Text("Nothing is lost: what is recorded here is sent when the program runs again.");
+  ui_.BeginDialog("close", Say("close.title"));
+  ui_.Text(Say("close.text"));
   ui_.Gap(12);
-  bool close = ui_.Button("Close", Ui::Look::kDanger);
+  bool close = ui_.Button(Say("close.close"), Ui::Look::kDanger);
   ui_.SameLine();
-  if (ui_.Button("Stay", Ui::Look::kMain) || ui_.escape()) flow_.CloseDialog();
+  if (ui_.Button(Say("close.stay"), Ui::Look::kMain) || ui_.escape()) flow_.CloseDialog();
   ui_.EndDialog();
   return close;
 }

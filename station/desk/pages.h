@@ -8,6 +8,8 @@
 
 namespace enamel::station::desk {
 
+using language::Words;
+
 // A page that has the window to itself; shares of it.
 inline const Ui::Page kWidePage{0.06f, 0.06f, 0.88f, 0.90f, false};
 
@@ -23,6 +25,7 @@ class Pages {
 
  private:
   void SignIn();
+  void Languages();
   void Exercises();
   void Exercise();
   void ExerciseFacts(const PreparedAttempt& prepared);
@@ -44,6 +47,9 @@ class Pages {
   void ExerciseChoices(bool prepared);
   bool AskClose();
   void Busy();
+  std::string Say(std::string_view key, std::initializer_list<language::Value> values = {}) const {
+    return flow_.words().Say(key, values);
+  }
 
   Ui& ui_;
   Workflow& flow_;
@@ -56,22 +62,26 @@ class Pages {
 
 // In place of all pages, while the workplace cannot be opened: what is wrong, what is safe, what to
 // do ("trouble"). One frame. True when the person wants to close the window.
-bool DrawOpeningProblem(Ui& ui, Opening& opening);
+bool DrawOpeningProblem(Ui& ui, const Words& words, Opening& opening);
 
 // The bur seen from the side, to scale, in the current ImGui window at the cursor.
 void DrawBur(const cutting::Bur& bur, float width_px, float height_px, float mm_to_px);
 // "Cylinder, 1.2 mm thick, 4.0 mm long".
-std::string BurText(const cutting::Bur& bur);
+std::string BurText(const Words& words, const cutting::Bur& bur);
 
 // What there is to know of an exercise before it is chosen: "due in 2 days, 3 attempts left".
-std::string AssignmentText(const Catalogue::Exercise& exercise, int64_t now_unix_ms);
+std::string AssignmentText(const Words& words, const Catalogue::Exercise& exercise,
+                           int64_t now_unix_ms);
 
 // Of one that was cut off: "12 parts recorded on omega3, begun 3 hours ago".
-std::string CutOffText(const SpooledAttempt& attempt, int64_t now_unix_ms);
+std::string CutOffText(const Words& words, const SpooledAttempt& attempt, int64_t now_unix_ms);
 // Of one that was handed in: "Handed in, made 5 minutes ago on pointer".
-std::string HandedInText(const SpooledAttempt& attempt, int64_t now_unix_ms);
+std::string HandedInText(const Words& words, const SpooledAttempt& attempt, int64_t now_unix_ms);
 // "Ada on omega3, 11 hours left": of a ticket taken before.
-std::string ReservedText(const ReservedAttempt& reserved, int64_t now_unix_ms);
+std::string ReservedText(const Words& words, const ReservedAttempt& reserved, int64_t now_unix_ms);
+
+// What is said of a fault at the chair, a key; its English is FaultText's. Empty for none.
+const char* FaultKey(Fault fault);
 
 // "Mesial wall: 0.30 mm too deep …": the criterion of a wall or the floor that lost most points,
 // or empty when none did.

@@ -1,16 +1,14 @@
 // The pages of one attempt: ready, running, handing in, its result, and their dialogs.
-#include <cstdio>
+#include <cmath>
 
 #include "station/desk/pages.h"
 
 namespace enamel::station::desk {
 namespace {
 
-std::string Points(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f", value);
-  std::string out = text;
-  if (out.size() > 2 && out.ends_with(".0")) out.resize(out.size() - 2);
+std::string Points(const Words& words, double value) {
+  std::string out = words.Decimal(value, 1);
+  if (out.ends_with('0')) out.resize(out.size() - 2);
   return out;
 }
 
@@ -29,22 +27,21 @@ std::string WorstWall(const scoring::ScoreResult& score) {
 
 void Pages::Ready() {
   ui_.Begin("ready", {0.2f, 0.3f, 0.6f, 0.5f, false});
-  ui_.Title("Hold still");
+  ui_.Title(Say("ready.title"));
   const StillnessCheck* check = flow_.stillness();
   // A simulated hand holds still by itself, and looking at it would make its time pass.
   bool still = flow_.attempt() != nullptr && flow_.attempt()->simulated();
-  ui_.Bar(
-      check != nullptr && !check->wanted().empty() ? check->wanted() : "The device is looked at",
-      still || check == nullptr ? 1 : check->share());
-  ui_.Note("The bur and its force come on once the handpiece has rested in the air.");
+  ui_.Bar(Say(check != nullptr && !check->wanted().empty() ? check->wanted() : "ready.looking"),
+          still || check == nullptr ? 1 : check->share());
+  ui_.Note(Say("ready.text"));
   if (flow_.busy() || flow_.tooth_drawn()) {
     Busy();
   } else {
-    ui_.Note("Drawing the tooth …");
+    ui_.Note(Say("ready.drawing"));
   }
   if (!flow_.notice().empty()) ui_.Text(flow_.notice());
   ui_.Problem(flow_.problem());
-  if (ui_.Button("Back") || ui_.escape()) flow_.Back();
+  if (ui_.Button(Say("exercise.back")) || ui_.escape()) flow_.Back();
   ui_.End();
 }
 
@@ -55,11 +52,11 @@ void Pages::Running() {
   ui_.Begin("running", page);
   // The mouse is the handpiece: buttons could not be reached with it.
   if (flow_.attempt()->by_pointer()) {
-    ui_.Large("Esc pause    F finish");
+    ui_.Large(Say("running.keys"));
   } else {
-    if (ui_.Button("Pause")) flow_.Open(Dialog::kPaused);
+    if (ui_.Button(Say("running.pause"))) flow_.Open(Dialog::kPaused);
     ui_.SameLine();
-    if (ui_.Button("Finish")) flow_.Open(Dialog::kFinish);
+    if (ui_.Button(Say("running.finish"))) flow_.Open(Dialog::kFinish);
   }
   if (ui_.escape()) flow_.Open(Dialog::kPaused);
   if (ui_.pressed('F')) flow_.Open(Dialog::kFinish);
@@ -70,92 +67,89 @@ void Pages::Paused() {
   RunningAttempt* run = flow_.attempt() != nullptr ? flow_.attempt()->run() : nullptr;
   // Whoever put the handpiece down is told so, and not that something is wrong.
   const bool put_down = run != nullptr && run->snapshot().put_down;
-  ui_.BeginDialog("paused", put_down ? "Paused: handpiece put down" : "Paused",
+  ui_.BeginDialog("paused", Say(put_down ? "paused.put_down" : "paused.title"),
                   Ui::Space::kIsThePedal);
-  if (put_down) ui_.Text("It lies in its holder: take it up to go on cutting, or finish.");
-  ui_.Text("The bur is off. The clock and the recording go on.");
+  if (put_down) ui_.Text(Say("paused.in_holder"));
+  ui_.Text(Say("paused.text"));
   ui_.Gap(12);
-  if (ui_.Button("Go on", Ui::Look::kMain) || ui_.escape()) flow_.CloseDialog();
+  if (ui_.Button(Say("paused.go_on"), Ui::Look::kMain) || ui_.escape()) flow_.CloseDialog();
   ui_.SameLine();
-  if (ui_.Button("Finish")) flow_.Open(Dialog::kFinish);
+  if (ui_.Button(Say("running.finish"))) flow_.Open(Dialog::kFinish);
   ui_.SameLine();
-  if (ui_.Button("Give up", Ui::Look::kDanger)) flow_.Open(Dialog::kGiveUp);
+  if (ui_.Button(Say("paused.give_up"), Ui::Look::kDanger)) flow_.Open(Dialog::kGiveUp);
   ui_.EndDialog();
 }
 
 void Pages::AskFinish() {
-  ui_.BeginDialog("finish", "Finish and hand in?", Ui::Space::kIsThePedal);
-  ui_.Text("It is scored as it is now; afterwards nothing can be changed.");
+  ui_.BeginDialog("finish", Say("finish.title"), Ui::Space::kIsThePedal);
+  ui_.Text(Say("finish.text"));
   ui_.Gap(12);
-  if (ui_.Button("Go on cutting") || ui_.escape()) flow_.CloseDialog();
+  if (ui_.Button(Say("finish.go_on")) || ui_.escape()) flow_.CloseDialog();
   ui_.SameLine();
-  if (ui_.Button("Hand in", Ui::Look::kMain)) flow_.EndAttempt();
+  if (ui_.Button(Say("finish.hand_in"), Ui::Look::kMain)) flow_.EndAttempt();
   ui_.EndDialog();
 }
 
 void Pages::AskGiveUp() {
-  ui_.BeginDialog("give-up", "Give up this attempt?", Ui::Space::kIsThePedal);
-  ui_.Text("What was cut so far is kept and counts as an attempt. It cannot be taken back.");
+  ui_.BeginDialog("give-up", Say("give_up.title"), Ui::Space::kIsThePedal);
+  ui_.Text(Say("give_up.text"));
   ui_.Gap(12);
-  if (ui_.Button("Go on cutting", Ui::Look::kMain) || ui_.escape()) flow_.CloseDialog();
+  if (ui_.Button(Say("finish.go_on"), Ui::Look::kMain) || ui_.escape()) flow_.CloseDialog();
   ui_.SameLine();
-  if (ui_.Button("Give up", Ui::Look::kDanger)) flow_.EndAttempt();
+  if (ui_.Button(Say("paused.give_up"), Ui::Look::kDanger)) flow_.EndAttempt();
   ui_.EndDialog();
 }
 
 void Pages::HandIn() {
   ui_.Begin("hand-in", {0.15f, 0.2f, 0.7f, 0.7f, false});
-  ui_.Title("Handing in");
+  ui_.Title(Say("hand_in.title"));
   Uploader::State up = flow_.upload();
   uint32_t chunks = flow_.chunks();
   const Status problem = flow_.recording_problem();
   // "All parts are on the server" would be true and wrong where its end is not stored.
   const bool partly = !problem.ok() || (!flow_.busy() && !flow_.recorded());
-  ui_.Bar(
-      std::to_string(up.committed) + " of " + std::to_string(chunks) + " parts " +
-          (partly ? "stored here are on the server; its end is not stored" : "are on the server"),
-      chunks > 0 ? static_cast<double>(up.committed) / chunks : 0);
+  ui_.Bar(Say(partly ? "hand_in.parts_without_end" : "hand_in.parts",
+              {{"done", int64_t{up.committed}}, {"count", int64_t{chunks}}}),
+          chunks > 0 ? static_cast<double>(up.committed) / chunks : 0);
   ui_.Problem(flow_.problem());
   if (!problem.ok() && flow_.busy()) {
     // Still being tried: who can free space has until then.
-    ui_.Problem("The end of this recording cannot be stored: " + problem.message() +
-                ". It is kept in memory and tried again until then.");
-    if (ui_.Button("Give up its end", Ui::Look::kDanger)) flow_.GiveUpRecording();
+    ui_.Problem(Say("hand_in.cannot_store", {{"reason", problem.message()}}));
+    if (ui_.Button(Say("hand_in.give_up_end"), Ui::Look::kDanger)) flow_.GiveUpRecording();
   } else if (up.gave_up) {
-    ui_.Problem((IsDamaged(up.problem) ? "Not all of this recording can be read from this station: "
-                                       : "The server does not take this recording: ") +
-                up.problem.message());
+    ui_.Problem(Say(IsDamaged(up.problem) ? "hand_in.damaged" : "hand_in.refused",
+                    {{"reason", up.problem.message()}}));
   } else if (!up.reachable) {
-    ui_.Problem(
-        "The server is away. The recording is safe on this station and is sent when the "
-        "server is back; you need not wait.");
+    ui_.Problem(Say("hand_in.away"));
   }
   ui_.Gap(12);
   // The recorder is still closing: leaving now would leave its loop and device running.
   bool may_leave = !flow_.busy();
-  if (ui_.Button("Do not wait", Ui::Look::kPlain, may_leave) || (may_leave && ui_.escape())) {
+  if (ui_.Button(Say("hand_in.leave"), Ui::Look::kPlain, may_leave) ||
+      (may_leave && ui_.escape())) {
     flow_.LeaveHandIn();
   }
   if (!up.reachable) {
     ui_.SameLine();
-    if (ui_.Button("Try again now")) flow_.TryAgainNow();
+    if (ui_.Button(Say("hand_in.again"))) flow_.TryAgainNow();
   }
   ui_.End();
 }
 
 void Pages::Score(const scoring::ScoreResult& score) {
-  char text[16];
-  std::snprintf(text, sizeof text, "%.0f", score.score);
-  ui_.Score(text, " of 100 points");
-  if (score.critical_fail) ui_.Problem("Failed: a critical criterion was not met.");
+  ui_.Score(flow_.words().Decimal(score.score, 0), Say("result.of"));
+  if (score.critical_fail) ui_.Problem(Say("result.failed"));
   for (const scoring::GateResult& g : score.gates) {
     if (g.share < 1) ui_.Problem(g.reason);
   }
-  if (std::string worst = WorstWall(score); !worst.empty()) ui_.Text("Worst: " + worst);
+  if (std::string worst = WorstWall(score); !worst.empty())
+    ui_.Text(Say("result.worst", {{"reason", worst}}));
   ui_.BeginList("reasons", 140);
   for (const scoring::CriterionResult& c : score.criteria) {
     if (c.max_points == 0) continue;  // not in this exercise
-    ui_.Line(c.title, Points(c.points) + " of " + Points(c.max_points),
+    ui_.Line(c.title,
+             Say("result.points", {{"points", Points(flow_.words(), c.points)},
+                                   {"most", Points(flow_.words(), c.max_points)}}),
              // Half of the tenth that is shown: "10 of 10" with a reason would be a riddle.
              c.max_points - c.points > 0.05 ? c.reason : "", c.points + 0.05 < c.max_points);
   }
@@ -171,23 +165,20 @@ void Pages::Result() {
     Score(*flow_.score());
   } else if (flow_.held_back()) {
     ui_.Gap();
-    ui_.Large("Handed in.");
-    ui_.Text(
-        "This exercise is graded: your instructor releases the score. You then find it on the "
-        "page.");
+    ui_.Large(Say("result.handed_in"));
+    ui_.Text(Say("result.held_back"));
   } else if (progress && (progress->state == "failed" || progress->state == "quarantined")) {
     ui_.Gap();
-    ui_.Large("Handed in, no score yet");
-    ui_.Text("The server has the recording. It says: " + progress->problem + ".");
-    ui_.Note("Nothing is lost. Tell your instructor when it should have been scored.");
+    ui_.Large(Say("result.no_score"));
+    ui_.Text(Say("result.server_says", {{"reason", progress->problem}}));
+    ui_.Note(Say("result.tell"));
   } else if (progress && (progress->state == "ticketed" || progress->state == "recording")) {
     ui_.Gap();
-    ui_.Large("On its way to the server");
-    ui_.Text("The recording is safe on this station and is sent; the score follows by itself.");
+    ui_.Large(Say("result.on_its_way"));
+    ui_.Text(Say("result.follows"));
   } else {
     ui_.Gap();
-    ui_.Bar("The server cuts the tooth again from the recording and scores it",
-            progress ? progress->progress : 0);
+    ui_.Bar(Say("result.scoring"), progress ? progress->progress : 0);
   }
   ui_.Gap(8);
   ResultChoices();
@@ -195,17 +186,17 @@ void Pages::Result() {
 }
 
 void Pages::ResultChoices() {
-  if (ui_.Button("Another try", Ui::Look::kMain)) return flow_.AnotherTry();
+  if (ui_.Button(Say("result.another"), Ui::Look::kMain)) return flow_.AnotherTry();
   ui_.SameLine();
-  if (ui_.Button("Exercises") || ui_.escape()) return flow_.ToExercises();
+  if (ui_.Button(Say("result.exercises")) || ui_.escape()) return flow_.ToExercises();
   ui_.SameLine();
-  if (ui_.Button("Sign out")) return flow_.SignOut();
+  if (ui_.Button(Say("exercises.sign_out"))) return flow_.SignOut();
   // Only a scored attempt can be one that others are compared with; the server checks it too.
   bool scored = flow_.progress() && flow_.progress()->state == "scored";
   if (!flow_.instructor() || !scored) return;
   ui_.SameLine();
-  if (ui_.Button(flow_.marked_as_reference() ? "Is the reference" : "Reference", Ui::Look::kPlain,
-                 !flow_.marked_as_reference())) {
+  if (ui_.Button(Say(flow_.marked_as_reference() ? "result.is_reference" : "result.reference"),
+                 Ui::Look::kPlain, !flow_.marked_as_reference())) {
     // A proposal: most instructors cut their own reference.
     dentist_ = flow_.person().display_name;
     flow_.Open(Dialog::kReference);
@@ -213,18 +204,18 @@ void Pages::ResultChoices() {
 }
 
 void Pages::AskReference() {
-  ui_.BeginDialog("reference", "Make it the reference?");
-  ui_.Text("Attempts at this exercise are compared with this cut from now on.");
-  ui_.Field("Dentist, as students will read it", dentist_);
-  ui_.Check("The dentist agrees to being named and to the cut being used", consent_);
+  ui_.BeginDialog("reference", Say("reference.title"));
+  ui_.Text(Say("reference.text"));
+  ui_.Field(Say("reference.dentist"), dentist_);
+  ui_.Check(Say("reference.consent"), consent_);
   ui_.Problem(flow_.problem());
   ui_.Gap(12);
-  if (ui_.Button("Make it the reference", Ui::Look::kMain,
+  if (ui_.Button(Say("reference.make"), Ui::Look::kMain,
                  consent_ && !dentist_.empty() && !flow_.busy())) {
     flow_.MarkReference(dentist_, consent_);
   }
   ui_.SameLine();
-  if (ui_.Button("Leave it") || ui_.escape()) flow_.CloseDialog();
+  if (ui_.Button(Say("pin.leave")) || ui_.escape()) flow_.CloseDialog();
   ui_.EndDialog();
 }
 

@@ -112,11 +112,11 @@ ReachWatch::ReachWatch(const scene::Scene& scene, const scene::CavityTarget& tar
   }
   const scoring::OpenBox& box = boxes->target;
   double beside = target.leeway_side_um * 1e-6, below = target.leeway_bottom_um * 1e-6;
-  sides_ = {{"mesial wall", {1, 0, 0}, box.hi_m.x, beside, 0},
-            {"distal wall", {-1, 0, 0}, -box.lo_m.x, beside, 0},
-            {"buccal wall", {0, 1, 0}, box.hi_m.y, beside, 0},
-            {"lingual wall", {0, -1, 0}, -box.lo_m.y, beside, 0},
-            {"floor", {0, 0, -1}, -box.lo_m.z, below, 0}};
+  sides_ = {{"place.mesial_wall", {1, 0, 0}, box.hi_m.x, beside, 0},
+            {"place.distal_wall", {-1, 0, 0}, -box.lo_m.x, beside, 0},
+            {"place.buccal_wall", {0, 1, 0}, box.hi_m.y, beside, 0},
+            {"place.lingual_wall", {0, -1, 0}, -box.lo_m.y, beside, 0},
+            {"place.floor", {0, 0, -1}, -box.lo_m.z, below, 0}};
   Publish();
 }
 
@@ -186,7 +186,7 @@ void ReachWatch::Publish() {
   if (pulp_) out.pulp_mm = pulp_m_ * 1e3;
   if (shape_) {
     out.leeway = {{1e3 * (shape_leeway_m_ - beyond_shape_m_), 1e3 * shape_leeway_m_,
-                   beyond_shape_m_ > 0 ? "outline" : ""}};
+                   beyond_shape_m_ > 0 ? "place.outline" : ""}};
   }
   if (!sides_.empty()) {
     // A leeway of nothing is used up by the least that goes beyond it.

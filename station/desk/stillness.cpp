@@ -13,16 +13,16 @@ void StillnessCheck::Look(const DeviceSample& sample, double now_s) {
     at_ = sample.counts;
     since_s_ = now_s;
   };
-  if (!sample.attached) return begin_anew("The device is not there: plug it in");
-  if (sample.buttons & kPutDown) return begin_anew("Take up the handpiece");
-  if (sample.buttons & kPedal) return begin_anew("Take the foot off the pedal");
+  if (!sample.attached) return begin_anew("ready.plug_in");
+  if (sample.buttons & kPutDown) return begin_anew("ready.take_up");
+  if (sample.buttons & kPedal) return begin_anew("ready.foot_off");
   double moved = 0;
   for (size_t i = 0; i < 3; ++i) {
     // From where it began to be still, not from sample to sample: a slow drift is a move too.
     moved = std::max(moved, std::fabs(static_cast<double>(sample.counts[i]) - at_[i]));
   }
   if (since_s_ < 0) return begin_anew("");
-  if (moved * resolution_m_ > kAllowed_m) return begin_anew("Hold the handpiece still");
+  if (moved * resolution_m_ > kAllowed_m) return begin_anew("ready.hold_still");
 }
 
 double StillnessCheck::share() const {

@@ -18,7 +18,7 @@ class StillnessCheck {
   void Look(const DeviceSample& sample, double now_s);
   bool passed() const { return share() >= 1; }
   double share() const;  // of the time it has to be still, 0..1
-  // What the person is to do; empty when it only takes time.
+  // What the person is to do, a key of the words; empty when it only takes time.
   const std::string& wanted() const { return wanted_; }
 
  private:

@@ -248,9 +248,10 @@ void Ui::SameLine() { ImGui::SameLine(0, 28 * px()); }
 
 bool Ui::Button(const std::string& label, Look look, bool enabled) {
   Say("[" + label + "]");
-  ImGui::PushFont(fonts().far);
+  const bool small = look == Look::kSmall;
+  ImGui::PushFont(small ? fonts().text : fonts().far);
   PushButtonColours(look == Look::kMain ? kMain : look == Look::kDanger ? kDanger : kPlainButton);
-  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {30 * px(), 12 * px()});
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {(small ? 18 : 30) * px(), 12 * px()});
   ImGui::BeginDisabled(!enabled);
   bool chosen = ImGui::Button(label.c_str());
   ImGui::EndDisabled();

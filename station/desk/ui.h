@@ -35,7 +35,8 @@ struct Choice {
 // Sizes are in pixels of a picture 1080 high and scaled. Not thread-safe.
 class Ui {
  public:
-  enum class Look { kPlain, kMain, kDanger };
+  // Small: read from the chair, for what few people need.
+  enum class Look { kPlain, kMain, kDanger, kSmall };
   // In dialogs over a running attempt the space bar is the bur's pedal: a foot that comes down on
   // it must not choose.
   enum class Space { kChooses, kIsThePedal };

@@ -6,6 +6,8 @@
 namespace enamel::station::desk {
 namespace {
 
+using language::Words;
+
 // Few enough to be one look; the page has all of them.
 constexpr size_t kResultsListed = 5;
 
@@ -14,7 +16,7 @@ double Seconds(Workflow::Clock::duration d) { return std::chrono::duration<doubl
 }  // namespace
 
 Workflow::Workflow(Workplace& workplace, WorkflowOptions options)
-    : workplace_(workplace), options_(std::move(options)) {
+    : workplace_(workplace), options_(std::move(options)), words_(options_.language) {
   LookForReserved();
 }
 
@@ -36,9 +38,7 @@ void Workflow::Fail(const Status& status) {
   if (signed_in && status.code() == Code::kUnauthenticated && !workplace_.person()) {
     // Who was looking at a result comes back to it, if it is the same person who signs in.
     const Shown shown = place_ == Place::kResult ? result_ : Shown{};
-    SignOut(shown.attempt.IsZero()
-                ? "The connection to the server was lost. Sign in again; no recording is lost."
-                : "The connection to the server was lost. Sign in again to see the result.");
+    SignOut(words_.Say(shown.attempt.IsZero() ? "signed_out.lost" : "signed_out.lost_result"));
     come_back_to_ = shown;
     return;
   }
@@ -70,7 +70,7 @@ void Workflow::Tick(Clock::time_point now, bool active) {
   bool may_idle = place_ == Place::kExercises || place_ == Place::kExercise ||
                   place_ == Place::kResult || place_ == Place::kReserved;
   if (may_idle && !busy() && Seconds(now - active_at_) > options_.idle_s) {
-    SignOut("You were signed out because nothing happened for a while.");
+    SignOut(words_.Say("signed_out.idle"));
   }
 }
 
@@ -78,10 +78,10 @@ void Workflow::SignIn(const std::string& login, const std::string& password) {
   if (busy()) return;
   problem_.clear();
   if (login.empty() || password.empty()) {
-    problem_ = login.empty() ? "Write your login first." : "Write your password too.";
+    problem_ = words_.Say(login.empty() ? "sign_in.no_login" : "sign_in.no_password");
     return;
   }
-  task_.Start("Signing in", [this, login, password]() -> BackgroundTask::After {
+  task_.Start("task.sign_in", [this, login, password]() -> BackgroundTask::After {
     auto person = workplace_.SignIn(login, password);
     if (!person.ok()) return [this, s = person.status()] { Fail(s); };
     auto catalogue = workplace_.Exercises();
@@ -119,7 +119,7 @@ void Workflow::SignOut(const std::string& why) {
 void Workflow::Refresh() {
   if (busy()) return;
   problem_.clear();
-  task_.Start("Asking for the exercises", [this, id = person_.id]() -> BackgroundTask::After {
+  task_.Start("task.exercises", [this, id = person_.id]() -> BackgroundTask::After {
     auto catalogue = workplace_.Exercises();
     return [this, c = std::move(catalogue), k = KeptOf(id)] { TakeExercises(c, k); };
   });
@@ -163,8 +163,8 @@ void Workflow::ChooseExercise(size_t index) {
 
 void Workflow::LookForDevices() {
   if (busy()) return;
-  task_.Start("Looking for devices", [this]() -> BackgroundTask::After {
-    auto offers = DeviceOffers(options_.simulated, options_.device);
+  task_.Start("task.devices", [this, language = words_.language()]() -> BackgroundTask::After {
+    auto offers = DeviceOffers(Words(language), options_.simulated, options_.device);
     return [this, offers = std::move(offers)] { TakeOffers(offers); };
   });
 }
@@ -191,8 +191,7 @@ void Workflow::TakeOffers(std::vector<DeviceOffer> offers) {
   if (offer_ == offers_.size() && profile.empty()) offer_ = FirstUsable(offers_, "");
   if (way_ == Way::kTicket) return Fetch();
   if (offer_ == offers_.size()) {
-    problem_ = "This attempt is made with device profile '" + profile +
-               "', and no such device is here: plug it in and look again.";
+    problem_ = words_.Say("device.profile_not_here", {{"profile", profile}});
   }
 }
 
@@ -210,12 +209,11 @@ void Workflow::ChooseOffer(size_t index) {
 void Workflow::Fetch() {
   const Catalogue::Profile* profile = ProfileFor(offers_[offer_]);
   if (profile == nullptr) {
-    problem_ = "The server has no profile '" + offers_[offer_].profile +
-               "' for this device. An admin adds it; another device may do.";
+    problem_ = words_.Say("device.profile_unknown", {{"profile", offers_[offer_].profile}});
     return;
   }
   problem_.clear();
-  task_.Start("Fetching the tooth", [this, e = chosen_, p = *profile]() -> BackgroundTask::After {
+  task_.Start("task.tooth", [this, e = chosen_, p = *profile]() -> BackgroundTask::After {
     auto prepared = workplace_.Prepare(e, p);
     if (!prepared.ok()) return [this, s = prepared.status()] { Fail(s); };
     // std::function copies what it holds, and a volume must not be copied: shared, then moved out.
@@ -315,18 +313,16 @@ void Workflow::TakeOn(std::shared_ptr<Result<PreparedAttempt>> prepared, Way way
 void Workflow::GoOnWithCutOff() {
   if (busy()) return;
   problem_.clear();
-  task_.Start("Cutting again what was recorded",
-              [this, id = cut_off_chosen().id]() -> BackgroundTask::After {
-                auto prepared =
-                    std::make_shared<Result<PreparedAttempt>>(workplace_.PrepareResume(id));
-                return [this, prepared] { TakeOn(prepared, Way::kResumed); };
-              });
+  task_.Start("task.cut_again", [this, id = cut_off_chosen().id]() -> BackgroundTask::After {
+    auto prepared = std::make_shared<Result<PreparedAttempt>>(workplace_.PrepareResume(id));
+    return [this, prepared] { TakeOn(prepared, Way::kResumed); };
+  });
 }
 
 void Workflow::EndCutOff() {
   if (busy()) return;
   problem_.clear();
-  task_.Start("Handing it in", [this, id = cut_off_chosen().id]() -> BackgroundTask::After {
+  task_.Start("task.hand_in", [this, id = cut_off_chosen().id]() -> BackgroundTask::After {
     Status closed = workplace_.Close(id).status();
     return [this, closed] {
       if (!closed.ok()) return Fail(closed);
@@ -338,12 +334,12 @@ void Workflow::EndCutOff() {
 void Workflow::Reserve(const std::string& pin) {
   if (busy() || !preview_) return;
   problem_.clear();
-  task_.Start("Keeping it for later", [this, pin]() -> BackgroundTask::After {
+  task_.Start("task.keep", [this, pin]() -> BackgroundTask::After {
     Status kept = workplace_.Reserve(*preview_, pin);
     return [this, kept] {
       if (!kept.ok()) return Fail(kept);
       CloseDialog();
-      notice_ = "Kept for 12 hours: sign out and choose 'Without the server' when it is away.";
+      notice_ = words_.Say("reserve.kept");
     };
   });
 }
@@ -368,7 +364,7 @@ void Workflow::AskPin(size_t index) {
 void Workflow::OpenReserved(const std::string& pin) {
   if (busy()) return;
   problem_.clear();
-  task_.Start("Opening the ticket", [this, pin, r = reserved_chosen()]() -> BackgroundTask::After {
+  task_.Start("task.open", [this, pin, r = reserved_chosen()]() -> BackgroundTask::After {
     const Uuid& id = r.ticket.attempt;
     auto prepared = std::make_shared<Result<PreparedAttempt>>(
         r.cut_off ? workplace_.PrepareResume(id, pin) : workplace_.PrepareReserved(id, pin));
@@ -386,22 +382,20 @@ void Workflow::OpenReserved(const std::string& pin) {
 void Workflow::GiveBack(const std::string& pin) {
   if (busy()) return;
   problem_.clear();
-  task_.Start(
-      "Giving it back",
-      [this, pin, id = reserved_chosen().ticket.attempt]() -> BackgroundTask::After {
-        auto given = workplace_.GiveBack(id, pin);
-        return [this, given] {
-          // Before the outcome is looked at: a wrong PIN too many has destroyed the ticket, and it
-          // must not stay in the list.
-          LookForReserved();
-          if (!given.ok()) return Fail(given.status());
-          CloseDialog();
-          notice_ = *given == HandedBack::kAtServer
-                        ? "Given back: it does not count as an attempt."
-                        : "Given back: it will not count once the server has been told, which this "
-                          "station does as soon as it reaches it.";
-        };
-      });
+  task_.Start("task.give_back",
+              [this, pin, id = reserved_chosen().ticket.attempt]() -> BackgroundTask::After {
+                auto given = workplace_.GiveBack(id, pin);
+                return [this, given] {
+                  // Before the outcome is looked at: a wrong PIN too many has destroyed the ticket, and it
+                  // must not stay in the list.
+                  LookForReserved();
+                  if (!given.ok()) return Fail(given.status());
+                  CloseDialog();
+                  notice_ =
+                      words_.Say(*given == HandedBack::kAtServer ? "reserve.given_back"
+                                                                 : "reserve.given_back_later");
+                };
+              });
 }
 
 void Workflow::ToExercises() {
@@ -414,7 +408,7 @@ void Workflow::ToExercises() {
 void Workflow::MarkReference(const std::string& dentist, bool consent) {
   if (busy() || place_ != Place::kResult) return;
   problem_.clear();
-  task_.Start("Marking the reference",
+  task_.Start("task.reference",
               [this, dentist, consent, attempt = result_.attempt]() -> BackgroundTask::After {
                 Status marked = workplace_.MarkReference(attempt, dentist, consent);
                 return [this, marked] {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/language/words.h"
 #include "common/scoring/score.h"
 #include "station/desk/background_task.h"
 #include "station/desk/desk_attempt.h"
@@ -33,6 +34,7 @@ struct WorkflowOptions {
   double idle_s = 600;
   std::string profile = {};  // of this station's device: chosen at first where it is there
   int cpu = -1;              // bind the haptic loop to this processor; -1: to none
+  language::Language language = language::Language::kEnglish;  // until somebody chooses another
 };
 
 // Where a person is on the way from sign-in to result, and the steps from there. The pages draw
@@ -53,13 +55,17 @@ class Workflow {
   // Once a frame: outcomes of background tasks, ends of attempts. `active`: the person did something.
   void Tick(Clock::time_point now, bool active);
 
+  // What is said here, and in which language. What was said already stays as it is.
+  const language::Words& words() const { return words_; }
+  void Speak(language::Language language) { words_ = language::Words(language); }
+
   // --- where ---
   Place place() const { return place_; }
   Dialog dialog() const { return dialog_; }
   const std::string& problem() const { return problem_; }
   const std::string& notice() const { return notice_; }  // something went well
   bool busy() const { return task_.busy(); }
-  const std::string& task() const { return task_.what(); }
+  const std::string& task() const { return task_.what(); }  // a key of the words
   const Person& person() const { return person_; }
   bool instructor() const { return person_.role != "student"; }
   const std::vector<Catalogue::Exercise>& exercises() const { return catalogue_.exercises; }
@@ -168,6 +174,7 @@ class Workflow {
 
   Workplace& workplace_;
   const WorkflowOptions options_;
+  language::Words words_;
   std::vector<DeviceOffer> offers_;
   Place place_ = Place::kSignIn;
   Dialog dialog_ = Dialog::kNone;

@@ -25,7 +25,7 @@ void Workflow::Start(bool as_reference) {
   // On the reader's own thread, before its first sample: a driver's thread that is not real-time
   // makes the loop late. Refused: the loop says so when it asks for itself.
   choice.thread_setup = [] { (void)RequestRealtime(); };
-  task_.Start("Opening the device",
+  task_.Start("task.device",
               [this, choice, profile = preview_->profile,
                tick_s = 1.0 / preview_->header.params.rate_hz]() -> BackgroundTask::After {
                 auto opened = std::make_shared<Result<std::unique_ptr<Device>>>(
@@ -64,7 +64,7 @@ void Workflow::ShowAttempt(std::unique_ptr<Device> attached) {
 
 void Workflow::TakeTicket() {
   task_.Start(
-      "Asking for the ticket",
+      "task.ticket",
       [this, attempt = attempt_.get(), reference = as_reference_]() -> BackgroundTask::After {
         Status taken = workplace_.TakeTicket(attempt->prepared(), reference);
         return [this, taken] {
@@ -116,7 +116,7 @@ void Workflow::EndAttempt() {
   Go(Place::kHandIn);
   // Only asks; Join waits for the disk, and so for a task.
   attempt_->run()->End();
-  task_.Start("Closing the recording", [this, run = attempt_->run()]() -> BackgroundTask::After {
+  task_.Start("task.closing", [this, run = attempt_->run()]() -> BackgroundTask::After {
     auto seal = run->Join();
     return [this, s = seal.status()] {
       joined_ = true;
@@ -145,7 +145,7 @@ void Workflow::GiveUpRecording() {
 void Workflow::WatchUpload() {
   // The upload may be ahead of the recorder's last word, and its outcome is to be shown first.
   if (!joined_ || !upload().sealed) return;
-  if (offline_) return SignOut("Handed in. Sign in to see what it is worth.");
+  if (offline_) return SignOut(words_.Say("signed_out.handed_in"));
   ShowResult({person_.id, attempt_->prepared().attempt(), attempt_->prepared().exercise.title});
 }
 
@@ -172,7 +172,7 @@ void Workflow::TryAgainNow() { workplace_.uploader().Retry(); }
 
 void Workflow::LeaveHandIn() {
   if (!joined_) return;
-  if (offline_) return SignOut("The recording is safe here and is sent when the server is back.");
+  if (offline_) return SignOut(words_.Say("signed_out.safe"));
   ToExercises();
 }
 
@@ -192,7 +192,7 @@ void Workflow::WatchScore(Clock::time_point now) {
                             progress_->state == "quarantined");
   if (over || busy() || now < next_look_) return;
   next_look_ = now + kLookEvery;
-  task_.Start("Scoring", [this, attempt = result_.attempt]() -> BackgroundTask::After {
+  task_.Start("task.scoring", [this, attempt = result_.attempt]() -> BackgroundTask::After {
     auto progress = workplace_.Progress(attempt);
     return [this, p = std::move(progress)] {
       if (p.ok()) {

@@ -22,16 +22,20 @@ constexpr double kTextCapital_px = 23, kNearCapital_px = 16, kScoreCapital_px = 
 // ≥.
 constexpr ImWchar kLatin[] = {0x20,   0x17f,  0x218,  0x21b,  0x2010, 0x2026,
                               0x2190, 0x2193, 0x2264, 0x2265, 0};
+// What languages call themselves where one is chosen.
+constexpr ImWchar kNamesOfLanguages[] = {0x4e2d, 0x4e2d, 0x6587, 0x6587, 0};
 constexpr ImWchar kDigits[] = {0x20, 0x20, 0x2d, 0x39, 0x2013, 0x2013, 'H', 'H', 0};
 
 // Size to ask for so that capitals are `capital_px` high: measured on the font itself.
-float SizeFor(const fs::path* file, double capital_px) {
+float SizeFor(const fs::path* file, double capital_px, int number = 0) {
   constexpr float kProbe_px = 64;
   ImFontAtlas atlas;
   constexpr ImWchar only_h[] = {'H', 'H', 0};
   ImFont* font = nullptr;
   if (file != nullptr) {
-    font = atlas.AddFontFromFileTTF(file->c_str(), kProbe_px, nullptr, only_h);
+    ImFontConfig config;
+    config.FontNo = number;
+    font = atlas.AddFontFromFileTTF(file->c_str(), kProbe_px, &config, only_h);
   } else {
     ImFontConfig config;
     config.SizePixels = kProbe_px;
@@ -41,6 +45,32 @@ float SizeFor(const fs::path* file, double capital_px) {
   float capital = CapitalHeight_px(*font);
   return capital > 0 ? static_cast<float>(kProbe_px * capital_px / capital)
                      : static_cast<float>(capital_px / 0.63);
+}
+
+// Chinese letters as large as the Latin ones beside them, into the font added last.
+void AddChinese(const fs::path& file, double capital_px, const ImWchar* ranges) {
+  ImFontConfig config;
+  config.MergeMode = true;
+  config.OversampleH = 1;
+  // One file holds the shapes of several countries; the third are those of simplified Chinese.
+  config.FontNo = file.extension() == ".ttc" ? 2 : 0;
+  float size = std::ceil(SizeFor(&file, capital_px, config.FontNo));
+  ImGui::GetIO().Fonts->AddFontFromFileTTF(file.c_str(), size, &config, ranges);
+}
+
+// The commonest, and all that our texts are made of. Kept until the atlas is built, by ImGui's rule.
+const ImWchar* ChineseRanges() {
+  static const ImVector<ImWchar> kRanges = [] {
+    ImFontGlyphRangesBuilder builder;
+    builder.AddRanges(ImGui::GetIO().Fonts->GetGlyphRangesChineseSimplifiedCommon());
+    for (const language::Message& m : language::MessagesOf(language::Language::kChinese)) {
+      builder.AddText(m.pattern.c_str());
+    }
+    ImVector<ImWchar> ranges;
+    builder.BuildRanges(&ranges);
+    return ranges;
+  }();
+  return kRanges.Data;
 }
 
 ImFont* Add(const fs::path* file, double capital_px, const ImWchar* ranges) {
@@ -76,7 +106,20 @@ std::optional<fs::path> FindFont(bool bold) {
   return std::nullopt;
 }
 
-Fonts MakeFonts(int picture_height_px) {
+std::optional<fs::path> FindChineseFont() {
+  std::error_code none;
+  if (const char* set = std::getenv("ENAMEL_CJK_FONT"); set != nullptr) {
+    return fs::exists(set, none) ? std::optional<fs::path>(set) : std::nullopt;
+  }
+  for (const char* path : {"/usr/share/fonts/opentype/noto/NotoSansCJK-Regular.ttc",
+                           "/usr/share/fonts/noto-cjk/NotoSansCJK-Regular.ttc",
+                           "/usr/share/fonts/google-noto-cjk/NotoSansCJK-Regular.ttc"}) {
+    if (fs::exists(path, none)) return fs::path(path);
+  }
+  return std::nullopt;
+}
+
+Fonts MakeFonts(int picture_height_px, language::Language language) {
   ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
   atlas.Clear();
   atlas.Flags |= ImFontAtlasFlags_NoPowerOfTwoHeight;
@@ -85,9 +128,17 @@ Fonts MakeFonts(int picture_height_px) {
   const fs::path *text = plain ? &*plain : nullptr, *title = bold ? &*bold : text;
   Fonts fonts;
   fonts.scale = static_cast<float>(scale);
-  fonts.near = Add(text, kNearCapital_px * scale, kLatin);
-  fonts.text = Add(text, kTextCapital_px * scale, kLatin);
-  fonts.far = Add(title, kFarCapital_px * scale, kLatin);
+  const std::optional<fs::path> chinese = FindChineseFont();
+  const ImWchar* ranges =
+      language == language::Language::kChinese ? ChineseRanges() : kNamesOfLanguages;
+  auto add = [&](const fs::path* file, double capital_px) {
+    ImFont* font = Add(file, capital_px * scale, kLatin);
+    if (chinese) AddChinese(*chinese, capital_px * scale, ranges);
+    return font;
+  };
+  fonts.near = add(text, kNearCapital_px);
+  fonts.text = add(text, kTextCapital_px);
+  fonts.far = add(title, kFarCapital_px);
   fonts.score = Add(title, kScoreCapital_px * scale, kDigits);
   return fonts;
 }

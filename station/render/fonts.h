@@ -5,6 +5,8 @@
 #include <span>
 #include <string>
 
+#include "common/language/words.h"
+
 struct ImFont;
 
 // Letters in the sizes the station needs. What has to be read from two metres (titles, score,
@@ -31,9 +33,14 @@ float CapitalHeight_px(const ImFont& font);
 // Where the letters come from: DejaVu where Linux distributions put it, or the file named by
 // ENAMEL_FONT. None: Dear ImGui's own bitmap letters are used, enlarged.
 std::optional<std::filesystem::path> FindFont(bool bold = false);
+// Where Chinese letters come from: Noto Sans CJK (Debian: fonts-noto-cjk), or the file named by
+// ENAMEL_CJK_FONT. None: Chinese is not offered.
+std::optional<std::filesystem::path> FindChineseFont();
 
-// Makes the letters for pictures of this height; into the current ImGui context, whose textures
-// must then be made anew (Screen does). Not thread-safe.
-Fonts MakeFonts(int picture_height_px);
+// Makes the letters for pictures of this height and what this language is written with; into the
+// current ImGui context, whose textures must then be made anew (Screen does). Of Chinese the 2500
+// commonest letters and those of our own texts: names with rarer ones show a question mark. Not
+// thread-safe.
+Fonts MakeFonts(int picture_height_px, language::Language language);
 
 }  // namespace enamel::station::render

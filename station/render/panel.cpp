@@ -22,38 +22,32 @@ ImVec4 ColourFor(Bearing bearing) {
   return {r, g, b, 1};
 }
 
-constexpr std::array<const char*, kWarningCount> kWarningTexts = {
-    "Press less",
-    "Force is uneven: computer too busy",
-    "Force is off. Release the pedal, press it again",
-    "Recording was held up: force was off. What you cut is kept",
-    "No server: recording goes on here",
-    "Pulp exposed",
-    "Disk trouble, force is off: call the instructor",
-    "Device silent: call the instructor",
-    "Time is up",
-    "Going on: what you cut is kept. Begin in the air",
-};
+// In the order of their bits.
+constexpr std::array<const char*, kWarningCount> kWarnings = {
+    "warning.press_less", "warning.uneven", "warning.force_off", "warning.held_up",
+    "warning.offline",    "warning.pulp",   "warning.disk",      "warning.silent",
+    "warning.time",       "warning.resumed"};
 const ImVec4 kAlarm{0.60f, 0.13f, 0.10f, 0.94f}, kCalm{0.16f, 0.30f, 0.42f, 0.94f};
 
 struct Panel {
   const PanelContent& c;
+  const Words& words;
   const Fonts& fonts;
   float px;  // one pixel of the reference picture
 
   float width() const { return kPanelWidth_px * px; }
 
-  void Value(const char* name, const char* value) const {
-    ImGui::TextUnformatted(name);
-    ImGui::SameLine(ImGui::GetCursorPosX() + width() - ImGui::CalcTextSize(value).x);
-    ImGui::TextUnformatted(value);
+  void Value(const std::string& name, const std::string& value) const {
+    ImGui::TextUnformatted(name.c_str());
+    ImGui::SameLine(ImGui::GetCursorPosX() + width() - ImGui::CalcTextSize(value.c_str()).x);
+    ImGui::TextUnformatted(value.c_str());
   }
 
   // `mark`: where on the bar it gets serious; 0: nowhere.
-  void Bar(const char* name, const char* value, double share, Bearing bearing,
+  void Bar(const char* name, const std::string& value, double share, Bearing bearing,
            double mark = 0) const {
     ImGui::PushFont(fonts.far);
-    Value(name, value);
+    Value(words.Say(name), value);
     ImGui::PopFont();
     ImGui::PushStyleColor(ImGuiCol_PlotHistogram, ColourFor(bearing));
     ImGui::ProgressBar(static_cast<float>(std::clamp(share, 0.0, 1.0)), {width(), kBar_px * px},
@@ -73,7 +67,8 @@ struct Panel {
     ImGui::TextColored(over ? ColourFor(Bearing::kBad) : ImVec4{1, 1, 1, 1}, "%s", text.c_str());
     ImGui::PopFont();
     if (c.time_limit_s > 0) {
-      ImGui::TextDisabled("of %s minutes", TimerText(c.time_limit_s).c_str());
+      ImGui::TextDisabled(
+          "%s", words.Say("panel.time_of", {{"time", TimerText(c.time_limit_s)}}).c_str());
     }
   }
 
@@ -81,9 +76,7 @@ struct Panel {
     double force = glm::length(c.state.force_sent_n);
     // Where 0.6 and 0.9 come from is not recorded; nothing but this bar's colour depends on them.
     double share = force / std::max(c.force_full_scale_n, 1e-3);
-    char text[32];
-    std::snprintf(text, sizeof text, "%.2f N", force);
-    Bar("Force", text, share,
+    Bar("panel.force", words.Decimal(force, 2) + " N", share,
         share < 0.6   ? Bearing::kGood
         : share < 0.9 ? Bearing::kCareful
                       : Bearing::kBad);
@@ -91,39 +84,38 @@ struct Panel {
 
   void Zones() const {
     if (!c.zones) return;
-    char text[32];
-    std::snprintf(text, sizeof text, "%.0f %%", c.zones->target_percent);
-    Bar("Target", text, c.zones->target_percent / 100, Bearing::kGood);
+    Bar("panel.target", words.Decimal(c.zones->target_percent, 0) + " %",
+        c.zones->target_percent / 100, Bearing::kGood);
   }
 
   // What is left of the leeway where it is least, and which share of it all is gone.
   void Leeway() const {
     if (!c.reach.leeway) return;
     const Reach::Leeway& leeway = *c.reach.leeway;
-    char text[48];
-    std::snprintf(text, sizeof text, "%.2f mm", std::fabs(leeway.left_mm));
     bool beyond = leeway.left_mm < 0;
-    Bar(beyond ? "Over" : "Limit", text,
+    Bar(beyond ? "panel.over" : "panel.limit", words.Decimal(std::fabs(leeway.left_mm), 2) + " mm",
         beyond || leeway.whole_mm <= 0 ? 1 : leeway.left_mm / leeway.whole_mm, BearingOf(leeway));
-    std::string where(leeway.where.empty() ? "until the limit" : leeway.where);
+    const std::string where = words.Say(leeway.where.empty() ? "panel.until_limit" : leeway.where);
+    std::string used;
     if (c.zones && c.zones->neighbour_mm3 >= kShown_mm3) {
-      std::snprintf(text, sizeof text, "neighbour cut: %.2f mm\xc2\xb3", c.zones->neighbour_mm3);
+      used =
+          words.Say("panel.neighbour_cut", {{"volume", words.Decimal(c.zones->neighbour_mm3, 2)}});
     } else if (c.zones && c.zones->beyond_mm3 >= kShown_mm3) {
-      std::snprintf(text, sizeof text, "%.2f mm\xc2\xb3 too much", c.zones->beyond_mm3);
-    } else {
-      std::snprintf(text, sizeof text, "leeway used %.0f %%",
-                    c.zones ? c.zones->leeway_percent : 0);
+      used = words.Say("panel.too_much", {{"volume", words.Decimal(c.zones->beyond_mm3, 2)}});
+    } else if (c.zones) {
+      used =
+          words.Say("panel.leeway_used", {{"percent", words.Decimal(c.zones->leeway_percent, 0)}});
     }
-    Value(where.c_str(), c.zones ? text : "");
+    Value(where, used);
   }
 
   void Pulp() const {
     if (!c.reach.pulp_mm) return;
     double left = *c.reach.pulp_mm;
-    char text[32];
-    bool far = left >= kPulpFar_mm;
-    std::snprintf(text, sizeof text, far ? "> %.0f mm" : "%.2f mm", left);
-    Bar("Pulp", text, left / kPulpFar_mm, BearingOfPulp(left), kPulpThin_mm / kPulpFar_mm);
+    const std::string shown =
+        left >= kPulpFar_mm ? "> " + words.Decimal(left, 0) : words.Decimal(left, 2);
+    Bar("panel.pulp", shown + " mm", left / kPulpFar_mm, BearingOfPulp(left),
+        kPulpThin_mm / kPulpFar_mm);
   }
 
   void Removed() const {
@@ -132,14 +124,11 @@ struct Panel {
       double mm3 = c.state.removed_mm3[t];
       if (mm3 < 0.005) continue;
       any = true;
-      char text[32];
-      std::snprintf(text, sizeof text, "%.2f mm\xc2\xb3", mm3);
-      std::string name(cutting::TissueName(static_cast<cutting::Tissue>(t)));
-      // Tissue names are lower-case ASCII.
-      name[0] = static_cast<char>(name[0] & ~0x20);
-      Value(name.c_str(), text);
+      const auto tissue = static_cast<cutting::Tissue>(t);
+      Value(words.Say("tissue." + std::string(cutting::TissueName(tissue))),
+            words.Decimal(mm3, 2) + " mm³");
     }
-    if (!any) Value("Removed", "nothing yet");
+    if (!any) Value(words.Say("panel.removed"), words.Say("panel.nothing_yet"));
   }
 
   void All() const {
@@ -159,14 +148,15 @@ struct Panel {
       ImGui::Spacing();
       Removed();
     } else {
-      ImGui::TextDisabled("waiting for the first tick");
+      ImGui::TextDisabled("%s", words.Say("panel.waiting").c_str());
     }
     ImGui::PopFont();
   }
 };
 
-void DrawWarnings(const PanelContent& content, const Fonts& fonts, float width, float px) {
-  std::string text = WarningText(content);
+void DrawWarnings(const PanelContent& content, const Words& words, const Fonts& fonts, float width,
+                  float px) {
+  std::string text = WarningText(words, content);
   if (text.empty()) return;
   ImGui::PushFont(fonts.far);
   float left = (kPanelWidth_px + 4 * kMargin_px) * px;
@@ -246,32 +236,33 @@ std::string TimerText(double seconds) {
   return text;
 }
 
-std::string WarningText(uint32_t warnings) {
+std::string WarningText(const Words& words, uint32_t warnings) {
   std::string out;
-  for (size_t i = 0; i < kWarningTexts.size(); ++i) {
+  for (size_t i = 0; i < kWarnings.size(); ++i) {
     if (!(warnings >> i & 1)) continue;
     if (!out.empty()) out += '\n';
-    out += kWarningTexts[i];
+    out += words.Say(kWarnings[i]);
   }
   return out;
 }
 
-std::string WarningText(const PanelContent& content) {
-  if (content.fault.empty()) return WarningText(content.state.warnings);
+std::string WarningText(const Words& words, const PanelContent& content) {
+  if (content.fault.empty()) return WarningText(words, content.state.warnings);
   // The fault's own words say what these two say, and what to do.
-  std::string rest = WarningText(content.state.warnings & ~(kWarnFault | kWarnDevice));
+  std::string rest = WarningText(words, content.state.warnings & ~(kWarnFault | kWarnDevice));
   return content.fault + (rest.empty() ? "" : "\n" + rest);
 }
 
-void DrawPanel(const PanelContent& content, const Fonts& fonts, int width, int height) {
-  Panel panel{content, fonts, fonts.scale};
+void DrawPanel(const PanelContent& content, const Words& words, const Fonts& fonts, int width,
+               int height) {
+  Panel panel{content, words, fonts, fonts.scale};
   float margin = kMargin_px * fonts.scale, w = static_cast<float>(width),
         h = static_cast<float>(height);
   ImGui::SetNextWindowPos({margin, margin});
   ImGui::Begin("panel", nullptr, kOverlay);
   panel.All();
   ImGui::End();
-  DrawWarnings(content, fonts, w, fonts.scale);
+  DrawWarnings(content, words, fonts, w, fonts.scale);
   DrawScaleBar(content.mm_per_pixel, fonts, w, h, fonts.scale);
   DrawHint(content.hint, fonts, h, fonts.scale);
 }

@@ -5,10 +5,13 @@
 #include <string>
 #include <string_view>
 
+#include "common/language/words.h"
 #include "station/render/fonts.h"
 #include "station/render/frame_state.h"
 
 namespace enamel::station::render {
+
+using language::Words;
 
 // How much of the exercise's zones is gone (schemas/score.md, "Zones").
 struct ZoneShares {
@@ -23,7 +26,7 @@ struct Reach {
   struct Leeway {
     double left_mm = 0;  // until its end; below zero: beyond it
     double whole_mm = 0;
-    std::string_view where;  // the nearest end: "mesial wall"; empty while all of it is left
+    std::string_view where;  // the nearest end, a key: "place.mesial_wall"; empty: all is left
   };
   std::optional<Leeway> leeway;
   std::optional<double> pulp_mm;  // what is left over the pulp where it is thinnest
@@ -57,13 +60,14 @@ struct PanelContent {
 
 // Text and bars over the picture: timer, force, zones, limits, removed volume, warnings, keys. Bars
 // are read from two metres. Into the current ImGui frame of a picture of this size.
-void DrawPanel(const PanelContent& content, const Fonts& fonts, int width, int height);
+void DrawPanel(const PanelContent& content, const Words& words, const Fonts& fonts, int width,
+               int height);
 
 // "3:07"; hours only when there are any. Negative counts as 0.
 std::string TimerText(double seconds);
 // Each warning as a sentence for the person at the chair, one line each; empty for none.
-std::string WarningText(uint32_t warnings);
+std::string WarningText(const Words& words, uint32_t warnings);
 // The same for what is on the panel: the fault in its own words first.
-std::string WarningText(const PanelContent& content);
+std::string WarningText(const Words& words, const PanelContent& content);
 
 }  // namespace enamel::station::render

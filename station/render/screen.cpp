@@ -222,6 +222,8 @@ class Screen::Impl {
   std::bitset<GLFW_KEY_LAST + 1> keys_;
   int width_ = 0, height_ = 0;
   Fonts fonts_;
+  language::Language language_ = language::Language::kEnglish;
+  bool respell_ = false;  // the language has changed
   std::string renderer_;
   bool software_ = false, captured_ = false;
   double drawing_s_ = 0;
@@ -284,16 +286,18 @@ class Screen::Impl {
     }
   }
 
-  // After a change of the window's size: the letters and the picture in the new one.
+  // After a change of the window's size or language: the letters and the picture in the new one.
   void Measure() {
     int width = 0, height = 0;
     glfwGetFramebufferSize(glfw_.get(), &width, &height);
-    if (width == 0 || height == 0 || (width == width_ && height == height_)) return;  // minimised
+    if (width == 0 || height == 0) return;  // minimised
+    if (width == width_ && height == height_ && !respell_) return;
+    respell_ = false;
     width_ = width;
     height_ = height;
     shown_ = std::make_unique<Target>(width, height, std::initializer_list<GLenum>{GL_RGBA8}, false,
                                       GL_NEAREST);
-    fonts_ = MakeFonts(height);
+    fonts_ = MakeFonts(height, language_);
     SetStyle(fonts_.scale);
     // The letters are pixels of one size: another height needs others.
     ImGui_ImplOpenGL3_DestroyFontsTexture();
@@ -312,6 +316,10 @@ Screen::~Screen() = default;
 
 bool Screen::Begin() { return impl_->Begin(); }
 void Screen::End(const Target* picture) { impl_->End(picture); }
+void Screen::Speak(language::Language language) {
+  impl_->respell_ |= language != impl_->language_;
+  impl_->language_ = language;
+}
 void Screen::CancelClose() { glfwSetWindowShouldClose(impl_->window(), GLFW_FALSE); }
 void Screen::Close() { glfwSetWindowShouldClose(impl_->window(), GLFW_TRUE); }
 std::span<const InputEvent> Screen::events() const { return impl_->events_; }

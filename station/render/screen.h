@@ -41,6 +41,8 @@ class Screen {
   bool Begin();
   // Draws ImGui's frame over `picture` (null: over the background) and shows it.
   void End(const Target* picture);
+  // Letters for this language, from the next frame on.
+  void Speak(language::Language language);
   void CancelClose();
   void Close();
 

@@ -96,8 +96,8 @@ void Window::DrawFrame(const Quality& quality) {
     content.time_limit_s = options_.time_limit_s;
     // The camera's radius is half of what fits into the height.
     content.mm_per_pixel = 2.0 * tooth_.camera().radius_mm() / std::max(screen_.height(), 1);
-    content.hint = kCameraHint;
-    DrawPanel(content, screen_.fonts(), screen_.width(), screen_.height());
+    content.hint = words_.Say("hint.camera");
+    DrawPanel(content, words_, screen_.fonts(), screen_.width(), screen_.height());
   }
   screen_.End(&tooth_.result());
 }

@@ -5,10 +5,13 @@
 #include <string>
 
 #include "common/base/result.h"
+#include "common/language/words.h"
 #include "station/render/screen.h"
 #include "station/render/tooth_view.h"
 
 namespace enamel::station::render {
+
+using language::Words;
 
 struct WindowOptions {
   ScreenOptions screen;
@@ -47,6 +50,7 @@ class Window {
   const WindowOptions options_;
   Screen screen_;
   ToothView tooth_;
+  const Words words_{language::Language::kEnglish};
   QualityGovernor governor_;
 };
 
@@ -57,8 +61,6 @@ Status NoDisplay(const std::string& reason);
 // turns, right drag moves, the wheel comes nearer. `by_mouse` false: keys only, because the mouse
 // is something else just now.
 void SteerCamera(const Screen& screen, Camera& camera, bool by_mouse = true);
-inline constexpr char kCameraHint[] =
-    "1 occlusal   2 buccal   3 mesial   4 oblique   drag: turn   right drag: move   wheel: zoom";
 
 // Budget of a picture, s, and the quality to begin with.
 QualityGovernor GovernorFor(const Screen& screen);

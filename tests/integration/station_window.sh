@@ -10,6 +10,7 @@ pictures=${ENAMEL_PICTURES:-$work/pictures}
 mkdir -p "$pictures"
 rm -f "$pictures"/[0-9]*.png  # of an earlier run: the test waits for some
 station="$work/station"
+export LC_ALL=C.UTF-8  # it reads English
 
 mkfifo "$work/display"
 Xvfb -displayfd 3 -screen 0 1920x1080x24 -noreset -nolisten tcp 3<>"$work/display" >/dev/null 2>&1 &

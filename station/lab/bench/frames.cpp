@@ -157,7 +157,7 @@ class FrameBench {
     content.heading = "Class I, molar";
     content.state = view_.state();
     content.has_state = view_.has_state();
-    render::DrawPanel(content, screen_.fonts(), screen_.width(), screen_.height());
+    render::DrawPanel(content, words_, screen_.fonts(), screen_.width(), screen_.height());
     screen_.End(&view_.result());
     times.ms.push_back(1e3 * screen_.drawing_s());
     times.triangles += static_cast<double>(view_.work().triangles_drawn);
@@ -166,6 +166,7 @@ class FrameBench {
   const FrameBenchOptions& options_;
   const Quality& quality_;
   render::Screen& screen_;
+  const language::Words words_{language::Language::kEnglish};
   cutting::Volume volume_;
   render::ToothView view_;
   cutting::Cutter cutter_;

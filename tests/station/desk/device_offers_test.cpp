@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "station/hid/haptic_report.h"
+#include "tests/station/desk/english.h"
 #include "tests/station/hid/hid_double.h"
 #include "tests/support/temp_folder.h"
 
@@ -49,17 +50,17 @@ class DeviceOffersTest : public testing::Test {
 };
 
 TEST_F(DeviceOffersTest, WithNothingAttachedThereIsMouseAndKeyboard) {
-  auto offers = DeviceOffers(false, {});
+  auto offers = DeviceOffers(kEnglish, false, {});
   ASSERT_EQ(offers.size(), 1u);
   EXPECT_EQ(offers[0].profile, "pointer");
   EXPECT_EQ(offers[0].device, "");
-  EXPECT_GT(DeviceOffers(true, {}).size(), 1u);
+  EXPECT_GT(DeviceOffers(kEnglish, true, {}).size(), 1u);
 }
 
 TEST_F(DeviceOffersTest, ABoardIsOfferedFirstWithItsProfileAndThePedalThatIsThere) {
   HidBus::Get().Plug(Device("pedal", 0x05f3, 0x00ff));
   HidBus::Get().Plug(Board("phantom_desktop"));
-  auto offers = DeviceOffers(false, {});
+  auto offers = DeviceOffers(kEnglish, false, {});
   ASSERT_EQ(offers.size(), 2u);
   EXPECT_EQ(offers[0].title, "Bench arm");
   EXPECT_EQ(offers[0].device, "hid:1209:0001");
@@ -74,7 +75,7 @@ TEST_F(DeviceOffersTest, ABoardIsOfferedFirstWithItsProfileAndThePedalThatIsTher
 
 TEST_F(DeviceOffersTest, WhatMayNotBeOpenedIsShownWithWhatToDoAndNotChosen) {
   HidBus::Get().Plug(Board("phantom_desktop", false));
-  auto offers = DeviceOffers(false, {});
+  auto offers = DeviceOffers(kEnglish, false, {});
   ASSERT_EQ(offers.size(), 2u);
   EXPECT_NE(offers[0].problem.find("60-enamel.rules with a line for it"), std::string::npos)
       << offers[0].problem;
@@ -84,7 +85,7 @@ TEST_F(DeviceOffersTest, WhatMayNotBeOpenedIsShownWithWhatToDoAndNotChosen) {
 TEST_F(DeviceOffersTest, APedalThatMayNotBeOpenedIsSaidAndLeftOut) {
   HidBus::Get().Plug(Device("pedal", 0x05f3, 0x00ff, false));
   HidBus::Get().Plug(Board("phantom_desktop"));
-  auto offers = DeviceOffers(false, {});
+  auto offers = DeviceOffers(kEnglish, false, {});
   EXPECT_EQ(offers[0].pedal, "");
   EXPECT_EQ(offers[0].problem, "");
   EXPECT_NE(offers[0].detail.find("without the foot pedal"), std::string::npos) << offers[0].detail;
@@ -92,7 +93,7 @@ TEST_F(DeviceOffersTest, APedalThatMayNotBeOpenedIsSaidAndLeftOut) {
 
 TEST_F(DeviceOffersTest, ABoardWithoutAProfileSaysHowToGetOne) {
   HidBus::Get().Plug(Board(""));
-  auto offers = DeviceOffers(false, {});
+  auto offers = DeviceOffers(kEnglish, false, {});
   EXPECT_NE(offers[0].problem.find("calibrate"), std::string::npos) << offers[0].problem;
 }
 
@@ -104,7 +105,7 @@ TEST_F(DeviceOffersTest, ASpaceMouseIsOfferedWithoutForceAndTheNamedPedal) {
   HidBus::Get().Plug(mouse);
   hid::DeviceChoice choice;
   choice.pedal = "1a86:e026,id=1,byte=3,mask=ff";
-  auto offers = DeviceOffers(false, choice);
+  auto offers = DeviceOffers(kEnglish, false, choice);
   ASSERT_EQ(offers.size(), 2u);
   EXPECT_EQ(offers[0].title, "SpaceMouse");
   EXPECT_EQ(offers[0].device, "spacemouse:256f:c62e");

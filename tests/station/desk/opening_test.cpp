@@ -8,6 +8,7 @@
 
 #include "station/desk/workflow.h"
 #include "station/spool/salvage.h"
+#include "tests/station/desk/english.h"
 #include "tests/station/uplink/fake_server.h"
 #include "tests/support/temp_folder.h"
 
@@ -58,7 +59,7 @@ TEST_F(OpeningTest, ADamagedSpoolIsExplainedAndOpensOnceItWasSalvaged) {
   Damage();
   Opening opening({.data = data()});
   ASSERT_EQ(opening.workplace(), nullptr);
-  const OpeningProblem shown = opening.explained();
+  const OpeningProblem shown = opening.explained(kEnglish);
   EXPECT_NE(shown.what.find("is damaged"), std::string::npos) << shown.what;
   EXPECT_NE(shown.safe.find("the server has is safe"), std::string::npos) << shown.safe;
   EXPECT_NE(shown.todo.find("another station"), std::string::npos) << shown.todo;
@@ -92,7 +93,7 @@ TEST_F(OpeningTest, EveryTroubleSaysWhatIsWrongWhatIsSafeAndWhatToDo) {
         Status(Code::kVersion, "of another version", kEnrolment),
         Status(Code::kInvalidInput, "no port", kServerOption),
         Status(Code::kStorage, "0 bytes", kLostSpool), Status(Code::kStorage, "no room")}) {
-    const OpeningProblem shown = OpeningProblemOf(problem, data());
+    const OpeningProblem shown = OpeningProblemOf(kEnglish, problem, data());
     EXPECT_FALSE(shown.what.empty());
     EXPECT_FALSE(shown.safe.empty());
     EXPECT_FALSE(shown.todo.empty());
@@ -106,7 +107,7 @@ TEST_F(OpeningTest, AnEmptySpoolIsNotOfferedToBeSalvaged) {
   { ASSERT_TRUE(Spool::Open(data()).ok()); }
   for (const char* end : {"-wal", "-shm"}) fs::remove(file().string() + end);
   fs::resize_file(file(), 0);
-  const OpeningProblem shown = Opening({.data = data()}).explained();
+  const OpeningProblem shown = Opening({.data = data()}).explained(kEnglish);
   EXPECT_NE(shown.what.find("empty or gone"), std::string::npos) << shown.what;
   EXPECT_EQ(shown.safe.find("can usually be saved"), std::string::npos) << shown.safe;
   EXPECT_EQ(shown.operators.find("salvage"), std::string::npos) << shown.operators;
@@ -119,7 +120,7 @@ TEST_F(OpeningTest, WithoutItsEnrolmentItsRecordingsAreNotSaidToBeNone) {
   { ASSERT_TRUE(Spool::Open(data()).ok()); }
   fs::rename(data() / "station.json", folder_ / "kept.json");
   Opening opening({.data = data()});
-  const OpeningProblem shown = opening.explained();
+  const OpeningProblem shown = opening.explained(kEnglish);
   EXPECT_EQ(shown.safe.find("Nothing was recorded"), std::string::npos) << shown.safe;
   EXPECT_NE(shown.safe.find("still here"), std::string::npos) << shown.safe;
   EXPECT_NE(shown.operators.find("station.json: put a copy of that file back"), std::string::npos)
@@ -133,21 +134,21 @@ TEST_F(OpeningTest, WithoutItsEnrolmentItsRecordingsAreNotSaidToBeNone) {
 
 TEST_F(OpeningTest, WhatIsWrongWithTheEnrolmentIsNotSaidOfTheRecordings) {
   Enrol();
-  EXPECT_NE(Opening({.data = data(), .server = "no port"}).explained().what.find("address"),
+  EXPECT_NE(Opening({.data = data(), .server = "no port"}).explained(kEnglish).what.find("address"),
             std::string::npos);
   const fs::path enrolment = data() / "station.json";
   fs::permissions(enrolment, fs::perms(0644));
-  EXPECT_NE(Opening({.data = data()}).explained().what.find("know its server by"),
+  EXPECT_NE(Opening({.data = data()}).explained(kEnglish).what.find("know its server by"),
             std::string::npos);
   std::ofstream(enrolment) << "{\"format\": 99}";
   fs::permissions(enrolment, fs::perms(0600));
-  EXPECT_NE(Opening({.data = data()}).explained().what.find("enrolled by another version"),
+  EXPECT_NE(Opening({.data = data()}).explained(kEnglish).what.find("enrolled by another version"),
             std::string::npos);
 }
 
 TEST_F(OpeningTest, AStationThatIsEnrolledMeanwhileOpens) {
   Opening opening({.data = data()});
-  EXPECT_NE(opening.explained().what.find("does not belong"), std::string::npos);
+  EXPECT_NE(opening.explained(kEnglish).what.find("does not belong"), std::string::npos);
   Enrol();
   opening.TryAgain();
   Settle(opening);

@@ -103,7 +103,7 @@ TEST(ReachWatchTest, ABoxCutToAKnownDepthLeavesWhatIsBelowIt) {
     render::Reach reach = After(block, Cut(block, {1.4e-3, 0.9e-3, 0}, depth_mm * 1e-3));
     bool beyond = depth_mm > 1.5;
     EXPECT_NEAR(reach.leeway->left_mm, beyond ? 1.9 - depth_mm : 0.25, 0.003) << depth_mm;
-    EXPECT_EQ(reach.leeway->where, beyond ? "floor" : "");
+    EXPECT_EQ(reach.leeway->where, beyond ? "place.floor" : "");
     EXPECT_NEAR(*reach.pulp_mm, kPulpTop_m * 1e3 - depth_mm, 0.003) << depth_mm;
   }
 }
@@ -116,10 +116,10 @@ TEST(ReachWatchTest, TheWallThatIsNearestToItsLimitIsNamed) {
   };
   // The cut has the target's size less 0.1 mm all around, and is 0.28 mm off: 0.18 mm too far.
   for (const Case& c :
-       {Case{{0.28e-3, 0, 0}, "mesial wall"}, Case{{-0.28e-3, 0, 0}, "distal wall"},
-        Case{{0, 0.28e-3, 0}, "buccal wall"}, Case{{0, -0.28e-3, 0}, "lingual wall"}}) {
+       {Case{{0.28e-3, 0, 0}, "mesial_wall"}, Case{{-0.28e-3, 0, 0}, "distal_wall"},
+        Case{{0, 0.28e-3, 0}, "buccal_wall"}, Case{{0, -0.28e-3, 0}, "lingual_wall"}}) {
     render::Reach reach = After(block, Cut(block, {1.4e-3, 0.9e-3, 0}, 1e-3, c.off_m));
-    EXPECT_EQ(reach.leeway->where, c.where);
+    EXPECT_EQ(reach.leeway->where, std::string("place.") + c.where);
     EXPECT_NEAR(reach.leeway->left_mm, 0.25 - 0.18, 0.01);
   }
 }
@@ -186,7 +186,7 @@ TEST(ReachWatchTest, ADiscsLeewayIsMeasuredFromTheDisc) {
   ASSERT_TRUE(leeway.has_value());
   // The corner lies 1.5 (sqrt 2 - 1) mm beyond the disc; known to a voxel.
   EXPECT_NEAR(leeway->left_mm, 0.25 - 0.621, 0.1);
-  EXPECT_EQ(leeway->where, "outline");
+  EXPECT_EQ(leeway->where, "place.outline");
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "station/desk/pages.h"
+#include "tests/station/desk/english.h"
 
 namespace enamel::station::desk {
 namespace {
@@ -22,6 +23,14 @@ TEST(ResultTextTest, TheWorstWallIsTheOneThatLostMostPoints) {
   EXPECT_EQ(WorstWall(score), "wall_distal_mm reason");
 }
 
+TEST(ResultTextTest, AFaultIsSaidAtTheChairAsInTheLog) {
+  for (Fault each : {Fault::kStalled, Fault::kLateOnce, Fault::kLateOften, Fault::kUnplugged,
+                     Fault::kSwitchedOff}) {
+    EXPECT_EQ(kEnglish.Say(FaultKey(each)), FaultText(each));
+  }
+  EXPECT_STREQ(FaultKey(Fault::kNone), "");
+}
+
 TEST(ResultTextTest, WithoutALossThereIsNoWorstWall) {
   scoring::ScoreResult score;
   score.criteria = {Criterion("wall_mesial_mm", 8, 8), Criterion("time_s", 0, 5)};
@@ -31,21 +40,21 @@ TEST(ResultTextTest, WithoutALossThereIsNoWorstWall) {
 TEST(ResultTextTest, AnAssignmentSaysWhenItIsDueAndHowManyAttemptsAreLeft) {
   constexpr int64_t kMinute = 60'000, kNow = 1'000'000 * kMinute;
   Catalogue::Exercise e;
-  EXPECT_EQ(AssignmentText(e, kNow), "as often as you like");
+  EXPECT_EQ(AssignmentText(kEnglish, e, kNow), "as often as you like");
   e.due_unix_ms = kNow + 3 * 24 * 60 * kMinute + kMinute;
-  EXPECT_EQ(AssignmentText(e, kNow), "due in 3 days");
+  EXPECT_EQ(AssignmentText(kEnglish, e, kNow), "due in 3 days");
   e.due_unix_ms = kNow + 47 * 60 * kMinute;
   e.attempt_limit = 5;
   e.attempts_left = 1;
-  EXPECT_EQ(AssignmentText(e, kNow), "due in 47 hours, 1 attempt left");
+  EXPECT_EQ(AssignmentText(kEnglish, e, kNow), "due in 47 hours, 1 attempt left");
   e.due_unix_ms = kNow + 40 * kMinute;
   e.attempts_left = 2;
-  EXPECT_EQ(AssignmentText(e, kNow), "due in 40 minutes, 2 attempts left");
+  EXPECT_EQ(AssignmentText(kEnglish, e, kNow), "due in 40 minutes, 2 attempts left");
   e.due_unix_ms = kNow - 2 * kMinute;
   e.attempt_limit = 0;
-  EXPECT_EQ(AssignmentText(e, kNow), "past due: counts as late");
+  EXPECT_EQ(AssignmentText(kEnglish, e, kNow), "past due: counts as late");
   e.refusal = "opens on Monday";
-  EXPECT_EQ(AssignmentText(e, kNow), "opens on Monday");
+  EXPECT_EQ(AssignmentText(kEnglish, e, kNow), "opens on Monday");
 }
 
 TEST(ResultTextTest, WhatWasCutOffOrReservedSaysHowLongAgoAndHowLongStill) {
@@ -54,27 +63,29 @@ TEST(ResultTextTest, WhatWasCutOffOrReservedSaysHowLongAgoAndHowLongStill) {
   cut.profile = "omega3";
   cut.chunks = 12;
   cut.created_unix_ms = kNow - 3 * 60 * kMinute;
-  EXPECT_EQ(CutOffText(cut, kNow), "12 parts recorded on omega3, begun 3 hours ago");
+  EXPECT_EQ(CutOffText(kEnglish, cut, kNow), "12 parts recorded on omega3, begun 3 hours ago");
   cut.created_unix_ms = kNow + kMinute;  // the clock was set back
-  EXPECT_EQ(CutOffText(cut, kNow), "12 parts recorded on omega3, begun less than a minute ago");
-  EXPECT_EQ(HandedInText(cut, kNow),
+  EXPECT_EQ(CutOffText(kEnglish, cut, kNow),
+            "12 parts recorded on omega3, begun less than a minute ago");
+  EXPECT_EQ(HandedInText(kEnglish, cut, kNow),
             "Not all of it is on the server yet, made less than a minute ago on omega3");
   cut.seal.emplace();
   cut.sealed_at_server = true;
-  EXPECT_EQ(HandedInText(cut, kNow), "Handed in, made less than a minute ago on omega3");
+  EXPECT_EQ(HandedInText(kEnglish, cut, kNow), "Handed in, made less than a minute ago on omega3");
   ReservedAttempt reserved;
   reserved.ticket.person = "Ada";
   reserved.ticket.profile = "pointer";
   reserved.ticket.expires_unix_ms = kNow + kMinute;
-  EXPECT_EQ(ReservedText(reserved, kNow), "Ada, on pointer, 1 minute left");
+  EXPECT_EQ(ReservedText(kEnglish, reserved, kNow), "Ada, on pointer, 1 minute left");
 }
 
 TEST(ResultTextTest, ABurIsToldInMillimetres) {
-  EXPECT_EQ(BurText({cutting::BurShape::kCylinder, 0.5e-3, 4e-3}),
+  EXPECT_EQ(BurText(kEnglish, {cutting::BurShape::kCylinder, 0.5e-3, 4e-3}),
             "Cylinder, 1.0 mm thick, 4.0 mm long");
-  EXPECT_EQ(BurText({cutting::BurShape::kInvertedCone, 0.7e-3, 1.4e-3, 0.5e-3}),
+  EXPECT_EQ(BurText(kEnglish, {cutting::BurShape::kInvertedCone, 0.7e-3, 1.4e-3, 0.5e-3}),
             "Inverted cone, 1.4 mm thick, 1.4 mm long");
-  EXPECT_EQ(BurText({cutting::BurShape::kSphere, 0.6e-3}), "Sphere, 1.2 mm thick, 1.2 mm long");
+  EXPECT_EQ(BurText(kEnglish, {cutting::BurShape::kSphere, 0.6e-3}),
+            "Sphere, 1.2 mm thick, 1.2 mm long");
 }
 
 TEST(ProgressTest, IsShownInPracticeAndToInstructorsButNeverInAnExam) {

@@ -16,6 +16,8 @@
 namespace enamel::station::render {
 namespace {
 
+const language::Words kEnglish(language::Language::kEnglish);
+
 using cutting::Bur;
 using cutting::BurShape;
 using cutting::kBrickVoxels;
@@ -433,10 +435,10 @@ TEST(PanelTextTest, TimerReadsAsMinutesAndSeconds) {
 }
 
 TEST(PanelTextTest, EveryWarningHasASentence) {
-  EXPECT_EQ(WarningText(0), "");
+  EXPECT_EQ(WarningText(kEnglish, 0), "");
   for (uint32_t bit = kWarnForceBounded; bit < 1u << kWarningCount; bit <<= 1)
-    EXPECT_NE(WarningText(bit), "");
-  EXPECT_EQ(WarningText(kWarnLate | kWarnPulpExposed),
+    EXPECT_NE(WarningText(kEnglish, bit), "");
+  EXPECT_EQ(WarningText(kEnglish, kWarnLate | kWarnPulpExposed),
             "Force is uneven: computer too busy\nPulp exposed");
 }
 
@@ -473,11 +475,12 @@ TEST(PanelTextTest, BarsTurnBeforeItIsTooLate) {
 TEST(PanelTextTest, AFaultInWordsStandsInPlaceOfTheWarningsThatSayLess) {
   PanelContent content;
   content.state.warnings = kWarnFault | kWarnDevice | kWarnPulpExposed;
-  EXPECT_EQ(WarningText(content), WarningText(kWarnFault | kWarnDevice | kWarnPulpExposed));
+  EXPECT_EQ(WarningText(kEnglish, content),
+            WarningText(kEnglish, kWarnFault | kWarnDevice | kWarnPulpExposed));
   content.fault = "Force is off: plug the device in";
-  EXPECT_EQ(WarningText(content), "Force is off: plug the device in\nPulp exposed");
+  EXPECT_EQ(WarningText(kEnglish, content), "Force is off: plug the device in\nPulp exposed");
   content.state.warnings = kWarnFault;
-  EXPECT_EQ(WarningText(content), "Force is off: plug the device in");
+  EXPECT_EQ(WarningText(kEnglish, content), "Force is off: plug the device in");
 }
 
 }  // namespace

@@ -90,7 +90,7 @@ TEST_F(SdkDeviceTest, WhatALibraryFindsIsListedAndClosedAgain) {
 TEST_F(SdkDeviceTest, TheWindowOffersThemBetweenBoardsAndMice) {
   Attach(FakeSdk::ForceDimension(), "omega.3");
   Attach(FakeSdk::OpenHaptics(), "PHANTOM Desktop");
-  auto offers = desk::DeviceOffers(false, {});
+  auto offers = desk::DeviceOffers(language::Words(language::Language::kEnglish), false, {});
   ASSERT_EQ(offers.size(), 3u);
   EXPECT_EQ(offers[0].title, "omega.3");
   EXPECT_EQ(offers[0].device, "dhd");

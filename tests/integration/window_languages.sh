@@ -1,0 +1,110 @@
+#!/usr/bin/env bash
+# The station's window in German and Chinese: from sign-in through an attempt to its pages, and the language chosen on the
+# first page. ENAMEL_PICTURES=FOLDER keeps the pictures.
+. "$(dirname "$0")/support.sh"
+command -v Xvfb >/dev/null || { echo "skipped: Xvfb is not installed"; exit 77; }
+pictures=${ENAMEL_PICTURES:-$work/pictures}
+mkdir -p "$pictures"
+station="$work/station"
+
+mkfifo "$work/display"
+Xvfb -displayfd 3 -screen 0 1920x1080x24 -noreset -nolisten tcp 3<>"$work/display" >/dev/null 2>&1 &
+pids+=($!)
+read -r -t 30 number <"$work/display" || fail "Xvfb did not start"
+export DISPLAY=":$number"
+
+"$bin/enamel-server" init --data "$work/server" >/dev/null
+"$bin/enamel-server" seed-demo --data "$work/server" --json "$work/seed" >/dev/null
+port=$(free_ports)
+start_server "$work/server" "$port"
+"$bin/enamel-station" enrol --data "$station" --server "127.0.0.1:$((port + 1))" --name "Chair 7" \
+  --code "$("$bin/enamel-server" admin enrol-code --data "$work/server")" >/dev/null
+
+# play NAME [options]: a script on standard input.
+play() {
+  sed "s|PICTURES|$pictures|" >"$work/$1.txt"
+  timeout 300 "$bin/enamel-station" open --data "$station" --window 1280x720 --no-sound --script "$work/$1.txt" "${@:2}" ||
+    { tail -n 20 "$work/server.log"; fail "the script $1 did not get through"; }
+}
+
+play german --language de <<'EOF'
+page sign-in
+see Benutzername
+picture PICTURES/de-1-sign-in.png
+type student1
+key Tab
+type enamel-demo-student1
+key Enter
+page exercises
+see Hallo,
+frames 2
+picture PICTURES/de-2-exercises.png
+key Enter
+page exercise
+see Bohrer:
+frames 3
+picture PICTURES/de-3-exercise.png
+click Beginnen
+page running
+frames 30
+picture PICTURES/de-4-running.png
+key Escape
+page paused
+see Der Bohrer ist aus
+frames 2
+picture PICTURES/de-5-paused.png
+click Abbrechen
+page give-up
+click Abbrechen
+page result
+frames 5
+picture PICTURES/de-6-result.png
+quit
+EOF
+
+# Chosen on the first page, by who cannot read the language that it has.
+if [ -e /usr/share/fonts/opentype/noto/NotoSansCJK-Regular.ttc ]; then
+  LANG=C.UTF-8 play chinese <<'EOF'
+page sign-in
+see Login
+click 中文
+see 用户名
+frames 2
+picture PICTURES/zh-1-sign-in.png
+click 用户名
+type student1
+key Tab
+type enamel-demo-student1
+key Enter
+page exercises
+see 您好
+frames 2
+picture PICTURES/zh-2-exercises.png
+key Enter
+page exercise
+see 车针
+frames 3
+picture PICTURES/zh-3-exercise.png
+quit
+EOF
+else
+  # Without letters for it Chinese is no choice.
+  play letters <<'EOF'
+page sign-in
+see Deutsch
+quit
+EOF
+fi
+# A computer that speaks German begins in German.
+unset LC_ALL
+export LC_MESSAGES=de_AT.UTF-8
+play locale <<'EOF'
+page sign-in
+see Benutzername
+quit
+EOF
+status=0
+"$bin/enamel-station" open --data "$station" --language tlh 2>"$work/refused" || status=$?
+[ "$status" -eq 2 ] || fail "an unknown language was taken"
+grep -q 'de' "$work/refused" || fail "the refusal does not say which languages there are"
+echo "the window speaks German and Chinese"
