@@ -43,8 +43,8 @@ double PolygonDistance_m(const std::vector<std::array<int32_t, 2>>& corners_um, 
   return inside ? -std::sqrt(nearest) : std::sqrt(nearest);
 }
 
-// To what stands, from the opening's middle; `thinner_m` off its walls.
-double StumpDistance_m(const PreparationPart& part, const dvec3& d, double thinner_m) {
+// To what stands, from the opening's middle; `thinner_m` off its walls, without its table.
+double StumpWallDistance_m(const PreparationPart& part, const dvec3& d, double thinner_m) {
   const Stump& s = part.stump;
   const double height = (part.depth_um - s.table_below_um) * 1e-6;
   // The walls go on above the table and under the foot as they are between.
@@ -62,8 +62,7 @@ double StumpDistance_m(const PreparationPart& part, const dvec3& d, double thinn
   const double slope =
       std::max(s.foot.half_um[0] - s.table.half_um[0], s.foot.half_um[1] - s.table.half_um[1]) *
       1e-6 / height;
-  // Its table stays where it is: what is above belongs to the hollow's floor.
-  return std::max(beside / std::sqrt(1 + slope * slope), d.z + s.table_below_um * 1e-6);
+  return beside / std::sqrt(1 + slope * slope);
 }
 
 double PartDistance_m(const PreparationPart& part, const dvec3& p, const Growth& grown) {
@@ -72,7 +71,9 @@ double PartDistance_m(const PreparationPart& part, const dvec3& p, const Growth&
   double hx = part.half_size_um[0] * 1e-6 + grown.side_m;
   double hy = part.half_size_um[1] * 1e-6 + grown.side_m;
   // There is no upper end: the part goes on upward, so that nothing of the tooth is left above it.
+  const bool relief = part.relief.step_um != 0, stump = part.outline == Outline::kStump;
   double below = -d.z - (part.depth_um * 1e-6 + grown.bottom_m);
+  if (relief && !stump) below = -HeightOverRelief_m(part, p) - grown.bottom_m;
   double side;
   if (part.outline == Outline::kDisc) {
     side = std::sqrt(d.x * d.x + d.y * d.y) - hx;
@@ -85,10 +86,13 @@ double PartDistance_m(const PreparationPart& part, const dvec3& p, const Growth&
   // nearer.
   double ox = std::max(side, 0.0), oz = std::max(below, 0.0);
   const double hollow = std::sqrt(ox * ox + oz * oz) + std::min(std::max(side, below), 0.0);
-  if (part.outline != Outline::kStump) return hollow;
+  if (!stump) return hollow;
   // The table is a floor, too.
   const dvec3 lower = d + dvec3(0, 0, grown.bottom_m);
-  return std::max(hollow, -StumpDistance_m(part, lower, grown.side_m));
+  const double over_table = relief ? HeightOverRelief_m(part, p) + grown.bottom_m
+                                   : lower.z + part.stump.table_below_um * 1e-6;
+  const double standing = std::max(StumpWallDistance_m(part, lower, grown.side_m), over_table);
+  return std::max(hollow, -standing);
 }
 
 int16_t Hollowed(int phi, double distance_m, double voxel_m) {
@@ -103,7 +107,7 @@ bool IsFar(const Preparation& preparation, const GridSpec& spec, const dvec3& co
   constexpr double kHalfDiagonalVoxels = 3.5 * 1.7320508075688772, kBandVoxels = 4;
   double h = spec.voxel_m();
   return PreparationDistance_m(preparation, corner + 3.5 * h) >
-         (kHalfDiagonalVoxels + kBandVoxels) * h;
+         DistanceErrs(preparation) * (kHalfDiagonalVoxels + kBandVoxels) * h;
 }
 
 void HollowBrick(const Volume& from, int brick, const dvec3& corner, const Preparation& preparation,
@@ -142,12 +146,53 @@ PartReach ReachOf(const PreparationPart& part) {
 
 }  // namespace
 
+ReliefPoint ReliefAt(const PreparationPart& part, double x_m, double y_m) {
+  const Relief& r = part.relief;
+  // In steps from the grid's first point; beyond its ends as at them.
+  auto place = [&](double offset_m, int32_t count, double& t, bool& beyond) {
+    const double at = offset_m / (r.step_um * 1e-6) + 0.5 * (count - 1);
+    const double held = std::clamp(at, 0.0, static_cast<double>(count - 1));
+    beyond = held != at;
+    const int first = std::min(static_cast<int>(held), std::max(0, count - 2));
+    t = held - first;
+    return first;
+  };
+  double tx = 0, ty = 0;
+  bool beyond_x = false, beyond_y = false;
+  const int i = place(x_m - part.top_um[0] * 1e-6, r.count[0], tx, beyond_x);
+  const int j = place(y_m - part.top_um[1] * 1e-6, r.count[1], ty, beyond_y);
+  auto below = [&](int x, int y) {
+    x = std::min(x, r.count[0] - 1), y = std::min(y, r.count[1] - 1);
+    return r.below_um[static_cast<size_t>(y * r.count[0] + x)] * 1e-6;
+  };
+  const double a = below(i, j), b = below(i + 1, j), c = below(i, j + 1), d = below(i + 1, j + 1);
+  const double step_m = r.step_um * 1e-6;
+  const double lower = a + tx * (b - a), upper = c + tx * (d - c);
+  ReliefPoint out;
+  out.z_m = part.top_um[2] * 1e-6 - (lower + ty * (upper - lower));
+  if (!beyond_x) out.rise_x = -((1 - ty) * (b - a) + ty * (d - c)) / step_m;
+  if (!beyond_y) out.rise_y = -(upper - lower) / step_m;
+  return out;
+}
+
+double HeightOverRelief_m(const PreparationPart& part, const dvec3& p) {
+  const ReliefPoint at = ReliefAt(part, p.x, p.y);
+  return (p.z - at.z_m) / std::sqrt(1 + at.rise_x * at.rise_x + at.rise_y * at.rise_y);
+}
+
 double PreparationDistance_m(const Preparation& preparation, const dvec3& point_m,
                              const Growth& grown) {
   double d = PartDistance_m(preparation.parts.at(0), point_m, grown);
   for (const PreparationPart& part : preparation.parts)
     d = std::min(d, PartDistance_m(part, point_m, grown));
   return d;
+}
+
+double DistanceErrs(const Preparation& preparation) {
+  const auto& parts = preparation.parts;
+  const bool relief =
+      std::any_of(parts.begin(), parts.end(), [](const auto& p) { return p.relief.step_um != 0; });
+  return relief ? 2 : 1;
 }
 
 Result<PointUm> TargetPoint(const Scene& scene, const CavityTarget& target) {
@@ -203,7 +248,8 @@ CavityTarget TargetFor(const Preparation& preparation) {
     target.depth_um = std::max(target.depth_um, reach.depth_um);
     target.parts.push_back(std::move(part));
   }
-  if (target.parts.size() == 1 && target.parts[0].outline == PreparationPart::Outline::kBox) {
+  if (target.parts.size() == 1 && target.parts[0].outline == PreparationPart::Outline::kBox &&
+      target.parts[0].relief.step_um == 0) {
     target.parts.clear();
   }
   return target;

@@ -14,11 +14,25 @@ struct Growth {
 
 // Signed distance (m) to the hollow, negative inside it: the union of its parts. A part is an
 // upright prism that begins at its opening and goes on upward without end. Exact on its faces and
-// outside one part, but for edges of grown polygons, which are round, and for a stump, whose sloped
-// walls are met to second order in the slope. Only + - * / sqrt, so equal on every machine.
+// outside one part, but for edges of grown polygons, which are round, for a stump, whose sloped walls
+// are met to second order in the slope, and for a relief, whose distance is that to the plane that
+// touches it above or below the point. A relief is grown along its normal. Only + - * / sqrt, so equal on every machine.
 // Requires: at least one part.
 double PreparationDistance_m(const Preparation& preparation, const dvec3& point_m,
                              const Growth& grown = {});
+
+// How many times nearer its surface may be than PreparationDistance_m says: 1, or 2 with a relief
+// whose slopes are no steeper than 60 degrees.
+double DistanceErrs(const Preparation& preparation);
+
+// Height (m) of a point over the relief of a part, across it: negative in what stays.
+// Requires: the part has a relief.
+double HeightOverRelief_m(const PreparationPart& part, const dvec3& point_m);
+// The relief's own height in the scene (m), and how it rises along x and y.
+struct ReliefPoint {
+  double z_m = 0, rise_x = 0, rise_y = 0;
+};
+ReliefPoint ReliefAt(const PreparationPart& part, double x_m, double y_m);
 
 // The landmark that a target hangs from. Errors: kInvalidInput when the scene does not have it.
 Result<PointUm> TargetPoint(const Scene& scene, const CavityTarget& target);

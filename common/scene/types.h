@@ -19,8 +19,8 @@
 // Lengths in the JSON are integers in micrometres or nanometres, forces in millinewtons.
 namespace enamel::scene {
 
-// Scene frame: millimetre-scale, right-handed; +z occlusal (away from the root), +x mesial, +y
-// buccal; origin in the middle of the crown's bounding box. JSON: integers in um.
+// Scene frame: millimetre-scale, right-handed; +z towards whoever works, +x mesial; origin in the
+// middle of the crown's bounding box. Which of the tooth's sides is up: Up. JSON: integers in um.
 using PointUm = std::array<int32_t, 3>;
 
 struct TissueSpec {
@@ -86,6 +86,17 @@ struct Stump {
   bool operator==(const Stump&) const = default;
 };
 
+// A floor that follows the tooth: its depth below the part's opening on a square grid about the
+// part's middle, an odd number of points along x and y, x first; bilinear between them and level
+// beyond the outermost.
+struct Relief {
+  int32_t step_um = 0;  // 0: there is none, the floor is level
+  std::array<int32_t, 2> count{};
+  std::vector<int32_t> below_um;
+
+  bool operator==(const Relief&) const = default;
+};
+
 // One upright hollow of a preparation, open at the top: a box, a disc, a polygon, or all of a box
 // but a stump. Documents of scenes know boxes and discs only.
 struct PreparationPart {
@@ -97,6 +108,8 @@ struct PreparationPart {
   // Polygon: its corners from top_um in x and y, counter-clockwise; half_size_um is not used.
   std::vector<std::array<int32_t, 2>> corners_um = {};
   Stump stump = {};
+  // In place of the level floor, of a stump in place of its table. depth_um is no less anywhere.
+  Relief relief = {};
 
   bool operator==(const PreparationPart&) const = default;
 };
@@ -108,6 +121,11 @@ struct Preparation {
   std::vector<PreparationPart> parts;
 };
 
+// The side of the tooth that is up (+z): a hand that cannot turn its tool reaches a side by turning
+// the tooth, as a model in its holder is turned at the chair. kOcclusal: +y is buccal. kBuccal
+// (labial of front teeth): +y points to the root.
+enum class Up : uint8_t { kOcclusal, kBuccal };
+
 // A tooth (and what surrounds it) to work on.
 struct Scene {
   std::string name;  // "molar-46"
@@ -118,6 +136,7 @@ struct Scene {
   std::map<std::string, PointUm> landmarks;  // always has "occlusal_centre"
   std::vector<BurSpec> burs;                 // burs an exercise may ask for; none: any
   std::vector<Preparation> preparations;     // wanted shapes, by name
+  Up up = Up::kOcclusal;
   std::string provenance;  // generated, or imported from which file (hash, licence)
 };
 

@@ -128,7 +128,7 @@ BoxVolume MeasureShape(const Volume& initial, const Volume& final_volume,
                        const scene::Preparation& shape, const scene::Growth& grown) {
   const GridSpec& spec = initial.spec();
   const double h = spec.voxel_m(), middle = 0.5 * (cutting::kBrickSide - 1);
-  const double reach = (middle + 1) * std::sqrt(3.0) * h;
+  const double reach = (middle + 1) * std::sqrt(3.0) * h * scene::DistanceErrs(shape);
   double solid = 0, removed = 0;
   for (int b = 0; b < spec.brick_count(); ++b) {
     if (!initial.IsStored(b) && initial.UniformTissue(b) == cutting::Tissue::kAir) continue;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <boost/json.hpp>
 
 #include "common/scene/json/bur.h"
@@ -16,8 +17,13 @@ namespace json = boost::json;
 // Written in the lowest format that can say it: documents of earlier programs keep their bytes, and
 // exercises that name them by hash keep finding them.
 constexpr int64_t kPlainFormat = 1, kBurFormat = 2, kCueFormat = 3, kGateFormat = 4,
-                  kShapeFormat = 5;
+                  kShapeFormat = 5, kReliefFormat = 6;
 constexpr int32_t kMaxExtentUm = 100'000;
+
+bool HasRelief(const CavityTarget& t) {
+  return std::any_of(t.parts.begin(), t.parts.end(),
+                     [](const PreparationPart& part) { return part.relief.step_um != 0; });
+}
 
 json::object TargetJson(const CavityTarget& t) {
   json::object out{{"landmark", t.landmark},
@@ -125,7 +131,8 @@ std::string ToJson(const Exercise& e) {
   // Exercises come from documents or from here: an unknown law was refused long before.
   ENAMEL_CHECK(law != nullptr);
   const bool handpiece = e.handpiece != HandpieceSpec{}, cues = e.touch_cues != TouchCueSpec{};
-  const int64_t format = !e.target.parts.empty()              ? kShapeFormat
+  const int64_t format = HasRelief(e.target)                  ? kReliefFormat
+                         : !e.target.parts.empty()            ? kShapeFormat
                          : !e.rubric.gates.empty()            ? kGateFormat
                          : cues                               ? kCueFormat
                          : handpiece || NeedsFormat2(e.bur()) ? kBurFormat
@@ -155,7 +162,7 @@ Result<Exercise> ExerciseFromJson(std::string_view text) {
   Status status;
   ObjectReader in(*document, "", status);
   Exercise e;
-  int64_t format = in.Format(kPlainFormat, kShapeFormat);
+  int64_t format = in.Format(kPlainFormat, kReliefFormat);
   e.name = in.Name("name");
   e.title = in.Text("title", 1, 200);
   e.instructions = in.Text("instructions", 0, 4'000);
@@ -184,6 +191,9 @@ Result<Exercise> ExerciseFromJson(std::string_view text) {
   }
   if (format < kShapeFormat && !e.target.parts.empty()) {
     in.Refuse("format", "5 with a target that has parts", std::to_string(format));
+  }
+  if (format < kReliefFormat && HasRelief(e.target)) {
+    in.Refuse("format", "6 with a part that has a relief", std::to_string(format));
   }
   in.Finish();
   if (!status.ok()) return status;

@@ -13,6 +13,7 @@ using Corner = std::array<int32_t, 2>;
 
 constexpr int32_t kMaxExtentUm = 100'000;
 constexpr size_t kMaxCorners = 64;
+constexpr int32_t kMaxReliefSide = 65;
 constexpr const char* kNames[] = {"box", "disc", "polygon", "stump"};
 
 json::array PairJson(const std::array<int32_t, 2>& pair) { return {pair[0], pair[1]}; }
@@ -95,6 +96,23 @@ void ReadStump(ObjectReader& in, PreparationPart& part) {
   stump.Finish();
 }
 
+void ReadRelief(ObjectReader& in, PreparationPart& part) {
+  ObjectReader object = in.Object("relief");
+  Relief& r = part.relief;
+  r.step_um = static_cast<int32_t>(object.Int("step_um", 10, kMaxExtentUm));
+  const auto count = object.Ints("count", 2, 1, kMaxReliefSide);
+  r.count = {count[0], count[1]};
+  if (r.count[0] % 2 == 0 || r.count[1] % 2 == 0) {
+    object.Refuse("count", "odd numbers, so that one point is the part's middle",
+                  std::to_string(r.count[0]) + " and " + std::to_string(r.count[1]));
+  }
+  // Of what was refused there is as much as there should be, so that whoever reads on may.
+  r.below_um.assign(static_cast<size_t>(r.count[0]) * static_cast<size_t>(r.count[1]), 0);
+  const auto below = object.Ints("below_um", r.below_um.size(), 0, part.depth_um);
+  std::copy(below.begin(), below.end(), r.below_um.begin());
+  object.Finish();
+}
+
 }  // namespace
 
 json::object PartJson(const PreparationPart& part) {
@@ -119,6 +137,12 @@ json::object PartJson(const PreparationPart& part) {
                                 {"table_below_um", part.stump.table_below_um},
                                 {"corner_um", part.stump.corner_um}};
   }
+  if (part.relief.step_um != 0) {
+    const Relief& r = part.relief;
+    out["relief"] = json::object{{"step_um", r.step_um},
+                                 {"count", PairJson(r.count)},
+                                 {"below_um", json::array(r.below_um.begin(), r.below_um.end())}};
+  }
   return out;
 }
 
@@ -139,6 +163,7 @@ PreparationPart ReadPart(ObjectReader& in, Outlines known) {
   }
   part.depth_um = static_cast<int32_t>(in.Int("depth_um", 1, kMaxExtentUm));
   if (part.outline == Outline::kStump) ReadStump(in, part);
+  if (known == Outlines::kAll && in.Has("relief")) ReadRelief(in, part);
   in.Finish();
   return part;
 }

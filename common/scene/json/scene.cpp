@@ -12,8 +12,8 @@ namespace {
 namespace json = boost::json;
 
 // A document is written in the lowest format that can say it: 1 has no burs and no preparations, 2
-// no Coulomb part and no threshold.
-constexpr int64_t kPlainFormat = 1, kBursFormat = 2, kFormat = 3;
+// no Coulomb part and no threshold, 3 only teeth whose occlusal side is up.
+constexpr int64_t kPlainFormat = 1, kBursFormat = 2, kCutFormat = 3, kUpFormat = 4;
 constexpr int32_t kMaxForce_mn = 100'000;
 constexpr int32_t kMaxExtentUm = 100'000;
 constexpr size_t kMaxBurs = 64, kMaxPreparations = 64;
@@ -39,9 +39,9 @@ void ReadTissues(ObjectReader& in, Scene& scene, int64_t format) {
           static_cast<int32_t>(item.Int("axial_damping_mn_s_per_mm", 1, 1'000'000'000));
     }
     // In an older format the member is an unknown one, and Finish refuses it.
-    if (format >= kFormat && item.Has("coulomb_mn"))
+    if (format >= kCutFormat && item.Has("coulomb_mn"))
       spec.coulomb_mn = static_cast<int32_t>(item.Int("coulomb_mn", 1, kMaxForce_mn));
-    if (format >= kFormat && item.Has("threshold_mn")) {
+    if (format >= kCutFormat && item.Has("threshold_mn")) {
       spec.threshold_mn = static_cast<int32_t>(item.Int("threshold_mn", 1, kMaxForce_mn));
       if (spec.threshold_mn < spec.coulomb_mn) {
         item.Refuse("threshold_mn", "at least coulomb_mn, " + std::to_string(spec.coulomb_mn),
@@ -140,8 +140,9 @@ std::string ToJson(const Scene& scene) {
   json::object landmarks;
   // A map, so in the order of their names: the text does not depend on who added which first.
   for (const auto& [name, p] : scene.landmarks) landmarks[name] = json::array{p[0], p[1], p[2]};
-  bool plain = scene.burs.empty() && scene.preparations.empty() && !axial && !cut;
-  int64_t format = cut ? kFormat : kBursFormat;
+  const bool turned = scene.up != Up::kOcclusal;
+  bool plain = scene.burs.empty() && scene.preparations.empty() && !axial && !cut && !turned;
+  int64_t format = turned ? kUpFormat : cut ? kCutFormat : kBursFormat;
   if (plain) format = kPlainFormat;
   json::object out{{"format", format},
                    {"name", scene.name},
@@ -154,6 +155,7 @@ std::string ToJson(const Scene& scene) {
     out["burs"] = BursJson(scene.burs);
     out["preparations"] = PreparationsJson(scene.preparations);
   }
+  if (turned) out["up"] = "buccal";
   out["provenance"] = scene.provenance;
   return CanonicalText(out);
 }
@@ -164,7 +166,7 @@ Result<Scene> SceneFromJson(std::string_view text) {
   Status status;
   ObjectReader in(*document, "", status);
   Scene scene;
-  int64_t format = in.Format(kPlainFormat, kFormat);
+  int64_t format = in.Format(kPlainFormat, kUpFormat);
   scene.name = in.Name("name");
   scene.title = in.Text("title", 1, 200);
   scene.volume = in.Hash("volume_sha256");
@@ -175,6 +177,11 @@ Result<Scene> SceneFromJson(std::string_view text) {
   if (format != kPlainFormat) {
     ReadBurs(in, scene);
     ReadPreparations(in, scene);
+  }
+  if (format >= kUpFormat) {
+    const std::string up = in.Name("up");
+    if (up != "buccal") in.Refuse("up", "buccal, or format 3 and no up", "\"" + up + "\"");
+    scene.up = Up::kBuccal;
   }
   scene.provenance = in.Text("provenance", 1, 2'000);
   in.Finish();

@@ -145,6 +145,37 @@ TEST(SceneJsonTest, ATargetsPartsNeedFormatFiveAndFitIntoItsBox) {
       SceneFromJson(Replaced(ReadText("golden/scene_block.json"), "\"disc\"", "\"polygon\"")).ok());
 }
 
+TEST(SceneJsonTest, ReliefsNeedFormatSixAndAsManyDepthsAsPoints) {
+  const std::string text = ReadText("golden/scene_exercise_relief.json");
+  Result<Exercise> exercise = ExerciseFromJson(text);
+  ASSERT_TRUE(exercise.ok()) << exercise.status().message();
+  EXPECT_EQ(ToJson(*exercise), text);
+  EXPECT_EQ(exercise->target.parts[0].relief.below_um[4], 2'600);
+  EXPECT_EQ(exercise->target.parts[2].relief, (Relief{1'000, {1, 3}, {400, 300, 0}}));
+  auto field = [&](const char* from, const char* to) {
+    Result<Exercise> e = ExerciseFromJson(Replaced(text, from, to));
+    return e.ok() ? std::string("accepted") : e.status().field();
+  };
+  EXPECT_EQ(field("\"format\": 6", "\"format\": 5"), "/format");
+  EXPECT_EQ(field("[400, 300, 0]", "[400, 300]"), "/target/parts/2/relief/below_um");
+  EXPECT_EQ(field("[400, 300, 0]", "[401, 300, 0]"), "/target/parts/2/relief/below_um");
+  EXPECT_EQ(field("\"count\": [1, 3]", "\"count\": [1, 2]"), "/target/parts/2/relief/count");
+  EXPECT_EQ(field("\"count\": [1, 3]", "\"count\": [1, 67]"), "/target/parts/2/relief/count");
+  EXPECT_EQ(field("\"step_um\": 1000", "\"step_um\": 0"), "/target/parts/2/relief/step_um");
+}
+
+TEST(SceneJsonTest, AToothWhoseBuccalSideIsUpNeedsFormatFour) {
+  const std::string text = ReadText("golden/scene_turned.json");
+  Result<Scene> scene = SceneFromJson(text);
+  ASSERT_TRUE(scene.ok()) << scene.status().message();
+  EXPECT_EQ(scene->up, Up::kBuccal);
+  EXPECT_EQ(ToJson(*scene), text);
+  scene = SceneFromJson(Replaced(text, "\"format\": 4", "\"format\": 3"));
+  ASSERT_FALSE(scene.ok()) << "format 3 has no such member";
+  EXPECT_EQ(scene.status().field(), "/up");
+  EXPECT_EQ(SceneFromJson(Replaced(text, "\"buccal\"", "\"lingual\"")).status().field(), "/up");
+}
+
 TEST(SceneJsonTest, GatesNeedFormatFourAndAMapOfShares) {
   const std::string text = ReadText("golden/scene_exercise_gates.json");
   auto field = [&](const char* from, const char* to) {
@@ -183,7 +214,7 @@ TEST(SceneJsonTest, TouchCuesNeedFormatThreeAndAForce) {
     return e.ok() ? std::string("accepted") : e.status().field();
   };
   EXPECT_EQ(field("\"format\": 3", "\"format\": 2"), "/format");
-  EXPECT_EQ(field("\"format\": 3", "\"format\": 6"), "/format");
+  EXPECT_EQ(field("\"format\": 3", "\"format\": 7"), "/format");
   EXPECT_EQ(field("\"contact_mn\": 300", "\"contact_mn\": 2001"), "/touch_cues/contact_mn");
   EXPECT_EQ(field("\"chatter_mn\": 120", "\"chatter_mn\": -1"), "/touch_cues/chatter_mn");
   EXPECT_EQ(field("\"energy_uj\": 250", "\"energy_uj\": 0"), "/touch_cues/energy_uj");
@@ -337,14 +368,14 @@ TEST(SceneJsonTest, MaterialSchemaNamesExactlyTheMembersOfTheDocuments) {
 }
 
 TEST(SceneJsonTest, SchemasNameExactlyTheMembersOfTheDocuments) {
-  auto exercise = NamesOf(ReadText("golden/scene_exercise_target.json"));
+  auto exercise = NamesOf(ReadText("golden/scene_exercise_relief.json"));
   EXPECT_EQ(exercise, SchemaNames("exercise.schema.json"));
   EXPECT_EQ(NamesOf(ReadText("golden/scene_rubric.json")), SchemaNames("rubric.schema.json"));
   EXPECT_EQ(NamesOf(ReadText("golden/scene_profile_torque.json")),
             SchemaNames("device_profile.schema.json"));
   EXPECT_EQ(NamesOf(ReadText("golden/scene_calibration.json")),
             SchemaNames("calibration.schema.json"));
-  auto scene = NamesOf(ReadText("golden/scene_threshold.json"));
+  auto scene = NamesOf(ReadText("golden/scene_turned.json"));
   std::erase_if(scene, [](const std::string& n) { return n.starts_with("/landmarks_um/"); });
   EXPECT_EQ(scene, SchemaNames("scene.schema.json"));
 }
@@ -414,7 +445,7 @@ TEST(SceneJsonTest, ColonsAndQuotesInTextAreNoMembers) {
 
 TEST(SceneJsonTest, NewerFormatIsAVersionError) {
   std::string text =
-      Replaced(ReadText("golden/scene_molar.json"), "\"format\": 1,", "\"format\": 4, \"new\": 1,");
+      Replaced(ReadText("golden/scene_molar.json"), "\"format\": 1,", "\"format\": 5, \"new\": 1,");
   EXPECT_EQ(SceneFromJson(text).status().code(), Code::kVersion);
 }
 

@@ -106,6 +106,52 @@ TEST(PreparationTest, GrowingMovesWallsAndFloorAsFarAsIsSaid) {
   EXPECT_NEAR(PreparationDistance_m(One(stump), {3e-3, 0, -1.1e-3}, grown), 0, 1e-12);
 }
 
+// A roof whose ridge runs along y: 1 mm below the opening in the middle, 2 mm at x = +-2 mm.
+PreparationPart WithRoof(PreparationPart part) {
+  part.relief = {2'000, {3, 1}, {2'000, 1'000, 2'000}};
+  return part;
+}
+
+TEST(PreparationTest, AReliefIsTheFloorOfABoxAndTheTableOfAStump) {
+  const Preparation box = One(WithRoof(Part(Outline::kBox, {3'000, 1'000}, 2'000)));
+  // Over the slope by half a millimetre straight up; level beyond the outermost points.
+  const double across = 1 / std::sqrt(1 + 0.25);
+  EXPECT_NEAR(PreparationDistance_m(box, {1e-3, 0, -1e-3}), -0.5e-3 * across, 1e-12);
+  EXPECT_NEAR(PreparationDistance_m(box, {1e-3, 0, -2e-3}), 0.5e-3 * across, 1e-12);
+  EXPECT_NEAR(PreparationDistance_m(box, {2.8e-3, 0, -2.1e-3}), 0.1e-3, 1e-12);
+  // 6 x 2 mm, on average 1.5 mm deep over 4 mm and 2 mm deep at both ends.
+  EXPECT_NEAR(VolumeInside_mm3(box, {-3, -1, -2.5}, {3, 1, 0}), 2 * (4 * 1.5 + 2 * 2), 0.1);
+
+  PreparationPart stump = WithRoof(Part(Outline::kStump, {4'000, 4'000}, 4'000));
+  stump.stump.foot = stump.stump.table = {{0, 0}, {2'000, 2'000}};
+  stump.stump.table_below_um = 1'000;
+  EXPECT_NEAR(PreparationDistance_m(One(stump), {1e-3, 0, -2e-3}), 0.5e-3 * across, 1e-12);
+  EXPECT_NEAR(PreparationDistance_m(One(stump), {1e-3, 0, -1e-3}), -0.5e-3 * across, 1e-12);
+  // 8 x 8 x 4 mm without the house: 4 x 4 mm, 2 mm high at the eaves and 3 mm at the ridge.
+  EXPECT_NEAR(VolumeInside_mm3(One(stump), {-4, -4, -4.5}, {4, 4, 0}), 8 * 8 * 4 - 4 * 4 * 2.5,
+              0.5);
+}
+
+TEST(PreparationTest, AReliefGrowsAlongItsNormal) {
+  const Preparation box = One(WithRoof(Part(Outline::kBox, {3'000, 1'000}, 2'000)));
+  const dvec3 normal = dvec3(0.5, 0, 1) / std::sqrt(1.25);
+  const dvec3 on_slope(1e-3, 0, -1.5e-3);
+  EXPECT_NEAR(PreparationDistance_m(box, on_slope), 0, 1e-12);
+  EXPECT_NEAR(PreparationDistance_m(box, on_slope - 0.3e-3 * normal, {0, 0.3e-3}), 0, 1e-12);
+}
+
+TEST(PreparationTest, WhatIsPreparedHasTheReliefAsItsFloor) {
+  auto block = BuildBuiltinScene("block", 100'000);
+  ASSERT_TRUE(block.ok());
+  PreparationPart part = WithRoof(Part(Outline::kBox, {3'000, 2'000}, 2'000));
+  part.top_um = {0, 0, 5'000};
+  const cutting::Volume after = Prepared(block->volume, One(part));
+  for (double x : {-1.5e-3, -0.5e-3, 0.5e-3, 1.5e-3, 2.5e-3}) {
+    const ReliefPoint at = ReliefAt(part, x, 0.4e-3);
+    EXPECT_NEAR(after.DistanceAt_m({x, 0.4e-3, at.z_m}), 0, 10e-6) << x;
+  }
+}
+
 TEST(PreparationTest, ATargetWithoutPartsIsItsBox) {
   Scene scene;
   scene.landmarks["occlusal_centre"] = {100, 200, 300};
