@@ -17,6 +17,7 @@ namespace {
 
 struct GradesCommand {
   GradesOptions options;
+  std::vector<int> voxels_um;
   std::string json;
 };
 
@@ -168,6 +169,9 @@ void RegisterGrades(CLI::App& app, int* exit_code) {
       ->add_option("--exercise", command->options.exercises,
                    "Names or their beginnings (class-1, caries); else all that are built in")
       ->delimiter(',');
+  grades->add_option("--voxel-um", command->voxels_um, "Voxel sizes; else 100, 50, 25")
+      ->delimiter(',')
+      ->check(CLI::Range(20, 400));
   grades->add_option("--json", command->json, "Write the rows to this file");
   grades->footer(
       "Every built-in exercise at voxels of 0.1, 0.05 and 0.025 mm. The reference is the "
@@ -185,6 +189,10 @@ void RegisterGrades(CLI::App& app, int* exit_code) {
       "  enamel-lab grades --exercise class-1-molar --json grades.json\n"
       "The JSON: schemas/lab_grades.schema.json. Exit codes: 0 measured, 1 failed.");
   grades->callback([command, exit_code] {
+    if (!command->voxels_um.empty()) {
+      command->options.voxels_nm.clear();
+      for (int um : command->voxels_um) command->options.voxels_nm.push_back(1000 * um);
+    }
     const Status status = RunGrades(*command);
     if (!status.ok()) program::SayError("grades: " + status.message());
     *exit_code = status.ok() ? 0 : 1;

@@ -280,12 +280,15 @@ class Faults {
   }
   double TakenAbove(double z) {
     if (heights_.empty()) {
-      VolumeWhere_m3(volume_, grid_lo_m_, grid_hi_m_, [&](const dvec3& p, Tissue t) {
-        if (t != Tissue::kNeighbour && task_.Distance_m(p) < 0 && volume_.DistanceAt_m(p) < 0) {
-          heights_.push_back(static_cast<float>(p.z));
-        }
-        return false;
-      });
+      VolumeWhere_m3(
+          volume_, grid_lo_m_, grid_hi_m_,
+          [&](const dvec3& p, Tissue t) {
+            if (t != Tissue::kNeighbour && task_.Distance_m(p) < 0 && volume_.DistanceAt_m(p) < 0) {
+              heights_.push_back(static_cast<float>(p.z));
+            }
+            return false;
+          },
+          Wanted());
       std::sort(heights_.begin(), heights_.end());
     }
     return static_cast<double>(
@@ -430,10 +433,12 @@ class Faults {
       BoxCavity box = task_.box;
       box.faces[4].moved_m = -mm / kMm;
       auto taken = [box](const dvec3& p) { return box.Distance_m(p); };
-      const double size =
-          VolumeWhere_m3(volume_, grid_lo_m_, grid_hi_m_, [&](const dvec3& p, Tissue t) {
+      const double size = VolumeWhere_m3(
+          volume_, grid_lo_m_, grid_hi_m_,
+          [&](const dvec3& p, Tissue t) {
             return t == Tissue::kCaries && task_.Distance_m(p) < 0 && taken(p) >= 0;
-          });
+          },
+          Wanted());
       const double surface = 2 * (size / (mm / kMm));
       Add("caries left", size * kMm3, "mm3", "caries_left_mm3", surface * quarter_m_ * kMm3, taken);
     }

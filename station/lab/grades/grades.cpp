@@ -30,6 +30,23 @@ bool IsAskedFor(const GradesOptions& options, const std::string& name) {
                      [&](const std::string& e) { return name.starts_with(e); });
 }
 
+std::vector<scene::Exercise> AskedFor(const GradesOptions& options, const scene::Scene& scene) {
+  auto out = scene::BuiltinExercises(scene, HashSha256(AsBytes(scene::ToJson(scene))));
+  std::erase_if(out, [&](const scene::Exercise& e) { return !IsAskedFor(options, e.name); });
+  return out;
+}
+
+// Looked up in coarse teeth, which are made in no time: the names are the same.
+Result<std::vector<std::string>> ScenesAskedFor(const GradesOptions& options) {
+  constexpr int32_t kCoarse_nm = 400'000;
+  std::vector<std::string> out;
+  for (const std::string& name : scene::BuiltinSceneNames()) {
+    ENAMEL_ASSIGN_OR_RETURN(const auto built, scene::BuildBuiltinScene(name, kCoarse_nm));
+    if (!AskedFor(options, built.scene).empty()) out.push_back(name);
+  }
+  return out;
+}
+
 }  // namespace
 
 bool GradeRow::AsKnown() const { return found && std::fabs(*found - size) <= tolerance; }
@@ -89,7 +106,7 @@ Result<std::vector<GradeRow>> MeasureGrades(
   std::vector<GradeRow> rows;
   std::vector<int32_t> voxels = options.voxels_nm;
   if (options.quick) voxels.resize(std::min<size_t>(1, voxels.size()));
-  const auto names = scene::BuiltinSceneNames();
+  ENAMEL_ASSIGN_OR_RETURN(const auto names, ScenesAskedFor(options));
   double done = 0;
   for (int32_t voxel_nm : voxels) {
     for (const std::string& name : names) {
@@ -99,9 +116,7 @@ Result<std::vector<GradeRow>> MeasureGrades(
       };
       tell(name, 0);
       ENAMEL_ASSIGN_OR_RETURN(const auto built, scene::BuildBuiltinScene(name, voxel_nm));
-      auto exercises =
-          scene::BuiltinExercises(built.scene, HashSha256(AsBytes(scene::ToJson(built.scene))));
-      std::erase_if(exercises, [&](const auto& e) { return !IsAskedFor(options, e.name); });
+      const auto exercises = AskedFor(options, built.scene);
       for (size_t i = 0; i < exercises.size(); ++i) {
         ENAMEL_ASSIGN_OR_RETURN(const auto graded, GradedExercise::Make(built, exercises[i]));
         const auto faults = FaultsOf(built, exercises[i], graded.task(), options.quick);

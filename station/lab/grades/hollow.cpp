@@ -204,7 +204,8 @@ Volume CutAway(const Volume& initial, const Hollow& hollow, Neighbours neighbour
 }
 
 double VolumeWhere_m3(const Volume& initial, const dvec3& lo_m, const dvec3& hi_m,
-                      const std::function<bool(const dvec3&, Tissue)>& counts) {
+                      const std::function<bool(const dvec3&, Tissue)>& counts,
+                      const Hollow& within) {
   const cutting::GridSpec& spec = initial.spec();
   const double h = spec.voxel_m();
   constexpr int kParts = 3;
@@ -215,6 +216,9 @@ double VolumeWhere_m3(const Volume& initial, const dvec3& lo_m, const dvec3& hi_
     if (glm::any(glm::lessThan(end, lo_m)) || glm::any(glm::greaterThan(corner - h, hi_m))) {
       continue;
     }
+    // As CutAway's, which has a band besides.
+    const double half = 0.5 * (kBrickSide - 1);
+    if (within && within(corner + half * h) > 2 * (half + 1) * std::sqrt(3.0) * h) continue;
     for (int i = 0; i < kBrickVoxels; ++i) {
       const Tissue tissue = LabelOf(initial, b, i);
       const dvec3 at = corner + InBrick(i) * h;

@@ -77,9 +77,11 @@ cutting::Volume CutAway(const cutting::Volume& initial, const Hollow& hollow,
                         Neighbours neighbours = Neighbours::kCut);
 
 // Volume of the tooth (m^3) at points that `counts` accepts, by 27 points to a voxel: a second way to
-// measure what went. Only voxels within `lo_m`..`hi_m` are looked at.
+// measure what went. Only voxels within `lo_m`..`hi_m` are looked at, and of `within`, where it is
+// told, only those in it.
 double VolumeWhere_m3(const cutting::Volume& initial, const dvec3& lo_m, const dvec3& hi_m,
-                      const std::function<bool(const dvec3&, cutting::Tissue)>& counts);
+                      const std::function<bool(const dvec3&, cutting::Tissue)>& counts,
+                      const Hollow& within = {});
 
 // A block of 7 x 6 x 4 mm, its top at z = 0, of enamel, dentin and pulp in layers that end at -1.2
 // and -3.2 mm; caries in a ball under the floor of the cavity; beyond a gap of 0.2 mm at its mesial
