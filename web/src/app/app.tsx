@@ -1,6 +1,6 @@
 import { signal } from "@preact/signals";
 import type { ComponentChildren, ComponentProps } from "preact";
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
 import { Client } from "../api/client";
 import { queryText } from "../api/http";
 import type { Person, Session } from "../api/types";
@@ -10,11 +10,14 @@ import { ConfirmPassword } from "../features/account/confirm_password";
 import { MyWorkPage } from "../features/assignments/my_work_page";
 import type { AttemptPage } from "../features/attempt/attempt_page";
 import { AttemptsPage } from "../features/attempts/attempts_page";
-import { ExercisePage } from "../features/exercises/exercise_page";
+import type { ExercisePage } from "../features/exercises/exercise_page";
 import { ExercisesPage, StaffExercisesPage } from "../features/exercises/exercises_page";
 import { SignIn } from "../features/sign_in/sign_in";
 import { ErrorNotice, Loading, PageTitle } from "../widgets/basics";
 import { BrandMark } from "../widgets/brand";
+import "../api/shared";
+import "../widgets/shared";
+import { PartState, usePart } from "../widgets/part";
 import { location, navigate } from "./location";
 import { homePath, navigation, parseRoute, type Route } from "./routes";
 
@@ -128,7 +131,7 @@ function screen(route: Route, person: Person): ComponentChildren {
   switch (route.name) {
     case "home": return null;
     case "exercises": return teacher ? <StaffExercisesPage client={client} query={route.query} onQuery={narrow} onOpen={navigate} /> : <ExercisesPage client={client} />;
-    case "exercise": return <ExercisePage client={client} id={route.id} personId={person.id} teacher={teacher} onOpen={navigate} />;
+    case "exercise": return <OneExercise client={client} id={route.id} personId={person.id} teacher={teacher} onOpen={navigate} />;
     case "attempts": return <AttemptsPage client={client} mine={!teacher} query={route.query} onQuery={narrow} />;
     case "attempt": return <OneAttempt client={client} person={person} id={route.id} onOpen={navigate} />;
     case "account": return <AccountPage client={client} person={person} />;
@@ -138,21 +141,14 @@ function screen(route: Route, person: Person): ComponentChildren {
   return teacher ? <Staff route={route} person={person} onQuery={narrow} /> : <NotFound home={homePath(person.role)} />;
 }
 
-// A part of the page that is loaded when somebody comes to it.
-function usePart<Part>(load: () => Promise<Part>): Part | "loading" | "failed" {
-  const [loaded, setLoaded] = useState<{ readonly part: Part } | "loading" | "failed">("loading");
-  useEffect(() => { load().then((part) => setLoaded({ part }), () => setLoaded("failed")); }, []);
-  return typeof loaded === "object" ? loaded.part : loaded;
-}
-
-function PartState({ state }: { readonly state: "loading" | "failed" }) {
-  if (state === "loading") return <Loading what="the page" />;
-  return <ErrorNotice title="This part of the page could not be loaded" message="Check that this computer is connected, then load the page again." onRetry={() => window.location.reload()} />;
-}
-
 function OneAttempt(props: ComponentProps<typeof AttemptPage>) {
   const loaded = usePart(() => import("../features/attempt/attempt_page"));
   return loaded === "loading" || loaded === "failed" ? <PartState state={loaded} /> : <loaded.AttemptPage {...props} />;
+}
+
+function OneExercise(props: ComponentProps<typeof ExercisePage>) {
+  const loaded = usePart(() => import("../features/exercises/exercise_page"));
+  return loaded === "loading" || loaded === "failed" ? <PartState state={loaded} /> : <loaded.ExercisePage {...props} />;
 }
 
 // What only teachers and admins see.

@@ -28,6 +28,12 @@ export function parseRoute(url: URL): Route {
   return thing === undefined ? { name: "unknown" } : { name: thing, id: decoded(second) };
 }
 
+const kForAdmins: readonly Route["name"][] = ["people", "person", "roster", "jobs", "audit"];
+
+export function isForAdmins(route: Route): boolean {
+  return kForAdmins.includes(route.name);
+}
+
 function decoded(part: string): string {
   try {
     return decodeURIComponent(part);

@@ -1,3 +1,5 @@
+import "../api/shared";
+import "../widgets/shared";
 import type { ComponentChildren } from "preact";
 import type { Client } from "../api/client";
 import type { Person } from "../api/types";
@@ -8,17 +10,11 @@ import { CohortsPage } from "../features/cohorts/cohorts_page";
 import { GradingPage } from "../features/grading/grading_page";
 import { LivePage } from "../features/live/live_page";
 import { WatchPage } from "../features/live/watch_page";
-import { AuditPage } from "../features/operations/audit_page";
-import { JobsPage } from "../features/operations/jobs_page";
-import { PeoplePage } from "../features/people/people_page";
-import { PersonPage } from "../features/people/person_page";
-import { RosterPage } from "../features/people/roster_page";
-import { ProfilePage } from "../features/profiles/profile_page";
-import { ProfilesPage } from "../features/profiles/profiles_page";
 import { StationsPage } from "../features/stations/stations_page";
-import type { Route } from "./routes";
+import { PartState, usePart } from "../widgets/part";
+import { isForAdmins, type Route } from "./routes";
 
-interface Props {
+export interface Props {
   readonly client: Client;
   readonly route: Route;
   readonly person: Person;
@@ -38,19 +34,14 @@ export function staffScreen({ client, route, person, onQuery, onOpen }: Props): 
     case "live": return <LivePage client={client} />;
     case "watch": return <WatchPage client={client} id={route.id} />;
     case "stations": return <StationsPage client={client} admin={admin} />;
-    case "profiles": return <ProfilesPage client={client} admin={admin} />;
-    case "profile": return <ProfilePage client={client} name={route.id} admin={admin} />;
-    default: return admin ? adminScreen(route, client, person, onQuery, onOpen) : undefined;
+    case "profiles": return <More show={({ ProfilesPage }) => <ProfilesPage client={client} admin={admin} />} />;
+    case "profile": return <More show={({ ProfilePage }) => <ProfilePage client={client} name={route.id} admin={admin} />} />;
+    default: return admin && isForAdmins(route) ? <More show={(more) => more.adminScreen({ client, route, person, onQuery, onOpen })} /> : undefined;
   }
 }
 
-function adminScreen(route: Route, client: Client, person: Person, onQuery: Props["onQuery"], onOpen: Props["onOpen"]): ComponentChildren | undefined {
-  switch (route.name) {
-    case "people": return <PeoplePage client={client} query={route.query} onQuery={onQuery} />;
-    case "person": return <PersonPage client={client} id={route.id} self={route.id === person.id} onGone={() => onOpen("/people")} />;
-    case "roster": return <RosterPage client={client} />;
-    case "jobs": return <JobsPage client={client} query={route.query} onQuery={onQuery} />;
-    case "audit": return <AuditPage client={client} query={route.query} onQuery={onQuery} />;
-    default: return undefined;
-  }
+// What is loaded when somebody comes to it (more.tsx).
+function More({ show }: { readonly show: (more: typeof import("./more")) => ComponentChildren }) {
+  const loaded = usePart(() => import("./more"));
+  return loaded === "loading" || loaded === "failed" ? <PartState state={loaded} /> : <>{show(loaded)}</>;
 }

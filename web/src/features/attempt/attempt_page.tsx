@@ -1,3 +1,5 @@
+import "../../api/shared";
+import "../../widgets/shared";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { ApiError } from "../../api/http";

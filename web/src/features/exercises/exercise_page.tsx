@@ -1,3 +1,5 @@
+import "../../api/shared";
+import "../../widgets/shared";
 import type { Client } from "../../api/client";
 import type { Attempt, Exercise } from "../../api/types";
 import { useRequest } from "../../api/use_request";
