@@ -1,13 +1,19 @@
 #include <algorithm>
 
 #include "common/base/check.h"
+#include "common/timeline/deviation.h"
 #include "common/timeline/player.h"
 
 // A start tooth and a timeline in one input, each after its length (u32): refused, or played from
 // end to end without reading beyond what is there. Its start tooth's hash is set to fit, so that
 // what lies behind that check is reached.
+// The same input is also read as a deviation: what is read of it is written and read as it was.
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace enamel;
+  if (auto deviation = timeline::DecodeDeviation({data, size}); deviation.ok()) {
+    auto again = timeline::DecodeDeviation(timeline::EncodeDeviation(*deviation));
+    ENAMEL_CHECK(again.ok() && again->cells == deviation->cells);
+  }
   ByteReader in(ByteView(data, size));
   const ByteView start = in.Blob(size);
   const ByteView rest = in.Blob(size);

@@ -9,6 +9,7 @@
 #include "common/cutting/cutter.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/surface/surface.h"
+#include "common/timeline/deviation.h"
 #include "common/timeline/player.h"
 #include "common/timeline/recorder.h"
 #include "common/timeline/start_tooth.h"
@@ -272,6 +273,70 @@ TEST(SurfaceTimelineTest, BuiltInToothComesBackWithItsTissues) {
         ASSERT_EQ(player->TissueAt(v), built->volume.TissueAt(v)) << x << " " << y << " " << z;
       }
     }
+  }
+}
+
+// Cells (i, j, k) that the golden tooth's surface at its end passes through, next to what was cut.
+std::vector<CellDeviation> GoldenDeviation() {
+  std::vector<CellDeviation> out;
+  for (int b = 0; b < 125; ++b) {
+    for (int i = 0; i < kBrickVoxels; ++i) {
+      const ivec3 cell = ivec3(b % 5, b / 5 % 5, b / 25) * 8 + ivec3(i % 8, i / 8 % 8, i / 64);
+      if (cell.x == 39 || cell.y == 39 || cell.z == 39) continue;
+      int solid = 0;
+      bool cut = false;
+      for (int c = 0; c < 8; ++c) {
+        const ivec3 corner = cell + ivec3(c & 1, c >> 1 & 1, c >> 2);
+        solid += GoldenSample(corner, 5) < 0;
+        cut |= GoldenSample(corner, 5) != GoldenSample(corner, 0);
+      }
+      if (solid == 0 || solid == 8 || !cut) continue;
+      out.push_back({cell, 100 * (cell.z - 24) + 10 * (cell.x - 19) - (cell.y - 19)});
+    }
+  }
+  return out;
+}
+
+TEST(DeviationTest, GoldenFileIsWhatTheDocumentSays) {
+  auto found = DecodeDeviation(Golden("surface_timeline.endv"));
+  ASSERT_TRUE(found.ok()) << found.status().message();
+  EXPECT_EQ(found->spec.voxel_nm, 100'000);
+  EXPECT_EQ(found->spec.bricks, ivec3(5));
+  EXPECT_GT(found->cells.size(), 100u);
+  EXPECT_EQ(found->cells, GoldenDeviation());
+}
+
+TEST(DeviationTest, WhatIsWrittenIsReadInWhateverOrderItCame) {
+  Deviation made = *DecodeDeviation(Golden("surface_timeline.endv"));
+  const std::vector<CellDeviation> cells = made.cells;
+  std::ranges::reverse(made.cells);
+  // Beyond the grid there is no cell; the surface at its border is nobody's work.
+  made.cells.push_back({ivec3(-1, 3, 3), 5});
+  made.cells.push_back({ivec3(3, 3, 40), 5});
+  auto found = DecodeDeviation(EncodeDeviation(made));
+  ASSERT_TRUE(found.ok()) << found.status().message();
+  EXPECT_EQ(found->cells, cells);
+  made.cells = {{ivec3(1), -2'000'000'000}, {ivec3(2), 2'000'000'000}};
+  EXPECT_EQ(DecodeDeviation(EncodeDeviation(made))->cells, made.cells);
+}
+
+TEST(DeviationTest, DamageIsRefused) {
+  const Bytes file = Golden("surface_timeline.endv");
+  for (size_t n = 0; n < file.size(); ++n)
+    EXPECT_FALSE(DecodeDeviation({file.data(), n}).ok()) << n;
+  const auto changed = [&](size_t at, uint8_t value) {
+    Bytes out = file;
+    out[at] = value;
+    return out;
+  };
+  EXPECT_EQ(DecodeDeviation(changed(4, 2)).status().code(), Code::kVersion);
+  EXPECT_FALSE(DecodeDeviation(changed(6, 1)).ok());
+  // Bricks and values, as the head counts them.
+  for (size_t at = 48; at < 56; ++at) {
+    EXPECT_FALSE(DecodeDeviation(changed(at, static_cast<uint8_t>(file[at] + 1))).ok()) << at;
+  }
+  for (size_t at = 64; at < file.size(); ++at) {
+    (void)DecodeDeviation(changed(at, static_cast<uint8_t>(file[at] ^ 0xff)));
   }
 }
 
