@@ -15,7 +15,7 @@ import { people } from "./mock_data.mjs";
 export const kPageHeaders = {
   "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; font-src 'self'; " +
     "connect-src 'self'; worker-src 'self'; manifest-src 'self'; frame-ancestors 'none'; base-uri 'none'; object-src 'none'; " +
-    "form-action 'self'; require-trusted-types-for 'script'; trusted-types 'none'",
+    "form-action 'self'; require-trusted-types-for 'script'; trusted-types enamel-worker",
   "X-Content-Type-Options": "nosniff",
   "Referrer-Policy": "no-referrer",
   "Cross-Origin-Opener-Policy": "same-origin",
