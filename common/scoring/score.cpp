@@ -82,12 +82,23 @@ bool Fails(const RubricCriterion& criterion, double value) {
   return criterion.fails_above && value > *criterion.fails_above;
 }
 
+// What a criterion or gate took, of its own and of a hundred points.
+struct Loss {
+  double share, points;
+};
 // Before the gates: they say for themselves what they took.
-bool WorthAdvice(const Rubric& rubric, const RubricCriterion& criterion, double value) {
-  return Fails(criterion, value) ||
-         WeightOf(rubric, criterion) * (1 - ShareAt(criterion.map, value)) >= kWorthAdvice;
+Loss LossOf(const Rubric& rubric, const RubricCriterion& criterion, double value) {
+  if (Fails(criterion, value)) return {1, 100};
+  const double share = 1 - ShareAt(criterion.map, value);
+  return {share, WeightOf(rubric, criterion) * share};
 }
-bool WorthAdvice(const GateResult& gate) { return 100 * (1 - gate.share) >= kWorthAdvice; }
+Loss LossOf(const GateResult& gate) { return {1 - gate.share, 100 * (1 - gate.share)}; }
+
+bool IsWorthAdvice(const Loss& loss) { return loss.points >= kWorthAdvice; }
+bool IsWorthAComment(const Loss& loss) {
+  return IsWorthAdvice(loss) &&
+         (loss.share >= kWorthCommentShare || loss.points >= kWorthCommentPoints);
+}
 
 void Write(CriterionResult& out) {
   out.reason = Sentence(out.title, *FindMetric(out.name), out.reasons, out.comment);
@@ -108,7 +119,7 @@ CriterionResult Judge(const Rubric& rubric, const RubricCriterion& criterion, do
     out.points = criterion.points * ShareAt(criterion.map, value);
     out.reasons = {FoundReason(info, value, criterion.map)};
   }
-  if (WorthAdvice(rubric, criterion, value)) out.comment = criterion.comment;
+  if (IsWorthAComment(LossOf(rubric, criterion, value))) out.comment = criterion.comment;
   Write(out);
   return out;
 }
@@ -155,7 +166,7 @@ GateResult Open(const scene::RubricGate& gate, double value) {
   GateResult out{gate.metric, gate.title, value, gate.unit, ShareAt(gate.map, value), ""};
   out.reasons = {FoundReason(info, value, gate.map)};
   if (out.share < 1) out.reasons.push_back(KeepsReason(out.share));
-  if (WorthAdvice(out)) out.comment = gate.comment;
+  if (IsWorthAComment(LossOf(out))) out.comment = gate.comment;
   Write(out);
   return out;
 }
@@ -202,19 +213,35 @@ std::vector<std::string> CostlyCriteria(const Rubric& rubric, const ScoreResult&
 }
 
 void Advise(const Rubric& rubric, std::vector<Deduction> deductions, ScoreResult& result) {
-  auto advise = [&](auto& part) {
-    std::optional<Reason> advice = Advice(*FindMetric(part.name), part.value, deductions);
-    if (!advice) return;
-    part.reasons.push_back(*std::move(advice));
-    Write(part);
+  // In whose words it is told: where it cost most, of equal ones the first.
+  struct Told {
+    std::string words;
+    Reason reason;
+    double points;
+    std::vector<Reason>* reasons;
   };
+  std::vector<Told> all;
+  auto advise = [&](auto& part, const Loss& loss) {
+    if (!IsWorthAdvice(loss)) return;
+    const MetricInfo& info = *FindMetric(part.name);
+    std::optional<Reason> advice = Advice(info, part.value, deductions);
+    if (!advice) return;
+    Told told{Sentence("", info, {*advice}, ""), *advice, loss.points, &part.reasons};
+    const auto same = std::ranges::find(all, told.words, &Told::words);
+    if (same == all.end()) {
+      all.push_back(std::move(told));
+    } else if (told.points > same->points) {
+      *same = std::move(told);
+    }
+  };
+  for (GateResult& gate : result.gates) advise(gate, LossOf(gate));
   for (size_t i = 0; i < rubric.criteria.size() && i < result.criteria.size(); ++i) {
     CriterionResult& found = result.criteria[i];
-    if (found.judged && WorthAdvice(rubric, rubric.criteria[i], found.value)) advise(found);
+    if (found.judged) advise(found, LossOf(rubric, rubric.criteria[i], found.value));
   }
-  for (GateResult& gate : result.gates) {
-    if (WorthAdvice(gate)) advise(gate);
-  }
+  for (Told& told : all) told.reasons->push_back(std::move(told.reason));
+  for (GateResult& gate : result.gates) Write(gate);
+  for (CriterionResult& criterion : result.criteria) Write(criterion);
   result.deductions = std::move(deductions);
 }
 

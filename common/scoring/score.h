@@ -29,7 +29,7 @@ struct CriterionResult {
   bool judged = true;
   // What was found, then what to do; none in scores before version 4.
   std::vector<Reason> reasons = {};
-  std::string comment = {};  // the rubric's, where at least kWorthAdvice points were lost
+  std::string comment = {};  // the rubric's, where much was lost (kWorthCommentShare)
 
   bool operator==(const CriterionResult&) const = default;
 };
@@ -50,13 +50,17 @@ struct GateResult {
 
 // How scores are measured and computed: 1 before rubrics had gates and statistics a domain that the
 // reference fixes, 2 before forces at the device's limit were left unjudged and flakes were no walls,
-// 3 before reasons were stored as codes. Higher for every change that may move a score of the same
+// 3 before reasons were stored as codes, 4 before advice was told once and comments only of what cost
+// much. Higher for every change that may move a score of the same
 // recording, or what a judgement is told by.
-inline constexpr int32_t kScoringVersion = 4;
+inline constexpr int32_t kScoringVersion = 5;
 // Since when a metric of the same name is the same number.
 inline constexpr int32_t kSameNumbersSince = 3;
 // Of a hundred. Whoever lost less needs no comment and no advice.
 inline constexpr double kWorthAdvice = 0.5;
+// A comment speaks of a fault: that is told of who lost such a share of the criterion's points, or so
+// many of a hundred.
+inline constexpr double kWorthCommentShare = 0.25, kWorthCommentPoints = 5;
 
 // A score is metrics + rubric version + reference + core version; recomputed bit-identically.
 struct ScoreResult {
@@ -107,7 +111,8 @@ Result<ScoreResult> ApplyRubric(const scene::Rubric& rubric, const MetricSet& me
 std::vector<std::string> CostlyCriteria(const scene::Rubric& rubric, const ScoreResult& result);
 
 // Takes the deductions into the result, and with them what to do into the reasons of the criteria and
-// gates that lost at least kWorthAdvice points. `result`: ApplyRubric's with this rubric.
+// gates that lost at least kWorthAdvice points: the same words once, where most was lost. `result`:
+// ApplyRubric's with this rubric.
 void Advise(const scene::Rubric& rubric, std::vector<Deduction> deductions, ScoreResult& result);
 
 // Canonical: members in a fixed order, numbers to 12 significant digits, so that equal scores have

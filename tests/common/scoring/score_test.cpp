@@ -133,6 +133,51 @@ TEST(ApplyRubricTest, AdviceOfAWallTakesTheSideThatItIsOffOn) {
   EXPECT_EQ(r.criteria[0].reason.find("stroke"), std::string::npos) << r.criteria[0].reason;
 }
 
+TEST(ApplyRubricTest, ASmallLossIsNotToldInTheWordsOfAFault) {
+  // 60 points of a hundred: 2.4 lost at 0.06 mm, 6 at 0.075 mm.
+  ScoreResult small = Score(0.06, 99, 0);
+  Advise(Three(), {WallTooDeep()}, small);
+  EXPECT_TRUE(small.criteria[0].comment.empty()) << small.criteria[0].reason;
+  EXPECT_NE(small.criteria[0].reason.find("Stop earlier there."), std::string::npos);
+  EXPECT_FALSE(Score(0.075, 99, 0).criteria[0].comment.empty());
+  // A light criterion speaks from a quarter of its points on.
+  Rubric light = Three();
+  light.criteria[0].points = 4;
+  auto lost = [&](double mm) {
+    auto r = ApplyRubric(light, Values(mm, 99, 0));
+    EXPECT_TRUE(r.ok());
+    return r->criteria[0];
+  };
+  EXPECT_TRUE(lost(0.1).comment.empty()) << "0.8 of 4";
+  EXPECT_FALSE(lost(0.12).comment.empty()) << "1.1 of 4";
+}
+
+TEST(ApplyRubricTest, TheSameAdviceIsToldOnceWhereItCostMost) {
+  Rubric rubric = Three();
+  RubricCriterion other = rubric.criteria[0];
+  other.metric = "wall_distal_mm";
+  other.title = "Distal wall";
+  other.points = 80;
+  rubric.criteria.insert(rubric.criteria.begin() + 1, other);
+  MetricSet metrics = Values(0.2, 99, 0);
+  metrics.values.push_back({"wall_distal_mm", 0.2, "mm"});
+  auto result = ApplyRubric(rubric, metrics);
+  ASSERT_TRUE(result.ok()) << result.status().message();
+  Deduction same = WallTooDeep();
+  same.criterion = "wall_distal_mm";
+  Advise(rubric, {WallTooDeep(), same}, *result);
+  EXPECT_EQ(result->criteria[0].reason.find("stroke 14"), std::string::npos);
+  EXPECT_NE(result->criteria[1].reason.find("stroke 14"), std::string::npos);
+  EXPECT_EQ(result->criteria[0].reasons.size(), 1u);
+  EXPECT_EQ(result->deductions.size(), 2u) << "both places are shown";
+  // Another stroke is other words.
+  auto apart = ApplyRubric(rubric, metrics);
+  same.strokes[0].number = 15;
+  Advise(rubric, {WallTooDeep(), same}, *apart);
+  EXPECT_NE(apart->criteria[0].reason.find("stroke 14"), std::string::npos);
+  EXPECT_NE(apart->criteria[1].reason.find("stroke 15"), std::string::npos);
+}
+
 TEST(ApplyRubricTest, WhoLostLessThanHalfAPointNeedsNoAdvice) {
   ScoreResult r = Score(0.051, 99, 0);  // 0.24 of 60 points
   Advise(Three(), {WallTooDeep()}, r);
@@ -427,7 +472,7 @@ TEST(ScoreJsonTest, EveryTruncationAndEveryMissingMemberIsRefused) {
 TEST(ScoreJsonTest, AScoreOfVersionOneHasNoGatesAndSaysSo) {
   std::string text = ToJson(Score(0, 99, 0));
   for (const char* member : {R"("gates":[],)", R"("missing":[],)", R"("deductions":[],)",
-                             R"("scoring_version":4,)", R"(,"judged":true)"}) {
+                             R"("scoring_version":5,)", R"(,"judged":true)"}) {
     size_t at;
     while ((at = text.find(member)) != std::string::npos) text.erase(at, std::strlen(member));
   }
