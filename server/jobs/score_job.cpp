@@ -7,6 +7,7 @@
 #include "common/scene/attempt_documents.h"
 #include "common/scene/json/json.h"
 #include "common/scene/volume_blob.h"
+#include "common/scoring/motion.h"
 #include "common/scoring/score.h"
 #include "common/scoring/task.h"
 #include "common/scoring/zones.h"
@@ -19,6 +20,9 @@
 
 namespace enamel::server {
 namespace {
+
+// The newest of those before it: a hundredth of a second for each ten of them.
+constexpr uint32_t kMostMotions = 500;
 
 // Shares of a job's time, for its progress.
 constexpr double kReplayFrom = 0.05, kReplayTo = 0.7, kMeasureTo = 0.95;
@@ -237,8 +241,42 @@ class ScoreJob {
     ENAMEL_ASSIGN_OR_RETURN(auto stored, scoring::ScoreFromJson(score_json));
     const Sha256 judgement = JudgementOf(stored);
     result.same_judgement_as = SameAsBefore(judgement);
+    ENAMEL_RETURN_IF_ERROR(FillMotion(process, result));
     if (key_ != nullptr) Sign(stored, judgement, result);
     return store_.jobs().FinishAttempt(attempt_, result, job_);
+  }
+
+  // The motion, and where it lies among those before it at the same exercise and the reference's. One
+  // that cannot be read any more is left out.
+  Status FillMotion(const scoring::ProcessRecorder& process, AttemptStore::AttemptResult& result) {
+    const auto motion = scoring::MotionOf(process.samples());
+    if (!motion) return Status::Ok();
+    ENAMEL_RETURN_IF_ERROR(Put(scoring::EncodeMotion(*motion), result.motion));
+    ENAMEL_ASSIGN_OR_RETURN(const auto rows,
+                            store_.attempts().MotionsBefore(attempt_, kMostMotions));
+    std::vector<Uuid> whose;
+    std::vector<scoring::Motion> others;
+    auto add = [&](const Uuid& attempt, const scoring::Motion& other) {
+      whose.push_back(attempt);
+      others.push_back(other);
+    };
+    // Measured anew: it may have been scored before motions were kept.
+    if (reference_) {
+      if (auto of = scoring::MotionOf(reference_->process.samples())) add(*reference_attempt_, *of);
+    }
+    for (const MotionRow& row : rows) {
+      if (reference_attempt_ && row.attempt == *reference_attempt_) continue;
+      auto bytes = store_.blobs().GetBlob(row.content);
+      if (!bytes.ok()) continue;
+      if (auto of = scoring::DecodeMotion(*bytes); of.ok()) add(row.attempt, *of);
+    }
+    const auto near = scoring::NearnessTo(*motion, others);
+    if (!near) return Status::Ok();
+    auto um = [](double m) { return static_cast<int64_t>(m * 1e6 + 0.5); };
+    result.near = NearAttempt{whose[near->nearest], static_cast<uint32_t>(near->others),
+                              um(near->nearest_m),  um(near->median_m),
+                              um(near->size_m),     scoring::IsWorthALook(*near)};
+    return Status::Ok();
   }
 
   // The score document of the run before, if it has the same points and reasons. One that cannot be
@@ -282,6 +320,10 @@ class ScoreJob {
     document.core_version = score.core_version;
     document.rubric_version = static_cast<uint32_t>(score.rubric_version);
     document.flags = row_.flags & kSignedFlags;
+    if (!result.motion.IsZero()) {
+      document.flags &= ~static_cast<uint32_t>(kNearAnother);
+      if (result.near && result.near->worth_a_look) document.flags |= kNearAnother;
+    }
     document.hand = static_cast<uint8_t>(header_.hand.kind);
     SignResult(document, *key_);
     result.document = EncodeResult(document);

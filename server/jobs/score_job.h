@@ -28,6 +28,8 @@ using JobProgress = std::function<bool(double progress)>;
 //     after is replayed and checked all the same;
 //  5. metrics, rubric, where and when points were lost (scoring/deductions.h), and four blobs: score JSON (schemas/score.md), final volume, surface with
 //     deviation (surface_blob.h), series (series.h); then Store::FinishAttempt.
+//  6. the motion, and which earlier one at the same exercise lies nearest (scoring/motion.h): a flag
+//     for who reviews, no points.
 // Running it again gives the same blobs.
 //
 // `key`: signs the result (schemas/result.md); null: it stays unsigned. A score with the points and

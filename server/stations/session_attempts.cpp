@@ -391,7 +391,7 @@ Result<wire::Reply> Session::Do(const wire::AttemptStatus& request) {
   state.set_progress(row.progress);
   state.set_exam(row.exam);
   state.set_released(row.released);
-  for (const char* flag : AttemptFlagNames(row.flags)) state.add_flags(flag);
+  for (const char* flag : AttemptFlagNames(row.flags & ~kReviewFlags)) state.add_flags(flag);
   state.set_problem(row.problem);
   if (row.state != AttemptState::kScored) return reply;
   ENAMEL_ASSIGN_OR_RETURN(auto exercise, services_.store.content().ExerciseById(row.exercise));

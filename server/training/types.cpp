@@ -26,7 +26,8 @@ constexpr FlagName kFlagNames[] = {{kLate, "late"},
                                    {kExcused, "excused"},
                                    {kReadmitted, "readmitted"},
                                    {kReturned, "returned"},
-                                   {kContradicted, "contradicted"}};
+                                   {kContradicted, "contradicted"},
+                                   {kNearAnother, "near_another"}};
 
 }  // namespace
 

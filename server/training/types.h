@@ -227,7 +227,10 @@ enum AttemptFlag : uint32_t {
   kReadmitted = 64,     // its ticket was forgotten by a restore; its terms were worked out again
   kReturned = 128,      // its ticket was handed back unused: it counts for nothing
   kOtherHand = 512,     // held by what its assignment does not allow
+  kNearAnother = 1024,  // its motion lies near an earlier attempt's; who reviews it alone is told
 };
+// What only who reviews the attempt is told: it points at others.
+inline constexpr uint32_t kReviewFlags = kNearAnother;
 // {"late", "over_time"}.
 std::vector<const char*> AttemptFlagNames(uint32_t flags);
 std::optional<AttemptFlag> AttemptFlagFromName(std::string_view name);

@@ -281,6 +281,22 @@ class MemoryStore final : public server::StationStore,
   Status UnlistDevice(const std::string&, const server::Actor&) override { return No(); }
   Result<bool> IsListed(const Hand&) override { return No(); }
   Result<std::vector<server::ResultRow>> ResultsOf(const Uuid&) override { return No(); }
+  // Of the same exercise version, as far as they are scored; in the order of their ids.
+  Result<std::vector<server::MotionRow>> MotionsBefore(const Uuid& id, uint32_t limit) override {
+    std::lock_guard lock(mutex_);
+    std::vector<server::MotionRow> out;
+    for (auto it = results.rbegin(); it != results.rend(); ++it) {
+      if (!(it->first < id) || it->second.motion.IsZero() || out.size() == limit) continue;
+      if (attempts[it->first].exercise == attempts[id].exercise) {
+        out.push_back({it->first, it->second.motion});
+      }
+    }
+    return out;
+  }
+  Result<std::optional<server::NearAttempt>> NearestTo(const Uuid& id) override {
+    std::lock_guard lock(mutex_);
+    return results[id].near;
+  }
   Result<std::vector<server::ContradictionRow>> ContradictionsOf(const Uuid&) override {
     return No();
   }

@@ -63,6 +63,9 @@ Result<AttemptFilter> FilterFor(const Call& call) {
   // Narrowed here and in the query itself, so that pages have the length asked for and nothing is
   // filtered out afterwards.
   if (viewer.role == Role::kStudent) {
+    if ((filter.flags & kReviewFlags) != 0) {
+      return Status{Code::kForbidden, "this flag is for who reviews attempts", "flag"};
+    }
     filter.person = viewer.id;
     // Their own attempts need no cohort, and one that they are not in would show them none.
     filter.cohort.reset();

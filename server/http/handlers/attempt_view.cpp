@@ -80,14 +80,20 @@ Result<std::pair<std::string, std::string>> AttemptView::ProfileNameAndTitle(
   return profiles_.emplace(content, std::move(names)).first->second;
 }
 
-Result<bool> AttemptView::ScoreVisible(const AttemptRow& row, bool graded) {
+Result<bool> AttemptView::SharesCohort(const AttemptRow& row) {
   auto known = shares_cohort_.find(row.person);
   if (known == shares_cohort_.end()) {
     Result<bool> shares = store_.teaching().ShareCohort(viewer_.id, row.person);
     if (!shares.ok()) return shares.status();
     known = shares_cohort_.emplace(row.person, *shares).first;
   }
-  return CanSeeScore(viewer_, row, graded, known->second);
+  return known->second;
+}
+
+Result<bool> AttemptView::ScoreVisible(const AttemptRow& row, bool graded) {
+  Result<bool> shares = SharesCohort(row);
+  if (!shares.ok()) return shares.status();
+  return CanSeeScore(viewer_, row, graded, *shares);
 }
 
 Result<json::object> AttemptView::Json(const AttemptRow& row) {
@@ -109,8 +115,11 @@ Result<json::object> AttemptView::Json(const AttemptRow& row) {
     critical_fail = row.critical_fail;
   }
   if (row.assignment) assignment = row.assignment->Text();
+  Result<bool> shares = SharesCohort(row);
+  if (!shares.ok()) return shares.status();
+  const uint32_t hidden = CanReviewAttempt(viewer_, row, *shares) ? 0 : kReviewFlags;
   json::array flags;
-  for (const char* name : AttemptFlagNames(row.flags)) flags.emplace_back(name);
+  for (const char* name : AttemptFlagNames(row.flags & ~hidden)) flags.emplace_back(name);
   return json::object{{"id", row.id.Text()},
                       {"person", PersonJson(row)},
                       {"exercise", {{"id", row.exercise.Text()}, {"title", row.exercise_title}}},
@@ -190,11 +199,41 @@ Result<json::value> AttemptView::AppealJson(const AttemptRow& row) {
                      {"answered_ms", (*appeal)->answered_ms}};
 }
 
+// Which earlier motion lies nearest, for who decides about it. Whose it is only for who may review
+// that one too.
+Result<json::value> AttemptView::NearnessJson(const AttemptRow& row) {
+  Result<bool> shares = SharesCohort(row);
+  if (!shares.ok()) return shares.status();
+  if (!CanReviewAttempt(viewer_, row, *shares)) return json::value();
+  Result<std::optional<NearAttempt>> near = store_.attempts().NearestTo(row.id);
+  if (!near.ok()) return near.status();
+  if (!*near) return json::value();
+  constexpr double kMm = 1e-3;
+  json::value attempt, person;
+  if (Result<AttemptRow> other = store_.attempts().AttemptById((*near)->attempt); other.ok()) {
+    Result<bool> shares_other = SharesCohort(*other);
+    if (!shares_other.ok()) return shares_other.status();
+    if (CanReviewAttempt(viewer_, *other, *shares_other)) {
+      attempt = other->id.Text();
+      person = PersonJson(*other);
+    }
+  } else if (other.status().code() != Code::kNotFound) {
+    return other.status();
+  }
+  return json::value{{"attempt_id", std::move(attempt)},
+                     {"person", std::move(person)},
+                     {"others", (*near)->others},
+                     {"nearest_mm", static_cast<double>((*near)->nearest_um) * kMm},
+                     {"median_mm", static_cast<double>((*near)->median_um) * kMm},
+                     {"size_mm", static_cast<double>((*near)->size_um) * kMm},
+                     {"worth_a_look", (*near)->worth_a_look}};
+}
+
 // Of contradicting chunks, for who decides about them.
 Result<json::array> AttemptView::ContradictionsJson(const AttemptRow& row) {
   json::array out;
   if ((row.flags & kContradicted) == 0) return out;
-  Result<bool> shares = store_.teaching().ShareCohort(viewer_.id, row.person);
+  Result<bool> shares = SharesCohort(row);
   if (!shares.ok()) return shares.status();
   if (!CanReviewAttempt(viewer_, row, *shares)) return out;
   Result<std::vector<ContradictionRow>> rows = store_.attempts().ContradictionsOf(row.id);
@@ -208,7 +247,7 @@ Result<json::array> AttemptView::ContradictionsJson(const AttemptRow& row) {
 
 // What the viewer may do with it now, so that a page need not know the rules.
 Result<json::array> AttemptView::MayDo(const AttemptRow& row) {
-  Result<bool> shares = store_.teaching().ShareCohort(viewer_.id, row.person);
+  Result<bool> shares = SharesCohort(row);
   if (!shares.ok()) return shares.status();
   Result<std::optional<AppealRow>> appeal = store_.judging().AppealOf(row.id);
   if (!appeal.ok()) return appeal.status();
@@ -267,6 +306,8 @@ Result<json::object> AttemptView::DetailJson(const AttemptRow& row) {
   if (!appeal.ok()) return appeal.status();
   Result<json::array> contradictions = ContradictionsJson(row);
   if (!contradictions.ok()) return contradictions.status();
+  Result<json::value> nearness = NearnessJson(row);
+  if (!nearness.ok()) return nearness.status();
   Result<json::array> may = MayDo(row);
   if (!may.ok()) return may.status();
   // Gaps passed at the chair as well.
@@ -278,6 +319,7 @@ Result<json::object> AttemptView::DetailJson(const AttemptRow& row) {
   out->emplace("override", std::move(*overridden));
   out->emplace("appeal", std::move(*appeal));
   out->emplace("contradictions", std::move(*contradictions));
+  out->emplace("nearness", std::move(*nearness));
   out->emplace("may", std::move(*may));
   return out;
 }

@@ -38,10 +38,12 @@ class AttemptView {
   Result<const Exercise*> ExerciseOf(const AttemptRow& row);
   Result<std::string> StationName(const Uuid& id);
   Result<std::pair<std::string, std::string>> ProfileNameAndTitle(const Sha256& content);
+  Result<bool> SharesCohort(const AttemptRow& row);  // with whose work it is
   Result<bool> ScoreVisible(const AttemptRow& row, bool graded);
   Result<boost::json::value> ComparedWithJson(const AttemptRow& row, const Exercise& exercise);
   Result<boost::json::value> OverrideJson(const AttemptRow& row, bool visible);
   Result<boost::json::value> AppealJson(const AttemptRow& row);
+  Result<boost::json::value> NearnessJson(const AttemptRow& row);
   Result<boost::json::array> ContradictionsJson(const AttemptRow& row);
   Result<boost::json::array> MayDo(const AttemptRow& row);
 

@@ -386,6 +386,7 @@ Status SqliteStore::FinishAttempt(const Uuid& attempt, const AttemptResult& resu
     }
     ENAMEL_RETURN_IF_ERROR(KeepResult(db, attempt, result, job));
     ENAMEL_RETURN_IF_ERROR(WaitForTimeline(db, attempt));
+    ENAMEL_RETURN_IF_ERROR(KeepMotion(db, attempt, result));
     return WriteAudit(db, Actor{{}, "job"}, "attempt.score", attempt.Text(), "{}",
                       ScoredJson(result.score_json, result.document));
   });

@@ -92,6 +92,7 @@ Result<std::set<Sha256>> NamedBlobs(Db& db) {
         " UNION SELECT content FROM start_teeth WHERE tenant = ?1 UNION SELECT content FROM "
         "timelines WHERE tenant = ?1 AND content IS NOT NULL";
   }
+  if (schema >= 14) sql += " UNION SELECT content FROM motions WHERE tenant = ?1";
   Query documents(db, sql.c_str());
   ENAMEL_RETURN_IF_ERROR(add(documents, 1));
   Query attempts(db,
@@ -118,8 +119,10 @@ Status DeleteAttempts(Db& db, const std::vector<Uuid>& attempts, std::set<Sha256
     for (earlier.Bind(attempt); earlier.Next();) blobs.insert(earlier.Hash(0));
     ENAMEL_RETURN_IF_ERROR(earlier.status());
     ENAMEL_RETURN_IF_ERROR(DropTimeline(db, attempt, blobs));
+    ENAMEL_RETURN_IF_ERROR(DropMotion(db, attempt, blobs));
     for (const char* sql :
-         {"UPDATE attempts SET reference = NULL WHERE tenant = ?1 AND reference = ?2",
+         {"UPDATE motions SET nearest = NULL WHERE tenant = ?1 AND nearest = ?2",
+          "UPDATE attempts SET reference = NULL WHERE tenant = ?1 AND reference = ?2",
           "UPDATE attempt_results SET reference = NULL WHERE tenant = ?1 AND reference = ?2",
           "DELETE FROM reference_cuts WHERE tenant = ?1 AND attempt = ?2",
           "DELETE FROM attempt_results WHERE tenant = ?1 AND attempt = ?2",

@@ -121,6 +121,7 @@ Status Expire(Db& db, const std::vector<Uuid>& attempts, UnixMs now_ms, std::set
     }
     ENAMEL_RETURN_IF_ERROR(named.status());
     ENAMEL_RETURN_IF_ERROR(DropTimeline(db, attempt, blobs));
+    ENAMEL_RETURN_IF_ERROR(DropMotion(db, attempt, blobs));
     for (const char* sql :
          {"DELETE FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2",
           "DELETE FROM contradicting_chunks WHERE tenant = ?1 AND attempt = ?2"}) {

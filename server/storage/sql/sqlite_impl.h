@@ -154,6 +154,8 @@ class SqliteStore final : public Store {
   Status FlagAttempt(const Uuid& attempt, uint32_t flags, const std::string& reason,
                      const Actor& by, std::optional<int32_t> revision) override;
   Result<std::vector<ContradictionRow>> ContradictionsOf(const Uuid& attempt) override;
+  Result<std::vector<MotionRow>> MotionsBefore(const Uuid& attempt, uint32_t limit) override;
+  Result<std::optional<NearAttempt>> NearestTo(const Uuid& attempt) override;
   Status Rescore(const Uuid& attempt, const std::string& cause, const Actor& by) override;
   Result<AnnotationRow> AddAnnotation(const AnnotationRow& row, const Actor& by) override;
   Result<AnnotationRow> ReplaceAnnotation(const AnnotationRow& row, const Actor& by) override;
@@ -333,6 +335,9 @@ Result<std::set<Sha256>> NamedBlobs(Db& db);
 // the timeline goes, its blob into `blobs`.
 Status WaitForTimeline(Db& db, const Uuid& attempt);
 Status DropTimeline(Db& db, const Uuid& attempt, std::set<Sha256>& blobs);
+// motions.cpp: what a run says of the motion, with its flag; and it goes, its blob into `blobs`.
+Status KeepMotion(Db& db, const Uuid& attempt, const Store::AttemptResult& result);
+Status DropMotion(Db& db, const Uuid& attempt, std::set<Sha256>& blobs);
 // Deletes attempts with all that hangs on them (chunks, evidence, jobs, references); adds the blobs
 // they named to `blobs`. Others' scores that were compared with them stay, without naming them.
 Status DeleteAttempts(Db& db, const std::vector<Uuid>& attempts, std::set<Sha256>& blobs);

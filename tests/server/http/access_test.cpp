@@ -140,6 +140,43 @@ TEST_F(AccessTest, InstructorListsOwnCohortsAndAdminAll) {
   EXPECT_EQ(AttemptIds("root", "?cohort=" + school_.cohort_b.Text()).size(), 1u);
 }
 
+TEST_F(AccessTest, WhoseMotionIsNearIsToldToWhoReviewsBothAlone) {
+  auto near = [&](const Uuid& attempt, const Uuid& other) {
+    auto result = *school_.store->ResultOf(attempt);
+    result.motion = *school_.store->PutAttemptBlob(attempt, AsBytes("motion"));
+    result.near = {other, 7, 12, 900, 1400, true};
+    ASSERT_TRUE(school_.store->FinishAttempt(attempt, result, {}).ok());
+  };
+  near(school_.sams_scored, school_.toms_scored);
+  auto seen = [&](const std::string& login) { return Parsed(By(login).Get(Scored())); };
+  const boost::json::value root = seen("root"), ada = seen("ada"), sam = seen("sam");
+  EXPECT_EQ(boost::json::serialize(root.at("flags")), R"(["near_another"])");
+  EXPECT_EQ(std::string(root.at("nearness").at("attempt_id").as_string()),
+            school_.toms_scored.Text());
+  EXPECT_EQ(root.at("nearness").at("person").at("display_name"), "Person tom");
+  EXPECT_EQ(root.at("nearness").at("nearest_mm").to_number<double>(), 0.012);
+  EXPECT_EQ(root.at("nearness").at("others").to_number<int>(), 7);
+  // Of tom's cohort she teaches nobody.
+  EXPECT_EQ(boost::json::serialize(ada.at("flags")), R"(["near_another"])");
+  EXPECT_TRUE(ada.at("nearness").at("attempt_id").is_null());
+  EXPECT_TRUE(ada.at("nearness").at("person").is_null());
+  EXPECT_EQ(ada.at("nearness").at("median_mm").to_number<double>(), 0.9);
+  // Whose work it is learns of nothing, not by asking for it either.
+  ASSERT_EQ(By("ada").Judge("POST", Scored(), "/release").status, 204);
+  EXPECT_TRUE(sam.at("nearness").is_null());
+  EXPECT_TRUE(seen("sam").at("nearness").is_null());
+  EXPECT_TRUE(seen("sam").at("flags").as_array().empty());
+  EXPECT_EQ(By("sam").Get("/api/v1/attempts?flag=near_another").status, 403);
+  const boost::json::value listed = Parsed(By("sam").Get("/api/v1/attempts"));
+  EXPECT_EQ(boost::json::serialize(listed).find("near_another"), std::string::npos);
+  EXPECT_EQ(AttemptIds("ada", "?flag=near_another"),
+            std::vector<std::string>{school_.sams_scored.Text()});
+  // And of the other, whoever reviews both: sue's and sam's are ada's.
+  const Uuid sues = school_.ScoredAttempt(school_.sue);
+  near(school_.sams_scored, sues);
+  EXPECT_EQ(std::string(seen("ada").at("nearness").at("attempt_id").as_string()), sues.Text());
+}
+
 TEST_F(AccessTest, PagesFollowEachOtherWithoutGapOrRepeat) {
   std::vector<std::string> seen;
   std::string query = "?limit=1";
