@@ -190,15 +190,23 @@ function releaseAssignment({ world, id }) {
 const isHidden = (world, row) => !row.released && (row.exam || byId(world.exercises, row.exercise.id)?.graded === true);
 
 function visible(world, person, { override: _override, appeal: _appeal, runs: _runs, stopped: _stopped, ...row }) {
-  return person.role === "student" && isHidden(world, row) ? { ...row, score: null, computed_score: null, critical_fail: null } : row;
+  const told = person.role === "student" ? { ...row, flags: row.flags.filter((flag) => flag !== "near_another") } : row;
+  return person.role === "student" && isHidden(world, row) ? { ...told, score: null, computed_score: null, critical_fail: null } : told;
 }
 
 function detail(world, person, row) {
   const hidden = person.role === "student" && isHidden(world, row);
   return {
     ...visible(world, person, row), duration_s: row.ticks / 1000, time_limit_s: 600, reference: row.state === "scored" && !hidden ? referenceDetail : null,
-    override: hidden ? null : row.override, appeal: row.appeal, contradictions: [],
+    override: hidden ? null : row.override, appeal: row.appeal, contradictions: [], nearness: nearness(world, person, row),
     may: actionsOf(person, row) };
+}
+
+// The motion flagged near_another lies near the first attempt's of the same exercise by somebody else.
+function nearness(world, person, row) {
+  if (person.role === "student" || !row.flags.includes("near_another")) return null;
+  const other = world.attempts.find(({ id, exercise, person: whose }) => id !== row.id && exercise.id === row.exercise.id && whose.id !== row.person.id);
+  return { attempt_id: other?.id ?? null, person: other?.person ?? null, others: 12, nearest_mm: 0.018, median_mm: 0.94, size_mm: 1.32, worth_a_look: true };
 }
 
 function actionsOf(person, row) {

@@ -68,7 +68,7 @@ function makeAttempts(world, { student, second, instructor }) {
   const older = Array.from({ length: 55 }, (_, i) => attemptRow(200 + i, second, 1, {
     ticketed_ms: kStartMs - (i + 1) * kDayMs, released: true, score: Math.round((90 - i * 0.8) * 10) / 10, assignment_id: id(501) }));
   const crowd = world.people.slice(5, 23).map((person, i) => attemptRow(600 + i, person, 0, {
-    ...graded, score: 55 + ((i * 17) % 45), released: i % 3 === 0, ticketed_ms: kStartMs - i * kMinuteMs, flags: i === 4 ? ["late"] : i === 6 ? ["faster_than_time"] : [], stopped: i === 5 }));
+    ...graded, score: 55 + ((i * 17) % 45), released: i % 3 === 0, ticketed_ms: kStartMs - i * kMinuteMs, flags: i === 4 ? ["late"] : i === 6 ? ["faster_than_time", "near_another"] : [], stopped: i === 5 }));
   const recording = (number, person, place) => attemptRow(number, person, 1, {
     state: "recording", ...unscored, station: { id: id(place), name: `Station ${place - 29}` }, sealed_ms: 0, ticks: 12_000 });
   return [

@@ -14,6 +14,7 @@ export const teachingFlows = [
   { name: "an assignment's attempts are graded one after the other", run: grading },
   { name: "several attempts are released together, and that is undone", run: bulkRelease },
   { name: "an assignment is graded by keyboard", run: gradingByKeys },
+  { name: "a motion near another's shows which, with its figures", run: nearAnother },
   { name: "attempts are narrowed by exercise, state, flag and appeal", run: narrow },
   { name: "stations in use are seen live, and one is watched until it ends", run: live },
   { name: "a reference is withdrawn", run: withdrawReference },
@@ -202,6 +203,18 @@ async function stoppedEarly(world) {
 
 const gradingPath = `/grading?assignment=${id(500)}`;
 const namesIn = (page) => page.locator("table.grading tbody th").allInnerTexts();
+
+async function nearAnother(world) {
+  const page = await signedIn(world, "instructor", `/attempts/${id(606)}`);
+  const card = page.locator(".card", { hasText: "It proves nothing and costs no points" });
+  await card.waitFor();
+  assert.match(await card.innerText(), /within 0\.02\s?mm of how it went in an earlier attempt of .+\. Of 12 motions .+ 0\.94\s?mm away/);
+  await accessible(page, "a motion near another's");
+  await card.scrollIntoViewIfNeeded();
+  await page.screenshot({ path: world.picture("near_another") });
+  await card.getByRole("link").click();
+  await page.waitForURL((url) => !url.pathname.endsWith(id(606)));
+}
 
 async function grading(world) {
   const page = await signedIn(world, "instructor", "/grading");

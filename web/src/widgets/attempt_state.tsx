@@ -54,10 +54,11 @@ export const kFlagTexts: Readonly<Record<AttemptFlag, StateText>> = {
   returned: { title: "Ticket handed back", tone: "neutral" },
   other_hand: { title: "Hand not admitted", tone: "bad" },
   contradicted: { title: "Contradicting parts", tone: "bad" },
+  near_another: { title: "Motion near another's", tone: "warning" },
 };
 
 // How a station ran is for who judges the attempt: a student can do nothing about it.
-const kForStaff: readonly AttemptFlag[] = ["faster_than_time", "contradicted", "readmitted"];
+const kForStaff: readonly AttemptFlag[] = ["faster_than_time", "contradicted", "readmitted", "near_another"];
 
 // The flags that are shown, in the API's order.
 export function shownFlags(flags: readonly AttemptFlag[], staff: boolean): readonly AttemptFlag[] {

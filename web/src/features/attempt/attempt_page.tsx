@@ -9,7 +9,7 @@ import { useRefresh } from "../../api/use_refresh";
 import { unreachable } from "../../base/assert";
 import { momentOf, momentQuery } from "../../base/moment_link";
 import { placeInQueue } from "../../base/queue";
-import { formatDateTime } from "../../base/format";
+import { formatDateTime, formatQuantity, plural } from "../../base/format";
 import { Flags, isUnderWay, StateBadge, stoppedEarly } from "../../widgets/attempt_state";
 import { Card, ErrorNotice, Loading, Notice, PageTitle, Progress } from "../../widgets/basics";
 import { KeysHelp, useKeys } from "../../widgets/keys";
@@ -163,6 +163,7 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, onChanged, onDone,
         <div class="stack">
           <RecordingPanel attempt={attempt} score={scored} />
           <Contradictions chunks={attempt.contradictions} />
+          <Nearness near={attempt.nearness} />
           {scored !== undefined && <RunsPanel client={client} requestKey={key} attemptId={id} />}
         </div>
         <div class="stack">
@@ -191,6 +192,22 @@ function Contradictions({ chunks }: { readonly chunks: AttemptDetail["contradict
     <Card title="Contradicting parts">
       <p>These parts of the recording came again with another content. The first of each is part of the recording, the others are kept as evidence.</p>
       <ul>{chunks.map((chunk) => <li key={chunk.sha256}>Chunk {chunk.seq}, {formatDateTime(chunk.received_ms)}: <code>{chunk.sha256.slice(0, 16)}…</code></li>)}</ul>
+    </Card>
+  );
+}
+
+// Of a motion that lies near an earlier one's, for who reviews the attempt: what was found, and no verdict.
+function Nearness({ near }: { readonly near: AttemptDetail["nearness"] }) {
+  if (near === null || !near.worth_a_look) return null;
+  const mm = (value: number) => formatQuantity(value, "mm");
+  const whose = near.person === null ? "an earlier attempt, of somebody you do not review" : `an earlier attempt of ${near.person.display_name}`;
+  return (
+    <Card title="Motion near another's">
+      <p>
+        The bur went on the mean within {mm(near.nearest_mm)} of how it went in {near.attempt_id === null ? whose : <a href={`/attempts/${near.attempt_id}`}>{whose}</a>}.
+        {" "}Of {plural(near.others, "motion", "motions")} at this exercise the middle one is {mm(near.median_mm)} away; this one is {mm(near.size_mm)} large.
+      </p>
+      <p class="hint">It proves nothing and costs no points: look at both. Students are not told.</p>
     </Card>
   );
 }
