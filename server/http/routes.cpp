@@ -113,6 +113,7 @@ const std::array kRoutes = {
     Route{Method::kGet, "/api/v1/attempts/{id}/score", Need::kPerson, Given<&GetScore>()},
     Route{Method::kGet, "/api/v1/attempts/{id}/surface", Need::kPerson, Given<&GetSurface>()},
     Route{Method::kGet, "/api/v1/attempts/{id}/timeline", Need::kPerson, Given<&GetTimeline>()},
+    Route{Method::kGet, "/api/v1/attempts/{id}/deviation", Need::kPerson, Given<&GetDeviation>()},
     Route{Method::kGet, "/api/v1/start-teeth/{name}", Need::kPerson, Given<&GetStartTooth>()},
     Route{Method::kGet, "/api/v1/attempts/{id}/series", Need::kPerson, Given<&GetSeries>()},
     Route{Method::kGet, "/api/v1/attempts/{id}/live", Need::kInstructor, Given<&GetLive>()},

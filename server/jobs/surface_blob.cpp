@@ -1,11 +1,13 @@
 #include "server/jobs/surface_blob.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
 
 #include "common/base/check.h"
+#include "common/timeline/deviation.h"
 
 namespace enamel::server {
 namespace {
@@ -13,7 +15,7 @@ namespace {
 constexpr uint16_t kVersion = 1;
 constexpr uint16_t kHasDeviation = 1;
 constexpr double kMm = 1e3;
-
+constexpr float kMostMm = 1000;
 // Where the 16-bit positions start and how far apart they are, exactly as the file says.
 struct Frame {
   glm::vec3 origin_mm{0};
@@ -56,6 +58,15 @@ void WritePositions(const surface::Mesh& mesh, const Frame& frame, ByteWriter& o
   Pad(out);
 }
 
+// Which cell a vertex was made in, along one axis. It lies on its cell's border only where a sample
+// is exactly on the surface; such a sample counts as air, so the cell is on the solid's side. Of
+// what lies nearer to a border than positions are rounded by some are put beside their cell.
+int CellAlong(double voxels, int normal, double rounding) {
+  const double border = std::round(voxels);
+  if (std::abs(voxels - border) > rounding) return static_cast<int>(std::floor(voxels));
+  return static_cast<int>(border) - (normal > 0 ? 1 : 0);
+}
+
 }  // namespace
 
 Bytes EncodeSurface(const surface::Mesh& mesh, std::span<const float> deviation_m) {
@@ -84,6 +95,47 @@ Bytes EncodeSurface(const surface::Mesh& mesh, std::span<const float> deviation_
     for (uint32_t v : triangle) out.U32(v);
   }
   return out.Take();
+}
+
+Result<Bytes> DeviationOfSurface(ByteView surface, const cutting::GridSpec& spec) {
+  ByteReader in(surface);
+  const bool is_surface = AsText(in.Raw(4)) == "ENSF" && in.U16() == kVersion;
+  const uint16_t flags = in.U16();
+  const size_t vertices = in.U32();
+  in.U32();  // triangles
+  std::array<float, 4> frame;
+  for (float& value : frame) value = std::bit_cast<float>(in.U32());
+  if (!is_surface || !in.ok()) {
+    return Status(Code::kInvalidInput, "expected a surface of version 1, found other bytes");
+  }
+  if (!(flags & kHasDeviation)) {
+    return Status(Code::kNotFound, "this attempt was compared with no reference");
+  }
+  const auto padded = [&](size_t size) { return in.Raw((size + 3) / 4 * 4); };
+  ByteReader position(padded(6 * vertices)), normal(in.Raw(4 * vertices));
+  padded(vertices);  // tissues
+  ByteReader deviation(in.Raw(4 * vertices));
+  if (!in.ok()) {
+    return Status(Code::kInvalidInput, "the surface ends early: the file was cut off");
+  }
+  timeline::Deviation out;
+  out.spec = spec;
+  const dvec3 origin_mm = spec.origin_m() * kMm;
+  const double voxel_mm = spec.voxel_m() * kMm;
+  for (size_t v = 0; v < vertices; ++v) {
+    ivec3 cell;
+    for (int i = 0; i < 3; ++i) {
+      const double p_mm = frame[static_cast<size_t>(i)] + double{frame[3]} * position.U16();
+      cell[i] = CellAlong((p_mm - origin_mm[i]) / voxel_mm, static_cast<int8_t>(normal.U8()),
+                          frame[3] / voxel_mm);
+    }
+    normal.U8();
+    const float mm = std::bit_cast<float>(deviation.U32());
+    if (!std::isfinite(mm)) continue;
+    out.cells.push_back(
+        {cell, static_cast<int32_t>(std::lround(std::clamp(mm, -kMostMm, kMostMm) * 1000))});
+  }
+  return timeline::EncodeDeviation(out);
 }
 
 }  // namespace enamel::server

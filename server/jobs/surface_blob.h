@@ -3,6 +3,8 @@
 #include <span>
 
 #include "common/base/bytes.h"
+#include "common/base/result.h"
+#include "common/cutting/volume.h"
 #include "common/surface/surface.h"
 
 namespace enamel::server {
@@ -13,5 +15,10 @@ namespace enamel::server {
 // mm. Deterministic. Thread safety: a function, any thread. Requires: fewer than 2^32 vertices and
 // triangles.
 Bytes EncodeSurface(const surface::Mesh& mesh, std::span<const float> deviation_m = {});
+
+// The deviation in such a surface by the cells of the grid that it was made from: format "ENDV"
+// (schemas/surface_timeline.md), a hundredth of the bytes. Errors: kNotFound when it has no
+// deviation; kInvalidInput when it is no surface. Thread safety: a function, any thread.
+Result<Bytes> DeviationOfSurface(ByteView surface, const cutting::GridSpec& spec);
 
 }  // namespace enamel::server

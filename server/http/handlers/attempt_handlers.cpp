@@ -1,6 +1,7 @@
 #include <boost/json.hpp>
 
 #include "common/scene/json/json.h"
+#include "common/timeline/timeline.h"
 #include "server/http/error_response.h"
 #include "server/http/etag.h"
 #include "server/http/handlers/attempt_view.h"
@@ -11,6 +12,7 @@
 #include "server/http/paging.h"
 #include "server/http/query.h"
 #include "server/http/site.h"
+#include "server/jobs/surface_blob.h"
 #include "server/training/access.h"
 #include "server/training/ticket_rules.h"
 
@@ -111,6 +113,21 @@ Response BlobResponse(const Call& call, Parts<ContentStore, TeachingStore, Attem
   return response;
 }
 
+// Errors: kUnavailable while it is being made, kNotFound when it could not be.
+Result<Sha256> TimelineContent(const Uuid& attempt, Parts<TimelineStore> store) {
+  ENAMEL_ASSIGN_OR_RETURN(const TimelineRow row, store.timelines().TimelineOf(attempt));
+  if (row.waits) {
+    return Status{Code::kUnavailable,
+                  "the playback of this attempt is being made; scores that people "
+                  "wait for go first. Try again in a few minutes"};
+  }
+  if (row.content.IsZero()) {
+    return Status{Code::kNotFound, "the playback of this attempt could not be made: " +
+                                       row.problem + "; scoring the attempt again tries again"};
+  }
+  return row.content;
+}
+
 class LiveEvents final : public EventSource {
  public:
   LiveEvents(const Call& call, Parts<TeachingStore, AttemptStore> store,
@@ -187,21 +204,38 @@ Response GetTimeline(const Call& call,
                      Parts<ContentStore, TeachingStore, AttemptStore, TimelineStore> store) {
   Result<Store::AttemptResult> result = SeeResult(call, store, true);
   if (!result.ok()) return ErrorResponse(result.status());
-  Result<TimelineRow> row = store.timelines().TimelineOf(call.id);
-  if (!row.ok()) return ErrorResponse(row.status());
-  if (row->waits) {
-    return ErrorResponse({Code::kUnavailable,
-                          "the playback of this attempt is being made; scores that people "
-                          "wait for go first. Try again in a few minutes"});
-  }
-  if (row->content.IsZero()) {
-    return ErrorResponse(
-        {Code::kNotFound, "the playback of this attempt could not be made: " + row->problem +
-                              "; scoring the attempt again tries again"});
-  }
+  Result<Sha256> content = TimelineContent(call.id, store);
+  if (!content.ok()) return ErrorResponse(content.status());
   // Not to be kept by the browser: it shows how a person moved.
-  return KeptResponse(call.request, {row->content, "application/octet-stream", ""},
-                      [&] { return store.content().GetBlob(row->content); });
+  return KeptResponse(call.request, {*content, "application/octet-stream", ""},
+                      [&] { return store.content().GetBlob(*content); });
+}
+
+// Of the surface that the score was computed with, on the timeline's grid.
+Response GetDeviation(const Call& call,
+                      Parts<ContentStore, TeachingStore, AttemptStore, TimelineStore> store) {
+  Result<Store::AttemptResult> result = SeeResult(call, store, true);
+  if (!result.ok()) return ErrorResponse(result.status());
+  Result<Sha256> content = TimelineContent(call.id, store);
+  if (!content.ok()) return ErrorResponse(content.status());
+  Result<Bytes> timeline = store.content().GetBlob(*content);
+  Result<Bytes> surface = store.content().GetBlob(result->surface);
+  const auto damage = [](const Status& status) {
+    return ErrorResponse(Status{Code::kInternal, status.message()});
+  };
+  if (!timeline.ok()) return damage(timeline.status());
+  if (!surface.ok()) return damage(surface.status());
+  Result<timeline::Head> head = timeline::DecodeHead(*timeline);
+  if (!head.ok()) return damage(head.status());
+  Result<Bytes> deviation = DeviationOfSurface(*surface, head->spec);
+  if (!deviation.ok()) {
+    return deviation.status().code() == Code::kNotFound ? ErrorResponse(deviation.status())
+                                                        : damage(deviation.status());
+  }
+  Response response;
+  response.content_type = "application/octet-stream";
+  response.body = AsText(*deviation);
+  return response;
 }
 
 // Anybody who is signed in: it is nobody's, and its name is told with what begins with it.

@@ -83,6 +83,8 @@ Response GetScore(const Call& call, Parts<ContentStore, TeachingStore, AttemptSt
 Response GetSurface(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
 Response GetTimeline(const Call& call,
                      Parts<ContentStore, TeachingStore, AttemptStore, TimelineStore> store);
+Response GetDeviation(const Call& call,
+                      Parts<ContentStore, TeachingStore, AttemptStore, TimelineStore> store);
 Response GetStartTooth(const Call& call, Parts<BlobStore, TimelineStore> store);
 Response GetSeries(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
 Response GetLive(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);

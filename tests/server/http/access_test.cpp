@@ -2,6 +2,8 @@
 
 #include <map>
 
+#include "common/timeline/deviation.h"
+#include "common/timeline/timeline.h"
 #include "tests/server/http/running_server.h"
 
 // Who gets what: person × route, over the wire.
@@ -242,7 +244,29 @@ TEST_F(AccessTest, ReferenceIsRefusedUnlessTheDentistIsSaidToAgree) {
 TEST_F(AccessTest, SurfaceIsServedAsItWasStored) {
   RawResponse surface = By("ada").Get(Scored("/surface"));
   EXPECT_EQ(surface.headers["content-type"], "application/octet-stream");
-  EXPECT_EQ(surface.body, "ENSF");
+  EXPECT_EQ(surface.body.substr(0, 4), "ENSF");
+}
+
+TEST_F(AccessTest, DeviationIsOfTheSurfaceOnTheTimelinesGrid) {
+  RawResponse waits = By("ada").Get(Scored("/deviation"));
+  EXPECT_EQ(waits.status, 503) << waits.body;
+  timeline::Head head;
+  head.spec.bricks = ivec3(4);
+  head.spec.voxel_nm = 100'000;
+  head.rate_hz = head.frame_ticks = head.segment_frames = 1;
+  Store& store = *school_.store;
+  const Sha256 content = *store.PutAttemptBlob(school_.sams_scored, timeline::EncodeHead(head));
+  ASSERT_TRUE(store.PutTimeline(school_.sams_scored, content).ok());
+  RawResponse found = By("ada").Get(Scored("/deviation"));
+  ASSERT_EQ(found.status, 200) << found.body;
+  EXPECT_EQ(found.headers["cache-control"], "no-store");
+  auto deviation = timeline::DecodeDeviation(AsBytes(found.body));
+  ASSERT_TRUE(deviation.ok()) << deviation.status().message();
+  EXPECT_EQ(deviation->spec.bricks, head.spec.bricks);
+  // The point of the school's surface, at 1 mm along each axis; the solid is below it.
+  ASSERT_EQ(deviation->cells.size(), 1u);
+  EXPECT_EQ(deviation->cells[0].cell.z, 9);
+  EXPECT_EQ(deviation->cells[0].deviation_um, 300);
 }
 
 TEST_F(AccessTest, TimelineIsToldToBeInTheMakingAndThenServedInRanges) {

@@ -12,6 +12,7 @@
 #include "common/base/hex.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"
+#include "common/timeline/timeline.h"
 #include "server/http/api.h"
 #include "server/http/etag.h"
 #include "server/http/routes.h"
@@ -156,6 +157,7 @@ const Line kLines[] = {
     {"GET /api/v1/attempts/{id}",               "attempt",        "",                                    "401 200 404 404 200 404 200 200 401 403"},
     {"GET /api/v1/attempts/{id}/score",         "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
     {"GET /api/v1/attempts/{id}/surface",       "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
+    {"GET /api/v1/attempts/{id}/deviation",     "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
     {"GET /api/v1/attempts/{id}/timeline",      "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
     {"GET /api/v1/start-teeth/{name}",          "start tooth",    "",                                    "401 200 200 200 200 200 200 200 401 403"},
     {"GET /api/v1/attempts/{id}/series",        "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
@@ -263,7 +265,11 @@ class Template {
     const Sha256 tooth = *store.PutBlob(AsBytes("ENTB"));
     EXPECT_TRUE(store.PutStartTooth(*store.PutBlob(AsBytes("volume")), tooth).ok());
     things["start tooth"] = tooth.Hex();
-    const Sha256 timeline = *store.PutAttemptBlob(school.sams_scored, AsBytes("ENTL"));
+    timeline::Head head;
+    head.spec.bricks = ivec3(1);
+    head.spec.voxel_nm = 100'000;
+    head.rate_hz = head.frame_ticks = head.segment_frames = 1;
+    const Sha256 timeline = *store.PutAttemptBlob(school.sams_scored, timeline::EncodeHead(head));
     EXPECT_TRUE(store.PutTimeline(school.sams_scored, timeline).ok());
     things["recording"] = school.sams_recording.Text();
     bodies["PASSWORD"] = kPassword;

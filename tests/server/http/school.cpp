@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <chrono>
 
 #include "common/scene/json/json.h"
 #include "common/scoring/score.h"
 #include "common/trace/trace.h"
+#include "server/jobs/surface_blob.h"
 
 namespace enamel::server::http {
 namespace {
@@ -171,7 +173,11 @@ Uuid School::ScoredAttempt(const Uuid& person, const Change& change) {
   result.score = score.score;
   result.score_json = Must(store->PutBlob(AsBytes(scoring::ToJson(score))));
   result.final_volume = Must(store->PutBlob(AsBytes("volume")));
-  result.surface = Must(store->PutBlob(AsBytes("ENSF")));
+  surface::Mesh point;
+  point.position_m = {glm::vec3(1e-3f)};
+  point.normal = {glm::vec3(0, 0, 1)};
+  point.tissue = {1};
+  result.surface = Must(store->PutBlob(EncodeSurface(point, std::array{0.3e-3f})));
   result.series = Must(store->PutBlob(AsBytes("{}")));
   Must(store->FinishAttempt(id, result, {}));
   return id;

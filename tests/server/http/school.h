@@ -18,7 +18,7 @@ inline constexpr char kPassword[] = "correct horse battery";
 struct School {
   School();
 
-  // A sealed and scored attempt of the person; its blobs are `{...}` score, "ENSF" surface, `{}`
+  // A sealed and scored attempt of the person; its blobs are `{...}` score, a surface of one point, `{}`
   // series.
   // `change` may give its row other terms.
   using Change = std::function<void(AttemptRow&)>;
