@@ -28,6 +28,9 @@ export const flows = [
   { name: "slider, plot and remarks share one axis of time", anywhere: false, run: oneTimeAxis },
   { name: "a link opens the same moment from the same side", anywhere: false, run: momentLink },
   { name: "tooth, timeline and plot are seen together without scrolling", anywhere: false, run: oneViewport },
+  { name: "an attempt is played back by keys, wherever the focus is", anywhere: false, run: playbackKeys },
+  { name: "an address with a moment beyond the end shows the end and says so", anywhere: false, run: momentBeyondTheEnd },
+  { name: "a tooth is cut open along four planes", anywhere: false, run: section },
   { name: "an instructor marks an attempt as the reference", anywhere: false, run: markReference },
   { name: "gaps and a replay that disagrees are said plainly", anywhere: false, run: disturbedRecording },
   ...["student", "instructor", "admin"].map((role) => ({
@@ -166,8 +169,10 @@ async function momentLink(world) {
   const path = "/attempts/00000000-0000-7000-8000-000000000105";
   const page = await signedIn(world, "instructor", path);
   await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
+  await page.locator(".playback").waitFor();
   await page.getByLabel("Time in the attempt").fill("700");
   await page.getByRole("button", { name: "Buccal", exact: true }).click();
+  await page.locator('.playback[data-shown="168"]').waitFor();
   // Before the address takes a row of its own, which moves the picture by a fraction of a pixel.
   const before = await page.locator(".tooth-frame canvas").screenshot();
   await page.getByRole("button", { name: "Link to this moment" }).click();
@@ -176,11 +181,92 @@ async function momentLink(world) {
   await page.goto(link);
   await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
   await page.waitForFunction(() => document.querySelector("#timeline")?.value === "700");
+  await page.locator('.playback[data-shown="168"]').waitFor();
   // The address has four decimals: edges may fall a pixel aside.
   const apart = differing(before, await page.locator(".tooth-frame canvas").screenshot());
   assert.ok(apart < 0.01, `${apart} of the picture differs`);
   await page.getByRole("button", { name: "Mesial", exact: true }).click();
   assert.ok(differing(before, await page.locator(".tooth-frame canvas").screenshot()) > 0.02, "another side is another picture");
+}
+
+// Of the mock's attempt of 43.2 seconds, in frames of a tenth.
+async function playbackKeys(world) {
+  const page = await signedIn(world, "student", "/attempts/00000000-0000-7000-8000-000000000105?t=30");
+  const at = (frames) => page.locator(`.playback[data-shown="${frames}"]`).waitFor();
+  await at(300);
+  await page.locator(".playback-time", { hasText: "0:30.0" }).waitFor();
+  await page.keyboard.press(".");
+  await at(301);
+  await page.keyboard.press("j");
+  await at(251);
+  await page.keyboard.press("End");
+  await at(432);
+  await page.keyboard.press("Home");
+  await at(0);
+  // On a button, on the tooth and on a choice they act as well; there the arrows are the tooth's and the choice's own.
+  await page.getByRole("button", { name: "Print" }).focus();
+  await page.keyboard.press("l");
+  await at(50);
+  await page.locator(".tooth-frame").focus();
+  await page.keyboard.press("ArrowRight");
+  await page.keyboard.press("L");
+  await at(100);
+  await page.locator(".playback-speed select").focus();
+  await page.keyboard.press("l");
+  await at(150);
+  await page.locator("body").click({ position: { x: 5, y: 300 } });
+  await page.keyboard.press("ArrowLeft");
+  await at(149);
+  await page.keyboard.press("[");
+  await page.keyboard.press("l");
+  await at(199);
+  await page.keyboard.press("]");
+  await page.getByText("Played again from 0:14.9 to 0:19.9").waitFor({ state: "attached" });
+  await accessible(page, "a loop");
+  await page.screenshot({ path: world.picture("loop") });
+  await page.keyboard.press("\\");
+  await page.locator(".playback-loop").waitFor({ state: "detached" });
+  await page.keyboard.press("Space");
+  await page.getByRole("button", { name: "Pause", exact: true }).waitFor();
+  await page.keyboard.press("k");
+  await page.getByRole("button", { name: "Play", exact: true }).waitFor();
+  await page.keyboard.press("?");
+  const help = await page.getByRole("dialog").innerText();
+  for (const what of ["Play and pause", "5 seconds back", "One frame on", "Play again from here (A)", "Faster", "To the end"]) assert.ok(help.includes(what), what);
+  await accessible(page, "the list of keys");
+  // In a text they are letters.
+  const teacher = await signedIn(world, "instructor", "/attempts/00000000-0000-7000-8000-000000000105?t=20");
+  await teacher.locator('.playback[data-shown="200"]').waitFor();
+  await teacher.getByLabel(/New remark/).pressSequentially("jkl. [");
+  assert.equal(await teacher.getByLabel(/New remark/).inputValue(), "jkl. [");
+  assert.equal(await teacher.locator(".playback").getAttribute("data-shown"), "200");
+}
+
+async function momentBeyondTheEnd(world) {
+  const page = await signedIn(world, "student", "/attempts/00000000-0000-7000-8000-000000000105?t=90");
+  await page.getByText("The address names 1:30.0, but the attempt ends at 0:43.2: its end is shown.").waitFor();
+  await page.locator('.playback[data-shown="432"]').waitFor();
+  await accessible(page, "a moment beyond the end");
+}
+
+async function section(world) {
+  const page = await signedIn(world, "student", "/attempts/00000000-0000-7000-8000-000000000105");
+  await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
+  await page.getByRole("button", { name: "Cavity", exact: true }).click();
+  const picture = () => page.locator(".tooth-frame canvas").screenshot();
+  const whole = await picture();
+  for (const [across, name] of [["y", "mesio-distal"], ["x", "bucco-lingual"], ["z", "horizontal"], ["view", "along"]]) {
+    await page.getByLabel("Section", { exact: true }).selectOption(across);
+    const cut = await picture();
+    assert.ok(differing(whole, cut) > 0.02, `the ${name} section shows`);
+    await page.getByLabel("Place of the section").fill("25");
+    assert.ok(differing(cut, await picture()) > 0.005, `the ${name} section moves`);
+    await page.screenshot({ path: world.picture(`section_${across}`) });
+  }
+  await page.getByRole("button", { name: "Other side" }).click();
+  await accessible(page, "a section");
+  await page.getByLabel("Section", { exact: true }).selectOption("");
+  assert.ok(differing(whole, await picture()) < 0.01, "and it is whole again");
 }
 
 // The share of pixels that differ clearly.
@@ -297,13 +383,15 @@ async function playsBack(world) {
   assert.equal(await position.inputValue(), last, "it begins with the tooth at the end");
   const end = await canvas.screenshot();
   await position.fill("0");
-  await page.waitForFunction(() => document.querySelector(".playback-time").innerText === "0.0 s");
-  await page.getByText("Enamel").first().waitFor();
+  await page.waitForFunction(() => document.querySelector(".playback-time").innerText === "0:00.0");
+  await page.locator('.playback[data-shown="0"]').waitFor();
   const start = await canvas.screenshot();
   assert.ok(!start.equals(end), "the tooth is the one before");
   await bar.getByRole("button", { name: "One frame on" }).click();
-  await page.waitForFunction(() => document.querySelector(".playback-time").innerText === "0.1 s");
-  assert.ok(!(await canvas.screenshot()).equals(start), "a frame on, something is cut and the bur is there");
+  await page.waitForFunction(() => document.querySelector(".playback-time").innerText === "0:00.1");
+  await position.fill("300");
+  await page.locator('.playback[data-shown="300"]').waitFor();
+  assert.ok(!(await canvas.screenshot()).equals(start), "something is cut and the bur is elsewhere");
   await page.screenshot({ path: world.picture("playback"), fullPage: true });
   await accessible(page, "an attempt that is played back");
   await bar.getByLabel("Speed").selectOption("0.25");
@@ -319,7 +407,7 @@ async function playsBack(world) {
   await bar.getByRole("button", { name: "Play", exact: true }).waitFor();
   await page.locator(".tooth-frame").focus();
   await page.keyboard.press("j");
-  await page.waitForFunction(() => document.querySelector(".playback input").value === "0");
+  await page.waitForFunction(() => document.querySelector(".playback input").value === "382");
 }
 
 async function narrowAndDark(world) {

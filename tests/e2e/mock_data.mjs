@@ -119,11 +119,15 @@ export function scoreOf(row) {
   };
 }
 
+const kSeriesSteps = 1800;
+const kStepTicks = 24;
+export const seriesEndS = () => kSeriesSteps * kStepTicks / 1000;
+
 /** @returns {Schemas["Series"]} */
 export function seriesOf() {
-  const steps = 1800;
+  const steps = kSeriesSteps;
   const random = seeded(7);
-  const series = { rate_hz: 1000, step_ticks: 24, t_s: numbers(), force_n: numbers(), force_mean_n: numbers(), bound_n: numbers(),
+  const series = { rate_hz: 1000, step_ticks: kStepTicks, t_s: numbers(), force_n: numbers(), force_mean_n: numbers(), bound_n: numbers(),
                    removed_mm3: numbers(), removed_by_tissue: { enamel: numbers(), dentin: numbers() },
                    anchor_mm: /** @type {[number, number, number][]} */ ([]) };
   let removed = 0;
@@ -135,7 +139,7 @@ export function seriesOf() {
     const mean = contact ? Math.max(0.05, 0.72 + 0.35 * Math.sin(share * 21) + 1.4 * drift) : 0.01;
     const largest = mean * (1.1 + 0.35 * random());
     removed += contact ? (24.73 / (steps * 0.86)) * (0.7 + 0.6 * random()) : 0;
-    series.t_s.push(Math.round(i * 24) / 1000);
+    series.t_s.push(Math.round(i * kStepTicks) / 1000);
     series.force_n.push(round(largest));
     series.force_mean_n.push(round(mean));
     series.bound_n.push(7.9);

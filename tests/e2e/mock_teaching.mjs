@@ -1,6 +1,6 @@
 // Exercises, assignments and attempts of the mock server.
-import { readFileSync } from "node:fs";
-import { referenceDetail, scoreOf, seriesOf } from "./mock_data.mjs";
+import { referenceDetail, scoreOf, seriesEndS, seriesOf } from "./mock_data.mjs";
+import { mockPlayback } from "./mock_timeline.mjs";
 import { conflict, edit, empty, forbidden, invalid, json, notFound, page, refusal, tagged, unseen } from "./mock_reply.mjs";
 import { toothSurface } from "./mock_tooth.mjs";
 import { newId } from "./mock_world.mjs";
@@ -258,17 +258,17 @@ function toothReply(world, name, options) {
   return { status: 200, body: world.surfaces.get(name), headers: { "Content-Type": "application/octet-stream", "Cache-Control": "no-store" } };
 }
 
-// The golden playback, whatever the attempt: a ball that is cut.
-const golden = (name) => readFileSync(new URL(`../../schemas/golden/surface_timeline.${name}`, import.meta.url));
+const playback = () => mockPlayback(seriesEndS());
 
 function timeline(_row, { request }) {
-  const bytes = golden("entl");
+  const bytes = playback().timeline;
   const [, from, to] = /^bytes=(\d+)-(\d+)$/.exec(request.headers.range ?? "") ?? [];
-  const headers = { "Content-Type": "application/octet-stream", "Cache-Control": "no-store", ETag: '"golden"' };
+  const headers = { "Content-Type": "application/octet-stream", "Cache-Control": "no-store", ETag: '"mock"' };
   return from === undefined ? { status: 200, body: bytes, headers } : { status: 206, body: bytes.subarray(Number(from), Number(to) + 1), headers };
 }
 
-const startTooth = () => ({ status: 200, body: golden("entb"), headers: { "Content-Type": "application/octet-stream", "Cache-Control": "private, max-age=31536000, immutable" } });
+const deviation = () => ({ status: 200, body: playback().deviation, headers: { "Content-Type": "application/octet-stream", "Cache-Control": "no-store" } });
+const startTooth = () => ({ status: 200, body: playback().start, headers: { "Content-Type": "application/octet-stream", "Cache-Control": "private, max-age=31536000, immutable" } });
 
 function override(row, { world, person, body }) {
   if (!(body.score >= 0 && body.score <= 100)) return invalid("score", "expected a number of 0 to 100");
@@ -400,6 +400,7 @@ export const teachingRoutes = {
   "GET /attempts/{id}/series": ["person", withScore(() => json(seriesOf()))],
   "GET /attempts/{id}/surface": ["person", withScore((_row, { world }) => toothReply(world, "compared", { withDeviation: true }))],
   "GET /attempts/{id}/timeline": ["person", withScore(timeline)],
+  "GET /attempts/{id}/deviation": ["person", withScore(deviation)],
   "GET /start-teeth/{name}": ["person", startTooth],
   "GET /attempts/{id}/live": ["instructor", withAttempt(live)],
   "GET /attempts/{id}/results": ["person", withScore(runs)],

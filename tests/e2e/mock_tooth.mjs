@@ -55,6 +55,21 @@ function deviationAt(p) {
   return cut || shouldBeCut ? -referenceSolid(p) : Number.NaN;
 }
 
+// For who plays it back (mock_timeline.mjs): signed distances in mm, solid below 0.
+export const kMockGrid = { voxelMm: kVoxelMm, bricks: kHalf.map((half) => Math.ceil(2 * half / kVoxelMm / 8) + 1), originMm: kHalf.map((half) => -half) };
+export function attemptField() {
+  return {
+    before: crown, cavity: studentCavity, deviation: deviationAt, tissueIn: (mm) => mm > -kEnamelMm ? 1 : 2,
+    // The nearest place of the surface at the end, near enough.
+    onSurface: (p) => {
+      const [mm, along] = [studentSolid(p), gradient(studentSolid, p)];
+      return p.map((value, axis) => value - mm * along[axis]);
+    },
+    // Above this the cavity is cut after a share of the time: down to its floor, sweep by sweep.
+    reached: (p, share) => 2.6 - 3.6 * share - p[2],
+  };
+}
+
 function tissueAt(p) {
   return crown(p) > -kEnamelMm ? 1 : 2;
 }

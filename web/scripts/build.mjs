@@ -43,20 +43,28 @@ function replace(folder, built) {
   renameSync(built, folder);
 }
 
-async function bundle(out) {
+// Returns the file that each entry has become.
+async function scripts(out, entryPoints, options) {
   const result = await build({
-    absWorkingDir: web,
-    entryPoints: { app: "src/app/main.tsx", style: "src/app/style.css" },
-    outdir: join(out, "assets"),
+    absWorkingDir: web, entryPoints, outdir: join(out, "assets"),
     entryNames: "[name]-[hash]", chunkNames: "[name]-[hash]", assetNames: "[name]-[hash]",
-    bundle: true, splitting: true, format: "esm", target: "es2022", minify: true,
-    jsx: "automatic", jsxImportSource: "preact", legalComments: "none", metafile: true, logLevel: "warning",
+    bundle: true, format: "esm", target: "es2022", minify: true, legalComments: "none", metafile: true, logLevel: "warning", ...options,
   });
   const entries = {};
   for (const [path, output] of Object.entries(result.metafile.outputs)) {
     if (output.entryPoint !== undefined) entries[output.entryPoint] = basename(path);
   }
   return entries;
+}
+
+// The worker first, and whole in one file: the page must know its name, and it imports nothing from elsewhere.
+async function bundle(out) {
+  const kWorker = "src/api/tooth_worker.ts";
+  const worker = await scripts(out, [kWorker], {});
+  return scripts(out, { app: "src/app/main.tsx", style: "src/app/style.css" }, {
+    splitting: true, jsx: "automatic", jsxImportSource: "preact",
+    define: { kToothWorkerAddress: JSON.stringify(`/assets/${worker[kWorker]}`) },
+  });
 }
 
 // Everything under assets/ is cached for ever, so every name there changes with the content.

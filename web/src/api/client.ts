@@ -3,7 +3,6 @@ import { type ApiResult, type Fetch, Http, segment, understood } from "./http";
 import { PeopleApi } from "./people";
 import { decodeSurface, type Surface } from "./surface";
 import { TeachingApi } from "./teaching";
-import type { StartTooth } from "./timeline";
 import { OperationsApi, ProfilesApi, StationsApi } from "./things";
 import type { Attempt, AttemptDetail, AttemptFlag, AttemptState, Score, Series, Session } from "./types";
 
@@ -22,7 +21,6 @@ export interface AttemptQuery {
 interface Ahead {
   readonly id: string;
   series: Promise<ApiResult<Series>> | undefined;
-  surface: Promise<ApiResult<Surface>> | undefined;
 }
 
 // The server's HTTP API (schemas/api/openapi.yaml). Never throws: every outcome is a Result.
@@ -34,7 +32,7 @@ export class Client {
   readonly profiles: ProfilesApi;
   readonly operations: OperationsApi;
   private readonly http: Http;
-  private ahead: Ahead | undefined;             // of one attempt at most: a surface is some megabytes
+  private ahead: Ahead | undefined;             // of one attempt at most
 
   constructor(sessionLost: () => void, send?: Fetch) {
     this.http = new Http(sessionLost, send);
@@ -82,42 +80,39 @@ export class Client {
     return this.http.json<Score>("GET", `${attemptPath(id)}/score`, { signal });
   }
   async series(id: string, signal?: AbortSignal): Promise<ApiResult<Series>> {
-    const ahead = await this.takeAhead(id, "series");
+    const ahead = await this.takeAhead(id);
     return ahead?.ok === true ? ahead : this.askSeries(id, signal);
   }
+  // What is shown where nothing can be played back: some megabytes.
   async surface(id: string, signal?: AbortSignal): Promise<ApiResult<Surface>> {
-    const ahead = await this.takeAhead(id, "surface");
-    return ahead?.ok === true ? ahead : this.askSurface(id, signal);
+    const bytes = await this.http.bytes(`${attemptPath(id)}/surface`, signal);
+    return bytes.ok ? understood(decodeSurface(bytes.value)) : bytes;
   }
-  // Reads what is large of an attempt that will probably be opened next. Each is given out once; a failure is asked again.
+  // Reads the series of an attempt that will probably be opened next. It is given out once; a failure is asked again.
   readAhead(id: string): void {
-    if (this.ahead?.id !== id) this.ahead = { id, series: this.askSeries(id), surface: this.askSurface(id) };
+    if (this.ahead?.id !== id) this.ahead = { id, series: this.askSeries(id) };
   }
-  private takeAhead<K extends "series" | "surface">(id: string, what: K): Ahead[K] {
+  private takeAhead(id: string): Ahead["series"] {
     if (this.ahead?.id !== id) return undefined;
-    const found = this.ahead[what];
-    this.ahead[what] = undefined;
+    const found = this.ahead.series;
+    this.ahead.series = undefined;
     return found;
   }
   private async askSeries(id: string, signal?: AbortSignal): Promise<ApiResult<Series>> {
     const result = await this.http.json<unknown>("GET", `${attemptPath(id)}/series`, { signal });
     return result.ok ? understood(checkSeries(result.value)) : result;
   }
-  private async askSurface(id: string, signal?: AbortSignal): Promise<ApiResult<Surface>> {
-    const bytes = await this.http.bytes(`${attemptPath(id)}/surface`, signal);
-    return bytes.ok ? understood(decodeSurface(bytes.value)) : bytes;
-  }
   // A part of the attempt's timeline (timeline.ts): bytes from `from` to before `to`.
   timeline(id: string, from: number, to: number, signal?: AbortSignal) {
     return this.http.range(`${attemptPath(id)}/timeline`, from, to, signal);
   }
+  // Of the tooth at the timeline's end from the reference (tooth_deviation.ts). Not found: there is none to compare with.
+  deviation(id: string, signal?: AbortSignal): Promise<ApiResult<ArrayBuffer>> {
+    return this.http.bytes(`${attemptPath(id)}/deviation`, signal);
+  }
   // By the hash that a timeline's head has.
-  async startTooth(hash: string, signal?: AbortSignal): Promise<ApiResult<StartTooth>> {
-    const bytes = await this.http.kept(`/start-teeth/${segment(hash)}`, signal);
-    if (!bytes.ok) return bytes;
-    // Where nothing is played back the page does without.
-    const { decodeStartTooth } = await import("./timeline");
-    return understood(await decodeStartTooth(bytes.value));
+  startTooth(hash: string, signal?: AbortSignal): Promise<ApiResult<ArrayBuffer>> {
+    return this.http.kept(`/start-teeth/${segment(hash)}`, signal);
   }
   private keepCsrf(result: ApiResult<Session>): ApiResult<Session> {
     if (result.ok) this.http.csrf = result.value.csrf;

@@ -1,4 +1,5 @@
 import { fail, ok, type Result } from "../base/result";
+import { Broken, checkMagic, fromPlanes, type Grid, inflate, readGrid, reading, unzigzag } from "./packed";
 
 // Reads what plays an attempt back: a start tooth ("ENTB") and a surface timeline ("ENTL"), version 1, both described in
 // schemas/surface_timeline.md. Nothing here draws or fetches; triangles are made of the samples by tooth_mesh.ts.
@@ -7,9 +8,6 @@ export const kBrickSide = 8;
 export const kBrickSamples = 512;
 export const kDeep = -64;
 export const kFarOut = 63;
-const kVersion = 1;
-const kMaxRatio = 1032;                         // of what a packed byte can stand for
-const kMaxBricks = 8_000_000;
 const kHeadBytes = 108;
 const kTissue = 7;
 const kSampled = 8;
@@ -17,12 +15,6 @@ const kLabelled = 16;
 const kTissues = 8;
 
 type Read<T> = Result<T, string>;
-
-export interface Grid {
-  readonly voxelMm: number;
-  readonly bricks: readonly [number, number, number];
-  readonly originMm: readonly [number, number, number];
-}
 
 export interface StartTooth {
   readonly grid: Grid;
@@ -69,59 +61,6 @@ export interface OpenSegment {
   readonly keyBricks: Uint32Array;
   readonly keySamples: Int8Array;
   readonly changes: Uint8Array;
-}
-
-class Broken extends Error {}
-
-// `read` may throw Broken, which becomes the result's error; anything else is a bug and goes on.
-async function reading<T>(read: () => Promise<T> | T): Promise<Read<T>> {
-  try {
-    return ok(await read());
-  } catch (error) {
-    if (error instanceof Broken || error instanceof RangeError) return fail(error.message);
-    throw error;
-  }
-}
-
-// Exactly `size` bytes; no memory is taken for a size that these bytes cannot give.
-async function inflate(packed: Uint8Array<ArrayBuffer>, size: number, what: string): Promise<Uint8Array<ArrayBuffer>> {
-  if (size > (packed.length + 1) * kMaxRatio) throw new Broken(`${what}: ${packed.length} packed bytes cannot hold the ${size} that the head asks for`);
-  const out = new Uint8Array(size);
-  const damaged = () => new Broken(`${what}: expected ${size} bytes, found others or damaged ones`);
-  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate")).getReader();
-  let at = 0;
-  for (;;) {
-    const { done, value } = await stream.read().catch(() => { throw damaged(); });
-    if (done) break;
-    if (at + value.length > size) {
-      void stream.cancel();
-      throw damaged();
-    }
-    out.set(value, at);
-    at += value.length;
-  }
-  if (at !== size) throw damaged();
-  return out;
-}
-
-function checkMagic(view: DataView, magic: string, what: string): void {
-  if (view.byteLength < 48) throw new Broken(`${what}: expected more than ${view.byteLength} bytes`);
-  const found = String.fromCharCode(view.getUint8(0), view.getUint8(1), view.getUint8(2), view.getUint8(3));
-  if (found !== magic) throw new Broken(`${what} begins with ${magic}, found something else`);
-  const version = view.getUint16(4, true);
-  if (version !== kVersion) throw new Broken(`this page reads version ${kVersion} of a ${what}, found version ${version}; load the page again`);
-  if (view.getUint16(6, true) !== 0) throw new Broken(`${what}: expected flags 0, found others`);
-}
-
-function readGrid(view: DataView): Grid {
-  const bricks = [view.getInt32(12, true), view.getInt32(16, true), view.getInt32(20, true)] as const;
-  const voxelNm = view.getInt32(8, true);
-  const count = bricks[0] * bricks[1] * bricks[2];
-  if (voxelNm < 5000 || voxelNm > 1_000_000 || bricks.some((n) => n < 1 || n > 4096) || count > kMaxBricks) {
-    throw new Broken(`the grid is none that this page draws (${bricks.join(" × ")} bricks of ${voxelNm} nm)`);
-  }
-  const origin = (i: number) => Number(view.getBigInt64(24 + 8 * i, true)) * 1e-6;
-  return { voxelMm: voxelNm * 1e-6, bricks, originMm: [origin(0), origin(1), origin(2)] };
 }
 
 // What a sample would be if the field were flat here, from those before it in the brick at `at`.
@@ -237,6 +176,7 @@ export async function decodeHead(start: ArrayBuffer): Promise<Read<Head | undefi
   });
 }
 
+// What a page needs to ask for a segment.
 export const segmentBytes = ({ poseBytes, keyBytes, changeBytes }: Segment) => poseBytes + keyBytes + changeBytes;
 
 export function framesIn(head: Head, segment: number): number {
@@ -266,12 +206,10 @@ export function decodeSegment(head: Head, index: number, bytes: Uint8Array<Array
 }
 
 function readPoses(raw: Uint8Array, n: number): FramePose[] {
-  const planes = (at: number, i: number) => (raw[at + i]! | (raw[at + n + i]! << 8) | (raw[at + 2 * n + i]! << 16) | (raw[at + 3 * n + i]! << 24)) >>> 0;
   const tip = [0, 1, 2].map((axis) => {
     let before = 0;
     return Array.from({ length: n }, (_, i) => {
-      const zigzag = planes(4 * n * axis, i);
-      before = (before + ((zigzag >>> 1) ^ -(zigzag & 1))) | 0;
+      before = (before + unzigzag(fromPlanes(raw, 4 * n * axis, n, i))) | 0;
       return before / 1000;
     });
   });
@@ -280,7 +218,7 @@ function readPoses(raw: Uint8Array, n: number): FramePose[] {
     const axis = [0, 1, 2].map((a) => signed[12 * n + a * n + i]! / 127);
     const turning = raw[19 * n + i]!;
     if (turning > 1) throw new Broken("a bur neither turns nor stands");
-    return { tipMm: [tip[0]![i]!, tip[1]![i]!, tip[2]![i]!], axis: [axis[0]!, axis[1]!, axis[2]!], turning: turning === 1, gapTicks: planes(15 * n, i) };
+    return { tipMm: [tip[0]![i]!, tip[1]![i]!, tip[2]![i]!], axis: [axis[0]!, axis[1]!, axis[2]!], turning: turning === 1, gapTicks: fromPlanes(raw, 15 * n, n, i) };
   });
 }
 
@@ -347,6 +285,11 @@ export class TimelinePlayer {
     }
   }
 
+  // Bricks that may look otherwise than at the start, with their samples.
+  changed(): ReadonlyMap<number, Int8Array> {
+    return this.current;
+  }
+
   // Samples of a brick, or what all of them are.
   samples(brick: number): Int8Array | number {
     const own = this.current.get(brick);
@@ -375,7 +318,7 @@ export class TimelinePlayer {
     for (const brick of this.current.keys()) if (!before.has(brick)) look(brick, undefined);
     return out;
   }
-  private startSamples(brick: number): Int8Array | number {
+  startSamples(brick: number): Int8Array | number {
     const slot = this.start.slot[brick]!;
     if (slot >= 0) return this.start.samples.subarray(slot * kBrickSamples, (slot + 1) * kBrickSamples);
     return this.start.bricks[brick] === 0 ? kFarOut : kDeep;

@@ -1,4 +1,5 @@
 import { kBrickSide, kDeep, kFarOut, type TimelinePlayer } from "./timeline";
+import { kNotCompared, type ToothDeviation } from "./tooth_deviation";
 
 // Triangles of a tooth's samples, by surface nets, as common/surface/surface.cpp makes them: a vertex in each cell that the
 // surface crosses, at the mean of its edges' crossings; a quad for each crossed edge, split along its shorter diagonal.
@@ -7,13 +8,14 @@ import { kBrickSide, kDeep, kFarOut, type TimelinePlayer } from "./timeline";
 const kBlockBricks = 4;                         // along each axis
 const kBlock = kBlockBricks * kBrickSide;
 const kSide = kBlock + 2;                       // with a layer of the neighbours' samples around
-const kCells = kBlock + 1;
+export const kCells = kBlock + 1;               // of a block along each axis; the outer ones are its neighbours' too
 
 export interface BlockMesh {
   readonly positionMm: Float32Array<ArrayBuffer>;  // (n x 3), scene frame
   readonly normal: Int8Array<ArrayBuffer>;      // (n x 4), x y z 0, /127, outward
   readonly tissue: Uint8Array<ArrayBuffer>;     // (n)
-  readonly triangle: Uint16Array<ArrayBuffer>;  // (m x 3), counter-clockwise seen from outside
+  readonly deviation: Float32Array<ArrayBuffer> | undefined;  // (n x 2): mm, + = more removed than the reference; 1, or 0 and 0 where not compared
+  readonly triangle: Uint16Array<ArrayBuffer> | Uint32Array<ArrayBuffer>;  // (m x 3), counter-clockwise seen from outside
 }
 
 // A cell's edges by their corners: four along x, four along y, four along z. Corner i is (i & 1, i >> 1 & 1, i >> 2).
@@ -21,6 +23,7 @@ const kEdgeFrom = Uint8Array.of(0, 2, 4, 6, 0, 1, 4, 5, 0, 1, 2, 3);
 const kEdgeTo = Uint8Array.of(1, 3, 5, 7, 2, 3, 6, 7, 4, 5, 6, 7);
 const kStep = Int32Array.of(1, kSide, kSide * kSide);
 const kCellStep = Int32Array.of(1, kCells, kCells * kCells);
+const kNextTo = 1 / 16;                         // of a cell
 const kFlat = 0.05 * -kDeep;                    // of a gradient: below it the direction is rounding, not shape
 
 // Makes the meshes of a player's tooth as it is now. Owns buffers that it uses again, one mesh at a time: a whole tooth is
@@ -31,6 +34,9 @@ export class ToothMesher {
   private readonly position = new Float32Array(3 * kCells ** 3);
   private readonly normal = new Int8Array(4 * kCells ** 3);
   private readonly tissue = new Uint8Array(kCells ** 3);
+  private readonly compared = new Float32Array(2 * kCells ** 3);
+  // Of the tooth at its end; vertices of cells that it knows carry it, at whatever moment.
+  deviation: ToothDeviation | undefined;
   private triangle = new Uint16Array(1 << 16);
   private vertices = 0;
   private corners = 0;                          // of triangles
@@ -71,6 +77,22 @@ export class ToothMesher {
     }
   }
 
+  // Of each vertex of the last mesh, its cell in the block.
+  cells(): Int32Array {
+    const out = new Int32Array(this.vertices);
+    this.vertexOf.forEach((vertex, cell) => { if (vertex >= 0) out[vertex] = cell; });
+    return out;
+  }
+  // Of the block's last mesh, the vertices that the block before does not have too: neighbours share those of a layer.
+  ownVertices(): number[] {
+    const out: number[] = [];
+    this.vertexOf.forEach((vertex, cell) => {
+      const row = Math.floor(cell / kCells);
+      if (vertex >= 0 && cell % kCells !== 0 && row % kCells !== 0 && row >= kCells) out.push(vertex);
+    });
+    return out;
+  }
+
   // Undefined: no surface passes there.
   mesh(block: number): BlockMesh | undefined {
     const [nx, ny] = this.blocks;
@@ -81,7 +103,8 @@ export class ToothMesher {
     this.vertices = this.corners = 0;
     this.quads(at);
     if (this.corners === 0) return undefined;
-    return { positionMm: this.position.slice(0, 3 * this.vertices), normal: this.normal.slice(0, 4 * this.vertices), tissue: this.tissue.slice(0, this.vertices), triangle: this.triangle.slice(0, this.corners) };
+    return { positionMm: this.position.slice(0, 3 * this.vertices), normal: this.normal.slice(0, 4 * this.vertices), tissue: this.tissue.slice(0, this.vertices),
+             deviation: this.deviation === undefined ? undefined : this.compared.slice(0, 2 * this.vertices), triangle: this.triangle.slice(0, this.corners) };
   }
 
   // False: all samples are on one side.
@@ -216,7 +239,40 @@ export class ToothMesher {
     for (let axis = 0; axis < 3; ++axis) this.normal[4 * index + axis] = Math.round(127 * this.g[axis]!);
     const under = this.nearestInside();
     this.tissue[index] = this.tissueAt(vx + (under & 1), vy + (under >> 1 & 1), vz + (under >> 2));
+    if (this.deviation !== undefined) this.compare(index, [vx, vy, vz], this.deviation);
     return index;
+  }
+  private compare(index: number, cell: readonly [number, number, number], deviation: ToothDeviation): void {
+    const um = this.deviationOf(cell, deviation) ?? this.deviationBeside(cell, deviation);
+    this.compared[2 * index] = um === undefined ? 0 : um / 1000;
+    this.compared[2 * index + 1] = um === undefined ? 0 : 1;
+  }
+  private deviationOf([x, y, z]: readonly [number, number, number], { bricks }: ToothDeviation): number | undefined {
+    const [nx, ny] = this.player.start.grid.bricks;
+    if (x < 0 || y < 0 || z < 0) return undefined;
+    const um = bricks.get(((z >> 3) * ny + (y >> 3)) * nx + (x >> 3))?.[(z & 7) * 64 + (y & 7) * 8 + (x & 7)];
+    return um === kNotCompared ? undefined : um;
+  }
+  // Cells that are not the block's count as crossed.
+  private isCrossed(cell: readonly [number, number, number]): boolean {
+    const [x, y, z] = cell.map((n, axis) => n - this.first[axis]!) as [number, number, number];
+    if ([x, y, z].some((n) => n < 0 || n >= kCells)) return true;
+    let solid = 0;
+    for (let i = 0; i < 8; ++i) if (this.samples[((z + (i >> 2)) * kSide + y + (i >> 1 & 1)) * kSide + x + (i & 1)]! < 0) ++solid;
+    return solid !== 0 && solid !== 8;
+  }
+  // Of the cell beyond the border that the vertex at `p` is next to: where it was made its position was rounded.
+  private deviationBeside([x, y, z]: readonly [number, number, number], deviation: ToothDeviation): number | undefined {
+    for (let axis = 0; axis < 3; ++axis) {
+      const at = this.p[axis]!;
+      const step = at < kNextTo ? -1 : at > 1 - kNextTo ? 1 : 0;
+      if (step === 0) continue;
+      const beside = [x, y, z] as [number, number, number];
+      beside[axis]! += step;
+      const um = this.deviationOf(beside, deviation);
+      if (um !== undefined && !this.isCrossed(beside)) return um;
+    }
+    return undefined;
   }
   private tissueAt(x: number, y: number, z: number): number {
     const [nx, ny] = this.player.start.grid.bricks;

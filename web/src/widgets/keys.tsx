@@ -6,7 +6,8 @@ import { CheckField } from "./form";
 // person who speaks to the computer, or slips, would set them off unwillingly (WCAG 2.1.4).
 
 export interface Key {
-  readonly key: string;                         // as KeyboardEvent.key has it
+  readonly key: string;                         // as KeyboardEvent.key has it; a small letter stands for the large one too
+  readonly also?: string;                       // another that does the same
   readonly what: string;
   readonly act: () => void;
 }
@@ -43,13 +44,13 @@ export function useKeys(list: readonly Key[]): Keys {
   latest.current = list;
   useEffect(() => {
     const press = (event: KeyboardEvent) => {
-      if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey || isTyping(event.target) || document.querySelector("dialog[open]") !== null) return;
+      if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey || isOthers(event.target, event.key) || document.querySelector("dialog[open]") !== null) return;
       if (event.key === "?") {
         event.preventDefault();
         setOpen(true);
         return;
       }
-      const key = areOff() ? undefined : latest.current.find((item) => item.key === event.key);
+      const key = areOff() ? undefined : latest.current.find((item) => [event.key, event.key.toLowerCase()].some((pressed) => pressed === item.key || pressed === item.also));
       if (key === undefined) return;
       event.preventDefault();
       key.act();
@@ -60,9 +61,18 @@ export function useKeys(list: readonly Key[]): Keys {
   return { list, open, setOpen };
 }
 
-function isTyping(target: EventTarget | null): boolean {
-  return target instanceof HTMLElement && (target.isContentEditable || target.matches("textarea, select, input:not([type=checkbox]):not([type=radio]):not([type=range])"));
+// Whether the key does something else where the focus is: everything does in a text, little does elsewhere.
+function isOthers(target: EventTarget | null, key: string): boolean {
+  if (!(target instanceof HTMLElement)) return false;
+  if (target.isContentEditable || target.matches("textarea, input:not([type=checkbox]):not([type=radio]):not([type=range])")) return true;
+  if (key === " ") return target.matches("button, a, summary, select, input");
+  if (target.matches("select")) return kMoves.has(key) || /^[0-9.]$/.test(key);
+  return kMoves.has(key) && target.matches("input[type=radio], input[type=range], [role=tab], [role=menuitem]");
 }
+const kMoves: ReadonlySet<string> = new Set(["ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown", "Home", "End", "PageUp", "PageDown"]);
+
+const kNames: Readonly<Record<string, string>> = { " ": "Space", ArrowLeft: "←", ArrowRight: "→" };
+const nameOf = (key: string) => kNames[key] ?? key;
 
 export function KeysHelp({ keys }: { readonly keys: Keys }) {
   const [off, setIsOff] = useState(areOff);
@@ -72,7 +82,9 @@ export function KeysHelp({ keys }: { readonly keys: Keys }) {
       {keys.open && (
         <Dialog title="Keys" onClose={() => keys.setOpen(false)}>
           <dl class="facts stacked">
-            {keys.list.map(({ key, what }) => <div key={key}><dt>{what}</dt><dd><kbd>{key}</kbd></dd></div>)}
+            {keys.list.map(({ key, also, what }) => (
+              <div key={key}><dt>{what}</dt><dd><kbd>{nameOf(key)}</kbd>{also !== undefined && <> <kbd>{nameOf(also)}</kbd></>}</dd></div>
+            ))}
             <div><dt>This list</dt><dd><kbd>?</kbd></dd></div>
           </dl>
           <CheckField label="Single keys are on" value={!off} onValue={(on) => { setOff(!on); setIsOff(!on); }} />

@@ -9,7 +9,7 @@ import { useRefresh } from "../../api/use_refresh";
 import { unreachable } from "../../base/assert";
 import { momentOf, momentQuery } from "../../base/moment_link";
 import { placeInQueue } from "../../base/queue";
-import { formatDateTime, formatQuantity, plural } from "../../base/format";
+import { formatDateTime, formatMoment, formatQuantity, plural } from "../../base/format";
 import { Flags, isUnderWay, StateBadge, stoppedEarly } from "../../widgets/attempt_state";
 import { Card, ErrorNotice, Loading, Notice, PageTitle, Progress } from "../../widgets/basics";
 import { KeysHelp, useKeys } from "../../widgets/keys";
@@ -17,6 +17,7 @@ import type { PointMm } from "../../widgets/tooth/scene";
 import type { LookHandle } from "../../widgets/tooth/tooth_view";
 import { AnnotationsPanel } from "./annotations_panel";
 import { AppealPanel } from "./appeal_panel";
+import { seriesEndS, stepAt } from "./clock";
 import { MetricsPanel, RecordingPanel, RunsPanel } from "./detail_panels";
 import { ForcePanel } from "./force_panel";
 import { EnvelopePanel } from "./envelope_panel";
@@ -27,9 +28,10 @@ import { QueueBar } from "./queue_bar";
 import { isWithheld, withheldText } from "./summary";
 import { TeacherActions } from "./teacher_actions";
 import { ToothPanel } from "./tooth_panel";
-import { usePlayback } from "./use_playback";
+import { type PlaybackControl, playbackKeys, usePlayback } from "./use_playback";
 
 const kPollMs = 1500;
+const kBeyondS = 0.05;                          // an address has hundredths; less is rounding
 const kNoRemarks: readonly Annotation[] = [];
 
 interface Props {
@@ -55,14 +57,15 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
   const place = useMemo(() => teacher ? placeInQueue(id) : undefined, [id, teacher]);
   const to = (other: string | undefined) => { if (other !== undefined) onOpen(`/attempts/${other}`); };
   const release = useRef<() => void>(undefined);    // and on to the next one, where that may be done now
-  const keys = useKeys(!teacher ? [] : [
+  const control = useRef<PlaybackControl>(undefined);
+  const keys = useKeys([...playbackKeys(() => control.current), ...(!teacher ? [] : [
     ...(place === undefined ? [] : [
       { key: "n", what: "Next attempt", act: () => to(place.next) }, { key: "p", what: "Attempt before", act: () => to(place.previous) },
       { key: "b", what: "Back to the list", act: () => onOpen(place.back) }, { key: "r", what: "Release, and on to the next", act: () => release.current?.() },
     ]),
     { key: "c", what: "Write a remark", act: () => document.querySelector<HTMLElement>(".annotations-card .new-remark textarea")?.focus() },
     { key: "t", what: "Go to the time", act: () => document.querySelector<HTMLElement>("#timeline")?.focus() },
-  ]);
+  ])]);
 
   if (loaded.state === "failed") return <AttemptError error={loaded.error} onRetry={reload} />;
   if (attempt === undefined) return <Loading what="the attempt" />;
@@ -71,7 +74,7 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
       <div class="trail-row">
         {place !== undefined ? <QueueBar client={client} place={place} />
           : <nav class="trail" aria-label="Where you are"><a href="/attempts">{teacher ? "Attempts" : "My attempts"}</a></nav>}
-        {teacher && <KeysHelp keys={keys} />}
+        <KeysHelp keys={keys} />
       </div>
       <div class="attempt-head">
         <div>
@@ -84,13 +87,13 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
                                    onNext={place === undefined ? undefined : () => place.next === undefined ? onOpen(place.back) : to(place.next)} />
                  : attempt.state === "scored" && <button type="button" class="button print-button" onClick={() => window.print()}>Print</button>}
       </div>
-      {isWithheld(attempt, teacher) ? <WithheldAttempt attempt={attempt} /> : attempt.state === "scored" ? <ScoredAttempt client={client} personId={person.id} attempt={attempt} tolerance={tolerance} teacher={teacher} onChanged={reload} onDone={setDone} /> : <UnscoredAttempt attempt={attempt} />}
+      {isWithheld(attempt, teacher) ? <WithheldAttempt attempt={attempt} /> : attempt.state === "scored" ? <ScoredAttempt client={client} personId={person.id} attempt={attempt} tolerance={tolerance} teacher={teacher} playback={control} onChanged={reload} onDone={setDone} /> : <UnscoredAttempt attempt={attempt} />}
     </>
   );
 }
 
-function ScoredAttempt({ client, attempt, tolerance, teacher, onChanged, onDone, personId }:
-                       { readonly personId: string; readonly onDone: (percent: number | undefined) => void; readonly client: Client; readonly attempt: AttemptDetail; readonly tolerance: number; readonly teacher: boolean; readonly onChanged: () => void }) {
+function ScoredAttempt({ client, attempt, tolerance, teacher, playback, onChanged, onDone, personId }:
+                       { readonly playback: { current: PlaybackControl | undefined }; readonly personId: string; readonly onDone: (percent: number | undefined) => void; readonly client: Client; readonly attempt: AttemptDetail; readonly tolerance: number; readonly teacher: boolean; readonly onChanged: () => void }) {
   const { id } = attempt;
   // Release changes what a student gets, not what a teacher gets; a new score changes it for both.
   const key = `${id} ${teacher || attempt.released} ${attempt.computed_score} ${attempt.reference?.attempt_id}`;
@@ -98,16 +101,23 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, onChanged, onDone,
   const removed = attempt.recording_removed_ms > 0;
   const series = useRequest(removed ? undefined : key, (signal) => client.series(id, signal));
   const remarks = useRequest(key, (signal) => client.teaching.annotations(id, signal));
-  const [cursor, setCursor] = useState<number>();   // undefined until first moved
+  const [timeS, setTimeS] = useState<number>();     // undefined until first moved
   const asked = useMemo(() => momentOf(new URLSearchParams(window.location.search)), []);
+  const asksDone = useRef(false);                   // nothing that is still to come changes the moment it names
   const look = useMemo((): LookHandle => ({ begin: asked.look, now: undefined }), [asked]);
   const [chosen, setChosen] = useState<string>();   // id of a remark
   const [point, setPoint] = useState<PointMm>();    // clicked on the tooth, for the next remark
   const recorded = series.loaded.state === "ready" ? series.loaded.value : undefined;
-  const control = usePlayback(client, removed ? undefined : id, recorded, cursor, setCursor);
-  // The tooth first, in few bytes; then its deviation from the reference, in many.
-  const early = useMemo(() => control?.playback.state.state === "ready" ? control.playback.surface() : undefined, [control?.playback, control?.playback.state.state]);
-  const surface = useRequest(removed || control?.playback.state.state === "loading" ? undefined : key, (signal) => client.surface(id, signal));
+  const control = usePlayback(client, removed ? undefined : id, key, timeS, setTimeS);
+  playback.current = control;
+  // The picture without a playback: some megabytes more, and nothing moves.
+  const still = control !== undefined && (control.playback.state.state === "waiting" || control.playback.state.state === "failed");
+  const surface = useRequest(still ? key : undefined, (signal) => client.surface(id, signal));
+  const cursor = recorded === undefined || timeS === undefined ? undefined : stepAt(recorded, timeS);
+  const endS = control?.clock?.endS ?? (recorded === undefined ? undefined : seriesEndS(recorded));
+  const setCursor = (step: number) => {
+    if (recorded !== undefined) setTimeS(step >= recorded.t_s.length - 1 ? endS : recorded.t_s[step]);
+  };
   const said = remarks.loaded.state === "ready" ? remarks.loaded.value : kNoRemarks;
   const marks = useMemo(() => recorded === undefined ? [] : marksOf(recorded, said), [recorded, said]);
   const scored = score.loaded.state === "ready" ? score.loaded.value : undefined;
@@ -117,9 +127,11 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, onChanged, onDone,
   const annotates = attempt.may.includes("annotate");
   // A link may name the moment; it is opened as soon as the recording is there.
   useEffect(() => {
-    if (recorded !== undefined && asked.seconds !== undefined) setCursor(stepOfTick(recorded, asked.seconds * recorded.rate_hz));
-  }, [recorded, asked]);
-  const link = () => window.location.origin + window.location.pathname + momentQuery({ seconds: recorded?.t_s[cursor ?? 0], look: look.now?.() });
+    if (endS !== undefined && asked.seconds !== undefined && !asksDone.current) setTimeS(Math.min(asked.seconds, endS));
+    if (control?.playback.whole === true || still) asksDone.current = true;
+  }, [endS, asked, control?.playback.whole]);
+  const beyond = endS !== undefined && asked.seconds !== undefined && asked.seconds > endS + kBeyondS ? asked.seconds : undefined;
+  const link = () => window.location.origin + window.location.pathname + momentQuery({ seconds: timeS ?? 0, look: look.now?.() });
   const tooth = useRef<HTMLDivElement>(null);
   // Whatever has a time or a place is shown there, wherever on the page it was clicked.
   const go = (step: number | undefined) => {
@@ -151,11 +163,14 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, onChanged, onDone,
         </div>
         {removed ? <RemovedRecording removedMs={attempt.recording_removed_ms} /> : (
           <div class="review">
+            {beyond !== undefined && endS !== undefined && (
+              <p class="hint beyond" role="status">The address names {formatMoment(beyond)}, but the attempt ends at {formatMoment(endS)}: its end is shown.</p>
+            )}
             <div class="review-tooth" ref={tooth}>
-              <ToothPanel surface={surface.loaded} early={early} control={control} toleranceMm={tolerance} series={recorded} cursor={cursor} marks={marks} chosen={chosen} point={point} look={look} onMark={choose}
-                          onPoint={annotates ? setPoint : undefined} onRetry={surface.reload} />
+              {control !== undefined && <ToothPanel surface={surface.loaded} control={control} toleranceMm={tolerance} series={recorded} cursor={cursor} marks={marks} chosen={chosen} point={point} look={look} onMark={choose}
+                          onPoint={annotates ? setPoint : undefined} onRetry={surface.reload} />}
             </div>
-            <ForcePanel series={series.loaded} cursor={cursor ?? 0} marks={marks} chosen={chosen} onMark={choose} onCursor={setCursor} onRetry={series.reload} link={link} />
+            <ForcePanel series={series.loaded} cursor={cursor ?? 0} timeS={timeS ?? 0} marks={marks} chosen={chosen} onMark={choose} onCursor={setCursor} onRetry={series.reload} link={link} />
           </div>
         )}
       </div>

@@ -1,5 +1,7 @@
 import type { Surface } from "../../api/surface";
 
+export type Compared = Pick<Surface, "positionMm" | "normal" | "deviationMm">;
+
 // The deviation map in numbers, for who does not or cannot look at the picture. Counted by vertex:
 // the surface comes from a grid, so vertices lie nearly evenly over its area.
 
@@ -39,13 +41,13 @@ const kOutlooks: Readonly<Record<string, Point>> = {
   "Mesial wall": [-0.75, -0.45, 1], "Distal wall": [0.75, -0.45, 1], "Buccal wall": [0.4, -0.75, 1], "Lingual wall": [-0.4, 0.75, 1],
 };
 
-export function outlook(surface: Surface, summary: DeviationSummary | undefined): Outlook {
+export function outlook(surface: Compared | undefined, summary: DeviationSummary | undefined): Outlook {
   const worst = summary?.sides[0];
-  if (worst === undefined) return kDefaultOutlook;
+  if (worst === undefined || surface === undefined) return kDefaultOutlook;
   return { direction: kOutlooks[worst.side] ?? kDefaultOutlook.direction, centre: comparedCentre(surface) };
 }
 
-function comparedCentre({ positionMm, deviationMm }: Surface): Point | undefined {
+function comparedCentre({ positionMm, deviationMm }: Compared): Point | undefined {
   const sum = [0, 0, 0];
   let count = 0;
   deviationMm?.forEach((value, vertex) => {
@@ -56,7 +58,7 @@ function comparedCentre({ positionMm, deviationMm }: Surface): Point | undefined
   return count === 0 ? undefined : [sum[0]! / count, sum[1]! / count, sum[2]! / count];
 }
 
-export function summariseDeviation(surface: Surface, toleranceMm: number): DeviationSummary | undefined {
+export function summariseDeviation(surface: Compared, toleranceMm: number): DeviationSummary | undefined {
   const { deviationMm } = surface;
   if (deviationMm === undefined) return undefined;
   const sizes: number[] = [];
@@ -86,7 +88,7 @@ export function summariseDeviation(surface: Surface, toleranceMm: number): Devia
   };
 }
 
-function sideOf(surface: Surface, vertex: number): number {
+function sideOf(surface: Compared, vertex: number): number {
   return kSides.findIndex(([, axis, sign]) => (sign * surface.normal[4 * vertex + axis]!) / 127 > kFacing);
 }
 

@@ -13,7 +13,8 @@ const kHeightPx = window.innerHeight < 800 ? 150 : 200;
 
 interface Props {
   readonly series: Loaded<Series>;
-  readonly cursor: number;
+  readonly cursor: number;                      // the step that the moment lies in
+  readonly timeS: number;                       // the moment
   readonly marks: readonly Mark[];
   readonly chosen: string | undefined;          // id of a remark
   readonly onMark: (mark: Mark) => void;
@@ -34,7 +35,7 @@ export function ForcePanel({ series, onRetry, ...rest }: Props) {
   );
 }
 
-function LoadedForce({ series, cursor, marks, chosen, onMark, onCursor, link }: Omit<Props, "series" | "onRetry"> & { readonly series: Series }) {
+function LoadedForce({ series, cursor, timeS, marks, chosen, onMark, onCursor, link }: Omit<Props, "series" | "onRetry"> & { readonly series: Series }) {
   const lines = useMemo(() => linesOf(series), [series]);
   const last = series.t_s.length - 1;
   const at = Math.min(cursor, last);
@@ -63,7 +64,7 @@ function LoadedForce({ series, cursor, marks, chosen, onMark, onCursor, link }: 
       <TimePlot timeS={series.t_s} lines={lines} leftTitle="Force (N)" rightTitle="Removed (mm³)" label={plotText(series)}
                 cursor={at} onCursor={onCursor} onAxis={align} heightPx={kHeightPx} />
       <MomentLinkButton link={link} />
-      <Readout lines={lines} timeS={series.t_s[at] ?? 0} index={at} />
+      <Readout lines={lines} timeS={timeS} index={at} />
       <details class="numbers">
         <summary>The same as a table</summary>
         <SeriesTable series={series} />

@@ -1,46 +1,40 @@
+import { formatMoment } from "../../base/format";
 import type { PlaybackControl } from "./use_playback";
 
-// Play, pause, speed and the moment of the tooth's picture.
+// Play, pause, speed, what is played again, and the moment of the tooth's picture.
 export function PlaybackBar({ control }: { readonly control: PlaybackControl }) {
-  const { playback, playing, speed, speeds, rate } = control;
+  const { playback, clock, playing, speed, speeds, loop } = control;
   const { state } = playback;
   if (state.state === "waiting") return <p class="hint" role="status">{waitingText}</p>;
   if (state.state === "failed") return <p class="hint" role="status">The attempt cannot be played back: {state.error.message}</p>;
-  if (state.state === "loading" || !playback.whole) return <p class="hint" role="status">Loading the playback…</p>;
+  if (state.state === "loading" || !playback.whole || clock === undefined) return <p class="hint" role="status">Loading the playback…</p>;
   if (playback.frames === 0) return null;
-  // Always one decimal, so that nothing beside it moves.
-  const seconds = (frames: number) => `${(frames / rate).toFixed(1)} s`;
+  const time = (frames: number) => formatMoment(clock.timeOf(frames));
+  const share = (frames: number) => `${100 * frames / playback.frames}%`;
   return (
-    <div class="playback no-print" role="group" aria-label="Playback" onKeyDown={(event) => playbackKey(event, control)}>
-      <button type="button" class="button small" aria-label="One frame back" onClick={() => control.step(-1)}>‹</button>
-      <button type="button" class="button small playback-play" onClick={control.toggle}>{playing ? "Pause" : "Play"}</button>
-      <button type="button" class="button small" aria-label="One frame on" onClick={() => control.step(1)}>›</button>
-      <input type="range" min={0} max={playback.frames} step={1} value={playback.position} aria-label="Playback position"
-             aria-valuetext={`${seconds(playback.position)} of ${seconds(playback.frames)}`} onInput={(event) => control.show(Number(event.currentTarget.value))} />
-      <span class="playback-time">{seconds(playback.position)}</span>
-      <label class="playback-speed">Speed
-        <select value={speed} onChange={(event) => control.setSpeed(Number(event.currentTarget.value))}>
+    <div class="playback no-print" role="group" aria-label="Playback" data-shown={playback.position}>
+      <button type="button" class="button small" aria-label="One frame back" title="One frame back (,)" onClick={() => control.step(-1)}>‹</button>
+      <button type="button" class="button small playback-play" title="Play and pause (K or Space)" onClick={control.toggle}>{playing ? "Pause" : "Play"}</button>
+      <button type="button" class="button small" aria-label="One frame on" title="One frame on (.)" onClick={() => control.step(1)}>›</button>
+      <span class="playback-slider">
+        <input type="range" min={0} max={playback.frames} step={1} value={playback.position} aria-label="Playback position"
+               aria-valuetext={`${time(playback.position)} of ${time(playback.frames)}`} onInput={(event) => control.show(Number(event.currentTarget.value))} />
+        {loop !== undefined && <span class="playback-loop" style={{ left: share(loop.from), right: loop.to === undefined ? "0" : `calc(100% - ${share(loop.to)})` }} />}
+      </span>
+      <span class="playback-time">{time(playback.position)}</span>
+      <span class="button-row playback-ab">
+        <button type="button" class="button small quiet" aria-label="Play again from here" title="Play again from here ([)" aria-pressed={loop !== undefined} onClick={control.loopFrom}>A</button>
+        <button type="button" class="button small quiet" aria-label="Play again up to here" title="Play again up to here (])" aria-pressed={loop?.to !== undefined} onClick={control.loopTo}>B</button>
+        {loop !== undefined && <button type="button" class="button small quiet" aria-label="Play all" title="Play all (\)" onClick={control.loopOff}>×</button>}
+      </span>
+      <label class="playback-speed"><span class="hidden">Speed</span>
+        <select value={speed} title="Slower (−), faster (+)" onChange={(event) => control.setSpeed(Number(event.currentTarget.value))}>
           {speeds.map((value) => <option key={value} value={value}>{`${value}×`}</option>)}
         </select>
       </label>
-      <p class="hint">Here and in the picture: Space or K plays and pauses, J and L jump 5 s; the arrow keys on the slider move by a frame</p>
+      {loop !== undefined && <span class="hidden" role="status">{loop.to === undefined ? `Played again from ${time(loop.from)}; choose where to` : `Played again from ${time(loop.from)} to ${time(loop.to)}`}</span>}
     </div>
   );
 }
 
 const waitingText = "The playback of this attempt is being made. It shows here by itself in a few minutes.";
-
-// Returns whether the key was one of the playback's. Space on a button or a list is theirs.
-export function playbackKey(event: KeyboardEvent, control: PlaybackControl): boolean {
-  if (event.ctrlKey || event.metaKey || event.altKey || !control.playback.whole) return false;
-  const target = event.target instanceof Element ? event.target : undefined;
-  switch (event.key) {
-    case " ": if (target?.closest("button, select") != null) return false; control.toggle(); break;
-    case "k": case "K": control.toggle(); break;
-    case "j": case "J": control.jump(-1); break;
-    case "l": case "L": control.jump(1); break;
-    default: return false;
-  }
-  event.preventDefault();
-  return true;
-}

@@ -4,25 +4,25 @@ import type { Surface } from "../../api/surface";
 import type { Series } from "../../api/types";
 import type { Loaded } from "../../api/use_request";
 import { formatLimit, formatNumber, formatQuantity, formatSigned } from "../../base/format";
-import { Card, ErrorNotice, Loading, Segmented } from "../../widgets/basics";
+import { Card, ErrorNotice, Loading } from "../../widgets/basics";
 import { DeviationLegend, TissueLegend } from "../../widgets/tooth/legend";
-import type { ColorMode, PointMm } from "../../widgets/tooth/scene";
+import type { AngledView, ColorMode, PointMm } from "../../widgets/tooth/scene";
 import { tissuesPresent, tissueTitle, workpiece } from "../../widgets/tooth/tissue";
-import { type LookHandle, type ToothPin, ToothView } from "../../widgets/tooth/tooth_view";
-import { type DeviationSummary, outlook, summariseDeviation } from "./deviation";
+import { type LookHandle, type ToothPin, type ToothSource, ToothView } from "../../widgets/tooth/tooth_view";
+import { type Compared, type DeviationSummary, outlook, summariseDeviation } from "./deviation";
 import type { Mark } from "./moments";
-import { PlaybackBar, playbackKey } from "./playback_bar";
+import { PlaybackBar } from "./playback_bar";
+import { type ToothChoices, ToothTools } from "./tooth_tools";
 import type { PlaybackControl } from "./use_playback";
 
 const kPathSeconds = 3;                         // of the tool's way drawn behind it
 
 interface Props {
-  readonly surface: Loaded<Surface>;
+  readonly surface: Loaded<Surface>;            // where nothing can be played back
   readonly toleranceMm: number;                 // of the rubric
-  readonly early: Surface | undefined;          // the same without deviation, shown until it is there
-  readonly control: PlaybackControl | undefined;
+  readonly control: PlaybackControl;
   readonly series: Series | undefined;
-  readonly cursor: number | undefined;              // undefined: no tool is drawn
+  readonly cursor: number | undefined;          // undefined: no tool is drawn
   readonly marks: readonly Mark[];
   readonly chosen: string | undefined;          // id of a remark
   readonly point: PointMm | undefined;          // for the remark that is being written
@@ -32,43 +32,64 @@ interface Props {
   readonly onRetry: () => void;
 }
 
-export function ToothPanel({ surface, early, onRetry, ...rest }: Props) {
+export function ToothPanel({ surface, onRetry, ...rest }: Props) {
+  const { playback } = rest.control;
+  const played = playback.state.state === "ready";
+  const waits = playback.state.state === "loading" || (!played && surface.state === "loading");
   return (
-    <Card className="tooth-card" title={rest.control?.playback.showing === true ? "During the attempt" : "After the attempt"}>
-      {surface.state === "loading" && (early === undefined ? <Loading what="the picture" /> : <LoadedTooth surface={early} compared={false} {...rest} />)}
-      {surface.state === "failed" && <SurfaceError error={surface.error} onRetry={onRetry} />}
-      {surface.state === "ready" && <LoadedTooth surface={surface.value} compared {...rest} />}
+    <Card className="tooth-card" title={playback.showing ? "During the attempt" : "After the attempt"}>
+      {waits && <Loading what="the picture" />}
+      {!played && !waits && surface.state === "failed" && <SurfaceError error={surface.error} onRetry={onRetry} />}
+      {played ? <PlayedTooth {...rest} /> : !waits && surface.state === "ready" && <StillTooth surface={surface.value} {...rest} />}
     </Card>
   );
 }
 
-function LoadedTooth({ surface, toleranceMm, compared, control, series, cursor, marks, chosen, point, look, onMark, onPoint }: Omit<Props, "surface" | "early" | "onRetry"> & { readonly surface: Surface; readonly compared: boolean }) {
-  const summary = useMemo(() => summariseDeviation(surface, toleranceMm), [surface, toleranceMm]);
-  const angled = useMemo(() => outlook(surface, summary), [surface, summary?.sides[0]?.side]);
+type Shown = Omit<Props, "surface" | "onRetry">;
+
+function PlayedTooth(props: Shown) {
+  const { playback } = props.control;
+  const { deviation } = playback;
+  const tissues = useMemo(() => [...playback.tissues].sort((a, b) => a - b), [playback, playback.tissues.size]);
+  const missing = deviation.state === "loading" ? "The deviation from the reference is being loaded."
+    : deviation.state === "failed" ? `The deviation from the reference could not be loaded: ${deviation.error.message}` : kNothingToCompare;
+  return <LoadedTooth {...props} model={{ film: playback }} compared={deviation.state === "ready" ? deviation.compared : undefined} tissues={tissues} missing={missing} busy={!playback.drawn} />;
+}
+
+function StillTooth({ surface, ...props }: Shown & { readonly surface: Surface }) {
   const tissues = useMemo(() => tissuesPresent(surface.tissue), [surface]);
-  const [wanted, setMode] = useState<ColorMode>("deviation");
+  return <LoadedTooth {...props} model={{ surface }} compared={surface.deviationMm === undefined ? undefined : surface} tissues={tissues} missing={kNothingToCompare} busy={false} />;
+}
+
+const kNothingToCompare = "No deviation to show: the attempt has no reference, or its score is not released yet.";
+
+interface Loaded3d extends Shown {
+  readonly model: ToothSource;
+  readonly compared: Compared | undefined;
+  readonly tissues: readonly number[];
+  readonly missing: string;                     // why there is no deviation
+  readonly busy: boolean;
+}
+
+function LoadedTooth({ model, compared, tissues, missing, busy, toleranceMm, control, series, cursor, marks, chosen, point, look, onMark, onPoint }: Loaded3d) {
+  const summary = useMemo(() => compared === undefined ? undefined : summariseDeviation(compared, toleranceMm), [compared, toleranceMm]);
+  const { cut } = control.playback;
+  const angled = useMemo((): AngledView => ({ ...outlook(compared, summary), cavity: cut }), [compared, summary?.sides[0]?.side, cut]);
+  const [choices, setChoices] = useState<ToothChoices>({ mode: "deviation", section: undefined, follow: false });
   // On the way there is nothing to compare with: a reference is of a finished tooth.
-  const playback = control?.playback.showing === true;
-  const mode: ColorMode = summary === undefined || playback ? "tissue" : wanted;
+  const during = control.playback.showing;
+  const mode: ColorMode = summary === undefined || during ? "tissue" : choices.mode;
   const path = useMemo(() => pathBefore(series, cursor), [series, cursor]);
   const pins = useMemo(() => pinsOf(marks, chosen, point), [marks, chosen, point]);
   return (
     <>
-      {summary !== undefined && (
-        <div style={{ visibility: playback ? "hidden" : "visible" }}>
-          <Segmented legend="Colours show" name="tooth-mode" value={mode} onChange={setMode}
-                     choices={[{ value: "deviation", title: "Deviation" }, { value: "tissue", title: "Tissues" }]} />
-        </div>
-      )}
-      {control !== undefined && <PlaybackBar control={control} />}
-      <div onKeyDown={(event) => { if (control !== undefined) playbackKey(event, control); }}>
-        <ToothView film={control?.playback} surface={surface} mode={mode} label={playback ? "Picture during the attempt" : pictureText(summary, tissues)} angled={angled} tool={playback ? undefined : path.at(-1)} path={path} pins={pins} look={look} onPick={onPoint}
-                   onPin={(key) => { const mark = marks.find((item) => item.annotation.id === key); if (mark !== undefined) onMark(mark); }} />
-      </div>
+      <PlaybackBar control={control} />
+      <ToothView model={model} busy={busy} mode={mode} label={during ? "Picture during the attempt" : pictureText(summary, tissues)} angled={angled} tool={during ? undefined : path.at(-1)} path={path} pins={pins} look={look} onPick={onPoint}
+                 onPin={(key) => { const mark = marks.find((item) => item.annotation.id === key); if (mark !== undefined) onMark(mark); }} section={choices.section} follow={choices.follow}>
+        <ToothTools choices={choices} onChoices={setChoices} compared={summary !== undefined && !during} played={"film" in model} />
+      </ToothView>
       {mode === "deviation" ? <DeviationLegend /> : <TissueLegend tissues={tissues} />}
-      {summary === undefined
-        ? <p class="hint">{compared ? "No deviation to show: the attempt has no reference, or its score is not released yet." : "The deviation from the reference is being loaded."}</p>
-        : <DeviationTable summary={summary} />}
+      {summary === undefined ? <p class="hint">{missing}</p> : <DeviationTable summary={summary} />}
     </>
   );
 }

@@ -1,47 +1,59 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
-import type { Series } from "../../api/types";
+import type { Key } from "../../widgets/keys";
 import { prepareTooth } from "../../widgets/tooth/tooth_view";
+import { FrameClock } from "./clock";
 import { Playback } from "./playback";
-import { stepOfTick, tickOfStep } from "./moments";
 
 const kAskAgainMs = 5000;
-const kCursorMs = 250;                          // the plots follow four times a second
+const kTellMs = 250;                            // the plots follow four times a second
 const kSpeeds = [0.1, 0.25, 0.5, 1, 2, 4, 8, 16] as const;
 const kJumpS = 5;
 
+// What is played again and again, in frames.
+export interface Loop {
+  readonly from: number;
+  readonly to: number | undefined;              // undefined: its end is still to be chosen
+}
+
 export interface PlaybackControl {
   readonly playback: Playback;
+  readonly clock: FrameClock | undefined;
   readonly speeds: readonly number[];
   readonly playing: boolean;
   readonly speed: number;
-  // Frames a second at speed 1.
-  readonly rate: number;
+  readonly loop: Loop | undefined;
   readonly toggle: () => void;
   readonly setSpeed: (speed: number) => void;
   readonly show: (frames: number) => void;
   readonly step: (frames: number) => void;
   readonly jump: (direction: -1 | 1) => void;
+  readonly loopFrom: () => void;
+  readonly loopTo: () => void;
+  readonly loopOff: () => void;
 }
 
-// Plays an attempt back, with the cursor of the page's plots. Undefined: there is no recording, or the page may not see it.
-export function usePlayback(client: Client, attempt: string | undefined, series: Series | undefined, cursor: number | undefined,
-                            setCursor: (step: number) => void): PlaybackControl | undefined {
-  const [, redraw] = useState(0);
+// Plays an attempt back, with the moment of the page's plots. `made`: another text means another playback, such as one of a
+// new score. Undefined: there is no recording.
+export function usePlayback(client: Client, attempt: string | undefined, made: string, timeS: number | undefined,
+                            setTime: (timeS: number) => void): PlaybackControl | undefined {
+  const [changes, redraw] = useState(0);
   const [round, setRound] = useState(0);
-  const playback = useMemo(() => attempt === undefined ? undefined : new Playback(client, attempt, () => redraw((n) => n + 1)), [client, attempt, round]);
+  const playback = useMemo(() => attempt === undefined ? undefined : new Playback(client, attempt, () => redraw((n) => n + 1)), [client, attempt, made, round]);
   const [playing, setPlaying] = useState(false);
   const [speed, setSpeed] = useState(1);
+  const [loop, setLoop] = useState<Loop>();
   // Which run of the playback it is: a frame that was asked for before somebody chose another moment must not undo that.
   const run = useRef(0);
   const stop = () => {
     ++run.current;
     setPlaying(false);
   };
-  const ownStep = useRef<number | undefined>(undefined);             // that this set the cursor to
+  const ownTime = useRef<number | undefined>(undefined);             // that this told
 
   useEffect(() => {
     setPlaying(false);
+    setLoop(undefined);
     if (playback === undefined) return undefined;
     prepareTooth();
     void playback.load();
@@ -55,43 +67,46 @@ export function usePlayback(client: Client, attempt: string | undefined, series:
     return () => clearTimeout(timer);
   }, [waits, round]);
 
-  const head = playback?.head;
   const ready = playback?.state.state === "ready";
-  const rate = head === undefined ? 10 : head.rateHz / head.frameTicks;
+  const head = playback?.head;
+  const clock = useMemo(() => playback === undefined || head === undefined ? undefined : new FrameClock(head, playback.poses), [playback, head, playback?.whole]);
+  const latest = useRef({ clock, loop, setTime });
+  latest.current = { clock, loop, setTime };
 
-  // Who moves the cursor elsewhere moves the tooth.
+  // Who moves the moment elsewhere moves the tooth.
   useEffect(() => {
-    if (playback === undefined || head === undefined || !ready || series === undefined || cursor === undefined || cursor === ownStep.current) return;
-    ownStep.current = cursor;
+    if (playback === undefined || clock === undefined || !ready || timeS === undefined || timeS === ownTime.current) return;
+    ownTime.current = timeS;
     stop();
-    playback.show(framesAt(series, cursor, head.frameTicks, playback.frames));
-  }, [playback, ready, series, cursor]);
+    playback.show(clock.framesAt(timeS));
+  }, [playback, ready, clock, timeS]);
 
   const tell = (frames: number) => {
-    if (series === undefined || head === undefined) return;
-    const step = stepOfTick(series, frames * head.frameTicks);
-    if (step === ownStep.current) return;
-    ownStep.current = step;
-    setCursor(step);
+    const at = latest.current.clock?.timeOf(frames);
+    if (at === undefined || at === ownTime.current) return;
+    ownTime.current = at;
+    latest.current.setTime(at);
   };
-  const latestTell = useRef(tell);
-  latestTell.current = tell;
 
+  const rate = head === undefined ? 10 : head.rateHz / head.frameTicks;
   useEffect(() => {
     if (!playing || playback === undefined) return undefined;
-    let at = playback.position >= playback.frames ? 0 : playback.position;
+    let at = playback.position >= endOf(playback, latest.current.loop) ? latest.current.loop?.from ?? 0 : playback.position;
     let before: number | undefined;
     let told = 0;
     const own = ++run.current;
     let handle = requestAnimationFrame(function next(now) {
       if (own !== run.current) return;
-      at = Math.min(at + (now - (before ?? now)) / 1000 * rate * speed, playback.frames);
+      const end = endOf(playback, latest.current.loop);
+      at += (now - (before ?? now)) / 1000 * rate * speed;
       before = now;
-      if (Math.floor(at) !== playback.position) playback.show(Math.floor(at));
-      const ended = at >= playback.frames;
-      if (ended || now - told > kCursorMs) {
+      const again = latest.current.loop?.to !== undefined;
+      if (at >= end) at = again ? latest.current.loop?.from ?? 0 : end;
+      playback.show(Math.floor(at));
+      const ended = at >= end;
+      if (ended || now - told > kTellMs) {
         told = now;
-        latestTell.current(Math.floor(at));
+        tell(Math.floor(at));
       }
       if (ended) setPlaying(false);
       else handle = requestAnimationFrame(next);
@@ -99,22 +114,50 @@ export function usePlayback(client: Client, attempt: string | undefined, series:
     return () => cancelAnimationFrame(handle);
   }, [playing, playback, speed, rate]);
 
-  if (playback === undefined) return undefined;
-  const show = (frames: number) => {
-    const wanted = Math.max(0, Math.min(Math.round(frames), playback.frames));
-    stop();
-    playback.show(wanted);
-    tell(wanted);
-  };
-  return {
-    playback, playing, speed, rate, setSpeed, show, speeds: kSpeeds,
-    toggle: () => setPlaying((was) => !was && ready),
-    step: (frames) => show(playback.position + frames),
-    jump: (direction) => show(playback.position + direction * kJumpS * rate),
-  };
+  return useMemo(() => {
+    if (playback === undefined) return undefined;
+    const show = (frames: number) => {
+      const wanted = Math.max(0, Math.min(Math.round(frames), playback.frames));
+      stop();
+      playback.show(wanted);
+      tell(wanted);
+    };
+    return {
+      playback, clock, playing, speed, setSpeed, show, loop, speeds: kSpeeds,
+      toggle: () => setPlaying((was) => !was && ready),
+      step: (frames) => show(playback.wanted + frames),
+      jump: (direction) => show(playback.wanted + direction * kJumpS * rate),
+      loopFrom: () => setLoop((was) => ({ from: playback.wanted, to: was?.to !== undefined && was.to > playback.wanted ? was.to : undefined })),
+      loopTo: () => setLoop((was) => was !== undefined && playback.wanted > was.from ? { from: was.from, to: playback.wanted } : { from: 0, to: Math.max(playback.wanted, 1) }),
+      loopOff: () => setLoop(undefined),
+    };
+  }, [playback, clock, playing, speed, loop, ready, rate, changes]);
 }
 
-// The frame at the end of a step, whose tooth and bur the step's figures are of.
-function framesAt(series: Series, step: number, frameTicks: number, frames: number): number {
-  return step >= series.t_s.length - 1 ? frames : Math.min(frames, Math.round(tickOfStep(series, step + 1) / frameTicks));
+// The frame at which playing ends or begins again.
+function endOf(playback: Playback, loop: Loop | undefined): number {
+  return loop?.to ?? playback.frames;
+}
+
+// The playback's keys. They act on whatever `control` is when they are pressed.
+export function playbackKeys(control: () => PlaybackControl | undefined): Key[] {
+  const on = (act: (control: PlaybackControl) => void) => () => {
+    const now = control();
+    if (now?.playback.whole === true) act(now);
+  };
+  const faster = (by: 1 | -1) => on((now) => now.setSpeed(kSpeeds[Math.max(0, Math.min(kSpeeds.indexOf(now.speed as 1) + by, kSpeeds.length - 1))]!));
+  return [
+    { key: "k", also: " ", what: "Play and pause", act: on((now) => now.toggle()) },
+    { key: "j", what: "5 seconds back", act: on((now) => now.jump(-1)) },
+    { key: "l", what: "5 seconds on", act: on((now) => now.jump(1)) },
+    { key: ",", also: "ArrowLeft", what: "One frame back", act: on((now) => now.step(-1)) },
+    { key: ".", also: "ArrowRight", what: "One frame on", act: on((now) => now.step(1)) },
+    { key: "Home", what: "To the beginning", act: on((now) => now.show(0)) },
+    { key: "End", what: "To the end", act: on((now) => now.show(now.playback.frames)) },
+    { key: "-", what: "Slower", act: faster(-1) },
+    { key: "+", what: "Faster", act: faster(1) },
+    { key: "[", what: "Play again from here (A)", act: on((now) => now.loopFrom()) },
+    { key: "]", what: "Play again up to here (B)", act: on((now) => now.loopTo()) },
+    { key: "\\", what: "Play all", act: on((now) => now.loopOff()) },
+  ];
 }

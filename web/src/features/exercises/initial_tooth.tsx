@@ -29,7 +29,7 @@ function Tooth({ surface }: { readonly surface: Surface }) {
   const angled = useMemo((): AngledView => ({ direction: kDirection, centre: lookAt(surface) }), [surface]);
   return (
     <>
-      <ToothView surface={surface} mode="tissue" angled={angled} label={`The ${workpiece(tissues)} before the exercise, showing ${tissues.map(tissueTitle).join(", ").toLowerCase()}.`} />
+      <ToothView model={{ surface }} mode="tissue" angled={angled} label={`The ${workpiece(tissues)} before the exercise, showing ${tissues.map(tissueTitle).join(", ").toLowerCase()}.`} />
       <TissueLegend tissues={tissues} />
     </>
   );

@@ -1,4 +1,5 @@
 import type { BlockMesh } from "../../api/tooth_mesh";
+import type { Extent } from "../../api/tooth_work";
 
 // How a tooth that is played back reaches the picture: block by block, as it changes.
 
@@ -10,13 +11,12 @@ export interface FilmPose {
 export interface FilmScreen {
   // A part of the tooth; undefined: no surface there.
   setBlock(index: number, mesh: BlockMesh | undefined): void;
-  // Whether the blocks are shown in place of the tooth after the attempt.
-  showFilm(on: boolean): void;
   // The bur's outline (place along the axis, radius; mm) and where it is; undefined: it is not shown.
   setBur(outline: readonly (readonly [number, number])[], pose: FilmPose | undefined): void;
 }
 
 export interface Film {
+  readonly extent: Extent;
   // Gives the screen all there is, and what changes from then on. Returns what ends that.
   attach(screen: FilmScreen): () => void;
 }

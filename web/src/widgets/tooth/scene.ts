@@ -1,27 +1,31 @@
 import {
-  AmbientLight, BufferAttribute, BufferGeometry, Color, DataTexture, DirectionalLight, Group, LatheGeometry, Line, LineBasicMaterial, LinearFilter,
+  AmbientLight, Box3, BufferAttribute, BufferGeometry, Color, DataTexture, DirectionalLight, DoubleSide, FrontSide, LatheGeometry, Line, LineBasicMaterial, LinearFilter,
   Mesh, MeshBasicMaterial, MeshStandardMaterial, PerspectiveCamera, Raycaster, Scene, SphereGeometry, Spherical,
   SRGBColorSpace, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Surface } from "../../api/surface";
 import type { BlockMesh } from "../../api/tooth_mesh";
+import type { Extent } from "../../api/tooth_work";
 import { Disposables } from "../../base/disposables";
 import { FrameScheduler } from "../../base/frame";
 import type { Look } from "../../base/moment_link";
 import { deviationScalePixels, kContourStepMm, kDeviationRangeMm, kUntouchedColor } from "./deviation_scale";
+import { type BlockHit, ToothBlocks } from "./blocks";
 import type { FilmPose, FilmScreen } from "./film";
-import { tissueColor } from "./tissue";
+import { type Cuttable, Section, type SectionPlane } from "./section";
+import { tissueColors } from "./tissue_colors";
 import { TriangleGrid } from "./triangle_grid";
 
 export type ColorMode = "tissue" | "deviation";
-export type CameraPreset = "angled" | "occlusal" | "buccal" | "mesial";
+export type CameraPreset = "angled" | "cavity" | "occlusal" | "buccal" | "lingual" | "mesial" | "distal" | "apical";
 export type PointMm = readonly [number, number, number];
 
 // How to look into what was cut: from where, and at what.
 export interface AngledView {
   readonly direction: PointMm;
   readonly centre: PointMm | undefined;         // undefined: the middle of the tooth
+  readonly cavity?: Extent | undefined;         // what "cavity" frames; undefined: as "angled"
 }
 
 export interface SurfacePoint {
@@ -31,17 +35,27 @@ export interface SurfacePoint {
 }
 
 // From what is looked at towards the camera; scene frame. "angled" is given by who shows the tooth.
-const kDirections: Readonly<Record<Exclude<CameraPreset, "angled">, PointMm>> = {
+const kDirections: Readonly<Record<Exclude<CameraPreset, "angled" | "cavity">, PointMm>> = {
   occlusal: [0, -0.001, 1],
   buccal: [0, 1, 0.25],
+  lingual: [0, -1, 0.25],
   mesial: [1, 0, 0.25],
+  distal: [-1, 0, 0.25],
+  apical: [0, -0.001, -1],
 };
 const kFieldOfViewDeg = 28;
 const kMargin = 1.02;                          // of the bounding sphere, so that nothing touches the edge
+const kIntoCavity: PointMm = [0.12, -0.3, 1];
+const kCavityMargin = 1.25;                    // a little of what is around it
 const kAngledCloser = 0.8;                     // of the distance at which the whole tooth is in view
 const kMarkerRadiusMm = 0.2;
+const kInsideColor = "#b98a5e";
 const kSamePlaceMm = 1e-3;
+const kLeastRadiusMm = 0.5;
 const kMinPolar = 0.001;                       // Spherical turns over at the poles
+
+// What is looked at: a surface that stays as it is, or a tooth in blocks that come and change.
+export type ToothModel = { readonly surface: Surface } | { readonly extent: Extent };
 
 // The three.js side of the tooth view: owns the WebGL context, draws only when something changed.
 // Throws from the constructor where WebGL 2 is not available.
@@ -53,45 +67,70 @@ export class ToothScene implements FilmScreen {
   private readonly cleanup = new Disposables();
   private readonly frame = new FrameScheduler(() => this.draw());
   private readonly heat = { value: 0 };
-  private readonly tooth: Mesh<BufferGeometry, MeshStandardMaterial>;
+  private readonly surface: Surface | undefined;
+  private readonly blocks: ToothBlocks;
   private grid: TriangleGrid | undefined;       // made when something is first looked up
   private readonly marker: Mesh;
-  private readonly film = new Group();          // the tooth while it is played back, in blocks
-  private readonly filmMaterial = new MeshStandardMaterial({ vertexColors: true, roughness: 0.55, metalness: 0 });
-  private readonly blocks = new Map<number, Mesh>();
   private bur: Mesh | undefined;
   private readonly trail: Line;
   private readonly centre = new Vector3();
-  private radius = 1;
+  private readonly radius: number;
+  private readonly material: MeshStandardMaterial;
+  private readonly section = new Section();
+  private readonly parts: () => Iterable<Cuttable>;
+  private follows = false;                      // the camera stays at the bur
+  private untouched = true;                     // as it began: nobody has turned it
 
-  constructor(private readonly canvas: HTMLCanvasElement, private readonly surface: Surface, private readonly angled: AngledView,
+  constructor(private readonly canvas: HTMLCanvasElement, model: ToothModel, private angled: AngledView,
               private readonly drawn: (project: (point: PointMm) => PointMm, centre: PointMm, radius: number) => void) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, powerPreference: "low-power" });
+    this.renderer = new WebGLRenderer({ canvas, antialias: drawsQuickly(), alpha: true, powerPreference: "low-power" });
+    // Asking for a shader's errors waits until the driver has made it.
+    this.renderer.debug.checkShaderErrors = false;
     this.cleanup.add(() => this.renderer.dispose());
-    this.tooth = new Mesh(toothGeometry(surface), this.toothMaterial());
+    const material = this.material = this.toothMaterial();
+    this.blocks = new ToothBlocks(material);
+    this.cleanup.add(() => this.blocks.dispose());
     this.marker = toolMarker();
     this.trail = new Line(new BufferGeometry(), new LineBasicMaterial({ color: 0x101418, depthTest: false, transparent: true, opacity: 0.55 }));
     this.trail.renderOrder = 1;
     this.trail.frustumCulled = false;
-    this.film.visible = false;
-    this.cleanup.add(() => { for (const block of this.blocks.values()) block.geometry.dispose(); this.filmMaterial.dispose(); });
-    this.scene.add(this.tooth, this.film, this.trail, this.marker, this.camera, new AmbientLight(0xffffff, 1.3));
+    this.scene.add(this.blocks.group, this.section.outline, this.trail, this.marker, this.camera, new AmbientLight(0xffffff, 1.3));
     this.addLights();
-
-    const sphere = this.tooth.geometry.boundingSphere;
-    if (sphere !== null) {
-      this.centre.copy(sphere.center);
-      this.radius = Math.max(sphere.radius, 0.5);
-    }
-    this.camera.up.set(0, 0, 1);
+    this.radius = this.take(model, material);
+    this.parts = "extent" in model ? () => this.blocks.meshes() : wholeOf(model.surface);
+    this.cleanup.add(() => this.section.dispose());
+    this.surface = "surface" in model ? model.surface : undefined;
     this.controls = this.orbit();
     this.cleanup.add(() => this.frame.cancel());
     this.cleanup.listen(window, "beforeprint", () => this.draw());  // paper gets what was drawn last
     this.view("angled");
+    this.untouched = true;
+  }
+
+  // Returns the radius, and sets the centre, of what is looked at.
+  private take(model: ToothModel, material: MeshStandardMaterial): number {
+    if ("extent" in model) {
+      this.centre.set(...model.extent.centreMm);
+      return Math.max(model.extent.radiusMm, kLeastRadiusMm);
+    }
+    const geometry = toothGeometry(model.surface);
+    this.scene.add(new Mesh(geometry, material));
+    this.cleanup.add(() => geometry.dispose());
+    const sphere = geometry.boundingSphere;
+    if (sphere !== null) this.centre.copy(sphere.center);
+    return Math.max(sphere?.radius ?? 1, kLeastRadiusMm);
   }
 
   dispose(): void {
     this.cleanup.dispose();
+  }
+
+  // Where "angled" looks from and at. Whoever has turned the tooth keeps what they look at.
+  setAngled(angled: AngledView): void {
+    this.angled = angled;
+    if (!this.untouched) return;
+    this.view("angled");
+    this.untouched = true;
   }
 
   setMode(mode: ColorMode): void {
@@ -114,22 +153,8 @@ export class ToothScene implements FilmScreen {
   }
 
   setBlock(index: number, mesh: BlockMesh | undefined): void {
-    const before = this.blocks.get(index);
-    if (before !== undefined) {
-      this.film.remove(before);
-      before.geometry.dispose();
-      this.blocks.delete(index);
-    }
-    if (mesh !== undefined) {
-      const made = new Mesh(blockGeometry(mesh), this.filmMaterial);
-      this.blocks.set(index, made);
-      this.film.add(made);
-    }
-    if (this.film.visible) this.frame.request();
-  }
-  showFilm(on: boolean): void {
-    this.film.visible = on;
-    this.tooth.visible = !on;
+    this.blocks.set(index, mesh);
+    this.section.changed();
     this.frame.request();
   }
   setBur(outline: readonly (readonly [number, number])[], pose: FilmPose | undefined): void {
@@ -143,8 +168,35 @@ export class ToothScene implements FilmScreen {
     if (pose !== undefined) {
       this.bur.position.set(...pose.tipMm);
       this.bur.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...pose.axis).normalize());
+      if (this.follows) this.follow();
     }
     this.frame.request();
+  }
+
+  // Undefined: none. The hidden part cannot be pointed at either.
+  setSection(plane: SectionPlane | undefined): void {
+    const was = this.section.on;
+    this.section.set(plane);
+    if (was !== this.section.on) {
+      this.renderer.localClippingEnabled = this.section.on;
+      this.material.clippingPlanes = this.section.on ? [this.section.plane] : null;
+      // Behind the plane one looks at the inside of the surface: painted flat it is the cut.
+      this.material.side = this.section.on ? DoubleSide : FrontSide;
+      this.material.needsUpdate = true;
+    }
+    this.frame.request();
+  }
+  setFollow(on: boolean): void {
+    this.follows = on;
+    if (on) this.follow();
+  }
+  private follow(): void {
+    if (this.bur?.visible !== true) return;
+    const moved = this.bur.position.clone().sub(this.controls.target);
+    this.controls.target.add(moved);
+    this.camera.position.add(moved);
+    this.controls.update();
+    this.untouched = false;
   }
 
   // What lies over the picture has moved without it.
@@ -159,15 +211,24 @@ export class ToothScene implements FilmScreen {
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
+    const { untouched } = this;
     this.zoom(this.fitDistance() / previous);
+    this.untouched = untouched;
   }
 
   view(preset: CameraPreset): void {
-    const angled = preset === "angled";
-    const direction = new Vector3(...(angled ? this.angled.direction : kDirections[preset])).normalize();
-    const target = angled && this.angled.centre !== undefined ? new Vector3(...this.angled.centre) : this.centre;
+    this.untouched = false;
+    const { direction, centre, cavity } = this.angled;
+    if (preset === "cavity" && cavity !== undefined) {
+      return this.lookAt(new Vector3(...cavity.centreMm), new Vector3(...kIntoCavity), this.fitDistance(Math.max(cavity.radiusMm * kCavityMargin, kLeastRadiusMm)));
+    }
+    if (preset === "angled" || preset === "cavity") return this.lookAt(centre === undefined ? this.centre : new Vector3(...centre), new Vector3(...direction), this.fitDistance() * kAngledCloser);
+    this.lookAt(this.centre, new Vector3(...kDirections[preset]), this.fitDistance());
+  }
+
+  private lookAt(target: Vector3, direction: Vector3, distance: number): void {
     this.controls.target.copy(target);
-    this.camera.position.copy(target).addScaledVector(direction, this.fitDistance() * (angled ? kAngledCloser : 1));
+    this.camera.position.copy(target).addScaledVector(direction.normalize(), distance);
     this.controls.update();
     this.frame.request();
   }
@@ -200,14 +261,20 @@ export class ToothScene implements FilmScreen {
     const pointer = new Vector2((2 * x) / this.canvas.clientWidth - 1, 1 - (2 * y) / this.canvas.clientHeight);
     const ray = new Raycaster();
     ray.setFromCamera(pointer, this.camera);
+    if (this.surface === undefined) return pointOf(this.blocks.firstHit(ray.ray.origin, ray.ray.direction, (at) => this.isShown(at)));
     this.grid ??= new TriangleGrid(this.surface.positionMm, this.surface.triangle);
-    const hit = this.grid.firstHit(ray.ray.origin.toArray(), ray.ray.direction.toArray());
+    const hit = this.grid.firstHit(ray.ray.origin.toArray(), ray.ray.direction.toArray(), (at) => this.isShown(at));
     const vertex = hit === undefined ? undefined : this.surface.triangle[3 * hit.triangle];
     if (hit === undefined || vertex === undefined) return undefined;
     return { tissue: this.surface.tissue[vertex] ?? 0, deviationMm: this.surface.deviationMm?.[vertex], pointMm: hit.at };
   }
 
+  private isShown(at: PointMm): boolean {
+    return !this.section.on || this.section.plane.distanceToPoint(new Vector3(...at)) >= 0;
+  }
+
   private draw(): void {
+    this.section.update(this.centre, this.radius, this.camera.position.clone().sub(this.controls.target), this.parts);
     this.renderer.render(this.scene, this.camera);
     this.drawn((point) => this.project(point), this.centre.toArray(), this.radius);
   }
@@ -218,13 +285,14 @@ export class ToothScene implements FilmScreen {
     return [((at.x + 1) / 2) * this.canvas.clientWidth, ((1 - at.y) / 2) * this.canvas.clientHeight, at.z];
   }
 
-  private fitDistance(): number {
+  private fitDistance(radius = this.radius): number {
     const half = (kFieldOfViewDeg * Math.PI) / 360;
     const narrow = Math.min(1, this.camera.aspect);
-    return (this.radius * kMargin) / Math.sin(Math.atan(Math.tan(half) * narrow));
+    return (radius * kMargin) / Math.sin(Math.atan(Math.tan(half) * narrow));
   }
 
   private moveCamera(change: (offset: Spherical) => void): void {
+    this.untouched = false;
     // Spherical has y up, the scene z.
     const away = this.camera.position.clone().sub(this.controls.target);
     const offset = new Spherical().setFromCartesianCoords(away.x, away.z, -away.y);
@@ -239,11 +307,12 @@ export class ToothScene implements FilmScreen {
     const controls = new OrbitControls(this.camera, this.canvas);
     controls.enablePan = false;
     controls.enableZoom = false;
-    controls.minDistance = this.radius * 0.8;
+    controls.minDistance = this.radius * 0.2;
     controls.maxDistance = this.radius * 12;
     // A finger may still scroll the page over the picture; sideways it turns the tooth.
     this.canvas.style.touchAction = "pan-y";
     controls.addEventListener("change", () => this.frame.request());
+    controls.addEventListener("start", () => { this.untouched = false; });
     this.cleanup.add(() => controls.dispose());
     return controls;
   }
@@ -266,6 +335,7 @@ export class ToothScene implements FilmScreen {
       shader.uniforms["heat"] = this.heat;
       shader.uniforms["scale"] = { value: scale };
       shader.uniforms["untouched"] = { value: new Color(kUntouchedColor) };
+      shader.uniforms["inside"] = { value: new Color(kInsideColor) };
       shader.vertexShader = withDeviationAttribute(shader.vertexShader);
       shader.fragmentShader = withDeviationColor(shader.fragmentShader);
     };
@@ -288,13 +358,25 @@ function toothGeometry(surface: Surface): BufferGeometry {
   return geometry;
 }
 
-function blockGeometry({ positionMm, normal, tissue, triangle }: BlockMesh): BufferGeometry {
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(positionMm, 3));
-  geometry.setAttribute("normal", new BufferAttribute(normal, 4, true));
-  geometry.setAttribute("color", new BufferAttribute(tissueColors(tissue), 3, true));
-  geometry.setIndex(new BufferAttribute(triangle, 1));
-  return geometry;
+// Whether a graphics card draws: four samples in each pixel cost it nothing, and a processor most of its time.
+function drawsQuickly(): boolean {
+  const context = document.createElement("canvas").getContext("webgl2", { failIfMajorPerformanceCaveat: true });
+  context?.getExtension("WEBGL_lose_context")?.loseContext();
+  return context !== null;
+}
+
+// A surface that stays as it is, as one part.
+function wholeOf(surface: Surface): () => Iterable<Cuttable> {
+  const box = new Box3().setFromArray(surface.positionMm);
+  return () => [{ mesh: surface, box }];
+}
+
+// A place whose deviation is not known looks untouched.
+function pointOf(hit: BlockHit | undefined): SurfacePoint | undefined {
+  if (hit === undefined) return undefined;
+  const { mesh: { tissue, deviation }, vertex, at } = hit;
+  const deviationMm = deviation === undefined ? undefined : deviation[2 * vertex + 1] === 0 ? Number.NaN : deviation[2 * vertex];
+  return { tissue: tissue[vertex] ?? 0, deviationMm, pointMm: at };
 }
 
 // A body of revolution, its tip at the origin and its shank along +z.
@@ -304,16 +386,6 @@ function burMesh(outline: readonly (readonly [number, number])[]): Mesh {
   const geometry = new LatheGeometry(closed.map(([place, radius]) => new Vector2(radius, place)), 32);
   geometry.rotateX(Math.PI / 2);
   return new Mesh(geometry, new MeshStandardMaterial({ color: 0x8a94a0, roughness: 0.35, metalness: 0.6 }));
-}
-
-function tissueColors(tissue: Uint8Array): Uint8Array<ArrayBuffer> {
-  const table = Array.from({ length: 256 }, (_, i) => {
-    const linear = new Color(tissueColor(i));
-    return [linear.r * 255, linear.g * 255, linear.b * 255];
-  });
-  const colors = new Uint8Array(3 * tissue.length);
-  tissue.forEach((value, i) => colors.set(table[value]!, 3 * i));
-  return colors;
 }
 
 // (deviation or 0, 1 where compared): interpolated, x / y is the deviation right up to the border of
@@ -340,6 +412,7 @@ function withDeviationColor(shader: string): string {
 uniform float heat;
 uniform sampler2D scale;
 uniform vec3 untouched;
+uniform vec3 inside;
 varying vec2 vDeviation;
 vec3 deviationColor() {
   if (vDeviation.y < 0.5) return untouched;
@@ -352,7 +425,9 @@ vec3 deviationColor() {
   return color * (1.0 - strength);
 }`)
     .replace("#include <color_fragment>",
-             "#include <color_fragment>\nif (heat > 0.5) diffuseColor.rgb = deviationColor();");
+             "#include <color_fragment>\nif (heat > 0.5) diffuseColor.rgb = deviationColor();")
+    // Without light: the inside of the surface stands for the plane.
+    .replace("#include <opaque_fragment>", "#include <opaque_fragment>\n#ifdef DOUBLE_SIDED\nif (!gl_FrontFacing) gl_FragColor.rgb = inside;\n#endif");
 }
 
 function toolMarker(): Mesh {

@@ -1,11 +1,13 @@
+import type { ComponentChildren } from "preact";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Surface } from "../../api/surface";
 import { Disposables } from "../../base/disposables";
 import { FrameScheduler } from "../../base/frame";
 import { formatQuantity } from "../../base/format";
 import type { Look } from "../../base/moment_link";
-import type { AngledView, CameraPreset, ColorMode, PointMm, SurfacePoint, ToothScene } from "./scene";
+import type { AngledView, CameraPreset, ColorMode, PointMm, SurfacePoint, ToothModel, ToothScene } from "./scene";
 import type { Film } from "./film";
+import type { SectionPlane } from "./section";
 import { tissueTitle } from "./tissue";
 
 // A numbered mark at a point of the tooth.
@@ -23,22 +25,30 @@ export interface LookHandle {
   now: (() => Look) | undefined;                // set while the picture is there
 }
 
+// A surface that stays as it is, or a tooth that is played back.
+export type ToothSource = { readonly surface: Surface } | { readonly film: Film };
+
 interface Props {
-  readonly surface: Surface;
+  readonly model: ToothSource;
   readonly mode: ColorMode;
   readonly label: string;                       // what the picture shows, for who cannot see it
   readonly angled: AngledView;                  // what the view begins with
   readonly tool?: PointMm | undefined;
   readonly path?: readonly PointMm[];
-  readonly film?: Film | undefined;             // what the tooth looked like at other moments
+  readonly section?: SectionPlane | undefined;
+  readonly follow?: boolean;                    // the camera stays at the bur
+  readonly children?: ComponentChildren;        // more to choose, beside where to look from
+  readonly busy?: boolean;                      // more of it comes soon
   readonly pins?: readonly ToothPin[];
   readonly look?: LookHandle | undefined;
   readonly onPin?: (key: string) => void;
   readonly onPick?: ((point: PointMm) => void) | undefined;  // a click on the tooth that does not turn it
 }
 
-const kPresets: ReadonlyArray<readonly [CameraPreset, string]> = [
-  ["angled", "Angled"], ["occlusal", "Occlusal"], ["buccal", "Buccal"], ["mesial", "Mesial"],
+// Where there is little room the first letters stand for the word.
+const kPresets: ReadonlyArray<readonly [CameraPreset, string, number]> = [
+  ["cavity", "Cavity", 6], ["angled", "Angled", 6], ["occlusal", "Occlusal", 4], ["buccal", "Buccal", 3], ["lingual", "Lingual", 4], ["mesial", "Mesial", 3],
+  ["distal", "Distal", 4], ["apical", "Apical", 4],
 ];
 const kDirections: ReadonlyArray<readonly [string, PointMm]> = [
   ["Mesial", [1, 0, 0]], ["Distal", [-1, 0, 0]], ["Buccal", [0, 1, 0]], ["Lingual", [0, -1, 0]],
@@ -49,6 +59,7 @@ const kSameMm = 0.005;                          // shown as no deviation: rounds
 const kLabelMarginPx = [38, 18] as const;       // half a label and a little air
 const kClickMovesPx = 4;                        // more is a turn of the tooth
 const kNoPins: readonly ToothPin[] = [];
+const kBesideTooth = 1.05;                       // of the radius of the ball around it
 const kLabelMinShare = 0.12;                    // of the picture's height: shorter points at the viewer
 
 // Fetches what draws a tooth, for who will show one soon. Nobody waits for it.
@@ -57,7 +68,8 @@ export function prepareTooth(): void {
 }
 
 // A tooth to turn: by mouse, finger, arrow keys, + and −, and the preset buttons.
-export function ToothView({ surface, mode, label, angled, tool, path, film, pins = kNoPins, look, onPin, onPick }: Props) {
+export function ToothView({ model, mode, label, angled, busy = false, section, follow = false, children, tool, path, pins = kNoPins, look, onPin, onPick }: Props) {
+  const source = "film" in model ? model.film : model.surface;
   const frame = useRef<HTMLDivElement>(null);
   const scene = useRef<ToothScene | undefined>(undefined);
   const [problem, setProblem] = useState("");
@@ -72,7 +84,7 @@ export function ToothView({ surface, mode, label, angled, tool, path, film, pins
     cleanup.add(() => { abandoned = true; });
     import("./scene").then((module) => {
       if (abandoned) return;
-      scene.current = openScene(module.ToothScene, element, surface, angled, cleanup, setProblem);
+      scene.current = openScene(module.ToothScene, element, "film" in model ? { extent: model.film.extent } : model, angled, cleanup, setProblem);
       const opened = scene.current;
       if (look !== undefined) {
         look.now = () => opened.look();
@@ -88,11 +100,14 @@ export function ToothView({ surface, mode, label, angled, tool, path, film, pins
       setReady(false);
       cleanup.dispose();
     };
-  }, [surface, angled]);
+  }, [source]);
 
   useEffect(() => scene.current?.setMode(mode), [mode, ready]);
   useEffect(() => scene.current?.setTool(tool, path ?? []), [tool, path, ready]);
-  useEffect(() => ready && scene.current !== undefined ? film?.attach(scene.current) : undefined, [film, ready, surface]);
+  useEffect(() => scene.current?.setAngled(angled), [angled, ready]);
+  useEffect(() => ready && scene.current !== undefined && "film" in model ? model.film.attach(scene.current) : undefined, [source, ready]);
+  useEffect(() => scene.current?.setSection(section), [section, ready]);
+  useEffect(() => scene.current?.setFollow(follow), [follow, ready]);
   useEffect(() => scene.current?.redraw(), [pins, ready]);
   // Looked up once a frame, however often the pointer tells of itself.
   const over = useRef<Place | undefined>(undefined);
@@ -115,7 +130,7 @@ export function ToothView({ surface, mode, label, angled, tool, path, film, pins
   return (
     <div class="tooth">
       <div class={onPick === undefined ? "tooth-frame" : "tooth-frame picking"} ref={frame} tabIndex={0} role="application" aria-roledescription="3-D view" aria-label={label}
-           aria-describedby="tooth-keys" aria-busy={!ready && problem === ""}
+           aria-describedby="tooth-keys" aria-busy={(!ready || busy) && problem === ""}
            onKeyDown={(event) => handleKey(event, scene.current)}
            onFocus={() => scene.current?.setZoomEnabled(true)} onBlur={() => scene.current?.setZoomEnabled(false)}
            onPointerDown={(event) => { pressed.current = [event.clientX, event.clientY]; }} onClick={pick}
@@ -130,23 +145,24 @@ export function ToothView({ surface, mode, label, angled, tool, path, film, pins
       </div>
       <div class="tooth-tools">
         <div class="button-row" role="group" aria-label="Look from">
-          {kPresets.map(([preset, title]) => (
-            <button key={preset} type="button" class="button small" disabled={!ready}
-                    onClick={() => scene.current?.view(preset)}>{title}</button>
+          {kPresets.map(([preset, title, short]) => preset === "cavity" && angled.cavity === undefined ? null : (
+            <button key={preset} type="button" class="button small" disabled={!ready} title={title}
+                    onClick={() => scene.current?.view(preset)}>{title.slice(0, short)}<span class="preset-rest">{title.slice(short)}</span></button>
           ))}
         </div>
+        {children}
         <p class="hint" id="tooth-keys">Drag or use the arrow keys to turn, + and − to zoom</p>
       </div>
     </div>
   );
 }
 
-function openScene(Scene: typeof ToothScene, element: HTMLElement, surface: Surface, angled: AngledView,
+function openScene(Scene: typeof ToothScene, element: HTMLElement, model: ToothModel, angled: AngledView,
                    cleanup: Disposables, report: (problem: string) => void): ToothScene {
   const canvas = document.createElement("canvas");
   canvas.setAttribute("aria-hidden", "true");
   const labels = [...element.querySelectorAll<HTMLElement>(".tooth-direction")];
-  const scene = new Scene(canvas, surface, angled, (project, centre, radius) => {
+  const scene = new Scene(canvas, model, angled, (project, centre, radius) => {
     placeLabels(labels, element, project, centre, radius);
     placePins(element, project);
   });
@@ -171,7 +187,8 @@ function placeLabels(labels: readonly HTMLElement[], frame: HTMLElement, project
     const at = project([centre[0] + direction[0] * radius, centre[1] + direction[1] * radius, centre[2]]);
     const [dx, dy] = [at[0] - cx, at[1] - cy];
     const half = [frame.clientWidth / 2, frame.clientHeight / 2] as const;
-    const toEdge = Math.min((half[0] - kLabelMarginPx[0]) / Math.abs(dx), (half[1] - kLabelMarginPx[1]) / Math.abs(dy));
+    // At the edge of the picture, or beside the tooth where that is nearer.
+    const toEdge = Math.min(kBesideTooth, (half[0] - kLabelMarginPx[0]) / Math.abs(dx), (half[1] - kLabelMarginPx[1]) / Math.abs(dy));
     const visible = Math.hypot(dx, dy) > kLabelMinShare * frame.clientHeight && Number.isFinite(toEdge);
     label.style.visibility = visible ? "visible" : "hidden";
     if (visible) label.style.transform = `translate(-50%, -50%) translate(${half[0] + dx * toEdge}px, ${half[1] + dy * toEdge}px)`;

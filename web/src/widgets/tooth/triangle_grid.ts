@@ -20,7 +20,7 @@ export class TriangleGrid {
   private readonly member: Uint32Array;         // triangles, cell by cell
 
   // `position`: three numbers for each vertex; `index`: three vertices for each triangle. Both are read later too.
-  constructor(private readonly position: Float32Array, private readonly index: Uint32Array) {
+  constructor(private readonly position: Float32Array, private readonly index: Uint32Array | Uint16Array, cellsAlong = kCellsAlong) {
     const high: [number, number, number] = [-Infinity, -Infinity, -Infinity];
     for (let i = 0; i < position.length; ++i) {
       const axis = i % 3;
@@ -28,7 +28,7 @@ export class TriangleGrid {
       if (position[i]! > high[axis]!) high[axis] = position[i]!;
     }
     const extent = high.map((value, axis) => Math.max(0, value - this.low[axis]!));
-    this.cell = Math.max(...extent, kNone) / kCellsAlong;
+    this.cell = Math.max(...extent, kNone) / cellsAlong;
     for (let axis = 0; axis < 3; ++axis) this.count[axis] = Math.max(1, Math.ceil((extent[axis] ?? 0) / this.cell));
     this.first = new Uint32Array(this.count[0] * this.count[1] * this.count[2] + 1);
     this.eachCell(this.first, undefined, 1);
@@ -37,8 +37,8 @@ export class TriangleGrid {
     this.eachCell(this.first.slice(), this.member, 0);
   }
 
-  // `direction` need not have the length 1.
-  firstHit(origin: Vec, direction: Vec): Hit | undefined {
+  // `direction` need not have the length 1. `counts`: whether a place is there at all; what is cut away is not.
+  firstHit(origin: Vec, direction: Vec, counts: (at: Vec) => boolean = () => true): Hit | undefined {
     let enter = 0;
     let leave = Infinity;
     for (let axis = 0; axis < 3; ++axis) {
@@ -51,10 +51,10 @@ export class TriangleGrid {
       enter = Math.max(enter, Math.min((a - from) / way, (b - from) / way));
       leave = Math.min(leave, Math.max((a - from) / way, (b - from) / way));
     }
-    return enter > leave ? undefined : this.walk(origin, direction, enter, leave);
+    return enter > leave ? undefined : this.walk(origin, direction, enter, leave, counts);
   }
 
-  private walk(origin: Vec, direction: Vec, enter: number, leave: number): Hit | undefined {
+  private walk(origin: Vec, direction: Vec, enter: number, leave: number, counts: (at: Vec) => boolean): Hit | undefined {
     const at: [number, number, number] = [0, 0, 0];
     const step: [number, number, number] = [0, 0, 0];
     const next: [number, number, number] = [Infinity, Infinity, Infinity];  // where the ray crosses into the next cell
@@ -70,7 +70,7 @@ export class TriangleGrid {
     for (;;) {
       const axis = next[0] <= next[1] && next[0] <= next[2] ? 0 : next[1] <= next[2] ? 1 : 2;
       // A triangle reaches into several cells: what it is met at beyond this one belongs to a later cell.
-      const hit = this.nearestIn((at[2] * this.count[1] + at[1]) * this.count[0] + at[0], origin, direction, Math.min(next[axis], leave));
+      const hit = this.nearestIn((at[2] * this.count[1] + at[1]) * this.count[0] + at[0], origin, direction, Math.min(next[axis], leave), counts);
       if (hit !== undefined) return hit;
       at[axis] += step[axis];
       if (next[axis] > leave || at[axis] < 0 || at[axis] >= this.count[axis]) return undefined;
@@ -78,17 +78,17 @@ export class TriangleGrid {
     }
   }
 
-  private nearestIn(cell: number, origin: Vec, direction: Vec, until: number): Hit | undefined {
+  private nearestIn(cell: number, origin: Vec, direction: Vec, until: number, counts: (at: Vec) => boolean): Hit | undefined {
+    const place = (along: number): Vec => [origin[0] + along * direction[0], origin[1] + along * direction[1], origin[2] + along * direction[2]];
     let nearest = until + 1e-6 * (1 + Math.abs(until));
     let found: number | undefined;
     for (let i = this.first[cell]!; i < this.first[cell + 1]!; ++i) {
       const along = this.meets(this.member[i]!, origin, direction);
-      if (along === undefined || along > nearest) continue;
+      if (along === undefined || along > nearest || !counts(place(along))) continue;
       nearest = along;
       found = this.member[i]!;
     }
-    if (found === undefined) return undefined;
-    return { triangle: found, at: [origin[0] + nearest * direction[0], origin[1] + nearest * direction[1], origin[2] + nearest * direction[2]] };
+    return found === undefined ? undefined : { triangle: found, at: place(nearest) };
   }
 
   // How far along the ray the triangle is met, from either side.
