@@ -96,6 +96,8 @@ const std::array kRoutes = {
           Given<&MoveAssignment>()},
     Route{Method::kPost, "/api/v1/assignments/{id}/release", Need::kInstructor,
           Given<&ReleaseAssignment>()},
+    Route{Method::kGet, "/api/v1/assignments/{id}/insight", Need::kInstructor,
+          Given<&GetInsight>()},
     Route{Method::kGet, "/api/v1/cohorts", Need::kInstructor, Given<&ListCohorts>()},
     Route{Method::kPost, "/api/v1/cohorts", Need::kAdmin, Given<&AddCohort>()},
     Route{Method::kGet, "/api/v1/cohorts/{id}", Need::kInstructor, Given<&GetCohort>()},

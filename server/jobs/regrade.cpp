@@ -5,7 +5,6 @@
 
 #include "common/scene/json/json.h"
 #include "common/scoring/fine_bands.h"
-#include "common/scoring/score.h"
 #include "server/training/revision.h"
 
 namespace enamel::server {
@@ -13,13 +12,6 @@ namespace {
 
 constexpr uint32_t kPage = 200;
 constexpr double kRounding = 1e-9;  // a score document's numbers have twelve digits
-
-Result<scoring::ScoreResult> StoredScore(Parts<BlobStore, AttemptStore> store,
-                                         const Uuid& attempt) {
-  ENAMEL_ASSIGN_OR_RETURN(auto result, store.attempts().ResultOf(attempt));
-  ENAMEL_ASSIGN_OR_RETURN(auto text, store.blobs().GetBlob(result.score_json));
-  return scoring::ScoreFromJson(AsText(text));
-}
 
 RegradedAttempt Regrade(Parts<BlobStore, AttemptStore> store, const AttemptRow& row,
                         const scene::Rubric& rubric, const std::optional<ReferenceRow>& newest) {
@@ -55,6 +47,13 @@ void Count(double score, ScoreHistogram& histogram) {
 }
 
 }  // namespace
+
+Result<scoring::ScoreResult> StoredScore(Parts<BlobStore, AttemptStore> store,
+                                         const Uuid& attempt) {
+  ENAMEL_ASSIGN_OR_RETURN(auto result, store.attempts().ResultOf(attempt));
+  ENAMEL_ASSIGN_OR_RETURN(auto text, store.blobs().GetBlob(result.score_json));
+  return scoring::ScoreFromJson(AsText(text));
+}
 
 Result<scene::Rubric> CountingRubric(Parts<BlobStore, RubricStore> store, const Uuid& exercise,
                                      const scene::Rubric& own) {

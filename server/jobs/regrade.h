@@ -8,6 +8,7 @@
 
 #include "common/base/result.h"
 #include "common/scene/types.h"
+#include "common/scoring/score.h"
 #include "server/storage/parts.h"
 
 // What a corrected rubric would change. Scores keep what was measured, so that points can be given
@@ -19,6 +20,9 @@ namespace enamel::server {
 // The rubric that counts for an exercise: its newest correction, or the document's own.
 Result<scene::Rubric> CountingRubric(Parts<BlobStore, RubricStore> store, const Uuid& exercise,
                                      const scene::Rubric& own);
+
+// The score document of an attempt's newest run. Errors: the store's; those of scoring::ScoreFromJson.
+Result<scoring::ScoreResult> StoredScore(Parts<BlobStore, AttemptStore> store, const Uuid& attempt);
 
 struct RegradedAttempt {
   AttemptRow row;

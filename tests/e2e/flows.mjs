@@ -7,6 +7,7 @@ import { decodePng } from "./png.mjs";
 import { adminFlows } from "./admin_flows.mjs";
 import { screenFlow } from "./screens.mjs";
 import { accessible, signedIn, signIn } from "./session.mjs";
+import { insightFlows } from "./insight_flows.mjs";
 import { teachingFlows } from "./teaching_flows.mjs";
 
 const kScored = "✓ Scored";
@@ -36,7 +37,7 @@ export const flows = [
   ...["student", "instructor", "admin"].map((role) => ({
     name: `every screen of the ${role} is accessible and fits wide and narrow`, anywhere: false, run: screenFlow(role) })),
   ...adminFlows.map((flow) => ({ ...flow, anywhere: false })),
-  ...teachingFlows.map((flow) => ({ ...flow, anywhere: false })),
+  ...[...teachingFlows, ...insightFlows].map((flow) => ({ ...flow, anywhere: false })),
   { name: "more attempts than one page are loaded on request", anywhere: false, run: pagination },
 ];
 

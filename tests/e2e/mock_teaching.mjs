@@ -1,5 +1,7 @@
 // Exercises, assignments and attempts of the mock server.
+import { readFileSync } from "node:fs";
 import { referenceDetail, scoreOf, seriesEndS, seriesOf } from "./mock_data.mjs";
+import { assignmentInsight } from "./mock_insight.mjs";
 import { mockPlayback } from "./mock_timeline.mjs";
 import { conflict, edit, empty, forbidden, invalid, json, notFound, page, refusal, tagged, unseen } from "./mock_reply.mjs";
 import { toothSurface } from "./mock_tooth.mjs";
@@ -390,6 +392,7 @@ export const teachingRoutes = {
   "DELETE /assignments/{id}": ["instructor", deleteAssignment],
   "POST /assignments/{id}/move": ["instructor", moveAssignment],
   "GET /cohorts/{id}/grades": ["instructor", cohortGrades],
+  "GET /assignments/{id}/insight": ["instructor", assignmentInsight],
   "POST /assignments/{id}/release": ["instructor", releaseAssignment],
   "GET /attempts": ["person", listAttempts],
   "GET /attempts/{id}": ["person", withAttempt((row, { world, person }) => {

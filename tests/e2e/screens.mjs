@@ -15,7 +15,7 @@ const kScreens = {
     ["account", "/account", "main table"],
   ],
   instructor: [
-    ["attempts", "/attempts", "main table"], ["assignments", "/assignments", "main table"], ["assignment", `/assignments/${id(502)}`, ".check-list"],
+    ["attempts", "/attempts", "main table"], ["assignments", "/assignments", "main table"], ["assignment", `/assignments/${id(502)}`, ".check-list"], ["assignment_class", `/assignments/${id(500)}`, ".insight .tenths"],
     ["exercises_staff", "/exercises", "main table"], ["exercise_staff", `/exercises/${id(20)}`, ".tooth-frame[aria-busy=false]"],
     ["attempt_staff", `/attempts/${id(105)}`, ".annotations"], ["attempt_appeal", `/attempts/${id(121)}`, ".appeal-card form"],
     ["cohort", `/cohorts/${id(10)}`, ".grades"], ["grading", `/grading?assignment=${id(500)}`, "table.grading .lost-much"], ["live", "/live", ".live-card .badge.good"], ["watch", `/live/${id(110)}`, ".columns .live-anchor"],

@@ -8,7 +8,7 @@
 #include "server/http/etag.h"
 #include "server/http/handlers/grade_view.h"
 #include "server/http/handlers/handlers.h"
-#include "server/http/handlers/seen_attempt.h"
+#include "server/http/handlers/seen_teaching.h"
 #include "server/http/json_body.h"
 #include "server/http/paging.h"
 #include "server/http/query.h"
@@ -121,12 +121,6 @@ class AssignmentView {
   std::map<std::string, ExerciseRow> exercises_;  // newest published, by name
 };
 
-Result<bool> IsInCohort(const Call& call, TeachingStore& store, const Uuid& cohort) {
-  Result<std::vector<Cohort>> own = store.CohortsOf(call.caller->person.id);
-  if (!own.ok()) return own.status();
-  return std::ranges::find(*own, cohort, &Cohort::id) != own->end();
-}
-
 Status MustBeAssignable(const Call& call, TeachingStore& store, const Uuid& cohort) {
   Result<bool> in_cohort = IsInCohort(call, store, cohort);
   if (!in_cohort.ok()) return in_cohort.status();
@@ -201,18 +195,6 @@ Result<AssignmentRow> TermsIn(const Call& call, const AssignmentRow& before) {
   // Of the terms together: due after it opens, and stations with exams only.
   ENAMEL_RETURN_IF_ERROR(CheckTerms(row));
   return row;
-}
-
-// An assignment the caller may see.
-Result<AssignmentRow> SeeAssignment(const Call& call, TeachingStore& store) {
-  // The same answer for what is not there and what is not the caller's to see: ids tell nothing.
-  Status none{Code::kNotFound, "there is no such assignment", "id"};
-  Result<AssignmentRow> row = store.AssignmentById(call.id);
-  if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();
-  Result<bool> in_cohort = IsInCohort(call, store, row->cohort);
-  if (!in_cohort.ok()) return in_cohort.status();
-  if (CanSeeAssignment(call.caller->person, row->cohort, *in_cohort)) return row;
-  return none;
 }
 
 Response Editable(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store,

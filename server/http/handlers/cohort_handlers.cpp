@@ -6,6 +6,7 @@
 #include "server/http/etag.h"
 #include "server/http/handlers/grade_view.h"
 #include "server/http/handlers/handlers.h"
+#include "server/http/handlers/seen_teaching.h"
 #include "server/http/json_body.h"
 #include "server/http/paging.h"
 #include "server/http/query.h"
@@ -44,22 +45,6 @@ Response CohortResponse(const Call& call, TeachingStore& store, const Cohort& co
   Result<json::object> out = CohortJson(store, cohort);
   if (!out.ok()) return ErrorResponse(out.status());
   return WithETag(JsonResponse(*out, status), cohort.revision);
-}
-
-// Those the caller may see.
-Result<std::vector<Cohort>> VisibleCohorts(const Call& call, TeachingStore& store) {
-  const Person& person = call.caller->person;
-  return person.role == Role::kAdmin ? store.Cohorts() : store.CohortsOf(person.id);
-}
-
-Result<Cohort> VisibleCohort(const Call& call, TeachingStore& store) {
-  // By way of the list, so that one rule says what is visible.
-  Result<std::vector<Cohort>> visible = VisibleCohorts(call, store);
-  if (!visible.ok()) return visible.status();
-  for (const Cohort& cohort : *visible) {
-    if (cohort.id == call.id) return cohort;
-  }
-  return Status{Code::kNotFound, "there is no such cohort", "id"};
 }
 
 Result<CohortEdit> EditOf(const Call& call) {

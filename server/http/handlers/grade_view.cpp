@@ -23,9 +23,10 @@ Result<bool> GradeView::IsGraded(const Uuid& exercise) {
   return row->graded;
 }
 
-Result<std::map<Uuid, Grade>> GradeView::Of(const AssignmentRow& assignment,
-                                            const std::optional<Uuid>& person) {
+Result<std::map<Uuid, GradeView::Work>> GradeView::WorkOf(const AssignmentRow& assignment,
+                                                          const std::optional<Uuid>& person) {
   std::map<Uuid, std::vector<GradedAttempt>> attempts;
+  std::map<Uuid, Work> out;
   AttemptFilter filter;
   filter.assignment = assignment.id;
   filter.person = person;
@@ -35,7 +36,7 @@ Result<std::map<Uuid, Grade>> GradeView::Of(const AssignmentRow& assignment,
     if (!rows.ok()) return rows.status();
     more = rows->size() == kAttemptsAtOnce;
     if (more) filter.before = rows->back().id;
-    for (const AttemptRow& row : *rows) {
+    for (AttemptRow& row : *rows) {
       if ((row.flags & (kExcused | kReturned)) != 0) continue;
       Result<bool> graded = IsGraded(row.exercise);
       if (!graded.ok()) return graded.status();
@@ -45,12 +46,21 @@ Result<std::map<Uuid, Grade>> GradeView::Of(const AssignmentRow& assignment,
       const bool seen = viewer_.role != Role::kStudent || CanSeeScore(viewer_, row, *graded, false);
       if (row.score && seen) each.score = row.overridden ? row.overridden->score : *row.score;
       attempts[row.person].push_back(each);
+      out[row.person].attempts.push_back(std::move(row));
     }
   }
-  std::map<Uuid, Grade> out;
   for (auto& [whose, made] : attempts) {
-    out.emplace(whose, GradeOver(assignment.counting, std::move(made)));
+    out[whose].grade = GradeOver(assignment.counting, std::move(made));
   }
+  return out;
+}
+
+Result<std::map<Uuid, Grade>> GradeView::Of(const AssignmentRow& assignment,
+                                            const std::optional<Uuid>& person) {
+  Result<std::map<Uuid, Work>> work = WorkOf(assignment, person);
+  if (!work.ok()) return work.status();
+  std::map<Uuid, Grade> out;
+  for (const auto& [whose, each] : *work) out.emplace(whose, each.grade);
   return out;
 }
 

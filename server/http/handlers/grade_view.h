@@ -18,8 +18,15 @@ class GradeView {
   GradeView(Parts<ContentStore, AttemptStore> store, const Person& viewer)
       : store_(store), viewer_(viewer) {}
 
+  // What one person made under an assignment; excused and returned attempts are left out.
+  struct Work {
+    Grade grade;
+    std::vector<AttemptRow> attempts;  // newest first
+  };
   // By person; `person`: of this one only. Requires: the viewer may see those people's attempts.
   // Errors: the store's.
+  Result<std::map<Uuid, Work>> WorkOf(const AssignmentRow& assignment,
+                                      const std::optional<Uuid>& person);
   Result<std::map<Uuid, Grade>> Of(const AssignmentRow& assignment,
                                    const std::optional<Uuid>& person);
   // Schema Grade.

@@ -65,6 +65,7 @@ Response ReplaceAssignment(const Call& call,
 Response MoveAssignment(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store);
 Response DeleteAssignment(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store);
 Response ReleaseAssignment(const Call& call, TeachingStore& store);
+Response GetInsight(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
 
 Response ListProfiles(const Call& call, ContentStore& store);
 Response PutProfile(const Call& call, ContentStore& store);

@@ -7,6 +7,7 @@
 #include "server/http/etag.h"
 #include "server/http/handlers/handlers.h"
 #include "server/http/handlers/seen_exercise.h"
+#include "server/http/handlers/seen_teaching.h"
 #include "server/http/json_body.h"
 #include "server/http/query.h"
 #include "server/jobs/regrade.h"
@@ -105,12 +106,6 @@ json::object BatchJson(const BatchRow& row) {
           {"cancelled", row.cancelled}, {"over", row.over()}};
 }
 
-// Cohorts whose attempts the caller may score again: an instructor's own; an admin's are all.
-Result<std::vector<Cohort>> TaughtCohorts(const Call& call, TeachingStore& store) {
-  const Person& person = call.caller->person;
-  return person.role == Role::kAdmin ? store.Cohorts() : store.CohortsOf(person.id);
-}
-
 bool Teaches(const std::vector<Cohort>& taught, const std::optional<Uuid>& cohort) {
   return cohort && std::ranges::find(taught, *cohort, &Cohort::id) != taught.end();
 }
@@ -119,7 +114,7 @@ Result<BatchRow> SeenBatch(const Call& call, RescoreParts store) {
   Status none{Code::kNotFound, "there is no such batch", "id"};
   Result<BatchRow> row = store.batches().BatchById(call.id);
   if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();
-  Result<std::vector<Cohort>> taught = TaughtCohorts(call, store);
+  Result<std::vector<Cohort>> taught = VisibleCohorts(call, store);
   if (!taught.ok()) return taught.status();
   if (Teaches(*taught, row->cohort)) return row;
   return none;
@@ -182,7 +177,7 @@ Response PublishRubric(const Call& call, ExerciseParts store) {
 
 Response RescoreCohort(const Call& call, RescoreParts store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<std::vector<Cohort>> taught = TaughtCohorts(call, store);
+  Result<std::vector<Cohort>> taught = VisibleCohorts(call, store);
   if (!taught.ok()) return ErrorResponse(taught.status());
   auto cohort = std::ranges::find(*taught, call.id, &Cohort::id);
   if (cohort == taught->end()) {
@@ -218,7 +213,7 @@ Response RescoreCohort(const Call& call, RescoreParts store) {
 }
 
 Response ListBatches(const Call& call, RescoreParts store) {
-  Result<std::vector<Cohort>> taught = TaughtCohorts(call, store);
+  Result<std::vector<Cohort>> taught = VisibleCohorts(call, store);
   if (!taught.ok()) return ErrorResponse(taught.status());
   Result<std::vector<BatchRow>> rows = store.batches().Batches();
   if (!rows.ok()) return ErrorResponse(rows.status());

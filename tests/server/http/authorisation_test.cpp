@@ -152,6 +152,7 @@ const Line kLines[] = {
     {"DELETE /api/v1/assignments/{id}",            "assignment",     "",                                    "401 403 403 403 204 404 204 204 401 403"},
     {"POST /api/v1/assignments/{id}/move",         "assignment",     R"({"exercise_id":"EXERCISE"})",       "401 403 403 403 200 404 200 200 401 403"},
     {"POST /api/v1/assignments/{id}/release",      "assignment",     "",                                    "401 403 403 403 200 404 200 200 401 403"},
+    {"GET /api/v1/assignments/{id}/insight",       "assignment",     "",                                    "401 403 403 403 200 404 200 200 401 403"},
     // Attempts: sam's, graded, scored, not released.
     {"GET /api/v1/attempts",                    "",               "",                                    "401 200 200 200 200 200 200 200 401 403"},
     {"GET /api/v1/attempts/{id}",               "attempt",        "",                                    "401 200 404 404 200 404 200 200 401 403"},

@@ -8,6 +8,10 @@
 #include "server/storage/sqlite_store.h"
 #include "tests/support/temp_folder.h"
 
+namespace enamel::scoring {
+struct ScoreResult;
+}
+
 namespace enamel::server::http {
 
 inline constexpr char kPassword[] = "correct horse battery";
@@ -22,7 +26,9 @@ struct School {
   // series.
   // `change` may give its row other terms.
   using Change = std::function<void(AttemptRow&)>;
-  Uuid ScoredAttempt(const Uuid& person, const Change& change = {});
+  // `judge` may give its score criteria.
+  using Judge = std::function<void(scoring::ScoreResult&)>;
+  Uuid ScoredAttempt(const Uuid& person, const Change& change = {}, const Judge& judge = {});
   Uuid RecordingAttempt(const Uuid& person, const Change& change = {});
   // An exercise of this name by the actor, a draft or published, which nobody is to do.
   ExerciseRow OwnExercise(const Actor& by, const std::string& name, bool publish,

@@ -1,7 +1,7 @@
 import { type ApiResult, type Http, segment, tagOf, understood } from "./http";
 import { decodeSurface, type Surface } from "./surface";
 import type {
-  Annotation, Assignment, AssignmentMove, AssignmentTerms, AttemptDetail, CohortGrades, Exercise, ExerciseState, ExerciseSummary, ExerciseVersion, Reference, Remark,
+  Annotation, Assignment, AssignmentInsight, AssignmentMove, AssignmentTerms, AttemptDetail, CohortGrades, Exercise, ExerciseState, ExerciseSummary, ExerciseVersion, Reference, Remark,
   ScoringRun, SharingEdit,
 } from "./types";
 
@@ -78,6 +78,10 @@ export class TeachingApi {
   // One result for each student and assignment of a cohort.
   grades(cohort: string, signal?: AbortSignal) {
     return this.http.json<CohortGrades>("GET", `/cohorts/${segment(cohort)}/grades`, { signal });
+  }
+  // How the class did under one assignment.
+  insight(id: string, signal?: AbortSignal) {
+    return this.http.json<AssignmentInsight>("GET", `${assignmentPath(id)}/insight`, { signal });
   }
   deleteAssignment(id: string, tag: string) {
     return this.http.empty("DELETE", assignmentPath(id), { tag });

@@ -9,6 +9,7 @@ import { RosterPage } from "../features/people/roster_page";
 import type { Props } from "./staff";
 
 // What who teaches seldom opens, and admins: one part of the page, since each part costs a request and its head.
+export { InsightCard } from "../features/assignments/insight_card";
 export { ProfilePage } from "../features/profiles/profile_page";
 export { ProfilesPage } from "../features/profiles/profiles_page";
 

@@ -27,7 +27,7 @@ export function staffScreen({ client, route, person, onQuery, onOpen }: Props): 
   const admin = person.role === "admin";
   switch (route.name) {
     case "assignments": return <AssignmentsPage client={client} query={route.query} onQuery={onQuery} onOpen={(id) => onOpen(`/assignments/${id}`)} />;
-    case "assignment": return <AssignmentPage client={client} id={route.id} onGone={() => onOpen("/assignments")} />;
+    case "assignment": return <AssignmentPage client={client} id={route.id} onGone={() => onOpen("/assignments")} insight={(id, title) => <More show={({ InsightCard }) => <InsightCard client={client} id={id} title={title} />} />} />;
     case "grading": return <GradingPage key={route.query.toString()} client={client} query={route.query} onOpen={onOpen} />;
     case "cohorts": return <CohortsPage client={client} admin={admin} />;
     case "cohort": return <CohortPage client={client} id={route.id} admin={admin} />;

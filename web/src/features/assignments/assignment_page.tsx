@@ -1,3 +1,4 @@
+import type { ComponentChildren } from "preact";
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { Tagged } from "../../api/http";
@@ -17,9 +18,10 @@ interface Props {
   readonly client: Client;
   readonly id: string;
   readonly onGone: () => void;
+  readonly insight: (id: string, title: string) => ComponentChildren;  // how the class did
 }
 
-export function AssignmentPage({ client, id, onGone }: Props) {
+export function AssignmentPage({ client, id, onGone, insight }: Props) {
   const { loaded, reload } = useRequest(id, (signal) => client.teaching.assignment(id, signal));
   const [newer, setNewer] = useState<Tagged<Assignment>>();
   if (loaded.state === "loading") return <Loading what="the assignment" />;
@@ -39,6 +41,7 @@ export function AssignmentPage({ client, id, onGone }: Props) {
         {assignment.cohort === null ? "Everybody" : <a href={`/cohorts/${assignment.cohort.id}`}>{assignment.cohort.name}</a>}{" · "}
         {assignment.exercise.id !== null && <><a href={`/exercises/${assignment.exercise.id}`}>The exercise, version {assignment.exercise.version}</a>{" · "}</>}<a href={`/attempts?assignment=${assignment.id}`}>Attempts under it</a>{" · "}<a href={`/grading?assignment=${assignment.id}`}>Grade them</a>
       </p>
+      {insight(assignment.id, exerciseTitle(assignment))}
       <div class="columns">
         <Card title="Terms"><EditTerms client={client} read={loaded.value} onRead={setNewer} /></Card>
         <MoveCard client={client} assignment={assignment} tag={tag} onMoved={() => { setNewer(undefined); reload(); }} />

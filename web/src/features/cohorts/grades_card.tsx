@@ -69,6 +69,10 @@ function Grades({ cohort, book }: { readonly cohort: Cohort; readonly book: Book
               <th scope="row">Students with a result</th>
               {assignments.map(({ id, summary }) => <td key={id} class="number">{summary.graded} of {summary.students}</td>)}
             </tr>
+            <tr>
+              <th scope="row">Not started</th>
+              {assignments.map(({ id }, i) => <td key={id} class="number">{students.filter(({ grades }) => grades[i]?.attempts === 0).length}</td>)}
+            </tr>
           </tfoot>
         </table>
       </TableFrame>

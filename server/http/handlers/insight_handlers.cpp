@@ -1,0 +1,251 @@
+#include <algorithm>
+#include <boost/json.hpp>
+#include <map>
+
+#include "common/scoring/score.h"
+#include "server/http/error_response.h"
+#include "server/http/handlers/grade_view.h"
+#include "server/http/handlers/handlers.h"
+#include "server/http/handlers/seen_teaching.h"
+#include "server/http/json_body.h"
+#include "server/http/query.h"
+#include "server/jobs/regrade.h"
+#include "server/training/insight.h"
+
+// How a class did under one assignment.
+namespace enamel::server::http {
+namespace json = boost::json;
+namespace {
+
+using InsightParts = Parts<ContentStore, TeachingStore, AttemptStore>;
+
+// A score document is read for each: some 20 kB.
+constexpr size_t kMaxStudents = 1000;
+constexpr uint32_t kMaxTries = 50;  // of one who teaches
+
+struct Class {
+  std::vector<Person> students, staff;  // by name
+  uint32_t left_out = 0;                // students beyond kMaxStudents
+};
+
+// Students of the assignment's cohort, of one cohort that was asked for, or of all that the caller sees.
+Result<Class> ClassOf(const Call& call, TeachingStore& store, const AssignmentRow& row,
+                      const std::optional<Uuid>& asked) {
+  const std::optional<Uuid> one = row.cohort.IsZero() ? asked : std::optional(row.cohort);
+  ENAMEL_ASSIGN_OR_RETURN(auto cohorts, VisibleCohorts(call, store));
+  const bool known = !one || std::ranges::find(cohorts, *one, &Cohort::id) != cohorts.end();
+  if (!known || (asked && asked != one)) {
+    return Status(Code::kInvalidInput, "expected a cohort of yours that this is assigned to",
+                  "cohort");
+  }
+  std::map<Uuid, Person> people;
+  for (const Cohort& cohort : cohorts) {
+    if (one ? cohort.id != *one : cohort.archived_ms != 0) continue;
+    ENAMEL_ASSIGN_OR_RETURN(auto members, store.CohortMembers(cohort.id));
+    for (Person& person : members) people.try_emplace(person.id, std::move(person));
+  }
+  Class out;
+  for (auto& [id, person] : people) {
+    (person.role == Role::kStudent ? out.students : out.staff).push_back(std::move(person));
+  }
+  for (std::vector<Person>* list : {&out.students, &out.staff}) {
+    std::ranges::sort(*list, [](const Person& a, const Person& b) {
+      return a.display_name != b.display_name ? a.display_name < b.display_name : a.id < b.id;
+    });
+  }
+  if (out.students.size() > kMaxStudents) {
+    out.left_out = static_cast<uint32_t>(out.students.size() - kMaxStudents);
+    out.students.resize(kMaxStudents);
+  }
+  return out;
+}
+
+// Gaps passed at the chair as well.
+double SecondsOf(const AttemptRow& row) {
+  return row.rate_hz > 0 ? static_cast<double>(row.ticks + row.gap_ticks) / row.rate_hz : 0;
+}
+
+double ScoreOf(const AttemptRow& row) {
+  return row.overridden ? row.overridden->score : row.score.value_or(0);
+}
+
+// The attempt that the criteria are told of: whose score the result is; where that is a mean or a median,
+// the newest scored one.
+std::optional<Uuid> LookedAt(const GradeView::Work& work) {
+  if (work.grade.attempt) return work.grade.attempt;
+  for (const AttemptRow& row : work.attempts) {
+    if (row.score) return row.id;
+  }
+  return std::nullopt;
+}
+
+// False: its score document cannot be read, so that nothing is told of its criteria.
+bool AddScore(InsightParts store, const Uuid& attempt, StudentWork& out) {
+  const Result<scoring::ScoreResult> score = StoredScore(store, attempt);
+  if (!score.ok()) return false;
+  out.failed = score->critical_fail;
+  for (const scoring::CriterionResult& c : score->criteria) {
+    out.criteria.push_back({c.name, c.title, c.unit, c.value, c.points, c.max_points, c.judged});
+  }
+  for (const scoring::GateResult& gate : score->gates) {
+    out.gates.push_back({gate.name, gate.title, gate.share});
+  }
+  return true;
+}
+
+json::object PersonJson(const Person& person) {
+  return {{"id", person.id.Text()}, {"login", person.login}, {"display_name", person.display_name}};
+}
+
+json::value SpreadJson(const std::optional<Spread>& spread) {
+  if (!spread) return nullptr;
+  return {{"count", spread->count},   {"least", spread->least}, {"lower", spread->lower},
+          {"median", spread->median}, {"upper", spread->upper}, {"most", spread->most}};
+}
+
+json::array TenthsJson(const Tenths& tenths) { return json::array(tenths.begin(), tenths.end()); }
+
+const char* StateOf(const StudentWork& work) {
+  if (work.attempts == 0) return "not_started";
+  return work.score ? "scored" : "waiting";
+}
+
+// Points by criterion, in the order of the answer's criteria; null where there are none to be had.
+json::array PointsJson(const Insight& insight, const StudentWork& work) {
+  json::array out;
+  for (const CriterionInsight& criterion : insight.criteria) {
+    const auto found = std::ranges::find(work.criteria, criterion.name, &CriterionPoints::name);
+    const bool has = found != work.criteria.end() && found->judged && found->max_points > 0;
+    out.push_back(has ? json::value(found->points) : json::value());
+  }
+  return out;
+}
+
+json::object SummaryJson(const Insight& insight) {
+  return {{"students", insight.students},
+          {"not_started", insight.not_started},
+          {"waiting", insight.waiting},
+          {"scored", insight.scored},
+          {"failed", insight.failed},
+          {"scores", SpreadJson(insight.scores)},
+          {"times_s", SpreadJson(insight.times_s)},
+          {"score_tenths", TenthsJson(insight.score_tenths)}};
+}
+
+json::array CriteriaJson(const Insight& insight) {
+  json::array out;
+  for (const CriterionInsight& c : insight.criteria) {
+    out.push_back({{"name", c.name},
+                   {"title", c.title},
+                   {"unit", c.unit},
+                   {"max_points", c.max_points},
+                   {"judged", c.judged},
+                   {"half_lost", c.half_lost},
+                   {"mean_points", c.mean_points},
+                   {"earned_tenths", TenthsJson(c.earned)},
+                   {"values", SpreadJson(c.values)}});
+  }
+  return out;
+}
+
+json::object InsightJson(const Insight& insight, const Class& people) {
+  json::array gates, outliers;
+  for (const GateInsight& gate : insight.gates) {
+    gates.push_back({{"name", gate.name}, {"title", gate.title}, {"taken", gate.taken}});
+  }
+  for (const Outlier& o : insight.outliers) {
+    outliers.push_back({{"person_id", people.students[o.student].id.Text()},
+                        {"what", o.what},
+                        {"value", o.value},
+                        {"median", o.median},
+                        {"z", o.z}});
+  }
+  json::value commonest;
+  if (insight.commonest) commonest = insight.criteria[*insight.commonest].name;
+  return {{"summary", SummaryJson(insight)},
+          {"criteria", CriteriaJson(insight)},
+          {"gates", std::move(gates)},
+          {"commonest", std::move(commonest)},
+          {"outliers", std::move(outliers)}};
+}
+
+// What those who teach the class tried of the exercise version themselves: beside the class, in none of
+// its figures.
+Result<json::array> StaffJson(InsightParts store, const AssignmentRow& row, const Class& people) {
+  json::array out;
+  for (const Person& person : people.staff) {
+    AttemptFilter filter;
+    filter.person = person.id;
+    filter.exercise = row.version_id;
+    filter.limit = kMaxTries;
+    ENAMEL_ASSIGN_OR_RETURN(auto attempts, store.attempts().Attempts(filter));
+    for (const AttemptRow& attempt : attempts) {
+      json::value score;
+      if (attempt.score) score = ScoreOf(attempt);
+      out.push_back({{"person", PersonJson(person)},
+                     {"attempt_id", attempt.id.Text()},
+                     {"score", std::move(score)},
+                     {"time_s", SecondsOf(attempt)},
+                     {"ticketed_ms", attempt.ticketed_ms},
+                     {"as_reference", attempt.as_reference}});
+    }
+  }
+  return out;
+}
+
+Result<json::object> InsightOfClass(const Call& call, InsightParts store, const AssignmentRow& row,
+                                    const std::optional<Uuid>& asked) {
+  ENAMEL_ASSIGN_OR_RETURN(auto people, ClassOf(call, store, row, asked));
+  GradeView view(store, call.caller->person);
+  ENAMEL_ASSIGN_OR_RETURN(auto made, view.WorkOf(row, {}));
+  std::vector<StudentWork> class_work;
+  std::vector<std::optional<Uuid>> looked_at;
+  uint32_t unread = 0;
+  for (const Person& person : people.students) {
+    const GradeView::Work& work = made[person.id];
+    StudentWork& out = class_work.emplace_back();
+    out.attempts = work.grade.attempts;
+    out.score = work.grade.score;
+    for (const AttemptRow& attempt : work.attempts) out.time_s += SecondsOf(attempt);
+    looked_at.push_back(LookedAt(work));
+    if (looked_at.back()) unread += AddScore(store, *looked_at.back(), out) ? 0 : 1;
+  }
+  const Insight insight = InsightOf(class_work);
+  json::array students;
+  for (size_t i = 0; i < class_work.size(); ++i) {
+    const GradeView::Work& work = made[people.students[i].id];
+    json::value score, attempt;
+    if (work.grade.score) score = *work.grade.score;
+    if (looked_at[i]) attempt = looked_at[i]->Text();
+    students.push_back({{"person", PersonJson(people.students[i])},
+                        {"state", StateOf(class_work[i])},
+                        {"attempts", work.grade.attempts},
+                        {"score", std::move(score)},
+                        {"released", work.grade.shown},
+                        {"time_s", class_work[i].time_s},
+                        {"failed", class_work[i].failed},
+                        {"attempt_id", std::move(attempt)},
+                        {"points", PointsJson(insight, class_work[i])}});
+  }
+  json::object out = InsightJson(insight, people);
+  out["assignment_id"] = row.id.Text();
+  out["counting"] = CountingName(row.counting);
+  out["students"] = std::move(students);
+  ENAMEL_ASSIGN_OR_RETURN(out["staff"], StaffJson(store, row, people));
+  out["left_out"] = people.left_out;
+  out["unread"] = unread;
+  return out;
+}
+
+}  // namespace
+
+Response GetInsight(const Call& call, InsightParts store) {
+  Result<AssignmentRow> row = SeeAssignment(call, store);
+  if (!row.ok()) return ErrorResponse(row.status());
+  Result<std::optional<Uuid>> cohort = QueryId(call.request, "cohort");
+  if (!cohort.ok()) return ErrorResponse(cohort.status());
+  Result<json::object> insight = InsightOfClass(call, store, *row, *cohort);
+  return insight.ok() ? JsonResponse(*insight) : ErrorResponse(insight.status());
+}
+
+}  // namespace enamel::server::http

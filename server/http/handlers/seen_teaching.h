@@ -1,0 +1,22 @@
+#pragma once
+
+#include <vector>
+
+#include "common/base/result.h"
+#include "server/http/caller.h"
+#include "server/http/routes.h"
+
+// Which cohorts and assignments a caller may see.
+namespace enamel::server::http {
+
+// An instructor's own; an admin's are all. Archived ones too.
+Result<std::vector<Cohort>> VisibleCohorts(const Call& call, TeachingStore& store);
+// The cohort {id}. Errors: kNotFound, the same for what is not there and what is not the caller's to
+// see.
+Result<Cohort> VisibleCohort(const Call& call, TeachingStore& store);
+// Whether the caller is a member, in whatever role.
+Result<bool> IsInCohort(const Call& call, TeachingStore& store, const Uuid& cohort);
+// The assignment {id}. Errors: as VisibleCohort.
+Result<AssignmentRow> SeeAssignment(const Call& call, TeachingStore& store);
+
+}  // namespace enamel::server::http

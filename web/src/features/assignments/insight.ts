@@ -1,0 +1,38 @@
+import type { AssignmentInsight } from "../../api/types";
+import type { Cell } from "../../base/csv";
+import { formatDuration, formatQuantity, formatScore, plural } from "../../base/format";
+
+// What is said of a class, and its table to take along. The figures are the server's (schema AssignmentInsight).
+
+type Outlier = AssignmentInsight["outliers"][number];
+
+// Where most went wrong, in a sentence.
+export function commonestText({ commonest, criteria, summary }: AssignmentInsight): string {
+  const found = criteria.find(({ name }) => name === commonest);
+  if (found !== undefined) return `Most went wrong on ${found.title}: ${found.half_lost} of ${plural(found.judged, "student")} lost half of its points or more.`;
+  return summary.scored === 0 ? "Nothing is scored yet." : "On no criterion did anybody lose half of the points.";
+}
+
+// What a student has that the class has not.
+export function outlierText({ what, value, median }: Outlier, criteria: AssignmentInsight["criteria"]): string {
+  if (what === "score") return `Score ${formatScore(value)}, the class ${formatScore(median)}`;
+  if (what === "time_s") return `Time ${formatDuration(value)}, the class ${formatDuration(median)}`;
+  const found = criteria.find(({ name }) => name === what);
+  const unit = found?.unit ?? "";
+  return `${found?.title ?? what} ${formatQuantity(value, unit)}, the class ${formatQuantity(median, unit)}`;
+}
+
+// A row for each student; points by criterion, empty where there were none to be had.
+export function insightTable({ criteria, students }: AssignmentInsight): { readonly header: readonly string[]; readonly rows: ReadonlyArray<readonly Cell[]> } {
+  return {
+    header: ["login", "display_name", "state", "attempts", "score", "released", "failed_critically", "time_s", ...criteria.map(({ title, max_points: most }) => `${title} (of ${rounded(most)})`)],
+    rows: students.map(({ person, state, attempts, score, released, failed, time_s: time, points }) => [
+      person.login, person.display_name, state, attempts, rounded(score), released, failed, rounded(time), ...points.map(rounded),
+    ]),
+  };
+}
+
+// As it is shown.
+function rounded(value: number | null): number | null {
+  return value === null ? null : Math.round(value * 10) / 10;
+}
