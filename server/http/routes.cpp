@@ -84,6 +84,7 @@ const std::array kRoutes = {
           Given<&PublishRubric>()},
     Route{Method::kPost, "/api/v1/exercises/{id}/rubrics/preview", Need::kInstructor,
           Given<&PreviewRubricChange>()},
+    Route{Method::kGet, "/api/v1/scoring-metrics", Need::kInstructor, Given<&ListScoringMetrics>()},
     Route{Method::kPost, "/api/v1/references/{id}/withdraw", Need::kInstructor,
           Given<&WithdrawReference>()},
     Route{Method::kGet, "/api/v1/assignments", Need::kPerson, Given<&ListAssignments>()},

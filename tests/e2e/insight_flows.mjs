@@ -6,6 +6,9 @@ const id = (number) => `00000000-0000-7000-8000-${String(number).padStart(12, "0
 
 export const insightFlows = [
   { name: "an assignment says who has not begun, the commonest error, and who is far from the class", run: classInsight },
+  { name: "an exercise is edited in a form: what is wrong is told while one types, it is undone, compared, looked at and saved", run: editExercise },
+  { name: "a rubric that is published is corrected, with what it would do to past attempts", run: correctRubric },
+  { name: "a device profile is edited, and what would be refused is told before it is sent", run: editProfile },
 ];
 
 // A picture at each of the sizes that people use.
@@ -31,4 +34,92 @@ async function classInsight(world) {
   assert.match(file.text, /^\uFEFFlogin,display_name,state,attempts,score,released,failed_critically,time_s,/);
   assert.match(file.text, /student,Student One,scored,/);
   await pictures(world, page, "class");
+}
+
+async function editExercise(world) {
+  const page = await signedIn(world, "admin", `/exercises/${id(20)}`);
+  await page.getByRole("link", { name: "Edit as a new draft" }).click();
+  await page.getByRole("heading", { level: 1, name: /A new draft from Occlusal cavity/ }).waitFor();
+  await page.getByText("As saved").waitFor();
+  const title = page.getByLabel("Title", { exact: true });
+  await title.fill("");
+  await page.getByText("Not right yet").first().waitFor();
+  assert.equal(await title.getAttribute("aria-invalid"), "true");
+  assert.ok(await page.getByRole("button", { name: "Make the draft" }).isDisabled());
+  await accessible(page, "an exercise that is not right yet");
+  await title.fill("Occlusal cavity, deeper");
+  await page.getByText("Right, not saved").waitFor();
+  await page.getByLabel("Depth (mm)").fill("2.5");
+  await page.getByRole("table", { name: "Changes against the published version" }).getByRole("row", { name: /Target, depth/ }).waitFor();
+  const first = page.getByRole("group", { name: /^Criterion 1:/ });
+  await first.getByLabel("Points", { exact: true }).fill("45");
+  await page.getByRole("button", { name: "Look at past attempts" }).click();
+  await page.getByText("Mean, now and then").waitFor();
+  await accessible(page, "an edited exercise");
+  await pictures(world, page, "exercise_editor");
+  await page.setViewportSize({ width: 1280, height: 900 });
+  await page.getByRole("button", { name: "Undo", exact: true }).click();
+  assert.notEqual(await first.getByLabel("Points", { exact: true }).inputValue(), "45");
+  await page.getByText("The rubric was changed since. Look again.").waitFor();
+  await page.getByRole("button", { name: "Redo", exact: true }).click();
+  assert.equal(await first.getByLabel("Points", { exact: true }).inputValue(), "45");
+  await page.getByRole("button", { name: "Add a criterion" }).click();
+  await page.getByRole("group", { name: /^Criterion \d+:/ }).last().getByRole("button", { name: /^Move up/ }).click();
+  await page.getByRole("button", { name: "Undo", exact: true }).click();
+  await page.getByRole("button", { name: "Undo", exact: true }).click();
+  // What was typed outlives the page.
+  await page.reload();
+  await page.getByText("Your changes from before are here").waitFor();
+  assert.equal(await title.inputValue(), "Occlusal cavity, deeper");
+  await page.getByText("Right, not saved").waitFor();
+  await page.getByRole("button", { name: "Make the draft" }).click();
+  await page.getByRole("heading", { level: 1, name: "Occlusal cavity, deeper" }).waitFor();
+  const draft = world.mock.exercises.find((row) => row.title === "Occlusal cavity, deeper");
+  assert.equal(world.mock.documents.get(draft.id).target.depth_um, 2500);
+  assert.equal(world.mock.documents.get(draft.id).rubric.criteria[0].points, 45);
+  await page.getByRole("link", { name: "Edit the draft" }).click();
+  await page.getByText("As saved").waitFor();
+  assert.equal(await page.getByText("Your changes from before are here").count(), 0);
+}
+
+async function correctRubric(world) {
+  const page = await signedIn(world, "admin", `/exercises/${id(20)}`);
+  await page.getByRole("link", { name: "Correct the rubric" }).click();
+  await page.getByText("As saved").waitFor();
+  const publish = page.getByRole("button", { name: "Publish the correction" });
+  const first = page.getByRole("group", { name: /^Criterion 1:/ });
+  await first.getByLabel("Share of the points (%)").first().fill("140");
+  await first.getByText("expected shares of 0 to 1").waitFor();
+  await first.getByLabel("Share of the points (%)").first().fill("90");
+  await page.getByText("Right, not saved").waitFor();
+  assert.ok(await publish.isDisabled(), "a correction has a reason");
+  await page.getByLabel("Reason").fill("Colleagues found it too strict.");
+  await page.getByRole("button", { name: "Look at past attempts" }).click();
+  await page.getByText("Would rise").waitFor();
+  await accessible(page, "a rubric being corrected");
+  await pictures(world, page, "rubric_editor");
+  await publish.click();
+  await page.getByRole("heading", { level: 1, name: "Occlusal cavity, class I" }).waitFor();
+  const [counts] = world.mock.rubrics.get(id(20));
+  assert.equal(counts.version, 2);
+  assert.equal(counts.document.criteria[0].map[0][1], 0.9);
+  await page.goto(`/editor?rubric=${id(20)}`);
+  await page.getByLabel("Compare with").selectOption("1");
+  await page.getByRole("table", { name: "Changes against the chosen version" }).waitFor();
+}
+
+async function editProfile(world) {
+  const page = await signedIn(world, "admin", "/profiles/phantom_desktop");
+  await page.getByRole("link", { name: "Edit its numbers" }).click();
+  await page.getByText("As saved").waitFor();
+  await page.getByLabel("Coupling (mN/mm)", { exact: true }).fill("1900");
+  await page.getByText("The server would refuse it").waitFor();
+  await page.getByText("Not met").first().waitFor();
+  assert.ok(await page.getByRole("button", { name: "Save as version 3" }).isDisabled());
+  await accessible(page, "a profile that would be refused");
+  await pictures(world, page, "profile_editor");
+  await page.getByLabel("Coupling (mN/mm)", { exact: true }).fill("1100");
+  await page.getByText("Right, not saved").waitFor();
+  await page.getByRole("button", { name: "Save as version 3" }).click();
+  await page.getByRole("heading", { level: 1, name: "Phantom Desktop" }).waitFor();
 }

@@ -162,13 +162,15 @@ const golden = (name) => JSON.parse(readFileSync(new URL(`../../schemas/golden/$
 const kStrokesReport = { format: 1, rows: [], strokes: golden("strokes"), ...golden("lab_report") };
 const profileView = ({ versions: _versions, reports: _reports, criteria: _criteria, document: _document, ...profile }) => profile;
 
-function putProfile({ world, body }) {
+function putProfile({ world, body, query }) {
+  if (!Number.isInteger(body.coupling_mn_per_mm?.value ?? 1)) return invalid("coupling_mn_per_mm.value", "expected a whole number");
   const coupling = body.coupling_mn_per_mm?.value;
   if (coupling === undefined) return invalid("coupling_mn_per_mm.value", "expected a whole number of mN/mm, found nothing");
   const criteria = criteriaOf(coupling);
   const acceptable = criteria.every((item) => item.met);
-  const judgement = { name: body.name, stored: acceptable, version: acceptable ? 3 : null, acceptable, criteria };
+  const judgement = { name: body.name, stored: acceptable && query.get("dry_run") !== "true", version: acceptable ? 3 : null, acceptable, criteria };
   if (!acceptable) return json({ ...judgement, error: { code: "invalid_input", message: "expected Kc <= 2 b / (T (d + 1)^2)", field: "coupling_mn_per_mm" } }, 400);
+  if (query.get("dry_run") === "true") return json(judgement);
   const profile = world.profiles.find((item) => item.name === body.name);
   if (profile !== undefined) Object.assign(profile, { version: 3, criteria });
   return json(judgement, 201);

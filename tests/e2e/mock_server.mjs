@@ -6,6 +6,7 @@ import { existsSync, readFileSync, statSync } from "node:fs";
 import { createServer } from "node:http";
 import { extname, join, normalize } from "node:path";
 import { fileURLToPath } from "node:url";
+import { editingRoutes } from "./mock_editing.mjs";
 import { peopleRoutes, sessionView } from "./mock_people.mjs";
 import { empty, forbidden, json, notFound, refusal } from "./mock_reply.mjs";
 import { teachingRoutes } from "./mock_teaching.mjs";
@@ -28,7 +29,7 @@ const kMaxBodyBytes = 1 << 20;
 const kRanks = { person: 0, student: 0, instructor: 1, admin: 2 };
 
 // Every route of the mock, as the contract writes it.
-export const mockRoutes = { ...peopleRoutes, ...teachingRoutes };
+export const mockRoutes = { ...peopleRoutes, ...teachingRoutes, ...editingRoutes };
 
 export async function startMockServer({ dist, port = 0 }) {
   const world = makeWorld(dist);

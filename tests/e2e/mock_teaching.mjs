@@ -1,6 +1,7 @@
 // Exercises, assignments and attempts of the mock server.
 import { readFileSync } from "node:fs";
 import { referenceDetail, scoreOf, seriesEndS, seriesOf } from "./mock_data.mjs";
+import { documentOf, lookAtExercise } from "./mock_editing.mjs";
 import { assignmentInsight } from "./mock_insight.mjs";
 import { mockPlayback } from "./mock_timeline.mjs";
 import { conflict, edit, empty, forbidden, invalid, json, notFound, page, refusal, tagged, unseen } from "./mock_reply.mjs";
@@ -38,13 +39,16 @@ function checkedDocument(world, body) {
   return { ...world.exercises[0], name: body.name, title: body.title, instructions: body.instructions ?? "", graded: body.graded === true };
 }
 
-function putDraft({ world, person, body }) {
+function putDraft({ world, person, body, query }) {
+  if (query.get("dry_run") === "true") return lookAtExercise(body);
   const checked = checkedDocument(world, body);
   if (checked.status !== undefined) return checked;
   if (world.exercises.some((row) => row.name === body.name && row.state === "draft")) return conflict("There is a draft of that name already: replace it.");
   const draft = { ...checked, id: newId(world), state: "draft", version: 0, revision: 1, has_reference: false, published_ms: world.nowMs,
                   owner: person.role === "admin" ? null : { id: person.id, display_name: person.display_name }, shared: person.role === "admin" };
   world.exercises.push(draft);
+  documentOf(world, draft);
+  if (body.format > 2) world.documents.set(draft.id, body);
   return tagged(wholeFor(world, person, draft), 201);
 }
 
@@ -58,6 +62,7 @@ function replaceDraft(call) {
   const checked = checkedDocument(call.world, call.body);
   if (checked.status !== undefined) return checked;
   const { name, title, instructions, graded } = checked;
+  if (call.body.format > 2) call.world.documents?.set(call.id, call.body);
   return changeDraft(call, (row) => void Object.assign(row, { name, title, instructions, graded }));
 }
 
@@ -371,7 +376,6 @@ export const teachingRoutes = {
   "GET /exercises/{id}": ["person", exercise((row, { world, person }) => tagged(wholeFor(world, person, row)))],
   "PUT /exercises/{id}": ["instructor", replaceDraft],
   "DELETE /exercises/{id}": ["instructor", deleteDraft],
-  "GET /exercises/{id}/document": ["person", exercise((row) => json(row))],
   "GET /exercises/{id}/initial-surface": ["person", exercise((_row, { world }) => toothReply(world, "whole", { withDeviation: false, whole: true }))],
   "GET /exercises/{id}/versions": ["person", versionsOf],
   "GET /exercises/{id}/references": ["person", ({ world, id }) => json({ references: world.references.filter((row) => row.exercise_id === id) })],

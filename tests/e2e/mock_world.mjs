@@ -122,7 +122,7 @@ export function criteriaOf(couplingMnPerMm) {
 
 function makeProfiles() {
   const profile = (name, title, numbers) => ({
-    name, title, version: 2, created_ms: kStartMs, numbers, criteria: criteriaOf(1200), document: { format: 1, name },
+    name, title, version: 2, created_ms: kStartMs, numbers, criteria: criteriaOf(1200), document: { format: 1, name, title, ...Object.fromEntries([["coupling_mn_per_mm", 1200], ["friction_mn", 60], ["peak_force_mn", 7900]].map(([member, value]) => [member, { value, source: "paper, table 1" }])) },
     versions: [{ version: 2, title, content: "ab".repeat(32), created_ms: kStartMs }, { version: 1, title, content: "cd".repeat(32), created_ms: kStartMs - 60 * kDayMs }],
     reports: [{ id: id(801), version: 2, media_type: "application/json", bytes: 48_210, created_ms: kStartMs }] });
   return [

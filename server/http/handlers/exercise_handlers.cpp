@@ -18,6 +18,7 @@
 #include "server/http/handlers/seen_exercise.h"
 #include "server/http/json_body.h"
 #include "server/http/paging.h"
+#include "server/http/query.h"
 #include "server/jobs/regrade.h"
 #include "server/jobs/surface_blob.h"
 #include "server/training/access.h"
@@ -245,8 +246,8 @@ Response WholeResponse(const Call& call, ExerciseParts store, const ExerciseRow&
 }
 
 // The body as an exercise that this server can have attempts made of: document, scene, rubric, and
-// some device profile that carries it.
-Result<ExerciseRow> UploadedExercise(const Call& call, ContentStore& store) {
+// some device profile that carries it. Stores nothing.
+Result<scene::Exercise> CheckedExercise(const Call& call, ContentStore& store) {
   Result<scene::Exercise> exercise = scene::ExerciseFromJson(call.request.body);
   if (!exercise.ok()) {
     // A newer format is the sender's mistake, not this server's.
@@ -260,6 +261,12 @@ Result<ExerciseRow> UploadedExercise(const Call& call, ContentStore& store) {
     return Status{rubric.code(), rubric.message(), "rubric." + rubric.field()};
   }
   ENAMEL_RETURN_IF_ERROR(MustBeMakeable(store, *exercise));
+  return exercise;
+}
+
+Result<ExerciseRow> UploadedExercise(const Call& call, ContentStore& store) {
+  Result<scene::Exercise> exercise = CheckedExercise(call, store);
+  if (!exercise.ok()) return exercise.status();
   ExerciseRow row;
   row.name = exercise->name;
   row.title = exercise->title;
@@ -354,6 +361,17 @@ Result<Sha256> InitialSurface(ContentStore& store, const ExerciseRow& row) {
   Result<Sha256> made = MakeSurface(store, scene->volume);
   if (made.ok() || made.status().code() == Code::kStorage) return made;
   return Status{Code::kInternal, made.status().message()};
+}
+
+// While somebody types: only whether it is right.
+Response LookAtDraft(const Call& call, ExerciseParts store) {
+  Result<scene::Exercise> exercise = CheckedExercise(call, store.content());
+  if (!exercise.ok()) return ErrorResponse(exercise.status());
+  if (Status may = MayUseName(call, store, exercise->name); !may.ok()) return ErrorResponse(may);
+  ExerciseRow row;
+  row.scene = exercise->scene;
+  return JsonResponse(
+      {{"warnings", json::value_from(RubricWarnings(store.content(), row, exercise->rubric))}});
 }
 
 }  // namespace
@@ -455,6 +473,9 @@ Response ListReferences(const Call& call, ExerciseParts store) {
 
 Response PutDraft(const Call& call, ExerciseParts store) {
   if (!IsJson(call.request)) return NotJson();
+  Result<std::optional<bool>> dry_run = QueryFlag(call.request, "dry_run");
+  if (!dry_run.ok()) return ErrorResponse(dry_run.status());
+  if (dry_run->value_or(false)) return LookAtDraft(call, store);
   Result<ExerciseRow> draft = UploadedExercise(call, store);
   if (!draft.ok()) return ErrorResponse(draft.status());
   if (Status may = MayUseName(call, store, draft->name); !may.ok()) return ErrorResponse(may);

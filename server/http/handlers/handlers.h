@@ -47,6 +47,7 @@ Response RetireExercise(const Call& call, Parts<ContentStore, AttemptStore> stor
 Response ShareExercise(const Call& call, ExerciseParts store);
 Response WithdrawReference(const Call& call, Parts<TeachingStore, AttemptStore> store);
 
+Response ListScoringMetrics(const Call& call);
 Response ListRubrics(const Call& call, ExerciseParts store);
 Response PreviewRubricChange(const Call& call, ExerciseParts store);
 Response PublishRubric(const Call& call, ExerciseParts store);

@@ -2,6 +2,8 @@
 #include <boost/json.hpp>
 
 #include "common/scene/json/json.h"
+#include "common/scoring/metrics.h"
+#include "common/scoring/score.h"
 #include "server/http/caller.h"
 #include "server/http/error_response.h"
 #include "server/http/etag.h"
@@ -57,6 +59,12 @@ Result<scene::Rubric> RubricOf(const std::string& text, const std::string& membe
   const Status& why = rubric.status();
   const Code code = why.code() == Code::kVersion ? Code::kInvalidInput : why.code();
   return Status{code, why.message(), member + why.field()};
+}
+
+// While somebody types: only whether the rubric is right.
+Result<RubricPreview> PreviewOfNone(const scene::Rubric& rubric) {
+  ENAMEL_RETURN_IF_ERROR(scoring::ValidateRubric(rubric));
+  return RubricPreview();
 }
 
 json::array HistogramJson(const ScoreHistogram& histogram) {
@@ -122,6 +130,17 @@ Result<BatchRow> SeenBatch(const Call& call, RescoreParts store) {
 
 }  // namespace
 
+Response ListScoringMetrics(const Call&) {
+  json::array out;
+  for (const scoring::MetricInfo& metric : scoring::Metrics()) {
+    out.push_back({{"name", metric.name},
+                   {"unit", metric.unit},
+                   {"title", metric.title},
+                   {"formula", metric.formula}});
+  }
+  return JsonResponse({{"metrics", std::move(out)}});
+}
+
 Response ListRubrics(const Call& call, ExerciseParts store) {
   Result<ExerciseRow> row = VisibleExercise(call, store);
   if (!row.ok()) return ErrorResponse(row.status());
@@ -138,6 +157,8 @@ Response PreviewRubricChange(const Call& call, ExerciseParts store) {
   if (!row.ok()) return ErrorResponse(row.status());
   Result<scene::Rubric> rubric = RubricOf(call.request.body, "");
   if (!rubric.ok()) return ErrorResponse(rubric.status());
+  Result<std::optional<bool>> attempts = QueryFlag(call.request, "attempts");
+  if (!attempts.ok()) return ErrorResponse(attempts.status());
   // As everywhere: of the attempts of others, an instructor sees those of their own cohorts.
   AttemptFilter which;
   which.exercise = row->id;
@@ -145,7 +166,9 @@ Response PreviewRubricChange(const Call& call, ExerciseParts store) {
   if (viewer.role != Role::kAdmin) which.visible_to_instructor = viewer.id;
   Result<std::optional<ReferenceRow>> newest = store.teaching().ReferenceFor(row->id);
   if (!newest.ok()) return ErrorResponse(newest.status());
-  Result<RubricPreview> preview = PreviewRubric(store, which, *rubric, *newest);
+  Result<RubricPreview> preview = attempts->value_or(true)
+                                      ? PreviewRubric(store, which, *rubric, *newest)
+                                      : PreviewOfNone(*rubric);
   if (!preview.ok()) return ErrorResponse(preview.status());
   json::object out = PreviewJson(*preview);
   out["warnings"] = json::value_from(RubricWarnings(store, *row, *rubric));

@@ -123,6 +123,7 @@ const Line kLines[] = {
     {"GET /api/v1/exercises/{id}/rubrics",         "exercise",       "",                                    "401 403 403 403 200 200 200 200 401 403"},
     {"POST /api/v1/exercises/{id}/rubrics",        "exercise",       R"({})",                               "401 403 403 403 403 403 400 400 401 403"},
     {"POST /api/v1/exercises/{id}/rubrics/preview", "exercise",      R"({})",                               "401 403 403 403 400 400 400 400 401 403"},
+    {"GET /api/v1/scoring-metrics",                "",               "",                                    "401 403 403 403 200 200 200 200 401 403"},
     {"POST /api/v1/references/{id}/withdraw",      "reference",      "",                                    "401 403 403 403 204 403 204 204 401 403"},
     // Ada's own, private, assigned to nobody: for others it is not there.
     {"GET /api/v1/exercises/{id}",                 "adas",           "",                                    "401 404 404 404 200 404 200 200 401 403"},

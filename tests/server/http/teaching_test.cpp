@@ -123,6 +123,26 @@ TEST_F(DraftTest, DraftIsPutReplacedPublishedAndOfferedByAnAssignment) {
   EXPECT_EQ(versions.at("versions").at(0).at("state"), "retired");
 }
 
+TEST_F(DraftTest, DryRunSaysWhatIsWrongAndStoresNothing) {
+  EXPECT_EQ(Post("ben", "/api/v1/exercises?dry_run=true", Document()).status, 200);
+  EXPECT_TRUE(
+      Parsed(By("ben").Get("/api/v1/exercises?state=draft")).at("exercises").as_array().empty());
+  document_.rubric.criteria.front().unit = "N";
+  RawResponse wrong = Post("ben", "/api/v1/exercises?dry_run=true", Document());
+  EXPECT_EQ(wrong.status, 400);
+  const std::string field(Parsed(wrong).at("error").at("field").as_string());
+  EXPECT_TRUE(field.starts_with("rubric.criteria[0]")) << field;
+  EXPECT_EQ(Post("ben", "/api/v1/exercises?dry_run=maybe", Document()).status, 400);
+}
+
+TEST_F(DraftTest, EverythingThatIsMeasuredCanBeChosen) {
+  const json::value answer = Parsed(By("ben").Get("/api/v1/scoring-metrics"));
+  const json::array& metrics = answer.at("metrics").as_array();
+  ASSERT_EQ(metrics.size(), scoring::Metrics().size());
+  EXPECT_EQ(metrics[0].at("name").as_string(), scoring::Metrics()[0].name);
+  EXPECT_EQ(metrics[0].at("unit").as_string(), scoring::Metrics()[0].unit);
+}
+
 TEST_F(DraftTest, InstructorsExerciseIsForOthersOnlyWhenSharedAndThenToUseAndNotToChange) {
   RawResponse put = Post("ben", "/api/v1/exercises", Document());
   std::string path = "/api/v1/exercises/" + std::string(Parsed(put).at("id").as_string());

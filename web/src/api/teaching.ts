@@ -1,7 +1,10 @@
-import { type ApiResult, type Http, segment, tagOf, understood } from "./http";
+import type { Json } from "../base/document";
+import { ok } from "../base/result";
+import { type ApiResult, type Http, segment, type Tagged, tagOf, understood } from "./http";
 import { decodeSurface, type Surface } from "./surface";
 import type {
   Annotation, Assignment, AssignmentInsight, AssignmentMove, AssignmentTerms, AttemptDetail, CohortGrades, Exercise, ExerciseState, ExerciseSummary, ExerciseVersion, Reference, Remark,
+  RubricPreview, RubricVersion, ScoringMetric,
   ScoringRun, SharingEdit,
 } from "./types";
 
@@ -33,6 +36,32 @@ export class TeachingApi {
   async initialSurface(id: string, signal?: AbortSignal): Promise<ApiResult<Surface>> {
     const bytes = await this.http.bytes(`${exercisePath(id)}/initial-surface`, signal);
     return bytes.ok ? understood(decodeSurface(bytes.value)) : bytes;
+  }
+  document(id: string, signal?: AbortSignal) {
+    return this.http.json<Json>("GET", `${exercisePath(id)}/document`, { signal });
+  }
+  // Everything that a rubric can judge.
+  async metrics(signal?: AbortSignal): Promise<ApiResult<readonly ScoringMetric[]>> {
+    const result = await this.http.json<{ readonly metrics: readonly ScoringMetric[] }>("GET", "/scoring-metrics", { signal });
+    return result.ok ? ok(result.value.metrics) : result;
+  }
+  // Every rubric that counted, the newest first; its tag goes with a correction of it.
+  async rubrics(id: string, signal?: AbortSignal): Promise<ApiResult<Tagged<readonly RubricVersion[]>>> {
+    const result = await this.http.tagged<{ readonly rubrics: readonly RubricVersion[] }>("GET", `${exercisePath(id)}/rubrics`, { signal });
+    return result.ok ? ok({ value: result.value.value.rubrics, tag: result.value.tag }) : result;
+  }
+  previewRubric(id: string, rubric: Json) {
+    return this.http.json<RubricPreview>("POST", `${exercisePath(id)}/rubrics/preview`, { body: rubric });
+  }
+  // Whether it is right, as it is typed.
+  checkRubric(id: string, text: string, signal?: AbortSignal) {
+    return this.http.json<RubricPreview>("POST", `${exercisePath(id)}/rubrics/preview?attempts=false`, { body: text, type: "application/json", signal });
+  }
+  publishRubric(id: string, rubric: Json, reason: string, tag: string) {
+    return this.http.json<RubricVersion>("POST", `${exercisePath(id)}/rubrics`, { body: { reason, rubric }, tag });
+  }
+  checkExercise(text: string, signal?: AbortSignal) {
+    return this.http.json<{ readonly warnings: readonly string[] }>("POST", "/exercises?dry_run=true", { body: text, type: "application/json", signal });
   }
   // `text`: an exercise document (schemas/exercise.schema.json), sent as it is.
   putDraft(text: string) {

@@ -72,6 +72,12 @@ export class ProfilesApi {
     if (!result.ok && Array.isArray(result.error.answer?.["criteria"])) return ok(result.error.answer as unknown as ProfileJudgement);
     return result;
   }
+  // Whether it would be taken, as it is typed: every criterion with its figures.
+  async check(text: string, signal?: AbortSignal): Promise<ApiResult<ProfileJudgement>> {
+    const result = await this.http.json<ProfileJudgement>("POST", "/profiles?dry_run=true", { body: text, type: "application/json", signal });
+    if (!result.ok && Array.isArray(result.error.answer?.["criteria"])) return ok(result.error.answer as unknown as ProfileJudgement);
+    return result;
+  }
   versions(name: string, signal?: AbortSignal) {
     return this.http.all<ProfileVersion>(`${profilePath(name)}/versions`, "versions", {}, signal);
   }

@@ -5,7 +5,7 @@ import { unreachable } from "../base/assert";
 const kLists = ["exercises", "attempts", "assignments", "cohorts", "people", "stations", "profiles", "live", "jobs", "audit"] as const;
 // Where a part of the address after the list names one thing of it.
 const kThings = { exercises: "exercise", attempts: "attempt", assignments: "assignment", cohorts: "cohort", people: "person", profiles: "profile", live: "watch" } as const;
-const kSingles = ["roster", "account", "grading"] as const;
+const kSingles = ["roster", "account", "grading", "editor"] as const;
 
 type ListName = (typeof kLists)[number] | (typeof kSingles)[number];
 type ThingName = (typeof kThings)[keyof typeof kThings];

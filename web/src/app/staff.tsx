@@ -36,8 +36,22 @@ export function staffScreen({ client, route, person, onQuery, onOpen }: Props): 
     case "stations": return <StationsPage client={client} admin={admin} />;
     case "profiles": return <More show={({ ProfilesPage }) => <ProfilesPage client={client} admin={admin} />} />;
     case "profile": return <More show={({ ProfilePage }) => <ProfilePage client={client} name={route.id} admin={admin} />} />;
+    case "editor": return editor(client, route.query, admin, onOpen);
     default: return admin && isForAdmins(route) ? <More show={(more) => more.adminScreen({ client, route, person, onQuery, onOpen })} /> : undefined;
   }
+}
+
+// Of an exercise, of the rubric of one that is published, or of a device profile.
+function editor(client: Client, query: URLSearchParams, admin: boolean, onOpen: Props["onOpen"]): ComponentChildren | undefined {
+  const [exercise, rubric, profile] = ["exercise", "rubric", "profile"].map((name) => query.get(name));
+  if (exercise != null) return <Editors show={({ ExerciseEditorPage }) => <ExerciseEditorPage client={client} id={exercise} onOpen={onOpen} />} />;
+  if (rubric != null) return <Editors show={({ RubricEditorPage }) => <RubricEditorPage client={client} id={rubric} onOpen={onOpen} />} />;
+  return profile != null && admin ? <Editors show={({ ProfileEditorPage }) => <ProfileEditorPage client={client} name={profile} onOpen={onOpen} />} /> : undefined;
+}
+
+function Editors({ show }: { readonly show: (editors: typeof import("./editors")) => ComponentChildren }) {
+  const loaded = usePart(() => import("./editors"));
+  return loaded === "loading" || loaded === "failed" ? <PartState state={loaded} /> : <>{show(loaded)}</>;
 }
 
 // What is loaded when somebody comes to it (more.tsx).

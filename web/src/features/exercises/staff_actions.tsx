@@ -40,10 +40,13 @@ export function StaffActions({ client, exercise, tag, onChanged, onOpen }: Props
         {exercise.state === "draft" && (
           <>
             <button type="button" class="button primary" onClick={() => setOpen("publish")}>Publish…</button>
+            <a class="button" href={`/editor?exercise=${exercise.id}`}>Edit the draft</a>
             <button type="button" class="button" onClick={() => setOpen("replace")}>Replace the document…</button>
             <button type="button" class="button" onClick={() => setOpen("delete")}>Delete the draft…</button>
           </>
         )}
+        {exercise.state !== "draft" && <a class="button" href={`/editor?exercise=${exercise.id}`}>Edit as a new draft</a>}
+        {exercise.state === "published" && <a class="button" href={`/editor?rubric=${exercise.id}`}>Correct the rubric</a>}
         {exercise.state === "published" && <button type="button" class="button" onClick={() => setOpen("retire")}>Retire…</button>}
         <button type="button" class="button" onClick={() => setOpen("share")}>{exercise.shared ? "Stop sharing…" : "Share…"}</button>
       </div>

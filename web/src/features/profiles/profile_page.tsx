@@ -36,7 +36,7 @@ function LoadedProfile({ client, profile, admin }: { readonly client: Client; re
   };
   return (
     <>
-      <p class="byline"><code>{profile.name}</code>, version {profile.version}</p>
+      <p class="byline"><code>{profile.name}</code>, version {profile.version}{admin && <>{" · "}<a href={`/editor?profile=${profile.name}`}>Edit its numbers</a></>}</p>
       <Card title="Stability criteria"><CriteriaPanel criteria={profile.criteria} /></Card>
       <FeelCard client={client} profile={profile} />
       <Card title="Numbers"><Numbers profile={profile} /></Card>

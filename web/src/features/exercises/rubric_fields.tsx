@@ -1,0 +1,116 @@
+import type { ScoringMetric } from "../../api/types";
+import { type Json, type Path, valueAt } from "../../base/document";
+import { formatPoints, metricTitle, unitText } from "../../base/format";
+import { type DocumentForm, DocumentNumber, DocumentText, problemAt } from "../../widgets/document_fields";
+import { SelectField } from "../../widgets/form";
+
+interface Props {
+  readonly form: DocumentForm;
+  readonly path: Path;                          // of the rubric; empty: the document is one
+  readonly metrics: readonly ScoringMetric[];
+}
+
+// What earns points: criteria, and gates that multiply all of them.
+export function RubricFields({ form, path, metrics }: Props) {
+  const criteria = itemsAt(form, [...path, "criteria"]);
+  const gates = itemsAt(form, [...path, "gates"]);
+  const total = criteria.reduce<number>((sum, item) => sum + Number(valueAt(item, ["points"]) ?? 0), 0);
+  return (
+    <div class="stack">
+      <p class="hint">{formatPoints(total)} points in all; the score is the share of them that was earned, of 100.</p>
+      {criteria.map((item, i) => <Item key={i} form={form} list={[...path, "criteria"]} place={i} count={criteria.length} metrics={metrics} item={item} what="Criterion" points />)}
+      <div><button type="button" class="button" onClick={() => form.edit.set([...path, "criteria", criteria.length], fresh(metrics, criteria, true))}>Add a criterion</button></div>
+      {gates.map((item, i) => <Item key={i} form={form} list={[...path, "gates"]} place={i} count={gates.length} metrics={metrics} item={item} what="Gate" />)}
+      <div><button type="button" class="button" onClick={() => form.edit.set([...path, "gates"], [...gates, fresh(metrics, gates, false)])}>Add a gate</button></div>
+      <p class="hint">A gate multiplies the points of every criterion: so that nothing is earned by who has done nothing, or has destroyed what lies beside.</p>
+    </div>
+  );
+}
+
+function itemsAt({ edit }: DocumentForm, path: Path): readonly Json[] {
+  const items = edit.at(path);
+  return Array.isArray(items) ? items : [];
+}
+
+// Of a metric that the others do not judge yet.
+function fresh(metrics: readonly ScoringMetric[], others: readonly Json[], points: boolean): Json {
+  const used = new Set(others.map((item) => valueAt(item, ["metric"])));
+  const { name = "", unit = "" } = metrics.find((metric) => !used.has(metric.name)) ?? metrics[0] ?? {};
+  const common = { metric: name, title: metricTitle(name, unit), unit };
+  return points ? { ...common, points: 10, map: [[0, 1], [1, 0]], comment: "" } : { ...common, map: [[0, 0], [1, 1]], comment: "" };
+}
+
+interface ItemProps {
+  readonly form: DocumentForm;
+  readonly list: Path;
+  readonly place: number;
+  readonly count: number;
+  readonly metrics: readonly ScoringMetric[];
+  readonly item: Json;
+  readonly what: string;
+  readonly points?: boolean;
+}
+
+function Item({ form, list, place, count, metrics, item, what, points = false }: ItemProps) {
+  const path = [...list, place];
+  const title = String(valueAt(item, ["title"]) ?? "");
+  const metric = String(valueAt(item, ["metric"]) ?? "");
+  const unit = String(valueAt(item, ["unit"]) ?? "");
+  const name = `${what} ${place + 1}: ${title}`;
+  const choose = (chosen: string) => {
+    const known = metrics.find((each) => each.name === chosen);
+    // A title that somebody wrote stays; one that is the measurement's own follows it.
+    const own = title === "" || title === metricTitle(metric, unit);
+    form.edit.set(path, { ...(item as { readonly [name: string]: Json }), metric: chosen, unit: known?.unit ?? unit, title: own ? metricTitle(chosen, known?.unit ?? unit) : title });
+  };
+  const move = (to: number) => {
+    const items = [...itemsAt(form, list)];
+    const [taken] = items.splice(place, 1);
+    if (taken !== undefined) items.splice(to, 0, taken);
+    form.edit.set(list, items);
+  };
+  // Without its last gate a rubric has no member for them.
+  const remove = () => form.edit.set(count === 1 && !points ? list : path, undefined);
+  const problem = problemAt(form, path) ?? (count === 1 || place === 0 ? problemAt(form, list) : undefined);
+  return (
+    <fieldset class="group">
+      <legend>{name}</legend>
+      {problem !== undefined && <p class="field-problem">{problem}</p>}
+      <div class="form-grid">
+        <SelectField label="What is measured" value={metric} problem={problemAt(form, [...path, "metric"])} onValue={choose}
+                     options={(metrics.some((each) => each.name === metric) ? metrics : [{ name: metric, unit }, ...metrics]).map((each) => ({ value: each.name, title: metricTitle(each.name, each.unit) }))} />
+        <DocumentText form={form} path={[...path, "title"]} label="Called" maxLength={200} />
+        {points && <DocumentNumber form={form} path={[...path, "points"]} label="Points" min={0} />}
+        {points && <DocumentNumber form={form} path={[...path, "fails_above"]} label={`Fails the attempt above (${unitText(unit) || "number"})`} hint="Empty: it does not" optional />}
+      </div>
+      <Steps form={form} path={[...path, "map"]} unit={unit} />
+      <DocumentText form={form} path={[...path, "comment"]} label="Advice where points are lost" maxLength={1000} />
+      <div class="button-row">
+        <button type="button" class="button small" disabled={place === 0} onClick={() => move(place - 1)}>Move up<span class="hidden"> {name}</span></button>
+        <button type="button" class="button small" disabled={place === count - 1} onClick={() => move(place + 1)}>Move down<span class="hidden"> {name}</span></button>
+        <button type="button" class="button small" disabled={points && count === 1} onClick={remove}>Remove<span class="hidden"> {name}</span></button>
+      </div>
+    </fieldset>
+  );
+}
+
+// Rows of value and share, linear in between: where the full points end and where the last one is lost.
+function Steps({ form, path, unit }: { readonly form: DocumentForm; readonly path: Path; readonly unit: string }) {
+  const rows = itemsAt(form, path);
+  const last = rows.at(-1);
+  const next = typeof valueAt(last ?? null, [0]) === "number" ? Number(valueAt(last ?? null, [0])) + 1 : 0;
+  const problem = problemAt(form, path);
+  return (
+    <div class="map-rows">
+      {problem !== undefined && <p class="field-problem">{problem}</p>}
+      {rows.map((_row, i) => (
+        <div class="map-row" key={i}>
+          <DocumentNumber form={form} path={[...path, i, 0]} label={`At (${unitText(unit) || "number"})`} />
+          <DocumentNumber form={form} path={[...path, i, 1]} label="Share of the points (%)" scale={0.01} min={0} />
+          <button type="button" class="button small" disabled={rows.length === 1} onClick={() => form.edit.set([...path, i], undefined)}>Remove<span class="hidden"> row {i + 1}</span></button>
+        </div>
+      ))}
+      <div><button type="button" class="button small" onClick={() => form.edit.set([...path, rows.length], [next, 0])}>Add a row</button></div>
+    </div>
+  );
+}

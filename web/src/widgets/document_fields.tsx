@@ -1,0 +1,62 @@
+import { type Json, type Path, pathText } from "../base/document";
+import { CheckField, LongTextField, NumberField, type Option, SelectField, TextField } from "./form";
+import type { EditedDocument } from "./use_document";
+
+// Fields of a document that is edited, each for one place in it. What the server found wrong is shown at its place.
+
+export interface DocumentForm {
+  readonly edit: EditedDocument;
+  readonly wrong?: { readonly field: string; readonly message: string } | undefined;
+}
+
+interface PlaceProps {
+  readonly form: DocumentForm;
+  readonly path: Path;
+  readonly label: string;
+  readonly hint?: string;
+}
+
+export function problemAt({ wrong }: DocumentForm, path: Path): string | undefined {
+  return wrong !== undefined && wrong.field === pathText(path) ? wrong.message : undefined;
+}
+
+export function DocumentText({ form, path, label, hint, maxLength, long = false }: PlaceProps & { readonly maxLength: number; readonly long?: boolean }) {
+  const value = form.edit.at(path);
+  const common = { label, hint, maxLength, problem: problemAt(form, path), value: typeof value === "string" ? value : "", onValue: (text: string) => form.edit.set(path, text) };
+  return long ? <LongTextField {...common} rows={3} /> : <TextField {...common} />;
+}
+
+// `scale`: how many of the document's units are one of the field's, 1000 for millimetres of micrometres.
+// `optional`: an empty field takes the place away.
+export function DocumentNumber({ form, path, label, hint, scale = 1, optional = false, whole = false, min }: PlaceProps & { readonly scale?: number; readonly optional?: boolean; readonly whole?: boolean; readonly min?: number }) {
+  const value = form.edit.at(path);
+  const set = (typed: number) => {
+    const exact = scale < 1 ? typed / (1 / scale) : typed * scale;
+    if (Number.isFinite(typed)) form.edit.set(path, whole || scale > 1 ? Math.round(exact) : exact);
+    else if (optional) form.edit.set(path, undefined);
+  };
+  return <NumberField label={label} hint={hint} problem={problemAt(form, path)} value={typeof value === "number" ? Number((value / scale).toPrecision(12)) : Number.NaN} onValue={set} step="any" required={!optional} {...(min === undefined ? {} : { min })} />;
+}
+
+export function DocumentChoice({ form, path, label, hint, options }: PlaceProps & { readonly options: readonly Option[] }) {
+  const value = form.edit.at(path);
+  return <SelectField label={label} hint={hint} problem={problemAt(form, path)} value={typeof value === "string" ? value : ""} options={options} onValue={(chosen) => form.edit.set(path, chosen)} />;
+}
+
+export function DocumentFlag({ form, path, label, hint }: PlaceProps) {
+  return <CheckField label={label} {...(hint === undefined ? {} : { hint })} value={form.edit.at(path) === true} onValue={(on) => form.edit.set(path, on)} />;
+}
+
+// What a value is in a table of changes.
+export function shownValue(value: Json | undefined): string {
+  if (value === undefined) return "–";
+  if (typeof value === "string") return value === "" ? "empty" : value;
+  if (typeof value === "boolean") return value ? "yes" : "no";
+  if (Array.isArray(value) && value.every((row) => Array.isArray(row) && row.length === 2)) return value.map((row) => `${String((row as readonly Json[])[0])} → ${percent((row as readonly Json[])[1])}`).join(", ");
+  if (value !== null && typeof value === "object" && "title" in value && typeof value.title === "string") return value.title;
+  return JSON.stringify(value);
+}
+
+function percent(share: Json | undefined): string {
+  return typeof share === "number" ? `${Math.round(1000 * share) / 10}\u00a0%` : "–";
+}

@@ -1,0 +1,33 @@
+import type { ComponentChildren } from "preact";
+import { useEffect } from "preact/hooks";
+import { Notice } from "./basics";
+import type { EditedDocument } from "./use_document";
+
+// Undo, redo and what ends the edit; stays in sight. Ctrl+Z and Ctrl+Y act where no text is typed: a field has its own.
+export function EditBar({ edit, state, children }: { readonly edit: EditedDocument; readonly state: string; readonly children: ComponentChildren }) {
+  useEffect(() => {
+    const press = (event: KeyboardEvent) => {
+      if (!(event.ctrlKey || event.metaKey) || event.target instanceof HTMLInputElement || event.target instanceof HTMLTextAreaElement) return;
+      const key = event.key.toLowerCase();
+      if (key !== "z" && key !== "y") return;
+      event.preventDefault();
+      if (key === "y" || event.shiftKey) edit.redo();
+      else edit.undo();
+    };
+    document.addEventListener("keydown", press);
+    return () => document.removeEventListener("keydown", press);
+  });
+  return (
+    <>
+      {edit.kept && <Notice tone="neutral" title="Your changes from before are here"><p>They were not saved yet. <button type="button" class="button small" onClick={edit.discard}>Discard them</button></p></Notice>}
+      <div class="edit-bar">
+        <span class="hint" role="status">{state}</span>
+        <div class="button-row">
+          <button type="button" class="button" disabled={!edit.canUndo} onClick={edit.undo}>Undo</button>
+          <button type="button" class="button" disabled={!edit.canRedo} onClick={edit.redo}>Redo</button>
+          {children}
+        </div>
+      </div>
+    </>
+  );
+}
