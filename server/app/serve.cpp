@@ -284,15 +284,18 @@ Status Serve(const ServeOptions& options) {
   auth_options.one_time_ms = UnixMs{options.one_time_password_days} * 24 * 60 * 60 * 1000;
   auth::Authenticator authenticator(store, auth_options);
   LiveBoard live;
+  StationBoard board;
   stations::Content content(store);
   stations::Services services{
       store, authenticator, live, content, identity.ticket_key, kSoftware, [] {
         return enamel::UnixMs();
       }};
+  services.board = &board;
   // Declared before what posts to it, hence destroyed after it. The same holds for store, live
   // board and content above: each is used by reference further down.
   StorePool pool(kStationThreads);
   http_options.live = &live;
+  http_options.stations = &board;
   http_options.station_fingerprint = identity.fingerprint.Hex();
   http::HttpServer page(io, http_options, store, authenticator);
   stations::StationServer link(io, link_options, services, pool);

@@ -35,6 +35,8 @@ class Api : public std::enable_shared_from_this<Api> {
 
   // Attempts can be watched from now on. Before the first Handle.
   void Show(LiveBoard& live) { live_ = &live; }
+  // Which stations are connected is known from now on. Before the first Handle.
+  void Show(const StationBoard& stations) { stations_ = &stations; }
   // Stations can be enrolled from now on: what they know the server by. Before the first Handle.
   void Enrol(std::string station_fingerprint) {
     station_fingerprint_ = std::move(station_fingerprint);
@@ -77,6 +79,7 @@ class Api : public std::enable_shared_from_this<Api> {
   const size_t max_in_flight_;
   const std::chrono::milliseconds work_;
   LiveBoard* live_ = nullptr;
+  const StationBoard* stations_ = nullptr;
   std::string station_fingerprint_;
   std::atomic<uint16_t> station_port_{0};
   std::atomic<size_t> in_flight_{0};

@@ -12,6 +12,7 @@
 #include "common/base/result.h"
 #include "server/auth/authenticator.h"
 #include "server/live/live_board.h"
+#include "server/live/station_board.h"
 #include "server/ops/metrics.h"
 #include "server/storage/store.h"
 
@@ -61,6 +62,7 @@ struct HttpOptions {
   // Of the certificate that stations know this server by, in hexadecimal: what an enrolment code is
   // given out with. Empty: none are given out.
   std::string station_fingerprint;
+  const StationBoard* stations = nullptr;   // which are connected; none: it takes none
   LiveBoard* live = nullptr;  // what /attempts/{id}/live shows; none: there is no such path
   // GET /metrics is for this machine, or with a token for whoever has it. No metrics: no such path.
   // The server adds its own figures to them.

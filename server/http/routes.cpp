@@ -170,6 +170,7 @@ const std::array kRoutes = {
     Route{Method::kDelete, "/api/v1/enrolment-codes/{id}", Need::kAdmin,
           Given<&WithdrawEnrolCode>()},
     Route{Method::kGet, "/api/v1/audit", Need::kAdmin, Given<&ListAudit>()},
+    Route{Method::kGet, "/api/v1/health", Need::kAdmin, Given<&GetServerHealth>()},
     Route{Method::kGet, "/api/v1/jobs", Need::kAdmin, Given<&ListJobs>()},
     Route{Method::kPost, "/api/v1/jobs/{id}/cancel", Need::kAdmin, Given<&CancelJob>()},
 };

@@ -12,6 +12,7 @@
 #include "server/auth/authenticator.h"
 #include "server/http/message.h"
 #include "server/live/live_board.h"
+#include "server/live/station_board.h"
 #include "server/ops/metrics.h"
 #include "server/storage/parts.h"
 #include "server/storage/store_pool.h"
@@ -52,6 +53,7 @@ struct Call {
   StorePool* apart =
       nullptr;               // always set: for what asks a disk and must not wait for the database
   FeelMaps* feel = nullptr;  // always set
+  const StationBoard* stations = nullptr;   // none: it takes none
 };
 
 // Runs on the store's threads and may block.

@@ -133,6 +133,10 @@ std::string Metrics::Text() const {
   return text.Take();
 }
 
+int64_t ProcessStartedMs() {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(kStarted.time_since_epoch()).count();
+}
+
 void AddProcess(MetricsText& text) {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);

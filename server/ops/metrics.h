@@ -66,6 +66,9 @@ class Metrics {
   std::vector<Source> sources_ ENAMEL_GUARDED_BY(mutex_);
 };
 
+// When this process started, Unix time in milliseconds.
+int64_t ProcessStartedMs();
+
 // CPU time, memory, open files and start time of this process, under Prometheus' usual names.
 void AddProcess(MetricsText& text);
 

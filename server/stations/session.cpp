@@ -147,6 +147,7 @@ Result<wire::Reply> Session::Do(const wire::Hello& hello) {
   ENAMEL_RETURN_IF_ERROR(services_.store.stations().TouchStation(id, software, hello.core_version(),
                                                                  services_.clock()));
   station_ = *station;
+  if (services_.board != nullptr) entered_ = services_.board->Enter(id);
   station_core_version_ = hello.core_version();
   admitted_ms_ = services_.clock();
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -10,6 +11,7 @@
 #include "common/trace/trace.h"
 #include "server/auth/authenticator.h"
 #include "server/live/live_board.h"
+#include "server/live/station_board.h"
 #include "server/stations/content.h"
 #include "server/storage/parts.h"
 #include "server/training/ticket_rules.h"
@@ -37,6 +39,7 @@ struct Services {
   std::string software;  // "enamel-server 0.1.0"
   std::function<UnixMs()> clock;
   std::string page_url{};  // where people open the page (protocol::IsPageUrl); empty: not told
+  StationBoard* board = nullptr;  // who is connected; none: nobody asks
 };
 
 // kUnauthenticated: what a station hears whose connection ends because it was revoked.
@@ -151,6 +154,7 @@ class Session {
   Services& services_;
   const std::string peer_address_;
   std::optional<StationRow> station_;
+  std::unique_ptr<StationBoard::Connection> entered_;  // from Welcome on
   uint32_t station_core_version_ = 0;
   UnixMs admitted_ms_ = 0;      // when it was known to be admitted last
   std::set<Sha256> signed_in_;  // token hashes

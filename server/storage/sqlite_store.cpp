@@ -1,5 +1,7 @@
 #include "server/storage/sqlite_store.h"
 
+#include <algorithm>
+
 #include "server/storage/engine/data_folder.h"
 #include "server/storage/engine/ticket_key.h"
 #include "server/storage/sql/sqlite_impl.h"
@@ -110,6 +112,14 @@ StoreHealth SqliteStore::Health() {
   out.writes = counters.works;
   out.failed_commits = counters.failed_commits;
   out.commit_s = counters.commit_s;
+  std::vector<double> took = writer_.newest_commits_s();
+  out.timed_commits = took.size();
+  if (!took.empty()) {
+    // The smallest that at least 99 % are not above.
+    const auto place = static_cast<std::ptrdiff_t>((took.size() * 99 + 99) / 100 - 1);
+    std::ranges::nth_element(took, took.begin() + place);
+    out.commit_p99_s = took[static_cast<size_t>(place)];
+  }
   out.chunks = chunks_;
   out.chunk_bytes = chunk_bytes_;
   out.sealed = sealed_;

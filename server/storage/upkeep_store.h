@@ -46,6 +46,9 @@ struct StoreHealth {
   uint64_t free_bytes = 0, min_free_bytes = 0, database_bytes = 0, log_bytes = 0;
   uint64_t commits = 0, writes = 0, failed_commits = 0;
   double commit_s = 0;  // time spent in commits
+  // Of the newest commits, at most 1000: 99 of 100 took at most so long; 0: none is timed.
+  size_t timed_commits = 0;
+  double commit_p99_s = 0;
   uint64_t chunks = 0, chunk_bytes = 0, sealed = 0;
 };
 

@@ -6,6 +6,7 @@ const id = (number) => `00000000-0000-7000-8000-${String(number).padStart(12, "0
 
 export const insightFlows = [
   { name: "an assignment says who has not begun, the commonest error, and who is far from the class", run: classInsight },
+  { name: "what is wrong with the server is said first, with what to do", run: serverHealth },
   { name: "an exercise is edited in a form: what is wrong is told while one types, it is undone, compared, looked at and saved", run: editExercise },
   { name: "a rubric that is published is corrected, with what it would do to past attempts", run: correctRubric },
   { name: "a device profile is edited, and what would be refused is told before it is sent", run: editProfile },
@@ -34,6 +35,26 @@ async function classInsight(world) {
   assert.match(file.text, /^\uFEFFlogin,display_name,state,attempts,score,released,failed_critically,time_s,/);
   assert.match(file.text, /student,Student One,scored,/);
   await pictures(world, page, "class");
+}
+
+async function serverHealth(world) {
+  const page = await signedIn(world, "admin", "/people");
+  await page.getByRole("link", { name: "Health", exact: true }).click();
+  await page.getByText("Nothing needs you").waitFor();
+  await accessible(page, "a server that does well");
+  await pictures(world, page, "health_well");
+  world.mock.trouble = {
+    backup: null, jobs: { queued: 3, running: 1, failed: 2, counted_up_to: 200 },
+    ingest: { takes_recordings: false, problem: "the disk has 200 MB left", waiting: "", chunks: 48_210, chunk_bytes: 81_400_000, sealed: 312 },
+    recordings: { open: 4, late: [{ attempt_id: id(110), station_id: id(30), silent_ms: 190_000 }] },
+  };
+  await page.getByText("Recordings are not taken").waitFor({ timeout: 15_000 });
+  assert.deepEqual(await page.locator(".notice-title").allInnerTexts(),
+    ["Recordings are not taken", "Nothing comes from 1 attempt in progress", "2 jobs have failed", "No backup was made yet"]);
+  await accessible(page, "a server with trouble");
+  await pictures(world, page, "health_trouble");
+  await page.getByRole("link", { name: "Failed jobs" }).click();
+  await page.getByRole("heading", { level: 1, name: "Jobs" }).waitFor();
 }
 
 async function editExercise(world) {

@@ -201,6 +201,23 @@ const profileOf = ({ world, id }) => world.profiles.find((profile) => profile.na
 const orMissing = (found, answer) => found === undefined ? notFound() : answer(found);
 
 // "METHOD /path with {id}": [who may, answer].
+// Schema ServerHealth. `world.trouble` is what the flows make go wrong.
+function serverHealth({ world }) {
+  const hour = 3_600_000;
+  const health = {
+    now_ms: Date.now(), started_ms: Date.now() - 30 * hour,
+    ingest: { takes_recordings: true, problem: "", waiting: "", chunks: 48_210, chunk_bytes: 81_400_000, sealed: 312 },
+    commits: { count: 50_120, failed: 0, timed: 1000, p99_s: 0.0214 },
+    disk: { free_bytes: 214e9, kept_free_bytes: 268_435_456, database_bytes: 412e6, log_bytes: 4.1e6 },
+    jobs: { queued: 1, running: 1, failed: 0, counted_up_to: 200 },
+    stations: { enrolled: 7, online: 4 }, recordings: { open: 4, late: [] },
+    sign_ins: { signed_in: 214, refused: 12, throttled: 0, busy: 0 },
+    backup: { at_ms: Date.now() - 9 * hour, missing: 0 },
+    retention: [{ what: "unfinished", days: 30 }, { what: "recordings", days: 730 }],
+  };
+  return json({ ...health, ...world.trouble });
+}
+
 export const peopleRoutes = {
   "GET /people": ["admin", listPeople],
   "POST /people": ["admin", addPerson],

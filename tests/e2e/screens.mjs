@@ -25,7 +25,7 @@ const kScreens = {
     ["people", "/people", "main table"], ["person", `/people/${id(2)}`, "main form"], ["roster", "/roster", "main form, main input"], ["cohorts", "/cohorts", "main table"],
     ["cohort_admin", `/cohorts/${id(10)}`, ".grades"], ["stations", "/stations", "table[aria-label=Stations]"], ["profiles", "/profiles", "main table"],
     ["profile", "/profiles/phantom_desktop", ".trend"],
-    ["profile_drawn", `/profiles/phantom_desktop?report=${id(801)}`, ".stroke-case canvas"], ["jobs", "/jobs", "main table"], ["audit", "/audit", "main table"], ["not_found", "/nothing", "main a"],
+    ["profile_drawn", `/profiles/phantom_desktop?report=${id(801)}`, ".stroke-case canvas"], ["health", "/health", ".health"], ["jobs", "/jobs", "main table"], ["audit", "/audit", "main table"], ["not_found", "/nothing", "main a"],
   ],
 };
 

@@ -127,6 +127,8 @@ Response ListEnrolCodes(const Call& call, StationStore& store);
 Response AddEnrolCode(const Call& call, StationStore& store);
 Response WithdrawEnrolCode(const Call& call, StationStore& store);
 
+Response GetServerHealth(
+    const Call& call, Parts<StationStore, AttemptStore, JobStore, AuditStore, UpkeepStore> store);
 Response ListAudit(const Call& call, AuditStore& store);
 Response ListJobs(const Call& call, JobStore& store);
 Response CancelJob(const Call& call, JobStore& store);

@@ -96,6 +96,11 @@ void Writer::Commit(const std::vector<Pending*>& batch) {
   for (const Pending* pending : batch) {
     if (pending->status.code() == Code::kStorage) last_failure_ = pending->status;
   }
+  if (failure.ok()) {
+    const size_t place = counters_.commits % kTimed;
+    if (place == timed_s_.size()) timed_s_.push_back(0);
+    timed_s_[place] = took.count();
+  }
   ++(failure.ok() ? counters_.commits : counters_.failed_commits);
   counters_.works += failure.ok() ? batch.size() : 0;
   counters_.commit_s += took.count();
@@ -112,6 +117,11 @@ Status Writer::Transact(const std::vector<Pending*>& batch) {
   // What a work said of itself no longer holds: the commit that was to keep it has failed.
   for (Pending* pending : batch) pending->status = failure;
   return failure;
+}
+
+std::vector<double> Writer::newest_commits_s() const {
+  std::lock_guard lock(mutex_);
+  return timed_s_;
 }
 
 Writer::Counters Writer::counters() const {

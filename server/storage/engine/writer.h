@@ -40,6 +40,10 @@ class Writer {
     double commit_s = 0;  // from BEGIN to the end of COMMIT
   };
   Counters counters() const;
+  // How long the newest commits took, from BEGIN to the end of COMMIT: at most kTimed of them, in no
+  // order.
+  static constexpr size_t kTimed = 1000;
+  std::vector<double> newest_commits_s() const;
   // The database was found damaged; stays so.
   bool damaged() const;
   // Why the last transaction could not be written; Ok after one that could. One that found the
@@ -81,7 +85,9 @@ class Writer {
   Status last_failure_;           // guarded by mutex_
   bool damaged_ = false;          // guarded by mutex_
   Counters counters_;             // guarded by mutex_
-  std::thread thread_;            // last: uses the rest
+  std::vector<double>
+      timed_s_;         // guarded by mutex_; a ring, whose next place is the commits' count
+  std::thread thread_;  // last: uses the rest
 };
 
 }  // namespace enamel::server::sqlite

@@ -1,6 +1,6 @@
 import { ok } from "../base/result";
 import { type ApiResult, type Http, segment } from "./http";
-import type { AuditEntry, Calibration, EnrolCode, Job, ListedDevice, MadeEnrolCode, Profile, ProfileDetail, ProfileFeel, ProfileJudgement, ProfileReport, ProfileVersion, Station } from "./types";
+import type { AuditEntry, Calibration, EnrolCode, Job, ListedDevice, MadeEnrolCode, Profile, ProfileDetail, ProfileFeel, ProfileJudgement, ProfileReport, ProfileVersion, ServerHealth, Station } from "./types";
 
 interface PageQuery {
   readonly cursor?: string | undefined;
@@ -118,6 +118,9 @@ export class OperationsApi {
 
   jobs(query: PageQuery & { readonly state?: string }, signal?: AbortSignal) {
     return this.http.page<Job>("/jobs", "jobs", { ...query }, signal);
+  }
+  health(signal?: AbortSignal) {
+    return this.http.json<ServerHealth>("GET", "/health", { signal });
   }
   cancelJob(id: string) {
     return this.http.empty("POST", `/jobs/${segment(id)}/cancel`);

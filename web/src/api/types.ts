@@ -58,6 +58,7 @@ export type Annotation = Schemas["Annotation"];
 export type Remark = Schemas["Remark"];
 export type Appeal = Schemas["Appeal"];
 export type ScoringRun = Schemas["ResultRun"];
+export type ServerHealth = Schemas["ServerHealth"];
 export type Job = Schemas["Job"];
 export type AttemptState = Schemas["AttemptState"];
 export type Score = Schemas["Score"];

@@ -2,6 +2,7 @@ import "../api/shared";
 import "../widgets/shared";
 import type { ComponentChildren } from "preact";
 import { AuditPage } from "../features/operations/audit_page";
+import { HealthPage } from "../features/operations/health_page";
 import { JobsPage } from "../features/operations/jobs_page";
 import { PeoplePage } from "../features/people/people_page";
 import { PersonPage } from "../features/people/person_page";
@@ -19,6 +20,7 @@ export function adminScreen({ client, route, person, onQuery, onOpen }: Props): 
     case "people": return <PeoplePage client={client} query={route.query} onQuery={onQuery} />;
     case "person": return <PersonPage client={client} id={route.id} self={route.id === person.id} onGone={() => onOpen("/people")} />;
     case "roster": return <RosterPage client={client} />;
+    case "health": return <HealthPage client={client} />;
     case "jobs": return <JobsPage client={client} query={route.query} onQuery={onQuery} />;
     case "audit": return <AuditPage client={client} query={route.query} onQuery={onQuery} />;
     default: return null;

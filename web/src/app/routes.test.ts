@@ -9,7 +9,7 @@ test("each address of the page leads to its screen", () => {
   for (const [path, name] of [
     ["/exercises", "exercises"], ["/exercises/e1", "exercise"], ["/attempts", "attempts"], ["/attempts/a1/", "attempt"], ["/assignments/x", "assignment"],
     ["/cohorts/c", "cohort"], ["/people/p", "person"], ["/roster", "roster"], ["/account", "account"], ["/profiles/omega_6", "profile"],
-    ["/live/a1", "watch"], ["/stations", "stations"], ["/grading", "grading"], ["/jobs", "jobs"], ["/audit", "audit"],
+    ["/live/a1", "watch"], ["/stations", "stations"], ["/grading", "grading"], ["/editor?exercise=e1", "editor"], ["/jobs", "jobs"], ["/audit", "audit"], ["/health", "health"],
   ] as const) assert.equal(route(path).name, name, path);
   assert.deepEqual(route("/attempts/a1"), { name: "attempt", id: "a1" });
 });

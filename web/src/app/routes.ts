@@ -2,7 +2,7 @@ import type { Role } from "../api/types";
 import { unreachable } from "../base/assert";
 
 // The addresses of the page. The server answers all of them with index.html.
-const kLists = ["exercises", "attempts", "assignments", "cohorts", "people", "stations", "profiles", "live", "jobs", "audit"] as const;
+const kLists = ["exercises", "attempts", "assignments", "cohorts", "people", "stations", "profiles", "live", "jobs", "audit", "health"] as const;
 // Where a part of the address after the list names one thing of it.
 const kThings = { exercises: "exercise", attempts: "attempt", assignments: "assignment", cohorts: "cohort", people: "person", profiles: "profile", live: "watch" } as const;
 const kSingles = ["roster", "account", "grading", "editor"] as const;
@@ -28,7 +28,7 @@ export function parseRoute(url: URL): Route {
   return thing === undefined ? { name: "unknown" } : { name: thing, id: decoded(second) };
 }
 
-const kForAdmins: readonly Route["name"][] = ["people", "person", "roster", "jobs", "audit"];
+const kForAdmins: readonly Route["name"][] = ["people", "person", "roster", "jobs", "audit", "health"];
 
 export function isForAdmins(route: Route): boolean {
   return kForAdmins.includes(route.name);
@@ -70,7 +70,7 @@ export function navigation(role: Role): readonly NavItem[] {
     case "instructor": return [kAttempts, kAssignments, kExercises, kCohorts, kLive, kStations, kDevices];
     case "admin": return [
       { path: "/people", title: "People" }, kCohorts, kAttempts, kAssignments, kExercises, kLive, kStations, kDevices,
-      { path: "/jobs", title: "Jobs" }, { path: "/audit", title: "Audit" },
+      { path: "/health", title: "Health" }, { path: "/jobs", title: "Jobs" }, { path: "/audit", title: "Audit" },
     ];
     default: return unreachable(role);
   }

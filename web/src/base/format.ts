@@ -110,7 +110,8 @@ export function formatBytes(bytes: number): string {
   if (!Number.isFinite(bytes) || bytes < 0) return kDash;
   if (bytes < 1000) return `${bytes} B`;
   if (bytes < 1e6) return `${formatNumber(bytes / 1e3, 1)} kB`;
-  return `${formatNumber(bytes / 1e6, 2)} MB`;
+  if (bytes < 1e9) return `${formatNumber(bytes / 1e6, 2)} MB`;
+  return `${formatNumber(bytes / 1e9, 2)} GB`;
 }
 
 export function micrometresAsMm(um: number): string {

@@ -1,0 +1,138 @@
+#include <algorithm>
+#include <boost/json.hpp>
+
+#include "common/base/unix_time.h"
+#include "server/http/error_response.h"
+#include "server/http/handlers/handlers.h"
+#include "server/http/json_body.h"
+#include "server/ops/metrics.h"
+
+// How the server does, for those who run it: figures, of which the page makes sentences.
+namespace enamel::server::http {
+namespace json = boost::json;
+namespace {
+
+using HealthParts = Parts<StationStore, AttemptStore, JobStore, AuditStore, UpkeepStore>;
+
+constexpr uint32_t kMostJobs = 200;      // that the store lists of a state
+constexpr uint32_t kMostAttempts = 200;  // likewise
+constexpr UnixMs kMinuteMs = 60'000;
+// While an attempt is made a chunk comes every second; a connection that is silent for a minute has ended
+// (schemas/wire/README.md).
+constexpr UnixMs kLateMs = 2 * kMinuteMs;
+// Somebody who went home without ending an attempt is no fault that could still be mended.
+constexpr UnixMs kGivenUpMs = 24 * 60 * kMinuteMs;
+
+Result<json::object> JobsJson(JobStore& store) {
+  json::object out;
+  for (const char* state : {"queued", "running", "failed"}) {
+    JobFilter filter;
+    filter.state = state;
+    filter.limit = kMostJobs;
+    ENAMEL_ASSIGN_OR_RETURN(auto rows, store.FindJobs(filter));
+    out[state] = rows.size();
+  }
+  out["counted_up_to"] = kMostJobs;
+  return out;
+}
+
+Result<json::object> StationsJson(StationStore& store, const StationBoard* board) {
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, store.Stations());
+  uint32_t enrolled = 0, online = 0;
+  for (const StationRow& row : rows) {
+    enrolled += row.revoked ? 0 : 1;
+    online += board != nullptr && !row.revoked && board->Connected(row.id) ? 1 : 0;
+  }
+  return json::object{{"enrolled", enrolled}, {"online", online}};
+}
+
+// Attempts that are being made, and those of which nothing has come for longer than a station with a
+// connection would wait.
+Result<json::object> RecordingsJson(AttemptStore& store, UnixMs now_ms) {
+  AttemptFilter filter;
+  filter.state = AttemptState::kRecording;
+  filter.limit = kMostAttempts;
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, store.Attempts(filter));
+  uint32_t open = 0;
+  json::array late;
+  for (const AttemptRow& row : rows) {
+    const UnixMs silent_ms = now_ms - std::max(row.last_chunk_ms, row.ticketed_ms);
+    if (silent_ms >= kGivenUpMs) continue;
+    ++open;
+    if (silent_ms < kLateMs) continue;
+    late.push_back({{"attempt_id", row.id.Text()},
+                    {"station_id", row.station.Text()},
+                    {"silent_ms", silent_ms}});
+  }
+  return json::object{{"open", open}, {"late", std::move(late)}};
+}
+
+// As the backup command noted it, which is told nothing of what becomes of the copy.
+Result<json::value> LastBackup(AuditStore& store) {
+  AuditFilter filter;
+  filter.action = "store.backup";
+  filter.limit = 1;
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, store.FindAudit(filter));
+  if (rows.empty()) return json::value();
+  boost::system::error_code error;
+  const json::value after = json::parse(rows.front().after_json, error);
+  const json::value* missing =
+      !error && after.is_object() ? after.get_object().if_contains("missing") : nullptr;
+  int64_t blobs = 0;
+  if (missing != nullptr && missing->is_number()) blobs = missing->to_number<int64_t>(error);
+  return json::value{{"at_ms", rows.front().at_ms}, {"missing", error ? 0 : blobs}};
+}
+
+Result<json::array> RetentionJson(UpkeepStore& store) {
+  ENAMEL_ASSIGN_OR_RETURN(auto rules, store.RetentionRules());
+  json::array out;
+  for (const RetentionRule& rule : rules) {
+    out.push_back({{"what", rule.what}, {"days", rule.days}});
+  }
+  return out;
+}
+
+Result<json::object> HealthJson(const Call& call, HealthParts store) {
+  const StoreHealth health = store.upkeep().Health();
+  const UnixMs now_ms = enamel::UnixMs();
+  const auth::DoorCounts& door = call.authenticator.counts();
+  json::object out{{"now_ms", now_ms},
+                   {"started_ms", ops::ProcessStartedMs()},
+                   {"ingest",
+                    {{"takes_recordings", health.takes_recordings},
+                     {"problem", health.problem},
+                     {"waiting", health.waiting},
+                     {"chunks", health.chunks},
+                     {"chunk_bytes", health.chunk_bytes},
+                     {"sealed", health.sealed}}},
+                   {"commits",
+                    {{"count", health.commits},
+                     {"failed", health.failed_commits},
+                     {"timed", health.timed_commits},
+                     {"p99_s", health.commit_p99_s}}},
+                   {"disk",
+                    {{"free_bytes", health.free_bytes},
+                     {"kept_free_bytes", health.min_free_bytes},
+                     {"database_bytes", health.database_bytes},
+                     {"log_bytes", health.log_bytes}}},
+                   {"sign_ins",
+                    {{"signed_in", door.signed_in.load()},
+                     {"refused", door.refused.load()},
+                     {"throttled", door.throttled.load()},
+                     {"busy", door.busy.load()}}}};
+  ENAMEL_ASSIGN_OR_RETURN(out["jobs"], JobsJson(store));
+  ENAMEL_ASSIGN_OR_RETURN(out["stations"], StationsJson(store, call.stations));
+  ENAMEL_ASSIGN_OR_RETURN(out["recordings"], RecordingsJson(store, now_ms));
+  ENAMEL_ASSIGN_OR_RETURN(out["backup"], LastBackup(store));
+  ENAMEL_ASSIGN_OR_RETURN(out["retention"], RetentionJson(store));
+  return out;
+}
+
+}  // namespace
+
+Response GetServerHealth(const Call& call, HealthParts store) {
+  Result<json::object> health = HealthJson(call, store);
+  return health.ok() ? JsonResponse(*health) : ErrorResponse(health.status());
+}
+
+}  // namespace enamel::server::http

@@ -1,0 +1,83 @@
+#include <gtest/gtest.h>
+
+#include "server/live/station_board.h"
+#include "tests/server/http/running_server.h"
+
+// What those who run the server are told of it.
+namespace enamel::server::http {
+namespace {
+
+namespace json = boost::json;
+
+class HealthTest : public testing::Test {
+ protected:
+  json::value Health() {
+    RawResponse answer = root_.Get("/api/v1/health");
+    EXPECT_EQ(answer.status, 200) << answer.body;
+    return Parsed(answer);
+  }
+
+  static HttpOptions Options(const StationBoard& board) {
+    HttpOptions out;
+    out.stations = &board;
+    return out;
+  }
+
+  inline static const Actor kBy{{}, "test"};
+  School school_;
+  StationBoard board_;
+  RunningServer server_{school_, Options(board_)};
+  Visitor root_{server_.port(), "root"};
+};
+
+TEST_F(HealthTest, FiguresAreThoseOfTheStore) {
+  const json::value health = Health();
+  EXPECT_EQ(health.at("ingest").at("takes_recordings"), true);
+  EXPECT_EQ(health.at("ingest").at("sealed"), 2) << "sam's and tom's attempts";
+  EXPECT_GT(health.at("commits").at("count").to_number<int64_t>(), 0);
+  EXPECT_EQ(health.at("commits").at("timed"), health.at("commits").at("count"));
+  EXPECT_GT(health.at("commits").at("p99_s").to_number<double>(), 0);
+  EXPECT_GT(health.at("disk").at("database_bytes").to_number<int64_t>(), 0);
+  EXPECT_EQ(health.at("sign_ins").at("signed_in"), 1);
+  EXPECT_EQ(health.at("jobs").at("queued"), 2) << "nobody runs them here";
+  EXPECT_LE(health.at("started_ms").to_number<int64_t>(), health.at("now_ms").to_number<int64_t>());
+}
+
+TEST_F(HealthTest, StationIsOnlineWhileItIsConnected) {
+  EXPECT_EQ(Health().at("stations").at("enrolled"), 1);
+  EXPECT_EQ(Health().at("stations").at("online"), 0);
+  auto connection = board_.Enter(school_.station);
+  EXPECT_EQ(Health().at("stations").at("online"), 1);
+  connection.reset();
+  EXPECT_EQ(Health().at("stations").at("online"), 0);
+}
+
+TEST_F(HealthTest, AttemptOfWhichNothingComesIsLateUntilItIsGivenUp) {
+  EXPECT_EQ(Health().at("recordings").at("open"), 1);
+  EXPECT_TRUE(Health().at("recordings").at("late").as_array().empty());
+  const Uuid silent = school_.RecordingAttempt(
+      school_.sue, [&](AttemptRow& row) { row.ticketed_ms = school_.now_ms - 5 * 60'000; });
+  school_.RecordingAttempt(
+      school_.tom, [&](AttemptRow& row) { row.ticketed_ms = school_.now_ms - 25ll * 60 * 60'000; });
+  const json::value recordings = Health().at("recordings");
+  EXPECT_EQ(recordings.at("open"), 2) << "what was silent for a day is counted no more";
+  ASSERT_EQ(recordings.at("late").as_array().size(), 1u);
+  EXPECT_EQ(recordings.at("late").at(0).at("attempt_id").as_string(), silent.Text().c_str());
+}
+
+TEST_F(HealthTest, LastBackupAndRulesAreTold) {
+  EXPECT_TRUE(Health().at("backup").is_null());
+  EXPECT_TRUE(Health().at("retention").as_array().empty());
+  ASSERT_TRUE(school_.store->NoteAudit(kBy, "store.backup", "", R"({"files":3,"missing":0})").ok());
+  ASSERT_TRUE(school_.store->NoteAudit(kBy, "store.backup", "", R"({"files":3,"missing":2})").ok());
+  ASSERT_TRUE(school_.store->SetRetention({"recordings", 730}, kBy).ok());
+  const json::value health = Health();
+  EXPECT_EQ(health.at("backup").at("missing"), 2) << "of the newest";
+  EXPECT_GT(health.at("backup").at("at_ms").to_number<int64_t>(), 0);
+  ASSERT_EQ(health.at("retention").as_array().size(), 1u);
+  EXPECT_EQ(health.at("retention").at(0).at("what"), "recordings");
+  EXPECT_EQ(health.at("retention").at(0).at("days"), 730);
+}
+
+}  // namespace
+}  // namespace enamel::server::http

@@ -1,0 +1,57 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import type { ServerHealth } from "../../api/types";
+import { countText, findingsOf, perSecond, retentionText, shortTime } from "./health_text";
+
+const kDayMs = 86_400_000;
+const well: ServerHealth = {
+  now_ms: 100 * kDayMs, started_ms: 99 * kDayMs,
+  ingest: { takes_recordings: true, problem: "", waiting: "", chunks: 1000, chunk_bytes: 1e6, sealed: 10 },
+  commits: { count: 500, failed: 0, timed: 500, p99_s: 0.02 },
+  disk: { free_bytes: 50e9, kept_free_bytes: 268e6, database_bytes: 1e6, log_bytes: 0 },
+  jobs: { queued: 0, running: 0, failed: 0, counted_up_to: 200 },
+  stations: { enrolled: 3, online: 3 }, recordings: { open: 1, late: [] },
+  sign_ins: { signed_in: 5, refused: 3, throttled: 0, busy: 0 },
+  backup: { at_ms: 99.5 * kDayMs, missing: 0 }, retention: [],
+};
+const titles = (health: ServerHealth) => findingsOf(health).map(({ tone, title }) => `${tone}: ${title}`);
+
+test("a server that does well is said nothing of", () => {
+  assert.deepEqual(findingsOf(well), []);
+});
+
+test("what stops recordings comes before what only warns", () => {
+  assert.deepEqual(titles({ ...well, backup: null, ingest: { ...well.ingest, takes_recordings: false, problem: "the disk is full" } }),
+    ["bad: Recordings are not taken", "warning: No backup was made yet"]);
+});
+
+test("each of the figures that need somebody is told", () => {
+  const told = (changes: Partial<ServerHealth>) => titles({ ...well, ...changes });
+  assert.deepEqual(told({ disk: { ...well.disk, free_bytes: 400e6 } }), ["warning: The disk is nearly full"]);
+  assert.deepEqual(told({ disk: { ...well.disk, free_bytes: 200e6 } }), ["bad: The disk is nearly full"]);
+  assert.deepEqual(told({ commits: { ...well.commits, p99_s: 0.9 } }), ["warning: Writing is slow"]);
+  assert.deepEqual(told({ commits: { ...well.commits, failed: 1 } }), ["warning: 1 change could not be written since the start"]);
+  assert.deepEqual(told({ jobs: { ...well.jobs, failed: 200 } }), ["warning: 200 or more jobs have failed"]);
+  assert.deepEqual(told({ jobs: { ...well.jobs, queued: 60 } }), ["warning: 60 jobs wait"]);
+  assert.deepEqual(told({ backup: { at_ms: 90 * kDayMs, missing: 0 } }), ["warning: The last backup is 10 days old"]);
+  assert.deepEqual(told({ backup: { at_ms: 99 * kDayMs, missing: 2 } }), ["bad: The last backup misses 2 files"]);
+  assert.deepEqual(told({ sign_ins: { ...well.sign_ins, throttled: 20 } }), ["warning: 20 sign-ins were held back since the start"]);
+  assert.deepEqual(told({ stations: { enrolled: 0, online: 0 } }), ["warning: No station is enrolled"]);
+  assert.deepEqual(told({ recordings: { open: 2, late: [{ attempt_id: "a", station_id: "s", silent_ms: 150_000 }] } }), ["warning: Nothing comes from 1 attempt in progress"]);
+  assert.deepEqual(told({ ingest: { ...well.ingest, waiting: "a person was erased" } }), ["warning: Changes wait"]);
+});
+
+test("a count that rises is told by the second, and not over a restart", () => {
+  const later = { ...well, now_ms: well.now_ms + 5000, ingest: { ...well.ingest, chunks: 1100 } };
+  assert.equal(perSecond(well, later, (health) => health.ingest.chunks), 20);
+  assert.equal(perSecond(well, { ...later, started_ms: later.now_ms }, (health) => health.ingest.chunks), undefined);
+  assert.equal(perSecond(undefined, later, (health) => health.ingest.chunks), undefined);
+});
+
+test("counts that the server does not finish say so, and rules are words", () => {
+  assert.equal(countText(199, 200), "199");
+  assert.equal(countText(200, 200), "200 or more");
+  assert.deepEqual(retentionText({ what: "recordings", days: 730 }), ["Recordings", "removed after 730 days"]);
+  assert.equal(shortTime(0.0214), "21\u00a0ms");
+  assert.equal(shortTime(0.0014), "1.4\u00a0ms");
+});
