@@ -72,7 +72,7 @@ function makeAttempts(world, { student, second, instructor }) {
   const recording = (number, person, place) => attemptRow(number, person, 1, {
     state: "recording", ...unscored, station: { id: id(place), name: `Station ${place - 29}` }, sealed_ms: 0, ticks: 12_000 });
   return [
-    recording(110, student, 30), recording(111, second, 32), recording(112, world.people[8], 33), recording(113, world.people[9], 34),
+    recording(110, student, 30), { ...recording(111, second, 32), exercise: { id: id(20), title: "Occlusal cavity, class I" }, ticks: 430_000 }, recording(112, world.people[8], 33), recording(113, world.people[9], 34),
     attemptRow(107, second, 0, { state: "scoring", ...unscored, progress: 0.2, ...graded }),
     attemptRow(106, student, 0, graded),
     attemptRow(105, student, 1, { released: true, assignment_id: id(501) }),

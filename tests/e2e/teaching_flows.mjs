@@ -313,6 +313,8 @@ async function live(world) {
   await page.locator(".live-card .badge.good").nth(2).waitFor();
   assert.equal(await page.locator(".live-card").count(), 4);
   await page.waitForFunction(() => [...document.querySelectorAll(".live-force b")].every((force) => / N$/.test(force.textContent)), undefined, { timeout: 20_000 });
+  await page.getByText(/\d+\smin\s\d\d\ss left of 10\smin/).waitFor();
+  assert.ok(await page.getByText(/no time limit/).count() >= 3);
   await page.screenshot({ path: world.picture("live"), fullPage: true });
   await page.getByRole("link", { name: "Station 1" }).click();
   await page.getByText("Largest in 20 s").waitFor();

@@ -1,12 +1,14 @@
 import type { Client } from "../../api/client";
 import { forceSize } from "../../api/live";
-import type { Attempt } from "../../api/types";
+import type { Attempt, Exercise } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { useRefresh } from "../../api/use_refresh";
 import { relativeTime } from "../../base/local_time";
-import { Badge, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
+import { ok } from "../../base/result";
+import { Badge, Bar, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
 import { AnchorView, ForceStrip, kFromAbove } from "./live_pictures";
-import { emptyTrack, flagTexts, kDefaultRateHz, type Track } from "./track";
+import { liveTime, recentFaults } from "./live_time";
+import { emptyTrack, kDefaultRateHz, type Track } from "./track";
 import { useTracks } from "./use_tracks";
 
 const kPollMs = 5000;
@@ -17,7 +19,8 @@ export function LivePage({ client }: { readonly client: Client }) {
   const { loaded, reload } = useRequest("live", (signal) => client.attempts({ state: "recording", limit: kMostShown }, signal));
   useRefresh(true, kPollMs, reload);
   const attempts = loaded.state === "ready" ? loaded.value.items : [];
-  const tracks = useTracks(attempts.map((attempt) => ({ id: attempt.id, rateHz: kDefaultRateHz })), reload);
+  const exercises = useExercises(client, attempts);
+  const tracks = useTracks(attempts.map((attempt) => ({ id: attempt.id, rateHz: exercises.get(attempt.exercise.id)?.rate_hz ?? kDefaultRateHz })), reload);
   return (
     <>
       <PageTitle document="Live">Live</PageTitle>
@@ -27,7 +30,7 @@ export function LivePage({ client }: { readonly client: Client }) {
         ? <Empty>Nobody is working at a station now. Attempts appear here by themselves as soon as they begin.</Empty>
         : (
           <ul class="card-list live-list">
-            {attempts.map((attempt) => <li key={attempt.id}><LiveCard attempt={attempt} track={tracks.get(attempt.id) ?? emptyTrack} /></li>)}
+            {attempts.map((attempt) => <li key={attempt.id}><LiveCard attempt={attempt} exercise={exercises.get(attempt.exercise.id)} track={tracks.get(attempt.id) ?? emptyTrack} /></li>)}
           </ul>
         ))}
       {attempts.length > 3 && <p class="hint">Three stations are followed at a time, each in turn. Open one to follow it without a break.</p>}
@@ -35,7 +38,21 @@ export function LivePage({ client }: { readonly client: Client }) {
   );
 }
 
-function LiveCard({ attempt, track }: { readonly attempt: Attempt; readonly track: Track }) {
+// How long each exercise may take; what is not known yet, or cannot be read, is left out.
+function useExercises(client: Client, attempts: readonly Attempt[]): ReadonlyMap<string, Exercise> {
+  const ids = [...new Set(attempts.map((attempt) => attempt.exercise.id))].sort();
+  const { loaded } = useRequest(ids.length === 0 ? undefined : ids.join(" "), async (signal) => {
+    const read = await Promise.all(ids.map((id) => client.teaching.exercise(id, signal)));
+    return ok(new Map(read.flatMap((result) => result.ok ? [[result.value.value.id, result.value.value] as const] : [])));
+  });
+  return loaded.state === "ready" ? loaded.value : kNone;
+}
+
+const kNone: ReadonlyMap<string, Exercise> = new Map();
+
+function LiveCard({ attempt, exercise, track }: { readonly attempt: Attempt; readonly exercise: Exercise | undefined; readonly track: Track }) {
+  const rateHz = exercise?.rate_hz ?? kDefaultRateHz;
+  const time = liveTime(Math.max(attempt.ticks + attempt.gap_ticks, track.rows.at(-1)?.tick ?? 0), rateHz, exercise?.time_limit_s ?? 0);
   return (
     <article class="card live-card">
       <div class="card-head">
@@ -43,11 +60,17 @@ function LiveCard({ attempt, track }: { readonly attempt: Attempt; readonly trac
         <LiveState track={track} />
       </div>
       <p>{attempt.person.display_name}<span class="hint"> · {attempt.exercise.title}</span></p>
+      {exercise !== undefined && (
+        <div class="live-time">
+          <span>{time.text} {time.over && <Badge tone="warning">Over time</Badge>}</span>
+          {time.share !== undefined && <Bar share={time.share} tone={time.over ? "bad" : time.share > 0.9 ? "warning" : "good"} />}
+        </div>
+      )}
       {track.rows.length === 0 ? <p class="live-waiting hint">{track.state === "disturbed" ? track.problem : "Its picture comes with the first movement."}</p> : (
         <>
           <div class="live-pictures">
-            <AnchorView rows={track.rows} rateHz={kDefaultRateHz} plane={kFromAbove} />
-            <ForceStrip rows={track.rows} rateHz={kDefaultRateHz} />
+            <AnchorView rows={track.rows} rateHz={rateHz} plane={kFromAbove} />
+            <ForceStrip rows={track.rows} rateHz={rateHz} />
           </div>
           <ForceNow track={track} />
         </>
@@ -61,7 +84,7 @@ export function ForceNow({ track }: { readonly track: Track }) {
   return (
     <p class="live-force">
       <b>{last === undefined ? "–" : `${forceSize(last).toFixed(2)} N`}</b> force now
-      {last !== undefined && flagTexts(last.flags).map((text) => <Badge key={text} tone="warning">{text}</Badge>)}
+      {recentFaults(track).map((text) => <Badge key={text} tone="warning">{text}</Badge>)}
     </p>
   );
 }
