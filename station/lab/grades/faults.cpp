@@ -175,8 +175,7 @@ class Faults {
         return scene::PreparationDistance_m(shape, p, by);
       };
     };
-    // Where two parts meet, a corner of the tooth is left that moves by up to the root of 2 of it.
-    const double corner = task_.shape.parts.size() > 1 ? std::sqrt(2.0) - 1 : 0;
+    const double corner = CornerMovesBy() - 1;
     for (double mm : Sizes({0.05, 0.1, 0.3, 0.5}, 0.3)) {
       for (double way : {1.0, -1.0}) {
         Add(way > 0 ? "walls_over" : "walls_short", mm, "mm", "deviation_p95_mm",
@@ -185,11 +184,50 @@ class Faults {
       AddMm("floor_over", mm / kMm, "deepest_over_mm", grown(0, mm / kMm));
       AddMm("floor_short", mm / kMm, "most_left_mm", grown(0, -mm / kMm));
     }
-    const scene::PreparationPart& part = task_.shape.parts.at(0);
-    const dvec3 bottom =
-        dvec3(part.top_um[0], part.top_um[1], part.top_um[2] - part.depth_um) * 1e-6;
+    const dvec3 bottom = LevelFloor_m();
     AddGouges(bottom - dvec3(0.3e-3, 0.3e-3, 0), bottom + dvec3(0.3e-3, 0.3e-3, 0));
     AddBump(bottom);
+  }
+
+  // How far an upright corner goes when its walls move by 1: where two parts meet at a right angle, a
+  // corner of the tooth is left; a polygon has its own.
+  double CornerMovesBy() const {
+    double most = task_.shape.parts.size() > 1 ? std::sqrt(2.0) : 1;
+    for (const scene::PreparationPart& part : task_.shape.parts) {
+      if (part.outline != scene::PreparationPart::Outline::kPolygon) continue;
+      const auto& c = part.corners_um;
+      auto side = [&](size_t i) {
+        const auto &a = c[i % c.size()], &b = c[(i + 1) % c.size()];
+        const glm::dvec2 d(b[0] - a[0], b[1] - a[1]);
+        return d / std::sqrt(glm::dot(d, d));
+      };
+      for (size_t i = 0; i < c.size(); ++i) {
+        // 1 / cos of half the turn.
+        most = std::max(most, std::sqrt(2 / (1 + glm::dot(side(i), side(i + 1)))));
+      }
+    }
+    return most;
+  }
+
+  // The middle of the bottom of the first part that is level for 0.7 mm about it: where another part
+  // goes deeper, a pit or a pillar there would have another size.
+  dvec3 LevelFloor_m() const {
+    constexpr double kAbout_m = 0.7e-3, kUnder_m = 1e-6;
+    auto middle = [](const scene::PreparationPart& part) {
+      return dvec3(part.top_um[0], part.top_um[1], part.top_um[2] - part.depth_um) * 1e-6;
+    };
+    for (const scene::PreparationPart& part : task_.shape.parts) {
+      const dvec3 at = middle(part);
+      bool level = true;
+      for (int k = 0; k < 4; ++k) {
+        const dvec3 aside(k % 2 == 0 ? kAbout_m : -kAbout_m, k / 2 == 0 ? kAbout_m : -kAbout_m,
+                          -kUnder_m);
+        const double d = task_.Distance_m(at + aside);
+        level = level && d > 0 && d < 2 * kUnder_m;
+      }
+      if (level) return at;
+    }
+    return middle(task_.shape.parts.at(0));
   }
 
   // --- a crown ---
