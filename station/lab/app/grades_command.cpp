@@ -81,50 +81,64 @@ Status RunOperators(const OperatorsCommand& command) {
   for (const std::string& name : findings.not_cut) {
     std::printf("%s: not measured, no simulated person cuts its shape\n", name.c_str());
   }
+  for (const LeftOut& l : findings.left_out) {
+    std::printf("%s, %s: without %s, who finds no room in it\n", l.exercise.c_str(),
+                l.device.c_str(), l.name.c_str());
+  }
   return WriteRows(command.json, OperatorsJson(findings));
 }
 
-Status RunHandSigns(const HandSignsOptions& options) {
+struct HandSignsCommand {
+  HandSignsOptions options;
+  std::string json;
+};
+
+Status RunHandSigns(const HandSignsCommand& command) {
+  ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(command.json, "--json"));
   bench::Progress progress;
   auto show = [&](const std::string& what, double ratio) { progress.Show(what, ratio); };
-  ENAMEL_ASSIGN_OR_RETURN(const auto rows, MeasureHandSigns(options, show));
+  ENAMEL_ASSIGN_OR_RETURN(const auto rows, MeasureHandSigns(command.options, show));
   progress.Clear();
-  std::printf("%-28s %7s %9s %6s %9s   %s\n", "figure of a second of motion", "people", "programs",
-              "area", "std error", "programs found where 5, 10, 20 % of people are taken for one");
+  std::printf("%-34s %7s %9s %6s %9s   %s\n", "figure of a motion", "people", "programs", "area",
+              "std error", "programs found where 5, 10, 20 % of people are taken for one");
   for (const SignRoc& row : rows) {
-    std::printf("%-28s %7zu %9zu %6.3f %9.3f   %5.1f %% %5.1f %% %5.1f %%\n", row.sign.c_str(),
+    std::printf("%-34s %7zu %9zu %6.3f %9.3f   %5.1f %% %5.1f %% %5.1f %%\n", row.sign.c_str(),
                 row.people, row.programs, row.area, row.standard_error, 100 * row.found_at_5,
                 100 * row.found_at_10, 100 * row.found_at_20);
   }
-  return Status::Ok();
+  return WriteRows(command.json, HandSignsJson(rows));
 }
 
 }  // namespace
 
 void RegisterHandSigns(CLI::App& app, int* exit_code) {
-  auto options = std::make_shared<HandSignsOptions>();
+  auto command = std::make_shared<HandSignsCommand>();
   CLI::App* signs = app.add_subcommand(
       "hand-signs", "How well figures of a motion tell a simulated hand from a person's");
-  signs->add_option("--people", options->people, "Folder of people's motions: CSV, 1 kHz")
+  signs->add_option("--people", command->options.people, "Folder of people's motions: CSV, 1 kHz")
       ->required();
-  signs->add_option("--operator", options->operators, "Simulated people")
+  signs->add_option("--operator", command->options.operators, "Simulated people")
       ->delimiter(',')
       ->capture_default_str();
-  signs->add_option("--exercise", options->exercise, "Of the block")->capture_default_str();
-  signs->add_option("--seconds", options->seconds, "Of each simulated person")
+  signs->add_option("--exercise", command->options.exercise, "Of the block")->capture_default_str();
+  signs->add_option("--seconds", command->options.seconds, "Of each simulated person")
       ->check(CLI::Range(1, 3600))
       ->capture_default_str();
+  signs->add_option("--json", command->json, "Write the rows to this file");
   signs->footer(
       "A row for each figure: the area under its receiver operating characteristic (the chance\n"
       "that a program's second has the higher figure; 0.5 tells nothing, 0 and 1 tell all) with\n"
       "its standard error, and the share of programs found at three rates of false alarm. Nothing\n"
       "is decided by it: what holds the tool is what the signed recording says. People who do\n"
-      "something else than cut a tooth differ by that too.\n"
+      "something else than cut a tooth differ by that too. The last two rows: how near a copy of "
+      "a\n"
+      "person's motion lies to it, and one simulated person's to another run of theirs, against\n"
+      "people who did the same again.\n"
       "Example:\n"
       "  enamel-lab hand-signs --people ../shared/data/motion\n"
-      "Exit codes: 0 measured, 1 failed.");
-  signs->callback([options, exit_code] {
-    const Status status = RunHandSigns(*options);
+      "The JSON: schemas/lab_hand_signs.schema.json. Exit codes: 0 measured, 1 failed.");
+  signs->callback([command, exit_code] {
+    const Status status = RunHandSigns(*command);
     if (!status.ok()) program::SayError("hand-signs: " + status.message());
     *exit_code = status.ok() ? 0 : 1;
   });

@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/json.hpp>
 #include <cmath>
 #include <optional>
+#include <random>
 #include <utility>
 
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"
+#include "common/scoring/motion.h"
 #include "common/scoring/smoothness.h"
 #include "station/devices/operators.h"
 #include "station/lab/grades/operator_run.h"
@@ -16,10 +19,13 @@
 namespace enamel::station::lab {
 namespace {
 
+namespace json = boost::json;
+
 constexpr size_t kStep = 10;  // ms: people's jerk and directions, not the encoder's steps
 constexpr double kRate_hz = 1000, kSteps_hz = kRate_hz / kStep;
 constexpr double kLeastWay_m = 0.5e-3;
 constexpr double kPauseShare = 0.1;
+constexpr uint64_t kOtherSeed = 101;
 constexpr int kVoxel_nm = 200'000;  // the tooth is only there to be cut
 
 struct Sign {
@@ -60,10 +66,72 @@ std::vector<HandSigns> AllSigns(const std::vector<dvec3>& way_m) {
   return out;
 }
 
+using Way = std::vector<dvec3>;
+
+// How far apart two motions lie, of the first one's size.
+double NearnessOf(const Way& a, const Way& b) {
+  const scoring::Motion other[] = {scoring::MotionAlong(b)};
+  const auto near = scoring::NearnessTo(scoring::MotionAlong(a), other);
+  return near->nearest_m / near->size_m;
+}
+
+// Fifths of the way, by length: people who go one path again take another time for each.
+constexpr size_t kParts = 5;
+std::vector<Way> PartsOf(const Way& way) {
+  std::vector<double> gone = {0};
+  for (size_t i = 1; i < way.size(); ++i) {
+    const dvec3 step = way[i] - way[i - 1];
+    gone.push_back(gone.back() + std::sqrt(Dot(step, step)));
+  }
+  std::vector<Way> out(kParts);
+  for (size_t i = 0; i < way.size(); ++i) {
+    const double part = kParts * gone[i] / gone.back();
+    out[std::min(kParts - 1, static_cast<size_t>(part))].push_back(way[i]);
+  }
+  return out;
+}
+
+// As somebody might pass on a recorded motion.
+std::vector<Way> CopiesOf(const Way& way, uint64_t seed) {
+  constexpr double kNoiseOfSize = 0.01, kLater = 0.05;
+  std::mt19937_64 random(seed);
+  dvec3 lo = way[0], hi = way[0];
+  for (const dvec3& p : way) lo = glm::min(lo, p), hi = glm::max(hi, p);
+  const double noise_m = kNoiseOfSize * std::sqrt(Dot(hi - lo, hi - lo));
+  Way noisy,
+      later(way.begin() + static_cast<ptrdiff_t>(kLater * static_cast<double>(way.size())),
+            way.end()),
+      slower;
+  auto any = [&] { return 2 * (static_cast<double>(random() >> 11) * 0x1p-53) - 1; };
+  for (const dvec3& p : way) noisy.push_back(p + dvec3(any(), any(), any()) * noise_m);
+  for (size_t i = 0; i < way.size(); ++i) {
+    // More and more so.
+    for (size_t k = 0; k < 1 + 2 * i / way.size(); ++k) slower.push_back(way[i]);
+  }
+  return {noisy, later, slower};
+}
+
+// `again`: people who did the same again.
+SignRoc NearnessOfCopies(const std::vector<HandMotion>& motions, std::vector<double>& again) {
+  std::vector<std::vector<Way>> parts;
+  for (const HandMotion& motion : motions) parts.push_back(PartsOf(motion.way_m));
+  std::vector<double> copied;
+  for (size_t i = 0; i < parts.size(); ++i) {
+    for (size_t k = 0; k < kParts; ++k) {
+      const Way& part = parts[i][k];
+      for (size_t j = 0; j < i; ++j) again.push_back(NearnessOf(part, parts[j][k]));
+      for (const Way& copy : CopiesOf(part, 1 + i * kParts + k)) {
+        copied.push_back(NearnessOf(copy, part));
+      }
+    }
+  }
+  return RocOf("nearness of a copy (of size)", again, std::move(copied));
+}
+
 // Where the device's tip was as it said, once a tick of 1 kHz.
-Result<std::vector<dvec3>> WayOf(const OperatorPreset& preset, const scene::BuiltScene& built,
-                                 const scene::Exercise& exercise,
-                                 const scene::DeviceProfile& profile, size_t ticks) {
+Result<Way> WayOf(const OperatorPreset& preset, const scene::BuiltScene& built,
+                  const scene::Exercise& exercise, const scene::DeviceProfile& profile,
+                  size_t ticks, uint64_t seed = 0) {
   std::vector<dvec3> out;
   auto see = [&](const core::CoreParams& params, const trace::Tick& tick) {
     dvec3 at;
@@ -72,7 +140,7 @@ Result<std::vector<dvec3>> WayOf(const OperatorPreset& preset, const scene::Buil
     }
     out.push_back(at);
   };
-  ENAMEL_RETURN_IF_ERROR(RunOperator(preset, built, exercise, profile, 0, ticks, see).status());
+  ENAMEL_RETURN_IF_ERROR(RunOperator(preset, built, exercise, profile, seed, ticks, see).status());
   return out;
 }
 
@@ -153,6 +221,7 @@ Result<std::vector<SignRoc>> MeasureHandSigns(
     const std::function<void(const std::string&, double)>& progress) {
   ENAMEL_ASSIGN_OR_RETURN(const auto motions, RecordedMotions(options.people));
   std::vector<HandSigns> people, programs;
+  std::vector<double> program_pairs;
   for (const HandMotion& motion : motions) {
     const auto signs = AllSigns(motion.way_m);
     people.insert(people.end(), signs.begin(), signs.end());
@@ -185,6 +254,10 @@ Result<std::vector<SignRoc>> MeasureHandSigns(
                             WayOf(*preset, built, *exercise, profile, options.seconds * kSecond));
     const auto signs = AllSigns(way);
     programs.insert(programs.end(), signs.begin(), signs.end());
+    ENAMEL_ASSIGN_OR_RETURN(const auto again, WayOf(*preset, built, *exercise, profile,
+                                                    options.seconds * kSecond, kOtherSeed));
+    const auto parts = PartsOf(way), others = PartsOf(again);
+    for (size_t k = 0; k < kParts; ++k) program_pairs.push_back(NearnessOf(parts[k], others[k]));
   }
   if (programs.empty()) {
     return Status(Code::kNotFound, "no simulated person moved for a second", "operator");
@@ -196,7 +269,28 @@ Result<std::vector<SignRoc>> MeasureHandSigns(
     for (const HandSigns& signs : programs) of_programs.push_back(signs.*sign.value);
     out.push_back(RocOf(sign.name, std::move(of_people), std::move(of_programs)));
   }
+  // Of one recording there is nothing that was done again.
+  if (motions.size() > 1) {
+    std::vector<double> again;
+    out.push_back(NearnessOfCopies(motions, again));
+    out.push_back(RocOf("nearness, same program (of size)", again, program_pairs));
+  }
   return out;
+}
+
+json::object HandSignsJson(const std::vector<SignRoc>& rows) {
+  json::array out;
+  for (const SignRoc& r : rows) {
+    out.push_back(json::object{{"figure", r.sign},
+                               {"people", r.people},
+                               {"programs", r.programs},
+                               {"area", r.area},
+                               {"standard_error", r.standard_error},
+                               {"found_at_5_percent", r.found_at_5},
+                               {"found_at_10_percent", r.found_at_10},
+                               {"found_at_20_percent", r.found_at_20}});
+  }
+  return {{"format", 1}, {"rows", std::move(out)}};
 }
 
 }  // namespace enamel::station::lab

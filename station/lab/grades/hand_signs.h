@@ -1,5 +1,6 @@
 #pragma once
 
+#include <boost/json/fwd.hpp>
 #include <functional>
 #include <string>
 #include <vector>
@@ -25,12 +26,12 @@ struct HandSigns {
 // Nothing for a second in which the hand went less than 0.5 mm: it rests.
 bool SignsOf(const dvec3* position_m, HandSigns& out);
 
-// How well one figure parts programs from people. `area`: of the receiver operating characteristic,
+// How well one figure parts programs, or copies, from people. `area`: of the receiver operating characteristic,
 // the chance that a program's second has the higher figure than a person's; 0.5 parts nothing, 0 and
 // 1 part all. Its standard error: Hanley and McNeil, Radiology 143(1), 1982.
 struct SignRoc {
   std::string sign;
-  size_t people = 0, programs = 0;  // seconds
+  size_t people = 0, programs = 0;  // seconds of motion; of nearness pairs of motions
   double area = 0.5, standard_error = 0;
   // Share of the programs' seconds found where 5, 10 and 20 % of the people's are taken for one, with
   // the threshold on the side that finds more.
@@ -45,9 +46,15 @@ struct HandSignsOptions {
   std::string exercise = "class-1-block";
   size_t seconds = 60;  // of each operator
 };
+// Each figure of a second of motion, and how near two motions lie (scoring/motion.h, distance over
+// size), by fifths of a recording's way: people who do the same again, against copies with noise,
+// begun later, slower; and against the same simulated person with another tremor.
 // Errors: kNotFound when the folder has no recordings, or an operator or exercise is unknown.
 Result<std::vector<SignRoc>> MeasureHandSigns(
     const HandSignsOptions& options,
     const std::function<void(const std::string&, double)>& progress = {});
+
+// schemas/lab_hand_signs.schema.json.
+boost::json::object HandSignsJson(const std::vector<SignRoc>& rows);
 
 }  // namespace enamel::station::lab

@@ -50,13 +50,12 @@ bool IsAskedFor(const OperatorsOptions& options, const std::string& name) {
                      [&](const std::string& e) { return name.starts_with(e); });
 }
 
-// Whether simulated people have a plan for it.
-bool CanCut(const scene::BuiltScene& built, const scene::Exercise& exercise,
-            const scene::DeviceProfile& profile) {
+// Whether the simulated person has a plan for it.
+bool CanCut(const OperatorPreset& preset, const scene::BuiltScene& built,
+            const scene::Exercise& exercise, const scene::DeviceProfile& profile) {
   const auto params = scene::CompilePlan(built.scene, exercise, profile);
-  return params.ok() && MakeSimulatedDevice(*FindOperator("dentist"), built.scene, exercise,
-                                            profile, *params, built.volume)
-                            .ok();
+  return params.ok() &&
+         MakeSimulatedDevice(preset, built.scene, exercise, profile, *params, built.volume).ok();
 }
 
 class Study {
@@ -85,7 +84,7 @@ class Study {
            scene::BuiltinExercises(built.scene, HashSha256(AsBytes(scene::ToJson(built.scene))))) {
         if (!IsAskedFor(options_, e.name)) continue;
         ++asked_;
-        if (!CanCut(built, e, profiles_.front())) {
+        if (!CanCut(*FindOperator("dentist"), built, e, profiles_.front())) {
           out_.not_cut.push_back(e.name);
           continue;
         }
@@ -110,6 +109,11 @@ class Study {
     std::vector<double> ranks, scores;
     for (const OperatorPreset& preset : OperatorPresets()) {
       if (!HasUseFor(preset, built.scene)) continue;
+      // A bur held askew has no room in a narrow shape: that fault cannot be made there.
+      if (!CanCut(preset, built, exercise, profile)) {
+        out_.left_out.push_back({exercise.name, profile.name, std::string(preset.name)});
+        continue;
+      }
       for (uint64_t seed : options_.seeds) {
         Tell(exercise.name + ", " + profile.name + ", " + std::string(preset.name));
         ENAMEL_ASSIGN_OR_RETURN(const auto cut, CutBy(preset, built, exercise, profile, seed));
@@ -180,7 +184,7 @@ Result<OperatorsFindings> MeasureOperators(
 }
 
 json::object OperatorsJson(const OperatorsFindings& findings) {
-  json::array rows, order, not_cut;
+  json::array rows, order, not_cut, left_out;
   for (const OperatorRow& r : findings.rows) {
     rows.push_back(json::object{{"exercise", r.exercise},
                                 {"device", r.device},
@@ -195,10 +199,15 @@ json::object OperatorsJson(const OperatorsFindings& findings) {
         {"exercise", o.exercise}, {"device", o.device}, {"rows", o.rows}, {"value", o.spearman}});
   }
   for (const std::string& name : findings.not_cut) not_cut.emplace_back(name);
+  for (const LeftOut& l : findings.left_out) {
+    left_out.push_back(
+        json::object{{"exercise", l.exercise}, {"device", l.device}, {"operator", l.name}});
+  }
   return {{"format", 1},
           {"rows", std::move(rows)},
           {"spearman", std::move(order)},
-          {"not_cut", std::move(not_cut)}};
+          {"not_cut", std::move(not_cut)},
+          {"left_out", std::move(left_out)}};
 }
 
 }  // namespace enamel::station::lab

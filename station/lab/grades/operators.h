@@ -36,10 +36,16 @@ struct SkillOrder {
   double spearman = 0;
 };
 
+// Who cannot make their fault in an exercise: no room for a bur held askew.
+struct LeftOut {
+  std::string exercise, device, name;
+};
+
 struct OperatorsFindings {
   std::vector<OperatorRow> rows;
   std::vector<SkillOrder> order;
   std::vector<std::string> not_cut;  // exercises that no simulated person can do yet
+  std::vector<LeftOut> left_out;
 };
 
 // Spearman's rank correlation, ties at their mean rank; 0 where all of one side are equal.

@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <boost/json.hpp>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 
 namespace enamel::station::lab {
 namespace {
@@ -48,6 +52,33 @@ TEST(HandSignsTest, SecondOfMotionHasItsTremorAndItsDirections) {
 TEST(HandSignsTest, HandThatRestsSaysNothing) {
   HandSigns signs;
   EXPECT_FALSE(SignsOf(Straight(0.4, 0).data(), signs));
+}
+
+TEST(HandSignsTest, TheDocumentIsTheSchemas) {
+  std::ifstream file(ENAMEL_SOURCE_DIR "/schemas/golden/lab_hand_signs.json");
+  const std::string golden(std::istreambuf_iterator<char>(file), {});
+  EXPECT_EQ(boost::json::value(
+                HandSignsJson({{"tremor, 8 to 12 Hz (um)", 17, 111, 0.25, 0.125, 0.5, 0.75, 1}})),
+            boost::json::parse(golden));
+}
+
+// Of the recordings that are kept beside the project: one person, one path, three times.
+TEST(HandSignsTest, CopiesLieNearerThanWhoDoesTheSameAgain) {
+  HandSignsOptions options;
+  options.people = ENAMEL_SHARED_DATA "/motion";
+  if (!std::filesystem::exists(options.people)) GTEST_SKIP() << "skipped: no shared data";
+  options.operators = {"dentist"};
+  options.seconds = 10;
+  const auto rows = MeasureHandSigns(options);
+  ASSERT_TRUE(rows.ok()) << rows.status().message();
+  ASSERT_EQ(rows->size(), 7u);
+  const SignRoc& copies = (*rows)[5];
+  EXPECT_EQ(copies.people, 15u) << "three pairs of five parts";
+  EXPECT_EQ(copies.programs, 45u);
+  EXPECT_LT(copies.area, 0.2);
+  const auto json = HandSignsJson(*rows);
+  EXPECT_EQ(json.at("rows").as_array().size(), 7u);
+  EXPECT_EQ(json.at("rows").at(5).at("area").to_number<double>(), copies.area);
 }
 
 TEST(HandSignsTest, WithoutRecordingsItSaysWhatWasExpected) {

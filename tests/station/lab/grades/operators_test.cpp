@@ -24,6 +24,7 @@ TEST(OperatorsTest, TheDocumentIsTheSchemas) {
   findings.rows = {{"class-1-x", "omega3", "hasty", 5, 12, false, 71.5}};
   findings.order = {{"class-1-x", "omega3", 1, 0}};
   findings.not_cut = {"crown-x"};
+  findings.left_out = {{"cross-x", "omega3", "undercutter"}};
   std::ifstream file(ENAMEL_SOURCE_DIR "/schemas/golden/lab_operators.json");
   const std::string golden(std::istreambuf_iterator<char>(file), {});
   EXPECT_EQ(boost::json::value(OperatorsJson(findings)), boost::json::parse(golden));
