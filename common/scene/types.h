@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -187,8 +188,10 @@ struct DeviceProfile {
   }
 };
 
-// What is to be cut: the union of its parts, or without parts a box, axis-aligned in the scene
-// frame, its top open. preparation.h has it as geometry.
+struct PreparedTooth;  // prepared_target.h
+
+// What is to be cut: what a prepared tooth lacks, or the union of its parts, or a box, axis-aligned
+// in the scene frame, its top open. preparation.h has parts and box as geometry.
 struct CavityTarget {
   std::string landmark = "occlusal_centre";  // the point the box hangs from
   PointUm half_size_um{};                    // half length x (mesio-distal), half width y; z unused
@@ -198,6 +201,11 @@ struct CavityTarget {
   int32_t container_um = 0;  // must stay, beyond the leeway
   // Their top_um is from the landmark. The box above holds them all.
   std::vector<PreparationPart> parts;
+  // Content address of a scene: the tooth as it should be in the end, on the same voxels. Zero: there
+  // is none. With it there are no parts; the box holds what has to go.
+  Sha256 prepared{};
+  // That tooth, once LoadPreparedTarget has read it.
+  std::shared_ptr<const PreparedTooth> prepared_tooth = {};
 };
 
 struct RubricPoint {

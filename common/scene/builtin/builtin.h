@@ -50,6 +50,10 @@ Exercise ClassOneExercise(const Scene& scene, const Sha256& scene_hash);
 // what has to go. The crown of a tooth that is not built in has no parts: only the reference says it.
 std::vector<Exercise> BuiltinExercises(const Scene& scene, const Sha256& scene_hash);
 
+// The exercise that asks for a prepared tooth (prepared_target.h), judged by closeness to it, its
+// finish line and walls where it has them, and the pulp's cover where there is a pulp.
+Exercise PreparedExercise(const Scene& scene, const Sha256& scene_hash, const CavityTarget& target);
+
 // B per tissue with provenance, as used by built-in and imported scenes.
 std::vector<TissueSpec> DefaultTissues(const std::vector<cutting::Tissue>& present);
 

@@ -434,6 +434,32 @@ Exercise ShapeExercise(const Scene& scene, const Sha256& scene_hash, const Prepa
 
 }  // namespace
 
+Exercise PreparedExercise(const Scene& scene, const Sha256& scene_hash,
+                          const CavityTarget& target) {
+  Exercise e = ClassOneExercise(scene, scene_hash);
+  e.name = NameFor("prepared", scene);
+  e.title = "Preparation after an example";
+  e.instructions = "Prepare the tooth as the example is prepared: what is marked goes, and " +
+                   std::string(Has(scene, Tissue::kNeighbour) ? "neighbours and " : "") +
+                   "the rest of the tooth stay. A place that is at most " + Mm(kRight_um) +
+                   " off is right, and " + Mm(target.leeway_side_um) +
+                   " beyond it tissue that should stay begins.";
+  e.target = target;
+  e.time_limit_s = 1'800;
+  e.rubric = ShapeRubric("prepared-tooth", 25, 10, {1'200, 2'400});
+  auto& criteria = e.rubric.criteria;
+  criteria[1].title = "Closeness to the example";
+  criteria[1].comment = "The surface is far from the example's.";
+  const bool tooth = Has(scene, Tissue::kPulp);
+  criteria.push_back(AtMost("undercut_deg", "No undercut", "deg", tooth ? 4 : 10, 2, 8,
+                            "A wall leans over the cavity more than the example's."));
+  if (tooth) {
+    criteria.push_back(PulpCriterion(3));
+    criteria.push_back(CoverCriterion(3));
+  }
+  return e;
+}
+
 std::vector<Exercise> BuiltinExercises(const Scene& scene, const Sha256& scene_hash) {
   std::vector<Exercise> out;
   auto has = [&](const char* landmark) { return scene.landmarks.count(landmark) != 0; };

@@ -17,7 +17,7 @@ namespace json = boost::json;
 // Written in the lowest format that can say it: documents of earlier programs keep their bytes, and
 // exercises that name them by hash keep finding them.
 constexpr int64_t kPlainFormat = 1, kBurFormat = 2, kCueFormat = 3, kGateFormat = 4,
-                  kShapeFormat = 5, kReliefFormat = 6;
+                  kShapeFormat = 5, kReliefFormat = 6, kPreparedFormat = 7;
 constexpr int32_t kMaxExtentUm = 100'000;
 
 bool HasRelief(const CavityTarget& t) {
@@ -32,6 +32,7 @@ json::object TargetJson(const CavityTarget& t) {
                    {"leeway_side_um", t.leeway_side_um},
                    {"leeway_bottom_um", t.leeway_bottom_um},
                    {"container_um", t.container_um}};
+  if (!t.prepared.IsZero()) out["prepared_scene_sha256"] = t.prepared.Hex();
   if (t.parts.empty()) return out;
   json::array parts;
   for (const PreparationPart& part : t.parts) parts.push_back(PartJson(part));
@@ -121,6 +122,10 @@ void ReadTarget(ObjectReader& in, CavityTarget& t) {
       target.Refuse("parts", "parts within half_size_um and depth_um", "one that goes beyond");
     }
   }
+  if (target.Has("prepared_scene_sha256")) {
+    t.prepared = target.Hash("prepared_scene_sha256");
+    if (!t.parts.empty()) target.Refuse("prepared_scene_sha256", "no parts beside it", "both");
+  }
   target.Finish();
 }
 
@@ -131,7 +136,8 @@ std::string ToJson(const Exercise& e) {
   // Exercises come from documents or from here: an unknown law was refused long before.
   ENAMEL_CHECK(law != nullptr);
   const bool handpiece = e.handpiece != HandpieceSpec{}, cues = e.touch_cues != TouchCueSpec{};
-  const int64_t format = HasRelief(e.target)                  ? kReliefFormat
+  const int64_t format = !e.target.prepared.IsZero()          ? kPreparedFormat
+                         : HasRelief(e.target)                ? kReliefFormat
                          : !e.target.parts.empty()            ? kShapeFormat
                          : !e.rubric.gates.empty()            ? kGateFormat
                          : cues                               ? kCueFormat
@@ -162,7 +168,7 @@ Result<Exercise> ExerciseFromJson(std::string_view text) {
   Status status;
   ObjectReader in(*document, "", status);
   Exercise e;
-  int64_t format = in.Format(kPlainFormat, kReliefFormat);
+  int64_t format = in.Format(kPlainFormat, kPreparedFormat);
   e.name = in.Name("name");
   e.title = in.Text("title", 1, 200);
   e.instructions = in.Text("instructions", 0, 4'000);
@@ -194,6 +200,9 @@ Result<Exercise> ExerciseFromJson(std::string_view text) {
   }
   if (format < kReliefFormat && HasRelief(e.target)) {
     in.Refuse("format", "6 with a part that has a relief", std::to_string(format));
+  }
+  if (format < kPreparedFormat && !e.target.prepared.IsZero()) {
+    in.Refuse("format", "7 with a target that is a prepared tooth", std::to_string(format));
   }
   in.Finish();
   if (!status.ok()) return status;

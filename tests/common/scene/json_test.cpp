@@ -116,6 +116,26 @@ TEST(SceneJsonTest, GoldenDocumentsReadBackToTheSameBytes) {
                                                               "The work was stopped early."}}));
 }
 
+TEST(SceneJsonTest, ATargetThatIsAPreparedToothNeedsFormatSevenAndHasNoParts) {
+  const std::string text = ReadText("golden/scene_exercise_prepared.json");
+  Result<Exercise> exercise = ExerciseFromJson(text);
+  ASSERT_TRUE(exercise.ok()) << exercise.status().message();
+  EXPECT_EQ(ToJson(*exercise), text);
+  EXPECT_EQ(exercise->target.prepared.Hex().substr(0, 4), "5e5e");
+  EXPECT_EQ(exercise->target.prepared_tooth, nullptr);
+  auto field = [&](const char* from, const char* to) {
+    Result<Exercise> e = ExerciseFromJson(Replaced(text, from, to));
+    return e.ok() ? std::string("accepted") : e.status().field();
+  };
+  EXPECT_EQ(field("\"format\": 7", "\"format\": 5"), "/format");
+  EXPECT_EQ(field("\"format\": 7", "\"format\": 8"), "/format");
+  EXPECT_EQ(field("\"5e5e", "\"zz5e"), "/target/prepared_scene_sha256");
+  EXPECT_EQ(field("\"container_um\": 500,",
+                  "\"container_um\": 500, \"parts\": [{\"outline\": \"disc\", \"top_um\": [0, 0, "
+                  "0], \"radius_um\": 800, \"depth_um\": 700}],"),
+            "/target/prepared_scene_sha256");
+}
+
 TEST(SceneJsonTest, ATargetsPartsNeedFormatFiveAndFitIntoItsBox) {
   const std::string text = ReadText("golden/scene_exercise_target.json");
   Result<Exercise> exercise = ExerciseFromJson(text);
@@ -214,7 +234,7 @@ TEST(SceneJsonTest, TouchCuesNeedFormatThreeAndAForce) {
     return e.ok() ? std::string("accepted") : e.status().field();
   };
   EXPECT_EQ(field("\"format\": 3", "\"format\": 2"), "/format");
-  EXPECT_EQ(field("\"format\": 3", "\"format\": 7"), "/format");
+  EXPECT_EQ(field("\"format\": 3", "\"format\": 8"), "/format");
   EXPECT_EQ(field("\"contact_mn\": 300", "\"contact_mn\": 2001"), "/touch_cues/contact_mn");
   EXPECT_EQ(field("\"chatter_mn\": 120", "\"chatter_mn\": -1"), "/touch_cues/chatter_mn");
   EXPECT_EQ(field("\"energy_uj\": 250", "\"energy_uj\": 0"), "/touch_cues/energy_uj");
@@ -369,6 +389,7 @@ TEST(SceneJsonTest, MaterialSchemaNamesExactlyTheMembersOfTheDocuments) {
 
 TEST(SceneJsonTest, SchemasNameExactlyTheMembersOfTheDocuments) {
   auto exercise = NamesOf(ReadText("golden/scene_exercise_relief.json"));
+  exercise.merge(NamesOf(ReadText("golden/scene_exercise_prepared.json")));
   EXPECT_EQ(exercise, SchemaNames("exercise.schema.json"));
   EXPECT_EQ(NamesOf(ReadText("golden/scene_rubric.json")), SchemaNames("rubric.schema.json"));
   EXPECT_EQ(NamesOf(ReadText("golden/scene_profile_torque.json")),
