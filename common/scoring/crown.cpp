@@ -240,7 +240,7 @@ double Undercut_m2(const CutSide& attempt, const dvec3& axis_m, double lo_z_m, d
 
 bool IsCrown(const scene::CavityTarget& target) {
   using Outline = scene::PreparationPart::Outline;
-  return target.landmark == "crown_top" ||
+  return target.landmark == "crown_top" || !target.prepared.IsZero() ||
          std::any_of(target.parts.begin(), target.parts.end(),
                      [](const auto& part) { return part.outline == Outline::kStump; });
 }

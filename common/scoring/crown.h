@@ -37,7 +37,8 @@ struct CrownFigures {
 CrownFigures MeasureCrown(const cutting::Volume& initial, const CutSide& attempt,
                           const CutSide& reference, const dvec3& landmark_m, double bottom_z_m);
 
-// The exercise asks for a crown: its target is a stump, or hangs from a crown's top.
+// The exercise may ask for a crown: its target is a stump, or hangs from a crown's top, or is a
+// prepared tooth, of which CrownFigures::in_task says whether it is one.
 bool IsCrown(const scene::CavityTarget& target);
 
 }  // namespace enamel::scoring

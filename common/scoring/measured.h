@@ -25,6 +25,7 @@ struct Measured {
   double remaining_dentin_m = 0;
   double pulp_exposed_m2 = 0;
   double align_pose_m = 0, align_force_n = 0, frechet_pose_m = 0;
+  bool reference_recorded = true;  // or there is no path to compare with
   double align_way_m = 0, frechet_way_m = 0;
   ProcessRecorder::Smoothness smoothness;
   const ProcessRecorder* process = nullptr;

@@ -22,14 +22,15 @@ Status CheckInputs(const AttemptData& attempt, const AttemptData& reference) {
   for (const AttemptData* data : {&attempt, &reference}) {
     // A missing part is a mistake of the caller's; a grid or a recording that does not fit comes
     // from outside.
-    ENAMEL_CHECK(data->initial && data->final_volume && data->final_surface && data->process);
+    ENAMEL_CHECK(data->initial && data->final_volume && data->final_surface);
+    ENAMEL_CHECK(data->process || data == &reference);
     if (!(data->initial->spec() == attempt.initial->spec()) ||
         !(data->final_volume->spec() == attempt.initial->spec())) {
       return Status(Code::kInvalidInput,
                     "attempt and reference have different grids (voxel size, origin or extent): "
                     "compare cuts of the same scene only");
     }
-    if (data->process->ticks() == 0) {
+    if (data->process && data->process->ticks() == 0) {
       return Status(Code::kInvalidInput, std::string("the recording of the ") +
                                              (data == &attempt ? "attempt" : "reference") +
                                              " is empty: nothing to measure");
@@ -113,11 +114,12 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
     if (progress) progress(done);
   };
   ENAMEL_RETURN_IF_ERROR(CheckInputs(attempt, reference));
-  ENAMEL_ASSIGN_OR_RETURN(const ZoneBoxes boxes, BoxesOf(scene, exercise.target));
+  ENAMEL_ASSIGN_OR_RETURN(ZoneBoxes boxes, BoxesOf(scene, exercise.target));
   const Volume& initial = *attempt.initial;
 
   Measured m;
   m.process = attempt.process;
+  m.reference_recorded = reference.process != nullptr;
   m.target = MeasureZone(initial, *attempt.final_volume, boxes, Zone::kTarget);
   if (m.target.solid_m3 <= 0) {
     return Status(Code::kInvalidInput,
@@ -126,6 +128,7 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
                   "target");
   }
   if (plan.Has(MetricGroup::kZones)) {
+    GrowZones(initial, boxes);
     m.leeway = MeasureZone(initial, *attempt.final_volume, boxes, Zone::kLeeway);
     m.container = MeasureZone(initial, *attempt.final_volume, boxes, Zone::kContainer);
   }
@@ -165,13 +168,13 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
   tell(0.7);
   MeasureTissues(attempt, a, plan.Has(MetricGroup::kCover), m);
   tell(0.8);
-  if (plan.Has(MetricGroup::kPathInTime)) {
+  if (plan.Has(MetricGroup::kPathInTime) && reference.process) {
     const PathPair paths = ResampleAlike(*attempt.process, *reference.process, PathBy::kTime);
     m.align_pose_m = AlignPoses(paths).mean_cost;
     m.align_force_n = AlignForces(paths).mean_cost;
     m.frechet_pose_m = AlignPoses(paths, Pairing::kWorst).worst_cost;
   }
-  if (plan.Has(MetricGroup::kPathByWay)) {
+  if (plan.Has(MetricGroup::kPathByWay) && reference.process) {
     const PathPair paths = ResampleAlike(*attempt.process, *reference.process, PathBy::kArcLength);
     m.align_way_m = AlignPoses(paths).mean_cost;
     m.frechet_way_m = AlignPoses(paths, Pairing::kWorst).worst_cost;

@@ -41,6 +41,7 @@ struct AttemptData {
   const cutting::Volume* initial = nullptr;
   const cutting::Volume* final_volume = nullptr;
   const surface::Mesh* final_surface = nullptr;  // of final_volume
+  // Null where a reference was not recorded, but is the tooth that an exercise's target names.
   const ProcessRecorder* process = nullptr;
   // Of the attempt only: DeviationPerVertex of final_surface where the caller has it already;
   // computed when null.
@@ -115,7 +116,8 @@ class MetricPlan {
 
 // Why a metric has no value.
 enum class NoValue {
-  kNotInTask,  // this exercise does not ask for it: no caries in its task, no such wall
+  kNotInTask,  // this exercise does not ask for it: no caries in its task, no such wall, no recording
+               // to compare the way with
   kNotMade,    // it asks, and the attempt has not made what could be measured
   kNotUsed,    // the exercise's plan does not measure it; scoring by another rubric may
 };

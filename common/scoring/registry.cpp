@@ -550,7 +550,11 @@ MetricSet Collect(const Measured& m, const MetricPlan& plan) {
   const bool limited = DisturbanceOf(*m.process).limited_percent > kMostLimited_percent;
   for (const Entry& entry : kRegistry) {
     std::string name(entry.info.name);
-    const State state = plan.Has(entry.group) ? entry.state(m) : NoValue::kNotUsed;
+    const bool of_path =
+        entry.group == MetricGroup::kPathInTime || entry.group == MetricGroup::kPathByWay;
+    const State state = !plan.Has(entry.group)             ? NoValue::kNotUsed
+                        : of_path && !m.reference_recorded ? NoValue::kNotInTask
+                                                           : entry.state(m);
     if (state) {
       out.missing.push_back({std::move(name), *state});
     } else {

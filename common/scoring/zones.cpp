@@ -1,9 +1,18 @@
 #include "common/scoring/zones.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
+
+#include "common/base/check.h"
+#include "common/scene/builder.h"
+#include "common/scoring/brick_samples.h"
+#include "common/scoring/changed.h"
+#include "common/scoring/hollow.h"
 
 namespace enamel::scoring {
 namespace {
@@ -157,6 +166,84 @@ BoxVolume MeasureShape(const Volume& initial, const Volume& final_volume,
   return {solid * voxel_m3, removed * voxel_m3};
 }
 
+// What of the solid that `wanted` lacks is gone.
+BoxVolume MeasureLacking(const Volume& initial, const Volume& final_volume, const Volume& wanted) {
+  const GridSpec& spec = initial.spec();
+  const ChangedBricks lacking(initial, wanted);
+  int64_t solid = 0, removed = 0;  // 65536 to a voxel
+  for (int b = 0; b < spec.brick_count(); ++b) {
+    if (!lacking.Brick(b)) continue;
+    const BrickSamples before(initial, b), after(final_volume, b), then(wanted, b);
+    for (int i = 0; i < kBrickVoxels; ++i) {
+      const int32_t all = before.Solid(i), asked = all - std::min(all, then.Solid(i));
+      solid += asked;
+      removed += std::min(asked, all - std::min(all, after.Solid(i)));
+    }
+  }
+  const double unit_m3 = spec.voxel_m() * spec.voxel_m() * spec.voxel_m() / 65536;
+  return {static_cast<double>(solid) * unit_m3, static_cast<double>(removed) * unit_m3};
+}
+
+// The tooth without what lies within `reach_m` of a hollow, for each reach, ascending.
+class Grower {
+ public:
+  Grower(const Volume& initial, const Volume& prepared, std::array<double, 2> reach_m)
+      : initial_(initial),
+        lacking_(initial, prepared),
+        hollow_(initial, prepared),
+        reach_m_(reach_m) {
+    grown_.fill(Volume(initial.spec()));
+    const int bricks = static_cast<int>(initial.spec().brick_count());
+    for (int b = 0; b < bricks; ++b) {
+      const bool stored = initial.IsStored(b);
+      if (stored || initial.UniformTissue(b) != cutting::Tissue::kAir) Brick(b);
+    }
+  }
+
+  std::array<Volume, 2> Take() { return std::move(grown_); }
+
+ private:
+  void Brick(int b) {
+    const GridSpec& spec = initial_.spec();
+    const double h = spec.voxel_m(), band = 4 * h;
+    const ivec3& n = spec.bricks;
+    const ivec3 first = ivec3(b % n.x, b / n.x % n.y, b / (n.x * n.y)) * cutting::kBrickSide;
+    const dvec3 corner = spec.origin_m() + dvec3(first) * h;
+    const double half = 0.5 * (cutting::kBrickSide - 1) * std::sqrt(3.0) * h;
+    const double limit = reach_m_[1] + band + half;
+    // A brick in the middle of the hollow is as far from its surface, but it changed.
+    const dvec3 middle = corner + 0.5 * (cutting::kBrickSide - 1) * h;
+    if (!lacking_.Brick(b) && hollow_.ToCut_m(middle, limit) >= limit) {
+      for (Volume& volume : grown_) scene::CopyBrick(initial_, b, volume);
+      return;
+    }
+    std::array<std::array<int16_t, kBrickVoxels>, 2> phi;
+    for (int i = 0; i < kBrickVoxels; ++i) {
+      const int before = initial_.PhiAt(first + ivec3(i & 7, i >> 3 & 7, i >> 6));
+      const dvec3 p = corner + dvec3(i & 7, i >> 3 & 7, i >> 6) * h;
+      const double d = hollow_.Distance_m(p, limit);
+      for (size_t k = 0; k < 2; ++k) {
+        const double gone = std::clamp((reach_m_[k] - d) / h * cutting::kPhiPerVoxel,
+                                       -1.0 * cutting::kPhiLimit, 1.0 * cutting::kPhiLimit);
+        phi[k][static_cast<size_t>(i)] =
+            static_cast<int16_t>(std::max(before, static_cast<int>(std::lround(gone))));
+      }
+    }
+    std::span<const uint8_t> labels;
+    if (initial_.HasLabels(b)) labels = initial_.Labels(b).tissue;
+    for (size_t k = 0; k < 2; ++k)
+      grown_[k].SetBrick(
+          b, phi[k], labels,
+          labels.empty() ? initial_.UniformTissue(b) : static_cast<cutting::Tissue>(labels[0]));
+  }
+
+  const Volume& initial_;
+  const ChangedBricks lacking_;
+  const Hollow hollow_;
+  const std::array<double, 2> reach_m_;
+  std::array<Volume, 2> grown_;
+};
+
 }  // namespace
 
 Result<ZoneBoxes> BoxesOf(const scene::Scene& scene, const scene::CavityTarget& target) {
@@ -165,14 +252,27 @@ Result<ZoneBoxes> BoxesOf(const scene::Scene& scene, const scene::CavityTarget& 
   for (int i = 0; i < 3; ++i) top[i] = at[static_cast<size_t>(i)] * 1e-6;
   dvec3 half(target.half_size_um[0] * 1e-6, target.half_size_um[1] * 1e-6, 0);
   ZoneBoxes boxes;
+  boxes.leeway_growth = {target.leeway_side_um * 1e-6, target.leeway_bottom_um * 1e-6};
+  boxes.container_growth = {boxes.leeway_growth.side_m + target.container_um * 1e-6,
+                            boxes.leeway_growth.bottom_m + target.container_um * 1e-6};
+  if (!target.prepared.IsZero()) {
+    boxes.prepared = target.prepared_tooth;
+    if (!boxes.prepared) {
+      return Status(
+          Code::kNotFound,
+          "the target's prepared tooth (scene " + target.prepared.Hex() + ") was not loaded",
+          "target.prepared_scene_sha256");
+    }
+    boxes.target = {boxes.prepared->lo_m, boxes.prepared->hi_m};
+    boxes.leeway = Grown(boxes.target, target.leeway_side_um, target.leeway_bottom_um);
+    boxes.container = Grown(boxes.leeway, target.container_um, target.container_um);
+    return boxes;
+  }
   boxes.target = {top - half - dvec3(0, 0, target.depth_um * 1e-6), top + half};
   boxes.leeway = Grown(boxes.target, target.leeway_side_um, target.leeway_bottom_um);
   boxes.container = Grown(boxes.leeway, target.container_um, target.container_um);
   if (target.parts.empty()) return boxes;
   ENAMEL_ASSIGN_OR_RETURN(boxes.shape, scene::TargetShape(scene, target));
-  boxes.leeway_growth = {target.leeway_side_um * 1e-6, target.leeway_bottom_um * 1e-6};
-  boxes.container_growth = {boxes.leeway_growth.side_m + target.container_um * 1e-6,
-                            boxes.leeway_growth.bottom_m + target.container_um * 1e-6};
   return boxes;
 }
 
@@ -183,6 +283,13 @@ double NearOf_m(const scene::CavityTarget& target, const cutting::GridSpec& grid
 
 BoxVolume MeasureZone(const Volume& initial, const Volume& final_volume, const ZoneBoxes& zones,
                       Zone zone) {
+  if (zones.prepared) {
+    ENAMEL_CHECK(zone == Zone::kTarget || zones.leeway_gone);
+    return MeasureLacking(initial, final_volume,
+                          zone == Zone::kTarget   ? zones.prepared->volume
+                          : zone == Zone::kLeeway ? *zones.leeway_gone
+                                                  : *zones.container_gone);
+  }
   if (!zones.shape) {
     return MeasureBox(initial, final_volume,
                       zone == Zone::kTarget   ? zones.target
@@ -193,6 +300,15 @@ BoxVolume MeasureZone(const Volume& initial, const Volume& final_volume, const Z
                               : zone == Zone::kLeeway ? zones.leeway_growth
                                                       : zones.container_growth;
   return MeasureShape(initial, final_volume, *zones.shape, grown);
+}
+
+void GrowZones(const Volume& initial, ZoneBoxes& zones) {
+  if (!zones.prepared || zones.leeway_gone) return;
+  auto grown = Grower(initial, zones.prepared->volume,
+                      {zones.leeway_growth.side_m, zones.container_growth.side_m})
+                   .Take();
+  zones.leeway_gone = std::make_shared<const Volume>(std::move(grown[0]));
+  zones.container_gone = std::make_shared<const Volume>(std::move(grown[1]));
 }
 
 BoxVolume MeasureBox(const Volume& initial, const Volume& final_volume, const OpenBox& box) {
