@@ -12,6 +12,9 @@ using cutting::kBrickVoxels;
 using cutting::Tissue;
 using cutting::Volume;
 
+// Farther beyond a hollow is told as this far.
+constexpr double kFar_m = 5e-3;
+
 ivec3 FirstVoxel(const GridSpec& spec, int brick) {
   return ivec3(brick % spec.bricks.x, brick / spec.bricks.x % spec.bricks.y,
                brick / (spec.bricks.x * spec.bricks.y)) *
@@ -104,8 +107,9 @@ ReachWatch::ReachWatch(const scene::Scene& scene, const scene::CavityTarget& tar
     : initial_(initial), pulp_m_(render::kPulpFar_mm * 1e-3) {
   auto boxes = scoring::BoxesOf(scene, target);
   if (!boxes.ok() || target.depth_um == 0) return;
-  if (boxes->shape) {
+  if (boxes->shape || boxes->prepared) {
     shape_ = boxes->shape;
+    prepared_ = boxes->prepared;
     shape_leeway_m_ = std::min(target.leeway_side_um, target.leeway_bottom_um) * 1e-6;
     Publish();
     return;
@@ -122,13 +126,16 @@ ReachWatch::ReachWatch(const scene::Scene& scene, const scene::CavityTarget& tar
 
 ReachWatch::~ReachWatch() = default;
 
+double ReachWatch::BeyondShape_m(const dvec3& p_m) const {
+  return hollow_ ? hollow_->Distance_m(p_m, kFar_m) : scene::PreparationDistance_m(*shape_, p_m);
+}
+
 bool ReachWatch::MayGoFarther(const dvec3& middle_m) const {
   // Points of a brick's voxels reach a voxel beyond them.
   double half = HalfBrick_m(initial_.spec()) + initial_.spec().voxel_m();
-  if (shape_) {
-    return scene::PreparationDistance_m(*shape_, middle_m) + std::sqrt(3.0) * half >
-           beyond_shape_m_;
-  }
+  // Of the middle of a brick that may be air the side in a hollow is not known.
+  if (hollow_) return hollow_->ToCut_m(middle_m, kFar_m) + std::sqrt(3.0) * half > beyond_shape_m_;
+  if (shape_) return BeyondShape_m(middle_m) + std::sqrt(3.0) * half > beyond_shape_m_;
   return std::any_of(sides_.begin(), sides_.end(), [&](const Side& side) {
     return Dot(middle_m, side.outward) + half - side.at_m > side.beyond_m;
   });
@@ -155,9 +162,7 @@ void ReachWatch::LookAtBrick(const Volume& now, int brick) {
     for (Side& side : sides_) {
       side.beyond_m = std::max(side.beyond_m, Dot(p, side.outward) - side.at_m);
     }
-    if (shape_) {
-      beyond_shape_m_ = std::max(beyond_shape_m_, scene::PreparationDistance_m(*shape_, p));
-    }
+    if (FollowsShape()) beyond_shape_m_ = std::max(beyond_shape_m_, BeyondShape_m(p));
     if (nearer) pulp_m_ = IsPulp(initial_, voxel) ? 0 : pulp_->Distance_m(p, pulp_m_);
   });
 }
@@ -172,6 +177,8 @@ void ReachWatch::Look(const Volume& now) {
       pulp_bound_m_.assign(static_cast<size_t>(initial_.spec().brick_count()), -1);
     }
   }
+  if (prepared_ && !hollow_)
+    hollow_ = std::make_unique<scoring::Hollow>(initial_, prepared_->volume);
   for (int b = 0; b < now.spec().brick_count(); ++b) {
     if (!now.IsStored(b)) continue;
     // Bricks that were not cut are told by their samples: no list of touched ones has to be kept.
@@ -184,7 +191,7 @@ void ReachWatch::Look(const Volume& now) {
 void ReachWatch::Publish() {
   render::Reach out;
   if (pulp_) out.pulp_mm = pulp_m_ * 1e3;
-  if (shape_) {
+  if (FollowsShape()) {
     out.leeway = {{1e3 * (shape_leeway_m_ - beyond_shape_m_), 1e3 * shape_leeway_m_,
                    beyond_shape_m_ > 0 ? "place.outline" : ""}};
   }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/base/mutex.h"
+#include "common/scoring/hollow.h"
 #include "common/scoring/zones.h"
 #include "common/surface/surface.h"
 #include "station/render/panel.h"
@@ -49,8 +50,13 @@ class ReachWatch {
   const cutting::Volume& initial_;
   // The looking thread's.
   std::vector<Side> sides_;
-  // Of a target that has parts, instead of sides: the farthest beyond its outline or floor.
+  // Of a target that has parts or is a prepared tooth, instead of sides: the farthest beyond its
+  // outline or floor.
+  bool FollowsShape() const { return shape_ || prepared_; }
+  double BeyondShape_m(const dvec3& p_m) const;
   std::optional<scene::Preparation> shape_;
+  std::shared_ptr<const scene::PreparedTooth> prepared_;
+  std::unique_ptr<scoring::Hollow> hollow_;  // of prepared_, made with the first look
   double shape_leeway_m_ = 0, beyond_shape_m_ = 0;
   std::unique_ptr<surface::DistanceQuery> pulp_;  // null: there is none
   bool pulp_looked_for_ = false;

@@ -17,6 +17,7 @@ ZoneWatch::ZoneWatch(const scene::Scene& scene, const scene::CavityTarget& targe
 
 void ZoneWatch::Look(const cutting::Volume& now) {
   if (!boxes_) return;
+  scoring::GrowZones(initial_, *boxes_);
   auto measure = [&](scoring::Zone zone) {
     return scoring::MeasureZone(initial_, now, *boxes_, zone);
   };

@@ -22,7 +22,7 @@ class ZoneWatch {
 
  private:
   const cutting::Volume& initial_;
-  std::optional<scoring::ZoneBoxes> boxes_;
+  std::optional<scoring::ZoneBoxes> boxes_;  // its zones grown with the first look
   mutable Mutex mutex_;
   std::optional<render::ZoneShares> shares_ ENAMEL_GUARDED_BY(mutex_);
 };

@@ -10,6 +10,7 @@
 #include "common/base/unix_time.h"
 #include "common/scene/attempt_documents.h"
 #include "common/scene/plan.h"
+#include "common/scene/prepared_target.h"
 #include "common/scene/volume_blob.h"
 #include "common/trace/replay_run.h"
 #include "station/uplink/attempt_sender.h"
@@ -38,6 +39,7 @@ Result<PreparedAttempt> Assemble(const Sha256& exercise, const Sha256& profile,
   ENAMEL_ASSIGN_OR_RETURN(auto blob, fetch(out.scene.volume));
   ENAMEL_ASSIGN_OR_RETURN(auto volume, scene::DecodeVolume(blob));
   out.volume = std::move(volume);
+  ENAMEL_RETURN_IF_ERROR(scene::LoadPreparedTarget(out.volume, fetch, out.exercise.target));
   ENAMEL_ASSIGN_OR_RETURN(auto params, scene::CompilePlan(out.scene, out.exercise, out.profile));
   out.header = {{}, out.exercise.scene, out.scene.volume, params, SoftwareName(), {}};
   return out;
