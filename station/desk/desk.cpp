@@ -160,6 +160,7 @@ class Desk {
     // Also below a dialog: the pointer device must be told to hold still.
     attempt->Point(screen_, dt_s, dialog);
     if (!dialog) Steer(*attempt);
+    ShowOutline(*attempt, dialog);
     attempt->view().Draw(screen_.width(), screen_.height(), quality());
     DrawStatus(*attempt);
     return &attempt->view().result();
@@ -178,6 +179,20 @@ class Desk {
         camera.Zoom(static_cast<float>(event.y));
       }
     }
+  }
+
+  bool MayShowProgress(const PreparedAttempt& prepared) const {
+    return desk::MayShowProgress(prepared.exercise.graded, flow_.chosen().exam, flow_.instructor());
+  }
+
+  // A line to cut along is help, as the zones are.
+  void ShowOutline(DeskAttempt& attempt, bool dialog) {
+    for (const render::InputEvent& event : screen_.events()) {
+      const bool key = event.kind == render::InputEvent::Kind::kKey && event.code == 'T' &&
+                       event.pressed && !event.repeat;
+      if (key && !dialog) outline_ = !outline_;
+    }
+    attempt.ShowOutline(outline_ && MayShowProgress(attempt.prepared()));
   }
 
   void DrawStatus(DeskAttempt& attempt) {
@@ -200,11 +215,12 @@ class Desk {
       content.fault = words.Say("fault.in_holder");
     }
     // Graded work and exams: whoever saw the zones would cut to the numbers.
-    if (MayShowProgress(prepared.exercise.graded, flow_.chosen().exam, flow_.instructor())) {
+    if (MayShowProgress(prepared)) {
       content.zones = attempt.zones();
       content.reach = attempt.reach();
     }
     content.hint = words.Say(attempt.by_pointer() ? "hint.pointer" : "hint.camera");
+    if (MayShowProgress(prepared)) content.hint += "   " + words.Say("hint.outline");
     render::DrawPanel(content, words, screen_.fonts(), screen_.width(), screen_.height());
   }
 
@@ -235,6 +251,7 @@ class Desk {
   StationWatch station_;
   std::optional<sound::Speaker> speaker_;
   bool panel_ = false;
+  bool outline_ = true;  // the target's, as last chosen
   Clock::time_point last_ = Clock::now();
 };
 

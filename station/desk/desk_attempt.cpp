@@ -69,6 +69,16 @@ Result<std::unique_ptr<DeskAttempt>> DeskAttempt::Create(PreparedAttempt prepare
 
 DeskAttempt::~DeskAttempt() = default;
 
+void DeskAttempt::ShowOutline(bool shown) {
+  view_->ShowOutline(shown);
+  if (shown && outline_ == nullptr) {
+    outline_ = std::make_unique<TargetOutline>(prepared_.scene, prepared_.exercise.target,
+                                               prepared_.volume);
+  }
+  std::vector<surface::LineSegment> lines;
+  if (outline_ != nullptr && outline_->Take(lines)) view_->SetOutline(lines);
+}
+
 Status DeskAttempt::Begin(Workplace& workplace, int cpu) {
   AttemptOptions options;
   options.cpu = cpu;

@@ -7,6 +7,7 @@
 #include "station/desk/device_offers.h"
 #include "station/desk/held_device.h"
 #include "station/desk/reach_watch.h"
+#include "station/desk/target_outline.h"
 #include "station/desk/tick_feed.h"
 #include "station/desk/zone_watch.h"
 #include "station/devices/pointer_device.h"
@@ -37,6 +38,9 @@ class DeskAttempt {
   std::optional<render::ZoneShares> zones() const { return zones_->shares(); }
   render::Reach reach() const { return reach_->reach(); }
 
+  // The target's outline, on the tooth as soon as it is known. Worked out the first time it is shown.
+  void ShowOutline(bool shown);
+
   // The first tick. The loop is bound to processor `cpu`; -1: to none.
   Status Begin(Workplace& workplace, int cpu);
   // Null before Begin.
@@ -58,6 +62,7 @@ class DeskAttempt {
   std::unique_ptr<ZoneWatch> zones_;
   std::unique_ptr<ReachWatch> reach_;
   std::unique_ptr<render::ToothView> view_;
+  std::unique_ptr<TargetOutline> outline_;  // null: never shown
   std::unique_ptr<TickFeed> feed_;
   std::unique_ptr<RunningAttempt> run_;  // first to go
 };

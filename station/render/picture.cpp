@@ -36,6 +36,7 @@ std::array<glm::vec3, 16> Colours() {
   c[kBurHead] = Linear(150, 170, 205);
   c[kBurShank] = Linear(176, 186, 204);
   c[kForceArrow] = Linear(40, 205, 190);
+  c[kTargetLine] = Linear(20, 96, 235);
   return c;
 }
 
@@ -45,7 +46,7 @@ std::array<float, 16> Gloss() {
   g[1] = 0.55f;
   g[2] = 0.15f;
   g[kBurHead] = g[kBurShank] = 1.0f;
-  g[kForceArrow] = 0.1f;
+  g[kForceArrow] = g[kTargetLine] = 0.1f;
   return g;
 }
 
@@ -86,6 +87,9 @@ void Scissor(const PixelRect& part) {
 PixelRect Halved(const PixelRect& part) {
   return {part.x0 / 2, part.y0 / 2, (part.x1 + 1) / 2, (part.y1 + 1) / 2};
 }
+
+// Of a line on the tooth: three pixels where a crown fills a window.
+constexpr float kLineRadius_mm = 0.05f;
 
 // Parts of a bur.
 constexpr int kHead = 1, kShank = 2;
@@ -256,6 +260,7 @@ void Picture::Draw(const PictureState& state, int width, int height, const Quali
     glDisable(GL_SCISSOR_TEST);
   }
   CopyTooth();
+  if (state.lines) DrawLines(state);
   if (state.scene_from_bur) {
     DrawShadow(state);
     DrawBurs(state);
@@ -354,6 +359,16 @@ void Picture::CopyTooth() {
   composed_->CopyColourTo(*frame_);
   solids_->CopyDepthTo(*frame_);
   frame_->Bind();
+}
+
+void Picture::SetLines(std::span<const surface::LineSegment> lines) {
+  Fill(lines_, LineShape(lines, kLineRadius_mm));
+}
+
+void Picture::DrawLines(const PictureState& state) {
+  if (lines_.triangle_count() == 0) return;
+  UseSolid(state);
+  lines_.Draw();
 }
 
 // The bur as two capsules, cutting part and shank, seen from the light and from beside the tooth.

@@ -3,9 +3,11 @@
 #include <glm/mat4x4.hpp>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "common/cutting/bur.h"
+#include "common/surface/level_lines.h"
 #include "station/render/gl_objects.h"
 #include "station/render/mesher.h"
 #include "station/render/pixel_rect.h"
@@ -20,6 +22,7 @@ struct PictureState {
   std::optional<glm::mat4> scene_from_ghost;  // only with scene_from_bur
   glm::vec3 arrow_from_mm{0}, arrow_mm{0};    // zero: no arrow
   float bur_spin = 0;                         // rad
+  bool lines = false;                         // those of SetLines are drawn
 };
 
 // What the last Draw did.
@@ -47,6 +50,8 @@ class Picture {
   Picture(const cutting::Bur& bur, size_t group_count);
 
   void Replace(const GroupMesh& mesh);
+  // Lines on the tooth, in front of it by half their width.
+  void SetLines(std::span<const surface::LineSegment> lines);
   void Draw(const PictureState& state, int width, int height, const Quality& wanted);
   // Valid after Draw.
   const Target& result() const { return *result_; }
@@ -74,6 +79,7 @@ class Picture {
   void DrawOcclusion(const PictureState& state, const Quality& quality, const PixelRect& part);
   void Compose(const PictureState& state, const Quality& quality, const PixelRect& part);
   void CopyTooth();
+  void DrawLines(const PictureState& state);
   void DrawShadow(const PictureState& state);
   void DrawBurs(const PictureState& state);
   void DrawBur(const PictureState& state, const glm::mat4& scene_from_bur, int parts);
@@ -81,7 +87,7 @@ class Picture {
 
   Program kept_, solid_, occlusion_, blur_, compose_, background_, shadow_;
   std::vector<std::unique_ptr<Group>> groups_;
-  TriangleBuffer bur_head_, bur_shank_, shaft_, tip_;
+  TriangleBuffer bur_head_, bur_shank_, shaft_, tip_, lines_;
   float bur_height_mm_, bur_radius_mm_;
   GLuint empty_array_ = 0;
   PictureWork work_;

@@ -100,4 +100,31 @@ Shape BurShankShape(const cutting::Bur& bur) { return Revolve(BurShankOutline(bu
 Shape ShaftShape() { return Revolve({{0, 0}, {1, 0}, {1, 1}}, kForceArrow); }
 Shape TipShape() { return Revolve({{0, 0}, {1, 0}, {0, 1}}, kForceArrow); }
 
+Shape LineShape(std::span<const surface::LineSegment> lines, float radius_mm) {
+  Shape shape;
+  for (const surface::LineSegment& line : lines) {
+    const glm::vec3 from = line.from_m * 1000.0f, to = line.to_m * 1000.0f;
+    const float length = glm::length(to - from);
+    if (!(length > 0)) continue;
+    const glm::vec3 z = (to - from) / length;
+    const glm::vec3 x = glm::normalize(
+        glm::cross(std::fabs(z.x) < 0.7f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0), z));
+    const glm::vec3 y = glm::cross(z, x);
+    const auto first = static_cast<uint32_t>(shape.vertices.size());
+    for (const glm::vec3& side : {x, y, -x, -y}) {
+      for (const glm::vec3& end : {from, to}) {
+        const glm::vec3 p = end + radius_mm * side;
+        auto byte = [](float v) { return static_cast<int8_t>(std::lround(127 * v)); };
+        shape.vertices.push_back(
+            {{p.x, p.y, p.z}, {byte(side.x), byte(side.y), byte(side.z)}, kTargetLine});
+      }
+    }
+    for (uint32_t side = 0; side < 4; ++side) {
+      const uint32_t a = first + 2 * side, b = first + 2 * ((side + 1) % 4);
+      shape.indices.insert(shape.indices.end(), {a, b, b + 1, a, b + 1, a + 1});
+    }
+  }
+  return shape;
+}
+
 }  // namespace enamel::station::render

@@ -2,16 +2,18 @@
 
 #include <cstdint>
 #include <glm/vec2.hpp>
+#include <span>
 #include <vector>
 
 #include "common/cutting/bur.h"
+#include "common/surface/level_lines.h"
 #include "station/render/mesher.h"
 
 // Bodies of revolution to draw, about +z, in millimetres.
 namespace enamel::station::render {
 
 // Values of GpuVertex::tissue beyond the tissues.
-enum Material : uint8_t { kBurHead = 8, kBurShank = 9, kForceArrow = 10 };
+enum Material : uint8_t { kBurHead = 8, kBurShank = 9, kForceArrow = 10, kTargetLine = 11 };
 
 struct Shape {
   std::vector<GpuVertex> vertices;
@@ -29,5 +31,7 @@ Shape BurShankShape(const cutting::Bur& bur);
 // Unit cylinder and unit cone along +z, radius 1.
 Shape ShaftShape();
 Shape TipShape();
+// A square rod around each segment, scene frame.
+Shape LineShape(std::span<const surface::LineSegment> lines, float radius_mm);
 
 }  // namespace enamel::station::render

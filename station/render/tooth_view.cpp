@@ -68,6 +68,7 @@ PictureState ToothView::PictureNow(float aspect) {
   PictureState picture;
   picture.view_from_scene = camera_.ViewFromScene();
   picture.clip_from_view = camera_.ClipFromView(aspect);
+  picture.lines = outline_shown_;
   if (!has_state_) return picture;
   picture.scene_from_bur = FromPose(state_.anchor);
   if (glm::length(state_.device.tip_m - state_.anchor.tip_m) > kGhostFrom_m) {

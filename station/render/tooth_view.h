@@ -60,6 +60,9 @@ class ToothView {
   const Target& result() const { return picture_.result(); }
   const PictureWork& work() const { return picture_.work(); }
   Camera& camera() { return camera_; }
+  // The target's outline, drawn on the tooth while it is shown.
+  void SetOutline(std::span<const surface::LineSegment> lines) { picture_.SetLines(lines); }
+  void ShowOutline(bool shown) { outline_shown_ = shown; }
   // Newest state drawn; none before the first tick.
   const FrameState& state() const { return state_; }
   bool has_state() const { return has_state_; }
@@ -74,6 +77,7 @@ class ToothView {
   FrameState state_;
   bool has_state_ = false;
   float spin_ = 0;
+  bool outline_shown_ = false;
   TripleBuffer<std::optional<FrameState>> latest_;  // none before the first Publish
   BrickFeed feed_;
   Mesher mesher_;

@@ -4,11 +4,13 @@
 
 #include "common/cutting/cutter.h"
 #include "common/scene/builtin/builtin.h"
+#include "station/desk/target_outline.h"
 #include "station/render/window.h"
 #include "tests/station/render/virtual_display.h"
 
 // Cuts part of a class I cavity into the built-in molar and writes the window's picture of it, for
-// a person to look at: cut_screenshot OUT.png [voxel_um]
+// a person to look at: cut_screenshot OUT.png [voxel_um [view [exercise]]]; with an exercise's kind
+// ("crown") that one's outline on the tooth, which is then not cut.
 
 namespace {
 
@@ -44,11 +46,12 @@ station::render::View ViewOf(std::string_view name) {
 int main(int argc, char** argv) {
   if (argc < 2) {
     std::fprintf(stderr,
-                 "usage: cut_screenshot OUT.png [voxel_um [oblique|occlusal|buccal|mesial]]\n");
+                 "usage: cut_screenshot OUT.png [voxel_um [oblique|occlusal|buccal|mesial "
+                 "[EXERCISE [SCENE]]]]\n");
     return 2;
   }
   int32_t voxel_nm = argc > 2 ? std::atoi(argv[2]) * 1000 : 50'000;
-  auto built = scene::BuildBuiltinScene("molar", voxel_nm);
+  auto built = scene::BuildBuiltinScene(argc > 5 ? argv[5] : "molar", voxel_nm);
   if (!built.ok()) {
     std::fprintf(stderr, "%s\n", built.status().message().c_str());
     return 1;
@@ -65,6 +68,18 @@ int main(int argc, char** argv) {
   if (!window.ok()) {
     std::fprintf(stderr, "%s\n", window.status().message().c_str());
     return 1;
+  }
+  const std::string_view exercise = argc > 4 ? argv[4] : "class-1";
+  for (const scene::Exercise& e : scene::BuiltinExercises(built->scene, Sha256{})) {
+    if (!e.name.starts_with(exercise)) continue;
+    (*window)->tooth().SetOutline(station::desk::OutlineOf(built->scene, e.target, built->volume));
+    (*window)->tooth().ShowOutline(true);
+    break;
+  }
+  if (argc > 4) {
+    Status status = (*window)->WriteScreenshot(argv[1]);
+    if (!status.ok()) std::fprintf(stderr, "%s\n", status.message().c_str());
+    return status.ok() ? 0 : 1;
   }
   auto landmark = built->scene.landmarks.at("occlusal_centre");
   cutting::Cutter cutter(volume, options.view.bur);
