@@ -1,0 +1,110 @@
+#include "tests/server/storage/backends.h"
+#include "tests/server/storage/store_world.h"
+
+// Motions of attempts, which of them lie before an attempt's, and where they go; the same for every
+// backend.
+namespace enamel::server {
+namespace {
+
+using namespace testing;
+
+constexpr UnixMs kFortyDays = 40ll * 24 * 60 * 60 * 1000;
+
+class MotionStoreTest : public StoreSuite {
+ protected:
+  // A scored attempt with a motion that is its own, and `near` as its nearest.
+  Uuid Moved(const std::optional<NearAttempt>& near = {}) {
+    const Uuid attempt = world_.ScoredAttempt();
+    Finish(attempt, near);
+    return attempt;
+  }
+  void Finish(const Uuid& attempt, const std::optional<NearAttempt>& near) {
+    auto result = *store_->ResultOf(attempt);
+    result.motion = Content(attempt);
+    result.near = near;
+    ASSERT_TRUE(store_->FinishAttempt(attempt, result, {}).ok());
+  }
+  Sha256 Content(const Uuid& attempt) {
+    return *store_->PutAttemptBlob(attempt, AsBytes("motion of " + attempt.Text()));
+  }
+  std::vector<Uuid> Before(const Uuid& attempt, uint32_t limit = 100) {
+    std::vector<Uuid> out;
+    auto rows = store_->MotionsBefore(attempt, limit);
+    EXPECT_TRUE(rows.ok()) << rows.status().message();
+    for (const MotionRow& row : *rows) {
+      out.push_back(row.attempt);
+      EXPECT_EQ(row.content, Content(row.attempt));
+    }
+    return out;
+  }
+  bool Flagged(const Uuid& attempt) {
+    return (store_->AttemptById(attempt)->flags & kNearAnother) != 0;
+  }
+
+  World world_{*store_};
+};
+INSTANTIATE_TEST_SUITE_P(Backends, MotionStoreTest, ::testing::ValuesIn(Backends()), BackendName);
+
+NearAttempt Near(const Uuid& attempt, bool worth_a_look) {
+  return {attempt, 7, 12, 900, 1400, worth_a_look};
+}
+
+TEST_P(MotionStoreTest, WhatWasSealedBeforeIsFoundNewestFirst) {
+  const Uuid first = Moved(), second = Moved(), without = world_.ScoredAttempt(), last = Moved();
+  EXPECT_TRUE(Before(first).empty());
+  EXPECT_EQ(Before(second), std::vector{first});
+  EXPECT_EQ(Before(last), (std::vector{second, first})) << "one has no motion";
+  EXPECT_EQ(Before(last, 1), std::vector{second});
+  EXPECT_EQ(Before(without), (std::vector{second, first}));
+}
+
+TEST_P(MotionStoreTest, WhatLiesNearestIsKeptAndFlagsTheAttempt) {
+  const Uuid first = Moved(), copy = Moved(Near(first, true)), other = Moved(Near(first, false));
+  EXPECT_FALSE(*store_->NearestTo(first)) << "there was none before it";
+  EXPECT_FALSE(Flagged(first));
+  EXPECT_EQ(*store_->NearestTo(copy), Near(first, true));
+  EXPECT_TRUE(Flagged(copy));
+  EXPECT_EQ(*store_->NearestTo(other), Near(first, false));
+  EXPECT_FALSE(Flagged(other));
+}
+
+TEST_P(MotionStoreTest, TheNewestRunSaysWhetherItIsNear) {
+  const Uuid first = Moved(), copy = Moved(Near(first, true));
+  auto unmeasured = *store_->ResultOf(copy);
+  EXPECT_TRUE(unmeasured.motion.IsZero());
+  ASSERT_TRUE(store_->FinishAttempt(copy, unmeasured, {}).ok());
+  EXPECT_TRUE(Flagged(copy)) << "a run that measured no motion says nothing";
+  Finish(copy, Near(first, false));
+  EXPECT_FALSE(Flagged(copy));
+  EXPECT_EQ(*store_->NearestTo(copy), Near(first, false));
+}
+
+TEST_P(MotionStoreTest, ItGoesWithTheRecording) {
+  const Uuid attempt = Moved();
+  ASSERT_TRUE(store_->LeaseJob(1, 1000).ok());
+  Finish(attempt, {});
+  ASSERT_TRUE(store_->FinishJob(store_->Jobs("running")->front().id, true, "").ok());
+  ASSERT_TRUE(store_->ReleaseAttempt(attempt, kSystem).ok());
+  const Sha256 content = Content(attempt);
+  ASSERT_TRUE(store_->SetRetention({"recordings", 30}, kSystem).ok());
+  ASSERT_EQ(store_->ApplyRetention(kFortyDays, false, kSystem)->recordings.size(), 1u);
+  EXPECT_FALSE(store_->HasBlob(content));
+  EXPECT_TRUE(Before(Moved()).empty());
+}
+
+TEST_P(MotionStoreTest, ItGoesWithThePersonAndIsNamedByNobodyThen) {
+  const Uuid attempt = Moved();
+  const Sha256 content = Content(attempt);
+  // Somebody else's, which stays.
+  const Uuid erased_student = world_.student;
+  world_.student = AddPerson(*store_, "other", Role::kStudent);
+  const Uuid stays = Moved(Near(attempt, true));
+  ASSERT_TRUE(store_->ErasePerson(erased_student, false, kSystem).ok());
+  EXPECT_FALSE(store_->HasBlob(content));
+  EXPECT_TRUE(Before(stays).empty());
+  EXPECT_EQ(*store_->NearestTo(stays), Near(Uuid{}, true));
+  EXPECT_TRUE(Flagged(stays));
+}
+
+}  // namespace
+}  // namespace enamel::server
