@@ -90,6 +90,8 @@ class Planner {
     Go({p}, kAirFeed_m_per_s, 0.5, 2e-4, true);
   }
   void GoRound(const Outline& outline, double z, double feed, double push) {
+    // Walls that are cut in beyond their middle: there is nothing left to go round.
+    if (outline.empty()) return;
     std::vector<dvec3> c = CornersAt(outline, z, options_.clockwise);
     c.push_back(c[0]);
     if (at_.z != z) GoTo(c[0]);
@@ -103,6 +105,7 @@ class Planner {
   }
   // Rounds of the tip that clear from `inner` out to beyond the tooth, outermost first.
   std::vector<Outline> RoundsFrom(const Outline& inner, const Bounds& tooth) const {
+    if (inner.empty()) return {};
     std::vector<Outline> out = {inner};
     for (;;) {
       const Bounds b = BoundsOf(out.back());

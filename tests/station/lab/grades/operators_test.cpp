@@ -6,6 +6,11 @@
 #include <fstream>
 #include <iterator>
 
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/json/json.h"
+#include "common/scene/plan.h"
+#include "station/devices/operators.h"
+
 namespace enamel::station::lab {
 namespace {
 
@@ -28,6 +33,27 @@ TEST(OperatorsTest, TheDocumentIsTheSchemas) {
   std::ifstream file(ENAMEL_SOURCE_DIR "/schemas/golden/lab_operators.json");
   const std::string golden(std::istreambuf_iterator<char>(file), {});
   EXPECT_EQ(boost::json::value(OperatorsJson(findings)), boost::json::parse(golden));
+}
+
+// Walls that a hand cuts in beyond their middle leave nothing to go round: no crash.
+TEST(OperatorsTest, EverybodyHasAPlanForACrownOrSaysWhyNot) {
+  const auto built = scene::BuildBuiltinScene("molar-caries", 400'000);
+  ASSERT_TRUE(built.ok());
+  const scene::DeviceProfile profile = scene::BuiltinProfiles().front();
+  size_t crowns = 0;
+  for (const scene::Exercise& e :
+       scene::BuiltinExercises(built->scene, HashSha256(AsBytes(scene::ToJson(built->scene))))) {
+    if (!e.name.starts_with("crown")) continue;
+    ++crowns;
+    const auto params = scene::CompilePlan(built->scene, e, profile);
+    ASSERT_TRUE(params.ok()) << params.status().message();
+    for (const OperatorPreset& preset : OperatorPresets()) {
+      const auto device =
+          MakeSimulatedDevice(preset, built->scene, e, profile, *params, built->volume);
+      EXPECT_TRUE(device.ok() || !device.status().message().empty()) << preset.name;
+    }
+  }
+  EXPECT_GT(crowns, 0u);
 }
 
 TEST(OperatorsTest, ADeviceThatIsNotThereIsRefusedByName) {
