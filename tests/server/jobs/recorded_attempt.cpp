@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"
@@ -37,6 +38,27 @@ class Path {
   int32_t rate_hz_;
 };
 
+double Between(std::mt19937_64& random, double lo, double hi) {
+  return lo + (hi - lo) * static_cast<double>(random() >> 11) * 0x1p-53;
+}
+
+// To and fro in and around the cavity, in the air too, at any pace: what no rubric expects.
+std::vector<dvec3> WanderingPath(const scene::CavityTarget& target, uint64_t seed,
+                                 int32_t rate_hz) {
+  std::mt19937_64 random(seed);
+  const double x = target.half_size_um[0] * 1e-3, y = target.half_size_um[1] * 1e-3;
+  Path path({0, 0, 8}, rate_hz);
+  path.Rest(600);
+  const int strokes = static_cast<int>(Between(random, 3, 12));
+  for (int i = 0; i < strokes; ++i) {
+    const dvec3 to(Between(random, -1.5 * x, 1.5 * x), Between(random, -1.5 * y, 1.5 * y),
+                   Between(random, -1.5, 0.6));
+    path.Move(to, Between(random, 1, 30));
+    if (Between(random, 0, 1) < 0.3) path.Rest(static_cast<int>(Between(random, 1, 200)));
+  }
+  return path.points;
+}
+
 std::vector<dvec3> PathOf(const scene::CavityTarget& target, const PathOptions& options,
                           int32_t rate_hz) {
   double x0 = -target.half_size_um[0] * 1e-3 + kBurRadius_mm, x1 = -x0 + options.mesial_extra_mm;
@@ -44,17 +66,26 @@ std::vector<dvec3> PathOf(const scene::CavityTarget& target, const PathOptions& 
   Path path({0, 0, 8}, rate_hz);
   path.Rest(600);  // force and cutting come on in free air
   path.Move({0, 0, 0.2}, 40);
-  path.Move({0, 0, z}, 4);
+  path.Move({0, 0, z}, 4 * options.pace);
   path.Rest(60);
   const dvec3 corners[] = {{x1, 0, z},   {x1, y1, z},  {x0, y1, z},
                            {x0, -y1, z}, {x1, -y1, z}, {x1, 0, z}};
   for (const dvec3& c : corners) {
-    path.Move(c, 8);
+    path.Move(c, 8 * options.pace);
     path.Rest(60);
   }
-  path.Move({0, 0, z}, 8);
+  path.Move({0, 0, z}, 8 * options.pace);
   path.Move({0, 0, 8}, 40);
   return path.points;
+}
+
+// A link or a loop that is not what it should be, now and then.
+void Disturb(std::mt19937_64& random, core::TickInput& input) {
+  const uint64_t chance = random() % 1000;
+  if (chance < 5) input.flags |= core::kLateTick;
+  if (chance == 5) input.gap_ticks = static_cast<uint32_t>(1 + random() % 400);
+  if (chance == 6) input.flags &= static_cast<uint8_t>(~core::kBurOn);
+  if (chance > 996) input.counts[chance % 3] += static_cast<int32_t>(random() % 41) - 20;
 }
 
 std::array<int32_t, 3> CountsOf(const dvec3& above_landmark_mm, const core::CoreParams& params) {
@@ -148,13 +179,18 @@ Uuid World::Record(MemoryStore& store, const PathOptions& options, bool as_refer
     first += ticks.size();
     ticks.clear();
   };
-  std::vector<dvec3> points = PathOf(exercise.target, options, exercise.rate_hz);
+  const bool wanders = options.wander != 0;
+  std::vector<dvec3> points = wanders
+                                  ? WanderingPath(exercise.target, options.wander, exercise.rate_hz)
+                                  : PathOf(exercise.target, options, exercise.rate_hz);
+  std::mt19937_64 random(options.wander);
   for (size_t i = 0; i < points.size(); ++i) {
     trace::Tick tick;
     tick.input.counts = CountsOf(points[i], params);
     tick.input.flags = core::kBurOn;
     if (options.late && i % 100 == 0) tick.input.flags |= core::kLateTick;
     if (i == points.size() - 50) tick.input.gap_ticks = options.gap_ticks;
+    if (wanders) Disturb(random, tick.input);
     tick.witness = core.Step(tick.input).witness;
     ticks.push_back(tick);
     if (ticks.size() ==

@@ -11,8 +11,11 @@ namespace enamel::test {
 
 struct PathOptions {
   double mesial_extra_mm = 0;  // how much farther out the mesial wall is cut
+  double pace = 1;             // of every stroke
   uint32_t gap_ticks = 0;      // lost in the middle
   bool late = false;           // marks some ticks late
+  uint64_t wander =
+      0;  // not 0: strokes, pauses, gaps, late ticks and suspensions at random, of this seed
   uint32_t core_version =
       core::kCoreVersion;  // as a station of that version would have recorded it
 };

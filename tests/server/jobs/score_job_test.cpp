@@ -101,6 +101,58 @@ TEST_F(ScoreJobTest, ResultIsSignedAndNamesWhatItWasMadeFrom) {
   EXPECT_EQ(d->flags, uint32_t{kResumed}) << "an excuse is people's";
 }
 
+// Long enough to have a motion.
+constexpr double kCalm = 0.1;
+
+TEST_F(ScoreJobTest, ACopiedMotionIsFlaggedWithWhatItIsNearAndCostsNothing) {
+  const trace::KeyPair key = trace::NewKeyPair();
+  reference_ = world_.Record(store_, {.pace = kCalm}, true);
+  world_.SetReference(store_, reference_);
+  ASSERT_TRUE(RunScoreJob(store_, reference_).ok());
+  EXPECT_FALSE(store_.results[reference_].motion.IsZero());
+  EXPECT_FALSE(store_.results[reference_].near) << "there is none before it";
+
+  auto score = [&](const PathOptions& path) {
+    const Uuid attempt = world_.Record(store_, path);
+    EXPECT_TRUE(RunScoreJob(store_, attempt, {}, nullptr, {}, &key).ok());
+    return attempt;
+  };
+  const Uuid like_reference = score({.pace = kCalm});
+  ASSERT_TRUE(store_.results[like_reference].near);
+  EXPECT_EQ(store_.results[like_reference].near->attempt, reference_);
+  EXPECT_EQ(store_.results[like_reference].near->nearest_um, 0);
+  EXPECT_TRUE(store_.results[like_reference].near->worth_a_look);
+
+  // Another hand goes out farther; the copy is as far out, and faster.
+  const Uuid own = score({.mesial_extra_mm = 1.4, .pace = kCalm});
+  const Uuid copy = score({.mesial_extra_mm = 1.4, .pace = 1.2 * kCalm});
+  ASSERT_TRUE(store_.results[own].near && store_.results[copy].near);
+  EXPECT_FALSE(store_.results[own].near->worth_a_look);
+  EXPECT_EQ(store_.results[copy].near->attempt, own);
+  EXPECT_EQ(store_.results[copy].near->others, 3u);
+  EXPECT_TRUE(store_.results[copy].near->worth_a_look) << store_.results[copy].near->nearest_um;
+  EXPECT_EQ(DecodeResult(store_.results[own].document)->flags, 0u);
+  EXPECT_EQ(DecodeResult(store_.results[copy].document)->flags, uint32_t{kNearAnother});
+  // It costs nothing: the same recording has the same score where nobody went so before.
+  const scoring::ScoreResult flagged = ScoreOf(copy);
+  for (const Uuid& other : {own, like_reference}) store_.results[other].motion = {};
+  ASSERT_TRUE(RunScoreJob(store_, copy).ok());
+  EXPECT_FALSE(store_.results[copy].near->worth_a_look);
+  EXPECT_EQ(ScoreOf(copy), flagged);
+}
+
+TEST_F(ScoreJobTest, AnAttemptBeforeMotionsWereKeptIsComparedWithTheReferenceAllTheSame) {
+  reference_ = world_.Record(store_, {.pace = kCalm}, true);
+  world_.SetReference(store_, reference_);
+  ASSERT_TRUE(RunScoreJob(store_, reference_).ok());
+  store_.results[reference_].motion = {};
+  const Uuid attempt = world_.Record(store_, {.pace = kCalm});
+  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+  ASSERT_TRUE(store_.results[attempt].near);
+  EXPECT_EQ(store_.results[attempt].near->attempt, reference_);
+  EXPECT_EQ(store_.results[attempt].near->others, 1u);
+}
+
 TEST_F(ScoreJobTest, ScoreWithTheSamePointsAndReasonsIsToldToBeTheSame) {
   Uuid attempt = WithReference({.mesial_extra_mm = 0.3});
   ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
