@@ -31,6 +31,7 @@ export const flows = [
   { name: "tooth, timeline and plot are seen together without scrolling", anywhere: false, run: oneViewport },
   { name: "an attempt is played back by keys, wherever the focus is", anywhere: false, run: playbackKeys },
   { name: "an address with a moment beyond the end shows the end and says so", anywhere: false, run: momentBeyondTheEnd },
+  { name: "two attempts are looked at side by side", anywhere: false, run: beside },
   { name: "a tooth is cut open along four planes", anywhere: false, run: section },
   { name: "an instructor marks an attempt as the reference", anywhere: false, run: markReference },
   { name: "gaps and a replay that disagrees are said plainly", anywhere: false, run: disturbedRecording },
@@ -268,6 +269,25 @@ async function section(world) {
   await accessible(page, "a section");
   await page.getByLabel("Section", { exact: true }).selectOption("");
   assert.ok(differing(whole, await picture()) < 0.01, "and it is whole again");
+}
+
+async function beside(world) {
+  const page = await signedIn(world, "instructor", "/attempts/00000000-0000-7000-8000-000000000105?t=30");
+  await page.locator('.playback[data-shown="300"]').waitFor();
+  const choice = page.getByLabel("Beside it");
+  await choice.focus();
+  await choice.locator("optgroup[label='By others'] option").first().waitFor({ state: "attached" });
+  await choice.selectOption({ label: await choice.locator("optgroup[label='By others'] option").first().textContent() });
+  await page.locator(".other-tooth .tooth-frame[aria-busy=false] canvas").waitFor();
+  await page.locator(".other-time", { hasText: "0:30.0" }).waitFor();
+  await page.getByRole("button", { name: "Occlusal", exact: true }).click();
+  // Both are the mock's one attempt: from the same side, at the same moment they look alike.
+  await page.getByLabel("The other's moment").selectOption("removed");
+  await page.locator(".other-time", { hasText: /0:(29|30)\.\d/ }).waitFor();
+  await accessible(page, "two attempts");
+  await page.screenshot({ path: world.picture("beside") });
+  await choice.selectOption("");
+  await page.locator(".other-tooth").waitFor({ state: "detached" });
 }
 
 // The share of pixels that differ clearly.

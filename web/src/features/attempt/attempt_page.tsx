@@ -167,7 +167,7 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, playback, onChange
               <p class="hint beyond" role="status">The address names {formatMoment(beyond)}, but the attempt ends at {formatMoment(endS)}: its end is shown.</p>
             )}
             <div class="review-tooth" ref={tooth}>
-              {control !== undefined && <ToothPanel surface={surface.loaded} control={control} toleranceMm={tolerance} series={recorded} cursor={cursor} marks={marks} chosen={chosen} point={point} look={look} onMark={choose}
+              {control !== undefined && <ToothPanel client={client} attempt={attempt} staff={teacher} timeS={timeS} surface={surface.loaded} control={control} toleranceMm={tolerance} series={recorded} cursor={cursor} marks={marks} chosen={chosen} point={point} look={look} onMark={choose}
                           onPoint={annotates ? setPoint : undefined} onRetry={surface.reload} />}
             </div>
             <ForcePanel series={series.loaded} cursor={cursor ?? 0} timeS={timeS ?? 0} marks={marks} chosen={chosen} onMark={choose} onCursor={setCursor} onRetry={series.reload} link={link} />

@@ -1,7 +1,8 @@
 import { useMemo, useState } from "preact/hooks";
+import type { Client } from "../../api/client";
 import type { ApiError } from "../../api/http";
 import type { Surface } from "../../api/surface";
-import type { Series } from "../../api/types";
+import type { AttemptDetail, Series } from "../../api/types";
 import type { Loaded } from "../../api/use_request";
 import { formatLimit, formatNumber, formatQuantity, formatSigned } from "../../base/format";
 import { Card, ErrorNotice, Loading } from "../../widgets/basics";
@@ -9,6 +10,7 @@ import { DeviationLegend, TissueLegend } from "../../widgets/tooth/legend";
 import type { AngledView, ColorMode, PointMm } from "../../widgets/tooth/scene";
 import { tissuesPresent, tissueTitle, workpiece } from "../../widgets/tooth/tissue";
 import { type LookHandle, type ToothPin, type ToothSource, ToothView } from "../../widgets/tooth/tooth_view";
+import { CompareChoice, OtherTooth } from "./compare_tooth";
 import { type Compared, type DeviationSummary, outlook, summariseDeviation } from "./deviation";
 import type { Mark } from "./moments";
 import { PlaybackBar } from "./playback_bar";
@@ -27,6 +29,10 @@ interface Props {
   readonly chosen: string | undefined;          // id of a remark
   readonly point: PointMm | undefined;          // for the remark that is being written
   readonly look: LookHandle;
+  readonly client: Client;
+  readonly attempt: AttemptDetail;
+  readonly staff: boolean;
+  readonly timeS: number | undefined;
   readonly onMark: (mark: Mark) => void;
   readonly onPoint: ((point: PointMm) => void) | undefined;
   readonly onRetry: () => void;
@@ -71,10 +77,14 @@ interface Loaded3d extends Shown {
   readonly busy: boolean;
 }
 
-function LoadedTooth({ model, compared, tissues, missing, busy, toleranceMm, control, series, cursor, marks, chosen, point, look, onMark, onPoint }: Loaded3d) {
+function LoadedTooth({ model, compared, tissues, missing, busy, toleranceMm, control, series, cursor, marks, chosen, point, look, onMark, onPoint, client, attempt, staff, timeS }: Loaded3d) {
   const summary = useMemo(() => compared === undefined ? undefined : summariseDeviation(compared, toleranceMm), [compared, toleranceMm]);
   const { cut } = control.playback;
   const angled = useMemo((): AngledView => ({ ...outlook(compared, summary), cavity: cut }), [compared, summary?.sides[0]?.side, cut]);
+  const [beside, setBeside] = useState<string>();   // id of the attempt that is shown beside it
+  const otherLook = useMemo((): LookHandle => ({ begin: undefined, now: undefined }), []);
+  look.moved = beside === undefined ? undefined : (moved) => otherLook.set?.(moved);
+  const shownS = control.clock?.timeOf(control.playback.position) ?? timeS ?? 0;
   const [choices, setChoices] = useState<ToothChoices>({ mode: "deviation", section: undefined, follow: false });
   // On the way there is nothing to compare with: a reference is of a finished tooth.
   const during = control.playback.showing;
@@ -84,10 +94,15 @@ function LoadedTooth({ model, compared, tissues, missing, busy, toleranceMm, con
   return (
     <>
       <PlaybackBar control={control} />
+      <div class={beside === undefined ? "teeth" : "teeth two"}>
       <ToothView model={model} busy={busy} mode={mode} label={during ? "Picture during the attempt" : pictureText(summary, tissues)} angled={angled} tool={during ? undefined : path.at(-1)} path={path} pins={pins} look={look} onPick={onPoint}
                  onPin={(key) => { const mark = marks.find((item) => item.annotation.id === key); if (mark !== undefined) onMark(mark); }} section={choices.section} follow={choices.follow}>
-        <ToothTools choices={choices} onChoices={setChoices} compared={summary !== undefined && !during} played={"film" in model} />
+        <ToothTools choices={choices} onChoices={setChoices} compared={summary !== undefined && !during} played={"film" in model}>
+          {series !== undefined && <CompareChoice client={client} attempt={attempt} staff={staff} chosen={beside} onChoose={setBeside} />}
+        </ToothTools>
       </ToothView>
+      {beside !== undefined && series !== undefined && <OtherTooth key={beside} client={client} id={beside} series={series} timeS={shownS} choices={choices} look={otherLook} />}
+      </div>
       {mode === "deviation" ? <DeviationLegend /> : <TissueLegend tissues={tissues} />}
       {summary === undefined ? <p class="hint">{missing}</p> : <DeviationTable summary={summary} />}
     </>

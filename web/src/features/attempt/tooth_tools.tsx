@@ -1,3 +1,4 @@
+import type { ComponentChildren } from "preact";
 import { Segmented } from "../../widgets/basics";
 import type { ColorMode } from "../../widgets/tooth/scene";
 import type { SectionPlane } from "../../widgets/tooth/section";
@@ -13,6 +14,7 @@ interface Props {
   readonly onChoices: (choices: ToothChoices) => void;
   readonly compared: boolean;                   // there is a deviation to colour by
   readonly played: boolean;                     // there is a bur to follow
+  readonly children?: ComponentChildren;
 }
 
 const kSections: ReadonlyArray<readonly [SectionPlane["across"], string]> = [
@@ -21,7 +23,7 @@ const kSections: ReadonlyArray<readonly [SectionPlane["across"], string]> = [
 const kSteps = 100;
 
 // What is shown of the tooth: by which colours, cut where, and whether one stays at the bur.
-export function ToothTools({ choices, onChoices, compared, played }: Props) {
+export function ToothTools({ choices, onChoices, compared, played, children }: Props) {
   const { mode, section, follow } = choices;
   const set = (change: Partial<ToothChoices>) => onChoices({ ...choices, ...change });
   const chooseSection = (across: string) => {
@@ -44,6 +46,7 @@ export function ToothTools({ choices, onChoices, compared, played }: Props) {
         </>
       )}
       {played && <button type="button" class="button small" aria-pressed={follow} onClick={() => set({ follow: !follow })}>Follow the bur</button>}
+      {children}
     </div>
   );
 }

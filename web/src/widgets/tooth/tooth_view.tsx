@@ -1,5 +1,5 @@
 import type { ComponentChildren } from "preact";
-import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { useEffect, useId, useMemo, useRef, useState } from "preact/hooks";
 import type { Surface } from "../../api/surface";
 import { Disposables } from "../../base/disposables";
 import { FrameScheduler } from "../../base/frame";
@@ -23,6 +23,8 @@ export interface ToothPin {
 export interface LookHandle {
   readonly begin: Look | undefined;
   now: (() => Look) | undefined;                // set while the picture is there
+  set?: ((look: Look) => void) | undefined;     // the same
+  moved?: ((look: Look) => void) | undefined;   // called after it was drawn
 }
 
 // A surface that stays as it is, or a tooth that is played back.
@@ -36,6 +38,7 @@ interface Props {
   readonly tool?: PointMm | undefined;
   readonly path?: readonly PointMm[];
   readonly section?: SectionPlane | undefined;
+  readonly led?: boolean;                       // from where to look is chosen elsewhere
   readonly follow?: boolean;                    // the camera stays at the bur
   readonly children?: ComponentChildren;        // more to choose, beside where to look from
   readonly busy?: boolean;                      // more of it comes soon
@@ -68,8 +71,9 @@ export function prepareTooth(): void {
 }
 
 // A tooth to turn: by mouse, finger, arrow keys, + and −, and the preset buttons.
-export function ToothView({ model, mode, label, angled, busy = false, section, follow = false, children, tool, path, pins = kNoPins, look, onPin, onPick }: Props) {
+export function ToothView({ model, mode, label, angled, busy = false, section, led = false, follow = false, children, tool, path, pins = kNoPins, look, onPin, onPick }: Props) {
   const source = "film" in model ? model.film : model.surface;
+  const keys = useId();
   const frame = useRef<HTMLDivElement>(null);
   const scene = useRef<ToothScene | undefined>(undefined);
   const [problem, setProblem] = useState("");
@@ -84,15 +88,16 @@ export function ToothView({ model, mode, label, angled, busy = false, section, f
     cleanup.add(() => { abandoned = true; });
     import("./scene").then((module) => {
       if (abandoned) return;
-      scene.current = openScene(module.ToothScene, element, "film" in model ? { extent: model.film.extent } : model, angled, cleanup, setProblem);
+      scene.current = openScene(module.ToothScene, element, "film" in model ? { extent: model.film.extent } : model, angled, look, cleanup, setProblem);
       const opened = scene.current;
       if (look !== undefined) {
         look.now = () => opened.look();
+        look.set = (wanted) => opened.setLook(wanted);
         if (look.begin !== undefined) opened.setLook(look.begin);
       }
       cleanup.add(() => {
         scene.current = undefined;
-        if (look !== undefined) look.now = undefined;
+        if (look !== undefined) look.now = look.set = undefined;
       });
       setReady(true);
     }).catch(() => setProblem("The 3-D picture needs WebGL 2, which this browser does not offer here. The table below says the same in numbers."));
@@ -130,7 +135,7 @@ export function ToothView({ model, mode, label, angled, busy = false, section, f
   return (
     <div class="tooth">
       <div class={onPick === undefined ? "tooth-frame" : "tooth-frame picking"} ref={frame} tabIndex={0} role="application" aria-roledescription="3-D view" aria-label={label}
-           aria-describedby="tooth-keys" aria-busy={(!ready || busy) && problem === ""}
+           aria-describedby={keys} aria-busy={(!ready || busy) && problem === ""}
            onKeyDown={(event) => handleKey(event, scene.current)}
            onFocus={() => scene.current?.setZoomEnabled(true)} onBlur={() => scene.current?.setZoomEnabled(false)}
            onPointerDown={(event) => { pressed.current = [event.clientX, event.clientY]; }} onClick={pick}
@@ -144,20 +149,20 @@ export function ToothView({ model, mode, label, angled, busy = false, section, f
         {under !== undefined && <p class="tooth-under" aria-hidden="true">{pointText(under)}</p>}
       </div>
       <div class="tooth-tools">
-        <div class="button-row" role="group" aria-label="Look from">
+        {!led && <div class="button-row" role="group" aria-label="Look from">
           {kPresets.map(([preset, title, short]) => preset === "cavity" && angled.cavity === undefined ? null : (
             <button key={preset} type="button" class="button small" disabled={!ready} title={title}
                     onClick={() => scene.current?.view(preset)}>{title.slice(0, short)}<span class="preset-rest">{title.slice(short)}</span></button>
           ))}
-        </div>
+        </div>}
         {children}
-        <p class="hint" id="tooth-keys">Drag or use the arrow keys to turn, + and − to zoom</p>
+        <p class="hint" id={keys}>Drag or use the arrow keys to turn, + and − to zoom</p>
       </div>
     </div>
   );
 }
 
-function openScene(Scene: typeof ToothScene, element: HTMLElement, model: ToothModel, angled: AngledView,
+function openScene(Scene: typeof ToothScene, element: HTMLElement, model: ToothModel, angled: AngledView, look: LookHandle | undefined,
                    cleanup: Disposables, report: (problem: string) => void): ToothScene {
   const canvas = document.createElement("canvas");
   canvas.setAttribute("aria-hidden", "true");
@@ -165,6 +170,7 @@ function openScene(Scene: typeof ToothScene, element: HTMLElement, model: ToothM
   const scene = new Scene(canvas, model, angled, (project, centre, radius) => {
     placeLabels(labels, element, project, centre, radius);
     placePins(element, project);
+    if (look?.now !== undefined) look.moved?.(look.now());
   });
   element.prepend(canvas);
   cleanup.add(() => canvas.remove());

@@ -1,0 +1,93 @@
+import { useEffect, useMemo, useState } from "preact/hooks";
+import type { Client } from "../../api/client";
+import type { Attempt, AttemptDetail, Series } from "../../api/types";
+import { useRequest } from "../../api/use_request";
+import { formatDateTime, formatMoment, formatScore } from "../../base/format";
+import { Loading } from "../../widgets/basics";
+import { type LookHandle, ToothView } from "../../widgets/tooth/tooth_view";
+import { FrameClock } from "./clock";
+import { momentInOther, type Sync } from "./compare";
+import { outlook } from "./deviation";
+import { Playback } from "./playback";
+import type { ToothChoices } from "./tooth_tools";
+
+const kMostOthers = 50;
+
+interface ChoiceProps {
+  readonly client: Client;
+  readonly attempt: AttemptDetail;
+  readonly staff: boolean;
+  readonly chosen: string | undefined;
+  readonly onChoose: (id: string | undefined) => void;
+}
+
+// The attempt that this one is looked at beside: the reference, another one of the same person, or of somebody else's whom
+// one may see.
+export function CompareChoice({ client, attempt, staff, chosen, onChoose }: ChoiceProps) {
+  const [asked, setAsked] = useState(false);    // the list is fetched when somebody wants it
+  const { loaded } = useRequest(asked ? attempt.exercise.id : undefined, (signal) => client.attempts({ exercise: attempt.exercise.id, state: "scored", limit: kMostOthers }, signal));
+  const others = loaded.state === "ready" ? loaded.value.items.filter((other) => other.id !== attempt.id) : [];
+  const own = others.filter((other) => other.person.id === attempt.person.id);
+  const reference = staff && attempt.reference !== null && attempt.reference.attempt_id !== attempt.id ? attempt.reference : undefined;
+  const title = (other: Attempt) => `${formatDateTime(other.ticketed_ms)}${other.score === null ? "" : `, ${formatScore(other.score)}`}`;
+  return (
+    <select aria-label="Beside it" value={chosen ?? ""} onFocus={() => setAsked(true)} onPointerDown={() => setAsked(true)} onChange={(event) => onChoose(event.currentTarget.value || undefined)}>
+      <option value="">Nothing beside it</option>
+      {reference !== undefined && <option value={reference.attempt_id}>The reference{reference.dentist === null ? "" : `, ${reference.dentist}`}</option>}
+      {own.length > 0 && <optgroup label="By the same person">{own.map((other) => <option key={other.id} value={other.id}>{title(other)}</option>)}</optgroup>}
+      {others.length > own.length && (
+        <optgroup label="By others">
+          {others.filter((other) => !own.includes(other)).map((other) => <option key={other.id} value={other.id}>{`${other.person.display_name}, ${title(other)}`}</option>)}
+        </optgroup>
+      )}
+      {asked && loaded.state === "loading" && <option disabled>Loading…</option>}
+    </select>
+  );
+}
+
+interface Props {
+  readonly client: Client;
+  readonly id: string;
+  readonly series: Series;                      // of the attempt that is looked at
+  readonly timeS: number;                       // its moment
+  readonly choices: ToothChoices;
+  readonly look: LookHandle;                    // follows how that one is looked at
+}
+
+// Another attempt, at the moment that belongs to this one's.
+export function OtherTooth({ client, id, series, timeS, choices, look }: Props) {
+  const [changes, redraw] = useState(0);
+  const [sync, setSync] = useState<Sync>("time");
+  const playback = useMemo(() => new Playback(client, id, () => redraw((n) => n + 1)), [client, id]);
+  useEffect(() => {
+    void playback.load();
+    return () => playback.dispose();
+  }, [playback]);
+  const theirs = useRequest(id, (signal) => client.series(id, signal));
+  const clock = useMemo(() => playback.head === undefined ? undefined : new FrameClock(playback.head, playback.poses), [playback, playback.head, playback.whole]);
+  const other = theirs.loaded.state === "ready" ? theirs.loaded.value : undefined;
+  const at = other === undefined ? undefined : momentInOther(sync, series, other, timeS);
+  const ready = playback.state.state === "ready";
+  useEffect(() => {
+    if (ready && clock !== undefined && at !== undefined) playback.show(clock.framesAt(at));
+  }, [playback, ready, clock, at]);
+  const compared = playback.deviation.state === "ready" ? playback.deviation.compared : undefined;
+  const angled = useMemo(() => ({ ...outlook(compared, undefined), cavity: playback.cut }), [compared, playback.cut]);
+  const model = useMemo(() => ({ film: playback }), [playback, changes]);
+  const { state } = playback;
+  if (state.state === "loading") return <Loading what="the other attempt" />;
+  if (state.state !== "ready") return <p class="hint" role="status">The other attempt cannot be shown: {state.state === "failed" ? state.error.message : state.message}</p>;
+  return (
+    <div class="other-tooth">
+      <ToothView led model={model} busy={!playback.drawn} mode={compared === undefined || playback.showing ? "tissue" : choices.mode} label="The other attempt" angled={angled} section={choices.section} look={look}>
+        <div class="tooth-choices no-print">
+          <select aria-label="The other's moment" value={sync} onChange={(event) => setSync(event.currentTarget.value as Sync)}>
+            <option value="time">At the same time</option>
+            <option value="removed">With as much removed</option>
+          </select>
+          <span class="other-time">{at === undefined ? "" : formatMoment(at)}</span>
+        </div>
+      </ToothView>
+    </div>
+  );
+}
