@@ -224,10 +224,17 @@ async function playbackKeys(world) {
   await at(199);
   await page.keyboard.press("]");
   await page.getByText("Played again from 0:14.9 to 0:19.9").waitFor({ state: "attached" });
+  await page.getByText("Figures of 0:14.9 to 0:19.9").click();
+  await page.getByRole("columnheader", { name: "95 % below" }).waitFor();
+  const saved = page.waitForEvent("download");
+  await page.getByRole("button", { name: "Save this part as CSV" }).click();
+  assert.match((await saved).suggestedFilename(), /^attempt_0_14\.9_to_0_19\.9\.csv$/);
   await accessible(page, "a loop");
   await page.screenshot({ path: world.picture("loop") });
   await page.keyboard.press("\\");
   await page.locator(".playback-loop").waitFor({ state: "detached" });
+  // On a button it presses that.
+  await page.locator("body").click({ position: { x: 5, y: 300 } });
   await page.keyboard.press("Space");
   await page.getByRole("button", { name: "Pause", exact: true }).waitFor();
   await page.keyboard.press("k");

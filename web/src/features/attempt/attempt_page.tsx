@@ -130,6 +130,8 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, playback, onChange
     if (endS !== undefined && asked.seconds !== undefined && !asksDone.current) setTimeS(Math.min(asked.seconds, endS));
     if (control?.playback.whole === true || still) asksDone.current = true;
   }, [endS, asked, control?.playback.whole]);
+  const { loop, clock } = control ?? {};
+  const range = loop?.to === undefined || clock === undefined ? undefined : [clock.timeOf(loop.from), clock.timeOf(loop.to)] as const;
   const beyond = endS !== undefined && asked.seconds !== undefined && asked.seconds > endS + kBeyondS ? asked.seconds : undefined;
   const link = () => window.location.origin + window.location.pathname + momentQuery({ seconds: timeS ?? 0, look: look.now?.() });
   const tooth = useRef<HTMLDivElement>(null);
@@ -170,7 +172,7 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, playback, onChange
               {control !== undefined && <ToothPanel client={client} attempt={attempt} staff={teacher} timeS={timeS} surface={surface.loaded} control={control} toleranceMm={tolerance} series={recorded} cursor={cursor} marks={marks} chosen={chosen} point={point} look={look} onMark={choose}
                           onPoint={annotates ? setPoint : undefined} onRetry={surface.reload} />}
             </div>
-            <ForcePanel series={series.loaded} cursor={cursor ?? 0} timeS={timeS ?? 0} marks={marks} chosen={chosen} onMark={choose} onCursor={setCursor} onRetry={series.reload} link={link} />
+            <ForcePanel series={series.loaded} cursor={cursor ?? 0} timeS={timeS ?? 0} range={range} marks={marks} chosen={chosen} onMark={choose} onCursor={setCursor} onRetry={series.reload} link={link} />
           </div>
         )}
       </div>

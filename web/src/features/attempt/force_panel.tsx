@@ -6,6 +6,7 @@ import { Card, ErrorNotice, Loading, TableFrame } from "../../widgets/basics";
 import { CopyText } from "../../widgets/copy";
 import { type PlotLine, TimePlot } from "../../widgets/time_plot";
 import { boundLine, type Mark } from "./moments";
+import { RangePanel } from "./range_panel";
 
 const kTableRows = 40;
 // Beside tooth and timeline there is little height on a small screen.
@@ -15,6 +16,7 @@ interface Props {
   readonly series: Loaded<Series>;
   readonly cursor: number;                      // the step that the moment lies in
   readonly timeS: number;                       // the moment
+  readonly range: readonly [number, number] | undefined;  // A to B, seconds
   readonly marks: readonly Mark[];
   readonly chosen: string | undefined;          // id of a remark
   readonly onMark: (mark: Mark) => void;
@@ -35,7 +37,7 @@ export function ForcePanel({ series, onRetry, ...rest }: Props) {
   );
 }
 
-function LoadedForce({ series, cursor, timeS, marks, chosen, onMark, onCursor, link }: Omit<Props, "series" | "onRetry"> & { readonly series: Series }) {
+function LoadedForce({ series, cursor, timeS, range, marks, chosen, onMark, onCursor, link }: Omit<Props, "series" | "onRetry"> & { readonly series: Series }) {
   const lines = useMemo(() => linesOf(series), [series]);
   const last = series.t_s.length - 1;
   const at = Math.min(cursor, last);
@@ -65,6 +67,7 @@ function LoadedForce({ series, cursor, timeS, marks, chosen, onMark, onCursor, l
                 cursor={at} onCursor={onCursor} onAxis={align} heightPx={kHeightPx} />
       <MomentLinkButton link={link} />
       <Readout lines={lines} timeS={timeS} index={at} />
+      <RangePanel series={series} range={range} />
       <details class="numbers">
         <summary>The same as a table</summary>
         <SeriesTable series={series} />
