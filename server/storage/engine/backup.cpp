@@ -102,6 +102,9 @@ class BackupMaker {
     ENAMEL_ASSIGN_OR_RETURN(auto db, OpenDatabase(copy, DbMode::kReadOnly));
     ENAMEL_ASSIGN_OR_RETURN(auto blobs, NamedBlobs(*db));
     named = std::move(blobs);
+    if (manifest_.schema == LatestSchemaVersion()) {
+      ENAMEL_ASSIGN_OR_RETURN(manifest_.trail, AuditHeads(*db));
+    }
     Query q(*db,
             "SELECT (SELECT count(*) FROM people WHERE tenant = ?1), count(*), "
             "coalesce(sum(ticks), 0) FROM attempts WHERE tenant = ?1");

@@ -5,6 +5,7 @@
 #include <boost/json.hpp>
 
 #include "common/base/file.h"
+#include "common/base/hex.h"
 #include "common/base/uuid.h"
 
 namespace enamel::server {
@@ -99,12 +100,52 @@ Status ReadFiles(const json::object& root, Manifest& out) {
   return Status::Ok();
 }
 
+Result<sqlite::AuditHead> HeadOf(const json::value& value) {
+  if (!value.is_object()) return Bad("trail", "objects");
+  const json::object& from = value.as_object();
+  sqlite::AuditHead out;
+  ENAMEL_ASSIGN_OR_RETURN(const auto chain, Text(from, "chain"));
+  ENAMEL_ASSIGN_OR_RETURN(out.number, Number(from, "rows"));
+  ENAMEL_ASSIGN_OR_RETURN(const auto last, Text(from, "last"));
+  ENAMEL_ASSIGN_OR_RETURN(const auto hash, Text(from, "sha256"));
+  ENAMEL_ASSIGN_OR_RETURN(const auto signature, Text(from, "signature"));
+  ENAMEL_ASSIGN_OR_RETURN(out.chain, Uuid::Parse(chain));
+  ENAMEL_ASSIGN_OR_RETURN(out.last_id, Uuid::Parse(last));
+  ENAMEL_ASSIGN_OR_RETURN(out.hash, Sha256::FromHex(hash));
+  const auto bytes = FromHex(signature);
+  if (!bytes.ok() || bytes->size() != out.signature.size() || out.number == 0) {
+    return Bad("trail", "the ends of the audit trail (schemas/backup.md)");
+  }
+  std::ranges::copy(*bytes, out.signature.begin());
+  return out;
+}
+
+// Backups from before there was one have none.
+Status ReadTrail(const json::object& root, Manifest& out) {
+  const json::value* trail = root.if_contains("trail");
+  if (trail == nullptr) return Status::Ok();
+  if (!trail->is_array()) return Bad("trail", "an array");
+  for (const json::value& value : trail->as_array()) {
+    ENAMEL_ASSIGN_OR_RETURN(auto head, HeadOf(value));
+    out.trail.push_back(head);
+  }
+  return Status::Ok();
+}
+
 }  // namespace
 
 std::string ToJson(const Manifest& manifest) {
   json::array files;
   for (const Manifest::File& file : manifest.files) {
     files.push_back({{"path", file.path}, {"bytes", file.bytes}, {"sha256", file.hash.Hex()}});
+  }
+  json::array trail;
+  for (const sqlite::AuditHead& head : manifest.trail) {
+    trail.push_back({{"chain", head.chain.Text()},
+                     {"rows", head.number},
+                     {"last", head.last_id.Text()},
+                     {"sha256", head.hash.Hex()},
+                     {"signature", ToHex(head.signature)}});
   }
   return json::serialize(json::object{{"format", kFormat},
                                       {"version", kVersion},
@@ -116,6 +157,7 @@ std::string ToJson(const Manifest& manifest) {
                                        {{"people", manifest.people},
                                         {"attempts", manifest.attempts},
                                         {"ticks", manifest.ticks}}},
+                                      {"trail", std::move(trail)},
                                       {"files", std::move(files)}}) +
          "\n";
 }
@@ -152,6 +194,7 @@ Result<Manifest> ManifestFromJson(std::string_view text) {
   out.schema = static_cast<int>(*schema);
   out.keyring_inside = *keyring == "inside";
   ENAMEL_RETURN_IF_ERROR(ReadCounts(root, out));
+  ENAMEL_RETURN_IF_ERROR(ReadTrail(root, out));
   ENAMEL_RETURN_IF_ERROR(ReadFiles(root, out));
   return out;
 }

@@ -7,6 +7,7 @@
 #include "common/base/bytes.h"
 #include "common/base/result.h"
 #include "common/base/sha256.h"
+#include "server/storage/sql/audit_row.h"
 
 namespace enamel::server {
 
@@ -24,7 +25,8 @@ struct Manifest {
   int schema = 0;
   bool keyring_inside = true;
   uint64_t people = 0, attempts = 0, ticks = 0;
-  std::vector<File> files;  // sorted by path
+  std::vector<sqlite::AuditHead> trail;  // where the audit trail ended
+  std::vector<File> files;               // sorted by path
 };
 
 std::string ToJson(const Manifest& manifest);

@@ -72,6 +72,15 @@ class Verifier {
       return Status(Code::kNotFound, "there is no enamel.db in " + options_.folder.string() +
                                          "; name a data folder or a backup");
     }
+    if (!options_.since.empty()) {
+      ENAMEL_ASSIGN_OR_RETURN(auto manifest, ReadManifest(options_.since));
+      earlier_ = std::move(manifest.trail);
+      if (earlier_.empty()) {
+        report_.notes.push_back(
+            "the backup " + options_.since.string() +
+            " does not say where the audit trail ended; it is from before that");
+      }
+    }
     report_.is_backup = fs::exists(options_.folder / kManifestName, error);
     if (report_.is_backup) CheckManifest();
     ENAMEL_ASSIGN_OR_RETURN(auto db, OpenDatabase(path, DbMode::kReadOnly));
@@ -123,7 +132,7 @@ class Verifier {
     LoadTicketKey();
     ENAMEL_RETURN_IF_ERROR(CheckAttempts(db));
     ENAMEL_RETURN_IF_ERROR(CheckResults(db, ticket_key_, report_));
-    return CheckAudit(db, ticket_key_, report_, options_.progress);
+    return CheckAudit(db, ticket_key_, earlier_, report_, options_.progress);
   }
 
   void CheckManifest() {
@@ -133,6 +142,8 @@ class Verifier {
            "make a new backup");
       return;
     }
+    // With what its own database says, the manifest has to agree as well.
+    earlier_.insert(earlier_.end(), manifest->trail.begin(), manifest->trail.end());
     if (!manifest->keyring_inside && options_.keyring.empty()) {
       report_.notes.push_back(
           "the keys of this backup are kept apart: what is kept under them was not opened; name "
@@ -465,6 +476,7 @@ class Verifier {
   VerifyReport report_;
   bool has_keys_ = false;
   std::set<Sha256> in_manifest_, bad_blobs_;
+  std::vector<AuditHead> earlier_;
   std::map<Uuid, trace::PublicKey> stations_;
   std::optional<trace::PublicKey> ticket_key_;
 };

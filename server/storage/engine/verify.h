@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/base/result.h"
+#include "server/storage/sql/audit_row.h"
 
 namespace enamel::server {
 
@@ -26,6 +27,8 @@ struct VerifyOptions {
   std::filesystem::path folder;   // data folder, in use or not, or backup
   std::filesystem::path keyring;  // empty: the folder's own
   UpkeepProgress progress{};
+  // An earlier backup, which the audit trail must go on from; empty: none.
+  std::filesystem::path since{};
 };
 
 struct VerifyReport {
@@ -35,6 +38,8 @@ struct VerifyReport {
   uint64_t people = 0, attempts = 0, sealed = 0, chunks = 0, ticks = 0, keys = 0, erased = 0;
   uint64_t signed_results = 0, unsigned_results = 0;  // of scoring runs
   uint64_t signed_audit = 0, unsigned_audit = 0;      // rows of the audit trail
+  uint64_t unchained_audit = 0;                       // those from before they were a chain
+  std::vector<sqlite::AuditHead> trail;               // where it ends, in each chain
   uint64_t decisions = 0;                             // compared with the trail
   std::vector<Finding> findings;
   std::vector<std::string> notes;  // what could not be looked at, and why; what is odd and harmless
@@ -46,12 +51,13 @@ struct VerifyReport {
 //   every attempt: header with its ticket, the ticket with the server's key, each chunk with the
 //   one before, its signature with the station's key, the row's counts and head with the chain, the
 //   seal; each result with its signed document, and that with recording, exercise and reference
-//   (schemas/result.md); each row of the audit trail with its signature, and what people decide
-//   about with the trail (schemas/audit.md); the key ring with the people: a key for everything that is kept under one, none for the
+//   (schemas/result.md); each row of the audit trail with its signature and its place, the trail
+//   with where an earlier backup's ended, what people decide about with the trail, how far each
+//   attempt is with what is there of it (schemas/audit.md); the key ring with the people: a key for everything that is kept under one, none for the
 //   erased; a backup's files with its manifest.
 // What is found in a data folder is looked at once more while nothing may be removed from it, so
 // that a person who is being erased meanwhile is no damage. Changes nothing. Errors: kNotFound
-// (nothing there), kVersion (a newer database); everything that was looked at and disagrees is a
+// (nothing there), kInvalidInput (`since` is no backup), kVersion (a newer database); everything that was looked at and disagrees is a
 // finding.
 Result<VerifyReport> Verify(const VerifyOptions& options);
 

@@ -5,6 +5,8 @@
 #include <map>
 #include <set>
 
+#include "common/base/counted.h"
+#include "server/storage/engine/manifest.h"
 #include "server/storage/sql/decisions.h"
 #include "server/training/ticket_rules.h"
 
@@ -30,7 +32,7 @@ struct TrailRow {
 
 constexpr char kTrailRows[] =
     "SELECT id, at_ms, actor, via, action, object, subject, content_hash, before_json, after_json, "
-    "state, salt, signature FROM audit WHERE tenant = ?1 ORDER BY id";
+    "state, salt, signature, chain, number, previous FROM audit WHERE tenant = ?1 ORDER BY id";
 
 TrailRow TrailRowOf(const Query& q) {
   TrailRow out;
@@ -44,17 +46,26 @@ TrailRow TrailRowOf(const Query& q) {
   if (out.has_salt) std::ranges::copy(salt, out.salt.begin());
   out.is_signed = signature.size() == out.signature.size();
   if (out.is_signed) std::ranges::copy(signature, out.signature.begin());
+  if (!q.IsNull(13)) {
+    out.seal.link = AuditLink{q.Id(13), static_cast<uint64_t>(q.Int(14)), q.Hash(15)};
+  }
   return out;
 }
 
+std::string Rows(uint64_t count) { return Counted(count, "row"); }
+
 class AuditCheck {
  public:
-  AuditCheck(Db& db, const std::optional<trace::PublicKey>& key, VerifyReport& report,
+  AuditCheck(Db& db, const std::optional<trace::PublicKey>& key,
+             const std::vector<AuditHead>& earlier, VerifyReport& report,
              const UpkeepProgress& progress)
-      : db_(db), key_(key), report_(report), progress_(progress) {}
+      : db_(db), key_(key), report_(report), progress_(progress), earlier_(earlier) {}
 
   Status Check() {
+    ENAMEL_ASSIGN_OR_RETURN(report_.trail, AuditHeads(db_));
+    CheckEarlier();
     ENAMEL_RETURN_IF_ERROR(CheckRows());
+    CheckHeads();
     ENAMEL_RETURN_IF_ERROR(CheckBegin());
     // Told and nothing more: the next start does what is left of the upgrade.
     if (waits_) return Status::Ok();
@@ -92,6 +103,7 @@ class AuditCheck {
       if (progress_) progress_("rows of the audit trail", ++done, all);
       if (!row.is_signed) {
         ++report_.unsigned_audit;
+        ++report_.unchained_audit;
         if (report_.signed_audit > 0)
           FindRow(row, "a signature, as rows before it have one", "none");
         continue;
@@ -99,13 +111,103 @@ class AuditCheck {
       // Rows from before there were signatures can only be followed by the row that counts them.
       if (report_.signed_audit++ == 0) first_signed_ = row;
       ENAMEL_RETURN_IF_ERROR(CheckContent(row));
-      if (key_ && !VerifyAuditSeal(row.seal, row.signature, *key_)) {
-        if (forged_++ < kToldSignatures) forged.push_back(row);
-      }
+      const bool is_ours = !key_ || VerifyAuditSeal(row.seal, row.signature, *key_);
+      if (!is_ours && forged_++ < kToldSignatures) forged.push_back(row);
+      CheckPlace(row, is_ours);
     }
     ENAMEL_RETURN_IF_ERROR(q.status());
     FindForged(forged);
     return Status::Ok();
+  }
+
+  // A row follows the one before it in its chain.
+  void CheckPlace(const TrailRow& row, bool is_ours) {
+    if (!row.seal.link) {
+      ++report_.unchained_audit;
+      if (first_chained_) FindRow(row, "a place in the chain, as rows before it have one", "none");
+      return;
+    }
+    if (!first_chained_) first_chained_ = row;
+    const AuditLink& link = *row.seal.link;
+    const Sha256 hash = AuditSealHash(row.seal);
+    CheckAgainstEarlier(row, hash);
+    End& end = ends_[link.chain];
+    const uint64_t expected = end.number + 1;
+    if (link.number > expected) {
+      const uint64_t gone = link.number - expected;
+      FindRow(row, "row " + std::to_string(link.number - 1) + " of the trail before it",
+              Rows(gone) + " taken away, from row " + std::to_string(expected) + " on");
+    } else if (link.number < expected) {
+      FindRow(row, "place " + std::to_string(expected) + " in the trail",
+              "place " + std::to_string(link.number));
+    } else if (end.is_ours && is_ours && link.previous != end.hash) {
+      // Not where one of the two was changed, which is told of it.
+      FindRow(row, "the row before it to be the one that it was signed after",
+              link.previous.IsZero()
+                  ? "nothing before it: the end of the trail was taken away, or cut off, before it "
+                    "was written"
+                  : "another row");
+    }
+    end = {std::max(end.number, link.number), row.seal.id, hash, is_ours};
+  }
+
+  void CheckEarlier() {
+    for (const AuditHead& head : earlier_) {
+      if (!key_ || VerifyAuditHead(head, *key_)) continue;
+      Find("audit", kManifestName, "ends of the audit trail that this server's ticket.key signed",
+           "another signature, or a changed end", "use another backup");
+    }
+  }
+
+  // What a backup said was the end at its time.
+  void CheckAgainstEarlier(const TrailRow& row, const Sha256& hash) {
+    for (AuditHead& head : earlier_) {
+      if (head.chain != row.seal.link->chain || head.number != row.seal.link->number) continue;
+      if (head.hash != hash) {
+        FindRow(row, "the row " + std::to_string(head.number) + " that the backup has", "another");
+      }
+      head.number = 0;  // seen
+    }
+  }
+
+  // The signed end of each chain is its last row.
+  void CheckHeads() {
+    constexpr char kLookForEnd[] =
+        "compare the trail with that of the newest backup; somebody has written to the database";
+    for (const AuditHead& head : report_.trail) {
+      if (key_ && forged_ < report_.signed_audit && !VerifyAuditHead(head, *key_)) {
+        Find("audit", "enamel.db",
+             "the end of the audit trail as this server's ticket.key signed it",
+             "another signature, or a changed end", kLookForEnd);
+      }
+      const End end = ends_[head.chain];
+      if (head.number > end.number) {
+        Find("audit", "enamel.db",
+             "the audit trail up to row " + std::to_string(head.number) + ", its signed end",
+             "row " + std::to_string(end.number) + " is the last one, " +
+                 Rows(head.number - end.number) + " taken away",
+             kLookForEnd);
+      } else if (head.number < end.number || head.hash != end.hash || head.last_id != end.id) {
+        Find("audit", "enamel.db",
+             "row " + std::to_string(head.number) +
+                 " as the end of the audit trail, as it is signed",
+             "row " + std::to_string(end.number) + ", or another one in its place", kLookForEnd);
+      }
+    }
+    for (const auto& [chain, end] : ends_) {
+      if (std::ranges::find(report_.trail, chain, &AuditHead::chain) != report_.trail.end())
+        continue;
+      Find("audit", "enamel.db", "a signed end of the audit trail", "none", kLookForEnd);
+    }
+    for (const AuditHead& head : earlier_) {
+      if (head.number == 0) continue;
+      Find("audit", "enamel.db",
+           "the audit trail up to row " + std::to_string(head.number) + ", which the backup has",
+           "row " + std::to_string(ends_[head.chain].number) +
+               " is the last one: rows were taken away, or an older state was put back",
+           "look in the backup for what is missing; after a restore of an older one this is "
+           "expected");
+    }
   }
 
   // A key that was replaced is one finding, not one for each row.
@@ -113,7 +215,7 @@ class AuditCheck {
     constexpr char kCompareKey[] = "compare ticket.key and the rows with those of a backup";
     if (forged_ == report_.signed_audit && forged_ > 1) {
       Find("audit", "enamel.db",
-           std::to_string(forged_) + " rows of the audit trail signed by this server's ticket.key",
+           Rows(forged_) + " of the audit trail signed by this server's ticket.key",
            "all signed by another key", kCompareKey);
       return;
     }
@@ -121,8 +223,7 @@ class AuditCheck {
       FindRow(row, "as this server's ticket.key signed it", "another signature, or a changed row");
     if (forged_ > some.size()) {
       Find("audit", "enamel.db", "rows as this server's ticket.key signed them",
-           std::to_string(forged_ - some.size()) + " more rows with another signature",
-           kCompareKey);
+           Rows(forged_ - some.size()) + " more with another signature", kCompareKey);
     }
   }
 
@@ -180,17 +281,46 @@ class AuditCheck {
       report_.notes.push_back(
           "the audit trail is not signed yet: start the server once, which signs what there is");
     }
+    ENAMEL_RETURN_IF_ERROR(CheckChainBegin());
     if (report_.unsigned_audit == 0 || waits_) return Status::Ok();
     if (!first_signed_ || first_signed_->seal.action != kAuditBegin) {
       Find("audit", "enamel.db",
-           "after " + std::to_string(report_.unsigned_audit) +
-               " rows without a signature the row audit.begin, which counts them",
+           "after " + Rows(report_.unsigned_audit) +
+               " without a signature the row audit.begin, which counts them",
            first_signed_ ? "row " + first_signed_->seal.action : "no signed row", kCompareTrail);
       return Status::Ok();
     }
     ENAMEL_ASSIGN_OR_RETURN(const auto rows, UnsignedRows(db_));
     if (rows != first_signed_->after)
       FindRow(*first_signed_, "the rows from before it, " + first_signed_->after, rows);
+    return Status::Ok();
+  }
+
+  Status CheckChainBegin() {
+    if (waits_) return Status::Ok();
+    ENAMEL_ASSIGN_OR_RETURN(const bool chain_waits, ChainWaitsToBegin(db_));
+    chain_waits_ = chain_waits;
+    if (chain_waits) {
+      report_.notes.push_back(
+          "the rows of the audit trail are no chain yet: start the server once, which makes one");
+      return Status::Ok();
+    }
+    if (report_.unchained_audit == 0) return Status::Ok();
+    // Rows without a signature are counted by audit.begin, which then is the chain's first row.
+    const bool all_unsigned = report_.unchained_audit == report_.unsigned_audit;
+    const std::string expected = all_unsigned ? kAuditBegin : kAuditChain;
+    if (!first_chained_ || first_chained_->seal.action != expected) {
+      Find("audit", "enamel.db",
+           "after " + Rows(report_.unchained_audit) + " in no chain the row " + expected +
+               ", which counts them",
+           first_chained_ ? "row " + first_chained_->seal.action : "no row in a chain",
+           kCompareTrail);
+      return Status::Ok();
+    }
+    if (all_unsigned) return Status::Ok();
+    ENAMEL_ASSIGN_OR_RETURN(const auto rows, UnchainedRows(db_));
+    if (rows != first_chained_->after)
+      FindRow(*first_chained_, "the rows from before it, " + first_chained_->after, rows);
     return Status::Ok();
   }
 
@@ -225,6 +355,8 @@ class AuditCheck {
     if (!now.ok() && now.status().code() == Code::kStorage) return now.status();
     // No subject of ours, or erased: the row itself is found above where that is wrong.
     if (!now.ok() || state == *now || state == kErasedJson) return Status::Ok();
+    // The start that makes the chain states what its rows did not state before.
+    if (chain_waits_ && ColumnsOf(state) == ColumnsBeforeChain(*now)) return Status::Ok();
     const size_t space = subject.find(' ');
     const std::string kind = subject.substr(0, space), key = subject.substr(space + 1);
     if (now->empty()) return CheckGone(kind, key, object, row);
@@ -287,18 +419,28 @@ class AuditCheck {
   const std::optional<trace::PublicKey>& key_;
   VerifyReport& report_;
   const UpkeepProgress& progress_;
-  std::optional<TrailRow> first_signed_;
+  // Where the rows that were looked at end, in one chain.
+  struct End {
+    uint64_t number = 0;
+    Uuid id;
+    Sha256 hash;
+    bool is_ours = true;
+  };
+  std::map<Uuid, End> ends_;
+  std::vector<AuditHead> earlier_;
+  std::optional<TrailRow> first_signed_, first_chained_;
   uint64_t forged_ = 0;  // rows with another signature
-  bool waits_ = false;
+  bool waits_ = false, chain_waits_ = false;
   std::map<std::string, bool> erased_;
   std::set<std::string> told_;
 };
 
 }  // namespace
 
-Status CheckAudit(Db& db, const std::optional<trace::PublicKey>& key, VerifyReport& report,
+Status CheckAudit(Db& db, const std::optional<trace::PublicKey>& key,
+                  const std::vector<AuditHead>& earlier, VerifyReport& report,
                   const UpkeepProgress& progress) {
-  return AuditCheck(db, key, report, progress).Check();
+  return AuditCheck(db, key, earlier, report, progress).Check();
 }
 
 }  // namespace enamel::server::sqlite

@@ -5,7 +5,7 @@
 #include "server/storage/sql/decisions.h"
 #include "server/storage/sql/sqlite_impl.h"
 
-// The audit trail: read and added to, never changed (schemas/sql/0012_signed_trail.sql).
+// The audit trail: read and added to, never changed (schemas/audit.md).
 namespace enamel::server::sqlite {
 namespace {
 
@@ -37,21 +37,105 @@ Json JsonOf(std::initializer_list<std::pair<const char*, std::string>> members) 
 
 namespace {
 
-// Ids are in the order of time; the trail's order holds also where the clock has been set back.
-Result<Uuid> NextAuditId(Db& db) {
-  Uuid fresh = Uuid::New();
-  Query q(db, "SELECT id FROM audit WHERE tenant = ?1 ORDER BY id DESC LIMIT 1");
-  Uuid newest;
-  if (q.Next()) newest = q.Id(0);
-  if (!q.status().ok()) return q.status();
-  if (newest.bytes < fresh.bytes) return fresh;
-  for (size_t i = newest.bytes.size(); i-- > 0;) {
-    if (++newest.bytes[i] != 0) break;
+// The next one after it, where no clock gives a later one: rows about one thing are in the order of
+// their ids, also where a clock has been set back.
+Uuid After(Uuid id) {
+  for (size_t i = id.bytes.size(); i-- > 0;) {
+    if (++id.bytes[i] != 0) break;
   }
+  return id;
+}
+
+// The newest row of the chain; zero: there is none.
+Result<std::pair<int64_t, Uuid>> LastOfChain(Db& db, const Uuid& chain) {
+  Query q(
+      db,
+      "SELECT number, id FROM audit WHERE tenant = ?1 AND chain = ?2 ORDER BY number DESC LIMIT "
+      "1");
+  std::pair<int64_t, Uuid> out{};
+  if (q.Bind(chain).Next()) out = {q.Int(0), q.Id(1)};
+  if (!q.status().ok()) return q.status();
+  return out;
+}
+
+// Where the next row goes, and the id that it has to be above.
+struct NextPlace {
+  AuditLink link;
+  Uuid after;
+};
+
+// From the chain's signed end. An end that is gone or was not signed here leaves a place that
+// follows on nothing, which `verify` finds for good: whoever cuts the trail's end off does not have
+// it mended by the next row.
+Result<NextPlace> NextInChain(Db& db, const AuditSigner& signer) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto head, FindAuditHead(db, signer.chain));
+  if (head && (*head == signer.known || VerifyAuditHead(*head, signer.public_key)))
+    return NextPlace{{signer.chain, head->number + 1, head->hash}, head->last_id};
+  ENAMEL_ASSIGN_OR_RETURN(const auto last, LastOfChain(db, signer.chain));
+  const uint64_t before = std::max(static_cast<uint64_t>(last.first), head ? head->number : 0);
+  NextPlace out{{signer.chain, before + 1, {}}, last.second};
+  if (before > 0) return out;
+  // Above the rows from before the chain too, which its first row counts.
+  Query q(db, "SELECT id FROM audit WHERE tenant = ?1 ORDER BY id DESC LIMIT 1");
+  if (q.Next()) out.after = q.Id(0);
+  if (!q.status().ok()) return q.status();
+  return out;
+}
+
+// Only rows about the same thing are looked at: servers that write about others at the same time
+// must not meet here.
+Result<Uuid> NewestAbout(Db& db, const std::string& subject) {
+  Uuid newest;
+  if (subject.empty()) return newest;
+  Query q(db, "SELECT id FROM audit WHERE tenant = ?1 AND subject = ?2 ORDER BY id DESC LIMIT 1");
+  if (q.Bind(subject).Next()) newest = q.Id(0);
+  if (!q.status().ok()) return q.status();
   return newest;
 }
 
+Status KeepHead(Db& db, const AuditSigner& signer, const AuditSeal& seal) {
+  AuditHead head{seal.link->chain, seal.link->number, seal.id, AuditSealHash(seal)};
+  head.signature = SignAuditHead(head, signer.key);
+  Query q(
+      db,
+      "INSERT INTO audit_heads (tenant, chain, number, last_id, hash, signature) VALUES (?1, ?2, "
+      "?3, ?4, ?5, ?6) ON CONFLICT (tenant, chain) DO UPDATE SET number = ?3, last_id = ?4, hash "
+      "= ?5, signature = ?6");
+  q.Bind(head.chain).Bind(static_cast<int64_t>(head.number)).Bind(head.last_id).Bind(head.hash);
+  ENAMEL_RETURN_IF_ERROR(q.Bind(ByteView(head.signature)).Run());
+  signer.known = head;
+  return Status::Ok();
+}
+
+AuditHead HeadOf(const Query& q) {
+  AuditHead out{q.Id(0), static_cast<uint64_t>(q.Int(1)), q.Id(2), q.Hash(3)};
+  // Of another length: a signature that fits nothing.
+  const Bytes signature = q.Blob(4);
+  if (signature.size() == out.signature.size()) std::ranges::copy(signature, out.signature.begin());
+  return out;
+}
+
 }  // namespace
+
+Result<std::optional<AuditHead>> FindAuditHead(Db& db, const Uuid& chain) {
+  Query q(db,
+          "SELECT chain, number, last_id, hash, signature FROM audit_heads WHERE tenant = ?1 AND "
+          "chain = ?2");
+  std::optional<AuditHead> out;
+  if (q.Bind(chain).Next()) out = HeadOf(q);
+  if (!q.status().ok()) return q.status();
+  return out;
+}
+
+Result<std::vector<AuditHead>> AuditHeads(Db& db) {
+  Query q(db,
+          "SELECT chain, number, last_id, hash, signature FROM audit_heads WHERE tenant = ?1 ORDER "
+          "BY chain");
+  std::vector<AuditHead> out;
+  while (q.Next()) out.push_back(HeadOf(q));
+  if (!q.status().ok()) return q.status();
+  return out;
+}
 
 // In the transaction of what it tells of: neither is there without the other.
 Status WriteAuditAbout(Db& db, const std::string& subject, const Actor& by, const char* action,
@@ -62,18 +146,24 @@ Status WriteAuditAbout(Db& db, const std::string& subject, const Actor& by, cons
   if (!subject.empty()) {
     ENAMEL_ASSIGN_OR_RETURN(state, StateOf(db, subject));
   }
-  ENAMEL_ASSIGN_OR_RETURN(const auto id, NextAuditId(db));
+  ENAMEL_ASSIGN_OR_RETURN(const auto next, NextInChain(db, *signer));
+  ENAMEL_ASSIGN_OR_RETURN(const auto newest, NewestAbout(db, subject));
+  const Uuid last = std::max(next.after, newest), fresh = Uuid::New();
+  const Uuid id = last < fresh ? fresh : After(last);
   const AuditSalt salt = NewAuditSalt();
-  const AuditSeal seal{id,     NowMs(), by.person, by.via,
-                       action, object,  subject,   AuditContentHash(salt, before, after, state)};
+  const AuditSeal seal{id,       NowMs(), by.person, by.via,
+                       action,   object,  subject,   AuditContentHash(salt, before, after, state),
+                       next.link};
   Query q(db,
           "INSERT INTO audit (tenant, id, at_ms, actor, via, action, object, before_json, "
-          "after_json, subject, state, salt, content_hash, signature) VALUES (?1, ?2, ?3, ?4, ?5, "
-          "?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14)");
+          "after_json, subject, state, salt, content_hash, signature, chain, number, previous) "
+          "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17)");
   q.Bind(seal.id).Bind(seal.at_ms).Bind(seal.actor).Bind(seal.via).Bind(seal.action);
   q.Bind(seal.object).Bind(before).Bind(after).Bind(seal.subject).Bind(state);
-  q.Bind(ByteView(salt)).Bind(seal.content);
-  return q.Bind(ByteView(SignAuditSeal(seal, signer->key))).Run();
+  q.Bind(ByteView(salt)).Bind(seal.content).Bind(ByteView(SignAuditSeal(seal, signer->key)));
+  q.Bind(next.link.chain).Bind(static_cast<int64_t>(next.link.number));
+  ENAMEL_RETURN_IF_ERROR(q.Bind(next.link.previous).Run());
+  return KeepHead(db, *signer, seal);
 }
 
 Status WriteAudit(Db& db, const Actor& by, const char* action, const std::string& object,
@@ -99,6 +189,22 @@ Result<Json> UnsignedRows(Db& db) {
   return JsonOf({{"rows", std::to_string(rows)}, {"sha256", hash.Finish().Hex()}});
 }
 
+Result<Json> UnchainedRows(Db& db) {
+  Query q(
+      db,
+      "SELECT id, at_ms, actor, via, action, object, subject, content_hash, signature FROM audit "
+      "WHERE tenant = ?1 AND chain IS NULL ORDER BY id");
+  Sha256Stream hash;
+  uint64_t rows = 0;
+  for (; q.Next(); ++rows) {
+    hash.Update(EncodeAuditSeal(
+        {q.Id(0), q.Int(1), q.Id(2), q.Text(3), q.Text(4), q.Text(5), q.Text(6), q.Hash(7)}));
+    hash.Update(q.Blob(8));
+  }
+  if (!q.status().ok()) return q.status();
+  return JsonOf({{"rows", std::to_string(rows)}, {"sha256", hash.Finish().Hex()}});
+}
+
 namespace {
 
 // An erasure finds what the trail tells of a person's attempts by the rows of their tickets. Where
@@ -115,24 +221,17 @@ Status TellWhoseAttempt(Db& db, const std::string& attempt, const Actor& by) {
 
 }  // namespace
 
-Status BeginSignedTrail(Db& db) {
-  const auto waits = [&]() -> Result<bool> {
-    // Not where rows are signed: what was changed behind their back would be signed too.
-    Query q(db,
-            "SELECT 1 FROM audit_to_begin WHERE tenant = ?1 AND NOT EXISTS (SELECT 1 FROM audit a "
-            "WHERE a.tenant = ?1 AND a.signature IS NOT NULL)");
-    const bool found = q.Next();
-    if (!q.status().ok()) return q.status();
-    return found;
-  };
-  ENAMEL_ASSIGN_OR_RETURN(const bool look, waits());
-  if (!look) return Status::Ok();
-  sql::Transaction transaction(db);
-  ENAMEL_RETURN_IF_ERROR(transaction.begun());
-  // Another process may have been faster.
-  ENAMEL_ASSIGN_OR_RETURN(const bool begin, waits());
-  if (!begin) return Status::Ok();
-  const Actor by{{}, "upgrade"};
+namespace {
+
+Result<bool> AnyRow(Db& db, const char* sql) {
+  Query q(db, sql);
+  const bool found = q.Next();
+  if (!q.status().ok()) return q.status();
+  return found;
+}
+
+// Signs what is there, from before rows were signed.
+Status AdoptAll(Db& db, const Actor& by) {
   ENAMEL_ASSIGN_OR_RETURN(const auto before, UnsignedRows(db));
   ENAMEL_RETURN_IF_ERROR(WriteAudit(db, by, kAuditBegin, "", "{}", before));
   ENAMEL_ASSIGN_OR_RETURN(const auto present, PresentSubjects(db));
@@ -141,7 +240,73 @@ Status BeginSignedTrail(Db& db) {
     if (kind == "attempt") ENAMEL_RETURN_IF_ERROR(TellWhoseAttempt(db, object, by));
     ENAMEL_RETURN_IF_ERROR(WriteAuditAbout(db, subject, by, action.c_str(), object, "{}", "{}"));
   }
-  ENAMEL_RETURN_IF_ERROR(Query(db, "DELETE FROM audit_to_begin WHERE tenant = ?1").Run());
+  return Query(db, "DELETE FROM audit_to_begin WHERE tenant = ?1").Run();
+}
+
+// What rows from before the chain do not state yet is stated; where anything else differs from them,
+// nothing is, so that `verify` still finds it.
+Status StateWhatIsNew(Db& db, const Actor& by) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto present, PresentSubjects(db));
+  for (const auto& [subject, object] : present) {
+    std::string stated;
+    {
+      Query q(
+          db,
+          "SELECT state FROM audit WHERE tenant = ?1 AND subject = ?2 ORDER BY id DESC LIMIT 1");
+      if (q.Bind(subject).Next()) stated = q.Text(0);
+      ENAMEL_RETURN_IF_ERROR(q.status());
+    }
+    ENAMEL_ASSIGN_OR_RETURN(const auto now, StateOf(db, subject));
+    if (stated == now || ColumnsOf(stated) != ColumnsBeforeChain(now)) continue;
+    const std::string action = subject.substr(0, subject.find(' ')) + ".adopt";
+    ENAMEL_RETURN_IF_ERROR(WriteAuditAbout(db, subject, by, action.c_str(), object, "{}", "{}"));
+  }
+  return Status::Ok();
+}
+
+// Rows from before they were signed, or from before they were a chain. Where rows are signed, or in a
+// chain, what was changed behind their back is not signed too.
+enum class Begin { kNothing, kSigned, kChain };
+Result<Begin> WaitsToBegin(Db& db) {
+  ENAMEL_ASSIGN_OR_RETURN(
+      const bool sign, AnyRow(db,
+                              "SELECT 1 FROM audit_to_begin WHERE tenant = ?1 AND NOT EXISTS "
+                              "(SELECT 1 FROM audit a WHERE a.tenant = ?1 AND a.signature IS NOT "
+                              "NULL)"));
+  if (sign) return Begin::kSigned;
+  ENAMEL_ASSIGN_OR_RETURN(const bool chain, ChainWaitsToBegin(db));
+  return chain ? Begin::kChain : Begin::kNothing;
+}
+
+}  // namespace
+
+Result<bool> ChainWaitsToBegin(Db& db) {
+  ENAMEL_ASSIGN_OR_RETURN(const bool any,
+                          AnyRow(db, "SELECT 1 FROM audit WHERE tenant = ?1 LIMIT 1"));
+  if (!any) return false;
+  ENAMEL_ASSIGN_OR_RETURN(
+      const bool begun,
+      AnyRow(
+          db,
+          "SELECT 1 FROM audit_heads WHERE tenant = ?1 UNION ALL SELECT 1 FROM audit WHERE tenant "
+          "= ?1 AND chain IS NOT NULL LIMIT 1"));
+  return !begun;
+}
+
+Status BeginSignedTrail(Db& db) {
+  ENAMEL_ASSIGN_OR_RETURN(const Begin look, WaitsToBegin(db));
+  if (look == Begin::kNothing) return Status::Ok();
+  sql::Transaction transaction(db);
+  ENAMEL_RETURN_IF_ERROR(transaction.begun());
+  // Another process may have been faster.
+  ENAMEL_ASSIGN_OR_RETURN(const Begin begin, WaitsToBegin(db));
+  const Actor by{{}, "upgrade"};
+  if (begin == Begin::kSigned) ENAMEL_RETURN_IF_ERROR(AdoptAll(db, by));
+  if (begin == Begin::kChain) {
+    ENAMEL_ASSIGN_OR_RETURN(const auto before, UnchainedRows(db));
+    ENAMEL_RETURN_IF_ERROR(WriteAudit(db, by, kAuditChain, "", "{}", before));
+    ENAMEL_RETURN_IF_ERROR(StateWhatIsNew(db, by));
+  }
   return transaction.Commit();
 }
 

@@ -2,10 +2,22 @@
 
 #include <sodium.h>
 
+#include <algorithm>
+
 namespace enamel::server::sqlite {
 namespace {
 
-constexpr char kDomain[] = "enamel.audit.v1";
+constexpr char kDomain[] = "enamel.audit.v1", kChainedDomain[] = "enamel.audit.v2";
+constexpr char kHeadDomain[] = "enamel.audit.head.v1";
+
+const char* DomainOf(const AuditSeal& seal) { return seal.link ? kChainedDomain : kDomain; }
+
+// The second half of a secret key is the public one.
+trace::PublicKey PublicOf(const trace::SecretKey& key) {
+  trace::PublicKey out;
+  std::copy(key.end() - static_cast<ptrdiff_t>(out.size()), key.end(), out.begin());
+  return out;
+}
 
 }  // namespace
 
@@ -32,16 +44,43 @@ Bytes EncodeAuditSeal(const AuditSeal& seal) {
     out.Text(*text);
   }
   out.Raw(seal.content.view());
+  if (seal.link) {
+    out.Raw(seal.link->chain.view());
+    out.U64(seal.link->number);
+    out.Raw(seal.link->previous.view());
+  }
   return out.Take();
 }
 
+Sha256 AuditSealHash(const AuditSeal& seal) { return HashSha256(EncodeAuditSeal(seal)); }
+
 trace::Signature SignAuditSeal(const AuditSeal& seal, const trace::SecretKey& key) {
-  return trace::SignText(kDomain, EncodeAuditSeal(seal), key);
+  return trace::SignText(DomainOf(seal), EncodeAuditSeal(seal), key);
 }
 
 bool VerifyAuditSeal(const AuditSeal& seal, const trace::Signature& signature,
                      const trace::PublicKey& key) {
-  return trace::VerifyText(kDomain, EncodeAuditSeal(seal), signature, key);
+  return trace::VerifyText(DomainOf(seal), EncodeAuditSeal(seal), signature, key);
 }
+
+Bytes EncodeAuditHead(const AuditHead& head) {
+  ByteWriter out;
+  out.Raw(head.chain.view());
+  out.U64(head.number);
+  out.Raw(head.last_id.view());
+  out.Raw(head.hash.view());
+  return out.Take();
+}
+
+trace::Signature SignAuditHead(const AuditHead& head, const trace::SecretKey& key) {
+  return trace::SignText(kHeadDomain, EncodeAuditHead(head), key);
+}
+
+bool VerifyAuditHead(const AuditHead& head, const trace::PublicKey& key) {
+  return trace::VerifyText(kHeadDomain, EncodeAuditHead(head), head.signature, key);
+}
+
+AuditSigner::AuditSigner(const trace::SecretKey& secret_key, const Uuid& own_chain)
+    : key(secret_key), public_key(PublicOf(secret_key)), chain(own_chain) {}
 
 }  // namespace enamel::server::sqlite

@@ -29,13 +29,17 @@ struct SubjectKind {
 };
 
 // While it is recorded, chunks set two of the flags without a row of their own; the seal's row has
-// them.
+// them. Of how far it is, what people and rules decide; the rest follows from what is there
+// (engine/verify_stage.h).
 std::string AttemptColumns() {
   return "SELECT person, station, exercise, assignment, exam, due_ms, rate_hz, limit_ticks, hands, "
          "ticketed_ms, sealed_ms, as_reference, expired_ms, released, CASE WHEN sealed_ms = 0 THEN "
          "flags - (flags & " +
          Sql(kFasterThanTime | kOverTime) +
-         ") ELSE flags END AS flags, override_score, override_reason, override_by, override_ms "
+         ") ELSE flags END AS flags, override_score, override_reason, override_by, override_ms, "
+         "CASE WHEN state = " +
+         Sql(AttemptState::kQuarantined) +
+         " THEN 1 END AS quarantined "
          "FROM attempts WHERE tenant = ?1 AND id = ?2";
 }
 
@@ -195,6 +199,12 @@ std::map<std::string, std::string> ColumnsOf(const std::string& state) {
   for (const auto& [name, text] : value.as_object()) {
     if (text.is_string()) out[std::string(name)] = std::string(text.as_string());
   }
+  return out;
+}
+
+std::map<std::string, std::string> ColumnsBeforeChain(const std::string& state) {
+  std::map<std::string, std::string> out = ColumnsOf(state);
+  out.erase("quarantined");
   return out;
 }
 

@@ -20,6 +20,8 @@ std::string SubjectOfAction(const std::string& action, const std::string& object
 Result<std::string> StateOf(Db& db, const std::string& subject);
 // Column to value. What has no value is left out. Empty too when it is no state.
 std::map<std::string, std::string> ColumnsOf(const std::string& state);
+// Without what rows from before the chain did not state.
+std::map<std::string, std::string> ColumnsBeforeChain(const std::string& state);
 
 struct PresentSubject {
   std::string subject;

@@ -284,12 +284,20 @@ Status WriteAudit(Db& db, const Actor& by, const char* action, const std::string
 // The same about a subject that action and object do not tell.
 Status WriteAuditAbout(Db& db, const std::string& subject, const Actor& by, const char* action,
                        const std::string& object, const Json& before, const Json& after);
-// Where the trail has rows from before they were signed: signs how many and which those are, and
-// the state of every subject that is there. Once, by the start that migrated. Locks the database.
-inline constexpr char kAuditBegin[] = "audit.begin";
+// Where the trail has rows from before they were signed, or from before they were a chain: signs how
+// many and which those are, and the state of what they do not state. Once, by the start that
+// migrated. Locks the database.
+inline constexpr char kAuditBegin[] = "audit.begin", kAuditChain[] = "audit.chain";
 Status BeginSignedTrail(Db& db);
-// Of the rows that are not signed: how many, and the hash over what is never erased of them.
+// There are rows, and none is in a chain.
+Result<bool> ChainWaitsToBegin(Db& db);
+// Of the rows that are not signed, or in no chain: how many, and the hash over what is never erased
+// of them.
 Result<Json> UnsignedRows(Db& db);
+Result<Json> UnchainedRows(Db& db);
+// Where one chain ends, or each. None: no row is in it.
+Result<std::optional<AuditHead>> FindAuditHead(Db& db, const Uuid& chain);
+Result<std::vector<AuditHead>> AuditHeads(Db& db);
 // kConflict from a UNIQUE constraint, in words.
 Status Explain(Status status, const std::string& conflict);
 Status QueueScoreJob(Db& db, const Uuid& attempt, const std::string& cause,

@@ -63,6 +63,42 @@ TEST_F(AuditRowTest, TextsThatMoveFromOneFieldToTheNextAreAnotherRow) {
   EXPECT_NE(AuditContentHash(salt_, "", "", "a"), AuditContentHash(salt_, "", "a", ""));
 }
 
+TEST_F(AuditRowTest, GoldenRowInItsChainAndTheChainsEndAreSignedAsTheirDescriptionSays) {
+  const auto text =
+      ReadFile(std::filesystem::path(ENAMEL_SOURCE_DIR) / "schemas/golden/audit_chain.json");
+  ASSERT_TRUE(text.ok()) << text.status().message();
+  says_ = json::parse(AsText(*text)).as_object();
+  EXPECT_EQ(says_.size(), 9u) << "every member is compared";
+  EXPECT_EQ(Text("row"), "audit_row.json");
+  seal_.link =
+      AuditLink{*Uuid::Parse(Text("chain")), static_cast<uint64_t>(says_.at("number").as_int64()),
+                *Sha256::FromHex(Text("previous"))};
+  EXPECT_EQ(ToHex(EncodeAuditSeal(seal_)), Text("signed"));
+  EXPECT_EQ(ToHex(SignAuditSeal(seal_, key_)), Text("signature")) << "signed apart from our code";
+  EXPECT_EQ(AuditSealHash(seal_).Hex(), Text("hash"));
+  AuditHead head{seal_.link->chain, seal_.link->number, seal_.id, AuditSealHash(seal_)};
+  EXPECT_EQ(ToHex(EncodeAuditHead(head)), Text("head_signed"));
+  head.signature = SignAuditHead(head, key_);
+  EXPECT_EQ(ToHex(head.signature), Text("head_signature"));
+  EXPECT_TRUE(VerifyAuditHead(head, public_key_));
+  ++head.number;
+  EXPECT_FALSE(VerifyAuditHead(head, public_key_));
+}
+
+TEST_F(AuditRowTest, RowThatIsMovedOrTakenOutOfItsChainIsAnotherRow) {
+  seal_.link = AuditLink{seal_.id, 7, HashSha256(AsBytes("before"))};
+  const trace::Signature signature = SignAuditSeal(seal_, key_);
+  EXPECT_TRUE(VerifyAuditSeal(seal_, signature, public_key_));
+  AuditSeal moved = seal_;
+  moved.link->number = 8;
+  EXPECT_FALSE(VerifyAuditSeal(moved, signature, public_key_));
+  moved = seal_;
+  moved.link->previous = {};
+  EXPECT_FALSE(VerifyAuditSeal(moved, signature, public_key_));
+  moved.link.reset();
+  EXPECT_FALSE(VerifyAuditSeal(moved, signature, public_key_));
+}
+
 TEST_F(AuditRowTest, SaltIsAnotherEachTime) { EXPECT_NE(NewAuditSalt(), NewAuditSalt()); }
 
 }  // namespace

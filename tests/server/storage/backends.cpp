@@ -14,7 +14,7 @@ class SqlitePlace : public Place {
     ASSERT_TRUE(db.ok()) << db.status().message();
     VerifyReport report;
     Status checked =
-        sqlite::CheckAudit(**db, ReadTicketKey(folder_.path())->public_key, report, {});
+        sqlite::CheckAudit(**db, ReadTicketKey(folder_.path())->public_key, {}, report, {});
     EXPECT_TRUE(checked.ok()) << checked.message();
     for (const Finding& finding : report.findings) {
       ADD_FAILURE() << finding.kind << " " << finding.object << ": expected " << finding.expected

@@ -5,6 +5,9 @@
 #include <thread>
 
 #include "common/base/file.h"
+#include "common/base/hex.h"
+#include "server/storage/engine/ticket_key.h"
+#include "server/storage/sql/sqlite_impl.h"
 #include "server/storage/sqlite_store.h"
 #include "tests/server/storage/store_world.h"
 
@@ -108,9 +111,16 @@ TEST(SqliteOpenTest, AuditKeepsItsOrderWhenTheClockIsSetBack) {
   auto store = OpenStore(folder.path());
   ASSERT_TRUE(store->NoteAudit(kSystem, "test.first", "a", "{}").ok());
   // As if it had been written a century later.
+  const std::string later = "03ffffffffff7fffbfffffffffffffff";
+  auto db = sqlite::OpenDatabase(folder.path() / "enamel.db", sqlite::DbMode::kReadOnly);
+  sqlite::AuditHead head = **sqlite::FindAuditHead(**db, Uuid{});
+  std::ranges::copy(*FromHex(later), head.last_id.bytes.begin());
+  head.signature = sqlite::SignAuditHead(head, ReadTicketKey(folder.path())->secret_key);
   ExecRaw(folder.path(),
-          "DROP TRIGGER audit_is_not_changed; "  // which refuses just that
-          "UPDATE audit SET id = x'03ffffffffff7fffbfffffffffffffff' WHERE action = 'test.first'");
+          "DROP TRIGGER audit_is_not_changed; DROP TRIGGER audit_heads_only_advance; "
+          "UPDATE audit SET id = x'" +
+              later + "' WHERE action = 'test.first'; UPDATE audit_heads SET last_id = x'" + later +
+              "', signature = x'" + ToHex(head.signature) + "'");
   for (const char* action : {"test.second", "test.third"}) {
     ASSERT_TRUE(store->NoteAudit(kSystem, action, "a", "{}").ok());
   }

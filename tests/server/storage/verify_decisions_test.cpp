@@ -1,7 +1,7 @@
 #include "common/base/file.h"
 #include "common/base/hex.h"
 #include "server/storage/engine/database.h"
-#include "tests/server/storage/verified_school.h"
+#include "tests/server/storage/decided_school.h"
 
 // What people decided, and what scores are made from, is found where somebody changed it in the
 // database (schemas/audit.md).
@@ -10,44 +10,10 @@ namespace {
 
 using namespace testing;
 
-class VerifyDecisionsTest : public VerifyTest {
+class VerifyDecisionsTest : public DecidedSchoolTest {
  protected:
-  VerifyDecisionsTest() {
-    Store& store = *school_.store;
-    teacher_ = AddPerson(store, "teacher", Role::kInstructor);
-    const Actor by{teacher_, "page"};
-    other_ = *store.PublishExercise(school_.world.Exercise("other", "v1 of another"), Uuid{}, by);
-    AssignmentRow work;
-    work.exercise = "exercise";
-    work.due_ms = 9'000'000'000'000;
-    work.attempt_limit = 3;
-    work.stations = {school_.world.station};
-    assignment_ = store.AddAssignment(work, by)->id;
-    EXPECT_TRUE(store.ListDevice("hid:1209:0001:A7", "chair 3", by).ok());
-    RubricRow rubric{school_.world.exercise.id, 2, PutText(store, "rubric 2"), "too strict", 0};
-    EXPECT_TRUE(store.PublishRubric(rubric, by).ok());
-    graded_ = school_.Record(1);
-    school_.Score(graded_, scored_);
-    reference_ = store.AddReference(scored_, "Dr. Example", true, by)->id;
-    EXPECT_TRUE(store.ReleaseAttempt(graded_, by, {}).ok());
-    EXPECT_TRUE(store.OverrideScore(graded_, ScoreOverride{70, "too deep", {}, 0}, by, {}).ok());
-    EXPECT_TRUE(store.FlagAttempt(graded_, kExcused, "was ill", by, {}).ok());
-    EXPECT_TRUE(store.FileAppeal(graded_, "please look again", Actor{student(), "page"}).ok());
-    EXPECT_TRUE(store.AnswerAppeal(graded_, false, "no", by).ok());
-    AnnotationRow remark;
-    remark.attempt = graded_;
-    remark.text = "see the wall";
-    remark_ = store.AddAnnotation(remark, by)->id;
-    ExpectWhole("before anything is changed");
-  }
-  Uuid student() const { return school_.world.student; }
+  VerifyDecisionsTest() { ExpectWhole("before anything is changed"); }
 
-  void ExpectWhole(const char* when) {
-    for (const Finding& finding : Look().findings) {
-      ADD_FAILURE() << when << ": " << finding.kind << " " << finding.object << ": expected "
-                    << finding.expected << ", found " << finding.found;
-    }
-  }
   // The edit is found, as one of this kind and object whose texts name `column`; put back,
   // everything agrees again.
   void ExpectEditFound(const std::string& table, const std::string& edit, const std::string& kind,
@@ -73,11 +39,6 @@ class VerifyDecisionsTest : public VerifyTest {
                       object, column);
     }
   }
-
-  const std::string without_triggers_ =
-      "DROP TRIGGER IF EXISTS audit_is_not_changed; DROP TRIGGER IF EXISTS audit_is_not_deleted; ";
-  Uuid teacher_, graded_, assignment_, reference_, remark_;
-  ExerciseRow other_;
 };
 
 TEST_F(VerifyDecisionsTest, ChangedOverrideReleaseAndTermsOfAnAttemptAreFound) {
@@ -105,6 +66,19 @@ TEST_F(VerifyDecisionsTest, ChangedOverrideReleaseAndTermsOfAnAttemptAreFound) {
                       "assignment = " + Id(assignment_),
                       "exercise = " + Id(other_.id),
                       "expired_ms = 5"});
+}
+
+TEST_F(VerifyDecisionsTest, AttemptThatIsNoLongerQuarantinedIsFound) {
+  Store& store = *school_.store;
+  const Store::ChunkPut another = school_.world.Chunk(open_, 0, HashSha256(AsBytes("other")), 1);
+  ASSERT_EQ(store.AppendChunk(another).code(), Code::kConflict);
+  ASSERT_EQ(store.AttemptById(open_)->state, AttemptState::kQuarantined);
+  ExpectWhole("quarantined");
+  for (const char* edit : {"state = 2", "state = 3", "state = 5", "state = 6"}) {
+    ExpectEditFound("attempts",
+                    "UPDATE attempts SET " + std::string(edit) + " WHERE id = " + Id(open_),
+                    "decision", open_.Text(), "quarantined 1");
+  }
 }
 
 TEST_F(VerifyDecisionsTest, AttemptThatWasTakenAwayWithAllThatHangsOnItIsFound) {
@@ -255,14 +229,27 @@ TEST_F(VerifyDecisionsTest, ChangedRowsOfTheTrailAreFound) {
   const Uuid row = school_.store->FindAudit(filter)->front().id;
   const std::string at = " WHERE id = " + Id(row);
   for (const std::string edit :
-       {"before_json = '{\"score\":\"99\"}'", "after_json = '{}'", "state = ''",
+       {"before_json = '{\"score\":\"99\"}'",
+        "after_json = '{}'",
+        "state = ''",
         "state = replace(state, '\"override_score\":\"70\"', '\"override_score\":\"99\"')",
-        "at_ms = at_ms + 1", "actor = zeroblob(16)", "via = 'command line'",
-        "action = 'attempt.flag'", "object = 'x'", "subject = ''", "salt = randomblob(32)",
-        "salt = NULL", "content_hash = randomblob(32)", "signature = zeroblob(64)",
+        "at_ms = at_ms + 1",
+        "actor = zeroblob(16)",
+        "via = 'command line'",
+        "action = 'attempt.flag'",
+        "object = 'x'",
+        "subject = ''",
+        "salt = randomblob(32)",
+        "salt = NULL",
+        "content_hash = randomblob(32)",
+        "signature = zeroblob(64)",
         "signature = NULL",
         "salt = NULL, before_json = '{\"erased\":true}', after_json = "
-        "'{\"erased\":true}', state = '{\"erased\":true}'"}) {
+        "'{\"erased\":true}', state = '{\"erased\":true}'",
+        "chain = randomblob(16)",
+        "chain = NULL",
+        "number = 7000",
+        "previous = zeroblob(32)"}) {
     ExpectEditFound("audit", "UPDATE audit SET " + edit + at, "audit", row.Text(), "row attempt.");
   }
   ExpectEditFound("audit",
@@ -280,19 +267,20 @@ TEST_F(VerifyDecisionsTest, EditThatGoesWithAForgedRowIsFound) {
   const std::string forged =
       "INSERT INTO audit SELECT tenant, x'" + std::string(32, '7') +
       "', at_ms, actor, via, action, object, before_json, after_json, subject, replace(state, "
-      "'\"override_score\":\"70\"', '\"override_score\":\"99\"'), salt, content_hash, signature "
-      "FROM audit WHERE action = 'appeal.answer'; UPDATE attempts SET override_score = 99 WHERE "
+      "'\"override_score\":\"70\"', '\"override_score\":\"99\"'), salt, content_hash, signature, "
+      "zeroblob(16), 1000, previous FROM audit WHERE action = 'appeal.answer'; UPDATE attempts SET "
+      "override_score = 99 WHERE "
       "id = " +
       Id(graded_);
   Sql(forged);
-  ExpectOnly("audit", "77777777-7777-7777-7777-777777777777");
+  ExpectFound("audit", "77777777-7777-7777-7777-777777777777");
 }
 
 TEST_F(VerifyDecisionsTest, DecisionWhoseRowWasTakenAwayIsFound) {
   Sql(without_triggers_ +
       "DELETE FROM audit WHERE action IN ('attempt.override', 'attempt.flag', "
       "'appeal.file', 'appeal.answer')");
-  ExpectOnly("decision", graded_.Text());
+  ExpectFound("decision", graded_.Text());
 }
 
 TEST_F(VerifyDecisionsTest, TrailWithoutAnySignatureIsFound) {
