@@ -13,6 +13,7 @@
 #include "server/storage/engine/ticket_key.h"
 #include "server/storage/engine/verify_audit.h"
 #include "server/storage/engine/verify_results.h"
+#include "server/storage/engine/verify_stage.h"
 #include "server/storage/sql/sqlite_impl.h"
 #include "server/training/types.h"
 
@@ -132,6 +133,7 @@ class Verifier {
     LoadTicketKey();
     ENAMEL_RETURN_IF_ERROR(CheckAttempts(db));
     ENAMEL_RETURN_IF_ERROR(CheckResults(db, ticket_key_, report_));
+    ENAMEL_RETURN_IF_ERROR(CheckStages(db, report_));
     return CheckAudit(db, ticket_key_, earlier_, report_, options_.progress);
   }
 

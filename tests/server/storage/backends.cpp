@@ -2,6 +2,7 @@
 
 #include "server/storage/engine/ticket_key.h"
 #include "server/storage/engine/verify_audit.h"
+#include "server/storage/engine/verify_stage.h"
 
 namespace enamel::server::testing {
 namespace {
@@ -15,6 +16,8 @@ class SqlitePlace : public Place {
     VerifyReport report;
     Status checked =
         sqlite::CheckAudit(**db, ReadTicketKey(folder_.path())->public_key, {}, report, {});
+    EXPECT_TRUE(checked.ok()) << checked.message();
+    checked = sqlite::CheckStages(**db, report);
     EXPECT_TRUE(checked.ok()) << checked.message();
     for (const Finding& finding : report.findings) {
       ADD_FAILURE() << finding.kind << " " << finding.object << ": expected " << finding.expected

@@ -68,6 +68,20 @@ TEST_F(VerifyDecisionsTest, ChangedOverrideReleaseAndTermsOfAnAttemptAreFound) {
                       "expired_ms = 5"});
 }
 
+TEST_F(VerifyDecisionsTest, ChangedStateOfAnAttemptIsFound) {
+  for (const Uuid& attempt : {graded_, scored_, open_}) {
+    const AttemptState is = school_.store->AttemptById(attempt)->state;
+    for (int state = 1; state <= static_cast<int>(AttemptState::kQuarantined); ++state) {
+      if (state == static_cast<int>(is)) continue;
+      const bool decided = state == static_cast<int>(AttemptState::kQuarantined);
+      ExpectEditFound(
+          "attempts",
+          "UPDATE attempts SET state = " + std::to_string(state) + " WHERE id = " + Id(attempt),
+          "decision", attempt.Text(), decided ? "quarantined" : "state");
+    }
+  }
+}
+
 TEST_F(VerifyDecisionsTest, AttemptThatIsNoLongerQuarantinedIsFound) {
   Store& store = *school_.store;
   const Store::ChunkPut another = school_.world.Chunk(open_, 0, HashSha256(AsBytes("other")), 1);
