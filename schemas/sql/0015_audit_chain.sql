@@ -1,4 +1,4 @@
--- Schema 15: the signed rows of the audit trail are a chain (schemas/audit.md).
+-- Schema 15: the signed rows of the audit trail are a chain (schemas/audit.md), and a scoring run can be taken back.
 
 -- Which chain: a server's. NULL: from before this schema.
 ALTER TABLE audit ADD COLUMN chain BLOB CHECK (length(chain) = 16);
@@ -34,3 +34,14 @@ WHEN NOT (NEW.chain IS OLD.chain AND NEW.number IS OLD.number AND NEW.previous I
 BEGIN
   SELECT RAISE(ABORT, 'audit rows are never changed');
 END;
+
+-- What a run left beside its score; NULL: no longer kept. Of the newest run as in attempts, so that the one before can
+-- be made the newest again.
+ALTER TABLE attempt_results ADD COLUMN final_volume BLOB CHECK (length(final_volume) = 32);
+ALTER TABLE attempt_results ADD COLUMN surface BLOB CHECK (length(surface) = 32);
+ALTER TABLE attempt_results ADD COLUMN series BLOB CHECK (length(series) = 32);
+UPDATE attempt_results SET
+  final_volume = (SELECT a.final_volume FROM attempts a WHERE a.tenant = attempt_results.tenant AND a.id = attempt_results.attempt),
+  surface = (SELECT a.surface FROM attempts a WHERE a.tenant = attempt_results.tenant AND a.id = attempt_results.attempt),
+  series = (SELECT a.series FROM attempts a WHERE a.tenant = attempt_results.tenant AND a.id = attempt_results.attempt)
+WHERE run = (SELECT max(n.run) FROM attempt_results n WHERE n.tenant = attempt_results.tenant AND n.attempt = attempt_results.attempt);

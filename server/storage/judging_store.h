@@ -30,10 +30,19 @@ class JudgingStore {
   // set.
   virtual Status FlagAttempt(const Uuid& attempt, uint32_t flags, const std::string& reason,
                              const Actor& by, std::optional<int32_t> revision = {}) = 0;
+  // Takes kExcused back: the attempt counts as it did before; nothing changes where it is not set.
+  virtual Status ClearExcuse(const Uuid& attempt, const Actor& by,
+                             std::optional<int32_t> revision = {}) = 0;
   // Queues a scoring run with the exercise's newest reference. Of a quarantined attempt this
   // accepts what is committed: one that was not sealed is sealed with that. Errors: kConflict (not
   // sealed, a run is queued, recording removed).
   virtual Status Rescore(const Uuid& attempt, const std::string& cause, const Actor& by) = 0;
+  // The score of an earlier run (AttemptStore::ResultsOf) counts again, as a run of its own with the
+  // cause "restore"; runs that wait or are under way are cancelled. The newest run's: only that. A
+  // release of another score is withdrawn as after a run. Errors: kNotFound (no such run), kConflict
+  // (all of it is kept only of the newest run and the one before; recording removed).
+  virtual Status RestoreResult(const Uuid& attempt, int32_t run, const Actor& by,
+                               std::optional<int32_t> revision = {}) = 0;
 
   virtual Result<AnnotationRow> AddAnnotation(const AnnotationRow& row, const Actor& by) = 0;
   // Text, tick and point of `row` count; `revision` as for drafts (content_store.h).

@@ -293,13 +293,14 @@ struct ContradictionRow {
 struct ResultRow {
   int32_t run = 1;
   UnixMs scored_ms = 0;
-  std::string cause;  // "seal", "reference", "rescore", "appeal"
+  std::string cause;  // "seal", "reference", "rescore", "appeal", "rubric", "restore"
   double score = 0;
   bool critical_fail = false;
   Sha256 score_json;
   std::optional<Uuid> reference;      // the attempt it was compared with
   double replay_realtime_factor = 0;  // recorded time / replay time; 0: not known
   std::vector<uint8_t> document;      // signed (schemas/result.md); empty: not signed
+  bool is_whole = false;  // all that it left is kept, and not the score and its reasons only
 };
 
 struct AnnotationRow {

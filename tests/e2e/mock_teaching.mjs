@@ -220,7 +220,7 @@ function actionsOf(person, row) {
   const scored = row.state === "scored";
   const may = teaches(person)
     ? { release: scored && !row.released, unrelease: row.released, override: row.score !== null, annotate: true, rescore: row.sealed_ms > 0 && row.state !== "scoring",
-        excuse: row.assignment_id !== null && !row.flags.includes("excused"), mark_reference: scored, answer_appeal: row.appeal?.state === "open" }
+        excuse: row.assignment_id !== null && !row.flags.includes("excused"), unexcuse: row.flags.includes("excused"), mark_reference: scored, answer_appeal: row.appeal?.state === "open" }
     : { appeal: scored && row.released && row.appeal === null };
   return Object.keys(may).filter((action) => may[action]);
 }
@@ -304,7 +304,7 @@ function makeReference(row, { world, body }) {
 
 function runs(row) {
   return json({ results: Array.from({ length: row.runs }, (_, i) => ({
-    run: row.runs - i, scored_ms: row.sealed_ms + (row.runs - i) * 60_000, cause: i === row.runs - 1 ? "seal" : "appeal", reference_attempt: null, replay_realtime_factor: 31.4,
+    run: row.runs - i, scored_ms: row.sealed_ms + (row.runs - i) * 60_000, cause: i === row.runs - 1 ? "seal" : "appeal", restorable: i === 1, reference_attempt: null, replay_realtime_factor: 31.4,
     score: scoreOf(row) })) });
 }
 
@@ -424,6 +424,15 @@ export const teachingRoutes = {
   "POST /attempts/{id}/rescore": ["instructor", withAttempt(rescore)],
   "POST /attempts/{id}/excuse": ["instructor", withAttempt(judged((row, { world, person }) => {
     row.flags.push("excused");
+    return json(detail(world, person, row));
+  }))],
+  "DELETE /attempts/{id}/excuse": ["instructor", withAttempt(judged((row, { world, person }) => {
+    row.flags = row.flags.filter((flag) => flag !== "excused");
+    return json(detail(world, person, row));
+  }))],
+  "POST /attempts/{id}/restore-result": ["instructor", withAttempt(judged((row, { world, person, body }) => {
+    if (body.run > row.runs) return refusal(404, "not_found", `There is no scoring run ${body.run}.`);
+    Object.assign(row, { state: "scored", progress: 1, runs: body.run === row.runs ? row.runs : row.runs + 1 });
     return json(detail(world, person, row));
   }))],
   "POST /attempts/{id}/appeal": ["person", withAttempt(fileAppeal)],

@@ -13,6 +13,7 @@ export const teachingFlows = [
   { name: "an attempt that was stopped early says so and how far it came", run: stoppedEarly },
   { name: "an assignment's attempts are graded one after the other", run: grading },
   { name: "several attempts are released together, and that is undone", run: bulkRelease },
+  { name: "an excuse and a new score of several attempts are taken back", run: bulkUndo },
   { name: "an assignment is graded by keyboard", run: gradingByKeys },
   { name: "a motion near another's shows which, with its figures", run: nearAnother },
   { name: "attempts are narrowed by exercise, state, flag and appeal", run: narrow },
@@ -268,6 +269,34 @@ async function bulkRelease(world) {
   await page.getByRole("button", { name: "Undo" }).click();
   await page.getByText(`${count} releases taken back.`).waitFor();
   assert.equal(world.mock.attempts.filter((row) => row.released).length, before);
+}
+
+async function bulkUndo(world) {
+  const page = await signedIn(world, "instructor", gradingPath);
+  await page.locator("table.grading .lost-much").first().waitFor();
+  await page.getByLabel("Choose all that are shown").check();
+  const excused = () => world.mock.attempts.filter((row) => row.flags.includes("excused")).length;
+  const before = excused();
+  await page.getByRole("button", { name: "Excuse…" }).click();
+  await page.getByLabel("Why they do not count").fill("The power failed.");
+  await page.getByRole("button", { name: "Excuse", exact: true }).click();
+  const told = await page.getByText(/^\d+ attempts excused\.$/).innerText();
+  const count = Number(told.split(" ")[0]);
+  assert.equal(excused(), before + count);
+  await page.getByRole("button", { name: "Undo" }).click();
+  await page.getByText(`${count} attempts count again.`).waitFor();
+  assert.equal(excused(), before);
+  const scored = () => world.mock.attempts.filter((row) => row.state === "scored").map((row) => row.id).sort();
+  const settled = scored();
+  await page.getByLabel("Choose all that are shown").check();
+  await page.getByRole("button", { name: "Score again…" }).click();
+  await page.getByRole("button", { name: "Score again", exact: true }).click();
+  await page.getByText(/^\d+ attempts to be scored again\.$/).waitFor();
+  assert.ok(scored().length < settled.length);
+  await accessible(page, "after asking for scores");
+  await page.getByRole("button", { name: "Undo" }).click();
+  await page.getByText(/^The earlier score of \d+ attempts counts again\.$/).waitFor();
+  assert.deepEqual(scored(), settled);
 }
 
 async function gradingByKeys(world) {

@@ -267,6 +267,7 @@ Result<json::array> AttemptView::MayDo(const AttemptRow& row) {
       {"annotate", reviews},
       {"rescore", reviews && (sealed || acceptable) && row.state != AttemptState::kScoring},
       {"excuse", reviews && row.assignment && (row.flags & (kExcused | kReturned)) == 0},
+      {"unexcuse", reviews && (row.flags & kExcused) != 0},
       {"mark_reference", scored && sealed && CanMarkReference(viewer_, row, *shares)},
       {"appeal", CanAppeal(viewer_, row) && !*appeal},
       {"answer_appeal", reviews && *appeal && (*appeal)->state == "open"},

@@ -97,6 +97,8 @@ Response PutOverride(const Call& call, AttemptViewParts store);
 Response DeleteOverride(const Call& call, AttemptViewParts store);
 Response Rescore(const Call& call, AttemptViewParts store);
 Response Excuse(const Call& call, AttemptViewParts store);
+Response TakeExcuseBack(const Call& call, AttemptViewParts store);
+Response RestoreResult(const Call& call, AttemptViewParts store);
 Response ListResults(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
 Response ListAnnotations(const Call& call,
                          Parts<ContentStore, TeachingStore, JudgingStore, AttemptStore> store);

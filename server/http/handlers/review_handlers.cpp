@@ -19,6 +19,7 @@ constexpr size_t kMaxReason = 1000;
 constexpr size_t kMaxRemark = 4000;
 // Thirty years at 1 kHz, and exact in the doubles of a browser.
 constexpr int64_t kMaxTick = int64_t{1} << 40;
+constexpr int64_t kMaxRun = 1'000'000'000;
 
 Response Done() {
   Response response;
@@ -155,6 +156,27 @@ Response Excuse(const Call& call, AttemptViewParts store) {
                   store.judging().FlagAttempt(call.id, kExcused, reason, ActorOf(call), *revision));
 }
 
+Response TakeExcuseBack(const Call& call, AttemptViewParts store) {
+  Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
+  if (!seen.ok()) return ErrorResponse(seen.status());
+  Result<int32_t> revision = IfMatch(call.request);
+  if (!revision.ok()) return ErrorResponse(revision.status());
+  return JudgedOr(call, store, store.judging().ClearExcuse(call.id, ActorOf(call), *revision));
+}
+
+Response RestoreResult(const Call& call, AttemptViewParts store) {
+  if (!IsJson(call.request)) return NotJson();
+  Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
+  if (!seen.ok()) return ErrorResponse(seen.status());
+  BodyReader body(call.request);
+  const auto run = static_cast<int32_t>(body.Integer("run", 1, kMaxRun));
+  if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
+  Result<int32_t> revision = IfMatch(call.request);
+  if (!revision.ok()) return ErrorResponse(revision.status());
+  return JudgedOr(call, store,
+                  store.judging().RestoreResult(call.id, run, ActorOf(call), *revision));
+}
+
 Response ListResults(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
   Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
@@ -167,6 +189,7 @@ Response ListResults(const Call& call, Parts<ContentStore, TeachingStore, Attemp
   if (!page.ok()) return ErrorResponse(page.status());
   Result<std::vector<ResultRow>> rows = store.attempts().ResultsOf(call.id);
   if (!rows.ok()) return ErrorResponse(rows.status());
+  const int32_t newest = rows->empty() ? 0 : rows->front().run;
   json::value next = CutPage(*rows, *page, [](const ResultRow& row) {
     return FallingKey(static_cast<uint64_t>(row.run));
   });
@@ -180,12 +203,14 @@ Response ListResults(const Call& call, Parts<ContentStore, TeachingStore, Attemp
     // Parsed and put in as JSON, so that a damaged document is found here and not by the page.
     json::value score = json::parse(AsText(*text), error);
     if (error) return ErrorResponse(Status{Code::kInternal, "stored score is no JSON"});
-    results.push_back({{"run", row.run},
-                       {"scored_ms", row.scored_ms},
-                       {"cause", row.cause},
-                       {"reference_attempt", std::move(reference)},
-                       {"replay_realtime_factor", row.replay_realtime_factor},
-                       {"score", std::move(score)}});
+    results.push_back(
+        {{"run", row.run},
+         {"scored_ms", row.scored_ms},
+         {"cause", row.cause},
+         {"restorable", row.is_whole && row.run != newest && seen->row.expired_ms == 0},
+         {"reference_attempt", std::move(reference)},
+         {"replay_realtime_factor", row.replay_realtime_factor},
+         {"score", std::move(score)}});
   }
   return JsonResponse({{"results", std::move(results)}, {"next", std::move(next)}});
 }

@@ -180,10 +180,11 @@ class RunCheck {
 // document, leaves a row that names it. Trails of before a row was written have none.
 Status CheckTrail(Db& db, const Run& run, VerifyReport& report) {
   Query q(db,
-          "SELECT after_json FROM audit WHERE tenant = ?1 AND object = ?2 AND action = "
-          "'attempt.score' ORDER BY id DESC LIMIT 1");
+          "SELECT after_json FROM audit WHERE tenant = ?1 AND object = ?2 AND action IN (?3, ?4) "
+          "ORDER BY id DESC LIMIT 1");
   const std::string expected = ScoredJson(run.score_json, run.document);
-  if (q.Bind(run.attempt.Text()).Next() && q.Text(0) != expected) {
+  q.Bind(run.attempt.Text()).Bind(std::string(kAuditScore)).Bind(std::string(kAuditRestore));
+  if (q.Next() && q.Text(0) != expected) {
     report.findings.push_back({"result", run.attempt.Text(),
                                "the newest run that the audit trail names: " + q.Text(0), expected,
                                kScoreAgain});

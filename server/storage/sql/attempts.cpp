@@ -3,7 +3,7 @@
 #include "server/storage/sql/sql_names.h"
 #include "server/storage/sql/sqlite_impl.h"
 
-// Attempts as rows, what scoring leaves, references. Their traces: traces.cpp.
+// Attempts as rows, and what scoring leaves. Their traces: traces.cpp.
 namespace enamel::server::sqlite {
 namespace {
 
@@ -64,79 +64,6 @@ Status MustExist(Db& db, const Uuid& attempt) {
   return Status(Code::kNotFound, "no attempt " + attempt.Text());
 }
 
-// Those too whose run is under way: it may have looked for a reference before this one was there.
-Status QueueUnreferenced(Db& db, const Uuid& exercise) {
-  std::vector<Uuid> waiting;
-  {
-    Query q(
-        db,
-        "SELECT a.id FROM attempts a WHERE a.tenant = ?1 AND a.exercise = ?2 AND a.state IN (" +
-            Sql(AttemptState::kSealed) + ", " + Sql(AttemptState::kScoring) + ", " +
-            Sql(AttemptState::kScored) + ", " + Sql(AttemptState::kFailed) +
-            ") AND a.reference IS NULL AND a.expired_ms = 0 AND NOT EXISTS (SELECT 1 "
-            "FROM jobs j WHERE j.tenant = a.tenant AND j.attempt = a.id AND j.state = 'queued')");
-    q.Bind(exercise);
-    while (q.Next()) waiting.push_back(q.Id(0));
-    ENAMEL_RETURN_IF_ERROR(q.status());
-  }
-  for (const Uuid& attempt : waiting) {
-    ENAMEL_RETURN_IF_ERROR(QueueScoreJob(db, attempt, "reference"));
-  }
-  return Status::Ok();
-}
-
-Status InsertReference(Db& db, ReferenceRow& row) {
-  {
-    Query q(
-        db,
-        "SELECT coalesce(max(version), 0) FROM reference_cuts WHERE tenant = ?1 AND exercise = ?2");
-    // Counted in the writing transaction, so that no two get the same.
-    row.version = q.Bind(row.exercise).Next() ? static_cast<int32_t>(q.Int(0)) + 1 : 1;
-    ENAMEL_RETURN_IF_ERROR(q.status());
-  }
-  Query q(
-      db,
-      "INSERT INTO reference_cuts (tenant, id, exercise, attempt, dentist, version, created_ms, "
-      "consent) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)");
-  q.Bind(row.id).Bind(row.exercise).Bind(row.attempt).Bind(row.dentist).Bind(int64_t{row.version});
-  return q.Bind(row.created_ms).Bind(int64_t{row.consent}).Run();
-}
-
-#define ENAMEL_REFERENCE_SELECT                                                             \
-  "SELECT id, exercise, attempt, dentist, version, created_ms, consent, withdrawn_ms FROM " \
-  "reference_cuts WHERE tenant = ?1"
-
-ReferenceRow ReferenceOf(const Query& q) {
-  return ReferenceRow{q.Id(0),  q.Id(1),       q.Id(2), q.Text(3), static_cast<int32_t>(q.Int(4)),
-                      q.Int(5), q.Int(6) != 0, q.Int(7)};
-}
-
-// A cut that does not do the task would make everybody's score 0.
-Status MustDoTheTask(const AttemptRow& attempt) {
-  if (!attempt.critical_fail && attempt.score.value_or(0) > 0) return Status::Ok();
-  return Status(
-      Code::kConflict,
-      "attempt " + attempt.id.Text() +
-          " scored 0: what does not do the task cannot be the reference for others; if the "
-          "reference it was compared with is wrong, withdraw that and score it again",
-      "score");
-}
-
-// Said again, by another dentist's name perhaps: it counts once, as it was said last.
-Status WithdrawEarlier(Db& db, const Uuid& attempt) {
-  Query q(db,
-          "UPDATE reference_cuts SET withdrawn_ms = ?3 WHERE tenant = ?1 AND attempt = ?2 AND "
-          "withdrawn_ms = 0");
-  return q.Bind(attempt).Bind(NowMs()).Run();
-}
-
-Result<ReferenceRow> FindReference(Db& db, const Uuid& id) {
-  Query q(db, ENAMEL_REFERENCE_SELECT " AND id = ?2");
-  if (q.Bind(id).Next()) return ReferenceOf(q);
-  if (!q.status().ok()) return q.status();
-  return Status(Code::kNotFound, "no reference " + id.Text());
-}
-
 // A run that was cancelled may still come to its end, also after another one was queued.
 Status MustBeRunning(Db& db, const Uuid& job) {
   if (job.IsZero()) return Status::Ok();
@@ -180,25 +107,117 @@ Status WithdrawReleaseOfAnotherScore(Db& db, const Uuid& attempt,
   return another ? SetReleased(db, attempt, false, Actor{{}, "job"}) : Status::Ok();
 }
 
+// Of the newest run and the one before it all is kept, so that the newest can be taken back; of
+// earlier ones the score and its reasons.
+Status ForgetOldPictures(Db& db, const Uuid& attempt) {
+  Query q(
+      db,
+      "UPDATE attempt_results SET final_volume = NULL, surface = NULL, series = NULL WHERE tenant "
+      "= ?1 AND attempt = ?2 AND run < (SELECT max(n.run) - 1 FROM attempt_results n WHERE "
+      "n.tenant = ?1 AND n.attempt = ?2)");
+  return q.Bind(attempt).Run();
+}
+
 // Every run is kept: a score that was released and then changed can be explained.
 Status KeepResult(Db& db, const Uuid& attempt, const Store::AttemptResult& result,
                   const Uuid& job) {
   Query q(
       db,
       "INSERT INTO attempt_results (tenant, attempt, run, scored_ms, cause, score, "
-      "critical_fail, score_json, reference, replay_realtime_factor, document) SELECT ?1, ?2, 1 + "
-      "(SELECT "
-      "coalesce(max(run), 0) "
-      "FROM attempt_results WHERE tenant = ?1 AND attempt = ?2), ?3, coalesce((SELECT cause FROM "
-      "jobs WHERE tenant = ?1 AND id = ?8), 'seal'), ?4, ?5, ?6, ?7, "
-      "?9, ?10");
+      "critical_fail, score_json, reference, replay_realtime_factor, document, final_volume, "
+      "surface, "
+      "series) SELECT ?1, ?2, 1 + (SELECT coalesce(max(run), 0) FROM attempt_results WHERE tenant "
+      "= "
+      "?1 AND attempt = ?2), ?3, coalesce((SELECT cause FROM jobs WHERE tenant = ?1 AND id = ?8), "
+      "'seal'), ?4, ?5, ?6, ?7, ?9, ?10, ?11, ?12, ?13");
   q.Bind(attempt)
       .Bind(result.scored_ms != 0 ? result.scored_ms : NowMs())
       .Bind(result.score)
       .Bind(int64_t{result.critical_fail});
   q.Bind(result.score_json).Bind(result.reference);
   q.Bind(job).Bind(result.replay_realtime_factor);
-  return (result.document.empty() ? q.BindNull(sql::Type::kBlob) : q.Bind(result.document)).Run();
+  if (result.document.empty()) {
+    q.BindNull(sql::Type::kBlob);
+  } else {
+    q.Bind(result.document);
+  }
+  q.Bind(result.final_volume).Bind(result.surface).Bind(result.series);
+  ENAMEL_RETURN_IF_ERROR(q.Run());
+  return ForgetOldPictures(db, attempt);
+}
+
+// What RestoreResult takes over. Whether its run may be taken: only the newest but one has kept all
+// that belongs to it.
+struct KeptRun {
+  int64_t newest = 0;
+  Store::AttemptResult result;
+};
+
+Result<KeptRun> FindKept(Db& db, const Uuid& attempt, int32_t run) {
+  Query q(db,
+          "SELECT score, critical_fail, score_json, final_volume, surface, series, reference, "
+          "scored_ms, document, (SELECT max(n.run) FROM attempt_results n WHERE n.tenant = ?1 AND "
+          "n.attempt = ?2) FROM attempt_results WHERE tenant = ?1 AND attempt = ?2 AND run = ?3");
+  if (!q.Bind(attempt).Bind(int64_t{run}).Next()) {
+    if (!q.status().ok()) return q.status();
+    return Status(Code::kNotFound,
+                  "attempt " + attempt.Text() + " has no scoring run " + std::to_string(run),
+                  "run");
+  }
+  KeptRun out;
+  out.newest = q.Int(9);
+  out.result.score = q.Real(0);
+  out.result.critical_fail = q.Int(1) != 0;
+  out.result.score_json = q.Hash(2);
+  out.result.final_volume = q.Hash(3);
+  out.result.surface = q.Hash(4);
+  out.result.series = q.Hash(5);
+  if (!q.IsNull(6)) out.result.reference = q.Id(6);
+  out.result.scored_ms = q.Int(7);
+  out.result.document = q.Blob(8);
+  if (run == out.newest || !q.IsNull(4)) return out;
+  return Status(Code::kConflict,
+                "of run " + std::to_string(run) +
+                    " only points and reasons are kept, as it is neither the newest nor the one "
+                    "before; have the attempt scored again, or override its score",
+                "run");
+}
+
+// The same run once more, so that the newest one stays the one that counts.
+Status RepeatRun(Db& db, const Uuid& attempt, int32_t run) {
+  Query q(
+      db,
+      "INSERT INTO attempt_results (tenant, attempt, run, scored_ms, cause, score, critical_fail, "
+      "score_json, reference, replay_realtime_factor, document, final_volume, surface, series) "
+      "SELECT tenant, attempt, (SELECT 1 + max(n.run) FROM attempt_results n WHERE n.tenant = ?1 "
+      "AND n.attempt = ?2), scored_ms, 'restore', score, critical_fail, score_json, reference, "
+      "replay_realtime_factor, document, final_volume, surface, series FROM attempt_results "
+      "WHERE tenant = ?1 AND attempt = ?2 AND run = ?3");
+  ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(int64_t{run}).Run());
+  return ForgetOldPictures(db, attempt);
+}
+
+// The row of an attempt as its newest run left it.
+Status SetResult(Db& db, const Uuid& attempt, const Store::AttemptResult& result) {
+  Query q(db, "UPDATE attempts SET state = " + Sql(AttemptState::kScored) +
+                  ", progress = 1, problem = '', score = ?3, critical_fail = ?4, score_json = ?5, "
+                  "final_volume = ?6, surface = ?7, series = ?8, reference = ?9 "
+                  "WHERE tenant = ?1 AND id = ?2 AND state IN (" +
+                  Sql(AttemptState::kSealed) + ", " + Sql(AttemptState::kScoring) + ", " +
+                  Sql(AttemptState::kScored) + ", " + Sql(AttemptState::kFailed) + ")");
+  q.Bind(attempt).Bind(result.score).Bind(static_cast<int64_t>(result.critical_fail));
+  q.Bind(result.score_json).Bind(result.final_volume).Bind(result.surface).Bind(result.series);
+  ENAMEL_RETURN_IF_ERROR(q.Bind(result.reference).Run());
+  if (db.Changes() > 0) return Status::Ok();
+  return Status(Code::kConflict,
+                "attempt " + attempt.Text() + " is not one that waits for a score");
+}
+
+// Runs that wait or are under way.
+Status CancelRunsOf(Db& db, const Uuid& attempt, const Actor& by) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto open, OpenRunsOf(db, attempt));
+  for (const JobRow& job : open) ENAMEL_RETURN_IF_ERROR(CancelRun(db, job, by));
+  return Status::Ok();
 }
 
 Result<bool> Is(Db& db, const char* sql, const Uuid& id) {
@@ -368,27 +387,36 @@ Status SqliteStore::FinishAttempt(const Uuid& attempt, const AttemptResult& resu
     ENAMEL_RETURN_IF_ERROR(MustBeRunning(db, job));
     ENAMEL_RETURN_IF_ERROR(WithdrawReleaseOfAnotherScore(db, attempt, result));
     ENAMEL_RETURN_IF_ERROR(RaiseRevisionForAnother(db, attempt, result));
-    Query q(db, "UPDATE attempts SET state = " + Sql(AttemptState::kScored) +
-                    ", progress = 1, problem = '', score = ?3, critical_fail "
-                    "= ?4, "
-                    "score_json = ?5, final_volume = ?6, surface = ?7, series = ?8, "
-                    "reference = ?9 "
-                    "WHERE tenant = ?1 AND id = ?2 AND state IN (" +
-                    Sql(AttemptState::kSealed) + ", " + Sql(AttemptState::kScoring) + ", " +
-                    Sql(AttemptState::kScored) + ", " + Sql(AttemptState::kFailed) + ")");
-    q.Bind(attempt).Bind(result.score).Bind(static_cast<int64_t>(result.critical_fail));
-    q.Bind(result.score_json).Bind(result.final_volume).Bind(result.surface).Bind(result.series);
-    q.Bind(result.reference);
-    ENAMEL_RETURN_IF_ERROR(q.Run());
-    if (db.Changes() == 0) {
-      return Status(Code::kConflict,
-                    "attempt " + attempt.Text() + " is not one that waits for a score");
-    }
+    ENAMEL_RETURN_IF_ERROR(SetResult(db, attempt, result));
     ENAMEL_RETURN_IF_ERROR(KeepResult(db, attempt, result, job));
     ENAMEL_RETURN_IF_ERROR(WaitForTimeline(db, attempt));
     ENAMEL_RETURN_IF_ERROR(KeepMotion(db, attempt, result));
-    return WriteAudit(db, Actor{{}, "job"}, "attempt.score", attempt.Text(), "{}",
+    return WriteAudit(db, Actor{{}, "job"}, kAuditScore, attempt.Text(), "{}",
                       ScoredJson(result.score_json, result.document));
+  });
+}
+
+Status SqliteStore::RestoreResult(const Uuid& attempt, int32_t run, const Actor& by,
+                                  std::optional<int32_t> revision) {
+  return Write([&](Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(const auto row, FindAttempt(db, attempt));
+    if (revision) ENAMEL_RETURN_IF_ERROR(MustBeRevision(row.revision, *revision));
+    if (row.expired_ms != 0) {
+      return Status(Code::kConflict,
+                    "the recording of attempt " + attempt.Text() +
+                        " was removed by a retention rule; its score stays as it is");
+    }
+    ENAMEL_ASSIGN_OR_RETURN(const auto kept, FindKept(db, attempt, run));
+    ENAMEL_RETURN_IF_ERROR(CancelRunsOf(db, attempt, by));
+    // It counts already; what was to take its place is cancelled.
+    if (run == kept.newest) return Status::Ok();
+    ENAMEL_RETURN_IF_ERROR(WithdrawReleaseOfAnotherScore(db, attempt, kept.result));
+    ENAMEL_RETURN_IF_ERROR(RaiseRevisionForAnother(db, attempt, kept.result));
+    ENAMEL_RETURN_IF_ERROR(SetResult(db, attempt, kept.result));
+    ENAMEL_RETURN_IF_ERROR(RepeatRun(db, attempt, run));
+    return WriteAudit(db, by, kAuditRestore, attempt.Text(),
+                      JsonOf({{"run", std::to_string(kept.newest)}}),
+                      ScoredJson(kept.result.score_json, kept.result.document));
   });
 }
 
@@ -445,82 +473,6 @@ Status SqliteStore::SetProgress(const Uuid& job, double progress) {
                     " AND id = (SELECT "
                     "attempt FROM jobs WHERE tenant = ?1 AND id = ?2)");
     return q.Bind(job).Bind(std::clamp(progress, 0.0, 1.0)).Run();
-  });
-}
-
-Result<ReferenceRow> SqliteStore::AddReference(const Uuid& attempt, const std::string& dentist,
-                                               bool consent, const Actor& by) {
-  ReferenceRow row;
-  row.consent = consent;
-  row.id = Uuid::New();
-  row.attempt = attempt;
-  row.dentist = dentist;
-  row.created_ms = NowMs();
-  Status status = Write([&](Db& db) -> Status {
-    ENAMEL_ASSIGN_OR_RETURN(auto found, FindAttempt(db, attempt));
-    if (found.state != AttemptState::kScored) {
-      return Status(Code::kConflict, "attempt " + attempt.Text() + " is " +
-                                         AttemptStateName(found.state) +
-                                         ", only a scored one can become a reference");
-    }
-    // Others are compared with the cut itself, not with its score.
-    if (found.expired_ms != 0) {
-      return Status(Code::kConflict, "the recording of attempt " + attempt.Text() +
-                                         " was removed by a retention rule, so it can no longer "
-                                         "become a reference");
-    }
-    row.exercise = found.exercise;
-    ENAMEL_RETURN_IF_ERROR(MustDoTheTask(found));
-    ENAMEL_RETURN_IF_ERROR(WithdrawEarlier(db, attempt));
-    ENAMEL_RETURN_IF_ERROR(InsertReference(db, row));
-    // What was scored without a reference is scored again with it; what was compared with an earlier
-    // one keeps its score until somebody asks.
-    ENAMEL_RETURN_IF_ERROR(QueueUnreferenced(db, row.exercise));
-    return WriteAudit(
-        db, by, "reference.add", attempt.Text(), "{}",
-        JsonOf({{"exercise", row.exercise.Text()}, {"version", std::to_string(row.version)}}));
-  });
-  if (!status.ok()) return status;
-  return row;
-}
-
-Result<std::optional<ReferenceRow>> SqliteStore::ReferenceFor(const Uuid& exercise) {
-  return Read([&](Db& db) -> Result<std::optional<ReferenceRow>> {
-    Query q(db, ENAMEL_REFERENCE_SELECT
-            " AND exercise = ?2 AND withdrawn_ms = 0 ORDER BY version DESC LIMIT 1");
-    std::optional<ReferenceRow> out;
-    if (q.Bind(exercise).Next()) out = ReferenceOf(q);
-    if (!q.status().ok()) return q.status();
-    return out;
-  });
-}
-
-Result<ReferenceRow> SqliteStore::ReferenceById(const Uuid& id) {
-  return Read([&](Db& db) { return FindReference(db, id); });
-}
-
-Result<std::vector<ReferenceRow>> SqliteStore::References(const Uuid& exercise) {
-  return Read([&](Db& db) -> Result<std::vector<ReferenceRow>> {
-    Query q(db, ENAMEL_REFERENCE_SELECT " AND exercise = ?2 ORDER BY version DESC");
-    q.Bind(exercise);
-    std::vector<ReferenceRow> out;
-    while (q.Next()) out.push_back(ReferenceOf(q));
-    if (!q.status().ok()) return q.status();
-    return out;
-  });
-}
-
-// It is marked and not deleted: scores that were compared with it still name it.
-Status SqliteStore::WithdrawReference(const Uuid& id, const Actor& by) {
-  return Write([&](Db& db) -> Status {
-    ENAMEL_ASSIGN_OR_RETURN(auto row, FindReference(db, id));
-    if (row.withdrawn_ms != 0) return Status::Ok();
-    Query q(db, "UPDATE reference_cuts SET withdrawn_ms = ?3 WHERE tenant = ?1 AND id = ?2");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(id).Bind(NowMs()).Run());
-    return WriteAudit(
-        db, by, "reference.withdraw", row.attempt.Text(),
-        JsonOf({{"exercise", row.exercise.Text()}, {"version", std::to_string(row.version)}}),
-        JsonOf({{"withdrawn", "yes"}}));
   });
 }
 

@@ -1,5 +1,6 @@
 #include <utility>
 
+#include "common/base/counted.h"
 #include "server/storage/sql/sqlite_impl.h"
 
 // Erasing a person: the key first, then the rows, then the blobs.
@@ -58,6 +59,8 @@ Status RedactAudit(Db& db, const Uuid& person) {
   return q.Bind(person.Text()).Run();
 }
 
+constexpr const char* kPicturesOfRuns[] = {"final_volume", "surface", "series"};
+
 }  // namespace
 
 Result<std::set<Sha256>> NamedBlobs(Db& db) {
@@ -93,6 +96,12 @@ Result<std::set<Sha256>> NamedBlobs(Db& db) {
         "timelines WHERE tenant = ?1 AND content IS NOT NULL";
   }
   if (schema >= 14) sql += " UNION SELECT content FROM motions WHERE tenant = ?1";
+  if (schema >= 15) {
+    for (const char* picture : kPicturesOfRuns) {
+      sql += std::string(" UNION SELECT ") + picture +
+             " FROM attempt_results WHERE tenant = ?1 AND " + picture + " IS NOT NULL";
+    }
+  }
   Query documents(db, sql.c_str());
   ENAMEL_RETURN_IF_ERROR(add(documents, 1));
   Query attempts(db,
@@ -115,8 +124,15 @@ Status DeleteAttempts(Db& db, const std::vector<Uuid>& attempts, std::set<Sha256
       }
     }
     ENAMEL_RETURN_IF_ERROR(named.status());
-    Query earlier(db, "SELECT score_json FROM attempt_results WHERE tenant = ?1 AND attempt = ?2");
-    for (earlier.Bind(attempt); earlier.Next();) blobs.insert(earlier.Hash(0));
+    Query earlier(
+        db,
+        "SELECT score_json, final_volume, surface, series FROM attempt_results WHERE tenant "
+        "= ?1 AND attempt = ?2");
+    for (earlier.Bind(attempt); earlier.Next();) {
+      for (int i = 0; i < 4; ++i) {
+        if (Sha256 hash = earlier.Hash(i); !hash.IsZero()) blobs.insert(hash);
+      }
+    }
     ENAMEL_RETURN_IF_ERROR(earlier.status());
     ENAMEL_RETURN_IF_ERROR(DropTimeline(db, attempt, blobs));
     ENAMEL_RETURN_IF_ERROR(DropMotion(db, attempt, blobs));

@@ -129,15 +129,25 @@ Status CancelRun(Db& db, JobRow row, const Actor& by) {
                     JsonOf({{"state", row.state}}));
 }
 
-Result<std::vector<JobRow>> OpenJobsOf(Db& db, const Uuid& batch) {
-  static const std::string kSql =
-      std::string(kSelect) + " AND batch = ?2 AND state IN ('queued', 'running')";
-  Query q(db, kSql.c_str());
-  q.Bind(batch);
+namespace {
+
+Result<std::vector<JobRow>> OpenJobs(Db& db, const char* whose, const Uuid& id) {
+  Query q(db, std::string(kSelect) + " AND state IN ('queued', 'running') AND " + whose + " = ?2");
+  q.Bind(id);
   std::vector<JobRow> out;
   while (q.Next()) out.push_back(JobOf(q));
   if (!q.status().ok()) return q.status();
   return out;
+}
+
+}  // namespace
+
+Result<std::vector<JobRow>> OpenJobsOf(Db& db, const Uuid& batch) {
+  return OpenJobs(db, "batch", batch);
+}
+
+Result<std::vector<JobRow>> OpenRunsOf(Db& db, const Uuid& attempt) {
+  return OpenJobs(db, "attempt", attempt);
 }
 
 // The process that held them is gone: waiting for the leases to run out would only delay the

@@ -120,10 +120,22 @@ Status Expire(Db& db, const std::vector<Uuid>& attempts, UnixMs now_ms, std::set
       }
     }
     ENAMEL_RETURN_IF_ERROR(named.status());
+    Query runs(db,
+               "SELECT final_volume, surface, series FROM attempt_results WHERE tenant = ?1 AND "
+               "attempt = ?2");
+    for (runs.Bind(attempt); runs.Next();) {
+      for (int i = 0; i < 3; ++i) {
+        if (Sha256 hash = runs.Hash(i); !hash.IsZero()) blobs.insert(hash);
+      }
+    }
+    ENAMEL_RETURN_IF_ERROR(runs.status());
     ENAMEL_RETURN_IF_ERROR(DropTimeline(db, attempt, blobs));
     ENAMEL_RETURN_IF_ERROR(DropMotion(db, attempt, blobs));
     for (const char* sql :
-         {"DELETE FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2",
+         {"UPDATE attempt_results SET final_volume = NULL, surface = NULL, series = NULL WHERE "
+          "tenant "
+          "= ?1 AND attempt = ?2",
+          "DELETE FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2",
           "DELETE FROM contradicting_chunks WHERE tenant = ?1 AND attempt = ?2"}) {
       ENAMEL_RETURN_IF_ERROR(Query(db, sql).Bind(attempt).Run());
     }

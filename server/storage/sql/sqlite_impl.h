@@ -156,7 +156,11 @@ class SqliteStore final : public Store {
   Result<std::vector<ContradictionRow>> ContradictionsOf(const Uuid& attempt) override;
   Result<std::vector<MotionRow>> MotionsBefore(const Uuid& attempt, uint32_t limit) override;
   Result<std::optional<NearAttempt>> NearestTo(const Uuid& attempt) override;
+  Status ClearExcuse(const Uuid& attempt, const Actor& by,
+                     std::optional<int32_t> revision) override;
   Status Rescore(const Uuid& attempt, const std::string& cause, const Actor& by) override;
+  Status RestoreResult(const Uuid& attempt, int32_t run, const Actor& by,
+                       std::optional<int32_t> revision) override;
   Result<AnnotationRow> AddAnnotation(const AnnotationRow& row, const Actor& by) override;
   Result<AnnotationRow> ReplaceAnnotation(const AnnotationRow& row, const Actor& by) override;
   Status DeleteAnnotation(const Uuid& id, int32_t revision, const Actor& by) override;
@@ -303,7 +307,9 @@ Status Explain(Status status, const std::string& conflict);
 Status QueueScoreJob(Db& db, const Uuid& attempt, const std::string& cause,
                      const std::optional<Uuid>& batch = {});
 Status CancelRun(Db& db, JobRow job, const Actor& by);
-Result<std::vector<JobRow>> OpenJobsOf(Db& db, const Uuid& batch);  // queued and running
+// Queued and running.
+Result<std::vector<JobRow>> OpenJobsOf(Db& db, const Uuid& batch);
+Result<std::vector<JobRow>> OpenRunsOf(Db& db, const Uuid& attempt);
 Result<ExerciseRow> FindExercise(Db& db, const Uuid& id);
 // The newest published version of a name; none: no version is offered.
 Result<std::optional<ExerciseRow>> OfferedVersion(Db& db, const std::string& name);
@@ -334,7 +340,9 @@ Status RaiseRevision(Db& db, const Uuid& attempt);
 Status MustNotBeTheOnlyAdmin(Db& db, const Person& person);
 // Jobs that a worker of an earlier process held may be taken again at once.
 Status EndLeases(Db& db);
-// What the row "attempt.score" of the audit trail tells; empty: the result is not signed.
+// What the row "attempt.score" of the audit trail tells, or that of an earlier run which counts
+// again; empty: the result is not signed.
+inline constexpr char kAuditScore[] = "attempt.score", kAuditRestore[] = "attempt.restore";
 Json ScoredJson(const Sha256& score_json, ByteView document);
 Result<AttemptRow> FindAttempt(Db& db, const Uuid& id);
 // Every blob that a row names.

@@ -194,6 +194,21 @@ Status SqliteStore::FlagAttempt(const Uuid& attempt, uint32_t flags, const std::
   });
 }
 
+Status SqliteStore::ClearExcuse(const Uuid& attempt, const Actor& by,
+                                std::optional<int32_t> revision) {
+  return Write([&](Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(const auto row, FindSeen(db, attempt, revision));
+    if ((row.flags & kExcused) == 0) return Status::Ok();
+    {
+      Query q(db, "UPDATE attempts SET flags = flags - ?3 WHERE tenant = ?1 AND id = ?2");
+      ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(int64_t{kExcused}).Run());
+    }
+    ENAMEL_RETURN_IF_ERROR(RaiseRevision(db, attempt));
+    return WriteAudit(db, by, "attempt.unflag", attempt.Text(), JsonOf({{"flags", "excused"}}),
+                      "{}");
+  });
+}
+
 Status SqliteStore::Rescore(const Uuid& attempt, const std::string& cause, const Actor& by) {
   ENAMEL_RETURN_IF_ERROR(AcceptCommitted(attempt, by));
   return Write([&](Db& db) -> Status {
@@ -209,7 +224,8 @@ Result<std::vector<ResultRow>> SqliteStore::ResultsOf(const Uuid& attempt) {
   return Read([&](Db& db) -> Result<std::vector<ResultRow>> {
     Query q(db,
             "SELECT run, scored_ms, cause, score, critical_fail, score_json, reference, "
-            "replay_realtime_factor, document FROM attempt_results WHERE tenant = ?1 AND attempt = "
+            "replay_realtime_factor, document, surface IS NOT NULL FROM attempt_results WHERE "
+            "tenant = ?1 AND attempt = "
             "?2 ORDER "
             "BY run DESC");
     q.Bind(attempt);
@@ -225,6 +241,7 @@ Result<std::vector<ResultRow>> SqliteStore::ResultsOf(const Uuid& attempt) {
       if (!q.IsNull(6)) row.reference = q.Id(6);
       row.replay_realtime_factor = q.Real(7);
       row.document = q.Blob(8);
+      row.is_whole = q.Int(9) != 0;
       out.push_back(std::move(row));
     }
     if (!q.status().ok()) return q.status();

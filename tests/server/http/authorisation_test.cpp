@@ -171,6 +171,8 @@ const Line kLines[] = {
     {"DELETE /api/v1/attempts/{id}/override",      "attempt",        "",                                    "401 403 403 403 200 404 200 200 401 403"},
     {"POST /api/v1/attempts/{id}/rescore",         "attempt",        "",                                    "401 403 403 403 409 404 409 409 401 403"},
     {"POST /api/v1/attempts/{id}/excuse",          "attempt",        R"({"reason":"r"})",                   "401 403 403 403 200 404 200 200 401 403"},
+    {"DELETE /api/v1/attempts/{id}/excuse",        "attempt",        "",                                    "401 403 403 403 200 404 200 200 401 403"},
+    {"POST /api/v1/attempts/{id}/restore-result",  "attempt",        R"({"run":1})",                        "401 403 403 403 200 404 200 200 401 403"},
     {"GET /api/v1/attempts/{id}/results",          "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
     {"GET /api/v1/attempts/{id}/annotations",      "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
     {"POST /api/v1/attempts/{id}/annotations",     "attempt",        R"({"tick":1,"text":"t"})",            "401 403 403 403 201 404 201 201 401 403"},

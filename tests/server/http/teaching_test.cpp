@@ -780,6 +780,36 @@ TEST_F(TeachingTest, ReferencesAreListedAndWithdrawnAndNamesShownWithConsentOnly
   EXPECT_EQ(school_.store->ReferenceFor(school_.exercise)->value().dentist, "Dr. Vega");
 }
 
+TEST_F(TeachingTest, ExcuseIsTakenBackByWhoMayExcuse) {
+  const std::string path = Scored("");
+  ASSERT_EQ(By("ada").Judge("POST", path, "/excuse", R"({"reason":"ill"})").status, 200);
+  EXPECT_EQ(By("sam").Judge("DELETE", path, "/excuse").status, 403);
+  EXPECT_EQ(Send("ada", "DELETE", Scored("/excuse"), nullptr).status, 428) << "as it was seen";
+  const RawResponse back = By("ada").Judge("DELETE", path, "/excuse");
+  ASSERT_EQ(back.status, 200) << back.body;
+  EXPECT_TRUE(Parsed(back).at("flags").as_array().empty());
+  EXPECT_EQ(By("ada").Judge("DELETE", path, "/excuse").status, 200) << "twice is once";
+}
+
+TEST_F(TeachingTest, EarlierScoreIsMadeToCountAgainByWhoMayScoreAgain) {
+  const std::string path = Scored("");
+  const Uuid attempt = *Uuid::Parse(path.substr(path.rfind('/') + 1));
+  Store::AttemptResult result = *school_.store->ResultOf(attempt);
+  result.score = 12;
+  ASSERT_TRUE(school_.store->FinishAttempt(attempt, result, {}).ok());
+  json::value runs = Parsed(By("ada").Get(path + "/results")).at("results");
+  EXPECT_EQ(runs.at(0).at("restorable"), false) << "it counts";
+  EXPECT_EQ(runs.at(1).at("restorable"), true);
+  EXPECT_EQ(By("sam").Judge("POST", path, "/restore-result", R"({"run":1})").status, 403);
+  EXPECT_EQ(By("ada").Judge("POST", path, "/restore-result", R"({"run":7})").status, 404);
+  EXPECT_EQ(By("ada").Judge("POST", path, "/restore-result", R"({"run":0})").status, 400);
+  EXPECT_EQ(By("ada").Judge("POST", path, "/restore-result", R"({})").status, 400);
+  const RawResponse back = By("ada").Judge("POST", path, "/restore-result", R"({"run":1})");
+  ASSERT_EQ(back.status, 200) << back.body;
+  EXPECT_EQ(Parsed(back).at("computed_score"), 87.5);
+  EXPECT_EQ(Parsed(By("ada").Get(path + "/results")).at("results").at(0).at("cause"), "restore");
+}
+
 TEST_F(TeachingTest, ExamAttemptShowsNothingBeforeItsRelease) {
   AssignmentRow terms;
   terms.exercise = "class-1-occlusal";

@@ -139,6 +139,13 @@ export class TeachingApi {
   excuse({ id, revision }: Seen, reason: string) {
     return this.http.json<AttemptDetail>("POST", `${attemptPath(id)}/excuse`, { body: { reason }, tag: tagOf(revision) });
   }
+  takeExcuseBack({ id, revision }: Seen) {
+    return this.http.json<AttemptDetail>("DELETE", `${attemptPath(id)}/excuse`, { tag: tagOf(revision) });
+  }
+  // The score of an earlier run (results) counts again.
+  restoreResult({ id, revision }: Seen, run: number) {
+    return this.http.json<AttemptDetail>("POST", `${attemptPath(id)}/restore-result`, { body: { run }, tag: tagOf(revision) });
+  }
   makeReference(attempt: string, dentist: string, consent: boolean) {
     return this.http.json<Reference>("POST", `${attemptPath(attempt)}/reference`, { body: { dentist, consent } });
   }

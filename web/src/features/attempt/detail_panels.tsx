@@ -41,7 +41,7 @@ export function MetricsPanel({ metrics }: { readonly metrics: readonly Metric[] 
 }
 
 const kCauses: Readonly<Record<string, string>> = {
-  seal: "When the attempt was finished", reference: "A new reference came", rescore: "Asked for by an instructor", appeal: "After an appeal", rubric: "Scored again with the whole cohort",
+  seal: "When the attempt was finished", reference: "A new reference came", rescore: "Asked for by an instructor", appeal: "After an appeal", rubric: "Scored again with the whole cohort", restore: "An earlier score counts again",
 };
 
 // Every time the attempt was scored; nothing to say as long as that was once.

@@ -72,6 +72,7 @@ export function TeacherActions({ client, attempt, graded, onChanged, onNext, rel
         {may("override") && attempt.override !== null && <button type="button" class="button" onClick={() => setOpen("dropOverride")}>Remove the set score…</button>}
         {may("rescore") && <button type="button" class="button" onClick={() => setOpen("rescore")}>Score again…</button>}
         {may("excuse") && <button type="button" class="button" aria-expanded={open === "excuse"} onClick={() => setOpen(open === "excuse" ? undefined : "excuse")}>Excuse…</button>}
+        {may("unexcuse") && <button type="button" class="button" disabled={change.busy} onClick={() => void act(() => teaching.takeExcuseBack(attempt), "The attempt counts again.")}>Take excuse back</button>}
         {attempt.is_reference ? <Badge tone="good">Reference of its exercise</Badge> : may("mark_reference") && (
           <button type="button" class="button" aria-expanded={open === "reference"} onClick={() => setOpen(open === "reference" ? undefined : "reference")}>Mark as reference…</button>
         )}

@@ -1,7 +1,7 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { ApiResult } from "../../api/http";
-import type { Attempt } from "../../api/types";
+import type { Attempt, AttemptDetail } from "../../api/types";
 import { plural } from "../../base/format";
 import { Notice } from "../../widgets/basics";
 import { Confirm } from "../../widgets/dialog";
@@ -35,18 +35,37 @@ export function BulkActions({ client, chosen, onDone }: Props) {
     setTold({ text: text(outcome.done.length), outcome });
     return outcome;
   };
+  // Each change counts: an attempt is read again before one is taken back.
+  const onNow = async ({ id }: Attempt, change: (now: AttemptDetail) => Promise<ApiResult<unknown>>) => {
+    const now = await client.attempt(id);
+    return now.ok ? change(now.value) : now;
+  };
+  const offerUndo = (done: readonly Attempt[], text: (count: number) => string, change: (now: AttemptDetail) => Promise<ApiResult<unknown>>) => {
+    if (done.length === 0) return;
+    const undo = async () => { await run(done, "Taken back", text, (attempt) => onNow(attempt, change)); };
+    setTold((now) => now === undefined ? now : { ...now, undo });
+  };
   const releasable = chosen.filter((attempt) => attempt.state === "scored" && !attempt.released);
   const release = async () => {
     const { done } = await run(releasable, "Released", (count) => `${plural(count, "score")} released.`, (attempt) => teaching.release(attempt));
-    if (done.length === 0) return;
-    const undo = async () => {
-      // Releasing counts as a change: each is read again before its release is taken back.
-      await run(done, "Taken back", (count) => `${plural(count, "release")} taken back.`, async ({ id }) => {
-        const now = await client.attempt(id);
-        return now.ok ? teaching.withdrawRelease(now.value) : now;
-      });
-    };
-    setTold((now) => now === undefined ? now : { ...now, undo });
+    offerUndo(done, (count) => `${plural(count, "release")} taken back.`, (now) => teaching.withdrawRelease(now));
+  };
+  const excuse = async () => {
+    const { done } = await run(chosen, "Excused", (count) => `${plural(count, "attempt")} excused.`, (attempt) => teaching.excuse(attempt, reason.trim()));
+    offerUndo(done, (count) => `${plural(count, "attempt")} ${count === 1 ? "counts" : "count"} again.`, (now) => teaching.takeExcuseBack(now));
+  };
+  const rescore = async () => {
+    // What counted before, so that it can count again.
+    const before = new Map<string, number>();
+    const { done } = await run(chosen, "Asked for", (count) => `${plural(count, "attempt")} to be scored again.`, async ({ id }) => {
+      const runs = await teaching.results(id);
+      if (!runs.ok) return runs;
+      const newest = runs.value[0];
+      if (newest !== undefined) before.set(id, newest.run);
+      return teaching.rescore(id);
+    });
+    offerUndo(done.filter(({ id }) => before.has(id)), (count) => `The earlier score of ${plural(count, "attempt")} counts again.`,
+              (now) => teaching.restoreResult(now, before.get(now.id)!));
   };
   return (
     <div class="bulk" aria-live="polite">
@@ -67,7 +86,7 @@ export function BulkActions({ client, chosen, onDone }: Props) {
       )}
       {asking === "rescore" && (
         <Confirm title={`Score ${plural(chosen.length, "attempt")} again?`} action="Score again" tone="neutral" onClose={() => setAsking(undefined)}
-                 onConfirm={async () => { void run(chosen, "Asked for", (count) => `${plural(count, "attempt")} to be scored again.`, ({ id }) => teaching.rescore(id)); return undefined; }}>
+                 onConfirm={async () => { void rescore(); return undefined; }}>
           <p>Each recording is replayed and compared with the exercise's newest reference. The scores there are now stay in the history.</p>
         </Confirm>
       )}
@@ -75,10 +94,10 @@ export function BulkActions({ client, chosen, onDone }: Props) {
         <Confirm title={`Excuse ${plural(chosen.length, "attempt")}?`} action="Excuse" onClose={() => setAsking(undefined)}
                  onConfirm={async () => {
                    if (reason.trim() === "") return "Say why: the reason is kept.";
-                   void run(chosen, "Excused", (count) => `${plural(count, "attempt")} excused.`, (attempt) => teaching.excuse(attempt, reason.trim()));
+                   void excuse();
                    return undefined;
                  }}>
-          <p>They count neither against the attempt limit nor as a running exam. This cannot be taken back.</p>
+          <p>They count neither against the attempt limit nor as a running exam.</p>
           <LongTextField label="Why they do not count" value={reason} onValue={setReason} required maxLength={1000} rows={3} />
         </Confirm>
       )}
