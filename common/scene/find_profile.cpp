@@ -1,6 +1,7 @@
 #include "common/scene/find_profile.h"
 
 #include "common/base/file.h"
+#include "common/base/in_document.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"
 
@@ -14,12 +15,7 @@ Result<DeviceProfile> ProfileIn(const std::string& path) {
   if (!text.ok()) return text.status();
   Result<DeviceProfile> profile = ProfileFromJson(AsText(*text));
   if (profile.ok()) return profile;
-  const Status& status = profile.status();
-  // Some messages begin with the place themselves.
-  const bool placed = status.field().empty() || status.message().starts_with(status.field());
-  return Status(status.code(),
-                path + ": " + (placed ? "" : status.field() + ": ") + status.message(),
-                status.field());
+  return InDocument(path, profile.status());
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include "common/base/file.h"
 #include "common/base/hex.h"
+#include "common/base/in_document.h"
 #include "common/scene/calibration.h"
 #include "common/scene/json/json.h"
 #include "common/scene/profile_criteria.h"
@@ -21,13 +22,6 @@ constexpr size_t kMaxDocument = 1 << 20;
 Result<std::string> ReadText(const std::filesystem::path& file) {
   ENAMEL_ASSIGN_OR_RETURN(auto bytes, ReadFile(file, kMaxDocument));
   return std::string(AsText(bytes));
-}
-
-// With file and member: the parser of a document knows neither where it came from nor who reads its
-// refusal.
-Status InFile(const std::filesystem::path& file, const Status& status) {
-  return {status.code(), file.string() + ": " + status.field() + ": " + status.message(),
-          status.field()};
 }
 
 void Show(const std::vector<scene::ProfileCriterion>& criteria) {
@@ -147,7 +141,7 @@ Status PutProfile(const std::filesystem::path& data, const std::filesystem::path
                   bool check_only) {
   ENAMEL_ASSIGN_OR_RETURN(auto text, ReadText(file));
   auto profile = scene::ProfileFromJson(text);
-  if (!profile.ok()) return InFile(file, profile.status());
+  if (!profile.ok()) return InDocument(file.string(), profile.status());
   auto criteria = scene::CheckProfile(*profile);
   // Also when all is well: an admin who lets a device into a course sees by how much each criterion
   // is met.
@@ -192,7 +186,7 @@ Status AddProfileReport(const std::filesystem::path& data, const std::string& pr
 Status AddCalibration(const std::filesystem::path& data, const std::filesystem::path& file) {
   ENAMEL_ASSIGN_OR_RETURN(auto text, ReadText(file));
   auto calibration = scene::CalibrationFromJson(text);
-  if (!calibration.ok()) return InFile(file, calibration.status());
+  if (!calibration.ok()) return InDocument(file.string(), calibration.status());
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
   CalibrationRow row;
   row.profile = calibration->profile;

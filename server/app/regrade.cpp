@@ -7,7 +7,9 @@
 #include <map>
 #include <set>
 
+#include "common/base/counted.h"
 #include "common/base/file.h"
+#include "common/base/in_document.h"
 #include "common/scene/json/json.h"
 #include "server/app/admin.h"
 #include "server/app/command_line.h"
@@ -44,8 +46,7 @@ Result<scene::Rubric> ReadRubric(const std::filesystem::path& file) {
   ENAMEL_ASSIGN_OR_RETURN(auto text, ReadFile(file, kMaxDocumentBytes));
   auto rubric = scene::RubricFromJson(AsText(text));
   if (rubric.ok()) return rubric;
-  return Status(rubric.status().code(),
-                file.string() + ": " + rubric.status().field() + ": " + rubric.status().message());
+  return InDocument(file.string(), rubric.status());
 }
 
 std::string ScoreText(double score, bool failed) {

@@ -6,7 +6,9 @@
 #include <iostream>
 #include <optional>
 
+#include "common/base/counted.h"
 #include "common/base/file.h"
+#include "common/base/in_document.h"
 #include "common/base/unix_time.h"
 #include "common/scene/json/json.h"
 #include "server/app/admin.h"
@@ -60,12 +62,7 @@ Result<std::vector<ExerciseRow>> Publish(ContentStore& store, const NewExercise&
   }
   ENAMEL_ASSIGN_OR_RETURN(auto text, ReadFile(exercise.document, kMaxDocumentBytes));
   auto document = scene::ExerciseFromJson(AsText(text));
-  if (!document.ok()) {
-    return Status(
-        document.status().code(),
-        exercise.document + ": " + document.status().field() + ": " + document.status().message(),
-        document.status().field());
-  }
+  if (!document.ok()) return InDocument(exercise.document, document.status());
   ENAMEL_ASSIGN_OR_RETURN(auto row, PublishDocument(store, *document, cohort));
   return std::vector<ExerciseRow>{row};
 }

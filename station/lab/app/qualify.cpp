@@ -5,6 +5,7 @@
 #include <fstream>
 #include <mutex>
 
+#include "common/base/in_document.h"
 #include "common/program/output.h"
 #include "common/scene/find_profile.h"
 #include "common/scene/profile_criteria.h"
@@ -54,11 +55,7 @@ Result<std::vector<DeviceModel>> ModelIn(const std::string& path) {
   Status status = model.status();
   if (status.ok()) status = CheckTorque(*profile);
   if (status.ok()) return std::vector<DeviceModel>{*model};
-  // Some messages begin with the member's name: it is not said twice.
-  const bool placed = status.field().empty() || status.message().starts_with(status.field());
-  return Status(status.code(),
-                path + ": " + (placed ? "" : status.field() + ": ") + status.message(),
-                status.field());
+  return InDocument(path, status);
 }
 
 Result<std::vector<DeviceModel>> ModelsFor(const std::string& name) {
