@@ -46,20 +46,26 @@ class PasswordFile {
     if (!kept_ && !path_.empty()) std::filesystem::remove(path_, ignored);
   }
   PasswordFile(PasswordFile&& other) noexcept
-      : path_(std::exchange(other.path_, {})), kept_(other.kept_) {}
+      : path_(std::exchange(other.path_, {})),
+        written_(std::move(other.written_)),
+        kept_(other.kept_) {}
   PasswordFile(const PasswordFile&) = delete;
   PasswordFile& operator=(const PasswordFile&) = delete;
 
-  Status Keep(const std::string& text) {
-    // Before the write: a file that was written in part may hold passwords that are in use already,
-    // and nothing else does.
-    kept_ = true;
-    return WriteFileDurably(path_, AsBytes(text), 0600);
+  Status Write(const std::vector<roster::NewPassword>& passwords) {
+    const std::string text = roster::PasswordsCsv(passwords);
+    if (text == written_) return Status::Ok();
+    ENAMEL_RETURN_IF_ERROR(WriteFileDurably(path_, AsBytes(text), 0600));
+    written_ = text;
+    return Status::Ok();
   }
+  // Nobody else knows what is in it from now on.
+  void Keep() { kept_ = true; }
 
  private:
   explicit PasswordFile(std::filesystem::path path) : path_(std::move(path)) {}
   std::filesystem::path path_;
+  std::string written_;
   bool kept_ = false;
 };
 
@@ -106,7 +112,7 @@ Status Refusal(const roster::ImportResult& result) {
 
 // What is new gets its passwords into a file that was made before.
 Status Import(PeopleStore& store, std::string_view csv, const RosterCommand& command,
-              const roster::ImportOptions& options, size_t fresh) {
+              roster::ImportOptions options, size_t fresh) {
   std::optional<PasswordFile> file;
   // Nobody new, nothing to write down: a repeated import leaves no empty file behind.
   if (fresh > 0) {
@@ -118,6 +124,10 @@ Status Import(PeopleStore& store, std::string_view csv, const RosterCommand& com
     }
     ENAMEL_ASSIGN_OR_RETURN(auto made, PasswordFile::Make(command.passwords));
     file.emplace(std::move(made));
+    // Before anybody is added: where the disk is full nobody is.
+    options.keep = [&file](const std::vector<roster::NewPassword>& passwords) {
+      return file->Write(passwords);
+    };
   }
   // Somebody may have changed people since the dry run. The plan is made again inside, and may find
   // problems that the first one did not.
@@ -127,7 +137,9 @@ Status Import(PeopleStore& store, std::string_view csv, const RosterCommand& com
     return Refusal(result);
   }
   if (file && !result.passwords.empty()) {
-    ENAMEL_RETURN_IF_ERROR(file->Keep(roster::PasswordsCsv(result.passwords)));
+    file->Keep();
+    // Nearly always what is in it already: only where somebody else added people meanwhile it is not.
+    ENAMEL_RETURN_IF_ERROR(file->Write(result.passwords));
   }
   ShowOutcome(result);
   if (file) {

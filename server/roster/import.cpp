@@ -63,6 +63,11 @@ Result<ImportResult> ImportRoster(PeopleStore& store, std::string_view csv,
     ENAMEL_ASSIGN_OR_RETURN(auto made, MakePasswords(file.rows));
     passwords = std::move(made);
   }
+  if (!dry_run && options.keep) {
+    ENAMEL_ASSIGN_OR_RETURN(const auto planned, store.ImportRoster(file.rows, true, by));
+    if (planned.problems.empty())
+      ENAMEL_RETURN_IF_ERROR(options.keep(PasswordsOf(planned, passwords)));
+  }
   ENAMEL_ASSIGN_OR_RETURN(auto plan, store.ImportRoster(file.rows, dry_run, by));
   ImportResult out;
   out.plan = std::move(plan);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <boost/json/object.hpp>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,14 +11,18 @@
 
 namespace enamel::server::roster {
 
-struct ImportOptions {
-  RosterOptions file;
-  bool dry_run = false;
-};
-
 // A person's first password, shown once and kept nowhere.
 struct NewPassword {
   std::string login, display_name, cohort, password;
+};
+
+struct ImportOptions {
+  RosterOptions file;
+  bool dry_run = false;
+  // Given the passwords of who is going to be new, before anybody is: what it cannot keep is not
+  // made. None: they are in the result only. Who is new may change until it is done; then the result
+  // has other passwords than it was given.
+  std::function<Status(const std::vector<NewPassword>&)> keep{};
 };
 
 struct ImportResult {
@@ -28,7 +33,7 @@ struct ImportResult {
 };
 
 // Reads the roster and brings the store in line with it, all or nothing. Blocks. Errors: those of
-// the store; what is wrong with the roster is in the result.
+// the store, those of `keep`; what is wrong with the roster is in the result.
 Result<ImportResult> ImportRoster(PeopleStore& store, std::string_view csv,
                                   const ImportOptions& options, const Actor& by);
 

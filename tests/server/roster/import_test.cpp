@@ -49,6 +49,26 @@ TEST_F(ImportTest, EverybodyNewGetsAPasswordThatWorksAndIsDifferent) {
   EXPECT_EQ(table.rows[2].cells[3], result.passwords[1].password);
 }
 
+TEST_F(ImportTest, NobodyIsAddedWhosePasswordCannotBeKept) {
+  ImportOptions options;
+  std::vector<NewPassword> given;
+  options.keep = [&](const std::vector<NewPassword>& passwords) {
+    given = passwords;
+    EXPECT_TRUE(store_->People()->empty()) << "before anybody is added";
+    return Status(Code::kStorage, "the disk is full");
+  };
+  EXPECT_EQ(ImportRoster(*store_, kRoster, options, kSystem).status().code(), Code::kStorage);
+  EXPECT_EQ(given.size(), 2u);
+  EXPECT_TRUE(store_->People()->empty());
+  options.keep = [&](const std::vector<NewPassword>& passwords) {
+    given = passwords;
+    return Status::Ok();
+  };
+  const auto done = ImportRoster(*store_, kRoster, options, kSystem);
+  ASSERT_TRUE(done.ok()) << done.status().message();
+  EXPECT_EQ(PasswordsCsv(done->passwords), PasswordsCsv(given));
+}
+
 TEST_F(ImportTest, DryRunTellsTheSameAndMakesNeitherPeopleNorPasswords) {
   ImportResult result = Import(kRoster, true);
   EXPECT_FALSE(result.done);
