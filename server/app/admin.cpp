@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <iostream>
+#include <set>
 
 #include "common/base/hex.h"
 #include "common/base/unix_time.h"
@@ -15,6 +16,7 @@
 #include "server/auth/password.h"
 #include "server/training/access.h"
 #include "server/training/names.h"
+#include "server/training/ticket_rules.h"
 
 namespace enamel::server::app {
 namespace {
@@ -59,6 +61,42 @@ void Show(const AttemptRow& row) {
   Say("{}  {:<11} {:>6}  {:>7} ticks  {:<20} {}{}{}\n", row.id.Text(), AttemptStateName(row.state),
       score, row.ticks, row.person_name, row.exercise_title, flags,
       row.problem.empty() ? "" : "  (" + row.problem + ")");
+}
+
+// All versions of this exercise that were published; of every one where no name is given.
+Result<std::vector<ExerciseRow>> VersionsOf(ContentStore& store, const std::string& name) {
+  std::vector<ExerciseRow> out;
+  std::set<std::string> names{name};
+  if (name.empty()) {
+    names.clear();
+    for (ExerciseState state : {ExerciseState::kPublished, ExerciseState::kRetired}) {
+      ENAMEL_ASSIGN_OR_RETURN(const auto rows, store.ExercisesIn(state));
+      for (const ExerciseRow& row : rows) names.insert(row.name);
+    }
+  }
+  for (const std::string& each : names) {
+    ENAMEL_ASSIGN_OR_RETURN(const auto rows, store.ExerciseVersions(each));
+    out.insert(out.end(), rows.begin(), rows.end());
+  }
+  if (!out.empty() || name.empty()) return out;
+  return Status(Code::kNotFound, "no exercise named \"" + name + "\"; list-exercises shows them",
+                "exercise");
+}
+
+// By its own id, or by that of its attempt, as mark-reference took it.
+Result<ReferenceRow> ReferenceNamed(Store& store, const Uuid& id) {
+  auto row = store.ReferenceById(id);
+  if (row.ok() || row.status().code() != Code::kNotFound) return row;
+  auto attempt = store.AttemptById(id);
+  if (attempt.ok()) {
+    ENAMEL_ASSIGN_OR_RETURN(const auto rows, store.References(attempt->exercise));
+    const auto found = std::ranges::find(rows, id, &ReferenceRow::attempt);
+    if (found != rows.end()) return *found;
+  }
+  return Status(Code::kNotFound,
+                "expected the id of a reference, or of an attempt that is one, found " + id.Text() +
+                    "; list-references shows them",
+                "reference");
 }
 
 }  // namespace
@@ -180,6 +218,46 @@ Status MarkReference(const std::filesystem::path& data, const std::string& attem
   return Status::Ok();
 }
 
+Status ListReferences(const std::filesystem::path& data, const std::string& exercise) {
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(const auto versions, VersionsOf(*store, exercise));
+  size_t shown = 0;
+  for (const ExerciseRow& version : versions) {
+    ENAMEL_ASSIGN_OR_RETURN(const auto counts, store->ReferenceFor(version.id));
+    ENAMEL_ASSIGN_OR_RETURN(const auto rows, store->References(version.id));
+    for (const ReferenceRow& row : rows) {
+      const bool newest = counts && counts->id == row.id;
+      Say("{}  {} version {}, reference {}  {:<9} attempt {}  {}{}  {}\n", row.id.Text(),
+          version.name, version.version, row.version,
+          row.withdrawn_ms != 0 ? "withdrawn" : (newest ? "newest" : "earlier"), row.attempt.Text(),
+          row.dentist, row.consent ? "" : " (not to be named)", TimeText(row.created_ms));
+    }
+    shown += rows.size();
+  }
+  if (shown == 0) Say("no references; mark-reference makes a scored attempt one\n");
+  return Status::Ok();
+}
+
+Status WithdrawReference(const std::filesystem::path& data, const std::string& reference) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto id, Uuid::Parse(reference));
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(const auto row, ReferenceNamed(*store, id));
+  if (row.withdrawn_ms != 0) {
+    Say("this reference was withdrawn before, {}; nothing was changed\n",
+        TimeText(row.withdrawn_ms));
+    return Status::Ok();
+  }
+  ENAMEL_RETURN_IF_ERROR(store->WithdrawReference(row.id, kCommandLine));
+  ENAMEL_ASSIGN_OR_RETURN(const auto left, store->ReferenceFor(row.exercise));
+  Say("reference version {} by {} is withdrawn; scores made with it stay, rescore makes them "
+      "again\n",
+      row.version, row.dentist);
+  Say("{}\n", left ? fmt::format("points come from reference version {} now", left->version)
+                   : std::string("the exercise has no reference now: what is cut is compared with "
+                                 "itself until there is one"));
+  return Status::Ok();
+}
+
 Status ReleaseScore(const std::filesystem::path& data, const std::string& attempt) {
   ENAMEL_ASSIGN_OR_RETURN(auto id, Uuid::Parse(attempt));
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
@@ -286,6 +364,24 @@ void DeclareAttempts(CommandGroup admin) {
   mark->add_option("--dentist", r.dentist, "Name to be shown to students")->required();
   mark->add_flag("--consent", r.consent,
                  "The dentist agrees to being named and to the cut being used; needed");
+
+  struct References {
+    std::filesystem::path data;
+    std::string name;
+  };
+  auto [references, f] =
+      Declare<References>(admin, "list-references", "Reference cuts, newest first",
+                          [](const References& o) { return ListReferences(o.data, o.name); });
+  AddData(references, f.data);
+  references->add_option("--exercise", f.name, "Its name; without: of every exercise");
+  auto [withdraw, w] = Declare<References>(
+      admin, "withdraw-reference", "Compare nobody with this cut any more; scores stay",
+      [](const References& o) { return WithdrawReference(o.data, o.name); });
+  AddData(withdraw, w.data);
+  withdraw
+      ->add_option("--reference", w.name,
+                   "Its id, which list-references shows, or that of its attempt")
+      ->required();
 
   struct Release {
     std::filesystem::path data;

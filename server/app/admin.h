@@ -34,6 +34,10 @@ Status EnrolCode(const std::filesystem::path& data, int valid_minutes);
 
 Status MarkReference(const std::filesystem::path& data, const std::string& attempt,
                      const std::string& dentist, bool consent);
+// Of this exercise, by name; empty: of every one. Newest first, withdrawn ones too.
+Status ListReferences(const std::filesystem::path& data, const std::string& exercise);
+// `reference`: its id, or that of the attempt that it is. Scores made with it stay.
+Status WithdrawReference(const std::filesystem::path& data, const std::string& reference);
 Status ReleaseScore(const std::filesystem::path& data, const std::string& attempt);
 Status ListAttempts(const std::filesystem::path& data, uint32_t limit);
 
