@@ -58,6 +58,16 @@ Result<ExerciseRow> PublishUnassigned(ContentStore& store, const ExerciseRow& ro
   return store.PublishDraft(draft->id, draft->revision, kCommandLine);
 }
 
+const Actor kProgram{{}, "built-in profiles"};
+
+// Who put the newest version. One that a program from before said of itself as an admin would have
+// is taken for an admin's.
+Result<bool> IsOfTheProgram(AuditStore& audit, const std::string& profile) {
+  ENAMEL_ASSIGN_OR_RETURN(
+      const auto rows, audit.FindAudit({.action = "profile.put", .object = profile, .limit = 1}));
+  return !rows.empty() && rows.front().actor == kProgram.via;
+}
+
 Result<scene::Scene> StoredScene(ContentStore& store, const SceneRow& row) {
   ENAMEL_ASSIGN_OR_RETURN(auto text, store.GetBlob(row.content));
   return scene::SceneFromJson(AsText(text));
@@ -110,10 +120,16 @@ Result<ExerciseRow> PublishClassOne(ContentStore& store, const SceneRow& row, co
   return PublishDocument(store, scene::ClassOneExercise(*scene, row.content), cohort);
 }
 
-Status PublishProfiles(ContentStore& store) {
+Status PublishProfiles(Parts<ContentStore, AuditStore> store) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto stored, store.content().Profiles());
   for (const scene::DeviceProfile& profile : scene::BuiltinProfiles()) {
-    ENAMEL_ASSIGN_OR_RETURN(auto content, store.PutBlob(AsBytes(scene::ToJson(profile))));
-    ENAMEL_RETURN_IF_ERROR(store.PutProfile({profile.name, profile.title, content}, kCommandLine));
+    if (std::ranges::find(stored, profile.name, &ProfileRow::name) != stored.end()) {
+      ENAMEL_ASSIGN_OR_RETURN(const bool ours, IsOfTheProgram(store.audit(), profile.name));
+      if (!ours) continue;
+    }
+    ENAMEL_ASSIGN_OR_RETURN(auto content, store.content().PutBlob(AsBytes(scene::ToJson(profile))));
+    ENAMEL_RETURN_IF_ERROR(
+        store.content().PutProfile({profile.name, profile.title, content}, kProgram));
   }
   return Status::Ok();
 }

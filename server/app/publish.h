@@ -6,6 +6,7 @@
 
 #include "common/base/result.h"
 #include "common/scene/types.h"
+#include "server/storage/parts.h"
 #include "server/storage/store.h"
 
 // Scenes and exercises from the command line into the store.
@@ -29,7 +30,8 @@ Result<std::vector<ExerciseRow>> PublishBuiltins(ContentStore& store, const Scen
 // Class I alone.
 Result<ExerciseRow> PublishClassOne(ContentStore& store, const SceneRow& scene, const Uuid& cohort);
 
-// The three profiles of the program.
-Status PublishProfiles(ContentStore& store);
+// The profiles of the program: each that is not there, and a newer form of each whose newest version
+// an earlier program left. What somebody at the school has put since stays the newest.
+Status PublishProfiles(Parts<ContentStore, AuditStore> store);
 
 }  // namespace enamel::server::app

@@ -134,7 +134,7 @@ Status PublishExercise(const std::filesystem::path& data, const NewExercise& exe
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
   ENAMEL_ASSIGN_OR_RETURN(auto cohort, CohortOrEverybody(*store, exercise.cohort));
   // A ticket needs a device profile. On a server that was never seeded this command is the first
-  // chance to store them. One whose newest version already is the built-in one stays.
+  // chance to store them. One that an admin has put stays.
   ENAMEL_RETURN_IF_ERROR(PublishProfiles(*store));
   std::optional<Uuid> assigned_to;
   if (!exercise.unassigned) assigned_to = cohort;
