@@ -60,6 +60,19 @@ Result<AttemptRow> WaitForVerdict(Parts<AttemptStore, JobStore> store, const Uui
                    row->state == AttemptState::kQuarantined;
     if (settled && !open) return row;
     if (std::chrono::steady_clock::now() >= until) {
+      // Scored before, and being scored again.
+      if (open && row->score) {
+        return Status(Code::kUnavailable,
+                      fmt::format("the score of attempt {} is being computed again; ask again with "
+                                  "--wait SECONDS, or look at the earlier one on the page",
+                                  attempt.Text()));
+      }
+      if (open && wait_s == 0) {
+        return Status(Code::kUnavailable,
+                      fmt::format("the score of attempt {} is being computed (it is {}); ask again "
+                                  "with --wait SECONDS",
+                                  attempt.Text(), AttemptStateName(row->state)));
+      }
       return Status(
           Code::kUnavailable,
           fmt::format("attempt {} is {} after {} s, not scored; is enamel-server running on this "
