@@ -97,8 +97,8 @@ Status SayWhatFollows(Store& store, const ExerciseRow& row) {
   ENAMEL_ASSIGN_OR_RETURN(const auto assignments, store.Assignments({}));
   for (const AssignmentRow& each : assignments) {
     if (each.exercise != row.name || each.version_id == row.id) continue;
-    Say("  assignment {} stays with version {}; move-assignment moves it\n", each.id.Text(),
-        each.version);
+    Say("  assignment {}, {}, stays with version {}; move-assignment moves it\n", each.id.Text(),
+        WordsOf(each), each.version);
   }
   ENAMEL_ASSIGN_OR_RETURN(const auto reference, store.ReferenceFor(row.id));
   if (row.graded && !reference) {

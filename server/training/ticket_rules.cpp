@@ -4,20 +4,17 @@
 #include <chrono>
 #include <cstdio>
 
+#include "common/base/counted.h"
+#include "common/hands/assignment_text.h"
+
 namespace enamel::server {
 
-std::string TimeText(UnixMs time_ms) {
-  using namespace std::chrono;
-  sys_time<milliseconds> time{milliseconds(time_ms)};
-  auto day = floor<days>(time);
-  year_month_day date(day);
-  hh_mm_ss clock(floor<minutes>(time - day));
-  char text[64];
-  // In UTC and saying so: server, station and page may stand in different time zones.
-  std::snprintf(text, sizeof text, "%04d-%02u-%02u %02d:%02d UTC", static_cast<int>(date.year()),
-                static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
-                static_cast<int>(clock.hours().count()), static_cast<int>(clock.minutes().count()));
-  return text;
+std::string TimeText(UnixMs time_ms) { return TimeInWords(time_ms); }
+
+std::string WordsOf(const AssignmentRow& row) {
+  const bool counts = row.exam || row.graded;
+  return AssignmentText({row.title.empty() ? row.exercise : row.title, row.exam, row.due_ms,
+                         counts ? row.hands : HandsAllowed::kAny});
 }
 
 Result<UnixMs> TimeFromText(const std::string& text) {
@@ -89,9 +86,9 @@ Status MayBegin(const AssignedRow& assigned, UnixMs now_ms, const std::optional<
   }
   if (row.attempt_limit != 0 && assigned.attempts_used >= row.attempt_limit) {
     return Status(Code::kForbidden,
-                  what + " allows " + std::to_string(row.attempt_limit) + " attempts, " +
-                      std::to_string(assigned.attempts_used) +
-                      " are used; an instructor can excuse one so that it does not count",
+                  what + " allows " + Counted(row.attempt_limit, "attempt") + ", " +
+                      Counted(assigned.attempts_used, "is", "are") +
+                      " used; an instructor can excuse one so that it does not count",
                   "attempt_limit");
   }
   bool elsewhere = station && !row.stations.empty() &&

@@ -23,6 +23,9 @@ std::string TimeText(UnixMs time_ms);
 // Errors: kInvalidInput.
 Result<UnixMs> TimeFromText(const std::string& text);
 
+// As AssignmentText says it.
+std::string WordsOf(const AssignmentRow& row);
+
 // Terms that contradict themselves. Errors: kInvalidInput, field "due_ms" or "station_ids".
 Status CheckTerms(const AssignmentRow& assignment);
 

@@ -184,6 +184,7 @@ struct AssignmentRow {
   int32_t version = 0;
   std::string title{};
   bool retired = false;  // it is offered no more
+  bool graded = false;
 };
 
 // What moving an assignment to another version of its exercise does, or would do.

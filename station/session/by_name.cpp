@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <set>
 
+#include "common/hands/assignment_text.h"
+
 namespace enamel::station {
 namespace {
 
@@ -31,9 +33,14 @@ std::string HandRefusal(const Catalogue::Exercise& e, const Hand& hand) {
   return MayHold(e.hands, hand, kMayBeListed).message();
 }
 
-Status NotAssigned(const WantedExercise& wanted, const std::vector<Uuid>& known) {
+// With its id, by which it is asked for.
+std::string WordsOf(const Catalogue::Exercise& e) {
+  return e.assignment.Text() + ", " + AssignmentText({e.title, e.exam, e.due_unix_ms, e.hands});
+}
+
+Status NotAssigned(const WantedExercise& wanted, const std::vector<std::string>& known) {
   std::string ids;
-  for (const Uuid& id : known) ids += (ids.empty() ? "" : ", ") + id.Text();
+  for (const std::string& one : known) ids += (ids.empty() ? "" : "; ") + one;
   return Status(Code::kNotFound,
                 "no assignment " + wanted.assignment.Text() + " of exercise '" + wanted.name +
                     "' for you: " + (ids.empty() ? "it is not assigned" : "there are " + ids),
@@ -45,14 +52,14 @@ Status NotAssigned(const WantedExercise& wanted, const std::vector<Uuid>& known)
 Result<Catalogue::Exercise> ChooseByName(const std::vector<Catalogue::Exercise>& exercises,
                                          const WantedExercise& wanted) {
   const Catalogue::Exercise* best = nullptr;
-  std::vector<Uuid> assignments;
+  std::vector<std::string> assignments;
   std::set<std::string> refusals;
   std::string exam_refusal;
   bool named = false;
   for (const Catalogue::Exercise& e : exercises) {
     if (e.name != wanted.name) continue;
     named = true;
-    if (!e.assignment.IsZero()) assignments.push_back(e.assignment);
+    if (!e.assignment.IsZero()) assignments.push_back(WordsOf(e));
     if (!wanted.assignment.IsZero() && e.assignment != wanted.assignment) continue;
     if (!e.refusal.empty()) {
       refusals.insert(e.refusal);
@@ -71,7 +78,7 @@ Result<Catalogue::Exercise> ChooseByName(const std::vector<Catalogue::Exercise>&
     return Status(Code::kForbidden,
                   "exercise '" + wanted.name + "' is an exam now: " + exam_refusal +
                       (best == nullptr ? "" : "; or name another assignment of it: ") +
-                      (best == nullptr ? "" : best->assignment.Text()),
+                      (best == nullptr ? "" : WordsOf(*best)),
                   "hand");
   }
   if (best != nullptr) return *best;

@@ -67,6 +67,7 @@ class AssignmentView {
       newest_version = found->second.version;
     }
     return {{"id", row.id.Text()},
+            {"text", WordsOf(row)},
             {"exercise",
              {{"name", row.exercise},
               {"id", std::move(exercise_id)},

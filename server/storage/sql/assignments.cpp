@@ -13,11 +13,11 @@ namespace {
   "a.id, a.exercise_name, a.cohort, coalesce(c.name, ''), a.opens_ms, a.due_ms, "         \
   "a.attempt_limit, a.exam, a.late_allowed, a.revision, a.created_ms, a.hands, "          \
   "a.exercise, coalesce(v.version, 0), coalesce(v.title, ''), coalesce(v.state, 3) = 3, " \
-  "a.counting"
+  "a.counting, coalesce(v.graded, 0)"
 #define ENAMEL_ASSIGNMENTS                                                                  \
   "assignments a LEFT JOIN cohorts c ON c.tenant = a.tenant AND c.id = a.cohort LEFT JOIN " \
   "exercises v ON v.tenant = a.tenant AND v.id = a.exercise"
-constexpr int kAssignmentColumns = 17;
+constexpr int kAssignmentColumns = 18;
 
 AssignmentRow AssignmentOf(const Query& q) {
   AssignmentRow out;
@@ -39,6 +39,7 @@ AssignmentRow AssignmentOf(const Query& q) {
   out.title = q.Text(14);
   out.retired = q.Int(15) != 0;
   out.counting = CountingFromName(q.Text(16)).value_or(Counting::kBest);
+  out.graded = q.Int(17) != 0;
   return out;
 }
 
@@ -233,6 +234,7 @@ Result<AssignmentMove> SqliteStore::MoveAssignment(const Uuid& id, const Uuid& v
     move.after.version_id = to->id;
     move.after.version = to->version;
     move.after.title = to->title;
+    move.after.graded = to->graded;
     move.after.retired = false;
     Query q(db,
             "SELECT count(*), coalesce(sum(CASE WHEN state = " + Sql(AttemptState::kTicketed) +
