@@ -107,6 +107,16 @@ Status SayWhatFollows(Store& store, const ExerciseRow& row) {
   return Status::Ok();
 }
 
+Status MustChangeSomething(const Sharing& sharing) {
+  if (sharing.shared || sharing.is_private || sharing.school || !sharing.owner.empty()) {
+    return Status::Ok();
+  }
+  return Status(
+      Code::kInvalidInput,
+      "expected --shared or --private, --owner LOGIN or --school, found none; list-exercises "
+      "shows whose each exercise is and whether it is shared");
+}
+
 Result<UnixMs> TimeOrNone(const std::string& text) {
   if (text.empty()) return UnixMs{0};
   return TimeFromText(text);
@@ -203,6 +213,7 @@ Status AssignExercise(const std::filesystem::path& data, const NewAssignment& as
 }
 
 Status ShareExercise(const std::filesystem::path& data, const Sharing& sharing) {
+  ENAMEL_RETURN_IF_ERROR(MustChangeSomething(sharing));
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
   ENAMEL_ASSIGN_OR_RETURN(const auto versions, store->ExerciseVersions(sharing.exercise));
   if (versions.empty()) return NoSuchExercise(sharing.exercise);
@@ -225,13 +236,17 @@ Status MoveAssignment(const std::filesystem::path& data, const std::string& id, 
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
   ENAMEL_ASSIGN_OR_RETURN(const auto row, store->AssignmentById(parsed));
   ENAMEL_ASSIGN_OR_RETURN(const auto to, VersionOf(*store, row.exercise, version));
+  if (to.id == row.version_id) {
+    Say("{} stays with version {}; nothing was changed\n", WordsOf(row), row.version);
+    return Status::Ok();
+  }
   ENAMEL_RETURN_IF_ERROR(MustHaveReference(*store, to, row.exam));
   ENAMEL_ASSIGN_OR_RETURN(
       const auto move, store->MoveAssignment(row.id, to.id, row.revision, dry_run, kCommandLine));
-  Say("{} {} from version {} to {}; {} attempts keep theirs, {} of them tickets that are not used "
-      "yet\n",
-      row.exercise, dry_run ? "would move" : "moves", move.before.version, move.after.version,
-      move.attempts, move.tickets);
+  Say("{} {} from version {} to {}; {} theirs, {} not used yet\n", row.exercise,
+      dry_run ? "would move" : "moves", move.before.version, move.after.version,
+      Counted(move.attempts, "attempt keeps", "attempts keep"),
+      Counted(move.tickets, "of them a ticket that is", "of them tickets that are"));
   return Status::Ok();
 }
 
@@ -328,6 +343,10 @@ void DeclareExercises(CommandGroup admin) {
   share->add_flag("--private", s.sharing.is_private, "They may not")->excludes(shared);
   auto* owner = share->add_option("--owner", s.sharing.owner, "Login of an instructor");
   share->add_flag("--school", s.sharing.school, "The school's: admins change it")->excludes(owner);
+  share->parse_complete_callback([&sharing = s.sharing] {
+    if (Status asked = MustChangeSomething(sharing); !asked.ok())
+      throw CLI::ValidationError("share-exercise", asked.message());
+  });
 
   auto [list, l] =
       Declare<Named>(admin, "list-exercises", "Drafts, what is offered, what was retired",
