@@ -7,6 +7,7 @@
 #include <numeric>
 #include <unordered_map>
 
+#include "common/base/counted.h"
 #include "common/mesh/mesh_edges.h"
 #include "common/mesh/solid_boundary.h"
 #include "common/mesh/triangle_tree.h"
@@ -313,8 +314,8 @@ Result<Solid> MakeSolid(const Triangles& mesh_mm, const RepairOptions& options) 
 
 std::vector<std::string> Describe(const MeshReport& r) {
   std::vector<std::string> lines;
-  lines.push_back(std::to_string(r.triangles) + " triangles, " + std::to_string(r.vertices) +
-                  " vertices, " + std::to_string(r.parts) + (r.parts == 1 ? " part" : " parts"));
+  lines.push_back(Counted(r.triangles, "triangle") + ", " +
+                  Counted(r.vertices, "vertex", "vertices") + ", " + Counted(r.parts, "part"));
   auto note = [&](size_t n, const std::string& what) {
     if (n > 0) lines.push_back(std::to_string(n) + " " + what);
   };

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "common/base/counted.h"
 #include "common/base/file.h"
 #include "server/app/admin.h"
 #include "server/app/command_line.h"
@@ -106,8 +107,8 @@ Status WriteOutcome(const std::filesystem::path& file, const roster::ImportResul
 }
 
 Status Refusal(const roster::ImportResult& result) {
-  return {Code::kInvalidInput, "the roster has " + std::to_string(result.plan.problems.size()) +
-                                   " problems, listed above; nothing was changed"};
+  return {Code::kInvalidInput, "the roster has " + Counted(result.plan.problems.size(), "problem") +
+                                   ", listed above; nothing was changed"};
 }
 
 // What is new gets its passwords into a file that was made before.
@@ -118,9 +119,9 @@ Status Import(PeopleStore& store, std::string_view csv, const RosterCommand& com
   if (fresh > 0) {
     if (command.passwords.empty()) {
       return {Code::kInvalidInput,
-              std::to_string(fresh) +
-                  " people are new: say with --passwords FILE.csv where their one-time passwords "
-                  "go; they are kept nowhere else"};
+              Counted(fresh, "person is", "people are") +
+                  " new: say with --passwords FILE.csv where their one-time passwords go; they are "
+                  "kept nowhere else"};
     }
     ENAMEL_ASSIGN_OR_RETURN(auto made, PasswordFile::Make(command.passwords));
     file.emplace(std::move(made));
@@ -143,8 +144,8 @@ Status Import(PeopleStore& store, std::string_view csv, const RosterCommand& com
   }
   ShowOutcome(result);
   if (file) {
-    Say("one-time passwords of {} people in {} (shown only there; hand them out, then remove it)\n",
-        result.passwords.size(), command.passwords.string());
+    Say("one-time passwords of {} in {} (shown only there; hand them out, then remove it)\n",
+        Counted(result.passwords.size(), "person", "people"), command.passwords.string());
   }
   return WriteOutcome(command.json, result);
 }
@@ -213,8 +214,8 @@ Status ListCohorts(const std::filesystem::path& data) {
   for (const Cohort& cohort : cohorts) {
     ENAMEL_ASSIGN_OR_RETURN(auto members, store->CohortMembers(cohort.id));
     auto students = std::ranges::count(members, Role::kStudent, &Person::role);
-    Say("{:<30} {} students, {} others{}\n", cohort.name, students,
-        static_cast<int64_t>(members.size()) - students,
+    const auto others = static_cast<int64_t>(members.size()) - students;
+    Say("{:<30} {}, {}{}\n", cohort.name, Counted(students, "student"), Counted(others, "other"),
         cohort.archived_ms != 0 ? "  (archived)" : "");
   }
   return Status::Ok();
@@ -237,7 +238,7 @@ Status EndSessions(const std::filesystem::path& data, const std::string& login) 
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
   ENAMEL_ASSIGN_OR_RETURN(auto person, PersonNamed(*store, login));
   ENAMEL_ASSIGN_OR_RETURN(auto ended, store->EndSessionsOf(person.id, kCommandLine));
-  Say("ended {} sessions of {}\n", ended, login);
+  Say("ended {} of {}\n", Counted(ended, "session"), login);
   return Status::Ok();
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "common/base/counted.h"
 #include "common/base/csv.h"
 #include "common/base/file.h"
 #include "common/scoring/score.h"
@@ -69,8 +70,8 @@ Status WriteBlank(const std::filesystem::path& file, const std::vector<Scored>& 
     text += CsvLine({a.attempt.Text(), kTotal, "100", "", ""});
   }
   ENAMEL_RETURN_IF_ERROR(WriteFileDurably(file, AsBytes(text)));
-  Say("{}: {} attempts. Each person fills in `marker` and `mark` in a copy of their own.\n",
-      file.string(), attempts.size());
+  Say("{}: {}. Each person fills in `marker` and `mark` in a copy of their own.\n", file.string(),
+      Counted(attempts.size(), "attempt"));
   return Status::Ok();
 }
 

@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <mutex>
 
+#include "common/base/counted.h"
 #include "common/base/unix_time.h"
 
 namespace enamel::server::app {
@@ -55,9 +56,10 @@ void Caretaker::ApplyRetention() {
   }
   size_t all = report->unfinished.size() + report->recordings.size() + report->attempts.size();
   if (all + report->blobs == 0) return;
-  spdlog::info("retention removed {} unfinished attempts, {} recordings, {} attempts, {} blobs",
-               report->unfinished.size(), report->recordings.size(), report->attempts.size(),
-               report->blobs);
+  spdlog::info("retention removed {}, {}, {}, {}",
+               Counted(report->unfinished.size(), "unfinished attempt"),
+               Counted(report->recordings.size(), "recording"),
+               Counted(report->attempts.size(), "attempt"), Counted(report->blobs, "blob"));
 }
 
 }  // namespace enamel::server::app

@@ -2,6 +2,7 @@
 
 #include <boost/json.hpp>
 
+#include "common/base/counted.h"
 #include "common/base/file.h"
 #include "server/app/admin.h"
 #include "server/app/command_line.h"
@@ -272,8 +273,8 @@ Status ExportPerson(const fs::path& data, const std::string& login, const fs::pa
   ENAMEL_RETURN_IF_ERROR(exporter.Run(person));
   // After it has succeeded, and into the person's own trail: the next export shows this one.
   ENAMEL_RETURN_IF_ERROR(store->NoteAudit(kCommandLine, "person.export", person.id.Text(), "{}"));
-  Say("{}: {} attempts, {} bytes in {}\n", login, exporter.attempts(), exporter.bytes(),
-      target.string());
+  Say("{}: {}, {} in {}\n", login, Counted(exporter.attempts(), "attempt"),
+      Counted(exporter.bytes(), "byte"), target.string());
   return Status::Ok();
 }
 
@@ -290,12 +291,12 @@ Status ErasePerson(const fs::path& data, const std::string& login, const std::st
   ENAMEL_ASSIGN_OR_RETURN(auto person, PersonNamed(*store, login));
   ENAMEL_ASSIGN_OR_RETURN(auto report,
                           store->ErasePerson(person.id, with_references, kCommandLine));
-  Say("{} is erased: key destroyed, {} attempts and {} blobs removed, {} reference cuts among "
-      "them\n"
+  Say("{} is erased: key destroyed, {} and {} removed, {} among them\n"
       "backups made before still hold name and login, and the key if it is kept inside them: "
       "delete "
       "them in due time; restoring one erases this person again if you name the newest key ring\n",
-      login, report.attempts, report.blobs, report.references);
+      login, Counted(report.attempts, "attempt"), Counted(report.blobs, "blob"),
+      Counted(report.references, "reference cut"));
   if (!report.finished) {
     Say("copies of what was erased may stay in unused parts of the database for now; the running "
         "server writes it anew within the hour, one that does not run after its next start\n");

@@ -65,7 +65,7 @@ void ShowHistogram(const RubricPreview& preview) {
     Say("{:4}-{:<4} {:<{}}  {}\n", i * 10, i == 9 ? 100 : i * 10 + 10, bar(preview.before[i]),
         kWidth, bar(preview.after[i]));
   }
-  if (each > 1) Say("One # stands for {} attempts.\n", each);
+  if (each > 1) Say("One # stands for {}.\n", Counted(each, "attempt"));
 }
 
 void ShowPreview(const RubricPreview& preview) {
@@ -86,19 +86,20 @@ void ShowPreview(const RubricPreview& preview) {
   }
   const size_t told = preview.attempts.size() - preview.problems;
   if (told > 0) ShowHistogram(preview);
-  Say("\n{} attempts: {} would gain, {} would lose, {} stay; mean {:.1f} before, {:.1f} after",
-      told, preview.raised, preview.lowered, told - preview.raised - preview.lowered,
-      preview.mean_before, preview.mean_after);
+  Say("\n{}: {} would gain, {} would lose, {} stay; mean {:.1f} before, {:.1f} after",
+      Counted(told, "attempt"), preview.raised, preview.lowered,
+      told - preview.raised - preview.lowered, preview.mean_before, preview.mean_after);
   if (preview.problems > 0) Say("; of {} it cannot be told", preview.problems);
   Say(".\n");
   if (preview.earlier_references > 0) {
-    Say("{} of them were measured against a reference that has been replaced since: scored again, "
-        "they are measured against the newest, and may change by more than this.\n",
-        preview.earlier_references);
+    Say("{} measured against a reference that has been replaced since: scored again, measured "
+        "against "
+        "the newest, and the change may be more than this.\n",
+        Counted(preview.earlier_references, "of them was", "of them were"));
   }
   if (preview.withdrawn > 0) {
-    Say("{} of those that change are released: scored again, they are to be released again.\n",
-        preview.withdrawn);
+    Say("{} released: scored again, to be released again.\n",
+        Counted(preview.withdrawn, "of those that change is", "of those that change are"));
   }
   Say("Nothing was changed.\n");
 }
@@ -198,11 +199,11 @@ Status RescoreCohort(const std::filesystem::path& data, const Regrading& regradi
   batch.cohort = cohort;
   uint32_t left_out = 0;
   ENAMEL_ASSIGN_OR_RETURN(auto queued, store->RescoreTogether(batch, all, left_out, kCommandLine));
-  Say("{} runs are queued; the server makes them and keeps the scores of before.\n", queued.queued);
+  Say("{} queued; the server makes them and keeps the scores of before.\n",
+      Counted(queued.queued, "run is", "runs are"));
   if (left_out > 0) {
-    Say("{} attempts were left out: a run of them is waiting already, or their recording was "
-        "removed.\n",
-        left_out);
+    Say("{} left out: a run is waiting already, or the recording was removed.\n",
+        Counted(left_out, "attempt was", "attempts were"));
   }
   return Status::Ok();
 }

@@ -10,6 +10,7 @@
 #include <iostream>
 #include <thread>
 
+#include "common/base/counted.h"
 #include "common/base/file.h"
 #include "common/base/hex.h"
 #include "common/base/utf8.h"
@@ -201,8 +202,8 @@ void PrintTable(const AttemptRow& row, const ScoreResult& score, const Store::At
        fmt::format("{:.1f} kB ({:.1f} bytes a tick)", static_cast<double>(row.trace_bytes) / 1e3,
                    static_cast<double>(row.trace_bytes) /
                        static_cast<double>(std::max<uint64_t>(score.ticks, 1))));
-  Line("lost", score.gap_ticks == 0 ? "nothing"
-                                    : fmt::format("{} ticks, declared as gaps", score.gap_ticks));
+  Line("lost",
+       score.gap_ticks == 0 ? "nothing" : Counted(score.gap_ticks, "tick") + ", declared as gaps");
   Line("late ticks, force bounded", fmt::format("{}, {}", score.late_ticks, score.bounded_ticks));
   const scoring::Disturbance& d = score.disturbance;
   if (d.disturbed()) {
@@ -224,7 +225,7 @@ void PrintTable(const AttemptRow& row, const ScoreResult& score, const Store::At
        score.reference_attempt.empty() ? "none: compared with itself" : score.reference_attempt);
   if (score.envelope) {
     const auto& nearest = score.envelope->members.front();
-    Line("among " + std::to_string(score.envelope->members.size()) + " references",
+    Line("among " + Counted(score.envelope->members.size(), "reference"),
          fmt::format("nearest {}, {:.1f} % overlap", nearest.attempt, 100 * nearest.dice));
   }
   if (!options.page_url.empty()) Line("page", options.page_url);

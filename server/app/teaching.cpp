@@ -41,7 +41,7 @@ void Show(const AssignmentRow& row) {
       row.attempt_limit == 0 ? "any number" : std::to_string(row.attempt_limit) + " at most";
   std::string cohort = row.cohort.IsZero() ? "everybody" : row.cohort_name;
   std::string stations =
-      row.stations.empty() ? "" : fmt::format(", at {} stations", row.stations.size());
+      row.stations.empty() ? "" : ", at " + Counted(row.stations.size(), "station");
   Say("{}  {:<28} version {}  {:<20} opens {}, due {}{}, attempts: {}{}{}, graded work with {}\n",
       row.id.Text(), row.exercise, row.version, cohort, WhenText(row.opens_ms, "at once"),
       WhenText(row.due_ms, "never"), row.late_allowed ? " (late allowed)" : "", limit,
@@ -287,7 +287,8 @@ Status ReleaseAssignment(const std::filesystem::path& data, const std::string& i
   ENAMEL_ASSIGN_OR_RETURN(auto parsed, Uuid::Parse(id));
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
   ENAMEL_ASSIGN_OR_RETURN(auto released, store->ReleaseAssignment(parsed, kCommandLine));
-  Say("{} scores are released to their students\n", released);
+  Say("{}\n", Counted(released, "score is released to its student",
+                      "scores are released to their students"));
   return Status::Ok();
 }
 

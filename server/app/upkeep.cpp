@@ -6,6 +6,7 @@
 #include <chrono>
 #include <iostream>
 
+#include "common/base/counted.h"
 #include "common/base/file.h"
 #include "common/base/unix_time.h"
 #include "server/app/command_line.h"
@@ -71,6 +72,11 @@ json::object JsonOf(const VerifyReport& report) {
                         {"remedy", finding.remedy}});
   }
   for (const std::string& note : report.notes) notes.emplace_back(note);
+  json::array trail;
+  for (const sqlite::AuditHead& head : report.trail) {
+    trail.push_back(
+        {{"chain", head.chain.Text()}, {"rows", head.number}, {"sha256", head.hash.Hex()}});
+  }
   return {{"ok", report.findings.empty()},
           {"backup", report.is_backup},
           {"schema", report.schema},
@@ -88,32 +94,38 @@ json::object JsonOf(const VerifyReport& report) {
           {"unsigned_results", report.unsigned_results},
           {"signed_audit", report.signed_audit},
           {"unsigned_audit", report.unsigned_audit},
+          {"trail", std::move(trail)},
           {"decisions", report.decisions},
           {"findings", std::move(findings)},
           {"notes", std::move(notes)}};
 }
 
 void Print(const VerifyReport& report) {
-  Say("looked at: {} blobs ({}), {} people, {} attempts ({} sealed), {} chunks with {} ticks, {} "
-      "keys\n",
-      report.blobs, Mib(report.blob_bytes), report.people, report.attempts, report.sealed,
-      report.chunks, report.ticks, report.keys);
+  Say("looked at: {} ({}), {}, {} ({} sealed), {} with {}, {}\n", Counted(report.blobs, "blob"),
+      Mib(report.blob_bytes), Counted(report.people, "person", "people"),
+      Counted(report.attempts, "attempt"), report.sealed, Counted(report.chunks, "chunk"),
+      Counted(report.ticks, "tick"), Counted(report.keys, "key"));
   Say("results: {} signed by this server{}\n", report.signed_results,
       report.unsigned_results == 0
           ? ""
           : fmt::format(", {} not signed: they are from before results were, or their document was "
                         "not kept; scoring again signs",
                         report.unsigned_results));
-  Say("audit trail: {} rows signed by this server{}, {} decisions compared with it\n",
-      report.signed_audit,
+  Say("audit trail: {} signed by this server{}, {} compared with it\n",
+      Counted(report.signed_audit, "row"),
       report.unsigned_audit == 0
           ? ""
           : fmt::format(", {} not signed, from before rows were", report.unsigned_audit),
-      report.decisions);
+      Counted(report.decisions, "decision"));
+  for (const sqlite::AuditHead& head : report.trail) {
+    Say("it ends with row {}, hash {}; verify --since BACKUP compares it with an earlier end\n",
+        head.number, head.hash.Hex());
+  }
   if (report.unnamed_blobs > 0) {
-    Say("{} blobs ({}) are named by nothing: a crash or a repeated scoring left them; retention "
-        "--apply removes those older than a day\n",
-        report.unnamed_blobs, Mib(report.unnamed_bytes));
+    Say("{} named by nothing ({}): a crash or a repeated scoring left that; retention --apply "
+        "removes "
+        "what is older than a day\n",
+        Counted(report.unnamed_blobs, "blob is", "blobs are"), Mib(report.unnamed_bytes));
   }
   for (const std::string& note : report.notes) Say("note: {}\n", note);
   for (size_t i = 0; i < report.findings.size() && i < kShownFindings; ++i) {
@@ -132,9 +144,8 @@ Status Verdict(const VerifyReport& report) {
     return Status::Ok();
   }
   return Status(Code::kStorage,
-                report.findings.size() == 1
-                    ? std::string("1 thing does not agree; see the list")
-                    : fmt::format("{} things do not agree; see the list", report.findings.size()));
+                Counted(report.findings.size(), "thing does not agree", "things do not agree") +
+                    "; see the list");
 }
 
 }  // namespace
@@ -158,9 +169,10 @@ Status Backup(const BackupCommand& command) {
       store->NoteAudit(kCommandLine, "store.backup", "",
                        json::serialize(json::object{{"files", report->files},
                                                     {"missing", report->missing.size()}})));
-  Say("backup as of {}: {} files, {} ({} linked), {} people, {} attempts, {} ticks\n",
-      UtcText(report->created_ms) + " UTC", report->files, Mib(report->bytes), report->linked,
-      report->people, report->attempts, report->ticks);
+  Say("backup as of {}: {}, {} ({} linked), {}, {}, {}\n", UtcText(report->created_ms) + " UTC",
+      Counted(report->files, "file"), Mib(report->bytes), report->linked,
+      Counted(report->people, "person", "people"), Counted(report->attempts, "attempt"),
+      Counted(report->ticks, "tick"));
   if (command.keyring.empty()) {
     Say("the keys are inside; with --keyring FOLDER they are kept apart, so that an erasure "
         "reaches old backups too\n");
@@ -183,10 +195,11 @@ Status Backup(const BackupCommand& command) {
                                                   {"ticks", report->ticks},
                                                   {"missing", std::move(missing)}}));
   if (lost == 0) return Status::Ok();
-  return Status(Code::kStorage, fmt::format("{} blobs that the database names are missing or "
-                                            "damaged; everything else is in the backup. Keep older "
-                                            "backups, they may have them",
-                                            lost));
+  return Status(
+      Code::kStorage,
+      Counted(lost, "blob that the database names is", "blobs that the database names are") +
+          " missing or damaged; everything else is in the backup. Keep older backups, they "
+          "may have what is missing");
 }
 
 Status RestoreBackup(const RestoreCommand& command) {
@@ -201,9 +214,10 @@ Status RestoreBackup(const RestoreCommand& command) {
     return Restore(options);
   }();
   if (!report.ok()) return report.status();
-  Say("restored the backup of {}: {} files, {}\n", UtcText(report->created_ms) + " UTC",
-      report->files, Mib(report->bytes));
-  Say("{} people erased since were erased again; all sessions have ended\n", report->erased_again);
+  Say("restored the backup of {}: {}, {}\n", UtcText(report->created_ms) + " UTC",
+      Counted(report->files, "file"), Mib(report->bytes));
+  Say("{} erased again; all sessions have ended\n",
+      Counted(report->erased_again, "person erased since was", "people erased since were"));
   Say("what changed after the backup is gone: people who were disabled and stations that were "
       "revoked since have to be again. Stations send what they still hold; where that needs "
       "something newer than the backup, admin list-awaited says what. A station that is newer "
@@ -230,7 +244,7 @@ Status RestoreBackup(const RestoreCommand& command) {
 Status VerifyFolder(const VerifyCommand& command) {
   Result<VerifyReport> report = [&] {
     ConsoleProgress progress;
-    return Verify({command.folder, command.keyring, Telling(progress)});
+    return Verify({command.folder, command.keyring, Telling(progress), command.since});
   }();
   if (!report.ok()) return report.status();
   Print(*report);
@@ -255,20 +269,21 @@ Status Retention(const RetentionCommand& command) {
   ENAMEL_ASSIGN_OR_RETURN(auto rules, store->RetentionRules());
   if (rules.empty()) Say("no rules: everything is kept for good\n");
   for (const RetentionRule& rule : rules) {
-    Say("{:<10} kept for {} days\n", rule.what, rule.days);
+    Say("{:<10} kept for {}\n", rule.what, Counted(rule.days, "day"));
   }
   // With the new rule in force: without --apply this shows what the server will remove at its next
   // round.
   ENAMEL_ASSIGN_OR_RETURN(auto report,
                           store->ApplyRetention(enamel::UnixMs(), !command.apply, kCommandLine));
-  Say("{}: {} unfinished attempts, {} recordings, {} whole attempts{}\n",
-      command.apply ? "removed" : "would be removed now", report.unfinished.size(),
-      report.recordings.size(), report.attempts.size(),
-      command.apply ? fmt::format(", {} blobs", report.blobs) : "");
+  Say("{}: {}, {}, {}{}\n", command.apply ? "removed" : "would be removed now",
+      Counted(report.unfinished.size(), "unfinished attempt"),
+      Counted(report.recordings.size(), "recording"),
+      Counted(report.attempts.size(), "whole attempt"),
+      command.apply ? ", " + Counted(report.blobs, "blob") : "");
   if (report.held > 0) {
-    Say("{} more are due and kept: an appeal waits for its answer, or graded work to be released "
-        "or excused\n",
-        report.held);
+    Say("{} due and kept: an appeal waits for its answer, or graded work to be released or "
+        "excused\n",
+        Counted(report.held, "more is", "more are"));
   }
   return Status::Ok();
 }
@@ -317,6 +332,8 @@ void DeclareBackup(CommandGroup root) {
   verify->add_option("BACKUP", v.verify.folder, "A backup; without: the data folder");
   AddData(verify, v.data)->required(false)->description("Data folder, in use or not");
   verify->add_option("--keyring", v.verify.keyring, "Key ring of a backup that has none inside");
+  verify->add_option("--since", v.verify.since,
+                     "An earlier backup, which the audit trail must go on from");
   verify->add_option("--json", v.verify.json, "Write everything that was found to this file");
   verify->footer(
       "Changes nothing. Exit code 1 when anything disagrees; all of it is listed first.");

@@ -28,7 +28,7 @@ struct RestoreCommand {
 Status RestoreBackup(const RestoreCommand& command);
 
 struct VerifyCommand {
-  std::filesystem::path folder, keyring, json;
+  std::filesystem::path folder, keyring, json, since;
 };
 // Errors: those of Verify; kStorage when anything disagrees, after all of it was printed.
 Status VerifyFolder(const VerifyCommand& command);

@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "common/base/counted.h"
 #include "common/base/file.h"
 #include "common/program/output.h"
 #include "station/hid/haptic_board.h"
@@ -134,7 +135,7 @@ Finding SpoolState(const fs::path& data) {
     refused += !a.refused.empty();
     if (because.empty() && a.waits()) because = a.waits_because;
   }
-  std::string found = std::to_string(attempts->size()) + " attempts, " + std::to_string(waiting) +
+  std::string found = Counted(attempts->size(), "attempt") + ", " + std::to_string(waiting) +
                       " not yet on the server, " + std::to_string(refused) + " refused by it";
   if (!because.empty()) found += " (the last try: " + because + ")";
   if (refused > 0) {
@@ -273,8 +274,7 @@ Status Doctor(const DoctorCommand& options) {
   ENAMEL_RETURN_IF_ERROR(
       program::WriteJsonFile(options.json, {{"findings", findings}, {"failed", failed}}));
   if (failed == 0) return Status::Ok();
-  return Status(Code::kUnavailable, std::to_string(failed) +
-                                        (failed == 1 ? " thing is" : " things are") +
+  return Status(Code::kUnavailable, Counted(failed, "thing is", "things are") +
                                         " missing for an attempt: see 'fail' above");
 }
 

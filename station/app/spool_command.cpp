@@ -10,6 +10,7 @@
 #include <initializer_list>
 #include <string_view>
 
+#include "common/base/counted.h"
 #include "common/base/file.h"
 #include "common/program/output.h"
 #include "station/session/loop_facts.h"
@@ -263,8 +264,9 @@ Status ListSpool(const SpoolCommand& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto waiting, WaitingAttempts(*spool));
   auto refused =
       std::ranges::count_if(attempts, [](const SpooledAttempt& a) { return !a.refused.empty(); });
-  std::printf("%s: %zu attempts, %.1f MB; %zu with something the server does not have%s\n",
-              file.c_str(), attempts.size(), static_cast<double>(bytes) / 1e6, waiting.size(),
+  std::printf("%s: %s, %.1f MB; %zu with something the server does not have%s\n", file.c_str(),
+              Counted(attempts.size(), "attempt").c_str(), static_cast<double>(bytes) / 1e6,
+              waiting.size(),
               refused == 0 ? "" : (", " + std::to_string(refused) + " that it refuses").c_str());
   for (const SpooledAttempt& a : attempts) PrintLine(a);
   return Status::Ok();

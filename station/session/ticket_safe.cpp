@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "common/base/counted.h"
 #include "common/base/unix_time.h"
 
 namespace enamel::station {
@@ -141,7 +142,7 @@ Result<trace::Ticket> TicketSafe::Open(const Uuid& attempt, const std::string& p
   }
   if (tries < kMaxTries) {
     return Status(Code::kUnauthenticated,
-                  "wrong PIN; " + std::to_string(kMaxTries - tries) + " more tries", "pin");
+                  "wrong PIN; " + Counted(kMaxTries - tries, "more try", "more tries"), "pin");
   }
   bool begun = spool_.Get(attempt).ok();
   ENAMEL_RETURN_IF_ERROR(begun ? spool_.tickets().Remove(attempt)

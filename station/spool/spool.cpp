@@ -12,6 +12,7 @@
 #include <cstring>
 #include <fstream>
 
+#include "common/base/counted.h"
 #include "common/base/unix_time.h"
 #include "station/spool/attempt_row.h"
 #include "station/spool/spool_file.h"
@@ -404,8 +405,9 @@ Result<std::optional<int64_t>> Spool::LastSpooledUnixMs(const Uuid& attempt) {
 
 std::string PrunedText(const Pruned& pruned, const Retention& retention) {
   if (pruned.early == 0) return {};
-  return std::to_string(pruned.early) +
-         " recordings that the server has were forgotten here before their time, as the spool may "
+  return Counted(pruned.early, "recording that the server has was",
+                 "recordings that the server has were") +
+         " forgotten here before their time, as the spool may "
          "take " +
          std::to_string(retention.bytes / 1'000'000) +
          " MB only: a server restored from an older backup cannot get them back from here";

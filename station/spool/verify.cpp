@@ -1,5 +1,6 @@
 #include "station/spool/verify.h"
 
+#include "common/base/counted.h"
 #include "station/spool/spool_file.h"
 
 namespace enamel::station {
@@ -67,8 +68,9 @@ Status VerifyPages(SpoolFile& file) {
       "SELECT count(*) FROM chunks WHERE attempt NOT IN (SELECT id FROM attempts)");
   if (!s.Next()) return file.Fail("checking its chunks");
   if (s.Int(0) == 0) return Status::Ok();
-  return Status(Code::kStorage, "spool " + file.path().string() + ": " + std::to_string(s.Int(0)) +
-                                    " chunks are of attempts that are not there");
+  return Status(Code::kStorage, "spool " + file.path().string() + ": " +
+                                    Counted(s.Int(0), "chunk is", "chunks are") +
+                                    " of attempts that are not there");
 }
 
 Status VerifyAttempt(Spool& spool, const SpooledAttempt& attempt,

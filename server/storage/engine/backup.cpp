@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "common/base/counted.h"
 #include "server/storage/engine/manifest.h"
 #include "server/storage/sql/sqlite_impl.h"
 #include "server/storage/sqlite_store.h"
@@ -249,12 +250,12 @@ class Restorer {
       list += "\n  " + report_.left_out[i];
     if (report_.left_out.size() > 20)
       list += "\n  and " + std::to_string(report_.left_out.size() - 20) + " more";
-    return Status(Code::kInvalidInput,
-                  std::to_string(report_.left_out.size()) +
-                      " files of the backup are not what its manifest says:" + list +
-                      "\nUse another backup" +
-                      (database ? "" : ", or accept the loss with --accept-damage") + "; " +
-                      options_.data.string() + " is unfinished, empty it first");
+    return Status(
+        Code::kInvalidInput,
+        Counted(report_.left_out.size(), "file of the backup is", "files of the backup are") +
+            " not what its manifest says:" + list + "\nUse another backup" +
+            (database ? "" : ", or accept the loss with --accept-damage") + "; " +
+            options_.data.string() + " is unfinished, empty it first");
   }
 
   Status TakeKeys() {

@@ -1,3 +1,4 @@
+#include "common/base/counted.h"
 #include "server/storage/sql/sql_names.h"
 #include "server/storage/sql/sqlite_impl.h"
 
@@ -68,9 +69,9 @@ Result<BatchRow> SqliteStore::RescoreTogether(const BatchRow& row,
     // An empty batch would stay in the list for ever, with nothing to wait for.
     if (left_out == attempts.size()) {
       return Status(Code::kConflict,
-                    "none of " + std::to_string(attempts.size()) +
-                        " attempts can be scored again: they were never scored, are waiting for a "
-                        "run already, or their recordings were removed");
+                    "none of " + Counted(attempts.size(), "attempt") +
+                        " can be scored again: they were never scored, are waiting for a run "
+                        "already, or their recordings were removed");
     }
     return Status::Ok();
   });

@@ -192,9 +192,9 @@ Result<ErasureReport> SqliteStore::ErasePerson(const Uuid& person, bool with_ref
   if (!references.ok()) return references.status();
   if (!references->empty() && !with_references) {
     return Status(Code::kConflict,
-                  std::to_string(references->size()) +
-                      " attempts of this person are reference cuts, the first is " +
-                      references->front().Text() +
+                  Counted(references->size(), "attempt of this person is a reference cut",
+                          "attempts of this person are reference cuts") +
+                      ", the first is " + references->front().Text() +
                       "; make another attempt the reference first, or erase with the references");
   }
   auto alone = rewriter_.TakeUpkeep();

@@ -331,6 +331,117 @@ TEST_F(CommandsTest, TerminalObeysNoTextOfAnyList) {
   }
 }
 
+TEST_F(CommandsTest, ReferencesAreListedAndWithdrawnByTheirIdOrThatOfTheirAttempt) {
+  Uuid first, second;
+  {
+    auto store = OpenData();
+    World world(*store);
+    for (Uuid* attempt : {&first, &second}) {
+      *attempt = world.ScoredAttempt();
+      ASSERT_TRUE(store->AddReference(*attempt, "Dr. Vega", true, kSystem).ok());
+    }
+  }
+  auto said = [&](const std::function<Status()>& command) {
+    ::testing::internal::CaptureStdout();
+    Status status = command();
+    EXPECT_TRUE(status.ok()) << status.message();
+    return ::testing::internal::GetCapturedStdout();
+  };
+  auto list = [&] { return said([&] { return ListReferences(Data(), "exercise"); }); };
+  EXPECT_NE(list().find("newest    attempt " + second.Text()), std::string::npos) << list();
+  EXPECT_NE(list().find("earlier   attempt " + first.Text()), std::string::npos) << list();
+  EXPECT_NE(said([&] {
+              return WithdrawReference(Data(), second.Text());
+            }).find("points come from reference version 1 now"),
+            std::string::npos);
+  EXPECT_NE(list().find("withdrawn attempt " + second.Text()), std::string::npos) << list();
+  EXPECT_NE(list().find("newest    attempt " + first.Text()), std::string::npos) << list();
+  EXPECT_NE(said([&] { return WithdrawReference(Data(), second.Text()); }).find("withdrawn before"),
+            std::string::npos);
+  const Uuid id = OpenData()->ReferenceFor(OpenData()->AttemptById(first)->exercise)->value().id;
+  EXPECT_NE(said([&] { return WithdrawReference(Data(), id.Text()); }).find("no reference now"),
+            std::string::npos);
+  EXPECT_EQ(WithdrawReference(Data(), Uuid::New().Text()).field(), "reference");
+  EXPECT_EQ(ListReferences(Data(), "no such").field(), "exercise");
+  EXPECT_EQ(OpenData()->AttemptById(first)->score, 80) << "scores stay";
+  EXPECT_EQ(OpenData()->FindAudit({.action = "reference.withdraw"})->size(), 2u);
+}
+
+TEST_F(CommandsTest, ProfileThatAnAdminHasPutStaysTheNewestWhenExercisesArePublished) {
+  const scene::DeviceProfile ours = scene::BuiltinProfiles().front();
+  NewExercise exercise;
+  exercise.scene = "builtin:block";
+  exercise.voxel_um = 500;
+  exercise.name = "cross";
+  ASSERT_TRUE(PublishExercise(Data(), exercise).ok());
+  {
+    auto store = OpenData();
+    const Sha256 content = PutText(*store, "measured here");
+    ASSERT_TRUE(store->PutProfile({ours.name, "Ours", content}, kCommandLine).ok());
+  }
+  ASSERT_TRUE(PublishExercise(Data(), exercise).ok());
+  EXPECT_EQ(OpenData()->ProfileVersions(ours.name)->front().title, "Ours");
+  // What an earlier program left is not the school's own.
+  {
+    auto store = OpenData();
+    const scene::DeviceProfile other = scene::BuiltinProfiles().back();
+    ASSERT_TRUE(store
+                    ->PutProfile({other.name, "Of before", PutText(*store, "earlier form")},
+                                 Actor{{}, "built-in profiles"})
+                    .ok());
+    ASSERT_TRUE(PublishProfiles(*store).ok());
+    EXPECT_EQ(store->ProfileVersions(other.name)->front().title, other.title);
+  }
+}
+
+TEST_F(CommandsTest, SharingNothingAndMovingNowhereSaySo) {
+  NewExercise exercise;
+  exercise.scene = "builtin:block";
+  exercise.voxel_um = 500;
+  exercise.name = "cross";
+  ASSERT_TRUE(PublishExercise(Data(), exercise).ok());
+  Sharing sharing;
+  sharing.exercise = "cross-block";
+  const Status nothing = ShareExercise(Data(), sharing);
+  EXPECT_EQ(nothing.code(), Code::kInvalidInput);
+  EXPECT_NE(nothing.message().find("--shared or --private"), std::string::npos);
+  const Uuid assignment = OpenData()->Assignments({})->front().id;
+  ::testing::internal::CaptureStdout();
+  EXPECT_TRUE(MoveAssignment(Data(), assignment.Text(), 1, false).ok());
+  EXPECT_NE(::testing::internal::GetCapturedStdout().find("nothing was changed"),
+            std::string::npos);
+}
+
+TEST_F(CommandsTest, DocumentThatIsRefusedNamesItsMemberOnce) {
+  const std::filesystem::path file = folder_.path() / "exercise.json";
+  std::string text(AsText(*ReadFile(ENAMEL_SOURCE_DIR "/schemas/golden/scene_exercise.json")));
+  text.replace(text.find("\"criteria\""), 10, "\"criterias\"");
+  ASSERT_TRUE(WriteFileDurably(file, AsBytes(text)).ok());
+  NewExercise exercise;
+  exercise.document = file.string();
+  const Status refused = PublishExercise(Data(), exercise);
+  ASSERT_FALSE(refused.ok());
+  const size_t first = refused.message().find("/rubric/");
+  EXPECT_NE(first, std::string::npos) << refused.message();
+  EXPECT_EQ(refused.message().find("/rubric/", first + 1), std::string::npos) << refused.message();
+}
+
+TEST_F(CommandsTest, RosterWhosePasswordsCannotBeWrittenAddsNobody) {
+  const std::filesystem::path csv = folder_.path() / "roster.csv";
+  ASSERT_TRUE(
+      WriteFileDurably(csv, AsBytes("login,display_name,role,cohort\nada,Ada,student,\n")).ok());
+  RosterCommand roster;
+  roster.data = Data();
+  roster.file = csv;
+  roster.passwords = folder_.path() / "nowhere" / "passwords.csv";
+  EXPECT_FALSE(ImportRoster(roster).ok());
+  EXPECT_TRUE(OpenData()->People()->empty());
+  roster.passwords = folder_.path() / "passwords.csv";
+  ASSERT_TRUE(ImportRoster(roster).ok());
+  EXPECT_NE(std::string(AsText(*ReadFile(roster.passwords))).find("\nada,Ada,,"),
+            std::string::npos);
+}
+
 TEST_F(CommandsTest, RetentionWithoutDaysTakesNoRuleAway) {
   { auto store = OpenData(); }
   ASSERT_TRUE(Retention({Data(), "recordings", 730, false}).ok());

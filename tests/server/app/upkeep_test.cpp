@@ -48,7 +48,7 @@ TEST_F(UpkeepTest, BackupRestoreAndVerifyAgreeInWordsAndNumbers) {
       },
       status);
   ASSERT_TRUE(status.ok()) << status.message();
-  EXPECT_NE(said.find("1 attempts, 500 ticks"), std::string::npos) << said;
+  EXPECT_NE(said.find("1 attempt, 500 ticks"), std::string::npos) << said;
   EXPECT_EQ(Json("b.json").at("ticks").to_number<int>(), 500);
   EXPECT_EQ(school_.store->Audit(1)->front().action, "store.backup");
 
@@ -161,14 +161,14 @@ TEST_F(UpkeepTest, RetentionTellsBeforeItDoes) {
   EXPECT_NE(said.find("kept for good"), std::string::npos);
   said = Said([&] { return Retention({Path("data"), "recordings", 30, false}); }, status);
   EXPECT_NE(said.find("0 recordings"), std::string::npos) << said;
-  EXPECT_NE(said.find("1 more are due and kept"), std::string::npos) << "not released: " << said;
+  EXPECT_NE(said.find("1 more is due and kept"), std::string::npos) << "not released: " << said;
   ASSERT_TRUE(school_.store->ReleaseAttempt(scored, Actor{}).ok());
   said = Said([&] { return Retention({Path("data"), "", {}, false}); }, status);
-  EXPECT_NE(said.find("would be removed now: 0 unfinished attempts, 1 recordings"),
+  EXPECT_NE(said.find("would be removed now: 0 unfinished attempts, 1 recording,"),
             std::string::npos)
       << said;
   said = Said([&] { return Retention({Path("data"), "", {}, true}); }, status);
-  EXPECT_NE(said.find("removed: 0 unfinished attempts, 1 recordings"), std::string::npos) << said;
+  EXPECT_NE(said.find("removed: 0 unfinished attempts, 1 recording,"), std::string::npos) << said;
   EXPECT_EQ(Retention({Path("data"), "recordings", -4, false}).field(), "days");
 }
 

@@ -85,7 +85,7 @@ TEST_F(AssignmentTest, LimitIsUsedUpUntilAnAttemptIsExcused) {
   AttemptRow first = RowOf(Ask());
   wire::Reply refused = Ask();
   EXPECT_EQ(refused.error().field(), "attempt_limit");
-  EXPECT_NE(refused.error().message().find("1 are used"), std::string::npos)
+  EXPECT_NE(refused.error().message().find("1 is used"), std::string::npos)
       << refused.error().message();
   ASSERT_TRUE(world_.store->FlagAttempt(first.id, kExcused, "power cut", kSystem).ok());
   EXPECT_TRUE(Ask().has_ticket_issued());
