@@ -73,7 +73,7 @@ double PartDistance_m(const PreparationPart& part, const dvec3& p, const Growth&
   // There is no upper end: the part goes on upward, so that nothing of the tooth is left above it.
   const bool relief = part.relief.step_um != 0, stump = part.outline == Outline::kStump;
   double below = -d.z - (part.depth_um * 1e-6 + grown.bottom_m);
-  if (relief && !stump) below = -HeightOverRelief_m(part, p) - grown.bottom_m;
+  if (relief && !stump) below = -HeightOverRelief_m(part, p + dvec3(0, 0, grown.bottom_m));
   double side;
   if (part.outline == Outline::kDisc) {
     side = std::sqrt(d.x * d.x + d.y * d.y) - hx;
@@ -89,7 +89,7 @@ double PartDistance_m(const PreparationPart& part, const dvec3& p, const Growth&
   if (!stump) return hollow;
   // The table is a floor, too.
   const dvec3 lower = d + dvec3(0, 0, grown.bottom_m);
-  const double over_table = relief ? HeightOverRelief_m(part, p) + grown.bottom_m
+  const double over_table = relief ? HeightOverRelief_m(part, p + dvec3(0, 0, grown.bottom_m))
                                    : lower.z + part.stump.table_below_um * 1e-6;
   const double standing = std::max(StumpWallDistance_m(part, lower, grown.side_m), over_table);
   return std::max(hollow, -standing);

@@ -16,7 +16,7 @@ struct Growth {
 // upright prism that begins at its opening and goes on upward without end. Exact on its faces and
 // outside one part, but for edges of grown polygons, which are round, for a stump, whose sloped walls
 // are met to second order in the slope, and for a relief, whose distance is that to the plane that
-// touches it above or below the point. A relief is grown along its normal. Only + - * / sqrt, so equal on every machine.
+// touches it above or below the point. A relief is grown straight down. Only + - * / sqrt, so equal on every machine.
 // Requires: at least one part.
 double PreparationDistance_m(const Preparation& preparation, const dvec3& point_m,
                              const Growth& grown = {});

@@ -75,15 +75,16 @@ bool FitsInto(const HollowCut& hollow, double top_m, const cutting::Bur& bur,
 std::vector<Move> PlanCavity(const HollowCut& hollow, const cutting::Bur& bur,
                              const cutting::Volume& volume, const CavityPlanOptions& options);
 
-// All around a stump and off its top, down to its foot.
-struct StumpCut {
-  scene::PreparationPart part;  // of outline kStump, in the scene
-  // How far each wall goes in, and table and foot go down, beyond what the part says.
+// A part of a target, in the scene, and how far off it a hand is.
+struct PartCut {
+  scene::PreparationPart part;
+  // How far each wall goes on, and floor, table and foot go down, beyond what the part says.
   std::function<double(const glm::dvec2& outward)> deeper_m;
   double lower_m = 0;
 };
-// Layer by layer from above, outermost round first, clear of the neighbours that the volume holds.
-std::vector<Move> PlanStump(const StumpCut& cut, const cutting::Bur& bur,
+// All around a stump and off its top, down to its foot: layer by layer from above, outermost round
+// first, clear of the neighbours that the volume holds.
+std::vector<Move> PlanStump(const PartCut& cut, const cutting::Bur& bur,
                             const cutting::Volume& volume, const CavityPlanOptions& options);
 
 // Highest solid point over a rectangle in x and y, scene z in m; the grid's bottom if there is

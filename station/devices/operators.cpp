@@ -7,6 +7,7 @@
 #include "common/scene/preparation.h"
 #include "station/devices/cavity_plan.h"
 #include "station/devices/path_operator.h"
+#include "station/devices/relief_plan.h"
 
 namespace enamel::station {
 namespace {
@@ -135,14 +136,20 @@ Bounds ExtentOf(const scene::CavityTarget& target, const dvec3& landmark_m) {
 }
 
 // A slip: from above the surface distally of the target a millimetre into it, and out. Of a tooth
-// that is prepared all around, into its middle.
+// that is prepared all around, or as far as its distal side, into the middle.
 Stroke SlipBeside(const Bounds& extent, double out_m, bool all_around, const cutting::Bur& bur,
                   const cutting::Volume& volume) {
   constexpr double kDeep_m = 1e-3, kBeyondLeeway_m = 0.5e-3, kClear_m = 1e-3;
   const double y = 0.5 * (extent.y0 + extent.y1), middle = 0.5 * (extent.x0 + extent.x1),
                r = bur.radius_m;
   dvec3 at(all_around ? middle : extent.x0 - out_m - 2 * r - kBeyondLeeway_m, y, 0);
-  at.z = HighestSolid_m(volume, {at.x - r, at.x + r, at.y - r, at.y + r});
+  auto highest = [&] { return HighestSolid_m(volume, {at.x - r, at.x + r, at.y - r, at.y + r}); };
+  at.z = highest();
+  constexpr double kSide_m = 3e-3;  // lower than this beside it there is no face of the tooth
+  if (at.z < HighestSolid_m(volume, extent) - kSide_m) {
+    at.x = middle;
+    at.z = highest();
+  }
   const dvec3 up(0, 0, kClear_m), down(0, 0, -kDeep_m);
   Stroke slip;
   slip.points = {dvec3(middle, y, at.z) + up, at + up, at + down, at + up};
@@ -207,6 +214,8 @@ Result<std::vector<Move>> PlanTarget(const scene::Preparation& shape, const Oper
     std::vector<Move> moves;
     if (part.outline == PartOutline::kStump) {
       moves = PlanStump({part, extra, wrong.floor_m}, bur, left, options);
+    } else if (part.relief.step_um != 0) {
+      moves = PlanRelief({part, extra, wrong.floor_m}, bur, left, options);
     } else {
       if (!IsConvex(OutlineOf(part))) {
         return CannotCut(exercise,
@@ -250,7 +259,9 @@ HandParams HandFor(const PlantParams& plant, const core::CoreParams& params,
 
 std::span<const OperatorPreset> OperatorPresets() { return kPresets; }
 
-bool HasUseFor(const OperatorPreset& preset, const scene::Scene& scene) {
+bool HasUseFor(const OperatorPreset& preset, const scene::Scene& scene,
+               const scene::Exercise& exercise) {
+  if (preset.askew_deg != 0 && exercise.bur_shape == cutting::BurShape::kSphere) return false;
   return preset.needs == cutting::Tissue::kAir ||
          std::any_of(scene.tissues.begin(), scene.tissues.end(),
                      [&](const scene::TissueSpec& t) { return t.tissue == preset.needs; });

@@ -42,8 +42,10 @@ struct OperatorPreset {
   cutting::Tissue needs = cutting::Tissue::kAir;
 };
 std::span<const OperatorPreset> OperatorPresets();
-// Whether `preset`'s fault can be made in this scene.
-bool HasUseFor(const OperatorPreset& preset, const scene::Scene& scene);
+// Whether `preset`'s fault can be made in this exercise: its tooth has what he spoils, and a bur that
+// is held askew is no ball.
+bool HasUseFor(const OperatorPreset& preset, const scene::Scene& scene,
+               const scene::Exercise& exercise);
 // nullptr when the name is unknown.
 const OperatorPreset* FindOperator(std::string_view name);
 

@@ -19,6 +19,8 @@ PointUm ToUm(const dvec3& p_m) {
           static_cast<int32_t>(std::lround(p_m.z * 1e6))};
 }
 
+dvec3 Metres(const PointUm& p) { return dvec3(p[0], p[1], p[2]) * 1e-6; }
+
 // What a scene is before its volume is sampled.
 struct Draft {
   Scene scene;
@@ -73,6 +75,48 @@ Draft SoundTooth(const ToothShape& tooth) {
 Draft Molar() { return SoundTooth(LowerFirstMolar()); }
 Draft Premolar() { return SoundTooth(UpperFirstPremolar()); }
 Draft Incisor() { return SoundTooth(UpperCentralIncisor()); }
+
+// The same tooth, held with its buccal side up. Crown and cavity of the occlusal side are not to be
+// reached from there.
+Draft BuccalUp(Draft draft, const char* name, const char* title) {
+  draft.scene.name = name;
+  draft.scene.title = title;
+  draft.scene.up = Up::kBuccal;
+  draft.scene.landmarks = {
+      {"occlusal_centre", ToUm(ToBuccalUp(Metres(draft.scene.landmarks.at("occlusal_centre"))))}};
+  const dvec3 a = ToBuccalUp(draft.box.lo_m), b = ToBuccalUp(draft.box.hi_m);
+  draft.box = {glm::min(a, b), glm::max(a, b)};
+  draft.field = [upright = std::move(draft.field)](const dvec3& p) {
+    return upright(FromBuccalUp(p));
+  };
+  return draft;
+}
+
+// Where a face that is up is met, at a height of the tooth (mm) over its middle.
+PointUm OnFace(const Draft& draft, double height_mm) {
+  double inside = 0, outside = draft.box.hi_m.z;
+  for (int i = 0; i < 40; ++i) {
+    const double z = 0.5 * (inside + outside);
+    (draft.field({0, -height_mm * 1e-3, z}).distance_m < 0 ? inside : outside) = z;
+  }
+  return ToUm({0, -height_mm * 1e-3, inside});
+}
+
+Draft MolarBuccal() {
+  Draft out = BuccalUp(Molar(), "molar-46-buccal",
+                       "Lower right first molar (FDI 46), buccal side up, built in");
+  // The middle of the gingival third: the crown is 7.5 mm high from -3.75 mm.
+  out.scene.landmarks["class_5"] = OnFace(out, -1.75);
+  return out;
+}
+
+Draft IncisorLabial() {
+  Draft out = BuccalUp(Incisor(), "incisor-11-labial",
+                       "Upper right central incisor (FDI 11), labial side up, built in");
+  // Between the gingival and the incisal end of a veneer (exercises.cpp).
+  out.scene.landmarks["labial_face"] = OnFace(out, 0.1);
+  return out;
+}
 
 Draft MolarCaries() {
   const ToothShape& tooth = LowerFirstMolar();
@@ -165,6 +209,8 @@ constexpr Builder kBuilders[] = {
     {{"molar-caries", "the molar with a soft lesion under its central fossa"}, MolarCaries},
     {{"molar-class-2", "the molar between two neighbours, with a soft lesion at the contact"},
      MolarClassTwo},
+    {{"molar-buccal", "the molar, turned so that its buccal side is up"}, MolarBuccal},
+    {{"incisor-labial", "the incisor, turned so that its labial side is up"}, IncisorLabial},
     {{"block", "practice block of gypsum with four target shapes: circle, cross, line, step"},
      Block},
 };

@@ -45,6 +45,8 @@ Exercise ClassOneExercise(const Scene& scene, const Sha256& scene_hash);
 //   caries           caries: excavation of the lesion under the fossa
 //   mesial_box       class-2: the box of a mesial class II cavity, beside the neighbour
 //   crown_top        crown: a crown preparation down to the height of the margin
+//   class_5          class-5: a box in the gingival third of a face that is up
+//   labial_face      veneer: half a millimetre off an incisor's face, which is up
 //   a preparation    its name: the shape on the practice block
 // Crown and shapes are judged by their closeness to the reference cut; the parts of their target say
 // what has to go. The crown of a tooth that is not built in has no parts: only the reference says it.
@@ -53,6 +55,10 @@ std::vector<Exercise> BuiltinExercises(const Scene& scene, const Sha256& scene_h
 // The exercise that asks for a prepared tooth (prepared_target.h), judged by closeness to it, its
 // finish line and walls where it has them, and the pulp's cover where there is a pulp.
 Exercise PreparedExercise(const Scene& scene, const Sha256& scene_hash, const CavityTarget& target);
+
+// A point of a tooth whose buccal side is up, in the tooth's own frame (tooth_shape.h); and back.
+inline dvec3 FromBuccalUp(const dvec3& p) { return {p.x, p.z, -p.y}; }
+inline dvec3 ToBuccalUp(const dvec3& p) { return {p.x, -p.z, p.y}; }
 
 // B per tissue with provenance, as used by built-in and imported scenes.
 std::vector<TissueSpec> DefaultTissues(const std::vector<cutting::Tissue>& present);

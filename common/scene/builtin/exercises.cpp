@@ -2,9 +2,15 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <string>
+#include <utility>
 
+#include "common/base/mutex.h"
 #include "common/scene/builtin/builtin.h"
+#include "common/scene/builtin/layer.h"
+#include "common/scene/builtin/rubrics.h"
+#include "common/scene/builtin/teeth.h"
 #include "common/scene/preparation.h"
 
 namespace enamel::scene {
@@ -15,18 +21,6 @@ using cutting::Tissue;
 // Gentle: chatter like that of a handpiece held lightly, and an energy that moves no hand. 1 mW is
 // what 0.1 N of chatter takes on the coarsest of the built-in devices (haptics/README.md).
 constexpr TouchCueSpec kPracticeCues{250, 100, 200, 1'000};
-
-// How far a side of a cavity may go beyond the line: what the text says, where the rubric's points
-// for it end, and the zone that the page and the window show.
-constexpr int32_t kLeeway_um = 250;
-
-// Bands. A wall counts as right within 0.03 mm, which is over twice what the score itself errs by
-// (a quarter of a voxel of 0.05 mm), loses a fifth at 0.1 mm and everything where the leeway ends.
-// The first two are chosen, not measured on people: what holds them is the order of skill in
-// grades_test.cpp.
-constexpr int32_t kRight_um = 30;
-constexpr double kRight_mm = kRight_um * 1e-3, kSeen_mm = 0.1, kWrong_mm = kLeeway_um * 1e-3,
-                 kSeenShare = 0.8;
 
 bool IsAnterior(const Scene& scene) { return scene.name.starts_with("incisor"); }
 
@@ -40,159 +34,6 @@ std::string Mm(int32_t um) {
   std::string text = std::to_string(um / 1000) + "." + std::to_string(um / 100 % 10);
   if (um % 100 != 0) text += std::to_string(um / 10 % 10);
   return text + " mm";
-}
-
-RubricCriterion WallCriterion(const char* metric, const char* title, double points,
-                              const char* comment) {
-  RubricCriterion c{metric, title, "mm", points, {}, comment, {}};
-  c.map = {{-kWrong_mm, 0}, {-kSeen_mm, kSeenShare}, {-kRight_mm, 1},
-           {kRight_mm, 1},  {kSeen_mm, kSeenShare},  {kWrong_mm, 0}};
-  return c;
-}
-
-RubricCriterion AtMost(const char* metric, const char* title, const char* unit, double points,
-                       double full, double none, const char* comment) {
-  return {metric, title, unit, points, {{full, 1}, {none, 0}}, comment, {}};
-}
-
-RubricCriterion AtLeast(const char* metric, const char* title, const char* unit, double points,
-                        double none, double full, const char* comment) {
-  return {metric, title, unit, points, {{none, 0}, {full, 1}}, comment, {}};
-}
-
-// A criterion earns only in so far as the task was done and the rest of the mouth is still there.
-std::vector<RubricGate> TaskGates() {
-  return {{"task_done_percent",
-           "Task done",
-           "%",
-           {{5, 0}, {90, 1}},
-           "The work was stopped early: part of the task is still to be cut."},
-          {"damage_percent",
-           "Cut where nothing was asked for",
-           "%",
-           {{20, 1}, {120, 0}},
-           "Much was cut away that has nothing to do with the task."}};
-}
-
-RubricCriterion PulpCriterion(double points) {
-  RubricCriterion c = AtMost("pulp_exposed_mm2", "Pulp not exposed", "mm2", points, 0, 0.05,
-                             "The pulp was exposed: the whole attempt fails.");
-  c.fails_above = 0.0;
-  return c;
-}
-
-// Less than 0.5 mm of dentin is taken as too little to protect the pulp (schemas/score.md).
-RubricCriterion CoverCriterion(double points) {
-  return AtLeast("remaining_dentin_mm", "Cover of the pulp", "mm", points, 0.5, 0.9,
-                 "Too little dentin is left over the pulp.");
-}
-
-RubricCriterion ElsewhereCriterion(double points) {
-  return AtMost("outside_removed_mm3", "Nothing cut elsewhere", "mm3", points, 0.05, 1.5,
-                "Sound tissue was cut away beyond the tolerance.");
-}
-
-void AddHand(Rubric& r, double force, double time, double full_s, double none_s) {
-  r.criteria.push_back(AtMost("force_sent_p95_n", "Light hand", "N", force, 4, 8,
-                              "The bur was pressed too hard: let it cut."));
-  r.criteria.push_back(AtMost("time_s", "Time", "s", time, full_s, none_s, "The work took long."));
-}
-
-// `tooth`: there is a pulp to keep.
-Rubric ClassOneRubric(bool tooth) {
-  Rubric r;
-  r.name = "class-1-occlusal";
-  r.version = 3;
-  r.gates = TaskGates();
-  r.criteria = {
-      AtLeast("task_done_percent", "Outline removed", "%", tooth ? 8 : 12, 70, 97,
-              "Part of the outline was left standing."),
-      ElsewhereCriterion(8),
-      WallCriterion("wall_mesial_mm", "Mesial wall", 6,
-                    "The mesial wall is not where it should be."),
-      WallCriterion("wall_distal_mm", "Distal wall", 6,
-                    "The distal wall is not where it should be."),
-      WallCriterion("wall_buccal_mm", "Buccal wall", 6,
-                    "The buccal wall is not where it should be."),
-      WallCriterion("wall_lingual_mm", "Lingual wall", 6,
-                    "The lingual wall is not where it should be."),
-      WallCriterion("floor_mm", tooth ? "Pulpal floor" : "Floor", tooth ? 8 : 12,
-                    "The floor is too deep or too shallow."),
-      AtMost("wall_tilt_deg", "Walls upright", "deg", 6, 2, 10, "A wall leans."),
-      AtMost("undercut_deg", "No undercut", "deg", 6, 2, 8,
-             "A wall leans over the cavity: the filling could not be condensed under it."),
-      AtMost("tilt_floor_deg", "Floor level", "deg", 4, 2, 10, "The floor slopes."),
-      AtMost("wall_waviness_mm", "Walls smooth", "mm", 4, 0.025, 0.1, "A wall is wavy."),
-      AtMost("floor_waviness_mm", "Floor flat", "mm", 3, 0.025, 0.1, "The floor is uneven."),
-      // A gouge of 0.3 mm is gone through as far as a wall may not go at all.
-      AtMost("deepest_over_mm", "No gouge", "mm", 8, 0.1, 0.3,
-             "Somewhere the bur went deep beyond the outline: see the heat map."),
-      AtMost("outline_over_mm", "Outline on the surface", "mm", 4, 0.1, 0.4,
-             "The opening is wider than it should be."),
-  };
-  if (tooth) {
-    r.criteria.push_back(PulpCriterion(4));
-    r.criteria.push_back(CoverCriterion(4));
-  }
-  AddHand(r, 5, 4, 240, 600);
-  return r;
-}
-
-// For shapes whose walls are not a box's: the distance to the reference says it all.
-struct TimeBand {
-  double full_s = 300, none_s = 900;
-};
-Rubric ShapeRubric(std::string name, double closeness = 30, double nowhere = 15,
-                   TimeBand time = {}) {
-  Rubric r;
-  r.name = std::move(name);
-  r.version = 3;
-  r.gates = TaskGates();
-  r.criteria = {
-      AtLeast("task_done_percent", "All of it cut", "%", 10, 70, 97,
-              "Part of the shape was left standing."),
-      AtMost("deviation_rms_mm", "Closeness to the reference", "mm", closeness, kRight_mm, 0.3,
-             "The surface is far from the reference."),
-      AtMost("deviation_p95_mm", "Nowhere far off", "mm", nowhere, 0.08, 0.6,
-             "Somewhere the surface is far from the reference: see the heat map."),
-      AtMost("deepest_over_mm", "No gouge", "mm", 10, 0.1, 0.4,
-             "Somewhere the bur went deep beyond the shape: see the heat map."),
-      AtMost("most_left_mm", "Nothing left standing", "mm", 10, 0.1, 0.6,
-             "Somewhere much was left standing: see the heat map."),
-      AtMost("outside_removed_mm3", "Nothing beside and below cut", "mm3", 10, 0.05, 2,
-             "Material beyond the tolerance was cut away."),
-  };
-  AddHand(r, 10, 5, time.full_s, time.none_s);
-  return r;
-}
-
-// Caries goes, sound tissue stays, the pulp is kept covered. What has to go is what the reference
-// took: the share of it that is left is judged, not how much was taken.
-Rubric CariesRubric() {
-  Rubric r;
-  r.name = "caries-excavation";
-  r.version = 2;
-  r.gates = TaskGates();
-  r.gates[0] = {"caries_left_percent",
-                "Caries left",
-                "%",
-                {{10, 1}, {90, 0}},
-                "The work was stopped early: there is still caries to be taken away."};
-  r.criteria = {
-      AtMost("caries_left_percent", "No caries left", "%", 35, 1, 12,
-             "Caries was left: it goes on under the filling."),
-      AtMost("sound_removed_mm3", "Sound tissue kept", "mm3", 20, 0.5, 6,
-             "More sound tissue was taken than the reference took."),
-      ElsewhereCriterion(10),
-      AtMost("undercut_deg", "Walls not undercut", "deg", 5, 4, 12,
-             "A wall leans over the cavity: the filling could not be condensed under it."),
-      AtMost("deepest_over_mm", "No gouge", "mm", 10, 0.1, 0.4,
-             "Somewhere the bur went deep into sound tissue: see the heat map."),
-      PulpCriterion(5),
-      CoverCriterion(5),
-  };
-  AddHand(r, 5, 5, 300, 900);
-  return r;
 }
 
 std::string NameFor(const char* kind, const Scene& scene) {
@@ -289,50 +130,35 @@ const CrownTask* CrownOf(const Scene& scene) {
   return it == std::end(kCrowns) ? nullptr : it;
 }
 
+const ToothShape* ShapeOf(const Scene& scene) {
+  for (const ToothShape* tooth : BuiltinTeeth()) {
+    if (scene.name.starts_with(tooth->name)) return tooth;
+  }
+  return nullptr;
+}
+
+// The table of a crown's stump: the tooth's own relief, so deep below it.
+void AddOcclusalRelief(const Scene& scene, const PointUm& at, int32_t off_um, int32_t tip_um,
+                       PreparationPart& part) {
+  const ToothShape* tooth = ShapeOf(scene);
+  if (tooth == nullptr) return;
+  Layer layer;
+  // On over the tooth's sides, which are the walls' to reduce.
+  layer.surface_m = [=](double x_m, double y_m) {
+    return OcclusalHeight_mm(*tooth, x_m * 1e3, y_m * 1e3) * 1e-3;
+  };
+  layer.thick_m = off_um * 1e-6;
+  layer.end_radius_m = tip_um * 1e-6;
+  for (size_t i = 0; i < 2; ++i) {
+    layer.axis_half_m[i] = (part.stump.foot.half_um[i] + 1'000) * 1e-6;
+  }
+  constexpr int32_t kStep_um = 500;
+  part.relief = ReliefOf(layer, part, at, kStep_um);
+}
+
 // Of a crown that is not built in nothing is known but its height: what has to go is what the
 // reference took.
 constexpr int32_t kUnknownCrownDepth_um = 6'500;
-
-// The angles that are accepted between opposite walls are those of the literature, 10 to 22 degrees
-// (schemas/score.md, "Crown"), and less where the stump is tall enough to hold anyway. From buccal to
-// lingual an incisor's edge is so thin that its walls stand at 27 degrees.
-RubricCriterion ConvergenceCriterion(const char* metric, const char* title, double most_deg) {
-  return {metric,
-          title,
-          "deg",
-          4,
-          {{0, 0}, {5, 1}, {most_deg, 1}, {most_deg + 14, 0}},
-          "Opposite walls stand too steep or too flat to each other.",
-          {}};
-}
-
-Rubric CrownRubric(bool anterior) {
-  Rubric r = ShapeRubric("crown-preparation", 15, 4, {1'200, 2'400});
-  r.version = 4;
-  auto& criteria = r.criteria;
-  criteria.push_back(
-      ConvergenceCriterion("convergence_mesiodistal_deg", "Convergence, mesial to distal", 22));
-  criteria.push_back(ConvergenceCriterion("convergence_buccolingual_deg",
-                                          "Convergence, buccal to lingual", anterior ? 30 : 22));
-  // A molar's stump leans by 6.5 degrees, as its crown does.
-  criteria.push_back(AtMost("crown_axis_deg", "Stump upright", "deg", 3, 8, 18,
-                            "The stump leans: the crown would have to go on at an angle."));
-  criteria.push_back(AtMost("crown_undercut_mm2", "No undercut", "mm2", 3, 0.5, 4,
-                            "A wall leans out over the finish line: the crown could not seat."));
-  RubricCriterion line{"finish_depth_mm",
-                       "Finish line at its height",
-                       "mm",
-                       3,
-                       {{-0.5, 0}, {-0.1, 1}, {0.1, 1}, {0.5, 0}},
-                       "The finish line is not at the height that is asked for.",
-                       {}};
-  criteria.push_back(std::move(line));
-  criteria.push_back(AtMost("finish_waviness_mm", "Finish line even", "mm", 3, 0.05, 0.25,
-                            "The finish line goes up and down around the stump."));
-  criteria.push_back(PulpCriterion(3));
-  criteria.push_back(CoverCriterion(3));
-  return r;
-}
 
 Exercise CrownExercise(const Scene& scene, const Sha256& scene_hash) {
   Exercise e = ClassOneExercise(scene, scene_hash);
@@ -361,11 +187,12 @@ Exercise CrownExercise(const Scene& scene, const Sha256& scene_hash) {
     part.half_size_um = {e.target.half_size_um[0], e.target.half_size_um[1]};
     part.depth_um = crown->depth_um;
     part.stump = {crown->foot, crown->table, crown->off_top_um, crown->corner_um};
+    if (const auto at = scene.landmarks.find(e.target.landmark); at != scene.landmarks.end()) {
+      AddOcclusalRelief(scene, at->second, crown->off_top_um, e.bur_narrow_radius_um, part);
+    }
     e.target.parts = {part};
-    // The top is flat: where a fissure lies deeper nothing is taken.
-    const std::string take_top = anterior ? "Take the incisal edge down by " + Mm(crown->off_top_um)
-                                          : "Take the cusps down to a flat top " +
-                                                Mm(crown->off_top_um) + " below the highest one";
+    const std::string take_top = "Take " + Mm(crown->off_top_um) + " off the " + top +
+                                 (anterior ? "" : ", which keeps its cusps and its fossa");
     e.instructions = take_top + ". Reduce the walls by at least " + Mm(crown->off_walls_um) +
                      " all around, down to a shoulder " + Mm(crown->depth_um) + " below " +
                      highest + ".";
@@ -375,6 +202,126 @@ Exercise CrownExercise(const Scene& scene, const Sha256& scene_hash) {
   e.time_limit_s = 1'800;
   // A simulated good hand takes a quarter of an hour.
   e.rubric = CrownRubric(anterior);
+  return e;
+}
+
+// The gingival third of the buccal face of a tooth that is turned: 4 mm wide and 2 mm high, its lower
+// edge 1 mm above the cervical line.
+Exercise ClassFiveExercise(const Scene& scene, const Sha256& scene_hash) {
+  Exercise e = ClassOneExercise(scene, scene_hash);
+  e.name = NameFor("class-5", scene);
+  e.title = "Class V cavity, buccal";
+  e.target.landmark = "class_5";
+  e.target.half_size_um = {2'000, 1'000, 0};
+  e.target.depth_um = 1'200;
+  e.instructions = "The tooth lies with its buccal side up, the root away from you. Cut a box of " +
+                   Mm(2 * e.target.half_size_um[0]) + " from mesial to distal and " +
+                   Mm(2 * e.target.half_size_um[1]) + " from gingival to occlusal, " +
+                   Mm(e.target.depth_um) +
+                   " deep in its middle, with upright walls and a flat axial wall. A side that is "
+                   "at most " +
+                   Mm(kRight_um) + " off has full marks, one that is " + Mm(kLeeway_um) +
+                   " off has none. Do not expose the pulp.";
+  e.rubric.name = "class-5-buccal";
+  e.rubric.version = 1;
+  // What is down in this scene is the wall towards the pulp.
+  const struct {
+    const char *metric, *title, *comment;
+  } named[] = {{"wall_buccal_mm", "Gingival wall", "The gingival wall is not where it should be."},
+               {"wall_lingual_mm", "Occlusal wall", "The occlusal wall is not where it should be."},
+               {"floor_mm", "Axial wall", "The axial wall is too deep or too shallow."},
+               {"tilt_floor_deg", "Axial wall even with the face", "The axial wall slopes."},
+               {"floor_waviness_mm", "Axial wall flat", "The axial wall is uneven."}};
+  for (RubricCriterion& c : e.rubric.criteria)
+    for (const auto& n : named) {
+      if (c.metric == n.metric) c.title = n.title, c.comment = n.comment;
+    }
+  return e;
+}
+
+// Height of a turned tooth's face over a point of the scene, m; `lo_m` beside the tooth.
+double FaceHeight_m(const ToothShape& tooth, double x_m, double y_m, double lo_m) {
+  double z = tooth.hi.y * 1e-3;
+  // The field says no more than the distance, and never less than nothing.
+  constexpr double kNear_m = 1e-7, kLeast_m = 1e-6;
+  while (z > lo_m) {
+    const double d = ToothField(tooth, FromBuccalUp({x_m, y_m, z})).distance_m;
+    if (d < kNear_m) return z;
+    z -= std::max(d, kLeast_m);
+  }
+  return lo_m;
+}
+
+// Half a millimetre off the labial face of an incisor, with a ball of 1.6 mm that leaves a chamfer all
+// around: 5.6 mm wide, from 0.95 mm above the cervical line to 0.8 mm short of the edge. Source of the
+// depth: textbooks ask for 0.3 mm near the gum to 0.7 mm near the edge.
+constexpr std::array<int32_t, 2> kVeneerHalf_um = {2'800, 4'400};
+constexpr int32_t kVeneerDepth_um = 500, kVeneerBur_um = 800, kVeneerChamfer_um = 750;
+
+PreparationPart MakeVeneerPart(const ToothShape& tooth, const PointUm& at) {
+  PreparationPart part;
+  part.half_size_um = {kVeneerHalf_um[0] + 100, kVeneerHalf_um[1] + 100};
+  part.top_um = {0, 0, static_cast<int32_t>(std::ceil(tooth.hi.y * 1e3)) - at[2]};
+  part.depth_um = 6'000;
+  std::map<std::pair<int64_t, int64_t>, double> known;
+  Layer layer;
+  layer.surface_m = [&](double x_m, double y_m) {
+    auto [height, unknown] = known.try_emplace({std::lround(x_m * 1e6), std::lround(y_m * 1e6)});
+    if (unknown) height->second = FaceHeight_m(tooth, x_m, y_m, tooth.hi.y * 1e-3 - 6e-3);
+    return height->second;
+  };
+  layer.thick_m = kVeneerDepth_um * 1e-6;
+  layer.end_radius_m = kVeneerBur_um * 1e-6;
+  layer.round_end = true;
+  for (size_t i = 0; i < 2; ++i) {
+    layer.axis_half_m[i] = (kVeneerHalf_um[i] - kVeneerChamfer_um) * 1e-6;
+  }
+  constexpr int32_t kStep_um = 250;
+  part.relief = ReliefOf(layer, part, at, kStep_um);
+  part.depth_um = *std::max_element(part.relief.below_um.begin(), part.relief.below_um.end());
+  return part;
+}
+
+// It takes thousands of questions to the tooth's field: the last one is kept.
+PreparationPart VeneerPart(const ToothShape& tooth, const PointUm& at) {
+  static Mutex mutex;
+  static std::string name;
+  static PointUm place;
+  static PreparationPart part;
+  MutexLock lock(mutex);
+  if (name != tooth.name || place != at) {
+    part = MakeVeneerPart(tooth, at);
+    name = tooth.name, place = at;
+  }
+  return part;
+}
+
+Exercise VeneerExercise(const Scene& scene, const ToothShape& tooth, const Sha256& scene_hash) {
+  Exercise e = ClassOneExercise(scene, scene_hash);
+  e.name = NameFor("veneer", scene);
+  e.title = "Veneer, reduction of the labial face";
+  e.bur_shape = cutting::BurShape::kSphere;  // "round-16"
+  e.bur_radius_um = kVeneerBur_um;
+  e.bur_length_um = 0;
+  e.target.landmark = "labial_face";
+  const PreparationPart part = VeneerPart(tooth, scene.landmarks.at(e.target.landmark));
+  e.target.half_size_um = {part.half_size_um[0], part.half_size_um[1], 0};
+  e.target.depth_um = part.depth_um - part.top_um[2];
+  e.target.parts = {part};
+  e.instructions = "The tooth lies with its labial face up, the root away from you. Take " +
+                   Mm(kVeneerDepth_um) + " off the face, as it is curved, over " +
+                   Mm(2 * kVeneerHalf_um[0]) + " from mesial to distal and " +
+                   Mm(2 * kVeneerHalf_um[1]) +
+                   " from gingival to incisal, with a chamfer all around. The incisal edge and the "
+                   "contacts stay.";
+  e.rubric = ShapeRubric("veneer-labial", 20, 10, {600, 1'200});
+  // All of it is floor: a hand that is off by less than a tenth of a millimetre is off everywhere.
+  // Where it ends is judged by itself, as hardly any of its area lies there.
+  e.rubric.criteria[1].map = {{0.08, 1}, {0.3, 0}};
+  e.rubric.criteria.push_back(AtMost("outline_over_mm", "Outline on the face", "mm", 15, 0.1, 0.35,
+                                     "The reduction is wider than it should be."));
+  e.rubric.criteria[0].title = "All of the face reduced";
+  e.rubric.criteria[0].comment = "Part of the face was left standing.";
   return e;
 }
 
@@ -463,6 +410,12 @@ Exercise PreparedExercise(const Scene& scene, const Sha256& scene_hash,
 std::vector<Exercise> BuiltinExercises(const Scene& scene, const Sha256& scene_hash) {
   std::vector<Exercise> out;
   auto has = [&](const char* landmark) { return scene.landmarks.count(landmark) != 0; };
+  if (scene.up == Up::kBuccal) {
+    const ToothShape* tooth = ShapeOf(scene);
+    if (has("class_5")) out.push_back(ClassFiveExercise(scene, scene_hash));
+    if (has("labial_face") && tooth) out.push_back(VeneerExercise(scene, *tooth, scene_hash));
+    return out;
+  }
   // An incisor has no fossa to cut into.
   if (has("occlusal_centre") && !IsAnterior(scene)) {
     out.push_back(ClassOneExercise(scene, scene_hash));

@@ -175,6 +175,7 @@ class Faults {
         return scene::PreparationDistance_m(shape, p, by);
       };
     };
+    if (task_.shape.parts.at(0).relief.step_um != 0) return MakeFace(grown);
     const double corner = CornerMovesBy() - 1;
     for (double mm : Sizes({0.05, 0.1, 0.3, 0.5}, 0.3)) {
       for (double way : {1.0, -1.0}) {
@@ -230,6 +231,44 @@ class Faults {
     return middle(task_.shape.parts.at(0));
   }
 
+  // A layer off a face: there are no walls to speak of, all of it is floor.
+  template <typename Grown>
+  void MakeFace(const Grown& grown) {
+    const scene::PreparationPart& part = task_.shape.parts[0];
+    for (double mm : Sizes({0.05, 0.1, 0.2, 0.3}, 0.2)) {
+      AddMm("floor_over", mm / kMm, "deepest_over_mm", grown(0, mm / kMm));
+      AddMm("floor_short", mm / kMm, "most_left_mm", grown(0, -mm / kMm));
+    }
+    auto over = [part](const dvec3& p) { return scene::HeightOverRelief_m(part, p); };
+    const dvec3 middle = dvec3(part.top_um[0], part.top_um[1], 0) * 1e-6;
+    AddFollowing(middle, over, [over](double by_m) -> Hollow {
+      return [=](const dvec3& p) { return by_m - over(p); };
+    });
+  }
+  // A pit of 0.8 x 0.8 mm and a pillar of 1.4 x 1.4 mm about a place, their ends so far below and above
+  // a surface as they are said to be. `over`: height over it; `raised`: the task with it so much
+  // higher.
+  template <typename Over, typename Raised>
+  void AddFollowing(const dvec3& at, const Over& over, const Raised& raised) {
+    auto square = [at](double half_m) {
+      return [=](const dvec3& p) {
+        return std::max(std::fabs(p.x - at.x), std::fabs(p.y - at.y)) - half_m;
+      };
+    };
+    for (double mm : Sizes({0.1, 0.2, 0.3, 0.57}, 0.3)) {
+      AddMm("gouge", mm / kMm, "deepest_over_mm",
+            Both(Wanted(), [=, in = square(0.4e-3)](const dvec3& p) {
+              return std::max(in(p), -over(p) - mm / kMm);
+            }));
+    }
+    for (double mm : Sizes({0.2, 0.4}, 0.4)) {
+      AddMm("left", mm / kMm, "most_left_mm",
+            [in = square(0.7e-3), wanted = Wanted(), less = raised(mm / kMm)](const dvec3& p) {
+              return std::max(wanted(p), std::min(less(p), -in(p)));
+            });
+    }
+  }
+
   // --- a crown ---
 
   void MakeCrown() {
@@ -265,8 +304,18 @@ class Faults {
       wavy.wave_m = std::sqrt(2.0) * mm / kMm;
       AddMm("finish_waviness", mm / kMm, "finish_waviness_mm", cut(wavy));
     }
-    // In the stump's top, where the tooth reaches above it all around the pit.
     const CrownCut& c = task_.crown;
+    if (c.table) {
+      auto raised = [&c](double by_m) -> Hollow {
+        CrownCut higher = c;
+        higher.table_lower_m -= by_m;
+        return [higher](const dvec3& p) { return higher.Distance_m(p); };
+      };
+      return AddFollowing(
+          dvec3(c.at_top.middle_x_m, c.at_top.middle_y_m, 0),
+          [c](const dvec3& p) { return c.OverTop_m(p); }, raised);
+    }
+    // In the stump's top, where the tooth reaches above it all around the pit.
     const dvec3 beside(0.3e-3, 0.3e-3, 0);
     for (double y = 0.9; y >= -0.9; y -= 0.1) {
       const dvec3 at(c.at_top.middle_x_m, c.at_top.middle_y_m + y * c.at_top.half_y_m, c.top_z_m);
@@ -313,7 +362,8 @@ class Faults {
     }
     const double z = lo;
     Add("stopped early", 100 * TakenAbove(z) / all, "%", "task_done_percent",
-        kShareTolerance_percent,
+        // A level end is known to a quarter of a voxel, too.
+        kShareTolerance_percent + 100 * (TakenAbove(z - quarter_m_) - TakenAbove(z)) / all,
         [=, wanted = Wanted()](const dvec3& p) { return std::max(wanted(p), z - p.z); });
   }
   double TakenAbove(double z) {

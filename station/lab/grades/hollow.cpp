@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "common/scene/builder.h"
+#include "common/scene/preparation.h"
 
 namespace enamel::station::lab {
 namespace {
@@ -105,6 +106,7 @@ double BoxCavity::Distance_m(const dvec3& point_m) const {
 CrownCut CrownCut::Moved(double in_m, double lower_m) const {
   CrownCut out = *this;
   out.top_z_m -= lower_m;
+  out.table_lower_m += lower_m;
   for (Section* s : {&out.at_shoulder, &out.at_top}) s->half_x_m -= in_m, s->half_y_m -= in_m;
   out.corner_m -= in_m;
   return out;
@@ -148,6 +150,10 @@ double CrownCut::Lean_deg() const {
   return std::fabs(std::atan(in + aside) - std::atan(in - aside)) / 2 * 180 / kPi;
 }
 
+double CrownCut::OverTop_m(const dvec3& p) const {
+  return table ? scene::HeightOverRelief_m(*table, p + dvec3(0, 0, table_lower_m)) : p.z - top_z_m;
+}
+
 double CrownCut::Distance_m(const dvec3& p) const {
   const double height = top_z_m - shoulder_z_m;
   // The walls go on above the top and under the shoulder as they are between.
@@ -162,7 +168,7 @@ double CrownCut::Distance_m(const dvec3& p) const {
   const double ox = std::max(x, 0.0), oy = std::max(y, 0.0);
   const double beside = std::sqrt(ox * ox + oy * oy) + std::min(std::max(x, y), 0.0) - radius;
   const double slope = std::max(a.half_x_m - b.half_x_m, a.half_y_m - b.half_y_m) / height;
-  const double outside_stump = std::max(beside / std::sqrt(1 + slope * slope), p.z - top_z_m);
+  const double outside_stump = std::max(beside / std::sqrt(1 + slope * slope), OverTop_m(p));
   double shoulder = shoulder_z_m;
   if (wave_m != 0) {
     shoulder += wave_m * std::sin(4 * std::atan2(p.y - a.middle_y_m, p.x - a.middle_x_m));
@@ -182,6 +188,7 @@ CrownCut CrownCutOf(const scene::PreparationPart& part) {
   out.at_shoulder = section(s.foot);
   out.at_top = section(s.table);
   out.corner_m = s.corner_um * 1e-6;
+  if (part.relief.step_um != 0) out.table = part;
   return out;
 }
 

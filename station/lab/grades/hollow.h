@@ -2,6 +2,7 @@
 
 #include <array>
 #include <functional>
+#include <optional>
 
 #include "common/cutting/volume.h"
 #include "common/scene/types.h"
@@ -54,6 +55,10 @@ struct CrownCut {
   Section at_shoulder, at_top;
   double corner_m = 0;  // radius
   double wave_m = 0;    // height of four waves of the shoulder around the stump
+  // Where the top is a relief and not flat: the part that has it, in the scene, and how far below it
+  // the top is. top_z_m then is only where at_top is.
+  std::optional<scene::PreparationPart> table;
+  double table_lower_m = 0;
 
   // The walls of the stump farther in by `in_m`, its top lower by `lower_m`.
   CrownCut Moved(double in_m, double lower_m) const;
@@ -65,6 +70,8 @@ struct CrownCut {
   CrownCut Leaning(double degrees) const;
   // How far the middle line between the mesial and the distal wall leans, degrees.
   double Lean_deg() const;
+  // Height over the top, as if it had no end.
+  double OverTop_m(const dvec3& point_m) const;
   double Distance_m(const dvec3& point_m) const;
 };
 // What an exercise asks for as a stump.

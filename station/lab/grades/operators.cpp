@@ -108,7 +108,7 @@ class Study {
     ENAMEL_ASSIGN_OR_RETURN(const auto reference, CutBy(*dentist, built, exercise, profile, 0));
     std::vector<double> ranks, scores;
     for (const OperatorPreset& preset : OperatorPresets()) {
-      if (!HasUseFor(preset, built.scene)) continue;
+      if (!HasUseFor(preset, built.scene, exercise)) continue;
       // A bur held askew has no room in a narrow shape: that fault cannot be made there.
       if (!CanCut(preset, built, exercise, profile)) {
         out_.left_out.push_back({exercise.name, profile.name, std::string(preset.name)});

@@ -160,7 +160,8 @@ TEST_P(Grades, OneFaultFallsBelowAGoodHandAndOnItsOwnCriterion) {
     EXPECT_GE(good.score, 90);
     for (const OneFault& fault : kOneFaults) {
       const OperatorPreset& preset = *FindOperator(fault.operator_name);
-      if (!HasUseFor(preset, built_.scene) || !exercise.name.starts_with(fault.exercise)) continue;
+      if (!HasUseFor(preset, built_.scene, exercise) || !exercise.name.starts_with(fault.exercise))
+        continue;
       SCOPED_TRACE(fault.operator_name);
       const auto score = ScoreOf(built_, exercise, CutBy(preset, built_, exercise), reference);
       EXPECT_LT(score.score, good.score);
@@ -231,7 +232,7 @@ TEST_P(Grades, SkillIsFoundInTheOrderItWasMade) {
     std::vector<double> skill, scores;
     std::string table;
     for (const OperatorPreset& preset : OperatorPresets()) {
-      if (!HasUseFor(preset, built_.scene)) continue;
+      if (!HasUseFor(preset, built_.scene, exercise)) continue;
       const auto score = ScoreOf(built_, exercise, CutBy(preset, built_, exercise), reference);
       // Who cuts the neighbour fails whatever the rest is like.
       if (score.critical_fail) continue;

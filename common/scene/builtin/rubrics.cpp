@@ -1,0 +1,201 @@
+#include "common/scene/builtin/rubrics.h"
+
+#include <utility>
+
+namespace enamel::scene {
+namespace {
+
+// Bands. A wall counts as right within 0.03 mm, which is over twice what the score itself errs by
+// (a quarter of a voxel of 0.05 mm), loses a fifth at 0.1 mm and everything where the leeway ends.
+// The first two are chosen, not measured on people: what holds them is the order of skill in
+// grades_test.cpp.
+constexpr double kRight_mm = kRight_um * 1e-3, kSeen_mm = 0.1, kWrong_mm = kLeeway_um * 1e-3,
+                 kSeenShare = 0.8;
+
+// The angles that are accepted between opposite walls are those of the literature, 10 to 22 degrees
+// (schemas/score.md, "Crown"), and less where the stump is tall enough to hold anyway. From buccal to
+// lingual an incisor's edge is so thin that its walls stand at 27 degrees.
+RubricCriterion ConvergenceCriterion(const char* metric, const char* title, double most_deg) {
+  return {metric,
+          title,
+          "deg",
+          4,
+          {{0, 0}, {5, 1}, {most_deg, 1}, {most_deg + 14, 0}},
+          "Opposite walls stand too steep or too flat to each other.",
+          {}};
+}
+
+}  // namespace
+
+RubricCriterion WallCriterion(const char* metric, const char* title, double points,
+                              const char* comment) {
+  RubricCriterion c{metric, title, "mm", points, {}, comment, {}};
+  c.map = {{-kWrong_mm, 0}, {-kSeen_mm, kSeenShare}, {-kRight_mm, 1},
+           {kRight_mm, 1},  {kSeen_mm, kSeenShare},  {kWrong_mm, 0}};
+  return c;
+}
+
+RubricCriterion AtMost(const char* metric, const char* title, const char* unit, double points,
+                       double full, double none, const char* comment) {
+  return {metric, title, unit, points, {{full, 1}, {none, 0}}, comment, {}};
+}
+
+RubricCriterion AtLeast(const char* metric, const char* title, const char* unit, double points,
+                        double none, double full, const char* comment) {
+  return {metric, title, unit, points, {{none, 0}, {full, 1}}, comment, {}};
+}
+
+std::vector<RubricGate> TaskGates() {
+  return {{"task_done_percent",
+           "Task done",
+           "%",
+           {{5, 0}, {90, 1}},
+           "The work was stopped early: part of the task is still to be cut."},
+          {"damage_percent",
+           "Cut where nothing was asked for",
+           "%",
+           {{20, 1}, {120, 0}},
+           "Much was cut away that has nothing to do with the task."}};
+}
+
+RubricCriterion PulpCriterion(double points) {
+  RubricCriterion c = AtMost("pulp_exposed_mm2", "Pulp not exposed", "mm2", points, 0, 0.05,
+                             "The pulp was exposed: the whole attempt fails.");
+  c.fails_above = 0.0;
+  return c;
+}
+
+RubricCriterion CoverCriterion(double points) {
+  return AtLeast("remaining_dentin_mm", "Cover of the pulp", "mm", points, 0.5, 0.9,
+                 "Too little dentin is left over the pulp.");
+}
+
+RubricCriterion ElsewhereCriterion(double points) {
+  return AtMost("outside_removed_mm3", "Nothing cut elsewhere", "mm3", points, 0.05, 1.5,
+                "Sound tissue was cut away beyond the tolerance.");
+}
+
+void AddHand(Rubric& r, double force, double time, double full_s, double none_s) {
+  r.criteria.push_back(AtMost("force_sent_p95_n", "Light hand", "N", force, 4, 8,
+                              "The bur was pressed too hard: let it cut."));
+  r.criteria.push_back(AtMost("time_s", "Time", "s", time, full_s, none_s, "The work took long."));
+}
+
+Rubric ClassOneRubric(bool tooth) {
+  Rubric r;
+  r.name = "class-1-occlusal";
+  r.version = 3;
+  r.gates = TaskGates();
+  r.criteria = {
+      AtLeast("task_done_percent", "Outline removed", "%", tooth ? 8 : 12, 70, 97,
+              "Part of the outline was left standing."),
+      ElsewhereCriterion(8),
+      WallCriterion("wall_mesial_mm", "Mesial wall", 6,
+                    "The mesial wall is not where it should be."),
+      WallCriterion("wall_distal_mm", "Distal wall", 6,
+                    "The distal wall is not where it should be."),
+      WallCriterion("wall_buccal_mm", "Buccal wall", 6,
+                    "The buccal wall is not where it should be."),
+      WallCriterion("wall_lingual_mm", "Lingual wall", 6,
+                    "The lingual wall is not where it should be."),
+      WallCriterion("floor_mm", tooth ? "Pulpal floor" : "Floor", tooth ? 8 : 12,
+                    "The floor is too deep or too shallow."),
+      AtMost("wall_tilt_deg", "Walls upright", "deg", 6, 2, 10, "A wall leans."),
+      AtMost("undercut_deg", "No undercut", "deg", 6, 2, 8,
+             "A wall leans over the cavity: the filling could not be condensed under it."),
+      AtMost("tilt_floor_deg", "Floor level", "deg", 4, 2, 10, "The floor slopes."),
+      AtMost("wall_waviness_mm", "Walls smooth", "mm", 4, 0.025, 0.1, "A wall is wavy."),
+      AtMost("floor_waviness_mm", "Floor flat", "mm", 3, 0.025, 0.1, "The floor is uneven."),
+      // A gouge of 0.3 mm is gone through as far as a wall may not go at all.
+      AtMost("deepest_over_mm", "No gouge", "mm", 8, 0.1, 0.3,
+             "Somewhere the bur went deep beyond the outline: see the heat map."),
+      AtMost("outline_over_mm", "Outline on the surface", "mm", 4, 0.1, 0.4,
+             "The opening is wider than it should be."),
+  };
+  if (tooth) {
+    r.criteria.push_back(PulpCriterion(4));
+    r.criteria.push_back(CoverCriterion(4));
+  }
+  AddHand(r, 5, 4, 240, 600);
+  return r;
+}
+
+Rubric ShapeRubric(std::string name, double closeness, double nowhere, TimeBand time) {
+  Rubric r;
+  r.name = std::move(name);
+  r.version = 3;
+  r.gates = TaskGates();
+  r.criteria = {
+      AtLeast("task_done_percent", "All of it cut", "%", 10, 70, 97,
+              "Part of the shape was left standing."),
+      AtMost("deviation_rms_mm", "Closeness to the reference", "mm", closeness, kRight_mm, 0.3,
+             "The surface is far from the reference."),
+      AtMost("deviation_p95_mm", "Nowhere far off", "mm", nowhere, 0.08, 0.6,
+             "Somewhere the surface is far from the reference: see the heat map."),
+      AtMost("deepest_over_mm", "No gouge", "mm", 10, 0.1, 0.4,
+             "Somewhere the bur went deep beyond the shape: see the heat map."),
+      AtMost("most_left_mm", "Nothing left standing", "mm", 10, 0.1, 0.6,
+             "Somewhere much was left standing: see the heat map."),
+      AtMost("outside_removed_mm3", "Nothing beside and below cut", "mm3", 10, 0.05, 2,
+             "Material beyond the tolerance was cut away."),
+  };
+  AddHand(r, 10, 5, time.full_s, time.none_s);
+  return r;
+}
+
+Rubric CariesRubric() {
+  Rubric r;
+  r.name = "caries-excavation";
+  r.version = 2;
+  r.gates = TaskGates();
+  r.gates[0] = {"caries_left_percent",
+                "Caries left",
+                "%",
+                {{10, 1}, {90, 0}},
+                "The work was stopped early: there is still caries to be taken away."};
+  r.criteria = {
+      AtMost("caries_left_percent", "No caries left", "%", 35, 1, 12,
+             "Caries was left: it goes on under the filling."),
+      AtMost("sound_removed_mm3", "Sound tissue kept", "mm3", 20, 0.5, 6,
+             "More sound tissue was taken than the reference took."),
+      ElsewhereCriterion(10),
+      AtMost("undercut_deg", "Walls not undercut", "deg", 5, 4, 12,
+             "A wall leans over the cavity: the filling could not be condensed under it."),
+      AtMost("deepest_over_mm", "No gouge", "mm", 10, 0.1, 0.4,
+             "Somewhere the bur went deep into sound tissue: see the heat map."),
+      PulpCriterion(5),
+      CoverCriterion(5),
+  };
+  AddHand(r, 5, 5, 300, 900);
+  return r;
+}
+
+Rubric CrownRubric(bool anterior) {
+  Rubric r = ShapeRubric("crown-preparation", 15, 4, {1'200, 2'400});
+  r.version = 4;
+  auto& criteria = r.criteria;
+  criteria.push_back(
+      ConvergenceCriterion("convergence_mesiodistal_deg", "Convergence, mesial to distal", 22));
+  criteria.push_back(ConvergenceCriterion("convergence_buccolingual_deg",
+                                          "Convergence, buccal to lingual", anterior ? 30 : 22));
+  // A molar's stump leans by 6.5 degrees, as its crown does.
+  criteria.push_back(AtMost("crown_axis_deg", "Stump upright", "deg", 3, 8, 18,
+                            "The stump leans: the crown would have to go on at an angle."));
+  criteria.push_back(AtMost("crown_undercut_mm2", "No undercut", "mm2", 3, 0.5, 4,
+                            "A wall leans out over the finish line: the crown could not seat."));
+  RubricCriterion line{"finish_depth_mm",
+                       "Finish line at its height",
+                       "mm",
+                       3,
+                       {{-0.5, 0}, {-0.1, 1}, {0.1, 1}, {0.5, 0}},
+                       "The finish line is not at the height that is asked for.",
+                       {}};
+  criteria.push_back(std::move(line));
+  criteria.push_back(AtMost("finish_waviness_mm", "Finish line even", "mm", 3, 0.05, 0.25,
+                            "The finish line goes up and down around the stump."));
+  criteria.push_back(PulpCriterion(3));
+  criteria.push_back(CoverCriterion(3));
+  return r;
+}
+
+}  // namespace enamel::scene

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+
+#include "common/scene/types.h"
+
+// The rubrics of the built-in exercises and what they are made of.
+namespace enamel::scene {
+
+// How far a side of a cavity may go beyond the line: what the text says, where the rubric's points
+// for it end, and the zone that the page and the window show.
+inline constexpr int32_t kLeeway_um = 250;
+// And how far off it may be with full marks.
+inline constexpr int32_t kRight_um = 30;
+
+// Full marks up to `full`, none from `none` on; and the other way.
+RubricCriterion AtMost(const char* metric, const char* title, const char* unit, double points,
+                       double full, double none, const char* comment);
+RubricCriterion AtLeast(const char* metric, const char* title, const char* unit, double points,
+                        double none, double full, const char* comment);
+RubricCriterion WallCriterion(const char* metric, const char* title, double points,
+                              const char* comment);
+RubricCriterion PulpCriterion(double points);
+// Less than 0.5 mm of dentin is taken as too little to protect the pulp (schemas/score.md).
+RubricCriterion CoverCriterion(double points);
+
+// A criterion earns only in so far as the task was done and the rest of the mouth is still there.
+std::vector<RubricGate> TaskGates();
+
+// `tooth`: there is a pulp to keep.
+Rubric ClassOneRubric(bool tooth);
+// For shapes whose walls are not a box's: the distance to the reference says it all.
+struct TimeBand {
+  double full_s = 300, none_s = 900;
+};
+Rubric ShapeRubric(std::string name, double closeness = 30, double nowhere = 15,
+                   TimeBand time = {});
+// Caries goes, sound tissue stays, the pulp is kept covered. What has to go is what the reference
+// took: the share of it that is left is judged, not how much was taken.
+Rubric CariesRubric();
+Rubric CrownRubric(bool anterior);
+
+}  // namespace enamel::scene
