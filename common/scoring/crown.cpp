@@ -26,6 +26,10 @@ constexpr double kMostMissing = 0.3;
 constexpr double kFinishInside_m = 0.15e-3;  // the finish line's height is taken so far in
 constexpr double kWidthAbove_m = 0.3e-3;     // and its width so far above it
 constexpr double kCompleteWidth_m = 0.3e-3;
+// A bevel: between a table's inclines, which fall inwards or are flatter, and the wall.
+constexpr double kBevelLeast = 0.57735026918962573, kBevelMost = 2.1445069205095586;  // tan 30, 65
+constexpr double kLeastBevel_m = 0.2e-3;
+constexpr int kBevelPlaces = 5;                  // to either side
 constexpr double kLeans = 0.034899496702500969;  // sin of 2 degrees
 
 struct Direction {
@@ -171,11 +175,15 @@ std::optional<Line> WallLine(const Profile& profile, const Direction& d, double 
   return Line{(n * szr - sz * sr) / (n * szz - sz * sz), Median(std::move(radii))};
 }
 
+dvec3 PointAt(const dvec3& axis_m, const Direction& d, double r_m, double z_m) {
+  return {axis_m.x + r_m * d.x, axis_m.y + r_m * d.y, z_m};
+}
+
 // Everything about the finish line, at the places that the reference has.
 void MeasureLine(const Profile& attempt, const Profile& reference,
                  const std::array<Direction, kPlaces>& directions,
-                 const std::array<Place, kPlaces>& places, CrownFigures& out) {
-  std::vector<double> widths, depths;
+                 const std::array<Place, kPlaces>& places, const dvec3& axis_m, CrownFigures& out) {
+  std::vector<double> widths, depths, heights;
   double complete = 0;
   for (size_t k = 0; k < directions.size(); ++k) {
     const Direction& d = directions[k];
@@ -186,6 +194,7 @@ void MeasureLine(const Profile& attempt, const Profile& reference,
     const double is = attempt.Height_m(d, r, from, to).value_or(from);
     const double asked = reference.Height_m(d, r, from, to).value_or(at.line_z_m);
     depths.push_back(asked - is);
+    heights.push_back(is);
     const std::optional<double> inner = attempt.Radius_m(d, is + kWidthAbove_m);
     widths.push_back(inner ? std::max(0.0, at.outer_m - *inner) : 0);
     if (widths.back() >= kCompleteWidth_m) ++complete;
@@ -197,6 +206,73 @@ void MeasureLine(const Profile& attempt, const Profile& reference,
   for (double d : depths) sum += (d - out.depth_m) * (d - out.depth_m);
   out.waviness_m = std::sqrt(sum / kPlaces);
   out.complete = complete / kPlaces;
+  auto spot = [&](auto&& badness) {
+    size_t worst = 0;
+    for (size_t k = 1; k < depths.size(); ++k) {
+      if (badness(k) > badness(worst)) worst = k;
+    }
+    const Direction& d = directions[worst];
+    return Spot{PointAt(axis_m, d, places[worst].outer_m - kFinishInside_m, heights[worst]),
+                {d.x, d.y, 0}};
+  };
+  out.depth_at = spot([&](size_t k) { return std::fabs(depths[k]); });
+  out.waviness_at = spot([&](size_t k) { return std::fabs(depths[k] - out.depth_m); });
+  out.width_at = spot([&](size_t k) { return -widths[k]; });
+}
+
+// The outermost stretch of a half plane's top that falls outwards as a bevel does: its width along
+// the surface and the mean of its slopes; none where there is less than kLeastBevel_m of it.
+struct Stretch {
+  double width_m = 0, slope = 0;
+};
+std::optional<Stretch> BevelOf(const Profile& profile, const Direction& d, double outer_m,
+                               double from_z_m, double to_z_m) {
+  const double step = profile.step_m();
+  constexpr size_t kBase = 2;   // steps: a voxel
+  std::vector<double> heights;  // from the tooth's side inwards
+  for (double r = outer_m; r > 0; r -= step) {
+    heights.push_back(profile.Height_m(d, r, from_z_m, to_z_m).value_or(to_z_m));
+  }
+  double run = 0, rise = 0;
+  size_t gap = 0;
+  for (size_t i = 0; i + kBase < heights.size(); ++i) {
+    const double slope = (heights[i + kBase] - heights[i]) / (kBase * step);
+    if (slope >= kBevelLeast && slope <= kBevelMost) {
+      run += step, rise += slope * step;
+      gap = 0;
+    } else if (run > 0 && ++gap > kBase) {
+      if (run > kLeastBevel_m) break;
+      run = rise = 0;  // the wall's foot or its upper edge
+      gap = 0;
+    }
+  }
+  if (!(run > 0)) return std::nullopt;
+  const double slope = rise / run;
+  // What begins on the bevel and ends on the table counts to about half, what begins on the wall does
+  // not at all.
+  const double width = (run + 0.5 * kBase * step) * std::sqrt(1 + slope * slope);
+  if (width < kLeastBevel_m) return std::nullopt;
+  return Stretch{width, slope};
+}
+
+BevelFigures MeasureBevel(const Profile& attempt, const std::array<Direction, kPlaces>& directions,
+                          const std::array<Place, kPlaces>& places, int middle, double sky_z_m) {
+  std::vector<double> widths, slopes;
+  for (int k = middle - kBevelPlaces; k <= middle + kBevelPlaces; ++k) {
+    const auto at = static_cast<size_t>(k);
+    const Place& place = places[at];
+    if (const auto bevel = BevelOf(attempt, directions[at], place.outer_m, sky_z_m,
+                                   place.line_z_m + kWallMargin_m)) {
+      widths.push_back(bevel->width_m);
+      slopes.push_back(bevel->slope);
+    }
+  }
+  BevelFigures out;
+  out.made = 2 * widths.size() > 2 * kBevelPlaces;
+  if (!out.made) return out;
+  out.width_m = Median(std::move(widths));
+  out.angle_deg = kDegrees * ArcTan(Median(std::move(slopes)));
+  return out;
 }
 
 // Straight down, within the stump's top as the reference has it, on rings of as many places each: the
@@ -223,15 +299,21 @@ void MeasureTop(const Volume& initial, const Volume& attempt, const Volume& refe
   out.top_least_m = LeastOfMost(std::move(taken));
 }
 
-double Undercut_m2(const CutSide& attempt, const dvec3& axis_m, double lo_z_m, double hi_z_m) {
-  double sum = 0;
+double Undercut_m2(const CutSide& attempt, const dvec3& axis_m, double lo_z_m, double hi_z_m,
+                   Spot& worst) {
+  double sum = 0, lowest = 0;
   const surface::Mesh& mesh = *attempt.mesh;
   for (size_t i = 0; i < mesh.position_m.size(); ++i) {
     if (!(*attempt.cut)[i] || mesh.tissue[i] == static_cast<uint8_t>(Tissue::kNeighbour)) continue;
     const dvec3 p(mesh.position_m[i]);
     if (p.z < lo_z_m || p.z > hi_z_m || mesh.normal[i].z > -kLeans) continue;
     const double out = (p.x - axis_m.x) * mesh.normal[i].x + (p.y - axis_m.y) * mesh.normal[i].y;
-    if (out > 0) sum += (*attempt.areas_m2)[i];
+    if (!(out > 0)) continue;
+    sum += (*attempt.areas_m2)[i];
+    if (mesh.normal[i].z < lowest) {
+      lowest = mesh.normal[i].z;
+      worst = {p, dvec3(mesh.normal[i])};
+    }
   }
   return sum;
 }
@@ -268,15 +350,19 @@ CrownFigures MeasureCrown(const Volume& initial, const CutSide& attempt, const C
   if (!top || *top - line_z < 2 * kWallMargin_m + kLeastWall_m) return out;
   out.in_task = true;
 
-  std::array<double, kSections> lean_deg{}, taken{};
+  std::array<double, kSections> lean_deg{}, taken{}, off_deg{};
+  std::array<Spot, kSections> wall_at;
   double top_radius = kReach_m;
   for (size_t k = 0; k < kSections; ++k) {
     const size_t place = k * kPlaces / kSections;
     const Direction& d = directions[place];
     const double lo = places[place].line_z_m + kWallMargin_m, hi = *top - kWallMargin_m;
     const std::optional<Line> wall = WallLine(is, d, lo, hi), tooth = WallLine(before, d, lo, hi);
-    if (!wall || !tooth) return out;
+    const std::optional<Line> wanted = WallLine(asked, d, lo, hi);
+    if (!wall || !tooth || !wanted) return out;
     lean_deg[k] = -kDegrees * ArcTan(wall->slope);
+    off_deg[k] = std::fabs(lean_deg[k] + kDegrees * ArcTan(wanted->slope));
+    wall_at[k] = {PointAt(*axis, d, wall->median_radius_m, 0.5 * (lo + hi)), {d.x, d.y, 0}};
     taken[k] = tooth->median_radius_m - wall->median_radius_m;
     if (const auto r = asked.Radius_m(d, hi)) top_radius = std::min(top_radius, *r);
   }
@@ -287,16 +373,29 @@ CrownFigures MeasureCrown(const Volume& initial, const CutSide& attempt, const C
   }
   out.mesiodistal_deg = section[0];
   out.buccolingual_deg = section[2];
-  out.least_deg = *std::min_element(section.begin(), section.end());
-  out.most_deg = *std::max_element(section.begin(), section.end());
+  const auto least = std::min_element(section.begin(), section.end());
+  const auto most = std::max_element(section.begin(), section.end());
+  out.least_deg = *least;
+  out.most_deg = *most;
+  auto worse = [&](auto a, auto b) { return off_deg[size_t(a)] >= off_deg[size_t(b)] ? a : b; };
+  auto spot = [&](auto s) { return wall_at[size_t(worse(s, s + std::ptrdiff_t{kSections / 2}))]; };
+  out.mesiodistal_at = spot(std::ptrdiff_t{0});
+  out.buccolingual_at = spot(std::ptrdiff_t{2});
+  out.least_at = spot(least - section.begin());
+  out.most_at = spot(most - section.begin());
+  out.axis_at = wall_at[size_t(std::max_element(off_deg.begin(), off_deg.end()) - off_deg.begin())];
   const double along = 0.5 * (lean_deg[0] - lean_deg[4]);
   const double across = 0.5 * (lean_deg[2] - lean_deg[6]);
   out.axis_deg = std::sqrt(along * along + across * across);
   out.wall_m = {taken[0], taken[4], taken[2], taken[6]};
-  out.undercut_m2 = Undercut_m2(attempt, *axis, line_z + kWallMargin_m, *top - kWallMargin_m);
+  out.undercut_m2 =
+      Undercut_m2(attempt, *axis, line_z + kWallMargin_m, *top - kWallMargin_m, out.undercut_at);
   MeasureTop(initial, *attempt.volume, *reference.volume, *axis, *top, top_radius - kWallMargin_m,
              directions, out);
-  MeasureLine(is, asked, directions, places, out);
+  MeasureLine(is, asked, directions, places, *axis, out);
+  constexpr int kBuccalPlace = kPlaces / 4, kLingualPlace = 3 * kPlaces / 4;
+  out.bevel_buccal = MeasureBevel(is, directions, places, kBuccalPlace, sky);
+  out.bevel_lingual = MeasureBevel(is, directions, places, kLingualPlace, sky);
   return out;
 }
 

@@ -11,6 +11,20 @@
 // Deterministic. Thread safety: functions, any thread.
 namespace enamel::scoring {
 
+// Where a figure is at its worst, and the direction from which to look at it.
+struct Spot {
+  dvec3 at_m{0};
+  dvec3 facing{0, 0, 1};
+};
+
+// The cut over a cusp's outer side, between table and wall: what falls outwards at 30 to 65 degrees
+// to the level. In the half planes within 25 degrees of buccal or lingual.
+struct BevelFigures {
+  bool made = false;     // half of the half planes have 0.2 mm of it
+  double width_m = 0;    // along the surface: median
+  double angle_deg = 0;  // to the level: median
+};
+
 // Measured in half planes about an upright axis through the middle of the reference's stump. Where
 // the finish line, the walls and the top are is the reference's; how they lie is the attempt's.
 struct CrownFigures {
@@ -31,6 +45,14 @@ struct CrownFigures {
   double depth_m = 0;                     // median below the reference's; - above
   double waviness_m = 0;                  // RMS of that about its median
   double complete = 0;                    // share of the places with a width of at least 0.3 mm
+
+  BevelFigures bevel_buccal, bevel_lingual;
+
+  // Of a section: the wall that leans most from the reference's, half way up.
+  Spot mesiodistal_at, buccolingual_at, least_at, most_at, axis_at;
+  Spot undercut_at;  // where it leans out most
+  // Of the line: farthest from its height, farthest from the median, and narrowest.
+  Spot depth_at, waviness_at, width_at;
 };
 
 // `bottom_z_m`: where the exercise says that the shoulder is, within 1.5 mm.

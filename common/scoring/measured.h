@@ -1,6 +1,7 @@
 #pragma once
 
 #include "common/scoring/crown.h"
+#include "common/scoring/margins.h"
 #include "common/scoring/metrics.h"
 #include "common/scoring/shape.h"
 #include "common/scoring/task.h"
@@ -19,6 +20,8 @@ struct Measured {
   double deepest_over_m = 0;
   Walls walls{};
   OutlineFigures outline;
+  LineAngleFigures line_angles;
+  MarginFigures margin;
   CrownFigures crown;
   bool has_pulp = false, has_neighbour = false;
   double neighbour_depth_m = 0;

@@ -104,6 +104,38 @@ void MeasureTissues(const AttemptData& attempt, const Side& side, bool cover, Me
   if (m.has_neighbour && cover) m.neighbour_depth_m = NeighbourDepth_m(attempt, side);
 }
 
+// Metrics of a line or a section, and where each is at its worst.
+struct PlaceEntry {
+  std::string_view name;
+  Spot CrownFigures::*at;
+};
+constexpr PlaceEntry kPlaces[] = {
+    {"convergence_mesiodistal_deg", &CrownFigures::mesiodistal_at},
+    {"convergence_buccolingual_deg", &CrownFigures::buccolingual_at},
+    {"convergence_least_deg", &CrownFigures::least_at},
+    {"convergence_most_deg", &CrownFigures::most_at},
+    {"crown_axis_deg", &CrownFigures::axis_at},
+    {"crown_undercut_mm2", &CrownFigures::undercut_at},
+    {"finish_width_mm", &CrownFigures::width_at},
+    {"finish_width_least_mm", &CrownFigures::width_at},
+    {"finish_complete_percent", &CrownFigures::width_at},
+    {"finish_depth_mm", &CrownFigures::depth_at},
+    {"finish_waviness_mm", &CrownFigures::waviness_at},
+};
+
+void AddPlaces(const Measured& m, const MetricPlan& plan, MetricSet& out) {
+  if (plan.Has(MetricGroup::kCrown) && m.crown.made) {
+    for (const PlaceEntry& p : kPlaces) {
+      if (p.at == &CrownFigures::undercut_at && m.crown.undercut_m2 == 0) continue;
+      const Spot& spot = m.crown.*p.at;
+      out.places.push_back({std::string(p.name), spot.at_m, spot.facing});
+    }
+  }
+  if (plan.Has(MetricGroup::kMargin) && m.margin.made) {
+    out.places.push_back({"cavosurface_off_deg", m.margin.worst_at_m, m.margin.worst_facing});
+  }
+}
+
 }  // namespace
 
 Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercise& exercise,
@@ -154,10 +186,14 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
       DeviationPerVertex(*reference.final_surface, initial, *reference.final_volume,
                          *attempt.final_volume, *attempt.final_surface);
   m.deviation = MeasureDeviation(r.cut_side, back);
-  if (plan.Has(MetricGroup::kWalls)) {
+  if (plan.Has(MetricGroup::kWalls) || plan.Has(MetricGroup::kLineAngles)) {
     m.walls =
         MeasureWalls(a.cut_side, r.cut_side, back, boxes.target, exercise.target.depth_um * 1e-6);
   }
+  if (plan.Has(MetricGroup::kLineAngles)) {
+    m.line_angles = MeasureLineAngles(a.cut_side, m.walls, boxes.target);
+  }
+  if (plan.Has(MetricGroup::kMargin)) m.margin = MeasureMargin(initial, a.cut_side, r.cut_side);
   if (plan.Has(MetricGroup::kCrown) && IsCrown(exercise.target)) {
     ENAMEL_ASSIGN_OR_RETURN(const scene::PointUm at, scene::TargetPoint(scene, exercise.target));
     const dvec3 landmark_m = dvec3(at[0], at[1], at[2]) * 1e-6;
@@ -182,7 +218,9 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
   if (plan.Has(MetricGroup::kMotion)) m.smoothness = attempt.process->MeasureSmoothness();
   tell(1);
 
-  return Collect(m, plan);
+  MetricSet out = Collect(m, plan);
+  AddPlaces(m, plan, out);
+  return out;
 }
 
 }  // namespace enamel::scoring

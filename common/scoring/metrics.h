@@ -89,9 +89,11 @@ enum class MetricGroup : uint8_t {
   kMotion,      // smoothness and tremor
   kPathInTime,  // against the reference's path, by time
   kPathByWay,   // and by the bur's way
-  kCrown,       // walls about an axis, reduction, finish line
+  kCrown,       // walls about an axis, reduction, finish line, bevel
+  kLineAngles,  // between floor and walls
+  kMargin,      // between walls and the tooth's surface
 };
-inline constexpr size_t kMetricGroups = 11;
+inline constexpr size_t kMetricGroups = 13;
 
 // The groups that a list of metrics needs. A group is measured for all its metrics at the cost of
 // one, so all of a group's are reported.
@@ -128,10 +130,20 @@ struct MissingMetric {
   bool operator==(const MissingMetric&) const = default;
 };
 
-// Every metric of Metrics() is in one of the two lists, in its order.
+// Where a metric that is about a line or a section is at its worst, scene frame.
+struct WorstPlace {
+  std::string name;
+  dvec3 at_m{0};
+  dvec3 facing{0, 0, 1};  // unit: where to look at it from
+
+  bool operator==(const WorstPlace&) const = default;
+};
+
+// Every metric of Metrics() is in one of the first two lists, in its order.
 struct MetricSet {
   std::vector<MetricValue> values;
   std::vector<MissingMetric> missing;
+  std::vector<WorstPlace> places;  // of values that have one
 
   bool operator==(const MetricSet&) const = default;
 };

@@ -122,6 +122,13 @@ double OpensDegrees(const dvec3& normal, std::vector<Height> own) {
   return kDegrees * (ArcTan(normal.z / across) + ArcTan(FitPlaneToMost(own, 0).b));
 }
 
+// A plane over the wall's own directions, in the scene.
+Facet FacetOf(const Plane& plane, const dvec3& normal, const dvec3& up, const dvec3& along) {
+  const dvec3 n = normal + plane.b * up + plane.c * along;
+  const double length = Length(n);
+  return {n / length, (plane.b * plane.s0 + plane.c * plane.t0 - plane.d0) / length};
+}
+
 double FaceArea_m2(const OpenBox& target, double depth_m, size_t part) {
   const double x = target.hi_m.x - target.lo_m.x, y = target.hi_m.y - target.lo_m.y;
   if (part == kFloor) return x * y;
@@ -141,7 +148,8 @@ WallFigures MeasureWall(const CutSide& attempt, const CutSide& reference, const 
   const dvec3 along = glm::cross(up, patch.normal);
 
   std::vector<WeightedValue> offsets;
-  std::vector<Height> heights, own_heights;  // of the attempt over the reference; of the latter
+  // Of the attempt over the reference; of the latter's and of the attempt's surface by themselves.
+  std::vector<Height> heights, own_heights, made_heights;
   double met_m2 = 0, lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
   for (size_t i : patch.vertices) {
     const dvec3 p(reference.mesh->position_m[i]);
@@ -161,6 +169,7 @@ WallFigures MeasureWall(const CutSide& attempt, const CutSide& reference, const 
     offsets.push_back({height.d, area});
     heights.push_back(height);
     own_heights.push_back({-Dot(p, patch.normal), area, height.s, height.t});
+    made_heights.push_back({-Dot(p, patch.normal) - there, area, height.s, height.t});
   }
   out.offset_m = WeightedQuantile(std::move(offsets), 0.5) + 0.0;  // -0 becomes 0
   out.made = met_m2 >= kMadeShare * patch.area_m2;
@@ -169,8 +178,11 @@ WallFigures MeasureWall(const CutSide& attempt, const CutSide& reference, const 
   const double from = lowest + kFitFrom * (highest - lowest);
   const double to = lowest + kFitTo * (highest - lowest);
   auto at_edge = [&](const Height& q) { return q.s < from || q.s > to; };
-  if (!floor) std::erase_if(heights, at_edge), std::erase_if(own_heights, at_edge);
+  if (!floor) {
+    for (auto* list : {&heights, &own_heights, &made_heights}) std::erase_if(*list, at_edge);
+  }
   const Plane plane = FitPlaneToMost(heights, 0.25 * h);
+  out.facet = FacetOf(FitPlaneToMost(made_heights, 0.25 * h), patch.normal, up, along);
   double squares = 0, area = 0;
   for (const Height& q : heights) {
     const double rest = q.d - plane.At(q);
@@ -183,6 +195,8 @@ WallFigures MeasureWall(const CutSide& attempt, const CutSide& reference, const 
   out.opens_deg = out.tilt_deg + (floor ? 0 : OpensDegrees(patch.normal, std::move(own_heights)));
   return out;
 }
+
+}  // namespace
 
 std::vector<dvec3> OutlineOf(const CutSide& side) {
   std::vector<dvec3> out;
@@ -197,8 +211,6 @@ std::vector<dvec3> OutlineOf(const CutSide& side) {
   }
   return out;
 }
-
-}  // namespace
 
 DeviationFigures MeasureDeviation(const CutSide& reference, const std::vector<float>& deviation_m) {
   std::vector<WeightedValue> sizes, left;

@@ -35,6 +35,12 @@ DeviationFigures MeasureDeviation(const CutSide& reference, const std::vector<fl
 // `deviation_m`: of the attempt's mesh against the reference (so + is too deep).
 double DeepestOver_m(const CutSide& attempt, const std::vector<float>& deviation_m);
 
+// The plane normal . p = reach.
+struct Facet {
+  dvec3 normal{0, 0, 1};  // unit, out of the solid
+  double reach_m = 0;
+};
+
 // One wall or the floor. Heights d of the attempt's surface over the reference's are taken along
 // the reference wall's mean normal, + where the attempt goes deeper, at the reference's vertices,
 // and a plane d = a + b s + c t is fitted to them by least squares, weighted by area, between 15
@@ -50,6 +56,7 @@ struct WallFigures {
   double tilt_deg = 0;
   double opens_deg = 0;   // the attempt's wall against +z: the reference's own and tilt_deg
   double waviness_m = 0;  // RMS of d about the plane
+  Facet facet;            // of the attempt's surface, fitted in the same way
 };
 using Walls = std::array<WallFigures, kPartCount>;
 Walls MeasureWalls(const CutSide& attempt, const CutSide& reference,
@@ -59,6 +66,7 @@ Walls MeasureWalls(const CutSide& attempt, const CutSide& reference,
 // Where the cut meets the tooth's surface: the middles of the edges between a vertex that was cut
 // and one that was not. From each point of the reference's outline to the nearest of the
 // attempt's; over where the attempt has cut at the reference's point, short where it has not.
+std::vector<dvec3> OutlineOf(const CutSide& side);
 struct OutlineFigures {
   bool in_task = false;  // the reference has one
   double over_m = 0;     // 95 % of the outline goes no farther out

@@ -23,6 +23,7 @@ struct StumpShape {
   double foot_mm = kFoot_mm;  // radius at the shoulder
   double top_mm = kStumpTop_mm;
   double shoulder_mm = 0, wave_mm = 0;  // height, and that of four waves around it
+  double bevel_mm = 0;                  // off the top's edge at 45 degrees, so far in on the top
   bool cut = true;
 };
 
@@ -34,7 +35,11 @@ double Distance_mm(const StumpShape& s, const dvec3& p) {
   const double rho = std::hypot(p.x - Slope(s.lean_deg) * rise, p.y);
   const double wall = (rho - s.foot_mm + Slope(s.taper_deg) * rise) /
                       std::sqrt(1 + Slope(s.taper_deg) * Slope(s.taper_deg));
-  const double stump = std::max(wall, p.z - s.top_mm);
+  double stump = std::max(wall, p.z - s.top_mm);
+  if (s.bevel_mm > 0) {
+    const double edge = s.foot_mm - Slope(s.taper_deg) * (s.top_mm - s.shoulder_mm);
+    stump = std::max(stump, (rho - edge + s.bevel_mm + p.z - s.top_mm) / std::sqrt(2.0));
+  }
   return std::max(tooth, std::min(stump, p.z - floor));
 }
 
@@ -141,6 +146,51 @@ TEST_P(CrownTest, WidthReductionAndFinishLineAreFoundWithinAQuarterVoxel) {
   const CrownFigures wavy = Measure({.wave_mm = 0.2});
   EXPECT_NEAR(wavy.waviness_m, 0.2e-3 / std::sqrt(2), quarter_m());
   EXPECT_NEAR(wavy.depth_m, 0, quarter_m());
+}
+
+// The bevel of a mesh in the metric's sector: its area over the arc's length.
+double MeshBevel_mm(const surface::Mesh& mesh, const std::vector<double>& areas_m2) {
+  double area = 0, radius = 0;
+  for (size_t i = 0; i < mesh.position_m.size(); ++i) {
+    const dvec3 p(mesh.position_m[i]);
+    if (std::fabs(std::atan2(p.x, p.y)) > 25 * kPi / 180 || p.z < 2e-3) continue;
+    if (mesh.normal[i].z < std::cos(65 * kPi / 180) || mesh.normal[i].z > std::cos(kPi / 6)) {
+      continue;
+    }
+    area += areas_m2[i];
+    radius += areas_m2[i] * std::hypot(p.x, p.y);
+  }
+  return 1e3 * area / (radius / area * 50 * kPi / 180);
+}
+
+TEST_P(CrownTest, BevelIsAsWideAsItWasCut) {
+  EXPECT_FALSE(Measure({}).bevel_buccal.made) << "a flat top has none";
+  for (double bevel : {0.5, 1.0}) {
+    const Tooth made = Make({.bevel_mm = bevel}, initial_);
+    const CrownFigures f =
+        MeasureCrown(initial_, made.side(), reference_.side(), dvec3(0, 0, 5e-3), 0.2e-3);
+    ASSERT_TRUE(f.bevel_buccal.made && f.bevel_lingual.made);
+    const double width = std::sqrt(2.0) * bevel / (1 - Slope(6));
+    EXPECT_NEAR(f.bevel_buccal.width_m * 1e3, width, 4 * quarter_m() * 1e3);
+    EXPECT_NEAR(f.bevel_lingual.width_m * 1e3, width, 4 * quarter_m() * 1e3);
+    EXPECT_NEAR(f.bevel_buccal.angle_deg, 45, 2);
+    EXPECT_NEAR(f.bevel_buccal.width_m * 1e3, MeshBevel_mm(made.mesh, made.areas_m2),
+                6 * quarter_m() * 1e3);
+  }
+}
+
+TEST_P(CrownTest, WorstPlacesLieWhereTheFaultIs) {
+  const CrownFigures leaning = Measure({.taper_deg = 8, .lean_deg = 5});
+  // Leaning mesially, the distal wall lies flatter than the reference's, the mesial one steeper.
+  EXPECT_LT(leaning.mesiodistal_at.at_m.x, -2e-3);
+  EXPECT_LT(leaning.mesiodistal_at.facing.x, -0.99);
+  EXPECT_NEAR(leaning.mesiodistal_at.at_m.z, kStumpTop_mm / 2 * 1e-3, 0.3e-3);
+  EXPECT_LT(leaning.axis_at.at_m.x, -1e-3);
+  const CrownFigures wavy = Measure({.wave_mm = 0.2});
+  const dvec3& at = wavy.waviness_at.at_m;
+  EXPECT_GT(std::fabs(std::sin(4 * std::atan2(at.y, at.x))), 0.9);
+  EXPECT_NEAR(std::fabs(at.z), 0.2e-3, 0.05e-3);
+  EXPECT_NEAR(std::hypot(at.x, at.y), kTooth_mm * 1e-3, 0.3e-3);
 }
 
 TEST_P(CrownTest, UntouchedToothHasWallsAndNoFinishLine) {

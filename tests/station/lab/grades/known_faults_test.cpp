@@ -194,7 +194,7 @@ TEST_P(KnownFaults, AnUntouchedToothHasDoneNothingAndADestroyedOneEverythingElse
     }
     // All that a cavity does not have is a crown's walls and finish line.
     const bool of_a_crown =
-        std::ranges::any_of(std::array{"convergence_", "crown_", "reduction_", "finish_"},
+        std::ranges::any_of(std::array{"convergence_", "crown_", "reduction_", "finish_", "bevel_"},
                             [&](const char* beginning) { return m.name.starts_with(beginning); });
     EXPECT_TRUE(of_a_crown) << m.name;
     EXPECT_EQ(m.why, NoValue::kNotInTask) << m.name;
