@@ -114,12 +114,17 @@ Part PartNear(const OpenBox& box, const dvec3& p) {
 // Gathers one deduction, brick by brick.
 class Gatherer {
  public:
-  Gatherer(const Subject& subject, bool left, const std::vector<Stroke>& strokes)
-      : subject_(subject), left_(left), strokes_(strokes) {}
+  Gatherer(const Subject& subject, bool left, const std::vector<Stroke>& strokes,
+           const WorstPlace* place = nullptr)
+      : subject_(subject), left_(left), strokes_(strokes), own_(place) {}
 
   bool AsksWhere() const { return subject_.where != Where::kAnywhere; }
   // Whether it may be about a fault, where near and elsewhere are not told apart.
   bool May(const Fault& f) const {
+    if (own_ != nullptr) {
+      const dvec3 d = f.at_m - own_->at_m;
+      if (Dot(d, d) > kNearPlace_m * kNearPlace_m) return false;
+    }
     return f.left == left_ && (subject_.tissues & Bit(f.tissue)) != 0 &&
            (subject_.parts == kAll || (f.part != kNoPart && (subject_.parts & Bit(f.part)) != 0));
   }
@@ -146,6 +151,10 @@ class Gatherer {
   }
 
   bool empty() const { return !(volume_m3_ > 0); }
+  // This is of what was taken, and the other of what was left at the same place.
+  bool IsPairOf(const Gatherer& left) const {
+    return own_ != nullptr && own_ == left.own_ && !left_ && left.left_;
+  }
   Deduction Finish(const Volume& attempt, const StrokeRecorder& times) const {
     Deduction out;
     out.criterion = std::string(subject_.metric);
@@ -157,6 +166,7 @@ class Gatherer {
     const double length = std::sqrt(Dot(slope, slope));
     // Flat where the distance saturates: then from above, as a tooth is looked at.
     if (length > 0.1) out.facing = slope / length;
+    if (own_ != nullptr) out.position_m = own_->at_m, out.facing = own_->facing;
     if (of_stroke_.empty()) return out;
     for (const auto& [number, stroke] : of_stroke_) out.strokes.push_back(stroke);
     out.stroke_count = static_cast<uint32_t>(out.strokes.size());
@@ -175,6 +185,7 @@ class Gatherer {
   const Subject& subject_;
   const bool left_;
   const std::vector<Stroke>& strokes_;
+  const WorstPlace* own_;
   double volume_m3_ = 0, here_m3_ = 0, most_m3_ = 0;
   dvec3 moment_{0}, place_m_{0};
   std::map<uint32_t, FaultStroke> of_stroke_;
@@ -250,8 +261,23 @@ std::vector<Deduction> FindDeductions(const scene::Scene& scene, const scene::Ca
                inputs.strokes);
   auto boxes = BoxesOf(scene, target);
   const std::vector<Stroke> strokes = inputs.strokes->Strokes();
+  auto place_of = [&](std::string_view metric) -> const WorstPlace* {
+    if (!inputs.places) return nullptr;
+    for (const WorstPlace& p : *inputs.places) {
+      if (p.name == metric) return &p;
+    }
+    return nullptr;
+  };
   std::vector<Gatherer> gatherers;
+  std::vector<Subject> placed;
+  placed.reserve(criteria.size());  // gatherers keep them
   for (const std::string& criterion : criteria) {
+    if (const WorstPlace* place = place_of(criterion); place && boxes.ok()) {
+      const Subject& subject = placed.emplace_back(Subject{place->name});
+      gatherers.emplace_back(subject, false, strokes, place);
+      gatherers.emplace_back(subject, true, strokes, place);
+      continue;
+    }
     const Subject* subject = FindSubject(criterion);
     if (!subject || !boxes.ok()) continue;
     if ((subject->side & kOver) != 0) gatherers.emplace_back(*subject, false, strokes);
@@ -260,8 +286,12 @@ std::vector<Deduction> FindDeductions(const scene::Scene& scene, const scene::Ca
   if (gatherers.empty()) return {};
   FaultWalk(inputs, boxes->target, gatherers).Run();
   std::vector<Deduction> out;
-  for (const Gatherer& g : gatherers) {
-    if (!g.empty()) out.push_back(g.Finish(*inputs.attempt, *inputs.strokes));
+  for (size_t i = 0; i < gatherers.size(); ++i) {
+    const Gatherer& g = gatherers[i];
+    // Of the two of a place, the one for what was taken is there where both are empty.
+    const bool bare =
+        i + 1 < gatherers.size() && g.IsPairOf(gatherers[i + 1]) && gatherers[i + 1].empty();
+    if (!g.empty() || bare) out.push_back(g.Finish(*inputs.attempt, *inputs.strokes));
   }
   return out;
 }

@@ -6,6 +6,7 @@
 
 #include "common/cutting/volume.h"
 #include "common/scene/types.h"
+#include "common/scoring/metrics.h"
 #include "common/scoring/provenance.h"
 #include "common/scoring/strokes.h"
 #include "common/surface/surface.h"
@@ -56,11 +57,15 @@ struct DeductionInputs {
   double near_m = 0;  // farther than this from it is elsewhere
   const Provenance* provenance = nullptr;
   const StrokeRecorder* strokes = nullptr;
+  const std::vector<WorstPlace>* places = nullptr;  // ComputeMetrics'; may be null
 };
+// A fault of a line or a section is what lies no farther than this from where it is at its worst.
+inline constexpr double kNearPlace_m = 1e-3;
 
 // Of each of `criteria`, metrics that cost points: what was taken too much and what was left, in
 // their order, where the metric is about a place and there is any of it; metrics of force, time and
-// path have none. Requires: equal grids.
+// path have none. One that has a place of its own (`places`) lies there, and has a deduction also where
+// nothing near it differs by a voxel's hundredth. Requires: equal grids.
 std::vector<Deduction> FindDeductions(const scene::Scene& scene, const scene::CavityTarget& target,
                                       const std::vector<std::string>& criteria,
                                       const DeductionInputs& inputs);

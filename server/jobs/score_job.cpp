@@ -222,7 +222,7 @@ class ScoreJob {
     if (!metrics.ok()) return metrics.status();
     ENAMEL_ASSIGN_OR_RETURN(auto score, scoring::ApplyRubric(exercise_.rubric, *metrics));
     FillStation(process, score);
-    FillDeductions(attempt, reference, score);
+    FillDeductions(attempt, reference, *metrics, score);
     ENAMEL_RETURN_IF_ERROR(FillEnvelope(attempt, reference, *metrics, score));
 
     AttemptStore::AttemptResult result;
@@ -341,7 +341,7 @@ class ScoreJob {
   }
 
   void FillDeductions(const scoring::AttemptData& attempt, const scoring::AttemptData& reference,
-                      scoring::ScoreResult& score) const {
+                      const scoring::MetricSet& metrics, scoring::ScoreResult& score) const {
     const std::vector<std::string> costly = scoring::CostlyCriteria(exercise_.rubric, score);
     if (costly.empty()) return;
     const scoring::Provenance provenance = moments_->Take();
@@ -353,7 +353,7 @@ class ScoreJob {
         scoring::FindDeductions(scene_, exercise_.target, costly,
                                 {&initial_, attempt.final_volume, reference.final_volume, &cut,
                                  scoring::NearOf_m(exercise_.target, initial_.spec()), &provenance,
-                                 &attempt.process->strokes()}),
+                                 &attempt.process->strokes(), &metrics.places}),
         score);
   }
 

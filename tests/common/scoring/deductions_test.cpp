@@ -42,14 +42,16 @@ class Strokes {
   }
 
   std::vector<Deduction> Find(const cutting::Volume& initial, const cutting::Volume& reference,
-                              const std::vector<std::string>& criteria) const {
+                              const std::vector<std::string>& criteria,
+                              const std::vector<WorstPlace>& places = {}) const {
     const Provenance provenance = moments_.Take();
     const surface::Mesh surface = surface::ExtractSurface(reference);
     const surface::Mesh cut = CutPart(surface, CutVertices(surface, initial, reference));
     const scene::Exercise exercise = BlockExercise();
-    return FindDeductions(BlockScene(), exercise.target, criteria,
-                          {&initial, &volume_, &reference, &cut,
-                           NearOf_m(exercise.target, initial.spec()), &provenance, &strokes_});
+    return FindDeductions(
+        BlockScene(), exercise.target, criteria,
+        {&initial, &volume_, &reference, &cut, NearOf_m(exercise.target, initial.spec()),
+         &provenance, &strokes_, &places});
   }
 
  private:
@@ -129,6 +131,27 @@ TEST_F(DeductionsTest, WhatIsCutElsewhereIsThePlaceOfDamageAndOfNoWall) {
   // More than 1 mm from the wall.
   const Deduction* wall = Of(found, "wall_distal_mm", false);
   EXPECT_TRUE(!wall || wall->strokes.empty());
+}
+
+TEST_F(DeductionsTest, AMetricWithAPlaceOfItsOwnLiesThereWithTheStrokesNearIt) {
+  const dvec3 on_wall(1.8e-3, 0, -1e-3), mesially(-1, 0, 0), far(0, 0, 3e-3), up(0, 0, 1);
+  const auto found = hand.Find(initial, reference, {"convergence_most_deg", "finish_depth_mm"},
+                               {{"convergence_most_deg", on_wall, mesially},
+                                {"finish_depth_mm", far, up},
+                                {"finish_waviness_mm", far, up}});
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].criterion, "convergence_most_deg");
+  EXPECT_FALSE(found[0].left);
+  EXPECT_EQ(found[0].position_m, on_wall);
+  EXPECT_EQ(found[0].facing, mesially);
+  EXPECT_EQ(found[0].stroke_count, 2u) << "not the hole, which is far away";
+  EXPECT_EQ(found[0].first_tick, 151u);
+  // Nothing differs there: the place alone.
+  EXPECT_EQ(found[1].criterion, "finish_depth_mm");
+  EXPECT_FALSE(found[1].left);
+  EXPECT_EQ(found[1].position_m, far);
+  EXPECT_EQ(found[1].volume_m3, 0);
+  EXPECT_EQ(found[1].stroke_count, 0u);
 }
 
 TEST_F(DeductionsTest, ForceAndTimeHaveNoPlace) {
