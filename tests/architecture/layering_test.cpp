@@ -35,7 +35,7 @@ const std::map<std::string, Names>& Allowed() {
         {"common/fidelity", {"common/scene"}},
         {"common/surface", {"common/core"}},
         {"common/mesh", {"common/math"}},
-        {"common/import", {"common/mesh", "common/scene"}},
+        {"common/import", {"common/mesh", "common/scene", "common/surface"}},
         {"common/hands", {"common/base"}},
         {"common/trace", {"common/core", "common/hands"}},
         {"common/scoring", {"common/scene", "common/surface", "common/trace"}},

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "common/import/import_tooth.h"
+#include "common/mesh/registration.h"
+
+// A tooth that a dentist prepared, as a scan, becomes a target: the scan is laid on the exercise's
+// tooth, and what it lacks of that tooth is what has to go. Not real-time; by hand, never in the
+// server.
+namespace enamel::import {
+
+struct PreparedOptions {
+  std::string unit = "mm";  // of the scan's coordinates
+  // The scan lies nearly right already, within 0.5 mm and 5 degrees: for blocks and other shapes that
+  // fit themselves in several ways.
+  bool placed = false;
+};
+
+// What is asked of a fit. A scanner errs by 0.02 mm, and a model by as much; surfaces that have
+// nothing to do with each other but cross within kAgree_mm have an RMS of 0.087 mm.
+inline constexpr double kMostRms_mm = 0.07, kMostP95_mm = 0.14;
+inline constexpr double kMostOutside = 0.05, kLeastAgree = 0.15;
+
+struct PreparedTooth {
+  // The tooth as it was scanned, on the voxels of the tooth it was made from: its scene is that
+  // tooth's, named and described as prepared.
+  ImportedScene prepared;
+  mesh::Fit fit;  // scene frame, mm
+  double removed_mm3 = 0;
+};
+
+// The outer surface of a scene's tooth, without neighbours, millimetres.
+mesh::Triangles ToothSurface_mm(const cutting::Volume& tooth);
+
+// Whether a fit is good enough to take a target from. `fits`: mesh::FitOnto's. Errors: kInvalidInput
+// with the figures that are too bad; where two poses are equally good; where nothing agrees.
+Status CheckFit(const std::vector<mesh::Fit>& fits);
+
+// The scan, closed where it is open, on `tooth`. Of the tooth goes what lies outside of the scan: near
+// the prepared surface, where that lies deeper than the fit's own error. Elsewhere the tooth stays as
+// it was, so that a scanner's noise takes nothing. Beyond the edge of a scan (a root that it does not
+// have) nothing goes.
+// Errors: kInvalidInput when the scan is no solid, of no tooth's size, does not fit (CheckFit; said
+// so where its mirror image would), has no preparation, or one that a hole or the scan's edge crosses.
+Result<PreparedTooth> TakePrepared(const scene::Scene& scene, const cutting::Volume& tooth,
+                                   const mesh::Triangles& scan, const std::string& source,
+                                   const PreparedOptions& options = {});
+// The same from a file, read in a child. Errors: ReadMeshInChild's too.
+Result<PreparedTooth> TakePrepared(const scene::Scene& scene, const cutting::Volume& tooth,
+                                   const std::filesystem::path& file,
+                                   const PreparedOptions& options = {},
+                                   const std::filesystem::path& child = {});
+
+}  // namespace enamel::import

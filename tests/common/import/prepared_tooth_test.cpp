@@ -1,0 +1,204 @@
+#include "common/import/prepared_tooth.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "common/import/scene_folder.h"
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/json/json.h"
+#include "common/scene/preparation.h"
+
+namespace enamel::import {
+namespace {
+
+// As a scanner's file lies: turned by any angle, far from the tooth's frame.
+mesh::Rigid Somewhere(unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  dvec3 z = glm::normalize(dvec3(normal(random), normal(random), normal(random)));
+  dvec3 x = glm::normalize(glm::cross(dvec3(normal(random), normal(random), normal(random)), z));
+  return {dmat3(x, glm::cross(z, x), z), dvec3(37, -12, 80)};
+}
+
+mesh::Triangles WithNoise(mesh::Triangles mesh, double mm, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal(0, mm);
+  // Along x, y and z, so that along a normal it is `mm`.
+  for (dvec3& v : mesh.vertices) v += dvec3(normal(random), normal(random), normal(random));
+  return mesh;
+}
+
+template <typename Keep>
+mesh::Triangles Only(mesh::Triangles mesh, Keep keep) {
+  std::erase_if(mesh.indices, [&](const auto& t) {
+    return !keep((mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3.0);
+  });
+  return mesh;
+}
+
+scene::Preparation ShapeOf(const scene::BuiltScene& tooth, const char* exercise) {
+  for (const scene::Exercise& e : scene::BuiltinExercises(tooth.scene, Sha256{})) {
+    if (e.name.starts_with(exercise)) return *scene::TargetShape(tooth.scene, e.target);
+  }
+  ADD_FAILURE() << exercise;
+  return {};
+}
+
+const scene::BuiltScene& Molar() {
+  static const scene::BuiltScene molar = *scene::BuildBuiltinScene("molar", 100'000);
+  return molar;
+}
+
+// Of another grid than the tooth's, so that no vertex of the scan is one of the tooth's surface.
+mesh::Triangles ScanOfMolar(const char* exercise) {
+  static const scene::BuiltScene fine = *scene::BuildBuiltinScene("molar", 120'000);
+  return ToothSurface_mm(scene::Prepared(fine.volume, ShapeOf(fine, exercise)));
+}
+
+// Farthest that the fit puts a point of the tooth from where it is.
+double Off_um(const mesh::Fit& fit, const mesh::Rigid& moved) {
+  const mesh::Rigid both = fit.fixed_from_moving.After(moved);
+  double out = 0;
+  for (const dvec3& p : {dvec3(5, 0, 3), dvec3(-5, 0, 3), dvec3(0, 5, 3), dvec3(0, -5, 3),
+                         dvec3(0, 0, 4), dvec3(0, 0, -5)}) {
+    out = std::max(out, 1e3 * glm::length(both.At(p) - p));
+  }
+  return out;
+}
+
+// Solid in just one of the two, mm3.
+double Differs_mm3(const cutting::Volume& a, const cutting::Volume& b) {
+  const ivec3 n = a.spec().voxels();
+  double sum = 0;
+  for (int z = 0; z < n.z; ++z)
+    for (int y = 0; y < n.y; ++y)
+      for (int x = 0; x < n.x; ++x) {
+        sum += std::abs(cutting::SolidFraction(a.PhiAt({x, y, z})) -
+                        cutting::SolidFraction(b.PhiAt({x, y, z}))) /
+               65536.0;
+      }
+  const double h = a.spec().voxel_m() * 1e3;
+  return sum * h * h * h;
+}
+
+double Removed_mm3(const cutting::Volume& before, const cutting::Volume& after) {
+  double sum = 0;
+  const auto b = cutting::SolidVolume_m3(before), a = cutting::SolidVolume_m3(after);
+  for (size_t t = 0; t < b.size(); ++t) sum += (b[t] - a[t]) * 1e9;
+  return sum;
+}
+
+struct Known {
+  const char* name;
+  const char* exercise;
+  double noise_mm;
+  double above_z_mm;  // the scan ends here
+  double most_um, most_differs_mm3;
+};
+
+class KnownPreparationTest : public testing::TestWithParam<Known> {};
+
+TEST_P(KnownPreparationTest, IsFoundWhereverTheScanLies) {
+  const Known& known = GetParam();
+  const mesh::Rigid moved = Somewhere(7);
+  mesh::Triangles scan =
+      Only(ScanOfMolar(known.exercise), [&](const dvec3& p) { return p.z > known.above_z_mm; });
+  scan = mesh::Moved(WithNoise(std::move(scan), known.noise_mm, 3), moved);
+  auto taken = TakePrepared(Molar().scene, Molar().volume, scan, "a test");
+  ASSERT_TRUE(taken.ok()) << taken.status().message();
+  const cutting::Volume wanted = scene::Prepared(Molar().volume, ShapeOf(Molar(), known.exercise));
+  const double off_um = Off_um(taken->fit, moved);
+  const double differs_mm3 = Differs_mm3(taken->prepared.volume, wanted);
+  const double removed_mm3 = Removed_mm3(Molar().volume, wanted);
+  std::printf("%s: off by %.2f um, %.4f degrees; %.3f mm3 of %.2f mm3 differ\n", known.name, off_um,
+              mesh::TurnOf_deg(taken->fit.fixed_from_moving.After(moved).rotation), differs_mm3,
+              removed_mm3);
+  for (const std::string& line : taken->prepared.report) std::printf("    %s\n", line.c_str());
+  EXPECT_LT(off_um, known.most_um);
+  EXPECT_LT(differs_mm3, known.most_differs_mm3);
+  EXPECT_NEAR(taken->removed_mm3, removed_mm3, known.most_differs_mm3);
+  // Nothing grew, and what is not named is not there.
+  EXPECT_TRUE(scene::SceneFromJson(scene::ToJson(taken->prepared.scene)).ok());
+}
+
+INSTANTIATE_TEST_SUITE_P(Scans, KnownPreparationTest,
+                         testing::Values(Known{"class_1", "class-1", 0, -99, 10, 0.6},
+                                         Known{"class_1_noise", "class-1", 0.02, -99, 10, 1.1},
+                                         Known{"class_1_rootless", "class-1", 0.02, -4, 10, 1.1}),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+std::string WhyNot(const mesh::Triangles& scan, const PreparedOptions& options = {},
+                   const scene::BuiltScene& tooth = Molar()) {
+  auto taken = TakePrepared(tooth.scene, tooth.volume, scan, "a test", options);
+  if (taken.ok()) {
+    ADD_FAILURE() << "was taken";
+    return "";
+  }
+  return taken.status().message();
+}
+
+TEST(PreparedToothTest, AMirroredScanIsNamedSo) {
+  mesh::Triangles scan = ScanOfMolar("class-1");
+  for (dvec3& v : scan.vertices) v.x = -v.x;
+  EXPECT_NE(WhyNot(mesh::Moved(scan, Somewhere(1))).find("mirror image"), std::string::npos);
+}
+
+TEST(PreparedToothTest, AnotherToothIsRefusedWithTheFigures) {
+  const auto other = scene::BuildBuiltinScene("premolar", 100'000);
+  ASSERT_TRUE(other.ok());
+  const std::string why = WhyNot(mesh::Moved(
+      ToothSurface_mm(scene::Prepared(other->volume, ShapeOf(*other, "class-1"))), Somewhere(2)));
+  EXPECT_NE(why.find("does not fit this tooth"), std::string::npos) << why;
+  EXPECT_NE(why.find(" %"), std::string::npos) << why;
+}
+
+TEST(PreparedToothTest, AWrongUnitIsRefusedWithTheOneThatFits) {
+  mesh::Triangles scan = ScanOfMolar("class-1");
+  for (const auto& [unit, mm] : {std::pair{"m", 1000.0}, {"inch", 25.4}, {"cm", 10.0}}) {
+    mesh::Triangles in_unit = scan;
+    for (dvec3& v : in_unit.vertices) v /= mm;
+    PreparedOptions options;
+    EXPECT_NE(WhyNot(in_unit, options).find(unit), std::string::npos);
+    options.unit = unit;
+    EXPECT_NE(WhyNot(scan, options).find("mm"), std::string::npos);
+  }
+}
+
+TEST(PreparedToothTest, ACutThatTheScanHasOnlyHalfOfIsRefused) {
+  const scene::PointUm at = Molar().scene.landmarks.at("occlusal_centre");
+  const mesh::Triangles half =
+      Only(ScanOfMolar("class-1"), [&](const dvec3& p) { return p.x > at[0] * 1e-3; });
+  const std::string why = WhyNot(mesh::Moved(half, Somewhere(3)));
+  EXPECT_NE(why.find("not whole"), std::string::npos) << why;
+}
+
+TEST(PreparedToothTest, AToothThatIsNotPreparedIsNoTarget) {
+  static const scene::BuiltScene fine = *scene::BuildBuiltinScene("molar", 70'000);
+  const std::string why =
+      WhyNot(mesh::Moved(WithNoise(ToothSurface_mm(fine.volume), 0.02, 5), Somewhere(4)));
+  EXPECT_NE(why.find("no preparation"), std::string::npos) << why;
+}
+
+TEST(PreparedToothTest, ABlockThatFitsItselfHasToBePlaced) {
+  const auto block = scene::BuildBuiltinScene("block", 100'000);
+  ASSERT_TRUE(block.ok());
+  ASSERT_FALSE(block->scene.preparations.empty());
+  scene::Preparation circle;
+  for (const scene::Preparation& p : block->scene.preparations) {
+    if (p.name == "circle") circle = p;
+  }
+  ASSERT_FALSE(circle.parts.empty());
+  const mesh::Triangles scan = ToothSurface_mm(scene::Prepared(block->volume, circle));
+  const std::string why = WhyNot(mesh::Moved(scan, Somewhere(6)), {}, *block);
+  EXPECT_NE(why.find("--placed"), std::string::npos) << why;
+  PreparedOptions placed;
+  placed.placed = true;
+  auto taken = TakePrepared(block->scene, block->volume, scan, "a test", placed);
+  ASSERT_TRUE(taken.ok()) << taken.status().message();
+  EXPECT_LT(Differs_mm3(taken->prepared.volume, scene::Prepared(block->volume, circle)), 0.3);
+}
+
+}  // namespace
+}  // namespace enamel::import
