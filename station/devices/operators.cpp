@@ -5,8 +5,10 @@
 
 #include "common/math/trig.h"
 #include "common/scene/preparation.h"
+#include "common/scene/prepared_target.h"
 #include "station/devices/cavity_plan.h"
 #include "station/devices/path_operator.h"
+#include "station/devices/prepared_plan.h"
 #include "station/devices/relief_plan.h"
 
 namespace enamel::station {
@@ -207,6 +209,12 @@ Result<std::vector<Move>> PlanTarget(const scene::Preparation& shape, const Oper
   options.speed_ratio = preset.speed_ratio;
   options.clockwise = preset.clockwise;
   const auto extra = [&](const glm::dvec2& outward) { return ExtraAt_m(wrong, outward); };
+  if (!exercise.target.prepared.IsZero()) {
+    const auto& tooth = exercise.target.prepared_tooth;
+    if (!tooth) return CannotCut(exercise, "its prepared tooth was not loaded");
+    return PlanPrepared({&tooth->volume, tooth->lo_m, tooth->hi_m, extra, wrong.floor_m}, bur,
+                        volume, options);
+  }
   std::vector<Move> plan;
   cutting::Volume left = volume;
   for (size_t i = 0; i < shape.parts.size(); ++i) {
