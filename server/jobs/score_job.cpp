@@ -6,6 +6,7 @@
 #include "common/base/unix_time.h"
 #include "common/scene/attempt_documents.h"
 #include "common/scene/json/json.h"
+#include "common/scene/prepared_target.h"
 #include "common/scene/volume_blob.h"
 #include "common/scoring/motion.h"
 #include "common/scoring/score.h"
@@ -140,13 +141,16 @@ class ScoreJob {
     ENAMEL_ASSIGN_OR_RETURN(auto blob, store_.blobs().GetBlob(header_.volume));
     ENAMEL_ASSIGN_OR_RETURN(auto volume, scene::DecodeVolume(blob));
     initial_ = std::move(volume);
-    return Status::Ok();
+    return scene::LoadPreparedTarget(
+        initial_, [&](const Sha256& hash) { return store_.blobs().GetBlob(hash); },
+        exercise_.target);
   }
 
   Status LoadReference() {
     ENAMEL_ASSIGN_OR_RETURN(auto row, store_.references().ReferenceFor(row_.exercise));
     if (!row) {
-      if (row_.as_reference) return Status::Ok();
+      // Then the tooth that the target names is what an attempt is compared with.
+      if (row_.as_reference || exercise_.target.prepared_tooth) return Status::Ok();
       return Status(Code::kNotFound,
                     "no reference yet: exercise \"" + exercise_.title +
                         "\" has no reference cut to compare with; the attempt is scored once an "
@@ -204,6 +208,11 @@ class ScoreJob {
     // A reference cut is compared with itself: deviation 0, so that its own figures can be looked
     // at.
     scoring::AttemptData reference = attempt;
+    surface::Mesh wanted_mesh;
+    if (const auto& wanted = exercise_.target.prepared_tooth; wanted && !reference_attempt_) {
+      wanted_mesh = surface::ExtractSurface(wanted->volume);
+      reference = {&initial_, &wanted->volume, &wanted_mesh, nullptr};
+    }
     if (reference_) {
       reference = {&initial_, &reference_->final_volume, &reference_->surface,
                    &reference_->process};

@@ -12,6 +12,7 @@
 #include "server/http/json_body.h"
 #include "server/http/paging.h"
 #include "server/http/query.h"
+#include "server/jobs/comparison.h"
 #include "server/training/access.h"
 #include "server/training/revision.h"
 #include "server/training/ticket_rules.h"
@@ -132,10 +133,10 @@ Status MustBeAssignable(const Call& call, TeachingStore& store, const Uuid& coho
           "cohort_id"};
 }
 
-Status MustHaveReference(TeachingStore& store, const ExerciseRow& version, bool exam) {
-  Result<std::optional<ReferenceRow>> reference = store.ReferenceFor(version.id);
-  if (!reference.ok()) return reference.status();
-  return CheckReference(exam, version, reference->has_value());
+Status MustHaveReference(Parts<ContentStore, ReferenceStore> store, const ExerciseRow& version,
+                         bool exam) {
+  ENAMEL_ASSIGN_OR_RETURN(const bool comparable, HasComparison(store, version));
+  return CheckReference(exam, version, comparable);
 }
 
 // The version that an assignment of this name would be of.

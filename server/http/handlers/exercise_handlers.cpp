@@ -106,7 +106,7 @@ Result<json::object> SummaryJson(const Person& viewer, TeachingStore& store, con
                    {"published_ms", row.published_ms},
                    {"time_limit_s", exercise.time_limit_s},
                    {"bur", BurJson(exercise.bur())},
-                   {"has_reference", reference->has_value()},
+                   {"has_reference", reference->has_value() || !exercise.target.prepared.IsZero()},
                    {"my_attempts", attempts[row.id]}};
   AddSharing(viewer, row, out);
   return out;
@@ -169,6 +169,14 @@ Status MustBeMakeable(ContentStore& store, const scene::Exercise& exercise) {
             "expected the hash of a scene that this server has, found " + exercise.scene.Hex() +
                 "; put the scene first (enamel-server admin publish-exercise)",
             "scene_sha256"};
+  }
+  if (!exercise.target.prepared.IsZero() &&
+      std::ranges::find(*scenes, exercise.target.prepared, &SceneRow::content) == scenes->end()) {
+    return {Code::kInvalidInput,
+            "expected the hash of a prepared tooth that this server has as a scene, found " +
+                exercise.target.prepared.Hex() +
+                "; put it first (enamel-server admin publish-exercise --prepared)",
+            "target.prepared_scene_sha256"};
   }
   Result<Bytes> text = store.GetBlob(exercise.scene);
   if (!text.ok()) return text.status();
