@@ -12,6 +12,9 @@
 // Where the commands of enamel-server go. Used once, at start, by one thread.
 namespace enamel::server::app {
 
+// Of a document that somebody names on the command line: an exercise, a rubric.
+inline constexpr size_t kMaxDocumentBytes = 1 << 20;
+
 // Where commands go: the program itself, or `admin`.
 struct CommandGroup {
   CLI::App& parent;

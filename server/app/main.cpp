@@ -12,6 +12,7 @@
 #include "server/app/command_line.h"
 #include "server/app/data_folder.h"
 #include "server/app/personal_data.h"
+#include "server/app/prepared.h"
 #include "server/app/regrade.h"
 #include "server/app/report.h"
 #include "server/app/seed.h"
@@ -52,7 +53,7 @@ int main(int argc, char** argv) {
   for (auto declare :
        {app::DeclarePeople, app::DeclareRoster, app::DeclareSessions, app::DeclareStations,
         app::DeclareProfiles, app::DeclarePersonalData, app::DeclareAttempts, app::DeclareExercises,
-        app::DeclareRubrics, app::DeclareAssignments}) {
+        app::DeclareTargets, app::DeclareRubrics, app::DeclareAssignments}) {
     declare({*admin, command});
   }
   root.footer(

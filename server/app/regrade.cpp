@@ -20,7 +20,6 @@
 namespace enamel::server::app {
 namespace {
 
-constexpr size_t kMaxDocumentBytes = 1 << 20;
 // One mark stands for one attempt until a row would be longer than this.
 constexpr uint32_t kWidth = 40;
 

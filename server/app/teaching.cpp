@@ -15,14 +15,14 @@
 #include "server/app/admin_stations.h"
 #include "server/app/command_line.h"
 #include "server/app/data_folder.h"
+#include "server/app/prepared.h"
 #include "server/app/publish.h"
 #include "server/app/say.h"
+#include "server/jobs/comparison.h"
 #include "server/training/ticket_rules.h"
 
 namespace enamel::server::app {
 namespace {
-
-constexpr size_t kMaxDocumentBytes = 1 << 20;
 
 void Show(const ExerciseRow& row) {
   std::string version = row.version == 0 ? "draft" : "version " + std::to_string(row.version);
@@ -58,11 +58,16 @@ Result<std::vector<ExerciseRow>> Publish(ContentStore& store, const NewExercise&
   if (exercise.document.empty()) {
     ENAMEL_ASSIGN_OR_RETURN(auto scene,
                             PublishScene(store, exercise.scene, exercise.voxel_um * 1000));
+    if (!exercise.prepared.empty()) {
+      ENAMEL_ASSIGN_OR_RETURN(auto row, PublishPrepared(store, scene, exercise.prepared, cohort));
+      return std::vector<ExerciseRow>{row};
+    }
     return PublishBuiltins(store, scene, exercise.name, cohort);
   }
   ENAMEL_ASSIGN_OR_RETURN(auto text, ReadFile(exercise.document, kMaxDocumentBytes));
   auto document = scene::ExerciseFromJson(AsText(text));
   if (!document.ok()) return InDocument(exercise.document, document.status());
+  ENAMEL_RETURN_IF_ERROR(CheckPrepared(store, *document));
   ENAMEL_ASSIGN_OR_RETURN(auto row, PublishDocument(store, *document, cohort));
   return std::vector<ExerciseRow>{row};
 }
@@ -87,9 +92,10 @@ Result<ExerciseRow> VersionOf(ContentStore& store, const std::string& name, int3
                 "exercise");
 }
 
-Status MustHaveReference(ReferenceStore& store, const ExerciseRow& version, bool exam) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto reference, store.ReferenceFor(version.id));
-  return CheckReference(exam, version, reference.has_value());
+Status MustHaveReference(Parts<ContentStore, ReferenceStore> store, const ExerciseRow& version,
+                         bool exam) {
+  ENAMEL_ASSIGN_OR_RETURN(const bool comparable, HasComparison(store, version));
+  return CheckReference(exam, version, comparable);
 }
 
 // What the publisher has to know: others' work does not change, and graded work waits for a reference.
@@ -100,8 +106,8 @@ Status SayWhatFollows(Store& store, const ExerciseRow& row) {
     Say("  assignment {}, {}, stays with version {}; move-assignment moves it\n", each.id.Text(),
         WordsOf(each), each.version);
   }
-  ENAMEL_ASSIGN_OR_RETURN(const auto reference, store.ReferenceFor(row.id));
-  if (row.graded && !reference) {
+  ENAMEL_ASSIGN_OR_RETURN(const bool comparable, HasComparison(store, row));
+  if (row.graded && !comparable) {
     Say("  it has no reference yet: what is cut before there is one is scored once there is\n");
   }
   return Status::Ok();
@@ -306,6 +312,8 @@ void DeclareExercises(CommandGroup admin) {
                       "Only this one, or this kind: class-1, class-2, crown, cross");
   publish->add_option("--document", p.exercise.document,
                       "Instead: file with an exercise (schemas/exercise.schema.json)");
+  publish->add_option("--prepared", p.exercise.prepared,
+                      "On the scene: the target that 'enamel-station target' wrote to this folder");
   auto* cohort = publish->add_option("--cohort", p.exercise.cohort, "For whom; without: everybody");
   publish
       ->add_flag("--unassigned", p.exercise.unassigned,

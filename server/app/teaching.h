@@ -16,6 +16,7 @@ struct NewExercise {
   std::string name;         // of a built-in exercise, or its kind; empty: all the scene has
   bool unassigned = false;  // assigned to nobody, instead of to the cohort
   std::string document;     // file with an exercise document, instead of scene and name
+  std::string prepared;     // folder of `enamel-station target`, made for the scene
 };
 Status PublishExercise(const std::filesystem::path& data, const NewExercise& exercise);
 Status RetireExercise(const std::filesystem::path& data, const std::string& name);

@@ -1,0 +1,156 @@
+#include "server/app/prepared.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+#include "common/base/file.h"
+#include "common/scene/json/json.h"
+#include "common/scene/prepared_target.h"
+#include "common/scene/volume_blob.h"
+#include "server/app/command_line.h"
+#include "server/app/data_folder.h"
+#include "server/app/publish.h"
+#include "server/app/say.h"
+
+namespace enamel::server::app {
+namespace {
+
+Result<ExerciseRow> NewestVersion(ContentStore& store, const std::string& name) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto versions, store.ExerciseVersions(name));
+  for (const ExerciseRow& row : versions) {
+    if (row.state == ExerciseState::kPublished) return row;
+  }
+  return Status(Code::kNotFound, "no published exercise \"" + name +
+                                     "\"; enamel-server admin list-exercises shows their names");
+}
+
+Result<cutting::Volume> VolumeOf(ContentStore& store, const Sha256& blob) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto bytes, store.GetBlob(blob));
+  return scene::DecodeVolume(bytes);
+}
+
+// The scene of the tooth that a reference left. Whose cut it was is not in it: documents go to every
+// station.
+scene::Scene PreparedScene(const scene::Scene& from, const ExerciseRow& exercise,
+                           const Sha256& volume) {
+  scene::Scene out = from;
+  out.name = from.name.substr(0, 55) + "-prepared";
+  out.title = from.title.substr(0, 180) + ", prepared";
+  out.preparations.clear();
+  out.volume = volume;
+  out.provenance = "the tooth that a reference cut of exercise \"" + exercise.name + "\" version " +
+                   std::to_string(exercise.version) + " left of " + from.volume.Hex();
+  return out;
+}
+
+}  // namespace
+
+Status CheckPrepared(ContentStore& store, const scene::Exercise& exercise) {
+  scene::CavityTarget target = exercise.target;
+  if (target.prepared.IsZero()) return Status::Ok();
+  ENAMEL_ASSIGN_OR_RETURN(const auto scenes, store.Scenes());
+  if (std::ranges::find(scenes, target.prepared, &SceneRow::content) == scenes.end()) {
+    return Status(Code::kNotFound,
+                  "the target's prepared tooth, scene " + target.prepared.Hex() +
+                      ", is not on this server; publish-exercise --prepared brings it",
+                  "target.prepared_scene_sha256");
+  }
+  ENAMEL_ASSIGN_OR_RETURN(const auto text, store.GetBlob(exercise.scene));
+  ENAMEL_ASSIGN_OR_RETURN(const auto scene, scene::SceneFromJson(AsText(text)));
+  ENAMEL_ASSIGN_OR_RETURN(const auto tooth, VolumeOf(store, scene.volume));
+  return scene::LoadPreparedTarget(
+      tooth, [&](const Sha256& hash) { return store.GetBlob(hash); }, target);
+}
+
+Result<ExerciseRow> PublishPrepared(ContentStore& store, const SceneRow& scene,
+                                    const std::filesystem::path& folder,
+                                    const std::optional<Uuid>& cohort) {
+  const std::filesystem::path document = folder / "exercise.json";
+  ENAMEL_ASSIGN_OR_RETURN(const auto text, ReadFile(document, kMaxDocumentBytes));
+  auto exercise = scene::ExerciseFromJson(AsText(text));
+  if (!exercise.ok()) {
+    return Status(exercise.status().code(), document.string() + ": " + exercise.status().field() +
+                                                ": " + exercise.status().message());
+  }
+  if (exercise->scene != scene.content) {
+    return Status(Code::kConflict,
+                  folder.string() + " was made for another tooth: expected scene " +
+                      scene.content.Hex() + " (" + scene.name + "), found " +
+                      exercise->scene.Hex() + "; name the --scene and --voxel-um it was made with",
+                  "scene");
+  }
+  ENAMEL_ASSIGN_OR_RETURN(const auto prepared, PublishScene(store, folder.string(), 0));
+  if (exercise->target.prepared != prepared.content) {
+    return Status(Code::kConflict,
+                  document.string() + " names another prepared tooth than " +
+                      (folder / "scene.json").string() + ": make the folder again",
+                  "prepared");
+  }
+  ENAMEL_RETURN_IF_ERROR(CheckPrepared(store, *exercise));
+  return PublishDocument(store, *exercise, cohort);
+}
+
+Status TargetFromReference(const std::filesystem::path& data, const FromReference& wanted) {
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(const auto row, NewestVersion(*store, wanted.exercise));
+  ENAMEL_ASSIGN_OR_RETURN(const auto reference, store->ReferenceFor(row.id));
+  if (!reference) {
+    return Status(Code::kNotFound, "\"" + row.name + "\" version " + std::to_string(row.version) +
+                                       " has no reference; admin mark-reference makes one of a "
+                                       "scored attempt");
+  }
+  ENAMEL_ASSIGN_OR_RETURN(const auto text, store->GetBlob(row.content));
+  ENAMEL_ASSIGN_OR_RETURN(auto exercise, scene::ExerciseFromJson(AsText(text)));
+  ENAMEL_ASSIGN_OR_RETURN(const auto scene_text, store->GetBlob(exercise.scene));
+  ENAMEL_ASSIGN_OR_RETURN(const auto scene, scene::SceneFromJson(AsText(scene_text)));
+  ENAMEL_ASSIGN_OR_RETURN(const auto tooth, VolumeOf(*store, scene.volume));
+  ENAMEL_ASSIGN_OR_RETURN(const auto result, store->ResultOf(reference->attempt));
+  ENAMEL_ASSIGN_OR_RETURN(auto cut, VolumeOf(*store, result.final_volume));
+
+  ENAMEL_ASSIGN_OR_RETURN(const Sha256 volume, store->PutBlob(scene::EncodeVolume(cut)));
+  const scene::Scene prepared = PreparedScene(scene, row, volume);
+  ENAMEL_ASSIGN_OR_RETURN(const Sha256 content, store->PutBlob(AsBytes(scene::ToJson(prepared))));
+  const scene::CavityTarget before = exercise.target;
+  ENAMEL_ASSIGN_OR_RETURN(exercise.target,
+                          scene::TargetFromPrepared(scene, tooth, std::move(cut), content,
+                                                    wanted.tolerance_um.value_or(0)));
+  if (!wanted.tolerance_um) {
+    exercise.target.leeway_side_um = before.leeway_side_um;
+    exercise.target.leeway_bottom_um = before.leeway_bottom_um;
+    exercise.target.container_um = before.container_um;
+  }
+  ENAMEL_RETURN_IF_ERROR(
+      store->PutScene({prepared.name, prepared.title, content, volume}, kCommandLine));
+  ENAMEL_ASSIGN_OR_RETURN(const auto published, PublishDocument(*store, exercise, std::nullopt));
+  Say("exercise \"{}\" version {}, id {}: its target is what version {}'s reference left\n",
+      published.name, published.version, published.id.Text(), row.version);
+  return Status::Ok();
+}
+
+void DeclareTargets(CommandGroup admin) {
+  struct Wanted {
+    std::filesystem::path data;
+    std::string exercise;
+    int32_t tolerance_um = -1;
+  };
+  auto [target, o] = Declare<Wanted>(
+      admin, "target-from-reference",
+      "Make what the newest reference left the target of the exercise's next version",
+      [](const Wanted& w) {
+        FromReference wanted{w.exercise, {}};
+        if (w.tolerance_um >= 0) wanted.tolerance_um = w.tolerance_um;
+        return TargetFromReference(w.data, wanted);
+      });
+  AddData(target, o.data);
+  target->add_option("--exercise", o.exercise, "Its name; the newest version counts")->required();
+  target
+      ->add_option("--tolerance-um", o.tolerance_um,
+                   "How far a cut may go beyond it; without: as it was")
+      ->check(CLI::Range(0, 5'000));
+  target->footer(
+      "Attempts of the new version are compared with that tooth, so it needs no reference. It is "
+      "assigned\nto nobody yet; assignments of earlier versions stay with theirs.\n\n"
+      "  enamel-server admin target-from-reference --data DIR --exercise class-1-molar-46");
+}
+
+}  // namespace enamel::server::app
