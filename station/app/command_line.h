@@ -54,6 +54,7 @@ void DeclareReserve(CommandGroup group);
 void DeclareReplay(CommandGroup group);
 void DeclareVerify(CommandGroup group);
 void DeclareImport(CommandGroup group);
+void DeclareTarget(CommandGroup group);
 void DeclareSimulate(CommandGroup group);
 // 'scenes' and 'profiles': what is built in.
 void DeclareLists(CommandGroup group);

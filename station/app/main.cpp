@@ -69,8 +69,8 @@ int main(int argc, char** argv) {
   DeclareRun(group);
   SpoolCommand spool;
   AddSpoolCommands(app, spool, place, [&](const Status& status) { exit_code = Finish(status); });
-  for (auto declare : {DeclareReserve, DeclareReplay, DeclareVerify, DeclareImport, DeclareSimulate,
-                       DeclareLists}) {
+  for (auto declare : {DeclareReserve, DeclareReplay, DeclareVerify, DeclareImport, DeclareTarget,
+                       DeclareSimulate, DeclareLists}) {
     declare(group);
   }
   RegisterDeviceCommands(app, DefaultData(), Finish, &exit_code);
