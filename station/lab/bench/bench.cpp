@@ -92,6 +92,7 @@ void RegisterBench(CLI::App& app, int* exit_code) {
   RegisterSurface(*bench, exit_code);
   RegisterTimeline(*bench, exit_code);
   RegisterImport(*bench, exit_code);
+  RegisterTarget(*bench, exit_code);
   RegisterRecord(*bench, exit_code);
   RegisterFrames(*bench, exit_code);
 }

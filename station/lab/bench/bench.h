@@ -21,6 +21,7 @@ void RegisterScore(CLI::App& app, int* exit_code);
 void RegisterSurface(CLI::App& app, int* exit_code);
 void RegisterTimeline(CLI::App& app, int* exit_code);
 void RegisterImport(CLI::App& app, int* exit_code);
+void RegisterTarget(CLI::App& app, int* exit_code);
 void RegisterRecord(CLI::App& app, int* exit_code);
 void RegisterFrames(CLI::App& app, int* exit_code);
 
