@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <random>
 
 #include "common/import/scene_folder.h"
@@ -12,6 +13,8 @@
 
 namespace enamel::import {
 namespace {
+
+namespace fs = std::filesystem;
 
 // As a scanner's file lies: turned by any angle, far from the tooth's frame.
 mesh::Rigid Somewhere(unsigned seed) {
@@ -126,7 +129,9 @@ TEST_P(KnownPreparationTest, IsFoundWhereverTheScanLies) {
 INSTANTIATE_TEST_SUITE_P(Scans, KnownPreparationTest,
                          testing::Values(Known{"class_1", "class-1", 0, -99, 10, 0.6},
                                          Known{"class_1_noise", "class-1", 0.02, -99, 10, 1.1},
-                                         Known{"class_1_rootless", "class-1", 0.02, -4, 10, 1.1}),
+                                         Known{"class_1_rootless", "class-1", 0.02, -4, 10, 1.1},
+                                         Known{"crown", "crown", 0.02, -99, 10, 3.0},
+                                         Known{"crown_rootless", "crown", 0.02, -9, 20, 4.0}),
                          [](const auto& info) { return std::string(info.param.name); });
 
 std::string WhyNot(const mesh::Triangles& scan, const PreparedOptions& options = {},
@@ -174,6 +179,20 @@ TEST(PreparedToothTest, ACutThatTheScanHasOnlyHalfOfIsRefused) {
   EXPECT_NE(why.find("not whole"), std::string::npos) << why;
 }
 
+TEST(PreparedToothTest, AHoleInTheCutIsRefusedAndOneBesideItIsNot) {
+  const scene::PointUm at = Molar().scene.landmarks.at("occlusal_centre");
+  const dvec3 centre = dvec3(at[0], at[1], at[2]) * 1e-3;
+  auto with_hole = [&](const dvec3& middle, double radius) {
+    return Only(ScanOfMolar("class-1"),
+                [&](const dvec3& p) { return glm::length(p - middle) > radius; });
+  };
+  const scene::Preparation shape = ShapeOf(Molar(), "class-1");
+  const dvec3 floor = centre - dvec3(0, 0, shape.parts[0].depth_um * 1e-3);
+  const std::string why = WhyNot(with_hole(floor, 0.4));
+  EXPECT_NE(why.find("not whole"), std::string::npos) << why;
+  EXPECT_TRUE(TakePrepared(Molar().scene, Molar().volume, with_hole({5, 0, 0}, 0.8), "").ok());
+}
+
 TEST(PreparedToothTest, AToothThatIsNotPreparedIsNoTarget) {
   static const scene::BuiltScene fine = *scene::BuildBuiltinScene("molar", 70'000);
   const std::string why =
@@ -198,6 +217,44 @@ TEST(PreparedToothTest, ABlockThatFitsItselfHasToBePlaced) {
   auto taken = TakePrepared(block->scene, block->volume, scan, "a test", placed);
   ASSERT_TRUE(taken.ok()) << taken.status().message();
   EXPECT_LT(Differs_mm3(taken->prepared.volume, scene::Prepared(block->volume, circle)), 0.3);
+}
+
+// Scans that the project did not make, prepared here: each crown against itself and the others.
+TEST(PreparedToothTest, EveryScannedCrownIsFoundAndNoOtherTakenForIt) {
+  const fs::path folder = fs::path(ENAMEL_SHARED_DATA) / "crowns";
+  if (!fs::exists(folder)) GTEST_SKIP() << "skipped: no shared data";
+  std::vector<scene::BuiltScene> teeth;
+  std::vector<mesh::Triangles> scans;
+  std::vector<std::string> names;
+  for (const char* name : {"fdi_36", "fdi_46", "fdi_47"}) {
+    ImportOptions options;
+    options.voxel_nm = 100'000;
+    auto tooth = ImportTooth(folder / (std::string(name) + ".obj"), options);
+    ASSERT_TRUE(tooth.ok()) << tooth.status().message();
+    options.voxel_nm = 80'000;
+    auto fine = ImportTooth(folder / (std::string(name) + ".obj"), options);
+    ASSERT_TRUE(fine.ok()) << fine.status().message();
+    scene::Preparation box{"box", "", {{}}};
+    box.parts[0].top_um = tooth->scene.landmarks.at("occlusal_centre");
+    box.parts[0].half_size_um = {1'200, 900};
+    box.parts[0].depth_um = 1'500;
+    scans.push_back(mesh::Moved(
+        WithNoise(ToothSurface_mm(scene::Prepared(fine->volume, box)), 0.02, 9), Somewhere(11)));
+    teeth.push_back({tooth->scene, std::move(tooth->volume)});
+    names.push_back(name);
+  }
+  for (size_t t = 0; t < teeth.size(); ++t) {
+    for (size_t s = 0; s < scans.size(); ++s) {
+      const auto fits = mesh::FitOnto(ToothSurface_mm(teeth[t].volume), scans[s]);
+      const Status status = CheckFit(fits);
+      std::printf("%s on %s: %s %.3f %.3f %.3f rms %.3f p95 %.3f\n", names[s].c_str(),
+                  names[t].c_str(), status.ok() ? "taken" : "refused", fits.front().agree_share,
+                  fits.front().inside_share, fits.front().outside_share, fits.front().rms_mm,
+                  fits.front().p95_mm);
+      EXPECT_EQ(status.ok(), s == t) << status.message();
+      if (s == t) EXPECT_LT(Off_um(fits.front(), Somewhere(11)), 15);
+    }
+  }
 }
 
 }  // namespace
