@@ -62,7 +62,7 @@ struct HttpOptions {
   // Of the certificate that stations know this server by, in hexadecimal: what an enrolment code is
   // given out with. Empty: none are given out.
   std::string station_fingerprint;
-  const StationBoard* stations = nullptr;   // which are connected; none: it takes none
+  const StationBoard* stations = nullptr;  // which are connected; none: it takes none
   LiveBoard* live = nullptr;  // what /attempts/{id}/live shows; none: there is no such path
   // GET /metrics is for this machine, or with a token for whoever has it. No metrics: no such path.
   // The server adds its own figures to them.

@@ -53,7 +53,7 @@ struct Call {
   StorePool* apart =
       nullptr;               // always set: for what asks a disk and must not wait for the database
   FeelMaps* feel = nullptr;  // always set
-  const StationBoard* stations = nullptr;   // none: it takes none
+  const StationBoard* stations = nullptr;  // none: it takes none
 };
 
 // Runs on the store's threads and may block.
