@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { FramePose, Head } from "../../api/timeline";
 import type { Series } from "../../api/types";
-import { FrameClock, seriesEndS, stepAt } from "./clock";
+import { FrameClock, gapsOf, seriesEndS, stepAt } from "./clock";
 
 const head = { ticks: 1050, rateHz: 1000, frameTicks: 100, frames: 11 } as Head;
 const pose = (gapTicks: number) => ({ gapTicks }) as FramePose;
@@ -17,6 +17,11 @@ test("a time finds the frame whose end is nearest, and a frame's own time finds 
   const clock = new FrameClock(head, Array.from({ length: 11 }, (_, k) => pose(k === 3 ? 2000 : 0)));
   for (let frames = 0; frames <= 11; ++frames) assert.equal(clock.framesAt(clock.timeOf(frames)), frames);
   assert.deepEqual([-5, 0.04, 0.06, 1, 2, 99].map((timeS) => clock.framesAt(timeS)), [0, 0, 1, 3, 4, 11]);
+});
+
+test("gaps are told with the frame that they end in, also where poses are still to come", () => {
+  const poses = Array.from({ length: 5 }, (_, k) => k === 1 ? undefined : pose(k === 3 ? 2000 : 0));
+  assert.deepEqual(gapsOf(head, poses), [{ frames: 4, seconds: 2 }]);
 });
 
 test("thirty seconds are thirty seconds, also where a step of the series is longer than a frame", () => {

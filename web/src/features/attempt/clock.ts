@@ -32,6 +32,16 @@ export class FrameClock {
   }
 }
 
+export interface Gap {
+  readonly frames: number;                      // it lies before the end of so many
+  readonly seconds: number;
+}
+
+// Where ticks passed that were not recorded.
+export function gapsOf(head: Head, poses: readonly (FramePose | undefined)[]): Gap[] {
+  return poses.flatMap((pose, i) => pose === undefined || pose.gapTicks === 0 ? [] : [{ frames: i + 1, seconds: pose.gapTicks / head.rateHz }]);
+}
+
 // The step of the series that a time lies in.
 export function stepAt(series: Series, timeS: number): number {
   const last = series.t_s.length - 1;
