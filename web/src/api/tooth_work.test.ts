@@ -83,6 +83,8 @@ test("a wish that is overtaken is left where it is, and the later one is whole",
   made.link.seek(5);
   for (let i = 0; i < 40; ++i) await settled();
   assert.deepEqual(made.shown, [3], "the first was never shown");
+  const last = made.told.at(-1);
+  assert.ok(last?.told === "shown" && last.cut !== undefined && Math.abs(last.cut.centreMm[0]) < 0.1 && last.cut.centreMm[2] > 0.8, "where it was cut is known all the same");
   assert.deepEqual(made.blocks, await expected(3));
 });
 

@@ -35,7 +35,7 @@ export type ToothTold =
   | { readonly told: "deviation"; readonly id: number; readonly compared: Result<Compared, string> }
   // What looks otherwise than before; no mesh: no surface passes there. A number below 0 stands for several blocks.
   | { readonly told: "blocks"; readonly blocks: readonly (readonly [number, BlockMesh | undefined])[] }
-  // All of it was told. `cut`: where something went, with the first picture of the end.
+  // All of it was told. `cut`: where something went by the end, once that is known.
   | { readonly told: "shown"; readonly frames: number; readonly cut?: Extent | undefined }
   | { readonly told: "failed"; readonly message: string };                        // the file is damaged there
 
@@ -58,7 +58,7 @@ export class ToothWork {
   private readonly stills: number[][] = [];     // the blocks of each mesh of several; its index is −1 less its place here
   private wanted: number | undefined;
   private working = false;
-  private toldCut = false;
+  private cut: Extent | undefined;              // known once the end was sought
 
   // `pause`: resolves when messages that have come meanwhile were taken.
   constructor(private readonly tell: (told: ToothTold, transfer: readonly ArrayBuffer[]) => void, private readonly pause: () => Promise<void>,
@@ -162,12 +162,11 @@ export class ToothWork {
         this.tell({ told: "failed", message: changed.error }, []);
         break;
       }
+      if (frames === player.head.frames) this.cut ??= cutOf(player);
       if (frames === player.head.frames) this.fine ??= mesher.blocksOf([...player.changed().keys(), ...(mesher.deviation?.bricks.keys() ?? [])]);
       for (const block of mesher.blocksOf(changed.value)) this.dirty.add(block);
       if (!(await this.meshDirty(mesher))) continue;
-      const cut = frames === player.head.frames && !this.toldCut;
-      this.toldCut ||= cut;
-      this.tell({ told: "shown", frames, cut: cut ? cutOf(player) : undefined }, []);
+      this.tell({ told: "shown", frames, cut: this.cut }, []);
     }
     this.working = false;
   }
