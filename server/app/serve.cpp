@@ -23,6 +23,7 @@
 #include "server/app/caretaker.h"
 #include "server/app/data_folder.h"
 #include "server/app/seed.h"
+#include "server/auth/first_admin.h"
 #include "server/http/http_server.h"
 #include "server/jobs/worker.h"
 #include "server/ops/metrics.h"
@@ -185,6 +186,26 @@ std::string PageUrlOf(const ServeOptions& options, const http::HttpOptions& http
   return protocol::IsPageUrl(url) ? url : std::string();
 }
 
+// Where a stranger cannot listen in: on this machine, or behind TLS here or at the proxy.
+bool IsPrivate(const http::HttpOptions& page) {
+  const bool proxied = !page.trusted_proxies.empty();
+  return page.tls || proxied || IsLoopback(page.address);
+}
+
+Result<bool> HasAdmin(PeopleStore& store) {
+  PeopleFilter admins;
+  admins.role = Role::kAdmin;
+  admins.limit = 1;
+  ENAMEL_ASSIGN_OR_RETURN(const auto found, store.FindPeople(admins));
+  return !found.empty();
+}
+
+// After '#', which browsers send to no server and into no log.
+void SayFirstAdmin(const std::string& page_url, const std::string& token) {
+  std::cout << "first admin: open " << page_url << "/first#" << token << " within 24 hours"
+            << std::endl;
+}
+
 WorkerOptions JobOptions(const ServeOptions& options, const ServerIdentity& identity) {
   WorkerOptions out;
   out.key = identity.ticket_key;
@@ -294,6 +315,10 @@ Status Serve(const ServeOptions& options) {
   // Declared before what posts to it, hence destroyed after it. The same holds for store, live
   // board and content above: each is used by reference further down.
   StorePool pool(kStationThreads);
+  ENAMEL_ASSIGN_OR_RETURN(const bool has_admin, HasAdmin(store));
+  auth::FirstAdmin first_admin;
+  const bool gives_link = !has_admin && IsPrivate(http_options);
+  if (gives_link) http_options.first_admin = &first_admin;
   http_options.live = &live;
   http_options.stations = &board;
   http_options.station_fingerprint = identity.fingerprint.Hex();
@@ -324,6 +349,15 @@ Status Serve(const ServeOptions& options) {
   std::cout << "ready: page " << (http_options.tls ? "https://" : "http://") << page_at.Text()
             << ", stations " << link_at.Text() << ", fingerprint " << identity.fingerprint.Hex()
             << std::endl;
+  if (gives_link) {
+    const std::string local = (http_options.tls ? "https://" : "http://") + page_at.Text();
+    SayFirstAdmin(services.page_url.empty() ? local : services.page_url,
+                  first_admin.Offer(enamel::UnixMs()));
+  } else if (!has_admin) {
+    spdlog::warn(
+        "there is no admin, and the page is reached without TLS: make one here with admin "
+        "add-person --role admin");
+  }
 
   RunUntilStopped(io, options.io_threads, stop_asked.get_future());
   // After the connections, since a seal that was just acknowledged may still queue a job. What is

@@ -190,8 +190,9 @@ asio::awaitable<Response> Api::Answer(const Request& request) {
   // The route before the caller: that an address does not exist is no secret.
   RouteMatch match = FindRoute(request.method, request.path);
   if (!match.route) co_return NoSuchRoute(request, match);
-  Call call{request, authenticator_,       nullptr,       {},       {},     &monitoring_,
-            live_,   station_fingerprint_, station_port_, &*apart_, &feel_, stations_};
+  Call call{request,  authenticator_,       nullptr,       {},       {},     &monitoring_,
+            live_,    station_fingerprint_, station_port_, &*apart_, &feel_, first_admin_,
+            stations_};
   if (Status place = FillPlace(match, call); !place.ok()) co_return ErrorResponse(place);
   const Route& route = *match.route;
   if (!IsSafe(request.method)) {

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "server/auth/authenticator.h"
+#include "server/auth/first_admin.h"
 #include "server/http/handlers/feel_maps.h"
 #include "server/http/message.h"
 #include "server/http/routes.h"
@@ -35,6 +36,8 @@ class Api : public std::enable_shared_from_this<Api> {
 
   // Attempts can be watched from now on. Before the first Handle.
   void Show(LiveBoard& live) { live_ = &live; }
+  // The first admin can be made from now on. Before the first Handle.
+  void Show(auth::FirstAdmin& first_admin) { first_admin_ = &first_admin; }
   // Which stations are connected is known from now on. Before the first Handle.
   void Show(const StationBoard& stations) { stations_ = &stations; }
   // Stations can be enrolled from now on: what they know the server by. Before the first Handle.
@@ -79,6 +82,7 @@ class Api : public std::enable_shared_from_this<Api> {
   const size_t max_in_flight_;
   const std::chrono::milliseconds work_;
   LiveBoard* live_ = nullptr;
+  auth::FirstAdmin* first_admin_ = nullptr;
   const StationBoard* stations_ = nullptr;
   std::string station_fingerprint_;
   std::atomic<uint16_t> station_port_{0};

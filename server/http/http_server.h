@@ -11,6 +11,7 @@
 
 #include "common/base/result.h"
 #include "server/auth/authenticator.h"
+#include "server/auth/first_admin.h"
 #include "server/live/live_board.h"
 #include "server/live/station_board.h"
 #include "server/ops/metrics.h"
@@ -62,7 +63,8 @@ struct HttpOptions {
   // Of the certificate that stations know this server by, in hexadecimal: what an enrolment code is
   // given out with. Empty: none are given out.
   std::string station_fingerprint;
-  const StationBoard* stations = nullptr;  // which are connected; none: it takes none
+  auth::FirstAdmin* first_admin = nullptr;  // of a server that has no admin
+  const StationBoard* stations = nullptr;   // which are connected; none: it takes none
   LiveBoard* live = nullptr;  // what /attempts/{id}/live shows; none: there is no such path
   // GET /metrics is for this machine, or with a token for whoever has it. No metrics: no such path.
   // The server adds its own figures to them.

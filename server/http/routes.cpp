@@ -44,6 +44,9 @@ constexpr auto Given() {
 const std::array kRoutes = {
     Route{Method::kGet, "/healthz", Need::kNobody, Given<&GetHealth>()},
     Route{Method::kGet, "/metrics", Need::kNobody, Given<&GetMetrics>()},
+    Route{Method::kPost, "/api/v1/first-admin", Need::kNobody, Given<&MakeFirstAdmin>()},
+    Route{Method::kGet, "/api/v1/builtin-teeth", Need::kAdmin, Given<&ListBuiltinTeeth>()},
+    Route{Method::kPost, "/api/v1/builtin-teeth", Need::kAdmin, Given<&PutBuiltinTooth>()},
     Route{Method::kPost, "/api/v1/session", Need::kNobody, Given<&SignIn>()},
     Route{Method::kGet, "/api/v1/session", Need::kPerson, Given<&GetSession>()},
     Route{Method::kDelete, "/api/v1/session", Need::kPerson, Given<&SignOut>()},

@@ -10,6 +10,7 @@
 
 #include "common/base/uuid.h"
 #include "server/auth/authenticator.h"
+#include "server/auth/first_admin.h"
 #include "server/http/message.h"
 #include "server/live/live_board.h"
 #include "server/live/station_board.h"
@@ -53,7 +54,8 @@ struct Call {
   StorePool* apart =
       nullptr;               // always set: for what asks a disk and must not wait for the database
   FeelMaps* feel = nullptr;  // always set
-  const StationBoard* stations = nullptr;  // none: it takes none
+  auth::FirstAdmin* first_admin = nullptr;  // none: no link was given
+  const StationBoard* stations = nullptr;   // none: it takes none
 };
 
 // Runs on the store's threads and may block.

@@ -41,6 +41,7 @@ ServerContext::ServerContext(HttpOptions given, Store& store, auth::Authenticato
           store, authenticator, Monitoring{options.metrics, options.metrics_token},
           options.store_threads, options.max_in_flight, options.deadlines.work)) {
   if (options.live) api->Show(*options.live);
+  if (options.first_admin) api->Show(*options.first_admin);
   if (options.stations) api->Show(*options.stations);
   api->Enrol(options.station_fingerprint);
 }

@@ -10,6 +10,7 @@ export const insightFlows = [
   { name: "an exercise is edited in a form: what is wrong is told while one types, it is undone, compared, looked at and saved", run: editExercise },
   { name: "a rubric that is published is corrected, with what it would do to past attempts", run: correctRubric },
   { name: "a device profile is edited, and what would be refused is told before it is sent", run: editProfile },
+  { name: "a new server's first admin makes an account from its link and is led through the first steps", run: firstAdmin },
 ];
 
 // A picture at each of the sizes that people use.
@@ -143,4 +144,35 @@ async function editProfile(world) {
   await page.getByText("Right, not saved").waitFor();
   await page.getByRole("button", { name: "Save as version 3" }).click();
   await page.getByRole("heading", { level: 1, name: "Phantom Desktop" }).waitFor();
+}
+
+async function firstAdmin(world) {
+  // An empty school.
+  Object.assign(world.mock, { firstAdminToken: "ab".repeat(32), shelf: world.mock.exercises, exercises: [], cohorts: [], assignments: [], people: [] });
+  const { page } = await world.open({ width: 1280, height: 900 });
+  await page.goto(`/first#${"cd".repeat(32)}`);
+  await page.getByRole("heading", { name: "The first admin" }).waitFor();
+  await accessible(page, "making the first admin");
+  await pictures(world, page, "first_admin");
+  await page.getByLabel("Name", { exact: true }).fill("Head of School");
+  await page.getByLabel("Login").fill("head");
+  await page.getByLabel("Password").fill("short one");
+  await page.getByRole("button", { name: "Make the account" }).click();
+  await page.getByText("This link is not good any more.").waitFor();
+  await page.goto("/");
+  await page.goto(`/first#${"ab".repeat(32)}`);
+  await page.getByLabel("Name", { exact: true }).fill("Head of School");
+  await page.getByLabel("Login").fill("head");
+  await page.getByLabel("Password").fill("short one");
+  await page.getByRole("button", { name: "Make the account" }).click();
+  await page.getByText("this password is easy to guess").waitFor();
+  await page.getByLabel("Password").fill("quite a long phrase of mine");
+  await page.getByRole("button", { name: "Make the account" }).click();
+  await page.getByRole("heading", { level: 2, name: /First steps, \d of 6 done/ }).waitFor();
+  assert.equal(new URL(page.url()).hash, "", "the token does not stay in the address");
+  await accessible(page, "the first steps");
+  await pictures(world, page, "first_steps");
+  await page.getByLabel("Built-in tooth").selectOption("molar");
+  await page.getByRole("button", { name: "Put it" }).click();
+  await page.locator(".steps li", { hasText: "Teeth and exercises" }).getByText("done").waitFor();
 }

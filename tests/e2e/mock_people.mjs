@@ -284,6 +284,12 @@ export const peopleRoutes = {
   "GET /profiles/{name}/calibrations": ["instructor", (call) => page("calibrations", call.world.calibrations.filter((item) => item.profile === call.id), call.query)],
   "POST /profiles/{name}/calibrations": ["admin", addCalibration],
   "GET /audit": ["admin", listAudit],
+  "GET /builtin-teeth": ["admin", () => json({ teeth: [{ name: "block", summary: "a block with shapes to cut" }, { name: "molar", summary: "a lower first molar" }] })],
+  "POST /builtin-teeth": ["admin", ({ world, body }) => {
+    world.exercises.push(...world.shelf.splice(0));
+    return json({ name: `${body.name}-46`, title: "Lower first molar", exercises: world.exercises.map(({ id, name, title, version }) => ({ id, name, title, version })) }, 201);
+  }],
+  "GET /health": ["admin", serverHealth],
   "GET /jobs": ["admin", ({ world, query }) => page("jobs", world.jobs.filter((job) => query.get("state") === null || job.state === query.get("state")), query)],
   "POST /jobs/{id}/cancel": ["admin", cancelJob],
 };

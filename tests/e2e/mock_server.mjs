@@ -8,7 +8,7 @@ import { extname, join, normalize } from "node:path";
 import { fileURLToPath } from "node:url";
 import { editingRoutes } from "./mock_editing.mjs";
 import { peopleRoutes, sessionView } from "./mock_people.mjs";
-import { empty, forbidden, json, notFound, refusal } from "./mock_reply.mjs";
+import { empty, forbidden, invalid, json, notFound, refusal } from "./mock_reply.mjs";
 import { teachingRoutes } from "./mock_teaching.mjs";
 import { makeWorld, newId } from "./mock_world.mjs";
 import { people } from "./mock_data.mjs";
@@ -29,7 +29,7 @@ const kMaxBodyBytes = 1 << 20;
 const kRanks = { person: 0, student: 0, instructor: 1, admin: 2 };
 
 // Every route of the mock, as the contract writes it.
-export const mockRoutes = { ...peopleRoutes, ...teachingRoutes, ...editingRoutes };
+export const mockRoutes = { "POST /first-admin": ["person", notFound], ...peopleRoutes, ...teachingRoutes, ...editingRoutes };
 
 export async function startMockServer({ dist, port = 0 }) {
   const world = makeWorld(dist);
@@ -59,6 +59,7 @@ async function answer(world, request) {
   const path = url.pathname.slice("/api/v1".length);
   const text = request.method === "GET" ? "" : await readBody(request);
   if (path === "/session" && request.method === "POST") return signIn(world, parsed(text));
+  if (path === "/first-admin" && request.method === "POST") return makeFirstAdmin(world, parsed(text));
   const session = world.sessions.get(cookieOf(request));
   if (session === undefined || session.person.disabled) return refusal(401, "unauthenticated", "Sign in first.");
   if (request.method !== "GET" && request.headers["x-enamel-csrf"] !== session.csrf) return refusal(403, "forbidden", "The csrf value is missing.");
@@ -99,6 +100,16 @@ function signIn(world, body) {
   const session = { id: newId(world), person, csrf: randomBytes(16).toString("hex"), via: "page", address: "127.0.0.1", device: "Chrome on Linux", created_ms: world.nowMs, confirmedMs: world.nowMs };
   world.sessions.set(token, session);
   return json(sessionView(session), 200, { "Set-Cookie": `enamel_session=${token}; HttpOnly; SameSite=Strict; Path=/` });
+}
+
+function makeFirstAdmin(world, body) {
+  if (body.token !== world.firstAdminToken) return refusal(403, "forbidden", "This link is not good any more.", "token");
+  if (body.password.length < 12) return invalid("password", "this password is easy to guess");
+  const person = { id: newId(world), login: body.login, display_name: body.display_name, role: "admin", disabled: false, must_change_password: false, created_ms: world.nowMs, revision: 1, password: body.password };
+  world.people.push(person);
+  world.firstAdminToken = undefined;
+  const { password: _password, ...made } = person;
+  return json(made, 201);
 }
 
 function cookieOf(request) {

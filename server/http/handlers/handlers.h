@@ -21,6 +21,10 @@ Response SignOut(const Call& call);
 Response ListSessions(const Call& call, PeopleStore& store);
 Response EndSession(const Call& call, PeopleStore& store);
 
+Response MakeFirstAdmin(const Call& call, PeopleStore& store);
+Response ListBuiltinTeeth(const Call& call);
+Response PutBuiltinTooth(const Call& call, Parts<ContentStore, AuditStore> store);
+
 Response ListPeople(const Call& call, PeopleStore& store);
 Response AddPerson(const Call& call, PeopleStore& store);
 Response GetPerson(const Call& call, Parts<PeopleStore, TeachingStore> store);

@@ -93,7 +93,7 @@ bool AddScore(InsightParts store, const Uuid& attempt, StudentWork& out) {
   return true;
 }
 
-json::object PersonJson(const Person& person) {
+json::object NamesJson(const Person& person) {
   return {{"id", person.id.Text()}, {"login", person.login}, {"display_name", person.display_name}};
 }
 
@@ -182,7 +182,7 @@ Result<json::array> StaffJson(InsightParts store, const AssignmentRow& row, cons
     for (const AttemptRow& attempt : attempts) {
       json::value score;
       if (attempt.score) score = ScoreOf(attempt);
-      out.push_back({{"person", PersonJson(person)},
+      out.push_back({{"person", NamesJson(person)},
                      {"attempt_id", attempt.id.Text()},
                      {"score", std::move(score)},
                      {"time_s", SecondsOf(attempt)},
@@ -217,7 +217,7 @@ Result<json::object> InsightOfClass(const Call& call, InsightParts store, const 
     json::value score, attempt;
     if (work.grade.score) score = *work.grade.score;
     if (looked_at[i]) attempt = looked_at[i]->Text();
-    students.push_back({{"person", PersonJson(people.students[i])},
+    students.push_back({{"person", NamesJson(people.students[i])},
                         {"state", StateOf(class_work[i])},
                         {"attempts", work.grade.attempts},
                         {"score", std::move(score)},

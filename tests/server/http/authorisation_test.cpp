@@ -51,6 +51,11 @@ const Line kLines[] = {
 //   route                                      about             body                                   nobody sam sue tom ada ben root late off fresh
     {"GET /healthz",                            "",               "",                                    "200 200 200 200 200 200 200 200 200 200"},
     {"GET /metrics",                            "",               "",                                    "404 404 404 404 404 404 404 404 404 404"},
+    // The first steps of a new server; this one gave no link.
+    {"POST /api/v1/first-admin",                "",               R"({"token":"x","login":"new","display_name":"New","password":"quite a long phrase"})",
+                                                                                                         "403 403 403 403 403 403 403 403 403 403"},
+    {"GET /api/v1/builtin-teeth",               "",               "",                                    "401 403 403 403 403 403 200 200 401 403"},
+    {"POST /api/v1/builtin-teeth",              "",               R"({"name":"no such tooth"})",         "401 403 403 403 403 403 400 400 401 403"},
     // One's own session.
     {"POST /api/v1/session",                    "",               R"({"login":"x","password":"y"})",     "401 401 401 401 401 401 401 401 401 401"},
     {"GET /api/v1/session",                     "",               "",                                    "401 200 200 200 200 200 200 200 401 200"},

@@ -66,7 +66,7 @@ scene::Exercise SomeExercise(const Sha256& scene) {
 
 }  // namespace
 
-School::School() {
+School::School(Role root_role) {
   now_ms = std::chrono::duration_cast<std::chrono::milliseconds>(
                std::chrono::system_clock::now().time_since_epoch())
                .count();
@@ -77,7 +77,7 @@ School::School() {
   options.clock = [this] { return now_ms; };
   authenticator = std::make_unique<auth::Authenticator>(*store, options);
   verifier_ = Must(authenticator->NewVerifier(kPassword, "nobody"));
-  root = AddPerson("root", Role::kAdmin);
+  root = AddPerson("root", root_role);
   ada = AddPerson("ada", Role::kInstructor);
   ben = AddPerson("ben", Role::kInstructor);
   sam = AddPerson("sam", Role::kStudent);

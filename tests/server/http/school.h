@@ -20,7 +20,8 @@ inline constexpr char kPassword[] = "correct horse battery";
 //   cohort A: ada (instructor), sam and sue (students); cohort B: ben (instructor), tom (student);
 //   root (admin). All have kPassword. Time stands still until `now_ms` is changed.
 struct School {
-  School();
+  // `root_role`: another than an admin's leaves the school without one.
+  explicit School(Role root_role = Role::kAdmin);
 
   // A sealed and scored attempt of the person; its blobs are `{...}` score, a surface of one point, `{}`
   // series.

@@ -1,6 +1,6 @@
 import { ok } from "../base/result";
 import { type ApiResult, type Http, queryText, segment } from "./http";
-import type { Cohort, PersonDetail, PersonWithCohorts, PersonWithPassword, Role, RosterOutcome, Session, SessionEntry } from "./types";
+import type { Cohort, FirstAdmin, PersonDetail, PersonWithCohorts, PersonWithPassword, Role, RosterOutcome, Session, SessionEntry } from "./types";
 
 export interface PeopleQuery {
   readonly text?: string | undefined;
@@ -14,6 +14,10 @@ export interface PeopleQuery {
 export class PeopleApi {
   constructor(private readonly http: Http) {}
 
+  // With the token of the link that a new server prints; nobody is signed in.
+  makeFirstAdmin(admin: FirstAdmin) {
+    return this.http.json<PersonDetail>("POST", "/first-admin", { body: admin, signingIn: true });
+  }
   list(query: PeopleQuery, signal?: AbortSignal) {
     return this.http.page<PersonDetail>("/people", "people", { ...query }, signal);
   }

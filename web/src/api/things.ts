@@ -1,6 +1,6 @@
 import { ok } from "../base/result";
 import { type ApiResult, type Http, segment } from "./http";
-import type { AuditEntry, Calibration, EnrolCode, Job, ListedDevice, MadeEnrolCode, Profile, ProfileDetail, ProfileFeel, ProfileJudgement, ProfileReport, ProfileVersion, ServerHealth, Station } from "./types";
+import type { AuditEntry, Calibration, EnrolCode, Job, ListedDevice, MadeEnrolCode, Profile, ProfileDetail, ProfileFeel, ProfileJudgement, ProfileReport, ProfileVersion, PutTooth, ServerHealth, Station } from "./types";
 
 interface PageQuery {
   readonly cursor?: string | undefined;
@@ -121,6 +121,14 @@ export class OperationsApi {
   }
   health(signal?: AbortSignal) {
     return this.http.json<ServerHealth>("GET", "/health", { signal });
+  }
+  // Those that the server can make itself, and making one.
+  async teeth(signal?: AbortSignal): Promise<ApiResult<ReadonlyArray<{ readonly name: string; readonly summary: string }>>> {
+    const result = await this.http.json<{ readonly teeth: ReadonlyArray<{ readonly name: string; readonly summary: string }> }>("GET", "/builtin-teeth", { signal });
+    return result.ok ? ok(result.value.teeth) : result;
+  }
+  putTooth(name: string) {
+    return this.http.json<PutTooth>("POST", "/builtin-teeth", { body: { name } });
   }
   cancelJob(id: string) {
     return this.http.empty("POST", `/jobs/${segment(id)}/cancel`);

@@ -12,6 +12,7 @@ import type { AttemptPage } from "../features/attempt/attempt_page";
 import { AttemptsPage } from "../features/attempts/attempts_page";
 import type { ExercisePage } from "../features/exercises/exercise_page";
 import { ExercisesPage, StaffExercisesPage } from "../features/exercises/exercises_page";
+import { FirstAdmin } from "../features/sign_in/first_admin";
 import { SignIn } from "../features/sign_in/sign_in";
 import { ErrorNotice, Loading, PageTitle } from "../widgets/basics";
 import { BrandMark } from "../widgets/brand";
@@ -55,6 +56,12 @@ function signedIn({ person, must_change_password: mustChange }: Session): void {
   session.value = { state: "in", person, mustChange };
 }
 
+// The first admin goes on where the first steps are; the link is used up.
+function begun(begin: Session): void {
+  navigate("/health", "replace");
+  signedIn(begin);
+}
+
 async function signOut(): Promise<void> {
   const result = await client.signOut();
   if (!result.ok && result.error.code !== "unauthenticated") {
@@ -76,7 +83,7 @@ export function App() {
           <ErrorNotice title="The server does not answer as expected" message={now.message} onRetry={() => void restoreSession()} />
         </main>
       );
-    case "out": return <SignIn client={client} notice={now.notice} onSignedIn={signedIn} />;
+    case "out": if (location.value.pathname === "/first") return <FirstAdmin client={client} token={window.location.hash.slice(1)} onSignedIn={begun} />; return <SignIn client={client} notice={now.notice} onSignedIn={signedIn} />;
     case "in":
       if (now.mustChange) return <ForcedPassword client={client} person={now.person} onChanged={signedIn} onSignOut={() => void signOut()} />;
       return <SignedIn person={now.person} />;

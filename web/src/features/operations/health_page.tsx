@@ -7,6 +7,7 @@ import { useRequest } from "../../api/use_request";
 import { formatBytes, formatDateTime, formatNumber, plural } from "../../base/format";
 import { relativeTime } from "../../base/local_time";
 import { Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
+import { FirstSteps } from "./first_steps";
 import { countText, findingsOf, perSecond, retentionText, shortTime } from "./health_text";
 
 const kPollMs = 5000;
@@ -24,7 +25,7 @@ export function HealthPage({ client }: { readonly client: Client }) {
       <PageTitle document="Health">Health</PageTitle>
       {loaded.state === "loading" && <Loading what="the server's state" />}
       {loaded.state === "failed" && <ErrorNotice title="The server does not say how it does" message={loaded.error.message} onRetry={reload} />}
-      {now !== undefined && <><Findings health={now} /><Figures health={now} before={before.current} /></>}
+      {now !== undefined && <><Findings health={now} /><FirstSteps client={client} backedUp={now.backup !== null} stations={now.stations.enrolled} /><Figures health={now} before={before.current} /></>}
     </>
   );
 }

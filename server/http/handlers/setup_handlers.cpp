@@ -1,0 +1,145 @@
+#include <atomic>
+#include <boost/json.hpp>
+
+#include "common/base/unix_time.h"
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/json/json.h"
+#include "server/auth/first_admin.h"
+#include "server/http/caller.h"
+#include "server/http/error_response.h"
+#include "server/http/handlers/handlers.h"
+#include "server/http/handlers/person_view.h"
+#include "server/http/json_body.h"
+#include "server/jobs/builtin_content.h"
+#include "server/training/names.h"
+
+// The first steps of a new server: its first admin, and teeth to work on.
+namespace enamel::server::http {
+namespace json = boost::json;
+namespace {
+
+constexpr size_t kTokenDigits = 64;
+constexpr size_t kMaxPasswordBytes = 1024;
+constexpr size_t kMaxToothName = 64;
+// As enamel-server admin publish-exercise.
+constexpr int32_t kVoxelNm = 50'000;
+
+struct Newcomer {
+  std::string token, password;
+  Person person;
+};
+
+Result<Newcomer> NewcomerOf(const Call& call) {
+  BodyReader body(call.request);
+  Newcomer out;
+  out.token = body.Text("token", 1, kTokenDigits);
+  const std::string login = body.Text("login", 1, kMaxLoginBytes);
+  const std::string name = body.Text("display_name", 1, kMaxNameBytes);
+  out.password = body.Text("password", 1, kMaxPasswordBytes);
+  ENAMEL_RETURN_IF_ERROR(body.Finish());
+  ENAMEL_ASSIGN_OR_RETURN(out.person.login, CheckedLogin(login));
+  ENAMEL_ASSIGN_OR_RETURN(out.person.display_name, CheckedName(name, "display_name"));
+  out.person.role = Role::kAdmin;
+  return out;
+}
+
+Result<Person> MakeAdmin(const Call& call, PeopleStore& store, const Newcomer& newcomer) {
+  PeopleFilter admins;
+  admins.role = Role::kAdmin;
+  admins.limit = 1;
+  ENAMEL_ASSIGN_OR_RETURN(const auto there, store.FindPeople(admins));
+  if (!there.empty()) {
+    return Status(Code::kConflict, "there is an admin already; ask that person for an account");
+  }
+  ENAMEL_ASSIGN_OR_RETURN(const auto verifier,
+                          call.authenticator.NewVerifier(newcomer.password, newcomer.person.login,
+                                                         newcomer.person.display_name));
+  ENAMEL_ASSIGN_OR_RETURN(const auto id, store.CreatePerson(newcomer.person, verifier, {},
+                                                            Actor{{}, "first admin's link"}));
+  return store.PersonById(id);
+}
+
+// Building one takes seconds of a thread and hundreds of megabytes: one at a time.
+std::atomic_flag building;
+
+class Building {
+ public:
+  Building() : first_(!building.test_and_set()) {}
+  ~Building() {
+    if (first_) building.clear();
+  }
+  Building(const Building&) = delete;
+  Building& operator=(const Building&) = delete;
+  bool first() const { return first_; }
+
+ private:
+  const bool first_;
+};
+
+Result<json::object> PutTooth(const Call& call, Parts<ContentStore, AuditStore> parts,
+                              const std::string& name) {
+  ContentStore& store = parts.content();
+  const Actor by = ActorOf(call);
+  const Building mine;
+  if (!mine.first()) {
+    return Status(Code::kUnavailable, "another tooth is being made; try again in a moment");
+  }
+  // Without one no exercise can be begun. What an admin has put stays.
+  ENAMEL_ASSIGN_OR_RETURN(const auto profiles, store.Profiles());
+  if (profiles.empty()) ENAMEL_RETURN_IF_ERROR(PutBuiltinProfiles(parts));
+  ENAMEL_ASSIGN_OR_RETURN(const auto row, StoreBuiltinScene(store, name, kVoxelNm, by));
+  ENAMEL_ASSIGN_OR_RETURN(const auto text, store.GetBlob(row.content));
+  ENAMEL_ASSIGN_OR_RETURN(const auto scene, scene::SceneFromJson(AsText(text)));
+  json::array exercises;
+  for (const scene::Exercise& exercise : scene::BuiltinExercises(scene, row.content)) {
+    ENAMEL_ASSIGN_OR_RETURN(const auto published, PublishUnassigned(store, exercise, by));
+    exercises.push_back({{"id", published.id.Text()},
+                         {"name", published.name},
+                         {"title", published.title},
+                         {"version", published.version}});
+  }
+  return json::object{
+      {"name", row.name}, {"title", row.title}, {"exercises", std::move(exercises)}};
+}
+
+}  // namespace
+
+Response MakeFirstAdmin(const Call& call, PeopleStore& store) {
+  if (!IsJson(call.request)) return NotJson();
+  Result<Newcomer> newcomer = NewcomerOf(call);
+  if (!newcomer.ok()) return ErrorResponse(newcomer.status());
+  if (call.first_admin == nullptr) {
+    return ErrorResponse(
+        {Code::kForbidden, "there is an admin already, or this server gives no link", "token"});
+  }
+  // Before the password is hashed, which costs memory and time: a stranger gets none of either.
+  Status taken = call.first_admin->Take(newcomer->token, enamel::UnixMs());
+  if (!taken.ok()) return ErrorResponse(taken);
+  Result<Person> made = MakeAdmin(call, store, *newcomer);
+  if (made.ok()) return JsonResponse(PersonJson(*made), 201);
+  call.first_admin->GiveBack();
+  return ErrorResponse(made.status());
+}
+
+Response ListBuiltinTeeth(const Call&) {
+  json::array teeth;
+  for (const scene::BuiltinScene& tooth : scene::BuiltinScenes()) {
+    teeth.push_back({{"name", tooth.name}, {"summary", tooth.summary}});
+  }
+  return JsonResponse({{"teeth", std::move(teeth)}});
+}
+
+Response PutBuiltinTooth(const Call& call, Parts<ContentStore, AuditStore> store) {
+  if (!IsJson(call.request)) return NotJson();
+  BodyReader body(call.request);
+  const std::string name = body.Text("name", 1, kMaxToothName);
+  if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
+  Result<json::object> put = PutTooth(call, store, name);
+  if (put.ok()) return JsonResponse(*put, 201);
+  // A name that is not there is a mistake in the body and no missing page.
+  const Status& why = put.status();
+  if (why.code() != Code::kNotFound) return ErrorResponse(why);
+  return ErrorResponse({Code::kInvalidInput, why.message(), "name"});
+}
+
+}  // namespace enamel::server::http

@@ -1,0 +1,76 @@
+import type { ComponentChildren } from "preact";
+import { useState } from "preact/hooks";
+import type { Client } from "../../api/client";
+import { useChange } from "../../api/use_change";
+import { useRequest } from "../../api/use_request";
+import { plural } from "../../base/format";
+import { ok } from "../../base/result";
+import { Badge, Card, ErrorNotice, Notice } from "../../widgets/basics";
+import { SelectField } from "../../widgets/form";
+
+interface Step {
+  readonly title: string;
+  readonly text: string;
+  readonly done: boolean;
+  readonly action?: ComponentChildren;
+  readonly link?: { readonly path: string; readonly title: string };
+}
+
+// From an empty server to a class that can begin, on the page alone; gone once all of it is done.
+export function FirstSteps({ client, backedUp, stations }: { readonly client: Client; readonly backedUp: boolean; readonly stations: number }) {
+  const { loaded, reload } = useRequest("first steps", async (signal) => {
+    const [exercises, students, cohorts, assignments] = await Promise.all([
+      client.teaching.exercises("published", signal), client.people.list({ role: "student", limit: 1 }, signal), client.people.allCohorts(signal), client.teaching.assignments({}, signal)]);
+    if (!exercises.ok) return exercises;
+    if (!students.ok) return students;
+    if (!cohorts.ok) return cohorts;
+    return assignments.ok ? ok({ exercises: exercises.value.length, students: students.value.items.length, cohorts: cohorts.value.length, assignments: assignments.value.length }) : assignments;
+  });
+  if (loaded.state !== "ready") return null;
+  const { exercises, students, cohorts, assignments } = loaded.value;
+  const steps: readonly Step[] = [
+    { title: "Teeth and exercises", text: "Put one of the built-in teeth, with its exercises. An exercise can be edited afterwards.", done: exercises > 0, action: <PutTooth client={client} onPut={reload} /> },
+    { title: "People", text: "Import a list of students and instructors; it is looked at before anything is written.", done: students > 0, link: { path: "/roster", title: "Import people" } },
+    { title: "A cohort", text: "A class: who is in it is offered what is assigned to it.", done: cohorts > 0, link: { path: "/cohorts", title: "Cohorts" } },
+    { title: "A station", text: "Make an enrolment code; the page shows the command to type at the station.", done: stations > 0, link: { path: "/stations", title: "Stations" } },
+    { title: "Work", text: "Assign an exercise to the cohort. Graded work needs a reference cut by a dentist first; practice does not.", done: assignments > 0, link: { path: "/assignments", title: "Assignments" } },
+    { title: "A backup", text: "On the server: enamel-server backup FOLDER. It may run while people work.", done: backedUp },
+  ];
+  if (steps.every((step) => step.done)) return null;
+  return (
+    <Card title={`First steps, ${steps.filter((step) => step.done).length} of ${steps.length} done`}>
+      <ol class="steps">
+        {steps.map((step) => (
+          <li key={step.title}>
+            <b>{step.title}</b> {step.done ? <Badge tone="good">done</Badge> : <>– {step.text} {step.link !== undefined && <a href={step.link.path}>{step.link.title}</a>}</>}
+            {!step.done && step.action}
+          </li>
+        ))}
+      </ol>
+    </Card>
+  );
+}
+
+function PutTooth({ client, onPut }: { readonly client: Client; readonly onPut: () => void }) {
+  const teeth = useRequest("teeth", (signal) => client.operations.teeth(signal));
+  const [chosen, setChosen] = useState("");
+  const [put, setPut] = useState<string>();
+  const change = useChange();
+  if (teeth.loaded.state !== "ready") return null;
+  const name = chosen === "" ? teeth.loaded.value[0]?.name ?? "" : chosen;
+  const submit = async (event: Event) => {
+    event.preventDefault();
+    const result = await change.run(() => client.operations.putTooth(name));
+    if (result?.ok !== true) return;
+    setPut(`${result.value.title}: ${plural(result.value.exercises.length, "exercise")} published.`);
+    onPut();
+  };
+  return (
+    <form class="filters" onSubmit={(event) => void submit(event)}>
+      <SelectField label="Built-in tooth" value={name} onValue={setChosen} hint={teeth.loaded.value.find((tooth) => tooth.name === name)?.summary} options={teeth.loaded.value.map((tooth) => ({ value: tooth.name, title: tooth.name }))} />
+      <button type="submit" class="button primary" disabled={change.busy || name === ""}>{change.busy ? "Making the tooth…" : "Put it"}</button>
+      {change.error !== undefined && <ErrorNotice title="The tooth was not put" message={change.error.message} />}
+      <div aria-live="polite">{put !== undefined && <Notice tone="good"><p>{put}</p></Notice>}</div>
+    </form>
+  );
+}

@@ -1,0 +1,49 @@
+import { useEffect, useState } from "preact/hooks";
+import type { Client } from "../../api/client";
+import type { Session } from "../../api/types";
+import { useChange } from "../../api/use_change";
+import { ErrorNotice } from "../../widgets/basics";
+import { BrandMark } from "../../widgets/brand";
+import { TextField } from "../../widgets/form";
+
+interface Props {
+  readonly client: Client;
+  readonly token: string;                       // of the link that the server printed
+  readonly onSignedIn: (session: Session) => void;
+}
+
+const kMinPassword = 8;
+const kFields = ["login", "display_name", "password"];
+
+// The first account of a new server, made by who can read what the server prints.
+export function FirstAdmin({ client, token, onSignedIn }: Props) {
+  const [login, setLogin] = useState("");
+  const [name, setName] = useState("");
+  const [password, setPassword] = useState("");
+  const change = useChange();
+  useEffect(() => { document.title = "First admin – Enamel"; }, []);
+  const submit = async (event: Event) => {
+    event.preventDefault();
+    const made = await change.run(async () => {
+      const result = await client.people.makeFirstAdmin({ token, login: login.trim(), display_name: name.trim(), password });
+      return result.ok ? client.signIn(login.trim(), password) : result;
+    });
+    if (made?.ok === true) onSignedIn(made.value);
+  };
+  const problemOf = (field: string) => change.error?.field === field ? change.error.message : undefined;
+  return (
+    <main class="sign-in" id="content">
+      <div class="sign-in-brand"><BrandMark /><span>Enamel</span></div>
+      <h1>The first admin</h1>
+      <p>This server has no admin yet. Make your own account; you then add everybody else.</p>
+      <form class="form" onSubmit={(event) => void submit(event)}>
+        <TextField label="Name" value={name} onValue={setName} autocomplete="name" required maxLength={200} problem={problemOf("display_name")} />
+        <TextField label="Login" hint="Letters, digits and . - _ @" value={login} onValue={setLogin} autocomplete="username" required maxLength={64} problem={problemOf("login")} />
+        <TextField label="Password" secret hint={`At least ${kMinPassword} characters. Several unrelated words are easy to remember and hard to guess.`} value={password} onValue={setPassword}
+                   autocomplete="new-password" required minLength={kMinPassword} maxLength={1024} problem={problemOf("password")} />
+        {change.error !== undefined && !kFields.includes(change.error.field) && <ErrorNotice title="Not made" message={change.error.message} />}
+        <div><button type="submit" class="button primary" disabled={change.busy}>Make the account</button></div>
+      </form>
+    </main>
+  );
+}
