@@ -1,7 +1,6 @@
 #include "server/http/routes.h"
 
 #include <array>
-#include <utility>
 
 #include "server/http/handlers/handlers.h"
 
@@ -16,7 +15,7 @@ Response Blocking(const Call& call, Store& store) {
 }
 template <auto kHandler, typename P>
 asio::awaitable<Response> Async(Call call, Store& store) {
-  return kHandler(std::move(call), static_cast<P>(store));
+  return kHandler(call, static_cast<P>(store));
 }
 
 template <auto kHandler, typename P>
@@ -33,7 +32,7 @@ constexpr AsyncHandler Adapt(asio::awaitable<Response> (*)(Call, P)) {
 }
 template <auto kHandler>
 constexpr AsyncHandler Adapt(asio::awaitable<Response> (*)(Call)) {
-  return [](Call call, Store&) { return kHandler(std::move(call)); };
+  return [](Call call, Store&) { return kHandler(call); };
 }
 
 template <auto kHandler>
