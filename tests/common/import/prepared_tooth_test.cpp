@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <random>
+#include <string_view>
 
 #include "common/import/scene_folder.h"
 #include "common/scene/builtin/builtin.h"
@@ -101,10 +103,16 @@ struct Known {
   double most_um, most_differs_mm3;
 };
 
+// Half a minute of processor each: one stands for all in ./check.
+bool Full() { return std::getenv("ENAMEL_FULL") != nullptr; }
+
 class KnownPreparationTest : public testing::TestWithParam<Known> {};
 
 TEST_P(KnownPreparationTest, IsFoundWhereverTheScanLies) {
   const Known& known = GetParam();
+  if (!Full() && known.name != std::string_view("class_1_noise")) {
+    GTEST_SKIP() << "skipped: takes long; ./check --full";
+  }
   const mesh::Rigid moved = Somewhere(7);
   mesh::Triangles scan =
       Only(ScanOfMolar(known.exercise), [&](const dvec3& p) { return p.z > known.above_z_mm; });
@@ -221,6 +229,7 @@ TEST(PreparedToothTest, ABlockThatFitsItselfHasToBePlaced) {
 
 // Scans that the project did not make, prepared here: each crown against itself and the others.
 TEST(PreparedToothTest, EveryScannedCrownIsFoundAndNoOtherTakenForIt) {
+  if (!Full()) GTEST_SKIP() << "skipped: takes long; ./check --full";
   const fs::path folder = fs::path(ENAMEL_SHARED_DATA) / "crowns";
   if (!fs::exists(folder)) GTEST_SKIP() << "skipped: no shared data";
   std::vector<scene::BuiltScene> teeth;
