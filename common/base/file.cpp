@@ -50,6 +50,13 @@ Status WriteFileDurably(const std::filesystem::path& path, ByteView data, int mo
   // Process and count are in the name, so that two writers of one path do not write into each
   // other's temporary file: the later rename wins, whole.
   static std::atomic<uint64_t> made{0};
+  // A rename would put a file in the place of a device: whoever may write to /dev would be without
+  // /dev/null.
+  std::error_code unknown;
+  if (std::filesystem::is_other(std::filesystem::status(path, unknown))) {
+    return Status(Code::kInvalidInput, "cannot write " + path.string() +
+                                           ": expected a file or a new name, found something else");
+  }
   std::filesystem::path temporary = path;
   temporary += ".tmp" + std::to_string(::getpid()) + "-" + std::to_string(++made);
   {

@@ -67,5 +67,13 @@ TEST_F(FileTest, AFileThatCannotBeSyncedIsReportedAndTheOldOneStays) {
   EXPECT_EQ(Entries(), 1u);
 }
 
+TEST_F(FileTest, NothingIsPutInThePlaceOfADevice) {
+  const fs::path pipe = folder_ / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(WriteFileDurably(pipe, AsBytes("new")).code(), Code::kInvalidInput);
+  EXPECT_TRUE(fs::is_fifo(pipe));
+  EXPECT_EQ(Entries(), 1u);
+}
+
 }  // namespace
 }  // namespace enamel
