@@ -200,7 +200,8 @@ Result<bool> HasAdmin(PeopleStore& store) {
   return !found.empty();
 }
 
-// After '#', which browsers send to no server and into no log.
+// After '#', which no browser sends: no proxy's log has it. Standard output does, and a journal of
+// it, for as long as the link is good.
 void SayFirstAdmin(const std::string& page_url, const std::string& token) {
   std::cout << "first admin: open " << page_url << "/first#" << token << " within 24 hours"
             << std::endl;

@@ -5,18 +5,12 @@
 # goes away at sign-in and in the middle; a ticket is given back; nothing happens for too long; the spool is damaged. ENAMEL_PICTURES=FOLDER keeps the pictures of every
 # page.
 . "$(dirname "$0")/support.sh"
-command -v Xvfb >/dev/null || { echo "skipped: Xvfb is not installed"; exit 77; }
+start_display
 pictures=${ENAMEL_PICTURES:-$work/pictures}
 mkdir -p "$pictures"
 rm -f "$pictures"/[0-9]*.png  # of an earlier run: the test waits for some
 station="$work/station"
 export LC_ALL=C.UTF-8  # it reads English
-
-mkfifo "$work/display"
-Xvfb -displayfd 3 -screen 0 1920x1080x24 -noreset -nolisten tcp 3<>"$work/display" >/dev/null 2>&1 &
-pids+=($!)
-read -r -t 30 number <"$work/display" || fail "Xvfb did not start"
-export DISPLAY=":$number"
 
 "$bin/enamel-server" init --data "$work/server" >/dev/null
 "$bin/enamel-server" seed-demo --data "$work/server" --json "$work/seed" >/dev/null

@@ -43,6 +43,17 @@ expect_failure() {
   echo "ok: $name (exit code $rc): $(grep -iE -m1 "$pattern" "$work/out" | cut -c1-160)"
 }
 
+# A screen that nobody sees, for windows: DISPLAY names it. Skips the test where there is no Xvfb.
+start_display() {
+  command -v Xvfb >/dev/null || { echo "skipped: Xvfb is not installed"; exit 77; }
+  local number
+  mkfifo "$work/display"
+  Xvfb -displayfd 3 -screen 0 1920x1080x24 -noreset -nolisten tcp 3<>"$work/display" >/dev/null 2>&1 &
+  pids+=($!)
+  read -r -t 30 number <"$work/display" || fail "Xvfb did not start"
+  export DISPLAY=":$number"
+}
+
 # json_of FILE NAME: one member of a JSON object.
 json_of() { node -p 'JSON.parse(require("fs").readFileSync(process.argv[1], "utf8"))[process.argv[2]]' "$1" "$2"; }
 

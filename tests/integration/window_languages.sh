@@ -2,16 +2,10 @@
 # The station's window in German and Chinese: from sign-in through an attempt to its pages, and the language chosen on the
 # first page. ENAMEL_PICTURES=FOLDER keeps the pictures.
 . "$(dirname "$0")/support.sh"
-command -v Xvfb >/dev/null || { echo "skipped: Xvfb is not installed"; exit 77; }
+start_display
 pictures=${ENAMEL_PICTURES:-$work/pictures}
 mkdir -p "$pictures"
 station="$work/station"
-
-mkfifo "$work/display"
-Xvfb -displayfd 3 -screen 0 1920x1080x24 -noreset -nolisten tcp 3<>"$work/display" >/dev/null 2>&1 &
-pids+=($!)
-read -r -t 30 number <"$work/display" || fail "Xvfb did not start"
-export DISPLAY=":$number"
 
 "$bin/enamel-server" init --data "$work/server" >/dev/null
 "$bin/enamel-server" seed-demo --data "$work/server" --json "$work/seed" >/dev/null
