@@ -8,6 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "common/base/file.h"
+#include "common/base/utf8.h"
+
 namespace enamel::station::render {
 namespace {
 
@@ -22,6 +25,7 @@ constexpr double kTextCapital_px = 23, kNearCapital_px = 16, kScoreCapital_px = 
 // ≥.
 constexpr ImWchar kLatin[] = {0x20,   0x17f,  0x218,  0x21b,  0x2010, 0x2026,
                               0x2190, 0x2193, 0x2264, 0x2265, 0};
+constexpr size_t kMostFontBytes = size_t{64} << 20;
 // What languages call themselves where one is chosen.
 constexpr ImWchar kNamesOfLanguages[] = {0x4e2d, 0x4e2d, 0x6587, 0x6587, 0};
 constexpr ImWchar kDigits[] = {0x20, 0x20, 0x2d, 0x39, 0x2013, 0x2013, 'H', 'H', 0};
@@ -47,15 +51,35 @@ float SizeFor(const fs::path* file, double capital_px, int number = 0) {
                      : static_cast<float>(capital_px / 0.63);
 }
 
-// Chinese letters as large as the Latin ones beside them, into the font added last.
-void AddChinese(const fs::path& file, double capital_px, const ImWchar* ranges) {
+// A file with Chinese letters. It has 20 MB: read once, whatever sizes are made of it.
+struct ChineseFont {
+  std::vector<uint8_t> bytes;
+  int number = 0;            // of the shapes in the file
+  float per_capital_px = 0;  // size to ask for, of a capital of 1 px
+};
+
+std::optional<ChineseFont> ReadChineseFont() {
+  const std::optional<fs::path> file = FindChineseFont();
+  if (!file) return std::nullopt;
+  auto bytes = ReadFile(*file, kMostFontBytes);
+  if (!bytes.ok()) return std::nullopt;
+  // One file holds the shapes of several countries; the third are those of simplified Chinese.
+  ChineseFont font{std::move(*bytes), file->extension() == ".ttc" ? 2 : 0, 0};
+  font.per_capital_px = SizeFor(&*file, 1, font.number);
+  return font;
+}
+
+// Chinese letters as large as the Latin ones beside them, into the font added last. `font` stays
+// until the atlas is built.
+void AddChinese(ChineseFont& font, double capital_px, const ImWchar* ranges) {
   ImFontConfig config;
   config.MergeMode = true;
   config.OversampleH = 1;
-  // One file holds the shapes of several countries; the third are those of simplified Chinese.
-  config.FontNo = file.extension() == ".ttc" ? 2 : 0;
-  float size = std::ceil(SizeFor(&file, capital_px, config.FontNo));
-  ImGui::GetIO().Fonts->AddFontFromFileTTF(file.c_str(), size, &config, ranges);
+  config.FontNo = font.number;
+  config.FontDataOwnedByAtlas = false;
+  ImGui::GetIO().Fonts->AddFontFromMemoryTTF(
+      font.bytes.data(), static_cast<int>(font.bytes.size()),
+      std::ceil(font.per_capital_px * static_cast<float>(capital_px)), &config, ranges);
 }
 
 // The commonest, and all that our texts are made of. Kept until the atlas is built, by ImGui's rule.
@@ -71,6 +95,15 @@ const ImWchar* ChineseRanges() {
     return ranges;
   }();
   return kRanges.Data;
+}
+
+ImVector<ImWchar> RangesWith(const ImWchar* ranges, std::string_view more) {
+  ImFontGlyphRangesBuilder builder;
+  builder.AddRanges(ranges);
+  builder.AddText(more.data(), more.data() + more.size());
+  ImVector<ImWchar> out;
+  builder.BuildRanges(&out);
+  return out;
 }
 
 ImFont* Add(const fs::path* file, double capital_px, const ImWchar* ranges) {
@@ -119,7 +152,20 @@ std::optional<fs::path> FindChineseFont() {
   return std::nullopt;
 }
 
-Fonts MakeFonts(int picture_height_px, language::Language language) {
+bool NeedsMoreLetters(std::string_view text) {
+  while (!text.empty()) {
+    const std::optional<uint32_t> code = NextCodePoint(text);
+    if (!code) return false;  // what shows it shows no bytes that are no text
+    bool latin = false;
+    for (const ImWchar* range = kLatin; *range != 0; range += 2) {
+      latin |= *code >= range[0] && *code <= range[1];
+    }
+    if (!latin) return true;
+  }
+  return false;
+}
+
+Fonts MakeFonts(int picture_height_px, language::Language language, std::string_view more) {
   ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
   atlas.Clear();
   atlas.Flags |= ImFontAtlasFlags_NoPowerOfTwoHeight;
@@ -128,18 +174,26 @@ Fonts MakeFonts(int picture_height_px, language::Language language) {
   const fs::path *text = plain ? &*plain : nullptr, *title = bold ? &*bold : text;
   Fonts fonts;
   fonts.scale = static_cast<float>(scale);
-  const std::optional<fs::path> chinese = FindChineseFont();
-  const ImWchar* ranges =
-      language == language::Language::kChinese ? ChineseRanges() : kNamesOfLanguages;
-  auto add = [&](const fs::path* file, double capital_px) {
-    ImFont* font = Add(file, capital_px * scale, kLatin);
-    if (chinese) AddChinese(*chinese, capital_px * scale, ranges);
+  std::optional<ChineseFont> chinese = ReadChineseFont();
+  const bool speaks_it = language == language::Language::kChinese;
+  auto add = [&](const fs::path* file, double capital_px, const ImWchar* latin,
+                 const ImWchar* ranges) {
+    ImFont* font = Add(file, capital_px * scale, latin);
+    if (chinese && ranges != nullptr) AddChinese(*chinese, capital_px * scale, ranges);
     return font;
   };
-  fonts.near = add(text, kNearCapital_px);
-  fonts.text = add(text, kTextCapital_px);
-  fonts.far = add(title, kFarCapital_px);
+  const ImWchar* all = speaks_it ? ChineseRanges() : nullptr;
+  // Both stay until the atlas is built. A range that a file has no shapes for costs nothing.
+  const ImVector<ImWchar> own = RangesWith(kLatin, more);
+  const ImVector<ImWchar> merged = RangesWith(speaks_it ? all : kNamesOfLanguages, more);
+  fonts.near = add(text, kNearCapital_px, own.Data, speaks_it || !more.empty() ? merged.Data : all);
+  // Where a language is chosen, in these letters, it is called by its own name.
+  fonts.text = add(text, kTextCapital_px, own.Data, merged.Data);
+  fonts.far = add(title, kFarCapital_px, kLatin, all);
   fonts.score = Add(title, kScoreCapital_px * scale, kDigits);
+  // Built here, so that the files' bytes need not stay.
+  atlas.Build();
+  atlas.ClearInputData();
   return fonts;
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "common/language/words.h"
 
@@ -39,8 +40,12 @@ std::optional<std::filesystem::path> FindChineseFont();
 
 // Makes the letters for pictures of this height and what this language is written with; into the
 // current ImGui context, whose textures must then be made anew (Screen does). Of Chinese the 2500
-// commonest letters and those of our own texts: names with rarer ones show a question mark. Not
-// thread-safe.
-Fonts MakeFonts(int picture_height_px, language::Language language);
+// commonest letters and those of our own texts: names with rarer ones show a question mark. `more`: of
+// what others wrote, in whatever script these files have; what they lack (emoji) is a question mark.
+// Not thread-safe.
+Fonts MakeFonts(int picture_height_px, language::Language language, std::string_view more = {});
+
+// Whether a text has letters beyond those that Latin texts are shown with.
+bool NeedsMoreLetters(std::string_view text);
 
 }  // namespace enamel::station::render

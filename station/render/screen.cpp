@@ -223,7 +223,8 @@ class Screen::Impl {
   int width_ = 0, height_ = 0;
   Fonts fonts_;
   language::Language language_ = language::Language::kEnglish;
-  bool respell_ = false;  // the language has changed
+  bool respell_ = false;  // the language or the letters needed have changed
+  std::string needed_;    // texts in other scripts
   std::string renderer_;
   bool software_ = false, captured_ = false;
   double drawing_s_ = 0;
@@ -297,7 +298,7 @@ class Screen::Impl {
     height_ = height;
     shown_ = std::make_unique<Target>(width, height, std::initializer_list<GLenum>{GL_RGBA8}, false,
                                       GL_NEAREST);
-    fonts_ = MakeFonts(height, language_);
+    fonts_ = MakeFonts(height, language_, needed_);
     SetStyle(fonts_.scale);
     // The letters are pixels of one size: another height needs others.
     ImGui_ImplOpenGL3_DestroyFontsTexture();
@@ -319,6 +320,13 @@ void Screen::End(const Target* picture) { impl_->End(picture); }
 void Screen::Speak(language::Language language) {
   impl_->respell_ |= language != impl_->language_;
   impl_->language_ = language;
+}
+void Screen::Need(const std::string& text) {
+  constexpr size_t kMostBytes = 16'384;  // some texts of each of a few people
+  if (!NeedsMoreLetters(text) || impl_->needed_.find(text) != std::string::npos) return;
+  if (impl_->needed_.size() + text.size() > kMostBytes) impl_->needed_.clear();
+  impl_->needed_ += text;
+  impl_->respell_ = true;
 }
 void Screen::CancelClose() { glfwSetWindowShouldClose(impl_->window(), GLFW_FALSE); }
 void Screen::Close() { glfwSetWindowShouldClose(impl_->window(), GLFW_TRUE); }

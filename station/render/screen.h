@@ -43,6 +43,9 @@ class Screen {
   void End(const Target* picture);
   // Letters for this language, from the next frame on.
   void Speak(language::Language language);
+  // Letters for this text too, whatever its script, from the next frame on; those of the texts named
+  // last are kept. Costs one frame of some 100 ms where it has letters that were not asked for before.
+  void Need(const std::string& text);
   void CancelClose();
   void Close();
 
