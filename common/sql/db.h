@@ -1,6 +1,8 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,6 +37,7 @@ class Statement {
   // Of the last call that failed.
   virtual Status Failure() const = 0;
 
+  // Known from the first Next on.
   virtual int columns() const = 0;
   virtual std::string NameOf(int column) const = 0;
   // Of the row that Next stepped to. A value of another type than asked for reads as the engine
@@ -48,8 +51,9 @@ class Statement {
   virtual void GiveBack() = 0;
 };
 
-// One step from a version of a schema to the next; the n-th (1-based) of a list leads to version n.
+// One step to a version of a schema, from the one before it in a list, or from nothing.
 struct Migration {
+  int version;       // the number that its name begins with
   std::string name;  // "0001_initial.sql"
   std::string sql;
 };
@@ -74,7 +78,11 @@ class Db {
   // Nothing to do where none is open.
   virtual void Rollback() = 0;
 
-  // How many migrations have run; 0: an empty database. Errors also: kVersion (of another program).
+  // Whether, since Begin, something failed because transactions met: the whole of this one is to be
+  // taken back and run again, and may succeed then. Where only one can write there is no such thing.
+  virtual bool must_repeat() const { return false; }
+
+  // That of the last migration that ran; 0: an empty database. Errors also: kVersion (of another program).
   virtual Result<int> SchemaVersion() = 0;
   // Runs those that have not run yet, in one transaction: what fails leaves the database as it was.
   // Several processes may call it at once.
@@ -94,9 +102,22 @@ class Db {
   //
   // SQL for the text of a member of the JSON object in `column`.
   virtual std::string JsonMember(const std::string& column, const std::string& member) const = 0;
-  // Whether what is deleted from now on is overwritten too, so that the file's free space does not
-  // tell it. An engine that cannot says so (kUnavailable).
+  // Whether what is deleted from now on is overwritten too, so that free space does not tell it. An
+  // engine that cannot leaves it to Rewrite.
   virtual Status OverwriteDeleted(bool on) = 0;
+  // Writes the tables anew, outside of a transaction, so that nothing that was deleted is left in the
+  // database's files or in the log beside them. Others may be kept waiting meanwhile.
+  virtual Status Rewrite() = 0;
+  // How many bytes that takes on the disk of who asks; 0: it is another machine's.
+  virtual Result<uint64_t> RewriteBytes() = 0;
+  // How long from now on a statement waits for another process's write, where one keeps out all
+  // others. `worth_it` is asked while it waits, on the connection's thread: as long as it says true,
+  // the time does not count.
+  virtual void SetBusyWait(std::chrono::milliseconds, std::function<bool()> /*worth_it*/ = {}) {}
+  // Waits for what `worth_it` says is worth it. Any thread.
+  virtual bool waits() const { return false; }
+  // From now on no other process is waited for. Any thread.
+  virtual void StopWaiting() {}
 
  private:
   const Companion* companion_ = nullptr;

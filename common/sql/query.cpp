@@ -1,5 +1,7 @@
 #include "common/sql/query.h"
 
+#include "common/base/utf8.h"
+
 namespace enamel::sql {
 
 Query& Query::Check(bool bound) {
@@ -16,7 +18,12 @@ Query& Query::BindReal(double value) {
   return statement_ == nullptr ? *this : Check(statement_->BindReal(next_parameter_++, value));
 }
 
+// The same for every engine: PostgreSQL keeps neither, and SQLite would.
 Query& Query::BindText(std::string_view value) {
+  if (status_.ok() && (value.find('\0') != std::string_view::npos || !IsUtf8(value))) {
+    status_ = Status(Code::kInvalidInput, "expected text in UTF-8 without zero bytes, found \"" +
+                                              Printable(value) + "\"; write it again");
+  }
   return statement_ == nullptr ? *this : Check(statement_->BindText(next_parameter_++, value));
 }
 

@@ -150,10 +150,17 @@ Status SqliteDb::Rewrite() {
       handle_, kStepsAtOnce, [](void* db) { return static_cast<SqliteDb*>(db)->stopped_ ? 1 : 0; },
       this);
   interruptible_ = true;
-  Status status = Exec("VACUUM");
+  Status rewritten = Exec("VACUUM");
   interruptible_ = false;
   sqlite3_progress_handler(handle_, 0, nullptr, nullptr);
-  return status;
+  // Also after a failure: what was written anew must not stay in the log.
+  Status emptied = EmptyLog();
+  return rewritten.ok() ? emptied : rewritten;
+}
+
+Result<uint64_t> SqliteDb::RewriteBytes() {
+  ENAMEL_ASSIGN_OR_RETURN(const uint64_t bytes, Bytes());
+  return 2 * bytes + bytes / 50;
 }
 
 // SQLite waits for readers, and not for another connection that empties the log.
@@ -244,14 +251,16 @@ Status SqliteDb::Migrate(const std::vector<Migration>& migrations) {
   ENAMEL_RETURN_IF_ERROR(transaction.begun());
   // Inside the transaction: another process may have brought it up to date meanwhile.
   ENAMEL_ASSIGN_OR_RETURN(const int version, SchemaVersion());
-  for (size_t next = static_cast<size_t>(version); next < migrations.size(); ++next) {
-    if (Status done = Exec(migrations[next].sql.c_str()); !done.ok()) {
-      return Status(done.code(), "migration " + migrations[next].name + ": " + done.message());
+  for (const Migration& next : migrations) {
+    if (next.version <= version) continue;
+    if (Status done = Exec(next.sql.c_str()); !done.ok()) {
+      return Status(done.code(), "migration " + next.name + ": " + done.message());
     }
   }
-  if (static_cast<size_t>(version) < migrations.size()) {
-    const std::string marks = "PRAGMA application_id = " + std::to_string(options_.application_id) +
-                              "; PRAGMA user_version = " + std::to_string(migrations.size());
+  if (!migrations.empty() && version < migrations.back().version) {
+    const std::string marks =
+        "PRAGMA application_id = " + std::to_string(options_.application_id) +
+        "; PRAGMA user_version = " + std::to_string(migrations.back().version);
     ENAMEL_RETURN_IF_ERROR(Exec(marks.c_str()));
   }
   return transaction.Commit();

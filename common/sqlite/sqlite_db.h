@@ -96,19 +96,17 @@ class SqliteDb final : public Db {
   const std::string& path() const { return path_; }
   size_t kept_statements() const { return statements_.size(); }
 
-  // How long from now on a statement waits for another process's write. `worth_it` is asked while
-  // it waits, on the connection's thread: as long as it says true, up to kMostWait, the time does
-  // not count.
-  void SetBusyWait(std::chrono::milliseconds wait, std::function<bool()> worth_it = {});
-  // Waits for what `worth_it` says is worth it. Any thread.
-  bool waits() const { return waits_; }
-  // From now on no other process is waited for, and what Rewrite and EmptyLog are at ends with
-  // kInterrupted or kUnavailable: at once, but for Rewrite's last step, which copies the new
-  // database into the log. Any thread.
-  void StopWaiting();
-  // Writes the whole database anew (VACUUM). What it wrote when it fails may stay in the log until
-  // that is emptied.
-  Status Rewrite();
+  // `worth_it` counts up to kMostWait.
+  void SetBusyWait(std::chrono::milliseconds wait, std::function<bool()> worth_it = {}) override;
+  bool waits() const override { return waits_; }
+  // What Rewrite is at ends with kInterrupted or kUnavailable: at once, but for the last step of
+  // VACUUM, which copies the new database into the log.
+  void StopWaiting() override;
+  // VACUUM, then EmptyLog, also where that failed.
+  Status Rewrite() override;
+  // In the log, and in SQLite's temporary file, which may be on the same disk, with a fiftieth for
+  // the log's frames.
+  Result<uint64_t> RewriteBytes() override;
   // Empties the log into the database; waits for who reads what is in it, and for who empties it
   // already. Errors also: kUnavailable (they took longer).
   Status EmptyLog();

@@ -4,11 +4,31 @@
 #include "common/net/certificate.h"
 #include "server/app/command_line.h"
 #include "server/app/say.h"
+#include "server/storage/engine/database_file.h"
 #include "server/storage/engine/ticket_key.h"
 #include "server/storage/sqlite_store.h"
 
 namespace enamel::server::app {
 namespace {
+
+struct InitCommand {
+  std::filesystem::path data;
+  std::string database;  // of PostgreSQL; empty: SQLite in the folder
+  std::string schema = "enamel";
+};
+
+Status Init(const InitCommand& command) {
+  if (!command.database.empty()) {
+    const DatabaseFile file{command.database, command.schema};
+    ENAMEL_RETURN_IF_ERROR(MayKeepRowsIn(command.data, file));
+    // Before the file says so: a folder must not be bound to a server that cannot be reached, nor
+    // one that holds other things be taken for ours.
+    if (auto opened = OpenPostgresStore({file.server, file.schema, {command.data}}); !opened.ok())
+      return opened.status();
+    ENAMEL_RETURN_IF_ERROR(WriteDatabaseFile(command.data, file, SystemDisk()));
+  }
+  return InitData(command.data);
+}
 
 // Makes the certificate unless it is there; its fingerprint.
 Result<Sha256> EnsureCertificate(const std::filesystem::path& certificate,
@@ -53,25 +73,32 @@ Result<PageCertificate> EnsurePageCertificate(const std::filesystem::path& folde
 }
 
 Status InitData(const std::filesystem::path& folder) {
-  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenSqliteStore({folder}));
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenStore({folder}));
   ENAMEL_ASSIGN_OR_RETURN(auto identity, EnsureIdentity(folder));
   Say("data folder {}, fingerprint {}\n", folder.string(), identity.fingerprint.Hex());
   return Status::Ok();
 }
 
 void DeclareInit(CommandGroup root) {
-  auto [cmd, folder] = Declare<std::filesystem::path>(
-      root, "init", "Make a data folder, for commands that come before the first serve", InitData);
-  AddData(cmd, folder);
+  auto [cmd, options] = Declare<InitCommand>(
+      root, "init", "Make a data folder, for commands that come before the first serve", Init);
+  AddData(cmd, options.data);
+  auto* database = cmd->add_option("--database", options.database,
+                                   "Keep the rows in this PostgreSQL 15 database instead of "
+                                   "enamel.db: postgresql://USER@HOST/NAME");
+  cmd->add_option("--schema", options.schema, "Name of the tables' place in that database")
+      ->needs(database)
+      ->capture_default_str();
 }
 
 Result<std::unique_ptr<Store>> OpenOrMake(const std::filesystem::path& folder) {
-  return OpenSqliteStore({folder});
+  return OpenStore({folder});
 }
 
 Result<std::unique_ptr<Store>> OpenForCommand(const std::filesystem::path& folder) {
   std::error_code error;
-  if (!std::filesystem::exists(folder / "enamel.db", error)) {
+  if (!std::filesystem::exists(folder / "enamel.db", error) &&
+      !std::filesystem::exists(folder / kDatabaseFile, error)) {
     return Status(Code::kNotFound,
                   "expected the data folder of an enamel-server, found " +
                       (error ? error.message() : "none") + " at " + folder.string() +
@@ -81,7 +108,7 @@ Result<std::unique_ptr<Store>> OpenForCommand(const std::filesystem::path& folde
   }
   SqliteOptions options;
   options.folder = folder;
-  return OpenSqliteStore(options);
+  return OpenStore(options);
 }
 
 }  // namespace enamel::server::app

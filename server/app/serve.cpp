@@ -280,7 +280,7 @@ Status Serve(const ServeOptions& options) {
   // Two servers on one folder would both hand out jobs and both believe in their own caches.
   store_options.hold_lock = true;
   store_options.min_free_bytes = uint64_t(options.min_free_mib) << 20;
-  ENAMEL_ASSIGN_OR_RETURN(auto opened, OpenSqliteStore(store_options));
+  ENAMEL_ASSIGN_OR_RETURN(auto opened, OpenStore(store_options));
   Store& store = *opened;
   ENAMEL_ASSIGN_OR_RETURN(auto identity, EnsureIdentity(options.data));
   ENAMEL_ASSIGN_OR_RETURN(auto http_options, HttpOptionsOf(options));

@@ -1,46 +1,52 @@
 #include "server/storage/sqlite_store.h"
 
 #include <algorithm>
+#include <functional>
 
 #include "server/storage/engine/data_folder.h"
+#include "server/storage/engine/database_file.h"
+#include "server/storage/engine/pg_database.h"
 #include "server/storage/engine/ticket_key.h"
 #include "server/storage/sql/sqlite_impl.h"
 
 namespace enamel::server {
-namespace sqlite {
-
 namespace {
 
 Disk& DiskOf(const SqliteOptions& options) {
   return options.disk != nullptr ? *options.disk : SystemDisk();
 }
 
-std::unique_ptr<SqliteDb> Patient(std::unique_ptr<SqliteDb> db, std::chrono::milliseconds busy_wait,
-                                  std::function<bool()> worth_it) {
+}  // namespace
+
+namespace sqlite {
+namespace {
+
+std::unique_ptr<Db> Patient(std::unique_ptr<Db> db, std::chrono::milliseconds busy_wait,
+                            std::function<bool()> worth_it) {
   db->SetBusyWait(busy_wait, std::move(worth_it));
   return db;
 }
 
 // Here and nowhere else, so that no row is written without a signature.
-std::unique_ptr<SqliteDb> Signing(std::unique_ptr<SqliteDb> db, const AuditSigner& signer) {
+std::unique_ptr<Db> Signing(std::unique_ptr<Db> db, const AuditSigner& signer) {
   db->SetCompanion(&signer);
   return db;
 }
 
 }  // namespace
 
-SqliteStore::SqliteStore(const SqliteOptions& options, std::unique_ptr<SqliteDb> writer,
-                         FolderLock lock, const trace::SecretKey& ticket_key)
+SqliteStore::SqliteStore(const SqliteOptions& options, Database database, FolderLock lock,
+                         const trace::SecretKey& ticket_key)
     : folder_(options.folder),
       lock_(std::move(lock)),
       signer_(ticket_key),
       space_(options.folder, DiskOf(options), options.min_free_bytes, options.free_space_check),
       rewriter_(options.folder, space_),
-      writer_(Signing(Patient(std::move(writer), options.busy_wait,
+      writer_(Signing(Patient(std::move(database.writer), options.busy_wait,
                               [this] { return rewriter_.OthersErase(); }),
                       signer_),
               options.change_twice),
-      readers_(options.folder / "enamel.db", options.readers, options.vfs),
+      readers_(std::move(database.open_reader), options.readers),
       blobs_(options.folder / "blobs", DiskOf(options), options.fail_next),
       keyring_(options.folder / "keyring", DiskOf(options)),
       // Who holds the folder's lock is the only worker there is.
@@ -189,9 +195,16 @@ Status Explain(Status status, const std::string& conflict) {
 
 }  // namespace sqlite
 
-int LatestSchemaVersion() { return static_cast<int>(sqlite::Migrations().size()); }
+int LatestSchemaVersion() { return sqlite::Migrations().back().version; }
 
-Result<std::unique_ptr<Store>> OpenSqliteStore(const SqliteOptions& options) {
+namespace {
+
+using sqlite::SqliteStore;
+
+// `open` gives a database that waits for nobody yet; `migrations` are its engine's.
+Result<std::unique_ptr<Store>> OpenStoreOn(
+    const SqliteOptions& options, const std::vector<sql::Migration>& migrations,
+    const std::function<Result<SqliteStore::Database>()>& open) {
   using namespace sqlite;
   ENAMEL_RETURN_IF_ERROR(MakeDataFolder(options.folder, DiskOf(options), options.restoring));
   std::optional<FolderLock> lock;
@@ -204,28 +217,63 @@ Result<std::unique_ptr<Store>> OpenSqliteStore(const SqliteOptions& options) {
     return Status::Ok();
   };
   if (options.hold_lock) ENAMEL_RETURN_IF_ERROR(acquire());
-  auto db =
-      OpenDatabase(options.folder / "enamel.db", DbMode::kCreate, options.vfs, options.fail_next);
-  if (!db.ok()) return db.status();
-  (*db)->SetBusyWait(options.busy_wait);
-  ENAMEL_ASSIGN_OR_RETURN(auto version, SchemaVersion(**db));
+  auto database = open();
+  if (!database.ok()) return database.status();
+  Db& db = *database->writer;
+  db.SetBusyWait(options.busy_wait);
+  ENAMEL_ASSIGN_OR_RETURN(auto version, SchemaVersion(db));
   auto key = ReadTicketKey(options.folder);
   if (version < LatestSchemaVersion() || !key.ok()) {
     // A tool beside a running server must not change the schema under it, nor its key.
     if (!lock) ENAMEL_RETURN_IF_ERROR(acquire());
     key = EnsureTicketKey(options.folder, DiskOf(options));
     if (!key.ok()) return key.status();
-    ENAMEL_RETURN_IF_ERROR((*db)->Migrate(Migrations()));
+    ENAMEL_RETURN_IF_ERROR(db.Migrate(migrations));
   }
   const AuditSigner signer(key->secret_key);
-  (*db)->SetCompanion(&signer);
-  ENAMEL_RETURN_IF_ERROR(BeginSignedTrail(**db));
+  db.SetCompanion(&signer);
+  ENAMEL_RETURN_IF_ERROR(BeginSignedTrail(db));
   if (!options.hold_lock) lock.reset();
   FolderLock kept = lock ? std::move(*lock) : FolderLock();
-  auto store = std::make_unique<SqliteStore>(options, std::move(db).value(), std::move(kept),
+  auto store = std::make_unique<SqliteStore>(options, std::move(database).value(), std::move(kept),
                                              key->secret_key);
   if (options.hold_lock) ENAMEL_RETURN_IF_ERROR(store->Reconcile());
   return std::unique_ptr<Store>(std::move(store));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Store>> OpenSqliteStore(const SqliteOptions& options) {
+  using namespace sqlite;
+  const auto path = options.folder / "enamel.db";
+  return OpenStoreOn(options, Migrations(), [&]() -> Result<SqliteStore::Database> {
+    ENAMEL_ASSIGN_OR_RETURN(auto writer,
+                            OpenDatabase(path, DbMode::kCreate, options.vfs, options.fail_next));
+    return SqliteStore::Database{
+        std::move(writer), [path, vfs = options.vfs]() -> Result<std::unique_ptr<Db>> {
+          ENAMEL_ASSIGN_OR_RETURN(auto db, OpenDatabase(path, DbMode::kReadOnly, vfs));
+          return std::unique_ptr<Db>(std::move(db));
+        }};
+  });
+}
+
+Result<std::unique_ptr<Store>> OpenPostgresStore(const PostgresOptions& options) {
+  using namespace sqlite;
+  return OpenStoreOn(options.folder, PgMigrations(), [&]() -> Result<SqliteStore::Database> {
+    ENAMEL_ASSIGN_OR_RETURN(auto writer,
+                            OpenPgDatabase(options.server, options.schema,
+                                           /*read_only=*/false, options.folder.fail_next));
+    return SqliteStore::Database{std::move(writer),
+                                 [server = options.server, schema = options.schema] {
+                                   return OpenPgDatabase(server, schema, /*read_only=*/true, {});
+                                 }};
+  });
+}
+
+Result<std::unique_ptr<Store>> OpenStore(const SqliteOptions& options) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto database, ReadDatabaseFile(options.folder));
+  if (!database) return OpenSqliteStore(options);
+  return OpenPostgresStore({database->server, database->schema, options});
 }
 
 }  // namespace enamel::server

@@ -51,6 +51,24 @@ struct SqliteOptions {
 // no key).
 Result<std::unique_ptr<Store>> OpenSqliteStore(const SqliteOptions& options);
 
+struct PostgresOptions {
+  // libpq's: "postgresql://user@host1,host2/name" or "host=… user=… dbname=…". Several hosts: the one
+  // that takes writes is found.
+  std::string server;
+  // PostgreSQL's name of the place for the tables; made where it is not there. Empty: the user's own.
+  std::string schema{};
+  // Blobs, key ring and keys; what is SQLite's of these options does not count here.
+  SqliteOptions folder{};
+};
+
+// The same store with its rows in PostgreSQL 15 (schemas/sql/pg) instead of enamel.db. Errors also:
+// kUnavailable (the server, or the library for it, is not there).
+Result<std::unique_ptr<Store>> OpenPostgresStore(const PostgresOptions& options);
+
+// The store of a data folder: its rows are in PostgreSQL where the folder's database.json says so
+// (engine/database_file.h), else in enamel.db.
+Result<std::unique_ptr<Store>> OpenStore(const SqliteOptions& options);
+
 // Newest schema this program knows, 1-based; migrations are schemas/sql/NNNN_*.sql, forward only.
 int LatestSchemaVersion();
 

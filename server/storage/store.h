@@ -14,12 +14,12 @@
 #include "server/storage/timeline_store.h"
 #include "server/storage/upkeep_store.h"
 
-// The one interface to everything durable. SQLite behind it today (sqlite_store.h); a second
-// backend must pass tests/server/storage/conformance. Every change is one transaction and leaves an
-// audit row in the same transaction.
+// The one interface to everything durable; behind it SQLite or PostgreSQL (sqlite_store.h), which
+// pass the same suite (tests/server/storage/backends.h). Every change is one transaction and leaves
+// an audit row in the same transaction.
 //
-// Thread safety: any thread; calls block (the SQLite backend has one writer connection behind a
-// mutex with group commit and a pool of readers). Coroutines call it through StorePool
+// Thread safety: any thread; calls block (one connection writes, with group commit, and a pool of
+// them reads). Coroutines call it through StorePool
 // (storage/store_pool.h), never directly. Errors: kNotFound, kConflict, kStorage with what to do.
 namespace enamel::server {
 

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "common/base/counted.h"
+#include "server/storage/engine/database_file.h"
 #include "server/storage/engine/manifest.h"
 #include "server/storage/sql/sqlite_impl.h"
 #include "server/storage/sqlite_store.h"
@@ -36,6 +37,7 @@ class BackupMaker {
 
   Result<BackupReport> Run() {
     std::error_code error;
+    ENAMEL_RETURN_IF_ERROR(MustHaveRowsInFolder(options_.data, "backup"));
     if (!fs::exists(options_.data / "enamel.db", error)) {
       return Status(Code::kNotFound, "there is no enamel.db in " + options_.data.string() +
                                          "; name the server's data folder");

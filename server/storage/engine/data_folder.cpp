@@ -9,6 +9,7 @@
 #include <cstring>
 #include <string>
 
+#include "server/storage/engine/database_file.h"
 #include "server/storage/engine/folder_lock.h"
 
 namespace enamel::server::sqlite {
@@ -35,6 +36,7 @@ Status KeepOthersOut(const std::filesystem::path& folder) {
   std::snprintf(mode, sizeof mode, "%04o", static_cast<unsigned>(info.st_mode & 07777));
   std::error_code error;
   const bool ours = std::filesystem::exists(folder / "enamel.db", error) ||
+                    std::filesystem::exists(folder / kDatabaseFile, error) ||
                     std::filesystem::is_empty(folder, error);
   if (ours && ::chmod(folder.c_str(), kOwnerOnly) == 0) {
     spdlog::warn("the data folder {} let others in (mode {}); it is 0700 now", folder.string(),

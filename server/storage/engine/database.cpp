@@ -97,10 +97,10 @@ Result<std::unique_ptr<SqliteDb>> OpenDatabase(const std::filesystem::path& path
 
 Result<int> SchemaVersion(Db& db) {
   ENAMEL_ASSIGN_OR_RETURN(const int version, db.SchemaVersion());
-  const int latest = static_cast<int>(Migrations().size());
+  const int latest = Migrations().back().version;
   if (version > latest) {
     return Status(Code::kVersion,
-                  "enamel.db has schema version " + std::to_string(version) +
+                  "the database has schema version " + std::to_string(version) +
                       ", this enamel-server knows up to " + std::to_string(latest) +
                       "; run the newer enamel-server that made it, or restore a backup");
   }

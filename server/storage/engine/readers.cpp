@@ -4,7 +4,7 @@
 
 namespace enamel::server::sqlite {
 
-Result<std::unique_ptr<SqliteDb>> Readers::Take() {
+Result<std::unique_ptr<Db>> Readers::Take() {
   {
     std::unique_lock lock(mutex_);
     // Without a bound of its own: who has one keeps it for one read, and who must not wait so long
@@ -17,7 +17,7 @@ Result<std::unique_ptr<SqliteDb>> Readers::Take() {
     }
     ++open_;
   }
-  auto db = OpenDatabase(path_, DbMode::kReadOnly, vfs_);
+  auto db = open_one_();
   if (db.ok()) return db;
   {
     std::lock_guard lock(mutex_);
@@ -28,7 +28,7 @@ Result<std::unique_ptr<SqliteDb>> Readers::Take() {
   return Status(db.status().code(), "the database cannot be read; the log says why");
 }
 
-void Readers::Return(std::unique_ptr<SqliteDb> db) {
+void Readers::Return(std::unique_ptr<Db> db) {
   std::lock_guard lock(mutex_);
   idle_.push_back(std::move(db));
   returned_.notify_one();

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <condition_variable>
-#include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -16,12 +16,13 @@ namespace enamel::server::sqlite {
 // Thread safety: any thread.
 class Readers {
  public:
-  Readers(std::filesystem::path path, int most, std::string vfs)
-      : path_(std::move(path)), most_(most), vfs_(std::move(vfs)) {}
+  // `open` makes one.
+  Readers(std::function<Result<std::unique_ptr<Db>>()> open, int most)
+      : open_one_(std::move(open)), most_(most) {}
 
   class Lease {
    public:
-    Lease(Readers& readers, std::unique_ptr<SqliteDb> db) : readers_(readers), db_(std::move(db)) {}
+    Lease(Readers& readers, std::unique_ptr<Db> db) : readers_(readers), db_(std::move(db)) {}
     ~Lease() { readers_.Return(std::move(db_)); }
     Lease(const Lease&) = delete;
     Lease& operator=(const Lease&) = delete;
@@ -29,20 +30,19 @@ class Readers {
 
    private:
     Readers& readers_;
-    std::unique_ptr<SqliteDb> db_;
+    std::unique_ptr<Db> db_;
   };
-  Result<std::unique_ptr<SqliteDb>> Take();
+  Result<std::unique_ptr<Db>> Take();
 
  private:
-  void Return(std::unique_ptr<SqliteDb> db);
+  void Return(std::unique_ptr<Db> db);
 
-  const std::filesystem::path path_;
+  const std::function<Result<std::unique_ptr<Db>>()> open_one_;
   const int most_;
-  const std::string vfs_;
   std::mutex mutex_;
   std::condition_variable returned_;
-  std::vector<std::unique_ptr<SqliteDb>> idle_;  // guarded by mutex_
-  int open_ = 0;                                 // guarded by mutex_
+  std::vector<std::unique_ptr<Db>> idle_;  // guarded by mutex_
+  int open_ = 0;                           // guarded by mutex_
 };
 
 }  // namespace enamel::server::sqlite

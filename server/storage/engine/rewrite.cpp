@@ -24,24 +24,15 @@ bool Rewriter::marked() const {
 // The lock is asked last: it opens a file, and this runs between two looks at a busy database.
 bool Rewriter::OthersErase() const { return upkeep_ == 0 && marked() && IsUpkeepAlone(folder_); }
 
-// In the log, and in SQLite's temporary file, which may be on the same disk, with a fiftieth for
-// the log's frames.
-Status Rewriter::RoomFor(SqliteDb& db) {
-  ENAMEL_ASSIGN_OR_RETURN(const uint64_t bytes, db.Bytes());
-  return space_.RoomFor(2 * bytes + bytes / 50);
-}
-
 Status Rewriter::RunIfMarked(Writer& writer) {
   if (!marked()) return Status::Ok();
   spdlog::info("the database is being written anew after an erasure; changes wait until it is");
   const auto begin = std::chrono::steady_clock::now();
   running_ = true;
-  Status status = writer.RunAlone([&](SqliteDb& db) -> Status {
-    ENAMEL_RETURN_IF_ERROR(RoomFor(db));
-    Status rewritten = db.Rewrite();
-    // Also after a failure: what the rewrite has put into the log must not stay there.
-    Status emptied = db.EmptyLog();
-    return rewritten.ok() ? emptied : rewritten;
+  Status status = writer.RunAlone([&](Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(const uint64_t bytes, db.RewriteBytes());
+    ENAMEL_RETURN_IF_ERROR(space_.RoomFor(bytes));
+    return db.Rewrite();
   });
   running_ = false;
   std::error_code error;

@@ -54,8 +54,6 @@ class Rewriter {
   bool OthersErase() const;
 
  private:
-  Status RoomFor(SqliteDb& db);
-
   const std::filesystem::path folder_;
   SpaceGuard& space_;
   std::atomic<int> upkeep_{0};  // Upkeep is held so often

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "common/trace/trace.h"
+#include "server/storage/engine/database_file.h"
 #include "server/storage/engine/manifest.h"
 #include "server/storage/engine/ticket_key.h"
 #include "server/storage/engine/verify_audit.h"
@@ -69,6 +70,7 @@ class Verifier {
   Result<VerifyReport> Run() {
     fs::path path = options_.folder / "enamel.db";
     std::error_code error;
+    ENAMEL_RETURN_IF_ERROR(MustHaveRowsInFolder(options_.folder, "verify"));
     if (!fs::exists(path, error)) {
       return Status(Code::kNotFound, "there is no enamel.db in " + options_.folder.string() +
                                          "; name a data folder or a backup");
@@ -122,10 +124,10 @@ class Verifier {
     ENAMEL_RETURN_IF_ERROR(CheckBlobs(named));
     // Verifying changes nothing, so an older database is not migrated; the statements below are for
     // the newest.
-    if (report_.schema < static_cast<int>(Migrations().size())) {
+    if (report_.schema < Migrations().back().version) {
       report_.notes.push_back("the database has schema " + std::to_string(report_.schema) +
                               "; attempts are looked at once a server has brought it to " +
-                              std::to_string(Migrations().size()));
+                              std::to_string(Migrations().back().version));
       return Status::Ok();
     }
     ENAMEL_RETURN_IF_ERROR(CheckPeople(db));

@@ -5,7 +5,7 @@
 
 namespace enamel::server::sqlite {
 
-Writer::Writer(std::unique_ptr<SqliteDb> db, bool twice)
+Writer::Writer(std::unique_ptr<Db> db, bool twice)
     : db_(std::move(db)), twice_(twice), thread_([this] { Loop(); }) {}
 
 Writer::~Writer() {
@@ -22,7 +22,7 @@ Status Writer::Run(const Work& work) {
   return Queue(mine);
 }
 
-Status Writer::RunAlone(const std::function<Status(SqliteDb& db)>& work) {
+Status Writer::RunAlone(const std::function<Status(Db& db)>& work) {
   Pending mine{nullptr, &work};
   return Queue(mine);
 }
@@ -32,7 +32,7 @@ Status Writer::Queue(Pending& mine) {
   queue_.push_back(&mine);
   if (queue_.size() == 1) wake_.notify_one();
   // Without a bound: a work that the thread is at cannot be taken back. What the thread itself waits
-  // for is bounded (SqliteDb::SetBusyWait, SqliteDb::kMostWait).
+  // for is bounded (SqliteDb::SetBusyWait, SqliteDb::kMostWait; PgDb::kStatementTimeout).
   mine.turn.wait(lock, [&] { return mine.done; });
   return mine.status;
 }
@@ -107,9 +107,23 @@ void Writer::Commit(const std::vector<Pending*>& batch) {
 }
 
 Status Writer::Transact(const std::vector<Pending*>& batch) {
+  auto pause = kFirstPause;
+  Status failure = TransactOnce(batch);
+  for (int tries = 1; !failure.ok() && db_->must_repeat() && tries < kTries; ++tries) {
+    std::this_thread::sleep_for(pause);
+    pause *= 2;
+    failure = TransactOnce(batch);
+  }
+  return failure;
+}
+
+Status Writer::TransactOnce(const std::vector<Pending*>& batch) {
   Status failure = db_->Begin();
   for (size_t i = 0; failure.ok() && i < batch.size(); ++i) {
     failure = RunOne(*batch[i]->work, batch[i]->status);
+    // It failed, whatever the work made of that.
+    if (failure.ok() && db_->must_repeat())
+      failure = Status(Code::kUnavailable, "another server changes the same; try again");
   }
   if (failure.ok()) failure = db_->Commit();
   if (failure.ok()) return failure;

@@ -13,7 +13,7 @@
 
 namespace enamel::server::sqlite {
 
-// The one write connection, with group commit: callers queue their work; a thread of its own runs
+// This process's one write connection, with group commit: callers queue their work; a thread of its own runs
 // up to kMaxBatch queued works in one transaction (each in a savepoint) and one fsync, and wakes
 // their owners. A work that fails is rolled back alone; a COMMIT that fails fails the whole batch.
 // Why a thread of its own: commits keep their pace when a caller runs at a low priority. Thread
@@ -21,7 +21,7 @@ namespace enamel::server::sqlite {
 class Writer {
  public:
   // `twice`: runs every work, takes back what it did, and runs it again. For tests.
-  explicit Writer(std::unique_ptr<SqliteDb> db, bool twice = false);
+  explicit Writer(std::unique_ptr<Db> db, bool twice = false);
   ~Writer();
 
   // What the work did is kept when it returns Ok, or sets `keep_anyway` (a refusal that leaves
@@ -30,9 +30,9 @@ class Writer {
   // anew from its start.
   using Work = std::function<Status(Db& db, bool& keep_anyway)>;
   Status Run(const Work& work);
-  // Runs `work` on the thread and outside any transaction, for what SQLite refuses inside one
+  // Runs `work` on the thread and outside any transaction, for what engines refuse inside one
   // (VACUUM); what is queued after it waits.
-  Status RunAlone(const std::function<Status(SqliteDb& db)>& work);
+  Status RunAlone(const std::function<Status(Db& db)>& work);
 
   // Since the start.
   struct Counters {
@@ -49,7 +49,7 @@ class Writer {
   // Why the last transaction could not be written; Ok after one that could. One that found the
   // database busy tells nothing.
   Status last_failure() const;
-  // As the connection's (SqliteDb).
+  // As the connection's.
   bool waits() const { return db_->waits(); }
   void StopWaiting() { db_->StopWaiting(); }
 
@@ -59,9 +59,13 @@ class Writer {
   // come together. Who writes alone never waits.
   static constexpr size_t kBusyBatch = 4;
   static constexpr std::chrono::milliseconds kPace{10};
+  // So often a batch is run before those whose transactions met with others' are told to try again,
+  // with a pause before each that doubles.
+  static constexpr int kTries = 6;
+  static constexpr std::chrono::milliseconds kFirstPause{2};
   struct Pending {
     const Work* work;
-    const std::function<Status(SqliteDb& db)>* alone = nullptr;  // instead of `work`
+    const std::function<Status(Db& db)>* alone = nullptr;  // instead of `work`
     Status status{};
     bool done = false;
     std::condition_variable turn{};  // done
@@ -73,9 +77,10 @@ class Writer {
   void Commit(const std::vector<Pending*>& batch);
   void DoAlone(Pending& pending);
   Status Transact(const std::vector<Pending*>& batch);
+  Status TransactOnce(const std::vector<Pending*>& batch);
   Status RunOne(const Work& work, Status& outcome);
 
-  std::unique_ptr<SqliteDb> db_;  // the thread's
+  std::unique_ptr<Db> db_;  // the thread's
   const bool twice_;
   std::chrono::steady_clock::time_point next_commit_{};  // the thread's
   mutable std::mutex mutex_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -31,7 +32,12 @@ namespace enamel::server::sqlite {
 
 class SqliteStore final : public Store {
  public:
-  SqliteStore(const SqliteOptions& options, std::unique_ptr<SqliteDb> writer, FolderLock lock,
+  // What a store is opened on: a connection that writes, and how one is made that reads.
+  struct Database {
+    std::unique_ptr<Db> writer;
+    std::function<Result<std::unique_ptr<Db>>()> open_reader;
+  };
+  SqliteStore(const SqliteOptions& options, Database database, FolderLock lock,
               const trace::SecretKey& ticket_key);
 
   Result<Uuid> CreatePerson(const Person& person, const std::string& password_verifier,

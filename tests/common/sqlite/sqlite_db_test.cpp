@@ -61,17 +61,16 @@ TEST_F(SqliteDbTest, StatementsAreKeptUpToANumberAndThoseInUseAlways) {
 TEST_F(SqliteDbTest, EveryTypeComesBackAsItWasBoundAlsoWhereItIsEmpty) {
   auto db = Open();
   ASSERT_TRUE(db->Exec("CREATE TABLE t (a, b, c, d, e, f, g)").ok());
-  const std::string nul("a\0b", 3);
   {
     Query q(*db, "INSERT INTO t VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)");
-    q.BindInt(INT64_MIN).BindReal(0.1).BindText(nul).BindText("").BindBlob(Bytes{0, 255});
+    q.BindInt(INT64_MIN).BindReal(0.1).BindText("čau").BindText("").BindBlob(Bytes{0, 255});
     EXPECT_TRUE(q.BindBlob({}).BindNull(Type::kText).Run().ok());
   }
   Query q(*db, "SELECT a, b, c, d, e, f, g FROM t");
   ASSERT_TRUE(q.Next());
   EXPECT_EQ(q.Int(0), INT64_MIN);
   EXPECT_EQ(q.Real(1), 0.1);
-  EXPECT_EQ(q.Text(2), nul);
+  EXPECT_EQ(q.Text(2), "čau");
   EXPECT_FALSE(q.IsNull(3)) << "an empty text is a text";
   EXPECT_EQ(q.Text(3), "");
   EXPECT_EQ(q.Blob(4), (Bytes{0, 255}));
@@ -80,6 +79,16 @@ TEST_F(SqliteDbTest, EveryTypeComesBackAsItWasBoundAlsoWhereItIsEmpty) {
   EXPECT_EQ(q.Text(6), "");
   EXPECT_FALSE(q.Next());
   EXPECT_TRUE(q.status().ok());
+}
+
+TEST_F(SqliteDbTest, TextThatIsNoneIsRefused) {
+  auto db = Open();
+  ASSERT_TRUE(db->Exec("CREATE TABLE t (a TEXT)").ok());
+  for (const std::string& text :
+       {std::string("a\0b", 3), std::string("\xff"), std::string("\xc3")}) {
+    Query q(*db, "INSERT INTO t VALUES (?1)");
+    EXPECT_EQ(q.BindText(text).Run().code(), Code::kInvalidInput);
+  }
 }
 
 TEST_F(SqliteDbTest, ColumnsAreFoundByNameAndThoseThatAreNotThereReadAsNothing) {
@@ -213,8 +222,8 @@ TEST_F(SqliteDbTest, ATransactionThatIsNotCommittedHasNeverBeen) {
   EXPECT_EQ(q.Int(0), 2);
 }
 
-const std::vector<Migration> kTwo = {{"0001_a.sql", "CREATE TABLE a (n INTEGER)"},
-                                     {"0002_b.sql", "CREATE TABLE b (n INTEGER)"}};
+const std::vector<Migration> kTwo = {{1, "0001_a.sql", "CREATE TABLE a (n INTEGER)"},
+                                     {2, "0002_b.sql", "CREATE TABLE b (n INTEGER)"}};
 
 TEST_F(SqliteDbTest, MigrationsThatAreMissingRunOnceAndAllOrNone) {
   auto db = Open();
@@ -222,7 +231,7 @@ TEST_F(SqliteDbTest, MigrationsThatAreMissingRunOnceAndAllOrNone) {
   ASSERT_TRUE(db->Migrate({kTwo[0]}).ok());
   EXPECT_EQ(*db->SchemaVersion(), 1);
   auto broken = kTwo;
-  broken.push_back({"0003_c.sql", "CREATE TABLE c (n INTEGER); INSERT INTO nowhere VALUES (1)"});
+  broken.push_back({3, "0003_c.sql", "CREATE TABLE c (n INTEGER); INSERT INTO nowhere VALUES (1)"});
   Status failed = db->Migrate(broken);
   EXPECT_NE(failed.message().find("0003_c.sql"), std::string::npos) << failed.message();
   EXPECT_EQ(*db->SchemaVersion(), 1);

@@ -1,0 +1,65 @@
+#include "common/postgres/libpq.h"
+
+#include <dlfcn.h>
+
+#include <string>
+
+namespace enamel::sql {
+namespace {
+
+// Of every 5.x since PostgreSQL 8.2; what is asked of it here is in all since 9.
+constexpr char kLibrary[] = "libpq.so.5";
+
+Result<Libpq> Load() {
+  // Never closed: statements and connections may live until the program's end.
+  void* library = dlopen(kLibrary, RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) {
+    return Status(Code::kUnavailable, std::string("PostgreSQL's library ") + kLibrary +
+                                          " cannot be opened (" + dlerror() +
+                                          "); install Debian's package libpq5");
+  }
+  Libpq out{};
+  const char* missing = nullptr;
+  auto find = [&](auto& function, const char* name) {
+    void* const found = dlsym(library, name);
+    if (found == nullptr) missing = name;
+    function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(found);
+  };
+  find(out.connectdb_params, "PQconnectdbParams");
+  find(out.reset, "PQreset");
+  find(out.finish, "PQfinish");
+  find(out.status, "PQstatus");
+  find(out.transaction_status, "PQtransactionStatus");
+  find(out.error_message, "PQerrorMessage");
+  find(out.set_notice_receiver, "PQsetNoticeReceiver");
+  find(out.exec, "PQexec");
+  find(out.prepare, "PQprepare");
+  find(out.exec_prepared, "PQexecPrepared");
+  find(out.result_status, "PQresultStatus");
+  find(out.result_error_field, "PQresultErrorField");
+  find(out.clear, "PQclear");
+  find(out.ntuples, "PQntuples");
+  find(out.nfields, "PQnfields");
+  find(out.fname, "PQfname");
+  find(out.ftype, "PQftype");
+  find(out.getisnull, "PQgetisnull");
+  find(out.getvalue, "PQgetvalue");
+  find(out.getlength, "PQgetlength");
+  find(out.cmd_tuples, "PQcmdTuples");
+  if (missing != nullptr) {
+    return Status(Code::kUnavailable, std::string("PostgreSQL's library ") + kLibrary + " has no " +
+                                          missing +
+                                          "; install Debian's package libpq5 of version 15");
+  }
+  return out;
+}
+
+}  // namespace
+
+Result<const Libpq*> LoadLibpq() {
+  static const Result<Libpq> kLoaded = Load();
+  if (!kLoaded.ok()) return kLoaded.status();
+  return &*kLoaded;
+}
+
+}  // namespace enamel::sql

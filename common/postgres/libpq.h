@@ -1,0 +1,38 @@
+#pragma once
+
+#include <libpq-fe.h>
+
+#include "common/base/result.h"
+
+// libpq (https://www.postgresql.org/docs/15/libpq.html), opened when the first connection is: who
+// uses SQLite needs no PostgreSQL on the machine. Private to common/postgres.
+namespace enamel::sql {
+
+struct Libpq {
+  decltype(&PQconnectdbParams) connectdb_params;
+  decltype(&PQreset) reset;
+  decltype(&PQfinish) finish;
+  decltype(&PQstatus) status;
+  decltype(&PQtransactionStatus) transaction_status;
+  decltype(&PQerrorMessage) error_message;
+  decltype(&PQsetNoticeReceiver) set_notice_receiver;
+  decltype(&PQexec) exec;
+  decltype(&PQprepare) prepare;
+  decltype(&PQexecPrepared) exec_prepared;
+  decltype(&PQresultStatus) result_status;
+  decltype(&PQresultErrorField) result_error_field;
+  decltype(&PQclear) clear;
+  decltype(&PQntuples) ntuples;
+  decltype(&PQnfields) nfields;
+  decltype(&PQfname) fname;
+  decltype(&PQftype) ftype;
+  decltype(&PQgetisnull) getisnull;
+  decltype(&PQgetvalue) getvalue;
+  decltype(&PQgetlength) getlength;
+  decltype(&PQcmdTuples) cmd_tuples;
+};
+
+// Once; the same for everybody. Errors: kUnavailable (not installed, or too old). Thread safety: any.
+Result<const Libpq*> LoadLibpq();
+
+}  // namespace enamel::sql

@@ -1,0 +1,302 @@
+#include "common/postgres/pg_db.h"
+
+#include <utility>
+
+#include "common/postgres/libpq.h"
+#include "common/postgres/pg_statement.h"
+#include "common/postgres/pg_text.h"
+#include "common/sql/query.h"
+
+namespace enamel::sql {
+namespace {
+
+using Kind = PgFailure::Kind;
+
+// A number of our own choice: migrations of all programs that name it wait for each other, also
+// before there is any table that could be locked.
+constexpr char kMigrationLock[] = "SELECT pg_advisory_xact_lock(6291749370221)";
+
+// As an SQL name: what is between double quotes, doubled inside.
+std::string Quoted(const std::string& name) {
+  std::string out = "\"";
+  for (const char c : name) {
+    if (c == '"') out += '"';
+    out += c;
+  }
+  return out + "\"";
+}
+
+std::string FirstLine(const char* words) {
+  const std::string all = words == nullptr ? "" : words;
+  return all.substr(0, all.find('\n'));
+}
+
+}  // namespace
+
+PgFailure::Kind PgKindOf(const std::string& state) {
+  const std::string family = state.substr(0, 2);
+  if (state == "23505") return Kind::kTaken;
+  if (family == "23") return Kind::kConstraint;
+  // What a trigger of ours refuses.
+  if (state == "P0001") return Kind::kConstraint;
+  if (state == "40001" || state == "40P01") return Kind::kRepeat;
+  if (state == "25006") return Kind::kReadOnly;
+  if (state == "53100") return Kind::kFull;
+  if (state == "55P03" || state == "57014" || family == "53") return Kind::kBusy;
+  if (family == "08" || family == "57") return Kind::kNotThere;
+  if (family == "28" || state == "42501" || state == "3D000") return Kind::kNotAllowed;
+  if (family == "XX" && state != "XX000") return Kind::kDamaged;
+  return Kind::kOther;
+}
+
+Code CodeOf(PgFailure::Kind kind) {
+  switch (kind) {
+    case Kind::kNotThere:
+    case Kind::kReadOnly:
+    case Kind::kBusy:
+    case Kind::kRepeat:
+      return Code::kUnavailable;
+    case Kind::kConstraint:
+    case Kind::kTaken:
+      return Code::kConflict;
+    default:
+      return Code::kStorage;
+  }
+}
+
+PgDb::PgDb(const Libpq& pq, PgDbOptions options) : pq_(pq), options_(std::move(options)) {}
+
+Result<std::unique_ptr<PgDb>> PgDb::Open(PgDbOptions options) {
+  ENAMEL_ASSIGN_OR_RETURN(const Libpq* pq, LoadLibpq());
+  std::unique_ptr<PgDb> db(new PgDb(*pq, std::move(options)));
+  ENAMEL_RETURN_IF_ERROR(db->Connect());
+  db->opening_ = false;
+  return db;
+}
+
+PgDb::~PgDb() {
+  statements_.clear();
+  if (handle_ != nullptr) pq_.finish(handle_);
+}
+
+Status PgDb::Connect() {
+  ++connection_;
+  failure_ = {};
+  if (handle_ == nullptr) {
+    // What stands before dbname is a default, which the server's own words replace; what stands
+    // after it is not. A host that does not answer is found within seconds, not when TCP gives up.
+    const char* const names[] = {
+        "connect_timeout", "tcp_user_timeout", "keepalives_idle",           "target_session_attrs",
+        "dbname",          "client_encoding",  "fallback_application_name", nullptr};
+    const char* const values[] = {"5",
+                                  "10000",
+                                  "5",
+                                  options_.read_only ? "any" : "read-write",
+                                  options_.server.c_str(),
+                                  "UTF8",
+                                  "enamel",
+                                  nullptr};
+    handle_ = pq_.connectdb_params(names, values, /*expand_dbname*/ 1);
+    // Notices ("already exists, skipping") are nobody's business.
+    pq_.set_notice_receiver(
+        handle_, [](void*, const PGresult*) {}, nullptr);
+  } else {
+    pq_.reset(handle_);
+  }
+  if (pq_.status(handle_) != CONNECTION_OK) return Fail(nullptr);
+  return SetUp();
+}
+
+Status PgDb::SetUp() {
+  std::string sql = "SET statement_timeout = '" + std::string(kStatementTimeout) +
+                    "'; SET lock_timeout = '" + kLockTimeout +
+                    "'; SET idle_in_transaction_session_timeout = '60s'; SET TimeZone = 'UTC'; "
+                    // "off" and "local" could lose what a station was told is kept.
+                    "SELECT set_config('synchronous_commit', 'on', false) WHERE "
+                    "current_setting('synchronous_commit') IN ('off', 'local'); ";
+  // Who only reads, reads statement by statement, as in SQLite; there is nothing to repeat for it.
+  sql += options_.read_only ? "SET default_transaction_read_only = on; "
+                            : "SET default_transaction_isolation = 'serializable'; ";
+  if (!options_.schema.empty()) sql += "SET search_path = " + Quoted(options_.schema) + "; ";
+  return Exec(sql.c_str());
+}
+
+Status PgDb::BeThere() {
+  failure_ = {};
+  if (pq_.status(handle_) == CONNECTION_OK) return Status::Ok();
+  // Not in the middle of a transaction: its first half is gone.
+  return in_transaction_ ? Fail(nullptr) : Connect();
+}
+
+Status PgDb::Fail(const PGresult* result) {
+  PgFailure failure;
+  failure.opening = opening_;
+  const char* const state =
+      result == nullptr ? nullptr : pq_.result_error_field(result, PG_DIAG_SQLSTATE);
+  if (state != nullptr) {
+    failure.state = state;
+    failure.kind = PgKindOf(failure.state);
+    failure.words = FirstLine(pq_.result_error_field(result, PG_DIAG_MESSAGE_PRIMARY));
+  } else {
+    failure.words = FirstLine(pq_.error_message(handle_));
+  }
+  if (pq_.status(handle_) != CONNECTION_OK) failure.kind = Kind::kNotThere;
+  failure_ = failure;
+  damaged_ = damaged_ || failure.kind == Kind::kDamaged;
+  must_repeat_ = must_repeat_ || failure.kind == Kind::kRepeat;
+  return Told(failure);
+}
+
+Status PgDb::Told(const PgFailure& failure) const {
+  if (options_.explain) return options_.explain(failure);
+  return Status(CodeOf(failure.kind), "PostgreSQL: " + failure.words);
+}
+
+Status PgDb::Exec(const char* sql) {
+  ENAMEL_RETURN_IF_ERROR(opening_ ? Status::Ok() : BeThere());
+  if (InjectedFailure()) return Status(Code::kStorage, "injected failure");
+  PGresult* const result = pq_.exec(handle_, sql);
+  const ExecStatusType status = pq_.result_status(result);
+  Status done =
+      status == PGRES_COMMAND_OK || status == PGRES_TUPLES_OK || status == PGRES_EMPTY_QUERY
+          ? Status::Ok()
+          : Fail(result);
+  pq_.clear(result);
+  return done;
+}
+
+Status PgDb::Begin() {
+  in_transaction_ = false;
+  must_repeat_ = false;
+  Status begun = Exec("BEGIN");
+  in_transaction_ = begun.ok();
+  return begun;
+}
+
+Status PgDb::Commit() {
+  ENAMEL_CHECK(in_transaction_);
+  // PostgreSQL answers COMMIT with a rollback, and no failure, where a statement has failed.
+  if (pq_.status(handle_) == CONNECTION_OK && pq_.transaction_status(handle_) == PQTRANS_INERROR) {
+    Rollback();
+    return Status(Code::kStorage, "a statement of this transaction has failed; nothing is kept");
+  }
+  Status done = Exec("COMMIT");
+  in_transaction_ = !done.ok();
+  return done;
+}
+
+void PgDb::Rollback() {
+  const PgFailure why = failure_;
+  in_transaction_ = false;
+  const bool open =
+      pq_.status(handle_) == CONNECTION_OK && pq_.transaction_status(handle_) != PQTRANS_IDLE;
+  if (open) pq_.clear(pq_.exec(handle_, "ROLLBACK"));
+  failure_ = why;
+}
+
+Result<int> PgDb::SchemaVersion() {
+  {
+    Query there(*this, "SELECT to_regclass('enamel_schema') IS NOT NULL");
+    if (!there.Next()) return there.status();
+    if (there.Int(0) == 0) return 0;
+  }
+  Query q(*this, "SELECT application, version FROM enamel_schema");
+  if (!q.Next()) return q.status().ok() ? Result<int>(0) : q.status();
+  if (q.Text(0) != options_.application) {
+    return Status(Code::kVersion, "the PostgreSQL database is one of " + q.Text(0) + ", not of " +
+                                      options_.application + "; name another database");
+  }
+  return static_cast<int>(q.Int(1));
+}
+
+Status PgDb::Migrate(const std::vector<Migration>& migrations) {
+  Transaction transaction(*this);
+  ENAMEL_RETURN_IF_ERROR(transaction.begun());
+  // Who comes second must see what the first has committed: a serializable transaction would go on
+  // seeing what was there when it began to wait.
+  ENAMEL_RETURN_IF_ERROR(Exec("SET TRANSACTION ISOLATION LEVEL READ COMMITTED"));
+  ENAMEL_RETURN_IF_ERROR(Exec(kMigrationLock));
+  if (!options_.schema.empty()) {
+    ENAMEL_RETURN_IF_ERROR(
+        Exec(("CREATE SCHEMA IF NOT EXISTS " + Quoted(options_.schema)).c_str()));
+  }
+  ENAMEL_RETURN_IF_ERROR(
+      Exec("CREATE TABLE IF NOT EXISTS enamel_schema (application TEXT COLLATE \"C\" NOT NULL, "
+           "version BIGINT NOT NULL)"));
+  ENAMEL_ASSIGN_OR_RETURN(const int version, SchemaVersion());
+  for (const Migration& next : migrations) {
+    if (next.version <= version) continue;
+    if (Status done = Exec(next.sql.c_str()); !done.ok()) {
+      return Status(done.code(), "migration " + next.name + ": " + done.message());
+    }
+  }
+  if (!migrations.empty() && version < migrations.back().version) {
+    ENAMEL_RETURN_IF_ERROR(Exec("DELETE FROM enamel_schema"));
+    Query mark(*this, "INSERT INTO enamel_schema (application, version) VALUES (?1, ?2)");
+    ENAMEL_RETURN_IF_ERROR(
+        mark.BindText(options_.application).BindInt(migrations.back().version).Run());
+  }
+  return transaction.Commit();
+}
+
+std::string PgDb::JsonMember(const std::string& column, const std::string& member) const {
+  return "(" + column + "::json ->> '" + member + "')";
+}
+
+Status PgDb::Rewrite() {
+  std::vector<std::string> tables;
+  {
+    // This schema's own, so that one school's erasure does not keep others waiting.
+    Query q(
+        *this,
+        "SELECT quote_ident(tablename) FROM pg_tables WHERE schemaname = current_schema() ORDER "
+        "BY tablename");
+    while (q.Next()) tables.push_back(q.Text(0));
+    ENAMEL_RETURN_IF_ERROR(q.status());
+  }
+  ENAMEL_RETURN_IF_ERROR(Exec("SET statement_timeout = 0"));
+  Status status;
+  for (size_t i = 0; status.ok() && i < tables.size(); ++i) {
+    status = Exec(("VACUUM (FULL, ANALYZE) " + tables[i]).c_str());
+  }
+  // Refused to who is no superuser: the server's own comes within minutes.
+  for (const char* sql : {"CHECKPOINT", "SELECT pg_switch_wal()"}) {
+    if (!status.ok()) break;
+    status = Exec(sql);
+    if (failure_.kind == Kind::kNotAllowed) status = Status::Ok();
+  }
+  const std::string again = "SET statement_timeout = '" + std::string(kStatementTimeout) + "'";
+  Status back = Exec(again.c_str());
+  return status.ok() ? back : status;
+}
+
+void PgDb::DropOldest() {
+  auto oldest = statements_.end();
+  for (auto at = statements_.begin(); at != statements_.end(); ++at) {
+    if (at->second->in_use()) continue;
+    if (oldest == statements_.end() || at->second->last_use() < oldest->second->last_use())
+      oldest = at;
+  }
+  if (oldest == statements_.end()) return;
+  const std::string name = oldest->second->name();
+  statements_.erase(oldest);
+  if (!name.empty() && pq_.status(handle_) == CONNECTION_OK)
+    pq_.clear(pq_.exec(handle_, ("DEALLOCATE " + name).c_str()));
+}
+
+Statement* PgDb::Take(const char* sql, Status& status) {
+  status = BeThere();
+  if (!status.ok()) return nullptr;
+  auto at = statements_.find(sql);
+  if (at == statements_.end()) {
+    if (statements_.size() >= kMaxStatements) DropOldest();
+    at = statements_.emplace(sql, std::make_unique<PgStatement>(*this, WithDollars(sql))).first;
+  }
+  PgStatement& kept = *at->second;
+  // A second use would forget the first one's rows.
+  ENAMEL_CHECK(!kept.busy());
+  kept.Use(++uses_);
+  return &kept;
+}
+
+}  // namespace enamel::sql

@@ -1,0 +1,138 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "common/sql/db.h"
+
+struct pg_conn;
+struct pg_result;
+
+// The driver for PostgreSQL 15 (https://www.postgresql.org/docs/15): server/storage connects with it.
+// Nothing else in the tree includes libpq's header, and the library is opened when the first
+// connection is.
+namespace enamel::sql {
+
+class PgStatement;
+struct Libpq;
+
+// Why PostgreSQL refused, for whoever words it.
+struct PgFailure {
+  enum class Kind {
+    kOther,
+    kNotThere,    // no connection, or it was lost
+    kReadOnly,    // the server is a standby, or has become one
+    kBusy,        // another transaction holds what is asked for, or there are too many connections
+    kRepeat,      // transactions met; the same work in a new one may succeed
+    kFull,        // the server's disk
+    kNotAllowed,  // the user may not; or signing in was refused
+    kDamaged,     // the server has found its own files damaged
+    kConstraint,  // what the schema does not allow
+    kTaken,       // of these: a key that must be unique is there already
+  };
+  Kind kind = Kind::kOther;
+  std::string state;     // SQLSTATE, five characters; empty: the library's own failure
+  std::string words;     // PostgreSQL's, its first line
+  bool opening = false;  // while it was connected
+};
+
+// kUnavailable where trying later helps, kConflict for a constraint, else kStorage.
+Code CodeOf(PgFailure::Kind kind);
+// By SQLSTATE (Appendix A of PostgreSQL's manual).
+PgFailure::Kind PgKindOf(const std::string& state);
+
+struct PgDbOptions {
+  // libpq's: "postgresql://user@host1,host2/name?target_session_attrs=read-write" or keywords.
+  std::string server{};
+  // Where the tables are; made by Migrate where it is not there. Empty: the user's own, "public".
+  std::string schema{};
+  bool read_only = false;
+  // Whose tables these are; another program's database is refused (kVersion).
+  std::string application{};
+  // Asked before each statement that may write; true: it fails. For tests.
+  std::function<bool()> fail_next{};
+  // What a failure is told as; by default PostgreSQL's words with a code.
+  std::function<Status(const PgFailure&)> explain{};
+};
+
+// One connection. What is committed is on the server's disk, and on its synchronous standby's where
+// there is one (synchronous_commit is never below "on"). Transactions of a connection that may write
+// are SERIALIZABLE: what they do is what they would do one after the other, or they end with
+// must_repeat(). A statement ends after
+// kStatementTimeout, waiting for a lock after kLockTimeout. A connection that was lost is made anew
+// by the next Begin, or by the next statement outside of a transaction; what was not committed is
+// gone then.
+//
+// Differences to SQLite that callers may meet: a statement that fails ends the work of its
+// transaction, up to the savepoint before it; a query's rows are all in memory from its first Next,
+// and its columns are known from there; of a text that is asked for as a number, and the other way
+// round, nothing is converted.
+//
+// Thread safety: one thread at a time. Statements are prepared once and kept, up to kMaxStatements;
+// beyond that the one that was not used for longest goes.
+class PgDb final : public Db {
+ public:
+  static constexpr size_t kMaxStatements = 256;
+  static constexpr char kStatementTimeout[] = "60s";
+  static constexpr char kLockTimeout[] = "10s";
+
+  static Result<std::unique_ptr<PgDb>> Open(PgDbOptions options);
+  ~PgDb() override;
+  PgDb(const PgDb&) = delete;
+  PgDb& operator=(const PgDb&) = delete;
+
+  Statement* Take(const char* sql, Status& status) override;
+  Status Exec(const char* sql) override;
+  int64_t Changes() const override { return changes_; }
+  Status Begin() override;
+  Status Commit() override;
+  void Rollback() override;
+  bool must_repeat() const override { return must_repeat_; }
+  Result<int> SchemaVersion() override;
+  Status Migrate(const std::vector<Migration>& migrations) override;
+  bool damaged() const override { return damaged_; }
+  std::string JsonMember(const std::string& column, const std::string& member) const override;
+  // Nothing: what is deleted stays in PostgreSQL's files until Rewrite.
+  Status OverwriteDeleted(bool) override { return Status::Ok(); }
+  // VACUUM FULL, which keeps others from each table while it is written; then a checkpoint and a new
+  // file of the log, as far as the user may ask for them. What was archived of the log elsewhere,
+  // and a standby's, is older than that and not touched.
+  Status Rewrite() override;
+  Result<uint64_t> RewriteBytes() override { return uint64_t{0}; }
+
+  // Why the last statement failed; kOther without words when it did not.
+  const PgFailure& failure() const { return failure_; }
+  size_t kept_statements() const { return statements_.size(); }
+
+ private:
+  friend class PgStatement;
+  PgDb(const Libpq& pq, PgDbOptions options);
+  Status Connect();
+  Status SetUp();
+  // Connects anew where the connection is lost and no transaction is open.
+  Status BeThere();
+  Status Fail(const pg_result* result);  // of a result, or of the connection where there is none
+  Status Told(const PgFailure& failure) const;
+  bool InjectedFailure() const { return !opening_ && options_.fail_next && options_.fail_next(); }
+  void DropOldest();
+
+  const Libpq& pq_;
+  const PgDbOptions options_;
+  pg_conn* handle_ = nullptr;
+  bool opening_ = true;
+  bool in_transaction_ =
+      false;                  // from Begin to Commit or Rollback, also when the connection is lost
+  bool must_repeat_ = false;  // since Begin
+  bool damaged_ = false;
+  int64_t changes_ = 0;
+  uint64_t connection_ = 0;  // how many there have been: a statement is prepared in one of them
+  uint64_t names_ = 0;       // given to prepared statements
+  PgFailure failure_;
+  std::unordered_map<std::string, std::unique_ptr<PgStatement>> statements_;
+  uint64_t uses_ = 0;
+};
+
+}  // namespace enamel::sql

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+// The store's SQL in PostgreSQL's words. Private to common/postgres.
+namespace enamel::sql {
+
+// Parameters: "?1" becomes "$1". What is inside '…' and "…" stays as it is.
+std::string WithDollars(std::string_view sql);
+
+}  // namespace enamel::sql

@@ -1,0 +1,542 @@
+-- The server's store in PostgreSQL 15: the same tables, columns and constraints as schemas/sql/0001 to
+-- 0015 make in SQLite, which a test compares. The number is that of the last of them; later migrations
+-- have the same number in both. SQLite's INTEGER is BIGINT here, REAL is DOUBLE PRECISION, BLOB is
+-- BYTEA; text is compared byte by byte ("C"), as SQLite does, whatever the database's language is.
+
+CREATE TABLE tenants (
+  tenant BIGINT NOT NULL PRIMARY KEY,
+  name   TEXT COLLATE "C" NOT NULL
+);
+INSERT INTO tenants (tenant, name) VALUES (1, 'default');
+
+CREATE TABLE people (
+  tenant               BIGINT NOT NULL REFERENCES tenants (tenant),
+  id                   BYTEA NOT NULL CHECK (length(id) = 16),
+  login                TEXT COLLATE "C" NOT NULL,
+  display_name         TEXT COLLATE "C" NOT NULL,
+  role                 BIGINT NOT NULL CHECK (role BETWEEN 1 AND 3),  -- 1 student, 2 instructor, 3 admin
+  disabled             BIGINT NOT NULL DEFAULT 0 CHECK (disabled IN (0, 1)),
+  created_ms           BIGINT NOT NULL,
+  verifier             TEXT COLLATE "C" NOT NULL,  -- argon2id, libsodium's form
+  revision             BIGINT NOT NULL DEFAULT 1,
+  must_change_password BIGINT NOT NULL DEFAULT 0 CHECK (must_change_password IN (0, 1)),
+  password_ms          BIGINT NOT NULL DEFAULT 0,
+  password_used        BIGINT NOT NULL DEFAULT 0 CHECK (password_used IN (0, 1)),
+  PRIMARY KEY (tenant, id),
+  UNIQUE (tenant, login)
+);
+CREATE INDEX people_by_role ON people (tenant, role, login);
+
+CREATE TABLE cohorts (
+  tenant      BIGINT NOT NULL REFERENCES tenants (tenant),
+  id          BYTEA NOT NULL CHECK (length(id) = 16),
+  name        TEXT COLLATE "C" NOT NULL,
+  revision    BIGINT NOT NULL DEFAULT 1,
+  archived_ms BIGINT NOT NULL DEFAULT 0,  -- 0: in use
+  PRIMARY KEY (tenant, id),
+  UNIQUE (tenant, name)
+);
+
+CREATE TABLE cohort_members (
+  tenant BIGINT NOT NULL,
+  cohort BYTEA NOT NULL,
+  person BYTEA NOT NULL,
+  PRIMARY KEY (tenant, cohort, person),
+  FOREIGN KEY (tenant, cohort) REFERENCES cohorts (tenant, id),
+  FOREIGN KEY (tenant, person) REFERENCES people (tenant, id)
+);
+CREATE INDEX cohort_members_by_person ON cohort_members (tenant, person);
+
+CREATE TABLE stations (
+  tenant          BIGINT NOT NULL REFERENCES tenants (tenant),
+  id              BYTEA NOT NULL CHECK (length(id) = 16),
+  name            TEXT COLLATE "C" NOT NULL,
+  public_key      BYTEA NOT NULL CHECK (length(public_key) = 32),  -- Ed25519, checks chunks
+  credential_hash BYTEA NOT NULL CHECK (length(credential_hash) = 32),
+  revoked         BIGINT NOT NULL DEFAULT 0 CHECK (revoked IN (0, 1)),
+  enrolled_ms     BIGINT NOT NULL,
+  last_seen_ms    BIGINT NOT NULL,
+  revision        BIGINT NOT NULL DEFAULT 1,
+  revoked_ms      BIGINT NOT NULL DEFAULT 0,
+  software        TEXT COLLATE "C" NOT NULL DEFAULT '',
+  core_version    BIGINT NOT NULL DEFAULT 0,
+  PRIMARY KEY (tenant, id)
+);
+
+CREATE TABLE profiles (
+  tenant  BIGINT NOT NULL REFERENCES tenants (tenant),
+  name    TEXT COLLATE "C" NOT NULL,
+  title   TEXT COLLATE "C" NOT NULL,
+  content BYTEA NOT NULL CHECK (length(content) = 32),
+  PRIMARY KEY (tenant, name)
+);
+
+CREATE TABLE scenes (
+  tenant  BIGINT NOT NULL REFERENCES tenants (tenant),
+  name    TEXT COLLATE "C" NOT NULL,
+  title   TEXT COLLATE "C" NOT NULL,
+  content BYTEA NOT NULL CHECK (length(content) = 32),
+  volume  BYTEA NOT NULL CHECK (length(volume) = 32),
+  surface BYTEA CHECK (length(surface) = 32),
+  PRIMARY KEY (tenant, content)
+);
+
+CREATE TABLE exercises (
+  tenant       BIGINT NOT NULL REFERENCES tenants (tenant),
+  id           BYTEA NOT NULL CHECK (length(id) = 16),
+  name         TEXT COLLATE "C" NOT NULL,
+  version      BIGINT NOT NULL,
+  title        TEXT COLLATE "C" NOT NULL,
+  content      BYTEA NOT NULL CHECK (length(content) = 32),
+  scene        BYTEA NOT NULL,
+  graded       BIGINT NOT NULL CHECK (graded IN (0, 1)),
+  published_ms BIGINT NOT NULL,
+  state        BIGINT NOT NULL DEFAULT 2 CHECK (state BETWEEN 1 AND 3),
+  revision     BIGINT NOT NULL DEFAULT 1,  -- counts the changes of a draft
+  PRIMARY KEY (tenant, id),
+  UNIQUE (tenant, name, version),
+  FOREIGN KEY (tenant, scene) REFERENCES scenes (tenant, content)
+);
+CREATE INDEX exercises_by_content ON exercises (tenant, content);
+
+-- A chunk updates its attempt's row: half of each page stays free for that, and a ticket and a header
+-- are kept apart from 128 bytes on, so that a new version of the row fits beside the old one and no
+-- index is touched (a heap-only update).
+CREATE TABLE attempts (
+  tenant          BIGINT NOT NULL REFERENCES tenants (tenant),
+  id              BYTEA NOT NULL CHECK (length(id) = 16),
+  person          BYTEA NOT NULL,
+  station         BYTEA NOT NULL,
+  exercise        BYTEA NOT NULL,
+  profile_content BYTEA NOT NULL CHECK (length(profile_content) = 32),
+  state           BIGINT NOT NULL CHECK (state BETWEEN 1 AND 7),  -- 1 ticketed, 2 recording, 3 sealed, 4 scoring, 5 scored, 6 failed, 7 quarantined
+  as_reference    BIGINT NOT NULL DEFAULT 0 CHECK (as_reference IN (0, 1)),
+  released        BIGINT NOT NULL DEFAULT 0 CHECK (released IN (0, 1)),
+  ticketed_ms     BIGINT NOT NULL,
+  sealed_ms       BIGINT NOT NULL DEFAULT 0,
+  ticket          BYTEA NOT NULL,
+  header          BYTEA,
+  head_hash       BYTEA CHECK (length(head_hash) = 32),  -- of the header, then of the last chunk
+  head_state_hash BIGINT NOT NULL DEFAULT 0,
+  chunks          BIGINT NOT NULL DEFAULT 0,
+  ticks           BIGINT NOT NULL DEFAULT 0,
+  gap_ticks       BIGINT NOT NULL DEFAULT 0,
+  trace_bytes     BIGINT NOT NULL DEFAULT 0,
+  trace_blob      BYTEA CHECK (length(trace_blob) = 32),  -- whole trace file, once sealed
+  progress        DOUBLE PRECISION NOT NULL DEFAULT 0,
+  problem         TEXT COLLATE "C" NOT NULL DEFAULT '',
+  score           DOUBLE PRECISION,
+  critical_fail   BIGINT NOT NULL DEFAULT 0 CHECK (critical_fail IN (0, 1)),
+  score_json      BYTEA,
+  final_volume    BYTEA,
+  surface         BYTEA,
+  series          BYTEA,
+  reference       BYTEA,  -- the attempt it was compared with
+  expired_ms      BIGINT NOT NULL DEFAULT 0,
+  assignment      BYTEA CHECK (length(assignment) = 16),
+  exam            BIGINT NOT NULL DEFAULT 0 CHECK (exam IN (0, 1)),
+  due_ms          BIGINT NOT NULL DEFAULT 0,
+  rate_hz         BIGINT NOT NULL DEFAULT 0,  -- 0: time is not checked
+  limit_ticks     BIGINT NOT NULL DEFAULT 0,  -- 0: no time limit
+  last_chunk_ms   BIGINT NOT NULL DEFAULT 0,  -- when the newest chunk came
+  flags           BIGINT NOT NULL DEFAULT 0,
+  override_score  DOUBLE PRECISION,
+  override_reason TEXT COLLATE "C" NOT NULL DEFAULT '',
+  override_by     BYTEA CHECK (length(override_by) = 16),
+  override_ms     BIGINT NOT NULL DEFAULT 0,
+  revision        BIGINT NOT NULL DEFAULT 1,
+  facts           TEXT COLLATE "C" NOT NULL DEFAULT '{}',
+  hands           BIGINT NOT NULL DEFAULT 4,
+  hand_kind       BIGINT NOT NULL DEFAULT 0,
+  hand_device     TEXT COLLATE "C" NOT NULL DEFAULT '',
+  hand_driver     TEXT COLLATE "C" NOT NULL DEFAULT '',
+  hand_unit       TEXT COLLATE "C" NOT NULL DEFAULT '',
+  PRIMARY KEY (tenant, id),
+  FOREIGN KEY (tenant, person) REFERENCES people (tenant, id),
+  FOREIGN KEY (tenant, station) REFERENCES stations (tenant, id),
+  FOREIGN KEY (tenant, exercise) REFERENCES exercises (tenant, id)
+) WITH (fillfactor = 50, toast_tuple_target = 128);
+CREATE INDEX attempts_by_person ON attempts (tenant, person, id);
+CREATE INDEX attempts_by_exercise ON attempts (tenant, exercise, id);
+CREATE INDEX attempts_by_reference ON attempts (tenant, reference) WHERE reference IS NOT NULL;
+CREATE INDEX attempts_by_assignment ON attempts (tenant, assignment, person) WHERE assignment IS NOT NULL;
+
+CREATE TABLE trace_chunks (
+  tenant      BIGINT NOT NULL,
+  attempt     BYTEA NOT NULL,
+  seq         BIGINT NOT NULL,
+  hash        BYTEA NOT NULL CHECK (length(hash) = 32),
+  bytes       BYTEA NOT NULL,
+  received_ms BIGINT NOT NULL,
+  PRIMARY KEY (tenant, attempt, seq),
+  FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
+);
+
+CREATE TABLE contradicting_chunks (
+  tenant      BIGINT NOT NULL,
+  attempt     BYTEA NOT NULL,
+  seq         BIGINT NOT NULL,
+  hash        BYTEA NOT NULL CHECK (length(hash) = 32),
+  bytes       BYTEA NOT NULL,
+  received_ms BIGINT NOT NULL,
+  PRIMARY KEY (tenant, attempt, seq, hash),
+  FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
+);
+
+CREATE TABLE reference_cuts (
+  tenant       BIGINT NOT NULL,
+  id           BYTEA NOT NULL CHECK (length(id) = 16),
+  exercise     BYTEA NOT NULL,
+  attempt      BYTEA NOT NULL,
+  dentist      TEXT COLLATE "C" NOT NULL,
+  version      BIGINT NOT NULL,
+  created_ms   BIGINT NOT NULL,
+  consent      BIGINT NOT NULL DEFAULT 1 CHECK (consent IN (0, 1)),
+  withdrawn_ms BIGINT NOT NULL DEFAULT 0,
+  PRIMARY KEY (tenant, id),
+  UNIQUE (tenant, exercise, version),
+  FOREIGN KEY (tenant, exercise) REFERENCES exercises (tenant, id),
+  FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
+);
+
+CREATE TABLE audit (
+  tenant       BIGINT NOT NULL REFERENCES tenants (tenant),
+  id           BYTEA NOT NULL CHECK (length(id) = 16),
+  at_ms        BIGINT NOT NULL,
+  actor        BYTEA NOT NULL CHECK (length(actor) = 16),  -- zero: the system or the command line
+  via          TEXT COLLATE "C" NOT NULL,
+  action       TEXT COLLATE "C" NOT NULL,
+  object       TEXT COLLATE "C" NOT NULL,
+  before_json  TEXT COLLATE "C" NOT NULL,
+  after_json   TEXT COLLATE "C" NOT NULL,
+  subject      TEXT COLLATE "C" NOT NULL DEFAULT '',
+  state        TEXT COLLATE "C" NOT NULL DEFAULT '',
+  salt         BYTEA CHECK (length(salt) = 32),
+  content_hash BYTEA CHECK (length(content_hash) = 32),
+  signature    BYTEA CHECK (length(signature) = 64),
+  chain        BYTEA CHECK (length(chain) = 16),
+  number       BIGINT CHECK (number > 0),
+  previous     BYTEA CHECK (length(previous) = 32),
+  PRIMARY KEY (tenant, id)
+);
+CREATE INDEX audit_by_object ON audit (tenant, object, id);
+CREATE INDEX audit_by_actor ON audit (tenant, actor, id);
+CREATE INDEX audit_by_subject ON audit (tenant, subject, id) WHERE subject <> '';
+CREATE UNIQUE INDEX audit_by_number ON audit (tenant, chain, number) WHERE chain IS NOT NULL;
+
+CREATE TABLE erasures (
+  tenant      BIGINT NOT NULL REFERENCES tenants (tenant),
+  person_hash BYTEA NOT NULL CHECK (length(person_hash) = 32),
+  erased_ms   BIGINT NOT NULL,
+  PRIMARY KEY (tenant, person_hash)
+);
+
+CREATE TABLE retention_rules (
+  tenant BIGINT NOT NULL REFERENCES tenants (tenant),
+  what   TEXT COLLATE "C" NOT NULL CHECK (what IN ('unfinished', 'recordings', 'attempts')),
+  days   BIGINT NOT NULL CHECK (days BETWEEN 1 AND 36500),
+  PRIMARY KEY (tenant, what)
+);
+
+CREATE TABLE assignments (
+  tenant        BIGINT NOT NULL REFERENCES tenants (tenant),
+  id            BYTEA NOT NULL CHECK (length(id) = 16),
+  exercise_name TEXT COLLATE "C" NOT NULL,
+  cohort        BYTEA NOT NULL CHECK (length(cohort) = 16),
+  opens_ms      BIGINT NOT NULL DEFAULT 0 CHECK (opens_ms >= 0),
+  due_ms        BIGINT NOT NULL DEFAULT 0 CHECK (due_ms >= 0),
+  attempt_limit BIGINT NOT NULL DEFAULT 0 CHECK (attempt_limit >= 0),
+  exam          BIGINT NOT NULL DEFAULT 0 CHECK (exam IN (0, 1)),
+  late_allowed  BIGINT NOT NULL DEFAULT 0 CHECK (late_allowed IN (0, 1)),
+  revision      BIGINT NOT NULL DEFAULT 1,
+  created_ms    BIGINT NOT NULL DEFAULT 0,
+  hands         BIGINT NOT NULL DEFAULT 4,
+  exercise      BYTEA CHECK (length(exercise) = 16),
+  counting      TEXT COLLATE "C" NOT NULL DEFAULT 'best' CHECK (counting IN ('best', 'last', 'mean', 'median')),
+  PRIMARY KEY (tenant, id)
+);
+CREATE INDEX assignments_by_exercise ON assignments (tenant, exercise_name, cohort);
+
+CREATE TABLE assignment_stations (
+  tenant     BIGINT NOT NULL,
+  assignment BYTEA NOT NULL,
+  station    BYTEA NOT NULL,
+  PRIMARY KEY (tenant, assignment, station),
+  FOREIGN KEY (tenant, assignment) REFERENCES assignments (tenant, id) ON DELETE CASCADE,
+  FOREIGN KEY (tenant, station) REFERENCES stations (tenant, id)
+);
+
+CREATE TABLE attempt_results (
+  tenant                 BIGINT NOT NULL,
+  attempt                BYTEA NOT NULL,
+  run                    BIGINT NOT NULL,
+  scored_ms              BIGINT NOT NULL,
+  cause                  TEXT COLLATE "C" NOT NULL,  -- of the job: "seal", "reference", "rescore", "appeal"
+  score                  DOUBLE PRECISION NOT NULL,
+  critical_fail          BIGINT NOT NULL CHECK (critical_fail IN (0, 1)),
+  score_json             BYTEA NOT NULL,
+  reference              BYTEA,  -- the attempt it was compared with
+  replay_realtime_factor DOUBLE PRECISION NOT NULL DEFAULT 0,
+  document               BYTEA,
+  final_volume           BYTEA CHECK (length(final_volume) = 32),
+  surface                BYTEA CHECK (length(surface) = 32),
+  series                 BYTEA CHECK (length(series) = 32),
+  PRIMARY KEY (tenant, attempt, run),
+  FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
+);
+
+CREATE TABLE annotations (
+  tenant     BIGINT NOT NULL,
+  id         BYTEA NOT NULL CHECK (length(id) = 16),
+  attempt    BYTEA NOT NULL,
+  author     BYTEA NOT NULL CHECK (length(author) = 16),
+  tick       BIGINT NOT NULL CHECK (tick >= 0),
+  x_um       BIGINT,
+  y_um       BIGINT,
+  z_um       BIGINT,
+  text       TEXT COLLATE "C" NOT NULL,
+  created_ms BIGINT NOT NULL,
+  edited_ms  BIGINT NOT NULL DEFAULT 0,
+  revision   BIGINT NOT NULL DEFAULT 1,
+  PRIMARY KEY (tenant, id),
+  FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
+);
+CREATE INDEX annotations_by_attempt ON annotations (tenant, attempt, tick, id);
+
+CREATE TABLE appeals (
+  tenant      BIGINT NOT NULL,
+  attempt     BYTEA NOT NULL,
+  filed_ms    BIGINT NOT NULL,
+  text        TEXT COLLATE "C" NOT NULL,
+  state       TEXT COLLATE "C" NOT NULL CHECK (state IN ('open', 'regraded', 'rejected')),
+  answer      TEXT COLLATE "C" NOT NULL DEFAULT '',
+  answered_by BYTEA CHECK (length(answered_by) = 16),
+  answered_ms BIGINT NOT NULL DEFAULT 0,
+  PRIMARY KEY (tenant, attempt),
+  FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
+);
+CREATE INDEX appeals_open ON appeals (tenant, filed_ms) WHERE state = 'open';
+
+CREATE TABLE jobs (
+  tenant         BIGINT NOT NULL,
+  id             BYTEA NOT NULL CHECK (length(id) = 16),
+  kind           TEXT COLLATE "C" NOT NULL,
+  attempt        BYTEA NOT NULL,
+  cause          TEXT COLLATE "C" NOT NULL DEFAULT 'seal',
+  state          TEXT COLLATE "C" NOT NULL CHECK (state IN ('queued', 'running', 'done', 'failed', 'cancelled')),
+  tries          BIGINT NOT NULL DEFAULT 0,
+  lease_until_ms BIGINT NOT NULL DEFAULT 0,
+  error          TEXT COLLATE "C" NOT NULL DEFAULT '',
+  batch          BYTEA,  -- none: a run by itself, which goes first
+  PRIMARY KEY (tenant, id),
+  FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
+);
+CREATE INDEX jobs_open ON jobs (tenant, id) WHERE state IN ('queued', 'running');
+CREATE INDEX jobs_by_attempt ON jobs (tenant, attempt, id);
+CREATE INDEX jobs_by_batch ON jobs (tenant, batch) WHERE batch IS NOT NULL;
+
+CREATE TABLE sessions (
+  tenant       BIGINT NOT NULL,
+  token_hash   BYTEA NOT NULL CHECK (length(token_hash) = 32),
+  id           BYTEA NOT NULL CHECK (length(id) = 16),
+  person       BYTEA NOT NULL,
+  created_ms   BIGINT NOT NULL,
+  last_used_ms BIGINT NOT NULL,
+  expires_ms   BIGINT NOT NULL,
+  confirmed_ms BIGINT NOT NULL,
+  via          TEXT COLLATE "C" NOT NULL,
+  address      TEXT COLLATE "C" NOT NULL DEFAULT '',
+  device       TEXT COLLATE "C" NOT NULL DEFAULT '',
+  PRIMARY KEY (tenant, token_hash),
+  UNIQUE (tenant, id),
+  FOREIGN KEY (tenant, person) REFERENCES people (tenant, id) ON DELETE CASCADE
+);
+CREATE INDEX sessions_by_person ON sessions (tenant, person);
+
+CREATE TABLE enrol_codes (
+  tenant       BIGINT NOT NULL REFERENCES tenants (tenant),
+  code_hash    BYTEA NOT NULL CHECK (length(code_hash) = 32),
+  id           BYTEA NOT NULL CHECK (length(id) = 16),
+  created_ms   BIGINT NOT NULL,
+  expires_ms   BIGINT NOT NULL,
+  used_ms      BIGINT,
+  withdrawn_ms BIGINT,
+  PRIMARY KEY (tenant, code_hash),
+  UNIQUE (tenant, id)
+);
+
+CREATE TABLE profile_versions (
+  tenant     BIGINT NOT NULL REFERENCES tenants (tenant),
+  name       TEXT COLLATE "C" NOT NULL,
+  version    BIGINT NOT NULL CHECK (version >= 1),
+  title      TEXT COLLATE "C" NOT NULL,
+  content    BYTEA NOT NULL CHECK (length(content) = 32),
+  created_ms BIGINT NOT NULL,  -- 0: before schema 4
+  PRIMARY KEY (tenant, name, version)
+);
+
+CREATE TABLE profile_reports (
+  tenant     BIGINT NOT NULL,
+  id         BYTEA NOT NULL CHECK (length(id) = 16),
+  name       TEXT COLLATE "C" NOT NULL,
+  version    BIGINT NOT NULL,
+  media_type TEXT COLLATE "C" NOT NULL CHECK (media_type IN ('application/json', 'text/html')),
+  content    BYTEA NOT NULL CHECK (length(content) = 32),
+  bytes      BIGINT NOT NULL,
+  created_ms BIGINT NOT NULL,
+  PRIMARY KEY (tenant, id),
+  UNIQUE (tenant, name, version, content),
+  FOREIGN KEY (tenant, name, version) REFERENCES profile_versions (tenant, name, version)
+);
+
+CREATE TABLE calibrations (
+  tenant      BIGINT NOT NULL,
+  id          BYTEA NOT NULL CHECK (length(id) = 16),
+  profile     TEXT COLLATE "C" NOT NULL,
+  device      TEXT COLLATE "C" NOT NULL,
+  measured_ms BIGINT NOT NULL,
+  added_ms    BIGINT NOT NULL,
+  document    TEXT COLLATE "C" NOT NULL,
+  PRIMARY KEY (tenant, id),
+  FOREIGN KEY (tenant, profile) REFERENCES profiles (tenant, name)
+);
+-- By a hash: an index holds no text of any length. MD5 tells documents apart; nobody gains by two that
+-- it does not.
+CREATE UNIQUE INDEX calibrations_once ON calibrations (tenant, profile, md5(document));
+CREATE INDEX calibrations_by_profile ON calibrations (tenant, profile, measured_ms);
+
+CREATE TABLE write_probe (
+  tenant BIGINT NOT NULL PRIMARY KEY,
+  at_ms  BIGINT NOT NULL
+);
+
+CREATE TABLE rubrics (
+  tenant       BIGINT NOT NULL,
+  exercise     BYTEA NOT NULL,  -- this version of it
+  version      BIGINT NOT NULL CHECK (version > 1),  -- of the document, as scores name it
+  content      BYTEA NOT NULL CHECK (length(content) = 32),
+  reason       TEXT COLLATE "C" NOT NULL,
+  published_ms BIGINT NOT NULL,
+  PRIMARY KEY (tenant, exercise, version),
+  FOREIGN KEY (tenant, exercise) REFERENCES exercises (tenant, id)
+);
+
+CREATE TABLE job_batches (
+  tenant    BIGINT NOT NULL REFERENCES tenants (tenant),
+  id        BYTEA NOT NULL CHECK (length(id) = 16),
+  title     TEXT COLLATE "C" NOT NULL,  -- for people: "Year 2, class-1-molar"
+  cohort    BYTEA,  -- whose attempts they are
+  cause     TEXT COLLATE "C" NOT NULL,  -- of its jobs
+  queued_ms BIGINT NOT NULL,
+  PRIMARY KEY (tenant, id)
+);
+
+CREATE TABLE listed_devices (
+  tenant   BIGINT NOT NULL REFERENCES tenants (tenant),
+  name     TEXT COLLATE "C" NOT NULL,
+  title    TEXT COLLATE "C" NOT NULL,  -- for people: "chair 3"
+  added_ms BIGINT NOT NULL,
+  PRIMARY KEY (tenant, name)
+);
+
+CREATE TABLE exercise_owners (
+  tenant BIGINT NOT NULL REFERENCES tenants (tenant),
+  name   TEXT COLLATE "C" NOT NULL,
+  owner  BYTEA,  -- a person; NULL: the school's, hence the admins'
+  shared BIGINT NOT NULL CHECK (shared IN (0, 1)),  -- other instructors may read and assign it
+  PRIMARY KEY (tenant, name),
+  FOREIGN KEY (tenant, owner) REFERENCES people (tenant, id)
+);
+
+CREATE TABLE audit_to_begin (
+  tenant BIGINT NOT NULL PRIMARY KEY
+);
+
+CREATE TABLE timelines (
+  tenant  BIGINT NOT NULL,
+  attempt BYTEA NOT NULL,
+  content BYTEA CHECK (length(content) = 32),  -- NULL: not made
+  tries   BIGINT NOT NULL DEFAULT 0,  -- begun, of those that did not end with it
+  problem TEXT COLLATE "C" NOT NULL DEFAULT '',  -- why the last try failed
+  PRIMARY KEY (tenant, attempt),
+  FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
+);
+CREATE INDEX timelines_to_make ON timelines (tenant, attempt) WHERE content IS NULL;
+
+CREATE TABLE start_teeth (
+  tenant  BIGINT NOT NULL REFERENCES tenants (tenant),
+  volume  BYTEA NOT NULL CHECK (length(volume) = 32),
+  content BYTEA NOT NULL CHECK (length(content) = 32),
+  PRIMARY KEY (tenant, volume)
+);
+CREATE INDEX start_teeth_by_content ON start_teeth (tenant, content);
+
+CREATE TABLE motions (
+  tenant     BIGINT NOT NULL,
+  attempt    BYTEA NOT NULL,
+  content    BYTEA NOT NULL CHECK (length(content) = 32),
+  nearest    BYTEA CHECK (length(nearest) = 16),  -- an attempt; NULL: there was none before it, or it is erased
+  others     BIGINT NOT NULL,  -- it was compared with so many
+  nearest_um BIGINT NOT NULL,
+  median_um  BIGINT NOT NULL,
+  size_um    BIGINT NOT NULL,
+  PRIMARY KEY (tenant, attempt),
+  FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
+);
+CREATE INDEX motions_by_nearest ON motions (tenant, nearest) WHERE nearest IS NOT NULL;
+
+CREATE TABLE audit_heads (
+  tenant    BIGINT NOT NULL,
+  chain     BYTEA NOT NULL CHECK (length(chain) = 16),
+  number    BIGINT NOT NULL CHECK (number > 0),  -- of its last row
+  last_id   BYTEA NOT NULL CHECK (length(last_id) = 16),
+  hash      BYTEA NOT NULL CHECK (length(hash) = 32),
+  signature BYTEA NOT NULL CHECK (length(signature) = 64),
+  PRIMARY KEY (tenant, chain)
+);
+
+-- What SQLite's RAISE(ABORT, ...) does.
+CREATE FUNCTION enamel_refuse() RETURNS trigger LANGUAGE plpgsql AS $$
+BEGIN
+  RAISE EXCEPTION '%', TG_ARGV[0];
+END $$;
+
+CREATE TRIGGER audit_is_not_deleted BEFORE DELETE ON audit
+  FOR EACH ROW EXECUTE FUNCTION enamel_refuse('audit rows are never deleted');
+
+-- Erasing a person blanks the words of rows about that person, and nothing else is ever changed.
+CREATE FUNCTION enamel_audit_change() RETURNS trigger LANGUAGE plpgsql AS $$
+BEGIN
+  IF NOT (
+    NEW.tenant = OLD.tenant AND NEW.id = OLD.id AND NEW.at_ms = OLD.at_ms AND NEW.actor = OLD.actor AND
+    NEW.via = OLD.via AND NEW.action = OLD.action AND NEW.object = OLD.object AND NEW.subject = OLD.subject AND
+    NEW.content_hash IS NOT DISTINCT FROM OLD.content_hash AND
+    NEW.signature IS NOT DISTINCT FROM OLD.signature AND NEW.salt IS NULL AND
+    NEW.state = CASE OLD.state WHEN '' THEN '' ELSE '{"erased":true}' END AND
+    NEW.before_json = '{"erased":true}' AND NEW.after_json = '{"erased":true}' AND (
+      ((OLD.action LIKE 'person.%' OR OLD.action LIKE 'session.%' OR OLD.action = 'request.refused') AND
+       NOT EXISTS (SELECT 1 FROM people p WHERE p.tenant = OLD.tenant AND
+                   encode(p.id, 'hex') = replace(OLD.object, '-', ''))) OR
+      (OLD.action <> 'attempt.ticket' AND
+       EXISTS (SELECT 1 FROM audit t WHERE t.tenant = OLD.tenant AND t.object = OLD.object AND
+               t.action = 'attempt.ticket' AND
+               replace(t.after_json::json ->> 'person', '-', '') NOT IN
+                 (SELECT encode(p.id, 'hex') FROM people p WHERE p.tenant = OLD.tenant)))))
+  THEN
+    RAISE EXCEPTION 'audit rows are never changed';
+  END IF;
+  IF NEW.chain IS DISTINCT FROM OLD.chain OR NEW.number IS DISTINCT FROM OLD.number OR
+     NEW.previous IS DISTINCT FROM OLD.previous
+  THEN
+    RAISE EXCEPTION 'audit rows are never changed';
+  END IF;
+  RETURN NEW;
+END $$;
+CREATE TRIGGER audit_is_not_changed BEFORE UPDATE ON audit
+  FOR EACH ROW EXECUTE FUNCTION enamel_audit_change();
+
+CREATE TRIGGER audit_heads_are_not_deleted BEFORE DELETE ON audit_heads
+  FOR EACH ROW EXECUTE FUNCTION enamel_refuse('the audit trail only grows');
+CREATE TRIGGER audit_heads_only_advance BEFORE UPDATE ON audit_heads
+  FOR EACH ROW WHEN (NOT (NEW.tenant = OLD.tenant AND NEW.chain = OLD.chain AND NEW.number > OLD.number))
+  EXECUTE FUNCTION enamel_refuse('the audit trail only grows');

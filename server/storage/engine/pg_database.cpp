@@ -1,0 +1,71 @@
+#include "server/storage/engine/pg_database.h"
+
+#include <spdlog/spdlog.h>
+
+#include <utility>
+
+#include "common/postgres/pg_db.h"
+
+namespace enamel::server::sqlite {
+namespace {
+
+using Kind = sql::PgFailure::Kind;
+
+// What to do about it.
+const char* Advice(Kind kind) {
+  switch (kind) {
+    case Kind::kNotThere:
+      return "the database server cannot be reached; see that PostgreSQL runs";
+    case Kind::kReadOnly:
+      return "the database server takes no changes: it is a standby; try again when another has "
+             "taken over";
+    case Kind::kBusy:
+      return "the database is busy; try again";
+    case Kind::kRepeat:
+      return "another server changes the same; try again";
+    case Kind::kFull:
+      return "the database server's disk is full; free some disk space there";
+    case Kind::kNotAllowed:
+      return "the database server refuses this user; see its pg_hba.conf, and that the user owns "
+             "the database";
+    case Kind::kDamaged:
+      return "the database is damaged, restore a backup";
+    case Kind::kConstraint:
+    case Kind::kTaken:
+      return "this does not go with what is stored: something is there already, or what it names "
+             "is "
+             "not there; read it again, then try again";
+    case Kind::kOther:
+      break;
+  }
+  return "the database failed; the log says why";
+}
+
+Status Tell(const sql::PgFailure& failure) {
+  const Code code = CodeOf(failure.kind);
+  if (failure.opening) return Status(code, failure.words + ": " + Advice(failure.kind));
+  // A name that is taken, and transactions that meet, are everyday life.
+  if (failure.kind != Kind::kTaken && failure.kind != Kind::kRepeat) {
+    spdlog::warn("database: {} (PostgreSQL {})", failure.words,
+                 failure.state.empty() ? "connection" : failure.state);
+  }
+  return Status(code, Advice(failure.kind));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<sql::Db>> OpenPgDatabase(const std::string& server,
+                                                const std::string& schema, bool read_only,
+                                                std::function<bool()> fail_next) {
+  sql::PgDbOptions options;
+  options.server = server;
+  options.schema = schema;
+  options.read_only = read_only;
+  options.application = "enamel-server";
+  options.fail_next = std::move(fail_next);
+  options.explain = Tell;
+  ENAMEL_ASSIGN_OR_RETURN(auto db, sql::PgDb::Open(std::move(options)));
+  return std::unique_ptr<sql::Db>(std::move(db));
+}
+
+}  // namespace enamel::server::sqlite

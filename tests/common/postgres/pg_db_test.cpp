@@ -1,0 +1,296 @@
+#include "common/postgres/pg_db.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdint>
+#include <cstdlib>
+#include <thread>
+#include <vector>
+
+#include "common/sql/query.h"
+
+// The driver for PostgreSQL: what it keeps, converts and tells, and what it does when the server or
+// another transaction comes between. with_postgres.sh starts the server and names it.
+namespace enamel::sql {
+namespace {
+
+using Kind = PgFailure::Kind;
+
+class PgDbTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const char* server = std::getenv("ENAMEL_POSTGRES");
+    if (server == nullptr) GTEST_SKIP() << "ENAMEL_POSTGRES names no server";
+    server_ = server;
+    // A schema for each test.
+    schema_ = ::testing::UnitTest::GetInstance()->current_test_info()->name();
+    db_ = Open();
+    ASSERT_TRUE(db_->Exec(("CREATE SCHEMA \"" + schema_ + "\"").c_str()).ok());
+  }
+  void TearDown() override {
+    if (db_ == nullptr) return;
+    db_->Rollback();
+    EXPECT_TRUE(db_->Exec(("DROP SCHEMA \"" + schema_ + "\" CASCADE").c_str()).ok());
+  }
+  PgDbOptions Options() {
+    PgDbOptions options;
+    options.server = server_;
+    options.schema = schema_;
+    options.application = "enamel test";
+    return options;
+  }
+  std::unique_ptr<PgDb> Open(bool read_only = false) {
+    PgDbOptions options = Options();
+    options.read_only = read_only;
+    auto db = PgDb::Open(std::move(options));
+    EXPECT_TRUE(db.ok()) << db.status().message();
+    return std::move(db).value();
+  }
+  // Ends the connection from outside, as a server that dies does.
+  void Cut(PgDb& db) {
+    int64_t pid = 0;
+    {
+      Query q(db, "SELECT pg_backend_pid()");
+      ASSERT_TRUE(q.Next());
+      pid = q.Int(0);
+    }
+    auto other = Open();
+    Query q(*other, "SELECT pg_terminate_backend(?1::int)");
+    ASSERT_TRUE(q.BindInt(pid).Next()) << q.status().message();
+  }
+
+  std::string server_, schema_;
+  std::unique_ptr<PgDb> db_;
+};
+
+TEST_F(PgDbTest, EveryTypeComesBackAsItWasBoundAlsoWhereItIsEmpty) {
+  ASSERT_TRUE(db_->Exec("CREATE TABLE t (a bigint, b double precision, c text, d text, e bytea, "
+                        "f bytea, g text)")
+                  .ok());
+  {
+    Query q(*db_, "INSERT INTO t VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)");
+    q.BindInt(INT64_MIN).BindReal(0.1).BindText("čau ?1 $1").BindText("").BindBlob(Bytes{0, 255});
+    EXPECT_TRUE(q.BindBlob({}).BindNull(Type::kText).Run().ok()) << q.status().message();
+  }
+  EXPECT_EQ(db_->Changes(), 1);
+  Query q(*db_, "SELECT a, b, c, d, e, f, g FROM t");
+  ASSERT_TRUE(q.Next()) << q.status().message();
+  EXPECT_EQ(q.Int(0), INT64_MIN);
+  EXPECT_EQ(q.Real(1), 0.1);
+  EXPECT_EQ(q.Text(2), "čau ?1 $1");
+  EXPECT_FALSE(q.IsNull(3)) << "an empty text is a text";
+  EXPECT_EQ(q.Text(3), "");
+  EXPECT_EQ(q.Blob(4), (Bytes{0, 255}));
+  EXPECT_FALSE(q.IsNull(5)) << "an empty blob is a blob";
+  EXPECT_TRUE(q.IsNull(6));
+  EXPECT_EQ(q.Text(6), "");
+  EXPECT_EQ(q.TypeOf(0), Type::kInt);
+  EXPECT_EQ(q.TypeOf(1), Type::kReal);
+  EXPECT_EQ(q.TypeOf(2), Type::kText);
+  EXPECT_EQ(q.TypeOf(4), Type::kBlob);
+  EXPECT_FALSE(q.Next());
+  EXPECT_TRUE(q.status().ok());
+}
+
+// sum over bigint is numeric to PostgreSQL, a count bigint, a comparison bool.
+TEST_F(PgDbTest, WhatThePostgresFunctionsGiveReadsAsANumber) {
+  Query q(*db_,
+          "SELECT sum(x), avg(x), count(*), 2 > 1, 1::smallint, 2::int, 1.5::real, sum(x) * 0 - "
+          "9223372036854775807 FROM (VALUES (20000::bigint), (10001)) t (x)");
+  ASSERT_TRUE(q.Next()) << q.status().message();
+  EXPECT_EQ(q.Int(0), 30001);
+  EXPECT_EQ(q.TypeOf(0), Type::kInt);
+  EXPECT_EQ(q.Real(1), 15000.5);
+  EXPECT_EQ(q.TypeOf(1), Type::kReal);
+  EXPECT_EQ(q.Int(2), 2);
+  EXPECT_EQ(q.Int(3), 1);
+  EXPECT_EQ(q.Int(4), 1);
+  EXPECT_EQ(q.Int(5), 2);
+  EXPECT_EQ(q.Real(6), 1.5);
+  EXPECT_EQ(q.Int(7), -INT64_MAX);
+}
+
+TEST_F(PgDbTest, QuestionMarksInsideQuotationsAreNoParameters) {
+  Query q(*db_, "SELECT 'a?1''?2' || ?1 AS \"x?1\"");
+  ASSERT_TRUE(q.BindText("b").Next()) << q.status().message();
+  EXPECT_EQ(q.Text(0), "a?1'?2b");
+  EXPECT_EQ(q.NameOf(0), "x?1");
+}
+
+TEST_F(PgDbTest, TextThatIsNoneIsRefused) {
+  ASSERT_TRUE(db_->Exec("CREATE TABLE t (a text)").ok());
+  for (const std::string& text :
+       {std::string("a\0b", 3), std::string("\xff"), std::string("\xc3")}) {
+    Query q(*db_, "INSERT INTO t VALUES (?1)");
+    EXPECT_EQ(q.BindText(text).Run().code(), Code::kInvalidInput);
+  }
+}
+
+TEST_F(PgDbTest, StatementsAreKeptUpToANumberAndThoseInUseAlways) {
+  Query rows(*db_, "SELECT n FROM generate_series(1, 3) n");
+  ASSERT_TRUE(rows.Next());
+  for (size_t i = 0; i < 2 * PgDb::kMaxStatements; ++i) {
+    Query q(*db_, "SELECT " + std::to_string(i));
+    ASSERT_TRUE(q.Next());
+    EXPECT_EQ(q.Int(0), static_cast<int64_t>(i));
+    EXPECT_LE(db_->kept_statements(), PgDb::kMaxStatements);
+  }
+  EXPECT_TRUE(rows.Next());
+  EXPECT_EQ(rows.Int(0), 2) << "not taken away under its user";
+  Query q(*db_, "SELECT count(*) FROM pg_prepared_statements");
+  ASSERT_TRUE(q.Next());
+  EXPECT_LE(q.Int(0), static_cast<int64_t>(PgDb::kMaxStatements)) << "given back at the server too";
+}
+
+TEST_F(PgDbTest, AStatementMayBeBoundWithOtherTypesNextTime) {
+  for (int round = 0; round < 2; ++round) {
+    Query text(*db_, "SELECT coalesce(?1, ?2) IS NULL");
+    ASSERT_TRUE(text.BindNull(Type::kText).BindText("x").Next());
+    EXPECT_EQ(text.Int(0), 0);
+  }
+  Query number(*db_, "SELECT coalesce(?1, ?2) IS NULL");
+  ASSERT_TRUE(number.BindNull(Type::kInt).BindInt(1).Next()) << number.status().message();
+}
+
+TEST_F(PgDbTest, FailuresAreToldByTheirKind) {
+  ASSERT_TRUE(db_->Exec("CREATE TABLE a (id bigint PRIMARY KEY, n bigint CHECK (n > 0));"
+                        "INSERT INTO a VALUES (1, 1)")
+                  .ok());
+  EXPECT_EQ(db_->Exec("INSERT INTO a VALUES (1, 1)").code(), Code::kConflict);
+  EXPECT_EQ(db_->failure().kind, Kind::kTaken);
+  EXPECT_EQ(db_->failure().state, "23505");
+  EXPECT_EQ(db_->Exec("INSERT INTO a VALUES (2, 0)").code(), Code::kConflict);
+  EXPECT_EQ(db_->failure().kind, Kind::kConstraint);
+  Query none(*db_, "SELECT nothing FROM nowhere");
+  EXPECT_FALSE(none.Next());
+  EXPECT_EQ(none.status().code(), Code::kStorage);
+  EXPECT_EQ(none.columns(), 0);
+  auto reader = Open(/*read_only=*/true);
+  EXPECT_EQ(reader->Exec("INSERT INTO a VALUES (3, 1)").code(), Code::kUnavailable);
+  EXPECT_EQ(reader->failure().kind, Kind::kReadOnly);
+  EXPECT_TRUE(db_->Exec("SELECT 1").ok());
+  EXPECT_EQ(db_->failure().words, "") << "the last statement did not fail";
+}
+
+TEST_F(PgDbTest, AServerThatIsNotThereIsToldAtOnce) {
+  PgDbOptions options = Options();
+  options.server = "host=/nowhere dbname=x";
+  auto db = PgDb::Open(std::move(options));
+  ASSERT_FALSE(db.ok());
+  EXPECT_EQ(db.status().code(), Code::kUnavailable);
+  EXPECT_NE(db.status().message().find("/nowhere"), std::string::npos) << db.status().message();
+}
+
+TEST_F(PgDbTest, ATransactionIsAllOrNothing) {
+  ASSERT_TRUE(db_->Exec("CREATE TABLE t (n bigint PRIMARY KEY)").ok());
+  {
+    Transaction dropped(*db_);
+    ASSERT_TRUE(dropped.begun().ok());
+    ASSERT_TRUE(db_->Exec("INSERT INTO t VALUES (1)").ok());
+  }
+  {
+    Transaction failed(*db_);
+    ASSERT_TRUE(db_->Exec("INSERT INTO t VALUES (2)").ok());
+    EXPECT_FALSE(db_->Exec("INSERT INTO t VALUES (2)").ok());
+    EXPECT_FALSE(failed.Commit().ok()) << "PostgreSQL itself calls this a success";
+  }
+  {
+    Transaction kept(*db_);
+    ASSERT_TRUE(db_->Exec("INSERT INTO t VALUES (3); SAVEPOINT one").ok());
+    EXPECT_FALSE(db_->Exec("INSERT INTO t VALUES (3)").ok());
+    ASSERT_TRUE(db_->Exec("ROLLBACK TO one; RELEASE one").ok());
+    EXPECT_TRUE(kept.Commit().ok());
+  }
+  Query q(*db_, "SELECT sum(n) FROM t");
+  ASSERT_TRUE(q.Next());
+  EXPECT_EQ(q.Int(0), 3);
+}
+
+// Each reads what the other changes: one after the other is the only way, so that one must go again.
+TEST_F(PgDbTest, TransactionsThatMeetEndWithOneToRepeat) {
+  ASSERT_TRUE(db_->Exec("CREATE TABLE t (id bigint PRIMARY KEY, n bigint);"
+                        "INSERT INTO t VALUES (1, 0), (2, 0)")
+                  .ok());
+  auto other = Open();
+  Transaction a(*db_), b(*other);
+  auto change = [](PgDb& db, int from, int to) {
+    const std::string sql = "UPDATE t SET n = (SELECT n FROM t WHERE id = " + std::to_string(from) +
+                            ") + 1 WHERE id = " + std::to_string(to);
+    return db.Exec(sql.c_str());
+  };
+  Status first = change(*db_, 1, 2);
+  Status second = change(*other, 2, 1);
+  if (first.ok()) first = a.Commit();
+  if (second.ok()) second = b.Commit();
+  EXPECT_NE(first.ok(), second.ok());
+  EXPECT_NE(db_->must_repeat(), other->must_repeat());
+  EXPECT_EQ((first.ok() ? second : first).code(), Code::kUnavailable);
+}
+
+TEST_F(PgDbTest, ALostConnectionEndsTheTransactionAndIsMadeAnewForTheNext) {
+  ASSERT_TRUE(db_->Exec("CREATE TABLE t (n bigint)").ok());
+  {
+    Query q(*db_, "SELECT count(*) FROM t");
+    ASSERT_TRUE(q.Next());
+  }
+  {
+    Transaction cut(*db_);
+    ASSERT_TRUE(db_->Exec("INSERT INTO t VALUES (1)").ok());
+    Cut(*db_);
+    EXPECT_EQ(db_->Exec("INSERT INTO t VALUES (2)").code(), Code::kUnavailable);
+    EXPECT_EQ(db_->failure().kind, Kind::kNotThere);
+    EXPECT_EQ(db_->Exec("INSERT INTO t VALUES (3)").code(), Code::kUnavailable)
+        << "not half of it in another connection";
+    EXPECT_FALSE(cut.Commit().ok());
+  }
+  {
+    Transaction next(*db_);
+    ASSERT_TRUE(next.begun().ok());
+    Query q(*db_, "INSERT INTO t VALUES (?1)");
+    ASSERT_TRUE(q.BindInt(4).Run().ok()) << q.status().message();
+    ASSERT_TRUE(next.Commit().ok());
+  }
+  Query q(*db_, "SELECT count(*) FROM t");
+  ASSERT_TRUE(q.Next()) << "prepared anew: " << q.status().message();
+  EXPECT_EQ(q.Int(0), 1);
+}
+
+TEST_F(PgDbTest, MigrationsRunOnceAlsoWhenManyStartAtOnce) {
+  const std::vector<Migration> steps = {{3, "0003_a.sql", "CREATE TABLE a (n bigint)"},
+                                        {4, "0004_b.sql", "INSERT INTO a VALUES (1)"}};
+  EXPECT_EQ(*db_->SchemaVersion(), 0);
+  std::atomic<int> done{0};
+  {
+    std::vector<std::jthread> starters;
+    for (int i = 0; i < 8; ++i) {
+      starters.emplace_back([&] {
+        auto db = Open();
+        const Status status = db->Migrate(steps);
+        EXPECT_TRUE(status.ok()) << status.message();
+        done += status.ok() ? 1 : 0;
+      });
+    }
+  }
+  EXPECT_EQ(done, 8);
+  EXPECT_EQ(*db_->SchemaVersion(), 4);
+  Query q(*db_, "SELECT count(*) FROM a");
+  ASSERT_TRUE(q.Next());
+  EXPECT_EQ(q.Int(0), 1);
+  PgDbOptions options = Options();
+  options.application = "another";
+  auto other = PgDb::Open(std::move(options));
+  ASSERT_TRUE(other.ok());
+  EXPECT_EQ((*other)->SchemaVersion().status().code(), Code::kVersion);
+}
+
+TEST_F(PgDbTest, AMigrationThatFailsLeavesTheDatabaseAsItWas) {
+  EXPECT_FALSE(db_->Migrate({{1, "0001_a.sql", "CREATE TABLE a (n bigint)"},
+                             {2, "0002_b.sql", "CREATE TABLE a (n bigint)"}})
+                   .ok());
+  EXPECT_EQ(*db_->SchemaVersion(), 0);
+  EXPECT_FALSE(db_->Exec("SELECT * FROM a").ok());
+}
+
+}  // namespace
+}  // namespace enamel::sql

@@ -1,0 +1,141 @@
+#include <gtest/gtest.h>
+
+#include <array>
+#include <atomic>
+#include <cstdlib>
+#include <map>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/storage/engine/database.h"
+#include "server/storage/engine/pg_database.h"
+#include "server/storage/engine/ticket_key.h"
+#include "server/storage/engine/verify_audit.h"
+#include "server/storage/sql/query.h"
+#include "server/storage/sqlite_store.h"
+#include "tests/support/temp_folder.h"
+
+// The tables that the store has in PostgreSQL are those that it has in SQLite, column by column.
+namespace enamel::server::sqlite {
+namespace {
+
+// "table.column" to "TYPE NOT NULL KEY".
+using Columns = std::map<std::string, std::string>;
+
+Columns OfSqlite(sql::Db& db) {
+  const std::map<std::string, std::string> words = {
+      {"INTEGER", "bigint"}, {"REAL", "double precision"}, {"TEXT", "text"}, {"BLOB", "bytea"}};
+  Columns out;
+  sql::Query q(db,
+               "SELECT t.name || '.' || c.name, c.type, c.\"notnull\", c.pk FROM sqlite_master t, "
+               "pragma_table_info(t.name) c WHERE t.type = 'table'");
+  while (q.Next()) {
+    out[q.Text(0)] = words.at(q.Text(1)) + (q.Int(2) != 0 ? " NOT NULL" : "") +
+                     (q.Int(3) != 0 ? " KEY " + std::to_string(q.Int(3)) : "");
+  }
+  EXPECT_TRUE(q.status().ok()) << q.status().message();
+  return out;
+}
+
+Columns OfPostgres(sql::Db& db) {
+  Columns out;
+  sql::Query q(
+      db,
+      "SELECT c.table_name || '.' || c.column_name, c.data_type::text, c.is_nullable = 'NO', "
+      "coalesce(k.ordinal_position, 0) FROM information_schema.columns c LEFT JOIN "
+      "(information_schema.key_column_usage k JOIN information_schema.table_constraints p ON "
+      "p.constraint_schema = k.constraint_schema AND p.constraint_name = k.constraint_name AND "
+      "p.constraint_type = 'PRIMARY KEY') ON k.table_schema = c.table_schema AND k.table_name = "
+      "c.table_name AND k.column_name = c.column_name WHERE c.table_schema = current_schema() AND "
+      "c.table_name <> 'enamel_schema'");
+  while (q.Next()) {
+    out[q.Text(0)] = q.Text(1) + (q.Int(2) != 0 ? " NOT NULL" : "") +
+                     (q.Int(3) != 0 ? " KEY " + std::to_string(q.Int(3)) : "");
+  }
+  EXPECT_TRUE(q.status().ok()) << q.status().message();
+  return out;
+}
+
+class PgSchemaTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const char* server = std::getenv("ENAMEL_POSTGRES");
+    if (server == nullptr) GTEST_SKIP() << "ENAMEL_POSTGRES names no server";
+    pg_ = std::move(OpenPgDatabase(server, "schema_test", /*read_only=*/false, {})).value();
+    ASSERT_TRUE(pg_->Migrate(PgMigrations()).ok());
+  }
+  void TearDown() override {
+    if (pg_ != nullptr) EXPECT_TRUE(pg_->Exec("DROP SCHEMA schema_test CASCADE").ok());
+  }
+
+  std::unique_ptr<sql::Db> pg_;
+};
+
+TEST_F(PgSchemaTest, HasTheTablesAndColumnsOfSqlite) {
+  const test::TempFolder folder;
+  auto sqlite = OpenDatabase(folder.path() / "a.db", DbMode::kCreate);
+  ASSERT_TRUE(sqlite.ok() && (*sqlite)->Migrate(Migrations()).ok());
+  const Columns expected = OfSqlite(**sqlite), found = OfPostgres(*pg_);
+  EXPECT_GT(expected.size(), 200u);
+  EXPECT_EQ(expected, found);
+  EXPECT_EQ(Migrations().back().version, PgMigrations().back().version);
+  EXPECT_EQ(*pg_->SchemaVersion(), Migrations().back().version);
+}
+
+// A database of another language would put names in another order, and find others equal.
+TEST_F(PgSchemaTest, ComparesEveryTextByteByByte) {
+  sql::Query q(*pg_,
+               "SELECT table_name || '.' || column_name FROM information_schema.columns WHERE "
+               "table_schema = current_schema() AND data_type = 'text' AND collation_name IS "
+               "DISTINCT FROM 'C'");
+  EXPECT_FALSE(q.Next()) << q.Text(0);
+  EXPECT_TRUE(q.status().ok()) << q.status().message();
+}
+
+// Measured on a table that fills its pages: a third of updates touched every index.
+TEST_F(PgSchemaTest, LeavesRoomBesideAnAttemptForItsNextVersion) {
+  sql::Query q(*pg_,
+               "SELECT array_to_string(reloptions, ' ') FROM pg_class WHERE relname = 'attempts' "
+               "AND relnamespace = current_schema()::regnamespace");
+  ASSERT_TRUE(q.Next()) << q.status().message();
+  EXPECT_EQ(q.Text(0), "fillfactor=50 toast_tuple_target=128");
+}
+
+// Both extend the same audit trail, so that their transactions meet all the time: each is run again
+// until it is kept, and what it did counts once.
+TEST_F(PgSchemaTest, TwoServersThatWriteAtOnceLoseAndDoubleNothing) {
+  const test::TempFolder folder;
+  PostgresOptions options;
+  options.server = std::getenv("ENAMEL_POSTGRES");
+  options.schema = "schema_test";
+  options.folder.folder = folder.path();
+  constexpr int kEach = 20;
+  std::array<std::unique_ptr<Store>, 2> stores;
+  for (auto& store : stores) store = std::move(OpenPostgresStore(options)).value();
+  std::atomic<int> kept{0};
+  {
+    std::vector<std::jthread> writers;
+    for (size_t i = 0; i < stores.size(); ++i) {
+      writers.emplace_back([&, i] {
+        for (int n = 0; n < kEach; ++n) {
+          Person person;
+          person.login = std::to_string(i) + "-" + std::to_string(n);
+          person.display_name = person.login;
+          const auto made = stores[i]->CreatePerson(person, "none", {}, {{}, "test"});
+          EXPECT_TRUE(made.ok()) << made.status().message();
+          kept += made.ok() ? 1 : 0;
+        }
+      });
+    }
+  }
+  EXPECT_EQ(kept, 2 * kEach);
+  EXPECT_EQ(stores[0]->People()->size(), static_cast<size_t>(2 * kEach));
+  VerifyReport report;
+  EXPECT_TRUE(CheckAudit(*pg_, ReadTicketKey(folder.path())->public_key, {}, report, {}).ok());
+  EXPECT_TRUE(report.findings.empty()) << report.findings.front().found;
+}
+
+}  // namespace
+}  // namespace enamel::server::sqlite
