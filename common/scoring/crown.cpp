@@ -13,9 +13,12 @@ using cutting::Tissue;
 using cutting::Volume;
 
 constexpr double kDegrees = 180 / 3.14159265358979323846;
-constexpr int kPlaces = 72, kSections = 8;
+constexpr int kPlaces = 72;
+constexpr int kSections = 8, kHalfPlanes = 2 * kSections;
 // Of 5 degrees: a turn is 72 of them, so that no libm decides where is looked.
 constexpr double kCosStep = 0.99619469809174553, kSinStep = 0.08715574274765817;
+// And of 22.5: between every other half plane and the one before, which is one of the places.
+constexpr double kCosBetween = 0.92387953251128674, kSinBetween = 0.38268343236508977;
 constexpr double kReach_m = 9e-3;        // a molar's half diagonal and room
 constexpr double kSearch_m = 1.5e-3;     // about where the shoulder should be
 constexpr double kLeastStep_m = 0.1e-3;  // a wall stands so far in from the tooth's side, at least
@@ -36,11 +39,19 @@ struct Direction {
   double x = 1, y = 0;
 };
 
+Direction Turned(const Direction& d, double cosine, double sine) {
+  return {d.x * cosine - d.y * sine, d.x * sine + d.y * cosine};
+}
 std::array<Direction, kPlaces> Directions() {
   std::array<Direction, kPlaces> out;
-  for (size_t k = 1; k < out.size(); ++k) {
-    const Direction& d = out[k - 1];
-    out[k] = {d.x * kCosStep - d.y * kSinStep, d.x * kSinStep + d.y * kCosStep};
+  for (size_t k = 1; k < out.size(); ++k) out[k] = Turned(out[k - 1], kCosStep, kSinStep);
+  return out;
+}
+std::array<Direction, kHalfPlanes> HalfPlanes(const std::array<Direction, kPlaces>& places) {
+  std::array<Direction, kHalfPlanes> out;
+  for (size_t k = 0; k < out.size(); ++k) {
+    const Direction& d = places[k / 2 * (kPlaces / kSections)];
+    out[k] = k % 2 == 0 ? d : Turned(d, kCosBetween, kSinBetween);
   }
   return out;
 }
@@ -68,15 +79,23 @@ class Profile {
   // Height of the surface from above, between two heights; none where there is none.
   std::optional<double> Height_m(const Direction& d, double r_m, double from_z_m,
                                  double to_z_m) const {
-    double before = At(d, r_m, from_z_m);
+    return HeightWhere_m(
+        d, [r_m](double) { return r_m; }, from_z_m, to_z_m);
+  }
+  // The same along a line whose distance from the axis follows the height.
+  template <typename RadiusAt>
+  std::optional<double> HeightWhere_m(const Direction& d, const RadiusAt& radius_m, double from_z_m,
+                                      double to_z_m) const {
+    double before = At(d, radius_m(from_z_m), from_z_m);
     if (before < 0) return std::nullopt;
     for (double z = from_z_m - step_m_; z > to_z_m; z -= step_m_) {
-      const double phi = At(d, r_m, z);
+      const double phi = At(d, radius_m(z), z);
       if (phi < 0) return z + step_m_ * phi / (phi - before);
       before = phi;
     }
     return std::nullopt;
   }
+  bool IsSolid(const Direction& d, double r_m, double z_m) const { return At(d, r_m, z_m) < 0; }
 
   double step_m() const { return step_m_; }
 
@@ -180,7 +199,7 @@ dvec3 PointAt(const dvec3& axis_m, const Direction& d, double r_m, double z_m) {
 }
 
 // Everything about the finish line, at the places that the reference has.
-void MeasureLine(const Profile& attempt, const Profile& reference,
+void MeasureLine(const Profile& initial, const Profile& attempt, const Profile& reference,
                  const std::array<Direction, kPlaces>& directions,
                  const std::array<Place, kPlaces>& places, const dvec3& axis_m, CrownFigures& out) {
   std::vector<double> widths, depths, heights;
@@ -188,11 +207,16 @@ void MeasureLine(const Profile& attempt, const Profile& reference,
   for (size_t k = 0; k < directions.size(); ++k) {
     const Direction& d = directions[k];
     const Place& at = places[k];
-    const double r = at.outer_m - kFinishInside_m;
+    // A tooth that is narrower farther down would end outside of a deeper line.
+    auto inside = [&](double z) {
+      const double outer = z >= at.line_z_m ? at.outer_m : initial.Radius_m(d, z).value_or(0);
+      return std::min(at.outer_m, outer) - kFinishInside_m;
+    };
     const double from = at.line_z_m + 2 * kSearch_m, to = at.line_z_m - kSearch_m;
     // Where the air begins higher, the tooth's side was left, and the line is not there.
-    const double is = attempt.Height_m(d, r, from, to).value_or(from);
-    const double asked = reference.Height_m(d, r, from, to).value_or(at.line_z_m);
+    const bool left = attempt.IsSolid(d, inside(from), from);
+    const double is = left ? from : attempt.HeightWhere_m(d, inside, from, to).value_or(to);
+    const double asked = reference.HeightWhere_m(d, inside, from, to).value_or(at.line_z_m);
     depths.push_back(asked - is);
     heights.push_back(is);
     const std::optional<double> inner = attempt.Radius_m(d, is + kWidthAbove_m);
@@ -348,15 +372,21 @@ CrownFigures MeasureCrown(const Volume& initial, const CutSide& attempt, const C
                      static_cast<double>(initial.spec().voxels().z) * initial.spec().voxel_m();
   const std::optional<double> top = asked.Height_m(directions[0], 0, sky, bottom_z_m);
   if (!top || *top - line_z < 2 * kWallMargin_m + kLeastWall_m) return out;
+  static const std::array<Direction, kHalfPlanes> half_planes = HalfPlanes(directions);
+  std::array<double, kHalfPlanes> lines_z;
+  for (size_t k = 0; k < kHalfPlanes; ++k) {
+    const std::optional<Place> place = FinishLine(before, asked, half_planes[k], bottom_z_m);
+    if (!place) return out;
+    lines_z[k] = place->line_z_m;
+  }
   out.in_task = true;
 
-  std::array<double, kSections> lean_deg{}, taken{}, off_deg{};
-  std::array<Spot, kSections> wall_at;
+  std::array<double, kHalfPlanes> lean_deg{}, taken{}, off_deg{};
+  std::array<Spot, kHalfPlanes> wall_at;
   double top_radius = kReach_m;
-  for (size_t k = 0; k < kSections; ++k) {
-    const size_t place = k * kPlaces / kSections;
-    const Direction& d = directions[place];
-    const double lo = places[place].line_z_m + kWallMargin_m, hi = *top - kWallMargin_m;
+  for (size_t k = 0; k < kHalfPlanes; ++k) {
+    const Direction& d = half_planes[k];
+    const double lo = lines_z[k] + kWallMargin_m, hi = *top - kWallMargin_m;
     const std::optional<Line> wall = WallLine(is, d, lo, hi), tooth = WallLine(before, d, lo, hi);
     const std::optional<Line> wanted = WallLine(asked, d, lo, hi);
     if (!wall || !tooth || !wanted) return out;
@@ -367,32 +397,33 @@ CrownFigures MeasureCrown(const Volume& initial, const CutSide& attempt, const C
     if (const auto r = asked.Radius_m(d, hi)) top_radius = std::min(top_radius, *r);
   }
   out.made = true;
-  std::array<double, kSections / 2> section;
-  for (size_t k = 0; k < section.size(); ++k) {
-    section[k] = lean_deg[k] + lean_deg[k + kSections / 2];
-  }
-  out.mesiodistal_deg = section[0];
-  out.buccolingual_deg = section[2];
+  // Quarters of a turn.
+  constexpr size_t kToMesial = 0, kToBuccal = kHalfPlanes / 4, kToDistal = 2 * kToBuccal,
+                   kToLingual = 3 * kToBuccal;
+  std::array<double, kSections> section;
+  for (size_t k = 0; k < section.size(); ++k) section[k] = lean_deg[k] + lean_deg[k + kSections];
+  out.mesiodistal_deg = section[kToMesial];
+  out.buccolingual_deg = section[kToBuccal];
   const auto least = std::min_element(section.begin(), section.end());
   const auto most = std::max_element(section.begin(), section.end());
   out.least_deg = *least;
   out.most_deg = *most;
   auto worse = [&](auto a, auto b) { return off_deg[size_t(a)] >= off_deg[size_t(b)] ? a : b; };
-  auto spot = [&](auto s) { return wall_at[size_t(worse(s, s + std::ptrdiff_t{kSections / 2}))]; };
-  out.mesiodistal_at = spot(std::ptrdiff_t{0});
-  out.buccolingual_at = spot(std::ptrdiff_t{2});
+  auto spot = [&](auto s) { return wall_at[size_t(worse(s, s + std::ptrdiff_t{kSections}))]; };
+  out.mesiodistal_at = spot(std::ptrdiff_t{kToMesial});
+  out.buccolingual_at = spot(std::ptrdiff_t{kToBuccal});
   out.least_at = spot(least - section.begin());
   out.most_at = spot(most - section.begin());
   out.axis_at = wall_at[size_t(std::max_element(off_deg.begin(), off_deg.end()) - off_deg.begin())];
-  const double along = 0.5 * (lean_deg[0] - lean_deg[4]);
-  const double across = 0.5 * (lean_deg[2] - lean_deg[6]);
+  const double along = 0.5 * (lean_deg[kToMesial] - lean_deg[kToDistal]);
+  const double across = 0.5 * (lean_deg[kToBuccal] - lean_deg[kToLingual]);
   out.axis_deg = std::sqrt(along * along + across * across);
-  out.wall_m = {taken[0], taken[4], taken[2], taken[6]};
+  out.wall_m = {taken[kToMesial], taken[kToDistal], taken[kToBuccal], taken[kToLingual]};
   out.undercut_m2 =
       Undercut_m2(attempt, *axis, line_z + kWallMargin_m, *top - kWallMargin_m, out.undercut_at);
   MeasureTop(initial, *attempt.volume, *reference.volume, *axis, *top, top_radius - kWallMargin_m,
              directions, out);
-  MeasureLine(is, asked, directions, places, *axis, out);
+  MeasureLine(before, is, asked, directions, places, *axis, out);
   constexpr int kBuccalPlace = kPlaces / 4, kLingualPlace = 3 * kPlaces / 4;
   out.bevel_buccal = MeasureBevel(is, directions, places, kBuccalPlace, sky);
   out.bevel_lingual = MeasureBevel(is, directions, places, kLingualPlace, sky);

@@ -32,7 +32,7 @@ struct CrownFigures {
   bool made = false;     // the attempt has walls there, in every half plane
 
   // Angle between the two walls of a section, degrees: + they meet above the top. From mesial to
-  // distal, from buccal to lingual, and of these and the two sections between them.
+  // distal, from buccal to lingual, and of these and the six sections between them.
   double mesiodistal_deg = 0, buccolingual_deg = 0, least_deg = 0, most_deg = 0;
   double axis_deg = 0;  // how far the middle line between the walls leans from +z
   double undercut_m2 =

@@ -21,6 +21,9 @@ constexpr int32_t kLeastFraction = 655;
 // Farther than this beyond the target's box a place belongs to no wall: a bur's width.
 constexpr double kWallReach_m = 1e-3;
 
+// Of the stroke that took most.
+constexpr double kCountsOfLargest = 0.1;
+
 constexpr uint32_t Bit(Part part) { return 1u << part; }
 constexpr uint32_t Bit(Tissue tissue) { return 1u << static_cast<uint32_t>(tissue); }
 constexpr uint32_t kAll = ~0u;
@@ -170,8 +173,15 @@ class Gatherer {
     if (of_stroke_.empty()) return out;
     for (const auto& [number, stroke] : of_stroke_) out.strokes.push_back(stroke);
     out.stroke_count = static_cast<uint32_t>(out.strokes.size());
-    // By number, so by time.
-    out.first_tick = out.strokes.front().first_tick;
+    double largest_m3 = 0;
+    for (const FaultStroke& stroke : out.strokes)
+      largest_m3 = std::max(largest_m3, stroke.volume_m3);
+    // By number, so by time. Most strokes graze what is beyond by a micrometre: where it began is where
+    // one began that counts.
+    const auto first = std::find_if(
+        out.strokes.begin(), out.strokes.end(),
+        [&](const FaultStroke& s) { return s.volume_m3 >= kCountsOfLargest * largest_m3; });
+    out.first_tick = first->first_tick;
     out.first_s = times.TimeOf_s(out.first_tick);
     std::stable_sort(
         out.strokes.begin(), out.strokes.end(),

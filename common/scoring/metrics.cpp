@@ -187,8 +187,8 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
                          *attempt.final_volume, *attempt.final_surface);
   m.deviation = MeasureDeviation(r.cut_side, back);
   if (plan.Has(MetricGroup::kWalls) || plan.Has(MetricGroup::kLineAngles)) {
-    m.walls =
-        MeasureWalls(a.cut_side, r.cut_side, back, boxes.target, exercise.target.depth_um * 1e-6);
+    m.walls = MeasureWalls(initial, a.cut_side, r.cut_side, back, boxes.target,
+                           exercise.target.depth_um * 1e-6);
   }
   if (plan.Has(MetricGroup::kLineAngles)) {
     m.line_angles = MeasureLineAngles(a.cut_side, m.walls, boxes.target);

@@ -23,15 +23,15 @@ State WithCaries(const Measured& m) { return Unless(Of(m.task.task, Tissue::kCar
 State WithNeighbour(const Measured& m) { return Unless(m.has_neighbour); }
 State WithPulp(const Measured& m) { return Unless(m.has_pulp); }
 State WithOutline(const Measured& m) { return Unless(m.outline.in_task); }
-template <Part kPart>
-State WithWall(const Measured& m) {
-  return Unless(m.walls[kPart].in_task);
-}
-template <Part kPart>
-State WithMadeWall(const Measured& m) {
+template <Part kPart, bool WallFigures::*kThere>
+State OfWall(const Measured& m) {
   if (!m.walls[kPart].in_task) return NoValue::kNotInTask;
-  return m.walls[kPart].made ? State{} : NoValue::kNotMade;
+  return m.walls[kPart].*kThere ? State{} : NoValue::kNotMade;
 }
+template <Part kPart>
+constexpr auto WithWall = OfWall<kPart, &WallFigures::begun>;
+template <Part kPart>
+constexpr auto WithMadeWall = OfWall<kPart, &WallFigures::made>;
 State WithUprightWalls(const Measured& m) {
   bool any = false;
   for (size_t p = 0; p < kFloor; ++p) {
@@ -238,12 +238,12 @@ constexpr Entry kRegistry[] = {
      WithMade<&Measured::crown>},
     {kCrown,
      {"convergence_least_deg", "deg", "Least convergence",
-      "Least angle between opposite walls of the stump in four sections; below 0 none can seat."},
+      "Least angle between opposite walls of the stump in eight sections; below 0 none can seat."},
      [](const Measured& m) { return m.crown.least_deg; },
      WithMade<&Measured::crown>},
     {kCrown,
      {"convergence_most_deg", "deg", "Most convergence",
-      "Largest angle between opposite walls of the stump in four sections."},
+      "Largest angle between opposite walls of the stump in eight sections."},
      [](const Measured& m) { return m.crown.most_deg; },
      WithMade<&Measured::crown>},
     {kCrown,

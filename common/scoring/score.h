@@ -51,11 +51,12 @@ struct GateResult {
 // How scores are measured and computed: 1 before rubrics had gates and statistics a domain that the
 // reference fixes, 2 before forces at the device's limit were left unjudged and flakes were no walls,
 // 3 before reasons were stored as codes, 4 before advice was told once and comments only of what cost
-// much. Higher for every change that may move a score of the same
+// much, 5 before walls far off in narrow cavities and deep finish lines were found and crowns had
+// eight sections. Higher for every change that may move a score of the same
 // recording, or what a judgement is told by.
-inline constexpr int32_t kScoringVersion = 5;
+inline constexpr int32_t kScoringVersion = 6;
 // Since when a metric of the same name is the same number.
-inline constexpr int32_t kSameNumbersSince = 3;
+inline constexpr int32_t kSameNumbersSince = 6;
 // Of a hundred. Whoever lost less needs no comment and no advice.
 inline constexpr double kWorthAdvice = 0.5;
 // A comment speaks of a fault: that is told of who lost such a share of the criterion's points, or so

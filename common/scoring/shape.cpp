@@ -16,8 +16,10 @@ constexpr double kPatch_m2 = 0.02e-6;      // what a bur's tip leaves at the lea
 constexpr double kLeastWall_m2 = 0.05e-6;  // smaller faces belong to edges
 // And of the target's face: what stands where a box ends in the open is a flake, no wall.
 constexpr double kLeastOfFace = 0.1;
-constexpr double kOtherSurface = 2;  // a line may be so many times the nearest distance
+// A line may be so many times the largest nearest distance of the wall.
+constexpr double kOtherSurface = 2;
 constexpr double kMadeShare = 0.7;
+constexpr double kDeepest_m = 8e-3;  // no floor of a cavity lies deeper
 constexpr double kFitFrom = 0.15, kFitTo = 0.9;
 constexpr double kDegrees = 180 / 3.14159265358979323846;
 
@@ -135,8 +137,9 @@ double FaceArea_m2(const OpenBox& target, double depth_m, size_t part) {
   return depth_m * (part == kMesial || part == kDistal ? y : x);
 }
 
-WallFigures MeasureWall(const CutSide& attempt, const CutSide& reference, const WallPatch& patch,
-                        const std::vector<float>& deviation_m, double least_m2, bool floor) {
+WallFigures MeasureWall(const Volume& initial, const CutSide& attempt, const CutSide& reference,
+                        const WallPatch& patch, const std::vector<float>& deviation_m,
+                        double least_m2, bool floor) {
   WallFigures out;
   out.in_task = patch.area_m2 >= least_m2;
   if (!out.in_task) return out;
@@ -150,21 +153,32 @@ WallFigures MeasureWall(const CutSide& attempt, const CutSide& reference, const 
   std::vector<WeightedValue> offsets;
   // Of the attempt over the reference; of the latter's and of the attempt's surface by themselves.
   std::vector<Height> heights, own_heights, made_heights;
-  double met_m2 = 0, lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+  double met_m2 = 0, untouched_m2 = 0, lowest = std::numeric_limits<double>::infinity(),
+         highest = -lowest;
+  // Nearest distances to a rough wall end at whatever stands out of it; along one direction they are
+  // the two walls' heights. What a line meets much farther off is another surface. How far is asked
+  // of the whole wall: beside an edge the next wall is near, however far this one has moved.
+  double most = 0;
+  for (size_t i : patch.vertices) most = std::max(most, std::fabs(double{deviation_m[i]}));
+  const double reach = kOtherSurface * most + h;
   for (size_t i : patch.vertices) {
     const dvec3 p(reference.mesh->position_m[i]);
     const double area = (*reference.areas_m2)[i], nearest = deviation_m[i];
-    // Nearest distances to a rough wall end at whatever stands out of it; along one direction they
-    // are the two walls' heights. What the line meets much farther off is another surface.
-    const double reach = kOtherSurface * std::fabs(nearest) + h;
-    const double there = SurfaceAlong_m(*attempt.volume, p, patch.normal, reach);
-    if (!(std::fabs(there) < reach)) {
+    // Over a floor there is one surface, however much is left; the nearest may be a side that is open.
+    const bool left = attempt.volume->DistanceAt_m(p) < 0;
+    const double limit = floor && left ? std::max(reach, kDeepest_m) : reach;
+    const double there = SurfaceAlong_m(*attempt.volume, p, patch.normal, limit);
+    const bool met = std::fabs(there) < limit;
+    // The tooth's own surface, behind which nothing was cut yet, is no wall and no floor.
+    const bool cut = met && IsCut(initial, *attempt.volume, p + patch.normal * there);
+    if (left && !cut) untouched_m2 += area;
+    if (!met) {
       offsets.push_back({-nearest, area});
       continue;
     }
     const double own = SurfaceAlong_m(*reference.volume, p, patch.normal, h);
     Height height{own - there, area, Dot(p, up), Dot(p, along)};
-    met_m2 += area;
+    if (cut || !left) met_m2 += area;
     lowest = std::min(lowest, height.s), highest = std::max(highest, height.s);
     offsets.push_back({height.d, area});
     heights.push_back(height);
@@ -172,6 +186,7 @@ WallFigures MeasureWall(const CutSide& attempt, const CutSide& reference, const 
     made_heights.push_back({-Dot(p, patch.normal) - there, area, height.s, height.t});
   }
   out.offset_m = WeightedQuantile(std::move(offsets), 0.5) + 0.0;  // -0 becomes 0
+  out.begun = untouched_m2 < kMadeShare * patch.area_m2;
   out.made = met_m2 >= kMadeShare * patch.area_m2;
   if (!out.made) return out;
 
@@ -244,15 +259,15 @@ double DeepestOver_m(const CutSide& attempt, const std::vector<float>& deviation
   return ReachedBy(std::move(over), kPatch_m2);
 }
 
-Walls MeasureWalls(const CutSide& attempt, const CutSide& reference,
+Walls MeasureWalls(const Volume& initial, const CutSide& attempt, const CutSide& reference,
                    const std::vector<float>& reference_deviation_m, const OpenBox& target,
                    double depth_m) {
   const auto patches = PatchesOf(reference, target, depth_m);
   Walls out;
   for (size_t p = 0; p < kPartCount; ++p) {
     const double least_m2 = std::max(kLeastWall_m2, kLeastOfFace * FaceArea_m2(target, depth_m, p));
-    out[p] =
-        MeasureWall(attempt, reference, patches[p], reference_deviation_m, least_m2, p == kFloor);
+    out[p] = MeasureWall(initial, attempt, reference, patches[p], reference_deviation_m, least_m2,
+                         p == kFloor);
   }
   return out;
 }

@@ -49,8 +49,9 @@ struct Facet {
 // to another face or a gouge, and is left out of plane and waviness.
 struct WallFigures {
   bool in_task = false;  // the reference has 0.05 mm^2 and a tenth of the face
-  bool made = false;     // the attempt has a surface there: along 70 % of the area a line meets it
-  double offset_m = 0;   // median of d; of nearest distances where no line meets the surface
+  bool begun = false;    // of 30 % of the area what stands before it is cut, or gone
+  bool made = false;  // the attempt has cut a surface there: along 70 % of the area a line meets it
+  double offset_m = 0;  // median of d; of nearest distances where no line meets the surface
   // atan b, degrees; of a floor the steepest direction, without sign. + opens towards the top, - is
   // undercut, both against the reference's wall.
   double tilt_deg = 0;
@@ -59,7 +60,7 @@ struct WallFigures {
   Facet facet;            // of the attempt's surface, fitted in the same way
 };
 using Walls = std::array<WallFigures, kPartCount>;
-Walls MeasureWalls(const CutSide& attempt, const CutSide& reference,
+Walls MeasureWalls(const cutting::Volume& initial, const CutSide& attempt, const CutSide& reference,
                    const std::vector<float>& reference_deviation_m, const OpenBox& target,
                    double depth_m);
 

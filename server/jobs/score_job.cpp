@@ -22,7 +22,7 @@
 namespace enamel::server {
 namespace {
 
-// The newest of those before it: a hundredth of a second for each ten of them.
+// The newest of those before it: bounds what comparing costs.
 constexpr uint32_t kMostMotions = 500;
 
 // Shares of a job's time, for its progress.

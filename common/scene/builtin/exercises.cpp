@@ -22,6 +22,8 @@ using cutting::Tissue;
 // what 0.1 N of chatter takes on the coarsest of the built-in devices (haptics/README.md).
 constexpr TouchCueSpec kPracticeCues{250, 100, 200, 1'000};
 
+constexpr char kNeighbourDepth[] = "neighbour_depth_mm";
+
 bool IsAnterior(const Scene& scene) { return scene.name.starts_with("incisor"); }
 
 bool Has(const Scene& scene, cutting::Tissue tissue) {
@@ -67,11 +69,23 @@ Exercise ClassTwoExercise(const Scene& scene, const Sha256& scene_hash) {
     // The outline ends in the open side, where it has no place of its own.
     return c.metric == "wall_mesial_mm" || c.metric == "outline_over_mm";
   });
-  // A nick can be polished out; a groove in the neighbour is caries to come.
-  RubricCriterion neighbour = AtMost("neighbour_removed_mm3", "Neighbour untouched", "mm3", 10,
-                                     0.001, 0.1, "The neighbouring tooth was cut.");
-  neighbour.fails_above = 0.5;
-  criteria.push_back(std::move(neighbour));
+  // A nick can be polished out; a groove in the neighbour is caries to come. A bur that goes by at
+  // 0.05 mm moves its surface by less than a voxel of 0.1 mm: as deep as that says nothing yet.
+  criteria.push_back(AtMost("neighbour_removed_mm3", "Neighbour untouched", "mm3", 4, 0.001, 0.1,
+                            "The neighbouring tooth was cut."));
+  RubricCriterion depth = AtMost(kNeighbourDepth, "Neighbour not grooved", "mm", 4, 0.1, 0.2,
+                                 "The neighbouring tooth has a groove.");
+  depth.fails_above = 0.2;
+  criteria.push_back(std::move(depth));
+  criteria.push_back(NoCariesCriterion(10));
+  e.rubric.gates.push_back(CariesGate());
+  for (const auto& [metric, points] : {std::pair{"task_done_percent", 4},
+                                       {"outside_removed_mm3", 6},
+                                       {"remaining_dentin_mm", 2}}) {
+    for (RubricCriterion& c : criteria) {
+      if (c.metric == metric) c.points = points;
+    }
+  }
   return e;
 }
 
@@ -223,7 +237,7 @@ Exercise ClassFiveExercise(const Scene& scene, const Sha256& scene_hash) {
                    Mm(kRight_um) + " off has full marks, one that is " + Mm(kLeeway_um) +
                    " off has none. Do not expose the pulp.";
   e.rubric.name = "class-5-buccal";
-  e.rubric.version = 1;
+  e.rubric.version = 2;
   // What is down in this scene is the wall towards the pulp.
   const struct {
     const char *metric, *title, *comment;
@@ -320,6 +334,13 @@ Exercise VeneerExercise(const Scene& scene, const ToothShape& tooth, const Sha25
   e.rubric.criteria[1].map = {{0.08, 1}, {0.3, 0}};
   e.rubric.criteria.push_back(AtMost("outline_over_mm", "Outline on the face", "mm", 15, 0.1, 0.35,
                                      "The reduction is wider than it should be."));
+  // Half a millimetre is all that stands between the face and trouble.
+  e.rubric.criteria.push_back(PulpCriterion(3));
+  e.rubric.criteria.push_back(CoverCriterion(2));
+  for (RubricCriterion& c : e.rubric.criteria) {
+    if (c.metric == "force_sent_p95_n") c.points = 8;
+    if (c.metric == "time_s") c.points = 2;
+  }
   e.rubric.criteria[0].title = "All of the face reduced";
   e.rubric.criteria[0].comment = "Part of the face was left standing.";
   return e;
@@ -375,8 +396,45 @@ Exercise ShapeExercise(const Scene& scene, const Sha256& scene_hash, const Prepa
   e.target = std::move(target);
   e.graded = false;
   e.touch_cues = kPracticeCues;
-  e.rubric = ShapeRubric("practice-" + shape.name);
+  const std::string rubric = "practice-" + shape.name;
+  e.rubric = ShapeRubric(rubric);
+  if (!e.target.parts.empty()) return e;
+  // Of a box how its walls stand and how even they are is known, and not only how far off.
+  e.rubric = ShapeRubric(rubric, 18, 7);
+  e.rubric.version = 5;
+  const RubricCriterion of_a_box[] = {
+      AtMost("wall_tilt_deg", "Walls upright", "deg", 7, 3, 12, "A wall leans."),
+      AtMost("undercut_deg", "No undercut", "deg", 5, 4, 12, "A wall leans over the cavity."),
+      AtMost("wall_waviness_mm", "Walls smooth", "mm", 5, 0.03, 0.12, "A wall is wavy."),
+      AtMost("floor_waviness_mm", "Floor flat", "mm", 3, 0.03, 0.12, "The floor is uneven.")};
+  for (const RubricCriterion& c : of_a_box) e.rubric.criteria.push_back(c);
   return e;
+}
+
+// Those that the scene's landmarks and preparations give.
+std::vector<Exercise> ExercisesOf(const Scene& scene, const Sha256& scene_hash) {
+  std::vector<Exercise> out;
+  auto has = [&](const char* landmark) { return scene.landmarks.count(landmark) != 0; };
+  if (scene.up == Up::kBuccal) {
+    const ToothShape* tooth = ShapeOf(scene);
+    if (has("class_5")) out.push_back(ClassFiveExercise(scene, scene_hash));
+    if (has("labial_face") && tooth) out.push_back(VeneerExercise(scene, *tooth, scene_hash));
+    return out;
+  }
+  // An incisor has no fossa to cut into.
+  if (has("occlusal_centre") && !IsAnterior(scene)) {
+    out.push_back(ClassOneExercise(scene, scene_hash));
+  }
+  if (has("occlusal_centre") && HasKnownChamber(scene)) {
+    out.push_back(AccessExercise(scene, scene_hash));
+  }
+  if (has("caries")) out.push_back(CariesExercise(scene, scene_hash));
+  if (has("mesial_box")) out.push_back(ClassTwoExercise(scene, scene_hash));
+  if (has("crown_top")) out.push_back(CrownExercise(scene, scene_hash));
+  for (const Preparation& p : scene.preparations) {
+    if (has(p.name.c_str())) out.push_back(ShapeExercise(scene, scene_hash, p));
+  }
+  return out;
 }
 
 }  // namespace
@@ -408,26 +466,20 @@ Exercise PreparedExercise(const Scene& scene, const Sha256& scene_hash,
 }
 
 std::vector<Exercise> BuiltinExercises(const Scene& scene, const Sha256& scene_hash) {
-  std::vector<Exercise> out;
-  auto has = [&](const char* landmark) { return scene.landmarks.count(landmark) != 0; };
-  if (scene.up == Up::kBuccal) {
-    const ToothShape* tooth = ShapeOf(scene);
-    if (has("class_5")) out.push_back(ClassFiveExercise(scene, scene_hash));
-    if (has("labial_face") && tooth) out.push_back(VeneerExercise(scene, *tooth, scene_hash));
-    return out;
-  }
-  // An incisor has no fossa to cut into.
-  if (has("occlusal_centre") && !IsAnterior(scene)) {
-    out.push_back(ClassOneExercise(scene, scene_hash));
-  }
-  if (has("occlusal_centre") && HasKnownChamber(scene)) {
-    out.push_back(AccessExercise(scene, scene_hash));
-  }
-  if (has("caries")) out.push_back(CariesExercise(scene, scene_hash));
-  if (has("mesial_box")) out.push_back(ClassTwoExercise(scene, scene_hash));
-  if (has("crown_top")) out.push_back(CrownExercise(scene, scene_hash));
-  for (const Preparation& p : scene.preparations) {
-    if (has(p.name.c_str())) out.push_back(ShapeExercise(scene, scene_hash, p));
+  std::vector<Exercise> out = ExercisesOf(scene, scene_hash);
+  if (!Has(scene, Tissue::kNeighbour)) return out;
+  for (Exercise& e : out) {
+    const auto& criteria = e.rubric.criteria;
+    if (std::any_of(criteria.begin(), criteria.end(),
+                    [](const RubricCriterion& c) { return c.metric == kNeighbourDepth; })) {
+      continue;
+    }
+    // Where it is not what the exercise is about, it has no points of its own, and takes all others'.
+    e.rubric.gates.push_back({kNeighbourDepth,
+                              "Neighbour untouched",
+                              "mm",
+                              {{0.1, 1}, {0.3, 0}},
+                              "The neighbouring tooth was cut."});
   }
   return out;
 }

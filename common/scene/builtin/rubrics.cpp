@@ -55,7 +55,13 @@ std::vector<RubricGate> TaskGates() {
            "Cut where nothing was asked for",
            "%",
            {{20, 1}, {120, 0}},
-           "Much was cut away that has nothing to do with the task."}};
+           "Much was cut away that has nothing to do with the task."},
+          // Beside a large task a second hole is a small share of it.
+          {"deepest_over_mm",
+           "No second hole",
+           "mm",
+           {{0.6, 1}, {1.6, 0}},
+           "Somewhere the bur went a bur's width into what had to stay."}};
 }
 
 RubricCriterion PulpCriterion(double points) {
@@ -84,7 +90,7 @@ void AddHand(Rubric& r, double force, double time, double full_s, double none_s)
 Rubric ClassOneRubric(bool tooth) {
   Rubric r;
   r.name = "class-1-occlusal";
-  r.version = 3;
+  r.version = 4;
   r.gates = TaskGates();
   r.criteria = {
       AtLeast("task_done_percent", "Outline removed", "%", tooth ? 8 : 12, 70, 97,
@@ -123,7 +129,7 @@ Rubric ClassOneRubric(bool tooth) {
 Rubric ShapeRubric(std::string name, double closeness, double nowhere, TimeBand time) {
   Rubric r;
   r.name = std::move(name);
-  r.version = 3;
+  r.version = 4;
   r.gates = TaskGates();
   r.criteria = {
       AtLeast("task_done_percent", "All of it cut", "%", 10, 70, 97,
@@ -143,19 +149,27 @@ Rubric ShapeRubric(std::string name, double closeness, double nowhere, TimeBand 
   return r;
 }
 
+RubricGate CariesGate() {
+  return {"caries_left_percent",
+          "Caries left",
+          "%",
+          {{10, 1}, {90, 0}},
+          "The work was stopped early: there is still caries to be taken away."};
+}
+
+RubricCriterion NoCariesCriterion(double points) {
+  return AtMost("caries_left_percent", "No caries left", "%", points, 1, 12,
+                "Caries was left: it goes on under the filling.");
+}
+
 Rubric CariesRubric() {
   Rubric r;
   r.name = "caries-excavation";
-  r.version = 2;
+  r.version = 3;
   r.gates = TaskGates();
-  r.gates[0] = {"caries_left_percent",
-                "Caries left",
-                "%",
-                {{10, 1}, {90, 0}},
-                "The work was stopped early: there is still caries to be taken away."};
+  r.gates[0] = CariesGate();
   r.criteria = {
-      AtMost("caries_left_percent", "No caries left", "%", 35, 1, 12,
-             "Caries was left: it goes on under the filling."),
+      NoCariesCriterion(35),
       AtMost("sound_removed_mm3", "Sound tissue kept", "mm3", 20, 0.5, 6,
              "More sound tissue was taken than the reference took."),
       ElsewhereCriterion(10),
@@ -172,7 +186,7 @@ Rubric CariesRubric() {
 
 Rubric CrownRubric(bool anterior) {
   Rubric r = ShapeRubric("crown-preparation", 15, 4, {1'200, 2'400});
-  r.version = 4;
+  r.version = 5;
   auto& criteria = r.criteria;
   criteria.push_back(
       ConvergenceCriterion("convergence_mesiodistal_deg", "Convergence, mesial to distal", 22));

@@ -21,10 +21,14 @@ RubricCriterion AtLeast(const char* metric, const char* title, const char* unit,
 RubricCriterion WallCriterion(const char* metric, const char* title, double points,
                               const char* comment);
 RubricCriterion PulpCriterion(double points);
+// Of the caries that the reference took, at least 99 % for full marks.
+RubricCriterion NoCariesCriterion(double points);
+RubricGate CariesGate();
 // Less than 0.5 mm of dentin is taken as too little to protect the pulp (schemas/score.md).
 RubricCriterion CoverCriterion(double points);
 
-// A criterion earns only in so far as the task was done and the rest of the mouth is still there.
+// A criterion earns only in so far as the task was done, the rest of the mouth is still there, and
+// nothing has a hole that does not belong to the task.
 std::vector<RubricGate> TaskGates();
 
 // `tooth`: there is a pulp to keep.

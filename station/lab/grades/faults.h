@@ -35,12 +35,14 @@ struct Fault {
   // How far off the metric may be: a quarter of a voxel, of a volume its area times that, half a
   // degree, a percent.
   double tolerance = 0;
+  // At or over the threshold of its kind, which we chose: no study says at which size a dentist marks
+  // a fault down. It has to cost a point at least.
+  bool must_cost = true;
   Hollow taken;
   Neighbours neighbours = Neighbours::kSpared;
 };
 
-// Every fault for this exercise. `few`: of each kind one size, near what the literature calls a
-// fault. `built` outlives what is returned.
+// Every fault for this exercise. `few`: of each kind one size, its threshold. `built` outlives what is returned.
 std::vector<Fault> FaultsOf(const scene::BuiltScene& built, const scene::Exercise& exercise,
                             const Task& task, bool few);
 

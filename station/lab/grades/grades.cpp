@@ -51,6 +51,8 @@ Result<std::vector<std::string>> ScenesAskedFor(const GradesOptions& options) {
 
 bool GradeRow::AsKnown() const { return found && std::fabs(*found - size) <= tolerance; }
 
+bool GradeRow::CostsEnough() const { return !must_cost || points_lost >= 1; }
+
 GradedExercise::GradedExercise(const scene::BuiltScene& built, scene::Exercise exercise, Task task,
                                scoring::ProcessRecorder process)
     : built_(&built),
@@ -92,6 +94,7 @@ Result<GradeRow> GradedExercise::Grade(const Fault& fault) const {
   row.voxel_mm = built_->scene.voxel_nm * 1e-6;
   row.metric = fault.metric;
   row.tolerance = fault.tolerance;
+  row.must_cost = fault.must_cost;
   for (const scoring::MetricValue& m : score.metrics) {
     if (m.name == fault.metric) row.found = m.value;
   }
@@ -152,6 +155,7 @@ json::object GradesJson(const std::vector<GradeRow>& rows) {
                                {"found", r.found ? json::value(*r.found) : json::value(nullptr)},
                                {"tolerance", r.tolerance},
                                {"points_lost", r.points_lost},
+                               {"must_cost", r.must_cost},
                                {"score", r.score}});
   }
   return {{"format", 1}, {"rows", std::move(out)}};

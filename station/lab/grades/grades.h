@@ -29,8 +29,10 @@ struct GradeRow {
   std::optional<double> found;  // empty: the attempt has made nothing that could be measured
   double tolerance = 0;         // |found - size| is to stay within it
   double points_lost = 0, score = 0;
+  bool must_cost = true;  // at or over its threshold: it has to cost a point at least
 
   bool AsKnown() const;
+  bool CostsEnough() const;
 };
 
 // One tooth and exercise with its task, ready to grade attempts at it.

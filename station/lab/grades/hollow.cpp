@@ -129,10 +129,22 @@ CrownCut CrownCut::Deeper(double lower_m) const {
 CrownCut CrownCut::Converging(double degrees) const {
   CrownCut out = *this;
   const double in = std::tan(degrees / 2 * kPi / 180) * (top_z_m - shoulder_z_m);
-  out.at_top = at_shoulder;
-  out.at_top.half_x_m -= in;
-  out.at_top.half_y_m -= in;
+  out.at_top.middle_x_m = at_shoulder.middle_x_m;
+  out.at_top.half_x_m = at_shoulder.half_x_m - in;
   return out;
+}
+
+CrownCut CrownCut::Undercut(double degrees) const {
+  CrownCut out = *this;
+  const double in = std::tan(degrees / 2 * kPi / 180) * (top_z_m - shoulder_z_m);
+  out.at_shoulder.middle_x_m = at_top.middle_x_m;
+  out.at_shoulder.half_x_m = at_top.half_x_m + in;
+  return out;
+}
+
+bool CrownCut::HasTop() const {
+  constexpr double kLeastHalf_m = 0.2e-3;
+  return std::min(at_top.half_x_m, at_top.half_y_m) > kLeastHalf_m;
 }
 
 CrownCut CrownCut::Leaning(double degrees) const {

@@ -64,10 +64,14 @@ struct CrownCut {
   CrownCut Moved(double in_m, double lower_m) const;
   // The shoulder lower by `lower_m`, the walls going on as they are.
   CrownCut Deeper(double lower_m) const;
-  // The same foot, its walls standing at `degrees` to each other, mesial to distal and buccal to
-  // lingual; and the top moved mesially, so that the stump leans by `degrees`.
+  // The same foot, its mesial and distal walls standing at `degrees` to each other; the same top,
+  // its foot narrower (degrees < 0) from mesial to distal; and the top moved mesially, so that the
+  // stump leans by `degrees`.
   CrownCut Converging(double degrees) const;
+  CrownCut Undercut(double degrees) const;
   CrownCut Leaning(double degrees) const;
+  // The top is wider than 0.4 mm both ways: the walls do not meet below it.
+  bool HasTop() const;
   // How far the middle line between the mesial and the distal wall leans, degrees.
   double Lean_deg() const;
   // Height over the top, as if it had no end.

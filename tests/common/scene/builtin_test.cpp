@@ -72,6 +72,38 @@ TEST_P(BuiltinSceneTest, ExercisesReadBackAndCompileForAPapersDevice) {
   }
 }
 
+// What a tooth has that can be harmed, its rubrics ask for, whatever the exercise; and no exercise has
+// a second hole beside its task for little. An access cavity is there to open the pulp.
+TEST_P(BuiltinSceneTest, EveryRubricAsksForWhatTheToothCanLose) {
+  const Scene& scene = built_.scene;
+  const auto has = [&](Tissue tissue) {
+    return std::any_of(scene.tissues.begin(), scene.tissues.end(),
+                       [&](const TissueSpec& t) { return t.tissue == tissue; });
+  };
+  for (const Exercise& e : BuiltinExercises(scene, Sha256{})) {
+    const auto asks = [&](const char* metric) {
+      return std::find_if(e.rubric.criteria.begin(), e.rubric.criteria.end(),
+                          [&](const RubricCriterion& c) { return c.metric == metric; });
+    };
+    const auto none = e.rubric.criteria.end();
+    if (has(Tissue::kPulp) && !e.name.starts_with("access")) {
+      ASSERT_NE(asks("pulp_exposed_mm2"), none) << e.name;
+      EXPECT_TRUE(asks("pulp_exposed_mm2")->fails_above) << e.name;
+    }
+    // Caries that is not in an exercise's cavity is another's.
+    if (e.name.starts_with("caries") || e.name.starts_with("class-2"))
+      EXPECT_NE(asks("caries_left_percent"), none) << e.name;
+    const auto keeps = [&](const char* metric) {
+      return std::any_of(e.rubric.gates.begin(), e.rubric.gates.end(),
+                         [&](const RubricGate& g) { return g.metric == metric; });
+    };
+    if (has(Tissue::kNeighbour)) {
+      EXPECT_TRUE(asks("neighbour_depth_mm") != none || keeps("neighbour_depth_mm")) << e.name;
+    }
+    EXPECT_TRUE(keeps("deepest_over_mm")) << e.name;
+  }
+}
+
 TEST_P(BuiltinSceneTest, LandmarksOfCavitiesLieOnTheSurface) {
   for (const auto& [name, at] : built_.scene.landmarks) {
     if (name == "crown_top" || name == "mesial_box") continue;

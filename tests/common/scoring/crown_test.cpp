@@ -24,17 +24,20 @@ struct StumpShape {
   double top_mm = kStumpTop_mm;
   double shoulder_mm = 0, wave_mm = 0;  // height, and that of four waves around it
   double bevel_mm = 0;                  // off the top's edge at 45 degrees, so far in on the top
+  double narrows = 0;                   // of the tooth's radius, to a mm below height 0
+  double eightfold_deg = 0;             // how much the taper differs, eight times around
   bool cut = true;
 };
 
 double Distance_mm(const StumpShape& s, const dvec3& p) {
-  const double tooth = std::max(std::hypot(p.x, p.y) - kTooth_mm, p.z - kToothTop_mm);
+  const double side = std::hypot(p.x, p.y) - kTooth_mm - s.narrows * std::min(0.0, p.z);
+  const double tooth = std::max(side / std::sqrt(1 + s.narrows * s.narrows), p.z - kToothTop_mm);
   if (!s.cut) return tooth;
   const double floor = s.shoulder_mm + s.wave_mm * std::sin(4 * std::atan2(p.y, p.x));
   const double rise = p.z - s.shoulder_mm;
   const double rho = std::hypot(p.x - Slope(s.lean_deg) * rise, p.y);
-  const double wall = (rho - s.foot_mm + Slope(s.taper_deg) * rise) /
-                      std::sqrt(1 + Slope(s.taper_deg) * Slope(s.taper_deg));
+  const double slope = Slope(s.taper_deg + s.eightfold_deg * std::cos(8 * std::atan2(p.y, p.x)));
+  const double wall = (rho - s.foot_mm + slope * rise) / std::sqrt(1 + slope * slope);
   double stump = std::max(wall, p.z - s.top_mm);
   if (s.bevel_mm > 0) {
     const double edge = s.foot_mm - Slope(s.taper_deg) * (s.top_mm - s.shoulder_mm);
@@ -111,6 +114,29 @@ TEST_P(CrownTest, ConvergenceFollowsTheWalls) {
     EXPECT_NEAR(f.mesiodistal_deg, 2 * taper, 0.5);
     EXPECT_NEAR(f.least_deg, 2 * taper, 0.5);
     EXPECT_NEAR(f.most_deg, 2 * taper, 0.5);
+  }
+}
+
+// Every 45 degrees its walls stand alike, and steeper half way between.
+TEST_P(CrownTest, SectionsAreLookedAtEvery22Degrees) {
+  const CrownFigures f = Measure({.taper_deg = 6, .eightfold_deg = 4});
+  ASSERT_TRUE(f.made);
+  EXPECT_NEAR(f.mesiodistal_deg, 20, 0.5);
+  EXPECT_NEAR(f.buccolingual_deg, 20, 0.5);
+  EXPECT_NEAR(f.most_deg, 20, 0.5);
+  EXPECT_NEAR(f.least_deg, 4, 0.5);
+}
+
+TEST_P(CrownTest, ADeeperFinishLineIsFoundWhereTheToothIsNarrower) {
+  const cutting::Volume tooth = MakeTooth({.narrows = 0.6, .cut = false}, GetParam());
+  const Tooth asked = Make({.narrows = 0.6}, tooth);
+  for (double mm : {0.3, 0.6, 1.0}) {
+    const Tooth made = Make({.shoulder_mm = -mm, .narrows = 0.6}, tooth);
+    const CrownFigures f =
+        MeasureCrown(tooth, made.side(), asked.side(), dvec3(0, 0, 5e-3), 0.2e-3);
+    ASSERT_TRUE(f.made) << mm;
+    EXPECT_NEAR(f.depth_m, mm * 1e-3, quarter_m()) << mm;
+    EXPECT_NEAR(f.waviness_m, 0, quarter_m()) << mm;
   }
 }
 

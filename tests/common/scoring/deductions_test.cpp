@@ -154,6 +154,19 @@ TEST_F(DeductionsTest, AMetricWithAPlaceOfItsOwnLiesThereWithTheStrokesNearIt) {
   EXPECT_EQ(found[1].stroke_count, 0u);
 }
 
+// A stroke that grazes the wall is nothing that one has to stop; the one that goes through it is.
+TEST(DeductionsOfLittleTest, ItBeganWithTheFirstStrokeThatCounts) {
+  const cutting::Volume initial = MakeBlock(100'000), reference = CutCavity(initial, {});
+  Strokes hand(initial, reference);
+  hand.Along({1.08, -0.7, -2}, {1.08, 0.7, -2});
+  hand.Along({2.2, -0.7, -2}, {2.2, 0.7, -2});
+  const auto found = hand.Find(initial, reference, {"deepest_over_mm"});
+  ASSERT_EQ(found.size(), 1u);
+  ASSERT_EQ(found[0].stroke_count, 2u);
+  EXPECT_EQ(found[0].strokes[0].number, 3u);
+  EXPECT_EQ(found[0].first_tick, 151u + 101 + 150);
+}
+
 TEST_F(DeductionsTest, ForceAndTimeHaveNoPlace) {
   EXPECT_TRUE(hand.Find(initial, reference, {"force_sent_p95_n", "time_s", "unheard_of"}).empty());
   EXPECT_TRUE(hand.Find(initial, reference, {}).empty());

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -131,7 +132,7 @@ TEST(MetricsTest, AWallThatWasNeverCutIsShortByItsDistanceFromWhatWas) {
   EXPECT_NEAR(ValueOf(metrics, "wall_distal_mm"), 0, 0.025);
 }
 
-TEST(MetricsTest, AnAttemptThatCutNothingIsShortEverywhere) {
+TEST(MetricsTest, AnAttemptThatCutNothingHasNoWallsToMeasure) {
   Volume block = MakeBlock(100'000);
   Cut reference(block, {}), attempt(block, {});
   attempt.volume = block;
@@ -139,7 +140,26 @@ TEST(MetricsTest, AnAttemptThatCutNothingIsShortEverywhere) {
   auto metrics = Compare(block, attempt, reference);
   EXPECT_EQ(ValueOf(metrics, "zone_target_removed_percent"), 0);
   EXPECT_EQ(ValueOf(metrics, "removed_enamel_mm3"), 0);
-  for (const char* part : kParts) EXPECT_LT(ValueOf(metrics, part), -0.5) << part;
+  // The tooth's own surface is no wall that is short, and no floor that slopes.
+  for (const std::string part :
+       {"wall_mesial_mm", "wall_distal_mm", "wall_buccal_mm", "wall_lingual_mm", "floor_mm",
+        "tilt_floor_deg", "floor_waviness_mm", "wall_tilt_deg"}) {
+    const auto why = std::find_if(metrics.missing.begin(), metrics.missing.end(),
+                                  [&](const MissingMetric& m) { return m.name == part; });
+    ASSERT_NE(why, metrics.missing.end()) << part;
+    EXPECT_EQ(why->why, NoValue::kNotMade) << part;
+  }
+}
+
+// The nearest surface to the middle of the floor is a wall.
+TEST(MetricsTest, AFloorIsShortByWhatStandsOverIt) {
+  Volume block = MakeBlock(100'000);
+  Cut reference(block, {});
+  Cavity shallow;
+  shallow.depth_mm = 0.4;
+  auto metrics = Compare(block, Cut(block, shallow), reference);
+  EXPECT_NEAR(ValueOf(metrics, "floor_mm"), -1.6, 0.025);
+  EXPECT_NEAR(ValueOf(metrics, "tilt_floor_deg"), 0, 0.5);
 }
 
 TEST(MetricsTest, ZonesOfTheCavityAsAskedForAreFullEmptyAndEmpty) {

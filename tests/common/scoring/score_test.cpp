@@ -472,7 +472,7 @@ TEST(ScoreJsonTest, EveryTruncationAndEveryMissingMemberIsRefused) {
 TEST(ScoreJsonTest, AScoreOfVersionOneHasNoGatesAndSaysSo) {
   std::string text = ToJson(Score(0, 99, 0));
   for (const char* member : {R"("gates":[],)", R"("missing":[],)", R"("deductions":[],)",
-                             R"("scoring_version":5,)", R"(,"judged":true)"}) {
+                             R"("scoring_version":6,)", R"(,"judged":true)"}) {
     size_t at;
     while ((at = text.find(member)) != std::string::npos) text.erase(at, std::strlen(member));
   }

@@ -74,10 +74,14 @@ class KnownFaults : public testing::TestWithParam<Grid> {
     return Cut(Both(Taken(FaultBlockCavity()), std::move(more)));
   }
   MetricSet Measure(const Filling& attempt) const {
+    return Measure(attempt, reference_, BlockExercise());
+  }
+  MetricSet Measure(const Filling& attempt, const Filling& reference,
+                    const scene::Exercise& exercise) const {
     auto data = [&](const Filling& f) {
       return AttemptData{&initial_, &f.volume, &f.mesh, &f.process};
     };
-    auto metrics = ComputeMetrics(BlockScene(), BlockExercise(), data(attempt), data(reference_));
+    auto metrics = ComputeMetrics(BlockScene(), exercise, data(attempt), data(reference));
     EXPECT_TRUE(metrics.ok()) << metrics.status().message();
     return metrics.ok() ? *metrics : MetricSet{};
   }
@@ -110,6 +114,26 @@ TEST_P(KnownFaults, ALeaningWallIsFoundWithinHalfADegree) {
     EXPECT_NEAR(ValueOf(m, "undercut_deg"), std::max(0.0, -degrees), 0.5) << degrees;
     EXPECT_NEAR(ValueOf(m, "tilt_distal_deg"), 0, 0.5) << degrees;
     EXPECT_NEAR(ValueOf(m, "tilt_floor_deg"), 0, 0.5) << degrees;
+  }
+}
+
+// The next wall is nearer than this one has moved.
+TEST_P(KnownFaults, InANarrowCavityAWallAMillimetreOffIsFound) {
+  scene::Exercise exercise = BlockExercise();
+  exercise.target.half_size_um = {1'500, 600, 0};
+  exercise.target.depth_um = 1'200;
+  BoxCavity asked = FaultBlockCavity();
+  asked.half_y_m = 0.6 * kMm, asked.depth_m = 1.2 * kMm;
+  const Filling reference = Cut(asked);
+  const struct {
+    scoring::Part part;
+    const char* metric;
+  } faces[] = {{kDistal, "wall_distal_mm"}, {kBuccal, "wall_buccal_mm"}, {kFloor, "floor_mm"}};
+  for (const auto& face : faces) {
+    BoxCavity off = asked;
+    off.faces[face.part].moved_m = 1 * kMm;
+    MetricSet m = Measure(Cut(off), reference, exercise);
+    EXPECT_NEAR(ValueOf(m, face.metric), 1, tolerance_mm()) << face.metric;
   }
 }
 

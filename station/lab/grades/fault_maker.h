@@ -1,0 +1,90 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/surface/surface.h"
+#include "station/lab/grades/faults.h"
+
+// Makes the faults of one exercise (FaultsOf in faults.h). Not for others.
+namespace enamel::station::lab {
+
+class FaultMaker {
+ public:
+  // Both outlive the object and what it makes.
+  FaultMaker(const scene::BuiltScene& built, const scene::Exercise& exercise, const Task& task,
+             bool few);
+  std::vector<Fault> Make();
+
+ private:
+  static constexpr double kMm = 1e3, kMm3 = 1e9;
+  static constexpr double kAngleTolerance_deg = 0.5;
+
+  // Of a fault; whether it is at or over its threshold, so that it must cost a point.
+  struct Size {
+    double value = 0;
+    bool must_cost = true;
+    double m() const { return value / kMm; }  // of one in mm
+  };
+  // All of `all`, or the threshold alone, which is one of them.
+  std::vector<Size> Sizes(std::initializer_list<double> all, double threshold) const;
+
+  void Add(std::string name, Size size, const char* unit, std::string metric, double tolerance,
+           Hollow taken, Neighbours neighbours = Neighbours::kSpared);
+  // In mm, found within a quarter of a voxel.
+  void AddMm(std::string name, Size size, std::string metric, Hollow taken);
+  void AddDegrees(std::string name, Size size, std::string metric, Hollow taken);
+  Hollow Wanted() const;
+
+  // A box: faults_of_cavity.cpp.
+  void MakeBox();
+  Hollow BoxWith(size_t face, const Face& as) const;
+  bool HasWall(size_t wall) const { return wall != 0 || !task_.open_mesial; }
+  std::vector<Size> WallSizes(size_t wall) const;
+  double RoomBehind_m(size_t wall) const;
+  void MakeLeaningWalls(size_t wall);
+  void MakeMargins();
+  void AddCaries();
+
+  // A shape on the block, or a layer off a face: faults_of_shape.cpp.
+  void MakeShape();
+  void MakeLeaningShape();
+  double CornerMovesBy() const;
+  dvec3 LevelFloor_m() const;
+  void MakeFace();
+  void MakeUnevenFace();
+  void MakeFaceMargin();
+  template <typename Over, typename Raised>
+  void AddFollowing(const dvec3& at, const Over& over, const Raised& raised);
+  // A crown: there, too.
+  void MakeCrown();
+
+  // Of all: faults.cpp.
+  void AddGouges(const dvec3& lo, const dvec3& hi);
+  void AddBump(const dvec3& at);
+  void AddMargin(Size size, Hollow taken);
+  void AddStoppedEarly();
+  double TakenAbove(double z);
+  void AddElsewhere();
+  bool PlaceElsewhere(dvec3& lo, dvec3& hi) const;
+  double TopNear(const dvec3& at) const;
+  void AddShaving();
+  const surface::Mesh& Surface();
+  double AreaWhere_m2(const std::function<bool(const dvec3&)>& counts);
+  bool FarFromCut(const dvec3& p) const;
+  void AddNeighbour();
+  bool HasCaries() const { return exercise_.target.landmark == "caries"; }
+
+  const cutting::Volume& volume_;
+  const scene::Exercise& exercise_;
+  const Task& task_;
+  const bool few_;
+  double quarter_m_ = 0, near_m_ = 0;
+  dvec3 landmark_m_{0}, grid_lo_m_{0}, grid_hi_m_{0};
+  surface::Mesh surface_;       // of the tooth, once somebody asks for it
+  std::vector<float> heights_;  // of points of the task
+  std::vector<Fault> out_;
+};
+
+}  // namespace enamel::station::lab

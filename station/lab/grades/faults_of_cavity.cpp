@@ -1,0 +1,142 @@
+#include <algorithm>
+#include <cmath>
+
+#include "station/lab/grades/fault_maker.h"
+
+namespace enamel::station::lab {
+namespace {
+
+using cutting::Tissue;
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr std::array<const char*, 4> kWalls = {"mesial", "distal", "buccal", "lingual"};
+constexpr size_t kAnyWall = 1, kFloorFace = 4;  // every box has a distal wall
+
+double Slope(double degrees) { return std::tan(degrees * kPi / 180); }
+
+}  // namespace
+
+Hollow FaultMaker::BoxWith(size_t face, const Face& as) const {
+  BoxCavity box = task_.box;
+  box.faces[face] = as;
+  return [box](const dvec3& p) { return box.Distance_m(p); };
+}
+
+void FaultMaker::MakeBox() {
+  for (size_t w = 0; w < kWalls.size(); ++w) {
+    if (!HasWall(w)) continue;
+    const std::string name = kWalls[w];
+    for (const Size s : WallSizes(w)) {
+      AddMm("wall_" + name, s, "wall_" + name + "_mm", BoxWith(w, {.moved_m = s.m()}));
+    }
+    for (const Size s : Sizes({1, 5, 10, 20}, 10)) {
+      AddDegrees("tilt_" + name, s, "tilt_" + name + "_deg", BoxWith(w, {.slope = Slope(s.value)}));
+    }
+  }
+  MakeLeaningWalls(kAnyWall);
+  // The longest wall has the waves: three of them on a short one are steeper than voxels can show.
+  const BoxCavity& b = task_.box;
+  const size_t long_wall = b.half_x_m > b.half_y_m ? 2 : kAnyWall;
+  // The height of a wave whose root mean square is the size. Where caries is followed, walls are
+  // as they come.
+  for (const Size s : Sizes({0.02, 0.05, 0.1, 0.2}, 0.1)) {
+    if (HasCaries()) break;
+    const Face wave{.wave_m = std::sqrt(2.0) * s.m()};
+    AddMm("waviness", s, "wall_waviness_mm", BoxWith(long_wall, wave));
+    AddMm("floor_waviness", s, "floor_waviness_mm", BoxWith(kFloorFace, wave));
+  }
+  for (const Size s : Sizes({-0.5, -0.3, -0.1, -0.05, 0.05, 0.1, 0.3, 0.5, 1}, 0.3)) {
+    AddMm("floor", s, "floor_mm", BoxWith(kFloorFace, {.moved_m = s.m()}));
+  }
+  for (const Size s : Sizes({1, 5, 15}, 5)) {
+    if (HasCaries()) break;  // its floor is where the lesion ends
+    AddDegrees("tilt_floor", s, "tilt_floor_deg", BoxWith(kFloorFace, {.slope = Slope(s.value)}));
+  }
+  // A pit of 0.6 x 0.6 mm in the floor's corner.
+  const dvec3 corner = b.centre_m + dvec3(-b.half_x_m, -b.half_y_m, -b.depth_m);
+  AddGouges(corner, corner + dvec3(0.6e-3, 0.6e-3, 0));
+  MakeMargins();
+}
+
+// A wall that is moved out of the tooth's side is no wall: no farther than that something is left
+// behind it.
+std::vector<FaultMaker::Size> FaultMaker::WallSizes(size_t wall) const {
+  constexpr double kLeft_m = 0.3e-3;
+  std::vector<Size> out = Sizes({-1, -0.5, -0.3, -0.1, -0.05, 0.05, 0.1, 0.3, 0.5, 1}, 0.3);
+  const double most_mm = std::floor(10 * kMm * (RoomBehind_m(wall) - kLeft_m)) / 10;
+  if (out.back().value <= most_mm) return out;
+  const Size cut = out.back();
+  out.pop_back();
+  if (out.empty() || most_mm > out.back().value) out.push_back({most_mm, cut.must_cost});
+  return out;
+}
+
+// How far the tooth goes on beyond a wall, at the least in the middle of its length and height.
+double FaultMaker::RoomBehind_m(size_t wall) const {
+  constexpr double kFarthest_m = 2e-3;
+  const BoxCavity& b = task_.box;
+  const bool along_y = wall < 2;
+  const double sign = wall % 2 == 0 ? 1 : -1, step = volume_.spec().voxel_m() / 2;
+  double least = kFarthest_m;
+  for (double along : {-0.5, 0.0, 0.5}) {
+    dvec3 at = b.centre_m;
+    (along_y ? at.x : at.y) += sign * (along_y ? b.half_x_m : b.half_y_m);
+    (along_y ? at.y : at.x) += along * (along_y ? b.half_y_m : b.half_x_m);
+    const double floor = b.centre_m.z - b.depth_m, top = TopNear(at);
+    for (double up : {0.25, 0.5, 0.75}) {
+      at.z = floor + up * (top - floor);
+      for (double out = 0; out < least; out += step) {
+        dvec3 p = at;
+        (along_y ? p.x : p.y) += sign * out;
+        if (volume_.DistanceAt_m(p) >= 0 || volume_.TissueAtPoint(p) == Tissue::kNeighbour) {
+          least = out;
+        }
+      }
+    }
+  }
+  return least;
+}
+
+void FaultMaker::MakeLeaningWalls(size_t wall) {
+  for (const Size s : Sizes({5, 10, 20}, 10)) {
+    AddDegrees("undercut", s, "undercut_deg", BoxWith(wall, {.slope = -Slope(s.value)}));
+    BoxCavity box = task_.box;
+    for (size_t w = 0; w < kWalls.size(); ++w) {
+      if (HasWall(w)) box.faces[w].slope = Slope(s.value);
+    }
+    AddDegrees("taper", s, "wall_tilt_deg", [box](const dvec3& p) { return box.Distance_m(p); });
+  }
+}
+
+// The rim of the distal wall is farther out, down to 0.6 mm and no more than 0.4 of the wall: where it
+// is most of it, it is the wall that is off.
+void FaultMaker::MakeMargins() {
+  constexpr double kRim_m = 0.6e-3, kOfWall = 0.4;
+  const BoxCavity& b = task_.box;
+  const double top = TopNear(b.centre_m - dvec3(b.half_x_m, 0, 0));
+  const double rim = std::min(kRim_m, kOfWall * (top - b.centre_m.z + b.depth_m));
+  for (const Size s : Sizes({0.2, 0.3, 0.5}, 0.3)) {
+    const dvec3 lo(b.centre_m.x - b.half_x_m - s.m(), b.centre_m.y - b.half_y_m, top - rim);
+    const dvec3 hi(b.centre_m.x, b.centre_m.y + b.half_y_m, grid_hi_m_.z + 1);
+    AddMargin(s, Both(Wanted(), [=](const dvec3& p) { return BoxDistance_m(p, lo, hi); }));
+  }
+}
+
+// Caries under the task's floor's last part is left.
+void FaultMaker::AddCaries() {
+  if (!HasCaries() || task_.kind != Task::Kind::kBox) return;
+  for (const Size s : Sizes({0.2, 0.4, 0.6}, 0.4)) {
+    const Hollow taken = BoxWith(kFloorFace, {.moved_m = -s.m()});
+    const double left_m3 = VolumeWhere_m3(
+        volume_, grid_lo_m_, grid_hi_m_,
+        [&](const dvec3& p, Tissue t) {
+          return t == Tissue::kCaries && task_.Distance_m(p) < 0 && taken(p) >= 0;
+        },
+        Wanted());
+    const double surface_m2 = 2 * (left_m3 / s.m());
+    Add("caries left", {left_m3 * kMm3, s.must_cost}, "mm3", "caries_left_mm3",
+        surface_m2 * quarter_m_ * kMm3, taken);
+  }
+}
+
+}  // namespace enamel::station::lab
