@@ -14,6 +14,7 @@
 #include "server/app/say.h"
 #include "server/app/teaching.h"
 #include "server/auth/password.h"
+#include "server/jobs/reference_check.h"
 #include "server/training/access.h"
 #include "server/training/names.h"
 #include "server/training/ticket_rules.h"
@@ -200,7 +201,7 @@ Status EnrolCode(const std::filesystem::path& data, int valid_minutes) {
 }
 
 Status MarkReference(const std::filesystem::path& data, const std::string& attempt,
-                     const std::string& dentist, bool consent) {
+                     const std::string& dentist, bool consent, const std::string& anyway) {
   ENAMEL_ASSIGN_OR_RETURN(auto id, Uuid::Parse(attempt));
   // The rule is the page's. The sentence is completed with the option that a reader of a terminal
   // can give.
@@ -209,8 +210,20 @@ Status MarkReference(const std::filesystem::path& data, const std::string& attem
   }
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
   ENAMEL_ASSIGN_OR_RETURN(const std::string name, CheckedName(dentist, "dentist"));
-  ENAMEL_ASSIGN_OR_RETURN(auto row, store->AddReference(id, name, consent, kCommandLine));
+  std::string why;
+  if (!anyway.empty()) {
+    ENAMEL_ASSIGN_OR_RETURN(why, CheckedReason(anyway, "anyway"));
+  }
+  auto made = MakeReference(*store, id, name, consent, why, kCommandLine);
+  if (!made.ok()) return InsistWith(made.status(), "--anyway REASON");
+  const ReferenceRow& row = *made;
   Say("reference version {} of the exercise: attempt {} by {}\n", row.version, attempt, name);
+  if (const auto done = store->AttemptById(id); done.ok()) {
+    if (const auto work = WorkOfAttempt(*store, *done); work.ok()) {
+      Say("it did {:.1f} % of the exercise's own target and cut {:.1f} % of it beside\n",
+          work->done_percent, work->beside_percent);
+    }
+  }
   if (row.version > 1) {
     Say("points come from this cut from now on. Scores that are there stay; rescore makes them "
         "again\n");
@@ -353,17 +366,23 @@ void DeclareAttempts(CommandGroup admin) {
 
   struct Reference {
     std::filesystem::path data;
-    std::string attempt, dentist;
+    std::string attempt, dentist, anyway;
     bool consent = false;
   };
-  auto [mark, r] = Declare<Reference>(
-      admin, "mark-reference", "Make a scored attempt its exercise's reference",
-      [](const Reference& o) { return MarkReference(o.data, o.attempt, o.dentist, o.consent); });
+  auto [mark, r] =
+      Declare<Reference>(admin, "mark-reference", "Make a scored attempt its exercise's reference",
+                         [](const Reference& o) {
+                           return MarkReference(o.data, o.attempt, o.dentist, o.consent, o.anyway);
+                         });
   AddData(mark, r.data);
   mark->add_option("--attempt", r.attempt)->required();
   mark->add_option("--dentist", r.dentist, "Name to be shown to students")->required();
   mark->add_flag("--consent", r.consent,
                  "The dentist agrees to being named and to the cut being used; needed");
+  mark->add_option(
+      "--anyway", r.anyway,
+      "Why it is the reference although it does not do what the exercise's target asks "
+      "for; goes to the audit trail");
 
   struct References {
     std::filesystem::path data;

@@ -33,7 +33,7 @@ Status AddToCohort(const std::filesystem::path& data, const std::string& cohort,
 Status EnrolCode(const std::filesystem::path& data, int valid_minutes);
 
 Status MarkReference(const std::filesystem::path& data, const std::string& attempt,
-                     const std::string& dentist, bool consent);
+                     const std::string& dentist, bool consent, const std::string& anyway = {});
 // Of this exercise, by name; empty: of every one. Newest first, withdrawn ones too.
 Status ListReferences(const std::filesystem::path& data, const std::string& exercise);
 // `reference`: its id, or that of the attempt that it is. Scores made with it stay.

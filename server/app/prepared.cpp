@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <boost/json.hpp>
 
 #include "common/base/file.h"
 #include "common/scene/json/json.h"
@@ -11,6 +12,8 @@
 #include "server/app/data_folder.h"
 #include "server/app/publish.h"
 #include "server/app/say.h"
+#include "server/jobs/reference_check.h"
+#include "server/training/names.h"
 
 namespace enamel::server::app {
 namespace {
@@ -99,6 +102,17 @@ Status TargetFromReference(const std::filesystem::path& data, const FromReferenc
                                        " has no reference; admin mark-reference makes one of a "
                                        "scored attempt");
   }
+  ENAMEL_ASSIGN_OR_RETURN(const auto cut_by, store->AttemptById(reference->attempt));
+  if (wanted.anyway.empty()) {
+    if (Status is_right = CheckReferenceCut(*store, cut_by); !is_right.ok()) {
+      return InsistWith(is_right, "--anyway REASON");
+    }
+  } else {
+    ENAMEL_ASSIGN_OR_RETURN(const auto why, CheckedReason(wanted.anyway, "anyway"));
+    ENAMEL_RETURN_IF_ERROR(
+        store->NoteAudit(kCommandLine, "exercise.target", row.id.Text(),
+                         boost::json::serialize(boost::json::object{{"anyway", why}})));
+  }
   ENAMEL_ASSIGN_OR_RETURN(const auto text, store->GetBlob(row.content));
   ENAMEL_ASSIGN_OR_RETURN(auto exercise, scene::ExerciseFromJson(AsText(text)));
   ENAMEL_ASSIGN_OR_RETURN(const auto scene_text, store->GetBlob(exercise.scene));
@@ -130,14 +144,14 @@ Status TargetFromReference(const std::filesystem::path& data, const FromReferenc
 void DeclareTargets(CommandGroup admin) {
   struct Wanted {
     std::filesystem::path data;
-    std::string exercise;
+    std::string exercise, anyway;
     int32_t tolerance_um = -1;
   };
   auto [target, o] = Declare<Wanted>(
       admin, "target-from-reference",
       "Make what the newest reference left the target of the exercise's next version",
       [](const Wanted& w) {
-        FromReference wanted{w.exercise, {}};
+        FromReference wanted{w.exercise, {}, w.anyway};
         if (w.tolerance_um >= 0) wanted.tolerance_um = w.tolerance_um;
         return TargetFromReference(w.data, wanted);
       });
@@ -147,6 +161,8 @@ void DeclareTargets(CommandGroup admin) {
       ->add_option("--tolerance-um", o.tolerance_um,
                    "How far a cut may go beyond it; without: as it was")
       ->check(CLI::Range(0, 5'000));
+  target->add_option("--anyway", o.anyway,
+                     "Why, although the reference does not do what the exercise's target asks for");
   target->footer(
       "Attempts of the new version are compared with that tooth, so it needs no reference. It is "
       "assigned\nto nobody yet; assignments of earlier versions stay with theirs.\n\n"

@@ -28,6 +28,7 @@ Status CheckPrepared(ContentStore& store, const scene::Exercise& exercise);
 struct FromReference {
   std::string exercise;  // name
   std::optional<int32_t> tolerance_um;
+  std::string anyway;  // why, although the reference is refused without (jobs/reference_check.h)
 };
 Status TargetFromReference(const std::filesystem::path& data, const FromReference& wanted);
 

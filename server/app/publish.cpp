@@ -8,6 +8,7 @@
 #include "common/scene/json/json.h"
 #include "server/app/data_folder.h"
 #include "server/jobs/builtin_content.h"
+#include "server/jobs/exercise_check.h"
 
 namespace enamel::server::app {
 namespace {
@@ -39,14 +40,9 @@ Result<SceneRow> PublishScene(ContentStore& store, const std::string& source, in
 
 Result<ExerciseRow> PublishDocument(ContentStore& store, const scene::Exercise& exercise,
                                     const std::optional<Uuid>& cohort) {
+  ENAMEL_RETURN_IF_ERROR(CheckExercise(store, exercise));
   if (!cohort) return PublishUnassigned(store, exercise, kCommandLine);
-  ENAMEL_ASSIGN_OR_RETURN(auto content, store.PutBlob(AsBytes(scene::ToJson(exercise))));
-  ExerciseRow row;
-  row.name = exercise.name;
-  row.title = exercise.title;
-  row.content = content;
-  row.scene = exercise.scene;
-  row.graded = exercise.graded;
+  ENAMEL_ASSIGN_OR_RETURN(const auto row, StoreExercise(store, exercise));
   return store.PublishExercise(row, *cohort, kCommandLine);
 }
 

@@ -146,7 +146,7 @@ Status CorrectRubric(const std::filesystem::path& data, const Correction& correc
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
   ENAMEL_ASSIGN_OR_RETURN(auto row, NewestPublished(*store, correction.exercise));
   // Also before a preview: the points there are given by these bands.
-  const auto warnings = RubricWarnings(*store, row, rubric);
+  const auto warnings = RubricWarnings(*store, row, rubric, false);
   for (const std::string& warning : warnings) Say("warning: {}\n", warning);
   if (correction.preview) {
     AttemptFilter which;
@@ -160,9 +160,10 @@ Status CorrectRubric(const std::filesystem::path& data, const Correction& correc
     return Status(Code::kInvalidInput, "expected --reason: it stays beside the correction");
   }
   ENAMEL_ASSIGN_OR_RETURN(auto counting, RubricOf(RubricParts(*store), row));
-  ENAMEL_ASSIGN_OR_RETURN(
-      auto published,
-      PublishCorrection(*store, row.id, rubric, counting.version, correction.reason, kCommandLine));
+  auto made = PublishCorrection(*store, row.id, rubric, counting.version, correction.reason,
+                                correction.anyway, kCommandLine);
+  if (!made.ok()) return InsistWith(made.status(), "--anyway REASON");
+  const RubricRow& published = *made;
   Say("The rubric of {} version {} has version {} now. Scores that are there stay; to make them "
       "again:\n  enamel-server rescore --data {} --cohort NAME --exercise {}\n",
       row.name, row.version, published.version, data.string(), row.name);
@@ -234,6 +235,9 @@ void DeclareRubrics(CommandGroup admin) {
                    "File with a rubric (schemas/rubric.schema.json)")
       ->required();
   correct->add_option("--reason", c.correction.reason, "Why; it stays beside the correction");
+  correct->add_option("--anyway", c.correction.anyway,
+                      "Why, although it is another exercise's rubric or takes points from the "
+                      "reference itself; stays beside the reason");
   correct->add_flag(
       "--preview", c.correction.preview,
       "Say what it would change for the attempts that are scored, and change nothing");

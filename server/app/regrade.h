@@ -17,6 +17,7 @@ struct Correction {
   std::string exercise;  // name; its newest published version
   std::filesystem::path document;
   std::string reason;
+  std::string anyway;    // why, although it is refused without
   bool preview = false;  // say what it would change, and change nothing
 };
 Status CorrectRubric(const std::filesystem::path& data, const Correction& correction);

@@ -7,7 +7,9 @@
 #include <string_view>
 #include <type_traits>
 
+#include "common/base/result.h"
 #include "common/base/utf8.h"
+#include "server/training/revision.h"
 
 // What commands tell on standard output.
 namespace enamel::server::app {
@@ -31,6 +33,12 @@ Shown<T> ShownAs(const T& value) {
 template <typename... Values>
 void Say(fmt::format_string<Shown<Values>...> format, const Values&... values) {
   std::cout << fmt::format(format, ShownAs(values)...);
+}
+
+// A refusal; of what may be insisted on (kAnyway) with the option that insists.
+inline Status InsistWith(const Status& refused, const std::string& option) {
+  if (refused.field() != kAnyway) return refused;
+  return {refused.code(), refused.message() + " with " + option, refused.field()};
 }
 
 }  // namespace enamel::server::app

@@ -38,8 +38,7 @@ Result<SceneRow> StoreBuiltinScene(ContentStore& store, std::string_view name, i
   return StoreScene(store, built.scene, scene::EncodeVolume(built.volume), by);
 }
 
-Result<ExerciseRow> PublishUnassigned(ContentStore& store, const scene::Exercise& exercise,
-                                      const Actor& by) {
+Result<ExerciseRow> StoreExercise(ContentStore& store, const scene::Exercise& exercise) {
   ENAMEL_ASSIGN_OR_RETURN(auto content, store.PutBlob(AsBytes(scene::ToJson(exercise))));
   ExerciseRow row;
   row.name = exercise.name;
@@ -47,6 +46,12 @@ Result<ExerciseRow> PublishUnassigned(ContentStore& store, const scene::Exercise
   row.content = content;
   row.scene = exercise.scene;
   row.graded = exercise.graded;
+  return row;
+}
+
+Result<ExerciseRow> PublishUnassigned(ContentStore& store, const scene::Exercise& exercise,
+                                      const Actor& by) {
+  ENAMEL_ASSIGN_OR_RETURN(auto row, StoreExercise(store, exercise));
   ENAMEL_ASSIGN_OR_RETURN(const auto versions, store.ExerciseVersions(row.name));
   // The newest published or retired version decides: when it says the same and is offered, there is
   // nothing to publish. A retired one is published again as a new version.
@@ -61,6 +66,22 @@ Result<ExerciseRow> PublishUnassigned(ContentStore& store, const scene::Exercise
   auto draft = store.PutDraft(row, by);
   if (!draft.ok()) return draft;
   return store.PublishDraft(draft->id, draft->revision, by);
+}
+
+Result<std::vector<ExerciseRow>> PublishExercisesOf(ContentStore& store, const scene::Scene& scene,
+                                                    const Sha256& content, const Actor& by) {
+  std::vector<ExerciseRow> out;
+  const std::vector<scene::Exercise> exercises = scene::BuiltinExercises(scene, content);
+  for (const scene::Exercise& exercise : exercises) {
+    ENAMEL_ASSIGN_OR_RETURN(const auto published, PublishUnassigned(store, exercise, by));
+    out.push_back(published);
+  }
+  return out;
+}
+
+Status PutFirstProfiles(Parts<ContentStore, AuditStore> store) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto profiles, store.content().Profiles());
+  return profiles.empty() ? PutBuiltinProfiles(store) : Status::Ok();
 }
 
 Status PutBuiltinProfiles(Parts<ContentStore, AuditStore> store) {

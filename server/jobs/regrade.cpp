@@ -5,6 +5,8 @@
 
 #include "common/scene/json/json.h"
 #include "common/scoring/fine_bands.h"
+#include "server/jobs/rubric_check.h"
+#include "server/training/names.h"
 #include "server/training/revision.h"
 
 namespace enamel::server {
@@ -39,6 +41,13 @@ RegradedAttempt Regrade(Parts<BlobStore, AttemptStore> store, const AttemptRow& 
   out.after = after->score;
   out.failed_after = after->critical_fail;
   return out;
+}
+
+Result<scene::Rubric> CountingOf(Parts<ContentStore, RubricStore> store,
+                                 const ExerciseRow& exercise) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto text, store.content().GetBlob(exercise.content));
+  ENAMEL_ASSIGN_OR_RETURN(const auto document, scene::ExerciseFromJson(AsText(text)));
+  return CountingRubric(store, exercise.id, document.rubric);
 }
 
 void Count(double score, ScoreHistogram& histogram) {
@@ -77,10 +86,14 @@ Result<std::vector<AttemptRow>> ScoredAttempts(AttemptStore& store, AttemptFilte
   return out;
 }
 
-std::vector<std::string> RubricWarnings(BlobStore& store, const ExerciseRow& exercise,
-                                        const scene::Rubric& rubric) {
-  std::vector<std::string> out;
-  const auto text = store.GetBlob(exercise.scene);
+std::vector<std::string> RubricWarnings(RubricCheckParts store, const ExerciseRow& exercise,
+                                        const scene::Rubric& rubric, bool quick) {
+  std::vector<std::string> out = RepeatedMetrics(rubric);
+  if (const auto counting = CountingOf(store, exercise); counting.ok()) {
+    const auto objections = Objections(store, exercise, *counting, rubric, quick);
+    if (objections.ok() && !objections->empty()) out.push_back(*objections);
+  }
+  const auto text = store.content().GetBlob(exercise.scene);
   if (!text.ok()) return out;
   const auto scene = scene::SceneFromJson(AsText(*text));
   if (!scene.ok()) return out;
@@ -122,14 +135,14 @@ Result<RubricPreview> PreviewRubric(Parts<BlobStore, AttemptStore> store,
   return out;
 }
 
-Result<RubricRow> PublishCorrection(Parts<ContentStore, RubricStore> store, const Uuid& exercise,
+Result<RubricRow> PublishCorrection(RubricCheckParts store, const Uuid& exercise,
                                     scene::Rubric rubric, int32_t seen, const std::string& reason,
-                                    const Actor& by) {
+                                    const std::string& anyway, const Actor& by) {
   ENAMEL_RETURN_IF_ERROR(scoring::ValidateRubric(rubric));
+  ENAMEL_RETURN_IF_ERROR(CheckRubricWords(rubric));
+  ENAMEL_ASSIGN_OR_RETURN(std::string why, CheckedReason(reason, "reason"));
   ENAMEL_ASSIGN_OR_RETURN(auto row, store.content().ExerciseById(exercise));
-  ENAMEL_ASSIGN_OR_RETURN(auto text, store.content().GetBlob(row.content));
-  ENAMEL_ASSIGN_OR_RETURN(auto document, scene::ExerciseFromJson(AsText(text)));
-  ENAMEL_ASSIGN_OR_RETURN(auto counting, CountingRubric(store, exercise, document.rubric));
+  ENAMEL_ASSIGN_OR_RETURN(auto counting, CountingOf(store, row));
   // Two corrections at once: the second has not seen the first, and would undo it.
   if (counting.version != seen) {
     return Status(Code::kConflict,
@@ -142,9 +155,20 @@ Result<RubricRow> PublishCorrection(Parts<ContentStore, RubricStore> store, cons
   if (rubric == counting) {
     return Status(Code::kConflict, "the rubric that counts says the same already");
   }
+  if (anyway.empty()) {
+    ENAMEL_ASSIGN_OR_RETURN(const auto objections, Objections(store, row, counting, rubric, false));
+    if (!objections.empty()) {
+      return Status(Code::kConflict,
+                    objections + "; correct the rubric, or say why it is right all the same",
+                    std::string(kAnyway));
+    }
+  } else {
+    ENAMEL_ASSIGN_OR_RETURN(const auto insists, CheckedReason(anyway, "anyway"));
+    why += " (anyway: " + insists + ")";
+  }
   rubric.version = counting.version + 1;
   ENAMEL_ASSIGN_OR_RETURN(auto content, store.content().PutBlob(AsBytes(scene::ToJson(rubric))));
-  return store.rubrics().PublishRubric({exercise, rubric.version, content, reason, 0}, by);
+  return store.rubrics().PublishRubric({exercise, rubric.version, content, why, 0}, by);
 }
 
 }  // namespace enamel::server

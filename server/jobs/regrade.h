@@ -49,11 +49,12 @@ struct RubricPreview {
   double mean_before = 0, mean_after = 0;
 };
 
-// What of a rubric is finer than its exercise's score can tell (scoring::FineBands), for people. A
-// warning: it can be published all the same. None where the scene cannot be read: a preview does
-// without.
-std::vector<std::string> RubricWarnings(BlobStore& store, const ExerciseRow& exercise,
-                                        const scene::Rubric& rubric);
+// What of a rubric is finer than its exercise's score can tell (scoring::FineBands), what it asks for
+// twice, and what publishing it would be refused for unless somebody insists (rubric_check.h), for
+// people. What cannot be read is left out: a preview does without. `quick`: while somebody types.
+std::vector<std::string> RubricWarnings(
+    Parts<ContentStore, RubricStore, ReferenceStore, AttemptStore> store,
+    const ExerciseRow& exercise, const scene::Rubric& rubric, bool quick);
 
 inline constexpr size_t kMaxPreviewed = 2000;
 
@@ -68,10 +69,13 @@ Result<RubricPreview> PreviewRubric(Parts<BlobStore, AttemptStore> store,
                                     const std::optional<ReferenceRow>& newest);
 
 // Checks and stores `rubric` as the next version of the one that counts; its own version is not
-// read. `seen`: the version that was corrected. Errors: those of scoring::ValidateRubric and of
-// RubricStore::PublishRubric; kConflict with field kStale when `seen` is not the one that counts.
-Result<RubricRow> PublishCorrection(Parts<ContentStore, RubricStore> store, const Uuid& exercise,
-                                    scene::Rubric rubric, int32_t seen, const std::string& reason,
-                                    const Actor& by);
+// read. `seen`: the version that was corrected. `anyway`: why, although Objections (rubric_check.h)
+// speak against it; it stays beside the reason. Errors: those of scoring::ValidateRubric, of
+// CheckRubricWords and of RubricStore::PublishRubric; kConflict with field kStale when `seen` is not
+// the one that counts, with field kAnyway and the objections.
+Result<RubricRow> PublishCorrection(
+    Parts<ContentStore, RubricStore, ReferenceStore, AttemptStore> store, const Uuid& exercise,
+    scene::Rubric rubric, int32_t seen, const std::string& reason, const std::string& anyway,
+    const Actor& by);
 
 }  // namespace enamel::server

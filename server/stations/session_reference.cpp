@@ -1,5 +1,7 @@
+#include "server/jobs/reference_check.h"
 #include "server/stations/session.h"
 #include "server/training/access.h"
+#include "server/training/names.h"
 
 // An instructor's word, at the station, that an attempt is what others are compared with.
 namespace enamel::server::stations {
@@ -13,6 +15,9 @@ Status CheckWords(const wire::MarkReference& request) {
                   "expected the dentist's name in 1 to " + std::to_string(kMaxDentistBytes) +
                       " bytes, found " + std::to_string(request.dentist().size()),
                   "dentist");
+  }
+  if (!request.anyway().empty()) {
+    ENAMEL_RETURN_IF_ERROR(CheckedReason(request.anyway(), "anyway").status());
   }
   return CheckConsent(request.consent());
 }
@@ -33,9 +38,10 @@ Result<wire::Reply> Session::Do(const wire::MarkReference& request) {
                       AttemptStateName(row.state) + "; wait for the score",
                   "attempt");
   }
-  ENAMEL_ASSIGN_OR_RETURN(auto reference, services_.store.teaching().AddReference(
-                                              row.id, request.dentist(), request.consent(),
-                                              Actor{seen.person.id, "station " + station_->name}));
+  ENAMEL_ASSIGN_OR_RETURN(
+      auto reference,
+      MakeReference(services_.store, row.id, request.dentist(), request.consent(), request.anyway(),
+                    Actor{seen.person.id, "station " + station_->name}));
   wire::Reply reply;
   reply.mutable_reference_marked()->set_attempt(request.attempt());
   reply.mutable_reference_marked()->set_version(reference.version);

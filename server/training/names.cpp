@@ -89,6 +89,28 @@ Result<std::string> CheckedName(std::string_view text, std::string_view field) {
   return std::string(name);
 }
 
+Status CheckOneLine(std::string_view text, std::string_view field) {
+  for (std::string_view rest = text; !rest.empty();) {
+    const std::optional<uint32_t> code = NextCodePoint(rest);
+    if (!code) return Refused(field, "text in UTF-8", "bytes that are not");
+    if (IsControl(*code) || IsInvisibleTrick(*code)) {
+      return Refused(field, "text on one line, without control characters and direction marks",
+                     "character number " + std::to_string(*code));
+    }
+  }
+  return Status::Ok();
+}
+
+Result<std::string> CheckedReason(std::string_view text, std::string_view field) {
+  const std::string_view reason = Trim(text);
+  if (reason.empty() || reason.size() > kMaxReasonBytes) {
+    return Refused(field, "a reason of 1 to " + std::to_string(kMaxReasonBytes) + " bytes",
+                   std::to_string(reason.size()) + " bytes");
+  }
+  ENAMEL_RETURN_IF_ERROR(CheckOneLine(reason, field));
+  return std::string(reason);
+}
+
 std::string NameKey(std::string_view name) {
   std::string out;
   for (char c : Trim(name)) {

@@ -11,6 +11,7 @@ namespace enamel::server {
 
 inline constexpr size_t kMaxLoginBytes = 64;
 inline constexpr size_t kMaxNameBytes = 200;
+inline constexpr size_t kMaxReasonBytes = 1000;
 
 // A login in the form that is stored: lower case. 1 to 64 ASCII letters, digits or . - _ @, the
 // first a letter or digit. Field "login".
@@ -21,6 +22,14 @@ Result<std::string> CheckedLogin(std::string_view text);
 // beginning with = + - @, which a spreadsheet that opens our tables would take for a formula
 // (OWASP, "CSV Injection"). `field`: as named in the error.
 Result<std::string> CheckedName(std::string_view text, std::string_view field);
+
+// Why something was done, as it stays beside it: 1 to 1000 bytes of UTF-8 on one line. Errors:
+// kInvalidInput with `field`.
+Result<std::string> CheckedReason(std::string_view text, std::string_view field);
+
+// No control character, line break or mark that turns the direction of what follows: a terminal and
+// a table show such text as it is. Errors: kInvalidInput with `field`.
+Status CheckOneLine(std::string_view text, std::string_view field);
 
 // Equal for names that people take for one: case (of ASCII) and the number of spaces do not count.
 std::string NameKey(std::string_view name);

@@ -301,7 +301,7 @@ class MemoryStore final : public server::StationStore,
     return No();
   }
   Result<server::ReferenceRow> AddReference(const Uuid&, const std::string&, bool,
-                                            const server::Actor&) override {
+                                            const server::Actor&, const std::string&) override {
     return No();
   }
   Result<server::ReferenceRow> ReferenceById(const Uuid&) override { return No(); }

@@ -12,8 +12,10 @@
 #include "server/http/paging.h"
 #include "server/http/query.h"
 #include "server/http/site.h"
+#include "server/jobs/reference_check.h"
 #include "server/jobs/surface_blob.h"
 #include "server/training/access.h"
+#include "server/training/names.h"
 #include "server/training/ticket_rules.h"
 
 namespace enamel::server::http {
@@ -278,7 +280,10 @@ Response MakeReference(const Call& call, Parts<ContentStore, TeachingStore, Atte
   BodyReader body(call.request);
   std::string dentist = body.Text("dentist", 1, kMaxDentist);
   bool consent = body.Flag("consent");
+  std::string anyway;
+  if (body.Has("anyway")) anyway = body.Text("anyway", 1, kMaxReasonBytes);
   if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
+  if (Status line = CheckOneLine(anyway, "anyway"); !line.ok()) return ErrorResponse(line);
   // Before the attempt is looked up, since it holds for all of them.
   if (Status agreed = CheckConsent(consent); !agreed.ok()) return ErrorResponse(agreed);
   Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
@@ -288,7 +293,7 @@ Response MakeReference(const Call& call, Parts<ContentStore, TeachingStore, Atte
   }
   if (Status scored = RequireScored(seen->row); !scored.ok()) return ErrorResponse(scored);
   Result<ReferenceRow> row =
-      store.teaching().AddReference(call.id, dentist, consent, ActorOf(call));
+      server::MakeReference(store, call.id, dentist, consent, anyway, ActorOf(call));
   if (!row.ok()) return ErrorResponse(row.status());
   return JsonResponse(ReferenceJson(call.caller->person, *row), 201);
 }

@@ -19,9 +19,11 @@
 #include "server/http/json_body.h"
 #include "server/http/paging.h"
 #include "server/http/query.h"
+#include "server/jobs/exercise_check.h"
 #include "server/jobs/regrade.h"
 #include "server/jobs/surface_blob.h"
 #include "server/training/access.h"
+#include "server/training/names.h"
 #include "server/training/revision.h"
 
 namespace enamel::server::http {
@@ -263,11 +265,7 @@ Result<scene::Exercise> CheckedExercise(const Call& call, ContentStore& store) {
     bool newer = why.code() == Code::kVersion;
     return Status{newer ? Code::kInvalidInput : why.code(), why.message(), why.field()};
   }
-  // The document's parser knows the shape of a rubric; whether its metrics exist is the scorer's to
-  // say.
-  if (Status rubric = scoring::ValidateRubric(exercise->rubric); !rubric.ok()) {
-    return Status{rubric.code(), rubric.message(), "rubric." + rubric.field()};
-  }
+  ENAMEL_RETURN_IF_ERROR(CheckExercise(store, *exercise));
   ENAMEL_RETURN_IF_ERROR(MustBeMakeable(store, *exercise));
   return exercise;
 }
@@ -378,8 +376,10 @@ Response LookAtDraft(const Call& call, ExerciseParts store) {
   if (Status may = MayUseName(call, store, exercise->name); !may.ok()) return ErrorResponse(may);
   ExerciseRow row;
   row.scene = exercise->scene;
-  return JsonResponse(
-      {{"warnings", json::value_from(RubricWarnings(store.content(), row, exercise->rubric))}});
+  std::vector<std::string> warnings = ContradictingSizes(*exercise);
+  std::ranges::move(RubricWarnings(store, row, exercise->rubric, true),
+                    std::back_inserter(warnings));
+  return JsonResponse({{"warnings", json::value_from(warnings)}});
 }
 
 }  // namespace

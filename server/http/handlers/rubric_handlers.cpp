@@ -171,7 +171,8 @@ Response PreviewRubricChange(const Call& call, ExerciseParts store) {
                                       : PreviewOfNone(*rubric);
   if (!preview.ok()) return ErrorResponse(preview.status());
   json::object out = PreviewJson(*preview);
-  out["warnings"] = json::value_from(RubricWarnings(store, *row, *rubric));
+  out["warnings"] =
+      json::value_from(RubricWarnings(store, *row, *rubric, !attempts->value_or(true)));
   return JsonResponse(out);
 }
 
@@ -182,13 +183,15 @@ Response PublishRubric(const Call& call, ExerciseParts store) {
   BodyReader body(call.request, kRubricDepth);
   const std::string reason = body.Text("reason", 1, kMaxReason);
   const std::string document = body.Document("rubric");
+  std::string anyway;
+  if (body.Has("anyway")) anyway = body.Text("anyway", 1, kMaxReason);
   if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
   Result<scene::Rubric> rubric = RubricOf(document, "rubric");
   if (!rubric.ok()) return ErrorResponse(rubric.status());
   Result<int32_t> seen = IfMatch(call.request);
   if (!seen.ok()) return ErrorResponse(seen.status());
   Result<RubricRow> published =
-      PublishCorrection(store, row->id, std::move(*rubric), *seen, reason, ActorOf(call));
+      PublishCorrection(store, row->id, std::move(*rubric), *seen, reason, anyway, ActorOf(call));
   Result<json::array> versions = Versions(store, *row);
   if (!versions.ok()) return ErrorResponse({Code::kInternal, versions.status().message()});
   const json::object newest = versions->front().as_object();

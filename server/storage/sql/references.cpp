@@ -81,7 +81,8 @@ Result<ReferenceRow> FindReference(Db& db, const Uuid& id) {
 }  // namespace
 
 Result<ReferenceRow> SqliteStore::AddReference(const Uuid& attempt, const std::string& dentist,
-                                               bool consent, const Actor& by) {
+                                               bool consent, const Actor& by,
+                                               const std::string& anyway) {
   ReferenceRow row;
   row.consent = consent;
   row.id = Uuid::New();
@@ -108,9 +109,12 @@ Result<ReferenceRow> SqliteStore::AddReference(const Uuid& attempt, const std::s
     // What was scored without a reference is scored again with it; what was compared with an earlier
     // one keeps its score until somebody asks.
     ENAMEL_RETURN_IF_ERROR(QueueUnreferenced(db, row.exercise));
+    const std::string exercise = row.exercise.Text(), version = std::to_string(row.version);
     return WriteAudit(
         db, by, "reference.add", attempt.Text(), "{}",
-        JsonOf({{"exercise", row.exercise.Text()}, {"version", std::to_string(row.version)}}));
+        anyway.empty()
+            ? JsonOf({{"exercise", exercise}, {"version", version}})
+            : JsonOf({{"exercise", exercise}, {"version", version}, {"anyway", anyway}}));
   });
   if (!status.ok()) return status;
   return row;

@@ -177,7 +177,7 @@ class SqliteStore final : public Store {
                       const Actor& by) override;
   Result<std::optional<AppealRow>> AppealOf(const Uuid& attempt) override;
   Result<ReferenceRow> AddReference(const Uuid& attempt, const std::string& dentist, bool consent,
-                                    const Actor& by) override;
+                                    const Actor& by, const std::string& anyway = {}) override;
   Result<ReferenceRow> ReferenceById(const Uuid& id) override;
   Result<std::vector<ReferenceRow>> References(const Uuid& exercise) override;
   Status WithdrawReference(const Uuid& id, const Actor& by) override;

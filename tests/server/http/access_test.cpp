@@ -89,7 +89,7 @@ TEST_F(AccessTest, EveryRoleGetsItsOwnAndNothingElse) {
       {"mark as reference",
        "POST",
        scored + "/reference",
-       R"({"dentist":"Dr. Vega","consent":true})",
+       R"({"dentist":"Dr. Vega","consent":true,"anyway":"a test"})",
        {{"sam", 403}, {"sue", 403}, {"tom", 403}, {"ada", 201}, {"ben", 404}, {"root", 201}}},
       {"release",
        "POST",
@@ -215,9 +215,17 @@ TEST_F(AccessTest, AttemptCarriesTheNamesOfWhatItPointsTo) {
 }
 
 TEST_F(AccessTest, ReferenceShowsAtTheExerciseAndTheAttempt) {
-  RawResponse made =
+  // Its tooth is none, so whether it did the task cannot be told.
+  RawResponse refused =
       By("ada").Post(Scored("/reference"), R"({"dentist":"Dr. Vega","consent":true})");
+  EXPECT_EQ(refused.status, 409) << refused.body;
+  EXPECT_EQ(Parsed(refused).at("error").at("field"), "anyway");
+  RawResponse made = By("ada").Post(
+      Scored("/reference"), R"({"dentist":"Dr. Vega","consent":true,"anyway":"seen by two"})");
   ASSERT_EQ(made.status, 201) << made.body;
+  EXPECT_NE(
+      school_.store->FindAudit({.action = "reference.add"})->front().after_json.find("seen by two"),
+      std::string::npos);
   EXPECT_EQ(Parsed(made).at("dentist"), "Dr. Vega");
   EXPECT_EQ(Parsed(By("ada").Get(Scored())).at("is_reference"), true);
   boost::json::value exercise =

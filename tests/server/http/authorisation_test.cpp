@@ -170,7 +170,7 @@ const Line kLines[] = {
     {"GET /api/v1/attempts/{id}/series",        "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
     {"GET /api/v1/attempts/{id}/live",          "recording",      "",                                    "401 403 403 403 200 404 200 200 401 403"},
     {"POST /api/v1/attempts/{id}/release",      "attempt",        "",                                    "401 403 403 403 204 404 204 204 401 403"},
-    {"POST /api/v1/attempts/{id}/reference",    "attempt",        R"({"dentist":"Dr. Vega","consent":true})", "401 403 403 403 201 404 201 201 401 403"},
+    {"POST /api/v1/attempts/{id}/reference",    "attempt",        R"({"dentist":"Dr. Vega","consent":true,"anyway":"a test"})", "401 403 403 403 201 404 201 201 401 403"},
     {"DELETE /api/v1/attempts/{id}/release",       "appealed",       "",                                    "401 403 403 403 204 404 204 204 401 403"},
     {"PUT /api/v1/attempts/{id}/override",         "attempt",        R"({"score":50,"reason":"r"})",        "401 403 403 403 200 404 200 200 401 403"},
     {"DELETE /api/v1/attempts/{id}/override",      "attempt",        "",                                    "401 403 403 403 200 404 200 200 401 403"},

@@ -762,7 +762,9 @@ TEST_F(TeachingTest, ACohortIsScoredAgainInOneBatch) {
 
 TEST_F(TeachingTest, ReferencesAreListedAndWithdrawnAndNamesShownWithConsentOnly) {
   const std::string list = "/api/v1/exercises/" + school_.exercise.Text() + "/references";
-  ASSERT_EQ(Post("ada", Scored("/reference"), {{"dentist", "Dr. Vega"}, {"consent", true}}).status,
+  ASSERT_EQ(Post("ada", Scored("/reference"),
+                 {{"dentist", "Dr. Vega"}, {"consent", true}, {"anyway", "a test's"}})
+                .status,
             201);
   // Kept from a time when a reference could be without it.
   auto second = school_.store->AddReference(school_.ScoredAttempt(school_.sam), "Dr. Lyra", false,

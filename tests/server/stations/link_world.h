@@ -183,13 +183,15 @@ class ScriptedStation {
     return Send(request);
   }
 
-  wire::Reply MarkReference(const Uuid& attempt, const std::string& dentist, bool consent) {
+  wire::Reply MarkReference(const Uuid& attempt, const std::string& dentist, bool consent,
+                            const std::string& anyway = {}) {
     wire::Request request;
     wire::MarkReference& body = *request.mutable_mark_reference();
     body.set_session(session);
     body.set_attempt(protocol::ToField(attempt.view()));
     body.set_dentist(dentist);
     body.set_consent(consent);
+    body.set_anyway(anyway);
     return Send(request);
   }
 

@@ -321,7 +321,10 @@ TEST_F(SessionTest, OnlyAnInstructorWithConsentMarksAScoredAttemptAsReference) {
   EXPECT_EQ(station_.MarkReference(attempt, std::string(201, 'a'), true).error().field(),
             "dentist");
   EXPECT_FALSE(world_.store->ReferenceFor(world_.exercise.id)->has_value());
-  auto marked = station_.MarkReference(attempt, "Dr A", true);
+  // Its tooth is none, so whether it did the task cannot be told.
+  EXPECT_EQ(station_.MarkReference(attempt, "Dr A", true).error().field(), "anyway");
+  EXPECT_EQ(station_.MarkReference(attempt, "Dr A", true, "a\nb").error().code(), "invalid_input");
+  auto marked = station_.MarkReference(attempt, "Dr A", true, "seen by two");
   ASSERT_TRUE(marked.has_reference_marked()) << marked.error().message();
   EXPECT_EQ(marked.reference_marked().version(), 1);
   auto reference = *world_.store->ReferenceFor(world_.exercise.id);

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/scene/types.h"
+#include "server/storage/parts.h"
+
+// Whether an exercise can be done and judged on its tooth: asked when it is edited and when it is
+// published, by page, API and command alike. Thread safety: functions, any thread; they block for
+// the store.
+namespace enamel::server {
+
+// Less time than this is no exercise: a hand needs as long to take the tool up. Chosen.
+inline constexpr int32_t kLeastTime_s = 30;
+
+// Errors: kInvalidInput with the member, what was expected and found: the rubric (ValidateRubric,
+// CheckRubricWords), a landmark that the scene does not have, a time limit of seconds, a bur that is
+// wider than the target, a target wider than the tooth or through a pulp whose opening fails the
+// attempt, a criterion of caries, a neighbour or a crown where there is none. What needs the tooth's
+// volume is left out where that cannot be read.
+Status CheckExercise(BlobStore& store, const scene::Exercise& exercise);
+
+// "the text says 3 mm deep, the target is 2 mm deep"; for people.
+std::vector<std::string> ContradictingSizes(const scene::Exercise& exercise);
+
+}  // namespace enamel::server

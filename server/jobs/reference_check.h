@@ -1,0 +1,48 @@
+#pragma once
+
+#include <string>
+
+#include "common/base/result.h"
+#include "common/cutting/volume.h"
+#include "common/scene/types.h"
+#include "server/storage/parts.h"
+
+// What others are compared with has to do what its exercise asks for. The exercise says so itself: by
+// its target, which no attempt has a part in. A first reference is compared with nothing else, so a
+// cut that did a twentieth of the task would be marked 100 for it.
+// Thread safety: functions, any thread; they block for the store.
+namespace enamel::server {
+
+// A cut beside its exercise's own target (schemas/score.md, "Zones").
+struct TargetWork {
+  double target_mm3 = 0;      // solid that the target asks to take
+  double done_percent = 0;    // of it, what went
+  double beside_mm3 = 0;      // what went anywhere beyond target and leeway, neighbours too
+  double beside_percent = 0;  // that, of the target
+};
+// Requires: equal grids; a target's prepared tooth is loaded. Errors: those of scoring::BoxesOf.
+Result<TargetWork> WorkOnTarget(const scene::Scene& scene, const scene::Exercise& exercise,
+                                const cutting::Volume& initial,
+                                const cutting::Volume& final_volume);
+
+// The same of an attempt that is scored, read from the store. Errors: the store's and the documents'.
+Result<TargetWork> WorkOfAttempt(Parts<BlobStore, AttemptStore> store, const AttemptRow& attempt);
+
+// Limits of a cut that others are compared with, chosen: the simulated dentist does more than nine
+// tenths of every tooth's target and cuts nothing beside its leeway (`admin mark-reference` prints
+// both), whoever stops early or goes beside the task does far less or far more. What is left is room
+// for other hands and coarser voxels.
+inline constexpr double kLeastDone_percent = 80, kMostBeside_percent = 5;
+
+// Whether an attempt that is scored may be what others are compared with: it did the task, and no
+// more than the task, within the time, undisturbed, and was uploaded once. Errors: kConflict with
+// field kAnyway and what to do; the store's.
+Status CheckReferenceCut(Parts<BlobStore, AttemptStore> store, const AttemptRow& attempt);
+
+// Makes it the reference: CheckReferenceCut, unless `anyway` says why not, then
+// ReferenceStore::AddReference. Errors: of both.
+Result<ReferenceRow> MakeReference(Parts<BlobStore, AttemptStore, ReferenceStore> store,
+                                   const Uuid& attempt, const std::string& dentist, bool consent,
+                                   const std::string& anyway, const Actor& by);
+
+}  // namespace enamel::server

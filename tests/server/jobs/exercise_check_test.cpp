@@ -1,0 +1,114 @@
+#include "server/jobs/exercise_check.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/json/json.h"
+#include "common/scene/volume_blob.h"
+#include "server/jobs/rubric_check.h"
+#include "tests/support/memory_store.h"
+
+// Exercises that nobody can do, or that cannot be judged, are refused with what was expected and found.
+namespace enamel::server {
+namespace {
+
+class ExerciseCheckTest : public testing::Test {
+ protected:
+  // Coarse: what is checked are sizes of millimetres.
+  static constexpr int32_t kVoxel_nm = 300'000;
+
+  std::vector<scene::Exercise> ExercisesOf(const std::string& name) {
+    auto built = scene::BuildBuiltinScene(name, kVoxel_nm);
+    EXPECT_TRUE(built.ok()) << name;
+    EXPECT_TRUE(store_.PutBlob(scene::EncodeVolume(built->volume)).ok());
+    const auto content = store_.PutBlob(AsBytes(scene::ToJson(built->scene)));
+    return scene::BuiltinExercises(built->scene, *content);
+  }
+  scene::Exercise Named(const std::string& scene, const std::string& kind) {
+    for (scene::Exercise& exercise : ExercisesOf(scene)) {
+      if (exercise.name.starts_with(kind)) return exercise;
+    }
+    ADD_FAILURE() << scene << " " << kind;
+    return {};
+  }
+  void ExpectRefused(const scene::Exercise& good,
+                     const std::function<void(scene::Exercise&)>& change,
+                     const std::string& field) {
+    scene::Exercise bad = good;
+    change(bad);
+    const Status refused = CheckExercise(store_, bad);
+    EXPECT_EQ(refused.code(), Code::kInvalidInput) << field;
+    EXPECT_EQ(refused.field(), field) << refused.message();
+    EXPECT_NE(refused.message().find("found"), std::string::npos) << refused.message();
+  }
+
+  test::MemoryStore store_;
+};
+
+TEST_F(ExerciseCheckTest, EveryBuiltInExerciseCanBeDoneAndSaysTheSizesOfItsTarget) {
+  for (const std::string& name : scene::BuiltinSceneNames()) {
+    for (const scene::Exercise& exercise : ExercisesOf(name)) {
+      const Status status = CheckExercise(store_, exercise);
+      EXPECT_TRUE(status.ok()) << exercise.name << ": " << status.field() << " "
+                               << status.message();
+      EXPECT_TRUE(ContradictingSizes(exercise).empty())
+          << exercise.name << ": " << ContradictingSizes(exercise).front();
+      EXPECT_TRUE(RepeatedMetrics(exercise.rubric).empty()) << exercise.name;
+    }
+  }
+}
+
+TEST_F(ExerciseCheckTest, WhatNobodyCanDoIsRefused) {
+  const scene::Exercise good = Named("molar", "class-1");
+  ASSERT_TRUE(CheckExercise(store_, good).ok());
+  ExpectRefused(
+      good, [](auto& e) { e.target.landmark = "nowhere"; }, "target.landmark");
+  ExpectRefused(
+      good, [](auto& e) { e.time_limit_s = 3; }, "time_limit_s");
+  ExpectRefused(
+      good, [](auto& e) { e.target.half_size_um[1] = e.bur_radius_um - 50; }, "bur.radius_um");
+  ExpectRefused(
+      good, [](auto& e) { e.target.half_size_um[0] = 15'000; }, "target.half_size_um");
+  ExpectRefused(
+      good, [](auto& e) { e.target.depth_um = 6'000; }, "target.depth_um");
+}
+
+TEST_F(ExerciseCheckTest, CriterionOfWhatTheToothDoesNotHaveIsRefused) {
+  const scene::Exercise good = Named("molar", "class-1");
+  auto first = [](const char* metric, const char* unit) {
+    return [=](scene::Exercise& e) {
+      e.rubric.criteria[0].metric = metric;
+      e.rubric.criteria[0].unit = unit;
+    };
+  };
+  const std::string field = "rubric.criteria[0].metric";
+  ExpectRefused(good, first("caries_left_mm3", "mm3"), field);
+  ExpectRefused(good, first("neighbour_removed_mm3", "mm3"), field);
+  ExpectRefused(good, first("convergence_mesiodistal_deg", "deg"), field);
+}
+
+TEST_F(ExerciseCheckTest, WordsThatATerminalObeysAreRefused) {
+  const scene::Exercise good = Named("molar", "class-1");
+  for (const std::string bad : {"a\x1b[2J", "a\nb",
+                                "a\xe2\x80\xae"
+                                "b"}) {
+    ExpectRefused(
+        good, [&](auto& e) { e.rubric.criteria[1].title = bad; }, "rubric.criteria[1].title");
+    ExpectRefused(
+        good, [&](auto& e) { e.rubric.criteria[2].comment = bad; }, "rubric.criteria[2].comment");
+  }
+}
+
+TEST_F(ExerciseCheckTest, SizesAndMetricsThatContradictAreWarnedAbout) {
+  scene::Exercise exercise = Named("molar", "class-1");
+  exercise.instructions = "Cut it 7.5 mm deep.";
+  ASSERT_EQ(ContradictingSizes(exercise).size(), 1u);
+  EXPECT_NE(ContradictingSizes(exercise)[0].find("7.5 mm deep"), std::string::npos);
+  exercise.rubric.criteria.push_back(exercise.rubric.criteria[0]);
+  ASSERT_EQ(RepeatedMetrics(exercise.rubric).size(), 1u);
+}
+
+}  // namespace
+}  // namespace enamel::server
