@@ -19,6 +19,7 @@
 #include "server/app/publish.h"
 #include "server/app/say.h"
 #include "server/jobs/comparison.h"
+#include "server/training/names.h"
 #include "server/training/ticket_rules.h"
 
 namespace enamel::server::app {
@@ -42,10 +43,12 @@ void Show(const AssignmentRow& row) {
   std::string cohort = row.cohort.IsZero() ? "everybody" : row.cohort_name;
   std::string stations =
       row.stations.empty() ? "" : ", at " + Counted(row.stations.size(), "station");
-  Say("{}  {:<28} version {}  {:<20} opens {}, due {}{}, attempts: {}{}{}, graded work with {}\n",
+  Say("{}  {:<28} version {}  {:<20} opens {}, due {}{}, attempts: {}{}{}, graded work with "
+      "{}{}\n",
       row.id.Text(), row.exercise, row.version, cohort, WhenText(row.opens_ms, "at once"),
       WhenText(row.due_ms, "never"), row.late_allowed ? " (late allowed)" : "", limit,
-      row.exam ? ", exam" : "", stations, HandsAllowedText(row.hands));
+      row.exam ? ", exam" : "", stations, HandsAllowedText(row.hands),
+      row.retired ? ", exercise retired" : "");
 }
 
 Result<Uuid> CohortOrEverybody(TeachingStore& store, const std::string& name) {
@@ -162,12 +165,35 @@ Status PublishExercise(const std::filesystem::path& data, const NewExercise& exe
   return Status::Ok();
 }
 
-Status RetireExercise(const std::filesystem::path& data, const std::string& name) {
+Status RetireExercise(const std::filesystem::path& data, const std::string& name,
+                      const std::string& reason) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
   ENAMEL_ASSIGN_OR_RETURN(auto versions, store->ExerciseVersions(name));
   if (versions.empty()) return NoSuchExercise(name);
-  ENAMEL_RETURN_IF_ERROR(store->RetireExercise(versions.front().id, kCommandLine));
-  Say("{} is no longer offered; what was done with it stays\n", name);
+  std::string why;
+  if (!reason.empty()) {
+    ENAMEL_ASSIGN_OR_RETURN(why, CheckedReason(reason, "reason"));
+  }
+  ENAMEL_RETURN_IF_ERROR(store->RetireExercise(versions.front().id, kCommandLine, why));
+  ENAMEL_ASSIGN_OR_RETURN(const auto assigned, store->Assignments({}));
+  const auto now_ms = UnixMs();
+  const auto running = std::ranges::count_if(assigned, [&](const AssignmentRow& row) {
+    return row.exercise == name && (row.due_ms == 0 || row.due_ms > now_ms);
+  });
+  Say("{} is no longer offered; what was done with it stays. {}offer-exercise takes this back\n",
+      name,
+      running == 0 ? std::string()
+                   : Counted(static_cast<size_t>(running), "assignment") +
+                         " of it can be finished until they end. ");
+  return Status::Ok();
+}
+
+Status OfferExercise(const std::filesystem::path& data, const std::string& name) {
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(auto versions, store->ExerciseVersions(name));
+  if (versions.empty()) return NoSuchExercise(name);
+  ENAMEL_RETURN_IF_ERROR(store->OfferExerciseAgain(versions.front().id, kCommandLine));
+  Say("{} is offered again, as it was before it was retired\n", name);
   return Status::Ok();
 }
 
@@ -331,13 +357,19 @@ void DeclareExercises(CommandGroup admin) {
 
   struct Named {
     std::filesystem::path data;
-    std::string name, state;
+    std::string name, state, reason;
   };
   auto [retire, r] =
       Declare<Named>(admin, "retire-exercise", "Stop offering it: no version can be assigned",
-                     [](const Named& o) { return RetireExercise(o.data, o.name); });
+                     [](const Named& o) { return RetireExercise(o.data, o.name, o.reason); });
   AddData(retire, r.data);
   retire->add_option("--name", r.name)->required();
+  retire->add_option("--reason", r.reason, "Why, for the audit trail");
+  auto [offer, f] =
+      Declare<Named>(admin, "offer-exercise", "Offer again what was retired, as it was before",
+                     [](const Named& o) { return OfferExercise(o.data, o.name); });
+  AddData(offer, f.data);
+  offer->add_option("--name", f.name)->required();
 
   struct Share {
     std::filesystem::path data;

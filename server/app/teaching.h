@@ -19,7 +19,11 @@ struct NewExercise {
   std::string prepared;     // folder of `enamel-station target`, made for the scene
 };
 Status PublishExercise(const std::filesystem::path& data, const NewExercise& exercise);
-Status RetireExercise(const std::filesystem::path& data, const std::string& name);
+// `reason` goes to the audit trail.
+Status RetireExercise(const std::filesystem::path& data, const std::string& name,
+                      const std::string& reason = {});
+// Takes that back.
+Status OfferExercise(const std::filesystem::path& data, const std::string& name);
 // `state`: "draft", "published", "retired"; empty: all.
 Status ListExercises(const std::filesystem::path& data, const std::string& state);
 

@@ -79,6 +79,8 @@ const std::array kRoutes = {
           Given<&PublishDraft>()},
     Route{Method::kPost, "/api/v1/exercises/{id}/retire", Need::kInstructor,
           Given<&RetireExercise>()},
+    Route{Method::kPost, "/api/v1/exercises/{id}/offer", Need::kInstructor,
+          Given<&OfferExerciseAgain>()},
     Route{Method::kPut, "/api/v1/exercises/{id}/sharing", Need::kInstructor,
           Given<&ShareExercise>()},
     Route{Method::kGet, "/api/v1/exercises/{id}/rubrics", Need::kInstructor, Given<&ListRubrics>()},

@@ -64,8 +64,13 @@ class ContentStore : public BlobStore {
   virtual Status DeleteDraft(const Uuid& id, int32_t revision, const Actor& by) = 0;
   // The draft becomes the next version; kConflict when it says what the newest one says.
   virtual Result<ExerciseRow> PublishDraft(const Uuid& id, int32_t revision, const Actor& by) = 0;
-  // No version of the name is offered any more, until one is published again.
-  virtual Status RetireExercise(const Uuid& id, const Actor& by) = 0;
+  // No version of the name can be assigned any more, until one is published or offered again. What is
+  // assigned stays so and can be finished: retiring ends no assignment. `reason`, for the audit trail.
+  // Errors also: kConflict, field "assignment", while an exam is open or being taken.
+  virtual Status RetireExercise(const Uuid& id, const Actor& by,
+                                const std::string& reason = {}) = 0;
+  // What was retired is as it was before. Errors: kConflict where nothing of the name is retired.
+  virtual Status OfferExerciseAgain(const Uuid& id, const Actor& by) = 0;
 };
 
 }  // namespace enamel::server

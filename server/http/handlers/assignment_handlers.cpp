@@ -58,8 +58,8 @@ class AssignmentView {
     if (!row.cohort.IsZero()) {
       cohort = {{"id", row.cohort.Text()}, {"name", row.cohort_name}};
     }
-    // Of a retired exercise the assignment stays, with the name alone.
-    if (!row.retired) {
+    // A retired exercise can be finished, so it is told what to do.
+    if (!row.version_id.IsZero()) {
       exercise_id = row.version_id.Text();
       title = row.title;
     }
@@ -74,6 +74,7 @@ class AssignmentView {
               {"id", std::move(exercise_id)},
               {"title", std::move(title)},
               {"version", row.version},
+              {"retired", row.retired},
               {"newest_id", std::move(newest_id)},
               {"newest_version", std::move(newest_version)}}},
             {"cohort", std::move(cohort)},

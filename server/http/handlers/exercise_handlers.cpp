@@ -527,11 +527,29 @@ Response PublishDraft(const Call& call, ExerciseParts store) {
 Response RetireExercise(const Call& call, Parts<ContentStore, AttemptStore> store) {
   Result<ExerciseRow> row = ChangeableExercise(call, store);
   if (!row.ok()) return ErrorResponse(row.status());
-  Status done = store.content().RetireExercise(call.id, ActorOf(call));
+  std::string reason;
+  if (!call.request.body.empty()) {
+    if (!IsJson(call.request)) return NotJson();
+    BodyReader body(call.request);
+    if (body.Has("reason")) reason = body.Text("reason", 1, kMaxReasonBytes);
+    if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
+    if (Status line = CheckOneLine(reason, "reason"); !line.ok()) return ErrorResponse(line);
+  }
+  Status done = store.content().RetireExercise(call.id, ActorOf(call), reason);
   if (!done.ok()) return ErrorResponse(done);
   Response response;
   response.status = 204;
   return response;
+}
+
+Response OfferExerciseAgain(const Call& call, ExerciseParts store) {
+  Result<ExerciseRow> row = ChangeableExercise(call, store);
+  if (!row.ok()) return ErrorResponse(row.status());
+  Status done = store.content().OfferExerciseAgain(call.id, ActorOf(call));
+  if (!done.ok()) return ErrorResponse(done);
+  row = store.content().ExerciseById(call.id);
+  if (!row.ok()) return ErrorResponse(row.status());
+  return WholeResponse(call, store, *row);
 }
 
 Response ShareExercise(const Call& call, ExerciseParts store) {

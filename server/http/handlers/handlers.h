@@ -48,6 +48,7 @@ Response ReplaceDraft(const Call& call, ExerciseParts store);
 Response DeleteDraft(const Call& call, ExerciseParts store);
 Response PublishDraft(const Call& call, ExerciseParts store);
 Response RetireExercise(const Call& call, Parts<ContentStore, AttemptStore> store);
+Response OfferExerciseAgain(const Call& call, ExerciseParts store);
 Response ShareExercise(const Call& call, ExerciseParts store);
 Response WithdrawReference(const Call& call, Parts<TeachingStore, AttemptStore> store);
 

@@ -313,8 +313,8 @@ Result<std::vector<AssignedRow>> SqliteStore::AssignmentsFor(const Uuid& person)
               "AND t.person = ?2 AND t.flags & " +
                   Sql(kExcused | kReturned) +
                   " = 0), " ENAMEL_EXERCISE_COLUMNS " FROM " ENAMEL_ASSIGNMENTS
-                  " JOIN exercises e ON e.tenant = a.tenant AND e.id = a.exercise AND e.state = " +
-                  Sql(ExerciseState::kPublished) +
+                  " JOIN exercises e ON e.tenant = a.tenant AND e.id = a.exercise AND e.state <> " +
+                  Sql(ExerciseState::kDraft) +
                   " " ENAMEL_EXERCISE_OWNERS
                   "WHERE a.tenant = ?1 AND (a.cohort = "
                   "?3 OR a.cohort IN (SELECT m.cohort FROM cohort_members m JOIN cohorts c ON "

@@ -98,6 +98,29 @@ Status SetState(Db& db, const Uuid& id, ExerciseState state) {
   return q.Bind(id).Bind(static_cast<int64_t>(state)).Run();
 }
 
+Status ChangeState(Db& db, const Uuid& version, ExerciseState to, const char* action,
+                   const Actor& by, const std::string& reason) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto before, FindExercise(db, version));
+  ENAMEL_RETURN_IF_ERROR(SetState(db, version, to));
+  ENAMEL_ASSIGN_OR_RETURN(const auto after, FindExercise(db, version));
+  const Json now = reason.empty() ? VersionJson(after)
+                                  : JsonOf({{"name", after.name},
+                                            {"version", std::to_string(after.version)},
+                                            {"content", after.content.Hex()},
+                                            {"state", ExerciseStateName(after.state)},
+                                            {"reason", reason}});
+  return WriteAudit(db, by, action, version.Text(), VersionJson(before), now);
+}
+
+Result<std::vector<Uuid>> VersionsIn(Db& db, const std::string& name, ExerciseState state) {
+  Query q(db, "SELECT id FROM exercises WHERE tenant = ?1 AND name = ?2 AND state = " + Sql(state) +
+                  " ORDER BY version");
+  std::vector<Uuid> out;
+  for (q.Bind(name); q.Next();) out.push_back(q.Id(0));
+  if (!q.status().ok()) return q.status();
+  return out;
+}
+
 // Publishing what was retired offers it again.
 Status OfferAgain(Db& db, ExerciseRow& row, const Actor& by) {
   if (row.state == ExerciseState::kPublished) return Status::Ok();
@@ -295,27 +318,33 @@ Result<ExerciseRow> SqliteStore::PublishDraft(const Uuid& id, int32_t revision, 
 }
 
 // All versions of the name: an older one must not come back in place of the newest.
-Status SqliteStore::RetireExercise(const Uuid& id, const Actor& by) {
+Status SqliteStore::RetireExercise(const Uuid& id, const Actor& by, const std::string& reason) {
   return Write([&](Db& db) -> Status {
     ENAMEL_ASSIGN_OR_RETURN(auto row, FindExercise(db, id));
     ENAMEL_RETURN_IF_ERROR(NoExamMustBeOpen(db, row.name, {}));
-    std::vector<Uuid> versions;
-    {
-      Query q(db, "SELECT id FROM exercises WHERE tenant = ?1 AND name = ?2 AND state = " +
-                      Sql(ExerciseState::kPublished) + " ORDER BY version");
-      for (q.Bind(row.name); q.Next();) versions.push_back(q.Id(0));
-      ENAMEL_RETURN_IF_ERROR(q.status());
-    }
+    ENAMEL_ASSIGN_OR_RETURN(const auto versions,
+                            VersionsIn(db, row.name, ExerciseState::kPublished));
     if (versions.empty()) {
       return Status(Code::kConflict, "no version of \"" + row.name + "\" is published");
     }
     for (const Uuid& version : versions) {
-      ENAMEL_RETURN_IF_ERROR(SetState(db, version, ExerciseState::kRetired));
-      ENAMEL_ASSIGN_OR_RETURN(const auto retired, FindExercise(db, version));
-      ExerciseRow before = retired;
-      before.state = ExerciseState::kPublished;
-      ENAMEL_RETURN_IF_ERROR(WriteAudit(db, by, "exercise.retire", version.Text(),
-                                        VersionJson(before), VersionJson(retired)));
+      ENAMEL_RETURN_IF_ERROR(
+          ChangeState(db, version, ExerciseState::kRetired, "exercise.retire", by, reason));
+    }
+    return Status::Ok();
+  });
+}
+
+Status SqliteStore::OfferExerciseAgain(const Uuid& id, const Actor& by) {
+  return Write([&](Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(auto row, FindExercise(db, id));
+    ENAMEL_ASSIGN_OR_RETURN(const auto versions, VersionsIn(db, row.name, ExerciseState::kRetired));
+    if (versions.empty()) {
+      return Status(Code::kConflict, "no version of \"" + row.name + "\" is retired");
+    }
+    for (const Uuid& version : versions) {
+      ENAMEL_RETURN_IF_ERROR(
+          ChangeState(db, version, ExerciseState::kPublished, "exercise.publish", by, {}));
     }
     return Status::Ok();
   });
@@ -335,18 +364,22 @@ Result<ExerciseRow> SqliteStore::ExerciseByContent(const Sha256& content) {
   });
 }
 
-// Assigned to a cohort of the person's that is not archived, or to everybody (the zero id).
+// Assigned to a cohort of the person's that is not archived, or to everybody (the zero id); of what is
+// retired, what can still be done.
 Result<std::vector<ExerciseRow>> SqliteStore::ExercisesFor(const Uuid& person) {
   return Read([&](Db& db) -> Result<std::vector<ExerciseRow>> {
     Query q(db, "SELECT " ENAMEL_EXERCISE_COLUMNS " FROM exercises e " ENAMEL_EXERCISE_OWNERS
-                "WHERE e.tenant = ?1 AND e.state = " +
-                    Sql(ExerciseState::kPublished) +
+                "WHERE e.tenant = ?1 AND e.state <> " +
+                    Sql(ExerciseState::kDraft) +
                     " AND EXISTS (SELECT 1 FROM assignments a WHERE a.tenant = e.tenant AND "
-                    "a.exercise = e.id AND (a.cohort = ?3 OR a.cohort IN (SELECT m.cohort "
+                    "a.exercise = e.id AND (e.state = " +
+                    Sql(ExerciseState::kPublished) +
+                    " OR a.due_ms = 0 OR a.due_ms > ?4 OR a.late_allowed = 1) AND (a.cohort = ?3 "
+                    "OR a.cohort IN (SELECT m.cohort "
                     "FROM cohort_members m JOIN cohorts c ON c.tenant = m.tenant AND c.id = "
                     "m.cohort AND c.archived_ms = 0 WHERE m.tenant = ?1 AND m.person = ?2))) "
                     "ORDER BY e.name, e.version DESC");
-    return ExercisesFrom(q.Bind(person).Bind(Uuid{}));
+    return ExercisesFrom(q.Bind(person).Bind(Uuid{}).Bind(NowMs()));
   });
 }
 

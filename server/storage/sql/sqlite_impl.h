@@ -124,7 +124,8 @@ class SqliteStore final : public Store {
   Result<ExerciseRow> ReplaceDraft(const ExerciseRow& row, const Actor& by) override;
   Status DeleteDraft(const Uuid& id, int32_t revision, const Actor& by) override;
   Result<ExerciseRow> PublishDraft(const Uuid& id, int32_t revision, const Actor& by) override;
-  Status RetireExercise(const Uuid& id, const Actor& by) override;
+  Status RetireExercise(const Uuid& id, const Actor& by, const std::string& reason = {}) override;
+  Status OfferExerciseAgain(const Uuid& id, const Actor& by) override;
   Result<AssignmentRow> AddAssignment(const AssignmentRow& row, const Actor& by) override;
   Result<AssignmentRow> ReplaceAssignment(const AssignmentRow& row, const Actor& by) override;
   Result<AssignmentMove> MoveAssignment(const Uuid& id, const Uuid& version, int32_t revision,

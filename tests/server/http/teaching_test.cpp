@@ -117,8 +117,18 @@ TEST_F(DraftTest, DraftIsPutReplacedPublishedAndOfferedByAnAssignment) {
   EXPECT_EQ(By("tom").Get(path + "/document").body, scene::ToJson(document_));
   EXPECT_EQ(Send("ben", "DELETE", path, {}, published.headers["etag"]).status, 409);
 
-  EXPECT_EQ(Post("ben", path + "/retire").status, 204);
-  EXPECT_EQ(By("tom").Get(path).status, 404);
+  EXPECT_EQ(Post("ben", path + "/retire", {{"reason", "a\u001b[2J"}}).status, 400);
+  EXPECT_EQ(Post("ben", path + "/retire", {{"reason", "another one is better"}}).status, 204);
+  EXPECT_EQ(By("tom").Get(path).status, 200) << "what is assigned can be finished";
+  json::value mine = Parsed(By("tom").Get("/api/v1/assignments")).at("assignments").at(0);
+  EXPECT_EQ(mine.at("exercise").at("retired"), true);
+  EXPECT_EQ(mine.at("mine").at("refusal"), "");
+  EXPECT_EQ(Post("ben", "/api/v1/assignments", terms).status, 400) << "and assigned no more";
+  RawResponse offered = Post("ben", path + "/offer");
+  EXPECT_EQ(offered.status, 200) << offered.body;
+  EXPECT_EQ(Parsed(offered).at("state"), "published");
+  EXPECT_EQ(Post("ben", path + "/offer").status, 409);
+  EXPECT_EQ(Post("ben", path + "/retire", {{"reason", "another one is better"}}).status, 204);
   json::value versions = Parsed(By("ben").Get(path + "/versions"));
   EXPECT_EQ(versions.at("versions").at(0).at("state"), "retired");
 }

@@ -123,14 +123,39 @@ TEST_P(TeachingTest, DraftThatSaysNothingNewIsNotPublishedAndCanBeDiscarded) {
 TEST_P(TeachingTest, RetiredExerciseIsOfferedToNobodyUntilItIsPublishedAgain) {
   World world(*store_);
   ASSERT_TRUE(store_->PublishExercise(world.Exercise("exercise", "v2"), Uuid{}, kSystem).ok());
+  const auto assigned = *store_->Assignments({});
+  for (const AssignmentRow& row : assigned) {
+    ASSERT_TRUE(store_->DeleteAssignment(row.id, row.revision, kSystem).ok());
+  }
   ASSERT_TRUE(store_->RetireExercise(world.exercise.id, kSystem).ok());
   EXPECT_TRUE(store_->ExercisesFor(world.student)->empty()) << "not the older version either";
   EXPECT_TRUE(store_->AllExercises()->empty());
-  EXPECT_TRUE(store_->AssignmentsFor(world.student)->empty());
   EXPECT_EQ(store_->ExercisesIn(ExerciseState::kRetired)->front().version, 2);
   EXPECT_EQ(store_->RetireExercise(world.exercise.id, kSystem).code(), Code::kConflict);
   ASSERT_TRUE(store_->PublishExercise(world.Exercise("exercise", "v2"), Uuid{}, kSystem).ok());
   EXPECT_EQ(store_->AllExercises()->front().version, 2);
+}
+
+TEST_P(TeachingTest, RetiringLocksNobodyOutOfWhatIsAssigned) {
+  World world(*store_);
+  const auto assigned = *store_->Assignments({});
+  for (const AssignmentRow& row : assigned) {
+    ASSERT_TRUE(store_->DeleteAssignment(row.id, row.revision, kSystem).ok());
+  }
+  AssignmentRow row = Assigned(Cohort("year 1", world.student));
+  ASSERT_TRUE(store_->RetireExercise(world.exercise.id, kSystem, "a newer one").ok());
+  EXPECT_EQ(store_->ExercisesFor(world.student)->size(), 1u);
+  ASSERT_EQ(store_->AssignmentsFor(world.student)->size(), 1u);
+  EXPECT_TRUE(store_->AssignmentsFor(world.student)->front().assignment.retired);
+  EXPECT_TRUE(Begin(world, row).ok());
+  row.due_ms = 5000;
+  row.opens_ms = 0;
+  ASSERT_TRUE(store_->ReplaceAssignment(row, kSystem).ok());
+  EXPECT_TRUE(store_->ExercisesFor(world.student)->empty()) << "over";
+  ASSERT_TRUE(store_->OfferExerciseAgain(world.exercise.id, kSystem).ok());
+  EXPECT_EQ(store_->AllExercises()->size(), 1u);
+  EXPECT_EQ(store_->OfferExerciseAgain(world.exercise.id, kSystem).code(), Code::kConflict);
+  EXPECT_TRUE(store_->RetireExercise(world.exercise.id, kSystem).ok());
 }
 
 TEST_P(TeachingTest, NameOfAnExerciseIsOfWhoFirstUsedItUntilNothingOfItIsLeft) {
@@ -831,7 +856,7 @@ TEST_P(TeachingTest, ExamKeepsItsVersionAndIsNeitherMovedNorRetiredUntilItIsOver
   for (const Status& status : refusals()) EXPECT_EQ(status.code(), Code::kConflict) << "running";
   ASSERT_TRUE(store_->FlagAttempt(taken, kExcused, "ill", kSystem).ok());
   EXPECT_TRUE(store_->MoveAssignment(exam.id, draft.id, exam.revision, false, kSystem).ok());
-  EXPECT_TRUE(store_->RetireExercise(draft.id, kSystem).ok());
+  EXPECT_TRUE(store_->RetireExercise(draft.id, kSystem, "a newer one").ok());
 }
 
 TEST_P(TeachingTest, AssignmentStaysWithItsVersionUntilSomebodyMovesIt) {
@@ -973,7 +998,7 @@ TEST_P(TeachingTest, EveryChangeIsAudited) {
   ASSERT_TRUE(store_->FlagAttempt(attempt, kExcused, "ill", kSystem).ok());
   ASSERT_TRUE(store_->ReturnTicket(attempt, kSystem).ok());
   ASSERT_TRUE(store_->DeleteAssignment(row.id, 2, kSystem).ok());
-  ASSERT_TRUE(store_->RetireExercise(draft->id, kSystem).ok());
+  ASSERT_TRUE(store_->RetireExercise(draft->id, kSystem, "a newer one").ok());
   std::vector<std::string> actions = Actions();
   for (const char* action :
        {"exercise.draft", "exercise.publish", "exercise.retire", "assignment.add",
