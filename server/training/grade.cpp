@@ -29,9 +29,12 @@ Grade GradeOver(Counting counting, std::vector<GradedAttempt> attempts) {
   });
   Grade out;
   out.attempts = static_cast<uint32_t>(attempts.size());
+  out.regrading = std::ranges::any_of(attempts, &GradedAttempt::again);
+  const bool unknown = std::ranges::any_of(
+      attempts, [](const GradedAttempt& attempt) { return attempt.again && !attempt.score; });
   std::erase_if(attempts, [](const GradedAttempt& attempt) { return !attempt.score; });
   out.counted = static_cast<uint32_t>(attempts.size());
-  if (attempts.empty()) return out;
+  if (attempts.empty() || unknown) return out;
   out.shown = std::ranges::all_of(attempts, &GradedAttempt::shown);
   std::vector<double> scores;
   for (const GradedAttempt& attempt : attempts) scores.push_back(*attempt.score);

@@ -18,6 +18,8 @@ struct GradedAttempt {
       score{};         // 0..100, the overriding one where there is one; none: not scored yet, or
                        // not to be seen
   bool shown = false;  // the student may see the score
+  // It was scored, and is being scored again, or waits for the release of what came of that.
+  bool again = false;
 };
 
 struct Grade {
@@ -26,6 +28,9 @@ struct Grade {
   std::optional<double> score{};  // none: nothing counts yet
   std::optional<Uuid> attempt{};  // whose score it is, of best and last
   bool shown = false;             // the student may see every score that counts
+  // One of them is `again`. Then there is no result for who does not see its score meanwhile: what
+  // the others come to may not be it.
+  bool regrading = false;
 };
 
 // `best`: the highest, of equal ones the earlier. `last`: of the attempt that was begun last among the

@@ -9,6 +9,10 @@ namespace {
 // The most that the store gives at once.
 constexpr uint32_t kAttemptsAtOnce = 200;
 
+bool IsBeingScored(const AttemptRow& row) {
+  return row.state == AttemptState::kScoring || row.state == AttemptState::kSealed;
+}
+
 json::value OrNull(const std::optional<double>& value) {
   return value ? json::value(*value) : json::value();
 }
@@ -21,6 +25,15 @@ Result<bool> GradeView::IsGraded(const Uuid& exercise) {
   if (!row.ok()) return row.status();
   graded_.emplace(exercise, row->graded);
   return row->graded;
+}
+
+// Under way, or done and not released again: a release of other points is withdrawn.
+Result<bool> GradeView::IsScoredAgain(const AttemptRow& row, bool seen) {
+  if (!row.score) return false;
+  if (seen) return IsBeingScored(row);
+  Result<std::vector<ResultRow>> runs = store_.attempts().ResultsOf(row.id);
+  if (!runs.ok()) return runs.status();
+  return runs->size() > 1;
 }
 
 Result<std::map<Uuid, GradeView::Work>> GradeView::WorkOf(const AssignmentRow& assignment,
@@ -40,11 +53,16 @@ Result<std::map<Uuid, GradeView::Work>> GradeView::WorkOf(const AssignmentRow& a
       if ((row.flags & (kExcused | kReturned)) != 0) continue;
       Result<bool> graded = IsGraded(row.exercise);
       if (!graded.ok()) return graded.status();
-      GradedAttempt each{row.id, row.ticketed_ms, {}, false};
+      GradedAttempt each{row.id, row.ticketed_ms, {}, false, false};
       each.shown = !IsReleasedFirst(row, *graded) || row.released;
       // A student's own are asked for as those of somebody who shares no cohort with anybody.
       const bool seen = viewer_.role != Role::kStudent || CanSeeScore(viewer_, row, *graded, false);
       if (row.score && seen) each.score = row.overridden ? row.overridden->score : *row.score;
+      Result<bool> again = IsScoredAgain(row, seen);
+      if (!again.ok()) return again.status();
+      each.again = *again;
+      // What they see now may not be what counts in a minute.
+      if (each.again && viewer_.role == Role::kStudent) each.score.reset();
       attempts[row.person].push_back(each);
       out[row.person].attempts.push_back(std::move(row));
     }
@@ -67,11 +85,9 @@ Result<std::map<Uuid, Grade>> GradeView::Of(const AssignmentRow& assignment,
 json::object GradeView::Json(const Grade& grade) {
   json::value attempt;
   if (grade.attempt) attempt = grade.attempt->Text();
-  return {{"attempts", grade.attempts},
-          {"counted", grade.counted},
-          {"score", OrNull(grade.score)},
-          {"attempt_id", std::move(attempt)},
-          {"released", grade.shown}};
+  return {{"attempts", grade.attempts},   {"counted", grade.counted},
+          {"score", OrNull(grade.score)}, {"attempt_id", std::move(attempt)},
+          {"released", grade.shown},      {"regrading", grade.regrading}};
 }
 
 json::object GradeView::Json(const GradeSummary& summary) {

@@ -36,6 +36,7 @@ class GradeView {
 
  private:
   Result<bool> IsGraded(const Uuid& exercise);
+  Result<bool> IsScoredAgain(const AttemptRow& row, bool seen);
 
   Parts<ContentStore, AttemptStore> store_;
   const Person& viewer_;

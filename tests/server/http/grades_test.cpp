@@ -137,6 +137,24 @@ TEST_F(GradesTest, StudentsResultIsMadeOfReleasedScoresAndTellsNothingOfOthers) 
   EXPECT_EQ(Sams("sam", id).at("score").to_number<double>(), 70);
 }
 
+TEST_F(GradesTest, StudentIsToldThatItIsGradedAgainInPlaceOfAnotherAttemptsScore) {
+  const Uuid id = Worked("class-1-occlusal", school_.exercise, "best", {0, 90});
+  ASSERT_TRUE(school_.store->ReleaseAssignment(id, kBy).ok());
+  EXPECT_EQ(Sams("sam", id).at("score").to_number<double>(), 90);
+  EXPECT_EQ(Sams("sam", id).at("regrading"), false);
+  // The run that its seal asked for has not been made here.
+  auto job = school_.store->LeaseJob(school_.now_ms, 60'000);
+  while (job.ok() && *job && (*job)->attempt != attempts_[1]) {
+    job = school_.store->LeaseJob(school_.now_ms, 60'000);
+  }
+  ASSERT_TRUE(job.ok() && *job);
+  json::value grade = Sams("sam", id);
+  EXPECT_EQ(grade.at("regrading"), true);
+  EXPECT_TRUE(grade.at("score").is_null()) << grade;
+  EXPECT_EQ(Sams("ada", id).at("score").to_number<double>(), 90);
+  EXPECT_EQ(Sams("ada", id).at("regrading"), true);
+}
+
 TEST_F(GradesTest, PracticeCountsForTheStudentAtOnce) {
   const ExerciseRow practice = school_.OwnExercise({school_.ada, "page"}, "practice", true, false);
   const Uuid id = Worked("practice", practice.id, "last", {70, 60});

@@ -59,6 +59,18 @@ TEST(GradeTest, AttemptWithoutAScoreIsMadeAndDoesNotCount) {
   EXPECT_FALSE(GradeOver(Counting::kBest, {}).score.has_value());
 }
 
+TEST(GradeTest, NoResultIsToldWhileAnAttemptWithoutItsScoreIsGradedAgain) {
+  GradedAttempt low{Uuid::New(), 1, 0.0, true}, again{Uuid::New(), 2, {}, false, true};
+  Grade grade = GradeOver(Counting::kBest, {low, again});
+  EXPECT_TRUE(grade.regrading);
+  EXPECT_EQ(grade.score, std::nullopt) << "0.0 is the other attempt's";
+  EXPECT_EQ(grade.attempt, std::nullopt);
+  again.score = 80;
+  grade = GradeOver(Counting::kBest, {low, again});
+  EXPECT_TRUE(grade.regrading);
+  EXPECT_EQ(grade.score, 80) << "who sees the score of before is told it, and that it may change";
+}
+
 TEST(GradeTest, ResultIsShownOnceEveryScoreThatCountsIs) {
   EXPECT_TRUE(GradeOver(Counting::kBest, kThree).shown);
   EXPECT_FALSE(GradeOver(Counting::kBest, {Scored(1, 90), Scored(2, 10, false)}).shown);
