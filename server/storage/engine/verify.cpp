@@ -426,7 +426,7 @@ class Verifier {
                   const std::optional<trace::Seal>& seal) {
     trace::ChainVerifier chain(facts.id, HashSha256(facts.header));
     const std::string id = facts.id.Text();
-    uint64_t bytes = facts.header.size(), gaps = 0;
+    uint64_t bytes = facts.header.size(), gaps = 0, unsigned_chunks = 0, first_unsigned = 0;
     for (const Bytes& encoded : chunks) {
       auto chunk = trace::DecodeChunk(encoded);
       if (!chunk.ok())
@@ -435,12 +435,13 @@ class Verifier {
       if (Status linked = chain.Accept(*chunk); !linked.ok())
         return Find("chain", id, "each chunk to continue the one before", linked.message(),
                     kAskStation);
-      CheckSignature(facts, chunk->head.seq, encoded);
+      if (!IsSigned(facts, encoded) && unsigned_chunks++ == 0) first_unsigned = chunk->head.seq;
       bytes += encoded.size();
       gaps += chunk->head.gap_ticks;
       ++report_.chunks;
       report_.ticks += chunk->head.count;
     }
+    if (unsigned_chunks > 0) FindUnsigned(facts, unsigned_chunks, first_unsigned, chunks.size());
     if (chain.next_seq() != facts.chunks || chain.next_tick() != facts.ticks ||
         chain.head() != facts.head || chain.state_hash() != facts.head_state_hash) {
       Find("chain", id, RowText(facts),
@@ -466,12 +467,20 @@ class Verifier {
            " ticks, head " + facts.head.Hex();
   }
 
-  void CheckSignature(const AttemptFacts& facts, uint32_t seq, const Bytes& chunk) {
+  bool IsSigned(const AttemptFacts& facts, const Bytes& chunk) const {
     auto key = stations_.find(facts.station);
-    if (key != stations_.end() && trace::VerifyChunk(chunk, key->second)) return;
-    Find("signature", facts.id.Text(),
-         "chunk " + std::to_string(seq) + " signed by station " + facts.station.Text(),
-         key == stations_.end() ? "no such station" : "another signature", kAskStation);
+    return key != stations_.end() && trace::VerifyChunk(chunk, key->second);
+  }
+
+  // One for the attempt: a station's changed key would be thousands.
+  void FindUnsigned(const AttemptFacts& facts, uint64_t count, uint64_t first, size_t of) {
+    const std::string which = count == of && count > 1 ? "all " + std::to_string(of) + " chunks"
+                              : count == 1
+                                  ? "chunk " + std::to_string(first)
+                                  : std::to_string(count) + " of " + std::to_string(of) +
+                                        " chunks, from chunk " + std::to_string(first) + " on,";
+    Find("signature", facts.id.Text(), which + " signed by station " + facts.station.Text(),
+         stations_.contains(facts.station) ? "another signature" : "no such station", kAskStation);
   }
 
   const VerifyOptions& options_;

@@ -264,6 +264,32 @@ Json ScoredJson(const Sha256& score_json, ByteView document) {
   return JsonOf({{"score_json", score_json.Hex()}, {"result", HashSha256(document).Hex()}});
 }
 
+Result<Json> ScoredJsonOf(Db& db, const Uuid& attempt, const Sha256& score_json,
+                          ByteView document) {
+  std::string cause, motion;
+  {
+    Query q(
+        db,
+        "SELECT cause FROM attempt_results WHERE tenant = ?1 AND attempt = ?2 ORDER BY run DESC "
+        "LIMIT 1");
+    if (q.Bind(attempt).Next()) cause = q.Text(0);
+    ENAMEL_RETURN_IF_ERROR(q.status());
+  }
+  // Not which attempt is the nearest: that one may be erased with its person.
+  Query q(db,
+          "SELECT content, others, nearest_um, median_um, size_um FROM motions WHERE tenant = ?1 "
+          "AND attempt = ?2");
+  if (q.Bind(attempt).Next()) {
+    motion = q.Hash(0).Hex();
+    for (int i = 1; i < 5; ++i) motion += " " + std::to_string(q.Int(i));
+  }
+  ENAMEL_RETURN_IF_ERROR(q.status());
+  return JsonOf({{"score_json", score_json.Hex()},
+                 {"result", document.empty() ? "" : HashSha256(document).Hex()},
+                 {"cause", cause},
+                 {"motion", motion}});
+}
+
 Result<AttemptRow> FindAttempt(Db& db, const Uuid& id) {
   static const std::string kSql = std::string(kAttemptSelect) + " AND a.id = ?2";
   Query q(db, kSql.c_str());
@@ -391,8 +417,9 @@ Status SqliteStore::FinishAttempt(const Uuid& attempt, const AttemptResult& resu
     ENAMEL_RETURN_IF_ERROR(KeepResult(db, attempt, result, job));
     ENAMEL_RETURN_IF_ERROR(WaitForTimeline(db, attempt));
     ENAMEL_RETURN_IF_ERROR(KeepMotion(db, attempt, result));
-    return WriteAudit(db, Actor{{}, "job"}, kAuditScore, attempt.Text(), "{}",
-                      ScoredJson(result.score_json, result.document));
+    ENAMEL_ASSIGN_OR_RETURN(const auto scored,
+                            ScoredJsonOf(db, attempt, result.score_json, result.document));
+    return WriteAudit(db, Actor{{}, "job"}, kAuditScore, attempt.Text(), "{}", scored);
   });
 }
 
@@ -414,9 +441,10 @@ Status SqliteStore::RestoreResult(const Uuid& attempt, int32_t run, const Actor&
     ENAMEL_RETURN_IF_ERROR(RaiseRevisionForAnother(db, attempt, kept.result));
     ENAMEL_RETURN_IF_ERROR(SetResult(db, attempt, kept.result));
     ENAMEL_RETURN_IF_ERROR(RepeatRun(db, attempt, run));
+    ENAMEL_ASSIGN_OR_RETURN(
+        const auto scored, ScoredJsonOf(db, attempt, kept.result.score_json, kept.result.document));
     return WriteAudit(db, by, kAuditRestore, attempt.Text(),
-                      JsonOf({{"run", std::to_string(kept.newest)}}),
-                      ScoredJson(kept.result.score_json, kept.result.document));
+                      JsonOf({{"run", std::to_string(kept.newest)}}), scored);
   });
 }
 

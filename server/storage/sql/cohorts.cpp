@@ -1,3 +1,4 @@
+#include "server/storage/sql/decisions.h"
 #include "server/storage/sql/people_rows.h"
 
 // Cohorts and who is in them.
@@ -35,13 +36,17 @@ Status UpdateCohort(Db& db, const Cohort& before, Cohort& after, const Actor& by
   return WriteAudit(db, by, "cohort.edit", after.id.Text(), json(before), json(after));
 }
 
+std::string MemberSubject(const Uuid& cohort, const Uuid& person) {
+  return SubjectOf("member", cohort.Text() + " " + person.Text());
+}
+
 // Removing who is not in it leaves no audit row: nothing was done.
 Status DeleteMember(Db& db, const Uuid& cohort, const Uuid& person, const Actor& by) {
   Query q(db, "DELETE FROM cohort_members WHERE tenant = ?1 AND cohort = ?2 AND person = ?3");
   ENAMEL_RETURN_IF_ERROR(q.Bind(cohort).Bind(person).Run());
   if (db.Changes() == 0) return Status::Ok();
-  return WriteAudit(db, by, "cohort.remove", cohort.Text(), JsonOf({{"person", person.Text()}}),
-                    "{}");
+  return WriteAuditAbout(db, MemberSubject(cohort, person), by, "cohort.remove", cohort.Text(),
+                         JsonOf({{"person", person.Text()}}), "{}");
 }
 
 }  // namespace
@@ -79,7 +84,8 @@ Status InsertMember(Db& db, const Uuid& cohort, const Uuid& person, const Actor&
   }
   ENAMEL_RETURN_IF_ERROR(status);
   if (db.Changes() == 0) return Status::Ok();
-  return WriteAudit(db, by, "cohort.add", cohort.Text(), "{}", JsonOf({{"person", person.Text()}}));
+  return WriteAuditAbout(db, MemberSubject(cohort, person), by, "cohort.add", cohort.Text(), "{}",
+                         JsonOf({{"person", person.Text()}}));
 }
 
 Result<Uuid> SqliteStore::CreateCohort(const std::string& name, const Actor& by) {

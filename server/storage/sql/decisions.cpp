@@ -8,6 +8,7 @@
 
 #include "common/base/hex.h"
 #include "server/storage/sql/sql_names.h"
+#include "server/storage/sql/sqlite_impl.h"
 
 namespace enamel::server::sqlite {
 namespace {
@@ -21,9 +22,12 @@ struct StatePart {
   bool keyed = false;
 };
 
+// A text, a UUID, or two with a space between them.
+enum class Key { kText, kId, kTwoIds };
+
 struct SubjectKind {
   const char* name;
-  bool is_id;                 // its key is a UUID, not a text
+  Key key;
   const char* present;        // keys, and objects where they are others
   std::vector<StatePart> of;  // the first says whether it is there
 };
@@ -46,7 +50,7 @@ std::string AttemptColumns() {
 const std::vector<SubjectKind>& Kinds() {
   static const std::vector<SubjectKind> kKinds = {
       {"attempt",
-       true,
+       Key::kId,
        "SELECT id FROM attempts WHERE tenant = ?1",
        {{"", AttemptColumns()},
         {"appeal",
@@ -57,13 +61,13 @@ const std::vector<SubjectKind>& Kinds() {
          "reference_cuts WHERE tenant = ?1 AND attempt = ?2 ORDER BY id",
          true}}},
       {"annotation",
-       true,
+       Key::kId,
        "SELECT id, attempt FROM annotations WHERE tenant = ?1",
        {{"",
          "SELECT attempt, author, tick, x_um, y_um, z_um, text, created_ms, edited_ms, revision "
          "FROM annotations WHERE tenant = ?1 AND id = ?2"}}},
       {"exercise",
-       true,
+       Key::kId,
        "SELECT id FROM exercises WHERE tenant = ?1",
        {{"",
          "SELECT name, version, title, content, scene, graded, published_ms, state FROM exercises "
@@ -73,11 +77,11 @@ const std::vector<SubjectKind>& Kinds() {
          "exercise = ?2 ORDER BY version",
          true}}},
       {"owner",
-       false,
+       Key::kText,
        "SELECT name FROM exercise_owners WHERE tenant = ?1",
        {{"", "SELECT owner, shared FROM exercise_owners WHERE tenant = ?1 AND name = ?2"}}},
       {"assignment",
-       true,
+       Key::kId,
        "SELECT id FROM assignments WHERE tenant = ?1",
        {{"",
          "SELECT exercise_name, exercise, cohort, opens_ms, due_ms, attempt_limit, exam, "
@@ -88,15 +92,40 @@ const std::vector<SubjectKind>& Kinds() {
          "= ?2 ORDER BY station",
          true}}},
       {"device",
-       false,
+       Key::kText,
        "SELECT name FROM listed_devices WHERE tenant = ?1",
        {{"", "SELECT title, added_ms FROM listed_devices WHERE tenant = ?1 AND name = ?2"}}},
       {"person",
-       true,
+       Key::kId,
        "SELECT id FROM people WHERE tenant = ?1",
-       {{"", "SELECT login, role, disabled, verifier FROM people WHERE tenant = ?1 AND id = ?2"}}},
+       {{"",
+         "SELECT login, display_name, role, disabled, verifier FROM people WHERE tenant = ?1 AND "
+         "id = "
+         "?2"}}},
+      {"cohort",
+       Key::kId,
+       "SELECT id FROM cohorts WHERE tenant = ?1",
+       {{"", "SELECT name, archived_ms FROM cohorts WHERE tenant = ?1 AND id = ?2"}}},
+      // Each by itself: a roster of thousands must not state all of them with each.
+      {"member",
+       Key::kTwoIds,
+       "SELECT cohort, person FROM cohort_members WHERE tenant = ?1",
+       {{"",
+         "SELECT 1 AS member FROM cohort_members WHERE tenant = ?1 AND cohort = ?2 AND person = "
+         "?3"}}},
+      {"retention",
+       Key::kText,
+       "SELECT what FROM retention_rules WHERE tenant = ?1",
+       {{"", "SELECT days FROM retention_rules WHERE tenant = ?1 AND what = ?2"}}},
+      {"profile",
+       Key::kText,
+       "SELECT DISTINCT name FROM profile_versions WHERE tenant = ?1",
+       {{"version",
+         "SELECT version, title, content, created_ms FROM profile_versions WHERE tenant = ?1 AND "
+         "name = ?2 ORDER BY version",
+         true}}},
       {"station",
-       true,
+       Key::kId,
        "SELECT id FROM stations WHERE tenant = ?1",
        {{"",
          "SELECT name, public_key, revoked, enrolled_ms FROM stations WHERE tenant = ?1 AND id = "
@@ -105,8 +134,8 @@ const std::vector<SubjectKind>& Kinds() {
 }
 
 // Not repeated: words may be long, and the trail names nobody who is not named in it already.
-constexpr const char* kWords[] = {"override_reason", "text",  "answer",  "dentist",
-                                  "reason",          "login", "verifier"};
+constexpr const char* kWords[] = {"override_reason", "text",  "answer",   "dentist",
+                                  "reason",          "login", "verifier", "display_name"};
 
 std::string ValueOf(const Query& q, int column, const std::string& name) {
   switch (q.TypeOf(column)) {
@@ -135,11 +164,19 @@ std::string ValueOf(const Query& q, int column, const std::string& name) {
 Result<bool> AddPart(Db& db, const StatePart& part, const SubjectKind& kind, const std::string& key,
                      json::object& state) {
   Query q(db, part.sql);
-  if (kind.is_id) {
-    ENAMEL_ASSIGN_OR_RETURN(const Uuid id, Uuid::Parse(key));
-    q.Bind(id);
-  } else {
+  if (kind.key == Key::kText) {
     q.Bind(key);
+  } else {
+    const size_t space = key.find(' ');
+    ENAMEL_ASSIGN_OR_RETURN(const Uuid id, Uuid::Parse(key.substr(0, space)));
+    q.Bind(id);
+    if (kind.key == Key::kTwoIds) {
+      if (space == std::string::npos) {
+        return Status(Code::kInternal, "expected two ids, found \"" + key + "\"");
+      }
+      ENAMEL_ASSIGN_OR_RETURN(const Uuid second, Uuid::Parse(key.substr(space + 1)));
+      q.Bind(second);
+    }
   }
   bool found = false;
   while (q.Next()) {
@@ -166,7 +203,9 @@ std::string SubjectOfAction(const std::string& action, const std::string& object
       {"attempt.", "attempt"},       {"appeal.", "attempt"},        {"reference.", "attempt"},
       {"exercise.", "exercise"},     {"owner.", "owner"},           {"assignment.", "assignment"},
       {"device.", "device"},         {"person.", "person"},         {"station.enrol", "station"},
-      {"station.rename", "station"}, {"station.revoke", "station"}, {"station.adopt", "station"}};
+      {"station.rename", "station"}, {"station.revoke", "station"}, {"station.adopt", "station"},
+      {"cohort.create", "cohort"},   {"cohort.edit", "cohort"},     {"retention.set", "retention"},
+      {"profile.put", "profile"}};
   // Its object is no id any more.
   if (action == "person.erase") return "";
   for (const auto& [prefix, kind] : kPrefixes) {
@@ -205,7 +244,58 @@ std::map<std::string, std::string> ColumnsOf(const std::string& state) {
 std::map<std::string, std::string> ColumnsBeforeChain(const std::string& state) {
   std::map<std::string, std::string> out = ColumnsOf(state);
   out.erase("quarantined");
+  out.erase("display_name");
   return out;
+}
+
+bool StatesTheSame(const std::string& stated, const std::string& now) {
+  if (stated == now) return true;
+  std::map<std::string, std::string> before = ColumnsOf(stated), present = ColumnsOf(now);
+  // A person always has a name: a row without one is of before names were stated.
+  if (!before.contains("display_name") && !before.empty()) present.erase("display_name");
+  return before == present;
+}
+
+Result<bool> IsToldWithoutState(Db& db, const std::string& subject, const std::string& now) {
+  const size_t space = subject.find(' ');
+  const std::string kind = subject.substr(0, space), key = subject.substr(space + 1);
+  std::map<std::string, std::string> present = ColumnsOf(now);
+  std::string object = key, action, after;
+  auto newest = [&](const std::string& actions) -> Status {
+    const bool is_member = kind == "member";
+    Query q(db,
+            "SELECT action, after_json FROM audit WHERE tenant = ?1 AND object = ?2 AND subject "
+            "= '' AND action IN " +
+                actions + (is_member ? " AND (before_json = ?3 OR after_json = ?3)" : "") +
+                " ORDER BY id DESC LIMIT 1");
+    q.Bind(object);
+    if (is_member) q.Bind(JsonOf({{"person", key.substr(key.find(' ') + 1)}}));
+    if (q.Next()) {
+      action = q.Text(0);
+      after = q.Text(1);
+    }
+    return q.status();
+  };
+  if (kind == "member") {
+    object = key.substr(0, key.find(' '));
+    ENAMEL_RETURN_IF_ERROR(newest("('cohort.add', 'cohort.remove')"));
+    return action == "cohort.add";
+  }
+  if (kind == "cohort") {
+    ENAMEL_RETURN_IF_ERROR(newest("('cohort.create', 'cohort.edit')"));
+    std::map<std::string, std::string> told = ColumnsOf(after);
+    const bool archived = told["archived"] == "yes";
+    return !action.empty() && told["name"] == present["name"] &&
+           archived == (present["archived_ms"] != "0");
+  }
+  if (kind == "retention") {
+    ENAMEL_RETURN_IF_ERROR(newest("('retention.set')"));
+    return !action.empty() && ColumnsOf(after)["days"] == present["days"];
+  }
+  if (kind != "profile") return false;
+  ENAMEL_RETURN_IF_ERROR(newest("('profile.put')"));
+  std::map<std::string, std::string> told = ColumnsOf(after);
+  return !action.empty() && told["content"] == present["version " + told["version"] + " content"];
 }
 
 Result<std::vector<PresentSubject>> PresentSubjects(Db& db) {
@@ -213,8 +303,14 @@ Result<std::vector<PresentSubject>> PresentSubjects(Db& db) {
   for (const SubjectKind& kind : Kinds()) {
     Query q(db, kind.present);
     while (q.Next()) {
-      const std::string key = kind.is_id ? q.Id(0).Text() : q.Text(0);
-      out.push_back({SubjectOf(kind.name, key), q.columns() > 1 ? q.Id(1).Text() : key});
+      std::string key = kind.key == Key::kText ? q.Text(0) : q.Id(0).Text();
+      std::string object = key;
+      if (kind.key == Key::kTwoIds) {
+        key += " " + q.Id(1).Text();
+      } else if (q.columns() > 1) {
+        object = q.Id(1).Text();
+      }
+      out.push_back({SubjectOf(kind.name, key), object});
     }
     if (!q.status().ok()) return q.status();
   }

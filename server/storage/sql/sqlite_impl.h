@@ -351,6 +351,8 @@ Status EndLeases(Db& db);
 // again; empty: the result is not signed.
 inline constexpr char kAuditScore[] = "attempt.score", kAuditRestore[] = "attempt.restore";
 Json ScoredJson(const Sha256& score_json, ByteView document);
+// With what else of it is in the database now: why it was made, and where its motion lies.
+Result<Json> ScoredJsonOf(Db& db, const Uuid& attempt, const Sha256& score_json, ByteView document);
 Result<AttemptRow> FindAttempt(Db& db, const Uuid& id);
 // Every blob that a row names.
 Result<std::set<Sha256>> NamedBlobs(Db& db);

@@ -103,6 +103,62 @@ TEST_F(VerifyDecisionsTest, AttemptThatWasTakenAwayWithAllThatHangsOnItIsFound) 
   ExpectFound("decision", graded_.Text());
 }
 
+TEST_F(VerifyDecisionsTest, ChangedCohortsAndMembersAreFound) {
+  Store& store = *school_.store;
+  const Actor by{teacher_, "page"};
+  const Uuid cohort = *store.CreateCohort("Year 9", by);
+  ASSERT_TRUE(store.AddToCohort(cohort, student(), by).ok());
+  ASSERT_TRUE(store.EditCohort(cohort, {std::nullopt, true}, 1, by).ok());
+  ExpectWhole("archived");
+  const std::string member = cohort.Text() + " " + student().Text();
+  ExpectUpdatesFound("cohorts", "id = " + Id(cohort), cohort.Text(),
+                     {"name = 'Year 8'", "archived_ms = 0"});
+  ExpectEditFound("cohort_members",
+                  "INSERT INTO cohort_members (tenant, cohort, person) VALUES (1, " + Id(cohort) +
+                      ", " + Id(teacher_) + ")",
+                  "decision", cohort.Text() + " " + teacher_.Text(), "member");
+  ExpectEditFound("cohort_members", "DELETE FROM cohort_members WHERE cohort = " + Id(cohort),
+                  "decision", member, "member");
+  ASSERT_TRUE(store.ChangeMembers(cohort, {}, {student()}, by).ok());
+  ExpectWhole("removed");
+  ExpectEditFound("cohort_members",
+                  "INSERT INTO cohort_members (tenant, cohort, person) VALUES (1, " + Id(cohort) +
+                      ", " + Id(student()) + ")",
+                  "decision", member, "member");
+  ExpectEditFound("cohorts",
+                  "INSERT INTO cohorts (tenant, id, name) VALUES (1, " + Id(Uuid::New()) +
+                      ", 'another'); UPDATE cohorts SET name = 'own' WHERE id = " + Id(cohort),
+                  "decision", cohort.Text(), "name");
+}
+
+TEST_F(VerifyDecisionsTest, ChangedNamesRulesAndProfilesAreFound) {
+  Store& store = *school_.store;
+  ExpectUpdatesFound("people", "id = " + Id(student()), student().Text(),
+                     {"display_name = 'Somebody else'"});
+  ASSERT_TRUE(store.SetRetention({"recordings", 730}, kSystem).ok());
+  ExpectUpdatesFound("retention_rules", "what = 'recordings'", "recordings", {"days = 1"});
+  ExpectEditFound("retention_rules",
+                  "INSERT INTO retention_rules (tenant, what, days) VALUES (1, 'attempts', 1)",
+                  "decision", "attempts", "retention");
+  ExpectEditFound("retention_rules", "DELETE FROM retention_rules", "decision", "recordings",
+                  "retention");
+  ASSERT_TRUE(store.PutProfile({"omega", "Omega", PutText(store, "omega profile")}, kSystem).ok());
+  ExpectEditFound("profile_versions",
+                  "UPDATE profile_versions SET title = 'x' WHERE name = 'omega'", "decision",
+                  "omega", "title");
+}
+
+TEST_F(VerifyDecisionsTest, ChangedCauseAndMotionOfARunAreFound) {
+  ExpectEditFound("attempt_results",
+                  "UPDATE attempt_results SET cause = 'appeal' WHERE attempt = " + Id(graded_),
+                  "result", graded_.Text(), "cause");
+  ExpectEditFound("motions",
+                  "INSERT INTO motions (tenant, attempt, content, others, nearest_um, median_um, "
+                  "size_um) SELECT 1, " +
+                      Id(graded_) + ", zeroblob(32), 3, 1, 2, 3",
+                  "result", graded_.Text(), "motion");
+}
+
 TEST_F(VerifyDecisionsTest, ChangedAppealIsFound) {
   ExpectUpdatesFound("appeals", "attempt = " + Id(graded_), graded_.Text(),
                      {"state = 'regraded'", "state = 'open'", "answer = 'yes'", "answer = ''",
