@@ -119,41 +119,81 @@ void FillKappas(const MarkTable& table, CriterionAgreement& out) {
                            : Figure{std::nullopt, "weighted kappa is for two markers"};
 }
 
-CriterionAgreement Compare(const std::string& criterion, const Marked& marked) {
-  CriterionAgreement out;
-  out.criterion = criterion;
-  out.markers.assign(marked.markers.begin(), marked.markers.end());
+// A row for each piece of work that all of them marked, a column for each of them.
+MarkTable TableOf(const Marked& marked, const std::vector<std::string>& markers, size_t& left_out) {
   std::vector<std::vector<std::optional<double>>> rows;
   for (const auto& [work, marks] : marked.by_work) {
-    auto& row = rows.emplace_back();
-    for (const std::string& marker : out.markers) {
+    std::vector<std::optional<double>> row;
+    for (const std::string& marker : markers) {
       auto found = marks.find(marker);
       row.push_back(found == marks.end() ? std::nullopt : std::optional(found->second));
     }
+    const bool anybody =
+        std::ranges::any_of(row, [](const auto& mark) { return mark.has_value(); });
+    if (anybody) rows.push_back(std::move(row));
   }
-  const MarkTable table = CompleteRows(rows);
+  MarkTable table = CompleteRows(rows);
+  left_out = rows.size() - table.size();
+  return table;
+}
+
+PairLimits LimitsOf(const MarkTable& table, const std::vector<std::string>& markers, size_t i,
+                    size_t j) {
+  std::vector<double> first, second;
+  for (const auto& row : table) {
+    first.push_back(row[i]);
+    second.push_back(row[j]);
+  }
+  PairLimits out{markers[i], markers[j], std::nullopt, ""};
+  auto limits = BlandAltman(first, second);
+  if (limits.ok()) {
+    out.limits = *limits;
+  } else {
+    out.why = limits.status().message();
+  }
+  return out;
+}
+
+// What the program does not share with people would be taken for their disagreement.
+void CompareWithProgram(const Marked& marked, CriterionAgreement& out) {
+  std::vector<std::string> all = out.markers;
+  all.emplace_back(kComputed);
+  size_t left_out = 0;
+  const MarkTable table = TableOf(marked, all, left_out);
+  out.computed = true;
+  out.computed_works = table.size();
+  MarkTable two;
+  for (const auto& row : table) {
+    double sum = 0;
+    for (size_t i = 0; i + 1 < row.size(); ++i) sum += row[i];
+    two.push_back({sum / static_cast<double>(row.size() - 1), row.back()});
+  }
+  out.computed_icc21 = FigureOf(Icc21(two));
+  for (size_t i = 0; i + 1 < all.size(); ++i) {
+    out.limits.push_back(LimitsOf(table, all, i, all.size() - 1));
+  }
+}
+
+CriterionAgreement Compare(const std::string& criterion, const Marked& marked) {
+  CriterionAgreement out;
+  out.criterion = criterion;
+  for (const std::string& marker : marked.markers) {
+    if (marker != kComputed) out.markers.push_back(marker);
+  }
+  const bool has_people = !out.markers.empty();
+  if (!has_people) out.markers.emplace_back(kComputed);
+  const MarkTable table = TableOf(marked, out.markers, out.left_out);
   out.works = table.size();
-  out.left_out = rows.size() - table.size();
   out.icc21 = FigureOf(Icc21(table));
   out.icc3k = FigureOf(Icc3k(table));
   FillKappas(table, out);
   for (size_t i = 0; i < out.markers.size(); ++i) {
     for (size_t j = i + 1; j < out.markers.size(); ++j) {
-      std::vector<double> first, second;
-      for (const auto& row : table) {
-        first.push_back(row[i]);
-        second.push_back(row[j]);
-      }
-      PairLimits& pair =
-          out.limits.emplace_back(PairLimits{out.markers[i], out.markers[j], std::nullopt, ""});
-      auto limits = BlandAltman(first, second);
-      if (limits.ok()) {
-        pair.limits = *limits;
-      } else {
-        pair.why = limits.status().message();
-      }
+      out.limits.push_back(LimitsOf(table, out.markers, i, j));
     }
   }
+  if (has_people && marked.markers.contains(std::string(kComputed)))
+    CompareWithProgram(marked, out);
   return out;
 }
 
@@ -237,15 +277,20 @@ std::string AgreementJson(const std::vector<CriterionAgreement>& criteria) {
       }
       limits.push_back(std::move(row));
     }
-    list.push_back({{"criterion", c.criterion},
-                    {"markers", std::move(markers)},
-                    {"works", c.works},
-                    {"left_out", c.left_out},
-                    {"icc_2_1", FigureJson(c.icc21)},
-                    {"icc_3_k", FigureJson(c.icc3k)},
-                    {"weighted_kappa", FigureJson(c.weighted_kappa)},
-                    {"free_kappa", FigureJson(c.free_kappa)},
-                    {"limits_of_agreement", std::move(limits)}});
+    json::object row{{"criterion", c.criterion},
+                     {"markers", std::move(markers)},
+                     {"works", c.works},
+                     {"left_out", c.left_out},
+                     {"icc_2_1", FigureJson(c.icc21)},
+                     {"icc_3_k", FigureJson(c.icc3k)},
+                     {"weighted_kappa", FigureJson(c.weighted_kappa)},
+                     {"free_kappa", FigureJson(c.free_kappa)},
+                     {"limits_of_agreement", std::move(limits)}};
+    if (c.computed) {
+      row["computed"] = {{"works", c.computed_works},
+                         {"icc_2_1_with_mean", FigureJson(c.computed_icc21)}};
+    }
+    list.push_back(std::move(row));
   }
   return json::serialize(json::object{{"criteria", std::move(list)}}) + "\n";
 }
@@ -265,6 +310,9 @@ std::string AgreementCsv(const std::vector<CriterionAgreement>& criteria) {
     add("ICC(3,k)", "", "", c.icc3k.value, c.icc3k.why);
     add("weighted kappa", "", "", c.weighted_kappa.value, c.weighted_kappa.why);
     add("free-marginal kappa", "", "", c.free_kappa.value, c.free_kappa.why);
+    if (c.computed) {
+      add("ICC(2,1)", "mean", std::string(kComputed), c.computed_icc21.value, c.computed_icc21.why);
+    }
     for (const PairLimits& pair : c.limits) {
       if (!pair.limits) {
         add("bias", pair.first, pair.second, std::nullopt, pair.why);

@@ -38,10 +38,17 @@ struct PairLimits {
 
 struct CriterionAgreement {
   std::string criterion;
-  std::vector<std::string> markers;  // in alphabetical order
-  size_t works = 0, left_out = 0;    // marked by all of them; by some
+  std::vector<std::string>
+      markers;  // people, in alphabetical order; where there are none, the program
+  size_t works = 0, left_out = 0;  // marked by all of them; by some
+  // Of the people alone: the program is none of them.
   Figure icc21, icc3k, weighted_kappa, free_kappa;
-  std::vector<PairLimits> limits;  // each two markers
+  std::vector<PairLimits> limits;  // each two markers, the program too
+  // The mean of the people's marks against the program's (kComputed), where that is a marker beside
+  // them; `computed_works`: marked by all of them and the program.
+  bool computed = false;
+  size_t computed_works = 0;
+  Figure computed_icc21;
 };
 
 // By criterion, in alphabetical order. Errors: kInvalidInput when a piece of work was marked twice

@@ -48,8 +48,13 @@ std::vector<Mark> Computed(const std::vector<Scored>& attempts) {
   std::vector<Mark> out;
   const std::string marker(kComputed);
   for (const Scored& a : attempts) {
+    // Who marks a criterion does not know the gates: before them. With a gate that is closed nothing
+    // is left to tell it from.
+    double share = 1;
+    for (const auto& gate : a.score.gates) share *= gate.share;
     for (const auto& c : a.score.criteria) {
-      if (c.judged) out.push_back({a.attempt.Text(), c.title, marker, c.points});
+      if (!c.judged || share <= 0) continue;
+      out.push_back({a.attempt.Text(), c.title, marker, c.points / share});
     }
     out.push_back({a.attempt.Text(), kTotal, marker, a.score.score});
   }
@@ -92,6 +97,9 @@ void Show(const CriterionAgreement& c) {
                      : "");
   Show("ICC(2,1), one mark", c.icc21);
   Show("ICC(3,k), their mean", c.icc3k);
+  if (c.computed) {
+    Show("ICC(2,1), their mean and the program", c.computed_icc21);
+  }
   if (c.markers.size() == 2) Show("kappa, quadratic", c.weighted_kappa);
   Show("kappa, free-marginal", c.free_kappa);
   for (const PairLimits& pair : c.limits) {
@@ -136,7 +144,8 @@ Status CompareAgreement(const AgreementOptions& options) {
     marks.insert(marks.end(), read->begin(), read->end());
   }
   ENAMEL_ASSIGN_OR_RETURN(auto criteria, CompareMarks(marks));
-  Say("Each range in brackets holds the true value in 95 of 100 cases.\n");
+  Say("Each range in brackets holds the true value in 95 of 100 cases. What the program gave is "
+      "compared\nwith people apart, criteria before the gates.\n");
   for (const CriterionAgreement& c : criteria) Show(c);
   if (!options.json.empty()) {
     ENAMEL_RETURN_IF_ERROR(WriteFileDurably(options.json, AsBytes(AgreementJson(criteria))));

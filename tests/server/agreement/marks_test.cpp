@@ -112,6 +112,37 @@ TEST(MarksTest, TablesSayEachFigureOrWhyThereIsNone) {
               0.25, 1e-12);
 }
 
+TEST(MarksTest, ProgramIsComparedWithPeopleAndIsNoneOfThem) {
+  std::vector<Mark> people, all;
+  const double first[] = {8, 5, 9, 6, 3}, second[] = {7, 5, 10, 5, 4}, program[] = {1, 9, 2, 8, 7};
+  for (int i = 0; i < 5; ++i) {
+    people.push_back({std::to_string(i), "c", "AK", first[i]});
+    people.push_back({std::to_string(i), "c", "BM", second[i]});
+  }
+  all = people;
+  // Of one the program has no mark: people's figures keep it.
+  for (int i = 0; i < 4; ++i) {
+    all.push_back({std::to_string(i), "c", std::string(kComputed), program[i]});
+  }
+  const CriterionAgreement alone = CompareMarks(people)->front(), both = CompareMarks(all)->front();
+  EXPECT_FALSE(alone.computed);
+  EXPECT_EQ(both.markers, alone.markers);
+  EXPECT_EQ(both.works, 5u);
+  EXPECT_EQ(both.left_out, 0u);
+  EXPECT_EQ(both.icc21.value->value, alone.icc21.value->value);
+  EXPECT_EQ(both.icc3k.value->value, alone.icc3k.value->value);
+  EXPECT_EQ(both.weighted_kappa.value->value, alone.weighted_kappa.value->value);
+  EXPECT_TRUE(both.computed);
+  EXPECT_EQ(both.computed_works, 4u);
+  EXPECT_EQ(both.computed_icc21.value->value, Icc21({{7.5, 1}, {5, 9}, {9.5, 2}, {5.5, 8}})->value);
+  ASSERT_EQ(both.limits.size(), 3u) << "AK with BM, and each with the program";
+  EXPECT_EQ(both.limits[1].second, kComputed);
+  EXPECT_NE(AgreementCsv({both}).find("c,\"ICC(2,1)\",mean,computed,"), std::string::npos)
+      << AgreementCsv({both});
+  const auto json = boost::json::parse(AgreementJson({both}));
+  EXPECT_EQ(json.at("criteria").at(0).at("computed").at("works"), 4);
+}
+
 TEST(MarksTest, OneMarkerAloneHasNoAgreement) {
   auto criteria = CompareMarks({{"1", "c", "a", 7}, {"2", "c", "a", 8}});
   ASSERT_TRUE(criteria.ok());
