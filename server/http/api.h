@@ -39,7 +39,7 @@ class Api : public std::enable_shared_from_this<Api> {
   // The first admin can be made from now on. Before the first Handle.
   void Show(auth::FirstAdmin& first_admin) { first_admin_ = &first_admin; }
   // Which stations are connected is known from now on. Before the first Handle.
-  void Show(const StationBoard& stations) { stations_ = &stations; }
+  void Show(StationBoard& stations) { stations_ = &stations; }
   // Stations can be enrolled from now on: what they know the server by. Before the first Handle.
   void Enrol(std::string station_fingerprint) {
     station_fingerprint_ = std::move(station_fingerprint);
@@ -83,7 +83,7 @@ class Api : public std::enable_shared_from_this<Api> {
   const std::chrono::milliseconds work_;
   LiveBoard* live_ = nullptr;
   auth::FirstAdmin* first_admin_ = nullptr;
-  const StationBoard* stations_ = nullptr;
+  StationBoard* stations_ = nullptr;
   std::string station_fingerprint_;
   std::atomic<uint16_t> station_port_{0};
   std::atomic<size_t> in_flight_{0};

@@ -64,7 +64,8 @@ struct HttpOptions {
   // given out with. Empty: none are given out.
   std::string station_fingerprint;
   auth::FirstAdmin* first_admin = nullptr;  // of a server that has no admin
-  const StationBoard* stations = nullptr;   // which are connected; none: it takes none
+  // Which are connected, and what is said to their chairs; none: it takes none.
+  StationBoard* stations = nullptr;
   LiveBoard* live = nullptr;  // what /attempts/{id}/live shows; none: there is no such path
   // GET /metrics is for this machine, or with a token for whoever has it. No metrics: no such path.
   // The server adds its own figures to them.

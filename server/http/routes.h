@@ -55,7 +55,7 @@ struct Call {
       nullptr;               // always set: for what asks a disk and must not wait for the database
   FeelMaps* feel = nullptr;  // always set
   auth::FirstAdmin* first_admin = nullptr;  // none: no link was given
-  const StationBoard* stations = nullptr;   // none: it takes none
+  StationBoard* stations = nullptr;         // none: it takes none
 };
 
 // Runs on the store's threads and may block.

@@ -5,15 +5,22 @@
 #include <memory>
 
 #include "common/base/mutex.h"
+#include "server/live/remark_board.h"
 #include "server/training/types.h"
 
 namespace enamel::server {
 
-// Which stations are connected now. Thread safety: any thread.
+// Which stations are connected now, when each was heard last, and what is said to their chairs.
+// Bounded by the number of enrolled stations. Thread safety: any thread.
 class StationBoard {
+  struct About {
+    size_t connections = 0;
+    bool shows_remarks = false;  // as the newest connection said
+    UnixMs heard_ms = 0;
+  };
   struct State {
     Mutex mutex;
-    std::map<Uuid, size_t> connections ENAMEL_GUARDED_BY(mutex);  // of connected stations
+    std::map<Uuid, About> stations ENAMEL_GUARDED_BY(mutex);
   };
 
  public:
@@ -21,21 +28,33 @@ class StationBoard {
   // comes back before the server has noticed that the old one is dead. May outlive the board.
   class Connection {
    public:
-    Connection(std::shared_ptr<State> state, const Uuid& station);
+    Connection(std::shared_ptr<State> state, const Uuid& station, bool shows_remarks);
     ~Connection();
     Connection(const Connection&) = delete;
     Connection& operator=(const Connection&) = delete;
+
+    // The station has said something. Thread safety: any.
+    void Heard(UnixMs now_ms);
 
    private:
     const std::shared_ptr<State> state_;
     const Uuid station_;
   };
-  std::unique_ptr<Connection> Enter(const Uuid& station);
+  // `shows_remarks`: it has somebody to show remarks to (Hello).
+  std::unique_ptr<Connection> Enter(const Uuid& station, bool shows_remarks = false);
 
   bool Connected(const Uuid& station) const;
+  // Connected, and by its newest connection.
+  bool ShowsRemarks(const Uuid& station) const;
+  // When it said something last, since this server began; 0: it has not.
+  UnixMs HeardMs(const Uuid& station) const;
+
+  RemarkBoard& remarks() { return remarks_; }
+  const RemarkBoard& remarks() const { return remarks_; }
 
  private:
   const std::shared_ptr<State> state_ = std::make_shared<State>();
+  RemarkBoard remarks_;
 };
 
 }  // namespace enamel::server

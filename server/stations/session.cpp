@@ -63,6 +63,7 @@ Answer Session::Handle(const wire::Request& request) {
     if (Status admitted = StillAdmitted(); !admitted.ok()) {
       return AnswerOf(request, admitted, true);
     }
+    NoteHeard();
   }
   // Has no answer: it comes up to 60 times a second, and the next one replaces it.
   if (request.has_live_state()) {
@@ -86,7 +87,16 @@ Status Session::StillAdmitted() {
   ENAMEL_ASSIGN_OR_RETURN(auto station, services_.store.stations().StationById(station_->id));
   if (station.revoked) return RevokedStation();
   admitted_ms_ = now;
+  if (now - noted_ms_ < kNotedEveryMs) return Status::Ok();
+  // A list that is a minute old tomorrow is no reason to turn the station away.
+  (void)services_.store.stations().TouchStation(station_->id, software_, station_core_version_,
+                                                now);
+  noted_ms_ = now;
   return Status::Ok();
+}
+
+void Session::NoteHeard() {
+  if (entered_) entered_->Heard(services_.clock());
 }
 
 Result<wire::Reply> Session::Dispatch(const wire::Request& request) {
@@ -115,11 +125,8 @@ Result<wire::Reply> Session::Dispatch(const wire::Request& request) {
       return Do(request.offer_attempts());
     case wire::Request::kReturnTicket:
       return Do(request.return_ticket());
-    case wire::Request::kPing: {
-      wire::Reply reply;
-      reply.mutable_pong()->set_nonce(request.ping().nonce());
-      return reply;
-    }
+    case wire::Request::kPing:
+      return Do(request.ping());
     default:
       return Status(Code::kInternal, "request without a handler");
   }
@@ -147,9 +154,12 @@ Result<wire::Reply> Session::Do(const wire::Hello& hello) {
   ENAMEL_RETURN_IF_ERROR(services_.store.stations().TouchStation(id, software, hello.core_version(),
                                                                  services_.clock()));
   station_ = *station;
-  if (services_.board != nullptr) entered_ = services_.board->Enter(id);
+  shows_remarks_ = hello.shows_remarks();
+  if (services_.board != nullptr) entered_ = services_.board->Enter(id, shows_remarks_);
   station_core_version_ = hello.core_version();
-  admitted_ms_ = services_.clock();
+  software_ = software;
+  admitted_ms_ = noted_ms_ = services_.clock();
+  NoteHeard();
 
   wire::Reply reply;
   wire::Welcome& welcome = *reply.mutable_welcome();

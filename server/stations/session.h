@@ -8,6 +8,7 @@
 
 #include "common/protocol/attempt_facts.h"
 #include "common/protocol/messages.h"
+#include "common/protocol/remark.h"
 #include "common/trace/trace.h"
 #include "server/auth/authenticator.h"
 #include "server/live/live_board.h"
@@ -25,6 +26,8 @@ inline constexpr size_t kBlobPartBytes = 1 << 20;
 // A station that is revoked learns of it this long after, at the latest, and its connection ends:
 // with its next request (here), or without one (StationServer).
 inline constexpr UnixMs kAdmittedEveryMs = 2000;
+// When a station said something last is written to the store this often at most.
+inline constexpr UnixMs kNotedEveryMs = 60'000;
 inline constexpr size_t kMaxSignedIn = 8;  // people signed in on one connection
 
 // What all sessions share. Everything in it outlives them and may be used from any thread.
@@ -96,14 +99,20 @@ class Session {
   Result<wire::Reply> Do(const wire::MarkReference& request);
   Result<wire::Reply> Do(const wire::OfferAttempts& request);
   Result<wire::Reply> Do(const wire::ReturnTicket& request);
+  Result<wire::Reply> Do(const wire::Ping& ping);
   void Take(const wire::LiveState& live);
   void ShowLive(const trace::Chunk& chunk);
+  // What is to be said at the chair of an attempt of this station's, which has shown it up to there.
+  void AddRemarks(const Uuid& attempt, uint64_t shown,
+                  google::protobuf::RepeatedPtrField<wire::Remark>& out);
   Status KeepFacts(const AttemptRow& row, const protocol::AttemptFacts& facts);
 
   // Not yet to be looked up again, or not welcomed.
   bool KnownAdmitted() const;
   // Looked up every kAdmittedEveryMs. Errors: RevokedStation.
   Status StillAdmitted();
+  // It has said something.
+  void NoteHeard();
   Result<Person> PersonOf(const std::string& session_token);
   // An attempt that the person of this session may see. Errors: as if it were not here (kNotFound)
   // when not, so that nobody is told of attempts of others; PersonOf's.
@@ -156,6 +165,9 @@ class Session {
   std::optional<StationRow> station_;
   std::unique_ptr<StationBoard::Connection> entered_;  // from Welcome on
   uint32_t station_core_version_ = 0;
+  std::string software_;
+  bool shows_remarks_ = false;
+  UnixMs noted_ms_ = 0;         // when the store was told last that it was heard
   UnixMs admitted_ms_ = 0;      // when it was known to be admitted last
   std::set<Sha256> signed_in_;  // token hashes
   std::set<Uuid> ours_;         // attempts known to be of this station

@@ -329,6 +329,29 @@ Result<wire::Reply> Session::Do(const wire::PutChunk& request) {
   ack.set_seq(chunk.head.seq);
   ack.set_committed(true);
   ack.set_watched(watched);
+  AddRemarks(put.attempt, request.shown_remark(), *ack.mutable_remarks());
+  return reply;
+}
+
+void Session::AddRemarks(const Uuid& attempt, uint64_t shown,
+                         google::protobuf::RepeatedPtrField<wire::Remark>& out) {
+  if (services_.board == nullptr || !shows_remarks_) return;
+  RemarkBoard& remarks = services_.board->remarks();
+  remarks.Shown(attempt, shown, services_.clock());
+  const std::vector<protocol::Remark> waiting = remarks.Take(attempt);
+  for (const protocol::Remark& remark : waiting) {
+    protocol::SetRemark(remark, *out.Add());
+  }
+}
+
+Result<wire::Reply> Session::Do(const wire::Ping& ping) {
+  wire::Reply reply;
+  reply.mutable_pong()->set_nonce(ping.nonce());
+  if (ping.attempt().empty()) return reply;
+  ENAMEL_ASSIGN_OR_RETURN(const auto attempt, protocol::ReadUuid(ping.attempt(), "attempt"));
+  // Only what is known to be its own without the store, which a ping does not wait for (IsQuick).
+  if (ours_.contains(attempt))
+    AddRemarks(attempt, ping.shown_remark(), *reply.mutable_pong()->mutable_remarks());
   return reply;
 }
 
@@ -364,6 +387,7 @@ Result<wire::Reply> Session::Do(const wire::SealAttempt& request) {
   ENAMEL_RETURN_IF_ERROR(services_.store.ingest().SealAttempt(seal, services_.clock()));
   // After it is on disk: a viewer who sees the end finds the attempt sealed.
   services_.live.Remove(attempt);
+  if (services_.board != nullptr) services_.board->remarks().Remove(attempt);
   wire::Reply reply;
   reply.mutable_sealed()->set_attempt(request.attempt());
   return reply;

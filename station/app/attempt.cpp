@@ -133,6 +133,12 @@ class Progress {
                  why.empty() ? "force comes on again in free air" : "force is off: ", why.c_str());
   }
 
+  // A line of its own, also when quiet: somebody speaks to whoever works here.
+  void Say(const std::string& line) {
+    End();
+    std::fprintf(stderr, "%s\n", line.c_str());
+  }
+
  private:
   const bool quiet_, log_only_, terminal_;
   bool shown_ = false;
@@ -313,7 +319,17 @@ class Watcher {
     attempt_.GiveUp();
   }
 
+  // What was said to this chair. Where only a log is written nobody reads it here: it is not taken
+  // for shown.
+  void TellRemarks() {
+    while (auto remark = options_.log_only ? std::nullopt : attempt_.remark()) {
+      progress_.Say(remark->from + " says: " + remark->text);
+      attempt_.RemarkShown(remark->id);
+    }
+  }
+
   void Show(const Snapshot& snapshot, double done) {
+    TellRemarks();
     progress_.Tell(snapshot);
     progress_.Show(snapshot, job_.voxel_m(), done, attempt_.recording().chunks, attempt_.upload());
   }

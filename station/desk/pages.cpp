@@ -91,6 +91,7 @@ bool Pages::Draw() {
     password_.clear();
     dentist_.clear();
     consent_ = false;
+    said_.reset();
     // A login stays through a wrong password, and goes with its person.
     if (flow_.place() == Place::kSignIn) login_.clear();
     before_ = flow_.place();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "station/desk/opening.h"
@@ -31,6 +32,7 @@ class Pages {
   void ExerciseFacts(const PreparedAttempt& prepared);
   void Ready();
   void Running();
+  void Remark(RunningAttempt& run);
   void HandIn();
   void Result();
   void Score(const scoring::ScoreResult& score);
@@ -56,6 +58,12 @@ class Pages {
   const std::string station_;
   std::string login_, password_, dentist_, pin_, pin_again_;
   bool consent_ = false, as_reference_ = false;
+  // What somebody said to this chair, until it is put away.
+  struct Said {
+    protocol::Remark remark;
+    Workflow::Clock::time_point since;
+  };
+  std::optional<Said> said_;
   Place before_ = Place::kSignIn;
   Dialog dialog_before_ = Dialog::kNone;
 };

@@ -45,6 +45,25 @@ void Pages::Ready() {
   ui_.End();
 }
 
+// Stays until it is put away, as the hands are at the tooth: only what waits behind it moves it on.
+void Pages::Remark(RunningAttempt& run) {
+  constexpr std::chrono::seconds kShown{10};
+  const auto now = Workflow::Clock::now();
+  if (said_ && ui_.pressed('R')) said_.reset();
+  // Below a dialog it would be seen by nobody.
+  const bool free = !said_ || now - said_->since >= kShown;
+  if (free && flow_.dialog() == Dialog::kNone) {
+    if (auto next = run.remark()) {
+      said_ = Said{std::move(*next), now};
+      // Drawn in this frame: what the server hears is true.
+      run.RemarkShown(said_->remark.id);
+    }
+  }
+  if (!said_) return;
+  ui_.Remark(Say("remark.from", {{"name", said_->remark.from}}), said_->remark.text,
+             Say("remark.put_away"));
+}
+
 // Keys and mouse belong to the handpiece here; Esc and F are all that is left for the window.
 void Pages::Running() {
   Ui::Page page{0.605f, 0.79f, 0.38f, 0.12f, true};
@@ -60,6 +79,7 @@ void Pages::Running() {
   }
   if (ui_.escape()) flow_.Open(Dialog::kPaused);
   if (ui_.pressed('F')) flow_.Open(Dialog::kFinish);
+  if (RunningAttempt* run = flow_.attempt()->run()) Remark(*run);
   ui_.End();
 }
 

@@ -174,6 +174,32 @@ void Ui::EndDialog() {
   ImGui::End();
 }
 
+void Ui::Remark(const std::string& who, const std::string& text, const std::string& key) {
+  constexpr float kWidth = 0.58f, kAbove = 0.915f;  // the keys' line is below it
+  constexpr size_t kLongBytes = 160;
+  screen_.Need(who + text);
+  auto w = static_cast<float>(screen_.width()), h = static_cast<float>(screen_.height());
+  ImGui::SetNextWindowPos({0.015f * w, kAbove * h}, ImGuiCond_Always, {0, 1});
+  ImGui::SetNextWindowSizeConstraints({0, 0}, {kWidth * w, h});
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4{0.10f, 0.25f, 0.42f, 0.88f});
+  ImGui::Begin("remark", nullptr,
+               kFixed | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs);
+  ImGui::PopStyleColor();
+  ImGui::PushFont(fonts().near);
+  ImGui::TextUnformatted((who + "   ").c_str());
+  ImGui::SameLine();
+  ImGui::TextDisabled("%s", key.c_str());
+  ImGui::PopFont();
+  ImGui::PushFont(text.size() > kLongBytes ? fonts().near : fonts().text);
+  ImGui::PushTextWrapPos(kWidth * w - 48 * px());
+  ImGui::TextUnformatted(text.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::PopFont();
+  ImGui::End();
+  // In the words of the page that it lies over, and not of a dialog's.
+  if (!blocked_) Say(who + "\n" + text);
+}
+
 Ui::Focused Ui::Next(const std::string& label) {
   if (blocked_) return {};
   // By its name: a field that is asked for may come later in the page than who asks.

@@ -81,6 +81,11 @@ class Ui {
   // One line of a table: a name, a value at the right, words under it. `lost`: to be noticed.
   void Line(const std::string& name, const std::string& value, const std::string& words, bool lost);
 
+  // Over the picture at the left below, of a page that is see-through: what somebody says, who, and
+  // which key puts it away. As wide as the page leaves room; long texts in smaller letters. In any
+  // script that the station's letters have.
+  void Remark(const std::string& who, const std::string& text, const std::string& key);
+
   // A part of the page that scrolls, down to `below` pixels above the page's end.
   void BeginList(const char* name, float below);
   void EndList();

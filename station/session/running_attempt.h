@@ -67,6 +67,10 @@ class RunningAttempt : private TickObserver {
   const Snapshot& snapshot() { return loop_.snapshot(); }
   Recording recording() const;
   Uploader::State upload() const { return uploader_.state(attempt_); }
+  // What was said to this chair and not shown yet, oldest first; RemarkShown once it is before
+  // somebody's eyes, which the server is told.
+  std::optional<protocol::Remark> remark() const { return uploader_.remarks().Next(attempt_); }
+  void RemarkShown(uint64_t id) { uploader_.remarks().Shown(attempt_, id); }
 
   // Waits for the loop's end and the seal. Errors: the recording is not complete on disk (says what
   // of it is, and what to do). May be called again.

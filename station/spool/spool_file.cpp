@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-int LatestVersion() { return static_cast<int>(SpoolMigrations().size()); }
+int LatestVersion() { return SpoolMigrations().back().version; }
 
 using Mode = sql::SqliteDbOptions::Mode;
 

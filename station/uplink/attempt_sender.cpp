@@ -148,7 +148,7 @@ Status AttemptSender::SendChunks(const Uuid& attempt, const std::function<bool()
       while (waiting_ >= kWindow) ENAMEL_RETURN_IF_ERROR(TakeAck());
       ENAMEL_RETURN_IF_ERROR(AwaitBandwidth(chunk.bytes.size()));
       ENAMEL_RETURN_IF_ERROR(Meanwhiles());
-      ENAMEL_RETURN_IF_ERROR(link_.SendChunk(chunk.bytes));
+      ENAMEL_RETURN_IF_ERROR(link_.SendChunk(chunk.bytes, remarks_ ? remarks_->shown(attempt) : 0));
       ++waiting_;
       next = chunk.seq + 1;
     }
@@ -185,6 +185,9 @@ Status AttemptSender::TakeAck() {
     ENAMEL_ASSIGN_OR_RETURN(auto ack, link_.PollAck(kSlice));
     if (ack) {
       NoteWatched(ack->attempt, ack->watched);
+      if (remarks_ != nullptr) {
+        for (const protocol::Remark& remark : ack->remarks) remarks_->Arrived(ack->attempt, remark);
+      }
       if (!ack->committed) continue;
       // Each mark is a write to disk that a chunk being spooled would wait for.
       bool mark = --waiting_ == 0 || ++unmarked_ >= kWindow / 2;

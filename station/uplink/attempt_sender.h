@@ -6,6 +6,7 @@
 
 #include "station/spool/spool.h"
 #include "station/uplink/bandwidth.h"
+#include "station/uplink/remark_box.h"
 #include "station/uplink/server_link.h"
 
 namespace enamel::station {
@@ -35,9 +36,15 @@ class AttemptSender {
   using Meanwhile = std::function<Status()>;
 
   // All must outlive it. `link` is connected; after a transient error that is not
-  // IsOfOneRecording this is of no more use.
-  AttemptSender(ServerLink& link, Spool& spool, Bandwidth& bandwidth, Meanwhile meanwhile = {})
-      : link_(link), spool_(spool), bandwidth_(bandwidth), meanwhile_(std::move(meanwhile)) {}
+  // IsOfOneRecording this is of no more use. `remarks`: where those to the chair go; null: nobody is
+  // there.
+  AttemptSender(ServerLink& link, Spool& spool, Bandwidth& bandwidth, Meanwhile meanwhile = {},
+                RemarkBox* remarks = nullptr)
+      : link_(link),
+        spool_(spool),
+        bandwidth_(bandwidth),
+        meanwhile_(std::move(meanwhile)),
+        remarks_(remarks) {}
 
   // Asks which of the attempts that the server once had it has no more (it was restored from an
   // older backup): the spool has them wait again; and which tickets for later are revoked: they are
@@ -77,6 +84,7 @@ class AttemptSender {
   Spool& spool_;
   Bandwidth& bandwidth_;
   const Meanwhile meanwhile_;
+  RemarkBox* const remarks_;
   std::map<Uuid, uint32_t> next_;  // attempts opened on this connection, and their next chunk
   size_t waiting_ = 0;             // chunks without acknowledgement
   size_t unmarked_ = 0;            // chunks that the spool does not know of yet to be committed

@@ -17,6 +17,15 @@ Status Unexpected(const char* wanted) {
                                     wanted + ": it speaks another version of the protocol");
 }
 
+std::vector<protocol::Remark> ReadRemarks(
+    const google::protobuf::RepeatedPtrField<wire::Remark>& messages) {
+  std::vector<protocol::Remark> out;
+  for (const wire::Remark& message : messages) {
+    if (out.size() < protocol::kMaxRemarks) out.push_back(protocol::ReadRemark(message));
+  }
+  return out;
+}
+
 // A newer server's word for it is not known here; that server looks at it itself.
 HandsAllowed HandsIn(const std::string& name) {
   return HandsAllowedFromName(name).value_or(HandsAllowed::kAny);
@@ -105,6 +114,7 @@ Status ServerLink::Connect(const Credentials& credentials) {
   hello->set_credential(protocol::ToField(credentials.credential));
   hello->set_core_version(core::kCoreVersion);
   hello->set_software(SoftwareName());
+  hello->set_shows_remarks(true);
   // As NTP does: half of the way there and back is taken for the way back, wrong by at most that
   // half.
   int64_t asked_ms = UnixMs();
@@ -242,11 +252,15 @@ Status ServerLink::MarkReference(const Person& person, const Uuid& attempt,
   return reply.has_reference_marked() ? Status::Ok() : Unexpected("ReferenceMarked");
 }
 
-Status ServerLink::Ping() {
+Result<std::vector<protocol::Remark>> ServerLink::Ping(const std::optional<Uuid>& attempt,
+                                                       uint64_t shown) {
   wire::Request request;
-  request.mutable_ping();
+  wire::Ping& ping = *request.mutable_ping();
+  if (attempt) ping.set_attempt(protocol::ToField(attempt->view()));
+  ping.set_shown_remark(shown);
   ENAMEL_ASSIGN_OR_RETURN(auto reply, Call(request));
-  return reply.has_pong() ? Status::Ok() : Unexpected("Pong");
+  if (!reply.has_pong()) return Unexpected("Pong");
+  return ReadRemarks(reply.pong().remarks());
 }
 
 Result<Wanted> ServerLink::OfferAttempts(const std::vector<HeldAttempt>& attempts,
@@ -289,9 +303,10 @@ Result<ServerLink::Opened> ServerLink::OpenAttempt(ByteView header,
   return Opened{reply.attempt_opened().next_seq(), reply.attempt_opened().watched()};
 }
 
-Status ServerLink::SendChunk(ByteView chunk) {
+Status ServerLink::SendChunk(ByteView chunk, uint64_t shown) {
   wire::Request request;
   request.mutable_put_chunk()->set_chunk(protocol::ToField(chunk));
+  request.mutable_put_chunk()->set_shown_remark(shown);
   return Send(request);
 }
 
@@ -307,7 +322,8 @@ Result<std::optional<ServerLink::Ack>> ServerLink::PollAck(std::chrono::millisec
   if (!reply->has_chunk_ack()) return Unexpected("ChunkAck");
   const wire::ChunkAck& ack = reply->chunk_ack();
   ENAMEL_ASSIGN_OR_RETURN(auto attempt, protocol::ReadUuid(ack.attempt(), "attempt"));
-  return std::optional<Ack>(Ack{attempt, ack.seq(), ack.committed(), ack.watched()});
+  return std::optional<Ack>(
+      Ack{attempt, ack.seq(), ack.committed(), ack.watched(), ReadRemarks(ack.remarks())});
 }
 
 Status ServerLink::SendLive(const Uuid& attempt, const LivePoint& point) {

@@ -13,6 +13,7 @@
 #include "common/net/frame_client.h"
 #include "common/protocol/attempt_facts.h"
 #include "common/protocol/messages.h"
+#include "common/protocol/remark.h"
 #include "station/uplink/blob_cache.h"
 #include "station/uplink/credentials.h"
 #include "station/uplink/live_mailbox.h"
@@ -124,8 +125,10 @@ class ServerLink {
   // kForbidden unless the person may, kConflict before it is scored.
   Status MarkReference(const Person& person, const Uuid& attempt, const std::string& dentist,
                        bool consent);
-  // Keeps a connection alive that has nothing to say.
-  Status Ping();
+  // Keeps a connection alive that has nothing to say. Returns what is to be said at the chair of
+  // `attempt`, which has shown remarks up to `shown`; nothing without one.
+  Result<std::vector<protocol::Remark>> Ping(const std::optional<Uuid>& attempt = {},
+                                             uint64_t shown = 0);
 
   // Which of the attempts the server lacks as a whole, and which of the tickets (by attempt) must
   // not be used any more. At most 1024 of each. Errors: kVersion when the server does not know the
@@ -143,13 +146,15 @@ class ServerLink {
     bool watched = false;
   };
   Result<Opened> OpenAttempt(ByteView header, const protocol::AttemptFacts& facts);
-  // Sends without waiting; acknowledgements come from PollAck.
-  Status SendChunk(ByteView chunk);
+  // Sends without waiting; acknowledgements come from PollAck. `shown`: highest id of the attempt's
+  // remarks that was shown.
+  Status SendChunk(ByteView chunk, uint64_t shown = 0);
   struct Ack {
     Uuid attempt;
     uint32_t seq = 0;
     bool committed = false;
-    bool watched = false;  // LiveState is wanted
+    bool watched = false;                     // LiveState is wanted
+    std::vector<protocol::Remark> remarks{};  // to the attempt's chair
   };
   // The next one, or nothing within `patience`.
   Result<std::optional<Ack>> PollAck(std::chrono::milliseconds patience);

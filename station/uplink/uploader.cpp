@@ -27,6 +27,7 @@ Uploader::Uploader(Credentials credentials, Spool& spool, const UploaderOptions&
 Uploader::~Uploader() { Stop(); }
 
 void Uploader::Prefer(const Uuid& attempt, std::shared_ptr<LiveMailbox> live) {
+  remarks_.Begin(attempt);
   MutexLock lock(mutex_);
   preferred_ = attempt;
   live_ = std::move(live);
@@ -152,7 +153,8 @@ Status Uploader::RunConnection() {
   Say(Status::Ok());
   // The sender calls Meanwhile, which asks the sender: known only once it is made.
   AttemptSender* self = nullptr;
-  AttemptSender sender(link_, spool_, bandwidth_, [&] { return Meanwhile(*self); });
+  AttemptSender sender(
+      link_, spool_, bandwidth_, [&] { return Meanwhile(*self); }, &remarks_);
   self = &sender;
   {
     MutexLock lock(mutex_);
@@ -287,6 +289,18 @@ void Uploader::SendLive(const AttemptSender& sender) {
   ++(sent ? about_link_.live_sent : about_link_.live_dropped);
 }
 
+Status Uploader::Ping() {
+  std::optional<Uuid> attempt;
+  {
+    MutexLock lock(mutex_);
+    attempt = preferred_;
+  }
+  ENAMEL_ASSIGN_OR_RETURN(const auto remarks,
+                          link_.Ping(attempt, attempt ? remarks_.shown(*attempt) : 0));
+  for (const protocol::Remark& remark : remarks) remarks_.Arrived(*attempt, remark);
+  return Status::Ok();
+}
+
 // Until there is something new, keeping the connection alive and the live view going.
 Status Uploader::AwaitWork(AttemptSender& sender) {
   while (true) {
@@ -294,7 +308,7 @@ Status Uploader::AwaitWork(AttemptSender& sender) {
     PruneWhenDue();
     auto now = Clock::now();
     if (now >= ping_due_) {
-      ENAMEL_RETURN_IF_ERROR(link_.Ping());
+      ENAMEL_RETURN_IF_ERROR(Ping());
       ping_due_ = now + kPingEvery;
     }
     MutexLock lock(mutex_);

@@ -15,6 +15,7 @@
 #include "station/uplink/attempt_sender.h"
 #include "station/uplink/backoff.h"
 #include "station/uplink/live_mailbox.h"
+#include "station/uplink/remark_box.h"
 #include "station/uplink/server_link.h"
 
 namespace enamel::station {
@@ -81,6 +82,8 @@ class Uploader {
   void Retry();
   State state(const Uuid& attempt) const;
   Link link() const;
+  // What was said to the chair of the attempt preferred.
+  RemarkBox& remarks() { return remarks_; }
   // Until the attempt is sealed there, given up, or the server not reachable for `patience`.
   void WaitUntilDone(const Uuid& attempt, std::chrono::milliseconds patience);
   void Stop();
@@ -96,6 +99,7 @@ class Uploader {
   Status Meanwhile(const AttemptSender& sender);
   void SendLive(const AttemptSender& sender);
   Status AwaitWork(AttemptSender& sender);
+  Status Ping();
   bool stopping() const;
   bool PreferredWaits();
 
@@ -104,6 +108,7 @@ class Uploader {
   Bandwidth bandwidth_;                // of the thread
   ServerLink link_;                    // of the thread, but for Cancel
   Backoff backoff_, refused_backoff_;  // of the thread
+  RemarkBox remarks_;
   const std::optional<Retention> retention_;
   const std::chrono::steady_clock::duration prune_every_;
   std::chrono::steady_clock::time_point prune_due_{};                 // of the thread

@@ -95,6 +95,10 @@ Response GetDeviation(const Call& call,
 Response GetStartTooth(const Call& call, Parts<BlobStore, TimelineStore> store);
 Response GetSeries(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
 Response GetLive(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
+Response ListLiveRemarks(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
+Response SendLiveRemark(
+    const Call& call,
+    Parts<ContentStore, TeachingStore, JudgingStore, AttemptStore, AuditStore> store);
 Response ReleaseAttempt(const Call& call, AttemptViewParts store);
 Response MakeReference(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
 Response WithdrawRelease(const Call& call, AttemptViewParts store);

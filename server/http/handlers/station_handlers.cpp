@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <boost/json.hpp>
 
 #include "common/base/hex.h"
@@ -21,20 +22,26 @@ constexpr int64_t kMaxMinutes = 7 * 24 * 60;
 // 128 bits: nobody guesses it within the week that it may be good for.
 constexpr size_t kCodeBytes = 16;
 
-json::object StationJson(const StationRow& row) {
+// What was heard since is newer than what is stored, which follows once a minute.
+UnixMs LastSeenMs(const Call& call, const StationRow& row) {
+  return call.stations == nullptr ? row.last_seen_ms
+                                  : std::max(row.last_seen_ms, call.stations->HeardMs(row.id));
+}
+
+json::object StationJson(const Call& call, const StationRow& row) {
   return {{"id", row.id.Text()},
           {"name", row.name},
           {"revoked", row.revoked},
           {"revoked_ms", row.revoked_ms},
           {"enrolled_ms", row.enrolled_ms},
-          {"last_seen_ms", row.last_seen_ms},
+          {"last_seen_ms", LastSeenMs(call, row)},
           {"software", row.software},
           {"core_version", row.core_version},
           {"revision", row.revision}};
 }
 
-Response StationResponse(const StationRow& row) {
-  return WithETag(JsonResponse(StationJson(row)), row.revision);
+Response StationResponse(const Call& call, const StationRow& row) {
+  return WithETag(JsonResponse(StationJson(call, row)), row.revision);
 }
 
 Status NoUnrevoking() {
@@ -66,13 +73,13 @@ Response ListStations(const Call& call, StationStore& store) {
       // Names may occur twice; the id makes each place in the list one row's.
       CutPage(*rows, *page, [](const StationRow& row) { return row.name + "\n" + row.id.Text(); });
   json::array stations;
-  for (const StationRow& row : *rows) stations.push_back(StationJson(row));
+  for (const StationRow& row : *rows) stations.push_back(StationJson(call, row));
   return JsonResponse({{"stations", std::move(stations)}, {"next", std::move(next)}});
 }
 
 Response GetStation(const Call& call, StationStore& store) {
   Result<StationRow> row = store.StationById(call.id);
-  return row.ok() ? StationResponse(*row) : ErrorResponse(row.status());
+  return row.ok() ? StationResponse(call, *row) : ErrorResponse(row.status());
 }
 
 Response EditStation(const Call& call, StationStore& store) {
@@ -91,11 +98,11 @@ Response EditStation(const Call& call, StationStore& store) {
   Result<int32_t> seen = IfMatch(call.request);
   if (!seen.ok()) return ErrorResponse(seen.status());
   Result<StationRow> row = store.RenameStation(call.id, *name, *seen, ActorOf(call));
-  if (row.ok()) return StationResponse(*row);
+  if (row.ok()) return StationResponse(call, *row);
   if (row.status().field() != kStale) return ErrorResponse(row.status());
   Result<StationRow> current = store.StationById(call.id);
   if (!current.ok()) return ErrorResponse(current.status());
-  return Stale(row.status(), StationJson(*current), current->revision);
+  return Stale(row.status(), StationJson(call, *current), current->revision);
 }
 
 Response RevokeStation(const Call& call, StationStore& store) {

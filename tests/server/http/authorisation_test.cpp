@@ -171,6 +171,8 @@ const Line kLines[] = {
     {"GET /api/v1/start-teeth/{name}",          "start tooth",    "",                                    "401 200 200 200 200 200 200 200 401 403"},
     {"GET /api/v1/attempts/{id}/series",        "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
     {"GET /api/v1/attempts/{id}/live",          "recording",      "",                                    "401 403 403 403 200 404 200 200 401 403"},
+    {"GET /api/v1/live/{id}/remarks",           "recording",      "",                                    "401 403 403 403 200 404 200 200 401 403"},
+    {"POST /api/v1/live/{id}/remarks",          "recording",      R"({"text":"t"})",                     "401 403 403 403 201 404 201 201 401 403"},
     {"POST /api/v1/attempts/{id}/release",      "attempt",        "",                                    "401 403 403 403 204 404 204 204 401 403"},
     {"POST /api/v1/attempts/{id}/reference",    "attempt",        R"({"dentist":"Dr. Vega","consent":true,"anyway":"a test"})", "401 403 403 403 201 404 201 201 401 403"},
     {"DELETE /api/v1/attempts/{id}/release",       "appealed",       "",                                    "401 403 403 403 204 404 204 204 401 403"},
@@ -244,6 +246,8 @@ class Template {
   std::map<std::string, std::string> things;  // by the name in a Line
   std::map<std::string, std::string> bodies;  // NAMES in bodies
   LiveBoard live;
+  StationBoard stations;
+  std::unique_ptr<StationBoard::Connection> chair;  // shows remarks
 
  private:
   inline static const Actor kBy{{}, "test"};
@@ -284,6 +288,7 @@ class Template {
     const Sha256 timeline = *store.PutAttemptBlob(school.sams_scored, timeline::EncodeHead(head));
     EXPECT_TRUE(store.PutTimeline(school.sams_scored, timeline).ok());
     things["recording"] = school.sams_recording.Text();
+    chair = stations.Enter(school.station, true);
     bodies["PASSWORD"] = kPassword;
     bodies["SAM"] = school.sam.Text();
     bodies["PROFILE"] = scene::ToJson(scene::BuiltinProfiles().front());
@@ -356,6 +361,7 @@ class Case {
     authenticator_ = std::make_unique<auth::Authenticator>(*store_, options);
     api_ = std::make_shared<Api>(*store_, *authenticator_, Monitoring{}, 1, 4);
     api_->Show(from.live);
+    api_->Show(from.stations);
     api_->Enrol("fingerprint");
   }
 

@@ -17,7 +17,7 @@ class HealthTest : public testing::Test {
     return Parsed(answer);
   }
 
-  static HttpOptions Options(const StationBoard& board) {
+  static HttpOptions Options(StationBoard& board) {
     HttpOptions out;
     out.stations = &board;
     return out;

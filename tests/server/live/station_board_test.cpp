@@ -19,6 +19,31 @@ TEST(StationBoardTest, StationIsConnectedUntilItsLastConnectionEnds) {
   EXPECT_FALSE(board.Connected(one));
 }
 
+TEST(StationBoardTest, WhenAStationWasHeardLastOutlivesItsConnection) {
+  StationBoard board;
+  const Uuid one = Uuid::New();
+  EXPECT_EQ(board.HeardMs(one), 0);
+  auto connection = board.Enter(one);
+  connection->Heard(70);
+  connection->Heard(60);
+  EXPECT_EQ(board.HeardMs(one), 70);
+  connection.reset();
+  EXPECT_EQ(board.HeardMs(one), 70);
+}
+
+TEST(StationBoardTest, RemarksAreForTheNewestConnectionThatShowsThem) {
+  StationBoard board;
+  const Uuid one = Uuid::New();
+  EXPECT_FALSE(board.ShowsRemarks(one));
+  auto older = board.Enter(one, false);
+  EXPECT_FALSE(board.ShowsRemarks(one));
+  auto newer = board.Enter(one, true);
+  EXPECT_TRUE(board.ShowsRemarks(one));
+  older.reset();
+  newer.reset();
+  EXPECT_FALSE(board.ShowsRemarks(one)) << "nobody is there";
+}
+
 TEST(StationBoardTest, ConnectionMayOutliveTheBoard) {
   auto board = std::make_unique<StationBoard>();
   auto connection = board->Enter(Uuid::New());

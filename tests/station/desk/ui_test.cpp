@@ -1,9 +1,12 @@
 #include "station/desk/ui.h"
 
 #include <gtest/gtest.h>
+#include <imgui.h>
+#include <imgui_internal.h>
 
 #include <optional>
 
+#include "common/base/utf8.h"
 #include "tests/station/render/virtual_display.h"
 
 namespace enamel::station::desk {
@@ -55,6 +58,52 @@ TEST_F(UiTest, AProblemIsASentenceOnThePage) {
     ui_->End();
   });
   EXPECT_EQ(ui_->words(), "Login or password is wrong\n6 digits\n");
+}
+
+// Whether these letters are shown as themselves, in this size.
+bool HasLetters(const ImFont& font, std::string_view text) {
+  while (!text.empty()) {
+    const std::optional<uint32_t> code = NextCodePoint(text);
+    if (!code || font.FindGlyphNoFallback(static_cast<ImWchar>(*code)) == nullptr) return false;
+  }
+  return true;
+}
+
+TEST_F(UiTest, RemarkIsReadInAnyScriptThatTheLettersHave) {
+  const std::string who = "\u0410\u0434\u0430",
+                    text = "\u8bf7\u505c\u4e00\u4e0b \u0421\u0442\u043e\u043f";
+  auto page = [&](const std::string& said) {
+    ui_->Begin("running", {0.605f, 0.79f, 0.38f, 0.12f, true, false});
+    ui_->Remark(who, said, "R puts this away");
+    ui_->End();
+  };
+  Play([&] { page(text); });
+  EXPECT_EQ(ui_->words(), who + "\n" + text + "\n");
+  if (!render::FindFont()) GTEST_SKIP() << "skipped: no DejaVu";
+  EXPECT_TRUE(HasLetters(*ui_->fonts().near, who));
+  const bool chinese = render::FindChineseFont().has_value();
+  EXPECT_EQ(HasLetters(*ui_->fonts().text, text.substr(0, 12)), chinese);
+  EXPECT_TRUE(HasLetters(*ui_->fonts().text, text.substr(13)));
+  // What no letters have is a sign to see all the same.
+  Play([&] { page("\U0001f600"); });
+  EXPECT_NE(ui_->fonts().text->FallbackGlyph, nullptr);
+  EXPECT_TRUE(HasLetters(*ui_->fonts().text, text.substr(13))) << "and the others stay";
+}
+
+TEST_F(UiTest, LongestRemarkLeavesTheMiddleOfThePictureFree) {
+  std::string longest;
+  for (int i = 0; i < 500; ++i) longest += i % 7 == 6 ? " " : "m";
+  Play([&] {
+    ui_->Begin("running", {0.605f, 0.79f, 0.38f, 0.12f, true, false});
+    ui_->Remark("Ada says", longest, "R puts this away");
+    ui_->End();
+  });
+  const ImGuiWindow* window = ImGui::FindWindowByName("remark");
+  ASSERT_NE(window, nullptr);
+  const ImVec2 at = window->Pos, size = window->Size;
+  EXPECT_LE(at.x + size.x, 0.605f * 640) << "the keys at the right stay free";
+  EXPECT_LE(at.y + size.y, 0.93f * 360) << "so does the line of keys below";
+  EXPECT_GE(at.y, 0.5f * 360) << "the tooth is in the middle";
 }
 
 TEST_F(UiTest, TheMouseChoosesAnyOfSeveralRowsWithTheSameTitle) {

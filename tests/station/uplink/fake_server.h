@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -20,6 +21,7 @@
 #include "common/protocol/attempt_facts.h"
 #include "common/protocol/frame.h"
 #include "common/protocol/messages.h"
+#include "common/protocol/remark.h"
 #include "station/uplink/credentials.h"
 #include "tests/support/read_message.h"
 
@@ -104,6 +106,14 @@ class FakeServer {
   int offered() const { return offered_; }       // attempts
   uint32_t resumed() const { return resumed_; }  // as the last OpenAttempt said
 
+  // Said to the chair with every acknowledgement and answer to a ping until it was shown.
+  void Say(const protocol::Remark& remark) {
+    std::lock_guard lock(mutex_);
+    remarks_.push_back(remark);
+  }
+  uint64_t shown() const { return shown_; }              // highest id that a station named
+  bool shows_remarks() const { return shows_remarks_; }  // as the last Hello said
+
   // Takes what people ask for and answers none of it, as a server that hangs.
   std::atomic<bool> silent{false};
   std::atomic<int> unanswered{0};
@@ -181,6 +191,7 @@ class FakeServer {
     reply.set_reply_to(request.id());
     if (request.has_hello()) {
       reply.mutable_welcome()->set_core_version(request.hello().core_version());
+      shows_remarks_ = request.hello().shows_remarks();
       {
         std::lock_guard lock(mutex_);
         reply.mutable_welcome()->set_page_url(page_url_);
@@ -251,7 +262,7 @@ class FakeServer {
       asked_for_ = request.request_ticket();
       *reply.mutable_error() = protocol::ToError(Status(Code::kForbidden, "no tickets here"));
     } else if (request.has_ping()) {
-      reply.mutable_pong();
+      AddRemarks(request.ping().shown_remark(), *reply.mutable_pong()->mutable_remarks());
     } else if (request.has_put_chunk()) {
       Keep(request.put_chunk(), reply);
     } else if (request.has_seal_attempt()) {
@@ -282,6 +293,15 @@ class FakeServer {
     reply.mutable_chunk_ack()->set_attempt(protocol::ToField(chunk->head.attempt.view()));
     reply.mutable_chunk_ack()->set_seq(chunk->head.seq);
     reply.mutable_chunk_ack()->set_committed(true);
+    AddRemarks(put.shown_remark(), *reply.mutable_chunk_ack()->mutable_remarks());
+  }
+
+  void AddRemarks(uint64_t shown, google::protobuf::RepeatedPtrField<wire::Remark>& out) {
+    shown_ = std::max(shown_.load(), shown);
+    std::lock_guard lock(mutex_);
+    for (const protocol::Remark& remark : remarks_) {
+      if (remark.id > shown_) protocol::SetRemark(remark, *out.Add());
+    }
   }
 
   std::filesystem::path pem_, key_;
@@ -295,11 +315,14 @@ class FakeServer {
   std::atomic<uint64_t> last_live_tick_{0};
   std::atomic<uint32_t> resumed_{0};
   std::atomic<int> received_{0};
+  std::atomic<uint64_t> shown_{0};
+  std::atomic<bool> shows_remarks_{false};
   mutable std::mutex mutex_;
   std::set<int> open_;                                // guarded by mutex_
   Uuid first_;                                        // guarded by mutex_
   std::string page_url_;                              // guarded by mutex_
   std::vector<Uuid> returned_;                        // guarded by mutex_
+  std::vector<protocol::Remark> remarks_;             // guarded by mutex_
   std::map<Uuid, std::map<uint32_t, Bytes>> chunks_;  // guarded by mutex_
 };
 

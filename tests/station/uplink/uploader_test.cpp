@@ -530,6 +530,33 @@ TEST_F(UploaderTest, AttemptBeingMadeGoesFirst) {
   EXPECT_EQ(server.doubled(), 0);
 }
 
+TEST_F(UploaderTest, RemarkComesWithAcknowledgementsAndTheServerHearsThatItWasShown) {
+  FakeServer server(folder_);
+  Uploader uploader(server.NewStation(), *spool_);
+  uploader.Prefer(id(), nullptr);
+  server.Say({70, "请停一下", "Ada", 1});
+  const auto until = std::chrono::steady_clock::now() + kSoon;
+  auto record_until = [&](const std::function<bool()>& done) {
+    while (!done() && std::chrono::steady_clock::now() < until) {
+      Record(1);
+      uploader.Wake();
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  };
+  record_until([&] { return uploader.remarks().Next(id()).has_value(); });
+  ASSERT_TRUE(uploader.remarks().Next(id()));
+  EXPECT_EQ(uploader.remarks().Next(id())->text, "请停一下");
+  EXPECT_EQ(uploader.remarks().Next(id())->from, "Ada");
+  EXPECT_TRUE(server.shows_remarks());
+  EXPECT_EQ(server.shown(), 0u) << "received is not shown";
+  uploader.remarks().Shown(id(), 70);
+  record_until([&] { return server.shown() == 70; });
+  EXPECT_EQ(server.shown(), 70u);
+  server.Say({70, "请停一下", "Ada", 1});
+  record_until([&, n = 0]() mutable { return ++n > 3; });
+  EXPECT_FALSE(uploader.remarks().Next(id())) << "shown once";
+}
+
 class LiveTest : public UploaderTest {
  protected:
   // Records and shows `ticks` in real time, and returns how many live states came meanwhile.

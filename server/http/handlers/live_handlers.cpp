@@ -1,0 +1,138 @@
+#include <algorithm>
+#include <boost/json.hpp>
+
+#include "common/base/unix_time.h"
+#include "common/protocol/remark.h"
+#include "server/http/caller.h"
+#include "server/http/error_response.h"
+#include "server/http/handlers/handlers.h"
+#include "server/http/handlers/seen_attempt.h"
+#include "server/http/json_body.h"
+
+// What is said to the chair while an attempt is made.
+namespace enamel::server::http {
+namespace json = boost::json;
+namespace {
+
+// Four bytes to a character; what is longer is refused by its characters.
+constexpr size_t kMaxBytes = 4 * protocol::kMaxRemarkCharacters;
+
+const char* NameOf(RemarkState state) {
+  switch (state) {
+    case RemarkState::kWaiting:
+      return "waiting";
+    case RemarkState::kSent:
+      return "sent";
+    case RemarkState::kShown:
+      return "shown";
+  }
+  return "";
+}
+
+json::object SentJson(const SentRemark& sent) {
+  return {{"id", sent.remark.id},
+          {"text", sent.remark.text},
+          {"from", sent.remark.from},
+          {"sent_ms", sent.remark.sent_unix_ms},
+          {"tick", sent.tick},
+          {"state", NameOf(sent.state)},
+          {"shown_ms", sent.shown_ms == 0 ? json::value() : json::value(sent.shown_ms)}};
+}
+
+// Who may watch an attempt may speak to its chair; in an exam only who teaches its person.
+bool MaySpeak(const Call& call, const SeenAttempt& seen) {
+  return !seen.row.exam || (call.caller->person.role == Role::kInstructor && seen.shares_cohort);
+}
+
+Status MustBeMade(const AttemptRow& row) {
+  if (row.state == AttemptState::kTicketed || row.state == AttemptState::kRecording) {
+    return Status::Ok();
+  }
+  return Status(Code::kConflict, std::string("expected an attempt being made, this one is ") +
+                                     AttemptStateName(row.state) +
+                                     "; write a remark on the attempt instead");
+}
+
+Status MustShow(const StationBoard& stations, const Uuid& station) {
+  if (!stations.Connected(station)) {
+    return Status(Code::kConflict,
+                  "expected a station that is connected, this one is not; nothing was sent: try "
+                  "again when it is back",
+                  "station");
+  }
+  if (stations.ShowsRemarks(station)) return Status::Ok();
+  return Status(Code::kConflict,
+                "expected a station that shows remarks, this one's program is older; nothing was "
+                "sent: have it updated",
+                "station");
+}
+
+// Where the attempt is now: by the live picture, else by what is committed.
+uint64_t TickOf(const Call& call, const AttemptRow& row) {
+  const uint64_t committed = row.ticks + row.gap_ticks;
+  const std::optional<LiveSample> newest =
+      call.live == nullptr ? std::nullopt : call.live->Latest(row.id);
+  return newest ? std::max(newest->tick, committed) : committed;
+}
+
+Result<SentRemark> Speak(
+    const Call& call,
+    const Parts<ContentStore, TeachingStore, JudgingStore, AttemptStore, AuditStore>& store,
+    const std::string& given) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto seen, SeeAttempt(call, store, call.id));
+  if (!MaySpeak(call, seen)) {
+    return Status(Code::kForbidden,
+                  "this is an exam: expected an instructor of the person's cohort");
+  }
+  ENAMEL_ASSIGN_OR_RETURN(const std::string text, protocol::CheckedRemark(given));
+  ENAMEL_RETURN_IF_ERROR(MustBeMade(seen.row));
+  ENAMEL_RETURN_IF_ERROR(MustShow(*call.stations, seen.row.station));
+  RemarkBoard& board = call.stations->remarks();
+  const UnixMs now_ms = enamel::UnixMs();
+  ENAMEL_RETURN_IF_ERROR(board.Admit(call.id, now_ms));
+  // Kept first: nothing is said at a chair that cannot be looked up afterwards.
+  AnnotationRow kept;
+  kept.attempt = call.id;
+  kept.tick = TickOf(call, seen.row);
+  kept.text = text;
+  ENAMEL_ASSIGN_OR_RETURN(const auto row, store.judging().AddAnnotation(kept, ActorOf(call)));
+  const json::object about{{"annotation", row.id.Text()}, {"station", seen.row.station.Text()}};
+  ENAMEL_RETURN_IF_ERROR(store.audit().NoteAudit(ActorOf(call), "attempt.speak", call.id.Text(),
+                                                 json::serialize(about)));
+  return board.Send(call.id, text, call.caller->person.display_name, kept.tick, now_ms);
+}
+
+Response NoStations() { return ErrorResponse({Code::kNotFound, "this server takes no stations"}); }
+
+}  // namespace
+
+Response ListLiveRemarks(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
+  Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
+  if (!seen.ok()) return ErrorResponse(seen.status());
+  if (call.stations == nullptr) return NoStations();
+  const std::vector<SentRemark> all = call.stations->remarks().Of(call.id);
+  json::array remarks;
+  for (const SentRemark& sent : all) remarks.push_back(SentJson(sent));
+  const Uuid& station = seen->row.station;
+  return JsonResponse({{"remarks", std::move(remarks)},
+                       {"station",
+                        {{"connected", call.stations->Connected(station)},
+                         {"shows_remarks", call.stations->ShowsRemarks(station)}}},
+                       {"allowed", MaySpeak(call, *seen)},
+                       {"max_characters", protocol::kMaxRemarkCharacters}});
+}
+
+Response SendLiveRemark(
+    const Call& call,
+    Parts<ContentStore, TeachingStore, JudgingStore, AttemptStore, AuditStore> store) {
+  if (!IsJson(call.request)) return NotJson();
+  BodyReader body(call.request);
+  const std::string text = body.Text("text", 1, kMaxBytes);
+  if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
+  if (call.stations == nullptr) return NoStations();
+  Result<SentRemark> sent = Speak(call, store, text);
+  if (!sent.ok()) return ErrorResponse(sent.status());
+  return JsonResponse(SentJson(*sent), 201);
+}
+
+}  // namespace enamel::server::http
