@@ -14,8 +14,9 @@
 #include "common/mesh/triangles.h"
 #include "common/scene/types.h"
 
-// Real teeth: mesh files become a scene. Not real-time; runs on station or by hand, never in the
-// server.
+// Real teeth: mesh files become a scene. Not real-time; runs on the station, by hand, and in the
+// server for what an admin uploads (server/jobs/tooth_import.h). The file's bytes are read in the
+// child only.
 namespace enamel::import {
 
 struct ImportOptions {

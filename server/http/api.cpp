@@ -126,7 +126,8 @@ Api::Api(Store& store, auth::Authenticator& authenticator, Monitoring monitoring
       monitoring_(std::move(monitoring)),
       max_in_flight_(max_in_flight),
       work_(work),
-      pool_(std::in_place, threads) {}
+      pool_(std::in_place, threads),
+      teeth_(std::in_place, store) {}
 
 bool Api::Owns(std::string_view path) {
   return path == "/healthz" || path == "/metrics" || path == "/api" || path.starts_with("/api/");
@@ -137,6 +138,7 @@ void Api::EndWork() {
   // connections have ended.
   pool_.reset();
   apart_.reset();
+  teeth_.reset();
 }
 
 asio::awaitable<Response> Api::Handle(Request request) {
@@ -190,9 +192,20 @@ asio::awaitable<Response> Api::Answer(const Request& request) {
   // The route before the caller: that an address does not exist is no secret.
   RouteMatch match = FindRoute(request.method, request.path);
   if (!match.route) co_return NoSuchRoute(request, match);
-  Call call{request,  authenticator_,       nullptr,       {},       {},     &monitoring_,
-            live_,    station_fingerprint_, station_port_, &*apart_, &feel_, first_admin_,
-            stations_};
+  Call call{request,
+            authenticator_,
+            nullptr,
+            {},
+            {},
+            &monitoring_,
+            live_,
+            station_fingerprint_,
+            station_port_,
+            &*apart_,
+            &feel_,
+            first_admin_,
+            stations_,
+            &*teeth_};
   if (Status place = FillPlace(match, call); !place.ok()) co_return ErrorResponse(place);
   const Route& route = *match.route;
   if (!IsSafe(request.method)) {

@@ -93,6 +93,7 @@ class Api : public std::enable_shared_from_this<Api> {
   std::optional<StorePool> pool_;                     // until EndWork
   std::optional<StorePool> apart_{std::in_place, 1};  // likewise
   FeelMaps feel_;
+  std::optional<ToothImport> teeth_;  // until EndWork
 };
 
 }  // namespace enamel::server::http

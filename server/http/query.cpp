@@ -21,6 +21,17 @@ Result<std::optional<bool>> QueryFlag(const Request& request, const char* name) 
                 name};
 }
 
+Result<uint64_t> QueryOffset(const Request& request, const char* name) {
+  auto found = request.query.find(name);
+  if (found == request.query.end()) return uint64_t{0};
+  const std::string& text = found->second;
+  uint64_t offset = 0;
+  auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), offset);
+  if (error == std::errc() && end == text.data() + text.size()) return offset;
+  return Status{Code::kInvalidInput,
+                "expected a whole number from 0, found \"" + text.substr(0, 80) + "\"", name};
+}
+
 Result<uint32_t> QueryLimit(const Request& request, uint32_t otherwise, uint32_t at_most) {
   auto found = request.query.find("limit");
   if (found == request.query.end()) return otherwise;

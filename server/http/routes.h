@@ -12,6 +12,7 @@
 #include "server/auth/authenticator.h"
 #include "server/auth/first_admin.h"
 #include "server/http/message.h"
+#include "server/jobs/tooth_import.h"
 #include "server/live/live_board.h"
 #include "server/live/station_board.h"
 #include "server/ops/metrics.h"
@@ -56,6 +57,7 @@ struct Call {
   FeelMaps* feel = nullptr;  // always set
   auth::FirstAdmin* first_admin = nullptr;  // none: no link was given
   StationBoard* stations = nullptr;         // none: it takes none
+  ToothImport* teeth = nullptr;             // always set
 };
 
 // Runs on the store's threads and may block.

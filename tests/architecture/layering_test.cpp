@@ -88,7 +88,7 @@ const std::map<std::string, Names>& Allowed() {
          {"server/auth", "server/live", "server/net", "server/ops", "server/storage", "server/jobs",
           "common/net", "common/trace", "common/scene"}},
         {"server/jobs",
-         {"server/storage", "server/results", "common/scoring",
+         {"server/storage", "server/results", "common/import", "common/scoring",
           "common/timeline"}},
         {"server/http",
          {"server/auth", "server/roster", "server/live", "server/net", "server/ops",

@@ -24,6 +24,10 @@ Response EndSession(const Call& call, PeopleStore& store);
 Response MakeFirstAdmin(const Call& call, PeopleStore& store);
 Response ListBuiltinTeeth(const Call& call);
 Response PutBuiltinTooth(const Call& call, Parts<ContentStore, AuditStore> store);
+Response BeginToothImport(const Call& call);
+Response AddToothBytes(const Call& call);
+Response GetToothImport(const Call& call);
+Response GiveUpToothImport(const Call& call);
 
 Response ListPeople(const Call& call, PeopleStore& store);
 Response AddPerson(const Call& call, PeopleStore& store);

@@ -2,6 +2,7 @@
 #include <boost/json.hpp>
 
 #include "common/base/unix_time.h"
+#include "common/base/utf8.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"
 #include "server/auth/first_admin.h"
@@ -10,7 +11,9 @@
 #include "server/http/handlers/handlers.h"
 #include "server/http/handlers/person_view.h"
 #include "server/http/json_body.h"
+#include "server/http/query.h"
 #include "server/jobs/builtin_content.h"
+#include "server/jobs/tooth_import.h"
 #include "server/training/names.h"
 
 // The first steps of a new server: its first admin, and teeth to work on.
@@ -21,6 +24,7 @@ namespace {
 constexpr size_t kTokenDigits = 64;
 constexpr size_t kMaxPasswordBytes = 1024;
 constexpr size_t kMaxToothName = 64;
+constexpr size_t kMaxFileName = 255;
 // As enamel-server admin publish-exercise.
 constexpr int32_t kVoxelNm = 50'000;
 
@@ -76,6 +80,17 @@ class Building {
   const bool first_;
 };
 
+json::object ToothJson(const SceneRow& row, const std::vector<ExerciseRow>& published) {
+  json::array exercises;
+  for (const ExerciseRow& exercise : published) {
+    exercises.push_back({{"id", exercise.id.Text()},
+                         {"name", exercise.name},
+                         {"title", exercise.title},
+                         {"version", exercise.version}});
+  }
+  return {{"name", row.name}, {"title", row.title}, {"exercises", std::move(exercises)}};
+}
+
 Result<json::object> PutTooth(const Call& call, Parts<ContentStore, AuditStore> parts,
                               const std::string& name) {
   ContentStore& store = parts.content();
@@ -84,22 +99,45 @@ Result<json::object> PutTooth(const Call& call, Parts<ContentStore, AuditStore> 
   if (!mine.first()) {
     return Status(Code::kUnavailable, "another tooth is being made; try again in a moment");
   }
-  // Without one no exercise can be begun. What an admin has put stays.
-  ENAMEL_ASSIGN_OR_RETURN(const auto profiles, store.Profiles());
-  if (profiles.empty()) ENAMEL_RETURN_IF_ERROR(PutBuiltinProfiles(parts));
+  ENAMEL_RETURN_IF_ERROR(PutFirstProfiles(parts));
   ENAMEL_ASSIGN_OR_RETURN(const auto row, StoreBuiltinScene(store, name, kVoxelNm, by));
   ENAMEL_ASSIGN_OR_RETURN(const auto text, store.GetBlob(row.content));
   ENAMEL_ASSIGN_OR_RETURN(const auto scene, scene::SceneFromJson(AsText(text)));
-  json::array exercises;
-  for (const scene::Exercise& exercise : scene::BuiltinExercises(scene, row.content)) {
-    ENAMEL_ASSIGN_OR_RETURN(const auto published, PublishUnassigned(store, exercise, by));
-    exercises.push_back({{"id", published.id.Text()},
-                         {"name", published.name},
-                         {"title", published.title},
-                         {"version", published.version}});
+  ENAMEL_ASSIGN_OR_RETURN(const auto published, PublishExercisesOf(store, scene, row.content, by));
+  return ToothJson(row, published);
+}
+
+// "stl" of "Crown.STL".
+std::string KindOf(const std::string& file_name) {
+  const size_t dot = file_name.find_last_of('.');
+  std::string kind = dot == std::string::npos ? "" : file_name.substr(dot + 1);
+  for (char& c : kind) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return kind;
+}
+
+json::object ImportJson(const ToothImport::About& about) {
+  json::value problem, tooth;
+  if (!about.problem.ok()) {
+    problem = {{"code", CodeName(about.problem.code())},
+               {"message", AsUtf8(about.problem.message())},
+               {"field", about.problem.field()}};
   }
-  return json::object{
-      {"name", row.name}, {"title", row.title}, {"exercises", std::move(exercises)}};
+  if (about.scene) tooth = ToothJson(*about.scene, about.exercises);
+  json::array findings;
+  for (const std::string& line : about.findings) findings.push_back(json::value(AsUtf8(line)));
+  return {{"id", about.id.Text()},
+          {"state", StateName(about.state)},
+          {"received", about.received},
+          {"bytes", about.bytes},
+          {"phase", about.phase},
+          {"share", about.share},
+          {"findings", std::move(findings)},
+          {"problem", std::move(problem)},
+          {"tooth", std::move(tooth)}};
+}
+
+Response ImportResponse(const Result<ToothImport::About>& about, int status = 200) {
+  return about.ok() ? JsonResponse(ImportJson(*about), status) : ErrorResponse(about.status());
 }
 
 }  // namespace
@@ -140,6 +178,41 @@ Response PutBuiltinTooth(const Call& call, Parts<ContentStore, AuditStore> store
   const Status& why = put.status();
   if (why.code() != Code::kNotFound) return ErrorResponse(why);
   return ErrorResponse({Code::kInvalidInput, why.message(), "name"});
+}
+
+Response BeginToothImport(const Call& call) {
+  if (!IsJson(call.request)) return NotJson();
+  BodyReader body(call.request);
+  ToothImport::Wanted wanted;
+  wanted.kind = KindOf(body.Text("file_name", 1, kMaxFileName));
+  wanted.bytes = static_cast<uint64_t>(body.Integer("bytes", 0, int64_t{1} << 40));
+  wanted.unit = body.Text("unit", 1, kMaxToothName);
+  wanted.title = body.Text("title", 1, kMaxNameBytes);
+  wanted.tooth = static_cast<int>(body.Integer("tooth", 0, 99, 0));
+  if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
+  return ImportResponse(call.teeth->Begin(wanted, ActorOf(call), enamel::UnixMs()), 201);
+}
+
+Response AddToothBytes(const Call& call) {
+  const std::string_view type = call.request.Header("content-type");
+  if (type.substr(0, type.find(';')) != "application/octet-stream") {
+    return ErrorResponse(415, "unsupported_media_type",
+                         "expected Content-Type: application/octet-stream", "content-type");
+  }
+  Result<uint64_t> offset = QueryOffset(call.request, "offset");
+  if (!offset.ok()) return ErrorResponse(offset.status());
+  return ImportResponse(
+      call.teeth->Append(call.id, *offset, AsBytes(call.request.body), enamel::UnixMs()));
+}
+
+Response GetToothImport(const Call& call) { return ImportResponse(call.teeth->Get(call.id)); }
+
+Response GiveUpToothImport(const Call& call) {
+  Status given_up = call.teeth->GiveUp(call.id);
+  if (!given_up.ok()) return ErrorResponse(given_up);
+  Response response;
+  response.status = 204;
+  return response;
 }
 
 }  // namespace enamel::server::http

@@ -40,9 +40,9 @@ constexpr const char* kColumns[] = {"nobody", "sam",  "sue",  "tom", "ada",
                                     "ben",    "root", "late", "off", "fresh"};
 
 struct Line {
-  const char* route;     // as in the route table
-  const char* what;      // which {id} or {name} stands in the path: a name in Things
-  const char* body;      // "" none; "csv …" text/csv; else JSON, with NAMES in it filled in
+  const char* route;  // as in the route table
+  const char* what;   // which {id} or {name} stands in the path: a name in Things
+  const char* body;  // "" none; "csv …" text/csv; "bytes …"; else JSON, with NAMES in it filled in
   const char* expected;  // statuses in the order of the columns
 };
 
@@ -56,6 +56,11 @@ const Line kLines[] = {
                                                                                                          "403 403 403 403 403 403 403 403 403 403"},
     {"GET /api/v1/builtin-teeth",               "",               "",                                    "401 403 403 403 403 403 200 200 401 403"},
     {"POST /api/v1/builtin-teeth",              "",               R"({"name":"no such tooth"})",         "401 403 403 403 403 403 400 400 401 403"},
+    {"POST /api/v1/tooth-imports",              "",               R"({"file_name":"a.stl","bytes":9,"unit":"mm","title":"t"})",
+                                                                                                         "401 403 403 403 403 403 201 201 401 403"},
+    {"GET /api/v1/tooth-imports/{id}",          "attempt",        "",                                    "401 403 403 403 403 403 404 404 401 403"},
+    {"PUT /api/v1/tooth-imports/{id}/bytes",    "attempt",        "bytes x",                             "401 403 403 403 403 403 404 404 401 403"},
+    {"DELETE /api/v1/tooth-imports/{id}",       "attempt",        "",                                    "401 403 403 403 403 403 404 404 401 403"},
     // One's own session.
     {"POST /api/v1/session",                    "",               R"({"login":"x","password":"y"})",     "401 401 401 401 401 401 401 401 401 401"},
     {"GET /api/v1/session",                     "",               "",                                    "401 200 200 200 200 200 200 200 401 200"},
@@ -413,9 +418,13 @@ Request RequestOf(const Template& made, const Line& line) {
   std::string body = line.body;
   bool csv = body.starts_with("csv ");
   if (csv) body = body.substr(4);
+  const bool bytes = body.starts_with("bytes ");
+  if (bytes) body = body.substr(6);
   request.body = Filled(body, made.bodies);
   request.headers["host"] = "localhost";
-  request.headers["content-type"] = csv ? "text/csv" : "application/json";
+  request.headers["content-type"] = csv     ? "text/csv"
+                                    : bytes ? "application/octet-stream"
+                                            : "application/json";
   bool judged = line.what == std::string("attempt") || line.what == std::string("appealed");
   int32_t revision =
       judged ? made.school.store->AttemptById(*Uuid::Parse(made.things.at(line.what)))->revision

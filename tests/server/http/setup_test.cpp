@@ -1,5 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <thread>
+
+#include "common/base/file.h"
 #include "common/base/unix_time.h"
 #include "common/scene/builtin/builtin.h"
 #include "server/auth/first_admin.h"
@@ -52,6 +58,148 @@ TEST(FirstAdminLinkTest, IsNoUseWhereThereIsAnAdmin) {
   auth::FirstAdmin first;
   RunningServer server(school, Options(first));
   EXPECT_EQ(Make(server.port(), first.Offer(enamel::UnixMs())).status, 409);
+}
+
+// A mesh sent by an admin's page.
+class ToothImportTest : public testing::Test {
+ protected:
+  json::value Begin(const std::string& file_name, size_t bytes, const std::string& unit,
+                    const std::string& title, int tooth = 0) {
+    last_ =
+        root_.Post("/api/v1/tooth-imports", json::serialize(json::object{{"file_name", file_name},
+                                                                         {"bytes", bytes},
+                                                                         {"unit", unit},
+                                                                         {"title", title},
+                                                                         {"tooth", tooth}}));
+    return Parsed(last_);
+  }
+  RawResponse Put(const std::string& id, size_t offset, const std::string& part) {
+    return root_.Send(
+        "PUT", Path(id) + "/bytes?offset=" + std::to_string(offset),
+        "X-Enamel-Csrf: " + root_.csrf + "\r\nContent-Type: application/octet-stream\r\n", part);
+  }
+  static std::string Path(const std::string& id) { return "/api/v1/tooth-imports/" + id; }
+  // Sends a file in parts and waits until it is done or refused.
+  json::value Import(const std::string& file_name, const std::string& file, const std::string& unit,
+                     const std::string& title, int tooth = 0) {
+    constexpr size_t kPart = 300'000;
+    const json::value begun = Begin(file_name, file.size(), unit, title, tooth);
+    if (last_.status != 201) return begun;
+    const std::string id(begun.at("id").as_string());
+    for (size_t at = 0; at < file.size(); at += kPart) {
+      last_ = Put(id, at, file.substr(at, kPart));
+      EXPECT_EQ(last_.status, 200) << last_.body;
+      if (last_.status != 200) return {};
+    }
+    // Bounded by the reader's own time.
+    for (int i = 0; i < 20'000; ++i) {
+      const json::value now = Parsed(root_.Get(Path(id)));
+      const std::string state(now.at("state").as_string());
+      if (state == "done" || state == "refused") return now;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    ADD_FAILURE() << "neither done nor refused";
+    return {};
+  }
+  static std::string Shared(const std::string& name) {
+    auto bytes = ReadFile(std::filesystem::path(ENAMEL_SHARED_DATA) / name);
+    return bytes.ok() ? std::string(AsText(*bytes)) : std::string();
+  }
+  // A box of 8 x 8 x 6, as OBJ.
+  static std::string Box() {
+    return "v 0 0 0\nv 8 0 0\nv 8 8 0\nv 0 8 0\nv 0 0 6\nv 8 0 6\nv 8 8 6\nv 0 8 6\n"
+           "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+  }
+
+  School school_;
+  RunningServer server_{school_};
+  Visitor root_{server_.port(), "root"};
+  RawResponse last_;
+};
+
+TEST_F(ToothImportTest, MeshBecomesAToothWithItsExercises) {
+  const json::value done = Import("Crown.OBJ", Box(), "mm", "Ein Würfel", 46);
+  ASSERT_EQ(done.at("state").as_string(), "done") << json::serialize(done);
+  EXPECT_EQ(done.at("tooth").at("name").as_string(), "ein-w-rfel-46");
+  EXPECT_EQ(done.at("tooth").at("title").as_string(), "Ein Würfel");
+  EXPECT_FALSE(done.at("tooth").at("exercises").as_array().empty());
+  EXPECT_FALSE(done.at("findings").as_array().empty());
+  auto scenes = *school_.store->Scenes();
+  const auto row = std::ranges::find(scenes, "ein-w-rfel-46", &SceneRow::name);
+  ASSERT_NE(row, scenes.end());
+  const std::string document(AsText(*school_.store->GetBlob(row->content)));
+  EXPECT_NE(document.find("tooth 46 (ISO 3950)"), std::string::npos);
+  EXPECT_EQ(document.find("Crown"), std::string::npos)
+      << "what the sender calls the file is not kept";
+  AuditFilter put;
+  put.action = "scene.put";
+  auto rows = *school_.store->FindAudit(put);
+  ASSERT_FALSE(rows.empty());
+  EXPECT_TRUE(rows[0].actor.starts_with(school_.root.Text())) << rows[0].actor;
+  // The same again is another tooth, not a version of this one's exercises.
+  const json::value again = Import("crown.obj", Box(), "mm", "Ein Würfel", 46);
+  EXPECT_EQ(again.at("tooth").at("name").as_string(), "ein-w-rfel-46-2");
+}
+
+TEST_F(ToothImportTest, WhatIsNoToothIsRefusedWithWhatToDo) {
+  const json::value small = Import("box.obj", Box(), "um", "Too small");
+  ASSERT_EQ(small.at("state").as_string(), "refused");
+  EXPECT_EQ(small.at("problem").at("field").as_string(), "unit");
+  const std::string text(small.at("problem").at("message").as_string());
+  EXPECT_NE(text.find("expected"), std::string::npos) << text;
+  EXPECT_NE(text.find("mm"), std::string::npos) << text;
+  const json::value broken = Import("broken.stl", "solid x\nfacet", "mm", "Broken");
+  EXPECT_EQ(broken.at("state").as_string(), "refused") << json::serialize(broken);
+  for (const char* wrong : {R"({"file_name":"a.exe","bytes":9,"unit":"mm","title":"t"})",
+                            R"({"file_name":"a.stl","bytes":9,"unit":"ell","title":"t"})",
+                            R"({"file_name":"a.stl","bytes":0,"unit":"mm","title":"t"})",
+                            R"({"file_name":"a.stl","bytes":9,"unit":"mm","title":"t","tooth":59})",
+                            R"({"file_name":"a.stl","bytes":9,"unit":"mm","title":"=1+1"})"}) {
+    EXPECT_EQ(root_.Post("/api/v1/tooth-imports", wrong).status, 400) << wrong;
+  }
+  const RawResponse large = root_.Post(
+      "/api/v1/tooth-imports", R"({"file_name":"a.stl","bytes":99999999,"unit":"mm","title":"t"})");
+  EXPECT_EQ(large.status, 413) << large.body;
+  EXPECT_EQ(school_.store->Scenes()->size(), 1u) << "the school's own";
+}
+
+TEST_F(ToothImportTest, PartsComeInOrderAndOneFileAtATime) {
+  const std::string id(Begin("a.obj", 10, "mm", "A").at("id").as_string());
+  EXPECT_EQ(Put(id, 0, "01234").status, 200);
+  EXPECT_EQ(Put(id, 0, "01234").status, 409) << "these were sent";
+  EXPECT_EQ(Put(id, 7, "789").status, 409) << "some are missing";
+  EXPECT_EQ(Put(id, 5, "567890").status, 413) << "more than was told";
+  (void)Begin("b.obj", 10, "mm", "B");
+  EXPECT_EQ(last_.status, 503) << last_.body;
+  EXPECT_EQ(root_.Send("DELETE", Path(id), "X-Enamel-Csrf: " + root_.csrf + "\r\n").status, 204);
+  EXPECT_EQ(root_.Get(Path(id)).status, 404);
+  (void)Begin("b.obj", 10, "mm", "B");
+  EXPECT_EQ(last_.status, 201) << last_.body;
+}
+
+TEST_F(ToothImportTest, OddMeshesFromElsewhereEndWithAReasonAndACrownIsTaken) {
+  const std::string crown = Shared("crowns/fdi_46.obj");
+  if (crown.empty()) GTEST_SKIP() << "skipped: no shared data";
+  for (const char* odd : {"empty.stl", "busted.STL", "nancolor.obj", "notenoughindices.obj",
+                          "points_ascii.ply", "plane.ply", "unit_cube.STL"}) {
+    const std::string file = Shared(std::string("meshes_odd/models/") + odd);
+    const json::value end = Import(odd, file, "mm", odd);
+    if (file.empty()) {
+      EXPECT_EQ(last_.status, 400) << odd;
+      continue;
+    }
+    // Whichever it is, it is said why.
+    if (end.at("state").as_string() == "done") {
+      EXPECT_FALSE(end.at("findings").as_array().empty()) << odd;
+      EXPECT_NE(std::string(odd), "unit_cube.STL") << "1 mm is no tooth";
+      EXPECT_NE(std::string(odd), "points_ascii.ply") << "no surface";
+      continue;
+    }
+    EXPECT_EQ(end.at("state").as_string(), "refused") << odd;
+    EXPECT_GT(end.at("problem").at("message").as_string().size(), 30u) << odd;
+  }
+  const json::value done = Import("fdi_46.obj", crown, "mm", "Crown", 46);
+  EXPECT_EQ(done.at("state").as_string(), "done") << json::serialize(done);
 }
 
 TEST(BuiltinTeethTest, ListIsTheProgramsOwn) {

@@ -1,0 +1,277 @@
+#include "server/jobs/tooth_import.h"
+
+#include <stdlib.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "common/base/file.h"
+#include "common/import/import_tooth.h"
+#include "common/mesh/units.h"
+#include "common/scene/builtin/builtin.h"
+#include "common/scene/volume_blob.h"
+#include "server/jobs/builtin_content.h"
+#include "server/training/names.h"
+
+namespace enamel::server {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 4> kKinds = {"stl", "ply", "obj", "off"};
+constexpr size_t kMaxNameBytes = 40;  // exercises put their kind before it
+
+Status Invalid(const std::string& message, const char* field) {
+  return Status(Code::kInvalidInput, message, field);
+}
+
+// ISO 3950: quadrants 1 to 4 of adults, teeth 1 to 8.
+bool IsTooth(int number) {
+  const int quadrant = number / 10, tooth = number % 10;
+  return quadrant >= 1 && quadrant <= 4 && tooth >= 1 && tooth <= 8;
+}
+
+Status CheckWanted(const ToothImport::Wanted& wanted) {
+  if (std::ranges::find(kKinds, wanted.kind) == kKinds.end()) {
+    return Invalid("expected a file named .stl, .ply, .obj or .off, found ." + wanted.kind +
+                       "; export the mesh as one of these",
+                   "file_name");
+  }
+  ENAMEL_RETURN_IF_ERROR(mesh::UnitInMm(wanted.unit).status());
+  ENAMEL_RETURN_IF_ERROR(CheckedName(wanted.title, "title").status());
+  if (wanted.tooth != 0 && !IsTooth(wanted.tooth)) {
+    return Invalid(
+        "expected a tooth's number by ISO 3950, 11 to 18, 21 to 28, 31 to 38 or 41 to "
+        "48, or none; found " +
+            std::to_string(wanted.tooth),
+        "tooth");
+  }
+  if (wanted.bytes == 0)
+    return Invalid("expected a file with something in it, found 0 bytes", "bytes");
+  if (wanted.bytes <= ToothImport::kMaxFileBytes) return Status::Ok();
+  return Status(Code::kTooLarge,
+                "expected a file of at most " + std::to_string(ToothImport::kMaxFileBytes >> 20) +
+                    " MiB, found one of " + std::to_string(wanted.bytes >> 20) +
+                    " MiB: reduce the mesh in a mesh program (a crown needs no more than 200000 "
+                    "triangles)",
+                "bytes");
+}
+
+// Lower-case letters, digits and single hyphens of it; "tooth" where it has none, as of a name in
+// another script.
+std::string PlainName(std::string_view title, int tooth) {
+  std::string out;
+  for (char c : title) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
+    if (plain && out.size() < kMaxNameBytes) out += c;
+    if (!plain && !out.empty() && out.back() != '-') out += '-';
+  }
+  while (out.ends_with('-')) out.pop_back();
+  const std::string number = std::to_string(tooth);
+  if (out.empty()) out = "tooth";
+  if (tooth != 0 && !out.ends_with(number)) out += "-" + number;
+  return out;
+}
+
+// That no tooth has: exercises are named by it, and another tooth is not a version of theirs.
+Result<std::string> FreeName(ContentStore& store, const std::string& wanted) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto scenes, store.Scenes());
+  std::string name = wanted;
+  for (int again = 2; std::ranges::find(scenes, name, &SceneRow::name) != scenes.end(); ++again) {
+    name = wanted + "-" + std::to_string(again);
+  }
+  return name;
+}
+
+// A folder that only this account reads, with one file; gone with this.
+class PrivateFile {
+ public:
+  static Result<PrivateFile> Write(const std::string& name, ByteView bytes) {
+    std::error_code error;
+    const fs::path temp = fs::temp_directory_path(error);
+    std::string made = (temp / "enamel-mesh-XXXXXX").string();
+    if (error || ::mkdtemp(made.data()) == nullptr) {
+      return Status(Code::kStorage, "no folder for the mesh can be made in " + temp.string());
+    }
+    PrivateFile out(made, name);
+    ENAMEL_RETURN_IF_ERROR(WriteFileDurably(out.path(), bytes, 0600));
+    return out;
+  }
+  ~PrivateFile() {
+    std::error_code ignored;
+    if (!folder_.empty()) fs::remove_all(folder_, ignored);
+  }
+  PrivateFile(PrivateFile&& other) noexcept
+      : folder_(std::exchange(other.folder_, {})), name_(std::move(other.name_)) {}
+  PrivateFile(const PrivateFile&) = delete;
+  PrivateFile& operator=(const PrivateFile&) = delete;
+  fs::path path() const { return folder_ / name_; }
+
+ private:
+  PrivateFile(fs::path folder, std::string name)
+      : folder_(std::move(folder)), name_(std::move(name)) {}
+  fs::path folder_;
+  std::string name_;
+};
+
+}  // namespace
+
+struct ToothImport::Made {
+  std::vector<std::string> findings;
+  SceneRow scene;
+  std::vector<ExerciseRow> exercises;
+};
+
+ToothImport::~ToothImport() {
+  std::thread last;
+  {
+    MutexLock lock(mutex_);
+    last = std::move(thread_);
+  }
+  if (last.joinable()) last.join();
+}
+
+Status ToothImport::MustBe(const Uuid& id) const {
+  if (about_ && about_->id == id) return Status::Ok();
+  return Status(Code::kNotFound, "there is no such import; begin it again");
+}
+
+Result<ToothImport::About> ToothImport::Begin(const Wanted& wanted, const Actor& by,
+                                              UnixMs now_ms) {
+  ENAMEL_RETURN_IF_ERROR(CheckWanted(wanted));
+  MutexLock lock(mutex_);
+  if (about_) {
+    const bool stale = about_->state == State::kReceiving && now_ms - heard_ms_ >= kForgottenMs;
+    const bool over = about_->state == State::kDone || about_->state == State::kRefused;
+    if (!stale && !over) {
+      return Status(Code::kUnavailable,
+                    "another tooth is being imported; try again when it is done");
+    }
+  }
+  // Its last word was said under the lock: it is over, or about to be.
+  if (thread_.joinable()) thread_.join();
+  About fresh;
+  fresh.id = Uuid::New();
+  fresh.bytes = wanted.bytes;
+  about_ = std::move(fresh);
+  wanted_ = wanted;
+  by_ = by;
+  file_.clear();
+  heard_ms_ = now_ms;
+  return *about_;
+}
+
+Result<ToothImport::About> ToothImport::Append(const Uuid& id, uint64_t offset, ByteView bytes,
+                                               UnixMs now_ms) {
+  MutexLock lock(mutex_);
+  ENAMEL_RETURN_IF_ERROR(MustBe(id));
+  if (about_->state != State::kReceiving || offset != about_->received) {
+    return Status(Code::kConflict,
+                  "expected the bytes from " + std::to_string(about_->received) +
+                      " on, found those from " + std::to_string(offset),
+                  "offset");
+  }
+  if (bytes.size() > about_->bytes - about_->received) {
+    return Status(Code::kTooLarge,
+                  "expected the " + std::to_string(about_->bytes) +
+                      " bytes that were told, found more; begin again",
+                  "bytes");
+  }
+  file_.insert(file_.end(), bytes.begin(), bytes.end());
+  about_->received = file_.size();
+  heard_ms_ = now_ms;
+  if (about_->received < about_->bytes) return *about_;
+  about_->state = State::kWorking;
+  thread_ =
+      std::thread([this, wanted = wanted_, file = std::exchange(file_, {}), by = by_]() mutable {
+        Work(std::move(wanted), std::move(file), std::move(by));
+      });
+  return *about_;
+}
+
+Result<ToothImport::About> ToothImport::Get(const Uuid& id) const {
+  MutexLock lock(mutex_);
+  ENAMEL_RETURN_IF_ERROR(MustBe(id));
+  return *about_;
+}
+
+Status ToothImport::GiveUp(const Uuid& id) {
+  MutexLock lock(mutex_);
+  ENAMEL_RETURN_IF_ERROR(MustBe(id));
+  if (about_->state != State::kReceiving) {
+    return Status(Code::kConflict, "expected an upload that is not complete; this one is");
+  }
+  about_.reset();
+  file_ = {};
+  return Status::Ok();
+}
+
+void ToothImport::Work(Wanted wanted, Bytes file, Actor by) {
+  Result<Made> made = Make(wanted, file, by);
+  MutexLock lock(mutex_);
+  about_->state = made.ok() ? State::kDone : State::kRefused;
+  about_->phase.clear();
+  if (!made.ok()) {
+    about_->problem = made.status();
+    return;
+  }
+  about_->findings = std::move(made->findings);
+  about_->scene = std::move(made->scene);
+  about_->exercises = std::move(made->exercises);
+}
+
+Result<ToothImport::Made> ToothImport::Make(const Wanted& wanted, const Bytes& file,
+                                            const Actor& by) {
+  ContentStore& store = stores_.content();
+  ENAMEL_ASSIGN_OR_RETURN(const std::string title, CheckedName(wanted.title, "title"));
+  const std::string plain = PlainName(title, wanted.tooth);
+  import::ImportOptions options;
+  options.unit = wanted.unit;
+  options.voxel_nm = kVoxelNm;
+  options.name = plain;
+  options.threads = 1;  // stations that stream want the other processors
+  options.child = child_;
+  options.phase = [this](std::string_view phase) {
+    MutexLock lock(mutex_);
+    about_->phase = phase;
+    about_->share = 0;
+  };
+  options.progress = [this](double share) {
+    MutexLock lock(mutex_);
+    about_->share = share;
+  };
+  // Named by us and not by whoever sends it: the name stands in messages and in the provenance.
+  ENAMEL_ASSIGN_OR_RETURN(const auto stored, PrivateFile::Write(plain + "." + wanted.kind, file));
+  ENAMEL_ASSIGN_OR_RETURN(auto imported, import::ImportTooth(stored.path(), options));
+  ENAMEL_ASSIGN_OR_RETURN(imported.scene.name, FreeName(store, plain));
+  imported.scene.title = title;
+  if (wanted.tooth != 0) {
+    imported.scene.provenance += "; tooth " + std::to_string(wanted.tooth) + " (ISO 3950)";
+  }
+  Made made;
+  ENAMEL_RETURN_IF_ERROR(PutFirstProfiles(stores_));
+  ENAMEL_ASSIGN_OR_RETURN(
+      made.scene, StoreScene(store, imported.scene, scene::EncodeVolume(imported.volume), by));
+  ENAMEL_ASSIGN_OR_RETURN(made.exercises,
+                          PublishExercisesOf(store, imported.scene, made.scene.content, by));
+  made.findings = std::move(imported.report);
+  return made;
+}
+
+const char* StateName(ToothImport::State state) {
+  switch (state) {
+    case ToothImport::State::kReceiving:
+      return "receiving";
+    case ToothImport::State::kWorking:
+      return "working";
+    case ToothImport::State::kDone:
+      return "done";
+    case ToothImport::State::kRefused:
+      return "refused";
+  }
+  return "";
+}
+
+}  // namespace enamel::server

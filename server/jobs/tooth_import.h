@@ -1,0 +1,88 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/base/mutex.h"
+#include "common/base/result.h"
+#include "server/storage/parts.h"
+#include "server/training/types.h"
+
+namespace enamel::server {
+
+// A tooth made of a mesh that an admin sends, as `enamel-station import` and `admin publish-scene`
+// make one (common/import/import_tooth.h reads it in the limited child): scene, volume and its
+// exercises, assigned to nobody.
+//
+// The file comes in parts, in order; with its last byte a thread of its own begins to work. One at a
+// time: it takes some hundred megabytes and a processor for up to some minutes. An upload that nothing
+// came for in kForgottenMs gives way to another. What is done or refused stays to be read until the
+// next one begins, or the server ends. Thread safety: any thread. The destructor waits for the thread.
+class ToothImport {
+ public:
+  using Stores = Parts<ContentStore, AuditStore>;
+  static constexpr size_t kMaxFileBytes = size_t{32} << 20;
+  static constexpr UnixMs kForgottenMs = 5 * 60'000;
+  static constexpr int32_t kVoxelNm = 50'000;
+
+  struct Wanted {
+    std::string kind;  // "stl", "ply", "obj", "off"
+    uint64_t bytes = 0;
+    std::string unit;  // of the coordinates: mm, um, cm, m, inch
+    std::string title;
+    int tooth = 0;  // FDI number (ISO 3950), 11 to 48; 0: not told
+  };
+  enum class State { kReceiving, kWorking, kDone, kRefused };
+  struct About {
+    Uuid id;
+    State state = State::kReceiving;
+    uint64_t received = 0, bytes = 0;
+    std::string phase;  // of the work, as import::ImportOptions::phase; empty: none yet
+    double share = 0;   // of the phase "filling"
+    std::vector<std::string> findings;  // once done: what was repaired and assumed
+    Status problem;                     // once refused
+    std::optional<SceneRow> scene;      // once done, with its exercises
+    std::vector<ExerciseRow> exercises;
+  };
+
+  // `child`: the mesh reader; empty: beside the running program.
+  explicit ToothImport(Stores stores, std::filesystem::path child = {})
+      : stores_(stores), child_(std::move(child)) {}
+  ~ToothImport();
+  ToothImport(const ToothImport&) = delete;
+  ToothImport& operator=(const ToothImport&) = delete;
+
+  // Errors: kInvalidInput (kind, unit, title, tooth, no bytes; with field), kTooLarge, kUnavailable
+  // while another is under way.
+  Result<About> Begin(const Wanted& wanted, const Actor& by, UnixMs now_ms);
+  // The next bytes. Errors: kNotFound, kConflict with field "offset" where others are expected (the
+  // message says which) or it is complete, kTooLarge.
+  Result<About> Append(const Uuid& id, uint64_t offset, ByteView bytes, UnixMs now_ms);
+  // Errors: kNotFound.
+  Result<About> Get(const Uuid& id) const;
+  // Forgets an upload that is not complete. Errors: kNotFound, kConflict once it is being worked on.
+  Status GiveUp(const Uuid& id);
+
+ private:
+  struct Made;
+  void Work(Wanted wanted, Bytes file, Actor by);
+  Result<Made> Make(const Wanted& wanted, const Bytes& file, const Actor& by);
+  Status MustBe(const Uuid& id) const ENAMEL_REQUIRES(mutex_);
+
+  Stores stores_;
+  const std::filesystem::path child_;
+  mutable Mutex mutex_;
+  std::optional<About> about_ ENAMEL_GUARDED_BY(mutex_);
+  Wanted wanted_ ENAMEL_GUARDED_BY(mutex_);
+  Actor by_ ENAMEL_GUARDED_BY(mutex_);
+  Bytes file_ ENAMEL_GUARDED_BY(mutex_);
+  UnixMs heard_ms_ ENAMEL_GUARDED_BY(mutex_) = 0;
+  std::thread thread_ ENAMEL_GUARDED_BY(mutex_);
+};
+
+const char* StateName(ToothImport::State state);
+
+}  // namespace enamel::server
