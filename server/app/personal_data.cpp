@@ -36,7 +36,8 @@ class Exporter {
                         {"display_name", person.display_name},
                         {"role", RoleName(person.role)},
                         {"disabled", person.disabled},
-                        {"created_ms", person.created_ms}}}};
+                        {"created_ms", person.created_ms},
+                        {"language", person.language}}}};
     // export.json last: when it is there, the files it names are.
     ENAMEL_RETURN_IF_ERROR(AddCohorts(person, root));
     ENAMEL_RETURN_IF_ERROR(AddSessions(person, root));

@@ -43,6 +43,8 @@ class PeopleStore {
   // Somebody signs in with a password for one use: the first of those who do at once. Errors:
   // kNotFound (it was used, or was not for one use).
   virtual Status UseOneTimePassword(const Uuid& person) = 0;
+  // One of kPageLanguages, or empty. No decision: it leaves no audit row. Errors: kNotFound.
+  virtual Status SetLanguage(const Uuid& person, const std::string& language) = 0;
   // Disabling ends the person's sessions in the same transaction. Errors also: kConflict (the last
   // admin who may sign in).
   virtual Status SetDisabled(const Uuid& person, bool disabled, const Actor& by) = 0;

@@ -21,6 +21,9 @@ enum class Role : uint8_t { kStudent = 1, kInstructor = 2, kAdmin = 3 };
 const char* RoleName(Role role);  // "student", "instructor", "admin"
 std::optional<Role> RoleFromName(std::string_view name);
 
+// That the page speaks, by the codes of schemas/words.md.
+inline constexpr std::array<std::string_view, 3> kPageLanguages = {"en", "de", "zh"};
+
 struct Person {
   Uuid id;
   std::string login;  // lower case, unique within the school
@@ -32,6 +35,7 @@ struct Person {
   UnixMs password_ms = 0;             // when it was set; 0: before schema 7
   bool password_used = false;         // one for one use was signed in with
   int32_t revision = 1;               // server/training/revision.h
+  std::string language;               // of the page, of kPageLanguages; empty: the browser's
 };
 
 // Which people; nothing set: all.

@@ -17,6 +17,7 @@ boost::asio::awaitable<Response> SignIn(Call call);
 boost::asio::awaitable<Response> ConfirmSession(Call call);
 boost::asio::awaitable<Response> ChangePassword(Call call);
 Response GetSession(const Call& call);
+Response SetLanguage(const Call& call, PeopleStore& store);
 Response SignOut(const Call& call);
 Response ListSessions(const Call& call, PeopleStore& store);
 Response EndSession(const Call& call, PeopleStore& store);

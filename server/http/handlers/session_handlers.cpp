@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "common/base/hex.h"
 #include "server/auth/device_name.h"
 #include "server/http/caller.h"
@@ -14,6 +16,7 @@ namespace {
 constexpr size_t kMaxLogin = 64;
 // Hashing takes as long for any length; this bounds what is kept in memory while others are hashed.
 constexpr size_t kMaxPassword = 1024;
+constexpr size_t kMaxLanguage = 16;
 
 json::object SessionJson(const auth::Identity& identity) {
   const Person& person = identity.person;
@@ -24,6 +27,7 @@ json::object SessionJson(const auth::Identity& identity) {
             {"role", RoleName(person.role)}}},
           {"csrf", identity.csrf},
           {"must_change_password", person.must_change_password},
+          {"language", person.language},
           {"confirmed_until_ms", identity.confirmed_until_ms}};
 }
 
@@ -86,6 +90,25 @@ boost::asio::awaitable<Response> ChangePassword(Call call) {
       co_await call.authenticator.ChangePassword(*call.caller, std::move(change));
   if (!signed_in.ok()) co_return ErrorResponse(signed_in.status());
   co_return SignedInResponse(*signed_in, call.request);
+}
+
+Response SetLanguage(const Call& call, PeopleStore& store) {
+  if (!IsJson(call.request)) return NotJson();
+  BodyReader body(call.request);
+  std::string language = body.Text("language", 0, kMaxLanguage);
+  if (Status read = body.Finish(); !read.ok()) return ErrorResponse(read);
+  if (!language.empty() && std::ranges::find(kPageLanguages, language) == kPageLanguages.end()) {
+    return ErrorResponse(
+        {Code::kInvalidInput,
+         "expected language as en, de, zh, or empty for the browser's, found \"" + language + "\"",
+         "language"});
+  }
+  if (Status set = store.SetLanguage(call.caller->person.id, language); !set.ok()) {
+    return ErrorResponse(set);
+  }
+  auth::Identity identity = *call.caller;
+  identity.person.language = language;
+  return JsonResponse(SessionJson(identity));
 }
 
 Response GetSession(const Call& call) { return JsonResponse(SessionJson(*call.caller)); }

@@ -75,6 +75,7 @@ Person PersonOf(const Query& q) {
   out.revision = static_cast<int32_t>(q.Int(7));
   out.password_ms = q.Int(8);
   out.password_used = q.Int(9) != 0;
+  out.language = q.Text(10);
   return out;
 }
 
@@ -198,6 +199,14 @@ Status SqliteStore::UseOneTimePassword(const Uuid& person) {
             "must_change_password = 1 AND password_used = 0");
     ENAMEL_RETURN_IF_ERROR(q.Bind(person).Run());
     return MustHaveChanged(db, "password for one use that was not used yet");
+  });
+}
+
+Status SqliteStore::SetLanguage(const Uuid& person, const std::string& language) {
+  return Write([&](Db& db) -> Status {
+    Query q(db, "UPDATE people SET language = ?3 WHERE tenant = ?1 AND id = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(person).Bind(language).Run());
+    return MustHaveChanged(db, "person " + person.Text());
   });
 }
 

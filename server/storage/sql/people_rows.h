@@ -11,7 +11,7 @@ namespace enamel::server::sqlite {
 // Of the table as `p`.
 inline constexpr char kPersonColumns[] =
     "p.id, p.login, p.display_name, p.role, p.disabled, p.created_ms, p.must_change_password, "
-    "p.revision, p.password_ms, p.password_used";
+    "p.revision, p.password_ms, p.password_used, p.language";
 Person PersonOf(const Query& q);
 inline constexpr char kCohortColumns[] = "c.id, c.name, c.archived_ms, c.revision";
 Cohort CohortOf(const Query& q);

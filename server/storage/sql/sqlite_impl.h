@@ -48,6 +48,7 @@ class SqliteStore final : public Store {
   Status UseOneTimePassword(const Uuid& person) override;
   Status SetPassword(const Uuid& person, const std::string& verifier, bool for_one_use,
                      const Actor& by) override;
+  Status SetLanguage(const Uuid& person, const std::string& language) override;
   Status SetDisabled(const Uuid& person, bool disabled, const Actor& by) override;
   Result<std::vector<Person>> People() override;
   Result<std::vector<Person>> FindPeople(const PeopleFilter& filter) override;

@@ -68,6 +68,7 @@ const Line kLines[] = {
     {"POST /api/v1/session/confirm",            "",               R"({"password":"PASSWORD"})",          "401 204 204 204 204 204 204 204 401 204"},
     {"POST /api/v1/session/password",           "",               R"({"old_password":"PASSWORD","new_password":"quite another one"})",
                                                                                                          "401 200 200 200 200 200 200 200 401 200"},
+    {"PUT /api/v1/session/language",            "",               R"({"language":"de"})",                "401 200 200 200 200 200 200 200 401 200"},
     {"GET /api/v1/sessions",                    "",               "",                                    "401 200 200 200 200 200 200 200 401 403"},
     {"DELETE /api/v1/sessions/{id}",            "sams session",   "",                                    "401 204 404 404 404 404 204 204 401 403"},
     // People.
@@ -215,10 +216,11 @@ TEST(OneTimePasswordTest, ReachesItsOwnSessionAndNothingElse) {
   for (const Line& line : kLines) {
     if (Statuses(line.expected).back() != 403) reached.insert(line.route);
   }
-  EXPECT_EQ(reached, (std::set<std::string>{"GET /healthz", "GET /metrics", "POST /api/v1/session",
-                                            "GET /api/v1/session", "DELETE /api/v1/session",
-                                            "POST /api/v1/session/confirm",
-                                            "POST /api/v1/session/password"}));
+  EXPECT_EQ(reached,
+            (std::set<std::string>{"GET /healthz", "GET /metrics", "POST /api/v1/session",
+                                   "GET /api/v1/session", "DELETE /api/v1/session",
+                                   "POST /api/v1/session/confirm", "POST /api/v1/session/password",
+                                   "PUT /api/v1/session/language"}));
 }
 
 // Cookie and csrf of somebody signed in.

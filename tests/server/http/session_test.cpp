@@ -52,6 +52,27 @@ TEST_F(SessionTest, GuessingIsSlowedDownWith429) {
   EXPECT_TRUE(last.headers.contains("retry-after"));
 }
 
+TEST_F(SessionTest, TheLanguageThatSomebodyChoseIsThereAtTheNextSignIn) {
+  EXPECT_EQ(Parsed(SignIn("sam", kPassword)).at("language"), "");
+  Visitor sam(server_.port(), "sam");
+  auto choose = [&](const std::string& body) {
+    return sam.Send("PUT", "/api/v1/session/language",
+                    kJson + "X-Enamel-Csrf: " + sam.csrf + "\r\n", body);
+  };
+  RawResponse chosen = choose(R"({"language":"de"})");
+  ASSERT_EQ(chosen.status, 200) << chosen.body;
+  EXPECT_EQ(Parsed(chosen).at("language"), "de");
+  EXPECT_EQ(Parsed(sam.Get("/api/v1/session")).at("language"), "de");
+  EXPECT_EQ(Parsed(SignIn("sam", kPassword)).at("language"), "de");
+  EXPECT_EQ(Parsed(SignIn("sue", kPassword)).at("language"), "") << "another's stays";
+  for (const char* body : {R"({"language":"fr"})", R"({"language":"DE"})", R"({"language":1})",
+                           R"({})", R"({"language":"de","person":"x"})"}) {
+    RawResponse refused = choose(body);
+    EXPECT_EQ(refused.status, 400) << body;
+  }
+  EXPECT_EQ(Parsed(choose(R"({"language":""})")).at("language"), "");
+}
+
 TEST_F(SessionTest, RefusesBodiesThatAreNotTheTwoTexts) {
   for (const char* body :
        {"", "[]", "{", R"({"login":"sam"})", R"({"login":"sam","password":1})",

@@ -108,6 +108,18 @@ TEST_P(PeopleStoreTest, PasswordForOneUseIsMarkedUntilAnotherIsSet) {
   EXPECT_FALSE(store_->PersonById(id)->must_change_password);
 }
 
+TEST_P(PeopleStoreTest, ALanguageStaysWithThePersonWhoChoseIt) {
+  Uuid ada = AddPerson(*store_, "ada", Role::kStudent);
+  Uuid sam = AddPerson(*store_, "sam", Role::kStudent);
+  EXPECT_EQ(store_->PersonById(ada)->language, "");
+  ASSERT_TRUE(store_->SetLanguage(ada, "zh").ok());
+  Reopen();
+  EXPECT_EQ(store_->PersonById(ada)->language, "zh");
+  EXPECT_EQ(store_->PersonById(sam)->language, "");
+  EXPECT_EQ(store_->SetLanguage(Uuid::New(), "de").code(), Code::kNotFound);
+  EXPECT_FALSE(store_->SetLanguage(ada, "xx").ok()) << "the database has no such language";
+}
+
 TEST_P(PeopleStoreTest, APasswordForOneUseIsUsedOnce) {
   Uuid id = AddPerson(*store_, "ada", Role::kStudent);
   EXPECT_GT(store_->PersonById(id)->password_ms, 0);
