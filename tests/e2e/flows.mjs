@@ -8,11 +8,13 @@ import { adminFlows } from "./admin_flows.mjs";
 import { screenFlow } from "./screens.mjs";
 import { accessible, signedIn, signIn } from "./session.mjs";
 import { insightFlows } from "./insight_flows.mjs";
+import { playbackFlows } from "./playback_flows.mjs";
 import { teachingFlows } from "./teaching_flows.mjs";
 
 const kScored = "✓ Scored";
 
 export const flows = [
+  { name: "the page speaks German and Chinese from the sign-in on, and who chose one finds it again", anywhere: false, run: speaksLanguages },
   { name: "a wrong password is refused in words and keeps the login", anywhere: true, run: wrongPassword },
   { name: "an expired session asks to sign in again and leads back", anywhere: true, run: expiredSession },
   { name: "a student finds exercises, what is asked, and own attempts only", anywhere: true, run: studentLooksAround },
@@ -38,7 +40,7 @@ export const flows = [
   ...["student", "instructor", "admin"].map((role) => ({
     name: `every screen of the ${role} is accessible and fits wide and narrow`, anywhere: false, run: screenFlow(role) })),
   ...adminFlows.map((flow) => ({ ...flow, anywhere: false })),
-  ...[...teachingFlows, ...insightFlows].map((flow) => ({ ...flow, anywhere: false })),
+  ...[...teachingFlows, ...insightFlows, ...playbackFlows].map((flow) => ({ ...flow, anywhere: false })),
   { name: "more attempts than one page are loaded on request", anywhere: false, run: pagination },
 ];
 
@@ -262,7 +264,12 @@ async function section(world) {
   const page = await signedIn(world, "student", "/attempts/00000000-0000-7000-8000-000000000105");
   await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
   await page.getByRole("button", { name: "Cavity", exact: true }).click();
-  const picture = () => page.locator(".tooth-frame canvas").screenshot();
+  // What moves is drawn in a lighter way, and in full once it rests.
+  const picture = async () => {
+    await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
+    await page.locator(".tooth-frame canvas[data-drawn=full]").waitFor();
+    return page.locator(".tooth-frame canvas").screenshot();
+  };
   const whole = await picture();
   for (const [across, name] of [["y", "mesio-distal"], ["x", "bucco-lingual"], ["z", "horizontal"], ["view", "along"]]) {
     await page.getByLabel("Section", { exact: true }).selectOption(across);
@@ -289,7 +296,7 @@ async function beside(world) {
   await page.locator(".other-time", { hasText: "0:30.0" }).waitFor();
   await page.getByRole("button", { name: "Occlusal", exact: true }).click();
   // Both are the mock's one attempt: from the same side, at the same moment they look alike.
-  await page.getByLabel("The other's moment").selectOption("removed");
+  await page.getByLabel("The other’s moment").selectOption("removed");
   await page.locator(".other-time", { hasText: /0:(29|30)\.\d/ }).waitFor();
   await accessible(page, "two attempts");
   await page.screenshot({ path: world.picture("beside") });
@@ -390,7 +397,7 @@ async function toothByKeyboard(world) {
   await timeline.focus();
   for (let i = 0; i < 4; ++i) await page.keyboard.press("PageUp");
   assert.ok(Number(await timeline.inputValue()) > 0);
-  assert.match(await timeline.getAttribute("aria-valuetext"), /^\d+:\d\d\.\d, .*largest force.*\sN/);
+  assert.match(await timeline.getAttribute("aria-valuetext"), /^\d+:\d\d\.\d, .*largest force.*\sN/i);
   assert.ok(!(await canvas.screenshot()).equals(occlusal), "the tool appears at the tooth");
 
   await page.getByText("The same as a table").click();
@@ -478,6 +485,48 @@ async function release(world) {
 
   await student.reload();
   await student.getByTestId("score").waitFor();
+}
+
+async function speaksLanguages(world) {
+  const { page } = await world.open();
+  const { login, password } = world.logins.student;
+  await page.goto("/attempts/00000000-0000-7000-8000-000000000120");
+  await page.getByRole("button", { name: "Deutsch" }).click();
+  await page.getByRole("heading", { name: "Anmelden" }).waitFor();
+  assert.equal(await page.locator("html").getAttribute("lang"), "de");
+  await accessible(page, "the sign-in in German");
+  await page.screenshot({ path: world.picture("sign_in_de") });
+  await page.getByLabel("Anmeldename").fill(login);
+  await page.getByLabel("Passwort").fill("not it");
+  await page.getByRole("button", { name: "Anmelden", exact: true }).click();
+  await page.getByText("passen nicht zusammen", { exact: false }).waitFor();
+  await page.getByLabel("Passwort").fill(password);
+  await page.getByRole("button", { name: "Anmelden", exact: true }).click();
+  await page.getByTestId("score").waitFor();
+  assert.match(await page.locator(".score-card").innerText(), /von 100[^]*Verglichen mit dem Schnitt von/);
+  await page.getByText("Abweichung in Zahlen").waitFor();
+  // It is kept with the person: another browser, set to English, speaks it after signing in.
+  const { page: other } = await world.open();
+  await other.goto("/account");
+  await signIn(other, world.logins.student);
+  await other.getByRole("button", { name: "Abmelden" }).waitFor();
+  await other.getByLabel("Sprache dieser Seite").selectOption("zh");
+  await other.getByRole("button", { name: "退出登录" }).waitFor();
+  assert.equal(await other.locator("html").getAttribute("lang"), "zh-Hans");
+  await other.goto("/attempts/00000000-0000-7000-8000-000000000120");
+  await other.getByTestId("score").waitFor();
+  await other.screenshot({ path: world.picture("result_zh"), fullPage: true });
+  const teacher = (await world.open()).page;
+  await teacher.goto("/grading?assignment=00000000-0000-7000-8000-000000000500");
+  await teacher.getByRole("button", { name: "中文" }).click();
+  await teacher.getByLabel("用户名").fill(world.logins.instructor.login);
+  await teacher.getByLabel("密码").fill(world.logins.instructor.password);
+  await teacher.getByRole("button", { name: "登录", exact: true }).click();
+  await teacher.getByRole("button", { name: "从第一个开始" }).waitFor();
+  await teacher.screenshot({ path: world.picture("grading_zh"), fullPage: true });
+  await teacher.goto("/live");
+  await teacher.locator(".live-card .badge.good").first().waitFor();
+  assert.match(await teacher.locator("main").innerText(), /当前力/);
 }
 
 async function markReference(world) {

@@ -11,6 +11,7 @@ export const insightFlows = [
   { name: "a rubric that is published is corrected, with what it would do to past attempts", run: correctRubric },
   { name: "a device profile is edited, and what would be refused is told before it is sent", run: editProfile },
   { name: "a new server's first admin makes an account from its link and is led through the first steps", run: firstAdmin },
+  { name: "a scan becomes a tooth on the page, and a wrong unit is told with the right one", run: importTooth },
 ];
 
 // A picture at each of the sizes that people use.
@@ -41,7 +42,7 @@ async function classInsight(world) {
 async function serverHealth(world) {
   const page = await signedIn(world, "admin", "/people");
   await page.getByRole("link", { name: "Health", exact: true }).click();
-  await page.getByText("Nothing needs you").waitFor();
+  await page.getByText("Nothing needs your attention").waitFor();
   await accessible(page, "a server that does well");
   await pictures(world, page, "health_well");
   world.mock.trouble = {
@@ -175,4 +176,31 @@ async function firstAdmin(world) {
   await page.getByLabel("Built-in tooth").selectOption("molar");
   await page.getByRole("button", { name: "Put it" }).click();
   await page.locator(".steps li", { hasText: "Teeth and exercises" }).getByText("done").waitFor();
+}
+
+async function importTooth(world) {
+  const page = await signedIn(world, "admin", "/exercises");
+  await page.getByRole("button", { name: "Import a tooth…" }).click();
+  const dialog = page.getByRole("dialog", { name: "Import a tooth" });
+  await dialog.getByLabel("Mesh of a crown or tooth").setInputFiles({ name: "Crown.STL", mimeType: "model/stl", buffer: Buffer.alloc(700_000, "x") });
+  await dialog.getByLabel("Name", { exact: true }).fill("Molar of the collection");
+  await dialog.getByLabel("Tooth", { exact: true }).selectOption("46");
+  await dialog.getByLabel("Unit of its coordinates").selectOption("um");
+  await accessible(page, "importing a tooth");
+  await dialog.getByRole("button", { name: "Import", exact: true }).click();
+  await dialog.getByText("No tooth can be made of this file").waitFor();
+  assert.match(await dialog.getByRole("alert").innerText(), /found 0\.01 mm with unit um; in mm it is 11\.2 mm/);
+  await accessible(page, "a mesh that is refused");
+  await pictures(world, page, "tooth_refused");
+  await dialog.getByLabel("Unit of its coordinates").selectOption("mm");
+  await dialog.getByRole("button", { name: "Import", exact: true }).click();
+  await dialog.getByText("Filling the volume").waitFor();
+  await pictures(world, page, "tooth_import");
+  await dialog.getByText("2 exercises published, assigned to nobody yet.").waitFor();
+  await dialog.getByText("size 11.21 x 10.02 x 7.35 mm").waitFor();
+  await accessible(page, "a tooth that was imported");
+  assert.equal(world.mock.import.received, 700_000);
+  assert.equal(world.mock.import.asked.tooth, 46);
+  await dialog.getByRole("button", { name: "Close" }).click();
+  await dialog.waitFor({ state: "detached" });
 }

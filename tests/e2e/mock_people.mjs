@@ -93,8 +93,8 @@ function changePassword({ world, session, body }) {
   return json(sessionView(session));
 }
 
-export function sessionView({ person: { id, login, display_name, role, must_change_password }, csrf, confirmedMs }) {
-  return { person: { id, login, display_name, role }, csrf, must_change_password, confirmed_until_ms: confirmedMs + kConfirmedMs };
+export function sessionView({ person: { id, login, display_name, role, must_change_password, language = "" }, csrf, confirmedMs }) {
+  return { person: { id, login, display_name, role }, csrf, must_change_password, language, confirmed_until_ms: confirmedMs + kConfirmedMs };
 }
 
 function confirm({ world, session, body }) {
@@ -218,6 +218,28 @@ function serverHealth({ world }) {
   return json({ ...health, ...world.trouble });
 }
 
+const kPhases = ["reading", "repairing", "filling", "storing"];
+
+// A tooth of a mesh: in micrometres it is refused, as one that is a thousand times too small.
+function beginImport({ world, body }) {
+  if (world.import?.state === "working") return refusal(503, "unavailable", "another tooth is being imported; try again when it is done");
+  if (!/\.(stl|ply|obj|off)$/i.test(body.file_name)) return invalid("file_name", "expected a file named .stl, .ply, .obj or .off, found another; export the mesh as one of these");
+  world.import = { id: newId(world), state: "receiving", received: 0, bytes: body.bytes, phase: "", share: 0, findings: [], problem: null, tooth: null, asked: body, looks: 0 };
+  return json(world.import, 201);
+}
+
+function workOn(world) {
+  const now = world.import;
+  if (now?.state !== "working") return now ?? {};
+  const phase = kPhases[now.looks++];
+  if (now.asked.unit !== "mm" && now.looks > 1) {
+    return Object.assign(now, { state: "refused", phase: "", problem: { code: "invalid_input", field: "unit", message: "crown: expected a tooth of 3 to 40 mm, found 0.01 mm with unit um; in mm it is 11.2 mm: choose mm" } });
+  }
+  if (phase !== undefined) return Object.assign(now, { phase, share: 0.5 });
+  const tooth = { name: "crown-46", title: now.asked.title, exercises: [{ id: newId(world), name: "class-1-crown-46", title: "Class I", version: 1 }, { id: newId(world), name: "crown-crown-46", title: "Crown", version: 1 }] };
+  return Object.assign(now, { state: "done", phase: "", findings: ["5124 triangles, closed", "size 11.21 x 10.02 x 7.35 mm", "tissues assumed by depth from the surface"], tooth });
+}
+
 export const peopleRoutes = {
   "GET /people": ["admin", listPeople],
   "POST /people": ["admin", addPerson],
@@ -243,6 +265,7 @@ export const peopleRoutes = {
   "GET /sessions": ["person", (call) => page("sessions", sessionsOf(call.world, call.person, call.session), call.query)],
   "DELETE /sessions/{id}": ["person", endSession],
   "POST /session/password": ["person", changePassword],
+  "PUT /session/language": ["person", ({ session, body }) => { session.person.language = body.language; return json(sessionView(session)); }],
   "POST /session/confirm": ["person", confirm],
   "GET /cohorts": ["instructor", (call) => page("cohorts", visibleCohorts(call).map((cohort) => cohortView(call.world, cohort)), call.query)],
   "POST /cohorts": ["admin", ({ world, body }) => {
@@ -289,6 +312,16 @@ export const peopleRoutes = {
     world.exercises.push(...world.shelf.splice(0));
     return json({ name: `${body.name}-46`, title: "Lower first molar", exercises: world.exercises.map(({ id, name, title, version }) => ({ id, name, title, version })) }, 201);
   }],
+  "POST /tooth-imports": ["admin", beginImport],
+  "GET /tooth-imports/{id}": ["admin", ({ world }) => json(workOn(world))],
+  "PUT /tooth-imports/{id}/bytes": ["admin", ({ world, query, text }) => {
+    const now = world.import;
+    if (Number(query.get("offset")) !== now.received) return refusal(409, "conflict", `expected the bytes from ${now.received} on`, "offset");
+    now.received += Math.min(text.length, now.bytes - now.received);
+    if (now.received === now.bytes) now.state = "working";
+    return json(now);
+  }],
+  "DELETE /tooth-imports/{id}": ["admin", ({ world }) => { delete world.import; return empty(); }],
   "GET /health": ["admin", serverHealth],
   "GET /jobs": ["admin", ({ world, query }) => page("jobs", world.jobs.filter((job) => query.get("state") === null || job.state === query.get("state")), query)],
   "POST /jobs/{id}/cancel": ["admin", cancelJob],

@@ -363,6 +363,23 @@ function live(row, { world }) {
   } };
 }
 
+// A chair that shows what it is sent when it is asked for the second time; `row.chair` is what its station is.
+function liveRemarks(row) {
+  const remarks = row.said ?? [];
+  for (const remark of remarks) {
+    if (remark.state === "sent") Object.assign(remark, { state: "shown", shown_ms: remark.sent_ms + 900 });
+    else if (remark.state === "waiting") remark.state = "sent";
+  }
+  return json({ remarks, station: row.chair ?? { connected: true, shows_remarks: true }, allowed: true, max_characters: 500 });
+}
+
+function sendLiveRemark(row, { world, person, body }) {
+  const id = world.nowMs + (row.said?.length ?? 0);
+  const remark = { id, text: body.text, from: person.display_name, sent_ms: world.nowMs, tick: 72_000, state: "waiting", shown_ms: null };
+  (row.said ??= []).push(remark);
+  return json(remark, 201);
+}
+
 const exercise = (answer) => (call) => {
   const row = byId(call.world.exercises, call.id);
   return row === undefined || (row.state === "draft" && !teaches(call.person)) ? notFound() : answer(row, call);
@@ -410,6 +427,8 @@ export const teachingRoutes = {
   "GET /attempts/{id}/deviation": ["person", withScore(deviation)],
   "GET /start-teeth/{name}": ["person", startTooth],
   "GET /attempts/{id}/live": ["instructor", withAttempt(live)],
+  "GET /live/{id}/remarks": ["instructor", withAttempt(liveRemarks)],
+  "POST /live/{id}/remarks": ["instructor", withAttempt(sendLiveRemark)],
   "GET /attempts/{id}/results": ["person", withScore(runs)],
   "GET /attempts/{id}/annotations": ["person", withScore((row, { world, person }) =>
     json({ annotations: world.annotations.filter((remark) => remark.attempt_id === row.id).map(remarkView(person)) }))],

@@ -1,11 +1,18 @@
-// Every screen of the page, as each role sees it, on a wide and on a narrow screen: no accessibility
-// finding, nothing wider than the screen, a picture of each to be looked at.
+// Every screen of the page, as each role sees it, in each language and both themes, on a wide and on a narrow screen: no
+// accessibility finding, nothing wider than the screen, no key of a word that is missing, a picture of each to be looked at.
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { accessibilityViolations } from "./browser.mjs";
 import { signedIn } from "./session.mjs";
 
 const id = (number) => `00000000-0000-7000-8000-${String(number).padStart(12, "0")}`;
-const kWidths = [1280, 400];
+// German has the longest words: it is looked at where there is least room.
+const kLooks = [
+  { language: "en", width: 1280, colorScheme: "light" }, { language: "de", width: 400, colorScheme: "dark" }, { language: "zh", width: 1280, colorScheme: "dark" },
+];
+const kDocumentLanguages = { en: "en", de: "de", zh: "zh-Hans" };
+
+const kWords = new Set(Object.keys(JSON.parse(readFileSync(new URL("../../schemas/words/en/page.json", import.meta.url), "utf8")).messages));
 
 // name, address, what is there once it is loaded
 const kScreens = {
@@ -23,7 +30,7 @@ const kScreens = {
   ],
   admin: [
     ["people", "/people", "main table"], ["person", `/people/${id(2)}`, "main form"], ["roster", "/roster", "main form, main input"], ["cohorts", "/cohorts", "main table"],
-    ["cohort_admin", `/cohorts/${id(10)}`, ".grades"], ["stations", "/stations", "table[aria-label=Stations]"], ["profiles", "/profiles", "main table"],
+    ["cohort_admin", `/cohorts/${id(10)}`, ".grades"], ["stations", "/stations", "main table"], ["profiles", "/profiles", "main table"],
     ["profile", "/profiles/phantom_desktop", ".trend"],
     ["profile_drawn", `/profiles/phantom_desktop?report=${id(801)}`, ".stroke-case canvas"], ["health", "/health", ".health"], ["jobs", "/jobs", "main table"], ["audit", "/audit", "main table"], ["not_found", "/nothing", "main a"],
   ],
@@ -32,16 +39,23 @@ const kScreens = {
 export function screenFlow(role) {
   return async (world) => {
     const findings = [];
-    for (const width of kWidths) {
-      const page = await signedIn(world, role, "/account", { width, height: width > 500 ? 900 : 800 });
+    const page = await signedIn(world, role, "/account");
+    for (const { language, width, colorScheme } of kLooks) {
+      await page.setViewportSize({ width, height: width > 500 ? 900 : 800 });
+      await page.emulateMedia({ colorScheme, reducedMotion: "reduce" });
+      await page.goto("/account");
+      await page.locator("main select").selectOption(language);
+      await page.locator(`html[lang=${kDocumentLanguages[language]}]`).waitFor();
       for (const [name, address, there] of kScreens[role]) {
         await page.goto(address);
         await page.locator(there).first().waitFor();
         await page.locator(".loading").first().waitFor({ state: "detached" });
-        await page.screenshot({ path: world.picture(`${role}_${name}_${width}`), fullPage: true });
+        await page.screenshot({ path: world.picture(`${role}_${name}_${language}`), fullPage: true });
+        const keys = (await page.locator("body").innerText()).match(/\b[a-z_]+\.[a-z0-9_]+\b/g)?.filter((text) => kWords.has(text)) ?? [];
+        findings.push(...keys.map((key) => `${name} in ${language}: ${key} has no words`));
         const overflow = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
-        if (overflow > 0) findings.push(`${name} at ${width}: ${overflow} px wider than the screen`);
-        findings.push(...(await accessibilityViolations(page)).map((finding) => `${name} at ${width}: ${finding}`));
+        if (overflow > 0) findings.push(`${name} in ${language}: ${overflow} px wider than the screen`);
+        findings.push(...(await accessibilityViolations(page)).map((finding) => `${name} in ${language}: ${finding}`));
       }
     }
     assert.deepEqual(findings, []);

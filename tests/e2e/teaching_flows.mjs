@@ -341,14 +341,23 @@ async function live(world) {
   const page = await signedIn(world, "instructor", "/live");
   await page.locator(".live-card .badge.good").nth(2).waitFor();
   assert.equal(await page.locator(".live-card").count(), 4);
-  await page.waitForFunction(() => [...document.querySelectorAll(".live-force b")].every((force) => / N$/.test(force.textContent)), undefined, { timeout: 20_000 });
+  await page.waitForFunction(() => [...document.querySelectorAll(".live-force b")].every((force) => /\sN$/.test(force.textContent)), undefined, { timeout: 20_000 });
   await page.getByText(/\d+\smin\s\d\d\ss left of 10\smin/).waitFor();
   assert.ok(await page.getByText(/no time limit/).count() >= 3);
   await page.screenshot({ path: world.picture("live"), fullPage: true });
   await page.getByRole("link", { name: "Station 1" }).click();
   await page.getByText("Largest in 20 s").waitFor();
   assert.match(await page.getByRole("img", { name: /^Force over the last/ }).getAttribute("aria-label"), /largest [\d.]+ N/);
+  const chair = page.getByRole("region", { name: "Say something at the chair" });
+  await chair.getByLabel("Remark").fill("Stop: the mesial wall is thin. 请停一下。");
+  await chair.getByRole("button", { name: "Send to the chair" }).click();
+  await chair.locator(".badge", { hasText: "Shown" }).waitFor();
+  assert.match(await chair.getByRole("listitem").innerText(), /请停一下。[^]*at 1\smin\s12\ss/);
+  assert.equal(await chair.getByLabel("Remark").inputValue(), "");
   await accessible(page, "a watched attempt");
+  await page.screenshot({ path: world.picture("said"), fullPage: true });
+  world.mock.attempts[0].chair = { connected: true, shows_remarks: false };
+  await chair.getByText(/This station cannot show remarks/).waitFor();
   Object.assign(world.mock.attempts[0], { state: "sealed", sealed_ms: Date.now() });
   await page.getByText("This attempt is finished").waitFor();
 }

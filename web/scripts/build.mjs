@@ -9,6 +9,7 @@ import { brotliCompressSync, constants, gzipSync } from "node:zlib";
 import { build } from "esbuild";
 import { bundleReport } from "./bundle_report.mjs";
 import { generate } from "./generate.mjs";
+import { englishAtOnce, keysIn, readCatalogue, shortKeys, wordsByPart } from "./words.mjs";
 
 const web = fileURLToPath(new URL("..", import.meta.url));
 const kCompressible = /\.(html|js|css|svg|json|txt)$/;
@@ -57,14 +58,35 @@ async function scripts(out, entryPoints, options) {
   return entries;
 }
 
+const pageSources = () => filesUnder(join(web, "src")).filter((path) => /\.tsx?$/.test(path) && !/\.test\.ts$/.test(path)).map((path) => readFileSync(path, "utf8"));
+
+// What a script loads at once, of our own sources.
+function loadedWith(inputs, entry) {
+  const seen = new Set([entry]);
+  for (const path of seen) for (const item of inputs[path].imports) if (item.kind === "import-statement" && item.path in inputs) seen.add(item.path);
+  return [...seen].filter((path) => path.startsWith("src/"));
+}
+
+// Which words each part of the page needs: the first those of all that is loaded before anybody signs in, each other what
+// its own sources name beyond.
+async function wordsOfParts(options) {
+  const { metafile } = await build({ ...options, entryPoints: ["src/app/main.tsx"], bundle: true, outdir: "unused", splitting: true, format: "esm", metafile: true, write: false, absWorkingDir: web, logLevel: "silent", plugins: [wordsByPart({})] });
+  const keys = Object.keys(readCatalogue("en"));
+  const named = (entry) => new Set(loadedWith(metafile.inputs, entry).flatMap((path) => keysIn(readFileSync(join(web, path), "utf8"), keys)));
+  const first = named("src/app/main.tsx");
+  const lazy = Object.values(metafile.inputs).flatMap((input) => input.imports.filter((item) => item.kind === "dynamic-import" && item.path.startsWith("src/") && item.path.endsWith(".tsx")).map((item) => item.path));
+  const parts = { first: [...first] };
+  for (const entry of lazy) parts[basename(entry, ".tsx")] = [...named(entry)].filter((key) => !first.has(key));
+  return parts;
+}
+
 // The worker first, and whole in one file: the page must know its name, and it imports nothing from elsewhere.
 async function bundle(out) {
   const kWorker = "src/api/tooth_worker.ts";
-  const worker = await scripts(out, [kWorker], {});
-  return scripts(out, { app: "src/app/main.tsx", style: "src/app/style.css" }, {
-    splitting: true, jsx: "automatic", jsxImportSource: "preact",
-    define: { kToothWorkerAddress: JSON.stringify(`/assets/${worker[kWorker]}`) },
-  });
+  const worker = await scripts(out, [kWorker], { plugins: [englishAtOnce([])] });
+  const options = { splitting: true, jsx: "automatic", jsxImportSource: "preact", define: { kToothWorkerAddress: JSON.stringify(`/assets/${worker[kWorker]}`) } };
+  const parts = await wordsOfParts(options);
+  return scripts(out, { app: "src/app/main.tsx", style: "src/app/style.css" }, { ...options, plugins: [wordsByPart(parts, shortKeys(pageSources()))] });
 }
 
 // Everything under assets/ is cached for ever, so every name there changes with the content.

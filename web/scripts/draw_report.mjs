@@ -5,11 +5,12 @@ import { fileURLToPath } from "node:url";
 import { build } from "esbuild";
 import { runCommand, writePage } from "./report_page.mjs";
 import { scriptAndStyle, web } from "./report_parts.mjs";
+import { englishAtOnce } from "./words.mjs";
 
 // What the page itself makes of a report: one reader for both.
 async function reader() {
   const result = await build({
-    absWorkingDir: web, entryPoints: ["src/api/drawable.ts"], bundle: true, format: "esm", target: "node18", write: false, logLevel: "warning",
+    absWorkingDir: web, entryPoints: ["src/api/drawable.ts"], bundle: true, format: "esm", target: "node18", write: false, logLevel: "warning", plugins: [englishAtOnce()],
   });
   return import(`data:text/javascript;base64,${Buffer.from(result.outputFiles[0].contents).toString("base64")}`);
 }

@@ -1,13 +1,15 @@
-// Types of the HTTP API from schemas/api/openapi.yaml into build/api.d.ts. Nothing is written when
+// Types of the words, then of the HTTP API, from schemas/api/openapi.yaml into build/api.d.ts. Nothing is written when
 // nothing changed, so that a build without a schema change stays fast.
 import { existsSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { createHash } from "node:crypto";
 import { fileURLToPath } from "node:url";
+import { generateWords } from "./words.mjs";
 
 const source = new URL("../../schemas/api/openapi.yaml", import.meta.url);
 const target = new URL("../build/api.d.ts", import.meta.url);
 
 export async function generate() {
+  generateWords();
   if (!existsSync(source)) {
     throw new Error(`expected the API contract at ${fileURLToPath(source)}, found nothing: check out the whole repository`);
   }

@@ -4,6 +4,7 @@ import { readdirSync, rmSync } from "node:fs";
 import { join, relative, sep } from "node:path";
 import { fileURLToPath } from "node:url";
 import { build } from "esbuild";
+import { englishAtOnce } from "./words.mjs";
 
 const web = fileURLToPath(new URL("..", import.meta.url));
 const out = join(web, "build", "test");
@@ -20,7 +21,7 @@ const sources = testFiles(join(web, "src"));
 rmSync(out, { recursive: true, force: true });
 await build({
   entryPoints: sources, outdir: out, outbase: join(web, "src"), outExtension: { ".js": ".mjs" },
-  bundle: true, platform: "node", format: "esm", target: "node18", sourcemap: "inline", logLevel: "warning",
+  bundle: true, platform: "node", format: "esm", target: "node18", sourcemap: "inline", logLevel: "warning", plugins: [englishAtOnce()], external: ["typescript"],
 });
 const compiled = sources.map((path) =>
   join(out, relative(join(web, "src"), path).split(sep).join("/").replace(/\.ts$/, ".mjs")));

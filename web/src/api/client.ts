@@ -4,7 +4,7 @@ import { PeopleApi } from "./people";
 import { decodeSurface, type Surface } from "./surface";
 import { TeachingApi } from "./teaching";
 import { OperationsApi, ProfilesApi, StationsApi } from "./things";
-import type { Attempt, AttemptDetail, AttemptFlag, AttemptState, Score, Series, Session } from "./types";
+import type { Attempt, AttemptDetail, AttemptFlag, AttemptState, LanguageChoice, LiveRemark, LiveRemarks, Score, Series, Session } from "./types";
 
 export interface AttemptQuery {
   readonly cohort?: string | undefined;
@@ -58,6 +58,11 @@ export class Client {
     return result;
   }
 
+  // In which language this person reads the page; empty: the browser's.
+  setLanguage(language: LanguageChoice): Promise<ApiResult<Session>> {
+    return this.http.json<Session>("PUT", "/session/language", { body: { language } });
+  }
+
   // `ask` is called when a change needs the password again: it shows the question, calls
   // confirmPassword and says whether that went well.
   onConfirmPassword(ask: () => Promise<boolean>): void {
@@ -76,6 +81,7 @@ export class Client {
   attempt(id: string, signal?: AbortSignal) {
     return this.http.json<AttemptDetail>("GET", attemptPath(id), { signal });
   }
+  // In the server's words: wordedScore (worded.ts) has those of the page.
   score(id: string, signal?: AbortSignal) {
     return this.http.json<Score>("GET", `${attemptPath(id)}/score`, { signal });
   }
@@ -109,6 +115,13 @@ export class Client {
   // Of the tooth at the timeline's end from the reference (tooth_deviation.ts). Not found: there is none to compare with.
   deviation(id: string, signal?: AbortSignal): Promise<ApiResult<ArrayBuffer>> {
     return this.http.bytes(`${attemptPath(id)}/deviation`, signal);
+  }
+  // What was said to the chair of an attempt that is being made, and saying something.
+  liveRemarks(id: string, signal?: AbortSignal) {
+    return this.http.json<LiveRemarks>("GET", `/live/${segment(id)}/remarks`, { signal });
+  }
+  sendLiveRemark(id: string, text: string) {
+    return this.http.json<LiveRemark>("POST", `/live/${segment(id)}/remarks`, { body: { text } });
   }
   // By the hash that a timeline's head has.
   startTooth(hash: string, signal?: AbortSignal): Promise<ApiResult<ArrayBuffer>> {

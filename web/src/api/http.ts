@@ -1,4 +1,6 @@
 import { fail, ok, type Result } from "../base/result";
+import { say, sayIf } from "../base/words";
+import { spokenLanguage } from "../base/language";
 import { readAll } from "./read_all";
 import type { ErrorCode } from "./types";
 
@@ -163,14 +165,14 @@ export function understood<T>(result: Result<T, string>): ApiResult<T> {
 }
 
 function unreachable(signal: AbortSignal | undefined): ApiError {
-  if (signal?.aborted === true) return { code: "cancelled", status: 0, message: "The request was cancelled.", field: "" };
+  if (signal?.aborted === true) return { code: "cancelled", status: 0, message: say("error.cancelled"), field: "" };
   return { code: "unreachable", status: 0, field: "",
-           message: "The server does not answer. Check that it runs and that this computer is connected, then try again." };
+           message: say("error.unreachable") };
 }
 
 function malformed(found: string): ApiError {
   return { code: "malformed", status: 0, field: "",
-           message: `The server's answer was not understood: ${found}. Load the page again; if it stays, tell the administrator.` };
+           message: say("error.malformed", { found }) };
 }
 
 async function received<T>(read: () => Promise<T>): Promise<ApiResult<T>> {
@@ -181,12 +183,18 @@ async function received<T>(read: () => Promise<T>): Promise<ApiResult<T>> {
   }
 }
 
+// What the server says is English and tells what it found. In other languages the code's sentence stands in its place, or
+// before it where the code alone says too little.
+function errorText(code: string | undefined, said: string): string {
+  return spokenLanguage() === "en" ? said : sayIf(`error_code.${code ?? ""}`, { said }) ?? said;
+}
+
 async function refusal(response: Response): Promise<ApiError> {
-  const kFallback = `The server refused the request with status ${response.status}.`;
+  const kFallback = say("error.status", { status: String(response.status) });
   try {
     const answer = (await response.json()) as { error?: { code?: ErrorCode; message?: string; field?: string }; current?: unknown };
     const { error, current } = answer;
-    return { code: error?.code ?? "internal", status: response.status, message: error?.message ?? kFallback, field: error?.field ?? "", answer,
+    return { code: error?.code ?? "internal", status: response.status, message: error === undefined ? kFallback : errorText(error.code, error.message ?? kFallback), field: error?.field ?? "", answer,
              ...(current === undefined ? {} : { current: { value: current, tag: response.headers.get("ETag") ?? "" } }) };
   } catch {
     return { code: "internal", status: response.status, message: kFallback, field: "" };

@@ -1,6 +1,6 @@
 import { ok } from "../base/result";
 import { type ApiResult, type Http, segment } from "./http";
-import type { AuditEntry, Calibration, EnrolCode, Job, ListedDevice, MadeEnrolCode, Profile, ProfileDetail, ProfileFeel, ProfileJudgement, ProfileReport, ProfileVersion, PutTooth, ServerHealth, Station } from "./types";
+import type { AuditEntry, Calibration, EnrolCode, Job, ListedDevice, MadeEnrolCode, Profile, ProfileDetail, ProfileFeel, ProfileJudgement, ProfileReport, ProfileVersion, PutTooth, ServerHealth, Station, ToothImport, ToothImportUnit } from "./types";
 
 interface PageQuery {
   readonly cursor?: string | undefined;
@@ -104,6 +104,8 @@ export class ProfilesApi {
   }
 }
 
+const kPartBytes = 512 * 1024;                   // of a mesh, in one request: the server takes 1 MiB
+
 export interface AuditQuery extends PageQuery {
   readonly actor?: string;
   readonly action?: string;
@@ -129,6 +131,30 @@ export class OperationsApi {
   }
   putTooth(name: string) {
     return this.http.json<PutTooth>("POST", "/builtin-teeth", { body: { name } });
+  }
+  // Sends a mesh in parts and asks until it is done or refused; `onChange` hears of each step. Left before all of it was sent, the
+  // server is told that nothing more comes.
+  async importTooth(file: File, about: { readonly unit: ToothImportUnit; readonly title: string; readonly tooth: number },
+                    onChange: (now: ToothImport) => void, pollMs: number, signal: AbortSignal): Promise<ApiResult<ToothImport>> {
+    let now = await this.http.json<ToothImport>("POST", "/tooth-imports", { body: { file_name: file.name, bytes: file.size, ...about } });
+    while (now.ok) {
+      const { id, state, received } = now.value;
+      const path = `/tooth-imports/${segment(id)}`;
+      if (signal.aborted) {
+        if (state === "receiving") await this.http.empty("DELETE", path);
+        return now;
+      }
+      onChange(now.value);
+      if (state === "done" || state === "refused") return now;
+      if (state === "receiving") {
+        const part = file.slice(received, received + kPartBytes);
+        now = await this.http.json<ToothImport>("PUT", `${path}/bytes?offset=${received}`, { body: part, type: "application/octet-stream" });
+      } else {
+        await new Promise((done) => setTimeout(done, pollMs));
+        now = await this.http.json<ToothImport>("GET", path);
+      }
+    }
+    return now;
   }
   cancelJob(id: string) {
     return this.http.empty("POST", `/jobs/${segment(id)}/cancel`);

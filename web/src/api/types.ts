@@ -9,6 +9,7 @@ export type StumpSection = Schemas["StumpSection"];
 export type Person = Schemas["Person"];
 export type Role = Schemas["Role"];
 export type Session = Schemas["Session"];
+export type LanguageChoice = Schemas["Language"];
 export type SessionEntry = Schemas["SessionEntry"];
 export type PersonDetail = Schemas["PersonDetail"];
 export type PersonWithCohorts = Schemas["PersonWithCohorts"];
@@ -60,6 +61,8 @@ export type Appeal = Schemas["Appeal"];
 export type ScoringRun = Schemas["ResultRun"];
 export type FirstAdmin = Schemas["FirstAdmin"];
 export type PutTooth = Schemas["PutTooth"];
+export type ToothImport = Schemas["ToothImport"];
+export type ToothImportUnit = "mm" | "um" | "cm" | "m" | "inch";
 export type ServerHealth = Schemas["ServerHealth"];
 export type Job = Schemas["Job"];
 export type AttemptState = Schemas["AttemptState"];
@@ -72,6 +75,8 @@ export type Metric = Score["metrics"][number];
 export type Series = Schemas["Series"];
 export type AuditEntry = Schemas["AuditEntry"];
 export type LiveEvent = Schemas["LiveEvent"];
+export type LiveRemark = Schemas["LiveRemark"];
+export type LiveRemarks = Schemas["LiveRemarks"];
 export type ErrorCode = Schemas["Error"]["error"]["code"];
 
 

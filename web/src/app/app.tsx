@@ -3,8 +3,10 @@ import type { ComponentChildren, ComponentProps } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import { Client } from "../api/client";
 import { queryText } from "../api/http";
-import type { Person, Session } from "../api/types";
+import type { LanguageChoice, Person, Session } from "../api/types";
 import { unreachable } from "../base/assert";
+import type { Language } from "../base/language";
+import { say, sayWith } from "../base/words";
 import { AccountPage, ForcedPassword } from "../features/account/account_page";
 import { ConfirmPassword } from "../features/account/confirm_password";
 import { MyWorkPage } from "../features/assignments/my_work_page";
@@ -19,6 +21,7 @@ import { BrandMark } from "../widgets/brand";
 import "../api/shared";
 import "../widgets/shared";
 import { PartState, usePart } from "../widgets/part";
+import { keepLanguage, language, applyLanguage } from "./language";
 import { location, navigate } from "./location";
 import { homePath, navigation, parseRoute, type Route } from "./routes";
 
@@ -27,12 +30,12 @@ type SessionState =
   | { readonly state: "unknown" }
   | { readonly state: "unreachable"; readonly message: string }
   | { readonly state: "out"; readonly notice?: string }
-  | { readonly state: "in"; readonly person: Person; readonly mustChange: boolean };
+  | { readonly state: "in"; readonly person: Person; readonly language: LanguageChoice; readonly mustChange: boolean };
 
 const session = signal<SessionState>({ state: "unknown" });
 const client = new Client(() => {
   if (session.value.state !== "in") return;
-  session.value = { state: "out", notice: "Your session has ended. Sign in again to continue where you were." };
+  session.value = { state: "out", notice: say("session.ended") };
 });
 
 // The question for the password that is open, if any, and who waits for its answer.
@@ -47,45 +50,72 @@ client.onConfirmPassword(() => new Promise((resolve) => {
 
 export async function restoreSession(): Promise<void> {
   const result = await client.currentSession();
-  if (result.ok) signedIn(result.value);
+  if (result.ok) await signedIn(result.value);
   else if (result.error.code === "unauthenticated") session.value = { state: "out" };
   else session.value = { state: "unreachable", message: result.error.message };
 }
 
-function signedIn({ person, must_change_password: mustChange }: Session): void {
-  session.value = { state: "in", person, mustChange };
+// `chosen`: the language that somebody chose before signing in, which is kept with the person then.
+async function signedIn(begun: Session, chosen?: Language): Promise<void> {
+  const { person, must_change_password: mustChange } = begun;
+  const kept = chosen === undefined || chosen === begun.language ? begun : await client.setLanguage(chosen).then((result) => result.ok ? result.value : begun);
+  // Where its words cannot be loaded the page stays as it is, and the account page says so when it is asked.
+  await applyLanguage(kept.language);
+  chosenBefore.value = undefined;
+  session.value = { state: "in", person, language: kept.language, mustChange };
+}
+
+// Before anybody is signed in: for this browser, and for who signs in next.
+const chosenBefore = signal<Language | undefined>(undefined);
+async function chooseBefore(code: Language): Promise<void> {
+  keepLanguage(code);
+  if (await applyLanguage(code)) chosenBefore.value = code;
+}
+
+// Why not, where it could not be kept or its words could not be loaded.
+async function choose(language: LanguageChoice): Promise<string | undefined> {
+  const kept = await client.setLanguage(language);
+  if (!kept.ok) return kept.error.message;
+  if (!(await applyLanguage(language))) return say("account.language_words_failed");
+  if (session.value.state === "in") session.value = { ...session.value, language };
+  return undefined;
 }
 
 // The first admin goes on where the first steps are; the link is used up.
 function begun(begin: Session): void {
   navigate("/health", "replace");
-  signedIn(begin);
+  void signedIn(begin);
 }
 
 async function signOut(): Promise<void> {
   const result = await client.signOut();
   if (!result.ok && result.error.code !== "unauthenticated") {
-    session.value = { state: "unreachable", message: `You may still be signed in. ${result.error.message}` };
+    session.value = { state: "unreachable", message: say("session.maybe_signed_in", { reason: result.error.message }) };
     return;
   }
   navigate("/");
   session.value = { state: "out" };
 }
 
+// Drawn anew in another language: what was said is said again.
 export function App() {
+  return <Screen key={language.value} />;
+}
+
+function Screen() {
   const now = session.value;
   switch (now.state) {
-    case "unknown": return <Loading what="the page" />;
+    case "unknown": return <Loading what={say("loading.page")} />;
     case "unreachable":
       return (
         <main id="content" class="sign-in">
           <h1>Enamel</h1>
-          <ErrorNotice title="The server does not answer as expected" message={now.message} onRetry={() => void restoreSession()} />
+          <ErrorNotice title={say("app.server_unexpected")} message={now.message} onRetry={() => void restoreSession()} />
         </main>
       );
-    case "out": if (location.value.pathname === "/first") return <FirstAdmin client={client} token={window.location.hash.slice(1)} onSignedIn={begun} />; return <SignIn client={client} notice={now.notice} onSignedIn={signedIn} />;
+    case "out": if (location.value.pathname === "/first") return <FirstAdmin client={client} token={window.location.hash.slice(1)} onSignedIn={begun} />; return <SignIn client={client} notice={now.notice} chosen={chosenBefore.value} onLanguage={(code) => void chooseBefore(code)} onSignedIn={(begin, chosen) => void signedIn(begin, chosen)} />;
     case "in":
-      if (now.mustChange) return <ForcedPassword client={client} person={now.person} onChanged={signedIn} onSignOut={() => void signOut()} />;
+      if (now.mustChange) return <ForcedPassword client={client} person={now.person} onChanged={(begin) => void signedIn(begin)} onSignOut={() => void signOut()} />;
       return <SignedIn person={now.person} />;
     default: return unreachable(now);
   }
@@ -97,7 +127,7 @@ function SignedIn({ person }: { readonly person: Person }) {
   useEffect(() => { if (route.name === "home") navigate(homePath(person.role), "replace"); }, [route.name, person.role]);
   return (
     <>
-      <a class="skip" href="#content">Skip to content</a>
+      <a class="skip" href="#content">{say("app.skip")}</a>
       <Header person={person} path={url.pathname} />
       <main id="content" key={url.pathname}>{screen(route, person)}</main>
       {confirming.value !== undefined && <ConfirmPassword client={client} onAnswer={confirming.value} />}
@@ -115,7 +145,7 @@ function Header({ person, path }: { readonly person: Person; readonly path: stri
   return (
     <header class="header">
       <a class="brand" href={homePath(person.role)}><BrandMark /><span>Enamel</span></a>
-      <nav aria-label="Main" ref={list}>
+      <nav aria-label={say("app.main")} ref={list}>
         <ul>
           {navigation(person.role).map((item) => (
             <li key={item.path}>
@@ -125,8 +155,8 @@ function Header({ person, path }: { readonly person: Person; readonly path: stri
         </ul>
       </nav>
       <div class="account">
-        <a class="account-name" href="/account" {...(path === "/account" ? { "aria-current": "page" as const } : {})}>{person.display_name}<span class="account-role">{person.role}</span></a>
-        <button type="button" class="button small" onClick={() => void signOut()}>Sign out</button>
+        <a class="account-name" href="/account" {...(path === "/account" ? { "aria-current": "page" as const } : {})}>{person.display_name}<span class="account-role">{say(`role.${person.role}`)}</span></a>
+        <button type="button" class="button small" onClick={() => void signOut()}>{say("session.sign_out")}</button>
       </div>
     </header>
   );
@@ -137,11 +167,11 @@ function screen(route: Route, person: Person): ComponentChildren {
   const narrow = (query: Readonly<Record<string, string>>) => navigate(location.value.pathname + queryText(query), "replace");
   switch (route.name) {
     case "home": return null;
-    case "exercises": return teacher ? <StaffExercisesPage client={client} query={route.query} onQuery={narrow} onOpen={navigate} /> : <ExercisesPage client={client} />;
+    case "exercises": return teacher ? <StaffExercisesPage client={client} admin={person.role === "admin"} query={route.query} onQuery={narrow} onOpen={navigate} /> : <ExercisesPage client={client} />;
     case "exercise": return <OneExercise client={client} id={route.id} personId={person.id} teacher={teacher} onOpen={navigate} />;
     case "attempts": return <AttemptsPage client={client} mine={!teacher} query={route.query} onQuery={narrow} />;
     case "attempt": return <OneAttempt client={client} person={person} id={route.id} onOpen={navigate} />;
-    case "account": return <AccountPage client={client} person={person} />;
+    case "account": return <AccountPage client={client} person={person} language={session.value.state === "in" ? session.value.language : ""} onLanguage={choose} />;
     case "assignments": if (!teacher) return <MyWorkPage client={client} />; break;
     default: break;
   }
@@ -149,18 +179,18 @@ function screen(route: Route, person: Person): ComponentChildren {
 }
 
 function OneAttempt(props: ComponentProps<typeof AttemptPage>) {
-  const loaded = usePart(() => import("../features/attempt/attempt_page"));
+  const loaded = usePart("attempt_page", () => import("../features/attempt/attempt_page"));
   return loaded === "loading" || loaded === "failed" ? <PartState state={loaded} /> : <loaded.AttemptPage {...props} />;
 }
 
 function OneExercise(props: ComponentProps<typeof ExercisePage>) {
-  const loaded = usePart(() => import("../features/exercises/exercise_page"));
+  const loaded = usePart("exercise_page", () => import("../features/exercises/exercise_page"));
   return loaded === "loading" || loaded === "failed" ? <PartState state={loaded} /> : <loaded.ExercisePage {...props} />;
 }
 
 // What only teachers and admins see.
 function Staff({ route, person, onQuery }: { readonly route: Route; readonly person: Person; readonly onQuery: (query: Readonly<Record<string, string>>) => void }) {
-  const loaded = usePart(() => import("./staff"));
+  const loaded = usePart("staff", () => import("./staff"));
   if (loaded === "loading" || loaded === "failed") return <PartState state={loaded} />;
   return loaded.staffScreen({ client, route, person, onQuery, onOpen: navigate }) ?? <NotFound home={homePath(person.role)} />;
 }
@@ -168,8 +198,8 @@ function Staff({ route, person, onQuery }: { readonly route: Route; readonly per
 function NotFound({ home }: { readonly home: string }) {
   return (
     <>
-      <PageTitle document="Not found">There is no such page for you</PageTitle>
-      <p>Check the address, or go to <a href={home}>the start</a>.</p>
+      <PageTitle document={say("app.not_found")}>{say("app.no_such_page")}</PageTitle>
+      <p>{sayWith("app.check_address", { start: <a href={home}>{say("app.the_start")}</a> })}</p>
     </>
   );
 }

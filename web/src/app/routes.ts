@@ -1,5 +1,6 @@
 import type { Role } from "../api/types";
 import { unreachable } from "../base/assert";
+import { say } from "../base/words";
 
 // The addresses of the page. The server answers all of them with index.html.
 const kLists = ["exercises", "attempts", "assignments", "cohorts", "people", "stations", "profiles", "live", "jobs", "audit", "health"] as const;
@@ -56,21 +57,21 @@ export interface NavItem {
   readonly title: string;
 }
 
-const kAttempts = { path: "/attempts", title: "Attempts" };
-const kAssignments = { path: "/assignments", title: "Assignments" };
-const kExercises = { path: "/exercises", title: "Exercises" };
-const kCohorts = { path: "/cohorts", title: "Cohorts" };
-const kLive = { path: "/live", title: "Live" };
-const kStations = { path: "/stations", title: "Stations" };
-const kDevices = { path: "/profiles", title: "Devices" };
+const kAttempts = { path: "/attempts", get title() { return say("nav.attempts"); } };
+const kAssignments = { path: "/assignments", get title() { return say("nav.assignments"); } };
+const kExercises = { path: "/exercises", get title() { return say("nav.exercises"); } };
+const kCohorts = { path: "/cohorts", get title() { return say("nav.cohorts"); } };
+const kLive = { path: "/live", get title() { return say("nav.live"); } };
+const kStations = { path: "/stations", get title() { return say("nav.stations"); } };
+const kDevices = { path: "/profiles", get title() { return say("nav.devices"); } };
 
 export function navigation(role: Role): readonly NavItem[] {
   switch (role) {
-    case "student": return [{ path: "/assignments", title: "My work" }, kExercises, { path: "/attempts", title: "My attempts" }];
+    case "student": return [{ path: "/assignments", title: say("nav.my_work") }, kExercises, { path: "/attempts", title: say("nav.my_attempts") }];
     case "instructor": return [kAttempts, kAssignments, kExercises, kCohorts, kLive, kStations, kDevices];
     case "admin": return [
-      { path: "/people", title: "People" }, kCohorts, kAttempts, kAssignments, kExercises, kLive, kStations, kDevices,
-      { path: "/health", title: "Health" }, { path: "/jobs", title: "Jobs" }, { path: "/audit", title: "Audit" },
+      { path: "/people", title: say("nav.people") }, kCohorts, kAttempts, kAssignments, kExercises, kLive, kStations, kDevices,
+      { path: "/health", title: say("nav.health") }, { path: "/jobs", title: say("nav.jobs") }, { path: "/audit", title: say("nav.audit") },
     ];
     default: return unreachable(role);
   }

@@ -50,12 +50,12 @@ function editor(client: Client, query: URLSearchParams, admin: boolean, onOpen: 
 }
 
 function Editors({ show }: { readonly show: (editors: typeof import("./editors")) => ComponentChildren }) {
-  const loaded = usePart(() => import("./editors"));
+  const loaded = usePart("editors", () => import("./editors"));
   return loaded === "loading" || loaded === "failed" ? <PartState state={loaded} /> : <>{show(loaded)}</>;
 }
 
 // What is loaded when somebody comes to it (more.tsx).
 function More({ show }: { readonly show: (more: typeof import("./more")) => ComponentChildren }) {
-  const loaded = usePart(() => import("./more"));
+  const loaded = usePart("more", () => import("./more"));
   return loaded === "loading" || loaded === "failed" ? <PartState state={loaded} /> : <>{show(loaded)}</>;
 }

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import {
-  formatBytes, formatDuration, formatLimit, formatMoment, formatNumber, formatQuantity, formatSigned, metricTitle, micrometresAsMm, plural, kScoreStep, scoreForField,
+  formatBytes, formatDuration, formatLimit, formatMoment, formatNumber, formatQuantity, formatSigned, micrometresAsMm, plural, kScoreStep, scoreForField,
 } from "./format";
 
 test("angles have their sign without a blank", () => {
@@ -40,14 +40,6 @@ test("a limit is shown as it is, in the form of what is measured", () => {
 test("a small torque is told in millinewton metres, not as nothing", () => {
   assert.equal(formatQuantity(0.00024, "N m").replaceAll("\u00a0", " "), "0.24 mN m");
   assert.equal(formatQuantity(0.5, "N m").replaceAll("\u00a0", " "), "0.5 N m");
-});
-
-test("a measurement that the page does not know is called by its name without the unit", () => {
-  assert.equal(metricTitle("new_wall_mm", "mm"), "New wall");
-  assert.equal(metricTitle("new_share_percent", "%"), "New share");
-  assert.equal(metricTitle("new_rate_mm3_per_s", "mm3/s"), "New rate");
-  assert.equal(metricTitle("new_force_n", "N"), "New force");
-  assert.equal(metricTitle("new_rms_mm", "mm"), "New RMS");
 });
 
 test("times, sizes and lengths use the unit people expect", () => {

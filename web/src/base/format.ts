@@ -1,4 +1,4 @@
-import { kMetricTitles } from "./metric_titles";
+import { numberText, spokenLocale } from "./language";
 
 // Numbers, units and times as people read them. Values that are not finite are shown as a dash.
 
@@ -16,14 +16,12 @@ export function unitText(unit: string): string {
 // Up to `digits` decimals, a true minus sign, thin grouping of thousands.
 export function formatNumber(value: number, digits = 2): string {
   if (!Number.isFinite(value)) return kDash;
-  const rounded = Number(value.toFixed(digits));
-  const text = Math.abs(rounded).toLocaleString("en-US", { maximumFractionDigits: digits });
-  return (rounded < 0 ? "−" : "") + text.replaceAll(",", "\u202f");
+  return numberText(Number(value.toFixed(digits)), 0, digits);
 }
 
 // One decimal always, so that scores in a column line up.
 export function formatScore(score: number | null): string {
-  return score === null || !Number.isFinite(score) ? kDash : score.toFixed(1);
+  return score === null || !Number.isFinite(score) ? kDash : numberText(score, 1, 1);
 }
 
 // Of a criterion: lost, kept, or to be had.
@@ -66,11 +64,10 @@ export function formatLimit(value: number, unit: string): string {
   return withUnit(formatFixed(value, digits), unit);
 }
 
-function formatFixed(value: number, digits: number): string {
+// Exactly so many decimals.
+export function formatFixed(value: number, digits: number): string {
   if (!Number.isFinite(value)) return kDash;
-  const rounded = Number(value.toFixed(digits));
-  const text = Math.abs(rounded).toLocaleString("en-US", { minimumFractionDigits: digits, maximumFractionDigits: digits });
-  return (rounded < 0 ? "−" : "") + text.replaceAll(",", "\u202f");
+  return numberText(Number(value.toFixed(digits)), digits, digits);
 }
 
 function withUnit(number: string, unit: string): string {
@@ -88,7 +85,11 @@ function digitsFor(value: number): number {
 
 export function formatDateTime(unixMs: number): string {
   if (!Number.isFinite(unixMs) || unixMs <= 0) return kDash;
-  return new Intl.DateTimeFormat(undefined, { dateStyle: "medium", timeStyle: "short" }).format(new Date(unixMs));
+  return new Intl.DateTimeFormat(spokenLocale(), { dateStyle: "medium", timeStyle: "short" }).format(new Date(unixMs));
+}
+
+export function formatDate(unixMs: number): string {
+  return new Intl.DateTimeFormat(spokenLocale(), { dateStyle: "medium" }).format(new Date(unixMs));
 }
 
 // How long something took. Below a minute a measured time keeps its tenths.
@@ -103,7 +104,7 @@ export function formatDuration(seconds: number): string {
 export function formatMoment(seconds: number): string {
   if (!Number.isFinite(seconds) || seconds < 0) return kDash;
   const tenths = Math.round(10 * seconds);
-  return `${Math.floor(tenths / 600)}:${(((tenths % 600) / 10).toFixed(1)).padStart(4, "0")}`;
+  return `${Math.floor(tenths / 600)}:${numberText((tenths % 600) / 10, 1, 1).padStart(4, "0")}`;
 }
 
 export function formatBytes(bytes: number): string {
@@ -116,17 +117,6 @@ export function formatBytes(bytes: number): string {
 
 export function micrometresAsMm(um: number): string {
   return `${formatNumber(um / 1000, 3)}\u00a0mm`;
-}
-
-const kAcronyms = /\b(rms|dtw|iou)\b/g;
-
-// What a measurement is called. One that this page does not know, of an older or newer server, by its name without the unit.
-export function metricTitle(name: string, unit: string): string {
-  if (Object.hasOwn(kMetricTitles, name)) return kMetricTitles[name] ?? name;
-  const suffix = unit === "%" ? "_percent" : `_${unit.toLowerCase().replaceAll("/", "_per_").replaceAll(" ", "_")}`;
-  const stem = name.toLowerCase().endsWith(suffix) ? name.slice(0, -suffix.length) : name;
-  const words = stem.replaceAll("_", " ").trim().replace(kAcronyms, (word) => word.toUpperCase());
-  return words.charAt(0).toUpperCase() + words.slice(1);
 }
 
 export function plural(count: number, one: string, many = `${one}s`): string {

@@ -1,3 +1,5 @@
+import { spokenLocale } from "./language";
+
 // The browser's <input type="datetime-local"> speaks local time without a zone, to the minute.
 
 export function toLocalInput(unixMs: number): string {
@@ -14,9 +16,9 @@ export function fromLocalInput(text: string): number | undefined {
   return Number.isFinite(unixMs) ? unixMs : undefined;
 }
 
-// "in 3 days", "2 hours ago": the largest unit that fits, in the browser's language.
+// "in 3 days", "2 hours ago": the largest unit that fits, in the language of the page.
 export function relativeTime(unixMs: number, nowMs: number): string {
-  const format = new Intl.RelativeTimeFormat(undefined, { numeric: "auto" });
+  const format = new Intl.RelativeTimeFormat(spokenLocale(), { numeric: "auto" });
   const seconds = (unixMs - nowMs) / 1000;
   const units: ReadonlyArray<readonly [Intl.RelativeTimeFormatUnit, number]> = [["day", 86_400], ["hour", 3600], ["minute", 60]];
   for (const [unit, size] of units) {

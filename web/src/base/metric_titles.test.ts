@@ -1,8 +1,10 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
-import { metricTitle } from "./format";
-import { kMetricTitles } from "./metric_titles";
+import { metricTitle } from "./metric_titles";
+
+const catalogue = JSON.parse(readFileSync("../schemas/words/en/page.json", "utf8")) as { readonly messages: Readonly<Record<string, string>> };
+const titled = Object.keys(catalogue.messages).filter((key) => key.startsWith("metric.")).map((key) => key.slice("metric.".length));
 
 // {"wall_mesial_mm", "mm", "Mesial wall", …
 const kEntry = /\{"([a-z0-9_]+)",\s*"([^"]*)",\s*"[^"]*",/g;
@@ -11,7 +13,7 @@ const registry = [...readFileSync("../common/scoring/registry.cpp", "utf8").matc
 test("every measurement of the registry has a title of its own in plain words", () => {
   assert.ok(registry.length > 60, `${registry.length} found in the registry`);
   const titles = registry.map(({ name, unit }) => {
-    assert.ok(Object.hasOwn(kMetricTitles, name), `${name} has no title`);
+    assert.ok(titled.includes(name), `${name} has no title: schemas/words/*/page.json, metric.${name}`);
     return metricTitle(name, unit);
   });
   for (const title of titles) assert.doesNotMatch(title, /_|\bum\b|rms|dtw|p95|percentile|zone|container|frechet|ldlj|sparc/i);
@@ -20,5 +22,13 @@ test("every measurement of the registry has a title of its own in plain words", 
 
 test("no title is left of a measurement that is gone", () => {
   const names = new Set(registry.map(({ name }) => name));
-  assert.deepEqual(Object.keys(kMetricTitles).filter((name) => !names.has(name)), []);
+  assert.deepEqual(titled.filter((name) => !names.has(name)), []);
+});
+
+test("a measurement that the page does not know is called by its name without the unit", () => {
+  assert.equal(metricTitle("new_wall_mm", "mm"), "New wall");
+  assert.equal(metricTitle("new_share_percent", "%"), "New share");
+  assert.equal(metricTitle("new_rate_mm3_per_s", "mm3/s"), "New rate");
+  assert.equal(metricTitle("new_force_n", "N"), "New force");
+  assert.equal(metricTitle("new_rms_mm", "mm"), "New RMS");
 });

@@ -1,6 +1,7 @@
 import type { Attempt, AttemptFlag, AttemptState, Hand, Score } from "../api/types";
 import { unreachable } from "../base/assert";
 import { formatNumber } from "../base/format";
+import { say } from "../base/words";
 import { Badge, type Tone } from "./basics";
 
 interface StateText {
@@ -10,13 +11,13 @@ interface StateText {
 
 export function stateText(state: AttemptState): StateText {
   switch (state) {
-    case "ticketed": return { title: "Not started", tone: "neutral" };
-    case "recording": return { title: "Recording", tone: "neutral" };
-    case "sealed": return { title: "Waiting to be scored", tone: "neutral" };
-    case "scoring": return { title: "Being scored", tone: "neutral" };
-    case "scored": return { title: "Scored", tone: "good" };
-    case "failed": return { title: "Scoring failed", tone: "bad" };
-    case "quarantined": return { title: "Quarantined", tone: "bad" };
+    case "ticketed": return { title: say("attempt_state.ticketed"), tone: "neutral" };
+    case "recording": return { title: say("attempt_state.recording"), tone: "neutral" };
+    case "sealed": return { title: say("attempt_state.sealed"), tone: "neutral" };
+    case "scoring": return { title: say("attempt_state.scoring"), tone: "neutral" };
+    case "scored": return { title: say("attempt_state.scored"), tone: "good" };
+    case "failed": return { title: say("attempt_state.failed"), tone: "bad" };
+    case "quarantined": return { title: say("attempt_state.quarantined"), tone: "bad" };
     default: return unreachable(state);
   }
 }
@@ -44,17 +45,17 @@ export function stoppedEarly({ gates = [] }: Pick<Score, "gates">): number | und
 
 // What is to be known about an attempt before it is judged.
 export const kFlagTexts: Readonly<Record<AttemptFlag, StateText>> = {
-  late: { title: "Late", tone: "warning" },
-  late_upload: { title: "Uploaded late", tone: "neutral" },
-  faster_than_time: { title: "Not in real time", tone: "neutral" },
-  over_time: { title: "Over time", tone: "warning" },
-  resumed: { title: "Resumed", tone: "neutral" },
-  readmitted: { title: "Readmitted", tone: "neutral" },
-  excused: { title: "Excused", tone: "neutral" },
-  returned: { title: "Ticket handed back", tone: "neutral" },
-  other_hand: { title: "Hand not admitted", tone: "bad" },
-  contradicted: { title: "Contradicting parts", tone: "bad" },
-  near_another: { title: "Motion near another's", tone: "warning" },
+  late: { get title() { return say("attempt_flag.late"); }, tone: "warning" },
+  late_upload: { get title() { return say("attempt_flag.late_upload"); }, tone: "neutral" },
+  faster_than_time: { get title() { return say("attempt_flag.faster_than_time"); }, tone: "neutral" },
+  over_time: { get title() { return say("attempt_flag.over_time"); }, tone: "warning" },
+  resumed: { get title() { return say("attempt_flag.resumed"); }, tone: "neutral" },
+  readmitted: { get title() { return say("attempt_flag.readmitted"); }, tone: "neutral" },
+  excused: { get title() { return say("attempt_flag.excused"); }, tone: "neutral" },
+  returned: { get title() { return say("attempt_flag.returned"); }, tone: "neutral" },
+  other_hand: { get title() { return say("attempt_flag.other_hand"); }, tone: "bad" },
+  contradicted: { get title() { return say("attempt_flag.contradicted"); }, tone: "bad" },
+  near_another: { get title() { return say("attempt_flag.near_another"); }, tone: "warning" },
 };
 
 // How a station ran is for who judges the attempt: a student can do nothing about it.
@@ -71,8 +72,8 @@ export function flagText(flag: AttemptFlag): StateText {
 
 // What held the tool, where it was not a person at a haptic device. Undefined: nothing to say in a list.
 export function handText(hand: Hand): StateText | undefined {
-  if (hand.kind === "program") return { title: "Simulated hand", tone: "warning" };
-  return hand.kind === "pointer" ? { title: "Mouse", tone: "neutral" } : undefined;
+  if (hand.kind === "program") return { title: say("hand.program"), tone: "warning" };
+  return hand.kind === "pointer" ? { title: say("hand.pointer"), tone: "neutral" } : undefined;
 }
 
 // What somebody skimming a list must not miss.
@@ -83,15 +84,15 @@ export function Flags({ attempt, graded, staff, appealed = false, done }:
   const hand = handText(attempt.hand);
   return (
     <span class="flags">
-      {appealed && <Badge tone="warning">Appeal to answer</Badge>}
-      {done !== undefined && <Badge tone="warning">Stopped early: {formatNumber(done, 0)} % done</Badge>}
+      {appealed && <Badge tone="warning">{say("attempt_flag.appeal")}</Badge>}
+      {done !== undefined && <Badge tone="warning">{say("attempt_flag.stopped_early", { percent: formatNumber(done, 0) })}</Badge>}
       {hand !== undefined && <Badge tone={hand.tone}>{hand.title}</Badge>}
-      {attempt.exam && <Badge tone="neutral">Exam</Badge>}
-      {attempt.critical_fail === true && <Badge tone="bad">Critical</Badge>}
-      {attempt.gap_ticks > 0 && <Badge tone="warning">Gaps</Badge>}
+      {attempt.exam && <Badge tone="neutral">{say("attempt_flag.exam")}</Badge>}
+      {attempt.critical_fail === true && <Badge tone="bad">{say("attempt_flag.critical")}</Badge>}
+      {attempt.gap_ticks > 0 && <Badge tone="warning">{say("attempt_flag.gaps")}</Badge>}
       {shownFlags(attempt.flags, staff).map((flag) => <Badge key={flag} tone={flagText(flag).tone}>{flagText(flag).title}</Badge>)}
-      {attempt.is_reference && <Badge tone="good">Reference</Badge>}
-      {awaitsRelease(attempt, graded) && <Badge tone="neutral">Not released</Badge>}
+      {attempt.is_reference && <Badge tone="good">{say("attempt_flag.reference")}</Badge>}
+      {awaitsRelease(attempt, graded) && <Badge tone="neutral">{say("attempt_flag.not_released")}</Badge>}
     </span>
   );
 }

@@ -1,5 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
+import { say } from "../base/words";
 
 // Small building blocks without any state of the application.
 
@@ -27,13 +28,14 @@ export function ErrorNotice({ title, message, onRetry }:
   return (
     <Notice tone="bad" title={title}>
       <p>{message}</p>
-      {onRetry !== undefined && <button type="button" class="button small" onClick={onRetry}>Try again</button>}
+      {onRetry !== undefined && <button type="button" class="button small" onClick={onRetry}>{say("common.try_again")}</button>}
     </Notice>
   );
 }
 
+// `what`: a sentence, "Loading the list…".
 export function Loading({ what }: { readonly what: string }) {
-  return <p class="loading" role="status"><span class="spinner" aria-hidden="true" />Loading {what}…</p>;
+  return <p class="loading" role="status"><span class="spinner" aria-hidden="true" />{what}</p>;
 }
 
 export function Empty({ children }: { readonly children: ComponentChildren }) {
@@ -44,7 +46,7 @@ export function Empty({ children }: { readonly children: ComponentChildren }) {
 export function PageTitle({ children, document: documentTitle }:
                           { readonly children: ComponentChildren; readonly document: string }) {
   const heading = useRef<HTMLHeadingElement>(null);
-  useEffect(() => { document.title = `${documentTitle} – Enamel`; }, [documentTitle]);
+  useEffect(() => { document.title = say("app.document", { title: documentTitle }); }, [documentTitle]);
   useEffect(() => heading.current?.focus({ preventScroll: true }), []);
   return <h1 tabIndex={-1} ref={heading}>{children}</h1>;
 }
@@ -102,4 +104,9 @@ export function Segmented<T extends string>({ legend, name, choices, value, onCh
       ))}
     </fieldset>
   );
+}
+
+// `shown` where the place says the rest to who sees it; who hears the page is told `full`, which holds `shown`.
+export function Brief({ shown, full }: { readonly shown: string; readonly full: string }) {
+  return <><span aria-hidden="true">{shown}</span><span class="hidden">{full}</span></>;
 }

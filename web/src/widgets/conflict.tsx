@@ -1,3 +1,4 @@
+import { say } from "../base/words";
 import { Notice } from "./basics";
 import { DataTable } from "./table";
 
@@ -11,18 +12,18 @@ export interface Difference {
 export function Conflict({ differences, busy, onTakeTheirs, onKeepMine }:
     { readonly differences: readonly Difference[]; readonly busy: boolean; readonly onTakeTheirs: () => void; readonly onKeepMine: () => void }) {
   return (
-    <Notice tone="warning" title="Somebody changed it meanwhile">
-      <p>Nothing of yours was saved yet. Compare, then choose.</p>
-      {differences.length === 0 ? <p>They saved the same as you wrote.</p> : (
-        <DataTable label="What differs" items={differences} dense columns={[
-          { title: "Field", cell: (item) => item.title },
-          { title: "Saved by somebody else", cell: (item) => item.theirs === "" ? "–" : item.theirs },
-          { title: "Written by you", cell: (item) => item.mine === "" ? "–" : item.mine },
+    <Notice tone="warning" title={say("conflict.title")}>
+      <p>{say("conflict.compare")}</p>
+      {differences.length === 0 ? <p>{say("conflict.same")}</p> : (
+        <DataTable label={say("conflict.differs")} items={differences} dense columns={[
+          { title: say("common.field"), cell: (item) => item.title },
+          { title: say("conflict.theirs"), cell: (item) => item.theirs === "" ? "–" : item.theirs },
+          { title: say("conflict.mine"), cell: (item) => item.mine === "" ? "–" : item.mine },
         ]} />
       )}
       <div class="button-row">
-        <button type="button" class="button" onClick={onTakeTheirs}>Take the newer values</button>
-        <button type="button" class="button" disabled={busy} onClick={onKeepMine}>Save mine instead</button>
+        <button type="button" class="button" onClick={onTakeTheirs}>{say("conflict.take_theirs")}</button>
+        <button type="button" class="button" disabled={busy} onClick={onKeepMine}>{say("conflict.keep_mine")}</button>
       </div>
     </Notice>
   );

@@ -1,5 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useId, useRef, useState } from "preact/hooks";
+import { say } from "../base/words";
 import { ErrorNotice, type Tone } from "./basics";
 
 interface DialogProps {
@@ -52,9 +53,9 @@ export function Confirm({ title, children, action, tone = "bad", onConfirm, onCl
   return (
     <Dialog title={title} onClose={onClose}>
       {children}
-      {problem !== undefined && <ErrorNotice title="Not done" message={problem} />}
+      {problem !== undefined && <ErrorNotice title={say("common.not_done")} message={problem} />}
       <div class="button-row end">
-        <button type="button" class="button" onClick={onClose}>Cancel</button>
+        <button type="button" class="button" onClick={onClose}>{say("common.cancel")}</button>
         <button type="button" class={`button ${tone === "bad" ? "danger" : "primary"}`} disabled={busy} onClick={() => void confirm()}>{action}</button>
       </div>
     </Dialog>
@@ -71,7 +72,7 @@ interface FormButtonsProps {
 export function FormButtons({ action, disabled, onCancel }: FormButtonsProps) {
   return (
     <div class="button-row end">
-      <button type="button" class="button" onClick={onCancel}>Cancel</button>
+      <button type="button" class="button" onClick={onCancel}>{say("common.cancel")}</button>
       <button type="submit" class="button primary" disabled={disabled}>{action}</button>
     </div>
   );

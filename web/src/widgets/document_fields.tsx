@@ -1,4 +1,6 @@
 import { type Json, type Path, pathText } from "../base/document";
+import { formatNumber } from "../base/format";
+import { say } from "../base/words";
 import { CheckField, LongTextField, NumberField, type Option, SelectField, TextField } from "./form";
 import type { EditedDocument } from "./use_document";
 
@@ -50,13 +52,13 @@ export function DocumentFlag({ form, path, label, hint }: PlaceProps) {
 // What a value is in a table of changes.
 export function shownValue(value: Json | undefined): string {
   if (value === undefined) return "–";
-  if (typeof value === "string") return value === "" ? "empty" : value;
-  if (typeof value === "boolean") return value ? "yes" : "no";
+  if (typeof value === "string") return value === "" ? say("common.empty") : value;
+  if (typeof value === "boolean") return value ? say("common.yes") : say("common.no");
   if (Array.isArray(value) && value.every((row) => Array.isArray(row) && row.length === 2)) return value.map((row) => `${String((row as readonly Json[])[0])} → ${percent((row as readonly Json[])[1])}`).join(", ");
   if (value !== null && typeof value === "object" && "title" in value && typeof value.title === "string") return value.title;
   return JSON.stringify(value);
 }
 
 function percent(share: Json | undefined): string {
-  return typeof share === "number" ? `${Math.round(1000 * share) / 10}\u00a0%` : "–";
+  return typeof share === "number" ? `${formatNumber(100 * share, 1)}\u00a0%` : "–";
 }

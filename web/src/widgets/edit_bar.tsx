@@ -1,5 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
+import { say, sayWith } from "../base/words";
 import { Notice } from "./basics";
 import type { EditedDocument } from "./use_document";
 
@@ -19,12 +20,12 @@ export function EditBar({ edit, state, children }: { readonly edit: EditedDocume
   });
   return (
     <>
-      {edit.kept && <Notice tone="neutral" title="Your changes from before are here"><p>They were not saved yet. <button type="button" class="button small" onClick={edit.discard}>Discard them</button></p></Notice>}
+      {edit.kept && <Notice tone="neutral" title={say("edit.kept")}><p>{sayWith("edit.kept_unsaved", { discard: <button type="button" class="button small" onClick={edit.discard}>{say("edit.discard")}</button> })}</p></Notice>}
       <div class="edit-bar">
         <span class="hint" role="status">{state}</span>
         <div class="button-row">
-          <button type="button" class="button" disabled={!edit.canUndo} onClick={edit.undo}>Undo</button>
-          <button type="button" class="button" disabled={!edit.canRedo} onClick={edit.redo}>Redo</button>
+          <button type="button" class="button" disabled={!edit.canUndo} onClick={edit.undo}>{say("edit.undo")}</button>
+          <button type="button" class="button" disabled={!edit.canRedo} onClick={edit.redo}>{say("edit.redo")}</button>
           {children}
         </div>
       </div>

@@ -1,4 +1,5 @@
 import type { Edit } from "../api/use_edit";
+import { say } from "../base/words";
 import { ErrorNotice, Notice } from "./basics";
 import { Conflict, type Difference } from "./conflict";
 
@@ -18,8 +19,8 @@ export function EditNotices<T>({ edit, compared, fields }:
       {newer !== undefined && (
         <Conflict differences={differencesOf(compared, newer, edit.draft)} busy={edit.busy} onTakeTheirs={edit.takeTheirs} onKeepMine={() => void edit.keepMine()} />
       )}
-      {error !== undefined && !fields.includes(error.field) && <ErrorNotice title="Not saved" message={error.message} />}
-      {edit.saved && <Notice tone="good"><p>Saved.</p></Notice>}
+      {error !== undefined && !fields.includes(error.field) && <ErrorNotice title={say("common.not_saved")} message={error.message} />}
+      {edit.saved && <Notice tone="good"><p>{say("common.saved")}</p></Notice>}
     </div>
   );
 }

@@ -1,4 +1,5 @@
 import { useEffect, useRef, useState } from "preact/hooks";
+import { say } from "../base/words";
 import { Dialog } from "./dialog";
 import { CheckField } from "./form";
 
@@ -71,24 +72,24 @@ function isOthers(target: EventTarget | null, key: string): boolean {
 }
 const kMoves: ReadonlySet<string> = new Set(["ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown", "Home", "End", "PageUp", "PageDown"]);
 
-const kNames: Readonly<Record<string, string>> = { " ": "Space", ArrowLeft: "←", ArrowRight: "→" };
-const nameOf = (key: string) => kNames[key] ?? key;
+const kNames: Readonly<Record<string, string>> = { ArrowLeft: "←", ArrowRight: "→" };
+const nameOf = (key: string) => key === " " ? say("keys.space") : kNames[key] ?? key;
 
 export function KeysHelp({ keys }: { readonly keys: Keys }) {
   const [off, setIsOff] = useState(areOff);
   return (
     <>
-      <button type="button" class="button small quiet no-print" onClick={() => keys.setOpen(true)}>Keys (?)</button>
+      <button type="button" class="button small quiet no-print" onClick={() => keys.setOpen(true)}>{say("keys.button")}</button>
       {keys.open && (
-        <Dialog title="Keys" onClose={() => keys.setOpen(false)}>
+        <Dialog title={say("keys.title")} onClose={() => keys.setOpen(false)}>
           <dl class="facts stacked">
             {keys.list.map(({ key, also, what }) => (
               <div key={key}><dt>{what}</dt><dd><kbd>{nameOf(key)}</kbd>{also !== undefined && <> <kbd>{nameOf(also)}</kbd></>}</dd></div>
             ))}
-            <div><dt>This list</dt><dd><kbd>?</kbd></dd></div>
+            <div><dt>{say("keys.this_list")}</dt><dd><kbd>?</kbd></dd></div>
           </dl>
-          <CheckField label="Single keys are on" value={!off} onValue={(on) => { setOff(!on); setIsOff(!on); }} />
-          <div class="button-row end"><button type="button" class="button primary" onClick={() => keys.setOpen(false)}>Close</button></div>
+          <CheckField label={say("keys.on")} value={!off} onValue={(on) => { setOff(!on); setIsOff(!on); }} />
+          <div class="button-row end"><button type="button" class="button primary" onClick={() => keys.setOpen(false)}>{say("common.close")}</button></div>
         </Dialog>
       )}
     </>

@@ -1,3 +1,6 @@
+import { formatNumber } from "../base/format";
+import { say } from "../base/words";
+
 export interface Limited {
   readonly title: string;
   readonly share: number;                       // of the limit: 1 is on it
@@ -24,5 +27,5 @@ export function LimitBars({ items, label }: { readonly items: readonly Limited[]
 }
 
 function percent(share: number): string {
-  return Number.isFinite(share) ? `${Math.round(100 * share)} % of its limit` : "without limit";
+  return Number.isFinite(share) ? say("limit.used", { percent: formatNumber(100 * share, 0) }) : say("limit.none");
 }

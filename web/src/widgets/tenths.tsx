@@ -1,4 +1,4 @@
-import { plural } from "../base/format";
+import { say } from "../base/words";
 
 const kBar = 8;
 const kHeight = 26;
@@ -17,6 +17,6 @@ export function Tenths({ counts, what }: { readonly counts: readonly number[]; r
 
 // "2 from 0 to 10 %, 5 from 90 to 100 %".
 export function tenthsText(counts: readonly number[]): string {
-  const told = counts.flatMap((count, i) => count === 0 ? [] : [`${count} from ${10 * i} to ${10 * (i + 1)}\u00a0%`]);
-  return told.length === 0 ? plural(0, "value") : told.join(", ");
+  const told = counts.flatMap((count, i) => count === 0 ? [] : [say("insight.tenth", { count, from: 10 * i, to: 10 * (i + 1) })]);
+  return told.length === 0 ? say("insight.no_values") : told.join(", ");
 }

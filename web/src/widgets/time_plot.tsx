@@ -2,6 +2,7 @@ import { useEffect, useRef } from "preact/hooks";
 import type uPlot from "uplot";
 import type { Disposables } from "../base/disposables";
 import { formatMoment } from "../base/format";
+import { say } from "../base/words";
 import { plotStyle, usePlot, withAlpha } from "./use_plot";
 
 export interface PlotLine {
@@ -27,23 +28,37 @@ interface Props {
   // Where the axis of time lies, from the plot's own left and right edge: what stands above it can be put on the same axis.
   readonly onAxis?: (leftPx: number, rightPx: number) => void;
   readonly heightPx?: number;
+  readonly view?: readonly [number, number] | undefined;  // seconds that are shown; undefined: all
+  // Asked to show `by` times as much with `atS` staying in place, what lies `byS` later, or all.
+  readonly onZoom?: (atS: number, by: number) => void;
+  readonly onPan?: (byS: number) => void;
+  readonly onWhole?: () => void;
 }
 
 const kHeightPx = 280;
 const kHeadroom = 1.08;
+const kWheelStep = 1.25;
 
 // Lines over time with two value axes and a cursor that a press or a drag sets. A pointer that only passes over it shows
-// the time there in a thin line and leaves the cursor where it is. The picture is for the eye: whoever shows it offers the
+// the time there in a thin line and leaves the cursor where it is. The wheel zooms with Ctrl, or once the plot was pressed, since
+// it scrolls the page otherwise; a drag with Shift pans; a double click shows all. The picture is for the eye: whoever shows it offers the
 // numbers as a table and the cursor as a slider too.
-export function TimePlot({ timeS, lines, leftTitle, rightTitle, label, cursor, onCursor, onAxis, heightPx = kHeightPx }: Props) {
+export function TimePlot({ timeS, lines, leftTitle, rightTitle, label, cursor, onCursor, onAxis, heightPx = kHeightPx, view, onZoom, onPan, onWhole }: Props) {
   const marker = useRef<HTMLDivElement | undefined>(undefined);
-  const latest = useRef({ cursor, onCursor, onAxis });
-  latest.current = { cursor, onCursor, onAxis };
+  const latest = useRef({ cursor, onCursor, onAxis, view, onZoom, onPan, onWhole });
+  latest.current = { cursor, onCursor, onAxis, view, onZoom, onPan, onWhole };
 
   const place = () => {
     const time = timeS[latest.current.cursor];
     if (plot.current === null || marker.current === undefined || time === undefined) return;
+    const [from, to] = latest.current.view ?? [-Infinity, Infinity];
+    marker.current.hidden = time < from || time > to;
     marker.current.style.transform = `translateX(${plot.current.valToPos(time, "x").toFixed(1)}px)`;
+  };
+
+  const show = (shown: uPlot) => {
+    const [min, max] = latest.current.view ?? [timeS[0] ?? 0, timeS.at(-1) ?? 0];
+    if (max > min) shown.setScale("x", { min, max });
   };
 
   const { frame, plot } = usePlot((element) => ({
@@ -56,12 +71,17 @@ export function TimePlot({ timeS, lines, leftTitle, rightTitle, label, cursor, o
     hover.className = "plot-hover";
     hover.hidden = true;
     created.over.append(hover, marker.current);
-    followPointer(created, cleanup, hover, timeS, (index) => latest.current.onCursor(index));
+    followPointer(created, cleanup, hover, timeS, () => latest.current);
+    if (latest.current.view !== undefined) show(created);
   }, () => {
     place();
     reportAxis(frame.current, plot.current, latest.current.onAxis);
   });
 
+  useEffect(() => {
+    if (plot.current !== null) show(plot.current);
+    place();
+  }, [view]);
   useEffect(place, [cursor]);
 
   return <div class="plot" style={{ minHeight: `${heightPx}px` }} ref={frame} role="img" aria-label={label} />;
@@ -73,21 +93,44 @@ function reportAxis(frame: HTMLElement | null, plot: uPlot | null, report: Props
   report(inner.left - outer.left, outer.right - inner.right);
 }
 
-function followPointer(plot: uPlot, cleanup: Disposables, hover: HTMLElement, timeS: readonly number[], report: (index: number) => void): void {
-  const indexAt = (event: Event) => plot.posToIdx((event as PointerEvent).clientX - plot.over.getBoundingClientRect().left);
+function followPointer(plot: uPlot, cleanup: Disposables, hover: HTMLElement, timeS: readonly number[], now: () => Pick<Props, "onCursor" | "onZoom" | "onPan" | "onWhole">): void {
+  const xOf = (event: Event) => (event as MouseEvent).clientX - plot.over.getBoundingClientRect().left;
+  const indexAt = (event: Event) => plot.posToIdx(xOf(event));
+  let pressed = false;                          // since the pointer came
+  let before: number | undefined;               // where a pan was last, pixels
   cleanup.listen(plot.over, "pointermove", (event) => {
     const index = indexAt(event);
     const time = timeS[index];
-    if (((event as PointerEvent).buttons & 1) !== 0) report(index);
+    const held = ((event as PointerEvent).buttons & 1) !== 0;
+    if (held && before !== undefined) {
+      const x = xOf(event);
+      now().onPan?.(plot.posToVal(before, "x") - plot.posToVal(x, "x"));
+      before = x;
+    } else if (held) now().onCursor(index);
     hover.hidden = time === undefined;
     if (time === undefined) return;
     hover.style.transform = `translateX(${plot.valToPos(time, "x").toFixed(1)}px)`;
     hover.textContent = formatMoment(time);
   });
-  cleanup.listen(plot.over, "pointerleave", () => { hover.hidden = true; });
-  cleanup.listen(plot.over, "pointerdown", (event) => {
-    if ((event as PointerEvent).button === 0) report(indexAt(event));
+  cleanup.listen(plot.over, "pointerleave", () => {
+    hover.hidden = true;
+    pressed = false;
+    before = undefined;
   });
+  cleanup.listen(plot.over, "pointerdown", (event) => {
+    if ((event as PointerEvent).button !== 0) return;
+    pressed = true;
+    before = (event as PointerEvent).shiftKey && now().onPan !== undefined ? xOf(event) : undefined;
+    if (before === undefined) now().onCursor(indexAt(event));
+  });
+  cleanup.listen(plot.over, "pointerup", () => { before = undefined; });
+  cleanup.listen(plot.over, "dblclick", () => now().onWhole?.());
+  cleanup.listen(plot.over, "wheel", (event) => {
+    const { deltaY, ctrlKey } = event as WheelEvent;
+    if (now().onZoom === undefined || deltaY === 0 || !(pressed || ctrlKey)) return;
+    event.preventDefault();
+    now().onZoom?.(plot.posToVal(xOf(event), "x"), deltaY > 0 ? kWheelStep : 1 / kWheelStep);
+  }, { passive: false });
 }
 
 function plotOptions(element: HTMLElement, lines: readonly PlotLine[], leftTitle: string, rightTitle: string, heightPx: number): uPlot.Options {
@@ -100,7 +143,7 @@ function plotOptions(element: HTMLElement, lines: readonly PlotLine[], leftTitle
     cursor: { show: false },
     scales: { x: { time: false }, left: { range: [0, upperEnd(lines, "left")] }, right: { range: [0, upperEnd(lines, "right")] } },
     axes: [
-      { ...axis, label: "Time (minutes:seconds)", size: 36, values: (_, splits) => splits.map(tickMoment) },
+      { ...axis, label: say("plot.time"), size: 36, values: (_, splits) => splits.map(tickMoment) },
       { ...valueAxis, scale: "left", label: leftTitle },
       { ...valueAxis, scale: "right", side: 1, label: rightTitle, grid: { show: false } },
     ],

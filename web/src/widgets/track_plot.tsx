@@ -1,3 +1,4 @@
+import { say } from "../base/words";
 import type uPlot from "uplot";
 import { plotStyle, usePlot, withAlpha } from "./use_plot";
 import type { Joined, TrackLine } from "./strokes/tracks";
@@ -48,7 +49,7 @@ function plotOptions(element: HTMLElement, data: Joined, lines: readonly TrackLi
     cursor: { show: false },
     hooks: { drawAxes: [mark] },
     scales: { x: { time: false }, value: { range: valueRange(data) } },
-    axes: [{ ...axis, label: "Time (s)", size: 34 }, { ...axis, scale: "value", label: valueTitle, size: 46 }],
+    axes: [{ ...axis, label: say("plot.seconds"), size: 34 }, { ...axis, scale: "value", label: valueTitle, size: 46 }],
     series: [{}, ...lines.map((line): uPlot.Series => ({
       scale: "value", stroke: color(line.colorVariable), width: line.width, points: { show: false }, spanGaps: true,
       ...(line.dash === undefined ? {} : { dash: [...line.dash] }),

@@ -1,4 +1,4 @@
-import { formatNumber } from "../base/format";
+import { formatDate, formatNumber } from "../base/format";
 
 export interface TrendPoint {
   readonly atMs: number;
@@ -62,5 +62,5 @@ export function niceStep(top: number): number {
 }
 
 function day(unixMs: number): string {
-  return new Intl.DateTimeFormat(undefined, { dateStyle: "medium" }).format(new Date(unixMs));
+  return formatDate(unixMs);
 }

@@ -1,41 +1,64 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
-import type { Person, Session } from "../../api/types";
+import type { LanguageChoice, Person, Session } from "../../api/types";
 import { useRequest } from "../../api/use_request";
+import { kLanguages } from "../../base/language";
+import { say, sayWith } from "../../base/words";
 import { Badge, Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
+import { SelectField } from "../../widgets/form";
 import { SessionsTable } from "../../widgets/sessions_table";
 import { PasswordForm } from "./password_form";
 
 // Who one is here, one's password, and where one is signed in.
-export function AccountPage({ client, person }: { readonly client: Client; readonly person: Person }) {
+interface Props {
+  readonly client: Client;
+  readonly person: Person;
+  readonly language: LanguageChoice;
+  readonly onLanguage: (language: LanguageChoice) => Promise<string | undefined>;  // the reason when it failed
+}
+
+export function AccountPage({ client, person, language, onLanguage }: Props) {
   const [changed, setChanged] = useState(false);
   return (
     <>
-      <PageTitle document="My account">My account</PageTitle>
+      <PageTitle document={say("account.title")}>{say("account.title")}</PageTitle>
       <dl class="facts">
-        <div><dt>Name</dt><dd>{person.display_name}</dd></div>
-        <div><dt>Login</dt><dd><code>{person.login}</code></dd></div>
-        <div><dt>Role</dt><dd>{person.role}</dd></div>
+        <div><dt>{say("account.name")}</dt><dd>{person.display_name}</dd></div>
+        <div><dt>{say("account.login")}</dt><dd><code>{person.login}</code></dd></div>
+        <div><dt>{say("account.role")}</dt><dd>{say(`role.${person.role}`)}</dd></div>
       </dl>
       <div class="columns">
-        <Card title="Password">
+        <Card title={say("account.password")}>
           <PasswordForm client={client} login={person.login} onChanged={() => setChanged(true)} />
-          {changed && <Notice tone="good" title="Changed"><p>Use the new password from now on. Elsewhere you are signed out.</p></Notice>}
+          {changed && <Notice tone="good" title={say("account.changed")}><p>{say("account.changed_text")}</p></Notice>}
         </Card>
+        <LanguageCard language={language} onLanguage={onLanguage} />
         <OwnSessions client={client} />
       </div>
     </>
   );
 }
 
+function LanguageCard({ language, onLanguage }: Pick<Props, "language" | "onLanguage">) {
+  const [problem, setProblem] = useState<string>();
+  const choose = async (choice: LanguageChoice) => setProblem(await onLanguage(choice));
+  return (
+    <Card title={say("account.language")}>
+      <SelectField<LanguageChoice> label={say("account.page_language")} value={language} onValue={(choice) => void choose(choice)}
+                                   options={[{ value: "", title: say("account.language_browser") }, ...kLanguages.map(({ code, name }) => ({ value: code, title: name }))]} />
+      {problem !== undefined && <ErrorNotice title={say("account.language_failed")} message={problem} />}
+    </Card>
+  );
+}
+
 function OwnSessions({ client }: { readonly client: Client }) {
   const { loaded, reload } = useRequest("sessions", (signal) => client.people.ownSessions(signal));
   return (
-    <Card title="Where you are signed in">
-      {loaded.state === "loading" && <Loading what="your sessions" />}
-      {loaded.state === "failed" && <ErrorNotice title="Your sessions could not be loaded" message={loaded.error.message} onRetry={reload} />}
+    <Card title={say("account.sessions")}>
+      {loaded.state === "loading" && <Loading what={say("loading.own_sessions")} />}
+      {loaded.state === "failed" && <ErrorNotice title={say("account.sessions_failed")} message={loaded.error.message} onRetry={reload} />}
       {loaded.state === "ready" && (
-        <SessionsTable sessions={loaded.value} label="Your sessions"
+        <SessionsTable sessions={loaded.value} label={say("account.your_sessions")}
                        onEnd={async (id) => {
                          const result = await client.people.endSession(id);
                          if (!result.ok) return result.error.message;
@@ -43,7 +66,7 @@ function OwnSessions({ client }: { readonly client: Client }) {
                          return undefined;
                        }} />
       )}
-      <p class="hint">End a session that you do not know, then change your password. <Badge tone="neutral">This one</Badge> is where you are now.</p>
+      <p class="hint">{sayWith("account.end_unknown", { this_one: <Badge tone="neutral">{say("sessions.this_one")}</Badge> })}</p>
     </Card>
   );
 }
@@ -53,10 +76,10 @@ export function ForcedPassword({ client, person, onChanged, onSignOut }:
     { readonly client: Client; readonly person: Person; readonly onChanged: (session: Session) => void; readonly onSignOut: () => void }) {
   return (
     <main class="sign-in wide" id="content">
-      <PageTitle document="Choose a password">Choose a password of your own</PageTitle>
-      <p>Welcome, {person.display_name}. The password you were given is good for this one sign-in; somebody else has seen it.</p>
+      <PageTitle document={say("account.choose_password")}>{say("account.choose_own")}</PageTitle>
+      <p>{say("account.welcome", { name: person.display_name })}</p>
       <div class="card"><PasswordForm client={client} login={person.login} onChanged={onChanged} /></div>
-      <p><button type="button" class="button quiet" onClick={onSignOut}>Sign out instead</button></p>
+      <p><button type="button" class="button quiet" onClick={onSignOut}>{say("account.sign_out_instead")}</button></p>
     </main>
   );
 }

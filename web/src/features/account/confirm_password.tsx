@@ -1,6 +1,7 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import { useChange } from "../../api/use_change";
+import { say } from "../../base/words";
 import { ErrorNotice } from "../../widgets/basics";
 import { Dialog, FormButtons } from "../../widgets/dialog";
 import { TextField } from "../../widgets/form";
@@ -20,14 +21,14 @@ export function ConfirmPassword({ client, onAnswer }: Props) {
     if (result?.ok === true) onAnswer(true);
   };
   return (
-    <Dialog title="Your password, please" onClose={() => onAnswer(false)}>
-      <p>This change is a sensitive one. Give your own password again to go on.</p>
+    <Dialog title={say("account.password_please")} onClose={() => onAnswer(false)}>
+      <p>{say("account.sensitive")}</p>
       <form class="form" onSubmit={(event) => void submit(event)}>
-        <TextField label="Your password" secret autocomplete="current-password" required maxLength={1024} value={password} onValue={setPassword} />
+        <TextField label={say("account.your_password")} secret autocomplete="current-password" required maxLength={1024} value={password} onValue={setPassword} />
         {change.error !== undefined && (
-          <ErrorNotice title="Not confirmed" message={change.error.code === "unauthenticated" ? "This is not your password. Try again." : change.error.message} />
+          <ErrorNotice title={say("account.not_confirmed")} message={change.error.code === "unauthenticated" ? say("account.not_your_password") : change.error.message} />
         )}
-        <FormButtons action="Go on" disabled={change.busy} onCancel={() => onAnswer(false)} />
+        <FormButtons action={say("common.go_on")} disabled={change.busy} onCancel={() => onAnswer(false)} />
       </form>
     </Dialog>
   );

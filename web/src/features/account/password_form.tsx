@@ -2,6 +2,7 @@ import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { Session } from "../../api/types";
 import { useChange } from "../../api/use_change";
+import { say } from "../../base/words";
 import { ErrorNotice } from "../../widgets/basics";
 import { TextField } from "../../widgets/form";
 
@@ -33,21 +34,21 @@ export function PasswordForm({ client, login, onChanged }:
   return (
     <form class="form narrow" onSubmit={(event) => void submit(event)}>
       <input class="hidden" type="text" name="username" autocomplete="username" value={login} readOnly tabIndex={-1} aria-hidden="true" />
-      <TextField label="Password until now" secret autocomplete="current-password" required maxLength={kMaxPassword} value={old} onValue={setOld} />
-      <TextField label="New password" secret autocomplete="new-password" required maxLength={kMaxPassword} value={fresh} onValue={setFresh}
-                 hint={`At least ${kMinPassword} characters. Several unrelated words are easy to remember and hard to guess.`}
+      <TextField label={say("account.old_password")} secret autocomplete="current-password" required maxLength={kMaxPassword} value={old} onValue={setOld} />
+      <TextField label={say("account.new_password")} secret autocomplete="new-password" required maxLength={kMaxPassword} value={fresh} onValue={setFresh}
+                 hint={say("account.password_hint", { least: kMinPassword })}
                  problem={shown?.field === "new" ? shown.text : undefined} />
-      <TextField label="New password again" secret autocomplete="new-password" required maxLength={kMaxPassword} value={again} onValue={setAgain}
+      <TextField label={say("account.new_password_again")} secret autocomplete="new-password" required maxLength={kMaxPassword} value={again} onValue={setAgain}
                  problem={shown?.field === "again" ? shown.text : undefined} />
-      {change.error !== undefined && <ErrorNotice title="Not changed" message={change.error.message} />}
-      <div><button type="submit" class="button primary" disabled={change.busy}>Change password</button></div>
+      {change.error !== undefined && <ErrorNotice title={say("account.not_changed")} message={change.error.message} />}
+      <div><button type="submit" class="button primary" disabled={change.busy}>{say("account.change_password")}</button></div>
     </form>
   );
 }
 
 export function problemOf(old: string, fresh: string, again: string): { readonly field: "new" | "again"; readonly text: string } | undefined {
   const length = [...fresh].length;
-  if (length < kMinPassword) return { field: "new", text: `Expected at least ${kMinPassword} characters, found ${length}.` };
-  if (fresh === old) return { field: "new", text: "This is your current password. Choose another." };
-  return fresh === again ? undefined : { field: "again", text: "The two are not the same. Type the new password again." };
+  if (length < kMinPassword) return { field: "new", text: say("account.too_short", { least: kMinPassword, found: length }) };
+  if (fresh === old) return { field: "new", text: say("account.same_password") };
+  return fresh === again ? undefined : { field: "again", text: say("account.passwords_differ") };
 }

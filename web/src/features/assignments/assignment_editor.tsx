@@ -3,6 +3,7 @@ import type { Client } from "../../api/client";
 import type { Assignment, ExerciseSummary } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { useRequest } from "../../api/use_request";
+import { say } from "../../base/words";
 import { ErrorNotice, Loading } from "../../widgets/basics";
 import { Dialog, FormButtons } from "../../widgets/dialog";
 import { SelectField } from "../../widgets/form";
@@ -24,21 +25,21 @@ export function AssignmentEditor({ client, cohort, onClose, onMade }: Props) {
   const stations = useRequest("stations", (signal) => client.stations.all(signal));
   const failed = [exercises.loaded, cohorts.loaded, stations.loaded].find((loaded) => loaded.state === "failed");
   return (
-    <Dialog title="Assign an exercise" onClose={onClose} wide>
-      {failed?.state === "failed" && <ErrorNotice title="What can be assigned could not be loaded" message={failed.error.message} />}
+    <Dialog title={say("assign.title")} onClose={onClose} wide>
+      {failed?.state === "failed" && <ErrorNotice title={say("assign.failed")} message={failed.error.message} />}
       {exercises.loaded.state === "ready" && cohorts.loaded.state === "ready" && stations.loaded.state === "ready"
         ? <Fields client={client} cohort={cohort} onClose={onClose} onMade={onMade}
                   exercises={exercises.loaded.value.filter(({ may }) => may.includes("assign")).map(assignable)}
                   cohorts={cohorts.loaded.value.map(({ id, name }) => ({ value: id, title: name }))}
                   stations={stations.loaded.value.filter((station) => !station.revoked)} />
-        : failed === undefined && <Loading what="exercises and cohorts" />}
+        : failed === undefined && <Loading what={say("loading.assignable")} />}
     </Dialog>
   );
 }
 
 // Graded work without a reference is refused by the server, with what to do.
 function assignable({ name, title, graded, has_reference }: ExerciseSummary) {
-  return { value: name, title: graded && !has_reference ? `${title} (no reference yet)` : title };
+  return { value: name, title: graded && !has_reference ? say("assign.no_reference", { title }) : title };
 }
 
 interface FieldsProps extends Props {
@@ -61,13 +62,13 @@ function Fields({ client, cohort, onClose, onMade, exercises, cohorts, stations 
   return (
     <form class="form" onSubmit={(event) => void submit(event)}>
       <div class="form-grid">
-        <SelectField label="Exercise" value={exercise} onValue={setExercise} options={exercises} problem={problemOf("exercise")} />
-        <SelectField label="Cohort" value={into} onValue={setInto} options={cohorts} problem={problemOf("cohort_id")} />
+        <SelectField label={say("common.exercise")} value={exercise} onValue={setExercise} options={exercises} problem={problemOf("exercise")} />
+        <SelectField label={say("common.cohort")} value={into} onValue={setInto} options={cohorts} problem={problemOf("cohort_id")} />
       </div>
       <TermsFields terms={terms} onTerms={(part) => setTerms((now) => ({ ...now, ...part }))} stations={stations} problemOf={problemOf} />
       {change.error !== undefined && !["exercise", "cohort_id", "due_ms", "opens_ms", "attempt_limit"].includes(change.error.field) &&
-        <ErrorNotice title="Not assigned" message={change.error.message} />}
-      <FormButtons action="Assign" disabled={change.busy || exercise === "" || into === ""} onCancel={onClose} />
+        <ErrorNotice title={say("assign.not_assigned")} message={change.error.message} />}
+      <FormButtons action={say("assign.assign")} disabled={change.busy || exercise === "" || into === ""} onCancel={onClose} />
     </form>
   );
 }

@@ -5,7 +5,8 @@ import type { Tagged } from "../../api/http";
 import type { Assignment } from "../../api/types";
 import { useEdit } from "../../api/use_edit";
 import { useRequest } from "../../api/use_request";
-import { formatDateTime, plural } from "../../base/format";
+import { formatDateTime } from "../../base/format";
+import { say } from "../../base/words";
 import { Badge, Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
 import { Confirm } from "../../widgets/dialog";
 import { EditNotices } from "../../widgets/edit_notices";
@@ -24,28 +25,28 @@ interface Props {
 export function AssignmentPage({ client, id, onGone, insight }: Props) {
   const { loaded, reload } = useRequest(id, (signal) => client.teaching.assignment(id, signal));
   const [newer, setNewer] = useState<Tagged<Assignment>>();
-  if (loaded.state === "loading") return <Loading what="the assignment" />;
+  if (loaded.state === "loading") return <Loading what={say("loading.assignment")} />;
   if (loaded.state === "failed") {
-    return <><PageTitle document="Assignment">Assignment</PageTitle><ErrorNotice title="The assignment could not be loaded" message={loaded.error.message} onRetry={reload} /></>;
+    return <><PageTitle document={say("assignments.one")}>{say("assignments.one")}</PageTitle><ErrorNotice title={say("assignments.failed")} message={loaded.error.message} onRetry={reload} /></>;
   }
   const { value: assignment, tag } = newer ?? loaded.value;
   return (
     <>
-      <nav class="trail" aria-label="Where you are"><a href="/assignments">Assignments</a></nav>
+      <nav class="trail" aria-label={say("common.where")}><a href="/assignments">{say("nav.assignments")}</a></nav>
       <div class="title-row">
         <PageTitle document={exerciseTitle(assignment)}>{exerciseTitle(assignment)}</PageTitle>
-        {assignment.exam && <Badge tone="warning">Exam</Badge>}
+        {assignment.exam && <Badge tone="warning">{say("attempt_flag.exam")}</Badge>}
         <PhaseBadge assignment={assignment} now={Date.now()} />
       </div>
       <p class="byline">
-        {assignment.cohort === null ? "Everybody" : <a href={`/cohorts/${assignment.cohort.id}`}>{assignment.cohort.name}</a>}{" · "}
-        {assignment.exercise.id !== null && <><a href={`/exercises/${assignment.exercise.id}`}>The exercise, version {assignment.exercise.version}</a>{" · "}</>}<a href={`/attempts?assignment=${assignment.id}`}>Attempts under it</a>{" · "}<a href={`/grading?assignment=${assignment.id}`}>Grade them</a>
+        {assignment.cohort === null ? say("common.everybody") : <a href={`/cohorts/${assignment.cohort.id}`}>{assignment.cohort.name}</a>}{" · "}
+        {assignment.exercise.id !== null && <><a href={`/exercises/${assignment.exercise.id}`}>{say("assignments.version", { version: String(assignment.exercise.version) })}</a>{" · "}</>}<a href={`/attempts?assignment=${assignment.id}`}>{say("assignments.attempts_under")}</a>{" · "}<a href={`/grading?assignment=${assignment.id}`}>{say("assignments.grade_them")}</a>
       </p>
       {insight(assignment.id, exerciseTitle(assignment))}
       <div class="columns">
-        <Card title="Terms"><EditTerms client={client} read={loaded.value} onRead={setNewer} /></Card>
+        <Card title={say("assignments.terms")}><EditTerms client={client} read={loaded.value} onRead={setNewer} /></Card>
         <MoveCard client={client} assignment={assignment} tag={tag} onMoved={() => { setNewer(undefined); reload(); }} />
-        <Card title="Scores"><Scores client={client} assignment={assignment} tag={tag} onGone={onGone} /></Card>
+        <Card title={say("assignments.scores")}><Scores client={client} assignment={assignment} tag={tag} onGone={onGone} /></Card>
       </div>
     </>
   );
@@ -54,14 +55,14 @@ export function AssignmentPage({ client, id, onGone, insight }: Props) {
 type Draft = Assignment;
 
 const kCompared = [
-  { title: "Opens", text: (item: Draft) => item.opens_ms === 0 ? "at once" : formatDateTime(item.opens_ms) },
-  { title: "Due", text: (item: Draft) => item.due_ms === 0 ? "never" : formatDateTime(item.due_ms) },
-  { title: "Attempts", text: limitText },
-  { title: "Late attempts", text: (item: Draft) => item.late_allowed ? "accepted" : "refused" },
-  { title: "Devices allowed", text: handsText },
-  { title: "What counts", text: (item: Draft) => countingText(item.counting) },
-  { title: "Exam", text: (item: Draft) => item.exam ? "yes" : "no" },
-  { title: "Stations", text: (item: Draft) => item.stations.map((station) => station.name).join(", ") },
+  { get title() { return say("assignments.opens"); }, text: (item: Draft) => item.opens_ms === 0 ? say("assignments.at_once") : formatDateTime(item.opens_ms) },
+  { get title() { return say("assignments.due"); }, text: (item: Draft) => item.due_ms === 0 ? say("assignments.never") : formatDateTime(item.due_ms) },
+  { get title() { return say("nav.attempts"); }, text: limitText },
+  { get title() { return say("assignments.late_attempts"); }, text: (item: Draft) => item.late_allowed ? say("assignments.accepted") : say("assignments.refused") },
+  { get title() { return say("assignments.devices"); }, text: handsText },
+  { get title() { return say("assignments.counts"); }, text: (item: Draft) => countingText(item.counting) },
+  { get title() { return say("attempt_flag.exam"); }, text: (item: Draft) => item.exam ? say("common.yes") : say("common.no") },
+  { get title() { return say("nav.stations"); }, text: (item: Draft) => item.stations.map((station) => station.name).join(", ") },
 ];
 
 function EditTerms({ client, read, onRead }:
@@ -80,7 +81,7 @@ function EditTerms({ client, read, onRead }:
       <TermsFields terms={termsOf(edit.draft)} onTerms={set} problemOf={edit.problemOf}
                    stations={known.filter((station) => !station.revoked || edit.draft.stations.some((item) => item.id === station.id))} />
       <EditNotices edit={edit} compared={kCompared} fields={["opens_ms", "due_ms", "attempt_limit"]} />
-      <div><button type="submit" class="button primary" disabled={edit.busy || !edit.changed}>Save</button></div>
+      <div><button type="submit" class="button primary" disabled={edit.busy || !edit.changed}>{say("common.save")}</button></div>
     </form>
   );
 }
@@ -96,33 +97,33 @@ function Scores({ client, assignment, tag, onGone }: { readonly client: Client; 
   return (
     <>
       <div class="button-row">
-        <button type="button" class="button primary" onClick={() => setOpen("release")}>Release all scores…</button>
-        <button type="button" class="button" onClick={() => setOpen("delete")}>Delete the assignment…</button>
+        <button type="button" class="button primary" onClick={() => setOpen("release")}>{say("assignments.release_ask")}</button>
+        <button type="button" class="button" onClick={() => setOpen("delete")}>{say("assignments.delete_ask")}</button>
       </div>
       <div aria-live="polite">
-        {released !== undefined && <Notice tone="good"><p>{released === 0 ? "There was nothing left to release." : `${plural(released, "score")} released.`}</p></Notice>}
+        {released !== undefined && <Notice tone="good"><p>{released === 0 ? say("assignments.nothing_to_release") : say("bulk.released", { count: released })}</p></Notice>}
       </div>
-      <p class="hint">Each student sees the score, the deviation and the remarks of every scored attempt under this assignment. Practice is shown at once anyway.</p>
+      <p class="hint">{say("assignments.release_hint")}</p>
       {open === "release" && (
-        <Confirm title="Release all scores?" action="Release all" tone="neutral" onClose={close}
+        <Confirm title={say("assignments.release_title")} action={say("assignments.release_all")} tone="neutral" onClose={close}
                  onConfirm={async () => {
                    const result = await client.teaching.releaseAssignment(assignment.id);
                    if (!result.ok) return result.error.message;
                    setReleased(result.value.released);
                    return undefined;
                  }}>
-          <p>All scored attempts under this assignment become visible to their students. A release can be taken back one by one, but may have been seen by then.</p>
+          <p>{say("assignments.release_text")}</p>
         </Confirm>
       )}
       {open === "delete" && (
-        <Confirm title="Delete this assignment?" action="Delete" onClose={close}
+        <Confirm title={say("assignments.delete_title")} action={say("common.delete")} onClose={close}
                  onConfirm={async () => {
                    const result = await client.teaching.deleteAssignment(assignment.id, tag);
                    if (!result.ok) return result.error.message;
                    onGone();
                    return undefined;
                  }}>
-          <p>The exercise is not offered to the cohort any more. Attempts made under it stay, with the terms they were begun under. It cannot be brought back, only assigned again.</p>
+          <p>{say("assignments.delete_text")}</p>
         </Confirm>
       )}
     </>

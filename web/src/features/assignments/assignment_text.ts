@@ -1,7 +1,7 @@
 import type { Assignment, Counting, Grade, HandsAllowed } from "../../api/types";
-import { unreachable } from "../../base/assert";
-import { formatDateTime, formatScore, plural } from "../../base/format";
+import { formatDateTime, formatScore } from "../../base/format";
 import { relativeTime } from "../../base/local_time";
+import { say } from "../../base/words";
 
 export type Phase = "before" | "open" | "late" | "closed";
 
@@ -13,37 +13,38 @@ export function phaseOf({ opens_ms: opens, due_ms: due, late_allowed: late }: Pi
 }
 
 export function dueText({ due_ms: due }: Pick<Assignment, "due_ms">, nowMs: number): string {
-  return due === 0 ? "No due date" : `${formatDateTime(due)} (${relativeTime(due, nowMs)})`;
+  return due === 0 ? say("assignments.no_due") : `${formatDateTime(due)} (${relativeTime(due, nowMs)})`;
 }
 
 // What is wrong with when it is due, for whoever sets it; undefined: nothing.
 export function dueProblem({ opens_ms: opens, due_ms: due, late_allowed: late }: Pick<Assignment, "opens_ms" | "due_ms" | "late_allowed">, nowMs: number): string | undefined {
   if (due === 0) return undefined;
-  if (opens > 0 && due <= opens) return "Expected a time after the opening.";
+  if (opens > 0 && due <= opens) return say("assignments.after_opening");
   if (due > nowMs) return undefined;
-  return late ? "This time has passed: every attempt would be late." : "This time has passed: nobody could begin any more. Choose a later time.";
+  return late ? say("assignments.past_late") : say("assignments.past_closed");
 }
 
 export function limitText({ attempt_limit: limit }: Pick<Assignment, "attempt_limit">): string {
-  return limit === 0 ? "No limit" : plural(limit, "attempt");
+  return limit === 0 ? say("assignments.no_limit") : say("count.attempts", { count: limit });
 }
 
 export function exerciseTitle({ exercise }: Pick<Assignment, "exercise">): string {
-  return exercise.title ?? `${exercise.name} (retired)`;
+  const title = exercise.title ?? exercise.name;
+  return exercise.retired || exercise.title === null ? say("assignments.retired", { name: title }) : title;
 }
 
 // What a student still may do.
 export function leftText({ attempts_left: left }: { readonly attempts_left: number | null }): string {
-  if (left === null) return "No limit";
-  return left === 0 ? "None left" : `${plural(left, "attempt")} left`;
+  if (left === null) return say("assignments.no_limit");
+  return left === 0 ? say("assignments.none_left") : say("assignments.left", { count: left });
 }
 
 // What may hold the tool in graded work, each also what stands before it.
 export const kHands: readonly { readonly value: HandsAllowed; readonly title: string }[] = [
-  { value: "listed", title: "Haptic devices on the school's list" },
-  { value: "haptic", title: "Any haptic device" },
-  { value: "pointer", title: "Haptic devices and the mouse" },
-  { value: "any", title: "Anything, also simulated hands" },
+  { value: "listed", get title() { return say("hands.listed"); } },
+  { value: "haptic", get title() { return say("hands.haptic"); } },
+  { value: "pointer", get title() { return say("hands.pointer"); } },
+  { value: "any", get title() { return say("hands.any"); } },
 ];
 
 export function handsText({ hands }: Pick<Assignment, "hands">): string {
@@ -53,18 +54,13 @@ export function handsText({ hands }: Pick<Assignment, "hands">): string {
 export const kCountings: readonly Counting[] = ["best", "last", "mean", "median"];
 
 export function countingText(counting: Counting): string {
-  switch (counting) {
-    case "best": return "The best attempt";
-    case "last": return "The last attempt";
-    case "mean": return "The mean of all";
-    case "median": return "The median of all";
-    default: return unreachable(counting);
-  }
+  return say(`counting.${counting}`);
 }
 
 // A student's result so far; what is not released is not in it.
 export function resultText(grade: Grade, counting: Counting): string {
-  if (grade.score === null) return "None yet";
+  if (grade.regrading) return say("assignments.regrading");
+  if (grade.score === null) return say("assignments.no_result");
   const waiting = grade.attempts - grade.counted;
-  return `${formatScore(grade.score)}: ${countingText(counting).toLowerCase()}, ${plural(grade.counted, "attempt")} counted${waiting > 0 ? `, ${waiting} not released or not scored yet` : ""}`;
+  return waiting > 0 ? say(`result_waiting.${counting}`, { score: formatScore(grade.score), count: grade.counted, waiting }) : say(`result_of.${counting}`, { score: formatScore(grade.score), count: grade.counted });
 }

@@ -2,7 +2,8 @@ import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { Assignment } from "../../api/types";
 import { useRequest } from "../../api/use_request";
-import { Badge, Card, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
+import { say } from "../../base/words";
+import { Badge, Brief, Card, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
 import { SelectField } from "../../widgets/form";
 import { DataTable } from "../../widgets/table";
 import { AssignmentEditor } from "./assignment_editor";
@@ -27,25 +28,25 @@ export function AssignmentsPage({ client, query, onQuery, onOpen }: Props) {
   return (
     <>
       <div class="toolbar">
-        <PageTitle document="Assignments">Assignments</PageTitle>
-        <button type="button" class="button primary" onClick={() => setAdding(true)}>Assign an exercise…</button>
+        <PageTitle document={say("nav.assignments")}>{say("nav.assignments")}</PageTitle>
+        <button type="button" class="button primary" onClick={() => setAdding(true)}>{say("assignments.assign_ask")}</button>
       </div>
       <div class="filters">
-        <SelectField label="Cohort" value={cohort} onValue={(id) => onQuery({ cohort: id })}
-                     options={[{ value: "", title: "All" }, ...names.map((item) => ({ value: item.id, title: item.name }))]} />
+        <SelectField label={say("common.cohort")} value={cohort} onValue={(id) => onQuery({ cohort: id })}
+                     options={[{ value: "", title: say("common.all") }, ...names.map((item) => ({ value: item.id, title: item.name }))]} />
       </div>
-      {loaded.state === "loading" && <Loading what="assignments" />}
-      {loaded.state === "failed" && <ErrorNotice title="The assignments could not be loaded" message={loaded.error.message} onRetry={reload} />}
-      {loaded.state === "ready" && (loaded.value.length === 0 ? <Empty>Nothing is assigned yet.</Empty>
+      {loaded.state === "loading" && <Loading what={say("loading.assignments")} />}
+      {loaded.state === "failed" && <ErrorNotice title={say("assignments.list_failed")} message={loaded.error.message} onRetry={reload} />}
+      {loaded.state === "ready" && (loaded.value.length === 0 ? <Empty>{say("assignments.none")}</Empty>
         : (
           <Card className="flush">
-            <DataTable label="Assignments" items={loaded.value} rowKey={(item) => item.id} columns={[
-              { title: "Exercise", cell: (item: Assignment) => <a href={`/assignments/${item.id}`}>{exerciseTitle(item)}</a> },
-              { title: "Cohort", cell: (item: Assignment) => item.cohort?.name ?? "Everybody" },
-              { title: "State", cell: (item: Assignment) => <span class="flags">{item.exam && <Badge tone="warning">Exam</Badge>}<PhaseBadge assignment={item} now={now} /></span> },
-              { title: "Due", cell: (item: Assignment) => dueText(item, now) },
-              { title: "Attempts allowed", cell: limitText },
-              { title: "Grading", cell: (item: Assignment) => <a href={`/grading?assignment=${item.id}`}>Grade<span class="hidden"> {exerciseTitle(item)}</span></a> },
+            <DataTable label={say("nav.assignments")} items={loaded.value} rowKey={(item) => item.id} columns={[
+              { title: say("common.exercise"), cell: (item: Assignment) => <a href={`/assignments/${item.id}`}>{exerciseTitle(item)}</a> },
+              { title: say("common.cohort"), cell: (item: Assignment) => item.cohort?.name ?? say("common.everybody") },
+              { title: say("common.state"), cell: (item: Assignment) => <span class="flags">{item.exam && <Badge tone="warning">{say("attempt_flag.exam")}</Badge>}<PhaseBadge assignment={item} now={now} /></span> },
+              { title: say("assignments.due"), cell: (item: Assignment) => dueText(item, now) },
+              { title: say("assignments.allowed"), cell: limitText },
+              { title: say("grading.title"), cell: (item: Assignment) => <a href={`/grading?assignment=${item.id}`}><Brief shown={say("grading.grade")} full={say("grading.grade_what", { title: exerciseTitle(item) })} /></a> },
             ]} />
           </Card>
         ))}

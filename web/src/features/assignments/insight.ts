@@ -1,6 +1,7 @@
 import type { AssignmentInsight } from "../../api/types";
 import type { Cell } from "../../base/csv";
-import { formatDuration, formatQuantity, formatScore, plural } from "../../base/format";
+import { formatDuration, formatQuantity, formatScore } from "../../base/format";
+import { say } from "../../base/words";
 
 // What is said of a class, and its table to take along. The figures are the server's (schema AssignmentInsight).
 
@@ -9,17 +10,17 @@ type Outlier = AssignmentInsight["outliers"][number];
 // Where most went wrong, in a sentence.
 export function commonestText({ commonest, criteria, summary }: AssignmentInsight): string {
   const found = criteria.find(({ name }) => name === commonest);
-  if (found !== undefined) return `Most went wrong on ${found.title}: ${found.half_lost} of ${plural(found.judged, "student")} lost half of its points or more.`;
-  return summary.scored === 0 ? "Nothing is scored yet." : "On no criterion did anybody lose half of the points.";
+  if (found !== undefined) return say("insight.commonest", { title: found.title, lost: found.half_lost, count: found.judged });
+  return summary.scored === 0 ? say("insight.nothing_scored") : say("insight.none_lost");
 }
 
 // What a student has that the class has not.
 export function outlierText({ what, value, median }: Outlier, criteria: AssignmentInsight["criteria"]): string {
-  if (what === "score") return `Score ${formatScore(value)}, the class ${formatScore(median)}`;
-  if (what === "time_s") return `Time ${formatDuration(value)}, the class ${formatDuration(median)}`;
+  if (what === "score") return say("insight.outlier_score", { value: formatScore(value), median: formatScore(median) });
+  if (what === "time_s") return say("insight.outlier_time", { value: formatDuration(value), median: formatDuration(median) });
   const found = criteria.find(({ name }) => name === what);
   const unit = found?.unit ?? "";
-  return `${found?.title ?? what} ${formatQuantity(value, unit)}, the class ${formatQuantity(median, unit)}`;
+  return say("insight.outlier", { title: found?.title ?? what, value: formatQuantity(value, unit), median: formatQuantity(median, unit) });
 }
 
 // A row for each student; points by criterion, empty where there were none to be had.

@@ -2,7 +2,7 @@ import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { Assignment } from "../../api/types";
 import { useRequest } from "../../api/use_request";
-import { plural } from "../../base/format";
+import { say, sayWith } from "../../base/words";
 import { Card, ErrorNotice, Loading } from "../../widgets/basics";
 import { Confirm } from "../../widgets/dialog";
 
@@ -20,11 +20,11 @@ export function MoveCard({ client, assignment, tag, onMoved }: Props) {
   if (exercise.newest_id === null || exercise.newest_version === null || exercise.newest_id === exercise.id) return null;
   const { newest_id: newest, newest_version: version } = exercise;
   return (
-    <Card title="A newer version">
-      <p>This assignment is of version {exercise.version} of the exercise; <a href={`/exercises/${newest}`}>version {version}</a> is published.</p>
-      <div class="button-row"><button type="button" class="button" onClick={() => setOpen(true)}>Move to version {version}…</button></div>
+    <Card title={say("move.title")}>
+      <p>{sayWith("move.text", { version: String(exercise.version), newer: <a href={`/exercises/${newest}`}>{say("move.version", { version: String(version) })}</a> })}</p>
+      <div class="button-row"><button type="button" class="button" onClick={() => setOpen(true)}>{say("move.ask", { version: String(version) })}</button></div>
       {open && (
-        <Confirm title={`Move to version ${version}?`} action="Move" tone="neutral" onClose={() => setOpen(false)}
+        <Confirm title={say("move.confirm", { version: String(version) })} action={say("move.move")} tone="neutral" onClose={() => setOpen(false)}
                  onConfirm={async () => {
                    const result = await client.teaching.moveAssignment(assignment.id, newest, tag);
                    if (!result.ok) return result.error.message;
@@ -40,13 +40,10 @@ export function MoveCard({ client, assignment, tag, onMoved }: Props) {
 
 function WhatMoves({ client, assignment, newest }: { readonly client: Client; readonly assignment: Assignment; readonly newest: string }) {
   const { loaded } = useRequest(`${assignment.id} ${newest}`, (signal) => client.teaching.lookAtMove(assignment.id, newest, signal));
-  if (loaded.state === "loading") return <Loading what="what would move" />;
-  if (loaded.state === "failed") return <ErrorNotice title="It cannot be moved" message={loaded.error.message} />;
+  if (loaded.state === "loading") return <Loading what={say("loading.move")} />;
+  if (loaded.state === "failed") return <ErrorNotice title={say("move.failed")} message={loaded.error.message} />;
   const { attempts, tickets, to_version: to } = loaded.value;
   return (
-    <p>
-      What begins from now on is of version {to}. {attempts === 0 ? "Nothing was begun with another version." : `${plural(attempts, "attempt")} made with another version ${attempts === 1 ? "keeps" : "keep"} it`}
-      {attempts > 0 && (tickets > 0 ? `; ${plural(tickets, "of them is a ticket", "of them are tickets")} that nobody has used yet.` : ".")}
-    </p>
+    <p>{attempts === 0 ? say("move.none", { version: String(to) }) : tickets === 0 ? say("move.some", { version: String(to), count: attempts }) : say("move.some_tickets", { version: String(to), count: attempts, tickets })}</p>
   );
 }

@@ -2,8 +2,9 @@ import type { Client } from "../../api/client";
 import type { Assignment } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { unreachable } from "../../base/assert";
-import { formatDateTime, plural } from "../../base/format";
-import { Badge, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
+import { formatDateTime } from "../../base/format";
+import { say } from "../../base/words";
+import { Badge, Brief, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
 import { dueText, exerciseTitle, leftText, phaseOf, resultText } from "./assignment_text";
 
 // What a student has to do, what is due first on top.
@@ -12,11 +13,11 @@ export function MyWorkPage({ client }: { readonly client: Client }) {
   const now = Date.now();
   return (
     <>
-      <PageTitle document="My work">My work</PageTitle>
-      {loaded.state === "loading" && <Loading what="your assignments" />}
-      {loaded.state === "failed" && <ErrorNotice title="Your assignments could not be loaded" message={loaded.error.message} onRetry={reload} />}
+      <PageTitle document={say("nav.my_work")}>{say("nav.my_work")}</PageTitle>
+      {loaded.state === "loading" && <Loading what={say("loading.my_work")} />}
+      {loaded.state === "failed" && <ErrorNotice title={say("my_work.failed")} message={loaded.error.message} onRetry={reload} />}
       {loaded.state === "ready" && (loaded.value.length === 0
-        ? <Empty>Nothing is assigned to you yet. Your instructor does that.</Empty>
+        ? <Empty>{say("my_work.none")}</Empty>
         : <ul class="card-list">{loaded.value.map((assignment) => <li key={assignment.id}><AssignmentCard assignment={assignment} now={now} /></li>)}</ul>)}
     </>
   );
@@ -29,29 +30,33 @@ function AssignmentCard({ assignment, now }: { readonly assignment: Assignment; 
     <article class="card exercise">
       <div class="card-head">
         <h2>{exercise.id === null ? exerciseTitle(assignment) : <a href={`/exercises/${exercise.id}`}>{exerciseTitle(assignment)}</a>}</h2>
-        <span class="flags">{assignment.exam && <Badge tone="warning">Exam</Badge>}<PhaseBadge assignment={assignment} now={now} /></span>
+        <span class="flags">{assignment.exam && <Badge tone="warning">{say("attempt_flag.exam")}</Badge>}<PhaseBadge assignment={assignment} now={now} /></span>
       </div>
       <dl class="facts">
-        {now < assignment.opens_ms && <div><dt>Opens</dt><dd>{formatDateTime(assignment.opens_ms)}</dd></div>}
-        <div><dt>Due</dt><dd>{dueText(assignment, now)}</dd></div>
-        <div><dt>Attempts</dt><dd>{leftText({ attempts_left: mine?.attempts_left ?? null })}{used > 0 && `, ${plural(used, "attempt")} made`}</dd></div>
-        {mine !== null && used > 0 && <div><dt>Result</dt><dd>{resultText(mine.grade, assignment.counting)}</dd></div>}
-        {assignment.stations.length > 0 && <div><dt>Where</dt><dd>{assignment.stations.map((station) => station.name).join(", ")}</dd></div>}
+        {now < assignment.opens_ms && <div><dt>{say("assignments.opens")}</dt><dd>{formatDateTime(assignment.opens_ms)}</dd></div>}
+        <div><dt>{say("assignments.due")}</dt><dd>{dueText(assignment, now)}</dd></div>
+        <div><dt>{say("nav.attempts")}</dt><dd>{madeText(leftText({ attempts_left: mine?.attempts_left ?? null }), used)}</dd></div>
+        {mine !== null && used > 0 && <div><dt>{say("my_work.result")}</dt><dd>{resultText(mine.grade, assignment.counting)}</dd></div>}
+        {assignment.stations.length > 0 && <div><dt>{say("my_work.where")}</dt><dd>{assignment.stations.map((station) => station.name).join(", ")}</dd></div>}
       </dl>
-      {assignment.exam && <p class="hint">In an exam the score is shown after your instructor releases it.</p>}
+      {assignment.exam && <p class="hint">{say("my_work.exam")}</p>}
       {mine !== null && mine.refusal !== "" && <p class="hint">{mine.refusal}</p>}
-      {used > 0 && exercise.id !== null && <p><a href={`/attempts?exercise=${exercise.id}`}>My attempts<span class="hidden"> at {exerciseTitle(assignment)}</span></a></p>}
+      {used > 0 && exercise.id !== null && <p><a href={`/attempts?exercise=${exercise.id}`}><Brief shown={say("nav.my_attempts")} full={say("my_work.attempts_at", { title: exerciseTitle(assignment) })} /></a></p>}
     </article>
   );
+}
+
+function madeText(left: string, made: number): string {
+  return made === 0 ? left : say("my_work.left_and_made", { left, count: made });
 }
 
 export function PhaseBadge({ assignment, now }: { readonly assignment: Assignment; readonly now: number }) {
   const phase = phaseOf(assignment, now);
   switch (phase) {
-    case "before": return <Badge tone="neutral">Not open yet</Badge>;
-    case "open": return <Badge tone="good">Open</Badge>;
-    case "late": return <Badge tone="warning">Late, still accepted</Badge>;
-    case "closed": return <Badge tone="neutral">Closed</Badge>;
+    case "before": return <Badge tone="neutral">{say("phase.before")}</Badge>;
+    case "open": return <Badge tone="good">{say("phase.open")}</Badge>;
+    case "late": return <Badge tone="warning">{say("phase.late")}</Badge>;
+    case "closed": return <Badge tone="neutral">{say("phase.closed")}</Badge>;
     default: return unreachable(phase);
   }
 }

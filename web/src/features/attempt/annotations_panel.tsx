@@ -3,7 +3,8 @@ import type { Client } from "../../api/client";
 import type { Annotation, Series } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { formatDateTime, formatMoment, formatNumber } from "../../base/format";
-import { Card, Empty, ErrorNotice } from "../../widgets/basics";
+import { say } from "../../base/words";
+import { Brief, Card, Empty, ErrorNotice } from "../../widgets/basics";
 import { Confirm } from "../../widgets/dialog";
 import { LongTextField } from "../../widgets/form";
 import type { PointMm } from "../../widgets/tooth/scene";
@@ -31,9 +32,9 @@ interface Props {
 export function AnnotationsPanel(props: Props) {
   const { marks, teacher } = props;
   return (
-    <Card title="Remarks" className="annotations-card">
+    <Card title={say("remarks.title")} className="annotations-card">
       {marks.length === 0
-        ? <Empty>{teacher ? "No remark yet. Move the time to the moment you mean, click the picture where you mean, and write." : "Your instructor has made no remark."}</Empty>
+        ? <Empty>{teacher ? say("remarks.none_staff") : say("remarks.none")}</Empty>
         : <ol class="annotations">{marks.map((mark) => <li key={mark.annotation.id}><RemarkItem {...props} mark={mark} /></li>)}</ol>}
       {teacher && <NewRemark {...props} />}
     </Card>
@@ -49,34 +50,38 @@ function RemarkItem({ client, series, mark, chosen, onChoose, onChanged }: Props
       <div class="annotation-body">
         <p class="hint">
           <button type="button" class="button small quiet" onClick={() => onChoose(mark)}>
-            <span class="hidden">Remark {number}: show </span>{formatMoment(secondsOfTick(series, annotation.tick))}
+            <span class="hidden">{say("remarks.show", { number: String(number) })} </span>{formatMoment(secondsOfTick(series, annotation.tick))}
           </button>
-          {annotation.point_um !== null && " at a point · "}{annotation.author.display_name === "" ? "Somebody whose account was erased" : annotation.author.display_name}, {formatDateTime(annotation.created_ms)}
-          {annotation.edited_ms > 0 && ", edited"}
+          {" "}{annotation.point_um !== null && <>{say("remarks.at_a_point")} </>}{byline(annotation)}
         </p>
         {mode === "edit"
           ? <EditRemark client={client} annotation={annotation} onDone={() => { setMode("read"); onChanged(); }} onCancel={() => setMode("read")} />
           : <p>{annotation.text}</p>}
         {annotation.mine && mode === "read" && (
           <div class="button-row">
-            <button type="button" class="button small" onClick={() => setMode("edit")}>Edit<span class="hidden"> remark {number}</span></button>
-            <button type="button" class="button small" onClick={() => setMode("delete")}>Delete…<span class="hidden"> remark {number}</span></button>
+            <button type="button" class="button small" onClick={() => setMode("edit")}><Brief shown={say("remarks.edit")} full={say("remarks.edit_which", { number: String(number) })} /></button>
+            <button type="button" class="button small" onClick={() => setMode("delete")}><Brief shown={say("remarks.delete_ask")} full={say("remarks.delete_which", { number: String(number) })} /></button>
           </div>
         )}
       </div>
       {mode === "delete" && (
-        <Confirm title={`Delete remark ${number}?`} action="Delete remark" onClose={() => setMode("read")}
+        <Confirm title={say("remarks.delete_title", { number: String(number) })} action={say("remarks.delete")} onClose={() => setMode("read")}
                  onConfirm={async () => {
                    const result = await client.teaching.deleteAnnotation(annotation);
                    if (!result.ok) return result.error.message;
                    onChanged();
                    return undefined;
                  }}>
-          <p class="quote">{annotation.text}</p><p>The student will not see it any more. It cannot be brought back; the audit keeps that it was there.</p>
+          <p class="quote">{annotation.text}</p><p>{say("remarks.delete_text")}</p>
         </Confirm>
       )}
     </div>
   );
+}
+
+function byline({ author, created_ms: createdMs, edited_ms: editedMs }: Annotation): string {
+  const told = { author: author.display_name === "" ? say("remarks.erased") : author.display_name, when: formatDateTime(createdMs) };
+  return editedMs > 0 ? say("remarks.by_edited", told) : say("remarks.by", told);
 }
 
 function EditRemark({ client, annotation, onDone, onCancel }:
@@ -90,11 +95,11 @@ function EditRemark({ client, annotation, onDone, onCancel }:
   };
   return (
     <form class="form" onSubmit={(event) => void save(event)}>
-      <LongTextField label="Remark" value={text} onValue={setText} required maxLength={kMaxText} rows={3} />
-      {change.error !== undefined && <ErrorNotice title={change.error.status === 412 ? "Somebody changed it meanwhile" : "Not saved"} message={change.error.message} />}
+      <LongTextField label={say("remarks.one")} value={text} onValue={setText} required maxLength={kMaxText} rows={3} />
+      {change.error !== undefined && <ErrorNotice title={change.error.status === 412 ? say("conflict.title") : say("common.not_saved")} message={change.error.message} />}
       <div class="button-row">
-        <button type="submit" class="button primary small" disabled={change.busy || text.trim() === ""}>Save</button>
-        <button type="button" class="button small" onClick={onCancel}>Cancel</button>
+        <button type="submit" class="button primary small" disabled={change.busy || text.trim() === ""}>{say("common.save")}</button>
+        <button type="button" class="button small" onClick={onCancel}>{say("common.cancel")}</button>
       </div>
     </form>
   );
@@ -116,25 +121,25 @@ function NewRemark({ client, attemptId, personId, series, cursor, point, onPoint
   const anchor = series.anchor_mm[cursor];
   return (
     <form class="form new-remark" onSubmit={(event) => void save(event)}>
-      <LongTextField label={`New remark at ${formatMoment(series.t_s[cursor] ?? 0)}`} value={text} onValue={setText} required maxLength={kMaxText} rows={3}
-                     hint={point === undefined ? "Click the picture to tie it to a point there, or take the tool's place at this moment."
-                                               : `At the point ${point.map((mm) => formatNumber(mm, 1)).join(" / ")} mm (mesial / buccal / occlusal).`} />
-      {change.error !== undefined && <ErrorNotice title="Not saved" message={change.error.message} />}
+      <LongTextField label={say("remarks.new", { moment: formatMoment(series.t_s[cursor] ?? 0) })} value={text} onValue={setText} required maxLength={kMaxText} rows={3}
+                     hint={point === undefined ? say("remarks.click")
+                                               : say("remarks.at_point", { point: point.map((mm) => formatNumber(mm, 1)).join(" / ") })} />
+      {change.error !== undefined && <ErrorNotice title={say("common.not_saved")} message={change.error.message} />}
       <div class="button-row">
-        <button type="submit" class="button primary" disabled={change.busy || text.trim() === ""}>Add remark</button>
+        <button type="submit" class="button primary" disabled={change.busy || text.trim() === ""}>{say("remarks.add")}</button>
         {point === undefined
-          ? anchor !== undefined && <button type="button" class="button" onClick={() => onPoint([anchor[0] ?? 0, anchor[1] ?? 0, anchor[2] ?? 0])}>Point at the tool</button>
-          : <button type="button" class="button" onClick={() => onPoint(undefined)}>Without a point</button>}
-        {text.trim() !== "" && !kept.includes(text.trim()) && <button type="button" class="button" onClick={() => setKept(keepComment(personId, text))}>Keep this comment</button>}
+          ? anchor !== undefined && <button type="button" class="button" onClick={() => onPoint([anchor[0] ?? 0, anchor[1] ?? 0, anchor[2] ?? 0])}>{say("remarks.at_tool")}</button>
+          : <button type="button" class="button" onClick={() => onPoint(undefined)}>{say("remarks.no_point")}</button>}
+        {text.trim() !== "" && !kept.includes(text.trim()) && <button type="button" class="button" onClick={() => setKept(keepComment(personId, text))}>{say("remarks.keep")}</button>}
       </div>
       {kept.length > 0 && (
         <details>
-          <summary>Kept comments ({kept.length})</summary>
+          <summary>{say("remarks.kept", { count: kept.length })}</summary>
           <ul class="comment-bank">
             {kept.map((comment) => (
               <li key={comment}>
                 <button type="button" class="button small quiet" onClick={() => setText((now) => now.trim() === "" ? comment : `${now.trimEnd()} ${comment}`)}>{comment}</button>
-                <button type="button" class="button small quiet" aria-label={`Forget “${comment}”`} onClick={() => setKept(dropComment(personId, comment))}>✕</button>
+                <button type="button" class="button small quiet" aria-label={say("remarks.forget", { comment })} onClick={() => setKept(dropComment(personId, comment))}>✕</button>
               </li>
             ))}
           </ul>

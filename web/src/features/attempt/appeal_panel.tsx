@@ -4,6 +4,7 @@ import type { Appeal, AttemptDetail } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { unreachable } from "../../base/assert";
 import { formatDateTime } from "../../base/format";
+import { say } from "../../base/words";
 import { Badge, Card, ErrorNotice } from "../../widgets/basics";
 import { LongTextField } from "../../widgets/form";
 
@@ -20,26 +21,26 @@ export function AppealPanel({ client, attempt, onChanged }: Props) {
   const { appeal } = attempt;
   if (appeal === null) return !attempt.may.includes("appeal") ? null : <FileAppeal client={client} attempt={attempt} onChanged={onChanged} />;
   return (
-    <Card title="Appeal" aside={<AppealBadge state={appeal.state} />} className="appeal-card">
+    <Card title={say("appeal.title")} aside={<AppealBadge state={appeal.state} />} className="appeal-card">
       <p class="hint">{attempt.person.display_name}, {formatDateTime(appeal.filed_ms)}</p>
       <blockquote class="quote">{appeal.text}</blockquote>
       {appeal.state !== "open" && (
         <>
-          <p class="hint">Answered {formatDateTime(appeal.answered_ms)}</p>
+          <p class="hint">{say("appeal.answered", { when: formatDateTime(appeal.answered_ms) })}</p>
           <blockquote class="quote">{appeal.answer}</blockquote>
         </>
       )}
       {appeal.state === "open" && (attempt.may.includes("answer_appeal") ? <AnswerAppeal client={client} attempt={attempt} onChanged={onChanged} />
-        : <p>An instructor of the cohort will answer here.</p>)}
+        : <p>{say("appeal.will_answer")}</p>)}
     </Card>
   );
 }
 
 export function AppealBadge({ state }: { readonly state: Appeal["state"] }) {
   switch (state) {
-    case "open": return <Badge tone="warning">Not answered yet</Badge>;
-    case "regraded": return <Badge tone="good">Graded again</Badge>;
-    case "rejected": return <Badge tone="neutral">Rejected</Badge>;
+    case "open": return <Badge tone="warning">{say("appeal.open")}</Badge>;
+    case "regraded": return <Badge tone="good">{say("appeal.regraded")}</Badge>;
+    case "rejected": return <Badge tone="neutral">{say("appeal.rejected")}</Badge>;
     default: return unreachable(state);
   }
 }
@@ -54,16 +55,16 @@ function FileAppeal({ client, attempt, onChanged }: Props) {
     if (result?.ok === true) onChanged();
   };
   return (
-    <Card title="Something wrong with this score?" className="appeal-card no-print">
-      {!open && <button type="button" class="button" onClick={() => setOpen(true)}>Appeal against the score…</button>}
+    <Card title={say("appeal.wrong")} className="appeal-card no-print">
+      {!open && <button type="button" class="button" onClick={() => setOpen(true)}>{say("appeal.ask")}</button>}
       {open && (
         <form class="form" onSubmit={(event) => void submit(event)}>
-          <LongTextField label="What should be looked at again, and why" value={text} onValue={setText} required maxLength={kMaxText}
-                         hint="You can appeal once per attempt. Your instructor may have it graded again, which can raise or lower the score." />
-          {change.error !== undefined && <ErrorNotice title="Not sent" message={change.error.message} />}
+          <LongTextField label={say("appeal.what")} value={text} onValue={setText} required maxLength={kMaxText}
+                         hint={say("appeal.once")} />
+          {change.error !== undefined && <ErrorNotice title={say("common.not_sent")} message={change.error.message} />}
           <div class="button-row">
-            <button type="submit" class="button primary" disabled={change.busy || text.trim() === ""}>Send the appeal</button>
-            <button type="button" class="button" onClick={() => setOpen(false)}>Cancel</button>
+            <button type="submit" class="button primary" disabled={change.busy || text.trim() === ""}>{say("appeal.send")}</button>
+            <button type="button" class="button" onClick={() => setOpen(false)}>{say("common.cancel")}</button>
           </div>
         </form>
       )}
@@ -80,13 +81,13 @@ function AnswerAppeal({ client, attempt, onChanged }: Props) {
   };
   return (
     <form class="form" onSubmit={(event) => event.preventDefault()}>
-      <LongTextField label="Your answer" hint="The student reads it." value={text} onValue={setText} required maxLength={kMaxText} />
-      {change.error !== undefined && <ErrorNotice title="Not answered" message={change.error.message} />}
+      <LongTextField label={say("appeal.your_answer")} hint={say("appeal.student_reads")} value={text} onValue={setText} required maxLength={kMaxText} />
+      {change.error !== undefined && <ErrorNotice title={say("appeal.not_answered")} message={change.error.message} />}
       <div class="button-row">
-        <button type="button" class="button primary" disabled={change.busy || text.trim() === ""} onClick={() => void answer("regrade")}>Answer and grade again</button>
-        <button type="button" class="button" disabled={change.busy || text.trim() === ""} onClick={() => void answer("reject")}>Reject the appeal</button>
+        <button type="button" class="button primary" disabled={change.busy || text.trim() === ""} onClick={() => void answer("regrade")}>{say("appeal.answer_regrade")}</button>
+        <button type="button" class="button" disabled={change.busy || text.trim() === ""} onClick={() => void answer("reject")}>{say("appeal.reject")}</button>
       </div>
-      <p class="hint">Grading again replays the recording against the newest reference; both results stay visible. If the score changes, the student sees it once you release it again. To set a score yourself, use “Set another score” above.</p>
+      <p class="hint">{say("appeal.regrade_hint")}</p>
     </form>
   );
 }

@@ -4,12 +4,14 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { ApiError } from "../../api/http";
 import type { Annotation, AttemptDetail, Deduction, Person } from "../../api/types";
+import { scoreOf } from "../../api/worded";
 import { useRequest } from "../../api/use_request";
 import { useRefresh } from "../../api/use_refresh";
 import { unreachable } from "../../base/assert";
 import { momentOf, momentQuery } from "../../base/moment_link";
 import { placeInQueue } from "../../base/queue";
-import { formatDateTime, formatMoment, formatQuantity, plural } from "../../base/format";
+import { formatDateTime, formatMoment, formatQuantity } from "../../base/format";
+import { say, sayWith } from "../../base/words";
 import { Flags, isUnderWay, StateBadge, stoppedEarly } from "../../widgets/attempt_state";
 import { Card, ErrorNotice, Loading, Notice, PageTitle, Progress } from "../../widgets/basics";
 import { KeysHelp, useKeys } from "../../widgets/keys";
@@ -17,11 +19,12 @@ import type { PointMm } from "../../widgets/tooth/scene";
 import type { LookHandle } from "../../widgets/tooth/tooth_view";
 import { AnnotationsPanel } from "./annotations_panel";
 import { AppealPanel } from "./appeal_panel";
-import { seriesEndS, stepAt } from "./clock";
+import { gapsOf, seriesEndS, stepAt } from "./clock";
 import { MetricsPanel, RecordingPanel, RunsPanel } from "./detail_panels";
-import { ForcePanel } from "./force_panel";
+import { ForcePanel, type PlotKeys } from "./force_panel";
 import { EnvelopePanel } from "./envelope_panel";
 import { type Mark, marksOf, stepOfTick } from "./moments";
+import { nextMark, spansOf } from "./spans";
 import { ScorePanel } from "./score_panel";
 import { toleranceMm } from "./tolerance";
 import { QueueBar } from "./queue_bar";
@@ -58,22 +61,30 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
   const to = (other: string | undefined) => { if (other !== undefined) onOpen(`/attempts/${other}`); };
   const release = useRef<() => void>(undefined);    // and on to the next one, where that may be done now
   const control = useRef<PlaybackControl>(undefined);
-  const keys = useKeys([...playbackKeys(() => control.current), ...(!teacher ? [] : [
+  const plots = useMemo((): PlotKeys => ({}), []);
+  const toMark = useRef<(direction: -1 | 1) => void>(undefined);
+  const keys = useKeys([...playbackKeys(() => control.current),
+    { key: "i", what: say("attempt_key.less"), act: () => plots.zoom?.(1) }, { key: "o", what: say("attempt_key.more"), act: () => plots.zoom?.(-1) },
+    { key: "u", what: say("attempt_key.whole"), act: () => plots.zoom?.(0) },
+    { key: "v", what: say("attempt_key.lines"), act: () => plots.more?.() },
+    { key: "x", what: say("attempt_key.next_mark"), act: () => toMark.current?.(1) },
+    { key: "z", what: say("attempt_key.mark_before"), act: () => toMark.current?.(-1) },
+    ...(!teacher ? [] : [
     ...(place === undefined ? [] : [
-      { key: "n", what: "Next attempt", act: () => to(place.next) }, { key: "p", what: "Attempt before", act: () => to(place.previous) },
-      { key: "b", what: "Back to the list", act: () => onOpen(place.back) }, { key: "r", what: "Release, and on to the next", act: () => release.current?.() },
+      { key: "n", what: say("attempt_key.next"), act: () => to(place.next) }, { key: "p", what: say("attempt_key.before"), act: () => to(place.previous) },
+      { key: "b", what: say("queue.back"), act: () => onOpen(place.back) }, { key: "r", what: say("attempt_key.release"), act: () => release.current?.() },
     ]),
-    { key: "c", what: "Write a remark", act: () => document.querySelector<HTMLElement>(".annotations-card .new-remark textarea")?.focus() },
-    { key: "t", what: "Go to the time", act: () => document.querySelector<HTMLElement>("#timeline")?.focus() },
+    { key: "c", what: say("attempt_key.remark"), act: () => document.querySelector<HTMLElement>(".annotations-card .new-remark textarea")?.focus() },
+    { key: "t", what: say("attempt_key.time"), act: () => document.querySelector<HTMLElement>("#timeline")?.focus() },
   ])]);
 
   if (loaded.state === "failed") return <AttemptError error={loaded.error} onRetry={reload} />;
-  if (attempt === undefined) return <Loading what="the attempt" />;
+  if (attempt === undefined) return <Loading what={say("loading.attempt")} />;
   return (
     <>
       <div class="trail-row">
         {place !== undefined ? <QueueBar client={client} place={place} />
-          : <nav class="trail" aria-label="Where you are"><a href="/attempts">{teacher ? "Attempts" : "My attempts"}</a></nav>}
+          : <nav class="trail" aria-label={say("common.where")}><a href="/attempts">{teacher ? say("nav.attempts") : say("nav.my_attempts")}</a></nav>}
         <KeysHelp keys={keys} />
       </div>
       <div class="attempt-head">
@@ -85,19 +96,19 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
         </div>
         {teacher ? <TeacherActions client={client} attempt={attempt} graded={graded} onChanged={reload} releaseNext={release}
                                    onNext={place === undefined ? undefined : () => place.next === undefined ? onOpen(place.back) : to(place.next)} />
-                 : attempt.state === "scored" && <button type="button" class="button print-button" onClick={() => window.print()}>Print</button>}
+                 : attempt.state === "scored" && <button type="button" class="button print-button" onClick={() => window.print()}>{say("attempt.print")}</button>}
       </div>
-      {isWithheld(attempt, teacher) ? <WithheldAttempt attempt={attempt} /> : attempt.state === "scored" ? <ScoredAttempt client={client} personId={person.id} attempt={attempt} tolerance={tolerance} teacher={teacher} playback={control} onChanged={reload} onDone={setDone} /> : <UnscoredAttempt attempt={attempt} />}
+      {isWithheld(attempt, teacher) ? <WithheldAttempt attempt={attempt} /> : attempt.state === "scored" ? <ScoredAttempt client={client} personId={person.id} attempt={attempt} tolerance={tolerance} teacher={teacher} playback={control} toMark={toMark} plots={plots} onChanged={reload} onDone={setDone} /> : <UnscoredAttempt attempt={attempt} />}
     </>
   );
 }
 
-function ScoredAttempt({ client, attempt, tolerance, teacher, playback, onChanged, onDone, personId }:
-                       { readonly playback: { current: PlaybackControl | undefined }; readonly personId: string; readonly onDone: (percent: number | undefined) => void; readonly client: Client; readonly attempt: AttemptDetail; readonly tolerance: number; readonly teacher: boolean; readonly onChanged: () => void }) {
+function ScoredAttempt({ client, attempt, tolerance, teacher, playback, toMark, plots, onChanged, onDone, personId }:
+                       { readonly plots: PlotKeys; readonly playback: { current: PlaybackControl | undefined }; readonly toMark: { current: ((direction: -1 | 1) => void) | undefined }; readonly personId: string; readonly onDone: (percent: number | undefined) => void; readonly client: Client; readonly attempt: AttemptDetail; readonly tolerance: number; readonly teacher: boolean; readonly onChanged: () => void }) {
   const { id } = attempt;
   // Release changes what a student gets, not what a teacher gets; a new score changes it for both.
   const key = `${id} ${teacher || attempt.released} ${attempt.computed_score} ${attempt.reference?.attempt_id}`;
-  const score = useRequest(key, (signal) => client.score(id, signal));
+  const score = useRequest(key, (signal) => scoreOf(client, id, signal));
   const removed = attempt.recording_removed_ms > 0;
   const series = useRequest(removed ? undefined : key, (signal) => client.series(id, signal));
   const remarks = useRequest(key, (signal) => client.teaching.annotations(id, signal));
@@ -121,9 +132,21 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, playback, onChange
   const said = remarks.loaded.state === "ready" ? remarks.loaded.value : kNoRemarks;
   const marks = useMemo(() => recorded === undefined ? [] : marksOf(recorded, said), [recorded, said]);
   const scored = score.loaded.state === "ready" ? score.loaded.value : undefined;
+  const head = control?.playback.head;
+  const whole = control?.playback.whole === true;
+  const spans = useMemo(() => {
+    if (recorded === undefined) return [];
+    const { clock, playback: played } = control ?? {};
+    const gaps = !whole || head === undefined || clock === undefined || played === undefined ? [] : gapsOf(head, played.poses).map((gap) => ({ ...gap, endS: clock.timeOf(gap.frames) }));
+    return spansOf(recorded, gaps, scored?.deductions ?? []);
+  }, [recorded, scored, head, whole, control?.clock]);
+  toMark.current = (direction) => {
+    const at = nextMark(spans, timeS ?? endS ?? 0, direction);
+    if (at !== undefined) setTimeS(at);
+  };
   const done = scored === undefined ? undefined : stoppedEarly(scored);
   useEffect(() => onDone(done), [done, onDone]);
-  const reference = attempt.reference === null ? undefined : attempt.reference.dentist ?? "an earlier reference";
+  const reference = attempt.reference === null ? undefined : attempt.reference.dentist ?? say("attempt.earlier_reference");
   const annotates = attempt.may.includes("annotate");
   // A link may name the moment; it is opened as soon as the recording is there.
   useEffect(() => {
@@ -153,9 +176,9 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, playback, onChange
     <>
       <div class="attempt-grid">
         <div class="stack">
-          {score.loaded.state === "loading" && <Card title="Score"><Loading what="the score" /></Card>}
+          {score.loaded.state === "loading" && <Card title={say("score.title")}><Loading what={say("loading.score")} /></Card>}
           {score.loaded.state === "failed" && <ScoreError error={score.loaded.error} onRetry={score.reload} />}
-          {scored !== undefined && attempt.problem !== "" && <Notice tone="warning" title="Scoring it again did not work; this is the score from before"><p>{attempt.problem}</p></Notice>}
+          {scored !== undefined && attempt.problem !== "" && <Notice tone="warning" title={say("attempt.rescore_failed")}><p>{attempt.problem}</p></Notice>}
           {scored !== undefined && <ScorePanel score={scored} reference={reference} override={attempt.override} onPlace={removed ? undefined : showPlace} />}
           <AppealPanel client={client} attempt={attempt} onChanged={onChanged} />
           {recorded !== undefined && remarks.loaded.state === "ready" && (annotates || marks.length > 0) && (
@@ -166,13 +189,13 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, playback, onChange
         {removed ? <RemovedRecording removedMs={attempt.recording_removed_ms} /> : (
           <div class="review">
             {beyond !== undefined && endS !== undefined && (
-              <p class="hint beyond" role="status">The address names {formatMoment(beyond)}, but the attempt ends at {formatMoment(endS)}: its end is shown.</p>
+              <p class="hint beyond" role="status">{say("attempt.beyond", { asked: formatMoment(beyond), end: formatMoment(endS) })}</p>
             )}
             <div class="review-tooth" ref={tooth}>
               {control !== undefined && <ToothPanel client={client} attempt={attempt} staff={teacher} timeS={timeS} surface={surface.loaded} control={control} toleranceMm={tolerance} series={recorded} cursor={cursor} marks={marks} chosen={chosen} point={point} look={look} onMark={choose}
                           onPoint={annotates ? setPoint : undefined} onRetry={surface.reload} />}
             </div>
-            <ForcePanel series={series.loaded} cursor={cursor ?? 0} timeS={timeS ?? 0} range={range} marks={marks} chosen={chosen} onMark={choose} onCursor={setCursor} onRetry={series.reload} link={link} />
+            <ForcePanel series={series.loaded} cursor={cursor ?? 0} timeS={timeS ?? 0} range={range} marks={marks} spans={spans} onTime={setTimeS} keys={plots} chosen={chosen} onMark={choose} onCursor={setCursor} onRetry={series.reload} link={link} />
           </div>
         )}
       </div>
@@ -194,9 +217,9 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, playback, onChange
 
 function RemovedRecording({ removedMs }: { readonly removedMs: number }) {
   return (
-    <Card title="After the attempt">
-      <Notice tone="neutral" title={`The recording was removed on ${formatDateTime(removedMs)}`}>
-        <p>A retention rule of this server says how long recordings are kept. Picture, forces and path cannot be shown any more, nor can the attempt be scored again; the score stays.</p>
+    <Card title={say("tooth_card.after")}>
+      <Notice tone="neutral" title={say("attempt.removed", { when: formatDateTime(removedMs) })}>
+        <p>{say("attempt.removed_text")}</p>
       </Notice>
     </Card>
   );
@@ -206,9 +229,9 @@ function RemovedRecording({ removedMs }: { readonly removedMs: number }) {
 function Contradictions({ chunks }: { readonly chunks: AttemptDetail["contradictions"] }) {
   if (chunks.length === 0) return null;
   return (
-    <Card title="Contradicting parts">
-      <p>These parts of the recording came again with another content. The first of each is part of the recording, the others are kept as evidence.</p>
-      <ul>{chunks.map((chunk) => <li key={chunk.sha256}>Chunk {chunk.seq}, {formatDateTime(chunk.received_ms)}: <code>{chunk.sha256.slice(0, 16)}…</code></li>)}</ul>
+    <Card title={say("attempt_flag.contradicted")}>
+      <p>{say("attempt.contradicted_text")}</p>
+      <ul>{chunks.map((chunk) => <li key={chunk.sha256}>{sayWith("attempt.chunk", { number: String(chunk.seq), when: formatDateTime(chunk.received_ms), hash: <code>{chunk.sha256.slice(0, 16)}…</code> })}</li>)}</ul>
     </Card>
   );
 }
@@ -217,14 +240,11 @@ function Contradictions({ chunks }: { readonly chunks: AttemptDetail["contradict
 function Nearness({ near }: { readonly near: AttemptDetail["nearness"] }) {
   if (near === null || !near.worth_a_look) return null;
   const mm = (value: number) => formatQuantity(value, "mm");
-  const whose = near.person === null ? "an earlier attempt, of somebody you do not review" : `an earlier attempt of ${near.person.display_name}`;
+  const whose = near.person === null ? say("attempt.near_unknown") : say("attempt.near_of", { name: near.person.display_name });
   return (
-    <Card title="Motion near another's">
-      <p>
-        The bur went on the mean within {mm(near.nearest_mm)} of how it went in {near.attempt_id === null ? whose : <a href={`/attempts/${near.attempt_id}`}>{whose}</a>}.
-        {" "}Of {plural(near.others, "motion", "motions")} at this exercise the middle one is {mm(near.median_mm)} away; this one is {mm(near.size_mm)} large.
-      </p>
-      <p class="hint">It proves nothing and costs no points: look at both. Students are not told.</p>
+    <Card title={say("attempt_flag.near_another")}>
+      <p>{sayWith("attempt.near_text", { nearest: mm(near.nearest_mm), whose: near.attempt_id === null ? whose : <a href={`/attempts/${near.attempt_id}`}>{whose}</a>, count: near.others, median: mm(near.median_mm), size: mm(near.size_mm) })}</p>
+      <p class="hint">{say("attempt.near_hint")}</p>
     </Card>
   );
 }
@@ -232,7 +252,7 @@ function Nearness({ near }: { readonly near: AttemptDetail["nearness"] }) {
 function UnscoredAttempt({ attempt }: { readonly attempt: AttemptDetail }) {
   return (
     <>
-      <Card title="Score">{unscoredText(attempt)}</Card>
+      <Card title={say("score.title")}>{unscoredText(attempt)}</Card>
       <Contradictions chunks={attempt.contradictions} />
       <RecordingPanel attempt={attempt} score={undefined} />
     </>
@@ -241,15 +261,15 @@ function UnscoredAttempt({ attempt }: { readonly attempt: AttemptDetail }) {
 
 function unscoredText(attempt: AttemptDetail) {
   switch (attempt.state) {
-    case "ticketed": return <p>The attempt has not begun at the station yet.</p>;
-    case "recording": return <Progress label="Recording at the station" share={undefined} />;
-    case "sealed": return <Progress label="Waiting to be scored" share={undefined} />;
-    case "scoring": return <Progress label="Replaying and scoring" share={attempt.progress} />;
-    case "failed": return <Notice tone="bad" title="The attempt could not be scored"><p>{attempt.problem}</p></Notice>;
+    case "ticketed": return <p>{say("attempt.not_begun")}</p>;
+    case "recording": return <Progress label={say("attempt.recording")} share={undefined} />;
+    case "sealed": return <Progress label={say("attempt_state.sealed")} share={undefined} />;
+    case "scoring": return <Progress label={say("attempt.scoring")} share={attempt.progress} />;
+    case "failed": return <Notice tone="bad" title={say("attempt.not_scored")}><p>{attempt.problem}</p></Notice>;
     case "quarantined":
       return (
-        <Notice tone="bad" title="The recording is set aside">
-          <p>{attempt.problem}</p><p>Nothing was deleted. An instructor decides what happens with it.</p>
+        <Notice tone="bad" title={say("attempt.set_aside")}>
+          <p>{attempt.problem}</p><p>{say("attempt.set_aside_text")}</p>
         </Notice>
       );
     case "scored": return null;
@@ -261,8 +281,8 @@ function unscoredText(attempt: AttemptDetail) {
 function WithheldAttempt({ attempt }: { readonly attempt: AttemptDetail }) {
   return (
     <>
-      <Card title="Score">
-        <Notice tone="neutral" title="Not released yet"><p>{withheldText(attempt)}</p></Notice>
+      <Card title={say("score.title")}>
+        <Notice tone="neutral" title={say("attempt.not_released")}><p>{withheldText(attempt)}</p></Notice>
       </Card>
       <RecordingPanel attempt={attempt} score={undefined} />
     </>
@@ -270,17 +290,17 @@ function WithheldAttempt({ attempt }: { readonly attempt: AttemptDetail }) {
 }
 
 function ScoreError({ error, onRetry }: { readonly error: ApiError; readonly onRetry: () => void }) {
-  return <Card title="Score"><ErrorNotice title="The score could not be loaded" message={error.message} onRetry={onRetry} /></Card>;
+  return <Card title={say("score.title")}><ErrorNotice title={say("attempt.score_failed")} message={error.message} onRetry={onRetry} /></Card>;
 }
 
 function AttemptError({ error, onRetry }: { readonly error: ApiError; readonly onRetry: () => void }) {
   const missing = error.code === "not_found";
   return (
     <>
-      <nav class="trail" aria-label="Where you are"><a href="/attempts">Attempts</a></nav>
-      <PageTitle document="Attempt">Attempt</PageTitle>
-      <ErrorNotice title={missing ? "There is no such attempt for you" : "The attempt could not be loaded"}
-                   message={missing ? "It does not exist, or it belongs to somebody whose attempts you may not see. Check the address or choose from the list." : error.message}
+      <nav class="trail" aria-label={say("common.where")}><a href="/attempts">{say("nav.attempts")}</a></nav>
+      <PageTitle document={say("attempt.one")}>{say("attempt.one")}</PageTitle>
+      <ErrorNotice title={missing ? say("attempt.none_for_you") : say("attempt.failed")}
+                   message={missing ? say("attempt.none_for_you_text") : error.message}
                    onRetry={missing ? undefined : onRetry} />
     </>
   );

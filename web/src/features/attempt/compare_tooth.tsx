@@ -3,6 +3,7 @@ import type { Client } from "../../api/client";
 import type { Attempt, AttemptDetail, Series } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime, formatMoment, formatScore } from "../../base/format";
+import { say } from "../../base/words";
 import { Loading } from "../../widgets/basics";
 import { type LookHandle, ToothView } from "../../widgets/tooth/tooth_view";
 import { FrameClock } from "./clock";
@@ -31,16 +32,16 @@ export function CompareChoice({ client, attempt, staff, chosen, onChoose }: Choi
   const reference = staff && attempt.reference !== null && attempt.reference.attempt_id !== attempt.id ? attempt.reference : undefined;
   const title = (other: Attempt) => `${formatDateTime(other.ticketed_ms)}${other.score === null ? "" : `, ${formatScore(other.score)}`}`;
   return (
-    <select aria-label="Beside it" value={chosen ?? ""} onFocus={() => setAsked(true)} onPointerDown={() => setAsked(true)} onChange={(event) => onChoose(event.currentTarget.value || undefined)}>
-      <option value="">Nothing beside it</option>
-      {reference !== undefined && <option value={reference.attempt_id}>The reference{reference.dentist === null ? "" : `, ${reference.dentist}`}</option>}
-      {own.length > 0 && <optgroup label="By the same person">{own.map((other) => <option key={other.id} value={other.id}>{title(other)}</option>)}</optgroup>}
+    <select aria-label={say("compare.beside")} value={chosen ?? ""} onFocus={() => setAsked(true)} onPointerDown={() => setAsked(true)} onChange={(event) => onChoose(event.currentTarget.value || undefined)}>
+      <option value="">{say("compare.nothing")}</option>
+      {reference !== undefined && <option value={reference.attempt_id}>{reference.dentist === null ? say("compare.reference") : say("compare.reference_of", { dentist: reference.dentist })}</option>}
+      {own.length > 0 && <optgroup label={say("compare.same_person")}>{own.map((other) => <option key={other.id} value={other.id}>{title(other)}</option>)}</optgroup>}
       {others.length > own.length && (
-        <optgroup label="By others">
+        <optgroup label={say("compare.others")}>
           {others.filter((other) => !own.includes(other)).map((other) => <option key={other.id} value={other.id}>{`${other.person.display_name}, ${title(other)}`}</option>)}
         </optgroup>
       )}
-      {asked && loaded.state === "loading" && <option disabled>Loading…</option>}
+      {asked && loaded.state === "loading" && <option disabled>{say("loading.short")}</option>}
     </select>
   );
 }
@@ -75,15 +76,15 @@ export function OtherTooth({ client, id, series, timeS, choices, look }: Props) 
   const angled = useMemo(() => ({ ...outlook(compared, undefined), cavity: playback.cut }), [compared, playback.cut]);
   const model = useMemo(() => ({ film: playback }), [playback, changes]);
   const { state } = playback;
-  if (state.state === "loading") return <Loading what="the other attempt" />;
-  if (state.state !== "ready") return <p class="hint" role="status">The other attempt cannot be shown: {state.state === "failed" ? state.error.message : state.message}</p>;
+  if (state.state === "loading") return <Loading what={say("loading.other_attempt")} />;
+  if (state.state !== "ready") return <p class="hint" role="status">{say("compare.cannot", { reason: state.state === "failed" ? state.error.message : state.message })}</p>;
   return (
     <div class="other-tooth">
-      <ToothView led model={model} busy={!playback.drawn} mode={compared === undefined || playback.showing ? "tissue" : choices.mode} label="The other attempt" angled={angled} section={choices.section} look={look}>
+      <ToothView led model={model} busy={!playback.drawn} mode={compared === undefined || playback.showing ? "tissue" : choices.mode} label={say("compare.other")} angled={angled} section={choices.section} look={look}>
         <div class="tooth-choices no-print">
-          <select aria-label="The other's moment" value={sync} onChange={(event) => setSync(event.currentTarget.value as Sync)}>
-            <option value="time">At the same time</option>
-            <option value="removed">With as much removed</option>
+          <select aria-label={say("compare.moment")} value={sync} onChange={(event) => setSync(event.currentTarget.value as Sync)}>
+            <option value="time">{say("compare.same_time")}</option>
+            <option value="removed">{say("compare.same_removed")}</option>
           </select>
           <span class="other-time">{at === undefined ? "" : formatMoment(at)}</span>
         </div>

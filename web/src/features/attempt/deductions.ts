@@ -1,5 +1,6 @@
 import type { Deduction } from "../../api/types";
-import { formatMoment, formatNumber, formatQuantity } from "../../base/format";
+import { formatMoment, formatQuantity } from "../../base/format";
+import { say } from "../../base/words";
 
 const kMeaningMm3 = 0.005;                      // less is not worth a line
 
@@ -12,10 +13,10 @@ export function deductionsOf(deductions: readonly Deduction[] | undefined, crite
 // One line: how much, which way, and which strokes did it.
 export function deductionText(deduction: Deduction): string {
   const volume = formatQuantity(deduction.volume_mm3, "mm3");
-  if (deduction.left) return `${volume} left standing`;
+  if (deduction.left) return say("deduction.left", { volume });
   const [worst] = deduction.strokes;
-  if (worst === undefined) return `${volume} too much`;
+  if (worst === undefined) return say("deduction.over", { volume });
+  const told = { volume, moment: formatMoment(deduction.first_s), stroke: String(worst.number) };
   const others = deduction.stroke_count - 1;
-  const more = others <= 0 ? "" : others === 1 ? " and one more" : ` and ${formatNumber(others, 0)} more`;
-  return `${volume} too much, first at ${formatMoment(deduction.first_s)}; mostly stroke ${worst.number}${more}`;
+  return others <= 0 ? say("deduction.one", told) : say("deduction.more", { ...told, count: others });
 }

@@ -19,7 +19,7 @@ test("a mesial wall that is 0.3 mm too deep is named first, with its sign", () =
   const summary = summariseDeviation(surfaceOf([
     [[-1, 0, 0], 0.3], [[-1, 0, 0], 0.28], [[1, 0, 0], -0.02], [[0, 0, 1], 0.01], [[0, 1, 0], 0],
   ]), 0.1);
-  assert.equal(summary?.sides[0]?.side, "Mesial wall");
+  assert.equal(summary?.sides[0]?.side, "mesial_wall");
   assert.ok(Math.abs(summary.sides[0].meanMm - 0.29) < 1e-6);
   assert.ok(Math.abs(summary.sides[0].mostMm - 0.3) < 1e-6);
 });

@@ -5,8 +5,10 @@ export type Compared = Pick<Surface, "positionMm" | "normal" | "deviationMm">;
 // The deviation map in numbers, for who does not or cannot look at the picture. Counted by vertex:
 // the surface comes from a grid, so vertices lie nearly evenly over its area.
 
+export type CavitySide = "mesial_wall" | "distal_wall" | "buccal_wall" | "lingual_wall" | "floor";
+
 export interface SideDeviation {
-  readonly side: string;
+  readonly side: CavitySide;
   readonly vertices: number;
   readonly meanMm: number;
   readonly mostMm: number;                      // the deviation of greatest size, with its sign
@@ -32,13 +34,13 @@ export interface DeviationSummary {
 const kFacing = 0.7;                            // a normal's component along a side's direction, about 45 degrees
 
 // A wall of the cavity faces inward: the mesial wall's outward normal points distally, to -x.
-const kSides: ReadonlyArray<readonly [string, number, number]> = [
-  ["Mesial wall", 0, -1], ["Distal wall", 0, 1], ["Buccal wall", 1, -1], ["Lingual wall", 1, 1], ["Floor", 2, 1],
+const kSides: ReadonlyArray<readonly [CavitySide, number, number]> = [
+  ["mesial_wall", 0, -1], ["distal_wall", 0, 1], ["buccal_wall", 1, -1], ["lingual_wall", 1, 1], ["floor", 2, 1],
 ];
 
 const kDefaultOutlook: Outlook = { direction: [0.5, -0.6, 0.9], centre: undefined };
 const kOutlooks: Readonly<Record<string, Point>> = {
-  "Mesial wall": [-0.75, -0.45, 1], "Distal wall": [0.75, -0.45, 1], "Buccal wall": [0.4, -0.75, 1], "Lingual wall": [-0.4, 0.75, 1],
+  "mesial_wall": [-0.75, -0.45, 1], "distal_wall": [0.75, -0.45, 1], "buccal_wall": [0.4, -0.75, 1], "lingual_wall": [-0.4, 0.75, 1],
 };
 
 export function outlook(surface: Compared | undefined, summary: DeviationSummary | undefined): Outlook {

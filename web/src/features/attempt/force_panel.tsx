@@ -1,12 +1,24 @@
-import { useMemo, useRef, useState } from "preact/hooks";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Series } from "../../api/types";
 import type { Loaded } from "../../api/use_request";
-import { formatDuration, formatMoment, formatQuantity } from "../../base/format";
+import { formatDuration, formatFixed, formatMoment, formatQuantity } from "../../base/format";
+import { say, sayIf } from "../../base/words";
 import { Card, ErrorNotice, Loading, TableFrame } from "../../widgets/basics";
 import { CopyText } from "../../widgets/copy";
 import { type PlotLine, TimePlot } from "../../widgets/time_plot";
+import { stepAt } from "./clock";
 import { boundLine, type Mark } from "./moments";
+import { speeds } from "./range";
 import { RangePanel } from "./range_panel";
+import { SpanLegend, SpanStrip } from "./span_strip";
+import type { Span } from "./spans";
+import { kZoomStep, panned, showing, type View, zoomed } from "./view";
+
+// What the page's keys do with the plots.
+export interface PlotKeys {
+  more?: () => void;                            // shows and hides the second plot
+  zoom?: (direction: -1 | 0 | 1) => void;       // 0: all
+}
 
 const kTableRows = 40;
 // Beside tooth and timeline there is little height on a small screen.
@@ -18,29 +30,45 @@ interface Props {
   readonly timeS: number;                       // the moment
   readonly range: readonly [number, number] | undefined;  // A to B, seconds
   readonly marks: readonly Mark[];
+  readonly spans: readonly Span[];
   readonly chosen: string | undefined;          // id of a remark
   readonly onMark: (mark: Mark) => void;
   readonly onCursor: (index: number) => void;
+  readonly onTime: (timeS: number) => void;
+  readonly keys: PlotKeys;
   readonly onRetry: () => void;
   readonly link: () => string;                  // the address of this moment, looked at as now
 }
 
 export function ForcePanel({ series, onRetry, ...rest }: Props) {
   return (
-    <Card title="Force and removal over time" className="force-card">
-      {series.state === "loading" && <Loading what="the force record" />}
-      {series.state === "failed" && <ErrorNotice title="The force record could not be loaded" message={series.error.message} onRetry={onRetry} />}
+    <Card title={say("force.title")} className="force-card">
+      {series.state === "loading" && <Loading what={say("loading.force")} />}
+      {series.state === "failed" && <ErrorNotice title={say("force.failed")} message={series.error.message} onRetry={onRetry} />}
       {series.state === "ready" && (series.value.t_s.length === 0
-        ? <p class="empty">The attempt has no recorded step.</p>
+        ? <p class="empty">{say("force.no_step")}</p>
         : <LoadedForce series={series.value} {...rest} />)}
     </Card>
   );
 }
 
-function LoadedForce({ series, cursor, timeS, range, marks, chosen, onMark, onCursor, link }: Omit<Props, "series" | "onRetry"> & { readonly series: Series }) {
+function LoadedForce({ series, cursor, timeS, range, marks, spans, chosen, onMark, onCursor, onTime, keys, link }: Omit<Props, "series" | "onRetry"> & { readonly series: Series }) {
   const lines = useMemo(() => linesOf(series), [series]);
   const last = series.t_s.length - 1;
   const at = Math.min(cursor, last);
+  const whole = useMemo((): View => [series.t_s[0] ?? 0, series.t_s[last] ?? 0], [series]);
+  const [view, setView] = useState<View>();
+  // Who moves the moment past the edge takes the part along.
+  useEffect(() => setView((was) => showing(whole, was, series.t_s[at] ?? 0)), [whole, at]);
+  const zoom = (atS: number, by: number) => setView(zoomed(whole, view, atS, by));
+  keys.zoom = (direction) => direction === 0 ? setView(undefined) : zoom(series.t_s[at] ?? 0, kZoomStep ** -direction);
+  const [fromS, toS] = view ?? whole;
+  const shown = view === undefined ? marks : marks.filter((mark) => (series.t_s[mark.step] ?? 0) >= fromS && (series.t_s[mark.step] ?? 0) <= toS);
+  const shareOf = (mark: Mark) => view === undefined ? mark.share : ((series.t_s[mark.step] ?? 0) - fromS) / (toS - fromS);
+  const [more, setMore] = useState(false);
+  keys.more = () => setMore((was) => !was);
+  const moreLines = useMemo(() => more ? moreLinesOf(series) : [], [series, more]);
+  const moved = { view, onZoom: zoom, onPan: (byS: number) => setView(panned(whole, view, byS)), onWhole: () => setView(undefined) };
   const axis = useRef<HTMLDivElement>(null);
   const align = (leftPx: number, rightPx: number) => {
     axis.current?.style.setProperty("--axis-left", `${leftPx}px`);
@@ -49,27 +77,32 @@ function LoadedForce({ series, cursor, timeS, range, marks, chosen, onMark, onCu
   return (
     <div class="time-axis" ref={axis}>
       {marks.length > 0 && (
-        <div class="marks" role="group" aria-label="Remarks along the time">
-          {marks.map((mark) => (
-            <button key={mark.annotation.id} type="button" class={mark.annotation.id === chosen ? "mark chosen" : "mark"} style={{ left: `${100 * mark.share}%` }}
-                    aria-pressed={mark.annotation.id === chosen} onClick={() => onMark(mark)}><span class="hidden">Remark </span>{mark.number}</button>
+        <div class="marks" role="group" aria-label={say("force.remarks")}>
+          {shown.map((mark) => (
+            <button key={mark.annotation.id} type="button" class={mark.annotation.id === chosen ? "mark chosen" : "mark"} style={{ left: `${100 * shareOf(mark)}%` }}
+                    aria-pressed={mark.annotation.id === chosen} onClick={() => onMark(mark)}><span class="hidden">{say("remarks.one")}</span>{mark.number}</button>
           ))}
         </div>
       )}
+      {spans.length > 0 && <SpanStrip spans={spans} fromS={fromS} toS={toS} onTime={onTime} />}
       <div class="timeline">
-        <label class="hidden" for="timeline">Time in the attempt</label>
-        <input id="timeline" type="range" min={0} max={last} step={1} value={at}
-               aria-valuetext={lines.reduce((text, line) => `${text}, ${line.label.toLowerCase()} ${readText(line, at)}`,
+        <label class="hidden" for="timeline">{say("live.time_in")}</label>
+        <input id="timeline" type="range" min={view === undefined ? 0 : stepAt(series, fromS)} max={view === undefined ? last : stepAt(series, toS)} step={1} value={at}
+               aria-valuetext={lines.reduce((text, line) => `${text}, ${line.label} ${readText(line, at)}`,
                                             `${formatMoment(series.t_s[at] ?? 0)}`)}
                onInput={(event) => onCursor(Number(event.currentTarget.value))} />
       </div>
-      <TimePlot timeS={series.t_s} lines={lines} leftTitle="Force (N)" rightTitle="Removed (mm³)" label={plotText(series)}
-                cursor={at} onCursor={onCursor} onAxis={align} heightPx={kHeightPx} />
+      <TimePlot timeS={series.t_s} lines={lines} leftTitle={say("force.force_n")} rightTitle={say("force.removed_mm3")} label={plotText(series)}
+                cursor={at} onCursor={onCursor} onAxis={align} heightPx={kHeightPx} {...moved} />
+      {more && <TimePlot timeS={series.t_s} lines={moreLines} leftTitle={say("force.speed")} rightTitle={say("force.removed_mm3")} label={moreText(moreLines)} cursor={at} onCursor={onCursor} heightPx={kHeightPx} {...moved} />}
+      {view !== undefined && <p class="hint view-of" role="status">{say("force.shown", { from: formatMoment(fromS), to: formatMoment(toS) })} <button type="button" class="button small quiet" onClick={() => setView(undefined)}>{say("attempts.show_all")}</button></p>}
+      {spans.length > 0 && <SpanLegend spans={spans} />}
+      <button type="button" class="button small quiet no-print" aria-pressed={more} onClick={() => setMore(!more)}>{say("force.more")}</button>
       <MomentLinkButton link={link} />
-      <Readout lines={lines} timeS={timeS} index={at} />
+      <Readout lines={[...lines, ...moreLines]} timeS={timeS} index={at} />
       <RangePanel series={series} range={range} />
       <details class="numbers">
-        <summary>The same as a table</summary>
+        <summary>{say("force.as_table")}</summary>
         <SeriesTable series={series} />
       </details>
     </div>
@@ -81,8 +114,8 @@ function MomentLinkButton({ link }: { readonly link: () => string }) {
   const [shown, setShown] = useState<string>();
   return (
     <div class="moment-link no-print">
-      <button type="button" class="button small quiet" onClick={() => setShown(link())}>Link to this moment</button>
-      {shown !== undefined && <CopyText key={shown} text={shown} what="the link" />}
+      <button type="button" class="button small quiet" onClick={() => setShown(link())}>{say("force.link")}</button>
+      {shown !== undefined && <CopyText key={shown} text={shown} what={say("copy.link")} />}
     </div>
   );
 }
@@ -90,18 +123,35 @@ function MomentLinkButton({ link }: { readonly link: () => string }) {
 function linesOf(series: Series): PlotLine[] {
   const bound = boundLine(series);
   return [
-    { label: "Removed volume", unit: "mm3", values: series.removed_mm3, colorVariable: "--plot-removed", axis: "right", fill: true, dash: [7, 4] },
-    { label: "Largest force", unit: "N", values: series.force_n, colorVariable: "--plot-force", axis: "left", width: 1 },
-    { label: "Mean force", unit: "N", values: series.force_mean_n, colorVariable: "--plot-mean", axis: "left", width: 2.2 },
-    ...(bound === undefined ? [] : [{ label: "Device's limit", unit: "N", values: bound, colorVariable: "--plot-bound", axis: "left" as const,
+    { label: say("plot.removed_volume"), unit: "mm3", values: series.removed_mm3, colorVariable: "--plot-removed", axis: "right", fill: true, dash: [7, 4] },
+    { label: say("plot.largest_force"), unit: "N", values: series.force_n, colorVariable: "--plot-force", axis: "left", width: 1 },
+    { label: say("plot.mean_force"), unit: "N", values: series.force_mean_n, colorVariable: "--plot-mean", axis: "left", width: 2.2 },
+    ...(bound === undefined ? [] : [{ label: say("plot.device_limit"), unit: "N", values: bound, colorVariable: "--plot-bound", axis: "left" as const,
                                       dash: [2, 3], setsScale: false }]),
   ];
+}
+
+const kTissueLines: ReadonlyArray<readonly [string, readonly number[]]> = [["--plot-removed", [7, 4]], ["--plot-mean", [2, 3]], ["--plot-bound", [10, 3, 2, 3]]];
+
+// How fast the tip went, and what went of each tissue.
+function moreLinesOf(series: Series): PlotLine[] {
+  return [
+    { label: say("plot.tip_speed"), unit: "mm/s", values: speeds(series), colorVariable: "--plot-force", axis: "left", width: 1.2 },
+    ...Object.entries(series.removed_by_tissue).map(([tissue, values], i): PlotLine => {
+      const [colorVariable, dash] = kTissueLines[i % kTissueLines.length]!;
+      return { label: say("force.tissue_removed", { tissue: sayIf(`tooth_tissue.${tissue}`) ?? tissue }), unit: "mm3", values, colorVariable, dash, axis: "right", width: 2 };
+    }),
+  ];
+}
+
+function moreText(lines: readonly PlotLine[]): string {
+  return say("force.more_over_time", { lines: lines.map(({ label }) => label).join(", ") });
 }
 
 function Readout({ lines, timeS, index }: { readonly lines: readonly PlotLine[]; readonly timeS: number; readonly index: number }) {
   return (
     <dl class="readout">
-      <div><dt>Time</dt><dd>{formatMoment(timeS)}</dd></div>
+      <div><dt>{say("common.time")}</dt><dd>{formatMoment(timeS)}</dd></div>
       {lines.map((line) => (
         <div key={line.label}>
           <dt><LineSample line={line} />{line.label}</dt>
@@ -130,19 +180,19 @@ function SeriesTable({ series }: { readonly series: Series }) {
   const stride = Math.max(1, Math.ceil(series.t_s.length / kTableRows));
   const rows = series.t_s.map((_, i) => i).filter((i) => i % stride === 0 || i === series.t_s.length - 1);
   return (
-    <TableFrame label="Force and removal as a table">
+    <TableFrame label={say("force.table")}>
       <table class="dense">
         <thead>
-          <tr><th scope="col" class="number">Time</th><th scope="col" class="number">Largest force (N)</th>
-              <th scope="col" class="number">Mean force (N)</th><th scope="col" class="number">Removed (mm³)</th></tr>
+          <tr><th scope="col" class="number">{say("common.time")}</th><th scope="col" class="number">{say("force.largest_n")}</th>
+              <th scope="col" class="number">{say("force.mean_n")}</th><th scope="col" class="number">{say("force.removed_mm3")}</th></tr>
         </thead>
         <tbody>
           {rows.map((i) => (
             <tr key={i}>
               <th scope="row" class="number">{formatMoment(series.t_s[i] ?? 0)}</th>
-              <td class="number">{(series.force_n[i] ?? 0).toFixed(2)}</td>
-              <td class="number">{(series.force_mean_n[i] ?? 0).toFixed(2)}</td>
-              <td class="number">{(series.removed_mm3[i] ?? 0).toFixed(2)}</td>
+              <td class="number">{formatFixed(series.force_n[i] ?? 0, 2)}</td>
+              <td class="number">{formatFixed(series.force_mean_n[i] ?? 0, 2)}</td>
+              <td class="number">{formatFixed(series.removed_mm3[i] ?? 0, 2)}</td>
             </tr>
           ))}
         </tbody>
@@ -154,6 +204,5 @@ function SeriesTable({ series }: { readonly series: Series }) {
 function plotText(series: Series): string {
   const largest = series.force_n.reduce((a, b) => Math.max(a, b), 0);
   const at = series.t_s[series.force_n.indexOf(largest)] ?? 0;
-  return `Force and removed volume over ${formatDuration(series.t_s.at(-1) ?? 0)}. The largest force is ` +
-         `${formatQuantity(largest, "N")} at ${formatMoment(at)}; ${formatQuantity(series.removed_mm3.at(-1) ?? 0, "mm3")} were removed in all.`;
+  return say("force.text", { span: formatDuration(series.t_s.at(-1) ?? 0), force: formatQuantity(largest, "N"), moment: formatMoment(at), volume: formatQuantity(series.removed_mm3.at(-1) ?? 0, "mm3") });
 }

@@ -5,6 +5,7 @@ import type { BlockMesh } from "../../api/tooth_mesh";
 import type { Compared, Extent } from "../../api/tooth_work";
 import { segmentBytes } from "../../api/timeline";
 import { startToothWorker, ToothLink } from "../../api/tooth_link";
+import { say } from "../../base/words";
 import type { Film, FilmScreen } from "../../widgets/tooth/film";
 
 // An attempt with the tooth being cut. Loads its timeline: first what the tooth at the end needs, then the rest. What is
@@ -83,7 +84,7 @@ export class Playback implements Film {
     return this.client.timeline(this.attempt, from, to, this.abort.signal);
   }
   private malformed(message: string): ApiError {
-    return { code: "malformed", status: 0, field: "", message: `The playback was not understood: ${message}` };
+    return { code: "malformed", status: 0, field: "", message: say("playback.malformed", { reason: message }) };
   }
   private fail(message: string): void {
     this.state = { state: "failed", error: this.malformed(message) };
@@ -98,7 +99,7 @@ export class Playback implements Film {
         blocks: (blocks) => this.setBlocks(blocks), shown: (frames, cut) => this.shown(frames, cut), failed: (message) => this.fail(message),
       });
     } catch {
-      return { code: "unreachable", status: 0, field: "", message: "What reads it could not be started: this browser runs no workers here" };
+      return { code: "unreachable", status: 0, field: "", message: say("playback.no_worker") };
     }
     const first = await this.part(0, kFirstBytes);
     if (!first.ok) return first.error;
@@ -135,7 +136,7 @@ export class Playback implements Film {
     if (this.abort.signal.aborted) return;
     if (!bytes.ok) this.deviation = bytes.error.code === "not_found" ? { state: "none" } : { state: "failed", error: bytes.error };
     else if (compared?.ok === true) this.deviation = { state: "ready", compared: compared.value };
-    else this.deviation = { state: "failed", error: this.malformed(compared?.error ?? "it was closed") };
+    else this.deviation = { state: "failed", error: this.malformed(compared?.error ?? say("playback.closed")) };
     this.changed();
   }
 
@@ -190,6 +191,7 @@ export class Playback implements Film {
     const wanted = Math.max(0, Math.min(Math.round(frames), this.frames));
     if (wanted === this.wanted) return;
     this.wanted = wanted;
+    for (const screen of this.screens) screen.expect();
     this.link?.seek(wanted);
   }
 }

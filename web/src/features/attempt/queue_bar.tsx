@@ -1,6 +1,7 @@
 import { useEffect } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { Place } from "../../base/queue";
+import { say } from "../../base/words";
 
 const kAheadMs = 1200;                          // this attempt's own requests come first
 
@@ -14,11 +15,11 @@ export function QueueBar({ client, place }: { readonly client: Client; readonly 
   }, [client, place.next]);
   const way = (id: string | undefined, text: string) => id === undefined ? <span class="hint">{text}</span> : <a href={`/attempts/${id}`}>{text}</a>;
   return (
-    <nav class="queue no-print" aria-label="In the list">
-      <a href={place.back}>Back to the list</a>
-      {way(place.previous, "Previous")}
-      <span>{place.number} of {place.count}</span>
-      {way(place.next, "Next")}
+    <nav class="queue no-print" aria-label={say("queue.title")}>
+      <a href={place.back}>{say("queue.back")}</a>
+      {way(place.previous, say("queue.previous"))}
+      <span>{say("count.of", { part: String(place.number), whole: String(place.count) })}</span>
+      {way(place.next, say("queue.next"))}
     </nav>
   );
 }

@@ -19,8 +19,8 @@ test("mean, peak, root mean square and 95th percentile are of the steps of the r
 
 test("speed is the way of a step by its time, and what went is told by tissue", () => {
   assert.deepEqual(speeds(series), [0, 10, 0, 4]);
-  assert.deepEqual(removedIn(series, 0, 3), [["in all", 10], ["enamel", 4], ["dentin", 6]]);
-  assert.deepEqual(removedIn(series, 2, 3), [["in all", 7], ["enamel", 1], ["dentin", 6]]);
+  assert.deepEqual(removedIn(series, 0, 3), [["all", 10], ["enamel", 4], ["dentin", 6]]);
+  assert.deepEqual(removedIn(series, 2, 3), [["all", 7], ["enamel", 1], ["dentin", 6]]);
 });
 
 test("the file has a line for each step of the range, with units in its titles", () => {

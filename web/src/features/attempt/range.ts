@@ -1,4 +1,5 @@
 import type { Series } from "../../api/types";
+import { say } from "../../base/words";
 
 // What happened in a part of an attempt, in figures. Steps are equally long, so each counts the same.
 
@@ -24,13 +25,13 @@ export function speeds({ t_s, anchor_mm }: Pick<Series, "t_s" | "anchor_mm">): n
 // Of steps `from` to `to`, both counted.
 export function rangeRows(series: Series, from: number, to: number): RangeRow[] {
   const part = (values: readonly number[]) => values.slice(from, to + 1);
-  return [row("Largest force", "N", part(series.force_n)), row("Mean force", "N", part(series.force_mean_n)), row("Speed of the tip", "mm/s", part(speeds(series)))];
+  return [row(say("plot.largest_force"), "N", part(series.force_n)), row(say("plot.mean_force"), "N", part(series.force_mean_n)), row(say("plot.tip_speed"), "mm/s", part(speeds(series)))];
 }
 
 // mm³ that went in the steps, in all and by tissue.
 export function removedIn(series: Series, from: number, to: number): readonly (readonly [string, number])[] {
   const gone = (values: readonly number[]) => (values[to] ?? 0) - (from === 0 ? 0 : values[from - 1] ?? 0);
-  return [["in all", gone(series.removed_mm3)], ...Object.entries(series.removed_by_tissue).map(([tissue, values]) => [tissue, gone(values)] as const)];
+  return [["all", gone(series.removed_mm3)], ...Object.entries(series.removed_by_tissue).map(([tissue, values]) => [tissue, gone(values)] as const)];
 }
 
 function row(title: string, unit: string, values: readonly number[]): RangeRow {

@@ -3,6 +3,7 @@ import type { Series } from "../../api/types";
 import { csvText } from "../../base/csv";
 import { downloadText, fileName } from "../../base/download";
 import { formatMoment, formatNumber, formatQuantity } from "../../base/format";
+import { say, sayIf } from "../../base/words";
 import { TableFrame } from "../../widgets/basics";
 import { seriesEndS, stepAt } from "./clock";
 import { rangeRows, rangeTable, removedIn } from "./range";
@@ -16,10 +17,10 @@ interface Props {
 export function RangePanel({ series, range }: Props) {
   const [open, setOpen] = useState(false);
   const [fromS, toS] = range ?? [0, seriesEndS(series)];
-  const text = `${formatMoment(fromS)} to ${formatMoment(toS)}`;
+  const text = say("range.moments", { from: formatMoment(fromS), to: formatMoment(toS) });
   return (
     <details class="numbers" onToggle={(event) => setOpen(event.currentTarget.open)}>
-      <summary>Figures of {range === undefined ? "all of it" : text}</summary>
+      <summary>{range === undefined ? say("range.figures_all") : say("range.figures", { range: text })}</summary>
       {open && <RangeFigures series={series} from={stepAt(series, fromS)} to={stepAt(series, toS)} text={text} />}
     </details>
   );
@@ -33,9 +34,9 @@ function RangeFigures({ series, from, to, text }: { readonly series: Series; rea
   const number = (value: number) => formatNumber(value, 2);
   return (
     <>
-      <TableFrame label={`Figures of ${text}`}>
+      <TableFrame label={say("range.figures", { range: text })}>
         <table class="dense">
-          <thead><tr><th scope="col">{text}</th>{["Mean", "Peak", "RMS", "95 % below"].map((title) => <th key={title} scope="col" class="number">{title}</th>)}</tr></thead>
+          <thead><tr><th scope="col">{text}</th>{[say("range.mean"), say("range.peak"), "RMS", say("range.p95")].map((title) => <th key={title} scope="col" class="number">{title}</th>)}</tr></thead>
           <tbody>
             {rangeRows(series, from, to).map((row) => (
               <tr key={row.title}>
@@ -46,9 +47,9 @@ function RangeFigures({ series, from, to, text }: { readonly series: Series; rea
           </tbody>
         </table>
       </TableFrame>
-      <p>Removed: {removedIn(series, from, to).map(([what, mm3]) => `${formatQuantity(mm3, "mm3")} ${what}`).join(", ")}.</p>
-      <p class="hint">A and B beside the playback choose the part.</p>
-      <button type="button" class="button small" onClick={save}>Save this part as CSV</button>
+      <p>{say("range.removed", { list: removedIn(series, from, to).map(([what, mm3]) => what === "all" ? say("range.in_all", { volume: formatQuantity(mm3, "mm3") }) : say("range.of_tissue", { volume: formatQuantity(mm3, "mm3"), tissue: sayIf(`tooth_tissue.${what}`) ?? what })).join(", ") })}</p>
+      <p class="hint">{say("range.hint")}</p>
+      <button type="button" class="button small" onClick={save}>{say("range.save")}</button>
     </>
   );
 }

@@ -1,5 +1,6 @@
 import type { AttemptDetail, Criterion, Deduction, Gate, Score } from "../../api/types";
 import { formatDateTime, formatNumber, formatPoints, formatQuantity, formatScore } from "../../base/format";
+import { say } from "../../base/words";
 import { Badge, Bar, Card, Notice, type Tone } from "../../widgets/basics";
 import { deductionsOf, deductionText } from "./deductions";
 import { byLostPoints, lostPoints, summarySentence } from "./summary";
@@ -16,16 +17,14 @@ interface Props {
 
 export function ScorePanel({ score, reference, override, onPlace }: Props) {
   return (
-    <Card title="Score" className="score-card">
+    <Card title={say("score.title")} className="score-card">
       <div class="score-head">
         <ScoreRing value={override?.score ?? score.score} critical={score.critical_fail && override === null} />
         <div>
           {override !== null && <OverrideText score={score} override={override} />}
-          <p class="summary">{override !== null && "Computed: "}{summarySentence(score)}</p>
-          {score.critical_fail && <Badge tone="bad">Critical criterion failed</Badge>}
-          <p class="hint">
-            {reference === undefined ? "Scored without a reference cut" : `Compared with the cut of ${reference}`}, rubric version {score.rubric_version}
-          </p>
+          <p class="summary">{override !== null ? say("score.computed", { text: summarySentence(score) }) : summarySentence(score)}</p>
+          {score.critical_fail && <Badge tone="bad">{say("score.critical")}</Badge>}
+          <p class="hint">{reference === undefined ? say("score.no_reference", { version: String(score.rubric_version) }) : say("score.compared", { reference, version: String(score.rubric_version) })}</p>
         </div>
       </div>
       <Gates gates={score.gates ?? []} />
@@ -36,7 +35,7 @@ export function ScorePanel({ score, reference, override, onPlace }: Props) {
 
 function OverrideText({ score, override }: { readonly score: Score; readonly override: NonNullable<AttemptDetail["override"]> }) {
   return (
-    <Notice tone="warning" title={`Set by ${override.by === "" ? "an instructor" : override.by}: ${formatScore(override.score)} instead of ${formatScore(score.score)}`}>
+    <Notice tone="warning" title={say("score.set_by", { by: override.by === "" ? say("score.an_instructor") : override.by, set: formatScore(override.score), computed: formatScore(score.score) })}>
       <p class="instructions">{override.reason}</p>
       <p class="hint">{formatDateTime(override.at_ms)}</p>
     </Notice>
@@ -52,7 +51,7 @@ function ScoreRing({ value, critical }: { readonly value: number; readonly criti
         <circle class="ring-value" cx="60" cy="60" r={kRingRadius} stroke-dasharray={`${share * kRingLength} ${kRingLength}`}
                 transform="rotate(-90 60 60)" />
       </svg>
-      <p class="score-number" data-testid="score">{formatScore(value)}<span class="score-of"> of 100</span></p>
+      <p class="score-number" data-testid="score">{formatScore(value)}<span class="score-of"> {say("score.of")}</span></p>
     </div>
   );
 }
@@ -66,7 +65,7 @@ function toneOf(share: number, critical: boolean): Tone {
 function Gates({ gates }: { readonly gates: readonly Gate[] }) {
   const closing = gates.filter((gate) => gate.share < 1);
   return <>{closing.map((gate) => (
-    <Notice key={gate.name} tone="warning" title={`Every criterion counts ${formatNumber(100 * gate.share, 0)} %`}><p>{gate.reason}</p></Notice>
+    <Notice key={gate.name} tone="warning" title={say("score.gate", { percent: formatNumber(100 * gate.share, 0) })}><p>{gate.reason}</p></Notice>
   ))}</>;
 }
 
@@ -78,8 +77,8 @@ interface Placed {
 function CriteriaTable({ criteria, ...placed }: Placed & { readonly criteria: readonly Criterion[] }) {
   return (
     <table class="criteria">
-      <caption class="hidden">Criteria, those that lost most points first</caption>
-      <thead><tr><th scope="col">Criterion</th><th scope="col" class="number">Measured</th><th scope="col" class="number">Points</th></tr></thead>
+      <caption class="hidden">{say("score.criteria")}</caption>
+      <thead><tr><th scope="col">{say("common.criterion")}</th><th scope="col" class="number">{say("score.measured")}</th><th scope="col" class="number">{say("common.points")}</th></tr></thead>
       <tbody>{criteria.map((criterion) => <CriterionRow key={criterion.name} criterion={criterion} {...placed} />)}</tbody>
     </table>
   );
@@ -96,13 +95,13 @@ function CriterionRow({ criterion, deductions, onPlace }: Placed & { readonly cr
         {deductionsOf(deductions, criterion.name).map((deduction) => (
           <span class="reason place" key={deduction.left ? "left" : "over"}>
             {onPlace === undefined ? deductionText(deduction)
-              : <button type="button" class="link" title="Show it in the picture and in the recording" onClick={() => onPlace(deduction)}>{deductionText(deduction)}</button>}
+              : <button type="button" class="link" title={say("score.show")} onClick={() => onPlace(deduction)}>{deductionText(deduction)}</button>}
           </span>
         ))}
       </th>
       <td class="number nowrap">{criterion.judged === false ? "–" : formatQuantity(criterion.value, criterion.unit)}</td>
       <td class="number points">
-        {criterion.max_points === 0 ? "not judged" : <>
+        {criterion.max_points === 0 ? say("insight.not_judged") : <>
           <span class="nowrap"><b>{formatPoints(criterion.points)}</b> / {formatPoints(criterion.max_points)}</span>
           <Bar share={share} tone={full ? "good" : toneOf(share, false)} />
         </>}

@@ -1,6 +1,7 @@
 import type { AttemptDetail, AttemptFacts, Criterion, Hand, Score } from "../../api/types";
 import { stoppedEarly } from "../../widgets/attempt_state";
-import { formatNumber, formatPoints, formatQuantity, formatScore, plural } from "../../base/format";
+import { formatNumber, formatPoints, formatQuantity, formatScore } from "../../base/format";
+import { say, sayIf } from "../../base/words";
 
 const kPointsShown = 0.05;                      // lost points below this round to zero
 
@@ -15,22 +16,23 @@ export function byLostPoints(criteria: readonly Criterion[]): Criterion[] {
 
 // One or two sentences that say what happened.
 export function summarySentence(score: Score): string {
-  const total = `${formatScore(score.score)} of 100.`;
-  if (score.critical_fail) return `${total} A critical criterion failed, so the whole attempt counts as not passed.`;
+  const total = formatScore(score.score);
+  if (score.critical_fail) return say("summary.critical", { score: total });
   const done = stoppedEarly(score);
-  if (done !== undefined) return `${total} The work was stopped early: ${formatNumber(done, 0)} % of it was done, so every criterion counts less.`;
+  if (done !== undefined) return say("summary.stopped", { score: total, percent: formatNumber(done, 0) });
   const judged = score.criteria.filter((criterion) => criterion.max_points > 0);
   const lost = byLostPoints(judged).filter((criterion) => lostPoints(criterion) >= kPointsShown);
   const [worst, second] = lost;
-  if (worst === undefined) return `${total} Full marks in every criterion.`;
-  const first = `${total} Most points were lost on ${inSentence(worst)}`;
-  const kept = judged.length - lost.length;
-  const rest = kept > 0 ? ` Full marks in ${formatNumber(kept, 0)} of ${plural(judged.length, "criterion", "criteria")}.` : "";
-  return `${first}${second === undefined ? "" : `, then on ${inSentence(second)}`}.${rest}`;
+  if (worst === undefined) return say("summary.full", { score: total });
+  const kept = { kept: judged.length - lost.length, count: judged.length };
+  const first = { score: total, worst: inSentence(worst) };
+  if (second === undefined) return kept.kept > 0 ? say("summary.one_kept", { ...first, ...kept }) : say("summary.one", first);
+  const both = { ...first, second: inSentence(second) };
+  return kept.kept > 0 ? say("summary.two_kept", { ...both, ...kept }) : say("summary.two", both);
 }
 
 function inSentence(criterion: Criterion): string {
-  return `“${criterion.title}” (${formatQuantity(criterion.value, criterion.unit)}, −${formatPoints(lostPoints(criterion))})`;
+  return say("summary.lost_on", { title: criterion.title, value: formatQuantity(criterion.value, criterion.unit), points: formatPoints(lostPoints(criterion)) });
 }
 
 // Scored, and not to be seen by the student yet: score, tooth, forces and remarks come with the release.
@@ -39,7 +41,7 @@ export function isWithheld({ state, computed_score: computed }: Pick<AttemptDeta
 }
 
 export function withheldText({ exam }: Pick<AttemptDetail, "exam">): string {
-  return `This is ${exam ? "an exam" : "graded work"}. It is scored. Score, picture, forces and remarks appear here as soon as your instructor releases them.`;
+  return say(exam ? "withheld.exam" : "withheld.graded");
 }
 
 export interface RecordingFacts {
@@ -53,11 +55,11 @@ export function recordingFacts(attempt: AttemptDetail, score: Score | undefined)
   const gaps = score?.gap_ticks ?? attempt.gap_ticks;
   const ticks = score?.ticks ?? attempt.ticks;
   const details: string[] = [];
-  if (gaps > 0) details.push(`${plural(gaps, "tick")} (${formatNumber((100 * gaps) / Math.max(1, ticks + gaps), 2)} %) were not recorded; the gaps are declared and were not scored.`);
+  if (gaps > 0) details.push(say("recording.gap_ticks", { count: gaps, percent: formatNumber((100 * gaps) / Math.max(1, ticks + gaps), 2) }));
   if (score !== undefined) {
-    if (!score.witness_ok) details.push(`The replay does not repeat what the station recorded${score.witness_note === "" ? "" : `: ${score.witness_note}`}. The score needs a person's judgement.`);
-    if (score.late_ticks > 0) details.push(`${plural(score.late_ticks, "tick")} came late.`);
-    if (score.bounded_ticks > 0) details.push(`The device's force limit acted in ${plural(score.bounded_ticks, "tick")}.`);
+    if (!score.witness_ok) details.push(score.witness_note === "" ? say("recording.not_repeated") : say("recording.not_repeated_note", { note: score.witness_note }));
+    if (score.late_ticks > 0) details.push(say("recording.late", { count: score.late_ticks }));
+    if (score.bounded_ticks > 0) details.push(say("recording.limited", { count: score.bounded_ticks }));
     details.push(...disturbance(score));
   }
   const complete = gaps === 0 && score?.witness_ok !== false;
@@ -68,16 +70,16 @@ export function recordingFacts(attempt: AttemptDetail, score: Score | undefined)
 function disturbance({ disturbance: d }: Score): string[] {
   if (d?.disturbed !== true) return [];
   const share = (percent: number): string => `${formatNumber(percent, 1)} %`;
-  return [`The station disturbed the attempt: ${share(d.late_percent)} of its ticks came late, ${share(d.gap_percent)} of its time is missing, and the device was at its limit in ${share(d.limited_percent)} of the time with force.`];
+  return [say("recording.disturbed_by", { late: share(d.late_percent), missing: share(d.gap_percent), limited: share(d.limited_percent) })];
 }
 
 // What held the tool, as the signed recording says.
 export function heldBy({ kind, device, driver, unit }: Hand): string {
   switch (kind) {
-    case "program": return `A simulated hand (${driver})`;
+    case "program": return say("hand.simulated", { driver });
     case "haptic": return unit === "" ? device : `${device} (${unit})`;
     case "pointer": return device;
-    default: return "Not told by the station";
+    default: return say("hand.not_told");
   }
 }
 
@@ -86,14 +88,14 @@ export function heldBy({ kind, device, driver, unit }: Hand): string {
 export function saidFacts(facts: AttemptFacts): { readonly name: string; readonly value: string }[] {
   return Object.entries(facts).flatMap(([key, value]: [string, unknown]) => {
     const words = key.replaceAll("_", " ");
-    const name = words.charAt(0).toUpperCase() + words.slice(1);
-    if (value === true) return [{ name, value: "Yes" }];
+    const name = sayIf(`fact.${key}`) ?? words.charAt(0).toUpperCase() + words.slice(1);
+    if (value === true) return [{ name, value: say("editor.yes") }];
     if (typeof value === "number" && value !== 0) return [{ name, value: formatNumber(value, 3) }];
     return typeof value === "string" && value !== "" ? [{ name, value }] : [];
   });
 }
 
 function headline(complete: boolean, score: Score | undefined): string {
-  if (!complete) return "The recording was disturbed";
-  return score === undefined ? "Nothing was lost" : "Nothing was lost, and the replay repeats the recording exactly";
+  if (!complete) return say("recording.was_disturbed");
+  return score === undefined ? say("recording.nothing_lost") : say("recording.repeats");
 }

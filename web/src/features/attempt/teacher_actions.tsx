@@ -4,6 +4,7 @@ import type { ApiResult } from "../../api/http";
 import type { AttemptDetail } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { formatScore, kScoreStep, scoreForField } from "../../base/format";
+import { say } from "../../base/words";
 import { awaitsRelease } from "../../widgets/attempt_state";
 import { Badge, ErrorNotice, Notice } from "../../widgets/basics";
 import { Confirm } from "../../widgets/dialog";
@@ -55,62 +56,62 @@ export function TeacherActions({ client, attempt, graded, onChanged, onNext, rel
   return (
     <div class="actions">
       <div class="button-row">
-        {attempt.released && <Badge tone="good">Score released</Badge>}
+        {attempt.released && <Badge tone="good">{say("judge.released")}</Badge>}
         {releasable && onNext !== undefined && (
-          <button type="button" class="button primary" disabled={change.busy} onClick={() => void releaseAndNext()}>Release and next</button>
+          <button type="button" class="button primary" disabled={change.busy} onClick={() => void releaseAndNext()}>{say("judge.release_next")}</button>
         )}
         {releasable && (
           <button type="button" class={onNext === undefined ? "button primary" : "button"} disabled={change.busy}
-                  onClick={() => void act(() => teaching.release(attempt), `${student} can see the score now.`)}>
-            Release score
+                  onClick={() => void act(() => teaching.release(attempt), say("judge.can_see", { name: student }))}>
+            {say("judge.release")}
           </button>
         )}
-        {graded && may("unrelease") && <button type="button" class="button" onClick={() => setOpen("withdraw")}>Take release back…</button>}
+        {graded && may("unrelease") && <button type="button" class="button" onClick={() => setOpen("withdraw")}>{say("judge.withdraw_ask")}</button>}
         {may("override") && <button type="button" class="button" aria-expanded={open === "override"} onClick={() => setOpen(open === "override" ? undefined : "override")}>
-          {attempt.override === null ? "Set another score…" : "Change the set score…"}
+          {attempt.override === null ? say("judge.override_ask") : say("judge.override_change")}
         </button>}
-        {may("override") && attempt.override !== null && <button type="button" class="button" onClick={() => setOpen("dropOverride")}>Remove the set score…</button>}
-        {may("rescore") && <button type="button" class="button" onClick={() => setOpen("rescore")}>Score again…</button>}
-        {may("excuse") && <button type="button" class="button" aria-expanded={open === "excuse"} onClick={() => setOpen(open === "excuse" ? undefined : "excuse")}>Excuse…</button>}
-        {may("unexcuse") && <button type="button" class="button" disabled={change.busy} onClick={() => void act(() => teaching.takeExcuseBack(attempt), "The attempt counts again.")}>Take excuse back</button>}
-        {attempt.is_reference ? <Badge tone="good">Reference of its exercise</Badge> : may("mark_reference") && (
-          <button type="button" class="button" aria-expanded={open === "reference"} onClick={() => setOpen(open === "reference" ? undefined : "reference")}>Mark as reference…</button>
+        {may("override") && attempt.override !== null && <button type="button" class="button" onClick={() => setOpen("dropOverride")}>{say("judge.drop_ask")}</button>}
+        {may("rescore") && <button type="button" class="button" onClick={() => setOpen("rescore")}>{say("judge.rescore_ask")}</button>}
+        {may("excuse") && <button type="button" class="button" aria-expanded={open === "excuse"} onClick={() => setOpen(open === "excuse" ? undefined : "excuse")}>{say("judge.excuse_ask")}</button>}
+        {may("unexcuse") && <button type="button" class="button" disabled={change.busy} onClick={() => void act(() => teaching.takeExcuseBack(attempt), say("judge.counts_again"))}>{say("judge.unexcuse")}</button>}
+        {attempt.is_reference ? <Badge tone="good">{say("judge.is_reference")}</Badge> : may("mark_reference") && (
+          <button type="button" class="button" aria-expanded={open === "reference"} onClick={() => setOpen(open === "reference" ? undefined : "reference")}>{say("judge.reference_ask")}</button>
         )}
       </div>
       {open === "reference" && (
         <ReferenceForm busy={change.busy} onCancel={() => setOpen(undefined)}
                        onName={(dentist, consent) => void act(() => teaching.makeReference(attempt.id, dentist, consent),
-                                                              "The attempt is the reference of its exercise now. Earlier scores keep theirs.")} />
+                                                              say("judge.reference_done"))} />
       )}
       {open === "override" && (
         <OverrideForm attempt={attempt} busy={change.busy} onCancel={() => setOpen(undefined)}
-                      onScore={(score, reason) => void act(() => teaching.override(attempt, score, reason), `The score counts as ${formatScore(score)} now.`)} />
+                      onScore={(score, reason) => void act(() => teaching.override(attempt, score, reason), say("judge.score_counts", { score: formatScore(score) }))} />
       )}
       {open === "excuse" && (
         <ExcuseForm busy={change.busy} onCancel={() => setOpen(undefined)}
-                    onReason={(reason) => void act(() => teaching.excuse(attempt, reason), "The attempt does not count against the limit any more.")} />
+                    onReason={(reason) => void act(() => teaching.excuse(attempt, reason), say("judge.excused"))} />
       )}
       {open === "withdraw" && (
-        <Confirm title="Take the release back?" action="Take release back" onClose={() => setOpen(undefined)}
-                 onConfirm={() => confirm(teaching.withdrawRelease(attempt), `${student} does not see the score any more.`)}>
-          <p>{student} will not see score, deviation and remarks any more, and may have seen them already. You can release again at any time.</p>
+        <Confirm title={say("judge.withdraw_title")} action={say("judge.withdraw")} onClose={() => setOpen(undefined)}
+                 onConfirm={() => confirm(teaching.withdrawRelease(attempt), say("judge.cannot_see", { name: student }))}>
+          <p>{say("judge.withdraw_text", { name: student })}</p>
         </Confirm>
       )}
       {open === "dropOverride" && (
-        <Confirm title="Remove the set score?" action="Remove the set score" onClose={() => setOpen(undefined)}
-                 onConfirm={() => confirm(teaching.dropOverride(attempt), "The computed score counts again.")}>
-          <p>The computed score counts again. The audit keeps what was set and why.</p>
+        <Confirm title={say("judge.drop_title")} action={say("judge.drop")} onClose={() => setOpen(undefined)}
+                 onConfirm={() => confirm(teaching.dropOverride(attempt), say("judge.computed_counts"))}>
+          <p>{say("judge.drop_text")}</p>
         </Confirm>
       )}
       {open === "rescore" && (
-        <Confirm title="Score this attempt again?" action="Score again" tone="neutral" onClose={() => setOpen(undefined)}
-                 onConfirm={() => confirm(teaching.rescore(attempt.id), "The attempt waits to be scored again.")}>
-          <p>The recording is replayed and compared with the exercise's newest reference. The score it has now stays in its history.</p>
+        <Confirm title={say("judge.rescore_title")} action={say("judge.rescore")} tone="neutral" onClose={() => setOpen(undefined)}
+                 onConfirm={() => confirm(teaching.rescore(attempt.id), say("judge.rescore_done"))}>
+          <p>{say("judge.rescore_text")}</p>
         </Confirm>
       )}
       <div aria-live="polite">
-        {change.error !== undefined && <ErrorNotice title="Not done" message={change.error.message} />}
-        {done !== undefined && change.error === undefined && <Notice tone="good" title="Done"><p>{done}</p></Notice>}
+        {change.error !== undefined && <ErrorNotice title={say("common.not_done")} message={change.error.message} />}
+        {done !== undefined && change.error === undefined && <Notice tone="good" title={say("judge.done")}><p>{done}</p></Notice>}
       </div>
     </div>
   );
@@ -126,11 +127,11 @@ function ReferenceForm({ busy, onName, onCancel }:
   };
   return (
     <form class="inline-form" onSubmit={submit}>
-      <TextField label="Dentist who made this cut" required maxLength={200} value={dentist} onValue={setDentist} />
-      <CheckField label="The dentist agrees to being named and to the cut being used" value={consent} onValue={setConsent} />
+      <TextField label={say("judge.dentist")} required maxLength={200} value={dentist} onValue={setDentist} />
+      <CheckField label={say("judge.consent")} value={consent} onValue={setConsent} />
       <div class="button-row">
-        <button type="submit" class="button primary" disabled={busy || !consent}>Mark as reference</button>
-        <button type="button" class="button" onClick={onCancel}>Cancel</button>
+        <button type="submit" class="button primary" disabled={busy || !consent}>{say("judge.reference")}</button>
+        <button type="button" class="button" onClick={onCancel}>{say("common.cancel")}</button>
       </div>
     </form>
   );
@@ -144,11 +145,11 @@ function ExcuseForm({ busy, onReason, onCancel }: { readonly busy: boolean; read
   };
   return (
     <form class="inline-form" onSubmit={submit}>
-      <LongTextField label="Why this attempt does not count" hint="It then counts neither against the attempt limit nor as a running exam. This cannot be taken back."
+      <LongTextField label={say("judge.excuse_why")} hint={say("judge.excuse_hint")}
                      value={reason} onValue={setReason} required maxLength={1000} rows={3} />
       <div class="button-row">
-        <button type="submit" class="button primary" disabled={busy}>Excuse the attempt</button>
-        <button type="button" class="button" onClick={onCancel}>Cancel</button>
+        <button type="submit" class="button primary" disabled={busy}>{say("judge.excuse_attempt")}</button>
+        <button type="button" class="button" onClick={onCancel}>{say("common.cancel")}</button>
       </div>
     </form>
   );
@@ -164,12 +165,12 @@ function OverrideForm({ attempt, busy, onScore, onCancel }:
   };
   return (
     <form class="inline-form" onSubmit={submit}>
-      <NumberField label="Score that counts, 0 to 100" value={score} onValue={setScore} min={0} max={100} step={kScoreStep}
-                   {...(attempt.computed_score === null ? {} : { hint: `Computed: ${formatScore(attempt.computed_score)}. It stays visible beside yours.` })} />
-      <LongTextField label="Reason" hint="The student reads it." value={reason} onValue={setReason} required maxLength={1000} rows={3} />
+      <NumberField label={say("judge.score_field")} value={score} onValue={setScore} min={0} max={100} step={kScoreStep}
+                   {...(attempt.computed_score === null ? {} : { hint: say("judge.computed", { score: formatScore(attempt.computed_score) }) })} />
+      <LongTextField label={say("common.reason")} hint={say("appeal.student_reads")} value={reason} onValue={setReason} required maxLength={1000} rows={3} />
       <div class="button-row">
-        <button type="submit" class="button primary" disabled={busy}>Set this score</button>
-        <button type="button" class="button" onClick={onCancel}>Cancel</button>
+        <button type="submit" class="button primary" disabled={busy}>{say("judge.set")}</button>
+        <button type="button" class="button" onClick={onCancel}>{say("common.cancel")}</button>
       </div>
     </form>
   );

@@ -5,6 +5,7 @@ import type { Surface } from "../../api/surface";
 import type { AttemptDetail, Series } from "../../api/types";
 import type { Loaded } from "../../api/use_request";
 import { formatLimit, formatNumber, formatQuantity, formatSigned } from "../../base/format";
+import { say } from "../../base/words";
 import { Card, ErrorNotice, Loading } from "../../widgets/basics";
 import { DeviationLegend, TissueLegend } from "../../widgets/tooth/legend";
 import type { AngledView, ColorMode, PointMm } from "../../widgets/tooth/scene";
@@ -43,8 +44,8 @@ export function ToothPanel({ surface, onRetry, ...rest }: Props) {
   const played = playback.state.state === "ready";
   const waits = playback.state.state === "loading" || (!played && surface.state === "loading");
   return (
-    <Card className="tooth-card" title={playback.showing ? "During the attempt" : "After the attempt"}>
-      {waits && <Loading what="the picture" />}
+    <Card className="tooth-card" title={playback.showing ? say("tooth_card.during") : say("tooth_card.after")}>
+      {waits && <Loading what={say("loading.picture")} />}
       {!played && !waits && surface.state === "failed" && <SurfaceError error={surface.error} onRetry={onRetry} />}
       {played ? <PlayedTooth {...rest} /> : !waits && surface.state === "ready" && <StillTooth surface={surface.value} {...rest} />}
     </Card>
@@ -57,17 +58,15 @@ function PlayedTooth(props: Shown) {
   const { playback } = props.control;
   const { deviation } = playback;
   const tissues = useMemo(() => [...playback.tissues].sort((a, b) => a - b), [playback, playback.tissues.size]);
-  const missing = deviation.state === "loading" ? "The deviation from the reference is being loaded."
-    : deviation.state === "failed" ? `The deviation from the reference could not be loaded: ${deviation.error.message}` : kNothingToCompare;
+  const missing = deviation.state === "loading" ? say("tooth_card.deviation_loading")
+    : deviation.state === "failed" ? say("tooth_card.deviation_failed", { reason: deviation.error.message }) : say("tooth_card.nothing");
   return <LoadedTooth {...props} model={{ film: playback }} compared={deviation.state === "ready" ? deviation.compared : undefined} tissues={tissues} missing={missing} busy={!playback.drawn} />;
 }
 
 function StillTooth({ surface, ...props }: Shown & { readonly surface: Surface }) {
   const tissues = useMemo(() => tissuesPresent(surface.tissue), [surface]);
-  return <LoadedTooth {...props} model={{ surface }} compared={surface.deviationMm === undefined ? undefined : surface} tissues={tissues} missing={kNothingToCompare} busy={false} />;
+  return <LoadedTooth {...props} model={{ surface }} compared={surface.deviationMm === undefined ? undefined : surface} tissues={tissues} missing={say("tooth_card.nothing")} busy={false} />;
 }
-
-const kNothingToCompare = "No deviation to show: the attempt has no reference, or its score is not released yet.";
 
 interface Loaded3d extends Shown {
   readonly model: ToothSource;
@@ -95,7 +94,7 @@ function LoadedTooth({ model, compared, tissues, missing, busy, toleranceMm, con
     <>
       <PlaybackBar control={control} />
       <div class={beside === undefined ? "teeth" : "teeth two"}>
-      <ToothView model={model} busy={busy} mode={mode} label={during ? "Picture during the attempt" : pictureText(summary, tissues)} angled={angled} tool={during ? undefined : path.at(-1)} path={path} pins={pins} look={look} onPick={onPoint}
+      <ToothView model={model} busy={busy} mode={mode} label={during ? say("tooth_card.picture_during") : pictureText(summary, tissues)} angled={angled} tool={during ? undefined : path.at(-1)} path={path} pins={pins} look={look} onPick={onPoint}
                  onPin={(key) => { const mark = marks.find((item) => item.annotation.id === key); if (mark !== undefined) onMark(mark); }} section={choices.section} follow={choices.follow}>
         <ToothTools choices={choices} onChoices={setChoices} compared={summary !== undefined && !during} played={"film" in model}>
           {series !== undefined && <CompareChoice client={client} attempt={attempt} staff={staff} chosen={beside} onChoose={setBeside} />}
@@ -115,34 +114,34 @@ function pinsOf(marks: readonly Mark[], chosen: string | undefined, point: Point
   const pins = marks.flatMap(({ annotation, number }): ToothPin[] => {
     const [x, y, z] = annotation.point_um ?? [];
     if (x === undefined || y === undefined || z === undefined) return [];
-    return [{ key: annotation.id, text: String(number), label: `Remark ${number}`, pointMm: [x / 1000, y / 1000, z / 1000], chosen: annotation.id === chosen }];
+    return [{ key: annotation.id, text: String(number), label: say("tooth_card.remark", { number: String(number) }), pointMm: [x / 1000, y / 1000, z / 1000], chosen: annotation.id === chosen }];
   });
-  return point === undefined ? pins : [...pins, { key: kNewPin, text: "+", label: "Point of the new remark", pointMm: point, chosen: true }];
+  return point === undefined ? pins : [...pins, { key: kNewPin, text: "+", label: say("tooth_card.new_point"), pointMm: point, chosen: true }];
 }
 
 function DeviationTable({ summary }: { readonly summary: DeviationSummary }) {
   return (
     <details class="numbers">
-      <summary>Deviation in numbers</summary>
+      <summary>{say("tooth_card.numbers")}</summary>
       <p>{deviationText(summary)}</p>
       <table>
-        <caption class="hidden">Deviation from the reference by side of the cavity</caption>
-        <thead><tr><th scope="col">Side</th><th scope="col" class="number">Mean (mm)</th><th scope="col" class="number">Largest (mm)</th></tr></thead>
+        <caption class="hidden">{say("tooth_card.by_side")}</caption>
+        <thead><tr><th scope="col">{say("tooth_card.side")}</th><th scope="col" class="number">{say("tooth_card.mean")}</th><th scope="col" class="number">{say("tooth_card.largest")}</th></tr></thead>
         <tbody>
           {summary.sides.map((side) => (
             <tr key={side.side}>
-              <th scope="row">{side.side}</th><td class="number">{formatSigned(side.meanMm)}</td><td class="number">{formatSigned(side.mostMm)}</td>
+              <th scope="row">{say(`cavity_side.${side.side}`)}</th><td class="number">{formatSigned(side.meanMm)}</td><td class="number">{formatSigned(side.mostMm)}</td>
             </tr>
           ))}
         </tbody>
       </table>
-      <p class="hint">Plus: more removed than in the reference. Minus: less.</p>
+      <p class="hint">{say("tooth_card.plus")}</p>
     </details>
   );
 }
 
 function SurfaceError({ error, onRetry }: { readonly error: ApiError; readonly onRetry: () => void }) {
-  return <ErrorNotice title="The picture could not be loaded" message={error.message} onRetry={onRetry} />;
+  return <ErrorNotice title={say("exercise_page.picture_failed")} message={error.message} onRetry={onRetry} />;
 }
 
 function pathBefore(series: Series | undefined, cursor: number | undefined): PointMm[] {
@@ -156,12 +155,15 @@ function pathBefore(series: Series | undefined, cursor: number | undefined): Poi
 function deviationText(summary: DeviationSummary): string {
   const percent = (share: number) => `${formatNumber(100 * share, 0)} %`;
   const worst = summary.sides[0];
-  const where = worst === undefined ? "" : ` Furthest off on average: ${worst.side.toLowerCase()}, ${formatSigned(worst.meanMm)} mm.`;
-  return `Of the surface that was cut, ${percent(summary.withinShare)} lies within ${formatLimit(summary.toleranceMm, "mm")} of the reference, ` +
-         `${percent(summary.overShare)} is cut further and ${percent(summary.underShare)} less far; 95 % is within ${formatQuantity(summary.p95Mm, "mm")}.${where}`;
+  const told = {
+    within: percent(summary.withinShare), tolerance: formatLimit(summary.toleranceMm, "mm"), over: percent(summary.overShare), under: percent(summary.underShare),
+    p95: formatQuantity(summary.p95Mm, "mm"),
+  };
+  return worst === undefined ? say("tooth_card.deviation", told)
+    : say("tooth_card.deviation_worst", { ...told, side: say(`cavity_side.${worst.side}`), mean: formatSigned(worst.meanMm) });
 }
 
 function pictureText(summary: DeviationSummary | undefined, tissues: readonly number[]): string {
-  const tooth = `${workpiece(tissues) === "tooth" ? "Tooth" : "Block"} after the attempt, showing ${tissues.map(tissueTitle).join(", ").toLowerCase()}.`;
+  const tooth = say(`tooth_card.shows_${workpiece(tissues)}`, { tissues: tissues.map(tissueTitle).join(", ") });
   return summary === undefined ? tooth : `${tooth} ${deviationText(summary)}`;
 }

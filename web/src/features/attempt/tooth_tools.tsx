@@ -1,4 +1,6 @@
 import type { ComponentChildren } from "preact";
+import { formatNumber } from "../../base/format";
+import { say } from "../../base/words";
 import { Segmented } from "../../widgets/basics";
 import type { ColorMode } from "../../widgets/tooth/scene";
 import type { SectionPlane } from "../../widgets/tooth/section";
@@ -17,9 +19,7 @@ interface Props {
   readonly children?: ComponentChildren;
 }
 
-const kSections: ReadonlyArray<readonly [SectionPlane["across"], string]> = [
-  ["y", "Mesio-distal"], ["x", "Bucco-lingual"], ["z", "Horizontal"], ["view", "Along the view"],
-];
+const kSections: readonly SectionPlane["across"][] = ["y", "x", "z", "view"];
 const kSteps = 100;
 
 // What is shown of the tooth: by which colours, cut where, and whether one stays at the bur.
@@ -27,25 +27,25 @@ export function ToothTools({ choices, onChoices, compared, played, children }: P
   const { mode, section, follow } = choices;
   const set = (change: Partial<ToothChoices>) => onChoices({ ...choices, ...change });
   const chooseSection = (across: string) => {
-    const known = kSections.find(([name]) => name === across)?.[0];
+    const known = kSections.find((name) => name === across);
     set({ section: known === undefined ? undefined : { across: known, share: 0, flipped: false } });
   };
   return (
     <div class="tooth-choices no-print">
-      {compared && <Segmented legend="Colours show" name="tooth-mode" value={mode} onChange={(value) => set({ mode: value })}
-                              choices={[{ value: "deviation", title: "Deviation" }, { value: "tissue", title: "Tissues" }]} />}
-      <select aria-label="Section" value={section?.across ?? ""} onChange={(event) => chooseSection(event.currentTarget.value)}>
-        <option value="">No section</option>
-        {kSections.map(([across, title]) => <option key={across} value={across}>{title}</option>)}
+      {compared && <Segmented legend={say("tools.colours")} name="tooth-mode" value={mode} onChange={(value) => set({ mode: value })}
+                              choices={[{ value: "deviation", title: say("tools.deviation") }, { value: "tissue", title: say("tools.tissues") }]} />}
+      <select aria-label={say("section.title")} value={section?.across ?? ""} onChange={(event) => chooseSection(event.currentTarget.value)}>
+        <option value="">{say("section.none")}</option>
+        {kSections.map((across) => <option key={across} value={across}>{say(`section.${across}`)}</option>)}
       </select>
       {section !== undefined && (
         <>
-          <input type="range" min={-kSteps} max={kSteps} value={section.share * kSteps} aria-label="Place of the section"
-                 aria-valuetext={`${Math.round(section.share * 100)} percent from the middle to the edge`} onInput={(event) => set({ section: { ...section, share: Number(event.currentTarget.value) / kSteps } })} />
-          <button type="button" class="button small" aria-pressed={section.flipped} onClick={() => set({ section: { ...section, flipped: !section.flipped } })}>Other side</button>
+          <input type="range" min={-kSteps} max={kSteps} value={section.share * kSteps} aria-label={say("section.place")}
+                 aria-valuetext={say("section.percent", { percent: formatNumber(section.share * 100, 0) })} onInput={(event) => set({ section: { ...section, share: Number(event.currentTarget.value) / kSteps } })} />
+          <button type="button" class="button small" aria-pressed={section.flipped} onClick={() => set({ section: { ...section, flipped: !section.flipped } })}>{say("section.other")}</button>
         </>
       )}
-      {played && <button type="button" class="button small" aria-pressed={follow} onClick={() => set({ follow: !follow })}>Follow the bur</button>}
+      {played && <button type="button" class="button small" aria-pressed={follow} onClick={() => set({ follow: !follow })}>{say("tools.follow")}</button>}
       {children}
     </div>
   );

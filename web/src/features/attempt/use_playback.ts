@@ -1,5 +1,6 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
+import { say } from "../../base/words";
 import type { Key } from "../../widgets/keys";
 import { prepareTooth } from "../../widgets/tooth/tooth_view";
 import { FrameClock } from "./clock";
@@ -147,17 +148,17 @@ export function playbackKeys(control: () => PlaybackControl | undefined): Key[] 
   };
   const faster = (by: 1 | -1) => on((now) => now.setSpeed(kSpeeds[Math.max(0, Math.min(kSpeeds.indexOf(now.speed as 1) + by, kSpeeds.length - 1))]!));
   return [
-    { key: "k", also: " ", what: "Play and pause", act: on((now) => now.toggle()) },
-    { key: "j", what: "5 seconds back", act: on((now) => now.jump(-1)) },
-    { key: "l", what: "5 seconds on", act: on((now) => now.jump(1)) },
-    { key: ",", also: "ArrowLeft", what: "One frame back", act: on((now) => now.step(-1)) },
-    { key: ".", also: "ArrowRight", what: "One frame on", act: on((now) => now.step(1)) },
-    { key: "Home", what: "To the beginning", act: on((now) => now.show(0)) },
-    { key: "End", what: "To the end", act: on((now) => now.show(now.playback.frames)) },
-    { key: "-", what: "Slower", act: faster(-1) },
-    { key: "+", what: "Faster", act: faster(1) },
-    { key: "[", what: "Play again from here (A)", act: on((now) => now.loopFrom()) },
-    { key: "]", what: "Play again up to here (B)", act: on((now) => now.loopTo()) },
-    { key: "\\", what: "Play all", act: on((now) => now.loopOff()) },
+    { key: "k", also: " ", what: say("playback.key_play"), act: on((now) => now.toggle()) },
+    { key: "j", what: say("playback.key_back"), act: on((now) => now.jump(-1)) },
+    { key: "l", what: say("playback.key_on"), act: on((now) => now.jump(1)) },
+    { key: ",", also: "ArrowLeft", what: say("playback.frame_back"), act: on((now) => now.step(-1)) },
+    { key: ".", also: "ArrowRight", what: say("playback.frame_on"), act: on((now) => now.step(1)) },
+    { key: "Home", what: say("playback.key_begin"), act: on((now) => now.show(0)) },
+    { key: "End", what: say("playback.key_end"), act: on((now) => now.show(now.playback.frames)) },
+    { key: "-", what: say("playback.slower"), act: faster(-1) },
+    { key: "+", what: say("playback.faster"), act: faster(1) },
+    { key: "[", what: say("playback.key_a"), act: on((now) => now.loopFrom()) },
+    { key: "]", what: say("playback.key_b"), act: on((now) => now.loopTo()) },
+    { key: "\\", what: say("playback.all"), act: on((now) => now.loopOff()) },
   ];
 }

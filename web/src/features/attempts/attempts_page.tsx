@@ -4,7 +4,8 @@ import type { Attempt, AttemptFlag, AttemptState, Cohort, ExerciseSummary } from
 import { usePages } from "../../api/use_pages";
 import { useRefresh } from "../../api/use_refresh";
 import { useRequest } from "../../api/use_request";
-import { formatDateTime, formatScore, plural } from "../../base/format";
+import { formatDateTime, formatScore } from "../../base/format";
+import { say } from "../../base/words";
 import { flagText, Flags, isUnderWay, kFlagTexts, StateBadge, stateText } from "../../widgets/attempt_state";
 import { Badge, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
 import { SelectField } from "../../widgets/form";
@@ -36,7 +37,7 @@ export function AttemptsPage({ client, mine, query, onQuery }: Props) {
   const known = exercises.loaded.state === "ready" ? exercises.loaded.value : [];
   return (
     <>
-      <PageTitle document="Attempts">{mine ? "My attempts" : "Attempts"}</PageTitle>
+      <PageTitle document={say("nav.attempts")}>{mine ? say("nav.my_attempts") : say("nav.attempts")}</PageTitle>
       {mine ? <AttemptList client={client} filter={filter} exercises={known} named={false} />
             : <CohortAttempts client={client} filter={filter} exercises={known} onQuery={onQuery} />}
     </>
@@ -53,20 +54,17 @@ function CohortAttempts({ client, filter, exercises, onQuery }: ListProps & { re
   const { loaded, reload } = useRequest("cohorts", (signal) => client.people.allCohorts(signal));
   const appeals = useRequest("appeals", (signal) => client.attempts({ appeal: "open", limit: kMostAppeals }, signal));
   const appealed = useMemo(() => new Set(appeals.loaded.state === "ready" ? appeals.loaded.value.items.map(({ id }) => id) : []), [appeals.loaded]);
-  if (loaded.state === "loading") return <Loading what="cohorts" />;
-  if (loaded.state === "failed") return <ErrorNotice title="The cohorts could not be loaded" message={loaded.error.message} onRetry={reload} />;
+  if (loaded.state === "loading") return <Loading what={say("loading.cohorts")} />;
+  if (loaded.state === "failed") return <ErrorNotice title={say("list_failed.cohorts")} message={loaded.error.message} onRetry={reload} />;
   return (
     <>
       <Filters cohorts={loaded.value} exercises={exercises} filter={filter} onQuery={onQuery} />
       {appealed.size > 0 && filter.special !== "appeal" && (
-        <p><Badge tone="warning">{plural(appealed.size, "appeal")} to answer</Badge>{" "}
-          <button type="button" class="button small" onClick={() => onQuery({ special: "appeal" })}>Show {appealed.size === 1 ? "it" : "them"}</button></p>
+        <p><Badge tone="warning">{say("attempts.appeals", { count: appealed.size })}</Badge>{" "}
+          <button type="button" class="button small" onClick={() => onQuery({ special: "appeal" })}>{say("attempts.show_appeals", { count: appealed.size })}</button></p>
       )}
       {(filter.assignment !== "" || filter.person !== "") && (
-        <p class="hint">
-          Only attempts {filter.person === "" ? "" : "of one person "}{filter.assignment === "" ? "" : "under one assignment "}are shown.{" "}
-          <button type="button" class="button small" onClick={() => onQuery({ ...filter, assignment: "", person: "" })}>Show all</button>
-        </p>
+        <p class="hint">{filter.person === "" ? say("attempts.only_assignment") : filter.assignment === "" ? say("attempts.only_person") : say("attempts.only_both")}{" "}<button type="button" class="button small" onClick={() => onQuery({ ...filter, assignment: "", person: "" })}>{say("attempts.show_all")}</button></p>
       )}
       <AttemptList client={client} filter={filter} exercises={exercises} named={true} appealed={appealed} />
     </>
@@ -79,16 +77,16 @@ function Filters({ cohorts, exercises, filter, onQuery }:
   const students = chosen?.members.filter((member) => member.role === "student").length;
   return (
     <div class="filters">
-      <SelectField label="Cohort" value={filter.cohort} onValue={(cohort) => onQuery({ ...filter, cohort })}
-                   options={[{ value: "", title: "All" }, ...cohorts.map((cohort) => ({ value: cohort.id, title: cohort.name }))]} />
-      <SelectField label="Exercise" value={filter.exercise} onValue={(exercise) => onQuery({ ...filter, exercise })}
-                   options={[{ value: "", title: "All" }, ...exercises.map((exercise) => ({ value: exercise.id, title: exercise.title }))]} />
-      <SelectField label="State" value={filter.state} onValue={(state) => onQuery({ ...filter, state })}
-                   options={[{ value: "", title: "Any" }, ...kStates.map((state) => ({ value: state as string, title: stateText(state).title }))]} />
-      <SelectField label="Only with" value={filter.special} onValue={(special) => onQuery({ ...filter, special })}
-                   options={[{ value: "", title: "–" }, { value: "appeal", title: "Unanswered appeal" },
+      <SelectField label={say("common.cohort")} value={filter.cohort} onValue={(cohort) => onQuery({ ...filter, cohort })}
+                   options={[{ value: "", title: say("common.all") }, ...cohorts.map((cohort) => ({ value: cohort.id, title: cohort.name }))]} />
+      <SelectField label={say("common.exercise")} value={filter.exercise} onValue={(exercise) => onQuery({ ...filter, exercise })}
+                   options={[{ value: "", title: say("common.all") }, ...exercises.map((exercise) => ({ value: exercise.id, title: exercise.title }))]} />
+      <SelectField label={say("common.state")} value={filter.state} onValue={(state) => onQuery({ ...filter, state })}
+                   options={[{ value: "", title: say("common.any") }, ...kStates.map((state) => ({ value: state as string, title: stateText(state).title }))]} />
+      <SelectField label={say("attempts.only_with")} value={filter.special} onValue={(special) => onQuery({ ...filter, special })}
+                   options={[{ value: "", title: "–" }, { value: "appeal", title: say("attempts.open_appeal") },
                              ...Object.keys(kFlagTexts).map((flag) => ({ value: flag, title: flagText(flag as AttemptFlag).title }))]} />
-      {students !== undefined && <span class="hint">{plural(students, "student")}</span>}
+      {students !== undefined && <span class="hint">{say("count.students", { count: students })}</span>}
     </div>
   );
 }
@@ -109,22 +107,22 @@ function AttemptList({ client, filter, exercises, named, appealed = kNobody }: L
   useRefresh(polling, kPollMs, pages.reload);
   const open = (attempt: Attempt, text: string) => <a href={`/attempts/${attempt.id}`}>{text}</a>;
   const columns: readonly Column<Attempt>[] = [
-    ...(named ? [{ title: "Student", cell: (attempt: Attempt) => open(attempt, attempt.person.display_name) },
-                 { title: "Exercise", cell: (attempt: Attempt) => attempt.exercise.title }]
-              : [{ title: "Exercise", cell: (attempt: Attempt) => open(attempt, attempt.exercise.title) }]),
-    { title: "When", cell: (attempt) => formatDateTime(attempt.ticketed_ms) },
-    { title: "Score", number: true, cell: (attempt) => <ScoreCell attempt={attempt} /> },
-    { title: "State", cell: (attempt) => <StateBadge attempt={attempt} /> },
-    { title: "Flags", cell: (attempt) => <Flags attempt={attempt} graded={!practice.has(attempt.exercise.id) || attempt.exam} staff={named} appealed={appealed.has(attempt.id)} /> },
+    ...(named ? [{ title: say("common.student"), cell: (attempt: Attempt) => open(attempt, attempt.person.display_name) },
+                 { title: say("common.exercise"), cell: (attempt: Attempt) => attempt.exercise.title }]
+              : [{ title: say("common.exercise"), cell: (attempt: Attempt) => open(attempt, attempt.exercise.title) }]),
+    { title: say("common.when"), cell: (attempt) => formatDateTime(attempt.ticketed_ms) },
+    { title: say("common.score"), number: true, cell: (attempt) => <ScoreCell attempt={attempt} /> },
+    { title: say("common.state"), cell: (attempt) => <StateBadge attempt={attempt} /> },
+    { title: say("attempts.flags"), cell: (attempt) => <Flags attempt={attempt} graded={!practice.has(attempt.exercise.id) || attempt.exam} staff={named} appealed={appealed.has(attempt.id)} /> },
   ];
   return (
-    <PagedList pages={pages} what="attempts" empty="No attempt yet. They appear here while they are recorded at a station.">
-      {(attempts) => <div class="card flush"><DataTable label="Attempts" items={attempts} rowKey={(attempt) => attempt.id} columns={columns} /></div>}
+    <PagedList pages={pages} list="attempts" empty={say("attempts.none")}>
+      {(attempts) => <div class="card flush"><DataTable label={say("nav.attempts")} items={attempts} rowKey={(attempt) => attempt.id} columns={columns} /></div>}
     </PagedList>
   );
 }
 
 function ScoreCell({ attempt }: { readonly attempt: Attempt }) {
   const set = attempt.score !== null && attempt.computed_score !== null && attempt.score !== attempt.computed_score;
-  return <span class="score-cell">{formatScore(attempt.score)}{set && <span class="sub">computed {formatScore(attempt.computed_score)}</span>}</span>;
+  return <span class="score-cell">{formatScore(attempt.score)}{set && <span class="sub">{say("attempts.computed", { score: formatScore(attempt.computed_score) })}</span>}</span>;
 }

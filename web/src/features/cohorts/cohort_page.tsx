@@ -5,7 +5,9 @@ import type { Cohort, CohortMember } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { useEdit } from "../../api/use_edit";
 import { useRequest } from "../../api/use_request";
-import { Badge, Card, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
+import { spokenLocale } from "../../base/language";
+import { say } from "../../base/words";
+import { Badge, Brief, Card, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
 import { Confirm } from "../../widgets/dialog";
 import { EditNotices } from "../../widgets/edit_notices";
 import { CheckField, TextField } from "../../widgets/form";
@@ -20,31 +22,31 @@ interface Props {
 
 export function CohortPage({ client, id, admin }: Props) {
   const { loaded, reload } = useRequest(id, (signal) => client.people.cohort(id, signal));
-  if (loaded.state === "loading") return <Loading what="the cohort" />;
+  if (loaded.state === "loading") return <Loading what={say("loading.cohort")} />;
   if (loaded.state === "failed") {
-    return <><PageTitle document="Cohort">Cohort</PageTitle><ErrorNotice title="The cohort could not be loaded" message={loaded.error.message} onRetry={reload} /></>;
+    return <><PageTitle document={say("common.cohort")}>{say("common.cohort")}</PageTitle><ErrorNotice title={say("cohort.failed")} message={loaded.error.message} onRetry={reload} /></>;
   }
   const cohort = loaded.value.value;
   return (
     <>
-      <nav class="trail" aria-label="Where you are"><a href="/cohorts">Cohorts</a></nav>
+      <nav class="trail" aria-label={say("common.where")}><a href="/cohorts">{say("nav.cohorts")}</a></nav>
       <div class="title-row">
         <PageTitle document={cohort.name}>{cohort.name}</PageTitle>
-        {cohort.archived_ms > 0 && <Badge tone="neutral">Archived</Badge>}
+        {cohort.archived_ms > 0 && <Badge tone="neutral">{say("cohort.archived")}</Badge>}
       </div>
-      <p class="byline"><a href={`/attempts?cohort=${cohort.id}`}>Attempts</a>{" · "}<a href={`/grading?cohort=${cohort.id}`}>Grading</a>{" · "}<a href={`/assignments?cohort=${cohort.id}`}>Assignments</a></p>
+      <p class="byline"><a href={`/attempts?cohort=${cohort.id}`}>{say("nav.attempts")}</a>{" · "}<a href={`/grading?cohort=${cohort.id}`}>{say("grading.title")}</a>{" · "}<a href={`/assignments?cohort=${cohort.id}`}>{say("nav.assignments")}</a></p>
       <GradesCard client={client} cohort={cohort} />
       <div class={admin ? "columns" : ""}>
         <Members client={client} cohort={cohort} admin={admin} onChanged={reload} />
-        {admin && <Card title="Details"><Details key={loaded.value.tag} client={client} read={loaded.value} onRead={reload} /></Card>}
+        {admin && <Card title={say("cohort.details")}><Details key={loaded.value.tag} client={client} read={loaded.value} onRead={reload} /></Card>}
       </div>
     </>
   );
 }
 
 const kCompared = [
-  { title: "Name", text: (cohort: Cohort) => cohort.name },
-  { title: "Archived", text: (cohort: Cohort) => cohort.archived_ms > 0 ? "yes" : "no" },
+  { get title() { return say("account.name"); }, text: (cohort: Cohort) => cohort.name },
+  { get title() { return say("cohort.archived"); }, text: (cohort: Cohort) => cohort.archived_ms > 0 ? "yes" : "no" },
 ];
 
 function Details({ client, read, onRead }: { readonly client: Client; readonly read: Tagged<Cohort>; readonly onRead: () => void }) {
@@ -55,39 +57,39 @@ function Details({ client, read, onRead }: { readonly client: Client; readonly r
   };
   return (
     <form class="form" onSubmit={submit}>
-      <TextField label="Name" value={edit.draft.name} onValue={(name) => edit.set({ name })} required maxLength={200} problem={edit.problemOf("name")} />
-      <CheckField label="Archived" hint="No longer offered for new assignments; what was done stays." value={edit.draft.archived_ms > 0} onValue={(archived) => edit.set({ archived_ms: archived ? read.value.archived_ms || Date.now() : 0 })} />
+      <TextField label={say("account.name")} value={edit.draft.name} onValue={(name) => edit.set({ name })} required maxLength={200} problem={edit.problemOf("name")} />
+      <CheckField label={say("cohort.archived")} hint={say("cohort.archived_hint")} value={edit.draft.archived_ms > 0} onValue={(archived) => edit.set({ archived_ms: archived ? read.value.archived_ms || Date.now() : 0 })} />
       <EditNotices edit={edit} compared={kCompared} fields={["name"]} />
-      <div><button type="submit" class="button primary" disabled={edit.busy || !edit.changed}>Save</button></div>
+      <div><button type="submit" class="button primary" disabled={edit.busy || !edit.changed}>{say("common.save")}</button></div>
     </form>
   );
 }
 
 function Members({ client, cohort, admin, onChanged }: { readonly client: Client; readonly cohort: Cohort; readonly admin: boolean; readonly onChanged: () => void }) {
   const [leaving, setLeaving] = useState<CohortMember>();
-  const sorted = [...cohort.members].sort((a, b) => a.role.localeCompare(b.role) || a.display_name.localeCompare(b.display_name, undefined, { numeric: true }));
+  const sorted = [...cohort.members].sort((a, b) => a.role.localeCompare(b.role) || a.display_name.localeCompare(b.display_name, spokenLocale(), { numeric: true }));
   const name = (member: CohortMember) => admin ? <a href={`/people/${member.id}`}>{member.display_name}</a> : member.display_name;
   return (
-    <Card title={`Members (${cohort.members.length})`}>
-      {sorted.length === 0 ? <Empty>Nobody is in this cohort yet.</Empty> : (
-        <DataTable label={`Members of ${cohort.name}`} items={sorted} rowKey={(member) => member.id} dense columns={[
-          { title: "Name", cell: name },
-          { title: "Role", cell: (member) => member.role },
-          { title: "Attempts", cell: (member) => <a href={`/attempts?cohort=${cohort.id}&person=${member.id}`}>Attempts<span class="hidden"> of {member.display_name}</span></a> },
-          ...(admin ? [{ title: "Remove", hideTitle: true, cell: (member: CohortMember) => (
-            <div class="row-tools"><button type="button" class="button small" onClick={() => setLeaving(member)}>Remove…<span class="hidden"> {member.display_name}</span></button></div>) }] : []),
+    <Card title={say("cohort.members", { count: cohort.members.length })}>
+      {sorted.length === 0 ? <Empty>{say("cohort.nobody")}</Empty> : (
+        <DataTable label={say("cohort.members_of", { name: cohort.name })} items={sorted} rowKey={(member) => member.id} dense columns={[
+          { title: say("account.name"), cell: name },
+          { title: say("account.role"), cell: (member) => say(`role.${member.role}`) },
+          { title: say("nav.attempts"), cell: (member) => <a href={`/attempts?cohort=${cohort.id}&person=${member.id}`}><Brief shown={say("nav.attempts")} full={say("cohort.attempts_of", { name: member.display_name })} /></a> },
+          ...(admin ? [{ title: say("common.remove"), hideTitle: true, cell: (member: CohortMember) => (
+            <div class="row-tools"><button type="button" class="button small" onClick={() => setLeaving(member)}><Brief shown={say("cohort.remove_ask")} full={say("cohort.remove_whom", { name: member.display_name })} /></button></div>) }] : []),
         ]} />
       )}
       {admin && cohort.archived_ms === 0 && <AddMember client={client} cohort={cohort} onAdded={onChanged} />}
       {leaving !== undefined && (
-        <Confirm title={`Remove ${leaving.display_name} from ${cohort.name}?`} action="Remove" onClose={() => setLeaving(undefined)}
+        <Confirm title={say("cohort.remove_title", { name: leaving.display_name, cohort: cohort.name })} action={say("common.remove")} onClose={() => setLeaving(undefined)}
                  onConfirm={async () => {
                    const result = await client.people.removeMember(cohort.id, leaving.id);
                    if (!result.ok) return result.error.message;
                    onChanged();
                    return undefined;
                  }}>
-          <p>The person keeps account, attempts and scores. {leaving.role === "instructor" ? "The instructor does not see this cohort any more." : "The cohort's assignments are not offered to the person any more."} You can add the person again.</p>
+          <p>{leaving.role === "instructor" ? say("cohort.remove_instructor") : say("cohort.remove_student")}</p>
         </Confirm>
       )}
     </Card>
@@ -113,19 +115,19 @@ function AddMember({ client, cohort, onAdded }: { readonly client: Client; reado
   return (
     <>
       <form class="filters" role="search" onSubmit={submit}>
-        <TextField label="Add somebody: name or login" value={text} onValue={setText} maxLength={100} />
-        <button type="submit" class="button" disabled={text.trim() === ""}>Find</button>
+        <TextField label={say("cohort.add")} value={text} onValue={setText} maxLength={100} />
+        <button type="submit" class="button" disabled={text.trim() === ""}>{say("common.find")}</button>
       </form>
-      {change.error !== undefined && <ErrorNotice title="Not added" message={change.error.message} />}
-      {asked !== "" && found.loaded.state === "failed" && <ErrorNotice title="People could not be searched" message={found.loaded.error.message} />}
-      {asked !== "" && found.loaded.state === "ready" && (items.length === 0 ? <Empty>Nobody has that name.</Empty> : (
-        <DataTable label="People found" items={items} rowKey={(person) => person.id} dense columns={[
-          { title: "Name", cell: (person) => person.display_name },
-          { title: "Login", cell: (person) => <code>{person.login}</code> },
-          { title: "Role", cell: (person) => person.role },
-          { title: "Add", hideTitle: true, cell: (person) => (
-            <div class="row-tools">{inside.has(person.id) ? <span class="hint">Is a member</span>
-              : <button type="button" class="button small" disabled={change.busy} onClick={() => void add(person.id)}>Add<span class="hidden"> {person.display_name}</span></button>}</div>) },
+      {change.error !== undefined && <ErrorNotice title={say("common.not_added")} message={change.error.message} />}
+      {asked !== "" && found.loaded.state === "failed" && <ErrorNotice title={say("cohort.search_failed")} message={found.loaded.error.message} />}
+      {asked !== "" && found.loaded.state === "ready" && (items.length === 0 ? <Empty>{say("common.nobody_named")}</Empty> : (
+        <DataTable label={say("cohort.found")} items={items} rowKey={(person) => person.id} dense columns={[
+          { title: say("account.name"), cell: (person) => person.display_name },
+          { title: say("account.login"), cell: (person) => <code>{person.login}</code> },
+          { title: say("account.role"), cell: (person) => say(`role.${person.role}`) },
+          { title: say("common.add"), hideTitle: true, cell: (person) => (
+            <div class="row-tools">{inside.has(person.id) ? <span class="hint">{say("cohort.is_member")}</span>
+              : <button type="button" class="button small" disabled={change.busy} onClick={() => void add(person.id)}><Brief shown={say("common.add")} full={say("cohort.add_whom", { name: person.display_name })} /></button>}</div>) },
         ]} />
       ))}
     </>

@@ -3,7 +3,7 @@ import type { Client } from "../../api/client";
 import type { Cohort } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { usePages } from "../../api/use_pages";
-import { plural } from "../../base/format";
+import { say } from "../../base/words";
 import { Badge, Card, ErrorNotice, PageTitle } from "../../widgets/basics";
 import { Dialog, FormButtons } from "../../widgets/dialog";
 import { TextField } from "../../widgets/form";
@@ -19,19 +19,19 @@ export function CohortsPage({ client, admin }: { readonly client: Client; readon
   return (
     <>
       <div class="toolbar">
-        <PageTitle document="Cohorts">Cohorts</PageTitle>
-        {admin && <button type="button" class="button primary" onClick={() => setAdding(true)}>Add a cohort…</button>}
+        <PageTitle document={say("nav.cohorts")}>{say("nav.cohorts")}</PageTitle>
+        {admin && <button type="button" class="button primary" onClick={() => setAdding(true)}>{say("cohorts.add_ask")}</button>}
       </div>
-      <PagedList pages={pages} what="cohorts" empty={admin ? "There is no cohort yet." : "No cohort is assigned to you. An administrator adds instructors to cohorts."}>
+      <PagedList pages={pages} list="cohorts" empty={admin ? say("cohorts.none") : say("cohorts.none_assigned")}>
         {(cohorts) => (
           <Card className="flush">
-            <DataTable label="Cohorts" items={cohorts} rowKey={(cohort) => cohort.id} columns={[
-              { title: "Cohort", cell: (cohort) => <a href={`/cohorts/${cohort.id}`}>{cohort.name}</a> },
-              { title: "Students", number: true, cell: (cohort) => students(cohort) },
-              { title: "Instructors", cell: (cohort) => cohort.members.filter((member) => member.role === "instructor").map((member) => member.display_name).join(", ") || "–" },
-              { title: "State", cell: (cohort) => cohort.archived_ms > 0 ? <Badge tone="neutral">Archived</Badge> : <Badge tone="good">In use</Badge> },
+            <DataTable label={say("nav.cohorts")} items={cohorts} rowKey={(cohort) => cohort.id} columns={[
+              { title: say("common.cohort"), cell: (cohort) => <a href={`/cohorts/${cohort.id}`}>{cohort.name}</a> },
+              { title: say("cohorts.students"), number: true, cell: (cohort) => students(cohort) },
+              { title: say("cohorts.instructors"), cell: (cohort) => cohort.members.filter((member) => member.role === "instructor").map((member) => member.display_name).join(", ") || "–" },
+              { title: say("common.state"), cell: (cohort) => cohort.archived_ms > 0 ? <Badge tone="neutral">{say("cohort.archived")}</Badge> : <Badge tone="good">{say("cohorts.in_use")}</Badge> },
             ]} />
-            <p class="hidden">{plural(cohorts.length, "cohort")}</p>
+            <p class="hidden">{say("cohorts.count", { count: cohorts.length })}</p>
           </Card>
         )}
       </PagedList>
@@ -51,11 +51,11 @@ function AddCohort({ client, onClose, onAdded }: { readonly client: Client; read
     onClose();
   };
   return (
-    <Dialog title="Add a cohort" onClose={onClose}>
+    <Dialog title={say("cohorts.add_title")} onClose={onClose}>
       <form class="form" onSubmit={(event) => void submit(event)}>
-        <TextField label="Name" value={name} onValue={setName} required maxLength={200} problem={change.error?.field === "name" ? change.error.message : undefined} />
-        {change.error !== undefined && change.error.field !== "name" && <ErrorNotice title="Not added" message={change.error.message} />}
-        <FormButtons action="Add" disabled={change.busy} onCancel={onClose} />
+        <TextField label={say("account.name")} value={name} onValue={setName} required maxLength={200} problem={change.error?.field === "name" ? change.error.message : undefined} />
+        {change.error !== undefined && change.error.field !== "name" && <ErrorNotice title={say("common.not_added")} message={change.error.message} />}
+        <FormButtons action={say("common.add")} disabled={change.busy} onCancel={onClose} />
       </form>
     </Dialog>
   );

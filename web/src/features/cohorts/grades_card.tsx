@@ -4,8 +4,9 @@ import type { Attempt, Cohort, CohortGrades, Grade } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { csvText } from "../../base/csv";
 import { downloadText, fileName } from "../../base/download";
-import { formatScore, plural } from "../../base/format";
+import { formatScore } from "../../base/format";
 import { ok } from "../../base/result";
+import { say } from "../../base/words";
 import { Card, Empty, ErrorNotice, Loading, TableFrame } from "../../widgets/basics";
 import { attemptsTable, type CsvTable, gradesTable } from "./grades";
 
@@ -26,9 +27,9 @@ export function GradesCard({ client, cohort }: { readonly client: Client; readon
     return attempts.ok ? ok({ grades: grades.value, attempts: attempts.value }) : attempts;
   });
   return (
-    <Card title="Grades">
-      {loaded.state === "loading" && <Loading what="the grades" />}
-      {loaded.state === "failed" && <ErrorNotice title="The grades could not be loaded" message={loaded.error.message} onRetry={reload} />}
+    <Card title={say("grades.title")}>
+      {loaded.state === "loading" && <Loading what={say("loading.grades")} />}
+      {loaded.state === "failed" && <ErrorNotice title={say("grades.failed")} message={loaded.error.message} onRetry={reload} />}
       {loaded.state === "ready" && <Grades cohort={cohort} book={loaded.value} />}
     </Card>
   );
@@ -37,16 +38,16 @@ export function GradesCard({ client, cohort }: { readonly client: Client; readon
 function Grades({ cohort, book }: { readonly cohort: Cohort; readonly book: Book }) {
   const { grades: { assignments, students }, attempts } = book;
   const save = (name: string, table: CsvTable) => downloadText(`${fileName(cohort.name, name)}.csv`, "text/csv", csvText(table.header, table.rows));
-  if (assignments.length === 0) return <Empty>Nothing is assigned to this cohort yet.</Empty>;
+  if (assignments.length === 0) return <Empty>{say("grades.none")}</Empty>;
   return (
     <>
-      <TableFrame label={`Grades of ${cohort.name}`}>
+      <TableFrame label={say("grades.of", { name: cohort.name })}>
         <table class="grades dense">
           <thead>
             <tr>
-              <th scope="col">Student</th>
+              <th scope="col">{say("common.student")}</th>
               {assignments.map(({ id, exercise, counting }) => (
-                <th key={id} scope="col" class="wrap number"><a href={`/assignments/${id}`}>{exercise.title !== "" ? exercise.title : exercise.name}</a><span class="sub">{counting}</span></th>
+                <th key={id} scope="col" class="wrap number"><a href={`/assignments/${id}`}>{exercise.title !== "" ? exercise.title : exercise.name}</a><span class="sub">{say(`grades_by.${counting}`)}</span></th>
               ))}
             </tr>
           </thead>
@@ -66,31 +67,31 @@ function Grades({ cohort, book }: { readonly cohort: Cohort; readonly book: Book
               </tr>
             ))}
             <tr>
-              <th scope="row">Students with a result</th>
-              {assignments.map(({ id, summary }) => <td key={id} class="number">{summary.graded} of {summary.students}</td>)}
+              <th scope="row">{say("grades.with_result")}</th>
+              {assignments.map(({ id, summary }) => <td key={id} class="number">{say("count.of", { part: String(summary.graded), whole: String(summary.students) })}</td>)}
             </tr>
             <tr>
-              <th scope="row">Not started</th>
+              <th scope="row">{say("attempt_state.ticketed")}</th>
               {assignments.map(({ id }, i) => <td key={id} class="number">{students.filter(({ grades }) => grades[i]?.attempts === 0).length}</td>)}
             </tr>
           </tfoot>
         </table>
       </TableFrame>
-      <p class="hint">One result for each student and assignment; the assignment says which attempts make it, in brackets is of how many. A star: not all of them are released. Practice shows to the student without a release.</p>
+      <p class="hint">{say("grades.hint")}</p>
       <div class="button-row">
-        <button type="button" class="button" onClick={() => save("grades", gradesTable(book.grades))}>Save grades as CSV</button>
-        <button type="button" class="button" onClick={() => save("attempts", attemptsTable(attempts))}>Save all {plural(attempts.length, "attempt")} as CSV</button>
+        <button type="button" class="button" onClick={() => save("grades", gradesTable(book.grades))}>{say("grades.save")}</button>
+        <button type="button" class="button" onClick={() => save("attempts", attemptsTable(attempts))}>{say("grades.save_attempts", { count: attempts.length })}</button>
       </div>
     </>
   );
 }
 
 const kFigures = [
-  { name: "mean", title: "Mean" }, { name: "median", title: "Median" }, { name: "lowest", title: "Lowest" }, { name: "highest", title: "Highest" },
+  { name: "mean", get title() { return say("grades.mean"); } }, { name: "median", get title() { return say("grades.median"); } }, { name: "lowest", get title() { return say("grades.lowest"); } }, { name: "highest", get title() { return say("grades.highest"); } },
 ] as const;
 
 function GradeCell({ grade }: { readonly grade: Grade }) {
-  if (grade.score === null) return <span class="hint">{grade.attempts === 0 ? "–" : "not scored"}</span>;
-  const text = <>{formatScore(grade.score)} ({grade.counted}){!grade.released && <span title="Not released">*<span class="hidden"> not released</span></span>}</>;
+  if (grade.score === null) return <span class="hint">{grade.attempts === 0 ? "–" : say("grades.not_scored")}</span>;
+  const text = <>{formatScore(grade.score)} ({grade.counted}){!grade.released && <span title={say("attempt_flag.not_released")}>*<span class="hidden"> {say("grades.not_released")}</span></span>}</>;
   return grade.attempt_id === null ? text : <a href={`/attempts/${grade.attempt_id}`}>{text}</a>;
 }

@@ -3,6 +3,7 @@ import { type ApiResult, placedMessage } from "../../api/http";
 import type { Exercise } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { formatNumber } from "../../base/format";
+import { say } from "../../base/words";
 import { FormButtons } from "../../widgets/dialog";
 import { ErrorNotice } from "../../widgets/basics";
 import { FileField } from "../../widgets/form";
@@ -31,11 +32,11 @@ export function DocumentForm({ action, send, onDone, onCancel }: Props) {
   };
   return (
     <form class="form" onSubmit={(event) => void submit(event)}>
-      <FileField label="Exercise document (JSON)" accept=".json,application/json" onFile={(chosen) => { setFile(chosen); change.clear(); }}
-                 hint="As described in schemas/exercise.schema.json; the rubric is part of it. Save one of an existing exercise to begin with."
-                 problem={tooLarge ? `The file has ${formatNumber(file.size, 0)} bytes, at most ${formatNumber(kMaxBytes, 0)} are allowed.` : undefined} />
+      <FileField label={say("document.file")} accept=".json,application/json" onFile={(chosen) => { setFile(chosen); change.clear(); }}
+                 hint={say("document.file_hint")}
+                 problem={tooLarge ? say("document.too_large", { found: formatNumber(file.size, 0), most: formatNumber(kMaxBytes, 0) }) : undefined} />
       {change.error !== undefined &&
-        <ErrorNotice title={change.error.code === "invalid_input" ? "The document is not right" : "Not saved"} message={placedMessage(change.error)} />}
+        <ErrorNotice title={change.error.code === "invalid_input" ? say("document.not_right") : say("common.not_saved")} message={placedMessage(change.error)} />}
       <FormButtons action={action} disabled={change.busy || file === undefined || tooLarge} onCancel={onCancel} />
     </form>
   );

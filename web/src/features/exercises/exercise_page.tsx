@@ -4,6 +4,8 @@ import type { Client } from "../../api/client";
 import type { Attempt, Exercise } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime, formatNumber, formatPoints, formatLimit, formatScore, micrometresAsMm } from "../../base/format";
+import { wordedTitle } from "../../api/worded";
+import { say } from "../../base/words";
 import { Flags, StateBadge } from "../../widgets/attempt_state";
 import { Badge, Card, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
 import { DataTable } from "../../widgets/table";
@@ -26,12 +28,12 @@ interface Props {
 
 export function ExercisePage({ client, id, personId, teacher, onOpen }: Props) {
   const { loaded, reload } = useRequest(id, (signal) => client.teaching.exercise(id, signal));
-  if (loaded.state === "loading") return <Loading what="the exercise" />;
+  if (loaded.state === "loading") return <Loading what={say("loading.exercise")} />;
   if (loaded.state === "failed") {
     return (
       <>
-        <PageTitle document="Exercise">Exercise</PageTitle>
-        <ErrorNotice title="The exercise could not be loaded" message={loaded.error.message} onRetry={reload} />
+        <PageTitle document={say("common.exercise")}>{say("common.exercise")}</PageTitle>
+        <ErrorNotice title={say("exercise_page.failed")} message={loaded.error.message} onRetry={reload} />
       </>
     );
   }
@@ -39,13 +41,13 @@ export function ExercisePage({ client, id, personId, teacher, onOpen }: Props) {
   const state = kStateTexts[exercise.state];
   return (
     <>
-      <nav class="trail" aria-label="Where you are"><a href="/exercises">Exercises</a></nav>
+      <nav class="trail" aria-label={say("common.where")}><a href="/exercises">{say("nav.exercises")}</a></nav>
       <div class="attempt-head">
         <div>
           <div class="title-row">
             <PageTitle document={exercise.title}>{exercise.title}</PageTitle>
             {teacher && <Badge tone={state.tone}>{state.title}</Badge>}
-            <Badge tone="neutral">{exercise.graded ? "Graded: the score shows after release" : "Practice: the score shows at once"}</Badge>
+            <Badge tone="neutral">{exercise.graded ? say("exercise_page.graded_text") : say("exercise_page.practice_text")}</Badge>
           </div>
           {teacher && <p class="byline"><code>{exercise.name}</code>, {versionText(exercise)} · {ownerText(exercise)}</p>}
         </div>
@@ -54,8 +56,8 @@ export function ExercisePage({ client, id, personId, teacher, onOpen }: Props) {
       <p class="lead instructions">{exercise.instructions}</p>
       <div class="columns">
         <div class="stack">
-          <Card title="What is asked"><TargetOutline exercise={exercise} /><Target exercise={exercise} /></Card>
-          <Card title="How it is scored"><Rubric exercise={exercise} /></Card>
+          <Card title={say("exercise_page.asked")}><TargetOutline exercise={exercise} /><Target exercise={exercise} /></Card>
+          <Card title={say("exercise_page.scored")}><Rubric exercise={exercise} /></Card>
         </div>
         <InitialTooth client={client} exercise={exercise} />
       </div>
@@ -70,7 +72,7 @@ export function ExercisePage({ client, id, personId, teacher, onOpen }: Props) {
 function TargetOutline({ exercise }: { readonly exercise: Exercise }) {
   const { target } = exercise;
   return (
-    <svg class="target-outline" viewBox={outlineViewBox(target)} role="img" aria-label="What is to be cut, seen from above">
+    <svg class="target-outline" viewBox={outlineViewBox(target)} role="img" aria-label={say("exercise_page.outline")}>
       {outlinePaths(target).map((path) => path.what === "goes" && <path class="leeway" d={path.d} style={{ strokeWidth: 2 * target.leeway_side_um }} />)}
       {outlinePaths(target).map((path) => <path class={path.what} d={path.d} />)}
     </svg>
@@ -81,17 +83,17 @@ function Target({ exercise }: { readonly exercise: Exercise }) {
   const { target, handpiece, touch_cues } = exercise;
   return (
     <dl class="facts stacked">
-      <div><dt>Bur</dt><dd>{burText(exercise.bur)}</dd></div>
-      <div><dt>Shank</dt><dd>{shankText(exercise.bur)}</dd></div>
-      <div><dt>Handpiece</dt><dd>{handpiece === null ? "Keeps its speed" : `Stalls at ${formatNumber(handpiece.stall_un_m / 1000, 2)} mN·m`}</dd></div>
-      <div><dt>Touch cues</dt><dd>{touchCuesText(touch_cues)}</dd></div>
-      <div><dt>Time limit</dt><dd>{timeLimitText(exercise.time_limit_s)}</dd></div>
-      <div><dt>Length, mesial to distal</dt><dd>{micrometresAsMm(2 * (target.half_size_um[0] ?? 0))}</dd></div>
-      <div><dt>Width, buccal to lingual</dt><dd>{micrometresAsMm(2 * (target.half_size_um[1] ?? 0))}</dd></div>
-      <div><dt>Depth</dt><dd>{micrometresAsMm(target.depth_um)}</dd></div>
-      <div><dt>May go beyond the walls</dt><dd>{micrometresAsMm(target.leeway_side_um)}</dd></div>
-      <div><dt>May go below the floor</dt><dd>{micrometresAsMm(target.leeway_bottom_um)}</dd></div>
-      <div><dt>Must stay</dt><dd>the {micrometresAsMm(target.container_um)} around that</dd></div>
+      <div><dt>{say("exercise_page.bur")}</dt><dd>{burText(exercise.bur)}</dd></div>
+      <div><dt>{say("exercise_page.shank")}</dt><dd>{shankText(exercise.bur)}</dd></div>
+      <div><dt>{say("exercise_page.handpiece")}</dt><dd>{handpiece === null ? say("exercise_page.keeps_speed") : say("exercise_page.stalls", { torque: formatNumber(handpiece.stall_un_m / 1000, 2) })}</dd></div>
+      <div><dt>{say("exercise_page.cues")}</dt><dd>{touchCuesText(touch_cues)}</dd></div>
+      <div><dt>{say("exercise_page.time_limit")}</dt><dd>{timeLimitText(exercise.time_limit_s)}</dd></div>
+      <div><dt>{say("exercise_page.length")}</dt><dd>{micrometresAsMm(2 * (target.half_size_um[0] ?? 0))}</dd></div>
+      <div><dt>{say("exercise_page.width")}</dt><dd>{micrometresAsMm(2 * (target.half_size_um[1] ?? 0))}</dd></div>
+      <div><dt>{say("exercise_page.depth")}</dt><dd>{micrometresAsMm(target.depth_um)}</dd></div>
+      <div><dt>{say("exercise_page.beyond")}</dt><dd>{micrometresAsMm(target.leeway_side_um)}</dd></div>
+      <div><dt>{say("exercise_page.below")}</dt><dd>{micrometresAsMm(target.leeway_bottom_um)}</dd></div>
+      <div><dt>{say("exercise_page.stay")}</dt><dd>{say("exercise_page.stay_text", { width: micrometresAsMm(target.container_um) })}</dd></div>
     </dl>
   );
 }
@@ -101,18 +103,16 @@ function Rubric({ exercise }: { readonly exercise: Exercise }) {
   const total = criteria.reduce((sum, criterion) => sum + criterion.points, 0);
   return (
     <>
-      <DataTable label="Rubric" items={criteria} rowKey={(criterion) => criterion.metric} dense columns={[
-        { title: "Criterion", cell: (criterion) => (
-          <>{criterion.title}{criterion.fails_above !== null && <span class="sub">Above {formatLimit(criterion.fails_above, criterion.unit)} the whole attempt is not passed</span>}</>) },
-        { title: "Full marks", cell: (criterion) => fullMarksText(criterion.map, criterion.unit) },
-        { title: "No marks", cell: (criterion) => noMarksText(criterion.map, criterion.unit) },
-        { title: "Points", number: true, cell: (criterion) => formatPoints(criterion.points) },
+      <DataTable label={say("exercise_page.rubric")} items={criteria} rowKey={(criterion) => criterion.metric} dense columns={[
+        { title: say("common.criterion"), cell: (criterion) => (
+          <>{wordedTitle(criterion.title)}{criterion.fails_above !== null && <span class="sub">{say("exercise_page.fails_above", { limit: formatLimit(criterion.fails_above, criterion.unit) })}</span>}</>) },
+        { title: say("exercise_page.full"), cell: (criterion) => fullMarksText(criterion.map, criterion.unit) },
+        { title: say("exercise_page.no_marks"), cell: (criterion) => noMarksText(criterion.map, criterion.unit) },
+        { title: say("common.points"), number: true, cell: (criterion) => formatPoints(criterion.points) },
       ]} />
-      <p class="hint">{formatPoints(total)} points in all.</p>
+      <p class="hint">{say("exercise_page.total", { points: formatPoints(total) })}</p>
       {gates.map((gate) => (
-        <p class="hint" key={gate.metric}>
-          {gate.title}: every criterion counts in full {falls(gate.map) ? "up to" : "from"} {fullMarksText(gate.map, gate.unit)} and not at all {falls(gate.map) ? "from" : "up to"} {noMarksText(gate.map, gate.unit)}.
-        </p>
+        <p class="hint" key={gate.metric}>{falls(gate.map) ? say("exercise_page.gate_falls", { title: wordedTitle(gate.title), full: fullMarksText(gate.map, gate.unit), none: noMarksText(gate.map, gate.unit) }) : say("exercise_page.gate_rises", { title: wordedTitle(gate.title), full: fullMarksText(gate.map, gate.unit), none: noMarksText(gate.map, gate.unit) })}</p>
       ))}
     </>
   );
@@ -123,15 +123,15 @@ function OwnAttempts({ client, exercise, personId }: { readonly client: Client; 
   return (
     <>
       {loaded.state === "ready" && <ProgressCard client={client} attempts={loaded.value.items} />}
-      <Card title="My attempts">
-        {loaded.state === "loading" && <Loading what="attempts" />}
-        {loaded.state === "failed" && <ErrorNotice title="The attempts could not be loaded" message={loaded.error.message} onRetry={reload} />}
-        {loaded.state === "ready" && (loaded.value.items.length === 0 ? <Empty>No attempt yet. Sign in at a station and choose this exercise there.</Empty> : (
-          <DataTable label="My attempts at this exercise" items={loaded.value.items} rowKey={(attempt) => attempt.id} columns={[
-            { title: "When", cell: (attempt: Attempt) => <a href={`/attempts/${attempt.id}`}>{formatDateTime(attempt.ticketed_ms)}</a> },
-            { title: "State", cell: (attempt: Attempt) => <StateBadge attempt={attempt} /> },
-            { title: "Score", number: true, cell: (attempt: Attempt) => <span class="score-cell">{formatScore(attempt.score)}</span> },
-            { title: "Flags", cell: (attempt: Attempt) => <Flags attempt={attempt} graded={exercise.graded || attempt.exam} staff={false} /> },
+      <Card title={say("nav.my_attempts")}>
+        {loaded.state === "loading" && <Loading what={say("loading.attempts")} />}
+        {loaded.state === "failed" && <ErrorNotice title={say("list_failed.attempts")} message={loaded.error.message} onRetry={reload} />}
+        {loaded.state === "ready" && (loaded.value.items.length === 0 ? <Empty>{say("exercise_page.none")}</Empty> : (
+          <DataTable label={say("exercise_page.mine")} items={loaded.value.items} rowKey={(attempt) => attempt.id} columns={[
+            { title: say("common.when"), cell: (attempt: Attempt) => <a href={`/attempts/${attempt.id}`}>{formatDateTime(attempt.ticketed_ms)}</a> },
+            { title: say("common.state"), cell: (attempt: Attempt) => <StateBadge attempt={attempt} /> },
+            { title: say("common.score"), number: true, cell: (attempt: Attempt) => <span class="score-cell">{formatScore(attempt.score)}</span> },
+            { title: say("attempts.flags"), cell: (attempt: Attempt) => <Flags attempt={attempt} graded={exercise.graded || attempt.exam} staff={false} /> },
           ]} />
         ))}
       </Card>

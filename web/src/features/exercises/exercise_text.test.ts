@@ -23,8 +23,8 @@ test("what is not there is said to be none", () => {
 test("touch cues are named with their largest force, and none where there are none", () => {
   const cues = { contact_mn: 250, chatter_mn: 100, energy_uj: 200, power_uw: 1000 } as const;
   assert.equal(touchCuesText(null), "None");
-  assert.equal(spaced(touchCuesText(cues)), "A knock on contact, up to 0.25 N; the bur's chatter, up to 0.1 N. Not counted in the score");
-  assert.equal(spaced(touchCuesText({ ...cues, contact_mn: 0 })), "The bur's chatter, up to 0.1 N. Not counted in the score");
+  assert.equal(spaced(touchCuesText(cues)), "A knock on contact, up to 0.25 N; the bur’s chatter, up to 0.1 N. Not counted in the score");
+  assert.equal(spaced(touchCuesText({ ...cues, contact_mn: 0 })), "The bur’s chatter, up to 0.1 N. Not counted in the score");
   assert.equal(spaced(touchCuesText({ ...cues, contact_mn: 3, chatter_mn: 0 })), "A knock on contact, up to 3 mN. Not counted in the score");
   assert.equal(spaced(touchCuesText({ ...cues, chatter_mn: 0 })), "A knock on contact, up to 0.25 N. Not counted in the score");
 });

@@ -1,41 +1,40 @@
 import type { Bur, ExerciseState, ExerciseSummary, TouchCues } from "../../api/types";
 import { formatDuration, formatNumber, formatLimit, micrometresAsMm } from "../../base/format";
+import { say } from "../../base/words";
 import type { Tone } from "../../widgets/basics";
 
-const kShapes: Readonly<Record<Bur["shape"], string>> = {
-  sphere: "Round", cylinder: "Cylinder", cone: "Cone", inverted_cone: "Inverted cone", pear: "Pear", flame: "Flame", wheel: "Wheel",
-};
-
 export function burText(bur: Bur): string {
-  const narrow = bur.narrow_radius_um > 0 ? `, ${micrometresAsMm(2 * bur.narrow_radius_um)} at the ${bur.shape === "cone" ? "tip" : "shank"}` : "";
-  const length = bur.shape === "sphere" ? "" : `, ${micrometresAsMm(bur.length_um)} long`;
-  return `${kShapes[bur.shape]}, ${micrometresAsMm(2 * bur.radius_um)} across${narrow}${length}`;
+  const [shape, across, long] = [say(`bur_shape.${bur.shape}`), micrometresAsMm(2 * bur.radius_um), micrometresAsMm(bur.length_um)];
+  if (bur.shape === "sphere") return say("bur_words.plain", { shape, across });
+  if (bur.narrow_radius_um === 0) return say("bur_words.long", { shape, across, long });
+  return say(bur.shape === "cone" ? "bur_words.at_tip" : "bur_words.at_shank", { shape, across, long, narrow: micrometresAsMm(2 * bur.narrow_radius_um) });
 }
 
 export function shankText({ shank_radius_um: shank, neck_um: neck }: Bur): string {
-  if (shank === 0) return "None";
-  return `${micrometresAsMm(2 * shank)} across${neck > 0 ? `, neck ${micrometresAsMm(neck)}` : ""}`;
+  if (shank === 0) return say("common.none_there");
+  const across = micrometresAsMm(2 * shank);
+  return neck > 0 ? say("bur_words.shank_neck", { across, neck: micrometresAsMm(neck) }) : say("bur_words.shank", { across });
 }
 
 // Small forces beside the cutting force: what they tell of and how strong they get.
 export function touchCuesText(cues: TouchCues | null): string {
-  if (cues === null) return "None";
-  const newtons = (millinewtons: number) => millinewtons < 100 ? `up to ${formatNumber(millinewtons, 0)} mN` : `up to ${formatNumber(millinewtons / 1000, 2)} N`;
-  const knock = cues.contact_mn > 0 ? `A knock on contact, ${newtons(cues.contact_mn)}` : "";
-  const chatter = cues.chatter_mn > 0 ? `${knock === "" ? "The" : "the"} bur's chatter, ${newtons(cues.chatter_mn)}` : "";
-  return `${[knock, chatter].filter((part) => part !== "").join("; ")}. Not counted in the score`;
+  const force = (millinewtons: number) => millinewtons < 100 ? `${formatNumber(millinewtons, 0)} mN` : `${formatNumber(millinewtons / 1000, 2)} N`;
+  const [knock, chatter] = [force(cues?.contact_mn ?? 0), force(cues?.chatter_mn ?? 0)];
+  if (cues === null || (cues.contact_mn === 0 && cues.chatter_mn === 0)) return say("common.none_there");
+  if (cues.chatter_mn === 0) return say("cues.knock", { knock });
+  return cues.contact_mn === 0 ? say("cues.chatter", { chatter }) : say("cues.both", { knock, chatter });
 }
 
 export function timeLimitText(seconds: number): string {
-  return seconds === 0 ? "None" : formatDuration(seconds);
+  return seconds === 0 ? say("common.none_there") : formatDuration(seconds);
 }
 
 export const kStateTexts: Readonly<Record<ExerciseState, { readonly title: string; readonly tone: Tone }>> = {
-  draft: { title: "Draft", tone: "warning" }, published: { title: "Published", tone: "good" }, retired: { title: "Retired", tone: "neutral" },
+  draft: { get title() { return say("exercise_state.draft"); }, tone: "warning" }, published: { get title() { return say("exercise_state.published"); }, tone: "good" }, retired: { get title() { return say("exercise_state.retired"); }, tone: "neutral" },
 };
 
 export function versionText({ version }: { readonly version: number }): string {
-  return version === 0 ? "draft" : `version ${version}`;
+  return version === 0 ? say("version.draft") : say("version.number", { number: String(version) });
 }
 
 type MarkMap = ReadonlyArray<{ readonly value: number; readonly share: number }>;
@@ -54,7 +53,7 @@ export function noMarksText(map: MarkMap, unit: string): string {
   const none = map.filter((point) => point.share <= 0).map((point) => point.value);
   const [low, high] = [none.at(0), none.at(-1)];
   if (low === undefined || high === undefined) return "–";
-  if (isTwoSided(map)) return `beyond ${rangeText(none.filter((value) => value < middle(map)).at(-1) ?? low, none.find((value) => value > middle(map)) ?? high, unit)}`;
+  if (isTwoSided(map)) return say("marks.beyond", { range: rangeText(none.filter((value) => value < middle(map)).at(-1) ?? low, none.find((value) => value > middle(map)) ?? high, unit) });
   return formatLimit(falls(map) ? low : high, unit);
 }
 
@@ -72,10 +71,11 @@ function middle(map: MarkMap): number {
 }
 
 function rangeText(low: number, high: number, unit: string): string {
-  return low === -high ? `±${formatLimit(high, unit)}` : `${formatLimit(low, unit)} to ${formatLimit(high, unit)}`;
+  return low === -high ? `±${formatLimit(high, unit)}` : say("marks.range", { low: formatLimit(low, unit), high: formatLimit(high, unit) });
 }
 
 // Whose it is, for who teaches.
 export function ownerText({ owner, shared }: Pick<ExerciseSummary, "owner" | "shared">): string {
-  return `${owner?.display_name ?? "The school"}, ${shared ? "shared" : "private"}`;
+  if (owner == null) return say(shared ? "owner.school_shared" : "owner.school_private");
+  return say(shared ? "owner.shared" : "owner.private", { name: owner.display_name });
 }

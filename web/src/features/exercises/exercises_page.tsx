@@ -1,23 +1,27 @@
+import type { ComponentProps } from "preact";
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { ExerciseState, ExerciseSummary } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime } from "../../base/format";
+import { say } from "../../base/words";
 import { Badge, Card, Empty, ErrorNotice, Loading, PageTitle, Segmented } from "../../widgets/basics";
 import { Dialog } from "../../widgets/dialog";
+import { PartState, usePart } from "../../widgets/part";
 import { DataTable } from "../../widgets/table";
 import { DocumentForm } from "./document_form";
+import type { ToothImportForm } from "./tooth_import";
 import { burText, ownerText, timeLimitText, versionText } from "./exercise_text";
 
 export function ExercisesPage({ client }: { readonly client: Client }) {
   const { loaded, reload } = useRequest("exercises", (signal) => client.teaching.exercises(undefined, signal));
   return (
     <>
-      <PageTitle document="Exercises">Exercises</PageTitle>
-      {loaded.state === "loading" && <Loading what="exercises" />}
-      {loaded.state === "failed" && <ErrorNotice title="The exercises could not be loaded" message={loaded.error.message} onRetry={reload} />}
+      <PageTitle document={say("nav.exercises")}>{say("nav.exercises")}</PageTitle>
+      {loaded.state === "loading" && <Loading what={say("loading.exercises")} />}
+      {loaded.state === "failed" && <ErrorNotice title={say("exercise_list.failed")} message={loaded.error.message} onRetry={reload} />}
       {loaded.state === "ready" && loaded.value.length === 0 &&
-        <Empty>No exercise is assigned to you yet. Your instructor adds them to your cohort.</Empty>}
+        <Empty>{say("exercise_list.none_mine")}</Empty>}
       {loaded.state === "ready" && (
         <ul class="card-list">
           {loaded.value.map((exercise) => <li key={exercise.id}><ExerciseCard exercise={exercise} /></li>)}
@@ -32,66 +36,83 @@ function ExerciseCard({ exercise }: { readonly exercise: ExerciseSummary }) {
     <article class="card exercise">
       <div class="card-head">
         <h2><a href={`/exercises/${exercise.id}`}>{exercise.title}</a></h2>
-        <Badge tone="neutral">{exercise.graded ? "Graded" : "Practice"}</Badge>
+        <Badge tone="neutral">{exercise.graded ? say("exercise_page.graded") : say("exercise_list.practice")}</Badge>
       </div>
       <p class="instructions">{exercise.instructions}</p>
       <dl class="facts">
-        <div><dt>Bur</dt><dd>{burText(exercise.bur)}</dd></div>
-        <div><dt>My attempts</dt><dd>{exercise.my_attempts}</dd></div>
-        <div><dt>Reference</dt><dd>{exercise.has_reference ? "Available" : "None yet"}</dd></div>
-        {exercise.time_limit_s > 0 && <div><dt>Time limit</dt><dd>{timeLimitText(exercise.time_limit_s)}</dd></div>}
+        <div><dt>{say("exercise_page.bur")}</dt><dd>{burText(exercise.bur)}</dd></div>
+        <div><dt>{say("nav.my_attempts")}</dt><dd>{exercise.my_attempts}</dd></div>
+        <div><dt>{say("attempt_flag.reference")}</dt><dd>{exercise.has_reference ? say("exercise_list.available") : say("exercise_list.none_yet")}</dd></div>
+        {exercise.time_limit_s > 0 && <div><dt>{say("exercise_page.time_limit")}</dt><dd>{timeLimitText(exercise.time_limit_s)}</dd></div>}
       </dl>
     </article>
   );
 }
 
 const kEmpty: Readonly<Record<ExerciseState, string>> = {
-  draft: "There is no draft. Add one from a document.", published: "Nothing is published yet.", retired: "Nothing is retired.",
+  get draft() { return say("exercise_list.no_draft"); }, get published() { return say("exercise_list.none_published"); }, get retired() { return say("exercise_list.none_retired"); },
 };
 
 interface StaffProps {
   readonly client: Client;
+  readonly admin: boolean;
   readonly query: URLSearchParams;
   readonly onQuery: (query: Readonly<Record<string, string>>) => void;
   readonly onOpen: (path: string) => void;
 }
 
 // For who teaches: drafts, published and retired exercises.
-export function StaffExercisesPage({ client, query, onQuery, onOpen }: StaffProps) {
+export function StaffExercisesPage({ client, admin, query, onQuery, onOpen }: StaffProps) {
   const asked = query.get("state");
   const state: ExerciseState = asked === "draft" || asked === "retired" ? asked : "published";
   const { loaded, reload } = useRequest(state, (signal) => client.teaching.exercises(state, signal));
   const [adding, setAdding] = useState(false);
+  const importing = admin && query.get("import") === "tooth";
+  const closeImport = () => onQuery({ import: "" });
   return (
     <>
       <div class="toolbar">
-        <PageTitle document="Exercises">Exercises</PageTitle>
-        <button type="button" class="button primary" onClick={() => setAdding(true)}>Add a draft…</button>
+        <PageTitle document={say("nav.exercises")}>{say("nav.exercises")}</PageTitle>
+        <div class="button-row">
+          {admin && <button type="button" class="button" onClick={() => onQuery({ import: "tooth" })}>{say("tooth_import.ask")}</button>}
+          <button type="button" class="button primary" onClick={() => setAdding(true)}>{say("exercise_list.add_ask")}</button>
+        </div>
       </div>
-      <Segmented legend="Show" name="state" value={state} onChange={(value) => onQuery({ state: value })}
-                 choices={[{ value: "published", title: "Published" }, { value: "draft", title: "Drafts" }, { value: "retired", title: "Retired" }]} />
-      {loaded.state === "loading" && <Loading what="exercises" />}
-      {loaded.state === "failed" && <ErrorNotice title="The exercises could not be loaded" message={loaded.error.message} onRetry={reload} />}
+      <Segmented legend={say("exercise_list.show")} name="state" value={state} onChange={(value) => onQuery({ state: value })}
+                 choices={[{ value: "published", title: say("exercise_state.published") }, { value: "draft", title: say("exercise_list.drafts") }, { value: "retired", title: say("exercise_state.retired") }]} />
+      {loaded.state === "loading" && <Loading what={say("loading.exercises")} />}
+      {loaded.state === "failed" && <ErrorNotice title={say("exercise_list.failed")} message={loaded.error.message} onRetry={reload} />}
       {loaded.state === "ready" && (loaded.value.length === 0 ? <Empty>{kEmpty[state]}</Empty> : (
         <Card className="flush">
-          <DataTable label="Exercises" items={loaded.value} rowKey={(exercise) => exercise.id} columns={[
-            { title: "Exercise", cell: (exercise) => <a href={`/exercises/${exercise.id}`}>{exercise.title}</a> },
-            { title: "Name", cell: (exercise) => <><code>{exercise.name}</code>, {versionText(exercise)}</> },
-            { title: "Owner", cell: ownerText },
-            { title: "Kind", cell: (exercise) => exercise.graded ? "Graded" : "Practice" },
-            { title: "Bur", cell: (exercise) => burText(exercise.bur) },
-            { title: "Time limit", cell: (exercise) => timeLimitText(exercise.time_limit_s) },
-            { title: "Reference", cell: (exercise) => exercise.has_reference ? <Badge tone="good">Available</Badge> : <Badge tone="warning">None yet</Badge> },
-            { title: "Since", cell: (exercise) => formatDateTime(exercise.published_ms) },
+          <DataTable label={say("nav.exercises")} items={loaded.value} rowKey={(exercise) => exercise.id} columns={[
+            { title: say("common.exercise"), cell: (exercise) => <a href={`/exercises/${exercise.id}`}>{exercise.title}</a> },
+            { title: say("account.name"), cell: (exercise) => <><code>{exercise.name}</code>, {versionText(exercise)}</> },
+            { title: say("exercise_list.owner"), cell: ownerText },
+            { title: say("insight.kind"), cell: (exercise) => exercise.graded ? say("exercise_page.graded") : say("exercise_list.practice") },
+            { title: say("exercise_page.bur"), cell: (exercise) => burText(exercise.bur) },
+            { title: say("exercise_page.time_limit"), cell: (exercise) => timeLimitText(exercise.time_limit_s) },
+            { title: say("attempt_flag.reference"), cell: (exercise) => exercise.has_reference ? <Badge tone="good">{say("exercise_list.available")}</Badge> : <Badge tone="warning">{say("exercise_list.none_yet")}</Badge> },
+            { title: say("listed.since"), cell: (exercise) => formatDateTime(exercise.published_ms) },
           ]} />
         </Card>
       ))}
+      {importing && (
+        <Dialog title={say("tooth_import.title")} onClose={closeImport}>
+          <ImportTooth client={client} onDone={reload} onClose={closeImport} />
+        </Dialog>
+      )}
       {adding && (
-        <Dialog title="Add a draft" onClose={() => setAdding(false)}>
-          <DocumentForm action="Add" onCancel={() => setAdding(false)} send={(text) => client.teaching.putDraft(text)}
+        <Dialog title={say("exercise_list.add")} onClose={() => setAdding(false)}>
+          <DocumentForm action={say("common.add")} onCancel={() => setAdding(false)} send={(text) => client.teaching.putDraft(text)}
                         onDone={(exercise) => onOpen(`/exercises/${exercise.id}`)} />
         </Dialog>
       )}
     </>
   );
+}
+
+// Loaded by who imports: most people never do.
+function ImportTooth(props: ComponentProps<typeof ToothImportForm>) {
+  const loaded = usePart("tooth_import", () => import("./tooth_import"));
+  return loaded === "loading" || loaded === "failed" ? <PartState state={loaded} /> : <loaded.ToothImportForm {...props} />;
 }

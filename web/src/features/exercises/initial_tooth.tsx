@@ -3,6 +3,7 @@ import type { Client } from "../../api/client";
 import type { Surface } from "../../api/surface";
 import type { Exercise } from "../../api/types";
 import { useRequest } from "../../api/use_request";
+import { say } from "../../base/words";
 import { Card, ErrorNotice, Loading } from "../../widgets/basics";
 import { TissueLegend } from "../../widgets/tooth/legend";
 import type { AngledView, PointMm } from "../../widgets/tooth/scene";
@@ -16,9 +17,9 @@ const kFromTop = 0.35;                          // of the tooth's height: the wo
 export function InitialTooth({ client, exercise }: { readonly client: Client; readonly exercise: Exercise }) {
   const { loaded, reload } = useRequest(exercise.scene_sha256 + exercise.id, (signal) => client.teaching.initialSurface(exercise.id, signal));
   return (
-    <Card title="Before the exercise" className="tooth-card">
-      {loaded.state === "loading" && <Loading what="the picture" />}
-      {loaded.state === "failed" && <ErrorNotice title="The picture could not be loaded" message={loaded.error.message} onRetry={reload} />}
+    <Card title={say("exercise_page.before")} className="tooth-card">
+      {loaded.state === "loading" && <Loading what={say("loading.picture")} />}
+      {loaded.state === "failed" && <ErrorNotice title={say("exercise_page.picture_failed")} message={loaded.error.message} onRetry={reload} />}
       {loaded.state === "ready" && <Tooth surface={loaded.value} />}
     </Card>
   );
@@ -29,7 +30,7 @@ function Tooth({ surface }: { readonly surface: Surface }) {
   const angled = useMemo((): AngledView => ({ direction: kDirection, centre: lookAt(surface) }), [surface]);
   return (
     <>
-      <ToothView model={{ surface }} mode="tissue" angled={angled} label={`The ${workpiece(tissues)} before the exercise, showing ${tissues.map(tissueTitle).join(", ").toLowerCase()}.`} />
+      <ToothView model={{ surface }} mode="tissue" angled={angled} label={say(`exercise_page.shows_${workpiece(tissues)}`, { tissues: tissues.map(tissueTitle).join(", ") })} />
       <TissueLegend tissues={tissues} />
     </>
   );

@@ -1,8 +1,10 @@
 import type { Client } from "../../api/client";
 import type { Attempt } from "../../api/types";
+import { scoreOf } from "../../api/worded";
 import { useRequest } from "../../api/use_request";
-import { formatNumber, formatPoints, plural } from "../../base/format";
+import { formatNumber, formatPoints } from "../../base/format";
 import { ok } from "../../base/result";
+import { say } from "../../base/words";
 import { Card, Notice } from "../../widgets/basics";
 import { DataTable } from "../../widgets/table";
 import { type CriterionProgress, type Done, nextStep, progressOf } from "./progress";
@@ -17,7 +19,7 @@ export function ProgressCard({ client, attempts }: { readonly client: Client; re
   const seen = attempts.filter((attempt) => attempt.computed_score !== null).slice(0, kMostScores);
   const { loaded } = useRequest(seen.length === 0 ? undefined : seen.map(({ id, computed_score: score }) => `${id} ${score}`).join(), async (signal) => {
     const scores = await Promise.all(seen.map(async ({ id, ticketed_ms: atMs }): Promise<Done[]> => {
-      const score = await client.score(id, signal);
+      const score = await scoreOf(client, id, signal);
       return score.ok ? [{ id, atMs, score: score.value }] : [];
     }));
     return ok(scores.flat());
@@ -27,19 +29,19 @@ export function ProgressCard({ client, attempts }: { readonly client: Client; re
   if (rows.length === 0) return null;
   const next = nextStep(done);
   return (
-    <Card title="How you come on">
+    <Card title={say("progress.title")}>
       {next !== undefined && (
-        <Notice tone="neutral" title={`Next: ${next.title}`}>
-          <p>It lost {formatPoints(next.lost)} points {next.of === 1 ? "in your attempt" : `on average in your last ${plural(next.of, "attempt")}`}. {next.reason}</p>
+        <Notice tone="neutral" title={say("progress.next", { title: next.title })}>
+          <p>{next.of === 1 ? say("progress.lost_once", { points: formatPoints(next.lost) }) : say("progress.lost_often", { points: formatPoints(next.lost), count: next.of })} {next.reason}</p>
         </Notice>
       )}
-      <DataTable label="Your progress, criterion by criterion" items={rows} rowKey={(row) => row.name} dense columns={[
-        { title: "Criterion", cell: (row) => row.title },
-        { title: "Over your attempts", cell: (row) => <Curve row={row} /> },
-        { title: "Best", number: true, cell: (row) => pointsText(row, row.best) },
-        { title: "Last", number: true, cell: (row) => pointsText(row, row.last) },
+      <DataTable label={say("progress.table")} items={rows} rowKey={(row) => row.name} dense columns={[
+        { title: say("common.criterion"), cell: (row) => row.title },
+        { title: say("progress.over"), cell: (row) => <Curve row={row} /> },
+        { title: say("progress.best"), number: true, cell: (row) => pointsText(row, row.best) },
+        { title: say("progress.last"), number: true, cell: (row) => pointsText(row, row.last) },
       ]} />
-      <p class="hint">Of {plural(done.length, "attempt")} whose score you may see, oldest on the left.</p>
+      <p class="hint">{say("progress.of", { count: done.length })}</p>
     </Card>
   );
 }
@@ -52,7 +54,7 @@ function Curve({ row: { shares, title } }: { readonly row: CriterionProgress }) 
   const x = (i: number) => shares.length === 1 ? kWidth / 2 : kInset + ((kWidth - 2 * kInset) * i) / (shares.length - 1);
   const y = (share: number) => kHeight - kInset - (kHeight - 2 * kInset) * share;
   return (
-    <svg class="curve" viewBox={`0 0 ${kWidth} ${kHeight}`} role="img" aria-label={`${title}: ${shares.map((share) => `${formatNumber(100 * share, 0)} %`).join(", ")} of the points`}>
+    <svg class="curve" viewBox={`0 0 ${kWidth} ${kHeight}`} role="img" aria-label={say("progress.curve", { title, shares: shares.map((share) => `${formatNumber(100 * share, 0)} %`).join(", ") })}>
       <line x1="0" x2={kWidth} y1={y(1)} y2={y(1)} />
       <polyline points={shares.map((share, i) => `${x(i)},${y(share)}`).join(" ")} />
       <circle cx={x(shares.length - 1)} cy={y(shares.at(-1) ?? 0)} r="3" />

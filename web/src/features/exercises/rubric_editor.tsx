@@ -8,6 +8,7 @@ import { useRequest } from "../../api/use_request";
 import type { Json } from "../../base/document";
 import { formatDateTime } from "../../base/format";
 import { ok } from "../../base/result";
+import { say } from "../../base/words";
 import { Card, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
 import { DocumentChanges } from "../../widgets/document_changes";
 import { EditBar } from "../../widgets/edit_bar";
@@ -39,8 +40,8 @@ export function RubricEditorPage({ client, id, onOpen }: Props) {
     if (!rubrics.ok) return rubrics;
     return metrics.ok ? ok<Read>({ exercise: exercise.value.value, rubrics: rubrics.value, metrics: metrics.value }) : metrics;
   });
-  if (loaded.state === "loading") return <Loading what="the rubric" />;
-  if (loaded.state === "failed") return <><PageTitle document="Rubric">Correct a rubric</PageTitle><ErrorNotice title="The rubric could not be loaded" message={loaded.error.message} onRetry={reload} /></>;
+  if (loaded.state === "loading") return <Loading what={say("loading.rubric")} />;
+  if (loaded.state === "failed") return <><PageTitle document={say("exercise_page.rubric")}>{say("rubric.correct")}</PageTitle><ErrorNotice title={say("rubric.failed")} message={loaded.error.message} onRetry={reload} /></>;
   return <Editor key={loaded.value.rubrics.tag} client={client} read={loaded.value} onOpen={onOpen} onNewer={reload} />;
 }
 
@@ -62,33 +63,39 @@ function Editor({ client, read: { exercise, rubrics, metrics }, onOpen, onNewer 
   const may = exercise.may.includes("change");
   return (
     <>
-      <nav class="trail" aria-label="Where you are"><a href={`/exercises/${exercise.id}`}>{exercise.title}</a></nav>
-      <PageTitle document={`Rubric of ${exercise.title}`}>{`The rubric of ${exercise.title}, ${versionText(exercise)}`}</PageTitle>
+      <nav class="trail" aria-label={say("common.where")}><a href={`/exercises/${exercise.id}`}>{exercise.title}</a></nav>
+      <PageTitle document={say("rubric.of", { title: exercise.title })}>{say("rubric.of_version", { title: exercise.title, version: versionText(exercise) })}</PageTitle>
       <EditBar edit={edit} state={stateText(check, edit.dirty)}>
-        <button type="button" class="button primary" disabled={!may || change.busy || check.busy || check.error !== undefined || !edit.dirty || reason.trim() === ""} onClick={() => void publish()}>Publish the correction</button>
+        <button type="button" class="button primary" disabled={!may || change.busy || check.busy || check.error !== undefined || !edit.dirty || reason.trim() === ""} onClick={() => void publish()}>{say("rubric.publish")}</button>
       </EditBar>
       <Problem check={check} />
       {change.error !== undefined && (change.error.status === 412
-        ? <ErrorNotice title="Somebody corrected the rubric meanwhile" message="What you have typed stays here. Load the newer rubric, compare, and publish again." onRetry={onNewer} />
-        : <ErrorNotice title="Not published" message={change.error.message} />)}
+        ? <ErrorNotice title={say("rubric.changed")} message={say("rubric.changed_text")} onRetry={onNewer} />
+        : <ErrorNotice title={say("rubric.not_published")} message={change.error.message} />)}
       <div class="editor">
         <div class="stack">
-          <Card title="How it is scored"><RubricFields form={{ edit, wrong: check.error }} path={[]} metrics={metrics} /></Card>
+          <Card title={say("exercise_page.scored")}><RubricFields form={{ edit, wrong: check.error }} path={[]} metrics={metrics} /></Card>
         </div>
         <div class="stack editor-side">
-          <Card title="The correction">
-            <LongTextField label="Reason" hint="For colleagues and the audit trail. Scores that are there stay until they are made again." value={reason} onValue={setReason} maxLength={1000} rows={2} />
+          <Card title={say("rubric.correction")}>
+            <LongTextField label={say("common.reason")} hint={say("rubric.reason_hint")} value={reason} onValue={setReason} maxLength={1000} rows={2} />
           </Card>
-          <Card title="Versions">
-            <SelectField label="Compare with" value={against} onValue={setAgainst} options={rubrics.value.map((rubric, i) => ({
-              value: String(rubric.version), title: `Version ${rubric.version}, ${formatDateTime(rubric.published_ms)}${i === 0 ? ", counts" : ""}${rubric.reason === "" ? "" : `: ${rubric.reason}`}` }))} />
-            {compared !== undefined && <DocumentChanges label="Changes against the chosen version" before={withoutVersion(compared.document as unknown as Json)} after={withoutVersion(edit.now)} beforeTitle={`Version ${compared.version}`} afterTitle="Here" titleOf={(item) => placeTitle(item, edit.now)} />}
+          <Card title={say("version.title")}>
+            <SelectField label={say("rubric.compare")} value={against} onValue={setAgainst} options={rubrics.value.map((rubric, i) => ({
+              value: String(rubric.version), title: versionTitle(rubric, i === 0) }))} />
+            {compared !== undefined && <DocumentChanges label={say("rubric.changes")} before={withoutVersion(compared.document as unknown as Json)} after={withoutVersion(edit.now)} beforeTitle={say("version.title_number", { number: String(compared.version) })} afterTitle={say("editor.here")} titleOf={(item) => placeTitle(item, edit.now)} />}
           </Card>
           <RubricPreviewCard client={client} exercise={exercise.id} rubric={edit.now} />
         </div>
       </div>
     </>
   );
+}
+
+function versionTitle({ version, published_ms: publishedMs, reason }: RubricVersion, counts: boolean): string {
+  const told = { number: String(version), since: formatDateTime(publishedMs) };
+  if (reason === "") return say(counts ? "rubric.version_counts" : "rubric.version", told);
+  return say(counts ? "rubric.version_counts_reason" : "rubric.version_reason", { ...told, reason });
 }
 
 // The server numbers them.

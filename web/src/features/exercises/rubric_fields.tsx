@@ -1,6 +1,9 @@
 import type { ScoringMetric } from "../../api/types";
 import { type Json, type Path, valueAt } from "../../base/document";
-import { formatPoints, metricTitle, unitText } from "../../base/format";
+import { formatPoints, unitText } from "../../base/format";
+import { metricTitle } from "../../base/metric_titles";
+import { say } from "../../base/words";
+import { Brief } from "../../widgets/basics";
 import { type DocumentForm, DocumentNumber, DocumentText, problemAt } from "../../widgets/document_fields";
 import { SelectField } from "../../widgets/form";
 
@@ -17,12 +20,12 @@ export function RubricFields({ form, path, metrics }: Props) {
   const total = criteria.reduce<number>((sum, item) => sum + Number(valueAt(item, ["points"]) ?? 0), 0);
   return (
     <div class="stack">
-      <p class="hint">{formatPoints(total)} points in all; the score is the share of them that was earned, of 100.</p>
-      {criteria.map((item, i) => <Item key={i} form={form} list={[...path, "criteria"]} place={i} count={criteria.length} metrics={metrics} item={item} what="Criterion" points />)}
-      <div><button type="button" class="button" onClick={() => form.edit.set([...path, "criteria", criteria.length], fresh(metrics, criteria, true))}>Add a criterion</button></div>
-      {gates.map((item, i) => <Item key={i} form={form} list={[...path, "gates"]} place={i} count={gates.length} metrics={metrics} item={item} what="Gate" />)}
-      <div><button type="button" class="button" onClick={() => form.edit.set([...path, "gates"], [...gates, fresh(metrics, gates, false)])}>Add a gate</button></div>
-      <p class="hint">A gate multiplies the points of every criterion: so that nothing is earned by who has done nothing, or has destroyed what lies beside.</p>
+      <p class="hint">{say("rubric.points_in_all", { points: formatPoints(total) })}</p>
+      {criteria.map((item, i) => <Item key={i} form={form} list={[...path, "criteria"]} place={i} count={criteria.length} metrics={metrics} item={item} what="criterion" points />)}
+      <div><button type="button" class="button" onClick={() => form.edit.set([...path, "criteria", criteria.length], fresh(metrics, criteria, true))}>{say("rubric.add_criterion")}</button></div>
+      {gates.map((item, i) => <Item key={i} form={form} list={[...path, "gates"]} place={i} count={gates.length} metrics={metrics} item={item} what="gate" />)}
+      <div><button type="button" class="button" onClick={() => form.edit.set([...path, "gates"], [...gates, fresh(metrics, gates, false)])}>{say("rubric.add_gate")}</button></div>
+      <p class="hint">{say("rubric.gate_hint")}</p>
     </div>
   );
 }
@@ -47,7 +50,7 @@ interface ItemProps {
   readonly count: number;
   readonly metrics: readonly ScoringMetric[];
   readonly item: Json;
-  readonly what: string;
+  readonly what: "criterion" | "gate";
   readonly points?: boolean;
 }
 
@@ -56,7 +59,7 @@ function Item({ form, list, place, count, metrics, item, what, points = false }:
   const title = String(valueAt(item, ["title"]) ?? "");
   const metric = String(valueAt(item, ["metric"]) ?? "");
   const unit = String(valueAt(item, ["unit"]) ?? "");
-  const name = `${what} ${place + 1}: ${title}`;
+  const name = say(what === "gate" ? "rubric.gate_name" : "rubric.criterion_name", { number: String(place + 1), title });
   const choose = (chosen: string) => {
     const known = metrics.find((each) => each.name === chosen);
     // A title that somebody wrote stays; one that is the measurement's own follows it.
@@ -77,18 +80,18 @@ function Item({ form, list, place, count, metrics, item, what, points = false }:
       <legend>{name}</legend>
       {problem !== undefined && <p class="field-problem">{problem}</p>}
       <div class="form-grid">
-        <SelectField label="What is measured" value={metric} problem={problemAt(form, [...path, "metric"])} onValue={choose}
+        <SelectField label={say("rubric.measured")} value={metric} problem={problemAt(form, [...path, "metric"])} onValue={choose}
                      options={(metrics.some((each) => each.name === metric) ? metrics : [{ name: metric, unit }, ...metrics]).map((each) => ({ value: each.name, title: metricTitle(each.name, each.unit) }))} />
-        <DocumentText form={form} path={[...path, "title"]} label="Called" maxLength={200} />
-        {points && <DocumentNumber form={form} path={[...path, "points"]} label="Points" min={0} />}
-        {points && <DocumentNumber form={form} path={[...path, "fails_above"]} label={`Fails the attempt above (${unitText(unit) || "number"})`} hint="Empty: it does not" optional />}
+        <DocumentText form={form} path={[...path, "title"]} label={say("rubric.called")} maxLength={200} />
+        {points && <DocumentNumber form={form} path={[...path, "points"]} label={say("common.points")} min={0} />}
+        {points && <DocumentNumber form={form} path={[...path, "fails_above"]} label={unitText(unit) === "" ? say("rubric.fails_above_number") : say("rubric.fails_above", { unit: unitText(unit) })} hint={say("rubric.does_not")} optional />}
       </div>
       <Steps form={form} path={[...path, "map"]} unit={unit} />
-      <DocumentText form={form} path={[...path, "comment"]} label="Advice where points are lost" maxLength={1000} />
+      <DocumentText form={form} path={[...path, "comment"]} label={say("rubric.advice")} maxLength={1000} />
       <div class="button-row">
-        <button type="button" class="button small" disabled={place === 0} onClick={() => move(place - 1)}>Move up<span class="hidden"> {name}</span></button>
-        <button type="button" class="button small" disabled={place === count - 1} onClick={() => move(place + 1)}>Move down<span class="hidden"> {name}</span></button>
-        <button type="button" class="button small" disabled={points && count === 1} onClick={remove}>Remove<span class="hidden"> {name}</span></button>
+        <button type="button" class="button small" disabled={place === 0} onClick={() => move(place - 1)}><Brief shown={say("rubric.up")} full={say("rubric.up_which", { name })} /></button>
+        <button type="button" class="button small" disabled={place === count - 1} onClick={() => move(place + 1)}><Brief shown={say("rubric.down")} full={say("rubric.down_which", { name })} /></button>
+        <button type="button" class="button small" disabled={points && count === 1} onClick={remove}><Brief shown={say("common.remove")} full={say("rubric.remove_which", { name })} /></button>
       </div>
     </fieldset>
   );
@@ -105,12 +108,12 @@ function Steps({ form, path, unit }: { readonly form: DocumentForm; readonly pat
       {problem !== undefined && <p class="field-problem">{problem}</p>}
       {rows.map((_row, i) => (
         <div class="map-row" key={i}>
-          <DocumentNumber form={form} path={[...path, i, 0]} label={`At (${unitText(unit) || "number"})`} />
-          <DocumentNumber form={form} path={[...path, i, 1]} label="Share of the points (%)" scale={0.01} min={0} />
-          <button type="button" class="button small" disabled={rows.length === 1} onClick={() => form.edit.set([...path, i], undefined)}>Remove<span class="hidden"> row {i + 1}</span></button>
+          <DocumentNumber form={form} path={[...path, i, 0]} label={unitText(unit) === "" ? say("rubric.at_number") : say("rubric.at", { unit: unitText(unit) })} />
+          <DocumentNumber form={form} path={[...path, i, 1]} label={say("rubric.share")} scale={0.01} min={0} />
+          <button type="button" class="button small" disabled={rows.length === 1} onClick={() => form.edit.set([...path, i], undefined)}><Brief shown={say("common.remove")} full={say("rubric.remove_row", { number: String(i + 1) })} /></button>
         </div>
       ))}
-      <div><button type="button" class="button small" onClick={() => form.edit.set([...path, rows.length], [next, 0])}>Add a row</button></div>
+      <div><button type="button" class="button small" onClick={() => form.edit.set([...path, rows.length], [next, 0])}>{say("rubric.add_row")}</button></div>
     </div>
   );
 }

@@ -2,6 +2,7 @@ import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { ApiResult } from "../../api/http";
 import type { Exercise } from "../../api/types";
+import { say, sayWith } from "../../base/words";
 import { Notice } from "../../widgets/basics";
 import { Confirm, Dialog } from "../../widgets/dialog";
 import { DocumentForm } from "./document_form";
@@ -24,7 +25,7 @@ export function StaffActions({ client, exercise, tag, onChanged, onOpen }: Props
   const { teaching } = client;
   const confirm = async (ask: Promise<ApiResult<unknown>>, then: () => void) => {
     const result = await ask;
-    if (!result.ok) return result.error.status === 412 ? `Somebody changed it meanwhile: load the page again and look at it first. ${result.error.message}` : result.error.message;
+    if (!result.ok) return result.error.status === 412 ? say("staff.changed", { reason: result.error.message }) : result.error.message;
     then();
     return undefined;
   };
@@ -39,49 +40,49 @@ export function StaffActions({ client, exercise, tag, onChanged, onOpen }: Props
       <div class="button-row">
         {exercise.state === "draft" && (
           <>
-            <button type="button" class="button primary" onClick={() => setOpen("publish")}>Publish…</button>
-            <a class="button" href={`/editor?exercise=${exercise.id}`}>Edit the draft</a>
-            <button type="button" class="button" onClick={() => setOpen("replace")}>Replace the document…</button>
-            <button type="button" class="button" onClick={() => setOpen("delete")}>Delete the draft…</button>
+            <button type="button" class="button primary" onClick={() => setOpen("publish")}>{say("staff.publish_ask")}</button>
+            <a class="button" href={`/editor?exercise=${exercise.id}`}>{say("staff.edit_draft")}</a>
+            <button type="button" class="button" onClick={() => setOpen("replace")}>{say("staff.replace_ask")}</button>
+            <button type="button" class="button" onClick={() => setOpen("delete")}>{say("staff.delete_ask")}</button>
           </>
         )}
-        {exercise.state !== "draft" && <a class="button" href={`/editor?exercise=${exercise.id}`}>Edit as a new draft</a>}
-        {exercise.state === "published" && <a class="button" href={`/editor?rubric=${exercise.id}`}>Correct the rubric</a>}
-        {exercise.state === "published" && <button type="button" class="button" onClick={() => setOpen("retire")}>Retire…</button>}
-        <button type="button" class="button" onClick={() => setOpen("share")}>{exercise.shared ? "Stop sharing…" : "Share…"}</button>
+        {exercise.state !== "draft" && <a class="button" href={`/editor?exercise=${exercise.id}`}>{say("staff.edit_new")}</a>}
+        {exercise.state === "published" && <a class="button" href={`/editor?rubric=${exercise.id}`}>{say("staff.rubric")}</a>}
+        {exercise.state === "published" && <button type="button" class="button" onClick={() => setOpen("retire")}>{say("staff.retire_ask")}</button>}
+        <button type="button" class="button" onClick={() => setOpen("share")}>{exercise.shared ? say("staff.unshare_ask") : say("staff.share_ask")}</button>
       </div>
       <div aria-live="polite">{done !== undefined && <Notice tone="good"><p>{done}</p></Notice>}</div>
       {open === "publish" && (
-        <Confirm title="Publish this draft?" action="Publish" tone="neutral" onClose={close}
-                 onConfirm={() => confirm(teaching.publish(exercise.id, tag), said("Published. It can be assigned now."))}>
-          <p>It becomes the next version of <code>{exercise.name}</code> and never changes again. Assignments stay with the version they have until somebody moves them.</p>
+        <Confirm title={say("staff.publish_title")} action={say("staff.publish")} tone="neutral" onClose={close}
+                 onConfirm={() => confirm(teaching.publish(exercise.id, tag), said(say("staff.published")))}>
+          <p>{sayWith("staff.publish_text", { name: <code>{exercise.name}</code> })}</p>
         </Confirm>
       )}
       {open === "retire" && (
-        <Confirm title={`Retire ${exercise.title}?`} action="Retire" onClose={close}
-                 onConfirm={() => confirm(teaching.retire(exercise.id), said("Retired."))}>
-          <p>No version of <code>{exercise.name}</code> is offered any more, also where it is assigned. Attempts and scores stay. Publishing a new version brings it back.</p>
+        <Confirm title={say("staff.retire_title", { title: exercise.title })} action={say("staff.retire")} onClose={close}
+                 onConfirm={() => confirm(teaching.retire(exercise.id), said(say("staff.retired")))}>
+          <p>{sayWith("staff.retire_text", { name: <code>{exercise.name}</code> })}</p>
         </Confirm>
       )}
       {open === "share" && (
-        <Confirm title={exercise.shared ? `Stop sharing ${exercise.title}?` : `Share ${exercise.title}?`} action={exercise.shared ? "Stop sharing" : "Share"} tone="neutral" onClose={close}
-                 onConfirm={() => confirm(teaching.share(exercise.id, { shared: !exercise.shared }), said(exercise.shared ? "Private now." : "Shared."))}>
+        <Confirm title={exercise.shared ? say("staff.unshare_title", { title: exercise.title }) : say("staff.share_title", { title: exercise.title })} action={exercise.shared ? say("staff.unshare") : say("staff.share")} tone="neutral" onClose={close}
+                 onConfirm={() => confirm(teaching.share(exercise.id, { shared: !exercise.shared }), said(exercise.shared ? say("staff.private") : say("staff.shared")))}>
           {exercise.shared
-            ? <p>Other instructors do not find it any more. What they have assigned goes on.</p>
-            : <p>Other instructors can read <code>{exercise.name}</code> and assign it. They cannot change or retire it.</p>}
+            ? <p>{say("staff.unshare_text")}</p>
+            : <p>{sayWith("staff.share_text", { name: <code>{exercise.name}</code> })}</p>}
         </Confirm>
       )}
       {open === "delete" && (
-        <Confirm title="Delete this draft?" action="Delete the draft" onClose={close}
+        <Confirm title={say("staff.delete_title")} action={say("staff.delete")} onClose={close}
                  onConfirm={() => confirm(teaching.deleteDraft(exercise.id, tag), () => onOpen("/exercises"))}>
-          <p>It cannot be brought back. Save its document first if you may need it.</p>
-          <p><a href={teaching.documentAddress(exercise.id)} download={`${exercise.name}_draft.json`}>Save the document</a></p>
+          <p>{say("staff.delete_text")}</p>
+          <p><a href={teaching.documentAddress(exercise.id)} download={`${exercise.name}_draft.json`}>{say("staff.save_document")}</a></p>
         </Confirm>
       )}
       {open === "replace" && (
-        <Dialog title="Replace the document of this draft" onClose={close}>
-          <DocumentForm onCancel={close} action="Replace" send={(text) => teaching.replaceDraft(exercise.id, text, tag)}
-                        onDone={() => { close(); setDone("Replaced."); onChanged(); }} />
+        <Dialog title={say("staff.replace_title")} onClose={close}>
+          <DocumentForm onCancel={close} action={say("staff.replace")} send={(text) => teaching.replaceDraft(exercise.id, text, tag)}
+                        onDone={() => { close(); setDone(say("staff.replaced")); onChanged(); }} />
         </Dialog>
       )}
     </div>

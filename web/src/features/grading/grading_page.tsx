@@ -3,10 +3,12 @@ import type { Client } from "../../api/client";
 import type { ApiResult } from "../../api/http";
 import { readAll } from "../../api/read_all";
 import type { Attempt, Score } from "../../api/types";
+import { scoreOf } from "../../api/worded";
 import { useRequest } from "../../api/use_request";
-import { formatDateTime, formatPoints, formatScore, plural } from "../../base/format";
+import { formatDateTime, formatPoints, formatScore } from "../../base/format";
 import { keepQueue } from "../../base/queue";
 import { ok } from "../../base/result";
+import { say, sayWith } from "../../base/words";
 import { awaitsRelease, Flags, StateBadge, stoppedEarly } from "../../widgets/attempt_state";
 import { Card, Empty, ErrorNotice, Loading, PageTitle, TableFrame } from "../../widgets/basics";
 import { TextField } from "../../widgets/form";
@@ -29,8 +31,8 @@ export function GradingPage({ client, query, onOpen }: Props) {
   if ((query.get("assignment") ?? query.get("cohort") ?? "") === "") {
     return (
       <>
-        <PageTitle document="Grading">Grading</PageTitle>
-        <p>What is to be graded? Open one of your <a href="/assignments">assignments</a> or <a href="/cohorts">cohorts</a>, and choose “Grade” or “Grading” there.</p>
+        <PageTitle document={say("grading.title")}>{say("grading.title")}</PageTitle>
+        <p>{sayWith("grading.what", { assignments: <a href="/assignments">{say("grading.assignments")}</a>, cohorts: <a href="/cohorts">{say("grading.cohorts")}</a> })}</p>
       </>
     );
   }
@@ -77,40 +79,40 @@ function GradingTable({ client, query, onOpen }: Props) {
     body.current?.querySelector<HTMLElement>(`tr[data-id="${id}"] a`)?.focus();
   };
   const keys = useKeys([
-    { key: "j", what: "Next row", act: () => move(1) }, { key: "k", what: "Row before", act: () => move(-1) },
-    { key: "x", what: "Choose the row, or not", act: () => { const id = focused(); if (id !== undefined) toggle(id); } },
-    { key: "o", what: "Open the row, or the first one", act: () => open(focused() ?? shown[0]?.attempt.id) },
-    { key: "/", what: "Search a name", act: () => search.current?.querySelector("input")?.focus() },
+    { key: "j", what: say("grading.next_row"), act: () => move(1) }, { key: "k", what: say("grading.row_before"), act: () => move(-1) },
+    { key: "x", what: say("grading.choose_row"), act: () => { const id = focused(); if (id !== undefined) toggle(id); } },
+    { key: "o", what: say("grading.open_row"), act: () => open(focused() ?? shown[0]?.attempt.id) },
+    { key: "/", what: say("grading.search_name"), act: () => search.current?.querySelector("input")?.focus() },
   ]);
   if (title.loaded.state === "failed") {
-    return <ErrorNotice title={assignment !== "" ? "This assignment could not be opened" : "This cohort could not be opened"} message={title.loaded.error.message} onRetry={title.reload} />;
+    return <ErrorNotice title={assignment !== "" ? say("grading.assignment_failed") : say("grading.cohort_failed")} message={title.loaded.error.message} onRetry={title.reload} />;
   }
-  const name = title.loaded.state === "ready" ? title.loaded.value : assignment !== "" ? "the assignment" : "the cohort";
+  const name = title.loaded.state === "ready" ? title.loaded.value : assignment !== "" ? say("grading.the_assignment") : say("grading.the_cohort");
   const picked = rows.filter(({ attempt }) => chosen.has(attempt.id)).map(({ attempt }) => attempt);
   const firstWaiting = shown.find(({ attempt }) => awaitsRelease(attempt, graded(attempt)));
   const waiting = rows.filter(({ attempt }) => awaitsRelease(attempt, graded(attempt))).length;
   return (
     <>
-      <nav class="trail" aria-label="Where you are"><a href={assignment !== "" ? `/assignments/${assignment}` : `/cohorts/${cohort}`}>{name}</a></nav>
-      <div class="toolbar"><PageTitle document={`Grading ${name}`}>Grading: {name}</PageTitle><KeysHelp keys={keys} /></div>
+      <nav class="trail" aria-label={say("common.where")}><a href={assignment !== "" ? `/assignments/${assignment}` : `/cohorts/${cohort}`}>{name}</a></nav>
+      <div class="toolbar"><PageTitle document={say("grading.of", { name })}>{say("grading.of", { name })}</PageTitle><KeysHelp keys={keys} /></div>
       <div class="filters" role="search" ref={search}>
-        <TextField label="Student" value={text} onValue={setText} maxLength={100} />
-        <span class="hint">{plural(shown.length, "attempt")}, {waiting} to be released</span>
-        <button type="button" class="button primary" disabled={shown.length === 0} onClick={() => open((firstWaiting ?? shown[0])?.attempt.id)}>Begin with the first</button>
+        <TextField label={say("common.student")} value={text} onValue={setText} maxLength={100} />
+        <span class="hint">{say("grading.count", { count: shown.length, waiting })}</span>
+        <button type="button" class="button primary" disabled={shown.length === 0} onClick={() => open((firstWaiting ?? shown[0])?.attempt.id)}>{say("grading.begin")}</button>
       </div>
       <BulkActions client={client} chosen={picked} onDone={() => { setChosen(new Set()); reload(); }} />
-      {loaded.state === "loading" && <Loading what="attempts" />}
-      {loaded.state === "failed" && <ErrorNotice title="The attempts could not be loaded" message={loaded.error.message} onRetry={reload} />}
-      {loaded.state === "ready" && (shown.length === 0 ? <Empty>{rows.length === 0 ? "No attempt yet." : "Nobody has that name."}</Empty> : (
+      {loaded.state === "loading" && <Loading what={say("loading.attempts")} />}
+      {loaded.state === "failed" && <ErrorNotice title={say("list_failed.attempts")} message={loaded.error.message} onRetry={reload} />}
+      {loaded.state === "ready" && (shown.length === 0 ? <Empty>{rows.length === 0 ? say("grading.none") : say("common.nobody_named")}</Empty> : (
         <Card className="flush">
-          <TableFrame label="Attempts to be graded">
+          <TableFrame label={say("grading.table")}>
             <table class="grading">
               <Head criteria={criteria} order={order} onOrder={setOrder} all={shown.every(({ attempt }) => chosen.has(attempt.id))}
                     onAll={(on) => setChosen(on ? new Set(shown.map(({ attempt }) => attempt.id)) : new Set())} />
               <tbody ref={body}>
                 {shown.map((row) => (
                   <tr key={row.attempt.id} data-id={row.attempt.id}>
-                    <td><input type="checkbox" aria-label={`Choose ${row.attempt.person.display_name}, ${formatDateTime(row.attempt.ticketed_ms)}`} checked={chosen.has(row.attempt.id)}
+                    <td><input type="checkbox" aria-label={say("grading.choose", { name: row.attempt.person.display_name, begun: formatDateTime(row.attempt.ticketed_ms) })} checked={chosen.has(row.attempt.id)}
                                onChange={(event) => toggle(row.attempt.id, event.currentTarget.checked)} /></td>
                     <th scope="row" class="nowrap">
                       <a href={`/attempts/${row.attempt.id}`} onClick={(event) => {
@@ -121,7 +123,7 @@ function GradingTable({ client, query, onOpen }: Props) {
                     </th>
                     <td class="nowrap">{formatDateTime(row.attempt.ticketed_ms)}</td>
                     <td class="number score-cell">{formatScore(row.attempt.score)}</td>
-                    <td class="nowrap">{row.attempt.released ? "Released" : awaitsRelease(row.attempt, graded(row.attempt)) ? "Waits" : <span class="hint">–</span>}</td>
+                    <td class="nowrap">{row.attempt.released ? say("grading.released") : awaitsRelease(row.attempt, graded(row.attempt)) ? say("grading.waits") : <span class="hint">–</span>}</td>
                     {criteria.map((criterion) => <Lost key={criterion.name} row={row} criterion={criterion} />)}
                     <td>{row.attempt.state !== "scored" && <StateBadge attempt={row.attempt} />} <Flags attempt={row.attempt} graded={graded(row.attempt)} staff={true} done={row.score === undefined ? undefined : stoppedEarly(row.score)} /></td>
                   </tr>
@@ -131,7 +133,7 @@ function GradingTable({ client, query, onOpen }: Props) {
           </TableFrame>
         </Card>
       ))}
-      <p class="hint">Each criterion's column says how many points were lost. A title sorts by it.</p>
+      <p class="hint">{say("grading.columns_hint")}</p>
     </>
   );
 }
@@ -152,11 +154,11 @@ function Head({ criteria, order, onOrder, all, onAll }:
   return (
     <thead>
       <tr>
-        <th scope="col"><input type="checkbox" aria-label="Choose all that are shown" checked={all} onChange={(event) => onAll(event.currentTarget.checked)} /></th>
-        {column("name", "Student", false)}{column("when", "When", true)}{column("score", "Score", false, true)}
-        <th scope="col">Release</th>
+        <th scope="col"><input type="checkbox" aria-label={say("grading.choose_all")} checked={all} onChange={(event) => onAll(event.currentTarget.checked)} /></th>
+        {column("name", say("common.student"), false)}{column("when", say("common.when"), true)}{column("score", say("common.score"), false, true)}
+        <th scope="col">{say("grading.release")}</th>
         {criteria.map(({ name, title }) => column(name, title, true, true))}
-        <th scope="col">State</th>
+        <th scope="col">{say("common.state")}</th>
       </tr>
     </thead>
   );
@@ -186,7 +188,7 @@ function useScores(client: Client, attempts: readonly Attempt[]): ReadonlyMap<st
     const fresh = new Map<string, Score>();
     void inTurn(wanted, kAtOnce, async (attempt) => {
       if (abort.signal.aborted) return;
-      const score = await client.score(attempt.id, abort.signal);
+      const score = await scoreOf(client, attempt.id, abort.signal);
       if (score.ok) fresh.set(scoreKey(attempt), score.value);
       // Not at every single one: each draws the whole table.
       if (fresh.size % 12 === 0 && !abort.signal.aborted) setScores((now) => new Map([...now, ...fresh]));

@@ -1,4 +1,5 @@
 import type { Attempt, Score } from "../../api/types";
+import { spokenLocale } from "../../base/language";
 
 // What the table of attempts to be graded shows, and in which order.
 
@@ -59,7 +60,7 @@ function byName(a: GradingRow, b: GradingRow): number {
 }
 
 function compareNames(a: string, b: string): number {
-  return a.localeCompare(b, undefined, { numeric: true });
+  return a.localeCompare(b, spokenLocale(), { numeric: true });
 }
 
 function plain(text: string): string {

@@ -3,8 +3,10 @@ import { forceSize } from "../../api/live";
 import type { Attempt, Exercise } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { useRefresh } from "../../api/use_refresh";
+import { formatQuantity } from "../../base/format";
 import { relativeTime } from "../../base/local_time";
 import { ok } from "../../base/result";
+import { say, sayWith } from "../../base/words";
 import { Badge, Bar, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
 import { AnchorView, ForceStrip, kFromAbove } from "./live_pictures";
 import { liveTime, recentFaults } from "./live_time";
@@ -23,17 +25,17 @@ export function LivePage({ client }: { readonly client: Client }) {
   const tracks = useTracks(attempts.map((attempt) => ({ id: attempt.id, rateHz: exercises.get(attempt.exercise.id)?.rate_hz ?? kDefaultRateHz })), reload);
   return (
     <>
-      <PageTitle document="Live">Live</PageTitle>
-      {loaded.state === "loading" && <Loading what="the stations in use" />}
-      {loaded.state === "failed" && <ErrorNotice title="The stations in use could not be loaded" message={loaded.error.message} onRetry={reload} />}
+      <PageTitle document={say("nav.live")}>{say("nav.live")}</PageTitle>
+      {loaded.state === "loading" && <Loading what={say("loading.live")} />}
+      {loaded.state === "failed" && <ErrorNotice title={say("live.failed")} message={loaded.error.message} onRetry={reload} />}
       {loaded.state === "ready" && (attempts.length === 0
-        ? <Empty>Nobody is working at a station now. Attempts appear here by themselves as soon as they begin.</Empty>
+        ? <Empty>{say("live.none")}</Empty>
         : (
           <ul class="card-list live-list">
             {attempts.map((attempt) => <li key={attempt.id}><LiveCard attempt={attempt} exercise={exercises.get(attempt.exercise.id)} track={tracks.get(attempt.id) ?? emptyTrack} /></li>)}
           </ul>
         ))}
-      {attempts.length > 3 && <p class="hint">Three stations are followed at a time, each in turn. Open one to follow it without a break.</p>}
+      {attempts.length > 3 && <p class="hint">{say("live.three")}</p>}
     </>
   );
 }
@@ -62,11 +64,11 @@ function LiveCard({ attempt, exercise, track }: { readonly attempt: Attempt; rea
       <p>{attempt.person.display_name}<span class="hint"> · {attempt.exercise.title}</span></p>
       {exercise !== undefined && (
         <div class="live-time">
-          <span>{time.text} {time.over && <Badge tone="warning">Over time</Badge>}</span>
+          <span>{time.text} {time.over && <Badge tone="warning">{say("attempt_flag.over_time")}</Badge>}</span>
           {time.share !== undefined && <Bar share={time.share} tone={time.over ? "bad" : time.share > 0.9 ? "warning" : "good"} />}
         </div>
       )}
-      {track.rows.length === 0 ? <p class="live-waiting hint">{track.state === "disturbed" ? track.problem : "Its picture comes with the first movement."}</p> : (
+      {track.rows.length === 0 ? <p class="live-waiting hint">{track.state === "disturbed" ? track.problem : say("live.first_movement")}</p> : (
         <>
           <div class="live-pictures">
             <AnchorView rows={track.rows} rateHz={rateHz} plane={kFromAbove} />
@@ -82,18 +84,15 @@ function LiveCard({ attempt, exercise, track }: { readonly attempt: Attempt; rea
 export function ForceNow({ track }: { readonly track: Track }) {
   const last = track.rows.at(-1);
   return (
-    <p class="live-force">
-      <b>{last === undefined ? "–" : `${forceSize(last).toFixed(2)} N`}</b> force now
-      {recentFaults(track).map((text) => <Badge key={text} tone="warning">{text}</Badge>)}
-    </p>
+    <p class="live-force">{sayWith("live.force_now", { force: <b>{last === undefined ? "–" : formatQuantity(forceSize(last), "N")}</b> })} {recentFaults(track).map((text) => <Badge key={text} tone="warning">{text}</Badge>)}</p>
   );
 }
 
 export function LiveState({ track }: { readonly track: Track }) {
   switch (track.state) {
-    case "waiting": return <Badge tone="neutral">Waiting</Badge>;
-    case "live": return <Badge tone="good">{Date.now() - track.heardMs < 4000 ? "Live" : `Seen ${relativeTime(track.heardMs, Date.now())}`}</Badge>;
-    case "ended": return <Badge tone="neutral">Finished</Badge>;
-    case "disturbed": return <Badge tone="warning">No picture</Badge>;
+    case "waiting": return <Badge tone="neutral">{say("live.waiting")}</Badge>;
+    case "live": return <Badge tone="good">{Date.now() - track.heardMs < 4000 ? say("live.live") : say("live.seen", { when: relativeTime(track.heardMs, Date.now()) })}</Badge>;
+    case "ended": return <Badge tone="neutral">{say("live.finished")}</Badge>;
+    case "disturbed": return <Badge tone="warning">{say("live.no_picture")}</Badge>;
   }
 }

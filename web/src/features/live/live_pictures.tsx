@@ -1,5 +1,6 @@
 import { forceSize, type LiveRow } from "../../api/live";
 import { formatNumber } from "../../base/format";
+import { say } from "../../base/words";
 import { Canvas, type Drawing } from "../../widgets/canvas";
 import { extentOf, largestForce, shownSeconds } from "./track";
 
@@ -32,30 +33,29 @@ export function ForceStrip({ rows, rateHz }: Props) {
     line(context, rows.map((row) => [x(row.tick), y(forceSize(row))]));
   };
   return <Canvas className="live-strip" stamp={rows} draw={draw}
-                 label={`Force over the last ${formatNumber(seconds, 0)} seconds; largest ${formatNumber(largestForce(rows))} N`} />;
+                 label={say("live.force_label", { seconds: formatNumber(seconds, 0), force: formatNumber(largestForce(rows)) })} />;
 }
 
 export interface Plane {
-  readonly title: string;
+  readonly name: "above" | "side";
   readonly right: 0 | 1 | 2;                    // axis of the scene that points right
   readonly up: 0 | 1 | 2;
-  readonly rightName: string;
-  readonly upName: string;
+  readonly upName: "buccal" | "occlusal";
 }
 
-export const kFromAbove: Plane = { title: "From above", right: 0, up: 1, rightName: "mesial", upName: "buccal" };
-export const kFromBuccal: Plane = { title: "From the side", right: 0, up: 2, rightName: "mesial", upName: "occlusal" };
+export const kFromAbove: Plane = { name: "above", right: 0, up: 1, upName: "buccal" };
+export const kFromBuccal: Plane = { name: "side", right: 0, up: 2, upName: "occlusal" };
 
 // Where the tool is and was, seen along one axis, with the force at the tip as an arrow.
 export function AnchorView({ rows, rateHz, plane }: Props & { readonly plane: Plane }) {
   const last = rows.at(-1);
   const draw = (drawing: Drawing) => drawAnchor(drawing, rows, rateHz, plane);
-  const at = last === undefined ? "nothing yet" :
-    `${formatNumber(last.anchorMm[plane.right], 1)} mm ${plane.rightName}, ${formatNumber(last.anchorMm[plane.up], 1)} mm ${plane.upName} of the device's middle`;
-  return <Canvas className="live-anchor" stamp={rows} draw={draw} label={`Tool ${plane.title.toLowerCase()}: ${at}`} />;
+  const at = last === undefined ? say(`live.tool_${plane.name}_none`)
+    : say(`live.tool_${plane.name}`, { right: formatNumber(last.anchorMm[plane.right], 1), up: formatNumber(last.anchorMm[plane.up], 1) });
+  return <Canvas className="live-anchor" stamp={rows} draw={draw} label={at} />;
 }
 
-function drawAnchor({ context, width, height, color }: Drawing, rows: readonly LiveRow[], rateHz: number, { right, up, rightName, upName }: Plane): void {
+function drawAnchor({ context, width, height, color }: Drawing, rows: readonly LiveRow[], rateHz: number, { right, up, upName }: Plane): void {
   const last = rows.at(-1);
   const extent = extentOf(rows);
   if (last === undefined || extent === undefined) return;
@@ -78,9 +78,9 @@ function drawAnchor({ context, width, height, color }: Drawing, rows: readonly L
   context.fill();
   context.fillStyle = color("--text-soft");
   context.font = "11px system-ui, sans-serif";
-  context.fillText(`${upName} ↑`, 6, 14);
+  context.fillText(`${say(`axis.${upName}`)} ↑`, 6, 14);
   context.textAlign = "right";
-  context.fillText(`${rightName} →`, width - 6, height - 6);
+  context.fillText(`${say("axis.mesial")} →`, width - 6, height - 6);
 }
 
 // A line each millimetre would crowd a wide view: every one, two, five or ten.
@@ -92,7 +92,7 @@ function drawGrid(context: CanvasRenderingContext2D, width: number, height: numb
   for (let y = (height / 2) % (step * scale); y < height; y += step * scale) line(context, [[0, y], [width, y]]);
   context.fillStyle = color("--text-soft");
   context.font = "11px system-ui, sans-serif";
-  context.fillText(`grid ${step} mm`, 6, height - 6);
+  context.fillText(say("live.grid", { step: String(step) }), 6, height - 6);
 }
 
 type Point = readonly [number, number];

@@ -1,4 +1,5 @@
 import { forceSize, type LiveRow } from "../../api/live";
+import { say } from "../../base/words";
 
 // What the page remembers of an attempt that it watches: the last seconds, bounded.
 export interface Track {
@@ -54,11 +55,11 @@ export function largestForce(rows: readonly LiveRow[]): number {
   return rows.reduce((largest, row) => Math.max(largest, forceSize(row)), 0);
 }
 
-const kFlagTexts: ReadonlyArray<readonly [number, string]> = [
-  [1, "Force guarded"], [2, "Peak limited"], [256, "Spring reset"], [512, "Reserve used up"], [1024, "Force suspended"], [2048, "Fault: step too long"],
+const kFlags: ReadonlyArray<readonly [number, "guarded" | "peak" | "reset" | "reserve" | "suspended" | "fault"]> = [
+  [1, "guarded"], [2, "peak"], [256, "reset"], [512, "reserve"], [1024, "suspended"], [2048, "fault"],
 ];
 
 // What of a tick's witness flags (schemas/trace_format.md, column 19) a teacher wants to know.
 export function flagTexts(flags: number): string[] {
-  return kFlagTexts.filter(([bit]) => (flags & bit) !== 0).map(([, text]) => text);
+  return kFlags.filter(([bit]) => (flags & bit) !== 0).map(([, name]) => say(`track.${name}`));
 }

@@ -3,8 +3,10 @@ import type { AttemptDetail } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { useRefresh } from "../../api/use_refresh";
 import { formatDuration, formatNumber } from "../../base/format";
+import { say } from "../../base/words";
 import { Card, Empty, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
 import { ForceNow, LiveState } from "./live_page";
+import { ChairRemarks } from "./chair_remarks";
 import { AnchorView, ForceStrip, kFromAbove, kFromBuccal } from "./live_pictures";
 import { emptyTrack, kDefaultRateHz, kTrackSeconds, largestForce } from "./track";
 import { useTracks } from "./use_tracks";
@@ -19,22 +21,22 @@ export function WatchPage({ client, id }: { readonly client: Client; readonly id
   useRefresh(recording, kPollMs, reload);
   return (
     <>
-      <nav class="trail" aria-label="Where you are"><a href="/live">Live</a></nav>
-      <PageTitle document="Live">{attempt === undefined ? "Live" : attempt.station.name}</PageTitle>
-      {loaded.state === "loading" && <Loading what="the attempt" />}
-      {loaded.state === "failed" && <ErrorNotice title="The attempt could not be loaded" message={loaded.error.message} onRetry={reload} />}
+      <nav class="trail" aria-label={say("common.where")}><a href="/live">{say("nav.live")}</a></nav>
+      <PageTitle document={say("nav.live")}>{attempt === undefined ? say("nav.live") : attempt.station.name}</PageTitle>
+      {loaded.state === "loading" && <Loading what={say("loading.attempt")} />}
+      {loaded.state === "failed" && <ErrorNotice title={say("attempt.failed")} message={loaded.error.message} onRetry={reload} />}
       {attempt !== undefined && (
         <>
           <p class="byline">{attempt.person.display_name} · {attempt.exercise.title}</p>
-          {recording ? <Watched attempt={attempt} onEnd={reload} />
-            : <Notice tone="neutral" title="This attempt is finished"><p><a href={`/attempts/${id}`}>See the attempt</a></p></Notice>}
+          {recording ? <Watched client={client} attempt={attempt} onEnd={reload} />
+            : <Notice tone="neutral" title={say("live.is_finished")}><p><a href={`/attempts/${id}`}>{say("live.see")}</a></p></Notice>}
         </>
       )}
     </>
   );
 }
 
-function Watched({ attempt, onEnd }: { readonly attempt: AttemptDetail; readonly onEnd: () => void }) {
+function Watched({ client, attempt, onEnd }: { readonly client: Client; readonly attempt: AttemptDetail; readonly onEnd: () => void }) {
   const rateHz = rateOf(attempt);
   const track = useTracks([{ id: attempt.id, rateHz }], onEnd).get(attempt.id) ?? emptyTrack;
   const last = track.rows.at(-1);
@@ -42,21 +44,22 @@ function Watched({ attempt, onEnd }: { readonly attempt: AttemptDetail; readonly
     <>
       <div class="title-row"><LiveState track={track} /><ForceNow track={track} /></div>
       {track.state === "disturbed" && <Notice tone="warning"><p>{track.problem}</p></Notice>}
-      {last === undefined ? <Empty>Waiting for the station. Its picture comes as soon as the first ticks arrive.</Empty> : (
+      {last === undefined ? <Empty>{say("live.waiting_station")}</Empty> : (
         <>
           <dl class="facts">
-            <div><dt>Time in the attempt</dt><dd>{formatDuration(last.tick / rateHz)}</dd></div>
-            <div><dt>Largest in {kTrackSeconds} s</dt><dd>{formatNumber(largestForce(track.rows))} N</dd></div>
-            <div><dt>Device</dt><dd>{attempt.profile.title}</dd></div>
+            <div><dt>{say("live.time_in")}</dt><dd>{formatDuration(last.tick / rateHz)}</dd></div>
+            <div><dt>{say("live.largest", { seconds: String(kTrackSeconds) })}</dt><dd>{formatNumber(largestForce(track.rows))} N</dd></div>
+            <div><dt>{say("common.device")}</dt><dd>{attempt.profile.title}</dd></div>
           </dl>
           <div class="columns">
             {[kFromAbove, kFromBuccal].map((plane) => (
-              <Card key={plane.title} title={plane.title}><AnchorView rows={track.rows} rateHz={rateHz} plane={plane} /></Card>
+              <Card key={plane.name} title={say(`live.from_${plane.name}`)}><AnchorView rows={track.rows} rateHz={rateHz} plane={plane} /></Card>
             ))}
           </div>
-          <Card title={`Force, last ${kTrackSeconds} seconds`}><ForceStrip rows={track.rows} rateHz={rateHz} /></Card>
+          <Card title={say("live.force_last", { seconds: String(kTrackSeconds) })}><ForceStrip rows={track.rows} rateHz={rateHz} /></Card>
         </>
       )}
+      <ChairRemarks client={client} attempt={attempt.id} rateHz={rateHz} />
     </>
   );
 }

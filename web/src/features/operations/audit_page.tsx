@@ -1,3 +1,4 @@
+import type { ComponentChildren } from "preact";
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { AuditEntry } from "../../api/types";
@@ -7,11 +8,12 @@ import { csvText } from "../../base/csv";
 import { downloadText } from "../../base/download";
 import { formatDateTime } from "../../base/format";
 import { ok } from "../../base/result";
+import { say, sayIfWith, sayWith } from "../../base/words";
 import { Card, PageTitle } from "../../widgets/basics";
 import { TextField, TimeField } from "../../widgets/form";
 import { PagedList } from "../../widgets/pages";
 import { type Column, DataTable } from "../../widgets/table";
-import { actionText, type Detail, detailsOf, peopleIn, personOf, shortId, thingOf } from "./audit_text";
+import { type Detail, detailsOf, peopleIn, personOf, shortId, thingOf } from "./audit_text";
 
 const kPageSize = 100;
 
@@ -41,11 +43,11 @@ export function AuditPage({ client, query, onQuery }: Props) {
   return (
     <>
       <div class="toolbar">
-        <PageTitle document="Audit">Audit</PageTitle>
-        <button type="button" class="button" disabled={pages.items.length === 0} onClick={() => save(pages.items)}>Save what is shown as CSV</button>
+        <PageTitle document={say("nav.audit")}>{say("nav.audit")}</PageTitle>
+        <button type="button" class="button" disabled={pages.items.length === 0} onClick={() => save(pages.items)}>{say("audit.save")}</button>
       </div>
       <Filters key={JSON.stringify(filter)} client={client} filter={filter} onQuery={onQuery} />
-      <PagedList pages={pages} what="audit entries" empty="No change matches.">
+      <PagedList pages={pages} list="audit" empty={say("audit.none")}>
         {(entries) => <Card className="flush"><Entries client={client} entries={entries} /></Card>}
       </PagedList>
     </>
@@ -62,10 +64,10 @@ function Entries({ client, entries }: { readonly client: Client; readonly entrie
   const known: ReadonlyMap<string, string> = names.loaded.state === "ready" ? names.loaded.value : new Map();
   const nameOf = (id: string) => known.get(id) ?? shortId(id);
   return (
-    <DataTable label="Audit, newest first" items={entries} dense columns={[
+    <DataTable label={say("audit.table")} items={entries} dense columns={[
       kWhen,
-      { title: "Who did what", cell: (entry) => <Sentence entry={entry} known={known} /> },
-      { title: "In detail", cell: (entry) => <Details details={detailsOf(entry, nameOf)} /> },
+      { title: say("audit.who_did"), cell: (entry) => <Sentence entry={entry} known={known} /> },
+      { title: say("audit.detail"), cell: (entry) => <Details details={detailsOf(entry, nameOf)} /> },
     ]} />
   );
 }
@@ -76,12 +78,16 @@ function Sentence({ entry, known }: { readonly entry: AuditEntry; readonly known
   const linked = (id: string, otherwise: string) => known.has(id) ? <a href={`/people/${id}`}>{known.get(id)}</a> : <span title={id}>{otherwise}</span>;
   return (
     <span title={entry.action}>
-      {person === undefined ? capitalised(entry.actor) : <>{linked(person, shortId(person))}{entry.actor.slice(person.length).replace(" (page)", "")}</>}{" "}
-      {actionText(entry.action)}{" "}
-      {thing === undefined ? null : thing.kind === "attempt" ? <a href={`/attempts/${thing.id}`} title={thing.id}>{thing.text}</a>
-        : thing.kind === "person" ? linked(thing.id, thing.text) : <span class="hint" title={thing.id}>{thing.text}</span>}
+      {told(entry.action, person === undefined ? capitalised(entry.actor) : <>{linked(person, shortId(person))}{entry.actor.slice(person.length).replace(" (page)", "")}</>,
+            thing === undefined ? "" : thing.kind === "attempt" ? <a href={`/attempts/${thing.id}`} title={thing.id}>{thing.text}</a>
+              : thing.kind === "person" ? linked(thing.id, thing.text) : <span class="hint" title={thing.id}>{thing.text}</span>)}
     </span>
   );
+}
+
+// What the page does not know is shown by its own name.
+function told(action: string, who: ComponentChildren, what: ComponentChildren): ComponentChildren {
+  return sayIfWith<ComponentChildren>(`audit_action.${action.replace(".", "_")}`, { who, what }) ?? sayWith<"audit_action.other", ComponentChildren>("audit_action.other", { who, action, what });
 }
 
 function capitalised(text: string): string {
@@ -92,12 +98,12 @@ function Details({ details }: { readonly details: readonly Detail[] }) {
   if (details.length === 0) return null;
   return (
     <ul class="audit-details">
-      {details.map(({ name, before, after }) => <li key={name}>{name}: {before === "" ? after : after === "" ? <>{before}, taken away</> : <>{before} → {after}</>}</li>)}
+      {details.map(({ name, before, after }) => <li key={name}>{name}: {before === "" ? after : after === "" ? <>{say("audit.taken_away", { before })}</> : <>{before} → {after}</>}</li>)}
     </ul>
   );
 }
 
-const kWhen: Column<AuditEntry> = { title: "When", cell: (entry) => <span class="nowrap">{formatDateTime(entry.at_ms)}</span> };
+const kWhen: Column<AuditEntry> = { get title() { return say("common.when"); }, cell: (entry) => <span class="nowrap">{formatDateTime(entry.at_ms)}</span> };
 
 function Filters({ client, filter, onQuery }: { readonly client: Client; readonly filter: Filter; readonly onQuery: Props["onQuery"] }) {
   const [draft, setDraft] = useState(filter);
@@ -107,20 +113,20 @@ function Filters({ client, filter, onQuery }: { readonly client: Client; readonl
     event.preventDefault();
     const login = draft.login.trim();
     const actor = login === "" ? "" : login === filter.login ? filter.actor : await idOf(client, login);
-    setProblem(actor === undefined ? "Nobody has this login." : undefined);
+    setProblem(actor === undefined ? say("audit.nobody") : undefined);
     if (actor === undefined) return;
     onQuery({ actor, login, action: draft.action.trim(), object: draft.object.trim(),
               from_ms: draft.from_ms > 0 ? String(draft.from_ms) : "", until_ms: draft.until_ms > 0 ? String(draft.until_ms) : "" });
   };
   return (
     <form class="filters" role="search" onSubmit={(event) => void submit(event)}>
-      <TextField label="Who (login)" value={draft.login} onValue={(login) => set({ login })} maxLength={64} problem={problem} />
-      <TextField label="What" value={draft.action} onValue={(action) => set({ action })} maxLength={100} hint="As person.create; person. for every change of a person" />
-      <TextField label="On (id)" value={draft.object} onValue={(object) => set({ object })} maxLength={100} />
-      <TimeField label="From" value={draft.from_ms} onValue={(fromMs) => set({ from_ms: fromMs })} />
-      <TimeField label="Until" value={draft.until_ms} onValue={(untilMs) => set({ until_ms: untilMs })} />
-      <button type="submit" class="button">Search</button>
-      <button type="button" class="button quiet" onClick={() => onQuery({})}>Clear</button>
+      <TextField label={say("audit.who")} value={draft.login} onValue={(login) => set({ login })} maxLength={64} problem={problem} />
+      <TextField label={say("audit.what")} value={draft.action} onValue={(action) => set({ action })} maxLength={100} hint={say("audit.what_hint")} />
+      <TextField label={say("audit.on")} value={draft.object} onValue={(object) => set({ object })} maxLength={100} />
+      <TimeField label={say("audit.from")} value={draft.from_ms} onValue={(fromMs) => set({ from_ms: fromMs })} />
+      <TimeField label={say("audit.until")} value={draft.until_ms} onValue={(untilMs) => set({ until_ms: untilMs })} />
+      <button type="submit" class="button">{say("people.search")}</button>
+      <button type="button" class="button quiet" onClick={() => onQuery({})}>{say("audit.clear")}</button>
     </form>
   );
 }

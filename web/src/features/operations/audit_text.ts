@@ -1,35 +1,8 @@
 import type { AuditEntry } from "../../api/types";
 import { formatDateTime, formatNumber } from "../../base/format";
+import { say, sayIf } from "../../base/words";
 
 // What an entry of the audit says, as people read it.
-
-// What was done, after the name of who did it. What the page does not know is shown by its own name.
-const kActions: Readonly<Record<string, string>> = {
-  "annotation.add": "added a remark to", "annotation.edit": "changed a remark of", "annotation.delete": "deleted a remark of",
-  "appeal.file": "appealed against the score of", "appeal.answer": "answered the appeal against",
-  "assignment.add": "assigned an exercise", "assignment.edit": "changed an assignment", "assignment.move": "moved an assignment to another version", "assignment.delete": "deleted an assignment",
-  "attempt.accept": "accepted", "attempt.awaits": "waits for", "attempt.excuse": "excused", "attempt.fail": "could not score", "attempt.flag": "flagged", "attempt.restore": "made an earlier score count again of",
-  "attempt.unflag": "took the excuse back of",
-  "attempt.override": "set another score of", "attempt.quarantine": "set aside", "attempt.release": "released the score of", "attempt.rescore": "asked to score again",
-  "attempt.retention": "removed the recording of", "attempt.return": "took back the ticket of", "attempt.score": "scored", "attempt.seal": "received all of",
-  "attempt.ticket": "gave out a ticket for", "attempt.unrelease": "took back the released score of",
-  "cohort.add": "added somebody to a cohort", "cohort.create": "made a cohort", "cohort.edit": "changed a cohort", "cohort.remove": "took somebody out of a cohort",
-  "device.list": "put a device on the school's list", "device.unlist": "took a device off the school's list",
-  "exercise.discard": "discarded a draft", "exercise.draft": "wrote a draft", "exercise.publish": "published an exercise", "exercise.retire": "retired an exercise",
-  "exercise.rubric": "changed how an exercise is scored", "exercise.share": "changed who may use an exercise",
-  "job.cancel": "cancelled the scoring of",
-  "person.create": "added", "person.disable": "shut out", "person.edit": "changed the account of", "person.enable": "let in again", "person.erase": "erased",
-  "person.export": "exported the data of", "person.password": "set a new password for",
-  "profile.calibration": "added a calibration to", "profile.put": "changed the device profile", "profile.report": "added a report to",
-  "reference.add": "made a reference of", "reference.withdraw": "withdrew a reference", "request.refused": "was refused a request", "retention.set": "changed a retention rule",
-  "roster.import": "imported a roster", "scene.put": "put a scene", "session.begin": "signed in", "session.end": "ended a session of", "session.refused": "was turned away at the sign-in of",
-  "station.code": "made an enrolment code", "station.code_withdrawn": "withdrew an enrolment code", "station.enrol": "enrolled", "station.enrol_again": "enrolled again",
-  "station.rename": "renamed a station", "station.revoke": "revoked a station", "store.backup": "made a backup",
-};
-
-export function actionText(action: string): string {
-  return kActions[action] ?? action;
-}
 
 const kHash = /\b[0-9a-f]{64}\b/g;
 const kUuid = /[0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12}/;
@@ -51,7 +24,7 @@ export interface Thing {
 export function thingOf({ action, object }: Pick<AuditEntry, "action" | "object">): Thing | undefined {
   const [area = ""] = action.split(".");
   if (object === "" || (action === "session.begin")) return undefined;
-  if (kOnAttempts.includes(area)) return { kind: "attempt", id: object, text: `attempt ${shortId(object)}` };
+  if (kOnAttempts.includes(area)) return { kind: "attempt", id: object, text: say("audit.attempt", { id: shortId(object) }) };
   if (area === "person" || area === "session") return { kind: "person", id: object, text: shortId(object) };
   return { kind: "other", id: object, text: shortId(object) };
 }
@@ -100,14 +73,17 @@ function membersOf(text: string): Readonly<Record<string, unknown>> {
 }
 
 function nameText(key: string): string {
-  const words = key.replace(/_ms$/, "").replaceAll("_", " ");
+  const member = key.replace(/_ms$/, "");
+  const known = sayIf(`audit_member.${member}`);
+  if (known !== undefined) return known;
+  const words = member.replaceAll("_", " ");
   return words.charAt(0).toUpperCase() + words.slice(1);
 }
 
 function valueText(key: string, value: unknown, nameOf: (id: string) => string): string {
   if (value === undefined || value === null || value === "" || (key.endsWith("_ms") && Number(value) === 0)) return "";
   if (key.endsWith("_ms") && Number.isFinite(Number(value))) return formatDateTime(Number(value));
-  if (typeof value === "boolean") return value ? "yes" : "no";
+  if (typeof value === "boolean") return value ? say("common.yes") : say("common.no");
   if (typeof value === "string" && /^-?\d+\.\d+$/.test(value)) return formatNumber(Number(value), 3);
   if (typeof value === "string") return personOf(value) === value ? nameOf(value) : shortId(value);
   if (Array.isArray(value)) return value.length === 0 ? "" : value.map((item) => valueText("", item, nameOf)).join(", ");

@@ -3,8 +3,8 @@ import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import { useChange } from "../../api/use_change";
 import { useRequest } from "../../api/use_request";
-import { plural } from "../../base/format";
 import { ok } from "../../base/result";
+import { say } from "../../base/words";
 import { Badge, Card, ErrorNotice, Notice } from "../../widgets/basics";
 import { SelectField } from "../../widgets/form";
 
@@ -29,20 +29,20 @@ export function FirstSteps({ client, backedUp, stations }: { readonly client: Cl
   if (loaded.state !== "ready") return null;
   const { exercises, students, cohorts, assignments } = loaded.value;
   const steps: readonly Step[] = [
-    { title: "Teeth and exercises", text: "Put one of the built-in teeth, with its exercises. An exercise can be edited afterwards.", done: exercises > 0, action: <PutTooth client={client} onPut={reload} /> },
-    { title: "People", text: "Import a list of students and instructors; it is looked at before anything is written.", done: students > 0, link: { path: "/roster", title: "Import people" } },
-    { title: "A cohort", text: "A class: who is in it is offered what is assigned to it.", done: cohorts > 0, link: { path: "/cohorts", title: "Cohorts" } },
-    { title: "A station", text: "Make an enrolment code; the page shows the command to type at the station.", done: stations > 0, link: { path: "/stations", title: "Stations" } },
-    { title: "Work", text: "Assign an exercise to the cohort. Graded work needs a reference cut by a dentist first; practice does not.", done: assignments > 0, link: { path: "/assignments", title: "Assignments" } },
-    { title: "A backup", text: "On the server: enamel-server backup FOLDER. It may run while people work.", done: backedUp },
+    { title: say("steps.teeth"), text: say("steps.teeth_text"), done: exercises > 0, action: <PutTooth client={client} onPut={reload} />, link: { path: "/exercises?import=tooth", title: say("steps.import_scan") } },
+    { title: say("nav.people"), text: say("steps.people_text"), done: students > 0, link: { path: "/roster", title: say("steps.import") } },
+    { title: say("steps.cohort"), text: say("steps.cohort_text"), done: cohorts > 0, link: { path: "/cohorts", title: say("nav.cohorts") } },
+    { title: say("steps.station"), text: say("steps.station_text"), done: stations > 0, link: { path: "/stations", title: say("nav.stations") } },
+    { title: say("steps.work"), text: say("steps.work_text"), done: assignments > 0, link: { path: "/assignments", title: say("nav.assignments") } },
+    { title: say("steps.backup"), text: say("steps.backup_text"), done: backedUp },
   ];
   if (steps.every((step) => step.done)) return null;
   return (
-    <Card title={`First steps, ${steps.filter((step) => step.done).length} of ${steps.length} done`}>
+    <Card title={say("steps.title", { done: String(steps.filter((step) => step.done).length), count: String(steps.length) })}>
       <ol class="steps">
         {steps.map((step) => (
           <li key={step.title}>
-            <b>{step.title}</b> {step.done ? <Badge tone="good">done</Badge> : <>– {step.text} {step.link !== undefined && <a href={step.link.path}>{step.link.title}</a>}</>}
+            <b>{step.title}</b> {step.done ? <Badge tone="good">{say("steps.done")}</Badge> : <>– {step.text} {step.link !== undefined && <a href={step.link.path}>{step.link.title}</a>}</>}
             {!step.done && step.action}
           </li>
         ))}
@@ -62,14 +62,14 @@ function PutTooth({ client, onPut }: { readonly client: Client; readonly onPut: 
     event.preventDefault();
     const result = await change.run(() => client.operations.putTooth(name));
     if (result?.ok !== true) return;
-    setPut(`${result.value.title}: ${plural(result.value.exercises.length, "exercise")} published.`);
+    setPut(say("steps.put", { title: result.value.title, count: result.value.exercises.length }));
     onPut();
   };
   return (
     <form class="filters" onSubmit={(event) => void submit(event)}>
-      <SelectField label="Built-in tooth" value={name} onValue={setChosen} hint={teeth.loaded.value.find((tooth) => tooth.name === name)?.summary} options={teeth.loaded.value.map((tooth) => ({ value: tooth.name, title: tooth.name }))} />
-      <button type="submit" class="button primary" disabled={change.busy || name === ""}>{change.busy ? "Making the tooth…" : "Put it"}</button>
-      {change.error !== undefined && <ErrorNotice title="The tooth was not put" message={change.error.message} />}
+      <SelectField label={say("steps.tooth")} value={name} onValue={setChosen} hint={teeth.loaded.value.find((tooth) => tooth.name === name)?.summary} options={teeth.loaded.value.map((tooth) => ({ value: tooth.name, title: tooth.name }))} />
+      <button type="submit" class="button primary" disabled={change.busy || name === ""}>{change.busy ? say("steps.making") : say("steps.put_it")}</button>
+      {change.error !== undefined && <ErrorNotice title={say("steps.not_put")} message={change.error.message} />}
       <div aria-live="polite">{put !== undefined && <Notice tone="good"><p>{put}</p></Notice>}</div>
     </form>
   );

@@ -4,8 +4,9 @@ import type { Client } from "../../api/client";
 import type { ServerHealth } from "../../api/types";
 import { useRefresh } from "../../api/use_refresh";
 import { useRequest } from "../../api/use_request";
-import { formatBytes, formatDateTime, formatNumber, plural } from "../../base/format";
+import { formatBytes, formatDateTime, formatNumber } from "../../base/format";
 import { relativeTime } from "../../base/local_time";
+import { say } from "../../base/words";
 import { Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
 import { FirstSteps } from "./first_steps";
 import { countText, findingsOf, perSecond, retentionText, shortTime } from "./health_text";
@@ -22,9 +23,9 @@ export function HealthPage({ client }: { readonly client: Client }) {
   if (now !== last.current) [before.current, last.current] = [last.current, now];
   return (
     <>
-      <PageTitle document="Health">Health</PageTitle>
-      {loaded.state === "loading" && <Loading what="the server's state" />}
-      {loaded.state === "failed" && <ErrorNotice title="The server does not say how it does" message={loaded.error.message} onRetry={reload} />}
+      <PageTitle document={say("nav.health")}>{say("nav.health")}</PageTitle>
+      {loaded.state === "loading" && <Loading what={say("loading.health")} />}
+      {loaded.state === "failed" && <ErrorNotice title={say("health.failed")} message={loaded.error.message} onRetry={reload} />}
       {now !== undefined && <><Findings health={now} /><FirstSteps client={client} backedUp={now.backup !== null} stations={now.stations.enrolled} /><Figures health={now} before={before.current} /></>}
     </>
   );
@@ -34,7 +35,7 @@ function Findings({ health }: { readonly health: ServerHealth }) {
   const findings = findingsOf(health);
   return (
     <div class="stack" aria-live="polite">
-      {findings.length === 0 && <Notice tone="good" title="Nothing needs you"><p>Recordings are taken, and the last backup is whole.</p></Notice>}
+      {findings.length === 0 && <Notice tone="good" title={say("health.well")}><p>{say("health.well_text")}</p></Notice>}
       {findings.map(({ tone, title, text, link }) => (
         <Notice key={title} tone={tone} title={title}><p>{text}{link !== undefined && <> <a href={link.path}>{link.title}</a></>}</p></Notice>
       ))}
@@ -49,26 +50,26 @@ function Figures({ health, before }: { readonly health: ServerHealth; readonly b
   return (
     <>
       <div class="health">
-        <Card title="Recordings">
-          <Facts rows={[["Stations connected", `${stations.online} of ${stations.enrolled}`], ["Attempts in progress", formatNumber(recordings.open, 0)], ["Of those silent", formatNumber(recordings.late.length, 0)],
-                        ["Pieces arriving now", chunks === undefined ? "–" : `${formatNumber(chunks, 1)} a second`], ["Attempts finished", formatNumber(ingest.sealed, 0)], ["Taken in all", formatBytes(ingest.chunk_bytes)]]} />
+        <Card title={say("health.recordings")}>
+          <Facts rows={[[say("health.connected"), say("count.of", { part: String(stations.online), whole: String(stations.enrolled) })], [say("health.in_progress"), formatNumber(recordings.open, 0)], [say("health.silent"), formatNumber(recordings.late.length, 0)],
+                        [say("health.arriving"), chunks === undefined ? "–" : say("health.a_second", { count: formatNumber(chunks, 1) })], [say("health.finished"), formatNumber(ingest.sealed, 0)], [say("health.taken"), formatBytes(ingest.chunk_bytes)]]} />
         </Card>
-        <Card title="Writing to disk">
-          <Facts rows={[["99 of 100 writes take at most", commits.timed === 0 ? "–" : shortTime(commits.p99_s)], ["Writes", formatNumber(commits.count, 0)], ["Writes that failed", formatNumber(commits.failed, 0)],
-                        ["Free on the disk", formatBytes(disk.free_bytes)], ["Kept free", formatBytes(disk.kept_free_bytes)], ["Database and its log", `${formatBytes(disk.database_bytes)} + ${formatBytes(disk.log_bytes)}`]]} />
+        <Card title={say("health.writing")}>
+          <Facts rows={[[say("health.writes_99"), commits.timed === 0 ? "–" : shortTime(commits.p99_s)], [say("health.writes"), formatNumber(commits.count, 0)], [say("health.writes_failed"), formatNumber(commits.failed, 0)],
+                        [say("health.free"), formatBytes(disk.free_bytes)], [say("health.kept_free"), formatBytes(disk.kept_free_bytes)], [say("health.database"), `${formatBytes(disk.database_bytes)} + ${formatBytes(disk.log_bytes)}`]]} />
         </Card>
-        <Card title="Scoring" aside={<a href="/jobs">All jobs</a>}>
-          <Facts rows={[["Waiting", count(jobs.queued)], ["Running", count(jobs.running)], ["Failed", count(jobs.failed)]]} />
+        <Card title={say("health.scoring")} aside={<a href="/jobs">{say("health.all_jobs")}</a>}>
+          <Facts rows={[[say("job_state.queued"), count(jobs.queued)], [say("job_state.running"), count(jobs.running)], [say("job_state.failed"), count(jobs.failed)]]} />
         </Card>
-        <Card title="Sign-ins" aside={<a href="/audit?action=session.">In the audit trail</a>}>
-          <Facts rows={[["Signed in", formatNumber(door.signed_in, 0)], ["Wrong password", formatNumber(door.refused, 0)], ["Held back", formatNumber(door.throttled, 0)], ["Turned away, too many at once", formatNumber(door.busy, 0)]]} />
+        <Card title={say("health.sign_ins")} aside={<a href="/audit?action=session.">{say("health.in_audit")}</a>}>
+          <Facts rows={[[say("health.signed_in"), formatNumber(door.signed_in, 0)], [say("health.wrong"), formatNumber(door.refused, 0)], [say("health.held_back"), formatNumber(door.throttled, 0)], [say("health.turned_away"), formatNumber(door.busy, 0)]]} />
         </Card>
-        <Card title="Backup and retention">
-          <Facts rows={[["Last backup", backup === null ? "never" : <span title={formatDateTime(backup.at_ms)}>{relativeTime(backup.at_ms, health.now_ms)}</span>], ["Files it misses", backup === null ? "–" : formatNumber(backup.missing, 0)],
-                        ...(retention.length === 0 ? [["Kept", "everything, for good"] as const] : retention.map(retentionText))]} />
+        <Card title={say("health.backup")}>
+          <Facts rows={[[say("health.last_backup"), backup === null ? say("health.never") : <span title={formatDateTime(backup.at_ms)}>{relativeTime(backup.at_ms, health.now_ms)}</span>], [say("health.missing"), backup === null ? "–" : formatNumber(backup.missing, 0)],
+                        ...(retention.length === 0 ? [[say("health.kept"), say("health.for_good")] as const] : retention.map(retentionText))]} />
         </Card>
       </div>
-      <p class="hint">Counted since the server started, {relativeTime(health.started_ms, health.now_ms)}. The last {plural(commits.timed, "write")} were timed. Figures for a monitoring system are at /metrics.</p>
+      <p class="hint">{say("health.counted", { since: relativeTime(health.started_ms, health.now_ms), count: commits.timed })}</p>
     </>
   );
 }

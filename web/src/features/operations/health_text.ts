@@ -1,5 +1,6 @@
 import type { ServerHealth } from "../../api/types";
-import { formatBytes, formatDuration, formatNumber, plural } from "../../base/format";
+import { formatBytes, formatDuration, formatNumber } from "../../base/format";
+import { say } from "../../base/words";
 import type { Tone } from "../../widgets/basics";
 
 // What is wrong with the server, in words, and what to do. The worst comes first.
@@ -26,27 +27,27 @@ export function findingsOf(health: ServerHealth): Finding[] {
 function ingestFindings({ ingest, recordings, stations }: ServerHealth): Finding[] {
   const out: Finding[] = [];
   if (!ingest.takes_recordings) {
-    out.push({ tone: "bad", title: "Recordings are not taken", text: sentence(ingest.problem) });
+    out.push({ tone: "bad", title: say("finding.not_taken"), text: sentence(ingest.problem) });
   }
-  if (ingest.waiting !== "") out.push({ tone: "warning", title: "Changes wait", text: sentence(ingest.waiting) });
+  if (ingest.waiting !== "") out.push({ tone: "warning", title: say("finding.waits"), text: sentence(ingest.waiting) });
   if (recordings.late.length > 0) {
     const longest = Math.max(...recordings.late.map((row) => row.silent_ms));
-    out.push({ tone: "warning", title: `Nothing comes from ${plural(recordings.late.length, "attempt")} in progress`,
-               text: `Silent for up to ${formatDuration(longest / 1000)}. Look at the station: is it switched on, is the network cable in? What it records is kept there.`, link: { path: "/live", title: "Live" } });
+    out.push({ tone: "warning", title: say("finding.silent", { count: recordings.late.length }),
+               text: say("finding.silent_text", { span: formatDuration(longest / 1000) }), link: { path: "/live", title: say("nav.live") } });
   }
-  if (stations.enrolled === 0) out.push({ tone: "warning", title: "No station is enrolled", text: "Make an enrolment code and type the command that is shown at the station.", link: { path: "/stations", title: "Stations" } });
+  if (stations.enrolled === 0) out.push({ tone: "warning", title: say("finding.no_station"), text: say("finding.no_station_text"), link: { path: "/stations", title: say("nav.stations") } });
   return out;
 }
 
 function diskFindings({ disk, commits }: ServerHealth): Finding[] {
   const out: Finding[] = [];
   if (disk.free_bytes < 2 * disk.kept_free_bytes) {
-    out.push({ tone: disk.free_bytes < disk.kept_free_bytes ? "bad" : "warning", title: "The disk is nearly full",
-               text: `${formatBytes(disk.free_bytes)} are free; recordings stop below ${formatBytes(disk.kept_free_bytes)}. Make room, or set a retention rule.` });
+    out.push({ tone: disk.free_bytes < disk.kept_free_bytes ? "bad" : "warning", title: say("finding.disk"),
+               text: say("finding.disk_text", { free: formatBytes(disk.free_bytes), kept: formatBytes(disk.kept_free_bytes) }) });
   }
-  if (commits.failed > 0) out.push({ tone: "warning", title: `${plural(commits.failed, "change")} could not be written since the start`, text: "The server's log says why. Look at the disk." });
+  if (commits.failed > 0) out.push({ tone: "warning", title: say("finding.writes", { count: commits.failed }), text: say("finding.writes_text") });
   if (commits.timed > 0 && commits.p99_s > kSlowCommitS) {
-    out.push({ tone: "warning", title: "Writing is slow", text: `One write in a hundred takes ${shortTime(commits.p99_s)} or longer. See what else uses this disk.` });
+    out.push({ tone: "warning", title: say("finding.slow"), text: say("finding.slow_text", { span: shortTime(commits.p99_s) }) });
   }
   return out;
 }
@@ -54,38 +55,38 @@ function diskFindings({ disk, commits }: ServerHealth): Finding[] {
 function workFindings({ jobs }: ServerHealth): Finding[] {
   const out: Finding[] = [];
   if (jobs.failed > 0) {
-    out.push({ tone: "warning", title: `${countText(jobs.failed, jobs.counted_up_to)} ${jobs.failed === 1 ? "job has" : "jobs have"} failed`, text: "Their attempts have no score. Open them: each says why. Then score again.", link: { path: "/jobs?state=failed", title: "Failed jobs" } });
+    out.push({ tone: "warning", title: say("finding.jobs_failed", { count: jobs.failed, text: countText(jobs.failed, jobs.counted_up_to) }), text: say("finding.jobs_failed_text"), link: { path: "/jobs?state=failed", title: say("finding.jobs_failed_link") } });
   }
   if (jobs.queued > kManyJobs) {
-    out.push({ tone: "warning", title: `${countText(jobs.queued, jobs.counted_up_to)} jobs wait`, text: "Scores come late. If this goes on, let the server use more threads (--job-threads).", link: { path: "/jobs?state=queued", title: "Waiting jobs" } });
+    out.push({ tone: "warning", title: say("finding.jobs_wait", { count: countText(jobs.queued, jobs.counted_up_to) }), text: say("finding.jobs_wait_text"), link: { path: "/jobs?state=queued", title: say("finding.jobs_wait_link") } });
   }
   return out;
 }
 
 function backupFindings({ backup, now_ms: now }: ServerHealth): Finding[] {
-  const todo = "Run enamel-server backup on the server, best every night.";
-  if (backup === null) return [{ tone: "warning", title: "No backup was made yet", text: todo }];
+  const todo = say("finding.backup_todo");
+  if (backup === null) return [{ tone: "warning", title: say("finding.no_backup"), text: todo }];
   const out: Finding[] = [];
-  if (backup.missing > 0) out.push({ tone: "bad", title: `The last backup misses ${plural(backup.missing, "file")}`, text: "They were gone or damaged in the data folder. Run enamel-server verify: it names them." });
-  if (now - backup.at_ms > kBackupLateMs) out.push({ tone: "warning", title: `The last backup is ${plural(Math.floor((now - backup.at_ms) / kDayMs), "day")} old`, text: todo });
+  if (backup.missing > 0) out.push({ tone: "bad", title: say("finding.backup_misses", { count: backup.missing }), text: say("finding.backup_misses_text") });
+  if (now - backup.at_ms > kBackupLateMs) out.push({ tone: "warning", title: say("finding.backup_old", { count: Math.floor((now - backup.at_ms) / kDayMs) }), text: todo });
   return out;
 }
 
 function doorFindings({ sign_ins: door }: ServerHealth): Finding[] {
   if (door.throttled < kManyThrottled) return [];
-  return [{ tone: "warning", title: `${plural(door.throttled, "sign-in")} were held back since the start`, text: "Somebody may be guessing passwords. The audit trail says at which address.", link: { path: "/audit?action=session.refused", title: "Refused sign-ins" } }];
+  return [{ tone: "warning", title: say("finding.held_back", { count: door.throttled }), text: say("finding.held_back_text"), link: { path: "/audit?action=session.refused", title: say("finding.held_back_link") } }];
 }
 
 // As far as the server counts.
 export function countText(count: number, upTo: number): string {
-  return count >= upTo ? `${formatNumber(upTo, 0)} or more` : formatNumber(count, 0);
+  return count >= upTo ? say("health.or_more", { count: formatNumber(upTo, 0) }) : formatNumber(count, 0);
 }
 
-const kKept: Readonly<Record<string, string>> = { unfinished: "Attempts never finished", recordings: "Recordings", attempts: "Attempts with their scores" };
+const kKept: Readonly<Record<string, string>> = { get unfinished() { return say("retention.unfinished"); }, get recordings() { return say("health.recordings"); }, get attempts() { return say("retention.attempts"); } };
 
 // What a rule removes, and when.
 export function retentionText({ what, days }: ServerHealth["retention"][number]): readonly [string, string] {
-  return [kKept[what] ?? what, `removed after ${plural(days, "day")}`];
+  return [kKept[what] ?? what, say("retention.after", { count: days })];
 }
 
 // As the server says it, which is without a capital and a full stop.

@@ -1,4 +1,5 @@
 import { formatDateTime } from "../../base/format";
+import { say, sayWith } from "../../base/words";
 import { Notice } from "../../widgets/basics";
 import { CopyText } from "../../widgets/copy";
 
@@ -13,12 +14,12 @@ interface Props {
 export function OneTimePassword({ login, password, untilMs, onClose }: Props) {
   return (
     <>
-      <p>Login: <code>{login}</code></p>
-      <div class="secret"><CopyText text={password} what="the password" /></div>
-      <Notice tone="warning" title="Shown only now">
-        <p>Give it to the person in private. It is good for signing in once, until {formatDateTime(untilMs)}; whoever does has to choose a new password.</p>
+      <p>{sayWith("one_time.login", { login: <code>{login}</code> })}</p>
+      <div class="secret"><CopyText text={password} what={say("copy.password")} /></div>
+      <Notice tone="warning" title={say("common.shown_now")}>
+        <p>{say("one_time.give", { until: formatDateTime(untilMs) })}</p>
       </Notice>
-      <div class="button-row end"><button type="button" class="button primary" onClick={onClose}>I have noted it</button></div>
+      <div class="button-row end"><button type="button" class="button primary" onClick={onClose}>{say("one_time.noted")}</button></div>
     </>
   );
 }

@@ -4,6 +4,7 @@ import type { PersonDetail, Role } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { usePages } from "../../api/use_pages";
 import { useRequest } from "../../api/use_request";
+import { say } from "../../base/words";
 import { Badge, Card, ErrorNotice, PageTitle } from "../../widgets/basics";
 import { Dialog, FormButtons } from "../../widgets/dialog";
 import { type Option, SelectField, TextField } from "../../widgets/form";
@@ -13,7 +14,7 @@ import { OneTimePassword } from "./one_time_password";
 
 const kPageSize = 50;
 export const kRoles: readonly Option<Role>[] = [
-  { value: "student", title: "Student" }, { value: "instructor", title: "Instructor" }, { value: "admin", title: "Admin" },
+  { value: "student", get title() { return say("people.student"); } }, { value: "instructor", get title() { return say("people.instructor"); } }, { value: "admin", get title() { return say("people.admin"); } },
 ];
 
 interface Props {
@@ -29,15 +30,15 @@ export function PeoplePage({ client, query, onQuery }: Props) {
   return (
     <>
       <div class="toolbar">
-        <PageTitle document="People">People</PageTitle>
+        <PageTitle document={say("nav.people")}>{say("nav.people")}</PageTitle>
         <div class="button-row">
-          <a class="button" href="/roster">Import a roster…</a>
-          <button type="button" class="button primary" onClick={() => setAdding(true)}>Add a person…</button>
+          <a class="button" href="/roster">{say("people.import_ask")}</a>
+          <button type="button" class="button primary" onClick={() => setAdding(true)}>{say("people.add_ask")}</button>
         </div>
       </div>
       <Filters client={client} filter={filter} onQuery={onQuery} />
-      <PagedList pages={pages} what="people" empty="Nobody matches. Clear the search, or add somebody.">
-        {(people) => <Card className="flush"><DataTable label="People" items={people} rowKey={(person) => person.id} columns={kColumns} /></Card>}
+      <PagedList pages={pages} list="people" empty={say("people.none")}>
+        {(people) => <Card className="flush"><DataTable label={say("nav.people")} items={people} rowKey={(person) => person.id} columns={kColumns} /></Card>}
       </PagedList>
       {adding && <AddPerson client={client} onClose={() => setAdding(false)} onAdded={pages.reload} />}
     </>
@@ -45,15 +46,15 @@ export function PeoplePage({ client, query, onQuery }: Props) {
 }
 
 const kColumns = [
-  { title: "Name", cell: (person: PersonDetail) => <a href={`/people/${person.id}`}>{person.display_name}</a> },
-  { title: "Login", cell: (person: PersonDetail) => <code>{person.login}</code> },
-  { title: "Role", cell: (person: PersonDetail) => kRoles.find((role) => role.value === person.role)?.title ?? person.role },
-  { title: "State", cell: (person: PersonDetail) => <PersonState person={person} /> },
+  { get title() { return say("account.name"); }, cell: (person: PersonDetail) => <a href={`/people/${person.id}`}>{person.display_name}</a> },
+  { get title() { return say("account.login"); }, cell: (person: PersonDetail) => <code>{person.login}</code> },
+  { get title() { return say("account.role"); }, cell: (person: PersonDetail) => kRoles.find((role) => role.value === person.role)?.title ?? person.role },
+  { get title() { return say("common.state"); }, cell: (person: PersonDetail) => <PersonState person={person} /> },
 ];
 
 export function PersonState({ person }: { readonly person: PersonDetail }) {
-  if (person.disabled) return <Badge tone="bad">Disabled</Badge>;
-  return person.must_change_password ? <Badge tone="warning">One-time password</Badge> : <Badge tone="good">Active</Badge>;
+  if (person.disabled) return <Badge tone="bad">{say("people.disabled")}</Badge>;
+  return person.must_change_password ? <Badge tone="warning">{say("people.one_time")}</Badge> : <Badge tone="good">{say("people.active")}</Badge>;
 }
 
 function Filters({ client, filter, onQuery }: Omit<Props, "query"> & { readonly filter: { readonly text: string; readonly role: string; readonly cohort: string } }) {
@@ -66,11 +67,11 @@ function Filters({ client, filter, onQuery }: Omit<Props, "query"> & { readonly 
   };
   return (
     <form class="filters" role="search" onSubmit={submit}>
-      <TextField label="Name or login" value={text} onValue={setText} maxLength={100} />
-      <SelectField label="Role" value={filter.role} onValue={(role) => onQuery({ ...filter, role })} options={[{ value: "", title: "Any" }, ...kRoles]} />
-      <SelectField label="Cohort" value={filter.cohort} onValue={(cohort) => onQuery({ ...filter, cohort })}
-                   options={[{ value: "", title: "Any" }, ...names.map((cohort) => ({ value: cohort.id, title: cohort.name }))]} />
-      <button type="submit" class="button">Search</button>
+      <TextField label={say("people.name_or_login")} value={text} onValue={setText} maxLength={100} />
+      <SelectField label={say("account.role")} value={filter.role} onValue={(role) => onQuery({ ...filter, role })} options={[{ value: "", title: say("common.any") }, ...kRoles]} />
+      <SelectField label={say("common.cohort")} value={filter.cohort} onValue={(cohort) => onQuery({ ...filter, cohort })}
+                   options={[{ value: "", title: say("common.any") }, ...names.map((cohort) => ({ value: cohort.id, title: cohort.name }))]} />
+      <button type="submit" class="button">{say("people.search")}</button>
     </form>
   );
 }
@@ -90,16 +91,16 @@ function AddPerson({ client, onClose, onAdded }: { readonly client: Client; read
   };
   const problem = (field: string) => change.error?.field === field ? change.error.message : undefined;
   if (made !== undefined) {
-    return <Dialog title="Added" onClose={onClose}><OneTimePassword {...made} onClose={onClose} /></Dialog>;
+    return <Dialog title={say("people.added")} onClose={onClose}><OneTimePassword {...made} onClose={onClose} /></Dialog>;
   }
   return (
-    <Dialog title="Add a person" onClose={onClose}>
+    <Dialog title={say("people.add")} onClose={onClose}>
       <form class="form" onSubmit={(event) => void submit(event)}>
-        <TextField label="Name" value={name} onValue={setName} required maxLength={200} problem={problem("display_name")} />
-        <TextField label="Login" value={login} onValue={setLogin} required maxLength={64} problem={problem("login")} hint="What the person types to sign in. It cannot be changed later." />
-        <SelectField label="Role" value={role} onValue={setRole} options={kRoles} problem={problem("role")} />
-        {change.error !== undefined && !["login", "display_name", "role"].includes(change.error.field) && <ErrorNotice title="Not added" message={change.error.message} />}
-        <FormButtons action="Add" disabled={change.busy} onCancel={onClose} />
+        <TextField label={say("account.name")} value={name} onValue={setName} required maxLength={200} problem={problem("display_name")} />
+        <TextField label={say("account.login")} value={login} onValue={setLogin} required maxLength={64} problem={problem("login")} hint={say("people.login_hint")} />
+        <SelectField label={say("account.role")} value={role} onValue={setRole} options={kRoles} problem={problem("role")} />
+        {change.error !== undefined && !["login", "display_name", "role"].includes(change.error.field) && <ErrorNotice title={say("common.not_added")} message={change.error.message} />}
+        <FormButtons action={say("common.add")} disabled={change.busy} onCancel={onClose} />
       </form>
     </Dialog>
   );

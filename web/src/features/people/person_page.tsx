@@ -4,6 +4,7 @@ import type { Tagged } from "../../api/http";
 import type { PersonDetail, PersonWithCohorts } from "../../api/types";
 import { useEdit } from "../../api/use_edit";
 import { useRequest } from "../../api/use_request";
+import { say, sayWith } from "../../base/words";
 import { Card, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
 import { Confirm, Dialog } from "../../widgets/dialog";
 import { EditNotices } from "../../widgets/edit_notices";
@@ -23,10 +24,10 @@ export function PersonPage({ client, id, self, onGone }: Props) {
   const { loaded, reload } = useRequest(id, (signal) => client.people.get(id, signal));
   return (
     <>
-      <nav class="trail" aria-label="Where you are"><a href="/people">People</a></nav>
-      {loaded.state === "loading" && <Loading what="the person" />}
+      <nav class="trail" aria-label={say("common.where")}><a href="/people">{say("nav.people")}</a></nav>
+      {loaded.state === "loading" && <Loading what={say("loading.person")} />}
       {loaded.state === "failed" && (
-        <><PageTitle document="Person">Person</PageTitle><ErrorNotice title="The person could not be loaded" message={loaded.error.message} onRetry={reload} /></>
+        <><PageTitle document={say("person.one")}>{say("person.one")}</PageTitle><ErrorNotice title={say("person.failed")} message={loaded.error.message} onRetry={reload} /></>
       )}
       {loaded.state === "ready" && <LoadedPerson key={loaded.value.tag} client={client} read={loaded.value} self={self} onChanged={reload} onGone={onGone} />}
     </>
@@ -40,12 +41,10 @@ function LoadedPerson({ client, read, self, onChanged, onGone }:
   return (
     <>
       <div class="title-row"><PageTitle document={person.display_name}>{person.display_name}</PageTitle><PersonState person={person} /></div>
-      <p class="byline">Login <code>{person.login}</code>{" · "}<a href={`/attempts?person=${person.id}`}>Attempts</a>{" · "}<a href={`/audit?object=${person.id}`}>Audit</a>
-        {read.value.cohorts.map((cohort) => <span key={cohort.id}>{" · "}<a href={`/cohorts/${cohort.id}`}>{cohort.name}</a></span>)}
-      </p>
+      <p class="byline">{sayWith("person.login", { login: <code>{person.login}</code> })}{" · "}<a href={`/attempts?person=${person.id}`}>{say("nav.attempts")}</a>{" · "}<a href={`/audit?object=${person.id}`}>{say("nav.audit")}</a>{read.value.cohorts.map((cohort) => <span key={cohort.id}>{" · "}<a href={`/cohorts/${cohort.id}`}>{cohort.name}</a></span>)}</p>
       <div class="columns">
-        <Card title="Details"><Details client={client} read={read} self={self} onRead={setLatest} /></Card>
-        <Card title="Access"><Access client={client} read={latest} self={self} onChanged={onChanged} /></Card>
+        <Card title={say("cohort.details")}><Details client={client} read={read} self={self} onRead={setLatest} /></Card>
+        <Card title={say("person.access")}><Access client={client} read={latest} self={self} onChanged={onChanged} /></Card>
       </div>
       <PersonSessions client={client} person={person} />
       {!self && <Erase client={client} person={person} onGone={onGone} />}
@@ -54,9 +53,9 @@ function LoadedPerson({ client, read, self, onChanged, onGone }:
 }
 
 const kCompared = [
-  { title: "Name", text: (person: PersonDetail) => person.display_name },
-  { title: "Role", text: (person: PersonDetail) => person.role as string },
-  { title: "Disabled", text: (person: PersonDetail) => person.disabled ? "yes" : "no" },
+  { get title() { return say("account.name"); }, text: (person: PersonDetail) => person.display_name },
+  { get title() { return say("account.role"); }, text: (person: PersonDetail) => person.role as string },
+  { get title() { return say("people.disabled"); }, text: (person: PersonDetail) => person.disabled ? "yes" : "no" },
 ];
 
 function Details({ client, read, self, onRead }:
@@ -68,11 +67,11 @@ function Details({ client, read, self, onRead }:
   };
   return (
     <form class="form" onSubmit={submit}>
-      <TextField label="Name" value={edit.draft.display_name} onValue={(name) => edit.set({ display_name: name })} required maxLength={200} problem={edit.problemOf("display_name")} />
-      <SelectField label="Role" value={edit.draft.role} onValue={(role) => edit.set({ role })} options={kRoles} problem={edit.problemOf("role")}
-                   {...(self ? { hint: "This is your own account: without the admin role you cannot come back to this screen." } : {})} />
+      <TextField label={say("account.name")} value={edit.draft.display_name} onValue={(name) => edit.set({ display_name: name })} required maxLength={200} problem={edit.problemOf("display_name")} />
+      <SelectField label={say("account.role")} value={edit.draft.role} onValue={(role) => edit.set({ role })} options={kRoles} problem={edit.problemOf("role")}
+                   {...(self ? { hint: say("person.own_account") } : {})} />
       <EditNotices edit={edit} compared={kCompared} fields={["display_name", "role"]} />
-      <div><button type="submit" class="button primary" disabled={edit.busy || !edit.changed}>Save</button></div>
+      <div><button type="submit" class="button primary" disabled={edit.busy || !edit.changed}>{say("common.save")}</button></div>
     </form>
   );
 }
@@ -98,23 +97,23 @@ function Access({ client, read, self, onChanged }:
   return (
     <>
       <div class="button-row">
-        <button type="button" class="button" onClick={() => setOpen("reset")}>Reset the password…</button>
-        {!self && <button type="button" class="button" onClick={() => setOpen("disable")}>{person.disabled ? "Enable again…" : "Disable…"}</button>}
+        <button type="button" class="button" onClick={() => setOpen("reset")}>{say("person.reset_ask")}</button>
+        {!self && <button type="button" class="button" onClick={() => setOpen("disable")}>{person.disabled ? say("person.enable_ask") : say("person.disable_ask")}</button>}
       </div>
-      <p class="hint">Disabling signs the person out everywhere within seconds and refuses every sign-in. Attempts and scores stay.</p>
+      <p class="hint">{say("person.disable_hint")}</p>
       {open === "reset" && (
-        <Confirm title={`Reset the password of ${person.display_name}?`} action="Reset the password" onClose={close} onConfirm={reset}>
-          <p>The current password stops working, and every session ends. You get a new one to hand over.</p>
+        <Confirm title={say("person.reset_title", { name: person.display_name })} action={say("person.reset")} onClose={close} onConfirm={reset}>
+          <p>{say("person.reset_text")}</p>
         </Confirm>
       )}
       {open === "disable" && (
-        <Confirm title={person.disabled ? `Enable ${person.display_name} again?` : `Disable ${person.display_name}?`} tone={person.disabled ? "neutral" : "bad"}
-                 action={person.disabled ? "Enable" : "Disable"} onClose={close} onConfirm={() => setDisabled(!person.disabled)}>
-          <p>{person.disabled ? "The person can sign in again with the old password." : "The person is signed out everywhere and cannot sign in. You can enable the account again at any time."}</p>
+        <Confirm title={person.disabled ? say("person.enable_title", { name: person.display_name }) : say("person.disable_title", { name: person.display_name })} tone={person.disabled ? "neutral" : "bad"}
+                 action={person.disabled ? say("person.enable") : say("person.disable")} onClose={close} onConfirm={() => setDisabled(!person.disabled)}>
+          <p>{person.disabled ? say("person.enable_text") : say("person.disable_text")}</p>
         </Confirm>
       )}
       {made !== undefined && (
-        <Dialog title="New password" onClose={() => { setMade(undefined); onChanged(); }}>
+        <Dialog title={say("account.new_password")} onClose={() => { setMade(undefined); onChanged(); }}>
           <OneTimePassword login={person.login} {...made} onClose={() => { setMade(undefined); onChanged(); }} />
         </Dialog>
       )}
@@ -127,11 +126,11 @@ function PersonSessions({ client, person }: { readonly client: Client; readonly 
   const sessions = loaded.state === "ready" ? loaded.value : [];
   const [endingAll, setEndingAll] = useState(false);
   return (
-    <Card title="Signed in" {...(sessions.length === 0 ? {} : { aside: <button type="button" class="button small" onClick={() => setEndingAll(true)}>End all…</button> })}>
-      {loaded.state === "loading" && <Loading what="sessions" />}
-      {loaded.state === "failed" && <ErrorNotice title="The sessions could not be loaded" message={loaded.error.message} onRetry={reload} />}
+    <Card title={say("person.signed_in")} {...(sessions.length === 0 ? {} : { aside: <button type="button" class="button small" onClick={() => setEndingAll(true)}>{say("person.end_all_ask")}</button> })}>
+      {loaded.state === "loading" && <Loading what={say("loading.sessions")} />}
+      {loaded.state === "failed" && <ErrorNotice title={say("person.sessions_failed")} message={loaded.error.message} onRetry={reload} />}
       {loaded.state === "ready" && (
-        <SessionsTable sessions={sessions} label={`Sessions of ${person.display_name}`}
+        <SessionsTable sessions={sessions} label={say("person.sessions_of", { name: person.display_name })}
                        onEnd={async (session) => {
                          const result = await client.people.endSession(session);
                          if (!result.ok) return result.error.message;
@@ -140,14 +139,14 @@ function PersonSessions({ client, person }: { readonly client: Client; readonly 
                        }} />
       )}
       {endingAll && (
-        <Confirm title={`Sign ${person.display_name} out everywhere?`} action="End all sessions" onClose={() => setEndingAll(false)}
+        <Confirm title={say("person.end_all_title", { name: person.display_name })} action={say("person.end_all")} onClose={() => setEndingAll(false)}
                  onConfirm={async () => {
                    const result = await client.people.endSessions(person.id);
                    if (!result.ok) return result.error.message;
                    reload();
                    return undefined;
                  }}>
-          <p>The page and the stations ask for the password again. An attempt that is being recorded goes on.</p>
+          <p>{say("person.end_all_text")}</p>
         </Confirm>
       )}
     </Card>
@@ -160,20 +159,20 @@ function Erase({ client, person, onGone }: { readonly client: Client; readonly p
   const [login, setLogin] = useState("");
   const [withReferences, setWithReferences] = useState(false);
   return (
-    <Card title="Erase">
-      <p>Removes name, login, sessions, attempts and recordings of this person for ever. For everything else, disable the account instead.</p>
-      <button type="button" class="button" onClick={() => setOpen(true)}>Erase this person…</button>
+    <Card title={say("person.erase")}>
+      <p>{say("person.erase_hint")}</p>
+      <button type="button" class="button" onClick={() => setOpen(true)}>{say("person.erase_ask")}</button>
       {open && (
-        <Confirm title={`Erase ${person.display_name}?`} action="Erase for ever" onClose={() => setOpen(false)}
+        <Confirm title={say("person.erase_title", { name: person.display_name })} action={say("person.erase_for_ever")} onClose={() => setOpen(false)}
                  onConfirm={async () => {
                    const result = await client.people.erase(person.id, login.trim(), withReferences);
                    if (!result.ok) return result.error.message;
                    onGone();
                    return undefined;
                  }}>
-          <p>This cannot be undone, and a backup that is restored forgets the person again.</p>
-          <TextField label={`Type the login (${person.login}) to confirm`} value={login} onValue={setLogin} maxLength={64} />
-          <CheckField label="Also reference cuts of this person" hint="Without it, a person whose cut is a reference is not erased." value={withReferences} onValue={setWithReferences} />
+          <p>{say("person.erase_text")}</p>
+          <TextField label={say("person.type_login", { login: person.login })} value={login} onValue={setLogin} maxLength={64} />
+          <CheckField label={say("person.erase_references")} hint={say("person.erase_references_hint")} value={withReferences} onValue={setWithReferences} />
         </Confirm>
       )}
     </Card>

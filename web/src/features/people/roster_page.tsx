@@ -5,7 +5,8 @@ import { useChange } from "../../api/use_change";
 import { useRequest } from "../../api/use_request";
 import { csvText } from "../../base/csv";
 import { downloadText } from "../../base/download";
-import { formatNumber, plural } from "../../base/format";
+import { formatNumber } from "../../base/format";
+import { say, sayWith } from "../../base/words";
 import { Badge, Card, ErrorNotice, Notice, PageTitle, type Tone } from "../../widgets/basics";
 import { FileField, SelectField } from "../../widgets/form";
 import { DataTable } from "../../widgets/table";
@@ -38,7 +39,7 @@ export function RosterPage({ client }: { readonly client: Client }) {
   };
   const choose = async (chosen: File | undefined) => {
     const tooLarge = chosen !== undefined && chosen.size > kMaxBytes;
-    setProblem(tooLarge ? `The file has ${formatNumber(chosen.size, 0)} bytes, at most ${formatNumber(kMaxBytes, 0)} are allowed. Split it.` : undefined);
+    setProblem(tooLarge ? say("roster.too_large", { found: formatNumber(chosen.size, 0), most: formatNumber(kMaxBytes, 0) }) : undefined);
     const next = chosen === undefined || tooLarge ? undefined : { name: chosen.name, text: await chosen.text() };
     setFile(next);
     await check(next, cohort);
@@ -51,22 +52,21 @@ export function RosterPage({ client }: { readonly client: Client }) {
 
   return (
     <>
-      <nav class="trail" aria-label="Where you are"><a href="/people">People</a></nav>
-      <PageTitle document="Import a roster">Import a roster</PageTitle>
+      <nav class="trail" aria-label={say("common.where")}><a href="/people">{say("nav.people")}</a></nav>
+      <PageTitle document={say("roster.title")}>{say("roster.title")}</PageTitle>
       {done !== undefined ? <Done report={done} /> : (
         <>
-          <Card title="1. The file">
-            <p>A CSV file (UTF-8, commas) with the columns <code>login</code>, <code>display_name</code>, <code>role</code> and <code>cohort</code>, in any order, named in the first row.
-              Who is there already keeps role and password; nobody is removed; importing the same file twice changes nothing. Somebody in several cohorts has a row for each.</p>
+          <Card title={say("roster.file")}>
+            <p>{sayWith("roster.format", { login: <code>"login"</code>, display_name: <code>"display_name"</code>, role: <code>"role"</code>, cohort: <code>"cohort"</code> })}</p>
             <div class="form-grid">
-              <FileField label="Roster (CSV)" accept=".csv,text/csv" onFile={(chosen) => void choose(chosen)} problem={problem} />
-              <SelectField label="Cohort for rows without one" value={cohort}
+              <FileField label={say("roster.csv")} accept=".csv,text/csv" onFile={(chosen) => void choose(chosen)} problem={problem} />
+              <SelectField label={say("roster.cohort")} value={cohort}
                            onValue={(name) => { setCohort(name); void check(file, name); }}
-                           options={[{ value: "", title: "None" }, ...names.map((name) => ({ value: name, title: name }))]} />
+                           options={[{ value: "", title: say("common.none") }, ...names.map((name) => ({ value: name, title: name }))]} />
             </div>
-            <p><button type="button" class="button quiet" onClick={() => downloadText("roster_example.csv", "text/csv", kExample)}>Download an example</button></p>
+            <p><button type="button" class="button quiet" onClick={() => downloadText("roster_example.csv", "text/csv", kExample)}>{say("roster.example")}</button></p>
           </Card>
-          {change.error !== undefined && <ErrorNotice title="The roster was not read" message={change.error.message} />}
+          {change.error !== undefined && <ErrorNotice title={say("roster.not_read")} message={change.error.message} />}
           {trial !== undefined && <Trial report={trial} busy={change.busy} onImport={() => void carryOut()} />}
         </>
       )}
@@ -78,30 +78,30 @@ function Trial({ report, busy, onImport }: { readonly report: RosterOutcome; rea
   const { problems } = report;
   if (problems.length > 0) {
     return (
-      <Card title="2. What stands against it">
-        <Notice tone="bad" title={`${plural(report.problem_count, "problem")}: nothing was imported`}>
-          <p>Correct the file and choose it again. Rows are counted as a spreadsheet counts them: the header is row 1.</p>
+      <Card title={say("roster.against")}>
+        <Notice tone="bad" title={say("roster.problems", { count: report.problem_count })}>
+          <p>{say("roster.correct")}</p>
         </Notice>
-        <DataTable label="Problems in the roster" items={problems} dense columns={[
-          { title: "Row", number: true, cell: (item) => item.row },
-          { title: "Column", cell: (item) => item.column === "" ? "–" : <code>{item.column}</code> },
-          { title: "Found", cell: (item) => item.found },
-          { title: "Expected", cell: (item) => item.expected },
+        <DataTable label={say("roster.problems_table")} items={problems} dense columns={[
+          { title: say("roster.row"), number: true, cell: (item) => item.row },
+          { title: say("roster.column"), cell: (item) => item.column === "" ? "–" : <code>{item.column}</code> },
+          { title: say("roster.found"), cell: (item) => item.found },
+          { title: say("roster.expected"), cell: (item) => item.expected },
         ]} />
       </Card>
     );
   }
   const nothing = report.created === 0 && report.updated === 0;
   return (
-    <Card title="2. What would happen">
+    <Card title={say("roster.would")}>
       <Notice tone={nothing ? "neutral" : "good"} title={countText(report)}>
-        {report.new_cohorts.length > 0 && <p>New cohorts: {report.new_cohorts.join(", ")}.</p>}
-        {report.ignored_columns.length > 0 && <p>Columns that are not used: {report.ignored_columns.join(", ")}.</p>}
+        {report.new_cohorts.length > 0 && <p>{say("roster.new_cohorts", { names: report.new_cohorts.join(", ") })}</p>}
+        {report.ignored_columns.length > 0 && <p>{say("roster.ignored", { names: report.ignored_columns.join(", ") })}</p>}
       </Notice>
       <Rows report={report} />
       <div class="button-row">
         <button type="button" class="button primary" disabled={busy || nothing} onClick={onImport}>
-          {nothing ? "Nothing to import" : busy ? "Importing…" : `Import ${plural(report.created + report.updated, "person", "people")}`}
+          {nothing ? say("roster.nothing") : busy ? say("roster.importing") : say("roster.import", { count: report.created + report.updated })}
         </button>
       </div>
     </Card>
@@ -109,25 +109,25 @@ function Trial({ report, busy, onImport }: { readonly report: RosterOutcome; rea
 }
 
 const kTones: Readonly<Record<string, Tone>> = { create: "good", update: "warning", unchanged: "neutral" };
-const kTitles: Readonly<Record<string, string>> = { create: "New", update: "Changed", unchanged: "As it is" };
+const kTitles: Readonly<Record<string, string>> = { get create() { return say("roster.create"); }, get update() { return say("roster.update"); }, get unchanged() { return say("roster.unchanged"); } };
 
 function Rows({ report }: { readonly report: RosterOutcome }) {
   const shown = report.people.slice(0, kShownRows);
   return (
     <>
-      <DataTable label="Rows of the roster" items={shown} dense columns={[
-        { title: "Row", number: true, cell: (item) => item.row },
-        { title: "Login", cell: (item) => <code>{item.login}</code> },
-        { title: "What happens", cell: (item) => <Badge tone={kTones[item.change] ?? "neutral"}>{kTitles[item.change] ?? item.change}</Badge> },
-        { title: "In detail", cell: (item) => detailText(item) },
+      <DataTable label={say("roster.rows")} items={shown} dense columns={[
+        { title: say("roster.row"), number: true, cell: (item) => item.row },
+        { title: say("account.login"), cell: (item) => <code>{item.login}</code> },
+        { title: say("roster.happens"), cell: (item) => <Badge tone={kTones[item.change] ?? "neutral"}>{kTitles[item.change] ?? item.change}</Badge> },
+        { title: say("roster.detail"), cell: (item) => detailText(item) },
       ]} />
-      {report.people.length > shown.length && <p class="hint">The first {formatNumber(shown.length, 0)} of {plural(report.people.length, "row")} are shown.</p>}
+      {report.people.length > shown.length && <p class="hint">{say("roster.first_rows", { shown: shown.length, count: report.people.length })}</p>}
     </>
   );
 }
 
 function detailText({ renames, joins, note }: RosterOutcome["people"][number]): string {
-  return [renames ? "gets another name" : "", joins ? "joins the cohort" : "", note].filter((part) => part !== "").join("; ") || "–";
+  return [renames ? say("roster.renames") : "", joins ? say("roster.joins") : "", note].filter((part) => part !== "").join("; ") || "–";
 }
 
 function Done({ report }: { readonly report: RosterOutcome }) {
@@ -135,25 +135,25 @@ function Done({ report }: { readonly report: RosterOutcome }) {
   const save = () => downloadText("passwords.csv", "text/csv", csvText(["login", "display_name", "cohort", "password"],
     passwords.map((row) => [row.login, row.display_name, row.cohort, row.password])));
   return (
-    <Card title="Imported">
+    <Card title={say("roster.imported")}>
       <Notice tone="good" title={countText(report)} />
       {passwords.length > 0 && (
         <>
-          <Notice tone="warning" title="Passwords are shown only now">
-            <p>Save them, hand out each one, then delete the file. Each is good for signing in once, within days (7 where nothing else is set), and a new one is chosen then.</p>
-            <button type="button" class="button" onClick={save}>Save {plural(passwords.length, "password")} as CSV</button>
+          <Notice tone="warning" title={say("roster.passwords_now")}>
+            <p>{say("roster.passwords_text")}</p>
+            <button type="button" class="button" onClick={save}>{say("roster.save_passwords", { count: passwords.length })}</button>
           </Notice>
-          <DataTable label="New passwords" items={passwords} dense columns={[
-            { title: "Name", cell: (row) => row.display_name }, { title: "Login", cell: (row) => <code>{row.login}</code> },
-            { title: "Password", cell: (row) => <code>{row.password}</code> },
+          <DataTable label={say("roster.new_passwords")} items={passwords} dense columns={[
+            { title: say("account.name"), cell: (row) => row.display_name }, { title: say("account.login"), cell: (row) => <code>{row.login}</code> },
+            { title: say("account.password"), cell: (row) => <code>{row.password}</code> },
           ]} />
         </>
       )}
-      <p><a href="/people">Go to people</a></p>
+      <p><a href="/people">{say("roster.go_people")}</a></p>
     </Card>
   );
 }
 
 function countText({ created, updated, unchanged }: RosterOutcome): string {
-  return `${formatNumber(created, 0)} new, ${formatNumber(updated, 0)} changed, ${formatNumber(unchanged, 0)} as they are`;
+  return say("roster.count", { created, updated, unchanged });
 }

@@ -19,7 +19,7 @@ export function ProfilesPage({ client, admin }: { readonly client: Client; reado
   return (
     <>
       <PageTitle document="Device profiles">Device profiles</PageTitle>
-      <PagedList pages={pages} what="device profiles" empty="There is no device profile yet.">
+      <PagedList pages={pages} list="profiles" empty="There is no device profile yet.">
         {(profiles) => (
           <Card className="flush">
             <DataTable label="Device profiles" items={profiles} rowKey={(profile) => profile.name} columns={[

@@ -2,6 +2,7 @@ import { useEffect, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { Session } from "../../api/types";
 import { useChange } from "../../api/use_change";
+import { say } from "../../base/words";
 import { ErrorNotice } from "../../widgets/basics";
 import { BrandMark } from "../../widgets/brand";
 import { TextField } from "../../widgets/form";
@@ -21,7 +22,7 @@ export function FirstAdmin({ client, token, onSignedIn }: Props) {
   const [name, setName] = useState("");
   const [password, setPassword] = useState("");
   const change = useChange();
-  useEffect(() => { document.title = "First admin – Enamel"; }, []);
+  useEffect(() => { document.title = say("page_sign_in.first_document"); }, []);
   const submit = async (event: Event) => {
     event.preventDefault();
     const made = await change.run(async () => {
@@ -34,15 +35,15 @@ export function FirstAdmin({ client, token, onSignedIn }: Props) {
   return (
     <main class="sign-in" id="content">
       <div class="sign-in-brand"><BrandMark /><span>Enamel</span></div>
-      <h1>The first admin</h1>
-      <p>This server has no admin yet. Make your own account; you then add everybody else.</p>
+      <h1>{say("page_sign_in.first_admin")}</h1>
+      <p>{say("page_sign_in.first_text")}</p>
       <form class="form" onSubmit={(event) => void submit(event)}>
-        <TextField label="Name" value={name} onValue={setName} autocomplete="name" required maxLength={200} problem={problemOf("display_name")} />
-        <TextField label="Login" hint="Letters, digits and . - _ @" value={login} onValue={setLogin} autocomplete="username" required maxLength={64} problem={problemOf("login")} />
-        <TextField label="Password" secret hint={`At least ${kMinPassword} characters. Several unrelated words are easy to remember and hard to guess.`} value={password} onValue={setPassword}
+        <TextField label={say("account.name")} value={name} onValue={setName} autocomplete="name" required maxLength={200} problem={problemOf("display_name")} />
+        <TextField label={say("account.login")} hint={say("account.login_hint")} value={login} onValue={setLogin} autocomplete="username" required maxLength={64} problem={problemOf("login")} />
+        <TextField label={say("account.password")} secret hint={say("account.password_hint", { least: kMinPassword })} value={password} onValue={setPassword}
                    autocomplete="new-password" required minLength={kMinPassword} maxLength={1024} problem={problemOf("password")} />
-        {change.error !== undefined && !kFields.includes(change.error.field) && <ErrorNotice title="Not made" message={change.error.message} />}
-        <div><button type="submit" class="button primary" disabled={change.busy}>Make the account</button></div>
+        {change.error !== undefined && !kFields.includes(change.error.field) && <ErrorNotice title={say("page_sign_in.not_made")} message={change.error.message} />}
+        <div><button type="submit" class="button primary" disabled={change.busy}>{say("page_sign_in.make_account")}</button></div>
       </form>
     </main>
   );

@@ -2,22 +2,26 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { ApiError } from "../../api/http";
 import type { Session } from "../../api/types";
+import { kLanguages, spokenLanguage, type Language } from "../../base/language";
+import { say } from "../../base/words";
 import { Notice } from "../../widgets/basics";
 import { BrandMark } from "../../widgets/brand";
 
 interface Props {
   readonly client: Client;
   readonly notice: string | undefined;          // why one has to sign in, when there was a session before
-  readonly onSignedIn: (session: Session) => void;
+  readonly chosen: Language | undefined;        // in this tab, on this screen
+  readonly onSignedIn: (session: Session, chosen: Language | undefined) => void;
+  readonly onLanguage: (language: Language) => void;
 }
 
-export function SignIn({ client, notice, onSignedIn }: Props) {
+export function SignIn({ client, notice, chosen, onSignedIn, onLanguage }: Props) {
   const [error, setError] = useState<ApiError>();
   const [busy, setBusy] = useState(false);
   const login = useRef<HTMLInputElement>(null);
   const password = useRef<HTMLInputElement>(null);
   useEffect(() => {
-    document.title = "Sign in – Enamel";
+    document.title = say("page_sign_in.document");
     login.current?.focus();
   }, []);
 
@@ -27,7 +31,7 @@ export function SignIn({ client, notice, onSignedIn }: Props) {
     setBusy(true);
     const result = await client.signIn(login.current.value.trim(), password.current.value);
     setBusy(false);
-    if (result.ok) return onSignedIn(result.value);
+    if (result.ok) return onSignedIn(result.value, chosen);
     setError(result.error);
     password.current.focus();
     password.current.select();
@@ -36,20 +40,25 @@ export function SignIn({ client, notice, onSignedIn }: Props) {
   return (
     <main class="sign-in" id="content">
       <div class="sign-in-brand"><BrandMark /><span>Enamel</span></div>
-      <h1>Sign in</h1>
-      {notice !== undefined && error === undefined && <Notice tone="warning" title="Signed out"><p>{notice}</p></Notice>}
+      <h1>{say("page_sign_in.title")}</h1>
+      {notice !== undefined && error === undefined && <Notice tone="warning" title={say("page_sign_in.signed_out")}><p>{notice}</p></Notice>}
       {error !== undefined && (
-        <div id="sign-in-error"><Notice tone="bad" title="Not signed in"><p>{signInText(error)}</p></Notice></div>
+        <div id="sign-in-error"><Notice tone="bad" title={say("page_sign_in.not_signed_in")}><p>{signInText(error)}</p></Notice></div>
       )}
       <form onSubmit={(event) => void submit(event)}>
-        <label for="login">Login</label>
+        <label for="login">{say("account.login")}</label>
         <input id="login" name="login" ref={login} type="text" autocomplete="username" autocapitalize="none" spellcheck={false} required
                maxLength={64} {...describedBy(error)} />
-        <label for="password">Password</label>
+        <label for="password">{say("account.password")}</label>
         <input id="password" name="password" ref={password} type="password" autocomplete="current-password" required
                maxLength={1024} {...describedBy(error)} />
-        <button type="submit" class="button primary" disabled={busy}>{busy ? "Signing in…" : "Sign in"}</button>
+        <button type="submit" class="button primary" disabled={busy}>{busy ? say("page_sign_in.going") : say("page_sign_in.title")}</button>
       </form>
+      <nav class="languages" aria-label={say("page_sign_in.language")}>
+        {kLanguages.map(({ code, name }) => (
+          <button key={code} type="button" class="button quiet small" lang={code} aria-pressed={code === spokenLanguage()} onClick={() => onLanguage(code)}>{name}</button>
+        ))}
+      </nav>
     </main>
   );
 }
@@ -60,5 +69,5 @@ function describedBy(error: ApiError | undefined) {
 
 function signInText(error: ApiError): string {
   if (error.code !== "unauthenticated") return error.message;
-  return "Login and password do not belong together. Check both (capital letters count in the password) and try again, or ask your instructor to reset the password.";
+  return say("page_sign_in.wrong");
 }

@@ -7,7 +7,8 @@ import { usePages } from "../../api/use_pages";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime } from "../../base/format";
 import { relativeTime } from "../../base/local_time";
-import { Badge, Card, Empty, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
+import { say, sayWith } from "../../base/words";
+import { Badge, Brief, Card, Empty, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
 import { Confirm, Dialog, FormButtons } from "../../widgets/dialog";
 import { CopyText } from "../../widgets/copy";
 import { TextField } from "../../widgets/form";
@@ -26,36 +27,36 @@ export function StationsPage({ client, admin }: { readonly client: Client; reado
   const [open, setOpen] = useState<{ readonly what: "rename" | "revoke"; readonly station: Station }>();
   const close = () => setOpen(undefined);
   const columns: readonly Column<Station>[] = [
-    { title: "Station", cell: (station) => station.name },
-    { title: "State", cell: (station) => <StationState station={station} /> },
-    { title: "Seen last", cell: (station) => station.last_seen_ms === 0 ? "Never" : <span title={formatDateTime(station.last_seen_ms)}>{relativeTime(station.last_seen_ms, Date.now())}</span> },
-    { title: "Software", cell: (station) => station.software === "" ? "–" : `${station.software}, core ${station.core_version}` },
-    { title: "Enrolled", cell: (station) => formatDateTime(station.enrolled_ms) },
-    ...(admin ? [{ title: "Change", hideTitle: true, cell: (station: Station) => station.revoked ? null : (
+    { title: say("common.station"), cell: (station) => station.name },
+    { title: say("common.state"), cell: (station) => <StationState station={station} /> },
+    { title: say("stations.seen"), cell: (station) => station.last_seen_ms === 0 ? say("common.never") : <span title={formatDateTime(station.last_seen_ms)}>{relativeTime(station.last_seen_ms, Date.now())}</span> },
+    { title: say("stations.software"), cell: (station) => station.software === "" ? "–" : say("stations.core", { software: station.software, core: String(station.core_version) }) },
+    { title: say("stations.enrolled_at"), cell: (station) => formatDateTime(station.enrolled_ms) },
+    ...(admin ? [{ title: say("common.change"), hideTitle: true, cell: (station: Station) => station.revoked ? null : (
       <div class="row-tools">
-        <button type="button" class="button small" onClick={() => setOpen({ what: "rename", station })}>Rename…<span class="hidden"> {station.name}</span></button>
-        <button type="button" class="button small" onClick={() => setOpen({ what: "revoke", station })}>Revoke…<span class="hidden"> {station.name}</span></button>
+        <button type="button" class="button small" onClick={() => setOpen({ what: "rename", station })}><Brief shown={say("stations.rename_ask")} full={say("stations.rename_which", { name: station.name })} /></button>
+        <button type="button" class="button small" onClick={() => setOpen({ what: "revoke", station })}><Brief shown={say("stations.revoke_ask")} full={say("stations.revoke_which", { name: station.name })} /></button>
       </div>
     ) }] : []),
   ];
   return (
     <>
-      <PageTitle document="Stations">Stations</PageTitle>
+      <PageTitle document={say("nav.stations")}>{say("nav.stations")}</PageTitle>
       {admin && <EnrolmentCodes client={client} />}
-      <PagedList pages={pages} what="stations" empty="No station is enrolled yet.">
-        {(stations) => <Card className="flush"><DataTable label="Stations" items={stations} rowKey={(station) => station.id} columns={columns} /></Card>}
+      <PagedList pages={pages} list="stations" empty={say("stations.none")}>
+        {(stations) => <Card className="flush"><DataTable label={say("nav.stations")} items={stations} rowKey={(station) => station.id} columns={columns} /></Card>}
       </PagedList>
       <ListedDevices client={client} admin={admin} />
       {open?.what === "rename" && <Rename client={client} station={open.station} onClose={close} onDone={pages.reload} />}
       {open?.what === "revoke" && (
-        <Confirm title={`Revoke ${open.station.name}?`} action="Revoke the station" onClose={close}
+        <Confirm title={say("stations.revoke_title", { name: open.station.name })} action={say("stations.revoke")} onClose={close}
                  onConfirm={async () => {
                    const result = await client.stations.revoke(open.station.id);
                    if (!result.ok) return result.error.message;
                    pages.reload();
                    return undefined;
                  }}>
-          <p>The station is cut off at once and refused from now on. What it has not sent yet stays in its spool. This cannot be undone: to use the machine again, enrol it with a new code.</p>
+          <p>{say("stations.revoke_text")}</p>
         </Confirm>
       )}
     </>
@@ -63,8 +64,8 @@ export function StationsPage({ client, admin }: { readonly client: Client; reado
 }
 
 function StationState({ station }: { readonly station: Station }) {
-  if (station.revoked) return <Badge tone="bad">Revoked</Badge>;
-  return Date.now() - station.last_seen_ms < kSeenNowMs ? <Badge tone="good">In use</Badge> : <Badge tone="neutral">Enrolled</Badge>;
+  if (station.revoked) return <Badge tone="bad">{say("stations.revoked")}</Badge>;
+  return Date.now() - station.last_seen_ms < kSeenNowMs ? <Badge tone="good">{say("cohorts.in_use")}</Badge> : <Badge tone="neutral">{say("stations.enrolled")}</Badge>;
 }
 
 function Rename({ client, station, onClose, onDone }: { readonly client: Client; readonly station: Station; readonly onClose: () => void; readonly onDone: () => void }) {
@@ -78,11 +79,11 @@ function Rename({ client, station, onClose, onDone }: { readonly client: Client;
     onClose();
   };
   return (
-    <Dialog title={`Rename ${station.name}`} onClose={onClose}>
+    <Dialog title={say("stations.rename_title", { name: station.name })} onClose={onClose}>
       <form class="form" onSubmit={(event) => void submit(event)}>
-        <TextField label="Name" value={name} onValue={setName} required maxLength={64} problem={change.error?.field === "name" ? change.error.message : undefined} />
-        {change.error !== undefined && change.error.field !== "name" && <ErrorNotice title="Not renamed" message={change.error.message} />}
-        <FormButtons action="Rename" disabled={change.busy} onCancel={onClose} />
+        <TextField label={say("account.name")} value={name} onValue={setName} required maxLength={64} problem={change.error?.field === "name" ? change.error.message : undefined} />
+        {change.error !== undefined && change.error.field !== "name" && <ErrorNotice title={say("stations.not_renamed")} message={change.error.message} />}
+        <FormButtons action={say("stations.rename")} disabled={change.busy} onCancel={onClose} />
       </form>
     </Dialog>
   );
@@ -100,28 +101,28 @@ function EnrolmentCodes({ client }: { readonly client: Client }) {
     reload();
   };
   return (
-    <Card title="Enrol a station" aside={<button type="button" class="button primary" disabled={change.busy} onClick={() => void make()}>Make a code</button>}>
-      {change.error !== undefined && <ErrorNotice title="No code was made" message={change.error.message} />}
-      {loaded.state === "loading" && <Loading what="open codes" />}
-      {loaded.state === "failed" && <ErrorNotice title="The open codes could not be loaded" message={loaded.error.message} onRetry={reload} />}
-      {loaded.state === "ready" && (loaded.value.length === 0 ? <Empty>No code is open.</Empty> : (
-        <DataTable label="Open codes" items={loaded.value} rowKey={(code) => code.id} dense columns={[
-          { title: "Open since", cell: (code) => formatDateTime(code.created_ms) },
-          { title: "Good until", cell: (code) => formatDateTime(code.expires_ms) },
-          { title: "Withdraw", hideTitle: true, cell: (code) => (
-            <div class="row-tools"><button type="button" class="button small" onClick={() => setEnding(code)}>Withdraw…</button></div>) },
+    <Card title={say("stations.enrol")} aside={<button type="button" class="button primary" disabled={change.busy} onClick={() => void make()}>{say("stations.make_code")}</button>}>
+      {change.error !== undefined && <ErrorNotice title={say("stations.no_code_made")} message={change.error.message} />}
+      {loaded.state === "loading" && <Loading what={say("loading.codes")} />}
+      {loaded.state === "failed" && <ErrorNotice title={say("stations.codes_failed")} message={loaded.error.message} onRetry={reload} />}
+      {loaded.state === "ready" && (loaded.value.length === 0 ? <Empty>{say("stations.no_code")}</Empty> : (
+        <DataTable label={say("stations.codes")} items={loaded.value} rowKey={(code) => code.id} dense columns={[
+          { title: say("stations.open_since"), cell: (code) => formatDateTime(code.created_ms) },
+          { title: say("stations.good_until"), cell: (code) => formatDateTime(code.expires_ms) },
+          { title: say("stations.withdraw_column"), hideTitle: true, cell: (code) => (
+            <div class="row-tools"><button type="button" class="button small" onClick={() => setEnding(code)}>{say("stations.withdraw_ask")}</button></div>) },
         ]} />
       ))}
       {made !== undefined && <NewCode code={made} onClose={() => setMade(undefined)} />}
       {ending !== undefined && (
-        <Confirm title="Withdraw this code?" action="Withdraw the code" onClose={() => setEnding(undefined)}
+        <Confirm title={say("stations.withdraw_title")} action={say("stations.withdraw")} onClose={() => setEnding(undefined)}
                  onConfirm={async () => {
                    const result = await client.stations.withdrawCode(ending.id);
                    if (!result.ok) return result.error.message;
                    reload();
                    return undefined;
                  }}>
-          <p>Nobody can enrol a station with it any more. You can make another at any time.</p>
+          <p>{say("stations.withdraw_text")}</p>
         </Confirm>
       )}
     </Card>
@@ -130,17 +131,17 @@ function EnrolmentCodes({ client }: { readonly client: Client }) {
 
 function NewCode({ code, onClose }: { readonly code: MadeEnrolCode; readonly onClose: () => void }) {
   return (
-    <Dialog title="Enrol a station" onClose={onClose} wide>
+    <Dialog title={say("stations.enrol")} onClose={onClose} wide>
       <ol class="steps">
-        <li>At the station, type this command with a name of your choice in place of <code>STATION</code>:<CopyText text={enrolCommand(code)} what="the command" /></li>
-        <li>The station appears in the list below as soon as it is enrolled.</li>
+        <li><p>{sayWith("stations.type_command", { place: <code>STATION</code> })}</p><CopyText text={enrolCommand(code)} what={say("copy.command")} /></li>
+        <li>{say("stations.appears")}</li>
       </ol>
-      <p>The code alone:</p>
-      <CopyText text={code.code} what="the code" />
-      <Notice tone="warning" title="Shown only now">
-        <p>Good for one station until {formatDateTime(code.expires_ms)}. The part after @ tells the station which server to trust.</p>
+      <p>{say("stations.code_alone")}</p>
+      <CopyText text={code.code} what={say("copy.code")} />
+      <Notice tone="warning" title={say("common.shown_now")}>
+        <p>{say("stations.code_good", { until: formatDateTime(code.expires_ms) })}</p>
       </Notice>
-      <div class="button-row end"><button type="button" class="button primary" onClick={onClose}>Close</button></div>
+      <div class="button-row end"><button type="button" class="button primary" onClick={onClose}>{say("common.close")}</button></div>
     </Dialog>
   );
 }

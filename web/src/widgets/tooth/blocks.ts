@@ -24,7 +24,13 @@ export class ToothBlocks {
   readonly group = new Group();
   private readonly blocks = new Map<number, Block>();
 
-  constructor(private readonly material: Material) {}
+  constructor(private material: Material) {}
+
+  // All are drawn with it from now on.
+  use(material: Material): void {
+    this.material = material;
+    for (const { drawn } of this.blocks.values()) drawn.material = material;
+  }
 
   dispose(): void {
     for (const { drawn } of this.blocks.values()) drawn.geometry.dispose();

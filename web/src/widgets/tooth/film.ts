@@ -9,6 +9,8 @@ export interface FilmPose {
 }
 
 export interface FilmScreen {
+  // More comes soon: another moment was asked for.
+  expect(): void;
   // A part of the tooth; undefined: no surface there.
   setBlock(index: number, mesh: BlockMesh | undefined): void;
   // The bur's outline (place along the axis, radius; mm) and where it is; undefined: it is not shown.

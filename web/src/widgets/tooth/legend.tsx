@@ -1,5 +1,6 @@
 import { useEffect, useRef } from "preact/hooks";
 import { formatSigned } from "../../base/format";
+import { say } from "../../base/words";
 import { deviationScalePixels, kDeviationRangeMm, kUntouchedColor } from "./deviation_scale";
 import { tissueColor, tissueTitle } from "./tissue";
 
@@ -17,7 +18,7 @@ export function DeviationLegend() {
   return (
     <div class="legend">
       <div class="legend-scale">
-        <div class="legend-ends"><span>Less removed</span><span>As reference</span><span>More removed, mm</span></div>
+        <div class="legend-ends"><span>{say("legend.less")}</span><span>{say("legend.as_reference")}</span><span>{say("legend.more")}</span></div>
         <canvas ref={canvas} width={kPixels} height={1} aria-hidden="true" />
         <div class="legend-ticks">
           {kTicks.map((mm) => (
@@ -26,9 +27,9 @@ export function DeviationLegend() {
         </div>
       </div>
       <span class="legend-item">
-        <span class="swatch" style={{ background: kUntouchedColor }} />Untouched
+        <span class="swatch" style={{ background: kUntouchedColor }} />{say("legend.untouched")}
       </span>
-      <span class="legend-item hint">a line each 0.1 mm</span>
+      <span class="legend-item hint">{say("legend.lines")}</span>
     </div>
   );
 }

@@ -1,7 +1,7 @@
 import {
-  AmbientLight, Box3, BufferAttribute, BufferGeometry, Color, DataTexture, DirectionalLight, DoubleSide, FrontSide, LatheGeometry, Line, LineBasicMaterial, LinearFilter,
+  AmbientLight, Box3, BufferAttribute, BufferGeometry, Color, DataTexture, DirectionalLight, LatheGeometry, Line, LineBasicMaterial, LinearFilter,
   Mesh, MeshBasicMaterial, MeshStandardMaterial, PerspectiveCamera, Raycaster, Scene, SphereGeometry, Spherical,
-  SRGBColorSpace, Vector2, Vector3, WebGLRenderer,
+  type ShaderMaterial, SRGBColorSpace, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Surface } from "../../api/surface";
@@ -13,6 +13,8 @@ import type { Look } from "../../base/moment_link";
 import { deviationScalePixels, kContourStepMm, kDeviationRangeMm, kUntouchedColor } from "./deviation_scale";
 import { type BlockHit, ToothBlocks } from "./blocks";
 import type { FilmPose, FilmScreen } from "./film";
+import { cutBy, quickMaterial } from "./quick_material";
+import { DrawingPace, drawsSlowly, type Effort, setDrawing } from "./renderer";
 import { type Cuttable, Section, type SectionPlane } from "./section";
 import { tissueColors } from "./tissue_colors";
 import { TriangleGrid } from "./triangle_grid";
@@ -76,18 +78,27 @@ export class ToothScene implements FilmScreen {
   private readonly centre = new Vector3();
   private readonly radius: number;
   private readonly material: MeshStandardMaterial;
+  private readonly quick: ShaderMaterial;
+  private readonly whole: Mesh | undefined;     // the surface that stays as it is
+  private readonly pace: DrawingPace;
   private readonly section = new Section();
   private readonly parts: () => Iterable<Cuttable>;
   private follows = false;                      // the camera stays at the bur
+  private turning = false;                      // by the pointer
   private untouched = true;                     // as it began: nobody has turned it
 
   constructor(private readonly canvas: HTMLCanvasElement, model: ToothModel, private angled: AngledView,
               private readonly drawn: (project: (point: PointMm) => PointMm, centre: PointMm, radius: number) => void) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: drawsQuickly(), alpha: true, powerPreference: "low-power" });
+    const slow = drawsSlowly();
+    this.renderer = new WebGLRenderer({ canvas, antialias: !slow, alpha: true, powerPreference: "low-power" });
     // Asking for a shader's errors waits until the driver has made it.
     this.renderer.debug.checkShaderErrors = false;
     this.cleanup.add(() => this.renderer.dispose());
     const material = this.material = this.toothMaterial();
+    this.quick = quickMaterial({ heat: this.heat, untouched: kUntouchedColor, inside: kInsideColor });
+    this.cleanup.add(() => this.quick.dispose());
+    this.pace = new DrawingPace(slow, (effort) => this.setEffort(effort), () => this.draw());
+    this.cleanup.add(() => this.pace.stop());
     this.blocks = new ToothBlocks(material);
     this.cleanup.add(() => this.blocks.dispose());
     this.marker = toolMarker();
@@ -96,27 +107,29 @@ export class ToothScene implements FilmScreen {
     this.trail.frustumCulled = false;
     this.scene.add(this.blocks.group, this.section.outline, this.trail, this.marker, this.camera, new AmbientLight(0xffffff, 1.3));
     this.addLights();
-    this.radius = this.take(model, material);
+    this.whole = "surface" in model ? new Mesh(toothGeometry(model.surface), material) : undefined;
+    this.radius = this.take(model, this.whole);
     this.parts = "extent" in model ? () => this.blocks.meshes() : wholeOf(model.surface);
     this.cleanup.add(() => this.section.dispose());
     this.surface = "surface" in model ? model.surface : undefined;
     this.controls = this.orbit();
     this.cleanup.add(() => this.frame.cancel());
-    this.cleanup.listen(window, "beforeprint", () => this.draw());  // paper gets what was drawn last
+    this.cleanup.listen(window, "beforeprint", () => { this.pace.settle(); this.draw(); });  // paper gets what was drawn last
     this.view("angled");
     this.untouched = true;
   }
 
   // Returns the radius, and sets the centre, of what is looked at.
-  private take(model: ToothModel, material: MeshStandardMaterial): number {
+  private take(model: ToothModel, whole: Mesh | undefined): number {
     if ("extent" in model) {
       this.centre.set(...model.extent.centreMm);
       return Math.max(model.extent.radiusMm, kLeastRadiusMm);
     }
-    const geometry = toothGeometry(model.surface);
-    this.scene.add(new Mesh(geometry, material));
-    this.cleanup.add(() => geometry.dispose());
-    const sphere = geometry.boundingSphere;
+    if (whole !== undefined) {
+      this.scene.add(whole);
+      this.cleanup.add(() => whole.geometry.dispose());
+    }
+    const sphere = whole?.geometry.boundingSphere ?? null;
     if (sphere !== null) this.centre.copy(sphere.center);
     return Math.max(sphere?.radius ?? 1, kLeastRadiusMm);
   }
@@ -152,10 +165,13 @@ export class ToothScene implements FilmScreen {
     this.frame.request();
   }
 
+  expect(): void {
+    this.pace.moved();
+  }
   setBlock(index: number, mesh: BlockMesh | undefined): void {
     this.blocks.set(index, mesh);
     this.section.changed();
-    this.frame.request();
+    this.moved();
   }
   setBur(outline: readonly (readonly [number, number])[], pose: FilmPose | undefined): void {
     if (this.bur === undefined && pose !== undefined && outline.length > 1) {
@@ -170,7 +186,7 @@ export class ToothScene implements FilmScreen {
       this.bur.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...pose.axis).normalize());
       if (this.follows) this.follow();
     }
-    this.frame.request();
+    this.moved();
   }
 
   // Undefined: none. The hidden part cannot be pointed at either.
@@ -179,10 +195,7 @@ export class ToothScene implements FilmScreen {
     this.section.set(plane);
     if (was !== this.section.on) {
       this.renderer.localClippingEnabled = this.section.on;
-      this.material.clippingPlanes = this.section.on ? [this.section.plane] : null;
-      // Behind the plane one looks at the inside of the surface: painted flat it is the cut.
-      this.material.side = this.section.on ? DoubleSide : FrontSide;
-      this.material.needsUpdate = true;
+      for (const material of [this.material, this.quick]) cutBy(material, this.section.on ? this.section.plane : undefined);
     }
     this.frame.request();
   }
@@ -204,10 +217,16 @@ export class ToothScene implements FilmScreen {
     this.frame.request();
   }
 
+  // More motion is likely to follow at once.
+  private moved(): void {
+    this.pace.moved();
+    this.frame.request();
+  }
+
   resize(width: number, height: number): void {
     if (width < 1 || height < 1) return;
     const previous = this.fitDistance();
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    setDrawing(this.renderer, this.pace.effort);
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
@@ -273,7 +292,15 @@ export class ToothScene implements FilmScreen {
     return !this.section.on || this.section.plane.distanceToPoint(new Vector3(...at)) >= 0;
   }
 
+  private setEffort(effort: Effort): void {
+    const material = effort === "quick" ? this.quick : this.material;
+    this.blocks.use(material);
+    if (this.whole !== undefined) this.whole.material = material;
+    setDrawing(this.renderer, effort);
+  }
+
   private draw(): void {
+    this.canvas.dataset["drawn"] = this.pace.effort;
     this.section.update(this.centre, this.radius, this.camera.position.clone().sub(this.controls.target), this.parts);
     this.renderer.render(this.scene, this.camera);
     this.drawn((point) => this.project(point), this.centre.toArray(), this.radius);
@@ -311,8 +338,12 @@ export class ToothScene implements FilmScreen {
     controls.maxDistance = this.radius * 12;
     // A finger may still scroll the page over the picture; sideways it turns the tooth.
     this.canvas.style.touchAction = "pan-y";
-    controls.addEventListener("change", () => this.frame.request());
-    controls.addEventListener("start", () => { this.untouched = false; });
+    controls.addEventListener("change", () => this.turning ? this.moved() : this.frame.request());
+    controls.addEventListener("start", () => {
+      this.untouched = false;
+      this.turning = true;
+    });
+    controls.addEventListener("end", () => { this.turning = false; });
     this.cleanup.add(() => controls.dispose());
     return controls;
   }
@@ -356,13 +387,6 @@ function toothGeometry(surface: Surface): BufferGeometry {
   geometry.setIndex(new BufferAttribute(surface.triangle, 1));
   geometry.computeBoundingSphere();
   return geometry;
-}
-
-// Whether a graphics card draws: four samples in each pixel cost it nothing, and a processor most of its time.
-function drawsQuickly(): boolean {
-  const context = document.createElement("canvas").getContext("webgl2", { failIfMajorPerformanceCaveat: true });
-  context?.getExtension("WEBGL_lose_context")?.loseContext();
-  return context !== null;
 }
 
 // A surface that stays as it is, as one part.

@@ -1,4 +1,5 @@
 import { kTissueNames } from "../../api/surface";
+import { say } from "../../base/words";
 
 // How tissues are drawn and named; index: the tissue number of a surface.
 const kColors = ["#cccccc", "#f1e8d4", "#d9a95f", "#c7405f", "#5d4030", "#7fa3bf", "#cfd3c8", "#b9c9b2"] as const;
@@ -8,8 +9,8 @@ export function tissueColor(tissue: number): string {
 }
 
 export function tissueTitle(tissue: number): string {
-  const name = kTissueNames[tissue] ?? `tissue ${tissue}`;
-  return name.charAt(0).toUpperCase() + name.slice(1);
+  const name = kTissueNames[tissue];
+  return name === undefined ? say("tooth_tissue.other", { number: String(tissue) }) : say(`tooth_tissue.${name}`);
 }
 
 export function tissuesPresent(tissue: Uint8Array): number[] {

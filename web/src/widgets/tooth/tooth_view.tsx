@@ -5,6 +5,7 @@ import { Disposables } from "../../base/disposables";
 import { FrameScheduler } from "../../base/frame";
 import { formatQuantity } from "../../base/format";
 import type { Look } from "../../base/moment_link";
+import { say } from "../../base/words";
 import type { AngledView, CameraPreset, ColorMode, PointMm, SurfacePoint, ToothModel, ToothScene } from "./scene";
 import type { Film } from "./film";
 import type { SectionPlane } from "./section";
@@ -48,14 +49,13 @@ interface Props {
   readonly onPick?: ((point: PointMm) => void) | undefined;  // a click on the tooth that does not turn it
 }
 
+type Side = "mesial" | "distal" | "buccal" | "lingual";
+
 // Where there is little room the first letters stand for the word.
-const kPresets: ReadonlyArray<readonly [CameraPreset, string, number]> = [
-  ["cavity", "Cavity", 6], ["angled", "Angled", 6], ["occlusal", "Occlusal", 4], ["buccal", "Buccal", 3], ["lingual", "Lingual", 4], ["mesial", "Mesial", 3],
-  ["distal", "Distal", 4], ["apical", "Apical", 4],
+const kPresets: ReadonlyArray<readonly [CameraPreset, number]> = [
+  ["cavity", 6], ["angled", 6], ["occlusal", 4], ["buccal", 3], ["lingual", 4], ["mesial", 3], ["distal", 4], ["apical", 4],
 ];
-const kDirections: ReadonlyArray<readonly [string, PointMm]> = [
-  ["Mesial", [1, 0, 0]], ["Distal", [-1, 0, 0]], ["Buccal", [0, 1, 0]], ["Lingual", [0, -1, 0]],
-];
+const kDirections: ReadonlyArray<readonly [Side, PointMm]> = [["mesial", [1, 0, 0]], ["distal", [-1, 0, 0]], ["buccal", [0, 1, 0]], ["lingual", [0, -1, 0]]];
 const kKeyStepRad = Math.PI / 24;
 const kKeyZoom = 1.15;
 const kSameMm = 0.005;                          // shown as no deviation: rounds to zero
@@ -100,7 +100,7 @@ export function ToothView({ model, mode, label, angled, busy = false, section, l
         if (look !== undefined) look.now = look.set = undefined;
       });
       setReady(true);
-    }).catch(() => setProblem("The 3-D picture needs WebGL 2, which this browser does not offer here. The table below says the same in numbers."));
+    }).catch(() => setProblem(say("tooth.no_webgl")));
     return () => {
       setReady(false);
       cleanup.dispose();
@@ -134,13 +134,13 @@ export function ToothView({ model, mode, label, angled, busy = false, section, l
 
   return (
     <div class="tooth">
-      <div class={onPick === undefined ? "tooth-frame" : "tooth-frame picking"} ref={frame} tabIndex={0} role="application" aria-roledescription="3-D view" aria-label={label}
+      <div class={onPick === undefined ? "tooth-frame" : "tooth-frame picking"} ref={frame} tabIndex={0} role="application" aria-roledescription={say("tooth.view")} aria-label={label}
            aria-describedby={keys} aria-busy={(!ready || busy) && problem === ""}
            onKeyDown={(event) => handleKey(event, scene.current)}
            onFocus={() => scene.current?.setZoomEnabled(true)} onBlur={() => scene.current?.setZoomEnabled(false)}
            onPointerDown={(event) => { pressed.current = [event.clientX, event.clientY]; }} onClick={pick}
            onPointerMove={(event) => hover(placeOf(event))} onPointerLeave={() => hover(undefined)}>
-        {kDirections.map(([name]) => <span key={name} class="tooth-direction" aria-hidden="true">{name}</span>)}
+        {kDirections.map(([name]) => <span key={name} class="tooth-direction" aria-hidden="true">{say(`side.${name}`)}</span>)}
         {pins.map((pin) => (
           <button key={pin.key} type="button" class={pin.chosen ? "tooth-pin chosen" : "tooth-pin"} aria-label={pin.label} aria-pressed={pin.chosen}
                   data-point={pin.pointMm.join(" ")} onClick={() => onPin?.(pin.key)}>{pin.text}</button>
@@ -149,14 +149,17 @@ export function ToothView({ model, mode, label, angled, busy = false, section, l
         {under !== undefined && <p class="tooth-under" aria-hidden="true">{pointText(under)}</p>}
       </div>
       <div class="tooth-tools">
-        {!led && <div class="button-row" role="group" aria-label="Look from">
-          {kPresets.map(([preset, title, short]) => preset === "cavity" && angled.cavity === undefined ? null : (
-            <button key={preset} type="button" class="button small" disabled={!ready} title={title}
-                    onClick={() => scene.current?.view(preset)}>{title.slice(0, short)}<span class="preset-rest">{title.slice(short)}</span></button>
-          ))}
+        {!led && <div class="button-row" role="group" aria-label={say("tooth.look_from")}>
+          {kPresets.map(([preset, short]) => {
+            const title = say(`view.${preset}`);
+            return preset === "cavity" && angled.cavity === undefined ? null : (
+              <button key={preset} type="button" class="button small" disabled={!ready} title={title}
+                      onClick={() => scene.current?.view(preset)}>{title.slice(0, short)}<span class="preset-rest">{title.slice(short)}</span></button>
+            );
+          })}
         </div>}
         {children}
-        <p class="hint" id={keys}>Drag or use the arrow keys to turn, + and − to zoom</p>
+        <p class="hint" id={keys}>{say("tooth.drag")}</p>
       </div>
     </div>
   );
@@ -175,7 +178,7 @@ function openScene(Scene: typeof ToothScene, element: HTMLElement, model: ToothM
   element.prepend(canvas);
   cleanup.add(() => canvas.remove());
   cleanup.add(() => scene.dispose());
-  cleanup.listen(canvas, "webglcontextlost", () => report("The graphics driver stopped the 3-D picture. Load the page again to get it back."));
+  cleanup.listen(canvas, "webglcontextlost", () => report(say("tooth.driver_stopped")));
   const observer = new ResizeObserver(() => scene.resize(element.clientWidth, element.clientHeight));
   observer.observe(element);
   cleanup.add(() => observer.disconnect());
@@ -234,8 +237,8 @@ function placeOf(event: PointerEvent): Place | undefined {
 
 function pointText({ tissue, deviationMm }: SurfacePoint): string {
   if (deviationMm === undefined) return tissueTitle(tissue);
-  if (Number.isNaN(deviationMm)) return `${tissueTitle(tissue)}, untouched`;
+  if (Number.isNaN(deviationMm)) return say("tooth.untouched", { tissue: tissueTitle(tissue) });
   const size = Math.abs(deviationMm);
-  if (size < kSameMm) return `${tissueTitle(tissue)}, as the reference`;
-  return `${tissueTitle(tissue)}, ${formatQuantity(size, "mm")} ${deviationMm > 0 ? "more" : "less"} removed than in the reference`;
+  if (size < kSameMm) return say("tooth.as_reference", { tissue: tissueTitle(tissue) });
+  return deviationMm > 0 ? say("tooth.more_removed", { tissue: tissueTitle(tissue), size: formatQuantity(size, "mm") }) : say("tooth.less_removed", { tissue: tissueTitle(tissue), size: formatQuantity(size, "mm") });
 }

@@ -1,0 +1,121 @@
+// What the attempt's playback shows and how it is drawn.
+import assert from "node:assert/strict";
+import { accessible, signedIn } from "./session.mjs";
+
+const kAttempt = "/attempts/00000000-0000-7000-8000-000000000105";
+
+// Chromium draws on the processor here: what moves has fewer pixels until it stands.
+async function drawsQuickly(world) {
+  const page = await signedIn(world, "student", `${kAttempt}?t=30`);
+  await page.locator(".tooth-frame canvas[data-drawn=full]").waitFor();
+  const share = () => page.locator(".tooth-frame canvas").evaluate((canvas) => canvas.width / canvas.clientWidth);
+  await page.locator('.playback[data-shown="300"]').waitFor();
+  await page.locator(".playback-speed select").selectOption("0.25");
+  await page.locator("body").click({ position: { x: 5, y: 300 } });
+  await page.keyboard.press("k");
+  await page.locator(".tooth-frame canvas[data-drawn=quick]").waitFor();
+  await page.waitForFunction(() => { const canvas = document.querySelector(".tooth-frame canvas"); return canvas.width < 0.8 * canvas.clientWidth; });
+  await page.keyboard.press("k");
+  await page.locator(".tooth-frame canvas[data-drawn=full]").waitFor();
+  assert.ok(Math.abs(await share() - 1) < 0.01, "in full once it stands");
+  await accessible(page, "a playback that was stopped");
+}
+
+// Contact, faults and strokes that lost points, on the axis of slider and plot; keys go from one to the next.
+async function marksOnTheTime(world) {
+  for (const [width, height] of [[1440, 900], [1280, 720]]) {
+    const page = await signedIn(world, "instructor", `${kAttempt}?t=0`, { width, height });
+    await page.locator('.playback[data-shown="0"]').waitFor();
+    await page.locator(".spans .span.lost").first().waitFor();
+    assert.ok(await page.locator(".spans .span.contact").count() > 3, "contact was interrupted");
+    const [strip, plot] = [await page.locator(".spans").boundingBox(), await page.locator(".force-card .u-over").boundingBox()];
+    assert.ok(Math.abs(strip.x - plot.x) < 2 && Math.abs(strip.x + strip.width - plot.x - plot.width) < 2, `at ${width}: the strip is from ${strip.x} to ${strip.x + strip.width}, the plot from ${plot.x} to ${plot.x + plot.width}`);
+    assert.ok(plot.y + plot.height <= height, `at ${width}: the plot ends at ${plot.y + plot.height} of ${height}`);
+    await page.getByText("Stroke that lost points").waitFor();
+    await page.locator("body").click({ position: { x: 5, y: 300 } });
+    await page.keyboard.press("x");
+    await page.waitForFunction(() => document.querySelector(".playback").dataset.shown !== "0");
+    await page.keyboard.press("?");
+    assert.match(await page.getByRole("dialog").innerText(), /To the next fault or stroke that lost points/);
+    await page.keyboard.press("Escape");
+    await accessible(page, `marks on the time at ${width}`);
+    await page.screenshot({ path: world.picture(`marks_${width}`) });
+  }
+}
+
+// Keys and wheel show a part of the time, and slider, marks and plot go along; a double click shows all.
+async function plotZooms(world) {
+  const page = await signedIn(world, "instructor", `${kAttempt}?t=20`);
+  await page.locator('.playback[data-shown="200"]').waitFor();
+  await page.locator(".plot canvas").waitFor();
+  const slider = page.getByLabel("Time in the attempt");
+  const range = async () => (await slider.evaluate((input) => [input.min, input.max])).map(Number);
+  const all = await range();
+  const over = page.locator(".force-card .u-over");
+  // Not pressed and without Ctrl the wheel is the page's.
+  await over.hover();
+  await page.mouse.wheel(0, -100);
+  assert.deepEqual(await range(), all);
+  await page.locator("body").click({ position: { x: 5, y: 300 } });
+  await page.keyboard.press("i");
+  await page.getByText(/^Shown: 0:0\d\.\d to 0:3\d\.\d\./).waitFor();
+  const once = await range();
+  assert.ok(once[0] > all[0] && once[1] < all[1], `after a key: ${once}`);
+  await over.click();
+  await page.mouse.wheel(0, -100);
+  await page.waitForFunction((before) => Number(document.querySelector("#timeline").max) - Number(document.querySelector("#timeline").min) < before, once[1] - once[0]);
+  const near = await range();
+  const box = await over.boundingBox();
+  await page.keyboard.down("Shift");
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width / 4, box.y + box.height / 2, { steps: 3 });
+  await page.mouse.up();
+  await page.keyboard.up("Shift");
+  const later = await range();
+  assert.ok(later[0] > near[0] && Math.abs(later[1] - later[0] - near[1] + near[0]) <= 2, `dragged from ${near} to ${later}`);
+  await accessible(page, "a part of the time");
+  await page.screenshot({ path: world.picture("zoomed") });
+  // The moment takes the part along.
+  await page.locator("body").click({ position: { x: 5, y: 300 } });
+  await page.keyboard.press("Home");
+  await page.waitForFunction(() => document.querySelector("#timeline").min === "0" && document.querySelector("#timeline").value === "0");
+  await over.dblclick();
+  await page.getByText(/^Shown: /).waitFor({ state: "detached" });
+  assert.deepEqual(await range(), all);
+  await page.keyboard.press("?");
+  assert.match(await page.getByRole("dialog").innerText(), /See less of the time/);
+}
+
+// A second plot on the same axis, with the same cursor.
+async function secondPlot(world) {
+  for (const [width, height] of [[1440, 900], [1280, 720]]) {
+    const page = await signedIn(world, "student", `${kAttempt}?t=20`, { width, height });
+    await page.locator('.playback[data-shown="200"]').waitFor();
+    await page.locator(".plot canvas").waitFor();
+    await page.locator("body").click({ position: { x: 5, y: 300 } });
+    await page.keyboard.press("v");
+    const second = page.getByRole("img", { name: /^More over time: speed of the tip, enamel removed, dentin removed/i });
+    await second.locator("canvas").waitFor();
+    await page.locator(".readout").getByText("Dentin removed").waitFor();
+    const [one, other] = [await page.locator(".force-card .u-over").first().boundingBox(), await page.locator(".force-card .u-over").nth(1).boundingBox()];
+    assert.ok(Math.abs(one.x - other.x) < 1 && Math.abs(one.width - other.width) < 1, "both stand on one axis");
+    await page.keyboard.press("i");
+    const cursors = () => page.locator(".plot-cursor").evaluateAll((all) => all.map((each) => Math.round(each.getBoundingClientRect().left)));
+    await page.waitForFunction(() => document.querySelector("#timeline").min !== "0");
+    await page.locator("#timeline").press("PageUp");
+    await page.waitForFunction(() => new Set([...document.querySelectorAll(".plot-cursor")].map((each) => Math.round(each.getBoundingClientRect().left))).size === 1);
+    assert.equal((await cursors()).length, 2);
+    await accessible(page, `two plots at ${width}`);
+    await page.screenshot({ path: world.picture(`two_plots_${width}`), fullPage: true });
+    await page.getByRole("button", { name: "Speed and tissues" }).click();
+    await second.waitFor({ state: "detached" });
+  }
+}
+
+export const playbackFlows = [
+  { name: "the tooth is drawn quickly while it moves and in full once it stands", run: drawsQuickly },
+  { name: "contact, faults and strokes that lost points stand on the axis of time", run: marksOnTheTime },
+  { name: "the plot zooms by keys and wheel, and is moved by a drag", run: plotZooms },
+  { name: "speed and removed tissues are plotted on the same axis", run: secondPlot },
+];

@@ -1,0 +1,2 @@
+export function placesOf(message: string, where: string): Record<string, "number" | "text">;
+export function keysIn(source: string, keys: readonly string[]): string[];

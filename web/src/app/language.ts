@@ -1,0 +1,42 @@
+import { signal } from "@preact/signals";
+import type { LanguageChoice } from "../api/types";
+import { firstLanguage, languageOf, spokenLanguage, type Language } from "../base/language";
+import { changeLanguage } from "../base/words";
+
+// Which language the page speaks: the one that the person chose, else the one chosen in this browser before signing in, else
+// the first that the browser is set to and that the page has.
+export const language = signal<Language>("en");
+
+const kKey = "enamel.language";
+let begun = false;                              // there are words
+
+function kept(): Language | undefined {
+  try {
+    return languageOf(localStorage.getItem(kKey) ?? "");
+  } catch {
+    return undefined;                           // a browser that keeps nothing
+  }
+}
+
+// `choice`: of a person; empty: none. False where its words could not be loaded: the page goes on in the one it has.
+export async function applyLanguage(choice: LanguageChoice): Promise<boolean> {
+  const next = choice === "" ? kept() ?? firstLanguage(navigator.languages) : choice;
+  try {
+    if (!begun || next !== spokenLanguage()) await changeLanguage(next, navigator.languages);
+    begun = true;
+  } catch {
+    return false;
+  }
+  document.documentElement.lang = next === "zh" ? "zh-Hans" : next;
+  language.value = next;
+  return true;
+}
+
+// Somebody chose it in this browser before signing in.
+export function keepLanguage(choice: Language): void {
+  try {
+    localStorage.setItem(kKey, choice);
+  } catch {
+    // Then it is asked again the next time.
+  }
+}

@@ -1,0 +1,57 @@
+import { formatMoment, formatNumber } from "../../base/format";
+import { say } from "../../base/words";
+import { kContactN, type Span, type SpanKind } from "./spans";
+
+const kKinds: readonly SpanKind[] = ["contact", "limit", "gap", "lost"];
+
+const kTitles: Readonly<Record<SpanKind, string>> = {
+  get contact() { return say("span_kind.contact"); }, get limit() { return say("span_kind.limit"); }, get gap() { return say("span_kind.gap"); }, get lost() { return say("span_kind.lost"); },
+};
+const kMeanings: Readonly<Record<SpanKind, string>> = {
+  get contact() { return say("span_meaning.contact", { force: formatNumber(kContactN, 2) }); }, get limit() { return say("span_meaning.limit"); },
+  get gap() { return say("span_meaning.gap"); }, get lost() { return say("span_meaning.lost"); },
+};
+
+interface Props {
+  readonly spans: readonly Span[];
+  readonly fromS: number;                       // where the axis begins and ends
+  readonly toS: number;
+  readonly onTime: (timeS: number) => void;
+}
+
+// Parts of the attempt on the axis of time. For the eye and the pointer: keys go from mark to mark, and the list says the same.
+export function SpanStrip({ spans, fromS, toS, onTime }: Props) {
+  const share = (timeS: number) => 100 * Math.min(1, Math.max(0, (timeS - fromS) / (toS - fromS || 1)));
+  const press = (event: MouseEvent) => {
+    const box = (event.currentTarget as HTMLElement).getBoundingClientRect();
+    onTime(fromS + (event.clientX - box.left) / box.width * (toS - fromS));
+  };
+  return (
+    <div class="spans" role="img" aria-label={stripText(spans)} onClick={press}>
+      {spans.map((span, i) => (
+        <span key={i} class={`span ${span.kind}`} style={{ left: `${share(span.fromS)}%`, right: `${100 - share(span.toS)}%` }} title={spanText(span)} />
+      ))}
+    </div>
+  );
+}
+
+// What the colours and places mean; only what there is.
+export function SpanLegend({ spans }: { readonly spans: readonly Span[] }) {
+  return (
+    <p class="span-legend hint">
+      {kKinds.filter((kind) => spans.some((span) => span.kind === kind)).map((kind) => (
+        <span key={kind} class="legend-item" title={kMeanings[kind]}><span class={`span-sample ${kind}`} />{kTitles[kind]}</span>
+      ))}
+    </p>
+  );
+}
+
+function spanText({ kind, fromS, toS }: Span): string {
+  const [from, to] = [formatMoment(fromS), formatMoment(toS)];
+  return kind === "lost" ? `${kTitles[kind]}, ${from}` : say("span_kind.from_to", { title: kTitles[kind], from, to });
+}
+
+function stripText(spans: readonly Span[]): string {
+  const counts = kKinds.map((kind) => [kTitles[kind], spans.filter((span) => span.kind === kind).length] as const).filter(([, count]) => count > 0);
+  return say("span_kind.strip", { counts: counts.map(([title, count]) => `${title}: ${formatNumber(count, 0)}`).join(", ") });
+}
