@@ -108,7 +108,7 @@ Result<std::optional<scoring::ScoreResult>> ReferenceUnder(RubricCheckParts stor
       stored.ok() &&
       (stored->reference_attempt.empty() || stored->reference_attempt == reference->attempt.Text());
   if (against_itself && stored->scoring_version == scoring::kScoringVersion) {
-    auto score = scoring::ApplyRubric(rubric, {stored->metrics, stored->missing});
+    auto score = scoring::ApplyRubric(rubric, {stored->metrics, stored->missing, {}});
     if (score.ok()) return std::optional(std::move(*score));
   }
   if (stored_only) return none;

@@ -200,8 +200,8 @@ Result<AssignmentRow> TermsIn(const Call& call, const AssignmentRow& before) {
   return row;
 }
 
-Response Editable(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store,
-                  const AssignmentRow& row, int status = 200) {
+Response Editable(Parts<StationStore, ContentStore, TeachingStore> store, const AssignmentRow& row,
+                  int status = 200) {
   Result<AssignmentView> view = AssignmentView::Make(store);
   if (!view.ok()) return ErrorResponse(view.status());
   return WithETag(JsonResponse(view->Json(row), status), row.revision);
@@ -298,13 +298,13 @@ Response AddAssignment(const Call& call, Parts<StationStore, ContentStore, Teach
   if (Status can = MustBeAssignableNow(call, store, *terms); !can.ok()) return ErrorResponse(can);
   Result<AssignmentRow> row = store.teaching().AddAssignment(*terms, ActorOf(call));
   if (!row.ok()) return ErrorResponse(row.status());
-  return Editable(call, store, *row, 201);
+  return Editable(store, *row, 201);
 }
 
 Response GetAssignment(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store) {
   Result<AssignmentRow> row = SeeAssignment(call, store);
   if (!row.ok()) return ErrorResponse(row.status());
-  return Editable(call, store, *row);
+  return Editable(store, *row);
 }
 
 Response ReplaceAssignment(const Call& call,
@@ -324,7 +324,7 @@ Response ReplaceAssignment(const Call& call,
   terms->created_ms = edited->created_ms;
   Result<AssignmentRow> row = store.teaching().ReplaceAssignment(*terms, ActorOf(call));
   if (!row.ok()) return Refused(call, store, row.status());
-  return Editable(call, store, *row);
+  return Editable(store, *row);
 }
 
 Response MoveAssignment(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store) {

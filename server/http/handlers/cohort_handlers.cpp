@@ -40,8 +40,7 @@ Result<json::object> CohortJson(TeachingStore& store, const Cohort& cohort) {
   return out;
 }
 
-Response CohortResponse(const Call& call, TeachingStore& store, const Cohort& cohort,
-                        int status = 200) {
+Response CohortResponse(TeachingStore& store, const Cohort& cohort, int status = 200) {
   Result<json::object> out = CohortJson(store, cohort);
   if (!out.ok()) return ErrorResponse(out.status());
   return WithETag(JsonResponse(*out, status), cohort.revision);
@@ -86,7 +85,7 @@ Response ListCohorts(const Call& call, TeachingStore& store) {
 
 Response GetCohort(const Call& call, TeachingStore& store) {
   Result<Cohort> cohort = VisibleCohort(call, store);
-  return cohort.ok() ? CohortResponse(call, store, *cohort) : ErrorResponse(cohort.status());
+  return cohort.ok() ? CohortResponse(store, *cohort) : ErrorResponse(cohort.status());
 }
 
 // A row for each student, a grade for each assignment of the cohort and for everybody. Not in pages: a
@@ -141,7 +140,7 @@ Response AddCohort(const Call& call, TeachingStore& store) {
   Result<Uuid> id = store.CreateCohort(*name, ActorOf(call));
   if (!id.ok()) return ErrorResponse(id.status());
   Result<Cohort> cohort = store.CohortById(*id);
-  return cohort.ok() ? CohortResponse(call, store, *cohort, 201) : ErrorResponse(cohort.status());
+  return cohort.ok() ? CohortResponse(store, *cohort, 201) : ErrorResponse(cohort.status());
 }
 
 Response EditCohort(const Call& call, TeachingStore& store) {
@@ -151,7 +150,7 @@ Response EditCohort(const Call& call, TeachingStore& store) {
   Result<int32_t> seen = IfMatch(call.request);
   if (!seen.ok()) return ErrorResponse(seen.status());
   Result<Cohort> cohort = store.EditCohort(call.id, *edit, *seen, ActorOf(call));
-  if (cohort.ok()) return CohortResponse(call, store, *cohort);
+  if (cohort.ok()) return CohortResponse(store, *cohort);
   if (cohort.status().field() != kStale) return ErrorResponse(cohort.status());
   Result<Cohort> current = store.CohortById(call.id);
   if (!current.ok()) return ErrorResponse(current.status());
@@ -169,7 +168,7 @@ Response ChangeMembers(const Call& call, TeachingStore& store) {
   Status changed = store.ChangeMembers(call.id, add, remove, ActorOf(call));
   if (!changed.ok()) return ErrorResponse(changed);
   Result<Cohort> cohort = store.CohortById(call.id);
-  return cohort.ok() ? CohortResponse(call, store, *cohort) : ErrorResponse(cohort.status());
+  return cohort.ok() ? CohortResponse(store, *cohort) : ErrorResponse(cohort.status());
 }
 
 }  // namespace enamel::server::http
