@@ -81,6 +81,11 @@ Status RunOperators(const OperatorsCommand& command) {
     std::printf("%-26s %-16s Spearman of rank and score %s\n", o.exercise.c_str(), o.device.c_str(),
                 bench::AgainstGoal(o.spearman, 0.9, true).c_str());
   }
+  for (const EqualSkill& e : findings.equal_skill) {
+    std::printf("%-26s %-16s mean scores on the devices differ by %s points (%zu seeds)\n",
+                e.exercise.c_str(), e.name.c_str(), bench::AgainstGoal(e.points, 2, false).c_str(),
+                e.seeds);
+  }
   for (const std::string& name : findings.not_cut) {
     std::printf("%s: not measured, no simulated person cuts its shape\n", name.c_str());
   }
@@ -159,12 +164,18 @@ void RegisterOperators(CLI::App& app, int* exit_code) {
       ->add_option("--exercise", command->options.exercises,
                    "Names or their beginnings (class-1, caries); else all they can cut")
       ->delimiter(',');
+  operators
+      ->add_option("--seed", command->options.seeds, "Of the tremor; 0 stands for each one's own")
+      ->delimiter(',')
+      ->capture_default_str();
   operators->add_option("--json", command->json, "Write the rows to this file");
   operators->footer(
       "Each simulated person has a published rank of skill. All of them do each exercise with "
       "each\n"
       "device and are graded against the dentist among them. Spearman's correlation of rank and\n"
       "score says how well the grade tells skill; who fails critically is left out of it.\n"
+      "The same hand should get the same grade with every device: the means over its seeds are\n"
+      "compared.\n"
       "An exercise takes some minutes per device and seed.\n"
       "Examples:\n"
       "  enamel-lab operators --quick --exercise class-1-molar-46\n"

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <boost/json.hpp>
 #include <cmath>
+#include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "common/scene/builtin/builtin.h"
@@ -96,7 +98,10 @@ class Study {
                   "no built-in exercise has such a name: 'enamel-station scenes' lists them",
                   "exercise");
   }
-  OperatorsFindings Take() { return std::move(out_); }
+  OperatorsFindings Take() {
+    out_.equal_skill = EqualSkillOf(out_.rows);
+    return std::move(out_);
+  }
 
  private:
   // Everybody in one exercise on one device.
@@ -170,6 +175,39 @@ double Spearman(const std::vector<double>& a, const std::vector<double>& b) {
   return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 0;
 }
 
+std::vector<EqualSkill> EqualSkillOf(const std::vector<OperatorRow>& rows) {
+  using Key = std::pair<std::string, std::string>;  // exercise, operator
+  std::vector<Key> keys;
+  std::map<Key, std::map<uint64_t, std::map<std::string, std::optional<double>>>> scores;
+  std::set<std::string> devices;
+  for (const OperatorRow& r : rows) {
+    const Key key{r.exercise, r.name};
+    if (!scores.contains(key)) keys.push_back(key);
+    devices.insert(r.device);
+    scores[key][r.seed][r.device] = r.critical_fail ? std::nullopt : std::optional(r.score);
+  }
+  std::vector<EqualSkill> out;
+  if (devices.size() < 2) return out;
+  for (const Key& key : keys) {
+    std::map<std::string, double> sums;
+    size_t seeds = 0;
+    for (const auto& [seed, of_devices] : scores[key]) {
+      const bool everywhere =
+          of_devices.size() == devices.size() &&
+          std::ranges::all_of(of_devices, [](const auto& s) { return s.second.has_value(); });
+      if (!everywhere) continue;
+      ++seeds;
+      for (const auto& [device, score] : of_devices) sums[device] += *score;
+    }
+    if (seeds == 0) continue;
+    const auto [least, most] =
+        std::ranges::minmax_element(sums, {}, [](const auto& sum) { return sum.second; });
+    out.push_back({key.first, key.second, seeds,
+                   (most->second - least->second) / static_cast<double>(seeds)});
+  }
+  return out;
+}
+
 Result<OperatorsFindings> MeasureOperators(
     const OperatorsOptions& options, const std::function<void(const OperatorRow&)>& row,
     const std::function<void(const std::string&, double)>& progress) {
@@ -184,7 +222,7 @@ Result<OperatorsFindings> MeasureOperators(
 }
 
 json::object OperatorsJson(const OperatorsFindings& findings) {
-  json::array rows, order, not_cut, left_out;
+  json::array rows, order, equal, not_cut, left_out;
   for (const OperatorRow& r : findings.rows) {
     rows.push_back(json::object{{"exercise", r.exercise},
                                 {"device", r.device},
@@ -198,6 +236,10 @@ json::object OperatorsJson(const OperatorsFindings& findings) {
     order.push_back(json::object{
         {"exercise", o.exercise}, {"device", o.device}, {"rows", o.rows}, {"value", o.spearman}});
   }
+  for (const EqualSkill& e : findings.equal_skill) {
+    equal.push_back(json::object{
+        {"exercise", e.exercise}, {"operator", e.name}, {"seeds", e.seeds}, {"points", e.points}});
+  }
   for (const std::string& name : findings.not_cut) not_cut.emplace_back(name);
   for (const LeftOut& l : findings.left_out) {
     left_out.push_back(
@@ -206,6 +248,7 @@ json::object OperatorsJson(const OperatorsFindings& findings) {
   return {{"format", 1},
           {"rows", std::move(rows)},
           {"spearman", std::move(order)},
+          {"equal_skill", std::move(equal)},
           {"not_cut", std::move(not_cut)},
           {"left_out", std::move(left_out)}};
 }

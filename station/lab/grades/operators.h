@@ -41,16 +41,28 @@ struct LeftOut {
   std::string exercise, device, name;
 };
 
+// How far apart one operator's mean scores on the devices are, over the same seeds on each: the same
+// skill should get the same grade. Without seeds of which one failed critically on some device.
+struct EqualSkill {
+  std::string exercise, name;
+  size_t seeds = 0;
+  double points = 0;  // the highest mean less the lowest
+};
+
 struct OperatorsFindings {
   std::vector<OperatorRow> rows;
   std::vector<SkillOrder> order;
-  std::vector<std::string> not_cut;  // exercises that no simulated person can do yet
+  std::vector<EqualSkill> equal_skill;  // none with fewer than two devices
+  std::vector<std::string> not_cut;     // exercises that no simulated person can do yet
   std::vector<LeftOut> left_out;
 };
 
 // Spearman's rank correlation, ties at their mean rank; 0 where all of one side are equal.
 // Requires: equally long.
 double Spearman(const std::vector<double>& a, const std::vector<double>& b);
+
+// Of rows in any order; exercises and operators in the order in which they first come.
+std::vector<EqualSkill> EqualSkillOf(const std::vector<OperatorRow>& rows);
 
 // `row` is called with each as it comes, `progress` (what, 0..1) between them; both may be empty.
 // Errors: kNotFound when no device or exercise has such a name; those of the scene's builder.

@@ -24,10 +24,27 @@ TEST(OperatorsTest, SpearmanIsThatOfTheTextbook) {
   EXPECT_EQ(Spearman({}, {}), 0);
 }
 
+TEST(OperatorsTest, EqualSkillComparesTheMeansOfTheSameSeeds) {
+  auto row = [](const char* device, const char* name, uint64_t seed, double score) {
+    return OperatorRow{"box", device, name, 5, seed, score == 0, score};
+  };
+  const auto found =
+      EqualSkillOf({row("a", "good", 1, 90), row("a", "good", 2, 96), row("a", "good", 3, 0),
+                    row("b", "good", 1, 93), row("b", "good", 2, 92), row("b", "good", 3, 10),
+                    row("a", "hasty", 1, 0), row("b", "hasty", 1, 70)});
+  // Seed 3 failed critically on one device; of hasty nothing is left.
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].name, "good");
+  EXPECT_EQ(found[0].seeds, 2u);
+  EXPECT_NEAR(found[0].points, 0.5, 1e-12);  // 93 and 92.5
+  EXPECT_TRUE(EqualSkillOf({row("a", "good", 1, 90), row("a", "good", 2, 80)}).empty());
+}
+
 TEST(OperatorsTest, TheDocumentIsTheSchemas) {
   OperatorsFindings findings;
   findings.rows = {{"class-1-x", "omega3", "hasty", 5, 12, false, 71.5}};
   findings.order = {{"class-1-x", "omega3", 1, 0}};
+  findings.equal_skill = {{"class-1-x", "hasty", 2, 0.5}};
   findings.not_cut = {"crown-x"};
   findings.left_out = {{"cross-x", "omega3", "undercutter"}};
   std::ifstream file(ENAMEL_SOURCE_DIR "/schemas/golden/lab_operators.json");
