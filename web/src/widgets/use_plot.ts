@@ -2,6 +2,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import type { RefObject } from "preact";
 import type uPlot from "uplot";
 import { Disposables } from "../base/disposables";
+import { numberText } from "../base/language";
 
 export interface PlotInput {
   readonly options: uPlot.Options;
@@ -56,12 +57,16 @@ export interface PlotStyle {
   readonly axis: uPlot.Axis;
 }
 
+const kTickDecimals = 4;
+
 export function plotStyle(element: HTMLElement): PlotStyle {
   const style = getComputedStyle(element);
   const color = (variable: string) => style.getPropertyValue(variable).trim();
   const font = `12px ${style.fontFamily}`;
   const line = { stroke: color("--line"), width: 1 };
-  return { color, axis: { stroke: color("--text-soft"), grid: line, ticks: line, font, labelFont: font, labelSize: 18 } };
+  // The page's language, where uPlot would take the browser's. Null: no place for a number there.
+  const values = (_: uPlot, splits: (number | null)[]) => splits.map((value) => value === null ? "" : numberText(value, 0, kTickDecimals));
+  return { color, axis: { stroke: color("--text-soft"), grid: line, ticks: line, font, labelFont: font, labelSize: 18, values } };
 }
 
 export function withAlpha(hex: string, alpha: string): string {
