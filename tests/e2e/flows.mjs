@@ -539,6 +539,20 @@ async function markReference(world) {
   await page.getByLabel("The dentist agrees").check();
   await mark.click();
   await page.getByText("Reference of its exercise", { exact: false }).first().waitFor();
+  // One that the server refuses, until somebody says why it is right.
+  await page.goto("/attempts/00000000-0000-7000-8000-000000000104");
+  await page.getByRole("button", { name: "Mark as reference…" }).click();
+  await page.getByLabel("Dentist who made this cut").fill("Dentist Two");
+  await page.getByLabel("The dentist agrees").check();
+  await mark.click();
+  await page.getByText("cannot be what others are compared with", { exact: false }).waitFor();
+  const anyway = page.getByRole("button", { name: "Mark as reference all the same" });
+  assert.equal(await anyway.isDisabled(), true, "not without a reason");
+  await page.getByLabel("Why all the same").fill("The gap is before the first stroke");
+  await accessible(page, "a reason for a reference");
+  await page.screenshot({ path: world.picture("reference_anyway"), fullPage: true });
+  await anyway.click();
+  await page.getByText("Reference of its exercise", { exact: false }).first().waitFor();
 }
 
 async function disturbedRecording(world) {

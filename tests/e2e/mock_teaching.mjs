@@ -295,6 +295,9 @@ function rescore(row, { world, person }) {
 }
 
 function makeReference(row, { world, body }) {
+  if (row.gap_ticks > 0 && body.anyway === undefined) {
+    return refusal(409, "conflict", "this attempt cannot be what others are compared with: 4.1 % of its time is missing; take another attempt, or say why this one is right all the same", "anyway");
+  }
   for (const other of world.attempts) other.is_reference = other === row;
   const reference = { id: newId(world), exercise_id: row.exercise.id, attempt_id: row.id, dentist: body.dentist, consent: body.consent, version: world.references.length + 1,
                       created_ms: world.nowMs, withdrawn_ms: 0 };

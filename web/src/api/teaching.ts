@@ -57,8 +57,9 @@ export class TeachingApi {
   checkRubric(id: string, text: string, signal?: AbortSignal) {
     return this.http.json<RubricPreview>("POST", `${exercisePath(id)}/rubrics/preview?attempts=false`, { body: text, type: "application/json", signal });
   }
-  publishRubric(id: string, rubric: Json, reason: string, tag: string) {
-    return this.http.json<RubricVersion>("POST", `${exercisePath(id)}/rubrics`, { body: { reason, rubric }, tag });
+  // `anyway`: as of makeReference.
+  publishRubric(id: string, rubric: Json, reason: string, anyway: string, tag: string) {
+    return this.http.json<RubricVersion>("POST", `${exercisePath(id)}/rubrics`, { body: { reason, rubric, ...(anyway === "" ? {} : { anyway }) }, tag });
   }
   checkExercise(text: string, signal?: AbortSignal) {
     return this.http.json<{ readonly warnings: readonly string[] }>("POST", "/exercises?dry_run=true", { body: text, type: "application/json", signal });
@@ -146,8 +147,9 @@ export class TeachingApi {
   restoreResult({ id, revision }: Seen, run: number) {
     return this.http.json<AttemptDetail>("POST", `${attemptPath(id)}/restore-result`, { body: { run }, tag: tagOf(revision) });
   }
-  makeReference(attempt: string, dentist: string, consent: boolean) {
-    return this.http.json<Reference>("POST", `${attemptPath(attempt)}/reference`, { body: { dentist, consent } });
+  // `anyway`: why, where it was refused with that field; else empty.
+  makeReference(attempt: string, dentist: string, consent: boolean, anyway: string) {
+    return this.http.json<Reference>("POST", `${attemptPath(attempt)}/reference`, { body: { dentist, consent, ...(anyway === "" ? {} : { anyway }) } });
   }
   results(attempt: string, signal?: AbortSignal) {
     return this.http.all<ScoringRun>(`${attemptPath(attempt)}/results`, "results", {}, signal);

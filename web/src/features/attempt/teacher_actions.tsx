@@ -1,10 +1,11 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
-import type { ApiResult } from "../../api/http";
+import type { ApiError, ApiResult } from "../../api/http";
 import type { AttemptDetail } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { formatScore, kScoreStep, scoreForField } from "../../base/format";
 import { say } from "../../base/words";
+import { AnywayField, useAnyway } from "../../widgets/anyway";
 import { awaitsRelease } from "../../widgets/attempt_state";
 import { Badge, ErrorNotice, Notice } from "../../widgets/basics";
 import { Confirm } from "../../widgets/dialog";
@@ -79,9 +80,9 @@ export function TeacherActions({ client, attempt, graded, onChanged, onNext, rel
         )}
       </div>
       {open === "reference" && (
-        <ReferenceForm busy={change.busy} onCancel={() => setOpen(undefined)}
-                       onName={(dentist, consent) => void act(() => teaching.makeReference(attempt.id, dentist, consent),
-                                                              say("judge.reference_done"))} />
+        <ReferenceForm busy={change.busy} error={change.error} onCancel={() => setOpen(undefined)}
+                       onName={(dentist, consent, anyway) => void act(() => teaching.makeReference(attempt.id, dentist, consent, anyway),
+                                                                      say("judge.reference_done"))} />
       )}
       {open === "override" && (
         <OverrideForm attempt={attempt} busy={change.busy} onCancel={() => setOpen(undefined)}
@@ -117,20 +118,28 @@ export function TeacherActions({ client, attempt, graded, onChanged, onNext, rel
   );
 }
 
-function ReferenceForm({ busy, onName, onCancel }:
-                       { readonly busy: boolean; readonly onName: (dentist: string, consent: boolean) => void; readonly onCancel: () => void }) {
+interface ReferenceFormProps {
+  readonly busy: boolean;
+  readonly error: ApiError | undefined;
+  readonly onName: (dentist: string, consent: boolean, anyway: string) => void;
+  readonly onCancel: () => void;
+}
+
+function ReferenceForm({ busy, error, onName, onCancel }: ReferenceFormProps) {
   const [dentist, setDentist] = useState("");
   const [consent, setConsent] = useState(false);
+  const anyway = useAnyway(error, "");
   const submit = (event: Event) => {
     event.preventDefault();
-    if (dentist.trim() !== "" && consent) onName(dentist.trim(), consent);
+    if (dentist.trim() !== "" && consent) onName(dentist.trim(), consent, anyway.reason);
   };
   return (
     <form class="inline-form" onSubmit={submit}>
       <TextField label={say("judge.dentist")} required maxLength={200} value={dentist} onValue={setDentist} />
       <CheckField label={say("judge.consent")} value={consent} onValue={setConsent} />
+      <AnywayField anyway={anyway} />
       <div class="button-row">
-        <button type="submit" class="button primary" disabled={busy || !consent}>{say("judge.reference")}</button>
+        <button type="submit" class="button primary" disabled={busy || !consent || anyway.missing}>{say(anyway.asked ? "judge.reference_anyway" : "judge.reference")}</button>
         <button type="button" class="button" onClick={onCancel}>{say("common.cancel")}</button>
       </div>
     </form>

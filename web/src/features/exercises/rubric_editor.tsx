@@ -9,6 +9,7 @@ import type { Json } from "../../base/document";
 import { formatDateTime } from "../../base/format";
 import { ok } from "../../base/result";
 import { say } from "../../base/words";
+import { AnywayField, useAnyway } from "../../widgets/anyway";
 import { Card, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
 import { DocumentChanges } from "../../widgets/document_changes";
 import { EditBar } from "../../widgets/edit_bar";
@@ -53,8 +54,9 @@ function Editor({ client, read: { exercise, rubrics, metrics }, onOpen, onNewer 
   const [reason, setReason] = useState("");
   const [against, setAgainst] = useState(String(counting?.version ?? 1));
   const change = useChange();
+  const anyway = useAnyway(change.error, JSON.stringify(edit.now));
   const publish = async () => {
-    const result = await change.run(() => client.teaching.publishRubric(exercise.id, edit.now, reason.trim(), rubrics.tag));
+    const result = await change.run(() => client.teaching.publishRubric(exercise.id, edit.now, reason.trim(), anyway.reason, rubrics.tag));
     if (result?.ok !== true) return;
     edit.forget();
     onOpen(`/exercises/${exercise.id}`);
@@ -66,7 +68,7 @@ function Editor({ client, read: { exercise, rubrics, metrics }, onOpen, onNewer 
       <nav class="trail" aria-label={say("common.where")}><a href={`/exercises/${exercise.id}`}>{exercise.title}</a></nav>
       <PageTitle document={say("rubric.of", { title: exercise.title })}>{say("rubric.of_version", { title: exercise.title, version: versionText(exercise) })}</PageTitle>
       <EditBar edit={edit} state={stateText(check, edit.dirty)}>
-        <button type="button" class="button primary" disabled={!may || change.busy || check.busy || check.error !== undefined || !edit.dirty || reason.trim() === ""} onClick={() => void publish()}>{say("rubric.publish")}</button>
+        <button type="button" class="button primary" disabled={!may || change.busy || check.busy || check.error !== undefined || !edit.dirty || reason.trim() === "" || anyway.missing} onClick={() => void publish()}>{say(anyway.asked ? "rubric.publish_anyway" : "rubric.publish")}</button>
       </EditBar>
       <Problem check={check} />
       {change.error !== undefined && (change.error.status === 412
@@ -79,6 +81,7 @@ function Editor({ client, read: { exercise, rubrics, metrics }, onOpen, onNewer 
         <div class="stack editor-side">
           <Card title={say("rubric.correction")}>
             <LongTextField label={say("common.reason")} hint={say("rubric.reason_hint")} value={reason} onValue={setReason} maxLength={1000} rows={2} />
+            <AnywayField anyway={anyway} />
           </Card>
           <Card title={say("version.title")}>
             <SelectField label={say("rubric.compare")} value={against} onValue={setAgainst} options={rubrics.value.map((rubric, i) => ({
