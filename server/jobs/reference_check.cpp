@@ -17,10 +17,10 @@ using StoredParts = Parts<BlobStore, AttemptStore>;
 
 constexpr double kMm3PerM3 = 1e9;
 
-Status RefusedCut(const AttemptRow& attempt, const std::string& why) {
+Status RefusedCut(const std::string& why) {
   return Status(Code::kConflict,
-                "attempt " + attempt.id.Text() + " cannot be what others are compared with: " +
-                    why + "; take another attempt, or say why this one is right all the same",
+                "this attempt cannot be what others are compared with: " + why +
+                    "; take another attempt, or say why this one is right all the same",
                 std::string(kAnyway));
 }
 
@@ -63,37 +63,36 @@ Result<TargetWork> WorkOfAttempt(Parts<BlobStore, AttemptStore> store, const Att
 
 Status CheckReferenceCut(StoredParts store, const AttemptRow& attempt) {
   if ((attempt.flags & kOverTime) != 0) {
-    return RefusedCut(attempt, "it took longer than the exercise's time limit");
+    return RefusedCut("it took longer than the exercise's time limit");
   }
   if ((attempt.flags & kContradicted) != 0) {
-    return RefusedCut(attempt, "a second recording with other content was sent for it");
+    return RefusedCut("a second recording with other content was sent for it");
   }
   const auto score = StoredScore(store, attempt.id);
   if (!score.ok()) {
-    return RefusedCut(attempt, "its score cannot be read: " + score.status().message());
+    return RefusedCut("its score cannot be read: " + score.status().message());
   }
   if (const scoring::Disturbance& d = score->disturbance; d.disturbed()) {
     return RefusedCut(
-        attempt, fmt::format("the station or its device disturbed it: {:.1f} % of its ticks came "
-                             "late, {:.1f} % of its time is missing, {:.1f} % was at the "
-                             "device's limit",
-                             d.late_percent, d.gap_percent, d.limited_percent));
+        fmt::format("the station or its device disturbed it: {:.1f} % of its ticks came "
+                    "late, {:.1f} % of its time is missing, {:.1f} % was at the "
+                    "device's limit",
+                    d.late_percent, d.gap_percent, d.limited_percent));
   }
   const auto measured = WorkOfAttempt(store, attempt);
   if (!measured.ok()) {
-    return RefusedCut(attempt, "what it did of the exercise's own target cannot be measured: " +
-                                   measured.status().message());
+    return RefusedCut("what it did of the exercise's own target cannot be measured: " +
+                      measured.status().message());
   }
   const TargetWork& work = *measured;
   if (work.done_percent < kLeastDone_percent) {
     return RefusedCut(
-        attempt, fmt::format("expected at least {:.0f} % of the exercise's own target of {:.1f} "
-                             "mm3 to be done, found {:.1f} %",
-                             kLeastDone_percent, work.target_mm3, work.done_percent));
+        fmt::format("expected at least {:.0f} % of the exercise's own target of {:.1f} "
+                    "mm3 to be done, found {:.1f} %",
+                    kLeastDone_percent, work.target_mm3, work.done_percent));
   }
   if (work.beside_percent > kMostBeside_percent) {
     return RefusedCut(
-        attempt,
         fmt::format("expected at most {:.0f} % of the exercise's own target of {:.1f} "
                     "mm3 to be cut beside it and its leeway, found {:.1f} % ({:.1f} "
                     "mm3)",

@@ -7,6 +7,8 @@
 namespace enamel::server::stations {
 namespace {
 
+static_assert(kAnyway == protocol::kAnyway);  // the store's and the link's name of one field
+
 constexpr size_t kMaxDentistBytes = 200;
 
 Status CheckWords(const wire::MarkReference& request) {

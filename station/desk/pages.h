@@ -56,7 +56,7 @@ class Pages {
   Ui& ui_;
   Workflow& flow_;
   const std::string station_;
-  std::string login_, password_, dentist_, pin_, pin_again_;
+  std::string login_, password_, dentist_, anyway_, pin_, pin_again_;
   bool consent_ = false, as_reference_ = false;
   // What somebody said to this chair, until it is put away.
   struct Said {

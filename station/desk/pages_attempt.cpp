@@ -219,6 +219,7 @@ void Pages::ResultChoices() {
                  Ui::Look::kPlain, !flow_.marked_as_reference())) {
     // A proposal: most instructors cut their own reference.
     dentist_ = flow_.person().display_name;
+    anyway_.clear();
     flow_.Open(Dialog::kReference);
   }
 }
@@ -229,10 +230,13 @@ void Pages::AskReference() {
   ui_.Field(Say("reference.dentist"), dentist_);
   ui_.Check(Say("reference.consent"), consent_);
   ui_.Problem(flow_.problem());
+  // Only once it was refused: most cuts that are made for this need no reason.
+  const bool why = flow_.reference_needs_reason();
+  if (why) ui_.Field(Say("reference.anyway"), anyway_);
   ui_.Gap(12);
-  if (ui_.Button(Say("reference.make"), Ui::Look::kMain,
-                 consent_ && !dentist_.empty() && !flow_.busy())) {
-    flow_.MarkReference(dentist_, consent_);
+  if (ui_.Button(Say(why ? "reference.make_anyway" : "reference.make"), Ui::Look::kMain,
+                 consent_ && !dentist_.empty() && !(why && anyway_.empty()) && !flow_.busy())) {
+    flow_.MarkReference(dentist_, consent_, why ? anyway_ : "");
   }
   ui_.SameLine();
   if (ui_.Button(Say("pin.leave")) || ui_.escape()) flow_.CloseDialog();

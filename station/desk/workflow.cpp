@@ -405,18 +405,20 @@ void Workflow::ToExercises() {
   WhenFree([this] { Refresh(); });
 }
 
-void Workflow::MarkReference(const std::string& dentist, bool consent) {
+void Workflow::MarkReference(const std::string& dentist, bool consent, const std::string& anyway) {
   if (busy() || place_ != Place::kResult) return;
   problem_.clear();
-  task_.Start("task.reference",
-              [this, dentist, consent, attempt = result_.attempt]() -> BackgroundTask::After {
-                Status marked = workplace_.MarkReference(attempt, dentist, consent);
-                return [this, marked] {
-                  if (!marked.ok()) return Fail(marked);
-                  marked_ = true;
-                  CloseDialog();
-                };
-              });
+  task_.Start(
+      "task.reference",
+      [this, dentist, consent, anyway, attempt = result_.attempt]() -> BackgroundTask::After {
+        Status marked = workplace_.MarkReference(attempt, dentist, consent, anyway);
+        return [this, marked] {
+          needs_reason_ = marked.code() == Code::kConflict && marked.field() == kNeedsReason;
+          if (!marked.ok()) return Fail(marked);
+          marked_ = true;
+          CloseDialog();
+        };
+      });
 }
 
 void Workflow::Back() {

@@ -107,6 +107,8 @@ class Workflow {
   // The score is there but not for this person yet.
   bool held_back() const { return held_back_; }
   bool marked_as_reference() const { return marked_; }
+  // It was refused as reference, and may be it for a reason.
+  bool reference_needs_reason() const { return needs_reason_; }
   Workplace& workplace() { return workplace_; }
 
   // --- steps ---
@@ -135,7 +137,8 @@ class Workflow {
   void TryAgainNow();
   void AnotherTry();
   void ToExercises();
-  void MarkReference(const std::string& dentist, bool consent);
+  // `anyway`: the reason, where one is needed.
+  void MarkReference(const std::string& dentist, bool consent, const std::string& anyway);
   void Back();  // one place back, where there is one
 
  private:
@@ -194,7 +197,8 @@ class Workflow {
   Shown result_, come_back_to_;
   std::optional<StillnessCheck> stillness_;
   uint64_t put_downs_ = 0;  // of the handpiece, that were answered
-  bool ticketed_ = false, joined_ = false, recorded_ = false, marked_ = false, held_back_ = false;
+  bool ticketed_ = false, joined_ = false, recorded_ = false, marked_ = false, held_back_ = false,
+       needs_reason_ = false;
   std::optional<AttemptProgress> progress_;
   std::optional<scoring::ScoreResult> score_;
   Clock::time_point started_ = Clock::now(), active_at_ = started_, next_look_{};

@@ -53,7 +53,7 @@ void Workflow::ShowAttempt(std::unique_ptr<Device> attached) {
   attempt_ = std::move(*attempt);
   // Reserved and resumed attempts bring their ticket.
   ticketed_ = way_ != Way::kTicket;
-  joined_ = recorded_ = marked_ = held_back_ = false;
+  joined_ = recorded_ = marked_ = held_back_ = needs_reason_ = false;
   progress_.reset();
   score_.reset();
   stillness_.emplace(static_cast<double>(attempt_->prepared().profile.resolution_nm.value) * 1e-9);
@@ -151,7 +151,7 @@ void Workflow::WatchUpload() {
 
 void Workflow::ShowResult(Shown shown) {
   result_ = std::move(shown);
-  marked_ = held_back_ = false;
+  marked_ = held_back_ = needs_reason_ = false;
   progress_.reset();
   score_.reset();
   next_look_ = {};

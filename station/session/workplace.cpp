@@ -546,10 +546,11 @@ Result<AttemptProgress> Workplace::Progress(const Uuid& attempt) {
   return link->AttemptStatus(who, attempt);
 }
 
-Status Workplace::MarkReference(const Uuid& attempt, const std::string& dentist, bool consent) {
+Status Workplace::MarkReference(const Uuid& attempt, const std::string& dentist, bool consent,
+                                const std::string& anyway) {
   auto link = UseLink();
   ENAMEL_ASSIGN_OR_RETURN(auto who, SignedIn(*link));
-  return link->MarkReference(who, attempt, dentist, consent);
+  return link->MarkReference(who, attempt, dentist, consent, anyway);
 }
 
 }  // namespace enamel::station

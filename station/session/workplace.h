@@ -29,6 +29,9 @@ enum class HandedBack {
   kLater,     // the server could not be asked: the uploader tells it as soon as it can
 };
 
+// Field of MarkReference's kConflict where a reason would do.
+inline constexpr const char* kNeedsReason = protocol::kAnyway;
+
 struct WorkplaceOptions {
   std::filesystem::path data;
   std::string server = {};  // HOST:PORT when it has moved since enrolment; else empty
@@ -130,7 +133,10 @@ class Workplace {
   // What the server has made of an attempt so far.
   Result<AttemptProgress> Progress(const Uuid& attempt);
   // Makes a scored attempt the reference of its exercise: instructors, with the dentist's consent.
-  Status MarkReference(const Uuid& attempt, const std::string& dentist, bool consent);
+  // Errors also: kConflict with field kNeedsReason where it does not do what the exercise asks for
+  // and `anyway` does not say why it is right all the same.
+  Status MarkReference(const Uuid& attempt, const std::string& dentist, bool consent,
+                       const std::string& anyway = {});
 
   Spool& spool() { return *spool_; }
   Uploader& uploader() { return uploader_; }

@@ -241,13 +241,15 @@ Result<AttemptProgress> ServerLink::AttemptStatus(const Person& person, const Uu
 }
 
 Status ServerLink::MarkReference(const Person& person, const Uuid& attempt,
-                                 const std::string& dentist, bool consent) {
+                                 const std::string& dentist, bool consent,
+                                 const std::string& anyway) {
   wire::Request request;
   auto* mark = request.mutable_mark_reference();
   mark->set_session(person.session);
   mark->set_attempt(protocol::ToField(attempt.view()));
   mark->set_dentist(dentist);
   mark->set_consent(consent);
+  mark->set_anyway(anyway);
   ENAMEL_ASSIGN_OR_RETURN(auto reply, Call(request));
   return reply.has_reference_marked() ? Status::Ok() : Unexpected("ReferenceMarked");
 }

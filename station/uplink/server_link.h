@@ -122,9 +122,11 @@ class ServerLink {
   // Errors: kNotFound, also for somebody else's attempt.
   Result<AttemptProgress> AttemptStatus(const Person& person, const Uuid& attempt);
   // A scored attempt becomes its exercise's reference, with the dentist's consent. Errors:
-  // kForbidden unless the person may, kConflict before it is scored.
+  // kForbidden unless the person may, kConflict before it is scored, and with field
+  // protocol::kAnyway where it does not do what its exercise asks for and `anyway` does not say why
+  // it is right all the same.
   Status MarkReference(const Person& person, const Uuid& attempt, const std::string& dentist,
-                       bool consent);
+                       bool consent, const std::string& anyway = {});
   // Keeps a connection alive that has nothing to say. Returns what is to be said at the chair of
   // `attempt`, which has shown remarks up to `shown`; nothing without one.
   Result<std::vector<protocol::Remark>> Ping(const std::optional<Uuid>& attempt = {},

@@ -167,6 +167,12 @@ click The dentist agrees
 frames 2
 picture PICTURES/13-reference.png
 click Make it the reference
+see expected at least 80 %
+frames 2
+picture PICTURES/38-reference-refused.png
+click Why it is right
+type A short cut for a test
+click Do it all the same
 page result
 see Is the reference
 quit
@@ -494,7 +500,8 @@ wait "$player" || fail "the window over a damaged spool"
 for n in 1-sign-in 2-wrong-password 3-exercises 4-exercise 5-running 6-cutting 7-paused 8-finish 9-result 10-instructor-exercise \
   11-zones 12-score 13-reference 14-once 15-cut-off 16-go-on 17-resumed 18-resumed-running 19-reserve 20-kept 21-reserved \
   22-offline-exercise 23-safe 11-turning 11-turned 24-idle 25-give-up 26-before-away 27-away 28-hand-in-away 29-back 30-no-server \
-  31-give-back 32-given-back 33-results 34-panel 35-trouble 36-trouble-panel; do
+  31-give-back 32-given-back 33-results 34-panel 35-trouble 36-trouble-panel \
+  38-reference-refused; do
   [ -s "$pictures/$n.png" ] || fail "no picture of $n"
 done
 echo "ok: a student and an instructor at the window, from sign-in to score and reference, after a crash and without the server"
