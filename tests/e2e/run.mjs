@@ -37,10 +37,11 @@ async function runAll(browser, selected, start, pictures) {
   let failed = 0;
   for (const [index, flow] of selected.entries()) {
     const server = await start();
+    const begun = performance.now();
     const picture = (name) => join(pictures, `${String(index + 1).padStart(2, "0")}_${name}.png`);
     try {
       await runFlow(flow, browser, { ...server, picture });
-      console.log(`ok ${index + 1} - ${flow.name}`);
+      console.log(`ok ${index + 1} - ${flow.name} (${((performance.now() - begun) / 1000).toFixed(1)} s)`);
     } catch (error) {
       ++failed;
       console.log(`not ok ${index + 1} - ${flow.name}\n${error.stack}`);

@@ -1,15 +1,20 @@
-// Every screen of the page, as each role sees it, in each language and both themes, on a wide and on a narrow screen: no
-// accessibility finding, nothing wider than the screen, no key of a word that is missing, a picture of each to be looked at.
+// Every screen of the page, as each role sees it: no accessibility finding, nothing wider than the screen, no key of a word
+// that is missing, a picture of each to be looked at. With ENAMEL_FULL in each language, both themes, on a wide and on a
+// narrow screen; else each screen in one of three looks, which take turns.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { accessibilityViolations } from "./browser.mjs";
 import { signedIn } from "./session.mjs";
 
 const id = (number) => `00000000-0000-7000-8000-${String(number).padStart(12, "0")}`;
+const kFull = Boolean(process.env.ENAMEL_FULL);
 // German has the longest words: it is looked at where there is least room.
-const kLooks = [
+const kShortLooks = [
   { language: "en", width: 1280, colorScheme: "light" }, { language: "de", width: 400, colorScheme: "dark" }, { language: "zh", width: 1280, colorScheme: "dark" },
 ];
+const kLooks = kFull
+  ? [...kShortLooks, { language: "en", width: 400, colorScheme: "dark" }, { language: "de", width: 1280, colorScheme: "light" }, { language: "zh", width: 400, colorScheme: "light" }]
+  : kShortLooks;
 const kDocumentLanguages = { en: "en", de: "de", zh: "zh-Hans" };
 
 const kWords = new Set(Object.keys(JSON.parse(readFileSync(new URL("../../schemas/words/en/page.json", import.meta.url), "utf8")).messages));
@@ -40,17 +45,18 @@ export function screenFlow(role) {
   return async (world) => {
     const findings = [];
     const page = await signedIn(world, role, "/account");
-    for (const { language, width, colorScheme } of kLooks) {
+    for (const [turn, { language, width, colorScheme }] of kLooks.entries()) {
       await page.setViewportSize({ width, height: width > 500 ? 900 : 800 });
       await page.emulateMedia({ colorScheme, reducedMotion: "reduce" });
       await page.goto("/account");
       await page.locator("main select").selectOption(language);
       await page.locator(`html[lang=${kDocumentLanguages[language]}]`).waitFor();
-      for (const [name, address, there] of kScreens[role]) {
+      for (const [index, [name, address, there]] of kScreens[role].entries()) {
+        if (!kFull && index % kLooks.length !== turn) continue;
         await page.goto(address);
         await page.locator(there).first().waitFor();
         await page.locator(".loading").first().waitFor({ state: "detached" });
-        await page.screenshot({ path: world.picture(`${role}_${name}_${language}`), fullPage: true });
+        await page.screenshot({ path: world.picture(`${role}_${name}_${language}_${colorScheme}`), fullPage: true });
         const keys = (await page.locator("body").innerText()).match(/\b[a-z_]+\.[a-z0-9_]+\b/g)?.filter((text) => kWords.has(text)) ?? [];
         findings.push(...keys.map((key) => `${name} in ${language}: ${key} has no words`));
         const overflow = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
