@@ -26,6 +26,8 @@ void AppendList(std::string& out, const Items& items, Append append) {
   out += ']';
 }
 
+double Norm(const dvec3& v) { return std::sqrt(Dot(v, v)); }
+
 }  // namespace
 
 SeriesRecorder::SeriesRecorder(const core::CoreParams& params, double voxel_m,
@@ -47,10 +49,12 @@ void SeriesRecorder::Add(const trace::Tick& tick, const core::TickOutput& output
   // Whole numbers, in the core's units: the sum is exact.
   for (size_t t = 0; t < removed_.size(); ++t) removed_[t] += output.removed[t];
   Step& step = steps_.back();
-  double force = std::sqrt(Dot(output.pressed_n(), output.pressed_n()));
+  const double force = Norm(output.pressed_n());
   // The largest of a step, so that a peak of a few ticks is seen.
-  step.force_n = std::max(step.force_n, force);
+  if (force > Norm(step.force_n)) step.force_n = output.pressed_n();
   step.force_sum_n += force;
+  step.computed_n = std::max(step.computed_n, Norm(output.force_computed_n));
+  step.late += (tick.input.flags & core::kLateTick) != 0 ? 1 : 0;
   step.bound_n = Bound_n(output);
   step.anchor_m = output.anchor.tip_m;
   step.removed = removed_;
@@ -76,8 +80,10 @@ std::string SeriesRecorder::ToJson() const {
   };
   // Decimals: 0.1 ms, 0.1 mN, 0.000001 mm3, 0.1 um. Beyond them the file would only grow.
   column("t_s", 1e4, [](const Step& s) { return s.t_s; });
-  column("force_n", 1e4, [](const Step& s) { return s.force_n; });
+  column("force_n", 1e4, [](const Step& s) { return Norm(s.force_n); });
   column("force_mean_n", 1e4, [](const Step& s) { return s.force_sum_n / s.ticks; });
+  column("computed_n", 1e4, [](const Step& s) { return s.computed_n; });
+  column("late_ticks", 1, [](const Step& s) { return s.late; });
   column("bound_n", 1e4, [](const Step& s) { return s.bound_n; });
   column("removed_mm3", 1e6, [&](const Step& s) {
     int64_t units = 0;
@@ -93,12 +99,18 @@ std::string SeriesRecorder::ToJson() const {
     out += "\"" + std::string(cutting::kTissueNames[t]) + "\":";
     AppendList(out, Cumulative_mm3(t), [&](double v) { AppendNumber(out, v, 1e6); });
   }
-  out += "},\"anchor_mm\":";
-  AppendList(out, steps_, [&](const Step& s) {
-    std::array<double, 3> mm{s.anchor_m.x * 1e3, s.anchor_m.y * 1e3, s.anchor_m.z * 1e3};
-    AppendList(out, mm, [&](double v) { AppendNumber(out, v, 1e4); });
-  });
-  out += "}";
+  out += '}';
+  auto vectors = [&](const char* name, double per_unit, auto value) {
+    out += std::string(",\"") + name + "\":";
+    AppendList(out, steps_, [&](const Step& s) {
+      const dvec3 v = value(s);
+      AppendList(out, std::array<double, 3>{v.x, v.y, v.z},
+                 [&](double x) { AppendNumber(out, x, per_unit); });
+    });
+  };
+  vectors("anchor_mm", 1e4, [](const Step& s) { return s.anchor_m * 1e3; });
+  vectors("force_vector_n", 1e3, [](const Step& s) { return s.force_n; });
+  out += '}';
   return out;
 }
 

@@ -20,20 +20,21 @@ class SeriesRecorder {
   SeriesRecorder(const core::CoreParams& params, double voxel_m, uint64_t expected_ticks);
   void Add(const trace::Tick& tick, const core::TickOutput& output);
 
-  // The JSON text: times to 0.1 ms, forces to 0.1 mN, volumes to 1e-6 mm^3, positions to 0.1 um.
+  // The JSON text: times to 0.1 ms, forces to 0.1 mN (their directions to 1 mN), volumes to 1e-6 mm^3, positions to 0.1 um.
   // Tissues that were never cut are left out. Deterministic.
   std::string ToJson() const;
   uint32_t step_ticks() const { return step_ticks_; }
 
  private:
   struct Step {
-    double t_s = 0;      // of its first tick, gaps included
-    double force_n = 0;  // largest sent
+    double t_s = 0;    // of its first tick, gaps included
+    dvec3 force_n{0};  // the largest sent
     double force_sum_n = 0;
+    double computed_n = 0;            // largest, before the bounds
     double bound_n = 0;               // at its last tick
     dvec3 anchor_m{0};                // at its last tick
     cutting::RemovedUnits removed{};  // since the start
-    uint32_t ticks = 0;
+    uint32_t ticks = 0, late = 0;
   };
 
   // The bound as the core applied it: 0 while force and cutting are off (core.h, kSuspended).

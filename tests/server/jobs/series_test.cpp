@@ -58,6 +58,23 @@ TEST(SeriesRecorderTest, ForceIsWithoutTouchCues) {
   EXPECT_NEAR(At(Json(series), "force_n", 0), 1, 1e-9);
 }
 
+TEST(SeriesRecorderTest, AStepHasTheDirectionOfItsLargestForceAndWhatCameLate) {
+  SeriesRecorder series(Params(), 50e-6, 4000);  // two ticks a step
+  trace::Tick late;
+  late.input.flags = core::kLateTick;
+  core::TickOutput weak = Output(1, 0, 0), strong = Output(2, 0, 0);
+  strong.force_sent_n = dvec3(0, 0, 2);
+  strong.force_computed_n = dvec3(3, 0, 4);
+  series.Add(late, strong);
+  series.Add({}, weak);
+  series.Add({}, weak);
+  const json::object o = Json(series);
+  EXPECT_EQ(o.at("force_vector_n"), json::parse("[[0,0,2],[0,-1,0]]"));
+  EXPECT_EQ(o.at("computed_n"), json::parse("[5,0]"));
+  EXPECT_EQ(o.at("late_ticks"), json::parse("[1,0]"));
+  EXPECT_EQ(o.at("force_n"), json::parse("[2,1]"));
+}
+
 TEST(SeriesRecorderTest, LongAttemptsHaveAtMostTwoThousandSteps) {
   SeriesRecorder series(Params(), 50e-6, 600'000);
   for (int i = 0; i < 600'000; ++i) series.Add({}, Output(i % 300 == 7 ? 3 : 1, 0, 0));
