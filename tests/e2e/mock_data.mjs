@@ -124,12 +124,15 @@ const kStepTicks = 24;
 export const seriesEndS = () => kSeriesSteps * kStepTicks / 1000;
 
 /** @returns {Schemas["Series"]} */
+const kHeldBackFromN = 1.3, kLateStep = 140;
+
 export function seriesOf() {
   const steps = kSeriesSteps;
   const random = seeded(7);
   const series = { rate_hz: 1000, step_ticks: kStepTicks, t_s: numbers(), force_n: numbers(), force_mean_n: numbers(), bound_n: numbers(),
                    removed_mm3: numbers(), removed_by_tissue: { enamel: numbers(), dentin: numbers() },
-                   anchor_mm: /** @type {[number, number, number][]} */ ([]) };
+                   anchor_mm: /** @type {[number, number, number][]} */ ([]), force_vector_n: /** @type {[number, number, number][]} */ ([]),
+                   computed_n: numbers(), late_ticks: numbers() };
   let removed = 0;
   let drift = 0;
   for (let i = 0; i < steps; ++i) {
@@ -143,6 +146,10 @@ export function seriesOf() {
     series.force_n.push(round(largest));
     series.force_mean_n.push(round(mean));
     series.bound_n.push(7.9);
+    const lean = 0.5 * Math.sin(share * 30);
+    series.force_vector_n.push([round(largest * Math.sin(lean)), 0, round(largest * Math.cos(lean))]);
+    series.computed_n.push(round(largest > kHeldBackFromN ? largest + 0.4 : largest));
+    series.late_ticks.push(i === kLateStep ? 3 : 0);
     series.removed_mm3.push(round(removed));
     series.removed_by_tissue.enamel.push(round(removed * 0.8));
     series.removed_by_tissue.dentin.push(round(removed * 0.2));

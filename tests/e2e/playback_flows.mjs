@@ -1,5 +1,6 @@
 // What the attempt's playback shows and how it is drawn.
 import assert from "node:assert/strict";
+import { decodePng } from "./png.mjs";
 import { accessible, signedIn } from "./session.mjs";
 
 const kAttempt = "/attempts/00000000-0000-7000-8000-000000000105";
@@ -113,9 +114,43 @@ async function secondPlot(world) {
   }
 }
 
+// The force on the hand, where the bur is: an arrow while it touches, none in the air.
+async function forceArrow(world) {
+  const page = await signedIn(world, "instructor", `${kAttempt}?t=20`);
+  await page.locator('.playback[data-shown="200"]').waitFor();
+  await page.getByText(/^Force on the hand: [\d.]+\sN$/).waitFor();
+  const orange = async () => {
+    await page.locator(".tooth-frame canvas[data-drawn=full]").waitFor();
+    const picture = decodePng(await page.locator(".tooth-frame canvas").screenshot());
+    let count = 0;
+    for (let y = 0; y < picture.height; ++y) {
+      for (let x = 0; x < picture.width; ++x) {
+        const [r, g, b] = picture.at(x, y);
+        count += r > 170 && g > 40 && g < 90 && b < 40 ? 1 : 0;
+      }
+    }
+    return count;
+  };
+  await page.waitForFunction(() => document.querySelector(".tooth-force .swatch.force") !== null);
+  const touching = await orange();
+  assert.ok(touching > 60, `the arrow has ${touching} pixels`);
+  await page.screenshot({ path: world.picture("force_arrow") });
+  await accessible(page, "a force on the tooth");
+  await page.locator("body").click({ position: { x: 5, y: 300 } });
+  await page.keyboard.press("Home");
+  await page.locator('.playback[data-shown="0"]').waitFor();
+  await page.getByText(/^Force on the hand/).waitFor({ state: "detached" });
+  assert.equal(await orange(), 0, "no arrow in the air");
+  // What the limiter held back, and ticks that came late.
+  await page.locator(".readout").getByText("Computed force").waitFor();
+  assert.equal(await page.locator(".spans .span.late").count(), 1);
+  await page.locator(".span-legend").getByText("Late ticks").waitFor();
+}
+
 export const playbackFlows = [
   { name: "the tooth is drawn quickly while it moves and in full once it stands", run: drawsQuickly },
   { name: "contact, faults and strokes that lost points stand on the axis of time", run: marksOnTheTime },
+  { name: "the force on the hand is an arrow at the bur, and what was late or held back is on the axis", run: forceArrow },
   { name: "the plot zooms by keys and wheel, and is moved by a drag", run: plotZooms },
   { name: "speed and removed tissues are plotted on the same axis", run: secondPlot },
 ];

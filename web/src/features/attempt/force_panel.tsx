@@ -122,13 +122,23 @@ function MomentLinkButton({ link }: { readonly link: () => string }) {
 
 function linesOf(series: Series): PlotLine[] {
   const bound = boundLine(series);
+  const computed = heldBack(series);
   return [
     { label: say("plot.removed_volume"), unit: "mm3", values: series.removed_mm3, colorVariable: "--plot-removed", axis: "right", fill: true, dash: [7, 4] },
     { label: say("plot.largest_force"), unit: "N", values: series.force_n, colorVariable: "--plot-force", axis: "left", width: 1 },
     { label: say("plot.mean_force"), unit: "N", values: series.force_mean_n, colorVariable: "--plot-mean", axis: "left", width: 2.2 },
+    ...(computed === undefined ? [] : [{ label: say("plot.computed_force"), unit: "N", values: computed, colorVariable: "--plot-computed", axis: "left" as const, width: 1, dash: [3, 3] }]),
     ...(bound === undefined ? [] : [{ label: say("plot.device_limit"), unit: "N", values: bound, colorVariable: "--plot-bound", axis: "left" as const,
                                       dash: [2, 3], setsScale: false }]),
   ];
+}
+
+const kHeldBack = 0.02;                          // of the force, and
+const kHeldBackN = 0.02;                        // newton: less is rounding
+
+// What the force would have been, where limiter or device held some of it back; undefined where they never did.
+function heldBack({ computed_n: computed, force_n: sent }: Series): readonly number[] | undefined {
+  return computed?.some((force, i) => force > (1 + kHeldBack) * sent[i]! + kHeldBackN) === true ? computed : undefined;
 }
 
 const kTissueLines: ReadonlyArray<readonly [string, readonly number[]]> = [["--plot-removed", [7, 4]], ["--plot-mean", [2, 3]], ["--plot-bound", [10, 3, 2, 3]]];

@@ -2,13 +2,14 @@ import { formatMoment, formatNumber } from "../../base/format";
 import { say } from "../../base/words";
 import { kContactN, type Span, type SpanKind } from "./spans";
 
-const kKinds: readonly SpanKind[] = ["contact", "limit", "gap", "lost"];
+const kKinds: readonly SpanKind[] = ["contact", "limit", "late", "gap", "lost"];
 
 const kTitles: Readonly<Record<SpanKind, string>> = {
-  get contact() { return say("span_kind.contact"); }, get limit() { return say("span_kind.limit"); }, get gap() { return say("span_kind.gap"); }, get lost() { return say("span_kind.lost"); },
+  get contact() { return say("span_kind.contact"); }, get limit() { return say("span_kind.limit"); }, get late() { return say("span_kind.late"); }, get gap() { return say("span_kind.gap"); }, get lost() { return say("span_kind.lost"); },
 };
 const kMeanings: Readonly<Record<SpanKind, string>> = {
   get contact() { return say("span_meaning.contact", { force: formatNumber(kContactN, 2) }); }, get limit() { return say("span_meaning.limit"); },
+  get late() { return say("span_meaning.late"); },
   get gap() { return say("span_meaning.gap"); }, get lost() { return say("span_meaning.lost"); },
 };
 

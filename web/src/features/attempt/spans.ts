@@ -3,7 +3,7 @@ import type { Gap } from "./clock";
 
 // What stands on the axis of time: parts of the attempt that are worth a look.
 
-export type SpanKind = "contact" | "limit" | "gap" | "lost";
+export type SpanKind = "contact" | "limit" | "late" | "gap" | "lost";
 
 export interface Span {
   readonly kind: SpanKind;
@@ -37,6 +37,7 @@ export function spansOf(series: Series, gaps: readonly (Gap & { readonly endS: n
   return [
     ...stretches(series, "contact", (i) => series.force_mean_n[i]! >= kContactN),
     ...stretches(series, "limit", (i) => series.bound_n[i]! > 0 && series.force_n[i]! >= kAtLimit * series.bound_n[i]!),
+    ...stretches(series, "late", (i) => (series.late_ticks?.[i] ?? 0) > 0),
     ...gaps.map(({ endS, seconds }): Span => ({ kind: "gap", fromS: endS - seconds, toS: endS })),
     ...lost.values(),
   ].sort((a, b) => a.fromS - b.fromS);

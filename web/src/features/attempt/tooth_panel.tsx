@@ -89,12 +89,13 @@ function LoadedTooth({ model, compared, tissues, missing, busy, toleranceMm, con
   const during = control.playback.showing;
   const mode: ColorMode = summary === undefined || during ? "tissue" : choices.mode;
   const path = useMemo(() => pathBefore(series, cursor), [series, cursor]);
+  const forceN = cursor === undefined ? undefined : series?.force_vector_n?.[cursor] as PointMm | undefined;
   const pins = useMemo(() => pinsOf(marks, chosen, point), [marks, chosen, point]);
   return (
     <>
       <PlaybackBar control={control} />
       <div class={beside === undefined ? "teeth" : "teeth two"}>
-      <ToothView model={model} busy={busy} mode={mode} label={during ? say("tooth_card.picture_during") : pictureText(summary, tissues)} angled={angled} tool={during ? undefined : path.at(-1)} path={path} pins={pins} look={look} onPick={onPoint}
+      <ToothView model={model} busy={busy} mode={mode} label={during ? say("tooth_card.picture_during") : pictureText(summary, tissues)} angled={angled} tool={during ? undefined : path.at(-1)} path={path} forceN={forceN} pins={pins} look={look} onPick={onPoint}
                  onPin={(key) => { const mark = marks.find((item) => item.annotation.id === key); if (mark !== undefined) onMark(mark); }} section={choices.section} follow={choices.follow}>
         <ToothTools choices={choices} onChoices={setChoices} compared={summary !== undefined && !during} played={"film" in model}>
           {series !== undefined && <CompareChoice client={client} attempt={attempt} staff={staff} chosen={beside} onChoose={setBeside} />}

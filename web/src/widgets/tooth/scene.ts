@@ -13,6 +13,7 @@ import type { Look } from "../../base/moment_link";
 import { deviationScalePixels, kContourStepMm, kDeviationRangeMm, kUntouchedColor } from "./deviation_scale";
 import { type BlockHit, ToothBlocks } from "./blocks";
 import type { FilmPose, FilmScreen } from "./film";
+import { ForceArrow } from "./force_arrow";
 import { cutBy, quickMaterial } from "./quick_material";
 import { DrawingPace, drawsSlowly, type Effort, setDrawing } from "./renderer";
 import { type Cuttable, Section, type SectionPlane } from "./section";
@@ -75,6 +76,7 @@ export class ToothScene implements FilmScreen {
   private readonly marker: Mesh;
   private bur: Mesh | undefined;
   private readonly trail: Line;
+  private readonly arrow = new ForceArrow();
   private readonly centre = new Vector3();
   private readonly radius: number;
   private readonly material: MeshStandardMaterial;
@@ -105,7 +107,8 @@ export class ToothScene implements FilmScreen {
     this.trail = new Line(new BufferGeometry(), new LineBasicMaterial({ color: 0x101418, depthTest: false, transparent: true, opacity: 0.55 }));
     this.trail.renderOrder = 1;
     this.trail.frustumCulled = false;
-    this.scene.add(this.blocks.group, this.section.outline, this.trail, this.marker, this.camera, new AmbientLight(0xffffff, 1.3));
+    this.cleanup.add(() => this.arrow.dispose());
+    this.scene.add(this.blocks.group, this.section.outline, this.trail, this.marker, this.arrow.mesh, this.camera, new AmbientLight(0xffffff, 1.3));
     this.addLights();
     this.whole = "surface" in model ? new Mesh(toothGeometry(model.surface), material) : undefined;
     this.radius = this.take(model, this.whole);
@@ -162,7 +165,18 @@ export class ToothScene implements FilmScreen {
     this.trail.geometry.dispose();
     this.trail.geometry = new BufferGeometry().setFromPoints(path.map((p) => new Vector3(...p)));
     this.trail.visible = path.length > 1;
+    this.placeArrow();
     this.frame.request();
+  }
+
+  // The force on the hand, N; undefined: not known. Drawn at the bur or, where none is shown, at the tool's mark.
+  setForce(forceN: PointMm | undefined): void {
+    this.arrow.set(forceN);
+    this.placeArrow();
+    this.frame.request();
+  }
+  private placeArrow(): void {
+    this.arrow.place(this.bur?.visible === true ? this.bur.position : this.marker.visible ? this.marker.position : undefined);
   }
 
   expect(): void {
@@ -186,6 +200,7 @@ export class ToothScene implements FilmScreen {
       this.bur.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...pose.axis).normalize());
       if (this.follows) this.follow();
     }
+    this.placeArrow();
     this.moved();
   }
 

@@ -38,6 +38,7 @@ interface Props {
   readonly angled: AngledView;                  // what the view begins with
   readonly tool?: PointMm | undefined;
   readonly path?: readonly PointMm[];
+  readonly forceN?: PointMm | undefined;         // on the hand, scene frame
   readonly section?: SectionPlane | undefined;
   readonly led?: boolean;                       // from where to look is chosen elsewhere
   readonly follow?: boolean;                    // the camera stays at the bur
@@ -63,6 +64,7 @@ const kLabelMarginPx = [38, 18] as const;       // half a label and a little air
 const kClickMovesPx = 4;                        // more is a turn of the tooth
 const kNoPins: readonly ToothPin[] = [];
 const kBesideTooth = 1.05;                       // of the radius of the ball around it
+const kLeastForceN = 0.05;                       // less is no contact
 const kLabelMinShare = 0.12;                    // of the picture's height: shorter points at the viewer
 
 // Fetches what draws a tooth, for who will show one soon. Nobody waits for it.
@@ -71,8 +73,9 @@ export function prepareTooth(): void {
 }
 
 // A tooth to turn: by mouse, finger, arrow keys, + and −, and the preset buttons.
-export function ToothView({ model, mode, label, angled, busy = false, section, led = false, follow = false, children, tool, path, pins = kNoPins, look, onPin, onPick }: Props) {
+export function ToothView({ model, mode, label, angled, busy = false, section, led = false, follow = false, children, tool, path, forceN, pins = kNoPins, look, onPin, onPick }: Props) {
   const source = "film" in model ? model.film : model.surface;
+  const newton = forceN === undefined ? 0 : Math.hypot(...forceN);
   const keys = useId();
   const frame = useRef<HTMLDivElement>(null);
   const scene = useRef<ToothScene | undefined>(undefined);
@@ -109,6 +112,7 @@ export function ToothView({ model, mode, label, angled, busy = false, section, l
 
   useEffect(() => scene.current?.setMode(mode), [mode, ready]);
   useEffect(() => scene.current?.setTool(tool, path ?? []), [tool, path, ready]);
+  useEffect(() => scene.current?.setForce(forceN), [forceN, ready]);
   useEffect(() => scene.current?.setAngled(angled), [angled, ready]);
   useEffect(() => ready && scene.current !== undefined && "film" in model ? model.film.attach(scene.current) : undefined, [source, ready]);
   useEffect(() => scene.current?.setSection(section), [section, ready]);
@@ -146,6 +150,7 @@ export function ToothView({ model, mode, label, angled, busy = false, section, l
                   data-point={pin.pointMm.join(" ")} onClick={() => onPin?.(pin.key)}>{pin.text}</button>
         ))}
         {problem !== "" && <p class="tooth-problem">{problem}</p>}
+        {newton >= kLeastForceN && <p class="tooth-force" title={say("tooth.force_arrow")}><span class="swatch force" />{say("tooth.force", { force: formatQuantity(newton, "N") })}</p>}
         {under !== undefined && <p class="tooth-under" aria-hidden="true">{pointText(under)}</p>}
       </div>
       <div class="tooth-tools">
