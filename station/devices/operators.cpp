@@ -1,6 +1,7 @@
 #include "station/devices/operators.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 #include "common/math/trig.h"
@@ -197,6 +198,52 @@ Status CannotCut(const scene::Exercise& exercise, const std::string& why) {
   return Status(Code::kInvalidInput, "exercise '" + exercise.name + "': " + why, "half_size_um");
 }
 
+// How thick the layer is that a relief's part takes off: the median under a grid over its middle half.
+double LayerOf_m(const scene::PreparationPart& part, const cutting::Volume& volume) {
+  constexpr int kSteps = 4;
+  const double h = volume.spec().voxel_m();
+  std::vector<double> thick;
+  for (int i = -kSteps; i <= kSteps; ++i) {
+    for (int j = -kSteps; j <= kSteps; ++j) {
+      const double x = (part.top_um[0] + 0.5 * part.half_size_um[0] * i / kSteps) * 1e-6;
+      const double y = (part.top_um[1] + 0.5 * part.half_size_um[1] * j / kSteps) * 1e-6;
+      thick.push_back(HighestSolid_m(volume, {x - h, x + h, y - h, y + h}) -
+                      scene::ReliefAt(part, x, y).z_m);
+    }
+  }
+  const auto middle = thick.begin() + static_cast<ptrdiff_t>(thick.size() / 2);
+  std::nth_element(thick.begin(), middle, thick.end());
+  return *middle;
+}
+
+// Who leaves the lowest of a cavity leaves as much of a thin layer at most: with all of it left he
+// would be who does nothing.
+constexpr double kMostOfLayerLeft = 0.6;
+
+double FloorOver(double wanted_m, const scene::PreparationPart& part,
+                 const cutting::Volume& volume) {
+  return wanted_m < 0 ? std::max(wanted_m, -kMostOfLayerLeft * LayerOf_m(part, volume)) : wanted_m;
+}
+
+// How far the bur's upper end leans to buccal; negative: to lingual. A stump's walls lean already, so
+// there he holds it towards the steeper one, as far beyond it as makes an undercut that is felt.
+double AskewIn_deg(const scene::Preparation& shape, double askew_deg) {
+  using PartOutline = scene::PreparationPart::Outline;
+  constexpr double kUndercut_deg = 8, kDegPerRad = 57.29577951308232;
+  if (askew_deg == 0 || shape.parts[0].outline != PartOutline::kStump) return askew_deg;
+  const scene::PreparationPart& part = shape.parts[0];
+  const auto& [foot, table, below_um, corner_um] = part.stump;
+  const double high_um = part.depth_um - below_um;
+  auto lean_deg = [&](int side) {
+    const double out_um =
+        side * (foot.middle_um[1] - table.middle_um[1]) + foot.half_um[1] - table.half_um[1];
+    return std::atan2(out_um, high_um) * kDegPerRad;
+  };
+  const double buccal = lean_deg(1), lingual = lean_deg(-1);
+  return buccal <= lingual ? std::max(askew_deg, buccal + kUndercut_deg)
+                           : -std::max(askew_deg, lingual + kUndercut_deg);
+}
+
 // Part after part of what the exercise asks for, each in what the others have left.
 Result<std::vector<Move>> PlanTarget(const scene::Preparation& shape, const OperatorPreset& preset,
                                      const Extra& wrong, const scene::Exercise& exercise,
@@ -223,7 +270,7 @@ Result<std::vector<Move>> PlanTarget(const scene::Preparation& shape, const Oper
     if (part.outline == PartOutline::kStump) {
       moves = PlanStump({part, extra, wrong.floor_m}, bur, left, options);
     } else if (part.relief.step_um != 0) {
-      moves = PlanRelief({part, extra, wrong.floor_m}, bur, left, options);
+      moves = PlanRelief({part, extra, FloorOver(wrong.floor_m, part, left)}, bur, left, options);
     } else {
       if (!IsConvex(OutlineOf(part))) {
         return CannotCut(exercise,
@@ -249,7 +296,7 @@ Result<std::vector<Move>> PlanTarget(const scene::Preparation& shape, const Oper
 
 // He has got used to the device in his hand: how stiff it is, how much its friction holds back.
 HandParams HandFor(const PlantParams& plant, const core::CoreParams& params,
-                   const OperatorPreset& preset, uint64_t seed) {
+                   const OperatorPreset& preset, double askew_deg, uint64_t seed) {
   HandParams hand;
   hand.tremor_m *= preset.tremor_ratio;
   hand.coupling_n_per_m = params.kc_mn_per_mm;
@@ -258,7 +305,7 @@ HandParams HandFor(const PlantParams& plant, const core::CoreParams& params,
   hand.light_touch_m = 0.8 * held_back_n / spring;
   hand.back_off_m = 0.5 * hand.light_touch_m;
   hand.seed = seed;
-  const SinCos half = SinCosOfTurns(preset.askew_deg / 720);
+  const SinCos half = SinCosOfTurns(askew_deg / 720);
   hand.orientation = {-half.sin, 0, 0, half.cos};
   return hand;
 }
@@ -333,7 +380,7 @@ Result<std::unique_ptr<SimulatedDevice>> MakeSimulatedDevice(
   const dvec3 start(0.5 * (extent.x0 + extent.x1), 0.5 * (extent.y0 + extent.y1),
                     std::max(top, landmark.z) + kStartAbove_m * std::max(1.0, preset.speed_ratio));
   PlantParams plant = PlantOf(profile, params);
-  HandParams hand = HandFor(plant, params, preset, used_seed);
+  HandParams hand = HandFor(plant, params, preset, AskewIn_deg(shape, preset.askew_deg), used_seed);
   auto op = std::make_unique<PathOperator>(std::string(preset.name), std::move(plan), hand, start);
   return std::make_unique<SimulatedDevice>(plant, std::move(op));
 }

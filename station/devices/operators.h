@@ -36,7 +36,8 @@ struct OperatorPreset {
   // How far off he takes each wall and the floor to be: another for each seed, evenly up to twice
   // this, never the same way for all.
   double misjudges_m = 0;
-  double askew_deg = 0;  // the bur's upper end leans to buccal
+  // The bur's upper end leans to buccal; at a stump to its steeper side, and farther than the wall there.
+  double askew_deg = 0;
   bool nicks_neighbour = false;
   // What a tooth must have for his fault to be one; air: anything will do.
   cutting::Tissue needs = cutting::Tissue::kAir;
