@@ -185,8 +185,8 @@ Rubric CariesRubric() {
 }
 
 Rubric CrownRubric(bool anterior) {
-  Rubric r = ShapeRubric("crown-preparation", 15, 4, {1'200, 2'400});
-  r.version = 5;
+  Rubric r = ShapeRubric("crown-preparation", 10, 4, {1'200, 2'400});
+  r.version = 6;
   auto& criteria = r.criteria;
   criteria.push_back(
       ConvergenceCriterion("convergence_mesiodistal_deg", "Convergence, mesial to distal", 22));
@@ -195,7 +195,7 @@ Rubric CrownRubric(bool anterior) {
   // A molar's stump leans by 6.5 degrees, as its crown does.
   criteria.push_back(AtMost("crown_axis_deg", "Stump upright", "deg", 3, 8, 18,
                             "The stump leans: the crown would have to go on at an angle."));
-  criteria.push_back(AtMost("crown_undercut_mm2", "No undercut", "mm2", 3, 0.5, 4,
+  criteria.push_back(AtMost("crown_undercut_mm2", "No undercut", "mm2", 8, 0.5, 4,
                             "A wall leans out over the finish line: the crown could not seat."));
   RubricCriterion line{"finish_depth_mm",
                        "Finish line at its height",
