@@ -14,6 +14,7 @@
 #include "server/http/site.h"
 #include "server/jobs/reference_check.h"
 #include "server/jobs/surface_blob.h"
+#include "server/jobs/tick_window.h"
 #include "server/training/access.h"
 #include "server/training/names.h"
 #include "server/training/ticket_rules.h"
@@ -256,6 +257,31 @@ Response GetStartTooth(const Call& call, Parts<BlobStore, TimelineStore> store) 
 
 Response GetSeries(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
   return BlobResponse(call, store, &Store::AttemptResult::series, "application/json");
+}
+
+// Under the same conditions as the series: it is the same, closer.
+Response GetTicks(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
+  Result<uint64_t> from = QueryOffset(call.request, "from");
+  if (!from.ok()) return ErrorResponse(from.status());
+  Result<uint64_t> to = QueryOffset(call.request, "to");
+  if (!to.ok()) return ErrorResponse(to.status());
+  if (!call.request.query.contains("to")) *to = *from + kMostWindowTicks;
+  if (Result<Store::AttemptResult> seen = SeeResult(call, store, true); !seen.ok()) {
+    return ErrorResponse(seen.status());
+  }
+  Result<std::vector<Bytes>> chunks = store.attempts().AttemptChunks(call.id);
+  if (!chunks.ok()) return ErrorResponse(chunks.status());
+  Result<std::string> ticks = TickWindowJson(*chunks, *from, *to);
+  if (!ticks.ok()) {
+    // What is stored is checked when it comes: that it cannot be read is damage of ours.
+    return ErrorResponse(ticks.status().field() == "to"
+                             ? ticks.status()
+                             : Status{Code::kInternal, ticks.status().message()});
+  }
+  Response response;
+  response.content_type = "application/json";
+  response.body = std::move(*ticks);
+  return response;
 }
 
 Response ReleaseAttempt(const Call& call, AttemptViewParts store) {

@@ -99,6 +99,7 @@ Response GetDeviation(const Call& call,
                       Parts<ContentStore, TeachingStore, AttemptStore, TimelineStore> store);
 Response GetStartTooth(const Call& call, Parts<BlobStore, TimelineStore> store);
 Response GetSeries(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
+Response GetTicks(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
 Response GetLive(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
 Response ListLiveRemarks(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store);
 Response SendLiveRemark(

@@ -158,8 +158,11 @@ Uuid School::ScoredAttempt(const Uuid& person, const Change& change, const Judge
   chunk.attempt = chunk.head.attempt = id;
   chunk.head.count = 1000;
   chunk.head.previous = HashSha256(AsBytes("header"));
-  chunk.bytes = Bytes(10, 1);
-  chunk.hash = HashSha256(chunk.bytes);
+  // A real one, of a bur at rest.
+  static const trace::KeyPair kStation = trace::NewKeyPair();
+  static const std::vector<trace::Tick> kAtRest(1000);
+  chunk.bytes = trace::EncodeChunk(chunk.head, kAtRest, kStation.secret_key);
+  chunk.hash = trace::DecodeChunkHead(chunk.bytes)->hash;
   Must(store->AppendChunk(chunk));
   trace::Seal seal;
   seal.attempt = id;
