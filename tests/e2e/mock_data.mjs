@@ -159,6 +159,22 @@ export function seriesOf() {
   return series;
 }
 
+// Ticks of the recording: a trembling force, held back at its peaks, and a gap of 50 ticks at each full second.
+export function ticksOf(from, to) {
+  const ticks = { from, to, time_ticks: numbers(), force_n: numbers(), computed_n: numbers(), late: numbers(), limited: numbers() };
+  for (let time = from; time < Math.min(to, 1000 * seriesEndS()); ++time) {
+    if (time % 1000 < 50) continue;
+    const force = 0.9 + 0.3 * Math.sin(time / 16) + 0.1 * Math.sin(time / 3);
+    const held = force > 1.2;
+    ticks.time_ticks.push(time);
+    ticks.force_n.push(round(held ? 1.2 : force));
+    ticks.computed_n.push(round(force));
+    ticks.late.push(0);
+    ticks.limited.push(held ? 1 : 0);
+  }
+  return ticks;
+}
+
 function numbers() {
   return /** @type {number[]} */ ([]);
 }

@@ -1,6 +1,6 @@
 // Exercises, assignments and attempts of the mock server.
 import { readFileSync } from "node:fs";
-import { referenceDetail, scoreOf, seriesEndS, seriesOf } from "./mock_data.mjs";
+import { referenceDetail, scoreOf, seriesEndS, seriesOf, ticksOf } from "./mock_data.mjs";
 import { documentOf, lookAtExercise } from "./mock_editing.mjs";
 import { assignmentInsight } from "./mock_insight.mjs";
 import { mockPlayback } from "./mock_timeline.mjs";
@@ -425,6 +425,7 @@ export const teachingRoutes = {
   })],
   "GET /attempts/{id}/score": ["person", withScore((row) => json(scoreOf(row)))],
   "GET /attempts/{id}/series": ["person", withScore(() => json(seriesOf()))],
+  "GET /attempts/{id}/ticks": ["person", withScore((row, { query }) => json(ticksOf(Number(query.get("from") ?? 0), Number(query.get("to")))))],
   "GET /attempts/{id}/surface": ["person", withScore((_row, { world }) => toothReply(world, "compared", { withDeviation: true }))],
   "GET /attempts/{id}/timeline": ["person", withScore(timeline)],
   "GET /attempts/{id}/deviation": ["person", withScore(deviation)],

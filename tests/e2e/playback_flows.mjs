@@ -147,10 +147,49 @@ async function forceArrow(world) {
   await page.locator(".span-legend").getByText("Late ticks").waitFor();
 }
 
+// A few seconds are shown tick by tick, from the recording; panning asks for no more than it shows.
+async function tickByTick(world) {
+  const page = await signedIn(world, "instructor", `${kAttempt}?t=20`);
+  const asked = [];
+  page.on("request", (request) => { if (request.url().includes("/ticks?")) asked.push(new URL(request.url()).search); });
+  await page.locator('.playback[data-shown="200"]').waitFor();
+  await page.locator(".plot canvas").waitFor();
+  assert.deepEqual(asked, [], "all of it needs no ticks");
+  await page.locator("body").click({ position: { x: 5, y: 300 } });
+  for (let i = 0; i < 12; ++i) await page.keyboard.press("i");
+  await page.getByText(/^Shown: 0:(19|20)\.\d\d to 0:20\.\d\d, tick by tick\./).waitFor();
+  await page.getByRole("img", { name: /tick by tick\.$/ }).locator("canvas").waitFor();
+  const ends = async () => (await page.locator(".view-of").innerText()).match(/0:(\d\d\.\d\d)/g).map((text) => Number(text.slice(2)));
+  const [from, to] = await ends();
+  assert.ok(to - from < 0.5, `${from} to ${to}`);
+  for (const search of asked) {
+    const query = new URLSearchParams(search);
+    assert.ok(Number(query.get("to")) - Number(query.get("from")) <= 4000, search);
+  }
+  // A press sets the moment to a tick, which is finer than the playback's frames.
+  const over = page.locator(".force-card .u-over");
+  const box = await over.boundingBox();
+  const before = asked.length;
+  await page.keyboard.down("Shift");
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width / 4, box.y + box.height / 2, { steps: 8 });
+  await page.mouse.up();
+  await page.keyboard.up("Shift");
+  const moved = await ends();
+  assert.ok(Math.abs(moved[0] - from - (to - from) / 4) < 0.03, `dragged from ${from} to ${moved[0]}`);
+  assert.ok(asked.length - before <= 1, "what was there is not asked for again");
+  await accessible(page, "a plot tick by tick");
+  await page.screenshot({ path: world.picture("ticks") });
+  await over.dblclick();
+  await page.getByText(/^Shown: /).waitFor({ state: "detached" });
+}
+
 export const playbackFlows = [
   { name: "the tooth is drawn quickly while it moves and in full once it stands", run: drawsQuickly },
   { name: "contact, faults and strokes that lost points stand on the axis of time", run: marksOnTheTime },
   { name: "the force on the hand is an arrow at the bur, and what was late or held back is on the axis", run: forceArrow },
   { name: "the plot zooms by keys and wheel, and is moved by a drag", run: plotZooms },
+  { name: "a short part of the plot is drawn tick by tick", run: tickByTick },
   { name: "speed and removed tissues are plotted on the same axis", run: secondPlot },
 ];

@@ -1,10 +1,10 @@
-import { checkSeries } from "./series";
+import { checkSeries, checkTicks } from "./series";
 import { type ApiResult, type Fetch, Http, segment, understood } from "./http";
 import { PeopleApi } from "./people";
 import { decodeSurface, type Surface } from "./surface";
 import { TeachingApi } from "./teaching";
 import { OperationsApi, ProfilesApi, StationsApi } from "./things";
-import type { Attempt, AttemptDetail, AttemptFlag, AttemptState, LanguageChoice, LiveRemark, LiveRemarks, Score, Series, Session } from "./types";
+import type { Attempt, AttemptDetail, AttemptFlag, AttemptState, LanguageChoice, LiveRemark, LiveRemarks, Score, Series, Session, Ticks } from "./types";
 
 export interface AttemptQuery {
   readonly cohort?: string | undefined;
@@ -88,6 +88,11 @@ export class Client {
   async series(id: string, signal?: AbortSignal): Promise<ApiResult<Series>> {
     const ahead = await this.takeAhead(id);
     return ahead?.ok === true ? ahead : this.askSeries(id, signal);
+  }
+  // Of the recording itself: at most 4000 ticks of time.
+  async ticks(id: string, from: number, to: number, signal?: AbortSignal): Promise<ApiResult<Ticks>> {
+    const result = await this.http.json<unknown>("GET", `${attemptPath(id)}/ticks?from=${from}&to=${to}`, { signal });
+    return result.ok ? understood(checkTicks(result.value)) : result;
   }
   // What is shown where nothing can be played back: some megabytes.
   async surface(id: string, signal?: AbortSignal): Promise<ApiResult<Surface>> {

@@ -73,6 +73,7 @@ export type Criterion = Score["criteria"][number];
 export type Gate = NonNullable<Score["gates"]>[number];
 export type Metric = Score["metrics"][number];
 export type Series = Schemas["Series"];
+export type Ticks = Schemas["Ticks"];
 export type AuditEntry = Schemas["AuditEntry"];
 export type LiveEvent = Schemas["LiveEvent"];
 export type LiveRemark = Schemas["LiveRemark"];

@@ -100,11 +100,12 @@ export function formatDuration(seconds: number): string {
   return `${Math.floor(whole / 60)}\u00a0min\u00a0${String(whole % 60).padStart(2, "0")}\u00a0s`;
 }
 
-// A moment in an attempt: "2:07.4", minutes, seconds and tenths.
-export function formatMoment(seconds: number): string {
+// A moment in an attempt: "2:07.4", minutes, seconds and tenths, or more decimals.
+export function formatMoment(seconds: number, digits = 1): string {
   if (!Number.isFinite(seconds) || seconds < 0) return kDash;
-  const tenths = Math.round(10 * seconds);
-  return `${Math.floor(tenths / 600)}:${numberText((tenths % 600) / 10, 1, 1).padStart(4, "0")}`;
+  const perS = 10 ** digits;
+  const parts = Math.round(perS * seconds);
+  return `${Math.floor(parts / (60 * perS))}:${numberText((parts % (60 * perS)) / perS, digits, digits).padStart(3 + digits, "0")}`;
 }
 
 export function formatBytes(bytes: number): string {

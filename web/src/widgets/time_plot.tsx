@@ -38,6 +38,7 @@ interface Props {
 const kHeightPx = 280;
 const kHeadroom = 1.08;
 const kWheelStep = 1.25;
+const kFineS = 0.01;                            // from point to point: a moment is told to the millisecond
 
 // Lines over time with two value axes and a cursor that a press or a drag sets. A pointer that only passes over it shows
 // the time there in a thin line and leaves the cursor where it is. The wheel zooms with Ctrl, or once the plot was pressed, since
@@ -110,7 +111,7 @@ function followPointer(plot: uPlot, cleanup: Disposables, hover: HTMLElement, ti
     hover.hidden = time === undefined;
     if (time === undefined) return;
     hover.style.transform = `translateX(${plot.valToPos(time, "x").toFixed(1)}px)`;
-    hover.textContent = formatMoment(time);
+    hover.textContent = formatMoment(time, timeS[1]! - timeS[0]! < kFineS ? 3 : 1);
   });
   cleanup.listen(plot.over, "pointerleave", () => {
     hover.hidden = true;
@@ -143,7 +144,7 @@ function plotOptions(element: HTMLElement, lines: readonly PlotLine[], leftTitle
     cursor: { show: false },
     scales: { x: { time: false }, left: { range: [0, upperEnd(lines, "left")] }, right: { range: [0, upperEnd(lines, "right")] } },
     axes: [
-      { ...axis, label: say("plot.time"), size: 36, values: (_, splits) => splits.map(tickMoment) },
+      { ...axis, label: say("plot.time"), size: 36, values: (_, splits) => tickMoments(splits) },
       { ...valueAxis, scale: "left", label: leftTitle },
       { ...valueAxis, scale: "right", side: 1, label: rightTitle, grid: { show: false } },
     ],
@@ -165,6 +166,9 @@ function upperEnd(lines: readonly PlotLine[], axis: "left" | "right"): number {
 }
 
 // On an axis the tenths are left out where they say nothing.
-function tickMoment(seconds: number): string {
-  return formatMoment(seconds).replace(/\.0$/, "");
+// With as many decimals as tell one from the next.
+function tickMoments(splits: readonly number[]): string[] {
+  const stepS = (splits[1] ?? 1) - (splits[0] ?? 0);
+  const digits = Math.max(1, Math.ceil(-Math.log10(stepS) - 1e-6));
+  return splits.map((seconds) => digits > 1 ? formatMoment(seconds, digits) : formatMoment(seconds).replace(/[.,]0$/, ""));
 }

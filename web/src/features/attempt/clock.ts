@@ -44,13 +44,18 @@ export function gapsOf(head: Head, poses: readonly (FramePose | undefined)[]): G
 
 // The step of the series that a time lies in.
 export function stepAt(series: Series, timeS: number): number {
-  const last = series.t_s.length - 1;
+  return stepIn(series.t_s, timeS);
+}
+
+// The last of growing times that is no later.
+export function stepIn(times: readonly number[], timeS: number): number {
+  const last = times.length - 1;
   let low = 0;
   let high = Math.max(0, last);
   while (low < high) {
     const middle = (low + high + 1) >> 1;
     // Times are written to a tenth of a millisecond.
-    if (series.t_s[middle]! <= timeS + 1e-4) low = middle;
+    if (times[middle]! <= timeS + 1e-4) low = middle;
     else high = middle - 1;
   }
   return low;

@@ -1,12 +1,15 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import type { Client } from "../../api/client";
 import type { Series } from "../../api/types";
+import { useRequest } from "../../api/use_request";
 import type { Loaded } from "../../api/use_request";
 import { formatDuration, formatFixed, formatMoment, formatQuantity } from "../../base/format";
 import { say, sayIf } from "../../base/words";
 import { Card, ErrorNotice, Loading, TableFrame } from "../../widgets/basics";
 import { CopyText } from "../../widgets/copy";
 import { type PlotLine, TimePlot } from "../../widgets/time_plot";
-import { stepAt } from "./clock";
+import { stepAt, stepIn } from "./clock";
+import { type CloseUp, closeUp, ticksFor } from "./close_up";
 import { boundLine, type Mark } from "./moments";
 import { speeds } from "./range";
 import { RangePanel } from "./range_panel";
@@ -38,6 +41,8 @@ interface Props {
   readonly keys: PlotKeys;
   readonly onRetry: () => void;
   readonly link: () => string;                  // the address of this moment, looked at as now
+  readonly client: Client;
+  readonly attempt: string;                     // its id
 }
 
 export function ForcePanel({ series, onRetry, ...rest }: Props) {
@@ -52,19 +57,24 @@ export function ForcePanel({ series, onRetry, ...rest }: Props) {
   );
 }
 
-function LoadedForce({ series, cursor, timeS, range, marks, spans, chosen, onMark, onCursor, onTime, keys, link }: Omit<Props, "series" | "onRetry"> & { readonly series: Series }) {
-  const lines = useMemo(() => linesOf(series), [series]);
+function LoadedForce({ series, cursor, timeS, range, marks, spans, chosen, onMark, onCursor, onTime, keys, link, client, attempt }: Omit<Props, "series" | "onRetry"> & { readonly series: Series }) {
   const last = series.t_s.length - 1;
   const at = Math.min(cursor, last);
   const whole = useMemo((): View => [series.t_s[0] ?? 0, series.t_s[last] ?? 0], [series]);
   const [view, setView] = useState<View>();
   // Who moves the moment past the edge takes the part along.
   useEffect(() => setView((was) => showing(whole, was, series.t_s[at] ?? 0)), [whole, at]);
+  const wanted = ticksFor(series, view);
+  const { loaded: near } = useRequest(wanted === undefined ? undefined : `${attempt} ${wanted[0]}`, (signal) => client.ticks(attempt, ...wanted!, signal));
+  const close = useMemo(() => near.state === "ready" && near.value.time_ticks.length > 0 ? closeUp(near.value, series) : undefined, [near, series]);
+  const lines = useMemo(() => linesOf(series), [series]);
   const zoom = (atS: number, by: number) => setView(zoomed(whole, view, atS, by));
   keys.zoom = (direction) => direction === 0 ? setView(undefined) : zoom(series.t_s[at] ?? 0, kZoomStep ** -direction);
   const [fromS, toS] = view ?? whole;
   const shown = view === undefined ? marks : marks.filter((mark) => (series.t_s[mark.step] ?? 0) >= fromS && (series.t_s[mark.step] ?? 0) <= toS);
   const shareOf = (mark: Mark) => view === undefined ? mark.share : ((series.t_s[mark.step] ?? 0) - fromS) / (toS - fromS);
+  const digits = close === undefined ? 1 : 2;
+  const shownText = say(close === undefined ? "force.shown" : "force.shown_ticks", { from: formatMoment(fromS, digits), to: formatMoment(toS, digits) });
   const [more, setMore] = useState(false);
   keys.more = () => setMore((was) => !was);
   const moreLines = useMemo(() => more ? moreLinesOf(series) : [], [series, more]);
@@ -92,10 +102,13 @@ function LoadedForce({ series, cursor, timeS, range, marks, spans, chosen, onMar
                                             `${formatMoment(series.t_s[at] ?? 0)}`)}
                onInput={(event) => onCursor(Number(event.currentTarget.value))} />
       </div>
-      <TimePlot timeS={series.t_s} lines={lines} leftTitle={say("force.force_n")} rightTitle={say("force.removed_mm3")} label={plotText(series)}
-                cursor={at} onCursor={onCursor} onAxis={align} heightPx={kHeightPx} {...moved} />
+      {close === undefined
+        ? <TimePlot key="series" timeS={series.t_s} lines={lines} leftTitle={say("force.force_n")} rightTitle={say("force.removed_mm3")} label={plotText(series)}
+                    cursor={at} onCursor={onCursor} onAxis={align} heightPx={kHeightPx} {...moved} />
+        : <CloseUpPlot close={close} timeS={timeS} onTime={onTime} leftTitle={say("force.force_n")} rightTitle={say("force.removed_mm3")} label={`${plotText(series)} ${shownText}`}
+                       onAxis={align} {...moved} />}
       {more && <TimePlot timeS={series.t_s} lines={moreLines} leftTitle={say("force.speed")} rightTitle={say("force.removed_mm3")} label={moreText(moreLines)} cursor={at} onCursor={onCursor} heightPx={kHeightPx} {...moved} />}
-      {view !== undefined && <p class="hint view-of" role="status">{say("force.shown", { from: formatMoment(fromS), to: formatMoment(toS) })} <button type="button" class="button small quiet" onClick={() => setView(undefined)}>{say("attempts.show_all")}</button></p>}
+      {view !== undefined && <p class="hint view-of" role="status">{shownText} <button type="button" class="button small quiet" onClick={() => setView(undefined)}>{say("attempts.show_all")}</button></p>}
       {spans.length > 0 && <SpanLegend spans={spans} />}
       <button type="button" class="button small quiet no-print" aria-pressed={more} onClick={() => setMore(!more)}>{say("force.more")}</button>
       <MomentLinkButton link={link} />
@@ -107,6 +120,18 @@ function LoadedForce({ series, cursor, timeS, range, marks, spans, chosen, onMar
       </details>
     </div>
   );
+}
+
+// The same lines, tick by tick. The cursor stands at the tick of the moment.
+function CloseUpPlot({ close, timeS, onTime, ...rest }: Omit<Parameters<typeof TimePlot>[0], "timeS" | "lines" | "cursor" | "onCursor" | "heightPx"> &
+                     { readonly close: CloseUp; readonly timeS: number; readonly onTime: (timeS: number) => void }) {
+  const lines = useMemo((): PlotLine[] => [
+    { label: say("plot.removed_volume"), unit: "mm3", values: close.removedMm3, colorVariable: "--plot-removed", axis: "right", fill: true, dash: [7, 4] },
+    { label: say("plot.sent_force"), unit: "N", values: close.forceN, colorVariable: "--plot-force", axis: "left", width: 1.4 },
+    ...(close.computedN === undefined ? [] : [{ label: say("plot.computed_force"), unit: "N", values: close.computedN, colorVariable: "--plot-computed", axis: "left" as const, width: 1, dash: [3, 3] }]),
+  ], [close]);
+  const at = stepIn(close.timeS, timeS);
+  return <TimePlot {...rest} timeS={close.timeS} lines={lines} cursor={at} onCursor={(index) => onTime(close.timeS[index] ?? timeS)} heightPx={kHeightPx} />;
 }
 
 // The address is shown as well: where the browser does not allow copying, it can be taken from there.
