@@ -1,5 +1,5 @@
 // What opening an attempt and moving through it costs in Chromium with software drawing: bytes and time until the tooth is
-// there, how long the page's thread is held up, and how long a moment takes to be shown.
+// there, how long the page's thread is held up, how long a moment takes to be shown, and frames a second while the plot is moved.
 //   node scripts/playback_bench.mjs [--dist DIR] [--json FILE] [--seeks N] [--slower N]
 // Without BASE_URL: the mock server's small attempt. With BASE_URL, LOGIN, PASSWORD and ATTEMPT (an id): that server's.
 // --slower: so many times slower a processor. The network is that of a school (10 Mbit/s, 40 ms) until the tooth is there.
@@ -15,6 +15,8 @@ import { mockPlayback } from "../../tests/e2e/mock_timeline.mjs";
 const kSkipped = 77;
 const kNetwork = { offline: false, latency: 40, downloadThroughput: 1.25e6, uploadThroughput: 0.5e6 };
 const kUnbound = { offline: false, latency: 0, downloadThroughput: -1, uploadThroughput: -1 };
+const kPanFrames = 120, kMostZooms = 20;
+const kTickByTick = /tick by tick/;
 const kMockAttempt = "00000000-0000-7000-8000-000000000105";
 
 function option(name, otherwise) {
@@ -46,6 +48,26 @@ async function seekAll(moments) {
     times.push(performance.now() - begun);
   }
   return times;
+}
+
+// Called in the page: drags the plot's part of the time to and fro, a little in each frame. Frames per second.
+async function pan(frames) {
+  const over = document.querySelector(".force-card .u-over");
+  const box = over.getBoundingClientRect();
+  const frame = () => new Promise((resolve) => { requestAnimationFrame(resolve); });
+  const send = (type, x) => over.dispatchEvent(new PointerEvent(type, { bubbles: true, clientX: box.left + x, clientY: box.top + box.height / 2, button: 0, buttons: 1, shiftKey: true }));
+  let x = box.width / 2;
+  send("pointerdown", x);
+  await frame();
+  const begun = performance.now();
+  for (let i = 0; i < frames; ++i) {
+    x += i % 60 < 30 ? -4 : 4;
+    send("pointermove", x);
+    await frame();
+  }
+  const seconds = (performance.now() - begun) / 1000;
+  send("pointerup", x);
+  return frames / seconds;
 }
 
 // The same moments each time.
@@ -98,6 +120,20 @@ async function measure(browser, { baseUrl, login, password, attempt, seeks, slow
   await page.waitForTimeout(3000);
   found.longest_block_playing_ms = Math.max(0, ...(await takeTasks(page)));
   found.frames = Number(await page.locator(".playback input[type=range]").getAttribute("max"));
+
+  // Both ways a plot is drawn: half of the attempt in the series' steps, and three seconds tick by tick.
+  await page.keyboard.press("k");
+  await page.waitForSelector(".tooth-frame canvas[data-drawn=full]");
+  for (let i = 0; i < 2; ++i) await page.keyboard.press("i");
+  await takeTasks(page);
+  found.pan_steps_per_s = Math.round(await page.evaluate(pan, kPanFrames));
+  for (let i = 0; i < kMostZooms && await page.getByRole("img", { name: kTickByTick }).count() === 0; ++i) {
+    await page.keyboard.press("i");
+    await page.waitForLoadState("networkidle");
+  }
+  await page.getByRole("img", { name: kTickByTick }).locator("canvas").waitFor();
+  found.pan_ticks_per_s = Math.round(await page.evaluate(pan, kPanFrames));
+  found.longest_block_panning_ms = Math.max(0, ...(await takeTasks(page)));
   if (errors.length > 0) throw new Error(`errors in the browser's console: ${errors.join("; ")}`);
   return found;
 }
