@@ -114,6 +114,18 @@ Result<json::object> SummaryJson(const Person& viewer, TeachingStore& store, con
   return out;
 }
 
+// Where a target hangs, in the scene's frame; null where the scene cannot be read or has no such point.
+json::value LandmarkJson(BlobStore& store, const Sha256& scene, const std::string& landmark) {
+  const auto text = store.GetBlob(scene);
+  if (!text.ok()) return nullptr;
+  const auto document = scene::SceneFromJson(AsText(*text));
+  if (!document.ok()) return nullptr;
+  const auto found = document->landmarks.find(landmark);
+  if (found == document->landmarks.end()) return nullptr;
+  const scene::PointUm& at = found->second;
+  return json::array{at[0], at[1], at[2]};
+}
+
 json::object TargetJson(const scene::CavityTarget& target) {
   const auto& half = target.half_size_um;
   json::array parts;
@@ -241,7 +253,10 @@ Result<json::object> WholeJson(const Call& call, ExerciseParts store, const Exer
   out->emplace("touch_cues", TouchCuesJson(exercise->touch_cues));
   out->emplace("scene_sha256", row.scene.Hex());
   out->emplace("document_sha256", row.content.Hex());
-  out->emplace("target", TargetJson(exercise->target));
+  json::object target = TargetJson(exercise->target);
+  target.emplace("landmark_um",
+                 LandmarkJson(store.content(), row.scene, exercise->target.landmark));
+  out->emplace("target", std::move(target));
   Result<scene::Rubric> rubric = CountingRubric(store, row.id, exercise->rubric);
   if (!rubric.ok()) return Status{Code::kInternal, rubric.status().message()};
   out->emplace("rubric", RubricJson(*rubric));

@@ -306,6 +306,7 @@ TEST_F(DraftTest, WholeDocumentIsShown) {
   EXPECT_EQ(shown.at("time_limit_s"), 600);
   EXPECT_EQ(shown.at("rate_hz"), document_.rate_hz);
   EXPECT_EQ(shown.at("target").at("landmark"), document_.target.landmark.c_str());
+  EXPECT_EQ(json::serialize(shown.at("target").at("landmark_um")), "[0,0,5000]");
   EXPECT_EQ(shown.at("rubric").at("name"), document_.rubric.name.c_str());
 }
 
