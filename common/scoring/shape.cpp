@@ -292,8 +292,8 @@ OutlineFigures MeasureOutline(const Volume& initial, const CutSide& attempt,
   return out;
 }
 
-double RemainingDentin_m(const Volume& initial, const CutSide& attempt, double limit_m) {
-  // The pulp's own surface: +-half a voxel by the labels, zero between unlike ones.
+surface::Mesh PulpSurface(const Volume& initial) {
+  // +-half a voxel by the labels, zero between unlike ones.
   const cutting::GridSpec& spec = initial.spec();
   Volume pulp(spec);
   bool any = false;
@@ -318,8 +318,13 @@ double RemainingDentin_m(const Volume& initial, const CutSide& attempt, double l
     pulp.SetBrick(b, phi, {}, Tissue::kPulp);
     any = true;
   }
-  if (!any) return limit_m;
-  const surface::DistanceQuery query(surface::ExtractSurface(pulp));
+  return any ? surface::ExtractSurface(pulp) : surface::Mesh{};
+}
+
+double RemainingDentin_m(const Volume& initial, const CutSide& attempt, double limit_m) {
+  const surface::Mesh pulp = PulpSurface(initial);
+  if (pulp.position_m.empty()) return limit_m;
+  const surface::DistanceQuery query(pulp);
   double least = limit_m;
   for (size_t i = 0; i < attempt.mesh->position_m.size() && least > 0; ++i) {
     if (!(*attempt.cut)[i]) continue;

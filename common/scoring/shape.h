@@ -76,6 +76,9 @@ struct OutlineFigures {
 OutlineFigures MeasureOutline(const cutting::Volume& initial, const CutSide& attempt,
                               const CutSide& reference);
 
+// The pulp's own surface, known to half a voxel; empty where there is none.
+surface::Mesh PulpSurface(const cutting::Volume& initial);
+
 // Least distance from the attempt's cut surface to pulp that is still covered; 0 where it lies
 // open. Labels are whole voxels, so it is known to half a voxel. At most `limit_m`.
 double RemainingDentin_m(const cutting::Volume& initial, const CutSide& attempt, double limit_m);

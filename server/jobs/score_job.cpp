@@ -1,6 +1,7 @@
 #include "server/jobs/score_job.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "common/base/unix_time.h"
@@ -10,8 +11,10 @@
 #include "common/scene/volume_blob.h"
 #include "common/scoring/motion.h"
 #include "common/scoring/score.h"
+#include "common/scoring/shape.h"
 #include "common/scoring/task.h"
 #include "common/scoring/zones.h"
+#include "common/surface/surface.h"
 #include "common/trace/replay.h"
 #include "server/jobs/judgement.h"
 #include "server/jobs/regrade.h"
@@ -37,6 +40,9 @@ Status Differs(const std::string& what, const std::string& expected, const std::
 Status Stopped() {
   return Status(Code::kUnavailable, "stopped: the job runs again after the next start");
 }
+
+// Farther than this from the pulp nobody asks how far.
+constexpr double kFarFromPulp_m = 5e-3;
 
 class ScoreJob {
  public:
@@ -173,6 +179,24 @@ class ScoreJob {
     return Status::Ok();
   }
 
+  // With how far the bur's tip was from the pulp, where the tooth has one.
+  std::string SeriesText(const SeriesRecorder& series) const {
+    const surface::Mesh pulp = scoring::PulpSurface(initial_);
+    if (pulp.position_m.empty()) return series.ToJson();
+    const surface::DistanceQuery query(pulp);
+    const cutting::GridSpec& spec = initial_.spec();
+    return series.ToJson([&](const dvec3& tip_m) {
+      const dvec3 at = (tip_m - spec.origin_m()) / spec.voxel_m();
+      const ivec3 voxel(static_cast<int>(std::floor(at.x)), static_cast<int>(std::floor(at.y)),
+                        static_cast<int>(std::floor(at.z)));
+      const ivec3 n = spec.voxels();
+      const bool inside = voxel.x >= 0 && voxel.y >= 0 && voxel.z >= 0 && voxel.x < n.x &&
+                          voxel.y < n.y && voxel.z < n.z;
+      if (inside && initial_.TissueAt(voxel) == cutting::Tissue::kPulp) return 0.0;
+      return query.Distance_m(tip_m, kFarFromPulp_m);
+    });
+  }
+
   Status Replay(core::Core& core, scoring::ProcessRecorder& process, SeriesRecorder& series) {
     auto report = trace::Replay(
         core, header_, chunks_,
@@ -239,7 +263,7 @@ class ScoreJob {
     result.critical_fail = score.critical_fail;
     result.reference = reference_attempt_;
     result.replay_realtime_factor = ReplayRealtimeFactor();
-    std::string score_json = scoring::ToJson(score), series_json = series.ToJson();
+    std::string score_json = scoring::ToJson(score), series_json = SeriesText(series);
     // Blobs first, then one transaction that names them all: a crash in between leaves unnamed
     // blobs, which the next try writes again under the same names.
     ENAMEL_RETURN_IF_ERROR(Put(AsBytes(score_json), result.score_json));

@@ -71,7 +71,7 @@ std::vector<double> SeriesRecorder::Cumulative_mm3(size_t tissue) const {
   return out;
 }
 
-std::string SeriesRecorder::ToJson() const {
+std::string SeriesRecorder::ToJson(const std::function<double(const dvec3&)>& pulp_m) const {
   std::string out = "{\"rate_hz\":" + std::to_string(params_.rate_hz) +
                     ",\"step_ticks\":" + std::to_string(step_ticks_);
   auto column = [&](const char* name, double per_unit, auto value) {
@@ -85,6 +85,7 @@ std::string SeriesRecorder::ToJson() const {
   column("computed_n", 1e4, [](const Step& s) { return s.computed_n; });
   column("late_ticks", 1, [](const Step& s) { return s.late; });
   column("bound_n", 1e4, [](const Step& s) { return s.bound_n; });
+  if (pulp_m) column("pulp_mm", 1e3, [&](const Step& s) { return pulp_m(s.anchor_m) * 1e3; });
   column("removed_mm3", 1e6, [&](const Step& s) {
     int64_t units = 0;
     for (int64_t u : s.removed) units += u;

@@ -75,6 +75,15 @@ TEST(SeriesRecorderTest, AStepHasTheDirectionOfItsLargestForceAndWhatCameLate) {
   EXPECT_EQ(o.at("force_n"), json::parse("[2,1]"));
 }
 
+TEST(SeriesRecorderTest, HowFarThePulpIsComesFromWhereTheTipIs) {
+  SeriesRecorder series(Params(), 50e-6, 2);
+  series.Add({}, Output(1, 2, 0));
+  series.Add({}, Output(1, 3, 0));
+  EXPECT_FALSE(Json(series).contains("pulp_mm"));
+  const auto text = series.ToJson([](const dvec3& tip_m) { return 2 * tip_m.x; });
+  EXPECT_EQ(json::parse(text).at("pulp_mm"), json::parse("[4,6]"));
+}
+
 TEST(SeriesRecorderTest, LongAttemptsHaveAtMostTwoThousandSteps) {
   SeriesRecorder series(Params(), 50e-6, 600'000);
   for (int i = 0; i < 600'000; ++i) series.Add({}, Output(i % 300 == 7 ? 3 : 1, 0, 0));
