@@ -46,7 +46,7 @@ function exercise(number, name, title, graded, instructions, version) {
     law: "maxwell", rate_hz: 1000, handpiece: graded ? { stall_un_m: 2500, tangential_permille: 300, lag_us: 40_000 } : null,
     touch_cues: graded ? null : { contact_mn: 250, chatter_mn: 100, energy_uj: 200, power_uw: 1000 },
     scene_sha256: "5c".repeat(32), document_sha256: "d0".repeat(32),
-    target: { landmark: "central_fossa", half_size_um: [2100, 1350, 0], depth_um: 2000, leeway_side_um: 200, leeway_bottom_um: 200, container_um: 800, parts: graded ? [] : [{ outline: "disc", top_um: [0, 0, 0], radius_um: 1350, depth_um: 2000 }] },
+    target: { landmark: "central_fossa", landmark_um: [0, 0, 0], half_size_um: [2100, 1350, 0], depth_um: 2000, leeway_side_um: 200, leeway_bottom_um: 200, container_um: 800, parts: graded ? [] : [{ outline: "disc", top_um: [0, 0, 0], radius_um: 1350, depth_um: 2000 }] },
     rubric: { name: "class-1", version: 1, criteria: rubric.map(([metric, criterion, unit, points, map]) => ({
       metric, title: criterion, unit, points, comment: "", fails_above: metric === "container_removed_mm3" ? 8 : null, map: map.map(([value, share]) => ({ value, share })) })),
       gates: [{ metric: "task_done_percent", title: "Task done", unit: "%", comment: "The work was stopped early.", map: [{ value: 5, share: 0 }, { value: 90, share: 1 }] }] },
@@ -132,7 +132,7 @@ export function seriesOf() {
   const series = { rate_hz: 1000, step_ticks: kStepTicks, t_s: numbers(), force_n: numbers(), force_mean_n: numbers(), bound_n: numbers(),
                    removed_mm3: numbers(), removed_by_tissue: { enamel: numbers(), dentin: numbers() },
                    anchor_mm: /** @type {[number, number, number][]} */ ([]), force_vector_n: /** @type {[number, number, number][]} */ ([]),
-                   computed_n: numbers(), late_ticks: numbers() };
+                   computed_n: numbers(), late_ticks: numbers(), pulp_mm: numbers() };
   let removed = 0;
   let drift = 0;
   for (let i = 0; i < steps; ++i) {
@@ -155,6 +155,7 @@ export function seriesOf() {
     series.removed_by_tissue.dentin.push(round(removed * 0.2));
     const [x, y, z] = toolPosition(share);
     series.anchor_mm.push([round(x), round(y), round(contact ? z : z + 2.5)]);
+    series.pulp_mm.push(round(Math.min(5, Math.hypot(x, y, (contact ? z : z + 2.5) + 4.5))));
   }
   return series;
 }

@@ -88,7 +88,7 @@ async function plotZooms(world) {
   assert.match(await page.getByRole("dialog").innerText(), /See less of the time/);
 }
 
-// A second plot on the same axis, with the same cursor.
+// More plots on the same axis, with the same cursor.
 async function secondPlot(world) {
   for (const [width, height] of [[1440, 900], [1280, 720]]) {
     const page = await signedIn(world, "student", `${kAttempt}?t=20`, { width, height });
@@ -106,10 +106,12 @@ async function secondPlot(world) {
     await page.waitForFunction(() => document.querySelector("#timeline").min !== "0");
     await page.locator("#timeline").press("PageUp");
     await page.waitForFunction(() => new Set([...document.querySelectorAll(".plot-cursor")].map((each) => Math.round(each.getBoundingClientRect().left))).size === 1);
-    assert.equal((await cursors()).length, 2);
-    await accessible(page, `two plots at ${width}`);
-    await page.screenshot({ path: world.picture(`two_plots_${width}`), fullPage: true });
-    await page.getByRole("button", { name: "Speed and tissues" }).click();
+    assert.equal((await cursors()).length, 3);
+    await page.getByRole("img", { name: /^More over time: depth of the tip, distance to the pulp/i }).locator("canvas").waitFor();
+    await page.locator(".readout").getByText("Distance to the pulp").waitFor();
+    await accessible(page, `three plots at ${width}`);
+    await page.screenshot({ path: world.picture(`three_plots_${width}`), fullPage: true });
+    await page.getByRole("button", { name: "More over time" }).click();
     await second.waitFor({ state: "detached" });
   }
 }
@@ -191,5 +193,5 @@ export const playbackFlows = [
   { name: "the force on the hand is an arrow at the bur, and what was late or held back is on the axis", run: forceArrow },
   { name: "the plot zooms by keys and wheel, and is moved by a drag", run: plotZooms },
   { name: "a short part of the plot is drawn tick by tick", run: tickByTick },
-  { name: "speed and removed tissues are plotted on the same axis", run: secondPlot },
+  { name: "speed, removed tissues, depth and the pulp are plotted on the same axis", run: secondPlot },
 ];

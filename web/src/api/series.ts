@@ -4,7 +4,7 @@ import type { Series, Ticks } from "./types";
 const kMaxSteps = 100_000;
 const kColumns = ["t_s", "force_n", "force_mean_n", "bound_n", "removed_mm3"] as const;
 const kTickColumns = ["time_ticks", "force_n", "computed_n", "late", "limited"] as const;
-const kLaterColumns = ["computed_n", "late_ticks"] as const;  // absent in what was scored before they were kept
+const kLaterColumns = ["computed_n", "late_ticks", "pulp_mm"] as const;  // absent in what was scored before they were kept
 
 // A plot walks these arrays side by side: they have one length, hold finite numbers, time grows.
 // The error says what was found.

@@ -195,7 +195,7 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, playback, toMark, 
               {control !== undefined && <ToothPanel client={client} attempt={attempt} staff={teacher} timeS={timeS} surface={surface.loaded} control={control} toleranceMm={tolerance} series={recorded} cursor={cursor} marks={marks} chosen={chosen} point={point} look={look} onMark={choose}
                           onPoint={annotates ? setPoint : undefined} onRetry={surface.reload} />}
             </div>
-            <ForcePanel client={client} attempt={attempt.id} series={series.loaded} cursor={cursor ?? 0} timeS={timeS ?? 0} range={range} marks={marks} spans={spans} onTime={setTimeS} keys={plots} chosen={chosen} onMark={choose} onCursor={setCursor} onRetry={series.reload} link={link} />
+            <ForcePanel client={client} attempt={attempt.id} exercise={attempt.exercise.id} series={series.loaded} cursor={cursor ?? 0} timeS={timeS ?? 0} range={range} marks={marks} spans={spans} onTime={setTimeS} keys={plots} chosen={chosen} onMark={choose} onCursor={setCursor} onRetry={series.reload} link={link} />
           </div>
         )}
       </div>

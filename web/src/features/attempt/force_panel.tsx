@@ -1,6 +1,6 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
-import type { Series } from "../../api/types";
+import type { Exercise, Series } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import type { Loaded } from "../../api/use_request";
 import { formatDuration, formatFixed, formatMoment, formatQuantity } from "../../base/format";
@@ -42,7 +42,8 @@ interface Props {
   readonly onRetry: () => void;
   readonly link: () => string;                  // the address of this moment, looked at as now
   readonly client: Client;
-  readonly attempt: string;                     // its id
+  readonly attempt: string;                     // its id, and its exercise's
+  readonly exercise: string;
 }
 
 export function ForcePanel({ series, onRetry, ...rest }: Props) {
@@ -57,7 +58,7 @@ export function ForcePanel({ series, onRetry, ...rest }: Props) {
   );
 }
 
-function LoadedForce({ series, cursor, timeS, range, marks, spans, chosen, onMark, onCursor, onTime, keys, link, client, attempt }: Omit<Props, "series" | "onRetry"> & { readonly series: Series }) {
+function LoadedForce({ series, cursor, timeS, range, marks, spans, chosen, onMark, onCursor, onTime, keys, link, client, attempt, exercise }: Omit<Props, "series" | "onRetry"> & { readonly series: Series }) {
   const last = series.t_s.length - 1;
   const at = Math.min(cursor, last);
   const whole = useMemo((): View => [series.t_s[0] ?? 0, series.t_s[last] ?? 0], [series]);
@@ -78,6 +79,8 @@ function LoadedForce({ series, cursor, timeS, range, marks, spans, chosen, onMar
   const [more, setMore] = useState(false);
   keys.more = () => setMore((was) => !was);
   const moreLines = useMemo(() => more ? moreLinesOf(series) : [], [series, more]);
+  const { loaded: asked } = useRequest(more ? exercise : undefined, (signal) => client.teaching.exercise(exercise, signal));
+  const deepLines = useMemo(() => more ? deepLinesOf(series, asked.state === "ready" ? asked.value.value.target : undefined) : [], [series, more, asked]);
   const moved = { view, onZoom: zoom, onPan: (byS: number) => setView(panned(whole, view, byS)), onWhole: () => setView(undefined) };
   const axis = useRef<HTMLDivElement>(null);
   const align = (leftPx: number, rightPx: number) => {
@@ -108,11 +111,12 @@ function LoadedForce({ series, cursor, timeS, range, marks, spans, chosen, onMar
         : <CloseUpPlot close={close} timeS={timeS} onTime={onTime} leftTitle={say("force.force_n")} rightTitle={say("force.removed_mm3")} label={`${plotText(series)} ${shownText}`}
                        onAxis={align} {...moved} />}
       {more && <TimePlot timeS={series.t_s} lines={moreLines} leftTitle={say("force.speed")} rightTitle={say("force.removed_mm3")} label={moreText(moreLines)} cursor={at} onCursor={onCursor} heightPx={kHeightPx} {...moved} />}
+      {deepLines.length > 0 && <TimePlot timeS={series.t_s} lines={deepLines} leftTitle={say("force.depth_mm")} rightTitle={say("force.pulp_mm")} label={moreText(deepLines)} cursor={at} onCursor={onCursor} heightPx={kHeightPx} {...moved} />}
       {view !== undefined && <p class="hint view-of" role="status">{shownText} <button type="button" class="button small quiet" onClick={() => setView(undefined)}>{say("attempts.show_all")}</button></p>}
       {spans.length > 0 && <SpanLegend spans={spans} />}
       <button type="button" class="button small quiet no-print" aria-pressed={more} onClick={() => setMore(!more)}>{say("force.more")}</button>
       <MomentLinkButton link={link} />
-      <Readout lines={[...lines, ...moreLines]} timeS={timeS} index={at} />
+      <Readout lines={[...lines, ...moreLines, ...deepLines]} timeS={timeS} index={at} />
       <RangePanel series={series} range={range} />
       <details class="numbers">
         <summary>{say("force.as_table")}</summary>
@@ -176,6 +180,20 @@ function moreLinesOf(series: Series): PlotLine[] {
       const [colorVariable, dash] = kTissueLines[i % kTissueLines.length]!;
       return { label: say("force.tissue_removed", { tissue: sayIf(`tooth_tissue.${tissue}`) ?? tissue }), unit: "mm3", values, colorVariable, dash, axis: "right", width: 2 };
     }),
+  ];
+}
+
+type Target = Exercise["target"];
+
+// How deep the tip was below the opening of what is to be cut, and how far from the pulp.
+function deepLinesOf(series: Series, target: Target | undefined): PlotLine[] {
+  const opening = target?.landmark_um?.[2];
+  const above = Math.max(0, ...(target?.parts ?? []).map((part) => part.top_um?.[2] ?? 0));
+  return [
+    ...(opening === undefined ? [] : [{ label: say("plot.depth"), unit: "mm", colorVariable: "--plot-mean", axis: "left" as const, width: 1.6,
+                                        values: series.anchor_mm.map(([, , z]) => Math.max(0, (opening + above) / 1000 - z!)) }]),
+    ...(series.pulp_mm === undefined ? [] : [{ label: say("plot.pulp"), unit: "mm", colorVariable: "--plot-computed", axis: "right" as const, width: 1.6, dash: [7, 4],
+                                               values: series.pulp_mm }]),
   ];
 }
 
