@@ -306,6 +306,7 @@ async function gradingByKeys(world) {
   await page.getByRole("dialog").getByText("Search a name").waitFor();
   await accessible(page, "the list of keys");
   await page.keyboard.press("Escape");
+  await page.getByRole("dialog").waitFor({ state: "detached" });  // while it is open, keys are its own
   for (const key of ["j", "j", "x"]) await page.keyboard.press(key);
   await page.getByText("1 attempt chosen:").waitFor();
   await page.keyboard.press("o");
