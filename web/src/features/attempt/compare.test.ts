@@ -17,3 +17,8 @@ test("by removed volume it is where as much was first gone", () => {
   assert.equal(momentInOther("removed", own, slow, 3), 6, "it never removed as much");
   assert.equal(momentInOther("removed", own, slow, 4), 6, "the end is the end");
 });
+
+test("by the way it is where the two ways are aligned, and nowhere before that is known", () => {
+  assert.equal(momentInOther("path", own, own, 1.5), undefined);
+  assert.equal(momentInOther("path", own, own, 1.5, (timeS) => 3 * timeS), 4.5);
+});

@@ -1,12 +1,15 @@
 import type { Series } from "../../api/types";
 import { seriesEndS, stepAt } from "./clock";
+import type { PathMatch } from "./path_sync";
 
 // How the moment of one attempt is found in another.
-export type Sync = "time" | "removed";
+export type Sync = "time" | "removed" | "path";
 
-// The moment of `other` that belongs to `timeS` of `own`: the same time, or the first at which as much was removed. An attempt
+// The moment of `other` that belongs to `timeS` of `own`: the same time, the first at which as much was removed, or when the
+// bur was at the same place on its way (`path`: how the two ways belong together; undefined while it is not known). An attempt
 // that has ended, or never removes as much, is at its end.
-export function momentInOther(sync: Sync, own: Series, other: Series, timeS: number): number {
+export function momentInOther(sync: Sync, own: Series, other: Series, timeS: number, path?: PathMatch): number | undefined {
+  if (sync === "path") return path?.(timeS);
   const endS = seriesEndS(other);
   if (sync === "time") return Math.min(timeS, endS);
   if (timeS >= seriesEndS(own)) return endS;

@@ -1,16 +1,15 @@
-import { useEffect, useMemo, useState } from "preact/hooks";
+import { useMemo, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
-import type { Attempt, AttemptDetail, Series } from "../../api/types";
+import type { Attempt, AttemptDetail } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime, formatMoment, formatScore } from "../../base/format";
 import { say } from "../../base/words";
 import { Loading } from "../../widgets/basics";
 import { type LookHandle, ToothView } from "../../widgets/tooth/tooth_view";
-import { FrameClock } from "./clock";
-import { momentInOther, type Sync } from "./compare";
+import type { Sync } from "./compare";
 import { outlook } from "./deviation";
-import { Playback } from "./playback";
 import type { ToothChoices } from "./tooth_tools";
+import type { Other } from "./use_other";
 
 const kMostOthers = 50;
 
@@ -46,48 +45,45 @@ export function CompareChoice({ client, attempt, staff, chosen, onChoose }: Choi
   );
 }
 
+// The other's moment: how it is found, and when it is.
+export function OtherMoment({ other }: { readonly other: Other }) {
+  return (
+    <>
+      <select aria-label={say("compare.moment")} value={other.sync} onChange={(event) => other.setSync(event.currentTarget.value as Sync)}>
+        <option value="time">{say("compare.same_time")}</option>
+        <option value="removed">{say("compare.same_removed")}</option>
+        <option value="path">{say("compare.same_path")}</option>
+      </select>
+      <span class="other-time">{other.at === undefined ? "" : formatMoment(other.at)}</span>
+    </>
+  );
+}
+
+// What is to be seen while the other attempt is not; undefined: it is there.
+export function OtherMissing({ other }: { readonly other: Other }) {
+  const { state } = other.playback;
+  if (state.state === "loading") return <Loading what={say("loading.other_attempt")} />;
+  if (state.state === "ready") return null;
+  return <p class="hint" role="status">{say("compare.cannot", { reason: state.state === "failed" ? state.error.message : state.message })}</p>;
+}
+
 interface Props {
-  readonly client: Client;
-  readonly id: string;
-  readonly series: Series;                      // of the attempt that is looked at
-  readonly timeS: number;                       // its moment
+  readonly other: Other;
   readonly choices: ToothChoices;
   readonly look: LookHandle;                    // follows how that one is looked at
 }
 
 // Another attempt, at the moment that belongs to this one's.
-export function OtherTooth({ client, id, series, timeS, choices, look }: Props) {
-  const [changes, redraw] = useState(0);
-  const [sync, setSync] = useState<Sync>("time");
-  const playback = useMemo(() => new Playback(client, id, () => redraw((n) => n + 1)), [client, id]);
-  useEffect(() => {
-    void playback.load();
-    return () => playback.dispose();
-  }, [playback]);
-  const theirs = useRequest(id, (signal) => client.series(id, signal));
-  const clock = useMemo(() => playback.head === undefined ? undefined : new FrameClock(playback.head, playback.poses), [playback, playback.head, playback.whole]);
-  const other = theirs.loaded.state === "ready" ? theirs.loaded.value : undefined;
-  const at = other === undefined ? undefined : momentInOther(sync, series, other, timeS);
-  const ready = playback.state.state === "ready";
-  useEffect(() => {
-    if (ready && clock !== undefined && at !== undefined) playback.show(clock.framesAt(at));
-  }, [playback, ready, clock, at]);
+export function OtherTooth({ other, choices, look }: Props) {
+  const { playback } = other;
   const compared = playback.deviation.state === "ready" ? playback.deviation.compared : undefined;
   const angled = useMemo(() => ({ ...outlook(compared, undefined), cavity: playback.cut }), [compared, playback.cut]);
-  const model = useMemo(() => ({ film: playback }), [playback, changes]);
-  const { state } = playback;
-  if (state.state === "loading") return <Loading what={say("loading.other_attempt")} />;
-  if (state.state !== "ready") return <p class="hint" role="status">{say("compare.cannot", { reason: state.state === "failed" ? state.error.message : state.message })}</p>;
+  const model = useMemo(() => ({ film: playback }), [playback]);
+  if (playback.state.state !== "ready") return <OtherMissing other={other} />;
   return (
     <div class="other-tooth">
       <ToothView led model={model} busy={!playback.drawn} mode={compared === undefined || playback.showing ? "tissue" : choices.mode} label={say("compare.other")} angled={angled} section={choices.section} look={look}>
-        <div class="tooth-choices no-print">
-          <select aria-label={say("compare.moment")} value={sync} onChange={(event) => setSync(event.currentTarget.value as Sync)}>
-            <option value="time">{say("compare.same_time")}</option>
-            <option value="removed">{say("compare.same_removed")}</option>
-          </select>
-          <span class="other-time">{at === undefined ? "" : formatMoment(at)}</span>
-        </div>
+        <div class="tooth-choices no-print"><OtherMoment other={other} /></div>
       </ToothView>
     </div>
   );

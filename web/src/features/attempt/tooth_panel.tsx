@@ -16,6 +16,7 @@ import { type Compared, type DeviationSummary, outlook, summariseDeviation } fro
 import type { Mark } from "./moments";
 import { PlaybackBar } from "./playback_bar";
 import { type ToothChoices, ToothTools } from "./tooth_tools";
+import { useOther } from "./use_other";
 import type { PlaybackControl } from "./use_playback";
 
 const kPathSeconds = 3;                         // of the tool's way drawn behind it
@@ -84,6 +85,7 @@ function LoadedTooth({ model, compared, tissues, missing, busy, toleranceMm, con
   const otherLook = useMemo((): LookHandle => ({ begin: undefined, now: undefined }), []);
   look.moved = beside === undefined ? undefined : (moved) => otherLook.set?.(moved);
   const shownS = control.clock?.timeOf(control.playback.position) ?? timeS ?? 0;
+  const other = useOther(client, beside, series, shownS);
   const [choices, setChoices] = useState<ToothChoices>({ mode: "deviation", section: undefined, follow: false });
   // On the way there is nothing to compare with: a reference is of a finished tooth.
   const during = control.playback.showing;
@@ -101,7 +103,7 @@ function LoadedTooth({ model, compared, tissues, missing, busy, toleranceMm, con
           {series !== undefined && <CompareChoice client={client} attempt={attempt} staff={staff} chosen={beside} onChoose={setBeside} />}
         </ToothTools>
       </ToothView>
-      {beside !== undefined && series !== undefined && <OtherTooth key={beside} client={client} id={beside} series={series} timeS={shownS} choices={choices} look={otherLook} />}
+      {other !== undefined && <OtherTooth key={beside} other={other} choices={choices} look={otherLook} />}
       </div>
       {mode === "deviation" ? <DeviationLegend /> : <TissueLegend tissues={tissues} />}
       {summary === undefined ? <p class="hint">{missing}</p> : <DeviationTable summary={summary} />}
