@@ -288,7 +288,7 @@ async function section(world) {
 async function beside(world) {
   const page = await signedIn(world, "instructor", "/attempts/00000000-0000-7000-8000-000000000105?t=30");
   await page.locator('.playback[data-shown="300"]').waitFor();
-  const choice = page.getByLabel("Beside it");
+  const choice = page.getByLabel("Compare with");
   await choice.focus();
   await choice.locator("optgroup[label='By others'] option").first().waitFor({ state: "attached" });
   await choice.selectOption({ label: await choice.locator("optgroup[label='By others'] option").first().textContent() });

@@ -1,6 +1,6 @@
 // Exercises, assignments and attempts of the mock server.
 import { readFileSync } from "node:fs";
-import { referenceDetail, scoreOf, seriesEndS, seriesOf, ticksOf } from "./mock_data.mjs";
+import { paceOf, referenceDetail, scoreOf, seriesEndS, seriesOf, ticksOf } from "./mock_data.mjs";
 import { documentOf, lookAtExercise } from "./mock_editing.mjs";
 import { assignmentInsight } from "./mock_insight.mjs";
 import { mockPlayback } from "./mock_timeline.mjs";
@@ -265,10 +265,10 @@ function toothReply(world, name, options) {
   return { status: 200, body: world.surfaces.get(name), headers: { "Content-Type": "application/octet-stream", "Cache-Control": "no-store" } };
 }
 
-const playback = () => mockPlayback(seriesEndS());
+const playback = (pace = 1) => mockPlayback(seriesEndS(), pace);
 
-function timeline(_row, { request }) {
-  const bytes = playback().timeline;
+function timeline(row, { request }) {
+  const bytes = playback(paceOf(row.id)).timeline;
   const [, from, to] = /^bytes=(\d+)-(\d+)$/.exec(request.headers.range ?? "") ?? [];
   const headers = { "Content-Type": "application/octet-stream", "Cache-Control": "no-store", ETag: '"mock"' };
   return from === undefined ? { status: 200, body: bytes, headers } : { status: 206, body: bytes.subarray(Number(from), Number(to) + 1), headers };
@@ -424,8 +424,8 @@ export const teachingRoutes = {
     return json(detail(world, person, row));
   })],
   "GET /attempts/{id}/score": ["person", withScore((row) => json(scoreOf(row)))],
-  "GET /attempts/{id}/series": ["person", withScore(() => json(seriesOf()))],
   "GET /attempts/{id}/ticks": ["person", withScore((row, { query }) => json(ticksOf(Number(query.get("from") ?? 0), Number(query.get("to")))))],
+  "GET /attempts/{id}/series": ["person", withScore((row) => json(seriesOf(paceOf(row.id))))],
   "GET /attempts/{id}/surface": ["person", withScore((_row, { world }) => toothReply(world, "compared", { withDeviation: true }))],
   "GET /attempts/{id}/timeline": ["person", withScore(timeline)],
   "GET /attempts/{id}/deviation": ["person", withScore(deviation)],

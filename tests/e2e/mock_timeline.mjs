@@ -104,7 +104,7 @@ function maskedChanges(now, before, masks, values) {
   }
 }
 
-function timeline(cut, start, seconds) {
+function timeline(cut, start, seconds, pace) {
   const ticks = Math.round(seconds * kRateHz);
   const frames = Math.ceil(ticks / kFrameTicks);
   const now = new Map(cut.map(({ brick, before }) => [brick, before]));
@@ -112,7 +112,7 @@ function timeline(cut, start, seconds) {
   const parts = [];
   for (let first = 0; first < frames; first += kSegmentFrames) {
     const n = Math.min(kSegmentFrames, frames - first);
-    const share = (k) => (first + k + 1) / frames;
+    const share = (k) => ((first + k + 1) / frames) ** pace;
     const tips = Array.from({ length: n }, (_, k) => toolPosition(share(k)).map((mm) => Math.round(mm * 1000)));
     const poses = Buffer.concat([...[0, 1, 2].map((axis) => planes(differences(tips.map((tip) => tip[axis])))),
                                  Buffer.from(new Uint8Array(2 * n)), Buffer.alloc(n, 127), planes(Array(n).fill(0)), Buffer.alloc(n, 1)]);
@@ -163,14 +163,15 @@ function deviation(field, before, cavity) {
   return Buffer.concat([beginning("ENDV"), u32(bricksIn, values.length), blob(Buffer.concat(cells)), blob(planes(differences(values)))]);
 }
 
-let made;
-// Made once: all mock servers of a run show the same attempt.
-export function mockPlayback(seconds) {
-  if (made === undefined) {
+const made = new Map();
+let base;
+// Made once for each pace: all mock servers of a run show the same attempts.
+export function mockPlayback(seconds, pace = 1) {
+  if (base === undefined) {
     const field = attemptField();
     const [before, cavity] = [sampled(field.before), sampled(field.cavity)];
-    const start = startTooth(field, before);
-    made = { start, timeline: timeline(cutBricks(field, before, cavity), start, seconds), deviation: deviation(field, before, cavity) };
+    base = { start: startTooth(field, before), cut: cutBricks(field, before, cavity), deviation: deviation(field, before, cavity) };
   }
-  return made;
+  if (!made.has(pace)) made.set(pace, { ...base, timeline: timeline(base.cut, base.start, seconds, pace) });
+  return made.get(pace);
 }

@@ -187,10 +187,109 @@ async function tickByTick(world) {
   await page.getByText(/^Shown: /).waitFor({ state: "detached" });
 }
 
+// Pixels of the picture that another tooth over it has tinted.
+async function tinted(page) {
+  await page.locator(".tooth-frame[aria-busy=false] canvas[data-drawn=full]").waitFor();
+  const picture = decodePng(await page.locator(".tooth-frame canvas").screenshot());
+  let count = 0;
+  for (let y = 0; y < picture.height; ++y) {
+    for (let x = 0; x < picture.width; ++x) {
+      const [r, g, b] = picture.at(x, y);
+      count += g - r > 25 && g - b > -25 && b - r > 5 ? 1 : 0;
+    }
+  }
+  return count;
+}
+
+// Once the other tooth is there and both are drawn in full.
+async function tintedBecomes(page, what, enough) {
+  let count = -1;
+  for (let wait = 0; wait < 40; ++wait) {
+    count = await tinted(page);
+    if (enough(count)) return;
+    await page.waitForTimeout(150);
+  }
+  assert.fail(`${what}: ${count} pixels are tinted`);
+}
+
+async function putOnTop(page, other) {
+  const choice = page.getByLabel("Compare with");
+  await choice.focus();
+  const option = choice.locator(`option[value$="${other}"]`);
+  await option.waitFor({ state: "attached" });
+  await choice.selectOption(await option.getAttribute("value"));
+  await page.locator(".other-tooth .tooth-frame[aria-busy=false] canvas").waitFor();
+  await page.getByLabel("On top", { exact: true }).check();
+  await page.locator(".other-tooth").waitFor({ state: "detached" });
+  await page.getByText("Other: more left").waitFor();
+}
+
+// Everything of the picture's card that is seen lies in the window, and the legend in one line.
+async function barFits(page, height) {
+  const bar = await page.locator(".compare-bar").boundingBox();
+  const plot = await page.locator(".force-card .u-over").boundingBox();
+  assert.ok(bar.height < 40, `the bar is ${bar.height} high`);
+  assert.ok(plot.y + plot.height <= height, `the plot ends at ${plot.y + plot.height} of ${height}`);
+}
+
+// Two attempts of the mock do the same, one slowly at first: by the middle of the time it has done less, and at each place of
+// the way as much.
+async function onTop(world) {
+  for (const [width, height] of [[1440, 900], [1280, 720]]) {
+    const page = await signedIn(world, "instructor", `${kAttempt}?t=20`, { width, height });
+    await page.locator('.playback[data-shown="200"]').waitFor();
+    await page.getByRole("button", { name: "Occlusal", exact: true }).click();
+    const before = await tinted(page);
+    const same = (count) => count < before + 150;
+    await putOnTop(page, "000000000201");
+    await page.locator(".other-time", { hasText: "0:20.0" }).waitFor();
+    await tintedBecomes(page, "slower, on top", (count) => count > before + 1000);
+    await page.getByRole("application", { name: /The other attempt lies over it/ }).waitFor();
+    await barFits(page, height);
+    await accessible(page, `another attempt on top at ${width}`);
+    await page.screenshot({ path: world.picture(`on_top_${width}`) });
+    await page.getByLabel("The other’s moment").selectOption({ label: "The same place on the way" });
+    // (20 / 43.2)^(1 / 1.5) of 43.2 s.
+    await page.locator(".other-time", { hasText: /^0:2(5\.[7-9]|6\.0)$/ }).waitFor();
+    await tintedBecomes(page, "at the same place", same);
+    await page.screenshot({ path: world.picture(`on_top_same_place_${width}`) });
+    // A plane cuts both.
+    await page.getByLabel("The other’s moment").selectOption("time");
+    await page.getByLabel("Section", { exact: true }).selectOption("y");
+    await page.getByRole("button", { name: "Lingual", exact: true }).click();
+    await tintedBecomes(page, "cut open", (count) => count > before + 300);
+    await page.screenshot({ path: world.picture(`on_top_section_${width}`) });
+    await page.getByLabel("Section", { exact: true }).selectOption("");
+    // At the end both are the same, from all sides.
+    await page.locator("body").click({ position: { x: 5, y: 300 } });
+    await page.keyboard.press("End");
+    await page.locator(".other-time", { hasText: "0:43.2" }).waitFor();
+    await tintedBecomes(page, "at the end", same);
+    await barFits(page, height);
+    await page.screenshot({ path: world.picture(`on_top_end_${width}`) });
+    await page.getByLabel("Compare with").selectOption("");
+    await page.locator(".compare-bar").waitFor({ state: "detached" });
+  }
+  // The slow one below, the other has less left: from above stripes, from below nothing.
+  const page = await signedIn(world, "instructor", `${kAttempt.replace("105", "201")}?t=20`);
+  await page.locator('.playback[data-shown="200"]').waitFor();
+  await page.getByRole("button", { name: "Apical", exact: true }).click();
+  const fromBelow = await tinted(page);
+  await page.getByRole("button", { name: "Occlusal", exact: true }).click();
+  const before = await tinted(page);
+  await putOnTop(page, "000000000105");
+  await tintedBecomes(page, "faster, on top", (count) => count > before + 500);
+  await page.screenshot({ path: world.picture("on_top_less") });
+  await page.getByRole("button", { name: "Apical", exact: true }).click();
+  await tintedBecomes(page, "faster, from below", (count) => count < fromBelow + 150);
+  await page.screenshot({ path: world.picture("on_top_less_below") });
+}
+
 export const playbackFlows = [
   { name: "the tooth is drawn quickly while it moves and in full once it stands", run: drawsQuickly },
   { name: "contact, faults and strokes that lost points stand on the axis of time", run: marksOnTheTime },
   { name: "the force on the hand is an arrow at the bur, and what was late or held back is on the axis", run: forceArrow },
+  { name: "another attempt lies over this one, at the same time or place of the way", run: onTop },
   { name: "the plot zooms by keys and wheel, and is moved by a drag", run: plotZooms },
   { name: "a short part of the plot is drawn tick by tick", run: tickByTick },
   { name: "speed, removed tissues, depth and the pulp are plotted on the same axis", run: secondPlot },

@@ -4,9 +4,10 @@ import type { Attempt, AttemptDetail } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime, formatMoment, formatScore } from "../../base/format";
 import { say } from "../../base/words";
-import { Loading } from "../../widgets/basics";
+import { Loading, Segmented } from "../../widgets/basics";
+import { GhostLegend } from "../../widgets/tooth/legend";
 import { type LookHandle, ToothView } from "../../widgets/tooth/tooth_view";
-import type { Sync } from "./compare";
+import type { Placement, Sync } from "./compare";
 import { outlook } from "./deviation";
 import type { ToothChoices } from "./tooth_tools";
 import type { Other } from "./use_other";
@@ -21,7 +22,7 @@ interface ChoiceProps {
   readonly onChoose: (id: string | undefined) => void;
 }
 
-// The attempt that this one is looked at beside: the reference, another one of the same person, or of somebody else's whom
+// The attempt that this one is compared with: the reference, another one of the same person, or of somebody else's whom
 // one may see.
 export function CompareChoice({ client, attempt, staff, chosen, onChoose }: ChoiceProps) {
   const [asked, setAsked] = useState(false);    // the list is fetched when somebody wants it
@@ -31,7 +32,7 @@ export function CompareChoice({ client, attempt, staff, chosen, onChoose }: Choi
   const reference = staff && attempt.reference !== null && attempt.reference.attempt_id !== attempt.id ? attempt.reference : undefined;
   const title = (other: Attempt) => `${formatDateTime(other.ticketed_ms)}${other.score === null ? "" : `, ${formatScore(other.score)}`}`;
   return (
-    <select aria-label={say("compare.beside")} value={chosen ?? ""} onFocus={() => setAsked(true)} onPointerDown={() => setAsked(true)} onChange={(event) => onChoose(event.currentTarget.value || undefined)}>
+    <select aria-label={say("compare.with")} value={chosen ?? ""} onFocus={() => setAsked(true)} onPointerDown={() => setAsked(true)} onChange={(event) => onChoose(event.currentTarget.value || undefined)}>
       <option value="">{say("compare.nothing")}</option>
       {reference !== undefined && <option value={reference.attempt_id}>{reference.dentist === null ? say("compare.reference") : say("compare.reference_of", { dentist: reference.dentist })}</option>}
       {own.length > 0 && <optgroup label={say("compare.same_person")}>{own.map((other) => <option key={other.id} value={other.id}>{title(other)}</option>)}</optgroup>}
@@ -45,23 +46,35 @@ export function CompareChoice({ client, attempt, staff, chosen, onChoose }: Choi
   );
 }
 
-// The other's moment: how it is found, and when it is.
-export function OtherMoment({ other }: { readonly other: Other }) {
+interface BarProps {
+  readonly other: Other;
+  readonly placement: Placement;
+  readonly onPlacement: (placement: Placement) => void;
+}
+
+// Under the teeth: where the other one is drawn, at which of its moments, and by what it is told apart.
+export function CompareBar({ other, placement, onPlacement }: BarProps) {
   return (
-    <>
+    <div class="compare-bar">
+      <Segmented legend={say("compare.placement")} name="compare-placement" value={placement} onChange={onPlacement}
+                 choices={[{ value: "side", title: say("compare.side") }, { value: "top", title: say("compare.top") }]} />
       <select aria-label={say("compare.moment")} value={other.sync} onChange={(event) => other.setSync(event.currentTarget.value as Sync)}>
         <option value="time">{say("compare.same_time")}</option>
         <option value="removed">{say("compare.same_removed")}</option>
         <option value="path">{say("compare.same_path")}</option>
       </select>
       <span class="other-time">{other.at === undefined ? "" : formatMoment(other.at)}</span>
-    </>
+      {placement === "top" && (isReady(other) ? <GhostLegend /> : <OtherMissing other={other} />)}
+    </div>
   );
 }
 
-// What is to be seen while the other attempt is not; undefined: it is there.
-export function OtherMissing({ other }: { readonly other: Other }) {
-  const { state } = other.playback;
+export function isReady(other: Other): boolean {
+  return other.playback.state.state === "ready";
+}
+
+// Why the other attempt is not seen.
+function OtherMissing({ other: { playback: { state } } }: { readonly other: Other }) {
   if (state.state === "loading") return <Loading what={say("loading.other_attempt")} />;
   if (state.state === "ready") return null;
   return <p class="hint" role="status">{say("compare.cannot", { reason: state.state === "failed" ? state.error.message : state.message })}</p>;
@@ -79,12 +92,10 @@ export function OtherTooth({ other, choices, look }: Props) {
   const compared = playback.deviation.state === "ready" ? playback.deviation.compared : undefined;
   const angled = useMemo(() => ({ ...outlook(compared, undefined), cavity: playback.cut }), [compared, playback.cut]);
   const model = useMemo(() => ({ film: playback }), [playback]);
-  if (playback.state.state !== "ready") return <OtherMissing other={other} />;
+  if (!isReady(other)) return <OtherMissing other={other} />;
   return (
     <div class="other-tooth">
-      <ToothView led model={model} busy={!playback.drawn} mode={compared === undefined || playback.showing ? "tissue" : choices.mode} label={say("compare.other")} angled={angled} section={choices.section} look={look}>
-        <div class="tooth-choices no-print"><OtherMoment other={other} /></div>
-      </ToothView>
+      <ToothView led model={model} busy={!playback.drawn} mode={compared === undefined || playback.showing ? "tissue" : choices.mode} label={say("compare.other")} angled={angled} section={choices.section} look={look} />
     </div>
   );
 }

@@ -11,7 +11,8 @@ import { DeviationLegend, TissueLegend } from "../../widgets/tooth/legend";
 import type { AngledView, ColorMode, PointMm } from "../../widgets/tooth/scene";
 import { tissuesPresent, tissueTitle, workpiece } from "../../widgets/tooth/tissue";
 import { type LookHandle, type ToothPin, type ToothSource, ToothView } from "../../widgets/tooth/tooth_view";
-import { CompareChoice, OtherTooth } from "./compare_tooth";
+import { CompareBar, CompareChoice, isReady, OtherTooth } from "./compare_tooth";
+import type { Placement } from "./compare";
 import { type Compared, type DeviationSummary, outlook, summariseDeviation } from "./deviation";
 import type { Mark } from "./moments";
 import { PlaybackBar } from "./playback_bar";
@@ -81,30 +82,36 @@ function LoadedTooth({ model, compared, tissues, missing, busy, toleranceMm, con
   const summary = useMemo(() => compared === undefined ? undefined : summariseDeviation(compared, toleranceMm), [compared, toleranceMm]);
   const { cut } = control.playback;
   const angled = useMemo((): AngledView => ({ ...outlook(compared, summary), cavity: cut }), [compared, summary?.sides[0]?.side, cut]);
-  const [beside, setBeside] = useState<string>();   // id of the attempt that is shown beside it
+  const [compareWith, setCompareWith] = useState<string>();   // id of another attempt
+  const [placement, setPlacement] = useState<Placement>("side");
   const otherLook = useMemo((): LookHandle => ({ begin: undefined, now: undefined }), []);
-  look.moved = beside === undefined ? undefined : (moved) => otherLook.set?.(moved);
+  look.moved = compareWith === undefined ? undefined : (moved) => otherLook.set?.(moved);
   const shownS = control.clock?.timeOf(control.playback.position) ?? timeS ?? 0;
-  const other = useOther(client, beside, series, shownS);
+  const other = useOther(client, compareWith, series, shownS);
+  const beside = placement === "side" ? other : undefined;
+  const ghost = placement === "top" && other !== undefined && isReady(other) ? other.playback : undefined;
   const [choices, setChoices] = useState<ToothChoices>({ mode: "deviation", section: undefined, follow: false });
   // On the way there is nothing to compare with: a reference is of a finished tooth.
   const during = control.playback.showing;
   const mode: ColorMode = summary === undefined || during ? "tissue" : choices.mode;
+  const pictured = during ? say("tooth_card.picture_during") : pictureText(summary, tissues);
+  const label = ghost === undefined ? pictured : `${pictured} ${say("compare.on_top")}`;
   const path = useMemo(() => pathBefore(series, cursor), [series, cursor]);
   const forceN = cursor === undefined ? undefined : series?.force_vector_n?.[cursor] as PointMm | undefined;
   const pins = useMemo(() => pinsOf(marks, chosen, point), [marks, chosen, point]);
   return (
     <>
       <PlaybackBar control={control} />
-      <div class={beside === undefined ? "teeth" : "teeth two"}>
-      <ToothView model={model} busy={busy} mode={mode} label={during ? say("tooth_card.picture_during") : pictureText(summary, tissues)} angled={angled} tool={during ? undefined : path.at(-1)} path={path} forceN={forceN} pins={pins} look={look} onPick={onPoint}
-                 onPin={(key) => { const mark = marks.find((item) => item.annotation.id === key); if (mark !== undefined) onMark(mark); }} section={choices.section} follow={choices.follow}>
+      <div class={other === undefined ? "teeth" : beside === undefined ? "teeth compared" : "teeth compared two"}>
+      <ToothView model={model} busy={busy} mode={mode} label={label} angled={angled} tool={during ? undefined : path.at(-1)} path={path} forceN={forceN} pins={pins} look={look} onPick={onPoint}
+                 onPin={(key) => { const mark = marks.find((item) => item.annotation.id === key); if (mark !== undefined) onMark(mark); }} section={choices.section} ghost={ghost} follow={choices.follow}>
         <ToothTools choices={choices} onChoices={setChoices} compared={summary !== undefined && !during} played={"film" in model}>
-          {series !== undefined && <CompareChoice client={client} attempt={attempt} staff={staff} chosen={beside} onChoose={setBeside} />}
+          {series !== undefined && <CompareChoice client={client} attempt={attempt} staff={staff} chosen={compareWith} onChoose={setCompareWith} />}
         </ToothTools>
       </ToothView>
-      {other !== undefined && <OtherTooth key={beside} other={other} choices={choices} look={otherLook} />}
+      {beside !== undefined && <OtherTooth key={compareWith} other={beside} choices={choices} look={otherLook} />}
       </div>
+      {other !== undefined && <CompareBar other={other} placement={placement} onPlacement={setPlacement} />}
       {mode === "deviation" ? <DeviationLegend /> : <TissueLegend tissues={tissues} />}
       {summary === undefined ? <p class="hint">{missing}</p> : <DeviationTable summary={summary} />}
     </>

@@ -24,7 +24,8 @@ export class ToothBlocks {
   readonly group = new Group();
   private readonly blocks = new Map<number, Block>();
 
-  constructor(private material: Material) {}
+  // Of several materials each draws every block.
+  constructor(private material: Material | Material[]) {}
 
   // All are drawn with it from now on.
   use(material: Material): void {
@@ -46,6 +47,7 @@ export class ToothBlocks {
     }
     if (mesh === undefined) return;
     const geometry = blockGeometry(mesh);
+    if (Array.isArray(this.material)) this.material.forEach((_, i) => geometry.addGroup(0, Infinity, i));
     const drawn = new Mesh(geometry, this.material);
     // Nothing here moves: three need not look at each block's place at every frame.
     drawn.matrixAutoUpdate = false;

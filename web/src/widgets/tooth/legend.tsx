@@ -2,6 +2,7 @@ import { useEffect, useRef } from "preact/hooks";
 import { formatSigned } from "../../base/format";
 import { say } from "../../base/words";
 import { deviationScalePixels, kDeviationRangeMm, kUntouchedColor } from "./deviation_scale";
+import { kGhostColor } from "./ghost_color";
 import { tissueColor, tissueTitle } from "./tissue";
 
 const kTicks = [-0.5, -0.3, -0.1, 0.1, 0.3, 0.5] as const;
@@ -43,5 +44,15 @@ export function TissueLegend({ tissues }: { readonly tissues: readonly number[] 
         </span>
       ))}
     </div>
+  );
+}
+
+// Of another tooth that lies over the one that is looked at.
+export function GhostLegend() {
+  return (
+    <>
+      <span class="legend-item"><span class="swatch" style={{ background: kGhostColor }} />{say("compare.more_left")}</span>
+      <span class="legend-item"><span class="swatch" style={{ background: `repeating-linear-gradient(135deg, ${kGhostColor} 0 2.5px, transparent 2.5px 5px)` }} />{say("compare.less_left")}</span>
+    </>
   );
 }

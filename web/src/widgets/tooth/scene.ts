@@ -12,8 +12,9 @@ import { FrameScheduler } from "../../base/frame";
 import type { Look } from "../../base/moment_link";
 import { deviationScalePixels, kContourStepMm, kDeviationRangeMm, kUntouchedColor } from "./deviation_scale";
 import { type BlockHit, ToothBlocks } from "./blocks";
-import type { FilmPose, FilmScreen } from "./film";
+import type { Film, FilmPose, FilmScreen } from "./film";
 import { ForceArrow } from "./force_arrow";
+import { Ghost, markBy } from "./ghost";
 import { cutBy, quickMaterial } from "./quick_material";
 import { DrawingPace, drawsSlowly, type Effort, setDrawing } from "./renderer";
 import { type Cuttable, Section, type SectionPlane } from "./section";
@@ -85,6 +86,7 @@ export class ToothScene implements FilmScreen {
   private readonly pace: DrawingPace;
   private readonly section = new Section();
   private readonly parts: () => Iterable<Cuttable>;
+  private ghost: { readonly drawn: Ghost; readonly end: () => void } | undefined;
   private follows = false;                      // the camera stays at the bur
   private turning = false;                      // by the pointer
   private untouched = true;                     // as it began: nobody has turned it
@@ -92,7 +94,7 @@ export class ToothScene implements FilmScreen {
   constructor(private readonly canvas: HTMLCanvasElement, model: ToothModel, private angled: AngledView,
               private readonly drawn: (project: (point: PointMm) => PointMm, centre: PointMm, radius: number) => void) {
     const slow = drawsSlowly();
-    this.renderer = new WebGLRenderer({ canvas, antialias: !slow, alpha: true, powerPreference: "low-power" });
+    this.renderer = new WebGLRenderer({ canvas, antialias: !slow, alpha: true, stencil: true, powerPreference: "low-power" });
     // Asking for a shader's errors waits until the driver has made it.
     this.renderer.debug.checkShaderErrors = false;
     this.cleanup.add(() => this.renderer.dispose());
@@ -114,6 +116,7 @@ export class ToothScene implements FilmScreen {
     this.radius = this.take(model, this.whole);
     this.parts = "extent" in model ? () => this.blocks.meshes() : wholeOf(model.surface);
     this.cleanup.add(() => this.section.dispose());
+    this.cleanup.add(() => this.endGhost());
     this.surface = "surface" in model ? model.surface : undefined;
     this.controls = this.orbit();
     this.cleanup.add(() => this.frame.cancel());
@@ -204,6 +207,31 @@ export class ToothScene implements FilmScreen {
     this.moved();
   }
 
+  // Another tooth over this one, translucent; undefined: none. It can neither be pointed at nor does it change what is framed.
+  setGhost(film: Film | undefined): void {
+    this.endGhost();
+    if (film !== undefined) {
+      const drawn = new Ghost(() => this.pace.moved(), () => this.moved());
+      this.scene.add(drawn.group);
+      this.ghost = { drawn, end: film.attach(drawn) };
+      this.cutGhost();
+    }
+    for (const material of [this.material, this.quick]) markBy(material, film !== undefined);
+    this.frame.request();
+  }
+  private endGhost(): void {
+    if (this.ghost === undefined) return;
+    const { drawn, end } = this.ghost;
+    this.ghost = undefined;
+    end();
+    this.scene.remove(drawn.group);
+    drawn.dispose();
+  }
+  private cutGhost(): void {
+    this.ghost?.drawn.section.set(this.section.wanted);
+    this.ghost?.drawn.cutBy(this.section.on ? this.section.plane : undefined);
+  }
+
   // Undefined: none. The hidden part cannot be pointed at either.
   setSection(plane: SectionPlane | undefined): void {
     const was = this.section.on;
@@ -212,6 +240,7 @@ export class ToothScene implements FilmScreen {
       this.renderer.localClippingEnabled = this.section.on;
       for (const material of [this.material, this.quick]) cutBy(material, this.section.on ? this.section.plane : undefined);
     }
+    this.cutGhost();
     this.frame.request();
   }
   setFollow(on: boolean): void {
@@ -316,7 +345,9 @@ export class ToothScene implements FilmScreen {
 
   private draw(): void {
     this.canvas.dataset["drawn"] = this.pace.effort;
-    this.section.update(this.centre, this.radius, this.camera.position.clone().sub(this.controls.target), this.parts);
+    const sight = this.camera.position.clone().sub(this.controls.target);
+    this.section.update(this.centre, this.radius, sight, this.parts);
+    this.ghost?.drawn.section.update(this.centre, this.radius, sight, this.ghost.drawn.parts);
     this.renderer.render(this.scene, this.camera);
     this.drawn((point) => this.project(point), this.centre.toArray(), this.radius);
   }
@@ -424,7 +455,10 @@ function burMesh(outline: readonly (readonly [number, number])[]): Mesh {
   const closed = [[outline[0]![0], 0] as const, ...outline, [outline.at(-1)![0], 0] as const];
   const geometry = new LatheGeometry(closed.map(([place, radius]) => new Vector2(radius, place)), 32);
   geometry.rotateX(Math.PI / 2);
-  return new Mesh(geometry, new MeshStandardMaterial({ color: 0x8a94a0, roughness: 0.35, metalness: 0.6 }));
+  // After what is translucent, which would else be drawn over it.
+  const bur = new Mesh(geometry, new MeshStandardMaterial({ color: 0x8a94a0, roughness: 0.35, metalness: 0.6, transparent: true }));
+  bur.renderOrder = 0.5;
+  return bur;
 }
 
 // (deviation or 0, 1 where compared): interpolated, x / y is the deviation right up to the border of

@@ -19,11 +19,11 @@ const kAxes = { x: new Vector3(1, 0, 0), y: new Vector3(0, 1, 0), z: new Vector3
 export class Section {
   readonly plane = new Plane();                 // what lies behind it, against its normal, is hidden
   readonly outline: LineSegments<BufferGeometry, LineBasicMaterial>;
-  private wanted: SectionPlane | undefined;
+  private plan: SectionPlane | undefined;
   private stale = false;
 
-  constructor() {
-    this.outline = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color: 0x8c1d18, depthTest: false, transparent: true }));
+  constructor(color = "#8c1d18") {
+    this.outline = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color, depthTest: false, transparent: true }));
     this.outline.renderOrder = 4;
     this.outline.frustumCulled = false;
     this.outline.visible = false;
@@ -33,11 +33,14 @@ export class Section {
     this.outline.material.dispose();
   }
 
+  get wanted(): SectionPlane | undefined {
+    return this.plan;
+  }
   get on(): boolean {
-    return this.wanted !== undefined;
+    return this.plan !== undefined;
   }
   set(wanted: SectionPlane | undefined): void {
-    this.wanted = wanted;
+    this.plan = wanted;
     this.outline.visible = wanted !== undefined;
     this.stale = true;
   }
@@ -48,8 +51,8 @@ export class Section {
 
   // Before each picture. `sight`: from what is looked at to the camera.
   update(centre: Vector3, radius: number, sight: Vector3, parts: () => Iterable<Cuttable>): void {
-    if (this.wanted === undefined) return;
-    const { across, share, flipped } = this.wanted;
+    if (this.plan === undefined) return;
+    const { across, share, flipped } = this.plan;
     // What is nearer to the viewer goes.
     const normal = across === "view" ? sight.clone().negate().normalize() : kAxes[across].clone();
     if (flipped) normal.negate();

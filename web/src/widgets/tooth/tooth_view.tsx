@@ -40,6 +40,7 @@ interface Props {
   readonly path?: readonly PointMm[];
   readonly forceN?: PointMm | undefined;         // on the hand, scene frame
   readonly section?: SectionPlane | undefined;
+  readonly ghost?: Film | undefined;            // another tooth over it, translucent
   readonly led?: boolean;                       // from where to look is chosen elsewhere
   readonly follow?: boolean;                    // the camera stays at the bur
   readonly children?: ComponentChildren;        // more to choose, beside where to look from
@@ -73,7 +74,7 @@ export function prepareTooth(): void {
 }
 
 // A tooth to turn: by mouse, finger, arrow keys, + and −, and the preset buttons.
-export function ToothView({ model, mode, label, angled, busy = false, section, led = false, follow = false, children, tool, path, forceN, pins = kNoPins, look, onPin, onPick }: Props) {
+export function ToothView({ model, mode, label, angled, busy = false, section, ghost, led = false, follow = false, children, tool, path, forceN, pins = kNoPins, look, onPin, onPick }: Props) {
   const source = "film" in model ? model.film : model.surface;
   const newton = forceN === undefined ? 0 : Math.hypot(...forceN);
   const keys = useId();
@@ -116,6 +117,7 @@ export function ToothView({ model, mode, label, angled, busy = false, section, l
   useEffect(() => scene.current?.setAngled(angled), [angled, ready]);
   useEffect(() => ready && scene.current !== undefined && "film" in model ? model.film.attach(scene.current) : undefined, [source, ready]);
   useEffect(() => scene.current?.setSection(section), [section, ready]);
+  useEffect(() => scene.current?.setGhost(ghost), [ghost, ready]);
   useEffect(() => scene.current?.setFollow(follow), [follow, ready]);
   useEffect(() => scene.current?.redraw(), [pins, ready]);
   // Looked up once a frame, however often the pointer tells of itself.

@@ -1,0 +1,123 @@
+import {
+  AlwaysStencilFunc, BackSide, Color, DecrementWrapStencilOp, EqualStencilFunc, FrontSide, Group, IncrementWrapStencilOp, type Material, Mesh, NoColorSpace, type Plane,
+  PlaneGeometry, ReplaceStencilOp, ShaderMaterial,
+} from "three";
+import type { BlockMesh } from "../../api/tooth_mesh";
+import { ToothBlocks } from "./blocks";
+import type { FilmScreen } from "./film";
+import { kGhostColor } from "./ghost_color";
+import { Section } from "./section";
+
+// Another tooth over the one that is looked at: translucent where it stands out of that one, and stripes on that one where the
+// other has less left. Where both are the same nothing of it is seen, so that what was left untouched keeps its colours.
+//
+// Which places the other tooth does not reach is counted: along each line of sight, how often one goes into it and comes out
+// again before one meets the tooth that is looked at. Never, or as often out as in: that place is outside (as with shadow
+// volumes: Heidmann, "Real shadows, real time", 1991). A section opens the other tooth, and this count with it: no stripes then.
+
+const kSameMm = 0.03;                           // apart or less is the same: triangles of both are made coarser in other places
+const kFill = 0.5;                              // opacities
+const kStripe = 0.75;
+const kStripePx = 7;                            // of the picture, from one stripe to the next
+const kMarked = 128;                            // in the stencil: the tooth that is looked at, and neither in the other nor out of it
+
+const kVertex = `
+uniform float shift;
+varying float vLight;
+#include <clipping_planes_pars_vertex>
+void main() {
+  vec3 away = normal / max(length(normal), 1e-3);
+  vec3 n = normalMatrix * away;
+  // The lamps of quick_material.ts.
+  vec3 origin = viewMatrix[3].xyz;
+  float light = 0.5 + 0.6 * max(0.0, dot(n, normalize(vec3(-0.6, 0.9, 0.9) - origin))) + 0.14 * max(0.0, dot(n, normalize(vec3(1.0, -0.3, 0.6) - origin)));
+  vLight = pow(light, 1.0 / 2.2);
+  vec4 mvPosition = modelViewMatrix * vec4(position + shift * away, 1.0);
+  gl_Position = projectionMatrix * mvPosition;
+  #include <clipping_planes_vertex>
+}`;
+
+const kFragment = `
+uniform vec3 color;
+varying float vLight;
+#include <clipping_planes_pars_fragment>
+void main() {
+  #include <clipping_planes_fragment>
+  gl_FragColor = vec4(color * vLight, ${kFill.toFixed(2)});
+}`;
+
+const kStripeFragment = `
+uniform vec3 color;
+void main() {
+  if (fract((gl_FragCoord.x + gl_FragCoord.y) / ${kStripePx.toFixed(1)}) > 0.5) discard;
+  gl_FragColor = vec4(color, ${kStripe.toFixed(2)});
+}`;
+
+const color = () => ({ value: new Color().setHex(Number.parseInt(kGhostColor.slice(1), 16), NoColorSpace) });
+const shared = { transparent: true, depthWrite: false } as const;
+
+// `shiftMm`: a little towards the side on which it counts as the same.
+function surface(shiftMm: number, more: object = {}): ShaderMaterial {
+  return new ShaderMaterial({ vertexShader: kVertex, fragmentShader: kFragment, clipping: true, uniforms: { shift: { value: shiftMm }, color: color() }, ...shared, ...more });
+}
+const counting = (side: typeof FrontSide | typeof BackSide) => surface(kSameMm, {
+  side, colorWrite: false, stencilWrite: true, stencilFunc: AlwaysStencilFunc, stencilZPass: side === FrontSide ? IncrementWrapStencilOp : DecrementWrapStencilOp,
+});
+
+function stripes(): Mesh<PlaneGeometry, ShaderMaterial> {
+  const mesh = new Mesh(new PlaneGeometry(2, 2), new ShaderMaterial({
+    vertexShader: "void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }", fragmentShader: kStripeFragment, uniforms: { color: color() },
+    depthTest: false, stencilWrite: true, stencilFunc: EqualStencilFunc, stencilRef: kMarked, ...shared,
+  }));
+  mesh.frustumCulled = false;
+  mesh.renderOrder = 0.25;                      // when all is counted, and before the bur
+  return mesh;
+}
+
+// Whether what is drawn with it is marked for the count.
+export function markBy(material: Material, on: boolean): void {
+  material.stencilWrite = on;
+  material.stencilRef = kMarked;
+  material.stencilZPass = ReplaceStencilOp;
+}
+
+export class Ghost implements FilmScreen {
+  readonly group = new Group();
+  readonly section = new Section(kGhostColor);
+  private readonly materials = [surface(-kSameMm), counting(FrontSide), counting(BackSide)];
+  private readonly blocks = new ToothBlocks(this.materials);
+  private readonly stripes = stripes();
+
+  // `expected`: more of it comes soon; `changed`: it is to be drawn anew.
+  constructor(private readonly expected: () => void, private readonly changed: () => void) {
+    this.group.add(this.blocks.group, this.stripes, this.section.outline);
+  }
+
+  readonly parts = () => this.blocks.meshes();
+
+  expect(): void {
+    this.expected();
+  }
+  setBlock(index: number, mesh: BlockMesh | undefined): void {
+    this.blocks.set(index, mesh);
+    this.section.changed();
+    this.changed();
+  }
+  // The bur that is seen is of the tooth that is looked at.
+  setBur(): void {}
+
+  cutBy(plane: Plane | undefined): void {
+    this.stripes.visible = plane === undefined;
+    for (const material of this.materials) {
+      material.clippingPlanes = plane === undefined ? null : [plane];
+      material.needsUpdate = true;
+    }
+  }
+
+  dispose(): void {
+    this.blocks.dispose();
+    this.section.dispose();
+    this.stripes.geometry.dispose();
+    for (const material of [...this.materials, this.stripes.material]) material.dispose();
+  }
+}
