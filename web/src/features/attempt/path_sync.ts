@@ -1,5 +1,4 @@
 import type { Series } from "../../api/types";
-import { seriesEndS } from "./clock";
 
 // Which moment of another attempt belongs to one of this by where the bur was, whatever the pace.
 //
@@ -9,6 +8,9 @@ import { seriesEndS } from "./clock";
 // and weights as common/scoring/align.h.) No band: who begins late is as far from the diagonal as they waited.
 
 export type PathMatch = (timeS: number) => number;
+
+// Of clock.ts, whose import would make a script of its own of what the page loads at once.
+const seriesEndS = (series: Series): number => (series.t_s.at(-1) ?? 0) + series.step_ticks / series.rate_hz;
 
 const kMostSteps = 1000;                        // of each attempt; a byte for every pair of them
 

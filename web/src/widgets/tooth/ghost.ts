@@ -1,11 +1,11 @@
 import {
-  AlwaysStencilFunc, BackSide, Color, DecrementWrapStencilOp, EqualStencilFunc, FrontSide, Group, IncrementWrapStencilOp, type Material, Mesh, NoColorSpace, type Plane,
-  PlaneGeometry, ReplaceStencilOp, ShaderMaterial,
+  AlwaysStencilFunc, BackSide, DecrementWrapStencilOp, EqualStencilFunc, FrontSide, Group, IncrementWrapStencilOp, type Material, Mesh, type Plane, PlaneGeometry, ReplaceStencilOp, ShaderMaterial,
 } from "three";
 import type { BlockMesh } from "../../api/tooth_mesh";
 import { ToothBlocks } from "./blocks";
 import type { FilmScreen } from "./film";
 import { kGhostColor } from "./ghost_color";
+import { asShown, kQuickVertex } from "./quick_material";
 import { Section } from "./section";
 
 // Another tooth over the one that is looked at: translucent where it stands out of that one, and stripes on that one where the
@@ -21,44 +21,27 @@ const kStripe = 0.75;
 const kStripePx = 7;                            // of the picture, from one stripe to the next
 const kMarked = 128;                            // in the stencil: the tooth that is looked at, and neither in the other nor out of it
 
-const kVertex = `
-uniform float shift;
-varying float vLight;
-#include <clipping_planes_pars_vertex>
-void main() {
-  vec3 away = normal / max(length(normal), 1e-3);
-  vec3 n = normalMatrix * away;
-  // The lamps of quick_material.ts.
-  vec3 origin = viewMatrix[3].xyz;
-  float light = 0.5 + 0.6 * max(0.0, dot(n, normalize(vec3(-0.6, 0.9, 0.9) - origin))) + 0.14 * max(0.0, dot(n, normalize(vec3(1.0, -0.3, 0.6) - origin)));
-  vLight = pow(light, 1.0 / 2.2);
-  vec4 mvPosition = modelViewMatrix * vec4(position + shift * away, 1.0);
-  gl_Position = projectionMatrix * mvPosition;
-  #include <clipping_planes_vertex>
-}`;
-
 const kFragment = `
-uniform vec3 color;
+uniform vec3 tint;
 varying float vLight;
 #include <clipping_planes_pars_fragment>
 void main() {
   #include <clipping_planes_fragment>
-  gl_FragColor = vec4(color * vLight, ${kFill.toFixed(2)});
+  gl_FragColor = vec4(tint * vLight, ${kFill.toFixed(2)});
 }`;
 
 const kStripeFragment = `
-uniform vec3 color;
+uniform vec3 tint;
 void main() {
   if (fract((gl_FragCoord.x + gl_FragCoord.y) / ${kStripePx.toFixed(1)}) > 0.5) discard;
-  gl_FragColor = vec4(color, ${kStripe.toFixed(2)});
+  gl_FragColor = vec4(tint, ${kStripe.toFixed(2)});
 }`;
 
-const color = () => ({ value: new Color().setHex(Number.parseInt(kGhostColor.slice(1), 16), NoColorSpace) });
-const shared = { transparent: true, depthWrite: false } as const;
+const shared = { transparent: true, depthWrite: false, uniforms: { tint: { value: asShown(kGhostColor) } } } as const;
 
 // `shiftMm`: a little towards the side on which it counts as the same.
 function surface(shiftMm: number, more: object = {}): ShaderMaterial {
-  return new ShaderMaterial({ vertexShader: kVertex, fragmentShader: kFragment, clipping: true, uniforms: { shift: { value: shiftMm }, color: color() }, ...shared, ...more });
+  return new ShaderMaterial({ vertexShader: kQuickVertex, fragmentShader: kFragment, vertexColors: true, clipping: true, defines: { SHIFT: shiftMm }, ...shared, ...more });
 }
 const counting = (side: typeof FrontSide | typeof BackSide) => surface(kSameMm, {
   side, colorWrite: false, stencilWrite: true, stencilFunc: AlwaysStencilFunc, stencilZPass: side === FrontSide ? IncrementWrapStencilOp : DecrementWrapStencilOp,
@@ -66,7 +49,7 @@ const counting = (side: typeof FrontSide | typeof BackSide) => surface(kSameMm, 
 
 function stripes(): Mesh<PlaneGeometry, ShaderMaterial> {
   const mesh = new Mesh(new PlaneGeometry(2, 2), new ShaderMaterial({
-    vertexShader: "void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }", fragmentShader: kStripeFragment, uniforms: { color: color() },
+    vertexShader: "void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }", fragmentShader: kStripeFragment,
     depthTest: false, stencilWrite: true, stencilFunc: EqualStencilFunc, stencilRef: kMarked, ...shared,
   }));
   mesh.frustumCulled = false;
@@ -90,6 +73,8 @@ export class Ghost implements FilmScreen {
 
   // `expected`: more of it comes soon; `changed`: it is to be drawn anew.
   constructor(private readonly expected: () => void, private readonly changed: () => void) {
+    this.section.outline.renderOrder = 3.5;     // below the line of the tooth that is looked at
+    this.section.outline.renderOrder = 3.5;     // below the line of the tooth that is looked at
     this.group.add(this.blocks.group, this.stripes, this.section.outline);
   }
 

@@ -10,7 +10,8 @@ export interface QuickLook {
   readonly inside: string;                      // colour of a cut
 }
 
-const kVertex = `
+// SHIFT: mm outwards.
+export const kQuickVertex = `
 attribute vec2 deviation;
 varying vec2 vDeviation;
 varying vec3 vColor;
@@ -26,7 +27,7 @@ void main() {
   vLight = pow(light, kGamma);
   vColor = pow(color, vec3(kGamma));
   vDeviation = deviation;
-  vec4 mvPosition = modelViewMatrix * vec4(position, 1.0);
+  vec4 mvPosition = modelViewMatrix * vec4(position + float(SHIFT) * normal, 1.0);
   gl_Position = projectionMatrix * mvPosition;
   #include <clipping_planes_vertex>
 }`;
@@ -57,7 +58,7 @@ export function quickMaterial({ heat, untouched, inside }: QuickLook): ShaderMat
   scale.minFilter = scale.magFilter = LinearFilter;
   scale.needsUpdate = true;
   const material = new ShaderMaterial({
-    vertexShader: kVertex, fragmentShader: kFragment, vertexColors: true, clipping: true,
+    vertexShader: kQuickVertex, fragmentShader: kFragment, vertexColors: true, clipping: true, defines: { SHIFT: 0 },
     uniforms: { heat, scale: { value: scale }, untouched: { value: asShown(untouched) }, inside: { value: asShown(inside) } },
   });
   material.addEventListener("dispose", () => scale.dispose());
@@ -65,7 +66,7 @@ export function quickMaterial({ heat, untouched, inside }: QuickLook): ShaderMat
 }
 
 // As it is on the screen, which is what the shader writes.
-function asShown(hex: string): Color {
+export function asShown(hex: string): Color {
   return new Color().setHex(Number.parseInt(hex.slice(1), 16), NoColorSpace);
 }
 
