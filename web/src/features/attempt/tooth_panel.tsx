@@ -84,7 +84,7 @@ function LoadedTooth({ model, compared, tissues, missing, busy, toleranceMm, con
   const angled = useMemo((): AngledView => ({ ...outlook(compared, summary), cavity: cut }), [compared, summary?.sides[0]?.side, cut]);
   const [compareWith, setCompareWith] = useState<string>();   // id of another attempt
   const [placement, setPlacement] = useState<Placement>("side");
-  const otherLook = useMemo((): LookHandle => ({ begin: undefined, now: undefined }), []);
+  const otherLook = useMemo((): LookHandle => ({ begin: look.now?.(), now: undefined }), [compareWith, placement]);
   look.moved = compareWith === undefined ? undefined : (moved) => otherLook.set?.(moved);
   const shownS = control.clock?.timeOf(control.playback.position) ?? timeS ?? 0;
   const other = useOther(client, compareWith, series, shownS);
