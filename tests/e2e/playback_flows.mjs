@@ -149,6 +149,42 @@ async function forceArrow(world) {
   await page.locator(".span-legend").getByText("Late ticks").waitFor();
 }
 
+// What the exercise asks for, and how far beside it may be cut, as lines over the tooth.
+async function targetLines(world) {
+  const page = await signedIn(world, "student", `${kAttempt}?t=20`);
+  await page.locator('.playback[data-shown="200"]').waitFor();
+  const violet = async () => {
+    await page.locator(".tooth-frame[aria-busy=false] canvas[data-drawn=full]").waitFor();
+    const picture = decodePng(await page.locator(".tooth-frame canvas").screenshot());
+    let count = 0;
+    for (let y = 0; y < picture.height; ++y) {
+      for (let x = 0; x < picture.width; ++x) {
+        const [r, g, b] = picture.at(x, y);
+        count += b - g > 60 && b - r > 30 ? 1 : 0;
+      }
+    }
+    return count;
+  };
+  const becomes = async (what, enough) => {
+    let count = -1;
+    for (let wait = 0; wait < 40; ++wait) {
+      count = await violet();
+      if (enough(count)) return;
+      await page.waitForTimeout(150);
+    }
+    assert.fail(`${what}: ${count} pixels`);
+  };
+  const before = await violet();
+  const button = page.getByRole("button", { name: "Target", exact: true });
+  await button.click();
+  await becomes("lines of the target", (count) => count > before + 150);
+  assert.equal(await button.getAttribute("aria-pressed"), "true");
+  await page.screenshot({ path: world.picture("target_lines") });
+  await accessible(page, "the target over the tooth");
+  await button.click();
+  await becomes("no lines", (count) => count <= before + 20);
+}
+
 // A few seconds are shown tick by tick, from the recording; panning asks for no more than it shows.
 async function tickByTick(world) {
   const page = await signedIn(world, "instructor", `${kAttempt}?t=20`);
@@ -290,6 +326,7 @@ export const playbackFlows = [
   { name: "contact, faults and strokes that lost points stand on the axis of time", run: marksOnTheTime },
   { name: "the force on the hand is an arrow at the bur, and what was late or held back is on the axis", run: forceArrow },
   { name: "another attempt lies over this one, at the same time or place of the way", run: onTop },
+  { name: "the target is drawn over the tooth, and goes away", run: targetLines },
   { name: "the plot zooms by keys and wheel, and is moved by a drag", run: plotZooms },
   { name: "a short part of the plot is drawn tick by tick", run: tickByTick },
   { name: "speed, removed tissues, depth and the pulp are plotted on the same axis", run: secondPlot },

@@ -3,7 +3,7 @@ import type { Client } from "../../api/client";
 import type { ApiError } from "../../api/http";
 import type { Surface } from "../../api/surface";
 import type { AttemptDetail, Series } from "../../api/types";
-import type { Loaded } from "../../api/use_request";
+import { type Loaded, useRequest } from "../../api/use_request";
 import { formatLimit, formatNumber, formatQuantity, formatSigned } from "../../base/format";
 import { say } from "../../base/words";
 import { Card, ErrorNotice, Loading } from "../../widgets/basics";
@@ -15,6 +15,7 @@ import { CompareBar, CompareChoice, isReady, OtherTooth } from "./compare_tooth"
 import type { Placement } from "./compare";
 import { type Compared, type DeviationSummary, outlook, summariseDeviation } from "./deviation";
 import type { Mark } from "./moments";
+import { linesOfTarget } from "./target_lines";
 import { PlaybackBar } from "./playback_bar";
 import { type ToothChoices, ToothTools } from "./tooth_tools";
 import { useOther } from "./use_other";
@@ -90,7 +91,10 @@ function LoadedTooth({ model, compared, tissues, missing, busy, toleranceMm, con
   const other = useOther(client, compareWith, series, shownS);
   const beside = placement === "side" ? other : undefined;
   const ghost = placement === "top" && other !== undefined && isReady(other) ? other.playback : undefined;
-  const [choices, setChoices] = useState<ToothChoices>({ mode: "deviation", section: undefined, follow: false });
+  const [choices, setChoices] = useState<ToothChoices>({ mode: "deviation", section: undefined, follow: false, target: false });
+  // Asked for when somebody wants to see it.
+  const { loaded: exercise } = useRequest(choices.target ? attempt.exercise.id : undefined, (signal) => client.teaching.exercise(attempt.exercise.id, signal));
+  const lines = useMemo(() => exercise.state === "ready" ? linesOfTarget(exercise.value.value.target) : undefined, [exercise]);
   // On the way there is nothing to compare with: a reference is of a finished tooth.
   const during = control.playback.showing;
   const mode: ColorMode = summary === undefined || during ? "tissue" : choices.mode;
@@ -103,7 +107,7 @@ function LoadedTooth({ model, compared, tissues, missing, busy, toleranceMm, con
     <>
       <PlaybackBar control={control} />
       <div class={other === undefined ? "teeth" : beside === undefined ? "teeth compared" : "teeth compared two"}>
-      <ToothView model={model} busy={busy} mode={mode} label={label} angled={angled} tool={during ? undefined : path.at(-1)} path={path} forceN={forceN} pins={pins} look={look} onPick={onPoint}
+      <ToothView model={model} busy={busy} mode={mode} label={label} angled={angled} tool={during ? undefined : path.at(-1)} path={path} forceN={forceN} lines={lines} pins={pins} look={look} onPick={onPoint}
                  onPin={(key) => { const mark = marks.find((item) => item.annotation.id === key); if (mark !== undefined) onMark(mark); }} section={choices.section} ghost={ghost} follow={choices.follow}>
         <ToothTools choices={choices} onChoices={setChoices} compared={summary !== undefined && !during} played={"film" in model}>
           {series !== undefined && <CompareChoice client={client} attempt={attempt} staff={staff} chosen={compareWith} onChoose={setCompareWith} />}

@@ -9,6 +9,7 @@ export interface ToothChoices {
   readonly mode: ColorMode;
   readonly section: SectionPlane | undefined;
   readonly follow: boolean;
+  readonly target: boolean;                     // what the exercise asks for is drawn
 }
 
 interface Props {
@@ -24,7 +25,7 @@ const kSteps = 100;
 
 // What is shown of the tooth: by which colours, cut where, and whether one stays at the bur.
 export function ToothTools({ choices, onChoices, compared, played, children }: Props) {
-  const { mode, section, follow } = choices;
+  const { mode, section, follow, target } = choices;
   const set = (change: Partial<ToothChoices>) => onChoices({ ...choices, ...change });
   const chooseSection = (across: string) => {
     const known = kSections.find((name) => name === across);
@@ -46,6 +47,7 @@ export function ToothTools({ choices, onChoices, compared, played, children }: P
         </>
       )}
       {played && <button type="button" class="button small" aria-pressed={follow} onClick={() => set({ follow: !follow })}>{say("tools.follow")}</button>}
+      <button type="button" class="button small" aria-pressed={target} title={say("tools.target_hint")} onClick={() => set({ target: !target })}>{say("tools.target")}</button>
       {children}
     </div>
   );

@@ -14,6 +14,8 @@ import { deviationScalePixels, kContourStepMm, kDeviationRangeMm, kUntouchedColo
 import { type BlockHit, ToothBlocks } from "./blocks";
 import type { Film, FilmPose, FilmScreen } from "./film";
 import { ForceArrow } from "./force_arrow";
+import { LineGroup } from "./line_group";
+import type { ToothLines } from "./lines";
 import { Ghost, markBy } from "./ghost";
 import { cutBy, quickMaterial } from "./quick_material";
 import { DrawingPace, drawsSlowly, type Effort, setDrawing } from "./renderer";
@@ -78,6 +80,7 @@ export class ToothScene implements FilmScreen {
   private bur: Mesh | undefined;
   private readonly trail: Line;
   private readonly arrow = new ForceArrow();
+  private readonly lines = new LineGroup();
   private readonly centre = new Vector3();
   private readonly radius: number;
   private readonly material: MeshStandardMaterial;
@@ -110,7 +113,8 @@ export class ToothScene implements FilmScreen {
     this.trail.renderOrder = 1;
     this.trail.frustumCulled = false;
     this.cleanup.add(() => this.arrow.dispose());
-    this.scene.add(this.blocks.group, this.section.outline, this.trail, this.marker, this.arrow.mesh, this.camera, new AmbientLight(0xffffff, 1.3));
+    this.cleanup.add(() => this.lines.dispose());
+    this.scene.add(this.blocks.group, this.section.outline, this.trail, this.marker, this.arrow.mesh, this.lines.group, this.camera, new AmbientLight(0xffffff, 1.3));
     this.addLights();
     this.whole = "surface" in model ? new Mesh(toothGeometry(model.surface), material) : undefined;
     this.radius = this.take(model, this.whole);
@@ -169,6 +173,12 @@ export class ToothScene implements FilmScreen {
     this.trail.geometry = new BufferGeometry().setFromPoints(path.map((p) => new Vector3(...p)));
     this.trail.visible = path.length > 1;
     this.placeArrow();
+    this.frame.request();
+  }
+
+  // Undefined: none.
+  setLines(lines: ToothLines | undefined): void {
+    this.lines.set(lines);
     this.frame.request();
   }
 

@@ -8,6 +8,7 @@ import type { Look } from "../../base/moment_link";
 import { say } from "../../base/words";
 import type { AngledView, CameraPreset, ColorMode, PointMm, SurfacePoint, ToothModel, ToothScene } from "./scene";
 import type { Film } from "./film";
+import type { ToothLines } from "./lines";
 import type { SectionPlane } from "./section";
 import { tissueTitle } from "./tissue";
 
@@ -38,6 +39,7 @@ interface Props {
   readonly angled: AngledView;                  // what the view begins with
   readonly tool?: PointMm | undefined;
   readonly path?: readonly PointMm[];
+  readonly lines?: ToothLines | undefined;
   readonly forceN?: PointMm | undefined;         // on the hand, scene frame
   readonly section?: SectionPlane | undefined;
   readonly ghost?: Film | undefined;            // another tooth over it, translucent
@@ -74,7 +76,7 @@ export function prepareTooth(): void {
 }
 
 // A tooth to turn: by mouse, finger, arrow keys, + and −, and the preset buttons.
-export function ToothView({ model, mode, label, angled, busy = false, section, ghost, led = false, follow = false, children, tool, path, forceN, pins = kNoPins, look, onPin, onPick }: Props) {
+export function ToothView({ model, mode, label, angled, busy = false, section, ghost, led = false, follow = false, children, tool, path, forceN, lines, pins = kNoPins, look, onPin, onPick }: Props) {
   const source = "film" in model ? model.film : model.surface;
   const newton = forceN === undefined ? 0 : Math.hypot(...forceN);
   const keys = useId();
@@ -114,6 +116,7 @@ export function ToothView({ model, mode, label, angled, busy = false, section, g
   useEffect(() => scene.current?.setMode(mode), [mode, ready]);
   useEffect(() => scene.current?.setTool(tool, path ?? []), [tool, path, ready]);
   useEffect(() => scene.current?.setForce(forceN), [forceN, ready]);
+  useEffect(() => scene.current?.setLines(lines), [lines, ready]);
   useEffect(() => scene.current?.setAngled(angled), [angled, ready]);
   useEffect(() => ready && scene.current !== undefined && "film" in model ? model.film.attach(scene.current) : undefined, [source, ready]);
   useEffect(() => scene.current?.setSection(section), [section, ready]);
