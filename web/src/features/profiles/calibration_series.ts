@@ -1,23 +1,23 @@
 import type { Calibration } from "../../api/types";
+import { say } from "../../base/words";
 import type { TrendPoint } from "../../widgets/trend";
 
 // The quantities of a calibration document (schemas/calibration.schema.json), as the page draws them:
 // in units people read, next to what the profile says.
 interface Quantity {
-  readonly name: string;                        // in the document
-  readonly title: string;
+  readonly name: "resolution_nm" | "noise_nm" | "friction_mn" | "damping_mn_s_per_m" | "mass_g" | "bus_delay_ticks";  // in the document
   readonly unit: string;
   readonly factor: number;                      // from the document's unit to `unit`
   readonly profile: string | undefined;         // the profile's number that claims it
 }
 
 const kQuantities: readonly Quantity[] = [
-  { name: "resolution_nm", title: "Resolution δ", unit: "µm", factor: 1e-3, profile: "resolution" },
-  { name: "noise_nm", title: "Noise at rest", unit: "µm", factor: 1e-3, profile: undefined },
-  { name: "friction_mn", title: "Friction c", unit: "mN", factor: 1, profile: "friction" },
-  { name: "damping_mn_s_per_m", title: "Damping b", unit: "mN·s/m", factor: 1, profile: "damping" },
-  { name: "mass_g", title: "Effective mass", unit: "g", factor: 1, profile: "mass" },
-  { name: "bus_delay_ticks", title: "Bus delay", unit: "ticks", factor: 1, profile: "bus_delay" },
+  { name: "resolution_nm", unit: "µm", factor: 1e-3, profile: "resolution" },
+  { name: "noise_nm", unit: "µm", factor: 1e-3, profile: undefined },
+  { name: "friction_mn", unit: "mN", factor: 1, profile: "friction" },
+  { name: "damping_mn_s_per_m", unit: "mN·s/m", factor: 1, profile: "damping" },
+  { name: "mass_g", unit: "g", factor: 1, profile: "mass" },
+  { name: "bus_delay_ticks", get unit() { return say("calibration.ticks"); }, factor: 1, profile: "bus_delay" },
 ];
 
 export interface CalibrationSeries {
@@ -30,13 +30,13 @@ export interface CalibrationSeries {
 // One series for each quantity that was measured at all. `numbers`: the profile's, by name.
 export function calibrationSeries(calibrations: readonly Calibration[], numbers: ReadonlyMap<string, number>): CalibrationSeries[] {
   const oldestFirst = [...calibrations].sort((a, b) => a.measured_ms - b.measured_ms);
-  return kQuantities.flatMap(({ name, title, unit, factor, profile }) => {
+  return kQuantities.flatMap(({ name, unit, factor, profile }) => {
     const points = oldestFirst.flatMap((calibration) => {
       const measure = measureOf(calibration, name);
       return measure === undefined ? [] : [{ atMs: calibration.measured_ms, value: measure.value * factor, uncertainty: measure.uncertainty * factor }];
     });
     const claim = profile === undefined ? undefined : numbers.get(profile);
-    return points.length === 0 ? [] : [{ title, unit, points, claim: claim === undefined ? undefined : claim * factor }];
+    return points.length === 0 ? [] : [{ title: say(`calibration_figure.${name}`), unit, points, claim: claim === undefined ? undefined : claim * factor }];
   });
 }
 

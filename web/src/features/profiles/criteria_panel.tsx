@@ -1,5 +1,6 @@
 import type { ProfileCriterion } from "../../api/types";
 import { formatQuantity } from "../../base/format";
+import { say } from "../../base/words";
 import { Badge } from "../../widgets/basics";
 import { LimitBars } from "../../widgets/limit_bars";
 import { DataTable } from "../../widgets/table";
@@ -11,16 +12,21 @@ export function CriteriaPanel({ criteria }: { readonly criteria: readonly Profil
     <div class="columns">
       {bars.length > 0 && (
         <div class="stack">
-          <LimitBars label="Use of the limits" items={bars.map((item) => ({ title: item.title, share: item.at_least ? item.limit / item.value : item.value / item.limit, ok: item.met }))} />
-          <p class="hint">The line is the limit.</p>
+          <LimitBars label={say("criteria.use")} items={bars.map((item) => ({ title: item.title, share: item.at_least ? item.limit / item.value : item.value / item.limit, ok: item.met }))} />
+          <p class="hint">{say("criteria.line")}</p>
         </div>
       )}
-      <DataTable label="Criteria" items={criteria} rowKey={(item) => item.name} dense columns={[
-        { title: "Criterion", cell: (item) => <>{item.title}<span class="sub">{item.formula}</span></> },
-        { title: "Figure", number: true, cell: (item) => formatQuantity(item.value, item.unit) },
-        { title: "Limit", number: true, cell: (item) => <>{item.at_least ? "at least" : "at most"} {formatQuantity(item.limit, item.unit)}</> },
-        { title: "Result", cell: (item) => item.met ? <Badge tone="good">Met</Badge> : <Badge tone="bad">Not met</Badge> },
+      <DataTable label={say("document_place.criteria")} items={criteria} rowKey={(item) => item.name} dense columns={[
+        { title: say("common.criterion"), cell: (item) => <>{item.title}<span class="sub">{item.formula}</span></> },
+        { title: say("criteria.figure"), number: true, cell: (item) => formatQuantity(item.value, item.unit) },
+        { title: say("criteria.limit"), number: true, cell: (item) => limitText(item) },
+        { title: say("criteria.result"), cell: (item) => item.met ? <Badge tone="good">{say("criteria.met")}</Badge> : <Badge tone="bad">{say("criteria.not_met")}</Badge> },
       ]} />
     </div>
   );
+}
+
+function limitText(item: ProfileCriterion): string {
+  const limit = formatQuantity(item.limit, item.unit);
+  return item.at_least ? say("criteria.at_least", { limit }) : say("criteria.at_most", { limit });
 }

@@ -22,14 +22,14 @@ const feel = (cells: FeelCell[], tissues = [tissue(8700)]) => ({
 }) satisfies ProfileFeel;
 
 test("a cell says its figures in units people read", () => {
-  assert.equal(figuresText(cell({})), "31 % off, 78 ms late");
-  assert.equal(figuresText(cell({ motion: "steady" })), "31 % off, after 830 ms");
-  assert.equal(figuresText(cell({ motion: "steady", law: { error: 0.5, gain: 0.5, lag_s: null, rise_s: null } })), "50 % off, never within 7 %");
+  assert.equal(figuresText(cell({})), "31\u00a0% off, 78 ms late");
+  assert.equal(figuresText(cell({ motion: "steady" })), "31\u00a0% off, after 830 ms");
+  assert.equal(figuresText(cell({ motion: "steady", law: { error: 0.5, gain: 0.5, lag_s: null, rise_s: null } })), "50\u00a0% off, never within 7 %");
   assert.equal(figuresText(cell({ verdict: "beyond_force" })), "needs 2 N, up to 3 N");
   assert.equal(figuresText(cell({ verdict: "beyond_force", force_largest_n: 2 })), "needs 2 N");
   assert.equal(bySpeed([{ speed: 0.1, text: "7 %" }, { speed: 0.2, text: "too weak" }, { speed: 1, text: "too weak" }]), "7 % at 0.1; too weak at 0.2, 1");
-  assert.equal(referenceText(cell({})), "reference 67 %, 78 ms");
-  assert.equal(feltText(cell({ gain: 0.884 })), "88 %");
+  assert.equal(referenceText(cell({})), "reference 67\u00a0%, 78 ms");
+  assert.equal(feltText(cell({ gain: 0.884 })), "88\u00a0%");
 });
 
 test("a tissue is named with all that feels like it, and with what it is made of", () => {

@@ -1,40 +1,29 @@
 import type { FeelCell, FeelTissue, ProfileFeel } from "../../api/types";
 import { formatNumber } from "../../base/format";
+import { spokenLanguage } from "../../base/language";
+import { say, sayIf } from "../../base/words";
 
-// The map of what a hand can feel (GET /profiles/{name}/feel), as the page words and compares it.
+// The map of what a hand can feel (GET /profiles/{name}/feel), as the page says and compares it.
 export type Verdict = FeelCell["verdict"];
 export type Motion = FeelCell["motion"];
 
-interface VerdictText {
-  readonly title: string;
-  readonly tone: "good" | "warning" | "bad" | "neutral";
-  readonly meaning: string;
-}
-
-export const kVerdicts: Readonly<Record<Verdict, VerdictText>> = {
-  felt: { title: "As it is", tone: "good", meaning: "The force is right and in time: a hand cannot tell it from the real tissue's." },
-  late: { title: "Right, but late", tone: "warning", meaning: "The force becomes right, but the hand notices how long that takes." },
-  nearly: { title: "Nearly right", tone: "warning", meaning: "The hand may notice the force, and still takes it for the same tissue." },
-  law_falls_short: { title: "Law falls short", tone: "bad", meaning: "The device's stiffness would do; the force law, with what the encoder tells it, does not get there." },
-  device_cannot: { title: "Device cannot", tone: "bad", meaning: "No force law without stored energy could be close enough and in time on this device. Ours stores some, and is not close enough either." },
-  beyond_force: { title: "Device too weak", tone: "neutral", meaning: "The motors cannot give this force, or not for long." },
+export const kTones: Readonly<Record<Verdict, "good" | "warning" | "bad" | "neutral">> = {
+  felt: "good", late: "warning", nearly: "warning", law_falls_short: "bad", device_cannot: "bad", beyond_force: "neutral",
 };
 
-export const kMotions: readonly { readonly value: Motion; readonly title: string }[] = [
-  { value: "strokes", title: "Strokes to and fro" },
-  { value: "steady", title: "One steady cut" },
-];
+export const kMotions: readonly Motion[] = ["strokes", "steady"];
 
 export function tissueName(tissue: FeelTissue): string {
-  const text = tissue.names.join(", ");
+  // English names are those of the server, so that only the first begins with a capital.
+  const text = tissue.names.map((name) => spokenLanguage() === "en" ? name : sayIf(`tooth_tissue.${name}`) ?? name).join(", ");
   return text.charAt(0).toUpperCase() + text.slice(1);
 }
 
 export function dampingText(tissue: FeelTissue): string {
-  const parts = [`B ${formatNumber(tissue.damping_mn_s_per_mm / 1000, 2)} N·s/mm`];
-  if (tissue.coulomb_mn > 0) parts.push(`${formatNumber(tissue.coulomb_mn / 1000, 2)} N at any speed`);
-  if (tissue.threshold_mn > 0) parts.push(`cuts from ${formatNumber(tissue.threshold_mn / 1000, 2)} N`);
-  return parts.join(", ");
+  const inN = (mn: number) => formatNumber(mn / 1000, 2);
+  const told = { damping: inN(tissue.damping_mn_s_per_mm), friction: inN(tissue.coulomb_mn), threshold: inN(tissue.threshold_mn) };
+  if (tissue.coulomb_mn > 0) return tissue.threshold_mn > 0 ? say("feel.tissue_friction_threshold", told) : say("feel.tissue_friction", told);
+  return tissue.threshold_mn > 0 ? say("feel.tissue_threshold", told) : say("feel.tissue_damping", told);
 }
 
 export function speedsOf(feel: ProfileFeel): number[] {
@@ -49,18 +38,18 @@ export function cellAt(feel: ProfileFeel, tissue: number, speed: number, motion:
 export function figuresText(cell: FeelCell): string {
   if (cell.verdict === "beyond_force") {
     const [mean, most] = [formatNumber(cell.force_rms_n, 1), formatNumber(cell.force_largest_n, 1)];
-    return mean === most ? `needs ${mean} N` : `needs ${mean} N, up to ${most} N`;
+    return mean === most ? say("feel.needs", { mean }) : say("feel.needs_up_to", { mean, most });
   }
-  const off = `${percent(cell.law.error)} off`;
-  if (cell.motion === "strokes") return `${off}, ${timeText(cell.law.lag_s)} late`;
-  return cell.law.rise_s === null ? `${off}, never within 7 %` : `${off}, after ${timeText(cell.law.rise_s)}`;
+  const error = percent(cell.law.error);
+  if (cell.motion === "strokes") return say("feel.off_late", { error, lag: timeText(cell.law.lag_s) });
+  return cell.law.rise_s === null ? say("feel.off_never", { error }) : say("feel.off_after", { error, rise: timeText(cell.law.rise_s) });
 }
 
 // What the reference track does there, which has the same stiffness and knows the speed.
 export function referenceText(cell: FeelCell): string {
   const { error, lag_s: lag, rise_s: rise } = cell.oracle;
-  if (cell.motion === "strokes") return `reference ${percent(error)}, ${timeText(lag)}`;
-  return `reference ${rise === null ? "never" : timeText(rise)}`;
+  if (cell.motion === "strokes") return say("feel.reference_strokes", { error: percent(error), lag: timeText(lag) });
+  return rise === null ? say("feel.reference_never") : say("feel.reference_steady", { rise: timeText(rise) });
 }
 
 export interface Difference {
@@ -98,7 +87,7 @@ export function thresholdOf(feel: ProfileFeel, name: "force" | "viscosity" | "de
 
 // What is felt of a tissue, as a share of what is right.
 export function feltText(cell: FeelCell): string {
-  return cell.verdict === "beyond_force" ? "too weak" : percent(cell.law.gain);
+  return cell.verdict === "beyond_force" ? say("feel.too_weak") : percent(cell.law.gain);
 }
 
 // "7 % at 0.1; too weak at 0.2, 0.43, 1": speeds with the same text together, in order.
@@ -109,11 +98,11 @@ export function bySpeed(items: readonly { readonly speed: number; readonly text:
     if (last?.text === text) last.speeds.push(formatNumber(speed, 2));
     else groups.push({ text, speeds: [formatNumber(speed, 2)] });
   }
-  return groups.map((group) => `${group.text} at ${group.speeds.join(", ")}`).join("; ");
+  return groups.map(({ text, speeds }) => say("feel.at_speeds", { text, speeds: speeds.reduce((list, speed) => say("feel.and_speed", { list, speed })) })).join("; ");
 }
 
 export function percent(share: number): string {
-  return `${formatNumber(100 * share, 0)} %`;
+  return `${formatNumber(100 * share, 0)}\u00a0%`;
 }
 
 function differs(feel: ProfileFeel, a: FeelCell, b: FeelCell): boolean {

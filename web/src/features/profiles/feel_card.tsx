@@ -2,12 +2,13 @@ import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { FeelTissue, Profile, ProfileFeel } from "../../api/types";
 import { useRequest } from "../../api/use_request";
-import { formatNumber, plural } from "../../base/format";
+import { formatNumber, formatQuantity } from "../../base/format";
+import { say } from "../../base/words";
 import { Card, Empty, ErrorNotice, Loading, Segmented } from "../../widgets/basics";
 import { SelectField } from "../../widgets/form";
 import { type Column, DataTable } from "../../widgets/table";
 import {
-  bySpeed, cellAt, comparable, type Difference, differences, dampingText, feltText, figuresText, kMotions, kVerdicts, type Motion, percent, referenceText, speedsOf, thresholdOf, tissueName, type Verdict,
+  bySpeed, cellAt, comparable, type Difference, differences, dampingText, feltText, figuresText, kMotions, kTones, type Motion, percent, referenceText, speedsOf, thresholdOf, tissueName, type Verdict,
 } from "./feel";
 
 const kIcons = { good: "✓", warning: "!", bad: "✕", neutral: "•" } as const;
@@ -16,11 +17,11 @@ const kIcons = { good: "✓", warning: "!", bad: "✕", neutral: "•" } as cons
 export function FeelCard({ client, profile }: { readonly client: Client; readonly profile: Profile }) {
   const { loaded, reload } = useRequest(`${profile.name} ${profile.version}`, (signal) => client.profiles.feel(profile.name, signal));
   return (
-    <Card title="What a hand can feel" className="feel">
-      {loaded.state === "loading" && <Loading what="what a hand can feel" />}
-      {loaded.state === "failed" && <ErrorNotice title="What a hand can feel could not be computed" message={loaded.error.message} onRetry={reload} />}
+    <Card title={say("feel.title")} className="feel">
+      {loaded.state === "loading" && <Loading what={say("loading.feel")} />}
+      {loaded.state === "failed" && <ErrorNotice title={say("feel.failed")} message={loaded.error.message} onRetry={reload} />}
       {loaded.state === "ready" && (loaded.value.has_motors ? <Feel client={client} feel={loaded.value} />
-        : <Empty>This device has no motors: its force is shown on the screen, not felt.</Empty>)}
+        : <Empty>{say("feel.no_motors")}</Empty>)}
     </Card>
   );
 }
@@ -32,16 +33,16 @@ function Feel({ client, feel }: { readonly client: Client; readonly feel: Profil
     <>
       <p>{introduction(feel)}</p>
       <ul class="hint feel-sources">{feel.thresholds.map((threshold) => <li key={threshold.name}>{thresholdText(threshold)}</li>)}</ul>
-      <Segmented legend="Motion of the hand" name="feel-motion" choices={kMotions} value={motion} onChange={setMotion} />
+      <Segmented legend={say("feel.motion_of_hand")} name="feel-motion" choices={kMotions.map((each) => ({ value: each, title: say(`feel_motion.${each}`) }))} value={motion} onChange={setMotion} />
       <FeelGrid feel={feel} motion={motion} />
       <dl class="feel-legend">
-        {(Object.keys(kVerdicts) as Verdict[]).filter((verdict) => seen.has(verdict)).map((verdict) => (
-          <div key={verdict}><dt><Chip verdict={verdict} /></dt><dd>{kVerdicts[verdict].meaning}</dd></div>
+        {(Object.keys(kTones) as Verdict[]).filter((verdict) => seen.has(verdict)).map((verdict) => (
+          <div key={verdict}><dt><Chip verdict={verdict} /></dt><dd>{say(`feel_meaning.${verdict}`)}</dd></div>
         ))}
       </dl>
       <details>
-        <summary>How this is computed</summary>
-        <p class="hint">{method(feel, motion)}</p>
+        <summary>{say("feel.how")}</summary>
+        {method(feel, motion).map((sentence) => <p key={sentence} class="hint">{sentence}</p>)}
       </details>
       <Comparison client={client} feel={feel} />
     </>
@@ -51,17 +52,17 @@ function Feel({ client, feel }: { readonly client: Client; readonly feel: Profil
 function FeelGrid({ feel, motion }: { readonly feel: ProfileFeel; readonly motion: Motion }) {
   const rows = feel.tissues.map((tissue, index) => ({ tissue, index }));
   const columns: Column<typeof rows[number]>[] = [
-    { title: "Tissue", cell: ({ tissue }) => <>{tissueName(tissue)}<span class="sub">{dampingText(tissue)}</span></> },
-    ...speedsOf(feel).map((speed): Column<typeof rows[number]> => ({ title: `${formatNumber(speed, 2)} mm/s`, cell: ({ index }) => <FeelCellText feel={feel} tissue={index} speed={speed} motion={motion} /> })),
+    { title: say("feel.tissue"), cell: ({ tissue }) => <>{tissueName(tissue)}<span class="sub">{dampingText(tissue)}</span></> },
+    ...speedsOf(feel).map((speed): Column<typeof rows[number]> => ({ title: formatQuantity(speed, "mm/s"), cell: ({ index }) => <FeelCellText feel={feel} tissue={index} speed={speed} motion={motion} /> })),
   ];
-  return <DataTable label={`What a hand can feel of each tissue, ${motion === "strokes" ? "strokes to and fro" : "a steady cut"}, by mean speed`} items={rows} columns={columns} dense />;
+  return <DataTable label={motion === "strokes" ? say("feel.grid_strokes") : say("feel.grid_steady")} items={rows} columns={columns} dense />;
 }
 
 function FeelCellText({ feel, tissue, speed, motion }: { readonly feel: ProfileFeel; readonly tissue: number; readonly speed: number; readonly motion: Motion }) {
   const cell = cellAt(feel, tissue, speed, motion);
   if (cell === undefined) return <>–</>;
   return (
-    <div class={`feel-cell ${kVerdicts[cell.verdict].tone}`}>
+    <div class={`feel-cell ${kTones[cell.verdict]}`}>
       <VerdictName verdict={cell.verdict} />
       <span class="feel-figures">{figuresText(cell)}</span>
       {cell.verdict !== "beyond_force" && <span class="feel-figures">{referenceText(cell)}</span>}
@@ -70,11 +71,11 @@ function FeelCellText({ feel, tissue, speed, motion }: { readonly feel: ProfileF
 }
 
 function VerdictName({ verdict }: { readonly verdict: Verdict }) {
-  return <span class="feel-verdict"><span aria-hidden="true">{kIcons[kVerdicts[verdict].tone]} </span>{kVerdicts[verdict].title}</span>;
+  return <span class="feel-verdict"><span aria-hidden="true">{kIcons[kTones[verdict]]} </span>{say(`feel_verdict.${verdict}`)}</span>;
 }
 
 function Chip({ verdict }: { readonly verdict: Verdict }) {
-  return <span class={`feel-cell ${kVerdicts[verdict].tone}`}><VerdictName verdict={verdict} /></span>;
+  return <span class={`feel-cell ${kTones[verdict]}`}><VerdictName verdict={verdict} /></span>;
 }
 
 // Fairness: the same exercise on two devices.
@@ -84,41 +85,41 @@ function Comparison({ client, feel }: { readonly client: Client; readonly feel: 
   const others = loaded.state === "ready" ? loaded.value.filter((profile) => profile.name !== feel.name) : [];
   const name = chosen ?? others[0]?.name;
   const other = useRequest(name, (signal) => client.profiles.feel(name ?? "", signal));
-  if (loaded.state === "failed") return <ErrorNotice title="The other devices could not be loaded" message={loaded.error.message} />;
+  if (loaded.state === "failed") return <ErrorNotice title={say("feel.others_failed")} message={loaded.error.message} />;
   if (name === undefined) return null;
   return (
-    <section class="stack" aria-label="Compared with another device">
-      <h3>Is it fair beside another device?</h3>
+    <section class="stack" aria-label={say("feel.compared")}>
+      <h3>{say("feel.fair")}</h3>
       <div class="form narrow">
-        <SelectField label="Compare with" value={name} onValue={setChosen} options={others.map((profile) => ({ value: profile.name, title: profile.title }))} />
+        <SelectField label={say("feel.compare_with")} value={name} onValue={setChosen} options={others.map((profile) => ({ value: profile.name, title: profile.title }))} />
       </div>
-      {other.loaded.state === "loading" && <Loading what="the other device" />}
-      {other.loaded.state === "failed" && <ErrorNotice title="The other device could not be computed" message={other.loaded.error.message} onRetry={other.reload} />}
+      {other.loaded.state === "loading" && <Loading what={say("loading.other_device")} />}
+      {other.loaded.state === "failed" && <ErrorNotice title={say("feel.other_failed")} message={other.loaded.error.message} onRetry={other.reload} />}
       {other.loaded.state === "ready" && <Differences mine={feel} other={other.loaded.value} />}
     </section>
   );
 }
 
 function Differences({ mine, other }: { readonly mine: ProfileFeel; readonly other: ProfileFeel }) {
-  if (!other.has_motors) return <Empty>{other.title} has no motors: nothing is felt on it.</Empty>;
+  if (!other.has_motors) return <Empty>{say("feel.other_no_motors", { device: other.title })}</Empty>;
   const found = differences(mine, other);
   const all = comparable(mine, other);
   const rows = byTissue(found);
   return (
     <>
       <p>
-        {found.length === 0 ? `No difference that a hand can tell in ${plural(all, "case")}.`
-          : `A hand can tell the two apart in ${found.length} of ${plural(all, "case")} (tissue, speed and motion): by more than ${percent(thresholdOf(mine, "viscosity"))} in the viscosity of strokes, or ${percent(thresholdOf(mine, "force"))} in the force of a steady cut. Attempts in these tissues do not compare.`}
+        {found.length === 0 ? say("feel.same", { count: all })
+          : say("feel.different", { found: formatNumber(found.length, 0), count: all, viscosity: percent(thresholdOf(mine, "viscosity")), force: percent(thresholdOf(mine, "force")) })}
       </p>
       {rows.length > 0 && (
-        <DataTable label={`Where ${mine.title} and ${other.title} feel different`} items={rows} dense columns={[
-          { title: "Tissue", cell: (row) => tissueName(row.tissue) },
-          { title: "Motion", cell: (row) => kMotions.find((motion) => motion.value === row.motion)?.title ?? row.motion },
-          { title: "Felt here", cell: (row) => bySpeed(row.cells.map((item) => ({ speed: item.speed, text: feltText(item.mine) }))) },
-          { title: "Felt there", cell: (row) => bySpeed(row.cells.map((item) => ({ speed: item.speed, text: feltText(item.other) }))) },
+        <DataTable label={say("feel.where_different", { device: mine.title, other: other.title })} items={rows} dense columns={[
+          { title: say("feel.tissue"), cell: (row) => tissueName(row.tissue) },
+          { title: say("feel.motion"), cell: (row) => say(`feel_motion.${row.motion}`) },
+          { title: say("feel.here"), cell: (row) => bySpeed(row.cells.map((item) => ({ speed: item.speed, text: feltText(item.mine) }))) },
+          { title: say("feel.there"), cell: (row) => bySpeed(row.cells.map((item) => ({ speed: item.speed, text: feltText(item.other) }))) },
         ]} />
       )}
-      {rows.length > 0 && <p class="hint">Shares of what the tissue should feel like, at mean speeds in mm/s.</p>}
+      {rows.length > 0 && <p class="hint">{say("feel.shares")}</p>}
     </>
   );
 }
@@ -139,23 +140,32 @@ function byTissue(found: readonly Difference[]): TissueDifference[] {
 }
 
 function introduction(feel: ProfileFeel): string {
-  return `A hand tells two forces apart from ${percent(thresholdOf(feel, "force"))}, two tissues by their viscosity from ${percent(thresholdOf(feel, "viscosity"))}, and feels a delay from ${formatNumber(1000 * thresholdOf(feel, "delay"), 0)} ms.`
-    + ` Where this device stays below that, cutting feels as it is.`
-    + ` Computed with a coupling of ${formatNumber(feel.coupling_mn_per_mm / 1000, 2)} N/mm and ${plural(feel.delay_ticks, "tick")} of delay${feel.delay_measured || feel.delay_ticks === 0 ? "" : ", which nobody measured"}.`;
+  const told = {
+    force: percent(thresholdOf(feel, "force")), viscosity: percent(thresholdOf(feel, "viscosity")), delay: milliseconds(thresholdOf(feel, "delay")), coupling: couplingText(feel), ticks: feel.delay_ticks,
+  };
+  return feel.delay_measured || feel.delay_ticks === 0 ? say("feel.introduction", told) : say("feel.introduction_not_measured", told);
 }
 
 function thresholdText({ name, value, unit, source }: ProfileFeel["thresholds"][number]): string {
-  const title = { force: "Force", viscosity: "Viscosity", delay: "Delay of a damper" }[name];
-  return `${title}, ${unit === "s" ? `${formatNumber(1000 * value, 0)} ms` : percent(value)}: ${source}.`;
+  return say(`feel_threshold.${name}`, { value: unit === "s" ? milliseconds(value) : percent(value), source });
 }
 
-function method(feel: ProfileFeel, motion: Motion): string {
-  const delay = feel.delay_measured ? `${plural(feel.delay_ticks, "tick")} of delay, as measured`
-    : `${plural(feel.delay_ticks, "tick")} of delay, which nobody measured: measuring it with enamel-station calibrate may allow a stiffer coupling and a better map`;
-  const compared = motion === "strokes" ? "The figures are the RMS difference to B·v over strokes of a second, and the lag of the force."
-    : "The figures are the mean difference to B·v once the force has built up, and how long that takes.";
-  return `Simulated with the force law of exercises: a hand that moves freely, uniform tissue, Kc ${formatNumber(feel.coupling_mn_per_mm / 1000, 2)} N/mm, ${delay}. ${compared}`
-    + " The reference is a force on the same device that knows the hand's speed and rises by at most Kc·v; from rest no passive law is faster, and where strokes turn ours may be, on energy it kept."
-    + (feel.tissues_of_scenes ? " The tissues are those of the scenes on this server." : " No scene is on this server yet: the tissues are the built-in ones.")
-    + (feel.tissues_left_out > 0 ? ` ${plural(feel.tissues_left_out, "softer tissue")} left out.` : "");
+// One sentence or two each.
+function method(feel: ProfileFeel, motion: Motion): string[] {
+  const told = { coupling: couplingText(feel), ticks: feel.delay_ticks };
+  return [
+    feel.delay_measured ? say("feel.simulated_measured", told) : say("feel.simulated_not_measured", told),
+    motion === "strokes" ? say("feel.figures_strokes") : say("feel.figures_steady"),
+    say("feel.reference"),
+    feel.tissues_of_scenes ? say("feel.tissues_scenes") : say("feel.tissues_built_in"),
+    ...(feel.tissues_left_out > 0 ? [say("feel.left_out", { count: feel.tissues_left_out })] : []),
+  ];
+}
+
+function couplingText(feel: ProfileFeel): string {
+  return formatNumber(feel.coupling_mn_per_mm / 1000, 2);
+}
+
+function milliseconds(seconds: number): string {
+  return formatQuantity(1000 * seconds, "ms");
 }

@@ -1,8 +1,10 @@
 import type { Client } from "../../api/client";
+import { placedMessage } from "../../api/http";
 import { useChange } from "../../api/use_change";
 import { useCheck } from "../../api/use_check";
 import { useRequest } from "../../api/use_request";
 import type { Json } from "../../base/document";
+import { say } from "../../base/words";
 import { Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
 import { type DocumentForm, DocumentNumber, DocumentText } from "../../widgets/document_fields";
 import { DocumentChanges } from "../../widgets/document_changes";
@@ -20,8 +22,8 @@ interface Props {
 // A device profile in a form: each number with its source, and whether the device would be stable with them.
 export function ProfileEditorPage({ client, name, onOpen }: Props) {
   const { loaded, reload } = useRequest(`editor ${name}`, (signal) => client.profiles.get(name, signal));
-  if (loaded.state === "loading") return <Loading what="the device profile" />;
-  if (loaded.state === "failed") return <><PageTitle document="Edit">Edit a device profile</PageTitle><ErrorNotice title="The profile could not be loaded" message={loaded.error.message} onRetry={reload} /></>;
+  if (loaded.state === "loading") return <Loading what={say("loading.profile")} />;
+  if (loaded.state === "failed") return <><PageTitle document={say("editor.document")}>{say("profile_editor.title")}</PageTitle><ErrorNotice title={say("profile.failed")} message={loaded.error.message} onRetry={reload} /></>;
   const { title, version, document } = loaded.value;
   return <Editor key={version} client={client} name={name} title={title} version={version} read={document as unknown as Json} onOpen={onOpen} />;
 }
@@ -40,39 +42,45 @@ function Editor({ client, name, title, version, read, onOpen }: { readonly clien
     onOpen(`/profiles/${name}`);
   };
   const numbers = Object.entries(edit.now as { readonly [member: string]: Json }).filter(([, value]) => value !== null && typeof value === "object" && "source" in value);
-  const state = check.busy ? "Checking…" : check.error !== undefined ? "Not right yet" : refused ? "Would be refused" : edit.dirty ? "Right, not saved" : "As saved";
+  const state = check.busy ? say("editor.checking") : check.error !== undefined ? say("editor.not_right") : refused ? say("profile_editor.refused") : edit.dirty ? say("editor.right_not_saved") : say("editor.as_saved");
   return (
     <>
-      <nav class="trail" aria-label="Where you are"><a href={`/profiles/${name}`}>{title}</a></nav>
-      <PageTitle document={`Edit ${title}`}>{`Edit ${title}`}</PageTitle>
+      <nav class="trail" aria-label={say("common.where")}><a href={`/profiles/${name}`}>{title}</a></nav>
+      <PageTitle document={say("editor.edit", { title })}>{say("editor.edit", { title })}</PageTitle>
       <EditBar edit={edit} state={state}>
-        <button type="button" class="button primary" disabled={change.busy || check.busy || check.error !== undefined || refused || !edit.dirty} onClick={() => void save()}>Save as version {version + 1}</button>
+        <button type="button" class="button primary" disabled={change.busy || check.busy || check.error !== undefined || refused || !edit.dirty} onClick={() => void save()}>{say("profile_editor.save", { version: String(version + 1) })}</button>
       </EditBar>
       <div aria-live="polite" class="edit-notices">
-        {check.error !== undefined && <Notice tone="bad" title="Not right yet"><p>{check.error.field === "" ? "" : `${check.error.field}: `}{check.error.message}</p></Notice>}
-        {refused && <Notice tone="bad" title="The server would refuse it"><p>A criterion below is not met. Change a number, or measure the device again.</p></Notice>}
-        {change.error !== undefined && <ErrorNotice title="Not saved" message={change.error.message} />}
+        {check.error !== undefined && <Notice tone="bad" title={say("editor.not_right")}><p>{placedMessage(check.error)}</p></Notice>}
+        {refused && <Notice tone="bad" title={say("profile_editor.would_refuse")}><p>{say("profile_editor.would_refuse_text")}</p></Notice>}
+        {change.error !== undefined && <ErrorNotice title={say("common.not_saved")} message={change.error.message} />}
       </div>
       <div class="editor">
-        <Card title="What is known of the device">
+        <Card title={say("profile_editor.known")}>
           <div class="form">
-            <DocumentText form={form} path={["title"]} label="Title" maxLength={200} />
+            <DocumentText form={form} path={["title"]} label={say("editor.title_field")} maxLength={200} />
             {numbers.map(([member]) => (
               <div class="form-grid" key={member}>
                 <DocumentNumber form={form} path={[member, "value"]} label={memberTitle(member)} />
-                <DocumentText form={form} path={[member, "source"]} label={`Where this is from: ${memberTitle(member)}`} maxLength={200} />
+                <DocumentText form={form} path={[member, "source"]} label={say("profile_editor.source_of", { number: memberTitle(member) })} maxLength={200} />
               </div>
             ))}
           </div>
         </Card>
         <div class="stack editor-side">
-          <Card title={`Changes against version ${version}`}>
-            <DocumentChanges label="Changes against the version that is saved" before={read} after={edit.now} beforeTitle={`Version ${version}`} afterTitle="Here"
-                             titleOf={({ path }) => path[0] === "title" ? "Title" : `${memberTitle(String(path[0]))}${path[1] === "source" ? ", source" : ""}`} />
+          <Card title={say("editor.changes_against", { title: say("version.number", { number: String(version) }) })}>
+            <DocumentChanges label={say("profile_editor.changes_saved")} before={read} after={edit.now} beforeTitle={say("version.title_number", { number: String(version) })} afterTitle={say("editor.here")}
+                             titleOf={({ path }) => placeTitle(path)} />
           </Card>
-          {check.value !== undefined && <Card title="Whether it is stable"><CriteriaPanel criteria={check.value.criteria} /></Card>}
+          {check.value !== undefined && <Card title={say("profile_editor.stable")}><CriteriaPanel criteria={check.value.criteria} /></Card>}
         </div>
       </div>
     </>
   );
+}
+
+function placeTitle(path: readonly (string | number)[]): string {
+  if (path[0] === "title") return say("editor.title_field");
+  const number = memberTitle(String(path[0]));
+  return path[1] === "source" ? say("profile_editor.source", { number }) : number;
 }

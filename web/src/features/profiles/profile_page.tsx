@@ -5,7 +5,8 @@ import type { Calibration, Profile, ProfileDetail } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { useRequest } from "../../api/use_request";
 import { formatBytes, formatDateTime, formatNumber, unitText } from "../../base/format";
-import { Card, Empty, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
+import { say, sayWith } from "../../base/words";
+import { Brief, Card, Empty, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
 import { FileField } from "../../widgets/form";
 import { DataTable } from "../../widgets/table";
 import { Trend } from "../../widgets/trend";
@@ -13,15 +14,17 @@ import { DrawnReport } from "./drawn_report";
 import { calibrationSeries, type CalibrationSeries } from "./calibration_series";
 import { CriteriaPanel } from "./criteria_panel";
 import { FeelCard } from "./feel_card";
+import { numberTitle } from "./profile_text";
 
 export function ProfilePage({ client, name, admin }: { readonly client: Client; readonly name: string; readonly admin: boolean }) {
   const { loaded, reload } = useRequest(name, (signal) => client.profiles.get(name, signal));
+  const title = loaded.state === "ready" ? loaded.value.title : say("profile.one");
   return (
     <>
-      <nav class="trail" aria-label="Where you are"><a href="/profiles">Device profiles</a></nav>
-      <PageTitle document={loaded.state === "ready" ? loaded.value.title : "Device profile"}>{loaded.state === "ready" ? loaded.value.title : "Device profile"}</PageTitle>
-      {loaded.state === "loading" && <Loading what="the profile" />}
-      {loaded.state === "failed" && <ErrorNotice title="The profile could not be loaded" message={loaded.error.message} onRetry={reload} />}
+      <nav class="trail" aria-label={say("common.where")}><a href="/profiles">{say("profiles.title")}</a></nav>
+      <PageTitle document={title}>{title}</PageTitle>
+      {loaded.state === "loading" && <Loading what={say("loading.profile")} />}
+      {loaded.state === "failed" && <ErrorNotice title={say("profile.failed")} message={loaded.error.message} onRetry={reload} />}
       {loaded.state === "ready" && <LoadedProfile client={client} profile={loaded.value} admin={admin} />}
     </>
   );
@@ -36,16 +39,16 @@ function LoadedProfile({ client, profile, admin }: { readonly client: Client; re
   };
   return (
     <>
-      <p class="byline"><code>{profile.name}</code>, version {profile.version}{admin && <>{" · "}<a href={`/editor?profile=${profile.name}`}>Edit its numbers</a></>}</p>
-      <Card title="Stability criteria"><CriteriaPanel criteria={profile.criteria} /></Card>
+      <p class="byline">{sayWith("profile.byline", { name: <code>{profile.name}</code>, version: String(profile.version) })}{admin && <>{" · "}<a href={`/editor?profile=${profile.name}`}>{say("profile.edit")}</a></>}</p>
+      <Card title={say("profile.criteria")}><CriteriaPanel criteria={profile.criteria} /></Card>
       <FeelCard client={client} profile={profile} />
-      <Card title="Numbers"><Numbers profile={profile} /></Card>
+      <Card title={say("profile.numbers")}><Numbers profile={profile} /></Card>
       <Calibrations client={client} profile={profile} admin={admin} />
       <div class="columns">
-        <Card title="Versions">
+        <Card title={say("version.title")}>
           <Versions client={client} profile={profile} />
         </Card>
-        <Card title="Qualification reports"><Reports client={client} profile={profile} admin={admin} drawn={drawn} onDraw={draw} /></Card>
+        <Card title={say("profile.reports")}><Reports client={client} profile={profile} admin={admin} drawn={drawn} onDraw={draw} /></Card>
       </div>
       {drawn !== undefined && <DrawnReport key={drawn} client={client} id={drawn} onClose={() => draw(undefined)} />}
     </>
@@ -54,23 +57,23 @@ function LoadedProfile({ client, profile, admin }: { readonly client: Client; re
 
 function Numbers({ profile }: { readonly profile: Profile }) {
   return (
-    <DataTable label={`Numbers of ${profile.title}`} items={profile.numbers} dense columns={[
-      { title: "Number", cell: (number) => capital(number.name.replaceAll("_", " ")) },
-      { title: "Value", number: true, cell: (number) => <span class="nowrap">{formatNumber(number.value, 3)} {unitText(number.unit)}</span> },
-      { title: "Source", cell: (number) => number.source },
+    <DataTable label={say("profile.numbers_of", { device: profile.title })} items={profile.numbers} dense columns={[
+      { title: say("profile.number"), cell: (number) => numberTitle(number.name) },
+      { title: say("profile.value"), number: true, cell: (number) => <span class="nowrap">{valueText(number)}</span> },
+      { title: say("profile.source"), cell: (number) => number.source },
     ]} />
   );
 }
 
 function Versions({ client, profile }: { readonly client: Client; readonly profile: ProfileDetail }) {
   const { loaded, reload } = useRequest(`${profile.name} ${profile.version}`, (signal) => client.profiles.versions(profile.name, signal));
-  if (loaded.state === "loading") return <Loading what="versions" />;
-  if (loaded.state === "failed") return <ErrorNotice title="The versions could not be loaded" message={loaded.error.message} onRetry={reload} />;
+  if (loaded.state === "loading") return <Loading what={say("loading.versions")} />;
+  if (loaded.state === "failed") return <ErrorNotice title={say("version.failed")} message={loaded.error.message} onRetry={reload} />;
   return (
-    <DataTable label="Versions" items={loaded.value} dense columns={[
-      { title: "Version", cell: (version) => version.version },
-      { title: "Title", cell: (version) => version.title },
-      { title: "Saved", cell: (version) => formatDateTime(version.created_ms) },
+    <DataTable label={say("version.title")} items={loaded.value} dense columns={[
+      { title: say("version.one"), cell: (version) => version.version },
+      { title: say("editor.title_field"), cell: (version) => version.title },
+      { title: say("profile.saved"), cell: (version) => formatDateTime(version.created_ms) },
     ]} />
   );
 }
@@ -87,23 +90,23 @@ function Reports({ client, profile, admin, drawn, onDraw }: ReportsProps) {
   const { loaded, reload } = useRequest(profile.name, (signal) => client.profiles.reports(profile.name, signal));
   return (
     <>
-      {loaded.state === "loading" && <Loading what="reports" />}
-      {loaded.state === "failed" && <ErrorNotice title="The reports could not be loaded" message={loaded.error.message} onRetry={reload} />}
-      {loaded.state === "ready" && (loaded.value.length === 0 ? <Empty>No report of enamel-lab qualify is attached.</Empty> : (
-        <DataTable label="Qualification reports" items={loaded.value} dense columns={[
-          { title: "Report", cell: (report) => <a href={client.profiles.reportAddress(report.id)} download>{formatDateTime(report.created_ms)}</a> },
-          { title: "Of version", number: true, cell: (report) => report.version },
-          { title: "Size", number: true, cell: (report) => formatBytes(report.bytes) },
-          { title: "Drawing", hideTitle: true, cell: (report) => report.media_type === "application/json" && (
+      {loaded.state === "loading" && <Loading what={say("loading.reports")} />}
+      {loaded.state === "failed" && <ErrorNotice title={say("profile.reports_failed")} message={loaded.error.message} onRetry={reload} />}
+      {loaded.state === "ready" && (loaded.value.length === 0 ? <Empty>{say("profile.no_report")}</Empty> : (
+        <DataTable label={say("profile.reports")} items={loaded.value} dense columns={[
+          { title: say("profile.report"), cell: (report) => <a href={client.profiles.reportAddress(report.id)} download>{formatDateTime(report.created_ms)}</a> },
+          { title: say("profile.of_version"), number: true, cell: (report) => report.version },
+          { title: say("profile.size"), number: true, cell: (report) => formatBytes(report.bytes) },
+          { title: say("profile.drawing"), hideTitle: true, cell: (report) => report.media_type === "application/json" && (
             <div class="row-tools">
               <button type="button" class="button small" aria-pressed={drawn === report.id} onClick={() => onDraw(drawn === report.id ? undefined : report.id)}>
-                Draw<span class="hidden"> the report of {formatDateTime(report.created_ms)}</span>
+                <Brief shown={say("profile.draw")} full={say("profile.draw_which", { when: formatDateTime(report.created_ms) })} />
               </button>
             </div>) },
         ]} />
       ))}
       {admin && (
-        <UploadForm label="Attach a report (JSON or HTML)" accept=".json,.html,application/json,text/html" hint="As enamel-lab qualify --report writes it. It belongs to the newest version."
+        <UploadForm label={say("profile.attach")} accept=".json,.html,application/json,text/html" hint={say("profile.attach_hint")}
                     send={(text, file) => client.profiles.addReport(profile.name, text, file.name.endsWith(".html") ? "text/html" : "application/json")} onDone={reload} />
       )}
     </>
@@ -113,13 +116,13 @@ function Reports({ client, profile, admin, drawn, onDraw }: ReportsProps) {
 function Calibrations({ client, profile, admin }: { readonly client: Client; readonly profile: ProfileDetail; readonly admin: boolean }) {
   const { loaded, reload } = useRequest(profile.name, (signal) => client.profiles.calibrations(profile.name, signal));
   return (
-    <Card title="Calibrations">
-      {loaded.state === "loading" && <Loading what="calibrations" />}
-      {loaded.state === "failed" && <ErrorNotice title="The calibrations could not be loaded" message={loaded.error.message} onRetry={reload} />}
-      {loaded.state === "ready" && (loaded.value.length === 0 ? <Empty>No device of this kind was measured yet.</Empty>
+    <Card title={say("calibration.title")}>
+      {loaded.state === "loading" && <Loading what={say("loading.calibrations")} />}
+      {loaded.state === "failed" && <ErrorNotice title={say("calibration.failed")} message={loaded.error.message} onRetry={reload} />}
+      {loaded.state === "ready" && (loaded.value.length === 0 ? <Empty>{say("calibration.none")}</Empty>
         : <CalibrationHistory calibrations={loaded.value} profile={profile} />)}
       {admin && (
-        <UploadForm label="Add a calibration (JSON)" accept=".json,application/json" hint="As enamel-station calibrate --out writes it."
+        <UploadForm label={say("calibration.add")} accept=".json,application/json" hint={say("calibration.add_hint")}
                     send={(text) => client.profiles.addCalibration(profile.name, text)} onDone={reload} />
       )}
     </Card>
@@ -134,18 +137,18 @@ function CalibrationHistory({ calibrations, profile }: { readonly calibrations: 
       {devices.map((device) => {
         const own = calibrations.filter((calibration) => calibration.device === device);
         return (
-          <section key={device} aria-label={`Device ${device}`}>
+          <section key={device} aria-label={say("calibration.device", { device })}>
             <h3>{device}</h3>
             <div class="trends">{calibrationSeries(own, numbers).map((series) => <CalibrationTrend key={series.title} series={series} />)}</div>
           </section>
         );
       })}
-      <DataTable label="All calibrations" items={calibrations} dense columns={[
-        { title: "Measured", cell: (item) => formatDateTime(item.measured_ms) },
-        { title: "Device", cell: (item) => item.device },
-        { title: "Station", cell: (item) => item.document.station === "" ? "–" : item.document.station },
-        { title: "Figures", cell: (item) => figuresText(item, numbers) },
-        { title: "Measured by", cell: (item) => <>{item.document.software}<span class="sub">{item.document.method}</span></> },
+      <DataTable label={say("calibration.all")} items={calibrations} dense columns={[
+        { title: say("calibration.measured"), cell: (item) => formatDateTime(item.measured_ms) },
+        { title: say("common.device"), cell: (item) => item.device },
+        { title: say("common.station"), cell: (item) => item.document.station === "" ? "–" : item.document.station },
+        { title: say("calibration.figures"), cell: (item) => figuresText(item, numbers) },
+        { title: say("calibration.measured_by"), cell: (item) => <>{item.document.software}<span class="sub">{item.document.method}</span></> },
       ]} />
     </>
   );
@@ -153,12 +156,13 @@ function CalibrationHistory({ calibrations, profile }: { readonly calibrations: 
 
 function CalibrationTrend({ series }: { readonly series: CalibrationSeries }) {
   const last = series.points.at(-1)?.value ?? Number.NaN;
-  const claim = series.claim === undefined ? undefined : { value: series.claim, title: "profile" };
+  const told = { figure: series.title, value: formatNumber(last, 2), unit: series.unit };
+  const claim = series.claim === undefined ? undefined : { value: series.claim, title: say("calibration.profile") };
   return (
     <figure class="trend-figure">
       <figcaption>{series.title}</figcaption>
       <Trend points={series.points} unit={series.unit} claim={claim}
-             label={`${series.title} over time: ${formatNumber(last, 2)} ${series.unit} at last${series.claim === undefined ? "" : `, the profile says ${formatNumber(series.claim, 2)}`}`} />
+             label={series.claim === undefined ? say("calibration.trend", told) : say("calibration.trend_claim", { ...told, claim: formatNumber(series.claim, 2) })} />
     </figure>
   );
 }
@@ -166,8 +170,8 @@ function CalibrationTrend({ series }: { readonly series: CalibrationSeries }) {
 function figuresText(calibration: Calibration, numbers: ReadonlyMap<string, number>): string {
   return calibrationSeries([calibration], numbers).map(({ title, unit, points }) => {
     const point = points[0]!;
-    const uncertainty = point.uncertainty > 0 ? ` ± ${formatNumber(point.uncertainty, 2)}` : "";
-    return `${title} ${formatNumber(point.value, 2)}${uncertainty} ${unit}`;
+    const told = { figure: title, value: formatNumber(point.value, 2), unit };
+    return point.uncertainty > 0 ? say("calibration.figure_about", { ...told, uncertainty: formatNumber(point.uncertainty, 2) }) : say("calibration.figure", told);
   }).join("; ");
 }
 
@@ -194,13 +198,15 @@ function UploadForm({ label, accept, hint, send, onDone }: UploadProps) {
   return (
     <form class="form narrow" onSubmit={(event) => void submit(event)}>
       <FileField label={label} accept={accept} onFile={setFile} hint={hint} />
-      {change.error !== undefined && <ErrorNotice title="Not added" message={placedMessage(change.error)} />}
-      {added && change.error === undefined && <Notice tone="good"><p>Added.</p></Notice>}
-      <div><button type="submit" class="button" disabled={change.busy || file === undefined}>Add</button></div>
+      {change.error !== undefined && <ErrorNotice title={say("common.not_added")} message={placedMessage(change.error)} />}
+      {added && change.error === undefined && <Notice tone="good"><p>{say("profile.added")}</p></Notice>}
+      <div><button type="submit" class="button" disabled={change.busy || file === undefined}>{say("common.add")}</button></div>
     </form>
   );
 }
 
-function capital(text: string): string {
-  return text.charAt(0).toUpperCase() + text.slice(1);
+function valueText({ value, unit }: Profile["numbers"][number]): string {
+  if (unit === "ticks") return say("count.ticks", { count: value });
+  if (unit === "driven") return say("profile.driven", { count: value });
+  return `${formatNumber(value, 3)} ${unitText(unit)}`;
 }

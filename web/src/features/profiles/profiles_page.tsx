@@ -4,7 +4,7 @@ import type { Profile, ProfileJudgement } from "../../api/types";
 import { placedMessage } from "../../api/http";
 import { useChange } from "../../api/use_change";
 import { usePages } from "../../api/use_pages";
-import { plural } from "../../base/format";
+import { say } from "../../base/words";
 import { Card, ErrorNotice, Notice, PageTitle } from "../../widgets/basics";
 import { FileField } from "../../widgets/form";
 import { PagedList } from "../../widgets/pages";
@@ -18,15 +18,15 @@ export function ProfilesPage({ client, admin }: { readonly client: Client; reado
   const pages = usePages("profiles", (cursor, signal) => client.profiles.list({ cursor, limit: kPageSize }, signal));
   return (
     <>
-      <PageTitle document="Device profiles">Device profiles</PageTitle>
-      <PagedList pages={pages} list="profiles" empty="There is no device profile yet.">
+      <PageTitle document={say("profiles.title")}>{say("profiles.title")}</PageTitle>
+      <PagedList pages={pages} list="profiles" empty={say("profiles.none")}>
         {(profiles) => (
           <Card className="flush">
-            <DataTable label="Device profiles" items={profiles} rowKey={(profile) => profile.name} columns={[
-              { title: "Device", cell: (profile: Profile) => <a href={`/profiles/${profile.name}`}>{profile.title}</a> },
-              { title: "Name", cell: (profile: Profile) => <code>{profile.name}</code> },
-              { title: "Version", number: true, cell: (profile: Profile) => profile.version },
-              { title: "Numbers", cell: (profile: Profile) => `${plural(profile.numbers.length, "number")}, each with its source` },
+            <DataTable label={say("profiles.title")} items={profiles} rowKey={(profile) => profile.name} columns={[
+              { title: say("common.device"), cell: (profile: Profile) => <a href={`/profiles/${profile.name}`}>{profile.title}</a> },
+              { title: say("document_place.name"), cell: (profile: Profile) => <code>{profile.name}</code> },
+              { title: say("version.one"), number: true, cell: (profile: Profile) => profile.version },
+              { title: say("profile.numbers"), cell: (profile: Profile) => say("profiles.numbers", { count: profile.numbers.length }) },
             ]} />
           </Card>
         )}
@@ -49,19 +49,19 @@ function UploadProfile({ client, onDone }: { readonly client: Client; readonly o
     if (result?.ok === true && result.value.stored) onDone();
   };
   return (
-    <Card title="Add a profile, or a new version of one">
+    <Card title={say("profiles.add")}>
       <form class="form narrow" onSubmit={(event) => void submit(event)}>
-        <FileField label="Profile document (JSON)" accept=".json,application/json" onFile={setFile}
-                   hint="As enamel-station calibrate proposes it. Whether the device would be stable with these numbers is checked before anything is saved." />
-        <div><button type="submit" class="button primary" disabled={change.busy || file === undefined}>Check and save</button></div>
+        <FileField label={say("profiles.file")} accept=".json,application/json" onFile={setFile}
+                   hint={say("profiles.file_hint")} />
+        <div><button type="submit" class="button primary" disabled={change.busy || file === undefined}>{say("profiles.check_save")}</button></div>
       </form>
       {change.error !== undefined && (
-        <ErrorNotice title="Not saved" message={placedMessage(change.error)} />
+        <ErrorNotice title={say("common.not_saved")} message={placedMessage(change.error)} />
       )}
       {stored !== undefined && (
         <>
-          {stored.stored ? <Notice tone="good" title={`Saved as version ${stored.version} of ${stored.name}`} />
-            : <Notice tone="bad" title="Not saved"><p>A device with these numbers would not be stable: see what is not met.</p></Notice>}
+          {stored.stored ? <Notice tone="good" title={say("profiles.saved_as", { version: String(stored.version), name: stored.name })} />
+            : <Notice tone="bad" title={say("common.not_saved")}><p>{say("profiles.not_stable")}</p></Notice>}
           <CriteriaPanel criteria={stored.criteria} />
         </>
       )}
