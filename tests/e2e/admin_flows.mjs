@@ -33,7 +33,7 @@ async function drawnReport(world) {
   const press = card.getByRole("region", { name: "Press", exact: true });
   await press.getByRole("img", { name: /^Press: force against time over/ }).locator("canvas").waitFor();
   await press.getByText("Figures, and where tip and bur were").click();
-  assert.ok(await press.getByRole("group", { name: "Figures of press" }).locator("tbody tr").count() >= 4);
+  assert.ok(await press.getByRole("group", { name: "Press: figures" }).locator("tbody tr").count() >= 4);
   // What else was found is drawn below: a share of cases, a map of verdicts, a table.
   for (const name of [/^Share of cases below a multiple of the bound/, /^Map\. delay, ticks against B/]) {
     await page.getByRole("img", { name }).locator("canvas").waitFor();

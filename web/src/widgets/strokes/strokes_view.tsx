@@ -1,6 +1,7 @@
 import { useMemo, useState } from "preact/hooks";
 import type { StrokeCase, StrokeDevice, Strokes, StrokeTrack } from "../../api/strokes";
-import { formatNumber, plural } from "../../base/format";
+import { formatNumber } from "../../base/format";
+import { say, sayWith } from "../../base/words";
 import { Badge, Segmented, TableFrame } from "../basics";
 import { TrackPlot } from "../track_plot";
 import { caseSentence, caseText, drawn, figureText, figureTitle, joined, kIdealLine, kOracleLine, kWholeLine, lawLine, type TrackLine } from "./tracks";
@@ -12,7 +13,7 @@ export function StrokesView({ strokes }: { readonly strokes: Strokes }) {
   return (
     <div class="strokes">
       {strokes.devices.length > 1 && (
-        <Segmented legend="Device" name="strokes-device" value={device.name} onChange={setChosen}
+        <Segmented legend={say("common.device")} name="strokes-device" value={device.name} onChange={setChosen}
                    choices={strokes.devices.map((one) => ({ value: one.name, title: one.title }))} />
       )}
       <p class="hint">{deviceText(device, strokes.b_n_s_per_mm)}</p>
@@ -23,16 +24,17 @@ export function StrokesView({ strokes }: { readonly strokes: Strokes }) {
 }
 
 function deviceText(device: StrokeDevice, b: number): string {
-  return `${device.title}: coupling ${formatNumber(device.kc_n_per_mm, 2)} N/mm, encoder ${formatNumber(device.resolution_um, 1)} µm, ` +
-         `${formatNumber(device.rate_hz, 0)} Hz, ${plural(device.delay_ticks, "tick")} of delay. Enamel of ${formatNumber(b, 2)} N·s/mm, ` +
-         "a cylinder of 1.2 mm, simulated with the program's own core. Forces above zero resist the hand; below zero they push it along.";
+  return say("strokes.device", {
+    device: device.title, coupling: formatNumber(device.kc_n_per_mm, 2), encoder: formatNumber(device.resolution_um, 1), rate: formatNumber(device.rate_hz, 0), ticks: device.delay_ticks,
+    damping: formatNumber(b, 2),
+  });
 }
 
 function Legend({ device }: { readonly device: StrokeDevice }) {
   const tracks = device.cases[0]!.tracks;
   const lines: readonly TrackLine[] = [...tracks.map(lawLine), kIdealLine, kOracleLine, kWholeLine];
   return (
-    <ul class="track-legend" aria-label="Lines">
+    <ul class="track-legend" aria-label={say("strokes.lines")}>
       {lines.map((line) => (
         <li key={line.label}>
           <svg class="line-sample" viewBox="0 0 24 8" aria-hidden="true">
@@ -43,7 +45,7 @@ function Legend({ device }: { readonly device: StrokeDevice }) {
           {line.label}
         </li>
       ))}
-      <li><svg class="mark-frame" viewBox="0 0 24 14" aria-hidden="true"><line class="mark-sample" x1="12" y1="0" x2="12" y2="14" stroke-dasharray="3 3" /></svg>The tissue ends</li>
+      <li><svg class="mark-frame" viewBox="0 0 24 14" aria-hidden="true"><line class="mark-sample" x1="12" y1="0" x2="12" y2="14" stroke-dasharray="3 3" /></svg>{say("strokes.tissue_ends")}</li>
     </ul>
   );
 }
@@ -57,11 +59,11 @@ function CaseRow({ one }: { readonly one: StrokeCase }) {
       <div class="stroke-words">
         <h3>{text.title} <Verdict track={track} /></h3>
         <p>{text.what}</p>
-        <p><b>Look for:</b> {text.look}</p>
+        <p>{sayWith("strokes.look_for", { heading: <b>{say("strokes.look_heading")}</b>, look: text.look })}</p>
       </div>
-      <TrackPlot data={force.data} lines={force.lines} valueTitle="Force (N)" markS={track.leaves_s} label={caseSentence(one)} />
+      <TrackPlot data={force.data} lines={force.lines} valueTitle={say("force.force_n")} markS={track.leaves_s} label={caseSentence(one)} />
       <details class="numbers">
-        <summary>Figures, and where tip and bur were</summary>
+        <summary>{say("strokes.more")}</summary>
         <Figures one={one} />
         <Places track={track} />
       </details>
@@ -72,24 +74,24 @@ function CaseRow({ one }: { readonly one: StrokeCase }) {
 function Verdict({ track }: { readonly track: StrokeTrack }) {
   const judged = track.figures.filter((figure) => figure.bound !== null);
   const missed = judged.filter((figure) => !figure.held);
-  return missed.length === 0 ? <Badge tone="good">{plural(judged.length, "figure")} held</Badge>
-    : <Badge tone="warning">{missed.length} of {plural(judged.length, "figure")} not held</Badge>;
+  return missed.length === 0 ? <Badge tone="good">{say("strokes.held", { count: judged.length })}</Badge>
+    : <Badge tone="warning">{say("strokes.missed", { missed: formatNumber(missed.length, 0), count: judged.length })}</Badge>;
 }
 
 function Figures({ one }: { readonly one: StrokeCase }) {
   const [first, ...others] = one.tracks;
   return (
-    <TableFrame label={`Figures of ${caseText(one.name).title.toLowerCase()}`}>
+    <TableFrame label={say("strokes.figures_of", { motion: caseText(one.name).title })}>
       <table class="dense">
         <thead>
-          <tr><th scope="col">Figure</th><th scope="col" class="number">{first!.law}</th><th scope="col" class="number">May be</th>
+          <tr><th scope="col">{say("criteria.figure")}</th><th scope="col" class="number">{first!.law}</th><th scope="col" class="number">{say("strokes.may_be")}</th>
               {others.map((track) => <th key={track.law} scope="col" class="number">{track.law}</th>)}</tr>
         </thead>
         <tbody>
           {first!.figures.map((figure) => (
             <tr key={figure.name}>
               <th scope="row">{figureTitle(figure.name)}</th>
-              <td class="number">{figure.held ? "" : <Badge tone="warning">not held</Badge>} {figureText(figure.value, figure.unit)}</td>
+              <td class="number">{figure.held ? "" : <Badge tone="warning">{say("strokes.not_held")}</Badge>} {figureText(figure.value, figure.unit)}</td>
               <td class="number">{figure.bound === null ? "–" : figureText(figure.bound, figure.unit)}</td>
               {others.map((track) => {
                 const same = track.figures.find((other) => other.name === figure.name);
@@ -104,17 +106,17 @@ function Figures({ one }: { readonly one: StrokeCase }) {
 }
 
 const kPlaceLines: readonly TrackLine[] = [
-  { label: "Tip: where the hand is", colorVariable: "--text", width: 1.6, dash: [7, 4] },
-  { label: "Bur", colorVariable: "--plot-force", width: 2 },
+  { get label() { return say("strokes.tip"); }, colorVariable: "--text", width: 1.6, dash: [7, 4] },
+  { get label() { return say("document_place.bur"); }, colorVariable: "--plot-force", width: 2 },
 ];
 
 function Places({ track }: { readonly track: StrokeTrack }) {
   const data = useMemo(() => joined([{ timeS: track.t_s, values: track.tip_mm }, { timeS: track.t_s, values: track.bur_mm }]), [track]);
   return (
     <>
-      <p class="hint">Along the way of the hand: dashed the tip, in colour the bur, which trails it by the force over the stiffness at most.</p>
-      <TrackPlot data={data} lines={kPlaceLines} valueTitle="Place (mm)" markS={track.leaves_s} heightPx={150}
-                 label={`Place of tip and bur over time; at the end the bur is ${formatNumber(Math.abs(track.tip_mm.at(-1)! - track.bur_mm.at(-1)!), 3)} mm from the tip`} />
+      <p class="hint">{say("strokes.places_hint")}</p>
+      <TrackPlot data={data} lines={kPlaceLines} valueTitle={say("strokes.place_mm")} markS={track.leaves_s} heightPx={150}
+                 label={say("strokes.places", { apart: formatNumber(Math.abs(track.tip_mm.at(-1)! - track.bur_mm.at(-1)!), 3) })} />
     </>
   );
 }

@@ -39,5 +39,5 @@ test("the sentence says the forces, and what is not held", () => {
   const track = one.tracks[0]!;
   assert.match(caseSentence({ ...one, tracks: [{ ...track, figures: [] }] }), /Every judged figure is held/);
   const missed = { name: "pull_n", unit: "N", value: 1, bound: 0.15, held: false };
-  assert.match(caseSentence({ ...one, tracks: [{ ...track, figures: [missed] }] }), /Not held: pull against the hand/);
+  assert.match(caseSentence({ ...one, tracks: [{ ...track, figures: [missed] }] }), /Not held: Pull against the hand in air\./);
 });

@@ -1,5 +1,6 @@
 import type { StrokeCase, StrokeTrack } from "../../api/strokes";
 import { formatNumber } from "../../base/format";
+import { say, sayIf } from "../../base/words";
 
 // What is drawn of a case, and how it is said.
 
@@ -12,9 +13,9 @@ export interface TrackLine {
 }
 
 // The same in every case, so that one legend serves all of them.
-export const kIdealLine: TrackLine = { label: "Ideal: B · v where the bur is in tissue, 0 in air", colorVariable: "--text", width: 1.6, dash: [7, 4] };
-export const kOracleLine: TrackLine = { label: "The best a coupling without memory could do", colorVariable: "--good", width: 1.4, dash: [2, 3] };
-export const kWholeLine: TrackLine = { label: "The whole force of the law in use, also sideways", colorVariable: "--plot-force", width: 0, fill: true };
+export const kIdealLine: TrackLine = { get label() { return say("strokes.ideal"); }, colorVariable: "--text", width: 1.6, dash: [7, 4] };
+export const kOracleLine: TrackLine = { get label() { return say("strokes.oracle"); }, colorVariable: "--good", width: 1.4, dash: [2, 3] };
+export const kWholeLine: TrackLine = { get label() { return say("strokes.whole"); }, colorVariable: "--plot-force", width: 0, fill: true };
 const kLawLines: readonly Omit<TrackLine, "label">[] = [
   { colorVariable: "--plot-force", width: 2.6 },
   { colorVariable: "--plot-removed", width: 1.3 },
@@ -23,7 +24,7 @@ const kLawLines: readonly Omit<TrackLine, "label">[] = [
 
 export function lawLine(track: StrokeTrack, index: number): TrackLine {
   const style = kLawLines[Math.min(index, kLawLines.length - 1)]!;
-  return { ...style, label: track.default ? `${track.law}, the law in use` : `${track.law}, for comparison` };
+  return { ...style, label: track.default ? say("strokes.law_used", { law: track.law }) : say("strokes.law_compared", { law: track.law }) };
 }
 
 export interface Joined {
@@ -63,34 +64,14 @@ export interface CaseText {
   readonly look: string;
 }
 
-const kCases: Readonly<Record<string, CaseText>> = {
-  press: { title: "Press", what: "The bur is pushed straight down into enamel at 0.5 mm/s, then held still.",
-           look: "The force should climb when the dashed line does, stay on it, and fall when the hand stops." },
-  stroke: { title: "Stroke", what: "The side of the bur mills into the block at 0.43 mm/s, then the hand stops.",
-            look: "The force should grow with the depth of the cut, without a hump above the dashed line." },
-  reverse: { title: "Reverse", what: "The same stroke, then straight back along the slot that was just cut.",
-             look: "On the way back nothing is in front of the bur: the force should end soon, and not pull or push." },
-  lift: { title: "Lift", what: "After a stroke the bur is lifted out of its slot at 20 mm/s.",
-          look: "Nothing should hold the bur on its way up. The force of the cut, now sideways, should fade soon." },
-  nick: { title: "Nick an edge", what: "The bur passes the block at 2 mm/s and catches a quarter of a millimetre of its edge.",
-          look: "A short bump, as long as the dashed one, and nothing after it." },
-  "slip-out": { title: "Slip out", what: "A hand that pushes with a steady force mills through a corner and breaks out into the air.",
-                look: "When the corner gives way the force should fall to zero: no pull back, no kick." },
-};
-
+// A motion that the page does not know is called by its name.
 export function caseText(name: string): CaseText {
-  return kCases[name] ?? { title: name, what: "", look: "" };
+  const key = name.replaceAll("-", "_");
+  return { title: sayIf(`stroke_case.${key}`) ?? name, what: sayIf(`stroke_what.${key}`) ?? "", look: sayIf(`stroke_look.${key}`) ?? "" };
 }
 
-const kFigures: Readonly<Record<string, string>> = {
-  lag_s: "Behind the ideal, at half height", rise90_s: "Time to 90 % of the force", overshoot_n: "Above the ideal, at most",
-  pull_n: "Pull against the hand in air", rise_n: "Largest jump of that pull in a tick", push_n: "Push along with the hand in air",
-  help_s: "How long it pushes the hand back", let_go_s: "Time to let go", step_beyond_n: "Largest step the spring does not explain",
-  error_over_oracle: "Error, as a multiple of the dotted line's", ideal_peak_n: "Largest ideal force",
-};
-
 export function figureTitle(name: string): string {
-  return kFigures[name] ?? name;
+  return sayIf(`stroke_figure.${name}`) ?? name;
 }
 
 // Seconds are shown as milliseconds: that is what a hand notices.
@@ -103,8 +84,7 @@ export function figureText(value: number, unit: string): string {
 export function caseSentence(one: StrokeCase): string {
   const track = one.tracks[0]!;
   const most = (values: readonly number[]) => values.reduce((a, b) => Math.max(a, b), 0);
-  const misses = track.figures.filter((figure) => !figure.held).map((figure) => figureTitle(figure.name).toLowerCase());
-  return `${caseText(one.name).title}: force against time over ${formatNumber(track.t_s.at(-1)!, 1)} seconds. The largest force is ` +
-         `${formatNumber(most(track.force_n), 2)} N, the ideal's is ${formatNumber(most(track.ideal_n), 2)} N. ` +
-         (misses.length === 0 ? "Every judged figure is held." : `Not held: ${misses.join(", ")}.`);
+  const misses = track.figures.filter((figure) => !figure.held).map((figure) => figureTitle(figure.name));
+  const told = { motion: caseText(one.name).title, seconds: formatNumber(track.t_s.at(-1)!, 1), force: formatNumber(most(track.force_n), 2), ideal: formatNumber(most(track.ideal_n), 2) };
+  return misses.length === 0 ? say("strokes.sentence_held", told) : say("strokes.sentence_missed", { ...told, figures: misses.join("; ") });
 }
