@@ -1,5 +1,6 @@
 import type { ComponentChildren } from "preact";
 import type { Drawable } from "../../api/drawable";
+import { say } from "../../base/words";
 import { Card } from "../basics";
 import { StrokesView } from "../strokes/strokes_view";
 import { LabReportView } from "./report_view";
@@ -9,10 +10,8 @@ export function DrawnView({ drawable, aside }: { readonly drawable: Drawable; re
   return (
     <>
       {drawable.strokes !== undefined && (
-        <Card title="Force against time" aside={aside}>
-          <p>Six short motions of a hand, drawn beside what would be ideal: press, stroke, reverse, lift, nick an edge, slip out. The thick line
-            is what the device does. Where it leaves the dashed line the hand feels something that is not tissue: it sticks, it kicks, or it
-            comes late.</p>
+        <Card title={say("strokes.title")} aside={aside}>
+          <p>{say("strokes.introduction")}</p>
           <StrokesView strokes={drawable.strokes} />
         </Card>
       )}

@@ -1,6 +1,7 @@
 import type uPlot from "uplot";
 import type { LabMap, LabPlot, LabSeries } from "../../api/lab_report";
 import { kVerdicts } from "../../api/lab_report";
+import { say } from "../../base/words";
 import { plotStyle, usePlot } from "../use_plot";
 import { edgesOf, kColourVariables, kVerdictVariables, mapSentence, plotOfMap, plotSentence, rangeOf, rowsOf, tickText, ticksOf } from "./plot_data";
 
@@ -36,7 +37,7 @@ function Figure({ plot, map, sentence }: { readonly plot: LabPlot; readonly map?
 
 function Legend({ plot, map }: { readonly plot: LabPlot; readonly map: LabMap | undefined }) {
   return (
-    <ul class="track-legend" aria-label="Lines">
+    <ul class="track-legend" aria-label={say("strokes.lines")}>
       {map !== undefined && kVerdicts.map((verdict) => (
         <li key={verdict}>
           <svg class="line-sample" viewBox="0 0 24 8" aria-hidden="true"><rect width="24" height="8" style={{ fill: `var(${kVerdictVariables[verdict]})` }} /></svg>

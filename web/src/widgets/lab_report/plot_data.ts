@@ -1,4 +1,6 @@
 import type { LabColour, LabMap, LabPlot, LabSeries, LabVerdict } from "../../api/lab_report";
+import { formatNumber } from "../../base/format";
+import { say } from "../../base/words";
 
 // What is drawn of a plot of enamel-lab's, apart from drawing it.
 
@@ -70,19 +72,25 @@ export function ticksOf(low: number, high: number, log: boolean): number[] {
   return out;
 }
 
+// Between them every tick is written without an exponent.
+const kLeastPlain = 1e-6;
+const kMostPlain = 1e9;
+const kTickDigits = 12;
+
 // Without what binary fractions add, and without an exponent where zeros are short.
 export function tickText(value: number): string {
-  return String(Number(value.toPrecision(6)));
+  const short = Number(value.toPrecision(6));
+  return short === 0 || (Math.abs(short) >= kLeastPlain && Math.abs(short) < kMostPlain) ? formatNumber(short, kTickDigits) : String(short);
 }
 
 // The picture in a sentence, for who does not see it.
 export function plotSentence(plot: LabPlot): string {
   const named = plot.series.filter((series) => series.label !== "" && series.x.length > 0);
-  return `${plot.title}. ${plot.y_label} against ${plot.x_label}: ${named.map((series) => series.label).join("; ")}`;
+  return say("lab.picture", { title: plot.title, y: plot.y_label, x: plot.x_label, what: named.map((series) => series.label).join("; ") });
 }
 
 export function mapSentence(map: LabMap): string {
   const counts = new Map<string, number>();
   for (const cell of map.cells) counts.set(cell, (counts.get(cell) ?? 0) + 1);
-  return `${map.title}. ${map.y_label} against ${map.x_label}: ${[...counts].map(([verdict, count]) => `${count} ${verdict}`).join(", ")}`;
+  return say("lab.picture", { title: map.title, y: map.y_label, x: map.x_label, what: [...counts].map(([verdict, count]) => `${formatNumber(count, 0)} ${verdict}`).join(", ") });
 }

@@ -1,5 +1,6 @@
 import type { ComponentChildren } from "preact";
 import type { LabReport, LabSection, LabTable } from "../../api/lab_report";
+import { say } from "../../base/words";
 import { Card, TableFrame } from "../basics";
 import { FigurePlot, VerdictMap } from "./figure_plot";
 
@@ -8,8 +9,8 @@ import { FigurePlot, VerdictMap } from "./figure_plot";
 export function LabReportView({ report, aside }: { readonly report: LabReport; readonly aside?: ComponentChildren }) {
   return (
     <>
-      <Card title="What was found" aside={aside}>
-        <ul class="lab-cards" aria-label="Figures">
+      <Card title={say("lab.found")} aside={aside}>
+        <ul class="lab-cards" aria-label={say("calibration.figures")}>
           {report.cards.map((card) => (
             <li key={card.text} class={card.good ? "" : "missed"}><b>{card.figure}</b> {card.text}</li>
           ))}
@@ -24,8 +25,8 @@ export function LabReportView({ report, aside }: { readonly report: LabReport; r
 function Sources({ source }: { readonly source: LabReport["sources"][number] }) {
   return (
     <details class="numbers">
-      <summary>{source.title}: where every number is from</summary>
-      <TableFrame label={`Sources of ${source.title}`}>
+      <summary>{say("lab.where_from", { device: source.title })}</summary>
+      <TableFrame label={say("lab.sources_of", { device: source.title })}>
         <table class="dense"><tbody>
           {source.numbers.map((number) => <tr key={number.what}><th scope="row">{number.what}</th><td>{number.source}</td></tr>)}
         </tbody></table>
