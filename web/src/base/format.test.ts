@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import {
-  formatBytes, formatDuration, formatLimit, formatMoment, formatNumber, formatQuantity, formatSigned, micrometresAsMm, plural, kScoreStep, scoreForField,
+  formatBytes, formatDuration, formatLimit, formatMoment, formatNumber, formatQuantity, formatSigned, micrometresAsMm, kScoreStep, scoreForField,
 } from "./format";
 
 test("angles have their sign without a blank", () => {
@@ -48,8 +48,6 @@ test("times, sizes and lengths use the unit people expect", () => {
   assert.equal(formatDuration(125), "2\u00a0min\u00a005\u00a0s");
   assert.equal(formatBytes(173_214), "173.2 kB");
   assert.equal(micrometresAsMm(600), "0.6\u00a0mm");
-  assert.equal(plural(1, "gap"), "1 gap");
-  assert.equal(plural(2, "attempt"), "2 attempts");
 });
 
 test("a score that fills a field lies on the field's steps", () => {

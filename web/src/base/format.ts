@@ -119,7 +119,3 @@ export function formatBytes(bytes: number): string {
 export function micrometresAsMm(um: number): string {
   return `${formatNumber(um / 1000, 3)}\u00a0mm`;
 }
-
-export function plural(count: number, one: string, many = `${one}s`): string {
-  return `${formatNumber(count, 0)} ${count === 1 ? one : many}`;
-}
