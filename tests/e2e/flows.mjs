@@ -524,6 +524,9 @@ async function speaksLanguages(world) {
   await teacher.getByRole("button", { name: "登录", exact: true }).click();
   await teacher.getByRole("button", { name: "从第一个开始" }).waitFor();
   await teacher.screenshot({ path: world.picture("grading_zh"), fullPage: true });
+  await teacher.goto("/assignments/00000000-0000-7000-8000-000000000500");
+  await teacher.locator(".insight .tenths").first().waitFor();
+  assert.match(await teacher.locator(".insight").innerText(), /近中壁/, "titles of built-in criteria");
   await teacher.goto("/live");
   await teacher.locator(".live-card .badge.good").first().waitFor();
   assert.match(await teacher.locator("main").innerText(), /当前力/);

@@ -4,7 +4,7 @@ import { sayIf } from "../base/words";
 import { ok } from "../base/result";
 import type { Client } from "./client";
 import type { ApiResult } from "./http";
-import type { Score } from "./types";
+import type { AssignmentInsight, Score } from "./types";
 
 // What the server says of a score in English, in the language of the page: reasons by their codes (schemas/score.md,
 // "Reasons"), titles that the built-in exercises give. What people wrote stays as they wrote it.
@@ -25,6 +25,11 @@ export function wordedScore(score: Score): Score {
     ...score, criteria: score.criteria.map((criterion) => ({ ...criterion, title: wordedTitle(criterion.title), reason: reasonText(criterion) })),
     ...(score.gates === undefined ? {} : { gates: score.gates.map((gate) => ({ ...gate, title: wordedTitle(gate.title), reason: reasonText(gate) })) }),
   };
+}
+
+export function wordedInsight(insight: AssignmentInsight): AssignmentInsight {
+  const worded = <T extends { readonly title: string }>(item: T): T => ({ ...item, title: wordedTitle(item.title) });
+  return spokenLanguage() === "en" ? insight : { ...insight, criteria: insight.criteria.map(worded), gates: insight.gates.map(worded) };
 }
 
 // "Walls upright" of a built-in exercise; any other title stays.

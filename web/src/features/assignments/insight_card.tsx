@@ -1,9 +1,11 @@
 import type { Client } from "../../api/client";
 import type { AssignmentInsight, Spread } from "../../api/types";
 import { useRequest } from "../../api/use_request";
+import { wordedInsight } from "../../api/worded";
 import { csvText } from "../../base/csv";
 import { downloadText, fileName } from "../../base/download";
 import { formatDateTime, formatDuration, formatPoints, formatQuantity, formatScore } from "../../base/format";
+import { ok } from "../../base/result";
 import { say } from "../../base/words";
 import { Badge, Card, Empty, ErrorNotice, Loading, Notice } from "../../widgets/basics";
 import { DataTable } from "../../widgets/table";
@@ -18,7 +20,10 @@ interface Props {
 
 // How the class did: who has not begun, what was lost where, what stands out.
 export function InsightCard({ client, id, title }: Props) {
-  const { loaded, reload } = useRequest(`insight ${id}`, (signal) => client.teaching.insight(id, signal));
+  const { loaded, reload } = useRequest(`insight ${id}`, async (signal) => {
+    const insight = await client.teaching.insight(id, signal);
+    return insight.ok ? ok(wordedInsight(insight.value)) : insight;
+  });
   const save = (insight: AssignmentInsight) => {
     const { header, rows } = insightTable(insight);
     downloadText(`${fileName(title, "class")}.csv`, "text/csv", csvText(header, rows));
