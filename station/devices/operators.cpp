@@ -229,11 +229,11 @@ double FloorOver(double wanted_m, const scene::PreparationPart& part,
 // there he holds it towards the steeper one, as far beyond it as makes an undercut that is felt.
 double AskewIn_deg(const scene::Preparation& shape, double askew_deg) {
   using PartOutline = scene::PreparationPart::Outline;
-  constexpr double kUndercut_deg = 8, kDegPerRad = 57.29577951308232;
+  constexpr double kUndercut_deg = 4, kDegPerRad = 57.29577951308232;
   if (askew_deg == 0 || shape.parts[0].outline != PartOutline::kStump) return askew_deg;
   const scene::PreparationPart& part = shape.parts[0];
-  const auto& [foot, table, below_um, corner_um] = part.stump;
-  const double high_um = part.depth_um - below_um;
+  const scene::Stump::Section &foot = part.stump.foot, &table = part.stump.table;
+  const double high_um = part.depth_um - part.stump.table_below_um;
   auto lean_deg = [&](int side) {
     const double out_um =
         side * (foot.middle_um[1] - table.middle_um[1]) + foot.half_um[1] - table.half_um[1];
