@@ -137,7 +137,12 @@ class DeskAttemptTest : public testing::Test {
     ASSERT_LT(flow_->offer_index(), flow_->offers().size()) << flow_->problem();
     ASSERT_EQ(flow_->offers()[flow_->offer_index()].profile, profile);
     flow_->Start(false);
-    ASSERT_TRUE(Reached([&] { return flow_->place() == Place::kRunning; })) << flow_->problem();
+    ASSERT_TRUE(Reached([&] {
+      // On a machine with far too much to do the arm is not heard within its second: again.
+      const bool again = flow_->place() == Place::kExercise && !flow_->busy();
+      if (again && !flow_->problem().empty()) flow_->Start(false);
+      return flow_->place() == Place::kRunning;
+    })) << flow_->problem();
   }
   const Snapshot& Newest() { return flow_->attempt()->run()->snapshot(); }
   // For who wants to look.
@@ -161,7 +166,7 @@ class DeskAttemptTest : public testing::Test {
 };
 
 TEST_F(DeskAttemptTest, HowItsLoopWentIsKeptAsThatOfOneFromTheCommandLineIs) {
-  Begin("pointer");
+  ASSERT_NO_FATAL_FAILURE(Begin("pointer"));
   ASSERT_TRUE(Reached([&] { return Newest().counters.ticks >= 300; }));
   flow_->EndAttempt();
   ASSERT_TRUE(Reached([&] { return flow_->place() == Place::kSignIn; })) << flow_->problem();
@@ -183,7 +188,7 @@ TEST_F(DeskAttemptTest, HowItsLoopWentIsKeptAsThatOfOneFromTheCommandLineIs) {
 
 TEST_F(DeskAttemptTest, PuttingTheHandpieceDownPausesAndSaysHowToGoOn) {
   board_.emplace(folder_ / "board", "phantom_desktop");
-  Begin("phantom_desktop");
+  ASSERT_NO_FATAL_FAILURE(Begin("phantom_desktop"));
   ASSERT_TRUE(Reached([&] { return Newest().counters.ticks >= 50; }));
   board_->buttons = 2;
   ASSERT_TRUE(Reached([&] { return flow_->dialog() == Dialog::kPaused; }));
