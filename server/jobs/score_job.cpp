@@ -1,7 +1,6 @@
 #include "server/jobs/score_job.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 
 #include "common/base/unix_time.h"
@@ -184,15 +183,9 @@ class ScoreJob {
     const surface::Mesh pulp = scoring::PulpSurface(initial_);
     if (pulp.position_m.empty()) return series.ToJson();
     const surface::DistanceQuery query(pulp);
-    const cutting::GridSpec& spec = initial_.spec();
     return series.ToJson([&](const dvec3& tip_m) {
-      const dvec3 at = (tip_m - spec.origin_m()) / spec.voxel_m();
-      const ivec3 voxel(static_cast<int>(std::floor(at.x)), static_cast<int>(std::floor(at.y)),
-                        static_cast<int>(std::floor(at.z)));
-      const ivec3 n = spec.voxels();
-      const bool inside = voxel.x >= 0 && voxel.y >= 0 && voxel.z >= 0 && voxel.x < n.x &&
-                          voxel.y < n.y && voxel.z < n.z;
-      if (inside && initial_.TissueAt(voxel) == cutting::Tissue::kPulp) return 0.0;
+      // Inside it is 0, and not how deep.
+      if (initial_.TissueAtPoint(tip_m) == cutting::Tissue::kPulp) return 0.0;
       return query.Distance_m(tip_m, kFarFromPulp_m);
     });
   }
