@@ -214,6 +214,21 @@ TEST_F(AccessTest, AttemptCarriesTheNamesOfWhatItPointsTo) {
   EXPECT_TRUE(attempt.at("reference").is_null());
 }
 
+TEST_F(AccessTest, ASpanOfTicksIsGivenOrRefusedWithTheFieldAtFault) {
+  boost::json::value some = Parsed(By("ada").Get(Scored("/ticks?from=990&to=1010")));
+  EXPECT_EQ(some.at("time_ticks").as_array().size(), 10u) << "the recording has a thousand";
+  EXPECT_EQ(Parsed(By("ada").Get(Scored("/ticks"))).at("to"), 4000);
+  for (const auto& [query, field] : {std::pair{"?from=-1", "from"},
+                                     {"?to=x", "to"},
+                                     {"?from=9&to=9", "to"},
+                                     {"?to=4001", "to"},
+                                     {"?from=18446744073709551615", "to"}}) {
+    RawResponse refused = By("ada").Get(Scored(std::string("/ticks") + query));
+    EXPECT_EQ(refused.status, 400) << query;
+    EXPECT_EQ(Parsed(refused).at("error").at("field"), field) << query;
+  }
+}
+
 TEST_F(AccessTest, ReferenceShowsAtTheExerciseAndTheAttempt) {
   // Its tooth is none, so whether it did the task cannot be told.
   RawResponse refused =
