@@ -1,7 +1,6 @@
 import { ConeGeometry, CylinderGeometry, Mesh, MeshBasicMaterial, Vector3 } from "three";
 
 const kArrowMmPerN = 1.5;                       // as the words say (tooth.force_arrow)
-const kLeastN = 0.05;                           // less is no contact
 const kMostMm = 12;
 const kShaftMm = 0.09;
 const kHeadMm = 0.55;
@@ -23,17 +22,16 @@ export class ForceArrow {
     this.mesh.visible = false;
   }
 
-  // newton, scene frame; undefined: nothing is known.
+  // newton, scene frame; undefined: none is felt.
   set(forceN: readonly [number, number, number] | undefined): void {
     this.force = forceN;
   }
 
   // `tip`: where it begins; undefined: no tool is drawn.
   place(tip: Vector3 | undefined): void {
-    const newton = this.force === undefined ? 0 : Math.hypot(...this.force);
-    this.mesh.visible = tip !== undefined && newton >= kLeastN;
-    if (tip === undefined || this.force === undefined || !this.mesh.visible) return;
-    const lengthMm = Math.min(kMostMm, newton * kArrowMmPerN);
+    this.mesh.visible = tip !== undefined && this.force !== undefined;
+    if (tip === undefined || this.force === undefined) return;
+    const lengthMm = Math.min(kMostMm, Math.hypot(...this.force) * kArrowMmPerN);
     this.mesh.position.copy(tip);
     this.mesh.quaternion.setFromUnitVectors(kUp, new Vector3(...this.force).normalize());
     this.mesh.scale.set(1, lengthMm, 1);

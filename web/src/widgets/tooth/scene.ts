@@ -15,7 +15,7 @@ import { type BlockHit, ToothBlocks } from "./blocks";
 import type { Film, FilmPose, FilmScreen } from "./film";
 import { ForceArrow } from "./force_arrow";
 import { LineGroup } from "./line_group";
-import type { ToothLines } from "./lines";
+import type { PointMm, ToothLines } from "./lines";
 import { Ghost, markBy } from "./ghost";
 import { cutBy, quickMaterial } from "./quick_material";
 import { DrawingPace, drawsSlowly, type Effort, setDrawing } from "./renderer";
@@ -25,7 +25,7 @@ import { TriangleGrid } from "./triangle_grid";
 
 export type ColorMode = "tissue" | "deviation";
 export type CameraPreset = "angled" | "cavity" | "occlusal" | "buccal" | "lingual" | "mesial" | "distal" | "apical";
-export type PointMm = readonly [number, number, number];
+export type { PointMm };
 
 // How to look into what was cut: from where, and at what.
 export interface AngledView {
@@ -182,7 +182,7 @@ export class ToothScene implements FilmScreen {
     this.frame.request();
   }
 
-  // The force on the hand, N; undefined: not known. Drawn at the bur or, where none is shown, at the tool's mark.
+  // The force on the hand, N; undefined: none is felt. Drawn at the bur or, where none is shown, at the tool's mark.
   setForce(forceN: PointMm | undefined): void {
     this.arrow.set(forceN);
     this.placeArrow();

@@ -79,6 +79,7 @@ export function prepareTooth(): void {
 export function ToothView({ model, mode, label, angled, busy = false, section, ghost, led = false, follow = false, children, tool, path, forceN, lines, pins = kNoPins, look, onPin, onPick }: Props) {
   const source = "film" in model ? model.film : model.surface;
   const newton = forceN === undefined ? 0 : Math.hypot(...forceN);
+  const felt = newton >= kLeastForceN ? forceN : undefined;
   const keys = useId();
   const frame = useRef<HTMLDivElement>(null);
   const scene = useRef<ToothScene | undefined>(undefined);
@@ -115,7 +116,7 @@ export function ToothView({ model, mode, label, angled, busy = false, section, g
 
   useEffect(() => scene.current?.setMode(mode), [mode, ready]);
   useEffect(() => scene.current?.setTool(tool, path ?? []), [tool, path, ready]);
-  useEffect(() => scene.current?.setForce(forceN), [forceN, ready]);
+  useEffect(() => scene.current?.setForce(felt), [felt, ready]);
   useEffect(() => scene.current?.setLines(lines), [lines, ready]);
   useEffect(() => scene.current?.setAngled(angled), [angled, ready]);
   useEffect(() => ready && scene.current !== undefined && "film" in model ? model.film.attach(scene.current) : undefined, [source, ready]);
@@ -155,7 +156,7 @@ export function ToothView({ model, mode, label, angled, busy = false, section, g
                   data-point={pin.pointMm.join(" ")} onClick={() => onPin?.(pin.key)}>{pin.text}</button>
         ))}
         {problem !== "" && <p class="tooth-problem">{problem}</p>}
-        {newton >= kLeastForceN && <p class="tooth-force" title={say("tooth.force_arrow")}><span class="swatch force" />{say("tooth.force", { force: formatQuantity(newton, "N") })}</p>}
+        {felt !== undefined && <p class="tooth-force" title={say("tooth.force_arrow")}><span class="swatch force" />{say("tooth.force", { force: formatQuantity(newton, "N") })}</p>}
         {under !== undefined && <p class="tooth-under" aria-hidden="true">{pointText(under)}</p>}
       </div>
       <div class="tooth-tools">
