@@ -3,6 +3,7 @@
 // from its reference by about 0.3 mm somewhere, as the demonstration's does.
 import assert from "node:assert/strict";
 import { openPage } from "./browser.mjs";
+import { countColors } from "./pixels.mjs";
 import { decodePng } from "./png.mjs";
 import { adminFlows } from "./admin_flows.mjs";
 import { screenFlow } from "./screens.mjs";
@@ -367,18 +368,6 @@ async function heatMapIsThere(page) {
 async function plotIsThere(page) {
   const counts = await countColors(page, ".plot canvas", { force: ([r, g, b]) => b > 90 && b > 1.4 * r && g > r, removed: ([r, g, b]) => r > 150 && r > 1.5 * b && g < r });
   assert.ok(counts.force > 300 && counts.removed > 100, `plot: ${JSON.stringify(counts)}`);
-}
-
-async function countColors(page, selector, tests) {
-  const picture = decodePng(await page.locator(selector).first().screenshot());
-  const counts = Object.fromEntries(Object.keys(tests).map((name) => [name, 0]));
-  for (let y = 0; y < picture.height; ++y) {
-    for (let x = 0; x < picture.width; ++x) {
-      const pixel = picture.at(x, y);
-      for (const [name, matches] of Object.entries(tests)) if (matches(pixel)) ++counts[name];
-    }
-  }
-  return counts;
 }
 
 async function toothByKeyboard(world) {

@@ -1,9 +1,13 @@
 // What the attempt's playback shows and how it is drawn.
 import assert from "node:assert/strict";
-import { decodePng } from "./png.mjs";
+import { toothPixels, toothPixelsBecome } from "./pixels.mjs";
 import { accessible, signedIn } from "./session.mjs";
 
 const kAttempt = "/attempts/00000000-0000-7000-8000-000000000105";
+
+const isArrow = ([r, g, b]) => r > 170 && g > 40 && g < 90 && b < 40;
+const isTargetLine = ([r, g, b]) => b - g > 60 && b - r > 30;
+const isTinted = ([r, g, b]) => g - r > 25 && g - b > -25 && b - r > 5;  // by another tooth over it
 
 // Chromium draws on the processor here: what moves has fewer pixels until it stands.
 async function drawsQuickly(world) {
@@ -121,20 +125,8 @@ async function forceArrow(world) {
   const page = await signedIn(world, "instructor", `${kAttempt}?t=20`);
   await page.locator('.playback[data-shown="200"]').waitFor();
   await page.getByText(/^Force on the hand: [\d.]+\sN$/).waitFor();
-  const orange = async () => {
-    await page.locator(".tooth-frame canvas[data-drawn=full]").waitFor();
-    const picture = decodePng(await page.locator(".tooth-frame canvas").screenshot());
-    let count = 0;
-    for (let y = 0; y < picture.height; ++y) {
-      for (let x = 0; x < picture.width; ++x) {
-        const [r, g, b] = picture.at(x, y);
-        count += r > 170 && g > 40 && g < 90 && b < 40 ? 1 : 0;
-      }
-    }
-    return count;
-  };
   await page.waitForFunction(() => document.querySelector(".tooth-force .swatch.force") !== null);
-  const touching = await orange();
+  const touching = await toothPixels(page, isArrow);
   assert.ok(touching > 60, `the arrow has ${touching} pixels`);
   await page.screenshot({ path: world.picture("force_arrow") });
   await accessible(page, "a force on the tooth");
@@ -142,7 +134,7 @@ async function forceArrow(world) {
   await page.keyboard.press("Home");
   await page.locator('.playback[data-shown="0"]').waitFor();
   await page.getByText(/^Force on the hand/).waitFor({ state: "detached" });
-  assert.equal(await orange(), 0, "no arrow in the air");
+  assert.equal(await toothPixels(page, isArrow), 0, "no arrow in the air");
   // What the limiter held back, and ticks that came late.
   await page.locator(".readout").getByText("Computed force").waitFor();
   assert.equal(await page.locator(".spans .span.late").count(), 1);
@@ -153,36 +145,15 @@ async function forceArrow(world) {
 async function targetLines(world) {
   const page = await signedIn(world, "student", `${kAttempt}?t=20`);
   await page.locator('.playback[data-shown="200"]').waitFor();
-  const violet = async () => {
-    await page.locator(".tooth-frame[aria-busy=false] canvas[data-drawn=full]").waitFor();
-    const picture = decodePng(await page.locator(".tooth-frame canvas").screenshot());
-    let count = 0;
-    for (let y = 0; y < picture.height; ++y) {
-      for (let x = 0; x < picture.width; ++x) {
-        const [r, g, b] = picture.at(x, y);
-        count += b - g > 60 && b - r > 30 ? 1 : 0;
-      }
-    }
-    return count;
-  };
-  const becomes = async (what, enough) => {
-    let count = -1;
-    for (let wait = 0; wait < 40; ++wait) {
-      count = await violet();
-      if (enough(count)) return;
-      await page.waitForTimeout(150);
-    }
-    assert.fail(`${what}: ${count} pixels`);
-  };
-  const before = await violet();
+  const before = await toothPixels(page, isTargetLine);
   const button = page.getByRole("button", { name: "Target", exact: true });
   await button.click();
-  await becomes("lines of the target", (count) => count > before + 150);
+  await toothPixelsBecome(page, "lines of the target", isTargetLine, (count) => count > before + 150);
   assert.equal(await button.getAttribute("aria-pressed"), "true");
   await page.screenshot({ path: world.picture("target_lines") });
   await accessible(page, "the target over the tooth");
   await button.click();
-  await becomes("no lines", (count) => count <= before + 20);
+  await toothPixelsBecome(page, "no lines", isTargetLine, (count) => count <= before + 20);
 }
 
 // A few seconds are shown tick by tick, from the recording; panning asks for no more than it shows.
@@ -204,7 +175,7 @@ async function tickByTick(world) {
     const query = new URLSearchParams(search);
     assert.ok(Number(query.get("to")) - Number(query.get("from")) <= 4000, search);
   }
-  // A press sets the moment to a tick, which is finer than the playback's frames.
+  // A drag with Shift moves the part.
   const over = page.locator(".force-card .u-over");
   const box = await over.boundingBox();
   const before = asked.length;
@@ -221,31 +192,6 @@ async function tickByTick(world) {
   await page.screenshot({ path: world.picture("ticks") });
   await over.dblclick();
   await page.getByText(/^Shown: /).waitFor({ state: "detached" });
-}
-
-// Pixels of the picture that another tooth over it has tinted.
-async function tinted(page) {
-  await page.locator(".tooth-frame[aria-busy=false] canvas[data-drawn=full]").waitFor();
-  const picture = decodePng(await page.locator(".tooth-frame canvas").screenshot());
-  let count = 0;
-  for (let y = 0; y < picture.height; ++y) {
-    for (let x = 0; x < picture.width; ++x) {
-      const [r, g, b] = picture.at(x, y);
-      count += g - r > 25 && g - b > -25 && b - r > 5 ? 1 : 0;
-    }
-  }
-  return count;
-}
-
-// Once the other tooth is there and both are drawn in full.
-async function tintedBecomes(page, what, enough) {
-  let count = -1;
-  for (let wait = 0; wait < 40; ++wait) {
-    count = await tinted(page);
-    if (enough(count)) return;
-    await page.waitForTimeout(150);
-  }
-  assert.fail(`${what}: ${count} pixels are tinted`);
 }
 
 async function putOnTop(page, other) {
@@ -275,11 +221,11 @@ async function onTop(world) {
     const page = await signedIn(world, "instructor", `${kAttempt}?t=20`, { width, height });
     await page.locator('.playback[data-shown="200"]').waitFor();
     await page.getByRole("button", { name: "Occlusal", exact: true }).click();
-    const before = await tinted(page);
+    const before = await toothPixels(page, isTinted);
     const same = (count) => count < before + 150;
     await putOnTop(page, "000000000201");
     await page.locator(".other-time", { hasText: "0:20.0" }).waitFor();
-    await tintedBecomes(page, "slower, on top", (count) => count > before + 1000);
+    await toothPixelsBecome(page, "slower, on top", isTinted, (count) => count > before + 1000);
     await page.getByRole("application", { name: /The other attempt lies over it/ }).waitFor();
     await barFits(page, height);
     await accessible(page, `another attempt on top at ${width}`);
@@ -287,20 +233,20 @@ async function onTop(world) {
     await page.getByLabel("The other’s moment").selectOption({ label: "The same place on the way" });
     // (20 / 43.2)^(1 / 1.5) of 43.2 s.
     await page.locator(".other-time", { hasText: /^0:2(5\.[7-9]|6\.0)$/ }).waitFor();
-    await tintedBecomes(page, "at the same place", same);
+    await toothPixelsBecome(page, "at the same place", isTinted, same);
     await page.screenshot({ path: world.picture(`on_top_same_place_${width}`) });
     // A plane cuts both.
     await page.getByLabel("The other’s moment").selectOption("time");
     await page.getByLabel("Section", { exact: true }).selectOption("y");
     await page.getByRole("button", { name: "Lingual", exact: true }).click();
-    await tintedBecomes(page, "cut open", (count) => count > before + 300);
+    await toothPixelsBecome(page, "cut open", isTinted, (count) => count > before + 300);
     await page.screenshot({ path: world.picture(`on_top_section_${width}`) });
     await page.getByLabel("Section", { exact: true }).selectOption("");
     // At the end both are the same, from all sides.
     await page.locator("body").click({ position: { x: 5, y: 300 } });
     await page.keyboard.press("End");
     await page.locator(".other-time", { hasText: "0:43.2" }).waitFor();
-    await tintedBecomes(page, "at the end", same);
+    await toothPixelsBecome(page, "at the end", isTinted, same);
     await barFits(page, height);
     await page.screenshot({ path: world.picture(`on_top_end_${width}`) });
     await page.getByLabel("Compare with").selectOption("");
@@ -310,14 +256,14 @@ async function onTop(world) {
   const page = await signedIn(world, "instructor", `${kAttempt.replace("105", "201")}?t=20`);
   await page.locator('.playback[data-shown="200"]').waitFor();
   await page.getByRole("button", { name: "Apical", exact: true }).click();
-  const fromBelow = await tinted(page);
+  const fromBelow = await toothPixels(page, isTinted);
   await page.getByRole("button", { name: "Occlusal", exact: true }).click();
-  const before = await tinted(page);
+  const before = await toothPixels(page, isTinted);
   await putOnTop(page, "000000000105");
-  await tintedBecomes(page, "faster, on top", (count) => count > before + 500);
+  await toothPixelsBecome(page, "faster, on top", isTinted, (count) => count > before + 500);
   await page.screenshot({ path: world.picture("on_top_less") });
   await page.getByRole("button", { name: "Apical", exact: true }).click();
-  await tintedBecomes(page, "faster, from below", (count) => count < fromBelow + 150);
+  await toothPixelsBecome(page, "faster, from below", isTinted, (count) => count < fromBelow + 150);
   await page.screenshot({ path: world.picture("on_top_less_below") });
 }
 

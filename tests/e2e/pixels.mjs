@@ -1,0 +1,35 @@
+// What colours a picture on the page has.
+import assert from "node:assert/strict";
+import { decodePng } from "./png.mjs";
+
+// How many pixels of an element each test holds for.
+export async function countColors(page, selector, tests) {
+  const picture = decodePng(await page.locator(selector).first().screenshot());
+  const counts = Object.fromEntries(Object.keys(tests).map((name) => [name, 0]));
+  for (let y = 0; y < picture.height; ++y) {
+    for (let x = 0; x < picture.width; ++x) {
+      const pixel = picture.at(x, y);
+      for (const [name, matches] of Object.entries(tests)) if (matches(pixel)) ++counts[name];
+    }
+  }
+  return counts;
+}
+
+const kLooks = 40, kBetweenMs = 150;
+
+// Pixels of the tooth for which `test` holds, once it is drawn in full.
+export async function toothPixels(page, test) {
+  await page.locator(".tooth-frame[aria-busy=false] canvas[data-drawn=full]").first().waitFor();
+  return (await countColors(page, ".tooth-frame canvas", { found: test })).found;
+}
+
+// Looks again until there are enough of them: what is drawn follows what was asked for.
+export async function toothPixelsBecome(page, what, test, enough) {
+  let count = -1;
+  for (let look = 0; look < kLooks; ++look) {
+    count = await toothPixels(page, test);
+    if (enough(count)) return;
+    await page.waitForTimeout(kBetweenMs);
+  }
+  assert.fail(`${what}: ${count} pixels`);
+}
