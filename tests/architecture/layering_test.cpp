@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <regex>
 #include <set>
@@ -289,6 +290,27 @@ TEST(LayeringTest, BeastStaysOutOfHeaders) {
       }
     }
   }
+}
+
+// The thread sanitizer runs over these folders of common/ only (tests/common/CMakeLists.txt): those whose sources
+// or tests start a thread or share something between threads.
+TEST(LayeringTest, EveryFolderWithThreadsIsLookedAtByTheThreadSanitizer) {
+  const std::string list = ReadAll(kRoot / "tests/common/CMakeLists.txt");
+  std::smatch m;
+  ASSERT_TRUE(std::regex_search(list, m, std::regex(R"(foreach\(dir ([a-z ]+)\))")));
+  std::istringstream words(m[1].str());
+  const Names listed{std::istream_iterator<std::string>(words), {}};
+  std::regex shared(R"re(^<(atomic|condition_variable|future|mutex|shared_mutex|thread)>?$)re");
+  Names found;
+  for (const char* area : {"common", "tests/common"}) {
+    for (const auto& file : Sources(area)) {
+      for (const auto& include : Includes(file)) {
+        if (std::regex_search(include, shared))
+          found.insert(fs::relative(file, kRoot / area).begin()->string());
+      }
+    }
+  }
+  EXPECT_EQ(found, listed);
 }
 
 TEST(LayeringTest, DomainKnowsNoTransportStorageOrText) {
