@@ -1,7 +1,10 @@
 #include "common/postgres/pg_db.h"
 
+#include <thread>
 #include <utility>
 
+#include "common/base/hex.h"
+#include "common/base/uuid.h"
 #include "common/postgres/libpq.h"
 #include "common/postgres/pg_statement.h"
 #include "common/postgres/pg_text.h"
@@ -64,7 +67,8 @@ Code CodeOf(PgFailure::Kind kind) {
   }
 }
 
-PgDb::PgDb(const Libpq& pq, PgDbOptions options) : pq_(pq), options_(std::move(options)) {}
+PgDb::PgDb(const Libpq& pq, PgDbOptions options)
+    : pq_(pq), options_(std::move(options)), writer_("'\\x" + ToHex(Uuid::New().view()) + "'") {}
 
 Result<std::unique_ptr<PgDb>> PgDb::Open(PgDbOptions options) {
   ENAMEL_ASSIGN_OR_RETURN(const Libpq* pq, LoadLibpq());
@@ -76,6 +80,8 @@ Result<std::unique_ptr<PgDb>> PgDb::Open(PgDbOptions options) {
 
 PgDb::~PgDb() {
   statements_.clear();
+  if (counts_ && commits_ > 0 && pq_.status(handle_) == CONNECTION_OK)
+    pq_.clear(pq_.exec(handle_, ("DELETE FROM enamel_commits WHERE writer = " + writer_).c_str()));
   if (handle_ != nullptr) pq_.finish(handle_);
 }
 
@@ -85,13 +91,14 @@ Status PgDb::Connect() {
   if (handle_ == nullptr) {
     // What stands before dbname is a default, which the server's own words replace; what stands
     // after it is not. A host that does not answer is found within seconds, not when TCP gives up.
+    // Who only reads does so at the primary too: a standby may not have yet what was just committed.
     const char* const names[] = {
         "connect_timeout", "tcp_user_timeout", "keepalives_idle",           "target_session_attrs",
         "dbname",          "client_encoding",  "fallback_application_name", nullptr};
     const char* const values[] = {"5",
                                   "10000",
                                   "5",
-                                  options_.read_only ? "any" : "read-write",
+                                  options_.read_only ? "primary" : "read-write",
                                   options_.server.c_str(),
                                   "UTF8",
                                   "enamel",
@@ -118,7 +125,13 @@ Status PgDb::SetUp() {
   sql += options_.read_only ? "SET default_transaction_read_only = on; "
                             : "SET default_transaction_isolation = 'serializable'; ";
   if (!options_.schema.empty()) sql += "SET search_path = " + Quoted(options_.schema) + "; ";
-  return Exec(sql.c_str());
+  ENAMEL_RETURN_IF_ERROR(Exec(sql.c_str()));
+  if (options_.read_only) return Status::Ok();
+  PGresult* const there =
+      pq_.exec(handle_, "SELECT 1 WHERE to_regclass('enamel_commits') IS NOT NULL");
+  counts_ = pq_.result_status(there) == PGRES_TUPLES_OK && pq_.ntuples(there) == 1;
+  pq_.clear(there);
+  return Status::Ok();
 }
 
 Status PgDb::BeThere() {
@@ -143,7 +156,8 @@ Status PgDb::Fail(const PGresult* result) {
   if (pq_.status(handle_) != CONNECTION_OK) failure.kind = Kind::kNotThere;
   failure_ = failure;
   damaged_ = damaged_ || failure.kind == Kind::kDamaged;
-  must_repeat_ = must_repeat_ || failure.kind == Kind::kRepeat;
+  must_repeat_ = must_repeat_ || failure.kind == Kind::kRepeat ||
+                 (in_transaction_ && failure.kind == Kind::kNotThere);
   return Told(failure);
 }
 
@@ -165,11 +179,21 @@ Status PgDb::Exec(const char* sql) {
   return done;
 }
 
-Status PgDb::Begin() {
+Status PgDb::Begin(Isolation isolation) {
   in_transaction_ = false;
   must_repeat_ = false;
-  Status begun = Exec("BEGIN");
+  std::string sql = isolation == Isolation::kRowLocks ? "BEGIN ISOLATION LEVEL READ COMMITTED"
+                                                      : "BEGIN ISOLATION LEVEL SERIALIZABLE";
+  if (counts_) {
+    // With the first statement: a COMMIT that the server has received and not begun yet would not be waited
+    // for by who looks whether it was kept, if only the COMMIT itself took the row.
+    const std::string count = std::to_string(++commits_);
+    sql += "; INSERT INTO enamel_commits (writer, count) VALUES (" + writer_ + ", " + count +
+           ") ON CONFLICT (writer) DO UPDATE SET count = " + count + ", at = now()";
+  }
+  Status begun = Exec(sql.c_str());
   in_transaction_ = begun.ok();
+  if (!begun.ok()) Rollback();
   return begun;
 }
 
@@ -182,7 +206,50 @@ Status PgDb::Commit() {
   }
   Status done = Exec("COMMIT");
   in_transaction_ = !done.ok();
-  return done;
+  // Not lost but refused, or there is nothing to find it out by.
+  if (done.ok() || failure_.kind != Kind::kNotThere || !counts_) return done;
+  in_transaction_ = false;
+  auto kept = WasKept(commits_);
+  if (!kept.ok()) {
+    return Status(Code::kUnavailable,
+                  "the database's server went away as a change was to be kept, and "
+                  "has not come back to tell whether it was; look before you repeat it",
+                  "in_doubt");
+  }
+  must_repeat_ = !*kept;
+  return *kept ? Status::Ok() : done;
+}
+
+Result<bool> PgDb::WasKept(uint64_t number) {
+  const auto until = std::chrono::steady_clock::now() + kInDoubt;
+  for (;;) {
+    auto count = CountKept();
+    if (count.ok()) return *count == number;
+    if (std::chrono::steady_clock::now() >= until) return count.status();
+    // A server that comes up, or a standby that is promoted, takes seconds.
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+}
+
+// The old transaction may still be at its COMMIT, or have it in front of it, whoever asks for its
+// answer: it holds the row, or the key of a row that is not there yet, and is waited for.
+Result<uint64_t> PgDb::CountKept() {
+  ENAMEL_RETURN_IF_ERROR(BeThere());
+  // Not Begin, which counts.
+  ENAMEL_RETURN_IF_ERROR(Exec("BEGIN ISOLATION LEVEL READ COMMITTED"));
+  in_transaction_ = true;
+  auto count = ReadCount();
+  Rollback();
+  return count;
+}
+
+Result<uint64_t> PgDb::ReadCount() {
+  ENAMEL_RETURN_IF_ERROR(Exec(("INSERT INTO enamel_commits (writer, count) VALUES (" + writer_ +
+                               ", 0) ON CONFLICT DO NOTHING")
+                                  .c_str()));
+  Query q(*this, "SELECT count FROM enamel_commits WHERE writer = " + writer_ + " FOR UPDATE");
+  if (q.Next()) return static_cast<uint64_t>(q.Int(0));
+  return q.status().ok() ? Status(Code::kStorage, "enamel_commits has lost a row") : q.status();
 }
 
 void PgDb::Rollback() {
@@ -210,11 +277,10 @@ Result<int> PgDb::SchemaVersion() {
 }
 
 Status PgDb::Migrate(const std::vector<Migration>& migrations) {
-  Transaction transaction(*this);
-  ENAMEL_RETURN_IF_ERROR(transaction.begun());
   // Who comes second must see what the first has committed: a serializable transaction would go on
   // seeing what was there when it began to wait.
-  ENAMEL_RETURN_IF_ERROR(Exec("SET TRANSACTION ISOLATION LEVEL READ COMMITTED"));
+  Transaction transaction(*this, Isolation::kRowLocks);
+  ENAMEL_RETURN_IF_ERROR(transaction.begun());
   ENAMEL_RETURN_IF_ERROR(Exec(kMigrationLock));
   if (!options_.schema.empty()) {
     ENAMEL_RETURN_IF_ERROR(
@@ -223,6 +289,12 @@ Status PgDb::Migrate(const std::vector<Migration>& migrations) {
   ENAMEL_RETURN_IF_ERROR(
       Exec("CREATE TABLE IF NOT EXISTS enamel_schema (application TEXT COLLATE \"C\" NOT NULL, "
            "version BIGINT NOT NULL)"));
+  // One row for each connection that writes, changed with every transaction: most of a page stays free
+  // for that. What a program that was killed has left is nobody's after a day.
+  ENAMEL_RETURN_IF_ERROR(
+      Exec("CREATE TABLE IF NOT EXISTS enamel_commits (writer BYTEA PRIMARY KEY, count BIGINT NOT "
+           "NULL, at TIMESTAMPTZ NOT NULL DEFAULT now()) WITH (fillfactor = 10); "
+           "DELETE FROM enamel_commits WHERE at < now() - interval '1 day'"));
   ENAMEL_ASSIGN_OR_RETURN(const int version, SchemaVersion());
   for (const Migration& next : migrations) {
     if (next.version <= version) continue;
@@ -236,7 +308,9 @@ Status PgDb::Migrate(const std::vector<Migration>& migrations) {
     ENAMEL_RETURN_IF_ERROR(
         mark.BindText(options_.application).BindInt(migrations.back().version).Run());
   }
-  return transaction.Commit();
+  ENAMEL_RETURN_IF_ERROR(transaction.Commit());
+  counts_ = true;
+  return Status::Ok();
 }
 
 std::string PgDb::JsonMember(const std::string& column, const std::string& member) const {

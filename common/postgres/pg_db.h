@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
@@ -60,11 +61,16 @@ struct PgDbOptions {
 
 // One connection. What is committed is on the server's disk, and on its synchronous standby's where
 // there is one (synchronous_commit is never below "on"). Transactions of a connection that may write
-// are SERIALIZABLE: what they do is what they would do one after the other, or they end with
-// must_repeat(). A statement ends after
+// are SERIALIZABLE unless they begin with kRowLocks, then READ COMMITTED. A statement ends after
 // kStatementTimeout, waiting for a lock after kLockTimeout. A connection that was lost is made anew
 // by the next Begin, or by the next statement outside of a transaction; what was not committed is
-// gone then.
+// gone then, and must_repeat() says so.
+//
+// A connection that is lost during COMMIT leaves the question whether it was kept. So each
+// transaction counts itself in a row of its connection's own (table enamel_commits, made by Migrate);
+// a new connection waits for that row, which the old transaction holds until it has ended, and reads
+// whether the count is there. That holds on a standby that was promoted meanwhile too, where the
+// number of a transaction (pg_xact_status) may have been given away once more.
 //
 // Differences to SQLite that callers may meet: a statement that fails ends the work of its
 // transaction, up to the savepoint before it; a query's rows are all in memory from its first Next,
@@ -78,6 +84,8 @@ class PgDb final : public Db {
   static constexpr size_t kMaxStatements = 256;
   static constexpr char kStatementTimeout[] = "60s";
   static constexpr char kLockTimeout[] = "10s";
+  // So long it is tried to ask whether a COMMIT was kept; a standby is promoted within it or not.
+  static constexpr std::chrono::seconds kInDoubt{30};
 
   static Result<std::unique_ptr<PgDb>> Open(PgDbOptions options);
   ~PgDb() override;
@@ -87,10 +95,12 @@ class PgDb final : public Db {
   Statement* Take(const char* sql, Status& status) override;
   Status Exec(const char* sql) override;
   int64_t Changes() const override { return changes_; }
-  Status Begin() override;
+  Status Begin(Isolation isolation) override;
   Status Commit() override;
   void Rollback() override;
   bool must_repeat() const override { return must_repeat_; }
+  const char* RowLock() const override { return " FOR UPDATE"; }
+  const char* RowLockOrSkip() const override { return " FOR UPDATE SKIP LOCKED"; }
   Result<int> SchemaVersion() override;
   Status Migrate(const std::vector<Migration>& migrations) override;
   bool damaged() const override { return damaged_; }
@@ -114,6 +124,11 @@ class PgDb final : public Db {
   Status SetUp();
   // Connects anew where the connection is lost and no transaction is open.
   Status BeThere();
+  // Whether the transaction that counted itself `number` was kept. Errors: kUnavailable (the server
+  // does not answer within kInDoubt).
+  Result<bool> WasKept(uint64_t number);
+  Result<uint64_t> CountKept();
+  Result<uint64_t> ReadCount();
   Status Fail(const pg_result* result);  // of a result, or of the connection where there is none
   Status Told(const PgFailure& failure) const;
   bool InjectedFailure() const { return !opening_ && options_.fail_next && options_.fail_next(); }
@@ -128,6 +143,10 @@ class PgDb final : public Db {
   bool must_repeat_ = false;  // since Begin
   bool damaged_ = false;
   int64_t changes_ = 0;
+  // Of enamel_commits: this object's row, "'\\x0123…'" in SQL, and what its last transaction counted.
+  std::string writer_;
+  uint64_t commits_ = 0;
+  bool counts_ = false;      // the table is there
   uint64_t connection_ = 0;  // how many there have been: a statement is prepared in one of them
   uint64_t names_ = 0;       // given to prepared statements
   PgFailure failure_;

@@ -58,6 +58,15 @@ struct Migration {
   std::string sql;
 };
 
+// How a transaction meets others, where several may write at once.
+enum class Isolation {
+  // What it does is what it would do if all ran one after the other, or it ends with must_repeat().
+  kSerial,
+  // Each statement sees what is committed by then. For work that decides on rows it has locked first
+  // (RowLock): those who work on other rows do not meet it, and nothing has to be repeated for it.
+  kRowLocks,
+};
+
 // One connection. Thread safety: one thread at a time. Errors: as the driver words them, with the
 // codes kConflict (a constraint), kUnavailable (try again), kStorage (all else).
 class Db {
@@ -71,16 +80,24 @@ class Db {
   // Rows changed by the last statement.
   virtual int64_t Changes() const = 0;
 
-  // A transaction that will write: from its beginning nobody else does. Transaction (below) ends
-  // it in any case.
-  virtual Status Begin() = 0;
+  // A transaction that will write; where only one can write, nobody else does from its beginning.
+  // Transaction (below) ends it in any case.
+  virtual Status Begin(Isolation isolation) = 0;
+  // Ok: it is kept. Any failure: nothing of it is, but for kUnavailable with the field "in_doubt",
+  // when the connection broke at this moment and the engine could not be asked in time.
   virtual Status Commit() = 0;
   // Nothing to do where none is open.
   virtual void Rollback() = 0;
 
-  // Whether, since Begin, something failed because transactions met: the whole of this one is to be
-  // taken back and run again, and may succeed then. Where only one can write there is no such thing.
+  // Whether, since Begin, something failed because transactions met, or because the connection was
+  // lost before the end: the whole of this one is to be taken back and run again, and may succeed
+  // then. Where only one can write there is no such thing.
   virtual bool must_repeat() const { return false; }
+  // What is put after a SELECT of rows that this transaction decides on, so that nobody else changes
+  // them before its end; empty where nobody else can.
+  virtual const char* RowLock() const { return ""; }
+  // The same for a SELECT that leaves out what others have locked, instead of waiting for them.
+  virtual const char* RowLockOrSkip() const { return ""; }
 
   // That of the last migration that ran; 0: an empty database. Errors also: kVersion (of another program).
   virtual Result<int> SchemaVersion() = 0;
@@ -126,7 +143,8 @@ class Db {
 // All of a transaction or nothing: what is not committed is rolled back.
 class Transaction {
  public:
-  explicit Transaction(Db& db) : db_(db), begun_(db.Begin()), open_(begun_.ok()) {}
+  explicit Transaction(Db& db, Isolation isolation = Isolation::kSerial)
+      : db_(db), begun_(db.Begin(isolation)), open_(begun_.ok()) {}
   ~Transaction() {
     if (open_) db_.Rollback();
   }

@@ -80,7 +80,7 @@ class SqliteDb final : public Db {
   Statement* Take(const char* sql, Status& status) override;
   Status Exec(const char* sql) override;
   int64_t Changes() const override;
-  Status Begin() override { return Exec("BEGIN IMMEDIATE"); }
+  Status Begin(Isolation) override { return Exec("BEGIN IMMEDIATE"); }
   Status Commit() override { return Exec("COMMIT"); }
   void Rollback() override;
   Result<int> SchemaVersion() override;

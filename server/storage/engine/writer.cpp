@@ -17,8 +17,8 @@ Writer::~Writer() {
   thread_.join();
 }
 
-Status Writer::Run(const Work& work) {
-  Pending mine{&work};
+Status Writer::Run(const Work& work, sql::Isolation isolation) {
+  Pending mine{&work, nullptr, isolation};
   return Queue(mine);
 }
 
@@ -65,15 +65,24 @@ void Writer::Loop() {
   }
 }
 
-// What is to run alone makes a batch of its own.
+// What came first, and all that may go with it: in the order they came, up to what is to run alone. That
+// makes a batch of its own.
 std::vector<Writer::Pending*> Writer::TakeBatch() {
   std::vector<Pending*> batch;
-  while (!queue_.empty() && batch.size() < kMaxBatch) {
-    bool alone = queue_.front()->alone != nullptr;
-    if (alone && !batch.empty()) break;
+  if (queue_.front()->alone != nullptr) {
     batch.push_back(queue_.front());
     queue_.pop_front();
-    if (alone) break;
+    return batch;
+  }
+  const sql::Isolation isolation = queue_.front()->isolation;
+  for (auto at = queue_.begin();
+       at != queue_.end() && (*at)->alone == nullptr && batch.size() < kMaxBatch;) {
+    if ((*at)->isolation == isolation) {
+      batch.push_back(*at);
+      at = queue_.erase(at);
+    } else {
+      ++at;
+    }
   }
   return batch;
 }
@@ -118,7 +127,7 @@ Status Writer::Transact(const std::vector<Pending*>& batch) {
 }
 
 Status Writer::TransactOnce(const std::vector<Pending*>& batch) {
-  Status failure = db_->Begin();
+  Status failure = db_->Begin(batch.front()->isolation);
   for (size_t i = 0; failure.ok() && i < batch.size(); ++i) {
     failure = RunOne(*batch[i]->work, batch[i]->status);
     // It failed, whatever the work made of that.

@@ -28,8 +28,11 @@ class Writer {
   // evidence). Durable when Run returns. A work may be run again after what it did was taken back
   // (a server's database ends transactions that meet): what it sets outside the database, it sets
   // anew from its start.
+  //
+  // `isolation`: kRowLocks for what comes with every chunk and job, and locks the rows it decides on;
+  // those run in transactions of their own, so that one that has to be repeated never repeats them.
   using Work = std::function<Status(Db& db, bool& keep_anyway)>;
-  Status Run(const Work& work);
+  Status Run(const Work& work, sql::Isolation isolation = sql::Isolation::kSerial);
   // Runs `work` on the thread and outside any transaction, for what engines refuse inside one
   // (VACUUM); what is queued after it waits.
   Status RunAlone(const std::function<Status(Db& db)>& work);
@@ -66,6 +69,7 @@ class Writer {
   struct Pending {
     const Work* work;
     const std::function<Status(Db& db)>* alone = nullptr;  // instead of `work`
+    sql::Isolation isolation = sql::Isolation::kSerial;
     Status status{};
     bool done = false;
     std::condition_variable turn{};  // done

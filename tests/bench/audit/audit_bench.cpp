@@ -107,7 +107,7 @@ void BM_WriteRow(benchmark::State& state) {
   const sqlite::AuditSigner signer(folder.Key().secret_key);
   db->SetCompanion(&signer);
   const char* action = state.range(0) == 0 ? "store.backup" : "device.list";
-  if (!db->Begin().ok()) std::abort();
+  if (!db->Begin(sql::Isolation::kSerial).ok()) std::abort();
   for (auto _ : state) {
     if (!sqlite::WriteAudit(*db, kBench, action, "device", "{}", "{}").ok()) std::abort();
   }
@@ -122,7 +122,7 @@ void BM_VerifyTrail(benchmark::State& state) {
   const trace::KeyPair keys = folder.Key();
   const sqlite::AuditSigner signer(keys.secret_key);
   db->SetCompanion(&signer);
-  if (!db->Begin().ok()) std::abort();
+  if (!db->Begin(sql::Isolation::kSerial).ok()) std::abort();
   for (int64_t i = 0; i < state.range(0); ++i) {
     if (!sqlite::WriteAudit(*db, kBench, "device.list", "device", "{}", "{}").ok()) std::abort();
   }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/sql/query.h"
+#include "tests/support/postgres_proxy.h"
 
 // The driver for PostgreSQL: what it keeps, converts and tells, and what it does when the server or
 // another transaction comes between. with_postgres.sh starts the server and names it.
@@ -253,6 +254,90 @@ TEST_F(PgDbTest, ALostConnectionEndsTheTransactionAndIsMadeAnewForTheNext) {
   }
   Query q(*db_, "SELECT count(*) FROM t");
   ASSERT_TRUE(q.Next()) << "prepared anew: " << q.status().message();
+  EXPECT_EQ(q.Int(0), 1);
+}
+
+// The connection breaks at each message of a transaction in turn, before it, right after it and when it is
+// answered. Whoever repeats what he is told to repeat has it kept once, and who is told that it is kept has it.
+TEST_F(PgDbTest, ATransactionThatLosesItsConnectionAnywhereIsKeptOnceOrToBeRepeated) {
+  ASSERT_TRUE(db_->Migrate({{1, "0001_a.sql", "CREATE TABLE t (n bigint)"}}).ok());
+  test::PostgresProxy proxy(server_);
+  PgDbOptions options = Options();
+  options.server = proxy.server();
+  auto db = PgDb::Open(std::move(options));
+  ASSERT_TRUE(db.ok()) << db.status().message();
+  auto once = [&](int64_t n) {
+    Transaction transaction(**db);
+    ENAMEL_RETURN_IF_ERROR(transaction.begun());
+    Query q(**db, "INSERT INTO t VALUES (?1)");
+    ENAMEL_RETURN_IF_ERROR(q.BindInt(n).Run());
+    return transaction.Commit();
+  };
+  ASSERT_TRUE(once(-1).ok());
+  int64_t done = 0;
+  for (const auto cut : {test::PostgresProxy::Cut::kBefore, test::PostgresProxy::Cut::kAfter,
+                         test::PostgresProxy::Cut::kAnswer, test::PostgresProxy::Cut::kLate}) {
+    bool met = true;
+    for (int skip = 0; met; ++skip) {
+      ASSERT_LT(skip, 100);
+      proxy.CutAt(skip, cut);
+      Status kept = once(done);
+      for (int tries = 1; !kept.ok() && tries < 3; ++tries) {
+        // A connection that breaks at BEGIN has begun nothing.
+        EXPECT_EQ(kept.code(), Code::kUnavailable) << kept.message();
+        kept = once(done);
+      }
+      EXPECT_TRUE(kept.ok()) << kept.message();
+      ++done;
+      met = proxy.Disarm();
+    }
+  }
+  EXPECT_GT(done, 15);
+  Query q(*db_, "SELECT count(*), count(DISTINCT n) FROM t WHERE n >= 0");
+  ASSERT_TRUE(q.Next());
+  EXPECT_EQ(q.Int(0), done) << "doubled or lost";
+  EXPECT_EQ(q.Int(1), done);
+}
+
+// The old connection is at its COMMIT still, waiting for a standby, when the new one asks.
+TEST_F(PgDbTest, ACommitThatIsStillUnderWayIsWaitedFor) {
+  ASSERT_TRUE(
+      db_->Migrate({{1, "0001_a.sql",
+                     "CREATE TABLE t (n bigint);"
+                     "CREATE FUNCTION hold() RETURNS trigger LANGUAGE plpgsql AS $$ BEGIN "
+                     "PERFORM pg_advisory_xact_lock_shared(77); RETURN NULL; END $$;"
+                     "CREATE CONSTRAINT TRIGGER slow AFTER INSERT ON t DEFERRABLE INITIALLY "
+                     "DEFERRED FOR EACH ROW EXECUTE FUNCTION hold()"}})
+          .ok());
+  auto other = Open();
+  ASSERT_TRUE(other->Exec("SELECT pg_advisory_lock(77)").ok());
+  test::PostgresProxy proxy(server_);
+  PgDbOptions options = Options();
+  options.server = proxy.server();
+  auto db = PgDb::Open(std::move(options));
+  ASSERT_TRUE(db.ok()) << db.status().message();
+  std::atomic<bool> told{false};
+  Status kept;
+  std::jthread writer([&] {
+    Transaction transaction(**db);
+    ASSERT_TRUE((*db)->Exec("INSERT INTO t VALUES (1)").ok());
+    proxy.CutAt(0, test::PostgresProxy::Cut::kAfter);
+    kept = transaction.Commit();
+    told = true;
+  });
+  // Both the COMMIT and who asks about it are waiting.
+  for (int64_t waiting = 0; waiting < 2;) {
+    Query q(*other, "SELECT count(*) FROM pg_stat_activity WHERE wait_event_type = 'Lock'");
+    ASSERT_TRUE(q.Next());
+    waiting = q.Int(0);
+    EXPECT_FALSE(told);
+    if (told) break;
+  }
+  ASSERT_TRUE(other->Exec("SELECT pg_advisory_unlock(77)").ok());
+  writer.join();
+  EXPECT_TRUE(kept.ok()) << kept.message();
+  Query q(*db_, "SELECT count(*) FROM t");
+  ASSERT_TRUE(q.Next());
   EXPECT_EQ(q.Int(0), 1);
 }
 

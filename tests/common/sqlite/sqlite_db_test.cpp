@@ -147,9 +147,9 @@ TEST_F(SqliteDbTest, FailuresAreToldByTheirKind) {
   EXPECT_EQ(db->Exec("INSERT INTO a VALUES (2, 0)").code(), Code::kConflict);
   EXPECT_EQ(db->failure().kind, Kind::kConstraint);
   auto other = Open();
-  ASSERT_TRUE(other->Begin().ok());
+  ASSERT_TRUE(other->Begin(Isolation::kSerial).ok());
   db->SetBusyWait(std::chrono::milliseconds(1));
-  EXPECT_EQ(db->Begin().code(), Code::kUnavailable);
+  EXPECT_EQ(db->Begin(Isolation::kSerial).code(), Code::kUnavailable);
   EXPECT_EQ(db->failure().kind, Kind::kBusy);
   EXPECT_FALSE(told_.opening);
   EXPECT_EQ(told_.path, File().string());

@@ -49,7 +49,7 @@ Columns OfPostgres(sql::Db& db) {
       "p.constraint_schema = k.constraint_schema AND p.constraint_name = k.constraint_name AND "
       "p.constraint_type = 'PRIMARY KEY') ON k.table_schema = c.table_schema AND k.table_name = "
       "c.table_name AND k.column_name = c.column_name WHERE c.table_schema = current_schema() AND "
-      "c.table_name <> 'enamel_schema'");
+      "c.table_name NOT IN ('enamel_schema', 'enamel_commits')");
   while (q.Next()) {
     out[q.Text(0)] = q.Text(1) + (q.Int(2) != 0 ? " NOT NULL" : "") +
                      (q.Int(3) != 0 ? " KEY " + std::to_string(q.Int(3)) : "");

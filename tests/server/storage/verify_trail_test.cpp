@@ -69,7 +69,7 @@ class VerifyTrailTest : public DecidedSchoolTest {
     ENAMEL_ASSIGN_OR_RETURN(auto db, Connect());
     const AuditSigner signer(school_.ticket_key.secret_key, chain);
     db->SetCompanion(&signer);
-    ENAMEL_RETURN_IF_ERROR(db->Begin());
+    ENAMEL_RETURN_IF_ERROR(db->Begin(sql::Isolation::kSerial));
     ENAMEL_RETURN_IF_ERROR(
         sqlite::WriteAudit(*db, Actor{{}, "another server"}, "store.backup", "", "{}", "{}"));
     return db->Commit();
