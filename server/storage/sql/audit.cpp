@@ -58,6 +58,25 @@ Result<std::pair<int64_t, Uuid>> LastOfChain(Db& db, const Uuid& chain) {
   return out;
 }
 
+AuditHead HeadOf(const Query& q) {
+  AuditHead out{q.Id(0), static_cast<uint64_t>(q.Int(1)), q.Id(2), q.Hash(3)};
+  // Of another length: a signature that fits nothing.
+  const Bytes signature = q.Blob(4);
+  if (signature.size() == out.signature.size()) std::ranges::copy(signature, out.signature.begin());
+  return out;
+}
+
+Result<std::optional<AuditHead>> FindHead(Db& db, const Uuid& chain, const char* lock) {
+  Query q(db, std::string(
+                  "SELECT chain, number, last_id, hash, signature FROM audit_heads WHERE tenant "
+                  "= ?1 AND chain = ?2") +
+                  lock);
+  std::optional<AuditHead> out;
+  if (q.Bind(chain).Next()) out = HeadOf(q);
+  if (!q.status().ok()) return q.status();
+  return out;
+}
+
 // Where the next row goes, and the id that it has to be above.
 struct NextPlace {
   AuditLink link;
@@ -68,7 +87,8 @@ struct NextPlace {
 // follows on nothing, which `verify` finds for good: whoever cuts the trail's end off does not have
 // it mended by the next row.
 Result<NextPlace> NextInChain(Db& db, const AuditSigner& signer) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto head, FindAuditHead(db, signer.chain));
+  // Locked: another process of this server (a command beside it) extends the same chain.
+  ENAMEL_ASSIGN_OR_RETURN(const auto head, FindHead(db, signer.chain, db.RowLock()));
   if (head && (*head == signer.known || VerifyAuditHead(*head, signer.public_key)))
     return NextPlace{{signer.chain, head->number + 1, head->hash}, head->last_id};
   ENAMEL_ASSIGN_OR_RETURN(const auto last, LastOfChain(db, signer.chain));
@@ -107,24 +127,10 @@ Status KeepHead(Db& db, const AuditSigner& signer, const AuditSeal& seal) {
   return Status::Ok();
 }
 
-AuditHead HeadOf(const Query& q) {
-  AuditHead out{q.Id(0), static_cast<uint64_t>(q.Int(1)), q.Id(2), q.Hash(3)};
-  // Of another length: a signature that fits nothing.
-  const Bytes signature = q.Blob(4);
-  if (signature.size() == out.signature.size()) std::ranges::copy(signature, out.signature.begin());
-  return out;
-}
-
 }  // namespace
 
 Result<std::optional<AuditHead>> FindAuditHead(Db& db, const Uuid& chain) {
-  Query q(db,
-          "SELECT chain, number, last_id, hash, signature FROM audit_heads WHERE tenant = ?1 AND "
-          "chain = ?2");
-  std::optional<AuditHead> out;
-  if (q.Bind(chain).Next()) out = HeadOf(q);
-  if (!q.status().ok()) return q.status();
-  return out;
+  return FindHead(db, chain, "");
 }
 
 Result<std::vector<AuditHead>> AuditHeads(Db& db) {

@@ -31,12 +31,18 @@ struct Ingest {
   bool exam = false;
 };
 
-Result<Ingest> FindIngest(Db& db, const Uuid& attempt) {
+// To look at, or to decide on: then nobody else changes it before the transaction's end.
+enum class Look { kOnly, kToDecide };
+
+Result<Ingest> FindIngest(Db& db, const Uuid& attempt, Look look) {
   Query q(
       db,
-      "SELECT state, header IS NOT NULL, head_hash, head_state_hash, chunks, ticks, trace_blob, "
-      "expired_ms, gap_ticks, ticketed_ms, due_ms, last_chunk_ms, rate_hz, flags, exam FROM "
-      "attempts WHERE tenant = ?1 AND id = ?2");
+      std::string(
+          "SELECT state, header IS NOT NULL, head_hash, head_state_hash, chunks, ticks, "
+          "trace_blob, "
+          "expired_ms, gap_ticks, ticketed_ms, due_ms, last_chunk_ms, rate_hz, flags, exam FROM "
+          "attempts WHERE tenant = ?1 AND id = ?2") +
+          (look == Look::kToDecide ? db.RowLock() : ""));
   if (!q.Bind(attempt).Next()) {
     if (!q.status().ok()) return q.status();
     return Status(Code::kNotFound,
@@ -268,8 +274,8 @@ Result<Bytes> HeaderOf(Db& db, const Uuid& attempt) {
 
 Status SqliteStore::OpenAttempt(const Uuid& attempt, ByteView header) {
   ENAMEL_RETURN_IF_ERROR(MayRecord());
-  return Write(Writer::Work([&](Db& db, bool& keep_anyway) -> Status {
-    ENAMEL_ASSIGN_OR_RETURN(auto ingest, FindIngest(db, attempt));
+  return WriteRow(Writer::Work([&](Db& db, bool& keep_anyway) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(auto ingest, FindIngest(db, attempt, Look::kToDecide));
     if (ingest.has_header) {
       ENAMEL_ASSIGN_OR_RETURN(auto stored, HeaderOf(db, attempt));
       // A station that lost the answer opens again; a ticket used twice brings another header.
@@ -331,10 +337,10 @@ Status SqliteStore::AppendChunk(const ChunkPut& chunk) {
   ENAMEL_ASSIGN_OR_RETURN(auto key, KeyOf(chunk.attempt));
   const Bytes sealed = SealPersonal(key.person, key.key, chunk.attempt, chunk.bytes);
   bool sealed_before = false, fresh = false;
-  Status status = Write(Writer::Work([&](Db& db, bool& keep_anyway) -> Status {
+  Status status = WriteRow(Writer::Work([&](Db& db, bool& keep_anyway) -> Status {
     // A work may run twice (writer.h).
     sealed_before = fresh = false;
-    ENAMEL_ASSIGN_OR_RETURN(auto ingest, FindIngest(db, chunk.attempt));
+    ENAMEL_ASSIGN_OR_RETURN(auto ingest, FindIngest(db, chunk.attempt, Look::kToDecide));
     if (!ingest.has_header) {
       return Status(Code::kNotFound,
                     "attempt " + chunk.attempt.Text() + " is not open; send OpenAttempt");
@@ -390,8 +396,8 @@ Status SqliteStore::MoveTraceToBlob(const trace::Seal& seal, Sha256& blob) {
 // A seal that names fewer chunks than are committed, or as many with another last one, or that comes
 // after another was taken, is of another recording. One that names more waits for them.
 Status SqliteStore::NoteOtherSeal(const trace::Seal& seal) {
-  return Write([&](Db& db) -> Status {
-    auto ingest = FindIngest(db, seal.attempt);
+  return WriteRow([&](Db& db) -> Status {
+    auto ingest = FindIngest(db, seal.attempt, Look::kToDecide);
     if (!ingest.ok() || ingest->chunks == 0 || SealMatches(*ingest, seal).ok()) return Status::Ok();
     const bool waits = ingest->trace_blob.IsZero() && seal.chunks > ingest->chunks;
     if (waits || ingest->expired) return Status::Ok();
@@ -406,8 +412,8 @@ Status SqliteStore::NoteOtherSeal(const trace::Seal& seal) {
 Status SqliteStore::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
   // Asked twice: on a reader, so that no blob is written for a seal that does not fit, and in the
   // transaction that ends the attempt, as another connection may have been faster.
-  auto check = [&](Db& db) -> Result<Ingest> {
-    auto ingest = FindIngest(db, seal.attempt);
+  auto check = [&](Db& db, Look look) -> Result<Ingest> {
+    auto ingest = FindIngest(db, seal.attempt, look);
     if (!ingest.ok()) return ingest;
     bool quarantined = ingest->state == AttemptState::kQuarantined && ingest->trace_blob.IsZero();
     if (ingest->state == AttemptState::kTicketed || quarantined) {
@@ -418,7 +424,7 @@ Status SqliteStore::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
     return ingest;
   };
   ENAMEL_RETURN_IF_ERROR(MayRecord());
-  auto before_or = Read(check);
+  auto before_or = Read([&](Db& db) { return check(db, Look::kOnly); });
   if (!before_or.ok()) {
     ENAMEL_RETURN_IF_ERROR(NoteOtherSeal(seal));
     return before_or.status();
@@ -431,9 +437,9 @@ Status SqliteStore::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
   Sha256 blob;
   ENAMEL_RETURN_IF_ERROR(MoveTraceToBlob(seal, blob));
   bool fresh = false;
-  Status status = Write([&](Db& db) -> Status {
+  Status status = WriteRow([&](Db& db) -> Status {
     fresh = false;
-    ENAMEL_ASSIGN_OR_RETURN(auto ingest, check(db));
+    ENAMEL_ASSIGN_OR_RETURN(auto ingest, check(db, Look::kToDecide));
     if (ingest.state != AttemptState::kRecording) return Status::Ok();
     fresh = true;
     ENAMEL_RETURN_IF_ERROR(
@@ -471,7 +477,7 @@ Status SqliteStore::AcceptCommitted(const Uuid& attempt, const Actor& by) {
     return ingest.state == AttemptState::kQuarantined && ingest.trace_blob.IsZero() &&
            !ingest.expired && ingest.chunks > 0;
   };
-  auto before = Read([&](Db& db) { return FindIngest(db, attempt); });
+  auto before = Read([&](Db& db) { return FindIngest(db, attempt, Look::kOnly); });
   if (!before.ok()) return before.status();
   if (!unsealed(*before)) return Status::Ok();
   ENAMEL_RETURN_IF_ERROR(MayRecord());
@@ -481,7 +487,7 @@ Status SqliteStore::AcceptCommitted(const Uuid& attempt, const Actor& by) {
   bool fresh = false;
   Status status = Write([&](Db& db) -> Status {
     fresh = false;
-    ENAMEL_ASSIGN_OR_RETURN(auto ingest, FindIngest(db, attempt));
+    ENAMEL_ASSIGN_OR_RETURN(auto ingest, FindIngest(db, attempt, Look::kToDecide));
     if (!unsealed(ingest)) return Status::Ok();
     fresh = true;
     ENAMEL_RETURN_IF_ERROR(
@@ -513,7 +519,7 @@ Result<Bytes> SqliteStore::AttemptHeader(const Uuid& attempt) {
 Result<std::vector<Bytes>> SqliteStore::AttemptChunks(const Uuid& attempt) {
   Sha256 blob;
   auto rows = Read([&](Db& db) -> Result<std::vector<Bytes>> {
-    ENAMEL_ASSIGN_OR_RETURN(auto ingest, FindIngest(db, attempt));
+    ENAMEL_ASSIGN_OR_RETURN(auto ingest, FindIngest(db, attempt, Look::kOnly));
     blob = ingest.trace_blob;
     if (ingest.expired) return Expired(attempt);
     if (!blob.IsZero()) return std::vector<Bytes>();
@@ -532,7 +538,7 @@ Result<std::vector<Bytes>> SqliteStore::AttemptChunks(const Uuid& attempt) {
 
 Result<trace::Seal> SqliteStore::AttemptSeal(const Uuid& attempt) {
   return Read([&](Db& db) -> Result<trace::Seal> {
-    ENAMEL_ASSIGN_OR_RETURN(auto ingest, FindIngest(db, attempt));
+    ENAMEL_ASSIGN_OR_RETURN(auto ingest, FindIngest(db, attempt, Look::kOnly));
     if (ingest.expired) return Expired(attempt);
     if (ingest.trace_blob.IsZero()) {
       return Status(Code::kConflict, "attempt " + attempt.Text() + " is not sealed yet");
