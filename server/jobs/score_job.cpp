@@ -45,11 +45,11 @@ constexpr double kFarFromPulp_m = 5e-3;
 
 class ScoreJob {
  public:
-  ScoreJob(ScoringParts store, const Uuid& attempt, const Uuid& job, const JobProgress& progress,
+  ScoreJob(ScoringParts store, const Uuid& attempt, const Uuid& lease, const JobProgress& progress,
            ReferenceCache& cache, const trace::KeyPair* key)
       : store_(store),
         attempt_(attempt),
-        job_(job),
+        lease_(lease),
         progress_(progress),
         cache_(cache),
         key_(key) {}
@@ -269,7 +269,7 @@ class ScoreJob {
     result.same_judgement_as = SameAsBefore(judgement);
     ENAMEL_RETURN_IF_ERROR(FillMotion(process, result));
     if (key_ != nullptr) Sign(stored, judgement, result);
-    return store_.jobs().FinishAttempt(attempt_, result, job_);
+    return store_.jobs().FinishAttempt(attempt_, result, lease_);
   }
 
   // The motion, and where it lies among those before it at the same exercise and the reference's. One
@@ -437,7 +437,7 @@ class ScoreJob {
   }
 
   const ScoringParts store_;
-  const Uuid attempt_, job_;
+  const Uuid attempt_, lease_;
   const JobProgress& progress_;
   ReferenceCache& cache_;
   const trace::KeyPair* const key_;  // null: the result is left unsigned
@@ -465,13 +465,13 @@ bool WorthAnotherTry(const Status& status) {
 }  // namespace
 
 Status RunScoreJob(ScoringParts store, const Uuid& attempt, const JobProgress& progress,
-                   ReferenceCache* cache, const Uuid& job, const trace::KeyPair* key) {
+                   ReferenceCache* cache, const Uuid& lease, const trace::KeyPair* key) {
   ReferenceCache own;
-  Status status = ScoreJob(store, attempt, job, progress, cache ? *cache : own, key).Run();
+  Status status = ScoreJob(store, attempt, lease, progress, cache ? *cache : own, key).Run();
   // Anything else will be the same next time: the attempt says why, instead of the queue trying for
   // ever.
   if (status.ok() || WorthAnotherTry(status)) return status;
-  return store.jobs().FailAttempt(attempt, status.message(), job);
+  return store.jobs().FailAttempt(attempt, status.message(), lease);
 }
 
 }  // namespace enamel::server

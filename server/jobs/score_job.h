@@ -35,13 +35,13 @@ using JobProgress = std::function<bool(double progress)>;
 // `key`: signs the result (schemas/result.md); null: it stays unsigned. A score with the points and
 // reasons of the one before is told to be the same, so that it withdraws no release.
 //
-// `job`: the run this is, by which it is stopped when it is cancelled and its cause is kept; zero:
-// none. Returns Ok when the attempt has its verdict: scored, or failed with its problem stored.
+// `lease`: of the run this is, by which it is stopped when it is cancelled or another worker has its job,
+// and its cause is kept; zero: none. Returns Ok when the attempt has its verdict: scored, or failed with its problem stored.
 // Errors, after which the job should be tried again: kStorage, kUnavailable (also when `progress`
 // stopped it); kNotFound when there is no such attempt. Thread safety: any thread. Blocks for
 // seconds.
 Status RunScoreJob(ScoringParts store, const Uuid& attempt, const JobProgress& progress = {},
-                   ReferenceCache* cache = nullptr, const Uuid& job = {},
+                   ReferenceCache* cache = nullptr, const Uuid& lease = {},
                    const trace::KeyPair* key = nullptr);
 
 }  // namespace enamel::server

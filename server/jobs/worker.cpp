@@ -36,11 +36,40 @@ void Worker::Start() {
   for (int i = 0; i < options_.threads; ++i) {
     threads_.emplace_back([this](std::stop_token stop) { Loop(std::move(stop)); });
   }
+  // A thread of its own, which does not yield: who computes for a minute would be late.
+  heart_ = std::jthread([this](std::stop_token stop) { KeepLeases(std::move(stop)); });
 }
 
 void Worker::Stop() {
   for (std::jthread& thread : threads_) thread.request_stop();
   threads_.clear();  // joins
+  heart_ = {};       // after the last run has ended
+}
+
+void Worker::KeepLeases(std::stop_token stop) {
+  while (!stop.stop_requested()) {
+    std::vector<Uuid> leases;
+    {
+      MutexLock lock(mutex_);
+      beat_.wait_for(mutex_, stop, options_.heartbeat, [] { return false; });
+      for (const auto& [lease, over] : running_) {
+        if (!over) leases.push_back(lease);
+      }
+    }
+    for (const Uuid& lease : leases) {
+      if (stop.stop_requested()) return;
+      const Status kept = store_.jobs().KeepLease(lease, enamel::UnixMs() + options_.lease_ms);
+      if (kept.field() != kLeaseOver) continue;
+      MutexLock lock(mutex_);
+      if (auto at = running_.find(lease); at != running_.end()) at->second = true;
+    }
+  }
+}
+
+bool Worker::IsOver(const Uuid& lease) {
+  MutexLock lock(mutex_);
+  auto at = running_.find(lease);
+  return at != running_.end() && at->second;
 }
 
 void Worker::Notify() {
@@ -83,11 +112,19 @@ bool Worker::RunOne(const std::stop_token& stop) {
   if (report_queue) Report({}, job.status());
   if (!job.ok() || !*job) return false;
 
+  const Uuid lease = (*job)->lease;
+  {
+    MutexLock lock(mutex_);
+    running_[lease] = false;
+  }
   Status status = RunJob(**job, stop);
+  {
+    MutexLock lock(mutex_);
+    running_.erase(lease);
+  }
   bool interrupted = status.code() == Code::kUnavailable && stop.stop_requested();
-  Status finished = interrupted
-                        ? store_.jobs().ReturnJob((*job)->id)
-                        : store_.jobs().FinishJob((*job)->id, status.ok(), status.message());
+  Status finished = interrupted ? store_.jobs().ReturnJob(lease)
+                                : store_.jobs().FinishJob(lease, status.ok(), status.message());
   Report(**job, status.ok() ? finished : status);
   return true;
 }
@@ -147,13 +184,13 @@ Status Worker::RunJob(const JobRow& job, const std::stop_token& stop) {
   auto progress = [&](double done) {
     if (done >= told + kProgressStep) {
       told = done;
-      // Other trouble than having been cancelled is met and reported by the job's own writes.
-      if (store_.jobs().SetProgress(job.id, done).code() == Code::kUnavailable) return false;
+      // Other trouble than a run that is over is met and reported by the job's own writes.
+      if (store_.jobs().SetProgress(job.lease, done).field() == kLeaseOver) return false;
     }
-    return !stop.stop_requested();
+    return !stop.stop_requested() && !IsOver(job.lease);
   };
   try {
-    return RunScoreJob(store_, job.attempt, progress, &references_, job.id,
+    return RunScoreJob(store_, job.attempt, progress, &references_, job.lease,
                        options_.key ? &*options_.key : nullptr);
   } catch (const std::exception& e) {  // thread's entry: out of memory
     return Status(Code::kInternal, std::string("scoring ended with an exception: ") + e.what());

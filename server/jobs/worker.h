@@ -3,6 +3,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <functional>
+#include <map>
 #include <stop_token>
 #include <thread>
 #include <vector>
@@ -19,10 +20,11 @@ struct WorkerOptions {
   int threads = 1;
   // How often the queue is looked at when nobody calls Notify.
   std::chrono::milliseconds poll{200};
-  // A job not finished by then may be taken by another worker: its result is the same. Much longer
-  // than any job takes, and than a clock that is corrected: who dies is known by the next start,
-  // which takes its jobs at once.
-  UnixMs lease_ms = 24 * 3'600'000;
+  // A job whose worker has said nothing for so long may be taken by another, of this server or of one
+  // beside it; a worker says so every `heartbeat`. A clock that is set forward by more has a job done
+  // twice, of which one counts.
+  UnixMs lease_ms = 30'000;
+  std::chrono::milliseconds heartbeat{10'000};
   // Signs results (schemas/result.md); none: they stay unsigned.
   std::optional<trace::KeyPair> key{};
   // Makes surface timelines when the queue is empty (timeline_job.h); none: it makes none.
@@ -58,6 +60,8 @@ class Worker {
   bool MakeTimeline(const std::stop_token& stop);  // False when there was none to make.
   bool MakeNextTimeline(const TimelineParts& store, const std::stop_token& stop);
   Status RunJob(const JobRow& job, const std::stop_token& stop);
+  void KeepLeases(std::stop_token stop);  // until it is stopped
+  bool IsOver(const Uuid& lease);
   uint64_t Notified();
   void Wait(const std::stop_token& stop, uint64_t seen);
   void Report(const JobRow& job, const Status& status) const;
@@ -72,6 +76,9 @@ class Worker {
   bool making_timeline_ ENAMEL_GUARDED_BY(mutex_) = false;
   uint64_t notified_ ENAMEL_GUARDED_BY(mutex_) = 0;
   bool queue_ok_ ENAMEL_GUARDED_BY(mutex_) = true;
+  std::map<Uuid, bool> running_ ENAMEL_GUARDED_BY(mutex_);  // by lease: it is over, stop
+  std::condition_variable_any beat_;                        // never notified but by a stop
+  std::jthread heart_;                                      // last: ends before the rest
 };
 
 }  // namespace enamel::server

@@ -6,6 +6,7 @@
 #include "server/storage/engine/data_folder.h"
 #include "server/storage/engine/database_file.h"
 #include "server/storage/engine/pg_database.h"
+#include "server/storage/engine/server_id.h"
 #include "server/storage/engine/ticket_key.h"
 #include "server/storage/sql/sqlite_impl.h"
 
@@ -36,10 +37,12 @@ std::unique_ptr<Db> Signing(std::unique_ptr<Db> db, const AuditSigner& signer) {
 }  // namespace
 
 SqliteStore::SqliteStore(const SqliteOptions& options, Database database, FolderLock lock,
-                         const trace::SecretKey& ticket_key)
+                         const trace::SecretKey& ticket_key, const Uuid& server)
     : folder_(options.folder),
       lock_(std::move(lock)),
-      signer_(ticket_key),
+      signer_(ticket_key, server),
+      // What runs beside the server without its lock must not be taken for it.
+      owner_(options.hold_lock ? server : Uuid::New()),
       space_(options.folder, DiskOf(options), options.min_free_bytes, options.free_space_check),
       rewriter_(options.folder, space_),
       writer_(Signing(Patient(std::move(database.writer), options.busy_wait,
@@ -49,7 +52,7 @@ SqliteStore::SqliteStore(const SqliteOptions& options, Database database, Folder
       readers_(std::move(database.open_reader), options.readers),
       blobs_(options.folder / "blobs", DiskOf(options), options.fail_next),
       keyring_(options.folder / "keyring", DiskOf(options)),
-      // Who holds the folder's lock is the only worker there is.
+      // Who holds the folder's lock is this server: what an earlier process of it had is over.
       earlier_leases_(options.hold_lock) {
   if (options.hold_lock) sealed_rows_.emplace(writer_);
 }
@@ -201,9 +204,10 @@ namespace {
 
 using sqlite::SqliteStore;
 
-// `open` gives a database that waits for nobody yet; `migrations` are its engine's.
+// `open` gives a database that waits for nobody yet; `migrations` are its engine's. `many`: other
+// servers have their rows in it too.
 Result<std::unique_ptr<Store>> OpenStoreOn(
-    const SqliteOptions& options, const std::vector<sql::Migration>& migrations,
+    const SqliteOptions& options, const std::vector<sql::Migration>& migrations, bool many,
     const std::function<Result<SqliteStore::Database>()>& open) {
   using namespace sqlite;
   ENAMEL_RETURN_IF_ERROR(MakeDataFolder(options.folder, DiskOf(options), options.restoring));
@@ -230,13 +234,17 @@ Result<std::unique_ptr<Store>> OpenStoreOn(
     if (!key.ok()) return key.status();
     ENAMEL_RETURN_IF_ERROR(db.Migrate(migrations));
   }
-  const AuditSigner signer(key->secret_key);
+  Uuid server;
+  if (many) {
+    ENAMEL_ASSIGN_OR_RETURN(server, EnsureServerId(options.folder, DiskOf(options)));
+  }
+  const AuditSigner signer(key->secret_key, server);
   db.SetCompanion(&signer);
   ENAMEL_RETURN_IF_ERROR(BeginSignedTrail(db));
   if (!options.hold_lock) lock.reset();
   FolderLock kept = lock ? std::move(*lock) : FolderLock();
   auto store = std::make_unique<SqliteStore>(options, std::move(database).value(), std::move(kept),
-                                             key->secret_key);
+                                             key->secret_key, server);
   if (options.hold_lock) ENAMEL_RETURN_IF_ERROR(store->Reconcile());
   return std::unique_ptr<Store>(std::move(store));
 }
@@ -246,7 +254,7 @@ Result<std::unique_ptr<Store>> OpenStoreOn(
 Result<std::unique_ptr<Store>> OpenSqliteStore(const SqliteOptions& options) {
   using namespace sqlite;
   const auto path = options.folder / "enamel.db";
-  return OpenStoreOn(options, Migrations(), [&]() -> Result<SqliteStore::Database> {
+  return OpenStoreOn(options, Migrations(), /*many=*/false, [&]() -> Result<SqliteStore::Database> {
     ENAMEL_ASSIGN_OR_RETURN(auto writer,
                             OpenDatabase(path, DbMode::kCreate, options.vfs, options.fail_next));
     return SqliteStore::Database{
@@ -259,15 +267,16 @@ Result<std::unique_ptr<Store>> OpenSqliteStore(const SqliteOptions& options) {
 
 Result<std::unique_ptr<Store>> OpenPostgresStore(const PostgresOptions& options) {
   using namespace sqlite;
-  return OpenStoreOn(options.folder, PgMigrations(), [&]() -> Result<SqliteStore::Database> {
-    ENAMEL_ASSIGN_OR_RETURN(auto writer,
-                            OpenPgDatabase(options.server, options.schema,
-                                           /*read_only=*/false, options.folder.fail_next));
-    return SqliteStore::Database{std::move(writer),
-                                 [server = options.server, schema = options.schema] {
-                                   return OpenPgDatabase(server, schema, /*read_only=*/true, {});
-                                 }};
-  });
+  return OpenStoreOn(
+      options.folder, PgMigrations(), /*many=*/true, [&]() -> Result<SqliteStore::Database> {
+        ENAMEL_ASSIGN_OR_RETURN(auto writer,
+                                OpenPgDatabase(options.server, options.schema,
+                                               /*read_only=*/false, options.folder.fail_next));
+        return SqliteStore::Database{
+            std::move(writer), [server = options.server, schema = options.schema] {
+              return OpenPgDatabase(server, schema, /*read_only=*/true, {});
+            }};
+      });
 }
 
 Result<std::unique_ptr<Store>> OpenStore(const SqliteOptions& options) {

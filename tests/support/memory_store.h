@@ -1,6 +1,8 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
+#include <condition_variable>
 #include <functional>
 #include <map>
 #include <mutex>
@@ -99,19 +101,19 @@ class MemoryStore final : public server::StationStore,
     ENAMEL_ASSIGN_OR_RETURN(auto found, Find(traces, id, "trace"));
     return found.seal;
   }
-  Status FinishAttempt(const Uuid& id, const AttemptResult& result, const Uuid& job) override {
+  Status FinishAttempt(const Uuid& id, const AttemptResult& result, const Uuid& lease) override {
     std::lock_guard lock(mutex_);
-    if (Status status = MustBeRunning(job); !status.ok()) return status;
+    if (Status status = MustBeRunning(lease); !status.ok()) return status;
     results[id] = result;
     attempts[id].state = server::AttemptState::kScored;
     attempts[id].score = result.score;
     attempts[id].problem.clear();
     return Status::Ok();
   }
-  Status FailAttempt(const Uuid& id, const std::string& problem, const Uuid& job) override {
+  Status FailAttempt(const Uuid& id, const std::string& problem, const Uuid& lease) override {
     std::lock_guard lock(mutex_);
     if (attempts.count(id) == 0) return Status(Code::kNotFound, "no attempt");
-    if (Status status = MustBeRunning(job); !status.ok()) return status;
+    if (Status status = MustBeRunning(lease); !status.ok()) return status;
     bool scored = BeforeTheRun(id) == server::AttemptState::kScored;
     attempts[id].state = scored ? server::AttemptState::kScored : server::AttemptState::kFailed;
     attempts[id].problem = problem;
@@ -121,15 +123,16 @@ class MemoryStore final : public server::StationStore,
     std::lock_guard lock(mutex_);
     return Find(results, id, "result");
   }
-  Status SetProgress(const Uuid& id, double done) override {
-    std::lock_guard lock(mutex_);
+  Status SetProgress(const Uuid& lease, double done) override {
+    std::unique_lock lock(mutex_);
     progress.push_back(done);
+    if (await_beat) beat_.wait_for(lock, std::chrono::minutes(1), [&] { return kept_leases > 0; });
     for (server::JobRow& job : jobs) {
-      if (job.id != id || done < cancel_at) continue;
+      if (job.lease != lease || done < cancel_at) continue;
       job.state = "cancelled";
       attempts[job.attempt].state = BeforeTheRun(job.attempt);
     }
-    return MustBeRunning(id);
+    return MustBeRunning(lease);
   }
   Result<std::optional<server::ReferenceRow>> ReferenceFor(const Uuid& exercise) override {
     std::lock_guard lock(mutex_);
@@ -151,23 +154,33 @@ class MemoryStore final : public server::StationStore,
       if (job.state != "queued") continue;
       job.state = "running";
       ++job.tries;
+      job.lease = Uuid::New();
       return std::optional(job);
     }
     return std::optional<server::JobRow>();
   }
-  Status FinishJob(const Uuid& id, bool ok, const std::string& error) override {
+  Status KeepLease(const Uuid& lease, server::UnixMs) override {
+    std::lock_guard lock(mutex_);
+    ++kept_leases;
+    beat_.notify_all();
+    for (server::JobRow& job : jobs) {
+      if (take_over && job.lease == lease) job.lease = Uuid::New();
+    }
+    return MustBeRunning(lease);
+  }
+  Status FinishJob(const Uuid& lease, bool ok, const std::string& error) override {
     std::lock_guard lock(mutex_);
     for (server::JobRow& job : jobs) {
-      if (job.id != id || job.state != "running") continue;
+      if (job.lease != lease || job.state != "running") continue;
       job.state = ok ? "done" : job.tries >= 3 ? "failed" : "queued";
       job.error = error;
     }
     return Status::Ok();
   }
-  Status ReturnJob(const Uuid& id) override {
+  Status ReturnJob(const Uuid& lease) override {
     std::lock_guard lock(mutex_);
     for (server::JobRow& job : jobs) {
-      if (job.id != id || job.state != "running") continue;
+      if (job.lease != lease || job.state != "running") continue;
       job.state = "queued";
       --job.tries;
     }
@@ -244,7 +257,9 @@ class MemoryStore final : public server::StationStore,
   }
 
   int chunk_reads = 0;
-  int leases = 0;
+  int leases = 0, kept_leases = 0;
+  bool await_beat = false;  // a run's progress waits until its lease was kept once
+  bool take_over = false;   // whoever keeps a lease hears that another worker has the job
   int timelines_taken = 0, timelines_returned = 0;
 
   // Not used by jobs.
@@ -325,10 +340,11 @@ class MemoryStore final : public server::StationStore,
                                       : server::AttemptState::kSealed;
   }
   // Requires: mutex_ is held.
-  Status MustBeRunning(const Uuid& id) const {
-    auto job = std::ranges::find(jobs, id, &server::JobRow::id);
-    if (id.IsZero() || (job != jobs.end() && job->state == "running")) return Status::Ok();
-    return Status(Code::kUnavailable, "this scoring run was cancelled, or is over");
+  Status MustBeRunning(const Uuid& lease) const {
+    auto job = std::ranges::find(jobs, lease, &server::JobRow::lease);
+    if (lease.IsZero() || (job != jobs.end() && job->state == "running")) return Status::Ok();
+    return Status(Code::kUnavailable, "this scoring run was cancelled, or is over",
+                  server::kLeaseOver);
   }
   static Status No() { return Status(Code::kInternal, "MemoryStore does not do this"); }
   template <typename Map, typename Key>
@@ -339,6 +355,7 @@ class MemoryStore final : public server::StationStore,
   }
 
   std::mutex mutex_;
+  std::condition_variable beat_;
   bool broken_queue_ = false;
 };
 

@@ -64,18 +64,6 @@ Status MustExist(Db& db, const Uuid& attempt) {
   return Status(Code::kNotFound, "no attempt " + attempt.Text());
 }
 
-// A run that was cancelled may still come to its end, also after another one was queued.
-Status MustBeRunning(Db& db, const Uuid& job) {
-  if (job.IsZero()) return Status::Ok();
-  Query q(db, "SELECT state FROM jobs WHERE tenant = ?1 AND id = ?2");
-  std::string state = q.Bind(job).Next() ? q.Text(0) : "gone";
-  ENAMEL_RETURN_IF_ERROR(q.status());
-  if (state == "running") return Status::Ok();
-  return Status(Code::kUnavailable, state == "cancelled"
-                                        ? "this scoring run was cancelled"
-                                        : "this scoring run is over: its job is " + state);
-}
-
 // Whether the row has another score than the run's, unless it is the one that the run found to have
 // the same points and reasons: that it still is, is seen in the transaction, as another run may have
 // ended meanwhile.
@@ -120,7 +108,7 @@ Status ForgetOldPictures(Db& db, const Uuid& attempt) {
 
 // Every run is kept: a score that was released and then changed can be explained.
 Status KeepResult(Db& db, const Uuid& attempt, const Store::AttemptResult& result,
-                  const Uuid& job) {
+                  const Uuid& lease) {
   Query q(
       db,
       "INSERT INTO attempt_results (tenant, attempt, run, scored_ms, cause, score, "
@@ -128,14 +116,15 @@ Status KeepResult(Db& db, const Uuid& attempt, const Store::AttemptResult& resul
       "surface, "
       "series) SELECT ?1, ?2, 1 + (SELECT coalesce(max(run), 0) FROM attempt_results WHERE tenant "
       "= "
-      "?1 AND attempt = ?2), ?3, coalesce((SELECT cause FROM jobs WHERE tenant = ?1 AND id = ?8), "
+      "?1 AND attempt = ?2), ?3, coalesce((SELECT cause FROM jobs WHERE tenant = ?1 AND lease = "
+      "?8), "
       "'seal'), ?4, ?5, ?6, ?7, ?9, ?10, ?11, ?12, ?13");
   q.Bind(attempt)
       .Bind(result.scored_ms != 0 ? result.scored_ms : NowMs())
       .Bind(result.score)
       .Bind(int64_t{result.critical_fail});
   q.Bind(result.score_json).Bind(result.reference);
-  q.Bind(job).Bind(result.replay_realtime_factor);
+  q.Bind(lease).Bind(result.replay_realtime_factor);
   if (result.document.empty()) {
     q.BindNull(sql::Type::kBlob);
   } else {
@@ -408,13 +397,13 @@ Result<std::vector<AttemptRow>> SqliteStore::Attempts(const AttemptFilter& filte
 }
 
 Status SqliteStore::FinishAttempt(const Uuid& attempt, const AttemptResult& result,
-                                  const Uuid& job) {
+                                  const Uuid& lease) {
   return Write([&](Db& db) -> Status {
-    ENAMEL_RETURN_IF_ERROR(MustBeRunning(db, job));
+    ENAMEL_RETURN_IF_ERROR(MustBeRunning(db, lease));
     ENAMEL_RETURN_IF_ERROR(WithdrawReleaseOfAnotherScore(db, attempt, result));
     ENAMEL_RETURN_IF_ERROR(RaiseRevisionForAnother(db, attempt, result));
     ENAMEL_RETURN_IF_ERROR(SetResult(db, attempt, result));
-    ENAMEL_RETURN_IF_ERROR(KeepResult(db, attempt, result, job));
+    ENAMEL_RETURN_IF_ERROR(KeepResult(db, attempt, result, lease));
     ENAMEL_RETURN_IF_ERROR(WaitForTimeline(db, attempt));
     ENAMEL_RETURN_IF_ERROR(KeepMotion(db, attempt, result));
     ENAMEL_ASSIGN_OR_RETURN(const auto scored,
@@ -449,9 +438,10 @@ Status SqliteStore::RestoreResult(const Uuid& attempt, int32_t run, const Actor&
 }
 
 // An earlier score counts again: a run that fails takes nothing away that somebody has seen.
-Status SqliteStore::FailAttempt(const Uuid& attempt, const std::string& problem, const Uuid& job) {
+Status SqliteStore::FailAttempt(const Uuid& attempt, const std::string& problem,
+                                const Uuid& lease) {
   return Write([&](Db& db) -> Status {
-    ENAMEL_RETURN_IF_ERROR(MustBeRunning(db, job));
+    ENAMEL_RETURN_IF_ERROR(MustBeRunning(db, lease));
     Query q(db, "UPDATE attempts SET state = CASE WHEN score IS NULL THEN " +
                     Sql(AttemptState::kFailed) + " ELSE " + Sql(AttemptState::kScored) +
                     " END, problem = ?3, progress = "
@@ -492,15 +482,15 @@ Result<Store::AttemptResult> SqliteStore::ResultOf(const Uuid& attempt) {
   });
 }
 
-// By the job and not by the attempt: a run that was cancelled must not move the next one's bar.
-Status SqliteStore::SetProgress(const Uuid& job, double progress) {
-  return Write([&](Db& db) -> Status {
-    ENAMEL_RETURN_IF_ERROR(MustBeRunning(db, job));
+// By the run and not by the attempt: one that was cancelled must not move the next one's bar.
+Status SqliteStore::SetProgress(const Uuid& lease, double progress) {
+  return WriteRow([&](Db& db) -> Status {
+    ENAMEL_RETURN_IF_ERROR(MustBeRunning(db, lease));
     Query q(db, "UPDATE attempts SET progress = ?3 WHERE tenant = ?1 AND state = " +
                     Sql(AttemptState::kScoring) +
                     " AND id = (SELECT "
-                    "attempt FROM jobs WHERE tenant = ?1 AND id = ?2)");
-    return q.Bind(job).Bind(std::clamp(progress, 0.0, 1.0)).Run();
+                    "attempt FROM jobs WHERE tenant = ?1 AND lease = ?2)");
+    return q.Bind(lease).Bind(std::clamp(progress, 0.0, 1.0)).Run();
   });
 }
 

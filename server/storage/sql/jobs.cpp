@@ -25,6 +25,12 @@ JobRow JobOf(const Query& q) {
   return out;
 }
 
+// No run of it is under way, and its attempt has none, or the lease of its own ran out.
+constexpr char kMayBeTaken[] =
+    "((j.state = 'queued' AND NOT EXISTS (SELECT 1 FROM jobs r WHERE r.tenant = j.tenant AND "
+    "r.attempt = j.attempt AND r.state = 'running')) OR (j.state = 'running' AND "
+    "j.lease_until_ms < ?2))";
+
 // A quarantined attempt stays what it is: its run, where somebody asked for one, has made it
 // sealed before.
 Status BeginRun(Db& db, const Uuid& attempt) {
@@ -38,12 +44,19 @@ Status BeginRun(Db& db, const Uuid& attempt) {
   return q.Run();
 }
 
-Status SetJob(Db& db, const JobRow& job, UnixMs lease_until_ms) {
+Status SetJob(Db& db, const JobRow& job) {
   Query q(db,
-          "UPDATE jobs SET state = ?3, tries = ?4, lease_until_ms = ?5, error = ?6 "
-          "WHERE tenant = ?1 AND id = ?2");
-  q.Bind(job.id).Bind(job.state).Bind(int64_t{job.tries}).Bind(lease_until_ms);
-  return q.Bind(job.error).Run();
+          "UPDATE jobs SET state = ?3, tries = ?4, lease_until_ms = 0, error = ?5, lease = CASE "
+          "WHEN ?3 = 'queued' THEN NULL ELSE lease END WHERE tenant = ?1 AND id = ?2");
+  return q.Bind(job.id).Bind(job.state).Bind(int64_t{job.tries}).Bind(job.error).Run();
+}
+
+Status GiveLease(Db& db, const JobRow& job, UnixMs until_ms, const Uuid& owner) {
+  Query q(db,
+          "UPDATE jobs SET state = 'running', tries = ?3, lease_until_ms = ?4, lease = ?5, owner = "
+          "?6 WHERE tenant = ?1 AND id = ?2");
+  q.Bind(job.id).Bind(int64_t{job.tries}).Bind(until_ms).Bind(job.lease);
+  return q.Bind(owner).Run();
 }
 
 // A run that did not come to its end: an earlier one's score counts again.
@@ -60,29 +73,47 @@ Status EndRun(Db& db, const Uuid& attempt, AttemptState without_score, const std
 Status GiveUp(Db& db, JobRow job, const std::string& error) {
   job.state = "failed";
   job.error = error;
-  ENAMEL_RETURN_IF_ERROR(SetJob(db, job, 0));
+  ENAMEL_RETURN_IF_ERROR(SetJob(db, job));
   return EndRun(db, job.attempt, AttemptState::kFailed, error);
 }
 
-// One run of an attempt at a time: two would end in any order.
-Result<std::optional<JobRow>> NextJob(Db& db, UnixMs now_ms) {
-  static const std::string kSql =
-      std::string(kSelect) +
-      " AND ((state = 'queued' AND NOT EXISTS (SELECT 1 FROM jobs r WHERE r.tenant = j.tenant AND "
-      "r.attempt = j.attempt AND r.state = 'running')) OR (state = 'running' AND "
-      "lease_until_ms < ?2)) ORDER BY CASE WHEN batch IS NULL THEN 0 ELSE 1 END, id LIMIT 1";
-  Query q(db, kSql.c_str());
+// The first of those that may be taken. `lock`: what others have locked is left out.
+Result<std::optional<JobRow>> NextJob(Db& db, UnixMs now_ms, const char* lock) {
+  Query q(db, std::string(kSelect) + " AND " + kMayBeTaken +
+                  " ORDER BY CASE WHEN batch IS NULL THEN 0 ELSE 1 END, id LIMIT 1" + lock);
   std::optional<JobRow> out;
   if (q.Bind(now_ms).Next()) out = JobOf(q);
   if (!q.status().ok()) return q.status();
   return out;
 }
 
+Status LockAttempt(Db& db, const Uuid& attempt) {
+  Query q(db, std::string("SELECT 1 FROM attempts WHERE tenant = ?1 AND id = ?2") + db.RowLock());
+  (void)q.Bind(attempt).Next();
+  return q.status();
+}
+
+// One run of an attempt at a time: two would end in any order. Two jobs of one attempt are two rows,
+// which two workers may have locked at the same moment; with the attempt locked the second sees what the
+// first has taken.
+Result<std::optional<JobRow>> NextJobToTake(Db& db, UnixMs now_ms) {
+  for (;;) {
+    auto next = NextJob(db, now_ms, db.RowLockOrSkip());
+    if (!next.ok() || !*next) return next;
+    ENAMEL_RETURN_IF_ERROR(LockAttempt(db, (*next)->attempt));
+    Query still(db, std::string("SELECT 1 FROM jobs j WHERE j.tenant = ?1 AND ") + kMayBeTaken +
+                        " AND j.id = ?3");
+    if (still.Bind(now_ms).Bind((*next)->id).Next()) return next;
+    if (!still.status().ok()) return still.status();
+  }
+}
+
 // Those that have used up their tries are ended on the way, as nobody else would.
-Status TakeJob(Db& db, UnixMs now_ms, UnixMs lease_ms, std::optional<JobRow>& taken) {
+Status TakeJob(Db& db, UnixMs now_ms, UnixMs lease_ms, const Uuid& owner,
+               std::optional<JobRow>& taken) {
   taken.reset();
   for (;;) {
-    ENAMEL_ASSIGN_OR_RETURN(auto next, NextJob(db, now_ms));
+    ENAMEL_ASSIGN_OR_RETURN(auto next, NextJobToTake(db, now_ms));
     if (!next) return Status::Ok();
     JobRow job = *next;
     // A worker that failed said so (FinishJob); one that died did not, and its lease ran out.
@@ -96,7 +127,8 @@ Status TakeJob(Db& db, UnixMs now_ms, UnixMs lease_ms, std::optional<JobRow>& ta
     // Counted before the work, not after: a worker that dies cannot count.
     ++job.tries;
     job.state = "running";
-    ENAMEL_RETURN_IF_ERROR(SetJob(db, job, now_ms + lease_ms));
+    job.lease = Uuid::New();
+    ENAMEL_RETURN_IF_ERROR(GiveLease(db, job, now_ms + lease_ms, owner));
     ENAMEL_RETURN_IF_ERROR(BeginRun(db, job.attempt));
     taken = job;
     return Status::Ok();
@@ -111,9 +143,18 @@ Result<JobRow> FindJob(Db& db, const Uuid& job) {
   return Status(Code::kNotFound, "no job " + job.Text());
 }
 
+// The job whose run has this lease, locked; none: that run is over, and nothing of it counts any more.
+Result<std::optional<JobRow>> FindRun(Db& db, const Uuid& lease) {
+  Query q(db, std::string(kSelect) + " AND lease = ?2 AND state = 'running'" + db.RowLock());
+  std::optional<JobRow> out;
+  if (q.Bind(lease).Next()) out = JobOf(q);
+  if (!q.status().ok()) return q.status();
+  return out;
+}
+
 Status Requeue(Db& db, JobRow job) {
   job.state = "queued";
-  ENAMEL_RETURN_IF_ERROR(SetJob(db, job, 0));
+  ENAMEL_RETURN_IF_ERROR(SetJob(db, job));
   return EndRun(db, job.attempt, AttemptState::kSealed, job.error);
 }
 
@@ -123,7 +164,7 @@ Status Requeue(Db& db, JobRow job) {
 Status CancelRun(Db& db, JobRow row, const Actor& by) {
   Json before = JsonOf({{"state", row.state}});
   row.state = "cancelled";
-  ENAMEL_RETURN_IF_ERROR(SetJob(db, row, 0));
+  ENAMEL_RETURN_IF_ERROR(SetJob(db, row));
   ENAMEL_RETURN_IF_ERROR(EndRun(db, row.attempt, AttemptState::kSealed, ""));
   return WriteAudit(db, by, "job.cancel", row.attempt.Text(), before,
                     JsonOf({{"state", row.state}}));
@@ -150,11 +191,29 @@ Result<std::vector<JobRow>> OpenRunsOf(Db& db, const Uuid& attempt) {
   return OpenJobs(db, "attempt", attempt);
 }
 
+// A run that was cancelled may still come to its end, also after another one was queued.
+Status MustBeRunning(Db& db, const Uuid& lease) {
+  if (lease.IsZero()) return Status::Ok();
+  Query q(db,
+          std::string("SELECT state FROM jobs WHERE tenant = ?1 AND lease = ?2") + db.RowLock());
+  std::string state = q.Bind(lease).Next() ? q.Text(0) : "";
+  ENAMEL_RETURN_IF_ERROR(q.status());
+  if (state == "running") return Status::Ok();
+  return Status(Code::kUnavailable,
+                state == "cancelled" ? "this scoring run was cancelled"
+                : state.empty()
+                    ? "this scoring run is over: its job waits, or another worker has it"
+                    : "this scoring run is over: its job is " + state,
+                kLeaseOver);
+}
+
 // The process that held them is gone: waiting for the leases to run out would only delay the
 // scores.
-Status EndLeases(Db& db) {
-  Query q(db, "UPDATE jobs SET lease_until_ms = 0 WHERE tenant = ?1 AND state = 'running'");
-  return q.Run();
+Status EndLeases(Db& db, const Uuid& owner) {
+  Query q(db,
+          "UPDATE jobs SET lease_until_ms = 0 WHERE tenant = ?1 AND state = 'running' AND (owner = "
+          "?2 OR owner IS NULL)");
+  return q.Bind(owner).Run();
 }
 
 Status QueueScoreJob(Db& db, const Uuid& attempt, const std::string& cause,
@@ -168,7 +227,7 @@ Status QueueScoreJob(Db& db, const Uuid& attempt, const std::string& cause,
 Status SqliteStore::EndEarlierLeases() {
   std::lock_guard lock(leases_mutex_);
   if (!earlier_leases_) return Status::Ok();
-  ENAMEL_RETURN_IF_ERROR(Write([](Db& db) { return EndLeases(db); }));
+  ENAMEL_RETURN_IF_ERROR(WriteRow([&](Db& db) { return EndLeases(db, owner_); }));
   earlier_leases_ = false;
   return Status::Ok();
 }
@@ -176,34 +235,42 @@ Status SqliteStore::EndEarlierLeases() {
 Result<std::optional<JobRow>> SqliteStore::LeaseJob(UnixMs now_ms, UnixMs lease_ms) {
   ENAMEL_RETURN_IF_ERROR(EndEarlierLeases());
   // Most calls find nothing: look on a reader first and leave the writer alone.
-  auto any = Read([&](Db& db) { return NextJob(db, now_ms); });
+  auto any = Read([&](Db& db) { return NextJob(db, now_ms, ""); });
   if (!any.ok() || !*any) return any;
   std::optional<JobRow> taken;
-  Status status = Write([&](Db& db) -> Status { return TakeJob(db, now_ms, lease_ms, taken); });
+  Status status =
+      WriteRow([&](Db& db) -> Status { return TakeJob(db, now_ms, lease_ms, owner_, taken); });
   if (!status.ok()) return status;
   return taken;
 }
 
-Status SqliteStore::FinishJob(const Uuid& job, bool ok, const std::string& error) {
-  return Write([&](Db& db) -> Status {
-    ENAMEL_ASSIGN_OR_RETURN(auto row, FindJob(db, job));
-    // Cancelled, or given to another worker after the lease ran out: this one's end no longer counts.
-    if (row.state != "running") return Status::Ok();
-    if (!ok && row.tries >= kMaxTries) return GiveUp(db, row, error);
-    row.error = error;
-    if (!ok) return Requeue(db, row);
-    row.state = "done";
-    return SetJob(db, row, 0);
+Status SqliteStore::KeepLease(const Uuid& lease, UnixMs until_ms) {
+  return WriteRow([&](Db& db) -> Status {
+    ENAMEL_RETURN_IF_ERROR(MustBeRunning(db, lease));
+    Query q(db, "UPDATE jobs SET lease_until_ms = ?3 WHERE tenant = ?1 AND lease = ?2");
+    return q.Bind(lease).Bind(until_ms).Run();
   });
 }
 
-Status SqliteStore::ReturnJob(const Uuid& job) {
-  return Write([&](Db& db) -> Status {
-    ENAMEL_ASSIGN_OR_RETURN(auto row, FindJob(db, job));
-    if (row.state != "running") return Status::Ok();
+Status SqliteStore::FinishJob(const Uuid& lease, bool ok, const std::string& error) {
+  return WriteRow([&](Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(auto row, FindRun(db, lease));
+    if (!row) return Status::Ok();
+    if (!ok && row->tries >= kMaxTries) return GiveUp(db, *row, error);
+    row->error = error;
+    if (!ok) return Requeue(db, *row);
+    row->state = "done";
+    return SetJob(db, *row);
+  });
+}
+
+Status SqliteStore::ReturnJob(const Uuid& lease) {
+  return WriteRow([&](Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(auto row, FindRun(db, lease));
+    if (!row) return Status::Ok();
     // A server that stops has not failed.
-    if (row.tries > 0) --row.tries;
-    return Requeue(db, row);
+    if (row->tries > 0) --row->tries;
+    return Requeue(db, *row);
   });
 }
 

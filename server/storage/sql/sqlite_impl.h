@@ -38,7 +38,7 @@ class SqliteStore final : public Store {
     std::function<Result<std::unique_ptr<Db>>()> open_reader;
   };
   SqliteStore(const SqliteOptions& options, Database database, FolderLock lock,
-              const trace::SecretKey& ticket_key);
+              const trace::SecretKey& ticket_key, const Uuid& server);
 
   Result<Uuid> CreatePerson(const Person& person, const std::string& password_verifier,
                             const std::vector<Uuid>& cohorts, const Actor& by) override;
@@ -148,10 +148,11 @@ class SqliteStore final : public Store {
   Result<Bytes> AttemptHeader(const Uuid& attempt) override;
   Result<std::vector<Bytes>> AttemptChunks(const Uuid& attempt) override;
   Result<trace::Seal> AttemptSeal(const Uuid& attempt) override;
-  Status FinishAttempt(const Uuid& attempt, const AttemptResult& result, const Uuid& job) override;
-  Status FailAttempt(const Uuid& attempt, const std::string& problem, const Uuid& job) override;
+  Status FinishAttempt(const Uuid& attempt, const AttemptResult& result,
+                       const Uuid& lease) override;
+  Status FailAttempt(const Uuid& attempt, const std::string& problem, const Uuid& lease) override;
   Result<AttemptResult> ResultOf(const Uuid& attempt) override;
-  Status SetProgress(const Uuid& job, double progress) override;
+  Status SetProgress(const Uuid& lease, double progress) override;
   Result<std::vector<ResultRow>> ResultsOf(const Uuid& attempt) override;
   Status ReleaseAttempt(const Uuid& attempt, const Actor& by,
                         std::optional<int32_t> revision) override;
@@ -204,8 +205,9 @@ class SqliteStore final : public Store {
   Result<bool> IsStartTooth(const Sha256& content) override;
 
   Result<std::optional<JobRow>> LeaseJob(UnixMs now_ms, UnixMs lease_ms) override;
-  Status FinishJob(const Uuid& job, bool ok, const std::string& error) override;
-  Status ReturnJob(const Uuid& job) override;
+  Status KeepLease(const Uuid& lease, UnixMs until_ms) override;
+  Status FinishJob(const Uuid& lease, bool ok, const std::string& error) override;
+  Status ReturnJob(const Uuid& lease) override;
   Result<std::vector<JobRow>> Jobs(const std::string& state) override;
   Status CancelJob(const Uuid& job, const Actor& by) override;
   Result<std::vector<JobRow>> FindJobs(const JobFilter& filter) override;
@@ -244,9 +246,7 @@ class SqliteStore final : public Store {
   }
   // For what comes with every chunk and every job: `work` first locks (Db::RowLock) the attempt or job
   // that it decides on. Servers that work on others do not meet.
-  Status WriteRow(const Writer::Work& work) {
-    return writer_.Run(work, sql::Isolation::kRowLocks);
-  }
+  Status WriteRow(const Writer::Work& work) { return writer_.Run(work, sql::Isolation::kRowLocks); }
   Status WriteRow(const std::function<Status(Db&)>& work) {
     return WriteRow(Writer::Work([&](Db& db, bool&) { return work(db); }));
   }
@@ -278,6 +278,7 @@ class SqliteStore final : public Store {
   const std::filesystem::path folder_;
   const FolderLock lock_;
   const AuditSigner signer_;  // goes with the writer's connection
+  const Uuid owner_;          // of the leases
   SpaceGuard space_;
   Rewriter rewriter_;
   Writer writer_;
@@ -354,8 +355,10 @@ Status SetFlags(Db& db, const Uuid& attempt, uint32_t flags, const std::string& 
 Status RaiseRevision(Db& db, const Uuid& attempt);
 // kConflict when the person is the only admin who may sign in.
 Status MustNotBeTheOnlyAdmin(Db& db, const Person& person);
-// Jobs that a worker of an earlier process held may be taken again at once.
-Status EndLeases(Db& db);
+// Jobs that a worker of an earlier process of this server held may be taken again at once.
+Status EndLeases(Db& db, const Uuid& owner);
+// kUnavailable unless the run with this lease is under way; locks its job. Zero: no run is meant.
+Status MustBeRunning(Db& db, const Uuid& lease);
 // What the row "attempt.score" of the audit trail tells, or that of an earlier run which counts
 // again; empty: the result is not signed.
 inline constexpr char kAuditScore[] = "attempt.score", kAuditRestore[] = "attempt.restore";

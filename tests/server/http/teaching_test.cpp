@@ -557,7 +557,7 @@ TEST_F(TeachingTest, WhoJudgesWithoutHavingSeenTheLastJudgementIsToldIt) {
 TEST_F(TeachingTest, OfARecordingThatWasRemovedTheScoreStaysAndTheRestSaysWhenItWent) {
   ASSERT_EQ(By("ada").Judge("POST", Scored(), "/release").status, 204);
   while (auto job = *school_.store->LeaseJob(1, 1000)) {
-    ASSERT_TRUE(school_.store->FinishJob(job->id, true, "").ok());
+    ASSERT_TRUE(school_.store->FinishJob(job->lease, true, "").ok());
     Store::AttemptResult result = *school_.store->ResultOf(school_.sams_scored);
     (void)school_.store->FinishAttempt(job->attempt, result, {});
   }
@@ -632,7 +632,7 @@ TEST_F(TeachingTest, AppealIsTheStudentsAndItsAnswerTheInstructors) {
 TEST_F(TeachingTest, RegradeKeepsTheEarlierResultBesideTheNewOne) {
   // The run that sealing queued is over.
   while (auto job = *school_.store->LeaseJob(1, 1000)) {
-    ASSERT_TRUE(school_.store->FinishJob(job->id, true, "").ok());
+    ASSERT_TRUE(school_.store->FinishJob(job->lease, true, "").ok());
   }
   Store::AttemptResult result;
   scoring::ScoreResult score;
@@ -650,8 +650,8 @@ TEST_F(TeachingTest, RegradeKeepsTheEarlierResultBesideTheNewOne) {
   auto job = *school_.store->LeaseJob(1, 1000);
   score.score = result.score = 90;
   result.score_json = *school_.store->PutBlob(AsBytes(scoring::ToJson(score)));
-  ASSERT_TRUE(school_.store->FinishAttempt(school_.sams_scored, result, job->id).ok());
-  ASSERT_TRUE(school_.store->FinishJob(job->id, true, "").ok());
+  ASSERT_TRUE(school_.store->FinishAttempt(school_.sams_scored, result, job->lease).ok());
+  ASSERT_TRUE(school_.store->FinishJob(job->lease, true, "").ok());
   EXPECT_EQ(SamsAttempt("ada").at("released"), false) << "another score is released anew";
   EXPECT_EQ(By("sam").Get(Scored("/results")).status, 403);
   ASSERT_EQ(By("ada").Judge("POST", Scored(), "/release").status, 204);

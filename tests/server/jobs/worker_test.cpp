@@ -88,6 +88,36 @@ TEST_F(WorkerTest, CancelledJobEndsUnscoredAndIsNotTriedAgain) {
   EXPECT_LT(store_.progress.back(), 0.7) << "it stopped soon after";
 }
 
+TEST_F(WorkerTest, KeepsTheLeaseOfWhatItIsAt) {
+  Uuid reference = world_.RecordReference(store_);
+  store_.await_beat = true;
+  store_.Queue(reference);
+  WorkerOptions options = Options();
+  options.heartbeat = 1ms;
+  Worker worker(store_, options);
+  worker.Start();
+  ASSERT_TRUE(reports_.WaitFor(1));
+  worker.Stop();
+  EXPECT_TRUE(reports_.seen()[0].second.ok()) << reports_.seen()[0].second.message();
+  EXPECT_GT(store_.kept_leases, 0);
+  EXPECT_EQ(store_.Jobs("done")->size(), 1u);
+}
+
+TEST_F(WorkerTest, ARunWhoseJobAnotherWorkerHasStopsAndChangesNothing) {
+  Uuid reference = world_.RecordReference(store_);
+  store_.await_beat = store_.take_over = true;
+  store_.Queue(reference);
+  WorkerOptions options = Options();
+  options.heartbeat = 1ms;
+  Worker worker(store_, options);
+  worker.Start();
+  ASSERT_TRUE(reports_.WaitFor(1));
+  worker.Stop();
+  EXPECT_EQ(reports_.seen()[0].second.code(), Code::kUnavailable);
+  EXPECT_EQ(store_.Jobs("running")->size(), 1u) << "the other worker's";
+  EXPECT_EQ(store_.results.count(reference), 0u);
+}
+
 TEST_F(WorkerTest, NotifyWakesAWorkerThatWouldSleepForAnHour) {
   Uuid reference = world_.RecordReference(store_);
   Worker worker(store_, Options(1h));

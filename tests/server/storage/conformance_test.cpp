@@ -156,7 +156,7 @@ TEST_P(StoreTest, ReferenceQueuesAttemptsThatWereScoredWithoutOne) {
   Uuid scored = world.ScoredAttempt();
   auto job = store_->LeaseJob(1, 1000);
   ASSERT_TRUE(job.ok() && job->has_value());
-  ASSERT_TRUE(store_->FinishJob((*job)->id, true, "").ok());
+  ASSERT_TRUE(store_->FinishJob((*job)->lease, true, "").ok());
   Store::AttemptResult done;
   done.score = 100;
   ASSERT_TRUE(store_->FinishAttempt(scored, done, {}).ok());
@@ -183,7 +183,7 @@ TEST_P(StoreTest, ReferenceQueuesAttemptsThatFailedForWantOfOne) {
   auto job = store_->LeaseJob(1, 1000);
   ASSERT_TRUE(job.ok() && job->has_value());
   ASSERT_TRUE(store_->FailAttempt(waiting, "no reference yet", {}).ok());
-  ASSERT_TRUE(store_->FinishJob((*job)->id, true, "").ok());
+  ASSERT_TRUE(store_->FinishJob((*job)->lease, true, "").ok());
 
   Uuid reference = world.ScoredAttempt();
   ASSERT_TRUE(store_->AddReference(reference, "Dr. Example", true, kSystem).ok());
@@ -213,6 +213,20 @@ TEST_P(StoreTest, JobWhoseLeaseRanOutIsTakenAgainAndFailsAfterThreeTries) {
   EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kFailed);
 }
 
+TEST_P(StoreTest, LeaseThatIsKeptDoesNotRunOut) {
+  World world(*store_);
+  Uuid attempt = world.OpenedAttempt();
+  ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
+  const Uuid run = store_->LeaseJob(1000, 50)->value().lease;
+  ASSERT_TRUE(store_->KeepLease(run, 5000).ok());
+  EXPECT_FALSE(store_->LeaseJob(4000, 50)->has_value());
+  ASSERT_TRUE(store_->LeaseJob(6000, 50)->has_value());
+  const Status late = store_->KeepLease(run, 9000);
+  EXPECT_EQ(late.code(), Code::kUnavailable);
+  EXPECT_EQ(late.field(), kLeaseOver);
+  EXPECT_EQ(store_->KeepLease(Uuid::New(), 9000).field(), kLeaseOver);
+}
+
 TEST_P(StoreTest, ReturnedJobIsQueuedAgainWithoutCountingTheTry) {
   World world(*store_);
   Uuid attempt = world.OpenedAttempt();
@@ -221,7 +235,7 @@ TEST_P(StoreTest, ReturnedJobIsQueuedAgainWithoutCountingTheTry) {
     auto job = store_->LeaseJob(1, 1000);
     ASSERT_TRUE(job->has_value());
     EXPECT_EQ((*job)->tries, 1u);
-    ASSERT_TRUE(store_->ReturnJob((*job)->id).ok());
+    ASSERT_TRUE(store_->ReturnJob((*job)->lease).ok());
     EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kSealed);
   }
 }
@@ -230,8 +244,8 @@ TEST_P(StoreTest, FailedTryIsQueuedAgainWithItsError) {
   World world(*store_);
   Uuid attempt = world.OpenedAttempt();
   ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
-  Uuid job = store_->LeaseJob(1, 50)->value().id;
-  ASSERT_TRUE(store_->FinishJob(job, false, "disk full").ok());
+  Uuid run = store_->LeaseJob(1, 50)->value().lease;
+  ASSERT_TRUE(store_->FinishJob(run, false, "disk full").ok());
   EXPECT_EQ(store_->Jobs("queued")->front().error, "disk full");
   EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kSealed);
 }

@@ -81,9 +81,9 @@ TEST_P(MotionStoreTest, TheNewestRunSaysWhetherItIsNear) {
 
 TEST_P(MotionStoreTest, ItGoesWithTheRecording) {
   const Uuid attempt = Moved();
-  ASSERT_TRUE(store_->LeaseJob(1, 1000).ok());
+  const Uuid run = store_->LeaseJob(1, 1000)->value().lease;
   Finish(attempt, {});
-  ASSERT_TRUE(store_->FinishJob(store_->Jobs("running")->front().id, true, "").ok());
+  ASSERT_TRUE(store_->FinishJob(run, true, "").ok());
   ASSERT_TRUE(store_->ReleaseAttempt(attempt, kSystem).ok());
   const Sha256 content = Content(attempt);
   ASSERT_TRUE(store_->SetRetention({"recordings", 30}, kSystem).ok());

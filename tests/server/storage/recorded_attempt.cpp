@@ -98,7 +98,7 @@ void RecordedSchool::Finish(const Uuid& attempt, double points,
   SignResult(document, ticket_key);
   result.document = EncodeResult(document);
   EXPECT_TRUE(store->FinishAttempt(attempt, result, {}).ok());
-  EXPECT_TRUE(store->FinishJob((*job)->id, true, "").ok());
+  EXPECT_TRUE(store->FinishJob((*job)->lease, true, "").ok());
 }
 
 Bytes RecordedSchool::TraceOf(const Uuid& attempt) {

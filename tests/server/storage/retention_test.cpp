@@ -28,7 +28,7 @@ class RetentionTest : public StoreSuite {
     auto job = store_->LeaseJob(1, 1000);
     EXPECT_TRUE(job.ok() && job->has_value());
     EXPECT_TRUE(store_->FinishAttempt(attempt, result, {}).ok());
-    EXPECT_TRUE(store_->FinishJob((*job)->id, true, "").ok());
+    EXPECT_TRUE(store_->FinishJob((*job)->lease, true, "").ok());
     return attempt;
   }
   // Records, seals and scores an attempt that has its ticket.
@@ -40,8 +40,8 @@ class RetentionTest : public StoreSuite {
     Store::AttemptResult result;
     result.score = 80;
     result.score_json = PutText(*store_, "score");
-    ASSERT_TRUE(store_->FinishAttempt(attempt, result, (*job)->id).ok());
-    ASSERT_TRUE(store_->FinishJob((*job)->id, true, "").ok());
+    ASSERT_TRUE(store_->FinishAttempt(attempt, result, (*job)->lease).ok());
+    ASSERT_TRUE(store_->FinishJob((*job)->lease, true, "").ok());
   }
   Uuid Released() {
     Uuid attempt = Scored();
@@ -215,7 +215,7 @@ TEST(RetentionOfEvidenceTest, ChunksThatContradictedASealedRecordingGoWithIt) {
   World world(*store);
   Uuid attempt = world.ScoredAttempt();
   auto job = store->LeaseJob(1, 1000);
-  ASSERT_TRUE(store->FinishJob((*job)->id, true, "").ok());
+  ASSERT_TRUE(store->FinishJob((*job)->lease, true, "").ok());
   ASSERT_TRUE(store->FinishAttempt(attempt, *store->ResultOf(attempt), {}).ok());
   ASSERT_TRUE(store->ReleaseAttempt(attempt, kSystem).ok());
   EXPECT_FALSE(store->AppendChunk(world.Chunk(attempt, 0, World::HeaderHash(), 9)).ok());

@@ -54,7 +54,7 @@ class TeachingTest : public StoreSuite {
   // Scored, and nothing waits.
   Uuid Settled(World& world, double score = 80) {
     Uuid attempt = world.ScoredAttempt(score);
-    EXPECT_TRUE(store_->FinishJob(store_->LeaseJob(1, 1000)->value().id, true, "").ok());
+    EXPECT_TRUE(store_->FinishJob(store_->LeaseJob(1, 1000)->value().lease, true, "").ok());
     EXPECT_TRUE(store_->FinishAttempt(attempt, *store_->ResultOf(attempt), {}).ok());
     return attempt;
   }
@@ -437,12 +437,12 @@ TEST_P(TeachingTest, ScoringAgainKeepsTheEarlierResult) {
   Uuid attempt = world.OpenedAttempt();
   ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
   auto run = [&](double score, const std::string& text) {
-    Uuid job = store_->LeaseJob(1, 1000)->value().id;
+    Uuid lease = store_->LeaseJob(1, 1000)->value().lease;
     Store::AttemptResult result;
     result.score = score;
     result.score_json = PutText(*store_, text);
-    EXPECT_TRUE(store_->FinishAttempt(attempt, result, job).ok());
-    EXPECT_TRUE(store_->FinishJob(job, true, "").ok());
+    EXPECT_TRUE(store_->FinishAttempt(attempt, result, lease).ok());
+    EXPECT_TRUE(store_->FinishJob(lease, true, "").ok());
   };
   run(50, "first");
   ASSERT_TRUE(store_->Rescore(attempt, "rescore", kSystem).ok());
@@ -493,7 +493,7 @@ TEST_P(TeachingTest, AppealIsFiledOnceAfterTheReleaseAndAnsweredOnce) {
   World world(*store_);
   Uuid attempt = world.ScoredAttempt();
   // The run that sealing queued is over.
-  ASSERT_TRUE(store_->FinishJob(store_->LeaseJob(1, 1000)->value().id, true, "").ok());
+  ASSERT_TRUE(store_->FinishJob(store_->LeaseJob(1, 1000)->value().lease, true, "").ok());
   ASSERT_TRUE(store_->FinishAttempt(attempt, {}, {}).ok());
   Actor student{world.student, "page"};
   EXPECT_EQ(store_->FileAppeal(attempt, "please", student).code(), Code::kConflict);
@@ -561,26 +561,27 @@ TEST_P(TeachingTest, CancelledJobLeavesTheAttemptSealedAndItsRunCannotFinish) {
   World world(*store_);
   Uuid attempt = world.OpenedAttempt();
   ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
-  Uuid job = store_->LeaseJob(1, 1000)->value().id;
-  ASSERT_TRUE(store_->SetProgress(job, 0.5).ok());
+  const JobRow taken = **store_->LeaseJob(1, 1000);
+  const Uuid job = taken.id, run = taken.lease;
+  ASSERT_TRUE(store_->SetProgress(run, 0.5).ok());
   EXPECT_EQ(store_->Jobs("running")->front().progress, 0.5);
   ASSERT_TRUE(store_->CancelJob(job, kSystem).ok());
   EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kSealed);
-  EXPECT_EQ(store_->SetProgress(job, 0.6).code(), Code::kUnavailable);
-  EXPECT_EQ(store_->FinishAttempt(attempt, {}, job).code(), Code::kUnavailable);
-  EXPECT_EQ(store_->FailAttempt(attempt, "too late", job).code(), Code::kUnavailable);
+  EXPECT_EQ(store_->SetProgress(run, 0.6).code(), Code::kUnavailable);
+  EXPECT_EQ(store_->FinishAttempt(attempt, {}, run).code(), Code::kUnavailable);
+  EXPECT_EQ(store_->FailAttempt(attempt, "too late", run).code(), Code::kUnavailable);
   EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kSealed);
-  ASSERT_TRUE(store_->FinishJob(job, false, "cancelled").ok());
+  ASSERT_TRUE(store_->FinishJob(run, false, "cancelled").ok());
   EXPECT_EQ(store_->Jobs("cancelled")->size(), 1u);
   EXPECT_FALSE(store_->LeaseJob(1, 1000)->has_value());
   EXPECT_EQ(store_->CancelJob(job, kSystem).code(), Code::kConflict);
   EXPECT_EQ(store_->CancelJob(Uuid::New(), kSystem).code(), Code::kNotFound);
   ASSERT_TRUE(store_->Rescore(attempt, "rescore", kSystem).ok());
-  Uuid next = store_->LeaseJob(1, 1000)->value().id;
-  EXPECT_EQ(store_->SetProgress(job, 0.9).code(), Code::kUnavailable) << "the old run goes on";
+  Uuid next = store_->LeaseJob(1, 1000)->value().lease;
+  EXPECT_EQ(store_->SetProgress(run, 0.9).code(), Code::kUnavailable) << "the old run goes on";
   Store::AttemptResult result;
   result.score = 12;
-  EXPECT_EQ(store_->FinishAttempt(attempt, result, job).code(), Code::kUnavailable);
+  EXPECT_EQ(store_->FinishAttempt(attempt, result, run).code(), Code::kUnavailable);
   EXPECT_TRUE(store_->SetProgress(next, 0.1).ok());
   EXPECT_EQ(store_->Jobs("running")->front().progress, 0.1);
   result.score = 71;
@@ -594,12 +595,18 @@ TEST_P(TeachingTest, RunWhoseLeaseWasTakenOverDoesNotQueueItsJobAgain) {
   World world(*store_);
   Uuid attempt = world.OpenedAttempt();
   ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
-  Uuid job = store_->LeaseJob(1, 1000)->value().id;
-  ASSERT_EQ(store_->LeaseJob(5000, 1000)->value().id, job) << "taken over";
-  ASSERT_TRUE(store_->FinishAttempt(attempt, {}, job).ok());
-  ASSERT_TRUE(store_->FinishJob(job, true, "").ok());
-  EXPECT_EQ(store_->FinishAttempt(attempt, {}, job).code(), Code::kUnavailable) << "the slow one";
-  ASSERT_TRUE(store_->FinishJob(job, false, "this scoring run is over").ok());
+  const JobRow slow = **store_->LeaseJob(1, 1000);
+  const JobRow other = **store_->LeaseJob(5000, 1000);
+  ASSERT_EQ(other.id, slow.id) << "taken over";
+  EXPECT_EQ(store_->SetProgress(slow.lease, 0.5).field(), kLeaseOver) << "while the other one runs";
+  EXPECT_EQ(store_->FinishAttempt(attempt, {}, slow.lease).code(), Code::kUnavailable);
+  EXPECT_EQ(store_->FailAttempt(attempt, "slow", slow.lease).code(), Code::kUnavailable);
+  ASSERT_TRUE(store_->FinishJob(slow.lease, true, "").ok());
+  EXPECT_EQ(store_->Jobs("running")->size(), 1u);
+  ASSERT_TRUE(store_->FinishAttempt(attempt, {}, other.lease).ok());
+  ASSERT_TRUE(store_->FinishJob(other.lease, true, "").ok());
+  EXPECT_EQ(store_->FinishAttempt(attempt, {}, slow.lease).code(), Code::kUnavailable);
+  ASSERT_TRUE(store_->FinishJob(slow.lease, false, "this scoring run is over").ok());
   EXPECT_TRUE(store_->Jobs("queued")->empty());
   EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kScored);
 }
@@ -624,7 +631,7 @@ TEST_P(TeachingTest, RunThatFailsLeavesTheScoreThatWasThereAndSaysWhy) {
   for (int tries = 1; tries <= 3; ++tries) {
     auto job = store_->LeaseJob(1, 1000);
     ASSERT_TRUE(job->has_value());
-    ASSERT_TRUE(store_->FinishJob((*job)->id, false, "disk full").ok());
+    ASSERT_TRUE(store_->FinishJob((*job)->lease, false, "disk full").ok());
     AttemptRow row = *store_->AttemptById(attempt);
     EXPECT_EQ(row.state, AttemptState::kScored) << "after try " << tries;
     EXPECT_EQ(row.score, 71);
@@ -634,10 +641,10 @@ TEST_P(TeachingTest, RunThatFailsLeavesTheScoreThatWasThereAndSaysWhy) {
   }
   EXPECT_FALSE(store_->LeaseJob(1, 1000)->has_value());
   ASSERT_TRUE(store_->Rescore(attempt, "rescore", kSystem).ok());
-  Uuid job = store_->LeaseJob(1, 1000)->value().id;
+  Uuid run = store_->LeaseJob(1, 1000)->value().lease;
   EXPECT_EQ(store_->AttemptById(attempt)->problem, "");
   ASSERT_TRUE(store_->FailAttempt(attempt, "the scene is gone", {}).ok());
-  ASSERT_TRUE(store_->FinishJob(job, true, "").ok());
+  ASSERT_TRUE(store_->FinishJob(run, true, "").ok());
   EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kScored);
   EXPECT_EQ(store_->AttemptById(attempt)->problem, "the scene is gone");
   EXPECT_EQ(store_->ResultOf(attempt)->score, 71);
@@ -722,8 +729,8 @@ TEST_P(TeachingTest, ReferenceThatComesWhileARunLooksForOneHasItRunAgain) {
   World world(*store_);
   Uuid reference = world.ScoredAttempt();
   while (auto job = *store_->LeaseJob(1, 1000)) {
-    ASSERT_TRUE(store_->FinishAttempt(reference, *store_->ResultOf(reference), job->id).ok());
-    ASSERT_TRUE(store_->FinishJob(job->id, true, "").ok());
+    ASSERT_TRUE(store_->FinishAttempt(reference, *store_->ResultOf(reference), job->lease).ok());
+    ASSERT_TRUE(store_->FinishJob(job->lease, true, "").ok());
   }
   Uuid attempt = world.OpenedAttempt();
   ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
@@ -738,16 +745,16 @@ TEST_P(TeachingTest, ReferenceThatComesWhileARunLooksForOneHasItRunAgain) {
   EXPECT_EQ(queued(), 1);
   for (auto other = *store_->LeaseJob(2, 1000); other; other = *store_->LeaseJob(2, 1000)) {
     EXPECT_NE(other->attempt, attempt) << "one run of an attempt at a time";
-    ASSERT_TRUE(store_->FinishAttempt(reference, *store_->ResultOf(reference), other->id).ok());
-    ASSERT_TRUE(store_->FinishJob(other->id, true, "").ok());
+    ASSERT_TRUE(store_->FinishAttempt(reference, *store_->ResultOf(reference), other->lease).ok());
+    ASSERT_TRUE(store_->FinishJob(other->lease, true, "").ok());
   }
-  ASSERT_TRUE(store_->FailAttempt(attempt, "no reference yet", run.id).ok());
-  ASSERT_TRUE(store_->FinishJob(run.id, true, "").ok());
+  ASSERT_TRUE(store_->FailAttempt(attempt, "no reference yet", run.lease).ok());
+  ASSERT_TRUE(store_->FinishJob(run.lease, true, "").ok());
   auto again = *store_->LeaseJob(3, 1000);
   ASSERT_TRUE(again.has_value());
   EXPECT_EQ(again->attempt, attempt);
   Store::AttemptResult result = *store_->ResultOf(reference);
-  ASSERT_TRUE(store_->FinishAttempt(attempt, result, again->id).ok());
+  ASSERT_TRUE(store_->FinishAttempt(attempt, result, again->lease).ok());
   EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kScored);
 }
 
@@ -1072,8 +1079,9 @@ TEST_P(TeachingTest, ABatchScoresWhatItCanAndLeavesOutTheRest) {
   EXPECT_EQ(job->batch, batch->id);
   EXPECT_EQ(job->cause, "rubric");
   EXPECT_EQ(store_->BatchById(batch->id)->running, 1u);
-  ASSERT_TRUE(store_->FinishAttempt(job->attempt, *store_->ResultOf(job->attempt), job->id).ok());
-  ASSERT_TRUE(store_->FinishJob(job->id, true, "").ok());
+  ASSERT_TRUE(
+      store_->FinishAttempt(job->attempt, *store_->ResultOf(job->attempt), job->lease).ok());
+  ASSERT_TRUE(store_->FinishJob(job->lease, true, "").ok());
   EXPECT_EQ(store_->BatchById(batch->id)->done, 1u);
   ASSERT_TRUE(store_->CancelBatch(batch->id, kSystem).ok());
   EXPECT_EQ(store_->BatchById(batch->id)->cancelled, 1u);

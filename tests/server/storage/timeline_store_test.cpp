@@ -94,7 +94,7 @@ TEST_P(TimelineStoreTest, ItGoesWithTheRecording) {
     auto job = store_->LeaseJob(1, 1000);
     ASSERT_TRUE(job.ok() && job->has_value());
     ASSERT_TRUE(store_->FinishAttempt(id, *store_->ResultOf(id), {}).ok());
-    ASSERT_TRUE(store_->FinishJob((*job)->id, true, "").ok());
+    ASSERT_TRUE(store_->FinishJob((*job)->lease, true, "").ok());
     ASSERT_TRUE(store_->ReleaseAttempt(id, kSystem).ok());
   }
   ASSERT_TRUE(store_->SetRetention({"recordings", 30}, kSystem).ok());

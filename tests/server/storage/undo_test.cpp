@@ -26,8 +26,8 @@ class UndoTest : public StoreSuite {
     result.surface = PutText(*store_, "surface" + of);
     result.series = PutText(*store_, "series" + of);
     result.scored_ms = 300 + static_cast<UnixMs>(points);
-    ASSERT_TRUE(store_->FinishAttempt(attempt_, result, job->id).ok());
-    ASSERT_TRUE(store_->FinishJob(job->id, true, "").ok());
+    ASSERT_TRUE(store_->FinishAttempt(attempt_, result, job->lease).ok());
+    ASSERT_TRUE(store_->FinishJob(job->lease, true, "").ok());
   }
   void RunAgain(double points) {
     ASSERT_TRUE(store_->Rescore(attempt_, "rescore", kSystem).ok());
