@@ -300,4 +300,13 @@ Result<Bytes> OpenPersonal(Keyring& keyring, Bytes bytes) {
   return out;
 }
 
+Result<bool> IsOfAttempt(Keyring& keyring, const Bytes& sealed, const Uuid& attempt) {
+  const auto person = PersonOfSealed(sealed);
+  if (!person) return Status(Code::kInvalidInput, "expected personal data, found other bytes");
+  ENAMEL_ASSIGN_OR_RETURN(const Bytes data, OpenPersonal(keyring, sealed));
+  ENAMEL_ASSIGN_OR_RETURN(const DataKey key, keyring.Find(*person));
+  const auto nonce = NonceOf(key, attempt, data);
+  return std::equal(nonce.begin(), nonce.end(), sealed.begin() + kHeadBytes);
+}
+
 }  // namespace enamel::server

@@ -88,5 +88,8 @@ std::optional<Uuid> PersonOfSealed(ByteView bytes);
 // Envelopes are opened, everything else is returned as it is (written before schema 2, or
 // nobody's). Errors: kNotFound (key destroyed), kStorage (damaged), kVersion.
 Result<Bytes> OpenPersonal(Keyring& keyring, Bytes bytes);
+// Whether an envelope was made of something of this attempt: its nonce is derived from that and the
+// content. Errors: those of OpenPersonal; kInvalidInput (these bytes are no envelope).
+Result<bool> IsOfAttempt(Keyring& keyring, const Bytes& sealed, const Uuid& attempt);
 
 }  // namespace enamel::server

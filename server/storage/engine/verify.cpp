@@ -135,8 +135,25 @@ class Verifier {
     LoadTicketKey();
     ENAMEL_RETURN_IF_ERROR(CheckAttempts(db));
     ENAMEL_RETURN_IF_ERROR(CheckResults(db, ticket_key_, report_));
+    ENAMEL_RETURN_IF_ERROR(CheckTimelines(db));
     ENAMEL_RETURN_IF_ERROR(CheckStages(db, report_));
     return CheckAudit(db, ticket_key_, earlier_, report_, options_.progress);
+  }
+
+  // A playback is in no signed result: that it was made of its own attempt is in its envelope.
+  Status CheckTimelines(Db& db) {
+    Query q(db, "SELECT attempt, content FROM timelines WHERE tenant = ?1 AND content IS NOT NULL");
+    while (q.Next()) {
+      if (!has_keys_ || bad_blobs_.contains(q.Hash(1))) continue;  // noted, or found already
+      const auto sealed = blobs_.Get(q.Hash(1));
+      if (!sealed.ok() || !PersonOfSealed(*sealed)) continue;
+      const auto own = IsOfAttempt(keyring_, *sealed, q.Id(0));
+      if (own.ok() && !*own) {
+        Find("timeline", q.Id(0).Text(), "the playback that was made of this attempt",
+             "one of another attempt", "have the attempt scored again, which makes it anew");
+      }
+    }
+    return q.status();
   }
 
   void CheckManifest() {

@@ -17,7 +17,7 @@ using UpkeepProgress = std::function<void(const std::string& what, uint64_t done
 // One disagreement.
 struct Finding {
   std::string kind;    // "database", "blob", "chain", "signature", "seal", "ticket", "key",
-                       // "erasure", "file", "result", "audit", "decision"
+                       // "erasure", "file", "result", "timeline", "audit", "decision"
   std::string object;  // the attempt's id, the blob's hash, the file's path, the audit row's id
   std::string expected, found;
   std::string remedy;

@@ -4,6 +4,7 @@
 #include <sqlite3.h>
 
 #include <algorithm>
+#include <array>
 
 #include "common/base/file.h"
 #include "common/base/hex.h"
@@ -277,6 +278,23 @@ TEST_F(VerifyTest, ResultWithoutADocumentIsUnsignedAndNoFault) {
   EXPECT_TRUE(report.findings.empty());
   EXPECT_EQ(report.unsigned_results, 1u);
   EXPECT_EQ(report.signed_results, 1u);
+}
+
+TEST_F(VerifyTest, APlaybackOfAnotherAttemptIsFound) {
+  std::array<Uuid, 2> attempts;
+  for (Uuid& attempt : attempts) {
+    attempt = school_.Record(1);
+    school_.Score(attempt, scored_);
+    const Sha256 made = *school_.store->PutAttemptBlob(attempt, AsBytes("what it looked like"));
+    ASSERT_TRUE(school_.store->PutTimeline(attempt, made).ok());
+  }
+  EXPECT_TRUE(Look().findings.empty());
+  Sql("UPDATE timelines SET content = (SELECT content FROM timelines WHERE attempt = x'" +
+      ToHex(attempts[0].view()) + "') WHERE attempt = x'" + ToHex(attempts[1].view()) + "'");
+  const VerifyReport report = Look();
+  ASSERT_EQ(report.findings.size(), 1u);
+  EXPECT_EQ(report.findings[0].kind, "timeline");
+  EXPECT_EQ(report.findings[0].object, attempts[1].Text());
 }
 
 TEST_F(VerifyTest, ReferenceErasedWithItsPersonIsNoFault) {
