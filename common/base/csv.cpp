@@ -1,5 +1,6 @@
 #include "common/base/csv.h"
 
+#include <charconv>
 #include <utility>
 
 namespace enamel {
@@ -101,9 +102,16 @@ class Reader {
   bool has_text_ = false;
 };
 
+bool IsNumber(std::string_view text) {
+  double value = 0;
+  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && rest == text.data() + text.size();
+}
+
 std::string Cell(std::string_view text) {
   std::string out;
-  if (!text.empty() && kComputed.find(text.front()) != std::string_view::npos) out = "'";
+  if (!text.empty() && kComputed.find(text.front()) != std::string_view::npos && !IsNumber(text))
+    out = "'";
   out += text;
   if (out.find_first_of(",\"\r\n") == std::string::npos) return out;
   std::string quoted = "\"";

@@ -54,9 +54,11 @@ TEST(CsvTest, WhatIsNoCsvIsToldWithItsRow) {
 
 TEST(CsvTest, WhatIsWrittenReadsBackAndIsNotComputed) {
   std::string text = CsvLine({"plain", "with, comma", "with \"quote\"", "two\nlines", ""}) +
-                     CsvLine({"=1+1", "@SUM(A1)", "-2", "+3", "\tx"});
+                     CsvLine({"=1+1", "@SUM(A1)", "-2+3", "+SUM(A1)", "\tx"}) +
+                     CsvLine({"-0.1154", "-2", "1e-3"});
   CsvTable table = ReadCsv(text);
-  ASSERT_EQ(table.rows.size(), 2u);
+  ASSERT_EQ(table.rows.size(), 3u);
+  EXPECT_EQ(table.rows[2].cells, (Cells{"-0.1154", "-2", "1e-3"})) << "a number stays one";
   EXPECT_EQ(table.rows[0].cells,
             (Cells{"plain", "with, comma", "with \"quote\"", "two\nlines", ""}));
   for (const std::string& cell : table.rows[1].cells) EXPECT_EQ(cell.front(), '\'') << cell;
