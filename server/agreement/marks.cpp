@@ -230,6 +230,16 @@ Result<std::vector<Mark>> ReadMarks(std::string_view csv) {
       const auto place = static_cast<size_t>(places[column]);
       return place < row.cells.size() ? row.cells[place] : std::string();
     };
+    // A mark with a comma would be read as a smaller one and a cell too many.
+    const size_t columns = table.rows.front().cells.size();
+    if (std::any_of(
+            row.cells.begin() + static_cast<std::ptrdiff_t>(std::min(columns, row.cells.size())),
+            row.cells.end(), [](const std::string& extra) { return !extra.empty(); })) {
+      return Wrong(row.row,
+                   std::to_string(columns) +
+                       " cells, as the header has (a number with a point, not a comma)",
+                   std::to_string(row.cells.size()));
+    }
     if (cell(kMark).empty()) continue;
     Mark mark{cell(kWork), cell(kCriterion), cell(kMarker), 0};
     const std::array<const std::string*, 3> texts = {&mark.work, &mark.criterion, &mark.marker};

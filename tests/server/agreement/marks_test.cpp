@@ -77,6 +77,9 @@ TEST(MarksTest, WhatIsWrongIsRefusedWithItsRow) {
   EXPECT_NE(why("work,criterion,marker,mark,maker\n").find("\"maker\""), std::string::npos);
   EXPECT_NE(why("work,work,criterion,marker,mark\n").find("once"), std::string::npos);
   EXPECT_NE(why("work,criterion,marker,mark\n1,c,a,\"7,5\"\n").find("row 2"), std::string::npos);
+  EXPECT_NE(why("work,criterion,marker,mark\n1,c,a,4,5\n").find("not a comma"), std::string::npos)
+      << "4,5 without quotes is no 4";
+  EXPECT_EQ(why("work,criterion,marker,mark\n1,c,a,4,,\n"), "accepted");
   EXPECT_NE(why("work,criterion,marker,mark\n1,c,a,nan\n").find("a number"), std::string::npos);
   EXPECT_NE(why("work,criterion,marker,mark\n1,c,,7\n").find("marker"), std::string::npos);
   EXPECT_NE(why("work,criterion,marker,mark\n1,c,a,1e999\n").find("a number"), std::string::npos);
