@@ -167,6 +167,9 @@ class Cutter {
   double smallest_mm_;
 };
 
+// A few parts that lie in each other may cross with most of their triangles; a scan has more than these.
+constexpr size_t kRoughFrom = 2000;
+
 // Patches of triangles that hang together over edges and that nothing crosses.
 std::vector<uint32_t> Patches(const Triangles& mesh, const Crossing& with) {
   std::vector<uint32_t> patch(mesh.indices.size());
@@ -203,6 +206,15 @@ Result<SolidBoundary> BoundaryOf(const Triangles& mesh, const TriangleTree& tree
   const Result<Crossing> crossings = FindCrossings(mesh, tree);
   if (!crossings.ok()) return crossings.status();
   const Crossing& with = *crossings;
+  const auto crossed =
+      std::ranges::count_if(with, [](const auto& others) { return !others.empty(); });
+  if (mesh.indices.size() > kRoughFrom && 2 * static_cast<size_t>(crossed) > mesh.indices.size()) {
+    return Status(Code::kInvalidInput,
+                  "expected a surface that crosses itself in places at most, found that " +
+                      std::to_string(crossed) + " of " + std::to_string(mesh.indices.size()) +
+                      " triangles cross others, as in a scan whose noise is larger than its "
+                      "triangles; smooth it, or save it with larger triangles");
+  }
   const auto patch = Patches(mesh, with);
   const Judge judge(tree);
   SolidBoundary out{{mesh.vertices, {}}, 0, 0};

@@ -28,6 +28,18 @@ TEST(SolidBoundaryTest, SurfaceThatCrossesNothingIsKeptAsItIs) {
   EXPECT_EQ(b->pieces.indices, sphere.indices);
 }
 
+// Noise that is larger than the triangles: nobody can tell where the surface was.
+TEST(SolidBoundaryTest, AScanThatCrossesItselfNearlyEverywhereIsRefused) {
+  mesh::Triangles rough = SphereMesh(5, 40);
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> noise(-0.6, 0.6);
+  for (dvec3& vertex : rough.vertices) vertex += dvec3(noise(random), noise(random), noise(random));
+  const auto b = mesh::BoundaryOf(rough, mesh::TriangleTree(rough));
+  ASSERT_FALSE(b.ok());
+  EXPECT_EQ(b.status().code(), Code::kInvalidInput);
+  EXPECT_NE(b.status().message().find("smooth it"), std::string::npos) << b.status().message();
+}
+
 TEST(SolidBoundaryTest, AreaOfTwoSpheresThatOverlapIsThatOfTheirUnion) {
   // Radius 5, centres 6 apart: each loses a cap of height 2, area 2 pi r h.
   const double ideal = 2 * (4 * kPi * 25 - 2 * kPi * 5 * 2);
