@@ -48,6 +48,12 @@ Status ImportMesh(const ImportCommand& options) {
       std::fprintf(stderr, "\r\033[Kfilling the volume %3.0f %%", 100 * done);
     };
   }
+  // A line each where it goes to a file: who reads along is not left in silence either.
+  if (!shows && !program::LogIsJson()) {
+    import_options.phase = [](std::string_view phase) {
+      std::fprintf(stderr, "%.*s\n", static_cast<int>(phase.size()), phase.data());
+    };
+  }
   const import::ImportSources sources{options.file, {options.enamel, options.dentin, options.pulp}};
   auto imported = import::ImportTooth(sources, import_options);
   if (shows) std::fprintf(stderr, "\r\033[K");
