@@ -62,8 +62,8 @@ Gathered& Named(std::vector<Gathered>& all, const CriterionPoints& criterion) {
 void Gather(const StudentWork& work, size_t student, std::vector<Gathered>& all) {
   for (const CriterionPoints& criterion : work.criteria) {
     Gathered& to = Named(all, criterion);
-    // What was not judged, or is worth nothing, was nobody's to lose.
-    if (!criterion.judged || criterion.max_points <= 0) continue;
+    // What is worth nothing was nobody's to lose. What was not made has no value, and its points are lost.
+    if (criterion.max_points <= 0) continue;
     CriterionInsight& insight = to.insight;
     ++insight.judged;
     insight.max_points = std::max(insight.max_points, criterion.max_points);
@@ -71,7 +71,7 @@ void Gather(const StudentWork& work, size_t student, std::vector<Gathered>& all)
     CountTenth(100 * criterion.points / criterion.max_points, insight.earned);
     to.points += criterion.points;
     to.lost += criterion.max_points - criterion.points;
-    to.values.push_back({student, criterion.value});
+    if (criterion.judged) to.values.push_back({student, criterion.value});
   }
 }
 

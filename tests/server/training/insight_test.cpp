@@ -17,8 +17,8 @@ StudentWork Work(double score, double time_s, std::vector<CriterionPoints> crite
 CriterionPoints Wall(double value, double points) {
   return {"wall_mesial_mm", "Mesial wall", "mm", value, points, 20, true};
 }
-CriterionPoints Floor(double value, double points, bool judged = true) {
-  return {"floor_mm", "Floor", "mm", value, points, 10, judged};
+CriterionPoints Floor(double value, double points, double max_points = 10) {
+  return {"floor_mm", "Floor", "mm", value, points, max_points, max_points > 0};
 }
 
 // Quartiles of 1 to 5 and of 1 to 4 by linear interpolation, as R's quantile() gives them by default.
@@ -70,11 +70,22 @@ TEST(InsightTest, CommonestErrorIsWhereMostLostHalfAndThenWhereMoreWasLost) {
 }
 
 TEST(InsightTest, WhatWasNotJudgedIsNobodysError) {
-  const Insight insight = InsightOf({Work(80, 1, {Floor(9, 0, false)}), Work(80, 1)});
+  const Insight insight = InsightOf({Work(80, 1, {Floor(9, 0, 0)}), Work(80, 1)});
   ASSERT_EQ(insight.criteria.size(), 1u);
   EXPECT_EQ(insight.criteria[0].judged, 0u);
   EXPECT_FALSE(insight.criteria[0].values.has_value());
   EXPECT_FALSE(insight.commonest.has_value());
+}
+
+// An attempt that cut nothing has no floor: it has lost the floor's points like one that cut it badly.
+TEST(InsightTest, WhatWasNotMadeIsLostAndHasNoValue) {
+  CriterionPoints none = Floor(0, 0);
+  none.judged = false;
+  const Insight insight = InsightOf({Work(0, 1, {none}), Work(90, 1, {Floor(0.1, 8)})});
+  EXPECT_EQ(insight.criteria[0].judged, 2u);
+  EXPECT_DOUBLE_EQ(insight.criteria[0].mean_points, 4);
+  EXPECT_EQ(insight.criteria[0].half_lost, 1u);
+  EXPECT_EQ(insight.criteria[0].values->count, 1u);
 }
 
 // Times 1 to 8 have median 4.5 and MAD 2: with 30 in place of 8, z = 0.6745 · 25.5 / 2 = 8.6.

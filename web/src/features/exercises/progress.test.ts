@@ -5,7 +5,7 @@ import { type Done, nextStep, progressOf } from "./progress";
 
 const done = (atMs: number, points: Readonly<Record<string, number>>, unjudged: readonly string[] = []): Done => ({
   id: String(atMs), atMs, score: { criteria: Object.entries(points).map(([name, value]) => ({
-    name, title: `Title ${name}`, value: 0, unit: "mm", points: value, max_points: 10, reason: `${name} at ${atMs}`, judged: !unjudged.includes(name) })) } as unknown as Score,
+    name, title: `Title ${name}`, value: 0, unit: "mm", points: value, max_points: unjudged.includes(name) ? 0 : 10, reason: `${name} at ${atMs}`, judged: !unjudged.includes(name) })) } as unknown as Score,
 });
 
 test("each criterion has its curve from the oldest attempt on, its best and its last", () => {

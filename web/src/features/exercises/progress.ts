@@ -34,7 +34,7 @@ export function progressOf(done: readonly Done[]): CriterionProgress[] {
   return (newest?.score.criteria ?? []).flatMap(({ name, title, max_points: maxPoints }) => {
     const shares = oldestFirst.flatMap(({ score }) => {
       const one = score.criteria.find((criterion) => criterion.name === name);
-      return one === undefined || one.max_points === 0 || one.judged === false ? [] : [one.points / one.max_points];
+      return one === undefined || one.max_points === 0 ? [] : [one.points / one.max_points];
     });
     const last = shares.at(-1);
     return last === undefined ? [] : [{ name, title, maxPoints, shares, best: Math.max(...shares), last }];
@@ -45,7 +45,7 @@ export function progressOf(done: readonly Done[]): CriterionProgress[] {
 export function nextStep(done: readonly Done[]): NextStep | undefined {
   const newest = [...done].sort((a, b) => b.atMs - a.atMs).slice(0, kLookedAt);
   const steps = (newest[0]?.score.criteria ?? []).map(({ name, title }): NextStep => {
-    const found = newest.flatMap(({ score }) => score.criteria.filter((criterion) => criterion.name === name && criterion.judged !== false && criterion.max_points > 0));
+    const found = newest.flatMap(({ score }) => score.criteria.filter((criterion) => criterion.name === name && criterion.max_points > 0));
     const losing = found.filter((criterion) => criterion.max_points - criterion.points >= kMeaningPoints);
     return { title, lost: losing.reduce((sum, criterion) => sum + criterion.max_points - criterion.points, 0) / Math.max(1, newest.length), times: losing.length, of: newest.length,
              reason: losing[0]?.reason ?? "" };

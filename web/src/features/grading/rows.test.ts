@@ -9,12 +9,12 @@ const row = (name: string, score: number | null, wall?: number, judged = true): 
 });
 const names = (rows: readonly GradingRow[]) => rows.map(({ attempt }) => attempt.id);
 
-test("who lost most on a criterion comes first, who was not judged last, whichever way", () => {
+test("who lost most on a criterion comes first, who has no score last, whichever way", () => {
   const rows = [row("A", 50, 2), row("B", 60, 9), row("C", null), row("D", 70, 5, false), row("E", 80, 2)];
-  assert.deepEqual(names(sorted(rows, { by: "wall_mesial_mm", down: true })), ["B", "A", "E", "C", "D"]);
-  assert.deepEqual(names(sorted(rows, { by: "wall_mesial_mm", down: false })), ["A", "E", "B", "C", "D"]);
+  assert.deepEqual(names(sorted(rows, { by: "wall_mesial_mm", down: true })), ["B", "D", "A", "E", "C"]);
+  assert.deepEqual(names(sorted(rows, { by: "wall_mesial_mm", down: false })), ["A", "E", "D", "B", "C"]);
   assert.deepEqual(names(sorted(rows, { by: "score", down: false })), ["A", "B", "D", "E", "C"]);
-  assert.equal(lostOn(row("D", 70, 5, false), "wall_mesial_mm"), undefined);
+  assert.equal(lostOn(row("D", 70, 5, false), "wall_mesial_mm"), 5, "not made, and so not earned");
 });
 
 test("names are sorted as people count and found without accents and case", () => {

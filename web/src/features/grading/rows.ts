@@ -28,10 +28,10 @@ export function criteriaOf(rows: readonly GradingRow[]): CriterionColumn[] {
   return [...found.values()];
 }
 
-// Points lost; undefined where it was not judged.
+// Points lost, all of them where it was not made; undefined where they were nobody's to lose.
 export function lostOn({ score }: GradingRow, criterion: string): number | undefined {
   const found = score?.criteria.find(({ name }) => name === criterion);
-  return found === undefined || found.max_points === 0 || found.judged === false ? undefined : Math.max(0, found.max_points - found.points);
+  return found === undefined || found.max_points === 0 ? undefined : Math.max(0, found.max_points - found.points);
 }
 
 // What has no value comes last, whichever way; equal ones by name, so that the order does not jump.
