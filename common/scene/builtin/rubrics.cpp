@@ -50,7 +50,7 @@ std::vector<RubricGate> TaskGates() {
            "Task done",
            "%",
            {{5, 0}, {90, 1}},
-           "The work was stopped early: part of the task is still to be cut."},
+           "Part of the task is still to be cut."},
           {"damage_percent",
            "Cut where nothing was asked for",
            "%",
@@ -154,7 +154,7 @@ RubricGate CariesGate() {
           "Caries left",
           "%",
           {{10, 1}, {90, 0}},
-          "The work was stopped early: there is still caries to be taken away."};
+          "There is still caries to be taken away."};
 }
 
 RubricCriterion NoCariesCriterion(double points) {

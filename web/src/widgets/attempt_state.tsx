@@ -38,9 +38,18 @@ export function awaitsRelease(attempt: Attempt, graded: boolean): boolean {
 }
 
 // How much of the work was done, in percent, where that took points of every criterion.
-export function stoppedEarly({ gates = [] }: Pick<Score, "gates">): number | undefined {
-  const gate = gates.find(({ name, share }) => share < 1 && (name === "task_done_percent" || name === "caries_left_percent"));
-  return gate === undefined ? undefined : gate.name === "task_done_percent" ? gate.value : 100 - gate.value;
+export function stoppedEarly(score: Pick<Score, "gates">): number | undefined {
+  return gateThatTook(score, "task_done_percent");
+}
+
+// How much of the caries was left, in percent, where that took points of every criterion: work that was ended as it
+// should be may have left it.
+export function cariesLeft(score: Pick<Score, "gates">): number | undefined {
+  return gateThatTook(score, "caries_left_percent");
+}
+
+function gateThatTook({ gates = [] }: Pick<Score, "gates">, metric: string): number | undefined {
+  return gates.find(({ name, share }) => share < 1 && name === metric)?.value;
 }
 
 // What is to be known about an attempt before it is judged.

@@ -36,7 +36,9 @@ test("work that was stopped early is said before anything else", () => {
   assert.match(summarySentence(score({ score: 31, gates: [gate] })), /^31\.0 of 100\. The work was stopped early: 43 % of it was done/);
   assert.match(summarySentence(score({ gates: [{ ...gate, share: 1 }] })), /Mesial wall/);
   assert.equal(stoppedEarly({ gates: [gate] }), 43);
-  assert.equal(stoppedEarly({ gates: [{ ...gate, name: "caries_left_percent", value: 30 }] }), 70);
+  const caries = { ...gate, name: "caries_left_percent", value: 30 };
+  assert.equal(stoppedEarly({ gates: [caries] }), undefined, "ended, and left it");
+  assert.match(summarySentence(score({ score: 31, gates: [caries] })), /^31\.0 of 100\. 30 % of the caries was left/);
   assert.equal(stoppedEarly({ gates: [{ ...gate, name: "damage_percent" }] }), undefined);
 });
 

@@ -1,5 +1,5 @@
 import type { AttemptDetail, AttemptFacts, Criterion, Hand, Score } from "../../api/types";
-import { stoppedEarly } from "../../widgets/attempt_state";
+import { cariesLeft, stoppedEarly } from "../../widgets/attempt_state";
 import { formatNumber, formatPoints, formatQuantity, formatScore } from "../../base/format";
 import { say, sayIf } from "../../base/words";
 
@@ -20,6 +20,8 @@ export function summarySentence(score: Score): string {
   if (score.critical_fail) return say("summary.critical", { score: total });
   const done = stoppedEarly(score);
   if (done !== undefined) return say("summary.stopped", { score: total, percent: formatNumber(done, 0) });
+  const caries = cariesLeft(score);
+  if (caries !== undefined) return say("summary.caries", { score: total, percent: formatNumber(caries, 0) });
   const judged = score.criteria.filter((criterion) => criterion.max_points > 0);
   const lost = byLostPoints(judged).filter((criterion) => lostPoints(criterion) >= kPointsShown);
   const [worst, second] = lost;
