@@ -202,7 +202,7 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, playback, toMark, 
       <div class="columns wide-right">
         <div class="stack">
           <RecordingPanel attempt={attempt} score={scored} />
-          <Contradictions chunks={attempt.contradictions} />
+          <Contradictions attempt={attempt} />
           <Nearness near={attempt.nearness} />
           {scored !== undefined && <RunsPanel client={client} requestKey={key} attemptId={id} />}
         </div>
@@ -226,11 +226,12 @@ function RemovedRecording({ removedMs }: { readonly removedMs: number }) {
 }
 
 // Only who decides about the attempt is told.
-function Contradictions({ chunks }: { readonly chunks: AttemptDetail["contradictions"] }) {
-  if (chunks.length === 0) return null;
+function Contradictions({ attempt }: { readonly attempt: AttemptDetail }) {
+  const chunks = attempt.contradictions;
+  if (chunks.length === 0 && !(attempt.flags.includes("contradicted") && attempt.may.includes("annotate"))) return null;
   return (
     <Card title={say("attempt_flag.contradicted")}>
-      <p>{say("attempt.contradicted_text")}</p>
+      <p>{chunks.length === 0 ? say("attempt.two_recordings_text") : say("attempt.contradicted_text")}</p>
       <ul>{chunks.map((chunk) => <li key={chunk.sha256}>{sayWith("attempt.chunk", { number: String(chunk.seq), when: formatDateTime(chunk.received_ms), hash: <code>{chunk.sha256.slice(0, 16)}…</code> })}</li>)}</ul>
     </Card>
   );
@@ -253,7 +254,7 @@ function UnscoredAttempt({ attempt }: { readonly attempt: AttemptDetail }) {
   return (
     <>
       <Card title={say("score.title")}>{unscoredText(attempt)}</Card>
-      <Contradictions chunks={attempt.contradictions} />
+      <Contradictions attempt={attempt} />
       <RecordingPanel attempt={attempt} score={undefined} />
     </>
   );
