@@ -21,8 +21,11 @@ constexpr int32_t kLeastFraction = 655;
 // Farther than this beyond the target's box a place belongs to no wall: a bur's width.
 constexpr double kWallReach_m = 1e-3;
 
-// Of the stroke that took most.
-constexpr double kCountsOfLargest = 0.1;
+// Where a fault began is where a stroke took so much of it that it counts: most graze what is beyond by
+// a micrometre. A share of what the largest took, and of what must not be touched at most this much.
+constexpr double kCountsOfLargest = 0.1, kCountsOfUntouchable_m3 = 5e-12;
+// Moments are told apart by this.
+constexpr double kBin_s = 0.25;
 
 constexpr uint32_t Bit(Part part) { return 1u << part; }
 constexpr uint32_t Bit(Tissue tissue) { return 1u << static_cast<uint32_t>(tissue); }
@@ -118,10 +121,14 @@ Part PartNear(const OpenBox& box, const dvec3& p) {
 class Gatherer {
  public:
   Gatherer(const Subject& subject, bool left, const std::vector<Stroke>& strokes,
-           const WorstPlace* place = nullptr)
-      : subject_(subject), left_(left), strokes_(strokes), own_(place) {}
+           uint64_t bin_ticks, const WorstPlace* place = nullptr)
+      : subject_(subject), left_(left), strokes_(strokes), bin_ticks_(bin_ticks), own_(place) {}
 
   bool AsksWhere() const { return subject_.where != Where::kAnywhere; }
+  // Healthy or not, nothing of it is to be taken: its first touch is where it began, wherever it is.
+  bool MustNotBeTouched() const {
+    return subject_.tissues == Bit(Tissue::kNeighbour) || subject_.tissues == Bit(Tissue::kPulp);
+  }
   // Whether it may be about a fault, where near and elsewhere are not told apart.
   bool May(const Fault& f) const {
     if (own_ != nullptr) {
@@ -139,16 +146,25 @@ class Gatherer {
     if (!f.tick) return;
     const uint32_t number = StrokeRecorder::NumberAt(strokes_, *f.tick);
     if (number == 0) return;
-    FaultStroke& stroke =
-        of_stroke_.try_emplace(number, FaultStroke{number, *f.tick}).first->second;
-    stroke.first_tick = std::min<uint64_t>(stroke.first_tick, *f.tick);
-    stroke.volume_m3 += f.volume_m3;
+    StrokePart& part =
+        parts_here_.try_emplace({number, *f.tick / bin_ticks_}, StrokePart{}).first->second;
+    part.first_tick = std::min<uint64_t>(part.first_tick, *f.tick);
+    part.volume_m3 += f.volume_m3;
   }
   void EndBrick() {
-    if (here_m3_ > most_m3_) {
-      most_m3_ = here_m3_;
-      place_m_ = moment_ / here_m3_;
+    if (here_m3_ > 0) {
+      const dvec3 middle_m = moment_ / here_m3_;
+      for (auto& [when, part] : parts_here_) {
+        part.number = when.first;
+        part.at_m = middle_m;
+        parts_.push_back(part);
+      }
+      if (here_m3_ > most_m3_) {
+        most_m3_ = here_m3_;
+        place_m_ = middle_m;
+      }
     }
+    parts_here_.clear();
     here_m3_ = 0;
     moment_ = dvec3(0);
   }
@@ -164,30 +180,15 @@ class Gatherer {
     out.left = left_;
     out.volume_m3 = volume_m3_;
     out.position_m = place_m_;
+    if (own_ != nullptr) out.position_m = own_->at_m;
     const cutting::GridSpec& grid = attempt.spec();
-    const dvec3 slope = attempt.SlopeAtSample((place_m_ - grid.origin_m()) / grid.voxel_m());
+    const dvec3 slope = attempt.SlopeAtSample((out.position_m - grid.origin_m()) / grid.voxel_m());
     const double length = std::sqrt(Dot(slope, slope));
     // Flat where the distance saturates: then from above, as a tooth is looked at.
     if (length > 0.1) out.facing = slope / length;
-    if (own_ != nullptr) out.position_m = own_->at_m, out.facing = own_->facing;
-    if (of_stroke_.empty()) return out;
-    for (const auto& [number, stroke] : of_stroke_) out.strokes.push_back(stroke);
-    out.stroke_count = static_cast<uint32_t>(out.strokes.size());
-    double largest_m3 = 0;
-    for (const FaultStroke& stroke : out.strokes)
-      largest_m3 = std::max(largest_m3, stroke.volume_m3);
-    // By number, so by time. Most strokes graze what is beyond by a micrometre: where it began is where
-    // one began that counts.
-    const auto first = std::find_if(
-        out.strokes.begin(), out.strokes.end(),
-        [&](const FaultStroke& s) { return s.volume_m3 >= kCountsOfLargest * largest_m3; });
-    out.first_tick = first->first_tick;
-    out.first_s = times.TimeOf_s(out.first_tick);
-    std::stable_sort(
-        out.strokes.begin(), out.strokes.end(),
-        [](const FaultStroke& a, const FaultStroke& b) { return a.volume_m3 > b.volume_m3; });
-    if (out.strokes.size() > Deduction::kMaxStrokes) out.strokes.resize(Deduction::kMaxStrokes);
-    for (FaultStroke& stroke : out.strokes) stroke.first_s = times.TimeOf_s(stroke.first_tick);
+    if (own_ != nullptr && own_->facing) out.facing = *own_->facing;
+    out.here = !MustNotBeTouched();
+    AddStrokes(out, times);
     return out;
   }
 
@@ -195,10 +196,67 @@ class Gatherer {
   const Subject& subject_;
   const bool left_;
   const std::vector<Stroke>& strokes_;
+  const uint64_t bin_ticks_;
   const WorstPlace* own_;
+  // What a stroke took within kBin_s and within a brick.
+  struct StrokePart {
+    uint32_t number = 0;
+    uint64_t first_tick = UINT64_MAX;
+    double volume_m3 = 0;
+    dvec3 at_m{0};  // the middle of the brick's fault
+  };
+
+  void AddStrokes(Deduction& out, const StrokeRecorder& times) const {
+    std::map<uint32_t, FaultStroke> of_stroke;
+    std::map<uint64_t, double> by_tick;
+    double all_m3 = 0;
+    for (const StrokePart& part : parts_) {
+      const dvec3 d = part.at_m - out.position_m;
+      if (out.here && Dot(d, d) > kNearPlace_m * kNearPlace_m) continue;
+      FaultStroke& stroke =
+          of_stroke.try_emplace(part.number, FaultStroke{part.number, part.first_tick})
+              .first->second;
+      stroke.first_tick = std::min(stroke.first_tick, part.first_tick);
+      stroke.volume_m3 += part.volume_m3;
+      by_tick[part.first_tick] += part.volume_m3;
+      all_m3 += part.volume_m3;
+    }
+    if (of_stroke.empty()) return;
+    for (const auto& [number, stroke] : of_stroke) out.strokes.push_back(stroke);
+    out.stroke_count = static_cast<uint32_t>(out.strokes.size());
+    double counts_m3 = 0;
+    for (const FaultStroke& stroke : out.strokes)
+      counts_m3 = std::max(counts_m3, kCountsOfLargest * stroke.volume_m3);
+    if (MustNotBeTouched()) counts_m3 = std::min(counts_m3, kCountsOfUntouchable_m3);
+    // By number, so by time.
+    const auto first = std::find_if(out.strokes.begin(), out.strokes.end(),
+                                    [&](const FaultStroke& s) { return s.volume_m3 >= counts_m3; });
+    out.first_tick = first->first_tick;
+    out.first_s = times.TimeOf_s(out.first_tick);
+    double gone_m3 = 0;
+    for (const auto& [tick, volume_m3] : by_tick) {
+      gone_m3 += volume_m3;
+      out.half_tick = tick;
+      if (gone_m3 >= 0.5 * all_m3) break;
+    }
+    out.half_s = times.TimeOf_s(out.half_tick);
+    std::stable_sort(
+        out.strokes.begin(), out.strokes.end(),
+        [](const FaultStroke& a, const FaultStroke& b) { return a.volume_m3 > b.volume_m3; });
+    if (out.strokes.size() > Deduction::kMaxStrokes) out.strokes.resize(Deduction::kMaxStrokes);
+    for (FaultStroke& stroke : out.strokes) {
+      const Stroke& whole = strokes_[stroke.number - 1];
+      stroke.first_s = times.TimeOf_s(stroke.first_tick);
+      stroke.lasts_s = whole.last_s - whole.first_s;
+    }
+    out.strokes_m3 = all_m3;
+  }
+
   double volume_m3_ = 0, here_m3_ = 0, most_m3_ = 0;
   dvec3 moment_{0}, place_m_{0};
-  std::map<uint32_t, FaultStroke> of_stroke_;
+  std::map<std::pair<uint32_t, uint64_t>, StrokePart>
+      parts_here_;  // of this brick, by stroke and time
+  std::vector<StrokePart> parts_;
 };
 
 // Every voxel in which attempt and reference differ, brick by brick.
@@ -271,6 +329,7 @@ std::vector<Deduction> FindDeductions(const scene::Scene& scene, const scene::Ca
                inputs.strokes);
   auto boxes = BoxesOf(scene, target);
   const std::vector<Stroke> strokes = inputs.strokes->Strokes();
+  const auto bin = std::max<uint64_t>(1, std::llround(kBin_s * inputs.strokes->rate_hz()));
   auto place_of = [&](std::string_view metric) -> const WorstPlace* {
     if (!inputs.places) return nullptr;
     for (const WorstPlace& p : *inputs.places) {
@@ -284,14 +343,14 @@ std::vector<Deduction> FindDeductions(const scene::Scene& scene, const scene::Ca
   for (const std::string& criterion : criteria) {
     if (const WorstPlace* place = place_of(criterion); place && boxes.ok()) {
       const Subject& subject = placed.emplace_back(Subject{place->name});
-      gatherers.emplace_back(subject, false, strokes, place);
-      gatherers.emplace_back(subject, true, strokes, place);
+      gatherers.emplace_back(subject, false, strokes, bin, place);
+      gatherers.emplace_back(subject, true, strokes, bin, place);
       continue;
     }
     const Subject* subject = FindSubject(criterion);
     if (!subject || !boxes.ok()) continue;
-    if ((subject->side & kOver) != 0) gatherers.emplace_back(*subject, false, strokes);
-    if ((subject->side & kLeft) != 0) gatherers.emplace_back(*subject, true, strokes);
+    if ((subject->side & kOver) != 0) gatherers.emplace_back(*subject, false, strokes, bin);
+    if ((subject->side & kLeft) != 0) gatherers.emplace_back(*subject, true, strokes, bin);
   }
   if (gatherers.empty()) return {};
   FaultWalk(inputs, boxes->target, gatherers).Run();

@@ -20,6 +20,7 @@ struct FaultStroke {
   uint32_t number = 0;  // from 1 (strokes.h)
   uint64_t first_tick = 0;
   double first_s = 0;  // since the start, gaps included
+  double lasts_s = 0;  // the whole stroke
   // Of the fault's voxels whose centre went in it, and stands in the reference.
   double volume_m3 = 0;
 
@@ -35,14 +36,22 @@ struct Deduction {
   dvec3 position_m{0};
   // Unit vector out of the tooth there: where to look at it from.
   dvec3 facing{0, 0, 1};
+  // Strokes and moments are of the fault within kNearPlace_m of position_m where it spreads over a
+  // surface: then `here`. Of what must not be touched at all (a neighbour, the pulp) they are of all
+  // of it.
+  bool here = false;
   // How many strokes took of it; 0 where `left`, and where it is thinner than half a voxel
   // everywhere, so that nobody can say when it went.
   uint32_t stroke_count = 0;
-  // The first crossing: the earliest tick at which a voxel of it went; 0 without strokes.
+  // The first crossing that counts; 0 without strokes.
   uint64_t first_tick = 0;
   double first_s = 0;
-  // The strokes with most of it, those first, at most kMaxStrokes.
+  // By when half of it had gone; 0 without strokes.
+  uint64_t half_tick = 0;
+  double half_s = 0;
+  // The strokes with most of it, those first, at most kMaxStrokes; and what all of them took.
   std::vector<FaultStroke> strokes;
+  double strokes_m3 = 0;
 
   static constexpr size_t kMaxStrokes = 8;
   bool operator==(const Deduction&) const = default;

@@ -17,7 +17,7 @@ struct Measured {
   TissueVolumes_m3 removed{};
   TaskVolumes task;
   DeviationFigures deviation;
-  double deepest_over_m = 0;
+  Deepest deepest_over;
   Walls walls{};
   OutlineFigures outline;
   LineAngleFigures line_angles;

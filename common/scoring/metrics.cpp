@@ -131,6 +131,9 @@ void AddPlaces(const Measured& m, const MetricPlan& plan, MetricSet& out) {
       out.places.push_back({std::string(p.name), spot.at_m, spot.facing});
     }
   }
+  if (m.deepest_over.depth_m > 0) {
+    out.places.push_back({"deepest_over_mm", m.deepest_over.at_m, {}});
+  }
   if (plan.Has(MetricGroup::kMargin) && m.margin.made) {
     out.places.push_back({"cavosurface_off_deg", m.margin.worst_at_m, m.margin.worst_facing});
   }
@@ -180,7 +183,7 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
   }
   // The server has it for the heat map already.
   const std::vector<float>& deviation = attempt.deviation_m ? *attempt.deviation_m : own;
-  m.deepest_over_m = DeepestOver_m(a.cut_side, deviation);
+  m.deepest_over = DeepestOver(a.cut_side, deviation);
   tell(0.5);
   const std::vector<float> back =
       DeviationPerVertex(*reference.final_surface, initial, *reference.final_volume,

@@ -3,6 +3,7 @@
 #include <array>
 #include <bitset>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -134,7 +135,7 @@ struct MissingMetric {
 struct WorstPlace {
   std::string name;
   dvec3 at_m{0};
-  dvec3 facing{0, 0, 1};  // unit: where to look at it from
+  std::optional<dvec3> facing{};  // unit: where to look at it from; none: out of the tooth there
 
   bool operator==(const WorstPlace&) const = default;
 };

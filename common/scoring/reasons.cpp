@@ -98,7 +98,7 @@ std::string Found(const MetricInfo& info, double value, int digits) {
 }
 
 std::string Clock(double s) {
-  const auto whole = static_cast<long long>(std::max(0.0, s));
+  const auto whole = std::llround(std::max(0.0, s));
   char text[32];
   std::snprintf(text, sizeof text, "%lld:%02lld", whole / 60, whole % 60);
   return text;
@@ -157,9 +157,14 @@ std::string Clause(const MetricInfo& info, const Reason& reason) {
   if (reason.code == "keeps" && v.size() == 1) {
     return "Every criterion keeps " + Number(v[0], "%") + " of its points";
   }
-  if (reason.code == "stop_earlier" && v.size() == 2) {
-    return "It began at " + Clock(v[0]) + ", and stroke " + Digits(v[1], 0) +
-           " took most of it. Stop earlier there";
+  const bool by_stroke = reason.code == "stop_earlier" || reason.code == "stop_earlier_here";
+  const bool by_moment = reason.code == "stop_earlier_by" || reason.code == "stop_earlier_here_by";
+  if ((by_stroke || by_moment) && v.size() == 2) {
+    const bool here = reason.code.find("_here") != std::string::npos;
+    return std::string(here ? "Where it is worst, it began at " : "It began at ") + Clock(v[0]) +
+           (by_stroke ? ", and stroke " + Digits(v[1], 0) + " took most of it"
+                      : ", and half of it was gone by " + Clock(v[1])) +
+           ". Stop earlier there";
   }
   if (reason.code == "cut_further" && v.size() == 1) {
     return Number(v[0], "mm3") + " were left standing. Cut further there";
@@ -222,9 +227,13 @@ std::optional<Reason> Advice(const MetricInfo& info, double value,
     return Reason{"cut_further", {left_mm3}, {"mm3"}};
   }
   if (most->strokes.empty()) return std::nullopt;
-  return Reason{"stop_earlier",
-                {most->first_s, static_cast<double>(most->strokes.front().number)},
-                {"s", "count"}};
+  const FaultStroke& stroke = most->strokes.front();
+  const std::string code = most->here ? "stop_earlier_here" : "stop_earlier";
+  // Who has cut for long without lifting, or a little in each of many strokes, is told a moment: no one
+  // stroke could have been left out.
+  if (stroke.lasts_s > kLongStroke_s || stroke.volume_m3 < 0.5 * most->strokes_m3)
+    return Reason{code + "_by", {most->first_s, most->half_s}, {"s", "s"}};
+  return Reason{code, {most->first_s, static_cast<double>(stroke.number)}, {"s", "count"}};
 }
 
 std::string Sentence(std::string_view title, const MetricInfo& info,

@@ -20,6 +20,7 @@ struct Reason {
 
   bool operator==(const Reason&) const = default;
 };
+inline constexpr double kLongStroke_s = 10;
 inline constexpr size_t kMaxReasons = 4, kMaxReasonValues = 8;
 
 // What was found, beside where the map gives full marks, and where it gives none if any were lost:
@@ -35,13 +36,15 @@ Reason LimitReason(const MetricInfo& info, double value);
 // What every criterion keeps by a gate that took points: "keeps".
 Reason KeepsReason(double share);
 // What to do about it, by where the most was lost: "stop_earlier" with the first moment and the
-// stroke that took most, or "cut_further" with what was left. `value`: of the metric; its sign says
+// stroke that took most, "stop_earlier_by" with the first moment and the one by which half was gone where
+// no stroke took half, or that one lasted longer than kLongStroke_s, either with "_here" where that is of the
+// worst place only (Deduction::here); or "cut_further" with what was left. `value`: of the metric; its sign says
 // which of the two where the metric has one. None where no place or moment is known.
 std::optional<Reason> Advice(const MetricInfo& info, double value,
                              const std::vector<Deduction>& deductions);
 
 // The sentences, each with its full stop: "Mesial wall: 0.30 mm too deep (full marks within 0.03 mm,
-// none beyond 0.25 mm). It began at 1:12, and stroke 14 took most of it. Stop earlier there." A code
+// none beyond 0.25 mm). Where it is worst, it began at 1:12, and stroke 14 took most of it. Stop earlier there." A code
 // that is not known, of a newer server, is left out. `comment`: the rubric's, told last; may be empty.
 std::string Sentence(std::string_view title, const MetricInfo& info,
                      const std::vector<Reason>& reasons, std::string_view comment);

@@ -131,7 +131,7 @@ constexpr Entry kRegistry[] = {
     {kDeviation,
      {"deepest_over_mm", "mm", "Deepest place beyond the reference",
       "At least 0.02 mm2 of the cut lies so deep under the reference's surface."},
-     [](const Measured& m) { return m.deepest_over_m * kMm; }},
+     [](const Measured& m) { return m.deepest_over.depth_m * kMm; }},
     {kDeviation,
      {"most_left_mm", "mm", "Most left standing",
       "At least 0.02 mm2 of the reference's cut lies so deep under the attempt's surface."},

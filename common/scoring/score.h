@@ -54,7 +54,7 @@ struct GateResult {
 // much, 5 before walls far off in narrow cavities and deep finish lines were found and crowns had
 // eight sections. Higher for every change that may move a score of the same
 // recording, or what a judgement is told by.
-inline constexpr int32_t kScoringVersion = 6;
+inline constexpr int32_t kScoringVersion = 7;
 // Since when a metric of the same name is the same number.
 inline constexpr int32_t kSameNumbersSince = 6;
 // Of a hundred. Whoever lost less needs no comment and no advice.

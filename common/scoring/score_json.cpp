@@ -199,6 +199,8 @@ void ReadStrokes(ObjectReader& reader, Status& status, const std::string& at, De
     item.ReadInteger("number", stroke.number);
     item.ReadInteger("first_tick", stroke.first_tick);
     item.Read("first_s", stroke.first_s);
+    // Scores before version 7 have none.
+    if (item.Has("lasts_s")) item.Read("lasts_s", stroke.lasts_s);
     item.Read("volume_mm3", stroke.volume_m3);
     stroke.volume_m3 *= kM3PerMm3;
   }
@@ -259,6 +261,13 @@ void ReadDeductions(ObjectReader& reader, Status& status, ScoreResult& out) {
     item.ReadInteger("first_tick", d.first_tick);
     item.Read("first_s", d.first_s);
     item.ReadInteger("stroke_count", d.stroke_count);
+    if (item.Has("here")) {  // since version 7
+      item.Read("here", d.here);
+      item.ReadInteger("half_tick", d.half_tick);
+      item.Read("half_s", d.half_s);
+      item.Read("strokes_mm3", d.strokes_m3);
+      d.strokes_m3 *= kM3PerMm3;
+    }
     ReadStrokes(item, status, at, d);
   }
 }
@@ -311,6 +320,7 @@ json::array DeductionsJson(const std::vector<Deduction>& deductions) {
       strokes.push_back({{"number", stroke.number},
                          {"first_tick", stroke.first_tick},
                          {"first_s", Rounded(stroke.first_s)},
+                         {"lasts_s", Rounded(stroke.lasts_s)},
                          {"volume_mm3", Rounded(stroke.volume_m3 / kM3PerMm3)}});
     }
     out.push_back({{"criterion", d.criterion},
@@ -320,7 +330,11 @@ json::array DeductionsJson(const std::vector<Deduction>& deductions) {
                    {"facing", triple(d.facing)},
                    {"first_tick", d.first_tick},
                    {"first_s", Rounded(d.first_s)},
+                   {"here", d.here},
+                   {"half_tick", d.half_tick},
+                   {"half_s", Rounded(d.half_s)},
                    {"stroke_count", d.stroke_count},
+                   {"strokes_mm3", Rounded(d.strokes_m3 / kM3PerMm3)},
                    {"strokes", std::move(strokes)}});
   }
   return out;

@@ -251,12 +251,19 @@ DeviationFigures MeasureDeviation(const CutSide& reference, const std::vector<fl
   return out;
 }
 
-double DeepestOver_m(const CutSide& attempt, const std::vector<float>& deviation_m) {
+Deepest DeepestOver(const CutSide& attempt, const std::vector<float>& deviation_m) {
   std::vector<WeightedValue> over;
+  size_t deepest = 0;
   for (size_t i = 0; i < deviation_m.size(); ++i) {
-    if (deviation_m[i] > 0) over.push_back({deviation_m[i], (*attempt.areas_m2)[i]});
+    if (!(deviation_m[i] > 0)) continue;
+    over.push_back({deviation_m[i], (*attempt.areas_m2)[i]});
+    // The first of equals, so that it is the same everywhere.
+    if (!(deviation_m[deepest] >= deviation_m[i])) deepest = i;
   }
-  return ReachedBy(std::move(over), kPatch_m2);
+  Deepest out;
+  if (!over.empty()) out.at_m = dvec3(attempt.mesh->position_m[deepest]);
+  out.depth_m = ReachedBy(std::move(over), kPatch_m2);
+  return out;
 }
 
 Walls MeasureWalls(const Volume& initial, const CutSide& attempt, const CutSide& reference,

@@ -31,9 +31,13 @@ struct DeviationFigures {
 // `deviation_m`: DeviationPerVertex of the reference's mesh against the attempt (so + is left).
 DeviationFigures MeasureDeviation(const CutSide& reference, const std::vector<float>& deviation_m);
 
-// How deep 0.02 mm^2 of the attempt's surface lies under the reference's, at least.
-// `deviation_m`: of the attempt's mesh against the reference (so + is too deep).
-double DeepestOver_m(const CutSide& attempt, const std::vector<float>& deviation_m);
+// How deep 0.02 mm^2 of the attempt's surface lies under the reference's, at least, and where it is
+// deepest. `deviation_m`: of the attempt's mesh against the reference (so + is too deep).
+struct Deepest {
+  double depth_m = 0;
+  dvec3 at_m{0};
+};
+Deepest DeepestOver(const CutSide& attempt, const std::vector<float>& deviation_m);
 
 // The plane normal . p = reach.
 struct Facet {

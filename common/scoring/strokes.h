@@ -43,6 +43,7 @@ class StrokeRecorder {
   bool in_contact() const { return open_; }        // after the last Add
   uint64_t contacts() const { return contacts_; }  // strokes and those without a cut
   double contact_s() const;                        // from first to last tick of each, summed
+  uint32_t rate_hz() const { return rate_hz_; }
   // Time since the start of a tick, gaps included. Requires: it was added.
   double TimeOf_s(uint64_t tick) const;
   // Number of the stroke, from 1, that a tick is in; 0: in none. `strokes` as Strokes() gives them.

@@ -170,7 +170,7 @@ TEST_P(MarginsTest, OneWallThatLeansIsTheWorstAndItsPlaceIsOnIt) {
   ASSERT_NE(place, metrics.places.end());
   EXPECT_GT(place->at_m.x, 1.4e-3);
   EXPECT_NEAR(place->at_m.z, 0, 0.1e-3);
-  EXPECT_GT(place->facing.z, 0.9);
+  EXPECT_GT(place->facing->z, 0.9);
 }
 
 TEST_P(MarginsTest, AnUntouchedBlockHasNeitherAndTheReferenceIsNowhereOff) {

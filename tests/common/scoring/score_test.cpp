@@ -103,7 +103,9 @@ Deduction WallTooDeep() {
   d.volume_m3 = 1e-9;
   d.first_s = 72.4;
   d.stroke_count = 2;
-  d.strokes = {{14, 80'000, 80, 0.9e-9}, {12, 72'400, 72.4, 0.1e-9}};
+  d.half_s = 80.6;
+  d.strokes = {{14, 80'000, 80, 2, 0.9e-9}, {12, 72'400, 72.4, 1, 0.1e-9}};
+  d.strokes_m3 = 1e-9;
   return d;
 }
 
@@ -118,6 +120,28 @@ TEST(ApplyRubricTest, AdviceNamesTheMomentAndTheStrokeThatTookMost) {
             "began at 1:12, and stroke 14 took most of it. Stop earlier there. Watch the line "
             "angle.");
   EXPECT_EQ(r.deductions.size(), 1u);
+}
+
+// No stroke could have been left out where none took half, or where one lasts for a third of the attempt.
+TEST(ApplyRubricTest, AdviceNamesAMomentWhereNoOneStrokeIsToBlame) {
+  Deduction shared = WallTooDeep(), lasting = WallTooDeep();
+  shared.strokes_m3 = 2e-9;
+  shared.here = true;
+  lasting.strokes[0].lasts_s = 70;
+  const MetricInfo& wall = *FindMetric("wall_mesial_mm");
+  const auto sentence = [&](const Deduction& d) {
+    return Sentence("Wall", wall, {*Advice(wall, 0.2, {d})}, "");
+  };
+  EXPECT_EQ(sentence(shared),
+            "Wall: Where it is worst, it began at 1:12, and half of it was gone by 1:21. Stop "
+            "earlier there.");
+  EXPECT_EQ(sentence(lasting),
+            "Wall: It began at 1:12, and half of it was gone by 1:21. Stop earlier there.");
+  shared.strokes_m3 = 1e-9;
+  EXPECT_EQ(
+      sentence(shared),
+      "Wall: Where it is worst, it began at 1:12, and stroke 14 took most of it. Stop earlier "
+      "there.");
 }
 
 TEST(ApplyRubricTest, AdviceOfAWallTakesTheSideThatItIsOffOn) {
@@ -471,10 +495,12 @@ TEST(ScoreJsonTest, EveryTruncationAndEveryMissingMemberIsRefused) {
 
 TEST(ScoreJsonTest, AScoreOfVersionOneHasNoGatesAndSaysSo) {
   std::string text = ToJson(Score(0, 99, 0));
-  for (const char* member : {R"("gates":[],)", R"("missing":[],)", R"("deductions":[],)",
-                             R"("scoring_version":6,)", R"(,"judged":true)"}) {
+  const std::string version = "\"scoring_version\":" + std::to_string(kScoringVersion) + ",";
+  for (const std::string& member :
+       {std::string(R"("gates":[],)"), std::string(R"("missing":[],)"),
+        std::string(R"("deductions":[],)"), version, std::string(R"(,"judged":true)")}) {
     size_t at;
-    while ((at = text.find(member)) != std::string::npos) text.erase(at, std::strlen(member));
+    while ((at = text.find(member)) != std::string::npos) text.erase(at, member.size());
   }
   auto old = ScoreFromJson(text);
   ASSERT_TRUE(old.ok()) << old.status().message();

@@ -56,7 +56,10 @@ function sentence({ code, values }: Reason, unit: string): string | undefined {
     case "fails_above": return sayIf("reason.fails_above", { found, limit: measured(second) });
     case "device_limit": return sayIf("reason.device_limit", { found, share: formatNumber(second ?? Number.NaN, 1) });
     case "keeps": return sayIf("reason.keeps", { percent: formatNumber(first, 1) });
-    case "stop_earlier": return sayIf("reason.stop_earlier", { moment: formatMoment(first), stroke: formatNumber(second ?? Number.NaN, 0) });
+    case "stop_earlier": case "stop_earlier_here":
+      return sayIf(`reason.${code}`, { moment: formatMoment(first), stroke: formatNumber(second ?? Number.NaN, 0) });
+    case "stop_earlier_by": case "stop_earlier_here_by":
+      return sayIf(`reason.${code}`, { moment: formatMoment(first), half: formatMoment(second ?? Number.NaN) });
     case "cut_further": return sayIf("reason.cut_further", { volume: formatQuantity(first, "mm3") });
     case "any": case "not_in_task": case "not_made": return sayIf(`reason.${code}`, { found });
     default: return undefined;

@@ -18,5 +18,6 @@ export function deductionText(deduction: Deduction): string {
   if (worst === undefined) return say("deduction.over", { volume });
   const told = { volume, moment: formatMoment(deduction.first_s), stroke: String(worst.number) };
   const others = deduction.stroke_count - 1;
+  if (deduction.here) return others <= 0 ? say("deduction.here_one", told) : say("deduction.here_more", { ...told, count: others });
   return others <= 0 ? say("deduction.one", told) : say("deduction.more", { ...told, count: others });
 }
