@@ -2,10 +2,15 @@
 
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
+#include <iterator>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "common/base/file.h"
 #include "common/scene/builtin/builtin.h"
+#include "common/scene/profile_criteria.h"
 
 // What an exercise says fits the tooth it is about, and its numbers are its target's.
 namespace enamel::scene {
@@ -107,6 +112,54 @@ TEST(WordsTest, OfACrownAreItsStumpsNumbers) {
       }
     }
   }
+}
+
+// Of every tooth that is built in, of the same teeth as somebody's scans, where only the landmarks are
+// known, and of a prepared tooth.
+std::vector<Exercise> EveryKindOfExercise() {
+  std::vector<Exercise> out;
+  for (const std::string& name : BuiltinSceneNames()) {
+    auto built = BuildBuiltinScene(name, 200'000);
+    if (!built.ok()) continue;
+    std::ranges::copy(BuiltinExercises(built->scene, {}), std::back_inserter(out));
+    Scene scan = built->scene;
+    scan.name = scan.name.starts_with("incisor") ? "incisor-of-a-scan" : "scan";
+    std::ranges::copy(BuiltinExercises(scan, {}), std::back_inserter(out));
+    if (scan.landmarks.contains("occlusal_centre")) {
+      out.push_back(PreparedExercise(built->scene, {}, {}));
+    }
+  }
+  return out;
+}
+
+// The page says all of these in the languages it has (schemas/words.md), by the golden file.
+TEST(WordsTest, ThatAreBuiltInAreThoseOfTheGoldenFile) {
+  std::set<std::string> lines;
+  for (const Exercise& e : EveryKindOfExercise()) {
+    lines.insert("title " + e.title);
+    lines.insert("text " + e.instructions);
+    for (const RubricCriterion& c : e.rubric.criteria) {
+      lines.insert({"title " + c.title, "text " + c.comment});
+    }
+    for (const RubricGate& g : e.rubric.gates) {
+      lines.insert({"title " + g.title, "text " + g.comment});
+    }
+  }
+  for (const DeviceProfile& profile : BuiltinProfiles()) {
+    for (const ProfileCriterion& c : CheckProfile(profile)) lines.insert("title " + c.title);
+  }
+  for (const BuiltinScene& scene : BuiltinScenes()) {
+    auto built = BuildBuiltinScene(scene.name, 200'000);
+    ASSERT_TRUE(built.ok());
+    lines.insert("title " + built->scene.title);
+    lines.insert("title " + std::string(scene.summary));
+  }
+  std::string words;
+  for (const std::string& line : lines) words += line + "\n";
+  auto golden =
+      ReadFile(std::filesystem::path(ENAMEL_SOURCE_DIR) / "schemas/golden/builtin_words.txt");
+  ASSERT_TRUE(golden.ok()) << golden.status().message();
+  EXPECT_EQ(words, std::string(golden->begin(), golden->end()));
 }
 
 }  // namespace
