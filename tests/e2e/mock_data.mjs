@@ -32,7 +32,8 @@ export function exerciseRows() {
     exercise(20, "class-1-occlusal", "Occlusal cavity, class I", true,
              "Cut a box cavity in the occlusal surface of the lower first molar.\nKeep the walls upright and the floor flat. Stay out of the marginal ridges.", 1),
     exercise(21, "class-1-practice", "Occlusal cavity, practice", false, "The same cavity without a grade. The score shows as soon as you are done.", 2),
-    exercise(22, "class-2-mesial", "Mesial box, class II", true, "Cut the box through the mesial ridge. The neighbour must stay untouched.", 1),
+    exercise(22, "class-2-mesial", "Class II cavity, mesial box", true,
+             "Cut the mesial box: 3.2 mm wide, 3.5 mm deep from the marginal ridge, its axial wall 0.99 mm inside the middle of the ridge, open to the mesial side. Do not touch the neighbour.", 1),
     { ...exercise(23, "crown", "Crown preparation", true, "Reduce the crown evenly.", 0), state: "draft", has_reference: false },
     { ...exercise(24, "cross", "Cross in a block", false, "Cut the cross.", 1), state: "retired" },
   ];

@@ -61,7 +61,7 @@ async function assignmentLife(world) {
   const page = await signedIn(world, "instructor", "/assignments");
   await page.getByRole("button", { name: "Assign an exercise…" }).click();
   const dialog = page.getByRole("dialog");
-  await dialog.getByLabel("Exercise").selectOption({ label: "Mesial box, class II" });
+  await dialog.getByLabel("Exercise").selectOption({ label: "Class II cavity, mesial box" });
   await dialog.getByLabel("Cohort").selectOption({ label: "Preclinic, second term" });
   await dialog.getByLabel("Due").fill("2020-03-09T09:00");
   await dialog.getByText("This time has passed: nobody could begin any more.").waitFor();
@@ -76,7 +76,7 @@ async function assignmentLife(world) {
   await dialog.getByText("expected due_ms after opens_ms").waitFor();
   await dialog.getByLabel("Due").fill("2027-03-12T09:00");
   await dialog.getByRole("button", { name: "Assign", exact: true }).click();
-  await page.getByRole("heading", { level: 1, name: "Mesial box, class II" }).waitFor();
+  await page.getByRole("heading", { level: 1, name: "Class II cavity, mesial box" }).waitFor();
   const made = world.mock.assignments.at(-1);
   assert.equal(made.exam, true);
   assert.equal(made.stations.length, 1);

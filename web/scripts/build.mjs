@@ -9,7 +9,7 @@ import { brotliCompressSync, constants, gzipSync } from "node:zlib";
 import { build } from "esbuild";
 import { bundleReport } from "./bundle_report.mjs";
 import { generate } from "./generate.mjs";
-import { englishAtOnce, keysIn, readCatalogue, shortKeys, wordsByPart } from "./words.mjs";
+import { englishAtOnce, keysIn, pageKeys, shortKeys, wordsByPart } from "./words.mjs";
 
 const web = fileURLToPath(new URL("..", import.meta.url));
 const kCompressible = /\.(html|js|css|svg|json|txt)$/;
@@ -71,7 +71,7 @@ function loadedWith(inputs, entry) {
 // its own sources name beyond.
 async function wordsOfParts(options) {
   const { metafile } = await build({ ...options, entryPoints: ["src/app/main.tsx"], bundle: true, outdir: "unused", splitting: true, format: "esm", metafile: true, write: false, absWorkingDir: web, logLevel: "silent", plugins: [wordsByPart({})] });
-  const keys = Object.keys(readCatalogue("en"));
+  const keys = pageKeys();
   const named = (entry) => new Set(loadedWith(metafile.inputs, entry).flatMap((path) => keysIn(readFileSync(join(web, path), "utf8"), keys)));
   const first = named("src/app/main.tsx");
   const lazy = Object.values(metafile.inputs).flatMap((input) => input.imports.filter((item) => item.kind === "dynamic-import" && item.path.startsWith("src/") && item.path.endsWith(".tsx")).map((item) => item.path));

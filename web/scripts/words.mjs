@@ -75,7 +75,7 @@ export function generateWords() {
   export type Cases = { readonly [choice: string]: Message };
   export type Message = string | readonly (string | readonly [string, Cases])[];
   export type Messages = { readonly [key: string]: Message };
-  export type Part = "first" | "attempt_page" | "exercise_page" | "staff" | "more" | "editors" | "tooth_import";
+  export type Part = "first" | "attempt_page" | "exercise_page" | "staff" | "more" | "editors" | "tooth_import" | "builtin";
   export const kAtOnce: Messages;
   export const kParts: { readonly [language in "en" | "de" | "zh"]: { readonly [part in Part]: () => Promise<{ readonly default: Messages }> } };
   export interface Places {
@@ -126,9 +126,16 @@ export function englishAtOnce(keys = Object.keys(readCatalogue("en"))) {
   return plugin(() => `export const kAtOnce = ${written("en", keys)}; export const kParts = {};`);
 }
 
-// Each part in each language a file of its own, loaded when it is needed. `parts`: from its name to the keys it needs.
-export function wordsByPart(parts, short) {
-  const list = (language) => Object.keys(parts).map((part) => `${part}: () => import("enamel:words/${language}/${part}")`).join(", ");
+// What built-in exercises say: a part for itself, which nobody needs who reads English.
+const kBuiltin = /^builtin_/;
+export const pageKeys = () => Object.keys(readCatalogue("en")).filter((key) => !kBuiltin.test(key));
+const builtinKeys = () => Object.keys(readCatalogue("en")).filter((key) => kBuiltin.test(key));
+
+// Each part in each language a file of its own, loaded when it is needed. `pageParts`: from its name to the keys it needs.
+export function wordsByPart(pageParts, short) {
+  const parts = { ...pageParts, builtin: builtinKeys() };
+  const source = (language, part) => part === "builtin" && language === "en" ? "Promise.resolve({ default: {} })" : `import("enamel:words/${language}/${part}")`;
+  const list = (language) => Object.keys(parts).map((part) => `${part}: () => ${source(language, part)}`).join(", ");
   return plugin(([language, part]) => language === undefined
     ? `export const kAtOnce = {}; export const kParts = { ${kLanguages.map((code) => `${code}: { ${list(code)} }`).join(", ")} };`
     : `export default ${written(language, parts[part], short)};`, short);

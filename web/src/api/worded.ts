@@ -2,6 +2,7 @@ import { formatLimit, formatMoment, formatNumber, formatQuantity, formatSigned, 
 import { spokenLanguage } from "../base/language";
 import { sayIf } from "../base/words";
 import { ok } from "../base/result";
+import { wordedText, wordedTitle } from "./builtin_words";
 import type { Client } from "./client";
 import type { ApiResult } from "./http";
 import type { AssignmentInsight, Score } from "./types";
@@ -32,17 +33,11 @@ export function wordedInsight(insight: AssignmentInsight): AssignmentInsight {
   return spokenLanguage() === "en" ? insight : { ...insight, criteria: insight.criteria.map(worded), gates: insight.gates.map(worded) };
 }
 
-// "Walls upright" of a built-in exercise; any other title stays.
-export function wordedTitle(title: string): string {
-  if (spokenLanguage() === "en") return title;
-  return sayIf(`builtin_title.${title.toLowerCase().replaceAll(/[^a-z0-9]+/g, "_")}`) ?? title;
-}
-
 // Each code a sentence, then the rubric's comment. The server's own text where a code is not known or there are none.
 export function reasonText({ title, unit, reason, reasons = [], comment = "" }: Criterion | Gate): string {
   const told = reasons.map((each) => sentence(each, unit));
   if (spokenLanguage() === "en" || told.length === 0 || told.includes(undefined)) return reason;
-  return [sayIf("reason.title", { title: wordedTitle(title) }) ?? "", ...told, comment].filter((part) => part !== "").join(spokenLanguage() === "zh" ? "" : " ");
+  return [sayIf("reason.title", { title: wordedTitle(title) }) ?? "", ...told, wordedText(comment)].filter((part) => part !== "").join(spokenLanguage() === "zh" ? "" : " ");
 }
 
 function sentence({ code, values }: Reason, unit: string): string | undefined {

@@ -6,7 +6,7 @@ import { queryText } from "../api/http";
 import type { LanguageChoice, Person, Session } from "../api/types";
 import { unreachable } from "../base/assert";
 import type { Language } from "../base/language";
-import { say, sayWith } from "../base/words";
+import { loadWords, say, sayWith } from "../base/words";
 import { AccountPage, ForcedPassword } from "../features/account/account_page";
 import { ConfirmPassword } from "../features/account/confirm_password";
 import { MyWorkPage } from "../features/assignments/my_work_page";
@@ -61,6 +61,8 @@ async function signedIn(begun: Session, chosen?: Language): Promise<void> {
   const kept = chosen === undefined || chosen === begun.language ? begun : await client.setLanguage(chosen).then((result) => result.ok ? result.value : begun);
   // Where its words cannot be loaded the page stays as it is, and the account page says so when it is asked.
   await applyLanguage(kept.language);
+  // Without them built-in exercises are as the server has them, in English.
+  await loadWords("builtin").catch(() => undefined);
   chosenBefore.value = undefined;
   session.value = { state: "in", person, language: kept.language, mustChange };
 }

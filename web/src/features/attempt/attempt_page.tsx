@@ -1,6 +1,7 @@
 import "../../api/shared";
 import "../../widgets/shared";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { ApiError } from "../../api/http";
 import type { Annotation, AttemptDetail, Deduction, Person } from "../../api/types";
@@ -89,7 +90,7 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
       </div>
       <div class="attempt-head">
         <div>
-          <PageTitle document={attempt.exercise.title}>{attempt.exercise.title}</PageTitle>
+          <PageTitle document={wordedTitle(attempt.exercise.title)}>{wordedTitle(attempt.exercise.title)}</PageTitle>
           <p class="byline">
             {attempt.person.display_name}, {formatDateTime(attempt.ticketed_ms)} <StateBadge attempt={attempt} /> <Flags attempt={attempt} graded={graded && teacher} staff={teacher} appealed={attempt.appeal?.state === "open"} done={done} />
           </p>

@@ -1,4 +1,5 @@
 import { useMemo } from "preact/hooks";
+import { wordedTitle } from "../../api/builtin_words";
 import type { AttemptQuery, Client } from "../../api/client";
 import type { Attempt, AttemptFlag, AttemptState, Cohort, ExerciseSummary } from "../../api/types";
 import { usePages } from "../../api/use_pages";
@@ -80,7 +81,7 @@ function Filters({ cohorts, exercises, filter, onQuery }:
       <SelectField label={say("common.cohort")} value={filter.cohort} onValue={(cohort) => onQuery({ ...filter, cohort })}
                    options={[{ value: "", title: say("common.all") }, ...cohorts.map((cohort) => ({ value: cohort.id, title: cohort.name }))]} />
       <SelectField label={say("common.exercise")} value={filter.exercise} onValue={(exercise) => onQuery({ ...filter, exercise })}
-                   options={[{ value: "", title: say("common.all") }, ...exercises.map((exercise) => ({ value: exercise.id, title: exercise.title }))]} />
+                   options={[{ value: "", title: say("common.all") }, ...exercises.map((exercise) => ({ value: exercise.id, title: wordedTitle(exercise.title) }))]} />
       <SelectField label={say("common.state")} value={filter.state} onValue={(state) => onQuery({ ...filter, state })}
                    options={[{ value: "", title: say("common.any") }, ...kStates.map((state) => ({ value: state as string, title: stateText(state).title }))]} />
       <SelectField label={say("attempts.only_with")} value={filter.special} onValue={(special) => onQuery({ ...filter, special })}
@@ -108,8 +109,8 @@ function AttemptList({ client, filter, exercises, named, appealed = kNobody }: L
   const open = (attempt: Attempt, text: string) => <a href={`/attempts/${attempt.id}`}>{text}</a>;
   const columns: readonly Column<Attempt>[] = [
     ...(named ? [{ title: say("common.student"), cell: (attempt: Attempt) => open(attempt, attempt.person.display_name) },
-                 { title: say("common.exercise"), cell: (attempt: Attempt) => attempt.exercise.title }]
-              : [{ title: say("common.exercise"), cell: (attempt: Attempt) => open(attempt, attempt.exercise.title) }]),
+                 { title: say("common.exercise"), cell: (attempt: Attempt) => wordedTitle(attempt.exercise.title) }]
+              : [{ title: say("common.exercise"), cell: (attempt: Attempt) => open(attempt, wordedTitle(attempt.exercise.title)) }]),
     { title: say("common.when"), cell: (attempt) => formatDateTime(attempt.ticketed_ms) },
     { title: say("common.score"), number: true, cell: (attempt) => <ScoreCell attempt={attempt} /> },
     { title: say("common.state"), cell: (attempt) => <StateBadge attempt={attempt} /> },

@@ -1,3 +1,4 @@
+import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import { readAll } from "../../api/read_all";
 import type { Attempt, Cohort, CohortGrades, Grade } from "../../api/types";
@@ -47,7 +48,7 @@ function Grades({ cohort, book }: { readonly cohort: Cohort; readonly book: Book
             <tr>
               <th scope="col">{say("common.student")}</th>
               {assignments.map(({ id, exercise, counting }) => (
-                <th key={id} scope="col" class="wrap number"><a href={`/assignments/${id}`}>{exercise.title !== "" ? exercise.title : exercise.name}</a><span class="sub">{say(`grades_by.${counting}`)}</span></th>
+                <th key={id} scope="col" class="wrap number"><a href={`/assignments/${id}`}>{wordedTitle(exercise.title) || exercise.name}</a><span class="sub">{say(`grades_by.${counting}`)}</span></th>
               ))}
             </tr>
           </thead>

@@ -1,5 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { useState } from "preact/hooks";
+import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { Tagged } from "../../api/http";
 import type { Exercise, ScoringMetric } from "../../api/types";
@@ -71,8 +72,8 @@ function Editor({ client, read, onOpen, onNewer }: { readonly client: Client; re
   const rubric = valueAt(edit.now, ["rubric"]) as { readonly [name: string]: Json } | undefined;
   return (
     <>
-      <nav class="trail" aria-label={say("common.where")}><a href={`/exercises/${exercise.id}`}>{exercise.title}</a></nav>
-      <PageTitle document={say("editor.edit", { title: exercise.title })}>{isDraft ? say("editor.edit_draft", { title: exercise.title }) : say("editor.new_draft", { title: exercise.title, version: versionText(exercise) })}</PageTitle>
+      <nav class="trail" aria-label={say("common.where")}><a href={`/exercises/${exercise.id}`}>{wordedTitle(exercise.title)}</a></nav>
+      <PageTitle document={say("editor.edit", { title: wordedTitle(exercise.title) })}>{isDraft ? say("editor.edit_draft", { title: wordedTitle(exercise.title) }) : say("editor.new_draft", { title: wordedTitle(exercise.title), version: versionText(exercise) })}</PageTitle>
       {!isDraft && read.draft !== undefined && <Notice tone="warning"><p>{sayWith("editor.draft_there", { edit: <a href={`/editor?exercise=${read.draft}`}>{say("editor.edit_that")}</a> })}</p></Notice>}
       <EditBar edit={edit} state={stateText(check, edit.dirty)}>
         <button type="button" class="button primary" disabled={change.busy || check.busy || check.error !== undefined || (isDraft && !edit.dirty)} onClick={() => void save()}>{isDraft ? say("editor.save_draft") : say("editor.make_draft")}</button>

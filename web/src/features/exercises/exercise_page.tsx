@@ -1,10 +1,10 @@
 import "../../api/shared";
 import "../../widgets/shared";
+import { wordedText, wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { Attempt, Exercise } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime, formatNumber, formatPoints, formatLimit, formatScore, micrometresAsMm } from "../../base/format";
-import { wordedTitle } from "../../api/worded";
 import { say } from "../../base/words";
 import { Flags, StateBadge } from "../../widgets/attempt_state";
 import { Badge, Card, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
@@ -45,7 +45,7 @@ export function ExercisePage({ client, id, personId, teacher, onOpen }: Props) {
       <div class="attempt-head">
         <div>
           <div class="title-row">
-            <PageTitle document={exercise.title}>{exercise.title}</PageTitle>
+            <PageTitle document={wordedTitle(exercise.title)}>{wordedTitle(exercise.title)}</PageTitle>
             {teacher && <Badge tone={state.tone}>{state.title}</Badge>}
             <Badge tone="neutral">{exercise.graded ? say("exercise_page.graded_text") : say("exercise_page.practice_text")}</Badge>
           </div>
@@ -53,7 +53,7 @@ export function ExercisePage({ client, id, personId, teacher, onOpen }: Props) {
         </div>
         {teacher && <StaffActions client={client} exercise={exercise} tag={loaded.value.tag} onChanged={reload} onOpen={onOpen} />}
       </div>
-      <p class="lead instructions">{exercise.instructions}</p>
+      <p class="lead instructions">{wordedText(exercise.instructions)}</p>
       <div class="columns">
         <div class="stack">
           <Card title={say("exercise_page.asked")}><TargetOutline exercise={exercise} /><Target exercise={exercise} /></Card>

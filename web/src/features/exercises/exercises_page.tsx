@@ -1,5 +1,6 @@
 import type { ComponentProps } from "preact";
 import { useState } from "preact/hooks";
+import { wordedText, wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { ExerciseState, ExerciseSummary } from "../../api/types";
 import { useRequest } from "../../api/use_request";
@@ -35,10 +36,10 @@ function ExerciseCard({ exercise }: { readonly exercise: ExerciseSummary }) {
   return (
     <article class="card exercise">
       <div class="card-head">
-        <h2><a href={`/exercises/${exercise.id}`}>{exercise.title}</a></h2>
+        <h2><a href={`/exercises/${exercise.id}`}>{wordedTitle(exercise.title)}</a></h2>
         <Badge tone="neutral">{exercise.graded ? say("exercise_page.graded") : say("exercise_list.practice")}</Badge>
       </div>
-      <p class="instructions">{exercise.instructions}</p>
+      <p class="instructions">{wordedText(exercise.instructions)}</p>
       <dl class="facts">
         <div><dt>{say("exercise_page.bur")}</dt><dd>{burText(exercise.bur)}</dd></div>
         <div><dt>{say("nav.my_attempts")}</dt><dd>{exercise.my_attempts}</dd></div>
@@ -85,7 +86,7 @@ export function StaffExercisesPage({ client, admin, query, onQuery, onOpen }: St
       {loaded.state === "ready" && (loaded.value.length === 0 ? <Empty>{kEmpty[state]}</Empty> : (
         <Card className="flush">
           <DataTable label={say("nav.exercises")} items={loaded.value} rowKey={(exercise) => exercise.id} columns={[
-            { title: say("common.exercise"), cell: (exercise) => <a href={`/exercises/${exercise.id}`}>{exercise.title}</a> },
+            { title: say("common.exercise"), cell: (exercise) => <a href={`/exercises/${exercise.id}`}>{wordedTitle(exercise.title)}</a> },
             { title: say("account.name"), cell: (exercise) => <><code>{exercise.name}</code>, {versionText(exercise)}</> },
             { title: say("exercise_list.owner"), cell: ownerText },
             { title: say("insight.kind"), cell: (exercise) => exercise.graded ? say("exercise_page.graded") : say("exercise_list.practice") },

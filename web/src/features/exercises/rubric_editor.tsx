@@ -1,4 +1,5 @@
 import { useState } from "preact/hooks";
+import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { Tagged } from "../../api/http";
 import type { Exercise, RubricVersion, ScoringMetric } from "../../api/types";
@@ -65,8 +66,8 @@ function Editor({ client, read: { exercise, rubrics, metrics }, onOpen, onNewer 
   const may = exercise.may.includes("change");
   return (
     <>
-      <nav class="trail" aria-label={say("common.where")}><a href={`/exercises/${exercise.id}`}>{exercise.title}</a></nav>
-      <PageTitle document={say("rubric.of", { title: exercise.title })}>{say("rubric.of_version", { title: exercise.title, version: versionText(exercise) })}</PageTitle>
+      <nav class="trail" aria-label={say("common.where")}><a href={`/exercises/${exercise.id}`}>{wordedTitle(exercise.title)}</a></nav>
+      <PageTitle document={say("rubric.of", { title: wordedTitle(exercise.title) })}>{say("rubric.of_version", { title: wordedTitle(exercise.title), version: versionText(exercise) })}</PageTitle>
       <EditBar edit={edit} state={stateText(check, edit.dirty)}>
         <button type="button" class="button primary" disabled={!may || change.busy || check.busy || check.error !== undefined || !edit.dirty || reason.trim() === "" || anyway.missing} onClick={() => void publish()}>{say(anyway.asked ? "rubric.publish_anyway" : "rubric.publish")}</button>
       </EditBar>

@@ -1,4 +1,5 @@
 import { useState } from "preact/hooks";
+import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { ApiResult } from "../../api/http";
 import type { Exercise } from "../../api/types";
@@ -59,13 +60,13 @@ export function StaffActions({ client, exercise, tag, onChanged, onOpen }: Props
         </Confirm>
       )}
       {open === "retire" && (
-        <Confirm title={say("staff.retire_title", { title: exercise.title })} action={say("staff.retire")} onClose={close}
+        <Confirm title={say("staff.retire_title", { title: wordedTitle(exercise.title) })} action={say("staff.retire")} onClose={close}
                  onConfirm={() => confirm(teaching.retire(exercise.id), said(say("staff.retired")))}>
           <p>{sayWith("staff.retire_text", { name: <code>{exercise.name}</code> })}</p>
         </Confirm>
       )}
       {open === "share" && (
-        <Confirm title={exercise.shared ? say("staff.unshare_title", { title: exercise.title }) : say("staff.share_title", { title: exercise.title })} action={exercise.shared ? say("staff.unshare") : say("staff.share")} tone="neutral" onClose={close}
+        <Confirm title={exercise.shared ? say("staff.unshare_title", { title: wordedTitle(exercise.title) }) : say("staff.share_title", { title: wordedTitle(exercise.title) })} action={exercise.shared ? say("staff.unshare") : say("staff.share")} tone="neutral" onClose={close}
                  onConfirm={() => confirm(teaching.share(exercise.id, { shared: !exercise.shared }), said(exercise.shared ? say("staff.private") : say("staff.shared")))}>
           {exercise.shared
             ? <p>{say("staff.unshare_text")}</p>

@@ -1,4 +1,5 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { ApiResult } from "../../api/http";
 import { readAll } from "../../api/read_all";
@@ -50,7 +51,7 @@ function GradingTable({ client, query, onOpen }: Props) {
       return found.ok ? ok(found.value.value.name) : found;
     }
     const found = await client.teaching.assignment(assignment, signal);
-    return found.ok ? ok(found.value.value.exercise.title ?? found.value.value.exercise.name) : found;
+    return found.ok ? ok(wordedTitle(found.value.value.exercise.title ?? "") || found.value.value.exercise.name) : found;
   });
   const exercises = useRequest("exercises", (signal) => client.teaching.exercises(undefined, signal));
   const practice = new Set(exercises.loaded.state === "ready" ? exercises.loaded.value.filter((exercise) => !exercise.graded).map(({ id }) => id) : []);

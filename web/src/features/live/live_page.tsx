@@ -1,3 +1,4 @@
+import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import { forceSize } from "../../api/live";
 import type { Attempt, Exercise } from "../../api/types";
@@ -61,7 +62,7 @@ function LiveCard({ attempt, exercise, track }: { readonly attempt: Attempt; rea
         <h2><a href={`/live/${attempt.id}`}>{attempt.station.name}</a></h2>
         <LiveState track={track} />
       </div>
-      <p>{attempt.person.display_name}<span class="hint"> · {attempt.exercise.title}</span></p>
+      <p>{attempt.person.display_name}<span class="hint"> · {wordedTitle(attempt.exercise.title)}</span></p>
       {exercise !== undefined && (
         <div class="live-time">
           <span>{time.text} {time.over && <Badge tone="warning">{say("attempt_flag.over_time")}</Badge>}</span>

@@ -1,3 +1,4 @@
+import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { AttemptDetail } from "../../api/types";
 import { useRequest } from "../../api/use_request";
@@ -27,7 +28,7 @@ export function WatchPage({ client, id }: { readonly client: Client; readonly id
       {loaded.state === "failed" && <ErrorNotice title={say("attempt.failed")} message={loaded.error.message} onRetry={reload} />}
       {attempt !== undefined && (
         <>
-          <p class="byline">{attempt.person.display_name} · {attempt.exercise.title}</p>
+          <p class="byline">{attempt.person.display_name} · {wordedTitle(attempt.exercise.title)}</p>
           {recording ? <Watched client={client} attempt={attempt} onEnd={reload} />
             : <Notice tone="neutral" title={say("live.is_finished")}><p><a href={`/attempts/${id}`}>{say("live.see")}</a></p></Notice>}
         </>

@@ -1,5 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { useState } from "preact/hooks";
+import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import { useChange } from "../../api/use_change";
 import { useRequest } from "../../api/use_request";
@@ -62,12 +63,13 @@ function PutTooth({ client, onPut }: { readonly client: Client; readonly onPut: 
     event.preventDefault();
     const result = await change.run(() => client.operations.putTooth(name));
     if (result?.ok !== true) return;
-    setPut(say("steps.put", { title: result.value.title, count: result.value.exercises.length }));
+    setPut(say("steps.put", { title: wordedTitle(result.value.title), count: result.value.exercises.length }));
     onPut();
   };
+  const summary = teeth.loaded.value.find((tooth) => tooth.name === name)?.summary;
   return (
     <form class="filters" onSubmit={(event) => void submit(event)}>
-      <SelectField label={say("steps.tooth")} value={name} onValue={setChosen} hint={teeth.loaded.value.find((tooth) => tooth.name === name)?.summary} options={teeth.loaded.value.map((tooth) => ({ value: tooth.name, title: tooth.name }))} />
+      <SelectField label={say("steps.tooth")} value={name} onValue={setChosen} hint={summary === undefined ? undefined : wordedTitle(summary)} options={teeth.loaded.value.map((tooth) => ({ value: tooth.name, title: tooth.name }))} />
       <button type="submit" class="button primary" disabled={change.busy || name === ""}>{change.busy ? say("steps.making") : say("steps.put_it")}</button>
       {change.error !== undefined && <ErrorNotice title={say("steps.not_put")} message={change.error.message} />}
       <div aria-live="polite">{put !== undefined && <Notice tone="good"><p>{put}</p></Notice>}</div>
