@@ -35,6 +35,7 @@ export const flows = [
   { name: "an attempt is played back by keys, wherever the focus is", anywhere: false, run: playbackKeys },
   { name: "an address with a moment beyond the end shows the end and says so", anywhere: false, run: momentBeyondTheEnd },
   { name: "two attempts are looked at side by side", anywhere: false, run: beside },
+  { name: "two attempts fit a small window, with nothing over the teeth", anywhere: false, run: besideInASmallWindow },
   { name: "a tooth is cut open along four planes", anywhere: false, run: section },
   { name: "an instructor marks an attempt as the reference", anywhere: false, run: markReference },
   { name: "gaps and a replay that disagrees are said plainly", anywhere: false, run: disturbedRecording },
@@ -303,6 +304,62 @@ async function beside(world) {
   await page.screenshot({ path: world.picture("beside") });
   await choice.selectOption("");
   await page.locator(".other-tooth").waitFor({ state: "detached" });
+}
+
+// Of the visible ones, in the window's pixels.
+async function boxesOf(page, selector) {
+  return page.locator(selector).evaluateAll((found) => found.map((element) => element.getBoundingClientRect()).filter((box) => box.width > 1).map((box) => box.toJSON()));
+}
+
+const kTools = ".tooth-tools .button, .tooth-tools select, .tooth-tools [type=range], .tooth-tools .segmented label";
+
+// What there is to choose lies beside the teeth, inside the card, none of it over another, and the plot's axis is in view.
+async function fitsBesideTheTeeth(page, height, where) {
+  const [teeth, tools, [card], [plot]] = [await boxesOf(page, ".tooth-frame"), await boxesOf(page, kTools), await boxesOf(page, ".tooth-card"), await boxesOf(page, ".force-card .plot canvas")];
+  const apart = (a, b) => a.right <= b.left + 1 || b.right <= a.left + 1 || a.bottom <= b.top + 1 || b.bottom <= a.top + 1;
+  assert.ok(tools.length > 10, `${where}: ${tools.length} tools`);
+  for (const [i, tool] of tools.entries()) {
+    const text = `${where}: a tool from ${tool.left}, ${tool.top} to ${tool.right}, ${tool.bottom}`;
+    for (const tooth of teeth) assert.ok(apart(tool, tooth), `${text} over a tooth`);
+    for (const other of tools.slice(i + 1)) assert.ok(apart(tool, other), `${text} over another, from ${other.left}, ${other.top}`);
+    assert.ok(tool.left >= card.left && tool.right <= card.right && tool.height >= 18, `${text} beyond the card, or too low`);
+  }
+  for (const tooth of teeth) assert.ok(tooth.width >= 200 && tooth.height >= 180, `${where}: a tooth of ${tooth.width} x ${tooth.height}`);
+  assert.ok(plot.bottom <= height + 1, `${where}: the plot ends at ${plot.bottom} of ${height}`);
+}
+
+async function besideInASmallWindow(world) {
+  for (const [width, height, colorScheme, languages] of [[1280, 720, "light", ["en", "de", "zh"]], [1280, 720, "dark", ["en"]], [1440, 900, "light", ["en"]]]) {
+    const page = await signedIn(world, "instructor", "/attempts/00000000-0000-7000-8000-000000000105", { width, height, colorScheme });
+    await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
+    for (const language of languages) {
+      if (language !== "en") {
+        await page.goto("/account");
+        await page.locator("main select").selectOption(language);
+        await page.locator(`html[lang^=${language}]`).waitFor();
+        await page.goto("/attempts/00000000-0000-7000-8000-000000000105");
+        await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
+      }
+      const choice = page.locator(".tooth-choices select").last();
+      await choice.focus();
+      await choice.locator("optgroup option").first().waitFor({ state: "attached" });
+      await choice.selectOption({ label: await choice.locator("optgroup option").first().textContent() });
+      await page.locator(".other-tooth .tooth-frame[aria-busy=false] canvas").waitFor();
+      const where = `${language} ${colorScheme} at ${width} x ${height}`;
+      await fitsBesideTheTeeth(page, height, `${where}, side by side`);
+      await page.screenshot({ path: world.picture(`beside_${language}_${width}_${colorScheme}`) });
+      await page.locator(".tooth-choices select").first().selectOption("x");
+      await fitsBesideTheTeeth(page, height, `${where}, cut open`);
+      await page.locator(".compare-bar input[value=top]").check({ force: true });
+      await page.locator(".other-tooth").waitFor({ state: "detached" });
+      await fitsBesideTheTeeth(page, height, `${where}, on top`);
+    }
+    if (languages.length > 1) {
+      await page.goto("/account");
+      await page.locator("main select").selectOption("en");
+      await page.locator("html[lang=en]").waitFor();
+    }
+  }
 }
 
 // The share of pixels that differ clearly.

@@ -144,7 +144,7 @@ function plotOptions(element: HTMLElement, lines: readonly PlotLine[], leftTitle
     cursor: { show: false },
     scales: { x: { time: false }, left: { range: [0, upperEnd(lines, "left")] }, right: { range: [0, upperEnd(lines, "right")] } },
     axes: [
-      { ...axis, label: say("plot.time"), size: 36, values: (_, splits) => tickMoments(splits) },
+      { ...axis, label: say("plot.time"), size: 28, values: (_, splits) => tickMoments(splits) },
       { ...valueAxis, scale: "left", label: leftTitle },
       { ...valueAxis, scale: "right", side: 1, label: rightTitle, grid: { show: false } },
     ],

@@ -25,7 +25,7 @@ export interface PlotKeys {
 
 const kTableRows = 40;
 // Beside tooth and timeline there is little height on a small screen.
-const kHeightPx = window.innerHeight < 800 ? 150 : 200;
+const kHeightPx = window.innerHeight < 800 ? 131 : 178;
 
 interface Props {
   readonly series: Loaded<Series>;
