@@ -92,7 +92,8 @@ function drawGrid(context: CanvasRenderingContext2D, width: number, height: numb
   for (let y = (height / 2) % (step * scale); y < height; y += step * scale) line(context, [[0, y], [width, y]]);
   context.fillStyle = color("--text-soft");
   context.font = "11px system-ui, sans-serif";
-  context.fillText(say("live.grid", { step: String(step) }), 6, height - 6);
+  // Above the line that has the name of a direction at its end.
+  context.fillText(say("live.grid", { step: String(step) }), 6, height - 20);
 }
 
 type Point = readonly [number, number];
