@@ -87,7 +87,7 @@ export function StaffExercisesPage({ client, admin, query, onQuery, onOpen }: St
         <Card className="flush">
           <DataTable label={say("nav.exercises")} items={loaded.value} rowKey={(exercise) => exercise.id} columns={[
             { title: say("common.exercise"), cell: (exercise) => <a href={`/exercises/${exercise.id}`}>{wordedTitle(exercise.title)}</a> },
-            { title: say("account.name"), cell: (exercise) => <><code>{exercise.name}</code>, {versionText(exercise)}</> },
+            { title: say("account.name"), cell: (exercise) => <span><code>{exercise.name}</code>, {versionText(exercise)}</span> },
             { title: say("exercise_list.owner"), cell: ownerText },
             { title: say("insight.kind"), cell: (exercise) => exercise.graded ? say("exercise_page.graded") : say("exercise_list.practice") },
             { title: say("exercise_page.bur"), cell: (exercise) => burText(exercise.bur) },

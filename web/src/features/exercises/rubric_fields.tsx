@@ -76,7 +76,7 @@ function Item({ form, list, place, count, metrics, item, what, points = false }:
   const remove = () => form.edit.set(count === 1 && !points ? list : path, undefined);
   const problem = problemAt(form, path) ?? (count === 1 || place === 0 ? problemAt(form, list) : undefined);
   return (
-    <fieldset class="group">
+    <fieldset class="group criterion">
       <legend>{name}</legend>
       {problem !== undefined && <p class="field-problem">{problem}</p>}
       <div class="form-grid">
