@@ -262,7 +262,7 @@ async function profiles(world) {
   await chooseFile(page, label, "wild.json", JSON.stringify({ name: "phantom_desktop", coupling_mn_per_mm: { value: 9000 } }));
   await save();
   await page.getByText("would not be stable").waitFor();
-  await page.getByRole("row", { name: /Coupling against damping/ }).getByText("Not met").waitFor();
+  await page.getByRole("row", { name: /Passive limit of the coupling/ }).getByText("Not met").waitFor();
   await accessible(page, "a refused profile");
   await page.screenshot({ path: world.picture("profile_refused"), fullPage: true });
   await chooseFile(page, label, "tame.json", JSON.stringify({ name: "phantom_desktop", coupling_mn_per_mm: { value: 1000 } }));

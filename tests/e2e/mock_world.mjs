@@ -113,10 +113,10 @@ const criterion = (name, title, formula, unit, value, limit, changes = {}) => ({
 
 export function criteriaOf(couplingMnPerMm) {
   return [
-    criterion("coupling_damping", "Coupling against damping", "Kc <= 2 b / (T (d + 1)^2)", "mN/mm", couplingMnPerMm, 1760),
-    criterion("coupling_friction", "Friction against the coupling's cell", "c >= Kc delta / 2", "mN", 60, (couplingMnPerMm * 0.023) / 2, { at_least: true }),
-    criterion("coupling_stiffness", "Coupling against the device's stiffness", "Kc <= K", "mN/mm", couplingMnPerMm, 1860),
-    criterion("continuous_force", "Continuous against peak force", "continuous <= peak", "mN", 1750, 7900),
+    criterion("coupling_damping", "Passive limit of the coupling", "Kc <= 2 b / (T (d + 1)^2)", "mN/mm", couplingMnPerMm, 1760),
+    criterion("coupling_friction", "Friction that pays for the encoder's cell", "c >= Kc delta / 2", "mN", 60, (couplingMnPerMm * 0.023) / 2, { at_least: true }),
+    criterion("coupling_stiffness", "Largest stiffness the device shows", "Kc <= K", "mN/mm", couplingMnPerMm, 1860),
+    criterion("continuous_force", "Continuous force within the peak", "continuous <= peak", "mN", 1750, 7900),
   ];
 }
 

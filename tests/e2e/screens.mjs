@@ -10,10 +10,10 @@ const id = (number) => `00000000-0000-7000-8000-${String(number).padStart(12, "0
 const kFull = Boolean(process.env.ENAMEL_FULL);
 // German has the longest words: it is looked at where there is least room.
 const kShortLooks = [
-  { language: "en", width: 1280, colorScheme: "light" }, { language: "de", width: 400, colorScheme: "dark" }, { language: "zh", width: 1280, colorScheme: "dark" },
+  { language: "en", width: 1280, colorScheme: "light" }, { language: "de", width: 390, colorScheme: "dark" }, { language: "zh", width: 1280, colorScheme: "dark" },
 ];
 const kLooks = kFull
-  ? [...kShortLooks, { language: "en", width: 400, colorScheme: "dark" }, { language: "de", width: 1280, colorScheme: "light" }, { language: "zh", width: 400, colorScheme: "light" }]
+  ? [...kShortLooks, { language: "en", width: 390, colorScheme: "dark" }, { language: "de", width: 1280, colorScheme: "light" }, { language: "zh", width: 390, colorScheme: "light" }]
   : kShortLooks;
 const kDocumentLanguages = { en: "en", de: "de", zh: "zh-Hans" };
 
