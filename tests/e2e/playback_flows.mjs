@@ -236,10 +236,12 @@ async function onTop(world) {
     await toothPixelsBecome(page, "at the same place", isTinted, same);
     await page.screenshot({ path: world.picture(`on_top_same_place_${width}`) });
     // A plane cuts both.
-    await page.getByLabel("The other’s moment").selectOption("time");
     await page.getByLabel("Section", { exact: true }).selectOption("y");
     await page.getByRole("button", { name: "Lingual", exact: true }).click();
-    await toothPixelsBecome(page, "cut open", isTinted, (count) => count > before + 300);
+    await toothPixelsBecome(page, "alike, cut open", isTinted, same);
+    const cutAlike = await toothPixels(page, isTinted);
+    await page.getByLabel("The other’s moment").selectOption("time");
+    await toothPixelsBecome(page, "cut open", isTinted, (count) => count > cutAlike + 300);
     await page.screenshot({ path: world.picture(`on_top_section_${width}`) });
     await page.getByLabel("Section", { exact: true }).selectOption("");
     // At the end both are the same, from all sides.
