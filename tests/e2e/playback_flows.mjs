@@ -241,7 +241,7 @@ async function onTop(world) {
     await toothPixelsBecome(page, "alike, cut open", isTinted, same);
     const cutAlike = await toothPixels(page, isTinted);
     await page.getByLabel("The other’s moment").selectOption("time");
-    await toothPixelsBecome(page, "cut open", isTinted, (count) => count > cutAlike + 300);
+    await toothPixelsBecome(page, "cut open", isTinted, (count) => count > cutAlike + 180);
     await page.screenshot({ path: world.picture(`on_top_section_${width}`) });
     await page.getByLabel("Section", { exact: true }).selectOption("");
     // At the end both are the same, from all sides.
