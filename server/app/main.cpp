@@ -19,6 +19,7 @@
 #include "server/app/serve.h"
 #include "server/app/teaching.h"
 #include "server/app/upkeep.h"
+#include "server/app/work.h"
 
 // enamel-server: which commands there are. Exit codes: 0 done, 1 refused or failed, 2 wrong usage.
 using namespace enamel;
@@ -41,6 +42,7 @@ int main(int argc, char** argv) {
   // Each declares itself and says what is to run; nothing runs until the whole line has been
   // parsed.
   app::DeclareServe(top);
+  app::DeclareWork(top);
   app::DeclareInit(top);
   app::DeclareBackup(top);
   app::DeclareRetention(top);

@@ -5,15 +5,9 @@
 #include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/address.hpp>
-#include <boost/asio/signal_set.hpp>
 #include <chrono>
-#include <condition_variable>
-#include <csignal>
-#include <functional>
 #include <future>
 #include <iostream>
-#include <mutex>
-#include <stop_token>
 #include <thread>
 
 #include "common/base/file.h"
@@ -23,6 +17,8 @@
 #include "server/app/caretaker.h"
 #include "server/app/data_folder.h"
 #include "server/app/seed.h"
+#include "server/app/stop_signals.h"
+#include "server/app/work.h"
 #include "server/auth/first_admin.h"
 #include "server/http/http_server.h"
 #include "server/jobs/worker.h"
@@ -40,9 +36,6 @@ namespace asio = boost::asio;
 constexpr auto kStopWait = std::chrono::seconds(10);
 // Chunks whose commit is waited for at once: they share one sync.
 constexpr size_t kStationThreads = 256;
-// A terminal's Ctrl-C reaches a whole process group, whose leader then asks once more: that is one
-// wish to stop, not two.
-constexpr auto kFurtherSignalsIgnored = std::chrono::seconds(2);
 
 // Where to listen. Unlike where to connect to, the port may be 0: any free one.
 Result<net::Endpoint> ListenAddress(const std::string& text, const char* option) {
@@ -207,53 +200,6 @@ void SayFirstAdmin(const std::string& page_url, const std::string& token) {
             << std::endl;
 }
 
-WorkerOptions JobOptions(const ServeOptions& options, const ServerIdentity& identity) {
-  WorkerOptions out;
-  out.key = identity.ticket_key;
-  out.threads = options.job_threads;
-  out.on_done = [](const JobRow& job, const Status& status) {
-    if (status.ok()) {
-      spdlog::info("job {} of attempt {} done", job.kind, job.attempt.Text());
-    } else {
-      spdlog::warn("job {} of attempt {}: {}", job.kind, job.attempt.Text(), status.message());
-    }
-  };
-  return out;
-}
-
-// The first signal asks to stop, those within kFurtherSignalsIgnored of it change nothing, later
-// ones have their usual effect. Outlives what is stopped, so that a late one does not cut that
-// short.
-class StopSignals {
- public:
-  explicit StopSignals(asio::io_context& io) : signals_(io, SIGINT, SIGTERM) {}
-
-  void OnFirst(std::function<void()> stop) {
-    signals_.async_wait(
-        [this, stop = std::move(stop)](const boost::system::error_code&, int signal) {
-          spdlog::info("signal {}: finishing what is in progress", signal);
-          // A thread and no timer of `io`: the loop may be what hangs, and the next signal must
-          // then get through.
-          patience_ = std::jthread([this](const std::stop_token& ended) { EndPatience(ended); });
-          stop();
-        });
-  }
-
- private:
-  void EndPatience(const std::stop_token& ended) {
-    std::mutex mutex;
-    std::unique_lock lock(mutex);
-    std::condition_variable_any never;
-    never.wait_for(lock, ended, kFurtherSignalsIgnored, [] { return false; });
-    // Without a handler SIGINT and SIGTERM end the process, which is what somebody asks for who
-    // presses again.
-    if (!ended.stop_requested()) signals_.clear();
-  }
-
-  asio::signal_set signals_;
-  std::jthread patience_;
-};
-
 // Runs `io` on its threads until it is out of work; `stopping` becomes ready with the first signal.
 void RunUntilStopped(asio::io_context& io, int threads, std::future<void> stopping) {
   auto ended = std::async(std::launch::async, [&] {
@@ -325,7 +271,7 @@ Status Serve(const ServeOptions& options) {
   http_options.station_fingerprint = identity.fingerprint.Hex();
   http::HttpServer page(io, http_options, store, authenticator);
   stations::StationServer link(io, link_options, services, pool);
-  WorkerOptions job_options = JobOptions(options, identity);
+  WorkerOptions job_options = LoggedJobs(identity.ticket_key, options.job_threads);
   job_options.timelines.emplace(store);
   Worker worker(store, job_options);
 

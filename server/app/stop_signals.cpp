@@ -1,0 +1,40 @@
+#include "server/app/stop_signals.h"
+
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <csignal>
+#include <mutex>
+#include <utility>
+
+namespace enamel::server::app {
+namespace {
+
+constexpr auto kFurtherSignalsIgnored = std::chrono::seconds(2);
+
+}  // namespace
+
+StopSignals::StopSignals(boost::asio::io_context& io) : signals_(io, SIGINT, SIGTERM) {}
+
+void StopSignals::OnFirst(std::function<void()> stop) {
+  signals_.async_wait([this, stop = std::move(stop)](const boost::system::error_code&, int signal) {
+    spdlog::info("signal {}: finishing what is in progress", signal);
+    // A thread and no timer of `io`: the loop may be what hangs, and the next signal must then get
+    // through.
+    patience_ = std::jthread([this](const std::stop_token& ended) { EndPatience(ended); });
+    stop();
+  });
+}
+
+void StopSignals::EndPatience(const std::stop_token& ended) {
+  std::mutex mutex;
+  std::unique_lock lock(mutex);
+  std::condition_variable_any never;
+  never.wait_for(lock, ended, kFurtherSignalsIgnored, [] { return false; });
+  // Without a handler SIGINT and SIGTERM end the process, which is what somebody asks for who presses
+  // again.
+  if (!ended.stop_requested()) signals_.clear();
+}
+
+}  // namespace enamel::server::app

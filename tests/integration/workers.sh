@@ -1,0 +1,67 @@
+#!/usr/bin/env bash
+# Workers of their own score what the server leaves to them; one after the other is killed in the midst of it, and each
+# attempt has one new result all the same, equal to the one before. with_postgres.sh starts PostgreSQL.
+# Usage: workers.sh [ATTEMPTS [RUNS OF EACH [WORKERS]]]
+. "$(dirname "$0")/support.sh"
+attempts=${1:-3} runs=${2:-1} many=${3:-2} data=$work/server station=$work/station
+port=$(free_ports)
+export ENAMEL_PASSWORD=enamel-demo-instructor
+"$bin/enamel-server" init --data "$data" --database "$ENAMEL_POSTGRES" --schema workers
+"$bin/enamel-server" seed-demo --data "$data" --voxel-um 200 --json "$work/seed" >/dev/null
+exercise=$(json_of "$work/seed" exercise)
+start_server "$data" "$port" --job-threads 0
+"$bin/enamel-station" enrol --data "$station" --server "127.0.0.1:$((port + 1))" \
+  --code "$("$bin/enamel-server" admin enrol-code --data "$data")" --name workers
+declare -a ids workers
+run() {
+  "$bin/enamel-station" run --data "$station" --profile phantom_desktop --lockstep --quiet --exercise "$exercise" \
+    --user instructor --json "$work/cut.json" "$@" >/dev/null
+  ids+=("$(json_of "$work/cut.json" attempt_id)")
+}
+start_worker() {
+  "$bin/enamel-server" work --data "$data" >>"$work/worker.log" 2>&1 &
+  workers+=($!)
+  pids+=($!)
+}
+run --operator dentist --as-reference
+for ((i = 1; i < attempts; ++i)); do run --operator good --seed "$i"; done
+
+[ "$("$bin/enamel-server" report --data "$data" --attempt "${ids[0]}" --json "$work/r.json" >/dev/null; json_of "$work/r.json" state)" = sealed ] ||
+  fail "a server without job threads scored an attempt"
+start_worker
+score_of() {
+  "$bin/enamel-server" report --data "$data" --attempt "$1" --wait 300 --json "$work/r.json" >/dev/null || fail "attempt $1 has no score"
+  json_of "$work/r.json" score
+}
+score_of "${ids[0]}" >/dev/null
+"$bin/enamel-server" admin mark-reference --data "$data" --attempt "${ids[0]}" --dentist "Simulated dentist" --consent >/dev/null
+declare -A before
+for id in "${ids[@]}"; do before[$id]=$(score_of "$id"); done
+
+count() { PGOPTIONS="-c search_path=workers" psql -X -A -t -d "$ENAMEL_POSTGRES" -c "$1"; }
+results=$(count "SELECT count(*) FROM attempt_results")
+for ((i = 1; i < many; ++i)); do start_worker; done
+kills=0 wanted=$results
+for ((round = 0; round < runs; ++round)); do
+  for id in "${ids[@]}"; do "$bin/enamel-server" admin rescore --data "$data" --attempt "$id" >/dev/null; done
+  wanted=$((wanted + attempts))
+  # As soon as a job runs its worker may be the one that is killed; others take its job when the lease ends.
+  deadline=$((SECONDS + 300))
+  until [ "$(count "SELECT count(*) FROM jobs WHERE state IN ('queued', 'running')")" = 0 ]; do
+    [ $SECONDS -lt $deadline ] || fail "jobs still wait after 300 s: $(count "SELECT count(*) FROM jobs WHERE state = 'queued'") queued"
+    if [ "$kills" -lt $((2 * (round + 1))) ] && [ "$(count "SELECT count(*) FROM jobs WHERE state = 'running'")" != 0 ]; then
+      kill -9 "${workers[0]}" && wait "${workers[0]}" 2>/dev/null
+      workers=("${workers[@]:1}")
+      kills=$((kills + 1))
+      start_worker
+    fi
+  done
+done
+found=$(count "SELECT count(*) FROM attempt_results")
+[ "$found" = "$wanted" ] || fail "expected $wanted results, found $found"
+for id in "${ids[@]}"; do
+  [ "$(score_of "$id")" = "${before[$id]}" ] || fail "attempt $id: scored ${before[$id]} before and $(score_of "$id") after"
+done
+failed=$(count "SELECT count(*) FROM jobs WHERE state = 'failed'")
+[ "$failed" = 0 ] || fail "$failed jobs failed"
+echo "ok: $((attempts * runs)) jobs, $kills workers killed in the midst of one: a result each, and the same scores"
