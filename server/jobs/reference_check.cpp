@@ -2,6 +2,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
+
 #include "common/scene/json/json.h"
 #include "common/scene/prepared_target.h"
 #include "common/scene/volume_blob.h"
@@ -41,10 +43,12 @@ Result<TargetWork> WorkOnTarget(const scene::Scene& scene, const scene::Exercise
   const double all_m3 = scoring::Sum_m3(scoring::RemovedPerTissue_m3(initial, final_volume));
   TargetWork out;
   out.target_mm3 = target.solid_m3 * kMm3PerM3;
-  out.beside_mm3 = (all_m3 - leeway.removed_m3) * kMm3PerM3;
+  // Two sums of the same voxels in another order may differ in their last digits.
+  const double beside_m3 = std::max(0.0, all_m3 - leeway.removed_m3);
+  out.beside_mm3 = beside_m3 * kMm3PerM3;
   if (target.solid_m3 <= 0) return out;
   out.done_percent = 100 * target.removed_m3 / target.solid_m3;
-  out.beside_percent = 100 * (all_m3 - leeway.removed_m3) / target.solid_m3;
+  out.beside_percent = 100 * beside_m3 / target.solid_m3;
   return out;
 }
 
