@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/base/result.h"
+
+// What an S3 store answers, as far as it is XML and we ask for it (S3 API Reference: ListObjectsV2,
+// Error Responses, GetBucketVersioning, GetObjectLockConfiguration). A store is a stranger: what it
+// sends is bounded and read strictly, and members that are not named here are passed over.
+// Pure functions, any thread. Errors: kStorage, with what was expected and found.
+namespace enamel::s3 {
+
+// A page of a thousand keys of a thousand bytes is 1.5 MB.
+inline constexpr size_t kMaxXmlBytes = 4 << 20;
+inline constexpr size_t kMaxXmlDepth = 8;
+inline constexpr size_t kMaxXmlText = 8192;  // of one element
+
+// Elements, attributes (passed over), text, the five named entities and numeric ones. No DTD,
+// comment, CDATA or processing instruction but the declaration at the beginning; no text beside
+// elements. `end` is called where an element ends, with the names down to it ("Error/Code") and its
+// text.
+Status ReadXml(std::string_view document,
+               const std::function<void(const std::string& path, const std::string& text)>& end);
+
+struct ListedObject {
+  std::string key;
+  int64_t modified_ms = 0;  // since 1970-01-01 UTC, by the store's clock
+  uint64_t bytes = 0;
+  bool operator==(const ListedObject&) const = default;
+};
+struct ListPage {
+  std::vector<ListedObject> objects;
+  std::string next;  // goes along with the question for the next page; empty: this is the last
+  bool operator==(const ListPage&) const = default;
+};
+Result<ListPage> ReadListPage(std::string_view document);
+
+// Why a store refused: {"NoSuchKey", "The specified key does not exist."}.
+struct Refusal {
+  std::string code;
+  std::string message;
+};
+Result<Refusal> ReadRefusal(std::string_view document);
+
+enum class Versioning { kNever, kEnabled, kSuspended };
+Result<Versioning> ReadVersioning(std::string_view document);
+
+// Whether objects may be locked against deleting. A store that has no locks and passes the question
+// over (OpenStack Swift) answers with a list of objects: false.
+Result<bool> ReadObjectLock(std::string_view document);
+
+// "2009-10-12T17:50:30.000Z". Errors: kStorage.
+Result<int64_t> ReadTimeMs(std::string_view text);
+
+}  // namespace enamel::s3
