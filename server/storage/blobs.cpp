@@ -8,12 +8,12 @@ namespace enamel::server::sqlite {
 
 namespace fs = std::filesystem;
 
-fs::path Blobs::PathOf(const Sha256& hash) const {
+fs::path FolderBlobs::PathOf(const Sha256& hash) const {
   std::string hex = hash.Hex();
   return folder_ / hex.substr(0, 2) / hex;
 }
 
-Result<Sha256> Blobs::Put(ByteView data) {
+Result<Sha256> FolderBlobs::Put(ByteView data) {
   // Named by its content: the same twice is one file, and a name that fits proves the content.
   Sha256 hash = HashSha256(data);
   fs::path path = PathOf(hash);
@@ -33,7 +33,7 @@ Result<Sha256> Blobs::Put(ByteView data) {
   return hash;
 }
 
-Result<Bytes> Blobs::Get(const Sha256& hash) const {
+Result<Bytes> FolderBlobs::Get(const Sha256& hash) const {
   auto data = ReadFile(PathOf(hash));
   if (!data.ok()) {
     if (data.status().code() != Code::kNotFound) return data.status();
@@ -46,17 +46,44 @@ Result<Bytes> Blobs::Get(const Sha256& hash) const {
   return data;
 }
 
-bool Blobs::Has(const Sha256& hash) const {
+bool FolderBlobs::Has(const Sha256& hash) const {
   std::error_code error;
   return fs::exists(PathOf(hash), error);
 }
 
-Status Blobs::Remove(const Sha256& hash) {
-  std::lock_guard lock(mutex_);
-  return disk_.Remove(PathOf(hash));
+Result<std::vector<Blobs::Freed>> FolderBlobs::Free(sql::Db&, const std::set<Sha256>& hashes) {
+  std::vector<Freed> out;
+  for (const Sha256& hash : hashes) out.push_back({hash});
+  return out;
 }
 
-Result<bool> Blobs::RemoveIfOlder(const Sha256& hash, std::chrono::seconds age) {
+Result<size_t> FolderBlobs::Remove(const std::vector<Freed>& freed) {
+  if (freed.empty()) return size_t{0};
+  ENAMEL_ASSIGN_OR_RETURN(const auto named, named_());
+  size_t removed = 0;
+  for (const auto& [hash, generation] : freed) {
+    if (named.contains(hash) || !Has(hash)) continue;
+    std::lock_guard lock(mutex_);
+    ENAMEL_RETURN_IF_ERROR(disk_.Remove(PathOf(hash)));
+    ++removed;
+  }
+  return removed;
+}
+
+Result<size_t> FolderBlobs::Sweep(std::chrono::seconds age) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto listing, List());
+  // Read after the list: whatever is on it and was named meanwhile is not swept.
+  ENAMEL_ASSIGN_OR_RETURN(const auto named, named_());
+  size_t removed = 0;
+  for (const Sha256& blob : listing.blobs) {
+    if (named.contains(blob)) continue;
+    ENAMEL_ASSIGN_OR_RETURN(auto gone, RemoveIfOlder(blob, age));
+    removed += gone ? 1 : 0;
+  }
+  return removed;
+}
+
+Result<bool> FolderBlobs::RemoveIfOlder(const Sha256& hash, std::chrono::seconds age) {
   std::lock_guard lock(mutex_);
   std::error_code error;
   auto put = fs::last_write_time(PathOf(hash), error);
@@ -65,7 +92,7 @@ Result<bool> Blobs::RemoveIfOlder(const Sha256& hash, std::chrono::seconds age) 
   return true;
 }
 
-Result<Blobs::Listing> Blobs::List() const {
+Result<FolderBlobs::Listing> FolderBlobs::List() const {
   Listing out;
   std::error_code error;
   fs::recursive_directory_iterator it(folder_, error), end;

@@ -50,7 +50,10 @@ SqliteStore::SqliteStore(const SqliteOptions& options, Database database, Folder
                       signer_),
               options.change_twice),
       readers_(std::move(database.open_reader), options.readers),
-      blobs_(options.folder / "blobs", DiskOf(options), options.fail_next),
+      owned_blobs_(std::make_unique<FolderBlobs>(
+          options.folder / "blobs", DiskOf(options), options.fail_next,
+          [this] { return Read([](Db& db) { return NamedBlobs(db); }); })),
+      blobs_(*owned_blobs_),
       keyring_(options.folder / "keyring", DiskOf(options)),
       // Who holds the folder's lock is this server: what an earlier process of it had is over.
       earlier_leases_(options.hold_lock) {
@@ -163,32 +166,6 @@ Status SqliteStore::FinishErasures() {
   if (!rewriter_.marked()) return Status::Ok();
   auto alone = rewriter_.TakeUpkeep();
   return alone.ok() ? rewriter_.RunIfMarked(writer_) : alone.status();
-}
-
-Result<size_t> SqliteStore::SweepUnnamed(std::chrono::seconds age) {
-  ENAMEL_ASSIGN_OR_RETURN(auto listing, blobs_.List());
-  // Read after the list: whatever is on it and was named meanwhile is not swept.
-  auto named = Read([](Db& db) { return NamedBlobs(db); });
-  if (!named.ok()) return named.status();
-  size_t removed = 0;
-  for (const Sha256& blob : listing.blobs) {
-    if (named->contains(blob)) continue;
-    ENAMEL_ASSIGN_OR_RETURN(auto gone, blobs_.RemoveIfOlder(blob, age));
-    removed += gone ? 1 : 0;
-  }
-  return removed;
-}
-
-Result<size_t> SqliteStore::RemoveUnnamed(const std::set<Sha256>& blobs) {
-  auto named = Read([](Db& db) { return NamedBlobs(db); });
-  if (!named.ok()) return named.status();
-  size_t removed = 0;
-  for (const Sha256& blob : blobs) {
-    if (named->contains(blob) || !blobs_.Has(blob)) continue;
-    ENAMEL_RETURN_IF_ERROR(blobs_.Remove(blob));
-    ++removed;
-  }
-  return removed;
 }
 
 Status Explain(Status status, const std::string& conflict) {

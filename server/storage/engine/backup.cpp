@@ -169,7 +169,7 @@ class BackupMaker {
 
   const BackupOptions& options_;
   Disk& disk_;
-  Blobs blobs_;
+  FolderBlobs blobs_;
   Manifest manifest_{.software = options_.software};
   BackupReport report_;
 };

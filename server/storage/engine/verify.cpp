@@ -501,7 +501,7 @@ class Verifier {
   }
 
   const VerifyOptions& options_;
-  Blobs blobs_;
+  FolderBlobs blobs_;
   Keyring keyring_;
   VerifyReport report_;
   bool has_keys_ = false;

@@ -211,14 +211,17 @@ Result<ErasureReport> SqliteStore::ErasePerson(const Uuid& person, bool with_ref
   ENAMEL_RETURN_IF_ERROR(rewriter_.Mark());
   ENAMEL_RETURN_IF_ERROR(keyring_.Destroy(person, tombstone.erased_ms));
   ErasureReport report;
-  std::set<Sha256> blobs;
-  ENAMEL_RETURN_IF_ERROR(Write([&](Db& db) -> Status {
+  std::vector<Blobs::Freed> freed;
+  const Status deleted = Write([&](Db& db) -> Status {
     report = {};
-    blobs.clear();
-    return WithOverwriting(db,
-                           [&] { return DeletePerson(db, person, tombstone, by, report, blobs); });
-  }));
-  ENAMEL_ASSIGN_OR_RETURN(auto removed, RemoveUnnamed(blobs));
+    std::set<Sha256> blobs;
+    ENAMEL_RETURN_IF_ERROR(WithOverwriting(
+        db, [&] { return DeletePerson(db, person, tombstone, by, report, blobs); }));
+    ENAMEL_ASSIGN_OR_RETURN(freed, blobs_.Free(db, blobs));
+    return Status::Ok();
+  });
+  ENAMEL_RETURN_IF_ERROR(deleted);
+  ENAMEL_ASSIGN_OR_RETURN(auto removed, blobs_.Remove(freed));
   report.blobs = removed;
   report.finished = rewriter_.RunIfMarked(writer_).ok();
   return report;
@@ -238,25 +241,28 @@ Status SqliteStore::Reconcile() {
   for (const Tombstone& tombstone : gone) tombstones[tombstone.person] = tombstone;
   auto people = Read([](Db& db) { return PeopleIn(db); });
   if (!people.ok()) return people.status();
-  std::set<Sha256> all_blobs;
+  std::vector<Blobs::Freed> all_freed;
   for (const Uuid& person : *people) {
     auto tombstone = tombstones.find(TombstoneOf(person));
     if (tombstone == tombstones.end()) continue;
     ENAMEL_RETURN_IF_ERROR(rewriter_.Mark());
-    std::set<Sha256> blobs;
-    ENAMEL_RETURN_IF_ERROR(Write([&](Db& db) -> Status {
-      blobs.clear();
+    std::vector<Blobs::Freed> freed;
+    const Status deleted = Write([&](Db& db) -> Status {
+      std::set<Sha256> blobs;
       ErasureReport report;
-      return WithOverwriting(db, [&] {
+      ENAMEL_RETURN_IF_ERROR(WithOverwriting(db, [&] {
         return DeletePerson(db, person, tombstone->second, Actor{{}, "list of erasures"}, report,
                             blobs);
-      });
-    }));
-    all_blobs.merge(blobs);
+      }));
+      ENAMEL_ASSIGN_OR_RETURN(freed, blobs_.Free(db, blobs));
+      return Status::Ok();
+    });
+    ENAMEL_RETURN_IF_ERROR(deleted);
+    all_freed.insert(all_freed.end(), freed.begin(), freed.end());
     // An erasure beside this start may have removed the first mark meanwhile.
     ENAMEL_RETURN_IF_ERROR(rewriter_.Mark());
   }
-  return all_blobs.empty() ? Status::Ok() : RemoveUnnamed(all_blobs).status();
+  return blobs_.Remove(all_freed).status();
 }
 
 }  // namespace enamel::server::sqlite

@@ -218,15 +218,20 @@ Result<RetentionReport> SqliteStore::ApplyRetention(UnixMs now_ms, bool dry_run,
   if (dry_run) return report;
   auto alone = rewriter_.TakeUpkeep();
   if (!alone.ok()) return alone.status();
-  std::set<Sha256> blobs;
+  std::vector<Blobs::Freed> freed;
   bool anything =
       !report.unfinished.empty() || !report.recordings.empty() || !report.attempts.empty();
   if (anything) {
-    ENAMEL_RETURN_IF_ERROR(
-        Write([&](Db& db) -> Status { return Remove(db, now_ms, by, report, blobs); }));
+    const Status deleted = Write([&](Db& db) -> Status {
+      std::set<Sha256> blobs;
+      ENAMEL_RETURN_IF_ERROR(Remove(db, now_ms, by, report, blobs));
+      ENAMEL_ASSIGN_OR_RETURN(freed, blobs_.Free(db, blobs));
+      return Status::Ok();
+    });
+    ENAMEL_RETURN_IF_ERROR(deleted);
   }
-  ENAMEL_ASSIGN_OR_RETURN(auto removed, RemoveUnnamed(blobs));
-  ENAMEL_ASSIGN_OR_RETURN(auto swept, SweepUnnamed(kUnnamedFor));
+  ENAMEL_ASSIGN_OR_RETURN(auto removed, blobs_.Remove(freed));
+  ENAMEL_ASSIGN_OR_RETURN(auto swept, blobs_.Sweep(kUnnamedFor));
   report.blobs = removed + swept;
   // Last, for what the rules remove makes room; what fails is in the log and left for the next
   // time.

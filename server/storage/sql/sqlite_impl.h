@@ -259,10 +259,6 @@ class SqliteStore final : public Store {
   // Whether recordings may come in now. Errors: kUnavailable, so that a station keeps what it has
   // and comes back.
   Status MayRecord();
-  // Removes those of the blobs that no row names any more; tells how many.
-  Result<size_t> RemoveUnnamed(const std::set<Sha256>& blobs);
-  // Removes blobs that no row names and that are older than `age`.
-  Result<size_t> SweepUnnamed(std::chrono::seconds age);
   // Before this server's first lease: those of an earlier one are over.
   Status EndEarlierLeases();
 
@@ -283,7 +279,8 @@ class SqliteStore final : public Store {
   Rewriter rewriter_;
   Writer writer_;
   Readers readers_;
-  Blobs blobs_;
+  const std::unique_ptr<Blobs> owned_blobs_;
+  Blobs& blobs_;
   Keyring keyring_;
   std::optional<SealedRows> sealed_rows_;  // the server's; others' rows go with the seal
   std::mutex leases_mutex_;
