@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <mutex>
 #include <set>
 #include <vector>
@@ -29,9 +30,11 @@ class Blobs {
   virtual Result<Bytes> Get(const Sha256& hash) const = 0;
   virtual bool Has(const Sha256& hash) const = 0;
 
-  // What goes when its names do, in two steps. In the transaction that has taken names of these away,
-  // after that: those which no row names any more and nobody may be about to name. The rest is left
-  // to Sweep.
+  // In the transaction that names these, of what goes with an attempt (Free): they are there, and stay
+  // until it ends. Errors: kUnavailable (one was removed since it was put: put it again).
+  virtual Status Hold(sql::Db& db, std::initializer_list<Sha256> hashes) = 0;
+  // What goes when its names do, in two steps. In the transaction (Isolation::kSerial) that has taken
+  // names of these away, after that: those which no row names any more.
   struct Freed {
     Sha256 hash;
     int64_t generation = 0;  // of an S3 store's object (s3_blobs.h)
@@ -63,6 +66,7 @@ class FolderBlobs final : public Blobs {
   Result<Sha256> Put(ByteView data) override;
   Result<Bytes> Get(const Sha256& hash) const override;
   bool Has(const Sha256& hash) const override;
+  Status Hold(sql::Db&, std::initializer_list<Sha256>) override { return Status::Ok(); }
   // All of them: Remove looks again.
   Result<std::vector<Freed>> Free(sql::Db& db, const std::set<Sha256>& hashes) override;
   Result<size_t> Remove(const std::vector<Freed>& freed) override;

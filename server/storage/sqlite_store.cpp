@@ -8,6 +8,7 @@
 #include "server/storage/engine/pg_database.h"
 #include "server/storage/engine/server_id.h"
 #include "server/storage/engine/ticket_key.h"
+#include "server/storage/s3_blobs.h"
 #include "server/storage/sql/sqlite_impl.h"
 
 namespace enamel::server {
@@ -37,7 +38,8 @@ std::unique_ptr<Db> Signing(std::unique_ptr<Db> db, const AuditSigner& signer) {
 }  // namespace
 
 SqliteStore::SqliteStore(const SqliteOptions& options, Database database, FolderLock lock,
-                         const trace::SecretKey& ticket_key, const Uuid& server)
+                         const trace::SecretKey& ticket_key, const Uuid& server,
+                         std::unique_ptr<s3::S3Client> s3)
     : folder_(options.folder),
       lock_(std::move(lock)),
       signer_(ticket_key, server),
@@ -50,14 +52,32 @@ SqliteStore::SqliteStore(const SqliteOptions& options, Database database, Folder
                       signer_),
               options.change_twice),
       readers_(std::move(database.open_reader), options.readers),
-      owned_blobs_(std::make_unique<FolderBlobs>(
-          options.folder / "blobs", DiskOf(options), options.fail_next,
-          [this] { return Read([](Db& db) { return NamedBlobs(db); }); })),
+      owned_blobs_(MakeBlobs(options, std::move(s3))),
       blobs_(*owned_blobs_),
       keyring_(options.folder / "keyring", DiskOf(options)),
       // Who holds the folder's lock is this server: what an earlier process of it had is over.
       earlier_leases_(options.hold_lock) {
   if (options.hold_lock) sealed_rows_.emplace(writer_);
+}
+
+std::unique_ptr<Blobs> SqliteStore::MakeBlobs(const SqliteOptions& options,
+                                              std::unique_ptr<s3::S3Client> s3) {
+  if (s3 == nullptr) {
+    return std::make_unique<FolderBlobs>(
+        options.folder / "blobs", DiskOf(options), options.fail_next,
+        [this] { return Read([](Db& db) { return NamedBlobs(db); }); });
+  }
+  S3Blobs::Rows rows;
+  rows.write = [this](const std::function<Status(Db&)>& work) { return Write(work); };
+  rows.read = [this](const std::function<Status(Db&)>& work) {
+    return Read([&](Db& db) -> Result<bool> {
+             Status status = work(db);
+             if (!status.ok()) return status;
+             return true;
+           })
+        .status();
+  };
+  return std::make_unique<S3Blobs>(std::move(s3), options.s3_blobs->prefix, std::move(rows));
 }
 
 Result<Sha256> SqliteStore::PutBlob(ByteView data) {
@@ -147,6 +167,12 @@ StoreHealth SqliteStore::Health() {
         "a person was erased and the database is being written anew; changes and recordings wait "
         "until that is done";
   }
+  if (out.waiting.empty() && !blobs_.Problem().ok()) {
+    // What arrives is kept in rows meanwhile.
+    out.waiting =
+        "the store of blobs cannot be written or read; the server's log says why. Recordings that "
+        "end wait at the stations and scores at the server until it can";
+  }
   return out;
 }
 
@@ -219,9 +245,13 @@ Result<std::unique_ptr<Store>> OpenStoreOn(
   db.SetCompanion(&signer);
   ENAMEL_RETURN_IF_ERROR(BeginSignedTrail(db));
   if (!options.hold_lock) lock.reset();
+  std::unique_ptr<s3::S3Client> s3;
+  if (options.s3_blobs) {
+    ENAMEL_ASSIGN_OR_RETURN(s3, s3::S3Client::Make(options.s3_blobs->store));
+  }
   FolderLock kept = lock ? std::move(*lock) : FolderLock();
   auto store = std::make_unique<SqliteStore>(options, std::move(database).value(), std::move(kept),
-                                             key->secret_key, server);
+                                             key->secret_key, server, std::move(s3));
   if (options.hold_lock) ENAMEL_RETURN_IF_ERROR(store->Reconcile());
   return std::unique_ptr<Store>(std::move(store));
 }

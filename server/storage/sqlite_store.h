@@ -4,12 +4,20 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "common/s3/s3_client.h"
 #include "server/storage/engine/disk.h"
 #include "server/storage/store.h"
 
 namespace enamel::server {
+
+// An S3 store that several servers share (s3_blobs.h).
+struct S3Place {
+  s3::S3Options store{};
+  std::string prefix{};  // of every key; what else is in the bucket is left alone
+};
 
 struct SqliteOptions {
   // Made when absent, mode 0700. One that is there and lets others in is put right when it is empty
@@ -36,6 +44,9 @@ struct SqliteOptions {
   std::chrono::milliseconds busy_wait{10'000};
   // Every change is made, taken back and made again, as a server's database may ask for. For tests.
   bool change_twice = false;
+  // Where blobs are instead of in FOLDER/blobs. With rows in enamel.db for tests alone: two servers
+  // with a database each would delete each other's blobs (ReadDatabaseFile refuses it).
+  std::optional<S3Place> s3_blobs{};
 };
 
 // The embedded store: DIR/enamel.db (SQLite, WAL, synchronous=FULL), DIR/blobs/xx/<sha256> and
@@ -65,8 +76,9 @@ struct PostgresOptions {
 // kUnavailable (the server, or the library for it, is not there).
 Result<std::unique_ptr<Store>> OpenPostgresStore(const PostgresOptions& options);
 
-// The store of a data folder: its rows are in PostgreSQL where the folder's database.json says so
-// (engine/database_file.h), else in enamel.db.
+// The store of a data folder: its rows are in PostgreSQL, its blobs in an S3 store, where the folder's
+// database.json says so (engine/database_file.h), else in enamel.db and blobs/. The S3 store is not
+// asked yet: it may be away while a server starts.
 Result<std::unique_ptr<Store>> OpenStore(const SqliteOptions& options);
 
 // Newest schema this program knows, 1-based; migrations are schemas/sql/NNNN_*.sql, forward only.

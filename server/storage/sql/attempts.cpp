@@ -406,6 +406,8 @@ Status SqliteStore::FinishAttempt(const Uuid& attempt, const AttemptResult& resu
     ENAMEL_RETURN_IF_ERROR(KeepResult(db, attempt, result, lease));
     ENAMEL_RETURN_IF_ERROR(WaitForTimeline(db, attempt));
     ENAMEL_RETURN_IF_ERROR(KeepMotion(db, attempt, result));
+    ENAMEL_RETURN_IF_ERROR(blobs_.Hold(db, {result.score_json, result.final_volume, result.surface,
+                                            result.series, result.motion}));
     ENAMEL_ASSIGN_OR_RETURN(const auto scored,
                             ScoredJsonOf(db, attempt, result.score_json, result.document));
     return WriteAudit(db, Actor{{}, "job"}, kAuditScore, attempt.Text(), "{}", scored);

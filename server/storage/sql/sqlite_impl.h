@@ -37,8 +37,10 @@ class SqliteStore final : public Store {
     std::unique_ptr<Db> writer;
     std::function<Result<std::unique_ptr<Db>>()> open_reader;
   };
+  // `s3`: of options.s3_blobs; null: blobs are in the folder.
   SqliteStore(const SqliteOptions& options, Database database, FolderLock lock,
-              const trace::SecretKey& ticket_key, const Uuid& server);
+              const trace::SecretKey& ticket_key, const Uuid& server,
+              std::unique_ptr<s3::S3Client> s3);
 
   Result<Uuid> CreatePerson(const Person& person, const std::string& password_verifier,
                             const std::vector<Uuid>& cohorts, const Actor& by) override;
@@ -256,6 +258,7 @@ class SqliteStore final : public Store {
     DataKey key;
   };
   Result<PersonKey> KeyOf(const Uuid& attempt);
+  std::unique_ptr<Blobs> MakeBlobs(const SqliteOptions& options, std::unique_ptr<s3::S3Client> s3);
   // Whether recordings may come in now. Errors: kUnavailable, so that a station keeps what it has
   // and comes back.
   Status MayRecord();

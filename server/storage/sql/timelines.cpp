@@ -65,7 +65,7 @@ Status SqliteStore::PutTimeline(const Uuid& attempt, const Sha256& content) {
     Query q(db,
             "UPDATE timelines SET content = ?3, problem = '' WHERE tenant = ?1 AND attempt = ?2");
     ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(content).Run());
-    if (db.Changes() > 0) return Status::Ok();
+    if (db.Changes() > 0) return blobs_.Hold(db, {content});
     return Status(Code::kConflict,
                   "attempt " + attempt.Text() + " no longer has a recording to be played back");
   });

@@ -442,6 +442,7 @@ Status SqliteStore::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
     ENAMEL_ASSIGN_OR_RETURN(auto ingest, check(db, Look::kToDecide));
     if (ingest.state != AttemptState::kRecording) return Status::Ok();
     fresh = true;
+    ENAMEL_RETURN_IF_ERROR(blobs_.Hold(db, {blob}));
     ENAMEL_RETURN_IF_ERROR(
         MarkSealed(db, seal.attempt, ingest, blob, now_ms, sealed_rows_.has_value()));
     // Of other work it is a flag that an instructor sees; of an exam nothing is scored before one has
@@ -490,6 +491,7 @@ Status SqliteStore::AcceptCommitted(const Uuid& attempt, const Actor& by) {
     ENAMEL_ASSIGN_OR_RETURN(auto ingest, FindIngest(db, attempt, Look::kToDecide));
     if (!unsealed(ingest)) return Status::Ok();
     fresh = true;
+    ENAMEL_RETURN_IF_ERROR(blobs_.Hold(db, {blob}));
     ENAMEL_RETURN_IF_ERROR(
         MarkSealed(db, attempt, ingest, blob, NowMs(), sealed_rows_.has_value()));
     return WriteAudit(db, by, "attempt.accept", attempt.Text(), "{}",

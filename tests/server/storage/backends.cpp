@@ -6,6 +6,7 @@
 #include "server/storage/engine/ticket_key.h"
 #include "server/storage/engine/verify_audit.h"
 #include "server/storage/engine/verify_stage.h"
+#include "tests/support/s3_stand_in.h"
 
 namespace enamel::server::testing {
 namespace {
@@ -66,8 +67,39 @@ class SqliteTwice final : public SqlitePlace {
   }
 };
 
+S3Place PlaceIn(const test::S3StandIn& stand_in) {
+  S3Place out;
+  out.store.endpoint = stand_in.endpoint();
+  out.store.region = test::S3StandIn::kRegion;
+  out.store.bucket = test::S3StandIn::kBucket;
+  out.store.credentials = stand_in.credentials();
+  out.prefix = "enamel/";
+  return out;
+}
+
+// Blobs in an S3 store.
+class SqliteS3 final : public SqlitePlace {
+ public:
+  std::unique_ptr<Store> Open() override {
+    SqliteOptions options;
+    options.folder = folder_.path();
+    options.s3_blobs = PlaceIn(s3_);
+    auto store = OpenSqliteStore(options);
+    EXPECT_TRUE(store.ok()) << store.status().message();
+    return std::move(store).value();
+  }
+  void ExpectTrailAgrees() const override {
+    SqlitePlace::ExpectTrailAgrees();
+    EXPECT_EQ(s3_.complaints(), std::vector<std::string>{});
+    EXPECT_TRUE(std::filesystem::is_empty(folder_.path() / "blobs"));
+  }
+
+ private:
+  test::S3StandIn s3_;
+};
+
 // Rows in a schema of their own on the server that ENAMEL_POSTGRES names.
-class PostgresPlace final : public Place {
+class PostgresPlace : public Place {
  public:
   explicit PostgresPlace(std::string server) : server_(std::move(server)) {}
   ~PostgresPlace() override {
@@ -79,6 +111,7 @@ class PostgresPlace final : public Place {
     options.server = server_;
     options.schema = schema_;
     options.folder.folder = folder_.path();
+    options.folder.s3_blobs = s3_blobs_;
     auto store = OpenPostgresStore(options);
     EXPECT_TRUE(store.ok()) << store.status().message();
     return std::move(store).value();
@@ -89,10 +122,24 @@ class PostgresPlace final : public Place {
     ExpectNoFindings(**db, folder_.path());
   }
 
+ protected:
+  std::optional<S3Place> s3_blobs_;
+
  private:
   const std::string server_;
   const std::string schema_ = "s" + Uuid::New().Text();
   TempFolder folder_;
+};
+
+// As many servers share them: rows in PostgreSQL, blobs in an S3 store.
+class PostgresS3 final : public PostgresPlace {
+ public:
+  explicit PostgresS3(std::string server) : PostgresPlace(std::move(server)) {
+    s3_blobs_ = PlaceIn(s3_);
+  }
+
+ private:
+  test::S3StandIn s3_;
 };
 
 }  // namespace
@@ -103,9 +150,11 @@ const std::vector<Backend>& Backends() {
         {"Sqlite", [] { return std::make_unique<SqlitePlace>(); }},
         {"SqliteOnSimulatedDisk", [] { return std::make_unique<SqliteOnSimulatedDisk>(); }},
         {"SqliteTwice", [] { return std::make_unique<SqliteTwice>(); }},
+        {"SqliteS3", [] { return std::make_unique<SqliteS3>(); }},
     };
     if (const char* server = std::getenv("ENAMEL_POSTGRES")) {
       out.push_back({"Postgres", [server] { return std::make_unique<PostgresPlace>(server); }});
+      out.push_back({"PostgresS3", [server] { return std::make_unique<PostgresS3>(server); }});
     }
     return out;
   }();

@@ -1,0 +1,275 @@
+#include "server/storage/s3_blobs.h"
+
+#include <sodium.h>
+#include <spdlog/spdlog.h>
+
+#include <charconv>
+#include <cstdio>
+#include <limits>
+#include <map>
+
+#include "server/storage/sql/blob_rows.h"
+#include "server/storage/sql/sqlite_impl.h"
+
+namespace enamel::server::sqlite {
+namespace {
+
+constexpr int64_t kLogEveryMs = 60'000;
+constexpr size_t kHexHash = 64, kHexGeneration = 16;
+// Rows of one transaction of Sweep, which keeps others' from being kept.
+constexpr size_t kAtOnce = 256;
+
+int64_t Ms(std::chrono::seconds time) {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(time).count();
+}
+
+// 63 bits, so that it is a number of SQL's, and no two servers choose the same.
+int64_t NewGeneration() {
+  uint64_t random = 0;
+  randombytes_buf(&random, sizeof random);
+  return static_cast<int64_t>(random >> 1 | 1);
+}
+
+}  // namespace
+
+S3Blobs::S3Blobs(std::unique_ptr<s3::S3Client> client, std::string prefix, Rows rows,
+                 std::function<int64_t()> now_ms)
+    : client_(std::move(client)),
+      prefix_(std::move(prefix)),
+      rows_(std::move(rows)),
+      now_ms_(now_ms ? std::move(now_ms) : [] { return NowMs(); }) {}
+
+std::string S3Blobs::KeyOf(const Sha256& hash, int64_t generation) const {
+  char text[kHexGeneration + 1];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(generation));
+  return prefix_ + hash.Hex() + "-" + text;
+}
+
+bool S3Blobs::ReadKey(const std::string& key, Freed& out) const {
+  if (!key.starts_with(prefix_)) return false;
+  const std::string_view name = std::string_view(key).substr(prefix_.size());
+  if (name.size() != kHexHash + 1 + kHexGeneration) return false;
+  const auto hash = Sha256::FromHex(name.substr(0, kHexHash));
+  const char* const end = name.data() + name.size();
+  const auto [stop, bad] =
+      std::from_chars(name.data() + kHexHash + 1, end, out.generation, /*base=*/16);
+  if (!hash.ok() || bad != std::errc() || stop != end) return false;
+  out.hash = *hash;
+  return KeyOf(out.hash, out.generation) == key;
+}
+
+Status S3Blobs::Told(const Status& status) const {
+  const bool works = status.ok() || status.code() == Code::kNotFound;
+  {
+    MutexLock lock(mutex_);
+    const int64_t now = now_ms_();
+    if (works && !problem_.ok()) spdlog::info("the store of blobs works again");
+    if (!works && (problem_.code() != status.code() || now - logged_ms_ >= kLogEveryMs)) {
+      spdlog::warn("blobs: {}", status.message());
+      logged_ms_ = now;
+    }
+    problem_ = works ? Status::Ok() : status;
+  }
+  if (works || status.code() == Code::kTooLarge) return status;
+  if (status.code() == Code::kUnavailable) {
+    return Status(Code::kUnavailable,
+                  "the store of blobs cannot be reached or has too much to do; try again later");
+  }
+  return Status(Code::kStorage,
+                "the store of blobs refuses, is full or fails; the server's log says why");
+}
+
+Status S3Blobs::Problem() const {
+  MutexLock lock(mutex_);
+  return problem_;
+}
+
+Result<Sha256> S3Blobs::Put(ByteView data) {
+  const Sha256 hash = HashSha256(data);
+  const int64_t begun_ms = now_ms_();
+  std::optional<BlobRow> there;
+  ENAMEL_RETURN_IF_ERROR(rows_.read([&](sql::Db& db) -> Status {
+    auto row = FindBlobRow(db, hash);
+    if (row.ok()) there = *row;
+    return row.status();
+  }));
+  if (there) {
+    ENAMEL_RETURN_IF_ERROR(rows_.write([&](sql::Db& db) -> Status {
+      auto row = TouchBlobRow(db, hash, now_ms_());
+      if (row.ok()) there = *row;
+      return row.status();
+    }));
+  }
+  if (there) {
+    const Status head = client_->Head(KeyOf(hash, there->generation));
+    if (head.code() != Code::kNotFound) {
+      ENAMEL_RETURN_IF_ERROR(Told(head));
+      return hash;
+    }
+    spdlog::error("blobs: the object of {} is lost; it is written again", hash.Hex());
+  }
+  const int64_t generation = NewGeneration();
+  ENAMEL_RETURN_IF_ERROR(Told(client_->Put(KeyOf(hash, generation), data)));
+  BlobRow row;
+  // When this fails, the row may have been added all the same: the object stays for Sweep to judge.
+  ENAMEL_RETURN_IF_ERROR(rows_.write([&](sql::Db& db) -> Status {
+    const int64_t now_ms = now_ms_();
+    if (now_ms - begun_ms >= Ms(kClaimWithin)) {
+      return Status(Code::kUnavailable,
+                    "writing a blob took more than an hour; look at the store, and try again");
+    }
+    auto claimed = ClaimBlobRow(db, hash, generation, there ? there->generation : 0, now_ms);
+    if (claimed.ok()) row = *claimed;
+    return claimed.status();
+  }));
+  if (row.generation != generation) (void)client_->Delete(KeyOf(hash, generation));
+  return hash;
+}
+
+Result<Bytes> S3Blobs::Get(const Sha256& hash) const {
+  int64_t tried = 0;
+  for (;;) {
+    std::optional<BlobRow> row;
+    ENAMEL_RETURN_IF_ERROR(rows_.read([&](sql::Db& db) -> Status {
+      auto found = FindBlobRow(db, hash);
+      if (found.ok()) row = *found;
+      return found.status();
+    }));
+    if (!row) return Status(Code::kNotFound, "no blob " + hash.Hex());
+    if (row->generation == tried) {
+      return Told(Status(Code::kStorage, "the object " + KeyOf(hash, tried) + " is lost at " +
+                                             client_->Where() + "; restore it from a backup"));
+    }
+    tried = row->generation;
+    auto body = client_->Get(KeyOf(hash, tried), hash);
+    if (body.ok()) {
+      (void)Told(Status::Ok());
+      return body;
+    }
+    // Another server may have written it again under another generation since the look at the row.
+    if (body.status().code() != Code::kNotFound) return Told(body.status());
+  }
+}
+
+bool S3Blobs::Has(const Sha256& hash) const {
+  bool there = false;
+  const Status status = rows_.read([&](sql::Db& db) -> Status {
+    auto row = FindBlobRow(db, hash);
+    there = row.ok() && row->has_value();
+    return row.status();
+  });
+  return status.ok() && there;
+}
+
+Status S3Blobs::Hold(sql::Db& db, std::initializer_list<Sha256> hashes) {
+  // In one order, so that no two transactions wait for each other.
+  for (const Sha256& hash : std::set<Sha256>(hashes)) {
+    if (hash.IsZero()) continue;
+    ENAMEL_ASSIGN_OR_RETURN(const auto row, TouchBlobRow(db, hash, now_ms_()));
+    if (row) continue;
+    return Status(Code::kUnavailable,
+                  "blob " + hash.Hex() + " was removed before it was named; try again");
+  }
+  return Status::Ok();
+}
+
+Result<std::vector<Blobs::Freed>> S3Blobs::Free(sql::Db& db, const std::set<Sha256>& hashes) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto rows,
+                          DeleteUnnamedBlobRows(db, hashes, std::numeric_limits<int64_t>::max()));
+  std::vector<Freed> out;
+  for (const BlobRow& row : rows) out.push_back({row.hash, row.generation});
+  return out;
+}
+
+Result<size_t> S3Blobs::Remove(const std::vector<Freed>& freed) {
+  size_t removed = 0;
+  for (const auto& [hash, generation] : freed) {
+    // Nothing names it any more, and what it was encrypted under is gone with its person: that an
+    // object is left is no reason to have the erasure fail.
+    if (!Told(client_->Delete(KeyOf(hash, generation))).ok()) break;
+    ++removed;
+  }
+  if (removed < freed.size()) {
+    spdlog::warn("blobs: {} of {} objects could not be deleted; they go within two days",
+                 freed.size() - removed, freed.size());
+  }
+  return removed;
+}
+
+Result<size_t> S3Blobs::Sweep(std::chrono::seconds age) {
+  ENAMEL_ASSIGN_OR_RETURN(const size_t rows, SweepRows(age));
+  {
+    MutexLock lock(mutex_);
+    if (listed_ms_ != 0 && now_ms_() - listed_ms_ < Ms(kListEvery)) return rows;
+  }
+  ENAMEL_ASSIGN_OR_RETURN(const size_t orphans, SweepOrphans());
+  MutexLock lock(mutex_);
+  listed_ms_ = now_ms_();
+  return rows + orphans;
+}
+
+Result<size_t> S3Blobs::SweepRows(std::chrono::seconds age) {
+  const int64_t before_ms = now_ms_() - Ms(age);
+  // What is worth a look, without keeping anybody from writing.
+  std::vector<Sha256> candidates;
+  ENAMEL_RETURN_IF_ERROR(rows_.read([&](sql::Db& db) -> Status {
+    candidates.clear();
+    auto rows = AllBlobRows(db);
+    if (!rows.ok()) return rows.status();
+    auto named = NamedBlobs(db);
+    if (!named.ok()) return named.status();
+    for (const BlobRow& row : *rows) {
+      if (row.put_ms < before_ms && !named->contains(row.hash)) candidates.push_back(row.hash);
+    }
+    return Status::Ok();
+  }));
+  size_t removed = 0;
+  for (size_t at = 0; at < candidates.size(); at += kAtOnce) {
+    const std::set<Sha256> some(candidates.begin() + static_cast<std::ptrdiff_t>(at),
+                                candidates.begin() + static_cast<std::ptrdiff_t>(std::min(
+                                                         at + kAtOnce, candidates.size())));
+    std::vector<Freed> freed;
+    ENAMEL_RETURN_IF_ERROR(rows_.write([&](sql::Db& db) -> Status {
+      freed.clear();
+      auto rows = DeleteUnnamedBlobRows(db, some, before_ms);
+      if (!rows.ok()) return rows.status();
+      for (const BlobRow& row : *rows) freed.push_back({row.hash, row.generation});
+      return Status::Ok();
+    }));
+    ENAMEL_ASSIGN_OR_RETURN(const size_t gone, Remove(freed));
+    removed += gone;
+  }
+  return removed;
+}
+
+Result<size_t> S3Blobs::SweepOrphans() {
+  const int64_t before_ms = now_ms_() - Ms(kOrphanAge);
+  std::vector<Freed> orphans;
+  std::string next;
+  do {
+    auto page = client_->List(prefix_, next);
+    if (!page.ok()) return Told(page.status());
+    for (const s3::ListedObject& object : page->objects) {
+      Freed blob;
+      if (object.modified_ms < before_ms && ReadKey(object.key, blob)) orphans.push_back(blob);
+    }
+    // A store that gives the same page again would be listed for ever.
+    if (page->next == next) break;
+    next = page->next;
+  } while (!next.empty());
+  // Read after the list: the row of an object that is a day old is there by now, or never.
+  std::map<Sha256, int64_t> counts;
+  ENAMEL_RETURN_IF_ERROR(rows_.read([&](sql::Db& db) -> Status {
+    auto rows = AllBlobRows(db);
+    if (!rows.ok()) return rows.status();
+    for (const BlobRow& row : *rows) counts[row.hash] = row.generation;
+    return Status::Ok();
+  }));
+  std::erase_if(orphans, [&](const Freed& blob) {
+    const auto row = counts.find(blob.hash);
+    return row != counts.end() && row->second == blob.generation;
+  });
+  return Remove(orphans);
+}
+
+}  // namespace enamel::server::sqlite
