@@ -1,5 +1,6 @@
 #include "common/s3/xml.h"
 
+#include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <optional>
@@ -10,6 +11,9 @@ namespace enamel::s3 {
 namespace {
 
 bool IsSpace(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+
+// That XML 1.0 has no place for, written out or as a number.
+bool IsControl(char c) { return static_cast<unsigned char>(c) < 0x20 && !IsSpace(c); }
 
 bool IsNameStart(char c) {
   return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_' || c == ':';
@@ -45,6 +49,7 @@ class Reader {
   Status Run() {
     if (text_.size() > kMaxXmlBytes) return Bad("more than 4 MiB");
     if (!IsUtf8(text_)) return Bad("bytes that are no UTF-8");
+    if (std::ranges::any_of(text_, IsControl)) return Bad("a control character");
     if (Take("<?xml")) {
       const size_t close = text_.find("?>", at_);
       if (close == std::string_view::npos) return Bad("a declaration without its end");

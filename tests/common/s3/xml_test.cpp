@@ -58,6 +58,8 @@ TEST(S3XmlTest, WhatIsNoAnswerOfAStoreIsRefused) {
                                       std::string("<a b=\"<\"/>"),
                                       std::string("<a>\xff</a>"),
                                       std::string("<a>&#0;</a>"),
+                                      std::string("<a>\0</a>", 8),
+                                      std::string("<a>\x1f</a>"),
                                       std::string("<a>&#xd800;</a>"),
                                       std::string("<a>&#x110000;</a>"),
                                       std::string("<a>&#1 ;</a>"),
