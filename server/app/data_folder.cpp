@@ -15,12 +15,25 @@ struct InitCommand {
   std::filesystem::path data;
   std::string database;  // of PostgreSQL; empty: SQLite in the folder
   std::string schema = "enamel";
+  BlobsInS3 blobs;  // without an endpoint: in the folder
 };
 
 Status Init(const InitCommand& command) {
+  const bool in_s3 = !command.blobs.endpoint.empty();
+  if (in_s3 && command.database.empty()) {
+    return Status(Code::kInvalidInput,
+                  "expected --database beside --s3-endpoint, found none: rows in enamel.db are one "
+                  "machine's, and what other servers name would be deleted; name a PostgreSQL "
+                  "database, or keep the blobs in the folder");
+  }
   if (!command.database.empty()) {
-    const DatabaseFile file{command.database, command.schema};
+    DatabaseFile file{command.database, command.schema};
+    if (in_s3) file.blobs = command.blobs;
     ENAMEL_RETURN_IF_ERROR(MayKeepRowsIn(command.data, file));
+    if (in_s3) {
+      ENAMEL_ASSIGN_OR_RETURN(const auto place, ReadS3Place(command.data, command.blobs));
+      ENAMEL_RETURN_IF_ERROR(TryS3Place(place));
+    }
     // Before the file says so: a folder must not be bound to a server that cannot be reached, nor
     // one that holds other things be taken for ours.
     if (auto opened = OpenPostgresStore({file.server, file.schema, {command.data}}); !opened.ok())
@@ -89,6 +102,24 @@ void DeclareInit(CommandGroup root) {
   cmd->add_option("--schema", options.schema, "Name of the tables' place in that database")
       ->needs(database)
       ->capture_default_str();
+  auto* endpoint = cmd->add_option("--s3-endpoint", options.blobs.endpoint,
+                                   "Keep the blobs in this S3 store instead of the folder: "
+                                   "https://HOST[:PORT]");
+  auto* bucket =
+      cmd->add_option("--s3-bucket", options.blobs.bucket, "Its bucket")->needs(endpoint);
+  endpoint->needs(bucket);
+  cmd->add_option("--s3-region", options.blobs.region,
+                  "Region that requests are signed for; without: us-east-1")
+      ->needs(endpoint);
+  cmd->add_option("--s3-prefix", options.blobs.prefix, "Of every key in the bucket: school/")
+      ->needs(endpoint);
+  cmd->add_option("--s3-ca-file", options.blobs.ca_file,
+                  "PEM file of who signed the store's certificate")
+      ->needs(endpoint);
+  cmd->add_option("--s3-credentials", options.blobs.credentials_file,
+                  "File of its access key (schemas/database.md); without: AWS_ACCESS_KEY_ID and "
+                  "AWS_SECRET_ACCESS_KEY, for every command")
+      ->needs(endpoint);
 }
 
 Result<std::unique_ptr<Store>> OpenOrMake(const std::filesystem::path& folder) {

@@ -289,7 +289,12 @@ Result<std::unique_ptr<Store>> OpenPostgresStore(const PostgresOptions& options)
 Result<std::unique_ptr<Store>> OpenStore(const SqliteOptions& options) {
   ENAMEL_ASSIGN_OR_RETURN(const auto database, ReadDatabaseFile(options.folder));
   if (!database) return OpenSqliteStore(options);
-  return OpenPostgresStore({database->server, database->schema, options});
+  PostgresOptions postgres{database->server, database->schema, options};
+  if (database->blobs) {
+    ENAMEL_ASSIGN_OR_RETURN(postgres.folder.s3_blobs,
+                            ReadS3Place(options.folder, *database->blobs));
+  }
+  return OpenPostgresStore(postgres);
 }
 
 }  // namespace enamel::server

@@ -1,22 +1,128 @@
 #include "server/storage/engine/database_file.h"
 
+#include <sys/stat.h>
+
+#include <algorithm>
 #include <boost/json.hpp>
+#include <cstdlib>
+#include <tuple>
 
 #include "common/base/file.h"
+#include "common/base/uuid.h"
 
 namespace enamel::server {
 namespace {
 
 namespace json = boost::json;
 
-constexpr int64_t kVersion = 1;
-constexpr size_t kMaxBytes = 64 << 10;
+constexpr int64_t kNewestVersion = 2;
+constexpr int64_t kWithoutBlobs = 1;
+constexpr int64_t kCredentialsVersion = 1;
+constexpr size_t kMaxDatabaseBytes = 64 << 10;
+constexpr size_t kMaxPrefix = 200;
 
 Status Bad(const std::filesystem::path& path, const std::string& found) {
+  return Status(
+      Code::kInvalidInput,
+      path.string() + ": expected what schemas/database.md says, found " + found + "; mend it");
+}
+
+// Of a file of ours, of a version from 1 to `newest`.
+Result<json::object> ReadObject(const std::filesystem::path& path, int64_t newest) {
+  ENAMEL_ASSIGN_OR_RETURN(const Bytes bytes, ReadFile(path, kMaxDatabaseBytes));
+  boost::system::error_code bad;
+  json::value document = json::parse(AsText(bytes), bad);
+  if (bad || !document.is_object()) return Bad(path, "no JSON object");
+  const json::value* version = document.get_object().if_contains("version");
+  if (version == nullptr || !version->is_int64()) return Bad(path, "no version");
+  if (version->get_int64() < 1 || version->get_int64() > newest) {
+    return Status(Code::kVersion, path.string() + " has version " +
+                                      std::to_string(version->get_int64()) +
+                                      ", this enamel-server knows up to " + std::to_string(newest) +
+                                      "; run the newer one");
+  }
+  return std::move(document.get_object());
+}
+
+enum class Need { kMust, kMay };
+
+Status ReadText(const std::filesystem::path& path, const json::object& all, const char* name,
+                Need need, std::string& into) {
+  const json::value* value = all.if_contains(name);
+  if (value == nullptr && need == Need::kMay) return Status::Ok();
+  if (value == nullptr || !value->is_string() || value->get_string().empty())
+    return Bad(path, std::string("no text as ") + name);
+  into = value->get_string();
+  return Status::Ok();
+}
+
+Result<BlobsInS3> ReadBlobs(const std::filesystem::path& path, const json::value& value) {
+  if (!value.is_object()) return Bad(path, "no object as blobs");
+  const json::object& all = value.get_object();
+  BlobsInS3 out;
+  for (auto [name, need, into] :
+       {std::tuple{"endpoint", Need::kMust, &out.endpoint},
+        std::tuple{"region", Need::kMay, &out.region},
+        std::tuple{"bucket", Need::kMust, &out.bucket},
+        std::tuple{"prefix", Need::kMay, &out.prefix},
+        std::tuple{"ca_file", Need::kMay, &out.ca_file},
+        std::tuple{"credentials_file", Need::kMay, &out.credentials_file}}) {
+    ENAMEL_RETURN_IF_ERROR(ReadText(path, all, name, need, *into));
+  }
+  return out;
+}
+
+json::object ObjectOf(const BlobsInS3& blobs) {
+  json::object out = {{"endpoint", blobs.endpoint}, {"bucket", blobs.bucket}};
+  for (auto [name, text] : {std::pair{"region", &blobs.region}, std::pair{"prefix", &blobs.prefix},
+                            std::pair{"ca_file", &blobs.ca_file},
+                            std::pair{"credentials_file", &blobs.credentials_file}}) {
+    if (!text->empty()) out[name] = *text;
+  }
+  return out;
+}
+
+Status MustBeAPrefix(const std::string& prefix) {
+  const auto may = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ||
+           c == '_' || c == '-' || c == '/';
+  };
+  if (prefix.size() <= kMaxPrefix && !prefix.starts_with('/') && std::ranges::all_of(prefix, may))
+    return Status::Ok();
   return Status(Code::kInvalidInput,
-                path.string() + ": expected {\"version\":1,\"server\":…,\"schema\":…}, found " +
-                    found +
-                    "; mend it, or make the folder anew with: enamel-server init --database");
+                "expected a prefix of at most 200 letters, digits, \".\", \"_\", \"-\" and "
+                "\"/\", found another as blobs.prefix; choose one like school/",
+                "prefix");
+}
+
+Result<s3::Credentials> ReadCredentials(const std::filesystem::path& path) {
+  struct stat info {};
+  if (::stat(path.c_str(), &info) != 0) {
+    return Status(Code::kNotFound, "expected the S3 store's credentials in " + path.string() +
+                                       ", found no such file; write it (schemas/database.md)");
+  }
+  if ((info.st_mode & 077) != 0) {
+    return Status(Code::kForbidden,
+                  "expected a file of credentials that its owner alone may read, "
+                  "found that others may read " +
+                      path.string() + "; chmod 600 it");
+  }
+  ENAMEL_ASSIGN_OR_RETURN(const json::object all, ReadObject(path, kCredentialsVersion));
+  s3::Credentials out;
+  ENAMEL_RETURN_IF_ERROR(ReadText(path, all, "access_key", Need::kMust, out.access_key));
+  ENAMEL_RETURN_IF_ERROR(ReadText(path, all, "secret_key", Need::kMust, out.secret_key));
+  return out;
+}
+
+Result<s3::Credentials> CredentialsOfEnvironment() {
+  const char* const key = std::getenv("AWS_ACCESS_KEY_ID");
+  const char* const secret = std::getenv("AWS_SECRET_ACCESS_KEY");
+  if (key != nullptr && secret != nullptr) return s3::Credentials{key, secret};
+  return Status(Code::kInvalidInput,
+                "expected the S3 store's credentials in AWS_ACCESS_KEY_ID and "
+                "AWS_SECRET_ACCESS_KEY, found them not set; set them, or name a credentials_file "
+                "(schemas/database.md)",
+                "credentials");
 }
 
 }  // namespace
@@ -25,26 +131,50 @@ Result<std::optional<DatabaseFile>> ReadDatabaseFile(const std::filesystem::path
   const auto path = folder / kDatabaseFile;
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return std::optional<DatabaseFile>();
-  ENAMEL_ASSIGN_OR_RETURN(const Bytes bytes, ReadFile(path, kMaxBytes));
-  boost::system::error_code bad;
-  const json::value document = json::parse(AsText(bytes), bad);
-  if (bad || !document.is_object()) return Bad(path, "no JSON object");
-  const json::object& all = document.get_object();
-  const json::value* version = all.if_contains("version");
-  if (version == nullptr || !version->is_int64()) return Bad(path, "no version");
-  if (version->get_int64() != kVersion) {
-    return Status(Code::kVersion, path.string() + " has version " +
-                                      std::to_string(version->get_int64()) +
-                                      ", this enamel-server knows 1; run the newer one");
-  }
+  ENAMEL_ASSIGN_OR_RETURN(const json::object all, ReadObject(path, kNewestVersion));
   DatabaseFile out;
-  for (auto [name, into] : {std::pair{"server", &out.server}, std::pair{"schema", &out.schema}}) {
-    const json::value* value = all.if_contains(name);
-    if (value == nullptr || !value->is_string() || value->get_string().empty())
-      return Bad(path, std::string("no text as ") + name);
-    *into = value->get_string();
+  const json::value* blobs = all.if_contains("blobs");
+  if (blobs != nullptr && all.if_contains("server") == nullptr) {
+    return Status(Code::kInvalidInput,
+                  path.string() +
+                      ": expected rows in PostgreSQL beside blobs in an S3 store, found no server: "
+                      "rows in enamel.db are one machine's, and what others name would be deleted; "
+                      "name the PostgreSQL server, or keep the blobs in the folder too");
+  }
+  if (blobs != nullptr && all.at("version").get_int64() == kWithoutBlobs)
+    return Bad(path, "blobs in a file of version 1, which an older server would pass over");
+  ENAMEL_RETURN_IF_ERROR(ReadText(path, all, "server", Need::kMust, out.server));
+  ENAMEL_RETURN_IF_ERROR(ReadText(path, all, "schema", Need::kMust, out.schema));
+  if (blobs != nullptr) {
+    ENAMEL_ASSIGN_OR_RETURN(out.blobs, ReadBlobs(path, *blobs));
   }
   return std::optional<DatabaseFile>(std::move(out));
+}
+
+Result<S3Place> ReadS3Place(const std::filesystem::path& folder, const BlobsInS3& blobs) {
+  ENAMEL_RETURN_IF_ERROR(MustBeAPrefix(blobs.prefix));
+  S3Place out;
+  out.prefix = blobs.prefix;
+  out.store.endpoint = blobs.endpoint;
+  out.store.bucket = blobs.bucket;
+  if (!blobs.region.empty()) out.store.region = blobs.region;
+  if (!blobs.ca_file.empty()) out.store.ca_file = folder / blobs.ca_file;
+  auto credentials = blobs.credentials_file.empty()
+                         ? CredentialsOfEnvironment()
+                         : ReadCredentials(folder / blobs.credentials_file);
+  if (!credentials.ok()) return credentials.status();
+  out.store.credentials = std::move(*credentials);
+  return out;
+}
+
+Status TryS3Place(const S3Place& place) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto client, s3::S3Client::Make(place.store));
+  const std::string key = place.prefix + "tried-" + Uuid::New().Text();
+  const Bytes body = {'e', 'n', 'a', 'm', 'e', 'l'};
+  ENAMEL_RETURN_IF_ERROR(client->Put(key, body));
+  ENAMEL_RETURN_IF_ERROR(client->Get(key, HashSha256(body)).status());
+  ENAMEL_RETURN_IF_ERROR(client->List(place.prefix).status());
+  return client->Delete(key);
 }
 
 Status MustHaveRowsInFolder(const std::filesystem::path& folder, const std::string& command) {
@@ -69,14 +199,21 @@ Status MayKeepRowsIn(const std::filesystem::path& folder, const DatabaseFile& fi
                                        " of another database already (database.json); name "
                                        "another folder");
   }
+  if (there && there->blobs != file.blobs) {
+    return Status(Code::kConflict, "the blobs of " + folder.string() +
+                                       " are elsewhere already (database.json); name another "
+                                       "folder");
+  }
   return Status::Ok();
 }
 
 Status WriteDatabaseFile(const std::filesystem::path& folder, const DatabaseFile& file,
                          Disk& disk) {
   ENAMEL_RETURN_IF_ERROR(MayKeepRowsIn(folder, file));
-  const json::object document = {
-      {"version", kVersion}, {"server", file.server}, {"schema", file.schema}};
+  json::object document = {{"version", file.blobs ? kNewestVersion : kWithoutBlobs},
+                           {"server", file.server},
+                           {"schema", file.schema}};
+  if (file.blobs) document["blobs"] = ObjectOf(*file.blobs);
   return disk.Replace(folder / kDatabaseFile, AsBytes(json::serialize(document)));
 }
 

@@ -6,29 +6,44 @@
 
 #include "common/base/result.h"
 #include "server/storage/engine/disk.h"
+#include "server/storage/sqlite_store.h"
 
-// database.json in a data folder: which PostgreSQL database holds the folder's rows. Without it they
-// are in enamel.db.
-//   {"version": 1, "server": "postgresql://user@host/name", "schema": "enamel"}
-// Unknown members are ignored; a file of another version is refused. Mode 0600: `server` may hold a
-// password, though libpq's ~/.pgpass or PGPASSFILE is the better place.
+// database.json in a data folder (schemas/database.md): which PostgreSQL database holds the folder's
+// rows, and which S3 store its blobs. Without it rows are in enamel.db and blobs in blobs/.
 namespace enamel::server {
 
 inline constexpr char kDatabaseFile[] = "database.json";
 
+// As the file has it; texts that are absent are empty.
+struct BlobsInS3 {
+  std::string endpoint, region, bucket, prefix;
+  std::string ca_file, credentials_file;
+  bool operator==(const BlobsInS3&) const = default;
+};
+
 struct DatabaseFile {
-  std::string server;  // libpq's connection string
-  std::string schema;  // of its tables
+  std::string server;                // libpq's connection string
+  std::string schema;                // of its tables
+  std::optional<BlobsInS3> blobs{};  // none: in the folder
 };
 
 // None: there is no such file. Errors: kStorage, kInvalidInput, kVersion.
 Result<std::optional<DatabaseFile>> ReadDatabaseFile(const std::filesystem::path& folder);
 
+// The store, with the credentials of the file or of the environment (AWS_ACCESS_KEY_ID,
+// AWS_SECRET_ACCESS_KEY). It is not asked. Errors: kInvalidInput, kForbidden (others may read the
+// credentials), kStorage, kNotFound, kVersion. No message has a secret in it.
+Result<S3Place> ReadS3Place(const std::filesystem::path& folder, const BlobsInS3& blobs);
+
+// Puts an object there, gets it and deletes it. Errors: those of S3Client.
+Status TryS3Place(const S3Place& place);
+
 // For what looks at the rows in enamel.db itself. Errors: kConflict (they are in PostgreSQL, with what
 // to do instead of `command`).
 Status MustHaveRowsInFolder(const std::filesystem::path& folder, const std::string& command);
 
-// Errors: kConflict (the folder has rows already, in enamel.db or in another database), and those of
+// Errors: kConflict (the folder has rows already, in enamel.db or in another database, or blobs
+// elsewhere), and those of
 // ReadDatabaseFile.
 Status MayKeepRowsIn(const std::filesystem::path& folder, const DatabaseFile& file);
 

@@ -1,0 +1,143 @@
+#include "server/storage/engine/database_file.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "common/base/file.h"
+#include "tests/support/s3_stand_in.h"
+#include "tests/support/temp_folder.h"
+
+// database.json (schemas/database.md).
+namespace enamel::server {
+namespace {
+
+const std::filesystem::path kGolden = ENAMEL_SOURCE_DIR "/schemas/golden";
+
+class DatabaseFileTest : public ::testing::Test {
+ protected:
+  void Write(const std::string& text, const char* name = kDatabaseFile, int mode = 0600) {
+    ASSERT_TRUE(WriteFileDurably(folder_.path() / name, AsBytes(text), mode).ok());
+  }
+  void CopyGolden(const char* golden, const char* name) {
+    Write(std::string(AsText(*ReadFile(kGolden / golden))), name);
+  }
+  Status Refusal(const std::string& text) {
+    Write(text);
+    return ReadDatabaseFile(folder_.path()).status();
+  }
+  test::TempFolder folder_;
+};
+
+TEST_F(DatabaseFileTest, GoldenFilesAreReadAndWrittenAgain) {
+  EXPECT_FALSE(ReadDatabaseFile(folder_.path())->has_value());
+  CopyGolden("database_1.json", kDatabaseFile);
+  const auto first = ReadDatabaseFile(folder_.path());
+  ASSERT_TRUE(first.ok()) << first.status().message();
+  EXPECT_EQ((*first)->server, "postgresql://enamel@db1,db2/school");
+  EXPECT_EQ((*first)->schema, "enamel");
+  EXPECT_FALSE((*first)->blobs);
+  CopyGolden("database_2.json", kDatabaseFile);
+  const auto second = ReadDatabaseFile(folder_.path());
+  ASSERT_TRUE(second.ok()) << second.status().message();
+  const BlobsInS3 blobs{"https://s3.example.org:9000", "eu-central-1", "enamel-blobs", "school/",
+                        "/etc/enamel/s3.crt",          "s3.json"};
+  EXPECT_EQ((*second)->blobs, blobs);
+  for (const DatabaseFile& file : {**first, **second}) {
+    const test::TempFolder other;
+    ASSERT_TRUE(WriteDatabaseFile(other.path(), file, SystemDisk()).ok());
+    EXPECT_EQ((*ReadDatabaseFile(other.path()))->blobs, file.blobs);
+    const std::string text(AsText(*ReadFile(other.path() / kDatabaseFile)));
+    EXPECT_NE(text.find(file.blobs ? "\"version\":2" : "\"version\":1"), std::string::npos) << text;
+  }
+}
+
+TEST_F(DatabaseFileTest, BlobsInS3WithRowsInSqliteAreRefused) {
+  const Status status =
+      Refusal(R"({"version":2,"blobs":{"endpoint":"https://s3.example.org","bucket":"b"}})");
+  EXPECT_EQ(status.code(), Code::kInvalidInput);
+  EXPECT_NE(status.message().find("enamel.db are one machine's"), std::string::npos)
+      << status.message();
+  SqliteOptions options;
+  options.folder = folder_.path();
+  EXPECT_EQ(OpenStore(options).status().code(), Code::kInvalidInput);
+}
+
+TEST_F(DatabaseFileTest, WhatAnotherServerWouldPassOverIsRefused) {
+  const std::string rows = R"("server":"host=a","schema":"s")";
+  EXPECT_EQ(Refusal(R"({"version":1,)" + rows +
+                    R"(,"blobs":{"endpoint":"https://s3.example.org","bucket":"b"}})")
+                .code(),
+            Code::kInvalidInput);
+  EXPECT_EQ(Refusal(R"({"version":3,)" + rows + "}").code(), Code::kVersion);
+  for (const std::string& blobs : {std::string("1"), std::string("{}"),
+                                   std::string(R"({"endpoint":"https://s3.example.org"})"),
+                                   std::string(R"({"endpoint":1,"bucket":"b"})"),
+                                   std::string(R"({"endpoint":"","bucket":"b"})")}) {
+    EXPECT_EQ(Refusal(R"({"version":2,)" + rows + R"(,"blobs":)" + blobs + "}").code(),
+              Code::kInvalidInput)
+        << blobs;
+  }
+}
+
+TEST_F(DatabaseFileTest, CredentialsAreReadFromAFileThatOthersMayNotRead) {
+  BlobsInS3 blobs{"https://s3.example.org", "", "b", "", "ca.pem", "s3.json"};
+  EXPECT_EQ(ReadS3Place(folder_.path(), blobs).status().code(), Code::kNotFound);
+  CopyGolden("database_credentials.json", "s3.json");
+  const auto place = ReadS3Place(folder_.path(), blobs);
+  ASSERT_TRUE(place.ok()) << place.status().message();
+  EXPECT_EQ(place->store.credentials.access_key, "AKIAIOSFODNN7EXAMPLE");
+  EXPECT_EQ(place->store.credentials.secret_key, "wJalrXUtnFEMI/K7MDENG/bPxRfiCYEXAMPLEKEY");
+  EXPECT_EQ(place->store.region, "us-east-1");
+  EXPECT_EQ(place->store.ca_file, folder_.path() / "ca.pem");
+  std::filesystem::permissions(folder_.path() / "s3.json", std::filesystem::perms(0640));
+  const Status open = ReadS3Place(folder_.path(), blobs).status();
+  EXPECT_EQ(open.code(), Code::kForbidden);
+  EXPECT_NE(open.message().find("chmod 600"), std::string::npos);
+  EXPECT_EQ(open.message().find("wJalr"), std::string::npos);
+}
+
+TEST_F(DatabaseFileTest, CredentialsMayBeOfTheEnvironment) {
+  const BlobsInS3 blobs{"https://s3.example.org", "", "b", "", "", ""};
+  ::unsetenv("AWS_ACCESS_KEY_ID");
+  EXPECT_EQ(ReadS3Place(folder_.path(), blobs).status().field(), "credentials");
+  ::setenv("AWS_ACCESS_KEY_ID", "key", 1);
+  ::setenv("AWS_SECRET_ACCESS_KEY", "secret", 1);
+  EXPECT_EQ(ReadS3Place(folder_.path(), blobs)->store.credentials.secret_key, "secret");
+  ::unsetenv("AWS_ACCESS_KEY_ID");
+  ::unsetenv("AWS_SECRET_ACCESS_KEY");
+}
+
+TEST_F(DatabaseFileTest, PrefixOfOtherSignsIsRefused) {
+  CopyGolden("database_credentials.json", "s3.json");
+  for (const std::string& prefix : {std::string("/a"), std::string("a b"), std::string(201, 'a')}) {
+    EXPECT_EQ(
+        ReadS3Place(folder_.path(), {"https://a", "", "b", prefix, "", "s3.json"}).status().field(),
+        "prefix");
+  }
+}
+
+TEST_F(DatabaseFileTest, FolderStaysWithItsStoreOfBlobs) {
+  DatabaseFile file{"host=a", "s"};
+  ASSERT_TRUE(WriteDatabaseFile(folder_.path(), file, SystemDisk()).ok());
+  file.blobs = BlobsInS3{"https://s3.example.org", "", "b", "", "", ""};
+  EXPECT_EQ(MayKeepRowsIn(folder_.path(), file).code(), Code::kConflict);
+}
+
+TEST_F(DatabaseFileTest, StoreIsTriedWithAnObjectThatGoesAgain) {
+  test::S3StandIn s3;
+  S3Place place;
+  place.store.endpoint = s3.endpoint();
+  place.store.region = test::S3StandIn::kRegion;
+  place.store.bucket = test::S3StandIn::kBucket;
+  place.store.credentials = s3.credentials();
+  place.prefix = "p/";
+  const Status tried = TryS3Place(place);
+  EXPECT_TRUE(tried.ok()) << tried.message();
+  EXPECT_TRUE(s3.objects().empty());
+  s3.FailNext(test::S3StandIn::Fault::kForbidden, -1, "DELETE");
+  EXPECT_EQ(TryS3Place(place).code(), Code::kStorage) << "a key that may not delete";
+}
+
+}  // namespace
+}  // namespace enamel::server
