@@ -142,11 +142,11 @@ class PostgresProxy {
     }
   }
 
-  // Until another connection has sent three messages, or waits for its answer to fewer: then there is
+  // Until another connection has connected, asked and been answered, or waits for its answer: then there is
   // nothing to hurry for.
   void AwaitOthers() {
     const int before = passed_;
-    for (int waited = 0; waited < 10 && !stopping_ && passed_ < before + 3; ++waited)
+    for (int waited = 0; waited < 10 && !stopping_ && passed_ < before + 8; ++waited)
       ::poll(nullptr, 0, kPoll_ms);
   }
 

@@ -85,8 +85,8 @@ TEST_F(PgServersTest, AnAttemptIsThereOnceWhereverTheConnectionBreaks) {
     EXPECT_TRUE(status.ok()) << status.message() << " with message " << skip;
     return proxy.Disarm();
   };
-  for (const auto cut :
-       {PostgresProxy::Cut::kBefore, PostgresProxy::Cut::kAfter, PostgresProxy::Cut::kAnswer}) {
+  for (const auto cut : {PostgresProxy::Cut::kBefore, PostgresProxy::Cut::kAfter,
+                         PostgresProxy::Cut::kAnswer, PostgresProxy::Cut::kLate}) {
     // All steps of one attempt with the connection broken at the same place of each, until no step
     // has so many messages.
     bool met = true;
