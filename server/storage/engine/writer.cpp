@@ -1,5 +1,6 @@
 #include "server/storage/engine/writer.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -119,8 +120,9 @@ Status Writer::Transact(const std::vector<Pending*>& batch) {
   auto pause = kFirstPause;
   Status failure = TransactOnce(batch);
   for (int tries = 1; !failure.ok() && db_->must_repeat() && tries < kTries; ++tries) {
-    std::this_thread::sleep_for(pause);
-    pause *= 2;
+    std::uniform_int_distribution<int64_t> part(pause.count() / 2, pause.count());
+    std::this_thread::sleep_for(std::chrono::microseconds(part(random_)));
+    pause = std::min(2 * pause, kLongestPause);
     failure = TransactOnce(batch);
   }
   return failure;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <random>
 #include <thread>
 #include <vector>
 
@@ -63,9 +64,10 @@ class Writer {
   static constexpr size_t kBusyBatch = 4;
   static constexpr std::chrono::milliseconds kPace{10};
   // So often a batch is run before those whose transactions met with others' are told to try again,
-  // with a pause before each that doubles.
-  static constexpr int kTries = 6;
-  static constexpr std::chrono::milliseconds kFirstPause{2};
+  // with a pause before each that doubles up to kLongestPause, less a part at random: two that met would
+  // meet again.
+  static constexpr int kTries = 10;
+  static constexpr std::chrono::microseconds kFirstPause{2000}, kLongestPause{100'000};
   struct Pending {
     const Work* work;
     const std::function<Status(Db& db)>* alone = nullptr;  // instead of `work`
@@ -87,6 +89,7 @@ class Writer {
   std::unique_ptr<Db> db_;  // the thread's
   const bool twice_;
   std::chrono::steady_clock::time_point next_commit_{};  // the thread's
+  std::minstd_rand random_{std::random_device{}()};      // the thread's
   mutable std::mutex mutex_;
   std::condition_variable wake_;  // something is queued, or stopping_
   std::deque<Pending*> queue_;    // guarded by mutex_
