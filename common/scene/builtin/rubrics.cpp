@@ -50,7 +50,7 @@ std::vector<RubricGate> TaskGates() {
            "Task done",
            "%",
            {{5, 0}, {90, 1}},
-           "Part of the task is still to be cut."},
+           "The work was stopped early: part of the task is still to be cut."},
           {"damage_percent",
            "Cut where nothing was asked for",
            "%",
