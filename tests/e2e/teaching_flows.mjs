@@ -8,6 +8,7 @@ export const teachingFlows = [
   { name: "an exercise document is refused with the field, then becomes a draft and is published and retired", run: exerciseLife },
   { name: "an exercise is assigned, its terms edited against somebody else's, its scores released, and deleted", run: assignmentLife },
   { name: "a teacher remarks at a point of the tooth and at the tool, and the student reads it there", run: remarks },
+  { name: "an attempt that was just opened is at its end for the picture, the plots and a remark", run: oneMoment },
   { name: "a set score shows beside the computed one, and can be removed", run: override },
   { name: "a student appeals once, and the answer grades again", run: appeal },
   { name: "an attempt that was stopped early says so and how far it came", run: stoppedEarly },
@@ -149,6 +150,23 @@ async function remarks(world) {
   assert.equal(await student.getByRole("button", { name: "Add remark" }).count(), 0);
   await student.getByRole("group", { name: "Remarks along the time" }).getByRole("button", { name: "Remark 2" }).click();
   assert.equal(await student.getByLabel("Time in the attempt").inputValue(), "500");
+}
+
+async function oneMoment(world) {
+  const page = await signedIn(world, "instructor", `/attempts/${id(105)}`);
+  await page.locator('.playback[data-shown="432"]').waitFor();
+  const slider = page.getByLabel("Time in the attempt");
+  await page.locator(".plot canvas").waitFor();
+  assert.equal(await page.locator(".playback-time").innerText(), "0:43.2");
+  assert.equal(await slider.inputValue(), await slider.getAttribute("max"));
+  assert.match(await page.locator(".readout").innerText(), /0:43\.2/);
+  const [cursor, plot] = [await page.locator(".plot-cursor").first().boundingBox(), await page.locator(".force-card .u-over").boundingBox()];
+  assert.ok(Math.abs(cursor.x + cursor.width / 2 - plot.x - plot.width) < 2, `the plot's cursor is at ${cursor.x} of ${plot.x + plot.width}`);
+  await page.getByLabel("New remark at 0:43.2").fill("The floor is even.");
+  await page.screenshot({ path: world.picture("one_moment"), fullPage: true });
+  await page.getByRole("button", { name: "Add remark" }).click();
+  await page.getByRole("button", { name: /Remark \d: show 0:43\.2/ }).waitFor();
+  assert.equal(world.mock.annotations.at(-1).tick, 43_200);
 }
 
 async function override(world) {

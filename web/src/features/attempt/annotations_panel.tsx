@@ -9,7 +9,7 @@ import { Confirm } from "../../widgets/dialog";
 import { LongTextField } from "../../widgets/form";
 import type { PointMm } from "../../widgets/tooth/scene";
 import { commentsOf, dropComment, keepComment } from "./comment_bank";
-import { type Mark, secondsOfTick, tickOfStep } from "./moments";
+import { type Mark, secondsOfTick, tickAt } from "./moments";
 
 const kMaxText = 4000;
 
@@ -21,6 +21,7 @@ interface Props {
   readonly series: Series;
   readonly marks: readonly Mark[];
   readonly chosen: string | undefined;          // id of a remark
+  readonly timeS: number;                       // the moment that is looked at, and its step
   readonly cursor: number;
   readonly point: PointMm | undefined;          // clicked on the tooth, for the next remark
   readonly onPoint: (point: PointMm | undefined) => void;
@@ -105,13 +106,13 @@ function EditRemark({ client, annotation, onDone, onCancel }:
   );
 }
 
-function NewRemark({ client, attemptId, personId, series, cursor, point, onPoint, onChanged }: Props) {
+function NewRemark({ client, attemptId, personId, series, timeS, cursor, point, onPoint, onChanged }: Props) {
   const [text, setText] = useState("");
   const [kept, setKept] = useState(() => commentsOf(personId));
   const change = useChange();
   const save = async (event: Event) => {
     event.preventDefault();
-    const remark = { tick: tickOfStep(series, cursor), point_um: point === undefined ? null : umOf(point), text: text.trim() };
+    const remark = { tick: tickAt(series, timeS), point_um: point === undefined ? null : umOf(point), text: text.trim() };
     const result = await change.run(() => client.teaching.annotate(attemptId, remark));
     if (result?.ok !== true) return;
     setText("");
@@ -121,7 +122,7 @@ function NewRemark({ client, attemptId, personId, series, cursor, point, onPoint
   const anchor = series.anchor_mm[cursor];
   return (
     <form class="form new-remark" onSubmit={(event) => void save(event)}>
-      <LongTextField label={say("remarks.new", { moment: formatMoment(series.t_s[cursor] ?? 0) })} value={text} onValue={setText} required maxLength={kMaxText} rows={3}
+      <LongTextField label={say("remarks.new", { moment: formatMoment(timeS) })} value={text} onValue={setText} required maxLength={kMaxText} rows={3}
                      hint={point === undefined ? say("remarks.click")
                                                : say("remarks.at_point", { point: point.map((mm) => formatNumber(mm, 1)).join(" / ") })} />
       {change.error !== undefined && <ErrorNotice title={say("common.not_saved")} message={change.error.message} />}

@@ -113,7 +113,7 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, playback, toMark, 
   const removed = attempt.recording_removed_ms > 0;
   const series = useRequest(removed ? undefined : key, (signal) => client.series(id, signal));
   const remarks = useRequest(key, (signal) => client.teaching.annotations(id, signal));
-  const [timeS, setTimeS] = useState<number>();     // undefined until first moved
+  const [timeS, setTimeS] = useState<number>();     // undefined until first moved: the end
   const asked = useMemo(() => momentOf(new URLSearchParams(window.location.search)), []);
   const asksDone = useRef(false);                   // nothing that is still to come changes the moment it names
   const look = useMemo((): LookHandle => ({ begin: asked.look, now: undefined }), [asked]);
@@ -125,8 +125,10 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, playback, toMark, 
   // The picture without a playback: some megabytes more, and nothing moves.
   const still = control !== undefined && (control.playback.state.state === "waiting" || control.playback.state.state === "failed");
   const surface = useRequest(still ? key : undefined, (signal) => client.surface(id, signal));
-  const cursor = recorded === undefined || timeS === undefined ? undefined : stepAt(recorded, timeS);
   const endS = control?.clock?.endS ?? (recorded === undefined ? undefined : seriesEndS(recorded));
+  // The one moment of picture, plots and remarks: until somebody moves it, the end.
+  const momentS = timeS ?? endS ?? 0;
+  const cursor = recorded === undefined ? 0 : stepAt(recorded, momentS);
   const setCursor = (step: number) => {
     if (recorded !== undefined) setTimeS(step >= recorded.t_s.length - 1 ? endS : recorded.t_s[step]);
   };
@@ -142,7 +144,7 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, playback, toMark, 
     return spansOf(recorded, gaps, scored?.deductions ?? []);
   }, [recorded, scored, head, whole, control?.clock]);
   toMark.current = (direction) => {
-    const at = nextMark(spans, timeS ?? endS ?? 0, direction);
+    const at = nextMark(spans, momentS, direction);
     if (at !== undefined) setTimeS(at);
   };
   const done = scored === undefined ? undefined : stoppedEarly(scored);
@@ -157,7 +159,7 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, playback, toMark, 
   const { loop, clock } = control ?? {};
   const range = loop?.to === undefined || clock === undefined ? undefined : [clock.timeOf(loop.from), clock.timeOf(loop.to)] as const;
   const beyond = endS !== undefined && asked.seconds !== undefined && asked.seconds > endS + kBeyondS ? asked.seconds : undefined;
-  const link = () => window.location.origin + window.location.pathname + momentQuery({ seconds: timeS ?? 0, look: look.now?.() });
+  const link = () => window.location.origin + window.location.pathname + momentQuery({ seconds: momentS, look: look.now?.() });
   const tooth = useRef<HTMLDivElement>(null);
   // Whatever has a time or a place is shown there, wherever on the page it was clicked.
   const go = (step: number | undefined) => {
@@ -183,7 +185,7 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, playback, toMark, 
           {scored !== undefined && <ScorePanel score={scored} reference={reference} override={attempt.override} onPlace={removed ? undefined : showPlace} />}
           <AppealPanel client={client} attempt={attempt} onChanged={onChanged} />
           {recorded !== undefined && remarks.loaded.state === "ready" && (annotates || marks.length > 0) && (
-            <AnnotationsPanel client={client} attemptId={id} personId={personId} teacher={annotates} series={recorded} marks={marks} chosen={chosen} cursor={cursor ?? 0}
+            <AnnotationsPanel client={client} attemptId={id} personId={personId} teacher={annotates} series={recorded} marks={marks} chosen={chosen} timeS={momentS} cursor={cursor}
                               point={point} onPoint={setPoint} onChoose={choose} onChanged={remarks.reload} />
           )}
         </div>
@@ -193,10 +195,10 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, playback, toMark, 
               <p class="hint beyond" role="status">{say("attempt.beyond", { asked: formatMoment(beyond), end: formatMoment(endS) })}</p>
             )}
             <div class="review-tooth" ref={tooth}>
-              {control !== undefined && <ToothPanel client={client} attempt={attempt} staff={teacher} timeS={timeS} surface={surface.loaded} control={control} toleranceMm={tolerance} series={recorded} cursor={cursor} marks={marks} chosen={chosen} point={point} look={look} onMark={choose}
+              {control !== undefined && <ToothPanel client={client} attempt={attempt} staff={teacher} timeS={momentS} surface={surface.loaded} control={control} toleranceMm={tolerance} series={recorded} cursor={recorded === undefined || timeS === undefined ? undefined : cursor} marks={marks} chosen={chosen} point={point} look={look} onMark={choose}
                           onPoint={annotates ? setPoint : undefined} onRetry={surface.reload} />}
             </div>
-            <ForcePanel client={client} attempt={attempt.id} exercise={attempt.exercise.id} series={series.loaded} cursor={cursor ?? 0} timeS={timeS ?? 0} range={range} marks={marks} spans={spans} onTime={setTimeS} keys={plots} chosen={chosen} onMark={choose} onCursor={setCursor} onRetry={series.reload} link={link} />
+            <ForcePanel client={client} attempt={attempt.id} exercise={attempt.exercise.id} series={series.loaded} cursor={cursor} timeS={momentS} range={range} marks={marks} spans={spans} onTime={setTimeS} keys={plots} chosen={chosen} onMark={choose} onCursor={setCursor} onRetry={series.reload} link={link} />
           </div>
         )}
       </div>

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Annotation, Series } from "../../api/types";
-import { boundLine, marksOf, secondsOfTick, stepOfTick, tickOfStep } from "./moments";
+import { boundLine, marksOf, secondsOfTick, stepOfTick, tickAt, tickOfStep } from "./moments";
 
 const series = { rate_hz: 1000, step_ticks: 24, t_s: Array.from({ length: 101 }, (_, i) => i * 0.024) } as unknown as Series;
 const remark = (tick: number, createdMs: number) => ({ id: `${tick}`, tick, created_ms: createdMs }) as unknown as Annotation;
@@ -10,6 +10,14 @@ test("a step's tick lies in that step, and ticks beyond the end in the last one"
   for (const step of [0, 1, 57, 100]) assert.equal(stepOfTick(series, tickOfStep(series, step)), step);
   assert.equal(stepOfTick(series, 1e9), 100);
   assert.equal(secondsOfTick(series, 1500), 1.5);
+});
+
+test("a moment's tick is told as that moment, at the begin, within a step, after a gap and at the end", () => {
+  const gap = { rate_hz: 1000, step_ticks: 100, t_s: [0, 0.1, 0.5, 0.6] } as unknown as Series;
+  for (const at of [0, 0.013, 0.1, 0.199, 0.5, 0.555, 0.6, 0.643, 0.7]) assert.ok(Math.abs(secondsOfTick(gap, tickAt(gap, at)) - at) < 1e-9, String(at));
+  assert.equal(tickAt(gap, 0.643), 343, "of the ticks that were recorded");
+  assert.equal(tickAt(gap, 0.35), 200, "in the gap");
+  assert.equal(tickAt(gap, 9), 400);
 });
 
 test("remarks are numbered in order of time and lie along the timeline", () => {

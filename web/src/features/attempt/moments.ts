@@ -1,4 +1,5 @@
 import type { Annotation, Series } from "../../api/types";
+import { stepAt } from "./clock";
 
 // Moments of an attempt: ticks of the recording, steps of its series, seconds.
 
@@ -11,8 +12,17 @@ export function tickOfStep(series: Series, step: number): number {
   return step * series.step_ticks;
 }
 
+// The tick that a moment lies at; the end is the tick after the last one. Of a gap in a step, the end of that step.
+export function tickAt(series: Series, timeS: number): number {
+  const step = stepAt(series, timeS);
+  const into = Math.round((timeS - (series.t_s[step] ?? 0)) * series.rate_hz);
+  return tickOfStep(series, step) + Math.max(0, Math.min(into, series.step_ticks));
+}
+
+// When that was, gaps included.
 export function secondsOfTick(series: Series, tick: number): number {
-  return tick / series.rate_hz;
+  const step = stepOfTick(series, tick);
+  return (series.t_s[step] ?? 0) + Math.max(0, Math.min(tick - tickOfStep(series, step), series.step_ticks)) / series.rate_hz;
 }
 
 const kNearBound = 1.05;                        // a limit farther from the largest force says nothing about it
