@@ -117,6 +117,7 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, playback, toMark, 
   const asked = useMemo(() => momentOf(new URLSearchParams(window.location.search)), []);
   const asksDone = useRef(false);                   // nothing that is still to come changes the moment it names
   const look = useMemo((): LookHandle => ({ begin: asked.look, now: undefined }), [asked]);
+  const [noMark, setNoMark] = useState(false);      // somebody asked for the next one, and there is none
   const [chosen, setChosen] = useState<string>();   // id of a remark
   const [point, setPoint] = useState<PointMm>();    // clicked on the tooth, for the next remark
   const recorded = series.loaded.state === "ready" ? series.loaded.value : undefined;
@@ -145,6 +146,7 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, playback, toMark, 
   }, [recorded, scored, head, whole, control?.clock]);
   toMark.current = (direction) => {
     const at = nextMark(spans, momentS, direction);
+    setNoMark(at === undefined && scored !== undefined);
     if (at !== undefined) setTimeS(at);
   };
   const done = scored === undefined ? undefined : stoppedEarly(scored);
@@ -194,6 +196,7 @@ function ScoredAttempt({ client, attempt, tolerance, teacher, playback, toMark, 
             {beyond !== undefined && endS !== undefined && (
               <p class="hint beyond" role="status">{say("attempt.beyond", { asked: formatMoment(beyond), end: formatMoment(endS) })}</p>
             )}
+            {noMark && <p class="hint" role="status">{say("span_kind.none")}</p>}
             <div class="review-tooth" ref={tooth}>
               {control !== undefined && <ToothPanel client={client} attempt={attempt} staff={teacher} timeS={momentS} surface={surface.loaded} control={control} toleranceMm={tolerance} series={recorded} cursor={recorded === undefined || timeS === undefined ? undefined : cursor} marks={marks} chosen={chosen} point={point} look={look} onMark={choose}
                           onPoint={annotates ? setPoint : undefined} onRetry={surface.reload} />}

@@ -18,7 +18,12 @@ test("one goes from mark to mark both ways, and contact is none", () => {
   const spans = spansOf(series, [], [deduction(false, 0.35)]);
   assert.equal(nextMark(spans, 0, 1), 0.2);
   assert.equal(nextMark(spans, 0.2, 1), 0.35, "not the one that one is at");
-  assert.equal(nextMark(spans, 0.35, 1), undefined);
   assert.equal(nextMark(spans, 0.35, -1), 0.2);
-  assert.equal(nextMark(spans, 0.1, -1), undefined);
+});
+
+test("after the last mark comes the first, since an attempt opens at its end", () => {
+  const spans = spansOf(series, [], [deduction(false, 0.35)]);
+  assert.equal(nextMark(spans, 0.5, 1), 0.2);
+  assert.equal(nextMark(spans, 0.1, -1), 0.35);
+  assert.equal(nextMark(spans.filter(({ kind }) => kind === "contact"), 0.5, 1), undefined);
 });

@@ -45,8 +45,9 @@ export function spansOf(series: Series, gaps: readonly (Gap & { readonly endS: n
 
 const kSameS = 0.05;                            // a moment is shown to a tenth
 
-// The next moment, or the one before, at which a fault or a stroke that lost points begins. Undefined: there is none that way.
+// The next moment, or the one before, at which a fault or a stroke that lost points begins. After the last comes the first:
+// an attempt opens at its end. Undefined: there is none.
 export function nextMark(spans: readonly Span[], timeS: number, direction: -1 | 1): number | undefined {
   const moments = spans.filter(({ kind }) => kind !== "contact").map(({ fromS }) => fromS);
-  return direction > 0 ? moments.find((at) => at > timeS + kSameS) : moments.filter((at) => at < timeS - kSameS).at(-1);
+  return direction > 0 ? moments.find((at) => at > timeS + kSameS) ?? moments[0] : moments.filter((at) => at < timeS - kSameS).at(-1) ?? moments.at(-1);
 }
