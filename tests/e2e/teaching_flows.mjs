@@ -9,6 +9,7 @@ export const teachingFlows = [
   { name: "an exercise is assigned, its terms edited against somebody else's, its scores released, and deleted", run: assignmentLife },
   { name: "a teacher remarks at a point of the tooth and at the tool, and the student reads it there", run: remarks },
   { name: "an attempt that was just opened is at its end for the picture, the plots and a remark", run: oneMoment },
+  { name: "remarks are written by keyboard, and the focus stays there", run: remarksByKeys },
   { name: "a set score shows beside the computed one, and can be removed", run: override },
   { name: "a student appeals once, and the answer grades again", run: appeal },
   { name: "an attempt that was stopped early says so and how far it came", run: stoppedEarly },
@@ -167,6 +168,35 @@ async function oneMoment(world) {
   await page.getByRole("button", { name: "Add remark" }).click();
   await page.getByRole("button", { name: /Remark \d: show 0:43\.2/ }).waitFor();
   assert.equal(world.mock.annotations.at(-1).tick, 43_200);
+}
+
+const focusIsInRemark = (page) => page.waitForFunction(() => document.activeElement?.matches(".new-remark textarea"));
+
+// Writing, the next mark and another remark, without the mouse.
+async function remarksByKeys(world) {
+  const page = await signedIn(world, "instructor", `/attempts/${id(105)}`);
+  await page.locator('.playback[data-shown="432"]').waitFor();
+  await page.locator(".spans .span.lost").first().waitFor();
+  await page.locator("body").click({ position: { x: 5, y: 300 } });
+  await page.keyboard.press("x");
+  await page.waitForFunction(() => Number(document.querySelector(".playback").dataset.shown) < 300);
+  await page.keyboard.press("c");
+  await focusIsInRemark(page);
+  await page.keyboard.type("Too fast here.");
+  await page.keyboard.press("Tab");
+  await page.keyboard.press("Enter");
+  await page.locator(".annotation", { hasText: "Too fast here." }).waitFor();
+  await focusIsInRemark(page);
+  await page.keyboard.type("Lift the bur.");
+  await page.keyboard.press("Tab");
+  await page.keyboard.press("Enter");
+  await page.locator(".annotation", { hasText: "Lift the bur." }).waitFor();
+  await focusIsInRemark(page);
+  await page.getByRole("button", { name: /^Edit remark/ }).last().press("Enter");
+  await page.getByLabel("Remark", { exact: true }).fill("Lift the bur more.");
+  await page.getByRole("button", { name: "Save" }).press("Enter");
+  await page.locator(".annotation", { hasText: "Lift the bur more." }).waitFor();
+  await page.waitForFunction(() => /^Edit/.test(document.activeElement?.innerText ?? ""));
 }
 
 async function override(world) {

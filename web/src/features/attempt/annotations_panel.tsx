@@ -1,4 +1,4 @@
-import { useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { Annotation, Series } from "../../api/types";
 import { useChange } from "../../api/use_change";
@@ -45,6 +45,13 @@ export function AnnotationsPanel(props: Props) {
 function RemarkItem({ client, series, mark, chosen, onChoose, onChanged }: Props & { readonly mark: Mark }) {
   const { annotation, number } = mark;
   const [mode, setMode] = useState<"read" | "edit" | "delete">("read");
+  const again = useRef<HTMLButtonElement>(null);
+  const wasEdited = useRef(false);
+  // The form that had the focus is gone: it goes back to what opened it.
+  useEffect(() => {
+    if (wasEdited.current && mode === "read") again.current?.focus();
+    wasEdited.current = mode === "edit";
+  }, [mode]);
   return (
     <div class={chosen === annotation.id ? "annotation chosen" : "annotation"}>
       <span class="annotation-number" aria-hidden="true">{number}</span>
@@ -60,7 +67,7 @@ function RemarkItem({ client, series, mark, chosen, onChoose, onChanged }: Props
           : <p>{annotation.text}</p>}
         {annotation.mine && mode === "read" && (
           <div class="button-row">
-            <button type="button" class="button small" onClick={() => setMode("edit")}><Brief shown={say("remarks.edit")} full={say("remarks.edit_which", { number: String(number) })} /></button>
+            <button type="button" class="button small" ref={again} onClick={() => setMode("edit")}><Brief shown={say("remarks.edit")} full={say("remarks.edit_which", { number: String(number) })} /></button>
             <button type="button" class="button small" onClick={() => setMode("delete")}><Brief shown={say("remarks.delete_ask")} full={say("remarks.delete_which", { number: String(number) })} /></button>
           </div>
         )}
@@ -110,10 +117,13 @@ function NewRemark({ client, attemptId, personId, series, timeS, cursor, point, 
   const [text, setText] = useState("");
   const [kept, setKept] = useState(() => commentsOf(personId));
   const change = useChange();
+  const form = useRef<HTMLFormElement>(null);
   const save = async (event: Event) => {
     event.preventDefault();
     const remark = { tick: tickAt(series, timeS), point_um: point === undefined ? null : umOf(point), text: text.trim() };
     const result = await change.run(() => client.teaching.annotate(attemptId, remark));
+    // While it is sent the button cannot hold the focus: who did not go elsewhere writes on.
+    if (document.activeElement === document.body || form.current?.contains(document.activeElement) === true) form.current?.querySelector("textarea")?.focus();
     if (result?.ok !== true) return;
     setText("");
     onPoint(undefined);
@@ -121,7 +131,7 @@ function NewRemark({ client, attemptId, personId, series, timeS, cursor, point, 
   };
   const anchor = series.anchor_mm[cursor];
   return (
-    <form class="form new-remark" onSubmit={(event) => void save(event)}>
+    <form class="form new-remark" ref={form} onSubmit={(event) => void save(event)}>
       <LongTextField label={say("remarks.new", { moment: formatMoment(timeS) })} value={text} onValue={setText} required maxLength={kMaxText} rows={3}
                      hint={point === undefined ? say("remarks.click")
                                                : say("remarks.at_point", { point: point.map((mm) => formatNumber(mm, 1)).join(" / ") })} />
