@@ -112,8 +112,9 @@ async function correctRubric(world) {
   const publish = page.getByRole("button", { name: "Publish the correction" });
   const first = page.getByRole("group", { name: /^Criterion 1:/ });
   await first.getByLabel("Share of the points (%)").first().fill("140");
-  await first.getByText("expected shares of 0 to 1").waitFor();
+  await first.getByText("Enter a number from 0 to 100.").waitFor();
   await first.getByLabel("Share of the points (%)").first().fill("90");
+  await wrongPoints(world, page, first, publish);
   await page.getByText("Right, not saved").waitFor();
   assert.ok(await publish.isDisabled(), "a correction has a reason");
   await page.getByLabel("Reason").fill("Colleagues found it too strict.");
@@ -129,6 +130,32 @@ async function correctRubric(world) {
   await page.goto(`/editor?rubric=${id(20)}`);
   await page.getByLabel("Compare with").selectOption("1");
   await page.getByRole("table", { name: "Changes against the chosen version" }).waitFor();
+}
+
+// What is wrong with a number is said at once, at the field and in words above; it goes when the number is right.
+async function wrongPoints(world, page, criterion, publish) {
+  const points = criterion.getByLabel("Points", { exact: true });
+  const kept = await points.inputValue();
+  const told = page.locator(".edit-notices .notice");
+  for (const [typed, said] of [["-5", /Enter a number from 0 to 1.000\.$/], ["", /Enter a number\.$/], ["2000", /Enter a number from 0 to 1.000\.$/]]) {
+    await points.fill(typed);
+    await criterion.getByText(said).waitFor();
+    assert.equal(await points.getAttribute("aria-invalid"), "true");
+    assert.match(await told.innerText(), /[^/]+, points: Enter a number/);
+    assert.doesNotMatch(await page.locator("main").innerText(), /\/criteria|\dE\d/);
+    assert.ok(await publish.isDisabled());
+  }
+  await points.fill("");
+  await points.focus();
+  await page.keyboard.insertText("1e999");        // pasted: more than a number can be
+  await criterion.getByText(/Enter a number\.$/).waitFor();
+  await page.waitForTimeout(600);                 // the server has answered too
+  assert.match(await told.innerText(), /[^/]+, points: Enter a number\.$/);
+  await accessible(page, "a rubric with a wrong number");
+  await pictures(world, page, "rubric_wrong");
+  await points.fill(kept);
+  await told.waitFor({ state: "detached" });
+  assert.equal(await points.getAttribute("aria-invalid"), null);
 }
 
 async function editProfile(world) {

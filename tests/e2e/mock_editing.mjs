@@ -20,6 +20,8 @@ function wrongRubric({ criteria = [], gates = [] }, prefix) {
   for (const [name, list] of [["criteria", criteria], ["gates", gates]]) {
     for (const [i, item] of list.entries()) {
       const place = `${prefix}${name}[${i}]`;
+      const points = prefix === "" ? `/${name}/${i}/points` : `${place}.points`;  // by the schema, or by its rules
+      if (name === "criteria" && !(item.points >= 0 && item.points <= 1000)) return invalid(points, `${points}: expected a number from 0E0 to 1E3, found ${JSON.stringify(item.points)}`);
       if (item.title === "") return invalid(`${place}.title`, "expected 1 to 200 bytes, found none");
       if (item.map.some(([, share]) => share < 0 || share > 1)) return invalid(`${place}.map`, "expected shares of 0 to 1");
       if (item.map.some(([value], row) => row > 0 && value <= item.map[row - 1][0])) return invalid(`${place}.map`, "expected rising values");

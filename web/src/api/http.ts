@@ -136,11 +136,6 @@ export class Http {
   }
 }
 
-// The server's sentence with the place it is about, said once.
-export function placedMessage({ field, message }: ApiError): string {
-  return field === "" || message.startsWith(field) ? message : `${field}: ${message}`;
-}
-
 // "?a=1&b=2" of what is given; empty when nothing is.
 export function queryText(query: Query): string {
   const search = new URLSearchParams();

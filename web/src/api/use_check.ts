@@ -5,13 +5,14 @@ export interface Checked<T> {
   readonly busy: boolean;                       // what is shown is of what stood there before
   readonly value?: T;                           // the server's answer to what is right
   readonly error?: ApiError;                    // what is wrong
+  readonly text?: string;                       // that was asked about
 }
 
 const kPauseMs = 350;
 
 // Asks the server about what is being typed, when there is a pause; an answer to what stood there before is dropped.
 export function useCheck<T>(text: string, ask: (text: string, signal: AbortSignal) => Promise<ApiResult<T>>): Checked<T> {
-  const [checked, setChecked] = useState<Checked<T> & { readonly text?: string }>({ busy: true });
+  const [checked, setChecked] = useState<Checked<T>>({ busy: true });
   const latestAsk = useRef(ask);
   latestAsk.current = ask;
   useEffect(() => {

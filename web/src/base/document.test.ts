@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { begun, changed, changesBetween, equal, pathText, redone, undone, valueAt, withValue } from "./document";
+import { begun, changed, changesBetween, equal, pathOf, pathText, redone, undone, valueAt, withValue } from "./document";
 
 const kDocument = { title: "A", rubric: { criteria: [{ metric: "wall_mesial_mm", points: 20, map: [[0, 1], [0.5, 0]] }, { metric: "time_s", points: 10, map: [[60, 1]] }] } };
 
@@ -13,6 +13,12 @@ test("a value is read and set at its place, and nothing else changes", () => {
   assert.equal(valueAt(after, ["rubric", "criteria", 0]), valueAt(kDocument, ["rubric", "criteria", 0]));
   assert.equal(valueAt(kDocument, ["rubric", "gates", 0, "map"]), undefined);
   assert.equal(pathText(path), "rubric.criteria[1].points");
+});
+
+test("a place is read however the server names it", () => {
+  for (const text of ["rubric.criteria[1].points", "/rubric/criteria/1/points"]) assert.deepEqual(pathOf(text), ["rubric", "criteria", 1, "points"]);
+  assert.deepEqual(pathOf("/a~1b/c~0d"), ["a/b", "c~d"]);
+  assert.deepEqual(pathOf(""), []);
 });
 
 test("an item or a member is taken away with undefined", () => {

@@ -33,6 +33,12 @@ export function pathText(path: Path): string {
   return path.map((step, i) => typeof step === "number" ? `[${step}]` : i === 0 ? step : `.${step}`).join("");
 }
 
+// The place that the server names so, or as a pointer: "/rubric/criteria/2/points" (RFC 6901).
+export function pathOf(text: string): Path {
+  const steps = text.startsWith("/") ? text.slice(1).split("/").map((step) => step.replaceAll("~1", "/").replaceAll("~0", "~")) : text.match(/[^.[\]]+/g) ?? [];
+  return steps.map((step) => /^\d+$/.test(step) ? Number(step) : step);
+}
+
 export interface Change {
   readonly path: Path;                          // in the later document; in the earlier one for what is gone
   readonly before: Json | undefined;
@@ -101,7 +107,7 @@ export function changed(history: History, path: Path, value: Json | undefined): 
   const now = withValue(history.now, path, value);
   if (equal(now, history.now)) return history;
   // A place that comes or goes is a step, however soon after the last.
-  const place = value === undefined || typeof value === "object" ? "" : pathText(path);
+  const place = value === undefined || (typeof value === "object" && value !== null) ? "" : pathText(path);
   const same = place !== "" && place === history.place;
   return { past: same ? history.past : [...history.past, history.now].slice(-kMostSteps), now, future: [], place };
 }

@@ -73,14 +73,14 @@ export function SelectField<T extends string>({ label, hint, problem, value, opt
   );
 }
 
-// Whole or decimal; NaN while what stands there is no number.
+// Whole or decimal; NaN while what stands there is no number: `unread` where something stands there, such as 1e999.
 export function NumberField({ label, hint, problem, value, onValue, min, max, step = 1, required = true }:
-    FieldProps & { readonly value: number; readonly onValue: (value: number) => void; readonly min?: number; readonly max?: number;
+    FieldProps & { readonly value: number; readonly onValue: (value: number, unread: boolean) => void; readonly min?: number; readonly max?: number;
                    readonly step?: number | "any"; readonly required?: boolean }) {
   return (
     <Field label={label} hint={hint} problem={problem}>
       {(attributes) => <input type="number" value={Number.isFinite(value) ? value : ""} min={min} max={max} step={step} required={required}
-                              onInput={(event) => onValue(event.currentTarget.valueAsNumber)} {...attributes} />}
+                              onInput={(event) => onValue(event.currentTarget.valueAsNumber, event.currentTarget.validity.badInput)} {...attributes} />}
     </Field>
   );
 }

@@ -1,5 +1,6 @@
 import { useState } from "preact/hooks";
-import { type ApiResult, placedMessage } from "../../api/http";
+import type { ApiResult } from "../../api/http";
+import { placedMessage } from "../../api/placed";
 import type { Exercise } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { formatNumber } from "../../base/format";

@@ -1,5 +1,5 @@
 import type { ComponentChildren } from "preact";
-import { useState } from "preact/hooks";
+import { useMemo, useState } from "preact/hooks";
 import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { Tagged } from "../../api/http";
@@ -7,15 +7,16 @@ import type { Exercise, ScoringMetric } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { type Checked, useCheck } from "../../api/use_check";
 import { useRequest } from "../../api/use_request";
-import { type Json, valueAt } from "../../base/document";
+import { placedMessage } from "../../api/placed";
+import { type Json, pathOf, valueAt } from "../../base/document";
 import { ok } from "../../base/result";
 import { say, sayWith } from "../../base/words";
 import { Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
-import { type DocumentForm, DocumentChoice, DocumentFlag, DocumentNumber, DocumentText } from "../../widgets/document_fields";
+import { type DocumentForm, DocumentChoice, DocumentFlag, DocumentNumber, DocumentText, stillWrong } from "../../widgets/document_fields";
 import { DocumentChanges } from "../../widgets/document_changes";
 import { EditBar } from "../../widgets/edit_bar";
 import { useDocument } from "../../widgets/use_document";
-import { shapeOptions, placeTitle } from "./editor_text";
+import { placeTitle, placeWords, rubricProblems, shapeOptions } from "./editor_text";
 import { versionText } from "./exercise_text";
 import { RubricFields } from "./rubric_fields";
 import { RubricPreviewCard } from "./rubric_preview";
@@ -62,7 +63,8 @@ function Editor({ client, read, onOpen, onNewer }: { readonly client: Client; re
   const text = JSON.stringify(edit.now);
   const check = useCheck(text, (asked, signal) => client.teaching.checkExercise(asked, signal));
   const change = useChange();
-  const form: DocumentForm = { edit, wrong: check.error };
+  const own = useMemo(() => rubricProblems(edit.now, ["rubric"]), [edit.now]);
+  const form: DocumentForm = { edit, wrong: stillWrong(check, edit.now), own };
   const save = async () => {
     const result = await change.run(() => isDraft ? client.teaching.replaceDraft(exercise.id, text, tag) : client.teaching.putDraft(text));
     if (result?.ok !== true) return;
@@ -75,10 +77,10 @@ function Editor({ client, read, onOpen, onNewer }: { readonly client: Client; re
       <nav class="trail" aria-label={say("common.where")}><a href={`/exercises/${exercise.id}`}>{wordedTitle(exercise.title)}</a></nav>
       <PageTitle document={say("editor.edit", { title: wordedTitle(exercise.title) })}>{isDraft ? say("editor.edit_draft", { title: wordedTitle(exercise.title) }) : say("editor.new_draft", { title: wordedTitle(exercise.title), version: versionText(exercise) })}</PageTitle>
       {!isDraft && read.draft !== undefined && <Notice tone="warning"><p>{sayWith("editor.draft_there", { edit: <a href={`/editor?exercise=${read.draft}`}>{say("editor.edit_that")}</a> })}</p></Notice>}
-      <EditBar edit={edit} state={stateText(check, edit.dirty)}>
-        <button type="button" class="button primary" disabled={change.busy || check.busy || check.error !== undefined || (isDraft && !edit.dirty)} onClick={() => void save()}>{isDraft ? say("editor.save_draft") : say("editor.make_draft")}</button>
+      <EditBar edit={edit} state={stateText(check, edit.dirty, own.size > 0)}>
+        <button type="button" class="button primary" disabled={change.busy || check.busy || check.error !== undefined || own.size > 0 || (isDraft && !edit.dirty)} onClick={() => void save()}>{isDraft ? say("editor.save_draft") : say("editor.make_draft")}</button>
       </EditBar>
-      <Problem check={check} />
+      <Problem check={check} form={form} />
       {change.error !== undefined && (change.error.status === 412
         ? <ErrorNotice title={say("editor.draft_changed")} message={say("editor.draft_changed_text")} onRetry={onNewer} />
         : <ErrorNotice title={say("common.not_saved")} message={change.error.message} />)}
@@ -113,18 +115,21 @@ function rubricDocument(rubric: { readonly [name: string]: Json }): Json {
   return document;
 }
 
-export function stateText({ busy, error }: Checked<unknown>, dirty: boolean): string {
-  if (busy) return say("editor.checking");
-  if (error !== undefined) return say("editor.not_right");
+export function stateText({ busy, error }: Checked<unknown>, dirty: boolean, wrong: boolean): string {
+  if (busy && !wrong) return say("editor.checking");
+  if (wrong || error !== undefined) return say("editor.not_right");
   return dirty ? say("editor.right_not_saved") : say("editor.as_saved");
 }
 
-// What the server found wrong, and where: beside the field too, where it has one.
-export function Problem({ check }: { readonly check: Checked<{ readonly warnings: readonly string[] }> }) {
+// What is wrong, and where: beside the field too, where it has one.
+export function Problem({ check, form: { edit, wrong, own } }: { readonly check: Checked<{ readonly warnings: readonly string[] }>; readonly form: DocumentForm }) {
+  const placed = (field: string) => placeWords(pathOf(field), edit.now);
+  const [seen] = own ?? [];
+  const said = seen !== undefined ? say("editor.placed", { place: placed(seen[0]), problem: seen[1] }) : wrong === undefined ? undefined : placedMessage(wrong, placed(wrong.field));
   return (
     <div aria-live="polite" class="edit-notices">
-      {check.error !== undefined && <Notice tone="bad" title={say("editor.not_right")}><p>{check.error.field === "" ? "" : `${check.error.field}: `}{check.error.message}</p></Notice>}
-      {check.error === undefined && check.value?.warnings.map((warning) => <Notice key={warning} tone="warning"><p>{warning}</p></Notice>)}
+      {said !== undefined && <Notice tone="bad" title={say("editor.not_right")}><p>{said}</p></Notice>}
+      {said === undefined && check.error === undefined && check.value?.warnings.map((warning) => <Notice key={warning} tone="warning"><p>{warning}</p></Notice>)}
     </div>
   );
 }

@@ -1,4 +1,4 @@
-import { useState } from "preact/hooks";
+import { useMemo, useState } from "preact/hooks";
 import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { Tagged } from "../../api/http";
@@ -13,10 +13,11 @@ import { say } from "../../base/words";
 import { AnywayField, useAnyway } from "../../widgets/anyway";
 import { Card, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
 import { DocumentChanges } from "../../widgets/document_changes";
+import { type DocumentForm, stillWrong } from "../../widgets/document_fields";
 import { EditBar } from "../../widgets/edit_bar";
 import { LongTextField, SelectField } from "../../widgets/form";
 import { useDocument } from "../../widgets/use_document";
-import { placeTitle } from "./editor_text";
+import { placeTitle, rubricProblems } from "./editor_text";
 import { Problem, stateText } from "./exercise_editor";
 import { versionText } from "./exercise_text";
 import { RubricFields } from "./rubric_fields";
@@ -52,6 +53,8 @@ function Editor({ client, read: { exercise, rubrics, metrics }, onOpen, onNewer 
   const document = counting?.document as unknown as Json ?? null;
   const edit = useDocument(`rubric ${exercise.id}`, document);
   const check = useCheck(JSON.stringify(edit.now), (text, signal) => client.teaching.checkRubric(exercise.id, text, signal));
+  const own = useMemo(() => rubricProblems(edit.now, []), [edit.now]);
+  const form: DocumentForm = { edit, wrong: stillWrong(check, edit.now), own };
   const [reason, setReason] = useState("");
   const [against, setAgainst] = useState(String(counting?.version ?? 1));
   const change = useChange();
@@ -68,16 +71,16 @@ function Editor({ client, read: { exercise, rubrics, metrics }, onOpen, onNewer 
     <>
       <nav class="trail" aria-label={say("common.where")}><a href={`/exercises/${exercise.id}`}>{wordedTitle(exercise.title)}</a></nav>
       <PageTitle document={say("rubric.of", { title: wordedTitle(exercise.title) })}>{say("rubric.of_version", { title: wordedTitle(exercise.title), version: versionText(exercise) })}</PageTitle>
-      <EditBar edit={edit} state={stateText(check, edit.dirty)}>
-        <button type="button" class="button primary" disabled={!may || change.busy || check.busy || check.error !== undefined || !edit.dirty || reason.trim() === "" || anyway.missing} onClick={() => void publish()}>{say(anyway.asked ? "rubric.publish_anyway" : "rubric.publish")}</button>
+      <EditBar edit={edit} state={stateText(check, edit.dirty, own.size > 0)}>
+        <button type="button" class="button primary" disabled={!may || change.busy || check.busy || check.error !== undefined || own.size > 0 || !edit.dirty || reason.trim() === "" || anyway.missing} onClick={() => void publish()}>{say(anyway.asked ? "rubric.publish_anyway" : "rubric.publish")}</button>
       </EditBar>
-      <Problem check={check} />
+      <Problem check={check} form={form} />
       {change.error !== undefined && (change.error.status === 412
         ? <ErrorNotice title={say("rubric.changed")} message={say("rubric.changed_text")} onRetry={onNewer} />
         : <ErrorNotice title={say("rubric.not_published")} message={change.error.message} />)}
       <div class="editor">
         <div class="stack">
-          <Card title={say("exercise_page.scored")}><RubricFields form={{ edit, wrong: check.error }} path={[]} metrics={metrics} /></Card>
+          <Card title={say("exercise_page.scored")}><RubricFields form={form} path={[]} metrics={metrics} /></Card>
         </div>
         <div class="stack editor-side">
           <Card title={say("rubric.correction")}>

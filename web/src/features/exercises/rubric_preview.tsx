@@ -5,7 +5,7 @@ import { useChange } from "../../api/use_change";
 import type { Json } from "../../base/document";
 import { formatScore } from "../../base/format";
 import { say } from "../../base/words";
-import { placedMessage } from "../../api/http";
+import { placedMessage } from "../../api/placed";
 import { Badge, Card, Empty, ErrorNotice, Notice } from "../../widgets/basics";
 import { DataTable } from "../../widgets/table";
 import { Tenths } from "../../widgets/tenths";

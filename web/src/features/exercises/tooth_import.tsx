@@ -1,6 +1,6 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
-import { placedMessage } from "../../api/http";
+import { placedMessage } from "../../api/placed";
 import type { ToothImport, ToothImportUnit } from "../../api/types";
 import { say } from "../../base/words";
 import { ErrorNotice, Notice, Progress } from "../../widgets/basics";

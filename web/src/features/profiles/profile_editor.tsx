@@ -1,12 +1,12 @@
 import type { Client } from "../../api/client";
-import { placedMessage } from "../../api/http";
+import { placedMessage } from "../../api/placed";
 import { useChange } from "../../api/use_change";
 import { useCheck } from "../../api/use_check";
 import { useRequest } from "../../api/use_request";
 import type { Json } from "../../base/document";
 import { say } from "../../base/words";
 import { Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
-import { type DocumentForm, DocumentNumber, DocumentText } from "../../widgets/document_fields";
+import { type DocumentForm, DocumentNumber, DocumentText, stillWrong } from "../../widgets/document_fields";
 import { DocumentChanges } from "../../widgets/document_changes";
 import { EditBar } from "../../widgets/edit_bar";
 import { useDocument } from "../../widgets/use_document";
@@ -34,7 +34,7 @@ function Editor({ client, name, title, version, read, onOpen }: { readonly clien
   const check = useCheck(text, (asked, signal) => client.profiles.check(asked, signal));
   const change = useChange();
   const refused = check.value?.acceptable === false;
-  const form: DocumentForm = { edit, wrong: check.error };
+  const form: DocumentForm = { edit, wrong: stillWrong(check, edit.now) };
   const save = async () => {
     const result = await change.run(() => client.profiles.upload(text));
     if (result?.ok !== true || !result.value.acceptable) return;
@@ -51,7 +51,7 @@ function Editor({ client, name, title, version, read, onOpen }: { readonly clien
         <button type="button" class="button primary" disabled={change.busy || check.busy || check.error !== undefined || refused || !edit.dirty} onClick={() => void save()}>{say("profile_editor.save", { version: String(version + 1) })}</button>
       </EditBar>
       <div aria-live="polite" class="edit-notices">
-        {check.error !== undefined && <Notice tone="bad" title={say("editor.not_right")}><p>{placedMessage(check.error)}</p></Notice>}
+        {form.wrong !== undefined && <Notice tone="bad" title={say("editor.not_right")}><p>{placedMessage(form.wrong)}</p></Notice>}
         {refused && <Notice tone="bad" title={say("profile_editor.would_refuse")}><p>{say("profile_editor.would_refuse_text")}</p></Notice>}
         {change.error !== undefined && <ErrorNotice title={say("common.not_saved")} message={change.error.message} />}
       </div>

@@ -1,6 +1,7 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
-import { type ApiResult, placedMessage } from "../../api/http";
+import type { ApiResult } from "../../api/http";
+import { placedMessage } from "../../api/placed";
 import type { Calibration, Profile, ProfileDetail } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { useRequest } from "../../api/use_request";

@@ -1,7 +1,7 @@
 import { useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { Profile, ProfileJudgement } from "../../api/types";
-import { placedMessage } from "../../api/http";
+import { placedMessage } from "../../api/placed";
 import { useChange } from "../../api/use_change";
 import { usePages } from "../../api/use_pages";
 import { say } from "../../base/words";
