@@ -1,4 +1,4 @@
-import { useMemo, useState } from "preact/hooks";
+import { useEffect, useMemo, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { ApiError } from "../../api/http";
 import type { Surface } from "../../api/surface";
@@ -15,7 +15,6 @@ import { CompareBar, CompareChoice, isReady, OtherTooth } from "./compare_tooth"
 import type { Placement } from "./compare";
 import { type Compared, type DeviationSummary, outlook, summariseDeviation } from "./deviation";
 import type { Mark } from "./moments";
-import { linesOfTarget } from "./target_lines";
 import { PlaybackBar } from "./playback_bar";
 import { type ToothChoices, ToothTools } from "./tooth_tools";
 import { useOther } from "./use_other";
@@ -92,9 +91,11 @@ function LoadedTooth({ model, compared, tissues, missing, busy, toleranceMm, con
   const beside = placement === "side" ? other : undefined;
   const ghost = placement === "top" && other !== undefined && isReady(other) ? other.playback : undefined;
   const [choices, setChoices] = useState<ToothChoices>({ mode: "deviation", section: undefined, follow: false, target: false });
-  // Asked for when somebody wants to see it.
+  // Asked for when somebody wants to see it, and so is what draws it.
   const { loaded: exercise } = useRequest(choices.target ? attempt.exercise.id : undefined, (signal) => client.teaching.exercise(attempt.exercise.id, signal));
-  const lines = useMemo(() => exercise.state === "ready" ? linesOfTarget(exercise.value.value.target) : undefined, [exercise]);
+  const [draw, setDraw] = useState<typeof import("./target_lines")>();
+  useEffect(() => { if (choices.target) import("./target_lines").then(setDraw, () => undefined); }, [choices.target]);
+  const lines = useMemo(() => exercise.state === "ready" ? draw?.linesOfTarget(exercise.value.value.target) : undefined, [exercise, draw]);
   // On the way there is nothing to compare with: a reference is of a finished tooth.
   const during = control.playback.showing;
   const mode: ColorMode = summary === undefined || during ? "tissue" : choices.mode;
