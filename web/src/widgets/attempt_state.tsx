@@ -94,7 +94,7 @@ export function Flags({ attempt, graded, staff, appealed = false, done }:
   return (
     <span class="flags">
       {appealed && <Badge tone="warning">{say("attempt_flag.appeal")}</Badge>}
-      {done !== undefined && <Badge tone="warning">{say("attempt_flag.stopped_early", { percent: formatNumber(done, 0) })}</Badge>}
+      {done !== undefined && <Badge tone="warning">{say("attempt_flag.stopped_early", { percent: formatNumber(done, 1) })}</Badge>}
       {hand !== undefined && <Badge tone={hand.tone}>{hand.title}</Badge>}
       {attempt.exam && <Badge tone="neutral">{say("attempt_flag.exam")}</Badge>}
       {attempt.critical_fail === true && <Badge tone="bad">{say("attempt_flag.critical")}</Badge>}

@@ -65,7 +65,7 @@ function toneOf(share: number, critical: boolean): Tone {
 function Gates({ gates }: { readonly gates: readonly Gate[] }) {
   const closing = gates.filter((gate) => gate.share < 1);
   return <>{closing.map((gate) => (
-    <Notice key={gate.name} tone="warning" title={say("score.gate", { percent: formatNumber(100 * gate.share, 0) })}><p>{gate.reason}</p></Notice>
+    <Notice key={gate.name} tone="warning" title={say("score.gate", { percent: formatNumber(100 * gate.share, 1) })}><p>{gate.reason}</p></Notice>
   ))}</>;
 }
 
