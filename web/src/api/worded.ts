@@ -1,4 +1,4 @@
-import { formatLimit, formatMoment, formatNumber, formatQuantity, formatSigned, unitText } from "../base/format";
+import { formatFixed, formatMoment, formatNumber, formatQuantity, formatWith, kMostDigits, usualDigits } from "../base/format";
 import { spokenLanguage } from "../base/language";
 import { sayIf } from "../base/words";
 import { ok } from "../base/result";
@@ -8,7 +8,8 @@ import type { ApiResult } from "./http";
 import type { AssignmentInsight, Score } from "./types";
 
 // What the server says of a score in English, in the language of the page: reasons by their codes (schemas/score.md,
-// "Reasons"), titles that the built-in exercises give. What people wrote stays as they wrote it.
+// "Reasons"), titles that the built-in exercises give. In English too, so that a time or a unit has one form on the page.
+// What people wrote stays as they wrote it.
 
 type Criterion = Score["criteria"][number];
 type Gate = NonNullable<Score["gates"]>[number];
@@ -21,7 +22,6 @@ export async function scoreOf(client: Pick<Client, "score">, id: string, signal?
 }
 
 export function wordedScore(score: Score): Score {
-  if (spokenLanguage() === "en") return score;
   return {
     ...score, criteria: score.criteria.map((criterion) => ({ ...criterion, title: wordedTitle(criterion.title), reason: reasonText(criterion) })),
     ...(score.gates === undefined ? {} : { gates: score.gates.map((gate) => ({ ...gate, title: wordedTitle(gate.title), reason: reasonText(gate) })) }),
@@ -34,29 +34,76 @@ export function wordedInsight(insight: AssignmentInsight): AssignmentInsight {
 }
 
 // Each code a sentence, then the rubric's comment. The server's own text where a code is not known or there are none.
-export function reasonText({ title, unit, reason, reasons = [], comment = "" }: Criterion | Gate): string {
-  const told = reasons.map((each) => sentence(each, unit));
-  if (spokenLanguage() === "en" || told.length === 0 || told.includes(undefined)) return reason;
+export function reasonText({ name, title, unit, reason, reasons = [], comment = "" }: Criterion | Gate): string {
+  const told = reasons.map((each) => sentence(name, each, unit));
+  if (told.length === 0 || told.includes(undefined)) return reason;
   return [sayIf("reason.title", { title: wordedTitle(title) }) ?? "", ...told, wordedText(comment)].filter((part) => part !== "").join(spokenLanguage() === "zh" ? "" : " ");
 }
 
-function sentence({ code, values }: Reason, unit: string): string | undefined {
-  const [first = Number.NaN, second, third] = values;
-  const measured = (value: number | undefined) => value === undefined ? "" : unit === "s" ? formatQuantity(value, unit) : formatLimit(value, unit);
-  const found = code === "within" && unit === "mm" ? `${formatSigned(first)}\u00a0${unitText(unit)}` : formatQuantity(first, unit);
+// What lies above and below zero of a measurement whose sign says which way: MetricInfo in common/scoring/registry.cpp.
+export function directionsOf(metric: string): readonly [above: string, below: string] | undefined {
+  const [, kind] = /^(wall|tilt)_(?:mesial|distal|buccal|lingual)_/.exec(metric) ?? [];
+  if (kind === "tilt") return ["more_open_at_the_top", "undercut"];
+  const below = kind === "wall" ? "short" : metric === "floor_mm" ? "too_shallow" : metric === "finish_depth_mm" ? "too_high" : undefined;
+  return below === undefined ? undefined : ["too_deep", below];
+}
+
+const kLeast = 0.005;                           // less is neither
+
+// A measured value; where its sign says which way, in words: "0.22 mm too deep".
+export function measuredText(metric: string, value: number, unit: string, form = (size: number) => formatQuantity(size, unit)): string {
+  const directions = directionsOf(metric);
+  if (directions === undefined || !Number.isFinite(value)) return form(value);
+  const size = form(Math.abs(value));
+  return sayIf(`direction.${Math.abs(value) < kLeast ? "none" : directions[value > 0 ? 0 : 1]}`, { size }) ?? size;
+}
+
+// So many decimals that a limit is shown as it is, 0.025 mm and not 0.03, and that a value that misses it does not read like it.
+function digitsBeside(value: number, limits: readonly number[], missed: boolean, unit: string): number | undefined {
+  let digits = usualDigits(unit);
+  if (digits === undefined) return undefined;
+  const shown = (each: number) => formatFixed(Math.abs(each), digits!);
+  for (const limit of limits) {
+    while (digits < kMostDigits && Math.abs(Number(limit.toFixed(digits)) - limit) > 1e-9) ++digits;
+  }
+  for (const limit of limits) {
+    while (missed && value !== limit && digits < kMostDigits && shown(value) === shown(limit)) ++digits;
+  }
+  return digits;
+}
+
+function sentence(metric: string, { code, values }: Reason, unit: string): string | undefined {
+  const [first = Number.NaN, second = Number.NaN, third = Number.NaN] = values;
+  // What was found and its limits, all with as many decimals.
+  const told = (missed: boolean) => {
+    const digits = digitsBeside(first, values.slice(1), missed, unit);
+    const form = (value: number) => digits === undefined ? formatQuantity(value, unit) : formatWith(value, unit, digits);
+    return { found: measuredText(metric, first, unit, form), second: form(second), third: form(third) };
+  };
+  const none = values.length > 2 ? "_none" : "";
   switch (code) {
-    case "at_most": case "at_least": case "within":
-      return sayIf(third === undefined ? `reason.${code}` : `reason.${code}_none`, { found, full: measured(second), none: measured(third) });
-    case "between": return sayIf("reason.between", { found, from: measured(second), to: measured(third) });
-    case "fails_above": return sayIf("reason.fails_above", { found, limit: measured(second) });
-    case "device_limit": return sayIf("reason.device_limit", { found, share: formatNumber(second ?? Number.NaN, 1) });
+    case "at_most": case "at_least": case "within": {
+      const { found, second: full, third: zero } = told(code === "at_least" ? first < second : (code === "within" ? Math.abs(first) : first) > second);
+      // One value alone earns them: no pulp exposed.
+      return sayIf(`reason.${code !== "at_least" && second === 0 ? "exactly" : code}${none}`, { found, full, none: zero });
+    }
+    case "between": {
+      const { found, second: from, third: to } = told(first < second || first > third);
+      return second === third ? sayIf("reason.exactly", { found, full: from }) : sayIf("reason.between", { found, from, to });
+    }
+    case "fails_above": {
+      const { found, second: limit } = told(true);
+      return sayIf("reason.fails_above", { found, limit });
+    }
+    case "device_limit": return sayIf("reason.device_limit", { found: formatQuantity(first, unit), share: formatNumber(second, 1) });
     case "keeps": return sayIf("reason.keeps", { percent: formatNumber(first, 1) });
     case "stop_earlier": case "stop_earlier_here":
-      return sayIf(`reason.${code}`, { moment: formatMoment(first), stroke: formatNumber(second ?? Number.NaN, 0) });
+      return sayIf(`reason.${code}`, { moment: formatMoment(first), stroke: formatNumber(second, 0) });
     case "stop_earlier_by": case "stop_earlier_here_by":
-      return sayIf(`reason.${code}`, { moment: formatMoment(first), half: formatMoment(second ?? Number.NaN) });
+      return sayIf(`reason.${code}`, { moment: formatMoment(first), half: formatMoment(second) });
     case "cut_further": return sayIf("reason.cut_further", { volume: formatQuantity(first, "mm3") });
-    case "any": case "not_in_task": case "not_made": return sayIf(`reason.${code}`, { found });
+    case "any": return sayIf("reason.any", { found: measuredText(metric, first, unit) });
+    case "not_in_task": case "not_made": return sayIf(`reason.${code}`);
     default: return undefined;
   }
 }

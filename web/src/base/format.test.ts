@@ -26,6 +26,7 @@ test("a quantity has as many decimals as anybody acts on, and its unit", () => {
   assert.equal(formatQuantity(0.275, "mm"), "0.28\u00a0mm");
   assert.equal(formatQuantity(-0.004, "mm"), "0.00\u00a0mm");
   assert.equal(formatQuantity(12.345, "mm3"), "12.35\u00a0mm³");
+  assert.equal(formatQuantity(0.5, "mm3/s"), "0.50\u00a0mm³/s");
   assert.equal(formatQuantity(99.14, "%"), "99.1\u00a0%");
   assert.equal(formatQuantity(42180, "count"), "42\u202f180");
 });

@@ -4,7 +4,7 @@ import { numberText, spokenLocale } from "./language";
 
 const kDash = "–";
 const kUnits: Readonly<Record<string, string>> = {
-  mm3: "mm³", mm2: "mm²", count: "", n: "N", mn: "mN", um: "µm", nm: "nm", percent: "%", deg: "°",
+  mm3: "mm³", "mm3/s": "mm³/s", mm2: "mm²", count: "", n: "N", mn: "mN", um: "µm", nm: "nm", percent: "%", deg: "°",
   "mN/mm": "mN/mm", "N/mm": "N/mm", ratio: "",
   "uN m": "µN m", "uN m/rad": "µN m/rad", "uN m s/rad": "µN m s/rad", urad: "µrad",
 };
@@ -38,7 +38,11 @@ export function scoreForField(score: number): number {
 
 // As fine as anybody acts on, and as the server's reasons have it (UsualDigits in common/scoring/score.cpp).
 const kDigits: Readonly<Record<string, number>> = { mm: 2, mm2: 2, mm3: 2, N: 2, "N s": 2, mJ: 2, "N/s": 2, "mm3/s": 2, ratio: 2, um: 2, "%": 1, deg: 1, count: 0 };
-const kMostDigits = 4;
+export const kMostDigits = 4;
+
+export function usualDigits(unit: string): number | undefined {
+  return kDigits[unit];
+}
 
 // With a sign unless it rounds to zero: for deviations, which are millimetres.
 export function formatSigned(value: number, digits = 2): string {
@@ -61,6 +65,10 @@ export function formatLimit(value: number, unit: string): string {
   if (unit === "s" || usual === undefined || !Number.isFinite(value)) return formatQuantity(value, unit);
   let digits = usual;
   while (digits < kMostDigits && Math.abs(Number(value.toFixed(digits)) - value) > 1e-9) ++digits;
+  return formatWith(value, unit, digits);
+}
+
+export function formatWith(value: number, unit: string, digits: number): string {
   return withUnit(formatFixed(value, digits), unit);
 }
 

@@ -23,7 +23,7 @@ test("the commonest error is a sentence, and so is that there is none", () => {
 
 test("what stands out is told in its unit, beside the class", () => {
   assert.equal(outlierText({ person_id: "1", what: "time_s", value: 725, median: 240, z: 5 }, []), "Time 12\u00a0min\u00a005\u00a0s, the class 4\u00a0min\u00a000\u00a0s");
-  assert.equal(outlierText({ person_id: "1", what: "wall_mesial_mm", value: 0.9, median: 0.12, z: 5 }, [criterion]), "Mesial wall 0.90\u00a0mm, the class 0.12\u00a0mm");
+  assert.equal(outlierText({ person_id: "1", what: "wall_mesial_mm", value: 0.9, median: 0.12, z: 5 }, [criterion]), "Mesial wall 0.90\u00a0mm too deep, the class 0.12\u00a0mm too deep");
   assert.equal(outlierText({ person_id: "1", what: "score", value: 12, median: 80, z: -5 }, []), "Score 12.0, the class 80.0");
 });
 

@@ -1,6 +1,7 @@
 import type { AssignmentInsight } from "../../api/types";
+import { measuredText } from "../../api/worded";
 import type { Cell } from "../../base/csv";
-import { formatDuration, formatQuantity, formatScore } from "../../base/format";
+import { formatDuration, formatScore } from "../../base/format";
 import { say } from "../../base/words";
 
 // What is said of a class, and its table to take along. The figures are the server's (schema AssignmentInsight).
@@ -20,7 +21,7 @@ export function outlierText({ what, value, median }: Outlier, criteria: Assignme
   if (what === "time_s") return say("insight.outlier_time", { value: formatDuration(value), median: formatDuration(median) });
   const found = criteria.find(({ name }) => name === what);
   const unit = found?.unit ?? "";
-  return say("insight.outlier", { title: found?.title ?? what, value: formatQuantity(value, unit), median: formatQuantity(median, unit) });
+  return say("insight.outlier", { title: found?.title ?? what, value: measuredText(what, value, unit), median: measuredText(what, median, unit) });
 }
 
 // A row for each student; points by criterion, empty where there were none to be had.

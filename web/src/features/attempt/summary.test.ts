@@ -22,7 +22,7 @@ test("criteria are listed with the most points lost first, full marks last", () 
 test("the sentence names the score and where most points went", () => {
   const text = summarySentence(score());
   assert.match(text, /^83\.4 of 100\./);
-  assert.match(text, /“Mesial wall” \(0\.30\u00a0mm, −6\), then on “Time”/);
+  assert.match(text, /“Mesial wall” \(0\.30\u00a0mm, −6 of 30 points\), then on “Time”/);
   assert.match(text, /Full marks in 1 of 3 criteria\.$/);
 });
 

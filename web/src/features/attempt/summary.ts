@@ -1,6 +1,7 @@
 import type { AttemptDetail, AttemptFacts, Criterion, Hand, Score } from "../../api/types";
 import { cariesLeft, stoppedEarly } from "../../widgets/attempt_state";
-import { formatNumber, formatPoints, formatQuantity, formatScore } from "../../base/format";
+import { formatNumber, formatPoints, formatScore } from "../../base/format";
+import { measuredText } from "../../api/worded";
 import { say, sayIf } from "../../base/words";
 
 const kPointsShown = 0.05;                      // lost points below this round to zero
@@ -19,22 +20,24 @@ export function summarySentence(score: Score): string {
   const total = formatScore(score.score);
   if (score.critical_fail) return say("summary.critical", { score: total });
   const done = stoppedEarly(score);
-  if (done !== undefined) return say("summary.stopped", { score: total, percent: formatNumber(done, 0) });
+  if (done !== undefined) return say("summary.stopped", { score: total, percent: formatNumber(done, 1) });
   const caries = cariesLeft(score);
-  if (caries !== undefined) return say("summary.caries", { score: total, percent: formatNumber(caries, 0) });
+  if (caries !== undefined) return say("summary.caries", { score: total, percent: formatNumber(caries, 1) });
   const judged = score.criteria.filter((criterion) => criterion.max_points > 0);
   const lost = byLostPoints(judged).filter((criterion) => lostPoints(criterion) >= kPointsShown);
   const [worst, second] = lost;
   if (worst === undefined) return say("summary.full", { score: total });
   const kept = { kept: judged.length - lost.length, count: judged.length };
-  const first = { score: total, worst: inSentence(worst) };
+  // Points are of the rubric's, which may be more or fewer than the score's hundred.
+  const whole = judged.reduce((sum, criterion) => sum + criterion.max_points, 0);
+  const first = { score: total, worst: inSentence(worst, whole) };
   if (second === undefined) return kept.kept > 0 ? say("summary.one_kept", { ...first, ...kept }) : say("summary.one", first);
-  const both = { ...first, second: inSentence(second) };
+  const both = { ...first, second: inSentence(second, whole) };
   return kept.kept > 0 ? say("summary.two_kept", { ...both, ...kept }) : say("summary.two", both);
 }
 
-function inSentence(criterion: Criterion): string {
-  return say("summary.lost_on", { title: criterion.title, value: formatQuantity(criterion.value, criterion.unit), points: formatPoints(lostPoints(criterion)) });
+function inSentence(criterion: Criterion, whole: number): string {
+  return say("summary.lost_on", { title: criterion.title, value: measuredText(criterion.name, criterion.value, criterion.unit), points: formatPoints(lostPoints(criterion)), whole: formatPoints(whole) });
 }
 
 // Scored, and not to be seen by the student yet: score, tooth, forces and remarks come with the release.

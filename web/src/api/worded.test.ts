@@ -1,0 +1,50 @@
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { afterEach, test } from "node:test";
+import { speak } from "../base/language";
+import { directionsOf, measuredText, reasonText } from "./worded";
+
+afterEach(() => speak("en"));
+
+const spaced = (text: string) => text.replaceAll(/[\u00a0\u202f]/g, " ");
+const told = (name: string, unit: string, code: string, ...values: number[]) =>
+  spaced(reasonText({ name, title: "It", unit, value: values[0] ?? 0, points: 1, max_points: 2, reason: "as the server says", reasons: [{ code, values, units: values.map(() => unit) }] }));
+
+test("a signed measurement says which way, and every measurement of the registry that has a sign is known", () => {
+  const registry = readFileSync("../common/scoring/registry.cpp", "utf8");
+  const signed = [...registry.matchAll(/\{"([a-z0-9_]+)",\s*"[^"]*",\s*"[^"]*",\s*(?:"[^"]*"\s*)+,\s*"([a-z ]+)",\s*"([a-z ]+)"\}/g)];
+  const all = [...registry.matchAll(/\{"([a-z0-9_]+)",\s*"[^"]*",\s*"/g)].map(([, name]) => name!);
+  assert.ok(all.length > 60 && signed.length === 10, `${signed.length} of ${all.length}`);
+  for (const name of all) assert.deepEqual(directionsOf(name), signed.find(([, own]) => own === name)?.slice(2).map((words) => words.replaceAll(" ", "_")), name);
+  assert.equal(spaced(measuredText("floor_mm", 0.22, "mm")), "0.22 mm too deep");
+  assert.equal(spaced(measuredText("finish_depth_mm", -2.98, "mm")), "2.98 mm too high");
+  assert.equal(spaced(measuredText("wall_mesial_mm", -0.1, "mm")), "0.10 mm short");
+  assert.equal(spaced(measuredText("wall_mesial_mm", -0.001, "mm")), "0.00 mm off");
+  assert.equal(spaced(measuredText("tilt_buccal_deg", -3, "deg")), "3.0° undercut");
+  assert.equal(spaced(measuredText("tilt_floor_deg", 3, "deg")), "3.0°");
+  assert.equal(spaced(measuredText("convergence_least_deg", -2, "deg")), "−2.0°");
+});
+
+test("reasons read as the server's do: schemas/score.md", () => {
+  assert.equal(told("deviation_rms_mm", "mm", "at_most", 0.2, 0.1, 0.3), "It: 0.20 mm (full marks up to 0.10 mm, none from 0.30 mm).");
+  assert.equal(told("task_done_percent", "%", "at_least", 80, 97, 70), "It: 80.0 % (full marks from 97.0 %, none up to 70.0 %).");
+  assert.equal(told("wall_mesial_mm", "mm", "within", 0.12, 0.03, 0.25), "It: 0.12 mm too deep (full marks within 0.03 mm, none beyond 0.25 mm).");
+  assert.equal(told("floor_mm", "mm", "within", -0.12, 0.03), "It: 0.12 mm too shallow (full marks within 0.03 mm).");
+  assert.equal(told("finish_width_mm", "mm", "between", 0.4, 0.2, 0.3), "It: 0.40 mm (full marks from 0.20 mm to 0.30 mm).");
+  assert.equal(told("pulp_exposed_mm2", "mm2", "fails_above", 0.3, 0), "It: 0.30 mm² (more than 0.00 mm² fails the whole attempt).");
+  assert.equal(told("pulp_exposed_mm2", "mm2", "at_most", 0.3, 0), "It: 0.30 mm² (full marks at 0.00 mm²).");
+  assert.equal(told("pulp_exposed_mm2", "mm2", "not_in_task"), "It: not judged, as the reference has nothing of it.");
+  assert.equal(told("pulp_exposed_mm2", "mm2", "something_new", 1), "as the server says");
+});
+
+test("a value that misses its limit does not read like it, and a limit is shown as it is", () => {
+  assert.equal(told("deviation_rms_mm", "mm", "at_most", 0.1004, 0.1), "It: 0.1004 mm (full marks up to 0.1000 mm).");
+  assert.equal(told("deviation_rms_mm", "mm", "at_most", 0.0999, 0.1), "It: 0.10 mm (full marks up to 0.10 mm).");
+  assert.equal(told("deviation_rms_mm", "mm", "at_most", 0.2, 0.025), "It: 0.200 mm (full marks up to 0.025 mm).");
+});
+
+test("a time and a rate have the form that they have everywhere on the page", () => {
+  assert.equal(told("time_s", "s", "at_most", 1438.1, 600, 900), "It: 23 min 58 s (full marks up to 10 min 00 s, none from 15 min 00 s).");
+  assert.equal(told("time_s", "s", "any", 86.9), "It: 1 min 27 s.");
+  assert.equal(told("enamel_rate_mm3_per_s", "mm3/s", "at_most", 1.5, 1), "It: 1.50 mm³/s (full marks up to 1.00 mm³/s).");
+});
