@@ -11,9 +11,9 @@ import { type PlotLine, TimePlot } from "../../widgets/time_plot";
 import { stepAt, stepIn } from "./clock";
 import { type CloseUp, closeUp, ticksFor } from "./close_up";
 import { boundLine, type Mark } from "./moments";
-import { speeds } from "./range";
 import { RangePanel } from "./range_panel";
 import { SpanLegend, SpanStrip } from "./span_strip";
+import { speeds } from "./speed";
 import type { Span } from "./spans";
 import { kZoomStep, panned, showing, type View, zoomed } from "./view";
 

@@ -1,7 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Series } from "../../api/types";
-import { rangeRows, rangeTable, removedIn, speeds } from "./range";
+import { rangeRows, rangeTable, removedIn } from "./range";
+import { speeds } from "./speed";
 
 const series = {
   rate_hz: 1000, step_ticks: 500, t_s: [0, 0.5, 1, 1.5], force_n: [1, 3, 2, 4], force_mean_n: [1, 1, 1, 1], bound_n: [0, 8, 8, 8],
@@ -9,12 +10,12 @@ const series = {
 } as unknown as Series;
 
 test("mean, peak, root mean square and 95th percentile are of the steps of the range", () => {
-  const [largest, mean] = rangeRows(series, 1, 3);
+  const [largest, mean] = rangeRows(series, speeds(series), 1, 3);
   assert.deepEqual([largest!.mean, largest!.peak, largest!.p95], [3, 4, 4]);
   assert.ok(Math.abs(largest!.rms - Math.sqrt((9 + 4 + 16) / 3)) < 1e-12);
   assert.deepEqual([mean!.mean, mean!.peak, mean!.rms, mean!.p95], [1, 1, 1, 1]);
   const twenty = { ...series, force_n: Array.from({ length: 20 }, (_, i) => i + 1) } as unknown as Series;
-  assert.equal(rangeRows(twenty, 0, 19)[0]!.p95, 19);
+  assert.equal(rangeRows(twenty, speeds(twenty), 0, 19)[0]!.p95, 19);
 });
 
 test("speed is the way of a step by its time, and what went is told by tissue", () => {
@@ -24,9 +25,9 @@ test("speed is the way of a step by its time, and what went is told by tissue", 
 });
 
 test("the file has a line for each step of the range, with units in its titles", () => {
-  const { header, rows } = rangeTable(series, 1, 2);
+  const { header, rows } = rangeTable(series, speeds(series), 1, 2);
   assert.equal(header.length, rows[0]!.length);
   assert.deepEqual(rows.map((row) => row[0]), [0.5, 1]);
   assert.deepEqual(header.slice(5, 8), ["removed_mm3", "removed_enamel_mm3", "removed_dentin_mm3"]);
-  assert.equal(rangeTable(series, 0, 99).rows.length, 4);
+  assert.equal(rangeTable(series, speeds(series), 0, 99).rows.length, 4);
 });

@@ -1,12 +1,12 @@
-import { useState } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
 import type { Series } from "../../api/types";
 import { csvText } from "../../base/csv";
 import { downloadText, fileName } from "../../base/download";
 import { formatMoment, formatNumber, formatQuantity } from "../../base/format";
 import { say, sayIf } from "../../base/words";
-import { TableFrame } from "../../widgets/basics";
+import { Loading, TableFrame } from "../../widgets/basics";
 import { seriesEndS, stepAt } from "./clock";
-import { rangeRows, rangeTable, removedIn } from "./range";
+import { speeds } from "./speed";
 
 interface Props {
   readonly series: Series;
@@ -27,8 +27,12 @@ export function RangePanel({ series, range }: Props) {
 }
 
 function RangeFigures({ series, from, to, text }: { readonly series: Series; readonly from: number; readonly to: number; readonly text: string }) {
+  const [made, setMade] = useState<typeof import("./range")>();
+  useEffect(() => { import("./range").then(setMade, () => undefined); }, []);
+  if (made === undefined) return <Loading what={say("loading.page")} />;
+  const speed = speeds(series);
   const save = () => {
-    const { header, rows } = rangeTable(series, from, to);
+    const { header, rows } = made.rangeTable(series, speed, from, to);
     downloadText(`${fileName("attempt", text)}.csv`, "text/csv", csvText(header, rows));
   };
   const number = (value: number) => formatNumber(value, 2);
@@ -38,16 +42,16 @@ function RangeFigures({ series, from, to, text }: { readonly series: Series; rea
         <table class="dense">
           <thead><tr><th scope="col">{text}</th>{[say("range.mean"), say("range.peak"), "RMS", say("range.p95")].map((title) => <th key={title} scope="col" class="number">{title}</th>)}</tr></thead>
           <tbody>
-            {rangeRows(series, from, to).map((row) => (
-              <tr key={row.title}>
-                <th scope="row">{row.title} ({row.unit})</th>
+            {made.rangeRows(series, speed, from, to).map((row) => (
+              <tr key={row.what}>
+                <th scope="row">{say(`plot.${row.what}`)} ({row.unit})</th>
                 <td class="number">{number(row.mean)}</td><td class="number">{number(row.peak)}</td><td class="number">{number(row.rms)}</td><td class="number">{number(row.p95)}</td>
               </tr>
             ))}
           </tbody>
         </table>
       </TableFrame>
-      <p>{say("range.removed", { list: removedIn(series, from, to).map(([what, mm3]) => what === "all" ? say("range.in_all", { volume: formatQuantity(mm3, "mm3") }) : say("range.of_tissue", { volume: formatQuantity(mm3, "mm3"), tissue: sayIf(`tooth_tissue.${what}`) ?? what })).join(", ") })}</p>
+      <p>{say("range.removed", { list: made.removedIn(series, from, to).map(([what, mm3]) => what === "all" ? say("range.in_all", { volume: formatQuantity(mm3, "mm3") }) : say("range.of_tissue", { volume: formatQuantity(mm3, "mm3"), tissue: sayIf(`tooth_tissue.${what}`) ?? what })).join(", ") })}</p>
       <p class="hint">{say("range.hint")}</p>
       <button type="button" class="button small" onClick={save}>{say("range.save")}</button>
     </>
