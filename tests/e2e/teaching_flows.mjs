@@ -17,6 +17,7 @@ export const teachingFlows = [
   { name: "several attempts are released together, and that is undone", run: bulkRelease },
   { name: "an excuse and a new score of several attempts are taken back", run: bulkUndo },
   { name: "an assignment is graded by keyboard", run: gradingByKeys },
+  { name: "a release by one key is taken back by another, on the next attempt and on the list", run: releaseTakenBack },
   { name: "a motion near another's shows which, with its figures", run: nearAnother },
   { name: "attempts are narrowed by exercise, state, flag and appeal", run: narrow },
   { name: "stations in use are seen live, and one is watched until it ends", run: live },
@@ -369,6 +370,51 @@ async function gradingByKeys(world) {
   await page.getByRole("heading", { level: 1 }).click();
   await page.keyboard.press("b");
   await page.locator("table.grading").waitFor();
+}
+
+async function releaseTakenBack(world) {
+  const page = await signedIn(world, "instructor", gradingPath);
+  await page.locator("table.grading .lost-much").first().waitFor();
+  const row = () => page.locator("table.grading tbody tr", { hasText: "Waits" });
+  const released = (own) => world.mock.attempts.find((each) => each.id === own).released;
+  // With another one after it.
+  const own = await row().first().getAttribute("data-id");
+  await row().first().locator("th a").click();
+  await page.getByRole("button", { name: "Release and next" }).waitFor();
+  const of = Number(/^(\d+) of/.exec(await page.locator(".queue span").first().innerText())[1]);
+  await page.keyboard.press("r");
+  await page.getByText(new RegExp(`^${of + 1} of \\d+$`)).waitFor();
+  await page.getByText("can see the score now.").waitFor();
+  assert.equal(released(own), true);
+  await page.getByRole("heading", { name: "Remarks" }).waitFor();
+  await accessible(page, "an attempt after a release");
+  await page.screenshot({ path: world.picture("released_undo") });
+  await page.keyboard.press("?");
+  await page.getByRole("dialog").getByText("Take release back", { exact: true }).waitFor();
+  await page.keyboard.press("Escape");
+  await page.getByRole("dialog").waitFor({ state: "detached" });
+  await page.keyboard.press("w");
+  await page.getByText("does not see the score any more.").waitFor();
+  assert.equal(released(own), false);
+  await page.getByText(new RegExp(`^${of + 1} of \\d+$`)).waitFor();
+  // The last one of the list: back there.
+  const last = own;
+  const only = world.mock.attempts.find((each) => each.id === last);
+  only.person = { ...only.person, display_name: "Zoe Alone" };
+  await page.keyboard.press("b");
+  await page.locator("table.grading .lost-much").first().waitFor();
+  await page.getByLabel("Student", { exact: true }).fill("Zoe Alone");
+  await row().first().locator("th a").click();
+  await page.getByText("1 of 1", { exact: true }).waitFor();
+  await page.getByRole("button", { name: "Release and next" }).waitFor();
+  await page.keyboard.press("r");
+  await page.locator("table.grading").waitFor();
+  await page.getByText("can see the score now.").waitFor();
+  assert.equal(released(last), true);
+  await accessible(page, "the list after a release");
+  await page.getByRole("button", { name: "Take release back" }).click();
+  await page.getByText("does not see the score any more.").waitFor();
+  assert.equal(released(last), false);
 }
 
 async function narrow(world) {

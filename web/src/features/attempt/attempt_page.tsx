@@ -16,6 +16,7 @@ import { say, sayWith } from "../../base/words";
 import { Flags, isUnderWay, StateBadge, stoppedEarly } from "../../widgets/attempt_state";
 import { Card, ErrorNotice, Loading, Notice, PageTitle, Progress } from "../../widgets/basics";
 import { KeysHelp, useKeys } from "../../widgets/keys";
+import { useReleaseUndo } from "../../widgets/release_undo";
 import type { PointMm } from "../../widgets/tooth/scene";
 import type { LookHandle } from "../../widgets/tooth/tooth_view";
 import { AnnotationsPanel } from "./annotations_panel";
@@ -64,6 +65,10 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
   const control = useRef<PlaybackControl>(undefined);
   const plots = useMemo((): PlotKeys => ({}), []);
   const toMark = useRef<(direction: -1 | 1) => void>(undefined);
+  const undo = useReleaseUndo(async (released) => {
+    const now = await client.attempt(released);     // with what others changed meanwhile
+    return now.ok ? client.teaching.withdrawRelease(now.value) : now;
+  });
   const keys = useKeys([...playbackKeys(() => control.current),
     { key: "i", what: say("attempt_key.less"), act: () => plots.zoom?.(1) }, { key: "o", what: say("attempt_key.more"), act: () => plots.zoom?.(-1) },
     { key: "u", what: say("attempt_key.whole"), act: () => plots.zoom?.(0) },
@@ -71,6 +76,7 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
     { key: "x", what: say("attempt_key.next_mark"), act: () => toMark.current?.(1) },
     { key: "z", what: say("attempt_key.mark_before"), act: () => toMark.current?.(-1) },
     ...(!teacher ? [] : [
+    ...undo.keys,
     ...(place === undefined ? [] : [
       { key: "n", what: say("attempt_key.next"), act: () => to(place.next) }, { key: "p", what: say("attempt_key.before"), act: () => to(place.previous) },
       { key: "b", what: say("queue.back"), act: () => onOpen(place.back) }, { key: "r", what: say("attempt_key.release"), act: () => release.current?.() },
@@ -79,10 +85,11 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
     { key: "t", what: say("attempt_key.time"), act: () => document.querySelector<HTMLElement>("#timeline")?.focus() },
   ])]);
 
-  if (loaded.state === "failed") return <AttemptError error={loaded.error} onRetry={reload} />;
-  if (attempt === undefined) return <Loading what={say("loading.attempt")} />;
+  if (loaded.state === "failed") return <>{undo.notice}<AttemptError error={loaded.error} onRetry={reload} /></>;
+  if (attempt === undefined) return <>{undo.notice}<Loading what={say("loading.attempt")} /></>;
   return (
     <>
+      {undo.notice}
       <div class="trail-row">
         {place !== undefined ? <QueueBar client={client} place={place} />
           : <nav class="trail" aria-label={say("common.where")}><a href="/attempts">{teacher ? say("nav.attempts") : say("nav.my_attempts")}</a></nav>}

@@ -9,6 +9,7 @@ import { AnywayField, useAnyway } from "../../widgets/anyway";
 import { awaitsRelease } from "../../widgets/attempt_state";
 import { Badge, ErrorNotice, Notice } from "../../widgets/basics";
 import { Confirm } from "../../widgets/dialog";
+import { releaseMade } from "../../widgets/release_undo";
 import { CheckField, LongTextField, NumberField, TextField } from "../../widgets/form";
 
 interface Props {
@@ -51,7 +52,9 @@ export function TeacherActions({ client, attempt, graded, onChanged, onNext, rel
   const releasable = may("release") && awaitsRelease(attempt, graded);
   const releaseAndNext = async () => {
     const result = await change.run(() => teaching.release(attempt));
-    if (result?.ok === true) onNext?.();
+    if (result?.ok !== true) return;
+    releaseMade(attempt);
+    onNext?.();
   };
   releaseNext.current = onNext === undefined ? undefined : releasable ? () => void releaseAndNext() : onNext;
   return (

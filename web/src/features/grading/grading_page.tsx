@@ -14,6 +14,7 @@ import { awaitsRelease, Flags, StateBadge, stoppedEarly } from "../../widgets/at
 import { Card, Empty, ErrorNotice, Loading, PageTitle, TableFrame } from "../../widgets/basics";
 import { TextField } from "../../widgets/form";
 import { KeysHelp, useKeys } from "../../widgets/keys";
+import { useReleaseUndo } from "../../widgets/release_undo";
 import { BulkActions } from "./bulk_actions";
 import { inTurn } from "./bulk";
 import { criteriaOf, type CriterionColumn, type GradingRow, lostOn, named, type Order, sorted } from "./rows";
@@ -79,7 +80,14 @@ function GradingTable({ client, query, onOpen }: Props) {
     const id = ids[Math.min(Math.max(at < 0 ? (by > 0 ? 0 : ids.length - 1) : at + by, 0), ids.length - 1)];
     body.current?.querySelector<HTMLElement>(`tr[data-id="${id}"] a`)?.focus();
   };
+  const undo = useReleaseUndo(async (released) => {
+    const now = await client.attempt(released);     // with what others changed meanwhile
+    const result = now.ok ? await client.teaching.withdrawRelease(now.value) : now;
+    reload();
+    return result;
+  });
   const keys = useKeys([
+    ...undo.keys,
     { key: "j", what: say("grading.next_row"), act: () => move(1) }, { key: "k", what: say("grading.row_before"), act: () => move(-1) },
     { key: "x", what: say("grading.choose_row"), act: () => { const id = focused(); if (id !== undefined) toggle(id); } },
     { key: "o", what: say("grading.open_row"), act: () => open(focused() ?? shown[0]?.attempt.id) },
@@ -101,6 +109,7 @@ function GradingTable({ client, query, onOpen }: Props) {
         <span class="hint">{say("grading.count", { count: shown.length, waiting })}</span>
         <button type="button" class="button primary" disabled={shown.length === 0} onClick={() => open((firstWaiting ?? shown[0])?.attempt.id)}>{say("grading.begin")}</button>
       </div>
+      {undo.notice}
       <BulkActions client={client} chosen={picked} onDone={() => { setChosen(new Set()); reload(); }} />
       {loaded.state === "loading" && <Loading what={say("loading.attempts")} />}
       {loaded.state === "failed" && <ErrorNotice title={say("list_failed.attempts")} message={loaded.error.message} onRetry={reload} />}
