@@ -15,10 +15,31 @@ export function commonestText({ commonest, criteria, summary }: AssignmentInsigh
   return summary.scored === 0 ? say("insight.nothing_scored") : say("insight.none_lost");
 }
 
+// The server names two times alike: what was recorded in all of somebody's attempts, and, where the rubric judges the time,
+// that of the attempt that counts. The class's median tells which.
+function isOfCriterion({ what, median }: Outlier, { criteria, summary }: AssignmentInsight): boolean {
+  const found = criteria.find(({ name }) => name === what);
+  return what !== kTime || (found?.values?.median === median && summary.times_s?.median !== median);
+}
+
+const kTime = "time_s";
+
+// Who made one attempt has one time, which is told once.
+export function outliersOf(insight: AssignmentInsight): Outlier[] {
+  const told = new Set<string>();
+  return insight.outliers.filter((outlier) => {
+    const attempts = insight.students.find(({ person }) => person.id === outlier.person_id)?.attempts ?? 0;
+    const key = `${outlier.person_id} ${outlier.what} ${attempts > 1 && isOfCriterion(outlier, insight)}`;
+    return !told.has(key) && told.add(key);
+  });
+}
+
 // What a student has that the class has not.
-export function outlierText({ what, value, median }: Outlier, criteria: AssignmentInsight["criteria"]): string {
+export function outlierText(outlier: Outlier, insight: AssignmentInsight): string {
+  const { what, value, median } = outlier;
+  const { criteria } = insight;
   if (what === "score") return say("insight.outlier_score", { value: formatScore(value), median: formatScore(median) });
-  if (what === "time_s") return say("insight.outlier_time", { value: formatDuration(value), median: formatDuration(median) });
+  if (!isOfCriterion(outlier, insight)) return say("insight.outlier_time", { value: formatDuration(value), median: formatDuration(median) });
   const found = criteria.find(({ name }) => name === what);
   const unit = found?.unit ?? "";
   return say("insight.outlier", { title: found?.title ?? what, value: measuredText(what, value, unit), median: measuredText(what, median, unit) });
@@ -27,7 +48,7 @@ export function outlierText({ what, value, median }: Outlier, criteria: Assignme
 // A row for each student; points by criterion, empty where there were none to be had.
 export function insightTable({ criteria, students }: AssignmentInsight): { readonly header: readonly string[]; readonly rows: ReadonlyArray<readonly Cell[]> } {
   return {
-    header: ["login", "display_name", "state", "attempts", "score", "released", "failed_critically", "time_s", ...criteria.map(({ title, max_points: most }) => `${title} (of ${rounded(most)})`)],
+    header: ["login", "display_name", "state", "attempts", "score", "released", "failed_critically", "time_s_all_attempts", ...criteria.map(({ title, max_points: most }) => `${title} (of ${rounded(most)})`)],
     rows: students.map(({ person, state, attempts, score, released, failed, time_s: time, points }) => [
       person.login, person.display_name, state, attempts, rounded(score), released, failed, rounded(time), ...points.map(rounded),
     ]),

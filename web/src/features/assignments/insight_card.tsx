@@ -10,7 +10,7 @@ import { say } from "../../base/words";
 import { Badge, Card, Empty, ErrorNotice, Loading, Notice } from "../../widgets/basics";
 import { DataTable } from "../../widgets/table";
 import { Tenths } from "../../widgets/tenths";
-import { commonestText, insightTable, outlierText } from "./insight";
+import { commonestText, insightTable, outliersOf, outlierText } from "./insight";
 
 interface Props {
   readonly client: Client;
@@ -101,7 +101,9 @@ function Waiting({ students }: { readonly students: AssignmentInsight["students"
   );
 }
 
-function Outliers({ insight: { outliers, students, criteria, summary } }: { readonly insight: AssignmentInsight }) {
+function Outliers({ insight }: { readonly insight: AssignmentInsight }) {
+  const { students, summary } = insight;
+  const outliers = outliersOf(insight);
   if (summary.scored === 0) return null;
   const byPerson = new Map(students.map((student) => [student.person.id, student]));
   return (
@@ -112,7 +114,7 @@ function Outliers({ insight: { outliers, students, criteria, summary } }: { read
           {outliers.map((outlier) => {
             const student = byPerson.get(outlier.person_id);
             const name = student?.person.display_name ?? "";
-            return <li key={`${outlier.person_id} ${outlier.what}`}>{student?.attempt_id == null ? name : <a href={`/attempts/${student.attempt_id}`}>{name}</a>}: {outlierText(outlier, criteria)}</li>;
+            return <li key={`${outlier.person_id} ${outlier.what} ${outlier.median}`}>{student?.attempt_id == null ? name : <a href={`/attempts/${student.attempt_id}`}>{name}</a>}: {outlierText(outlier, insight)}</li>;
           })}
         </ul>
       )}
