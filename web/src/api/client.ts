@@ -1,7 +1,8 @@
 import { checkSeries, checkTicks } from "./series";
 import { type ApiResult, type Fetch, Http, segment, understood } from "./http";
 import { PeopleApi } from "./people";
-import { decodeSurface, type Surface } from "./surface";
+import { readSurface } from "./read_surface";
+import type { Surface } from "./surface";
 import { TeachingApi } from "./teaching";
 import { OperationsApi, ProfilesApi, StationsApi } from "./things";
 import type { Attempt, AttemptDetail, AttemptFlag, AttemptState, LanguageChoice, LiveRemark, LiveRemarks, Score, Series, Session, Ticks } from "./types";
@@ -96,8 +97,7 @@ export class Client {
   }
   // What is shown where nothing can be played back: some megabytes.
   async surface(id: string, signal?: AbortSignal): Promise<ApiResult<Surface>> {
-    const bytes = await this.http.bytes(`${attemptPath(id)}/surface`, signal);
-    return bytes.ok ? understood(decodeSurface(bytes.value)) : bytes;
+    return readSurface(await this.http.bytes(`${attemptPath(id)}/surface`, signal));
   }
   // Reads the series of an attempt that will probably be opened next. It is given out once; a failure is asked again.
   readAhead(id: string): void {

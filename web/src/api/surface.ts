@@ -1,7 +1,7 @@
-import { fail, ok, type Result } from "../base/result";
+import type { Result } from "../base/result";
 
 // A tooth surface as the server sends it: "ENSF" version 1, described in schemas/api/openapi.yaml
-// at /attempts/{id}/surface.
+// at /attempts/{id}/surface. Loaded with the first one that is read (read_surface.ts), so it imports nothing that others have.
 export interface Surface {
   readonly positionMm: Float32Array;             // (n x 3), scene frame: +x mesial, +y buccal, +z occlusal
   readonly normal: Int8Array;                    // (n x 4), x y z 0, /127, outward
@@ -10,14 +10,14 @@ export interface Surface {
   readonly triangle: Uint32Array;                // (m x 3), counter-clockwise seen from outside
 }
 
-export const kTissueNames = ["air", "enamel", "dentin", "pulp", "caries", "filling", "gypsum", "neighbour"] as const;
-
 const kMagic = 0x46534e45;                       // "ENSF" read as a little-endian u32
 const kVersion = 1;
 const kHasDeviation = 1;
 const kHeaderBytes = 32;
 const kMaxVertices = 4_000_000;                  // a tooth at 25 um is near 2 million
 const kMaxTriangles = 8_000_000;
+
+const fail = (error: string) => ({ ok: false, error }) as const;
 
 // The error says what was expected and found. Reads nothing beyond `bytes` whatever the header claims.
 export function decodeSurface(bytes: ArrayBuffer): Result<Surface, string> {
@@ -40,13 +40,13 @@ export function decodeSurface(bytes: ArrayBuffer): Result<Surface, string> {
 
   const triangle = readUint32(view, triangleAt, 3 * m);
   if (triangle.some((index) => index >= n)) return fail(`a triangle names a vertex beyond the ${n} there are`);
-  return ok({
+  return { ok: true, value: {
     positionMm: readPositions(view, n),
     normal: new Int8Array(bytes, normalAt, 4 * n),
     tissue: new Uint8Array(bytes, tissueAt, n),
     deviationMm: hasDeviation ? readFloat32(view, deviationAt, n) : undefined,
     triangle,
-  });
+  } };
 }
 
 function align4(offset: number): number {

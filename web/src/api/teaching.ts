@@ -1,7 +1,8 @@
 import type { Json } from "../base/document";
 import { ok } from "../base/result";
-import { type ApiResult, type Http, segment, type Tagged, tagOf, understood } from "./http";
-import { decodeSurface, type Surface } from "./surface";
+import { type ApiResult, type Http, segment, type Tagged, tagOf } from "./http";
+import { readSurface } from "./read_surface";
+import type { Surface } from "./surface";
 import type {
   Annotation, Assignment, AssignmentInsight, AssignmentMove, AssignmentTerms, AttemptDetail, CohortGrades, Exercise, ExerciseState, ExerciseSummary, ExerciseVersion, Reference, Remark,
   RubricPreview, RubricVersion, ScoringMetric,
@@ -34,8 +35,7 @@ export class TeachingApi {
     return `/api/v1${exercisePath(id)}/document`;
   }
   async initialSurface(id: string, signal?: AbortSignal): Promise<ApiResult<Surface>> {
-    const bytes = await this.http.bytes(`${exercisePath(id)}/initial-surface`, signal);
-    return bytes.ok ? understood(decodeSurface(bytes.value)) : bytes;
+    return readSurface(await this.http.bytes(`${exercisePath(id)}/initial-surface`, signal));
   }
   document(id: string, signal?: AbortSignal) {
     return this.http.json<Json>("GET", `${exercisePath(id)}/document`, { signal });

@@ -1,7 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { kTissueNames } from "../../api/surface";
-import { workpiece } from "./tissue";
+import { kTissueNames, workpiece } from "./tissue";
 
 const numbers = (...names: (typeof kTissueNames)[number][]) => names.map((name) => kTissueNames.indexOf(name));
 

@@ -1,7 +1,7 @@
-import { kTissueNames } from "../../api/surface";
 import { say } from "../../base/words";
 
 // How tissues are drawn and named; index: the tissue number of a surface.
+export const kTissueNames = ["air", "enamel", "dentin", "pulp", "caries", "filling", "gypsum", "neighbour"] as const;
 const kColors = ["#cccccc", "#f1e8d4", "#d9a95f", "#c7405f", "#5d4030", "#7fa3bf", "#cfd3c8", "#b9c9b2"] as const;
 
 export function tissueColor(tissue: number): string {
