@@ -283,7 +283,7 @@ async function grading(world) {
   const waits = page.locator("table.grading tr", { hasText: "Not released" }).first().locator("th a");
   const at = names.indexOf(await waits.innerText());
   await waits.click();
-  await page.getByText(`${at + 1} of ${names.length}`).waitFor();
+  await page.getByText(`${at + 1} of ${names.length}`, { exact: true }).waitFor();
   await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
   await page.getByLabel(/New remark/).fill("Keep the wall upright.");
   await page.getByRole("button", { name: "Keep this comment" }).click();
@@ -292,13 +292,13 @@ async function grading(world) {
   await accessible(page, "an attempt of the list");
   const here = page.url().split("/").at(-1);
   await page.getByRole("button", { name: "Release and next" }).click();
-  await page.getByText(`${at + 2} of ${names.length}`).waitFor();
+  await page.getByText(`${at + 2} of ${names.length}`, { exact: true }).waitFor();
   assert.equal(world.mock.attempts.find((row) => row.id === here).released, true);
   await page.getByText("Kept comments (1)").click();
   await page.getByRole("button", { name: "Keep the wall upright.", exact: true }).click();
   assert.equal(await page.getByLabel(/New remark/).inputValue(), "Keep the wall upright.");
   await page.getByRole("link", { name: "Previous", exact: true }).click();
-  await page.getByText(`${at + 1} of ${names.length}`).waitFor();
+  await page.getByText(`${at + 1} of ${names.length}`, { exact: true }).waitFor();
   await page.getByRole("link", { name: "Back to the list" }).click();
   await page.locator("table.grading").waitFor();
 }
