@@ -30,6 +30,14 @@ int64_t NewGeneration() {
   return static_cast<int64_t>(random >> 1 | 1);
 }
 
+Result<std::vector<Blobs::Freed>> FreeUnnamed(sql::Db& db, const std::set<Sha256>& hashes,
+                                              int64_t before_ms) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto rows, DeleteUnnamedBlobRows(db, hashes, before_ms));
+  std::vector<Blobs::Freed> out;
+  for (const BlobRow& row : rows) out.push_back({row.hash, row.generation});
+  return out;
+}
+
 }  // namespace
 
 S3Blobs::S3Blobs(std::unique_ptr<s3::S3Client> client, std::string prefix, Rows rows,
@@ -174,11 +182,7 @@ Status S3Blobs::Hold(sql::Db& db, std::initializer_list<Sha256> hashes) {
 }
 
 Result<std::vector<Blobs::Freed>> S3Blobs::Free(sql::Db& db, const std::set<Sha256>& hashes) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto rows,
-                          DeleteUnnamedBlobRows(db, hashes, std::numeric_limits<int64_t>::max()));
-  std::vector<Freed> out;
-  for (const BlobRow& row : rows) out.push_back({row.hash, row.generation});
-  return out;
+  return FreeUnnamed(db, hashes, std::numeric_limits<int64_t>::max());
 }
 
 Result<size_t> S3Blobs::Remove(const std::vector<Freed>& freed) {
@@ -230,10 +234,7 @@ Result<size_t> S3Blobs::SweepRows(std::chrono::seconds age) {
                                                          at + kAtOnce, candidates.size())));
     std::vector<Freed> freed;
     ENAMEL_RETURN_IF_ERROR(rows_.write([&](sql::Db& db) -> Status {
-      freed.clear();
-      auto rows = DeleteUnnamedBlobRows(db, some, before_ms);
-      if (!rows.ok()) return rows.status();
-      for (const BlobRow& row : *rows) freed.push_back({row.hash, row.generation});
+      ENAMEL_ASSIGN_OR_RETURN(freed, FreeUnnamed(db, some, before_ms));
       return Status::Ok();
     }));
     ENAMEL_ASSIGN_OR_RETURN(const size_t gone, Remove(freed));
