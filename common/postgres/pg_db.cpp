@@ -131,6 +131,11 @@ Status PgDb::SetUp() {
       pq_.exec(handle_, "SELECT 1 WHERE to_regclass('enamel_commits') IS NOT NULL");
   counts_ = pq_.result_status(there) == PGRES_TUPLES_OK && pq_.ntuples(there) == 1;
   pq_.clear(there);
+  // What a program that was killed has left is nobody's after a day. That another removes it at the same
+  // moment is no failure.
+  if (counts_) {
+    pq_.clear(pq_.exec(handle_, "DELETE FROM enamel_commits WHERE at < now() - interval '1 day'"));
+  }
   return Status::Ok();
 }
 
@@ -206,11 +211,13 @@ Status PgDb::Commit() {
   }
   Status done = Exec("COMMIT");
   in_transaction_ = !done.ok();
-  // Not lost but refused, or there is nothing to find it out by.
-  if (done.ok() || failure_.kind != Kind::kNotThere || !counts_) return done;
+  // Not lost but refused.
+  if (done.ok() || failure_.kind != Kind::kNotThere) return done;
   in_transaction_ = false;
-  auto kept = WasKept(commits_);
+  auto kept = counts_ ? WasKept(commits_) : Result<bool>(done);
   if (!kept.ok()) {
+    // It may be kept: whoever repeats it unseen may do it twice.
+    must_repeat_ = false;
     return Status(Code::kUnavailable,
                   "the database's server went away as a change was to be kept, and "
                   "has not come back to tell whether it was; look before you repeat it",
@@ -221,7 +228,7 @@ Status PgDb::Commit() {
 }
 
 Result<bool> PgDb::WasKept(uint64_t number) {
-  const auto until = std::chrono::steady_clock::now() + kInDoubt;
+  const auto until = std::chrono::steady_clock::now() + options_.in_doubt;
   for (;;) {
     auto count = CountKept();
     if (count.ok()) return *count == number;
@@ -290,11 +297,10 @@ Status PgDb::Migrate(const std::vector<Migration>& migrations) {
       Exec("CREATE TABLE IF NOT EXISTS enamel_schema (application TEXT COLLATE \"C\" NOT NULL, "
            "version BIGINT NOT NULL)"));
   // One row for each connection that writes, changed with every transaction: most of a page stays free
-  // for that. What a program that was killed has left is nobody's after a day.
+  // for that.
   ENAMEL_RETURN_IF_ERROR(
       Exec("CREATE TABLE IF NOT EXISTS enamel_commits (writer BYTEA PRIMARY KEY, count BIGINT NOT "
-           "NULL, at TIMESTAMPTZ NOT NULL DEFAULT now()) WITH (fillfactor = 10); "
-           "DELETE FROM enamel_commits WHERE at < now() - interval '1 day'"));
+           "NULL, at TIMESTAMPTZ NOT NULL DEFAULT now()) WITH (fillfactor = 10)"));
   ENAMEL_ASSIGN_OR_RETURN(const int version, SchemaVersion());
   for (const Migration& next : migrations) {
     if (next.version <= version) continue;

@@ -55,6 +55,8 @@ struct PgDbOptions {
   std::string application{};
   // Asked before each statement that may write; true: it fails. For tests.
   std::function<bool()> fail_next{};
+  // So long it is tried to ask whether a COMMIT was kept; a standby is promoted within it or not.
+  std::chrono::milliseconds in_doubt{30'000};
   // What a failure is told as; by default PostgreSQL's words with a code.
   std::function<Status(const PgFailure&)> explain{};
 };
@@ -84,8 +86,6 @@ class PgDb final : public Db {
   static constexpr size_t kMaxStatements = 256;
   static constexpr char kStatementTimeout[] = "60s";
   static constexpr char kLockTimeout[] = "10s";
-  // So long it is tried to ask whether a COMMIT was kept; a standby is promoted within it or not.
-  static constexpr std::chrono::seconds kInDoubt{30};
 
   static Result<std::unique_ptr<PgDb>> Open(PgDbOptions options);
   ~PgDb() override;
@@ -125,7 +125,7 @@ class PgDb final : public Db {
   // Connects anew where the connection is lost and no transaction is open.
   Status BeThere();
   // Whether the transaction that counted itself `number` was kept. Errors: kUnavailable (the server
-  // does not answer within kInDoubt).
+  // does not answer within in_doubt).
   Result<bool> WasKept(uint64_t number);
   Result<uint64_t> CountKept();
   Result<uint64_t> ReadCount();

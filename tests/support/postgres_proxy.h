@@ -63,6 +63,8 @@ class PostgresProxy {
     left_ = skip;
     cut_ = cut;
   }
+  // From now on nobody is let through, as when the server is gone; what is connected stays.
+  void Refuse() { refusing_ = true; }
   // Whether it was broken; from now on nothing is.
   bool Disarm() {
     std::lock_guard lock(mutex_);
@@ -74,6 +76,8 @@ class PostgresProxy {
  private:
   static constexpr int kIdle = -1, kCut = -2;
   static constexpr int kPoll_ms = 20;
+  // Messages of a connection that was made anew, until it has read whether a COMMIT was kept.
+  static constexpr int kAskedAll = 12;
 
   static sockaddr_un Address(const std::string& path) {
     sockaddr_un out{};
@@ -90,6 +94,10 @@ class PostgresProxy {
       if (::poll(&ready, 1, kPoll_ms) != 1) continue;
       const int client = ::accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC);
       if (client < 0) continue;
+      if (refusing_) {
+        ::close(client);
+        continue;
+      }
       connections_.emplace_back([this, client] { Serve(client); });
     }
   }
@@ -146,7 +154,7 @@ class PostgresProxy {
   // nothing to hurry for.
   void AwaitOthers() {
     const int before = passed_;
-    for (int waited = 0; waited < 10 && !stopping_ && passed_ < before + 8; ++waited)
+    for (int waited = 0; waited < 10 && !stopping_ && passed_ < before + kAskedAll; ++waited)
       ::poll(nullptr, 0, kPoll_ms);
   }
 
@@ -192,7 +200,7 @@ class PostgresProxy {
   TempFolder folder_;
   std::string behind_, words_;
   int listener_ = -1;
-  std::atomic<bool> stopping_{false};
+  std::atomic<bool> stopping_{false}, refusing_{false};
   std::atomic<int> passed_{0};  // messages that went through
   std::mutex mutex_;
   int left_ = kIdle;                      // messages to let pass; guarded by mutex_
