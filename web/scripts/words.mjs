@@ -10,8 +10,15 @@ const kTypes = new URL("../build/words.d.ts", import.meta.url);
 export const kLanguages = ["en", "de", "zh"];
 const kVersion = 1;
 
+// What the page alone says, and what the station's window says with it.
+const kParts = ["page", "exercise"];
+
 export function readCatalogue(language) {
-  const file = new URL(`${language}/page.json`, kFolder);
+  return Object.assign({}, ...kParts.map((part) => readPart(language, part)));
+}
+
+function readPart(language, part) {
+  const file = new URL(`${language}/${part}.json`, kFolder);
   if (!existsSync(file)) throw new Error(`expected the page's words at ${fileURLToPath(file)}, found nothing: check out the whole repository`);
   const { version, messages } = JSON.parse(readFileSync(file, "utf8"));
   if (version !== kVersion) throw new Error(`${fileURLToPath(file)}: expected version ${kVersion}, found ${version}`);

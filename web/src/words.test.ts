@@ -8,7 +8,8 @@ import { keysIn, placesOf } from "../scripts/words.mjs";
 // The catalogues of schemas/words hold all that the page says: schemas/words.md.
 
 const kLanguages = ["en", "de", "zh"] as const;
-const messagesOf = (language: string) => (JSON.parse(readFileSync(`../schemas/words/${language}/page.json`, "utf8")) as { readonly messages: Readonly<Record<string, string>> }).messages;
+const partOf = (language: string, part: string) => (JSON.parse(readFileSync(`../schemas/words/${language}/${part}.json`, "utf8")) as { readonly messages: Readonly<Record<string, string>> }).messages;
+const messagesOf = (language: string) => ({ ...partOf(language, "page"), ...partOf(language, "exercise") });
 const catalogues = Object.fromEntries(kLanguages.map((language) => [language, messagesOf(language)])) as Readonly<Record<(typeof kLanguages)[number], Readonly<Record<string, string>>>>;
 const keys = Object.keys(catalogues.en);
 
@@ -23,11 +24,14 @@ const files = sources("src").map((path) => ({ path, text: readFileSync(path, "ut
 
 test("every language has the same keys, in order, and every key is well formed", () => {
   assert.ok(keys.length > 100, `${keys.length} keys`);
-  for (const language of kLanguages) assert.deepEqual(Object.keys(catalogues[language]), [...keys].sort(), language);
+  for (const language of kLanguages) {
+    for (const part of ["page", "exercise"]) assert.deepEqual(Object.keys(partOf(language, part)), Object.keys(partOf("en", part)).sort(), `${language} ${part}`);
+  }
   for (const key of keys) assert.match(key, /^[a-z0-9_]+\.[a-z0-9_]+$/);
 });
 
-test("no key of the page is one of the window's", () => {
+test("no two parts have the same key", () => {
+  assert.equal(keys.length, Object.keys(partOf("en", "page")).length + Object.keys(partOf("en", "exercise")).length);
   const { messages } = JSON.parse(readFileSync("../schemas/words/en/window.json", "utf8")) as { readonly messages: Readonly<Record<string, string>> };
   assert.deepEqual(keys.filter((key) => Object.hasOwn(messages, key)), []);
 });

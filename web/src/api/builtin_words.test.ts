@@ -9,7 +9,7 @@ import { nameOf, numbersOf, sentencesOf, wordedText, wordedTitle } from "./built
 const lines = readFileSync("../schemas/golden/builtin_words.txt", "utf8").split("\n").filter((line) => line !== "");
 const titles = lines.filter((line) => line.startsWith("title ")).map((line) => line.slice("title ".length));
 const sentences = [...new Set(lines.filter((line) => line.startsWith("text ")).flatMap((line) => sentencesOf(line.slice("text ".length))))];
-const messagesOf = (language: string) => (JSON.parse(readFileSync(`../schemas/words/${language}/page.json`, "utf8")) as { readonly messages: Readonly<Record<string, string>> }).messages;
+const messagesOf = (language: string) => (JSON.parse(readFileSync(`../schemas/words/${language}/exercise.json`, "utf8")) as { readonly messages: Readonly<Record<string, string>> }).messages;
 const english = messagesOf("en");
 const builtIn = new Map<string, string>([...titles.map((title) => [`builtin_title.${nameOf(title)}`, title] as const), ...sentences.map((sentence) => [`builtin_text.${nameOf(sentence)}`, sentence] as const)]);
 
@@ -19,7 +19,7 @@ test("every built-in title and sentence has its message, which is the same in En
   assert.ok(titles.length > 60 && sentences.length > 70, `${titles.length} titles and ${sentences.length} sentences`);
   const filled = (message: string, text: string) => Object.entries(numbersOf(text)).reduce((now, [place, value]) => now.replace(`{${place}}`, value), message);
   for (const [key, text] of builtIn) {
-    assert.ok(english[key] !== undefined, `no ${key} in schemas/words/*/page.json: ${text}`);
+    assert.ok(english[key] !== undefined, `no ${key} in schemas/words/*/exercise.json: ${text}`);
     assert.equal(filled(english[key], text), text.replaceAll("'", "’"), key);
   }
 });
