@@ -122,7 +122,9 @@ Words& Words::operator=(Words&&) noexcept = default;
 
 Language Words::language() const { return impl_->language; }
 
-std::string Words::Say(std::string_view key, std::initializer_list<Value> values) const {
+bool Words::Has(std::string_view key) const { return Find(impl_->language, key) != nullptr; }
+
+std::string Words::Say(std::string_view key, std::span<const Value> values) const {
   const icu::MessageFormat* format = impl_->FormatOf(key);
   if (format == nullptr) return std::string(key);
   std::vector<icu::UnicodeString> names;

@@ -46,7 +46,13 @@ class Words {
 
   // The message of this key ("sign_in.login"), its places filled. A key that no catalogue has comes back as it is:
   // a test finds it (tests/common/language), and a person can report it.
-  std::string Say(std::string_view key, std::initializer_list<Value> values = {}) const;
+  std::string Say(std::string_view key, std::initializer_list<Value> values = {}) const {
+    return Say(key, std::span<const Value>(values.begin(), values.size()));
+  }
+  // Where how many places a message has is known only when it is said.
+  std::string Say(std::string_view key, std::span<const Value> values) const;
+  // False: no catalogue has this key, which a text of somebody else's named.
+  bool Has(std::string_view key) const;
   // With exactly so many digits after the point, or the comma: 0.30, 0,30.
   std::string Decimal(double value, int digits) const;
 

@@ -40,12 +40,6 @@ Asked AskedFor(const std::vector<scene::RubricPoint>& map) {
   return out;
 }
 
-// As fine as anybody acts on: 0.01 mm, a tenth of a degree or of a second.
-int UsualDigits(std::string_view unit) {
-  if (unit == "count") return 0;
-  return unit == "%" || unit == "s" || unit == "deg" ? 1 : 2;
-}
-
 std::string Digits(double value, int digits) {
   char text[64];
   std::snprintf(text, sizeof text, "%.*f", digits, value);
@@ -60,20 +54,13 @@ double AsShown(double value, int digits) {
 }
 
 std::string Number(double value, std::string_view unit, int digits) {
-  std::string text = Digits(value, digits);
-  if (unit == "count" || unit == "ratio") return text;
-  std::string_view shown = unit == "mm2"   ? "mm²"
-                           : unit == "mm3" ? "mm³"
-                           : unit == "deg" ? "°"
-                                           : unit;
-  return text + (unit == "deg" ? "" : " ") + std::string(shown);
+  return WithUnit(Digits(value, digits), unit);
 }
 std::string Number(double value, std::string_view unit) {
   return Number(value, unit, UsualDigits(unit));
 }
 
-// So many that a limit is shown as it is, 0.025 mm and not 0.03, and that a value that misses it does
-// not read like it. `limits`: the first is missed where `missed`.
+// `limits`: the first is missed where `missed`.
 int DigitsFor(double value, const std::vector<double>& limits, bool missed, std::string_view unit) {
   constexpr int kMost = 4;
   int digits = UsualDigits(unit);
@@ -92,8 +79,7 @@ int DigitsFor(double value, const std::vector<double>& limits, bool missed, std:
 std::string Found(const MetricInfo& info, double value, int digits) {
   if (info.above_zero.empty()) return Number(value, info.unit, digits);
   std::string size = Number(std::fabs(value), info.unit, digits);
-  // Shown as 0.00: neither too deep nor short.
-  if (std::fabs(value) < 0.005) return size + " off";
+  if (std::fabs(value) < kNeitherWay) return size + " off";
   return size + " " + std::string(value > 0 ? info.above_zero : info.below_zero);
 }
 
@@ -112,14 +98,15 @@ constexpr Wording kOneLimit[] = {{"at_most", "up to ", "from "},
                                  {"at_least", "from ", "up to "},
                                  {"within", "within ", "beyond "}};
 
-bool MissesOf(std::string_view code, double value, double limit) {
-  if (code == "at_most") return value > limit;
-  return code == "at_least" ? value < limit : std::fabs(value) > limit;
+bool Misses(std::string_view code, const std::vector<double>& v) {
+  if (code == "fails_above") return true;
+  if (code == "between") return v[0] < v[1] || v[0] > v[2];
+  if (code == "at_most") return v[0] > v[1];
+  return code == "at_least" ? v[0] < v[1] : std::fabs(v[0]) > v[1];
 }
 
 std::string LimitText(const MetricInfo& info, const Wording& how, const std::vector<double>& v) {
-  const std::vector<double> limits(v.begin() + 1, v.end());
-  const int digits = DigitsFor(v[0], limits, MissesOf(how.code, v[0], v[1]), info.unit);
+  const int digits = ReasonDigits({std::string(how.code), v, {}}, info.unit);
   // One value alone earns them: no pulp exposed.
   const bool exact = how.code != "at_least" && v[1] == 0;
   std::string text = Found(info, v[0], digits) + " (full marks " +
@@ -135,7 +122,7 @@ std::string Clause(const MetricInfo& info, const Reason& reason) {
     if (reason.code == how.code && v.size() >= 2) return LimitText(info, how, v);
   }
   if (reason.code == "between" && v.size() == 3) {
-    const int digits = DigitsFor(v[0], {v[1], v[2]}, v[0] < v[1] || v[0] > v[2], info.unit);
+    const int digits = ReasonDigits(reason, info.unit);
     return Found(info, v[0], digits) + " (full marks " +
            (v[1] == v[2] ? "at " + Number(v[1], info.unit, digits)
                          : "from " + Number(v[1], info.unit, digits) + " to " +
@@ -144,7 +131,7 @@ std::string Clause(const MetricInfo& info, const Reason& reason) {
   }
   if (reason.code == "any" && v.size() == 1) return Found(info, v[0], UsualDigits(info.unit));
   if (reason.code == "fails_above" && v.size() == 2) {
-    const int digits = DigitsFor(v[0], {v[1]}, true, info.unit);
+    const int digits = ReasonDigits(reason, info.unit);
     return Found(info, v[0], digits) + " (more than " + Number(v[1], info.unit, digits) +
            " fails the whole attempt)";
   }
@@ -173,6 +160,24 @@ std::string Clause(const MetricInfo& info, const Reason& reason) {
 }
 
 }  // namespace
+
+int UsualDigits(std::string_view unit) {
+  if (unit == "count") return 0;
+  return unit == "%" || unit == "s" || unit == "deg" ? 1 : 2;
+}
+
+int ReasonDigits(const Reason& reason, std::string_view unit) {
+  const std::vector<double>& v = reason.values;
+  if (v.size() < 2 || (reason.code == "between" && v.size() < 3)) return UsualDigits(unit);
+  return DigitsFor(v[0], {v.begin() + 1, v.end()}, Misses(reason.code, v), unit);
+}
+
+std::string WithUnit(std::string number, std::string_view unit) {
+  if (unit == "count" || unit == "ratio") return number;
+  if (unit == "deg") return number + "°";
+  const std::string_view shown = unit == "mm2" ? "mm²" : unit == "mm3" ? "mm³" : unit;
+  return number + " " + std::string(shown);
+}
 
 Reason FoundReason(const MetricInfo& info, double value,
                    const std::vector<scene::RubricPoint>& map) {

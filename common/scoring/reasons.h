@@ -43,6 +43,16 @@ Reason KeepsReason(double share);
 std::optional<Reason> Advice(const MetricInfo& info, double value,
                              const std::vector<Deduction>& deductions);
 
+// How a value and its limits are told, in any language. As fine as anybody acts on, 0.01 mm, a tenth of a degree or of
+// a second; and for a reason all its values with so many decimals that a limit is shown as it is, 0.025 mm and not 0.03,
+// and that a value that misses it does not read like it.
+int UsualDigits(std::string_view unit);
+int ReasonDigits(const Reason& reason, std::string_view unit);
+// "0.30 mm", "12°", "3" of a count.
+std::string WithUnit(std::string number, std::string_view unit);
+// Of a signed metric in its unit: less is shown as 0.00, so it is neither too deep nor short.
+inline constexpr double kNeitherWay = 0.005;
+
 // The sentences, each with its full stop: "Mesial wall: 0.30 mm too deep (full marks within 0.03 mm,
 // none beyond 0.25 mm). Where it is worst, it began at 1:12, and stroke 14 took most of it. Stop earlier there." A code
 // that is not known, of a newer server, is left out. `comment`: the rubric's, told last; may be empty.

@@ -10,6 +10,7 @@
 #include "station/desk/opening.h"
 #include "station/desk/operator_panel.h"
 #include "station/desk/pages.h"
+#include "station/desk/score_words.h"
 #include "station/desk/script.h"
 #include "station/render/panel.h"
 #include "station/sound/speaker.h"
@@ -198,7 +199,7 @@ class Desk {
   void DrawStatus(DeskAttempt& attempt) {
     const PreparedAttempt& prepared = attempt.prepared();
     render::PanelContent content;
-    content.heading = prepared.exercise.title;
+    content.heading = WordedTitle(flow_.words(), prepared.exercise.title);
     content.state = attempt.view().state();
     content.has_state = attempt.view().has_state();
     content.force_full_scale_n = static_cast<double>(prepared.profile.peak_force_mn.value) * 1e-3;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/base/unix_time.h"
+#include "station/desk/score_words.h"
 
 namespace enamel::station::desk {
 namespace {
@@ -214,7 +215,8 @@ void Pages::Exercises() {
   ui_.BeginList("exercises", 180);
   for (size_t i = 0; i < flow_.cut_off().size(); ++i) {
     const SpooledAttempt& attempt = flow_.cut_off()[i];
-    if (ui_.Row(Say("exercises.cut_off", {{"title", flow_.TitleOf(attempt)}}),
+    if (ui_.Row(Say("exercises.cut_off",
+                    {{"title", WordedTitle(flow_.words(), flow_.TitleOf(attempt))}}),
                 CutOffText(flow_.words(), attempt, UnixMs()), Say("exercises.go_on"))) {
       flow_.OpenCutOff(i);
     }
@@ -222,12 +224,14 @@ void Pages::Exercises() {
   const auto& all = flow_.exercises();
   for (size_t i = 0; i < all.size(); ++i) {
     std::string detail = AssignmentText(flow_.words(), all[i], UnixMs());
-    if (ui_.Row(all[i].title, detail, all[i].exam ? Say("exercises.exam") : ""))
+    if (ui_.Row(WordedTitle(flow_.words(), all[i].title), detail,
+                all[i].exam ? Say("exercises.exam") : ""))
       flow_.ChooseExercise(i);
   }
   for (size_t i = 0; i < flow_.handed_in().size(); ++i) {
     const SpooledAttempt& attempt = flow_.handed_in()[i];
-    if (ui_.Row(Say("exercises.result", {{"title", flow_.TitleOf(attempt)}}),
+    if (ui_.Row(Say("exercises.result",
+                    {{"title", WordedTitle(flow_.words(), flow_.TitleOf(attempt))}}),
                 HandedInText(flow_.words(), attempt, UnixMs()), Say("exercises.look"))) {
       flow_.OpenHandedIn(i);
     }
@@ -245,10 +249,11 @@ void Pages::Exercises() {
 
 void Pages::ExerciseFacts(const PreparedAttempt& prepared) {
   const scene::Exercise& e = prepared.exercise;
-  ui_.Text(e.instructions.empty() ? Say("exercise.no_instructions") : e.instructions);
+  ui_.Text(e.instructions.empty() ? Say("exercise.no_instructions")
+                                  : WordedText(flow_.words(), e.instructions));
   ui_.Gap(8);
-  std::string facts =
-      Say(e.graded ? "exercise.graded" : "exercise.practice", {{"scene", prepared.scene.title}});
+  std::string facts = Say(e.graded ? "exercise.graded" : "exercise.practice",
+                          {{"scene", WordedTitle(flow_.words(), prepared.scene.title)}});
   if (e.time_limit_s > 0) {
     facts = Say("exercise.time", {{"facts", facts}, {"time", render::TimerText(e.time_limit_s)}});
   }
@@ -258,7 +263,7 @@ void Pages::ExerciseFacts(const PreparedAttempt& prepared) {
 void Pages::Exercise() {
   ui_.Begin("exercise", kWidePage);
   const Catalogue::Exercise& ref = flow_.chosen();
-  ui_.Title(ref.title);
+  ui_.Title(WordedTitle(flow_.words(), ref.title));
   if (ref.exam) ui_.Note(Say("exercise.exam"));
   ui_.Problem(flow_.problem().empty() ? ref.refusal : flow_.problem());
   if (!flow_.notice().empty()) ui_.Text(flow_.notice());
@@ -327,7 +332,8 @@ void Pages::Reserved() {
   ui_.BeginList("reserved", 110);
   const auto& all = flow_.reserved();
   for (size_t i = 0; i < all.size(); ++i) {
-    if (ui_.Row(all[i].ticket.title, ReservedText(flow_.words(), all[i], UnixMs()),
+    if (ui_.Row(WordedTitle(flow_.words(), all[i].ticket.title),
+                ReservedText(flow_.words(), all[i], UnixMs()),
                 all[i].cut_off ? Say("exercises.go_on") : "")) {
       flow_.AskPin(i);
     }
@@ -340,7 +346,7 @@ void Pages::Reserved() {
 
 void Pages::AskPin() {
   const ReservedAttempt& reserved = flow_.reserved_chosen();
-  ui_.BeginDialog("pin", reserved.ticket.title);
+  ui_.BeginDialog("pin", WordedTitle(flow_.words(), reserved.ticket.title));
   ui_.Text(
       Say(reserved.cut_off ? "pin.ask_cut_off" : "pin.ask", {{"person", reserved.ticket.person}}));
   bool go = ui_.Field(Say("pin.label"), pin_, true);
@@ -397,7 +403,8 @@ void Pages::AskReserve() {
 
 void Pages::AskCutOff() {
   const SpooledAttempt& attempt = flow_.cut_off_chosen();
-  ui_.BeginDialog("cut-off", Say("exercises.cut_off", {{"title", flow_.TitleOf(attempt)}}));
+  ui_.BeginDialog("cut-off", Say("exercises.cut_off",
+                                 {{"title", WordedTitle(flow_.words(), flow_.TitleOf(attempt))}}));
   // Without a chunk there is no seal to make, and so nothing to hand in.
   bool recorded = attempt.chunks > 0;
   ui_.Text(Say(recorded ? "cut_off.some" : "cut_off.nothing",

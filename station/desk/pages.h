@@ -93,6 +93,6 @@ const char* FaultKey(Fault fault);
 
 // "Mesial wall: 0.30 mm too deep …": the criterion of a wall or the floor that lost most points,
 // or empty when none did.
-std::string WorstWall(const scoring::ScoreResult& score);
+std::string WorstWall(const Words& words, const scoring::ScoreResult& score);
 
 }  // namespace enamel::station::desk

@@ -2,19 +2,11 @@
 #include <cmath>
 
 #include "station/desk/pages.h"
+#include "station/desk/score_words.h"
 
 namespace enamel::station::desk {
-namespace {
 
-std::string Points(const Words& words, double value) {
-  std::string out = words.Decimal(value, 1);
-  if (out.ends_with('0')) out.resize(out.size() - 2);
-  return out;
-}
-
-}  // namespace
-
-std::string WorstWall(const scoring::ScoreResult& score) {
+std::string WorstWall(const Words& words, const scoring::ScoreResult& score) {
   const scoring::CriterionResult* worst = nullptr;
   for (const scoring::CriterionResult& c : score.criteria) {
     bool wall = c.name.starts_with("wall_") || c.name == "floor_mm";
@@ -22,7 +14,7 @@ std::string WorstWall(const scoring::ScoreResult& score) {
     if (!wall || lost <= 0) continue;
     if (worst == nullptr || lost > worst->max_points - worst->points) worst = &c;
   }
-  return worst != nullptr ? worst->reason : "";
+  return worst != nullptr ? ReasonText(words, *worst) : "";
 }
 
 void Pages::Ready() {
@@ -160,25 +152,26 @@ void Pages::Score(const scoring::ScoreResult& score) {
   ui_.Score(flow_.words().Decimal(score.score, 0), Say("result.of"));
   if (score.critical_fail) ui_.Problem(Say("result.failed"));
   for (const scoring::GateResult& g : score.gates) {
-    if (g.share < 1) ui_.Problem(g.reason);
+    if (g.share < 1) ui_.Problem(ReasonText(flow_.words(), g));
   }
-  if (std::string worst = WorstWall(score); !worst.empty())
+  if (std::string worst = WorstWall(flow_.words(), score); !worst.empty())
     ui_.Text(Say("result.worst", {{"reason", worst}}));
   ui_.BeginList("reasons", 140);
   for (const scoring::CriterionResult& c : score.criteria) {
     if (c.max_points == 0) continue;  // not in this exercise
-    ui_.Line(c.title,
-             Say("result.points", {{"points", Points(flow_.words(), c.points)},
-                                   {"most", Points(flow_.words(), c.max_points)}}),
+    ui_.Line(WordedTitle(flow_.words(), c.title),
+             Say("result.points", {{"points", NumberText(flow_.words(), c.points, 1)},
+                                   {"most", NumberText(flow_.words(), c.max_points, 1)}}),
              // Half of the tenth that is shown: "10 of 10" with a reason would be a riddle.
-             c.max_points - c.points > 0.05 ? c.reason : "", c.points + 0.05 < c.max_points);
+             c.max_points - c.points > 0.05 ? ReasonText(flow_.words(), c) : "",
+             c.points + 0.05 < c.max_points);
   }
   ui_.EndList();
 }
 
 void Pages::Result() {
   ui_.Begin("result", kWidePage);
-  ui_.Title(flow_.result_title());
+  ui_.Title(WordedTitle(flow_.words(), flow_.result_title()));
   ui_.Problem(flow_.problem());
   const auto& progress = flow_.progress();
   if (flow_.score()) {

@@ -20,7 +20,7 @@ TEST(ResultTextTest, TheWorstWallIsTheOneThatLostMostPoints) {
   score.criteria = {Criterion("zone_target_removed_percent", 0, 40),
                     Criterion("wall_mesial_mm", 5, 8), Criterion("wall_distal_mm", 1, 8),
                     Criterion("floor_mm", 8, 8)};
-  EXPECT_EQ(WorstWall(score), "wall_distal_mm reason");
+  EXPECT_EQ(WorstWall(kEnglish, score), "wall_distal_mm reason");
 }
 
 TEST(ResultTextTest, AFaultIsSaidAtTheChairAsInTheLog) {
@@ -34,7 +34,7 @@ TEST(ResultTextTest, AFaultIsSaidAtTheChairAsInTheLog) {
 TEST(ResultTextTest, WithoutALossThereIsNoWorstWall) {
   scoring::ScoreResult score;
   score.criteria = {Criterion("wall_mesial_mm", 8, 8), Criterion("time_s", 0, 5)};
-  EXPECT_EQ(WorstWall(score), "");
+  EXPECT_EQ(WorstWall(kEnglish, score), "");
 }
 
 TEST(ResultTextTest, AnAssignmentSaysWhenItIsDueAndHowManyAttemptsAreLeft) {

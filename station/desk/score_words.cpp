@@ -1,0 +1,233 @@
+#include "station/desk/score_words.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+namespace enamel::station::desk {
+namespace {
+
+using language::Value;
+
+bool IsDigit(char c) { return c >= '0' && c <= '9'; }
+
+// Where a number that begins at `at` ends: "12", "2.50", but not the full stop of "in 12.".
+size_t EndOfNumber(std::string_view text, size_t at) {
+  while (at < text.size() && IsDigit(text[at])) ++at;
+  if (at + 1 >= text.size() || text[at] != '.' || !IsDigit(text[at + 1])) return at;
+  ++at;
+  while (at < text.size() && IsDigit(text[at])) ++at;
+  return at;
+}
+
+// A text as the name of its message, and its numbers, which are the message's places {a}, {b}, … in their order.
+struct Named {
+  std::string name;
+  std::vector<std::string_view> numbers;
+};
+Named NameOf(std::string_view text) {
+  Named out;
+  bool apart = false;
+  for (size_t i = 0; i < text.size();) {
+    std::string piece;
+    if (IsDigit(text[i])) {
+      const size_t end = EndOfNumber(text, i);
+      out.numbers.push_back(text.substr(i, end - i));
+      piece = "n";
+      i = end;
+    } else {
+      const char c = text[i++];
+      if (c >= 'A' && c <= 'Z') piece = static_cast<char>(c - 'A' + 'a');
+      if (c >= 'a' && c <= 'z') piece = c;
+    }
+    if (piece.empty()) {
+      apart = true;
+      continue;
+    }
+    if (apart && !out.name.empty()) out.name += '_';
+    apart = false;
+    out.name += piece;
+  }
+  return out;
+}
+
+// None: not built in.
+std::optional<std::string> SaidBuiltin(const Words& words, std::string_view kind,
+                                       std::string_view text) {
+  static constexpr std::string_view kPlaces = "abcdefghijklmnopqrstuvwxyz";
+  const Named named = NameOf(text);
+  const std::string key = std::string(kind) + "." + named.name;
+  if (!words.Has(key) || named.numbers.size() > kPlaces.size()) return std::nullopt;
+  std::vector<Value> values;
+  for (size_t i = 0; i < named.numbers.size(); ++i) {
+    const std::string number(named.numbers[i]);
+    const size_t point = number.find('.');
+    const int decimals =
+        point == std::string::npos ? 0 : static_cast<int>(number.size() - point - 1);
+    values.push_back({kPlaces.substr(i, 1), words.Decimal(std::stod(number), decimals)});
+  }
+  return words.Say(key, values);
+}
+
+// At each space that a full stop stands before and a capital letter behind.
+std::vector<std::string_view> SentencesOf(std::string_view text) {
+  std::vector<std::string_view> out;
+  size_t from = 0;
+  for (size_t i = 1; i + 1 < text.size(); ++i) {
+    if (text[i] != ' ' || text[i - 1] != '.' || text[i + 1] < 'A' || text[i + 1] > 'Z') continue;
+    out.push_back(text.substr(from, i - from));
+    from = i + 1;
+  }
+  out.push_back(text.substr(from));
+  return out;
+}
+
+// Chinese sentences have their space in the full stop.
+std::string_view Between(const Words& words) {
+  return words.language() == language::Language::kChinese ? "" : " ";
+}
+
+std::string DurationText(const Words& words, double s) {
+  // What would be written as 60.0 s is a minute.
+  if (s < 59.95) return NumberText(words, s, 1) + " s";
+  const auto whole = std::llround(s);
+  const std::string rest = std::to_string(whole % 60);
+  return std::to_string(whole / 60) + " min " + (rest.size() < 2 ? "0" : "") + rest + " s";
+}
+
+std::string QuantityText(const Words& words, double value, std::string_view unit, int digits) {
+  if (unit == "s") return DurationText(words, value);
+  return scoring::WithUnit(words.Decimal(value, digits), unit);
+}
+std::string QuantityText(const Words& words, double value, std::string_view unit) {
+  return QuantityText(words, value, unit, scoring::UsualDigits(unit));
+}
+
+// A moment in the attempt, "2:07.4".
+std::string MomentText(const Words& words, double s) {
+  const auto tenths = std::llround(10 * std::max(0.0, s));
+  const std::string rest = words.Decimal(static_cast<double>(tenths % 600) / 10, 1);
+  return std::to_string(tenths / 600) + ":" + (rest.size() < 4 ? "0" : "") + rest;
+}
+
+// The key's own form of what MetricInfo says in English: "too deep", "more open at the top".
+std::string DirectionKey(std::string_view direction) {
+  std::string key = "direction." + std::string(direction);
+  for (char& c : key) {
+    if (c == ' ') c = '_';
+  }
+  return key;
+}
+
+// Measured; where its sign says which way, in words: "0.22 mm too deep".
+std::string FoundText(const Words& words, std::string_view metric, double value,
+                      std::string_view unit, int digits) {
+  const scoring::MetricInfo* info = scoring::FindMetric(metric);
+  if (info == nullptr || info->above_zero.empty()) return QuantityText(words, value, unit, digits);
+  const std::string size = QuantityText(words, std::fabs(value), unit, digits);
+  const std::string key = std::fabs(value) < scoring::kNeitherWay
+                              ? std::string("direction.none")
+                              : DirectionKey(value > 0 ? info->above_zero : info->below_zero);
+  return words.Has(key) ? words.Say(key, {{"size", size}}) : size;
+}
+
+// None: a code that is not known here.
+std::optional<std::string> SentenceOf(const Words& words, std::string_view metric,
+                                      const scoring::Reason& reason, std::string_view unit) {
+  const std::vector<double>& v = reason.values;
+  const std::string& code = reason.code;
+  const std::string key = "reason." + code;
+  const auto quantity = [&](size_t i, int digits) {
+    return QuantityText(words, v[i], unit, digits);
+  };
+  const bool one_limit = code == "at_most" || code == "at_least" || code == "within";
+  if ((one_limit && v.size() >= 2) || (code == "between" && v.size() == 3) ||
+      (code == "fails_above" && v.size() == 2)) {
+    const int digits = scoring::ReasonDigits(reason, unit);
+    const std::string found = FoundText(words, metric, v[0], unit, digits);
+    const std::string second = quantity(1, digits);
+    if (code == "fails_above") return words.Say(key, {{"found", found}, {"limit", second}});
+    if (code == "between") {
+      if (v[1] == v[2]) return words.Say("reason.exactly", {{"found", found}, {"full", second}});
+      return words.Say(key, {{"found", found}, {"from", second}, {"to", quantity(2, digits)}});
+    }
+    // One value alone earns them: no pulp exposed.
+    const std::string how = code != "at_least" && v[1] == 0 ? "reason.exactly" : key;
+    if (v.size() == 2) return words.Say(how, {{"found", found}, {"full", second}});
+    return words.Say(how + "_none",
+                     {{"found", found}, {"full", second}, {"none", quantity(2, digits)}});
+  }
+  if (code == "any" && v.size() == 1) {
+    return words.Say(key,
+                     {{"found", FoundText(words, metric, v[0], unit, scoring::UsualDigits(unit))}});
+  }
+  if (code == "device_limit" && v.size() == 2) {
+    return words.Say(
+        key, {{"found", QuantityText(words, v[0], unit)}, {"share", NumberText(words, v[1], 1)}});
+  }
+  if (code == "keeps" && v.size() == 1) {
+    return words.Say(key, {{"percent", NumberText(words, v[0], 1)}});
+  }
+  if (code == "cut_further" && v.size() == 1) {
+    return words.Say(key, {{"volume", QuantityText(words, v[0], "mm3")}});
+  }
+  if ((code == "stop_earlier" || code == "stop_earlier_here") && v.size() == 2) {
+    return words.Say(key,
+                     {{"moment", MomentText(words, v[0])}, {"stroke", NumberText(words, v[1], 0)}});
+  }
+  if ((code == "stop_earlier_by" || code == "stop_earlier_here_by") && v.size() == 2) {
+    return words.Say(key, {{"moment", MomentText(words, v[0])}, {"half", MomentText(words, v[1])}});
+  }
+  if (code == "not_in_task" || code == "not_made") return words.Say(key);
+  return std::nullopt;
+}
+
+template <typename Judged>
+std::string ReasonTextOf(const Words& words, const Judged& judged) {
+  if (judged.reasons.empty()) return judged.reason;
+  std::string out = words.Say("reason.title", {{"title", WordedTitle(words, judged.title)}});
+  for (const scoring::Reason& reason : judged.reasons) {
+    const auto said = SentenceOf(words, judged.name, reason, judged.unit);
+    if (!said) return judged.reason;
+    out.append(Between(words)).append(*said);
+  }
+  if (!judged.comment.empty()) {
+    out.append(Between(words)).append(WordedText(words, judged.comment));
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string WordedTitle(const Words& words, std::string_view title) {
+  return SaidBuiltin(words, "builtin_title", title).value_or(std::string(title));
+}
+
+std::string WordedText(const Words& words, std::string_view text) {
+  std::string out;
+  for (std::string_view sentence : SentencesOf(text)) {
+    const auto said = SaidBuiltin(words, "builtin_text", sentence);
+    if (!said) return std::string(text);
+    if (!out.empty()) out.append(Between(words));
+    out.append(*said);
+  }
+  return out;
+}
+
+std::string ReasonText(const Words& words, const scoring::CriterionResult& criterion) {
+  return ReasonTextOf(words, criterion);
+}
+std::string ReasonText(const Words& words, const scoring::GateResult& gate) {
+  return ReasonTextOf(words, gate);
+}
+
+std::string NumberText(const Words& words, double value, int most_digits) {
+  std::string out = words.Decimal(value, most_digits);
+  if (most_digits == 0) return out;
+  while (out.ends_with('0')) out.pop_back();
+  if (!IsDigit(out.back())) out.pop_back();
+  return out;
+}
+
+}  // namespace enamel::station::desk
