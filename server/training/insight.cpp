@@ -141,7 +141,7 @@ Insight InsightOf(const std::vector<StudentWork>& students) {
   out.times_s = SpreadOf(ValuesOf(times));
   out.commonest = Commonest(criteria);
   FindOutliers("score", scores, out.outliers);
-  FindOutliers("time_s", times, out.outliers);
+  FindOutliers("time_all_attempts_s", times, out.outliers);
   for (Gathered& each : criteria) {
     FindOutliers(each.insight.name, each.values, out.outliers);
     each.insight.values = SpreadOf(ValuesOf(each.values));

@@ -52,7 +52,7 @@ export function assignmentInsight({ world, id }) {
     summary: { students: students.length, not_started: students.length - begun.length, waiting: begun.length - scored.length, scored: scored.length, failed: scored.filter((student) => student.failed).length,
                scores: spread(scored.map((student) => student.score)), times_s: spread(begun.map((student) => student.time_s)), score_tenths: tenths(scored.map((student) => student.score)) },
     gates: scored.length === 0 ? [] : [{ name: "task_done_percent", title: "Task done", taken: 1 }],
-    outliers: late === undefined ? [] : [{ person_id: late.person.id, what: "time_s", value: late.time_s, median: spread(begun.map((student) => student.time_s)).median, z: 9.1 }],
+    outliers: late === undefined ? [] : [{ person_id: late.person.id, what: "time_all_attempts_s", value: late.time_s, median: spread(begun.map((student) => student.time_s)).median, z: 9.1 }],
     students: students.map((student) => ({ ...student, points: student.points.length === 0 ? told.map(() => null) : student.points })),
     staff: world.attempts.filter((attempt) => people.some((person) => person.role !== "student" && person.id === attempt.person.id) && attempt.exercise.id === world.exercises.find((item) => item.name === row.exercise)?.id).map((attempt) => ({
       person: viewOf(byId(world.people, attempt.person.id)), attempt_id: attempt.id, score: attempt.score, time_s: attempt.ticks / 1000, ticketed_ms: attempt.ticketed_ms, as_reference: attempt.as_reference })),

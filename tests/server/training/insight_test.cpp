@@ -97,7 +97,7 @@ TEST(InsightTest, OnlyWhatIsFarFromTheClassStandsOut) {
   const Insight insight = InsightOf(work);
   ASSERT_EQ(insight.outliers.size(), 1u);
   EXPECT_EQ(insight.outliers[0].student, 7u);
-  EXPECT_EQ(insight.outliers[0].what, "time_s");
+  EXPECT_EQ(insight.outliers[0].what, "time_all_attempts_s");
   EXPECT_NEAR(insight.outliers[0].z, 8.6, 0.01);
   work.erase(work.begin());
   EXPECT_TRUE(InsightOf(work).outliers.empty()) << "seven are too few";

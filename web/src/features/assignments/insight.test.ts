@@ -22,7 +22,7 @@ test("the commonest error is a sentence, and so is that there is none", () => {
 });
 
 test("what stands out is told in its unit, beside the class", () => {
-  assert.equal(outlierText({ person_id: "1", what: "time_s", value: 725, median: 240, z: 5 }, insight), "Time in all attempts 12\u00a0min\u00a005\u00a0s, the class 4\u00a0min\u00a000\u00a0s");
+  assert.equal(outlierText({ person_id: "1", what: "time_all_attempts_s", value: 725, median: 240, z: 5 }, insight), "Time in all attempts 12\u00a0min\u00a005\u00a0s, the class 4\u00a0min\u00a000\u00a0s");
   assert.equal(outlierText({ person_id: "1", what: "wall_mesial_mm", value: 0.9, median: 0.12, z: 5 }, insight), "Mesial wall 0.90\u00a0mm too deep, the class 0.12\u00a0mm too deep");
   assert.equal(outlierText({ person_id: "1", what: "score", value: 12, median: 80, z: -5 }, insight), "Score 12.0, the class 80.0");
 });
@@ -38,9 +38,9 @@ test("the file has a row for each student and no cell that a spreadsheet compute
 test("a time in all attempts and that of the attempt that counts are told apart, and one time once", () => {
   const spread = (median: number) => ({ count: 8, least: 60, lower: 84, median, upper: 110, most: 200 });
   const time = { ...criterion, name: "time_s", title: "Time", unit: "s", values: spread(95) };
-  const outliers = [["1", 189, 97], ["1", 160, 95], ["2", 200, 97], ["2", 200, 95]].map(([person, value, median]) => ({ person_id: String(person), what: "time_s", value: Number(value), median: Number(median), z: 5 }));
+  const outliers = [["1", 189, 97, "time_all_attempts_s"], ["1", 160, 95, "time_s"], ["2", 200, 97, "time_all_attempts_s"], ["2", 200, 95, "time_s"], ["3", 160, 95, "time_s"]].map(([person, value, median, what]) => ({ person_id: String(person), what: String(what), value: Number(value), median: Number(median), z: 5 }));
   const [first, second] = insight.students;
   const told = { ...insight, criteria: [criterion, time], outliers, summary: { ...insight.summary, times_s: spread(97) }, students: [first!, { ...second!, attempts: 1 }] };
   assert.deepEqual(outliersOf(told).map((outlier) => outlierText(outlier, told).replaceAll("\u00a0", " ")),
-    ["Time in all attempts 3 min 09 s, the class 1 min 37 s", "Time 2 min 40 s, the class 1 min 35 s", "Time in all attempts 3 min 20 s, the class 1 min 37 s"]);
+    ["Time in all attempts 3 min 09 s, the class 1 min 37 s", "Time 2 min 40 s, the class 1 min 35 s", "Time in all attempts 3 min 20 s, the class 1 min 37 s", "Time 2 min 40 s, the class 1 min 35 s"]);
 });

@@ -15,23 +15,12 @@ export function commonestText({ commonest, criteria, summary }: AssignmentInsigh
   return summary.scored === 0 ? say("insight.nothing_scored") : say("insight.none_lost");
 }
 
-// The server names two times alike: what was recorded in all of somebody's attempts, and, where the rubric judges the time,
-// that of the attempt that counts. The class's median tells which.
-function isOfCriterion({ what, median }: Outlier, { criteria, summary }: AssignmentInsight): boolean {
-  const found = criteria.find(({ name }) => name === what);
-  return what !== kTime || (found?.values?.median === median && summary.times_s?.median !== median);
-}
-
-const kTime = "time_s";
+const kTime = "time_s", kTimeOfAll = "time_all_attempts_s";
 
 // Who made one attempt has one time, which is told once.
-export function outliersOf(insight: AssignmentInsight): Outlier[] {
-  const told = new Set<string>();
-  return insight.outliers.filter((outlier) => {
-    const attempts = insight.students.find(({ person }) => person.id === outlier.person_id)?.attempts ?? 0;
-    const key = `${outlier.person_id} ${outlier.what} ${attempts > 1 && isOfCriterion(outlier, insight)}`;
-    return !told.has(key) && told.add(key);
-  });
+export function outliersOf({ outliers, students }: AssignmentInsight): Outlier[] {
+  return outliers.filter(({ person_id: id, what }) => what !== kTime || (students.find(({ person }) => person.id === id)?.attempts ?? 0) > 1
+    || !outliers.some((other) => other.person_id === id && other.what === kTimeOfAll));
 }
 
 // What a student has that the class has not.
@@ -39,7 +28,7 @@ export function outlierText(outlier: Outlier, insight: AssignmentInsight): strin
   const { what, value, median } = outlier;
   const { criteria } = insight;
   if (what === "score") return say("insight.outlier_score", { value: formatScore(value), median: formatScore(median) });
-  if (!isOfCriterion(outlier, insight)) return say("insight.outlier_time", { value: formatDuration(value), median: formatDuration(median) });
+  if (what === kTimeOfAll) return say("insight.outlier_time", { value: formatDuration(value), median: formatDuration(median) });
   const found = criteria.find(({ name }) => name === what);
   const unit = found?.unit ?? "";
   return say("insight.outlier", { title: found?.title ?? what, value: measuredText(what, value, unit), median: measuredText(what, median, unit) });
