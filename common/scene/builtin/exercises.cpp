@@ -58,12 +58,17 @@ Exercise ClassTwoExercise(const Scene& scene, const Sha256& scene_hash) {
   // Less than elsewhere: on the mesial side the neighbour stands 0.05 mm away.
   e.target.leeway_side_um = 100;
   e.rubric.name = "class-2-mesial";
+  e.rubric.version = 5;
   // The mesial side is open: its points, and the outline's, are for the neighbour.
   auto& criteria = e.rubric.criteria;
   for (RubricCriterion& c : criteria) {
-    if (c.metric != "wall_distal_mm") continue;
-    c.title = "Axial wall";
-    c.comment = "The axial wall is not where it should be.";
+    if (c.metric == "wall_distal_mm") {
+      c.title = "Axial wall";
+      c.comment = "The axial wall is not where it should be.";
+    } else if (c.metric == "floor_mm") {
+      c.title = "Gingival floor";
+      c.comment = "The gingival floor is too deep or too shallow.";
+    }
   }
   std::erase_if(criteria, [](const RubricCriterion& c) {
     // The outline ends in the open side, where it has no place of its own.
