@@ -307,11 +307,10 @@ class StreamConnection : public AcceptedConnection,
 
 }  // namespace
 
-std::shared_ptr<AcceptedConnection> MakeConnection(tcp::socket socket, Strand strand,
+std::shared_ptr<AcceptedConnection> MakeConnection(tcp::socket socket, std::string peer,
+                                                   Strand strand,
                                                    std::shared_ptr<ServerContext> context) {
   ServerContext& its = *context;
-  std::string peer = PeerAddress(socket);
-  // The peer's address was asked for before: a socket that was moved from has none.
   beast::tcp_stream plain(std::move(socket));
   if (!its.tls) {
     return std::make_shared<StreamConnection<beast::tcp_stream>>(

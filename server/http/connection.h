@@ -15,7 +15,7 @@ namespace enamel::server::http {
 // It gives way for another first while it waits for a request, then while its answer is not taken;
 // not while a request is being done, nor while it watches. `context` is kept.
 std::shared_ptr<AcceptedConnection> MakeConnection(boost::asio::ip::tcp::socket socket,
-                                                   Strand strand,
+                                                   std::string peer, Strand strand,
                                                    std::shared_ptr<ServerContext> context);
 
 }  // namespace enamel::server::http

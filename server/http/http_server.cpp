@@ -33,8 +33,8 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
             io,
             {"page", its->options.address, its->options.port, its->options.max_connections,
              its->options.deadlines.stop},
-            [its](tcp::socket socket, Strand strand) {
-              return MakeConnection(std::move(socket), std::move(strand), its);
+            [its](tcp::socket socket, Strand strand, const std::string& peer) {
+              return MakeConnection(std::move(socket), peer, std::move(strand), its);
             },
             [its](tcp::socket socket, size_t) { TurnAway(*its, socket); }) {}
 

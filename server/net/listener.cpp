@@ -2,10 +2,13 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/post.hpp>
+#include <boost/asio/read.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
@@ -15,6 +18,7 @@
 
 #include "common/base/check.h"
 #include "server/net/connection_limit.h"
+#include "server/net/proxy_header.h"
 
 namespace enamel::server {
 
@@ -29,6 +33,97 @@ namespace {
 constexpr std::chrono::milliseconds kAcceptPause{100};
 
 auto Into(error_code& error) { return asio::redirect_error(asio::use_awaitable, error); }
+
+// A socket from a proxy until that has said whom it was asked by. It then gives the socket on, and is no more; or it
+// ends as any connection does.
+class Introduction : public AcceptedConnection, public std::enable_shared_from_this<Introduction> {
+ public:
+  using Then = std::function<void(tcp::socket socket, Strand strand, const std::string& peer)>;
+
+  // `name`: of the listener, for the log.
+  Introduction(tcp::socket socket, Strand strand, std::string proxy, std::string name,
+               std::chrono::milliseconds time, Then then)
+      : socket_(std::move(socket)),
+        strand_(std::move(strand)),
+        late_(strand_),
+        proxy_(std::move(proxy)),
+        name_(std::move(name)),
+        time_(time),
+        then_(std::move(then)) {}
+
+  void Run(std::function<void()> on_end) override {
+    asio::co_spawn(
+        strand_, Read(),
+        [self = shared_from_this(), on_end](std::exception_ptr failure, bool introduced) {
+          self->late_.cancel();
+          if (!failure && introduced) {
+            return self->then_(std::move(self->socket_), self->strand_, self->peer_);
+          }
+          self->CloseSocket();
+          on_end();
+        });
+    late_.expires_after(time_);
+    late_.async_wait([self = weak_from_this()](error_code cancelled) {
+      auto there = self.lock();
+      if (there && !cancelled) there->CloseSocket();
+    });
+  }
+  // Nothing was asked yet that could be finished.
+  void BeginStop() override { Close(); }
+  void Close() override {
+    asio::post(strand_, [self = shared_from_this()] { self->CloseSocket(); });
+  }
+  GivesWay gives_way() const override { return GivesWay::kFirst; }
+  const std::string& block() const override { return proxy_; }
+
+ private:
+  asio::awaitable<bool> Read();
+  void CloseSocket() {
+    error_code ignored;
+    socket_.close(ignored);
+  }
+  bool Refuse(const Status& why) {
+    spdlog::warn("{}: the proxy at {}: {}", name_, proxy_, why.message());
+    return false;
+  }
+
+  tcp::socket socket_;
+  const Strand strand_;
+  asio::steady_timer late_;
+  const std::string proxy_, name_;
+  const std::chrono::milliseconds time_;
+  const Then then_;
+  std::string peer_;
+};
+
+asio::awaitable<bool> Introduction::Read() {
+  error_code error;
+  std::array<uint8_t, kProxyStartBytes> first{};
+  co_await asio::async_read(socket_, asio::buffer(first), Into(error));
+  // A proxy that only sees whether somebody listens says nothing.
+  if (error) co_return false;
+  const auto start = ReadProxyStart(first);
+  if (!start.ok()) co_return Refuse(start.status());
+  std::vector<uint8_t> rest(start->rest_bytes);
+  co_await asio::async_read(socket_, asio::buffer(rest), Into(error));
+  if (error) co_return false;
+  auto peer = ReadProxyPeer(*start, rest);
+  if (!peer.ok()) co_return Refuse(peer.status());
+  peer_ = peer->empty() ? proxy_ : std::move(*peer);
+  co_return true;
+}
+
+// In the spelling in which a peer's address is shown: they are compared as text.
+Status CheckProxies(const std::vector<std::string>& proxies) {
+  for (const std::string& proxy : proxies) {
+    error_code error;
+    if (asio::ip::make_address(proxy, error).to_string() == proxy && !error) continue;
+    return {Code::kInvalidInput,
+            "expected a proxy's numeric address such as 10.0.0.5, found '" + proxy + "'",
+            "proxies"};
+  }
+  return {};
+}
 
 }  // namespace
 
@@ -49,9 +144,13 @@ struct Listener::State : std::enable_shared_from_this<State> {
   std::shared_ptr<AcceptedConnection> PickToGiveWay(GivesWay when, uint64_t& id);
   bool MakeRoom();
   void Admit(tcp::socket socket, Strand its);
+  std::shared_ptr<AcceptedConnection> AskProxy(uint64_t id, tcp::socket socket, Strand its,
+                                               const std::string& proxy);
+  void Introduced(uint64_t id, tcp::socket socket, Strand its, const std::string& peer);
+  std::function<void()> Ended(uint64_t id);
   void Forget(uint64_t id);
   void StopOnStrand();
-  void VisitAll(const std::function<void(AcceptedConnection&)>& visit);
+  void VisitAll(const std::function<void(AcceptedConnection&)>& visit, bool made_only = false);
 
   asio::io_context& io;
   const ListenerOptions options;
@@ -63,6 +162,7 @@ struct Listener::State : std::enable_shared_from_this<State> {
   struct Entry {
     std::weak_ptr<AcceptedConnection> connection;
     bool closing = false;  // was told to give way
+    bool made = true;      // by `make`; false while a proxy is asked for whom it comes
   };
   Strand strand;
   tcp::acceptor acceptor;
@@ -155,12 +255,46 @@ void Listener::State::Admit(tcp::socket socket, Strand its) {
   // Answers are written whole: waiting for more to send would only delay their last packet.
   socket.set_option(tcp::no_delay(true), ignored);
   uint64_t id = next_id++;
-  auto connection = make(std::move(socket), its);
-  connections[id] = {connection};
+  const std::string peer = PeerAddress(socket);
+  const bool proxied = std::ranges::find(options.proxies, peer) != options.proxies.end();
+  auto connection = proxied ? AskProxy(id, std::move(socket), std::move(its), peer)
+                            : make(std::move(socket), std::move(its), peer);
+  connections[id] = {connection, false, !proxied};
   open = connections.size();
-  connection->Run([self = shared_from_this(), id] {
+  connection->Run(Ended(id));
+}
+
+std::function<void()> Listener::State::Ended(uint64_t id) {
+  return [self = shared_from_this(), id] {
     asio::post(self->strand, [self, id] { self->Forget(id); });
-  });
+  };
+}
+
+std::shared_ptr<AcceptedConnection> Listener::State::AskProxy(uint64_t id, tcp::socket socket,
+                                                              Strand its,
+                                                              const std::string& proxy) {
+  // Moved from handler to handler: those of Asio may be copied, a socket not.
+  auto then = [self = shared_from_this(), id](tcp::socket from, Strand on,
+                                              const std::string& peer) {
+    auto held = std::make_shared<tcp::socket>(std::move(from));
+    asio::post(self->strand,
+               [self, id, held, on, peer] { self->Introduced(id, std::move(*held), on, peer); });
+  };
+  return std::make_shared<Introduction>(std::move(socket), std::move(its), proxy, options.name,
+                                        options.introduction, std::move(then));
+}
+
+// The place in `connections` stays what it was, with another in it.
+void Listener::State::Introduced(uint64_t id, tcp::socket socket, Strand its,
+                                 const std::string& peer) {
+  ENAMEL_CHECK(strand.running_in_this_thread());
+  Entry& entry = connections.at(id);
+  // It was told to go before it was there.
+  if (stopping || entry.closing) return Forget(id);
+  auto connection = make(std::move(socket), std::move(its), peer);
+  entry.connection = connection;
+  entry.made = true;
+  connection->Run(Ended(id));
 }
 
 void Listener::State::Forget(uint64_t id) {
@@ -172,9 +306,11 @@ void Listener::State::Forget(uint64_t id) {
   if (stopping && connections.empty()) grace.cancel();
 }
 
-void Listener::State::VisitAll(const std::function<void(AcceptedConnection&)>& visit) {
+void Listener::State::VisitAll(const std::function<void(AcceptedConnection&)>& visit,
+                               bool made_only) {
   ENAMEL_CHECK(strand.running_in_this_thread());
   for (auto& [id, entry] : connections) {
+    if (made_only && !entry.made) continue;
     if (auto connection = entry.connection.lock()) visit(*connection);
   }
 }
@@ -198,6 +334,7 @@ Listener::Listener(asio::io_context& io, ListenerOptions options, Make make, Tur
           std::make_shared<State>(io, std::move(options), std::move(make), std::move(turn_away))) {}
 
 Result<uint16_t> Listener::Start() {
+  ENAMEL_RETURN_IF_ERROR(CheckProxies(state_->options.proxies));
   ENAMEL_RETURN_IF_ERROR(state_->Listen());
   const uint16_t port = state_->acceptor.local_endpoint().port();
   asio::co_spawn(state_->strand, state_->Accept(),
@@ -217,7 +354,7 @@ size_t Listener::open() const { return state_->open; }
 
 void Listener::ForEach(std::function<void(AcceptedConnection&)> visit) {
   asio::post(state_->strand,
-             [state = state_, visit = std::move(visit)] { state->VisitAll(visit); });
+             [state = state_, visit = std::move(visit)] { state->VisitAll(visit, true); });
 }
 
 std::string PeerAddress(const tcp::socket& socket) {

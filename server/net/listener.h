@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common/base/result.h"
 
@@ -43,6 +44,10 @@ struct ListenerOptions {
   // none, the one more is turned away.
   size_t max_connections = 1024;
   std::chrono::milliseconds stop{5'000};  // what a request gets to finish in when stopping
+  // Numeric addresses of proxies that say whom they were asked by (proxy_header.h): each of their connections begins
+  // with it. From others nothing of the kind is read.
+  std::vector<std::string> proxies = {};
+  std::chrono::milliseconds introduction{10'000};  // what a proxy gets to say it in
 };
 
 // Accepts connections, each on a strand of its own, keeps their number within bounds, and stops
@@ -55,15 +60,15 @@ class Listener {
  public:
   static constexpr size_t kMaxClosing = 64;
 
-  // `socket` runs on `strand`.
+  // `socket` runs on `strand`; `peer`: numeric, behind a proxy what it says.
   using Make = std::function<std::shared_ptr<AcceptedConnection>(
-      boost::asio::ip::tcp::socket socket, Strand strand)>;
+      boost::asio::ip::tcp::socket socket, Strand strand, const std::string& peer)>;
   // For a socket that finds no room; `open` connections are open. Must not block.
   using TurnAway = std::function<void(boost::asio::ip::tcp::socket socket, size_t open)>;
 
   Listener(boost::asio::io_context& io, ListenerOptions options, Make make, TurnAway turn_away);
 
-  // Listens; returns the port. Errors: kInvalidInput (address), kUnavailable (port in use).
+  // Listens; returns the port. Errors: kInvalidInput (address, proxies), kUnavailable (port in use).
   Result<uint16_t> Start();
 
   // Returns at once; again changes nothing. First no new connections, and BeginStop for those there
@@ -72,7 +77,7 @@ class Listener {
 
   // Connections that have not ended, those that are told to close among them.
   size_t open() const;
-  // Calls `visit` later, from a strand, for each connection that has not ended by then.
+  // Calls `visit` later, from a strand, for each connection that `make` made and that has not ended by then.
   void ForEach(std::function<void(AcceptedConnection&)> visit);
 
  private:

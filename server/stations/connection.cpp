@@ -25,7 +25,7 @@ bool IsOurFault(const wire::Error& error) {
 
 }  // namespace
 
-Connection::Connection(asio::ip::tcp::socket socket, Strand strand, SSL_CTX* tls,
+Connection::Connection(asio::ip::tcp::socket socket, Strand strand, std::string peer, SSL_CTX* tls,
                        const LinkDeadlines& deadlines, Services& services, StorePool& pool,
                        ops::RefusalLog& refusals)
     : strand_(std::move(strand)),
@@ -36,7 +36,7 @@ Connection::Connection(asio::ip::tcp::socket socket, Strand strand, SSL_CTX* tls
       watch_(strand_),
       // A peer that is nobody yet gets no 4 MiB of memory.
       reader_(protocol::kMaxFrameBytesBeforeHello),
-      peer_(PeerAddress(stream_.socket())),
+      peer_(std::move(peer)),
       block_(auth::AddressBlock(peer_)),
       session_(services, peer_) {}
 

@@ -23,7 +23,7 @@ namespace enamel::server::stations {
 class Connection : public AcceptedConnection, public std::enable_shared_from_this<Connection> {
  public:
   // Requires: the socket runs on `strand`. `tls`, `deadlines` and what follows outlive it.
-  Connection(boost::asio::ip::tcp::socket socket, Strand strand, SSL_CTX* tls,
+  Connection(boost::asio::ip::tcp::socket socket, Strand strand, std::string peer, SSL_CTX* tls,
              const LinkDeadlines& deadlines, Services& services, StorePool& pool,
              ops::RefusalLog& refusals);
 

@@ -53,13 +53,15 @@ struct StationServer::State : std::enable_shared_from_this<State> {
         listener(
             io,
             {"station link", options.address, options.port, options.max_connections,
-             options.deadlines.stop},
-            [this](tcp::socket socket, Strand its) { return Make(std::move(socket), its); },
+             options.deadlines.stop, options.proxies, options.deadlines.introduction},
+            [this](tcp::socket socket, Strand its, const std::string& peer) {
+              return Make(std::move(socket), std::move(its), peer);
+            },
             [this](const tcp::socket& socket, size_t open) { NoteTurnedAway(socket, open); }),
         strand(asio::make_strand(io)),
         next_look(strand) {}
 
-  std::shared_ptr<AcceptedConnection> Make(tcp::socket socket, Strand its);
+  std::shared_ptr<AcceptedConnection> Make(tcp::socket socket, Strand its, const std::string& peer);
   void NoteTurnedAway(const tcp::socket& socket, size_t open);
   asio::awaitable<void> WatchRevoked();
   void EndRevoked(std::set<Uuid> now);
@@ -80,8 +82,9 @@ struct StationServer::State : std::enable_shared_from_this<State> {
   bool stopping = false;
 };
 
-std::shared_ptr<AcceptedConnection> StationServer::State::Make(tcp::socket socket, Strand its) {
-  return std::make_shared<Connection>(std::move(socket), std::move(its), tls->native_handle(),
+std::shared_ptr<AcceptedConnection> StationServer::State::Make(tcp::socket socket, Strand its,
+                                                               const std::string& peer) {
+  return std::make_shared<Connection>(std::move(socket), std::move(its), peer, tls->native_handle(),
                                       options.deadlines, services, pool, refusals);
 }
 

@@ -26,6 +26,8 @@ struct StationServerOptions {
   std::string address = "127.0.0.1";               // numeric
   uint16_t port = 8443;                            // 0: any free one
   std::filesystem::path certificate, private_key;  // PEM
+  // Proxies that pass the bytes on and say for whom (ListenerOptions): the station's TLS ends here all the same.
+  std::vector<std::string> proxies;
   // For one more, one that has not said Hello yet is closed: the first of the address that has the
   // most of them. When there is none, the one more is closed.
   size_t max_connections = 16'384;

@@ -68,6 +68,10 @@ class Peer {
   explicit Peer(uint16_t port) {
     socket_.connect({asio::ip::make_address("127.0.0.1"), port}, error_);
   }
+  void Send(const std::string& bytes) {
+    error_code ignored;
+    asio::write(socket_, asio::buffer(bytes), ignored);
+  }
   // What the server sends next; 0 when it ends the connection instead.
   int Read() {
     uint8_t byte = 0;
@@ -91,11 +95,15 @@ class ListenerTest : public testing::Test {
   // Connections count for `blocks` in turn.
   void Start(size_t max_connections, std::vector<std::string> blocks = {"a"},
              std::chrono::milliseconds stop = std::chrono::minutes(10)) {
+    Start({"test", "127.0.0.1", 0, max_connections, stop}, std::move(blocks));
+  }
+  void Start(ListenerOptions options, std::vector<std::string> blocks = {"a"}) {
     blocks_ = std::move(blocks);
     listener_.emplace(
-        io_, ListenerOptions{"test", "127.0.0.1", 0, max_connections, stop},
-        [this](tcp::socket socket, Strand strand) {
+        io_, std::move(options),
+        [this](tcp::socket socket, Strand strand, const std::string& peer) {
           std::lock_guard lock(mutex_);
+          peers_.push_back(peer);
           size_t count = connections_.size();
           connections_.push_back(std::make_shared<NumberedConnection>(
               std::move(socket), strand, static_cast<uint8_t>(count + 1),
@@ -136,7 +144,16 @@ class ListenerTest : public testing::Test {
   std::vector<std::string> blocks_;
   std::mutex mutex_;
   std::vector<std::shared_ptr<NumberedConnection>> connections_;
+  std::vector<std::string> peers_;
 };
+
+// As a proxy says it: a station at 192.0.2.`last` asked it.
+std::string HeaderOf(uint8_t last) {
+  const char bytes[] = {'\r', '\n', '\r', '\n', 0, '\r', '\n',   'Q', 'U', 'I',
+                        'T',  '\n', 0x21, 0x11, 0, 12,   '\xC0', 0,   2,   static_cast<char>(last),
+                        127,  0,    0,    1,    1, 2,    3,      4};
+  return {bytes, sizeof bytes};
+}
 
 TEST_F(ListenerTest, OneTooManyClosesTheOldestOfTheAddressWithMost) {
   Start(3, {"a", "b", "b"});
@@ -214,6 +231,81 @@ TEST_F(ListenerTest, StoppingClosesWhatIsStillBusyAfterItsTime) {
   StopAndJoin();
   EXPECT_EQ(At(1).stops, 1);
   EXPECT_EQ(first.Read(), 0);
+}
+
+TEST_F(ListenerTest, BehindAProxyThePeerIsWhomItNames) {
+  Start({.name = "test", .address = "127.0.0.1", .proxies = {"127.0.0.1"}});
+  Peer first(port_), second(port_);
+  second.Send(HeaderOf(8));
+  EXPECT_EQ(second.Read(), 1) << "nobody waits for the other";
+  // In pieces, as a network may deliver it.
+  const std::string header = HeaderOf(7);
+  for (char byte : header) first.Send({byte});
+  EXPECT_EQ(first.Read(), 2);
+  std::lock_guard lock(mutex_);
+  EXPECT_EQ(peers_, (std::vector<std::string>{"192.0.2.8", "192.0.2.7"}));
+}
+
+TEST_F(ListenerTest, WhoIsNoProxyIsNotAskedForAHeader) {
+  Start({.name = "test", .address = "127.0.0.1", .proxies = {"192.0.2.1"}});
+  Peer peer(port_);
+  EXPECT_EQ(peer.Read(), 1);
+  std::lock_guard lock(mutex_);
+  EXPECT_EQ(peers_, std::vector<std::string>{"127.0.0.1"});
+}
+
+TEST_F(ListenerTest, AProxyThatSaysSomethingElseIsClosed) {
+  Start({.name = "test", .address = "127.0.0.1", .proxies = {"127.0.0.1"}});
+  for (const std::string& bytes :
+       {std::string("GET / HTTP/1.1\r\nHost: x\r\n\r\n"), std::string(4096, '\r'),
+        HeaderOf(7).replace(13, 1, 1, '\x31')}) {
+    Peer peer(port_);
+    peer.Send(bytes);
+    EXPECT_EQ(peer.Read(), 0);
+  }
+  WaitForOpen(0);
+  EXPECT_TRUE(peers_.empty());
+}
+
+TEST_F(ListenerTest, AProxyThatSaysNothingIsClosedAfterItsTime) {
+  Start({.name = "test",
+         .address = "127.0.0.1",
+         .proxies = {"127.0.0.1"},
+         .introduction = std::chrono::milliseconds(20)});
+  Peer silent(port_), half(port_);
+  half.Send(HeaderOf(7).substr(0, 20));
+  EXPECT_EQ(silent.Read(), 0);
+  EXPECT_EQ(half.Read(), 0);
+  WaitForOpen(0);
+}
+
+TEST_F(ListenerTest, WhoWasNotNamedYetGivesWayAndIsNotVisited) {
+  Start({.name = "test", .address = "127.0.0.1", .max_connections = 1, .proxies = {"127.0.0.1"}});
+  Peer first(port_);
+  while (listener_->open() != 1) std::this_thread::yield();
+  listener_->ForEach([](AcceptedConnection&) { FAIL() << "none is made yet"; });
+  Peer second(port_);
+  EXPECT_EQ(first.Read(), 0);
+  second.Send(HeaderOf(7));
+  EXPECT_EQ(second.Read(), 1);
+  At(1).when = GivesWay::kNever;
+  Peer third(port_);
+  EXPECT_EQ(third.Read(), kTurnedAway);
+}
+
+TEST_F(ListenerTest, StoppingClosesWhomNobodyHasNamed) {
+  Start({.name = "test", .address = "127.0.0.1", .proxies = {"127.0.0.1"}});
+  Peer silent(port_);
+  while (listener_->open() != 1) std::this_thread::yield();
+  StopAndJoin();
+  EXPECT_EQ(silent.Read(), 0);
+}
+
+TEST_F(ListenerTest, AProxysNameIsNoAddress) {
+  ListenerOptions options{.name = "test", .address = "127.0.0.1", .proxies = {"127.0.0.01"}};
+  EXPECT_EQ(Listener(io_, options, {}, {}).Start().status().field(), "proxies");
+  options.proxies = {"proxy.example.edu"};
+  EXPECT_EQ(Listener(io_, options, {}, {}).Start().status().field(), "proxies");
 }
 
 TEST_F(ListenerTest, PortInUseAndAddressThatIsNoneAreNamed) {
