@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/address.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <future>
 #include <iostream>
@@ -72,8 +73,8 @@ bool IsLoopback(const std::string& address) {
 Status RefuseDemoBeyondLoopback(PeopleStore& store, const http::HttpOptions& page,
                                 const stations::StationServerOptions& link) {
   // A proxy on this machine brings the whole world to a page on loopback.
-  bool reached_from_afar =
-      !IsLoopback(page.address) || !page.trusted_proxies.empty() || !IsLoopback(link.address);
+  bool reached_from_afar = !IsLoopback(page.address) || !page.trusted_proxies.empty() ||
+                           !IsLoopback(link.address) || !link.proxies.empty();
   if (!reached_from_afar) return Status::Ok();
   ENAMEL_ASSIGN_OR_RETURN(auto logins, LoginsWithDemoPassword(store));
   if (logins.empty()) return Status::Ok();
@@ -164,6 +165,7 @@ Result<stations::StationServerOptions> LinkOptionsOf(const ServeOptions& options
   out.port = endpoint.port;
   out.certificate = identity.certificate;
   out.private_key = identity.private_key;
+  out.proxies = options.station_proxies;
   return out;
 }
 
@@ -285,12 +287,20 @@ Status Serve(const ServeOptions& options) {
   Caretaker caretaker(store);
 
   std::promise<void> stop_asked;
-  signals.OnFirst([&] {
+  const auto stop = [&] {
     // First: an erasure that waits for another process would hold up every request behind it.
     store.StopWaiting();
     link.Stop();
     page.Stop();
     stop_asked.set_value();
+  };
+  asio::steady_timer drained(io);
+  signals.OnFirst([&] {
+    if (options.drain_s == 0) return stop();
+    page.Drain();
+    spdlog::info("asks to be asked no more, and stops in {} s", options.drain_s);
+    drained.expires_after(std::chrono::seconds(options.drain_s));
+    drained.async_wait([&](const boost::system::error_code&) { stop(); });
   });
   net::Endpoint page_at{http_options.address, page_port}, link_at{link_options.address, link_port};
   std::cout << "ready: page " << (http_options.tls ? "https://" : "http://") << page_at.Text()

@@ -31,6 +31,9 @@ void AddAddresses(CLI::App* cmd, ServeOptions& serve) {
   cmd->add_option("--http-behind-proxy", serve.http_proxies,
                   "Numeric address of the proxy that speaks TLS to the browsers and sets\n"
                   "X-Forwarded-For and X-Forwarded-Proto; nobody else is answered (repeatable)");
+  cmd->add_option("--stations-behind-proxy", serve.station_proxies,
+                  "Numeric address of a proxy that passes stations' bytes on and says for whom\n"
+                  "(send-proxy-v2); others may still connect themselves (repeatable)");
   cmd->add_option("--host-name", serve.host_names, "Name the page is reached under (repeatable)");
   cmd->add_option("--page-url", serve.page_url,
                   "Address under which people open the page; stations show it to people they send\n"
@@ -40,6 +43,12 @@ void AddAddresses(CLI::App* cmd, ServeOptions& serve) {
 void AddOperations(CLI::App* cmd, ServeCommand& o) {
   cmd->add_option("--job-threads", o.serve.job_threads, "Attempts scored at once; 0: scoring waits")
       ->check(CLI::Range(0, 64))
+      ->capture_default_str();
+  cmd->add_option(
+         "--drain-seconds", o.serve.drain_s,
+         "From being asked to stop until it does: /healthz is 503, so that a load balancer\n"
+         "sends no more, and what comes is still answered")
+      ->check(CLI::Range(0, 3600))
       ->capture_default_str();
   cmd->add_option("--min-free-mib", o.serve.min_free_mib,
                   "With less free, recordings are refused and wait at the stations; 0: never")

@@ -205,7 +205,8 @@ asio::awaitable<Response> Api::Answer(const Request& request) {
             &feel_,
             first_admin_,
             stations_,
-            &*teeth_};
+            &*teeth_,
+            draining_};
   if (Status place = FillPlace(match, call); !place.ok()) co_return ErrorResponse(place);
   const Route& route = *match.route;
   if (!IsSafe(request.method)) {

@@ -46,6 +46,8 @@ class Api : public std::enable_shared_from_this<Api> {
   }
   // Where, as soon as it is known.
   void StationsListenAt(uint16_t port) { station_port_ = port; }
+  // GET /healthz says from now on that others shall be asked. From any thread.
+  void Drain() { draining_ = true; }
   // Whether whoever asked for the events may still see them; on the store's threads.
   boost::asio::awaitable<bool> StillAllowed(EventSource& events);
 
@@ -86,6 +88,7 @@ class Api : public std::enable_shared_from_this<Api> {
   StationBoard* stations_ = nullptr;
   std::string station_fingerprint_;
   std::atomic<uint16_t> station_port_{0};
+  std::atomic<bool> draining_{false};
   std::atomic<size_t> in_flight_{0};
   std::array<std::atomic<uint64_t>, 6> answers_{};
   std::atomic<uint64_t> forbidden_{0};

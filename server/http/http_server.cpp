@@ -104,6 +104,8 @@ Result<uint16_t> HttpServer::Start() {
 
 void HttpServer::StationsListenAt(uint16_t port) { state_->context->api->StationsListenAt(port); }
 
+void HttpServer::Drain() { state_->context->api->Drain(); }
+
 void HttpServer::Stop() { state_->listener.Stop(); }
 
 }  // namespace enamel::server::http

@@ -94,6 +94,10 @@ class HttpServer {
   // Where stations reach this server: an enrolment code is given out with it. From any thread.
   void StationsListenAt(uint16_t port);
 
+  // GET /healthz is 503 from now on, so that whoever shares out the requests sends no more; those that come are
+  // answered. From any thread.
+  void Drain();
+
   // Returns at once. First no new connections and requests, and idle ones are closed; after
   // deadlines.stop what is left is closed too. `io` then has no work of this server.
   void Stop();

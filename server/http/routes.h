@@ -58,6 +58,7 @@ struct Call {
   auth::FirstAdmin* first_admin = nullptr;  // none: no link was given
   StationBoard* stations = nullptr;         // none: it takes none
   ToothImport* teeth = nullptr;             // always set
+  bool draining = false;                    // about to stop: others shall be asked
 };
 
 // Runs on the store's threads and may block.

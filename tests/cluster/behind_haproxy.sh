@@ -1,0 +1,99 @@
+#!/usr/bin/env bash
+# A server behind the HAProxy that server/ops/haproxy.cfg describes: the page is reached over HTTPS and a station makes an
+# attempt over the link, whose TLS ends at the server; the log names who asked and not the proxy; a server that is asked
+# to stop is given no more before it does. Skips where HAProxy, curl or openssl is not installed.
+. "$(dirname "$0")/../integration/support.sh"
+for program in haproxy curl openssl; do
+  command -v $program >/dev/null || { echo "skipped: $program is not installed"; exit 77; }
+done
+data=$work/server station=$work/station
+port=$(free_ports)
+page=$(free_ports)
+export ENAMEL_PASSWORD="a quite unlikely password 7"
+server_cli() { "$bin/enamel-server" "$@"; }
+
+openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:prime256v1 -nodes -days 2 -subj /CN=enamel.test -addext subjectAltName=DNS:enamel.test \
+  -keyout "$work/page.key" -out "$work/page.crt" 2>/dev/null
+cat "$work/page.crt" "$work/page.key" >"$work/page.pem"
+
+server_cli init --data "$data" >/dev/null
+server_cli seed-demo --data "$data" --voxel-um 100 --json "$work/seed" >/dev/null
+exercise=$(json_of "$work/seed" exercise)
+# The demo's passwords are printed in our documents: behind a proxy the server does not start with them.
+behind=(--http-behind-proxy 127.0.0.1 --stations-behind-proxy 127.0.0.1 --host-name enamel.test --drain-seconds 600)
+expect_failure "public passwords behind a proxy" "passwords of their own" "$bin/enamel-server" serve --data "$data" \
+  --http "127.0.0.1:$port" --stations "127.0.0.1:$((port + 1))" --stations-behind-proxy 127.0.0.1
+for login in admin instructor student1 student2; do
+  printf '%s\n' "$ENAMEL_PASSWORD" | server_cli admin set-password --data "$data" --login "$login" --password-stdin >/dev/null
+done
+expect_failure "a proxy's name" "numeric address" "$bin/enamel-server" serve --data "$data" --http "127.0.0.1:$port" \
+  --stations "127.0.0.1:$((port + 1))" --stations-behind-proxy proxy.example.edu
+start_server "$data" "$port" "${behind[@]}"
+# Asked twice to end it would still drain.
+trap 'kill -KILL "$server" 2>/dev/null || true; stop_all' EXIT
+
+export ENAMEL_PAGE_ADDRESS=127.0.0.1:$page ENAMEL_STATIONS_ADDRESS=127.0.0.1:$((page + 1)) ENAMEL_PAGE_CERTIFICATE=$work/page.pem
+export ENAMEL_HOST_NAME=enamel.test ENAMEL_SERVER_ONE=127.0.0.1 ENAMEL_SERVER_TWO=127.0.0.2
+export ENAMEL_SERVER_PAGE_PORT=$port ENAMEL_SERVER_STATION_PORT=$((port + 1))
+haproxy -f "$root/server/ops/haproxy.cfg" >"$work/haproxy.log" 2>&1 &
+pids+=($!)
+
+# ask PATH [options]: the page as a browser asks for it; prints the status.
+ask() {
+  local path=$1
+  shift
+  curl -s -o "$work/answer" -w '%{http_code}' --cacert "$work/page.crt" --resolve "enamel.test:$page:127.0.0.1" "$@" "https://enamel.test:$page$path"
+}
+# until_says STATUS: of the health check, through the proxy.
+until_says() {
+  for _ in $(seq 600); do
+    [ "$(ask /healthz)" != "$1" ] || return 0
+    sleep 0.1
+  done
+  cat "$work/haproxy.log" "$work/server.log"
+  fail "the page did not answer $1 within 60 s"
+}
+until_says 200
+grep -q '"ok"' "$work/answer" || fail "the server is not well: $(cat "$work/answer")"
+[ "$(ask /)" = 200 ] || fail "the page was not served"
+
+# Who claims an address of somebody else's is not believed: the proxy says where the request came from.
+ask /api/v1/session --interface 127.0.0.3 -H 'X-Forwarded-For: 192.0.2.99' -H 'Content-Type: application/json' -H "Origin: https://enamel.test:$page" \
+  -d '{"login": "student1", "password": "wrong"}' >"$work/status"
+[ "$(cat "$work/status")" = 401 ] || fail "a wrong password was answered $(cat "$work/status"): $(cat "$work/answer")"
+grep -q '127\.0\.0\.3' "$work/server.log" || { cat "$work/server.log"; fail "the log does not name who asked"; }
+! grep -q '192\.0\.2\.99' "$work/server.log" || fail "a claimed address was believed"
+echo "ok: the page over HTTPS, asked by 127.0.0.3"
+
+# Over the link: bytes that are no frame, from an address of its own.
+(printf 'GET / HTTP/1.1\r\n\r\n'; sleep 1) | timeout 20 openssl s_client -bind 127.0.0.4:0 -connect "127.0.0.1:$((page + 1))" -quiet >/dev/null 2>&1 || true
+for _ in $(seq 100); do
+  ! grep -q '127\.0\.0\.4' "$work/server.log" || break
+  sleep 0.1
+done
+grep -q '127\.0\.0\.4' "$work/server.log" || { cat "$work/server.log"; fail "the log does not name who called the station link"; }
+# Without the proxy's header the trusted address is not served.
+expect_failure "TLS without a header from the proxy's address" "." openssl s_client -connect "127.0.0.1:$((port + 1))" -brief
+for _ in $(seq 100); do
+  ! grep -q 'found TLS without it' "$work/server.log" || break
+  sleep 0.1
+done
+grep -q 'found TLS without it' "$work/server.log" || { cat "$work/server.log"; fail "the log does not say what the proxy left out"; }
+
+"$bin/enamel-station" enrol --data "$station" --server "127.0.0.1:$((page + 1))" --code "$(server_cli admin enrol-code --data "$data")" --name behind
+"$bin/enamel-station" run --data "$station" --profile phantom_desktop --lockstep --quiet --exercise "$exercise" --user instructor \
+  --operator dentist --as-reference --json "$work/cut.json" >/dev/null
+server_cli report --data "$data" --attempt "$(json_of "$work/cut.json" attempt_id)" --wait 600 --json "$work/report.json" >/dev/null
+[ "$(json_of "$work/report.json" ticks)" = "$(json_of "$work/cut.json" ticks)" ] || fail "not every tick came through the proxy"
+echo "ok: an attempt of $(json_of "$work/cut.json" ticks) ticks over the link"
+
+kill -TERM "$server"
+until_says 503
+grep -q 'one is DOWN' "$work/haproxy.log" || { cat "$work/haproxy.log"; fail "the proxy did not take the server out"; }
+kill -0 "$server" || fail "the server has stopped before its time to drain was over"
+# Who asks the server itself is still answered.
+[ "$(curl -s -o "$work/answer" -w '%{http_code}' -H 'Host: enamel.test' "http://127.0.0.1:$port/healthz")" = 503 ] || fail "it is not draining"
+grep -q '"draining"' "$work/answer" || fail "it does not say why: $(cat "$work/answer")"
+echo "ok: taken out of the round before it stops"
+# Its time to drain is longer than anybody waits here.
+kill_server
