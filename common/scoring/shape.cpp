@@ -18,7 +18,12 @@ constexpr double kLeastWall_m2 = 0.05e-6;  // smaller faces belong to edges
 constexpr double kLeastOfFace = 0.1;
 // A line may be so many times the largest nearest distance of the wall.
 constexpr double kOtherSurface = 2;
-constexpr double kMadeShare = 0.7;
+// Of a wall and of the floor this much has to be there before it is begun, and before it has a lean: a cavity
+// that is too small all round meets two thirds of each.
+constexpr double kBegunShare = 0.3, kMadeShare = 0.5;
+// Whatever stands out of a wall or is sunk into it counts at most so much in its waviness: how deep a gouge is, is told
+// elsewhere.
+constexpr double kMostWave_m = 0.3e-3;
 constexpr double kDeepest_m = 8e-3;  // no floor of a cavity lies deeper
 constexpr double kFitFrom = 0.15, kFitTo = 0.9;
 constexpr double kDegrees = 180 / 3.14159265358979323846;
@@ -71,16 +76,23 @@ Plane FitPlane(const std::vector<Height>& heights) {
   return p;
 }
 
-// Fits again without what lies more than four median residuals off: the foot of another wall that
-// leans in, or a gouge, is not the lean of this one. A wave stays whole: its crest is 1.4 of them.
+// A plane through most of it, which are left: the foot of another wall that leans in, a gouge or a lip is not the lean
+// of this one. First without what lies far from the median, which a ditch at one side does not move as it does a plane,
+// then again without what lies more than four median residuals off. What leans as a whole stays, as the farthest of it
+// is twice the median away; a wave stays whole, since its crest is 1.4 of them.
 Plane FitPlaneToMost(std::vector<Height>& heights, double least_m) {
-  Plane plane = FitPlane(heights);
-  for (int i = 0; i < 3; ++i) {
+  if (heights.empty()) return {};
+  std::vector<WeightedValue> all;
+  for (const Height& h : heights) all.push_back({h.d, h.area});
+  Plane plane;
+  plane.d0 = WeightedQuantile(std::move(all), 0.5);
+  for (int i = 0; i < 4; ++i) {
     std::vector<WeightedValue> rests;
     for (const Height& h : heights) rests.push_back({std::fabs(h.d - plane.At(h)), h.area});
     const double most = std::max(least_m, 4 * WeightedQuantile(std::move(rests), 0.5));
     if (std::erase_if(heights,
-                      [&](const Height& h) { return std::fabs(h.d - plane.At(h)) > most; }) == 0) {
+                      [&](const Height& h) { return std::fabs(h.d - plane.At(h)) > most; }) == 0 &&
+        i > 0) {
       break;
     }
     plane = FitPlane(heights);
@@ -131,6 +143,29 @@ Facet FacetOf(const Plane& plane, const dvec3& normal, const dvec3& up, const dv
   return {n / length, (plane.b * plane.s0 + plane.c * plane.t0 - plane.d0) / length};
 }
 
+// Without a tenth of the floor at each side: what rounds off the foot of a wall that is wavy, or a little short, is
+// none of the floor's waves.
+void KeepInner(std::vector<Height>& heights) {
+  constexpr double kMargin = 0.1;
+  for (double Height::*way : {&Height::s, &Height::t}) {
+    if (heights.empty()) return;
+    double from = heights.front().*way, to = from;
+    for (const Height& h : heights) from = std::min(from, h.*way), to = std::max(to, h.*way);
+    const double margin = kMargin * (to - from);
+    std::erase_if(heights,
+                  [&](const Height& h) { return h.*way < from + margin || h.*way > to - margin; });
+  }
+}
+
+// The surface there stands upright on the wall, or nearly: it is another's, no part of this one. A wave as steep as
+// voxels can show still faces as its wall does.
+bool IsBeside(const Volume& volume, const dvec3& at_m, const dvec3& normal) {
+  constexpr double kLeastFacing = 0.3;
+  const dvec3 slope =
+      volume.SlopeAtSample((at_m - volume.spec().origin_m()) / volume.spec().voxel_m());
+  return Dot(slope, normal) < kLeastFacing * Length(slope);
+}
+
 double FaceArea_m2(const OpenBox& target, double depth_m, size_t part) {
   const double x = target.hi_m.x - target.lo_m.x, y = target.hi_m.y - target.lo_m.y;
   if (part == kFloor) return x * y;
@@ -153,7 +188,7 @@ WallFigures MeasureWall(const Volume& initial, const CutSide& attempt, const Cut
   std::vector<WeightedValue> offsets;
   // Of the attempt over the reference; of the latter's and of the attempt's surface by themselves.
   std::vector<Height> heights, own_heights, made_heights;
-  double met_m2 = 0, untouched_m2 = 0, lowest = std::numeric_limits<double>::infinity(),
+  double met_m2 = 0, untouched_m2 = 0, pit_m2 = 0, lowest = std::numeric_limits<double>::infinity(),
          highest = -lowest;
   // Nearest distances to a rough wall end at whatever stands out of it; along one direction they are
   // the two walls' heights. What a line meets much farther off is another surface. How far is asked
@@ -164,21 +199,32 @@ WallFigures MeasureWall(const Volume& initial, const CutSide& attempt, const Cut
   for (size_t i : patch.vertices) {
     const dvec3 p(reference.mesh->position_m[i]);
     const double area = (*reference.areas_m2)[i], nearest = deviation_m[i];
-    // Over a floor there is one surface, however much is left; the nearest may be a side that is open.
+    // Over and under a floor there is one surface, however far; the nearest may be a side that is open, or of a pit.
     const bool left = attempt.volume->DistanceAt_m(p) < 0;
-    const double limit = floor && left ? std::max(reach, kDeepest_m) : reach;
+    const double limit = floor ? std::max(reach, kDeepest_m) : reach;
     const double there = SurfaceAlong_m(*attempt.volume, p, patch.normal, limit);
     const bool met = std::fabs(there) < limit;
     // The tooth's own surface, behind which nothing was cut yet, is no wall and no floor.
     const bool cut = met && IsCut(initial, *attempt.volume, p + patch.normal * there);
     if (left && !cut) untouched_m2 += area;
     if (!met) {
+      // The floor goes out of the tooth.
+      if (floor && !left) pit_m2 += area;
       offsets.push_back({-nearest, area});
+      continue;
+    }
+    if (left && !cut) {
+      offsets.push_back({-there, area});
+      continue;
+    }
+    met_m2 += area;
+    // Where a wall that is short stands on the floor, the line meets its foot.
+    if (IsBeside(*attempt.volume, p + patch.normal * there, patch.normal)) {
+      offsets.push_back({-there, area});
       continue;
     }
     const double own = SurfaceAlong_m(*reference.volume, p, patch.normal, h);
     Height height{own - there, area, Dot(p, up), Dot(p, along)};
-    if (cut || !left) met_m2 += area;
     lowest = std::min(lowest, height.s), highest = std::max(highest, height.s);
     offsets.push_back({height.d, area});
     heights.push_back(height);
@@ -186,7 +232,7 @@ WallFigures MeasureWall(const Volume& initial, const CutSide& attempt, const Cut
     made_heights.push_back({-Dot(p, patch.normal) - there, area, height.s, height.t});
   }
   out.offset_m = WeightedQuantile(std::move(offsets), 0.5) + 0.0;  // -0 becomes 0
-  out.begun = untouched_m2 < kMadeShare * patch.area_m2;
+  out.begun = untouched_m2 < (1 - kBegunShare) * patch.area_m2;
   out.made = met_m2 >= kMadeShare * patch.area_m2;
   if (!out.made) return out;
 
@@ -196,11 +242,13 @@ WallFigures MeasureWall(const Volume& initial, const CutSide& attempt, const Cut
   if (!floor) {
     for (auto* list : {&heights, &own_heights, &made_heights}) std::erase_if(*list, at_edge);
   }
-  const Plane plane = FitPlaneToMost(heights, 0.25 * h);
+  std::vector<Height> most_heights = heights;
+  const Plane plane = FitPlaneToMost(most_heights, 0.25 * h);
   out.facet = FacetOf(FitPlaneToMost(made_heights, 0.25 * h), patch.normal, up, along);
-  double squares = 0, area = 0;
+  double squares = pit_m2 * kMostWave_m * kMostWave_m, area = pit_m2;
+  if (floor) KeepInner(heights);
   for (const Height& q : heights) {
-    const double rest = q.d - plane.At(q);
+    const double rest = std::clamp(q.d - plane.At(q), -kMostWave_m, kMostWave_m);
     squares += q.area * rest * rest;
     area += q.area;
   }

@@ -154,6 +154,41 @@ TEST_P(KnownFaults, AWavyWallIsFoundWithinAQuarterVoxel) {
   }
 }
 
+// What is short of a wall or of the floor is told by it, and is no slope of the floor.
+TEST_P(KnownFaults, ACavityThatIsTooSmallHasALevelFloor) {
+  for (double short_mm : {0.1, 0.2, 0.3}) {
+    BoxCavity small = FaultBlockCavity();
+    for (auto part : {kMesial, kDistal, kBuccal, kLingual})
+      small.faces[part].moved_m = -short_mm * kMm;
+    MetricSet m = Measure(Cut(small));
+    EXPECT_NEAR(ValueOf(m, "tilt_floor_deg"), 0, 0.5) << short_mm;
+    EXPECT_LT(ValueOf(m, "floor_waviness_mm"), 0.03) << short_mm;
+    EXPECT_NEAR(ValueOf(m, "wall_tilt_deg"), 0, 0.5) << short_mm;
+    EXPECT_NEAR(ValueOf(m, "wall_mesial_mm"), -short_mm, tolerance_mm());
+  }
+}
+
+// A fault that grows until it is no part of the floor or the wall any more must not become cheaper.
+TEST_P(KnownFaults, ADitchAndALumpAreNoLessUnevenTheLargerTheyAre) {
+  const BoxCavity asked = FaultBlockCavity();
+  const dvec3 middle = asked.centre_m / kMm;
+  double floor = 0, wall = 0;
+  for (double size_mm : {0.1, 0.2, 0.3, 0.5, 0.7}) {
+    const dvec3 lo(middle.x - 0.9, middle.y - 0.2, middle.z - 2 - size_mm);
+    MetricSet ditch = Measure(CutAlso(Box_mm(lo, {middle.x + 0.9, middle.y + 0.2, middle.z})));
+    EXPECT_GE(ValueOf(ditch, "floor_waviness_mm"), floor - 1e-3) << size_mm;
+    floor = ValueOf(ditch, "floor_waviness_mm");
+    const double buccal = middle.y + 1.2;
+    const Hollow lump = Box_mm({middle.x - 0.4, buccal - size_mm, -9}, {middle.x + 0.4, 9, 9});
+    const Hollow cut = Taken(asked);
+    MetricSet lumpy = Measure(Cut([=](const dvec3& p) { return std::max(cut(p), -lump(p)); }));
+    EXPECT_GE(ValueOf(lumpy, "wall_waviness_mm"), wall - 0.01) << size_mm;
+    wall = ValueOf(lumpy, "wall_waviness_mm");
+  }
+  EXPECT_GT(floor, 0.05);
+  EXPECT_GT(wall, 0.05);
+}
+
 TEST_P(KnownFaults, AnotherHoleIsCutElsewhereAndNotBesideTheWalls) {
   const dvec3 lo(-3.2, -2.8, -1), hi(-2.4, 2.8, 9);
   MetricSet m = Measure(CutAlso(Box_mm(lo, hi)));
