@@ -72,6 +72,7 @@ constexpr Subject kSubjects[] = {
     {"most_left_mm", kLeft},
     {"task_done_percent", kLeft},
     {"missed_mm3", kLeft},
+    {"left_standing_mm3", kLeft, kAll, kAll, Where::kElsewhere},
     {"zone_target_removed_percent", kLeft},
     {"caries_left_mm3", kLeft, kAll, Bit(Tissue::kCaries)},
     {"caries_left_percent", kLeft, kAll, Bit(Tissue::kCaries)},

@@ -14,7 +14,7 @@ using cutting::kBrickSide;
 using cutting::kBrickVoxels;
 using cutting::Volume;
 
-// Where a brick lies relative to the reference's cut.
+// Where a brick lies relative to the reference's cut: within some distance of it, or not.
 enum class Place { kNear, kOutside, kMixed };
 
 class TaskMeter {
@@ -33,7 +33,7 @@ class TaskMeter {
 
   TaskVolumes Measure() {
     for (int b = 0; b < spec_.brick_count(); ++b) AddBrick(b);
-    return {ToM3(task_), ToM3(missed_), ToM3(near_), ToM3(outside_)};
+    return {ToM3(task_), ToM3(missed_), ToM3(standing_), ToM3(near_), ToM3(outside_)};
   }
 
  private:
@@ -44,7 +44,7 @@ class TaskMeter {
     const BrickSamples before(initial_, b), after(attempt_, b), wanted(reference_, b);
     const uint8_t* labels = initial_.HasLabels(b) ? initial_.Labels(b).tissue.data() : nullptr;
     const auto uniform = static_cast<size_t>(initial_.UniformTissue(b));
-    std::optional<Place> place;
+    Whereabouts beyond(*this, b, near_m_), standing(*this, b, TaskVolumes::kStanding_m);
     for (int i = 0; i < kBrickVoxels; ++i) {
       const int32_t f0 = before.Solid(i);
       if (f0 == 0) continue;
@@ -53,13 +53,32 @@ class TaskMeter {
       if (fa == f0 && fr == f0) continue;
       const size_t tissue = labels ? labels[i] : uniform;
       task_[tissue] += f0 - fr;
-      missed_[tissue] += std::max(0, fa - fr);
-      if (fa >= fr) continue;
-      if (!place) place = PlaceOf(b);
-      bool near = *place == Place::kMixed ? IsNear(VoxelPoint(b, i)) : *place == Place::kNear;
-      (near ? near_ : outside_)[tissue] += fr - fa;
+      if (fa > fr) {
+        missed_[tissue] += fa - fr;
+        if (!standing.IsNear(i)) standing_[tissue] += fa - fr;
+      } else if (fa < fr) {
+        (beyond.IsNear(i) ? near_ : outside_)[tissue] += fr - fa;
+      }
     }
   }
+
+  // Which voxels of a brick lie within a distance of the reference's cut: looked for when somebody asks.
+  class Whereabouts {
+   public:
+    Whereabouts(const TaskMeter& meter, int brick, double within_m)
+        : meter_(meter), brick_(brick), within_m_(within_m) {}
+    bool IsNear(int i) {
+      if (!place_) place_ = meter_.PlaceOf(brick_, within_m_);
+      if (*place_ != Place::kMixed) return *place_ == Place::kNear;
+      return meter_.query_.IsWithin(meter_.VoxelPoint(brick_, i), within_m_);
+    }
+
+   private:
+    const TaskMeter& meter_;
+    const int brick_;
+    const double within_m_;
+    std::optional<Place> place_;
+  };
 
   ivec3 FirstVoxel(int b) const {
     const ivec3& n = spec_.bricks;
@@ -69,15 +88,14 @@ class TaskMeter {
     return spec_.origin_m() + dvec3(FirstVoxel(b) + ivec3(i & 7, i >> 3 & 7, i >> 6)) * h_m_;
   }
   // One question for a brick that lies wholly on one side, which most do.
-  Place PlaceOf(int b) const {
+  Place PlaceOf(int b, double within_m) const {
     dvec3 middle = spec_.origin_m() + (dvec3(FirstVoxel(b)) + 0.5 * (kBrickSide - 1)) * h_m_;
     const double half = 0.5 * (kBrickSide - 1) * std::sqrt(3.0) * h_m_;
-    const double limit = near_m_ + half + h_m_;
+    const double limit = within_m + half + h_m_;
     const double distance = query_.Distance_m(middle, limit);
-    if (distance > near_m_ + half) return Place::kOutside;
-    return distance + half <= near_m_ ? Place::kNear : Place::kMixed;
+    if (distance > within_m + half) return Place::kOutside;
+    return distance + half <= within_m ? Place::kNear : Place::kMixed;
   }
-  bool IsNear(const dvec3& p) const { return query_.IsWithin(p, near_m_); }
 
   TissueVolumes_m3 ToM3(const Units& units) const {
     TissueVolumes_m3 out{};
@@ -92,7 +110,7 @@ class TaskMeter {
   const cutting::GridSpec& spec_;
   const double h_m_, near_m_;
   const ChangedBricks attempt_changed_, reference_changed_;
-  Units task_{}, missed_{}, near_{}, outside_{};
+  Units task_{}, missed_{}, standing_{}, near_{}, outside_{};
 };
 
 }  // namespace

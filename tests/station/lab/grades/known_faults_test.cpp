@@ -154,8 +154,27 @@ TEST_P(KnownFaults, AWavyWallIsFoundWithinAQuarterVoxel) {
   }
 }
 
-// What is short of a wall or of the floor is told by it, and is no slope of the floor.
-TEST_P(KnownFaults, ACavityThatIsTooSmallHasALevelFloor) {
+// The cavity is 3 x 2.4 mm and 2 mm deep: 0.4 mm away from its walls and its floor 2.2 x 1.6 mm are left, 1.6 mm high.
+TEST_P(KnownFaults, APillarASeptumAndALidAreLeftStanding) {
+  const BoxCavity asked = FaultBlockCavity();
+  const dvec3 middle = asked.centre_m / kMm;
+  const struct {
+    dvec3 half_mm;  // up from `from_mm`
+    double from_mm, counts_mm3, area_mm2;
+  } left[] = {{{0.2, 0.2, 9}, -9, 0.4 * 0.4 * 1.6, 4 * 0.4 * 1.6 + 0.16},
+              {{0.1, 9, 9}, -9, 0.2 * 1.6 * 1.6, 2 * 1.6 * 1.6 + 2 * 0.2 * (1.6 + 1.6)},
+              {{9, 9, 9}, -0.2, 0.2 * 2.2 * 1.6, 2.2 * 1.6 + 0.2 * 2 * (2.2 + 1.6)}};
+  for (const auto& each : left) {
+    dvec3 lo = middle - each.half_mm, hi = middle + each.half_mm;
+    lo.z = middle.z + each.from_mm, hi.z = 9;
+    const Hollow spared = Box_mm(lo, hi), cut = Taken(asked);
+    MetricSet m = Measure(Cut([=](const dvec3& p) { return std::max(cut(p), -spared(p)); }));
+    EXPECT_NEAR(ValueOf(m, "left_standing_mm3"), each.counts_mm3, each.area_mm2 * tolerance_mm());
+  }
+}
+
+// What is short of a wall or of the floor is told by it, and is neither left standing nor a slope of the floor.
+TEST_P(KnownFaults, ACavityThatIsTooSmallHasALevelFloorAndNothingStands) {
   for (double short_mm : {0.1, 0.2, 0.3}) {
     BoxCavity small = FaultBlockCavity();
     for (auto part : {kMesial, kDistal, kBuccal, kLingual})
@@ -165,6 +184,7 @@ TEST_P(KnownFaults, ACavityThatIsTooSmallHasALevelFloor) {
     EXPECT_LT(ValueOf(m, "floor_waviness_mm"), 0.03) << short_mm;
     EXPECT_NEAR(ValueOf(m, "wall_tilt_deg"), 0, 0.5) << short_mm;
     EXPECT_NEAR(ValueOf(m, "wall_mesial_mm"), -short_mm, tolerance_mm());
+    EXPECT_NEAR(ValueOf(m, "left_standing_mm3"), 0, 0.01) << short_mm;
   }
 }
 
