@@ -58,7 +58,7 @@ Exercise ClassTwoExercise(const Scene& scene, const Sha256& scene_hash) {
   // Less than elsewhere: on the mesial side the neighbour stands 0.05 mm away.
   e.target.leeway_side_um = 100;
   e.rubric.name = "class-2-mesial";
-  e.rubric.version = 5;
+  e.rubric.version = 6;
   // The mesial side is open: its points, and the outline's, are for the neighbour.
   auto& criteria = e.rubric.criteria;
   for (RubricCriterion& c : criteria) {
@@ -84,9 +84,13 @@ Exercise ClassTwoExercise(const Scene& scene, const Sha256& scene_hash) {
   criteria.push_back(std::move(depth));
   criteria.push_back(NoCariesCriterion(10));
   e.rubric.gates.push_back(CariesGate());
-  for (const auto& [metric, points] : {std::pair{"task_done_percent", 4},
-                                       {"outside_removed_mm3", 6},
-                                       {"remaining_dentin_mm", 2}}) {
+  for (const auto& [metric, points] : {std::pair{"task_done_percent", 2},
+                                       {"left_standing_mm3", 10},
+                                       {"outside_removed_mm3", 5},
+                                       {"remaining_dentin_mm", 1},
+                                       {"floor_waviness_mm", 2},
+                                       {"force_sent_p95_n", 3},
+                                       {"time_s", 2}}) {
     for (RubricCriterion& c : criteria) {
       if (c.metric == metric) c.points = points;
     }
@@ -242,7 +246,7 @@ Exercise ClassFiveExercise(const Scene& scene, const Sha256& scene_hash) {
                    Mm(kRight_um) + " off has full marks, one that is " + Mm(kLeeway_um) +
                    " off has none. Do not expose the pulp.";
   e.rubric.name = "class-5-buccal";
-  e.rubric.version = 2;
+  e.rubric.version = 3;
   // What is down in this scene is the wall towards the pulp.
   const struct {
     const char *metric, *title, *comment;

@@ -81,6 +81,13 @@ RubricCriterion ElsewhereCriterion(double points) {
                 "Sound tissue was cut away beyond the tolerance.");
 }
 
+// A wall that is 0.4 mm short leaves nothing of the kind; a pillar of 0.4 mm in a cavity 2 mm deep leaves 0.3 mm3, as
+// does a lid of 0.1 mm over 3 mm2 of it.
+RubricCriterion StandingCriterion(double points) {
+  return AtMost("left_standing_mm3", "Nothing left standing", "mm3", points, 0.02, 0.3,
+                "Something that had to go was left standing.");
+}
+
 void AddHand(Rubric& r, double force, double time, double full_s, double none_s) {
   r.criteria.push_back(AtMost("force_sent_p95_n", "Light hand", "N", force, 4, 8,
                               "The bur was pressed too hard: let it cut."));
@@ -90,12 +97,13 @@ void AddHand(Rubric& r, double force, double time, double full_s, double none_s)
 Rubric ClassOneRubric(bool tooth) {
   Rubric r;
   r.name = "class-1-occlusal";
-  r.version = 4;
+  r.version = 5;
   r.gates = TaskGates();
   r.criteria = {
-      AtLeast("task_done_percent", "Outline removed", "%", tooth ? 8 : 12, 70, 97,
+      AtLeast("task_done_percent", "Outline removed", "%", tooth ? 6 : 10, 70, 97,
               "Part of the outline was left standing."),
-      ElsewhereCriterion(8),
+      StandingCriterion(8),
+      ElsewhereCriterion(6),
       WallCriterion("wall_mesial_mm", "Mesial wall", 6,
                     "The mesial wall is not where it should be."),
       WallCriterion("wall_distal_mm", "Distal wall", 6,
@@ -104,12 +112,12 @@ Rubric ClassOneRubric(bool tooth) {
                     "The buccal wall is not where it should be."),
       WallCriterion("wall_lingual_mm", "Lingual wall", 6,
                     "The lingual wall is not where it should be."),
-      WallCriterion("floor_mm", tooth ? "Pulpal floor" : "Floor", tooth ? 8 : 12,
+      WallCriterion("floor_mm", tooth ? "Pulpal floor" : "Floor", tooth ? 8 : 11,
                     "The floor is too deep or too shallow."),
       AtMost("wall_tilt_deg", "Walls upright", "deg", 6, 2, 10, "A wall leans."),
       AtMost("undercut_deg", "No undercut", "deg", 6, 2, 8,
              "A wall leans over the cavity: the filling could not be condensed under it."),
-      AtMost("tilt_floor_deg", "Floor level", "deg", 4, 2, 10, "The floor slopes."),
+      AtMost("tilt_floor_deg", "Floor level", "deg", 3, 2, 10, "The floor slopes."),
       AtMost("wall_waviness_mm", "Walls smooth", "mm", 4, 0.025, 0.1, "A wall is wavy."),
       AtMost("floor_waviness_mm", "Floor flat", "mm", 3, 0.025, 0.1, "The floor is uneven."),
       // A gouge of 0.3 mm is gone through as far as a wall may not go at all.
@@ -120,20 +128,21 @@ Rubric ClassOneRubric(bool tooth) {
   };
   if (tooth) {
     r.criteria.push_back(PulpCriterion(4));
-    r.criteria.push_back(CoverCriterion(4));
+    r.criteria.push_back(CoverCriterion(3));
   }
-  AddHand(r, 5, 4, 240, 600);
+  AddHand(r, 4, 3, 240, 600);
   return r;
 }
 
 Rubric ShapeRubric(std::string name, double closeness, double nowhere, TimeBand time) {
   Rubric r;
   r.name = std::move(name);
-  r.version = 4;
+  r.version = 5;
   r.gates = TaskGates();
   r.criteria = {
-      AtLeast("task_done_percent", "All of it cut", "%", 10, 70, 97,
+      AtLeast("task_done_percent", "All of it cut", "%", 4, 70, 97,
               "Part of the shape was left standing."),
+      StandingCriterion(6),
       AtMost("deviation_rms_mm", "Closeness to the reference", "mm", closeness, kRight_mm, 0.3,
              "The surface is far from the reference."),
       AtMost("deviation_p95_mm", "Nowhere far off", "mm", nowhere, 0.08, 0.6,
@@ -158,24 +167,25 @@ RubricGate CariesGate() {
 }
 
 RubricCriterion NoCariesCriterion(double points) {
-  return AtMost("caries_left_percent", "No caries left", "%", points, 1, 12,
+  return AtMost("caries_left_percent", "No caries left", "%", points, 0.5, 6,
                 "Caries was left: it goes on under the filling.");
 }
 
 Rubric CariesRubric() {
   Rubric r;
   r.name = "caries-excavation";
-  r.version = 3;
+  r.version = 4;
   r.gates = TaskGates();
   r.gates[0] = CariesGate();
   r.criteria = {
-      NoCariesCriterion(35),
-      AtMost("sound_removed_mm3", "Sound tissue kept", "mm3", 20, 0.5, 6,
+      NoCariesCriterion(32),
+      StandingCriterion(10),
+      AtMost("sound_removed_mm3", "Sound tissue kept", "mm3", 17, 0.5, 6,
              "More sound tissue was taken than the reference took."),
-      ElsewhereCriterion(10),
+      ElsewhereCriterion(8),
       AtMost("undercut_deg", "Walls not undercut", "deg", 5, 4, 12,
              "A wall leans over the cavity: the filling could not be condensed under it."),
-      AtMost("deepest_over_mm", "No gouge", "mm", 10, 0.1, 0.4,
+      AtMost("deepest_over_mm", "No gouge", "mm", 8, 0.1, 0.4,
              "Somewhere the bur went deep into sound tissue: see the heat map."),
       PulpCriterion(5),
       CoverCriterion(5),

@@ -21,7 +21,7 @@ RubricCriterion AtLeast(const char* metric, const char* title, const char* unit,
 RubricCriterion WallCriterion(const char* metric, const char* title, double points,
                               const char* comment);
 RubricCriterion PulpCriterion(double points);
-// Of the caries that the reference took, at least 99 % for full marks.
+// Of the caries that the reference took, at least 99.5 % for full marks.
 RubricCriterion NoCariesCriterion(double points);
 RubricGate CariesGate();
 // Less than 0.5 mm of dentin is taken as too little to protect the pulp (schemas/score.md).

@@ -45,6 +45,7 @@ class FaultMaker {
   double RoomBehind_m(size_t wall) const;
   void MakeLeaningWalls(size_t wall);
   void MakeMargins();
+  void AddPillars();
   void AddCaries();
 
   // A shape on the block, or a layer off a face: faults_of_shape.cpp.

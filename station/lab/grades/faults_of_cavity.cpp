@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/scoring/task.h"
 #include "station/lab/grades/fault_maker.h"
 
 namespace enamel::station::lab {
@@ -52,10 +53,33 @@ void FaultMaker::MakeBox() {
     if (HasCaries()) break;  // its floor is where the lesion ends
     AddDegrees("tilt_floor", s, "tilt_floor_deg", BoxWith(kFloorFace, {.slope = Slope(s.value)}));
   }
+  AddPillars();
   // A pit of 0.6 x 0.6 mm in the floor's corner.
   const dvec3 corner = b.centre_m + dvec3(-b.half_x_m, -b.half_y_m, -b.depth_m);
   AddGouges(corner, corner + dvec3(0.6e-3, 0.6e-3, 0));
   MakeMargins();
+}
+
+// A square pillar is left in the middle, up to the tooth's surface.
+void FaultMaker::AddPillars() {
+  constexpr double kFarFromCut_m = scoring::TaskVolumes::kStanding_m;
+  const BoxCavity& b = task_.box;
+  for (const Size s : Sizes({0.4, 0.6, 0.8}, 0.4)) {
+    const dvec3 half(s.m() / 2, s.m() / 2, 0);
+    const double foot = b.centre_m.z - b.depth_m;
+    const dvec3 lo(b.centre_m.x - half.x, b.centre_m.y - half.y, foot - 1);
+    const dvec3 hi(b.centre_m.x + half.x, b.centre_m.y + half.y, grid_hi_m_.z + 1);
+    const double left_m3 =
+        VolumeWhere_m3(volume_, grid_lo_m_, grid_hi_m_, [&](const dvec3& p, Tissue) {
+          return BoxDistance_m(p, lo, hi) < 0 && p.z > foot + kFarFromCut_m &&
+                 task_.Distance_m(p) < 0;
+        });
+    const Hollow wanted = Wanted();
+    const double sides_m2 = 4 * left_m3 / s.m();
+    Add("pillar", {left_m3 * kMm3, s.must_cost}, "mm3", "left_standing_mm3",
+        (sides_m2 + half.x * half.x * 4) * quarter_m_ * kMm3,
+        [=](const dvec3& p) { return std::max(wanted(p), -BoxDistance_m(p, lo, hi)); });
+  }
 }
 
 // A wall that is moved out of the tooth's side is no wall: no farther than that something is left
