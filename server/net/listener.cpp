@@ -107,9 +107,9 @@ asio::awaitable<bool> Introduction::Read() {
   std::vector<uint8_t> rest(start->rest_bytes);
   co_await asio::async_read(socket_, asio::buffer(rest), Into(error));
   if (error) co_return false;
-  auto peer = ReadProxyPeer(*start, rest);
+  const auto peer = ReadProxyPeer(*start, rest);
   if (!peer.ok()) co_return Refuse(peer.status());
-  peer_ = peer->empty() ? proxy_ : std::move(*peer);
+  peer_ = peer->empty() ? proxy_ : *peer;
   co_return true;
 }
 
