@@ -538,7 +538,7 @@ async function release(world) {
 async function builtInExercisesAreTranslated(page) {
   await page.goto("/exercises");
   await page.getByRole("heading", { name: "Klasse-II-Kavität, mesialer Kasten" }).waitFor();
-  await page.getByText("Präparieren Sie den mesialen Kasten: 3,2 mm breit, 3,5 mm tief ab der Randleiste", { exact: false }).waitFor();
+  await page.getByText("Den mesialen Kasten präparieren: 3,2 mm breit, 3,5 mm tief ab der Randleiste", { exact: false }).waitFor();
   await page.getByRole("heading", { name: "Occlusal cavity, class I" }).waitFor();
   await page.getByText("Keep the walls upright and the floor flat.", { exact: false }).waitFor();
 }
