@@ -149,7 +149,7 @@ cable_port=$(free_ports)
 node "$root/tests/integration/cable.mjs" "$cable_port" "$((port + 1))" "$work/cut" >"$work/cable.log" &
 cable=$!
 pids+=("$cable")
-for _ in $(seq 300); do grep -q ready "$work/cable.log" 2>/dev/null && break; sleep 0.1; done
+wait_for_log "$work/cable.log" ready
 before=$(newest)
 "$bin/enamel-station" run --data "$station" --server "127.0.0.1:$cable_port" --profile phantom_desktop --lockstep --quiet \
   --exercise "$exercise" --user student1 --operator student --json "$work/cut.json" >"$work/run.log" 2>&1 &
@@ -180,7 +180,7 @@ cable_port=$(free_ports)
 node "$root/tests/integration/cable.mjs" "$cable_port" "$((port + 1))" "$work/never" "$work/hold" >"$work/held_cable.log" &
 cable=$!
 pids+=("$cable")
-for _ in $(seq 300); do grep -q ready "$work/held_cable.log" 2>/dev/null && break; sleep 0.1; done
+wait_for_log "$work/held_cable.log" ready
 for signal in INT TERM; do
   rm -f "$work/hold"
   before=$(newest)

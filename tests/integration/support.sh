@@ -54,6 +54,12 @@ start_display() {
   export DISPLAY=":$number"
 }
 
+# wait_for_log FILE PATTERN: until a line of a log has it, at most a minute. The reader ends with its shell.
+wait_for_log() {
+  timeout 60 bash -c 'grep -qm1 -e "$2" < <(tail -n +1 -s 0.1 --pid=$$ -F "$1" 2>/dev/null)' _ "$1" "$2" ||
+    { cat "$1"; fail "$(basename "$1") did not say \"$2\" within a minute"; }
+}
+
 # json_of FILE NAME: one member of a JSON object.
 json_of() { node -p 'JSON.parse(require("fs").readFileSync(process.argv[1], "utf8"))[process.argv[2]]' "$1" "$2"; }
 
