@@ -1,6 +1,7 @@
 #include "station/desk/score_words.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -56,16 +57,20 @@ Named NameOf(std::string_view text) {
 std::optional<std::string> SaidBuiltin(const Words& words, std::string_view kind,
                                        std::string_view text) {
   static constexpr std::string_view kPlaces = "abcdefghijklmnopqrstuvwxyz";
+  constexpr size_t kLongestNumber = 20;
   const Named named = NameOf(text);
   const std::string key = std::string(kind) + "." + named.name;
   if (!words.Has(key) || named.numbers.size() > kPlaces.size()) return std::nullopt;
   std::vector<Value> values;
   for (size_t i = 0; i < named.numbers.size(); ++i) {
-    const std::string number(named.numbers[i]);
+    const std::string_view number = named.numbers[i];
     const size_t point = number.find('.');
-    const int decimals =
-        point == std::string::npos ? 0 : static_cast<int>(number.size() - point - 1);
-    values.push_back({kPlaces.substr(i, 1), words.Decimal(std::stod(number), decimals)});
+    const size_t decimals = point == std::string_view::npos ? 0 : number.size() - point - 1;
+    double value = 0;
+    // Somebody else's text may have a number that no double holds: then it is not ours.
+    const auto read = std::from_chars(number.data(), number.data() + number.size(), value);
+    if (read.ec != std::errc() || number.size() > kLongestNumber) return std::nullopt;
+    values.push_back({kPlaces.substr(i, 1), words.Decimal(value, static_cast<int>(decimals))});
   }
   return words.Say(key, values);
 }

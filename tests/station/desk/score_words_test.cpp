@@ -96,6 +96,9 @@ TEST(ScoreWordsTest, WhatASchoolHasWrittenStaysAsItWasTyped) {
     EXPECT_EQ(WordedTitle(german, text), text);
     EXPECT_EQ(WordedText(german, text), text);
   }
+  // Built in but for a number that nothing holds.
+  const std::string huge = "Practice: Line, " + std::string(400, '9') + " x 1.5 mm and 2.0 mm deep";
+  EXPECT_EQ(WordedTitle(german, huge), huge);
 }
 
 TEST(ScoreWordsTest, NumbersHaveNoZerosAtTheirEnd) {
