@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "common/scoring/deviation.h"
+#include "common/scoring/task.h"
 #include "common/scoring/zones.h"
 
 namespace enamel::scoring {
@@ -34,7 +35,8 @@ constexpr uint32_t kWalls = Bit(kMesial) | Bit(kDistal) | Bit(kBuccal) | Bit(kLi
 constexpr uint32_t kSound = Bit(Tissue::kEnamel) | Bit(Tissue::kDentin);
 
 enum Side : uint8_t { kOver = 1, kLeft = 2, kBoth = 3 };
-enum class Where : uint8_t { kAnywhere, kNear, kElsewhere };
+// Of what was left: farther from the reference's cut than a wall is short.
+enum class Where : uint8_t { kAnywhere, kNear, kElsewhere, kStanding };
 
 // The faults that a metric is about.
 struct Subject {
@@ -72,7 +74,7 @@ constexpr Subject kSubjects[] = {
     {"most_left_mm", kLeft},
     {"task_done_percent", kLeft},
     {"missed_mm3", kLeft},
-    {"left_standing_mm3", kLeft, kAll, kAll, Where::kElsewhere},
+    {"left_standing_mm3", kLeft, kAll, kAll, Where::kStanding},
     {"zone_target_removed_percent", kLeft},
     {"caries_left_mm3", kLeft, kAll, Bit(Tissue::kCaries)},
     {"caries_left_percent", kLeft, kAll, Bit(Tissue::kCaries)},
@@ -106,7 +108,8 @@ struct Fault {
   bool left = false;
   Tissue tissue = Tissue::kAir;
   Part part = kNoPart;
-  std::optional<bool> near;  // where somebody asks
+  // Within the leeway of the reference's cut, and farther than TaskVolumes::kStanding_m: where somebody asks.
+  std::optional<bool> near, standing;
   std::optional<uint32_t> tick;
 };
 
@@ -125,7 +128,10 @@ class Gatherer {
            uint64_t bin_ticks, const WorstPlace* place = nullptr)
       : subject_(subject), left_(left), strokes_(strokes), bin_ticks_(bin_ticks), own_(place) {}
 
-  bool AsksWhere() const { return subject_.where != Where::kAnywhere; }
+  bool AsksNear() const {
+    return subject_.where == Where::kNear || subject_.where == Where::kElsewhere;
+  }
+  bool AsksStanding() const { return subject_.where == Where::kStanding; }
   // Healthy or not, nothing of it is to be taken: its first touch is where it began, wherever it is.
   bool MustNotBeTouched() const {
     return subject_.tissues == Bit(Tissue::kNeighbour) || subject_.tissues == Bit(Tissue::kPulp);
@@ -140,7 +146,8 @@ class Gatherer {
            (subject_.parts == kAll || (f.part != kNoPart && (subject_.parts & Bit(f.part)) != 0));
   }
   void Take(const Fault& f) {
-    if (AsksWhere() && (!f.near || *f.near != (subject_.where == Where::kNear))) return;
+    if (AsksNear() && (!f.near || *f.near != (subject_.where == Where::kNear))) return;
+    if (AsksStanding() && !f.standing.value_or(false)) return;
     volume_m3_ += f.volume_m3;
     here_m3_ += f.volume_m3;
     moment_ += f.at_m * f.volume_m3;
@@ -304,15 +311,17 @@ class FaultWalk {
   void Share(Fault& fault) {
     for (Gatherer& g : gatherers_) {
       if (!g.May(fault)) continue;
-      if (g.AsksWhere() && !fault.near) fault.near = IsNear(fault.at_m);
+      if (g.AsksNear() && !fault.near) fault.near = IsWithin(fault.at_m, in_.near_m);
+      if (g.AsksStanding() && !fault.standing)
+        fault.standing = !IsWithin(fault.at_m, TaskVolumes::kStanding_m);
       g.Take(fault);
     }
   }
 
-  bool IsNear(const dvec3& at_m) {
+  bool IsWithin(const dvec3& at_m, double distance_m) {
     if (!in_.reference_cut || in_.reference_cut->position_m.empty()) return false;
     if (!cut_) cut_.emplace(*in_.reference_cut);
-    return cut_->IsWithin(at_m, in_.near_m);
+    return cut_->IsWithin(at_m, distance_m);
   }
 
   const DeductionInputs& in_;
