@@ -410,7 +410,7 @@ Exercise ShapeExercise(const Scene& scene, const Sha256& scene_hash, const Prepa
   if (!e.target.parts.empty()) return e;
   // Of a box how its walls stand and how even they are is known, and not only how far off.
   e.rubric = ShapeRubric(rubric, 18, 7);
-  e.rubric.version = 5;
+  e.rubric.version = 6;
   const RubricCriterion of_a_box[] = {
       AtMost("wall_tilt_deg", "Walls upright", "deg", 7, 3, 12, "A wall leans."),
       AtMost("undercut_deg", "No undercut", "deg", 5, 4, 12, "A wall leans over the cavity."),

@@ -81,10 +81,10 @@ RubricCriterion ElsewhereCriterion(double points) {
                 "Sound tissue was cut away beyond the tolerance.");
 }
 
-// A wall that is 0.4 mm short leaves nothing of the kind; a pillar of 0.4 mm in a cavity 2 mm deep leaves 0.3 mm3, as
-// does a lid of 0.1 mm over 3 mm2 of it.
+// A wall that is 0.4 mm short leaves nothing of the kind; a pillar of 0.4 mm in a cavity 2 mm deep leaves 0.26 mm3, a
+// lid of 0.1 mm over 3 mm2 of it 0.3.
 RubricCriterion StandingCriterion(double points) {
-  return AtMost("left_standing_mm3", "Nothing left standing", "mm3", points, 0.02, 0.3,
+  return AtMost("left_standing_mm3", "Nothing left inside", "mm3", points, 0.02, 0.3,
                 "Something that had to go was left standing.");
 }
 
@@ -196,7 +196,7 @@ Rubric CariesRubric() {
 
 Rubric CrownRubric(bool anterior) {
   Rubric r = ShapeRubric("crown-preparation", 10, 4, {1'200, 2'400});
-  r.version = 6;
+  r.version = 7;
   auto& criteria = r.criteria;
   criteria.push_back(
       ConvergenceCriterion("convergence_mesiodistal_deg", "Convergence, mesial to distal", 22));
