@@ -52,7 +52,8 @@ struct GateResult {
 // reference fixes, 2 before forces at the device's limit were left unjudged and flakes were no walls,
 // 3 before reasons were stored as codes, 4 before advice was told once and comments only of what cost
 // much, 5 before walls far off in narrow cavities and deep finish lines were found and crowns had
-// eight sections, 7 before what stands in a wall counted in its waviness and a short wall was no slope of the floor. Higher for every change that may move a score of the same
+// eight sections, 7 before what stands in a wall counted in its waviness and a short wall was no slope
+// of the floor. Higher for every change that may move a score of the same
 // recording, or what a judgement is told by.
 inline constexpr int32_t kScoringVersion = 8;
 // Since when a metric of the same name is the same number.

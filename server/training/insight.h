@@ -71,8 +71,8 @@ struct GateInsight {
 // Far from what the others of the class have.
 struct Outlier {
   size_t student = 0;  // place in what was given
-  std::string
-      what;  // "score", "time_all_attempts_s" or a criterion's metric, of which time_s is one
+  // "score", "time_all_attempts_s" or a criterion's metric, of which time_s is one
+  std::string what;
   double value = 0;
   double median = 0;  // of the class
   double z = 0;       // modified z-score, signed
