@@ -17,11 +17,11 @@ using cutting::Volume;
 
 // The box of BlockExercise, once as parts say it and once as the block with it gone.
 struct Task {
-  Volume block = MakeBlock(50'000);
+  Volume block;
   scene::Exercise shape = BlockExercise(), prepared = BlockExercise();
   Volume wanted;
 
-  Task() {
+  explicit Task(int32_t voxel_nm = 100'000) : block(MakeBlock(voxel_nm)) {
     shape.target.leeway_bottom_um = shape.target.leeway_side_um = 200;
     wanted = scene::Prepared(block, *scene::TargetShape(BlockScene(), shape.target));
     prepared.target = *scene::TargetFromPrepared(BlockScene(), block, wanted,
@@ -31,30 +31,35 @@ struct Task {
 };
 
 // Only + - * / sqrt is asked of it elsewhere; here it is looked at from outside.
-double Inside_mm3(const Volume& block, const Volume& cut, const scene::CavityTarget& target,
-                  Zone zone, bool removed) {
-  ZoneBoxes zones = *BoxesOf(BlockScene(), target);
-  GrowZones(block, zones);
+double Inside_mm3(const Volume& block, const Volume& cut, const ZoneBoxes& zones, Zone zone,
+                  bool removed) {
   const BoxVolume volume = MeasureZone(block, cut, zones, zone);
   return 1e9 * (removed ? volume.removed_m3 : volume.solid_m3);
 }
 
+ZoneBoxes GrownZones(const Volume& block, const scene::CavityTarget& target) {
+  ZoneBoxes zones = *BoxesOf(BlockScene(), target);
+  GrowZones(block, zones);
+  return zones;
+}
+
 TEST(PreparedTargetZonesTest, AreThoseOfTheShapeItWasMadeOf) {
-  const Task task;
+  const Task task(50'000);
   Cavity deep;
   deep.mesial_mm += 0.45;
   deep.depth_mm += 0.1;
   const Cut cut(task.block, deep);
   // A box of 3 x 2.4 x 2 mm; the leeway's edges are round here and square there, which is 1 - pi/4
   // of 0.2 mm squared along the upright edges and the floor's.
+  const ZoneBoxes of_shape = GrownZones(task.block, task.shape.target),
+                  of_tooth = GrownZones(task.block, task.prepared.target);
   const double edges = 4 * 2 + 2 * (3 + 2.4);
   for (const Zone zone : {Zone::kTarget, Zone::kLeeway, Zone::kContainer}) {
     const double grown = zone == Zone::kTarget ? 0 : zone == Zone::kLeeway ? 0.2 : 0.7;
     const double round_mm3 = (1 - std::acos(-1.0) / 4) * grown * grown * (edges + 12 * grown);
     for (const bool removed : {false, true}) {
-      const double by_shape = Inside_mm3(task.block, cut.volume, task.shape.target, zone, removed),
-                   by_tooth =
-                       Inside_mm3(task.block, cut.volume, task.prepared.target, zone, removed);
+      const double by_shape = Inside_mm3(task.block, cut.volume, of_shape, zone, removed),
+                   by_tooth = Inside_mm3(task.block, cut.volume, of_tooth, zone, removed);
       EXPECT_NEAR(by_tooth, by_shape, 0.15 + round_mm3) << static_cast<int>(zone) << removed;
       EXPECT_LE(by_tooth, by_shape + 0.15);
     }
@@ -63,8 +68,7 @@ TEST(PreparedTargetZonesTest, AreThoseOfTheShapeItWasMadeOf) {
 
 TEST(PreparedTargetZonesTest, OfTheWantedToothAllOfTheTargetIsGoneAndNothingBeyond) {
   const Task task;
-  ZoneBoxes zones = *BoxesOf(BlockScene(), task.prepared.target);
-  GrowZones(task.block, zones);
+  const ZoneBoxes zones = GrownZones(task.block, task.prepared.target);
   const BoxVolume target = MeasureZone(task.block, task.wanted, zones, Zone::kTarget);
   const BoxVolume leeway = MeasureZone(task.block, task.wanted, zones, Zone::kLeeway);
   const BoxVolume container = MeasureZone(task.block, task.wanted, zones, Zone::kContainer);
@@ -111,8 +115,8 @@ TEST(PreparedTargetScoreTest, AWallThatIsTooDeepIsFoundAsWithARecordedReference)
   auto metrics = ComputeMetrics(BlockScene(), task.prepared, cut.Data(task.block),
                                 {&task.block, &task.wanted, &mesh, nullptr});
   ASSERT_TRUE(metrics.ok()) << metrics.status().message();
-  EXPECT_NEAR(ValueOf(*metrics, "wall_mesial_mm"), 0.3, 0.0125);
-  EXPECT_NEAR(ValueOf(*metrics, "wall_distal_mm"), 0, 0.0125);
+  EXPECT_NEAR(ValueOf(*metrics, "wall_mesial_mm"), 0.3, 0.025);
+  EXPECT_NEAR(ValueOf(*metrics, "wall_distal_mm"), 0, 0.025);
 }
 
 TEST(PreparedTargetScoreTest, AToothThatWasNotLoadedIsAnErrorAndNoBox) {
