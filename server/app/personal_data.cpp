@@ -198,6 +198,7 @@ class Exporter {
       ENAMEL_ASSIGN_OR_RETURN(auto by, NameOf(remark.author));
       annotations.push_back({{"tick", remark.tick},
                              {"text", remark.text},
+                             {"to_chair", remark.to_chair},
                              {"by", by},
                              {"created_ms", remark.created_ms}});
     }

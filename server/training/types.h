@@ -316,6 +316,7 @@ struct AnnotationRow {
   uint64_t tick = 0;
   std::optional<std::array<int32_t, 3>> point_um;  // scene frame
   std::string text;
+  bool to_chair = false;  // said at the chair, while the attempt was made
   UnixMs created_ms = 0;
   UnixMs edited_ms = 0;  // 0: never
   int32_t revision = 1;

@@ -315,7 +315,7 @@ const remarkView = (person) => (row) => ({ ...row, mine: row.author.id === perso
 
 function annotate(row, { world, person, body }) {
   const remark = { id: newId(world), attempt_id: row.id, author: { id: person.id, display_name: person.display_name }, tick: body.tick, point_um: body.point_um ?? null,
-                   text: body.text, created_ms: world.nowMs, edited_ms: 0, revision: 1 };
+                   text: body.text, to_chair: false, created_ms: world.nowMs, edited_ms: 0, revision: 1 };
   world.annotations.push(remark);
   return tagged(remarkView(person)(remark), 201);
 }

@@ -88,12 +88,12 @@ function makeAttempts(world, { student, second, instructor }) {
 }
 
 function makeAnnotations(instructor) {
-  const row = (number, attempt, tick, text, point) => ({
-    id: id(number), attempt_id: id(attempt), author: { id: instructor.id, display_name: instructor.display_name }, tick, point_um: point, text,
+  const row = (number, attempt, tick, text, point, toChair = false) => ({
+    id: id(number), attempt_id: id(attempt), author: { id: instructor.id, display_name: instructor.display_name }, tick, point_um: point, text, to_chair: toChair,
     created_ms: kStartMs + 60 * kMinuteMs, edited_ms: 0, revision: 1 });
   return [
     row(700, 105, 9_600, "Here the bur leans to mesial: keep the handpiece upright while you move along the wall.", [2300, 100, 900]),
-    row(701, 105, 30_000, "Good light touch in the corner.", null),
+    row(701, 105, 30_000, "Good light touch in the corner.", null, true),
     row(702, 120, 12_000, "Too deep at this point.", [-300, 0, -500]),
   ];
 }

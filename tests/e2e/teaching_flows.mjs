@@ -150,6 +150,8 @@ async function remarks(world) {
   const student = await signedIn(world, "student", path);
   await student.getByText("Look at this very place.").waitFor();
   assert.equal(await student.getByRole("button", { name: "Add remark" }).count(), 0);
+  assert.match(await student.locator(".annotation", { hasText: "Good light touch" }).innerText(), /said at the chair/);
+  assert.equal(await student.getByText("said at the chair").count(), 1);
   await student.getByRole("group", { name: "Remarks along the time" }).getByRole("button", { name: "Remark 2" }).click();
   assert.equal(await student.getByLabel("Time in the attempt").inputValue(), "500");
 }

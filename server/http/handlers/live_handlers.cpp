@@ -95,6 +95,7 @@ Result<SentRemark> Speak(
   kept.attempt = call.id;
   kept.tick = TickOf(call, seen.row);
   kept.text = text;
+  kept.to_chair = true;
   ENAMEL_ASSIGN_OR_RETURN(const auto row, store.judging().AddAnnotation(kept, ActorOf(call)));
   const json::object about{{"annotation", row.id.Text()}, {"station", seen.row.station.Text()}};
   ENAMEL_RETURN_IF_ERROR(store.audit().NoteAudit(ActorOf(call), "attempt.speak", call.id.Text(),

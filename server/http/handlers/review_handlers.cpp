@@ -55,6 +55,7 @@ json::object AnnotationJson(const Call& call, const AnnotationRow& row) {
           {"tick", row.tick},
           {"point_um", std::move(point)},
           {"text", row.text},
+          {"to_chair", row.to_chair},
           {"created_ms", row.created_ms},
           {"edited_ms", row.edited_ms},
           {"mine", row.author == call.caller->person.id},

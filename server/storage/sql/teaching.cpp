@@ -6,10 +6,11 @@
 namespace enamel::server::sqlite {
 namespace {
 
-#define ENAMEL_ANNOTATION_SELECT                                                                 \
-  "SELECT n.id, n.attempt, n.author, coalesce(p.display_name, ''), n.tick, n.x_um, n.y_um, "     \
-  "n.z_um, n.text, n.created_ms, n.edited_ms, n.revision FROM annotations n LEFT JOIN people p " \
-  "ON p.tenant = n.tenant AND p.id = n.author WHERE n.tenant = ?1"
+#define ENAMEL_ANNOTATION_SELECT                                                               \
+  "SELECT n.id, n.attempt, n.author, coalesce(p.display_name, ''), n.tick, n.x_um, n.y_um, "   \
+  "n.z_um, n.text, n.created_ms, n.edited_ms, n.revision, n.to_chair FROM annotations n LEFT " \
+  "JOIN "                                                                                      \
+  "people p ON p.tenant = n.tenant AND p.id = n.author WHERE n.tenant = ?1"
 
 AnnotationRow AnnotationOf(const Query& q) {
   AnnotationRow out;
@@ -26,6 +27,7 @@ AnnotationRow AnnotationOf(const Query& q) {
   out.created_ms = q.Int(9);
   out.edited_ms = q.Int(10);
   out.revision = static_cast<int32_t>(q.Int(11));
+  out.to_chair = q.Int(12) != 0;
   return out;
 }
 
@@ -256,8 +258,9 @@ Result<AnnotationRow> SqliteStore::AddAnnotation(const AnnotationRow& annotation
     if (auto attempt = FindAttempt(db, row.attempt); !attempt.ok()) return attempt.status();
     Query q(db,
             "INSERT INTO annotations (tenant, id, tick, x_um, y_um, z_um, text, attempt, author, "
-            "created_ms) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)");
+            "created_ms, to_chair) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11)");
     BindRemark(q.Bind(row.id), row).Bind(row.attempt).Bind(by.person).Bind(NowMs());
+    q.Bind(int64_t{row.to_chair});
     ENAMEL_RETURN_IF_ERROR(q.Run());
     return WriteAuditAbout(db, SubjectOf("annotation", row.id.Text()), by, "annotation.add",
                            row.attempt.Text(), "{}", RemarkJson(row));

@@ -63,6 +63,10 @@ TEST_F(RemarkTest, RemarkGoesToTheChairAndStaysOnTheAttempt) {
   EXPECT_EQ(kept[0].text, "请停一下。 Stop.");
   EXPECT_EQ(kept[0].tick, 72'000u);
   EXPECT_EQ(kept[0].author, school_.ada);
+  EXPECT_TRUE(kept[0].to_chair);
+  const json::value listed = Parsed(
+      Visitor(server().port(), "ada").Get("/api/v1/attempts/" + attempt.Text() + "/annotations"));
+  EXPECT_EQ(listed.at("annotations").at(0).at("to_chair"), true);
   AuditFilter spoken;
   spoken.action = "attempt.speak";
   auto rows = *school_.store->FindAudit(spoken);

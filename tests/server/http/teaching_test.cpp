@@ -584,6 +584,7 @@ TEST_F(TeachingTest, RemarksAreSeenAfterTheReleaseAndChangedByTheirAuthor) {
   By("ada").Judge("POST", Scored(), "/release");
   json::value seen = Parsed(By("sam").Get(Scored("/annotations"))).at("annotations").at(0);
   EXPECT_EQ(seen.at("text"), "too steep here");
+  EXPECT_EQ(seen.at("to_chair"), false);
   EXPECT_EQ(seen.at("point_um").at(1), -50);
   EXPECT_EQ(seen.at("author").at("display_name"), "Person ada");
   EXPECT_EQ(seen.at("mine"), false);

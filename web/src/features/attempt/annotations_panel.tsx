@@ -60,7 +60,7 @@ function RemarkItem({ client, series, mark, chosen, onChoose, onChanged }: Props
           <button type="button" class="button small quiet" onClick={() => onChoose(mark)}>
             <span class="hidden">{say("remarks.show", { number: String(number) })} </span>{formatMoment(secondsOfTick(series, annotation.tick))}
           </button>
-          {" "}{annotation.point_um !== null && <>{say("remarks.at_a_point")} </>}{byline(annotation)}
+          {" "}{annotation.point_um !== null && <>{say("remarks.at_a_point")} </>}{annotation.to_chair && <>{say("remarks.to_chair")} </>}{byline(annotation)}
         </p>
         {mode === "edit"
           ? <EditRemark client={client} annotation={annotation} onDone={() => { setMode("read"); onChanged(); }} onCancel={() => setMode("read")} />
