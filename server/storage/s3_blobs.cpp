@@ -1,33 +1,23 @@
 #include "server/storage/s3_blobs.h"
 
-#include <sodium.h>
 #include <spdlog/spdlog.h>
 
-#include <charconv>
-#include <cstdio>
 #include <limits>
 #include <map>
 
+#include "server/storage/object_generation.h"
 #include "server/storage/sql/blob_rows.h"
 #include "server/storage/sql/sqlite_impl.h"
 
 namespace enamel::server::sqlite {
 namespace {
 
-constexpr int64_t kLogEveryMs = 60'000;
-constexpr size_t kHexHash = 64, kHexGeneration = 16;
+constexpr size_t kHexHash = 64;
 // Rows of one transaction of Sweep, which keeps others' from being kept.
 constexpr size_t kAtOnce = 256;
 
 int64_t Ms(std::chrono::seconds time) {
   return std::chrono::duration_cast<std::chrono::milliseconds>(time).count();
-}
-
-// 63 bits, so that it is a number of SQL's, and no two servers choose the same.
-int64_t NewGeneration() {
-  uint64_t random = 0;
-  randombytes_buf(&random, sizeof random);
-  return static_cast<int64_t>(random >> 1 | 1);
 }
 
 Result<std::vector<Blobs::Freed>> FreeUnnamed(sql::Db& db, const std::set<Sha256>& hashes,
@@ -40,57 +30,30 @@ Result<std::vector<Blobs::Freed>> FreeUnnamed(sql::Db& db, const std::set<Sha256
 
 }  // namespace
 
-S3Blobs::S3Blobs(std::unique_ptr<s3::S3Client> client, std::string prefix, Rows rows,
+S3Blobs::S3Blobs(std::unique_ptr<s3::S3Client> client, std::string prefix, Transactions rows,
                  std::function<int64_t()> now_ms)
     : client_(std::move(client)),
       prefix_(std::move(prefix)),
       rows_(std::move(rows)),
-      now_ms_(now_ms ? std::move(now_ms) : [] { return NowMs(); }) {}
+      now_ms_(now_ms ? std::move(now_ms) : [] { return NowMs(); }),
+      trouble_("blobs", now_ms_) {}
 
 std::string S3Blobs::KeyOf(const Sha256& hash, int64_t generation) const {
-  char text[kHexGeneration + 1];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(generation));
-  return prefix_ + hash.Hex() + "-" + text;
+  return prefix_ + hash.Hex() + "-" + GenerationText(generation);
 }
 
 bool S3Blobs::ReadKey(const std::string& key, Freed& out) const {
   if (!key.starts_with(prefix_)) return false;
   const std::string_view name = std::string_view(key).substr(prefix_.size());
-  if (name.size() != kHexHash + 1 + kHexGeneration) return false;
+  if (name.size() <= kHexHash || name[kHexHash] != '-') return false;
   const auto hash = Sha256::FromHex(name.substr(0, kHexHash));
-  const char* const end = name.data() + name.size();
-  const auto [stop, bad] =
-      std::from_chars(name.data() + kHexHash + 1, end, out.generation, /*base=*/16);
-  if (!hash.ok() || bad != std::errc() || stop != end) return false;
-  out.hash = *hash;
+  const auto generation = ReadGeneration(name.substr(kHexHash + 1));
+  if (!hash.ok() || !generation) return false;
+  out = {*hash, *generation};
   return KeyOf(out.hash, out.generation) == key;
 }
 
-Status S3Blobs::Told(const Status& status) const {
-  const bool works = status.ok() || status.code() == Code::kNotFound;
-  {
-    MutexLock lock(mutex_);
-    const int64_t now = now_ms_();
-    if (works && !problem_.ok()) spdlog::info("the store of blobs works again");
-    if (!works && (problem_.code() != status.code() || now - logged_ms_ >= kLogEveryMs)) {
-      spdlog::warn("blobs: {}", status.message());
-      logged_ms_ = now;
-    }
-    problem_ = works ? Status::Ok() : status;
-  }
-  if (works || status.code() == Code::kTooLarge) return status;
-  if (status.code() == Code::kUnavailable) {
-    return Status(Code::kUnavailable,
-                  "the store of blobs cannot be reached or has too much to do; try again later");
-  }
-  return Status(Code::kStorage,
-                "the store of blobs refuses, is full or fails; the server's log says why");
-}
-
-Status S3Blobs::Problem() const {
-  MutexLock lock(mutex_);
-  return problem_;
-}
+Status S3Blobs::Problem() const { return trouble_.Problem(); }
 
 Result<Sha256> S3Blobs::Put(ByteView data) {
   const Sha256 hash = HashSha256(data);
@@ -111,13 +74,13 @@ Result<Sha256> S3Blobs::Put(ByteView data) {
   if (there) {
     const Status head = client_->Head(KeyOf(hash, there->generation));
     if (head.code() != Code::kNotFound) {
-      ENAMEL_RETURN_IF_ERROR(Told(head));
+      ENAMEL_RETURN_IF_ERROR(trouble_.Told(head));
       return hash;
     }
     spdlog::error("blobs: the object of {} is lost; it is written again", hash.Hex());
   }
   const int64_t generation = NewGeneration();
-  ENAMEL_RETURN_IF_ERROR(Told(client_->Put(KeyOf(hash, generation), data)));
+  ENAMEL_RETURN_IF_ERROR(trouble_.Told(client_->Put(KeyOf(hash, generation), data)));
   BlobRow row;
   // When this fails, the row may have been added all the same: the object stays for Sweep to judge.
   ENAMEL_RETURN_IF_ERROR(rows_.write([&](sql::Db& db) -> Status {
@@ -145,17 +108,18 @@ Result<Bytes> S3Blobs::Get(const Sha256& hash) const {
     }));
     if (!row) return Status(Code::kNotFound, "no blob " + hash.Hex());
     if (row->generation == tried) {
-      return Told(Status(Code::kStorage, "the object " + KeyOf(hash, tried) + " is lost at " +
-                                             client_->Where() + "; restore it from a backup"));
+      return trouble_.Told(Status(Code::kStorage, "the object " + KeyOf(hash, tried) +
+                                                      " is lost at " + client_->Where() +
+                                                      "; restore it from a backup"));
     }
     tried = row->generation;
     auto body = client_->Get(KeyOf(hash, tried), hash);
     if (body.ok()) {
-      (void)Told(Status::Ok());
+      (void)trouble_.Told(Status::Ok());
       return body;
     }
     // Another server may have written it again under another generation since the look at the row.
-    if (body.status().code() != Code::kNotFound) return Told(body.status());
+    if (body.status().code() != Code::kNotFound) return trouble_.Told(body.status());
   }
 }
 
@@ -190,7 +154,7 @@ Result<size_t> S3Blobs::Remove(const std::vector<Freed>& freed) {
   for (const auto& [hash, generation] : freed) {
     // Nothing names it any more, and what it was encrypted under is gone with its person: that an
     // object is left is no reason to have the erasure fail.
-    if (!Told(client_->Delete(KeyOf(hash, generation))).ok()) break;
+    if (!trouble_.Told(client_->Delete(KeyOf(hash, generation))).ok()) break;
     ++removed;
   }
   if (removed < freed.size()) {
@@ -249,7 +213,7 @@ Result<size_t> S3Blobs::SweepOrphans() {
   std::string next;
   do {
     auto page = client_->List(prefix_, next);
-    if (!page.ok()) return Told(page.status());
+    if (!page.ok()) return trouble_.Told(page.status());
     for (const s3::ListedObject& object : page->objects) {
       Freed blob;
       if (object.modified_ms < before_ms && ReadKey(object.key, blob)) orphans.push_back(blob);

@@ -10,6 +10,8 @@
 #include "common/base/mutex.h"
 #include "common/s3/s3_client.h"
 #include "server/storage/blobs.h"
+#include "server/storage/s3_trouble.h"
+#include "server/storage/transactions.h"
 
 namespace enamel::server::sqlite {
 
@@ -36,26 +38,19 @@ namespace enamel::server::sqlite {
 //   Sweep removes it a day after it was uploaded; a row is not added any more for an upload that began
 //   an hour ago (kClaimWithin). Clocks of servers and store may differ by hours.
 //
-// What fails of the store is in the log in full, at most once a minute of a kind; whoever asked is told
-// without host and bucket. A row whose object is lost is found by Put, which uploads the bytes again.
+// What fails of the store is told as S3Trouble does. A row whose object is lost is found by Put, which uploads the bytes again.
 //
 // Thread safety: any thread. Put, Get and Remove wait for the store, at most about two of its calls
 // (S3Limits).
 class S3Blobs final : public Blobs {
  public:
-  // Runs its argument in a transaction that may be run again, or on a connection that reads; as
-  // SqliteStore does.
-  using Run = std::function<Status(const std::function<Status(sql::Db&)>&)>;
-  struct Rows {
-    Run read, write;
-  };
   static constexpr std::chrono::hours kClaimWithin{1};
   static constexpr std::chrono::hours kOrphanAge{24};
   // How often the store is listed for objects without a row.
   static constexpr std::chrono::hours kListEvery{24};
 
   // `now_ms`: the server's clock, milliseconds since 1970; for tests.
-  S3Blobs(std::unique_ptr<s3::S3Client> client, std::string prefix, Rows rows,
+  S3Blobs(std::unique_ptr<s3::S3Client> client, std::string prefix, Transactions rows,
           std::function<int64_t()> now_ms = {});
 
   Result<Sha256> Put(ByteView data) override;
@@ -75,16 +70,13 @@ class S3Blobs final : public Blobs {
   bool ReadKey(const std::string& key, Freed& out) const;
   Result<size_t> SweepRows(std::chrono::seconds age);
   Result<size_t> SweepOrphans();
-  // Notes how the store does, and the status as whoever asked may read it.
-  Status Told(const Status& status) const;
 
   const std::unique_ptr<s3::S3Client> client_;
   const std::string prefix_;
-  const Rows rows_;
+  const Transactions rows_;
   const std::function<int64_t()> now_ms_;
-  mutable Mutex mutex_;
-  mutable Status problem_ ENAMEL_GUARDED_BY(mutex_);  // since the last call that was done
-  mutable int64_t logged_ms_ ENAMEL_GUARDED_BY(mutex_) = 0;
+  mutable S3Trouble trouble_;
+  Mutex mutex_;
   int64_t listed_ms_ ENAMEL_GUARDED_BY(mutex_) = 0;
 };
 

@@ -67,7 +67,7 @@ std::unique_ptr<Blobs> SqliteStore::MakeBlobs(const SqliteOptions& options,
         options.folder / "blobs", DiskOf(options), options.fail_next,
         [this] { return Read([](Db& db) { return NamedBlobs(db); }); });
   }
-  S3Blobs::Rows rows;
+  Transactions rows;
   rows.write = [this](const std::function<Status(Db&)>& work) { return Write(work); };
   rows.read = [this](const std::function<Status(Db&)>& work) {
     return Read([&](Db& db) -> Result<bool> {

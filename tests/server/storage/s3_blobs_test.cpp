@@ -35,7 +35,7 @@ class Server {
     options.time.pause = [](auto) {};
     auto client = s3::S3Client::Make(options);
     EXPECT_TRUE(client.ok()) << client.status().message();
-    S3Blobs::Rows rows;
+    Transactions rows;
     rows.read = [this](const auto& work) { return work(*db_); };
     rows.write = [this](const auto& work) { return Write(work); };
     blobs_ = std::make_unique<S3Blobs>(std::move(client).value(), "p/", rows,
