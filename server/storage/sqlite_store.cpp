@@ -8,6 +8,7 @@
 #include "server/storage/engine/pg_database.h"
 #include "server/storage/engine/server_id.h"
 #include "server/storage/engine/ticket_key.h"
+#include "server/storage/folder_keyring.h"
 #include "server/storage/s3_blobs.h"
 #include "server/storage/sql/sqlite_impl.h"
 
@@ -54,7 +55,9 @@ SqliteStore::SqliteStore(const SqliteOptions& options, Database database, Folder
       readers_(std::move(database.open_reader), options.readers),
       owned_blobs_(MakeBlobs(options, std::move(s3))),
       blobs_(*owned_blobs_),
-      keyring_(options.folder / "keyring", DiskOf(options)),
+      owned_keyring_(
+          std::make_unique<FolderKeyring>(options.folder / "keyring", DiskOf(options))),
+      keyring_(*owned_keyring_),
       // Who holds the folder's lock is this server: what an earlier process of it had is over.
       earlier_leases_(options.hold_lock) {
   if (options.hold_lock) sealed_rows_.emplace(writer_);

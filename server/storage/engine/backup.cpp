@@ -1,4 +1,5 @@
 #include "server/storage/engine/backup.h"
+constexpr const char* kServerFiles[] = {"station.crt", "station.key", "ticket.key"};
 
 #include <algorithm>
 #include <optional>
@@ -6,6 +7,7 @@
 #include "common/base/counted.h"
 #include "server/storage/engine/database_file.h"
 #include "server/storage/engine/manifest.h"
+#include "server/storage/folder_keyring.h"
 #include "server/storage/sql/sqlite_impl.h"
 #include "server/storage/sqlite_store.h"
 
@@ -14,8 +16,6 @@ namespace {
 
 using namespace sqlite;
 namespace fs = std::filesystem;
-
-constexpr const char* kServerFiles[] = {"station.crt", "station.key", "ticket.key"};
 
 Disk& DiskOf(Disk* disk) { return disk != nullptr ? *disk : SystemDisk(); }
 
@@ -139,10 +139,10 @@ class BackupMaker {
   }
 
   Status CopyKeys() {
-    Keyring source(options_.data / "keyring", disk_);
+    FolderKeyring source(options_.data / "keyring", disk_);
     if (!options_.keyring.empty()) {
       manifest_.keyring_inside = false;
-      return Keyring(options_.keyring, disk_).MirrorFrom(source);
+      return FolderKeyring(options_.keyring, disk_).MirrorFrom(source);
     }
     ENAMEL_ASSIGN_OR_RETURN(auto people, source.People());
     ENAMEL_ASSIGN_OR_RETURN(auto gone, source.Gone());
@@ -261,9 +261,10 @@ class Restorer {
   }
 
   Status TakeKeys() {
-    Keyring keyring(options_.data / "keyring", disk_);
+    FolderKeyring keyring(options_.data / "keyring", disk_);
     for (const fs::path& folder : options_.keyrings) {
-      ENAMEL_RETURN_IF_ERROR(keyring.Join(Keyring(folder, disk_)));
+      FolderKeyring newer(folder, disk_);
+      ENAMEL_RETURN_IF_ERROR(keyring.Join(newer));
     }
     return Status::Ok();
   }

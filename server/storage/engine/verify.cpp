@@ -15,6 +15,7 @@
 #include "server/storage/engine/verify_audit.h"
 #include "server/storage/engine/verify_results.h"
 #include "server/storage/engine/verify_stage.h"
+#include "server/storage/folder_keyring.h"
 #include "server/storage/sql/sqlite_impl.h"
 #include "server/training/types.h"
 
@@ -502,7 +503,7 @@ class Verifier {
 
   const VerifyOptions& options_;
   FolderBlobs blobs_;
-  Keyring keyring_;
+  FolderKeyring keyring_;
   VerifyReport report_;
   bool has_keys_ = false;
   std::set<Sha256> in_manifest_, bad_blobs_;

@@ -314,7 +314,9 @@ Status SqliteStore::CreateAttempt(const AttemptRow& row, ByteView ticket, const 
   // Erased or never here: only the key ring knows, as the row is gone in both cases. A station that
   // was away may still offer what such a person recorded.
   bool nobody = status.code() == Code::kNotFound && status.field() == "person";
-  if (!nobody || !keyring_.IsGone(row.person)) return status;
+  if (!nobody) return status;
+  ENAMEL_ASSIGN_OR_RETURN(const bool gone, keyring_.IsGone(row.person));
+  if (!gone) return status;
   return Status(Code::kConflict, "this person was erased; nothing of theirs is taken any more",
                 "person");
 }

@@ -136,7 +136,8 @@ Result<Uuid> SqliteStore::CreatePerson(const Person& person, const std::string& 
   Person row = person;
   if (row.id.IsZero()) row.id = Uuid::New();
   // Recordings that stations still hold under this id would be taken in again.
-  if (keyring_.IsGone(row.id)) {
+  ENAMEL_ASSIGN_OR_RETURN(const bool gone, keyring_.IsGone(row.id));
+  if (gone) {
     return Status(Code::kConflict, "person " + row.id.Text() + " was erased and stays so", "id");
   }
   Status status = Write([&](Db& db) -> Status {

@@ -284,7 +284,8 @@ class SqliteStore final : public Store {
   Readers readers_;
   const std::unique_ptr<Blobs> owned_blobs_;
   Blobs& blobs_;
-  Keyring keyring_;
+  const std::unique_ptr<Keyring> owned_keyring_;
+  Keyring& keyring_;
   std::optional<SealedRows> sealed_rows_;  // the server's; others' rows go with the seal
   std::mutex leases_mutex_;
   bool earlier_leases_;  // there may be some; guarded by leases_mutex_

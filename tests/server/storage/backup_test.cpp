@@ -8,7 +8,7 @@
 
 #include "common/base/file.h"
 #include "server/storage/engine/manifest.h"
-#include "server/storage/keyring.h"
+#include "server/storage/folder_keyring.h"
 #include "tests/server/storage/recorded_attempt.h"
 
 // Backup while a server writes, restore on an empty folder, and what goes wrong with either.
@@ -293,7 +293,7 @@ TEST_F(BackupTest, ErasedPersonStaysErasedWhenAnOlderBackupIsRestoredWithTheNewe
   EXPECT_EQ(store->PersonById(other).status().code(), Code::kNotFound);
   EXPECT_EQ(store->AttemptById(theirs).status().code(), Code::kNotFound);
   EXPECT_TRUE(store->AttemptChunks(kept).ok());
-  EXPECT_FALSE(Keyring(Path("new") / "keyring", SystemDisk()).Find(other).ok());
+  EXPECT_FALSE(FolderKeyring(Path("new") / "keyring", SystemDisk()).Find(other).ok());
 
   // Keys inside: the newest ring still says who is gone.
   auto again = Bring("inside", "new2", {Path("data") / "keyring"});

@@ -1,11 +1,10 @@
-#include "server/storage/keyring.h"
-
 #include <gtest/gtest.h>
 
 #include <boost/json.hpp>
 
 #include "common/base/file.h"
 #include "common/base/hex.h"
+#include "server/storage/folder_keyring.h"
 #include "tests/server/storage/store_world.h"
 
 // Keys of people, and what is kept under them.
@@ -18,7 +17,7 @@ class KeyringTest : public ::testing::Test {
  protected:
   std::filesystem::path Ring(const char* name) const { return folder_.path() / name; }
   TempFolder folder_;
-  Keyring ring_{Ring("a"), SystemDisk()};
+  FolderKeyring ring_{Ring("a"), SystemDisk()};
   Uuid person_ = Uuid::New(), attempt_ = Uuid::New();
 };
 
@@ -44,14 +43,14 @@ TEST_F(KeyringTest, KeyIsMadeOnceAndFoundByAnotherProcess) {
   EXPECT_EQ(ring_.Find(person_).status().code(), Code::kNotFound);
   auto made = ring_.FindOrMake(person_);
   ASSERT_TRUE(made.ok()) << made.status().message();
-  Keyring elsewhere(Ring("a"), SystemDisk());
+  FolderKeyring elsewhere(Ring("a"), SystemDisk());
   EXPECT_TRUE(std::ranges::equal(elsewhere.FindOrMake(person_)->view(), made->view()));
   EXPECT_FALSE(std::ranges::equal(ring_.FindOrMake(Uuid::New())->view(), made->view()));
 }
 
 TEST_F(KeyringTest, DestroyedKeyOpensNothingAndIsNotMadeAgain) {
   Bytes sealed = SealPersonal(person_, *ring_.FindOrMake(person_), attempt_, AsBytes("data"));
-  Keyring elsewhere(Ring("a"), SystemDisk());
+  FolderKeyring elsewhere(Ring("a"), SystemDisk());
   ASSERT_TRUE(elsewhere.Destroy(person_, 5).ok());
   EXPECT_EQ(OpenPersonal(ring_, sealed).status().code(), Code::kNotFound)
       << "although this one had it in memory";
@@ -99,7 +98,7 @@ TEST_F(KeyringTest, ShortKeyFileIsRefused) {
 TEST_F(KeyringTest, MirrorHasTheSameKeysAndAllErasures) {
   Uuid other = Uuid::New(), gone = Uuid::New();
   Bytes sealed = SealPersonal(person_, *ring_.FindOrMake(person_), attempt_, AsBytes("data"));
-  Keyring mirror(Ring("b"), SystemDisk());
+  FolderKeyring mirror(Ring("b"), SystemDisk());
   ASSERT_TRUE(mirror.FindOrMake(other).ok()) << "a key that the source does not have";
   ASSERT_TRUE(mirror.FindOrMake(gone).ok());
   ASSERT_TRUE(ring_.Destroy(gone, 5).ok());
@@ -111,7 +110,7 @@ TEST_F(KeyringTest, MirrorHasTheSameKeysAndAllErasures) {
 
 TEST_F(KeyringTest, JoinedRingKeepsItsErasuresAgainstOlderKeys) {
   ASSERT_TRUE(ring_.FindOrMake(person_).ok());
-  Keyring older(Ring("b"), SystemDisk());
+  FolderKeyring older(Ring("b"), SystemDisk());
   ASSERT_TRUE(older.MirrorFrom(ring_).ok());
   ASSERT_TRUE(ring_.Destroy(person_, 5).ok());
   ASSERT_TRUE(ring_.Join(older).ok());

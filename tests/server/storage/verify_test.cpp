@@ -9,7 +9,7 @@
 #include "common/base/file.h"
 #include "common/base/hex.h"
 #include "server/results/result_document.h"
-#include "server/storage/keyring.h"
+#include "server/storage/folder_keyring.h"
 #include "tests/server/storage/verified_school.h"
 
 // Every kind of disagreement is found and named; without one there is nothing to find.
@@ -327,7 +327,7 @@ TEST_F(VerifyTest, LostKeyIsFound) {
 }
 
 TEST_F(VerifyTest, UnfinishedErasureIsFoundAndFinishedByTheNextStart) {
-  Keyring ring(Data() / "keyring", SystemDisk());
+  FolderKeyring ring(Data() / "keyring", SystemDisk());
   ASSERT_TRUE(ring.Destroy(school_.world.student, 5).ok());
   VerifyReport report = Look();
   EXPECT_TRUE(
