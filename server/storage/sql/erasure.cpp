@@ -1,6 +1,7 @@
 #include <utility>
 
 #include "common/base/counted.h"
+#include "server/storage/sql/key_rows.h"
 #include "server/storage/sql/sqlite_impl.h"
 
 // Erasing a person: the key first, then the rows, then the blobs.
@@ -169,10 +170,7 @@ Status DeletePerson(Db& db, const Uuid& person, const Tombstone& tombstone, cons
   }
   // After the rows: the database admits it only of a person who is not there (0012_signed_trail.sql).
   ENAMEL_RETURN_IF_ERROR(RedactAudit(db, person));
-  Query q(db,
-          "INSERT INTO erasures (tenant, person_hash, erased_ms) VALUES (?1, ?2, ?3) "
-          "ON CONFLICT DO NOTHING");
-  ENAMEL_RETURN_IF_ERROR(q.Bind(tombstone.person).Bind(tombstone.erased_ms).Run());
+  ENAMEL_RETURN_IF_ERROR(AddErasure(db, tombstone));
   return WriteAudit(db, by, "person.erase", tombstone.person.Hex(),
                     JsonOf({{"attempts", std::to_string(attempts.size())}}), "{}");
 }
