@@ -6,6 +6,8 @@
 #include "server/app/say.h"
 #include "server/storage/engine/database_file.h"
 #include "server/storage/engine/ticket_key.h"
+#include "server/storage/key_bucket.h"
+#include "server/storage/master_key.h"
 #include "server/storage/sqlite_store.h"
 
 namespace enamel::server::app {
@@ -15,8 +17,28 @@ struct InitCommand {
   std::filesystem::path data;
   std::string database;  // of PostgreSQL; empty: SQLite in the folder
   std::string schema = "enamel";
-  BlobsInS3 blobs;  // without an endpoint: in the folder
+  PlaceInS3 blobs;                 // without an endpoint: in the folder
+  KeysInS3 keys;                   // without a bucket: in the folder
 };
+
+// Absolute: the folder's files name it from the folder, the command line from where one stands.
+std::string Absolute(const std::string& path) {
+  return path.empty() ? path : std::filesystem::absolute(path).lexically_normal().string();
+}
+
+// Whether the stores can be used as the file says, and the master key, made where there is none.
+Status TryStores(const std::filesystem::path& folder, const DatabaseFile& file) {
+  if (file.blobs) {
+    ENAMEL_ASSIGN_OR_RETURN(const auto place, ReadS3Place(folder, *file.blobs));
+    ENAMEL_RETURN_IF_ERROR(TryS3Place(place));
+  }
+  if (!file.keys) return Status::Ok();
+  ENAMEL_ASSIGN_OR_RETURN(const auto keys, ReadKeyBucket(folder, *file.keys));
+  ENAMEL_RETURN_IF_ERROR(TryS3Place(keys.place));
+  ENAMEL_ASSIGN_OR_RETURN(const auto client, s3::S3Client::Make(keys.place.store));
+  ENAMEL_RETURN_IF_ERROR(MustForgetWhatIsDeleted(*client));
+  return EnsureMasterKey(keys.master_key, SystemDisk()).status();
+}
 
 Status Init(const InitCommand& command) {
   const bool in_s3 = !command.blobs.endpoint.empty();
@@ -29,11 +51,22 @@ Status Init(const InitCommand& command) {
   if (!command.database.empty()) {
     DatabaseFile file{command.database, command.schema};
     if (in_s3) file.blobs = command.blobs;
-    ENAMEL_RETURN_IF_ERROR(MayKeepRowsIn(command.data, file));
-    if (in_s3) {
-      ENAMEL_ASSIGN_OR_RETURN(const auto place, ReadS3Place(command.data, command.blobs));
-      ENAMEL_RETURN_IF_ERROR(TryS3Place(place));
+    if (!command.keys.bucket.bucket.empty()) {
+      // In the same store, and with its key unless another is named.
+      file.keys = command.keys;
+      PlaceInS3& bucket = file.keys->bucket;
+      bucket.endpoint = command.blobs.endpoint;
+      bucket.region = command.blobs.region;
+      bucket.ca_file = command.blobs.ca_file;
+      if (bucket.credentials_file.empty()) {
+        bucket.credentials_file = command.blobs.credentials_file;
+      } else {
+        bucket.credentials_file = Absolute(bucket.credentials_file);
+      }
+      file.keys->master_key_file = Absolute(file.keys->master_key_file);
     }
+    ENAMEL_RETURN_IF_ERROR(MayKeepRowsIn(command.data, file));
+    ENAMEL_RETURN_IF_ERROR(TryStores(command.data, file));
     // Before the file says so: a folder must not be bound to a server that cannot be reached, nor
     // one that holds other things be taken for ours.
     if (auto opened = OpenPostgresStore({file.server, file.schema, {command.data}}); !opened.ok())
@@ -120,6 +153,20 @@ void DeclareInit(CommandGroup root) {
                   "File of its access key (schemas/database.md); without: AWS_ACCESS_KEY_ID and "
                   "AWS_SECRET_ACCESS_KEY, for every command")
       ->needs(endpoint);
+  auto* keys = cmd->add_option("--key-bucket", options.keys.bucket.bucket,
+                               "Keep the keys of people's recordings in this bucket of the store, "
+                               "for several servers: one that keeps no versions and locks nothing")
+                   ->needs(endpoint);
+  auto* master = cmd->add_option("--master-key", options.keys.master_key_file,
+                                 "File of the key that they are wrapped with, the same on all "
+                                 "servers; made when absent")
+                     ->needs(keys);
+  keys->needs(master);
+  cmd->add_option("--key-prefix", options.keys.bucket.prefix, "Of every key in that bucket")
+      ->needs(keys);
+  cmd->add_option("--key-credentials", options.keys.bucket.credentials_file,
+                  "File of that bucket's access key; without: that of the blobs")
+      ->needs(keys);
 }
 
 Result<std::unique_ptr<Store>> OpenOrMake(const std::filesystem::path& folder) {

@@ -9,7 +9,9 @@
 #include "server/storage/engine/server_id.h"
 #include "server/storage/engine/ticket_key.h"
 #include "server/storage/folder_keyring.h"
+#include "server/storage/key_bucket.h"
 #include "server/storage/s3_blobs.h"
+#include "server/storage/s3_keyring.h"
 #include "server/storage/sql/sqlite_impl.h"
 
 namespace enamel::server {
@@ -39,8 +41,7 @@ std::unique_ptr<Db> Signing(std::unique_ptr<Db> db, const AuditSigner& signer) {
 }  // namespace
 
 SqliteStore::SqliteStore(const SqliteOptions& options, Database database, FolderLock lock,
-                         const trace::SecretKey& ticket_key, const Uuid& server,
-                         std::unique_ptr<s3::S3Client> s3)
+                         const trace::SecretKey& ticket_key, const Uuid& server, Buckets buckets)
     : folder_(options.folder),
       lock_(std::move(lock)),
       signer_(ticket_key, server),
@@ -53,10 +54,9 @@ SqliteStore::SqliteStore(const SqliteOptions& options, Database database, Folder
                       signer_),
               options.change_twice),
       readers_(std::move(database.open_reader), options.readers),
-      owned_blobs_(MakeBlobs(options, std::move(s3))),
+      owned_blobs_(MakeBlobs(options, std::move(buckets.blobs))),
       blobs_(*owned_blobs_),
-      owned_keyring_(
-          std::make_unique<FolderKeyring>(options.folder / "keyring", DiskOf(options))),
+      owned_keyring_(MakeKeyring(options, buckets)),
       keyring_(*owned_keyring_),
       // Who holds the folder's lock is this server: what an earlier process of it had is over.
       earlier_leases_(options.hold_lock) {
@@ -70,9 +70,21 @@ std::unique_ptr<Blobs> SqliteStore::MakeBlobs(const SqliteOptions& options,
         options.folder / "blobs", DiskOf(options), options.fail_next,
         [this] { return Read([](Db& db) { return NamedBlobs(db); }); });
   }
-  Transactions rows;
-  rows.write = [this](const std::function<Status(Db&)>& work) { return Write(work); };
-  rows.read = [this](const std::function<Status(Db&)>& work) {
+  return std::make_unique<S3Blobs>(std::move(s3), options.s3_blobs->prefix, OwnTransactions());
+}
+
+std::unique_ptr<Keyring> SqliteStore::MakeKeyring(const SqliteOptions& options, Buckets& buckets) {
+  if (buckets.keys == nullptr) {
+    return std::make_unique<FolderKeyring>(options.folder / "keyring", DiskOf(options));
+  }
+  return std::make_unique<S3Keyring>(std::move(buckets.keys), options.s3_keys->place.prefix,
+                                     *buckets.master, OwnTransactions());
+}
+
+Transactions SqliteStore::OwnTransactions() {
+  Transactions out;
+  out.write = [this](const std::function<Status(Db&)>& work) { return Write(work); };
+  out.read = [this](const std::function<Status(Db&)>& work) {
     return Read([&](Db& db) -> Result<bool> {
              Status status = work(db);
              if (!status.ok()) return status;
@@ -80,7 +92,7 @@ std::unique_ptr<Blobs> SqliteStore::MakeBlobs(const SqliteOptions& options,
            })
         .status();
   };
-  return std::make_unique<S3Blobs>(std::move(s3), options.s3_blobs->prefix, std::move(rows));
+  return out;
 }
 
 Result<Sha256> SqliteStore::PutBlob(ByteView data) {
@@ -176,6 +188,12 @@ StoreHealth SqliteStore::Health() {
         "the store of blobs cannot be written or read; the server's log says why. Recordings that "
         "end wait at the stations and scores at the server until it can";
   }
+  if (out.waiting.empty() && !keyring_.Problem().ok()) {
+    out.waiting =
+        "the store of keys cannot be written or read; the server's log says why. Recordings of "
+        "people whose key is not in memory wait at the stations, and nobody can be erased, until "
+        "it can";
+  }
   return out;
 }
 
@@ -240,6 +258,14 @@ Result<std::unique_ptr<Store>> OpenStoreOn(
     if (!key.ok()) return key.status();
     ENAMEL_RETURN_IF_ERROR(db.Migrate(migrations));
   }
+  SqliteStore::Buckets buckets;
+  if (options.s3_keys) {
+    ENAMEL_ASSIGN_OR_RETURN(buckets.master, ReadMasterKey(options.s3_keys->master_key));
+    ENAMEL_ASSIGN_OR_RETURN(buckets.keys, s3::S3Client::Make(options.s3_keys->place.store));
+    const Status forgets = MustForgetWhatIsDeleted(*buckets.keys);
+    // It may be away while a server starts.
+    if (!forgets.ok() && forgets.code() != Code::kUnavailable) return forgets;
+  }
   Uuid server;
   if (many) {
     ENAMEL_ASSIGN_OR_RETURN(server, EnsureServerId(options.folder, DiskOf(options)));
@@ -248,13 +274,12 @@ Result<std::unique_ptr<Store>> OpenStoreOn(
   db.SetCompanion(&signer);
   ENAMEL_RETURN_IF_ERROR(BeginSignedTrail(db));
   if (!options.hold_lock) lock.reset();
-  std::unique_ptr<s3::S3Client> s3;
   if (options.s3_blobs) {
-    ENAMEL_ASSIGN_OR_RETURN(s3, s3::S3Client::Make(options.s3_blobs->store));
+    ENAMEL_ASSIGN_OR_RETURN(buckets.blobs, s3::S3Client::Make(options.s3_blobs->store));
   }
   FolderLock kept = lock ? std::move(*lock) : FolderLock();
   auto store = std::make_unique<SqliteStore>(options, std::move(database).value(), std::move(kept),
-                                             key->secret_key, server, std::move(s3));
+                                             key->secret_key, server, std::move(buckets));
   if (options.hold_lock) ENAMEL_RETURN_IF_ERROR(store->Reconcile());
   return std::unique_ptr<Store>(std::move(store));
 }
@@ -296,6 +321,10 @@ Result<std::unique_ptr<Store>> OpenStore(const SqliteOptions& options) {
   if (database->blobs) {
     ENAMEL_ASSIGN_OR_RETURN(postgres.folder.s3_blobs,
                             ReadS3Place(options.folder, *database->blobs));
+  }
+  if (database->keys) {
+    ENAMEL_ASSIGN_OR_RETURN(postgres.folder.s3_keys,
+                            ReadKeyBucket(options.folder, *database->keys));
   }
   return OpenPostgresStore(postgres);
 }

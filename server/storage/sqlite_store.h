@@ -47,6 +47,12 @@ struct SqliteOptions {
   // Where blobs are instead of in FOLDER/blobs. With rows in enamel.db for tests alone: two servers
   // with a database each would delete each other's blobs (ReadDatabaseFile refuses it).
   std::optional<S3Place> s3_blobs{};
+  // Where keys are instead of in FOLDER/keyring, and the file of the key that they are wrapped with.
+  struct KeyBucket {
+    S3Place place;
+    std::filesystem::path master_key;
+  };
+  std::optional<KeyBucket> s3_keys{};
 };
 
 // The embedded store: DIR/enamel.db (SQLite, WAL, synchronous=FULL), DIR/blobs/xx/<sha256> and

@@ -15,8 +15,8 @@ namespace {
 
 namespace json = boost::json;
 
-constexpr int64_t kNewestVersion = 2;
-constexpr int64_t kWithoutBlobs = 1;
+constexpr int64_t kNewestVersion = 3;
+constexpr int64_t kWithKeys = 3, kWithBlobs = 2, kWithout = 1;
 constexpr int64_t kCredentialsVersion = 1;
 constexpr size_t kMaxDatabaseBytes = 64 << 10;
 constexpr size_t kMaxPrefix = 200;
@@ -56,23 +56,24 @@ Status ReadText(const std::filesystem::path& path, const json::object& all, cons
   return Status::Ok();
 }
 
-Result<BlobsInS3> ReadBlobs(const std::filesystem::path& path, const json::value& value) {
-  if (!value.is_object()) return Bad(path, "no object as blobs");
+Result<PlaceInS3> ReadPlace(const std::filesystem::path& path, const json::value& value,
+                            const char* name) {
+  if (!value.is_object()) return Bad(path, std::string("no object as ") + name);
   const json::object& all = value.get_object();
-  BlobsInS3 out;
-  for (auto [name, need, into] :
+  PlaceInS3 out;
+  for (auto [member, need, into] :
        {std::tuple{"endpoint", Need::kMust, &out.endpoint},
         std::tuple{"region", Need::kMay, &out.region},
         std::tuple{"bucket", Need::kMust, &out.bucket},
         std::tuple{"prefix", Need::kMay, &out.prefix},
         std::tuple{"ca_file", Need::kMay, &out.ca_file},
         std::tuple{"credentials_file", Need::kMay, &out.credentials_file}}) {
-    ENAMEL_RETURN_IF_ERROR(ReadText(path, all, name, need, *into));
+    ENAMEL_RETURN_IF_ERROR(ReadText(path, all, member, need, *into));
   }
   return out;
 }
 
-json::object ObjectOf(const BlobsInS3& blobs) {
+json::object ObjectOf(const PlaceInS3& blobs) {
   json::object out = {{"endpoint", blobs.endpoint}, {"bucket", blobs.bucket}};
   for (auto [name, text] : {std::pair{"region", &blobs.region}, std::pair{"prefix", &blobs.prefix},
                             std::pair{"ca_file", &blobs.ca_file},
@@ -91,7 +92,7 @@ Status MustBeAPrefix(const std::string& prefix) {
     return Status::Ok();
   return Status(Code::kInvalidInput,
                 "expected a prefix of at most 200 letters, digits, \".\", \"_\", \"-\" and "
-                "\"/\", found another as blobs.prefix; choose one like school/",
+                "\"/\", found another as prefix; choose one like school/",
                 "prefix");
 }
 
@@ -125,6 +126,18 @@ Result<s3::Credentials> CredentialsOfEnvironment() {
                 "credentials");
 }
 
+// Who may read the one is to have nothing of the other.
+Status MustHaveKeysApart(const DatabaseFile& file) {
+  if (!file.blobs || !file.keys || file.blobs->endpoint != file.keys->bucket.endpoint ||
+      file.blobs->bucket != file.keys->bucket.bucket) {
+    return Status::Ok();
+  }
+  return Status(Code::kInvalidInput,
+                "expected a bucket for keys and another for blobs, found " + file.blobs->bucket +
+                    " for both; name one that has nothing else in it",
+                "key-bucket");
+}
+
 }  // namespace
 
 Result<std::optional<DatabaseFile>> ReadDatabaseFile(const std::filesystem::path& folder) {
@@ -134,37 +147,56 @@ Result<std::optional<DatabaseFile>> ReadDatabaseFile(const std::filesystem::path
   ENAMEL_ASSIGN_OR_RETURN(const json::object all, ReadObject(path, kNewestVersion));
   DatabaseFile out;
   const json::value* blobs = all.if_contains("blobs");
-  if (blobs != nullptr && all.if_contains("server") == nullptr) {
+  const json::value* keys = all.if_contains("keys");
+  if ((blobs != nullptr || keys != nullptr) && all.if_contains("server") == nullptr) {
     return Status(Code::kInvalidInput,
                   path.string() +
-                      ": expected rows in PostgreSQL beside blobs in an S3 store, found no server: "
-                      "rows in enamel.db are one machine's, and what others name would be deleted; "
-                      "name the PostgreSQL server, or keep the blobs in the folder too");
+                      ": expected rows in PostgreSQL beside what is in an S3 store, found no "
+                      "server: rows in enamel.db are one machine's, and what others name would be "
+                      "deleted; name the PostgreSQL server, or keep all of it in the folder");
   }
-  if (blobs != nullptr && all.at("version").get_int64() == kWithoutBlobs)
+  const int64_t version = all.at("version").get_int64();
+  if (blobs != nullptr && version < kWithBlobs)
     return Bad(path, "blobs in a file of version 1, which an older server would pass over");
+  if (keys != nullptr && version < kWithKeys) {
+    return Bad(path, "keys in a file of version " + std::to_string(version) +
+                         ", which an older server would pass over");
+  }
   ENAMEL_RETURN_IF_ERROR(ReadText(path, all, "server", Need::kMust, out.server));
   ENAMEL_RETURN_IF_ERROR(ReadText(path, all, "schema", Need::kMust, out.schema));
   if (blobs != nullptr) {
-    ENAMEL_ASSIGN_OR_RETURN(out.blobs, ReadBlobs(path, *blobs));
+    ENAMEL_ASSIGN_OR_RETURN(out.blobs, ReadPlace(path, *blobs, "blobs"));
   }
+  if (keys != nullptr) {
+    out.keys.emplace();
+    ENAMEL_ASSIGN_OR_RETURN(out.keys->bucket, ReadPlace(path, *keys, "keys"));
+    ENAMEL_RETURN_IF_ERROR(ReadText(path, keys->get_object(), "master_key_file", Need::kMust,
+                                    out.keys->master_key_file));
+  }
+  ENAMEL_RETURN_IF_ERROR(MustHaveKeysApart(out));
   return std::optional<DatabaseFile>(std::move(out));
 }
 
-Result<S3Place> ReadS3Place(const std::filesystem::path& folder, const BlobsInS3& blobs) {
-  ENAMEL_RETURN_IF_ERROR(MustBeAPrefix(blobs.prefix));
+Result<S3Place> ReadS3Place(const std::filesystem::path& folder, const PlaceInS3& place) {
+  ENAMEL_RETURN_IF_ERROR(MustBeAPrefix(place.prefix));
   S3Place out;
-  out.prefix = blobs.prefix;
-  out.store.endpoint = blobs.endpoint;
-  out.store.bucket = blobs.bucket;
-  if (!blobs.region.empty()) out.store.region = blobs.region;
-  if (!blobs.ca_file.empty()) out.store.ca_file = folder / blobs.ca_file;
-  auto credentials = blobs.credentials_file.empty()
+  out.prefix = place.prefix;
+  out.store.endpoint = place.endpoint;
+  out.store.bucket = place.bucket;
+  if (!place.region.empty()) out.store.region = place.region;
+  if (!place.ca_file.empty()) out.store.ca_file = folder / place.ca_file;
+  auto credentials = place.credentials_file.empty()
                          ? CredentialsOfEnvironment()
-                         : ReadCredentials(folder / blobs.credentials_file);
+                         : ReadCredentials(folder / place.credentials_file);
   if (!credentials.ok()) return credentials.status();
   out.store.credentials = std::move(*credentials);
   return out;
+}
+
+Result<SqliteOptions::KeyBucket> ReadKeyBucket(const std::filesystem::path& folder,
+                                               const KeysInS3& keys) {
+  ENAMEL_ASSIGN_OR_RETURN(auto place, ReadS3Place(folder, keys.bucket));
+  return SqliteOptions::KeyBucket{std::move(place), folder / keys.master_key_file};
 }
 
 Status TryS3Place(const S3Place& place) {
@@ -187,6 +219,7 @@ Status MustHaveRowsInFolder(const std::filesystem::path& folder, const std::stri
 }
 
 Status MayKeepRowsIn(const std::filesystem::path& folder, const DatabaseFile& file) {
+  ENAMEL_RETURN_IF_ERROR(MustHaveKeysApart(file));
   std::error_code error;
   if (std::filesystem::exists(folder / "enamel.db", error)) {
     return Status(Code::kConflict, "expected a folder without rows, found " +
@@ -199,10 +232,11 @@ Status MayKeepRowsIn(const std::filesystem::path& folder, const DatabaseFile& fi
                                        " of another database already (database.json); name "
                                        "another folder");
   }
-  if (there && there->blobs != file.blobs) {
-    return Status(Code::kConflict, "the blobs of " + folder.string() +
-                                       " are elsewhere already (database.json); name another "
-                                       "folder");
+  if (there && (there->blobs != file.blobs || there->keys != file.keys)) {
+    return Status(Code::kConflict,
+                  std::string(there->blobs != file.blobs ? "the blobs" : "the keys") + " of " +
+                      folder.string() +
+                      " are elsewhere already (database.json); name another folder");
   }
   return Status::Ok();
 }
@@ -210,10 +244,17 @@ Status MayKeepRowsIn(const std::filesystem::path& folder, const DatabaseFile& fi
 Status WriteDatabaseFile(const std::filesystem::path& folder, const DatabaseFile& file,
                          Disk& disk) {
   ENAMEL_RETURN_IF_ERROR(MayKeepRowsIn(folder, file));
-  json::object document = {{"version", file.blobs ? kNewestVersion : kWithoutBlobs},
+  json::object document = {{"version", file.keys    ? kWithKeys
+                                       : file.blobs ? kWithBlobs
+                                                    : kWithout},
                            {"server", file.server},
                            {"schema", file.schema}};
   if (file.blobs) document["blobs"] = ObjectOf(*file.blobs);
+  if (file.keys) {
+    json::object keys = ObjectOf(file.keys->bucket);
+    keys["master_key_file"] = file.keys->master_key_file;
+    document["keys"] = std::move(keys);
+  }
   return disk.Replace(folder / kDatabaseFile, AsBytes(json::serialize(document)));
 }
 

@@ -1,3 +1,5 @@
+#include <spdlog/spdlog.h>
+
 #include <utility>
 
 #include "common/base/counted.h"
@@ -225,18 +227,30 @@ Result<ErasureReport> SqliteStore::ErasePerson(const Uuid& person, bool with_ref
   return report;
 }
 
+Result<std::vector<Tombstone>> SqliteStore::AllErased() {
+  ENAMEL_ASSIGN_OR_RETURN(auto all, Read([](Db& db) { return ErasuresIn(db); }));
+  ENAMEL_ASSIGN_OR_RETURN(const auto theirs, keyring_.Gone());
+  all.insert(all.end(), theirs.begin(), theirs.end());
+  if (!all.empty()) ENAMEL_RETURN_IF_ERROR(keyring_.Bury(all));
+  return all;
+}
+
 Status SqliteStore::Reconcile() {
   if (sealed_rows_) {
     ENAMEL_RETURN_IF_ERROR(Read([&](Db& db) { return sealed_rows_->Find(db); }));
   }
-  auto recorded = Read([](Db& db) { return ErasuresIn(db); });
-  if (!recorded.ok()) return recorded.status();
-  if (!recorded->empty()) ENAMEL_RETURN_IF_ERROR(keyring_.Bury(*recorded));
-  ENAMEL_ASSIGN_OR_RETURN(auto gone, keyring_.Gone());
-  if (gone.empty()) return Status::Ok();
+  auto gone = AllErased();
+  if (gone.status().code() == Code::kUnavailable) {
+    // What these people recorded cannot be read without their keys, which went first.
+    spdlog::warn("erasures were not compared with the store of keys, as it is away: {}",
+                 gone.status().message());
+    return Status::Ok();
+  }
+  if (!gone.ok()) return gone.status();
+  if (gone->empty()) return Status::Ok();
   // By the hash of the id: the list of erasures does not say who was erased.
   std::map<Sha256, Tombstone> tombstones;
-  for (const Tombstone& tombstone : gone) tombstones[tombstone.person] = tombstone;
+  for (const Tombstone& tombstone : *gone) tombstones[tombstone.person] = tombstone;
   auto people = Read([](Db& db) { return PeopleIn(db); });
   if (!people.ok()) return people.status();
   std::vector<Blobs::Freed> all_freed;

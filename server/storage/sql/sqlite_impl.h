@@ -21,10 +21,12 @@
 #include "server/storage/engine/space_guard.h"
 #include "server/storage/engine/writer.h"
 #include "server/storage/keyring.h"
+#include "server/storage/master_key.h"
 #include "server/storage/sql/audit_row.h"
 #include "server/storage/sql/query.h"
 #include "server/storage/sql/sealed_rows.h"
 #include "server/storage/sqlite_store.h"
+#include "server/storage/transactions.h"
 
 // Private to server/storage: the class behind OpenSqliteStore, with a source in this folder for each
 // subject; opening, blobs and health are in storage/sqlite_store.cpp.
@@ -38,9 +40,14 @@ class SqliteStore final : public Store {
     std::function<Result<std::unique_ptr<Db>>()> open_reader;
   };
   // `s3`: of options.s3_blobs; null: blobs are in the folder.
+  // What is in S3 stores: clients, and what keys are wrapped with; none: in the folder.
+  struct Buckets {
+    std::unique_ptr<s3::S3Client> blobs, keys;
+    std::optional<MasterKey> master;
+  };
+  // `server` is zero where no other has its rows in this database.
   SqliteStore(const SqliteOptions& options, Database database, FolderLock lock,
-              const trace::SecretKey& ticket_key, const Uuid& server,
-              std::unique_ptr<s3::S3Client> s3);
+              const trace::SecretKey& ticket_key, const Uuid& server, Buckets buckets);
 
   Result<Uuid> CreatePerson(const Person& person, const std::string& password_verifier,
                             const std::vector<Uuid>& cohorts, const Actor& by) override;
@@ -259,6 +266,10 @@ class SqliteStore final : public Store {
   };
   Result<PersonKey> KeyOf(const Uuid& attempt);
   std::unique_ptr<Blobs> MakeBlobs(const SqliteOptions& options, std::unique_ptr<s3::S3Client> s3);
+  std::unique_ptr<Keyring> MakeKeyring(const SqliteOptions& options, Buckets& buckets);
+  Transactions OwnTransactions();
+  // By the key ring or the database, and from now on by both. Errors: those of Keyring.
+  Result<std::vector<Tombstone>> AllErased();
   // Whether recordings may come in now. Errors: kUnavailable, so that a station keeps what it has
   // and comes back.
   Status MayRecord();

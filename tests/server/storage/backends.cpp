@@ -6,6 +6,7 @@
 #include "server/storage/engine/ticket_key.h"
 #include "server/storage/engine/verify_audit.h"
 #include "server/storage/engine/verify_stage.h"
+#include "server/storage/master_key.h"
 #include "tests/support/s3_stand_in.h"
 
 namespace enamel::server::testing {
@@ -77,25 +78,44 @@ S3Place PlaceIn(const test::S3StandIn& stand_in) {
   return out;
 }
 
-// Blobs in an S3 store.
+// What a school has in S3 stores: blobs in one bucket, keys in another.
+class Buckets {
+ public:
+  void Use(SqliteOptions& options) const {
+    options.s3_blobs = PlaceIn(blobs_);
+    options.s3_keys = {PlaceIn(keys_), master_.path() / "master.key"};
+    EXPECT_TRUE(EnsureMasterKey(options.s3_keys->master_key, SystemDisk()).ok());
+  }
+  void ExpectNoComplaints() const {
+    EXPECT_EQ(blobs_.complaints(), std::vector<std::string>{});
+    EXPECT_EQ(keys_.complaints(), std::vector<std::string>{});
+  }
+
+ private:
+  test::S3StandIn blobs_, keys_;
+  TempFolder master_;
+};
+
+// Blobs and keys in S3 stores.
 class SqliteS3 final : public SqlitePlace {
  public:
   std::unique_ptr<Store> Open() override {
     SqliteOptions options;
     options.folder = folder_.path();
-    options.s3_blobs = PlaceIn(s3_);
+    buckets_.Use(options);
     auto store = OpenSqliteStore(options);
     EXPECT_TRUE(store.ok()) << store.status().message();
     return std::move(store).value();
   }
   void ExpectTrailAgrees() const override {
     SqlitePlace::ExpectTrailAgrees();
-    EXPECT_EQ(s3_.complaints(), std::vector<std::string>{});
+    buckets_.ExpectNoComplaints();
     EXPECT_TRUE(std::filesystem::is_empty(folder_.path() / "blobs"));
+    EXPECT_FALSE(std::filesystem::exists(folder_.path() / "keyring"));
   }
 
  private:
-  test::S3StandIn s3_;
+  Buckets buckets_;
 };
 
 // Rows in a schema of their own on the server that ENAMEL_POSTGRES names.
@@ -111,7 +131,7 @@ class PostgresPlace : public Place {
     options.server = server_;
     options.schema = schema_;
     options.folder.folder = folder_.path();
-    options.folder.s3_blobs = s3_blobs_;
+    if (buckets_ != nullptr) buckets_->Use(options.folder);
     auto store = OpenPostgresStore(options);
     EXPECT_TRUE(store.ok()) << store.status().message();
     return std::move(store).value();
@@ -123,7 +143,7 @@ class PostgresPlace : public Place {
   }
 
  protected:
-  std::optional<S3Place> s3_blobs_;
+  std::unique_ptr<Buckets> buckets_;  // none: in the folder
 
  private:
   const std::string server_;
@@ -131,15 +151,12 @@ class PostgresPlace : public Place {
   TempFolder folder_;
 };
 
-// As many servers share them: rows in PostgreSQL, blobs in an S3 store.
+// As many servers share them: rows in PostgreSQL, blobs and keys in S3 stores.
 class PostgresS3 final : public PostgresPlace {
  public:
   explicit PostgresS3(std::string server) : PostgresPlace(std::move(server)) {
-    s3_blobs_ = PlaceIn(s3_);
+    buckets_ = std::make_unique<Buckets>();
   }
-
- private:
-  test::S3StandIn s3_;
 };
 
 }  // namespace

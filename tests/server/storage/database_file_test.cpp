@@ -40,16 +40,43 @@ TEST_F(DatabaseFileTest, GoldenFilesAreReadAndWrittenAgain) {
   CopyGolden("database_2.json", kDatabaseFile);
   const auto second = ReadDatabaseFile(folder_.path());
   ASSERT_TRUE(second.ok()) << second.status().message();
-  const BlobsInS3 blobs{"https://s3.example.org:9000", "eu-central-1", "enamel-blobs", "school/",
+  const PlaceInS3 blobs{"https://s3.example.org:9000", "eu-central-1", "enamel-blobs", "school/",
                         "/etc/enamel/s3.crt",          "s3.json"};
   EXPECT_EQ((*second)->blobs, blobs);
-  for (const DatabaseFile& file : {**first, **second}) {
+  CopyGolden("database_3.json", kDatabaseFile);
+  const auto third = ReadDatabaseFile(folder_.path());
+  ASSERT_TRUE(third.ok()) << third.status().message();
+  const KeysInS3 keys{{"https://s3.example.org:9000", "eu-central-1", "enamel-keys", "school/",
+                       "/etc/enamel/s3.crt", "s3_keys.json"},
+                      "/etc/enamel/master.key"};
+  EXPECT_EQ((*third)->keys, keys);
+  EXPECT_EQ((*third)->blobs->bucket, "enamel-blobs");
+  int version = 1;
+  for (const DatabaseFile& file : {**first, **second, **third}) {
     const test::TempFolder other;
     ASSERT_TRUE(WriteDatabaseFile(other.path(), file, SystemDisk()).ok());
     EXPECT_EQ((*ReadDatabaseFile(other.path()))->blobs, file.blobs);
+    EXPECT_EQ((*ReadDatabaseFile(other.path()))->keys, file.keys);
     const std::string text(AsText(*ReadFile(other.path() / kDatabaseFile)));
-    EXPECT_NE(text.find(file.blobs ? "\"version\":2" : "\"version\":1"), std::string::npos) << text;
+    const std::string member = "\"version\":" + std::to_string(version++);
+    EXPECT_NE(text.find(member), std::string::npos) << text;
   }
+}
+
+TEST_F(DatabaseFileTest, KeysBesideTheBlobsOrWithoutAMasterKeyAreRefused) {
+  const std::string begin =
+      R"({"version":3,"server":"host=a","schema":"s","blobs":{"endpoint":"https://a","bucket":"b"},"keys":)";
+  EXPECT_TRUE(
+      Refusal(begin + R"({"endpoint":"https://a","bucket":"c","master_key_file":"m"}})").ok());
+  for (const char* keys : {R"({"endpoint":"https://a","bucket":"b","master_key_file":"m"}})",
+                           R"({"endpoint":"https://a","bucket":"c"}})", "1}"}) {
+    EXPECT_EQ(Refusal(begin + keys).code(), Code::kInvalidInput) << keys;
+  }
+  EXPECT_EQ(Refusal(R"({"version":2,"server":"host=a","schema":"s","keys":{"endpoint":"https://a",)"
+                    R"("bucket":"c","master_key_file":"m"}})")
+                .code(),
+            Code::kInvalidInput)
+      << "an older server would make keys in its folder";
 }
 
 TEST_F(DatabaseFileTest, BlobsInS3WithRowsInSqliteAreRefused) {
@@ -69,7 +96,7 @@ TEST_F(DatabaseFileTest, WhatAnotherServerWouldPassOverIsRefused) {
                     R"(,"blobs":{"endpoint":"https://s3.example.org","bucket":"b"}})")
                 .code(),
             Code::kInvalidInput);
-  EXPECT_EQ(Refusal(R"({"version":3,)" + rows + "}").code(), Code::kVersion);
+  EXPECT_EQ(Refusal(R"({"version":4,)" + rows + "}").code(), Code::kVersion);
   for (const std::string& blobs : {std::string("1"), std::string("{}"),
                                    std::string(R"({"endpoint":"https://s3.example.org"})"),
                                    std::string(R"({"endpoint":1,"bucket":"b"})"),
@@ -81,7 +108,7 @@ TEST_F(DatabaseFileTest, WhatAnotherServerWouldPassOverIsRefused) {
 }
 
 TEST_F(DatabaseFileTest, CredentialsAreReadFromAFileThatOthersMayNotRead) {
-  BlobsInS3 blobs{"https://s3.example.org", "", "b", "", "ca.pem", "s3.json"};
+  PlaceInS3 blobs{"https://s3.example.org", "", "b", "", "ca.pem", "s3.json"};
   EXPECT_EQ(ReadS3Place(folder_.path(), blobs).status().code(), Code::kNotFound);
   CopyGolden("database_credentials.json", "s3.json");
   const auto place = ReadS3Place(folder_.path(), blobs);
@@ -98,7 +125,7 @@ TEST_F(DatabaseFileTest, CredentialsAreReadFromAFileThatOthersMayNotRead) {
 }
 
 TEST_F(DatabaseFileTest, CredentialsMayBeOfTheEnvironment) {
-  const BlobsInS3 blobs{"https://s3.example.org", "", "b", "", "", ""};
+  const PlaceInS3 blobs{"https://s3.example.org", "", "b", "", "", ""};
   ::unsetenv("AWS_ACCESS_KEY_ID");
   EXPECT_EQ(ReadS3Place(folder_.path(), blobs).status().field(), "credentials");
   ::setenv("AWS_ACCESS_KEY_ID", "key", 1);
@@ -120,7 +147,7 @@ TEST_F(DatabaseFileTest, PrefixOfOtherSignsIsRefused) {
 TEST_F(DatabaseFileTest, FolderStaysWithItsStoreOfBlobs) {
   DatabaseFile file{"host=a", "s"};
   ASSERT_TRUE(WriteDatabaseFile(folder_.path(), file, SystemDisk()).ok());
-  file.blobs = BlobsInS3{"https://s3.example.org", "", "b", "", "", ""};
+  file.blobs = PlaceInS3{"https://s3.example.org", "", "b", "", "", ""};
   EXPECT_EQ(MayKeepRowsIn(folder_.path(), file).code(), Code::kConflict);
 }
 
