@@ -13,4 +13,10 @@ CLI::Option* AddData(CLI::App* cmd, std::filesystem::path& data) {
   return option->required(given == nullptr);
 }
 
+void AddIdentity(CLI::App* cmd, std::filesystem::path& identity) {
+  cmd->add_option("--identity", identity,
+                  "Folder with station.crt, station.key and ticket.key of another server of the "
+                  "school: taken over where there are none, and refused where there are others");
+}
+
 }  // namespace enamel::server::app

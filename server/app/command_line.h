@@ -34,4 +34,7 @@ program::DeclaredCommand<Options> Declare(CommandGroup group, const std::string&
 // from one of them.
 CLI::Option* AddData(CLI::App* cmd, std::filesystem::path& data);
 
+// --identity, for TakeIdentity (data_folder.h).
+void AddIdentity(CLI::App* cmd, std::filesystem::path& identity);
+
 }  // namespace enamel::server::app

@@ -5,6 +5,7 @@
 #include "server/app/command_line.h"
 #include "server/app/say.h"
 #include "server/storage/engine/database_file.h"
+#include "server/storage/engine/folder_lock.h"
 #include "server/storage/engine/ticket_key.h"
 #include "server/storage/key_bucket.h"
 #include "server/storage/master_key.h"
@@ -13,12 +14,15 @@
 namespace enamel::server::app {
 namespace {
 
+constexpr size_t kMaxIdentityBytes = 1 << 20;
+
 struct InitCommand {
   std::filesystem::path data;
   std::string database;  // of PostgreSQL; empty: SQLite in the folder
   std::string schema = "enamel";
   PlaceInS3 blobs;                 // without an endpoint: in the folder
   KeysInS3 keys;                   // without a bucket: in the folder
+  std::filesystem::path identity;  // of another server; empty: its own
 };
 
 // Absolute: the folder's files name it from the folder, the command line from where one stands.
@@ -42,6 +46,9 @@ Status TryStores(const std::filesystem::path& folder, const DatabaseFile& file) 
 
 Status Init(const InitCommand& command) {
   const bool in_s3 = !command.blobs.endpoint.empty();
+  if (!command.identity.empty()) {
+    ENAMEL_RETURN_IF_ERROR(TakeIdentity(command.data, command.identity));
+  }
   if (in_s3 && command.database.empty()) {
     return Status(Code::kInvalidInput,
                   "expected --database beside --s3-endpoint, found none: rows in enamel.db are one "
@@ -93,6 +100,43 @@ Result<Sha256> EnsureCertificate(const std::filesystem::path& certificate,
 
 }  // namespace
 
+Status TakeIdentity(const std::filesystem::path& folder, const std::filesystem::path& from) {
+  std::vector<std::pair<std::filesystem::path, Bytes>> missing;
+  for (const char* name : sqlite::kIdentityFiles) {
+    auto theirs = ReadFile(from / name, kMaxIdentityBytes);
+    if (!theirs.ok()) {
+      return Status(theirs.status().code(),
+                    "expected station.crt, station.key and ticket.key of another server in " +
+                        from.string() + ", found no readable " + name +
+                        "; copy the three from its data folder",
+                    "identity");
+    }
+    auto mine = ReadFile(folder / name, kMaxIdentityBytes);
+    if (mine.status().code() == Code::kNotFound) {
+      missing.emplace_back(folder / name, std::move(*theirs));
+      continue;
+    }
+    if (!mine.ok()) return mine.status();
+    if (*mine == *theirs) continue;
+    return Status(Code::kConflict,
+                  "expected the " + std::string(name) + " of " + from.string() + " in " +
+                      folder.string() +
+                      ", found another: this folder is another server's; name the folder of one "
+                      "that has the same, or a new data folder",
+                  "identity");
+  }
+  // The folder is made, with its mode, by whoever opens the store; here it is only there early.
+  if (!missing.empty()) ENAMEL_RETURN_IF_ERROR(SystemDisk().MakeFolder(folder));
+  for (const auto& [path, content] : missing) {
+    ENAMEL_RETURN_IF_ERROR(SystemDisk().Replace(path, content));
+  }
+  return Status::Ok();
+}
+
+Status MatchStationCertificate(Store& store, const ServerIdentity& identity) {
+  return store.MatchIdentity(ServerPart::kStationCertificate, identity.fingerprint);
+}
+
 Result<ServerIdentity> EnsureIdentity(const std::filesystem::path& folder) {
   ServerIdentity identity;
   identity.certificate = folder / "station.crt";
@@ -121,6 +165,7 @@ Result<PageCertificate> EnsurePageCertificate(const std::filesystem::path& folde
 Status InitData(const std::filesystem::path& folder) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenStore({folder}));
   ENAMEL_ASSIGN_OR_RETURN(auto identity, EnsureIdentity(folder));
+  ENAMEL_RETURN_IF_ERROR(MatchStationCertificate(*store, identity));
   Say("data folder {}, fingerprint {}\n", folder.string(), identity.fingerprint.Hex());
   return Status::Ok();
 }
@@ -167,6 +212,15 @@ void DeclareInit(CommandGroup root) {
   cmd->add_option("--key-credentials", options.keys.bucket.credentials_file,
                   "File of that bucket's access key; without: that of the blobs")
       ->needs(keys);
+  AddIdentity(cmd, options.identity);
+  cmd->footer(
+      "Several servers of one school: the first is made with --database, --s3-endpoint, "
+      "--s3-bucket,\n--key-bucket and --master-key. Copy station.crt, station.key and ticket.key "
+      "of "
+      "its data folder\nand the master key to the next machine, and name them there:\n\n"
+      "  enamel-server init --data /srv/enamel --database postgresql://enamel@db/school \\\n"
+      "    --s3-endpoint https://s3.example.org --s3-bucket school --key-bucket school-keys \\\n"
+      "    --master-key /etc/enamel/master.key --identity /etc/enamel/identity");
 }
 
 Result<std::unique_ptr<Store>> OpenOrMake(const std::filesystem::path& folder) {

@@ -24,6 +24,13 @@ struct ServerIdentity {
   trace::KeyPair ticket_key;          // ticket.key, mode 0600: signs tickets, results, audit rows
 };
 
+// Takes the files of another server's identity (station.crt, station.key, ticket.key) from the folder `from`
+// into a data folder that has none, before anything makes them. Errors: kConflict (it has others),
+// kNotFound (`from` has not all three), kStorage.
+Status TakeIdentity(const std::filesystem::path& folder, const std::filesystem::path& from);
+// Errors: kConflict (the other servers of the store's database are known by another).
+Status MatchStationCertificate(Store& store, const ServerIdentity& identity);
+
 // Makes what is missing. Errors: kStorage, kInvalidInput (a file is not what it should be).
 Result<ServerIdentity> EnsureIdentity(const std::filesystem::path& folder);
 

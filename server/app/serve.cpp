@@ -223,6 +223,9 @@ Status Serve(const ServeOptions& options) {
   // First, so that they go last: work still in a pool when the wait was cut short posts back to it.
   asio::io_context io;
   StopSignals signals(io);
+  if (!options.identity.empty()) {
+    ENAMEL_RETURN_IF_ERROR(TakeIdentity(options.data, options.identity));
+  }
   SqliteOptions store_options;
   store_options.folder = options.data;
   // Two servers on one folder would both hand out jobs and both believe in their own caches.
@@ -231,6 +234,7 @@ Status Serve(const ServeOptions& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto opened, OpenStore(store_options));
   Store& store = *opened;
   ENAMEL_ASSIGN_OR_RETURN(auto identity, EnsureIdentity(options.data));
+  ENAMEL_RETURN_IF_ERROR(MatchStationCertificate(store, identity));
   ENAMEL_ASSIGN_OR_RETURN(auto http_options, HttpOptionsOf(options));
   ENAMEL_ASSIGN_OR_RETURN(auto link_options, LinkOptionsOf(options, identity));
   // Before anything listens.

@@ -10,6 +10,7 @@ namespace enamel::server::app {
 
 struct ServeOptions {
   std::filesystem::path data;
+  std::filesystem::path identity;       // of another server (TakeIdentity); empty: its own
   std::string http = "127.0.0.1:8080";  // numeric address:port
   std::string stations = "127.0.0.1:8443";
   std::filesystem::path web;                         // the built page; empty: API only

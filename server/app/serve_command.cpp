@@ -98,6 +98,7 @@ void DeclareServe(CommandGroup root) {
   auto options = std::make_shared<ServeCommand>();
   ServeCommand& o = *options;
   cmd->add_option("--data", o.serve.data, "Data folder; made when absent");
+  AddIdentity(cmd, o.serve.identity);
   AddAddresses(cmd, o.serve);
   AddOperations(cmd, o);
   cmd->add_option("--config", o.config, "TOML file with any of these settings")

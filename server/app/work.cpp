@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "server/app/command_line.h"
+#include "server/app/data_folder.h"
 #include "server/app/stop_signals.h"
 #include "server/storage/engine/ticket_key.h"
 #include "server/storage/sqlite_store.h"
@@ -28,6 +29,9 @@ WorkerOptions LoggedJobs(const trace::KeyPair& key, int threads) {
 Status Work(const WorkOptions& options) {
   boost::asio::io_context io;
   StopSignals signals(io);
+  if (!options.identity.empty()) {
+    ENAMEL_RETURN_IF_ERROR(TakeIdentity(options.data, options.identity));
+  }
   SqliteOptions store_options;
   store_options.folder = options.data;
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenStore(store_options));
@@ -50,6 +54,7 @@ void DeclareWork(CommandGroup root) {
       root, "work", "Score attempts beside a server, on this machine or another, until Ctrl-C",
       Work);
   AddData(cmd, o.data);
+  AddIdentity(cmd, o.identity);
   cmd->add_option("--threads", o.threads, "Attempts scored at once")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();

@@ -13,6 +13,7 @@ WorkerOptions LoggedJobs(const trace::KeyPair& key, int threads);
 
 struct WorkOptions {
   std::filesystem::path data;
+  std::filesystem::path identity;  // of a server (TakeIdentity); empty: the folder's own
   int threads = 1;
 };
 

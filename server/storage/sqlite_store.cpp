@@ -12,6 +12,7 @@
 #include "server/storage/key_bucket.h"
 #include "server/storage/s3_blobs.h"
 #include "server/storage/s3_keyring.h"
+#include "server/storage/sql/server_identity.h"
 #include "server/storage/sql/sqlite_impl.h"
 
 namespace enamel::server {
@@ -47,6 +48,7 @@ SqliteStore::SqliteStore(const SqliteOptions& options, Database database, Folder
       signer_(ticket_key, server),
       // What runs beside the server without its lock must not be taken for it.
       owner_(options.hold_lock ? server : Uuid::New()),
+      many_(!server.IsZero()),
       space_(options.folder, DiskOf(options), options.min_free_bytes, options.free_space_check),
       rewriter_(options.folder, space_),
       writer_(Signing(Patient(std::move(database.writer), options.busy_wait,
@@ -93,6 +95,11 @@ Transactions SqliteStore::OwnTransactions() {
         .status();
   };
   return out;
+}
+
+Status SqliteStore::MatchIdentity(ServerPart part, const Sha256& fingerprint) {
+  if (!many_) return Status::Ok();
+  return Write([&](Db& db) { return MatchIdentityRow(db, part, fingerprint); });
 }
 
 Result<Sha256> SqliteStore::PutBlob(ByteView data) {
@@ -251,6 +258,17 @@ Result<std::unique_ptr<Store>> OpenStoreOn(
   db.SetBusyWait(options.busy_wait);
   ENAMEL_ASSIGN_OR_RETURN(auto version, SchemaVersion(db));
   auto key = ReadTicketKey(options.folder);
+  if (many && version == LatestSchemaVersion() && key.status().code() == Code::kNotFound) {
+    // Before one is made that would be refused then.
+    ENAMEL_ASSIGN_OR_RETURN(const bool others, HasIdentityRow(db, ServerPart::kTicketKey));
+    if (others) {
+      return Status(Code::kNotFound,
+                    "expected station.crt, station.key and ticket.key of the other servers of this "
+                    "database in " +
+                        options.folder.string() +
+                        ", found none; take those of one that runs: --identity FOLDER");
+    }
+  }
   if (version < LatestSchemaVersion() || !key.ok()) {
     // A tool beside a running server must not change the schema under it, nor its key.
     if (!lock) ENAMEL_RETURN_IF_ERROR(acquire());
@@ -268,6 +286,15 @@ Result<std::unique_ptr<Store>> OpenStoreOn(
   }
   Uuid server;
   if (many) {
+    sql::Transaction transaction(db, sql::Isolation::kRowLocks);
+    ENAMEL_RETURN_IF_ERROR(transaction.begun());
+    ENAMEL_RETURN_IF_ERROR(
+        MatchIdentityRow(db, ServerPart::kTicketKey, HashSha256(key->public_key)));
+    if (buckets.master) {
+      ENAMEL_RETURN_IF_ERROR(
+          MatchIdentityRow(db, ServerPart::kMasterKey, buckets.master->Fingerprint()));
+    }
+    ENAMEL_RETURN_IF_ERROR(transaction.Commit());
     ENAMEL_ASSIGN_OR_RETURN(server, EnsureServerId(options.folder, DiskOf(options)));
   }
   const AuditSigner signer(key->secret_key, server);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/base/result.h"
+#include "common/base/sha256.h"
 #include "server/storage/actor.h"
 #include "server/training/types.h"
 
@@ -52,6 +53,9 @@ struct StoreHealth {
   uint64_t chunks = 0, chunk_bytes = 0, sealed = 0;
 };
 
+// What a server is known by: to stations, in what it signs, and to its key ring.
+enum class ServerPart { kStationCertificate, kTicketKey, kMasterKey };
+
 // What keeps the store in order: erasure, retention, health.
 // A part of Store (store.h), which says what holds for all parts.
 class UpkeepStore {
@@ -80,6 +84,10 @@ class UpkeepStore {
   // The program is about to end: from now on no other process is waited for, and FinishErasures,
   // also as the end of ErasePerson, leaves the rest to the next start. Any thread.
   virtual void StopWaiting() = 0;
+
+  // Where several servers have their rows in one database, all are known by the same: the first one's
+  // fingerprint is kept, and another is refused. Elsewhere nothing is compared. Errors: kConflict.
+  virtual Status MatchIdentity(ServerPart part, const Sha256& fingerprint) = 0;
 
   // Never fails: trouble is what it tells.
   virtual StoreHealth Health() = 0;

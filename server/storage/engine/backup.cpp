@@ -1,5 +1,4 @@
 #include "server/storage/engine/backup.h"
-constexpr const char* kServerFiles[] = {"station.crt", "station.key", "ticket.key"};
 
 #include <algorithm>
 #include <optional>
@@ -52,7 +51,7 @@ class BackupMaker {
     ENAMEL_RETURN_IF_ERROR(CopyDatabase(named));
     ENAMEL_RETURN_IF_ERROR(CopyBlobs(named));
     ENAMEL_RETURN_IF_ERROR(CopyKeys());
-    for (const char* name : kServerFiles) {
+    for (const char* name : sqlite::kIdentityFiles) {
       if (fs::exists(options_.data / name, error)) ENAMEL_RETURN_IF_ERROR(Add(name, false));
     }
     // The manifest last, when all it lists is on the disk: a backup without one was not finished.

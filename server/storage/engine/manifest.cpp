@@ -7,6 +7,7 @@
 #include "common/base/file.h"
 #include "common/base/hex.h"
 #include "common/base/uuid.h"
+#include "server/storage/engine/folder_lock.h"
 
 namespace enamel::server {
 namespace {
@@ -17,9 +18,6 @@ constexpr std::string_view kFormat = "enamel-backup";
 constexpr int64_t kVersion = 1;
 // Room for more than two million files.
 constexpr size_t kMaxBytes = size_t{512} << 20;
-constexpr std::array<std::string_view, 4> kPlainFiles = {"enamel.db", "station.crt", "station.key",
-                                                         "ticket.key"};
-
 Status Bad(const std::string& member, const std::string& expected) {
   return Status(Code::kInvalidInput, "manifest.json: expected " + expected + " as " + member,
                 member);
@@ -27,7 +25,10 @@ Status Bad(const std::string& member, const std::string& expected) {
 
 // Nothing else is ever written to a data folder by a restore.
 bool MayBeInBackup(std::string_view path) {
-  if (std::ranges::find(kPlainFiles, path) != kPlainFiles.end()) return true;
+  if (path == "enamel.db") return true;
+  for (std::string_view name : sqlite::kIdentityFiles) {
+    if (path == name) return true;
+  }
   auto is_hash = [](std::string_view text) {
     return text.size() == 64 && Sha256::FromHex(text).ok();
   };

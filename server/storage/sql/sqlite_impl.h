@@ -231,6 +231,7 @@ class SqliteStore final : public Store {
   Status SetRetention(const RetentionRule& rule, const Actor& by) override;
   Result<RetentionReport> ApplyRetention(UnixMs now_ms, bool dry_run, const Actor& by) override;
   StoreHealth Health() override;
+  Status MatchIdentity(ServerPart part, const Sha256& fingerprint) override;
   Status TryWrite() override;
   Status FinishErasures() override;
   void StopWaiting() override { writer_.StopWaiting(); }
@@ -289,6 +290,7 @@ class SqliteStore final : public Store {
   const FolderLock lock_;
   const AuditSigner signer_;  // goes with the writer's connection
   const Uuid owner_;          // of the leases
+  const bool many_;           // other servers have their rows here too
   SpaceGuard space_;
   Rewriter rewriter_;
   Writer writer_;

@@ -14,10 +14,13 @@
 #include <vector>
 
 #include "server/storage/engine/pg_database.h"
+#include "server/storage/engine/ticket_key.h"
+#include "server/storage/master_key.h"
 #include "server/storage/sql/query.h"
 #include "server/storage/sql/sqlite_impl.h"
 #include "tests/server/storage/store_world.h"
 #include "tests/support/postgres_proxy.h"
+#include "tests/support/s3_stand_in.h"
 
 // Several servers with their rows in one PostgreSQL database: what they write at the same time, and
 // what is left when one's connection breaks anywhere, is kept once.
@@ -258,6 +261,69 @@ TEST_F(PgServersTest, AServerThatStartsEndsItsOwnLeasesAndNoOthers) {
   ASSERT_TRUE(again->has_value()) << "its own of before are over";
   EXPECT_NE((*again)->id, job.id);
   EXPECT_TRUE(first->SetProgress(job.lease, 0.6).ok());
+}
+
+TEST_F(PgServersTest, AServerThatIsKnownByAnotherThanTheOthersIsRefused) {
+  const TempFolder folder, other, keys;
+  const test::S3StandIn bucket;
+  PostgresOptions options;
+  options.server = server_;
+  options.schema = schema_;
+  options.folder.folder = folder.path();
+  options.folder.s3_keys.emplace();
+  S3Place& place = options.folder.s3_keys->place;
+  place.store.endpoint = bucket.endpoint();
+  place.store.region = test::S3StandIn::kRegion;
+  place.store.bucket = test::S3StandIn::kBucket;
+  place.store.credentials = bucket.credentials();
+  options.folder.s3_keys->master_key = keys.path() / "master.key";
+  EXPECT_EQ(OpenPostgresStore(options).status().code(), Code::kNotFound) << "no master key";
+  ASSERT_TRUE(EnsureMasterKey(keys.path() / "master.key", SystemDisk()).ok());
+  auto first = OpenPostgresStore(options);
+  ASSERT_TRUE(first.ok()) << first.status().message();
+  const Sha256 certificate = HashSha256(AsBytes("certificate"));
+  EXPECT_TRUE((*first)->MatchIdentity(ServerPart::kStationCertificate, certificate).ok());
+  EXPECT_TRUE((*first)->MatchIdentity(ServerPart::kStationCertificate, certificate).ok());
+
+  options.folder.folder = other.path();
+  const Status without = OpenPostgresStore(options).status();
+  EXPECT_EQ(without.code(), Code::kNotFound);
+  EXPECT_NE(without.message().find("--identity"), std::string::npos) << without.message();
+  EXPECT_FALSE(std::filesystem::exists(other.path() / "ticket.key"))
+      << "a key of its own would be in the way of the others'";
+
+  ASSERT_TRUE(EnsureTicketKey(other.path(), SystemDisk()).ok());
+  const Status stranger = OpenPostgresStore(options).status();
+  EXPECT_EQ(stranger.code(), Code::kConflict) << stranger.message();
+  std::filesystem::copy_file(folder.path() / "ticket.key", other.path() / "ticket.key",
+                             std::filesystem::copy_options::overwrite_existing);
+  options.folder.s3_keys->master_key = other.path() / "master.key";
+  ASSERT_TRUE(EnsureMasterKey(other.path() / "master.key", SystemDisk()).ok());
+  const Status locked_out = OpenPostgresStore(options).status();
+  EXPECT_EQ(locked_out.code(), Code::kConflict);
+  EXPECT_NE(locked_out.message().find("master key"), std::string::npos) << locked_out.message();
+
+  options.folder.s3_keys->master_key = keys.path() / "master.key";
+  auto second = OpenPostgresStore(options);
+  ASSERT_TRUE(second.ok()) << second.status().message();
+  const Status other_certificate = (*second)->MatchIdentity(
+      ServerPart::kStationCertificate, HashSha256(AsBytes("another certificate")));
+  EXPECT_EQ(other_certificate.code(), Code::kConflict);
+  EXPECT_NE(other_certificate.message().find("station.crt"), std::string::npos);
+
+  // What one takes in, the other reads; whom one erases is erased for both.
+  World world(**first);
+  const Uuid attempt = world.OpenedAttempt();
+  const auto chunks = world.Append(attempt, 2);
+  EXPECT_EQ((*second)->AttemptChunks(attempt)->size(), 2u);
+  ASSERT_TRUE((*second)->SealAttempt(World::SealOf(chunks), 200).ok());
+  ASSERT_TRUE((*first)->ErasePerson(world.student, false, kSystem).ok());
+  EXPECT_EQ((*second)->AttemptById(attempt).status().code(), Code::kNotFound);
+  Person again;
+  again.id = world.student;
+  again.login = "again";
+  EXPECT_EQ((*second)->CreatePerson(again, "v", {}, kSystem).status().code(), Code::kConflict);
+  EXPECT_EQ(bucket.complaints(), std::vector<std::string>{});
 }
 
 }  // namespace
