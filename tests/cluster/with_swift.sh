@@ -1,6 +1,6 @@
 #!/bin/bash
-# Runs a command beside a private OpenStack Swift with its S3 API, empty but for the bucket "blobs", on loopback and
-# in a folder of its own, which ends with the command. ENAMEL_S3_ENDPOINT, ENAMEL_S3_REGION, ENAMEL_S3_BUCKET,
+# Runs a command beside a private OpenStack Swift with its S3 API, empty but for the buckets "blobs" and "keys", on
+# loopback and in a folder of its own, which ends with the command. ENAMEL_S3_ENDPOINT, ENAMEL_S3_REGION, ENAMEL_S3_BUCKET,
 # AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY tell the command how to ask it.
 # Usage: with_swift.sh COMMAND [ARGUMENT...]. Exit: the command's; 77: Swift is not here.
 set -u -o pipefail
@@ -129,7 +129,7 @@ for kind in account container object proxy; do
 done
 export ENAMEL_S3_ENDPOINT="http://127.0.0.1:$proxy" ENAMEL_S3_REGION=us-east-1 ENAMEL_S3_BUCKET=blobs
 export AWS_ACCESS_KEY_ID=test:tester AWS_SECRET_ACCESS_KEY=testing
-# Until all four answer, at most a minute; then the buckets are made: "blobs", and "versioned", which keeps versions.
+# Until all four answer, at most a minute; then the buckets are made: "blobs", "keys", and "versioned", which keeps versions.
 python3 - "$proxy" "$account" "$container" "$object" <<'PY' || { tail -n 20 "$folder"/*.log; exit 1; }
 import datetime, hashlib, hmac, http.client, socket, sys, time
 ports = [int(p) for p in sys.argv[1:]]
@@ -167,6 +167,7 @@ def put(path, query, body):
         sys.exit(f"PUT {path}?{query}: {answer.status} {found.decode()}")
 
 put("/blobs", "", b"")
+put("/keys", "", b"")
 put("/versioned", "", b"")
 put("/versioned", "versioning=", b'<VersioningConfiguration xmlns="http://s3.amazonaws.com/doc/2006-03-01/">'
     b"<Status>Enabled</Status></VersioningConfiguration>")
