@@ -29,7 +29,8 @@ class VerifyTrailTest : public DecidedSchoolTest {
   // In the order of the trail.
   std::vector<Row> Rows() {
     std::vector<Row> out;
-    for (const AuditRow& row : *school_.store->Audit(1000)) out.push_back({row.id, row.action});
+    const auto trail = school_.store->Audit(1000);
+    for (const AuditRow& row : *trail) out.push_back({row.id, row.action});
     std::ranges::reverse(out);
     return out;
   }
