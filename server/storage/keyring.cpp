@@ -90,6 +90,10 @@ std::optional<Uuid> PersonOfSealed(ByteView bytes) {
 }
 
 Result<Bytes> OpenPersonal(Keyring& keyring, Bytes bytes) {
+  return PersonalReader(keyring).Open(std::move(bytes));
+}
+
+Result<Bytes> PersonalReader::Open(Bytes bytes) {
   auto person = PersonOfSealed(bytes);
   if (!person) return bytes;
   ByteReader head(ByteView(bytes).subspan(4));
@@ -99,14 +103,18 @@ Result<Bytes> OpenPersonal(Keyring& keyring, Bytes bytes) {
                                       ", this enamel-server reads " + std::to_string(kVersion) +
                                       "; run the newer one that wrote it");
   }
-  auto key = keyring.Find(*person);
-  if (!key.ok() && key.status().code() == Code::kNotFound) {
-    return Status(Code::kNotFound, "the key of person " + person->Text() +
-                                       " does not exist (any more): what was kept under it cannot "
-                                       "be read");
+  if (!last_ || last_->first != *person) {
+    auto key = keyring_.Find(*person);
+    if (key.status().code() == Code::kNotFound) {
+      return Status(Code::kNotFound,
+                    "the key of person " + person->Text() +
+                        " does not exist (any more): what was kept under it cannot "
+                        "be read");
+    }
+    if (!key.ok()) return key.status();
+    last_.emplace(*person, *key);
   }
-  if (!key.ok()) return key.status();
-  auto cipher_key = Derive(*key, SubKey::kCipher);
+  auto cipher_key = Derive(last_->second, SubKey::kCipher);
   Bytes out(bytes.size() - kHeadBytes - kNonceBytes - kTagBytes);
   unsigned long long size = 0;
   const uint8_t* nonce = bytes.data() + kHeadBytes;

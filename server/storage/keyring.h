@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "common/base/result.h"
@@ -65,6 +66,16 @@ std::optional<Uuid> PersonOfSealed(ByteView bytes);
 // Envelopes are opened, everything else is returned as it is (written before schema 2, or
 // nobody's). Errors: kNotFound (key destroyed), kStorage (damaged), kVersion.
 Result<Bytes> OpenPersonal(Keyring& keyring, Bytes bytes);
+// The same for many in a row, mostly of one person, whose key is asked for once. One thread.
+class PersonalReader {
+ public:
+  explicit PersonalReader(Keyring& keyring) : keyring_(keyring) {}
+  Result<Bytes> Open(Bytes bytes);
+
+ private:
+  Keyring& keyring_;
+  std::optional<std::pair<Uuid, DataKey>> last_;
+};
 // Whether an envelope was made of something of this attempt: its nonce is derived from that and the
 // content. Errors: those of OpenPersonal; kInvalidInput (these bytes are no envelope).
 Result<bool> IsOfAttempt(Keyring& keyring, const Bytes& sealed, const Uuid& attempt);

@@ -384,8 +384,9 @@ Status SqliteStore::MoveTraceToBlob(const trace::Seal& seal, Sha256& blob) {
     return trace::TraceFile{std::move(header), std::move(chunks), seal, false};
   });
   if (!file.ok()) return file.status();
+  PersonalReader personal(keyring_);
   for (Bytes& chunk : file->chunks) {
-    ENAMEL_ASSIGN_OR_RETURN(auto opened, OpenPersonal(keyring_, std::move(chunk)));
+    ENAMEL_ASSIGN_OR_RETURN(auto opened, personal.Open(std::move(chunk)));
     chunk = std::move(opened);
   }
   ENAMEL_ASSIGN_OR_RETURN(auto hash, PutAttemptBlob(seal.attempt, trace::EncodeTraceFile(*file)));
@@ -528,8 +529,9 @@ Result<std::vector<Bytes>> SqliteStore::AttemptChunks(const Uuid& attempt) {
     return ChunkRows(db, attempt);
   });
   if (!rows.ok()) return rows;
+  PersonalReader personal(keyring_);
   for (Bytes& row : *rows) {
-    ENAMEL_ASSIGN_OR_RETURN(auto opened, OpenPersonal(keyring_, std::move(row)));
+    ENAMEL_ASSIGN_OR_RETURN(auto opened, personal.Open(std::move(row)));
     row = std::move(opened);
   }
   if (blob.IsZero()) return rows;
