@@ -1,11 +1,10 @@
 #include "server/storage/master_key.h"
 
 #include <sodium.h>
-#include <sys/stat.h>
 
 #include <algorithm>
 
-#include "common/base/file.h"
+#include "server/storage/engine/private_file.h"
 
 namespace enamel::server {
 namespace {
@@ -92,19 +91,7 @@ Sha256 MasterKey::Fingerprint() const {
 }
 
 Result<MasterKey> ReadMasterKey(const std::filesystem::path& path) {
-  struct stat info {};
-  if (::stat(path.c_str(), &info) != 0) {
-    return Status(Code::kNotFound, "expected the master key in " + path.string() +
-                                       ", found no such file; copy it from another server of the "
-                                       "school (schemas/database.md)");
-  }
-  if ((info.st_mode & 077) != 0) {
-    return Status(
-        Code::kForbidden,
-        "expected a master key that its owner alone may read, found that others may read " +
-            path.string() + "; chmod 600 it");
-  }
-  ENAMEL_ASSIGN_OR_RETURN(Bytes text, ReadFile(path, 1024));
+  ENAMEL_ASSIGN_OR_RETURN(Bytes text, ReadPrivateFile(path, 1024, "the school's master key"));
   auto digits = AsText(text);
   while (digits.ends_with('\n')) digits.remove_suffix(1);
   std::array<uint8_t, DataKey::kBytes> plain{};

@@ -1,7 +1,5 @@
 #include "server/storage/engine/database_file.h"
 
-#include <sys/stat.h>
-
 #include <algorithm>
 #include <boost/json.hpp>
 #include <cstdlib>
@@ -9,6 +7,7 @@
 
 #include "common/base/file.h"
 #include "common/base/uuid.h"
+#include "server/storage/engine/private_file.h"
 
 namespace enamel::server {
 namespace {
@@ -28,8 +27,8 @@ Status Bad(const std::filesystem::path& path, const std::string& found) {
 }
 
 // Of a file of ours, of a version from 1 to `newest`.
-Result<json::object> ReadObject(const std::filesystem::path& path, int64_t newest) {
-  ENAMEL_ASSIGN_OR_RETURN(const Bytes bytes, ReadFile(path, kMaxDatabaseBytes));
+Result<json::object> ParseObject(const std::filesystem::path& path, const Bytes& bytes,
+                                 int64_t newest) {
   boost::system::error_code bad;
   json::value document = json::parse(AsText(bytes), bad);
   if (bad || !document.is_object()) return Bad(path, "no JSON object");
@@ -42,6 +41,11 @@ Result<json::object> ReadObject(const std::filesystem::path& path, int64_t newes
                                       "; run the newer one");
   }
   return std::move(document.get_object());
+}
+
+Result<json::object> ReadObject(const std::filesystem::path& path, int64_t newest) {
+  ENAMEL_ASSIGN_OR_RETURN(const Bytes bytes, ReadFile(path, kMaxDatabaseBytes));
+  return ParseObject(path, bytes, newest);
 }
 
 enum class Need { kMust, kMay };
@@ -97,18 +101,9 @@ Status MustBeAPrefix(const std::string& prefix) {
 }
 
 Result<s3::Credentials> ReadCredentials(const std::filesystem::path& path) {
-  struct stat info {};
-  if (::stat(path.c_str(), &info) != 0) {
-    return Status(Code::kNotFound, "expected the S3 store's credentials in " + path.string() +
-                                       ", found no such file; write it (schemas/database.md)");
-  }
-  if ((info.st_mode & 077) != 0) {
-    return Status(Code::kForbidden,
-                  "expected a file of credentials that its owner alone may read, "
-                  "found that others may read " +
-                      path.string() + "; chmod 600 it");
-  }
-  ENAMEL_ASSIGN_OR_RETURN(const json::object all, ReadObject(path, kCredentialsVersion));
+  ENAMEL_ASSIGN_OR_RETURN(const Bytes bytes,
+                          ReadPrivateFile(path, kMaxDatabaseBytes, "the S3 store's credentials"));
+  ENAMEL_ASSIGN_OR_RETURN(const json::object all, ParseObject(path, bytes, kCredentialsVersion));
   s3::Credentials out;
   ENAMEL_RETURN_IF_ERROR(ReadText(path, all, "access_key", Need::kMust, out.access_key));
   ENAMEL_RETURN_IF_ERROR(ReadText(path, all, "secret_key", Need::kMust, out.secret_key));
