@@ -1,7 +1,5 @@
 #include "server/storage/s3_keyring.h"
 
-#include <charconv>
-#include <optional>
 #include <set>
 
 #include "server/storage/object_generation.h"
@@ -10,9 +8,11 @@
 namespace enamel::server::sqlite {
 namespace {
 
-constexpr size_t kHashDigits = 64;
+constexpr size_t kUuidText = 36;
 
-std::string MapKey(const Uuid& id) { return std::string(AsText(id.view())); }
+Status Erased(const Uuid& person) {
+  return {Code::kConflict, "person " + person.Text() + " was erased"};
+}
 
 }  // namespace
 
@@ -28,29 +28,44 @@ std::string S3Keyring::KeyOf(const Uuid& person, int64_t generation) const {
   return prefix_ + person.Text() + "-" + GenerationText(generation);
 }
 
-std::string S3Keyring::KeyOf(const Tombstone& tombstone) const {
-  return prefix_ + "gone/" + tombstone.person.Hex() + "-" + std::to_string(tombstone.erased_ms);
+std::string S3Keyring::KeyOf(const Sha256& person) const {
+  return prefix_ + "gone/" + person.Hex();
 }
 
-Result<std::optional<KeyRow>> S3Keyring::LivingRow(const Uuid& person) {
-  std::optional<KeyRow> row;
-  const Status read = rows_.read([&](sql::Db& db) -> Status {
-    // An erasure that broke off has left the row, and the object perhaps.
-    ENAMEL_ASSIGN_OR_RETURN(const bool erased, IsErased(db, TombstoneOf(person)));
-    row.reset();
-    if (erased) return Status::Ok();
-    ENAMEL_ASSIGN_OR_RETURN(row, FindKeyRow(db, person));
-    return Status::Ok();
-  });
-  if (!read.ok()) return read;
-  return row;
+std::optional<Uuid> S3Keyring::PersonOf(const std::string& object) const {
+  const std::string_view name = std::string_view(object).substr(prefix_.size());
+  if (name.size() <= kUuidText || name[kUuidText] != '-') return {};
+  const auto person = Uuid::Parse(name.substr(0, kUuidText));
+  if (!person.ok() || !ReadGeneration(name.substr(kUuidText + 1))) return {};
+  return *person;
+}
+
+Result<std::vector<s3::ListedObject>> S3Keyring::ListAll(const std::string& prefix) {
+  std::vector<s3::ListedObject> out;
+  std::string next;
+  do {
+    auto page = client_->List(prefix, next);
+    if (Status told = trouble_.Told(page.status()); !told.ok()) return told;
+    for (s3::ListedObject& object : page->objects) {
+      if (object.key.starts_with(prefix)) out.push_back(std::move(object));
+    }
+    // A store that gives the same page again would be listed for ever.
+    if (page->next == next) break;
+    next = page->next;
+  } while (!next.empty());
+  return out;
 }
 
 Result<DataKey> S3Keyring::Find(const Uuid& person) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto row, LivingRow(person));
+  std::optional<KeyRow> row;
+  ENAMEL_RETURN_IF_ERROR(rows_.read([&](sql::Db& db) -> Status {
+    auto living = FindLivingKeyRow(db, person);
+    if (living.ok()) row = *living;
+    return living.status();
+  }));
   {
     MutexLock lock(mutex_);
-    const auto held = found_.find(MapKey(person));
+    const auto held = found_.find(person);
     if (held != found_.end() && row && held->second.generation == row->generation) {
       return held->second.key;
     }
@@ -72,7 +87,7 @@ Result<DataKey> S3Keyring::Find(const Uuid& person) {
   ENAMEL_ASSIGN_OR_RETURN(const DataKey key, master_.Unwrap(person, *wrapped));
   MutexLock lock(mutex_);
   if (found_.size() >= kMaxHeld) found_.clear();
-  found_[MapKey(person)] = {row->generation, key};
+  found_[person] = {row->generation, key};
   return key;
 }
 
@@ -80,53 +95,62 @@ Result<DataKey> S3Keyring::FindOrMake(const Uuid& person) {
   auto key = Find(person);
   if (key.ok() || key.status().code() != Code::kNotFound) return key;
   // A new key for somebody who was erased would let recordings in again.
-  const Status erased(Code::kConflict, "person " + person.Text() + " was erased");
   ENAMEL_ASSIGN_OR_RETURN(const bool gone, IsGone(person));
-  if (gone) return erased;
+  if (gone) return Erased(person);
   const Bytes wrapped = master_.Wrap(person, DataKey::New());
   const KeyRow mine{person, NewGeneration(), HashSha256(wrapped)};
   const std::string object = KeyOf(person, mine.generation);
   ENAMEL_RETURN_IF_ERROR(trouble_.Told(client_->Put(object, wrapped)));
   bool counts = false;
-  // When this fails, the row may have been added all the same: the object stays.
   const Status added = rows_.write([&](sql::Db& db) -> Status {
     counts = false;
     ENAMEL_ASSIGN_OR_RETURN(const bool is_erased, IsErased(db, TombstoneOf(person)));
-    if (is_erased) return erased;
+    if (is_erased) return Erased(person);
     ENAMEL_RETURN_IF_ERROR(AddKeyRow(db, mine, NowMs()));
     ENAMEL_ASSIGN_OR_RETURN(const auto row, FindKeyRow(db, person));
     counts = row && row->generation == mine.generation;
     return Status::Ok();
   });
-  if (added.ok() ? !counts : added.code() == Code::kConflict) (void)client_->Delete(object);
+  // In doubt, the row may be there: then the object has to stay.
+  if (added.ok() ? !counts : added.field() != "in_doubt") (void)client_->Delete(object);
   if (!added.ok()) return added;
-  return Find(person);
+  key = Find(person);
+  // Erased since.
+  if (key.status().code() == Code::kNotFound) return Erased(person);
+  return key;
 }
 
-Status S3Keyring::Mark(const Tombstone& tombstone) {
-  ENAMEL_RETURN_IF_ERROR(trouble_.Told(client_->Put(KeyOf(tombstone), {})));
-  return rows_.write([&](sql::Db& db) { return AddErasure(db, tombstone); });
+Status S3Keyring::Mark(const Sha256& person) {
+  return trouble_.Told(client_->Put(KeyOf(person), {}));
 }
 
-Status S3Keyring::DestroyKey(const Uuid& person) {
-  std::optional<KeyRow> row;
-  ENAMEL_RETURN_IF_ERROR(rows_.read([&](sql::Db& db) -> Status {
-    auto found = FindKeyRow(db, person);
-    if (found.ok()) row = *found;
-    return found.status();
-  }));
-  if (row) {
-    ENAMEL_RETURN_IF_ERROR(trouble_.Told(client_->Delete(KeyOf(person, row->generation))));
-    ENAMEL_RETURN_IF_ERROR(rows_.write([&](sql::Db& db) { return DeleteKeyRow(db, person); }));
+Status S3Keyring::DestroyKeys(const Uuid& person, const std::vector<std::string>& objects) {
+  for (const std::string& object : objects) {
+    ENAMEL_RETURN_IF_ERROR(trouble_.Told(client_->Delete(object)));
   }
+  ENAMEL_RETURN_IF_ERROR(rows_.write([&](sql::Db& db) { return DeleteKeyRow(db, person); }));
   MutexLock lock(mutex_);
-  found_.erase(MapKey(person));
+  found_.erase(person);
   return Status::Ok();
 }
 
 Status S3Keyring::Destroy(const Uuid& person, int64_t now_ms) {
-  ENAMEL_RETURN_IF_ERROR(Mark({TombstoneOf(person), now_ms}));
-  return DestroyKey(person);
+  const Tombstone tombstone{TombstoneOf(person), now_ms};
+  std::optional<KeyRow> row;
+  // In one transaction: it and another server's that makes a key at the same time cannot both be kept.
+  const Status marked = rows_.write([&](sql::Db& db) -> Status {
+    ENAMEL_RETURN_IF_ERROR(AddErasure(db, tombstone));
+    ENAMEL_ASSIGN_OR_RETURN(row, FindKeyRow(db, person));
+    return Status::Ok();
+  });
+  ENAMEL_RETURN_IF_ERROR(marked);
+  ENAMEL_RETURN_IF_ERROR(Mark(tombstone.person));
+  ENAMEL_ASSIGN_OR_RETURN(const auto listed, ListAll(prefix_ + person.Text() + "-"));
+  std::vector<std::string> objects;
+  // A list may be older than the key.
+  if (row) objects.push_back(KeyOf(person, row->generation));
+  for (const s3::ListedObject& object : listed) objects.push_back(object.key);
+  return DestroyKeys(person, objects);
 }
 
 Result<bool> S3Keyring::IsGone(const Uuid& person) {
@@ -139,56 +163,63 @@ Result<bool> S3Keyring::IsGone(const Uuid& person) {
   return gone;
 }
 
+Result<Tombstone> S3Keyring::TombstoneIn(const s3::ListedObject& object) const {
+  const std::string_view name = std::string_view(object.key).substr(KeyOf(Sha256()).size() - 64);
+  const auto person = Sha256::FromHex(name);
+  if (person.ok() && KeyOf(*person) == object.key) return Tombstone{*person, object.modified_ms};
+  return Status(Code::kInvalidInput, object.key +
+                                         " does not belong in a bucket of keys "
+                                         "(schemas/personal_data.md); move it away");
+}
+
 Result<std::vector<Tombstone>> S3Keyring::Gone() {
-  const std::string folder = prefix_ + "gone/";
+  ENAMEL_ASSIGN_OR_RETURN(const auto listed, ListAll(prefix_ + "gone/"));
   std::vector<Tombstone> out;
-  std::string next;
-  do {
-    auto page = client_->List(folder, next);
-    if (Status told = trouble_.Told(page.status()); !told.ok()) return told;
-    for (const s3::ListedObject& object : page->objects) {
-      const std::string_view name = std::string_view(object.key).substr(folder.size());
-      const auto person = Sha256::FromHex(name.substr(0, kHashDigits));
-      Tombstone tombstone;
-      if (person.ok() && name.size() > kHashDigits + 1) {
-        tombstone.person = *person;
-        (void)std::from_chars(name.data() + kHashDigits + 1, name.data() + name.size(),
-                              tombstone.erased_ms);
-      }
-      if (KeyOf(tombstone) != object.key) {
-        return Status(Code::kInvalidInput, object.key +
-                                               " does not belong in a bucket of keys "
-                                               "(schemas/personal_data.md); move it away");
-      }
-      out.push_back(tombstone);
-    }
-    // A store that gives the same page again would be listed for ever.
-    if (page->next == next) break;
-    next = page->next;
-  } while (!next.empty());
+  for (const s3::ListedObject& object : listed) {
+    ENAMEL_ASSIGN_OR_RETURN(const Tombstone tombstone, TombstoneIn(object));
+    out.push_back(tombstone);
+  }
   return out;
 }
 
 Status S3Keyring::Bury(const std::vector<Tombstone>& tombstones) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto there, Gone());
-  std::set<Sha256> marked, gone;
-  for (const Tombstone& tombstone : there) marked.insert(tombstone.person);
-  for (const Tombstone& tombstone : tombstones) {
-    gone.insert(tombstone.person);
-    if (!marked.contains(tombstone.person)) ENAMEL_RETURN_IF_ERROR(Mark(tombstone));
-  }
-  std::vector<KeyRow> rows;
-  const Status written = rows_.write([&](sql::Db& db) -> Status {
-    // What the bucket knows of and the database does not: it was restored.
-    for (const Tombstone& tombstone : tombstones) {
-      ENAMEL_RETURN_IF_ERROR(AddErasure(db, tombstone));
+  std::map<Sha256, Tombstone> gone;
+  for (const Tombstone& tombstone : tombstones) gone.emplace(tombstone.person, tombstone);
+  // What the bucket knows of and the database does not: it was restored.
+  std::set<Sha256> known;
+  std::map<Uuid, std::vector<std::string>> keys;  // the objects of each, of the erased
+  const Status read = rows_.read([&](sql::Db& db) -> Status {
+    known.clear();
+    keys.clear();
+    ENAMEL_ASSIGN_OR_RETURN(const auto erasures, ErasuresIn(db));
+    for (const Tombstone& tombstone : erasures) known.insert(tombstone.person);
+    ENAMEL_ASSIGN_OR_RETURN(const auto rows, AllKeyRows(db));
+    for (const KeyRow& row : rows) {
+      if (gone.contains(TombstoneOf(row.person)))
+        keys[row.person].push_back(KeyOf(row.person, row.generation));
     }
-    ENAMEL_ASSIGN_OR_RETURN(rows, AllKeyRows(db));
     return Status::Ok();
   });
-  ENAMEL_RETURN_IF_ERROR(written);
-  for (const KeyRow& row : rows) {
-    if (gone.contains(TombstoneOf(row.person))) ENAMEL_RETURN_IF_ERROR(DestroyKey(row.person));
+  ENAMEL_RETURN_IF_ERROR(read);
+  for (const auto& [person, tombstone] : gone) {
+    if (known.contains(person)) continue;
+    ENAMEL_RETURN_IF_ERROR(
+        rows_.write([&tombstone = tombstone](sql::Db& db) { return AddErasure(db, tombstone); }));
+  }
+  // A restored bucket has keys of the erased again.
+  std::set<Sha256> marked;
+  ENAMEL_ASSIGN_OR_RETURN(const auto listed, ListAll(prefix_));
+  for (const s3::ListedObject& object : listed) {
+    const auto person = PersonOf(object.key);
+    if (person && gone.contains(TombstoneOf(*person))) keys[*person].push_back(object.key);
+    const auto tombstone = TombstoneIn(object);
+    if (tombstone.ok()) marked.insert(tombstone->person);
+  }
+  for (const auto& [person, tombstone] : gone) {
+    if (!marked.contains(person)) ENAMEL_RETURN_IF_ERROR(Mark(person));
+  }
+  for (const auto& [person, objects] : keys) {
+    ENAMEL_RETURN_IF_ERROR(DestroyKeys(person, objects));
   }
   return Status::Ok();
 }

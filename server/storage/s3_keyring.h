@@ -1,9 +1,10 @@
 #pragma once
 
-#include <functional>
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
-#include <unordered_map>
+#include <vector>
 
 #include "common/base/mutex.h"
 #include "common/s3/s3_client.h"
@@ -17,7 +18,7 @@ namespace enamel::server::sqlite {
 
 // The key ring of several servers: objects of a bucket of its own (key_bucket.h),
 //   PREFIX<uuid>-<generation, 16 hexadecimal digits>       a person's key, wrapped (master_key.h)
-//   PREFIXgone/<sha256>-<milliseconds since 1970>          an erased person (Tombstone); empty
+//   PREFIXgone/<sha256>                                    an erased person (Tombstone); empty
 // and the table `person_keys` says which generation counts (schemas/sql/0020_keys.sql). Of S3 no more is
 // asked than every store does.
 //
@@ -25,9 +26,11 @@ namespace enamel::server::sqlite {
 //   with the look whether another server was faster or the person is erased; then its own object goes.
 //   A key is used once its row is kept, so an object that a crash leaves without a row opens nothing.
 // * Find asks the database each time and the bucket once: another server's erasure counts at once.
-// * Destroy: the tombstone's object first, then its row (`erasures`), after which no server makes or
-//   finds the key; then the key's object; its row last, so that a crash in between leaves the row by
-//   which Bury finds the object.
+// * Destroy: the tombstone's row first (`erasures`), after which no server makes or finds the key; then
+//   the tombstone's object, which a restored database is compared with; then every object of the
+//   person's keys, also those that count no longer or never did; their row last. What a failure leaves
+//   is for Bury, which a server does when it starts.
+// * A key that a server has in memory stays there until it is asked for again, or the server ends.
 //
 // Errors also: kUnavailable (bucket or database is away). What fails of the store is told as S3Trouble
 // does. Thread safety: any thread.
@@ -46,7 +49,8 @@ class S3Keyring final : public Keyring {
   Status Problem() const override { return trouble_.Problem(); }
 
   std::string KeyOf(const Uuid& person, int64_t generation) const;
-  std::string KeyOf(const Tombstone& tombstone) const;
+  // Of a tombstone.
+  std::string KeyOf(const Sha256& person) const;
 
  private:
   // Keys held in memory; with more people than that recording at once, objects are read again.
@@ -55,11 +59,14 @@ class S3Keyring final : public Keyring {
     int64_t generation = 0;
     DataKey key;
   };
-  // None: never had a key, or erased.
-  Result<std::optional<KeyRow>> LivingRow(const Uuid& person);
-  Status Mark(const Tombstone& tombstone);
-  // Of an erased person.
-  Status DestroyKey(const Uuid& person);
+  // All objects whose key begins so.
+  Result<std::vector<s3::ListedObject>> ListAll(const std::string& prefix);
+  // Whose key an object is; none: it is something else.
+  std::optional<Uuid> PersonOf(const std::string& object) const;
+  Result<Tombstone> TombstoneIn(const s3::ListedObject& object) const;
+  Status Mark(const Sha256& person);
+  // The objects and the row of an erased person's keys.
+  Status DestroyKeys(const Uuid& person, const std::vector<std::string>& objects);
 
   const std::unique_ptr<s3::S3Client> client_;
   const std::string prefix_;
@@ -67,7 +74,7 @@ class S3Keyring final : public Keyring {
   const Transactions rows_;
   S3Trouble trouble_;
   Mutex mutex_;
-  std::unordered_map<std::string, Held> found_ ENAMEL_GUARDED_BY(mutex_);  // by id bytes
+  std::map<Uuid, Held> found_ ENAMEL_GUARDED_BY(mutex_);  // by person
 };
 
 }  // namespace enamel::server::sqlite

@@ -217,6 +217,7 @@ Status SqliteStore::TryWrite() {
 }
 
 Status SqliteStore::FinishErasures() {
+  if (erasures_due_) ENAMEL_RETURN_IF_ERROR(EraseAgain());
   if (!rewriter_.marked()) return Status::Ok();
   auto alone = rewriter_.TakeUpkeep();
   return alone.ok() ? rewriter_.RunIfMarked(writer_) : alone.status();

@@ -177,14 +177,6 @@ Status DeletePerson(Db& db, const Uuid& person, const Tombstone& tombstone, cons
                     JsonOf({{"attempts", std::to_string(attempts.size())}}), "{}");
 }
 
-Result<std::vector<Tombstone>> ErasuresIn(Db& db) {
-  Query q(db, "SELECT person_hash, erased_ms FROM erasures WHERE tenant = ?1");
-  std::vector<Tombstone> out;
-  while (q.Next()) out.push_back(Tombstone{q.Hash(0), q.Int(1)});
-  if (!q.status().ok()) return q.status();
-  return out;
-}
-
 Result<ErasureReport> SqliteStore::ErasePerson(const Uuid& person, bool with_references,
                                                const Actor& by) {
   ENAMEL_ASSIGN_OR_RETURN(auto found, PersonById(person));
@@ -229,9 +221,19 @@ Result<ErasureReport> SqliteStore::ErasePerson(const Uuid& person, bool with_ref
 
 Result<std::vector<Tombstone>> SqliteStore::AllErased() {
   ENAMEL_ASSIGN_OR_RETURN(auto all, Read([](Db& db) { return ErasuresIn(db); }));
-  ENAMEL_ASSIGN_OR_RETURN(const auto theirs, keyring_.Gone());
-  all.insert(all.end(), theirs.begin(), theirs.end());
-  if (!all.empty()) ENAMEL_RETURN_IF_ERROR(keyring_.Bury(all));
+  const auto theirs = keyring_.Gone();
+  if (theirs.ok()) all.insert(all.end(), theirs->begin(), theirs->end());
+  const Status buried = !theirs.ok()  ? theirs.status()
+                        : all.empty() ? Status::Ok()
+                                      : keyring_.Bury(all);
+  // A bucket may be away while a server starts: those that the database knows of are erased all the same.
+  erasures_due_ = buried.code() == Code::kUnavailable;
+  if (!buried.ok() && !erasures_due_) return buried;
+  if (erasures_due_) {
+    spdlog::warn(
+        "erasures were not compared with the key ring, which is tried again within an hour: {}",
+        buried.message());
+  }
   return all;
 }
 
@@ -239,18 +241,15 @@ Status SqliteStore::Reconcile() {
   if (sealed_rows_) {
     ENAMEL_RETURN_IF_ERROR(Read([&](Db& db) { return sealed_rows_->Find(db); }));
   }
-  auto gone = AllErased();
-  if (gone.status().code() == Code::kUnavailable) {
-    // What these people recorded cannot be read without their keys, which went first.
-    spdlog::warn("erasures were not compared with the store of keys, as it is away: {}",
-                 gone.status().message());
-    return Status::Ok();
-  }
-  if (!gone.ok()) return gone.status();
-  if (gone->empty()) return Status::Ok();
+  return EraseAgain();
+}
+
+Status SqliteStore::EraseAgain() {
+  ENAMEL_ASSIGN_OR_RETURN(const auto gone, AllErased());
+  if (gone.empty()) return Status::Ok();
   // By the hash of the id: the list of erasures does not say who was erased.
   std::map<Sha256, Tombstone> tombstones;
-  for (const Tombstone& tombstone : *gone) tombstones[tombstone.person] = tombstone;
+  for (const Tombstone& tombstone : gone) tombstones[tombstone.person] = tombstone;
   auto people = Read([](Db& db) { return PeopleIn(db); });
   if (!people.ok()) return people.status();
   std::vector<Blobs::Freed> all_freed;

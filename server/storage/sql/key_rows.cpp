@@ -11,14 +11,26 @@ constexpr char kFindKeys[] = "SELECT person, generation, hash FROM person_keys W
 
 KeyRow KeyRowOf(const Query& q) { return {q.Id(0), q.Int(1), q.Hash(2)}; }
 
+Result<std::optional<KeyRow>> OneKeyRow(Query& q) {
+  std::optional<KeyRow> out;
+  if (q.Next()) out = KeyRowOf(q);
+  if (!q.status().ok()) return q.status();
+  return out;
+}
+
 }  // namespace
 
 Result<std::optional<KeyRow>> FindKeyRow(sql::Db& db, const Uuid& person) {
   Query q(db, std::string(kFindKeys) + " AND person = ?2");
-  std::optional<KeyRow> out;
-  if (q.Bind(person).Next()) out = KeyRowOf(q);
-  if (!q.status().ok()) return q.status();
-  return out;
+  return OneKeyRow(q.Bind(person));
+}
+
+Result<std::optional<KeyRow>> FindLivingKeyRow(sql::Db& db, const Uuid& person) {
+  Query q(db,
+          std::string(kFindKeys) +
+              " AND person = ?2 AND NOT EXISTS (SELECT 1 FROM erasures e WHERE e.tenant = ?1 AND "
+              "e.person_hash = ?3)");
+  return OneKeyRow(q.Bind(person).Bind(TombstoneOf(person)));
 }
 
 Result<std::vector<KeyRow>> AllKeyRows(sql::Db& db) {
@@ -39,6 +51,14 @@ Status AddKeyRow(sql::Db& db, const KeyRow& row, int64_t now_ms) {
 Status DeleteKeyRow(sql::Db& db, const Uuid& person) {
   Query q(db, "DELETE FROM person_keys WHERE tenant = ?1 AND person = ?2");
   return q.Bind(person).Run();
+}
+
+Result<std::vector<Tombstone>> ErasuresIn(sql::Db& db) {
+  Query q(db, "SELECT person_hash, erased_ms FROM erasures WHERE tenant = ?1");
+  std::vector<Tombstone> out;
+  while (q.Next()) out.push_back(Tombstone{q.Hash(0), q.Int(1)});
+  if (!q.status().ok()) return q.status();
+  return out;
 }
 
 Result<bool> IsErased(sql::Db& db, const Sha256& person) {

@@ -21,11 +21,14 @@ struct KeyRow {
 };
 
 Result<std::optional<KeyRow>> FindKeyRow(sql::Db& db, const Uuid& person);
+// Unless the person is erased: an erasure that broke off has left the row, and the object perhaps.
+Result<std::optional<KeyRow>> FindLivingKeyRow(sql::Db& db, const Uuid& person);
 Result<std::vector<KeyRow>> AllKeyRows(sql::Db& db);
 // Unless there is one. Of a transaction of Isolation::kSerial.
 Status AddKeyRow(sql::Db& db, const KeyRow& row, int64_t now_ms);
 Status DeleteKeyRow(sql::Db& db, const Uuid& person);
 
+Result<std::vector<Tombstone>> ErasuresIn(sql::Db& db);
 Result<bool> IsErased(sql::Db& db, const Sha256& person);
 // Unless it is there.
 Status AddErasure(sql::Db& db, const Tombstone& tombstone);

@@ -39,7 +39,6 @@ class SqliteStore final : public Store {
     std::unique_ptr<Db> writer;
     std::function<Result<std::unique_ptr<Db>>()> open_reader;
   };
-  // `s3`: of options.s3_blobs; null: blobs are in the folder.
   // What is in S3 stores: clients, and what keys are wrapped with; none: in the folder.
   struct Buckets {
     std::unique_ptr<s3::S3Client> blobs, keys;
@@ -269,8 +268,11 @@ class SqliteStore final : public Store {
   std::unique_ptr<Blobs> MakeBlobs(const SqliteOptions& options, std::unique_ptr<s3::S3Client> s3);
   std::unique_ptr<Keyring> MakeKeyring(const SqliteOptions& options, Buckets& buckets);
   Transactions OwnTransactions();
-  // By the key ring or the database, and from now on by both. Errors: those of Keyring.
+  // By the key ring or the database, and from now on by both, unless the key ring is away: then
+  // FinishErasures asks again. Errors: those of Keyring but kUnavailable.
   Result<std::vector<Tombstone>> AllErased();
+  // Who is among them and in the database: it was restored, or an erasure broke off.
+  Status EraseAgain();
   // Whether recordings may come in now. Errors: kUnavailable, so that a station keeps what it has
   // and comes back.
   Status MayRecord();
@@ -305,6 +307,7 @@ class SqliteStore final : public Store {
   std::mutex people_mutex_;
   std::unordered_map<std::string, Uuid> person_of_;  // attempt to person; guarded by people_mutex_
   std::atomic<bool> damaged_{false};                 // a reader found the database damaged
+  std::atomic<bool> erasures_due_{false};            // the key ring was away
   std::atomic<uint64_t> chunks_{0}, chunk_bytes_{0}, sealed_{0};
 };
 
