@@ -15,7 +15,7 @@ CREATE TABLE person_keys (
 -- where only one server can have its rows here.
 CREATE TABLE server_identity (
   tenant      INTEGER NOT NULL REFERENCES tenants (tenant),
-  name        TEXT NOT NULL CHECK (name IN ('station_certificate', 'ticket_key', 'master_key')),
+  name        TEXT NOT NULL CHECK (name IN ('station_certificate', 'ticket_key', 'key_ring')),
   fingerprint BLOB NOT NULL CHECK (length(fingerprint) = 32),
   PRIMARY KEY (tenant, name)
 ) STRICT, WITHOUT ROWID;

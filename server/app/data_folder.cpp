@@ -4,6 +4,7 @@
 #include "common/net/certificate.h"
 #include "server/app/command_line.h"
 #include "server/app/say.h"
+#include "server/storage/engine/data_folder.h"
 #include "server/storage/engine/database_file.h"
 #include "server/storage/engine/folder_lock.h"
 #include "server/storage/engine/ticket_key.h"
@@ -30,7 +31,7 @@ std::string Absolute(const std::string& path) {
   return path.empty() ? path : std::filesystem::absolute(path).lexically_normal().string();
 }
 
-// Whether the stores can be used as the file says, and the master key, made where there is none.
+// Whether the stores can be used as the file says.
 Status TryStores(const std::filesystem::path& folder, const DatabaseFile& file) {
   if (file.blobs) {
     ENAMEL_ASSIGN_OR_RETURN(const auto place, ReadS3Place(folder, *file.blobs));
@@ -40,44 +41,63 @@ Status TryStores(const std::filesystem::path& folder, const DatabaseFile& file) 
   ENAMEL_ASSIGN_OR_RETURN(const auto keys, ReadKeyBucket(folder, *file.keys));
   ENAMEL_RETURN_IF_ERROR(TryS3Place(keys.place));
   ENAMEL_ASSIGN_OR_RETURN(const auto client, s3::S3Client::Make(keys.place.store));
-  ENAMEL_RETURN_IF_ERROR(MustForgetWhatIsDeleted(*client));
-  return EnsureMasterKey(keys.master_key, SystemDisk()).status();
+  return MustForgetWhatIsDeleted(*client);
+}
+
+// What a folder is opened with that has no database.json yet. The master key is made for a school's first
+// server alone: another's mistyped path is not to become a key.
+Result<PostgresOptions> FirstOptions(const std::filesystem::path& folder,
+                                     const DatabaseFile& file) {
+  PostgresOptions out{file.server, file.schema, {folder}};
+  if (!file.keys) return out;
+  ENAMEL_ASSIGN_OR_RETURN(out.folder.s3_keys, ReadKeyBucket(folder, *file.keys));
+  const std::filesystem::path& master = out.folder.s3_keys->master_key;
+  ENAMEL_ASSIGN_OR_RETURN(const bool others, HasServers(out));
+  ENAMEL_RETURN_IF_ERROR(
+      (others ? ReadMasterKey(master) : EnsureMasterKey(master, SystemDisk())).status());
+  return out;
+}
+
+// Where --database, --s3-… and --key-… say that things are.
+DatabaseFile FileOf(const InitCommand& command) {
+  DatabaseFile file{command.database, command.schema};
+  if (command.blobs.endpoint.empty()) return file;
+  file.blobs = command.blobs;
+  file.blobs->ca_file = Absolute(command.blobs.ca_file);
+  file.blobs->credentials_file = Absolute(command.blobs.credentials_file);
+  if (command.keys.bucket.bucket.empty()) return file;
+  // In the same store, and with its access key unless another is named.
+  file.keys = command.keys;
+  PlaceInS3& bucket = file.keys->bucket;
+  bucket.endpoint = command.blobs.endpoint;
+  bucket.region = command.blobs.region;
+  bucket.ca_file = file.blobs->ca_file;
+  bucket.credentials_file = bucket.credentials_file.empty() ? file.blobs->credentials_file
+                                                            : Absolute(bucket.credentials_file);
+  file.keys->master_key_file = Absolute(file.keys->master_key_file);
+  return file;
 }
 
 Status Init(const InitCommand& command) {
-  const bool in_s3 = !command.blobs.endpoint.empty();
-  if (!command.identity.empty()) {
-    ENAMEL_RETURN_IF_ERROR(TakeIdentity(command.data, command.identity));
-  }
-  if (in_s3 && command.database.empty()) {
+  if (!command.blobs.endpoint.empty() && command.database.empty()) {
     return Status(Code::kInvalidInput,
                   "expected --database beside --s3-endpoint, found none: rows in enamel.db are one "
                   "machine's, and what other servers name would be deleted; name a PostgreSQL "
                   "database, or keep the blobs in the folder");
   }
+  const DatabaseFile file = FileOf(command);
   if (!command.database.empty()) {
-    DatabaseFile file{command.database, command.schema};
-    if (in_s3) file.blobs = command.blobs;
-    if (!command.keys.bucket.bucket.empty()) {
-      // In the same store, and with its key unless another is named.
-      file.keys = command.keys;
-      PlaceInS3& bucket = file.keys->bucket;
-      bucket.endpoint = command.blobs.endpoint;
-      bucket.region = command.blobs.region;
-      bucket.ca_file = command.blobs.ca_file;
-      if (bucket.credentials_file.empty()) {
-        bucket.credentials_file = command.blobs.credentials_file;
-      } else {
-        bucket.credentials_file = Absolute(bucket.credentials_file);
-      }
-      file.keys->master_key_file = Absolute(file.keys->master_key_file);
-    }
     ENAMEL_RETURN_IF_ERROR(MayKeepRowsIn(command.data, file));
     ENAMEL_RETURN_IF_ERROR(TryStores(command.data, file));
+  }
+  if (!command.identity.empty()) {
+    ENAMEL_RETURN_IF_ERROR(TakeIdentity(command.data, command.identity));
+  }
+  if (!command.database.empty()) {
+    ENAMEL_ASSIGN_OR_RETURN(const auto options, FirstOptions(command.data, file));
     // Before the file says so: a folder must not be bound to a server that cannot be reached, nor
     // one that holds other things be taken for ours.
-    if (auto opened = OpenPostgresStore({file.server, file.schema, {command.data}}); !opened.ok())
-      return opened.status();
+    if (auto opened = OpenPostgresStore(options); !opened.ok()) return opened.status();
     ENAMEL_RETURN_IF_ERROR(WriteDatabaseFile(command.data, file, SystemDisk()));
   }
   return InitData(command.data);
@@ -125,16 +145,14 @@ Status TakeIdentity(const std::filesystem::path& folder, const std::filesystem::
                       "that has the same, or a new data folder",
                   "identity");
   }
-  // The folder is made, with its mode, by whoever opens the store; here it is only there early.
-  if (!missing.empty()) ENAMEL_RETURN_IF_ERROR(SystemDisk().MakeFolder(folder));
+  // First what it is: no key is written where others may look in.
+  if (!missing.empty()) {
+    ENAMEL_RETURN_IF_ERROR(sqlite::MakeDataFolder(folder, SystemDisk(), /*restoring=*/false));
+  }
   for (const auto& [path, content] : missing) {
     ENAMEL_RETURN_IF_ERROR(SystemDisk().Replace(path, content));
   }
   return Status::Ok();
-}
-
-Status MatchStationCertificate(Store& store, const ServerIdentity& identity) {
-  return store.MatchIdentity(ServerPart::kStationCertificate, identity.fingerprint);
 }
 
 Result<ServerIdentity> EnsureIdentity(const std::filesystem::path& folder) {
@@ -147,6 +165,18 @@ Result<ServerIdentity> EnsureIdentity(const std::filesystem::path& folder) {
   identity.fingerprint = fingerprint;
   ENAMEL_ASSIGN_OR_RETURN(auto keys, EnsureTicketKey(folder, SystemDisk()));
   identity.ticket_key = keys;
+  return identity;
+}
+
+Result<ServerIdentity> EnsureMatchingIdentity(const std::filesystem::path& folder, Store& store) {
+  std::error_code error;
+  if (!std::filesystem::exists(folder / "station.crt", error)) {
+    // Before one is made that would be refused then.
+    ENAMEL_RETURN_IF_ERROR(store.MatchIdentity(ServerPart::kStationCertificate, {}));
+  }
+  ENAMEL_ASSIGN_OR_RETURN(auto identity, EnsureIdentity(folder));
+  ENAMEL_RETURN_IF_ERROR(
+      store.MatchIdentity(ServerPart::kStationCertificate, identity.fingerprint));
   return identity;
 }
 
@@ -164,8 +194,7 @@ Result<PageCertificate> EnsurePageCertificate(const std::filesystem::path& folde
 
 Status InitData(const std::filesystem::path& folder) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenStore({folder}));
-  ENAMEL_ASSIGN_OR_RETURN(auto identity, EnsureIdentity(folder));
-  ENAMEL_RETURN_IF_ERROR(MatchStationCertificate(*store, identity));
+  ENAMEL_ASSIGN_OR_RETURN(auto identity, EnsureMatchingIdentity(folder, *store));
   Say("data folder {}, fingerprint {}\n", folder.string(), identity.fingerprint.Hex());
   return Status::Ok();
 }

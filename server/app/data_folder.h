@@ -28,11 +28,11 @@ struct ServerIdentity {
 // into a data folder that has none, before anything makes them. Errors: kConflict (it has others),
 // kNotFound (`from` has not all three), kStorage.
 Status TakeIdentity(const std::filesystem::path& folder, const std::filesystem::path& from);
-// Errors: kConflict (the other servers of the store's database are known by another).
-Status MatchStationCertificate(Store& store, const ServerIdentity& identity);
-
 // Makes what is missing. Errors: kStorage, kInvalidInput (a file is not what it should be).
 Result<ServerIdentity> EnsureIdentity(const std::filesystem::path& folder);
+// The same, and compares it with what the other servers of the store's database are known by. Errors also:
+// kConflict (another), kNotFound (there is none here, and the others have one).
+Result<ServerIdentity> EnsureMatchingIdentity(const std::filesystem::path& folder, Store& store);
 
 struct PageCertificate {
   std::filesystem::path certificate;  // page.crt

@@ -233,8 +233,7 @@ Status Serve(const ServeOptions& options) {
   store_options.min_free_bytes = uint64_t(options.min_free_mib) << 20;
   ENAMEL_ASSIGN_OR_RETURN(auto opened, OpenStore(store_options));
   Store& store = *opened;
-  ENAMEL_ASSIGN_OR_RETURN(auto identity, EnsureIdentity(options.data));
-  ENAMEL_RETURN_IF_ERROR(MatchStationCertificate(store, identity));
+  ENAMEL_ASSIGN_OR_RETURN(auto identity, EnsureMatchingIdentity(options.data, store));
   ENAMEL_ASSIGN_OR_RETURN(auto http_options, HttpOptionsOf(options));
   ENAMEL_ASSIGN_OR_RETURN(auto link_options, LinkOptionsOf(options, identity));
   // Before anything listens.

@@ -97,7 +97,7 @@ Transactions SqliteStore::OwnTransactions() {
   return out;
 }
 
-Status SqliteStore::MatchIdentity(ServerPart part, const Sha256& fingerprint) {
+Status SqliteStore::MatchIdentity(ServerPart part, const std::optional<Sha256>& fingerprint) {
   if (!many_) return Status::Ok();
   return Write([&](Db& db) { return MatchIdentityRow(db, part, fingerprint); });
 }
@@ -236,6 +236,34 @@ namespace {
 
 using sqlite::SqliteStore;
 
+// The first that tells what servers have in common (0020_keys.sql).
+constexpr int kIdentitySchema = 20;
+
+// Keys that were made in the folder would not be found any more, and others made beside them.
+Status MustHaveNoKeysIn(const std::filesystem::path& keyring) {
+  std::error_code error;
+  for (std::filesystem::directory_iterator it(keyring, error), end; !error && it != end;
+       it.increment(error)) {
+    if (it->path().extension() != ".key") continue;
+    return Status(Code::kConflict,
+                  "expected all keys in the bucket that database.json names, found " +
+                      it->path().string() +
+                      ": this school's keys are in the folder; make a new data "
+                      "folder for a school whose keys are in a bucket");
+  }
+  return Status::Ok();
+}
+
+// Servers with another key ring would make a second key for a person. Hosts may have several names.
+Sha256 KeyRingFingerprint(const SqliteOptions& options, const std::optional<MasterKey>& master) {
+  std::string text = "folder";
+  if (options.s3_keys) {
+    const S3Place& place = options.s3_keys->place;
+    text = place.store.bucket + "\n" + place.prefix + "\n" + master->Fingerprint().Hex();
+  }
+  return HashSha256(AsBytes(text));
+}
+
 // `open` gives a database that waits for nobody yet; `migrations` are its engine's. `many`: other
 // servers have their rows in it too.
 Result<std::unique_ptr<Store>> OpenStoreOn(
@@ -259,17 +287,28 @@ Result<std::unique_ptr<Store>> OpenStoreOn(
   db.SetBusyWait(options.busy_wait);
   ENAMEL_ASSIGN_OR_RETURN(auto version, SchemaVersion(db));
   auto key = ReadTicketKey(options.folder);
-  if (many && version == LatestSchemaVersion() && key.status().code() == Code::kNotFound) {
-    // Before one is made that would be refused then.
-    ENAMEL_ASSIGN_OR_RETURN(const bool others, HasIdentityRow(db, ServerPart::kTicketKey));
-    if (others) {
-      return Status(Code::kNotFound,
-                    "expected station.crt, station.key and ticket.key of the other servers of this "
-                    "database in " +
-                        options.folder.string() +
-                        ", found none; take those of one that runs: --identity FOLDER");
-    }
+  SqliteStore::Buckets buckets;
+  if (options.s3_keys) {
+    ENAMEL_ASSIGN_OR_RETURN(buckets.master, ReadMasterKey(options.s3_keys->master_key));
+    ENAMEL_ASSIGN_OR_RETURN(buckets.keys, s3::S3Client::Make(options.s3_keys->place.store));
+    ENAMEL_RETURN_IF_ERROR(MustHaveNoKeysIn(options.folder / "keyring"));
+    // Commands beside the server rely on its look. It may be away while a server starts.
+    const Status forgets =
+        options.hold_lock ? MustForgetWhatIsDeleted(*buckets.keys) : Status::Ok();
+    if (!forgets.ok() && forgets.code() != Code::kUnavailable) return forgets;
   }
+  const auto match = [&]() -> Status {
+    std::optional<Sha256> ticket_key;
+    if (key.ok()) ticket_key = HashSha256(key->public_key);
+    sql::Transaction transaction(db, sql::Isolation::kRowLocks);
+    ENAMEL_RETURN_IF_ERROR(transaction.begun());
+    ENAMEL_RETURN_IF_ERROR(MatchIdentityRow(db, ServerPart::kTicketKey, ticket_key));
+    ENAMEL_RETURN_IF_ERROR(
+        MatchIdentityRow(db, ServerPart::kKeyRing, KeyRingFingerprint(options, buckets.master)));
+    return transaction.Commit();
+  };
+  // A server that is refused has changed nothing before.
+  if (many && version >= kIdentitySchema) ENAMEL_RETURN_IF_ERROR(match());
   if (version < LatestSchemaVersion() || !key.ok()) {
     // A tool beside a running server must not change the schema under it, nor its key.
     if (!lock) ENAMEL_RETURN_IF_ERROR(acquire());
@@ -277,25 +316,9 @@ Result<std::unique_ptr<Store>> OpenStoreOn(
     if (!key.ok()) return key.status();
     ENAMEL_RETURN_IF_ERROR(db.Migrate(migrations));
   }
-  SqliteStore::Buckets buckets;
-  if (options.s3_keys) {
-    ENAMEL_ASSIGN_OR_RETURN(buckets.master, ReadMasterKey(options.s3_keys->master_key));
-    ENAMEL_ASSIGN_OR_RETURN(buckets.keys, s3::S3Client::Make(options.s3_keys->place.store));
-    const Status forgets = MustForgetWhatIsDeleted(*buckets.keys);
-    // It may be away while a server starts.
-    if (!forgets.ok() && forgets.code() != Code::kUnavailable) return forgets;
-  }
   Uuid server;
   if (many) {
-    sql::Transaction transaction(db, sql::Isolation::kRowLocks);
-    ENAMEL_RETURN_IF_ERROR(transaction.begun());
-    ENAMEL_RETURN_IF_ERROR(
-        MatchIdentityRow(db, ServerPart::kTicketKey, HashSha256(key->public_key)));
-    if (buckets.master) {
-      ENAMEL_RETURN_IF_ERROR(
-          MatchIdentityRow(db, ServerPart::kMasterKey, buckets.master->Fingerprint()));
-    }
-    ENAMEL_RETURN_IF_ERROR(transaction.Commit());
+    ENAMEL_RETURN_IF_ERROR(match());
     ENAMEL_ASSIGN_OR_RETURN(server, EnsureServerId(options.folder, DiskOf(options)));
   }
   const AuditSigner signer(key->secret_key, server);
@@ -340,6 +363,18 @@ Result<std::unique_ptr<Store>> OpenPostgresStore(const PostgresOptions& options)
               return OpenPgDatabase(server, schema, /*read_only=*/true, {});
             }};
       });
+}
+
+Result<bool> HasServers(const PostgresOptions& options) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto db,
+                          sqlite::OpenPgDatabase(options.server, options.schema,
+                                                 /*read_only=*/true, options.folder.fail_next));
+  ENAMEL_ASSIGN_OR_RETURN(const int version, sqlite::SchemaVersion(*db));
+  if (version < kIdentitySchema) return version > 0;
+  // Something is known by which a new server would be refused.
+  const Status none = sqlite::MatchIdentityRow(*db, ServerPart::kKeyRing, {});
+  if (none.ok() || none.code() == Code::kNotFound) return !none.ok();
+  return none;
 }
 
 Result<std::unique_ptr<Store>> OpenStore(const SqliteOptions& options) {

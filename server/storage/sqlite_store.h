@@ -81,10 +81,13 @@ struct PostgresOptions {
 // The same store with its rows in PostgreSQL 15 (schemas/sql/pg) instead of enamel.db. Errors also:
 // kUnavailable (the server, or the library for it, is not there).
 Result<std::unique_ptr<Store>> OpenPostgresStore(const PostgresOptions& options);
+// Whether a server has its rows there already. Nothing is made. Errors: those of OpenPostgresStore.
+Result<bool> HasServers(const PostgresOptions& options);
 
-// The store of a data folder: its rows are in PostgreSQL, its blobs in an S3 store, where the folder's
-// database.json says so (engine/database_file.h), else in enamel.db and blobs/. The S3 store is not
-// asked yet: it may be away while a server starts.
+// The store of a data folder: its rows are in PostgreSQL, its blobs and keys in S3 stores, where the
+// folder's database.json says so (engine/database_file.h), else in enamel.db, blobs/ and keyring/. The
+// store of blobs is not asked yet. That of keys is, with `hold_lock`: whether it forgets what is deleted,
+// and who was erased. Either may be away while a server starts.
 Result<std::unique_ptr<Store>> OpenStore(const SqliteOptions& options);
 
 // Newest schema this program knows, 1-based; migrations are schemas/sql/NNNN_*.sql, forward only.

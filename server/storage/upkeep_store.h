@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -54,7 +55,7 @@ struct StoreHealth {
 };
 
 // What a server is known by: to stations, in what it signs, and to its key ring.
-enum class ServerPart { kStationCertificate, kTicketKey, kMasterKey };
+enum class ServerPart { kStationCertificate, kTicketKey, kKeyRing };
 
 // What keeps the store in order: erasure, retention, health.
 // A part of Store (store.h), which says what holds for all parts.
@@ -86,8 +87,9 @@ class UpkeepStore {
   virtual void StopWaiting() = 0;
 
   // Where several servers have their rows in one database, all are known by the same: the first one's
-  // fingerprint is kept, and another is refused. Elsewhere nothing is compared. Errors: kConflict.
-  virtual Status MatchIdentity(ServerPart part, const Sha256& fingerprint) = 0;
+  // fingerprint is kept, and another is refused. Without one: a server that has none yet asks whether it
+  // may make its own. Elsewhere nothing is compared. Errors: kConflict (another), kNotFound (it may not).
+  virtual Status MatchIdentity(ServerPart part, const std::optional<Sha256>& fingerprint) = 0;
 
   // Never fails: trouble is what it tells.
   virtual StoreHealth Health() = 0;

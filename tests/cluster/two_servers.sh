@@ -26,8 +26,13 @@ expect_failure "one bucket for both" "another for blobs" "$bin/enamel-server" in
 [ "$(stat -c %a "$work/master.key")" = 600 ] || fail "others may read the master key"
 expect_failure "a second server of its own" "identity" "$bin/enamel-server" init --data "$two" "${school[@]}" "${keys[@]}"
 mkdir "$work/identity"
-expect_failure "an empty identity" "station.crt" "$bin/enamel-server" init --data "$two" "${school[@]}" "${keys[@]}" --identity "$work/identity"
+expect_failure "an empty identity" "no readable ticket.key" "$bin/enamel-server" init --data "$two" "${school[@]}" "${keys[@]}" --identity "$work/identity"
 cp "$one"/station.crt "$one"/station.key "$one"/ticket.key "$work/identity"
+expect_failure "a mistyped master key" "no such file" "$bin/enamel-server" init --data "$two" "${school[@]}" --key-bucket keys \
+  --master-key "$work/mastre.key" --identity "$work/identity"
+[ ! -e "$work/mastre.key" ] || fail "a second master key was made"
+expect_failure "keys in the folder" "key ring of the other servers" "$bin/enamel-server" init --data "$two" "${school[@]}" --identity "$work/identity"
+[ ! -e "$two/database.json" ] || fail "the folder is bound to what was refused"
 "$bin/enamel-server" init --data "$two" "${school[@]}" "${keys[@]}" --identity "$work/identity" >"$work/second"
 [ "$(sed 's/.*fingerprint//' "$work/first")" = "$(sed 's/.*fingerprint//' "$work/second")" ] || fail "two fingerprints: $(cat "$work/first" "$work/second")"
 "$bin/enamel-server" init --data "$work/other" >/dev/null

@@ -15,7 +15,7 @@ CREATE TABLE person_keys (
 -- where only one server can have its rows here.
 CREATE TABLE server_identity (
   tenant      BIGINT NOT NULL REFERENCES tenants (tenant),
-  name        TEXT COLLATE "C" NOT NULL CHECK (name IN ('station_certificate', 'ticket_key', 'master_key')),
+  name        TEXT COLLATE "C" NOT NULL CHECK (name IN ('station_certificate', 'ticket_key', 'key_ring')),
   fingerprint BYTEA NOT NULL CHECK (length(fingerprint) = 32),
   PRIMARY KEY (tenant, name)
 );

@@ -11,8 +11,9 @@ namespace enamel::server::sqlite {
 inline constexpr char kServerLock[] = "LOCK";    // held by the running server
 inline constexpr char kUpkeepLock[] = "UPKEEP";  // held by a backup, or by what removes blobs
 inline constexpr char kRestoreMark[] = "RESTORE-UNFINISHED";
-// What makes it this server and no other; equal on all servers of a school.
-inline constexpr const char* kIdentityFiles[] = {"station.crt", "station.key", "ticket.key"};
+// What makes it this server and no other; equal on all servers of a school. The certificate last: where it
+// is, its key is.
+inline constexpr const char* kIdentityFiles[] = {"ticket.key", "station.key", "station.crt"};
 
 // An advisory lock (flock) on a file of the data folder, until destroyed. A killed process holds
 // none. Thread safety: a value.

@@ -23,36 +23,35 @@ PartWords WordsOf(ServerPart part) {
       return {"station_certificate", "certificate for stations", kCopyFiles};
     case ServerPart::kTicketKey:
       return {"ticket_key", "ticket key", kCopyFiles};
-    case ServerPart::kMasterKey:
-      return {"master_key", "master key", "; copy the master key file of a server that runs"};
+    case ServerPart::kKeyRing:
+      return {"key_ring", "key ring",
+              "; name the same bucket, prefix and master key file as a server that runs"};
   }
   return {};
 }
 
+// Enough of a hash for people to compare.
+std::string Brief(const Sha256& hash) { return hash.Hex().substr(0, 16) + "…"; }
+
 }  // namespace
 
-Status MatchIdentityRow(sql::Db& db, ServerPart part, const Sha256& fingerprint) {
+Status MatchIdentityRow(sql::Db& db, ServerPart part, const std::optional<Sha256>& fingerprint) {
   const PartWords words = WordsOf(part);
-  Query put(db,
-            "INSERT INTO server_identity (tenant, name, fingerprint) VALUES (?1, ?2, ?3) "
-            "ON CONFLICT DO NOTHING");
-  ENAMEL_RETURN_IF_ERROR(put.Bind(words.name).Bind(fingerprint).Run());
+  if (fingerprint) {
+    Query put(db,
+              "INSERT INTO server_identity (tenant, name, fingerprint) VALUES (?1, ?2, ?3) "
+              "ON CONFLICT DO NOTHING");
+    ENAMEL_RETURN_IF_ERROR(put.Bind(words.name).Bind(*fingerprint).Run());
+  }
   Query q(db, "SELECT fingerprint FROM server_identity WHERE tenant = ?1 AND name = ?2");
-  if (q.Bind(words.name).Next() && q.Hash(0) == fingerprint) return Status::Ok();
-  ENAMEL_RETURN_IF_ERROR(q.status());
-  // Enough of a hash for people to compare.
-  const auto brief = [](const Sha256& hash) { return hash.Hex().substr(0, 16); };
-  return Status(Code::kConflict, std::string("expected the ") + words.what +
-                                     " of the other servers of this database (fingerprint " +
-                                     brief(q.Hash(0)) + "…), found another (" + brief(fingerprint) +
-                                     "…)" + words.how);
-}
-
-Result<bool> HasIdentityRow(sql::Db& db, ServerPart part) {
-  Query q(db, "SELECT 1 FROM server_identity WHERE tenant = ?1 AND name = ?2");
-  const bool found = q.Bind(WordsOf(part).name).Next();
+  const bool there = q.Bind(words.name).Next();
   if (!q.status().ok()) return q.status();
-  return found;
+  if (!there || (fingerprint && q.Hash(0) == *fingerprint)) return Status::Ok();
+  const std::string theirs = std::string("expected the ") + words.what +
+                             " of the other servers of this database (" + Brief(q.Hash(0)) +
+                             "), found ";
+  if (!fingerprint) return Status(Code::kNotFound, theirs + "none" + words.how);
+  return Status(Code::kConflict, theirs + "another (" + Brief(*fingerprint) + ")" + words.how);
 }
 
 }  // namespace enamel::server::sqlite

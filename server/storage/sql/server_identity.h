@@ -6,9 +6,8 @@
 namespace enamel::server::sqlite {
 
 // The table `server_identity` (schemas/sql/0020_keys.sql): keeps the fingerprint unless there is one, and
-// compares it. In a transaction of either isolation. Errors: kConflict. Private to server/storage.
-Status MatchIdentityRow(sql::Db& db, ServerPart part, const Sha256& fingerprint);
-// Whether a server has said what it is known by.
-Result<bool> HasIdentityRow(sql::Db& db, ServerPart part);
+// compares it (UpkeepStore::MatchIdentity). In a transaction of either isolation. Errors: kConflict,
+// kNotFound. Private to server/storage.
+Status MatchIdentityRow(sql::Db& db, ServerPart part, const std::optional<Sha256>& fingerprint);
 
 }  // namespace enamel::server::sqlite

@@ -230,7 +230,7 @@ class SqliteStore final : public Store {
   Status SetRetention(const RetentionRule& rule, const Actor& by) override;
   Result<RetentionReport> ApplyRetention(UnixMs now_ms, bool dry_run, const Actor& by) override;
   StoreHealth Health() override;
-  Status MatchIdentity(ServerPart part, const Sha256& fingerprint) override;
+  Status MatchIdentity(ServerPart part, const std::optional<Sha256>& fingerprint) override;
   Status TryWrite() override;
   Status FinishErasures() override;
   void StopWaiting() override { writer_.StopWaiting(); }

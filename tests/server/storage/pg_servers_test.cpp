@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/base/file.h"
 #include "server/storage/engine/pg_database.h"
 #include "server/storage/engine/ticket_key.h"
 #include "server/storage/master_key.h"
@@ -278,10 +279,13 @@ TEST_F(PgServersTest, AServerThatIsKnownByAnotherThanTheOthersIsRefused) {
   place.store.credentials = bucket.credentials();
   options.folder.s3_keys->master_key = keys.path() / "master.key";
   EXPECT_EQ(OpenPostgresStore(options).status().code(), Code::kNotFound) << "no master key";
+  EXPECT_FALSE(*HasServers(options));
   ASSERT_TRUE(EnsureMasterKey(keys.path() / "master.key", SystemDisk()).ok());
   auto first = OpenPostgresStore(options);
   ASSERT_TRUE(first.ok()) << first.status().message();
+  EXPECT_TRUE(*HasServers(options));
   const Sha256 certificate = HashSha256(AsBytes("certificate"));
+  EXPECT_TRUE((*first)->MatchIdentity(ServerPart::kStationCertificate, {}).ok()) << "nobody's yet";
   EXPECT_TRUE((*first)->MatchIdentity(ServerPart::kStationCertificate, certificate).ok());
   EXPECT_TRUE((*first)->MatchIdentity(ServerPart::kStationCertificate, certificate).ok());
 
@@ -302,14 +306,27 @@ TEST_F(PgServersTest, AServerThatIsKnownByAnotherThanTheOthersIsRefused) {
   const Status locked_out = OpenPostgresStore(options).status();
   EXPECT_EQ(locked_out.code(), Code::kConflict);
   EXPECT_NE(locked_out.message().find("master key"), std::string::npos) << locked_out.message();
-
+  // Each would make a second key for a person.
   options.folder.s3_keys->master_key = keys.path() / "master.key";
+  place.prefix = "another/";
+  EXPECT_EQ(OpenPostgresStore(options).status().code(), Code::kConflict);
+  place.prefix.clear();
+  PostgresOptions in_folder = options;
+  in_folder.folder.s3_keys.reset();
+  EXPECT_EQ(OpenPostgresStore(in_folder).status().code(), Code::kConflict);
+  std::filesystem::create_directories(other.path() / "keyring");
+  const auto stray = other.path() / "keyring" / (Uuid::New().Text() + ".key");
+  ASSERT_TRUE(WriteFileDurably(stray, Bytes(32), 0600).ok());
+  EXPECT_EQ(OpenPostgresStore(options).status().code(), Code::kConflict);
+  std::filesystem::remove(stray);
+
   auto second = OpenPostgresStore(options);
   ASSERT_TRUE(second.ok()) << second.status().message();
   const Status other_certificate = (*second)->MatchIdentity(
       ServerPart::kStationCertificate, HashSha256(AsBytes("another certificate")));
   EXPECT_EQ(other_certificate.code(), Code::kConflict);
   EXPECT_NE(other_certificate.message().find("station.crt"), std::string::npos);
+  EXPECT_EQ((*second)->MatchIdentity(ServerPart::kStationCertificate, {}).code(), Code::kNotFound);
 
   // What one takes in, the other reads; whom one erases is erased for both.
   World world(**first);
