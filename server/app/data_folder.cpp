@@ -233,7 +233,7 @@ void DeclareInit(CommandGroup root) {
                    ->needs(endpoint);
   auto* master = cmd->add_option("--master-key", options.keys.master_key_file,
                                  "File of the key that they are wrapped with, the same on all "
-                                 "servers; made when absent")
+                                 "servers; made by the first")
                      ->needs(keys);
   keys->needs(master);
   cmd->add_option("--key-prefix", options.keys.bucket.prefix, "Of every key in that bucket")

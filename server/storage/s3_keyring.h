@@ -29,7 +29,7 @@ namespace enamel::server::sqlite {
 // * Destroy: the tombstone's row first (`erasures`), after which no server makes or finds the key; then
 //   the tombstone's object, which a restored database is compared with; then every object of the
 //   person's keys, also those that count no longer or never did; their row last. What a failure leaves
-//   is for Bury, which a server does when it starts.
+//   is for Bury, which a server does when it starts, or within an hour where the bucket is away then.
 // * A key that a server has in memory stays there until it is asked for again, or the server ends.
 //
 // Errors also: kUnavailable (bucket or database is away). What fails of the store is told as S3Trouble
