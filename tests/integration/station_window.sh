@@ -32,7 +32,8 @@ play() {
   sed "s|PICTURES|$pictures|; s|WORK|$work|
     s|^sign in as \(.*\)|page sign-in\ntype \1\nkey Tab\ntype enamel-demo-\1\nkey Enter\npage exercises|" \
     >"$work/$1.txt"
-  timeout 300 "$bin/enamel-station" open --data "$station" --window "${2:-1280x720}" --no-sound --simulated --script "$work/$1.txt" "${@:3}" ||
+  # Under a sanitizer scoring alone takes minutes.
+  timeout 900 "$bin/enamel-station" open --data "$station" --window "${2:-1280x720}" --no-sound --simulated --script "$work/$1.txt" "${@:3}" ||
     { tail -n 20 "$work/server.log"; fail "the script $1 did not get through"; }
 }
 # Waits until a script has come to where it writes this picture.
