@@ -34,7 +34,7 @@ using std::chrono::steady_clock;
 constexpr double kFewFree_gb = 5, kTooFewFree_gb = 0.5;
 constexpr int64_t kClockOff_ms = 2'000, kClockWrong_ms = 60'000;
 constexpr int kTimerTicks = 500;
-constexpr int64_t kTick_ns = 1'000'000, kSecond_ns = 1'000'000'000;
+constexpr int64_t kTick_ns = 1'000'000, kNsPerSecond = 1'000'000'000;
 
 std::string Number(double v, const char* format) {
   char text[64];
@@ -155,15 +155,15 @@ void Realtime(std::vector<Finding>& out) {
     grant = RequestRealtime();
     timespec t{};
     clock_gettime(CLOCK_MONOTONIC, &t);
-    int64_t due = t.tv_sec * kSecond_ns + t.tv_nsec;
+    int64_t due = t.tv_sec * kNsPerSecond + t.tv_nsec;
     for (int i = 0; i < kTimerTicks; ++i) {
       due += kTick_ns;
-      timespec until{due / kSecond_ns, due % kSecond_ns};
+      timespec until{due / kNsPerSecond, due % kNsPerSecond};
       // A bare sleep and nothing else: what is late here is late by the computer and not by the
       // loop.
       clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
       clock_gettime(CLOCK_MONOTONIC, &t);
-      late.Add(t.tv_sec * kSecond_ns + t.tv_nsec - due);
+      late.Add(t.tv_sec * kNsPerSecond + t.tv_nsec - due);
     }
   }).join();
   if (grant.refused.empty()) {

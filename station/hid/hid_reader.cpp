@@ -9,7 +9,7 @@ namespace {
 // The largest input report known here has 48 bytes. The wait between two looks is cut in steps, so
 // that ending the reader does not take all of kRetry.
 constexpr size_t kMaxReport = 256;
-constexpr std::chrono::milliseconds kStep{20};
+constexpr std::chrono::milliseconds kRetryStep{20};
 
 }  // namespace
 
@@ -52,8 +52,9 @@ void HidReader::Run() {
   while (!stop_) {
     if (port == nullptr) {
       port = Find();
-      for (auto waited = kStep; port == nullptr && waited <= kRetry && !stop_; waited += kStep) {
-        std::this_thread::sleep_for(kStep);
+      for (auto waited = kRetryStep; port == nullptr && waited <= kRetry && !stop_;
+           waited += kRetryStep) {
+        std::this_thread::sleep_for(kRetryStep);
       }
       continue;
     }

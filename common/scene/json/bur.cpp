@@ -11,9 +11,9 @@ struct OptionalLength {
   const char* name;
   int32_t BurSpec::*member;
 };
-constexpr OptionalLength kOptional[] = {{"narrow_radius_um", &BurSpec::narrow_radius_um},
-                                        {"shank_radius_um", &BurSpec::shank_radius_um},
-                                        {"neck_um", &BurSpec::neck_um}};
+constexpr OptionalLength kOptionalLengths[] = {{"narrow_radius_um", &BurSpec::narrow_radius_um},
+                                               {"shank_radius_um", &BurSpec::shank_radius_um},
+                                               {"neck_um", &BurSpec::neck_um}};
 
 std::string ShapeNames() {
   std::string out;
@@ -29,7 +29,7 @@ boost::json::object BurJson(const BurSpec& bur) {
   boost::json::object out{{"shape", cutting::BurShapeName(bur.shape)},
                           {"radius_um", bur.radius_um},
                           {"length_um", bur.length_um}};
-  for (const OptionalLength& o : kOptional) {
+  for (const OptionalLength& o : kOptionalLengths) {
     // Left out where 0, so that a bur of format 1 keeps its text and with it its document's
     // address.
     if (bur.*o.member != 0) out[o.name] = bur.*o.member;
@@ -46,7 +46,7 @@ BurSpec ReadBur(ObjectReader& in) {
   bur.radius_um = static_cast<int32_t>(in.Int("radius_um", 50, 5'000));
   bool sphere = bur.shape == cutting::BurShape::kSphere;
   bur.length_um = static_cast<int32_t>(in.Int("length_um", sphere ? 0 : 100, 20'000));
-  for (const OptionalLength& o : kOptional) {
+  for (const OptionalLength& o : kOptionalLengths) {
     // From 1: 0 is said by saying nothing, or one bur would have two texts.
     if (in.Has(o.name)) bur.*o.member = static_cast<int32_t>(in.Int(o.name, 1, 20'000));
   }

@@ -8,10 +8,10 @@
 namespace enamel::cutting {
 namespace {
 
-constexpr double kVoxel = 50e-6, kReach = 5e-3, kTolerance = kVoxel / 32;
+constexpr double kVoxel_m = 50e-6, kReach = 5e-3, kTolerance = kVoxel_m / 32;
 
 std::vector<Pose> CutOf(const std::vector<Pose>& path) {
-  Sweep sweep(kVoxel, kReach);
+  Sweep sweep(kVoxel_m, kReach);
   std::vector<Pose> cut;
   for (const Pose& p : path) {
     for (const Pose& due : sweep.Move(p)) cut.push_back(due);
@@ -39,14 +39,15 @@ void ExpectCovered(const std::vector<Pose>& path, double step_m) {
     ASSERT_LE(nearest, 1.5 * kTolerance);
   }
   for (size_t i = 0; i + 1 < cut.size(); ++i) {
-    EXPECT_LE(glm::length(cut[i + 1].tip_m - cut[i].tip_m), Sweep::SpanOf(kVoxel) + step_m + 1e-12);
+    EXPECT_LE(glm::length(cut[i + 1].tip_m - cut[i].tip_m),
+              Sweep::SpanOf(kVoxel_m) + step_m + 1e-12);
   }
 }
 
 TEST(SweepTest, StraightWayIsCutEveryHalfVoxel) {
   std::vector<Pose> path;
-  for (int i = 0; i <= 1000; ++i) path.push_back({dvec3(i * 0.1 * kVoxel, 0, 0), Quat{}});
-  ExpectCovered(path, 0.1 * kVoxel);
+  for (int i = 0; i <= 1000; ++i) path.push_back({dvec3(i * 0.1 * kVoxel_m, 0, 0), Quat{}});
+  ExpectCovered(path, 0.1 * kVoxel_m);
   EXPECT_LT(CutOf(path).size(), 260u);
 }
 
@@ -54,22 +55,22 @@ TEST(SweepTest, NothingOfATurningPathIsLeftOut) {
   for (double step : {0.01, 0.1, 0.3}) {
     std::vector<Pose> spiral, zigzag, tremor;
     for (int i = 0; i <= 3000; ++i) {
-      double t = i * step * 0.05, along = i * step * kVoxel;
+      double t = i * step * 0.05, along = i * step * kVoxel_m;
       spiral.push_back(
-          {dvec3(std::cos(t), std::sin(t), 0.02 * t) * (0.5 * kVoxel * (1 + 0.05 * t)), Quat{}});
-      double saw = std::fabs(std::remainder(i * step, 2.6)) * kVoxel;
+          {dvec3(std::cos(t), std::sin(t), 0.02 * t) * (0.5 * kVoxel_m * (1 + 0.05 * t)), Quat{}});
+      double saw = std::fabs(std::remainder(i * step, 2.6)) * kVoxel_m;
       zigzag.push_back({dvec3(saw, 0.1 * along, 0), Quat{}});
-      tremor.push_back({dvec3(along * 0.2, 0.2 * kVoxel * std::sin(i * 0.7), 0), Quat{}});
+      tremor.push_back({dvec3(along * 0.2, 0.2 * kVoxel_m * std::sin(i * 0.7), 0), Quat{}});
     }
-    ExpectCovered(spiral, 2 * kVoxel);
-    ExpectCovered(zigzag, 2 * kVoxel);
-    ExpectCovered(tremor, 2 * kVoxel);
+    ExpectCovered(spiral, 2 * kVoxel_m);
+    ExpectCovered(zigzag, 2 * kVoxel_m);
+    ExpectCovered(tremor, 2 * kVoxel_m);
   }
 }
 
 TEST(SweepTest, BurThatStaysIsCutAndThenNoMore) {
   std::vector<Pose> path(1, Pose{});
-  for (int i = 0; i < 500; ++i) path.push_back({dvec3(0.2 * kVoxel, 0, 0), Quat{}});
+  for (int i = 0; i < 500; ++i) path.push_back({dvec3(0.2 * kVoxel_m, 0, 0), Quat{}});
   std::vector<Pose> cut = CutOf(path);
   ASSERT_EQ(cut.size(), 2u);
   EXPECT_EQ(cut[1].tip_m, path.back().tip_m);
@@ -83,11 +84,11 @@ TEST(SweepTest, TurnOfTheBurCountsLikeAMove) {
 }
 
 TEST(SweepTest, NoMoveMakesMoreThanItsMostCutsDue) {
-  Sweep sweep(kVoxel, kReach);
+  Sweep sweep(kVoxel_m, kReach);
   for (int i = 0; i < 20000; ++i) {
     double wild = (i * 7919 % 1000) * 1e-3;
     auto due = sweep.Move(
-        {dvec3(0.4 * wild, 0.3 * std::sin(i * 0.9), 0.1 * std::cos(i * 2.3)) * kVoxel, Quat{}});
+        {dvec3(0.4 * wild, 0.3 * std::sin(i * 0.9), 0.1 * std::cos(i * 2.3)) * kVoxel_m, Quat{}});
     ASSERT_LE(due.size(), Sweep::kMaxDue);
   }
 }

@@ -491,7 +491,7 @@ TEST(GuardTest, WithTheOlderDelayClauseASwingOutAndBackReturnsMoreThanItStored) 
     for (auto [dx, share] : kSwing) {
       bench.Tick(
           dvec3(dx, 0, 0), [](const dvec3& x) { return x; },
-          [&](Bench& b, double work) { b.Move((b.p - b.rest) * share, work); });
+          [part = share](Bench& b, double work) { b.Move((b.p - b.rest) * part, work); });
     }
     return bench.balance / 0.5;  // in units of V_0
   };

@@ -13,12 +13,12 @@ namespace {
 constexpr double kCell_m = 9e-6, kTick_s = 1e-3, kKc = 10'000;
 
 // Middle of the cell that holds x.
-double Cell(double x) { return (std::floor(x / kCell_m) + 0.5) * kCell_m; }
+double MiddleOfCell(double x) { return (std::floor(x / kCell_m) + 0.5) * kCell_m; }
 
 // Feeds an axis with the positions of a way, and returns its speed at the end.
 template <typename Way>
 double SpeedAfter(TurningAxis& axis, double from_s, double to_s, const Way& way) {
-  for (double t = from_s; t < to_s; t += kTick_s) axis.Update(t, Cell(way(t)), kCell_m);
+  for (double t = from_s; t < to_s; t += kTick_s) axis.Update(t, MiddleOfCell(way(t)), kCell_m);
   return axis.speed() * axis.Fade(to_s, kCell_m);
 }
 
@@ -48,7 +48,7 @@ TEST(AxisEstimatorTest, CountsInPairsDoNotRaiseTheMeanOfEndsOverTwoCounts) {
 
 TEST(TurningAxisTest, ConstantSpeedIsExactFromTheThirdCountOn) {
   TurningAxis axis;
-  axis.Reset(Cell(0));
+  axis.Reset(MiddleOfCell(0));
   double speed = 0.43e-3;
   EXPECT_NEAR(SpeedAfter(axis, 0, 4 * kCell_m / speed, [&](double t) { return speed * t; }), speed,
               0.05 * speed);
@@ -58,7 +58,7 @@ TEST(TurningAxisTest, ConstantSpeedIsExactFromTheThirdCountOn) {
 
 TEST(TurningAxisTest, AReversalIsKnownAtTheFirstNewEdge) {
   TurningAxis axis;
-  axis.Reset(Cell(0));
+  axis.Reset(MiddleOfCell(0));
   auto way = [](double t) { return t < 1 ? 0.5e-3 * t : 0.5e-3 * (2 - t); };
   SpeedAfter(axis, 0, 1, way);
   // Half a cell back to the last edge, a cell to the next, and the tick's grain.
@@ -67,7 +67,7 @@ TEST(TurningAxisTest, AReversalIsKnownAtTheFirstNewEdge) {
 
 TEST(TurningAxisTest, AStopFadesWithinThreeCountsAndADitheringTipIsNoMotion) {
   TurningAxis axis;
-  axis.Reset(Cell(0));
+  axis.Reset(MiddleOfCell(0));
   auto way = [](double t) { return t < 1 ? 0.5e-3 * t : 0.5e-3; };
   SpeedAfter(axis, 0, 1, way);
   EXPECT_EQ(SpeedAfter(axis, 1, 1 + 3.2 * kCell_m / 0.5e-3, way), 0);
@@ -80,10 +80,10 @@ TEST(TurningAxisTest, AStopFadesWithinThreeCountsAndADitheringTipIsNoMotion) {
 
 TEST(TurningAxisTest, AMassOnASpringIsSeenToSwingAndAHandIsNot) {
   TurningAxis axis;
-  axis.Reset(Cell(0));
+  axis.Reset(MiddleOfCell(0));
   SpeedAfter(axis, 0, 1, [](double t) { return 5 * kCell_m * std::sin(2 * M_PI * 20 * t); });
   EXPECT_TRUE(axis.TakeSwing());
-  axis.Reset(Cell(0));
+  axis.Reset(MiddleOfCell(0));
   SpeedAfter(axis, 0, 4, [](double t) { return 50 * kCell_m * std::sin(2 * M_PI * 2 * t); });
   EXPECT_FALSE(axis.TakeSwing());
 }
@@ -155,7 +155,8 @@ CouplingParams Params() {
 }
 
 double Force(Coupling& coupling, Tissue& tissue, double x) {
-  return -coupling.Tick(dvec3(Cell(x), 0.5 * kCell_m, 0.5 * kCell_m), 1, tissue).force_sent_n.x;
+  return -coupling.Tick(dvec3(MiddleOfCell(x), 0.5 * kCell_m, 0.5 * kCell_m), 1, tissue)
+              .force_sent_n.x;
 }
 
 // A block that resists with any matrix, and air beside it, in steps of at most max_step. The damping
@@ -250,7 +251,7 @@ TEST(TankMaxwellTest, CountsOfThreeAxesInOneTickAreNoStepOfTheForce) {
     coupling.Reset(dvec3(0.5 * kCell_m));
     double most = 0, v = 0.3e-3;
     for (int k = 0; k < 5000; ++k) {
-      dvec3 force = coupling.Tick(dvec3(Cell(v * k * kTick_s)), 1, tissue).force_sent_n;
+      dvec3 force = coupling.Tick(dvec3(MiddleOfCell(v * k * kTick_s)), 1, tissue).force_sent_n;
       if (k > 3000) most = std::max(most, std::fabs(-force.x - 6500 * v));
     }
     return most;
@@ -273,7 +274,8 @@ TEST(TankMaxwellTest, AnAxisThatWasLeftDoesNotSilenceTheCut) {
         x.y += 1.1e-6;
       else
         x.x += 0.3e-6;
-      r = coupling.Tick(dvec3(Cell(x.x), Cell(x.y), 0.5 * kCell_m), 1, tissue).force_sent_n;
+      r = coupling.Tick(dvec3(MiddleOfCell(x.x), MiddleOfCell(x.y), 0.5 * kCell_m), 1, tissue)
+              .force_sent_n;
     }
     return -r.x;
   };
@@ -296,7 +298,7 @@ TEST(TankMaxwellTest, OnTheWayOutTheBurIsAtTheTipAndNothingIsAgainstTheMotion) {
     r = Force(coupling, tissue, x -= back);
     EXPECT_GE(r, -0.09) << k;
     EXPECT_LE(std::fabs(r - before), kKc * (back + std::sqrt(3.0) * kCell_m)) << k;
-    EXPECT_LT(std::fabs(tissue.bur.x - Cell(x)), 25e-6) << k;
+    EXPECT_LT(std::fabs(tissue.bur.x - MiddleOfCell(x)), 25e-6) << k;
     before = r;
   }
   EXPECT_NEAR(r, 0, 1e-9);
@@ -339,7 +341,8 @@ TEST(TankMaxwellTest, ABoundFromZeroRisesOnlyAsFarAsTheTankPays) {
   for (int k = 0; k < 3000; ++k) {
     x += 0.43e-6;
     double bound = k < 1500 ? 0.0 : 1.0;
-    CouplingOutput out = coupling.Tick(dvec3(Cell(x), 0.5 * kCell_m, 0.5 * kCell_m), bound, tissue);
+    CouplingOutput out =
+        coupling.Tick(dvec3(MiddleOfCell(x), 0.5 * kCell_m, 0.5 * kCell_m), bound, tissue);
     if (k < 1500) {
       EXPECT_EQ(Dot(out.force_sent_n, out.force_sent_n), 0);
     }

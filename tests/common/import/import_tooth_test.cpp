@@ -31,6 +31,7 @@
 #include "common/scene/json/json.h"
 #include "common/scene/plan.h"
 #include "shapes.h"
+#include "tests/common/import/report_lines.h"
 #include "tests/support/test_name.h"
 
 namespace enamel::import {
@@ -45,12 +46,6 @@ double Solid_mm3(const cutting::Volume& v) {
   double sum = 0;
   for (double t : cutting::SolidVolume_m3(v)) sum += t * 1e9;
   return sum;
-}
-
-std::string Lines(const ImportedScene& s) {
-  std::string out;
-  for (const std::string& line : s.report) out += line + "\n";
-  return out;
 }
 
 struct TempFolder {

@@ -9,6 +9,7 @@
 #include "common/cutting/volume.h"
 #include "common/import/import_tooth.h"
 #include "shapes.h"
+#include "tests/common/import/report_lines.h"
 
 namespace enamel::import {
 namespace {
@@ -16,20 +17,14 @@ namespace {
 using cutting::Tissue;
 using Surfaces = std::array<std::optional<mesh::Triangles>, kLayers>;
 
-constexpr double kPi = std::numbers::pi;
-
-double Ball(double r) { return 4.0 / 3 * kPi * r * r * r; }
+double Ball(double r) { return 4.0 / 3 * std::numbers::pi * r * r * r; }
 // Part of a ball around the origin above z.
-double BallAbove(double r, double z) { return kPi * (r - z) * (r - z) * (2 * r + z) / 3; }
+double BallAbove(double r, double z) {
+  return std::numbers::pi * (r - z) * (r - z) * (2 * r + z) / 3;
+}
 
 double Of(const ImportedScene& s, Tissue t) {
   return cutting::SolidVolume_m3(s.volume)[static_cast<size_t>(t)] * 1e9;
-}
-
-std::string Lines(const ImportedScene& s) {
-  std::string out;
-  for (const std::string& line : s.report) out += line + "\n";
-  return out;
 }
 
 // ./check --full: every case also at half the voxel, and both signs of each.
@@ -145,7 +140,7 @@ mesh::Triangles Cap(double outer, double inner, double rim, bool with_rim) {
 }
 
 TEST(LayersTest, EnamelCapWithAnInsideMeetsDentinWhetherItsRimIsClosedOrOpen) {
-  const double rim = kPi / 2;  // a hemisphere
+  const double rim = std::numbers::pi / 2;  // a hemisphere
   for (bool with_rim : {true, false}) {
     for (double apart : {-0.05, 0.05}) {
       if ((apart > 0) == with_rim && !Full()) continue;
@@ -163,10 +158,10 @@ TEST(LayersTest, EnamelCapWithAnInsideMeetsDentinWhetherItsRimIsClosedOrOpen) {
 }
 
 TEST(LayersTest, DentinOpenBelowAndEnamelOpenAtTheSameHeightLeaveNoEnamelUnderneath) {
-  const mesh::Triangles enamel = RevolvedMesh(Arc(5, 0, 0, kPi / 2, 60), 120);
+  const mesh::Triangles enamel = RevolvedMesh(Arc(5, 0, 0, std::numbers::pi / 2, 60), 120);
   for (double z : {-0.05, 0.05}) {
     if (z < 0 && !Full()) continue;
-    mesh::Triangles dentin = RevolvedMesh(Arc(4, 0, 0, kPi / 2, 50), 110);
+    mesh::Triangles dentin = RevolvedMesh(Arc(4, 0, 0, std::numbers::pi / 2, 50), 110);
     for (dvec3& v : dentin.vertices) v.z += z;
     auto s = ImportLayers({enamel, dentin, SphereMesh(1.2, 23, {0, 0, 1.6})}, "test", Coarse());
     ASSERT_TRUE(s.ok()) << s.status().message();
@@ -215,23 +210,23 @@ TEST(LayersTest, PulpThatCrossesTheEnamelStaysPulpAndIsSaid) {
 
 TEST(LayersTest, RootBelowTheEnamelIsDentinAndTheCrownsMiddleIsTheOrigin) {
   // A ball of dentin with a root of 3 x 9 mm; the enamel dome ends at the root.
-  auto profile = Arc(4, 0, 0, 3 * kPi / 4, 60);
+  auto profile = Arc(4, 0, 0, 3 * std::numbers::pi / 4, 60);
   profile.push_back({2.8284, -12});
   profile.push_back({0, -12});
-  auto s = ImportLayers({RevolvedMesh(Arc(5, 0, 0, kPi / 2, 60), 120), RevolvedMesh(profile, 100),
-                         SphereMesh(1.5, 23)},
+  auto s = ImportLayers({RevolvedMesh(Arc(5, 0, 0, std::numbers::pi / 2, 60), 120),
+                         RevolvedMesh(profile, 100), SphereMesh(1.5, 23)},
                         "test", Coarse());
   ASSERT_TRUE(s.ok()) << s.status().message();
-  const double root = kPi * 8 * (12 - 2.8284);
+  const double root = std::numbers::pi * 8 * (12 - 2.8284);
   EXPECT_NEAR(Of(*s, Tissue::kDentin) / (BallAbove(4, -2.8284) + root - Ball(1.5)), 1, 0.01);
   EXPECT_NEAR(s->scene.landmarks.at("occlusal_centre")[2], 2500, 20);  // dome 5 high, its half
 }
 
 TEST(LayersTest, EnamelsPlaceOnTheDentinTellsWhichWayIsUp) {
-  auto profile = Arc(4, 0, 0, 3 * kPi / 4, 40);
+  auto profile = Arc(4, 0, 0, 3 * std::numbers::pi / 4, 40);
   profile.push_back({2.8284, -12});
   profile.push_back({0, -12});
-  const mesh::Triangles tooth[2] = {RevolvedMesh(Arc(5, 0, 0, kPi / 2, 40), 80),
+  const mesh::Triangles tooth[2] = {RevolvedMesh(Arc(5, 0, 0, std::numbers::pi / 2, 40), 80),
                                     RevolvedMesh(profile, 80)};
   for (int axis = 0; axis < 3; ++axis) {
     for (double sign : {-1.0, 1.0}) {

@@ -12,8 +12,6 @@
 namespace enamel::import {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 double AreaOf(const mesh::Triangles& mesh) {
   auto b = mesh::BoundaryOf(mesh, mesh::TriangleTree(mesh));
   EXPECT_TRUE(b.ok());
@@ -42,7 +40,7 @@ TEST(SolidBoundaryTest, AScanThatCrossesItselfNearlyEverywhereIsRefused) {
 
 TEST(SolidBoundaryTest, AreaOfTwoSpheresThatOverlapIsThatOfTheirUnion) {
   // Radius 5, centres 6 apart: each loses a cap of height 2, area 2 pi r h.
-  const double ideal = 2 * (4 * kPi * 25 - 2 * kPi * 5 * 2);
+  const double ideal = 2 * (4 * std::numbers::pi * 25 - 2 * std::numbers::pi * 5 * 2);
   const mesh::Triangles mesh = Joined(SphereMesh(5, 60), SphereMesh(5, 47, {6, 0, 0}));
   EXPECT_NEAR(AreaOf(mesh) / ideal, 1, 2e-3);
 }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "common/scene/builder.h"
 #include "common/scoring/task.h"
@@ -11,9 +12,8 @@
 namespace enamel::scoring {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-double Slope(double degrees) { return std::tan(degrees * kPi / 180); }
-double Degrees(double slope) { return std::atan(slope) * 180 / kPi; }
+double Slope(double degrees) { return std::tan(degrees * std::numbers::pi / 180); }
+double Degrees(double slope) { return std::atan(slope) * 180 / std::numbers::pi; }
 
 constexpr double kTooth_mm = 4.5, kToothTop_mm = 7, kStumpTop_mm = 5.5, kFoot_mm = 3.6;
 
@@ -153,7 +153,8 @@ TEST_P(CrownTest, UndercutIsTheAreaThatLeansOut) {
   const CrownFigures f = Measure({.taper_deg = taper, .foot_mm = 3});
   ASSERT_TRUE(f.made);
   const double height = kStumpTop_mm - 1, radius = 3 - Slope(taper) * kStumpTop_mm / 2;
-  const double area_mm2 = 2 * kPi * radius * height / std::cos(taper * kPi / 180);
+  const double area_mm2 =
+      2 * std::numbers::pi * radius * height / std::cos(taper * std::numbers::pi / 180);
   EXPECT_NEAR(f.undercut_m2 * 1e6, area_mm2, 0.06 * area_mm2);
   EXPECT_LT(f.least_deg, -11);
   EXPECT_EQ(Measure({.taper_deg = 0}).undercut_m2, 0) << "upright is not undercut";
@@ -179,14 +180,15 @@ double MeshBevel_mm(const surface::Mesh& mesh, const std::vector<double>& areas_
   double area = 0, radius = 0;
   for (size_t i = 0; i < mesh.position_m.size(); ++i) {
     const dvec3 p(mesh.position_m[i]);
-    if (std::fabs(std::atan2(p.x, p.y)) > 25 * kPi / 180 || p.z < 2e-3) continue;
-    if (mesh.normal[i].z < std::cos(65 * kPi / 180) || mesh.normal[i].z > std::cos(kPi / 6)) {
+    if (std::fabs(std::atan2(p.x, p.y)) > 25 * std::numbers::pi / 180 || p.z < 2e-3) continue;
+    if (mesh.normal[i].z < std::cos(65 * std::numbers::pi / 180) ||
+        mesh.normal[i].z > std::cos(std::numbers::pi / 6)) {
       continue;
     }
     area += areas_m2[i];
     radius += areas_m2[i] * std::hypot(p.x, p.y);
   }
-  return 1e3 * area / (radius / area * 50 * kPi / 180);
+  return 1e3 * area / (radius / area * 50 * std::numbers::pi / 180);
 }
 
 TEST_P(CrownTest, BevelIsAsWideAsItWasCut) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "common/scene/builder.h"
 #include "common/scoring/metrics.h"
@@ -15,7 +16,6 @@
 namespace enamel::scoring {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kHalfX_mm = 1.5, kHalfY_mm = 1.2, kDepth_mm = 2;
 
 struct Box {
@@ -29,7 +29,7 @@ double Distance_mm(const Box& box, const dvec3& p) {
   const double block = std::max({std::fabs(p.x) - 3.5, std::fabs(p.y) - 3.0, p.z, -4.0 - p.z});
   if (!box.cut) return block;
   auto wall = [&](double out, double deg) {
-    const double slope = std::tan(deg * kPi / 180);
+    const double slope = std::tan(deg * std::numbers::pi / 180);
     return (out - slope * (p.z + kDepth_mm)) / std::sqrt(1 + slope * slope);
   };
   const double side = std::max({wall(p.x - kHalfX_mm, box.opens_deg + box.mesial_opens_deg),
@@ -37,7 +37,7 @@ double Distance_mm(const Box& box, const dvec3& p) {
                                 wall(std::fabs(p.y) - kHalfY_mm, box.opens_deg)});
   const double floor = -p.z - kDepth_mm, r = box.round_mm;
   // The round touches both planes, whose outward directions are so far from upright to each other.
-  const double c = std::sin(box.opens_deg * kPi / 180);
+  const double c = std::sin(box.opens_deg * std::numbers::pi / 180);
   const double a = side + r, b = floor + r;
   double hollow = std::max(side, floor);
   if (a > b * c && b > a * c) {
@@ -142,7 +142,7 @@ double MeshMargin_deg(const surface::Mesh& mesh) {
         corner) {
       continue;
     }
-    sum += 90 + std::asin(mesh.normal[i].z) * 180 / kPi;
+    sum += 90 + std::asin(mesh.normal[i].z) * 180 / std::numbers::pi;
     ++count;
   }
   return sum / count;

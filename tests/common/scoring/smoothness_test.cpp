@@ -10,8 +10,6 @@
 namespace enamel::scoring {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 // Speed of a reach of least jerk over `length` in n samples (Flash and Hogan 1985).
 std::vector<double> LeastJerk(size_t n, double length) {
   std::vector<double> out;
@@ -31,8 +29,8 @@ double SlowSpectralArcLength(const std::vector<double>& v, double rate_hz) {
   for (size_t k = 0; static_cast<double>(k) * rate_hz / static_cast<double>(padded) <= 10; ++k) {
     std::complex<double> sum = 0;
     for (size_t i = 0; i < v.size(); ++i) {
-      sum += v[i] *
-             std::polar(1.0, -2 * kPi * static_cast<double>(k * i) / static_cast<double>(padded));
+      sum += v[i] * std::polar(1.0, -2 * std::numbers::pi * static_cast<double>(k * i) /
+                                        static_cast<double>(padded));
     }
     amplitude.push_back(std::abs(sum));
   }
@@ -93,7 +91,7 @@ double TremorOfSine_m(uint32_t rate, double hz, double amplitude_m, double speed
   TremorMeter meter(rate);
   for (uint32_t i = 0; i < 10 * rate; ++i) {
     const double t = i / static_cast<double>(rate);
-    meter.Add(dvec3(1, 2, 2) / 3.0 * amplitude_m * std::sin(2 * kPi * hz * t + 0.7) +
+    meter.Add(dvec3(1, 2, 2) / 3.0 * amplitude_m * std::sin(2 * std::numbers::pi * hz * t + 0.7) +
                   dvec3(0.01 + speed_m_s * t, 0, 0),
               true);
   }

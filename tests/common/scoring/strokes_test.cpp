@@ -7,7 +7,7 @@
 namespace enamel::scoring {
 namespace {
 
-struct Hand {
+struct StrokeHand {
   StrokeRecorder recorder{SomeParams()};
 
   // `ticks` ticks that press with `force` and remove `removed` each.
@@ -26,7 +26,7 @@ struct Hand {
 
 TEST(StrokeRecorderTest, ALiftOfMoreThanATenthOfASecondEndsAStroke) {
   ASSERT_EQ(SomeParams().rate_hz, 1000u);
-  Hand hand;
+  StrokeHand hand;
   hand.Go(50, 0, 0);
   hand.Go(200, 100, 3);  // 50..249
   hand.Go(99, 0, 0);     // a hop
@@ -52,7 +52,7 @@ TEST(StrokeRecorderTest, ALiftOfMoreThanATenthOfASecondEndsAStroke) {
 }
 
 TEST(StrokeRecorderTest, AGapEndsAStrokeAndCountsAsTime) {
-  Hand hand;
+  StrokeHand hand;
   hand.Go(10, 100, 1);
   hand.Go(10, 100, 1, 500, core::kAnchorReset);
   hand.Go(5, 100, 1, 2);  // a late tick's gap, and the stroke goes on
@@ -68,7 +68,7 @@ TEST(StrokeRecorderTest, AGapEndsAStrokeAndCountsAsTime) {
 }
 
 TEST(StrokeRecorderTest, NothingTouchedIsNoStroke) {
-  Hand hand;
+  StrokeHand hand;
   EXPECT_TRUE(hand.recorder.Strokes().empty());
   hand.Go(1000, 0, 0);
   EXPECT_TRUE(hand.recorder.Strokes().empty());
