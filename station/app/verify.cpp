@@ -156,7 +156,7 @@ Status VerifyRecording(const VerifyOptions& options) {
                            {"attempt_id", recording.header.ticket.attempt.Text()},
                            {"verified", checks.first_failure().ok()},
                            {"checks", checks.json()}};
-  ENAMEL_RETURN_IF_ERROR(program::WriteJsonFile(options.json, std::move(json)));
+  ENAMEL_RETURN_IF_ERROR(program::WriteJsonFile(options.json, json));
   return checks.first_failure();
 }
 

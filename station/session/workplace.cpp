@@ -4,7 +4,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <ranges>
 #include <utility>
 
 #include "common/base/unix_time.h"
@@ -445,8 +444,9 @@ Result<std::vector<SpooledAttempt>> Workplace::UnfinishedOf(const Uuid& person) 
 Result<std::vector<SpooledAttempt>> Workplace::HandedInOf(const Uuid& person, size_t most) {
   auto all = spool_->List();
   if (!all.ok()) return all;
+  std::ranges::reverse(*all);
   std::vector<SpooledAttempt> out;
-  for (SpooledAttempt& a : *all | std::views::reverse) {
+  for (SpooledAttempt& a : *all) {
     if (out.size() == most) break;
     if (!a.seal || !a.refused.empty()) continue;
     ENAMEL_ASSIGN_OR_RETURN(auto header, HeaderOf(a.id));

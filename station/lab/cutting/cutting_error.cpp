@@ -143,7 +143,7 @@ std::vector<CuttingFigures> MeasureCutting(
       MeasureSurface(path, run, f);
       f.force_mean_n = MeanLength(run.force_n);
       forces.push_back(std::move(run.force_n));
-      out.push_back(std::move(f));
+      out.push_back(f);
     }
     for (size_t i = 0; i < forces.size(); ++i) {
       // The finest voxel is last: no closed form is known for the force of a turned slot.

@@ -201,8 +201,9 @@ void FaultMaker::AddFollowing(const dvec3& at, const Over& over, const Raised& r
           }));
   }
   for (const Size s : Sizes({0.2, 0.4}, 0.4)) {
+    const auto less = raised(s.m());
     AddMm("left", s, "most_left_mm",
-          [in = square(kPillar_m), wanted = Wanted(), less = raised(s.m())](const dvec3& p) {
+          [in = square(kPillar_m), wanted = Wanted(), less](const dvec3& p) {
             return std::max(wanted(p), std::min(less(p), -in(p)));
           });
   }

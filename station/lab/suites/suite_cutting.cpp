@@ -100,8 +100,8 @@ void RunCuttingSuite(SuiteContext& c) {
   };
   CuttingPlan plan = DefaultCuttingPlan(c.options.quick);
   // Marked after all are there: whether one is on the front depends on the others.
-  for (CuttingFigures& f : MeasureCutting(plan, progress)) {
-    c.findings.cutting.push_back({std::move(f), false});
+  for (const CuttingFigures& f : MeasureCutting(plan, progress)) {
+    c.findings.cutting.push_back({f, false});
   }
   MarkFront(c.findings.cutting);
   c.findings.tables.push_back(CuttingTable(c.findings));
