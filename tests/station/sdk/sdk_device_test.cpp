@@ -49,15 +49,17 @@ class SdkDeviceTest : public testing::Test {
   DeviceSample Until(const std::function<bool(const DeviceSample&)>& wanted) {
     return test::AwaitSample(*device_, wanted);
   }
-  // Sends `force` as the loop does, until the library has heard of it.
-  std::array<double, 3> Heard(FakeSdk& sdk, const dvec3& force) {
-    for (int i = 0; i < 10'000; ++i) {
+  using Force = std::array<double, 3>;
+  // Sends `force` as the loop does, until the library has heard `wanted`. What it heard last: where this thread has to
+  // wait for its turn, the device lets a force that is old fade, and the next is whole again.
+  Force Heard(FakeSdk& sdk, const dvec3& force, const Force& wanted) {
+    Force heard{};
+    for (int i = 0; i < 10'000 && heard != wanted; ++i) {
       device_->SendForce(force);
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      std::array<double, 3> heard = sdk.Get().force;
-      if (heard != std::array<double, 3>{}) return heard;
+      heard = sdk.Get().force;
     }
-    return {};
+    return heard;
   }
 
   std::unique_ptr<Device> device_;
@@ -113,7 +115,8 @@ TEST_F(SdkDeviceTest, ForceDimensionsAxesAreTurnedToTheSceneAndBack) {
   DeviceSample at = Until([](const DeviceSample& s) { return s.counts[2] == 300; });
   EXPECT_EQ(at.counts, (std::array<int32_t, 3>{200, -100, 300}));
   // Right 1 N, away 2, up 3 of the scene: toward the user -2, right 1, up 3.
-  EXPECT_EQ(Heard(sdk, dvec3(1, 2, 3)), (std::array<double, 3>{-2, 1, 3}));
+  const Force wanted{-2, 1, 3};
+  EXPECT_EQ(Heard(sdk, dvec3(1, 2, 3), wanted), wanted);
 }
 
 // A driven wrist: its frame and its torque are turned as places and forces are.
@@ -159,7 +162,8 @@ TEST_F(SdkDeviceTest, OpenHapticsMillimetresAndAxesAreTurnedToTheSceneAndBack) {
   DeviceSample at = Until([](const DeviceSample& s) { return s.counts[2] == 200; });
   EXPECT_EQ(at.counts, (std::array<int32_t, 3>{100, -300, 200}));
   EXPECT_EQ(at.buttons, kPedal);
-  EXPECT_EQ(Heard(sdk, dvec3(1, 2, 3)), (std::array<double, 3>{1, 3, -2}));
+  const Force wanted{1, 3, -2};
+  EXPECT_EQ(Heard(sdk, dvec3(1, 2, 3), wanted), wanted);
 }
 
 TEST_F(SdkDeviceTest, UnpluggedIsSeenAndTheMotorsAreSwitchedOffAtTheEnd) {
