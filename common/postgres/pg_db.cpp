@@ -29,6 +29,18 @@ std::string Quoted(const std::string& name) {
   return out + "\"";
 }
 
+const char* BeginningOf(Isolation isolation) {
+  switch (isolation) {
+    case Isolation::kRowLocks:
+      return "BEGIN ISOLATION LEVEL READ COMMITTED";
+    case Isolation::kSnapshot:
+      return "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY";
+    case Isolation::kSerial:
+      break;
+  }
+  return "BEGIN ISOLATION LEVEL SERIALIZABLE";
+}
+
 std::string FirstLine(const char* words) {
   const std::string all = words == nullptr ? "" : words;
   return all.substr(0, all.find('\n'));
@@ -87,6 +99,7 @@ PgDb::~PgDb() {
 
 Status PgDb::Connect() {
   ++connection_;
+  demoted_ = false;
   failure_ = {};
   if (handle_ == nullptr) {
     // What stands before dbname is a default, which the server's own words replace; what stands
@@ -141,9 +154,15 @@ Status PgDb::SetUp() {
 
 Status PgDb::BeThere() {
   failure_ = {};
-  if (pq_.status(handle_) == CONNECTION_OK) return Status::Ok();
+  const bool lost = pq_.status(handle_) != CONNECTION_OK;
+  if (!lost && !(demoted_ && !in_transaction_)) return Status::Ok();
   // Not in the middle of a transaction: its first half is gone.
   return in_transaction_ ? Fail(nullptr) : Connect();
+}
+
+bool PgDb::IsThereAgain() {
+  const bool lost = pq_.status(handle_) != CONNECTION_OK;
+  return options_.read_only && !in_transaction_ && lost && BeThere().ok();
 }
 
 Status PgDb::Fail(const PGresult* result) {
@@ -161,8 +180,9 @@ Status PgDb::Fail(const PGresult* result) {
   if (pq_.status(handle_) != CONNECTION_OK) failure.kind = Kind::kNotThere;
   failure_ = failure;
   damaged_ = damaged_ || failure.kind == Kind::kDamaged;
+  if (failure.kind == Kind::kReadOnly && !options_.read_only) demoted_ = true;
   must_repeat_ = must_repeat_ || failure.kind == Kind::kRepeat ||
-                 (in_transaction_ && failure.kind == Kind::kNotThere);
+                 (in_transaction_ && (failure.kind == Kind::kNotThere || demoted_));
   return Told(failure);
 }
 
@@ -187,9 +207,8 @@ Status PgDb::Exec(const char* sql) {
 Status PgDb::Begin(Isolation isolation) {
   in_transaction_ = false;
   must_repeat_ = false;
-  std::string sql = isolation == Isolation::kRowLocks ? "BEGIN ISOLATION LEVEL READ COMMITTED"
-                                                      : "BEGIN ISOLATION LEVEL SERIALIZABLE";
-  if (counts_) {
+  std::string sql = BeginningOf(isolation);
+  if (counts_ && isolation != Isolation::kSnapshot) {
     // With the first statement: a COMMIT that the server has received and not begun yet would not be waited
     // for by who looks whether it was kept, if only the COMMIT itself took the row.
     const std::string count = std::to_string(++commits_);
@@ -197,6 +216,10 @@ Status PgDb::Begin(Isolation isolation) {
            ") ON CONFLICT (writer) DO UPDATE SET count = " + count + ", at = now()";
   }
   Status begun = Exec(sql.c_str());
+  // Nothing is begun yet: on another connection, to another server perhaps. One that had ended since it was used last
+  // is found out only now.
+  const bool lost = pq_.status(handle_) != CONNECTION_OK;
+  if (!begun.ok() && (demoted_ || lost)) begun = Exec(sql.c_str());
   in_transaction_ = begun.ok();
   if (!begun.ok()) Rollback();
   return begun;
@@ -321,6 +344,26 @@ Status PgDb::Migrate(const std::vector<Migration>& migrations) {
 
 std::string PgDb::JsonMember(const std::string& column, const std::string& member) const {
   return "(" + column + "::json ->> '" + member + "')";
+}
+
+Result<std::optional<int64_t>> PgDb::ClockMs() {
+  // Not now(), which stands still in a transaction.
+  Query q(*this, "SELECT floor(extract(epoch FROM clock_timestamp()) * 1000)::bigint");
+  std::optional<int64_t> out;
+  if (q.Next()) out = q.Int(0);
+  if (!q.status().ok()) return q.status();
+  return out;
+}
+
+Result<Standby> PgDb::StandbyOf() {
+  // Who may not see the details sees that there is a row, without them.
+  Query q(*this,
+          "SELECT count(*), count(sync_state), count(*) FILTER (WHERE sync_state IN ('sync', "
+          "'quorum')) FROM pg_stat_replication");
+  if (!q.Next()) return q.status();
+  if (q.Int(2) > 0) return Standby::kSynchronous;
+  if (q.Int(1) < q.Int(0)) return Standby::kUnknown;
+  return q.Int(0) > 0 ? Standby::kBehind : Standby::kNone;
 }
 
 Status PgDb::Rewrite() {

@@ -66,7 +66,8 @@ struct PgDbOptions {
 // are SERIALIZABLE unless they begin with kRowLocks, then READ COMMITTED. A statement ends after
 // kStatementTimeout, waiting for a lock after kLockTimeout. A connection that was lost is made anew
 // by the next Begin, or by the next statement outside of a transaction; what was not committed is
-// gone then, and must_repeat() says so.
+// gone then, and must_repeat() says so. One that may write and finds its server read-only counts as lost: another
+// server has taken over, or will.
 //
 // A connection that is lost during COMMIT leaves the question whether it was kept. So each
 // transaction counts itself in a row of its connection's own (table enamel_commits, made by Migrate);
@@ -112,6 +113,9 @@ class PgDb final : public Db {
   // and a standby's, is older than that and not touched.
   Status Rewrite() override;
   Result<uint64_t> RewriteBytes() override { return uint64_t{0}; }
+  Result<std::optional<int64_t>> ClockMs() override;
+  // kUnknown where there is a standby and the user is no member of pg_monitor.
+  Result<Standby> StandbyOf() override;
 
   // Why the last statement failed; kOther without words when it did not.
   const PgFailure& failure() const { return failure_; }
@@ -124,6 +128,9 @@ class PgDb final : public Db {
   Status SetUp();
   // Connects anew where the connection is lost and no transaction is open.
   Status BeThere();
+  // Whether a statement that has failed is to be asked once more, on a connection made anew: this one had ended since
+  // it was used last, as after a failover, and nothing but that statement is lost with it.
+  bool IsThereAgain();
   // Whether the transaction that counted itself `number` was kept. Errors: kUnavailable (the server
   // does not answer within in_doubt).
   Result<bool> WasKept(uint64_t number);
@@ -138,6 +145,7 @@ class PgDb final : public Db {
   const PgDbOptions options_;
   pg_conn* handle_ = nullptr;
   bool opening_ = true;
+  bool demoted_ = false;  // may write, and its server is read-only
   bool in_transaction_ =
       false;                  // from Begin to Commit or Rollback, also when the connection is lost
   bool must_repeat_ = false;  // since Begin

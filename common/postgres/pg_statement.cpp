@@ -172,6 +172,7 @@ Status PgStatement::Execute() {
 Statement::Step PgStatement::Next() {
   if (result_ == nullptr) {
     failure_ = Execute();
+    if (!failure_.ok() && db_.IsThereAgain()) failure_ = Execute();
     if (!failure_.ok()) return Step::kFailed;
   }
   return ++row_ < db_.pq_.ntuples(result_) ? Step::kRow : Step::kEnd;

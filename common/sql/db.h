@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -65,6 +66,17 @@ enum class Isolation {
   // Each statement sees what is committed by then. For work that decides on rows it has locked first
   // (RowLock): those who work on other rows do not meet it, and nothing has to be repeated for it.
   kRowLocks,
+  // It only reads, and all its statements see the moment of the first.
+  kSnapshot,
+};
+
+// Whether what is committed is kept elsewhere too.
+enum class Standby {
+  kNotKept,      // the engine has none: a file
+  kNone,         // a server without a standby
+  kBehind,       // a standby follows, and may lack what was committed last
+  kSynchronous,  // a commit waits until a standby has it
+  kUnknown,      // not told to this user
 };
 
 // One connection. Thread safety: one thread at a time. Errors: as the driver words them, with the
@@ -80,7 +92,7 @@ class Db {
   // Rows changed by the last statement.
   virtual int64_t Changes() const = 0;
 
-  // A transaction that will write; where only one can write, nobody else does from its beginning.
+  // A transaction that will write, but for kSnapshot; where only one can write, nobody else does from its beginning.
   // Transaction (below) ends it in any case.
   virtual Status Begin(Isolation isolation) = 0;
   // Ok: it is kept. Any failure: nothing of it is, but for kUnavailable with the field "in_doubt",
@@ -127,6 +139,9 @@ class Db {
   virtual Status Rewrite() = 0;
   // How many bytes that takes on the disk of who asks; 0: it is another machine's.
   virtual Result<uint64_t> RewriteBytes() = 0;
+  // The clock of the machine that the engine runs on, milliseconds since 1970; none: it is who asks's.
+  virtual Result<std::optional<int64_t>> ClockMs() = 0;
+  virtual Result<Standby> StandbyOf() = 0;
   // How long from now on a statement waits for another process's write, where one keeps out all
   // others. `worth_it` is asked while it waits, on the connection's thread: as long as it says true,
   // the time does not count.

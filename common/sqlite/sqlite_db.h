@@ -80,7 +80,9 @@ class SqliteDb final : public Db {
   Statement* Take(const char* sql, Status& status) override;
   Status Exec(const char* sql) override;
   int64_t Changes() const override;
-  Status Begin(Isolation) override { return Exec("BEGIN IMMEDIATE"); }
+  Status Begin(Isolation isolation) override {
+    return Exec(isolation == Isolation::kSnapshot ? "BEGIN" : "BEGIN IMMEDIATE");
+  }
   Status Commit() override { return Exec("COMMIT"); }
   void Rollback() override;
   Result<int> SchemaVersion() override;
@@ -107,6 +109,8 @@ class SqliteDb final : public Db {
   // In the log, and in SQLite's temporary file, which may be on the same disk, with a fiftieth for
   // the log's frames.
   Result<uint64_t> RewriteBytes() override;
+  Result<std::optional<int64_t>> ClockMs() override { return std::optional<int64_t>(); }
+  Result<Standby> StandbyOf() override { return Standby::kNotKept; }
   // Empties the log into the database; waits for who reads what is in it, and for who empties it
   // already. Errors also: kUnavailable (they took longer).
   Status EmptyLog();

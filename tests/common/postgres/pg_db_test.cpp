@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/base/unix_time.h"
 #include "common/sql/query.h"
 #include "tests/support/postgres_proxy.h"
 
@@ -174,6 +175,38 @@ TEST_F(PgDbTest, FailuresAreToldByTheirKind) {
   EXPECT_EQ(db_->failure().words, "") << "the last statement did not fail";
 }
 
+// As on a primary that becomes a standby without the connection being lost.
+TEST_F(PgDbTest, AConnectionThatMayWriteAndFindsItsServerReadOnlyIsMadeAnew) {
+  ASSERT_TRUE(db_->Exec("CREATE TABLE t (n bigint)").ok());
+  const auto demote = [&] { return db_->Exec("SET default_transaction_read_only = on"); };
+  ASSERT_TRUE(demote().ok());
+  EXPECT_FALSE(db_->Exec("INSERT INTO t VALUES (1)").ok());
+  EXPECT_EQ(db_->failure().kind, Kind::kReadOnly);
+  EXPECT_TRUE(db_->Exec("INSERT INTO t VALUES (1)").ok()) << "on another connection";
+  ASSERT_TRUE(demote().ok());
+  {
+    Transaction refused(*db_);
+    ASSERT_TRUE(refused.begun().ok());
+    EXPECT_FALSE(db_->Exec("INSERT INTO t VALUES (2)").ok());
+    EXPECT_TRUE(db_->must_repeat());
+    EXPECT_FALSE(refused.Commit().ok());
+  }
+  Transaction again(*db_);
+  ASSERT_TRUE(again.begun().ok());
+  EXPECT_TRUE(db_->Exec("INSERT INTO t VALUES (2)").ok());
+  EXPECT_TRUE(again.Commit().ok());
+}
+
+TEST_F(PgDbTest, AServerIsAskedForItsClockAndItsStandby) {
+  const auto before = UnixMs();
+  const auto theirs = db_->ClockMs();
+  ASSERT_TRUE(theirs.ok() && *theirs);
+  // The server is on this machine.
+  EXPECT_GE(**theirs, before - 1);
+  EXPECT_LE(**theirs, UnixMs() + 1);
+  EXPECT_EQ(*db_->StandbyOf(), Standby::kNone);
+}
+
 TEST_F(PgDbTest, AServerThatIsNotThereIsToldAtOnce) {
   PgDbOptions options = Options();
   options.server = "host=/nowhere dbname=x";
@@ -227,6 +260,63 @@ TEST_F(PgDbTest, TransactionsThatMeetEndWithOneToRepeat) {
   EXPECT_NE(first.ok(), second.ok());
   EXPECT_NE(db_->must_repeat(), other->must_repeat());
   EXPECT_EQ((first.ok() ? second : first).code(), Code::kUnavailable);
+}
+
+TEST_F(PgDbTest, ASnapshotIsOfOneMomentAndOnlyReads) {
+  ASSERT_TRUE(db_->Exec("CREATE TABLE t (n bigint)").ok());
+  auto other = Open();
+  const auto count = [](PgDb& db) {
+    Query q(db, "SELECT count(*) FROM t");
+    EXPECT_TRUE(q.Next()) << q.status().message();
+    return q.Int(0);
+  };
+  {
+    Transaction moment(*db_, Isolation::kSnapshot);
+    EXPECT_EQ(count(*db_), 0);
+    ASSERT_TRUE(other->Exec("INSERT INTO t VALUES (1)").ok());
+    EXPECT_EQ(count(*db_), 0);
+    EXPECT_TRUE(moment.Commit().ok());
+  }
+  EXPECT_EQ(count(*db_), 1);
+  Transaction moment(*db_, Isolation::kSnapshot);
+  EXPECT_FALSE(db_->Exec("INSERT INTO t VALUES (2)").ok());
+}
+
+TEST_F(PgDbTest, ATransactionBeginsOnANewConnectionWhereTheOldOneHasEnded) {
+  ASSERT_TRUE(db_->Exec("CREATE TABLE t (n bigint)").ok());
+  for (int i = 0; i < 3; ++i) {
+    Cut(*db_);
+    Transaction next(*db_);
+    ASSERT_TRUE(next.begun().ok()) << next.begun().message();
+    ASSERT_TRUE(db_->Exec("INSERT INTO t VALUES (1)").ok());
+    ASSERT_TRUE(next.Commit().ok());
+  }
+  Query q(*db_, "SELECT count(*) FROM t");
+  ASSERT_TRUE(q.Next());
+  EXPECT_EQ(q.Int(0), 3);
+}
+
+TEST_F(PgDbTest, AReaderWhoseConnectionHasEndedAsksAgain) {
+  ASSERT_TRUE(db_->Exec("CREATE TABLE t (n bigint); INSERT INTO t VALUES (5)").ok());
+  auto reader = Open(/*read_only=*/true);
+  const auto read = [&](int64_t n) {
+    Query q(*reader, "SELECT n FROM t WHERE n = ?1");
+    const bool found = q.BindInt(n).Next();
+    EXPECT_TRUE(q.status().ok()) << q.status().message();
+    return found;
+  };
+  EXPECT_TRUE(read(5));
+  for (int i = 0; i < 3; ++i) {
+    Cut(*reader);
+    EXPECT_TRUE(read(5));
+    EXPECT_FALSE(read(6));
+  }
+  Transaction moment(*reader, Isolation::kSnapshot);
+  EXPECT_TRUE(read(5));
+  Cut(*reader);
+  Query q(*reader, "SELECT n FROM t WHERE n = ?1");
+  EXPECT_FALSE(q.BindInt(5).Next()) << "its moment is over";
+  EXPECT_EQ(q.status().code(), Code::kUnavailable);
 }
 
 TEST_F(PgDbTest, ALostConnectionEndsTheTransactionAndIsMadeAnewForTheNext) {

@@ -222,6 +222,24 @@ TEST_F(SqliteDbTest, ATransactionThatIsNotCommittedHasNeverBeen) {
   EXPECT_EQ(q.Int(0), 2);
 }
 
+TEST_F(SqliteDbTest, ASnapshotIsOfOneMomentAndKeepsNobodyFromWriting) {
+  auto db = Open(), other = Open();
+  ASSERT_TRUE(db->Exec("CREATE TABLE t (n INTEGER)").ok());
+  const auto count = [](SqliteDb& db) {
+    Query q(db, "SELECT count(*) FROM t");
+    EXPECT_TRUE(q.Next()) << q.status().message();
+    return q.Int(0);
+  };
+  {
+    Transaction moment(*db, Isolation::kSnapshot);
+    EXPECT_EQ(count(*db), 0);
+    ASSERT_TRUE(other->Exec("INSERT INTO t VALUES (1)").ok());
+    EXPECT_EQ(count(*db), 0);
+    EXPECT_TRUE(moment.Commit().ok());
+  }
+  EXPECT_EQ(count(*db), 1);
+}
+
 const std::vector<Migration> kTwo = {{1, "0001_a.sql", "CREATE TABLE a (n INTEGER)"},
                                      {2, "0002_b.sql", "CREATE TABLE b (n INTEGER)"}};
 
