@@ -9,6 +9,7 @@
 
 #include "common/base/bytes.h"
 #include "common/base/result.h"
+#include "common/base/unix_time.h"
 
 namespace enamel {
 
@@ -26,7 +27,7 @@ struct Uuid {
   // Fresh, from the operating system's random source. Ids one process makes within a millisecond keep
   // their order (a 12-bit counter, RFC 9562 section 6.2 method 1), so sorting by id tells what came
   // first. Thread safety: any thread.
-  static Uuid New(std::chrono::system_clock::time_point now = std::chrono::system_clock::now());
+  static Uuid New(std::chrono::system_clock::time_point now = WallClock());
 };
 
 }  // namespace enamel

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <stop_token>
+
+namespace enamel {
+
+// Sleeps so long, or until `stop` is asked for. Whether it was. Thread safety: any thread.
+inline bool SleepUntilStopped(const std::stop_token& stop, std::chrono::nanoseconds time) {
+  std::mutex mutex;
+  std::unique_lock lock(mutex);
+  // Nobody notifies it but the stop token.
+  std::condition_variable_any never;
+  never.wait_for(lock, stop, time, [] { return false; });
+  return stop.stop_requested();
+}
+
+}  // namespace enamel
