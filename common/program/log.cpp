@@ -1,6 +1,7 @@
 #include "common/program/log.h"
 
 #include <spdlog/formatter.h>
+#include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
@@ -13,6 +14,7 @@
 #include <memory>
 #include <string_view>
 
+#include "common/base/log_request.h"
 #include "common/base/utf8.h"
 
 namespace enamel::program {
@@ -39,6 +41,10 @@ class JsonLines final : public spdlog::formatter {
     boost::json::object line{{"time", UtcText(message.time)},
                              {"level", boost::json::string_view(level.data(), level.size())},
                              {"message", AsUtf8({message.payload.data(), message.payload.size()})}};
+    // A line is formatted by the thread that logs it.
+    if (const std::string_view request = LogRequest::Current(); !request.empty()) {
+      line["request"] = request;
+    }
     std::string text = boost::json::serialize(line) + "\n";
     out.append(text.data(), text.data() + text.size());
   }
@@ -46,6 +52,26 @@ class JsonLines final : public spdlog::formatter {
     return std::make_unique<JsonLines>();
   }
 };
+
+class RequestFlag final : public spdlog::custom_flag_formatter {
+ public:
+  void format(const spdlog::details::log_msg&, const std::tm&, spdlog::memory_buf_t& out) override {
+    const std::string_view request = LogRequest::Current();
+    if (request.empty()) return;
+    const std::string text = "[request " + std::string(request) + "] ";
+    out.append(text.data(), text.data() + text.size());
+  }
+  std::unique_ptr<custom_flag_formatter> clone() const override {
+    return std::make_unique<RequestFlag>();
+  }
+};
+
+// spdlog's own, with the request before the message.
+std::unique_ptr<spdlog::formatter> TextLines() {
+  auto lines = std::make_unique<spdlog::pattern_formatter>();
+  lines->add_flag<RequestFlag>('*').set_pattern("[%Y-%m-%d %H:%M:%S.%e] [%n] [%^%l%$] %*%v");
+  return lines;
+}
 
 std::string program_name = "enamel";  // set before other threads
 bool in_json = false;
@@ -86,7 +112,9 @@ Status SetUpLog(const LogOptions& options) {
     logger->set_formatter(std::make_unique<JsonLines>());
     spdlog::set_default_logger(logger);
   } else {
-    spdlog::set_default_logger(spdlog::stderr_color_mt(options.name));
+    auto logger = spdlog::stderr_color_mt(options.name);
+    logger->set_formatter(TextLines());
+    spdlog::set_default_logger(logger);
   }
   spdlog::set_level(level);
   program_name = options.name;

@@ -7,7 +7,10 @@
 #include <cstdlib>
 #include <regex>
 #include <sstream>
+#include <thread>
 #include <vector>
+
+#include "common/base/log_request.h"
 
 namespace enamel::program {
 namespace {
@@ -36,6 +39,37 @@ TEST_F(LogTest, EveryMessageIsOneJsonObjectOnOneLine) {
   EXPECT_EQ(objects[1].at("level").as_string(), "error");
   EXPECT_TRUE(std::regex_match(std::string(objects[0].at("time").as_string()),
                                std::regex(R"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z)")));
+}
+
+TEST_F(LogTest, ALineNamesTheRequestThatItsThreadIsDoing) {
+  for (const char* format : {"json", "text"}) {
+    ::testing::internal::CaptureStderr();
+    ASSERT_TRUE(SetUpLog({format, "info"}).ok());
+    spdlog::info("before");
+    {
+      const LogRequest outer("one");
+      {
+        const LogRequest inner("two");
+        spdlog::info("within");
+        std::jthread([] { spdlog::info("beside"); }).join();
+      }
+      spdlog::info("again");
+    }
+    spdlog::info("after");
+    const std::string said = ::testing::internal::GetCapturedStderr();
+    std::string ids;
+    const std::regex named(R"((?:"request":"|\[request )(\w+))");
+    for (std::sregex_iterator at(said.begin(), said.end(), named), end; at != end; ++at) {
+      ids += (*at)[1].str() + " ";
+    }
+    EXPECT_EQ(ids, "two one ") << said;
+  }
+  EXPECT_TRUE(LogRequest::IsId(LogRequest::NewId()));
+  EXPECT_NE(LogRequest::NewId(), LogRequest::NewId());
+  EXPECT_TRUE(LogRequest::IsId("6F-a_b.c"));
+  for (const char* bad : {"", "a b", "a\nb", "ä"}) EXPECT_FALSE(LogRequest::IsId(bad)) << bad;
+  EXPECT_TRUE(LogRequest::IsId(std::string(64, 'a')));
+  EXPECT_FALSE(LogRequest::IsId(std::string(65, 'a')));
 }
 
 TEST_F(LogTest, WhatAProgramSaysLastIsALineOfItsLogWhateverItsLevel) {

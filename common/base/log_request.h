@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace enamel {
+
+// Names what this thread is doing until this goes: every line that it logs meanwhile carries the name
+// (common/program/log.h), so that all that was logged of one request can be found. One inside another
+// counts in its place. Must not live across a co_await, which may go on in another thread.
+class LogRequest {
+ public:
+  // `id` outlives this.
+  explicit LogRequest(std::string_view id);
+  ~LogRequest();
+  LogRequest(const LogRequest&) = delete;
+  LogRequest& operator=(const LogRequest&) = delete;
+
+  // This thread's; empty: none.
+  static std::string_view Current();
+  // Twelve random digits and letters.
+  static std::string NewId();
+  // 1 to 64 of A-Z a-z 0-9 . _ -: what others may have named theirs.
+  static bool IsId(std::string_view text);
+
+ private:
+  const std::string_view before_;
+};
+
+}  // namespace enamel
