@@ -415,6 +415,19 @@ Result<ListPage> S3Client::List(const std::string& prefix, const std::string& ne
   return ReadListPage(AsText(answer.body));
 }
 
+Status S3Client::ListEach(const std::string& prefix,
+                          const std::function<void(ListedObject&)>& each) {
+  std::string next;
+  do {
+    ENAMEL_ASSIGN_OR_RETURN(ListPage page, List(prefix, next));
+    for (ListedObject& object : page.objects) each(object);
+    // It would be listed for ever.
+    if (page.next == next) break;
+    next = page.next;
+  } while (!next.empty());
+  return Status::Ok();
+}
+
 Result<Versioning> S3Client::GetBucketVersioning() {
   Call call{"GET"};
   call.query = {{"versioning", ""}};

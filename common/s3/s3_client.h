@@ -86,6 +86,8 @@ class S3Client {
   // Keys that begin with the prefix, in order, at most a thousand; `next` of the page before, empty
   // for the first.
   Result<ListPage> List(const std::string& prefix, const std::string& next = {});
+  // All of them, a page at a time; a store that gives the same page again is asked no further.
+  Status ListEach(const std::string& prefix, const std::function<void(ListedObject&)>& each);
   // The bucket keeps what is overwritten and deleted. Never: neither does nor did.
   Result<Versioning> GetBucketVersioning();
   // The bucket may refuse to delete. A store that knows no locks: false.

@@ -170,6 +170,15 @@ class S3StandIn::Connection {
   std::string buffer_;
 };
 
+s3::S3Options S3StandIn::options() const {
+  s3::S3Options out;
+  out.endpoint = endpoint();
+  out.region = kRegion;
+  out.bucket = kBucket;
+  out.credentials = credentials_;
+  return out;
+}
+
 S3StandIn::S3StandIn() : now_([] { return system_clock::now(); }) { Start(); }
 
 S3StandIn::~S3StandIn() { Stop(); }

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "common/base/bytes.h"
-#include "common/s3/sigv4.h"
+#include "common/s3/s3_client.h"
 
 namespace enamel::test {
 
@@ -30,6 +30,8 @@ class S3StandIn {
   static constexpr char kRegion[] = "eu-test-1";
   const s3::Credentials& credentials() const { return credentials_; }
   std::string endpoint() const { return "http://127.0.0.1:" + std::to_string(port_); }
+  // Of a client of its bucket.
+  s3::S3Options options() const;
 
   enum class Fault {
     kNone,

@@ -16,11 +16,7 @@ using std::chrono::milliseconds;
 class S3ClientTest : public ::testing::Test {
  protected:
   S3Options Options() {
-    S3Options out;
-    out.endpoint = store_.endpoint();
-    out.region = test::S3StandIn::kRegion;
-    out.bucket = test::S3StandIn::kBucket;
-    out.credentials = store_.credentials();
+    S3Options out = store_.options();
     out.time.steady = [this] { return now_; };
     out.time.pause = [this](milliseconds time) {
       pauses_.push_back(time);
@@ -293,10 +289,7 @@ TEST_F(S3ClientTest, MissingBucketIsNoMissingObject) {
 TEST(S3ClientRefusalTest, WhatIsSignedWronglyIsToldWithWhatToDo) {
   test::S3StandIn store;
   auto refusal = [&](s3::Credentials who, std::chrono::hours off) {
-    S3Options options;
-    options.endpoint = store.endpoint();
-    options.region = test::S3StandIn::kRegion;
-    options.bucket = test::S3StandIn::kBucket;
+    S3Options options = store.options();
     options.credentials = std::move(who);
     options.time.now = [off] { return std::chrono::system_clock::now() + off; };
     return (*S3Client::Make(options))->Put("a", kBody);
