@@ -35,7 +35,8 @@ void AddOptions(CLI::App& app, Arguments& a) {
   server->needs(data);
   app.add_option("--page", a.page, "Page of that server, host:port, for readers and viewers")
       ->needs(server);
-  app.add_option("--server-pid", o.server_pid, "Its process, to account for its CPU time")
+  app.add_option("--server-pid", o.server_pids,
+                 "Its process (repeatable), with those that it starts, to account for CPU time")
       ->needs(server);
   app.add_option("--server-program", o.server_program,
                  "enamel-server to start; else the one beside this program");

@@ -53,7 +53,7 @@ double LoadAverage() {
   return average[0];
 }
 
-double OwnCpuS() { return UseOf(::getpid()).cpu_s; }
+double OwnCpuS() { return UseOf({::getpid()}).cpu_s; }
 
 // A folder that goes away with its owner.
 class TemporaryFolder {
@@ -78,7 +78,7 @@ class TemporaryFolder {
 class ServerCpu {
  public:
   void Add(double cpu_s) { ended_s_ += cpu_s; }
-  double Now(pid_t pid) const { return ended_s_ + UseOf(pid).cpu_s; }
+  double Now(const std::vector<pid_t>& pids) const { return ended_s_ + UseOf(pids).cpu_s; }
 
  private:
   double ended_s_ = 0;
@@ -108,7 +108,7 @@ class Run {
   }
 
  private:
-  pid_t Pid() const { return server_ ? server_->pid() : o_.server_pid; }
+  std::vector<pid_t> Pids() const { return server_ ? std::vector{server_->pid()} : o_.server_pids; }
   size_t PerEngine(size_t n) const { return std::max<size_t>(1, n / engines_.size()); }
 
   Status StartServer() {
@@ -243,7 +243,7 @@ class Run {
     phase.until_s = start_s_ + o_.seconds + kDrain_s;
     phase.cuts_per_s = o_.cuts / o_.seconds / static_cast<double>(engines_.size());
     std::atomic<size_t> running{engines_.size()};
-    double own_cpu_s = OwnCpuS(), server_cpu_s = server_cpu_.Now(Pid());
+    double own_cpu_s = OwnCpuS(), server_cpu_s = server_cpu_.Now(Pids());
     report_.load_average.push_back(LoadAverage());
     std::vector<std::jthread> threads;
     for (auto& engine : engines_) {
@@ -258,7 +258,7 @@ class Run {
     WatchOver(running);
     threads.clear();
     report_.wall_s = NowS() - start_s_;
-    report_.server_cpu_s = server_cpu_.Now(Pid()) - server_cpu_s;
+    report_.server_cpu_s = server_cpu_.Now(Pids()) - server_cpu_s;
     report_.loadgen_cpu_s = OwnCpuS() - own_cpu_s;
     report_.load_average.push_back(LoadAverage());
     if (o_.marking) ENAMEL_RETURN_IF_ERROR(FinishMarking());
@@ -307,13 +307,13 @@ class Run {
       if (now - said_s < kSay_s) continue;
       said_s = now;
       say_(Text("  %3.0f s  %.1f M ticks committed, server %.1f CPU s", now - start_s_,
-                static_cast<double>(TicksCommitted()) * 1e-6, server_cpu_.Now(Pid())));
+                static_cast<double>(TicksCommitted()) * 1e-6, server_cpu_.Now(Pids())));
     }
     CloseViewers();
   }
 
   void KillAndRestart() {
-    server_cpu_.Add(UseOf(server_->pid()).cpu_s);
+    server_cpu_.Add(UseOf({server_->pid()}).cpu_s);
     double from = NowS();
     server_->Kill();
     restart_status_ = server_->Start();
@@ -342,13 +342,13 @@ class Run {
     stretch_end_s_ = std::max(NowS(), start_s_) + length_s;
     if (stretch_ % 2 == 1) OpenViewers();
     std::this_thread::sleep_for(std::chrono::seconds(1));
-    stretch_cpu_s_ = server_cpu_.Now(Pid());
+    stretch_cpu_s_ = server_cpu_.Now(Pids());
     stretch_ticks_ = TicksCommitted();
   }
 
   void EndStretch() {
     double mticks = static_cast<double>(TicksCommitted() - stretch_ticks_) * 1e-6;
-    double cpu_s = server_cpu_.Now(Pid()) - stretch_cpu_s_;
+    double cpu_s = server_cpu_.Now(Pids()) - stretch_cpu_s_;
     auto& figures = stretch_ % 2 ? report_.cpu_with_viewers : report_.cpu_without_viewers;
     if (mticks > 0 && static_cast<int>(figures.size()) < o_.alternate) {
       figures.push_back(cpu_s / mticks);
@@ -360,13 +360,13 @@ class Run {
   void StayIdle() {
     say_(Text("%zu stations stay connected for %.0f s", o_.idle, o_.seconds));
     start_s_ = NowS();
-    double server_cpu_s = server_cpu_.Now(Pid());
+    double server_cpu_s = server_cpu_.Now(Pids());
     Engine::Phase phase{Goal::kOpen, PerEngine(kOpenAtOnce), start_s_ + o_.seconds, true};
     std::vector<std::jthread> threads;
     for (auto& engine : engines_) threads.emplace_back([&, e = engine.get()] { e->Run(phase); });
     threads.clear();
     report_.wall_s = NowS() - start_s_;
-    report_.server_cpu_s = server_cpu_.Now(Pid()) - server_cpu_s;
+    report_.server_cpu_s = server_cpu_.Now(Pids()) - server_cpu_s;
   }
 
   void Account() {
@@ -381,7 +381,7 @@ class Run {
       }
     }
     report_.stations = o_.stations;
-    ProcessUse use = UseOf(Pid());
+    ProcessUse use = UseOf(Pids());
     report_.server_rss_mb = use.rss_mb;
     report_.server_peak_rss_mb = use.peak_rss_mb;
   }

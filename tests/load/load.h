@@ -25,7 +25,7 @@ struct LoadOptions {
   // data.
   std::filesystem::path server_program, data;
   std::optional<net::Endpoint> server, page;
-  pid_t server_pid = 0;
+  std::vector<pid_t> server_pids{};
   // Disturbances.
   int kills = 0, cuts = 0;
   size_t hostile = 0;

@@ -9,6 +9,7 @@
 #include "station/lab/cutting/attempt.h"
 #include "tests/load/engine.h"
 #include "tests/load/figures.h"
+#include "tests/load/school.h"
 #include "tests/load/stations/chunk_layout.h"
 #include "tests/support/wire_seal.h"
 
@@ -17,14 +18,11 @@ namespace {
 
 using namespace server;
 
-constexpr UnixMs kNever = UnixMs{1} << 60;
 constexpr auto kAnswerWithin = std::chrono::seconds(60);
 constexpr auto kLook = std::chrono::milliseconds(200);
 constexpr double kReferenceWithin_s = 1800;
 // Too deep by so much more in each recording that is cut anew.
 constexpr double kFloorStep_m = 50e-6;
-
-const Actor kLoadgen{{}, "enamel-loadgen"};
 
 // Who cuts, where, on what.
 struct Bench {
@@ -45,7 +43,7 @@ Result<Bench> SetUp(Store& store, const trace::KeyPair& ticket_key, int32_t voxe
   ENAMEL_ASSIGN_OR_RETURN(auto id, store.CreatePerson(person, "no password", {}, kLoadgen));
   out.person = id;
   const Sha256 code = HashSha256(AsBytes("code " + tag));
-  ENAMEL_RETURN_IF_ERROR(store.AddEnrolCode(code, kNever, kLoadgen).status());
+  ENAMEL_RETURN_IF_ERROR(store.AddEnrolCode(code, kFarOff, kLoadgen).status());
   StationRow row;
   row.name = "load marked " + tag;
   row.public_key.assign(out.station_key.public_key.begin(), out.station_key.public_key.end());
@@ -81,7 +79,7 @@ Result<trace::Seal> Put(const Bench& bench, const station::lab::Attempt& recorde
   header.ticket.station = row.station;
   header.ticket.exercise = row.exercise_content;
   header.ticket.profile = row.profile_content;
-  header.ticket.expires_unix_ms = kNever;
+  header.ticket.expires_unix_ms = kFarOff;
   trace::SignTicket(header.ticket, bench.ticket_key.secret_key);
   ENAMEL_RETURN_IF_ERROR(
       bench.store.CreateAttempt(row, trace::EncodeTicket(header.ticket), kLoadgen));
@@ -174,8 +172,9 @@ Status Marking::Prepare(const std::filesystem::path& data, const Options& option
     how.ticks = static_cast<uint64_t>(options.minutes * 60'000);
     how.floor_extra_m = kFloorStep_m * static_cast<double>(i);
     auto made = station::lab::RecordAttempt(how);
+    const Status status = made.status();
     if (made.ok()) recorded[i] = *std::move(made);
-    return made.status();
+    return status;
   }));
   figures_.cutting_share = recorded[0].cutting_share;
   say("scoring the reference");

@@ -21,9 +21,6 @@ constexpr int32_t kBlockVoxel_nm = 500'000;
 constexpr auth::PasswordCost kCheapPassword{1, 8192};
 // Writers at once: they share the store's commits.
 constexpr size_t kWriters = 32;
-constexpr UnixMs kNever = UnixMs{1} << 60;
-
-const Actor kLoadgen{{}, "enamel-loadgen"};
 
 Status AddPerson(Store& store, const std::string& login, Role role, const std::string& password,
                  const Uuid& cohort) {
@@ -76,7 +73,7 @@ Status AddCodes(Store& store, School& school, size_t count) {
       writers.emplace_back([&] {
         for (size_t i; outcome.ok() && (i = next++) < count;) {
           outcome =
-              store.AddEnrolCode(HashSha256(AsBytes(school.codes[i])), kNever, kLoadgen).status();
+              store.AddEnrolCode(HashSha256(AsBytes(school.codes[i])), kFarOff, kLoadgen).status();
         }
       });
     }

@@ -6,9 +6,14 @@
 
 #include "common/base/result.h"
 #include "common/core/core.h"
+#include "server/storage/actor.h"
 #include "server/training/types.h"
 
 namespace enamel::load {
+
+// By whom it is written, and when what ends at a time ends.
+inline const server::Actor kLoadgen{{}, "enamel-loadgen"};
+inline constexpr server::UnixMs kFarOff = server::UnixMs{1} << 60;
 
 // What stations need to find on a server: written into its data folder, beside the server or before
 // it is started. The person's password verifier is a cheap one, so that a thousand sign-ins measure

@@ -9,7 +9,10 @@
 
 #include <chrono>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
+#include <map>
+#include <set>
 #include <sstream>
 #include <thread>
 
@@ -127,25 +130,68 @@ void ServerProcess::Stop() {
   Kill();
 }
 
-ProcessUse UseOf(pid_t pid) {
-  ProcessUse out;
-  std::string folder = "/proc/" + std::to_string(pid);
-  std::ifstream stat(folder + "/stat");
+namespace {
+
+struct StatFields {
+  pid_t parent = 0;
+  double cpu_s = 0;  // its own, and that of its children who have ended
+};
+
+StatFields StatOf(pid_t pid) {
+  std::ifstream stat("/proc/" + std::to_string(pid) + "/stat");
   std::string text;
   std::getline(stat, text);
-  // Fields 14 and 15, counted behind the name in brackets, which may hold spaces (proc(5)).
+  // Fields 4 and 14 to 17, counted behind the name in brackets, which may hold spaces (proc(5)).
   std::istringstream fields(
       text.substr(text.rfind(')') == std::string::npos ? 0 : text.rfind(')') + 1));
+  StatFields out;
   std::string skipped;
-  for (int i = 3; i < 14; ++i) fields >> skipped;
-  double user = 0, system = 0;
-  fields >> user >> system;
-  out.cpu_s = (user + system) / static_cast<double>(::sysconf(_SC_CLK_TCK));
-  std::ifstream status(folder + "/status");
-  for (std::string name; status >> name;) {
-    double kb = 0;
-    if (name == "VmRSS:" && status >> kb) out.rss_mb = kb / 1024;
-    if (name == "VmHWM:" && status >> kb) out.peak_rss_mb = kb / 1024;
+  fields >> skipped >> out.parent;
+  for (int i = 5; i < 14; ++i) fields >> skipped;
+  double ticks = 0;
+  for (int i = 14; i < 18; ++i) {
+    double field = 0;
+    fields >> field;
+    ticks += field;
+  }
+  out.cpu_s = ticks / static_cast<double>(::sysconf(_SC_CLK_TCK));
+  return out;
+}
+
+// These and all that came of them.
+std::set<pid_t> WithChildren(const std::vector<pid_t>& pids) {
+  std::map<pid_t, std::vector<pid_t>> children;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc", error)) {
+    const std::string name = entry.path().filename().string();
+    if (name.find_first_not_of("0123456789") != std::string::npos) continue;
+    const auto pid = static_cast<pid_t>(std::stol(name));
+    children[StatOf(pid).parent].push_back(pid);
+  }
+  std::set<pid_t> out;
+  std::vector<pid_t> next = pids;
+  while (!next.empty()) {
+    const pid_t pid = next.back();
+    next.pop_back();
+    if (!out.insert(pid).second) continue;
+    const auto& mine = children[pid];
+    next.insert(next.end(), mine.begin(), mine.end());
+  }
+  return out;
+}
+
+}  // namespace
+
+ProcessUse UseOf(const std::vector<pid_t>& pids) {
+  ProcessUse out;
+  for (const pid_t pid : WithChildren(pids)) {
+    out.cpu_s += StatOf(pid).cpu_s;
+    std::ifstream status("/proc/" + std::to_string(pid) + "/status");
+    for (std::string name; status >> name;) {
+      double kb = 0;
+      if (name == "VmRSS:" && status >> kb) out.rss_mb += kb / 1024;
+      if (name == "VmHWM:" && status >> kb) out.peak_rss_mb += kb / 1024;
+    }
   }
   return out;
 }

@@ -46,11 +46,12 @@ class ServerProcess {
   Sha256 fingerprint_;
 };
 
-// What /proc says of a process; zeros when it is gone. The peak is since it was started.
+// What /proc says of processes and of those they have started, also of those that have ended; zeros of what is gone.
+// Peaks are since they were started.
 struct ProcessUse {
   double cpu_s = 0;  // user and system, all threads
   double rss_mb = 0, peak_rss_mb = 0;
 };
-ProcessUse UseOf(pid_t pid);
+ProcessUse UseOf(const std::vector<pid_t>& pids);
 
 }  // namespace enamel::load
