@@ -31,7 +31,7 @@ void Show(const std::vector<scene::ProfileCriterion>& criteria) {
   }
 }
 
-std::string Figure(const std::optional<scene::Measured>& measured) {
+std::string MeasuredText(const std::optional<scene::Measured>& measured) {
   if (!measured) return "-";
   return fmt::format("{} ± {}", measured->value, measured->uncertainty);
 }
@@ -205,10 +205,10 @@ Status ListCalibrations(const std::filesystem::path& data, const std::string& pr
     ENAMEL_ASSIGN_OR_RETURN(auto calibration, scene::CalibrationFromJson(row.document));
     Say("{} UTC  {}  resolution {} nm, noise {} nm, friction {} mN, damping {} mN s/m, mass {} g, "
         "delay {} ticks\n",
-        UtcText(row.measured_ms), row.device, Figure(calibration.resolution_nm),
-        Figure(calibration.noise_nm), Figure(calibration.friction_mn),
-        Figure(calibration.damping_mn_s_per_m), Figure(calibration.mass_g),
-        Figure(calibration.bus_delay_ticks));
+        UtcText(row.measured_ms), row.device, MeasuredText(calibration.resolution_nm),
+        MeasuredText(calibration.noise_nm), MeasuredText(calibration.friction_mn),
+        MeasuredText(calibration.damping_mn_s_per_m), MeasuredText(calibration.mass_g),
+        MeasuredText(calibration.bus_delay_ticks));
   }
   if (rows.empty()) Say("no device of profile \"{}\" was measured yet\n", profile);
   return Status::Ok();

@@ -2,14 +2,11 @@
 
 #include <spdlog/spdlog.h>
 
-#include <condition_variable>
-#include <mutex>
-
 #include "common/base/counted.h"
+#include "common/base/stoppable_sleep.h"
 #include "common/base/unix_time.h"
 
 namespace enamel::server::app {
-namespace {}  // namespace
 
 Caretaker::Caretaker(UpkeepStore& store, Intervals intervals)
     : store_(store),
@@ -17,21 +14,21 @@ Caretaker::Caretaker(UpkeepStore& store, Intervals intervals)
       thread_([this](const std::stop_token& stop) { Run(stop); }) {}
 
 void Caretaker::Run(const std::stop_token& stop) {
-  std::mutex mutex;
-  std::unique_lock lock(mutex);
-  // Nobody notifies it. It is a sleep that the stop token ends at once.
-  std::condition_variable_any never;
-  // What fails is in the log and tried again with the rules.
-  (void)store_.FinishErasures();
-  auto retention = std::chrono::steady_clock::now() + intervals_.first_retention;
-  while (!stop.stop_requested()) {
+  auto erasures = std::chrono::steady_clock::now();
+  auto retention = erasures + intervals_.first_retention;
+  do {
     LookAtHealth();
-    if (std::chrono::steady_clock::now() >= retention) {
-      ApplyRetention();
-      retention = std::chrono::steady_clock::now() + intervals_.retention;
+    const auto now = std::chrono::steady_clock::now();
+    if (now >= erasures) {
+      // What fails is in the log. A lease may be that of a server that died, or of this one before it did.
+      const bool held = store_.FinishErasures().field() == kLeaseHeld;
+      erasures = now + (held ? intervals_.held : intervals_.retention);
     }
-    never.wait_for(lock, stop, intervals_.health, [] { return false; });
-  }
+    if (now >= retention) {
+      ApplyRetention();
+      retention = now + intervals_.retention;
+    }
+  } while (!SleepUntilStopped(stop, intervals_.health));
 }
 
 void Caretaker::LookAtHealth() {
@@ -49,6 +46,8 @@ void Caretaker::LookAtHealth() {
 
 void Caretaker::ApplyRetention() {
   auto report = store_.ApplyRetention(enamel::UnixMs(), false, Actor{{}, "retention"});
+  // It keeps to the same rules.
+  if (report.status().field() == kLeaseHeld) return;
   if (!report.ok()) {
     spdlog::warn("retention rules were not applied, next try in an hour: {}",
                  report.status().message());

@@ -16,7 +16,8 @@ class Caretaker {
   struct Intervals {
     std::chrono::milliseconds health{1000};
     std::chrono::milliseconds first_retention{10 * 60 * 1000};  // after the start
-    std::chrono::milliseconds retention{60 * 60 * 1000};
+    std::chrono::milliseconds retention{60 * 60 * 1000};        // and erasures that were left
+    std::chrono::milliseconds held{35 * 1000};  // erasures, while another server is at it
   };
   explicit Caretaker(UpkeepStore& store) : Caretaker(store, Intervals()) {}
   Caretaker(UpkeepStore& store, Intervals intervals);

@@ -3,13 +3,13 @@
 #include "common/base/file.h"
 #include "common/net/certificate.h"
 #include "server/app/command_line.h"
+#include "server/app/places.h"
 #include "server/app/say.h"
+#include "server/app/school_folder.h"
 #include "server/storage/engine/data_folder.h"
 #include "server/storage/engine/database_file.h"
 #include "server/storage/engine/folder_lock.h"
 #include "server/storage/engine/ticket_key.h"
-#include "server/storage/key_bucket.h"
-#include "server/storage/master_key.h"
 #include "server/storage/sqlite_store.h"
 
 namespace enamel::server::app {
@@ -19,86 +19,25 @@ constexpr size_t kMaxIdentityBytes = 1 << 20;
 
 struct InitCommand {
   std::filesystem::path data;
-  std::string database;  // of PostgreSQL; empty: SQLite in the folder
-  std::string schema = "enamel";
-  PlaceInS3 blobs;                 // without an endpoint: in the folder
-  KeysInS3 keys;                   // without a bucket: in the folder
+  Places places;
   std::filesystem::path identity;  // of another server; empty: its own
 };
 
-// Absolute: the folder's files name it from the folder, the command line from where one stands.
-std::string Absolute(const std::string& path) {
-  return path.empty() ? path : std::filesystem::absolute(path).lexically_normal().string();
-}
-
-// Whether the stores can be used as the file says.
-Status TryStores(const std::filesystem::path& folder, const DatabaseFile& file) {
-  if (file.blobs) {
-    ENAMEL_ASSIGN_OR_RETURN(const auto place, ReadS3Place(folder, *file.blobs));
-    ENAMEL_RETURN_IF_ERROR(TryS3Place(place));
-  }
-  if (!file.keys) return Status::Ok();
-  ENAMEL_ASSIGN_OR_RETURN(const auto keys, ReadKeyBucket(folder, *file.keys));
-  ENAMEL_RETURN_IF_ERROR(TryS3Place(keys.place));
-  ENAMEL_ASSIGN_OR_RETURN(const auto client, s3::S3Client::Make(keys.place.store));
-  return MustForgetWhatIsDeleted(*client);
-}
-
-// What a folder is opened with that has no database.json yet. The master key is made for a school's first
-// server alone: another's mistyped path is not to become a key.
-Result<PostgresOptions> FirstOptions(const std::filesystem::path& folder,
-                                     const DatabaseFile& file) {
-  PostgresOptions out{file.server, file.schema, {folder}};
-  if (!file.keys) return out;
-  ENAMEL_ASSIGN_OR_RETURN(out.folder.s3_keys, ReadKeyBucket(folder, *file.keys));
-  const std::filesystem::path& master = out.folder.s3_keys->master_key;
-  ENAMEL_ASSIGN_OR_RETURN(const bool others, HasServers(out));
-  ENAMEL_RETURN_IF_ERROR(
-      (others ? ReadMasterKey(master) : EnsureMasterKey(master, SystemDisk())).status());
-  return out;
-}
-
-// Where --database, --s3-… and --key-… say that things are.
-DatabaseFile FileOf(const InitCommand& command) {
-  DatabaseFile file{command.database, command.schema};
-  if (command.blobs.endpoint.empty()) return file;
-  file.blobs = command.blobs;
-  file.blobs->ca_file = Absolute(command.blobs.ca_file);
-  file.blobs->credentials_file = Absolute(command.blobs.credentials_file);
-  if (command.keys.bucket.bucket.empty()) return file;
-  // In the same store, and with its access key unless another is named.
-  file.keys = command.keys;
-  PlaceInS3& bucket = file.keys->bucket;
-  bucket.endpoint = command.blobs.endpoint;
-  bucket.region = command.blobs.region;
-  bucket.ca_file = file.blobs->ca_file;
-  bucket.credentials_file = bucket.credentials_file.empty() ? file.blobs->credentials_file
-                                                            : Absolute(bucket.credentials_file);
-  file.keys->master_key_file = Absolute(file.keys->master_key_file);
-  return file;
-}
-
 Status Init(const InitCommand& command) {
-  if (!command.blobs.endpoint.empty() && command.database.empty()) {
-    return Status(Code::kInvalidInput,
-                  "expected --database beside --s3-endpoint, found none: rows in enamel.db are one "
-                  "machine's, and what other servers name would be deleted; name a PostgreSQL "
-                  "database, or keep the blobs in the folder");
-  }
-  const DatabaseFile file = FileOf(command);
-  if (!command.database.empty()) {
-    ENAMEL_RETURN_IF_ERROR(MayKeepRowsIn(command.data, file));
-    ENAMEL_RETURN_IF_ERROR(TryStores(command.data, file));
+  ENAMEL_ASSIGN_OR_RETURN(const auto file, FileOf(command.places));
+  if (file) {
+    ENAMEL_RETURN_IF_ERROR(MayKeepRowsIn(command.data, *file));
+    ENAMEL_RETURN_IF_ERROR(TryStores(command.data, *file));
   }
   if (!command.identity.empty()) {
     ENAMEL_RETURN_IF_ERROR(TakeIdentity(command.data, command.identity));
   }
-  if (!command.database.empty()) {
-    ENAMEL_ASSIGN_OR_RETURN(const auto options, FirstOptions(command.data, file));
+  if (file) {
+    ENAMEL_ASSIGN_OR_RETURN(const auto options, FirstOptions(command.data, *file));
     // Before the file says so: a folder must not be bound to a server that cannot be reached, nor
     // one that holds other things be taken for ours.
     if (auto opened = OpenPostgresStore(options); !opened.ok()) return opened.status();
-    ENAMEL_RETURN_IF_ERROR(WriteDatabaseFile(command.data, file, SystemDisk()));
+    ENAMEL_RETURN_IF_ERROR(WriteDatabaseFile(command.data, *file, SystemDisk()));
   }
   return InitData(command.data);
 }
@@ -120,7 +59,8 @@ Result<Sha256> EnsureCertificate(const std::filesystem::path& certificate,
 
 }  // namespace
 
-Status TakeIdentity(const std::filesystem::path& folder, const std::filesystem::path& from) {
+Status TakeIdentity(const std::filesystem::path& folder, const std::filesystem::path& from,
+                    bool moving) {
   std::vector<std::pair<std::filesystem::path, Bytes>> missing;
   for (const char* name : sqlite::kIdentityFiles) {
     auto theirs = ReadFile(from / name, kMaxIdentityBytes);
@@ -147,7 +87,7 @@ Status TakeIdentity(const std::filesystem::path& folder, const std::filesystem::
   }
   // First what it is: no key is written where others may look in.
   if (!missing.empty()) {
-    ENAMEL_RETURN_IF_ERROR(sqlite::MakeDataFolder(folder, SystemDisk(), /*restoring=*/false));
+    ENAMEL_RETURN_IF_ERROR(sqlite::MakeDataFolder(folder, SystemDisk(), /*restoring=*/moving));
   }
   for (const auto& [path, content] : missing) {
     ENAMEL_RETURN_IF_ERROR(SystemDisk().Replace(path, content));
@@ -157,8 +97,17 @@ Status TakeIdentity(const std::filesystem::path& folder, const std::filesystem::
 
 Result<ServerIdentity> EnsureIdentity(const std::filesystem::path& folder) {
   ServerIdentity identity;
-  identity.certificate = folder / "station.crt";
-  identity.private_key = folder / "station.key";
+  const std::filesystem::path known_by = InstallationOf(folder).value_or(folder);
+  identity.certificate = known_by / "station.crt";
+  identity.private_key = known_by / "station.key";
+  std::error_code error;
+  if (known_by != folder && !std::filesystem::exists(identity.certificate, error)) {
+    return Status(Code::kNotFound,
+                  "expected the installation of this school, with its station.crt, in " +
+                      known_by.string() +
+                      "; name the school's folder as INSTALLATION/schools/NAME, also where that is "
+                      "a link");
+  }
   ENAMEL_ASSIGN_OR_RETURN(
       auto fingerprint,
       EnsureCertificate(identity.certificate, identity.private_key, "enamel-server"));
@@ -203,50 +152,12 @@ void DeclareInit(CommandGroup root) {
   auto [cmd, options] = Declare<InitCommand>(
       root, "init", "Make a data folder, for commands that come before the first serve", Init);
   AddData(cmd, options.data);
-  auto* database = cmd->add_option("--database", options.database,
-                                   "Keep the rows in this PostgreSQL 15 database instead of "
-                                   "enamel.db: postgresql://USER@HOST/NAME");
-  cmd->add_option("--schema", options.schema, "Name of the tables' place in that database")
-      ->needs(database)
-      ->capture_default_str();
-  auto* endpoint = cmd->add_option("--s3-endpoint", options.blobs.endpoint,
-                                   "Keep the blobs in this S3 store instead of the folder: "
-                                   "https://HOST[:PORT]");
-  auto* bucket =
-      cmd->add_option("--s3-bucket", options.blobs.bucket, "Its bucket")->needs(endpoint);
-  endpoint->needs(bucket);
-  cmd->add_option("--s3-region", options.blobs.region,
-                  "Region that requests are signed for; without: us-east-1")
-      ->needs(endpoint);
-  cmd->add_option("--s3-prefix", options.blobs.prefix, "Of every key in the bucket: school/")
-      ->needs(endpoint);
-  cmd->add_option("--s3-ca-file", options.blobs.ca_file,
-                  "PEM file of who signed the store's certificate")
-      ->needs(endpoint);
-  cmd->add_option("--s3-credentials", options.blobs.credentials_file,
-                  "File of its access key (schemas/database.md); without: AWS_ACCESS_KEY_ID and "
-                  "AWS_SECRET_ACCESS_KEY, for every command")
-      ->needs(endpoint);
-  auto* keys = cmd->add_option("--key-bucket", options.keys.bucket.bucket,
-                               "Keep the keys of people's recordings in this bucket of the store, "
-                               "for several servers: one that keeps no versions and locks nothing")
-                   ->needs(endpoint);
-  auto* master = cmd->add_option("--master-key", options.keys.master_key_file,
-                                 "File of the key that they are wrapped with, the same on all "
-                                 "servers; made by the first")
-                     ->needs(keys);
-  keys->needs(master);
-  cmd->add_option("--key-prefix", options.keys.bucket.prefix, "Of every key in that bucket")
-      ->needs(keys);
-  cmd->add_option("--key-credentials", options.keys.bucket.credentials_file,
-                  "File of that bucket's access key; without: that of the blobs")
-      ->needs(keys);
+  AddPlaces(cmd, options.places);
   AddIdentity(cmd, options.identity);
   cmd->footer(
-      "Several servers of one school: the first is made with --database, --s3-endpoint, "
-      "--s3-bucket,\n--key-bucket and --master-key. Copy station.crt, station.key and ticket.key "
-      "of "
-      "its data folder\nand the master key to the next machine, and name them there:\n\n"
+      "Several servers of one school: the first is made with --database, --s3-endpoint,\n"
+      "--s3-bucket, --key-bucket and --master-key. Copy station.crt, station.key and ticket.key\n"
+      "of its data folder and the master key to the next machine, and name them there:\n\n"
       "  enamel-server init --data /srv/enamel --database postgresql://enamel@db/school \\\n"
       "    --s3-endpoint https://s3.example.org --s3-bucket school --key-bucket school-keys \\\n"
       "    --master-key /etc/enamel/master.key --identity /etc/enamel/identity");

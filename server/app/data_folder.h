@@ -18,6 +18,7 @@ inline constexpr char kSoftware[] = "enamel-server 0.1.0";
 // What makes a data folder this server and no other; made once, never overwritten. Losing it means
 // enrolling every station again.
 struct ServerIdentity {
+  // Of a school that an installation serves beside its own (school_folder.h): the installation's.
   std::filesystem::path certificate;  // station.crt, what stations know the server by
   std::filesystem::path private_key;  // station.key, mode 0600
   Sha256 fingerprint;                 // of the certificate
@@ -25,9 +26,11 @@ struct ServerIdentity {
 };
 
 // Takes the files of another server's identity (station.crt, station.key, ticket.key) from the folder `from`
-// into a data folder that has none, before anything makes them. Errors: kConflict (it has others),
+// into a data folder that has none, before anything makes them. `moving`: the folder has the mark of a move
+// (storage/engine/move.h). Errors: kConflict (it has others),
 // kNotFound (`from` has not all three), kStorage.
-Status TakeIdentity(const std::filesystem::path& folder, const std::filesystem::path& from);
+Status TakeIdentity(const std::filesystem::path& folder, const std::filesystem::path& from,
+                    bool moving = false);
 // Makes what is missing. Errors: kStorage, kInvalidInput (a file is not what it should be).
 Result<ServerIdentity> EnsureIdentity(const std::filesystem::path& folder);
 // The same, and compares it with what the other servers of the store's database are known by. Errors also:

@@ -11,10 +11,12 @@
 #include "server/app/agreement.h"
 #include "server/app/command_line.h"
 #include "server/app/data_folder.h"
+#include "server/app/move.h"
 #include "server/app/personal_data.h"
 #include "server/app/prepared.h"
 #include "server/app/regrade.h"
 #include "server/app/report.h"
+#include "server/app/school_commands.h"
 #include "server/app/seed.h"
 #include "server/app/serve.h"
 #include "server/app/teaching.h"
@@ -45,7 +47,9 @@ int main(int argc, char** argv) {
   app::DeclareWork(top);
   app::DeclareInit(top);
   app::DeclareBackup(top);
+  app::DeclareMove(top);
   app::DeclareRetention(top);
+  app::DeclareSchools(top);
   app::DeclareSeed(top);
   app::DeclareReport(top);
   app::DeclareRescore(top);

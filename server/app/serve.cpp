@@ -9,20 +9,23 @@
 #include <chrono>
 #include <future>
 #include <iostream>
+#include <optional>
 #include <thread>
 
 #include "common/base/file.h"
 #include "common/base/unix_time.h"
 #include "common/net/frame_client.h"
 #include "common/protocol/messages.h"
-#include "server/app/caretaker.h"
 #include "server/app/data_folder.h"
+#include "server/app/database_watch.h"
+#include "server/app/school.h"
+#include "server/app/school_folder.h"
+#include "server/app/schools.h"
 #include "server/app/seed.h"
 #include "server/app/stop_signals.h"
-#include "server/app/work.h"
 #include "server/auth/first_admin.h"
+#include "server/http/api.h"
 #include "server/http/http_server.h"
-#include "server/jobs/worker.h"
 #include "server/ops/metrics.h"
 #include "server/stations/station_server.h"
 #include "server/storage/parts.h"
@@ -124,39 +127,6 @@ Status ReadToken(const std::filesystem::path& file, std::string& token) {
                                          ", found " + std::to_string(token.size()));
 }
 
-// What the store knows, as figures.
-void AddStoreFigures(Parts<JobStore, UpkeepStore> store, ops::MetricsText& text) {
-  // Once for all figures: those of one answer then belong to one moment.
-  StoreHealth health = store.upkeep().Health();
-  auto number = [](auto value) { return static_cast<double>(value); };
-  text.Gauge("enamel_takes_recordings", "1 while recordings are taken.",
-             health.takes_recordings ? 1 : 0);
-  text.Gauge("enamel_disk_free_bytes", "Free where the data folder is.", number(health.free_bytes));
-  text.Gauge("enamel_disk_kept_free_bytes", "Below this no recordings are taken.",
-             number(health.min_free_bytes));
-  text.Gauge("enamel_database_bytes", "Size of the database.", number(health.database_bytes));
-  text.Gauge("enamel_database_log_bytes", "Size of its log.", number(health.log_bytes));
-  text.Counter("enamel_store_commits_total", "Transactions written, each with one sync.",
-               number(health.commits));
-  text.Counter("enamel_store_failed_commits_total", "Transactions that could not be written.",
-               number(health.failed_commits));
-  text.Counter("enamel_store_commit_seconds_total", "Time spent in transactions.", health.commit_s);
-  text.Counter("enamel_store_writes_total", "Changes in those transactions.",
-               number(health.writes));
-  text.Counter("enamel_chunks_committed_total", "Chunks of recordings committed.",
-               number(health.chunks));
-  text.Counter("enamel_chunk_bytes_committed_total", "Bytes of those chunks.",
-               number(health.chunk_bytes));
-  text.Counter("enamel_attempts_sealed_total", "Attempts sealed.", number(health.sealed));
-  // Jobs() lists at most 200 of a state. An operator has to know that they pile up, not how high.
-  for (const char* state : {"queued", "running", "failed"}) {
-    if (auto jobs = store.jobs().Jobs(state); jobs.ok()) {
-      text.Gauge("enamel_jobs", "Scoring jobs by state, counted up to 200.", number(jobs->size()),
-                 {{"state", state}});
-    }
-  }
-}
-
 Result<stations::StationServerOptions> LinkOptionsOf(const ServeOptions& options,
                                                      const ServerIdentity& identity) {
   ENAMEL_ASSIGN_OR_RETURN(auto endpoint, ListenAddress(options.stations, "--stations"));
@@ -170,11 +140,10 @@ Result<stations::StationServerOptions> LinkOptionsOf(const ServeOptions& options
 }
 
 // Behind a proxy the page is at the proxy's usual port.
-std::string PageUrlOf(const ServeOptions& options, const http::HttpOptions& http, uint16_t port) {
-  if (!options.page_url.empty() || options.host_names.empty()) return options.page_url;
+std::string PageUrlOf(const std::string& host, const http::HttpOptions& http, uint16_t port) {
   constexpr uint16_t kHttps = 443, kHttp = 80;
   bool proxied = !http.trusted_proxies.empty(), https = proxied || http.tls;
-  std::string url = (https ? "https://" : "http://") + options.host_names.front();
+  std::string url = (https ? "https://" : "http://") + host;
   if (!proxied && port != (https ? kHttps : kHttp)) url += ":" + std::to_string(port);
   // A host name that makes no address is not told at all: a station then names the
   // server it is linked to, and no wrong place.
@@ -226,6 +195,11 @@ Status Serve(const ServeOptions& options) {
   if (!options.identity.empty()) {
     ENAMEL_RETURN_IF_ERROR(TakeIdentity(options.data, options.identity));
   }
+  if (const auto installation = InstallationOf(options.data)) {
+    return Status(Code::kInvalidInput,
+                  "expected an installation's data folder, found a school's of " +
+                      installation->string() + "; serve that one, which serves its schools");
+  }
   SqliteOptions store_options;
   store_options.folder = options.data;
   // Two servers on one folder would both hand out jobs and both believe in their own caches.
@@ -247,52 +221,80 @@ Status Serve(const ServeOptions& options) {
                       options.page_url + "\"",
                   "page-url");
   }
-  ops::Metrics metrics;
-  metrics.Add(ops::AddProcess);
-  metrics.Add([&store](ops::MetricsText& text) { AddStoreFigures(store, text); });
-  http_options.metrics = &metrics;
+  SchoolOptions school_options;
+  school_options.auth.one_time_ms = UnixMs{options.one_time_password_days} * 24 * 60 * 60 * 1000;
+  school_options.auth.hashing =
+      std::make_shared<StorePool>(school_options.auth.hash_threads);  // one bound for all schools
+  school_options.job_threads = options.job_threads;
+  School school(std::move(opened), identity, school_options);
   ENAMEL_RETURN_IF_ERROR(ReadToken(options.metrics_token_file, http_options.metrics_token));
-
-  auth::AuthOptions auth_options;
-  auth_options.one_time_ms = UnixMs{options.one_time_password_days} * 24 * 60 * 60 * 1000;
-  auth::Authenticator authenticator(store, auth_options);
-  LiveBoard live;
-  StationBoard board;
-  stations::Content content(store);
-  stations::Services services{
-      store, authenticator, live, content, identity.ticket_key, kSoftware, [] {
-        return enamel::UnixMs();
-      }};
-  services.board = &board;
-  // Declared before what posts to it, hence destroyed after it. The same holds for store, live
-  // board and content above: each is used by reference further down.
-  StorePool pool(kStationThreads);
   ENAMEL_ASSIGN_OR_RETURN(const bool has_admin, HasAdmin(store));
   auth::FirstAdmin first_admin;
   const bool gives_link = !has_admin && IsPrivate(http_options);
   if (gives_link) http_options.first_admin = &first_admin;
-  http_options.live = &live;
-  http_options.stations = &board;
+  http_options.metrics = &school.metrics();
+  http_options.live = &school.live();
+  http_options.stations = &school.stations();
   http_options.station_fingerprint = identity.fingerprint.Hex();
-  http::HttpServer page(io, http_options, store, authenticator);
-  stations::StationServer link(io, link_options, services, pool);
-  WorkerOptions job_options = LoggedJobs(identity.ticket_key, options.job_threads);
-  job_options.timelines.emplace(store);
-  Worker worker(store, job_options);
+  uint16_t page_port = 0, link_port = 0;  // known before Schools begins
+  const auto open_school = [&](const SchoolRow& row) -> Result<Schools::Opened> {
+    for (const std::string& host : row.hosts) {
+      const std::vector<std::string> local{"127.0.0.1", "localhost"};
+      const auto& own = http_options.host_names.empty() ? local : http_options.host_names;
+      if (std::ranges::count(own, host) == 0) continue;
+      spdlog::warn(
+          "school {} is listed as {}, which is this installation's own school's; give it "
+          "another host name: school set-hosts",
+          row.name, host);
+    }
+    ENAMEL_ASSIGN_OR_RETURN(auto its, OpenSchool(options.data, row, store_options));
+    ENAMEL_RETURN_IF_ERROR(RefuseDemoBeyondLoopback(*its.store, http_options, link_options));
+    Schools::Opened out;
+    out.school = std::make_shared<School>(std::move(its.store), its.identity, school_options);
+    out.school->services().page_url = PageUrlOf(row.hosts.front(), http_options, page_port);
+    out.api = std::make_shared<http::Api>(
+        out.school->store(), out.school->authenticator(),
+        http::Monitoring{&out.school->metrics(), http_options.metrics_token},
+        http_options.store_threads, http_options.max_in_flight, http_options.deadlines.work);
+    out.api->Show(out.school->live());
+    out.api->Show(out.school->stations());
+    out.api->Enrol(its.identity.fingerprint.Hex());
+    out.api->StationsListenAt(link_port);
+    // The figures live as long as the school, and the Api as long as it, or a little less.
+    out.school->metrics().Add([weak = std::weak_ptr(out.api)](ops::MetricsText& text) {
+      if (const auto api = weak.lock()) api->AddFigures(text);
+    });
+    return out;
+  };
+  const auto forget_school = [&](const std::string& name) {
+    if (Status gone = ForgetSchool(options.data, name); !gone.ok())
+      spdlog::warn("{}", gone.message());
+  };
+  Schools schools(store, open_school, forget_school);
+  // Declared before what posts to it, hence destroyed after it; and what runs on it asks `schools`.
+  StorePool pool(kStationThreads);
+  http_options.other_schools = [&schools](const std::string& host) { return schools.AtHost(host); };
+  http::HttpServer page(io, http_options, store, school.authenticator());
+  stations::StationServer link(io, link_options, school.services(), pool, &schools);
 
   // The page first: with port 0 its address is known only now, and stations are told it with their
   // first answer.
-  ENAMEL_ASSIGN_OR_RETURN(auto page_port, page.Start());
-  services.page_url = PageUrlOf(options, http_options, page_port);
-  ENAMEL_ASSIGN_OR_RETURN(auto link_port, link.Start());
+  ENAMEL_ASSIGN_OR_RETURN(page_port, page.Start());
+  const std::string page_url = options.page_url.empty() && !options.host_names.empty()
+                                   ? PageUrlOf(options.host_names.front(), http_options, page_port)
+                                   : options.page_url;
+  school.services().page_url = page_url;
+  ENAMEL_ASSIGN_OR_RETURN(link_port, link.Start());
   page.StationsListenAt(link_port);
-  worker.Start();
-  Caretaker caretaker(store);
+  school.Start();
+  DatabaseWatch watch(store);
+  schools.Begin();
 
   std::promise<void> stop_asked;
   const auto stop = [&] {
     // First: an erasure that waits for another process would hold up every request behind it.
     store.StopWaiting();
+    schools.StopWaiting();
     link.Stop();
     page.Stop();
     stop_asked.set_value();
@@ -301,6 +303,7 @@ Status Serve(const ServeOptions& options) {
   signals.OnFirst([&] {
     if (options.drain_s == 0) return stop();
     page.Drain();
+    schools.Drain();
     spdlog::info("asks to be asked no more, and stops in {} s", options.drain_s);
     drained.expires_after(std::chrono::seconds(options.drain_s));
     drained.async_wait([&](const boost::system::error_code&) { stop(); });
@@ -311,8 +314,7 @@ Status Serve(const ServeOptions& options) {
             << std::endl;
   if (gives_link) {
     const std::string local = (http_options.tls ? "https://" : "http://") + page_at.Text();
-    SayFirstAdmin(services.page_url.empty() ? local : services.page_url,
-                  first_admin.Offer(enamel::UnixMs()));
+    SayFirstAdmin(page_url.empty() ? local : page_url, first_admin.Offer(enamel::UnixMs()));
   } else if (!has_admin) {
     spdlog::warn(
         "there is no admin, and the page is reached without TLS: make one here with admin "
@@ -322,7 +324,7 @@ Status Serve(const ServeOptions& options) {
   RunUntilStopped(io, options.io_threads, stop_asked.get_future());
   // After the connections, since a seal that was just acknowledged may still queue a job. What is
   // cut off here is begun again after the next start.
-  worker.Stop();
+  school.StopJobs();
   spdlog::info("stopped");
   return Status::Ok();
 }

@@ -3,10 +3,10 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
-#include <condition_variable>
 #include <csignal>
-#include <mutex>
 #include <utility>
+
+#include "common/base/stoppable_sleep.h"
 
 namespace enamel::server::app {
 namespace {
@@ -28,13 +28,10 @@ void StopSignals::OnFirst(std::function<void()> stop) {
 }
 
 void StopSignals::EndPatience(const std::stop_token& ended) {
-  std::mutex mutex;
-  std::unique_lock lock(mutex);
-  std::condition_variable_any never;
-  never.wait_for(lock, ended, kFurtherSignalsIgnored, [] { return false; });
+  const bool is_over = SleepUntilStopped(ended, kFurtherSignalsIgnored);
   // Without a handler SIGINT and SIGTERM end the process, which is what somebody asks for who presses
   // again.
-  if (!ended.stop_requested()) signals_.clear();
+  if (!is_over) signals_.clear();
 }
 
 }  // namespace enamel::server::app

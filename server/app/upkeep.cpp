@@ -1,17 +1,15 @@
 #include "server/app/upkeep.h"
 
-#include <unistd.h>
-
 #include <boost/json.hpp>
-#include <chrono>
-#include <iostream>
 
 #include "common/base/counted.h"
 #include "common/base/file.h"
 #include "common/base/unix_time.h"
 #include "server/app/command_line.h"
+#include "server/app/console_progress.h"
 #include "server/app/data_folder.h"
 #include "server/app/say.h"
+#include "server/app/school_folder.h"
 #include "server/app/utc_text.h"
 #include "server/storage/engine/backup.h"
 
@@ -23,35 +21,6 @@ namespace json = boost::json;
 // A damaged disk can make as many findings as there are blobs; the first screens say what kind they
 // are.
 constexpr size_t kShownFindings = 50;
-
-// Tells on standard error how far long work is: on a terminal in one line, else a line every ten
-// seconds. Work that takes less than a second says nothing.
-class ConsoleProgress {
- public:
-  ~ConsoleProgress() {
-    if (shown_ && terminal_) std::cerr << "\r\033[K" << std::flush;
-  }
-  void operator()(const std::string& what, uint64_t done, uint64_t all) {
-    auto now = std::chrono::steady_clock::now();
-    if (now < next_) return;
-    next_ = now + (terminal_ ? std::chrono::milliseconds(200) : std::chrono::milliseconds(10'000));
-    shown_ = true;
-    std::cerr << (terminal_ ? "\r\033[K" : "") << what << ": " << done << " of " << all
-              << (terminal_ ? "" : "\n") << std::flush;
-  }
-
- private:
-  const bool terminal_ = ::isatty(STDERR_FILENO) == 1;
-  bool shown_ = false;
-  std::chrono::steady_clock::time_point next_ =
-      std::chrono::steady_clock::now() + std::chrono::seconds(1);
-};
-
-UpkeepProgress Telling(ConsoleProgress& progress) {
-  return [&progress](const std::string& what, uint64_t done, uint64_t all) {
-    progress(what, done, all);
-  };
-}
 
 std::string Mib(uint64_t bytes) {
   return fmt::format("{:.1f} MiB", static_cast<double>(bytes) / (1 << 20));
@@ -152,12 +121,7 @@ Status Verdict(const VerifyReport& report) {
 
 Status Backup(const BackupCommand& command) {
   // Opening brings an older database up to date first, and tells when there is none at all.
-  std::error_code error;
-  std::unique_ptr<Store> store;
-  if (std::filesystem::exists(command.data / "enamel.db", error)) {
-    ENAMEL_ASSIGN_OR_RETURN(auto opened, OpenForCommand(command.data));
-    store = std::move(opened);
-  }
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(command.data));
   // The progress line is wiped when its object goes, so it goes before anything is said.
   Result<BackupReport> report = [&] {
     ConsoleProgress progress;
@@ -202,6 +166,27 @@ Status Backup(const BackupCommand& command) {
           "may have what is missing");
 }
 
+namespace {
+
+// A backup of an installation has the list of its other schools, and none of their data.
+Status SuspendListedSchools(const std::filesystem::path& data) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto store, OpenForCommand(data));
+  ENAMEL_ASSIGN_OR_RETURN(const auto schools, store->Schools());
+  for (SchoolRow row : schools) {
+    if (row.state == SchoolState::kServed) {
+      row.state = SchoolState::kSuspended;
+      ENAMEL_RETURN_IF_ERROR(store->ChangeSchool(row, kCommandLine));
+    }
+    Say("school {} is listed and suspended: each school has backups of its own; restore it into "
+        "{}, "
+        "then school resume {}\n",
+        row.name, SchoolFolder(data, row.name).string(), row.name);
+  }
+  return Status::Ok();
+}
+
+}  // namespace
+
 Status RestoreBackup(const RestoreCommand& command) {
   Result<RestoreReport> report = [&] {
     ConsoleProgress progress;
@@ -226,6 +211,7 @@ Status RestoreBackup(const RestoreCommand& command) {
     Say("erasures made after the backup are not known here; name the newest key ring with "
         "--keyring to apply them\n");
   }
+  ENAMEL_RETURN_IF_ERROR(SuspendListedSchools(command.data));
   json::array left_out;
   for (const std::string& file : report->left_out) {
     Say("left out: {}\n", file);

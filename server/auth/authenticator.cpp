@@ -11,6 +11,7 @@
 #include <cstdlib>
 
 #include "common/base/hex.h"
+#include "common/base/log_request.h"
 #include "common/base/unix_time.h"
 #include "server/auth/address_block.h"
 #include "server/auth/token.h"
@@ -51,14 +52,24 @@ std::string Decoy(const PasswordCost& cost) {
   return *verifier;
 }
 
+std::unique_ptr<FailureCounters> CountersOf(const Parts<SignInStore, UpkeepStore>& store) {
+  if (store.upkeep().IsShared()) return std::make_unique<SharedCounters>(store.sign_ins());
+  return std::make_unique<MemoryCounters>();
+}
+
 }  // namespace
 
-Authenticator::Authenticator(Parts<PeopleStore, AuditStore> store, AuthOptions options)
+Authenticator::Authenticator(Parts<PeopleStore, SignInStore, UpkeepStore, AuditStore> store,
+                             AuthOptions options)
     : store_(store),
       options_(std::move(options)),
       decoy_verifier_(Decoy(options_.cost)),
+      throttle_(CountersOf(store)),
       refusals_(store, [this] { return Elapsed(); }),
-      hashing_(options_.hash_threads) {}
+      hashing_(options_.hashing ? options_.hashing
+                                : std::make_shared<StorePool>(options_.hash_threads)) {
+  if (store.upkeep().IsShared()) asking_.emplace(size_t{2});
+}
 
 Authenticator::~Authenticator() = default;
 
@@ -114,8 +125,16 @@ Status Authenticator::TurnAway(const char* why, std::string login, const std::st
   return status;
 }
 
+Status Authenticator::NotAdmitted(const std::string& login, const std::string& address,
+                                  const std::string& via, const Status& why) {
+  // The store failed, or its threads are busy, which was noted: that is no refusal of this person.
+  if (RetryAfterSeconds(why) == 0) return why;
+  return TurnAway("throttled", login, address, via, why);
+}
+
 template <typename Work>
-auto Authenticator::Hashing(std::string login, std::string address, std::string via, Work work)
+auto Authenticator::InPlace(std::string login, std::string address, std::string via,
+                            StorePool& pool, Work work)
     -> boost::asio::awaitable<decltype(work())> {
   const std::string block = AddressBlock(address);
   if (!TakePlace(block)) {
@@ -123,7 +142,7 @@ auto Authenticator::Hashing(std::string login, std::string address, std::string 
         "busy", std::move(login), address, via,
         Status(Code::kUnavailable, "too many sign-ins at once; try again in a few seconds"));
   }
-  auto result = co_await hashing_.Run([&] {
+  auto result = co_await pool.Run([&] {
     auto here = work();
     LeavePlace(block);
     return here;
@@ -133,8 +152,14 @@ auto Authenticator::Hashing(std::string login, std::string address, std::string 
 
 boost::asio::awaitable<Status> Authenticator::Admitted(std::string login, std::string address,
                                                        std::string via) {
-  Result<int64_t> hold = throttle_.Admit(login, address, Elapsed());
-  if (!hold.ok()) co_return TurnAway("throttled", login, address, via, hold.status());
+  Result<int64_t> hold = int64_t{0};
+  if (asking_) {
+    hold = co_await InPlace(login, address, via, *asking_,
+                            [&] { return throttle_.Admit(login, address, CountedAt()); });
+  } else {
+    hold = throttle_.Admit(login, address, CountedAt());
+  }
+  if (!hold.ok()) co_return NotAdmitted(login, address, via, hold.status());
   // Held on a timer: no thread waits, and the connection is answered when its turn has come.
   if (*hold > 0) {
     boost::asio::steady_timer turn(co_await boost::asio::this_coro::executor,
@@ -149,16 +174,16 @@ boost::asio::awaitable<Result<SignedIn>> Authenticator::SignIn(SignInRequest req
   const std::string login = LowerLogin(request.login);
   Status admitted = co_await Admitted(login, request.address, request.via);
   if (!admitted.ok()) co_return admitted;
-  co_return co_await Hashing(login, request.address, request.via,
-                             [&] { return SignInAdmitted(login, request); });
+  co_return co_await InPlace(login, request.address, request.via, *hashing_, [&] {
+    const LogRequest logged(request.log_id);
+    return SignInAdmitted(login, request);
+  });
 }
 
 Result<SignedIn> Authenticator::SignInHere(const SignInRequest& request) {
   const std::string login = LowerLogin(request.login);
-  Result<int64_t> hold = throttle_.Admit(login, request.address, Elapsed());
-  if (!hold.ok()) {
-    return TurnAway("throttled", login, request.address, request.via, hold.status());
-  }
+  Result<int64_t> hold = throttle_.Admit(login, request.address, CountedAt());
+  if (!hold.ok()) return NotAdmitted(login, request.address, request.via, hold.status());
   return SignInAdmitted(login, request);
 }
 
@@ -166,7 +191,7 @@ Result<SignedIn> Authenticator::SignInAdmitted(const std::string& login,
                                                const SignInRequest& request) {
   // Nobody has such a one, so that the quick answer tells nothing.
   if (request.password.size() > kMaxPasswordLength || login.size() > 256) {
-    throttle_.Failed(login, request.address, Elapsed());
+    ENAMEL_RETURN_IF_ERROR(throttle_.Failed(login, request.address, CountedAt()));
     return TurnAway("password", login, request.address, request.via, Refused());
   }
   auto person = store_.people().PersonByLogin(login);
@@ -179,12 +204,12 @@ Result<SignedIn> Authenticator::SignInAdmitted(const std::string& login,
   // The same work whether or not the person exists.
   bool matches = Verify(request.password, verifier);
   if (!matches || !person.ok() || person->disabled) {
-    throttle_.Failed(login, request.address, Elapsed());
+    ENAMEL_RETURN_IF_ERROR(throttle_.Failed(login, request.address, CountedAt()));
     const bool disabled = matches && person.ok();
     return TurnAway(disabled ? "disabled" : "password", login, request.address, request.via,
                     Refused());
   }
-  throttle_.Succeeded(login, request.address, Elapsed());
+  ENAMEL_RETURN_IF_ERROR(throttle_.Succeeded(login, request.address, CountedAt()));
   if (Status taken = TakeOneTimePassword(*person, request.via); !taken.ok()) {
     // The store failed. That is no refusal of this person.
     if (taken.field() != kOneTimePassword) return taken;
@@ -251,10 +276,9 @@ Status Authenticator::CheckOwnPassword(const Person& person, const std::string& 
                                        const std::string& address, const std::string& via) {
   ENAMEL_ASSIGN_OR_RETURN(auto verifier, store_.people().PasswordVerifier(person.id));
   if (password.size() <= kMaxPasswordLength && Verify(password, verifier)) {
-    throttle_.Succeeded(person.login, address, Elapsed());
-    return Status::Ok();
+    return throttle_.Succeeded(person.login, address, CountedAt());
   }
-  throttle_.Failed(person.login, address, Elapsed());
+  ENAMEL_RETURN_IF_ERROR(throttle_.Failed(person.login, address, CountedAt()));
   return TurnAway("password", person.login, address, via,
                   Status(Code::kForbidden, "expected your password, found another", "password"));
 }
@@ -264,7 +288,7 @@ boost::asio::awaitable<Status> Authenticator::Confirm(Identity identity, std::st
   const std::string& login = identity.person.login;
   Status admitted = co_await Admitted(login, address, kViaPage);
   if (!admitted.ok()) co_return admitted;
-  co_return co_await Hashing(login, address, kViaPage, [&]() -> Status {
+  co_return co_await InPlace(login, address, kViaPage, *hashing_, [&]() -> Status {
     ENAMEL_RETURN_IF_ERROR(CheckOwnPassword(identity.person, password, address, kViaPage));
     return store_.people().ConfirmSession(identity.token_hash, Now());
   });
@@ -295,7 +319,7 @@ boost::asio::awaitable<Result<SignedIn>> Authenticator::ChangePassword(Identity 
   const std::string& login = identity.person.login;
   Status admitted = co_await Admitted(login, change.address, change.via);
   if (!admitted.ok()) co_return admitted;
-  co_return co_await Hashing(login, change.address, change.via,
+  co_return co_await InPlace(login, change.address, change.via, *hashing_,
                              [&] { return ChangePasswordHere(identity, change); });
 }
 

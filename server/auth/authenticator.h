@@ -23,6 +23,9 @@ struct AuthOptions {
   UnixMs absolute_ms = 12 * 60 * 60 * 1000;
   PasswordCost cost;
   size_t hash_threads = 2;  // 64 MiB each while hashing
+  // Instead of threads of its own: those of all schools of a process, of hash_threads. Whoever waits for one of them keeps
+  // the authenticator.
+  std::shared_ptr<StorePool> hashing{};
   // Sign-ins beyond these are refused with kUnavailable; half of them may come from one address.
   size_t max_waiting = 16;
   std::function<UnixMs()> clock;  // empty: the system's, which may be set back and forth
@@ -65,6 +68,7 @@ struct SignInRequest {
   // The page's cookie that came with the request, 64 hex digits; its session ends when this one
   // begins: the browser forgets it.
   std::string earlier{};
+  std::string log_id{};  // what the log calls the request (LogRequest)
 };
 
 // What happened at the door since the start. Wrong passwords count wherever one is asked for.
@@ -85,7 +89,8 @@ struct DoorCounts {
 // field "one_time_password"). At a station it opens nothing that could be used, and is not used up.
 class Authenticator {
  public:
-  explicit Authenticator(Parts<PeopleStore, AuditStore> store, AuthOptions options = {});
+  explicit Authenticator(Parts<PeopleStore, SignInStore, UpkeepStore, AuditStore> store,
+                         AuthOptions options = {});
   ~Authenticator();
 
   // Runs on the hashing threads, after what Throttle holds it for; continues on the caller's
@@ -136,6 +141,8 @@ class Authenticator {
  private:
   UnixMs Now() const;
   int64_t Elapsed() const;
+  // Of the clock that failures are counted by.
+  UnixMs CountedAt() const { return asking_ ? Now() : Elapsed(); }
   bool Verify(const std::string& password, const std::string& verifier) const;
   // Counts and notes why nobody came in.
   Status TurnAway(const char* why, std::string login, const std::string& address,
@@ -155,14 +162,16 @@ class Authenticator {
   Result<SignedIn> ChangePasswordHere(const Identity& identity, const PasswordChange& change);
   // Whether this try may go on, once it may.
   boost::asio::awaitable<Status> Admitted(std::string login, std::string address, std::string via);
-  // Runs on the hashing threads, bounded.
+  Status NotAdmitted(const std::string& login, const std::string& address, const std::string& via,
+                     const Status& why);
+  // Runs on the threads of a pool; of all pools a bounded number wait.
   template <typename Work>
-  auto Hashing(std::string login, std::string address, std::string via, Work work)
+  auto InPlace(std::string login, std::string address, std::string via, StorePool& pool, Work work)
       -> boost::asio::awaitable<decltype(work())>;
   bool TakePlace(const std::string& block);
   void LeavePlace(const std::string& block);
 
-  const Parts<PeopleStore, AuditStore> store_;
+  const Parts<PeopleStore, SignInStore, UpkeepStore, AuditStore> store_;
   const AuthOptions options_;
   const std::string decoy_verifier_;  // verified against when there is no such login
   Throttle throttle_;
@@ -172,7 +181,9 @@ class Authenticator {
   std::map<std::string, size_t> waiting_from_ ENAMEL_GUARDED_BY(waiting_mutex_);
   DoorCounts counts_;
   RefusalTrail refusals_;
-  StorePool hashing_;  // last: its threads use the others
+  // Asks the store what other servers have counted; none: this one counts alone, in memory.
+  std::optional<StorePool> asking_;
+  const std::shared_ptr<StorePool> hashing_;  // last: its threads use the others
 };
 
 }  // namespace enamel::server::auth

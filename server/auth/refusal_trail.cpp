@@ -4,6 +4,7 @@
 
 #include <boost/asio/post.hpp>
 
+#include "common/base/log_request.h"
 #include "server/auth/address_block.h"
 
 namespace enamel::server::auth {
@@ -29,8 +30,10 @@ void RefusalTrail::Note(TurnedAway refused) {
     --waiting_;
     return;
   }
-  // The clock is the caller's: it may not be read on another thread.
-  boost::asio::post(pool_, [this, refused = std::move(refused), now_ms = elapsed_ms_()] {
+  // The clock is the caller's: it may not be read on another thread. Nor is the request known there.
+  boost::asio::post(pool_, [this, refused = std::move(refused), now_ms = elapsed_ms_(),
+                            request = std::string(LogRequest::Current())] {
+    const LogRequest logged(request);
     Take(refused, now_ms);
     --waiting_;
   });

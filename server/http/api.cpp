@@ -12,6 +12,7 @@
 #include <exception>
 #include <utility>
 
+#include "common/base/log_request.h"
 #include "common/base/utf8.h"
 #include "server/auth/token.h"
 #include "server/http/error_response.h"
@@ -133,6 +134,31 @@ bool Api::Owns(std::string_view path) {
   return path == "/healthz" || path == "/metrics" || path == "/api" || path.starts_with("/api/");
 }
 
+void Api::AddFigures(ops::MetricsText& text) const {
+  constexpr std::string_view kKinds[] = {"1xx", "2xx", "3xx", "4xx", "5xx"};
+  for (size_t i = 1; i <= std::size(kKinds); ++i) {
+    text.Counter("enamel_http_answers_total", "API answers by kind of status.",
+                 static_cast<double>(answers_[i].load()), {{"status", kKinds[i - 1]}});
+  }
+  const auth::DoorCounts& door = authenticator_.counts();
+  const std::pair<std::string_view, const std::atomic<uint64_t>*> kOutcomes[] = {
+      {"signed_in", &door.signed_in},
+      {"refused", &door.refused},
+      {"throttled", &door.throttled},
+      {"busy", &door.busy}};
+  for (const auto& [outcome, count] : kOutcomes) {
+    text.Counter("enamel_sign_ins_total",
+                 "Sign-ins at page and stations, and passwords asked for again, by outcome.",
+                 static_cast<double>(count->load()), {{"outcome", outcome}});
+  }
+  text.Counter("enamel_sign_outs_total", "Sign-outs at the page.",
+               static_cast<double>(door.signed_out.load()));
+  text.Counter("enamel_http_forbidden_total", "API requests without the right to them.",
+               static_cast<double>(forbidden_.load()));
+  text.Durations("enamel_http_read_seconds", "API reads, from the whole request to the answer.",
+                 reads_.counts());
+}
+
 void Api::EndWork() {
   // A pool's destructor waits for what its threads are doing. Nobody posts any more: the
   // connections have ended.
@@ -145,10 +171,16 @@ asio::awaitable<Response> Api::Handle(Request request) {
   auto begin = std::chrono::steady_clock::now();
   request.answer_by = begin + work_;
   const bool read = IsSafe(request.method);
+  const std::string id = request.id;
+  const std::string what = MethodName(request.method) + (" " + Printable(request.path));
   Response response = co_await AnswerInTime(std::move(request));
   auto kind = static_cast<size_t>(response.status / 100);
   if (kind < answers_.size()) ++answers_[kind];
-  if (read) reads_.Add(std::chrono::steady_clock::now() - begin);
+  const auto took = std::chrono::steady_clock::now() - begin;
+  if (read) reads_.Add(took);
+  const LogRequest logged(id);
+  spdlog::debug("http: {}: {} after {:.1f} ms", what, response.status,
+                std::chrono::duration<double, std::milli>(took).count());
   co_return response;
 }
 
@@ -179,6 +211,7 @@ asio::awaitable<Response> Api::AnswerInTime(Request request) {
   if (!work->done) co_await work->deadline.async_wait(asio::as_tuple(asio::use_awaitable));
   if (work->failure) std::rethrow_exception(work->failure);
   if (work->done) co_return std::move(work->response);
+  const LogRequest logged(work->request.id);
   spdlog::warn("http: {} {} had no answer within {} ms", MethodName(work->request.method),
                Printable(work->request.path), work_.count());
   co_return NotInTime(work->request);
@@ -186,6 +219,7 @@ asio::awaitable<Response> Api::AnswerInTime(Request request) {
 
 asio::awaitable<void> Api::Do(std::shared_ptr<Work> work) {
   work->response = co_await Answer(work->request);
+  work->response.school_ended = work->request.school_ended;
 }
 
 asio::awaitable<Response> Api::Answer(const Request& request) {
@@ -212,6 +246,7 @@ asio::awaitable<Response> Api::Answer(const Request& request) {
   if (!IsSafe(request.method)) {
     if (Status same = CheckSameSite(request); !same.ok()) {
       Response refused = ErrorResponse(same);
+      const LogRequest logged(request.id);
       NoteForbidden(call, route, refused);
       co_return refused;
     }
@@ -233,7 +268,10 @@ asio::awaitable<Response> Api::Asynchronous(Call& call, const Route& route) {
   AsyncHandler handler = std::get<AsyncHandler>(route.handler);
   // The session is looked up in the database, hence on a store's thread; the handler then waits on
   // its own for whatever it needs.
-  Result<auth::Identity> caller = co_await pool_->Run([&] { return Identify(call.request); });
+  Result<auth::Identity> caller = co_await pool_->Run([&] {
+    const LogRequest logged(call.request.id);
+    return Identify(call.request);
+  });
   if (!caller.ok()) co_return ErrorResponse(caller.status());
   call.caller = &*caller;
   Status allowed = CheckAllowed(call.request, route, *caller);
@@ -241,6 +279,7 @@ asio::awaitable<Response> Api::Asynchronous(Call& call, const Route& route) {
   if (allowed.ok()) co_return co_await handler(call, store_);
   Response refused = ErrorResponse(allowed);
   // A wrong password has been noted by who looked at it.
+  const LogRequest logged(call.request.id);
   NoteForbidden(call, route, refused);
   co_return refused;
 }
@@ -255,6 +294,7 @@ void Api::NoteForbidden(const Call& call, const Route& route, const Response& re
 }
 
 Response Api::Blocking(Call& call, const Route& route) {
+  const LogRequest logged(call.request.id);
   // Whoever asked was told that it was not done, and may have asked again.
   if (std::chrono::steady_clock::now() >= call.request.answer_by) return NotInTime(call.request);
   try {

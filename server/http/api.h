@@ -61,12 +61,8 @@ class Api : public std::enable_shared_from_this<Api> {
   // afterwards. Requires: no Handle runs any more.
   void EndWork();
 
-  // Answers so far by the first digit of their status (index 1 to 5), how long reads (GET,
-  // HEAD) took from the whole request to the answer, and requests without the right to them.
-  const std::array<std::atomic<uint64_t>, 6>& answers() const { return answers_; }
-  const ops::Histogram& reads() const { return reads_; }
-  const auth::DoorCounts& door() const { return authenticator_.counts(); }
-  uint64_t forbidden() const { return forbidden_; }
+  // Answers, sign-ins and reads.
+  void AddFigures(ops::MetricsText& text) const;
 
  private:
   struct Work;

@@ -271,7 +271,10 @@ class StreamConnection : public AcceptedConnection,
     auto end = Clock::now() + deadlines().events;
     auto last_sent = Clock::now();
     auto last_allowed = Clock::now();
-    while (open && !stopping_ && Clock::now() < end) {
+    const auto over = [&] {
+      return stopping_ || (response.school_ended && *response.school_ended);
+    };
+    while (open && !over() && Clock::now() < end) {
       // Taken as late as possible, right before it is sent: what came in between has replaced it.
       EventSource::Event event = response.events->Take();
       std::string text = TextOf(event, Clock::now() - last_sent > kEventSilence);

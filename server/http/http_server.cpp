@@ -59,31 +59,9 @@ void HttpServer::State::AddFigures() {
   context->options.metrics->Add([weak = weak_from_this()](ops::MetricsText& text) {
     auto self = weak.lock();
     if (!self) return;
-    const Api& api = *self->context->api;
     text.Gauge("enamel_http_connections", "Open page and API connections.",
                static_cast<double>(self->listener.open()));
-    constexpr std::string_view kKinds[] = {"1xx", "2xx", "3xx", "4xx", "5xx"};
-    for (size_t i = 1; i <= std::size(kKinds); ++i) {
-      text.Counter("enamel_http_answers_total", "API answers by kind of status.",
-                   static_cast<double>(api.answers()[i].load()), {{"status", kKinds[i - 1]}});
-    }
-    const auth::DoorCounts& door = api.door();
-    const std::pair<std::string_view, const std::atomic<uint64_t>*> kOutcomes[] = {
-        {"signed_in", &door.signed_in},
-        {"refused", &door.refused},
-        {"throttled", &door.throttled},
-        {"busy", &door.busy}};
-    for (const auto& [outcome, count] : kOutcomes) {
-      text.Counter("enamel_sign_ins_total",
-                   "Sign-ins at page and stations, and passwords asked for again, by outcome.",
-                   static_cast<double>(count->load()), {{"outcome", outcome}});
-    }
-    text.Counter("enamel_sign_outs_total", "Sign-outs at the page.",
-                 static_cast<double>(door.signed_out.load()));
-    text.Counter("enamel_http_forbidden_total", "API requests without the right to them.",
-                 static_cast<double>(api.forbidden()));
-    text.Durations("enamel_http_read_seconds", "API reads, from the whole request to the answer.",
-                   api.reads().counts());
+    self->context->api->AddFigures(text);
   });
 }
 

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,6 +20,15 @@
 #include "server/storage/store.h"
 
 namespace enamel::server::http {
+
+class Api;
+
+// Another school that this server's page is for, under host names of its own.
+struct OtherSchool {
+  std::shared_ptr<Api> api;                        // null: it is not served now
+  bool suspended = false;                          // that is why
+  std::shared_ptr<const std::atomic<bool>> ended;  // Request::school_ended
+};
 
 struct TlsFiles {
   std::filesystem::path certificate_chain;  // PEM, the server's own first
@@ -53,6 +64,9 @@ struct HttpOptions {
   // Names the page may be asked for under, lower case, without port. Empty: 127.0.0.1, localhost
   // and [::1]; required when `address` is not loopback, and behind a proxy.
   std::vector<std::string> host_names;
+  // Whose a host name is (lower case, without port) that is none of `host_names`; none: nobody's. From any thread; must
+  // not block.
+  std::function<std::optional<OtherSchool>(const std::string& host)> other_schools;
   // For one more, the one of those that wait for a request, or do not take an answer, is closed
   // that came first from the address that has the most of them; when there is none, the one more is
   // closed with 503. Viewers of live streams are not closed for it.

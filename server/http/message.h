@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <map>
@@ -26,6 +27,9 @@ struct Request {
   std::string body;
   std::string peer;  // IP address
   bool tls = false;
+  std::string id;  // what the log calls it (LogRequest); the answer's X-Request-Id
+  // Its school, which lives as long as anybody holds this: true once it is no longer served. Null: the server's own.
+  std::shared_ptr<const std::atomic<bool>> school_ended;
   // Nobody waits for the answer after it.
   std::chrono::steady_clock::time_point answer_by = std::chrono::steady_clock::time_point::max();
 
@@ -56,6 +60,7 @@ struct Response {
   std::vector<std::pair<std::string, std::string>> headers;
   std::string refusal;                  // the error's code, when this is one; for the server itself
   std::shared_ptr<EventSource> events;  // instead of a body; the connection ends with them
+  std::shared_ptr<const std::atomic<bool>> school_ended;  // the request's
 
   std::string_view Body() const { return shared_body ? *shared_body : body; }
 };

@@ -3,6 +3,7 @@
 #include <boost/asio/ip/address.hpp>
 #include <utility>
 
+#include "common/base/log_request.h"
 #include "server/http/error_response.h"
 #include "server/http/site.h"
 
@@ -46,22 +47,55 @@ ServerContext::ServerContext(HttpOptions given, Store& store, auth::Authenticato
   api->Enrol(options.station_fingerprint);
 }
 
+namespace {
+
+constexpr const char* kRequestIdHeader = "X-Request-Id";
+
+// The proxy's, so that its log and ours name it alike; others' own would let them choose what our log says.
+std::string IdOf(const Request& request, bool from_proxy) {
+  const std::string_view given = request.Header("x-request-id");
+  return from_proxy && LogRequest::IsId(given) ? std::string(given) : LogRequest::NewId();
+}
+
+}  // namespace
+
 void ServerContext::NoteRefusal(const std::string& peer, const std::string& reason) {
   refusals.Note({"a peer at " + peer, reason.substr(0, reason.find(' ')), reason});
 }
 
 asio::awaitable<Response> ServerContext::Answer(Request request) {
-  // Before the host names: until then the peer is the proxy, and the log would blame it.
-  if (!options.trusted_proxies.empty() && request.path != kHealthPath) {
-    const std::string peer = request.peer;
-    if (Status known = TakeFromProxy(options.trusted_proxies, request); !known.ok()) {
-      NoteRefusal(peer, "403 " + known.message());
-      co_return ErrorResponse(known);
-    }
+  Status known;
+  const std::string peer = request.peer;
+  const bool proxied = !options.trusted_proxies.empty() && request.path != kHealthPath;
+  if (proxied) known = TakeFromProxy(options.trusted_proxies, request);
+  const std::string id = request.id = IdOf(request, proxied && known.ok());
+  Response response;
+  if (known.ok()) {
+    response = co_await AnswerKnown(std::move(request));
+  } else {
+    const LogRequest logged(id);
+    NoteRefusal(peer, "403 " + known.message());
+    response = ErrorResponse(known);
+  }
+  response.headers.emplace_back(kRequestIdHeader, id);
+  co_return response;
+}
+
+asio::awaitable<Response> ServerContext::AnswerKnown(Request request) {
+  std::shared_ptr<Api> asked = api;
+  std::optional<OtherSchool> other;
+  const bool own = HostAllowed(request.Header("host"), options.host_names);
+  if (!own && options.other_schools) {
+    other = options.other_schools(HostNameOf(request.Header("host")));
+  }
+  if (other) {
+    asked = other->api;
+    request.school_ended = other->ended;
   }
   // Against DNS rebinding: somebody else's name that points here gets no answer that its page could
   // read.
-  if (!HostAllowed(request.Header("host"), options.host_names)) {
+  if (!own && !other) {
+    const LogRequest logged(request.id);
     NoteRefusal(request.peer, "421 the host it asked for is not one of this server's names");
     co_return ErrorResponse(421, "misdirected",
                             "expected a host name of this server, found " +
@@ -69,7 +103,13 @@ asio::awaitable<Response> ServerContext::Answer(Request request) {
                                 "; open the page under its own address",
                             "host");
   }
-  if (Api::Owns(request.path)) co_return co_await api->Handle(std::move(request));
+  if (Api::Owns(request.path) && !asked) {
+    co_return ErrorResponse(
+        {Code::kUnavailable, other->suspended
+                                 ? "this school is suspended; ask who runs the server"
+                                 : "this school cannot be reached at the moment; try again later"});
+  }
+  if (Api::Owns(request.path)) co_return co_await asked->Handle(std::move(request));
   if (files) co_return files->Serve(request);
   co_return ErrorResponse(Status{Code::kNotFound,
                                  "this server was started without the page; start it with --web "

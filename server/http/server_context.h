@@ -25,7 +25,7 @@ struct ServerContext {
   Status Prepare();
 
   // The answer to a request as it came from a connection: of the proxy's rules and the host names,
-  // then of the API or the page.
+  // then of the API or the page. Names the request (Request::id).
   boost::asio::awaitable<Response> Answer(Request request);
 
   // `reason` begins with the HTTP status, which alone tells refusals apart: what follows may be
@@ -42,6 +42,9 @@ struct ServerContext {
 
   const std::shared_ptr<Api> api;
   ops::RefusalLog refusals{"page"};
+
+ private:
+  boost::asio::awaitable<Response> AnswerKnown(Request request);
 };
 
 }  // namespace enamel::server::http

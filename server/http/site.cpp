@@ -58,8 +58,10 @@ std::string_view Trim(std::string_view text) {
 
 }  // namespace
 
+std::string HostNameOf(std::string_view host_header) { return ToLower(HostName(host_header)); }
+
 bool HostAllowed(std::string_view host_header, const std::vector<std::string>& allowed) {
-  std::string name = ToLower(HostName(host_header));
+  const std::string name = HostNameOf(host_header);
   return !name.empty() && std::find(allowed.begin(), allowed.end(), name) != allowed.end();
 }
 

@@ -13,6 +13,9 @@
 // browser. Pure functions; any thread. Source: OWASP ASVS 5.0, Fetch Metadata.
 namespace enamel::server::http {
 
+// In lower case, without port; empty: the header names no host.
+std::string HostNameOf(std::string_view host_header);
+
 // True when the Host header names one of `allowed` (lower case, without port; IPv6 in brackets): a
 // page of another name that was made to resolve to this address (DNS rebinding) is no page of ours.
 bool HostAllowed(std::string_view host_header, const std::vector<std::string>& allowed);

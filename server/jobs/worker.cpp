@@ -146,13 +146,18 @@ bool Worker::MakeNextTimeline(const TimelineParts& store, const std::stop_token&
   auto attempt = store.timelines().TakeTimeline();
   // What is wrong with the database is said when the queue is asked.
   if (!attempt.ok() || !*attempt) return false;
-  auto asked = std::chrono::steady_clock::now();
+  auto asked = std::chrono::steady_clock::now(), kept = asked;
   const auto nobody_waits = [&](double) {
     if (stop.stop_requested()) return false;
     // Not at every chunk: the database has better things to do.
     const auto now = std::chrono::steady_clock::now();
     if (now - asked < kLookAtQueue) return true;
     asked = now;
+    if (now - kept >= options_.heartbeat) {
+      kept = now;
+      // At worst another server makes the same.
+      (void)store.timelines().KeepTimeline(**attempt);
+    }
     auto queued = store_.jobs().FindJobs({"queued", {}, {}, 1});
     return queued.ok() && queued->empty();
   };

@@ -74,6 +74,18 @@ bool LiveBoard::Watched(const Uuid& attempt) const {
   return state_->channels.contains(attempt);
 }
 
+std::map<Uuid, std::optional<LiveSample>> LiveBoard::WatchedNow() const {
+  std::map<Uuid, std::optional<LiveSample>> out;
+  if (state_->watches == 0) return out;
+  MutexLock lock(state_->mutex);
+  for (const auto& [attempt, channel] : state_->channels) {
+    if (channel.ended) continue;
+    auto at = state_->latest.find(attempt);
+    out[attempt] = at == state_->latest.end() ? std::nullopt : std::optional(at->second);
+  }
+  return out;
+}
+
 std::unique_ptr<LiveWatch> LiveBoard::Watch(const Uuid& attempt) {
   MutexLock lock(state_->mutex);
   if (state_->watches >= kMaxWatches) return nullptr;

@@ -49,6 +49,8 @@ class LiveBoard {
   std::optional<LiveSample> Latest(const Uuid& attempt) const;
   // Somebody watches it: what Put gets is worth making.
   bool Watched(const Uuid& attempt) const;
+  // All that somebody watches and that is not over, with the latest that is known of it.
+  std::map<Uuid, std::optional<LiveSample>> WatchedNow() const;
   // None when there are kMaxWatches already. May outlive the board.
   std::unique_ptr<LiveWatch> Watch(const Uuid& attempt);
 

@@ -8,7 +8,8 @@ namespace {
 
 constexpr int64_t kMinuteMs = 60'000;
 
-bool IsOpen(const SentRemark& sent) { return sent.state != RemarkState::kShown; }
+constexpr auto IsOpen = [](const auto& known) { return known.remark.state != RemarkState::kShown; };
+constexpr auto IdOf = [](const auto& known) { return known.remark.id; };
 
 }  // namespace
 
@@ -22,10 +23,8 @@ Status RemarkBoard::Admit(const Uuid& attempt, UnixMs now_ms) const {
                                        " remarks that the station has not shown yet, there are " +
                                        std::to_string(waiting) + "; wait until it has");
   }
-  const auto recent =
-      static_cast<size_t>(std::ranges::count_if(at->second, [&](const SentRemark& sent) {
-        return now_ms - sent.remark.sent_unix_ms < kMinuteMs;
-      }));
+  const auto recent = static_cast<size_t>(std::ranges::count_if(
+      at->second, [&](const Known& known) { return now_ms - known.remark.sent_ms < kMinuteMs; }));
   if (recent < kMostAMinute) return Status::Ok();
   return Status(Code::kUnavailable,
                 "expected at most " + std::to_string(kMostAMinute) +
@@ -34,23 +33,23 @@ Status RemarkBoard::Admit(const Uuid& attempt, UnixMs now_ms) const {
                 "throttled");
 }
 
-SentRemark RemarkBoard::Send(const Uuid& attempt, std::string text, std::string from, uint64_t tick,
-                             UnixMs now_ms) {
+void RemarkBoard::Put(const ChairRemark& remark) {
   MutexLock lock(mutex_);
-  auto& sent = sent_[attempt];
-  // Time, so that one sent after a restart of the server is not taken for one shown before it.
-  auto id = static_cast<uint64_t>(std::max<UnixMs>(now_ms, 1));
-  if (!sent.empty()) id = std::max(id, sent.back().remark.id + 1);
-  sent.push_back({{id, std::move(text), std::move(from), now_ms}, tick, RemarkState::kWaiting, 0});
-  const SentRemark out = sent.back();
+  auto& sent = sent_[remark.attempt];
+  const auto at = std::ranges::lower_bound(sent, remark.id, {}, IdOf);
+  if (at == sent.end() || IdOf(*at) != remark.id) {
+    sent.insert(at, {remark, remark.state});
+  } else {
+    at->stored = remark.state;
+    if (at->remark.state < remark.state) at->remark = remark;
+  }
   if (sent.size() > kMostKept) sent.pop_front();
   if (sent_.size() > kMostAttempts) {
     // A search through all of them, only when there is one attempt too many.
     sent_.erase(std::ranges::min_element(
-        sent_, {}, [](const auto& entry) { return entry.second.back().remark.id; }));
+        sent_, {}, [](const auto& entry) { return IdOf(entry.second.back()); }));
   }
   attempts_ = sent_.size();
-  return out;
 }
 
 std::vector<protocol::Remark> RemarkBoard::Take(const Uuid& attempt) {
@@ -59,10 +58,11 @@ std::vector<protocol::Remark> RemarkBoard::Take(const Uuid& attempt) {
   MutexLock lock(mutex_);
   const auto at = sent_.find(attempt);
   if (at == sent_.end()) return out;
-  for (SentRemark& sent : at->second) {
-    if (!IsOpen(sent) || out.size() >= kMostWaiting) continue;
-    sent.state = RemarkState::kSent;
-    out.push_back(sent.remark);
+  for (Known& known : at->second) {
+    if (!IsOpen(known) || out.size() >= kMostWaiting) continue;
+    ChairRemark& remark = known.remark;
+    remark.state = RemarkState::kSent;
+    out.push_back({remark.id, remark.text, remark.from, remark.sent_ms});
   }
   return out;
 }
@@ -72,11 +72,11 @@ void RemarkBoard::Shown(const Uuid& attempt, uint64_t id, UnixMs now_ms) {
   MutexLock lock(mutex_);
   const auto at = sent_.find(attempt);
   if (at == sent_.end()) return;
-  for (SentRemark& sent : at->second) {
+  for (Known& known : at->second) {
     // One that was never on its way cannot have been shown, whatever the station says.
-    if (sent.remark.id > id || sent.state != RemarkState::kSent) continue;
-    sent.state = RemarkState::kShown;
-    sent.shown_ms = now_ms;
+    if (known.remark.id > id || known.remark.state != RemarkState::kSent) continue;
+    known.remark.state = RemarkState::kShown;
+    known.remark.shown_ms = now_ms;
   }
 }
 
@@ -87,11 +87,44 @@ void RemarkBoard::Remove(const Uuid& attempt) {
   attempts_ = sent_.size();
 }
 
-std::vector<SentRemark> RemarkBoard::Of(const Uuid& attempt) const {
+std::vector<ChairRemark> RemarkBoard::Of(const Uuid& attempt) const {
+  std::vector<ChairRemark> out;
   MutexLock lock(mutex_);
   const auto at = sent_.find(attempt);
-  if (at == sent_.end()) return {};
-  return {at->second.begin(), at->second.end()};
+  if (at == sent_.end()) return out;
+  for (const Known& known : at->second) out.push_back(known.remark);
+  return out;
+}
+
+std::vector<ChairRemark> RemarkBoard::Moved() const {
+  std::vector<ChairRemark> out;
+  if (attempts_ == 0) return out;
+  MutexLock lock(mutex_);
+  for (const auto& [attempt, all] : sent_) {
+    for (const Known& known : all) {
+      if (known.stored < known.remark.state) out.push_back(known.remark);
+    }
+  }
+  return out;
+}
+
+void RemarkBoard::Stored(const std::vector<ChairRemark>& moved) {
+  MutexLock lock(mutex_);
+  for (const ChairRemark& remark : moved) {
+    const auto attempt = sent_.find(remark.attempt);
+    if (attempt == sent_.end()) continue;
+    const auto at = std::ranges::lower_bound(attempt->second, remark.id, {}, IdOf);
+    if (at != attempt->second.end() && IdOf(*at) == remark.id) at->stored = remark.state;
+  }
+}
+
+void RemarkBoard::KeepOnly(const std::set<Uuid>& attempts, UnixMs since_ms) {
+  if (attempts_ == 0) return;
+  MutexLock lock(mutex_);
+  std::erase_if(sent_, [&](const auto& entry) {
+    return !attempts.contains(entry.first) && entry.second.back().remark.sent_ms < since_ms;
+  });
+  attempts_ = sent_.size();
 }
 
 }  // namespace enamel::server

@@ -3,7 +3,7 @@
 #include <atomic>
 #include <deque>
 #include <map>
-#include <optional>
+#include <set>
 #include <vector>
 
 #include "common/base/mutex.h"
@@ -12,18 +12,8 @@
 
 namespace enamel::server {
 
-// How far a remark to the chair has come.
-enum class RemarkState { kWaiting, kSent, kShown };
-
-struct SentRemark {
-  protocol::Remark remark;
-  uint64_t tick = 0;  // of the attempt, when it was sent
-  RemarkState state = RemarkState::kWaiting;
-  UnixMs shown_ms = 0;  // when the station said so; 0: it has not
-};
-
 // What is said to the chairs while attempts are made, until their stations have shown it
-// (schemas/wire/README.md, "Remarks"). In memory: what was sent is kept as an annotation elsewhere.
+// (schemas/wire/README.md, "Remarks"). In memory; BoardKeeper keeps it in step with the store.
 //
 // Bounded: at most kMostWaiting remarks of an attempt wait, kMostKept are known, and
 // kMostAMinute sent within a minute; of kMostAttempts attempts (the one silent longest goes first).
@@ -38,9 +28,9 @@ class RemarkBoard {
   // Whether one more may be sent to this attempt now. Errors: kConflict (kMostWaiting are not shown
   // yet), kUnavailable with field "throttled" (kMostAMinute).
   Status Admit(const Uuid& attempt, UnixMs now_ms) const;
-  // Whatever Admit says: several senders may have been admitted at once.
-  SentRemark Send(const Uuid& attempt, std::string text, std::string from, uint64_t tick,
-                  UnixMs now_ms);
+  // As the store has it; one that is here and has come further stays as it is. Whatever Admit says: several
+  // senders may have been admitted at once.
+  void Put(const ChairRemark& remark);
   // Those not known to be shown, oldest first, at most kMostWaiting: they are on their way now.
   std::vector<protocol::Remark> Take(const Uuid& attempt);
   // The station has shown this one and all before it; 0: none.
@@ -48,13 +38,24 @@ class RemarkBoard {
   // The attempt is over.
   void Remove(const Uuid& attempt);
   // Oldest first.
-  std::vector<SentRemark> Of(const Uuid& attempt) const;
+  std::vector<ChairRemark> Of(const Uuid& attempt) const;
+  // Those that have come further than the store has them.
+  std::vector<ChairRemark> Moved() const;
+  // The store has these now.
+  void Stored(const std::vector<ChairRemark>& moved);
+  // Removes the attempts that are not among these and to which nothing was said since then.
+  void KeepOnly(const std::set<Uuid>& attempts, UnixMs since_ms);
 
  private:
+  struct Known {
+    ChairRemark remark;
+    RemarkState stored = RemarkState::kWaiting;
+  };
+
   // Most of the time nobody says anything: then a chunk is not worth a lock that all stations share.
   std::atomic<size_t> attempts_{0};  // changed under mutex_
   mutable Mutex mutex_;
-  std::map<Uuid, std::deque<SentRemark>> sent_ ENAMEL_GUARDED_BY(mutex_);  // none is empty
+  std::map<Uuid, std::deque<Known>> sent_ ENAMEL_GUARDED_BY(mutex_);  // none is empty; by id
 };
 
 }  // namespace enamel::server

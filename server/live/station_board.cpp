@@ -32,15 +32,36 @@ std::unique_ptr<StationBoard::Connection> StationBoard::Enter(const Uuid& statio
 
 bool StationBoard::Connected(const Uuid& station) const {
   MutexLock lock(state_->mutex);
-  const auto found = state_->stations.find(station);
-  return found != state_->stations.end() && found->second.connections > 0;
+  const auto here = state_->stations.find(station);
+  return (here != state_->stations.end() && here->second.connections > 0) ||
+         state_->elsewhere.contains(station);
 }
 
 bool StationBoard::ShowsRemarks(const Uuid& station) const {
   MutexLock lock(state_->mutex);
-  const auto found = state_->stations.find(station);
-  return found != state_->stations.end() && found->second.connections > 0 &&
-         found->second.shows_remarks;
+  const auto here = state_->stations.find(station);
+  if (here != state_->stations.end() && here->second.connections > 0 &&
+      here->second.shows_remarks) {
+    return true;
+  }
+  const auto elsewhere = state_->elsewhere.find(station);
+  return elsewhere != state_->elsewhere.end() && elsewhere->second;
+}
+
+std::vector<StationLink> StationBoard::Here() const {
+  std::vector<StationLink> out;
+  MutexLock lock(state_->mutex);
+  for (const auto& [station, about] : state_->stations) {
+    if (about.connections > 0) out.push_back({station, about.shows_remarks});
+  }
+  return out;
+}
+
+void StationBoard::SetElsewhere(const std::vector<StationLink>& elsewhere) {
+  std::map<Uuid, bool> all;
+  for (const StationLink& link : elsewhere) all.emplace(link.station, link.shows_remarks);
+  MutexLock lock(state_->mutex);
+  state_->elsewhere.swap(all);
 }
 
 UnixMs StationBoard::HeardMs(const Uuid& station) const {

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <map>
 #include <memory>
+#include <vector>
 
 #include "common/base/mutex.h"
 #include "server/live/remark_board.h"
@@ -10,7 +11,8 @@
 
 namespace enamel::server {
 
-// Which stations are connected now, when each was heard last, and what is said to their chairs.
+// Which stations are connected now, when each was heard last, and what is said to their chairs. Of those that are
+// connected to another server BoardKeeper says so.
 // Bounded by the number of enrolled stations. Thread safety: any thread.
 class StationBoard {
   struct About {
@@ -21,6 +23,7 @@ class StationBoard {
   struct State {
     Mutex mutex;
     std::map<Uuid, About> stations ENAMEL_GUARDED_BY(mutex);
+    std::map<Uuid, bool> elsewhere ENAMEL_GUARDED_BY(mutex);  // whether it shows remarks
   };
 
  public:
@@ -43,11 +46,17 @@ class StationBoard {
   // `shows_remarks`: it has somebody to show remarks to (Hello).
   std::unique_ptr<Connection> Enter(const Uuid& station, bool shows_remarks = false);
 
+  // Here or elsewhere.
   bool Connected(const Uuid& station) const;
-  // Connected, and by its newest connection.
+  // Connected, and by its newest connection to a server.
   bool ShowsRemarks(const Uuid& station) const;
   // When it said something last, since this server began; 0: it has not.
   UnixMs HeardMs(const Uuid& station) const;
+
+  // Those that are connected here, by id.
+  std::vector<StationLink> Here() const;
+  // Those that are connected to other servers, in the place of what was said before.
+  void SetElsewhere(const std::vector<StationLink>& elsewhere);
 
   RemarkBoard& remarks() { return remarks_; }
   const RemarkBoard& remarks() const { return remarks_; }

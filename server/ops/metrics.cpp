@@ -9,6 +9,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "common/base/unix_time.h"
+
 namespace enamel::server::ops {
 namespace {
 
@@ -47,7 +49,7 @@ size_t OpenFiles() {
 }
 
 // Before main: as near to the start of the process as this program can tell.
-const auto kStarted = std::chrono::system_clock::now();
+const auto kStarted = std::chrono::steady_clock::now();
 
 }  // namespace
 
@@ -134,7 +136,12 @@ std::string Metrics::Text() const {
 }
 
 int64_t ProcessStartedMs() {
-  return std::chrono::duration_cast<std::chrono::milliseconds>(kStarted.time_since_epoch()).count();
+  // Once, so that it stays what it is: by the clock that other times are by (common/base/unix_time.h).
+  static const int64_t started_ms =
+      UnixMs() - std::chrono::duration_cast<std::chrono::milliseconds>(
+                     std::chrono::steady_clock::now() - kStarted)
+                     .count();
+  return started_ms;
 }
 
 void AddProcess(MetricsText& text) {
@@ -149,7 +156,7 @@ void AddProcess(MetricsText& text) {
              static_cast<double>(resident) * page_bytes);
   text.Gauge("process_open_fds", "Open file descriptors.", static_cast<double>(OpenFiles()));
   text.Gauge("process_start_time_seconds", "When the process started, Unix time.",
-             std::chrono::duration<double>(kStarted.time_since_epoch()).count());
+             static_cast<double>(ProcessStartedMs()) / 1000);
 }
 
 }  // namespace enamel::server::ops

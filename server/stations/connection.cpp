@@ -26,8 +26,8 @@ bool IsOurFault(const wire::Error& error) {
 }  // namespace
 
 Connection::Connection(asio::ip::tcp::socket socket, Strand strand, std::string peer, SSL_CTX* tls,
-                       const LinkDeadlines& deadlines, Services& services, StorePool& pool,
-                       ops::RefusalLog& refusals)
+                       const LinkDeadlines& deadlines, Services& services, OtherSchools* others,
+                       StorePool& pool, ops::RefusalLog& refusals)
     : strand_(std::move(strand)),
       deadlines_(deadlines),
       pool_(pool),
@@ -38,7 +38,8 @@ Connection::Connection(asio::ip::tcp::socket socket, Strand strand, std::string 
       reader_(protocol::kMaxFrameBytesBeforeHello),
       peer_(std::move(peer)),
       block_(auth::AddressBlock(peer_)),
-      session_(services, peer_) {}
+      own_(services),
+      others_(others) {}
 
 void Connection::Run(std::function<void()> on_end) {
   auto self = shared_from_this();
@@ -65,6 +66,14 @@ void Connection::BeginStop() {
 void Connection::EndIfRevoked(std::shared_ptr<const std::set<Uuid>> revoked) {
   asio::post(strand_, [self = shared_from_this(), revoked] {
     if (self->station_ && revoked->contains(*self->station_)) self->End(RevokedStation());
+  });
+}
+
+void Connection::EndUnlessServed(std::shared_ptr<const std::set<const Services*>> served) {
+  asio::post(strand_, [self = shared_from_this(), served] {
+    if (!self->services_ || served->contains(self->services_.get())) return;
+    self->End(
+        Status(Code::kUnavailable, "this school is suspended; nothing is lost, come back later"));
   });
 }
 
@@ -112,10 +121,11 @@ asio::awaitable<void> Connection::Serve() {
   if (io == Io::kEnded) co_return;
   co_await ServeRequests();
   // People's sessions end with the cable, and not by their idle time half an hour later.
-  if (session_.has_sign_ins()) {
+  if (session_ && session_->has_sign_ins()) {
     Allow(deadlines_.work);
     co_await pool_.Run([this] {
-      session_.End();
+      const LogRequest logged(id_);
+      session_->End();
       return true;
     });
   }
@@ -145,9 +155,15 @@ asio::awaitable<void> Connection::ServeRequests() {
     }
     // From here on the idle and frame deadlines hold; until here one deadline covered everything.
     introduced_ = true;
+    if (!session_) {
+      if (Status found = co_await FindSchool(*request); !found.ok()) {
+        co_await Refuse(found);
+        co_return;
+      }
+    }
     Answer answer = co_await Carry(*request);
-    if (session_.welcomed() && !station_) {
-      station_ = session_.station()->id;
+    if (session_->welcomed() && !station_) {
+      station_ = session_->station()->id;
       welcomed_ = true;
       reader_.set_limit(protocol::kMaxFrameBytes);
     }
@@ -158,19 +174,43 @@ asio::awaitable<void> Connection::ServeRequests() {
   }
 }
 
+asio::awaitable<Status> Connection::FindSchool(const wire::Request& first) {
+  if (others_ != nullptr) {
+    Allow(deadlines_.work);
+    auto found = co_await pool_.Run([&] {
+      const LogRequest logged(id_);
+      return others_->ServicesOf(first);
+    });
+    if (!found.ok()) co_return found.status();
+    services_ = std::move(*found);
+  }
+  session_.emplace(services_ ? *services_ : own_, peer_);
+  co_return Status::Ok();
+}
+
 asio::awaitable<Answer> Connection::Carry(const wire::Request& request) {
   Allow(deadlines_.work);
-  if (session_.IsQuick(request)) {
+  if (session_->IsQuick(request)) {
     // A turn for the other connections: quick requests could come without an end.
     co_await asio::post(strand_, asio::use_awaitable);
-    co_return session_.Handle(request);
+    co_return session_->Handle(request);
   }
-  if (auto who = session_.SignInWanted(request)) {
-    auto signed_in = co_await session_.authenticator().SignIn(std::move(*who));
+  if (auto who = session_->SignInWanted(request)) {
+    auto signed_in = co_await session_->authenticator().SignIn(std::move(*who));
     // Hashing has its own threads (Authenticator); what follows asks the database.
-    co_return co_await pool_.Run([&] { return session_.FinishSignIn(request, signed_in); });
+    co_return co_await pool_.Run([&] {
+      const LogRequest logged(id_);
+      return session_->FinishSignIn(request, signed_in);
+    });
   }
-  co_return co_await pool_.Run([&] { return session_.Handle(request); });
+  const auto begin = Clock::now();
+  Answer answer = co_await pool_.Run([&] {
+    const LogRequest logged(id_);
+    return session_->Handle(request);
+  });
+  if (request.has_put_chunk())
+    (services_ ? *services_ : own_).arrivals.Answered(Clock::now() - begin);
+  co_return answer;
 }
 
 // kUnavailable: the connection ended. kTooLarge: the frame is over the limit.
@@ -222,7 +262,9 @@ asio::awaitable<bool> Connection::Write(wire::Reply reply) {
 
 void Connection::NoteRefusal(wire::Error& error) {
   std::string who = "a peer at " + peer_;
-  if (!session_.name().empty()) who = "station \"" + session_.name() + "\" at " + peer_;
+  if (session_ && !session_->name().empty())
+    who = "station \"" + session_->name() + "\" at " + peer_;
+  const LogRequest logged(id_);
   refusals_.Note({who, error.code() + "\n" + error.field(), error.code() + ": " + error.message()});
   if (IsOurFault(error)) {
     error.set_message("the server could not do this; its log says why; what was sent is not lost");

@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 
+#include "common/base/log_request.h"
 #include "common/protocol/frame.h"
 #include "server/net/listener.h"
 #include "server/ops/refusal_log.h"
@@ -24,8 +25,8 @@ class Connection : public AcceptedConnection, public std::enable_shared_from_thi
  public:
   // Requires: the socket runs on `strand`. `tls`, `deadlines` and what follows outlive it.
   Connection(boost::asio::ip::tcp::socket socket, Strand strand, std::string peer, SSL_CTX* tls,
-             const LinkDeadlines& deadlines, Services& services, StorePool& pool,
-             ops::RefusalLog& refusals);
+             const LinkDeadlines& deadlines, Services& services, OtherSchools* others,
+             StorePool& pool, ops::RefusalLog& refusals);
 
   void Run(std::function<void()> on_end) override;
   // The peer is told that the server stops.
@@ -36,6 +37,8 @@ class Connection : public AcceptedConnection, public std::enable_shared_from_thi
   const std::string& block() const override { return block_; }
   // As BeginStop, for a station that is one of these: it is told that it was revoked.
   void EndIfRevoked(std::shared_ptr<const std::set<Uuid>> revoked);
+  // As BeginStop, where another school serves it than these.
+  void EndUnlessServed(std::shared_ptr<const std::set<const Services*>> served);
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -46,6 +49,8 @@ class Connection : public AcceptedConnection, public std::enable_shared_from_thi
   boost::asio::awaitable<void> Watch();
   boost::asio::awaitable<Result<Bytes>> ReadFrame();
   boost::asio::awaitable<bool> Write(wire::Reply reply);
+  // Before the first request is carried out: which school's it is.
+  boost::asio::awaitable<Status> FindSchool(const wire::Request& first);
   boost::asio::awaitable<Answer> Carry(const wire::Request& request);
   boost::asio::awaitable<void> Refuse(Status status);
   // Says it in the log, and takes out of it what is for the log alone.
@@ -63,8 +68,13 @@ class Connection : public AcceptedConnection, public std::enable_shared_from_thi
   boost::asio::steady_timer watch_;  // wakes Watch, never later than the deadline
   protocol::FrameReader reader_;
   const std::string peer_, block_;
+  const std::string id_ = LogRequest::NewId();  // what the log calls all its requests
+  Services& own_;
+  OtherSchools* const others_;
   std::atomic<bool> welcomed_{false};
-  Session session_;
+  // Since the first request.
+  std::shared_ptr<Services> services_;
+  std::optional<Session> session_;
   bool introduced_ = false;         // a first message was read
   bool waiting_for_frame_ = false;  // for a frame's first byte
   std::optional<Status> ending_;    // why no further request is read

@@ -13,6 +13,7 @@
 #include "server/auth/authenticator.h"
 #include "server/live/live_board.h"
 #include "server/live/station_board.h"
+#include "server/stations/arrivals.h"
 #include "server/stations/content.h"
 #include "server/storage/parts.h"
 #include "server/training/ticket_rules.h"
@@ -43,6 +44,7 @@ struct Services {
   std::function<UnixMs()> clock;
   std::string page_url{};  // where people open the page (protocol::IsPageUrl); empty: not told
   StationBoard* board = nullptr;  // who is connected; none: nobody asks
+  Arrivals arrivals{};
 };
 
 // kUnauthenticated: what a station hears whose connection ends because it was revoked.
@@ -101,7 +103,6 @@ class Session {
   Result<wire::Reply> Do(const wire::ReturnTicket& request);
   Result<wire::Reply> Do(const wire::Ping& ping);
   void Take(const wire::LiveState& live);
-  void ShowLive(const trace::Chunk& chunk);
   // What is to be said at the chair of an attempt of this station's, which has shown it up to there.
   void AddRemarks(const Uuid& attempt, uint64_t shown,
                   google::protobuf::RepeatedPtrField<wire::Remark>& out);

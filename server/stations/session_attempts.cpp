@@ -4,6 +4,7 @@
 
 #include "common/scene/attempt_documents.h"
 #include "common/scene/json/json.h"
+#include "server/live/chunk_moments.h"
 #include "server/stations/session.h"
 #include "server/training/access.h"
 
@@ -320,8 +321,10 @@ Result<wire::Reply> Session::Do(const wire::PutChunk& request) {
   Store::ChunkPut put{chunk.head.attempt, chunk.head, chunk.hash, Bytes(bytes.begin(), bytes.end()),
                       services_.clock()};
   ENAMEL_RETURN_IF_ERROR(services_.store.ingest().AppendChunk(put));
+  services_.arrivals.Came(put.attempt, services_.clock());
   const bool watched = services_.live.Watched(put.attempt);
-  if (watched) ShowLive(chunk);
+  // Half a second late, of stations that send no LiveState.
+  if (watched) services_.live.Put(MomentsOf(chunk, station_->id, services_.clock()));
 
   wire::Reply reply;
   wire::ChunkAck& ack = *reply.mutable_chunk_ack();
@@ -355,30 +358,6 @@ Result<wire::Reply> Session::Do(const wire::Ping& ping) {
   return reply;
 }
 
-// Who watches sees what is committed too, half a second late, of stations that send no LiveState.
-void Session::ShowLive(const trace::Chunk& chunk) {
-  constexpr int32_t kAnchorPerUm = 100, kForcePerMn = 10;
-  // So many ticks of 1 kHz make LiveBoard::kRowsPerSecond rows. Counted from the chunk's end, so
-  // that the newest moment is among them.
-  const size_t step = std::max<size_t>(1, trace::kMaxTicksPerChunk / LiveBoard::kRowsPerSecond);
-  std::vector<LiveSample> samples;
-  for (size_t i = (chunk.ticks.size() - 1) % step; i < chunk.ticks.size(); i += step) {
-    const core::TickWitness& witness = chunk.ticks[i].witness;
-    LiveSample sample;
-    sample.attempt = chunk.head.attempt;
-    sample.station = station_->id;
-    sample.tick = chunk.head.first_tick + i;
-    for (size_t axis = 0; axis < 3; ++axis) {
-      sample.anchor_um[axis] = witness.anchor_10nm[axis] / kAnchorPerUm;
-      sample.force_mn[axis] = core::PressedForce_100un(witness)[axis] / kForcePerMn;
-    }
-    sample.flags = witness.flags;
-    sample.received_ms = services_.clock();
-    samples.push_back(sample);
-  }
-  services_.live.Put(samples);
-}
-
 Result<wire::Reply> Session::Do(const wire::SealAttempt& request) {
   ENAMEL_ASSIGN_OR_RETURN(auto attempt, protocol::ReadUuid(request.attempt(), "attempt"));
   ENAMEL_ASSIGN_OR_RETURN(auto last, protocol::ReadSha256(request.last_chunk(), "last_chunk"));
@@ -387,6 +366,7 @@ Result<wire::Reply> Session::Do(const wire::SealAttempt& request) {
   ENAMEL_RETURN_IF_ERROR(services_.store.ingest().SealAttempt(seal, services_.clock()));
   // After it is on disk: a viewer who sees the end finds the attempt sealed.
   services_.live.Remove(attempt);
+  services_.arrivals.Ended(attempt);
   if (services_.board != nullptr) services_.board->remarks().Remove(attempt);
   wire::Reply reply;
   reply.mutable_sealed()->set_attempt(request.attempt());

@@ -46,9 +46,11 @@ void AllowDescriptors() {
 }  // namespace
 
 struct StationServer::State : std::enable_shared_from_this<State> {
-  State(asio::io_context& io, StationServerOptions o, Services& s, StorePool& p)
+  State(asio::io_context& io, StationServerOptions o, Services& s, StorePool& p,
+        OtherSchools* other)
       : options(std::move(o)),
         services(s),
+        others(other),
         pool(p),
         listener(
             io,
@@ -63,12 +65,16 @@ struct StationServer::State : std::enable_shared_from_this<State> {
 
   std::shared_ptr<AcceptedConnection> Make(tcp::socket socket, Strand its, const std::string& peer);
   void NoteTurnedAway(const tcp::socket& socket, size_t open);
+  using Served = std::vector<std::shared_ptr<Services>>;
   asio::awaitable<void> WatchRevoked();
+  Result<std::set<Uuid>> Revoked(const Served& served);
+  void EndUnserved(const Served& served);
   void EndRevoked(std::set<Uuid> now);
   void StopOnStrand();
 
   const StationServerOptions options;
   Services& services;
+  OtherSchools* const others;
   StorePool& pool;
   std::shared_ptr<asio::ssl::context> tls;  // constant after Start
   ops::RefusalLog refusals{"station link"};
@@ -85,7 +91,7 @@ struct StationServer::State : std::enable_shared_from_this<State> {
 std::shared_ptr<AcceptedConnection> StationServer::State::Make(tcp::socket socket, Strand its,
                                                                const std::string& peer) {
   return std::make_shared<Connection>(std::move(socket), std::move(its), peer, tls->native_handle(),
-                                      options.deadlines, services, pool, refusals);
+                                      options.deadlines, services, others, pool, refusals);
 }
 
 void StationServer::State::NoteTurnedAway(const tcp::socket& socket, size_t open) {
@@ -100,9 +106,32 @@ asio::awaitable<void> StationServer::State::WatchRevoked() {
     error_code ignored;
     co_await next_look.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
     if (stopping || listener.open() == 0) continue;
-    auto now = co_await pool.Run([this] { return services.store.stations().RevokedStations(); });
-    if (now.ok()) EndRevoked({now->begin(), now->end()});
+    const auto served = others != nullptr ? others->All() : Served{};
+    auto now = co_await pool.Run([&] { return Revoked(served); });
+    if (now.ok()) EndRevoked(std::move(*now));
+    // Read again: one may have been opened, and have a station already.
+    if (others != nullptr) EndUnserved(others->All());
   }
+}
+
+// Of the own school and these.
+Result<std::set<Uuid>> StationServer::State::Revoked(const Served& served) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto own, services.store.stations().RevokedStations());
+  std::set<Uuid> out(own.begin(), own.end());
+  for (const auto& other : served) {
+    // One that fails keeps no other school's from being told; what it says is in its log.
+    const auto theirs = other->store.stations().RevokedStations();
+    if (theirs.ok()) out.insert(theirs->begin(), theirs->end());
+  }
+  return out;
+}
+
+void StationServer::State::EndUnserved(const Served& served) {
+  auto all = std::make_shared<std::set<const Services*>>();
+  for (const auto& other : served) all->insert(other.get());
+  listener.ForEach([all](AcceptedConnection& connection) {
+    static_cast<Connection&>(connection).EndUnlessServed(all);  // Make made it
+  });
 }
 
 // Twice: a connection may just be saying Hello.
@@ -125,8 +154,8 @@ void StationServer::State::StopOnStrand() {
 }
 
 StationServer::StationServer(asio::io_context& io, StationServerOptions options, Services& services,
-                             StorePool& pool)
-    : state_(std::make_shared<State>(io, std::move(options), services, pool)) {}
+                             StorePool& pool, OtherSchools* others)
+    : state_(std::make_shared<State>(io, std::move(options), services, pool, others)) {}
 
 StationServer::~StationServer() { Stop(); }
 

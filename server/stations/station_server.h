@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common/base/result.h"
 #include "server/stations/session.h"
@@ -34,18 +35,30 @@ struct StationServerOptions {
   LinkDeadlines deadlines;
 };
 
+// The other schools whose stations come to the same link. Thread safety: any thread.
+class OtherSchools {
+ public:
+  virtual ~OtherSchools() = default;
+  // Whose the station is that says this first, or whose enrolment code it has; null: no other school's. May block.
+  // Errors: kUnavailable (it may be one that is suspended).
+  virtual Result<std::shared_ptr<Services>> ServicesOf(const wire::Request& first) = 0;
+  // Of all that are served now. A connection to one that is no longer among them ends.
+  virtual std::vector<std::shared_ptr<Services>> All() = 0;
+};
+
 // The station link: TLS 1.3, one coroutine on one strand per connection, which alone owns the
 // stream, its buffers and its Session. Requests are carried out in order, one at a time, and
 // answered before the next is read, so that at most one frame in and one frame out are held per
 // connection.
 //
-// Lifetime: services and pool outlive the server, the server outlives the running of `io`.
+// Lifetime: services, pool and other schools outlive the server, the server outlives the running of `io`.
 // Thread safety: Start once; Stop from any thread, any number of times; `io` may run on any number
 // of threads.
 class StationServer {
  public:
+  // `others`: null: it is one school's.
   StationServer(boost::asio::io_context& io, StationServerOptions options, Services& services,
-                StorePool& pool);
+                StorePool& pool, OtherSchools* others = nullptr);
   ~StationServer();
 
   // Listens; returns the port. From then on this process ignores SIGPIPE and may open as many files

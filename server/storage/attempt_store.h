@@ -48,6 +48,10 @@ class AttemptStore {
   virtual Result<std::vector<AttemptRow>> Attempts(const AttemptFilter& filter) = 0;
   virtual Result<Bytes> AttemptHeader(const Uuid& attempt) = 0;
   virtual Result<std::vector<Bytes>> AttemptChunks(const Uuid& attempt) = 0;
+  // Of an attempt being made: the chunks that are committed from number `from` on, in order; of more than
+  // `most` the newest. None once it is sealed.
+  virtual Result<std::vector<Bytes>> NewestChunks(const Uuid& attempt, uint32_t from,
+                                                  uint32_t most) = 0;
   virtual Result<trace::Seal> AttemptSeal(const Uuid& attempt) = 0;
   // What the job leaves: score JSON, final volume blob, page data (surface with deviation, force
   // series).

@@ -110,6 +110,17 @@ Result<DataKey> FolderKeyring::FindOrMake(const Uuid& person) {
   return key;
 }
 
+Status FolderKeyring::Put(const Uuid& person, const DataKey& key) {
+  std::lock_guard lock(mutex_);
+  if (HasTombstone(person)) {
+    return Status(Code::kConflict, "person " + person.Text() + " was erased");
+  }
+  std::error_code error;
+  if (fs::exists(KeyPath(person), error)) return Status::Ok();
+  ENAMEL_RETURN_IF_ERROR(disk_.MakeFolder(folder_));
+  return disk_.Replace(KeyPath(person), key.view());
+}
+
 Status FolderKeyring::Mark(const Tombstone& tombstone) {
   std::error_code error;
   if (fs::exists(GonePath(tombstone.person), error)) return Status::Ok();
@@ -137,7 +148,7 @@ Status FolderKeyring::Bury(const std::vector<Tombstone>& tombstones) {
   return Status::Ok();
 }
 
-Result<std::vector<Uuid>> FolderKeyring::People() const {
+Result<std::vector<Uuid>> FolderKeyring::People() {
   ENAMEL_ASSIGN_OR_RETURN(auto files, FilesOf(folder_));
   std::vector<Uuid> out;
   for (const fs::path& file : files) {
@@ -167,25 +178,9 @@ Result<std::vector<Tombstone>> FolderKeyring::Gone() {
   return out;
 }
 
-Status FolderKeyring::Join(FolderKeyring& other) {
+Status FolderKeyring::MirrorFrom(Keyring& other) {
   ENAMEL_RETURN_IF_ERROR(disk_.MakeFolder(folder_));
-  ENAMEL_ASSIGN_OR_RETURN(auto gone, other.Gone());
-  // First, so that no key comes in that was destroyed elsewhere.
-  ENAMEL_RETURN_IF_ERROR(Bury(gone));
-  ENAMEL_ASSIGN_OR_RETURN(auto theirs, other.People());
-  ENAMEL_ASSIGN_OR_RETURN(auto mine, People());
-  for (const Uuid& person : theirs) {
-    if (std::ranges::binary_search(mine, person)) continue;
-    ENAMEL_ASSIGN_OR_RETURN(auto key, other.Read(person));
-    ENAMEL_RETURN_IF_ERROR(disk_.Replace(KeyPath(person), key.view()));
-  }
-  // Those that only this ring knows as erased may have come with the other's keys.
-  ENAMEL_ASSIGN_OR_RETURN(auto all, Gone());
-  return Bury(all);
-}
-
-Status FolderKeyring::MirrorFrom(FolderKeyring& other) {
-  ENAMEL_RETURN_IF_ERROR(Join(other));
+  ENAMEL_RETURN_IF_ERROR(Join(*this, other));
   ENAMEL_ASSIGN_OR_RETURN(auto theirs, other.People());
   ENAMEL_ASSIGN_OR_RETURN(auto mine, People());
   for (const Uuid& person : mine) {

@@ -25,14 +25,13 @@ class FolderKeyring final : public Keyring {
   Result<bool> IsGone(const Uuid& person) override;
   // Errors: kStorage, kInvalidInput (a file that does not belong).
   Result<std::vector<Tombstone>> Gone() override;
+  // Errors: those of Gone.
+  Result<std::vector<Uuid>> People() override;
+  Status Put(const Uuid& person, const DataKey& key) override;
   Status Bury(const std::vector<Tombstone>& tombstones) override;
 
-  // Whose keys are here, in order. Errors: those of Gone.
-  Result<std::vector<Uuid>> People() const;
-  // Takes the other's keys and erasures besides those here.
-  Status Join(FolderKeyring& other);
-  // Join, and no keys but the other's.
-  Status MirrorFrom(FolderKeyring& other);
+  // Join (keyring.h), and no keys but the other's.
+  Status MirrorFrom(Keyring& other);
 
   const std::filesystem::path& folder() const { return folder_; }
 

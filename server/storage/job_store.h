@@ -63,7 +63,7 @@ class JobStore {
   virtual Status CancelJob(const Uuid& job, const Actor& by) = 0;
   // Of a run's attempt. Errors: kUnavailable with kLeaseOver: stop.
   virtual Status SetProgress(const Uuid& lease, double progress) = 0;
-  // `lease`: of the run that made it, whose cause is kept with it; zero: none did, the cause is
+  // `lease`: of the run that made it, whose cause is kept with it and whose job is done with it; zero: none did, the cause is
   // "seal". Errors also: kUnavailable with kLeaseOver.
   virtual Status FinishAttempt(const Uuid& attempt, const AttemptStore::AttemptResult& result,
                                const Uuid& lease) = 0;

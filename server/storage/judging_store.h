@@ -44,6 +44,7 @@ class JudgingStore {
   virtual Status RestoreResult(const Uuid& attempt, int32_t run, const Actor& by,
                                std::optional<int32_t> revision = {}) = 0;
 
+  // One to the chair gets a remark_id and waits for its station (LiveStore::ChairRemarks).
   virtual Result<AnnotationRow> AddAnnotation(const AnnotationRow& row, const Actor& by) = 0;
   // Text, tick and point of `row` count; `revision` as for drafts (content_store.h).
   virtual Result<AnnotationRow> ReplaceAnnotation(const AnnotationRow& row, const Actor& by) = 0;

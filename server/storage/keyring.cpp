@@ -3,45 +3,32 @@
 #include <sodium.h>
 
 #include <algorithm>
+#include <array>
+
+#include "server/storage/envelope.h"
 
 namespace enamel::server {
 namespace {
 
-constexpr char kMagic[] = {'E', 'N', 'P', 'D'};
+constexpr std::string_view kMagic = "ENPD";
 constexpr uint16_t kVersion = 1;
-constexpr size_t kHeadBytes = 4 + 2 + 2 + 16;
-constexpr size_t kNonceBytes = crypto_aead_xchacha20poly1305_ietf_NPUBBYTES;
-constexpr size_t kTagBytes = crypto_aead_xchacha20poly1305_ietf_ABYTES;
 // Sub-keys of a person's key (schemas/personal_data.md).
-constexpr char kContext[crypto_kdf_CONTEXTBYTES + 1] = "ENPDkeys";
+constexpr char kContext[] = "ENPDkeys";
 enum class SubKey : uint64_t { kCipher = 1, kNonce = 2 };
 
-static_assert(DataKey::kBytes == crypto_kdf_KEYBYTES);
-
-std::array<uint8_t, 32> Derive(const DataKey& key, SubKey which) {
-  std::array<uint8_t, 32> out{};
-  crypto_kdf_derive_from_key(out.data(), out.size(), static_cast<uint64_t>(which), kContext,
-                             key.view().data());
-  return out;
-}
-
-Bytes HeadOf(const Uuid& person) {
-  ByteWriter head;
-  head.Raw(AsBytes({kMagic, sizeof kMagic}));
-  head.U16(kVersion);
-  head.U16(0);
-  head.Raw(person.view());
-  return head.Take();
+DataKey Derive(const DataKey& key, SubKey which) {
+  return key.Derive(kContext, static_cast<uint64_t>(which));
 }
 
 // From key and content instead of at random: the same content gives the same bytes, so a trace
 // that is written again after a crash is the same blob; and no two contents share a nonce but by
 // a collision of 192 bits.
-std::array<uint8_t, kNonceBytes> NonceOf(const DataKey& key, const Uuid& attempt, ByteView data) {
-  std::array<uint8_t, kNonceBytes> nonce{};
-  auto nonce_key = Derive(key, SubKey::kNonce);
+std::array<uint8_t, kEnvelopeNonce> NonceOf(const DataKey& key, const Uuid& attempt,
+                                            ByteView data) {
+  std::array<uint8_t, kEnvelopeNonce> nonce{};
+  const DataKey nonce_key = Derive(key, SubKey::kNonce);
   crypto_generichash_state state;
-  crypto_generichash_init(&state, nonce_key.data(), nonce_key.size(), nonce.size());
+  crypto_generichash_init(&state, nonce_key.view().data(), nonce_key.view().size(), nonce.size());
   crypto_generichash_update(&state, attempt.bytes.data(), attempt.bytes.size());
   crypto_generichash_update(&state, data.data(), data.size());
   crypto_generichash_final(&state, nonce.data(), nonce.size());
@@ -50,43 +37,36 @@ std::array<uint8_t, kNonceBytes> NonceOf(const DataKey& key, const Uuid& attempt
 
 }  // namespace
 
-DataKey::DataKey(ByteView bytes) {
-  ENAMEL_CHECK(bytes.size() == DataKey::kBytes);
-  std::ranges::copy(bytes, bytes_.begin());
-}
-
-DataKey::~DataKey() { sodium_memzero(bytes_.data(), bytes_.size()); }
-
-DataKey DataKey::New() {
-  std::array<uint8_t, DataKey::kBytes> random{};
-  randombytes_buf(random.data(), random.size());
-  DataKey key{ByteView(random)};
-  // The copy on the stack would outlive the key.
-  sodium_memzero(random.data(), random.size());
-  return key;
+Status Join(Keyring& keyring, Keyring& other,
+            const std::function<void(uint64_t, uint64_t)>& progress) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto gone, other.Gone());
+  // First, so that no key comes in that was destroyed elsewhere.
+  ENAMEL_RETURN_IF_ERROR(keyring.Bury(gone));
+  ENAMEL_ASSIGN_OR_RETURN(const auto people, other.People());
+  uint64_t done = 0;
+  for (const Uuid& person : people) {
+    if (progress) progress(++done, people.size());
+    const auto key = other.Find(person);
+    if (key.status().code() == Code::kNotFound) continue;  // erased meanwhile
+    if (!key.ok()) return key.status();
+    const Status put = keyring.Put(person, *key);
+    // Only `keyring` knows that this one was erased.
+    if (!put.ok() && put.code() != Code::kConflict) return put;
+  }
+  return Status::Ok();
 }
 
 Sha256 TombstoneOf(const Uuid& person) { return HashSha256(person.view()); }
 
 Bytes SealPersonal(const Uuid& person, const DataKey& key, const Uuid& attempt, ByteView data) {
-  Bytes out = HeadOf(person);
-  auto nonce = NonceOf(key, attempt, data);
-  auto cipher_key = Derive(key, SubKey::kCipher);
-  out.insert(out.end(), nonce.begin(), nonce.end());
-  out.resize(kHeadBytes + kNonceBytes + data.size() + kTagBytes);
-  unsigned long long size = 0;
-  crypto_aead_xchacha20poly1305_ietf_encrypt(out.data() + kHeadBytes + kNonceBytes, &size,
-                                             data.data(), data.size(), out.data(), kHeadBytes,
-                                             nullptr, nonce.data(), cipher_key.data());
-  return out;
+  return SealEnvelope({kMagic, kVersion, person}, Derive(key, SubKey::kCipher),
+                      NonceOf(key, attempt, data), data);
 }
 
 std::optional<Uuid> PersonOfSealed(ByteView bytes) {
-  if (bytes.size() < kHeadBytes + kNonceBytes + kTagBytes ||
-      AsText(bytes.first(sizeof kMagic)) != std::string_view(kMagic, sizeof kMagic)) {
-    return std::nullopt;
-  }
-  return Uuid::FromBytes(bytes.subspan(8, 16));
+  const auto head = HeadOfEnvelope(bytes, kMagic);
+  if (!head) return {};
+  return head->person;
 }
 
 Result<Bytes> OpenPersonal(Keyring& keyring, Bytes bytes) {
@@ -94,38 +74,29 @@ Result<Bytes> OpenPersonal(Keyring& keyring, Bytes bytes) {
 }
 
 Result<Bytes> PersonalReader::Open(Bytes bytes) {
-  auto person = PersonOfSealed(bytes);
-  if (!person) return bytes;
-  ByteReader head(ByteView(bytes).subspan(4));
-  uint16_t version = head.U16();
-  if (version != kVersion) {
-    return Status(Code::kVersion, "personal data of version " + std::to_string(version) +
+  const auto head = HeadOfEnvelope(bytes, kMagic);
+  if (!head) return bytes;
+  if (head->version != kVersion) {
+    return Status(Code::kVersion, "personal data of version " + std::to_string(head->version) +
                                       ", this enamel-server reads " + std::to_string(kVersion) +
                                       "; run the newer one that wrote it");
   }
-  if (!last_ || last_->first != *person) {
-    auto key = keyring_.Find(*person);
+  const Uuid& person = head->person;
+  if (!last_ || last_->first != person) {
+    auto key = keyring_.Find(person);
     if (key.status().code() == Code::kNotFound) {
       return Status(Code::kNotFound,
-                    "the key of person " + person->Text() +
-                        " does not exist (any more): what was kept under it cannot "
-                        "be read");
+                    "the key of person " + person.Text() +
+                        " does not exist (any more): what was kept under it cannot be read");
     }
     if (!key.ok()) return key.status();
-    last_.emplace(*person, *key);
+    last_.emplace(person, *key);
   }
-  auto cipher_key = Derive(last_->second, SubKey::kCipher);
-  Bytes out(bytes.size() - kHeadBytes - kNonceBytes - kTagBytes);
-  unsigned long long size = 0;
-  const uint8_t* nonce = bytes.data() + kHeadBytes;
-  if (crypto_aead_xchacha20poly1305_ietf_decrypt(
-          out.data(), &size, nullptr, nonce + kNonceBytes, bytes.size() - kHeadBytes - kNonceBytes,
-          bytes.data(), kHeadBytes, nonce, cipher_key.data()) != 0) {
-    return Status(Code::kStorage, "personal data of person " + person->Text() +
-                                      " is damaged, or was kept under another key; restore it and "
-                                      "the key ring from a backup");
-  }
-  return out;
+  auto out = OpenEnvelope(bytes, Derive(last_->second, SubKey::kCipher));
+  if (out) return std::move(*out);
+  return Status(Code::kStorage, "personal data of person " + person.Text() +
+                                    " is damaged, or was kept under another key; restore it and "
+                                    "the key ring from a backup");
 }
 
 Result<bool> IsOfAttempt(Keyring& keyring, const Bytes& sealed, const Uuid& attempt) {
@@ -134,7 +105,7 @@ Result<bool> IsOfAttempt(Keyring& keyring, const Bytes& sealed, const Uuid& atte
   ENAMEL_ASSIGN_OR_RETURN(const Bytes data, OpenPersonal(keyring, sealed));
   ENAMEL_ASSIGN_OR_RETURN(const DataKey key, keyring.Find(*person));
   const auto nonce = NonceOf(key, attempt, data);
-  return std::equal(nonce.begin(), nonce.end(), sealed.begin() + kHeadBytes);
+  return std::equal(nonce.begin(), nonce.end(), sealed.begin() + kEnvelopeHead);
 }
 
 }  // namespace enamel::server

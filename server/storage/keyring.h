@@ -1,7 +1,7 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -9,24 +9,9 @@
 #include "common/base/result.h"
 #include "common/base/sha256.h"
 #include "common/base/uuid.h"
+#include "server/storage/data_key.h"
 
 namespace enamel::server {
-
-// 256 bits under which one person's recordings are kept. Wiped when it goes out of scope.
-class DataKey {
- public:
-  static constexpr size_t kBytes = 32;
-  DataKey() = default;
-  explicit DataKey(ByteView bytes);  // Requires: 32 bytes.
-  ~DataKey();
-  DataKey(const DataKey&) = default;
-  DataKey& operator=(const DataKey&) = default;
-  static DataKey New();
-  ByteView view() const { return bytes_; }
-
- private:
-  std::array<uint8_t, kBytes> bytes_{};
-};
 
 // The person in the list of erasures: enough to recognise an id that turns up again, not to find
 // one.
@@ -52,11 +37,19 @@ class Keyring {
   virtual Status Destroy(const Uuid& person, int64_t now_ms) = 0;
   virtual Result<bool> IsGone(const Uuid& person) = 0;
   virtual Result<std::vector<Tombstone>> Gone() = 0;
+  // Whose keys are here, in order.
+  virtual Result<std::vector<Uuid>> People() = 0;
+  // Another key ring's key, durable on return. One that is here already stays. Errors: kConflict (erased).
+  virtual Status Put(const Uuid& person, const DataKey& key) = 0;
   // These people are erased here too, from now on.
   virtual Status Bury(const std::vector<Tombstone>& tombstones) = 0;
   // Since the last call that was done; ok where nothing can be away.
   virtual Status Problem() const { return Status::Ok(); }
 };
+
+// Takes the other's keys and erasures besides those in `keyring`. `progress` hears of so many keys of so many.
+Status Join(Keyring& keyring, Keyring& other,
+            const std::function<void(uint64_t, uint64_t)>& progress = {});
 
 // What is kept under a person's key (schemas/personal_data.md, "Envelope"). The same data of the
 // same attempt gives the same bytes, so that writing it again after a crash changes nothing.

@@ -37,6 +37,7 @@ class Parts {
   }
 
   PeopleStore& people() const requires kHas<PeopleStore> { return *this; }
+  SignInStore& sign_ins() const requires kHas<SignInStore> { return *this; }
   StationStore& stations() const requires kHas<StationStore> { return *this; }
   BlobStore& blobs() const requires kHas<BlobStore> { return *this; }
   ContentStore& content() const requires kHas<ContentStore> { return *this; }
@@ -46,10 +47,12 @@ class Parts {
   JudgingStore& judging() const requires kHas<JudgingStore> { return *this; }
   IngestStore& ingest() const requires kHas<IngestStore> { return *this; }
   AttemptStore& attempts() const requires kHas<AttemptStore> { return *this; }
+  LiveStore& live() const requires kHas<LiveStore> { return *this; }
   JobStore& jobs() const requires kHas<JobStore> { return *this; }
   TimelineStore& timelines() const requires kHas<TimelineStore> { return *this; }
   BatchStore& batches() const requires kHas<BatchStore> { return *this; }
   AuditStore& audit() const requires kHas<AuditStore> { return *this; }
+  SchoolStore& schools() const requires kHas<SchoolStore> { return *this; }
   UpkeepStore& upkeep() const requires kHas<UpkeepStore> { return *this; }
 
  private:

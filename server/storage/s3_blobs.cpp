@@ -210,18 +210,11 @@ Result<size_t> S3Blobs::SweepRows(std::chrono::seconds age) {
 Result<size_t> S3Blobs::SweepOrphans() {
   const int64_t before_ms = now_ms_() - Ms(kOrphanAge);
   std::vector<Freed> orphans;
-  std::string next;
-  do {
-    auto page = client_->List(prefix_, next);
-    if (!page.ok()) return trouble_.Told(page.status());
-    for (const s3::ListedObject& object : page->objects) {
-      Freed blob;
-      if (object.modified_ms < before_ms && ReadKey(object.key, blob)) orphans.push_back(blob);
-    }
-    // A store that gives the same page again would be listed for ever.
-    if (page->next == next) break;
-    next = page->next;
-  } while (!next.empty());
+  const Status listed = client_->ListEach(prefix_, [&](const s3::ListedObject& object) {
+    Freed blob;
+    if (object.modified_ms < before_ms && ReadKey(object.key, blob)) orphans.push_back(blob);
+  });
+  if (!listed.ok()) return trouble_.Told(listed);
   // Read after the list: the row of an object that is a day old is there by now, or never.
   std::map<Sha256, int64_t> counts;
   ENAMEL_RETURN_IF_ERROR(rows_.read([&](sql::Db& db) -> Status {

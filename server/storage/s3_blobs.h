@@ -38,7 +38,8 @@ namespace enamel::server::sqlite {
 //   Sweep removes it a day after it was uploaded; a row is not added any more for an upload that began
 //   an hour ago (kClaimWithin). Clocks of servers and store may differ by hours.
 //
-// What fails of the store is told as S3Trouble does. A row whose object is lost is found by Put, which uploads the bytes again.
+// What fails of the store is told as S3Trouble does. A row whose object is lost is found by Put, which
+// uploads the bytes again.
 //
 // Thread safety: any thread. Put, Get and Remove wait for the store, at most about two of its calls
 // (S3Limits).

@@ -1,5 +1,6 @@
 #include "server/storage/s3_keyring.h"
 
+#include <algorithm>
 #include <set>
 
 #include "server/storage/object_generation.h"
@@ -42,62 +43,112 @@ std::optional<Uuid> S3Keyring::PersonOf(const std::string& object) const {
 
 Result<std::vector<s3::ListedObject>> S3Keyring::ListAll(const std::string& prefix) {
   std::vector<s3::ListedObject> out;
-  std::string next;
-  do {
-    auto page = client_->List(prefix, next);
-    if (Status told = trouble_.Told(page.status()); !told.ok()) return told;
-    for (s3::ListedObject& object : page->objects) {
-      if (object.key.starts_with(prefix)) out.push_back(std::move(object));
-    }
-    // A store that gives the same page again would be listed for ever.
-    if (page->next == next) break;
-    next = page->next;
-  } while (!next.empty());
+  ENAMEL_RETURN_IF_ERROR(trouble_.Told(client_->ListEach(prefix, [&](s3::ListedObject& object) {
+    if (object.key.starts_with(prefix)) out.push_back(std::move(object));
+  })));
   return out;
 }
 
-Result<DataKey> S3Keyring::Find(const Uuid& person) {
+Result<std::optional<KeyRow>> S3Keyring::RowOf(const Uuid& person) {
   std::optional<KeyRow> row;
   ENAMEL_RETURN_IF_ERROR(rows_.read([&](sql::Db& db) -> Status {
     auto living = FindLivingKeyRow(db, person);
     if (living.ok()) row = *living;
     return living.status();
   }));
-  {
+  return row;
+}
+
+Result<DataKey> S3Keyring::Find(const Uuid& person) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto row, RowOf(person));
+  if (!row) {
     MutexLock lock(mutex_);
-    const auto held = found_.find(person);
-    if (held != found_.end() && row && held->second.generation == row->generation) {
-      return held->second.key;
-    }
-    // Erased by another server, or an erasure was taken back by restoring the database.
-    if (held != found_.end()) found_.erase(held);
+    found_.erase(person);
+    return Status(Code::kNotFound, "there is no key for person " + person.Text());
   }
-  if (!row) return Status(Code::kNotFound, "there is no key for person " + person.Text());
-  const std::string object = KeyOf(person, row->generation);
-  auto wrapped = client_->Get(object, row->hash);
+  if (const auto held = FindHeld(*row)) return *held;
+  MutexLock getting(GettingOf(person));
+  return Get(*row);
+}
+
+std::optional<DataKey> S3Keyring::FindHeld(const KeyRow& row) {
+  MutexLock lock(mutex_);
+  const auto held = found_.find(row.person);
+  if (held == found_.end()) return {};
+  if (held->second.generation == row.generation) return held->second.key;
+  // Erased by another server, and an erasure was taken back by restoring the database.
+  found_.erase(held);
+  return {};
+}
+
+Result<DataKey> S3Keyring::Get(const KeyRow& row) {
+  if (const auto held = FindHeld(row)) return *held;
+  const std::string object = KeyOf(row.person, row.generation);
+  auto wrapped = client_->Get(object, row.hash);
   if (wrapped.status().code() == Code::kNotFound) {
     // An erasure that is under way: its row goes last.
-    ENAMEL_ASSIGN_OR_RETURN(const bool gone, IsGone(person));
-    if (gone) return Status(Code::kNotFound, "person " + person.Text() + " was erased");
+    ENAMEL_ASSIGN_OR_RETURN(const bool gone, IsGone(row.person));
+    if (gone) return Status(Code::kNotFound, "person " + row.person.Text() + " was erased");
     return trouble_.Told(Status(
         Code::kStorage,
         "the object " + object + " is lost at " + client_->Where() + "; restore it from a backup"));
   }
   if (Status told = trouble_.Told(wrapped.status()); !told.ok()) return told;
-  ENAMEL_ASSIGN_OR_RETURN(const DataKey key, master_.Unwrap(person, *wrapped));
+  ENAMEL_ASSIGN_OR_RETURN(const DataKey key, master_.Unwrap(row.person, *wrapped));
+  Hold(row.person, {row.generation, key});
+  return key;
+}
+
+void S3Keyring::Hold(const Uuid& person, const Held& held) {
   MutexLock lock(mutex_);
   if (found_.size() >= kMaxHeld) found_.clear();
-  found_[person] = {row->generation, key};
-  return key;
+  found_[person] = held;
 }
 
 Result<DataKey> S3Keyring::FindOrMake(const Uuid& person) {
   auto key = Find(person);
   if (key.ok() || key.status().code() != Code::kNotFound) return key;
+  MutexLock getting(GettingOf(person));
+  ENAMEL_ASSIGN_OR_RETURN(auto row, RowOf(person));
+  if (!row) {
+    ENAMEL_RETURN_IF_ERROR(Add(person, DataKey::New()));
+    ENAMEL_ASSIGN_OR_RETURN(row, RowOf(person));
+  }
+  if (!row) return Erased(person);  // since
+  key = Get(*row);
+  return key.status().code() == Code::kNotFound ? Erased(person) : key;
+}
+
+Status S3Keyring::Put(const Uuid& person, const DataKey& key) {
+  const auto found = Find(person);
+  if (found.ok() || found.status().code() != Code::kNotFound) return found.status();
+  ENAMEL_RETURN_IF_ERROR(Add(person, key));
+  // Whoever puts a key here reads it back from the bucket.
+  MutexLock lock(mutex_);
+  found_.erase(person);
+  return Status::Ok();
+}
+
+Result<std::vector<Uuid>> S3Keyring::People() {
+  std::vector<Uuid> out;
+  ENAMEL_RETURN_IF_ERROR(rows_.read([&](sql::Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(const auto rows, AllKeyRows(db));
+    out.clear();
+    for (const KeyRow& row : rows) {
+      ENAMEL_ASSIGN_OR_RETURN(const bool erased, IsErased(db, TombstoneOf(row.person)));
+      if (!erased) out.push_back(row.person);
+    }
+    return Status::Ok();
+  }));
+  std::ranges::sort(out);
+  return out;
+}
+
+Status S3Keyring::Add(const Uuid& person, const DataKey& key) {
   // A new key for somebody who was erased would let recordings in again.
   ENAMEL_ASSIGN_OR_RETURN(const bool gone, IsGone(person));
   if (gone) return Erased(person);
-  const Bytes wrapped = master_.Wrap(person, DataKey::New());
+  const Bytes wrapped = master_.Wrap(person, key);
   const KeyRow mine{person, NewGeneration(), HashSha256(wrapped)};
   const std::string object = KeyOf(person, mine.generation);
   ENAMEL_RETURN_IF_ERROR(trouble_.Told(client_->Put(object, wrapped)));
@@ -113,11 +164,8 @@ Result<DataKey> S3Keyring::FindOrMake(const Uuid& person) {
   });
   // In doubt, the row may be there: then the object has to stay.
   if (added.ok() ? !counts : added.field() != "in_doubt") (void)client_->Delete(object);
-  if (!added.ok()) return added;
-  key = Find(person);
-  // Erased since.
-  if (key.status().code() == Code::kNotFound) return Erased(person);
-  return key;
+  if (added.ok() && counts) Hold(person, {mine.generation, key});
+  return added;
 }
 
 Status S3Keyring::Mark(const Sha256& person) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <map>
 #include <memory>
 #include <optional>
@@ -25,7 +26,8 @@ namespace enamel::server::sqlite {
 // * FindOrMake uploads a key of a new generation first and adds its row then, in one serial transaction
 //   with the look whether another server was faster or the person is erased; then its own object goes.
 //   A key is used once its row is kept, so an object that a crash leaves without a row opens nothing.
-// * Find asks the database each time and the bucket once: another server's erasure counts at once.
+// * Find asks the database each time and the bucket once, also where many ask for one person's key at the same
+//   moment: another server's erasure counts at once.
 // * Destroy: the tombstone's row first (`erasures`), after which no server makes or finds the key; then
 //   the tombstone's object, which a restored database is compared with; then every object of the
 //   person's keys, also those that count no longer or never did; their row last. What a failure leaves
@@ -45,6 +47,9 @@ class S3Keyring final : public Keyring {
   Result<bool> IsGone(const Uuid& person) override;
   // Those of the bucket.
   Result<std::vector<Tombstone>> Gone() override;
+  // Of the living; the rows say who.
+  Result<std::vector<Uuid>> People() override;
+  Status Put(const Uuid& person, const DataKey& key) override;
   Status Bury(const std::vector<Tombstone>& tombstones) override;
   Status Problem() const override { return trouble_.Problem(); }
 
@@ -59,12 +64,21 @@ class S3Keyring final : public Keyring {
     int64_t generation = 0;
     DataKey key;
   };
+  // Of the living.
+  Result<std::optional<KeyRow>> RowOf(const Uuid& person);
+  std::optional<DataKey> FindHeld(const KeyRow& row);
+  // From memory or the bucket. Its group of getting_ is held.
+  Result<DataKey> Get(const KeyRow& row);
+  void Hold(const Uuid& person, const Held& held);
+  Mutex& GettingOf(const Uuid& person) { return getting_[person.bytes.back() % getting_.size()]; }
   // All objects whose key begins so.
   Result<std::vector<s3::ListedObject>> ListAll(const std::string& prefix);
   // Whose key an object is; none: it is something else.
   std::optional<Uuid> PersonOf(const std::string& object) const;
   Result<Tombstone> TombstoneIn(const s3::ListedObject& object) const;
   Status Mark(const Sha256& person);
+  // Uploads the key and adds its row, unless there is one.
+  Status Add(const Uuid& person, const DataKey& key);
   // The objects and the row of an erased person's keys.
   Status DestroyKeys(const Uuid& person, const std::vector<std::string>& objects);
 
@@ -73,6 +87,9 @@ class S3Keyring final : public Keyring {
   const MasterKey master_;
   const Transactions rows_;
   S3Trouble trouble_;
+  // Held by who gets a key from the bucket or makes one, so that others who want the same wait for it. One for each of
+  // a few groups of people.
+  std::array<Mutex, 64> getting_;
   Mutex mutex_;
   std::map<Uuid, Held> found_ ENAMEL_GUARDED_BY(mutex_);  // by person
 };

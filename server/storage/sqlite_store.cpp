@@ -1,10 +1,12 @@
 #include "server/storage/sqlite_store.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <functional>
 
 #include "server/storage/engine/data_folder.h"
 #include "server/storage/engine/database_file.h"
+#include "server/storage/engine/move_rows.h"
 #include "server/storage/engine/pg_database.h"
 #include "server/storage/engine/server_id.h"
 #include "server/storage/engine/ticket_key.h"
@@ -12,6 +14,7 @@
 #include "server/storage/key_bucket.h"
 #include "server/storage/s3_blobs.h"
 #include "server/storage/s3_keyring.h"
+#include "server/storage/sql/database_look.h"
 #include "server/storage/sql/server_identity.h"
 #include "server/storage/sql/sqlite_impl.h"
 
@@ -50,7 +53,7 @@ SqliteStore::SqliteStore(const SqliteOptions& options, Database database, Folder
       owner_(options.hold_lock ? server : Uuid::New()),
       many_(!server.IsZero()),
       space_(options.folder, DiskOf(options), options.min_free_bytes, options.free_space_check),
-      rewriter_(options.folder, space_),
+      rewriter_(options.folder, space_, SharedWith(database.open_writer)),
       writer_(Signing(Patient(std::move(database.writer), options.busy_wait,
                               [this] { return rewriter_.OthersErase(); }),
                       signer_),
@@ -60,6 +63,7 @@ SqliteStore::SqliteStore(const SqliteOptions& options, Database database, Folder
       blobs_(*owned_blobs_),
       owned_keyring_(MakeKeyring(options, buckets)),
       keyring_(*owned_keyring_),
+      sign_ins_(OwnTransactions(), database.open_writer, ticket_key),
       // Who holds the folder's lock is this server: what an earlier process of it had is over.
       earlier_leases_(options.hold_lock) {
   if (options.hold_lock) sealed_rows_.emplace(writer_);
@@ -83,6 +87,12 @@ std::unique_ptr<Keyring> SqliteStore::MakeKeyring(const SqliteOptions& options, 
                                      *buckets.master, OwnTransactions());
 }
 
+std::optional<Rewriter::Shared> SqliteStore::SharedWith(
+    const std::function<Result<std::unique_ptr<Db>>()>& open_writer) {
+  if (!open_writer) return std::nullopt;
+  return Rewriter::Shared{OwnTransactions(), open_writer};
+}
+
 Transactions SqliteStore::OwnTransactions() {
   Transactions out;
   out.write = [this](const std::function<Status(Db&)>& work) { return Write(work); };
@@ -100,6 +110,16 @@ Transactions SqliteStore::OwnTransactions() {
 Status SqliteStore::MatchIdentity(ServerPart part, const std::optional<Sha256>& fingerprint) {
   if (!many_) return Status::Ok();
   return Write([&](Db& db) { return MatchIdentityRow(db, part, fingerprint); });
+}
+
+Status SqliteStore::LookAtDatabase() {
+  if (!many_) return Status::Ok();
+  return OwnTransactions().read([this](Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(const auto ahead_ms, FollowClockOf(db));
+    clock_ahead_ms_ = ahead_ms.value_or(0);
+    ENAMEL_ASSIGN_OR_RETURN(standby_, db.StandbyOf());
+    return Status::Ok();
+  });
 }
 
 Result<Sha256> SqliteStore::PutBlob(ByteView data) {
@@ -177,6 +197,15 @@ StoreHealth SqliteStore::Health() {
   out.chunks = chunks_;
   out.chunk_bytes = chunk_bytes_;
   out.sealed = sealed_;
+  out.standby = standby_;
+  out.clock_ahead_ms = clock_ahead_ms_;
+  if (std::abs(out.clock_ahead_ms) > kMostClockOffMs) {
+    out.clock_problem =
+        "this machine's clock is " + std::to_string(std::abs(out.clock_ahead_ms) / 1000) + " s " +
+        (out.clock_ahead_ms > 0 ? "ahead of" : "behind") +
+        " the database server's; see that both machines set theirs from the same time "
+        "servers";
+  }
   if (Status able = MayRecord(); !able.ok()) out.problem = able.message();
   if (out.problem.empty() && !writer_.last_failure().ok()) {
     out.problem =
@@ -218,9 +247,15 @@ Status SqliteStore::TryWrite() {
 
 Status SqliteStore::FinishErasures() {
   if (erasures_due_) ENAMEL_RETURN_IF_ERROR(EraseAgain());
-  if (!rewriter_.marked()) return Status::Ok();
+  ENAMEL_ASSIGN_OR_RETURN(const bool marked, rewriter_.IsMarked());
+  if (!marked) return Status::Ok();
   auto alone = rewriter_.TakeUpkeep();
   return alone.ok() ? rewriter_.RunIfMarked(writer_) : alone.status();
+}
+
+Result<std::unique_ptr<SqliteStore>> OpenWholeStore(const SqliteOptions& options) {
+  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenStore(options));
+  return std::unique_ptr<SqliteStore>(static_cast<SqliteStore*>(store.release()));
 }
 
 Status Explain(Status status, const std::string& conflict) {
@@ -308,7 +343,9 @@ Result<std::unique_ptr<Store>> OpenStoreOn(
     return transaction.Commit();
   };
   // A server that is refused has changed nothing before.
-  if (many && version >= kIdentitySchema) ENAMEL_RETURN_IF_ERROR(match());
+  const bool matches_first = many && version >= kIdentitySchema;
+  if (matches_first) ENAMEL_RETURN_IF_ERROR(match());
+  const bool had_key = key.ok();
   if (version < LatestSchemaVersion() || !key.ok()) {
     // A tool beside a running server must not change the schema under it, nor its key.
     if (!lock) ENAMEL_RETURN_IF_ERROR(acquire());
@@ -318,7 +355,8 @@ Result<std::unique_ptr<Store>> OpenStoreOn(
   }
   Uuid server;
   if (many) {
-    ENAMEL_RETURN_IF_ERROR(match());
+    if (!matches_first || !had_key) ENAMEL_RETURN_IF_ERROR(match());
+    if (!options.restoring) ENAMEL_RETURN_IF_ERROR(MustNotBeMoved(db));
     ENAMEL_ASSIGN_OR_RETURN(server, EnsureServerId(options.folder, DiskOf(options)));
   }
   const AuditSigner signer(key->secret_key, server);
@@ -331,6 +369,7 @@ Result<std::unique_ptr<Store>> OpenStoreOn(
   FolderLock kept = lock ? std::move(*lock) : FolderLock();
   auto store = std::make_unique<SqliteStore>(options, std::move(database).value(), std::move(kept),
                                              key->secret_key, server, std::move(buckets));
+  ENAMEL_RETURN_IF_ERROR(store->LookAtDatabase());
   if (options.hold_lock) ENAMEL_RETURN_IF_ERROR(store->Reconcile());
   return std::unique_ptr<Store>(std::move(store));
 }
@@ -353,16 +392,19 @@ Result<std::unique_ptr<Store>> OpenSqliteStore(const SqliteOptions& options) {
 
 Result<std::unique_ptr<Store>> OpenPostgresStore(const PostgresOptions& options) {
   using namespace sqlite;
-  return OpenStoreOn(
-      options.folder, PgMigrations(), /*many=*/true, [&]() -> Result<SqliteStore::Database> {
-        ENAMEL_ASSIGN_OR_RETURN(auto writer,
-                                OpenPgDatabase(options.server, options.schema,
-                                               /*read_only=*/false, options.folder.fail_next));
-        return SqliteStore::Database{
-            std::move(writer), [server = options.server, schema = options.schema] {
-              return OpenPgDatabase(server, schema, /*read_only=*/true, {});
-            }};
-      });
+  const auto opens = [&](bool read_only) {
+    return [server = options.server, schema = options.schema, read_only,
+            fail_next = options.folder.fail_next] {
+      return OpenPgDatabase(server, schema, read_only,
+                            read_only ? std::function<bool()>() : fail_next);
+    };
+  };
+  return OpenStoreOn(options.folder, PgMigrations(), /*many=*/true,
+                     [&]() -> Result<SqliteStore::Database> {
+                       ENAMEL_ASSIGN_OR_RETURN(auto writer, opens(/*read_only=*/false)());
+                       return SqliteStore::Database{std::move(writer), opens(/*read_only=*/true),
+                                                    opens(/*read_only=*/false)};
+                     });
 }
 
 Result<bool> HasServers(const PostgresOptions& options) {

@@ -22,6 +22,8 @@ class StationStore {
   virtual Result<std::vector<EnrolCodeRow>> OpenEnrolCodes(UnixMs now_ms) = 0;
   // Errors: kNotFound, kConflict (used already).
   virtual Status WithdrawEnrolCode(const Uuid& id, const Actor& by) = 0;
+  // Whether such a code was ever given out here.
+  virtual Result<bool> IsEnrolCode(const Sha256& code_hash) = 0;
   // With an id: the station as it was enrolled before, under its old id, also where a restore has
   // forgotten it. Errors also: kConflict (that id has another key, or was revoked).
   virtual Result<StationRow> EnrolStation(const Sha256& code_hash, StationRow station,

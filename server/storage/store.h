@@ -7,8 +7,11 @@
 #include "server/storage/ingest_store.h"
 #include "server/storage/job_store.h"
 #include "server/storage/judging_store.h"
+#include "server/storage/live_store.h"
 #include "server/storage/people_store.h"
 #include "server/storage/rubric_store.h"
+#include "server/storage/school_store.h"
+#include "server/storage/sign_in_store.h"
 #include "server/storage/station_store.h"
 #include "server/storage/teaching_store.h"
 #include "server/storage/timeline_store.h"
@@ -25,6 +28,7 @@ namespace enamel::server {
 
 // Who needs one subject takes its part; the whole is for who opens or hands it on.
 class Store : public PeopleStore,
+              public SignInStore,
               public StationStore,
               public ContentStore,
               public RubricStore,
@@ -32,10 +36,12 @@ class Store : public PeopleStore,
               public JudgingStore,
               public IngestStore,
               public AttemptStore,
+              public LiveStore,
               public JobStore,
               public BatchStore,
               public TimelineStore,
               public AuditStore,
+              public SchoolStore,
               public UpkeepStore {};
 
 }  // namespace enamel::server

@@ -23,9 +23,11 @@ class TimelineStore {
  public:
   virtual ~TimelineStore() = default;
 
-  // The newest attempt that waits for its timeline; the try is counted. After 3 tries it no longer
-  // waits, until it is scored again.
+  // The newest attempt that waits for its timeline and that nobody else makes one of; the try is
+  // counted. After 3 tries it no longer waits, until it is scored again.
   virtual Result<std::optional<Uuid>> TakeTimeline() = 0;
+  // It is still being made. Who does not say so for a minute is taken for dead.
+  virtual Status KeepTimeline(const Uuid& attempt) = 0;
   // Stopped before its end through no fault of its own: the try does not count.
   virtual Status ReturnTimeline(const Uuid& attempt) = 0;
   // Made. `content`: kept with BlobStore::PutAttemptBlob. Errors: kConflict when the recording was

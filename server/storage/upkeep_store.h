@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -8,6 +9,7 @@
 
 #include "common/base/result.h"
 #include "common/base/sha256.h"
+#include "common/sql/db.h"
 #include "server/storage/actor.h"
 #include "server/training/types.h"
 
@@ -40,6 +42,8 @@ struct RetentionReport {
   size_t held = 0;   // due as well, but kept for an appeal's answer or for their release
 };
 
+using sql::Standby;
+
 // How the store does. Counters are since it was opened.
 struct StoreHealth {
   bool takes_recordings = true;
@@ -52,7 +56,18 @@ struct StoreHealth {
   size_t timed_commits = 0;
   double commit_p99_s = 0;
   uint64_t chunks = 0, chunk_bytes = 0, sealed = 0;
+  // How far this machine's clock is ahead of the database's; 0 where they are one.
+  int64_t clock_ahead_ms = 0;
+  std::string clock_problem;  // it is too far off, and what to do; empty: it is not
+  Standby standby = Standby::kNotKept;
 };
+
+// Field of a refusal (kUnavailable): another server of this database erases or applies retention just now.
+inline constexpr char kLeaseHeld[] = "lease";
+
+// So far a server's clock may be off before it asks load balancers to leave it alone. Its times are the
+// database's all the same; certificates, logs and the requests to an S3 store go by its own.
+inline constexpr int64_t kMostClockOffMs = 5000;
 
 // What a server is known by: to stations, in what it signs, and to its key ring.
 enum class ServerPart { kStationCertificate, kTicketKey, kKeyRing };
@@ -90,6 +105,14 @@ class UpkeepStore {
   // fingerprint is kept, and another is refused. Without one: a server that has none yet asks whether it
   // may make its own. Elsewhere nothing is compared. Errors: kConflict (another), kNotFound (it may not).
   virtual Status MatchIdentity(ServerPart part, const std::optional<Sha256>& fingerprint) = 0;
+
+  // Whether other servers may have their rows in the same database.
+  virtual bool IsShared() const = 0;
+  // Where the database is another machine's: its clock becomes this process's, and Health tells from now on how
+  // far this machine's is off, and of standbys. Elsewhere: nothing. Opening the store has done it once; a program
+  // that runs for long calls it every kLookEvery.
+  static constexpr std::chrono::seconds kLookEvery{10};
+  virtual Status LookAtDatabase() = 0;
 
   // Never fails: trouble is what it tells.
   virtual StoreHealth Health() = 0;

@@ -316,10 +316,33 @@ struct AnnotationRow {
   uint64_t tick = 0;
   std::optional<std::array<int32_t, 3>> point_um;  // scene frame
   std::string text;
-  bool to_chair = false;  // said at the chair, while the attempt was made
+  bool to_chair = false;   // said at the chair, while the attempt was made
+  uint64_t remark_id = 0;  // of one to the chair: ChairRemark::id; 0: not known
   UnixMs created_ms = 0;
   UnixMs edited_ms = 0;  // 0: never
   int32_t revision = 1;
+};
+
+// How far a remark to the chair has come.
+enum class RemarkState { kWaiting, kSent, kShown };
+
+// What is said at the chair of an attempt while it is made; an annotation keeps it.
+struct ChairRemark {
+  Uuid attempt;
+  uint64_t id = 0;   // what its station knows it by: grows with each of the attempt's
+  std::string text;  // protocol::CheckedRemark
+  std::string from;  // the author's name
+  uint64_t tick = 0;
+  UnixMs sent_ms = 0;
+  RemarkState state = RemarkState::kWaiting;
+  UnixMs shown_ms = 0;  // when the station said so; 0: it has not
+};
+
+// A station that is connected to a server.
+struct StationLink {
+  Uuid station;
+  bool shows_remarks = false;  // its newest connection has somebody to show them to
+  bool operator==(const StationLink&) const = default;
 };
 
 struct AppealRow {

@@ -85,7 +85,7 @@ const std::map<std::string, Names>& Allowed() {
           "common/trace", "common/scene"}},
         {"server/auth", {"server/storage"}},
         {"server/roster", {"server/auth", "server/storage", "server/training"}},
-        {"server/live", {"server/training", "common/protocol"}},
+        {"server/live", {"server/training", "server/storage", "common/protocol", "common/trace"}},
         {"server/stations",
          {"server/auth", "server/live", "server/net", "server/ops", "server/storage", "server/jobs",
           "common/net", "common/trace", "common/scene"}},

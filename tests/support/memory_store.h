@@ -96,6 +96,16 @@ class MemoryStore final : public server::StationStore,
     ENAMEL_ASSIGN_OR_RETURN(auto found, Find(traces, id, "trace"));
     return found.chunks;
   }
+  Result<std::vector<Bytes>> NewestChunks(const Uuid& id, uint32_t from, uint32_t most) override {
+    std::lock_guard lock(mutex_);
+    ++newest_reads;
+    ENAMEL_ASSIGN_OR_RETURN(auto found, Find(traces, id, "trace"));
+    const size_t all = found.chunks.size();
+    const size_t first = std::max<size_t>(from, all > most ? all - most : 0);
+    if (first >= all) return std::vector<Bytes>();
+    return std::vector<Bytes>(found.chunks.begin() + static_cast<std::ptrdiff_t>(first),
+                              found.chunks.end());
+  }
   Result<trace::Seal> AttemptSeal(const Uuid& id) override {
     std::lock_guard lock(mutex_);
     ENAMEL_ASSIGN_OR_RETURN(auto found, Find(traces, id, "trace"));
@@ -216,6 +226,7 @@ class MemoryStore final : public server::StationStore,
     }
     return std::optional<Uuid>();
   }
+  Status KeepTimeline(const Uuid&) override { return Status::Ok(); }
   Status ReturnTimeline(const Uuid&) override {
     std::lock_guard lock(mutex_);
     ++timelines_returned;
@@ -256,7 +267,7 @@ class MemoryStore final : public server::StationStore,
     broken_queue_ = broken;
   }
 
-  int chunk_reads = 0;
+  int chunk_reads = 0, newest_reads = 0;
   int leases = 0, kept_leases = 0;
   bool await_beat = false;  // a run's progress waits until its lease was kept once
   bool take_over = false;   // whoever keeps a lease hears that another worker has the job
@@ -277,6 +288,7 @@ class MemoryStore final : public server::StationStore,
   Result<Uuid> AddEnrolCode(const Sha256&, server::UnixMs, const server::Actor&) override {
     return No();
   }
+  Result<bool> IsEnrolCode(const Sha256&) override { return No(); }
   Result<server::StationRow> EnrolStation(const Sha256&, server::StationRow, const Sha256&,
                                           server::UnixMs) override {
     return No();

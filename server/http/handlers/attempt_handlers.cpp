@@ -191,7 +191,7 @@ Response GetAttempt(const Call& call, AttemptViewParts store) {
   AttemptView view(store, call.caller->person);
   Result<json::object> attempt = view.DetailJson(seen->row);
   if (!attempt.ok()) return ErrorResponse(attempt.status());
-  return WithETag(JsonResponse(std::move(*attempt)), seen->row.revision);
+  return WithETag(JsonResponse(*attempt), seen->row.revision);
 }
 
 Response GetScore(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {

@@ -5,6 +5,7 @@
 #include <set>
 #include <tuple>
 
+#include "common/base/log_request.h"
 #include "common/fidelity/feel.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"
@@ -183,6 +184,7 @@ Response Answer(const Call& call, ContentStore& store) {
 boost::asio::awaitable<Response> GetProfileFeel(Call call, ContentStore& store) {
   // A thread of its own: a map takes up to a second, and its cache then needs no lock.
   co_return co_await call.feel->thread().Run([&call, &store]() -> Response {
+    const LogRequest logged(call.request.id);
     try {
       return Answer(call, store);
     } catch (const std::exception& error) {

@@ -92,34 +92,53 @@ Result<json::array> RetentionJson(UpkeepStore& store) {
   return out;
 }
 
+const char* NameOf(Standby standby) {
+  switch (standby) {
+    case Standby::kNotKept:
+      return "";
+    case Standby::kNone:
+      return "none";
+    case Standby::kBehind:
+      return "behind";
+    case Standby::kSynchronous:
+      return "synchronous";
+    case Standby::kUnknown:
+      break;
+  }
+  return "unknown";
+}
+
 Result<json::object> HealthJson(const Call& call, HealthParts store) {
   const StoreHealth health = store.upkeep().Health();
   const UnixMs now_ms = enamel::UnixMs();
   const auth::DoorCounts& door = call.authenticator.counts();
-  json::object out{{"now_ms", now_ms},
-                   {"started_ms", ops::ProcessStartedMs()},
-                   {"ingest",
-                    {{"takes_recordings", health.takes_recordings},
-                     {"problem", health.problem},
-                     {"waiting", health.waiting},
-                     {"chunks", health.chunks},
-                     {"chunk_bytes", health.chunk_bytes},
-                     {"sealed", health.sealed}}},
-                   {"commits",
-                    {{"count", health.commits},
-                     {"failed", health.failed_commits},
-                     {"timed", health.timed_commits},
-                     {"p99_s", health.commit_p99_s}}},
-                   {"disk",
-                    {{"free_bytes", health.free_bytes},
-                     {"kept_free_bytes", health.min_free_bytes},
-                     {"database_bytes", health.database_bytes},
-                     {"log_bytes", health.log_bytes}}},
-                   {"sign_ins",
-                    {{"signed_in", door.signed_in.load()},
-                     {"refused", door.refused.load()},
-                     {"throttled", door.throttled.load()},
-                     {"busy", door.busy.load()}}}};
+  json::object out{
+      {"now_ms", now_ms},
+      {"started_ms", ops::ProcessStartedMs()},
+      {"ingest",
+       {{"takes_recordings", health.takes_recordings},
+        {"problem", health.problem},
+        {"waiting", health.waiting},
+        {"chunks", health.chunks},
+        {"chunk_bytes", health.chunk_bytes},
+        {"sealed", health.sealed}}},
+      {"commits",
+       {{"count", health.commits},
+        {"failed", health.failed_commits},
+        {"timed", health.timed_commits},
+        {"p99_s", health.commit_p99_s}}},
+      {"standby", NameOf(health.standby)},
+      {"clock", {{"ahead_ms", health.clock_ahead_ms}, {"problem", health.clock_problem}}},
+      {"disk",
+       {{"free_bytes", health.free_bytes},
+        {"kept_free_bytes", health.min_free_bytes},
+        {"database_bytes", health.database_bytes},
+        {"log_bytes", health.log_bytes}}},
+      {"sign_ins",
+       {{"signed_in", door.signed_in.load()},
+        {"refused", door.refused.load()},
+        {"throttled", door.throttled.load()},
+        {"busy", door.busy.load()}}}};
   ENAMEL_ASSIGN_OR_RETURN(out["jobs"], JobsJson(store));
   ENAMEL_ASSIGN_OR_RETURN(out["stations"], StationsJson(store, call.stations));
   ENAMEL_ASSIGN_OR_RETURN(out["recordings"], RecordingsJson(store, now_ms));

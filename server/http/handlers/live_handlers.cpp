@@ -29,11 +29,11 @@ const char* NameOf(RemarkState state) {
   return "";
 }
 
-json::object SentJson(const SentRemark& sent) {
-  return {{"id", sent.remark.id},
-          {"text", sent.remark.text},
-          {"from", sent.remark.from},
-          {"sent_ms", sent.remark.sent_unix_ms},
+json::object SentJson(const ChairRemark& sent) {
+  return {{"id", sent.id},
+          {"text", sent.text},
+          {"from", sent.from},
+          {"sent_ms", sent.sent_ms},
           {"tick", sent.tick},
           {"state", NameOf(sent.state)},
           {"shown_ms", sent.shown_ms == 0 ? json::value() : json::value(sent.shown_ms)}};
@@ -75,7 +75,7 @@ uint64_t TickOf(const Call& call, const AttemptRow& row) {
   return newest ? std::max(newest->tick, committed) : committed;
 }
 
-Result<SentRemark> Speak(
+Result<ChairRemark> Speak(
     const Call& call,
     const Parts<ContentStore, TeachingStore, JudgingStore, AttemptStore, AuditStore>& store,
     const std::string& given) {
@@ -88,8 +88,7 @@ Result<SentRemark> Speak(
   ENAMEL_RETURN_IF_ERROR(MustBeMade(seen.row));
   ENAMEL_RETURN_IF_ERROR(MustShow(*call.stations, seen.row.station));
   RemarkBoard& board = call.stations->remarks();
-  const UnixMs now_ms = enamel::UnixMs();
-  ENAMEL_RETURN_IF_ERROR(board.Admit(call.id, now_ms));
+  ENAMEL_RETURN_IF_ERROR(board.Admit(call.id, enamel::UnixMs()));
   // Kept first: nothing is said at a chair that cannot be looked up afterwards.
   AnnotationRow kept;
   kept.attempt = call.id;
@@ -100,7 +99,10 @@ Result<SentRemark> Speak(
   const json::object about{{"annotation", row.id.Text()}, {"station", seen.row.station.Text()}};
   ENAMEL_RETURN_IF_ERROR(store.audit().NoteAudit(ActorOf(call), "attempt.speak", call.id.Text(),
                                                  json::serialize(about)));
-  return board.Send(call.id, text, call.caller->person.display_name, kept.tick, now_ms);
+  const ChairRemark sent{call.id,  row.remark_id,  text, call.caller->person.display_name,
+                         row.tick, row.created_ms, {},   {}};
+  board.Put(sent);
+  return sent;
 }
 
 Response NoStations() { return ErrorResponse({Code::kNotFound, "this server takes no stations"}); }
@@ -111,9 +113,9 @@ Response ListLiveRemarks(const Call& call, Parts<ContentStore, TeachingStore, At
   Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   if (call.stations == nullptr) return NoStations();
-  const std::vector<SentRemark> all = call.stations->remarks().Of(call.id);
+  const std::vector<ChairRemark> all = call.stations->remarks().Of(call.id);
   json::array remarks;
-  for (const SentRemark& sent : all) remarks.push_back(SentJson(sent));
+  for (const ChairRemark& sent : all) remarks.push_back(SentJson(sent));
   const Uuid& station = seen->row.station;
   return JsonResponse({{"remarks", std::move(remarks)},
                        {"station",
@@ -131,7 +133,7 @@ Response SendLiveRemark(
   const std::string text = body.Text("text", 1, kMaxBytes);
   if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
   if (call.stations == nullptr) return NoStations();
-  Result<SentRemark> sent = Speak(call, store, text);
+  Result<ChairRemark> sent = Speak(call, store, text);
   if (!sent.ok()) return ErrorResponse(sent.status());
   return JsonResponse(SentJson(*sent), 201);
 }

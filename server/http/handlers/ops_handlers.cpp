@@ -26,11 +26,13 @@ bool MaySeeMetrics(const Call& call) {
 // Away from the store's threads: it has to answer when they all wait for the database.
 boost::asio::awaitable<Response> GetHealth(Call call, UpkeepStore& store) {
   StoreHealth health = co_await call.apart->Run([&store] { return store.Health(); });
-  const bool well = health.takes_recordings && !call.draining;
-  const char* status = call.draining ? "draining" : well ? "ok" : "no_recordings";
-  co_return JsonResponse(
-      {{"status", status}, {"problem", health.problem}, {"waiting", health.waiting}},
-      well ? 200 : 503);
+  const char* status = call.draining                   ? "draining"
+                       : !health.takes_recordings      ? "no_recordings"
+                       : !health.clock_problem.empty() ? "clock_off"
+                                                       : "ok";
+  const std::string& problem = health.problem.empty() ? health.clock_problem : health.problem;
+  co_return JsonResponse({{"status", status}, {"problem", problem}, {"waiting", health.waiting}},
+                         status == std::string_view("ok") ? 200 : 503);
 }
 
 Response GetMetrics(const Call& call) {

@@ -8,6 +8,7 @@
 #include "server/http/json_body.h"
 #include "server/http/paging.h"
 #include "server/training/access.h"
+#include "server/training/names.h"
 #include "server/training/revision.h"
 
 // What instructors and students say about an attempt, and scoring it again.
@@ -15,7 +16,6 @@ namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
 
-constexpr size_t kMaxReason = 1000;
 constexpr size_t kMaxRemark = 4000;
 // Thirty years at 1 kHz, and exact in the doubles of a browser.
 constexpr int64_t kMaxTick = int64_t{1} << 40;
@@ -114,7 +114,7 @@ Response PutOverride(const Call& call, AttemptViewParts store) {
   BodyReader body(call.request);
   ScoreOverride score;
   score.score = body.Number("score", 0, 100);
-  score.reason = body.Text("reason", 1, kMaxReason);
+  score.reason = body.Text("reason", 1, kMaxReasonBytes);
   if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
   Result<int32_t> revision = IfMatch(call.request);
   if (!revision.ok()) return ErrorResponse(revision.status());
@@ -149,7 +149,7 @@ Response Excuse(const Call& call, AttemptViewParts store) {
   Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   BodyReader body(call.request);
-  std::string reason = body.Text("reason", 1, kMaxReason);
+  std::string reason = body.Text("reason", 1, kMaxReasonBytes);
   if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
   Result<int32_t> revision = IfMatch(call.request);
   if (!revision.ok()) return ErrorResponse(revision.status());

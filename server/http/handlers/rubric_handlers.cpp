@@ -14,6 +14,7 @@
 #include "server/http/query.h"
 #include "server/jobs/regrade.h"
 #include "server/training/access.h"
+#include "server/training/names.h"
 #include "server/training/revision.h"
 
 // Correcting the rubric of an exercise that is published, and scoring a cohort again.
@@ -21,7 +22,6 @@ namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
 
-constexpr size_t kMaxReason = 1000;
 // Body, rubric, criteria, one of them, its map, a row of it.
 constexpr size_t kRubricDepth = 6;
 
@@ -181,10 +181,10 @@ Response PublishRubric(const Call& call, ExerciseParts store) {
   Result<ExerciseRow> row = ChangeableExercise(call, store);
   if (!row.ok()) return ErrorResponse(row.status());
   BodyReader body(call.request, kRubricDepth);
-  const std::string reason = body.Text("reason", 1, kMaxReason);
+  const std::string reason = body.Text("reason", 1, kMaxReasonBytes);
   const std::string document = body.Document("rubric");
   std::string anyway;
-  if (body.Has("anyway")) anyway = body.Text("anyway", 1, kMaxReason);
+  if (body.Has("anyway")) anyway = body.Text("anyway", 1, kMaxReasonBytes);
   if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
   Result<scene::Rubric> rubric = RubricOf(document, "rubric");
   if (!rubric.ok()) return ErrorResponse(rubric.status());

@@ -59,6 +59,7 @@ boost::asio::awaitable<Response> SignIn(Call call) {
   request.device = auth::DeviceName(call.request.Header("user-agent"));
   // Signing in ends it: a session that somebody else planted in this browser is gone with it.
   request.earlier = SessionCookie(call.request).value_or("");
+  request.log_id = call.request.id;
   Result<auth::SignedIn> signed_in = co_await call.authenticator.SignIn(std::move(request));
   if (!signed_in.ok()) co_return ErrorResponse(signed_in.status());
   co_return SignedInResponse(*signed_in, call.request);

@@ -6,6 +6,7 @@
 #include "common/base/counted.h"
 #include "server/storage/engine/database_file.h"
 #include "server/storage/engine/manifest.h"
+#include "server/storage/engine/school_rows.h"
 #include "server/storage/folder_keyring.h"
 #include "server/storage/sql/sqlite_impl.h"
 #include "server/storage/sqlite_store.h"
@@ -36,14 +37,24 @@ class BackupMaker {
 
   Result<BackupReport> Run() {
     std::error_code error;
-    ENAMEL_RETURN_IF_ERROR(MustHaveRowsInFolder(options_.data, "backup"));
-    if (!fs::exists(options_.data / "enamel.db", error)) {
+    ENAMEL_ASSIGN_OR_RETURN(file_, ReadDatabaseFile(options_.data));
+    if (!file_ && !fs::exists(options_.data / "enamel.db", error)) {
       return Status(Code::kNotFound, "there is no enamel.db in " + options_.data.string() +
                                          "; name the server's data folder");
     }
     ENAMEL_RETURN_IF_ERROR(MustBeFree(options_.target, "backup"));
-    auto shared = TakeUpkeepLock(options_.data, FolderLock::Mode::kShared);
-    if (!shared.ok()) return shared.status();
+    std::optional<FolderLock> shared;
+    std::optional<Rewriter::Upkeep> alone;
+    if (file_) {
+      ENAMEL_RETURN_IF_ERROR(OpenShared());
+      auto upkeep = store_->TakeUpkeep();
+      if (!upkeep.ok()) return upkeep.status();
+      alone.emplace(std::move(*upkeep));
+    } else {
+      auto lock = TakeUpkeepLock(options_.data, FolderLock::Mode::kShared);
+      if (!lock.ok()) return lock.status();
+      shared.emplace(std::move(*lock));
+    }
     ENAMEL_RETURN_IF_ERROR(disk_.MakeFolder(options_.target));
     std::set<Sha256> named;
     // The database first: blobs are written before the rows that name them, so whatever the copy
@@ -63,7 +74,7 @@ class BackupMaker {
   }
 
  private:
-  void Tell(const char* what, uint64_t done, uint64_t all) const {
+  void Tell(const std::string& what, uint64_t done, uint64_t all) const {
     if (options_.progress) options_.progress(what, done, all);
   }
 
@@ -81,17 +92,64 @@ class BackupMaker {
     return Status::Ok();
   }
 
+  // Beside the servers.
+  Status OpenShared() {
+    SqliteOptions open;
+    open.folder = options_.data;
+    ENAMEL_ASSIGN_OR_RETURN(store_, OpenWholeStore(open));
+    return Status::Ok();
+  }
+
+  // All rows of one moment, into a database as SQLite's are.
+  Status CopyRowsOut(const fs::path& copy) {
+    manifest_.schema = LatestSchemaVersion();
+    // A database that was written has a log beside it; CopyTo leaves one file.
+    const fs::path written = options_.target / "rows.tmp";
+    {
+      ENAMEL_ASSIGN_OR_RETURN(auto db, OpenDatabase(written, DbMode::kCreate));
+      ENAMEL_RETURN_IF_ERROR(db->Migrate(Migrations()));
+      ENAMEL_ASSIGN_OR_RETURN(const auto tables, TablesOfSchool(*db));
+      ENAMEL_RETURN_IF_ERROR(
+          store_->OwnTransactions().read([&](Db& from) { return CopyMoment(from, *db, tables); }));
+      ENAMEL_RETURN_IF_ERROR(CopyPages(*db, copy));
+    }
+    for (const char* name : {"rows.tmp", "rows.tmp-wal", "rows.tmp-shm"}) {
+      ENAMEL_RETURN_IF_ERROR(disk_.Remove(options_.target / name));
+    }
+    return Status::Ok();
+  }
+
+  Status CopyMoment(Db& from, Db& to, const std::vector<Table>& tables) {
+    sql::Transaction moment(from, sql::Isolation::kSnapshot);
+    ENAMEL_RETURN_IF_ERROR(moment.begun());
+    manifest_.created_ms = NowMs();
+    sql::Transaction put(to);
+    ENAMEL_RETURN_IF_ERROR(put.begun());
+    const auto copied = CopyRows(from, to, tables, [this](const std::string& table, uint64_t rows) {
+      Tell("rows of " + table, rows, 0);
+    });
+    ENAMEL_RETURN_IF_ERROR(copied.status());
+    ENAMEL_RETURN_IF_ERROR(put.Commit());
+    return moment.Commit();
+  }
+
+  Status CopyPages(SqliteDb& db, const fs::path& copy) {
+    return db.CopyTo(copy, [&](int done, int all) {
+      Tell("pages of the database", static_cast<uint64_t>(done), static_cast<uint64_t>(all));
+    });
+  }
+
   Status CopyDatabase(std::set<Sha256>& named) {
     fs::path copy = options_.target / "enamel.db";
-    {
+    if (file_) {
+      ENAMEL_RETURN_IF_ERROR(CopyRowsOut(copy));
+    } else {
       ENAMEL_ASSIGN_OR_RETURN(auto db,
                               OpenDatabase(options_.data / "enamel.db", DbMode::kReadOnly));
       ENAMEL_ASSIGN_OR_RETURN(auto schema, SchemaVersion(*db));
       manifest_.schema = schema;
       manifest_.created_ms = NowMs();
-      ENAMEL_RETURN_IF_ERROR(db->CopyTo(copy, [&](int done, int all) {
-        Tell("pages of the database", static_cast<uint64_t>(done), static_cast<uint64_t>(all));
-      }));
+      ENAMEL_RETURN_IF_ERROR(CopyPages(*db, copy));
     }
     std::error_code error;
     fs::permissions(copy, fs::perms::owner_read | fs::perms::owner_write, error);
@@ -122,7 +180,11 @@ class BackupMaker {
     uint64_t done = 0;
     for (const Sha256& hash : named) {
       Tell("blobs", ++done, named.size());
-      std::string path = blobs_.PathOf(hash).lexically_relative(options_.data).generic_string();
+      if (file_ && file_->blobs) {
+        ENAMEL_RETURN_IF_ERROR(FetchBlob(hash));
+        continue;
+      }
+      const std::string path = PathOf(hash);
       if (!blobs_.Has(hash)) {
         report_.missing.push_back(hash);
         continue;
@@ -137,12 +199,53 @@ class BackupMaker {
     return Status::Ok();
   }
 
+  std::string PathOf(const Sha256& hash) const {
+    return blobs_.PathOf(hash).lexically_relative(options_.data).generic_string();
+  }
+
+  // From an S3 store.
+  Status FetchBlob(const Sha256& hash) {
+    const auto bytes = store_->blobs().Get(hash);
+    if (bytes.status().code() == Code::kUnavailable) return bytes.status();
+    if (!bytes.ok()) {
+      report_.missing.push_back(hash);
+      return Status::Ok();
+    }
+    const fs::path to = options_.target / PathOf(hash);
+    ENAMEL_RETURN_IF_ERROR(disk_.MakeFolder(to.parent_path()));
+    ENAMEL_RETURN_IF_ERROR(disk_.Replace(to, *bytes));
+    Note(PathOf(hash), {{hash, bytes->size()}, false});
+    return Status::Ok();
+  }
+
+  // Keys that are in a bucket.
+  Status FetchKeys() {
+    FolderKeyring inside(options_.target / "keyring", disk_);
+    ENAMEL_RETURN_IF_ERROR(Join(inside, store_->keyring(),
+                                [this](uint64_t done, uint64_t all) { Tell("keys", done, all); }));
+    ENAMEL_ASSIGN_OR_RETURN(const auto people, inside.People());
+    ENAMEL_ASSIGN_OR_RETURN(const auto gone, inside.Gone());
+    std::vector<std::string> paths;
+    for (const Uuid& person : people) paths.push_back("keyring/" + person.Text() + ".key");
+    for (const Tombstone& tombstone : gone) {
+      paths.push_back("keyring/gone/" + tombstone.person.Hex());
+    }
+    for (const std::string& path : paths) {
+      ENAMEL_ASSIGN_OR_RETURN(auto content, disk_.Hash(options_.target / path));
+      Note(path, {content, false});
+    }
+    return Status::Ok();
+  }
+
   Status CopyKeys() {
     FolderKeyring source(options_.data / "keyring", disk_);
+    const bool in_bucket = file_ && file_->keys;
     if (!options_.keyring.empty()) {
       manifest_.keyring_inside = false;
-      return FolderKeyring(options_.keyring, disk_).MirrorFrom(source);
+      FolderKeyring apart(options_.keyring, disk_);
+      return apart.MirrorFrom(in_bucket ? store_->keyring() : source);
     }
+    if (in_bucket) return FetchKeys();
     ENAMEL_ASSIGN_OR_RETURN(auto people, source.People());
     ENAMEL_ASSIGN_OR_RETURN(auto gone, source.Gone());
     uint64_t done = 0;
@@ -169,6 +272,8 @@ class BackupMaker {
   const BackupOptions& options_;
   Disk& disk_;
   FolderBlobs blobs_;
+  std::optional<DatabaseFile> file_;    // none: SQLite
+  std::unique_ptr<SqliteStore> store_;  // of what is not in the folder
   Manifest manifest_{.software = options_.software};
   BackupReport report_;
 };
@@ -263,7 +368,7 @@ class Restorer {
     FolderKeyring keyring(options_.data / "keyring", disk_);
     for (const fs::path& folder : options_.keyrings) {
       FolderKeyring newer(folder, disk_);
-      ENAMEL_RETURN_IF_ERROR(keyring.Join(newer));
+      ENAMEL_RETURN_IF_ERROR(Join(keyring, newer));
     }
     return Status::Ok();
   }

@@ -10,8 +10,8 @@
 #include "server/storage/engine/verify.h"
 #include "server/training/types.h"
 
-// Copies of a data folder and the way back (schemas/backup.md). They belong to the SQLite backend;
-// another one has its engine's own tools.
+// Copies of a school and the way back (schemas/backup.md), from a data folder, or from PostgreSQL and S3 stores where the
+// folder's database.json says so; back always into a folder (move.h leads on from there).
 namespace enamel::server {
 
 struct BackupOptions {

@@ -9,11 +9,14 @@
 #include <cstring>
 #include <string>
 
+#include "common/base/file.h"
 #include "server/storage/engine/database_file.h"
 #include "server/storage/engine/folder_lock.h"
 
 namespace enamel::server::sqlite {
 namespace {
+
+constexpr size_t kMaxMarkBytes = 8192;
 
 // What root writes, the folder's owner could not read.
 Status MustNotBeRootForAnother(const std::filesystem::path& folder) {
@@ -53,6 +56,13 @@ Status KeepOthersOut(const std::filesystem::path& folder) {
 
 }  // namespace
 
+Result<std::string> ReadMark(const std::filesystem::path& file) {
+  ENAMEL_ASSIGN_OR_RETURN(const Bytes bytes, ReadFile(file, kMaxMarkBytes));
+  std::string text(AsText(bytes));
+  while (text.ends_with('\n')) text.pop_back();
+  return text;
+}
+
 Status MakeDataFolder(const std::filesystem::path& folder, Disk& disk, bool restoring) {
   if (Status made = disk.MakeFolder(folder); !made.ok()) {
     return Status(Code::kStorage, "cannot make the data folder " + folder.string() + ": " +
@@ -63,6 +73,24 @@ Status MakeDataFolder(const std::filesystem::path& folder, Disk& disk, bool rest
     return Status(Code::kConflict, folder.string() +
                                        " holds a restore that did not finish; empty the folder and "
                                        "restore again");
+  }
+  if (!restoring && std::filesystem::exists(folder / kMoveMark)) {
+    return Status(Code::kConflict, folder.string() +
+                                       " holds a move that did not finish; repeat the command that "
+                                       "began it, which goes on where it stopped");
+  }
+  if (const auto to = ReadMark(folder / kMovedMark); to.ok() && !restoring) {
+    if (std::filesystem::exists(std::filesystem::path(*to) / kMoveMark)) {
+      return Status(Code::kConflict, "this school is being moved to " + *to +
+                                         "; repeat the command that began it, or, to go on here, "
+                                         "delete " +
+                                         (folder / kMovedMark).string());
+    }
+    return Status(Code::kConflict,
+                  "this school was moved to " + *to +
+                      "; go on there. To go on here instead, without what has come there since and "
+                      "with who was erased there, delete " +
+                      (folder / kMovedMark).string());
   }
   if (::access(folder.c_str(), W_OK | X_OK) != 0) {
     return Status(Code::kStorage, "the data folder " + folder.string() + " is not writable: " +

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "common/base/result.h"
 #include "server/storage/engine/disk.h"
@@ -12,5 +13,8 @@ namespace enamel::server::sqlite {
 // (others may look in, and it holds other things too; or this is root and the folder is another
 // user's), kConflict (an unfinished restore), kStorage.
 Status MakeDataFolder(const std::filesystem::path& folder, Disk& disk, bool restoring);
+
+// What a mark in a data folder says (folder_lock.h), without its line end. Errors: kNotFound, kStorage.
+Result<std::string> ReadMark(const std::filesystem::path& file);
 
 }  // namespace enamel::server::sqlite

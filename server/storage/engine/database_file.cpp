@@ -14,8 +14,8 @@ namespace {
 
 namespace json = boost::json;
 
-constexpr int64_t kNewestVersion = 3;
-constexpr int64_t kWithKeys = 3, kWithBlobs = 2, kWithout = 1;
+constexpr int64_t kWithout = 1, kWithBlobs = 2, kWithKeys = 3;
+constexpr int64_t kNewestVersion = kWithKeys;
 constexpr int64_t kCredentialsVersion = 1;
 constexpr size_t kMaxDatabaseBytes = 64 << 10;
 constexpr size_t kMaxPrefix = 200;
@@ -41,11 +41,6 @@ Result<json::object> ParseObject(const std::filesystem::path& path, const Bytes&
                                       "; run the newer one");
   }
   return std::move(document.get_object());
-}
-
-Result<json::object> ReadObject(const std::filesystem::path& path, int64_t newest) {
-  ENAMEL_ASSIGN_OR_RETURN(const Bytes bytes, ReadFile(path, kMaxDatabaseBytes));
-  return ParseObject(path, bytes, newest);
 }
 
 enum class Need { kMust, kMay };
@@ -77,11 +72,11 @@ Result<PlaceInS3> ReadPlace(const std::filesystem::path& path, const json::value
   return out;
 }
 
-json::object ObjectOf(const PlaceInS3& blobs) {
-  json::object out = {{"endpoint", blobs.endpoint}, {"bucket", blobs.bucket}};
-  for (auto [name, text] : {std::pair{"region", &blobs.region}, std::pair{"prefix", &blobs.prefix},
-                            std::pair{"ca_file", &blobs.ca_file},
-                            std::pair{"credentials_file", &blobs.credentials_file}}) {
+json::object ObjectOf(const PlaceInS3& place) {
+  json::object out = {{"endpoint", place.endpoint}, {"bucket", place.bucket}};
+  for (auto [name, text] : {std::pair{"region", &place.region}, std::pair{"prefix", &place.prefix},
+                            std::pair{"ca_file", &place.ca_file},
+                            std::pair{"credentials_file", &place.credentials_file}}) {
     if (!text->empty()) out[name] = *text;
   }
   return out;
@@ -101,8 +96,9 @@ Status MustBeAPrefix(const std::string& prefix) {
 }
 
 Result<s3::Credentials> ReadCredentials(const std::filesystem::path& path) {
-  ENAMEL_ASSIGN_OR_RETURN(const Bytes bytes,
-                          ReadPrivateFile(path, kMaxDatabaseBytes, "the S3 store's credentials"));
+  ENAMEL_ASSIGN_OR_RETURN(
+      const Bytes bytes,
+      ReadPrivateFile(path, kMaxDatabaseBytes, "the S3 store's credentials", "write it"));
   ENAMEL_ASSIGN_OR_RETURN(const json::object all, ParseObject(path, bytes, kCredentialsVersion));
   s3::Credentials out;
   ENAMEL_RETURN_IF_ERROR(ReadText(path, all, "access_key", Need::kMust, out.access_key));
@@ -139,7 +135,8 @@ Result<std::optional<DatabaseFile>> ReadDatabaseFile(const std::filesystem::path
   const auto path = folder / kDatabaseFile;
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return std::optional<DatabaseFile>();
-  ENAMEL_ASSIGN_OR_RETURN(const json::object all, ReadObject(path, kNewestVersion));
+  ENAMEL_ASSIGN_OR_RETURN(const Bytes bytes, ReadFile(path, kMaxDatabaseBytes));
+  ENAMEL_ASSIGN_OR_RETURN(const json::object all, ParseObject(path, bytes, kNewestVersion));
   DatabaseFile out;
   const json::value* blobs = all.if_contains("blobs");
   const json::value* keys = all.if_contains("keys");
@@ -209,8 +206,10 @@ Status MustHaveRowsInFolder(const std::filesystem::path& folder, const std::stri
   if (!database) return Status::Ok();
   return Status(Code::kConflict, "expected rows in " + (folder / "enamel.db").string() +
                                      ", found that they are in PostgreSQL (database.json), which " +
-                                     command + " does not read; copy schema " + database->schema +
-                                     " with pg_dump, and after it the folder");
+                                     command +
+                                     " does not read; make a backup, which it does: enamel-server "
+                                     "backup TARGET --data " +
+                                     folder.string());
 }
 
 Status MayKeepRowsIn(const std::filesystem::path& folder, const DatabaseFile& file) {

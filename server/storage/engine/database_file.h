@@ -33,6 +33,7 @@ struct DatabaseFile {
   std::string schema;                // of its tables
   std::optional<PlaceInS3> blobs{};  // none: in the folder
   std::optional<KeysInS3> keys{};    // none: in the folder
+  bool operator==(const DatabaseFile&) const = default;
 };
 
 // None: there is no such file. Errors: kStorage, kInvalidInput, kVersion.

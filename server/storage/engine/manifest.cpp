@@ -1,7 +1,6 @@
 #include "server/storage/engine/manifest.h"
 
 #include <algorithm>
-#include <array>
 #include <boost/json.hpp>
 
 #include "common/base/file.h"
@@ -18,6 +17,7 @@ constexpr std::string_view kFormat = "enamel-backup";
 constexpr int64_t kVersion = 1;
 // Room for more than two million files.
 constexpr size_t kMaxBytes = size_t{512} << 20;
+
 Status Bad(const std::string& member, const std::string& expected) {
   return Status(Code::kInvalidInput, "manifest.json: expected " + expected + " as " + member,
                 member);

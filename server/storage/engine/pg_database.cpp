@@ -9,47 +9,47 @@
 namespace enamel::server::sqlite {
 namespace {
 
-using Kind = sql::PgFailure::Kind;
+using PgKind = sql::PgFailure::Kind;
 
 // What to do about it.
-const char* Advice(Kind kind) {
+const char* PgAdvice(PgKind kind) {
   switch (kind) {
-    case Kind::kNotThere:
+    case PgKind::kNotThere:
       return "the database server cannot be reached; see that PostgreSQL runs";
-    case Kind::kReadOnly:
+    case PgKind::kReadOnly:
       return "the database server takes no changes: it is a standby; try again when another has "
              "taken over";
-    case Kind::kBusy:
+    case PgKind::kBusy:
       return "the database is busy; try again";
-    case Kind::kRepeat:
+    case PgKind::kRepeat:
       return "another server changes the same; try again";
-    case Kind::kFull:
+    case PgKind::kFull:
       return "the database server's disk is full; free some disk space there";
-    case Kind::kNotAllowed:
+    case PgKind::kNotAllowed:
       return "the database server refuses this user; see its pg_hba.conf, and that the user owns "
              "the database";
-    case Kind::kDamaged:
+    case PgKind::kDamaged:
       return "the database is damaged, restore a backup";
-    case Kind::kConstraint:
-    case Kind::kTaken:
+    case PgKind::kConstraint:
+    case PgKind::kTaken:
       return "this does not go with what is stored: something is there already, or what it names "
              "is "
              "not there; read it again, then try again";
-    case Kind::kOther:
+    case PgKind::kOther:
       break;
   }
   return "the database failed; the log says why";
 }
 
-Status Tell(const sql::PgFailure& failure) {
+Status TellPg(const sql::PgFailure& failure) {
   const Code code = CodeOf(failure.kind);
-  if (failure.opening) return Status(code, failure.words + ": " + Advice(failure.kind));
+  if (failure.opening) return Status(code, failure.words + ": " + PgAdvice(failure.kind));
   // A name that is taken, and transactions that meet, are everyday life.
-  if (failure.kind != Kind::kTaken && failure.kind != Kind::kRepeat) {
+  if (failure.kind != PgKind::kTaken && failure.kind != PgKind::kRepeat) {
     spdlog::warn("database: {} (PostgreSQL {})", failure.words,
                  failure.state.empty() ? "connection" : failure.state);
   }
-  return Status(code, Advice(failure.kind));
+  return Status(code, PgAdvice(failure.kind));
 }
 
 }  // namespace
@@ -63,7 +63,7 @@ Result<std::unique_ptr<sql::Db>> OpenPgDatabase(const std::string& server,
   options.read_only = read_only;
   options.application = "enamel-server";
   options.fail_next = std::move(fail_next);
-  options.explain = Tell;
+  options.explain = TellPg;
   ENAMEL_ASSIGN_OR_RETURN(auto db, sql::PgDb::Open(std::move(options)));
   return std::unique_ptr<sql::Db>(std::move(db));
 }

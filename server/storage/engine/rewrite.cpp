@@ -6,26 +6,78 @@
 #include <string>
 
 #include "common/base/file.h"
+#include "server/storage/sql/query.h"
 
 namespace enamel::server::sqlite {
 
 Result<Rewriter::Upkeep> Rewriter::TakeUpkeep() {
   ENAMEL_ASSIGN_OR_RETURN(auto lock, TakeUpkeepLock(folder_, FolderLock::Mode::kExclusive));
-  return Upkeep(std::move(lock), upkeep_);
+  std::unique_ptr<Lease> lease;
+  if (shared_) {
+    ENAMEL_ASSIGN_OR_RETURN(auto db, shared_->open_writer());
+    ENAMEL_ASSIGN_OR_RETURN(lease, Lease::Take(std::move(db), "upkeep"));
+  }
+  return Upkeep(std::move(lock), std::move(lease), upkeep_);
 }
 
-Status Rewriter::Mark() { return WriteFileDurably(folder_ / kRewriteMark, {}); }
+Status Rewriter::Mark() {
+  if (!shared_) return WriteFileDurably(folder_ / kRewriteMark, {});
+  return shared_->rows.write([mark = Uuid::New()](sql::Db& db) {
+    Query q(db,
+            "INSERT INTO rewrite_due (tenant, since_ms, mark) VALUES (?1, ?2, ?3) ON CONFLICT "
+            "(tenant) DO "
+            "UPDATE SET mark = ?3");
+    return q.Bind(NowMs()).Bind(mark).Run();
+  });
+}
 
-bool Rewriter::marked() const {
+bool Rewriter::HasMarkFile() const {
   std::error_code error;
   return std::filesystem::exists(folder_ / kRewriteMark, error);
 }
 
+Result<bool> Rewriter::IsMarked() const {
+  ENAMEL_ASSIGN_OR_RETURN(const auto mark, FindMark());
+  return mark.has_value();
+}
+
+// Zero where the mark is a file.
+Result<std::optional<Uuid>> Rewriter::FindMark() const {
+  std::optional<Uuid> mark;
+  if (shared_) {
+    ENAMEL_RETURN_IF_ERROR(shared_->rows.read([&](sql::Db& db) -> Status {
+      Query q(db, "SELECT mark FROM rewrite_due WHERE tenant = ?1");
+      mark.reset();
+      if (q.Next()) mark = q.Id(0);
+      return q.status();
+    }));
+  }
+  // Of several servers, too: that of a version before there were rows for it.
+  if (!mark && HasMarkFile()) mark = Uuid{};
+  return mark;
+}
+
+Status Rewriter::RemoveMark(const Uuid& mark) {
+  // One that was set while the tables were written anew stays.
+  if (shared_) {
+    ENAMEL_RETURN_IF_ERROR(shared_->rows.write([&](sql::Db& db) {
+      return Query(db, "DELETE FROM rewrite_due WHERE tenant = ?1 AND mark = ?2").Bind(mark).Run();
+    }));
+  }
+  std::error_code error;
+  if (std::filesystem::remove(folder_ / kRewriteMark, error) || !error) return Status::Ok();
+  return Status(Code::kStorage,
+                "cannot remove " + (folder_ / kRewriteMark).string() + ": " + error.message());
+}
+
 // The lock is asked last: it opens a file, and this runs between two looks at a busy database.
-bool Rewriter::OthersErase() const { return upkeep_ == 0 && marked() && IsUpkeepAlone(folder_); }
+bool Rewriter::OthersErase() const {
+  return upkeep_ == 0 && HasMarkFile() && IsUpkeepAlone(folder_);
+}
 
 Status Rewriter::RunIfMarked(Writer& writer) {
-  if (!marked()) return Status::Ok();
+  ENAMEL_ASSIGN_OR_RETURN(const auto mark, FindMark());
+  if (!mark) return Status::Ok();
   spdlog::info("the database is being written anew after an erasure; changes wait until it is");
   const auto begin = std::chrono::steady_clock::now();
   running_ = true;
@@ -35,11 +87,7 @@ Status Rewriter::RunIfMarked(Writer& writer) {
     return db.Rewrite();
   });
   running_ = false;
-  std::error_code error;
-  if (status.ok() && !std::filesystem::remove(folder_ / kRewriteMark, error) && error) {
-    status = Status(Code::kStorage,
-                    "cannot remove " + (folder_ / kRewriteMark).string() + ": " + error.message());
-  }
+  if (status.ok()) status = RemoveMark(*mark);
   if (status.ok()) {
     std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
     spdlog::info("the database is written anew, which took {:.1f} s", took.count());

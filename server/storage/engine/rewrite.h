@@ -2,49 +2,67 @@
 
 #include <atomic>
 #include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
 #include <utility>
 
 #include "common/base/result.h"
+#include "common/base/uuid.h"
 #include "server/storage/engine/folder_lock.h"
+#include "server/storage/engine/lease.h"
 #include "server/storage/engine/space_guard.h"
 #include "server/storage/engine/writer.h"
+#include "server/storage/transactions.h"
 
 namespace enamel::server::sqlite {
 
-// In the data folder while an erasure may have left copies in the database.
+// In the data folder while an erasure may have left copies in the database; the row of rewrite_due says
+// the same to several servers.
 inline constexpr char kRewriteMark[] = "REWRITE";
 
 // Writes the database anew after an erasure: SQLite overwrites what is deleted, but not the copies
-// that moving rows about has left in free pages and gaps. The mark on the disk says that this is
-// still to be done, also after a crash.
+// that moving rows about has left in free pages and gaps; PostgreSQL overwrites nothing. A mark says
+// that this is still to be done, also after a crash: a file in the data folder, or a row where several
+// servers have theirs in the database, so that any of them does it.
 // Thread safety: any thread.
 class Rewriter {
  public:
-  Rewriter(std::filesystem::path folder, SpaceGuard& space)
-      : folder_(std::move(folder)), space_(space) {}
+  // What servers of one database have in common: rows, and connections that write, for leases.
+  struct Shared {
+    Transactions rows;
+    std::function<Result<std::unique_ptr<sql::Db>>()> open_writer;
+  };
+  // Without `shared`: only this folder's processes use the database.
+  Rewriter(std::filesystem::path folder, SpaceGuard& space, std::optional<Shared> shared)
+      : folder_(std::move(folder)), space_(space), shared_(std::move(shared)) {}
 
-  // The folder's UPKEEP lock, alone, until destroyed.
+  // The folder's UPKEEP lock, alone, and the lease of that name, until destroyed.
   class Upkeep {
    public:
-    Upkeep(FolderLock lock, std::atomic<int>& count) : lock_(std::move(lock)), count_(&count) {
+    Upkeep(FolderLock lock, std::unique_ptr<Lease> lease, std::atomic<int>& count)
+        : lock_(std::move(lock)), lease_(std::move(lease)), count_(&count) {
       ++count;
     }
     ~Upkeep() {
       if (count_ != nullptr) --*count_;
     }
     Upkeep(Upkeep&& other) noexcept
-        : lock_(std::move(other.lock_)), count_(std::exchange(other.count_, nullptr)) {}
+        : lock_(std::move(other.lock_)),
+          lease_(std::move(other.lease_)),
+          count_(std::exchange(other.count_, nullptr)) {}
     Upkeep& operator=(Upkeep&&) = delete;
 
    private:
     FolderLock lock_;
+    std::unique_ptr<Lease> lease_;
     std::atomic<int>* count_;
   };
-  // Errors: kUnavailable (somebody makes a backup, or has it alone).
+  // Errors: kUnavailable (somebody makes a backup, or has it alone; field kLeaseHeld: on another server).
   Result<Upkeep> TakeUpkeep();
 
   Status Mark();
-  bool marked() const;
+  Result<bool> IsMarked() const;
   // Where the mark is, writes the database anew without what was freed in it, empties the log and
   // removes the mark. Writers wait meanwhile: this store's in the writer's queue, other processes'
   // because of OthersErase. What fails is in the log; the mark stays then. Requires: Upkeep is held.
@@ -54,8 +72,13 @@ class Rewriter {
   bool OthersErase() const;
 
  private:
+  bool HasMarkFile() const;
+  Result<std::optional<Uuid>> FindMark() const;
+  Status RemoveMark(const Uuid& mark);
+
   const std::filesystem::path folder_;
   SpaceGuard& space_;
+  const std::optional<Shared> shared_;
   std::atomic<int> upkeep_{0};  // Upkeep is held so often
   std::atomic<bool> running_{false};
 };

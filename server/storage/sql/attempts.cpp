@@ -412,6 +412,7 @@ Status SqliteStore::FinishAttempt(const Uuid& attempt, const AttemptResult& resu
                                             result.series, result.motion}));
     ENAMEL_ASSIGN_OR_RETURN(const auto scored,
                             ScoredJsonOf(db, attempt, result.score_json, result.document));
+    ENAMEL_RETURN_IF_ERROR(FinishRun(db, lease));
     return WriteAudit(db, Actor{{}, "job"}, kAuditScore, attempt.Text(), "{}", scored);
   });
 }

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "server/storage/engine/move_rows.h"
 #include "server/storage/sql/sql_names.h"
 #include "server/storage/sql/sqlite_impl.h"
 
@@ -112,6 +113,9 @@ Result<std::optional<JobRow>> NextJobToTake(Db& db, UnixMs now_ms) {
 Status TakeJob(Db& db, UnixMs now_ms, UnixMs lease_ms, const Uuid& owner,
                std::optional<JobRow>& taken) {
   taken.reset();
+  // A worker that has had the school open since before it was moved would score what goes on elsewhere.
+  ENAMEL_ASSIGN_OR_RETURN(const bool moved, HasMoveRow(db, MoveRow::kAway));
+  if (moved) return Status::Ok();
   for (;;) {
     ENAMEL_ASSIGN_OR_RETURN(auto next, NextJobToTake(db, now_ms));
     if (!next) return Status::Ok();
@@ -207,13 +211,26 @@ Status MustBeRunning(Db& db, const Uuid& lease) {
                 kLeaseOver);
 }
 
+Status FinishRun(Db& db, const Uuid& lease) {
+  if (lease.IsZero()) return Status::Ok();
+  ENAMEL_ASSIGN_OR_RETURN(auto row, FindRun(db, lease));
+  if (!row) return Status::Ok();
+  row->error.clear();
+  row->state = "done";
+  return SetJob(db, *row);
+}
+
 // The process that held them is gone: waiting for the leases to run out would only delay the
 // scores.
 Status EndLeases(Db& db, const Uuid& owner) {
   Query q(db,
           "UPDATE jobs SET lease_until_ms = 0 WHERE tenant = ?1 AND state = 'running' AND (owner = "
           "?2 OR owner IS NULL)");
-  return q.Bind(owner).Run();
+  ENAMEL_RETURN_IF_ERROR(q.Bind(owner).Run());
+  Query timelines(db,
+                  "UPDATE timelines SET lease_until_ms = 0 WHERE tenant = ?1 AND owner = ?2 AND "
+                  "content IS NULL");
+  return timelines.Bind(owner).Run();
 }
 
 Status QueueScoreJob(Db& db, const Uuid& attempt, const std::string& cause,
@@ -254,13 +271,12 @@ Status SqliteStore::KeepLease(const Uuid& lease, UnixMs until_ms) {
 
 Status SqliteStore::FinishJob(const Uuid& lease, bool ok, const std::string& error) {
   return WriteRow([&](Db& db) -> Status {
+    if (ok) return FinishRun(db, lease);
     ENAMEL_ASSIGN_OR_RETURN(auto row, FindRun(db, lease));
     if (!row) return Status::Ok();
-    if (!ok && row->tries >= kMaxTries) return GiveUp(db, *row, error);
+    if (row->tries >= kMaxTries) return GiveUp(db, *row, error);
     row->error = error;
-    if (!ok) return Requeue(db, *row);
-    row->state = "done";
-    return SetJob(db, *row);
+    return Requeue(db, *row);
   });
 }
 

@@ -233,6 +233,7 @@ Result<RetentionReport> SqliteStore::ApplyRetention(UnixMs now_ms, bool dry_run,
   ENAMEL_ASSIGN_OR_RETURN(auto removed, blobs_.Remove(freed));
   ENAMEL_ASSIGN_OR_RETURN(auto swept, blobs_.Sweep(kUnnamedFor));
   report.blobs = removed + swept;
+  if (many_) ENAMEL_RETURN_IF_ERROR(sign_ins_.Sweep());
   // Last, for what the rules remove makes room; what fails is in the log and left for the next
   // time.
   (void)rewriter_.RunIfMarked(writer_);

@@ -42,6 +42,25 @@ Status SealedRows::Find(Db& db) {
   return q.status();
 }
 
+void SealedRows::Forget(const Uuid& attempt) {
+  std::lock_guard lock(mutex_);
+  if (!attempts_.empty() && attempts_.front() == attempt) attempts_.pop_front();
+}
+
+Status SealedRows::Finish() {
+  for (;;) {
+    Uuid attempt;
+    {
+      std::lock_guard lock(mutex_);
+      if (attempts_.empty()) return Status::Ok();
+      attempt = attempts_.front();
+    }
+    bool gone = false;
+    ENAMEL_RETURN_IF_ERROR(DeleteSome(attempt, gone));
+    if (gone) Forget(attempt);
+  }
+}
+
 void SealedRows::Run(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   while (wake_.wait(lock, stop, [&] { return !attempts_.empty(); })) {
@@ -51,9 +70,9 @@ void SealedRows::Run(const std::stop_token& stop) {
     bool gone = false;
     Status deleted = DeleteSome(attempt, gone);
     const auto took = std::chrono::steady_clock::now() - begin;
-    lock.lock();
     // Left at the front after a failure: it is tried again, and after a restart Find finds it.
-    if (deleted.ok() && gone) attempts_.pop_front();
+    if (deleted.ok() && gone) Forget(attempt);
+    lock.lock();
     const auto pause = deleted.ok() ? kShareOfOthers * took : kAfterFailure;
     wake_.wait_for(lock, stop, pause, [] { return false; });
     if (stop.stop_requested()) return;

@@ -28,8 +28,12 @@ class SealedRows {
   void Add(const Uuid& attempt);
   // Adds every sealed attempt that still has rows; reads an index entry per attempt with rows.
   Status Find(Db& db);
+  // Deletes all that is known now, without leaving time to others. Errors: the database's.
+  Status Finish();
 
  private:
+  // Unless somebody else has deleted the rest of it meanwhile.
+  void Forget(const Uuid& attempt);
   void Run(const std::stop_token& stop);
   // Deletes a portion of the attempt's rows; `gone` when none is left.
   Status DeleteSome(const Uuid& attempt, bool& gone);

@@ -25,6 +25,7 @@
 #include "server/storage/sql/audit_row.h"
 #include "server/storage/sql/query.h"
 #include "server/storage/sql/sealed_rows.h"
+#include "server/storage/sql/sign_in_rows.h"
 #include "server/storage/sqlite_store.h"
 #include "server/storage/transactions.h"
 
@@ -38,6 +39,8 @@ class SqliteStore final : public Store {
   struct Database {
     std::unique_ptr<Db> writer;
     std::function<Result<std::unique_ptr<Db>>()> open_reader;
+    // Another that writes; none where no other server has its rows in this database.
+    std::function<Result<std::unique_ptr<Db>>()> open_writer{};
   };
   // What is in S3 stores: clients, and what keys are wrapped with; none: in the folder.
   struct Buckets {
@@ -72,6 +75,9 @@ class SqliteStore final : public Store {
   Result<std::vector<SessionRow>> SessionsOf(const Uuid& person) override;
   Result<SessionRow> SessionById(const Uuid& id) override;
   Status EndSessionById(const Uuid& id, const Actor& by) override;
+  Status ChangeSignIns(const std::vector<Sha256>& keys, const SignInChange& change) override {
+    return sign_ins_.Change(keys, change);
+  }
   Status ConfirmSession(const Sha256& token_hash, UnixMs now_ms) override;
   Result<Uuid> CreateCohort(const std::string& name, const Actor& by) override;
   Result<Cohort> CohortById(const Uuid& id) override;
@@ -88,6 +94,7 @@ class SqliteStore final : public Store {
   Result<Uuid> AddEnrolCode(const Sha256& code_hash, UnixMs expires_ms, const Actor& by) override;
   Result<std::vector<EnrolCodeRow>> OpenEnrolCodes(UnixMs now_ms) override;
   Status WithdrawEnrolCode(const Uuid& id, const Actor& by) override;
+  Result<bool> IsEnrolCode(const Sha256& code_hash) override;
   Result<StationRow> EnrolStation(const Sha256& code_hash, StationRow station,
                                   const Sha256& credential_hash, UnixMs now_ms) override;
   Result<StationRow> StationByCredential(const Uuid& id, const Sha256& credential_hash) override;
@@ -99,6 +106,10 @@ class SqliteStore final : public Store {
   Status RevokeStation(const Uuid& id, const Actor& by) override;
   Result<std::vector<StationRow>> Stations() override;
   Result<std::vector<Uuid>> RevokedStations() override;
+  Result<std::vector<SchoolRow>> Schools() override;
+  Status AddSchool(const SchoolRow& row, const Actor& by) override;
+  Status ChangeSchool(const SchoolRow& row, const Actor& by) override;
+  Status RemoveSchool(const std::string& name, const Actor& by) override;
   Result<std::vector<ListedDevice>> ListedDevices() override;
   Status ListDevice(const std::string& name, const std::string& title, const Actor& by) override;
   Status UnlistDevice(const std::string& name, const Actor& by) override;
@@ -155,6 +166,8 @@ class SqliteStore final : public Store {
   Result<std::vector<AttemptRow>> Attempts(const AttemptFilter& filter) override;
   Result<Bytes> AttemptHeader(const Uuid& attempt) override;
   Result<std::vector<Bytes>> AttemptChunks(const Uuid& attempt) override;
+  Result<std::vector<Bytes>> NewestChunks(const Uuid& attempt, uint32_t from,
+                                          uint32_t most) override;
   Result<trace::Seal> AttemptSeal(const Uuid& attempt) override;
   Status FinishAttempt(const Uuid& attempt, const AttemptResult& result,
                        const Uuid& lease) override;
@@ -204,6 +217,7 @@ class SqliteStore final : public Store {
   Result<BatchRow> BatchById(const Uuid& id) override;
   Status CancelBatch(const Uuid& id, const Actor& by) override;
   Result<std::optional<Uuid>> TakeTimeline() override;
+  Status KeepTimeline(const Uuid& attempt) override;
   Status ReturnTimeline(const Uuid& attempt) override;
   Status PutTimeline(const Uuid& attempt, const Sha256& content) override;
   Status FailTimeline(const Uuid& attempt, const std::string& problem, bool again) override;
@@ -211,6 +225,12 @@ class SqliteStore final : public Store {
   Result<Sha256> StartToothOf(const Sha256& volume) override;
   Status PutStartTooth(const Sha256& volume, const Sha256& content) override;
   Result<bool> IsStartTooth(const Sha256& content) override;
+
+  Result<std::vector<ChairRemark>> ChairRemarks(UnixMs since_ms) override;
+  Status MoveRemarks(const std::vector<ChairRemark>& moved) override;
+  Status KeepLinks(const std::vector<StationLink>& come, const std::vector<Uuid>& gone,
+                   bool anew) override;
+  Result<std::vector<StationLink>> LinksElsewhere() override;
 
   Result<std::optional<JobRow>> LeaseJob(UnixMs now_ms, UnixMs lease_ms) override;
   Status KeepLease(const Uuid& lease, UnixMs until_ms) override;
@@ -231,9 +251,21 @@ class SqliteStore final : public Store {
   Result<RetentionReport> ApplyRetention(UnixMs now_ms, bool dry_run, const Actor& by) override;
   StoreHealth Health() override;
   Status MatchIdentity(ServerPart part, const std::optional<Sha256>& fingerprint) override;
+  bool IsShared() const override { return many_; }
+  Status LookAtDatabase() override;
   Status TryWrite() override;
   Status FinishErasures() override;
   void StopWaiting() override { writer_.StopWaiting(); }
+
+  // For what copies all of it (engine/backup.h, engine/move.h).
+  Blobs& blobs() { return blobs_; }
+  Keyring& keyring() { return keyring_; }
+  Result<Rewriter::Upkeep> TakeUpkeep() { return rewriter_.TakeUpkeep(); }
+  Transactions OwnTransactions();
+  // Nothing is deleted in the background any more.
+  Status FinishSealed() { return sealed_rows_ ? sealed_rows_->Finish() : Status::Ok(); }
+  // That were heard within LiveStore::kServerSilentMs, besides this one.
+  Result<size_t> OtherServers();
 
   // What is erased here, in the key ring or in the database, is erased in both: after a restore of
   // either, and after a crash in between. Leaves the rest to FinishErasures.
@@ -267,7 +299,8 @@ class SqliteStore final : public Store {
   Result<PersonKey> KeyOf(const Uuid& attempt);
   std::unique_ptr<Blobs> MakeBlobs(const SqliteOptions& options, std::unique_ptr<s3::S3Client> s3);
   std::unique_ptr<Keyring> MakeKeyring(const SqliteOptions& options, Buckets& buckets);
-  Transactions OwnTransactions();
+  std::optional<Rewriter::Shared> SharedWith(
+      const std::function<Result<std::unique_ptr<Db>>()>& open_writer);
   // By the key ring or the database, and from now on by both, unless the key ring is away: then
   // FinishErasures asks again. Errors: those of Keyring but kUnavailable.
   Result<std::vector<Tombstone>> AllErased();
@@ -301,6 +334,7 @@ class SqliteStore final : public Store {
   Blobs& blobs_;
   const std::unique_ptr<Keyring> owned_keyring_;
   Keyring& keyring_;
+  SignInRows sign_ins_;
   std::optional<SealedRows> sealed_rows_;  // the server's; others' rows go with the seal
   std::mutex leases_mutex_;
   bool earlier_leases_;  // there may be some; guarded by leases_mutex_
@@ -308,8 +342,13 @@ class SqliteStore final : public Store {
   std::unordered_map<std::string, Uuid> person_of_;  // attempt to person; guarded by people_mutex_
   std::atomic<bool> damaged_{false};                 // a reader found the database damaged
   std::atomic<bool> erasures_due_{false};            // the key ring was away
+  std::atomic<int64_t> clock_ahead_ms_{0};
+  std::atomic<Standby> standby_{Standby::kNotKept};
   std::atomic<uint64_t> chunks_{0}, chunk_bytes_{0}, sealed_{0};
 };
+
+// OpenStore, for what copies all of a school: everything that it opens is a SqliteStore.
+Result<std::unique_ptr<SqliteStore>> OpenWholeStore(const SqliteOptions& options);
 
 // Shared by the sources.
 using Json = std::string;
@@ -376,6 +415,9 @@ Status MustNotBeTheOnlyAdmin(Db& db, const Person& person);
 Status EndLeases(Db& db, const Uuid& owner);
 // kUnavailable unless the run with this lease is under way; locks its job. Zero: no run is meant.
 Status MustBeRunning(Db& db, const Uuid& lease);
+// The job of this run is done. In the transaction that keeps its result: a worker that died in between would be
+// followed by another, with a second result. Zero: no run is meant.
+Status FinishRun(Db& db, const Uuid& lease);
 // What the row "attempt.score" of the audit trail tells, or that of an earlier run which counts
 // again; empty: the result is not signed.
 inline constexpr char kAuditScore[] = "attempt.score", kAuditRestore[] = "attempt.restore";

@@ -116,6 +116,15 @@ Status SqliteStore::WithdrawEnrolCode(const Uuid& id, const Actor& by) {
   });
 }
 
+Result<bool> SqliteStore::IsEnrolCode(const Sha256& code_hash) {
+  return Read([&](Db& db) -> Result<bool> {
+    Query q(db, "SELECT 1 FROM enrol_codes WHERE tenant = ?1 AND code_hash = ?2");
+    const bool found = q.Bind(code_hash).Next();
+    if (!q.status().ok()) return q.status();
+    return found;
+  });
+}
+
 Result<StationRow> SqliteStore::EnrolStation(const Sha256& code_hash, StationRow station,
                                              const Sha256& credential_hash, UnixMs now_ms) {
   const bool again = !station.id.IsZero();

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "server/storage/sql/decisions.h"
 #include "server/storage/sql/sql_names.h"
 #include "server/storage/sql/sqlite_impl.h"
@@ -6,11 +8,11 @@
 namespace enamel::server::sqlite {
 namespace {
 
-#define ENAMEL_ANNOTATION_SELECT                                                               \
-  "SELECT n.id, n.attempt, n.author, coalesce(p.display_name, ''), n.tick, n.x_um, n.y_um, "   \
-  "n.z_um, n.text, n.created_ms, n.edited_ms, n.revision, n.to_chair FROM annotations n LEFT " \
-  "JOIN "                                                                                      \
-  "people p ON p.tenant = n.tenant AND p.id = n.author WHERE n.tenant = ?1"
+#define ENAMEL_ANNOTATION_SELECT                                                             \
+  "SELECT n.id, n.attempt, n.author, coalesce(p.display_name, ''), n.tick, n.x_um, n.y_um, " \
+  "n.z_um, n.text, n.created_ms, n.edited_ms, n.revision, n.to_chair, "                      \
+  "coalesce(n.remark_id, 0) FROM annotations n "                                             \
+  "LEFT JOIN people p ON p.tenant = n.tenant AND p.id = n.author WHERE n.tenant = ?1"
 
 AnnotationRow AnnotationOf(const Query& q) {
   AnnotationRow out;
@@ -28,6 +30,7 @@ AnnotationRow AnnotationOf(const Query& q) {
   out.edited_ms = q.Int(10);
   out.revision = static_cast<int32_t>(q.Int(11));
   out.to_chair = q.Int(12) != 0;
+  out.remark_id = static_cast<uint64_t>(q.Int(13));
   return out;
 }
 
@@ -49,6 +52,19 @@ Query& BindRemark(Query& q, const AnnotationRow& row) {
     }
   }
   return q.Bind(row.text);
+}
+
+Status SendToChair(Db& db, const AnnotationRow& row, int64_t now_ms) {
+  Query last(db,
+             "SELECT coalesce(max(remark_id), 0) FROM annotations WHERE tenant = ?1 AND attempt = "
+             "?2");
+  const int64_t before = last.Bind(row.attempt).Next() ? last.Int(0) : 0;
+  ENAMEL_RETURN_IF_ERROR(last.status());
+  Query q(db,
+          "UPDATE annotations SET remark_id = ?3, remark_state = 'waiting' WHERE tenant = ?1 AND "
+          "id = ?2");
+  // Time, so that one is not taken for an earlier one that was deleted.
+  return q.Bind(row.id).Bind(std::max({now_ms, before + 1, int64_t{1}})).Run();
 }
 
 Json RemarkJson(const AnnotationRow& row) {
@@ -256,12 +272,14 @@ Result<AnnotationRow> SqliteStore::AddAnnotation(const AnnotationRow& annotation
   row.id = Uuid::New();
   Status status = Write([&](Db& db) -> Status {
     if (auto attempt = FindAttempt(db, row.attempt); !attempt.ok()) return attempt.status();
+    const int64_t now_ms = NowMs();
     Query q(db,
             "INSERT INTO annotations (tenant, id, tick, x_um, y_um, z_um, text, attempt, author, "
             "created_ms, to_chair) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11)");
-    BindRemark(q.Bind(row.id), row).Bind(row.attempt).Bind(by.person).Bind(NowMs());
+    BindRemark(q.Bind(row.id), row).Bind(row.attempt).Bind(by.person).Bind(now_ms);
     q.Bind(int64_t{row.to_chair});
     ENAMEL_RETURN_IF_ERROR(q.Run());
+    if (row.to_chair) ENAMEL_RETURN_IF_ERROR(SendToChair(db, row, now_ms));
     return WriteAuditAbout(db, SubjectOf("annotation", row.id.Text()), by, "annotation.add",
                            row.attempt.Text(), "{}", RemarkJson(row));
   });

@@ -6,6 +6,8 @@ namespace {
 
 // A recording that ends the process each time must not do so for ever.
 constexpr int64_t kMaxTries = 3;
+// A process that died keeps it for so long; one that works says so more often (KeepTimeline).
+constexpr int64_t kLeaseMs = 60'000;
 
 }  // namespace
 
@@ -14,7 +16,7 @@ Status WaitForTimeline(Db& db, const Uuid& attempt) {
   Query q(
       db,
       "INSERT INTO timelines (tenant, attempt) VALUES (?1, ?2) ON CONFLICT (tenant, attempt) DO "
-      "UPDATE SET tries = 0, problem = '' WHERE timelines.content IS NULL");
+      "UPDATE SET tries = 0, problem = '', lease_until_ms = 0 WHERE timelines.content IS NULL");
   return q.Bind(attempt).Run();
 }
 
@@ -28,35 +30,52 @@ Status DropTimeline(Db& db, const Uuid& attempt, std::set<Sha256>& blobs) {
 }
 
 Result<std::optional<Uuid>> SqliteStore::TakeTimeline() {
-  auto next = [](Db& db) -> Result<std::optional<Uuid>> {
+  ENAMEL_RETURN_IF_ERROR(EndEarlierLeases());
+  const int64_t now_ms = NowMs();
+  auto next = [&](Db& db, const char* lock) -> Result<std::optional<Uuid>> {
     Query q(db,
-            "SELECT attempt FROM timelines WHERE tenant = ?1 AND content IS NULL AND tries < ?2 "
-            "ORDER BY attempt DESC LIMIT 1");
+            std::string("SELECT attempt FROM timelines WHERE tenant = ?1 AND content IS NULL AND "
+                        "tries < ?2 AND lease_until_ms < ?3 ORDER BY attempt DESC LIMIT 1") +
+                lock);
     std::optional<Uuid> out;
-    if (q.Bind(kMaxTries).Next()) out = q.Id(0);
+    if (q.Bind(kMaxTries).Bind(now_ms).Next()) out = q.Id(0);
     if (!q.status().ok()) return q.status();
     return out;
   };
   // Most calls find nothing: look on a reader first and leave the writer alone.
-  auto any = Read(next);
+  auto any = Read([&](Db& db) { return next(db, ""); });
   if (!any.ok() || !*any) return any;
   std::optional<Uuid> taken;
-  ENAMEL_RETURN_IF_ERROR(Write([&](Db& db) -> Status {
-    ENAMEL_ASSIGN_OR_RETURN(taken, next(db));
+  ENAMEL_RETURN_IF_ERROR(WriteRow([&](Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(taken, next(db, db.RowLockOrSkip()));
     if (!taken) return Status::Ok();
     // Counted before the work, not after: a process that dies cannot count.
-    Query q(db, "UPDATE timelines SET tries = tries + 1 WHERE tenant = ?1 AND attempt = ?2");
-    return q.Bind(*taken).Run();
+    Query q(
+        db,
+        "UPDATE timelines SET tries = tries + 1, owner = ?3, lease_until_ms = ?4 WHERE tenant = "
+        "?1 AND attempt = ?2");
+    return q.Bind(*taken).Bind(owner_).Bind(now_ms + kLeaseMs).Run();
   }));
   return taken;
 }
 
+Status SqliteStore::KeepTimeline(const Uuid& attempt) {
+  return WriteRow([&](Db& db) -> Status {
+    Query q(
+        db,
+        "UPDATE timelines SET lease_until_ms = ?4 WHERE tenant = ?1 AND attempt = ?2 AND owner = "
+        "?3 AND content IS NULL");
+    return q.Bind(attempt).Bind(owner_).Bind(NowMs() + kLeaseMs).Run();
+  });
+}
+
 Status SqliteStore::ReturnTimeline(const Uuid& attempt) {
-  return Write([&](Db& db) -> Status {
-    Query q(db,
-            "UPDATE timelines SET tries = tries - 1 WHERE tenant = ?1 AND attempt = ?2 AND tries > "
-            "0 AND content IS NULL");
-    return q.Bind(attempt).Run();
+  return WriteRow([&](Db& db) -> Status {
+    Query q(
+        db,
+        "UPDATE timelines SET tries = tries - 1, lease_until_ms = 0 WHERE tenant = ?1 AND attempt "
+        "= ?2 AND owner = ?3 AND tries > 0 AND content IS NULL");
+    return q.Bind(attempt).Bind(owner_).Run();
   });
 }
 
@@ -72,12 +91,14 @@ Status SqliteStore::PutTimeline(const Uuid& attempt, const Sha256& content) {
 }
 
 Status SqliteStore::FailTimeline(const Uuid& attempt, const std::string& problem, bool again) {
-  return Write([&](Db& db) -> Status {
-    Query q(db, "UPDATE timelines SET problem = ?3 WHERE tenant = ?1 AND attempt = ?2");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(problem).Run());
-    if (again) return Status::Ok();
-    Query last(db, "UPDATE timelines SET tries = ?3 WHERE tenant = ?1 AND attempt = ?2");
-    return last.Bind(attempt).Bind(kMaxTries).Run();
+  // Unless another has taken it meanwhile, or made it.
+  return WriteRow([&](Db& db) -> Status {
+    Query q(db,
+            "UPDATE timelines SET problem = ?4, lease_until_ms = 0, tries = CASE WHEN ?5 = 1 THEN "
+            "tries "
+            "ELSE ?6 END WHERE tenant = ?1 AND attempt = ?2 AND owner = ?3 AND content IS NULL");
+    q.Bind(attempt).Bind(owner_).Bind(problem);
+    return q.Bind(int64_t{again ? 1 : 0}).Bind(kMaxTries).Run();
   });
 }
 

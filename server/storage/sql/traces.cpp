@@ -274,7 +274,7 @@ Result<Bytes> HeaderOf(Db& db, const Uuid& attempt) {
 
 Status SqliteStore::OpenAttempt(const Uuid& attempt, ByteView header) {
   ENAMEL_RETURN_IF_ERROR(MayRecord());
-  return WriteRow(Writer::Work([&](Db& db, bool& keep_anyway) -> Status {
+  const Status opened = WriteRow(Writer::Work([&](Db& db, bool& keep_anyway) -> Status {
     ENAMEL_ASSIGN_OR_RETURN(auto ingest, FindIngest(db, attempt, Look::kToDecide));
     if (ingest.has_header) {
       ENAMEL_ASSIGN_OR_RETURN(auto stored, HeaderOf(db, attempt));
@@ -305,6 +305,9 @@ Status SqliteStore::OpenAttempt(const Uuid& attempt, ByteView header) {
     }
     return KeepHand(db, attempt, header);
   }));
+  // So that the first chunk need not wait for a store of keys; it asks again.
+  if (opened.ok()) (void)KeyOf(attempt);
+  return opened;
 }
 
 Status SqliteStore::KeepFacts(const Uuid& attempt, const std::string& facts) {
@@ -538,6 +541,28 @@ Result<std::vector<Bytes>> SqliteStore::AttemptChunks(const Uuid& attempt) {
   ENAMEL_ASSIGN_OR_RETURN(auto bytes, GetBlob(blob));
   ENAMEL_ASSIGN_OR_RETURN(auto file, trace::DecodeTraceFile(bytes));
   return std::move(file.chunks);
+}
+
+Result<std::vector<Bytes>> SqliteStore::NewestChunks(const Uuid& attempt, uint32_t from,
+                                                     uint32_t most) {
+  auto rows = Read([&](Db& db) -> Result<std::vector<Bytes>> {
+    Query q(
+        db,
+        "SELECT bytes FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2 AND seq >= ?3 ORDER BY "
+        "seq DESC LIMIT ?4");
+    q.Bind(attempt).Bind(int64_t{from}).Bind(int64_t{most});
+    std::vector<Bytes> out;
+    while (q.Next()) out.push_back(q.Blob(0));
+    if (!q.status().ok()) return q.status();
+    return out;
+  });
+  if (!rows.ok()) return rows;
+  std::ranges::reverse(*rows);
+  PersonalReader personal(keyring_);
+  for (Bytes& row : *rows) {
+    ENAMEL_ASSIGN_OR_RETURN(row, personal.Open(std::move(row)));
+  }
+  return rows;
 }
 
 Result<trace::Seal> SqliteStore::AttemptSeal(const Uuid& attempt) {

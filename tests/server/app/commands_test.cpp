@@ -462,5 +462,32 @@ TEST_F(CommandsTest, IdentityIsMadeOnce) {
             std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
 }
 
+TEST_F(CommandsTest, IdentityOfAnotherServerIsTakenIntoAFolderThatKeepsOthersOut) {
+  OpenData();
+  const auto theirs = EnsureIdentity(Data());
+  ASSERT_TRUE(theirs.ok());
+  const test::TempFolder parent;
+  const auto open = std::filesystem::perms(0755);
+  const auto mode = [](const std::filesystem::path& path) {
+    return std::filesystem::status(path).permissions() & std::filesystem::perms::all;
+  };
+  const auto empty = parent.path() / "empty", used = parent.path() / "used";
+  for (const auto& folder : {empty, used}) {
+    std::filesystem::create_directory(folder);
+    std::filesystem::permissions(folder, open);
+  }
+  ASSERT_TRUE(WriteFileDurably(used / "thesis.txt", AsBytes("x"), 0644).ok());
+  EXPECT_EQ(TakeIdentity(used, Data()).code(), Code::kForbidden);
+  EXPECT_FALSE(std::filesystem::exists(used / "ticket.key"));
+  ASSERT_TRUE(TakeIdentity(empty, Data()).ok());
+  EXPECT_EQ(mode(empty), std::filesystem::perms(0700));
+  EXPECT_EQ(mode(empty / "station.key"), std::filesystem::perms(0600));
+  EXPECT_EQ(EnsureIdentity(empty)->fingerprint, theirs->fingerprint);
+  EXPECT_TRUE(TakeIdentity(empty, Data()).ok()) << "again";
+  ASSERT_TRUE(WriteFileDurably(empty / "station.crt", AsBytes("another"), 0600).ok());
+  EXPECT_EQ(TakeIdentity(empty, Data()).code(), Code::kConflict);
+  EXPECT_EQ(TakeIdentity(parent.path() / "new", used).code(), Code::kNotFound);
+}
+
 }  // namespace
 }  // namespace enamel::server::app

@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <boost/json.hpp>
+#include <semaphore>
 #include <thread>
 
 #include "common/base/file.h"
@@ -173,6 +174,40 @@ TEST_F(UpkeepTest, RetentionTellsBeforeItDoes) {
 }
 
 // The log says once that recordings stop and once that they go on.
+// A store whose erasures another server's lease holds up at first.
+class HeldUpStore final : public UpkeepStore {
+ public:
+  Result<ErasureReport> ErasePerson(const Uuid&, bool, const Actor&) override { return Unused(); }
+  Result<std::vector<RetentionRule>> RetentionRules() override { return Unused(); }
+  Status SetRetention(const RetentionRule&, const Actor&) override { return Unused(); }
+  Result<RetentionReport> ApplyRetention(UnixMs, bool, const Actor&) override { return Unused(); }
+  Status FinishErasures() override {
+    if (++tries_ < 3) return Status(Code::kUnavailable, "another server is at it", kLeaseHeld);
+    finished.release();
+    return Status::Ok();
+  }
+  void StopWaiting() override {}
+  Status MatchIdentity(ServerPart, const std::optional<Sha256>&) override { return Unused(); }
+  bool IsShared() const override { return true; }
+  Status LookAtDatabase() override { return Unused(); }
+  StoreHealth Health() override { return {}; }
+  Status TryWrite() override { return Unused(); }
+
+  std::binary_semaphore finished{0};
+
+ private:
+  static Status Unused() { return Status(Code::kInternal, "nobody asks for this here"); }
+  int tries_ = 0;
+};
+
+TEST(CaretakerTest, AnErasureThatALeaseHoldsUpIsTriedUntilItIsFinished) {
+  HeldUpStore store;
+  Caretaker::Intervals intervals;
+  intervals.health = intervals.held = std::chrono::milliseconds(1);
+  Caretaker caretaker(store, intervals);
+  EXPECT_TRUE(store.finished.try_acquire_for(std::chrono::seconds(60)));
+}
+
 TEST(CaretakerTest, FullDiskIsLoggedOnceAndSoIsItsEnd) {
   auto said = std::make_shared<spdlog::sinks::ringbuffer_sink_mt>(16);
   auto before = spdlog::default_logger();

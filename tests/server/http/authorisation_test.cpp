@@ -508,6 +508,53 @@ TEST_F(AuthorisationTest, NoChangeIsMadeForAnotherSitesPageOrWithoutTheCsrfValue
   EXPECT_EQ(done(), before) << "nothing was done";
 }
 
+// Two schools of one installation: the same table, asked at one about what is the other's.
+TEST_F(AuthorisationTest, OfAnotherSchoolNothingIsThere) {
+  Template other;
+  Case shared(other, false);
+  size_t cells = 0, in_bodies = 0;
+  for (const Line& line : kLines) {
+    const std::vector<int> expected = Statuses(line.expected);
+    const bool about = std::string_view(line.route).find("{id}") != std::string_view::npos;
+    for (size_t i = 0; i < expected.size(); ++i) {
+      const auto pass = other.passes.find(kColumns[i]);
+      if (about) {
+        // This school's path, the other's people.
+        Request request = RequestOf(*made_, line);
+        if (pass != other.passes.end()) GiveOf(request, pass->second);
+        const int status = shared.Handle(request).status;
+        // Whoever may not do it here either hears that first, and so does who sends nothing useful.
+        const bool refused = expected[i] == 401 || expected[i] == 403 || expected[i] == 400;
+        EXPECT_TRUE(status == 404 || (refused && status == expected[i]))
+            << line.route << " about " << line.what << " by " << kColumns[i] << ": " << status;
+        ++cells;
+      }
+      // The other's path, this school's ids in what is sent. Fails before anything is changed.
+      if (Filled(line.body, made_->bodies) != Filled(line.body, other.bodies) &&
+          expected[i] / 100 == 2) {
+        Request request = RequestOf(other, line);
+        request.body = Filled(line.body, made_->bodies);
+        if (pass != other.passes.end()) GiveOf(request, pass->second);
+        const Response response = Case(other, true).Handle(request);
+        EXPECT_EQ(response.status / 100, 4)
+            << line.route << " by " << kColumns[i] << ": " << response.body;
+        ++in_bodies;
+      }
+      // This school's sessions are nobody's there.
+      const auto mine = made_->passes.find(kColumns[i]);
+      const bool signs_in = std::string_view(line.route) == "POST /api/v1/session";
+      if (mine == made_->passes.end() || signs_in) continue;
+      Request request = RequestOf(other, line);
+      GiveOf(request, mine->second);
+      EXPECT_EQ(shared.Handle(request).status, expected[0])
+          << line.route << " with the session of another school's " << kColumns[i];
+      ++cells;
+    }
+  }
+  EXPECT_GT(cells, 1000u);
+  EXPECT_GT(in_bodies, 2u);
+}
+
 TEST_F(AuthorisationTest, WhatMayNotBeSeenLooksLikeWhatIsNotThere) {
   Case shared(*made_, false);
   for (const Line& line : kLines) {

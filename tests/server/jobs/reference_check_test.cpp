@@ -6,6 +6,7 @@
 #include "common/scene/json/json.h"
 #include "common/scene/preparation.h"
 #include "common/scene/volume_blob.h"
+#include "common/scoring/score.h"
 #include "server/jobs/score_job.h"
 #include "server/training/revision.h"
 #include "tests/server/jobs/recorded_attempt.h"

@@ -10,12 +10,18 @@ constexpr UnixMs kNow = 1'700'000'000'000;
 class RemarkBoardTest : public testing::Test {
  protected:
   uint64_t Send(const std::string& text, UnixMs now_ms = kNow) {
-    return board_.Send(attempt_, text, "Ada", 5, now_ms).remark.id;
+    board_.Put(Remark(attempt_, ++last_id_, text, now_ms));
+    return last_id_;
+  }
+  static ChairRemark Remark(const Uuid& attempt, uint64_t id, const std::string& text,
+                            UnixMs now_ms) {
+    return {attempt, id, text, "Ada", 5, now_ms, RemarkState::kWaiting, 0};
   }
   RemarkState StateOf(size_t index) { return board_.Of(attempt_).at(index).state; }
 
   RemarkBoard board_;
   const Uuid attempt_ = Uuid::New();
+  uint64_t last_id_ = 0;
 };
 
 TEST_F(RemarkBoardTest, RemarkIsHandedOutUntilItIsKnownToBeShown) {
@@ -29,7 +35,6 @@ TEST_F(RemarkBoardTest, RemarkIsHandedOutUntilItIsKnownToBeShown) {
     EXPECT_EQ(StateOf(0), RemarkState::kSent);
   }
   const uint64_t second = Send("two");
-  EXPECT_GT(second, first) << "sent in the same millisecond";
   board_.Shown(attempt_, first, kNow + 7);
   EXPECT_EQ(StateOf(0), RemarkState::kShown);
   EXPECT_EQ(board_.Of(attempt_)[0].shown_ms, kNow + 7);
@@ -43,12 +48,6 @@ TEST_F(RemarkBoardTest, WhatWasNeverSentIsNotShownWhateverTheStationSays) {
   board_.Shown(attempt_, ~uint64_t{0}, kNow);
   EXPECT_EQ(StateOf(0), RemarkState::kWaiting);
   EXPECT_EQ(board_.Take(attempt_).size(), 1u);
-}
-
-TEST_F(RemarkBoardTest, IdsGoOnGrowingWhenTheServerIsStartedAnew) {
-  const uint64_t before = Send("before");
-  RemarkBoard restarted;
-  EXPECT_GT(restarted.Send(attempt_, "after", "Ada", 5, kNow + 2000).remark.id, before);
 }
 
 TEST_F(RemarkBoardTest, AChairIsNotFlooded) {
@@ -76,14 +75,66 @@ TEST_F(RemarkBoardTest, WhatItHoldsIsBoundedAndGoesWithTheAttempt) {
   EXPECT_EQ(board_.Of(attempt_).size(), RemarkBoard::kMostKept);
   EXPECT_EQ(board_.Take(attempt_).size(), RemarkBoard::kMostWaiting);
   for (size_t i = 0; i < RemarkBoard::kMostAttempts; ++i) {
-    (void)board_.Send(Uuid::New(), "r", "Ada", 0, kNow + 1000 + static_cast<UnixMs>(i));
+    board_.Put(Remark(Uuid::New(), 1000 + i, "r", kNow));
   }
   EXPECT_TRUE(board_.Of(attempt_).empty()) << "the one silent longest goes first";
   const Uuid other = Uuid::New();
-  (void)board_.Send(other, "r", "Ada", 0, kNow);
+  board_.Put(Remark(other, ~uint64_t{0}, "r", kNow));
   board_.Remove(other);
   EXPECT_TRUE(board_.Of(other).empty());
   EXPECT_TRUE(board_.Take(other).empty());
+}
+
+TEST_F(RemarkBoardTest, WhatTheStoreHasIsPutInItsPlaceAndNeverTakesARemarkBack) {
+  (void)Send("one");
+  (void)Send("three");
+  board_.Put(Remark(attempt_, 5, "five", kNow));
+  board_.Put(Remark(attempt_, 3, "said at another server, read later", kNow));
+  std::vector<uint64_t> ids;
+  for (const ChairRemark& remark : board_.Of(attempt_)) ids.push_back(remark.id);
+  EXPECT_EQ(ids, (std::vector<uint64_t>{1, 2, 3, 5}));
+  (void)board_.Take(attempt_);
+  board_.Shown(attempt_, 2, kNow + 9);
+  ChairRemark read = Remark(attempt_, 1, "one", kNow);
+  board_.Put(read);
+  EXPECT_EQ(StateOf(0), RemarkState::kShown) << "the store is behind";
+  read = Remark(attempt_, 5, "five", kNow);
+  read.state = RemarkState::kShown;
+  read.shown_ms = kNow + 3;
+  board_.Put(read);
+  EXPECT_EQ(StateOf(3), RemarkState::kShown) << "shown by another server's station";
+  EXPECT_EQ(board_.Of(attempt_)[3].shown_ms, kNow + 3);
+}
+
+TEST_F(RemarkBoardTest, WhatHasMovedIsToldUntilItIsStored) {
+  (void)Send("one");
+  (void)Send("two");
+  EXPECT_TRUE(board_.Moved().empty());
+  (void)board_.Take(attempt_);
+  const std::vector<ChairRemark> sent = board_.Moved();
+  ASSERT_EQ(sent.size(), 2u);
+  board_.Shown(attempt_, 1, kNow);
+  board_.Stored(sent);
+  const std::vector<ChairRemark> shown = board_.Moved();
+  ASSERT_EQ(shown.size(), 1u) << "moved on while it was stored";
+  EXPECT_EQ(shown[0].id, 1u);
+  EXPECT_EQ(shown[0].state, RemarkState::kShown);
+  board_.Stored(shown);
+  EXPECT_TRUE(board_.Moved().empty());
+  board_.Remove(attempt_);
+  board_.Stored(shown);
+  EXPECT_TRUE(board_.Of(attempt_).empty());
+}
+
+TEST_F(RemarkBoardTest, AttemptsThatAreOverGo) {
+  (void)Send("one");
+  const Uuid over = Uuid::New(), new_one = Uuid::New();
+  board_.Put(Remark(over, 1, "r", kNow));
+  board_.Put(Remark(new_one, 1, "r", kNow + 2000));
+  board_.KeepOnly({attempt_}, kNow + 1000);
+  EXPECT_EQ(board_.Of(attempt_).size(), 1u);
+  EXPECT_TRUE(board_.Of(over).empty());
+  EXPECT_EQ(board_.Of(new_one).size(), 1u);
 }
 
 }  // namespace

@@ -63,10 +63,17 @@ class RemarkTest : public ::testing::Test {
     return station_.Send(request);
   }
 
+  // Gives its id.
+  uint64_t Send(const Uuid& attempt, const std::string& text) {
+    board_.remarks().Put({attempt, ++last_id_, text, "Ada", 1, world_.now, {}, {}});
+    return last_id_;
+  }
+
   Uuid StationId() const { return *protocol::ReadUuid(station_.id, "id"); }
   UnixMs StoredMs() { return world_.store->StationById(StationId())->last_seen_ms; }
 
   LinkWorld world_;
+  uint64_t last_id_ = 0;
   StationBoard board_;
   std::optional<Session> session_;
   ScriptedStation station_{[this](const wire::Request& request) { return Carry(request); }};
@@ -77,16 +84,16 @@ TEST_F(RemarkTest, RemarkComesWithEachAcknowledgementUntilItWasShown) {
   Recording recording = Opened(4);
   const Uuid& attempt = recording.seal.attempt;
   EXPECT_EQ(Put(recording.chunks[0]).chunk_ack().remarks_size(), 0);
-  const auto sent = board_.remarks().Send(attempt, "请停一下", "Ada", 1, world_.now);
+  const uint64_t sent = Send(attempt, "请停一下");
   for (uint32_t seq : {1u, 2u}) {
     const wire::Reply reply = Put(recording.chunks[seq]);
     ASSERT_EQ(reply.chunk_ack().remarks_size(), 1) << "chunk " << seq;
-    EXPECT_EQ(reply.chunk_ack().remarks(0).id(), sent.remark.id);
+    EXPECT_EQ(reply.chunk_ack().remarks(0).id(), sent);
     EXPECT_EQ(reply.chunk_ack().remarks(0).text(), "请停一下");
     EXPECT_EQ(reply.chunk_ack().remarks(0).from(), "Ada");
   }
   EXPECT_EQ(board_.remarks().Of(attempt)[0].state, RemarkState::kSent);
-  EXPECT_EQ(Put(recording.chunks[3], sent.remark.id).chunk_ack().remarks_size(), 0);
+  EXPECT_EQ(Put(recording.chunks[3], sent).chunk_ack().remarks_size(), 0);
   EXPECT_EQ(board_.remarks().Of(attempt)[0].state, RemarkState::kShown);
   ASSERT_TRUE(station_.Seal(recording.seal).has_sealed());
   EXPECT_TRUE(board_.remarks().Of(attempt).empty());
@@ -95,7 +102,7 @@ TEST_F(RemarkTest, RemarkComesWithEachAcknowledgementUntilItWasShown) {
 TEST_F(RemarkTest, RemarkSurvivesABrokenConnection) {
   Hello();
   Recording recording = Opened(2);
-  (void)board_.remarks().Send(recording.seal.attempt, "stop", "Ada", 1, world_.now);
+  (void)Send(recording.seal.attempt, "stop");
   EXPECT_EQ(Put(recording.chunks[0]).chunk_ack().remarks_size(), 1);
   Hello();
   EXPECT_TRUE(station_.Open(recording.header).has_attempt_opened());
@@ -106,12 +113,12 @@ TEST_F(RemarkTest, PongBringsRemarksOfAnAttemptThatIsTheStationsOwn) {
   Hello();
   Recording recording = Opened(1);
   const Uuid& attempt = recording.seal.attempt;
-  const auto sent = board_.remarks().Send(attempt, "stop", "Ada", 1, world_.now);
+  const uint64_t sent = Send(attempt, "stop");
   const Uuid other = Uuid::New();
-  (void)board_.remarks().Send(other, "for another chair", "Ada", 1, world_.now);
+  (void)Send(other, "for another chair");
   EXPECT_EQ(Ping(other).pong().remarks_size(), 0);
   EXPECT_EQ(Ping(attempt).pong().remarks_size(), 1);
-  EXPECT_EQ(Ping(attempt, sent.remark.id).pong().remarks_size(), 0);
+  EXPECT_EQ(Ping(attempt, sent).pong().remarks_size(), 0);
   EXPECT_EQ(board_.remarks().Of(other)[0].state, RemarkState::kWaiting);
 }
 
@@ -119,7 +126,7 @@ TEST_F(RemarkTest, OlderStationIsNeverSentOne) {
   Hello(false);
   EXPECT_FALSE(board_.ShowsRemarks(StationId()));
   Recording recording = Opened(1);
-  (void)board_.remarks().Send(recording.seal.attempt, "stop", "Ada", 1, world_.now);
+  (void)Send(recording.seal.attempt, "stop");
   EXPECT_EQ(Put(recording.chunks[0]).chunk_ack().remarks_size(), 0);
   EXPECT_EQ(Ping(recording.seal.attempt).pong().remarks_size(), 0);
 }

@@ -70,10 +70,7 @@ class SqliteTwice final : public SqlitePlace {
 
 S3Place PlaceIn(const test::S3StandIn& stand_in) {
   S3Place out;
-  out.store.endpoint = stand_in.endpoint();
-  out.store.region = test::S3StandIn::kRegion;
-  out.store.bucket = test::S3StandIn::kBucket;
-  out.store.credentials = stand_in.credentials();
+  out.store = stand_in.options();
   out.prefix = "enamel/";
   return out;
 }

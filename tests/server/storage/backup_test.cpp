@@ -9,6 +9,7 @@
 #include "common/base/file.h"
 #include "server/storage/engine/manifest.h"
 #include "server/storage/folder_keyring.h"
+#include "tests/server/storage/failing_disk.h"
 #include "tests/server/storage/recorded_attempt.h"
 
 // Backup while a server writes, restore on an empty folder, and what goes wrong with either.
@@ -17,46 +18,6 @@ namespace {
 
 using namespace testing;
 namespace fs = std::filesystem;
-
-// The machine's disk, whose n-th change fails.
-class FailingDisk final : public Disk {
- public:
-  int until_failure = -1;  // -1: never
-  bool fired = false;
-
-  Status Replace(const fs::path& path, ByteView data) override {
-    return Fails() ? No() : SystemDisk().Replace(path, data);
-  }
-  Status MakeFolder(const fs::path& path) override {
-    return Fails() ? No() : SystemDisk().MakeFolder(path);
-  }
-  Status SyncFolder(const fs::path& path) override {
-    return Fails() ? No() : SystemDisk().SyncFolder(path);
-  }
-  Status Remove(const fs::path& path) override {
-    return Fails() ? No() : SystemDisk().Remove(path);
-  }
-  Status Shred(const fs::path& path) override { return Fails() ? No() : SystemDisk().Shred(path); }
-  Result<Content> Hash(const fs::path& path) override { return SystemDisk().Hash(path); }
-  Result<Copied> Copy(const fs::path& from, const fs::path& to, bool link) override {
-    if (Fails()) return No();
-    return SystemDisk().Copy(from, to, link);
-  }
-  Status SyncAll(const fs::path& folder) override {
-    return Fails() ? No() : SystemDisk().SyncAll(folder);
-  }
-  Result<uint64_t> FreeBytes(const fs::path& folder) override {
-    return SystemDisk().FreeBytes(folder);
-  }
-
- private:
-  bool Fails() {
-    if (until_failure < 0 || until_failure-- > 0) return false;
-    fired = true;
-    return true;
-  }
-  static Status No() { return Status(Code::kStorage, "no space left on device"); }
-};
 
 class BackupTest : public ::testing::Test {
  protected:

@@ -250,6 +250,24 @@ TEST_P(StoreTest, FailedTryIsQueuedAgainWithItsError) {
   EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kSealed);
 }
 
+TEST_P(StoreTest, AWorkerThatDiesAfterItsResultIsNotFollowedByAnother) {
+  World world(*store_);
+  Uuid attempt = world.OpenedAttempt();
+  ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
+  const Uuid run = store_->LeaseJob(1, 50)->value().lease;
+  Store::AttemptResult result;
+  result.score = 50;
+  result.score_json = PutText(*store_, "score");
+  ASSERT_TRUE(store_->FinishAttempt(attempt, result, run).ok());
+  EXPECT_FALSE(store_->LeaseJob(1'000'000'000'000'000, 50)->has_value());
+  EXPECT_EQ(store_->Jobs("done")->size(), 1u);
+  EXPECT_EQ(store_->ResultsOf(attempt)->size(), 1u);
+  // It was only slow.
+  EXPECT_TRUE(store_->FinishJob(run, true, "").ok());
+  EXPECT_TRUE(store_->FinishJob(run, false, "late").ok());
+  EXPECT_EQ(store_->Jobs("done")->size(), 1u);
+}
+
 TEST_P(StoreTest, EveryChangeLeavesAnAuditRowWithItsActor) {
   World world(*store_);
   Uuid scored = world.ScoredAttempt();

@@ -154,10 +154,7 @@ TEST_F(DatabaseFileTest, FolderStaysWithItsStoreOfBlobs) {
 TEST_F(DatabaseFileTest, StoreIsTriedWithAnObjectThatGoesAgain) {
   test::S3StandIn s3;
   S3Place place;
-  place.store.endpoint = s3.endpoint();
-  place.store.region = test::S3StandIn::kRegion;
-  place.store.bucket = test::S3StandIn::kBucket;
-  place.store.credentials = s3.credentials();
+  place.store = s3.options();
   place.prefix = "p/";
   const Status tried = TryS3Place(place);
   EXPECT_TRUE(tried.ok()) << tried.message();

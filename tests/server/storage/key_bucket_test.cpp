@@ -12,11 +12,7 @@ using Fault = test::S3StandIn::Fault;
 class KeyBucketTest : public ::testing::Test {
  protected:
   Status Checked() {
-    s3::S3Options options;
-    options.endpoint = s3_.endpoint();
-    options.region = test::S3StandIn::kRegion;
-    options.bucket = test::S3StandIn::kBucket;
-    options.credentials = s3_.credentials();
+    s3::S3Options options = s3_.options();
     options.time.pause = [](auto) {};
     return MustForgetWhatIsDeleted(**s3::S3Client::Make(options));
   }

@@ -113,9 +113,9 @@ TEST_F(KeyringTest, JoinedRingKeepsItsErasuresAgainstOlderKeys) {
   FolderKeyring older(Ring("b"), SystemDisk());
   ASSERT_TRUE(older.MirrorFrom(ring_).ok());
   ASSERT_TRUE(ring_.Destroy(person_, 5).ok());
-  ASSERT_TRUE(ring_.Join(older).ok());
+  ASSERT_TRUE(Join(ring_, older).ok());
   EXPECT_TRUE(ring_.People()->empty());
-  ASSERT_TRUE(older.Join(ring_).ok());
+  ASSERT_TRUE(Join(older, ring_).ok());
   EXPECT_TRUE(older.People()->empty());
 }
 

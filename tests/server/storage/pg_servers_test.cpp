@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstdlib>
@@ -8,12 +9,16 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <semaphore>
 #include <set>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "common/base/file.h"
+#include "common/base/unix_time.h"
+#include "server/storage/engine/lease.h"
 #include "server/storage/engine/pg_database.h"
 #include "server/storage/engine/ticket_key.h"
 #include "server/storage/master_key.h"
@@ -43,7 +48,7 @@ class PgServersTest : public ::testing::Test {
     auto db = sqlite::OpenPgDatabase(server_, {}, /*read_only=*/false, {});
     EXPECT_TRUE(db.ok() && (*db)->Exec(("DROP SCHEMA \"" + schema_ + "\" CASCADE").c_str()).ok());
   }
-  // Each its own folder: a server of its own. They share the ticket key.
+  // Each its own folder: a server of its own.
   std::unique_ptr<Store> Open(const TempFolder& folder, const std::string& server) {
     PostgresOptions options;
     options.server = server;
@@ -53,6 +58,11 @@ class PgServersTest : public ::testing::Test {
     auto store = OpenPostgresStore(options);
     EXPECT_TRUE(store.ok()) << store.status().message();
     return std::move(store).value();
+  }
+  // One more, with the ticket key of the server in `first`.
+  std::unique_ptr<Store> OpenAnother(const TempFolder& folder, const TempFolder& first) {
+    std::filesystem::copy_file(first.path() / "ticket.key", folder.path() / "ticket.key");
+    return Open(folder, server_);
   }
   int64_t Count(const std::string& sql) {
     auto db = sqlite::OpenPgDatabase(server_, schema_, /*read_only=*/true, {});
@@ -151,10 +161,9 @@ TEST_F(PgServersTest, ChunksThatComeToTwoServersAtOnceAreKeptOnce) {
   World world(*stores[0]);
   (void)world.Append(world.OpenedAttempt(), 1);  // makes the person's key
   const TempFolder other;
-  std::filesystem::copy(folder.path() / "ticket.key", other.path() / "ticket.key");
   std::filesystem::copy(folder.path() / "keyring", other.path() / "keyring",
                         std::filesystem::copy_options::recursive);
-  stores[1] = Open(other, server_);
+  stores[1] = OpenAnother(other, folder);
   constexpr uint32_t kChunks = 40;
   const Uuid attempt = world.OpenedAttempt();
   std::vector<Store::ChunkPut> chunks;
@@ -193,8 +202,7 @@ TEST_F(PgServersTest, EveryJobIsTakenByOneWorkerAndAnAttemptHasOneRunAtATime) {
   stores[0] = Open(folder, server_);
   World world(*stores[0]);
   const TempFolder other;
-  std::filesystem::copy(folder.path() / "ticket.key", other.path() / "ticket.key");
-  stores[1] = Open(other, server_);
+  stores[1] = OpenAnother(other, folder);
   constexpr int kAttempts = 20;
   for (int i = 0; i < kAttempts; ++i) {
     const Uuid attempt = world.OpenedAttempt();
@@ -249,9 +257,8 @@ TEST_F(PgServersTest, AServerThatStartsEndsItsOwnLeasesAndNoOthers) {
   }
   const JobRow job = **first->LeaseJob(1000, 1'000'000);
   const TempFolder other;
-  std::filesystem::copy(folder.path() / "ticket.key", other.path() / "ticket.key");
   {
-    auto second = Open(other, server_);
+    auto second = OpenAnother(other, folder);
     const JobRow theirs = **second->LeaseJob(2000, 1'000'000);
     EXPECT_NE(theirs.id, job.id);
     EXPECT_FALSE(second->LeaseJob(2000, 1'000'000)->has_value());
@@ -264,6 +271,200 @@ TEST_F(PgServersTest, AServerThatStartsEndsItsOwnLeasesAndNoOthers) {
   EXPECT_TRUE(first->SetProgress(job.lease, 0.6).ok());
 }
 
+TEST_F(PgServersTest, FailuresToSignInAreCountedOnceEachByAllServers) {
+  const TempFolder first_folder, second_folder;
+  auto first = Open(first_folder, server_);
+  auto second = OpenAnother(second_folder, first_folder);
+  EXPECT_TRUE(first->IsShared());
+  const std::vector<Sha256> keys{HashSha256(AsBytes("ada")), HashSha256(AsBytes("here"))};
+  const UnixMs later = enamel::UnixMs() + 3'600'000;
+  constexpr int kEach = 60;
+  std::vector<std::thread> threads;
+  std::atomic<int> failed{0};
+  for (int i = 0; i < 8; ++i) {
+    threads.emplace_back([&, i] {
+      for (int n = 0; n < kEach; ++n) {
+        // Named in either order, and between them somebody gets in.
+        const std::vector<Sha256> mine{keys[i % 2], keys[1 - i % 2]};
+        Store& store = i < 4 ? *first : *second;
+        const Status counted = store.ChangeSignIns(mine, [&](std::vector<SignInCounter>& all) {
+          for (SignInCounter& counter : all) {
+            ++counter.failures;
+            counter.until_ms = later;
+          }
+        });
+        failed += counted.ok() ? 0 : 1;
+        const std::vector<Sha256> own{HashSha256(AsBytes("seat " + std::to_string(n % 3)))};
+        for (const bool in : {false, true}) {
+          failed += store.ChangeSignIns(
+                             own,
+                             [&](std::vector<SignInCounter>& all) {
+                               all[0] = in ? SignInCounter{} : SignInCounter{1, 0, 1, 0, later};
+                             })
+                            .ok()
+                        ? 0
+                        : 1;
+        }
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(failed, 0);
+  ASSERT_TRUE(first
+                  ->ChangeSignIns(keys,
+                                  [&](std::vector<SignInCounter>& all) {
+                                    for (const SignInCounter& counter : all)
+                                      EXPECT_EQ(counter.failures, 8u * kEach);
+                                  })
+                  .ok());
+}
+
+TEST_F(PgServersTest, UpkeepIsOneServersAtATimeAndFinishedByAnother) {
+  const TempFolder first_folder, second_folder;
+  auto first = Open(first_folder, server_);
+  auto second = OpenAnother(second_folder, first_folder);
+  World world(*first);
+  const auto open = [&] {
+    return std::move(sqlite::OpenPgDatabase(server_, schema_, /*read_only=*/false, {})).value();
+  };
+  {
+    auto held = sqlite::Lease::Take(open(), "upkeep");
+    ASSERT_TRUE(held.ok()) << held.status().message();
+    EXPECT_EQ(sqlite::Lease::Take(open(), "upkeep").status().field(), kLeaseHeld);
+    const Status refused = second->ErasePerson(world.student, false, kSystem).status();
+    EXPECT_EQ(refused.code(), Code::kUnavailable);
+    EXPECT_EQ(refused.field(), kLeaseHeld);
+    EXPECT_TRUE(first->PersonById(world.student).ok()) << "nothing of it was begun";
+    EXPECT_EQ(first->ApplyRetention(enamel::UnixMs(), false, kSystem).status().field(), kLeaseHeld);
+  }
+  EXPECT_EQ(Count("SELECT count(*) FROM leases"), 0) << "given back";
+  // A server that died had taken it, and had begun to erase.
+  ASSERT_TRUE(
+      open()
+          ->Exec("INSERT INTO leases VALUES (1, 'upkeep', decode(repeat('ab', 16), 'hex'), 1); "
+                 "INSERT INTO rewrite_due VALUES (1, 1, decode(repeat('cd', 16), 'hex'))")
+          .ok());
+  ASSERT_TRUE(second->FinishErasures().ok());
+  EXPECT_EQ(Count("SELECT count(*) FROM rewrite_due"), 0);
+  ASSERT_TRUE(second->ErasePerson(world.student, false, kSystem).ok());
+  EXPECT_EQ(Count("SELECT count(*) FROM rewrite_due"), 0);
+  EXPECT_EQ(Count("SELECT count(*) FROM leases"), 0);
+}
+
+TEST_F(PgServersTest, AnErasureWhileTheTablesAreWrittenAnewLeavesThemMarked) {
+  const TempFolder folder;
+  auto store = Open(folder, server_);
+  const auto open = [&] {
+    return std::move(sqlite::OpenPgDatabase(server_, schema_, /*read_only=*/false, {})).value();
+  };
+  const auto db = open();
+  std::function<void()> before_write = [] {};
+  sqlite::Rewriter::Shared shared;
+  shared.rows.read = [&](const auto& work) { return work(*db); };
+  shared.rows.write = [&](const auto& work) {
+    before_write();
+    return work(*db);
+  };
+  sqlite::SpaceGuard space(folder.path(), SystemDisk(), 0, std::chrono::milliseconds(1000));
+  sqlite::Rewriter rewriter(folder.path(), space, shared);
+  sqlite::Writer writer(open());
+  ASSERT_TRUE(rewriter.Mark().ok());
+  // As the mark is removed, another server has marked them for what it has erased meanwhile.
+  bool marks = true;
+  before_write = [&] {
+    if (std::exchange(marks, false)) EXPECT_TRUE(rewriter.Mark().ok());
+  };
+  ASSERT_TRUE(rewriter.RunIfMarked(writer).ok());
+  EXPECT_TRUE(*rewriter.IsMarked());
+  ASSERT_TRUE(rewriter.RunIfMarked(writer).ok());
+  EXPECT_FALSE(*rewriter.IsMarked());
+}
+
+TEST_F(PgServersTest, ALeaseLastsAsLongAsItsHolder) {
+  const TempFolder folder;
+  auto store = Open(folder, server_);
+  const auto open = [&] {
+    return std::move(sqlite::OpenPgDatabase(server_, schema_, /*read_only=*/false, {})).value();
+  };
+  int64_t until_renewed = 0;
+  std::binary_semaphore until_read(0), renewed(0);
+  int renewals = 0;
+  const auto on_renewed = [&] {
+    // The first may have been before `until` was read, the second is not.
+    if (++renewals == 1) until_read.acquire();
+    if (renewals != 2) return;
+    until_renewed = Count("SELECT until_ms FROM leases");
+    // Another takes it, as after an outage in which it could not be renewed: that one's is left alone. Here, as a
+    // renewal at the same moment would refuse it.
+    EXPECT_TRUE(open()->Exec("UPDATE leases SET lease = decode(repeat('ab', 16), 'hex')").ok());
+    renewed.release();
+  };
+  using std::chrono::milliseconds;
+  auto held =
+      sqlite::Lease::Take(open(), "upkeep", {milliseconds(2000), milliseconds(20), on_renewed});
+  ASSERT_TRUE(held.ok());
+  const int64_t until = Count("SELECT until_ms FROM leases");
+  until_read.release();
+  ASSERT_TRUE(renewed.try_acquire_for(std::chrono::seconds(60)));
+  EXPECT_GT(until_renewed, until);
+  held->reset();
+  EXPECT_EQ(Count("SELECT count(*) FROM leases"), 1);
+}
+
+TEST_F(PgServersTest, StationsOfOneServerAreElsewhereForTheOthersUntilItIsGone) {
+  const TempFolder one_folder, two_folder;
+  auto one = Open(one_folder, server_), two = OpenAnother(two_folder, one_folder);
+  World world(*one);
+  const Uuid station = Uuid::New(), both = Uuid::New();
+  const std::vector<StationLink> links{{station, true}, {both, false}};
+  ASSERT_TRUE(one->KeepLinks(links, {}, true).ok());
+  ASSERT_TRUE(two->KeepLinks({{both, true}}, {}, true).ok());
+  auto elsewhere = *two->LinksElsewhere();
+  std::ranges::sort(elsewhere, {}, &StationLink::shows_remarks);
+  EXPECT_EQ(elsewhere, (std::vector<StationLink>{{both, false}, {station, true}}));
+  EXPECT_EQ(*one->LinksElsewhere(), (std::vector<StationLink>{{both, true}}));
+  // What is said at one server is there for the other, whose station says how far it has come.
+  const Uuid attempt = world.OpenedAttempt();
+  AnnotationRow row;
+  row.attempt = attempt;
+  row.text = "stop";
+  row.to_chair = true;
+  ASSERT_TRUE(one->AddAnnotation(row, kSystem).ok());
+  auto remarks = *two->ChairRemarks(0);
+  ASSERT_EQ(remarks.size(), 1u);
+  remarks[0].state = RemarkState::kShown;
+  ASSERT_TRUE(two->MoveRemarks(remarks).ok());
+  EXPECT_EQ(one->ChairRemarks(0)->at(0).state, RemarkState::kShown);
+
+  // Not heard for a while.
+  auto db = sqlite::OpenPgDatabase(server_, schema_, /*read_only=*/false, {});
+  ASSERT_TRUE((*db)->Exec("UPDATE running_servers SET heard_ms = heard_ms - 20001").ok());
+  EXPECT_TRUE(two->LinksElsewhere()->empty());
+  ASSERT_TRUE(two->KeepLinks({}, {}, false).ok()) << "nobody has deleted it yet";
+  EXPECT_EQ(one->LinksElsewhere()->size(), 1u);
+  const TempFolder third_folder;
+  auto third = OpenAnother(third_folder, one_folder);
+  ASSERT_TRUE(third->KeepLinks({}, {}, true).ok());
+  EXPECT_EQ(Count("SELECT count(*) FROM running_servers"), 2);
+  EXPECT_EQ(Count("SELECT count(*) FROM station_links"), 1);
+  EXPECT_EQ(one->KeepLinks({}, {}, false).code(), Code::kNotFound);
+  ASSERT_TRUE(one->KeepLinks(links, {}, true).ok());
+  EXPECT_EQ(third->LinksElsewhere()->size(), 2u);
+}
+
+TEST_F(PgServersTest, TimesAreTheDatabases) {
+  const TempFolder folder;
+  auto store = Open(folder, server_);
+  FollowClock(std::chrono::system_clock::now() + std::chrono::hours(5));
+  ASSERT_TRUE(store->LookAtDatabase().ok());
+  // The server is on this machine.
+  const StoreHealth health = store->Health();
+  EXPECT_LT(std::abs(health.clock_ahead_ms), 1000);
+  EXPECT_EQ(health.clock_problem, "");
+  EXPECT_LT(enamel::UnixMs(), enamel::UnixMs(std::chrono::system_clock::now()) + 3'600'000);
+  FollowSystemClock();
+}
+
 TEST_F(PgServersTest, AServerThatIsKnownByAnotherThanTheOthersIsRefused) {
   const TempFolder folder, other, keys;
   const test::S3StandIn bucket;
@@ -273,10 +474,7 @@ TEST_F(PgServersTest, AServerThatIsKnownByAnotherThanTheOthersIsRefused) {
   options.folder.folder = folder.path();
   options.folder.s3_keys.emplace();
   S3Place& place = options.folder.s3_keys->place;
-  place.store.endpoint = bucket.endpoint();
-  place.store.region = test::S3StandIn::kRegion;
-  place.store.bucket = test::S3StandIn::kBucket;
-  place.store.credentials = bucket.credentials();
+  place.store = bucket.options();
   options.folder.s3_keys->master_key = keys.path() / "master.key";
   EXPECT_EQ(OpenPostgresStore(options).status().code(), Code::kNotFound) << "no master key";
   EXPECT_FALSE(*HasServers(options));
@@ -341,6 +539,14 @@ TEST_F(PgServersTest, AServerThatIsKnownByAnotherThanTheOthersIsRefused) {
   again.login = "again";
   EXPECT_EQ((*second)->CreatePerson(again, "v", {}, kSystem).status().code(), Code::kConflict);
   EXPECT_EQ(bucket.complaints(), std::vector<std::string>{});
+
+  // All servers are stopped and its row is deleted: the first that comes says anew what they are known by.
+  first->reset();
+  second->reset();
+  auto db = sqlite::OpenPgDatabase(server_, schema_, /*read_only=*/false, {});
+  ASSERT_TRUE((*db)->Exec("DELETE FROM server_identity WHERE name = 'key_ring'").ok());
+  place.prefix = "renewed/";
+  EXPECT_TRUE(OpenPostgresStore(options).ok());
 }
 
 }  // namespace

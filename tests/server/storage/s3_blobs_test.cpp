@@ -27,11 +27,7 @@ class Server {
   Server(const test::S3StandIn& s3, const std::filesystem::path& folder, const int64_t& now_ms)
       : db_(std::move(OpenDatabase(folder / "enamel.db", DbMode::kCreate)).value()) {
     EXPECT_TRUE(db_->Migrate(Migrations()).ok());
-    s3::S3Options options;
-    options.endpoint = s3.endpoint();
-    options.region = test::S3StandIn::kRegion;
-    options.bucket = test::S3StandIn::kBucket;
-    options.credentials = s3.credentials();
+    s3::S3Options options = s3.options();
     options.time.pause = [](auto) {};
     auto client = s3::S3Client::Make(options);
     EXPECT_TRUE(client.ok()) << client.status().message();
@@ -277,10 +273,7 @@ TEST(S3OutageTest, RecordingsGoOnAndSealsComeAgain) {
   SqliteOptions options;
   options.folder = folder.path();
   options.s3_blobs.emplace();
-  options.s3_blobs->store.endpoint = s3.endpoint();
-  options.s3_blobs->store.region = test::S3StandIn::kRegion;
-  options.s3_blobs->store.bucket = test::S3StandIn::kBucket;
-  options.s3_blobs->store.credentials = s3.credentials();
+  options.s3_blobs->store = s3.options();
   options.s3_blobs->store.time.pause = [](auto) {};
   auto store = std::move(OpenSqliteStore(options)).value();
   World world(*store);

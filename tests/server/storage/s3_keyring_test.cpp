@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <boost/json.hpp>
+#include <mutex>
+#include <thread>
 
 #include "common/base/file.h"
 #include "common/base/hex.h"
@@ -88,18 +91,18 @@ class S3KeyringTest : public ::testing::Test {
     Server(const test::S3StandIn& s3, const std::filesystem::path& folder, const MasterKey& master)
         : db(std::move(OpenDatabase(folder / "enamel.db", DbMode::kCreate)).value()) {
       EXPECT_TRUE(db->Migrate(Migrations()).ok());
-      s3::S3Options options;
-      options.endpoint = s3.endpoint();
-      options.region = test::S3StandIn::kRegion;
-      options.bucket = test::S3StandIn::kBucket;
-      options.credentials = s3.credentials();
+      s3::S3Options options = s3.options();
       options.limits.tries = 1;
       auto client = s3::S3Client::Make(options);
       EXPECT_TRUE(client.ok()) << client.status().message();
       Transactions rows;
-      rows.read = [this](const auto& work) { return work(*db); };
+      rows.read = [this](const auto& work) {
+        std::lock_guard lock(mutex);
+        return work(*db);
+      };
       rows.write = [this](const auto& work) -> Status {
         if (before_write) std::exchange(before_write, {})();
+        std::lock_guard lock(mutex);
         sql::Transaction transaction(*db);
         if (!transaction.begun().ok()) return transaction.begun();
         if (Status status = work(*db); !status.ok()) return status;
@@ -109,6 +112,7 @@ class S3KeyringTest : public ::testing::Test {
     }
     S3Keyring* operator->() { return ring.get(); }
 
+    std::mutex mutex;  // of db
     std::unique_ptr<SqliteDb> db;
     std::function<void()> before_write{};  // once
     std::unique_ptr<S3Keyring> ring;
@@ -162,6 +166,26 @@ TEST_F(S3KeyringTest, KeyIsAskedOfTheBucketOnce) {
   const int asked = s3_.requests();
   for (int i = 0; i < 100; ++i) ASSERT_TRUE(one_->Find(person_).ok());
   EXPECT_EQ(s3_.requests(), asked);
+  // A class that begins at once: all chunks of a moment want a key that the server has not read yet.
+  std::atomic<int> found{0};
+  {
+    std::vector<std::jthread> all;
+    for (int i = 0; i < 16; ++i)
+      all.emplace_back([&] { found += two_->Find(person_).ok() ? 1 : 0; });
+  }
+  EXPECT_EQ(found, 16);
+  EXPECT_EQ(s3_.requests(), asked + 1);
+}
+
+TEST_F(S3KeyringTest, KeyThatIsPutIsReadBackFromTheBucket) {
+  const DataKey key = DataKey::New();
+  ASSERT_TRUE(one_->Put(person_, key).ok());
+  const int asked = s3_.requests();
+  EXPECT_TRUE(Same(key, one_->Find(person_)));
+  EXPECT_EQ(s3_.requests(), asked + 1) << "not from memory";
+  EXPECT_TRUE(one_->Put(person_, DataKey::New()).ok());
+  EXPECT_TRUE(Same(key, one_->Find(person_))) << "the one that is there stays";
+  EXPECT_EQ(*one_->People(), std::vector{person_});
 }
 
 TEST_F(S3KeyringTest, OfTwoServersThatMakeItAtOnceOneKeyCounts) {
@@ -290,6 +314,38 @@ TEST_F(S3KeyringTest, StoreThatIsAwayIsSaidAndCalledAgain) {
   EXPECT_FALSE(one_->Problem().ok());
   ASSERT_TRUE(one_->FindOrMake(person_).ok());
   EXPECT_TRUE(one_->Problem().ok());
+}
+
+// The database is restored to before an erasure while the bucket is away: the server starts, and the hourly
+// upkeep erases again.
+TEST(S3KeyringStoreTest, ErasureThatTheDatabaseForgotIsMadeAgainWhenTheBucketIsBack) {
+  test::S3StandIn s3;
+  const TempFolder folder, keys;
+  SqliteOptions options;
+  options.folder = folder.path();
+  options.hold_lock = true;
+  options.s3_keys = {{s3.options(), "k/"}, keys.path() / "master.key"};
+  options.s3_keys->place.store.time.pause = [](auto) {};
+  ASSERT_TRUE(EnsureMasterKey(keys.path() / "master.key", SystemDisk()).ok());
+  auto store = std::move(OpenSqliteStore(options)).value();
+  World world(*store);
+  world.Append(world.OpenedAttempt(), 1);
+  store.reset();
+  const auto before = folder.path() / "before.db";
+  std::filesystem::copy_file(folder.path() / "enamel.db", before);
+  store = std::move(OpenSqliteStore(options)).value();
+  ASSERT_TRUE(store->ErasePerson(world.student, false, kSystem).ok());
+  store.reset();
+  std::filesystem::rename(before, folder.path() / "enamel.db");
+
+  s3.Stop();
+  auto restored = OpenSqliteStore(options);
+  ASSERT_TRUE(restored.ok()) << restored.status().message();
+  EXPECT_TRUE((*restored)->PersonById(world.student).ok()) << "nobody could say that it is erased";
+  s3.Start();
+  ASSERT_TRUE((*restored)->FinishErasures().ok());
+  EXPECT_EQ((*restored)->PersonById(world.student).status().code(), Code::kNotFound);
+  EXPECT_EQ(s3.complaints(), std::vector<std::string>{});
 }
 
 }  // namespace

@@ -80,6 +80,19 @@ TEST_P(TimelineStoreTest, WhatNoTryCanHelpIsTriedOnce) {
   EXPECT_FALSE(store_->TimelineOf(attempt)->waits);
 }
 
+TEST_P(TimelineStoreTest, WhatSomebodyMakesIsNotTakenByAnother) {
+  const Uuid older = world_.ScoredAttempt(), newer = world_.ScoredAttempt();
+  const std::set<Uuid> both{older, newer};
+  const auto first = *store_->TakeTimeline(), second = *store_->TakeTimeline();
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ((std::set<Uuid>{*first, *second}), both);
+  EXPECT_FALSE(*store_->TakeTimeline());
+  ASSERT_TRUE(store_->KeepTimeline(*first).ok());
+  EXPECT_FALSE(*store_->TakeTimeline());
+  ASSERT_TRUE(store_->FailTimeline(*first, "disk full", true).ok());
+  EXPECT_EQ(*store_->TakeTimeline(), *first);
+}
+
 TEST_P(TimelineStoreTest, AStoppedTryDoesNotCount) {
   const Uuid attempt = world_.ScoredAttempt();
   for (int i = 0; i < 5; ++i) {

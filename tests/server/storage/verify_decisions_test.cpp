@@ -204,8 +204,8 @@ TEST_F(VerifyDecisionsTest, SwappedReferenceIsFound) {
 TEST_F(VerifyDecisionsTest, ReplacedRubricIsFound) {
   const std::string exercise = school_.world.exercise.id.Text();
   const Sha256 easier = PutText(*school_.store, "an easier rubric");
-  for (const std::string edit : {"content = x'" + easier.Hex() + "'", std::string("reason = 'x'"),
-                                 std::string("published_ms = 1")}) {
+  for (const std::string& edit : {"content = x'" + easier.Hex() + "'", std::string("reason = 'x'"),
+                                  std::string("published_ms = 1")}) {
     ExpectEditFound("rubrics", "UPDATE rubrics SET " + edit, "decision", exercise,
                     "rubric 2 " + edit.substr(0, edit.find(' ')));
   }

@@ -1,0 +1,37 @@
+#include "server/app/database_watch.h"
+
+#include <spdlog/spdlog.h>
+
+#include "common/base/stoppable_sleep.h"
+
+namespace enamel::server::app {
+
+DatabaseWatch::DatabaseWatch(UpkeepStore& store, std::chrono::milliseconds every)
+    : store_(store), every_(every), thread_([this](const std::stop_token& stop) { Run(stop); }) {}
+
+void DatabaseWatch::Run(const std::stop_token& stop) {
+  do {
+    // The log says already when the database cannot be reached; meanwhile the clock goes on as it was told.
+    if (store_.LookAtDatabase().ok()) Tell(store_.Health());
+  } while (!SleepUntilStopped(stop, every_));
+}
+
+void DatabaseWatch::Tell(const StoreHealth& health) {
+  const bool right = health.clock_problem.empty();
+  if (clock_right_ && !right) spdlog::error("{}", health.clock_problem);
+  if (!clock_right_ && right) spdlog::info("this machine's clock is right again");
+  clock_right_ = right;
+  const bool synchronous = health.standby == Standby::kSynchronous;
+  if (synchronous && !synchronous_) {
+    spdlog::info("what is committed is on a standby of the database server too");
+  }
+  if (!synchronous && synchronous_) {
+    spdlog::warn(
+        "no standby of the database server is synchronous any more: what was committed last is "
+        "lost if "
+        "its disk is");
+  }
+  synchronous_ = synchronous;
+}
+
+}  // namespace enamel::server::app

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <chrono>
+#include <stop_token>
+#include <thread>
+
+#include "server/storage/store.h"
+
+namespace enamel::server::app {
+
+// Looks at the database now and then, where it is another machine's (UpkeepStore::LookAtDatabase): this
+// process's times stay those of its clock, and the log says when something about it is wrong and when it is
+// right again. A thread of its own until destroyed.
+class DatabaseWatch {
+ public:
+  explicit DatabaseWatch(UpkeepStore& store,
+                         std::chrono::milliseconds every = UpkeepStore::kLookEvery);
+
+ private:
+  void Run(const std::stop_token& stop);
+  // What has changed since the last look.
+  void Tell(const StoreHealth& health);
+
+  UpkeepStore& store_;
+  const std::chrono::milliseconds every_;
+  bool clock_right_ = true;   // on the thread
+  bool synchronous_ = false;  // likewise
+  std::jthread thread_;       // last: ends first
+};
+
+}  // namespace enamel::server::app

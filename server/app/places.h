@@ -1,0 +1,35 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "common/base/result.h"
+#include "server/storage/engine/database_file.h"
+
+// Where a school's rows, blobs and keys are to be, as the command line says it: for `init` and `move`.
+namespace enamel::server::app {
+
+struct Places {
+  std::string database;  // of PostgreSQL; empty: SQLite in the folder
+  std::string schema = "enamel";
+  PlaceInS3 blobs;  // without an endpoint: in the folder
+  KeysInS3 keys;    // without a bucket: in the folder
+};
+
+// --database, --schema, --s3-… and --key-….
+void AddPlaces(CLI::App* cmd, Places& places);
+
+// None: all of it in the folder. Errors: kInvalidInput (an S3 store without a database).
+Result<std::optional<DatabaseFile>> FileOf(const Places& places);
+
+// Whether the stores can be used as the file says. Errors: those of S3Client, and of a key bucket that does not
+// forget what is deleted.
+Status TryStores(const std::filesystem::path& folder, const DatabaseFile& file);
+
+// What a folder is opened with that has no database.json yet. The master key is made for a school's first
+// server alone: another's mistyped path is not to become a key.
+Result<PostgresOptions> FirstOptions(const std::filesystem::path& folder, const DatabaseFile& file);
+
+}  // namespace enamel::server::app

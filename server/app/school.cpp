@@ -1,0 +1,101 @@
+#include "server/app/school.h"
+
+#include <utility>
+
+#include "common/base/unix_time.h"
+#include "server/app/work.h"
+
+namespace enamel::server::app {
+namespace {
+
+// What the store knows, as figures.
+void AddStoreFigures(Parts<JobStore, UpkeepStore> store, ops::MetricsText& text) {
+  // Once for all figures: those of one answer then belong to one moment.
+  StoreHealth health = store.upkeep().Health();
+  auto number = [](auto value) { return static_cast<double>(value); };
+  text.Gauge("enamel_takes_recordings", "1 while recordings are taken.",
+             health.takes_recordings ? 1 : 0);
+  text.Gauge("enamel_clock_ahead_seconds",
+             "How far this machine's clock is ahead of the database's.",
+             number(health.clock_ahead_ms) / 1000);
+  if (health.timed_commits > 0) {
+    text.Gauge("enamel_store_commit_p99_seconds",
+               "99 of 100 of the newest transactions, at most 1000, took at most so long.",
+               health.commit_p99_s);
+  }
+  if (health.standby != Standby::kNotKept && health.standby != Standby::kUnknown) {
+    text.Gauge("enamel_database_synchronous_standby",
+               "1 while what is committed is on a standby of the database server too.",
+               health.standby == Standby::kSynchronous ? 1 : 0);
+  }
+  text.Gauge("enamel_disk_free_bytes", "Free where the data folder is.", number(health.free_bytes));
+  text.Gauge("enamel_disk_kept_free_bytes", "Below this no recordings are taken.",
+             number(health.min_free_bytes));
+  text.Gauge("enamel_database_bytes", "Size of the database.", number(health.database_bytes));
+  text.Gauge("enamel_database_log_bytes", "Size of its log.", number(health.log_bytes));
+  text.Counter("enamel_store_commits_total", "Transactions written, each with one sync.",
+               number(health.commits));
+  text.Counter("enamel_store_failed_commits_total", "Transactions that could not be written.",
+               number(health.failed_commits));
+  text.Counter("enamel_store_commit_seconds_total", "Time spent in transactions.", health.commit_s);
+  text.Counter("enamel_store_writes_total", "Changes in those transactions.",
+               number(health.writes));
+  text.Counter("enamel_chunks_committed_total", "Chunks of recordings committed.",
+               number(health.chunks));
+  text.Counter("enamel_chunk_bytes_committed_total", "Bytes of those chunks.",
+               number(health.chunk_bytes));
+  text.Counter("enamel_attempts_sealed_total", "Attempts sealed.", number(health.sealed));
+  // Jobs() lists at most 200 of a state. An operator has to know that they pile up, not how high.
+  for (const char* state : {"queued", "running", "failed"}) {
+    if (auto jobs = store.jobs().Jobs(state); jobs.ok()) {
+      text.Gauge("enamel_jobs", "Scoring jobs by state, counted up to 200.", number(jobs->size()),
+                 {{"state", state}});
+    }
+  }
+}
+
+WorkerOptions JobsOf(Store& store, const ServerIdentity& identity, int threads) {
+  WorkerOptions out = LoggedJobs(identity.ticket_key, threads);
+  out.timelines.emplace(store);
+  return out;
+}
+
+}  // namespace
+
+School::School(std::unique_ptr<Store> store, const ServerIdentity& identity,
+               const SchoolOptions& options)
+    : store_(std::move(store)),
+      authenticator_(*store_, options.auth),
+      content_(*store_),
+      services_{*store_,
+                authenticator_,
+                live_,
+                content_,
+                identity.ticket_key,
+                kSoftware,
+                [] { return enamel::UnixMs(); }},
+      worker_(*store_, JobsOf(*store_, identity, options.job_threads)) {
+  services_.board = &stations_;
+  metrics_.Add(ops::AddProcess);
+  metrics_.Add([this](ops::MetricsText& text) { AddStoreFigures(*store_, text); });
+  metrics_.Add([this](ops::MetricsText& text) {
+    text.Gauge("enamel_stations_connected", "Stations that are connected to this server.",
+               static_cast<double>(stations_.Here().size()));
+    services_.arrivals.AddFigures(text, services_.clock());
+  });
+}
+
+void School::Start() {
+  worker_.Start();
+  caretaker_.emplace(*store_);
+  keeper_.emplace(stations_, *store_, store_->IsShared());
+  if (store_->IsShared()) follower_.emplace(live_, *store_);
+}
+
+void School::End() {
+  ended_ = true;
+  store_->StopWaiting();
+  worker_.Stop();
+}
+
+}  // namespace enamel::server::app

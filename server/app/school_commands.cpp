@@ -1,0 +1,226 @@
+#include "server/app/school_commands.h"
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "common/base/uuid.h"
+#include "server/app/admin.h"
+#include "server/app/command_line.h"
+#include "server/app/console_progress.h"
+#include "server/app/data_folder.h"
+#include "server/app/say.h"
+#include "server/app/school_folder.h"
+#include "server/app/upkeep.h"
+#include "server/storage/engine/delete_store.h"
+#include "server/training/names.h"
+
+namespace enamel::server::app {
+namespace {
+
+// A server looks at the list every two seconds, and somebody may take a minute to read a large answer; one that died holds a
+// school's rows for 20 s.
+constexpr std::chrono::seconds kLetGo{90};
+
+Result<std::unique_ptr<Store>> OpenInstallation(const std::filesystem::path& data) {
+  if (const auto installation = InstallationOf(data)) {
+    return Status(
+        Code::kInvalidInput,
+        "expected an installation's data folder, found a school's; name " + installation->string());
+  }
+  return OpenForCommand(data);
+}
+
+Result<SchoolRow> SchoolNamed(SchoolStore& store, const std::string& name) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto all, store.Schools());
+  const auto found = std::ranges::find(all, name, &SchoolRow::name);
+  if (found != all.end()) return *found;
+  return Status(Code::kNotFound, "there is no school \"" + name + "\"; school list shows them",
+                "name");
+}
+
+std::string HostsText(const SchoolRow& row) {
+  std::string out;
+  for (const std::string& host : row.hosts) out += (out.empty() ? "" : ", ") + host;
+  return out;
+}
+
+Status SetState(const SchoolCommand& command, SchoolState state) {
+  const bool suspended = state == SchoolState::kSuspended;
+  ENAMEL_ASSIGN_OR_RETURN(const auto store, OpenInstallation(command.data));
+  ENAMEL_ASSIGN_OR_RETURN(SchoolRow row, SchoolNamed(*store, command.name));
+  if (row.state == state) {
+    Say("{} is {} already\n", row.name, SchoolStateName(state));
+    return Status::Ok();
+  }
+  row.state = state;
+  ENAMEL_RETURN_IF_ERROR(store->ChangeSchool(row, kCommandLine));
+  if (suspended) {
+    Say("{} is suspended: within seconds nobody gets in; all is kept, and stations keep what they "
+        "record\n",
+        row.name);
+  } else {
+    Say("{} is served again within seconds\n", row.name);
+  }
+  return Status::Ok();
+}
+
+// Of a school that is being made: its data, and its first admin.
+Status MakeData(const SchoolCommand& command, const SchoolRow& row) {
+  ENAMEL_RETURN_IF_ERROR(EnsureSchoolFolder(command.data, row, SchoolData::kMake).status());
+  const std::filesystem::path folder = SchoolFolder(command.data, row.name);
+  ENAMEL_RETURN_IF_ERROR(OpenOrMake(folder).status());
+  if (command.admin.empty()) return Status::Ok();
+  return AddPerson(folder, {command.admin, "", "admin", "", false});
+}
+
+}  // namespace
+
+Status AddSchool(const SchoolCommand& command) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto store, OpenInstallation(command.data));
+  // What schools are known by is made of the installation's.
+  ENAMEL_RETURN_IF_ERROR(EnsureMatchingIdentity(command.data, *store).status());
+  // What is wrong with the words alone is said before anything is made.
+  if (!command.admin.empty()) ENAMEL_RETURN_IF_ERROR(CheckedLogin(command.admin).status());
+  SchoolRow row;
+  row.name = command.name;
+  row.id = Uuid::New();
+  row.hosts = command.hosts;
+  // Listed first: a folder that no list names would be in the way of the next try. No server opens one that is half made.
+  row.state = SchoolState::kBeingMade;
+  ENAMEL_RETURN_IF_ERROR(store->AddSchool(row, kCommandLine));
+  if (Status made = MakeData(command, row); !made.ok()) {
+    return {made.code(), made.message() +
+                             ". The school is listed and half made; when the cause is "
+                             "gone: school delete " +
+                             row.name + " --confirm " + row.name + ", then add it again"};
+  }
+  row.state = SchoolState::kServed;
+  ENAMEL_RETURN_IF_ERROR(store->ChangeSchool(row, kCommandLine));
+  Say("{} is served within seconds as {}; its data folder, for other commands: {}\n", row.name,
+      HostsText(row), SchoolFolder(command.data, row.name).string());
+  return Status::Ok();
+}
+
+Status ListSchools(const SchoolCommand& command) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto store, OpenInstallation(command.data));
+  ENAMEL_ASSIGN_OR_RETURN(const auto all, store->Schools());
+  for (const SchoolRow& row : all) {
+    Say("{:<32}  {:<13}  {}  {}\n", row.name, SchoolStateName(row.state), HostsText(row),
+        SchoolFolder(command.data, row.name).string());
+  }
+  if (all.empty()) Say("no other schools; school add makes one\n");
+  return Status::Ok();
+}
+
+Status SetSchoolHosts(const SchoolCommand& command) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto store, OpenInstallation(command.data));
+  ENAMEL_ASSIGN_OR_RETURN(SchoolRow row, SchoolNamed(*store, command.name));
+  row.hosts = command.hosts;
+  ENAMEL_RETURN_IF_ERROR(store->ChangeSchool(row, kCommandLine));
+  Say("{} is {} from now on\n", row.name, HostsText(row));
+  return Status::Ok();
+}
+
+Status SuspendSchool(const SchoolCommand& command) {
+  return SetState(command, SchoolState::kSuspended);
+}
+Status ResumeSchool(const SchoolCommand& command) {
+  return SetState(command, SchoolState::kServed);
+}
+
+Status ExportSchool(const SchoolCommand& command) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto store, OpenInstallation(command.data));
+  ENAMEL_ASSIGN_OR_RETURN(const SchoolRow row, SchoolNamed(*store, command.name));
+  ENAMEL_RETURN_IF_ERROR(EnsureSchoolFolder(command.data, row, SchoolData::kExpect).status());
+  BackupCommand backup;
+  backup.data = SchoolFolder(command.data, row.name);
+  backup.target = command.target;
+  backup.json = command.json;
+  ENAMEL_RETURN_IF_ERROR(Backup(backup));
+  Say("enamel-server restore {} --data FOLDER makes an installation of its own of it, which its "
+      "stations enrol with anew\n",
+      command.target.string());
+  return Status::Ok();
+}
+
+Status RemoveSchool(const SchoolCommand& command) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto store, OpenInstallation(command.data));
+  ENAMEL_ASSIGN_OR_RETURN(SchoolRow row, SchoolNamed(*store, command.name));
+  if (command.confirm != row.name) {
+    return {Code::kConflict, "this deletes all that is " + row.name +
+                                 "'s, and only a backup brings it back; say --confirm " + row.name};
+  }
+  if (row.state == SchoolState::kServed) {
+    return {Code::kConflict,
+            "expected a school that is suspended, found one that is served; school "
+            "suspend " +
+                row.name + " first"};
+  }
+  // Nobody resumes it from now on: it may be half gone.
+  row.state = SchoolState::kBeingDeleted;
+  ENAMEL_RETURN_IF_ERROR(store->ChangeSchool(row, kCommandLine));
+  const auto until = std::chrono::steady_clock::now() + kLetGo;
+  Status deleted = DeleteSchool(command.data, row);
+  {
+    ConsoleProgress progress;
+    for (uint64_t waited = 0;
+         deleted.field() == kServerHasIt && std::chrono::steady_clock::now() < until; ++waited) {
+      progress("waiting for servers to let go", waited, kLetGo.count());
+      std::this_thread::sleep_for(std::chrono::seconds(1));
+      deleted = DeleteSchool(command.data, row);
+    }
+  }
+  ENAMEL_RETURN_IF_ERROR(deleted);
+  ENAMEL_RETURN_IF_ERROR(store->RemoveSchool(row.name, kCommandLine));
+  Say("{} is deleted\n", row.name);
+  return Status::Ok();
+}
+
+void DeclareSchools(CommandGroup root) {
+  auto* school = root.parent.add_subcommand("school", "Other schools that an installation serves");
+  school->require_subcommand(1);
+  school->footer(
+      "An installation serves one school, its own, and as many others beside it as it is told. "
+      "Each\n"
+      "has its own host name, people, stations and data; nobody of one sees anything of "
+      "another.\n\n"
+      "  enamel-server school add north --host north.example.edu --admin anna --data DIR\n"
+      "  enamel-server admin enrol-code --data DIR/schools/north     for its stations\n"
+      "  enamel-server school export north --to BACKUP --data DIR\n"
+      "  enamel-server school suspend north --data DIR");
+  const CommandGroup group{*school, root.chosen};
+  const auto declare = [&](const std::string& name, const std::string& help, auto run) {
+    auto declared = Declare<SchoolCommand>(group, name, help, run);
+    AddData(declared.cmd, declared.options.data)->description("Data folder of the installation");
+    return declared;
+  };
+  const auto named = [](CLI::App* cmd, SchoolCommand& o) {
+    cmd->add_option("name", o.name, "The school's: 1 to 32 of a-z 0-9 -")->required();
+  };
+  const auto hosts = [](CLI::App* cmd, SchoolCommand& o) {
+    cmd->add_option("--host", o.hosts, "Name its page is opened under (repeatable)")->required();
+  };
+  auto [add, a] = declare("add", "Make a school", AddSchool);
+  named(add, a);
+  hosts(add, a);
+  add->add_option("--admin", a.admin,
+                  "Login of its first admin, who gets a password for one sign-in");
+  declare("list", "Show them", ListSchools);
+  auto [rename, r] = declare("set-hosts", "Give one other host names", SetSchoolHosts);
+  named(rename, r);
+  hosts(rename, r);
+  auto [suspend, s] = declare("suspend", "Let nobody in; all is kept", SuspendSchool);
+  named(suspend, s);
+  auto [resume, u] = declare("resume", "Serve one again", ResumeSchool);
+  named(resume, u);
+  auto [exported, e] = declare("export", "Write all that is one's as a backup", ExportSchool);
+  named(exported, e);
+  exported->add_option("--to", e.target, "Folder for it: absent or empty")->required();
+  exported->add_option("--json", e.json, "Write the outcome to this file");
+  auto [removed, d] = declare("delete", "Delete one, for good", RemoveSchool);
+  named(removed, d);
+  removed->add_option("--confirm", d.confirm, "Its name once more");
+}
+
+}  // namespace enamel::server::app

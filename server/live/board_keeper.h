@@ -1,0 +1,52 @@
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <stop_token>
+#include <thread>
+#include <vector>
+
+#include "server/live/station_board.h"
+#include "server/storage/live_store.h"
+
+namespace enamel::server {
+
+// Keeps a server's board and the store in step. How far a remark to a chair has come is written, so that one
+// that waits is not lost when the server ends. Where the school has more servers, what was said at the
+// others and which stations are connected to them is read: a remark reaches the server that its station is connected
+// to within kLookEvery.
+//
+// A thread of its own until destroyed, which waits for the store; the board and the store outlive it.
+class BoardKeeper {
+ public:
+  static constexpr std::chrono::milliseconds kLookEvery{500};
+  // Connections come and go slower than remarks.
+  static constexpr int kLinksEvery = 4;  // looks
+  // What was said longer ago is of no attempt that is being made.
+  static constexpr UnixMs kRemarksForMs = 24 * 3'600'000;
+
+  // `shared`: the school has more servers.
+  BoardKeeper(StationBoard& board, LiveStore& store, bool shared);
+  // For tests: no thread, looks when it is told to.
+  struct ByHand {};
+  BoardKeeper(StationBoard& board, LiveStore& store, bool shared, ByHand)
+      : board_(board), store_(store), shared_(shared) {}
+
+  // What fails is in the store's log, and is done at the next look.
+  void LookAtRemarks(UnixMs now_ms);
+  void LookAtLinks();
+
+ private:
+  void Run(const std::stop_token& stop);
+  Status KeepLinks();
+
+  StationBoard& board_;
+  LiveStore& store_;
+  const bool shared_;
+  bool remarks_read_ = false;
+  std::optional<std::vector<StationLink>>
+      kept_;             // of this server, as the store has it; none: nothing
+  std::jthread thread_;  // last: ends first
+};
+
+}  // namespace enamel::server

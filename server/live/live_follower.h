@@ -1,0 +1,49 @@
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <optional>
+#include <stop_token>
+#include <thread>
+
+#include "server/live/live_board.h"
+#include "server/storage/attempt_store.h"
+
+namespace enamel::server {
+
+// Shows on this server's board the attempts that are watched here while their stations upload to another
+// server: every kLookEvery it reads the chunks that were committed since. Who watches sees a moment at most so
+// much later than its chunk was committed. Nobody watches: nothing is read.
+//
+// A thread of its own until destroyed, which waits for the store; the board and the store outlive it.
+class LiveFollower {
+ public:
+  static constexpr std::chrono::milliseconds kLookEvery{500};
+  // A board that has heard of an attempt within this time hears of it from its station.
+  static constexpr UnixMs kSilentMs = 1000;
+  // Of one that is far behind only the newest chunks: the board keeps a second's rows.
+  static constexpr uint32_t kMostChunks = 3;
+
+  LiveFollower(LiveBoard& board, AttemptStore& store);
+  // For tests: no thread, looks when it is told to.
+  struct ByHand {};
+  LiveFollower(LiveBoard& board, AttemptStore& store, ByHand) : board_(board), store_(store) {}
+
+  // One look at all that is watched; ends early when the store fails, or when it is to stop.
+  void Look(UnixMs now_ms, const std::stop_token& stop = {});
+
+ private:
+  struct Followed {
+    uint32_t next_chunk = 0;
+    std::optional<uint64_t> shown_tick;  // the newest that came from here
+  };
+  void Run(const std::stop_token& stop);
+  Status Show(const Uuid& attempt, UnixMs now_ms, Followed& followed);
+
+  LiveBoard& board_;
+  AttemptStore& store_;
+  std::map<Uuid, Followed> followed_;  // the thread's
+  std::jthread thread_;                // last: ends first
+};
+
+}  // namespace enamel::server

@@ -1,0 +1,36 @@
+#include "server/storage/sql/database_look.h"
+
+#include <chrono>
+
+#include "common/base/unix_time.h"
+
+namespace enamel::server::sqlite {
+
+using std::chrono::steady_clock;
+using std::chrono::system_clock;
+
+Result<std::optional<int64_t>> FollowClockOf(sql::Db& db) {
+  constexpr int kQuestions = 3;
+  struct Reading {
+    int64_t theirs_ms;
+    steady_clock::duration took;
+    steady_clock::time_point at;
+  };
+  std::optional<Reading> best;
+  for (int i = 0; i < kQuestions; ++i) {
+    const auto asked = steady_clock::now();
+    ENAMEL_ASSIGN_OR_RETURN(const auto theirs_ms, db.ClockMs());
+    if (!theirs_ms) return std::optional<int64_t>();
+    const auto at = steady_clock::now();
+    if (!best || at - asked < best->took) best = Reading{*theirs_ms, at - asked, at};
+  }
+  // The answer was made somewhere between question and answer: in the middle, as far as one knows.
+  const auto then = system_clock::time_point(std::chrono::milliseconds(best->theirs_ms)) +
+                    std::chrono::duration_cast<system_clock::duration>(best->took / 2);
+  const auto since =
+      std::chrono::duration_cast<system_clock::duration>(steady_clock::now() - best->at);
+  FollowClock(then + since);
+  return std::optional(enamel::UnixMs(system_clock::now()) - enamel::UnixMs(then + since));
+}
+
+}  // namespace enamel::server::sqlite
