@@ -48,11 +48,13 @@ async function serverHealth(world) {
   world.mock.trouble = {
     backup: null, jobs: { queued: 3, running: 1, failed: 2, counted_up_to: 200 },
     ingest: { takes_recordings: false, problem: "the disk has 200 MB left", waiting: "", chunks: 48_210, chunk_bytes: 81_400_000, sealed: 312 },
+    clock: { ahead_ms: 8200, problem: "this machine's clock is 8 s ahead" }, standby: "behind",
     recordings: { open: 4, late: [{ attempt_id: id(110), station_id: id(30), silent_ms: 190_000 }] },
   };
   await page.getByText("Recordings are not taken").waitFor({ timeout: 15_000 });
   assert.deepEqual(await page.locator(".notice-title").allInnerTexts(),
-    ["Recordings are not taken", "Nothing comes from 1 attempt in progress", "2 jobs have failed", "No backup was made yet"]);
+    ["Recordings are not taken", "This server’s clock is wrong", "Nothing comes from 1 attempt in progress", "No standby is synchronous",
+     "2 jobs have failed", "No backup was made yet"]);
   await accessible(page, "a server with trouble");
   await pictures(world, page, "health_trouble");
   await page.getByRole("link", { name: "Failed jobs" }).click();

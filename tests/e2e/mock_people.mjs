@@ -207,7 +207,7 @@ function serverHealth({ world }) {
   const health = {
     now_ms: Date.now(), started_ms: Date.now() - 30 * hour,
     ingest: { takes_recordings: true, problem: "", waiting: "", chunks: 48_210, chunk_bytes: 81_400_000, sealed: 312 },
-    commits: { count: 50_120, failed: 0, timed: 1000, p99_s: 0.0214 },
+    commits: { count: 50_120, failed: 0, timed: 1000, p99_s: 0.0214 }, clock: { ahead_ms: 0, problem: "" }, standby: "",
     disk: { free_bytes: 214e9, kept_free_bytes: 268_435_456, database_bytes: 412e6, log_bytes: 4.1e6 },
     jobs: { queued: 1, running: 1, failed: 0, counted_up_to: 200 },
     stations: { enrolled: 7, online: 4 }, recordings: { open: 4, late: [] },

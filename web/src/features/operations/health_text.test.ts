@@ -8,6 +8,7 @@ const well: ServerHealth = {
   now_ms: 100 * kDayMs, started_ms: 99 * kDayMs,
   ingest: { takes_recordings: true, problem: "", waiting: "", chunks: 1000, chunk_bytes: 1e6, sealed: 10 },
   commits: { count: 500, failed: 0, timed: 500, p99_s: 0.02 },
+  clock: { ahead_ms: 0, problem: "" }, standby: "",
   disk: { free_bytes: 50e9, kept_free_bytes: 268e6, database_bytes: 1e6, log_bytes: 0 },
   jobs: { queued: 0, running: 0, failed: 0, counted_up_to: 200 },
   stations: { enrolled: 3, online: 3 }, recordings: { open: 1, late: [] },
@@ -33,12 +34,23 @@ test("each of the figures that need somebody is told", () => {
   assert.deepEqual(told({ commits: { ...well.commits, failed: 1 } }), ["warning: 1 change could not be written since the start"]);
   assert.deepEqual(told({ jobs: { ...well.jobs, failed: 200 } }), ["warning: 200 or more jobs have failed"]);
   assert.deepEqual(told({ jobs: { ...well.jobs, queued: 60 } }), ["warning: 60 jobs wait"]);
+  assert.deepEqual(told({ standby: "behind" }), ["warning: No standby is synchronous"]);
+  assert.deepEqual(told({ standby: "none" }), ["warning: No standby is synchronous"]);
+  assert.deepEqual(told({ standby: "synchronous" }), []);
+  assert.deepEqual(told({ standby: "unknown" }), []);
   assert.deepEqual(told({ backup: { at_ms: 90 * kDayMs, missing: 0 } }), ["warning: The last backup is 10 days old"]);
   assert.deepEqual(told({ backup: { at_ms: 99 * kDayMs, missing: 2 } }), ["bad: The last backup misses 2 files"]);
   assert.deepEqual(told({ sign_ins: { ...well.sign_ins, throttled: 20 } }), ["warning: 20 sign-ins were held back since the start"]);
   assert.deepEqual(told({ stations: { enrolled: 0, online: 0 } }), ["warning: No station is enrolled"]);
   assert.deepEqual(told({ recordings: { open: 2, late: [{ attempt_id: "a", station_id: "s", silent_ms: 150_000 }] } }), ["warning: Nothing comes from 1 attempt in progress"]);
   assert.deepEqual(told({ ingest: { ...well.ingest, waiting: "a person was erased" } }), ["warning: Changes wait"]);
+});
+
+test("a clock that is off is told with its direction", () => {
+  const text = (ahead_ms: number) => findingsOf({ ...well, clock: { ahead_ms, problem: "off" } }).map((finding) => finding.text);
+  assert.deepEqual(text(8200), ["It is 8.2\u00a0s ahead of the database server’s. Let both machines take their time from the same time servers."]);
+  assert.deepEqual(text(-8200), ["It is 8.2\u00a0s behind the database server’s. Let both machines take their time from the same time servers."]);
+  assert.deepEqual(findingsOf({ ...well, clock: { ahead_ms: 4000, problem: "" } }), []);
 });
 
 test("a count that rises is told by the second, and not over a restart", () => {

@@ -20,7 +20,7 @@ const kManyThrottled = 20;                      // what one person who has forgo
 const kRank: Readonly<Record<Tone, number>> = { bad: 0, warning: 1, neutral: 2, good: 3 };
 
 export function findingsOf(health: ServerHealth): Finding[] {
-  return [...ingestFindings(health), ...diskFindings(health), ...workFindings(health), ...backupFindings(health), ...doorFindings(health)]
+  return [...ingestFindings(health), ...clockFindings(health), ...standbyFindings(health), ...diskFindings(health), ...workFindings(health), ...backupFindings(health), ...doorFindings(health)]
     .sort((a, b) => kRank[a.tone] - kRank[b.tone]);
 }
 
@@ -37,6 +37,17 @@ function ingestFindings({ ingest, recordings, stations }: ServerHealth): Finding
   }
   if (stations.enrolled === 0) out.push({ tone: "warning", title: say("finding.no_station"), text: say("finding.no_station_text"), link: { path: "/stations", title: say("nav.stations") } });
   return out;
+}
+
+function clockFindings({ clock }: ServerHealth): Finding[] {
+  if (clock.problem === "") return [];
+  const span = formatDuration(Math.abs(clock.ahead_ms) / 1000);
+  return [{ tone: "bad", title: say("finding.clock"), text: clock.ahead_ms > 0 ? say("finding.clock_ahead", { span }) : say("finding.clock_behind", { span }) }];
+}
+
+function standbyFindings({ standby }: ServerHealth): Finding[] {
+  if (standby !== "none" && standby !== "behind") return [];
+  return [{ tone: "warning", title: say("finding.standby"), text: say("finding.standby_text") }];
 }
 
 function diskFindings({ disk, commits }: ServerHealth): Finding[] {
