@@ -51,12 +51,16 @@ grep -q '"ok"' "$work/answer" || fail "the server is not well: $(cat "$work/answ
 [ "$(ask /)" = 200 ] || fail "the page was not served"
 
 # Who claims an address of somebody else's is not believed: the proxy says where the request came from.
-ask /api/v1/session --interface 127.0.0.3 -H 'X-Forwarded-For: 192.0.2.99' -H 'Content-Type: application/json' -H "Origin: https://enamel.test:$page" \
+# Nor who names a request.
+ask /api/v1/session --interface 127.0.0.3 -D "$work/head" -H 'X-Forwarded-For: 192.0.2.99' -H 'X-Request-Id: mine' -H 'Content-Type: application/json' -H "Origin: https://enamel.test:$page" \
   -d '{"login": "student1", "password": "wrong"}' >"$work/status"
 [ "$(cat "$work/status")" = 401 ] || fail "a wrong password was answered $(cat "$work/status"): $(cat "$work/answer")"
 grep -q '127\.0\.0\.3' "$work/server.log" || { cat "$work/server.log"; fail "the log does not name who asked"; }
 ! grep -q '192\.0\.2\.99' "$work/server.log" || fail "a claimed address was believed"
-echo "ok: the page over HTTPS, asked by 127.0.0.3"
+request=$(sed -n 's/^x-request-id: \([0-9a-f-]\{36\}\)\r$/\1/ip' "$work/head")
+[ -n "$request" ] || { cat "$work/head"; fail "the answer does not name its request as the proxy does"; }
+grep -q "\[request $request\] .* refused" "$work/server.log" || { cat "$work/server.log"; fail "the log does not say what became of request $request"; }
+echo "ok: the page over HTTPS, asked by 127.0.0.3 in request $request"
 
 # Over the link: bytes that are no frame, from an address of its own.
 # It goes on reading after its own end (-quiet), until the server ends the connection.

@@ -2,7 +2,7 @@
 # Two servers of one school behind the HAProxy of server/ops/haproxy.cfg: rows in PostgreSQL, blobs and keys in S3 stores.
 # The second is made with the identity of the first, and refused without. While a station uploads, one server after the
 # other is killed: not a tick is lost, the recording is scored, and who was signed in stays so. Whom one server erases is
-# erased for the other. with_postgres.sh and with_swift.sh start the stores.
+# erased for the other. The attempt is watched and spoken to at both. with_postgres.sh and with_swift.sh start the stores.
 . "$(dirname "$0")/../integration/support.sh"
 for program in haproxy curl openssl; do
   command -v $program >/dev/null || { echo "skipped: $program is not installed"; exit 77; }
@@ -76,6 +76,7 @@ ask() {
 }
 status=$(ask /api/v1/session -H 'Content-Type: application/json' -H "Origin: https://enamel.test:$page" -d "{\"login\": \"instructor\", \"password\": \"$ENAMEL_PASSWORD\"}")
 [ "$status" = 201 ] || [ "$status" = 200 ] || fail "signing in was answered $status: $(cat "$work/answer")"
+cp "$work/answer" "$work/session"
 
 "$bin/enamel-station" enrol --data "$station" --server "127.0.0.1:$((page + 1))" --code "$("$bin/enamel-server" admin enrol-code --data "$two")" --name round
 run=("$bin/enamel-station" run --data "$station" --profile phantom_desktop --lockstep --quiet --exercise "$exercise")
@@ -96,7 +97,38 @@ until_more_than() {
 cutting=$!
 pids+=("$cutting")
 until_more_than 1
-# The station is with one of them: each is killed once.
+# The station is with one of them, and can be watched at either: asked as the proxy asks.
+being_made=$(rows "SELECT encode(id, 'hex') FROM attempts WHERE sealed_ms = 0 AND chunks > 0" | sed -E 's/^(.{8})(.{4})(.{4})(.{4})/\1-\2-\3-\4-/')
+cookie=$(awk '$6 ~ /enamel/ { print $6 "=" $7 }' "$work/cookies")
+# ask_at ADDRESS PATH [options]: prints the answer.
+ask_at() {
+  local address=$1 path=$2
+  shift 2
+  curl -sN -H "Cookie: $cookie" -H "Host: enamel.test" -H 'X-Forwarded-Proto: https' -H 'X-Forwarded-For: 192.0.2.1' "$@" \
+    "http://$address:$port/api/v1$path"
+}
+for address in 127.0.0.1 127.0.0.2; do
+  ask_at "$address" "/attempts/$being_made/live" --max-time 4 >"$work/live" || true
+  moments=$(grep -o '\],\[\|"rows":\[\[' "$work/live" | wc -l)
+  [ "$moments" -gt 50 ] || fail "expected more than 50 moments in 4 s at $address, found $moments: $(head -c 300 "$work/live")"
+  echo "ok: $moments moments in 4 s at $address"
+done
+# What is said at either is shown at the chair, and both know that it was.
+csrf=$(json_of "$work/session" csrf)
+for address in 127.0.0.1 127.0.0.2; do
+  ask_at "$address" "/live/$being_made/remarks" -H 'Content-Type: application/json' -H 'Origin: https://enamel.test' \
+    -H "X-Enamel-CSRF: $csrf" -d "{\"text\": \"Said at $address.\"}" >"$work/said"
+  grep -q '"state":"waiting"' "$work/said" || fail "a remark at $address: $(cat "$work/said")"
+done
+shown_at() { ask_at "$1" "/live/$being_made/remarks" | grep -o '"state":"shown"' | wc -l; }
+for address in 127.0.0.1 127.0.0.2; do
+  deadline=$((SECONDS + 60))
+  until [ "$(shown_at "$address")" = 2 ]; do
+    [ $SECONDS -lt $deadline ] || fail "at $address: $(ask_at "$address" "/live/$being_made/remarks")"
+  done
+done
+echo "ok: remarks said at both servers were shown"
+# Each is killed once.
 kill_at_once one
 before=$(committed)
 until_more_than "$before"

@@ -22,7 +22,7 @@ start_server "$work/server" "$port" --page-url https://school.example/enamel
 ENAMEL_PASSWORD=enamel-demo-instructor "$bin/enamel-station" run --data "$station" --exercise "$exercise" --quiet \
   --profile phantom_desktop --user instructor --operator dentist --lockstep --as-reference --json "$work/reference" >/dev/null
 reference=$(json_of "$work/reference" attempt_id)
-"$bin/enamel-server" report --data "$work/server" --attempt "$reference" --wait 120 >/dev/null
+"$bin/enamel-server" report --data "$work/server" --attempt "$reference" --wait $((120 * patience)) >/dev/null
 "$bin/enamel-server" admin mark-reference --data "$work/server" --attempt "$reference" --dentist "Simulated dentist" --consent >/dev/null
 
 # play NAME [SIZE [options]]: a script on standard input, at a window of 1280 x 720 or that size. PICTURES and WORK stand for
@@ -32,8 +32,7 @@ play() {
   sed "s|PICTURES|$pictures|; s|WORK|$work|
     s|^sign in as \(.*\)|page sign-in\ntype \1\nkey Tab\ntype enamel-demo-\1\nkey Enter\npage exercises|" \
     >"$work/$1.txt"
-  # Under a sanitizer scoring alone takes minutes.
-  timeout 900 "$bin/enamel-station" open --data "$station" --window "${2:-1280x720}" --no-sound --simulated --script "$work/$1.txt" "${@:3}" ||
+  timeout $((300 * patience)) "$bin/enamel-station" open --data "$station" --window "${2:-1280x720}" --no-sound --simulated --script "$work/$1.txt" "${@:3}" ||
     { tail -n 20 "$work/server.log"; fail "the script $1 did not get through"; }
 }
 # Waits until a script has come to where it writes this picture.

@@ -1,0 +1,50 @@
+#!/usr/bin/env bash
+# What a cluster does and costs, beside one server with SQLite, in one run on this machine: three servers behind HAProxy,
+# PostgreSQL with a synchronous standby, Swift as the S3 store.
+#   tests/cluster/run.sh --short | --full [--json FILE] [--only PART[,PART…]]
+# Parts: load, faults, watch, jobs. --short takes four minutes, --full an hour or two. Prints every figure with its goal; a goal
+# that is missed is marked, and only what is lost or doubled fails. Exit: 0, 1, 2 wrong usage, 77 packages are missing.
+. "$(dirname "$0")/../integration/support.sh"
+. "$root/tests/support/postgres_server.sh"
+usage() { sed -n '2,7s/^# \{0,1\}//p' "$0"; }
+size= json= only=load,faults,watch,jobs
+while [ $# -gt 0 ]; do
+  case $1 in
+    --short | --full) size=${1#--} ;;
+    --json) json=$(realpath -m "${2:?--json expects a file}"); shift ;;
+    --only) only=${2:?--only expects parts}; shift ;;
+    -h | --help) usage; exit 0 ;;
+    *) echo "run.sh: expected --short or --full, found \"$1\"" >&2; usage >&2; exit 2 ;;
+  esac
+  shift
+done
+[ -n "$size" ] || { usage >&2; exit 2; }
+for part in ${only//,/ }; do
+  case $part in
+    load | faults | watch | jobs) ;;
+    *) echo "run.sh: expected load, faults, watch or jobs after --only, found \"$part\"" >&2; exit 2 ;;
+  esac
+done
+for program in haproxy openssl node; do
+  command -v $program >/dev/null || { echo "skipped: $program is not installed"; exit 77; }
+done
+if [ -z "${ENAMEL_S3_ENDPOINT:-}" ]; then
+  rm -rf "$work"
+  trap - EXIT
+  exec "$root/tests/cluster/with_swift.sh" "$0" "--$size" ${json:+--json "$json"} --only "$only"
+fi
+export ENAMEL_PG=$work/pg ENAMEL_WORK=$work ENAMEL_ROOT=$root ENAMEL_BIN=$bin
+mkdir "$ENAMEL_PG"
+chmod 711 "$work"
+postgres_user "$ENAMEL_PG"
+end() {
+  postgres_end "$ENAMEL_PG/one"
+  postgres_end "$ENAMEL_PG/two"
+  stop_all
+}
+trap end EXIT
+postgres_pair "$ENAMEL_PG"
+openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:prime256v1 -nodes -days 2 -subj /CN=enamel.test -addext subjectAltName=DNS:enamel.test \
+  -keyout "$work/page.key" -out "$work/page.crt" 2>/dev/null
+cat "$work/page.crt" "$work/page.key" >"$work/page.pem"
+node "$root/tests/cluster/run.mjs" "$size" "$(free_ports)" "$(free_ports)" "$only" "$json"
