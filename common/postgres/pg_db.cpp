@@ -148,8 +148,17 @@ Status PgDb::SetUp() {
   // moment is no failure.
   if (counts_) {
     pq_.clear(pq_.exec(handle_, "DELETE FROM enamel_commits WHERE at < now() - interval '1 day'"));
+    ENAMEL_RETURN_IF_ERROR(PrepareCount());
   }
   return Status::Ok();
+}
+
+// It goes with every BEGIN: planned once, and not for each commit.
+Status PgDb::PrepareCount() {
+  return Exec(
+      ("PREPARE enamel_count (bigint) AS INSERT INTO enamel_commits (writer, count) VALUES (" +
+       writer_ + ", $1) ON CONFLICT (writer) DO UPDATE SET count = $1, at = now()")
+          .c_str());
 }
 
 Status PgDb::BeThere() {
@@ -211,9 +220,7 @@ Status PgDb::Begin(Isolation isolation) {
   if (counts_ && isolation != Isolation::kSnapshot) {
     // With the first statement: a COMMIT that the server has received and not begun yet would not be waited
     // for by who looks whether it was kept, if only the COMMIT itself took the row.
-    const std::string count = std::to_string(++commits_);
-    sql += "; INSERT INTO enamel_commits (writer, count) VALUES (" + writer_ + ", " + count +
-           ") ON CONFLICT (writer) DO UPDATE SET count = " + count + ", at = now()";
+    sql += "; EXECUTE enamel_count (" + std::to_string(++commits_) + ")";
   }
   Status begun = Exec(sql.c_str());
   // Nothing is begun yet: on another connection, to another server perhaps. One that had ended since it was used last
@@ -338,6 +345,7 @@ Status PgDb::Migrate(const std::vector<Migration>& migrations) {
         mark.BindText(options_.application).BindInt(migrations.back().version).Run());
   }
   ENAMEL_RETURN_IF_ERROR(transaction.Commit());
+  if (!counts_) ENAMEL_RETURN_IF_ERROR(PrepareCount());
   counts_ = true;
   return Status::Ok();
 }

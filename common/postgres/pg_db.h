@@ -102,6 +102,7 @@ class PgDb final : public Db {
   bool must_repeat() const override { return must_repeat_; }
   const char* RowLock() const override { return " FOR UPDATE"; }
   const char* RowLockOrSkip() const override { return " FOR UPDATE SKIP LOCKED"; }
+  bool GoesOnWithChanges() const override { return true; }
   Result<int> SchemaVersion() override;
   Status Migrate(const std::vector<Migration>& migrations) override;
   bool damaged() const override { return damaged_; }
@@ -126,6 +127,7 @@ class PgDb final : public Db {
   PgDb(const Libpq& pq, PgDbOptions options);
   Status Connect();
   Status SetUp();
+  Status PrepareCount();
   // Connects anew where the connection is lost and no transaction is open.
   Status BeThere();
   // Whether a statement that has failed is to be asked once more, on a connection made anew: this one had ended since

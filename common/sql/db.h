@@ -110,6 +110,9 @@ class Db {
   virtual const char* RowLock() const { return ""; }
   // The same for a SELECT that leaves out what others have locked, instead of waiting for them.
   virtual const char* RowLockOrSkip() const { return ""; }
+  // Whether a statement can go on with the rows that it changes:
+  // WITH a AS (UPDATE … RETURNING …) INSERT … SELECT … FROM a.
+  virtual bool GoesOnWithChanges() const { return false; }
 
   // That of the last migration that ran; 0: an empty database. Errors also: kVersion (of another program).
   virtual Result<int> SchemaVersion() = 0;

@@ -33,6 +33,14 @@ class Keyring {
   virtual Result<DataKey> Find(const Uuid& person) = 0;
   // Made, and durable, when there is none. Errors: kConflict (erased), kStorage.
   virtual Result<DataKey> FindOrMake(const Uuid& person) = 0;
+  // A key that this process has in memory, without a look whether it still counts. Of a key ring of several servers it
+  // does while the person's row of `person_keys` is of this generation; who writes with it asks that in the same
+  // statement (AppendChunk), which saves the look. None: none in memory, or a key ring that others do not change.
+  struct Remembered {
+    DataKey key;
+    int64_t generation = 0;
+  };
+  virtual std::optional<Remembered> Remember(const Uuid& /*person*/) { return {}; }
   // Whatever happens while it is done, the person counts as erased from the first step on.
   virtual Status Destroy(const Uuid& person, int64_t now_ms) = 0;
   virtual Result<bool> IsGone(const Uuid& person) = 0;

@@ -95,14 +95,21 @@ Result<DataKey> S3Keyring::Get(const KeyRow& row) {
   }
   if (Status told = trouble_.Told(wrapped.status()); !told.ok()) return told;
   ENAMEL_ASSIGN_OR_RETURN(const DataKey key, master_.Unwrap(row.person, *wrapped));
-  Hold(row.person, {row.generation, key});
+  Hold(row.person, {key, row.generation});
   return key;
 }
 
-void S3Keyring::Hold(const Uuid& person, const Held& held) {
+void S3Keyring::Hold(const Uuid& person, const Remembered& held) {
   MutexLock lock(mutex_);
   if (found_.size() >= kMaxHeld) found_.clear();
   found_[person] = held;
+}
+
+std::optional<Keyring::Remembered> S3Keyring::Remember(const Uuid& person) {
+  MutexLock lock(mutex_);
+  const auto held = found_.find(person);
+  if (held == found_.end()) return {};
+  return held->second;
 }
 
 Result<DataKey> S3Keyring::FindOrMake(const Uuid& person) {
@@ -164,7 +171,7 @@ Status S3Keyring::Add(const Uuid& person, const DataKey& key) {
   });
   // In doubt, the row may be there: then the object has to stay.
   if (added.ok() ? !counts : added.field() != "in_doubt") (void)client_->Delete(object);
-  if (added.ok() && counts) Hold(person, {mine.generation, key});
+  if (added.ok() && counts) Hold(person, {key, mine.generation});
   return added;
 }
 

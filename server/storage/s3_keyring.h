@@ -32,7 +32,8 @@ namespace enamel::server::sqlite {
 //   the tombstone's object, which a restored database is compared with; then every object of the
 //   person's keys, also those that count no longer or never did; their row last. What a failure leaves
 //   is for Bury, which a server does when it starts, or within an hour where the bucket is away then.
-// * A key that a server has in memory stays there until it is asked for again, or the server ends.
+// * A key that a server has in memory stays there until it is asked for again, or the server ends. A chunk is written
+//   with it where the statement that writes finds its generation to count still (Keyring::Remember).
 //
 // Errors also: kUnavailable (bucket or database is away). What fails of the store is told as S3Trouble
 // does. Thread safety: any thread.
@@ -43,6 +44,7 @@ class S3Keyring final : public Keyring {
 
   Result<DataKey> Find(const Uuid& person) override;
   Result<DataKey> FindOrMake(const Uuid& person) override;
+  std::optional<Remembered> Remember(const Uuid& person) override;
   Status Destroy(const Uuid& person, int64_t now_ms) override;
   Result<bool> IsGone(const Uuid& person) override;
   // Those of the bucket.
@@ -60,16 +62,12 @@ class S3Keyring final : public Keyring {
  private:
   // Keys held in memory; with more people than that recording at once, objects are read again.
   static constexpr size_t kMaxHeld = 50'000;
-  struct Held {
-    int64_t generation = 0;
-    DataKey key;
-  };
   // Of the living.
   Result<std::optional<KeyRow>> RowOf(const Uuid& person);
   std::optional<DataKey> FindHeld(const KeyRow& row);
   // From memory or the bucket. Its group of getting_ is held.
   Result<DataKey> Get(const KeyRow& row);
-  void Hold(const Uuid& person, const Held& held);
+  void Hold(const Uuid& person, const Remembered& held);
   Mutex& GettingOf(const Uuid& person) { return getting_[person.bytes.back() % getting_.size()]; }
   // All objects whose key begins so.
   Result<std::vector<s3::ListedObject>> ListAll(const std::string& prefix);
@@ -91,7 +89,7 @@ class S3Keyring final : public Keyring {
   // a few groups of people.
   std::array<Mutex, 64> getting_;
   Mutex mutex_;
-  std::map<Uuid, Held> found_ ENAMEL_GUARDED_BY(mutex_);  // by person
+  std::map<Uuid, Remembered> found_ ENAMEL_GUARDED_BY(mutex_);  // by person
 };
 
 }  // namespace enamel::server::sqlite

@@ -139,22 +139,23 @@ Result<Bytes> SqliteStore::GetBlob(const Sha256& hash) {
   return OpenPersonal(keyring_, std::move(bytes).value());
 }
 
-Result<SqliteStore::PersonKey> SqliteStore::KeyOf(const Uuid& attempt) {
+Result<Uuid> SqliteStore::PersonOf(const Uuid& attempt) {
   std::string name(AsText(attempt.view()));
-  Uuid person;
   {
     std::lock_guard lock(people_mutex_);
     auto known = person_of_.find(name);
-    if (known != person_of_.end()) person = known->second;
+    if (known != person_of_.end()) return known->second;
   }
-  if (person.IsZero()) {
-    ENAMEL_ASSIGN_OR_RETURN(auto row, AttemptById(attempt));
-    person = row.person;
-    std::lock_guard lock(people_mutex_);
-    // All at once and not the oldest, which is simple: each is found again when it is asked for.
-    if (person_of_.size() >= kMaxRemembered) person_of_.clear();
-    person_of_[name] = person;
-  }
+  ENAMEL_ASSIGN_OR_RETURN(auto row, AttemptById(attempt));
+  std::lock_guard lock(people_mutex_);
+  // All at once and not the oldest, which is simple: each is found again when it is asked for.
+  if (person_of_.size() >= kMaxRemembered) person_of_.clear();
+  person_of_[name] = row.person;
+  return row.person;
+}
+
+Result<SqliteStore::PersonKey> SqliteStore::KeyOf(const Uuid& attempt) {
+  ENAMEL_ASSIGN_OR_RETURN(const Uuid person, PersonOf(attempt));
   ENAMEL_ASSIGN_OR_RETURN(auto key, keyring_.FindOrMake(person));
   return PersonKey{person, key};
 }

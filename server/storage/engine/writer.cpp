@@ -129,19 +129,50 @@ Status Writer::Transact(const std::vector<Pending*>& batch) {
 }
 
 Status Writer::TransactOnce(const std::vector<Pending*>& batch) {
-  Status failure = db_->Begin(batch.front()->isolation);
-  for (size_t i = 0; failure.ok() && i < batch.size(); ++i) {
-    failure = RunOne(*batch[i]->work, batch[i]->status);
-    // It failed, whatever the work made of that.
-    if (failure.ok() && db_->must_repeat())
-      failure = Status(Code::kUnavailable, "another server changes the same; try again");
-  }
-  if (failure.ok()) failure = db_->Commit();
+  bool has_failed = false;
+  Status failure;
+  if (!twice_) failure = TransactTogether(batch, has_failed);
+  // One alone that failed has nobody beside it.
+  if (twice_ || (has_failed && batch.size() > 1)) failure = TransactApart(batch);
   if (failure.ok()) return failure;
-  db_->Rollback();
   // What a work said of itself no longer holds: the commit that was to keep it has failed.
   for (Pending* pending : batch) pending->status = failure;
   return failure;
+}
+
+Status Writer::TransactTogether(const std::vector<Pending*>& batch, bool& has_failed) {
+  Status failure = db_->Begin(batch.front()->isolation);
+  for (size_t i = 0; failure.ok() && i < batch.size(); ++i) {
+    bool keep_anyway = false;
+    Status& outcome = batch[i]->status;
+    outcome = (*batch[i]->work)(*db_, keep_anyway);
+    failure = Met();
+    if (!failure.ok() || outcome.ok() || keep_anyway) continue;
+    db_->Rollback();
+    has_failed = true;
+    return Status::Ok();
+  }
+  if (failure.ok()) failure = db_->Commit();
+  if (!failure.ok()) db_->Rollback();
+  return failure;
+}
+
+Status Writer::TransactApart(const std::vector<Pending*>& batch) {
+  Status failure = db_->Begin(batch.front()->isolation);
+  for (size_t i = 0; failure.ok() && i < batch.size(); ++i) {
+    failure = RunApart(*batch[i]->work, batch[i]->status);
+    if (failure.ok()) failure = Met();
+  }
+  if (failure.ok()) failure = db_->Commit();
+  if (!failure.ok()) db_->Rollback();
+  return failure;
+}
+
+// A transaction that met another's has failed, whatever the work made of that.
+Status Writer::Met() const {
+  return db_->must_repeat()
+             ? Status(Code::kUnavailable, "another server changes the same; try again")
+             : Status::Ok();
 }
 
 std::vector<double> Writer::newest_commits_s() const {
@@ -154,6 +185,11 @@ Writer::Counters Writer::counters() const {
   return counters_;
 }
 
+size_t Writer::queued() const {
+  std::lock_guard lock(mutex_);
+  return queue_.size();
+}
+
 Status Writer::last_failure() const {
   std::lock_guard lock(mutex_);
   return last_failure_;
@@ -164,7 +200,7 @@ bool Writer::damaged() const {
   return damaged_;
 }
 
-Status Writer::RunOne(const Work& work, Status& outcome) {
+Status Writer::RunApart(const Work& work, Status& outcome) {
   ENAMEL_RETURN_IF_ERROR(db_->Exec("SAVEPOINT one"));
   // For tests: what a work leaves in its captured variables by a first run must not show in its
   // second (a database that serves many may end and repeat transactions).

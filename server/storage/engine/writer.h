@@ -15,8 +15,9 @@
 namespace enamel::server::sqlite {
 
 // This process's one write connection, with group commit: callers queue their work; a thread of its own runs
-// up to kMaxBatch queued works in one transaction (each in a savepoint) and one fsync, and wakes
-// their owners. A work that fails is rolled back alone; a COMMIT that fails fails the whole batch.
+// up to kMaxBatch queued works in one transaction and one fsync, and wakes their owners. A work that fails is
+// rolled back alone: then the batch is run again, each in a savepoint of its own. Not from the start: to a server
+// far away two messages more of each work are most of what a chunk costs. A COMMIT that fails fails the whole batch.
 // Why a thread of its own: commits keep their pace when a caller runs at a low priority. Thread
 // safety: any thread. Destruction waits for what is queued.
 class Writer {
@@ -27,8 +28,8 @@ class Writer {
 
   // What the work did is kept when it returns Ok, or sets `keep_anyway` (a refusal that leaves
   // evidence). Durable when Run returns. A work may be run again after what it did was taken back
-  // (a server's database ends transactions that meet): what it sets outside the database, it sets
-  // anew from its start.
+  // (another of its batch failed, or a server's database ended transactions that met): what it sets outside the
+  // database, it sets anew from its start.
   //
   // `isolation`: kRowLocks for what comes with every chunk and job, and locks the rows it decides on;
   // those run in transactions of their own, so that one that has to be repeated never repeats them.
@@ -44,6 +45,7 @@ class Writer {
     double commit_s = 0;  // from BEGIN to the end of COMMIT
   };
   Counters counters() const;
+  size_t queued() const;  // works that wait for the thread
   // How long the newest commits took, from BEGIN to the end of COMMIT: at most kTimed of them, in no
   // order.
   static constexpr size_t kTimed = 1000;
@@ -84,7 +86,11 @@ class Writer {
   void DoAlone(Pending& pending);
   Status Transact(const std::vector<Pending*>& batch);
   Status TransactOnce(const std::vector<Pending*>& batch);
-  Status RunOne(const Work& work, Status& outcome);
+  // Ok: it is kept, or what it refused has changed nothing.
+  Status TransactTogether(const std::vector<Pending*>& batch, bool& has_failed);
+  Status TransactApart(const std::vector<Pending*>& batch);
+  Status RunApart(const Work& work, Status& outcome);
+  Status Met() const;
 
   std::unique_ptr<Db> db_;  // the thread's
   const bool twice_;

@@ -291,6 +291,16 @@ class SqliteStore final : public Store {
   Status WriteRow(const std::function<Status(Db&)>& work) {
     return WriteRow(Writer::Work([&](Db& db, bool&) { return work(db); }));
   }
+  // Errors: kNotFound.
+  Result<Uuid> PersonOf(const Uuid& attempt);
+  // With a key that counts while the person's key is of this generation, 0: however that is. False: it does not count,
+  // or the chunk is not the next one, and nothing was done: it is to be sent with a key that was asked for.
+  struct KeyForChunk {
+    Uuid person;
+    DataKey key;
+    int64_t generation = 0;
+  };
+  Result<bool> AppendWith(const KeyForChunk& key, const ChunkPut& chunk);
   // The key under which things of this attempt are kept. Errors: kNotFound, kConflict (erased).
   struct PersonKey {
     Uuid person;

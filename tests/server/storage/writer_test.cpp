@@ -1,0 +1,126 @@
+#include "server/storage/engine/writer.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <atomic>
+#include <optional>
+#include <semaphore>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "server/storage/sql/query.h"
+#include "tests/support/temp_folder.h"
+
+// What becomes of works that are committed together.
+namespace enamel::server::sqlite {
+namespace {
+
+class WriterTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    auto db = OpenDatabase(folder_.path() / "enamel.db", DbMode::kCreate);
+    ASSERT_TRUE(db.ok()) << db.status().message();
+    ASSERT_TRUE((*db)->Exec("CREATE TABLE t (n INTEGER PRIMARY KEY)").ok());
+    writer_.emplace(std::move(db).value());
+  }
+
+  static Status Insert(Db& db, int64_t n) {
+    Query q(db, "INSERT INTO t VALUES (?2)");  // ?1 is every statement's tenant
+    return q.Bind(n).Run();
+  }
+  std::vector<int64_t> Rows() {
+    std::vector<int64_t> out;
+    EXPECT_TRUE(writer_
+                    ->RunAlone([&](Db& db) -> Status {
+                      sql::Query q(db, "SELECT n FROM t ORDER BY n");
+                      while (q.Next()) out.push_back(q.Int(0));
+                      return q.status();
+                    })
+                    .ok());
+    return out;
+  }
+  // All of them wait for the thread at the same moment, in this order.
+  std::vector<Status> RunTogether(const std::vector<Writer::Work>& works) {
+    std::binary_semaphore begun(0), go_on(0);
+    std::jthread first([&] {
+      EXPECT_TRUE(writer_
+                      ->RunAlone([&](Db&) {
+                        begun.release();
+                        go_on.acquire();
+                        return Status::Ok();
+                      })
+                      .ok());
+    });
+    begun.acquire();
+    std::vector<Status> out(works.size());
+    std::vector<std::jthread> callers;
+    for (size_t i = 0; i < works.size(); ++i) {
+      callers.emplace_back([&, i] { out[i] = writer_->Run(works[i]); });
+      while (writer_->queued() <= i) std::this_thread::yield();
+    }
+    go_on.release();
+    callers.clear();
+    return out;
+  }
+
+  test::TempFolder folder_;
+  std::optional<Writer> writer_;
+};
+
+TEST_F(WriterTest, WorksThatSucceedRunOnceAndShareACommit) {
+  std::array<std::atomic<int>, 3> runs{};
+  std::vector<Writer::Work> works;
+  for (size_t i = 0; i < runs.size(); ++i) {
+    works.emplace_back([&runs, i](Db& db, bool&) {
+      ++runs[i];
+      return Insert(db, static_cast<int64_t>(i));
+    });
+  }
+  for (const Status& status : RunTogether(works)) EXPECT_TRUE(status.ok()) << status.message();
+  for (const auto& count : runs) EXPECT_EQ(count, 1);
+  EXPECT_EQ(Rows(), (std::vector<int64_t>{0, 1, 2}));
+  EXPECT_EQ(writer_->counters().commits, 1u);
+}
+
+TEST_F(WriterTest, AWorkThatFailsIsTakenBackAloneAndOneThatKeepsItsRefusalIsNot) {
+  const std::vector<Writer::Work> works{
+      [](Db& db, bool&) { return Insert(db, 1); },
+      [](Db& db, bool&) {
+        EXPECT_TRUE(Insert(db, 2).ok());
+        return Status(Code::kConflict, "changed its mind");
+      },
+      [](Db& db, bool& keep_anyway) {
+        keep_anyway = true;
+        EXPECT_TRUE(Insert(db, 3).ok());
+        return Status(Code::kConflict, "refused, and noted");
+      },
+      [](Db& db, bool&) { return Insert(db, 1); },  // there already
+      [](Db& db, bool&) { return Insert(db, 4); }};
+  const auto out = RunTogether(works);
+  EXPECT_TRUE(out[0].ok());
+  EXPECT_EQ(out[1].message(), "changed its mind");
+  EXPECT_EQ(out[2].message(), "refused, and noted");
+  EXPECT_FALSE(out[3].ok());
+  EXPECT_TRUE(out[4].ok());
+  EXPECT_EQ(Rows(), (std::vector<int64_t>{1, 3, 4}));
+}
+
+TEST_F(WriterTest, AWorkThatFailsByItselfLeavesNothing) {
+  int runs = 0;
+  const Status status = writer_->Run([&](Db& db, bool&) {
+    ++runs;
+    EXPECT_TRUE(Insert(db, 1).ok());
+    return Status(Code::kNotFound, "nothing there");
+  });
+  EXPECT_EQ(status.code(), Code::kNotFound);
+  EXPECT_EQ(runs, 1);
+  EXPECT_TRUE(Rows().empty());
+  EXPECT_TRUE(writer_->Run([](Db& db, bool&) { return Insert(db, 2); }).ok());
+  EXPECT_EQ(Rows(), (std::vector<int64_t>{2}));
+}
+
+}  // namespace
+}  // namespace enamel::server::sqlite
