@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <map>
 #include <memory>
+#include <regex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -72,6 +73,34 @@ class PgSchemaTest : public ::testing::Test {
 
   std::unique_ptr<sql::Db> pg_;
 };
+
+// Servers of the version before go on while the others are replaced (server/README.md, "A new version"): whatever
+// their statements name stays, and rows that they write need nothing that they do not know.
+TEST(PgMigrationsTest, NothingIsTakenAwayFromServersOfTheVersionBefore) {
+  const std::regex comment("--[^\n]*"), space("\\s+"), statement("([^;]+);");
+  const std::regex adds(
+      "(CREATE (UNLOGGED )?TABLE|CREATE INDEX|ALTER TABLE [a-z_]+ ADD COLUMN) .*");
+  const auto is_addition = [&](const std::string& sql) {
+    const bool needed = sql.starts_with("ALTER") && sql.find("NOT NULL") != std::string::npos &&
+                        sql.find("DEFAULT") == std::string::npos;
+    return !needed && std::regex_match(sql, adds);
+  };
+  EXPECT_FALSE(is_addition("ALTER TABLE a ADD COLUMN b BIGINT NOT NULL"));
+  EXPECT_FALSE(is_addition("ALTER TABLE a DROP COLUMN b"));
+  EXPECT_FALSE(is_addition("CREATE UNIQUE INDEX a ON b (c)"));
+  size_t statements = 0;
+  for (const sql::Migration& migration : PgMigrations()) {
+    if (migration.version <= 20) continue;  // before several servers
+    const std::string text = std::regex_replace(migration.sql, comment, "");
+    for (std::sregex_iterator at(text.begin(), text.end(), statement), end; at != end; ++at) {
+      std::string sql = std::regex_replace((*at)[1].str(), space, " ");
+      sql.erase(0, sql.find_first_not_of(' '));
+      EXPECT_TRUE(is_addition(sql)) << migration.name << ": " << sql;
+      ++statements;
+    }
+  }
+  EXPECT_GT(statements, 10u);
+}
 
 TEST_F(PgSchemaTest, HasTheTablesAndColumnsOfSqlite) {
   const test::TempFolder folder;

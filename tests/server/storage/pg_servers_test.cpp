@@ -465,6 +465,46 @@ TEST_F(PgServersTest, TimesAreTheDatabases) {
   FollowSystemClock();
 }
 
+// A rolling upgrade: the first server of the next version migrates while the others still run.
+TEST_F(PgServersTest, ServersGoOnWhenANewerVersionMigratesAndNoneOfTheOldVersionStarts) {
+  const TempFolder folder, other;
+  auto store = Open(folder, server_);
+  World world(*store);
+  (void)world.ScoredAttempt();  // every statement of an attempt is prepared
+  const Uuid attempt = world.OpenedAttempt();
+  auto chunks = world.Append(attempt, 1);
+  auto db = sqlite::OpenPgDatabase(server_, schema_, /*read_only=*/false, {});
+  ASSERT_TRUE(db.ok()) << db.status().message();
+  std::vector<sql::Migration> later = sqlite::PgMigrations();
+  const int next = later.back().version + 1;
+  // As the next version's may (server/README.md): it adds, and takes nothing away.
+  later.push_back({next, "later.sql",
+                   "ALTER TABLE attempts ADD COLUMN later BIGINT NOT NULL DEFAULT 0;"
+                   "ALTER TABLE people ADD COLUMN later TEXT;"
+                   "ALTER TABLE jobs ADD COLUMN later BYTEA;"
+                   "CREATE INDEX later ON attempts (tenant, later);"
+                   "CREATE TABLE laters (tenant BIGINT NOT NULL REFERENCES tenants (tenant))"});
+  ASSERT_TRUE((*db)->Migrate(later).ok());
+
+  chunks.push_back(world.Chunk(attempt, 1, chunks.back().hash));
+  Status status = store->AppendChunk(chunks.back());
+  EXPECT_TRUE(status.ok()) << status.message();
+  EXPECT_TRUE(store->SealAttempt(World::SealOf(chunks), 300).ok());
+  (void)world.ScoredAttempt();
+  (void)AddPerson(*store, "later", Role::kStudent);
+  EXPECT_EQ(Count("SELECT count(*) FROM attempts WHERE later = 0"), 3);
+
+  std::filesystem::copy_file(folder.path() / "ticket.key", other.path() / "ticket.key");
+  PostgresOptions options;
+  options.server = server_;
+  options.schema = schema_;
+  options.folder.folder = other.path();
+  status = OpenPostgresStore(options).status();
+  EXPECT_EQ(status.code(), Code::kVersion);
+  EXPECT_NE(status.message().find(std::to_string(next)), std::string::npos) << status.message();
+  EXPECT_NE(status.message().find("run the newer"), std::string::npos) << status.message();
+}
+
 TEST_F(PgServersTest, AServerThatIsKnownByAnotherThanTheOthersIsRefused) {
   const TempFolder folder, other, keys;
   const test::S3StandIn bucket;
