@@ -11,12 +11,13 @@ const port = Number(portText), proxy = Number(proxyText);
 const { ENAMEL_PG: pg, ENAMEL_WORK: work, ENAMEL_ROOT: root, ENAMEL_BIN: bin } = process.env;
 const short = size === "short";
 const sizes = short
-  ? { stations: 100, minutes: 0.2, faultStations: 40, faultMinutes: 0.75, faults: { server: 3, proxy: 1, blobs: 1, primary: 1 }, watchS: 5, attempts: 3, rounds: 1, workers: 2 }
-  : { stations: 1000, minutes: 2, faultStations: 200, faultMinutes: 10, faults: { server: 200, proxy: 20, blobs: 20, primary: 20 }, watchS: 30, attempts: 25, rounds: 8, workers: 4 };
+  ? { stations: 100, minutes: 0.2, faultStations: 40, faultMinutes: 0.75, faults: { server: 3, proxy: 1, blobs: 1, primary: 1 }, rollingStations: 40, rollingMinutes: 0.5, watchS: 5, attempts: 3, rounds: 1, workers: 2 }
+  : { stations: 1000, minutes: 2, faultStations: 200, faultMinutes: 10, faults: { server: 200, proxy: 20, blobs: 20, primary: 20 }, rollingStations: 200, rollingMinutes: 1, watchS: 30, attempts: 25, rounds: 8, workers: 4 };
 const goals = { commit_p99_ratio: 4, cpu_ratio: 3, recovery_p95_s: 5, moments_per_s: 50, watch_lag_p95_s: 1.5 };
 const run = promisify(execFile);
 const now = () => performance.now() / 1000;
 const say = (text) => console.log(text);
+const section = (text) => say(`${text} (after ${Math.round(now())} s)`);
 const facts = { format: 1, size, goals };
 let lostOrDoubled = 0;
 
@@ -102,7 +103,7 @@ async function serve(name, data, address, behind = []) {
   });
   return child;
 }
-const behindProxy = ["--http-behind-proxy", "127.0.0.1", "--stations-behind-proxy", "127.0.0.1", "--host-name", "enamel.test"];
+const behindProxy = ["--http-behind-proxy", "127.0.0.1", "--stations-behind-proxy", "127.0.0.1", "--host-name", "enamel.test", "--drain-seconds", "3"];
 const serveOne = (name) => serve(name, `${work}/${name}`, servers[name], behindProxy);
 async function startProxy() {
   // The file that is shipped, with a third server.
@@ -156,7 +157,7 @@ const partsOf = () => ({ servers: Object.keys(servers).map((name) => running.get
 const clusterPids = () => [...Object.keys(servers).map((name) => running.get(name).pid), running.get("haproxy").pid, postmaster("one"), postmaster("two"), ...swift()];
 
 // --- one server with SQLite, and what is scored there
-say("one server, SQLite");
+section("one server, SQLite");
 const folder = `${work}/sqlite`;
 await enamel("init", "--data", folder);
 await enamel("seed-demo", "--data", folder, "--voxel-um", "200", "--json", `${work}/seed`);
@@ -201,7 +202,7 @@ if (wants("load")) {
 await stop("sqlite");
 
 // --- the same school on three servers
-say("moved to three servers behind HAProxy, PostgreSQL with a synchronous standby, Swift");
+section("moved to three servers behind HAProxy, PostgreSQL with a synchronous standby, Swift");
 await enamel("move", "--data", folder, "--to", `${work}/one`, ...database);
 for (const name of ["two", "three"]) await enamel("init", "--data", `${work}/${name}`, ...database, "--identity", `${work}/one`);
 for (const name of Object.keys(servers)) await serveOne(name);
@@ -280,7 +281,7 @@ const faults = {
 };
 if (wants("faults")) {
   const list = Object.entries(sizes.faults).flatMap(([kind, count]) => Array.from({ length: count }, (_, i) => [kind, i]));
-  say(`faults while ${sizes.faultStations} stations stream: ${Object.entries(sizes.faults).map(([kind, count]) => `${count} of ${kind}`).join(", ")}`);
+  section(`faults while ${sizes.faultStations} stations stream: ${Object.entries(sizes.faults).map(([kind, count]) => `${count} of ${kind}`).join(", ")}`);
   const took = Object.fromEntries(Object.keys(sizes.faults).map((kind) => [kind, []]));
   let lost = 0, doubled = 0, stream, left = 0;
   const end = async () => { if (!stream) return; const found = await stream.facts; lost += found.ticks_lost; doubled += found.ticks_doubled; };
@@ -305,6 +306,29 @@ if (wants("faults")) {
   tell("ticks doubled", doubled, 0);
 }
 
+// --- a new version: every server stopped and started again, one after another, while stations stream
+if (wants("rolling")) {
+  section(`each server replaced in turn while ${sizes.rollingStations} stations stream`);
+  const stream = load("rolling", `${work}/one`, stationsAt, { stations: sizes.rollingStations, minutes: sizes.rollingMinutes }, []);
+  await stream.streams;
+  await until("all stations stream", async () => Number(await ask("SELECT count(*) FROM school.attempts WHERE state = 2 AND chunks > 0")) >= sizes.rollingStations);
+  const timesUp = (name) => readFileSync(`${work}/haproxy.log`, "utf8").split(`station_servers/${name} is UP`).length;
+  for (const name of Object.keys(servers)) {
+    const before = timesUp(name);
+    await stop(name);
+    await serveOne(name);
+    await until(`HAProxy sends to server ${name} again`, () => timesUp(name) > before);
+  }
+  const while_ms = await databaseMs();
+  await until("every station is taken", allSince(while_ms));
+  const found = await stream.facts;
+  facts.rolling = { stations: found.stations, refused_chunks: found.refused_chunks, reconnects: found.reconnects, ticks_lost: found.ticks_lost, ticks_doubled: found.ticks_doubled };
+  tell("chunks refused", found.refused_chunks, 0);
+  tell("ticks lost", found.ticks_lost, 0);
+  tell("ticks doubled", found.ticks_doubled, 0);
+  lostOrDoubled += found.refused_chunks;
+}
+
 // --- watching at a server that the station is not at
 function atServer(name, path, { method = "GET", headers = {}, body, each } = {}) {
   return new Promise((done, failed) => {
@@ -318,7 +342,7 @@ function atServer(name, path, { method = "GET", headers = {}, body, each } = {})
   });
 }
 if (wants("watch")) {
-  say("watching across servers");
+  section("watching across servers");
   // A failover may just have been.
   const signed = await until("signing in", async () => {
     const answer = await atServer("one", "/api/v1/session", { method: "POST", headers: { "Content-Type": "application/json", Origin: "https://enamel.test" }, body: JSON.stringify({ login: "admin", password }) });
@@ -363,7 +387,7 @@ if (wants("watch")) {
 // --- jobs, with workers that die
 if (wants("jobs")) {
   const jobs = sizes.attempts * sizes.rounds;
-  say(`${jobs} jobs, ${sizes.workers} workers, one killed every 2 s`);
+  section(`${jobs} jobs, ${sizes.workers} workers, one killed every 2 s`);
   const work1 = (i) => start(`worker-${i}`, `${bin}/enamel-server`, ["work", "--data", `${work}/one`, "--threads", "1"]);
   const list = [...scores.keys()].map((id) => `decode('${id.replaceAll("-", "")}', 'hex')`).join(", ");
   const runsOf = async () => Number(await ask(`SELECT count(*) FROM school.attempt_results WHERE attempt IN (${list})`));
@@ -397,4 +421,4 @@ facts.missed = missed;
 facts.lost_or_doubled = lostOrDoubled;
 if (jsonFile) writeFileSync(jsonFile, `${JSON.stringify(facts, null, 1)}\n`);
 say(missed.length === 0 ? "every goal is met" : `missed: ${missed.join("; ")}`);
-if (lostOrDoubled > 0) { console.error(`FAILED: lost, doubled or changed: ${lostOrDoubled}`); process.exit(1); }
+if (lostOrDoubled > 0) { console.error(`FAILED: lost, doubled, refused or changed: ${lostOrDoubled}`); process.exit(1); }

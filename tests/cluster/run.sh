@@ -2,12 +2,12 @@
 # What a cluster does and costs, beside one server with SQLite, in one run on this machine: three servers behind HAProxy,
 # PostgreSQL with a synchronous standby, Swift as the S3 store.
 #   tests/cluster/run.sh --short | --full [--json FILE] [--only PART[,PART…]]
-# Parts: load, faults, watch, jobs. --short takes four minutes, --full an hour or two. Prints every figure with its goal; a goal
-# that is missed is marked, and only what is lost or doubled fails. Exit: 0, 1, 2 wrong usage, 77 packages are missing.
+# Parts: load, faults, rolling, watch, jobs. --short takes four minutes, --full an hour or two. Prints every figure with its goal; a goal
+# that is missed is marked, and only what is lost, doubled or refused fails. Exit: 0, 1, 2 wrong usage, 77 packages are missing.
 . "$(dirname "$0")/../integration/support.sh"
 . "$root/tests/support/postgres_server.sh"
 usage() { sed -n '2,7s/^# \{0,1\}//p' "$0"; }
-size= json= only=load,faults,watch,jobs
+size= json= only=load,faults,rolling,watch,jobs
 while [ $# -gt 0 ]; do
   case $1 in
     --short | --full) size=${1#--} ;;
@@ -21,8 +21,8 @@ done
 [ -n "$size" ] || { usage >&2; exit 2; }
 for part in ${only//,/ }; do
   case $part in
-    load | faults | watch | jobs) ;;
-    *) echo "run.sh: expected load, faults, watch or jobs after --only, found \"$part\"" >&2; exit 2 ;;
+    load | faults | rolling | watch | jobs) ;;
+    *) echo "run.sh: expected load, faults, rolling, watch or jobs after --only, found \"$part\"" >&2; exit 2 ;;
   esac
 done
 for program in haproxy openssl node; do

@@ -28,6 +28,7 @@ void AddStreamFacts(const Arguments& a, LoadReport& r, boost::json::object& out)
   out["load_average"] = boost::json::array(r.load_average.begin(), r.load_average.end());
   out["seal_s"] = r.seal_s;
   out["reconnects"] = s.reconnects;
+  out["refused_chunks"] = s.refused;
 }
 
 void AddFaultFacts(const Arguments& a, const LoadReport& r, boost::json::object& out) {

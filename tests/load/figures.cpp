@@ -27,6 +27,7 @@ void StreamFigures::Add(StreamFigures&& other) {
   bytes_sent += other.bytes_sent;
   chunk_bytes += other.chunk_bytes;
   reconnects += other.reconnects;
+  refused += other.refused;
   repeats += other.repeats;
   disorders += other.disorders;
   cuts += other.cuts;

@@ -18,6 +18,7 @@ struct StreamFigures {
   uint64_t bytes_sent = 0;        // frames of chunks, repeats included
   uint64_t chunk_bytes = 0;       // chunks, each once
   uint64_t reconnects = 0, repeats = 0, disorders = 0, cuts = 0;
+  uint64_t refused = 0;  // chunks that a server answered with an error, out of turn apart
   uint64_t live_states = 0;
   std::vector<float> commit_ms;  // from a chunk's last byte sent to its commit received
   std::vector<float> late_ms;    // from the moment a chunk was due to its first byte sent

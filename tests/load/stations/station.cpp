@@ -244,6 +244,7 @@ void Station::TakeChunkReply(const wire::Reply& reply, double now) {
   }
   const wire::Error& error = reply.error();
   if (chunk.disordered && error.code() == "conflict" && error.field() == "seq") return;
+  ++figures_.refused;
   if (error.code() == "unavailable" || error.code() == "storage") return link_.Close();
   GiveUp("chunk " + std::to_string(chunk.seq) + ": " + error.code() + ": " + error.message());
 }
