@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <bit>
+#include <string>
 
+#include "common/base/check.h"
 #include "server/storage/sql/sql_names.h"
 #include "server/storage/sql/sqlite_impl.h"
 
