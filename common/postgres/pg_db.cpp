@@ -100,6 +100,7 @@ PgDb::~PgDb() {
 Status PgDb::Connect() {
   ++connection_;
   demoted_ = false;
+  set_up_ = false;
   failure_ = {};
   if (handle_ == nullptr) {
     // What stands before dbname is a default, which the server's own words replace; what stands
@@ -124,7 +125,9 @@ Status PgDb::Connect() {
     pq_.reset(handle_);
   }
   if (pq_.status(handle_) != CONNECTION_OK) return Fail(nullptr);
-  return SetUp();
+  ENAMEL_RETURN_IF_ERROR(SetUp());
+  set_up_ = true;
+  return Status::Ok();
 }
 
 Status PgDb::SetUp() {
@@ -138,12 +141,14 @@ Status PgDb::SetUp() {
   sql += options_.read_only ? "SET default_transaction_read_only = on; "
                             : "SET default_transaction_isolation = 'serializable'; ";
   if (!options_.schema.empty()) sql += "SET search_path = " + Quoted(options_.schema) + "; ";
-  ENAMEL_RETURN_IF_ERROR(Exec(sql.c_str()));
+  ENAMEL_RETURN_IF_ERROR(Run(sql.c_str()));
   if (options_.read_only) return Status::Ok();
   PGresult* const there =
       pq_.exec(handle_, "SELECT 1 WHERE to_regclass('enamel_commits') IS NOT NULL");
-  counts_ = pq_.result_status(there) == PGRES_TUPLES_OK && pq_.ntuples(there) == 1;
+  const Status looked = pq_.result_status(there) == PGRES_TUPLES_OK ? Status::Ok() : Fail(there);
+  counts_ = looked.ok() && pq_.ntuples(there) == 1;
   pq_.clear(there);
+  ENAMEL_RETURN_IF_ERROR(looked);
   // What a program that was killed has left is nobody's after a day. That another removes it at the same
   // moment is no failure.
   if (counts_) {
@@ -155,23 +160,23 @@ Status PgDb::SetUp() {
 
 // It goes with every BEGIN: planned once, and not for each commit.
 Status PgDb::PrepareCount() {
-  return Exec(
+  return Run(
       ("PREPARE enamel_count (bigint) AS INSERT INTO enamel_commits (writer, count) VALUES (" +
        writer_ + ", $1) ON CONFLICT (writer) DO UPDATE SET count = $1, at = now()")
           .c_str());
 }
 
+bool PgDb::IsThere() const { return pq_.status(handle_) == CONNECTION_OK && set_up_; }
+
 Status PgDb::BeThere() {
   failure_ = {};
-  const bool lost = pq_.status(handle_) != CONNECTION_OK;
-  if (!lost && !(demoted_ && !in_transaction_)) return Status::Ok();
+  if (IsThere() && !(demoted_ && !in_transaction_)) return Status::Ok();
   // Not in the middle of a transaction: its first half is gone.
   return in_transaction_ ? Fail(nullptr) : Connect();
 }
 
 bool PgDb::IsThereAgain() {
-  const bool lost = pq_.status(handle_) != CONNECTION_OK;
-  return options_.read_only && !in_transaction_ && lost && BeThere().ok();
+  return options_.read_only && !in_transaction_ && !IsThere() && BeThere().ok();
 }
 
 Status PgDb::Fail(const PGresult* result) {
@@ -201,7 +206,11 @@ Status PgDb::Told(const PgFailure& failure) const {
 }
 
 Status PgDb::Exec(const char* sql) {
-  ENAMEL_RETURN_IF_ERROR(opening_ ? Status::Ok() : BeThere());
+  ENAMEL_RETURN_IF_ERROR(BeThere());
+  return Run(sql);
+}
+
+Status PgDb::Run(const char* sql) {
   if (InjectedFailure()) return Status(Code::kStorage, "injected failure");
   PGresult* const result = pq_.exec(handle_, sql);
   const ExecStatusType status = pq_.result_status(result);
@@ -225,8 +234,7 @@ Status PgDb::Begin(Isolation isolation) {
   Status begun = Exec(sql.c_str());
   // Nothing is begun yet: on another connection, to another server perhaps. One that had ended since it was used last
   // is found out only now.
-  const bool lost = pq_.status(handle_) != CONNECTION_OK;
-  if (!begun.ok() && (demoted_ || lost)) begun = Exec(sql.c_str());
+  if (!begun.ok() && (demoted_ || !IsThere())) begun = Exec(sql.c_str());
   in_transaction_ = begun.ok();
   if (!begun.ok()) Rollback();
   return begun;

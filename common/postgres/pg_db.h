@@ -128,7 +128,11 @@ class PgDb final : public Db {
   Status Connect();
   Status SetUp();
   Status PrepareCount();
-  // Connects anew where the connection is lost and no transaction is open.
+  // On the connection as it is.
+  Status Run(const char* sql);
+  // Whether it can be asked: it is not lost, and all of SetUp was done on it.
+  bool IsThere() const;
+  // Connects anew where the connection is lost, or was not set up to the end, and no transaction is open.
   Status BeThere();
   // Whether a statement that has failed is to be asked once more, on a connection made anew: this one had ended since
   // it was used last, as after a failover, and nothing but that statement is lost with it.
@@ -147,6 +151,7 @@ class PgDb final : public Db {
   const PgDbOptions options_;
   pg_conn* handle_ = nullptr;
   bool opening_ = true;
+  bool set_up_ = false;   // this connection
   bool demoted_ = false;  // may write, and its server is read-only
   bool in_transaction_ =
       false;                  // from Begin to Commit or Rollback, also when the connection is lost

@@ -296,6 +296,36 @@ TEST_F(PgDbTest, ATransactionBeginsOnANewConnectionWhereTheOldOneHasEnded) {
   EXPECT_EQ(q.Int(0), 3);
 }
 
+// Settings are made and a statement is prepared on each new connection. Where one of these fails the connection stays,
+// and must not be taken for one that can be used.
+TEST_F(PgDbTest, AConnectionThatWasNotSetUpToTheEndIsMadeAnew) {
+  ASSERT_TRUE(db_->Migrate({{1, "table", "CREATE TABLE t (n bigint)"}}).ok());
+  int fails_at = -1;
+  PgDbOptions options = Options();
+  options.fail_next = [&] { return fails_at >= 0 && fails_at-- == 0; };
+  auto opened = PgDb::Open(std::move(options));
+  ASSERT_TRUE(opened.ok()) << opened.status().message();
+  PgDb& db = **opened;
+  int failed = 0;
+  for (int at = 0; at < 5; ++at) {
+    Cut(db);
+    // It finds out that the connection has ended, and makes another.
+    EXPECT_FALSE(db.Exec("SELECT 1").ok());
+    fails_at = at;
+    failed += db.Exec("SELECT 1").ok() ? 0 : 1;
+    fails_at = -1;
+    Transaction next(db);
+    ASSERT_TRUE(next.begun().ok())
+        << "failed at statement " << at << ": " << next.begun().message();
+    ASSERT_TRUE(db.Exec("INSERT INTO t VALUES (1)").ok());
+    ASSERT_TRUE(next.Commit().ok());
+  }
+  EXPECT_EQ(failed, 3) << "the settings, the statement that is prepared, and what was asked";
+  Query q(*db_, "SELECT count(*) FROM t");
+  ASSERT_TRUE(q.Next());
+  EXPECT_EQ(q.Int(0), 5);
+}
+
 TEST_F(PgDbTest, AReaderWhoseConnectionHasEndedAsksAgain) {
   ASSERT_TRUE(db_->Exec("CREATE TABLE t (n bigint); INSERT INTO t VALUES (5)").ok());
   auto reader = Open(/*read_only=*/true);
