@@ -273,8 +273,9 @@ const faults = {
     const ms = await databaseMs();
     await until("every station is taken again", allSince(ms));
     const took = now() - began;
-    await ask(`ALTER SYSTEM SET synchronous_standby_names = '${old}'`);
     await shell(`rm -f ${pg}/${old}.socket/.s.*; postgres_standby ${pg} ${next} ${old}`);
+    // Not before: the copy would name itself, and wait for itself once it has taken over.
+    await ask(`ALTER SYSTEM SET synchronous_standby_names = '${old}'`);
     await ask("SELECT pg_reload_conf()");
     return took;
   },
