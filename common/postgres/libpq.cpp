@@ -7,7 +7,7 @@
 namespace enamel::sql {
 namespace {
 
-// Of every 5.x since PostgreSQL 8.2; what is asked of it here is in all since 9.
+// Of every 5.x since PostgreSQL 8.2; what is asked of it here is in all since 14.
 constexpr char kLibrary[] = "libpq.so.5";
 
 Result<Libpq> Load() {
@@ -46,6 +46,12 @@ Result<Libpq> Load() {
   find(out.getvalue, "PQgetvalue");
   find(out.getlength, "PQgetlength");
   find(out.cmd_tuples, "PQcmdTuples");
+  find(out.enter_pipeline_mode, "PQenterPipelineMode");
+  find(out.exit_pipeline_mode, "PQexitPipelineMode");
+  find(out.pipeline_sync, "PQpipelineSync");
+  find(out.send_query_params, "PQsendQueryParams");
+  find(out.send_query_prepared, "PQsendQueryPrepared");
+  find(out.get_result, "PQgetResult");
   if (missing != nullptr) {
     return Status(Code::kUnavailable, std::string("PostgreSQL's library ") + kLibrary + " has no " +
                                           missing +

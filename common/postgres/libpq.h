@@ -30,6 +30,13 @@ struct Libpq {
   decltype(&PQgetvalue) getvalue;
   decltype(&PQgetlength) getlength;
   decltype(&PQcmdTuples) cmd_tuples;
+  // Several statements before the first answer (https://www.postgresql.org/docs/15/libpq-pipeline-mode.html).
+  decltype(&PQenterPipelineMode) enter_pipeline_mode;
+  decltype(&PQexitPipelineMode) exit_pipeline_mode;
+  decltype(&PQpipelineSync) pipeline_sync;
+  decltype(&PQsendQueryParams) send_query_params;
+  decltype(&PQsendQueryPrepared) send_query_prepared;
+  decltype(&PQgetResult) get_result;
 };
 
 // Once; the same for everybody. Errors: kUnavailable (not installed, or too old). Thread safety: any.

@@ -247,7 +247,79 @@ Status PgDb::Commit() {
     Rollback();
     return Status(Code::kStorage, "a statement of this transaction has failed; nothing is kept");
   }
-  Status done = Exec("COMMIT");
+  return Ended(Exec("COMMIT"));
+}
+
+Status PgDb::RunAndCommit(std::span<Change* const> changes, bool& ran) {
+  ran = true;
+  if (changes.empty()) return Commit();
+  ENAMEL_CHECK(in_transaction_);
+  ran = false;
+  std::vector<PgStatement::Call> calls;
+  for (Change* change : changes) {
+    change->rows = 0;
+    Query q(*this, change->sql);
+    change->bind(q);
+    ENAMEL_RETURN_IF_ERROR(q.status());
+    ENAMEL_ASSIGN_OR_RETURN(auto call, statements_.at(change->sql)->ToSendLater());
+    calls.push_back(std::move(call));
+  }
+  if (InjectedFailure()) return Status(Code::kStorage, "injected failure");
+  bool sent = pq_.enter_pipeline_mode(handle_) == 1;
+  for (const PgStatement::Call& call : calls) {
+    const PgArguments with(call.parameters);
+    sent = sent &&
+           pq_.send_query_prepared(handle_, call.name.c_str(), with.count(), with.values.data(),
+                                   with.lengths.data(), with.formats.data(), /*binary*/ 1) == 1;
+  }
+  // After one that fails the server leaves out all that follow, also this.
+  sent = sent &&
+         pq_.send_query_params(handle_, "COMMIT", 0, nullptr, nullptr, nullptr, nullptr, 1) == 1 &&
+         pq_.pipeline_sync(handle_) == 1;
+  Status failure = sent ? Status::Ok() : Fail(nullptr);
+  for (size_t i = 0; failure.ok() && i <= calls.size(); ++i) {
+    PGresult* const answer = pq_.get_result(handle_);
+    if (pq_.result_status(answer) != PGRES_COMMAND_OK) {
+      failure = Fail(answer);
+    } else if (i < calls.size()) {
+      changes[i]->rows = RowsOf(answer);
+    }
+    ran = i == calls.size();
+    pq_.clear(answer);
+    // An answer ends with a null.
+    PGresult* const end = failure.ok() ? pq_.get_result(handle_) : nullptr;
+    if (end != nullptr) failure = Fail(end);
+    pq_.clear(end);
+  }
+  LeavePipeline();
+  // What was sent may have been done to its end, whoever hears it.
+  ran = ran || failure_.kind == Kind::kNotThere;
+  if (!ran) return failure;
+  Status done = Ended(failure);
+  if (!failure.ok()) {
+    for (Change* change : changes) change->rows = 0;
+  }
+  return done;
+}
+
+void PgDb::LeavePipeline() {
+  // After the answers to each statement comes a null, and after all of them what tells that it was all.
+  bool at_end = false;
+  for (int nulls = 0; !at_end && nulls < 2;) {
+    PGresult* const answer = pq_.get_result(handle_);
+    at_end = answer != nullptr && pq_.result_status(answer) == PGRES_PIPELINE_SYNC;
+    nulls = answer == nullptr ? nulls + 1 : 0;
+    pq_.clear(answer);
+  }
+  set_up_ = pq_.exit_pipeline_mode(handle_) == 1;
+}
+
+int64_t PgDb::RowsOf(const pg_result* result) const {
+  const std::string rows = pq_.cmd_tuples(const_cast<pg_result*>(result));
+  return rows.empty() ? 0 : std::stoll(rows);
+}
+
+Status PgDb::Ended(Status done) {
   in_transaction_ = !done.ok();
   // Not lost but refused.
   if (done.ok() || failure_.kind != Kind::kNotThere) return done;

@@ -98,6 +98,7 @@ class PgDb final : public Db {
   int64_t Changes() const override { return changes_; }
   Status Begin(Isolation isolation) override;
   Status Commit() override;
+  Status RunAndCommit(std::span<Change* const> changes, bool& ran) override;
   void Rollback() override;
   bool must_repeat() const override { return must_repeat_; }
   const char* RowLock() const override { return " FOR UPDATE"; }
@@ -137,6 +138,11 @@ class PgDb final : public Db {
   // Whether a statement that has failed is to be asked once more, on a connection made anew: this one had ended since
   // it was used last, as after a failover, and nothing but that statement is lost with it.
   bool IsThereAgain();
+  // A COMMIT that was sent, and how it was answered.
+  Status Ended(Status done);
+  // Up to the end of what was sent; afterwards one statement at a time again.
+  void LeavePipeline();
+  int64_t RowsOf(const pg_result* result) const;  // that a statement changed
   // Whether the transaction that counted itself `number` was kept. Errors: kUnavailable (the server
   // does not answer within in_doubt).
   Result<bool> WasKept(uint64_t number);
@@ -151,7 +157,7 @@ class PgDb final : public Db {
   const PgDbOptions options_;
   pg_conn* handle_ = nullptr;
   bool opening_ = true;
-  bool set_up_ = false;   // this connection
+  bool set_up_ = false;   // this connection, and it can be used
   bool demoted_ = false;  // may write, and its server is read-only
   bool in_transaction_ =
       false;                  // from Begin to Commit or Rollback, also when the connection is lost

@@ -145,27 +145,34 @@ Status PgStatement::Prepare() {
   return done;
 }
 
-Status PgStatement::Execute() {
-  if (db_.InjectedFailure()) return Status(Code::kStorage, "injected failure");
-  ENAMEL_RETURN_IF_ERROR(Prepare());
-  std::vector<const char*> values;
-  std::vector<int> lengths, formats;
-  for (const Parameter& parameter : parameters_) {
+PgArguments::PgArguments(const std::vector<PgStatement::Parameter>& parameters) {
+  for (const PgStatement::Parameter& parameter : parameters) {
     values.push_back(parameter.null ? nullptr : parameter.bytes.data());
     lengths.push_back(static_cast<int>(parameter.bytes.size()));
     formats.push_back(1);
   }
-  result_ = db_.pq_.exec_prepared(db_.handle_, name_.c_str(), static_cast<int>(values.size()),
-                                  values.data(), lengths.data(), formats.data(), /*binary*/ 1);
+}
+
+Result<PgStatement::Call> PgStatement::ToSendLater() {
+  if (db_.InjectedFailure()) return Status(Code::kStorage, "injected failure");
+  ENAMEL_RETURN_IF_ERROR(Prepare());
+  return Call{name_, std::move(parameters_)};
+}
+
+Status PgStatement::Execute() {
+  if (db_.InjectedFailure()) return Status(Code::kStorage, "injected failure");
+  ENAMEL_RETURN_IF_ERROR(Prepare());
+  const PgArguments with(parameters_);
+  result_ = db_.pq_.exec_prepared(db_.handle_, name_.c_str(), with.count(), with.values.data(),
+                                  with.lengths.data(), with.formats.data(), /*binary*/ 1);
   const ExecStatusType status = db_.pq_.result_status(result_);
   if (status != PGRES_TUPLES_OK && status != PGRES_COMMAND_OK) {
     Status failed = db_.Fail(result_);
     Forget();
     return failed;
   }
-  const std::string changed = db_.pq_.cmd_tuples(result_);
   // Of a SELECT it is the number of its rows, which are no changes.
-  if (status == PGRES_COMMAND_OK) db_.changes_ = changed.empty() ? 0 : std::stoll(changed);
+  if (status == PGRES_COMMAND_OK) db_.changes_ = db_.RowsOf(result_);
   return Status::Ok();
 }
 

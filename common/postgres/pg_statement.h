@@ -46,12 +46,19 @@ class PgStatement final : public Statement {
   // Its name on the server, in the connection that there is; empty: none.
   std::string name() const;
 
- private:
   struct Parameter {
     Oid type = 0;
     bool null = true;
     std::string bytes{};
   };
+  // Prepared on the server, with what it was bound to, to be sent later. It can be bound again meanwhile.
+  struct Call {
+    std::string name;
+    std::vector<Parameter> parameters;
+  };
+  Result<Call> ToSendLater();
+
+ private:
   bool Bind(int place, Oid type, std::string bytes);
   Status Prepare();
   Status Execute();
@@ -69,6 +76,15 @@ class PgStatement final : public Statement {
   Status failure_;
   int users_ = 0;
   uint64_t last_use_ = 0;
+};
+
+// Parameters as libpq takes them; what they point to is the parameters'.
+struct PgArguments {
+  explicit PgArguments(const std::vector<PgStatement::Parameter>& parameters);
+  int count() const { return static_cast<int>(values.size()); }
+
+  std::vector<const char*> values;
+  std::vector<int> lengths, formats;
 };
 
 }  // namespace enamel::sql

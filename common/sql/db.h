@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -52,6 +53,20 @@ class Statement {
   virtual void GiveBack() = 0;
 };
 
+class Db;
+class Query;
+
+// A statement that writes, in a transaction that decides nothing by its answer.
+struct Change {
+  std::string sql;
+  std::function<void(Query&)> bind;
+  // How many rows it changed, once the transaction is kept. 0 also where nobody heard: the connection broke, and it
+  // was found out later that the transaction was kept.
+  int64_t rows = 0;
+
+  Status Run(Db& db);
+};
+
 // One step to a version of a schema, from the one before it in a list, or from nothing.
 struct Migration {
   int version;       // the number that its name begins with
@@ -98,6 +113,9 @@ class Db {
   // Ok: it is kept. Any failure: nothing of it is, but for kUnavailable with the field "in_doubt",
   // when the connection broke at this moment and the engine could not be asked in time.
   virtual Status Commit() = 0;
+  // The changes in this order, then Commit. `ran`: all of them were done, and a failure is Commit's; else nothing is
+  // committed, and the transaction is to be rolled back. A server is sent all of it before its first answer.
+  virtual Status RunAndCommit(std::span<Change* const> changes, bool& ran);
   // Nothing to do where none is open.
   virtual void Rollback() = 0;
 

@@ -62,6 +62,15 @@ class PgDbTest : public ::testing::Test {
     ASSERT_TRUE(q.BindInt(pid).Next()) << q.status().message();
   }
 
+  static Change Insert(int64_t n) {
+    return {"INSERT INTO t SELECT ?1", [n](Query& q) { q.BindInt(n); }};
+  }
+  static Status Commit(PgDb& db, const std::vector<Change*>& changes, bool& ran) {
+    Status kept = db.RunAndCommit(changes, ran);
+    if (!kept.ok()) db.Rollback();
+    return kept;
+  }
+
   std::string server_, schema_;
   std::unique_ptr<PgDb> db_;
 };
@@ -387,22 +396,33 @@ TEST_F(PgDbTest, ATransactionThatLosesItsConnectionAnywhereIsKeptOnceOrToBeRepea
   auto db = PgDb::Open(std::move(options));
   ASSERT_TRUE(db.ok()) << db.status().message();
   // With kRowLocks a COMMIT that comes late finds nothing that has changed since, and is kept.
-  auto once = [&](int64_t n) {
+  // Every third sends its statements before the first answer.
+  auto once = [&](int64_t n) -> Status {
     Transaction transaction(**db, n % 2 == 0 ? Isolation::kSerial : Isolation::kRowLocks);
     ENAMEL_RETURN_IF_ERROR(transaction.begun());
+    if (n % 3 == 0) {
+      Change insert = Insert(n), none = Insert(n);
+      none.sql += " WHERE false";
+      bool ran = false;
+      Status kept = Commit(**db, {&none, &insert}, ran);
+      EXPECT_LE(insert.rows, kept.ok() ? 1 : 0);
+      return kept;
+    }
     Query q(**db, "INSERT INTO t VALUES (?1)");
     ENAMEL_RETURN_IF_ERROR(q.BindInt(n).Run());
     return transaction.Commit();
   };
   ASSERT_TRUE(once(-1).ok());
+  constexpr int kWays = 6;
   int64_t done = 0;
   for (const auto cut : {test::PostgresProxy::Cut::kBefore, test::PostgresProxy::Cut::kAfter,
                          test::PostgresProxy::Cut::kAnswer, test::PostgresProxy::Cut::kLate}) {
     bool met = true;
-    // Each place twice, for either isolation.
-    for (int place = 0; met || place % 2 != 0; ++place) {
-      ASSERT_LT(place, 200);
-      proxy.CutAt(place / 2, cut);
+    // Each place six times: for either isolation, and sent together or not.
+    for (int place = 0; met || place % kWays != 0; ++place) {
+      ASSERT_LT(place, 600);
+      if (place % kWays == 0) met = false;
+      proxy.CutAt(place / kWays, cut);
       Status kept = once(done);
       for (int tries = 1; !kept.ok() && tries < 3; ++tries) {
         // A connection that breaks at BEGIN has begun nothing.
@@ -411,14 +431,86 @@ TEST_F(PgDbTest, ATransactionThatLosesItsConnectionAnywhereIsKeptOnceOrToBeRepea
       }
       EXPECT_TRUE(kept.ok()) << kept.message();
       ++done;
-      met = proxy.Disarm();
+      met = proxy.Disarm() || met;
     }
   }
-  EXPECT_GT(done, 15);
+  EXPECT_GT(done, 150);
   Query q(*db_, "SELECT count(*), count(DISTINCT n) FROM t WHERE n >= 0");
   ASSERT_TRUE(q.Next());
   EXPECT_EQ(q.Int(0), done) << "doubled or lost";
   EXPECT_EQ(q.Int(1), done);
+}
+
+TEST_F(PgDbTest, StatementsThatAreSentTogetherTellWhatEachHasChanged) {
+  ASSERT_TRUE(db_->Exec("CREATE TABLE t (n bigint UNIQUE CHECK (n < 100))").ok());
+  std::vector<Change> changes;
+  for (int64_t n = 0; n < 50; ++n) changes.push_back(Insert(n));
+  // They see each other, in their order; and are prepared as two.
+  changes.push_back({"UPDATE t SET n = n + 50 WHERE n < ?1", [](Query& q) { q.BindInt(20); }});
+  changes.push_back({"UPDATE t SET n = n + 50 WHERE n < ?1", [](Query& q) { q.BindInt(30); }});
+  std::vector<Change*> all;
+  for (Change& change : changes) all.push_back(&change);
+  bool ran = false;
+  ASSERT_TRUE(db_->Begin(Isolation::kRowLocks).ok());
+  ASSERT_TRUE(Commit(*db_, all, ran).ok());
+  EXPECT_TRUE(ran);
+  for (size_t i = 0; i < 50; ++i) EXPECT_EQ(changes[i].rows, 1);
+  EXPECT_EQ(changes[50].rows, 20);
+  EXPECT_EQ(changes[51].rows, 10);
+  EXPECT_EQ(db_->kept_statements(), 2u);
+}
+
+TEST_F(PgDbTest, OfStatementsThatAreSentTogetherOneThatFailsTakesBackAll) {
+  ASSERT_TRUE(db_->Migrate({{1, "a", "CREATE TABLE t (n bigint UNIQUE CHECK (n < 100))"}}).ok());
+  for (const int64_t bad : {1, 500}) {  // there already; refused
+    for (size_t place = 0; place < 3; ++place) {
+      std::vector<Change> changes{Insert(1), Insert(2), Insert(3)};
+      changes.insert(changes.begin() + static_cast<std::ptrdiff_t>(place) + (bad == 1 ? 1 : 0),
+                     Insert(bad));
+      std::vector<Change*> all;
+      for (Change& change : changes) all.push_back(&change);
+      bool ran = true;
+      ASSERT_TRUE(db_->Begin(Isolation::kRowLocks).ok());
+      EXPECT_EQ(Commit(*db_, all, ran).code(), Code::kConflict);
+      EXPECT_FALSE(ran);
+      EXPECT_FALSE(db_->must_repeat());
+      EXPECT_EQ(db_->failure().kind, bad == 1 ? Kind::kTaken : Kind::kConstraint);
+      // The connection is as before.
+      Query q(*db_, "SELECT count(*) FROM t");
+      ASSERT_TRUE(q.Next()) << q.status().message();
+      EXPECT_EQ(q.Int(0), 0);
+    }
+  }
+  // And so after one that cannot be bound.
+  Change text{"INSERT INTO t SELECT ?1::bigint",
+              [](Query& q) { q.BindText(std::string_view("\0", 1)); }};
+  bool ran = true;
+  ASSERT_TRUE(db_->Begin(Isolation::kRowLocks).ok());
+  EXPECT_EQ(Commit(*db_, {&text}, ran).code(), Code::kInvalidInput);
+  EXPECT_FALSE(ran);
+  ASSERT_TRUE(db_->Begin(Isolation::kRowLocks).ok());
+  Change good = Insert(7);
+  EXPECT_TRUE(Commit(*db_, {&good}, ran).ok());
+  EXPECT_EQ(good.rows, 1);
+}
+
+// As a deadlock ends: told to begin anew, not that one of them is wrong.
+TEST_F(PgDbTest, StatementsThatAreSentTogetherAndMeetOthersAreToBeRepeated) {
+  ASSERT_TRUE(db_->Exec("CREATE TABLE t (n bigint); INSERT INTO t VALUES (1)").ok());
+  auto other = Open();
+  ASSERT_TRUE(db_->Begin(Isolation::kSerial).ok());
+  {
+    Query q(*db_, "SELECT n FROM t");
+    ASSERT_TRUE(q.Next());
+  }
+  ASSERT_TRUE(other->Exec("UPDATE t SET n = 2").ok());
+  Change change{"UPDATE t SET n = ?1", [](Query& q) { q.BindInt(3); }};
+  bool ran = true;
+  EXPECT_EQ(Commit(*db_, {&change}, ran).code(), Code::kUnavailable);
+  EXPECT_TRUE(db_->must_repeat());
+  ASSERT_TRUE(db_->Begin(Isolation::kSerial).ok());
+  EXPECT_TRUE(Commit(*db_, {&change}, ran).ok());
+  EXPECT_EQ(change.rows, 1);
 }
 
 // Nobody can say whether it was kept: who repeats it may do it twice, so nobody is told to.
