@@ -19,12 +19,17 @@ Writer::~Writer() {
 }
 
 Status Writer::Run(const Work& work, sql::Isolation isolation) {
-  Pending mine{&work, nullptr, isolation};
+  Pending mine{.work = &work, .isolation = isolation};
   return Queue(mine);
 }
 
 Status Writer::RunAlone(const std::function<Status(Db& db)>& work) {
-  Pending mine{nullptr, &work};
+  Pending mine{.alone = &work};
+  return Queue(mine);
+}
+
+Status Writer::Run(sql::Change& change) {
+  Pending mine{.change = &change, .isolation = sql::Isolation::kRowLocks};
   return Queue(mine);
 }
 
@@ -142,9 +147,15 @@ Status Writer::TransactOnce(const std::vector<Pending*>& batch) {
 
 Status Writer::TransactTogether(const std::vector<Pending*>& batch, bool& has_failed) {
   Status failure = db_->Begin(batch.front()->isolation);
+  std::vector<sql::Change*> changes;
   for (size_t i = 0; failure.ok() && i < batch.size(); ++i) {
     bool keep_anyway = false;
     Status& outcome = batch[i]->status;
+    outcome = Status::Ok();
+    if (batch[i]->change != nullptr) {
+      changes.push_back(batch[i]->change);
+      continue;
+    }
     outcome = (*batch[i]->work)(*db_, keep_anyway);
     failure = Met();
     if (!failure.ok() || outcome.ok() || keep_anyway) continue;
@@ -152,15 +163,21 @@ Status Writer::TransactTogether(const std::vector<Pending*>& batch, bool& has_fa
     has_failed = true;
     return Status::Ok();
   }
-  if (failure.ok()) failure = db_->Commit();
-  if (!failure.ok()) db_->Rollback();
-  return failure;
+  bool ran = true;
+  if (failure.ok()) failure = db_->RunAndCommit(changes, ran);
+  if (failure.ok()) return failure;
+  db_->Rollback();
+  if (ran || db_->must_repeat()) return failure;
+  // Which of them does not matter where there are several: they are all run again, each by itself.
+  has_failed = true;
+  batch.front()->status = failure;
+  return Status::Ok();
 }
 
 Status Writer::TransactApart(const std::vector<Pending*>& batch) {
   Status failure = db_->Begin(batch.front()->isolation);
   for (size_t i = 0; failure.ok() && i < batch.size(); ++i) {
-    failure = RunApart(*batch[i]->work, batch[i]->status);
+    failure = RunApart(*batch[i]);
     if (failure.ok()) failure = Met();
   }
   if (failure.ok()) failure = db_->Commit();
@@ -200,18 +217,22 @@ bool Writer::damaged() const {
   return damaged_;
 }
 
-Status Writer::RunApart(const Work& work, Status& outcome) {
+Status Writer::RunIn(const Pending& pending, bool& keep_anyway) {
+  return pending.change != nullptr ? pending.change->Run(*db_) : (*pending.work)(*db_, keep_anyway);
+}
+
+Status Writer::RunApart(Pending& pending) {
   ENAMEL_RETURN_IF_ERROR(db_->Exec("SAVEPOINT one"));
   // For tests: what a work leaves in its captured variables by a first run must not show in its
   // second (a database that serves many may end and repeat transactions).
   if (twice_) {
     bool ignored = false;
-    (void)work(*db_, ignored);
+    (void)RunIn(pending, ignored);
     ENAMEL_RETURN_IF_ERROR(db_->Exec("ROLLBACK TO one"));
   }
   bool keep_anyway = false;
-  outcome = work(*db_, keep_anyway);
-  if (!outcome.ok() && !keep_anyway) ENAMEL_RETURN_IF_ERROR(db_->Exec("ROLLBACK TO one"));
+  pending.status = RunIn(pending, keep_anyway);
+  if (!pending.status.ok() && !keep_anyway) ENAMEL_RETURN_IF_ERROR(db_->Exec("ROLLBACK TO one"));
   return db_->Exec("RELEASE one");
 }
 

@@ -35,6 +35,8 @@ class Writer {
   // those run in transactions of their own, so that one that has to be repeated never repeats them.
   using Work = std::function<Status(Db& db, bool& keep_anyway)>;
   Status Run(const Work& work, sql::Isolation isolation = sql::Isolation::kSerial);
+  // One statement, kRowLocks. With a server all of a batch are sent before the first answer.
+  Status Run(sql::Change& change);
   // Runs `work` on the thread and outside any transaction, for what engines refuse inside one
   // (VACUUM); what is queued after it waits.
   Status RunAlone(const std::function<Status(Db& db)>& work);
@@ -56,6 +58,7 @@ class Writer {
   // database busy tells nothing.
   Status last_failure() const;
   // As the connection's.
+  bool GoesOnWithChanges() const { return db_->GoesOnWithChanges(); }
   bool waits() const { return db_->waits(); }
   void StopWaiting() { db_->StopWaiting(); }
 
@@ -71,8 +74,10 @@ class Writer {
   static constexpr int kTries = 10;
   static constexpr std::chrono::microseconds kFirstPause{2000}, kLongestPause{100'000};
   struct Pending {
-    const Work* work;
-    const std::function<Status(Db& db)>* alone = nullptr;  // instead of `work`
+    // One of the three.
+    const Work* work = nullptr;
+    sql::Change* change = nullptr;
+    const std::function<Status(Db& db)>* alone = nullptr;
     sql::Isolation isolation = sql::Isolation::kSerial;
     Status status{};
     bool done = false;
@@ -89,7 +94,8 @@ class Writer {
   // Ok: it is kept, or what it refused has changed nothing.
   Status TransactTogether(const std::vector<Pending*>& batch, bool& has_failed);
   Status TransactApart(const std::vector<Pending*>& batch);
-  Status RunApart(const Work& work, Status& outcome);
+  Status RunApart(Pending& pending);
+  Status RunIn(const Pending& pending, bool& keep_anyway);
   Status Met() const;
 
   std::unique_ptr<Db> db_;  // the thread's

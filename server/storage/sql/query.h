@@ -37,8 +37,9 @@ class Query : public sql::Query {
   }
   Query& BindNull(sql::Type type) { return Mine(sql::Query::BindNull(type)); }
 
- private:
   static constexpr int64_t kTenant = 1;
+
+ private:
   Query& Mine(const sql::Query&) { return *this; }
 };
 

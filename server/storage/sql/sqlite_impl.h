@@ -301,6 +301,7 @@ class SqliteStore final : public Store {
     int64_t generation = 0;
   };
   Result<bool> AppendWith(const KeyForChunk& key, const ChunkPut& chunk);
+  void CountChunk(const ChunkPut& chunk);
   // The key under which things of this attempt are kept. Errors: kNotFound, kConflict (erased).
   struct PersonKey {
     Uuid person;

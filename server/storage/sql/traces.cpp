@@ -16,6 +16,9 @@ constexpr int kMaxEvidence = 16;
 // time: 2 s and 1 %.
 constexpr int64_t kClockSlackMs = 2000, kClockPercent = 101;
 
+constexpr char kInsertChunk[] =
+    "INSERT INTO trace_chunks (tenant, attempt, seq, hash, bytes, received_ms) ";
+
 // The part of an attempt's row that ingest works on.
 struct Ingest {
   AttemptState state = AttemptState::kTicketed;
@@ -178,14 +181,15 @@ Status MustContinue(const Ingest& ingest, const trace::ChunkHead& head) {
   return Status::Ok();
 }
 
-// The chunk that an attempt goes on with; false: it does not. What it has to fit (MustContinue says it in words) is
-// asked in the statement that counts it; where the engine can, the same statement inserts it: with a server every
-// statement is a message, which costs more than the rows. Encrypted before (AppendChunk), outside the writer's thread,
-// which all wait for. The counts go with the chunk, so that no look at an attempt reads its chunks. `generation`: what
-// the person's key has to be of, 0: of any (Keyring::Remember).
-Result<bool> TryAppend(Db& db, const Store::ChunkPut& chunk, ByteView sealed, int64_t generation) {
-  const bool in_one = db.GoesOnWithChanges();
-  std::string sql =
+// Counts the chunk that an attempt goes on with; changes nothing where it does not. What it has to fit (MustContinue says
+// it in words) is asked in the statement; `in_one`: so is the chunk inserted: with a server every statement is a
+// message, which costs more than the rows. The counts go with the chunk, so that no look at an attempt reads its chunks.
+// `generation`: what the person's key has to be of, 0: of any (Keyring::Remember). `chunk` and `sealed` stay where they
+// are until it has run.
+sql::Change NextChunk(const Store::ChunkPut& chunk, ByteView sealed, int64_t generation,
+                      bool in_one) {
+  sql::Change next;
+  next.sql =
       "UPDATE attempts SET head_hash = ?3, head_state_hash = ?4, chunks = chunks + 1, "
       "ticks = ticks + ?5, gap_ticks = gap_ticks + ?6, trace_bytes = trace_bytes + ?7, "
       "last_chunk_ms = ?8, flags = flags | "
@@ -198,28 +202,36 @@ Result<bool> TryAppend(Db& db, const Store::ChunkPut& chunk, ByteView sealed, in
       " ELSE 0 END WHERE tenant = ?1 AND id = ?2 AND state = " + Sql(AttemptState::kRecording) +
       " AND header IS NOT NULL AND chunks = ?11 AND ticks = ?12 AND head_hash = ?13";
   if (generation != 0) {
-    sql +=
+    next.sql +=
         " AND EXISTS (SELECT 1 FROM person_keys k WHERE k.tenant = ?1 AND k.person = "
         "attempts.person AND k.generation = ?14)";
   }
-  const std::string insert =
-      "INSERT INTO trace_chunks (tenant, attempt, seq, hash, bytes, received_ms) ";
   if (in_one) {
-    sql = "WITH counted AS (" + sql + " RETURNING tenant, id) " + insert +
-          "SELECT tenant, id, ?11, ?3, " + (generation != 0 ? "?15" : "?14") + ", ?8 FROM counted";
+    next.sql = "WITH counted AS (" + next.sql + " RETURNING tenant, id) " + kInsertChunk +
+               "SELECT tenant, id, ?11, ?3, " + (generation != 0 ? "?15" : "?14") +
+               ", ?8 FROM counted";
   }
-  Query q(db, sql);
-  q.Bind(chunk.attempt).Bind(chunk.hash).Bind(std::bit_cast<int64_t>(chunk.head.state_hash));
-  q.Bind(int64_t{chunk.head.count}).Bind(int64_t{chunk.head.gap_ticks});
-  q.Bind(static_cast<int64_t>(chunk.bytes.size())).Bind(chunk.received_ms);
-  q.Bind(kClockPercent).Bind(kClockSlackMs).Bind(int64_t{chunk.head.seq});
-  q.Bind(static_cast<int64_t>(chunk.head.first_tick)).Bind(chunk.head.previous);
-  if (generation != 0) q.Bind(generation);
-  if (in_one) q.Bind(sealed);
-  ENAMEL_RETURN_IF_ERROR(q.Run());
-  if (db.Changes() == 0) return false;
-  if (in_one) return true;
-  Query row(db, insert + "VALUES (?1, ?2, ?3, ?4, ?5, ?6)");
+  next.bind = [&chunk, sealed, generation, in_one](sql::Query& q) {
+    q.BindInt(Query::kTenant).BindBlob(chunk.attempt.view()).BindBlob(chunk.hash.view());
+    q.BindInt(std::bit_cast<int64_t>(chunk.head.state_hash)).BindInt(chunk.head.count);
+    q.BindInt(chunk.head.gap_ticks).BindInt(static_cast<int64_t>(chunk.bytes.size()));
+    q.BindInt(chunk.received_ms).BindInt(kClockPercent).BindInt(kClockSlackMs);
+    q.BindInt(chunk.head.seq).BindInt(static_cast<int64_t>(chunk.head.first_tick));
+    q.BindBlob(chunk.head.previous.view());
+    if (generation != 0) q.BindInt(generation);
+    if (in_one) q.BindBlob(sealed);
+  };
+  return next;
+}
+
+// False: the attempt does not go on with it. Encrypted before (AppendWith), outside the writer's thread, which all wait
+// for.
+Result<bool> TryAppend(Db& db, const Store::ChunkPut& chunk, ByteView sealed, int64_t generation) {
+  const bool in_one = db.GoesOnWithChanges();
+  sql::Change next = NextChunk(chunk, sealed, generation, in_one);
+  ENAMEL_RETURN_IF_ERROR(next.Run(db));
+  if (next.rows == 0 || in_one) return next.rows > 0;
+  Query row(db, std::string(kInsertChunk) + "VALUES (?1, ?2, ?3, ?4, ?5, ?6)");
   row.Bind(chunk.attempt).Bind(int64_t{chunk.head.seq}).Bind(chunk.hash).Bind(sealed);
   ENAMEL_RETURN_IF_ERROR(row.Bind(chunk.received_ms).Run());
   return true;
@@ -370,6 +382,13 @@ Status SqliteStore::AppendChunk(const ChunkPut& chunk) {
 
 Result<bool> SqliteStore::AppendWith(const KeyForChunk& key, const ChunkPut& chunk) {
   const Bytes sealed = SealPersonal(key.person, key.key, chunk.attempt, chunk.bytes);
+  if (writer_.GoesOnWithChanges()) {
+    // It is sent together with others' where it needs no answer before the commit: almost always.
+    sql::Change next = NextChunk(chunk, sealed, key.generation, /*in_one*/ true);
+    ENAMEL_RETURN_IF_ERROR(writer_.Run(next));
+    if (next.rows > 0) CountChunk(chunk);
+    if (next.rows > 0 || key.generation != 0) return next.rows > 0;
+  }
   bool sealed_before = false, fresh = false;
   Status status = WriteRow(Writer::Work([&](Db& db, bool& keep_anyway) -> Status {
     // A work may run twice (writer.h).
@@ -407,12 +426,14 @@ Result<bool> SqliteStore::AppendWith(const KeyForChunk& key, const ChunkPut& chu
     return Status::Ok();
   }));
   ENAMEL_RETURN_IF_ERROR(status);
-  if (fresh) {
-    ++chunks_;
-    chunk_bytes_ += chunk.bytes.size();
-  }
+  if (fresh) CountChunk(chunk);
   if (sealed_before) ENAMEL_RETURN_IF_ERROR(RepeatedAfterSeal(chunk));
   return fresh || key.generation == 0;
+}
+
+void SqliteStore::CountChunk(const ChunkPut& chunk) {
+  ++chunks_;
+  chunk_bytes_ += chunk.bytes.size();
 }
 
 // Outside the transaction that ends the attempt: after a crash in between, the blob is written

@@ -43,7 +43,8 @@ class WriterTest : public ::testing::Test {
     return out;
   }
   // All of them wait for the thread at the same moment, in this order.
-  std::vector<Status> RunTogether(const std::vector<Writer::Work>& works) {
+  std::vector<Status> RunTogether(const std::vector<Writer::Work>& works,
+                                  const std::vector<sql::Change*>& changes = {}) {
     std::binary_semaphore begun(0), go_on(0);
     std::jthread first([&] {
       EXPECT_TRUE(writer_
@@ -55,10 +56,15 @@ class WriterTest : public ::testing::Test {
                       .ok());
     });
     begun.acquire();
-    std::vector<Status> out(works.size());
+    std::vector<Status> out(works.size() + changes.size());
     std::vector<std::jthread> callers;
-    for (size_t i = 0; i < works.size(); ++i) {
-      callers.emplace_back([&, i] { out[i] = writer_->Run(works[i]); });
+    for (size_t i = 0; i < out.size(); ++i) {
+      callers.emplace_back([&, i] {
+        out[i] = i < works.size()
+                     ? writer_->Run(works[i], changes.empty() ? sql::Isolation::kSerial
+                                                              : sql::Isolation::kRowLocks)
+                     : writer_->Run(*changes[i - works.size()]);
+      });
       while (writer_->queued() <= i) std::this_thread::yield();
     }
     go_on.release();
@@ -106,6 +112,30 @@ TEST_F(WriterTest, AWorkThatFailsIsTakenBackAloneAndOneThatKeepsItsRefusalIsNot)
   EXPECT_FALSE(out[3].ok());
   EXPECT_TRUE(out[4].ok());
   EXPECT_EQ(Rows(), (std::vector<int64_t>{1, 3, 4}));
+}
+
+// Statements alone go last in a batch, and as the works do where one of them fails.
+TEST_F(WriterTest, StatementsAndWorksShareACommitAndFailAlone) {
+  const auto insert = [](int64_t n) {
+    return sql::Change{"INSERT INTO t VALUES (?1)", [n](sql::Query& q) { q.BindInt(n); }};
+  };
+  for (const bool one_fails : {false, true}) {
+    const int64_t from = one_fails ? 10 : 0;
+    sql::Change first = insert(from + 1), second = insert(one_fails ? 1 : 2);
+    const auto before = writer_->counters();
+    const auto out =
+        RunTogether({[&](Db& db, bool&) { return Insert(db, from + 3); }}, {&first, &second});
+    EXPECT_TRUE(out[0].ok());
+    EXPECT_TRUE(out[1].ok());
+    EXPECT_EQ(first.rows, 1);
+    EXPECT_EQ(out[2].ok(), !one_fails);
+    EXPECT_EQ(second.rows, one_fails ? 0 : 1);
+    EXPECT_GT(writer_->counters().commits, before.commits);
+  }
+  EXPECT_EQ(Rows(), (std::vector<int64_t>{1, 2, 3, 11, 13}));
+  sql::Change alone = insert(11);
+  EXPECT_FALSE(writer_->Run(alone).ok()) << "it is there already";
+  EXPECT_EQ(alone.rows, 0);
 }
 
 TEST_F(WriterTest, AWorkThatFailsByItselfLeavesNothing) {
