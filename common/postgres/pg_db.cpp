@@ -447,10 +447,12 @@ Result<Standby> PgDb::StandbyOf() {
   // Who may not see the details sees that there is a row, without them.
   Query q(*this,
           "SELECT count(*), count(sync_state), count(*) FILTER (WHERE sync_state IN ('sync', "
-          "'quorum')) FROM pg_stat_replication");
+          "'quorum')), current_setting('synchronous_standby_names') <> '' FROM "
+          "pg_stat_replication");
   if (!q.Next()) return q.status();
   if (q.Int(2) > 0) return Standby::kSynchronous;
   if (q.Int(1) < q.Int(0)) return Standby::kUnknown;
+  if (q.Int(3) != 0) return Standby::kMissing;
   return q.Int(0) > 0 ? Standby::kBehind : Standby::kNone;
 }
 

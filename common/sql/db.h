@@ -90,6 +90,7 @@ enum class Standby {
   kNotKept,      // the engine has none: a file
   kNone,         // a server without a standby
   kBehind,       // a standby follows, and may lack what was committed last
+  kMissing,      // a commit waits for a standby, and there is none that it could wait for
   kSynchronous,  // a commit waits until a standby has it
   kUnknown,      // not told to this user
 };

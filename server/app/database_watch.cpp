@@ -21,17 +21,20 @@ void DatabaseWatch::Tell(const StoreHealth& health) {
   if (clock_right_ && !right) spdlog::error("{}", health.clock_problem);
   if (!clock_right_ && right) spdlog::info("this machine's clock is right again");
   clock_right_ = right;
-  const bool synchronous = health.standby == Standby::kSynchronous;
-  if (synchronous && !synchronous_) {
+  if (health.standby == standby_) return;
+  if (health.standby == Standby::kSynchronous) {
     spdlog::info("what is committed is on a standby of the database server too");
-  }
-  if (!synchronous && synchronous_) {
+  } else if (health.standby == Standby::kMissing) {
+    spdlog::error(
+        "every change waits: the database server keeps none until a synchronous standby has it, "
+        "and none is there. See that the standbys that synchronous_standby_names names run and "
+        "reach it; or take the setting back, and what was committed last is lost if its disk is");
+  } else if (standby_ == Standby::kSynchronous || standby_ == Standby::kMissing) {
     spdlog::warn(
         "no standby of the database server is synchronous any more: what was committed last is "
-        "lost if "
-        "its disk is");
+        "lost if its disk is");
   }
-  synchronous_ = synchronous;
+  standby_ = health.standby;
 }
 
 }  // namespace enamel::server::app

@@ -23,9 +23,10 @@ class DatabaseWatch {
 
   UpkeepStore& store_;
   const std::chrono::milliseconds every_;
-  bool clock_right_ = true;   // on the thread
-  bool synchronous_ = false;  // likewise
-  std::jthread thread_;       // last: ends first
+  bool clock_right_ = true;  // on the thread
+  // Likewise.
+  Standby standby_ = Standby::kUnknown;
+  std::jthread thread_;  // last: ends first
 };
 
 }  // namespace enamel::server::app

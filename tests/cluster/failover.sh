@@ -64,3 +64,23 @@ echo "ok: $(json_of "$work/cut.json" ticks) ticks past a primary that was killed
 wait_for_log "$work/server.log" 'no standby of the database server is synchronous any more'
 [ "$(standby)" = 0 ] || fail "the figures do not tell that the standby is gone"
 echo "ok: health says that nothing is kept twice any more"
+
+# A standby that is to be waited for and is not there holds up every change, and the log says so. It comes, and all goes on.
+ask two "ALTER SYSTEM SET synchronous_standby_names = 'one'" >/dev/null
+ask two "SELECT pg_reload_conf()" >/dev/null
+wait_for_log "$work/server.log" 'every change waits'
+"$bin/enamel-server" admin enrol-code --data "$data" >"$work/code" 2>&1 &
+code=$!
+pids+=("$code")
+deadline=$((SECONDS + 60))
+until [ "$(ask two "SELECT count(*) FROM pg_stat_activity WHERE wait_event = 'SyncRep'")" -gt 0 ]; do
+  [ $SECONDS -lt $deadline ] || fail "nobody waits for the standby"
+done
+kill -0 "$code" 2>/dev/null || fail "a change was kept without a standby"
+rm -f "$pg"/one.socket/.s.*
+postgres_standby "$pg" two one
+wait "$code" || { cat "$work/code"; fail "a change that had waited for the standby failed"; }
+until [ "$(grep -c 'is on a standby of the database server too' "$work/server.log")" -ge 2 ]; do
+  [ $SECONDS -lt $((deadline + 60)) ] || fail "the log does not say that the standby is there"
+done
+echo "ok: changes wait for a standby that is missing, and go on when it is there"

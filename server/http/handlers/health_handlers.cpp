@@ -100,6 +100,8 @@ const char* NameOf(Standby standby) {
       return "none";
     case Standby::kBehind:
       return "behind";
+    case Standby::kMissing:
+      return "missing";
     case Standby::kSynchronous:
       return "synchronous";
     case Standby::kUnknown:

@@ -38,7 +38,9 @@ Status Writer::Queue(Pending& mine) {
   queue_.push_back(&mine);
   if (queue_.size() == 1) wake_.notify_one();
   // Without a bound: a work that the thread is at cannot be taken back. What the thread itself waits
-  // for is bounded (SqliteDb::SetBusyWait, SqliteDb::kMostWait; PgDb::kStatementTimeout).
+  // for is bounded (SqliteDb::SetBusyWait, SqliteDb::kMostWait; PgDb::kStatementTimeout), but for a COMMIT
+  // that PostgreSQL keeps until a standby has it too: it may already be on the primary's disk, and must not be
+  // told otherwise. Health says so then (Standby::kMissing).
   mine.turn.wait(lock, [&] { return mine.done; });
   return mine.status;
 }

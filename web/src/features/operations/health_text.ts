@@ -46,6 +46,7 @@ function clockFindings({ clock }: ServerHealth): Finding[] {
 }
 
 function standbyFindings({ standby }: ServerHealth): Finding[] {
+  if (standby === "missing") return [{ tone: "bad", title: say("finding.standby_missing"), text: say("finding.standby_missing_text") }];
   if (standby !== "none" && standby !== "behind") return [];
   return [{ tone: "warning", title: say("finding.standby"), text: say("finding.standby_text") }];
 }
