@@ -29,13 +29,13 @@ postgres_user() {
   fi
 }
 postgres() { (cd "$postgres_folder" && "${postgres_as[@]}" "$postgres_programs/$1" "${@:2}"); }
-# What is kept is asked of fsync elsewhere; here it would only cost time.
 postgres_init() {
   postgres initdb -D "$1" -A trust -U enamel -E UTF8 --locale=C --no-sync >"$1.initdb.log" 2>&1 || { cat "$1.initdb.log"; exit 1; }
 }
+# What is kept is asked of fsync elsewhere; here it would only cost time. server/ops/patroni.yml says why the interval.
 postgres_start() {
   postgres pg_ctl -D "$1" -w -t 60 -l "$1.log" \
-    -o "-k $2 -c listen_addresses= -c fsync=off -c max_connections=200 ${*:3}" start >/dev/null || { cat "$1.log"; exit 1; }
+    -o "-k $2 -c listen_addresses= -c fsync=off -c max_connections=200 -c wal_retrieve_retry_interval=500ms ${*:3}" start >/dev/null || { cat "$1.log"; exit 1; }
 }
 postgres_end() {
   [ ! -f "$1/postmaster.pid" ] || postgres pg_ctl -D "$1" -m immediate -t 30 stop >/dev/null 2>&1 || true
