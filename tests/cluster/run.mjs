@@ -232,7 +232,7 @@ if (wants("load")) {
 }
 
 // --- faults, while stations stream
-const timesUp = (name) => readFileSync(`${work}/haproxy.log`, "utf8").split(`station_servers/${name} is UP`).length;
+const timesSaid = (name, word) => readFileSync(`${work}/haproxy.log`, "utf8").split(`station_servers/${name} is ${word}`).length;
 // Every attempt that is being made has had a chunk committed since: until then somebody waits.
 const databaseMs = async () => Number(await ask("SELECT (extract(epoch FROM clock_timestamp()) * 1000)::bigint"));
 const allSince = (ms) => async () => {
@@ -254,10 +254,11 @@ const faults = {
   },
   // As a machine that hangs: nothing is closed, and nobody answers.
   frozen: async (i) => {
-    const name = Object.keys(servers)[i % 3], before = timesUp(name);
+    const name = Object.keys(servers)[i % 3], down = timesSaid(name, "DOWN"), up = timesSaid(name, "UP");
     const took = await recovery(() => running.get(name).kill("SIGSTOP"));
+    await until(`HAProxy misses server ${name}`, () => timesSaid(name, "DOWN") > down);
     running.get(name).kill("SIGCONT");
-    await until(`HAProxy sends to server ${name} again`, () => timesUp(name) > before);
+    await until(`HAProxy sends to server ${name} again`, () => timesSaid(name, "UP") > up);
     return took;
   },
   proxy: () => recovery(() => stop("haproxy", "SIGKILL"), startProxy),
@@ -326,10 +327,10 @@ if (wants("rolling")) {
   await stream.streams;
   await until("all stations stream", async () => Number(await ask("SELECT count(*) FROM school.attempts WHERE state = 2 AND chunks > 0")) >= sizes.rollingStations);
   for (const name of Object.keys(servers)) {
-    const before = timesUp(name);
+    const before = timesSaid(name, "UP");
     await stop(name);
     await serveOne(name);
-    await until(`HAProxy sends to server ${name} again`, () => timesUp(name) > before);
+    await until(`HAProxy sends to server ${name} again`, () => timesSaid(name, "UP") > before);
   }
   const while_ms = await databaseMs();
   await until("every station is taken", allSince(while_ms));

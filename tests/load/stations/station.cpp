@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kPing_s = 20;  // schemas/wire/README.md, "Deadlines"
-constexpr double kReplyWithin_s = 30;
+constexpr double kReplyWithin_s = 20;
 constexpr double kLongestPause_s = 2;
 constexpr size_t kWindow = 8;  // requests without an answer; the link allows 32
 
