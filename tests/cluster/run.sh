@@ -2,7 +2,7 @@
 # What a cluster does and costs, beside one server with SQLite, in one run on this machine: three servers behind HAProxy,
 # PostgreSQL with a synchronous standby, Swift as the S3 store.
 #   tests/cluster/run.sh --short | --full [--json FILE] [--only PART[,PART…]]
-# Parts: load, faults, rolling, watch, jobs. --short takes four minutes, --full an hour. Prints every figure with its goal; a goal
+# Parts: load, faults, rolling, watch, jobs. --short takes three minutes, --full an hour. Prints every figure with its goal; a goal
 # that is missed is marked, and only what is lost, doubled or refused fails. Exit: 0, 1, 2 wrong usage, 77 packages are missing.
 . "$(dirname "$0")/../integration/support.sh"
 . "$root/tests/support/postgres_server.sh"
