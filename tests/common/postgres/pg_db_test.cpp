@@ -10,6 +10,7 @@
 
 #include "common/base/unix_time.h"
 #include "common/sql/query.h"
+#include "tests/support/missing_standbys.h"
 #include "tests/support/postgres_proxy.h"
 
 // The driver for PostgreSQL: what it keeps, converts and tells, and what it does when the server or
@@ -570,6 +571,47 @@ TEST_F(PgDbTest, ACommitThatIsStillUnderWayIsWaitedFor) {
     if (told) break;
   }
   ASSERT_TRUE(other->Exec("SELECT pg_advisory_unlock(77)").ok());
+  writer.join();
+  EXPECT_TRUE(kept.ok()) << kept.message();
+  Query q(*db_, "SELECT count(*) FROM t");
+  ASSERT_TRUE(q.Next());
+  EXPECT_EQ(q.Int(0), 1);
+}
+
+// A primary that starts anew has what its standby has not: whoever asks whether a COMMIT was kept waits with it.
+TEST_F(PgDbTest, ACommitWhoseAnswerWasLostIsToldOnceAStandbyHasIt) {
+  ASSERT_TRUE(db_->Migrate({{1, "0001_a.sql", "CREATE TABLE t (n bigint)"}}).ok());
+  auto other = Open();
+  const auto waits_for_standby = [&]() -> int64_t {
+    Query q(*other, "SELECT max(pid) FROM pg_stat_activity WHERE wait_event = 'SyncRep'");
+    return q.Next() ? q.Int(0) : 0;
+  };
+  std::atomic<bool> told{false};
+  Status kept;
+  // After `missing`: it waits for what that ends.
+  std::jthread writer;
+  {
+    test::MissingStandbys missing(*other);
+    missing.Name("nobody");
+    ASSERT_TRUE(test::Becomes([&] { return *other->StandbyOf() == Standby::kMissing; }));
+    writer = std::jthread([&] {
+      Transaction transaction(*db_);
+      ASSERT_TRUE(db_->Exec("INSERT INTO t VALUES (1)").ok());
+      kept = transaction.Commit();
+      told = true;
+    });
+    int64_t first = 0;
+    ASSERT_TRUE(test::Becomes([&] { return (first = waits_for_standby()) != 0; }));
+    {
+      Query q(*other, "SELECT pg_terminate_backend(?1::int)");
+      ASSERT_TRUE(q.BindInt(first).Next()) << q.status().message();
+    }
+    EXPECT_TRUE(test::Becomes([&] {
+      const int64_t second = waits_for_standby();
+      return told || (second != 0 && second != first);
+    })) << "who asks does not wait";
+    EXPECT_FALSE(told);
+  }
   writer.join();
   EXPECT_TRUE(kept.ok()) << kept.message();
   Query q(*db_, "SELECT count(*) FROM t");
