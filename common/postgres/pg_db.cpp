@@ -277,9 +277,13 @@ Status PgDb::RunAndCommit(std::span<Change* const> changes, bool& ran) {
          pq_.send_query_params(handle_, "COMMIT", 0, nullptr, nullptr, nullptr, nullptr, 1) == 1 &&
          pq_.pipeline_sync(handle_) == 1;
   Status failure = sent ? Status::Ok() : Fail(nullptr);
+  // By the server: then nothing is committed.
+  bool refused = false;
   for (size_t i = 0; failure.ok() && i <= calls.size(); ++i) {
     PGresult* const answer = pq_.get_result(handle_);
-    if (pq_.result_status(answer) != PGRES_COMMAND_OK) {
+    const ExecStatusType status = pq_.result_status(answer);
+    if (status != PGRES_COMMAND_OK && status != PGRES_TUPLES_OK) {
+      refused = pq_.result_error_field(answer, PG_DIAG_SQLSTATE) != nullptr;
       failure = Fail(answer);
     } else if (i < calls.size()) {
       changes[i]->rows = RowsOf(answer);
@@ -291,15 +295,22 @@ Status PgDb::RunAndCommit(std::span<Change* const> changes, bool& ran) {
     if (end != nullptr) failure = Fail(end);
     pq_.clear(end);
   }
-  LeavePipeline();
-  // What was sent may have been done to its end, whoever hears it.
-  ran = ran || failure_.kind == Kind::kNotThere;
-  if (!ran) return failure;
-  Status done = Ended(failure);
+  // Where not all was sent the server may wait for the rest, and what it has to say is not waited for.
+  set_up_ = false;
+  if (sent) LeavePipeline();
   if (!failure.ok()) {
     for (Change* change : changes) change->rows = 0;
+    // The end of a connection may come behind the words that tell of it.
+    if (!refused || !set_up_ || pq_.status(handle_) != CONNECTION_OK) {
+      // What was sent may have been done to its end, whoever hears it.
+      ran = true;
+      failure_.kind = Kind::kNotThere;
+      must_repeat_ = true;
+      set_up_ = false;
+      failure = Told(failure_);
+    }
   }
-  return done;
+  return ran ? Ended(failure) : failure;
 }
 
 void PgDb::LeavePipeline() {

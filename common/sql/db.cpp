@@ -15,9 +15,14 @@ Status Change::Run(Db& db) {
 
 Status Db::RunAndCommit(std::span<Change* const> changes, bool& ran) {
   ran = false;
-  for (Change* change : changes) ENAMEL_RETURN_IF_ERROR(change->Run(*this));
-  ran = true;
-  return Commit();
+  Status done;
+  for (size_t i = 0; done.ok() && i < changes.size(); ++i) done = changes[i]->Run(*this);
+  ran = done.ok();
+  if (done.ok()) done = Commit();
+  if (!done.ok()) {
+    for (Change* change : changes) change->rows = 0;
+  }
+  return done;
 }
 
 }  // namespace enamel::sql

@@ -493,6 +493,11 @@ TEST_F(PgDbTest, OfStatementsThatAreSentTogetherOneThatFailsTakesBackAll) {
   Change good = Insert(7);
   EXPECT_TRUE(Commit(*db_, {&good}, ran).ok());
   EXPECT_EQ(good.rows, 1);
+  // One that gives rows is none that fails.
+  Change giving{"INSERT INTO t SELECT ?1 RETURNING n", [](Query& q) { q.BindInt(8); }};
+  ASSERT_TRUE(db_->Begin(Isolation::kRowLocks).ok());
+  EXPECT_TRUE(Commit(*db_, {&giving}, ran).ok());
+  EXPECT_EQ(giving.rows, 1);
 }
 
 // As a deadlock ends: told to begin anew, not that one of them is wrong.
