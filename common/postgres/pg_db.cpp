@@ -1,5 +1,6 @@
 #include "common/postgres/pg_db.h"
 
+#include <regex>
 #include <thread>
 #include <utility>
 
@@ -44,6 +45,15 @@ const char* BeginningOf(Isolation isolation) {
 std::string FirstLine(const char* words) {
   const std::string all = words == nullptr ? "" : words;
   return all.substr(0, all.find('\n'));
+}
+
+// How many standbys a commit waits for, by synchronous_standby_names: "FIRST 2 (a, b)", "ANY 2 (a, b)",
+// "2 (a, b)", or names alone, of which one is waited for (PostgreSQL 15, 20.6.2).
+int64_t StandbysNeeded(const std::string& names) {
+  if (names.find_first_not_of(" \t\n") == std::string::npos) return 0;
+  static const std::regex kNumber(R"(^\s*(?:(?:first|any)\s*)?(\d{1,9})\s*\()", std::regex::icase);
+  std::smatch found;
+  return std::regex_search(names, found, kNumber) ? std::stoll(found[1]) : 1;
 }
 
 }  // namespace
@@ -463,12 +473,12 @@ Result<Standby> PgDb::StandbyOf() {
   // Who may not see the details sees that there is a row, without them.
   Query q(*this,
           "SELECT count(*), count(sync_state), count(*) FILTER (WHERE sync_state IN ('sync', "
-          "'quorum')), current_setting('synchronous_standby_names') <> '' FROM "
-          "pg_stat_replication");
+          "'quorum')), current_setting('synchronous_standby_names') FROM pg_stat_replication");
   if (!q.Next()) return q.status();
-  if (q.Int(2) > 0) return Standby::kSynchronous;
+  const int64_t needed = StandbysNeeded(q.Text(3));
+  if (q.Int(2) > 0 && q.Int(2) >= needed) return Standby::kSynchronous;
   if (q.Int(1) < q.Int(0)) return Standby::kUnknown;
-  if (q.Int(3) != 0) return Standby::kMissing;
+  if (needed > 0) return Standby::kMissing;
   return q.Int(0) > 0 ? Standby::kBehind : Standby::kNone;
 }
 

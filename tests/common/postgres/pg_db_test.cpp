@@ -217,6 +217,15 @@ TEST_F(PgDbTest, AServerIsAskedForItsClockAndItsStandby) {
   EXPECT_EQ(*db_->StandbyOf(), Standby::kNone);
 }
 
+TEST_F(PgDbTest, StandbysThatAreMissingAreTold) {
+  test::MissingStandbys missing(*db_);
+  for (const char* names : {"a", "first 2 (a, b)", "ANY 1 (a)"}) {
+    missing.Name(names);
+    // The server reads its settings in its own time.
+    EXPECT_TRUE(test::Becomes([&] { return *db_->StandbyOf() == Standby::kMissing; })) << names;
+  }
+}
+
 TEST_F(PgDbTest, AServerThatIsNotThereIsToldAtOnce) {
   PgDbOptions options = Options();
   options.server = "host=/nowhere dbname=x";
@@ -446,7 +455,7 @@ TEST_F(PgDbTest, StatementsThatAreSentTogetherTellWhatEachHasChanged) {
   ASSERT_TRUE(db_->Exec("CREATE TABLE t (n bigint UNIQUE CHECK (n < 100))").ok());
   std::vector<Change> changes;
   for (int64_t n = 0; n < 50; ++n) changes.push_back(Insert(n));
-  // They see each other, in their order; and are prepared as two.
+  // They see each other, in their order. Two texts, each prepared once.
   changes.push_back({"UPDATE t SET n = n + 50 WHERE n < ?1", [](Query& q) { q.BindInt(20); }});
   changes.push_back({"UPDATE t SET n = n + 50 WHERE n < ?1", [](Query& q) { q.BindInt(30); }});
   std::vector<Change*> all;
