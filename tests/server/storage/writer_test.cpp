@@ -130,7 +130,8 @@ TEST_F(WriterTest, StatementsAndWorksShareACommitAndFailAlone) {
     EXPECT_EQ(first.rows, 1);
     EXPECT_EQ(out[2].ok(), !one_fails);
     EXPECT_EQ(second.rows, one_fails ? 0 : 1);
-    EXPECT_GT(writer_->counters().commits, before.commits);
+    // What is done apart is counted once, as its batch.
+    EXPECT_EQ(writer_->counters().commits, before.commits + 1);
   }
   EXPECT_EQ(Rows(), (std::vector<int64_t>{1, 2, 3, 11, 13}));
   sql::Change alone = insert(11);
