@@ -11,6 +11,10 @@ for program in swift-proxy-server swift-account-server swift-container-server sw
     exit 77
   }
 done
+/usr/bin/python3 -c 'import swift' 2>/dev/null || {
+  echo "SKIPPED: Swift's library is not installed (package python3-swift)"
+  exit 77
+}
 
 # Servers of Swift give up root: they run as whoever owns the folder.
 user=$(id -un)
