@@ -26,9 +26,14 @@ void DatabaseWatch::Tell(const StoreHealth& health) {
     spdlog::info("what is committed is on a standby of the database server too");
   } else if (health.standby == Standby::kMissing) {
     spdlog::error(
-        "every change waits: the database server keeps none until a synchronous standby has it, "
-        "and none is there. See that the standbys that synchronous_standby_names names run and "
-        "reach it; or take the setting back, and what was committed last is lost if its disk is");
+        "every change waits: the database server acknowledges none until a synchronous standby has "
+        "it, and too few are there. See that the standbys that synchronous_standby_names names run "
+        "and reach it; or take the setting back, and what was committed last is lost if its disk "
+        "is");
+  } else if (health.standby == Standby::kUnknown) {
+    spdlog::info(
+        "this user of the database server is no longer told whether a standby is synchronous; make "
+        "it a member of pg_monitor");
   } else if (standby_ == Standby::kSynchronous || standby_ == Standby::kMissing) {
     spdlog::warn(
         "no standby of the database server is synchronous any more: what was committed last is "

@@ -27,6 +27,9 @@ void AddStoreFigures(Parts<JobStore, UpkeepStore> store, ops::MetricsText& text)
     text.Gauge("enamel_database_synchronous_standby",
                "1 while what is committed is on a standby of the database server too.",
                health.standby == Standby::kSynchronous ? 1 : 0);
+    text.Gauge("enamel_database_standby_missing",
+               "1 while every change waits for a standby that is not there.",
+               health.standby == Standby::kMissing ? 1 : 0);
   }
   text.Gauge("enamel_disk_free_bytes", "Free where the data folder is.", number(health.free_bytes));
   text.Gauge("enamel_disk_kept_free_bytes", "Below this no recordings are taken.",

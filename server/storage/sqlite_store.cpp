@@ -219,6 +219,11 @@ StoreHealth SqliteStore::Health() {
         "a person was erased and the database is being written anew; changes and recordings wait "
         "until that is done";
   }
+  if (out.waiting.empty() && standby_ == Standby::kMissing) {
+    out.waiting =
+        "the database server waits for a synchronous standby, and none is there; every change and "
+        "every recording waits until one is";
+  }
   if (out.waiting.empty() && !blobs_.Problem().ok()) {
     // What arrives is kept in rows meanwhile.
     out.waiting =

@@ -30,6 +30,7 @@ both="host=$pg/one.socket,$pg/two.socket user=enamel dbname=enamel"
 exercise=$(json_of "$work/seed" exercise)
 start_server "$data" "$port"
 standby() { curl -s "http://127.0.0.1:$port/metrics" | sed -n 's/^enamel_database_synchronous_standby //p'; }
+standby_missing() { curl -s "http://127.0.0.1:$port/metrics" | sed -n 's/^enamel_database_standby_missing //p'; }
 wait_for_log "$work/server.log" 'is on a standby of the database server too'
 [ "$(standby)" = 1 ] || fail "the figures do not tell of the standby"
 "$bin/enamel-station" enrol --data "$station" --server "127.0.0.1:$((port + 1))" \
@@ -69,12 +70,18 @@ echo "ok: health says that nothing is kept twice any more"
 ask two "ALTER SYSTEM SET synchronous_standby_names = 'one'" >/dev/null
 ask two "SELECT pg_reload_conf()" >/dev/null
 wait_for_log "$work/server.log" 'every change waits'
+[ "$(curl -s "http://127.0.0.1:$port/healthz" | grep -c 'waits for a synchronous standby')" = 1 ] || fail "health does not say that changes wait"
+[ "$(standby_missing)" = 1 ] || fail "the figures do not tell that changes wait"
+began=$(ask two "SELECT clock_timestamp()")
 "$bin/enamel-server" admin enrol-code --data "$data" >"$work/code" 2>&1 &
 code=$!
 pids+=("$code")
 deadline=$((SECONDS + 60))
-until [ "$(ask two "SELECT count(*) FROM pg_stat_activity WHERE wait_event = 'SyncRep'")" -gt 0 ]; do
+# Its connection, not the server's.
+until [ "$(ask two "SELECT count(*) FROM pg_stat_activity WHERE wait_event = 'SyncRep' AND backend_start > '$began'")" -gt 0 ]; do
   [ $SECONDS -lt $deadline ] || fail "nobody waits for the standby"
+  kill -0 "$code" 2>/dev/null || fail "a change was kept without a standby"
+  sleep 0.2
 done
 kill -0 "$code" 2>/dev/null || fail "a change was kept without a standby"
 rm -f "$pg"/one.socket/.s.*
@@ -82,5 +89,7 @@ postgres_standby "$pg" two one
 wait "$code" || { cat "$work/code"; fail "a change that had waited for the standby failed"; }
 until [ "$(grep -c 'is on a standby of the database server too' "$work/server.log")" -ge 2 ]; do
   [ $SECONDS -lt $((deadline + 60)) ] || fail "the log does not say that the standby is there"
+  sleep 0.2
 done
+[ "$(standby_missing)" = 0 ] || fail "the figures still tell that changes wait"
 echo "ok: changes wait for a standby that is missing, and go on when it is there"

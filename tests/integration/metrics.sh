@@ -24,7 +24,7 @@ for (const line of text.split("\n")) {
   if (found) values.set(found[1], Number(found[2]));
 }
 // Of a database that has standbys, and of Prometheus itself.
-const elsewhere = new Set(["enamel_database_synchronous_standby"]);
+const elsewhere = new Set(["enamel_database_synchronous_standby", "enamel_database_standby_missing"]);
 let named = 0;
 const look = (where, expression) => {
   for (const [name] of expression.matchAll(/\b(?:enamel|process)_[a-z0-9_]+/g)) {

@@ -78,7 +78,7 @@ Result<std::vector<SessionRow>> SqliteStore::SessionsOf(const Uuid& person) {
 
 // Whoever only reads is not to wait for it: the next request is in time too.
 Status SqliteStore::TouchSession(const Sha256& token_hash, UnixMs now_ms) {
-  if (rewriter_.running() || writer_.waits()) return Status::Ok();
+  if (rewriter_.running() || writer_.waits() || standby_ == Standby::kMissing) return Status::Ok();
   return Write([&](Db& db) -> Status {
     Query q(db, "UPDATE sessions SET last_used_ms = ?3 WHERE tenant = ?1 AND token_hash = ?2");
     return q.Bind(token_hash).Bind(now_ms).Run();

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdlib>
 #include <functional>
+#include <future>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -25,6 +26,7 @@
 #include "server/storage/sql/query.h"
 #include "server/storage/sql/sqlite_impl.h"
 #include "tests/server/storage/store_world.h"
+#include "tests/support/missing_standbys.h"
 #include "tests/support/postgres_proxy.h"
 #include "tests/support/s3_stand_in.h"
 
@@ -466,6 +468,28 @@ TEST_F(PgServersTest, TimesAreTheDatabases) {
 }
 
 // A rolling upgrade: the first server of the next version migrates while the others still run.
+// Who only reads waits for nothing, and is told why changes wait.
+TEST_F(PgServersTest, WhileEveryChangeWaitsForAStandbySessionsAreReadAndHealthSaysSo) {
+  const TempFolder folder;
+  auto store = Open(folder, server_);
+  auto db = sqlite::OpenPgDatabase(server_, {}, /*read_only=*/false, {});
+  ASSERT_TRUE(db.ok());
+  // After `missing`: it may wait for what that ends.
+  std::future<bool> touched;
+  test::MissingStandbys missing(**db);
+  missing.Name("nobody");
+  ASSERT_TRUE(test::Becomes([&] {
+    return store->LookAtDatabase().ok() && store->Health().standby == sql::Standby::kMissing;
+  }));
+  const StoreHealth health = store->Health();
+  EXPECT_NE(health.waiting.find("standby"), std::string::npos) << health.waiting;
+  EXPECT_TRUE(health.takes_recordings) << "what comes is not lost, and waits";
+  touched =
+      std::async(std::launch::async, [&] { return store->TouchSession(Sha256{}, UnixMs()).ok(); });
+  EXPECT_TRUE(touched.wait_for(std::chrono::seconds(10)) == std::future_status::ready &&
+              touched.get());
+}
+
 TEST_F(PgServersTest, ServersGoOnWhenANewerVersionMigratesAndNoneOfTheOldVersionStarts) {
   const TempFolder folder, other;
   auto store = Open(folder, server_);

@@ -36,7 +36,7 @@ test("each of the figures that need somebody is told", () => {
   assert.deepEqual(told({ jobs: { ...well.jobs, queued: 60 } }), ["warning: 60 jobs wait"]);
   assert.deepEqual(told({ standby: "behind" }), ["warning: No standby is synchronous"]);
   assert.deepEqual(told({ standby: "none" }), ["warning: No standby is synchronous"]);
-  assert.deepEqual(told({ standby: "missing" }), ["bad: Every change waits for a standby"]);
+  assert.deepEqual(told({ standby: "missing", ingest: { ...well.ingest, waiting: "the database server waits" } }), ["bad: Every change waits for a standby"]);
   assert.deepEqual(told({ standby: "synchronous" }), []);
   assert.deepEqual(told({ standby: "unknown" }), []);
   assert.deepEqual(told({ backup: { at_ms: 90 * kDayMs, missing: 0 } }), ["warning: The last backup is 10 days old"]);

@@ -24,12 +24,13 @@ export function findingsOf(health: ServerHealth): Finding[] {
     .sort((a, b) => kRank[a.tone] - kRank[b.tone]);
 }
 
-function ingestFindings({ ingest, recordings, stations }: ServerHealth): Finding[] {
+function ingestFindings({ ingest, recordings, standby, stations }: ServerHealth): Finding[] {
   const out: Finding[] = [];
   if (!ingest.takes_recordings) {
     out.push({ tone: "bad", title: say("finding.not_taken"), text: sentence(ingest.problem) });
   }
-  if (ingest.waiting !== "") out.push({ tone: "warning", title: say("finding.waits"), text: sentence(ingest.waiting) });
+  // A standby that is missing is told by itself.
+  if (ingest.waiting !== "" && standby !== "missing") out.push({ tone: "warning", title: say("finding.waits"), text: sentence(ingest.waiting) });
   if (recordings.late.length > 0) {
     const longest = Math.max(...recordings.late.map((row) => row.silent_ms));
     out.push({ tone: "warning", title: say("finding.silent", { count: recordings.late.length }),
