@@ -65,6 +65,8 @@ class PostgresProxy {
   }
   // From now on nobody is let through, as when the server is gone; what is connected stays.
   void Refuse() { refusing_ = true; }
+  // How often the server was asked for an answer so far: a query, or the end of a pipeline.
+  int asked() const { return asked_; }
   // Whether it was broken; from now on nothing is.
   bool Disarm() {
     std::lock_guard lock(mutex_);
@@ -182,14 +184,15 @@ class PostgresProxy {
         const bool the_one = typed && IsTheOne(cut);
         typed = true;
         if (!the_one) ++passed_;
+        const bool asks = type == 'Q' || type == 'S';
+        if (asks) ++asked_;
         if (the_one && cut == Cut::kLate) {
           ::shutdown(client, SHUT_RDWR);
           AwaitOthers();
         }
         open = !(the_one && cut == Cut::kBefore) && Send(server, asked.data(), size);
         if (!the_one) continue;
-        // Only these ask the server for an answer.
-        if (open && cut == Cut::kAnswer && (type == 'Q' || type == 'S')) AwaitAnswer(server);
+        if (open && cut == Cut::kAnswer && asks) AwaitAnswer(server);
         open = false;
       }
     }
@@ -202,6 +205,7 @@ class PostgresProxy {
   int listener_ = -1;
   std::atomic<bool> stopping_{false}, refusing_{false};
   std::atomic<int> passed_{0};  // messages that went through
+  std::atomic<int> asked_{0};
   std::mutex mutex_;
   int left_ = kIdle;                      // messages to let pass; guarded by mutex_
   Cut cut_{};                             // guarded by mutex_

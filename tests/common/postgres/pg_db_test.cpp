@@ -470,6 +470,35 @@ TEST_F(PgDbTest, StatementsThatAreSentTogetherTellWhatEachHasChanged) {
   EXPECT_EQ(db_->kept_statements(), 2u);
 }
 
+// Also where they are far more than what a connection holds under way.
+TEST_F(PgDbTest, TheServerIsAskedOnceForStatementsThatAreSentTogether) {
+  ASSERT_TRUE(db_->Exec("CREATE TABLE t (n bigint, b bytea)").ok());
+  test::PostgresProxy proxy(server_);
+  PgDbOptions options = Options();
+  options.server = proxy.server();
+  auto db = PgDb::Open(std::move(options));
+  ASSERT_TRUE(db.ok()) << db.status().message();
+  const Bytes many(65536, 7);
+  std::vector<Change> changes;
+  for (int64_t n = 0; n < 100; ++n) {
+    changes.push_back(
+        {"INSERT INTO t VALUES (?1, ?2)", [n, &many](Query& q) { q.BindInt(n).BindBlob(many); }});
+  }
+  std::vector<Change*> all;
+  for (Change& change : changes) all.push_back(&change);
+  // The first time the statement is prepared.
+  for (const bool prepared : {false, true}) {
+    bool ran = false;
+    ASSERT_TRUE((*db)->Begin(Isolation::kRowLocks).ok());
+    const int before = proxy.asked();
+    ASSERT_TRUE(Commit(**db, all, ran).ok());
+    EXPECT_EQ(proxy.asked() - before, prepared ? 1 : 2);
+  }
+  Query q(*db_, "SELECT sum(length(b)) FROM t");
+  ASSERT_TRUE(q.Next());
+  EXPECT_EQ(q.Int(0), 2 * 100 * 65536);
+}
+
 TEST_F(PgDbTest, OfStatementsThatAreSentTogetherOneThatFailsTakesBackAll) {
   ASSERT_TRUE(db_->Migrate({{1, "a", "CREATE TABLE t (n bigint UNIQUE CHECK (n < 100))"}}).ok());
   for (const int64_t bad : {1, 500}) {  // there already; refused
