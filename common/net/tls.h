@@ -5,18 +5,16 @@
 
 #include "common/base/result.h"
 
-namespace boost::asio::ssl {
-class context;
-}
+struct ssl_ctx_st;
 
-// TLS 1.3 contexts of the station link.
+// The server's TLS 1.3 context, for the station link and for the page.
 namespace enamel::net {
 
-// For a server: TLS 1.3 only, certificate (chain) and key from PEM files, no client certificates.
-// Shared, because every session's stream refers to it. Thread safety: streams may be made from any
-// thread. Errors: kNotFound or kStorage (unreadable file), kInvalidInput (no PEM, or the key does
-// not belong to the certificate).
-Result<std::shared_ptr<boost::asio::ssl::context>> MakeServerContext(
-    const std::filesystem::path& certificate, const std::filesystem::path& private_key);
+// TLS 1.3 only (every browser since 2020 speaks it), certificate (chain) and key from PEM files, no
+// client certificates. An idle connection keeps no record buffers. Shared, because every session
+// refers to it. Thread safety: sessions may be made from any thread. Errors: kNotFound or kStorage
+// (unreadable file), kInvalidInput (no PEM, or the key does not belong to the certificate).
+Result<std::shared_ptr<ssl_ctx_st>> MakeServerContext(const std::filesystem::path& certificate,
+                                                      const std::filesystem::path& private_key);
 
 }  // namespace enamel::net

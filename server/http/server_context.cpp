@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/base/log_request.h"
+#include "common/net/tls.h"
 #include "server/http/error_response.h"
 #include "server/http/site.h"
 
@@ -15,24 +16,6 @@ using boost::system::error_code;
 namespace {
 
 constexpr std::string_view kHealthPath = "/healthz";  // also for the proxy itself
-
-Status LoadTls(asio::ssl::context& context, const TlsFiles& files) {
-  error_code error;
-  // As on the station link. Every browser since 2020 speaks it, and nothing older has to be
-  // configured safely.
-  SSL_CTX_set_min_proto_version(context.native_handle(), TLS1_3_VERSION);
-  context.use_certificate_chain_file(files.certificate_chain.string(), error);
-  if (error) {
-    return {Code::kNotFound, "expected a PEM certificate chain in " +
-                                 files.certificate_chain.string() + ": " + error.message()};
-  }
-  context.use_private_key_file(files.private_key.string(), asio::ssl::context::pem, error);
-  if (error) {
-    return {Code::kNotFound, "expected the certificate's PEM key in " + files.private_key.string() +
-                                 ": " + error.message()};
-  }
-  return {};
-}
 
 }  // namespace
 
@@ -146,8 +129,8 @@ Status ServerContext::Prepare() {
   }
   if (options.host_names.empty()) options.host_names = {"127.0.0.1", "localhost", "[::1]"};
   if (options.tls) {
-    tls.emplace(asio::ssl::context::tls_server);
-    ENAMEL_RETURN_IF_ERROR(LoadTls(*tls, *options.tls));
+    ENAMEL_ASSIGN_OR_RETURN(
+        tls, net::MakeServerContext(options.tls->certificate_chain, options.tls->private_key));
   }
   if (!options.web_root.empty()) {
     Result<StaticFiles> loaded = StaticFiles::Load(options.web_root);

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
-#include <boost/asio/ssl/context.hpp>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,6 +11,8 @@
 #include "server/http/message.h"
 #include "server/http/static_files.h"
 #include "server/ops/refusal_log.h"
+
+struct ssl_ctx_st;
 
 namespace enamel::server::http {
 
@@ -37,7 +38,7 @@ struct ServerContext {
 
   // Constant after Prepare.
   HttpOptions options;
-  std::optional<boost::asio::ssl::context> tls;
+  std::shared_ptr<ssl_ctx_st> tls;  // null: plain HTTP
   std::optional<StaticFiles> files;
 
   const std::shared_ptr<Api> api;

@@ -12,6 +12,7 @@
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
+#include <csignal>
 #include <map>
 #include <utility>
 #include <vector>
@@ -334,6 +335,8 @@ Listener::Listener(asio::io_context& io, ListenerOptions options, Make make, Tur
           std::make_shared<State>(io, std::move(options), std::move(make), std::move(turn_away))) {}
 
 Result<uint16_t> Listener::Start() {
+  // A peer that is gone shall be an error of the write, not a signal: OpenSSL writes with write(2).
+  std::signal(SIGPIPE, SIG_IGN);
   ENAMEL_RETURN_IF_ERROR(CheckProxies(state_->options.proxies));
   ENAMEL_RETURN_IF_ERROR(state_->Listen());
   const uint16_t port = state_->acceptor.local_endpoint().port();

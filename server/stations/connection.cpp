@@ -4,7 +4,6 @@
 
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/post.hpp>
-#include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
 
 #include "server/auth/address_block.h"
@@ -33,7 +32,7 @@ Connection::Connection(asio::ip::tcp::socket socket, Strand strand, std::string 
       pool_(pool),
       refusals_(refusals),
       stream_(std::move(socket), tls),
-      watch_(strand_),
+      deadline_(strand_),
       // A peer that is nobody yet gets no 4 MiB of memory.
       reader_(protocol::kMaxFrameBytesBeforeHello),
       peer_(std::move(peer)),
@@ -45,14 +44,15 @@ void Connection::Run(std::function<void()> on_end) {
   auto self = shared_from_this();
   // One deadline for handshake and first message together: a peer cannot hold a place by being slow
   // in parts.
-  Allow(deadlines_.introduction);
-  asio::co_spawn(strand_, Watch(), [self](std::exception_ptr) {});
+  deadline_.Allow(deadlines_.introduction);
+  asio::co_spawn(strand_, deadline_.Watch(), [self](std::exception_ptr, bool passed) {
+    if (passed) self->stream_.Close();
+  });
   asio::co_spawn(strand_, Serve(), [self, on_end](std::exception_ptr failure) {
     if (failure) spdlog::error("station link: a connection ended by an exception");
-    self->ended_ = true;
-    self->CloseSocket();
-    // Watch then sees that it ended, and lets go of the connection.
-    self->watch_.cancel();
+    self->stream_.Close();
+    // Watch then returns, and lets go of the connection.
+    self->deadline_.End();
     on_end();
   });
 }
@@ -85,31 +85,7 @@ void Connection::End(Status why) {
 }
 
 void Connection::Close() {
-  asio::post(strand_, [self = shared_from_this()] { self->CloseSocket(); });
-}
-
-void Connection::CloseSocket() {
-  error_code ignored;
-  stream_.socket().close(ignored);
-}
-
-// A deadline that moves away leaves the timer alone: Watch looks again when it wakes. So a chunk
-// that comes and is answered in time touches no timer at all.
-void Connection::Allow(std::chrono::milliseconds time) {
-  deadline_ = Clock::now() + time;
-  if (deadline_ < watch_.expiry()) watch_.expires_at(deadline_);
-}
-
-asio::awaitable<void> Connection::Watch() {
-  while (!ended_) {
-    if (deadline_ <= Clock::now()) {
-      CloseSocket();
-      co_return;
-    }
-    watch_.expires_at(deadline_);
-    error_code moved;
-    co_await watch_.async_wait(asio::redirect_error(asio::use_awaitable, moved));
-  }
+  asio::post(strand_, [self = shared_from_this()] { self->stream_.Close(); });
 }
 
 asio::awaitable<void> Connection::Serve() {
@@ -122,7 +98,7 @@ asio::awaitable<void> Connection::Serve() {
   co_await ServeRequests();
   // People's sessions end with the cable, and not by their idle time half an hour later.
   if (session_ && session_->has_sign_ins()) {
-    Allow(deadlines_.work);
+    deadline_.Allow(deadlines_.work);
     co_await pool_.Run([this] {
       const LogRequest logged(id_);
       session_->End();
@@ -130,7 +106,7 @@ asio::awaitable<void> Connection::Serve() {
     });
   }
   // A peer that does not read would otherwise keep the socket: our last words are a courtesy.
-  Allow(kGoodbye);
+  deadline_.Allow(kGoodbye);
   for (io = stream_.Shutdown(); io > Io::kEnded; io = stream_.Shutdown()) {
     co_await stream_.Wait(io);
   }
@@ -176,7 +152,7 @@ asio::awaitable<void> Connection::ServeRequests() {
 
 asio::awaitable<Status> Connection::FindSchool(const wire::Request& first) {
   if (others_ != nullptr) {
-    Allow(deadlines_.work);
+    deadline_.Allow(deadlines_.work);
     auto found = co_await pool_.Run([&] {
       const LogRequest logged(id_);
       return others_->ServicesOf(first);
@@ -189,7 +165,7 @@ asio::awaitable<Status> Connection::FindSchool(const wire::Request& first) {
 }
 
 asio::awaitable<Answer> Connection::Carry(const wire::Request& request) {
-  Allow(deadlines_.work);
+  deadline_.Allow(deadlines_.work);
   if (session_->IsQuick(request)) {
     // A turn for the other connections: quick requests could come without an end.
     co_await asio::post(strand_, asio::use_awaitable);
@@ -216,7 +192,7 @@ asio::awaitable<Answer> Connection::Carry(const wire::Request& request) {
 // kUnavailable: the connection ended. kTooLarge: the frame is over the limit.
 asio::awaitable<Result<Bytes>> Connection::ReadFrame() {
   bool begun = false;  // the frame's own deadline runs
-  if (introduced_) Allow(deadlines_.idle);
+  if (introduced_) deadline_.Allow(deadlines_.idle);
   while (!reader_.done()) {
     size_t n = 0;
     Io io = stream_.Read(reader_.Prepare(), n);
@@ -229,7 +205,7 @@ asio::awaitable<Result<Bytes>> Connection::ReadFrame() {
     if (waiting_for_frame_ && ending_) co_return *ending_;
     if (!waiting_for_frame_ && !begun && introduced_) {
       begun = true;
-      Allow(deadlines_.frame);
+      deadline_.Allow(deadlines_.frame);
     }
     co_await stream_.Wait(io);
     waiting_for_frame_ = false;
@@ -243,21 +219,8 @@ asio::awaitable<bool> Connection::Write(wire::Reply reply) {
     spdlog::error("station link: a reply could not be framed: {}", frame.status().message());
     co_return false;
   }
-  bool waited = false;
-  for (ByteView rest = *frame; !rest.empty();) {
-    size_t n = 0;
-    Io io = stream_.Write(rest, n);
-    if (io == Io::kEnded) co_return false;
-    if (io == Io::kDone) {
-      rest = rest.subspan(n);
-      continue;
-    }
-    // One deadline for the whole frame, and none where the system takes it at once.
-    if (!waited) Allow(deadlines_.write);
-    waited = true;
-    co_await stream_.Wait(io);
-  }
-  co_return true;
+  deadline_.Allow(deadlines_.write);
+  co_return co_await stream_.WriteAll(*frame);
 }
 
 void Connection::NoteRefusal(wire::Error& error) {

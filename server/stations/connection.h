@@ -3,18 +3,18 @@
 #include <atomic>
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <memory>
 #include <optional>
 #include <set>
 
 #include "common/base/log_request.h"
 #include "common/protocol/frame.h"
+#include "server/net/deadline.h"
 #include "server/net/listener.h"
+#include "server/net/stream_socket.h"
 #include "server/ops/refusal_log.h"
 #include "server/stations/session.h"
 #include "server/stations/station_server.h"
-#include "server/stations/tls_socket.h"
 
 namespace enamel::server::stations {
 
@@ -42,11 +42,10 @@ class Connection : public AcceptedConnection, public std::enable_shared_from_thi
 
  private:
   using Clock = std::chrono::steady_clock;
-  using Io = TlsSocket::Io;
+  using Io = StreamSocket::Io;
 
   boost::asio::awaitable<void> Serve();
   boost::asio::awaitable<void> ServeRequests();
-  boost::asio::awaitable<void> Watch();
   boost::asio::awaitable<Result<Bytes>> ReadFrame();
   boost::asio::awaitable<bool> Write(wire::Reply reply);
   // Before the first request is carried out: which school's it is.
@@ -55,17 +54,14 @@ class Connection : public AcceptedConnection, public std::enable_shared_from_thi
   boost::asio::awaitable<void> Refuse(Status status);
   // Says it in the log, and takes out of it what is for the log alone.
   void NoteRefusal(wire::Error& error);
-  void Allow(std::chrono::milliseconds time);
   void End(Status why);
-  void CloseSocket();
 
   const Strand strand_;
   const LinkDeadlines& deadlines_;
   StorePool& pool_;
   ops::RefusalLog& refusals_;
-  TlsSocket stream_;
-  Clock::time_point deadline_;
-  boost::asio::steady_timer watch_;  // wakes Watch, never later than the deadline
+  StreamSocket stream_;
+  Deadline deadline_;
   protocol::FrameReader reader_;
   const std::string peer_, block_;
   const std::string id_ = LogRequest::NewId();  // what the log calls all its requests
@@ -79,7 +75,6 @@ class Connection : public AcceptedConnection, public std::enable_shared_from_thi
   bool waiting_for_frame_ = false;  // for a frame's first byte
   std::optional<Status> ending_;    // why no further request is read
   std::optional<Uuid> station_;     // since Welcome
-  bool ended_ = false;
 };
 
 }  // namespace enamel::server::stations

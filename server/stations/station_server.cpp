@@ -5,8 +5,6 @@
 
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/redirect_error.hpp>
-#include <boost/asio/ssl/context.hpp>
-#include <csignal>
 #include <set>
 
 #include "common/base/check.h"
@@ -22,16 +20,11 @@ using boost::system::error_code;
 
 namespace {
 
-// Idle connections keep no record buffers; stations pin a certificate and never resume a session.
+// Stations pin a certificate and never resume a session.
 void SaveMemory(SSL_CTX* tls) {
-  SSL_CTX_set_mode(tls, SSL_MODE_RELEASE_BUFFERS | SSL_MODE_ENABLE_PARTIAL_WRITE |
-                            SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER);
   SSL_CTX_set_session_cache_mode(tls, SSL_SESS_CACHE_OFF);
   SSL_CTX_set_num_tickets(tls, 0);
 }
-
-// A peer that is gone shall be an error of the write, not a signal: OpenSSL writes with write(2).
-void IgnoreBrokenPipes() { std::signal(SIGPIPE, SIG_IGN); }
 
 // As many as the system lets this process have: one each.
 void AllowDescriptors() {
@@ -76,7 +69,7 @@ struct StationServer::State : std::enable_shared_from_this<State> {
   Services& services;
   OtherSchools* const others;
   StorePool& pool;
-  std::shared_ptr<asio::ssl::context> tls;  // constant after Start
+  std::shared_ptr<SSL_CTX> tls;  // constant after Start
   ops::RefusalLog refusals{"station link"};
   Listener listener;
 
@@ -90,7 +83,7 @@ struct StationServer::State : std::enable_shared_from_this<State> {
 
 std::shared_ptr<AcceptedConnection> StationServer::State::Make(tcp::socket socket, Strand its,
                                                                const std::string& peer) {
-  return std::make_shared<Connection>(std::move(socket), std::move(its), peer, tls->native_handle(),
+  return std::make_shared<Connection>(std::move(socket), std::move(its), peer, tls.get(),
                                       options.deadlines, services, others, pool, refusals);
 }
 
@@ -164,9 +157,8 @@ Result<uint16_t> StationServer::Start() {
   ENAMEL_ASSIGN_OR_RETURN(auto tls,
                           net::MakeServerContext(s.options.certificate, s.options.private_key));
   s.tls = tls;
-  SaveMemory(tls->native_handle());
+  SaveMemory(tls.get());
   AllowDescriptors();
-  IgnoreBrokenPipes();
   ENAMEL_ASSIGN_OR_RETURN(auto port, s.listener.Start());
   asio::co_spawn(s.strand, s.WatchRevoked(), [state = state_](std::exception_ptr failure) {
     if (failure) spdlog::error("station link: looking for revoked stations ended by an exception");

@@ -96,7 +96,7 @@ TEST_F(CertificateTest, ServerContextTakesTheFiles) {
   ASSERT_TRUE(CreateCertificateFiles(certificate(), key(), "a").ok());
   auto context = MakeServerContext(certificate(), key());
   ASSERT_TRUE(context.ok()) << context.status().message();
-  EXPECT_EQ(SSL_CTX_get_min_proto_version((*context)->native_handle()), TLS1_3_VERSION);
+  EXPECT_EQ(SSL_CTX_get_min_proto_version(context->get()), TLS1_3_VERSION);
 }
 
 TEST_F(CertificateTest, ServerContextNamesTheFileItCannotUse) {

@@ -34,7 +34,7 @@ constexpr auto kSoon = seconds(20);  // never waited for when all is well
 // the script on each, blocking.
 class ScriptedServer {
  public:
-  ScriptedServer(std::shared_ptr<asio::ssl::context> context, std::function<void(Stream&)> script)
+  ScriptedServer(std::shared_ptr<SSL_CTX> context, std::function<void(Stream&)> script)
       : context_(std::move(context)),
         acceptor_(io_, tcp::endpoint(asio::ip::address_v4::loopback(), 0)),
         port_(acceptor_.local_endpoint().port()),
@@ -59,7 +59,7 @@ class ScriptedServer {
     while (!stopping_) {
       tcp::socket socket = acceptor_.accept();
       if (stopping_) return;
-      Stream stream(std::move(socket), *context_);
+      Stream stream(std::move(socket), SSL_new(context_.get()));
       SetConnection(stream.next_layer().native_handle());
       try {
         stream.handshake(Stream::server);
@@ -78,7 +78,7 @@ class ScriptedServer {
   }
 
   asio::io_context io_;
-  std::shared_ptr<asio::ssl::context> context_;
+  std::shared_ptr<SSL_CTX> context_;
   tcp::acceptor acceptor_;
   uint16_t port_;
   std::atomic<bool> stopping_{false};
@@ -114,7 +114,7 @@ class FrameClientTest : public testing::Test {
 
   test::TempFolder temp_;
   const std::filesystem::path folder_ = temp_.path();
-  std::shared_ptr<asio::ssl::context> context_;
+  std::shared_ptr<SSL_CTX> context_;
   Sha256 fingerprint_;
   FrameClient client_;
 };
@@ -169,7 +169,7 @@ TEST_F(FrameClientTest, ServerWithoutTls13IsRefusedAsAVersion) {
   old->use_certificate_chain_file((folder_ / "c.pem").string());
   old->use_private_key_file((folder_ / "k.pem").string(), asio::ssl::context::pem);
   SSL_CTX_set_max_proto_version(old->native_handle(), TLS1_2_VERSION);
-  ScriptedServer server(old, Echo);
+  ScriptedServer server(std::shared_ptr<SSL_CTX>(old, old->native_handle()), Echo);
   EXPECT_EQ(client_.Connect(server.endpoint(), fingerprint_, kSoon).code(), Code::kVersion);
 }
 

@@ -165,7 +165,7 @@ class FakeServer {
 
   void Serve(asio::ip::tcp::socket socket) {
     const int fd = socket.native_handle();
-    Stream stream(std::move(socket), *context_);
+    Stream stream(std::move(socket), SSL_new(context_.get()));
     try {
       stream.handshake(Stream::server);
       while (!stopping_) {
@@ -305,7 +305,7 @@ class FakeServer {
   }
 
   std::filesystem::path pem_, key_;
-  std::shared_ptr<asio::ssl::context> context_;
+  std::shared_ptr<SSL_CTX> context_;
   asio::io_context io_;
   asio::ip::tcp::acceptor acceptor_{io_};
   std::vector<std::thread> threads_;  // one each; of thread_
