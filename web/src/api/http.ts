@@ -1,7 +1,6 @@
 import { fail, ok, type Result } from "../base/result";
 import { say, sayIf } from "../base/words";
 import { spokenLanguage } from "../base/language";
-import { readAll } from "./read_all";
 import type { ErrorCode } from "./types";
 
 // Why a request gave nothing. `unreachable`: no answer at all; `malformed`: an answer this page does
@@ -44,6 +43,22 @@ export type Fetch = (path: string, init: RequestInit) => Promise<Response>;
 export type Query = Readonly<Record<string, string | number | boolean | undefined>>;
 
 const kMostRows = 200;                          // that the server gives in a page
+const kMostPages = 200;
+
+// The pages of a list, one after the other, up to kMostPages of them (40 000 rows of 200): what comes after is left out.
+// Ends early with an error of any of them.
+export async function readAll<T>(ask: (cursor: string | undefined) => Promise<ApiResult<Page<T>>>): Promise<ApiResult<readonly T[]>> {
+  const items: T[] = [];
+  let cursor: string | undefined;
+  for (let page = 0; page < kMostPages; ++page) {
+    const result = await ask(cursor);
+    if (!result.ok) return result;
+    items.push(...result.value.items);
+    if (result.value.next === null) break;
+    cursor = result.value.next;
+  }
+  return ok(items);
+}
 
 // How requests of the HTTP API (schemas/api/openapi.yaml) travel. Never throws: every outcome is a
 // Result. `sessionLost` is called when a request that needs a session is told there is none.

@@ -23,7 +23,7 @@ import "../widgets/shared";
 import { PartState, usePart } from "../widgets/part";
 import { keepLanguage, language, applyLanguage } from "./language";
 import { location, navigate } from "./location";
-import { homePath, navigation, parseRoute, type Route } from "./routes";
+import { homePath, navigation, parseRoute, type Route, type ScreenProps } from "./routes";
 
 // Who is using the page. The address stays while signed out, so that signing in again leads back.
 type SessionState =
@@ -191,7 +191,7 @@ function OneExercise(props: ComponentProps<typeof ExercisePage>) {
 }
 
 // What only teachers and admins see.
-function Staff({ route, person, onQuery }: { readonly route: Route; readonly person: Person; readonly onQuery: (query: Readonly<Record<string, string>>) => void }) {
+function Staff({ route, person, onQuery }: Omit<ScreenProps, "client" | "onOpen">) {
   const loaded = usePart("staff", () => import("./staff"));
   if (loaded === "loading" || loaded === "failed") return <PartState state={loaded} />;
   return loaded.staffScreen({ client, route, person, onQuery, onOpen: navigate }) ?? <NotFound home={homePath(person.role)} />;

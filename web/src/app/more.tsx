@@ -7,7 +7,7 @@ import { JobsPage } from "../features/operations/jobs_page";
 import { PeoplePage } from "../features/people/people_page";
 import { PersonPage } from "../features/people/person_page";
 import { RosterPage } from "../features/people/roster_page";
-import type { Props } from "./staff";
+import type { ScreenProps } from "./routes";
 
 // What who teaches seldom opens, and admins: one part of the page, since each part costs a request and its head.
 export { InsightCard } from "../features/assignments/insight_card";
@@ -15,7 +15,7 @@ export { ProfilePage } from "../features/profiles/profile_page";
 export { ProfilesPage } from "../features/profiles/profiles_page";
 
 // The screens of admins alone, which isForAdmins names.
-export function adminScreen({ client, route, person, onQuery, onOpen }: Props): ComponentChildren {
+export function adminScreen({ client, route, person, onQuery, onOpen }: ScreenProps): ComponentChildren {
   switch (route.name) {
     case "people": return <PeoplePage client={client} query={route.query} onQuery={onQuery} />;
     case "person": return <PersonPage client={client} id={route.id} self={route.id === person.id} onGone={() => onOpen("/people")} />;

@@ -1,4 +1,5 @@
-import type { Role } from "../api/types";
+import type { Client } from "../api/client";
+import type { Person, Role } from "../api/types";
 import { unreachable } from "../base/assert";
 import { say } from "../base/words";
 
@@ -17,6 +18,15 @@ export type Route =
   // `query`: what a list is narrowed to.
   | { [Name in ListName]: { readonly name: Name; readonly query: URLSearchParams } }[ListName]
   | { [Name in ThingName]: { readonly name: Name; readonly id: string } }[ThingName];
+
+// What a screen is given.
+export interface ScreenProps {
+  readonly client: Client;
+  readonly route: Route;
+  readonly person: Person;
+  readonly onQuery: (query: Readonly<Record<string, string>>) => void;
+  readonly onOpen: (path: string) => void;
+}
 
 export function parseRoute(url: URL): Route {
   const [first, second, ...rest] = url.pathname.split("/").filter((part) => part !== "");

@@ -2,7 +2,6 @@ import "../api/shared";
 import "../widgets/shared";
 import type { ComponentChildren } from "preact";
 import type { Client } from "../api/client";
-import type { Person } from "../api/types";
 import { AssignmentPage } from "../features/assignments/assignment_page";
 import { AssignmentsPage } from "../features/assignments/assignments_page";
 import { CohortPage } from "../features/cohorts/cohort_page";
@@ -12,18 +11,10 @@ import { LivePage } from "../features/live/live_page";
 import { WatchPage } from "../features/live/watch_page";
 import { StationsPage } from "../features/stations/stations_page";
 import { PartState, usePart } from "../widgets/part";
-import { isForAdmins, type Route } from "./routes";
-
-export interface Props {
-  readonly client: Client;
-  readonly route: Route;
-  readonly person: Person;
-  readonly onQuery: (query: Readonly<Record<string, string>>) => void;
-  readonly onOpen: (path: string) => void;
-}
+import { isForAdmins, type ScreenProps } from "./routes";
 
 // The screens of teachers and admins; undefined where there is none for this person.
-export function staffScreen({ client, route, person, onQuery, onOpen }: Props): ComponentChildren | undefined {
+export function staffScreen({ client, route, person, onQuery, onOpen }: ScreenProps): ComponentChildren | undefined {
   const admin = person.role === "admin";
   switch (route.name) {
     case "assignments": return <AssignmentsPage client={client} query={route.query} onQuery={onQuery} onOpen={(id) => onOpen(`/assignments/${id}`)} />;
@@ -42,7 +33,7 @@ export function staffScreen({ client, route, person, onQuery, onOpen }: Props): 
 }
 
 // Of an exercise, of the rubric of one that is published, or of a device profile.
-function editor(client: Client, query: URLSearchParams, admin: boolean, onOpen: Props["onOpen"]): ComponentChildren | undefined {
+function editor(client: Client, query: URLSearchParams, admin: boolean, onOpen: ScreenProps["onOpen"]): ComponentChildren | undefined {
   const [exercise, rubric, profile] = ["exercise", "rubric", "profile"].map((name) => query.get(name));
   if (exercise != null) return <Editors show={({ ExerciseEditorPage }) => <ExerciseEditorPage client={client} id={exercise} onOpen={onOpen} />} />;
   if (rubric != null) return <Editors show={({ RubricEditorPage }) => <RubricEditorPage client={client} id={rubric} onOpen={onOpen} />} />;

@@ -1,6 +1,6 @@
 import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
-import { readAll } from "../../api/read_all";
+import { readAll } from "../../api/http";
 import type { Attempt, Cohort, CohortGrades, Grade } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { csvText } from "../../base/csv";

@@ -1,8 +1,7 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
-import type { ApiResult } from "../../api/http";
-import { readAll } from "../../api/read_all";
+import { type ApiResult, readAll } from "../../api/http";
 import type { Attempt, Score } from "../../api/types";
 import { scoreOf } from "../../api/worded";
 import { useRequest } from "../../api/use_request";
