@@ -1,7 +1,7 @@
 // What the attempt's playback shows and how it is drawn.
 import assert from "node:assert/strict";
 import { toothPixels, toothPixelsBecome } from "./pixels.mjs";
-import { accessible, signedIn } from "./session.mjs";
+import { accessible, signedIn, signIn } from "./session.mjs";
 
 const kAttempt = "/attempts/00000000-0000-7000-8000-000000000105";
 
@@ -194,6 +194,32 @@ async function tickByTick(world) {
   await page.getByText(/^Shown: /).waitFor({ state: "detached" });
 }
 
+// A link's moment is opened once, also where the playback fails after the plots are there: what is loaded anew later does
+// not take back what somebody chose.
+async function linkIsOpenedOnce(world) {
+  const row = world.mock.attempts.find((attempt) => attempt.id.endsWith("106"));
+  const page = (await world.open()).page;
+  const asked = [];
+  await page.route("**/timeline", (route) => { asked.push(route); });
+  const fail = () => asked.splice(0).map((route) => route.fulfill({ status: 404, json: { error: { code: "not_found", message: "There is no timeline.", field: "" } } }));
+  await page.goto(`/attempts/${row.id}?t=20`);
+  await signIn(page, world.logins.instructor);
+  const slider = page.getByLabel("Time in the attempt");
+  await page.locator(".plot canvas").waitFor();
+  await page.waitForFunction(() => document.querySelector("#timeline").value === "833");
+  fail();
+  await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
+  await slider.fill("500");
+  row.computed_score -= 1;
+  const again = page.waitForRequest("**/timeline");
+  await page.getByRole("button", { name: "Release score" }).click();
+  await page.getByText("Score released").waitFor();
+  await again;
+  await page.locator(".plot canvas").waitFor();
+  assert.equal(await slider.inputValue(), "500");
+  fail();
+}
+
 async function putOnTop(page, other) {
   const choice = page.getByLabel("Compare with");
   await choice.focus();
@@ -274,6 +300,7 @@ export const playbackFlows = [
   { name: "contact, faults and strokes that lost points stand on the axis of time", run: marksOnTheTime },
   { name: "the force on the hand is an arrow at the bur, and what was late or held back is on the axis", run: forceArrow },
   { name: "another attempt lies over this one, at the same time or place of the way", run: onTop },
+  { name: "a link's moment is opened once, also without a playback", run: linkIsOpenedOnce },
   { name: "the target is drawn over the tooth, and goes away", run: targetLines },
   { name: "the plot zooms by keys and wheel, and is moved by a drag", run: plotZooms },
   { name: "a short part of the plot is drawn tick by tick", run: tickByTick },

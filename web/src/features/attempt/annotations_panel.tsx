@@ -10,39 +10,30 @@ import { LongTextField } from "../../widgets/form";
 import type { PointMm } from "../../widgets/tooth/scene";
 import { commentsOf, dropComment, keepComment } from "./comment_bank";
 import { type Mark, secondsOfTick, tickAt } from "./moments";
+import type { Review } from "./use_review";
 
 const kMaxText = 4000;
 
 interface Props {
-  readonly client: Client;
-  readonly attemptId: string;
-  readonly personId: string;                    // who writes, and whose comments are kept
-  readonly teacher: boolean;                    // may add remarks
+  readonly review: Review;
   readonly series: Series;
-  readonly marks: readonly Mark[];
-  readonly chosen: string | undefined;          // id of a remark
-  readonly timeS: number;                       // the moment that is looked at, and its step
-  readonly cursor: number;
-  readonly point: PointMm | undefined;          // clicked on the tooth, for the next remark
-  readonly onPoint: (point: PointMm | undefined) => void;
-  readonly onChoose: (mark: Mark) => void;
-  readonly onChanged: () => void;
 }
 
 // What a teacher remarks at moments of an attempt and at points of the tooth.
-export function AnnotationsPanel(props: Props) {
-  const { marks, teacher } = props;
+export function AnnotationsPanel({ review, series }: Props) {
+  const { marks, annotates } = review;
   return (
     <Card title={say("remarks.title")} className="annotations-card">
       {marks.length === 0
-        ? <Empty>{teacher ? say("remarks.none_staff") : say("remarks.none")}</Empty>
-        : <ol class="annotations">{marks.map((mark) => <li key={mark.annotation.id}><RemarkItem {...props} mark={mark} /></li>)}</ol>}
-      {teacher && <NewRemark {...props} />}
+        ? <Empty>{annotates ? say("remarks.none_staff") : say("remarks.none")}</Empty>
+        : <ol class="annotations">{marks.map((mark) => <li key={mark.annotation.id}><RemarkItem review={review} series={series} mark={mark} /></li>)}</ol>}
+      {annotates && <NewRemark review={review} series={series} />}
     </Card>
   );
 }
 
-function RemarkItem({ client, series, mark, chosen, onChoose, onChanged }: Props & { readonly mark: Mark }) {
+function RemarkItem({ review, series, mark }: Props & { readonly mark: Mark }) {
+  const { client, chosen, choose, remarks } = review;
   const { annotation, number } = mark;
   const [mode, setMode] = useState<"read" | "edit" | "delete">("read");
   const again = useRef<HTMLButtonElement>(null);
@@ -57,13 +48,13 @@ function RemarkItem({ client, series, mark, chosen, onChoose, onChanged }: Props
       <span class="annotation-number" aria-hidden="true">{number}</span>
       <div class="annotation-body">
         <p class="hint">
-          <button type="button" class="button small quiet" onClick={() => onChoose(mark)}>
+          <button type="button" class="button small quiet" onClick={() => choose(mark)}>
             <span class="hidden">{say("remarks.show", { number: String(number) })} </span>{formatMoment(secondsOfTick(series, annotation.tick))}
           </button>
           {" "}{annotation.point_um !== null && <>{say("remarks.at_a_point")} </>}{annotation.to_chair && <>{say("remarks.to_chair")} </>}{byline(annotation)}
         </p>
         {mode === "edit"
-          ? <EditRemark client={client} annotation={annotation} onDone={() => { setMode("read"); onChanged(); }} onCancel={() => setMode("read")} />
+          ? <EditRemark client={client} annotation={annotation} onDone={() => { setMode("read"); remarks.reload(); }} onCancel={() => setMode("read")} />
           : <p>{annotation.text}</p>}
         {annotation.mine && mode === "read" && (
           <div class="button-row">
@@ -77,7 +68,7 @@ function RemarkItem({ client, series, mark, chosen, onChoose, onChanged }: Props
                  onConfirm={async () => {
                    const result = await client.teaching.deleteAnnotation(annotation);
                    if (!result.ok) return result.error.message;
-                   onChanged();
+                   remarks.reload();
                    return undefined;
                  }}>
           <p class="quote">{annotation.text}</p><p>{say("remarks.delete_text")}</p>
@@ -113,34 +104,35 @@ function EditRemark({ client, annotation, onDone, onCancel }:
   );
 }
 
-function NewRemark({ client, attemptId, personId, series, timeS, cursor, point, onPoint, onChanged }: Props) {
+function NewRemark({ review, series }: Props) {
+  const { client, attempt, personId, momentS, cursor, point, setPoint, remarks } = review;
   const [text, setText] = useState("");
   const [kept, setKept] = useState(() => commentsOf(personId));
   const change = useChange();
   const form = useRef<HTMLFormElement>(null);
   const save = async (event: Event) => {
     event.preventDefault();
-    const remark = { tick: tickAt(series, timeS), point_um: point === undefined ? null : umOf(point), text: text.trim() };
-    const result = await change.run(() => client.teaching.annotate(attemptId, remark));
+    const remark = { tick: tickAt(series, momentS), point_um: point === undefined ? null : umOf(point), text: text.trim() };
+    const result = await change.run(() => client.teaching.annotate(attempt.id, remark));
     // While it is sent the button cannot hold the focus: who did not go elsewhere writes on.
     if (document.activeElement === document.body || form.current?.contains(document.activeElement) === true) form.current?.querySelector("textarea")?.focus();
     if (result?.ok !== true) return;
     setText("");
-    onPoint(undefined);
-    onChanged();
+    setPoint(undefined);
+    remarks.reload();
   };
   const anchor = series.anchor_mm[cursor];
   return (
     <form class="form new-remark" ref={form} onSubmit={(event) => void save(event)}>
-      <LongTextField label={say("remarks.new", { moment: formatMoment(timeS) })} value={text} onValue={setText} required maxLength={kMaxText} rows={3}
+      <LongTextField label={say("remarks.new", { moment: formatMoment(momentS) })} value={text} onValue={setText} required maxLength={kMaxText} rows={3}
                      hint={point === undefined ? say("remarks.click")
                                                : say("remarks.at_point", { point: point.map((mm) => formatNumber(mm, 1)).join(" / ") })} />
       {change.error !== undefined && <ErrorNotice title={say("common.not_saved")} message={change.error.message} />}
       <div class="button-row">
         <button type="submit" class="button primary" disabled={change.busy || text.trim() === ""}>{say("remarks.add")}</button>
         {point === undefined
-          ? anchor !== undefined && <button type="button" class="button" onClick={() => onPoint([anchor[0] ?? 0, anchor[1] ?? 0, anchor[2] ?? 0])}>{say("remarks.at_tool")}</button>
-          : <button type="button" class="button" onClick={() => onPoint(undefined)}>{say("remarks.no_point")}</button>}
+          ? anchor !== undefined && <button type="button" class="button" onClick={() => setPoint([anchor[0] ?? 0, anchor[1] ?? 0, anchor[2] ?? 0])}>{say("remarks.at_tool")}</button>
+          : <button type="button" class="button" onClick={() => setPoint(undefined)}>{say("remarks.no_point")}</button>}
         {text.trim() !== "" && !kept.includes(text.trim()) && <button type="button" class="button" onClick={() => setKept(keepComment(personId, text))}>{say("remarks.keep")}</button>}
       </div>
       {kept.length > 0 && (

@@ -4,40 +4,32 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { ApiError } from "../../api/http";
-import type { Annotation, AttemptDetail, Deduction, Person } from "../../api/types";
-import { scoreOf } from "../../api/worded";
+import type { AttemptDetail, Person } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { useRefresh } from "../../api/use_refresh";
 import { unreachable } from "../../base/assert";
-import { momentOf, momentQuery } from "../../base/moment_link";
 import { placeInQueue } from "../../base/queue";
 import { formatDateTime, formatMoment, formatQuantity } from "../../base/format";
 import { say, sayWith } from "../../base/words";
-import { Flags, isUnderWay, StateBadge, stoppedEarly } from "../../widgets/attempt_state";
+import { Flags, isUnderWay, StateBadge } from "../../widgets/attempt_state";
 import { Card, ErrorNotice, Loading, Notice, PageTitle, Progress } from "../../widgets/basics";
 import { KeysHelp, useKeys } from "../../widgets/keys";
 import { useReleaseUndo } from "../../widgets/release_undo";
-import type { PointMm } from "../../widgets/tooth/scene";
-import type { LookHandle } from "../../widgets/tooth/tooth_view";
 import { AnnotationsPanel } from "./annotations_panel";
 import { AppealPanel } from "./appeal_panel";
-import { gapsOf, seriesEndS, stepAt } from "./clock";
 import { MetricsPanel, RecordingPanel, RunsPanel } from "./detail_panels";
-import { ForcePanel, type PlotKeys } from "./force_panel";
+import { ForcePanel } from "./force_panel";
 import { EnvelopePanel } from "./envelope_panel";
-import { type Mark, marksOf, stepOfTick } from "./moments";
-import { nextMark, spansOf } from "./spans";
 import { ScorePanel } from "./score_panel";
 import { toleranceMm } from "./tolerance";
 import { QueueBar } from "./queue_bar";
 import { isWithheld, withheldText } from "./summary";
 import { TeacherActions } from "./teacher_actions";
 import { ToothPanel } from "./tooth_panel";
-import { type PlaybackControl, playbackKeys, usePlayback } from "./use_playback";
+import { playbackKeys } from "./use_playback";
+import { type Review, type Reviewed, useReview } from "./use_review";
 
 const kPollMs = 1500;
-const kBeyondS = 0.05;                          // an address has hundredths; less is rounding
-const kNoRemarks: readonly Annotation[] = [];
 
 interface Props {
   readonly client: Client;
@@ -62,19 +54,17 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
   const place = useMemo(() => teacher ? placeInQueue(id) : undefined, [id, teacher]);
   const to = (other: string | undefined) => { if (other !== undefined) onOpen(`/attempts/${other}`); };
   const release = useRef<() => void>(undefined);    // and on to the next one, where that may be done now
-  const control = useRef<PlaybackControl>(undefined);
-  const plots = useMemo((): PlotKeys => ({}), []);
-  const toMark = useRef<(direction: -1 | 1) => void>(undefined);
+  const review = useRef<Review>(undefined);         // while there is a score to look at
   const undo = useReleaseUndo(async (released) => {
     const now = await client.attempt(released);     // with what others changed meanwhile
     return now.ok ? client.teaching.withdrawRelease(now.value) : now;
   });
-  const keys = useKeys([...playbackKeys(() => control.current),
-    { key: "i", what: say("attempt_key.less"), act: () => plots.zoom?.(1) }, { key: "o", what: say("attempt_key.more"), act: () => plots.zoom?.(-1) },
-    { key: "u", what: say("attempt_key.whole"), act: () => plots.zoom?.(0) },
-    { key: "v", what: say("attempt_key.lines"), act: () => plots.more?.() },
-    { key: "x", what: say("attempt_key.next_mark"), act: () => toMark.current?.(1) },
-    { key: "z", what: say("attempt_key.mark_before"), act: () => toMark.current?.(-1) },
+  const keys = useKeys([...playbackKeys(() => review.current?.control),
+    { key: "i", what: say("attempt_key.less"), act: () => review.current?.plots.zoom?.(1) }, { key: "o", what: say("attempt_key.more"), act: () => review.current?.plots.zoom?.(-1) },
+    { key: "u", what: say("attempt_key.whole"), act: () => review.current?.plots.zoom?.(0) },
+    { key: "v", what: say("attempt_key.lines"), act: () => review.current?.plots.more?.() },
+    { key: "x", what: say("attempt_key.next_mark"), act: () => review.current?.toMark(1) },
+    { key: "z", what: say("attempt_key.mark_before"), act: () => review.current?.toMark(-1) },
     ...(!teacher ? [] : [
     ...undo.keys,
     ...(place === undefined ? [] : [
@@ -106,125 +96,74 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
                                    onNext={place === undefined ? undefined : () => place.next === undefined ? onOpen(place.back) : to(place.next)} />
                  : attempt.state === "scored" && <button type="button" class="button print-button" onClick={() => window.print()}>{say("attempt.print")}</button>}
       </div>
-      {isWithheld(attempt, teacher) ? <WithheldAttempt attempt={attempt} /> : attempt.state === "scored" ? <ScoredAttempt client={client} personId={person.id} attempt={attempt} tolerance={tolerance} teacher={teacher} playback={control} toMark={toMark} plots={plots} onChanged={reload} onDone={setDone} /> : <UnscoredAttempt attempt={attempt} />}
+      {isWithheld(attempt, teacher) ? <WithheldAttempt attempt={attempt} /> : attempt.state === "scored" ? <ScoredAttempt reviewed={{ client, attempt, personId: person.id, teacher, toleranceMm: tolerance }} handle={review} onChanged={reload} onDone={setDone} /> : <UnscoredAttempt attempt={attempt} />}
     </>
   );
 }
 
-function ScoredAttempt({ client, attempt, tolerance, teacher, playback, toMark, plots, onChanged, onDone, personId }:
-                       { readonly plots: PlotKeys; readonly playback: { current: PlaybackControl | undefined }; readonly toMark: { current: ((direction: -1 | 1) => void) | undefined }; readonly personId: string; readonly onDone: (percent: number | undefined) => void; readonly client: Client; readonly attempt: AttemptDetail; readonly tolerance: number; readonly teacher: boolean; readonly onChanged: () => void }) {
-  const { id } = attempt;
-  // Release changes what a student gets, not what a teacher gets; a new score changes it for both.
-  const key = `${id} ${teacher || attempt.released} ${attempt.computed_score} ${attempt.reference?.attempt_id}`;
-  const score = useRequest(key, (signal) => scoreOf(client, id, signal));
-  const removed = attempt.recording_removed_ms > 0;
-  const series = useRequest(removed ? undefined : key, (signal) => client.series(id, signal));
-  const remarks = useRequest(key, (signal) => client.teaching.annotations(id, signal));
-  const [timeS, setTimeS] = useState<number>();     // undefined until first moved: the end
-  const asked = useMemo(() => momentOf(new URLSearchParams(window.location.search)), []);
-  const asksDone = useRef(false);                   // nothing that is still to come changes the moment it names
-  const look = useMemo((): LookHandle => ({ begin: asked.look, now: undefined }), [asked]);
-  const [noMark, setNoMark] = useState(false);      // somebody asked for the next one, and there is none
-  const [chosen, setChosen] = useState<string>();   // id of a remark
-  const [point, setPoint] = useState<PointMm>();    // clicked on the tooth, for the next remark
-  const recorded = series.loaded.state === "ready" ? series.loaded.value : undefined;
-  const control = usePlayback(client, removed ? undefined : id, key, timeS, setTimeS);
-  playback.current = control;
-  // The picture without a playback: some megabytes more, and nothing moves.
-  const still = control !== undefined && (control.playback.state.state === "waiting" || control.playback.state.state === "failed");
-  const surface = useRequest(still ? key : undefined, (signal) => client.surface(id, signal));
-  const endS = control?.clock?.endS ?? (recorded === undefined ? undefined : seriesEndS(recorded));
-  // The one moment of picture, plots and remarks: until somebody moves it, the end.
-  const momentS = timeS ?? endS ?? 0;
-  const cursor = recorded === undefined ? 0 : stepAt(recorded, momentS);
-  const setCursor = (step: number) => {
-    if (recorded !== undefined) setTimeS(step >= recorded.t_s.length - 1 ? endS : recorded.t_s[step]);
-  };
-  const said = remarks.loaded.state === "ready" ? remarks.loaded.value : kNoRemarks;
-  const marks = useMemo(() => recorded === undefined ? [] : marksOf(recorded, said), [recorded, said]);
-  const scored = score.loaded.state === "ready" ? score.loaded.value : undefined;
-  const head = control?.playback.head;
-  const whole = control?.playback.whole === true;
-  const spans = useMemo(() => {
-    if (recorded === undefined) return [];
-    const { clock, playback: played } = control ?? {};
-    const gaps = !whole || head === undefined || clock === undefined || played === undefined ? [] : gapsOf(head, played.poses).map((gap) => ({ ...gap, endS: clock.timeOf(gap.frames) }));
-    return spansOf(recorded, gaps, scored?.deductions ?? []);
-  }, [recorded, scored, head, whole, control?.clock]);
-  toMark.current = (direction) => {
-    const at = nextMark(spans, momentS, direction);
-    setNoMark(at === undefined && scored !== undefined);
-    if (at !== undefined) setTimeS(at);
-  };
-  const done = scored === undefined ? undefined : stoppedEarly(scored);
+interface ScoredProps {
+  readonly reviewed: Reviewed;
+  readonly handle: { current: Review | undefined };
+  readonly onChanged: () => void;
+  readonly onDone: (percent: number | undefined) => void;
+}
+
+function ScoredAttempt({ reviewed, handle, onChanged, onDone }: ScoredProps) {
+  const review = useReview(reviewed);
+  const { attempt, scored, done } = review;
+  handle.current = review;
   useEffect(() => onDone(done), [done, onDone]);
-  const reference = attempt.reference === null ? undefined : attempt.reference.dentist ?? say("attempt.earlier_reference");
-  const annotates = attempt.may.includes("annotate");
-  // A link may name the moment; it is opened as soon as the recording is there.
-  useEffect(() => {
-    if (endS !== undefined && asked.seconds !== undefined && !asksDone.current) setTimeS(Math.min(asked.seconds, endS));
-    if (control?.playback.whole === true || still) asksDone.current = true;
-  }, [endS, asked, control?.playback.whole]);
-  const { loop, clock } = control ?? {};
-  const range = loop?.to === undefined || clock === undefined ? undefined : [clock.timeOf(loop.from), clock.timeOf(loop.to)] as const;
-  const beyond = endS !== undefined && asked.seconds !== undefined && asked.seconds > endS + kBeyondS ? asked.seconds : undefined;
-  const link = () => window.location.origin + window.location.pathname + momentQuery({ seconds: momentS, look: look.now?.() });
-  const tooth = useRef<HTMLDivElement>(null);
-  // Whatever has a time or a place is shown there, wherever on the page it was clicked.
-  const go = (step: number | undefined) => {
-    if (step !== undefined) setCursor(step);
-    tooth.current?.scrollIntoView({ block: "nearest" });
-  };
-  const choose = (mark: Mark) => {
-    setChosen(mark.annotation.id);
-    go(mark.step);
-  };
-  const showPlace = (deduction: Deduction) => {
-    const [x, y, z] = deduction.position_mm;
-    if (x !== undefined && y !== undefined && z !== undefined) setPoint([x, y, z]);
-    go(recorded !== undefined && deduction.stroke_count > 0 ? stepOfTick(recorded, deduction.first_tick) : undefined);
-  };
   return (
     <>
       <div class="attempt-grid">
-        <div class="stack">
-          {score.loaded.state === "loading" && <Card title={say("score.title")}><Loading what={say("loading.score")} /></Card>}
-          {score.loaded.state === "failed" && <ScoreError error={score.loaded.error} onRetry={score.reload} />}
-          {scored !== undefined && attempt.problem !== "" && <Notice tone="warning" title={say("attempt.rescore_failed")}><p>{attempt.problem}</p></Notice>}
-          {scored !== undefined && <ScorePanel score={scored} reference={reference} override={attempt.override} onPlace={removed ? undefined : showPlace} />}
-          <AppealPanel client={client} attempt={attempt} onChanged={onChanged} />
-          {recorded !== undefined && remarks.loaded.state === "ready" && (annotates || marks.length > 0) && (
-            <AnnotationsPanel client={client} attemptId={id} personId={personId} teacher={annotates} series={recorded} marks={marks} chosen={chosen} timeS={momentS} cursor={cursor}
-                              point={point} onPoint={setPoint} onChoose={choose} onChanged={remarks.reload} />
-          )}
-        </div>
-        {removed ? <RemovedRecording removedMs={attempt.recording_removed_ms} /> : (
-          <div class="review">
-            {beyond !== undefined && endS !== undefined && (
-              <p class="hint beyond" role="status">{say("attempt.beyond", { asked: formatMoment(beyond), end: formatMoment(endS) })}</p>
-            )}
-            {noMark && <p class="hint" role="status">{say("span_kind.none")}</p>}
-            <div class="review-tooth" ref={tooth}>
-              {control !== undefined && <ToothPanel client={client} attempt={attempt} staff={teacher} timeS={momentS} surface={surface.loaded} control={control} toleranceMm={tolerance} series={recorded} cursor={recorded === undefined || timeS === undefined ? undefined : cursor} marks={marks} chosen={chosen} point={point} look={look} onMark={choose}
-                          onPoint={annotates ? setPoint : undefined} onRetry={surface.reload} />}
-            </div>
-            <ForcePanel client={client} attempt={attempt.id} exercise={attempt.exercise.id} series={series.loaded} cursor={cursor} timeS={momentS} range={range} marks={marks} spans={spans} onTime={setTimeS} keys={plots} chosen={chosen} onMark={choose} onCursor={setCursor} onRetry={series.reload} link={link} />
-          </div>
-        )}
+        <Judgement review={review} onChanged={onChanged} />
+        {review.removed ? <RemovedRecording removedMs={attempt.recording_removed_ms} /> : <Replay review={review} />}
       </div>
       <div class="columns wide-right">
         <div class="stack">
           <RecordingPanel attempt={attempt} score={scored} />
           <Contradictions attempt={attempt} />
           <Nearness near={attempt.nearness} />
-          {scored !== undefined && <RunsPanel client={client} requestKey={key} attemptId={id} />}
+          {scored !== undefined && <RunsPanel client={review.client} requestKey={review.key} attemptId={attempt.id} />}
         </div>
         <div class="stack">
-          {scored?.envelope != null && <EnvelopePanel client={client} exercise={attempt.exercise.id} envelope={scored.envelope} metrics={scored.metrics} judged={scored.criteria.map((criterion) => criterion.name)} />}
+          {scored?.envelope != null && <EnvelopePanel client={review.client} exercise={attempt.exercise.id} envelope={scored.envelope} metrics={scored.metrics} judged={scored.criteria.map((criterion) => criterion.name)} />}
           {scored !== undefined && <MetricsPanel metrics={scored.metrics} />}
         </div>
       </div>
     </>
+  );
+}
+
+// What was said of the attempt: by the rubric, by teachers, by the student.
+function Judgement({ review, onChanged }: { readonly review: Review; readonly onChanged: () => void }) {
+  const { client, attempt, score, scored, recorded } = review;
+  const { reference } = attempt;
+  return (
+    <div class="stack">
+      {score.loaded.state === "loading" && <Card title={say("score.title")}><Loading what={say("loading.score")} /></Card>}
+      {score.loaded.state === "failed" && <Card title={say("score.title")}><ErrorNotice title={say("attempt.score_failed")} message={score.loaded.error.message} onRetry={score.reload} /></Card>}
+      {scored !== undefined && attempt.problem !== "" && <Notice tone="warning" title={say("attempt.rescore_failed")}><p>{attempt.problem}</p></Notice>}
+      {scored !== undefined && <ScorePanel score={scored} reference={reference === null ? undefined : reference.dentist ?? say("attempt.earlier_reference")} override={attempt.override}
+                                           onPlace={review.removed ? undefined : review.showPlace} />}
+      <AppealPanel client={client} attempt={attempt} onChanged={onChanged} />
+      {recorded !== undefined && review.remarks.loaded.state === "ready" && (review.annotates || review.marks.length > 0) && <AnnotationsPanel review={review} series={recorded} />}
+    </div>
+  );
+}
+
+// Picture and plots.
+function Replay({ review }: { readonly review: Review }) {
+  const { beyondS, endS } = review;
+  return (
+    <div class="review">
+      {beyondS !== undefined && endS !== undefined && (
+        <p class="hint beyond" role="status">{say("attempt.beyond", { asked: formatMoment(beyondS), end: formatMoment(endS) })}</p>
+      )}
+      {review.noMark && <p class="hint" role="status">{say("span_kind.none")}</p>}
+      <div class="review-tooth" ref={review.picture}><ToothPanel review={review} /></div>
+      <ForcePanel review={review} />
+    </div>
   );
 }
 
@@ -301,10 +240,6 @@ function WithheldAttempt({ attempt }: { readonly attempt: AttemptDetail }) {
       <RecordingPanel attempt={attempt} score={undefined} />
     </>
   );
-}
-
-function ScoreError({ error, onRetry }: { readonly error: ApiError; readonly onRetry: () => void }) {
-  return <Card title={say("score.title")}><ErrorNotice title={say("attempt.score_failed")} message={error.message} onRetry={onRetry} /></Card>;
 }
 
 function AttemptError({ error, onRetry }: { readonly error: ApiError; readonly onRetry: () => void }) {

@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { FramePose, Head } from "../../api/timeline";
 import type { Series } from "../../api/types";
-import { FrameClock, gapsOf, seriesEndS, stepAt } from "./clock";
+import { FrameClock, seriesEndS, stepAt } from "./clock";
 
 const head = { ticks: 1050, rateHz: 1000, frameTicks: 100, frames: 11 } as Head;
 const pose = (gapTicks: number) => ({ gapTicks }) as FramePose;
@@ -21,7 +21,7 @@ test("a time finds the frame whose end is nearest, and a frame's own time finds 
 
 test("gaps are told with the frame that they end in, also where poses are still to come", () => {
   const poses = Array.from({ length: 5 }, (_, k) => k === 1 ? undefined : pose(k === 3 ? 2000 : 0));
-  assert.deepEqual(gapsOf(head, poses), [{ frames: 4, seconds: 2 }]);
+  assert.deepEqual(new FrameClock(head, poses).gaps, [{ frames: 4, seconds: 2, endS: 2.4 }]);
 });
 
 test("thirty seconds are thirty seconds, also where a step of the series is longer than a frame", () => {

@@ -3,13 +3,23 @@ import type { FramePose, Head } from "../../api/timeline";
 
 // Times of an attempt, in seconds since its first tick, gaps included: what the series, the playback and a link share.
 
+// Where ticks passed that were not recorded.
+export interface Gap {
+  readonly frames: number;                      // it ends where so many frames end
+  readonly seconds: number;
+  readonly endS: number;
+}
+
 // When each frame of a playback ends. Before its poses are here no gap is known.
 export class FrameClock {
+  readonly gaps: readonly Gap[];
   private readonly gapTicks: Float64Array;      // before the end of so many frames
 
   constructor(private readonly head: Head, poses: readonly (FramePose | undefined)[]) {
     this.gapTicks = new Float64Array(head.frames + 1);
     for (let k = 0; k < head.frames; ++k) this.gapTicks[k + 1] = this.gapTicks[k]! + (poses[k]?.gapTicks ?? 0);
+    this.gaps = poses.flatMap((pose, k) => pose === undefined || pose.gapTicks === 0 ? []
+      : [{ frames: k + 1, seconds: pose.gapTicks / head.rateHz, endS: this.timeOf(k + 1) }]);
   }
 
   get endS(): number {
@@ -30,16 +40,6 @@ export class FrameClock {
     }
     return low > 0 && timeS - this.timeOf(low - 1) < this.timeOf(low) - timeS ? low - 1 : low;
   }
-}
-
-export interface Gap {
-  readonly frames: number;                      // it lies before the end of so many
-  readonly seconds: number;
-}
-
-// Where ticks passed that were not recorded.
-export function gapsOf(head: Head, poses: readonly (FramePose | undefined)[]): Gap[] {
-  return poses.flatMap((pose, i) => pose === undefined || pose.gapTicks === 0 ? [] : [{ frames: i + 1, seconds: pose.gapTicks / head.rateHz }]);
 }
 
 // The step of the series that a time lies in.

@@ -1,8 +1,6 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
-import type { Client } from "../../api/client";
 import type { Exercise, Series } from "../../api/types";
 import { useRequest } from "../../api/use_request";
-import type { Loaded } from "../../api/use_request";
 import { formatDuration, formatFixed, formatMoment, formatQuantity } from "../../base/format";
 import { say, sayIf } from "../../base/words";
 import { Card, ErrorNotice, Loading, TableFrame } from "../../widgets/basics";
@@ -14,51 +12,28 @@ import { boundLine, type Mark } from "./moments";
 import { RangePanel } from "./range_panel";
 import { SpanLegend, SpanStrip } from "./span_strip";
 import { speeds } from "./speed";
-import type { Span } from "./spans";
+import type { Review } from "./use_review";
 import { kZoomStep, panned, showing, type View, zoomed } from "./view";
-
-// What the page's keys do with the plots.
-export interface PlotKeys {
-  more?: () => void;                            // shows and hides the second plot
-  zoom?: (direction: -1 | 0 | 1) => void;       // 0: all
-}
 
 const kTableRows = 40;
 // Beside tooth and timeline there is little height on a small screen.
 const kHeightPx = window.innerHeight < 800 ? 131 : 178;
 
-interface Props {
-  readonly series: Loaded<Series>;
-  readonly cursor: number;                      // the step that the moment lies in
-  readonly timeS: number;                       // the moment
-  readonly range: readonly [number, number] | undefined;  // A to B, seconds
-  readonly marks: readonly Mark[];
-  readonly spans: readonly Span[];
-  readonly chosen: string | undefined;          // id of a remark
-  readonly onMark: (mark: Mark) => void;
-  readonly onCursor: (index: number) => void;
-  readonly onTime: (timeS: number) => void;
-  readonly keys: PlotKeys;
-  readonly onRetry: () => void;
-  readonly link: () => string;                  // the address of this moment, looked at as now
-  readonly client: Client;
-  readonly attempt: string;                     // its id, and its exercise's
-  readonly exercise: string;
-}
-
-export function ForcePanel({ series, onRetry, ...rest }: Props) {
+export function ForcePanel({ review }: { readonly review: Review }) {
+  const { loaded, reload } = review.series;
   return (
     <Card title={say("force.title")} className="force-card">
-      {series.state === "loading" && <Loading what={say("loading.force")} />}
-      {series.state === "failed" && <ErrorNotice title={say("force.failed")} message={series.error.message} onRetry={onRetry} />}
-      {series.state === "ready" && (series.value.t_s.length === 0
+      {loaded.state === "loading" && <Loading what={say("loading.force")} />}
+      {loaded.state === "failed" && <ErrorNotice title={say("force.failed")} message={loaded.error.message} onRetry={reload} />}
+      {loaded.state === "ready" && (loaded.value.t_s.length === 0
         ? <p class="empty">{say("force.no_step")}</p>
-        : <LoadedForce series={series.value} {...rest} />)}
+        : <LoadedForce series={loaded.value} review={review} />)}
     </Card>
   );
 }
 
-function LoadedForce({ series, cursor, timeS, range, marks, spans, chosen, onMark, onCursor, onTime, keys, link, client, attempt, exercise }: Omit<Props, "series" | "onRetry"> & { readonly series: Series }) {
+function LoadedForce({ series, review }: { readonly series: Series; readonly review: Review }) {
+  const { client, attempt, cursor, momentS: timeS, marks, spans, chosen, plots, choose, setCursor: onCursor, setTimeS: onTime } = review;
   const last = series.t_s.length - 1;
   const at = Math.min(cursor, last);
   const whole = useMemo((): View => [series.t_s[0] ?? 0, series.t_s[last] ?? 0], [series]);
@@ -66,20 +41,20 @@ function LoadedForce({ series, cursor, timeS, range, marks, spans, chosen, onMar
   // Who moves the moment past the edge takes the part along.
   useEffect(() => setView((was) => showing(whole, was, series.t_s[at] ?? 0)), [whole, at]);
   const wanted = ticksFor(series, view);
-  const { loaded: near } = useRequest(wanted === undefined ? undefined : `${attempt} ${wanted[0]}`, (signal) => client.ticks(attempt, ...wanted!, signal));
+  const { loaded: near } = useRequest(wanted === undefined ? undefined : `${attempt.id} ${wanted[0]}`, (signal) => client.ticks(attempt.id, ...wanted!, signal));
   const close = useMemo(() => near.state === "ready" && near.value.time_ticks.length > 0 ? closeUp(near.value, series) : undefined, [near, series]);
   const lines = useMemo(() => linesOf(series), [series]);
   const zoom = (atS: number, by: number) => setView(zoomed(whole, view, atS, by));
-  keys.zoom = (direction) => direction === 0 ? setView(undefined) : zoom(series.t_s[at] ?? 0, kZoomStep ** -direction);
+  plots.zoom = (direction) => direction === 0 ? setView(undefined) : zoom(series.t_s[at] ?? 0, kZoomStep ** -direction);
   const [fromS, toS] = view ?? whole;
   const shown = view === undefined ? marks : marks.filter((mark) => (series.t_s[mark.step] ?? 0) >= fromS && (series.t_s[mark.step] ?? 0) <= toS);
   const shareOf = (mark: Mark) => view === undefined ? mark.share : ((series.t_s[mark.step] ?? 0) - fromS) / (toS - fromS);
   const digits = close === undefined ? 1 : 2;
   const shownText = say(close === undefined ? "force.shown" : "force.shown_ticks", { from: formatMoment(fromS, digits), to: formatMoment(toS, digits) });
   const [more, setMore] = useState(false);
-  keys.more = () => setMore((was) => !was);
+  plots.more = () => setMore((was) => !was);
   const moreLines = useMemo(() => more ? moreLinesOf(series) : [], [series, more]);
-  const { loaded: asked } = useRequest(more ? exercise : undefined, (signal) => client.teaching.exercise(exercise, signal));
+  const { loaded: asked } = useRequest(more ? attempt.exercise.id : undefined, (signal) => client.teaching.exercise(attempt.exercise.id, signal));
   const deepLines = useMemo(() => more ? deepLinesOf(series, asked.state === "ready" ? asked.value.value.target : undefined) : [], [series, more, asked]);
   const moved = { view, onZoom: zoom, onPan: (byS: number) => setView(panned(whole, view, byS)), onWhole: () => setView(undefined) };
   const axis = useRef<HTMLDivElement>(null);
@@ -93,7 +68,7 @@ function LoadedForce({ series, cursor, timeS, range, marks, spans, chosen, onMar
         <div class="marks" role="group" aria-label={say("force.remarks")}>
           {shown.map((mark) => (
             <button key={mark.annotation.id} type="button" class={mark.annotation.id === chosen ? "mark chosen" : "mark"} style={{ left: `${100 * shareOf(mark)}%` }}
-                    aria-pressed={mark.annotation.id === chosen} onClick={() => onMark(mark)}><span class="hidden">{say("remarks.one")}</span>{mark.number}</button>
+                    aria-pressed={mark.annotation.id === chosen} onClick={() => choose(mark)}><span class="hidden">{say("remarks.one")}</span>{mark.number}</button>
           ))}
         </div>
       )}
@@ -115,9 +90,9 @@ function LoadedForce({ series, cursor, timeS, range, marks, spans, chosen, onMar
       {view !== undefined && <p class="hint view-of" role="status">{shownText} <button type="button" class="button small quiet" onClick={() => setView(undefined)}>{say("attempts.show_all")}</button></p>}
       {spans.length > 0 && <SpanLegend spans={spans} />}
       <button type="button" class="button small quiet no-print" aria-pressed={more} onClick={() => setMore(!more)}>{say("force.more")}</button>
-      <MomentLinkButton link={link} />
+      <MomentLinkButton link={review.link} />
       <Readout lines={[...lines, ...moreLines, ...deepLines]} timeS={timeS} index={at} />
-      <RangePanel series={series} range={range} />
+      <RangePanel series={series} range={review.range} />
       <details class="numbers">
         <summary>{say("force.as_table")}</summary>
         <SeriesTable series={series} />

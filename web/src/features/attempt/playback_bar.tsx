@@ -1,18 +1,17 @@
-import { useMemo } from "preact/hooks";
 import { formatMoment, formatNumber } from "../../base/format";
 import { say } from "../../base/words";
-import { type Gap, gapsOf } from "./clock";
+import type { Gap } from "./clock";
 import type { PlaybackControl } from "./use_playback";
 
 // Play, pause, speed, what is played again, and the moment of the tooth's picture.
 export function PlaybackBar({ control }: { readonly control: PlaybackControl }) {
   const { playback, clock, playing, speed, speeds, loop } = control;
-  const { state, head } = playback;
-  const gaps = useMemo(() => head === undefined || !playback.whole ? [] : gapsOf(head, playback.poses), [playback, head, playback.whole]);
+  const { state } = playback;
   if (state.state === "waiting") return <p class="hint" role="status">{say("playback.waiting")}</p>;
   if (state.state === "failed") return <p class="hint" role="status">{say("playback.cannot", { reason: state.error.message })}</p>;
   if (state.state === "loading" || !playback.whole || clock === undefined) return <p class="hint" role="status">{say("loading.playback")}</p>;
   if (playback.frames === 0) return null;
+  const { gaps } = clock;
   const time = (frames: number) => formatMoment(clock.timeOf(frames));
   const share = (frames: number) => `${100 * frames / playback.frames}%`;
   return (

@@ -28,8 +28,8 @@ function stretches(series: Series, kind: SpanKind, holds: (step: number) => bool
   return out;
 }
 
-// `gaps`: by when they end. A stroke that took too much has a beginning only; what was left standing has no time.
-export function spansOf(series: Series, gaps: readonly (Gap & { readonly endS: number })[], deductions: readonly Deduction[]): Span[] {
+// A stroke that took too much has a beginning only; what was left standing has no time.
+export function spansOf(series: Series, gaps: readonly Gap[], deductions: readonly Deduction[]): Span[] {
   const lost = new Map<number, Span>();
   for (const { left, strokes } of deductions) {
     if (!left) for (const { first_tick, first_s } of strokes) lost.set(first_tick, { kind: "lost", fromS: first_s, toS: first_s });

@@ -1,9 +1,7 @@
 import { useEffect, useMemo, useState } from "preact/hooks";
-import type { Client } from "../../api/client";
-import type { ApiError } from "../../api/http";
 import type { Surface } from "../../api/surface";
-import type { AttemptDetail, Series } from "../../api/types";
-import { type Loaded, useRequest } from "../../api/use_request";
+import type { Series } from "../../api/types";
+import { useRequest } from "../../api/use_request";
 import { formatLimit, formatNumber, formatQuantity, formatSigned } from "../../base/format";
 import { say } from "../../base/words";
 import { Card, ErrorNotice, Loading } from "../../widgets/basics";
@@ -19,42 +17,30 @@ import { PlaybackBar } from "./playback_bar";
 import { type ToothChoices, ToothTools } from "./tooth_tools";
 import { useOther } from "./use_other";
 import type { PlaybackControl } from "./use_playback";
+import type { Review } from "./use_review";
 
 const kPathSeconds = 3;                         // of the tool's way drawn behind it
 
-interface Props {
-  readonly surface: Loaded<Surface>;            // where nothing can be played back
-  readonly toleranceMm: number;                 // of the rubric
-  readonly control: PlaybackControl;
-  readonly series: Series | undefined;
-  readonly cursor: number | undefined;          // undefined: no tool is drawn
-  readonly marks: readonly Mark[];
-  readonly chosen: string | undefined;          // id of a remark
-  readonly point: PointMm | undefined;          // for the remark that is being written
-  readonly look: LookHandle;
-  readonly client: Client;
-  readonly attempt: AttemptDetail;
-  readonly staff: boolean;
-  readonly timeS: number | undefined;
-  readonly onMark: (mark: Mark) => void;
-  readonly onPoint: ((point: PointMm) => void) | undefined;
-  readonly onRetry: () => void;
-}
-
-export function ToothPanel({ surface, onRetry, ...rest }: Props) {
-  const { playback } = rest.control;
+export function ToothPanel({ review }: { readonly review: Review }) {
+  const { control, surface } = review;
+  if (control === undefined) return null;
+  const { playback } = control;
+  const still = surface.loaded;
   const played = playback.state.state === "ready";
-  const waits = playback.state.state === "loading" || (!played && surface.state === "loading");
+  const waits = playback.state.state === "loading" || (!played && still.state === "loading");
   return (
     <Card className="tooth-card" title={playback.showing ? say("tooth_card.during") : say("tooth_card.after")}>
       {waits && <Loading what={say("loading.picture")} />}
-      {!played && !waits && surface.state === "failed" && <SurfaceError error={surface.error} onRetry={onRetry} />}
-      {played ? <PlayedTooth {...rest} /> : !waits && surface.state === "ready" && <StillTooth surface={surface.value} {...rest} />}
+      {!played && !waits && still.state === "failed" && <ErrorNotice title={say("exercise_page.picture_failed")} message={still.error.message} onRetry={surface.reload} />}
+      {played ? <PlayedTooth review={review} control={control} /> : !waits && still.state === "ready" && <StillTooth surface={still.value} review={review} control={control} />}
     </Card>
   );
 }
 
-type Shown = Omit<Props, "surface" | "onRetry">;
+interface Shown {
+  readonly review: Review;
+  readonly control: PlaybackControl;
+}
 
 function PlayedTooth(props: Shown) {
   const { playback } = props.control;
@@ -78,7 +64,9 @@ interface Loaded3d extends Shown {
   readonly busy: boolean;
 }
 
-function LoadedTooth({ model, compared, tissues, missing, busy, toleranceMm, control, series, cursor, marks, chosen, point, look, onMark, onPoint, client, attempt, staff, timeS }: Loaded3d) {
+function LoadedTooth({ model, compared, tissues, missing, busy, review, control }: Loaded3d) {
+  const { client, attempt, toleranceMm, recorded: series, marks, chosen, point, look } = review;
+  const cursor = series !== undefined && review.moved ? review.cursor : undefined;   // undefined: no tool is drawn
   const summary = useMemo(() => compared === undefined ? undefined : summariseDeviation(compared, toleranceMm), [compared, toleranceMm]);
   const { cut } = control.playback;
   const angled = useMemo((): AngledView => ({ ...outlook(compared, summary), cavity: cut }), [compared, summary?.sides[0]?.side, cut]);
@@ -86,7 +74,7 @@ function LoadedTooth({ model, compared, tissues, missing, busy, toleranceMm, con
   const [placement, setPlacement] = useState<Placement>("side");
   const otherLook = useMemo((): LookHandle => ({ begin: look.now?.(), now: undefined }), [compareWith, placement]);
   look.moved = compareWith === undefined ? undefined : (moved) => otherLook.set?.(moved);
-  const shownS = control.clock?.timeOf(control.playback.position) ?? timeS ?? 0;
+  const shownS = control.clock?.timeOf(control.playback.position) ?? review.momentS;
   const other = useOther(client, compareWith, series, shownS);
   const beside = placement === "side" ? other : undefined;
   const ghost = placement === "top" && other !== undefined && isReady(other) ? other.playback : undefined;
@@ -108,10 +96,10 @@ function LoadedTooth({ model, compared, tissues, missing, busy, toleranceMm, con
     <>
       <PlaybackBar control={control} />
       <div class={other === undefined ? "teeth" : beside === undefined ? "teeth compared" : "teeth compared two"}>
-      <ToothView model={model} busy={busy} mode={mode} label={label} angled={angled} tool={during ? undefined : path.at(-1)} path={path} forceN={forceN} lines={lines} pins={pins} look={look} onPick={onPoint}
-                 onPin={(key) => { const mark = marks.find((item) => item.annotation.id === key); if (mark !== undefined) onMark(mark); }} section={choices.section} ghost={ghost} follow={choices.follow}>
+      <ToothView model={model} busy={busy} mode={mode} label={label} angled={angled} tool={during ? undefined : path.at(-1)} path={path} forceN={forceN} lines={lines} pins={pins} look={look} onPick={review.annotates ? review.setPoint : undefined}
+                 onPin={(key) => { const mark = marks.find((item) => item.annotation.id === key); if (mark !== undefined) review.choose(mark); }} section={choices.section} ghost={ghost} follow={choices.follow}>
         <ToothTools choices={choices} onChoices={setChoices} compared={summary !== undefined && !during} played={"film" in model}>
-          {series !== undefined && <CompareChoice client={client} attempt={attempt} staff={staff} chosen={compareWith} onChoose={setCompareWith} />}
+          {series !== undefined && <CompareChoice client={client} attempt={attempt} staff={review.teacher} chosen={compareWith} onChoose={setCompareWith} />}
         </ToothTools>
       </ToothView>
       {beside !== undefined && <OtherTooth key={compareWith} other={beside} choices={choices} look={otherLook} />}
@@ -153,10 +141,6 @@ function DeviationTable({ summary }: { readonly summary: DeviationSummary }) {
       <p class="hint">{say("tooth_card.plus")}</p>
     </details>
   );
-}
-
-function SurfaceError({ error, onRetry }: { readonly error: ApiError; readonly onRetry: () => void }) {
-  return <ErrorNotice title={say("exercise_page.picture_failed")} message={error.message} onRetry={onRetry} />;
 }
 
 function pathBefore(series: Series | undefined, cursor: number | undefined): PointMm[] {

@@ -1,0 +1,124 @@
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import type { Client } from "../../api/client";
+import type { Annotation, AttemptDetail, Deduction, Series } from "../../api/types";
+import { useRequest } from "../../api/use_request";
+import { scoreOf } from "../../api/worded";
+import { momentOf, momentQuery } from "../../base/moment_link";
+import { stoppedEarly } from "../../widgets/attempt_state";
+import type { PointMm } from "../../widgets/tooth/scene";
+import type { LookHandle } from "../../widgets/tooth/tooth_view";
+import { seriesEndS, stepAt } from "./clock";
+import { type Mark, marksOf, stepOfTick } from "./moments";
+import { nextMark, spansOf } from "./spans";
+import { usePlayback } from "./use_playback";
+
+const kBeyondS = 0.05;                          // an address has hundredths; less is rounding
+const kNoRemarks: readonly Annotation[] = [];
+
+// Whose attempt is looked at, and by whom.
+export interface Reviewed {
+  readonly client: Client;
+  readonly attempt: AttemptDetail;
+  readonly personId: string;                    // who looks at it
+  readonly teacher: boolean;
+  readonly toleranceMm: number;                 // of the rubric
+}
+
+// What the page's keys do with the plots.
+interface PlotKeys {
+  more?: () => void;                            // shows and hides the second plot
+  zoom?: (direction: -1 | 0 | 1) => void;       // 0: all
+}
+
+export type Review = ReturnType<typeof useReview>;
+
+// A scored attempt as it is looked at: what is loaded of it, and the one moment and place that picture, plots and remarks
+// share. Every panel takes this and moves it.
+export function useReview(reviewed: Reviewed) {
+  const { client, attempt, teacher } = reviewed;
+  const { id } = attempt;
+  const removed = attempt.recording_removed_ms > 0;
+  // Release changes what a student gets, not what a teacher gets; a new score changes it for both.
+  const key = `${id} ${teacher || attempt.released} ${attempt.computed_score} ${attempt.reference?.attempt_id}`;
+  const score = useRequest(key, (signal) => scoreOf(client, id, signal));
+  const series = useRequest(removed ? undefined : key, (signal) => client.series(id, signal));
+  const remarks = useRequest(key, (signal) => client.teaching.annotations(id, signal));
+  const scored = score.loaded.state === "ready" ? score.loaded.value : undefined;
+  const recorded = series.loaded.state === "ready" ? series.loaded.value : undefined;
+  const said = remarks.loaded.state === "ready" ? remarks.loaded.value : kNoRemarks;
+  const moment = useMoment(client, removed ? undefined : id, key, recorded);
+  const { momentS, control, setTimeS, setCursor } = moment;
+
+  const plots = useMemo((): PlotKeys => ({}), []);
+  const [noMark, setNoMark] = useState(false);
+  const [chosen, setChosen] = useState<string>();
+  const [point, setPoint] = useState<PointMm>();
+  const picture = useRef<HTMLDivElement>(null);
+  const marks = useMemo(() => recorded === undefined ? [] : marksOf(recorded, said), [recorded, said]);
+  const clock = control?.playback.whole === true ? control.clock : undefined;
+  const spans = useMemo(() => recorded === undefined ? [] : spansOf(recorded, clock?.gaps ?? [], scored?.deductions ?? []), [recorded, clock, scored]);
+  // Whatever has a time or a place is shown there, wherever on the page it was clicked.
+  const go = (step: number | undefined) => {
+    if (step !== undefined) setCursor(step);
+    picture.current?.scrollIntoView({ block: "nearest" });
+  };
+  return {
+    ...reviewed, ...moment, key, removed, score, scored, series, recorded, remarks, plots, marks, spans,
+    done: scored === undefined ? undefined : stoppedEarly(scored),   // percent of the work, where it was stopped early
+    annotates: attempt.may.includes("annotate"),
+    noMark,                                     // somebody asked for the next one, and there is none
+    chosen,                                     // id of a remark
+    point, setPoint,                            // clicked on the tooth, for the next remark
+    picture,
+    choose: (mark: Mark) => {
+      setChosen(mark.annotation.id);
+      go(mark.step);
+    },
+    showPlace: (deduction: Deduction) => {
+      const [x, y, z] = deduction.position_mm;
+      if (x !== undefined && y !== undefined && z !== undefined) setPoint([x, y, z]);
+      go(recorded !== undefined && deduction.stroke_count > 0 ? stepOfTick(recorded, deduction.first_tick) : undefined);
+    },
+    toMark: (direction: -1 | 1) => {
+      const at = nextMark(spans, momentS, direction);
+      setNoMark(at === undefined && scored !== undefined);
+      if (at !== undefined) setTimeS(at);
+    },
+  };
+}
+
+// The moment, the playback that shows it, and the picture without one. `id` undefined: there is no recording.
+function useMoment(client: Client, id: string | undefined, key: string, recorded: Series | undefined) {
+  const [timeS, setTimeS] = useState<number>();     // undefined until first moved: the end
+  const asked = useMemo(() => momentOf(new URLSearchParams(window.location.search)), []);
+  const askedDone = useRef(false);                  // nothing that is still to come changes the moment it names
+  const look = useMemo((): LookHandle => ({ begin: asked.look, now: undefined }), [asked]);
+  const control = usePlayback(client, id, key, timeS, setTimeS);
+  const { state } = control?.playback.state ?? { state: "loading" };
+  // Some megabytes more, and nothing moves.
+  const still = state === "waiting" || state === "failed";
+  const surface = useRequest(still ? key : undefined, (signal) => client.surface(id ?? "", signal));
+  const endS = control?.clock?.endS ?? (recorded === undefined ? undefined : seriesEndS(recorded));
+  const settled = control?.playback.whole === true || still;
+  // A link may name the moment; it is opened as soon as the recording is there.
+  useEffect(() => {
+    if (endS !== undefined && asked.seconds !== undefined && !askedDone.current) setTimeS(Math.min(asked.seconds, endS));
+    if (settled) askedDone.current = true;
+  }, [endS, asked, settled]);
+  const momentS = timeS ?? endS ?? 0;
+  const { loop, clock } = control ?? {};
+  return {
+    control, surface, look, endS, momentS, setTimeS,
+    moved: timeS !== undefined,
+    cursor: recorded === undefined ? 0 : stepAt(recorded, momentS),   // the step that the moment lies in
+    setCursor: (step: number) => {
+      if (recorded !== undefined) setTimeS(step >= recorded.t_s.length - 1 ? endS : recorded.t_s[step]);
+    },
+    // A to B, seconds
+    range: loop?.to === undefined || clock === undefined ? undefined : [clock.timeOf(loop.from), clock.timeOf(loop.to)] as const,
+    // What the address asks for, where that is after the end
+    beyondS: endS !== undefined && asked.seconds !== undefined && asked.seconds > endS + kBeyondS ? asked.seconds : undefined,
+    // The address of this moment, looked at as now
+    link: () => window.location.origin + window.location.pathname + momentQuery({ seconds: momentS, look: look.now?.() }),
+  };
+}
