@@ -6,13 +6,16 @@ import { metricTitle } from "./metric_titles";
 const catalogue = JSON.parse(readFileSync("../schemas/words/en/page.json", "utf8")) as { readonly messages: Readonly<Record<string, string>> };
 const titled = Object.keys(catalogue.messages).filter((key) => key.startsWith("metric.")).map((key) => key.slice("metric.".length));
 
-// {"wall_mesial_mm", "mm", "Mesial wall", …
-const kEntry = /\{"([a-z0-9_]+)",\s*"([^"]*)",\s*"[^"]*",/g;
-const registry = [...readFileSync("../common/scoring/registry.cpp", "utf8").matchAll(kEntry)].map(([, name = "", unit = ""]) => ({ name, unit }));
+// The tables of schemas/score.md that begin "| metric | unit |": several names may share a row.
+const tables = readFileSync("../schemas/score.md", "utf8").split(/\n\n/).filter((text) => text.startsWith("| metric | unit |"));
+const metrics = tables.flatMap((table) => table.split("\n").slice(2)).flatMap((row) => {
+  const [, names = "", unit = ""] = row.split("|").map((cell) => cell.trim());
+  return [...names.matchAll(/`([a-z0-9_]+)`/g)].map(([, name = ""]) => ({ name, unit }));
+});
 
-test("every measurement of the registry has a title of its own in plain words", () => {
-  assert.ok(registry.length > 60, `${registry.length} found in the registry`);
-  const titles = registry.map(({ name, unit }) => {
+test("every measurement has a title of its own in plain words", () => {
+  assert.ok(metrics.length > 60, `${metrics.length} found in schemas/score.md`);
+  const titles = metrics.map(({ name, unit }) => {
     assert.ok(titled.includes(name), `${name} has no title: schemas/words/*/page.json, metric.${name}`);
     return metricTitle(name, unit);
   });
@@ -21,7 +24,7 @@ test("every measurement of the registry has a title of its own in plain words", 
 });
 
 test("no title is left of a measurement that is gone", () => {
-  const names = new Set(registry.map(({ name }) => name));
+  const names = new Set(metrics.map(({ name }) => name));
   assert.deepEqual(titled.filter((name) => !names.has(name)), []);
 });
 
