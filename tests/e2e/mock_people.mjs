@@ -98,7 +98,7 @@ export function sessionView({ person: { id, login, display_name, role, must_chan
 }
 
 function confirm({ world, session, body }) {
-  if (body.password !== session.person.password) return refusal(401, "unauthenticated", "This is not the password.");
+  if (body.password !== session.person.password) return refusal(403, "forbidden", "This is not the password.", "password");
   session.confirmedMs = world.nowMs;
   return empty();
 }

@@ -72,7 +72,7 @@ export class Client {
 
   // A wrong password is an answer here, not a lost session.
   confirmPassword(password: string) {
-    return this.http.empty("POST", "/session/confirm", { body: { password }, signingIn: true });
+    return this.http.empty("POST", "/session/confirm", { body: { password } });
   }
 
   // Newest first.

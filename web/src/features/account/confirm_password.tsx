@@ -26,7 +26,7 @@ export function ConfirmPassword({ client, onAnswer }: Props) {
       <form class="form" onSubmit={(event) => void submit(event)}>
         <TextField label={say("account.your_password")} secret autocomplete="current-password" required maxLength={1024} value={password} onValue={setPassword} />
         {change.error !== undefined && (
-          <ErrorNotice title={say("account.not_confirmed")} message={change.error.code === "unauthenticated" ? say("account.not_your_password") : change.error.message} />
+          <ErrorNotice title={say("account.not_confirmed")} message={change.error.field === "password" ? say("account.not_your_password") : change.error.message} />
         )}
         <FormButtons action={say("common.go_on")} disabled={change.busy} onCancel={() => onAnswer(false)} />
       </form>
