@@ -2,6 +2,7 @@
 import assert from "node:assert/strict";
 import { fileURLToPath, pathToFileURL } from "node:url";
 import { drawReport } from "../../web/scripts/draw_report.mjs";
+import { golden } from "./contract.mjs";
 import { accessible, chooseFile, downloaded, signedIn, signIn } from "./session.mjs";
 
 const id = (number) => `00000000-0000-7000-8000-${String(number).padStart(12, "0")}`;
@@ -132,7 +133,7 @@ async function editPerson(world) {
 
 async function resetPassword(world) {
   const page = await signedIn(world, "admin", `/people/${id(2)}`);
-  for (const session of world.mock.sessions.values()) session.confirmedMs = world.mock.nowMs + kLongAgo;
+  for (const session of world.mock.sessions) session.confirmedMs = world.mock.nowMs + kLongAgo;
   await page.getByRole("button", { name: "Reset the password…" }).click();
   await page.getByRole("button", { name: "Reset the password", exact: true }).click();
   await page.getByRole("heading", { name: "Your password, please" }).waitFor();
@@ -197,7 +198,7 @@ async function cohortAndGrades(world) {
   await page.getByRole("button", { name: "Find" }).click();
   await page.getByRole("button", { name: "Add =HYPERLINK(1) Hundred" }).click();
   await page.getByRole("link", { name: "=HYPERLINK(1) Hundred", exact: true }).waitFor();
-  assert.ok(cohort.members.includes(stranger.id));
+  assert.ok(cohort.members.includes(stranger));
 
   const file = await downloaded(page, () => page.getByRole("button", { name: "Save grades as CSV" }).click());
   assert.equal(file.name, "Preclinic_first_term_grades.csv");
@@ -209,7 +210,7 @@ async function cohortAndGrades(world) {
   await page.getByRole("button", { name: "Remove… =HYPERLINK(1) Hundred" }).click();
   await page.getByRole("button", { name: "Remove", exact: true }).click();
   await page.getByRole("link", { name: "=HYPERLINK(1) Hundred", exact: true }).waitFor({ state: "detached" });
-  assert.ok(!cohort.members.includes(stranger.id));
+  assert.ok(!cohort.members.includes(stranger));
 }
 
 async function stations(world) {
@@ -227,7 +228,7 @@ async function stations(world) {
   await page.getByRole("button", { name: "Rename… Station 4" }).click();
   await page.getByLabel("Name", { exact: true }).fill("Station 1");
   await page.getByRole("button", { name: "Rename", exact: true }).click();
-  await page.getByText("expected a name that no station has").waitFor();
+  await page.getByText("expected one that nobody has").waitFor();
   await accessible(page, "a name that is taken");
   await page.getByLabel("Name", { exact: true }).fill("Window seat");
   await page.getByRole("button", { name: "Rename", exact: true }).click();
@@ -256,25 +257,25 @@ async function profiles(world) {
   const page = await signedIn(world, "admin", "/profiles");
   const label = "Profile document (JSON)";
   const save = () => page.getByRole("button", { name: "Check and save" }).click();
-  await chooseFile(page, label, "empty.json", "{}");
+  const profile = golden("scene_profile_phantom_desktop");
+  const coupled = (value) => JSON.stringify({ ...profile, coupling_mn_per_mm: { value, source: "measured" } });
+  await chooseFile(page, label, "odd.json", coupled(0.5));
   await save();
-  await page.getByText("coupling_mn_per_mm.value: expected a whole number").waitFor();
-  await chooseFile(page, label, "wild.json", JSON.stringify({ name: "phantom_desktop", coupling_mn_per_mm: { value: 9000 } }));
+  await page.getByText("coupling_mn_per_mm.value: expected").waitFor();
+  await chooseFile(page, label, "wild.json", coupled(9000));
   await save();
   await page.getByText("would not be stable").waitFor();
   await page.getByRole("row", { name: /Passive limit of the coupling/ }).getByText("Not met").waitFor();
   await accessible(page, "a refused profile");
   await page.screenshot({ path: world.picture("profile_refused"), fullPage: true });
-  await chooseFile(page, label, "tame.json", JSON.stringify({ name: "phantom_desktop", coupling_mn_per_mm: { value: 1000 } }));
+  await chooseFile(page, label, "tame.json", coupled(1000));
   await save();
   await page.getByText("Saved as version 3 of phantom_desktop").waitFor();
 
   await page.getByRole("link", { name: "Phantom Desktop" }).click();
   await page.locator(".trend").first().waitFor();
   await whatAHandCanFeel(page);
-  await chooseFile(page, "Add a calibration (JSON)", "c.json", JSON.stringify({
-    profile: "phantom_desktop", device: "hid:0451:bef3 serial 7", station: "Station 1", software: "enamel-station 1.0.0", method: "Guided", measured_ms: Date.now(),
-    measured: { friction_mn: { value: 63, uncertainty: 3, samples: 900 } } }));
+  await chooseFile(page, "Add a calibration (JSON)", "c.json", JSON.stringify({ ...golden("scene_calibration"), device: "hid:0451:bef3 serial 7" }));
   await page.getByRole("region", { name: "Calibrations" }).getByRole("button", { name: "Add", exact: true }).click();
   await page.getByRole("heading", { name: "hid:0451:bef3 serial 7" }).waitFor();
 }

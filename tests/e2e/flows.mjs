@@ -43,6 +43,7 @@ export const flows = [
     name: `every screen of the ${role} is accessible and fits wide and narrow`, anywhere: false, run: screenFlow(role) })),
   ...adminFlows.map((flow) => ({ ...flow, anywhere: false })),
   ...[...teachingFlows, ...insightFlows, ...playbackFlows].map((flow) => ({ ...flow, anywhere: false })),
+  { name: "the mock server refuses what its contract does not allow, and answers nothing else", anywhere: false, run: contractIsKept },
   { name: "more attempts than one page are loaded on request", anywhere: false, run: pagination },
 ];
 
@@ -634,18 +635,42 @@ async function pagination(world) {
   assert.equal(await page.getByRole("button", { name: "Show more" }).count(), 0);
 }
 
+async function contractIsKept({ baseUrl, mock, broken, logins }) {
+  const ask = (path, method = "GET", body = undefined, headers = {}) =>
+    fetch(`${baseUrl}/api/v1${path}`, { method, headers: { "Content-Type": "application/json", ...headers }, body: body && JSON.stringify(body) });
+  const status = async (...asked) => (await ask(...asked)).status;
+  const { login, password } = logins.admin;
+  assert.equal(await status("/session", "POST", { login, password: 1 }), 400);
+  const response = await ask("/session", "POST", { login, password });
+  const Cookie = response.headers.get("set-cookie").split(";")[0];
+  const own = { Cookie, "X-Enamel-Csrf": (await response.json()).csrf };
+  const station = `/stations/${mock.stations[0].id}`;
+  assert.equal(await status("/stations"), 401);
+  assert.equal(await status("/stations/of_old", "GET", undefined, own), 404);
+  assert.equal(await status("/stations?limit=1000", "GET", undefined, own), 400);
+  assert.equal(await status(station, "PATCH", { name: "A" }, { Cookie, "If-Match": '"1"' }), 403);
+  assert.equal(await status(station, "PATCH", { name: "A" }, own), 428);
+  assert.equal(await status(station, "PATCH", { title: "A" }, { ...own, "If-Match": '"1"' }), 400);
+  assert.equal(await status(station, "PATCH", { name: "A" }, { ...own, "If-Match": '"0"' }), 412);
+  assert.equal((await ask(station, "PATCH", { name: "A" }, { ...own, "If-Match": '"1"' })).headers.get("etag"), '"2"');
+  assert.deepEqual(broken, []);
+  mock.stations[0].revoked = "yes";
+  assert.equal(await status("/stations", "GET", undefined, own), 500);
+  assert.match(broken.splice(0).join(), /breaks the contract of GET \/stations, 200: stations\[0\]\.revoked: expected what should be boolean/);
+}
+
 // Runs one flow in browsers of its own; the page must not have logged an error or broken its policy.
-export async function runFlow(flow, browser, { baseUrl, logins, foreignAttempt, picture, mock }) {
+export async function runFlow(flow, browser, { baseUrl, ...world }) {
   const opened = [];
   const open = async (options) => {
     opened.push(await openPage(browser, baseUrl, options));
     return opened.at(-1);
   };
   try {
-    await flow.run({ open, logins, foreignAttempt, picture, mock });
+    await flow.run({ open, baseUrl, ...world });
     assert.deepEqual(opened.flatMap(({ errors }) => errors), [], "errors in the browser's console");
   } catch (error) {
-    await Promise.all(opened.map(({ page }, i) => page.screenshot({ path: picture(`failed_${i}`), fullPage: true }).catch(() => {})));
+    await Promise.all(opened.map(({ page }, i) => page.screenshot({ path: world.picture(`failed_${i}`), fullPage: true }).catch(() => {})));
     throw error;
   } finally {
     await Promise.all(opened.map(({ context }) => context.close()));

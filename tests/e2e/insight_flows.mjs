@@ -228,8 +228,8 @@ async function importTooth(world) {
   await dialog.getByText("2 exercises published, assigned to nobody yet.").waitFor();
   await dialog.getByText("size 11.21 x 10.02 x 7.35 mm").waitFor();
   await accessible(page, "a tooth that was imported");
-  assert.equal(world.mock.import.received, 700_000);
-  assert.equal(world.mock.import.asked.tooth, 46);
+  assert.equal(world.mock.imports.at(-1).received, 700_000);
+  assert.equal(world.mock.imports.at(-1).asked.tooth, 46);
   await dialog.getByRole("button", { name: "Close" }).click();
   await dialog.waitFor({ state: "detached" });
 }

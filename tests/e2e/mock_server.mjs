@@ -1,19 +1,17 @@
-// The HTTP API of schemas/api/openapi.yaml with invented data, and the built page with the very
-// headers the real server sends: the page can be tested without a server, a station or a database.
+// The HTTP API made from its contract (contract.mjs), and the built page with the headers that the real server sends: the
+// page can be tested without a server, a station or a database. Requests are checked against the contract, and answers
+// too: one that breaks it is a 500 and is kept in `broken`. Lists, things, changes and tags follow from the contract; what
+// a route does beyond that is in mock_rules.mjs, and what there is in mock_world.mjs.
 //   node mock_server.mjs DIST [PORT]     to look at the page by hand
-import { randomBytes } from "node:crypto";
 import { existsSync, readFileSync, statSync } from "node:fs";
 import { createServer } from "node:http";
 import { extname, join, normalize } from "node:path";
 import { fileURLToPath } from "node:url";
-import { editingRoutes } from "./mock_editing.mjs";
-import { peopleRoutes, sessionView } from "./mock_people.mjs";
-import { empty, forbidden, invalid, json, notFound, refusal } from "./mock_reply.mjs";
-import { teachingRoutes } from "./mock_teaching.mjs";
-import { makeWorld, newId } from "./mock_world.mjs";
-import { people } from "./mock_data.mjs";
+import { conflict, fitted, forbidden, invalid, operationFor, operations, problemOf, refused, Reply, sampleOf } from "./contract.mjs";
+import { confirmed, filters, mayCall, rules, tagOf, views, visible } from "./mock_rules.mjs";
+import { added, makeWorld, people } from "./mock_world.mjs";
 
-export const kPageHeaders = {
+const kPageHeaders = {
   "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; font-src 'self'; " +
     "connect-src 'self'; worker-src 'self'; manifest-src 'self'; frame-ancestors 'none'; base-uri 'none'; object-src 'none'; " +
     "form-action 'self'; require-trusted-types-for 'script'; trusted-types enamel-worker",
@@ -25,117 +23,188 @@ export const kPageHeaders = {
   "Permissions-Policy": "camera=(), microphone=(), geolocation=()",
 };
 const kTypes = { ".html": "text/html; charset=utf-8", ".js": "text/javascript; charset=utf-8", ".css": "text/css; charset=utf-8", ".svg": "image/svg+xml" };
-const kMaxBodyBytes = 1 << 20;
-const kRanks = { person: 0, student: 0, instructor: 1, admin: 2 };
 
-// Every route of the mock, as the contract writes it.
-export const mockRoutes = { "POST /first-admin": ["person", notFound], ...peopleRoutes, ...teachingRoutes, ...editingRoutes };
+const notFound = () => refused(404, "not_found", "There is no such thing.");
+const kConfirmedMs = 5 * 60_000;
 
+// Several flows share a server: `reset` gives it another world.
 export async function startMockServer({ dist, port = 0 }) {
-  const world = makeWorld(dist);
+  const mock = { world: makeWorld(), broken: [], reset: () => { mock.world = makeWorld(); } };
   const server = createServer((request, response) => {
-    answer(world, request).then((reply) => send(response, reply), (error) => send(response, refusal(500, "internal", String(error.stack))));
+    answer(mock, dist, request).catch((error) => {
+      mock.broken.push(`${request.method} ${request.url}: ${error.stack}`);
+      return { status: 500, headers: {}, body: JSON.stringify({ error: { code: "internal", message: String(error.message), field: "" } }) };
+    }).then(({ status, headers, body, stream }) => {
+      response.writeHead(status, { ...kPageHeaders, ...headers });
+      if (stream === undefined) response.end(body);
+      else stream(response);
+    });
   });
   await new Promise((resolve, reject) => server.once("error", reject).listen(port, "127.0.0.1", resolve));
-  return {
-    world,
-    url: `http://127.0.0.1:${server.address().port}`,
-    close: () => new Promise((resolve) => {
-      server.closeAllConnections?.();
-      server.close(resolve);
-    }),
-  };
+  mock.url = `http://127.0.0.1:${server.address().port}`;
+  mock.close = () => new Promise((resolve) => {
+    server.closeAllConnections?.();
+    server.close(resolve);
+  });
+  return mock;
 }
 
-function send(response, { status, body, headers = {}, stream }) {
-  response.writeHead(status, { ...kPageHeaders, ...headers });
-  if (stream === undefined) response.end(body);
-  else stream(response);
-}
-
-async function answer(world, request) {
+async function answer({ world }, dist, request) {
   const url = new URL(request.url, "http://mock");
-  if (!url.pathname.startsWith("/api/")) return pageFile(world, request, url.pathname);
-  const path = url.pathname.slice("/api/v1".length);
-  const text = request.method === "GET" ? "" : await readBody(request);
-  if (path === "/session" && request.method === "POST") return signIn(world, parsed(text));
-  if (path === "/first-admin" && request.method === "POST") return makeFirstAdmin(world, parsed(text));
-  const session = world.sessions.get(cookieOf(request));
-  if (session === undefined || session.person.disabled) return refusal(401, "unauthenticated", "Sign in first.");
-  if (request.method !== "GET" && request.headers["x-enamel-csrf"] !== session.csrf) return refusal(403, "forbidden", "The csrf value is missing.");
-  if (path === "/session" && request.method === "GET") return json(sessionView(session));
-  if (path === "/session" && request.method === "DELETE") {
-    world.sessions.delete(cookieOf(request));
-    return empty();
+  if (!url.pathname.startsWith("/api/v1/")) return pageFile(dist, request, url.pathname);
+  const found = operationFor(request.method, url.pathname.slice("/api/v1".length));
+  const bytes = await readBody(request);
+  if (found === undefined) return sent(undefined, notFound());
+  const call = { ...found, world, request, bytes, session: world.sessions.find(({ token }) => token === cookieOf(request)) };
+  return sent(call, prepared(call, url.searchParams) ?? carriedOut(call));
+}
+
+// Refuses what the contract does not allow, else puts what is asked into `call`.
+function prepared(call, search) {
+  const { operation, session, request, world, id, bytes } = call;
+  if (!operation.open) {
+    if (session === undefined || session.person.disabled) return refused(401, "unauthenticated", "Sign in first.");
+    call.person = session.person;
+    if (operation.headers.some(({ name }) => name === "X-Enamel-Csrf") && request.headers["x-enamel-csrf"] !== session.csrf) return forbidden("The csrf value is missing.");
+    if (session.person.must_change_password && operation.path !== "/session/password" && operation.path !== "/session") return refused(403, "change_password", "Change your password first.");
+    if (!mayCall(operation, session.person)) return forbidden("Only somebody with another role may do that.");
   }
-  return api(world, session, request, path, url.searchParams, text);
-}
-
-function api(world, session, request, path, query, text) {
-  const { person } = session;
-  if (person.must_change_password && path !== "/session/password") return refusal(403, "change_password", "Change your password first.");
-  const found = routeOf(request.method, path);
-  if (found === undefined) return notFound();
-  const [need, handler] = found.route;
-  if (kRanks[person.role] < kRanks[need]) return forbidden();
-  return handler({ world, session, person, request, query, text, id: found.id, body: text === "" ? {} : parsed(text) });
-}
-
-// At most one part of a path is an id or a name.
-function routeOf(method, path) {
-  const parts = path.split("/").slice(1).map(decodeURIComponent);
-  for (let at = -1; at < parts.length; ++at) {
-    for (const hole of ["{id}", "{name}"]) {
-      const route = mockRoutes[`${method} /${parts.map((part, i) => i === at ? hole : part).join("/")}`];
-      if (route !== undefined) return { route, id: parts[at] };
-    }
+  call.query = {};
+  for (const { name, schema } of operation.query) {
+    const text = search.get(name);
+    call.query[name] = text === null ? schema.default : valueOf(schema, text);
+    const problem = text === null ? undefined : problemOf(schema, call.query[name]);
+    if (problem !== undefined) return invalid(name, problem.message);
   }
-  return undefined;
+  if (operation.body !== undefined && (operation.needsBody || bytes.length > 0)) {
+    call.body = parsed(bytes);
+    const problem = problemOf(operation.body, call.body);
+    if (problem !== undefined) return invalid(problem.field, problem.message);
+  }
+  if (confirmed(call) && world.nowMs - session.confirmedMs > kConfirmedMs) return refused(403, "confirm_password", "Give your password again: POST /api/v1/session/confirm.");
+  call.collection = collectionOf(operation.segments[0]);
+  call.rows = world[call.collection];
+  if (id === undefined || call.rows === undefined) return undefined;
+  call.row = call.rows.find((row) => (row.id ?? row.name) === id && isVisible(call, row));
+  return call.row === undefined ? notFound() : unseen(call);
 }
 
-function signIn(world, body) {
-  const person = world.people.find((item) => item.login === body?.login && item.password === body?.password && !item.disabled);
-  if (person === undefined) return refusal(401, "unauthenticated", "Login and password do not match.");
-  const token = randomBytes(32).toString("hex");
-  const session = { id: newId(world), person, csrf: randomBytes(16).toString("hex"), via: "page", address: "127.0.0.1", device: "Chrome on Linux", created_ms: world.nowMs, confirmedMs: world.nowMs };
-  world.sessions.set(token, session);
-  return json(sessionView(session), 200, { "Set-Cookie": `enamel_session=${token}; HttpOnly; SameSite=Strict; Path=/` });
+// The refusal when the caller has not seen the row as it is now.
+function unseen(call) {
+  const expects = call.operation.headers.find(({ name }) => name === "If-Match");
+  const seen = call.request.headers["if-match"];
+  if (expects === undefined || (seen === undefined && !expects.required)) return undefined;
+  if (seen === undefined) return refused(428, "precondition_required", "Send If-Match with the ETag you have read.", "if-match");
+  const tag = `"${tagOf(call)}"`;
+  if (seen === tag) {
+    call.changes = true;
+    return undefined;
+  }
+  const { operation: read } = operationFor("GET", `/${call.operation.segments[0]}/${call.id}`) ?? {};
+  const current = read === undefined ? {} : fitted(read.response(200).content["application/json"].schema, viewOf(call, call.row));
+  return new Reply({ error: { code: "precondition_failed", message: "Somebody changed it meanwhile; read it again.", field: "revision" }, current }, { status: 412, headers: { ETag: tag } });
 }
 
-function makeFirstAdmin(world, body) {
-  if (body.token !== world.firstAdminToken) return refusal(403, "forbidden", "This link is not good any more.", "token");
-  if (body.password.length < 12) return invalid("password", "this password is easy to guess");
-  const person = { id: newId(world), login: body.login, display_name: body.display_name, role: "admin", disabled: false, must_change_password: false, created_ms: world.nowMs, revision: 1, password: body.password };
-  world.people.push(person);
-  world.firstAdminToken = undefined;
-  const { password: _password, ...made } = person;
-  return json(made, 201);
+function carriedOut(call) {
+  const rule = rules[call.operation.route] ?? standard;
+  const result = rule(call);
+  if (result instanceof Reply && result.status >= 400) return result;
+  if (call.changes && call.row !== undefined) call.row.revision += 1;
+  return result;
 }
 
-function cookieOf(request) {
-  return /(?:^|;\s*)enamel_session=([0-9a-f]+)/.exec(request.headers.cookie ?? "")?.[1];
+// What the contract itself says of lists and things.
+function standard(call) {
+  const { operation: { method, segments, status, response }, row, rows, body, world } = call;
+  const list = listIn(response(status));
+  if (method === "GET") return list === undefined ? row : listed(call, list);
+  if (segments.length > 2) return row;
+  switch (method) {
+    case "POST": return taken(call) ?? added(world, rows, { ...sampleOf(operationFor("GET", `/${segments[0]}/x`).operation.response(200).content["application/json"].schema), ...body });
+    case "DELETE": rows.splice(rows.indexOf(row), 1); return undefined;
+    default: return taken(call) ?? Object.assign(row, body);
+  }
+}
+
+// Logins and names are not given twice.
+function taken({ rows, row, body }) {
+  const key = ["login", "name"].find((name) => body[name] !== undefined);
+  const other = key && rows.some((each) => each !== row && each[key] === body[key]);
+  return other ? conflict(`${key}: expected one that nobody has`, key) : undefined;
+}
+
+// The name of the list that an answer is.
+function listIn({ content }) {
+  const { properties } = content?.["application/json"]?.schema ?? {};
+  const lists = Object.keys(properties ?? {}).filter((name) => properties[name].type === "array");
+  return Object.keys(properties ?? {}).every((name) => name === "next" || lists.includes(name)) && lists.length === 1 ? lists[0] : undefined;
+}
+
+const kOthers = { live: "attempts", "tooth-imports": "imports" };
+const kCollections = Object.fromEntries(operations.filter(({ method, segments }) => method === "GET" && segments.length === 1)
+  .map(({ segments: [segment], response }) => [segment, listIn(response(200))]).filter(([, list]) => list !== undefined));
+const collectionOf = (segment) => kCollections[segment] ?? kOthers[segment] ?? segment;
+
+const isVisible = (call, row, collection = call.collection) => visible[collection]?.(row, call) ?? true;
+const viewOf = (call, row, collection = call.collection) => views[collection]?.(row, call) ?? row;
+
+const one = (collection) => collection === "people" ? "person" : collection.replace(/s$/, "");
+const belongsTo = (row, name, id) => [row[name], row[`${name}_id`], row[name]?.id].includes(id);
+
+// Rows of a list, or of one that belongs to a thing, narrowed by the query, page by page.
+function listed(call, list) {
+  const { query, id, row, world, collection } = call;
+  const own = row?.[list] ?? (row === undefined ? world[list] : world[list].filter((each) => belongsTo(each, one(collection), id)));
+  const { cursor, limit, ...narrowed } = query;
+  const asked = Object.entries(narrowed).filter(([, value]) => value !== undefined);
+  const rows = own.filter((each) => isVisible(call, each, list) && asked.every(([name, value]) => filters[list]?.[name]?.(each, value, call) ?? belongsTo(each, name, value)));
+  const keyOf = (each) => each.id ?? each.name ?? String(rows.indexOf(each));
+  const first = cursor === undefined ? 0 : rows.findIndex((each) => keyOf(each) === cursor) + 1;
+  const shown = rows.slice(first, first + (limit ?? rows.length));
+  return { [list]: shown.map((each) => viewOf(call, each, list)), next: first + shown.length < rows.length ? keyOf(shown.at(-1)) : null };
+}
+
+// As bytes, when it is what the contract says.
+function sent(call, result) {
+  const reply = result instanceof Reply ? result : new Reply(result);
+  const { operation, row } = call ?? {};
+  const status = reply.status ?? operation.status;
+  const { content, headers: known } = operation?.response(status) ?? {};
+  const schema = content?.["application/json"]?.schema;
+  if (operation !== undefined && !operation.known(status)) throw new Error(`the contract has no ${status} for ${operation.route}`);
+  if (status === 204) return { status, headers: reply.headers };
+  if (schema === undefined && operation !== undefined) return { status, headers: { "Content-Type": Object.keys(content ?? {})[0] ?? "", "Cache-Control": "no-store", ...reply.headers }, body: reply.body, stream: reply.stream };
+  const told = call?.rows?.includes(reply.body) ? viewOf(call, reply.body) : reply.body;
+  const body = schema === undefined ? told : status >= 400 ? { ...told, ...fitted(schema, told) } : fitted(schema, told);
+  const problem = schema && problemOf(schema, body);
+  if (problem !== undefined) throw new Error(`breaks the contract of ${operation.route}, ${status}: ${problem.message}`);
+  const tag = known?.ETag === undefined ? {} : { ETag: `"${reply.tag ?? body.revision ?? row?.revision}"` };
+  return { status, headers: { "Content-Type": "application/json", "Cache-Control": "no-store", ...tag, ...reply.headers }, body: JSON.stringify(body) };
+}
+
+const cookieOf = (request) => /(?:^|;\s*)enamel_session=([0-9a-f]+)/.exec(request.headers.cookie ?? "")?.[1];
+
+function valueOf({ type }, text) {
+  return type === "integer" ? Number(text) : type === "boolean" ? text === "true" : text;
 }
 
 async function readBody(request) {
-  let text = "";
-  for await (const chunk of request) {
-    text += chunk;
-    if (text.length > kMaxBodyBytes) return "";
-  }
-  return text;
+  const chunks = [];
+  for await (const chunk of request) chunks.push(chunk);
+  return Buffer.concat(chunks);
 }
 
-function parsed(text) {
+function parsed(bytes) {
   try {
-    return JSON.parse(text);
+    return JSON.parse(bytes.toString());
   } catch {
     return undefined;
   }
 }
 
-function pageFile(world, request, path) {
-  const file = normalize(join(world.dist, path));
-  const found = file.startsWith(normalize(world.dist)) && existsSync(file) && statSync(file).isFile() ? file : join(world.dist, "index.html");
+function pageFile(dist, request, path) {
+  const file = normalize(join(dist, path));
+  const found = file.startsWith(normalize(dist)) && existsSync(file) && statSync(file).isFile() ? file : join(dist, "index.html");
   const packed = (request.headers["accept-encoding"] ?? "").includes("br") && existsSync(`${found}.br`);
   return {
     status: 200, body: readFileSync(packed ? `${found}.br` : found),
@@ -150,7 +219,7 @@ function pageFile(world, request, path) {
 if (process.argv[1] === fileURLToPath(import.meta.url)) {
   const [, , dist, port] = process.argv;
   if (dist === undefined) throw new Error("expected the folder of the built page: node mock_server.mjs DIST [PORT]");
-  const server = await startMockServer({ dist, port: Number(port ?? 0) });
-  console.log(server.url);
-  for (const person of people) console.log(`${person.role}: ${person.login} / ${person.password}`);
+  const { url } = await startMockServer({ dist, port: Number(port ?? 0) });
+  console.log(url);
+  for (const { role, login, password } of people) console.log(`${role}: ${login} / ${password}`);
 }

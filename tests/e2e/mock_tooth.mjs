@@ -1,8 +1,10 @@
-// A molar-like crown with an occlusal box cavity whose mesial wall was cut 0.3 mm too far, as the
-// server's surface format. Made from signed distances, so that the deviation it carries is exact
-// near the walls. Frame: millimetres, +x mesial, +y buccal, +z occlusal.
+// A molar-like crown with an occlusal box cavity whose mesial wall was cut 0.3 mm too far, in the server's formats: as a
+// surface, and as it is played back. Made from signed distances, so that the deviation it carries is exact near the walls.
+// Frame: millimetres, +x mesial, +y buccal, +z occlusal.
+import { createHash } from "node:crypto";
+import { deflateSync } from "node:zlib";
 
-export const kTooDeepMm = 0.3;
+const kTooDeepMm = 0.3;
 const kVoxelMm = 0.14;
 const kHalf = [5.9, 5.5, 4.9];
 const kEnamelMm = 1.5;
@@ -55,24 +57,16 @@ function deviationAt(p) {
   return cut || shouldBeCut ? -referenceSolid(p) : Number.NaN;
 }
 
-// For who plays it back (mock_timeline.mjs): signed distances in mm, solid below 0.
-export const kMockGrid = { voxelMm: kVoxelMm, bricks: kHalf.map((half) => Math.ceil(2 * half / kVoxelMm / 8) + 1), originMm: kHalf.map((half) => -half) };
-export function attemptField() {
-  return {
-    before: crown, cavity: studentCavity, deviation: deviationAt, tissueIn: (mm) => mm > -kEnamelMm ? 1 : 2,
-    // The nearest place of the surface at the end, near enough.
-    onSurface: (p) => {
-      const [mm, along] = [studentSolid(p), gradient(studentSolid, p)];
-      return p.map((value, axis) => value - mm * along[axis]);
-    },
-    // Above this the cavity is cut after a share of the time: down to its floor, sweep by sweep.
-    reached: (p, share) => 2.6 - 3.6 * share - p[2],
-  };
+const tissueIn = (mm) => mm > -kEnamelMm ? 1 : 2;
+
+// The nearest place of the surface at the end, near enough.
+function onSurface(p) {
+  const [mm, along] = [studentSolid(p), gradient(studentSolid, p)];
+  return p.map((value, axis) => value - mm * along[axis]);
 }
 
-function tissueAt(p) {
-  return crown(p) > -kEnamelMm ? 1 : 2;
-}
+// Above this the cavity is cut after a share of the time: down to its floor, sweep by sweep.
+const reached = (p, share) => 2.6 - 3.6 * share - p[2];
 
 function gradient(f, p) {
   const h = 0.05;
@@ -87,82 +81,6 @@ function gradient(f, p) {
   return g.map((value) => value / length);
 }
 
-// Surface nets: one vertex in each cell the surface crosses, one quad around each crossed edge.
-function surfaceNets(f) {
-  const size = kHalf.map((half) => Math.ceil((2 * half) / kVoxelMm) + 1);
-  const at = (i, j, k) => (k * size[1] + j) * size[0] + i;
-  const point = (i, j, k) => [i, j, k].map((n, axis) => -kHalf[axis] + n * kVoxelMm);
-  const values = new Float32Array(size[0] * size[1] * size[2]);
-  for (let k = 0; k < size[2]; ++k) for (let j = 0; j < size[1]; ++j) for (let i = 0; i < size[0]; ++i) values[at(i, j, k)] = f(point(i, j, k));
-
-  const positions = [];
-  const vertexOf = new Map();
-  const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((c) => [c & 1, (c >> 1) & 1, c >> 2]);
-  for (let k = 0; k + 1 < size[2]; ++k) for (let j = 0; j + 1 < size[1]; ++j) for (let i = 0; i + 1 < size[0]; ++i) {
-    let count = 0;
-    const sum = [0, 0, 0];
-    for (let a = 0; a < 8; ++a) for (let bit = 1; bit < 8; bit <<= 1) {
-      if (a & bit) continue;
-      const from = corners[a];
-      const to = corners[a | bit];
-      const va = values[at(i + from[0], j + from[1], k + from[2])];
-      const vb = values[at(i + to[0], j + to[1], k + to[2])];
-      if ((va < 0) === (vb < 0)) continue;
-      const t = va / (va - vb);
-      for (let axis = 0; axis < 3; ++axis) sum[axis] += from[axis] + t * (to[axis] - from[axis]);
-      ++count;
-    }
-    if (count === 0) continue;
-    vertexOf.set(at(i, j, k), positions.length);
-    positions.push(point(i + sum[0] / count, j + sum[1] / count, k + sum[2] / count));
-  }
-
-  const triangles = [];
-  const step = [1, size[0], size[0] * size[1]];
-  for (let k = 1; k + 1 < size[2]; ++k) for (let j = 1; j + 1 < size[1]; ++j) for (let i = 1; i + 1 < size[0]; ++i) {
-    for (let axis = 0; axis < 3; ++axis) {
-      const here = at(i, j, k);
-      const inside = values[here] < 0;
-      if (inside === values[here + step[axis]] < 0) continue;
-      const u = step[(axis + 1) % 3];
-      const v = step[(axis + 2) % 3];
-      const [a, b, c, d] = [here - u - v, here - v, here, here - u].map((cell) => vertexOf.get(cell));
-      triangles.push(...(inside ? [[a, b, c], [a, c, d]] : [[a, c, b], [a, d, c]]));
-    }
-  }
-  return { positions, triangles };
-}
-
-// ENSF version 1 (schemas/api/openapi.yaml, /attempts/{id}/surface).
-// `whole`: before anything is cut.
-export function toothSurface({ withDeviation = true, whole = false } = {}) {
-  const solid = whole ? crown : studentSolid;
-  const { positions, triangles } = surfaceNets(solid);
-  const n = positions.length;
-  const align4 = (bytes) => (bytes + 3) & ~3;
-  const normalAt = align4(32 + 6 * n);
-  const tissueAtByte = normalAt + 4 * n;
-  const deviationAtByte = align4(tissueAtByte + n);
-  const triangleAt = deviationAtByte + (withDeviation ? 4 * n : 0);
-  const bytes = Buffer.alloc(triangleAt + 12 * triangles.length);
-  const scale = Math.max(...kHalf) * 2 / 65000;
-  bytes.write("ENSF", 0, "latin1");
-  bytes.writeUInt16LE(1, 4);
-  bytes.writeUInt16LE(withDeviation ? 1 : 0, 6);
-  bytes.writeUInt32LE(n, 8);
-  bytes.writeUInt32LE(triangles.length, 12);
-  kHalf.forEach((half, axis) => bytes.writeFloatLE(-half, 16 + 4 * axis));
-  bytes.writeFloatLE(scale, 28);
-  positions.forEach((p, i) => {
-    p.forEach((value, axis) => bytes.writeUInt16LE(Math.round((value + kHalf[axis]) / scale), 32 + 6 * i + 2 * axis));
-    gradient(solid, p).forEach((value, axis) => bytes.writeInt8(Math.round(127 * value), normalAt + 4 * i + axis));
-    bytes.writeUInt8(tissueAt(p), tissueAtByte + i);
-    if (withDeviation) bytes.writeFloatLE(deviationAt(p), deviationAtByte + 4 * i);
-  });
-  triangles.forEach((triangle, i) => triangle.forEach((index, corner) => bytes.writeUInt32LE(index, triangleAt + 12 * i + 4 * corner)));
-  return bytes;
-}
-
 // A path of the tool back and forth through the cavity, deeper layer by layer. `share` 0..1.
 export function toolPosition(share) {
   const layers = 6;
@@ -170,4 +88,225 @@ export function toolPosition(share) {
   const within = share * layers - layer;
   const sweep = 2 * Math.abs(((within * 7) % 2) - 1) - 1;
   return [sweep * 1.6 + 0.15, -0.8 + 1.6 * within, 1.7 - (layer + 1) * 0.36];
+}
+
+// The attempt as it is played back: start tooth, timeline and deviation, as schemas/surface_timeline.md says.
+
+const kRateHz = 1000;
+const kFrameTicks = 100;
+const kSegmentFrames = 300;
+const bricks = kHalf.map((half) => Math.ceil(2 * half / kVoxelMm / 8) + 1);
+const count = bricks[0] * bricks[1] * bricks[2];
+
+const quantised = (mm) => Math.max(-64, Math.min(63, Math.floor(64 * mm / kVoxelMm)));
+const voxelOf = (brick, i) => [brick % bricks[0] * 8 + (i & 7), Math.floor(brick / bricks[0]) % bricks[1] * 8 + (i >> 3 & 7), Math.floor(brick / (bricks[0] * bricks[1])) * 8 + (i >> 6)];
+const pointOf = (voxel) => voxel.map((n, axis) => -kHalf[axis] + n * kVoxelMm);
+
+function predicted(s, i) {
+  const [x, y, z] = [(i & 7) !== 0, (i & 56) !== 0, i > 63];
+  const p = (x ? s[i - 1] : 0) + (y ? s[i - 8] : 0) + (z ? s[i - 64] : 0) - (x && y ? s[i - 9] : 0) - (x && z ? s[i - 65] : 0) - (y && z ? s[i - 72] : 0) + (x && y && z ? s[i - 73] : 0);
+  return Math.max(-64, Math.min(63, p));
+}
+const residuals = (s) => Uint8Array.from(s, (q, i) => q - predicted(s, i));
+
+const u32 = (...values) => {
+  const out = Buffer.alloc(4 * values.length);
+  values.forEach((value, i) => out.writeUInt32LE(value >>> 0, 4 * i));
+  return out;
+};
+function beginning(magic) {
+  const out = Buffer.alloc(48);
+  out.write(magic, 0, "latin1");
+  out.writeUInt16LE(1, 4);
+  out.writeInt32LE(Math.round(kVoxelMm * 1e6), 8);
+  bricks.forEach((n, axis) => out.writeInt32LE(n, 12 + 4 * axis));
+  kHalf.forEach((half, axis) => out.writeBigInt64LE(BigInt(Math.round(-half * 1e6)), 24 + 8 * axis));
+  return out;
+}
+const blob = (raw) => {
+  const packed = deflateSync(Buffer.from(raw));
+  return Buffer.concat([u32(packed.length), packed]);
+};
+const zigzag = (value) => ((value << 1) ^ (value >> 31)) >>> 0;
+function planes(values) {
+  const out = new Uint8Array(4 * values.length);
+  values.forEach((value, i) => { for (let k = 0; k < 4; ++k) out[k * values.length + i] = value >>> (8 * k) & 255; });
+  return out;
+}
+const differences = (values) => values.map((value, i) => zigzag((value - (values[i - 1] ?? 0)) | 0));
+function varint(out, value) {
+  for (; value >= 128; value >>>= 7) out.push(value & 127 | 128);
+  out.push(value);
+}
+
+// Distances at every sample, made once: what follows asks for them again and again.
+function sampled(f) {
+  const out = new Float32Array(count * 512);
+  for (let b = 0; b < count; ++b) for (let i = 0; i < 512; ++i) out[512 * b + i] = f(pointOf(voxelOf(b, i)));
+  return out;
+}
+const sampleAt = ([x, y, z]) => 512 * (((z >> 3) * bricks[1] + (y >> 3)) * bricks[0] + (x >> 3)) + (z & 7) * 64 + (y & 7) * 8 + (x & 7);
+
+function startTooth(before) {
+  const flags = new Uint8Array(count);
+  const samples = [];
+  const labels = [];
+  for (let b = 0; b < count; ++b) {
+    const s = Int8Array.from(before.subarray(512 * b, 512 * b + 512), quantised);
+    if (s.every((q) => q === 63)) continue;
+    flags[b] = 16 | (s.every((q) => q === -64) ? 0 : 8);
+    if (flags[b] & 8) samples.push(residuals(s));
+    labels.push(Uint8Array.from(before.subarray(512 * b, 512 * b + 512), tissueIn));
+  }
+  return Buffer.concat([beginning("ENTB"), blob(flags), blob(Buffer.concat(samples)), blob(Buffer.concat(labels))]);
+}
+
+// Of every brick that is cut at some time: what its samples are at any frame.
+function cutBricks(whole, box) {
+  const out = [];
+  for (let b = 0; b < count; ++b) {
+    const [before, cavity] = [whole, box].map((all) => all.subarray(512 * b, 512 * b + 512));
+    if (!cavity.some((mm, i) => mm < kVoxelMm && before[i] < kVoxelMm)) continue;
+    const points = Array.from({ length: 512 }, (_, i) => pointOf(voxelOf(b, i)));
+    const at = (share) => Int8Array.from(points, (p, i) => quantised(Math.max(before[i], -Math.max(cavity[i], reached(p, share)))));
+    out.push({ brick: b, at, before: Int8Array.from(before, quantised) });
+  }
+  return out;
+}
+
+function maskedChanges(now, before, masks, values) {
+  const state = before.slice();
+  const bits = new Uint8Array(64);
+  for (let i = 0; i < 512; ++i) if (now[i] !== before[i]) bits[i >> 3] |= 1 << (i & 7);
+  masks.push([...Array(8).keys()].reduce((byte, z) => byte | (bits.subarray(8 * z, 8 * z + 8).some((row) => row !== 0) ? 1 << z : 0), 0));
+  for (let z = 0; z < 8; ++z) {
+    const rows = bits.subarray(8 * z, 8 * z + 8);
+    if (rows.every((row) => row === 0)) continue;
+    masks.push(rows.reduce((byte, row, y) => byte | (row !== 0 ? 1 << y : 0), 0));
+    masks.push(...rows.filter((row) => row !== 0));
+  }
+  for (let i = 0; i < 512; ++i) {
+    if (!(bits[i >> 3] >> (i & 7) & 1)) continue;
+    values.push((now[i] - predicted(state, i)) & 255);
+    state[i] = now[i];
+  }
+}
+
+function timeline(cut, start, seconds, pace) {
+  const ticks = Math.round(seconds * kRateHz);
+  const frames = Math.ceil(ticks / kFrameTicks);
+  const now = new Map(cut.map(({ brick, before }) => [brick, before]));
+  const index = [];
+  const parts = [];
+  for (let first = 0; first < frames; first += kSegmentFrames) {
+    const n = Math.min(kSegmentFrames, frames - first);
+    const share = (k) => ((first + k + 1) / frames) ** pace;
+    const tips = Array.from({ length: n }, (_, k) => toolPosition(share(k)).map((mm) => Math.round(mm * 1000)));
+    const poses = Buffer.concat([...[0, 1, 2].map((axis) => planes(differences(tips.map((tip) => tip[axis])))),
+                                 Buffer.from(new Uint8Array(2 * n)), Buffer.alloc(n, 127), planes(Array(n).fill(0)), Buffer.alloc(n, 1)]);
+    const changed = cut.filter(({ brick, before }) => now.get(brick).some((q, i) => q !== before[i]));
+    const key = Buffer.concat([u32(...changed.map(({ brick }) => brick)), ...changed.map(({ brick }) => residuals(now.get(brick)))]);
+    const [heads, masks, values] = [[], [], []];
+    for (let k = 0; k < n; ++k) {
+      const moved = cut.map(({ brick, at }) => ({ brick, samples: at(share(k)) })).filter(({ brick, samples }) => samples.some((q, i) => q !== now.get(brick)[i]));
+      varint(heads, moved.length);
+      moved.forEach(({ brick, samples }, i) => {
+        varint(heads, i === 0 ? brick : brick - moved[i - 1].brick - 1);
+        maskedChanges(samples, now.get(brick), masks, values);
+        now.set(brick, samples);
+      });
+    }
+    const changes = Buffer.concat([u32(heads.length, masks.length), Buffer.from(heads), Buffer.from(masks), Buffer.from(values)]);
+    const packed = [poses, key, changes].map((raw) => deflateSync(raw));
+    index.push(u32(...packed.map((bytes) => bytes.length), changed.length, changes.length));
+    parts.push(...packed);
+  }
+  const outline = [[0, 0.35], [0.3, 0.5], [3, 0.5], [3.4, 0.8], [12, 0.8]].flat().map((mm) => Math.round(mm * 1e6));
+  return Buffer.concat([beginning("ENTL"), createHash("sha256").update(start).digest(), u32(ticks, 0, kRateHz, kFrameTicks, kSegmentFrames, outline.length / 2, index.length),
+                        u32(...outline), ...index, ...parts]);
+}
+
+function deviation(before, cavity) {
+  const solid = Uint8Array.from(before, (mm, i) => quantised(Math.max(mm, -cavity[i])) < 0 ? 1 : 0);
+  const cells = [];
+  const values = [];
+  let bricksIn = 0;
+  for (let b = 0; b < count; ++b) {
+    const mask = Buffer.alloc(64);
+    for (let i = 0; i < 512; ++i) {
+      const voxel = voxelOf(b, i);
+      if (voxel.some((n, axis) => n + 1 >= 8 * bricks[axis])) continue;
+      let inside = 0;
+      for (let c = 0; c < 8; ++c) inside += solid[sampleAt([voxel[0] + (c & 1), voxel[1] + (c >> 1 & 1), voxel[2] + (c >> 2)])];
+      if (inside === 0 || inside === 8) continue;
+      const mm = deviationAt(onSurface(pointOf(voxel.map((n) => n + 0.5))));
+      if (Number.isNaN(mm)) continue;
+      mask[i >> 3] |= 1 << (i & 7);
+      values.push(Math.round(mm * 1000));
+    }
+    if (mask.every((byte) => byte === 0)) continue;
+    ++bricksIn;
+    cells.push(u32(b), mask);
+  }
+  return Buffer.concat([beginning("ENDV"), u32(bricksIn, values.length), blob(Buffer.concat(cells)), blob(planes(differences(values)))]);
+}
+
+export const seriesEndS = 43.2;
+
+const made = new Map();
+let base;
+// Made once for each pace: every flow sees the same attempts.
+export function playbackOf(pace = 1) {
+  if (base === undefined) {
+    const [before, cavity] = [sampled(crown), sampled(studentCavity)];
+    base = { start: startTooth(before), cut: cutBricks(before, cavity), deviation: deviation(before, cavity) };
+  }
+  if (!made.has(pace)) made.set(pace, { ...base, timeline: timeline(base.cut, base.start, seriesEndS, pace) });
+  return made.get(pace);
+}
+
+// The surface as the server's format ENSF (schemas/api/openapi.yaml, /attempts/{id}/surface)
+// without deviation: where rays from inside leave the tooth, along meridians from its top.
+function surface(solid) {
+  const [across, around] = [64, 128];
+  const inside = [0, 0, -2];
+  const along = (i, j) => {
+    const [polar, azimuth] = [Math.PI * i / across, 2 * Math.PI * j / around];
+    return [Math.sin(polar) * Math.cos(azimuth), Math.sin(polar) * Math.sin(azimuth), Math.cos(polar)];
+  };
+  const leaving = (direction) => {
+    const at = (mm) => inside.map((value, axis) => value + mm * direction[axis]);
+    let mm = 0;
+    while (solid(at(mm)) < 0) mm += 0.05;
+    return at(mm - 0.025);
+  };
+  const positions = Array.from({ length: (across + 1) * around }, (_, k) => leaving(along(Math.floor(k / around), k % around)));
+  const triangles = [];
+  for (let i = 0; i < across; ++i) {
+    for (let j = 0; j < around; ++j) {
+      const [a, b, c, d] = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]].map(([row, column]) => row * around + column % around);
+      triangles.push(a, b, c, a, c, d);
+    }
+  }
+  const n = positions.length;
+  const scale = Math.max(...kHalf) * 2 / 65_000;
+  const head = Buffer.alloc(32);
+  head.write("ENSF", 0, "latin1");
+  head.writeUInt16LE(1, 4);
+  head.writeUInt32LE(n, 8);
+  head.writeUInt32LE(triangles.length / 3, 12);
+  kHalf.forEach((half, axis) => head.writeFloatLE(-half, 16 + 4 * axis));
+  head.writeFloatLE(scale, 28);
+  const padded = (bytes) => Buffer.concat([bytes, Buffer.alloc(-bytes.length & 3)]);
+  return Buffer.concat([
+    head, padded(Buffer.from(Uint16Array.from(positions.flatMap((p) => p.map((value, axis) => Math.round((value + kHalf[axis]) / scale)))).buffer)),
+    Buffer.from(Int8Array.from(positions.flatMap((p) => [...gradient(solid, p).map((value) => Math.round(127 * value)), 0])).buffer),
+    padded(Buffer.from(positions.map((p) => tissueIn(crown(p))))), Buffer.from(Uint32Array.from(triangles).buffer)]);
+}
+
+const surfaces = new Map();
+// `whole`: before anything is cut.
+export function toothSurface({ whole = false } = {}) {
+  if (!surfaces.has(whole)) surfaces.set(whole, surface(whole ? crown : studentSolid));
+  return surfaces.get(whole);
 }

@@ -8,7 +8,7 @@
 import { writeFileSync } from "node:fs";
 import { fileURLToPath } from "node:url";
 import { chromiumIsThere, launch, openPage } from "../../tests/e2e/browser.mjs";
-import { people } from "../../tests/e2e/mock_data.mjs";
+import { people } from "../../tests/e2e/mock_world.mjs";
 import { startMockServer } from "../../tests/e2e/mock_server.mjs";
 
 const kSkipped = 77;

@@ -8,9 +8,9 @@ import { writeFileSync } from "node:fs";
 import { loadavg } from "node:os";
 import { fileURLToPath } from "node:url";
 import { chromiumIsThere, launch, openPage } from "../../tests/e2e/browser.mjs";
-import { people, seriesEndS } from "../../tests/e2e/mock_data.mjs";
 import { startMockServer } from "../../tests/e2e/mock_server.mjs";
-import { mockPlayback } from "../../tests/e2e/mock_timeline.mjs";
+import { playbackOf } from "../../tests/e2e/mock_tooth.mjs";
+import { people } from "../../tests/e2e/mock_world.mjs";
 
 const kSkipped = 77;
 const kNetwork = { offline: false, latency: 40, downloadThroughput: 1.25e6, uploadThroughput: 0.5e6 };
@@ -147,7 +147,7 @@ if (real !== undefined && !(process.env.LOGIN && process.env.PASSWORD && process
 const instructor = people.find((person) => person.role === "instructor");
 const server = real === undefined ? await startMockServer({ dist: option("--dist") ?? fileURLToPath(new URL("../dist", import.meta.url)) }) : undefined;
 // The mock server makes its files when they are first asked for, which takes it seconds: no part of what is measured.
-if (real === undefined) mockPlayback(seriesEndS());
+if (real === undefined) playbackOf();
 const browser = await launch();
 try {
   const found = await measure(browser, { baseUrl: real ?? server.url, login: process.env.LOGIN ?? instructor.login, password: process.env.PASSWORD ?? instructor.password,
