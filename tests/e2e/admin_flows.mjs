@@ -1,11 +1,14 @@
 // What an admin does, against the mock server.
 import assert from "node:assert/strict";
+import { mkdtempSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
 import { drawReport } from "../../web/scripts/draw_report.mjs";
 import { golden } from "./contract.mjs";
-import { accessible, chooseFile, downloaded, signedIn, signIn } from "./session.mjs";
+import { id } from "./mock_world.mjs";
+import { accessible, chooseFile, downloaded, looks, signedIn, signIn } from "./session.mjs";
 
-const id = (number) => `00000000-0000-7000-8000-${String(number).padStart(12, "0")}`;
 const kLongAgo = -600_000;
 
 export const adminFlows = [
@@ -50,9 +53,9 @@ async function drawnReport(world) {
 
 // What draw_report.mjs makes runs from a file, under its own policy, and asks nobody for anything.
 async function reportAsOneFile(world) {
-  const file = `${world.picture("strokes")}.html`;
+  const file = join(mkdtempSync(join(tmpdir(), "enamel-report-")), "strokes.html");
   await drawReport(fileURLToPath(new URL("../../schemas/golden/strokes.json", import.meta.url)), file);
-  const { page } = await world.open();
+  const page = await world.open();
   const asked = [];
   page.on("request", (request) => asked.push(request.url()));
   await page.goto(pathToFileURL(file).href);
@@ -62,7 +65,7 @@ async function reportAsOneFile(world) {
 }
 
 async function forcedPassword(world) {
-  const { page } = await world.open();
+  const page = await world.open();
   await page.goto("/attempts");
   await signIn(page, world.mock.people.find((person) => person.login === "newcomer"));
   await page.getByRole("heading", { level: 1, name: "Choose a password of your own" }).waitFor();
@@ -115,7 +118,7 @@ async function editPerson(world) {
   assert.match(differs, /Named by another admin/);
   assert.match(differs, /Named by me/);
   await accessible(page, "a conflict");
-  await page.screenshot({ path: world.picture("conflict"), fullPage: true });
+  await world.picture(page, "conflict", { fullPage: true });
   await page.getByRole("button", { name: "Save mine instead" }).click();
   await page.getByText("Saved.").waitFor();
   assert.equal(person.display_name, "Named by me");
@@ -145,7 +148,7 @@ async function resetPassword(world) {
   await page.getByRole("button", { name: "Go on" }).click();
   await page.getByText("amber kettle north").waitFor();
   await accessible(page, "a new password");
-  await page.screenshot({ path: world.picture("one_time_password") });
+  await world.picture(page, "one_time_password");
   await page.getByRole("button", { name: "I have noted it" }).click();
   await page.getByRole("dialog").waitFor({ state: "detached" });
   assert.equal(await page.getByText("amber kettle north").count(), 0);
@@ -174,7 +177,7 @@ async function importRoster(world) {
   assert.match(problems, /3\s+display_name/);
   assert.equal(await page.getByRole("button", { name: /^Import/ }).count(), 0);
   await accessible(page, "a roster with problems");
-  await page.screenshot({ path: world.picture("roster_problems"), fullPage: true });
+  await world.picture(page, "roster_problems", { fullPage: true });
   assert.equal(world.mock.people.length, before);
 
   await chooseFile(page, "Roster (CSV)", "second.csv", "login,display_name,role,cohort\nnew.one,New One,student,A\nnew.two,-New Two,student,A\nstudent,Student One,student,A\n".replace("-New", "New"));
@@ -219,7 +222,7 @@ async function stations(world) {
   const command = await page.locator(".copy-text").first().innerText();
   assert.match(command, /^enamel-station enrol --server 127\.0\.0\.1:8600 --code [0-9a-f]+@[0-9a-f]{64} --name /);
   await accessible(page, "a new enrolment code");
-  await page.screenshot({ path: world.picture("enrol") });
+  await world.picture(page, "enrol");
   await page.getByRole("button", { name: "Close" }).click();
   await page.getByRole("button", { name: "Withdraw…" }).first().click();
   await page.getByRole("button", { name: "Withdraw the code" }).click();
@@ -245,7 +248,7 @@ async function listedDevices(world) {
   await page.getByLabel("Known by").fill("hid:1209:0001:B2");
   await page.getByLabel("Name", { exact: true }).fill("Chair 9");
   await accessible(page, "a device for graded work");
-  await page.screenshot({ path: world.picture("device") });
+  await world.picture(page, "device");
   await page.getByRole("button", { name: "Add", exact: true }).click();
   await page.getByRole("rowheader", { name: "Chair 9" }).waitFor();
   await page.getByRole("button", { name: "Remove… Chair 3" }).click();
@@ -267,7 +270,7 @@ async function profiles(world) {
   await page.getByText("would not be stable").waitFor();
   await page.getByRole("row", { name: /Passive limit of the coupling/ }).getByText("Not met").waitFor();
   await accessible(page, "a refused profile");
-  await page.screenshot({ path: world.picture("profile_refused"), fullPage: true });
+  await world.picture(page, "profile_refused", { fullPage: true });
   await chooseFile(page, label, "tame.json", coupled(1000));
   await save();
   await page.getByText("Saved as version 3 of phantom_desktop").waitFor();
@@ -294,10 +297,10 @@ async function whatAHandCanFeel(page) {
 }
 
 async function feltNarrowAndDark(world) {
-  for (const [colorScheme, width] of [["dark", 390], ["light", 390], ["dark", 1280], ["light", 1280]]) {
+  for (const [colorScheme, width] of looks(["dark", 390], ["light", 390], ["dark", 1280], ["light", 1280])) {
     const page = await signedIn(world, "admin", "/profiles/phantom_desktop", { width, height: 844, colorScheme });
     await page.getByText("A hand can tell the two apart in").waitFor();
-    await page.getByRole("region", { name: "What a hand can feel" }).screenshot({ path: world.picture(`feel_${colorScheme}_${width}`) });
+    await world.picture(page.getByRole("region", { name: "What a hand can feel" }), `feel_${colorScheme}_${width}`);
     assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= document.documentElement.clientWidth), `wider than ${width} px`);
     await accessible(page, `what a hand can feel, ${colorScheme}, ${width} px`);
   }
@@ -338,5 +341,5 @@ async function auditNarrow(world) {
   const rows = await page.locator("tbody tr").count();
   const height = await page.evaluate(() => document.documentElement.scrollHeight);
   assert.ok(height / rows < 150, `${height} px for ${rows} entries`);
-  await page.screenshot({ path: world.picture("audit_narrow") });
+  await world.picture(page, "audit_narrow");
 }

@@ -1,5 +1,5 @@
-// Debian's Chromium through playwright-core, with every console error and policy violation kept.
-import { existsSync } from "node:fs";
+// Debian's Chromium through playwright-core.
+import { existsSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 
 const require = createRequire(new URL("../../web/package.json", import.meta.url));
@@ -20,17 +20,33 @@ export async function launch() {
   });
 }
 
-// One person's browser: a fresh profile with its own cookies.
-export async function openPage(browser, baseUrl, { width = 1440, height = 900, colorScheme = "light" } = {}) {
-  const context = await browser.newContext({ baseURL: baseUrl, viewport: { width, height }, colorScheme, locale: "en-GB", reducedMotion: "reduce" });
+// A page of one person's browser, with a profile of its own.
+export async function newPage(browser, baseURL) {
+  const context = await browser.newContext({ baseURL, locale: "en-GB" });
   const page = await context.newPage();
   page.setDefaultTimeout(kTimeoutMs);
+  return page;
+}
+
+// Makes it look as a flow wants it. Every console error and policy violation from now on is kept in what this gives.
+export async function begin(page, { width = 1440, height = 900, colorScheme = "light" } = {}) {
+  await page.setViewportSize({ width, height });
+  await page.emulateMedia({ media: null, colorScheme, reducedMotion: "reduce" });
   const errors = [];
   page.on("pageerror", (error) => errors.push(`uncaught: ${error.message}`));
   page.on("console", (message) => {
     if (message.type() === "error" && !isExpected(message)) errors.push(`console: ${message.text()}`);
   });
-  return { context, page, errors };
+  return errors;
+}
+
+// Leaves nothing of a flow in the page but what its cache holds.
+export async function leave(page) {
+  await page.evaluate(() => { localStorage.clear(); sessionStorage.clear(); }).catch(() => {});  // a file has none
+  page.removeAllListeners();
+  await page.unrouteAll({ behavior: "ignoreErrors" });
+  await page.context().clearCookies();
+  await page.goto("about:blank");
 }
 
 // Chromium logs every refused request; the flows provoke 4xx answers on purpose.
@@ -38,10 +54,14 @@ function isExpected(message) {
   return /Failed to load resource: the server responded with a status of 4\d\d/.test(message.text());
 }
 
+const kAxe = readFileSync(require.resolve("axe-core/axe.min.js"), "utf8");
+const kRules = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"];
+
+// Only what is wrong leaves the page: all that axe looked at is a megabyte.
 export async function accessibilityViolations(page) {
-  const { readFileSync } = await import("node:fs");
-  await page.evaluate(readFileSync(require.resolve("axe-core/axe.min.js"), "utf8"));
-  const result = await page.evaluate(() => globalThis.axe.run(document, {
-    runOnly: ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"] }));
-  return result.violations.map(({ id, help, nodes }) => `${id}: ${help} (${nodes.map((node) => node.target.join(" ")).slice(0, 4).join(", ")})`);
+  if (!await page.evaluate(() => "axe" in globalThis)) await page.evaluate(kAxe);
+  return page.evaluate(async (rules) => {
+    const { violations } = await globalThis.axe.run(document, { runOnly: rules, resultTypes: ["violations"], preload: false });
+    return violations.map(({ id, help, nodes }) => `${id}: ${help} (${nodes.map((node) => node.target.join(" ")).slice(0, 4).join(", ")})`);
+  }, kRules);
 }

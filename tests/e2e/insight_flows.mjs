@@ -1,8 +1,8 @@
 // What those who teach and run a school see of classes, server and stations, against the mock server.
 import assert from "node:assert/strict";
-import { accessible, downloaded, signedIn } from "./session.mjs";
+import { id } from "./mock_world.mjs";
+import { accessible, downloaded, looks, signedIn } from "./session.mjs";
 
-const id = (number) => `00000000-0000-7000-8000-${String(number).padStart(12, "0")}`;
 
 export const insightFlows = [
   { name: "an assignment says who has not begun, the commonest error, and who is far from the class", run: classInsight },
@@ -14,11 +14,11 @@ export const insightFlows = [
   { name: "a scan becomes a tooth on the page, and a wrong unit is told with the right one", run: importTooth },
 ];
 
-// A picture at each of the sizes that people use.
+// Nothing is wider than the screen, at each of the sizes that people use.
 async function pictures(world, page, name) {
-  for (const [width, height] of [[1440, 900], [1280, 720], [390, 800]]) {
+  for (const [width, height] of looks([390, 800], [1280, 720], [1440, 900])) {
     await page.setViewportSize({ width, height });
-    await page.screenshot({ path: world.picture(`${name}_${width}`), fullPage: true });
+    await world.picture(page, `${name}_${width}`, { fullPage: true });
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth), 0, `${name} at ${width}: wider than the screen`);
   }
 }
@@ -147,11 +147,12 @@ async function wrongPoints(world, page, criterion, publish) {
     assert.doesNotMatch(await page.locator("main").innerText(), /\/criteria|\dE\d/);
     assert.ok(await publish.isDisabled());
   }
+  const answered = page.waitForResponse((response) => response.request().postData()?.includes('"points":null') ?? false);
   await points.fill("");
   await points.focus();
   await page.keyboard.insertText("1e999");        // pasted: more than a number can be
   await criterion.getByText(/Enter a number\.$/).waitFor();
-  await page.waitForTimeout(600);                 // the server has answered too
+  await answered;
   assert.match(await told.innerText(), /[^/]+, points: Enter a number\.$/);
   await accessible(page, "a rubric with a wrong number");
   await pictures(world, page, "rubric_wrong");
@@ -179,7 +180,7 @@ async function editProfile(world) {
 async function firstAdmin(world) {
   // An empty school.
   Object.assign(world.mock, { firstAdminToken: "ab".repeat(32), shelf: world.mock.exercises, exercises: [], cohorts: [], assignments: [], people: [] });
-  const { page } = await world.open({ width: 1280, height: 900 });
+  const page = await world.open({ width: 1280, height: 900 });
   await page.goto(`/first#${"cd".repeat(32)}`);
   await page.getByRole("heading", { name: "The first admin" }).waitFor();
   await accessible(page, "making the first admin");

@@ -65,8 +65,8 @@ function onSurface(p) {
   return p.map((value, axis) => value - mm * along[axis]);
 }
 
-// Above this the cavity is cut after a share of the time: down to its floor, sweep by sweep.
-const reached = (p, share) => 2.6 - 3.6 * share - p[2];
+// Above this height the cavity is cut after a share of the time: down to its floor, sweep by sweep.
+const reached = (share) => 2.6 - 3.6 * share;
 
 function gradient(f, p) {
   const h = 0.05;
@@ -168,7 +168,14 @@ function cutBricks(whole, box) {
     const [before, cavity] = [whole, box].map((all) => all.subarray(512 * b, 512 * b + 512));
     if (!cavity.some((mm, i) => mm < kVoxelMm && before[i] < kVoxelMm)) continue;
     const points = Array.from({ length: 512 }, (_, i) => pointOf(voxelOf(b, i)));
-    const at = (share) => Int8Array.from(points, (p, i) => quantised(Math.max(before[i], -Math.max(cavity[i], reached(p, share)))));
+    const [lowest, highest] = [points[0][2] - kVoxelMm, points[511][2] + kVoxelMm];
+    let done, samples;
+    const at = (share) => {
+      const height = Math.min(highest, Math.max(lowest, reached(share)));   // beyond these nothing changes
+      if (height !== done) samples = Int8Array.from(points, ([, , z], i) => quantised(Math.max(before[i], -Math.max(cavity[i], height - z))));
+      done = height;
+      return samples;
+    };
     out.push({ brick: b, at, before: Int8Array.from(before, quantised) });
   }
   return out;
@@ -208,7 +215,7 @@ function timeline(cut, start, seconds, pace) {
     const key = Buffer.concat([u32(...changed.map(({ brick }) => brick)), ...changed.map(({ brick }) => residuals(now.get(brick)))]);
     const [heads, masks, values] = [[], [], []];
     for (let k = 0; k < n; ++k) {
-      const moved = cut.map(({ brick, at }) => ({ brick, samples: at(share(k)) })).filter(({ brick, samples }) => samples.some((q, i) => q !== now.get(brick)[i]));
+      const moved = cut.map(({ brick, at }) => ({ brick, samples: at(share(k)) })).filter(({ brick, samples }) => samples !== now.get(brick) && samples.some((q, i) => q !== now.get(brick)[i]));
       varint(heads, moved.length);
       moved.forEach(({ brick, samples }, i) => {
         varint(heads, i === 0 ? brick : brick - moved[i - 1].brick - 1);

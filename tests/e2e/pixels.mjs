@@ -33,3 +33,14 @@ export async function toothPixelsBecome(page, what, test, enough) {
   }
   assert.fail(`${what}: ${count} pixels`);
 }
+
+// The share of pixels that differ clearly.
+export function differing(one, other) {
+  const [a, b] = [decodePng(one), decodePng(other)];
+  assert.deepEqual([a.width, a.height], [b.width, b.height]);
+  let count = 0;
+  for (let y = 0; y < a.height; ++y) {
+    for (let x = 0; x < a.width; ++x) if (a.at(x, y).some((value, i) => Math.abs(value - b.at(x, y)[i]) > 12)) ++count;
+  }
+  return count / (a.width * a.height);
+}

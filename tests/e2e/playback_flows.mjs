@@ -1,13 +1,25 @@
 // What the attempt's playback shows and how it is drawn.
 import assert from "node:assert/strict";
+import { id } from "./mock_world.mjs";
 import { toothPixels, toothPixelsBecome } from "./pixels.mjs";
-import { accessible, signedIn, signIn } from "./session.mjs";
+import { accessible, looks, signedIn, signIn } from "./session.mjs";
 
-const kAttempt = "/attempts/00000000-0000-7000-8000-000000000105";
+export const playbackFlows = [
+  { name: "the tooth is drawn quickly while it moves and in full once it stands", run: drawsQuickly },
+  { name: "contact, faults and strokes that lost points stand on the axis of time", run: marksOnTheTime },
+  { name: "the force on the hand is an arrow at the bur, and what was late or held back is on the axis", run: forceArrow },
+  { name: "a link's moment is opened once, also without a playback", run: linkIsOpenedOnce },
+  { name: "the target is drawn over the tooth, and goes away", run: targetLines },
+  { name: "the plot zooms by keys and wheel, and is moved by a drag", run: plotZooms },
+  { name: "a short part of the plot is drawn tick by tick", run: tickByTick },
+  { name: "speed, removed tissues, depth and the pulp are plotted on the same axis", run: secondPlot },
+];
+
+const kAttempt = `/attempts/${id(105)}`;
 
 const isArrow = ([r, g, b]) => r > 170 && g > 40 && g < 90 && b < 40;
+
 const isTargetLine = ([r, g, b]) => b - g > 60 && b - r > 30;
-const isTinted = ([r, g, b]) => g - r > 25 && g - b > -25 && b - r > 5;  // by another tooth over it
 
 // Chromium draws on the processor here: what moves has fewer pixels until it stands.
 async function drawsQuickly(world) {
@@ -26,7 +38,7 @@ async function drawsQuickly(world) {
 
 // Contact, faults and strokes that lost points, on the axis of slider and plot; keys go from one to the next.
 async function marksOnTheTime(world) {
-  for (const [width, height] of [[1440, 900], [1280, 720]]) {
+  for (const [width, height] of looks([1280, 720], [1440, 900])) {
     const page = await signedIn(world, "instructor", `${kAttempt}?t=0`, { width, height });
     await page.locator('.playback[data-shown="0"]').waitFor();
     await page.locator(".spans .span.lost").first().waitFor();
@@ -42,7 +54,7 @@ async function marksOnTheTime(world) {
     assert.match(await page.getByRole("dialog").innerText(), /To the next fault or stroke that lost points/);
     await page.keyboard.press("Escape");
     await accessible(page, `marks on the time at ${width}`);
-    await page.screenshot({ path: world.picture(`marks_${width}`) });
+    await world.picture(page, `marks_${width}`);
   }
 }
 
@@ -78,7 +90,7 @@ async function plotZooms(world) {
   const later = await range();
   assert.ok(later[0] > near[0] && Math.abs(later[1] - later[0] - near[1] + near[0]) <= 2, `dragged from ${near} to ${later}`);
   await accessible(page, "a part of the time");
-  await page.screenshot({ path: world.picture("zoomed") });
+  await world.picture(page, "zoomed");
   // The moment takes the part along.
   await page.locator("body").click({ position: { x: 5, y: 300 } });
   await page.keyboard.press("Home");
@@ -92,7 +104,7 @@ async function plotZooms(world) {
 
 // More plots on the same axis, with the same cursor.
 async function secondPlot(world) {
-  for (const [width, height] of [[1440, 900], [1280, 720]]) {
+  for (const [width, height] of looks([1280, 720], [1440, 900])) {
     const page = await signedIn(world, "student", `${kAttempt}?t=20`, { width, height });
     await page.locator('.playback[data-shown="200"]').waitFor();
     await page.locator(".plot canvas").waitFor();
@@ -112,7 +124,7 @@ async function secondPlot(world) {
     await page.getByRole("img", { name: /^More over time: depth of the tip, distance to the pulp/i }).locator("canvas").waitFor();
     await page.locator(".readout").getByText("Distance to the pulp").waitFor();
     await accessible(page, `three plots at ${width}`);
-    await page.screenshot({ path: world.picture(`three_plots_${width}`), fullPage: true });
+    await world.picture(page, `three_plots_${width}`, { fullPage: true });
     await page.getByRole("button", { name: "More over time" }).click();
     await second.waitFor({ state: "detached" });
   }
@@ -126,7 +138,7 @@ async function forceArrow(world) {
   await page.waitForFunction(() => document.querySelector(".tooth-force .swatch.force") !== null);
   const touching = await toothPixels(page, isArrow);
   assert.ok(touching > 60, `the arrow has ${touching} pixels`);
-  await page.screenshot({ path: world.picture("force_arrow") });
+  await world.picture(page, "force_arrow");
   await accessible(page, "a force on the tooth");
   await page.locator("body").click({ position: { x: 5, y: 300 } });
   await page.keyboard.press("Home");
@@ -148,7 +160,7 @@ async function targetLines(world) {
   await button.click();
   await toothPixelsBecome(page, "lines of the target", isTargetLine, (count) => count > before + 150);
   assert.equal(await button.getAttribute("aria-pressed"), "true");
-  await page.screenshot({ path: world.picture("target_lines") });
+  await world.picture(page, "target_lines");
   await accessible(page, "the target over the tooth");
   await button.click();
   await toothPixelsBecome(page, "no lines", isTargetLine, (count) => count <= before + 20);
@@ -187,7 +199,7 @@ async function tickByTick(world) {
   assert.ok(Math.abs(moved[0] - from - (to - from) / 4) < 0.03, `dragged from ${from} to ${moved[0]}`);
   assert.ok(asked.length - before <= 1, "what was there is not asked for again");
   await accessible(page, "a plot tick by tick");
-  await page.screenshot({ path: world.picture("ticks") });
+  await world.picture(page, "ticks");
   await over.dblclick();
   await page.getByText(/^Shown: /).waitFor({ state: "detached" });
 }
@@ -196,7 +208,7 @@ async function tickByTick(world) {
 // not take back what somebody chose.
 async function linkIsOpenedOnce(world) {
   const row = world.mock.attempts.find((attempt) => attempt.id.endsWith("106"));
-  const page = (await world.open()).page;
+  const page = await world.open();
   const asked = [];
   await page.route("**/timeline", (route) => { asked.push(route); });
   const fail = () => asked.splice(0).map((route) => route.fulfill({ status: 404, json: { error: { code: "not_found", message: "There is no timeline.", field: "" } } }));
@@ -217,90 +229,3 @@ async function linkIsOpenedOnce(world) {
   assert.equal(await slider.inputValue(), "500");
   fail();
 }
-
-async function putOnTop(page, other) {
-  const choice = page.getByLabel("Compare with");
-  await choice.focus();
-  const option = choice.locator(`option[value$="${other}"]`);
-  await option.waitFor({ state: "attached" });
-  await choice.selectOption(await option.getAttribute("value"));
-  await page.locator(".other-tooth .tooth-frame[aria-busy=false] canvas").waitFor();
-  await page.getByLabel("On top", { exact: true }).check();
-  await page.locator(".other-tooth").waitFor({ state: "detached" });
-  await page.getByText("Other: more left").waitFor();
-}
-
-// Everything of the picture's card that is seen lies in the window, and the legend in one line.
-async function barFits(page, height) {
-  const bar = await page.locator(".compare-bar").boundingBox();
-  const plot = await page.locator(".force-card .u-over").boundingBox();
-  assert.ok(bar.height < 40, `the bar is ${bar.height} high`);
-  assert.ok(plot.y + plot.height <= height, `the plot ends at ${plot.y + plot.height} of ${height}`);
-}
-
-// Two attempts of the mock do the same, one slowly at first: by the middle of the time it has done less, and at each place of
-// the way as much.
-async function onTop(world) {
-  for (const [width, height] of [[1440, 900], [1280, 720]]) {
-    const page = await signedIn(world, "instructor", `${kAttempt}?t=20`, { width, height });
-    await page.locator('.playback[data-shown="200"]').waitFor();
-    await page.getByRole("button", { name: "Occlusal", exact: true }).click();
-    const before = await toothPixels(page, isTinted);
-    const same = (count) => count < before + 150;
-    await putOnTop(page, "000000000201");
-    await page.locator(".other-time", { hasText: "0:20.0" }).waitFor();
-    await toothPixelsBecome(page, "slower, on top", isTinted, (count) => count > before + 1000);
-    await page.getByRole("application", { name: /The other attempt lies over it/ }).waitFor();
-    await barFits(page, height);
-    await accessible(page, `another attempt on top at ${width}`);
-    await page.screenshot({ path: world.picture(`on_top_${width}`) });
-    await page.getByLabel("The other’s moment").selectOption({ label: "The same place on the way" });
-    // (20 / 43.2)^(1 / 1.5) of 43.2 s.
-    await page.locator(".other-time", { hasText: /^0:2(5\.[7-9]|6\.0)$/ }).waitFor();
-    await toothPixelsBecome(page, "at the same place", isTinted, same);
-    await page.screenshot({ path: world.picture(`on_top_same_place_${width}`) });
-    // A plane cuts both.
-    await page.getByLabel("Section", { exact: true }).selectOption("y");
-    await page.getByRole("button", { name: "Lingual", exact: true }).click();
-    await toothPixelsBecome(page, "alike, cut open", isTinted, same);
-    const cutAlike = await toothPixels(page, isTinted);
-    await page.getByLabel("The other’s moment").selectOption("time");
-    await toothPixelsBecome(page, "cut open", isTinted, (count) => count > cutAlike + 180);
-    await page.screenshot({ path: world.picture(`on_top_section_${width}`) });
-    await page.getByLabel("Section", { exact: true }).selectOption("");
-    // At the end both are the same, from all sides.
-    await page.locator("body").click({ position: { x: 5, y: 300 } });
-    await page.keyboard.press("End");
-    await page.locator(".other-time", { hasText: "0:43.2" }).waitFor();
-    await toothPixelsBecome(page, "at the end", isTinted, same);
-    await barFits(page, height);
-    await page.screenshot({ path: world.picture(`on_top_end_${width}`) });
-    await page.getByLabel("Compare with").selectOption("");
-    await page.locator(".compare-bar").waitFor({ state: "detached" });
-  }
-  // The slow one below, the other has less left: from above stripes, from below nothing.
-  const page = await signedIn(world, "instructor", `${kAttempt.replace("105", "201")}?t=20`);
-  await page.locator('.playback[data-shown="200"]').waitFor();
-  await page.getByRole("button", { name: "Apical", exact: true }).click();
-  const fromBelow = await toothPixels(page, isTinted);
-  await page.getByRole("button", { name: "Occlusal", exact: true }).click();
-  const before = await toothPixels(page, isTinted);
-  await putOnTop(page, "000000000105");
-  await toothPixelsBecome(page, "faster, on top", isTinted, (count) => count > before + 500);
-  await page.screenshot({ path: world.picture("on_top_less") });
-  await page.getByRole("button", { name: "Apical", exact: true }).click();
-  await toothPixelsBecome(page, "faster, from below", isTinted, (count) => count < fromBelow + 150);
-  await page.screenshot({ path: world.picture("on_top_less_below") });
-}
-
-export const playbackFlows = [
-  { name: "the tooth is drawn quickly while it moves and in full once it stands", run: drawsQuickly },
-  { name: "contact, faults and strokes that lost points stand on the axis of time", run: marksOnTheTime },
-  { name: "the force on the hand is an arrow at the bur, and what was late or held back is on the axis", run: forceArrow },
-  { name: "another attempt lies over this one, at the same time or place of the way", run: onTop },
-  { name: "a link's moment is opened once, also without a playback", run: linkIsOpenedOnce },
-  { name: "the target is drawn over the tooth, and goes away", run: targetLines },
-  { name: "the plot zooms by keys and wheel, and is moved by a drag", run: plotZooms },
-  { name: "a short part of the plot is drawn tick by tick", run: tickByTick },
-  { name: "speed, removed tissues, depth and the pulp are plotted on the same axis", run: secondPlot },
-];

@@ -1,19 +1,23 @@
-// Browser tests of the page.
+// Browser tests of the page: one server and one browser for all flows, each with a world of its own.
 //   node tests/e2e/run.mjs [--dist DIR] [--pictures DIR] [--only TEXT]
+// --pictures: keeps a picture of what each flow shows; without it only of what failed, in web/build/pictures.
+// With ENAMEL_FULL each screen in every look, and what fits one window in others.
 // Without BASE_URL: against the mock server. With BASE_URL (and STUDENT_LOGIN, STUDENT_PASSWORD,
 // INSTRUCTOR_LOGIN, INSTRUCTOR_PASSWORD, ADMIN_LOGIN, ADMIN_PASSWORD; FOREIGN_ATTEMPT,
 // the id of an attempt that is not the student's): against that server.
 // Ends with 0 when all pass, 1 when one fails, 77 when there is no Chromium.
+import assert from "node:assert/strict";
 import { mkdirSync } from "node:fs";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
-import { chromiumIsThere, launch } from "./browser.mjs";
-import { flows, runFlow } from "./flows.mjs";
+import { begin, chromiumIsThere, launch, leave, newPage } from "./browser.mjs";
+import { flows } from "./flows.mjs";
 import { startMockServer } from "./mock_server.mjs";
 import { people } from "./mock_world.mjs";
 
 const kSkipped = 77;
 const kMockForeignAttempt = "00000000-0000-7000-8000-000000000104";
+const kFailed = fileURLToPath(new URL("../../web/build/pictures", import.meta.url));
 const kRoles = ["student", "instructor", "admin"];
 
 function option(name) {
@@ -30,20 +34,41 @@ function loginsFromEnvironment() {
   }));
 }
 
-async function runAll(browser, selected, { mock, ...server }, pictures) {
+// Runs one flow: `open` gives each of its persons a page. The next flow uses them again, which saves it starting processes
+// and reading scripts, but finds nothing in them. The page must not have logged an error or broken its policy.
+async function runFlow(flow, { pages, newPage, mock, ...world }, failedPicture) {
+  const opened = [];
+  mock?.reset();
+  const open = async (options) => {
+    const page = pages[opened.length] ??= await newPage();
+    opened.push({ page, errors: await begin(page, options) });
+    return page;
+  };
+  try {
+    await flow.run({ open, mock: mock?.world, broken: mock?.broken, ...world });
+    assert.deepEqual(opened.flatMap(({ errors }) => errors), [], "errors in the browser's console");
+    assert.deepEqual(mock?.broken ?? [], [], "answers of the mock server that break schemas/api/openapi.yaml");
+  } catch (error) {
+    await Promise.all(opened.map(({ page }, i) => page.screenshot({ path: failedPicture(i), fullPage: true }).catch(() => {})));
+    throw error;
+  } finally {
+    mock?.broken.splice(0);
+    await Promise.all(opened.map(({ page }) => leave(page)));
+  }
+}
+
+async function runAll(selected, world, pictures) {
   let failed = 0;
   for (const [index, flow] of selected.entries()) {
-    mock?.reset();
     const begun = performance.now();
-    const picture = (name) => join(pictures, `${String(index + 1).padStart(2, "0")}_${name}.png`);
+    const pathOf = (folder, name) => join(folder, `${String(index + 1).padStart(2, "0")}_${name}.png`);
+    const picture = async (shown, name, options = {}) => { if (pictures !== undefined) await shown.screenshot({ path: pathOf(pictures, name), ...options }); };
     try {
-      await runFlow(flow, browser, { ...server, picture, mock: mock?.world, broken: mock?.broken });
-      const broken = mock?.broken.splice(0) ?? [];
-      if (broken.length > 0) throw new Error(`the mock server broke its contract, schemas/api/openapi.yaml:\n${broken.join("\n")}`);
+      await runFlow(flow, { ...world, picture }, (i) => pathOf(kFailed, `failed_${i}`));
       console.log(`ok ${index + 1} - ${flow.name} (${((performance.now() - begun) / 1000).toFixed(1)} s)`);
     } catch (error) {
       ++failed;
-      console.log(`not ok ${index + 1} - ${flow.name}\n${[error.stack, ...mock?.broken.splice(0) ?? []].join("\n")}`);
+      console.log(`not ok ${index + 1} - ${flow.name}\n${error.stack}`);
     }
   }
   return failed;
@@ -56,8 +81,9 @@ if (!chromiumIsThere()) {
 
 const real = process.env.BASE_URL;
 const dist = option("--dist") ?? fileURLToPath(new URL("../../web/dist", import.meta.url));
-const pictures = option("--pictures") ?? fileURLToPath(new URL("../../web/build/pictures", import.meta.url));
-mkdirSync(pictures, { recursive: true });
+const pictures = option("--pictures");
+mkdirSync(kFailed, { recursive: true });
+if (pictures !== undefined) mkdirSync(pictures, { recursive: true });
 const mock = real === undefined ? await startMockServer({ dist }) : undefined;
 const server = mock === undefined ? { baseUrl: real, logins: loginsFromEnvironment(), foreignAttempt: process.env.FOREIGN_ATTEMPT ?? kMockForeignAttempt }
   : { baseUrl: mock.url, logins: Object.fromEntries(kRoles.map((role) => [role, people.find((person) => person.role === role)])), foreignAttempt: kMockForeignAttempt, mock };
@@ -67,10 +93,10 @@ const selected = flows.filter((flow) => (real === undefined || flow.anywhere) &&
 const browser = await launch();
 let failed = 1;
 try {
-  failed = await runAll(browser, selected, server, pictures);
+  failed = await runAll(selected, { ...server, pages: [], newPage: () => newPage(browser, server.baseUrl) }, pictures);
 } finally {
   await browser.close();
   await mock?.close();
 }
-console.log(`${selected.length - failed} of ${selected.length} flows passed; pictures in ${pictures}`);
+console.log(`${selected.length - failed} of ${selected.length} flows passed${failed > 0 ? `; pictures in ${kFailed}` : ""}`);
 process.exit(failed === 0 && selected.length > 0 ? 0 : 1);

@@ -4,9 +4,9 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { accessibilityViolations } from "./browser.mjs";
+import { id } from "./mock_world.mjs";
 import { signedIn } from "./session.mjs";
 
-const id = (number) => `00000000-0000-7000-8000-${String(number).padStart(12, "0")}`;
 const kFull = Boolean(process.env.ENAMEL_FULL);
 // German has the longest words: it is looked at where there is least room.
 const kShortLooks = [
@@ -41,7 +41,7 @@ const kScreens = {
   ],
 };
 
-export function screenFlow(role) {
+function screenFlow(role) {
   return async (world) => {
     const findings = [];
     const page = await signedIn(world, role, "/account");
@@ -56,7 +56,7 @@ export function screenFlow(role) {
         await page.goto(address);
         await page.locator(there).first().waitFor();
         await page.locator(".loading").first().waitFor({ state: "detached" });
-        await page.screenshot({ path: world.picture(`${role}_${name}_${language}_${colorScheme}`), fullPage: true });
+        await world.picture(page, `${role}_${name}_${language}_${colorScheme}`, { fullPage: true });
         const keys = (await page.locator("body").innerText()).match(/\b[a-z_]+\.[a-z0-9_]+\b/g)?.filter((text) => kWords.has(text)) ?? [];
         findings.push(...keys.map((key) => `${name} in ${language}: ${key} has no words`));
         const overflow = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
@@ -67,3 +67,5 @@ export function screenFlow(role) {
     assert.deepEqual(findings, []);
   };
 }
+
+export const screenFlows = Object.keys(kScreens).map((role) => ({ name: `every screen of the ${role} is accessible and fits wide and narrow`, run: screenFlow(role) }));

@@ -9,13 +9,18 @@ export async function signIn(page, { login, password }) {
   await page.getByRole("button", { name: "Sign in" }).click();
 }
 
+// Signs in as the page does, but without its form: flows of their own show that.
 export async function signedIn(world, role, path = "/", options = {}) {
-  const { page } = await world.open(options);
+  const { login, password } = world.logins[role];
+  const page = await world.open(options);
+  const answer = await page.context().request.post("/api/v1/session", { data: { login, password } });
+  assert.equal(answer.status(), 200, `${login} signs in`);
   await page.goto(path);
-  await signIn(page, world.logins[role]);
-  await page.getByRole("button", { name: "Sign out" }).waitFor();
   return page;
 }
+
+// What is looked at more than once in the full run only: the first says enough.
+export const looks = (...all) => process.env.ENAMEL_FULL ? all : all.slice(0, 1);
 
 export async function accessible(page, where) {
   assert.deepEqual(await accessibilityViolations(page), [], `accessibility of ${where}`);

@@ -1,9 +1,8 @@
-// What instructors and students do with exercises, assignments and attempts, against the mock server.
+// What instructors and students do with exercises, assignments and attempts.
 import assert from "node:assert/strict";
 import { golden } from "./contract.mjs";
+import { id } from "./mock_world.mjs";
 import { accessible, chooseFile, signedIn } from "./session.mjs";
-
-const id = (number) => `00000000-0000-7000-8000-${String(number).padStart(12, "0")}`;
 
 export const teachingFlows = [
   { name: "an exercise document is refused with the field, then becomes a draft and is published and retired", run: exerciseLife },
@@ -14,13 +13,6 @@ export const teachingFlows = [
   { name: "a set score shows beside the computed one, and can be removed", run: override },
   { name: "a student appeals once, and the answer grades again", run: appeal },
   { name: "an attempt that was stopped early says so and how far it came", run: stoppedEarly },
-  { name: "an assignment's attempts are graded one after the other", run: grading },
-  { name: "several attempts are released together, and that is undone", run: bulkRelease },
-  { name: "an excuse and a new score of several attempts are taken back", run: bulkUndo },
-  { name: "an assignment is graded by keyboard", run: gradingByKeys },
-  { name: "a release by one key is taken back by another, on the next attempt and on the list", run: releaseTakenBack },
-  { name: "a motion near another's shows which, with its figures", run: nearAnother },
-  { name: "attempts are narrowed by exercise, state, flag and appeal", run: narrow },
   { name: "stations in use are seen live, and one is watched until it ends", run: live },
   { name: "a reference is withdrawn", run: withdrawReference },
   { name: "a student sees how the criteria come on and what to work at next", run: progress },
@@ -75,7 +67,7 @@ async function assignmentLife(world) {
   await dialog.getByRole("checkbox", { name: "Exam" }).check();
   await dialog.getByRole("checkbox", { name: "Station 3" }).check();
   await accessible(page, "a new assignment");
-  await page.screenshot({ path: world.picture("assign") });
+  await world.picture(page, "assign");
   await dialog.getByRole("button", { name: "Assign", exact: true }).click();
   await dialog.getByText("expected due_ms after opens_ms").waitFor();
   await dialog.getByLabel("Due").fill("2027-03-12T09:00");
@@ -141,7 +133,7 @@ async function remarks(world) {
   await page.getByLabel("Remark", { exact: true }).fill("Look at this very place.");
   await page.getByRole("button", { name: "Save" }).click();
   await page.getByText("Look at this very place.").waitFor();
-  await page.screenshot({ path: world.picture("remarks"), fullPage: true });
+  await world.picture(page, "remarks", { fullPage: true });
   await page.getByRole("button", { name: "Delete… remark 3" }).click();
   await page.getByRole("button", { name: "Delete remark", exact: true }).click();
   // Until it is closed the question quotes the remark too.
@@ -168,7 +160,7 @@ async function oneMoment(world) {
   const [cursor, plot] = [await page.locator(".plot-cursor").first().boundingBox(), await page.locator(".force-card .u-over").boundingBox()];
   assert.ok(Math.abs(cursor.x + cursor.width / 2 - plot.x - plot.width) < 2, `the plot's cursor is at ${cursor.x} of ${plot.x + plot.width}`);
   await page.getByLabel("New remark at 0:43.2").fill("The floor is even.");
-  await page.screenshot({ path: world.picture("one_moment"), fullPage: true });
+  await world.picture(page, "one_moment", { fullPage: true });
   await page.getByRole("button", { name: "Add remark" }).click();
   await page.getByRole("button", { name: /Remark \d: show 0:43\.2/ }).waitFor();
   assert.equal(world.mock.annotations.at(-1).tick, 43_200);
@@ -216,7 +208,7 @@ async function override(world) {
   await page.getByText("Set by Instructor One: 88.5 instead of 71.4").waitFor();
   await page.getByTestId("score").filter({ hasText: "88.5" }).waitFor();
   await accessible(page, "a set score");
-  await page.screenshot({ path: world.picture("override"), fullPage: true });
+  await world.picture(page, "override", { fullPage: true });
   const student = await signedIn(world, "student", `/attempts/${id(120)}`);
   await student.getByText("The lesion reached the mesial wall.").waitFor();
   await page.getByRole("button", { name: "Remove the set score…" }).click();
@@ -254,187 +246,6 @@ async function stoppedEarly(world) {
   await page.getByText("The work was stopped early: 46 % of it was done").waitFor();
 }
 
-const gradingPath = `/grading?assignment=${id(500)}`;
-const namesIn = (page) => page.locator("table.grading tbody th").allInnerTexts();
-
-async function nearAnother(world) {
-  const page = await signedIn(world, "instructor", `/attempts/${id(606)}`);
-  const card = page.locator(".card", { hasText: "It proves nothing and costs no points" });
-  await card.waitFor();
-  assert.match(await card.innerText(), /within 0\.02\s?mm of how it went in an earlier attempt of .+\. Of 12 motions .+ 0\.94\s?mm away/);
-  await accessible(page, "a motion near another's");
-  await card.scrollIntoViewIfNeeded();
-  await page.screenshot({ path: world.picture("near_another") });
-  await card.getByRole("link").click();
-  await page.waitForURL((url) => !url.pathname.endsWith(id(606)));
-}
-
-async function grading(world) {
-  const page = await signedIn(world, "instructor", "/grading");
-  await page.getByText("What is to be graded?").waitFor();
-  await page.locator("main").getByRole("link", { name: "assignments" }).click();
-  await page.getByRole("link", { name: "Grade Occlusal cavity, class I" }).click();
-  await page.locator("table.grading .lost-much").first().waitFor();
-  await accessible(page, "grading");
-  await page.screenshot({ path: world.picture("grading"), fullPage: true });
-  assert.ok((await page.getByText("Stopped early: 46 % done").count()) === 1);
-  await page.getByRole("button", { name: "Score", exact: true }).click();
-  await page.locator("th[aria-sort=ascending]", { hasText: "Score" }).waitFor();
-  await page.getByLabel("Student", { exact: true }).fill("student 1");
-  const names = await namesIn(page);
-  assert.ok(names.length > 5 && names.every((name) => name.startsWith("Student 1")), names.join());
-  const waits = page.locator("table.grading tr", { hasText: "Not released" }).first().locator("th a");
-  const at = names.indexOf(await waits.innerText());
-  await waits.click();
-  await page.getByText(`${at + 1} of ${names.length}`, { exact: true }).waitFor();
-  await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
-  await page.getByLabel(/New remark/).fill("Keep the wall upright.");
-  await page.getByRole("button", { name: "Keep this comment" }).click();
-  await page.getByRole("button", { name: "Add remark" }).click();
-  await page.locator(".annotation", { hasText: "Keep the wall upright." }).waitFor();
-  await accessible(page, "an attempt of the list");
-  const here = page.url().split("/").at(-1);
-  await page.getByRole("button", { name: "Release and next" }).click();
-  await page.getByText(`${at + 2} of ${names.length}`, { exact: true }).waitFor();
-  assert.equal(world.mock.attempts.find((row) => row.id === here).released, true);
-  await page.getByText("Kept comments (1)").click();
-  await page.getByRole("button", { name: "Keep the wall upright.", exact: true }).click();
-  assert.equal(await page.getByLabel(/New remark/).inputValue(), "Keep the wall upright.");
-  await page.getByRole("link", { name: "Previous", exact: true }).click();
-  await page.getByText(`${at + 1} of ${names.length}`, { exact: true }).waitFor();
-  await page.getByRole("link", { name: "Back to the list" }).click();
-  await page.locator("table.grading").waitFor();
-}
-
-async function bulkRelease(world) {
-  const page = await signedIn(world, "instructor", gradingPath);
-  await page.locator("table.grading .lost-much").first().waitFor();
-  const before = world.mock.attempts.filter((row) => row.released).length;
-  await page.getByLabel("Choose all that are shown").check();
-  const button = page.getByRole("button", { name: /^Release \d+$/ });
-  const count = Number((await button.innerText()).split(" ")[1]);
-  assert.ok(count > 5);
-  await button.click();
-  await page.getByText(`${count} scores released.`).waitFor();
-  assert.equal(world.mock.attempts.filter((row) => row.released).length, before + count);
-  await accessible(page, "after releasing several");
-  await page.getByRole("button", { name: "Undo" }).click();
-  await page.getByText(`${count} releases taken back.`).waitFor();
-  assert.equal(world.mock.attempts.filter((row) => row.released).length, before);
-}
-
-async function bulkUndo(world) {
-  const page = await signedIn(world, "instructor", gradingPath);
-  await page.locator("table.grading .lost-much").first().waitFor();
-  await page.getByLabel("Choose all that are shown").check();
-  const excused = () => world.mock.attempts.filter((row) => row.flags.includes("excused")).length;
-  const before = excused();
-  await page.getByRole("button", { name: "Excuse…" }).click();
-  await page.getByLabel("Why they do not count").fill("The power failed.");
-  await page.getByRole("button", { name: "Excuse", exact: true }).click();
-  const told = await page.getByText(/^\d+ attempts excused\.$/).innerText();
-  const count = Number(told.split(" ")[0]);
-  assert.equal(excused(), before + count);
-  await page.getByRole("button", { name: "Undo" }).click();
-  await page.getByText(`${count} attempts count again.`).waitFor();
-  assert.equal(excused(), before);
-  const scored = () => world.mock.attempts.filter((row) => row.state === "scored").map((row) => row.id).sort();
-  const settled = scored();
-  await page.getByLabel("Choose all that are shown").check();
-  await page.getByRole("button", { name: "Score again…" }).click();
-  await page.getByRole("button", { name: "Score again", exact: true }).click();
-  await page.getByText(/^\d+ attempts to be scored again\.$/).waitFor();
-  assert.ok(scored().length < settled.length);
-  await accessible(page, "after asking for scores");
-  await page.getByRole("button", { name: "Undo" }).click();
-  await page.getByText(/^The earlier score of \d+ attempts counts again\.$/).waitFor();
-  assert.deepEqual(scored(), settled);
-}
-
-async function gradingByKeys(world) {
-  const page = await signedIn(world, "instructor", gradingPath);
-  await page.locator("table.grading .lost-much").first().waitFor();
-  await page.keyboard.press("?");
-  await page.getByRole("dialog").getByText("Search a name").waitFor();
-  await accessible(page, "the list of keys");
-  await page.keyboard.press("Escape");
-  await page.getByRole("dialog").waitFor({ state: "detached" });  // while it is open, keys are its own
-  for (const key of ["j", "j", "x"]) await page.keyboard.press(key);
-  await page.getByText("1 attempt chosen:").waitFor();
-  await page.keyboard.press("o");
-  await page.getByText(/^2 of \d+$/).waitFor();
-  await page.getByRole("heading", { name: "Remarks" }).waitFor();
-  await page.keyboard.press("n");
-  await page.getByText(/^3 of \d+$/).waitFor();
-  await page.getByRole("heading", { name: "Remarks" }).waitFor();
-  await page.keyboard.press("c");
-  await page.keyboard.type("n p r b?");
-  assert.equal(await page.getByLabel(/New remark/).inputValue(), "n p r b?", "what is typed is text");
-  await page.getByRole("heading", { level: 1 }).click();
-  await page.keyboard.press("b");
-  await page.locator("table.grading").waitFor();
-}
-
-async function releaseTakenBack(world) {
-  const page = await signedIn(world, "instructor", gradingPath);
-  await page.locator("table.grading .lost-much").first().waitFor();
-  const row = () => page.locator("table.grading tbody tr", { hasText: "Waits" });
-  const released = (own) => world.mock.attempts.find((each) => each.id === own).released;
-  // With another one after it.
-  const own = await row().first().getAttribute("data-id");
-  await row().first().locator("th a").click();
-  await page.getByRole("button", { name: "Release and next" }).waitFor();
-  const of = Number(/^(\d+) of/.exec(await page.locator(".queue span").first().innerText())[1]);
-  await page.keyboard.press("r");
-  await page.getByText(new RegExp(`^${of + 1} of \\d+$`)).waitFor();
-  await page.getByText("can see the score now.").waitFor();
-  assert.equal(released(own), true);
-  await page.getByRole("heading", { name: "Remarks" }).waitFor();
-  await accessible(page, "an attempt after a release");
-  await page.screenshot({ path: world.picture("released_undo") });
-  await page.keyboard.press("?");
-  await page.getByRole("dialog").getByText("Take release back", { exact: true }).waitFor();
-  await page.keyboard.press("Escape");
-  await page.getByRole("dialog").waitFor({ state: "detached" });
-  await page.keyboard.press("w");
-  await page.getByText("does not see the score any more.").waitFor();
-  assert.equal(released(own), false);
-  await page.getByText(new RegExp(`^${of + 1} of \\d+$`)).waitFor();
-  // The last one of the list: back there.
-  const last = own;
-  const only = world.mock.attempts.find((each) => each.id === last);
-  only.person = { ...only.person, display_name: "Zoe Alone" };
-  await page.keyboard.press("b");
-  await page.locator("table.grading .lost-much").first().waitFor();
-  await page.getByLabel("Student", { exact: true }).fill("Zoe Alone");
-  await row().first().locator("th a").click();
-  await page.getByText("1 of 1", { exact: true }).waitFor();
-  await page.getByRole("button", { name: "Release and next" }).waitFor();
-  await page.keyboard.press("r");
-  await page.locator("table.grading").waitFor();
-  await page.getByText("can see the score now.").waitFor();
-  assert.equal(released(last), true);
-  await accessible(page, "the list after a release");
-  await page.getByRole("button", { name: "Take release back" }).click();
-  await page.getByText("does not see the score any more.").waitFor();
-  assert.equal(released(last), false);
-}
-
-async function narrow(world) {
-  const page = await signedIn(world, "instructor", "/attempts");
-  const rows = page.locator("tbody tr");
-  await rows.first().waitFor();
-  await page.getByLabel("State").selectOption({ label: "Quarantined" });
-  await page.waitForURL(/state=quarantined/);
-  await page.waitForFunction(() => document.querySelectorAll("tbody tr").length === 1);
-  await page.getByLabel("State").selectOption({ label: "Any" });
-  await page.getByLabel("Only with").selectOption({ label: "Late" });
-  await page.waitForFunction(() => [...document.querySelectorAll("tbody tr")].every((row) => row.textContent.includes("Late")) && document.querySelector("tbody tr") !== null);
-  await page.getByLabel("Only with").selectOption({ label: "–" });
-  await page.getByLabel("Cohort").selectOption({ label: "Preclinic, second term" });
-  await page.getByText("0 students").waitFor();
-}
-
 async function live(world) {
   const page = await signedIn(world, "instructor", "/live");
   await page.locator(".live-card .badge.good").nth(2).waitFor();
@@ -442,7 +253,7 @@ async function live(world) {
   await page.waitForFunction(() => [...document.querySelectorAll(".live-force b")].every((force) => /\sN$/.test(force.textContent)), undefined, { timeout: 20_000 });
   await page.getByText(/\d+\smin\s\d\d\ss left of 10\smin/).waitFor();
   assert.ok(await page.getByText(/no time limit/).count() >= 3);
-  await page.screenshot({ path: world.picture("live"), fullPage: true });
+  await world.picture(page, "live", { fullPage: true });
   await page.getByRole("link", { name: "Station 1" }).click();
   await page.getByText("Largest in 20 s").waitFor();
   assert.match(await page.getByRole("img", { name: /^Force over the last/ }).getAttribute("aria-label"), /largest [\d.]+ N/);
@@ -453,7 +264,7 @@ async function live(world) {
   assert.match(await chair.getByRole("listitem").innerText(), /请停一下。[^]*at 1\smin\s12\ss/);
   assert.equal(await chair.getByLabel("Remark").inputValue(), "");
   await accessible(page, "a watched attempt");
-  await page.screenshot({ path: world.picture("said"), fullPage: true });
+  await world.picture(page, "said", { fullPage: true });
   world.mock.attempts[0].chair = { connected: true, shows_remarks: false };
   await chair.getByText(/This station cannot show remarks/).waitFor();
   Object.assign(world.mock.attempts[0], { state: "sealed", sealed_ms: Date.now() });
@@ -476,7 +287,7 @@ async function progress(world) {
   assert.match(await card.getByRole("row", { name: /Mesial wall/ }).innerText(), /4\.9 \/ 15/);
   assert.match(await card.getByRole("img", { name: /^Mesial wall/ }).getAttribute("aria-label"), /33 % of the points/);
   await accessible(page, "a student's progress");
-  await page.screenshot({ path: world.picture("progress"), fullPage: true });
+  await world.picture(page, "progress", { fullPage: true });
 }
 
 async function print(world) {
@@ -487,5 +298,5 @@ async function print(world) {
   for (const hidden of [".header", ".tooth-tools", ".print-button", ".timeline"]) assert.equal(await page.locator(hidden).first().isVisible(), false, hidden);
   assert.ok(await page.getByTestId("score").isVisible());
   assert.ok(await page.getByText("Too deep at this point.").isVisible());
-  await page.screenshot({ path: world.picture("printed"), fullPage: true });
+  await world.picture(page, "printed", { fullPage: true });
 }

@@ -7,7 +7,7 @@
 // never fail: they depend on the machine.
 import { writeFileSync } from "node:fs";
 import { fileURLToPath } from "node:url";
-import { chromiumIsThere, launch, openPage } from "../../tests/e2e/browser.mjs";
+import { begin, chromiumIsThere, launch, newPage } from "../../tests/e2e/browser.mjs";
 import { people } from "../../tests/e2e/mock_world.mjs";
 import { startMockServer } from "../../tests/e2e/mock_server.mjs";
 
@@ -86,7 +86,8 @@ async function grade(page, most) {
 }
 
 async function measure(browser, { baseUrl, login, password, most }) {
-  const { page, errors } = await openPage(browser, baseUrl);
+  const page = await newPage(browser, baseUrl);
+  const errors = await begin(page);
   const bytes = await countBytes(page);
   const found = {};
   await page.goto("/");
@@ -108,7 +109,7 @@ async function measure(browser, { baseUrl, login, password, most }) {
 
 // The first list needs the staff's part; the attempt what draws.
 async function listBytes(browser, { baseUrl, login, password }) {
-  const { page, context } = await openPage(browser, baseUrl);
+  const page = await newPage(browser, baseUrl);
   const bytes = await countBytes(page);
   await page.goto("/assignments");
   await page.getByLabel("Login").fill(login);
@@ -116,7 +117,7 @@ async function listBytes(browser, { baseUrl, login, password }) {
   await page.getByRole("button", { name: "Sign in" }).click();
   await page.locator("main table").first().waitFor();
   await page.waitForLoadState("networkidle");
-  await context.close();
+  await page.context().close();
   return bytes.assets;
 }
 

@@ -7,7 +7,7 @@
 import { writeFileSync } from "node:fs";
 import { loadavg } from "node:os";
 import { fileURLToPath } from "node:url";
-import { chromiumIsThere, launch, openPage } from "../../tests/e2e/browser.mjs";
+import { begin, chromiumIsThere, launch, newPage } from "../../tests/e2e/browser.mjs";
 import { startMockServer } from "../../tests/e2e/mock_server.mjs";
 import { playbackOf } from "../../tests/e2e/mock_tooth.mjs";
 import { people } from "../../tests/e2e/mock_world.mjs";
@@ -86,7 +86,8 @@ const quantile = (values, share) => {
 const takeTasks = (page) => page.evaluate(() => globalThis.longTasks.splice(0));
 
 async function measure(browser, { baseUrl, login, password, attempt, seeks, slower }) {
-  const { page, errors } = await openPage(browser, baseUrl);
+  const page = await newPage(browser, baseUrl);
+  const errors = await begin(page);
   await page.addInitScript(watchTasks);
   await page.goto("/");
   await page.getByLabel("Login").fill(login);

@@ -1,0 +1,159 @@
+// Two attempts, side by side and one over the other.
+import assert from "node:assert/strict";
+import { id } from "./mock_world.mjs";
+import { toothPixels, toothPixelsBecome } from "./pixels.mjs";
+import { accessible, looks, signedIn } from "./session.mjs";
+
+export const compareFlows = [
+  { name: "two attempts are looked at side by side", run: beside },
+  { name: "two attempts fit a small window, with nothing over the teeth", run: besideInASmallWindow },
+  { name: "another attempt lies over this one, at the same time or place of the way", run: onTop },
+];
+
+const isTinted = ([r, g, b]) => g - r > 25 && g - b > -25 && b - r > 5;  // by another tooth over it
+
+async function beside(world) {
+  const page = await signedIn(world, "instructor", `/attempts/${id(105)}?t=30`);
+  await page.locator('.playback[data-shown="300"]').waitFor();
+  const choice = page.getByLabel("Compare with");
+  await choice.focus();
+  await choice.locator("optgroup[label='By others'] option").first().waitFor({ state: "attached" });
+  await choice.selectOption({ label: await choice.locator("optgroup[label='By others'] option").first().textContent() });
+  await page.locator(".other-tooth .tooth-frame[aria-busy=false] canvas").waitFor();
+  await page.locator(".other-time", { hasText: "0:30.0" }).waitFor();
+  await page.getByRole("button", { name: "Occlusal", exact: true }).click();
+  // Both are the mock's one attempt: from the same side, at the same moment they look alike.
+  await page.getByLabel("The other’s moment").selectOption("removed");
+  await page.locator(".other-time", { hasText: /0:(29|30)\.\d/ }).waitFor();
+  await accessible(page, "two attempts");
+  await world.picture(page, "beside");
+  await choice.selectOption("");
+  await page.locator(".other-tooth").waitFor({ state: "detached" });
+}
+
+// Of the visible ones, in the window's pixels.
+async function boxesOf(page, selector) {
+  return page.locator(selector).evaluateAll((found) => found.map((element) => element.getBoundingClientRect()).filter((box) => box.width > 1).map((box) => box.toJSON()));
+}
+
+const kTools = ".tooth-tools .button, .tooth-tools select, .tooth-tools [type=range], .tooth-tools .segmented label";
+
+// What there is to choose lies beside the teeth, inside the card, none of it over another, and the plot's axis is in view.
+async function fitsBesideTheTeeth(page, height, where) {
+  const [teeth, tools, [card], [plot]] = [await boxesOf(page, ".tooth-frame"), await boxesOf(page, kTools), await boxesOf(page, ".tooth-card"), await boxesOf(page, ".force-card .plot canvas")];
+  const apart = (a, b) => a.right <= b.left + 1 || b.right <= a.left + 1 || a.bottom <= b.top + 1 || b.bottom <= a.top + 1;
+  assert.ok(tools.length > 10, `${where}: ${tools.length} tools`);
+  for (const [i, tool] of tools.entries()) {
+    const text = `${where}: a tool from ${tool.left}, ${tool.top} to ${tool.right}, ${tool.bottom}`;
+    for (const tooth of teeth) assert.ok(apart(tool, tooth), `${text} over a tooth`);
+    for (const other of tools.slice(i + 1)) assert.ok(apart(tool, other), `${text} over another, from ${other.left}, ${other.top}`);
+    assert.ok(tool.left >= card.left && tool.right <= card.right && tool.height >= 18, `${text} beyond the card, or too low`);
+  }
+  for (const tooth of teeth) assert.ok(tooth.width >= 200 && tooth.height >= 180, `${where}: a tooth of ${tooth.width} x ${tooth.height}`);
+  assert.ok(plot.bottom <= height + 1, `${where}: the plot ends at ${plot.bottom} of ${height}`);
+}
+
+async function besideInASmallWindow(world) {
+  for (const [width, height, colorScheme, languages] of looks([1280, 720, "light", ["de"]], [1280, 720, "light", ["en", "zh"]], [1280, 720, "dark", ["en"]], [1440, 900, "light", ["en"]])) {
+    const page = await signedIn(world, "instructor", `/attempts/${id(105)}`, { width, height, colorScheme });
+    await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
+    for (const language of languages) {
+      if (language !== "en") {
+        await page.goto("/account");
+        await page.locator("main select").selectOption(language);
+        await page.locator(`html[lang^=${language}]`).waitFor();
+        await page.goto(`/attempts/${id(105)}`);
+        await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
+      }
+      const choice = page.locator(".tooth-choices select").last();
+      await choice.focus();
+      await choice.locator("optgroup option").first().waitFor({ state: "attached" });
+      await choice.selectOption({ label: await choice.locator("optgroup option").first().textContent() });
+      await page.locator(".other-tooth .tooth-frame[aria-busy=false] canvas").waitFor();
+      const where = `${language} ${colorScheme} at ${width} x ${height}`;
+      await fitsBesideTheTeeth(page, height, `${where}, side by side`);
+      await world.picture(page, `beside_${language}_${width}_${colorScheme}`);
+      await page.locator(".tooth-choices select").first().selectOption("x");
+      await fitsBesideTheTeeth(page, height, `${where}, cut open`);
+      await page.locator(".compare-bar input[value=top]").check({ force: true });
+      await page.locator(".other-tooth").waitFor({ state: "detached" });
+      await fitsBesideTheTeeth(page, height, `${where}, on top`);
+    }
+    world.mock.people.find(({ role }) => role === "instructor").language = "";
+  }
+}
+
+async function putOnTop(page, other) {
+  const choice = page.getByLabel("Compare with");
+  await choice.focus();
+  const option = choice.locator(`option[value$="${other}"]`);
+  await option.waitFor({ state: "attached" });
+  await choice.selectOption(await option.getAttribute("value"));
+  await page.locator(".other-tooth .tooth-frame[aria-busy=false] canvas").waitFor();
+  await page.getByLabel("On top", { exact: true }).check();
+  await page.locator(".other-tooth").waitFor({ state: "detached" });
+  await page.getByText("Other: more left").waitFor();
+}
+
+// Everything of the picture's card that is seen lies in the window, and the legend in one line.
+async function barFits(page, height) {
+  const bar = await page.locator(".compare-bar").boundingBox();
+  const plot = await page.locator(".force-card .u-over").boundingBox();
+  assert.ok(bar.height < 40, `the bar is ${bar.height} high`);
+  assert.ok(plot.y + plot.height <= height, `the plot ends at ${plot.y + plot.height} of ${height}`);
+}
+
+// Two attempts of the mock do the same, one slowly at first: by the middle of the time it has done less, and at each place of
+// the way as much.
+async function onTop(world) {
+  for (const [width, height] of looks([1280, 720], [1440, 900])) {
+    const page = await signedIn(world, "instructor", `/attempts/${id(105)}?t=20`, { width, height });
+    await page.locator('.playback[data-shown="200"]').waitFor();
+    await page.getByRole("button", { name: "Occlusal", exact: true }).click();
+    const before = await toothPixels(page, isTinted);
+    const same = (count) => count < before + 150;
+    await putOnTop(page, "000000000201");
+    await page.locator(".other-time", { hasText: "0:20.0" }).waitFor();
+    await toothPixelsBecome(page, "slower, on top", isTinted, (count) => count > before + 1000);
+    await page.getByRole("application", { name: /The other attempt lies over it/ }).waitFor();
+    await barFits(page, height);
+    await accessible(page, `another attempt on top at ${width}`);
+    await world.picture(page, `on_top_${width}`);
+    await page.getByLabel("The other’s moment").selectOption({ label: "The same place on the way" });
+    // (20 / 43.2)^(1 / 1.5) of 43.2 s.
+    await page.locator(".other-time", { hasText: /^0:2(5\.[7-9]|6\.0)$/ }).waitFor();
+    await toothPixelsBecome(page, "at the same place", isTinted, same);
+    await world.picture(page, `on_top_same_place_${width}`);
+    // A plane cuts both.
+    await page.getByLabel("Section", { exact: true }).selectOption("y");
+    await page.getByRole("button", { name: "Lingual", exact: true }).click();
+    await toothPixelsBecome(page, "alike, cut open", isTinted, same);
+    const cutAlike = await toothPixels(page, isTinted);
+    await page.getByLabel("The other’s moment").selectOption("time");
+    await toothPixelsBecome(page, "cut open", isTinted, (count) => count > cutAlike + 180);
+    await world.picture(page, `on_top_section_${width}`);
+    await page.getByLabel("Section", { exact: true }).selectOption("");
+    // At the end both are the same, from all sides.
+    await page.locator("body").click({ position: { x: 5, y: 300 } });
+    await page.keyboard.press("End");
+    await page.locator(".other-time", { hasText: "0:43.2" }).waitFor();
+    await toothPixelsBecome(page, "at the end", isTinted, same);
+    await barFits(page, height);
+    await world.picture(page, `on_top_end_${width}`);
+    await page.getByLabel("Compare with").selectOption("");
+    await page.locator(".compare-bar").waitFor({ state: "detached" });
+  }
+  // The slow one below, the other has less left: from above stripes, from below nothing.
+  const page = await signedIn(world, "instructor", `/attempts/${id(201)}?t=20`);
+  await page.locator('.playback[data-shown="200"]').waitFor();
+  await page.getByRole("button", { name: "Apical", exact: true }).click();
+  const fromBelow = await toothPixels(page, isTinted);
+  await page.getByRole("button", { name: "Occlusal", exact: true }).click();
+  const before = await toothPixels(page, isTinted);
+  await putOnTop(page, "000000000105");
+  await toothPixelsBecome(page, "faster, on top", isTinted, (count) => count > before + 500);
+  await world.picture(page, "on_top_less");
+  await page.getByRole("button", { name: "Apical", exact: true }).click();
+  await toothPixelsBecome(page, "faster, from below", isTinted, (count) => count < fromBelow + 150);
+  await world.picture(page, "on_top_less_below");
+}

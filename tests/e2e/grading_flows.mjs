@@ -1,0 +1,196 @@
+// How instructors grade a class, and narrow a list of attempts.
+import assert from "node:assert/strict";
+import { id } from "./mock_world.mjs";
+import { accessible, signedIn } from "./session.mjs";
+
+export const gradingFlows = [
+  { name: "an assignment's attempts are graded one after the other", run: grading },
+  { name: "several attempts are released together, and that is undone", run: bulkRelease },
+  { name: "an excuse and a new score of several attempts are taken back", run: bulkUndo },
+  { name: "an assignment is graded by keyboard", run: gradingByKeys },
+  { name: "a release by one key is taken back by another, on the next attempt and on the list", run: releaseTakenBack },
+  { name: "a motion near another's shows which, with its figures", run: nearAnother },
+  { name: "attempts are narrowed by exercise, state, flag and appeal", run: narrow },
+];
+
+const gradingPath = `/grading?assignment=${id(500)}`;
+
+const namesIn = (page) => page.locator("table.grading tbody th").allInnerTexts();
+
+async function grading(world) {
+  const page = await signedIn(world, "instructor", "/grading");
+  await page.getByText("What is to be graded?").waitFor();
+  await page.locator("main").getByRole("link", { name: "assignments" }).click();
+  await page.getByRole("link", { name: "Grade Occlusal cavity, class I" }).click();
+  await page.locator("table.grading .lost-much").first().waitFor();
+  await accessible(page, "grading");
+  await world.picture(page, "grading", { fullPage: true });
+  assert.ok((await page.getByText("Stopped early: 46 % done").count()) === 1);
+  await page.getByRole("button", { name: "Score", exact: true }).click();
+  await page.locator("th[aria-sort=ascending]", { hasText: "Score" }).waitFor();
+  await page.getByLabel("Student", { exact: true }).fill("student 1");
+  const names = await namesIn(page);
+  assert.ok(names.length > 5 && names.every((name) => name.startsWith("Student 1")), names.join());
+  const waits = page.locator("table.grading tr", { hasText: "Not released" }).first().locator("th a");
+  const at = names.indexOf(await waits.innerText());
+  await waits.click();
+  await page.getByText(`${at + 1} of ${names.length}`, { exact: true }).waitFor();
+  await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
+  await page.getByLabel(/New remark/).fill("Keep the wall upright.");
+  await page.getByRole("button", { name: "Keep this comment" }).click();
+  await page.getByRole("button", { name: "Add remark" }).click();
+  await page.locator(".annotation", { hasText: "Keep the wall upright." }).waitFor();
+  await accessible(page, "an attempt of the list");
+  const here = page.url().split("/").at(-1);
+  await page.getByRole("button", { name: "Release and next" }).click();
+  await page.getByText(`${at + 2} of ${names.length}`, { exact: true }).waitFor();
+  assert.equal(world.mock.attempts.find((row) => row.id === here).released, true);
+  await page.getByText("Kept comments (1)").click();
+  await page.getByRole("button", { name: "Keep the wall upright.", exact: true }).click();
+  assert.equal(await page.getByLabel(/New remark/).inputValue(), "Keep the wall upright.");
+  await page.getByRole("link", { name: "Previous", exact: true }).click();
+  await page.getByText(`${at + 1} of ${names.length}`, { exact: true }).waitFor();
+  await page.getByRole("link", { name: "Back to the list" }).click();
+  await page.locator("table.grading").waitFor();
+}
+
+async function bulkRelease(world) {
+  const page = await signedIn(world, "instructor", gradingPath);
+  await page.locator("table.grading .lost-much").first().waitFor();
+  const before = world.mock.attempts.filter((row) => row.released).length;
+  await page.getByLabel("Choose all that are shown").check();
+  const button = page.getByRole("button", { name: /^Release \d+$/ });
+  const count = Number((await button.innerText()).split(" ")[1]);
+  assert.ok(count > 5);
+  await button.click();
+  await page.getByText(`${count} scores released.`).waitFor();
+  assert.equal(world.mock.attempts.filter((row) => row.released).length, before + count);
+  await accessible(page, "after releasing several");
+  await page.getByRole("button", { name: "Undo" }).click();
+  await page.getByText(`${count} releases taken back.`).waitFor();
+  assert.equal(world.mock.attempts.filter((row) => row.released).length, before);
+}
+
+async function bulkUndo(world) {
+  const page = await signedIn(world, "instructor", gradingPath);
+  await page.locator("table.grading .lost-much").first().waitFor();
+  await page.getByLabel("Choose all that are shown").check();
+  const excused = () => world.mock.attempts.filter((row) => row.flags.includes("excused")).length;
+  const before = excused();
+  await page.getByRole("button", { name: "Excuse…" }).click();
+  await page.getByLabel("Why they do not count").fill("The power failed.");
+  await page.getByRole("button", { name: "Excuse", exact: true }).click();
+  const told = await page.getByText(/^\d+ attempts excused\.$/).innerText();
+  const count = Number(told.split(" ")[0]);
+  assert.equal(excused(), before + count);
+  await page.getByRole("button", { name: "Undo" }).click();
+  await page.getByText(`${count} attempts count again.`).waitFor();
+  assert.equal(excused(), before);
+  const scored = () => world.mock.attempts.filter((row) => row.state === "scored").map((row) => row.id).sort();
+  const settled = scored();
+  await page.getByLabel("Choose all that are shown").check();
+  await page.getByRole("button", { name: "Score again…" }).click();
+  await page.getByRole("button", { name: "Score again", exact: true }).click();
+  await page.getByText(/^\d+ attempts to be scored again\.$/).waitFor();
+  assert.ok(scored().length < settled.length);
+  await accessible(page, "after asking for scores");
+  await page.getByRole("button", { name: "Undo" }).click();
+  await page.getByText(/^The earlier score of \d+ attempts counts again\.$/).waitFor();
+  assert.deepEqual(scored(), settled);
+}
+
+async function gradingByKeys(world) {
+  const page = await signedIn(world, "instructor", gradingPath);
+  await page.locator("table.grading .lost-much").first().waitFor();
+  await page.keyboard.press("?");
+  await page.getByRole("dialog").getByText("Search a name").waitFor();
+  await accessible(page, "the list of keys");
+  await page.keyboard.press("Escape");
+  await page.getByRole("dialog").waitFor({ state: "detached" });  // while it is open, keys are its own
+  for (const key of ["j", "j", "x"]) await page.keyboard.press(key);
+  await page.getByText("1 attempt chosen:").waitFor();
+  await page.keyboard.press("o");
+  await page.getByText(/^2 of \d+$/).waitFor();
+  await page.getByRole("heading", { name: "Remarks" }).waitFor();
+  await page.keyboard.press("n");
+  await page.getByText(/^3 of \d+$/).waitFor();
+  await page.getByRole("heading", { name: "Remarks" }).waitFor();
+  await page.keyboard.press("c");
+  await page.keyboard.type("n p r b?");
+  assert.equal(await page.getByLabel(/New remark/).inputValue(), "n p r b?", "what is typed is text");
+  await page.getByRole("heading", { level: 1 }).click();
+  await page.keyboard.press("b");
+  await page.locator("table.grading").waitFor();
+}
+
+async function releaseTakenBack(world) {
+  const page = await signedIn(world, "instructor", gradingPath);
+  await page.locator("table.grading .lost-much").first().waitFor();
+  const row = () => page.locator("table.grading tbody tr", { hasText: "Waits" });
+  const released = (own) => world.mock.attempts.find((each) => each.id === own).released;
+  // With another one after it.
+  const own = await row().first().getAttribute("data-id");
+  await row().first().locator("th a").click();
+  await page.getByRole("button", { name: "Release and next" }).waitFor();
+  const of = Number(/^(\d+) of/.exec(await page.locator(".queue span").first().innerText())[1]);
+  await page.keyboard.press("r");
+  await page.getByText(new RegExp(`^${of + 1} of \\d+$`)).waitFor();
+  await page.getByText("can see the score now.").waitFor();
+  assert.equal(released(own), true);
+  await page.getByRole("heading", { name: "Remarks" }).waitFor();
+  await accessible(page, "an attempt after a release");
+  await world.picture(page, "released_undo");
+  await page.keyboard.press("?");
+  await page.getByRole("dialog").getByText("Take release back", { exact: true }).waitFor();
+  await page.keyboard.press("Escape");
+  await page.getByRole("dialog").waitFor({ state: "detached" });
+  await page.keyboard.press("w");
+  await page.getByText("does not see the score any more.").waitFor();
+  assert.equal(released(own), false);
+  await page.getByText(new RegExp(`^${of + 1} of \\d+$`)).waitFor();
+  // The last one of the list: back there.
+  const last = own;
+  const only = world.mock.attempts.find((each) => each.id === last);
+  only.person = { ...only.person, display_name: "Zoe Alone" };
+  await page.keyboard.press("b");
+  await page.locator("table.grading .lost-much").first().waitFor();
+  await page.getByLabel("Student", { exact: true }).fill("Zoe Alone");
+  await row().first().locator("th a").click();
+  await page.getByText("1 of 1", { exact: true }).waitFor();
+  await page.getByRole("button", { name: "Release and next" }).waitFor();
+  await page.keyboard.press("r");
+  await page.locator("table.grading").waitFor();
+  await page.getByText("can see the score now.").waitFor();
+  assert.equal(released(last), true);
+  await accessible(page, "the list after a release");
+  await page.getByRole("button", { name: "Take release back" }).click();
+  await page.getByText("does not see the score any more.").waitFor();
+  assert.equal(released(last), false);
+}
+
+async function nearAnother(world) {
+  const page = await signedIn(world, "instructor", `/attempts/${id(606)}`);
+  const card = page.locator(".card", { hasText: "It proves nothing and costs no points" });
+  await card.waitFor();
+  assert.match(await card.innerText(), /within 0\.02\s?mm of how it went in an earlier attempt of .+\. Of 12 motions .+ 0\.94\s?mm away/);
+  await accessible(page, "a motion near another's");
+  await card.scrollIntoViewIfNeeded();
+  await world.picture(page, "near_another");
+  await card.getByRole("link").click();
+  await page.waitForURL((url) => !url.pathname.endsWith(id(606)));
+}
+
+async function narrow(world) {
+  const page = await signedIn(world, "instructor", "/attempts");
+  const rows = page.locator("tbody tr");
+  await rows.first().waitFor();
+  await page.getByLabel("State").selectOption({ label: "Quarantined" });
+  await page.waitForURL(/state=quarantined/);
+  await page.waitForFunction(() => document.querySelectorAll("tbody tr").length === 1);
+  await page.getByLabel("State").selectOption({ label: "Any" });
+  await page.getByLabel("Only with").selectOption({ label: "Late" });
+  await page.waitForFunction(() => [...document.querySelectorAll("tbody tr")].every((row) => row.textContent.includes("Late")) && document.querySelector("tbody tr") !== null);
+  await page.getByLabel("Only with").selectOption({ label: "–" });
+  await page.getByLabel("Cohort").selectOption({ label: "Preclinic, second term" });
+  await page.getByText("0 students").waitFor();
+}

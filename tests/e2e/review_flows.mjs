@@ -1,0 +1,402 @@
+// What people do with one attempt.
+import assert from "node:assert/strict";
+import { id } from "./mock_world.mjs";
+import { countColors, differing } from "./pixels.mjs";
+import { decodePng } from "./png.mjs";
+import { accessible, looks, signedIn } from "./session.mjs";
+
+export const reviewFlows = [
+  { name: "an instructor sees score, deviation on the tooth, and forces", anywhere: true, run: instructorReviews },
+  { name: "the tooth turns by keyboard and the timeline moves the tool", anywhere: true, run: toothByKeyboard },
+  { name: "an attempt is played back with the tooth being cut", run: playsBack },
+  { name: "the page fits a narrow screen and a dark scheme without an accessibility violation", anywhere: true, run: narrowAndDark },
+  { name: "a score that is being computed shows progress and then appears", run: scoringProgress },
+  { name: "an instructor releases a graded score and the student then sees it", run: release },
+  { name: "a lost point leads to its moment", run: lostPointLeadsToItsMoment },
+  { name: "a pointer over the plot leaves the moment where it is, a press sets it", run: plotPointer },
+  { name: "slider, plot and remarks share one axis of time", run: oneTimeAxis },
+  { name: "a link opens the same moment from the same side", run: momentLink },
+  { name: "tooth, timeline and plot are seen together without scrolling", run: oneViewport },
+  { name: "an attempt is played back by keys, wherever the focus is", run: playbackKeys },
+  { name: "an address with a moment beyond the end shows the end and says so", run: momentBeyondTheEnd },
+  { name: "a tooth is cut open along four planes", run: section },
+  { name: "an instructor marks an attempt as the reference", run: markReference },
+  { name: "gaps and a replay that disagrees are said plainly", run: disturbedRecording },
+];
+
+const kScored = "✓ Scored";
+
+// The first scored attempt of a student that is not the reference itself.
+async function openScoredAttempt(world, options = {}) {
+  const page = await signedIn(world, "instructor", "/attempts", options);
+  const row = page.locator("tbody tr").filter({ hasText: kScored }).filter({ hasNotText: "Reference" }).filter({ hasNotText: "Gaps" }).first();
+  await row.getByRole("link").click();
+  await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
+  await page.locator(".plot canvas").waitFor();
+  return page;
+}
+
+async function instructorReviews(world) {
+  const page = await openScoredAttempt(world);
+  const score = Number.parseFloat(await page.getByTestId("score").innerText());
+  assert.ok(score > 0 && score <= 100, `score ${score}`);
+  const lost = await page.locator(".criteria tbody tr").evaluateAll((rows) => rows.map((row) => {
+    const [points, of] = row.querySelector(".points").innerText.split("/").map(Number.parseFloat);
+    return of - points;
+  }));
+  assert.ok(lost.length >= 3);
+  assert.deepEqual(lost, [...lost].sort((a, b) => b - a), "criteria that lost most come first");
+  await accessible(page, "an attempt");
+  await world.picture(page, "attempt", { fullPage: true });
+  await heatMapIsThere(page);
+  await plotIsThere(page);
+}
+
+// A lost point has a line with its moment; a click puts timeline and tooth there.
+async function lostPointLeadsToItsMoment(world) {
+  const page = await openScoredAttempt(world);
+  const slider = page.getByRole("slider", { name: /moment|time/i }).first();
+  const before = await slider.inputValue();
+  await page.getByRole("button", { name: /too much, first at 0:21.4; mostly stroke 7 and 2 more/ }).click();
+  assert.notEqual(await slider.inputValue(), before, "the timeline moves");
+  await page.getByRole("heading", { name: "Among 3 dentists" }).waitFor();
+  await page.getByText(/Nearest is the cut of Dentist One/).waitFor();
+  await accessible(page, "an attempt among dentists");
+  await world.picture(page, "lost_point", { fullPage: true });
+}
+
+async function plotPointer(world) {
+  const page = await openScoredAttempt(world);
+  const slider = page.getByLabel("Time in the attempt");
+  await page.locator(".force-card .u-over").scrollIntoViewIfNeeded();
+  const box = await page.locator(".force-card .u-over").boundingBox();
+  await page.mouse.move(box.x + 0.2 * box.width, box.y + box.height / 2);
+  await page.mouse.move(box.x + 0.7 * box.width, box.y + box.height / 2, { steps: 5 });
+  await page.locator(".plot-hover").waitFor();
+  assert.equal(await slider.inputValue(), await slider.getAttribute("max"), "passing over it is no choice: it stays at the end");
+  await page.mouse.down();
+  await page.mouse.up();
+  const set = Number(await slider.inputValue());
+  assert.ok(Math.abs(set / Number(await slider.getAttribute("max")) - 0.7) < 0.01, `step ${set}`);
+  await page.mouse.move(box.x + 0.1 * box.width, box.y + box.height / 2, { steps: 5 });
+  assert.equal(Number(await slider.inputValue()), set);
+}
+
+// Where the plot draws a moment, there its mark stands and there is the slider's thumb.
+async function oneTimeAxis(world) {
+  for (const [width, height] of looks([390, 844], [1440, 900])) {
+    const page = await signedIn(world, "instructor", `/attempts/${id(105)}`, { width, height });
+    await page.locator(".plot canvas").waitFor();
+    const slider = page.getByLabel("Time in the attempt");
+    const centre = ({ x, width: wide }) => x + wide / 2;
+    for (const mark of await page.getByRole("group", { name: "Remarks along the time" }).getByRole("button").all()) {
+      await mark.click();
+      const at = centre(await page.locator(".plot-cursor").boundingBox());
+      const thumb = (await slider.boundingBox()).x + thumbIn(await slider.screenshot());
+      assert.ok(Math.abs(centre(await mark.boundingBox()) - at) < 2, `at ${width}: the mark is at ${centre(await mark.boundingBox())}, the plot's cursor at ${at}`);
+      assert.ok(Math.abs(thumb - at) < 2, `at ${width}: the slider's thumb is at ${thumb}, the plot's cursor at ${at}`);
+    }
+  }
+}
+
+async function momentLink(world) {
+  const path = `/attempts/${id(105)}`;
+  const page = await signedIn(world, "instructor", path);
+  await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
+  await page.locator(".playback").waitFor();
+  await page.getByLabel("Time in the attempt").fill("700");
+  await page.getByRole("button", { name: "Buccal", exact: true }).click();
+  await page.locator('.playback[data-shown="168"]').waitFor();
+  // Before the address takes a row of its own, which moves the picture by a fraction of a pixel.
+  const before = await page.locator(".tooth-frame canvas").screenshot();
+  await page.getByRole("button", { name: "Link to this moment" }).click();
+  const link = await page.locator(".moment-link code").innerText();
+  assert.match(link, /\?t=16\.8&view=-?[\d.]+_[\d.]+_[\d.]+_0$/);
+  await page.goto(link);
+  await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
+  await page.waitForFunction(() => document.querySelector("#timeline")?.value === "700");
+  await page.locator('.playback[data-shown="168"]').waitFor();
+  // The address has four decimals: edges may fall a pixel aside.
+  const apart = differing(before, await page.locator(".tooth-frame canvas").screenshot());
+  assert.ok(apart < 0.02, `${apart} of the picture differs`);
+  await page.getByRole("button", { name: "Mesial", exact: true }).click();
+  assert.ok(differing(before, await page.locator(".tooth-frame canvas").screenshot()) > 0.05, "another side is another picture");
+}
+
+// Of the mock's attempt of 43.2 seconds, in frames of a tenth.
+async function playbackKeys(world) {
+  const page = await signedIn(world, "student", `/attempts/${id(105)}?t=30`);
+  const at = (frames) => page.locator(`.playback[data-shown="${frames}"]`).waitFor();
+  await at(300);
+  await page.locator(".playback-time", { hasText: "0:30.0" }).waitFor();
+  await page.keyboard.press(".");
+  await at(301);
+  await page.keyboard.press("j");
+  await at(251);
+  await page.keyboard.press("End");
+  await at(432);
+  await page.keyboard.press("Home");
+  await at(0);
+  // On a button, on the tooth and on a choice they act as well; there the arrows are the tooth's and the choice's own.
+  await page.getByRole("button", { name: "Print" }).focus();
+  await page.keyboard.press("l");
+  await at(50);
+  await page.locator(".tooth-frame").focus();
+  await page.keyboard.press("ArrowRight");
+  await page.keyboard.press("L");
+  await at(100);
+  await page.locator(".playback-speed select").focus();
+  await page.keyboard.press("l");
+  await at(150);
+  await page.locator("body").click({ position: { x: 5, y: 300 } });
+  await page.keyboard.press("ArrowLeft");
+  await at(149);
+  await page.keyboard.press("[");
+  await page.keyboard.press("l");
+  await at(199);
+  await page.keyboard.press("]");
+  await page.getByText("Played again from 0:14.9 to 0:19.9").waitFor({ state: "attached" });
+  await page.getByText("Figures of 0:14.9 to 0:19.9").click();
+  await page.getByRole("columnheader", { name: "95 % below" }).waitFor();
+  const saved = page.waitForEvent("download");
+  await page.getByRole("button", { name: "Save this part as CSV" }).click();
+  assert.match((await saved).suggestedFilename(), /^attempt_0_14\.9_to_0_19\.9\.csv$/);
+  await accessible(page, "a loop");
+  await world.picture(page, "loop");
+  await page.keyboard.press("\\");
+  await page.locator(".playback-loop").waitFor({ state: "detached" });
+  // On a button it presses that.
+  await page.locator("body").click({ position: { x: 5, y: 300 } });
+  await page.keyboard.press("Space");
+  await page.getByRole("button", { name: "Pause", exact: true }).waitFor();
+  await page.keyboard.press("k");
+  await page.getByRole("button", { name: "Play", exact: true }).waitFor();
+  await page.keyboard.press("?");
+  const help = await page.getByRole("dialog").innerText();
+  for (const what of ["Play and pause", "5 seconds back", "One frame on", "Play again from here (A)", "Faster", "To the end"]) assert.ok(help.includes(what), what);
+  await accessible(page, "the list of keys");
+  // In a text they are letters.
+  const teacher = await signedIn(world, "instructor", `/attempts/${id(105)}?t=20`);
+  await teacher.locator('.playback[data-shown="200"]').waitFor();
+  await teacher.getByLabel(/New remark/).pressSequentially("jkl. [");
+  assert.equal(await teacher.getByLabel(/New remark/).inputValue(), "jkl. [");
+  assert.equal(await teacher.locator(".playback").getAttribute("data-shown"), "200");
+}
+
+async function momentBeyondTheEnd(world) {
+  const page = await signedIn(world, "student", `/attempts/${id(105)}?t=90`);
+  await page.getByText("The address names 1:30.0, but the attempt ends at 0:43.2: its end is shown.").waitFor();
+  await page.locator('.playback[data-shown="432"]').waitFor();
+  await accessible(page, "a moment beyond the end");
+}
+
+async function section(world) {
+  const page = await signedIn(world, "student", `/attempts/${id(105)}`);
+  await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
+  await page.getByRole("button", { name: "Cavity", exact: true }).click();
+  // What moves is drawn in a lighter way, and in full once it rests.
+  const picture = async () => {
+    await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
+    await page.locator(".tooth-frame canvas[data-drawn=full]").waitFor();
+    return page.locator(".tooth-frame canvas").screenshot();
+  };
+  const whole = await picture();
+  for (const [across, name] of [["y", "mesio-distal"], ["x", "bucco-lingual"], ["z", "horizontal"], ["view", "along"]]) {
+    await page.getByLabel("Section", { exact: true }).selectOption(across);
+    const cut = await picture();
+    assert.ok(differing(whole, cut) > 0.02, `the ${name} section shows`);
+    await page.getByLabel("Place of the section").fill("25");
+    assert.ok(differing(cut, await picture()) > 0.005, `the ${name} section moves`);
+    await world.picture(page, `section_${across}`);
+  }
+  await page.getByRole("button", { name: "Other side" }).click();
+  await accessible(page, "a section");
+  await page.getByLabel("Section", { exact: true }).selectOption("");
+  assert.ok(differing(whole, await picture()) < 0.01, "and it is whole again");
+}
+
+async function oneViewport(world) {
+  for (const [width, height] of looks([1280, 720], [1440, 900])) {
+    const page = await signedIn(world, "instructor", `/attempts/${id(105)}`, { width, height });
+    await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
+    await page.locator(".plot canvas").waitFor();
+    for (const part of [".tooth-frame", "#timeline", ".marks", ".force-card .u-over"]) {
+      const box = await page.locator(part).boundingBox();
+      assert.ok(box.y >= 0 && box.y + box.height <= height, `${part} ends at ${box.y + box.height} of ${height}`);
+    }
+    assert.ok((await page.locator(".tooth-frame").boundingBox()).height >= 200);
+    // What is said of them scrolls by; they stay.
+    await page.mouse.move(200, height / 2);
+    await page.mouse.wheel(0, 250);
+    await page.waitForFunction(() => window.scrollY > 100);
+    await page.getByRole("button", { name: /too much, first at/ }).click();
+    const tooth = await page.locator(".tooth-frame").boundingBox();
+    assert.ok(tooth.y >= 0 && tooth.y + tooth.height <= height, "the tooth is in view");
+    await world.picture(page, `one_viewport_${width}`);
+  }
+}
+
+// The middle of the slider's thumb in its picture, by its colour.
+function thumbIn(picture) {
+  const { width, height, at } = decodePng(picture);
+  const columns = [];
+  for (let x = 0; x < width; ++x) {
+    const [r, g, b] = at(x, Math.floor(height / 2));
+    if (r < 60 && g > 60 && g < 130 && b > 80 && b < 150) columns.push(x);
+  }
+  assert.ok(columns.length > 6 && columns.length < 24, `the thumb is ${columns.length} px wide`);
+  return (columns[0] + columns.at(-1) + 1) / 2;
+}
+
+// Ivory (as the reference), red (0.3 mm too far) and the neutral of untouched tooth, in view at once.
+async function heatMapIsThere(page) {
+  const counts = await countColors(page, ".tooth-frame canvas", {
+    deep: ([r, g, b]) => r > 130 && r > 1.6 * g && r > 1.8 * b,
+    asReference: ([r, g, b]) => r > 150 && r - b > 5 && r - b < 45 && Math.abs(r - g) < 20,
+    untouched: ([r, g, b]) => r > 60 && r < 230 && b > r && b - r < 30 && Math.abs(r - g) < 16,
+  });
+  assert.ok(counts.deep > 300, `too far: ${counts.deep} pixels`);
+  assert.ok(counts.asReference > 300, `as the reference: ${counts.asReference} pixels`);
+  assert.ok(counts.untouched > 5000, `untouched: ${counts.untouched} pixels`);
+  await page.getByLabel("Tissues").check();
+  const tissues = await countColors(page, ".tooth-frame canvas", { deep: ([r, g, b]) => r > 130 && r > 1.9 * g && r > 1.9 * b });
+  assert.ok(tissues.deep < counts.deep / 4, "tissue colours replace the deviation's");
+  await page.getByLabel("Deviation").check();
+}
+
+async function plotIsThere(page) {
+  const counts = await countColors(page, ".plot canvas", { force: ([r, g, b]) => b > 90 && b > 1.4 * r && g > r, removed: ([r, g, b]) => r > 150 && r > 1.5 * b && g < r });
+  assert.ok(counts.force > 300 && counts.removed > 100, `plot: ${JSON.stringify(counts)}`);
+}
+
+async function toothByKeyboard(world) {
+  const page = await openScoredAttempt(world);
+  const canvas = page.locator(".tooth-frame canvas");
+  const before = await canvas.screenshot();
+  await page.locator(".tooth-frame").focus();
+  for (let i = 0; i < 4; ++i) await page.keyboard.press("ArrowRight");
+  const turned = await canvas.screenshot();
+  assert.ok(!turned.equals(before), "arrow keys turn the tooth");
+  await page.getByRole("button", { name: "Occlusal" }).click();
+  const occlusal = await canvas.screenshot();
+  assert.ok(!occlusal.equals(turned), "a preset moves the camera");
+
+  const timeline = page.getByLabel("Time in the attempt");
+  await timeline.focus();
+  await page.keyboard.press("Home");              // it opens at the end
+  for (let i = 0; i < 4; ++i) await page.keyboard.press("PageUp");
+  assert.ok(Number(await timeline.inputValue()) > 0);
+  assert.match(await timeline.getAttribute("aria-valuetext"), /^\d+:\d\d\.\d, .*largest force.*\sN/i);
+  assert.ok(!(await canvas.screenshot()).equals(occlusal), "the tool appears at the tooth");
+
+  await page.getByText("The same as a table").click();
+  assert.ok(await page.getByRole("group", { name: "Force and removal as a table" }).locator("tbody tr").count() > 10);
+  await page.getByText("Deviation in numbers").click();
+  await page.getByText("Of the surface that was cut", { exact: false }).first().waitFor();
+  assert.match(await page.getByRole("main").innerText(), /Of the surface that was cut, \d+ % lies within 0\.\d+\smm of the reference/);
+  await accessible(page, "an attempt with its tables open");
+}
+
+async function playsBack(world) {
+  const page = await openScoredAttempt(world);
+  const canvas = page.locator(".tooth-frame canvas");
+  const bar = page.getByRole("group", { name: "Playback" });
+  const position = bar.getByRole("slider", { name: "Playback position" });
+  await position.waitFor();
+  const last = await position.getAttribute("max");
+  assert.equal(await position.inputValue(), last, "it begins with the tooth at the end");
+  const end = await canvas.screenshot();
+  await position.fill("0");
+  await page.waitForFunction(() => document.querySelector(".playback-time").innerText === "0:00.0");
+  await page.locator('.playback[data-shown="0"]').waitFor();
+  const start = await canvas.screenshot();
+  assert.ok(!start.equals(end), "the tooth is the one before");
+  await bar.getByRole("button", { name: "One frame on" }).click();
+  await page.waitForFunction(() => document.querySelector(".playback-time").innerText === "0:00.1");
+  await position.fill("300");
+  await page.locator('.playback[data-shown="300"]').waitFor();
+  assert.ok(!(await canvas.screenshot()).equals(start), "something is cut and the bur is elsewhere");
+  await world.picture(page, "playback", { fullPage: true });
+  await accessible(page, "an attempt that is played back");
+  await bar.getByLabel("Speed").selectOption("0.25");
+  await page.locator(".tooth-frame").focus();
+  await page.keyboard.press("k");
+  await bar.getByRole("button", { name: "Pause" }).waitFor();
+  await page.keyboard.press("k");
+  await bar.getByRole("button", { name: "Play", exact: true }).waitFor();
+  await bar.getByLabel("Speed").selectOption("16");
+  await page.locator(".tooth-frame").focus();
+  await page.keyboard.press("Space");
+  await page.waitForFunction((frames) => document.querySelector(".playback input").value === frames, last);
+  await bar.getByRole("button", { name: "Play", exact: true }).waitFor();
+  await page.locator(".tooth-frame").focus();
+  await page.keyboard.press("j");
+  await page.waitForFunction(() => document.querySelector(".playback input").value === "382");
+}
+
+async function narrowAndDark(world) {
+  const page = await openScoredAttempt(world, { width: 390, height: 844, colorScheme: "dark" });
+  const overflow = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
+  assert.ok(overflow <= 0, `the page is ${overflow} px wider than the screen`);
+  await world.picture(page, "attempt_narrow_dark", { fullPage: true });
+  await accessible(page, "an attempt, narrow and dark");
+}
+
+async function scoringProgress(world) {
+  const page = await signedIn(world, "instructor", "/attempts");
+  await page.locator("tbody tr").filter({ hasText: "Being scored" }).getByRole("link").click();
+  await page.getByRole("progressbar", { name: "Replaying and scoring" }).waitFor();
+  await page.getByTestId("score").waitFor();
+}
+
+async function release(world) {
+  const student = await signedIn(world, "student", `/attempts/${id(106)}`);
+  await student.getByText("Not released yet", { exact: true }).waitFor();
+  assert.equal(await student.getByTestId("score").count(), 0);
+  assert.equal(await student.getByText("Deviation in numbers").count(), 0);
+  assert.equal(await student.getByRole("alert").count(), 0, "waiting is no error");
+  assert.equal(await student.getByRole("button", { name: "Try again" }).count(), 0);
+
+  const instructor = await signedIn(world, "instructor", `/attempts/${id(106)}`);
+  await instructor.getByRole("button", { name: "Release score" }).click();
+  await instructor.getByText("Score released").waitFor();
+  await accessible(instructor, "a released attempt");
+
+  await student.reload();
+  await student.getByTestId("score").waitFor();
+}
+
+async function markReference(world) {
+  const page = await signedIn(world, "instructor", `/attempts/${id(106)}`);
+  await page.getByRole("button", { name: "Mark as reference…" }).click();
+  await page.getByLabel("Dentist who made this cut").fill("Dentist Two");
+  await accessible(page, "naming the dentist");
+  const mark = page.getByRole("button", { name: "Mark as reference", exact: true });
+  assert.equal(await mark.isDisabled(), true, "not without the dentist's consent");
+  await page.getByLabel("The dentist agrees").check();
+  await mark.click();
+  await page.getByText("Reference of its exercise", { exact: false }).first().waitFor();
+  // One that the server refuses, until somebody says why it is right.
+  await page.goto(`/attempts/${id(104)}`);
+  await page.getByRole("button", { name: "Mark as reference…" }).click();
+  await page.getByLabel("Dentist who made this cut").fill("Dentist Two");
+  await page.getByLabel("The dentist agrees").check();
+  await mark.click();
+  await page.getByText("cannot be what others are compared with", { exact: false }).waitFor();
+  const anyway = page.getByRole("button", { name: "Mark as reference all the same" });
+  assert.equal(await anyway.isDisabled(), true, "not without a reason");
+  await page.getByLabel("Why all the same").fill("The gap is before the first stroke");
+  await accessible(page, "a reason for a reference");
+  await world.picture(page, "reference_anyway", { fullPage: true });
+  await anyway.click();
+  await page.getByText("Reference of its exercise", { exact: false }).first().waitFor();
+}
+
+async function disturbedRecording(world) {
+  const page = await signedIn(world, "instructor", `/attempts/${id(104)}`);
+  // The score, which says whether the replay agreed, comes after the attempt itself.
+  await page.getByText("does not repeat what the station recorded", { exact: false }).first().waitFor();
+  const text = await page.getByRole("region", { name: "Recording" }).innerText();
+  assert.match(text, /412 ticks .* were not recorded/);
+  assert.match(text, /does not repeat what the station recorded: the state after chunk 12 differs/);
+}
