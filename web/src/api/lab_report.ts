@@ -1,3 +1,4 @@
+import { isObject } from "../base/document";
 import { fail, ok, type Result } from "../base/result";
 
 // What enamel-lab found, to be drawn: the member `report` of what it writes with --json
@@ -165,8 +166,4 @@ function isTexts(value: unknown, most: number): value is string[] {
 
 function isNumbers(value: unknown, most: number): value is number[] {
   return Array.isArray(value) && value.length <= most && value.every((one) => typeof one === "number" && Number.isFinite(one));
-}
-
-function isObject(value: unknown): value is Record<string, unknown> {
-  return typeof value === "object" && value !== null && !Array.isArray(value);
 }

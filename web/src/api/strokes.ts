@@ -1,3 +1,4 @@
+import { isObject } from "../base/document";
 import { fail, ok, type Result } from "../base/result";
 
 // Six short motions of a hand on a device, as `enamel-lab qualify --suite strokes` writes them
@@ -118,10 +119,6 @@ function wrongTrack(track: unknown): string | undefined {
 function isFigure(value: unknown): boolean {
   return isObject(value) && isText(value["name"]) && typeof value["unit"] === "string" && isNumber(value["value"]) &&
          (value["bound"] === null || isNumber(value["bound"])) && typeof value["held"] === "boolean";
-}
-
-function isObject(value: unknown): value is Record<string, unknown> {
-  return typeof value === "object" && value !== null && !Array.isArray(value);
 }
 
 function isNumber(value: unknown): value is number {

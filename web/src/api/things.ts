@@ -67,14 +67,9 @@ export class ProfilesApi {
   }
   // `text`: a device profile (schemas/device_profile.schema.json), sent as it is.
   // One that its criteria refuse is not saved; the judgement then says why.
-  async upload(text: string): Promise<ApiResult<ProfileJudgement>> {
-    const result = await this.http.json<ProfileJudgement>("POST", "/profiles", { body: text, type: "application/json" });
-    if (!result.ok && Array.isArray(result.error.answer?.["criteria"])) return ok(result.error.answer as unknown as ProfileJudgement);
-    return result;
-  }
-  // Whether it would be taken, as it is typed: every criterion with its figures.
-  async check(text: string, signal?: AbortSignal): Promise<ApiResult<ProfileJudgement>> {
-    const result = await this.http.json<ProfileJudgement>("POST", "/profiles?dry_run=true", { body: text, type: "application/json", signal });
+  // `check`: only whether it would be taken, as it is typed.
+  async upload(text: string, { check = false, signal }: { readonly check?: boolean; readonly signal?: AbortSignal } = {}): Promise<ApiResult<ProfileJudgement>> {
+    const result = await this.http.json<ProfileJudgement>("POST", `/profiles${check ? "?dry_run=true" : ""}`, { body: text, type: "application/json", signal });
     if (!result.ok && Array.isArray(result.error.answer?.["criteria"])) return ok(result.error.answer as unknown as ProfileJudgement);
     return result;
   }

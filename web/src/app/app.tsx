@@ -1,5 +1,5 @@
 import { signal } from "@preact/signals";
-import type { ComponentChildren, ComponentProps } from "preact";
+import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import { Client } from "../api/client";
 import { queryText } from "../api/http";
@@ -10,9 +10,7 @@ import { loadWords, say, sayWith } from "../base/words";
 import { AccountPage, ForcedPassword } from "../features/account/account_page";
 import { ConfirmPassword } from "../features/account/confirm_password";
 import { MyWorkPage } from "../features/assignments/my_work_page";
-import type { AttemptPage } from "../features/attempt/attempt_page";
 import { AttemptsPage } from "../features/attempts/attempts_page";
-import type { ExercisePage } from "../features/exercises/exercise_page";
 import { ExercisesPage, StaffExercisesPage } from "../features/exercises/exercises_page";
 import { FirstAdmin } from "../features/sign_in/first_admin";
 import { SignIn } from "../features/sign_in/sign_in";
@@ -20,10 +18,10 @@ import { ErrorNotice, Loading, PageTitle } from "../widgets/basics";
 import { BrandMark } from "../widgets/brand";
 import "../api/shared";
 import "../widgets/shared";
-import { PartState, usePart } from "../widgets/part";
+import { part } from "../widgets/part";
 import { keepLanguage, language, applyLanguage } from "./language";
 import { location, navigate } from "./location";
-import { homePath, navigation, parseRoute, type Route, type ScreenProps } from "./routes";
+import { homePath, navigation, parseRoute, type Route } from "./routes";
 
 // Who is using the page. The address stays while signed out, so that signing in again leads back.
 type SessionState =
@@ -164,37 +162,25 @@ function Header({ person, path }: { readonly person: Person; readonly path: stri
   );
 }
 
+const OneAttempt = part("attempt_page", () => import("../features/attempt/attempt_page"));
+const OneExercise = part("exercise_page", () => import("../features/exercises/exercise_page"));
+const Staff = part("staff", () => import("./staff"));
+
 function screen(route: Route, person: Person): ComponentChildren {
   const teacher = person.role !== "student";
   const narrow = (query: Readonly<Record<string, string>>) => navigate(location.value.pathname + queryText(query), "replace");
   switch (route.name) {
     case "home": return null;
     case "exercises": return teacher ? <StaffExercisesPage client={client} admin={person.role === "admin"} query={route.query} onQuery={narrow} onOpen={navigate} /> : <ExercisesPage client={client} />;
-    case "exercise": return <OneExercise client={client} id={route.id} personId={person.id} teacher={teacher} onOpen={navigate} />;
+    case "exercise": return <OneExercise show={({ ExercisePage }) => <ExercisePage client={client} id={route.id} personId={person.id} teacher={teacher} onOpen={navigate} />} />;
     case "attempts": return <AttemptsPage client={client} mine={!teacher} query={route.query} onQuery={narrow} />;
-    case "attempt": return <OneAttempt client={client} person={person} id={route.id} onOpen={navigate} />;
+    case "attempt": return <OneAttempt show={({ AttemptPage }) => <AttemptPage client={client} person={person} id={route.id} onOpen={navigate} />} />;
     case "account": return <AccountPage client={client} person={person} language={session.value.state === "in" ? session.value.language : ""} onLanguage={choose} />;
     case "assignments": if (!teacher) return <MyWorkPage client={client} />; break;
     default: break;
   }
-  return teacher ? <Staff route={route} person={person} onQuery={narrow} /> : <NotFound home={homePath(person.role)} />;
-}
-
-function OneAttempt(props: ComponentProps<typeof AttemptPage>) {
-  const loaded = usePart("attempt_page", () => import("../features/attempt/attempt_page"));
-  return loaded === "loading" || loaded === "failed" ? <PartState state={loaded} /> : <loaded.AttemptPage {...props} />;
-}
-
-function OneExercise(props: ComponentProps<typeof ExercisePage>) {
-  const loaded = usePart("exercise_page", () => import("../features/exercises/exercise_page"));
-  return loaded === "loading" || loaded === "failed" ? <PartState state={loaded} /> : <loaded.ExercisePage {...props} />;
-}
-
-// What only teachers and admins see.
-function Staff({ route, person, onQuery }: Omit<ScreenProps, "client" | "onOpen">) {
-  const loaded = usePart("staff", () => import("./staff"));
-  if (loaded === "loading" || loaded === "failed") return <PartState state={loaded} />;
-  return loaded.staffScreen({ client, route, person, onQuery, onOpen: navigate }) ?? <NotFound home={homePath(person.role)} />;
+  const notFound = <NotFound home={homePath(person.role)} />;
+  return teacher ? <Staff show={({ staffScreen }) => staffScreen({ client, route, person, onQuery: narrow, onOpen: navigate }) ?? notFound} /> : notFound;
 }
 
 function NotFound({ home }: { readonly home: string }) {

@@ -10,8 +10,11 @@ import { GradingPage } from "../features/grading/grading_page";
 import { LivePage } from "../features/live/live_page";
 import { WatchPage } from "../features/live/watch_page";
 import { StationsPage } from "../features/stations/stations_page";
-import { PartState, usePart } from "../widgets/part";
+import { part } from "../widgets/part";
 import { isForAdmins, type ScreenProps } from "./routes";
+
+const Editors = part("editors", () => import("./editors"));
+const More = part("more", () => import("./more"));
 
 // The screens of teachers and admins; undefined where there is none for this person.
 export function staffScreen({ client, route, person, onQuery, onOpen }: ScreenProps): ComponentChildren | undefined {
@@ -38,15 +41,4 @@ function editor(client: Client, query: URLSearchParams, admin: boolean, onOpen: 
   if (exercise != null) return <Editors show={({ ExerciseEditorPage }) => <ExerciseEditorPage client={client} id={exercise} onOpen={onOpen} />} />;
   if (rubric != null) return <Editors show={({ RubricEditorPage }) => <RubricEditorPage client={client} id={rubric} onOpen={onOpen} />} />;
   return profile != null && admin ? <Editors show={({ ProfileEditorPage }) => <ProfileEditorPage client={client} name={profile} onOpen={onOpen} />} /> : undefined;
-}
-
-function Editors({ show }: { readonly show: (editors: typeof import("./editors")) => ComponentChildren }) {
-  const loaded = usePart("editors", () => import("./editors"));
-  return loaded === "loading" || loaded === "failed" ? <PartState state={loaded} /> : <>{show(loaded)}</>;
-}
-
-// What is loaded when somebody comes to it (more.tsx).
-function More({ show }: { readonly show: (more: typeof import("./more")) => ComponentChildren }) {
-  const loaded = usePart("more", () => import("./more"));
-  return loaded === "loading" || loaded === "failed" ? <PartState state={loaded} /> : <>{show(loaded)}</>;
 }

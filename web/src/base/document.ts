@@ -73,8 +73,12 @@ function keyOf(item: Json, place: number): string {
   return typeof metric === "string" ? metric : String(place);
 }
 
-function isMembers(value: Json | undefined): value is { readonly [name: string]: Json } {
+export function isObject(value: unknown): value is Record<string, unknown> {
   return typeof value === "object" && value !== null && !Array.isArray(value);
+}
+
+function isMembers(value: Json | undefined): value is { readonly [name: string]: Json } {
+  return isObject(value);
 }
 
 function isItems(value: Json | undefined): value is readonly Json[] {

@@ -23,10 +23,6 @@ export class Rotation {
     this.startNext();
   }
 
-  isOpen(id: string): boolean {
-    return this.open.has(id);
-  }
-
   dispose(): void {
     for (const id of [...this.open.keys()]) this.stop(id);
     this.ids = [];

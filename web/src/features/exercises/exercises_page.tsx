@@ -1,4 +1,3 @@
-import type { ComponentProps } from "preact";
 import { useState } from "preact/hooks";
 import { wordedText, wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
@@ -8,10 +7,12 @@ import { formatDateTime } from "../../base/format";
 import { say } from "../../base/words";
 import { Badge, Card, Empty, ErrorNotice, Loading, PageTitle, Segmented } from "../../widgets/basics";
 import { Dialog } from "../../widgets/dialog";
-import { PartState, usePart } from "../../widgets/part";
+import { part } from "../../widgets/part";
 import { DataTable } from "../../widgets/table";
 import { DocumentForm } from "./document_form";
-import type { ToothImportForm } from "./tooth_import";
+
+// Most people never import.
+const ToothImport = part("tooth_import", () => import("./tooth_import"));
 import { burText, ownerText, timeLimitText, versionText } from "./exercise_text";
 
 export function ExercisesPage({ client }: { readonly client: Client }) {
@@ -99,7 +100,7 @@ export function StaffExercisesPage({ client, admin, query, onQuery, onOpen }: St
       ))}
       {importing && (
         <Dialog title={say("tooth_import.title")} onClose={closeImport}>
-          <ImportTooth client={client} onDone={reload} onClose={closeImport} />
+          <ToothImport show={({ ToothImportForm }) => <ToothImportForm client={client} onDone={reload} onClose={closeImport} />} />
         </Dialog>
       )}
       {adding && (
@@ -110,10 +111,4 @@ export function StaffExercisesPage({ client, admin, query, onQuery, onOpen }: St
       )}
     </>
   );
-}
-
-// Loaded by who imports: most people never do.
-function ImportTooth(props: ComponentProps<typeof ToothImportForm>) {
-  const loaded = usePart("tooth_import", () => import("./tooth_import"));
-  return loaded === "loading" || loaded === "failed" ? <PartState state={loaded} /> : <loaded.ToothImportForm {...props} />;
 }

@@ -31,7 +31,7 @@ export function ProfileEditorPage({ client, name, onOpen }: Props) {
 function Editor({ client, name, title, version, read, onOpen }: { readonly client: Client; readonly name: string; readonly title: string; readonly version: number; readonly read: Json; readonly onOpen: (path: string) => void }) {
   const edit = useDocument(`profile ${name}`, read);
   const text = JSON.stringify(edit.now);
-  const check = useCheck(text, (asked, signal) => client.profiles.check(asked, signal));
+  const check = useCheck(text, (asked, signal) => client.profiles.upload(asked, { check: true, signal }));
   const change = useChange();
   const refused = check.value?.acceptable === false;
   const form: DocumentForm = { edit, wrong: stillWrong(check, edit.now) };
