@@ -46,21 +46,8 @@ const kFineS = 0.01;                            // from point to point: a moment
 // numbers as a table and the cursor as a slider too.
 export function TimePlot({ timeS, lines, leftTitle, rightTitle, label, cursor, onCursor, onAxis, heightPx = kHeightPx, view, onZoom, onPan, onWhole }: Props) {
   const marker = useRef<HTMLDivElement | undefined>(undefined);
-  const latest = useRef({ cursor, onCursor, onAxis, view, onZoom, onPan, onWhole });
-  latest.current = { cursor, onCursor, onAxis, view, onZoom, onPan, onWhole };
-
-  const place = () => {
-    const time = timeS[latest.current.cursor];
-    if (plot.current === null || marker.current === undefined || time === undefined) return;
-    const [from, to] = latest.current.view ?? [-Infinity, Infinity];
-    marker.current.hidden = time < from || time > to;
-    marker.current.style.transform = `translateX(${plot.current.valToPos(time, "x").toFixed(1)}px)`;
-  };
-
-  const show = (shown: uPlot) => {
-    const [min, max] = latest.current.view ?? [timeS[0] ?? 0, timeS.at(-1) ?? 0];
-    if (max > min) shown.setScale("x", { min, max });
-  };
+  const latest = useRef({ timeS, cursor, onCursor, onAxis, view, onZoom, onPan, onWhole });
+  latest.current = { timeS, cursor, onCursor, onAxis, view, onZoom, onPan, onWhole };
 
   const { frame, plot } = usePlot((element) => ({
     options: plotOptions(element, lines, leftTitle, rightTitle, heightPx),
@@ -73,19 +60,33 @@ export function TimePlot({ timeS, lines, leftTitle, rightTitle, label, cursor, o
     hover.hidden = true;
     created.over.append(hover, marker.current);
     followPointer(created, cleanup, hover, timeS, () => latest.current);
-    if (latest.current.view !== undefined) show(created);
+    if (latest.current.view !== undefined) show(created, latest.current);
   }, () => {
-    place();
+    place(plot.current, marker.current, latest.current);
     reportAxis(frame.current, plot.current, latest.current.onAxis);
   });
 
   useEffect(() => {
-    if (plot.current !== null) show(plot.current);
-    place();
-  }, [view]);
-  useEffect(place, [cursor]);
+    if (plot.current !== null) show(plot.current, latest.current);
+  }, [plot, view]);
+  useEffect(() => place(plot.current, marker.current, latest.current), [plot, view, cursor]);
 
   return <div class="plot" style={{ minHeight: `${heightPx}px` }} ref={frame} role="img" aria-label={label} />;
+}
+
+type Shown = Pick<Props, "timeS" | "cursor" | "view">;
+
+function place(plot: uPlot | null, marker: HTMLElement | undefined, { timeS, cursor, view }: Shown): void {
+  const time = timeS[cursor];
+  if (plot === null || marker === undefined || time === undefined) return;
+  const [from, to] = view ?? [-Infinity, Infinity];
+  marker.hidden = time < from || time > to;
+  marker.style.transform = `translateX(${plot.valToPos(time, "x").toFixed(1)}px)`;
+}
+
+function show(plot: uPlot, { timeS, view }: Shown): void {
+  const [min, max] = view ?? [timeS[0] ?? 0, timeS.at(-1) ?? 0];
+  if (max > min) plot.setScale("x", { min, max });
 }
 
 function reportAxis(frame: HTMLElement | null, plot: uPlot | null, report: Props["onAxis"]): void {

@@ -21,6 +21,8 @@ export function usePlot(describe: (element: HTMLElement) => PlotInput, inputs: r
   const frame = useRef<HTMLDivElement>(null);
   const plot = useRef<uPlot>(null);
   const dark = useDarkScheme();
+  const latest = useRef({ describe, created, resized });
+  latest.current = { describe, created, resized };
 
   useEffect(() => {
     const element = frame.current;
@@ -30,21 +32,21 @@ export function usePlot(describe: (element: HTMLElement) => PlotInput, inputs: r
     cleanup.add(() => { abandoned = true; });
     void import("uplot").then(({ default: UPlot }) => {
       if (abandoned) return;
-      const { options, data } = describe(element);
+      const { options, data } = latest.current.describe(element);
       const made = new UPlot(options, data, element);
       plot.current = made;
       cleanup.add(() => {
         made.destroy();
         plot.current = null;
       });
-      created?.(made, cleanup);
+      latest.current.created?.(made, cleanup);
       const observer = new ResizeObserver(() => {
         made.setSize({ width: element.clientWidth, height: options.height });
-        resized?.();
+        latest.current.resized?.();
       });
       observer.observe(element);
       cleanup.add(() => observer.disconnect());
-      resized?.();
+      latest.current.resized?.();
     });
     return () => cleanup.dispose();
   }, [...inputs, dark]);

@@ -42,7 +42,7 @@ test("untouched vertices do not count, and nothing compared is no summary", () =
 test("the view begins opposite the wall that deviates most, at the middle of what was cut", () => {
   const surface = surfaceOf([[[-1, 0, 0], 0.3], [[0, 0, 1], 0], [[0, 1, 0], Number.NaN]]);
   surface.positionMm.set([2, 0, 1, 0, 0, -1, 90, 90, 90]);
-  const { direction, centre } = outlook(surface, summariseDeviation(surface, 0.1));
+  const { direction, centre } = outlook(surface, summariseDeviation(surface, 0.1)?.sides[0]?.side);
   assert.ok(direction[0] < 0 && direction[2] > 0);
   assert.deepEqual(centre, [1, 0, 0]);
   assert.equal(outlook(surface, undefined).centre, undefined);

@@ -43,10 +43,9 @@ const kOutlooks: Readonly<Record<string, Point>> = {
   "mesial_wall": [-0.75, -0.45, 1], "distal_wall": [0.75, -0.45, 1], "buccal_wall": [0.4, -0.75, 1], "lingual_wall": [-0.4, 0.75, 1],
 };
 
-export function outlook(surface: Compared | undefined, summary: DeviationSummary | undefined): Outlook {
-  const worst = summary?.sides[0];
+export function outlook(surface: Compared | undefined, worst: CavitySide | undefined): Outlook {
   if (worst === undefined || surface === undefined) return kDefaultOutlook;
-  return { direction: kOutlooks[worst.side] ?? kDefaultOutlook.direction, centre: comparedCentre(surface) };
+  return { direction: kOutlooks[worst] ?? kDefaultOutlook.direction, centre: comparedCentre(surface) };
 }
 
 function comparedCentre({ positionMm, deviationMm }: Compared): Point | undefined {

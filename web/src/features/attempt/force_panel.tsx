@@ -36,10 +36,10 @@ function LoadedForce({ series, review }: { readonly series: Series; readonly rev
   const { client, attempt, cursor, momentS: timeS, marks, spans, chosen, plots, choose, setCursor: onCursor, setTimeS: onTime } = review;
   const last = series.t_s.length - 1;
   const at = Math.min(cursor, last);
-  const whole = useMemo((): View => [series.t_s[0] ?? 0, series.t_s[last] ?? 0], [series]);
+  const whole = useMemo((): View => [series.t_s[0] ?? 0, series.t_s.at(-1) ?? 0], [series]);
   const [view, setView] = useState<View>();
   // Who moves the moment past the edge takes the part along.
-  useEffect(() => setView((was) => showing(whole, was, series.t_s[at] ?? 0)), [whole, at]);
+  useEffect(() => setView((was) => showing(whole, was, series.t_s[at] ?? 0)), [whole, series, at]);
   const wanted = ticksFor(series, view);
   const { loaded: near } = useRequest(wanted === undefined ? undefined : `${attempt.id} ${wanted[0]}`, (signal) => client.ticks(attempt.id, ...wanted!, signal));
   const close = useMemo(() => near.state === "ready" && near.value.time_ticks.length > 0 ? closeUp(near.value, series) : undefined, [near, series]);

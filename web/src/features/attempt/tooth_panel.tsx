@@ -45,7 +45,7 @@ interface Shown {
 function PlayedTooth(props: Shown) {
   const { playback } = props.control;
   const { deviation } = playback;
-  const tissues = useMemo(() => [...playback.tissues].sort((a, b) => a - b), [playback, playback.tissues.size]);
+  const tissues = [...playback.tissues].sort((a, b) => a - b);
   const missing = deviation.state === "loading" ? say("tooth_card.deviation_loading")
     : deviation.state === "failed" ? say("tooth_card.deviation_failed", { reason: deviation.error.message }) : say("tooth_card.nothing");
   return <LoadedTooth {...props} model={{ film: playback }} compared={deviation.state === "ready" ? deviation.compared : undefined} tissues={tissues} missing={missing} busy={!playback.drawn} />;
@@ -69,10 +69,11 @@ function LoadedTooth({ model, compared, tissues, missing, busy, review, control 
   const cursor = series !== undefined && review.moved ? review.cursor : undefined;   // undefined: no tool is drawn
   const summary = useMemo(() => compared === undefined ? undefined : summariseDeviation(compared, toleranceMm), [compared, toleranceMm]);
   const { cut } = control.playback;
-  const angled = useMemo((): AngledView => ({ ...outlook(compared, summary), cavity: cut }), [compared, summary?.sides[0]?.side, cut]);
+  const worst = summary?.sides[0]?.side;
+  const angled = useMemo((): AngledView => ({ ...outlook(compared, worst), cavity: cut }), [compared, worst, cut]);
   const [compareWith, setCompareWith] = useState<string>();   // id of another attempt
   const [placement, setPlacement] = useState<Placement>("side");
-  const otherLook = useMemo((): LookHandle => ({ begin: look.now?.(), now: undefined }), [compareWith, placement]);
+  const otherLook = useMemo((): LookHandle => ({ begin: look.now?.(), now: undefined }), [look, compareWith, placement]);
   look.moved = compareWith === undefined ? undefined : (moved) => otherLook.set?.(moved);
   const shownS = control.clock?.timeOf(control.playback.position) ?? review.momentS;
   const other = useOther(client, compareWith, series, shownS);

@@ -26,7 +26,7 @@ export function useOther(client: Client, id: string | undefined, series: Series 
   }, [playback]);
   const { loaded } = useRequest(id, (signal) => client.series(id ?? "", signal));
   const theirs = loaded.state === "ready" ? loaded.value : undefined;
-  const path = usePath(sync === "path" ? series : undefined, theirs, () => setSync("time"));
+  const path = usePath(sync === "path" ? series : undefined, theirs, setSync);
   const clock = useMemo(() => playback?.head === undefined ? undefined : new FrameClock(playback.head, playback.poses), [playback, playback?.head, playback?.whole]);
   const at = series === undefined || theirs === undefined ? undefined : momentInOther(sync, series, theirs, timeS, path);
   const ready = playback?.state.state === "ready";
@@ -37,14 +37,14 @@ export function useOther(client: Client, id: string | undefined, series: Series 
 }
 
 // How two ways belong together. What works it out is fetched when it is first wanted.
-function usePath(own: Series | undefined, other: Series | undefined, onFailed: () => void): PathMatch | undefined {
+function usePath(own: Series | undefined, other: Series | undefined, setSync: (sync: Sync) => void): PathMatch | undefined {
   const [known, setKnown] = useState<{ readonly own: Series; readonly other: Series; readonly match: PathMatch }>();
   useEffect(() => {
     if (own === undefined || other === undefined) return undefined;
     let abandoned = false;
     import("./path_sync").then(({ pathMatch }) => { if (!abandoned) setKnown({ own, other, match: pathMatch(own, other) }); })
-      .catch(() => { if (!abandoned) onFailed(); });
+      .catch(() => { if (!abandoned) setSync("time"); });
     return () => { abandoned = true; };
-  }, [own, other]);
+  }, [own, other, setSync]);
   return known !== undefined && known.own === own && known.other === other ? known.match : undefined;
 }

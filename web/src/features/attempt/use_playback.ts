@@ -1,4 +1,4 @@
-import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { useCallback, useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import { say } from "../../base/words";
 import type { Key } from "../../widgets/keys";
@@ -46,10 +46,10 @@ export function usePlayback(client: Client, attempt: string | undefined, made: s
   const [loop, setLoop] = useState<Loop>();
   // Which run of the playback it is: a frame that was asked for before somebody chose another moment must not undo that.
   const run = useRef(0);
-  const stop = () => {
+  const stop = useCallback(() => {
     ++run.current;
     setPlaying(false);
-  };
+  }, []);
   const ownTime = useRef<number | undefined>(undefined);             // that this told
 
   useEffect(() => {
@@ -80,14 +80,14 @@ export function usePlayback(client: Client, attempt: string | undefined, made: s
     ownTime.current = timeS;
     stop();
     playback.show(clock.framesAt(timeS));
-  }, [playback, ready, clock, timeS]);
+  }, [playback, ready, clock, timeS, stop]);
 
-  const tell = (frames: number) => {
+  const tell = useCallback((frames: number) => {
     const at = latest.current.clock?.timeOf(frames);
     if (at === undefined || at === ownTime.current) return;
     ownTime.current = at;
     latest.current.setTime(at);
-  };
+  }, []);
 
   const rate = head === undefined ? 10 : head.rateHz / head.frameTicks;
   useEffect(() => {
@@ -113,7 +113,7 @@ export function usePlayback(client: Client, attempt: string | undefined, made: s
       else handle = requestAnimationFrame(next);
     });
     return () => cancelAnimationFrame(handle);
-  }, [playing, playback, speed, rate]);
+  }, [playing, playback, speed, rate, tell]);
 
   return useMemo(() => {
     if (playback === undefined) return undefined;
@@ -132,7 +132,7 @@ export function usePlayback(client: Client, attempt: string | undefined, made: s
       loopTo: () => setLoop((was) => was !== undefined && playback.wanted > was.from ? { from: was.from, to: playback.wanted } : { from: 0, to: Math.max(playback.wanted, 1) }),
       loopOff: () => setLoop(undefined),
     };
-  }, [playback, clock, playing, speed, loop, ready, rate, changes]);
+  }, [playback, clock, playing, speed, loop, ready, rate, changes, stop, tell]);
 }
 
 // The frame at which playing ends or begins again.

@@ -77,6 +77,7 @@ export function prepareTooth(): void {
 
 // A tooth to turn: by mouse, finger, arrow keys, + and −, and the preset buttons.
 export function ToothView({ model, mode, label, angled, busy = false, section, ghost, led = false, follow = false, children, tool, path, forceN, lines, pins = kNoPins, look, onPin, onPick }: Props) {
+  const film = "film" in model ? model.film : undefined;
   const source = "film" in model ? model.film : model.surface;
   const newton = forceN === undefined ? 0 : Math.hypot(...forceN);
   const felt = newton >= kLeastForceN ? forceN : undefined;
@@ -86,10 +87,13 @@ export function ToothView({ model, mode, label, angled, busy = false, section, g
   const [problem, setProblem] = useState("");
   const [ready, setReady] = useState(false);
   const [under, setUnder] = useState<SurfacePoint>();
+  const begin = useRef({ model, angled, look });
+  begin.current = { model, angled, look };
 
   useEffect(() => {
     const element = frame.current;
     if (element === null) return undefined;
+    const { model, angled, look } = begin.current;
     const cleanup = new Disposables();
     let abandoned = false;
     cleanup.add(() => { abandoned = true; });
@@ -119,7 +123,7 @@ export function ToothView({ model, mode, label, angled, busy = false, section, g
   useEffect(() => scene.current?.setForce(felt), [felt, ready]);
   useEffect(() => scene.current?.setLines(lines), [lines, ready]);
   useEffect(() => scene.current?.setAngled(angled), [angled, ready]);
-  useEffect(() => ready && scene.current !== undefined && "film" in model ? model.film.attach(scene.current) : undefined, [source, ready]);
+  useEffect(() => ready && scene.current !== undefined ? film?.attach(scene.current) : undefined, [film, ready]);
   useEffect(() => scene.current?.setSection(section), [section, ready]);
   useEffect(() => scene.current?.setGhost(ghost), [ghost, ready]);
   useEffect(() => scene.current?.setFollow(follow), [follow, ready]);
@@ -144,6 +148,7 @@ export function ToothView({ model, mode, label, angled, busy = false, section, g
 
   return (
     <div class="tooth">
+      {/* biome-ignore lint/a11y/noNoninteractiveTabindex: an application takes keys */}
       <div class={onPick === undefined ? "tooth-frame" : "tooth-frame picking"} ref={frame} tabIndex={0} role="application" aria-roledescription={say("tooth.view")} aria-label={label}
            aria-describedby={keys} aria-busy={(!ready || busy) && problem === ""}
            onKeyDown={(event) => handleKey(event, scene.current)}
