@@ -43,7 +43,10 @@ const round = (value) => Math.round(value * 1000) / 1000;
 
 function seriesOf({ row }) {
   let [removed, drift, seed] = [0, 0, 7];
-  const random = () => (seed = (seed * 1664525 + 1013904223) >>> 0) / 2 ** 32;
+  const random = () => {
+    seed = (seed * 1664525 + 1013904223) >>> 0;
+    return seed / 2 ** 32;
+  };
   const steps = Array.from({ length: kSteps }, (_, i) => {
     const share = (i / (kSteps - 1)) ** paceOf(row);
     const contact = share > 0.03 && share < 0.97 && Math.sin(share * 44) > -0.82;
@@ -108,7 +111,9 @@ function live({ row, world }) {
   };
   const stream = (response) => {
     const timer = setInterval(() => {
-      if (row.state === "recording") return void response.write(`event: ticks\ndata: ${JSON.stringify({ rows: Array.from({ length: 8 }, () => rowAt(tick += 15)), tick })}\n\n`);
+      const rows = Array.from({ length: 8 }, (_, i) => rowAt(tick + 15 * (i + 1)));
+      tick += 15 * rows.length;
+      if (row.state === "recording") return void response.write(`event: ticks\ndata: ${JSON.stringify({ rows, tick })}\n\n`);
       clearInterval(timer);
       response.end("event: end\ndata: {}\n\n");
     }, 120);

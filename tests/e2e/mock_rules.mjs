@@ -391,7 +391,11 @@ const assignmentRules = {
   "POST /assignments": assign,
   "PUT /assignments/{id}": assign,
   "POST /assignments/{id}/move": move,
-  "POST /assignments/{id}/release": ({ world, row }) => ({ released: world.attempts.filter((each) => each.assignment_id === row.id && each.state === "scored" && !each.released).map((each) => { each.released = true; }).length }),
+  "POST /assignments/{id}/release": ({ world, row }) => {
+    const waiting = world.attempts.filter((each) => each.assignment_id === row.id && each.state === "scored" && !each.released);
+    for (const each of waiting) each.released = true;
+    return { released: waiting.length };
+  },
   "GET /assignments/{id}/insight": insightOf,
   "GET /cohorts/{id}/grades": cohortGrades,
 };

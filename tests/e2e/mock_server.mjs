@@ -72,7 +72,7 @@ function prepared(call, search) {
   call.query = {};
   for (const { name, schema } of operation.query) {
     const text = search.get(name);
-    call.query[name] = text === null ? schema.default : valueOf(schema, text);
+    call.query[name] = text === null ? schema.default : typed(schema, text);
     const problem = text === null ? undefined : problemOf(schema, call.query[name]);
     if (problem !== undefined) return invalid(name, problem.message);
   }
@@ -184,7 +184,7 @@ function sent(call, result) {
 
 const cookieOf = (request) => /(?:^|;\s*)enamel_session=([0-9a-f]+)/.exec(request.headers.cookie ?? "")?.[1];
 
-function valueOf({ type }, text) {
+function typed({ type }, text) {
   return type === "integer" ? Number(text) : type === "boolean" ? text === "true" : text;
 }
 

@@ -111,7 +111,7 @@ const residuals = (s) => Uint8Array.from(s, (q, i) => q - predicted(s, i));
 
 const u32 = (...values) => {
   const out = Buffer.alloc(4 * values.length);
-  values.forEach((value, i) => out.writeUInt32LE(value >>> 0, 4 * i));
+  for (const [i, value] of values.entries()) out.writeUInt32LE(value >>> 0, 4 * i);
   return out;
 };
 function beginning(magic) {
@@ -119,8 +119,10 @@ function beginning(magic) {
   out.write(magic, 0, "latin1");
   out.writeUInt16LE(1, 4);
   out.writeInt32LE(Math.round(kVoxelMm * 1e6), 8);
-  bricks.forEach((n, axis) => out.writeInt32LE(n, 12 + 4 * axis));
-  kHalf.forEach((half, axis) => out.writeBigInt64LE(BigInt(Math.round(-half * 1e6)), 24 + 8 * axis));
+  for (const axis of [0, 1, 2]) {
+    out.writeInt32LE(bricks[axis], 12 + 4 * axis);
+    out.writeBigInt64LE(BigInt(Math.round(-kHalf[axis] * 1e6)), 24 + 8 * axis);
+  }
   return out;
 }
 const blob = (raw) => {
@@ -302,7 +304,7 @@ function surface(solid) {
   head.writeUInt16LE(1, 4);
   head.writeUInt32LE(n, 8);
   head.writeUInt32LE(triangles.length / 3, 12);
-  kHalf.forEach((half, axis) => head.writeFloatLE(-half, 16 + 4 * axis));
+  for (const [axis, half] of kHalf.entries()) head.writeFloatLE(-half, 16 + 4 * axis);
   head.writeFloatLE(scale, 28);
   const padded = (bytes) => Buffer.concat([bytes, Buffer.alloc(-bytes.length & 3)]);
   return Buffer.concat([

@@ -40,7 +40,8 @@ async function runFlow(flow, { pages, newPage, mock, ...world }, failedPicture) 
   const opened = [];
   mock?.reset();
   const open = async (options) => {
-    const page = pages[opened.length] ??= await newPage();
+    pages[opened.length] ??= await newPage();
+    const page = pages[opened.length];
     opened.push({ page, errors: await begin(page, options) });
     return page;
   };

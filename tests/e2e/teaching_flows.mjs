@@ -261,7 +261,7 @@ async function live(world) {
   await chair.getByLabel("Remark").fill("Stop: the mesial wall is thin. 请停一下。");
   await chair.getByRole("button", { name: "Send to the chair" }).click();
   await chair.locator(".badge", { hasText: "Shown" }).waitFor();
-  assert.match(await chair.getByRole("listitem").innerText(), /请停一下。[^]*at 1\smin\s12\ss/);
+  assert.match(await chair.getByRole("listitem").innerText(), /请停一下。[\s\S]*at 1\smin\s12\ss/);
   assert.equal(await chair.getByLabel("Remark").inputValue(), "");
   await accessible(page, "a watched attempt");
   await world.picture(page, "said", { fullPage: true });

@@ -326,7 +326,7 @@ export class TimelinePlayer {
 
   private enter(index: number, segment: OpenSegment): void {
     this.current = new Map();
-    segment.keyBricks.forEach((brick, i) => this.current.set(brick, segment.keySamples.slice(i * kBrickSamples, (i + 1) * kBrickSamples)));
+    for (const [i, brick] of segment.keyBricks.entries()) this.current.set(brick, segment.keySamples.slice(i * kBrickSamples, (i + 1) * kBrickSamples));
     const { changes } = segment;
     if (changes.length < 8) throw new Broken(`the changes of segment ${index} end early`);
     const view = new DataView(changes.buffer, changes.byteOffset, changes.length);

@@ -23,7 +23,7 @@ export function thinned(steps: number, most = kMostSteps): number[] {
 
 function pointsOf(series: Series, steps: readonly number[]): Float64Array {
   const out = new Float64Array(3 * steps.length);
-  steps.forEach((step, i) => out.set(series.anchor_mm[step] ?? [0, 0, 0], 3 * i));
+  for (const [i, step] of steps.entries()) out.set(series.anchor_mm[step] ?? [0, 0, 0], 3 * i);
   return out;
 }
 

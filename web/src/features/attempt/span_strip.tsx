@@ -28,6 +28,7 @@ export function SpanStrip({ spans, fromS, toS, onTime }: Props) {
     onTime(fromS + (event.clientX - box.left) / box.width * (toS - fromS));
   };
   return (
+    // biome-ignore lint/a11y/useKeyWithClickEvents: the page's keys x and z go from one to the next
     <div class="spans" role="img" aria-label={stripText(spans)} onClick={press}>
       {spans.map((span, i) => (
         <span key={i} class={`span ${span.kind}`} style={{ left: `${share(span.fromS)}%`, right: `${100 - share(span.toS)}%` }} title={spanText(span)} />

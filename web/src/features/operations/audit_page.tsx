@@ -98,7 +98,7 @@ function Details({ details }: { readonly details: readonly Detail[] }) {
   if (details.length === 0) return null;
   return (
     <ul class="audit-details">
-      {details.map(({ name, before, after }) => <li key={name}>{name}: {before === "" ? after : after === "" ? <>{say("audit.taken_away", { before })}</> : <>{before} → {after}</>}</li>)}
+      {details.map(({ name, before, after }) => <li key={name}>{name}: {before === "" ? after : after === "" ? say("audit.taken_away", { before }) : <>{before} → {after}</>}</li>)}
     </ul>
   );
 }

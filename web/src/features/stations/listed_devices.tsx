@@ -63,7 +63,7 @@ function Add({ client, onClose, onDone }: { readonly client: Client; readonly on
   return (
     <Dialog title={say("listed.add_title")} onClose={onClose}>
       <form class="form" onSubmit={(event) => void submit(event)}>
-        <TextField label={say("listed.known_by")} hint={<>{sayWith("listed.known_hint", { command: <code>"enamel-station devices"</code> })}</>}
+        <TextField label={say("listed.known_by")} hint={sayWith("listed.known_hint", { command: <code>"enamel-station devices"</code> })}
                    value={name} onValue={setName} required maxLength={kLongest} problem={problemOf("name")} />
         <TextField label={say("account.name")} hint={say("listed.name_hint")} value={title} onValue={setTitle} required maxLength={kLongest} problem={problemOf("title")} />
         {change.error !== undefined && problemOf("name") === undefined && problemOf("title") === undefined && <ErrorNotice title={say("common.not_added")} message={change.error.message} />}

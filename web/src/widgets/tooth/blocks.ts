@@ -47,7 +47,7 @@ export class ToothBlocks {
     }
     if (mesh === undefined) return;
     const geometry = blockGeometry(mesh);
-    if (Array.isArray(this.material)) this.material.forEach((_, i) => geometry.addGroup(0, Infinity, i));
+    if (Array.isArray(this.material)) for (const i of this.material.keys()) geometry.addGroup(0, Infinity, i);
     const drawn = new Mesh(geometry, this.material);
     // Nothing here moves: three need not look at each block's place at every frame.
     drawn.matrixAutoUpdate = false;

@@ -20,6 +20,7 @@ export function DeviationLegend() {
     <div class="legend">
       <div class="legend-scale">
         <div class="legend-ends"><span>{say("legend.less")}</span><span>{say("legend.as_reference")}</span><span>{say("legend.more")}</span></div>
+        {/* biome-ignore lint/a11y/noAriaHiddenOnFocusable: a canvas takes no focus, and the numbers stand below */}
         <canvas ref={canvas} width={kPixels} height={1} aria-hidden="true" />
         <div class="legend-ticks">
           {kTicks.map((mm) => (

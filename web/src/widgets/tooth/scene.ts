@@ -101,7 +101,8 @@ export class ToothScene implements FilmScreen {
     // Asking for a shader's errors waits until the driver has made it.
     this.renderer.debug.checkShaderErrors = false;
     this.cleanup.add(() => this.renderer.dispose());
-    const material = this.material = this.toothMaterial();
+    this.material = this.toothMaterial();
+    const { material } = this;
     this.quick = quickMaterial({ heat: this.heat, untouched: kUntouchedColor, inside: kInsideColor });
     this.cleanup.add(() => this.quick.dispose());
     this.pace = new DrawingPace(slow, (effort) => this.setEffort(effort), () => this.draw());

@@ -148,8 +148,10 @@ export function ToothView({ model, mode, label, angled, busy = false, section, g
 
   return (
     <div class="tooth">
-      {/* biome-ignore lint/a11y/noNoninteractiveTabindex: an application takes keys */}
-      <div class={onPick === undefined ? "tooth-frame" : "tooth-frame picking"} ref={frame} tabIndex={0} role="application" aria-roledescription={say("tooth.view")} aria-label={label}
+      <div class={onPick === undefined ? "tooth-frame" : "tooth-frame picking"} ref={frame}
+           // biome-ignore lint/a11y/noNoninteractiveTabindex: an application takes keys
+           tabIndex={0}
+           role="application" aria-roledescription={say("tooth.view")} aria-label={label}
            aria-describedby={keys} aria-busy={(!ready || busy) && problem === ""}
            onKeyDown={(event) => handleKey(event, scene.current)}
            onFocus={() => scene.current?.setZoomEnabled(true)} onBlur={() => scene.current?.setZoomEnabled(false)}
