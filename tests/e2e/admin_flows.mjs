@@ -35,9 +35,12 @@ async function drawnReport(world) {
   await draw.click();
   const card = page.getByRole("region", { name: "Force against time" });
   const press = card.getByRole("region", { name: "Press", exact: true });
-  await press.getByRole("img", { name: /^Press: force against time over/ }).locator("canvas").waitFor();
+  await press
+    .getByRole("img", { name: /^Press: force against time over/ })
+    .locator("canvas")
+    .waitFor();
   await press.getByText("Figures, and where tip and bur were").click();
-  assert.ok(await press.getByRole("group", { name: "Press: figures" }).locator("tbody tr").count() >= 4);
+  assert.ok((await press.getByRole("group", { name: "Press: figures" }).locator("tbody tr").count()) >= 4);
   // What else was found is drawn below: a share of cases, a map of verdicts, a table.
   for (const name of [/^Share of cases below a multiple of the bound/, /^Map\. delay, ticks against B/]) {
     await page.getByRole("img", { name }).locator("canvas").waitFor();
@@ -59,7 +62,10 @@ async function reportAsOneFile(world) {
   const asked = [];
   page.on("request", (request) => asked.push(request.url()));
   await page.goto(pathToFileURL(file).href);
-  await page.getByRole("img", { name: /^Press: force against time over/ }).locator("canvas").waitFor();
+  await page
+    .getByRole("img", { name: /^Press: force against time over/ })
+    .locator("canvas")
+    .waitFor();
   await accessible(page, "the report as one file");
   assert.deepEqual(asked, [pathToFileURL(file).href]);
 }
@@ -67,7 +73,10 @@ async function reportAsOneFile(world) {
 async function forcedPassword(world) {
   const page = await world.open();
   await page.goto("/attempts");
-  await signIn(page, world.mock.people.find((person) => person.login === "newcomer"));
+  await signIn(
+    page,
+    world.mock.people.find((person) => person.login === "newcomer"),
+  );
   await page.getByRole("heading", { level: 1, name: "Choose a password of your own" }).waitFor();
   await accessible(page, "the forced change of a password");
   const fill = async (old, fresh, again) => {
@@ -170,7 +179,12 @@ async function erase(world) {
 async function importRoster(world) {
   const page = await signedIn(world, "admin", "/roster");
   const before = world.mock.people.length;
-  await chooseFile(page, "Roster (CSV)", "first.csv", "login,display_name,role,cohort\nnew.one,New One,studnet,A\nnew.two,=HYPERLINK(1),student,A\n");
+  await chooseFile(
+    page,
+    "Roster (CSV)",
+    "first.csv",
+    "login,display_name,role,cohort\nnew.one,New One,studnet,A\nnew.two,=HYPERLINK(1),student,A\n",
+  );
   await page.getByText("2 problems: nothing was imported").waitFor();
   const problems = await page.getByRole("table", { name: "Problems in the roster" }).innerText();
   assert.match(problems, /2\s+role\s+studnet\s+student, instructor or admin/);
@@ -180,7 +194,15 @@ async function importRoster(world) {
   await world.picture(page, "roster_problems", { fullPage: true });
   assert.equal(world.mock.people.length, before);
 
-  await chooseFile(page, "Roster (CSV)", "second.csv", "login,display_name,role,cohort\nnew.one,New One,student,A\nnew.two,-New Two,student,A\nstudent,Student One,student,A\n".replace("-New", "New"));
+  await chooseFile(
+    page,
+    "Roster (CSV)",
+    "second.csv",
+    "login,display_name,role,cohort\nnew.one,New One,student,A\nnew.two,-New Two,student,A\nstudent,Student One,student,A\n".replace(
+      "-New",
+      "New",
+    ),
+  );
   await page.getByText("2 new, 0 changed, 1 as they are").waitFor();
   assert.equal(world.mock.people.length, before, "a look changes nothing");
   await accessible(page, "a roster before its import");
@@ -205,9 +227,15 @@ async function cohortAndGrades(world) {
 
   const file = await downloaded(page, () => page.getByRole("button", { name: "Save grades as CSV" }).click());
   assert.equal(file.name, "Preclinic_first_term_grades.csv");
-  const rows = file.text.replace(/^\uFEFF/, "").trim().split("\r\n");
+  const rows = file.text
+    .replace(/^\uFEFF/, "")
+    .trim()
+    .split("\r\n");
   assert.equal(rows.length, 1 + cohort.members.length - 1, "a row for each student");
-  assert.ok(rows.some((row) => row.includes("'=HYPERLINK(1) Hundred")), "a name that looks like a formula is none");
+  assert.ok(
+    rows.some((row) => row.includes("'=HYPERLINK(1) Hundred")),
+    "a name that looks like a formula is none",
+  );
   assert.ok(rows.every((row) => !/(^|,)"?=/.test(row)));
 
   await page.getByRole("button", { name: "Remove… =HYPERLINK(1) Hundred" }).click();
@@ -239,7 +267,10 @@ async function stations(world) {
 
   await page.getByRole("button", { name: "Revoke… Window seat" }).click();
   await page.getByRole("button", { name: "Revoke the station" }).click();
-  await page.getByRole("row", { name: /Window seat/ }).getByText("Revoked").waitFor();
+  await page
+    .getByRole("row", { name: /Window seat/ })
+    .getByText("Revoked")
+    .waitFor();
 }
 
 async function listedDevices(world) {
@@ -268,7 +299,10 @@ async function profiles(world) {
   await chooseFile(page, label, "wild.json", coupled(9000));
   await save();
   await page.getByText("would not be stable").waitFor();
-  await page.getByRole("row", { name: /Passive limit of the coupling/ }).getByText("Not met").waitFor();
+  await page
+    .getByRole("row", { name: /Passive limit of the coupling/ })
+    .getByText("Not met")
+    .waitFor();
   await accessible(page, "a refused profile");
   await world.picture(page, "profile_refused", { fullPage: true });
   await chooseFile(page, label, "tame.json", coupled(1000));
@@ -278,19 +312,35 @@ async function profiles(world) {
   await page.getByRole("link", { name: "Phantom Desktop" }).click();
   await page.locator(".trend").first().waitFor();
   await whatAHandCanFeel(page);
-  await chooseFile(page, "Add a calibration (JSON)", "c.json", JSON.stringify({ ...golden("scene_calibration"), device: "hid:0451:bef3 serial 7" }));
+  await chooseFile(
+    page,
+    "Add a calibration (JSON)",
+    "c.json",
+    JSON.stringify({ ...golden("scene_calibration"), device: "hid:0451:bef3 serial 7" }),
+  );
   await page.getByRole("region", { name: "Calibrations" }).getByRole("button", { name: "Add", exact: true }).click();
   await page.getByRole("heading", { name: "hid:0451:bef3 serial 7" }).waitFor();
 }
 
 async function whatAHandCanFeel(page) {
   const card = page.getByRole("region", { name: "What a hand can feel" });
-  const enamel = card.getByRole("table", { name: /strokes to and fro/ }).getByRole("row", { name: /Enamel, neighbour/ });
+  const enamel = card
+    .getByRole("table", { name: /strokes to and fro/ })
+    .getByRole("row", { name: /Enamel, neighbour/ });
   await enamel.getByText("Device too weak").first().waitFor();
   await card.getByLabel("One steady cut").check();
-  await card.getByRole("table", { name: /a steady cut/ }).getByRole("row", { name: /Dentin/ }).getByText("Right, but late").first().waitFor();
+  await card
+    .getByRole("table", { name: /a steady cut/ })
+    .getByRole("row", { name: /Dentin/ })
+    .getByText("Right, but late")
+    .first()
+    .waitFor();
   await card.getByText("A hand can tell the two apart in").waitFor();
-  await card.getByRole("table", { name: "Where Phantom Desktop and Omega 6 feel different" }).getByRole("row", { name: /Dentin/ }).first().waitFor();
+  await card
+    .getByRole("table", { name: "Where Phantom Desktop and Omega 6 feel different" })
+    .getByRole("row", { name: /Dentin/ })
+    .first()
+    .waitFor();
   await card.getByText("How this is computed").click();
   await card.getByText("Rank, Shi, Mueller and Hirche 2010").waitFor();
   await accessible(page, "what a hand can feel");
@@ -301,7 +351,10 @@ async function feltNarrowAndDark(world) {
     const page = await signedIn(world, "admin", "/profiles/phantom_desktop", { width, height: 844, colorScheme });
     await page.getByText("A hand can tell the two apart in").waitFor();
     await world.picture(page.getByRole("region", { name: "What a hand can feel" }), `feel_${colorScheme}_${width}`);
-    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= document.documentElement.clientWidth), `wider than ${width} px`);
+    assert.ok(
+      await page.evaluate(() => document.documentElement.scrollWidth <= document.documentElement.clientWidth),
+      `wider than ${width} px`,
+    );
     await accessible(page, `what a hand can feel, ${colorScheme}, ${width} px`);
   }
 }
@@ -327,12 +380,20 @@ async function jobsAndAudit(world) {
   await page.getByRole("row").filter({ hasText: "released the score of" }).first().waitFor({ state: "detached" });
   await page.getByRole("link", { name: "Admin One" }).nth(1).waitFor();
   const file = await downloaded(page, () => page.getByRole("button", { name: "Save what is shown as CSV" }).click());
-  assert.ok(file.text.split("\r\n").slice(1, -1).every((row) => row.includes("person.edit")));
+  assert.ok(
+    file.text
+      .split("\r\n")
+      .slice(1, -1)
+      .every((row) => row.includes("person.edit")),
+  );
 }
 
 async function auditNarrow(world) {
   const page = await signedIn(world, "admin", "/audit", { width: 390, height: 844 });
-  await page.getByRole("cell", { name: /Instructor One released the score of attempt …0001\d\d/ }).first().waitFor();
+  await page
+    .getByRole("cell", { name: /Instructor One released the score of attempt …0001\d\d/ })
+    .first()
+    .waitFor();
   const text = await page.getByRole("main").innerText();
   assert.doesNotMatch(text, /\{\}|[0-9a-f]{8}-[0-9a-f]{4}-/, "no empty detail and no whole id");
   assert.match(text, /Role: student → instructor/);

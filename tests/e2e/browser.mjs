@@ -13,10 +13,17 @@ export function chromiumIsThere() {
 export async function launch() {
   const { chromium } = require("playwright-core");
   return chromium.launch({
-    executablePath: kChromium, headless: true,
+    executablePath: kChromium,
+    headless: true,
     // Without a GPU flag WebGL 2 runs on Chromium's own software renderer.
-    args: ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
-           "--disable-sync"],
+    args: [
+      "--no-sandbox",
+      "--disable-quic",
+      "--no-first-run",
+      "--disable-background-networking",
+      "--disable-component-update",
+      "--disable-sync",
+    ],
   });
 }
 
@@ -42,7 +49,12 @@ export async function begin(page, { width = 1440, height = 900, colorScheme = "l
 
 // Leaves nothing of a flow in the page but what its cache holds.
 export async function leave(page) {
-  await page.evaluate(() => { localStorage.clear(); sessionStorage.clear(); }).catch(() => {});  // a file has none
+  await page
+    .evaluate(() => {
+      localStorage.clear();
+      sessionStorage.clear();
+    })
+    .catch(() => {}); // a file has none
   page.removeAllListeners();
   await page.unrouteAll({ behavior: "ignoreErrors" });
   await page.context().clearCookies();
@@ -59,9 +71,19 @@ const kRules = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-pr
 
 // Only what is wrong leaves the page: all that axe looked at is a megabyte.
 export async function accessibilityViolations(page) {
-  if (!await page.evaluate(() => "axe" in globalThis)) await page.evaluate(kAxe);
+  if (!(await page.evaluate(() => "axe" in globalThis))) await page.evaluate(kAxe);
   return page.evaluate(async (rules) => {
-    const { violations } = await globalThis.axe.run(document, { runOnly: rules, resultTypes: ["violations"], preload: false });
-    return violations.map(({ id, help, nodes }) => `${id}: ${help} (${nodes.map((node) => node.target.join(" ")).slice(0, 4).join(", ")})`);
+    const { violations } = await globalThis.axe.run(document, {
+      runOnly: rules,
+      resultTypes: ["violations"],
+      preload: false,
+    });
+    return violations.map(
+      ({ id, help, nodes }) =>
+        `${id}: ${help} (${nodes
+          .map((node) => node.target.join(" "))
+          .slice(0, 4)
+          .join(", ")})`,
+    );
   }, kRules);
 }

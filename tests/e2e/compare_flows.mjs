@@ -10,7 +10,7 @@ export const compareFlows = [
   { name: "another attempt lies over this one, at the same time or place of the way", run: onTop },
 ];
 
-const isTinted = ([r, g, b]) => g - r > 25 && g - b > -25 && b - r > 5;  // by another tooth over it
+const isTinted = ([r, g, b]) => g - r > 25 && g - b > -25 && b - r > 5; // by another tooth over it
 
 async function beside(world) {
   const page = await signedIn(world, "instructor", `/attempts/${id(105)}?t=30`);
@@ -18,7 +18,9 @@ async function beside(world) {
   const choice = page.getByLabel("Compare with");
   await choice.focus();
   await choice.locator("optgroup[label='By others'] option").first().waitFor({ state: "attached" });
-  await choice.selectOption({ label: await choice.locator("optgroup[label='By others'] option").first().textContent() });
+  await choice.selectOption({
+    label: await choice.locator("optgroup[label='By others'] option").first().textContent(),
+  });
   await page.locator(".other-tooth .tooth-frame[aria-busy=false] canvas").waitFor();
   await page.locator(".other-time", { hasText: "0:30.0" }).waitFor();
   await page.getByRole("button", { name: "Occlusal", exact: true }).click();
@@ -33,28 +35,49 @@ async function beside(world) {
 
 // Of the visible ones, in the window's pixels.
 async function boxesOf(page, selector) {
-  return page.locator(selector).evaluateAll((found) => found.map((element) => element.getBoundingClientRect()).filter((box) => box.width > 1).map((box) => box.toJSON()));
+  return page.locator(selector).evaluateAll((found) =>
+    found
+      .map((element) => element.getBoundingClientRect())
+      .filter((box) => box.width > 1)
+      .map((box) => box.toJSON()),
+  );
 }
 
 const kTools = ".tooth-tools .button, .tooth-tools select, .tooth-tools [type=range], .tooth-tools .segmented label";
 
 // What there is to choose lies beside the teeth, inside the card, none of it over another, and the plot's axis is in view.
 async function fitsBesideTheTeeth(page, height, where) {
-  const [teeth, tools, [card], [plot]] = [await boxesOf(page, ".tooth-frame"), await boxesOf(page, kTools), await boxesOf(page, ".tooth-card"), await boxesOf(page, ".force-card .plot canvas")];
-  const apart = (a, b) => a.right <= b.left + 1 || b.right <= a.left + 1 || a.bottom <= b.top + 1 || b.bottom <= a.top + 1;
+  const [teeth, tools, [card], [plot]] = [
+    await boxesOf(page, ".tooth-frame"),
+    await boxesOf(page, kTools),
+    await boxesOf(page, ".tooth-card"),
+    await boxesOf(page, ".force-card .plot canvas"),
+  ];
+  const apart = (a, b) =>
+    a.right <= b.left + 1 || b.right <= a.left + 1 || a.bottom <= b.top + 1 || b.bottom <= a.top + 1;
   assert.ok(tools.length > 10, `${where}: ${tools.length} tools`);
   for (const [i, tool] of tools.entries()) {
     const text = `${where}: a tool from ${tool.left}, ${tool.top} to ${tool.right}, ${tool.bottom}`;
     for (const tooth of teeth) assert.ok(apart(tool, tooth), `${text} over a tooth`);
-    for (const other of tools.slice(i + 1)) assert.ok(apart(tool, other), `${text} over another, from ${other.left}, ${other.top}`);
-    assert.ok(tool.left >= card.left && tool.right <= card.right && tool.height >= 18, `${text} beyond the card, or too low`);
+    for (const other of tools.slice(i + 1))
+      assert.ok(apart(tool, other), `${text} over another, from ${other.left}, ${other.top}`);
+    assert.ok(
+      tool.left >= card.left && tool.right <= card.right && tool.height >= 18,
+      `${text} beyond the card, or too low`,
+    );
   }
-  for (const tooth of teeth) assert.ok(tooth.width >= 200 && tooth.height >= 180, `${where}: a tooth of ${tooth.width} x ${tooth.height}`);
+  for (const tooth of teeth)
+    assert.ok(tooth.width >= 200 && tooth.height >= 180, `${where}: a tooth of ${tooth.width} x ${tooth.height}`);
   assert.ok(plot.bottom <= height + 1, `${where}: the plot ends at ${plot.bottom} of ${height}`);
 }
 
 async function besideInASmallWindow(world) {
-  for (const [width, height, colorScheme, languages] of looks([1280, 720, "light", ["de"]], [1280, 720, "light", ["en", "zh"]], [1280, 720, "dark", ["en"]], [1440, 900, "light", ["en"]])) {
+  for (const [width, height, colorScheme, languages] of looks(
+    [1280, 720, "light", ["de"]],
+    [1280, 720, "light", ["en", "zh"]],
+    [1280, 720, "dark", ["en"]],
+    [1440, 900, "light", ["en"]],
+  )) {
     const page = await signedIn(world, "instructor", `/attempts/${id(105)}`, { width, height, colorScheme });
     await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
     for (const language of languages) {

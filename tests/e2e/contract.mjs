@@ -6,7 +6,11 @@ const require = createRequire(new URL("../../web/package.json", import.meta.url)
 const { default: Ajv } = require("ajv/dist/2020");
 const schemas = new URL("../../schemas/", import.meta.url);
 const contract = require("js-yaml").load(readFileSync(new URL("api/openapi.yaml", schemas), "utf8"));
-const ajv = new Ajv({ strict: false, validateSchema: false, formats: { uuid: /^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$/ } });
+const ajv = new Ajv({
+  strict: false,
+  validateSchema: false,
+  formats: { uuid: /^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$/ },
+});
 
 const kPrefix = "/api/v1";
 const kNoId = "00000000-0000-7000-8000-000000000000";
@@ -18,31 +22,47 @@ export const documentSchema = (name) => JSON.parse(readFileSync(new URL(`${name}
 
 function resolved(node) {
   if (node?.$ref === undefined) return node;
-  return resolved(node.$ref.slice(2).split("/").reduce((at, part) => at[part], contract));
+  return resolved(
+    node.$ref
+      .slice(2)
+      .split("/")
+      .reduce((at, part) => at[part], contract),
+  );
 }
 
 function operationOf(method, path, { parameters = [], requestBody, responses, security }) {
   const success = Object.keys(responses).filter((status) => status.startsWith("2"));
   const params = parameters.map(resolved);
   return {
-    method, path, route: `${method} ${path}`, segments: path.split("/").slice(1), open: security?.length === 0,
+    method,
+    path,
+    route: `${method} ${path}`,
+    segments: path.split("/").slice(1),
+    open: security?.length === 0,
     // A POST that has made something, rather than only looked; all of it, rather than a part.
     status: Number(method === "POST" ? success.at(-1) : success[0]),
     headers: params.filter(({ in: place }) => place === "header"),
     query: params.filter(({ in: place }) => place === "query"),
-    body: requestBody?.content["application/json"]?.schema, needsBody: requestBody?.required === true,
+    body: requestBody?.content["application/json"]?.schema,
+    needsBody: requestBody?.required === true,
     response: (status) => resolved(responses[status] ?? responses.default),
     known: (status) => responses[status] !== undefined || status >= 400,
   };
 }
 
-export const operations = Object.entries(contract.paths).filter(([path]) => path.startsWith(kPrefix)).flatMap(([path, methods]) =>
-  Object.entries(methods).map(([method, operation]) => operationOf(method.toUpperCase(), path.slice(kPrefix.length), operation)));
+export const operations = Object.entries(contract.paths)
+  .filter(([path]) => path.startsWith(kPrefix))
+  .flatMap(([path, methods]) =>
+    Object.entries(methods).map(([method, operation]) =>
+      operationOf(method.toUpperCase(), path.slice(kPrefix.length), operation),
+    ),
+  );
 
 // The operation that a request asks for, and what stands in its path's hole.
 export function operationFor(method, path) {
   const parts = path.split("/").slice(1).map(decodeURIComponent);
-  const fits = ({ segments }) => segments.length === parts.length && segments.every((segment, i) => segment.startsWith("{") || segment === parts[i]);
+  const fits = ({ segments }) =>
+    segments.length === parts.length && segments.every((segment, i) => segment.startsWith("{") || segment === parts[i]);
   const found = operations.filter((operation) => operation.method === method && fits(operation));
   const operation = found.find(({ segments }) => !segments.some((segment) => segment.startsWith("{"))) ?? found[0];
   return operation && { operation, id: parts[operation.segments.findIndex((segment) => segment.startsWith("{"))] };
@@ -57,22 +77,29 @@ export function problemOf(schema, value) {
   if (validate(value)) return undefined;
   const { instancePath, params, message } = validate.errors[0];
   const place = [instancePath, params.missingProperty ?? params.additionalProperty].filter((part) => part).join("/");
-  const field = place.replace(/^\//, "").replace(/\/(\d+)/g, "[$1]").replaceAll("/", ".");
+  const field = place
+    .replace(/^\//, "")
+    .replace(/\/(\d+)/g, "[$1]")
+    .replaceAll("/", ".");
   return { field, message: `${field}: expected what ${message.replace(/^must /, "should ")}` };
 }
 
 // A schema with what it is made of put together. Of alternatives the first that is not null.
 function shapeOf(schema) {
   const own = resolved(schema);
-  const parts = [...own.allOf ?? [], ...(own.oneOf ?? []).filter(({ type }) => type !== "null").slice(0, 1)].map(shapeOf);
+  const parts = [...(own.allOf ?? []), ...(own.oneOf ?? []).filter(({ type }) => type !== "null").slice(0, 1)].map(
+    shapeOf,
+  );
   return {
-    ...Object.assign({}, ...parts), ...own,
+    ...Object.assign({}, ...parts),
+    ...own,
     properties: Object.assign({}, ...parts.map(({ properties }) => properties), own.properties),
-    required: [...parts.flatMap(({ required = [] }) => required), ...own.required ?? []],
+    required: [...parts.flatMap(({ required = [] }) => required), ...(own.required ?? [])],
   };
 }
 
-const mayBeNull = ({ type, oneOf = [] }) => type === "null" || (Array.isArray(type) && type.includes("null")) || oneOf.some((each) => mayBeNull(resolved(each)));
+const mayBeNull = ({ type, oneOf = [] }) =>
+  type === "null" || (Array.isArray(type) && type.includes("null")) || oneOf.some((each) => mayBeNull(resolved(each)));
 
 // The least value that keeps to a schema.
 export function sampleOf(schema) {
@@ -81,11 +108,16 @@ export function sampleOf(schema) {
   if (mayBeNull(shape)) return null;
   if (shape.enum !== undefined) return shape.enum[0];
   switch (shape.type) {
-    case "object": return fitted(shape, {});
-    case "array": return Array.from({ length: shape.minItems ?? 0 }, () => sampleOf(shape.items));
-    case "string": return shape.format === "uuid" ? kNoId : "x".repeat(shape.minLength ?? 0);
-    case "boolean": return false;
-    default: return shape.minimum ?? 0;
+    case "object":
+      return fitted(shape, {});
+    case "array":
+      return Array.from({ length: shape.minItems ?? 0 }, () => sampleOf(shape.items));
+    case "string":
+      return shape.format === "uuid" ? kNoId : "x".repeat(shape.minLength ?? 0);
+    case "boolean":
+      return false;
+    default:
+      return shape.minimum ?? 0;
   }
 }
 
@@ -97,8 +129,11 @@ export function fitted(schema, value) {
   if (Array.isArray(value)) return shape.items === undefined ? value : value.map((item) => fitted(shape.items, item));
   const names = Object.keys(shape.properties);
   if (names.length === 0) return value;
-  return Object.fromEntries(names.filter((name) => value[name] !== undefined || shape.required.includes(name))
-    .map((name) => [name, fitted(shape.properties[name], value[name])]));
+  return Object.fromEntries(
+    names
+      .filter((name) => value[name] !== undefined || shape.required.includes(name))
+      .map((name) => [name, fitted(shape.properties[name], value[name])]),
+  );
 }
 
 // An answer that is more than the value of a plain success. `tag`: the ETag, where it is not the thing's revision.
@@ -107,7 +142,8 @@ export class Reply {
     Object.assign(this, { body, status, headers, tag, stream });
   }
 }
-export const refused = (status, code, message, field = "", more = {}) => new Reply({ error: { code, message, field }, ...more }, { status });
+export const refused = (status, code, message, field = "", more = {}) =>
+  new Reply({ error: { code, message, field }, ...more }, { status });
 export const invalid = (field, message, more) => refused(400, "invalid_input", message, field, more);
 export const conflict = (message, field) => refused(409, "conflict", message, field);
 export const forbidden = (message, field) => refused(403, "forbidden", message, field);

@@ -12,5 +12,13 @@ import { screenFlows } from "./screens.mjs";
 import { teachingFlows } from "./teaching_flows.mjs";
 
 export const flows = [
-  ...generalFlows, ...reviewFlows, ...compareFlows, ...playbackFlows, ...screenFlows, ...adminFlows, ...teachingFlows, ...gradingFlows, ...insightFlows,
+  ...generalFlows,
+  ...reviewFlows,
+  ...compareFlows,
+  ...playbackFlows,
+  ...screenFlows,
+  ...adminFlows,
+  ...teachingFlows,
+  ...gradingFlows,
+  ...insightFlows,
 ];

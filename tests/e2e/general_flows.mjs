@@ -4,7 +4,10 @@ import { id } from "./mock_world.mjs";
 import { accessible, signedIn, signIn } from "./session.mjs";
 
 export const generalFlows = [
-  { name: "the page speaks German and Chinese from the sign-in on, and who chose one finds it again", run: speaksLanguages },
+  {
+    name: "the page speaks German and Chinese from the sign-in on, and who chose one finds it again",
+    run: speaksLanguages,
+  },
   { name: "a wrong password is refused in words and keeps the login", anywhere: true, run: wrongPassword },
   { name: "an expired session asks to sign in again and leads back", anywhere: true, run: expiredSession },
   { name: "a student finds exercises, what is asked, and own attempts only", anywhere: true, run: studentLooksAround },
@@ -68,7 +71,13 @@ async function foreignAttempt(world) {
 
 async function adminReads(world) {
   const page = await signedIn(world, "admin");
-  for (const [link, title] of [["People", "People"], ["Stations", "Stations"], ["Devices", "Device profiles"], ["Jobs", "Jobs"], ["Audit", "Audit"]]) {
+  for (const [link, title] of [
+    ["People", "People"],
+    ["Stations", "Stations"],
+    ["Devices", "Device profiles"],
+    ["Jobs", "Jobs"],
+    ["Audit", "Audit"],
+  ]) {
     await page.getByRole("link", { name: link, exact: true }).click();
     await page.getByRole("heading", { level: 1, name: title }).waitFor();
     await page.locator("main table").first().waitFor();
@@ -80,7 +89,9 @@ async function adminReads(world) {
 async function builtInExercisesAreTranslated(page) {
   await page.goto("/exercises");
   await page.getByRole("heading", { name: "Klasse-II-Kavität, mesialer Kasten" }).waitFor();
-  await page.getByText("Den mesialen Kasten präparieren: 3,2 mm breit, 3,5 mm tief ab der Randleiste", { exact: false }).waitFor();
+  await page
+    .getByText("Den mesialen Kasten präparieren: 3,2 mm breit, 3,5 mm tief ab der Randleiste", { exact: false })
+    .waitFor();
   await page.getByRole("heading", { name: "Occlusal cavity, class I" }).waitFor();
   await page.getByText("Keep the walls upright and the floor flat.", { exact: false }).waitFor();
 }
@@ -143,7 +154,11 @@ async function pagination(world) {
 
 async function contractIsKept({ baseUrl, mock, broken, logins }) {
   const ask = (path, method = "GET", body = undefined, headers = {}) =>
-    fetch(`${baseUrl}/api/v1${path}`, { method, headers: { "Content-Type": "application/json", ...headers }, body: body && JSON.stringify(body) });
+    fetch(`${baseUrl}/api/v1${path}`, {
+      method,
+      headers: { "Content-Type": "application/json", ...headers },
+      body: body && JSON.stringify(body),
+    });
   const status = async (...asked) => (await ask(...asked)).status;
   const { login, password } = logins.admin;
   assert.equal(await status("/session", "POST", { login, password: 1 }), 400);
@@ -162,5 +177,8 @@ async function contractIsKept({ baseUrl, mock, broken, logins }) {
   assert.deepEqual(broken, []);
   mock.stations[0].revoked = "yes";
   assert.equal(await status("/stations", "GET", undefined, own), 500);
-  assert.match(broken.splice(0).join(), /breaks the contract of GET \/stations, 200: stations\[0\]\.revoked: expected what should be boolean/);
+  assert.match(
+    broken.splice(0).join(),
+    /breaks the contract of GET \/stations, 200: stations\[0\]\.revoked: expected what should be boolean/,
+  );
 }

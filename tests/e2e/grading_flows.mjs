@@ -86,7 +86,11 @@ async function bulkUndo(world) {
   await page.getByRole("button", { name: "Undo" }).click();
   await page.getByText(`${count} attempts count again.`).waitFor();
   assert.equal(excused(), before);
-  const scored = () => world.mock.attempts.filter((row) => row.state === "scored").map((row) => row.id).sort();
+  const scored = () =>
+    world.mock.attempts
+      .filter((row) => row.state === "scored")
+      .map((row) => row.id)
+      .sort();
   const settled = scored();
   await page.getByLabel("Choose all that are shown").check();
   await page.getByRole("button", { name: "Score again…" }).click();
@@ -106,7 +110,7 @@ async function gradingByKeys(world) {
   await page.getByRole("dialog").getByText("Search a name").waitFor();
   await accessible(page, "the list of keys");
   await page.keyboard.press("Escape");
-  await page.getByRole("dialog").waitFor({ state: "detached" });  // while it is open, keys are its own
+  await page.getByRole("dialog").waitFor({ state: "detached" }); // while it is open, keys are its own
   for (const key of ["j", "j", "x"]) await page.keyboard.press(key);
   await page.getByText("1 attempt chosen:").waitFor();
   await page.keyboard.press("o");
@@ -172,7 +176,10 @@ async function nearAnother(world) {
   const page = await signedIn(world, "instructor", `/attempts/${id(606)}`);
   const card = page.locator(".card", { hasText: "It proves nothing and costs no points" });
   await card.waitFor();
-  assert.match(await card.innerText(), /within 0\.02\s?mm of how it went in an earlier attempt of .+\. Of 12 motions .+ 0\.94\s?mm away/);
+  assert.match(
+    await card.innerText(),
+    /within 0\.02\s?mm of how it went in an earlier attempt of .+\. Of 12 motions .+ 0\.94\s?mm away/,
+  );
   await accessible(page, "a motion near another's");
   await card.scrollIntoViewIfNeeded();
   await world.picture(page, "near_another");
@@ -189,7 +196,11 @@ async function narrow(world) {
   await page.waitForFunction(() => document.querySelectorAll("tbody tr").length === 1);
   await page.getByLabel("State").selectOption({ label: "Any" });
   await page.getByLabel("Only with").selectOption({ label: "Late" });
-  await page.waitForFunction(() => [...document.querySelectorAll("tbody tr")].every((row) => row.textContent.includes("Late")) && document.querySelector("tbody tr") !== null);
+  await page.waitForFunction(
+    () =>
+      [...document.querySelectorAll("tbody tr")].every((row) => row.textContent.includes("Late")) &&
+      document.querySelector("tbody tr") !== null,
+  );
   await page.getByLabel("Only with").selectOption({ label: "–" });
   await page.getByLabel("Cohort").selectOption({ label: "Preclinic, second term" });
   await page.getByText("0 students").waitFor();

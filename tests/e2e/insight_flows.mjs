@@ -3,14 +3,22 @@ import assert from "node:assert/strict";
 import { id } from "./mock_world.mjs";
 import { accessible, downloaded, looks, signedIn } from "./session.mjs";
 
-
 export const insightFlows = [
-  { name: "an assignment says who has not begun, the commonest error, and who is far from the class", run: classInsight },
+  {
+    name: "an assignment says who has not begun, the commonest error, and who is far from the class",
+    run: classInsight,
+  },
   { name: "what is wrong with the server is said first, with what to do", run: serverHealth },
-  { name: "an exercise is edited in a form: what is wrong is told while one types, it is undone, compared, looked at and saved", run: editExercise },
+  {
+    name: "an exercise is edited in a form: what is wrong is told while one types, it is undone, compared, looked at and saved",
+    run: editExercise,
+  },
   { name: "a rubric that is published is corrected, with what it would do to past attempts", run: correctRubric },
   { name: "a device profile is edited, and what would be refused is told before it is sent", run: editProfile },
-  { name: "a new server's first admin makes an account from its link and is led through the first steps", run: firstAdmin },
+  {
+    name: "a new server's first admin makes an account from its link and is led through the first steps",
+    run: firstAdmin,
+  },
   { name: "a scan becomes a tooth on the page, and a wrong unit is told with the right one", run: importTooth },
 ];
 
@@ -19,7 +27,11 @@ async function pictures(world, page, name) {
   for (const [width, height] of looks([390, 800], [1280, 720], [1440, 900])) {
     await page.setViewportSize({ width, height });
     await world.picture(page, `${name}_${width}`, { fullPage: true });
-    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth), 0, `${name} at ${width}: wider than the screen`);
+    assert.equal(
+      await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth),
+      0,
+      `${name} at ${width}: wider than the screen`,
+    );
   }
 }
 
@@ -29,12 +41,21 @@ async function classInsight(world) {
   await card.getByText("Most went wrong on").waitFor();
   assert.match(await card.locator(".facts").innerText(), /Not started\s+\d+ of \d+/);
   const waiting = card.getByRole("region", { name: "Not started" });
-  assert.equal(await waiting.locator(".name-list").first().locator("li").count(), Number(/\((\d+)\)/.exec(await waiting.getByRole("heading").first().innerText())[1]));
-  await card.getByRole("region", { name: "Far from the class" }).getByText(/Time in all attempts .* the class/).waitFor();
+  assert.equal(
+    await waiting.locator(".name-list").first().locator("li").count(),
+    Number(/\((\d+)\)/.exec(await waiting.getByRole("heading").first().innerText())[1]),
+  );
+  await card
+    .getByRole("region", { name: "Far from the class" })
+    .getByText(/Time in all attempts .* the class/)
+    .waitFor();
   await card.getByRole("region", { name: "Those who teach" }).getByText("Instructor One").waitFor();
   await accessible(page, "the class of an assignment");
   const file = await downloaded(page, () => card.getByRole("button", { name: "Save as CSV" }).click());
-  assert.match(file.text, /^\uFEFFlogin,display_name,state,attempts,score,released,failed_critically,time_s_all_attempts,/);
+  assert.match(
+    file.text,
+    /^\uFEFFlogin,display_name,state,attempts,score,released,failed_critically,time_s_all_attempts,/,
+  );
   assert.match(file.text, /student,Student One,scored,/);
   await pictures(world, page, "class");
 }
@@ -46,15 +67,29 @@ async function serverHealth(world) {
   await accessible(page, "a server that does well");
   await pictures(world, page, "health_well");
   world.mock.trouble = {
-    backup: null, jobs: { queued: 3, running: 1, failed: 2, counted_up_to: 200 },
-    ingest: { takes_recordings: false, problem: "the disk has 200 MB left", waiting: "", chunks: 48_210, chunk_bytes: 81_400_000, sealed: 312 },
-    clock: { ahead_ms: 8200, problem: "this machine's clock is 8 s ahead" }, standby: "behind",
+    backup: null,
+    jobs: { queued: 3, running: 1, failed: 2, counted_up_to: 200 },
+    ingest: {
+      takes_recordings: false,
+      problem: "the disk has 200 MB left",
+      waiting: "",
+      chunks: 48_210,
+      chunk_bytes: 81_400_000,
+      sealed: 312,
+    },
+    clock: { ahead_ms: 8200, problem: "this machine's clock is 8 s ahead" },
+    standby: "behind",
     recordings: { open: 4, late: [{ attempt_id: id(110), station_id: id(30), silent_ms: 190_000 }] },
   };
   await page.getByText("Recordings are not taken").waitFor({ timeout: 15_000 });
-  assert.deepEqual(await page.locator(".notice-title").allInnerTexts(),
-    ["Recordings are not taken", "This server’s clock is wrong", "Nothing comes from 1 attempt in progress", "No standby is synchronous",
-     "2 jobs have failed", "No backup was made yet"]);
+  assert.deepEqual(await page.locator(".notice-title").allInnerTexts(), [
+    "Recordings are not taken",
+    "This server’s clock is wrong",
+    "Nothing comes from 1 attempt in progress",
+    "No standby is synchronous",
+    "2 jobs have failed",
+    "No backup was made yet",
+  ]);
   await accessible(page, "a server with trouble");
   await pictures(world, page, "health_trouble");
   await page.getByRole("link", { name: "Failed jobs" }).click();
@@ -75,7 +110,10 @@ async function editExercise(world) {
   await title.fill("Occlusal cavity, deeper");
   await page.getByText("Right, not saved").waitFor();
   await page.getByLabel("Depth (mm)").fill("2.5");
-  await page.getByRole("table", { name: "Changes against the published version" }).getByRole("row", { name: /Target, depth/ }).waitFor();
+  await page
+    .getByRole("table", { name: "Changes against the published version" })
+    .getByRole("row", { name: /Target, depth/ })
+    .waitFor();
   const first = page.getByRole("group", { name: /^Criterion 1:/ });
   await first.getByLabel("Points", { exact: true }).fill("45");
   await page.getByRole("button", { name: "Look at past attempts" }).click();
@@ -89,7 +127,11 @@ async function editExercise(world) {
   await page.getByRole("button", { name: "Redo", exact: true }).click();
   assert.equal(await first.getByLabel("Points", { exact: true }).inputValue(), "45");
   await page.getByRole("button", { name: "Add a criterion" }).click();
-  await page.getByRole("group", { name: /^Criterion \d+:/ }).last().getByRole("button", { name: /^Move up/ }).click();
+  await page
+    .getByRole("group", { name: /^Criterion \d+:/ })
+    .last()
+    .getByRole("button", { name: /^Move up/ })
+    .click();
   await page.getByRole("button", { name: "Undo", exact: true }).click();
   await page.getByRole("button", { name: "Undo", exact: true }).click();
   // What was typed outlives the page.
@@ -139,7 +181,11 @@ async function wrongPoints(world, page, criterion, publish) {
   const points = criterion.getByLabel("Points", { exact: true });
   const kept = await points.inputValue();
   const told = page.locator(".edit-notices .notice");
-  for (const [typed, said] of [["-5", /Enter a number from 0 to 1.000\.$/], ["", /Enter a number\.$/], ["2000", /Enter a number from 0 to 1.000\.$/]]) {
+  for (const [typed, said] of [
+    ["-5", /Enter a number from 0 to 1.000\.$/],
+    ["", /Enter a number\.$/],
+    ["2000", /Enter a number from 0 to 1.000\.$/],
+  ]) {
     await points.fill(typed);
     await criterion.getByText(said).waitFor();
     assert.equal(await points.getAttribute("aria-invalid"), "true");
@@ -147,10 +193,12 @@ async function wrongPoints(world, page, criterion, publish) {
     assert.doesNotMatch(await page.locator("main").innerText(), /\/criteria|\dE\d/);
     assert.ok(await publish.isDisabled());
   }
-  const answered = page.waitForResponse((response) => response.request().postData()?.includes('"points":null') ?? false);
+  const answered = page.waitForResponse(
+    (response) => response.request().postData()?.includes('"points":null') ?? false,
+  );
   await points.fill("");
   await points.focus();
-  await page.keyboard.insertText("1e999");        // pasted: more than a number can be
+  await page.keyboard.insertText("1e999"); // pasted: more than a number can be
   await criterion.getByText(/Enter a number\.$/).waitFor();
   await answered;
   assert.match(await told.innerText(), /[^/]+, points: Enter a number\.$/);
@@ -179,7 +227,14 @@ async function editProfile(world) {
 
 async function firstAdmin(world) {
   // An empty school.
-  Object.assign(world.mock, { firstAdminToken: "ab".repeat(32), shelf: world.mock.exercises, exercises: [], cohorts: [], assignments: [], people: [] });
+  Object.assign(world.mock, {
+    firstAdminToken: "ab".repeat(32),
+    shelf: world.mock.exercises,
+    exercises: [],
+    cohorts: [],
+    assignments: [],
+    people: [],
+  });
   const page = await world.open({ width: 1280, height: 900 });
   await page.goto(`/first#${"cd".repeat(32)}`);
   await page.getByRole("heading", { name: "The first admin" }).waitFor();
@@ -212,7 +267,9 @@ async function importTooth(world) {
   const page = await signedIn(world, "admin", "/exercises");
   await page.getByRole("button", { name: "Import a tooth…" }).click();
   const dialog = page.getByRole("dialog", { name: "Import a tooth" });
-  await dialog.getByLabel("Mesh of a crown or tooth").setInputFiles({ name: "Crown.STL", mimeType: "model/stl", buffer: Buffer.alloc(700_000, "x") });
+  await dialog
+    .getByLabel("Mesh of a crown or tooth")
+    .setInputFiles({ name: "Crown.STL", mimeType: "model/stl", buffer: Buffer.alloc(700_000, "x") });
   await dialog.getByLabel("Name", { exact: true }).fill("Molar of the collection");
   await dialog.getByLabel("Tooth", { exact: true }).selectOption("46");
   await dialog.getByLabel("Unit of its coordinates").selectOption("um");

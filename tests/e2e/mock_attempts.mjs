@@ -9,36 +9,80 @@ const withheld = (row, { person }) => person.role === "student" && hidden(row);
 export function attemptView(row, call) {
   const { person, world } = call;
   const student = person.role === "student";
-  const unseen = withheld(row, call) ? { score: null, computed_score: null, critical_fail: null, override: null, appeal: null } : {};
-  const near = !student && row.flags.includes("near_another") ? world.attempts.find((each) => each !== row && each.exercise === row.exercise && each.person !== row.person) : undefined;
+  const unseen = withheld(row, call)
+    ? { score: null, computed_score: null, critical_fail: null, override: null, appeal: null }
+    : {};
+  const near =
+    !student && row.flags.includes("near_another")
+      ? world.attempts.find((each) => each !== row && each.exercise === row.exercise && each.person !== row.person)
+      : undefined;
   return {
-    ...row, ...unseen, flags: student ? row.flags.filter((flag) => flag !== "near_another") : row.flags, duration_s: row.ticks / 1000, time_limit_s: 600, may: actionsOn(row, student),
+    ...row,
+    ...unseen,
+    flags: student ? row.flags.filter((flag) => flag !== "near_another") : row.flags,
+    duration_s: row.ticks / 1000,
+    time_limit_s: 600,
+    may: actionsOn(row, student),
     reference: row.state === "scored" && !withheld(row, call) ? kReference : null,
-    nearness: near === undefined ? null : { attempt_id: near.id, person: near.person, others: 12, nearest_mm: 0.018, median_mm: 0.94, size_mm: 1.32, worth_a_look: true },
+    nearness:
+      near === undefined
+        ? null
+        : {
+            attempt_id: near.id,
+            person: near.person,
+            others: 12,
+            nearest_mm: 0.018,
+            median_mm: 0.94,
+            size_mm: 1.32,
+            worth_a_look: true,
+          },
   };
 }
 
 function actionsOn(row, student) {
   const scored = row.state === "scored";
-  const may = student ? { appeal: scored && row.released && row.appeal === null } : {
-    release: scored && !row.released, unrelease: row.released, override: row.score !== null, annotate: true, rescore: row.sealed_ms > 0 && row.state !== "scoring",
-    excuse: row.assignment_id !== null && !row.flags.includes("excused"), unexcuse: row.flags.includes("excused"), mark_reference: scored, answer_appeal: row.appeal?.state === "open" };
+  const may = student
+    ? { appeal: scored && row.released && row.appeal === null }
+    : {
+        release: scored && !row.released,
+        unrelease: row.released,
+        override: row.score !== null,
+        annotate: true,
+        rescore: row.sealed_ms > 0 && row.state !== "scoring",
+        excuse: row.assignment_id !== null && !row.flags.includes("excused"),
+        unexcuse: row.flags.includes("excused"),
+        mark_reference: scored,
+        answer_appeal: row.appeal?.state === "open",
+      };
   return Object.keys(may).filter((action) => may[action]);
 }
 
-const scored = (rule) => (call) => call.row.state !== "scored" ? conflict("The attempt is not scored yet.") : withheld(call.row, call) ? forbidden("The score is not released yet.") : rule(call);
-const change = (changes) => ({ row, ...call }) => Object.assign(row, changes(row, call));
+const scored = (rule) => (call) =>
+  call.row.state !== "scored"
+    ? conflict("The attempt is not scored yet.")
+    : withheld(call.row, call)
+      ? forbidden("The score is not released yet.")
+      : rule(call);
+const change =
+  (changes) =>
+  ({ row, ...call }) =>
+    Object.assign(row, changes(row, call));
 
 // Who begins slowly and then hurries does the same work: its share is the share of the time raised to this.
-const paceOf = ({ id }) => id.endsWith("201") ? 1.5 : 1;
+const paceOf = ({ id }) => (id.endsWith("201") ? 1.5 : 1);
 
 function bytesOf({ request }, bytes, cached) {
   const [, from, to] = /^bytes=(\d+)-(\d+)$/.exec(request.headers.range ?? "") ?? [];
   const headers = cached ? { "Cache-Control": "private, max-age=31536000, immutable" } : {};
-  return from === undefined ? new Reply(bytes, { headers }) : new Reply(bytes.subarray(Number(from), Number(to) + 1), { status: 206, headers });
+  return from === undefined
+    ? new Reply(bytes, { headers })
+    : new Reply(bytes.subarray(Number(from), Number(to) + 1), { status: 206, headers });
 }
 
-const kSteps = 1800, kStepTicks = 24, kHeldBackN = 1.3, kLateStep = 140;
+const kSteps = 1800,
+  kStepTicks = 24,
+  kHeldBackN = 1.3,
+  kLateStep = 140;
 const round = (value) => Math.round(value * 1000) / 1000;
 
 function seriesOf({ row }) {
@@ -57,36 +101,82 @@ function seriesOf({ row }) {
     const [x, y, z] = toolPosition(share);
     const tip = [x, y, contact ? z : z + 2.5].map(round);
     const lean = 0.5 * Math.sin(share * 30);
-    return { t_s: i * kStepTicks / 1000, force_n: most, force_mean_n: mean, bound_n: 7.9, computed_n: most > kHeldBackN ? most + 0.4 : most, removed_mm3: removed, tip, late_ticks: i === kLateStep ? 3 : 0,
-             vector: [most * Math.sin(lean), 0, most * Math.cos(lean)].map(round), pulp_mm: Math.min(5, Math.hypot(tip[0], tip[1], tip[2] + 4.5)) };
+    return {
+      t_s: (i * kStepTicks) / 1000,
+      force_n: most,
+      force_mean_n: mean,
+      bound_n: 7.9,
+      computed_n: most > kHeldBackN ? most + 0.4 : most,
+      removed_mm3: removed,
+      tip,
+      late_ticks: i === kLateStep ? 3 : 0,
+      vector: [most * Math.sin(lean), 0, most * Math.cos(lean)].map(round),
+      pulp_mm: Math.min(5, Math.hypot(tip[0], tip[1], tip[2] + 4.5)),
+    };
   });
   const all = (name, share = 1) => steps.map((step) => round(step[name] * share));
   return {
-    rate_hz: 1000, step_ticks: kStepTicks, ...Object.fromEntries(["t_s", "force_n", "force_mean_n", "bound_n", "computed_n", "removed_mm3", "late_ticks", "pulp_mm"].map((name) => [name, all(name)])),
-    removed_by_tissue: { enamel: all("removed_mm3", 0.8), dentin: all("removed_mm3", 0.2) }, anchor_mm: steps.map(({ tip }) => tip), force_vector_n: steps.map(({ vector }) => vector),
+    rate_hz: 1000,
+    step_ticks: kStepTicks,
+    ...Object.fromEntries(
+      ["t_s", "force_n", "force_mean_n", "bound_n", "computed_n", "removed_mm3", "late_ticks", "pulp_mm"].map(
+        (name) => [name, all(name)],
+      ),
+    ),
+    removed_by_tissue: { enamel: all("removed_mm3", 0.8), dentin: all("removed_mm3", 0.2) },
+    anchor_mm: steps.map(({ tip }) => tip),
+    force_vector_n: steps.map(({ vector }) => vector),
   };
 }
 
 // Ticks of the recording: a trembling force, held back at its peaks, and a gap of 50 ticks at each full second.
 function ticksOf({ query: { from, to } }) {
-  const times = Array.from({ length: Math.max(0, Math.min(to, 1000 * seriesEndS) - from) }, (_, i) => from + i).filter((time) => time % 1000 >= 50);
+  const times = Array.from({ length: Math.max(0, Math.min(to, 1000 * seriesEndS) - from) }, (_, i) => from + i).filter(
+    (time) => time % 1000 >= 50,
+  );
   const computed = times.map((time) => round(0.9 + 0.3 * Math.sin(time / 16) + 0.1 * Math.sin(time / 3)));
-  return { from, to, time_ticks: times, computed_n: computed, force_n: computed.map((force) => Math.min(force, 1.2)), late: times.map(() => 0), limited: computed.map((force) => force > 1.2 ? 1 : 0) };
+  return {
+    from,
+    to,
+    time_ticks: times,
+    computed_n: computed,
+    force_n: computed.map((force) => Math.min(force, 1.2)),
+    late: times.map(() => 0),
+    limited: computed.map((force) => (force > 1.2 ? 1 : 0)),
+  };
 }
 
 // Each look at an attempt that is being scored finds it further on.
 function looked({ row }) {
   if (row.state !== "scoring") return row;
   row.progress = Math.min(1, row.progress + 0.25);
-  return row.progress < 1 ? row : Object.assign(row, { state: "scored", score: row.override?.score ?? 80, computed_score: 80, critical_fail: false });
+  return row.progress < 1
+    ? row
+    : Object.assign(row, {
+        state: "scored",
+        score: row.override?.score ?? 80,
+        computed_score: 80,
+        critical_fail: false,
+      });
 }
 
 function makeReference({ world, row, body }) {
   if (row.gap_ticks > 0 && body.anyway === undefined) {
-    return conflict("this attempt cannot be what others are compared with: 4.1 % of its time is missing; take another attempt, or say why this one is right all the same", "anyway");
+    return conflict(
+      "this attempt cannot be what others are compared with: 4.1 % of its time is missing; take another attempt, or say why this one is right all the same",
+      "anyway",
+    );
   }
   for (const other of world.attempts) other.is_reference = other === row;
-  world.references.unshift({ id: newId(world), exercise_id: row.exercise.id, attempt_id: row.id, ...body, version: world.references.length + 1, created_ms: world.nowMs, withdrawn_ms: 0 });
+  world.references.unshift({
+    id: newId(world),
+    exercise_id: row.exercise.id,
+    attempt_id: row.id,
+    ...body,
+    version: world.references.length + 1,
+    created_ms: world.nowMs,
+    withdrawn_ms: 0,
+  });
   return world.references[0];
 }
 
@@ -96,8 +186,15 @@ function restore({ row, body: { run } }) {
 }
 
 function runs({ row }) {
-  return { results: Array.from({ length: row.runs }, (_, i) => ({
-    run: row.runs - i, scored_ms: row.sealed_ms + (row.runs - i) * 60_000, cause: i === row.runs - 1 ? "seal" : "appeal", restorable: i === 1, score: scoreOf(row) })) };
+  return {
+    results: Array.from({ length: row.runs }, (_, i) => ({
+      run: row.runs - i,
+      scored_ms: row.sealed_ms + (row.runs - i) * 60_000,
+      cause: i === row.runs - 1 ? "seal" : "appeal",
+      restorable: i === 1,
+      score: scoreOf(row),
+    })),
+  };
 }
 
 const rescored = ({ runs: before }) => ({ state: "scoring", progress: 0, runs: before + 1 });
@@ -107,13 +204,23 @@ function live({ row, world }) {
   let tick = row.ticks + (world.nowMs % 1000);
   const rowAt = (at) => {
     const phase = at / 900;
-    return [at, 1800 * Math.cos(phase), 1100 * Math.sin(phase), -400 - 250 * Math.sin(phase / 3), -300 * Math.cos(phase), -200 * Math.sin(phase), 900 + 500 * Math.sin(phase * 1.7), 16].map(Math.round);
+    return [
+      at,
+      1800 * Math.cos(phase),
+      1100 * Math.sin(phase),
+      -400 - 250 * Math.sin(phase / 3),
+      -300 * Math.cos(phase),
+      -200 * Math.sin(phase),
+      900 + 500 * Math.sin(phase * 1.7),
+      16,
+    ].map(Math.round);
   };
   const stream = (response) => {
     const timer = setInterval(() => {
       const rows = Array.from({ length: 8 }, (_, i) => rowAt(tick + 15 * (i + 1)));
       tick += 15 * rows.length;
-      if (row.state === "recording") return void response.write(`event: ticks\ndata: ${JSON.stringify({ rows, tick })}\n\n`);
+      if (row.state === "recording")
+        return void response.write(`event: ticks\ndata: ${JSON.stringify({ rows, tick })}\n\n`);
       clearInterval(timer);
       response.end("event: end\ndata: {}\n\n");
     }, 120);
@@ -124,13 +231,25 @@ function live({ row, world }) {
 
 // A chair that shows what it is sent when it is asked for the second time; `row.chair` is what its station is.
 function liveRemarks({ row: { said = [], chair = { connected: true, shows_remarks: true } } }) {
-  for (const remark of said) Object.assign(remark, remark.state === "waiting" ? { state: "sent" } : { state: "shown", shown_ms: remark.sent_ms + 900 });
+  for (const remark of said)
+    Object.assign(
+      remark,
+      remark.state === "waiting" ? { state: "sent" } : { state: "shown", shown_ms: remark.sent_ms + 900 },
+    );
   return { remarks: said, station: chair, allowed: true, max_characters: 500 };
 }
 
 function sayLive({ row, world, person, body: { text } }) {
   row.said ??= [];
-  row.said.push({ id: row.said.length + 1, text, from: person.display_name, sent_ms: world.nowMs, tick: 72_000, state: "waiting", shown_ms: null });
+  row.said.push({
+    id: row.said.length + 1,
+    text,
+    from: person.display_name,
+    sent_ms: world.nowMs,
+    tick: 72_000,
+    state: "waiting",
+    shown_ms: null,
+  });
   return row.said.at(-1);
 }
 
@@ -147,19 +266,34 @@ export const attemptRules = {
   "GET /attempts/{id}/live": live,
   "GET /live/{id}/remarks": liveRemarks,
   "POST /live/{id}/remarks": sayLive,
-  "POST /attempts/{id}/annotations": (call) => ({ ...added(call.world, call.world.annotations, { ...call.body, attempt_id: call.row.id, author: call.person, to_chair: false, edited_ms: 0 }), mine: true }),
+  "POST /attempts/{id}/annotations": (call) => ({
+    ...added(call.world, call.world.annotations, {
+      ...call.body,
+      attempt_id: call.row.id,
+      author: call.person,
+      to_chair: false,
+      edited_ms: 0,
+    }),
+    mine: true,
+  }),
   "PUT /annotations/{id}": change((_row, { body, world }) => ({ ...body, edited_ms: world.nowMs })),
   "POST /attempts/{id}/release": change(() => ({ released: true })),
   "DELETE /attempts/{id}/release": change(() => ({ released: false })),
-  "PUT /attempts/{id}/override": change((_row, { body, person, world }) => ({ override: { ...body, by: person.display_name, at_ms: world.nowMs }, score: body.score })),
+  "PUT /attempts/{id}/override": change((_row, { body, person, world }) => ({
+    override: { ...body, by: person.display_name, at_ms: world.nowMs },
+    score: body.score,
+  })),
   "DELETE /attempts/{id}/override": change(({ computed_score }) => ({ override: null, score: computed_score })),
   "POST /attempts/{id}/rescore": change(rescored),
   "POST /attempts/{id}/excuse": change(({ flags }) => ({ flags: [...flags, "excused"] })),
   "DELETE /attempts/{id}/excuse": change(({ flags }) => ({ flags: flags.filter((flag) => flag !== "excused") })),
   "POST /attempts/{id}/restore-result": restore,
   "POST /attempts/{id}/reference": makeReference,
-  "POST /attempts/{id}/appeal": change((_row, { body, world }) => ({ appeal: { ...body, filed_ms: world.nowMs, state: "open", answer: "", answered_ms: 0 } })),
-  "POST /attempts/{id}/appeal/answer": change((row, { body: { outcome, answer }, world }) =>
-    ({ appeal: { ...row.appeal, state: outcome === "regrade" ? "regraded" : "rejected", answer, answered_ms: world.nowMs }, ...outcome === "regrade" ? rescored(row) : {} })),
+  "POST /attempts/{id}/appeal": change((_row, { body, world }) => ({
+    appeal: { ...body, filed_ms: world.nowMs, state: "open", answer: "", answered_ms: 0 },
+  })),
+  "POST /attempts/{id}/appeal/answer": change((row, { body: { outcome, answer }, world }) => ({
+    appeal: { ...row.appeal, state: outcome === "regrade" ? "regraded" : "rejected", answer, answered_ms: world.nowMs },
+    ...(outcome === "regrade" ? rescored(row) : {}),
+  })),
 };
-

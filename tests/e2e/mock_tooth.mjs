@@ -10,7 +10,13 @@ const kHalf = [5.9, 5.5, 4.9];
 const kEnamelMm = 1.5;
 const kBurRadiusMm = 0.5;
 const kFloorMm = -0.6;
-const kCusps = [[2.5, 2.3, 1.25], [-2.2, 2.5, 1.15], [2.4, -2.5, 1.5], [-2.3, -2.4, 1.4], [-4.0, 0.4, 0.7]];
+const kCusps = [
+  [2.5, 2.3, 1.25],
+  [-2.2, 2.5, 1.15],
+  [2.4, -2.5, 1.5],
+  [-2.3, -2.4, 1.4],
+  [-4.0, 0.4, 0.7],
+];
 
 function smoothMax(a, b, k) {
   const h = Math.max(k - Math.abs(a - b), 0) / k;
@@ -57,7 +63,7 @@ function deviationAt(p) {
   return cut || shouldBeCut ? -referenceSolid(p) : Number.NaN;
 }
 
-const tissueIn = (mm) => mm > -kEnamelMm ? 1 : 2;
+const tissueIn = (mm) => (mm > -kEnamelMm ? 1 : 2);
 
 // The nearest place of the surface at the end, near enough.
 function onSurface(p) {
@@ -95,16 +101,27 @@ export function toolPosition(share) {
 const kRateHz = 1000;
 const kFrameTicks = 100;
 const kSegmentFrames = 300;
-const bricks = kHalf.map((half) => Math.ceil(2 * half / kVoxelMm / 8) + 1);
+const bricks = kHalf.map((half) => Math.ceil((2 * half) / kVoxelMm / 8) + 1);
 const count = bricks[0] * bricks[1] * bricks[2];
 
-const quantised = (mm) => Math.max(-64, Math.min(63, Math.floor(64 * mm / kVoxelMm)));
-const voxelOf = (brick, i) => [brick % bricks[0] * 8 + (i & 7), Math.floor(brick / bricks[0]) % bricks[1] * 8 + (i >> 3 & 7), Math.floor(brick / (bricks[0] * bricks[1])) * 8 + (i >> 6)];
+const quantised = (mm) => Math.max(-64, Math.min(63, Math.floor((64 * mm) / kVoxelMm)));
+const voxelOf = (brick, i) => [
+  (brick % bricks[0]) * 8 + (i & 7),
+  (Math.floor(brick / bricks[0]) % bricks[1]) * 8 + ((i >> 3) & 7),
+  Math.floor(brick / (bricks[0] * bricks[1])) * 8 + (i >> 6),
+];
 const pointOf = (voxel) => voxel.map((n, axis) => -kHalf[axis] + n * kVoxelMm);
 
 function predicted(s, i) {
   const [x, y, z] = [(i & 7) !== 0, (i & 56) !== 0, i > 63];
-  const p = (x ? s[i - 1] : 0) + (y ? s[i - 8] : 0) + (z ? s[i - 64] : 0) - (x && y ? s[i - 9] : 0) - (x && z ? s[i - 65] : 0) - (y && z ? s[i - 72] : 0) + (x && y && z ? s[i - 73] : 0);
+  const p =
+    (x ? s[i - 1] : 0) +
+    (y ? s[i - 8] : 0) +
+    (z ? s[i - 64] : 0) -
+    (x && y ? s[i - 9] : 0) -
+    (x && z ? s[i - 65] : 0) -
+    (y && z ? s[i - 72] : 0) +
+    (x && y && z ? s[i - 73] : 0);
   return Math.max(-64, Math.min(63, p));
 }
 const residuals = (s) => Uint8Array.from(s, (q, i) => q - predicted(s, i));
@@ -132,12 +149,14 @@ const blob = (raw) => {
 const zigzag = (value) => ((value << 1) ^ (value >> 31)) >>> 0;
 function planes(values) {
   const out = new Uint8Array(4 * values.length);
-  values.forEach((value, i) => { for (let k = 0; k < 4; ++k) out[k * values.length + i] = value >>> (8 * k) & 255; });
+  values.forEach((value, i) => {
+    for (let k = 0; k < 4; ++k) out[k * values.length + i] = (value >>> (8 * k)) & 255;
+  });
   return out;
 }
 const differences = (values) => values.map((value, i) => zigzag((value - (values[i - 1] ?? 0)) | 0));
 function varint(out, value) {
-  for (; value >= 128; value >>>= 7) out.push(value & 127 | 128);
+  for (; value >= 128; value >>>= 7) out.push((value & 127) | 128);
   out.push(value);
 }
 
@@ -147,7 +166,8 @@ function sampled(f) {
   for (let b = 0; b < count; ++b) for (let i = 0; i < 512; ++i) out[512 * b + i] = f(pointOf(voxelOf(b, i)));
   return out;
 }
-const sampleAt = ([x, y, z]) => 512 * (((z >> 3) * bricks[1] + (y >> 3)) * bricks[0] + (x >> 3)) + (z & 7) * 64 + (y & 7) * 8 + (x & 7);
+const sampleAt = ([x, y, z]) =>
+  512 * (((z >> 3) * bricks[1] + (y >> 3)) * bricks[0] + (x >> 3)) + (z & 7) * 64 + (y & 7) * 8 + (x & 7);
 
 function startTooth(before) {
   const flags = new Uint8Array(count);
@@ -173,8 +193,11 @@ function cutBricks(whole, box) {
     const [lowest, highest] = [points[0][2] - kVoxelMm, points[511][2] + kVoxelMm];
     let done, samples;
     const at = (share) => {
-      const height = Math.min(highest, Math.max(lowest, reached(share)));   // beyond these nothing changes
-      if (height !== done) samples = Int8Array.from(points, ([, , z], i) => quantised(Math.max(before[i], -Math.max(cavity[i], height - z))));
+      const height = Math.min(highest, Math.max(lowest, reached(share))); // beyond these nothing changes
+      if (height !== done)
+        samples = Int8Array.from(points, ([, , z], i) =>
+          quantised(Math.max(before[i], -Math.max(cavity[i], height - z))),
+        );
       done = height;
       return samples;
     };
@@ -187,7 +210,12 @@ function maskedChanges(now, before, masks, values) {
   const state = before.slice();
   const bits = new Uint8Array(64);
   for (let i = 0; i < 512; ++i) if (now[i] !== before[i]) bits[i >> 3] |= 1 << (i & 7);
-  masks.push([...Array(8).keys()].reduce((byte, z) => byte | (bits.subarray(8 * z, 8 * z + 8).some((row) => row !== 0) ? 1 << z : 0), 0));
+  masks.push(
+    [...Array(8).keys()].reduce(
+      (byte, z) => byte | (bits.subarray(8 * z, 8 * z + 8).some((row) => row !== 0) ? 1 << z : 0),
+      0,
+    ),
+  );
   for (let z = 0; z < 8; ++z) {
     const rows = bits.subarray(8 * z, 8 * z + 8);
     if (rows.every((row) => row === 0)) continue;
@@ -195,7 +223,7 @@ function maskedChanges(now, before, masks, values) {
     masks.push(...rows.filter((row) => row !== 0));
   }
   for (let i = 0; i < 512; ++i) {
-    if (!(bits[i >> 3] >> (i & 7) & 1)) continue;
+    if (!((bits[i >> 3] >> (i & 7)) & 1)) continue;
     values.push((now[i] - predicted(state, i)) & 255);
     state[i] = now[i];
   }
@@ -211,13 +239,23 @@ function timeline(cut, start, seconds, pace) {
     const n = Math.min(kSegmentFrames, frames - first);
     const share = (k) => ((first + k + 1) / frames) ** pace;
     const tips = Array.from({ length: n }, (_, k) => toolPosition(share(k)).map((mm) => Math.round(mm * 1000)));
-    const poses = Buffer.concat([...[0, 1, 2].map((axis) => planes(differences(tips.map((tip) => tip[axis])))),
-                                 Buffer.from(new Uint8Array(2 * n)), Buffer.alloc(n, 127), planes(Array(n).fill(0)), Buffer.alloc(n, 1)]);
+    const poses = Buffer.concat([
+      ...[0, 1, 2].map((axis) => planes(differences(tips.map((tip) => tip[axis])))),
+      Buffer.from(new Uint8Array(2 * n)),
+      Buffer.alloc(n, 127),
+      planes(Array(n).fill(0)),
+      Buffer.alloc(n, 1),
+    ]);
     const changed = cut.filter(({ brick, before }) => now.get(brick).some((q, i) => q !== before[i]));
-    const key = Buffer.concat([u32(...changed.map(({ brick }) => brick)), ...changed.map(({ brick }) => residuals(now.get(brick)))]);
+    const key = Buffer.concat([
+      u32(...changed.map(({ brick }) => brick)),
+      ...changed.map(({ brick }) => residuals(now.get(brick))),
+    ]);
     const [heads, masks, values] = [[], [], []];
     for (let k = 0; k < n; ++k) {
-      const moved = cut.map(({ brick, at }) => ({ brick, samples: at(share(k)) })).filter(({ brick, samples }) => samples !== now.get(brick) && samples.some((q, i) => q !== now.get(brick)[i]));
+      const moved = cut
+        .map(({ brick, at }) => ({ brick, samples: at(share(k)) }))
+        .filter(({ brick, samples }) => samples !== now.get(brick) && samples.some((q, i) => q !== now.get(brick)[i]));
       varint(heads, moved.length);
       moved.forEach(({ brick, samples }, i) => {
         varint(heads, i === 0 ? brick : brick - moved[i - 1].brick - 1);
@@ -225,18 +263,37 @@ function timeline(cut, start, seconds, pace) {
         now.set(brick, samples);
       });
     }
-    const changes = Buffer.concat([u32(heads.length, masks.length), Buffer.from(heads), Buffer.from(masks), Buffer.from(values)]);
+    const changes = Buffer.concat([
+      u32(heads.length, masks.length),
+      Buffer.from(heads),
+      Buffer.from(masks),
+      Buffer.from(values),
+    ]);
     const packed = [poses, key, changes].map((raw) => deflateSync(raw));
     index.push(u32(...packed.map((bytes) => bytes.length), changed.length, changes.length));
     parts.push(...packed);
   }
-  const outline = [[0, 0.35], [0.3, 0.5], [3, 0.5], [3.4, 0.8], [12, 0.8]].flat().map((mm) => Math.round(mm * 1e6));
-  return Buffer.concat([beginning("ENTL"), createHash("sha256").update(start).digest(), u32(ticks, 0, kRateHz, kFrameTicks, kSegmentFrames, outline.length / 2, index.length),
-                        u32(...outline), ...index, ...parts]);
+  const outline = [
+    [0, 0.35],
+    [0.3, 0.5],
+    [3, 0.5],
+    [3.4, 0.8],
+    [12, 0.8],
+  ]
+    .flat()
+    .map((mm) => Math.round(mm * 1e6));
+  return Buffer.concat([
+    beginning("ENTL"),
+    createHash("sha256").update(start).digest(),
+    u32(ticks, 0, kRateHz, kFrameTicks, kSegmentFrames, outline.length / 2, index.length),
+    u32(...outline),
+    ...index,
+    ...parts,
+  ]);
 }
 
 function deviation(before, cavity) {
-  const solid = Uint8Array.from(before, (mm, i) => quantised(Math.max(mm, -cavity[i])) < 0 ? 1 : 0);
+  const solid = Uint8Array.from(before, (mm, i) => (quantised(Math.max(mm, -cavity[i])) < 0 ? 1 : 0));
   const cells = [];
   const values = [];
   let bricksIn = 0;
@@ -246,7 +303,8 @@ function deviation(before, cavity) {
       const voxel = voxelOf(b, i);
       if (voxel.some((n, axis) => n + 1 >= 8 * bricks[axis])) continue;
       let inside = 0;
-      for (let c = 0; c < 8; ++c) inside += solid[sampleAt([voxel[0] + (c & 1), voxel[1] + (c >> 1 & 1), voxel[2] + (c >> 2)])];
+      for (let c = 0; c < 8; ++c)
+        inside += solid[sampleAt([voxel[0] + (c & 1), voxel[1] + ((c >> 1) & 1), voxel[2] + (c >> 2)])];
       if (inside === 0 || inside === 8) continue;
       const mm = deviationAt(onSurface(pointOf(voxel.map((n) => n + 0.5))));
       if (Number.isNaN(mm)) continue;
@@ -257,7 +315,12 @@ function deviation(before, cavity) {
     ++bricksIn;
     cells.push(u32(b), mask);
   }
-  return Buffer.concat([beginning("ENDV"), u32(bricksIn, values.length), blob(Buffer.concat(cells)), blob(planes(differences(values)))]);
+  return Buffer.concat([
+    beginning("ENDV"),
+    u32(bricksIn, values.length),
+    blob(Buffer.concat(cells)),
+    blob(planes(differences(values))),
+  ]);
 }
 
 export const seriesEndS = 43.2;
@@ -280,7 +343,7 @@ function surface(solid) {
   const [across, around] = [64, 128];
   const inside = [0, 0, -2];
   const along = (i, j) => {
-    const [polar, azimuth] = [Math.PI * i / across, 2 * Math.PI * j / around];
+    const [polar, azimuth] = [(Math.PI * i) / across, (2 * Math.PI * j) / around];
     return [Math.sin(polar) * Math.cos(azimuth), Math.sin(polar) * Math.sin(azimuth), Math.cos(polar)];
   };
   const leaving = (direction) => {
@@ -289,16 +352,23 @@ function surface(solid) {
     while (solid(at(mm)) < 0) mm += 0.05;
     return at(mm - 0.025);
   };
-  const positions = Array.from({ length: (across + 1) * around }, (_, k) => leaving(along(Math.floor(k / around), k % around)));
+  const positions = Array.from({ length: (across + 1) * around }, (_, k) =>
+    leaving(along(Math.floor(k / around), k % around)),
+  );
   const triangles = [];
   for (let i = 0; i < across; ++i) {
     for (let j = 0; j < around; ++j) {
-      const [a, b, c, d] = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]].map(([row, column]) => row * around + column % around);
+      const [a, b, c, d] = [
+        [i, j],
+        [i + 1, j],
+        [i + 1, j + 1],
+        [i, j + 1],
+      ].map(([row, column]) => row * around + (column % around));
       triangles.push(a, b, c, a, c, d);
     }
   }
   const n = positions.length;
-  const scale = Math.max(...kHalf) * 2 / 65_000;
+  const scale = (Math.max(...kHalf) * 2) / 65_000;
   const head = Buffer.alloc(32);
   head.write("ENSF", 0, "latin1");
   head.writeUInt16LE(1, 4);
@@ -308,9 +378,20 @@ function surface(solid) {
   head.writeFloatLE(scale, 28);
   const padded = (bytes) => Buffer.concat([bytes, Buffer.alloc(-bytes.length & 3)]);
   return Buffer.concat([
-    head, padded(Buffer.from(Uint16Array.from(positions.flatMap((p) => p.map((value, axis) => Math.round((value + kHalf[axis]) / scale)))).buffer)),
-    Buffer.from(Int8Array.from(positions.flatMap((p) => [...gradient(solid, p).map((value) => Math.round(127 * value)), 0])).buffer),
-    padded(Buffer.from(positions.map((p) => tissueIn(crown(p))))), Buffer.from(Uint32Array.from(triangles).buffer)]);
+    head,
+    padded(
+      Buffer.from(
+        Uint16Array.from(positions.flatMap((p) => p.map((value, axis) => Math.round((value + kHalf[axis]) / scale))))
+          .buffer,
+      ),
+    ),
+    Buffer.from(
+      Int8Array.from(positions.flatMap((p) => [...gradient(solid, p).map((value) => Math.round(127 * value)), 0]))
+        .buffer,
+    ),
+    padded(Buffer.from(positions.map((p) => tissueIn(crown(p))))),
+    Buffer.from(Uint32Array.from(triangles).buffer),
+  ]);
 }
 
 const surfaces = new Map();

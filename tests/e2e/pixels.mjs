@@ -15,7 +15,8 @@ export async function countColors(page, selector, tests) {
   return counts;
 }
 
-const kLooks = 40, kBetweenMs = 150;
+const kLooks = 40,
+  kBetweenMs = 150;
 
 // Pixels of the tooth for which `test` holds, once it is drawn in full.
 export async function toothPixels(page, test) {

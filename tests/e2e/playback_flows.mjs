@@ -7,7 +7,10 @@ import { accessible, looks, signedIn, signIn } from "./session.mjs";
 export const playbackFlows = [
   { name: "the tooth is drawn quickly while it moves and in full once it stands", run: drawsQuickly },
   { name: "contact, faults and strokes that lost points stand on the axis of time", run: marksOnTheTime },
-  { name: "the force on the hand is an arrow at the bur, and what was late or held back is on the axis", run: forceArrow },
+  {
+    name: "the force on the hand is an arrow at the bur, and what was late or held back is on the axis",
+    run: forceArrow,
+  },
   { name: "a link's moment is opened once, also without a playback", run: linkIsOpenedOnce },
   { name: "the target is drawn over the tooth, and goes away", run: targetLines },
   { name: "the plot zooms by keys and wheel, and is moved by a drag", run: plotZooms },
@@ -30,9 +33,15 @@ async function drawsQuickly(world) {
   await page.locator("body").click({ position: { x: 5, y: 300 } });
   await page.keyboard.press("k");
   await page.locator(".tooth-frame canvas[data-drawn=quick]").waitFor();
-  await page.waitForFunction(() => { const canvas = document.querySelector(".tooth-frame canvas"); return canvas.width < 0.8 * canvas.clientWidth; });
+  await page.waitForFunction(() => {
+    const canvas = document.querySelector(".tooth-frame canvas");
+    return canvas.width < 0.8 * canvas.clientWidth;
+  });
   await page.keyboard.press("k");
-  await page.waitForFunction(() => { const canvas = document.querySelector(".tooth-frame canvas[data-drawn=full]"); return Math.abs(canvas?.width / canvas?.clientWidth - 1) < 0.01; });
+  await page.waitForFunction(() => {
+    const canvas = document.querySelector(".tooth-frame canvas[data-drawn=full]");
+    return Math.abs(canvas?.width / canvas?.clientWidth - 1) < 0.01;
+  });
   await accessible(page, "a playback that was stopped");
 }
 
@@ -42,9 +51,15 @@ async function marksOnTheTime(world) {
     const page = await signedIn(world, "instructor", `${kAttempt}?t=0`, { width, height });
     await page.locator('.playback[data-shown="0"]').waitFor();
     await page.locator(".spans .span.lost").first().waitFor();
-    assert.ok(await page.locator(".spans .span.contact").count() > 3, "contact was interrupted");
-    const [strip, plot] = [await page.locator(".spans").boundingBox(), await page.locator(".force-card .u-over").boundingBox()];
-    assert.ok(Math.abs(strip.x - plot.x) < 2 && Math.abs(strip.x + strip.width - plot.x - plot.width) < 2, `at ${width}: the strip is from ${strip.x} to ${strip.x + strip.width}, the plot from ${plot.x} to ${plot.x + plot.width}`);
+    assert.ok((await page.locator(".spans .span.contact").count()) > 3, "contact was interrupted");
+    const [strip, plot] = [
+      await page.locator(".spans").boundingBox(),
+      await page.locator(".force-card .u-over").boundingBox(),
+    ];
+    assert.ok(
+      Math.abs(strip.x - plot.x) < 2 && Math.abs(strip.x + strip.width - plot.x - plot.width) < 2,
+      `at ${width}: the strip is from ${strip.x} to ${strip.x + strip.width}, the plot from ${plot.x} to ${plot.x + plot.width}`,
+    );
     assert.ok(plot.y + plot.height <= height, `at ${width}: the plot ends at ${plot.y + plot.height} of ${height}`);
     await page.getByText("Stroke that lost points").waitFor();
     await page.locator("body").click({ position: { x: 5, y: 300 } });
@@ -78,7 +93,11 @@ async function plotZooms(world) {
   assert.ok(once[0] > all[0] && once[1] < all[1], `after a key: ${once}`);
   await over.click();
   await page.mouse.wheel(0, -100);
-  await page.waitForFunction((before) => Number(document.querySelector("#timeline").max) - Number(document.querySelector("#timeline").min) < before, once[1] - once[0]);
+  await page.waitForFunction(
+    (before) =>
+      Number(document.querySelector("#timeline").max) - Number(document.querySelector("#timeline").min) < before,
+    once[1] - once[0],
+  );
   const near = await range();
   const box = await over.boundingBox();
   await page.keyboard.down("Shift");
@@ -88,13 +107,18 @@ async function plotZooms(world) {
   await page.mouse.up();
   await page.keyboard.up("Shift");
   const later = await range();
-  assert.ok(later[0] > near[0] && Math.abs(later[1] - later[0] - near[1] + near[0]) <= 2, `dragged from ${near} to ${later}`);
+  assert.ok(
+    later[0] > near[0] && Math.abs(later[1] - later[0] - near[1] + near[0]) <= 2,
+    `dragged from ${near} to ${later}`,
+  );
   await accessible(page, "a part of the time");
   await world.picture(page, "zoomed");
   // The moment takes the part along.
   await page.locator("body").click({ position: { x: 5, y: 300 } });
   await page.keyboard.press("Home");
-  await page.waitForFunction(() => document.querySelector("#timeline").min === "0" && document.querySelector("#timeline").value === "0");
+  await page.waitForFunction(
+    () => document.querySelector("#timeline").min === "0" && document.querySelector("#timeline").value === "0",
+  );
   await over.dblclick();
   await page.getByText(/^Shown: /).waitFor({ state: "detached" });
   assert.deepEqual(await range(), all);
@@ -110,18 +134,34 @@ async function secondPlot(world) {
     await page.locator(".plot canvas").waitFor();
     await page.locator("body").click({ position: { x: 5, y: 300 } });
     await page.keyboard.press("v");
-    const second = page.getByRole("img", { name: /^More over time: speed of the tip, enamel removed, dentin removed/i });
+    const second = page.getByRole("img", {
+      name: /^More over time: speed of the tip, enamel removed, dentin removed/i,
+    });
     await second.locator("canvas").waitFor();
     await page.locator(".readout").getByText("Dentin removed").waitFor();
-    const [one, other] = [await page.locator(".force-card .u-over").first().boundingBox(), await page.locator(".force-card .u-over").nth(1).boundingBox()];
+    const [one, other] = [
+      await page.locator(".force-card .u-over").first().boundingBox(),
+      await page.locator(".force-card .u-over").nth(1).boundingBox(),
+    ];
     assert.ok(Math.abs(one.x - other.x) < 1 && Math.abs(one.width - other.width) < 1, "both stand on one axis");
     await page.keyboard.press("i");
-    const cursors = () => page.locator(".plot-cursor").evaluateAll((all) => all.map((each) => Math.round(each.getBoundingClientRect().left)));
+    const cursors = () =>
+      page
+        .locator(".plot-cursor")
+        .evaluateAll((all) => all.map((each) => Math.round(each.getBoundingClientRect().left)));
     await page.waitForFunction(() => document.querySelector("#timeline").min !== "0");
     await page.locator("#timeline").press("PageUp");
-    await page.waitForFunction(() => new Set([...document.querySelectorAll(".plot-cursor")].map((each) => Math.round(each.getBoundingClientRect().left))).size === 1);
+    await page.waitForFunction(
+      () =>
+        new Set(
+          [...document.querySelectorAll(".plot-cursor")].map((each) => Math.round(each.getBoundingClientRect().left)),
+        ).size === 1,
+    );
     assert.equal((await cursors()).length, 3);
-    await page.getByRole("img", { name: /^More over time: depth of the tip, distance to the pulp/i }).locator("canvas").waitFor();
+    await page
+      .getByRole("img", { name: /^More over time: depth of the tip, distance to the pulp/i })
+      .locator("canvas")
+      .waitFor();
     await page.locator(".readout").getByText("Distance to the pulp").waitFor();
     await accessible(page, `three plots at ${width}`);
     await world.picture(page, `three_plots_${width}`, { fullPage: true });
@@ -170,15 +210,21 @@ async function targetLines(world) {
 async function tickByTick(world) {
   const page = await signedIn(world, "instructor", `${kAttempt}?t=20`);
   const asked = [];
-  page.on("request", (request) => { if (request.url().includes("/ticks?")) asked.push(new URL(request.url()).search); });
+  page.on("request", (request) => {
+    if (request.url().includes("/ticks?")) asked.push(new URL(request.url()).search);
+  });
   await page.locator('.playback[data-shown="200"]').waitFor();
   await page.locator(".plot canvas").waitFor();
   assert.deepEqual(asked, [], "all of it needs no ticks");
   await page.locator("body").click({ position: { x: 5, y: 300 } });
   for (let i = 0; i < 12; ++i) await page.keyboard.press("i");
   await page.getByText(/^Shown: 0:(19|20)\.\d\d to 0:20\.\d\d, tick by tick\./).waitFor();
-  await page.getByRole("img", { name: /tick by tick\.$/ }).locator("canvas").waitFor();
-  const ends = async () => (await page.locator(".view-of").innerText()).match(/0:(\d\d\.\d\d)/g).map((text) => Number(text.slice(2)));
+  await page
+    .getByRole("img", { name: /tick by tick\.$/ })
+    .locator("canvas")
+    .waitFor();
+  const ends = async () =>
+    (await page.locator(".view-of").innerText()).match(/0:(\d\d\.\d\d)/g).map((text) => Number(text.slice(2)));
   const [from, to] = await ends();
   assert.ok(to - from < 0.5, `${from} to ${to}`);
   for (const search of asked) {
@@ -210,8 +256,16 @@ async function linkIsOpenedOnce(world) {
   const row = world.mock.attempts.find((attempt) => attempt.id.endsWith("106"));
   const page = await world.open();
   const asked = [];
-  await page.route("**/timeline", (route) => { asked.push(route); });
-  const fail = () => asked.splice(0).map((route) => route.fulfill({ status: 404, json: { error: { code: "not_found", message: "There is no timeline.", field: "" } } }));
+  await page.route("**/timeline", (route) => {
+    asked.push(route);
+  });
+  const fail = () =>
+    asked.splice(0).map((route) =>
+      route.fulfill({
+        status: 404,
+        json: { error: { code: "not_found", message: "There is no timeline.", field: "" } },
+      }),
+    );
   await page.goto(`/attempts/${row.id}?t=20`);
   await signIn(page, world.logins.instructor);
   const slider = page.getByLabel("Time in the attempt");

@@ -9,7 +9,11 @@ export const reviewFlows = [
   { name: "an instructor sees score, deviation on the tooth, and forces", anywhere: true, run: instructorReviews },
   { name: "the tooth turns by keyboard and the timeline moves the tool", anywhere: true, run: toothByKeyboard },
   { name: "an attempt is played back with the tooth being cut", run: playsBack },
-  { name: "the page fits a narrow screen and a dark scheme without an accessibility violation", anywhere: true, run: narrowAndDark },
+  {
+    name: "the page fits a narrow screen and a dark scheme without an accessibility violation",
+    anywhere: true,
+    run: narrowAndDark,
+  },
   { name: "a score that is being computed shows progress and then appears", run: scoringProgress },
   { name: "an instructor releases a graded score and the student then sees it", run: release },
   { name: "a lost point leads to its moment", run: lostPointLeadsToItsMoment },
@@ -29,7 +33,12 @@ const kScored = "✓ Scored";
 // The first scored attempt of a student that is not the reference itself.
 async function openScoredAttempt(world, options = {}) {
   const page = await signedIn(world, "instructor", "/attempts", options);
-  const row = page.locator("tbody tr").filter({ hasText: kScored }).filter({ hasNotText: "Reference" }).filter({ hasNotText: "Gaps" }).first();
+  const row = page
+    .locator("tbody tr")
+    .filter({ hasText: kScored })
+    .filter({ hasNotText: "Reference" })
+    .filter({ hasNotText: "Gaps" })
+    .first();
   await row.getByRole("link").click();
   await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
   await page.locator(".plot canvas").waitFor();
@@ -40,12 +49,18 @@ async function instructorReviews(world) {
   const page = await openScoredAttempt(world);
   const score = Number.parseFloat(await page.getByTestId("score").innerText());
   assert.ok(score > 0 && score <= 100, `score ${score}`);
-  const lost = await page.locator(".criteria tbody tr").evaluateAll((rows) => rows.map((row) => {
-    const [points, of] = row.querySelector(".points").innerText.split("/").map(Number.parseFloat);
-    return of - points;
-  }));
+  const lost = await page.locator(".criteria tbody tr").evaluateAll((rows) =>
+    rows.map((row) => {
+      const [points, of] = row.querySelector(".points").innerText.split("/").map(Number.parseFloat);
+      return of - points;
+    }),
+  );
   assert.ok(lost.length >= 3);
-  assert.deepEqual(lost, [...lost].sort((a, b) => b - a), "criteria that lost most come first");
+  assert.deepEqual(
+    lost,
+    [...lost].sort((a, b) => b - a),
+    "criteria that lost most come first",
+  );
   await accessible(page, "an attempt");
   await world.picture(page, "attempt", { fullPage: true });
   await heatMapIsThere(page);
@@ -73,7 +88,11 @@ async function plotPointer(world) {
   await page.mouse.move(box.x + 0.2 * box.width, box.y + box.height / 2);
   await page.mouse.move(box.x + 0.7 * box.width, box.y + box.height / 2, { steps: 5 });
   await page.locator(".plot-hover").waitFor();
-  assert.equal(await slider.inputValue(), await slider.getAttribute("max"), "passing over it is no choice: it stays at the end");
+  assert.equal(
+    await slider.inputValue(),
+    await slider.getAttribute("max"),
+    "passing over it is no choice: it stays at the end",
+  );
   await page.mouse.down();
   await page.mouse.up();
   const set = Number(await slider.inputValue());
@@ -93,7 +112,10 @@ async function oneTimeAxis(world) {
       await mark.click();
       const at = centre(await page.locator(".plot-cursor").boundingBox());
       const thumb = (await slider.boundingBox()).x + thumbIn(await slider.screenshot());
-      assert.ok(Math.abs(centre(await mark.boundingBox()) - at) < 2, `at ${width}: the mark is at ${centre(await mark.boundingBox())}, the plot's cursor at ${at}`);
+      assert.ok(
+        Math.abs(centre(await mark.boundingBox()) - at) < 2,
+        `at ${width}: the mark is at ${centre(await mark.boundingBox())}, the plot's cursor at ${at}`,
+      );
       assert.ok(Math.abs(thumb - at) < 2, `at ${width}: the slider's thumb is at ${thumb}, the plot's cursor at ${at}`);
     }
   }
@@ -120,7 +142,10 @@ async function momentLink(world) {
   const apart = differing(before, await page.locator(".tooth-frame canvas").screenshot());
   assert.ok(apart < 0.02, `${apart} of the picture differs`);
   await page.getByRole("button", { name: "Mesial", exact: true }).click();
-  assert.ok(differing(before, await page.locator(".tooth-frame canvas").screenshot()) > 0.05, "another side is another picture");
+  assert.ok(
+    differing(before, await page.locator(".tooth-frame canvas").screenshot()) > 0.05,
+    "another side is another picture",
+  );
 }
 
 // Of the mock's attempt of 43.2 seconds, in frames of a tenth.
@@ -173,7 +198,15 @@ async function playbackKeys(world) {
   await page.getByRole("button", { name: "Play", exact: true }).waitFor();
   await page.keyboard.press("?");
   const help = await page.getByRole("dialog").innerText();
-  for (const what of ["Play and pause", "5 seconds back", "One frame on", "Play again from here (A)", "Faster", "To the end"]) assert.ok(help.includes(what), what);
+  for (const what of [
+    "Play and pause",
+    "5 seconds back",
+    "One frame on",
+    "Play again from here (A)",
+    "Faster",
+    "To the end",
+  ])
+    assert.ok(help.includes(what), what);
   await accessible(page, "the list of keys");
   // In a text they are letters.
   const teacher = await signedIn(world, "instructor", `/attempts/${id(105)}?t=20`);
@@ -201,7 +234,12 @@ async function section(world) {
     return page.locator(".tooth-frame canvas").screenshot();
   };
   const whole = await picture();
-  for (const [across, name] of [["y", "mesio-distal"], ["x", "bucco-lingual"], ["z", "horizontal"], ["view", "along"]]) {
+  for (const [across, name] of [
+    ["y", "mesio-distal"],
+    ["x", "bucco-lingual"],
+    ["z", "horizontal"],
+    ["view", "along"],
+  ]) {
     await page.getByLabel("Section", { exact: true }).selectOption(across);
     const cut = await picture();
     assert.ok(differing(whole, cut) > 0.02, `the ${name} section shows`);
@@ -259,13 +297,18 @@ async function heatMapIsThere(page) {
   assert.ok(counts.asReference > 300, `as the reference: ${counts.asReference} pixels`);
   assert.ok(counts.untouched > 5000, `untouched: ${counts.untouched} pixels`);
   await page.getByLabel("Tissues").check();
-  const tissues = await countColors(page, ".tooth-frame canvas", { deep: ([r, g, b]) => r > 130 && r > 1.9 * g && r > 1.9 * b });
+  const tissues = await countColors(page, ".tooth-frame canvas", {
+    deep: ([r, g, b]) => r > 130 && r > 1.9 * g && r > 1.9 * b,
+  });
   assert.ok(tissues.deep < counts.deep / 4, "tissue colours replace the deviation's");
   await page.getByLabel("Deviation").check();
 }
 
 async function plotIsThere(page) {
-  const counts = await countColors(page, ".plot canvas", { force: ([r, g, b]) => b > 90 && b > 1.4 * r && g > r, removed: ([r, g, b]) => r > 150 && r > 1.5 * b && g < r });
+  const counts = await countColors(page, ".plot canvas", {
+    force: ([r, g, b]) => b > 90 && b > 1.4 * r && g > r,
+    removed: ([r, g, b]) => r > 150 && r > 1.5 * b && g < r,
+  });
   assert.ok(counts.force > 300 && counts.removed > 100, `plot: ${JSON.stringify(counts)}`);
 }
 
@@ -283,17 +326,20 @@ async function toothByKeyboard(world) {
 
   const timeline = page.getByLabel("Time in the attempt");
   await timeline.focus();
-  await page.keyboard.press("Home");              // it opens at the end
+  await page.keyboard.press("Home"); // it opens at the end
   for (let i = 0; i < 4; ++i) await page.keyboard.press("PageUp");
   assert.ok(Number(await timeline.inputValue()) > 0);
   assert.match(await timeline.getAttribute("aria-valuetext"), /^\d+:\d\d\.\d, .*largest force.*\sN/i);
   assert.ok(!(await canvas.screenshot()).equals(occlusal), "the tool appears at the tooth");
 
   await page.getByText("The same as a table").click();
-  assert.ok(await page.getByRole("group", { name: "Force and removal as a table" }).locator("tbody tr").count() > 10);
+  assert.ok((await page.getByRole("group", { name: "Force and removal as a table" }).locator("tbody tr").count()) > 10);
   await page.getByText("Deviation in numbers").click();
   await page.getByText("Of the surface that was cut", { exact: false }).first().waitFor();
-  assert.match(await page.getByRole("main").innerText(), /Of the surface that was cut, \d+ % lies within 0\.\d+\smm of the reference/);
+  assert.match(
+    await page.getByRole("main").innerText(),
+    /Of the surface that was cut, \d+ % lies within 0\.\d+\smm of the reference/,
+  );
   await accessible(page, "an attempt with its tables open");
 }
 
@@ -336,7 +382,9 @@ async function playsBack(world) {
 
 async function narrowAndDark(world) {
   const page = await openScoredAttempt(world, { width: 390, height: 844, colorScheme: "dark" });
-  const overflow = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
+  const overflow = await page.evaluate(
+    () => document.documentElement.scrollWidth - document.documentElement.clientWidth,
+  );
   assert.ok(overflow <= 0, `the page is ${overflow} px wider than the screen`);
   await world.picture(page, "attempt_narrow_dark", { fullPage: true });
   await accessible(page, "an attempt, narrow and dark");

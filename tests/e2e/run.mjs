@@ -26,12 +26,15 @@ function option(name) {
 }
 
 function loginsFromEnvironment() {
-  return Object.fromEntries(kRoles.map((role) => {
-    const name = role.toUpperCase();
-    const [login, password] = [process.env[`${name}_LOGIN`], process.env[`${name}_PASSWORD`]];
-    if (!login || !password) throw new Error(`BASE_URL is set, so ${name}_LOGIN and ${name}_PASSWORD are expected; found none`);
-    return [role, { login, password }];
-  }));
+  return Object.fromEntries(
+    kRoles.map((role) => {
+      const name = role.toUpperCase();
+      const [login, password] = [process.env[`${name}_LOGIN`], process.env[`${name}_PASSWORD`]];
+      if (!login || !password)
+        throw new Error(`BASE_URL is set, so ${name}_LOGIN and ${name}_PASSWORD are expected; found none`);
+      return [role, { login, password }];
+    }),
+  );
 }
 
 // Runs one flow: `open` gives each of its persons a page. The next flow uses them again, which saves it starting processes
@@ -47,10 +50,16 @@ async function runFlow(flow, { pages, newPage, mock, ...world }, failedPicture) 
   };
   try {
     await flow.run({ open, mock: mock?.world, broken: mock?.broken, ...world });
-    assert.deepEqual(opened.flatMap(({ errors }) => errors), [], "errors in the browser's console");
+    assert.deepEqual(
+      opened.flatMap(({ errors }) => errors),
+      [],
+      "errors in the browser's console",
+    );
     assert.deepEqual(mock?.broken ?? [], [], "answers of the mock server that break schemas/api/openapi.yaml");
   } catch (error) {
-    await Promise.all(opened.map(({ page }, i) => page.screenshot({ path: failedPicture(i), fullPage: true }).catch(() => {})));
+    await Promise.all(
+      opened.map(({ page }, i) => page.screenshot({ path: failedPicture(i), fullPage: true }).catch(() => {})),
+    );
     throw error;
   } finally {
     mock?.broken.splice(0);
@@ -63,7 +72,9 @@ async function runAll(selected, world, pictures) {
   for (const [index, flow] of selected.entries()) {
     const begun = performance.now();
     const pathOf = (folder, name) => join(folder, `${String(index + 1).padStart(2, "0")}_${name}.png`);
-    const picture = async (shown, name, options = {}) => { if (pictures !== undefined) await shown.screenshot({ path: pathOf(pictures, name), ...options }); };
+    const picture = async (shown, name, options = {}) => {
+      if (pictures !== undefined) await shown.screenshot({ path: pathOf(pictures, name), ...options });
+    };
     try {
       await runFlow(flow, { ...world, picture }, (i) => pathOf(kFailed, `failed_${i}`));
       console.log(`ok ${index + 1} - ${flow.name} (${((performance.now() - begun) / 1000).toFixed(1)} s)`);
@@ -86,8 +97,19 @@ const pictures = option("--pictures");
 mkdirSync(kFailed, { recursive: true });
 if (pictures !== undefined) mkdirSync(pictures, { recursive: true });
 const mock = real === undefined ? await startMockServer({ dist }) : undefined;
-const server = mock === undefined ? { baseUrl: real, logins: loginsFromEnvironment(), foreignAttempt: process.env.FOREIGN_ATTEMPT ?? kMockForeignAttempt }
-  : { baseUrl: mock.url, logins: Object.fromEntries(kRoles.map((role) => [role, people.find((person) => person.role === role)])), foreignAttempt: kMockForeignAttempt, mock };
+const server =
+  mock === undefined
+    ? {
+        baseUrl: real,
+        logins: loginsFromEnvironment(),
+        foreignAttempt: process.env.FOREIGN_ATTEMPT ?? kMockForeignAttempt,
+      }
+    : {
+        baseUrl: mock.url,
+        logins: Object.fromEntries(kRoles.map((role) => [role, people.find((person) => person.role === role)])),
+        foreignAttempt: kMockForeignAttempt,
+        mock,
+      };
 const only = option("--only") ?? "";
 const selected = flows.filter((flow) => (real === undefined || flow.anywhere) && flow.name.includes(only));
 
@@ -99,5 +121,7 @@ try {
   await browser.close();
   await mock?.close();
 }
-console.log(`${selected.length - failed} of ${selected.length} flows passed${failed > 0 ? `; pictures in ${kFailed}` : ""}`);
+console.log(
+  `${selected.length - failed} of ${selected.length} flows passed${failed > 0 ? `; pictures in ${kFailed}` : ""}`,
+);
 process.exit(failed === 0 && selected.length > 0 ? 0 : 1);

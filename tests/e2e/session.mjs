@@ -20,7 +20,7 @@ export async function signedIn(world, role, path = "/", options = {}) {
 }
 
 // What is looked at more than once in the full run only: the first says enough.
-export const looks = (...all) => process.env.ENAMEL_FULL ? all : all.slice(0, 1);
+export const looks = (...all) => (process.env.ENAMEL_FULL ? all : all.slice(0, 1));
 
 export async function accessible(page, where) {
   assert.deepEqual(await accessibilityViolations(page), [], `accessibility of ${where}`);
@@ -28,7 +28,11 @@ export async function accessible(page, where) {
 
 // Puts a file that exists only here into a file field.
 export async function chooseFile(page, label, name, text) {
-  await page.getByLabel(label).setInputFiles({ name, mimeType: name.endsWith(".csv") ? "text/csv" : "application/json", buffer: Buffer.from(text) });
+  await page.getByLabel(label).setInputFiles({
+    name,
+    mimeType: name.endsWith(".csv") ? "text/csv" : "application/json",
+    buffer: Buffer.from(text),
+  });
 }
 
 // What the page gives as a file when `act` is done.

@@ -5,8 +5,14 @@ import { id } from "./mock_world.mjs";
 import { accessible, chooseFile, signedIn } from "./session.mjs";
 
 export const teachingFlows = [
-  { name: "an exercise document is refused with the field, then becomes a draft and is published and retired", run: exerciseLife },
-  { name: "an exercise is assigned, its terms edited against somebody else's, its scores released, and deleted", run: assignmentLife },
+  {
+    name: "an exercise document is refused with the field, then becomes a draft and is published and retired",
+    run: exerciseLife,
+  },
+  {
+    name: "an exercise is assigned, its terms edited against somebody else's, its scores released, and deleted",
+    run: assignmentLife,
+  },
   { name: "a teacher remarks at a point of the tooth and at the tool, and the student reads it there", run: remarks },
   { name: "an attempt that was just opened is at its end for the picture, the plots and a remark", run: oneMoment },
   { name: "remarks are written by keyboard, and the focus stays there", run: remarksByKeys },
@@ -25,7 +31,12 @@ async function exerciseLife(world) {
   const page = await signedIn(world, "instructor", "/exercises");
   await page.getByRole("button", { name: "Add a draft…" }).click();
   await accessible(page, "adding a draft");
-  await chooseFile(page, "Exercise document (JSON)", "new.json", JSON.stringify({ ...kDocument, rubric: { ...kDocument.rubric, criteria: [] } }));
+  await chooseFile(
+    page,
+    "Exercise document (JSON)",
+    "new.json",
+    JSON.stringify({ ...kDocument, rubric: { ...kDocument.rubric, criteria: [] } }),
+  );
   await page.getByRole("button", { name: "Add", exact: true }).click();
   await page.getByText("The document is not right").waitFor();
   assert.match(await page.getByRole("alert").innerText(), /rubric\.criteria: expected/);
@@ -81,7 +92,10 @@ async function assignmentLife(world) {
   await page.getByLabel("Attempts for each student").fill("2");
   await page.getByRole("button", { name: "Save" }).click();
   await page.getByText("Somebody changed it meanwhile").waitFor();
-  assert.match(await page.getByRole("table", { name: "What differs" }).innerText(), /Attempts\s+7 attempts\s+2 attempts/);
+  assert.match(
+    await page.getByRole("table", { name: "What differs" }).innerText(),
+    /Attempts\s+7 attempts\s+2 attempts/,
+  );
   await page.getByRole("button", { name: "Take the newer values" }).click();
   assert.equal(await page.getByLabel("Attempts for each student").inputValue(), "7");
   await page.getByRole("button", { name: "Delete the assignment…" }).click();
@@ -104,7 +118,11 @@ async function assignmentLife(world) {
   await page.getByRole("button", { name: "Release all scores…" }).click();
   await page.getByRole("button", { name: "Release all", exact: true }).click();
   await page.getByText(/\d+ scores released/).waitFor();
-  assert.ok(world.mock.attempts.filter((row) => row.assignment_id === id(500) && row.state === "scored").every((row) => row.released));
+  assert.ok(
+    world.mock.attempts
+      .filter((row) => row.assignment_id === id(500) && row.state === "scored")
+      .every((row) => row.released),
+  );
 }
 
 async function remarks(world) {
@@ -123,7 +141,10 @@ async function remarks(world) {
   await page.getByText("Look at this place.").waitFor();
   const made = world.mock.annotations.at(-1);
   assert.equal(made.tick, 12_000);
-  assert.ok(made.point_um.every((um) => Number.isInteger(um) && Math.abs(um) < 8000), `a point on the tooth, found ${made.point_um}`);
+  assert.ok(
+    made.point_um.every((um) => Number.isInteger(um) && Math.abs(um) < 8000),
+    `a point on the tooth, found ${made.point_um}`,
+  );
 
   await page.getByRole("button", { name: "Point at the tool" }).click();
   await page.getByLabel(/New remark/).fill("And where the tool is.");
@@ -145,7 +166,10 @@ async function remarks(world) {
   assert.equal(await student.getByRole("button", { name: "Add remark" }).count(), 0);
   assert.match(await student.locator(".annotation", { hasText: "Good light touch" }).innerText(), /said at the chair/);
   assert.equal(await student.getByText("said at the chair").count(), 1);
-  await student.getByRole("group", { name: "Remarks along the time" }).getByRole("button", { name: "Remark 2" }).click();
+  await student
+    .getByRole("group", { name: "Remarks along the time" })
+    .getByRole("button", { name: "Remark 2" })
+    .click();
   assert.equal(await student.getByLabel("Time in the attempt").inputValue(), "500");
 }
 
@@ -157,8 +181,14 @@ async function oneMoment(world) {
   assert.equal(await page.locator(".playback-time").innerText(), "0:43.2");
   assert.equal(await slider.inputValue(), await slider.getAttribute("max"));
   assert.match(await page.locator(".readout").innerText(), /0:43\.2/);
-  const [cursor, plot] = [await page.locator(".plot-cursor").first().boundingBox(), await page.locator(".force-card .u-over").boundingBox()];
-  assert.ok(Math.abs(cursor.x + cursor.width / 2 - plot.x - plot.width) < 2, `the plot's cursor is at ${cursor.x} of ${plot.x + plot.width}`);
+  const [cursor, plot] = [
+    await page.locator(".plot-cursor").first().boundingBox(),
+    await page.locator(".force-card .u-over").boundingBox(),
+  ];
+  assert.ok(
+    Math.abs(cursor.x + cursor.width / 2 - plot.x - plot.width) < 2,
+    `the plot's cursor is at ${cursor.x} of ${plot.x + plot.width}`,
+  );
   await page.getByLabel("New remark at 0:43.2").fill("The floor is even.");
   await world.picture(page, "one_moment", { fullPage: true });
   await page.getByRole("button", { name: "Add remark" }).click();
@@ -188,7 +218,10 @@ async function remarksByKeys(world) {
   await page.keyboard.press("Enter");
   await page.locator(".annotation", { hasText: "Lift the bur." }).waitFor();
   await focusIsInRemark(page);
-  await page.getByRole("button", { name: /^Edit remark/ }).last().press("Enter");
+  await page
+    .getByRole("button", { name: /^Edit remark/ })
+    .last()
+    .press("Enter");
   await page.getByLabel("Remark", { exact: true }).fill("Lift the bur more.");
   await page.getByRole("button", { name: "Save" }).press("Enter");
   await page.locator(".annotation", { hasText: "Lift the bur more." }).waitFor();
@@ -231,7 +264,11 @@ async function appeal(world) {
   await page.getByText("2 appeals to answer").waitFor();
   await page.locator("tbody tr", { hasText: "Appeal to answer" }).first().waitFor();
   await page.getByRole("button", { name: "Show them" }).click();
-  await page.getByRole("row", { name: /Student One/ }).getByRole("link").first().click();
+  await page
+    .getByRole("row", { name: /Student One/ })
+    .getByRole("link")
+    .first()
+    .click();
   await page.getByLabel("Your answer").fill("We replay it.");
   await page.getByRole("button", { name: "Answer and grade again" }).click();
   await page.getByRole("progressbar", { name: "Replaying and scoring" }).waitFor();
@@ -250,13 +287,20 @@ async function live(world) {
   const page = await signedIn(world, "instructor", "/live");
   await page.locator(".live-card .badge.good").nth(2).waitFor();
   assert.equal(await page.locator(".live-card").count(), 4);
-  await page.waitForFunction(() => [...document.querySelectorAll(".live-force b")].every((force) => /\sN$/.test(force.textContent)), undefined, { timeout: 20_000 });
+  await page.waitForFunction(
+    () => [...document.querySelectorAll(".live-force b")].every((force) => /\sN$/.test(force.textContent)),
+    undefined,
+    { timeout: 20_000 },
+  );
   await page.getByText(/\d+\smin\s\d\d\ss left of 10\smin/).waitFor();
-  assert.ok(await page.getByText(/no time limit/).count() >= 3);
+  assert.ok((await page.getByText(/no time limit/).count()) >= 3);
   await world.picture(page, "live", { fullPage: true });
   await page.getByRole("link", { name: "Station 1" }).click();
   await page.getByText("Largest in 20 s").waitFor();
-  assert.match(await page.getByRole("img", { name: /^Force over the last/ }).getAttribute("aria-label"), /largest [\d.]+ N/);
+  assert.match(
+    await page.getByRole("img", { name: /^Force over the last/ }).getAttribute("aria-label"),
+    /largest [\d.]+ N/,
+  );
   const chair = page.getByRole("region", { name: "Say something at the chair" });
   await chair.getByLabel("Remark").fill("Stop: the mesial wall is thin. 请停一下。");
   await chair.getByRole("button", { name: "Send to the chair" }).click();
@@ -295,7 +339,8 @@ async function print(world) {
   await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
   await page.locator(".annotations").waitFor();
   await page.emulateMedia({ media: "print" });
-  for (const hidden of [".header", ".tooth-tools", ".print-button", ".timeline"]) assert.equal(await page.locator(hidden).first().isVisible(), false, hidden);
+  for (const hidden of [".header", ".tooth-tools", ".print-button", ".timeline"])
+    assert.equal(await page.locator(hidden).first().isVisible(), false, hidden);
   assert.ok(await page.getByTestId("score").isVisible());
   assert.ok(await page.getByText("Too deep at this point.").isVisible());
   await world.picture(page, "printed", { fullPage: true });

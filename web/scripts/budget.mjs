@@ -29,8 +29,12 @@ async function countBytes(page) {
   const session = await page.context().newCDPSession(page);
   const kinds = new Map();
   const bytes = { assets: 0, api: 0 };
-  session.on("Network.responseReceived", ({ requestId, response }) => kinds.set(requestId, new URL(response.url).pathname.startsWith("/api/") ? "api" : "assets"));
-  session.on("Network.loadingFinished", ({ requestId, encodedDataLength }) => { bytes[kinds.get(requestId) ?? "assets"] += encodedDataLength; });
+  session.on("Network.responseReceived", ({ requestId, response }) =>
+    kinds.set(requestId, new URL(response.url).pathname.startsWith("/api/") ? "api" : "assets"),
+  );
+  session.on("Network.loadingFinished", ({ requestId, encodedDataLength }) => {
+    bytes[kinds.get(requestId) ?? "assets"] += encodedDataLength;
+  });
   await session.send("Network.enable");
   await session.send("Network.emulateNetworkConditions", kNetwork);
   await session.send("Emulation.setCPUThrottlingRate", { rate: kSlower });
@@ -127,14 +131,29 @@ async function main() {
     throw new Error("BASE_URL is set, so INSTRUCTOR_LOGIN and INSTRUCTOR_PASSWORD are expected; found none");
   }
   const instructor = people.find((person) => person.role === "instructor");
-  const server = real === undefined ? await startMockServer({ dist: option("--dist") ?? fileURLToPath(new URL("../dist", import.meta.url)) }) : undefined;
-  const where = { baseUrl: real ?? server.url, login: process.env.INSTRUCTOR_LOGIN ?? instructor.login, password: process.env.INSTRUCTOR_PASSWORD ?? instructor.password,
-                  most: process.env.MOST_LOST ?? "Mesial wall" };
+  const server =
+    real === undefined
+      ? await startMockServer({ dist: option("--dist") ?? fileURLToPath(new URL("../dist", import.meta.url)) })
+      : undefined;
+  const where = {
+    baseUrl: real ?? server.url,
+    login: process.env.INSTRUCTOR_LOGIN ?? instructor.login,
+    password: process.env.INSTRUCTOR_PASSWORD ?? instructor.password,
+    most: process.env.MOST_LOST ?? "Mesial wall",
+  };
   const browser = await launch();
   try {
     const list = await listBytes(browser, where);
     const { found, bytes, clicks, times } = await measure(browser, where);
-    return { against: real === undefined ? "mock server" : "server", ...found, list_bytes: list, attempt_bytes: bytes.assets, api_bytes: bytes.api, clicks, ...times };
+    return {
+      against: real === undefined ? "mock server" : "server",
+      ...found,
+      list_bytes: list,
+      attempt_bytes: bytes.assets,
+      api_bytes: bytes.api,
+      clicks,
+      ...times,
+    };
   } finally {
     await browser.close();
     await server?.close();
@@ -150,7 +169,9 @@ let over = 0;
 for (const [name, value] of Object.entries(result)) {
   const most = kBudget[name];
   if (most !== undefined && value > most) ++over;
-  console.log(`${name.padEnd(16)} ${String(value).padStart(12)}${most === undefined ? "" : `   at most ${most}${value > most ? ": TOO MUCH" : ""}`}`);
+  console.log(
+    `${name.padEnd(16)} ${String(value).padStart(12)}${most === undefined ? "" : `   at most ${most}${value > most ? ": TOO MUCH" : ""}`}`,
+  );
 }
 const file = option("--json");
 if (file !== undefined) writeFileSync(file, `${JSON.stringify({ ...result, budget: kBudget }, null, 2)}\n`);

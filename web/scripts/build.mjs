@@ -34,7 +34,9 @@ function mayBeReplaced(folder) {
   if (!existsSync(folder)) return;
   const entries = readdirSync(folder);
   if (entries.length > 0 && !entries.includes("index.html")) {
-    throw new Error(`expected an empty folder or an earlier build at ${folder}, found other files: name another with --out`);
+    throw new Error(
+      `expected an empty folder or an earlier build at ${folder}, found other files: name another with --out`,
+    );
   }
 }
 
@@ -47,9 +49,20 @@ function replace(folder, built) {
 // Returns the file that each entry has become.
 async function scripts(out, entryPoints, options) {
   const result = await build({
-    absWorkingDir: web, entryPoints, outdir: join(out, "assets"),
-    entryNames: "[name]-[hash]", chunkNames: "[name]-[hash]", assetNames: "[name]-[hash]",
-    bundle: true, format: "esm", target: "es2022", minify: true, legalComments: "none", metafile: true, logLevel: "warning", ...options,
+    absWorkingDir: web,
+    entryPoints,
+    outdir: join(out, "assets"),
+    entryNames: "[name]-[hash]",
+    chunkNames: "[name]-[hash]",
+    assetNames: "[name]-[hash]",
+    bundle: true,
+    format: "esm",
+    target: "es2022",
+    minify: true,
+    legalComments: "none",
+    metafile: true,
+    logLevel: "warning",
+    ...options,
   });
   const entries = {};
   for (const [path, output] of Object.entries(result.metafile.outputs)) {
@@ -58,23 +71,45 @@ async function scripts(out, entryPoints, options) {
   return entries;
 }
 
-const pageSources = () => filesUnder(join(web, "src")).filter((path) => /\.tsx?$/.test(path) && !/\.test\.ts$/.test(path)).map((path) => readFileSync(path, "utf8"));
+const pageSources = () =>
+  filesUnder(join(web, "src"))
+    .filter((path) => /\.tsx?$/.test(path) && !/\.test\.ts$/.test(path))
+    .map((path) => readFileSync(path, "utf8"));
 
 // What a script loads at once, of our own sources.
 function loadedWith(inputs, entry) {
   const seen = new Set([entry]);
-  for (const path of seen) for (const item of inputs[path].imports) if (item.kind === "import-statement" && item.path in inputs) seen.add(item.path);
+  for (const path of seen)
+    for (const item of inputs[path].imports)
+      if (item.kind === "import-statement" && item.path in inputs) seen.add(item.path);
   return [...seen].filter((path) => path.startsWith("src/"));
 }
 
 // Which words each part of the page needs: the first those of all that is loaded before anybody signs in, each other what
 // its own sources name beyond.
 async function wordsOfParts(options) {
-  const { metafile } = await build({ ...options, entryPoints: ["src/app/main.tsx"], bundle: true, outdir: "unused", splitting: true, format: "esm", metafile: true, write: false, absWorkingDir: web, logLevel: "silent", plugins: [wordsByPart({})] });
+  const { metafile } = await build({
+    ...options,
+    entryPoints: ["src/app/main.tsx"],
+    bundle: true,
+    outdir: "unused",
+    splitting: true,
+    format: "esm",
+    metafile: true,
+    write: false,
+    absWorkingDir: web,
+    logLevel: "silent",
+    plugins: [wordsByPart({})],
+  });
   const keys = pageKeys();
-  const named = (entry) => new Set(loadedWith(metafile.inputs, entry).flatMap((path) => keysIn(readFileSync(join(web, path), "utf8"), keys)));
+  const named = (entry) =>
+    new Set(loadedWith(metafile.inputs, entry).flatMap((path) => keysIn(readFileSync(join(web, path), "utf8"), keys)));
   const first = named("src/app/main.tsx");
-  const lazy = Object.values(metafile.inputs).flatMap((input) => input.imports.filter((item) => item.kind === "dynamic-import" && item.path.startsWith("src/") && item.path.endsWith(".tsx")).map((item) => item.path));
+  const lazy = Object.values(metafile.inputs).flatMap((input) =>
+    input.imports
+      .filter((item) => item.kind === "dynamic-import" && item.path.startsWith("src/") && item.path.endsWith(".tsx"))
+      .map((item) => item.path),
+  );
   const parts = { first: [...first] };
   for (const entry of lazy) parts[basename(entry, ".tsx")] = [...named(entry)].filter((key) => !first.has(key));
   return parts;
@@ -84,9 +119,18 @@ async function wordsOfParts(options) {
 async function bundle(out) {
   const kWorker = "src/api/tooth_worker.ts";
   const worker = await scripts(out, [kWorker], { plugins: [englishAtOnce([])] });
-  const options = { splitting: true, jsx: "automatic", jsxImportSource: "preact", define: { kToothWorkerAddress: JSON.stringify(`/assets/${worker[kWorker]}`) } };
+  const options = {
+    splitting: true,
+    jsx: "automatic",
+    jsxImportSource: "preact",
+    define: { kToothWorkerAddress: JSON.stringify(`/assets/${worker[kWorker]}`) },
+  };
   const parts = await wordsOfParts(options);
-  return scripts(out, { app: "src/app/main.tsx", style: "src/app/style.css" }, { ...options, plugins: [wordsByPart(parts, shortKeys(pageSources()))] });
+  return scripts(
+    out,
+    { app: "src/app/main.tsx", style: "src/app/style.css" },
+    { ...options, plugins: [wordsByPart(parts, shortKeys(pageSources()))] },
+  );
 }
 
 // Everything under assets/ is cached for ever, so every name there changes with the content.
@@ -122,17 +166,24 @@ function compress(path) {
   const bytes = readFileSync(path);
   if (!kCompressible.test(path) || bytes.length < kMinimumCompressed) return;
   writeFileSync(`${path}.gz`, gzipSync(bytes, { level: 9 }));
-  writeFileSync(`${path}.br`, brotliCompressSync(bytes, {
-    params: { [constants.BROTLI_PARAM_QUALITY]: 11, [constants.BROTLI_PARAM_SIZE_HINT]: bytes.length },
-  }));
+  writeFileSync(
+    `${path}.br`,
+    brotliCompressSync(bytes, {
+      params: { [constants.BROTLI_PARAM_QUALITY]: 11, [constants.BROTLI_PARAM_SIZE_HINT]: bytes.length },
+    }),
+  );
 }
 
 function report(out) {
-  for (const path of filesUnder(out).filter((file) => kCompressible.test(file)).sort()) {
+  for (const path of filesUnder(out)
+    .filter((file) => kCompressible.test(file))
+    .sort()) {
     const gz = `${path}.gz`;
     const size = readFileSync(path).length;
     const packed = existsSync(gz) ? readFileSync(gz).length : size;
-    console.log(`${relative(out, path).padEnd(36)} ${(size / 1000).toFixed(1).padStart(8)} kB ${(packed / 1000).toFixed(1).padStart(8)} kB gz`);
+    console.log(
+      `${relative(out, path).padEnd(36)} ${(size / 1000).toFixed(1).padStart(8)} kB ${(packed / 1000).toFixed(1).padStart(8)} kB gz`,
+    );
   }
 }
 

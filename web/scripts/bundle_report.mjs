@@ -10,8 +10,16 @@ export async function bundleReport() {
   const parts = await scriptAndStyle();
   mkdirSync(join(web, "dist_lab"), { recursive: true });
   await build({
-    absWorkingDir: web, outfile: "dist_lab/draw_report.mjs", bundle: true, platform: "node", format: "esm", target: "node18", minify: true,
-    legalComments: "none", logLevel: "warning", plugins: [englishAtOnce()],
+    absWorkingDir: web,
+    outfile: "dist_lab/draw_report.mjs",
+    bundle: true,
+    platform: "node",
+    format: "esm",
+    target: "node18",
+    minify: true,
+    legalComments: "none",
+    logLevel: "warning",
+    plugins: [englishAtOnce()],
     stdin: {
       resolveDir: web,
       contents: `import * as reader from "./src/api/drawable.ts";

@@ -10,7 +10,14 @@ import { englishAtOnce } from "./words.mjs";
 // What the page itself makes of a report: one reader for both.
 async function reader() {
   const result = await build({
-    absWorkingDir: web, entryPoints: ["src/api/drawable.ts"], bundle: true, format: "esm", target: "node18", write: false, logLevel: "warning", plugins: [englishAtOnce()],
+    absWorkingDir: web,
+    entryPoints: ["src/api/drawable.ts"],
+    bundle: true,
+    format: "esm",
+    target: "node18",
+    write: false,
+    logLevel: "warning",
+    plugins: [englishAtOnce()],
   });
   return import(`data:text/javascript;base64,${Buffer.from(result.outputFiles[0].contents).toString("base64")}`);
 }

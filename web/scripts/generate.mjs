@@ -11,7 +11,9 @@ const target = new URL("../build/api.d.ts", import.meta.url);
 export async function generate() {
   generateWords();
   if (!existsSync(source)) {
-    throw new Error(`expected the API contract at ${fileURLToPath(source)}, found nothing: check out the whole repository`);
+    throw new Error(
+      `expected the API contract at ${fileURLToPath(source)}, found nothing: check out the whole repository`,
+    );
   }
   const stamp = `// schema ${createHash("sha256").update(readFileSync(source)).digest("hex")}\n`;
   if (existsSync(target) && readFileSync(target, "utf8").startsWith(stamp)) return;

@@ -15,7 +15,8 @@ import { people } from "../../tests/e2e/mock_world.mjs";
 const kSkipped = 77;
 const kNetwork = { offline: false, latency: 40, downloadThroughput: 1.25e6, uploadThroughput: 0.5e6 };
 const kUnbound = { offline: false, latency: 0, downloadThroughput: -1, uploadThroughput: -1 };
-const kPanFrames = 120, kMostZooms = 20;
+const kPanFrames = 120,
+  kMostZooms = 20;
 const kTickByTick = /tick by tick/;
 const kMockAttempt = "00000000-0000-7000-8000-000000000105";
 
@@ -27,14 +28,19 @@ function option(name, otherwise) {
 // Called in the page before anything of it runs. The browser tells of tasks of 50 ms and more only.
 function watchTasks() {
   globalThis.longTasks = [];
-  new PerformanceObserver((list) => { for (const entry of list.getEntries()) globalThis.longTasks.push(Math.round(entry.duration)); }).observe({ type: "longtask", buffered: true });
+  new PerformanceObserver((list) => {
+    for (const entry of list.getEntries()) globalThis.longTasks.push(Math.round(entry.duration));
+  }).observe({ type: "longtask", buffered: true });
 }
 
 // Called in the page: sets the playback's slider, and waits until its tooth is the one of that moment and was given to the
 // screen. Milliseconds of each.
 async function seekAll(moments) {
   const slider = document.querySelector(".playback input[type=range]");
-  const frame = () => new Promise((resolve) => { requestAnimationFrame(resolve); });
+  const frame = () =>
+    new Promise((resolve) => {
+      requestAnimationFrame(resolve);
+    });
   const times = [];
   for (const share of moments) {
     const wanted = String(Math.round(share * Number(slider.max)));
@@ -54,8 +60,21 @@ async function seekAll(moments) {
 async function pan(frames) {
   const over = document.querySelector(".force-card .u-over");
   const box = over.getBoundingClientRect();
-  const frame = () => new Promise((resolve) => { requestAnimationFrame(resolve); });
-  const send = (type, x) => over.dispatchEvent(new PointerEvent(type, { bubbles: true, clientX: box.left + x, clientY: box.top + box.height / 2, button: 0, buttons: 1, shiftKey: true }));
+  const frame = () =>
+    new Promise((resolve) => {
+      requestAnimationFrame(resolve);
+    });
+  const send = (type, x) =>
+    over.dispatchEvent(
+      new PointerEvent(type, {
+        bubbles: true,
+        clientX: box.left + x,
+        clientY: box.top + box.height / 2,
+        button: 0,
+        buttons: 1,
+        shiftKey: true,
+      }),
+    );
   let x = box.width / 2;
   send("pointerdown", x);
   await frame();
@@ -98,7 +117,9 @@ async function measure(browser, { baseUrl, login, password, attempt, seeks, slow
 
   const session = await page.context().newCDPSession(page);
   let bytes = 0;
-  session.on("Network.loadingFinished", ({ encodedDataLength }) => { bytes += encodedDataLength; });
+  session.on("Network.loadingFinished", ({ encodedDataLength }) => {
+    bytes += encodedDataLength;
+  });
   await session.send("Network.enable");
   await session.send("Network.clearBrowserCache");
   await session.send("Network.emulateNetworkConditions", kNetwork);
@@ -114,7 +135,11 @@ async function measure(browser, { baseUrl, login, password, attempt, seeks, slow
   found.longest_block_opening_ms = Math.max(0, ...(await takeTasks(page)));
 
   const times = await page.evaluate(seekAll, momentsOf(seeks));
-  Object.assign(found, { seek_median_ms: quantile(times, 0.5), seek_p95_ms: quantile(times, 0.95), seek_most_ms: quantile(times, 1) });
+  Object.assign(found, {
+    seek_median_ms: quantile(times, 0.5),
+    seek_p95_ms: quantile(times, 0.95),
+    seek_most_ms: quantile(times, 1),
+  });
   found.longest_block_seeking_ms = Math.max(0, ...(await takeTasks(page)));
 
   await page.getByRole("button", { name: "Play", exact: true }).click();
@@ -128,7 +153,7 @@ async function measure(browser, { baseUrl, login, password, attempt, seeks, slow
   for (let i = 0; i < 2; ++i) await page.keyboard.press("i");
   await takeTasks(page);
   found.pan_steps_per_s = Math.round(await page.evaluate(pan, kPanFrames));
-  for (let i = 0; i < kMostZooms && await page.getByRole("img", { name: kTickByTick }).count() === 0; ++i) {
+  for (let i = 0; i < kMostZooms && (await page.getByRole("img", { name: kTickByTick }).count()) === 0; ++i) {
     await page.keyboard.press("i");
     await page.waitForLoadState("networkidle");
   }
@@ -144,16 +169,28 @@ if (!chromiumIsThere()) {
   process.exit(kSkipped);
 }
 const real = process.env.BASE_URL;
-if (real !== undefined && !(process.env.LOGIN && process.env.PASSWORD && process.env.ATTEMPT)) throw new Error("BASE_URL is set, so LOGIN, PASSWORD and ATTEMPT are expected; found not all");
+if (real !== undefined && !(process.env.LOGIN && process.env.PASSWORD && process.env.ATTEMPT))
+  throw new Error("BASE_URL is set, so LOGIN, PASSWORD and ATTEMPT are expected; found not all");
 const instructor = people.find((person) => person.role === "instructor");
-const server = real === undefined ? await startMockServer({ dist: option("--dist") ?? fileURLToPath(new URL("../dist", import.meta.url)) }) : undefined;
+const server =
+  real === undefined
+    ? await startMockServer({ dist: option("--dist") ?? fileURLToPath(new URL("../dist", import.meta.url)) })
+    : undefined;
 // The mock server makes its files when they are first asked for, which takes it seconds: no part of what is measured.
 if (real === undefined) playbackOf();
 const browser = await launch();
 try {
-  const found = await measure(browser, { baseUrl: real ?? server.url, login: process.env.LOGIN ?? instructor.login, password: process.env.PASSWORD ?? instructor.password,
-                                         attempt: process.env.ATTEMPT ?? kMockAttempt, seeks: Number(option("--seeks", 100)), slower: Number(option("--slower", 1)) });
-  console.log(`against ${real === undefined ? "the mock server" : "a server"}; 10 Mbit/s and 40 ms until the tooth is there; processor ${option("--slower", 1)} times slower`);
+  const found = await measure(browser, {
+    baseUrl: real ?? server.url,
+    login: process.env.LOGIN ?? instructor.login,
+    password: process.env.PASSWORD ?? instructor.password,
+    attempt: process.env.ATTEMPT ?? kMockAttempt,
+    seeks: Number(option("--seeks", 100)),
+    slower: Number(option("--slower", 1)),
+  });
+  console.log(
+    `against ${real === undefined ? "the mock server" : "a server"}; 10 Mbit/s and 40 ms until the tooth is there; processor ${option("--slower", 1)} times slower`,
+  );
   for (const [name, value] of Object.entries(found)) console.log(`${name.padEnd(28)} ${String(value).padStart(10)}`);
   console.log(`load of the machine, last minute ${loadavg()[0].toFixed(1).padStart(10)}`);
   console.log("a block of 0: no task held the page's thread for 50 ms");

@@ -33,8 +33,13 @@ function page(title, report, script, style) {
 
 // What the system says of a path, in words.
 const kReasons = {
-  ENOENT: "nothing there", ENOTDIR: "a file where a folder should be", EISDIR: "a folder", EACCES: "no permission", EPERM: "no permission",
-  EROFS: "a disk that is read only", ENOSPC: "a full disk",
+  ENOENT: "nothing there",
+  ENOTDIR: "a file where a folder should be",
+  EISDIR: "a folder",
+  EACCES: "no permission",
+  EPERM: "no permission",
+  EROFS: "a disk that is read only",
+  ENOSPC: "a full disk",
 };
 const reason = (error) => kReasons[error.code] ?? error.message;
 const kHowToWrite = "write one with enamel-lab qualify --json FILE";
@@ -46,7 +51,9 @@ function readReport(from) {
     if (size > kLargest) throw new Error(`${(size / (1 << 20)).toFixed(0)} MiB`);
     text = readFileSync(from, "utf8");
   } catch (error) {
-    throw new Error(`${from}: expected a report that can be read, of at most ${kLargest >> 20} MiB, found ${reason(error)}; ${kHowToWrite}`);
+    throw new Error(
+      `${from}: expected a report that can be read, of at most ${kLargest >> 20} MiB, found ${reason(error)}; ${kHowToWrite}`,
+    );
   }
   try {
     return JSON.parse(text);
@@ -59,13 +66,16 @@ function readReport(from) {
 // `parts`: script, style, and drawable: what src/api/drawable.ts has.
 export function writePage(from, to, parts) {
   const drawable = parts.drawableIn(readReport(from));
-  if (!drawable.ok) throw new Error(`${from}: expected a report that can be drawn, but ${drawable.error}; ${kHowToWrite}`);
+  if (!drawable.ok)
+    throw new Error(`${from}: expected a report that can be drawn, but ${drawable.error}; ${kHowToWrite}`);
   // "<" cannot stand in a script element's text: it is written as JSON's own escape.
   const text = JSON.stringify(drawable.value).replaceAll("<", "\\u003c");
   try {
     writeFileSync(to, page(parts.titleOf(drawable.value), text, parts.script, parts.style));
   } catch (error) {
-    throw new Error(`${to}: expected a file that can be written, found ${error.code === "ENOENT" ? "no such folder" : reason(error)}; name another`);
+    throw new Error(
+      `${to}: expected a file that can be written, found ${error.code === "ENOENT" ? "no such folder" : reason(error)}; name another`,
+    );
   }
 }
 

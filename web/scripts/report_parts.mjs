@@ -9,21 +9,45 @@ export const web = fileURLToPath(new URL("..", import.meta.url));
 
 // The words of what `entry` is made of.
 async function wordsOf(entry) {
-  const { metafile } = await build({ absWorkingDir: web, entryPoints: [entry], bundle: true, write: false, metafile: true, logLevel: "silent", plugins: [englishAtOnce([])] });
-  const text = Object.keys(metafile.inputs).filter((path) => path.startsWith("src/")).map((path) => readFileSync(join(web, path), "utf8")).join("\n");
+  const { metafile } = await build({
+    absWorkingDir: web,
+    entryPoints: [entry],
+    bundle: true,
+    write: false,
+    metafile: true,
+    logLevel: "silent",
+    plugins: [englishAtOnce([])],
+  });
+  const text = Object.keys(metafile.inputs)
+    .filter((path) => path.startsWith("src/"))
+    .map((path) => readFileSync(join(web, path), "utf8"))
+    .join("\n");
   return englishAtOnce(keysIn(text, Object.keys(readCatalogue("en"))));
 }
 
 // `end`: what would end the element that holds the text, and how it is written instead.
 async function bundled(entry, end, written) {
   const result = await build({
-    absWorkingDir: web, entryPoints: [entry], bundle: true, format: "iife", target: "es2022", minify: true, write: false,
-    jsx: "automatic", jsxImportSource: "preact", legalComments: "none", logLevel: "warning", plugins: [await wordsOf(entry)],
+    absWorkingDir: web,
+    entryPoints: [entry],
+    bundle: true,
+    format: "iife",
+    target: "es2022",
+    minify: true,
+    write: false,
+    jsx: "automatic",
+    jsxImportSource: "preact",
+    legalComments: "none",
+    logLevel: "warning",
+    plugins: [await wordsOf(entry)],
   });
   return result.outputFiles[0].text.replaceAll(end, written);
 }
 
 export async function scriptAndStyle() {
-  const [script, style] = await Promise.all([bundled("src/app/report.tsx", /<\/script/gi, "<\\/script"), bundled("src/app/style.css", /<\/style/gi, "<\\/style")]);
+  const [script, style] = await Promise.all([
+    bundled("src/app/report.tsx", /<\/script/gi, "<\\/script"),
+    bundled("src/app/style.css", /<\/style/gi, "<\\/style"),
+  ]);
   return { script, style };
 }

@@ -20,10 +20,24 @@ function testFiles(folder) {
 const sources = testFiles(join(web, "src"));
 rmSync(out, { recursive: true, force: true });
 await build({
-  entryPoints: sources, outdir: out, outbase: join(web, "src"), outExtension: { ".js": ".mjs" },
-  bundle: true, platform: "node", format: "esm", target: "node18", sourcemap: "inline", logLevel: "warning", plugins: [englishAtOnce()], external: ["typescript"],
+  entryPoints: sources,
+  outdir: out,
+  outbase: join(web, "src"),
+  outExtension: { ".js": ".mjs" },
+  bundle: true,
+  platform: "node",
+  format: "esm",
+  target: "node18",
+  sourcemap: "inline",
+  logLevel: "warning",
+  plugins: [englishAtOnce()],
+  external: ["typescript"],
 });
 const compiled = sources.map((path) =>
-  join(out, relative(join(web, "src"), path).split(sep).join("/").replace(/\.ts$/, ".mjs")));
-const { status } = spawnSync(process.execPath, ["--test", "--enable-source-maps", ...compiled], { cwd: web, stdio: "inherit" });
+  join(out, relative(join(web, "src"), path).split(sep).join("/").replace(/\.ts$/, ".mjs")),
+);
+const { status } = spawnSync(process.execPath, ["--test", "--enable-source-maps", ...compiled], {
+  cwd: web,
+  stdio: "inherit",
+});
 process.exit(status ?? 1);

@@ -19,7 +19,10 @@ export function readCatalogue(language) {
 
 function readPart(language, part) {
   const file = new URL(`${language}/${part}.json`, kFolder);
-  if (!existsSync(file)) throw new Error(`expected the page's words at ${fileURLToPath(file)}, found nothing: check out the whole repository`);
+  if (!existsSync(file))
+    throw new Error(
+      `expected the page's words at ${fileURLToPath(file)}, found nothing: check out the whole repository`,
+    );
   const { version, messages } = JSON.parse(readFileSync(file, "utf8"));
   if (version !== kVersion) throw new Error(`${fileURLToPath(file)}: expected version ${kVersion}, found ${version}`);
   return messages;
@@ -35,7 +38,11 @@ function compiledTokens(tokens, around, where) {
     if (token.type === "content") text(token.value);
     else if (token.type === "argument") text(`{${token.arg}}`);
     else if (token.type === "octothorpe") text(`{${around}}`);
-    else if (token.type === "plural") pieces.push([token.arg, Object.fromEntries(token.cases.map(({ key, tokens: inner }) => [key, compiledTokens(inner, token.arg, where)]))]);
+    else if (token.type === "plural")
+      pieces.push([
+        token.arg,
+        Object.fromEntries(token.cases.map(({ key, tokens: inner }) => [key, compiledTokens(inner, token.arg, where)])),
+      ]);
     else throw new Error(`${where}: expected texts, {places} and plurals, found ${token.type}`);
   }
   return pieces.length === 0 ? "" : pieces.length === 1 && typeof pieces[0] === "string" ? pieces[0] : pieces;
@@ -75,7 +82,9 @@ export function keysIn(source, keys) {
 // Types of keys and places. Nothing is written where nothing changed.
 export function generateWords() {
   const places = Object.entries(readCatalogue("en")).map(([key, message]) => {
-    const names = Object.entries(placesOf(message, key)).map(([name, kind]) => `readonly ${name}: ${kind === "number" ? "number" : "string"}`);
+    const names = Object.entries(placesOf(message, key)).map(
+      ([name, kind]) => `readonly ${name}: ${kind === "number" ? "number" : "string"}`,
+    );
     return `    "${key}": {${names.length === 0 ? "" : ` ${names.join("; ")} `}};`;
   });
   const text = `declare module "enamel:words" {
@@ -101,16 +110,25 @@ function plugin(load, short = new Map()) {
   return {
     name: "words",
     setup(build) {
-      if (short.size > 0) build.onLoad({ filter: /\/src\/.*\.tsx?$/ }, ({ path }) => ({ contents: shortened(readFileSync(path, "utf8"), short), loader: path.endsWith("x") ? "tsx" : "ts" }));
+      if (short.size > 0)
+        build.onLoad({ filter: /\/src\/.*\.tsx?$/ }, ({ path }) => ({
+          contents: shortened(readFileSync(path, "utf8"), short),
+          loader: path.endsWith("x") ? "tsx" : "ts",
+        }));
       build.onResolve({ filter: kName }, ({ path }) => ({ path, namespace: "words" }));
-      build.onLoad({ filter: kName, namespace: "words" }, ({ path }) => ({ contents: load(path.split("/").slice(1)), loader: "js" }));
+      build.onLoad({ filter: kName, namespace: "words" }, ({ path }) => ({
+        contents: load(path.split("/").slice(1)),
+        loader: "js",
+      }));
     },
   };
 }
 
 const written = (language, keys, short = new Map()) => {
   const messages = readCatalogue(language);
-  return JSON.stringify(Object.fromEntries(keys.map((key) => [short.get(key) ?? key, compiled(messages[key], `${language} ${key}`)])));
+  return JSON.stringify(
+    Object.fromEntries(keys.map((key) => [short.get(key) ?? key, compiled(messages[key], `${language} ${key}`)])),
+  );
 };
 
 const kSaid = /(\bsay(?:With)?(?:<[^(]*>)?\()"([a-z0-9_]+\.[a-z0-9_]+)"/g;
@@ -126,7 +144,8 @@ export function shortKeys(sources) {
   return new Map(keys.filter((key) => said.has(key) && !other.has(key)).map((key, i) => [key, i.toString(36)]));
 }
 
-const shortened = (source, short) => source.replaceAll(kSaid, (whole, call, key) => short.has(key) ? `${call}"${short.get(key)}"` : whole);
+const shortened = (source, short) =>
+  source.replaceAll(kSaid, (whole, call, key) => (short.has(key) ? `${call}"${short.get(key)}"` : whole));
 
 // English alone, there from the start: for tests, and for what is read without a server. `keys`: all where there are none.
 export function englishAtOnce(keys = Object.keys(readCatalogue("en"))) {
@@ -141,9 +160,19 @@ const builtinKeys = () => Object.keys(readCatalogue("en")).filter((key) => kBuil
 // Each part in each language a file of its own, loaded when it is needed. `pageParts`: from its name to the keys it needs.
 export function wordsByPart(pageParts, short) {
   const parts = { ...pageParts, builtin: builtinKeys() };
-  const source = (language, part) => part === "builtin" && language === "en" ? "Promise.resolve({ default: {} })" : `import("enamel:words/${language}/${part}")`;
-  const list = (language) => Object.keys(parts).map((part) => `${part}: () => ${source(language, part)}`).join(", ");
-  return plugin(([language, part]) => language === undefined
-    ? `export const kAtOnce = {}; export const kParts = { ${kLanguages.map((code) => `${code}: { ${list(code)} }`).join(", ")} };`
-    : `export default ${written(language, parts[part], short)};`, short);
+  const source = (language, part) =>
+    part === "builtin" && language === "en"
+      ? "Promise.resolve({ default: {} })"
+      : `import("enamel:words/${language}/${part}")`;
+  const list = (language) =>
+    Object.keys(parts)
+      .map((part) => `${part}: () => ${source(language, part)}`)
+      .join(", ");
+  return plugin(
+    ([language, part]) =>
+      language === undefined
+        ? `export const kAtOnce = {}; export const kParts = { ${kLanguages.map((code) => `${code}: { ${list(code)} }`).join(", ")} };`
+        : `export default ${written(language, parts[part], short)};`,
+    short,
+  );
 }

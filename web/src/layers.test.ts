@@ -7,7 +7,16 @@ import { test } from "node:test";
 const kLayers = ["base", "api", "widgets", "features", "app"];
 const kSource = resolve("src");
 // What draws a tooth. It comes with the first one: from elsewhere nothing of it is imported at once.
-const kThree = ["widgets/tooth/scene", "widgets/tooth/blocks", "widgets/tooth/force_arrow", "widgets/tooth/line_group", "widgets/tooth/ghost", "widgets/tooth/quick_material", "widgets/tooth/tissue_colors", "widgets/tooth/section"];
+const kThree = [
+  "widgets/tooth/scene",
+  "widgets/tooth/blocks",
+  "widgets/tooth/force_arrow",
+  "widgets/tooth/line_group",
+  "widgets/tooth/ghost",
+  "widgets/tooth/quick_material",
+  "widgets/tooth/tissue_colors",
+  "widgets/tooth/section",
+];
 // Packages that only some places may know, so that list pages stay small and layers stay honest.
 const kPackageHomes: Readonly<Record<string, readonly string[]>> = {
   three: kThree.map((path) => `${path}.ts`),
@@ -16,8 +25,8 @@ const kPackageHomes: Readonly<Record<string, readonly string[]>> = {
 };
 
 interface Import {
-  readonly from: string;                        // path under src
-  readonly to: string;                          // as written
+  readonly from: string; // path under src
+  readonly to: string; // as written
   readonly isType: boolean;
   readonly isDynamic: boolean;
 }
@@ -33,7 +42,10 @@ function sources(folder: string): string[] {
 function importsOf(path: string): Import[] {
   const pattern = /(?:import|export)\s+(type\s)?[^;"']*?from\s+"([^"]+)"|import\("([^"]+)"\)|import\s+"([^"]+)"/g;
   return [...readFileSync(path, "utf8").matchAll(pattern)].map((match) => ({
-    from: relative(kSource, path), to: match[2] ?? match[3] ?? match[4] ?? "", isType: match[1] !== undefined, isDynamic: match[3] !== undefined,
+    from: relative(kSource, path),
+    to: match[2] ?? match[3] ?? match[4] ?? "",
+    isType: match[1] !== undefined,
+    isDynamic: match[3] !== undefined,
   }));
 }
 
@@ -62,7 +74,8 @@ test("features do not import each other", () => {
   for (const item of imports) {
     const [layer, feature] = (target(item) ?? "").split("/");
     const [fromLayer, fromFeature] = item.from.split("/");
-    if (layer === "features" && fromLayer === "features") assert.equal(feature, fromFeature, `${item.from} imports ${item.to}`);
+    if (layer === "features" && fromLayer === "features")
+      assert.equal(feature, fromFeature, `${item.from} imports ${item.to}`);
   }
 });
 
@@ -78,7 +91,10 @@ test("widgets know no requests and no application state", () => {
   for (const item of imports) {
     if (!item.from.startsWith("widgets/")) continue;
     const to = target(item) ?? "";
-    assert.ok(!["api/client", "api/http", "api/use_request", "api/use_pages", "api/use_change"].includes(to) || item.isType, `${item.from} imports ${to}`);
+    assert.ok(
+      !["api/client", "api/http", "api/use_request", "api/use_pages", "api/use_change"].includes(to) || item.isType,
+      `${item.from} imports ${to}`,
+    );
   }
 });
 
@@ -86,7 +102,10 @@ test("three and uplot are loaded only where they are drawn with, and never with 
   for (const item of imports) {
     for (const [name, homes] of Object.entries(kPackageHomes)) {
       if (item.to !== name && !item.to.startsWith(`${name}/`)) continue;
-      assert.ok(item.isType || homes.some((home) => item.from === home || item.from.startsWith(`${home}/`)), `${item.from} imports ${item.to}`);
+      assert.ok(
+        item.isType || homes.some((home) => item.from === home || item.from.startsWith(`${home}/`)),
+        `${item.from} imports ${item.to}`,
+      );
       if (name === "uplot") assert.ok(item.isType || item.isDynamic, `${item.from} loads uplot with the page`);
     }
     const loadsThree = kThree.includes(target(item) ?? "") && !kThree.includes(item.from.replace(/\.ts$/, ""));

@@ -8,9 +8,16 @@ import { keysIn, placesOf } from "../scripts/words.mjs";
 // The catalogues of schemas/words hold all that the page says: schemas/words.md.
 
 const kLanguages = ["en", "de", "zh"] as const;
-const partOf = (language: string, part: string) => (JSON.parse(readFileSync(`../schemas/words/${language}/${part}.json`, "utf8")) as { readonly messages: Readonly<Record<string, string>> }).messages;
+const partOf = (language: string, part: string) =>
+  (
+    JSON.parse(readFileSync(`../schemas/words/${language}/${part}.json`, "utf8")) as {
+      readonly messages: Readonly<Record<string, string>>;
+    }
+  ).messages;
 const messagesOf = (language: string) => ({ ...partOf(language, "page"), ...partOf(language, "exercise") });
-const catalogues = Object.fromEntries(kLanguages.map((language) => [language, messagesOf(language)])) as Readonly<Record<(typeof kLanguages)[number], Readonly<Record<string, string>>>>;
+const catalogues = Object.fromEntries(kLanguages.map((language) => [language, messagesOf(language)])) as Readonly<
+  Record<(typeof kLanguages)[number], Readonly<Record<string, string>>>
+>;
 const keys = Object.keys(catalogues.en);
 
 function sources(folder: string): string[] {
@@ -25,15 +32,25 @@ const files = sources("src").map((path) => ({ path, text: readFileSync(path, "ut
 test("every language has the same keys, in order, and every key is well formed", () => {
   assert.ok(keys.length > 100, `${keys.length} keys`);
   for (const language of kLanguages) {
-    for (const part of ["page", "exercise"]) assert.deepEqual(Object.keys(partOf(language, part)), Object.keys(partOf("en", part)).sort(), `${language} ${part}`);
+    for (const part of ["page", "exercise"])
+      assert.deepEqual(
+        Object.keys(partOf(language, part)),
+        Object.keys(partOf("en", part)).sort(),
+        `${language} ${part}`,
+      );
   }
   for (const key of keys) assert.match(key, /^[a-z0-9_]+\.[a-z0-9_]+$/);
 });
 
 test("no two parts have the same key", () => {
   assert.equal(keys.length, Object.keys(partOf("en", "page")).length + Object.keys(partOf("en", "exercise")).length);
-  const { messages } = JSON.parse(readFileSync("../schemas/words/en/window.json", "utf8")) as { readonly messages: Readonly<Record<string, string>> };
-  assert.deepEqual(keys.filter((key) => Object.hasOwn(messages, key)), []);
+  const { messages } = JSON.parse(readFileSync("../schemas/words/en/window.json", "utf8")) as {
+    readonly messages: Readonly<Record<string, string>>;
+  };
+  assert.deepEqual(
+    keys.filter((key) => Object.hasOwn(messages, key)),
+    [],
+  );
 });
 
 test("every message is one, with the same places in every language and no apostrophe that ICU would swallow", () => {
@@ -50,7 +67,9 @@ test("every message is one, with the same places in every language and no apostr
 function sortedPlaces(language: (typeof kLanguages)[number], key: string): string[] {
   const places = placesOf(catalogues[language][key]!, `${language} ${key}`);
   if (key.startsWith("error_code.")) delete places["said"];
-  return Object.entries(places).map(([name, kind]) => `${name}: ${kind}`).sort();
+  return Object.entries(places)
+    .map(([name, kind]) => `${name}: ${kind}`)
+    .sort();
 }
 
 test("a plural has the cases that its language needs", () => {
@@ -61,7 +80,8 @@ test("a plural has the cases that its language needs", () => {
         const named = [...cases.matchAll(/(=\d+|\w+) \{/g)].map((match) => match[1]!);
         assert.ok(named.includes("other"), `${language} ${key}`);
         // Where all cases read alike one is enough.
-        if (named.length > 1) for (const category of needed) assert.ok(named.includes(category), `${language} ${key} has no ${category}`);
+        if (named.length > 1)
+          for (const category of needed) assert.ok(named.includes(category), `${language} ${key} has no ${category}`);
       }
     }
   }
@@ -70,7 +90,10 @@ test("a plural has the cases that its language needs", () => {
 test("every key is said somewhere", () => {
   const all = files.map(({ text }) => text).join("\n");
   const said = new Set(keysIn(all, keys));
-  assert.deepEqual(keys.filter((key) => !said.has(key)), []);
+  assert.deepEqual(
+    keys.filter((key) => !said.has(key)),
+    [],
+  );
 });
 
 test("nothing is said while a file is loaded, before its words are there", () => {
@@ -79,7 +102,8 @@ test("nothing is said while a file is loaded, before its words are there", () =>
     const source = ts.createSourceFile(path, text, ts.ScriptTarget.Latest, true);
     const visit = (node: ts.Node): void => {
       if (ts.isFunctionLike(node)) return;
-      if (ts.isCallExpression(node) && /^say(With|If|IfWith)?$/.test(node.expression.getText(source))) early.push(`${path}: ${node.getText(source)}`);
+      if (ts.isCallExpression(node) && /^say(With|If|IfWith)?$/.test(node.expression.getText(source)))
+        early.push(`${path}: ${node.getText(source)}`);
       ts.forEachChild(node, visit);
     };
     visit(source);
@@ -90,9 +114,29 @@ test("nothing is said while a file is loaded, before its words are there", () =>
 // What has no other form in other languages.
 const kNoWords = /^(?:Enamel|English|Deutsch|中文|Ctrl\+[A-Z]|CSV|JSON|WebGL|N|s|mm|min|kB|B|MB|GB|%|°|X|Y|Z|A|B)$/;
 const kAlwaysRead = new Set(["label", "title", "aria-label", "placeholder", "alt", "hint"]);
-const kShown = new Set(["label", "title", "aria-label", "placeholder", "alt", "hint", "legend", "action", "what", "empty", "message", "document", "aria-roledescription", "valueTitle"]);
+const kShown = new Set([
+  "label",
+  "title",
+  "aria-label",
+  "placeholder",
+  "alt",
+  "hint",
+  "legend",
+  "action",
+  "what",
+  "empty",
+  "message",
+  "document",
+  "aria-roledescription",
+  "valueTitle",
+]);
 
-const kGivesAText = new Set<ts.SyntaxKind>([ts.SyntaxKind.PlusToken, ts.SyntaxKind.AmpersandAmpersandToken, ts.SyntaxKind.BarBarToken, ts.SyntaxKind.QuestionQuestionToken]);
+const kGivesAText = new Set<ts.SyntaxKind>([
+  ts.SyntaxKind.PlusToken,
+  ts.SyntaxKind.AmpersandAmpersandToken,
+  ts.SyntaxKind.BarBarToken,
+  ts.SyntaxKind.QuestionQuestionToken,
+]);
 
 function hasWords(text: string): boolean {
   const trimmed = text.replaceAll(/&\w+;/g, " ").trim();
@@ -105,7 +149,8 @@ function ownWords(path: string, text: string): string[] {
   const source = ts.createSourceFile(path, text, ts.ScriptTarget.Latest, true);
   const found: string[] = [];
   const told = (node: ts.Node, words: string) => {
-    if (hasWords(words)) found.push(`${path}:${source.getLineAndCharacterOfPosition(node.getStart(source)).line + 1}: ${words.trim()}`);
+    if (hasWords(words))
+      found.push(`${path}:${source.getLineAndCharacterOfPosition(node.getStart(source)).line + 1}: ${words.trim()}`);
   };
   // A small word by itself names a case where the place is not always one that is read.
   const read = (name: string, node: ts.Expression | undefined) => {
@@ -115,21 +160,32 @@ function ownWords(path: string, text: string): string[] {
   const literals = (node: ts.Expression | undefined): void => {
     if (node === undefined) return;
     if (ts.isStringLiteralLike(node)) told(node, node.text);
-    else if (ts.isTemplateExpression(node)) told(node, [node.head.text, ...node.templateSpans.map((span) => span.literal.text)].join(" "));
+    else if (ts.isTemplateExpression(node))
+      told(node, [node.head.text, ...node.templateSpans.map((span) => span.literal.text)].join(" "));
     else if (ts.isConditionalExpression(node)) [node.whenTrue, node.whenFalse].forEach(literals);
-    else if (ts.isBinaryExpression(node) && kGivesAText.has(node.operatorToken.kind)) [node.left, node.right].forEach(literals);
+    else if (ts.isBinaryExpression(node) && kGivesAText.has(node.operatorToken.kind))
+      [node.left, node.right].forEach(literals);
     else if (ts.isParenthesizedExpression(node)) literals(node.expression);
   };
   // What is typed or named as it is.
-  const isCode = (node: ts.Node) => ts.isJsxElement(node) && ["code", "kbd"].includes(node.openingElement.tagName.getText(source));
+  const isCode = (node: ts.Node) =>
+    ts.isJsxElement(node) && ["code", "kbd"].includes(node.openingElement.tagName.getText(source));
   const visit = (node: ts.Node): void => {
     if (isCode(node)) return;
     if (ts.isJsxText(node)) told(node, node.text);
     if (ts.isJsxExpression(node) && !ts.isJsxAttribute(node.parent)) literals(node.expression);
     if (ts.isJsxAttribute(node) && kShown.has(node.name.getText(source)) && node.initializer !== undefined) {
-      read(node.name.getText(source), ts.isJsxExpression(node.initializer) ? node.initializer.expression : ts.isStringLiteral(node.initializer) ? node.initializer : undefined);
+      read(
+        node.name.getText(source),
+        ts.isJsxExpression(node.initializer)
+          ? node.initializer.expression
+          : ts.isStringLiteral(node.initializer)
+            ? node.initializer
+            : undefined,
+      );
     }
-    if (ts.isPropertyAssignment(node) && kShown.has(node.name.getText(source))) read(node.name.getText(source), node.initializer);
+    if (ts.isPropertyAssignment(node) && kShown.has(node.name.getText(source)))
+      read(node.name.getText(source), node.initializer);
     ts.forEachChild(node, visit);
   };
   visit(source);
@@ -138,15 +194,33 @@ function ownWords(path: string, text: string): string[] {
 
 test("words of a source's own are found", () => {
   const find = (text: string) => ownWords("x.tsx", `const a = ${text};`).length;
-  for (const text of ["<p>Some words</p>", '<p title="Words" />',
+  for (const text of [
+    "<p>Some words</p>",
+    '<p title="Words" />',
     // biome-ignore lint/suspicious/noTemplateCurlyInString: the placeholder belongs to the checked source
-    '<p aria-label={`${n} words`} />', '<p>{on ? "yes" : "no"}</p>', '({ title: "Words" })', '<p>{on && "words"}</p>', '<Field hint={"Some " + what} />'])
+    "<p aria-label={`${n} words`} />",
+    '<p>{on ? "yes" : "no"}</p>',
+    '({ title: "Words" })',
+    '<p>{on && "words"}</p>',
+    '<Field hint={"Some " + what} />',
+  ])
     assert.ok(find(text) > 0, text);
-  for (const text of ["<p>Enamel</p>", '<p class="words" />', '<p>{say("a.b")}</p>', '({ key: "words" })', "<p>{n} %</p>", '<p title={say("a.b")} />']) assert.equal(find(text), 0, text);
+  for (const text of [
+    "<p>Enamel</p>",
+    '<p class="words" />',
+    '<p>{say("a.b")}</p>',
+    '({ key: "words" })',
+    "<p>{n} %</p>",
+    '<p title={say("a.b")} />',
+  ])
+    assert.equal(find(text), 0, text);
 });
 
 test("no source of the page has words of its own", () => {
-  assert.deepEqual(files.filter(({ path }) => !kEnglish.has(path)).flatMap(({ path, text }) => ownWords(path, text)), []);
+  assert.deepEqual(
+    files.filter(({ path }) => !kEnglish.has(path)).flatMap(({ path, text }) => ownWords(path, text)),
+    [],
+  );
 });
 
 // What draws a report of the lab, whose texts are English: schemas/words.md.

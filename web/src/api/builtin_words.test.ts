@@ -6,18 +6,33 @@ import { kLanguages, speak } from "../base/language";
 import { nameOf, numbersOf, sentencesOf, wordedText, wordedTitle } from "./builtin_words";
 
 // All that is built in: tests/common/scene/words_test.cpp writes it down.
-const lines = readFileSync("../schemas/golden/builtin_words.txt", "utf8").split("\n").filter((line) => line !== "");
+const lines = readFileSync("../schemas/golden/builtin_words.txt", "utf8")
+  .split("\n")
+  .filter((line) => line !== "");
 const titles = lines.filter((line) => line.startsWith("title ")).map((line) => line.slice("title ".length));
-const sentences = [...new Set(lines.filter((line) => line.startsWith("text ")).flatMap((line) => sentencesOf(line.slice("text ".length))))];
-const messagesOf = (language: string) => (JSON.parse(readFileSync(`../schemas/words/${language}/exercise.json`, "utf8")) as { readonly messages: Readonly<Record<string, string>> }).messages;
+const sentences = [
+  ...new Set(
+    lines.filter((line) => line.startsWith("text ")).flatMap((line) => sentencesOf(line.slice("text ".length))),
+  ),
+];
+const messagesOf = (language: string) =>
+  (
+    JSON.parse(readFileSync(`../schemas/words/${language}/exercise.json`, "utf8")) as {
+      readonly messages: Readonly<Record<string, string>>;
+    }
+  ).messages;
 const english = messagesOf("en");
-const builtIn = new Map<string, string>([...titles.map((title) => [`builtin_title.${nameOf(title)}`, title] as const), ...sentences.map((sentence) => [`builtin_text.${nameOf(sentence)}`, sentence] as const)]);
+const builtIn = new Map<string, string>([
+  ...titles.map((title) => [`builtin_title.${nameOf(title)}`, title] as const),
+  ...sentences.map((sentence) => [`builtin_text.${nameOf(sentence)}`, sentence] as const),
+]);
 
 afterEach(() => speak("en"));
 
 test("every built-in title and sentence has its message, which is the same in English", () => {
   assert.ok(titles.length > 60 && sentences.length > 70, `${titles.length} titles and ${sentences.length} sentences`);
-  const filled = (message: string, text: string) => Object.entries(numbersOf(text)).reduce((now, [place, value]) => now.replace(`{${place}}`, value), message);
+  const filled = (message: string, text: string) =>
+    Object.entries(numbersOf(text)).reduce((now, [place, value]) => now.replace(`{${place}}`, value), message);
   for (const [key, text] of builtIn) {
     assert.ok(english[key] !== undefined, `no ${key} in schemas/words/*/exercise.json: ${text}`);
     assert.equal(filled(english[key], text), text.replaceAll("'", "’"), key);
@@ -32,7 +47,10 @@ test("every language says it in words of its own", () => {
 });
 
 test("no message is left of what is no longer built in", () => {
-  assert.deepEqual(Object.keys(english).filter((key) => /^builtin_(title|text)\./.test(key) && !builtIn.has(key)), []);
+  assert.deepEqual(
+    Object.keys(english).filter((key) => /^builtin_(title|text)\./.test(key) && !builtIn.has(key)),
+    [],
+  );
 });
 
 test("what a school has written stays as it was typed", () => {
@@ -46,10 +64,16 @@ test("what a school has written stays as it was typed", () => {
 test("a built-in text is said sentence by sentence with its own numbers", () => {
   speak("de");
   // The tests have the English messages alone: their numbers are written as German has them.
-  assert.equal(wordedText("Take 1.2 mm off the incisal edge. The root stays untouched."), "Take 1,2 mm off the incisal edge. The root stays untouched.");
+  assert.equal(
+    wordedText("Take 1.2 mm off the incisal edge. The root stays untouched."),
+    "Take 1,2 mm off the incisal edge. The root stays untouched.",
+  );
   assert.equal(wordedTitle("Practice: Line, 8 x 1.5 mm and 2.0 mm deep"), "Practice: Line, 8 x 1,5 mm and 2,0 mm deep");
   speak("zh");
-  assert.equal(wordedText("Do not expose the pulp. The root stays untouched."), "Do not expose the pulp.The root stays untouched.");
+  assert.equal(
+    wordedText("Do not expose the pulp. The root stays untouched."),
+    "Do not expose the pulp.The root stays untouched.",
+  );
 });
 
 function sources(folder: string): string[] {
@@ -64,8 +88,17 @@ function sources(folder: string): string[] {
 const kUnworded = ["src/features/cohorts/grades.ts"];
 
 test("no title or instruction of an exercise is shown without its words", () => {
-  const bare = sources("src").filter((path) => !kUnworded.includes(path)).flatMap((path) => readFileSync(path, "utf8").split("\n")
-    .filter((line) => /\bexercise\.(?:title(?! === null)|instructions)\b/.test(line.replaceAll(/worded(?:Title|Text)\([^()]*\)/g, "")))
-    .map((line) => `${path}: ${line.trim()}`));
+  const bare = sources("src")
+    .filter((path) => !kUnworded.includes(path))
+    .flatMap((path) =>
+      readFileSync(path, "utf8")
+        .split("\n")
+        .filter((line) =>
+          /\bexercise\.(?:title(?! === null)|instructions)\b/.test(
+            line.replaceAll(/worded(?:Title|Text)\([^()]*\)/g, ""),
+          ),
+        )
+        .map((line) => `${path}: ${line.trim()}`),
+    );
   assert.deepEqual(bare, []);
 });

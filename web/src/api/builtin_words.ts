@@ -23,13 +23,20 @@ export function sentencesOf(text: string): readonly string[] {
 }
 
 export function nameOf(text: string): string {
-  return (text.replaceAll(kNumber, "n").toLowerCase().match(/[a-z0-9]+/g) ?? []).join("_");
+  return (
+    text
+      .replaceAll(kNumber, "n")
+      .toLowerCase()
+      .match(/[a-z0-9]+/g) ?? []
+  ).join("_");
 }
 
 // From the name of the place, "a" for the first, to the number with as many decimals as were written.
 export function numbersOf(text: string): Readonly<Record<string, string>> {
-  return Object.fromEntries((text.match(kNumber) ?? []).map((number, i) => {
-    const decimals = number.split(".")[1]?.length ?? 0;
-    return [String.fromCharCode(97 + i), numberText(Number(number), decimals, decimals)];
-  }));
+  return Object.fromEntries(
+    (text.match(kNumber) ?? []).map((number, i) => {
+      const decimals = number.split(".")[1]?.length ?? 0;
+      return [String.fromCharCode(97 + i), numberText(Number(number), decimals, decimals)];
+    }),
+  );
 }

@@ -10,19 +10,26 @@ interface Call {
 function clientThatGets(answers: Array<Response | Error>) {
   const calls: Call[] = [];
   let lost = 0;
-  const client = new Client(() => { ++lost; }, async (path, init) => {
-    calls.push({ path, init });
-    const answer = answers.shift();
-    if (answer === undefined || answer instanceof Error) throw answer ?? new Error("no answer prepared");
-    return answer;
-  });
+  const client = new Client(
+    () => {
+      ++lost;
+    },
+    async (path, init) => {
+      calls.push({ path, init });
+      const answer = answers.shift();
+      if (answer === undefined || answer instanceof Error) throw answer ?? new Error("no answer prepared");
+      return answer;
+    },
+  );
   return { client, calls, lost: () => lost };
 }
 
 const refusal = (status: number, code: string) =>
   new Response(JSON.stringify({ error: { code, message: `says ${code}`, field: "" } }), { status });
-const session = () => Response.json({ person: { id: "p", login: "l", display_name: "P", role: "student" }, csrf: "token" });
-const header = (call: Call | undefined, name: string) => (call?.init.headers as Record<string, string> | undefined)?.[name];
+const session = () =>
+  Response.json({ person: { id: "p", login: "l", display_name: "P", role: "student" }, csrf: "token" });
+const header = (call: Call | undefined, name: string) =>
+  (call?.init.headers as Record<string, string> | undefined)?.[name];
 
 test("a wrong password is an error with the server's sentence and no lost session", async () => {
   const { client, lost } = clientThatGets([refusal(401, "unauthenticated")]);
@@ -38,7 +45,11 @@ test("a request that finds no session any more reports it once", async () => {
 });
 
 test("what changes something repeats the session's csrf value; sign-in and reads do not", async () => {
-  const { client, calls } = clientThatGets([session(), Response.json({ exercises: [], next: null }), new Response(null, { status: 204 })]);
+  const { client, calls } = clientThatGets([
+    session(),
+    Response.json({ exercises: [], next: null }),
+    new Response(null, { status: 204 }),
+  ]);
   await client.signIn("a", "b");
   await client.teaching.exercises();
   await client.teaching.release({ id: "x", revision: 1 });
@@ -49,7 +60,12 @@ test("what changes something repeats the session's csrf value; sign-in and reads
 });
 
 test("no answer, a body that is no JSON and a surface that is none are each an error, never a throw", async () => {
-  const { client } = clientThatGets([new Error("refused"), new Response("<html>"), new Response("ENSF"), new Response("proxy says no", { status: 502 })]);
+  const { client } = clientThatGets([
+    new Error("refused"),
+    new Response("<html>"),
+    new Response("ENSF"),
+    new Response("proxy says no", { status: 502 }),
+  ]);
   const unreachable = await client.teaching.exercises();
   const html = await client.teaching.exercises();
   const surface = await client.surface("x");
@@ -61,7 +77,18 @@ test("no answer, a body that is no JSON and a surface that is none are each an e
 });
 
 test("what was read ahead is given out once, for its own attempt, and asked again where it failed", async () => {
-  const series = () => Response.json({ rate_hz: 1000, step_ticks: 24, t_s: [0], force_n: [0], force_mean_n: [0], bound_n: [0], removed_mm3: [0], removed_by_tissue: {}, anchor_mm: [[0, 0, 0]] });
+  const series = () =>
+    Response.json({
+      rate_hz: 1000,
+      step_ticks: 24,
+      t_s: [0],
+      force_n: [0],
+      force_mean_n: [0],
+      bound_n: [0],
+      removed_mm3: [0],
+      removed_by_tissue: {},
+      anchor_mm: [[0, 0, 0]],
+    });
   const { client, calls } = clientThatGets([series(), series(), series(), new Error("lost"), series()]);
   client.readAhead("a");
   client.readAhead("a");
@@ -84,13 +111,24 @@ test("ids and filters are escaped into the address and empty filters left out", 
 });
 
 test("a change that needs the password again is sent once more after it was given, and only then", async () => {
-  const { client, calls } = clientThatGets([refusal(403, "confirm_password"), Response.json({ id: "p", password: "once" }),
-                                            refusal(403, "confirm_password"), refusal(403, "confirm_password"), refusal(403, "confirm_password")]);
+  const { client, calls } = clientThatGets([
+    refusal(403, "confirm_password"),
+    Response.json({ id: "p", password: "once" }),
+    refusal(403, "confirm_password"),
+    refusal(403, "confirm_password"),
+    refusal(403, "confirm_password"),
+  ]);
   let asked = 0;
-  client.onConfirmPassword(async () => { ++asked; return true; });
+  client.onConfirmPassword(async () => {
+    ++asked;
+    return true;
+  });
   const reset = await client.people.resetPassword("p");
   assert.equal(reset.ok && reset.value.password, "once");
-  assert.deepEqual(calls.map((call) => call.path), ["/api/v1/people/p/password", "/api/v1/people/p/password"]);
+  assert.deepEqual(
+    calls.map((call) => call.path),
+    ["/api/v1/people/p/password", "/api/v1/people/p/password"],
+  );
   const still = await client.people.resetPassword("p");
   assert.equal(!still.ok && still.error.code, "confirm_password");
   assert.equal(asked, 2);
@@ -101,8 +139,13 @@ test("a change that needs the password again is sent once more after it was give
 });
 
 test("an edit repeats the tag it was read with, and a conflict carries what somebody else saved", async () => {
-  const stale = new Response(JSON.stringify({ error: { code: "precondition_failed", message: "m", field: "revision" }, current: { name: "theirs" } }),
-                             { status: 412, headers: { ETag: '"8"' } });
+  const stale = new Response(
+    JSON.stringify({
+      error: { code: "precondition_failed", message: "m", field: "revision" },
+      current: { name: "theirs" },
+    }),
+    { status: 412, headers: { ETag: '"8"' } },
+  );
   const { client, calls } = clientThatGets([stale]);
   const result = await client.people.editCohort("c", { name: "mine" }, '"7"');
   assert.equal(header(calls[0], "If-Match"), '"7"');
@@ -111,8 +154,11 @@ test("an edit repeats the tag it was read with, and a conflict carries what some
 });
 
 test("a list gives its rows and where it goes on, and one without rows is an error", async () => {
-  const { client, calls } = clientThatGets([Response.json({ people: [{ id: "a" }], next: "c2" }), Response.json({ people: [{ id: "b" }], next: null }),
-                                            Response.json({ persons: [] })]);
+  const { client, calls } = clientThatGets([
+    Response.json({ people: [{ id: "a" }], next: "c2" }),
+    Response.json({ people: [{ id: "b" }], next: null }),
+    Response.json({ persons: [] }),
+  ]);
   const first = await client.people.list({ text: "x", role: "" });
   assert.ok(first.ok && first.value.next === "c2" && first.value.items.length === 1);
   assert.equal(calls[0]?.path, "/api/v1/people?text=x");
@@ -122,7 +168,9 @@ test("a list gives its rows and where it goes on, and one without rows is an err
 });
 
 test("what a screen shows as a whole is read to its last page", async () => {
-  const lists: ReadonlyArray<readonly [string, (client: Client) => Promise<{ readonly ok: boolean; readonly value?: readonly unknown[] }>]> = [
+  const lists: ReadonlyArray<
+    readonly [string, (client: Client) => Promise<{ readonly ok: boolean; readonly value?: readonly unknown[] }>]
+  > = [
     ["exercises", (client) => client.teaching.exercises("draft")],
     ["versions", (client) => client.teaching.versions("x")],
     ["references", (client) => client.teaching.references("x")],
@@ -140,24 +188,42 @@ test("what a screen shows as a whole is read to its last page", async () => {
   ];
   for (const [name, ask] of lists) {
     const rows = (first: number, count: number) => Array.from({ length: count }, (_, i) => ({ id: first + i }));
-    const { client, calls } = clientThatGets([Response.json({ [name]: rows(0, 200), next: "c2" }), Response.json({ [name]: rows(200, 200), next: "c3" }),
-                                              Response.json({ [name]: rows(400, 1), next: null })]);
+    const { client, calls } = clientThatGets([
+      Response.json({ [name]: rows(0, 200), next: "c2" }),
+      Response.json({ [name]: rows(200, 200), next: "c3" }),
+      Response.json({ [name]: rows(400, 1), next: null }),
+    ]);
     const result = await ask(client);
     assert.equal(result.value?.length, 401, name);
-    assert.deepEqual(calls.map((call) => new URL(call.path, "http://localhost").searchParams.get("cursor")), [null, "c2", "c3"], name);
+    assert.deepEqual(
+      calls.map((call) => new URL(call.path, "http://localhost").searchParams.get("cursor")),
+      [null, "c2", "c3"],
+      name,
+    );
   }
 });
 
 test("a list of which a page is refused is an error, not a part of it", async () => {
-  const { client } = clientThatGets([Response.json({ versions: [{ id: "a" }], next: "c2" }), refusal(503, "unavailable")]);
+  const { client } = clientThatGets([
+    Response.json({ versions: [{ id: "a" }], next: "c2" }),
+    refusal(503, "unavailable"),
+  ]);
   const result = await client.teaching.versions("x");
   assert.equal(!result.ok && result.error.code, "unavailable");
 });
 
 test("a roster with problems is a report, not an error; any other refusal is one", async () => {
   const { client } = clientThatGets([
-    new Response(JSON.stringify({ error: { code: "invalid_input", message: "m", field: "body" }, problems: [{ row: 2 }], problem_count: 1 }), { status: 400 }),
-    refusal(415, "unsupported_media_type")]);
+    new Response(
+      JSON.stringify({
+        error: { code: "invalid_input", message: "m", field: "body" },
+        problems: [{ row: 2 }],
+        problem_count: 1,
+      }),
+      { status: 400 },
+    ),
+    refusal(415, "unsupported_media_type"),
+  ]);
   const report = await client.people.importRoster("login\n", true, "");
   assert.ok(report.ok && report.value.problem_count === 1);
   assert.ok(!(await client.people.importRoster("x", true, "")).ok);

@@ -5,7 +5,19 @@ import { readSurface } from "./read_surface";
 import type { Surface } from "./surface";
 import { TeachingApi } from "./teaching";
 import { OperationsApi, ProfilesApi, StationsApi } from "./things";
-import type { Attempt, AttemptDetail, AttemptFlag, AttemptState, LanguageChoice, LiveRemark, LiveRemarks, Score, Series, Session, Ticks } from "./types";
+import type {
+  Attempt,
+  AttemptDetail,
+  AttemptFlag,
+  AttemptState,
+  LanguageChoice,
+  LiveRemark,
+  LiveRemarks,
+  Score,
+  Series,
+  Session,
+  Ticks,
+} from "./types";
 
 export interface AttemptQuery {
   readonly cohort?: string | undefined;
@@ -33,7 +45,7 @@ export class Client {
   readonly profiles: ProfilesApi;
   readonly operations: OperationsApi;
   private readonly http: Http;
-  private ahead: Ahead | undefined;             // of one attempt at most
+  private ahead: Ahead | undefined; // of one attempt at most
 
   constructor(sessionLost: () => void, send?: Fetch) {
     this.http = new Http(sessionLost, send);
@@ -45,7 +57,9 @@ export class Client {
   }
 
   async signIn(login: string, password: string): Promise<ApiResult<Session>> {
-    return this.keepCsrf(await this.http.json<Session>("POST", "/session", { body: { login, password }, signingIn: true }));
+    return this.keepCsrf(
+      await this.http.json<Session>("POST", "/session", { body: { login, password }, signingIn: true }),
+    );
   }
 
   // Who is signed in already, if anybody: a missing session is an answer here, not a loss.

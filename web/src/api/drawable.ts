@@ -16,7 +16,10 @@ export function drawableIn(document: unknown): Result<Drawable, string> {
   const onlyReport = report !== undefined && !("strokes" in (document as object));
   const strokes = onlyReport ? undefined : strokesIn(document);
   if (strokes?.ok === false) return fail(strokes.error);
-  return ok({ ...(report === undefined ? {} : { report: report.value }), ...(strokes === undefined ? {} : { strokes: strokes.value }) });
+  return ok({
+    ...(report === undefined ? {} : { report: report.value }),
+    ...(strokes === undefined ? {} : { strokes: strokes.value }),
+  });
 }
 
 export function titleOf(drawable: Drawable): string {

@@ -9,9 +9,9 @@ export interface ApiError {
   readonly code: ErrorCode | "unreachable" | "malformed" | "cancelled";
   readonly status: number;
   readonly message: string;
-  readonly field: string;                       // what of the request is at fault; empty when nothing is named
-  readonly current?: Tagged<unknown>;           // with 412: the thing as somebody else saved it meanwhile
-  readonly answer?: Readonly<Record<string, unknown>>;  // all that the server said
+  readonly field: string; // what of the request is at fault; empty when nothing is named
+  readonly current?: Tagged<unknown>; // with 412: the thing as somebody else saved it meanwhile
+  readonly answer?: Readonly<Record<string, unknown>>; // all that the server said
 }
 
 export type ApiResult<T> = Result<T, ApiError>;
@@ -25,29 +25,31 @@ export interface Tagged<T> {
 // Part of a list.
 export interface Page<T> {
   readonly items: readonly T[];
-  readonly next: string | null;                 // cursor of the page after this one
+  readonly next: string | null; // cursor of the page after this one
 }
 
 export interface RequestOptions {
-  readonly body?: unknown;                      // sent as JSON; with `type` as it is
+  readonly body?: unknown; // sent as JSON; with `type` as it is
   readonly type?: string | undefined;
-  readonly tag?: string | undefined;            // If-Match
+  readonly tag?: string | undefined; // If-Match
   readonly signal?: AbortSignal | undefined;
-  readonly range?: readonly [number, number];   // bytes: from, to before
-  readonly kept?: boolean;                      // may come from the browser's cache
-  readonly signingIn?: boolean;                 // a missing session is an answer here, not a loss
+  readonly range?: readonly [number, number]; // bytes: from, to before
+  readonly kept?: boolean; // may come from the browser's cache
+  readonly signingIn?: boolean; // a missing session is an answer here, not a loss
 }
 
 export type Method = "GET" | "POST" | "PUT" | "PATCH" | "DELETE";
 export type Fetch = (path: string, init: RequestInit) => Promise<Response>;
 export type Query = Readonly<Record<string, string | number | boolean | undefined>>;
 
-const kMostRows = 200;                          // that the server gives in a page
+const kMostRows = 200; // that the server gives in a page
 const kMostPages = 200;
 
 // The pages of a list, one after the other, up to kMostPages of them (40 000 rows of 200): what comes after is left out.
 // Ends early with an error of any of them.
-export async function readAll<T>(ask: (cursor: string | undefined) => Promise<ApiResult<Page<T>>>): Promise<ApiResult<readonly T[]>> {
+export async function readAll<T>(
+  ask: (cursor: string | undefined) => Promise<ApiResult<Page<T>>>,
+): Promise<ApiResult<readonly T[]>> {
   const items: T[] = [];
   let cursor: string | undefined;
   for (let page = 0; page < kMostPages; ++page) {
@@ -63,13 +65,15 @@ export async function readAll<T>(ask: (cursor: string | undefined) => Promise<Ap
 // How requests of the HTTP API (schemas/api/openapi.yaml) travel. Never throws: every outcome is a
 // Result. `sessionLost` is called when a request that needs a session is told there is none.
 export class Http {
-  csrf = "";                                    // the session's; empty while signed out
+  csrf = ""; // the session's; empty while signed out
   // Asks the person for the password again, where the server wants that for a change; true when it
   // was given, and the change is then sent once more.
   confirmPassword: () => Promise<boolean> = async () => false;
 
-  constructor(private readonly sessionLost: () => void,
-              private readonly send: Fetch = (path, init) => fetch(path, init)) {}
+  constructor(
+    private readonly sessionLost: () => void,
+    private readonly send: Fetch = (path, init) => fetch(path, init),
+  ) {}
 
   async json<T>(method: Method, path: string, options: RequestOptions = {}): Promise<ApiResult<T>> {
     const tagged = await this.tagged<T>(method, path, options);
@@ -125,7 +129,12 @@ export class Http {
     return response.ok ? ok(undefined) : response;
   }
 
-  private async request(method: Method, path: string, options: RequestOptions, confirmed = false): Promise<ApiResult<Response>> {
+  private async request(
+    method: Method,
+    path: string,
+    options: RequestOptions,
+    confirmed = false,
+  ): Promise<ApiResult<Response>> {
     try {
       const response = await this.send(`/api/v1${path}`, this.init(method, options));
       if (response.ok) return ok(response);
@@ -144,7 +153,12 @@ export class Http {
     if (method !== "GET" && this.csrf !== "") headers["X-Enamel-Csrf"] = this.csrf;
     if (tag !== undefined) headers["If-Match"] = tag;
     if (range !== undefined) headers["Range"] = `bytes=${range[0]}-${range[1] - 1}`;
-    const init: RequestInit = { method, headers, credentials: "same-origin", cache: kept === true ? "default" : "no-store" };
+    const init: RequestInit = {
+      method,
+      headers,
+      credentials: "same-origin",
+      cache: kept === true ? "default" : "no-store",
+    };
     if (body !== undefined) init.body = type === undefined ? JSON.stringify(body) : (body as BodyInit);
     if (signal !== undefined) init.signal = signal;
     return init;
@@ -176,13 +190,11 @@ export function understood<T>(result: Result<T, string>): ApiResult<T> {
 
 function unreachable(signal: AbortSignal | undefined): ApiError {
   if (signal?.aborted === true) return { code: "cancelled", status: 0, message: say("error.cancelled"), field: "" };
-  return { code: "unreachable", status: 0, field: "",
-           message: say("error.unreachable") };
+  return { code: "unreachable", status: 0, field: "", message: say("error.unreachable") };
 }
 
 function malformed(found: string): ApiError {
-  return { code: "malformed", status: 0, field: "",
-           message: say("error.malformed", { found }) };
+  return { code: "malformed", status: 0, field: "", message: say("error.malformed", { found }) };
 }
 
 async function received<T>(read: () => Promise<T>): Promise<ApiResult<T>> {
@@ -196,16 +208,25 @@ async function received<T>(read: () => Promise<T>): Promise<ApiResult<T>> {
 // What the server says is English and tells what it found. In other languages the code's sentence stands in its place, or
 // before it where the code alone says too little.
 function errorText(code: string | undefined, said: string): string {
-  return spokenLanguage() === "en" ? said : sayIf(`error_code.${code ?? ""}`, { said }) ?? said;
+  return spokenLanguage() === "en" ? said : (sayIf(`error_code.${code ?? ""}`, { said }) ?? said);
 }
 
 async function refusal(response: Response): Promise<ApiError> {
   const kFallback = say("error.status", { status: String(response.status) });
   try {
-    const answer = (await response.json()) as { error?: { code?: ErrorCode; message?: string; field?: string }; current?: unknown };
+    const answer = (await response.json()) as {
+      error?: { code?: ErrorCode; message?: string; field?: string };
+      current?: unknown;
+    };
     const { error, current } = answer;
-    return { code: error?.code ?? "internal", status: response.status, message: error === undefined ? kFallback : errorText(error.code, error.message ?? kFallback), field: error?.field ?? "", answer,
-             ...(current === undefined ? {} : { current: { value: current, tag: response.headers.get("ETag") ?? "" } }) };
+    return {
+      code: error?.code ?? "internal",
+      status: response.status,
+      message: error === undefined ? kFallback : errorText(error.code, error.message ?? kFallback),
+      field: error?.field ?? "",
+      answer,
+      ...(current === undefined ? {} : { current: { value: current, tag: response.headers.get("ETag") ?? "" } }),
+    };
   } catch {
     return { code: "internal", status: response.status, message: kFallback, field: "" };
   }

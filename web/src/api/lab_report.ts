@@ -14,16 +14,29 @@ export interface LabTable {
   readonly note: string;
   readonly head: readonly string[];
   readonly rows: readonly (readonly string[])[];
-  readonly bad: readonly (readonly [number, number])[];   // row and column of cells that miss what they should hold
+  readonly bad: readonly (readonly [number, number])[]; // row and column of cells that miss what they should hold
 }
 
-export type LabColour = "1" | "2" | "3" | "4" | "5" | "6" | "7" | "8" | "reference" | "muted" | "good" | "bad" | "chosen";
+export type LabColour =
+  | "1"
+  | "2"
+  | "3"
+  | "4"
+  | "5"
+  | "6"
+  | "7"
+  | "8"
+  | "reference"
+  | "muted"
+  | "good"
+  | "bad"
+  | "chosen";
 
 export interface LabSeries {
-  readonly label: string;                       // empty: not in the legend
+  readonly label: string; // empty: not in the legend
   readonly colour: LabColour;
   readonly style: "line" | "dashes" | "dots" | "rings";
-  readonly beside: boolean;                     // the label beside the last point instead of in the legend
+  readonly beside: boolean; // the label beside the last point instead of in the legend
   readonly x: readonly number[];
   readonly y: readonly number[];
 }
@@ -64,11 +77,28 @@ export interface LabReport {
   readonly title: string;
   readonly cards: readonly LabCard[];
   readonly sections: readonly LabSection[];
-  readonly sources: readonly { readonly title: string; readonly numbers: readonly { readonly what: string; readonly source: string }[] }[];
+  readonly sources: readonly {
+    readonly title: string;
+    readonly numbers: readonly { readonly what: string; readonly source: string }[];
+  }[];
 }
 
 export const kVerdicts: readonly LabVerdict[] = ["passive", "stable with these grips", "bounded", "unstable"];
-const kColours: readonly string[] = ["1", "2", "3", "4", "5", "6", "7", "8", "reference", "muted", "good", "bad", "chosen"];
+const kColours: readonly string[] = [
+  "1",
+  "2",
+  "3",
+  "4",
+  "5",
+  "6",
+  "7",
+  "8",
+  "reference",
+  "muted",
+  "good",
+  "bad",
+  "chosen",
+];
 const kStyles: readonly string[] = ["line", "dashes", "dots", "rings"];
 const kFormat = 1;
 const kMostInList = 256;
@@ -82,14 +112,21 @@ export function labReportIn(report: unknown): Result<LabReport, string> | undefi
   if (!isObject(report) || !("report" in report)) return undefined;
   const found = report["report"];
   if (!isObject(found)) return fail("the member report is no JSON object");
-  if (found["format"] !== kFormat) return fail(`the report is of format ${String(found["format"])}, this page draws format ${kFormat}`);
+  if (found["format"] !== kFormat)
+    return fail(`the report is of format ${String(found["format"])}, this page draws format ${kFormat}`);
   if (typeof found["title"] !== "string") return fail("the report has no title");
-  const wrong = firstWrong(found["cards"], "card", wrongCard) ?? firstWrong(found["sections"], "section", wrongSection) ??
-                firstWrong(found["sources"], "source", wrongSource);
+  const wrong =
+    firstWrong(found["cards"], "card", wrongCard) ??
+    firstWrong(found["sections"], "section", wrongSection) ??
+    firstWrong(found["sources"], "source", wrongSource);
   return wrong === undefined ? ok(found as unknown as LabReport) : fail(wrong);
 }
 
-function firstWrong(list: unknown, what: string, wrongOne: (one: Record<string, unknown>) => string | undefined): string | undefined {
+function firstWrong(
+  list: unknown,
+  what: string,
+  wrongOne: (one: Record<string, unknown>) => string | undefined,
+): string | undefined {
   if (!Array.isArray(list) || list.length > kMostInList) return `expected at most ${kMostInList} of ${what}`;
   for (const [index, one] of (list as unknown[]).entries()) {
     const wrong = isObject(one) ? wrongOne(one) : "it is no JSON object";
@@ -99,16 +136,26 @@ function firstWrong(list: unknown, what: string, wrongOne: (one: Record<string, 
 }
 
 function wrongCard(card: Record<string, unknown>): string | undefined {
-  return wrongTexts(card, ["figure", "text"]) ?? (typeof card["good"] === "boolean" ? undefined : "it does not say whether it is good");
+  return (
+    wrongTexts(card, ["figure", "text"]) ??
+    (typeof card["good"] === "boolean" ? undefined : "it does not say whether it is good")
+  );
 }
 
 function wrongSource(source: Record<string, unknown>): string | undefined {
-  return wrongTexts(source, ["title"]) ?? firstWrong(source["numbers"], "number", (one) => wrongTexts(one, ["what", "source"]));
+  return (
+    wrongTexts(source, ["title"]) ??
+    firstWrong(source["numbers"], "number", (one) => wrongTexts(one, ["what", "source"]))
+  );
 }
 
 function wrongSection(section: Record<string, unknown>): string | undefined {
-  return wrongTexts(section, ["title", "text"]) ?? firstWrong(section["tables"], "table", wrongTable) ??
-         firstWrong(section["plots"], "plot", wrongPlot) ?? firstWrong(section["maps"], "map", wrongMap);
+  return (
+    wrongTexts(section, ["title", "text"]) ??
+    firstWrong(section["tables"], "table", wrongTable) ??
+    firstWrong(section["plots"], "plot", wrongPlot) ??
+    firstWrong(section["maps"], "map", wrongMap)
+  );
 }
 
 function wrongTable(table: Record<string, unknown>): string | undefined {
@@ -116,7 +163,8 @@ function wrongTable(table: Record<string, unknown>): string | undefined {
   if (texts !== undefined) return texts;
   if (!isTexts(table["head"], kMostInList)) return "its head is no list of texts";
   const rows: unknown = table["rows"];
-  if (!Array.isArray(rows) || rows.length > kMostRows || !rows.every((row) => isTexts(row, kMostInList))) return "its rows are no lists of texts";
+  if (!Array.isArray(rows) || rows.length > kMostRows || !rows.every((row) => isTexts(row, kMostInList)))
+    return "its rows are no lists of texts";
   const bad: unknown = table["bad"];
   const isPlace = (place: unknown) => isNumbers(place, 2) && place.length === 2;
   return Array.isArray(bad) && bad.every(isPlace) ? undefined : "its bad cells are no places";
@@ -125,15 +173,22 @@ function wrongTable(table: Record<string, unknown>): string | undefined {
 function wrongPlot(plot: Record<string, unknown>): string | undefined {
   const texts = wrongTexts(plot, ["title", "x_label", "y_label"]);
   if (texts !== undefined) return texts;
-  if (typeof plot["log_x"] !== "boolean" || typeof plot["log_y"] !== "boolean") return "it does not say whether its axes are logarithmic";
+  if (typeof plot["log_x"] !== "boolean" || typeof plot["log_y"] !== "boolean")
+    return "it does not say whether its axes are logarithmic";
   return firstWrong(plot["series"], "series", (series) => {
-    if (!kColours.includes(series["colour"] as string) || !kStyles.includes(series["style"] as string) || typeof series["beside"] !== "boolean") {
+    if (
+      !kColours.includes(series["colour"] as string) ||
+      !kStyles.includes(series["style"] as string) ||
+      typeof series["beside"] !== "boolean"
+    ) {
       return "no colour or style that can be drawn";
     }
     const points = wrongTexts(series, ["label"]) ?? wrongPoints(series);
     if (points !== undefined) return points;
     const above = (name: string) => (series[name] as number[]).every((value) => value > 0);
-    return (plot["log_x"] && !above("x")) || (plot["log_y"] && !above("y")) ? "0 or less on a logarithmic axis" : undefined;
+    return (plot["log_x"] && !above("x")) || (plot["log_y"] && !above("y"))
+      ? "0 or less on a logarithmic axis"
+      : undefined;
   });
 }
 
@@ -141,10 +196,18 @@ function wrongMap(map: Record<string, unknown>): string | undefined {
   const texts = wrongTexts(map, ["title", "x_label", "y_label", "note"]);
   if (texts !== undefined) return texts;
   const { x, y, cells } = map;
-  const rises = (values: unknown) => isNumbers(values, kMostInList) && values.length > 0 && values.every((value, i) => value > (i > 0 ? values[i - 1]! : 0));
+  const rises = (values: unknown) =>
+    isNumbers(values, kMostInList) &&
+    values.length > 0 &&
+    values.every((value, i) => value > (i > 0 ? values[i - 1]! : 0));
   if (!rises(x) || !rises(y)) return "its columns or rows are no rising numbers above 0";
   const count = (x as number[]).length * (y as number[]).length;
-  if (!Array.isArray(cells) || cells.length !== count || count > kMostCells || !cells.every((cell) => (kVerdicts as readonly unknown[]).includes(cell))) {
+  if (
+    !Array.isArray(cells) ||
+    cells.length !== count ||
+    count > kMostCells ||
+    !cells.every((cell) => (kVerdicts as readonly unknown[]).includes(cell))
+  ) {
     return `expected ${count} verdicts`;
   }
   return firstWrong(map["curves"], "curve", (curve) => wrongTexts(curve, ["label"]) ?? wrongPoints(curve));
@@ -152,7 +215,9 @@ function wrongMap(map: Record<string, unknown>): string | undefined {
 
 function wrongPoints(of: Record<string, unknown>): string | undefined {
   const { x, y } = of;
-  return isNumbers(x, kMostPoints) && isNumbers(y, kMostPoints) && x.length === y.length ? undefined : "its points are no pairs of numbers";
+  return isNumbers(x, kMostPoints) && isNumbers(y, kMostPoints) && x.length === y.length
+    ? undefined
+    : "its points are no pairs of numbers";
 }
 
 function wrongTexts(of: Record<string, unknown>, names: readonly string[]): string | undefined {
@@ -165,5 +230,9 @@ function isTexts(value: unknown, most: number): value is string[] {
 }
 
 function isNumbers(value: unknown, most: number): value is number[] {
-  return Array.isArray(value) && value.length <= most && value.every((one) => typeof one === "number" && Number.isFinite(one));
+  return (
+    Array.isArray(value) &&
+    value.length <= most &&
+    value.every((one) => typeof one === "number" && Number.isFinite(one))
+  );
 }

@@ -5,16 +5,30 @@ import { checkLiveEvent, forceSize, watchAttempt } from "./live";
 class FakeStream extends EventTarget {
   readyState = 1;
   closed = 0;
-  close() { this.readyState = 2; ++this.closed; }
-  say(type: string, data?: string) { this.dispatchEvent(Object.assign(new Event(type), { data })); }
+  close() {
+    this.readyState = 2;
+    ++this.closed;
+  }
+  say(type: string, data?: string) {
+    this.dispatchEvent(Object.assign(new Event(type), { data }));
+  }
 }
 
 function watching() {
   const stream = new FakeStream();
   const said: string[] = [];
-  const stop = watchAttempt("a/1", {
-    onRows: (rows) => said.push(`rows ${rows.length}`), onEnd: () => said.push("end"), onProblem: (message) => said.push(message),
-  }, (address) => { said.push(address); return stream as unknown as EventSource; });
+  const stop = watchAttempt(
+    "a/1",
+    {
+      onRows: (rows) => said.push(`rows ${rows.length}`),
+      onEnd: () => said.push("end"),
+      onProblem: (message) => said.push(message),
+    },
+    (address) => {
+      said.push(address);
+      return stream as unknown as EventSource;
+    },
+  );
   return { stream, said, stop };
 }
 
@@ -26,7 +40,15 @@ test("rows come in millimetres and newtons", () => {
 });
 
 test("what is no event is refused with what was found", () => {
-  const cases = ["", "null", "[]", '{"rows":3}', '{"rows":[[1,2,3]]}', '{"rows":[[1,2,3,4,5,6,7,null]]}', '{"rows":[[2,0,0,0,0,0,0,0],[2,0,0,0,0,0,0,0]]}'];
+  const cases = [
+    "",
+    "null",
+    "[]",
+    '{"rows":3}',
+    '{"rows":[[1,2,3]]}',
+    '{"rows":[[1,2,3,4,5,6,7,null]]}',
+    '{"rows":[[2,0,0,0,0,0,0,0],[2,0,0,0,0,0,0,0]]}',
+  ];
   for (const text of cases) {
     const result = checkLiveEvent(text);
     assert.ok(!result.ok && result.error.length > 5, text);

@@ -4,15 +4,15 @@ import type { LiveEvent } from "./types";
 // One moment of an attempt as it is being made.
 export interface LiveRow {
   readonly tick: number;
-  readonly anchorMm: readonly [number, number, number];  // from the device's origin, along the scene's axes
-  readonly forceN: readonly [number, number, number];    // on the operator
+  readonly anchorMm: readonly [number, number, number]; // from the device's origin, along the scene's axes
+  readonly forceN: readonly [number, number, number]; // on the operator
   readonly flags: number;
 }
 
 export interface LiveListener {
   readonly onRows: (rows: readonly LiveRow[]) => void;
-  readonly onEnd: () => void;                   // the attempt was sealed; nothing more comes
-  readonly onProblem: (message: string) => void;  // nothing more comes unless rows follow: the browser tries again by itself
+  readonly onEnd: () => void; // the attempt was sealed; nothing more comes
+  readonly onProblem: (message: string) => void; // nothing more comes unless rows follow: the browser tries again by itself
 }
 
 const kColumns = 8;
@@ -27,10 +27,12 @@ export function checkLiveEvent(text: string): Result<readonly LiveRow[], string>
     return fail("the event is no JSON");
   }
   if (typeof event !== "object" || event === null || !Array.isArray(event.rows)) return fail("the event has no rows");
-  if (event.rows.length > kMaxRows) return fail(`the event has ${event.rows.length} rows, at most ${kMaxRows} are expected`);
+  if (event.rows.length > kMaxRows)
+    return fail(`the event has ${event.rows.length} rows, at most ${kMaxRows} are expected`);
   const rows: LiveRow[] = [];
   for (const row of event.rows as ReadonlyArray<unknown>) {
-    if (!Array.isArray(row) || row.length !== kColumns || !row.every((value) => Number.isFinite(value))) return fail(`row ${rows.length} is not ${kColumns} numbers`);
+    if (!Array.isArray(row) || row.length !== kColumns || !row.every((value) => Number.isFinite(value)))
+      return fail(`row ${rows.length} is not ${kColumns} numbers`);
     const [tick, x, y, z, fx, fy, fz, flags] = row as [number, number, number, number, number, number, number, number];
     if (tick <= (rows.at(-1)?.tick ?? -1)) return fail(`ticks do not grow at row ${rows.length}`);
     rows.push({ tick, anchorMm: [x / 1000, y / 1000, z / 1000], forceN: [fx / 1000, fy / 1000, fz / 1000], flags });
@@ -44,11 +46,15 @@ export function forceSize({ forceN: [x, y, z] }: LiveRow): number {
 
 type OpenStream = (address: string) => Pick<EventSource, "addEventListener" | "close" | "readyState">;
 
-const kClosed = 2;                              // EventSource.CLOSED
+const kClosed = 2; // EventSource.CLOSED
 
 // Follows an attempt until the returned function is called or the attempt ends. The browser comes
 // back by itself when the server ends a stream for its age.
-export function watchAttempt(id: string, listener: LiveListener, open: OpenStream = (address) => new EventSource(address)): () => void {
+export function watchAttempt(
+  id: string,
+  listener: LiveListener,
+  open: OpenStream = (address) => new EventSource(address),
+): () => void {
   const source = open(`/api/v1/attempts/${encodeURIComponent(id)}/live`);
   source.addEventListener("ticks", (event) => {
     const rows = checkLiveEvent((event as MessageEvent<string>).data);
@@ -60,7 +66,11 @@ export function watchAttempt(id: string, listener: LiveListener, open: OpenStrea
     listener.onEnd();
   });
   source.addEventListener("error", () => {
-    listener.onProblem(source.readyState === kClosed ? "The attempt is not being made now, or may not be watched." : "The connection was lost; trying again.");
+    listener.onProblem(
+      source.readyState === kClosed
+        ? "The attempt is not being made now, or may not be watched."
+        : "The connection was lost; trying again.",
+    );
   });
   return () => source.close();
 }

@@ -4,7 +4,7 @@ import { fail, ok, type Result } from "../base/result";
 
 type Read<T> = Result<T, string>;
 
-const kMaxRatio = 1032;                         // of what a packed byte can stand for
+const kMaxRatio = 1032; // of what a packed byte can stand for
 const kMaxBricks = 8_000_000;
 
 export interface Grid {
@@ -26,14 +26,21 @@ export async function reading<T>(read: () => Promise<T> | T): Promise<Read<T>> {
 }
 
 // Exactly `size` bytes; no memory is taken for a size that these bytes cannot give.
-export async function inflate(packed: Uint8Array<ArrayBuffer>, size: number, what: string): Promise<Uint8Array<ArrayBuffer>> {
-  if (size > (packed.length + 1) * kMaxRatio) throw new Broken(`${what}: ${packed.length} packed bytes cannot hold the ${size} that the head asks for`);
+export async function inflate(
+  packed: Uint8Array<ArrayBuffer>,
+  size: number,
+  what: string,
+): Promise<Uint8Array<ArrayBuffer>> {
+  if (size > (packed.length + 1) * kMaxRatio)
+    throw new Broken(`${what}: ${packed.length} packed bytes cannot hold the ${size} that the head asks for`);
   const out = new Uint8Array(size);
   const damaged = () => new Broken(`${what}: expected ${size} bytes, found others or damaged ones`);
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate")).getReader();
   let at = 0;
   for (;;) {
-    const { done, value } = await stream.read().catch(() => { throw damaged(); });
+    const { done, value } = await stream.read().catch(() => {
+      throw damaged();
+    });
     if (done) break;
     if (at + value.length > size) {
       void stream.cancel();
@@ -52,7 +59,8 @@ export function checkMagic(view: DataView, magic: string, what: string): void {
   const found = String.fromCharCode(view.getUint8(0), view.getUint8(1), view.getUint8(2), view.getUint8(3));
   if (found !== magic) throw new Broken(`${what} begins with ${magic}, found something else`);
   const version = view.getUint16(4, true);
-  if (version !== 1) throw new Broken(`this page reads version 1 of a ${what}, found version ${version}; load the page again`);
+  if (version !== 1)
+    throw new Broken(`this page reads version 1 of a ${what}, found version ${version}; load the page again`);
   if (view.getUint16(6, true) !== 0) throw new Broken(`${what}: expected flags 0, found others`);
 }
 

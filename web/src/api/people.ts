@@ -1,6 +1,16 @@
 import { ok } from "../base/result";
 import { type ApiResult, type Http, queryText, segment } from "./http";
-import type { Cohort, FirstAdmin, PersonDetail, PersonWithCohorts, PersonWithPassword, Role, RosterOutcome, Session, SessionEntry } from "./types";
+import type {
+  Cohort,
+  FirstAdmin,
+  PersonDetail,
+  PersonWithCohorts,
+  PersonWithPassword,
+  Role,
+  RosterOutcome,
+  Session,
+  SessionEntry,
+} from "./types";
 
 export interface PeopleQuery {
   readonly text?: string | undefined;
@@ -38,7 +48,9 @@ export class PeopleApi {
   }
   // Cannot be undone; the login is repeated for that.
   erase(id: string, login: string, withReferences: boolean) {
-    return this.http.json<{ attempts: number }>("POST", `${personPath(id)}/erase`, { body: { login, with_references: withReferences } });
+    return this.http.json<{ attempts: number }>("POST", `${personPath(id)}/erase`, {
+      body: { login, with_references: withReferences },
+    });
   }
   endSessions(id: string) {
     return this.http.json<{ ended: number }>("DELETE", `${personPath(id)}/sessions`);
@@ -56,12 +68,19 @@ export class PeopleApi {
   // With `trial` nothing is changed: the answer says what would be. A roster with problems is refused
   // as a whole; the report then says what they are.
   async importRoster(text: string, trial: boolean, cohort: string): Promise<ApiResult<RosterOutcome>> {
-    const result = await this.http.json<RosterOutcome>("POST", `/roster${queryText({ dry_run: trial, cohort })}`, { body: text, type: "text/csv" });
-    if (!result.ok && Array.isArray(result.error.answer?.["problems"])) return ok(result.error.answer as unknown as RosterOutcome);
+    const result = await this.http.json<RosterOutcome>("POST", `/roster${queryText({ dry_run: trial, cohort })}`, {
+      body: text,
+      type: "text/csv",
+    });
+    if (!result.ok && Array.isArray(result.error.answer?.["problems"]))
+      return ok(result.error.answer as unknown as RosterOutcome);
     return result;
   }
 
-  cohorts(query: { readonly archived?: boolean; readonly cursor?: string | undefined; readonly limit?: number }, signal?: AbortSignal) {
+  cohorts(
+    query: { readonly archived?: boolean; readonly cursor?: string | undefined; readonly limit?: number },
+    signal?: AbortSignal,
+  ) {
     return this.http.page<Cohort>("/cohorts", "cohorts", { ...query }, signal);
   }
   allCohorts(signal?: AbortSignal) {

@@ -7,5 +7,7 @@ import type { Surface } from "./surface";
 export async function readSurface(bytes: ApiResult<ArrayBuffer>): Promise<ApiResult<Surface>> {
   if (!bytes.ok) return bytes;
   const reader = await import("./surface").catch(() => undefined);
-  return reader === undefined ? fail({ code: "unreachable", status: 0, field: "", message: say("error.unreachable") }) : understood(reader.decodeSurface(bytes.value));
+  return reader === undefined
+    ? fail({ code: "unreachable", status: 0, field: "", message: say("error.unreachable") })
+    : understood(reader.decodeSurface(bytes.value));
 }

@@ -3,13 +3,37 @@ import { test } from "node:test";
 import { checkSeries } from "./series";
 
 const series = (changes: object = {}) => ({
-  rate_hz: 1000, step_ticks: 20, t_s: [0, 0.02], force_n: [0.1, 0.2], force_mean_n: [0.1, 0.1], bound_n: [3, 3],
-  removed_mm3: [0, 0.1], removed_by_tissue: { enamel: [0, 0.1] }, anchor_mm: [[0, 0, 0], [0, 0, 1]], ...changes,
+  rate_hz: 1000,
+  step_ticks: 20,
+  t_s: [0, 0.02],
+  force_n: [0.1, 0.2],
+  force_mean_n: [0.1, 0.1],
+  bound_n: [3, 3],
+  removed_mm3: [0, 0.1],
+  removed_by_tissue: { enamel: [0, 0.1] },
+  anchor_mm: [
+    [0, 0, 0],
+    [0, 0, 1],
+  ],
+  ...changes,
 });
 
 test("columns of one length with finite numbers are a series", () => {
   assert.equal(checkSeries(series()).ok, true);
-  assert.equal(checkSeries(series({ t_s: [], force_n: [], force_mean_n: [], bound_n: [], removed_mm3: [], removed_by_tissue: {}, anchor_mm: [] })).ok, true);
+  assert.equal(
+    checkSeries(
+      series({
+        t_s: [],
+        force_n: [],
+        force_mean_n: [],
+        bound_n: [],
+        removed_mm3: [],
+        removed_by_tissue: {},
+        anchor_mm: [],
+      }),
+    ).ok,
+    true,
+  );
 });
 
 test("a missing, short or not numeric column is refused by name", () => {
@@ -17,7 +41,17 @@ test("a missing, short or not numeric column is refused by name", () => {
     const result = checkSeries(series(changes));
     assert.match(result.ok ? "" : result.error, /force_n/);
   }
-  assert.equal(checkSeries(series({ anchor_mm: [[0, 0], [0, 0, 1]] })).ok, false);
+  assert.equal(
+    checkSeries(
+      series({
+        anchor_mm: [
+          [0, 0],
+          [0, 0, 1],
+        ],
+      }),
+    ).ok,
+    false,
+  );
   assert.equal(checkSeries(series({ removed_by_tissue: { enamel: [1] } })).ok, false);
   assert.equal(checkSeries(null).ok, false);
 });

@@ -4,7 +4,7 @@ import type { Series, Ticks } from "./types";
 const kMaxSteps = 100_000;
 const kColumns = ["t_s", "force_n", "force_mean_n", "bound_n", "removed_mm3"] as const;
 const kTickColumns = ["time_ticks", "force_n", "computed_n", "late", "limited"] as const;
-const kLaterColumns = ["computed_n", "late_ticks", "pulp_mm"] as const;  // absent in what was scored before they were kept
+const kLaterColumns = ["computed_n", "late_ticks", "pulp_mm"] as const; // absent in what was scored before they were kept
 
 // A plot walks these arrays side by side: they have one length, hold finite numbers, time grows.
 // The error says what was found.
@@ -19,15 +19,21 @@ export function checkSeries(value: unknown): Result<Series, string> {
   }
   for (const name of kLaterColumns) {
     const column: unknown = series[name];
-    if (column !== undefined && !isNumbers(column, steps)) return fail(`series column ${name} is not ${steps} finite numbers`);
+    if (column !== undefined && !isNumbers(column, steps))
+      return fail(`series column ${name} is not ${steps} finite numbers`);
   }
   for (let i = 1; i < steps; ++i) {
     if (series.t_s[i]! <= series.t_s[i - 1]!) return fail(`series time does not grow at step ${i}`);
   }
   if (!isPoints(series.anchor_mm, steps)) return fail(`series column anchor_mm is not ${steps} points`);
-  if (series.force_vector_n !== undefined && !isPoints(series.force_vector_n, steps)) return fail(`series column force_vector_n is not ${steps} vectors`);
+  if (series.force_vector_n !== undefined && !isPoints(series.force_vector_n, steps))
+    return fail(`series column force_vector_n is not ${steps} vectors`);
   const tissues: unknown = series.removed_by_tissue;
-  if (typeof tissues !== "object" || tissues === null || !Object.values(tissues).every((column) => isNumbers(column, steps))) {
+  if (
+    typeof tissues !== "object" ||
+    tissues === null ||
+    !Object.values(tissues).every((column) => isNumbers(column, steps))
+  ) {
     return fail(`series column removed_by_tissue is not ${steps} numbers for each tissue`);
   }
   return ok(series);
@@ -42,7 +48,9 @@ export function checkTicks(value: unknown): Result<Ticks, string> {
   for (const name of kTickColumns) {
     if (!isNumbers(ticks[name], count)) return fail(`column ${name} is not ${count} finite numbers`);
   }
-  return ticks.time_ticks.every((time, i) => i === 0 || time > ticks.time_ticks[i - 1]!) ? ok(ticks) : fail("the time of ticks does not grow");
+  return ticks.time_ticks.every((time, i) => i === 0 || time > ticks.time_ticks[i - 1]!)
+    ? ok(ticks)
+    : fail("the time of ticks does not grow");
 }
 
 function isPoints(value: unknown, length: number): boolean {

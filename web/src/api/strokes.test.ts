@@ -32,13 +32,53 @@ test("what is no strokes document is refused with what was found", () => {
     return result.ok ? "" : result.error;
   };
   const track = (document: Golden) => document.devices[0]!.cases[0]!.tracks[0]!;
-  assert.match(refused((d) => { d.format = 2; }), /format 2/);
-  assert.match(refused((d) => { d.devices = []; }), /found 0/);
-  assert.match(refused((d) => { track(d).force_n.pop(); }), /force_n/);
-  assert.match(refused((d) => { track(d).force_n[0] = "1"; }), /force_n/);
-  assert.match(refused((d) => { track(d).ideal_n[0] = null; }), /ideal_n/);
-  assert.match(refused((d) => { track(d).t_s.reverse(); }), /time does not grow/);
-  assert.match(refused((d) => { track(d).figures[0]!.bound = "none"; }), /figure/);
-  assert.match(refused((d) => { d.devices[0]!.kc_n_per_mm = undefined; }), /kc_n_per_mm/);
+  assert.match(
+    refused((d) => {
+      d.format = 2;
+    }),
+    /format 2/,
+  );
+  assert.match(
+    refused((d) => {
+      d.devices = [];
+    }),
+    /found 0/,
+  );
+  assert.match(
+    refused((d) => {
+      track(d).force_n.pop();
+    }),
+    /force_n/,
+  );
+  assert.match(
+    refused((d) => {
+      track(d).force_n[0] = "1";
+    }),
+    /force_n/,
+  );
+  assert.match(
+    refused((d) => {
+      track(d).ideal_n[0] = null;
+    }),
+    /ideal_n/,
+  );
+  assert.match(
+    refused((d) => {
+      track(d).t_s.reverse();
+    }),
+    /time does not grow/,
+  );
+  assert.match(
+    refused((d) => {
+      track(d).figures[0]!.bound = "none";
+    }),
+    /figure/,
+  );
+  assert.match(
+    refused((d) => {
+      d.devices[0]!.kc_n_per_mm = undefined;
+    }),
+    /kc_n_per_mm/,
+  );
   for (const other of [undefined, null, 3, "text", [], { rows: [] }]) assert.equal(strokesIn(other).ok, false);
 });

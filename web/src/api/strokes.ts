@@ -7,7 +7,7 @@ export interface StrokeFigure {
   readonly name: string;
   readonly unit: string;
   readonly value: number;
-  readonly bound: number | null;                // null: told, not judged
+  readonly bound: number | null; // null: told, not judged
   readonly held: boolean;
 }
 
@@ -16,10 +16,10 @@ export interface StrokeTrack {
   readonly default: boolean;
   readonly held: boolean;
   readonly ticks: number;
-  readonly leaves_s: number | null;             // when the ideal bur leaves the tissue for good
+  readonly leaves_s: number | null; // when the ideal bur leaves the tissue for good
   readonly figures: readonly StrokeFigure[];
   readonly t_s: readonly number[];
-  readonly force_n: readonly number[];          // against the hand's motion; below 0: along with it
+  readonly force_n: readonly number[]; // against the hand's motion; below 0: along with it
   readonly magnitude_n: readonly number[];
   readonly ideal_n: readonly number[];
   readonly oracle_n: readonly number[];
@@ -29,7 +29,7 @@ export interface StrokeTrack {
 
 export interface StrokeCase {
   readonly name: string;
-  readonly tracks: readonly StrokeTrack[];      // the default law first
+  readonly tracks: readonly StrokeTrack[]; // the default law first
 }
 
 export interface StrokeDevice {
@@ -58,7 +58,14 @@ const kMostCases = 32;
 const kMostTracks = 8;
 const kMostFigures = 32;
 const kColumns = ["t_s", "force_n", "magnitude_n", "ideal_n", "oracle_n", "tip_mm", "bur_mm"] as const;
-const kDeviceNumbers = ["rate_hz", "delay_ticks", "kc_n_per_mm", "resolution_um", "peak_force_n", "continuous_force_n"] as const;
+const kDeviceNumbers = [
+  "rate_hz",
+  "delay_ticks",
+  "kc_n_per_mm",
+  "resolution_um",
+  "peak_force_n",
+  "continuous_force_n",
+] as const;
 
 // Finds the strokes in a report: the document itself, or the member `strokes` of what `qualify` wrote.
 // Nothing in it is trusted: counts are bounded, numbers are numbers, time grows. The error says what was found.
@@ -68,10 +75,12 @@ export function strokesIn(report: unknown): Result<Strokes, string> {
   if (!isObject(document) || !Array.isArray(document["devices"])) {
     return fail("the report holds no strokes");
   }
-  if (document["format"] !== kFormat) return fail(`the strokes are of format ${String(document["format"])}, this page draws format ${kFormat}`);
+  if (document["format"] !== kFormat)
+    return fail(`the strokes are of format ${String(document["format"])}, this page draws format ${kFormat}`);
   if (!isNumber(document["b_n_s_per_mm"])) return fail("b_n_s_per_mm is no number");
   const devices: unknown[] = document["devices"];
-  if (devices.length === 0 || devices.length > kMostDevices) return fail(`expected 1 to ${kMostDevices} devices, found ${devices.length}`);
+  if (devices.length === 0 || devices.length > kMostDevices)
+    return fail(`expected 1 to ${kMostDevices} devices, found ${devices.length}`);
   for (const device of devices) {
     const wrong = wrongDevice(device);
     if (wrong !== undefined) return fail(wrong);
@@ -80,15 +89,18 @@ export function strokesIn(report: unknown): Result<Strokes, string> {
 }
 
 function wrongDevice(device: unknown): string | undefined {
-  if (!isObject(device) || !isText(device["name"]) || !isText(device["title"])) return "a device has no name or no title";
+  if (!isObject(device) || !isText(device["name"]) || !isText(device["title"]))
+    return "a device has no name or no title";
   const where = `device ${device["name"]}`;
   for (const name of kDeviceNumbers) if (!isNumber(device[name])) return `${where}: ${name} is no number`;
   const cases: unknown = device["cases"];
-  if (!Array.isArray(cases) || cases.length === 0 || cases.length > kMostCases) return `${where}: expected 1 to ${kMostCases} cases`;
+  if (!Array.isArray(cases) || cases.length === 0 || cases.length > kMostCases)
+    return `${where}: expected 1 to ${kMostCases} cases`;
   for (const one of cases as unknown[]) {
     if (!isObject(one) || !isText(one["name"])) return `${where}: a case has no name`;
     const tracks: unknown = one["tracks"];
-    if (!Array.isArray(tracks) || tracks.length === 0 || tracks.length > kMostTracks) return `${where}, ${one["name"]}: expected 1 to ${kMostTracks} tracks`;
+    if (!Array.isArray(tracks) || tracks.length === 0 || tracks.length > kMostTracks)
+      return `${where}, ${one["name"]}: expected 1 to ${kMostTracks} tracks`;
     for (const track of tracks as unknown[]) {
       const wrong = wrongTrack(track);
       if (wrong !== undefined) return `${where}, ${one["name"]}: ${wrong}`;
@@ -98,27 +110,42 @@ function wrongDevice(device: unknown): string | undefined {
 }
 
 function wrongTrack(track: unknown): string | undefined {
-  if (!isObject(track) || !isText(track["law"]) || typeof track["default"] !== "boolean" || typeof track["held"] !== "boolean") {
+  if (
+    !isObject(track) ||
+    !isText(track["law"]) ||
+    typeof track["default"] !== "boolean" ||
+    typeof track["held"] !== "boolean"
+  ) {
     return "a track does not name its law, or whether it holds";
   }
-  if (track["leaves_s"] !== null && !isNumber(track["leaves_s"])) return `${track["law"]}: leaves_s is no number and not null`;
+  if (track["leaves_s"] !== null && !isNumber(track["leaves_s"]))
+    return `${track["law"]}: leaves_s is no number and not null`;
   const figures: unknown = track["figures"];
-  if (!Array.isArray(figures) || figures.length > kMostFigures || !figures.every(isFigure)) return `${track["law"]}: a figure cannot be read`;
+  if (!Array.isArray(figures) || figures.length > kMostFigures || !figures.every(isFigure))
+    return `${track["law"]}: a figure cannot be read`;
   const times: unknown = track["t_s"];
   const count = Array.isArray(times) ? times.length : 0;
   if (count < 2 || count > kMostPoints) return `${track["law"]}: expected 2 to ${kMostPoints} points, found ${count}`;
   for (const name of kColumns) {
     const column: unknown = track[name];
-    if (!Array.isArray(column) || column.length !== count || !column.every(isNumber)) return `${track["law"]}: ${name} is not ${count} numbers`;
+    if (!Array.isArray(column) || column.length !== count || !column.every(isNumber))
+      return `${track["law"]}: ${name} is not ${count} numbers`;
   }
   const time = times as number[];
-  for (let i = 1; i < count; ++i) if (time[i]! <= time[i - 1]!) return `${track["law"]}: time does not grow at point ${i}`;
+  for (let i = 1; i < count; ++i)
+    if (time[i]! <= time[i - 1]!) return `${track["law"]}: time does not grow at point ${i}`;
   return undefined;
 }
 
 function isFigure(value: unknown): boolean {
-  return isObject(value) && isText(value["name"]) && typeof value["unit"] === "string" && isNumber(value["value"]) &&
-         (value["bound"] === null || isNumber(value["bound"])) && typeof value["held"] === "boolean";
+  return (
+    isObject(value) &&
+    isText(value["name"]) &&
+    typeof value["unit"] === "string" &&
+    isNumber(value["value"]) &&
+    (value["bound"] === null || isNumber(value["bound"])) &&
+    typeof value["held"] === "boolean"
+  );
 }
 
 function isNumber(value: unknown): value is number {

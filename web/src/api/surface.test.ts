@@ -14,7 +14,9 @@ function encode({ deviation = true, version = 1, vertices = 3, triangle = [0, 1,
   const u16 = (value: number) => put(2, (view) => view.setUint16(0, value, true));
   const u32 = (value: number) => put(4, (view) => view.setUint32(0, value, true));
   const f32 = (value: number) => put(4, (view) => view.setFloat32(0, value, true));
-  const pad = () => { while (bytes.length % 4 !== 0) bytes.push(0); };
+  const pad = () => {
+    while (bytes.length % 4 !== 0) bytes.push(0);
+  };
   bytes.push(...[..."ENSF"].map((letter) => letter.charCodeAt(0)));
   u16(version);
   u16(deviation ? 1 : 0);
@@ -49,7 +51,10 @@ test("tissues, normals, deviation with NaN, and triangles are read from behind t
   assert.ok(result.ok);
   assert.deepEqual([...result.value.tissue], [1, 2, 3]);
   assert.deepEqual([...result.value.normal.slice(0, 4)], [0, 0, 127, 0]);
-  assert.deepEqual([...result.value.deviationMm!].map((value) => Math.round(value * 1000) / 1000), [0.3, Number.NaN, -0.1]);
+  assert.deepEqual(
+    [...result.value.deviationMm!].map((value) => Math.round(value * 1000) / 1000),
+    [0.3, Number.NaN, -0.1],
+  );
   assert.deepEqual([...result.value.triangle], [0, 1, 2]);
 });
 

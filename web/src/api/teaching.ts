@@ -4,9 +4,24 @@ import { type ApiResult, type Http, segment, type Tagged, tagOf } from "./http";
 import { readSurface } from "./read_surface";
 import type { Surface } from "./surface";
 import type {
-  Annotation, Assignment, AssignmentInsight, AssignmentMove, AssignmentTerms, AttemptDetail, CohortGrades, Exercise, ExerciseState, ExerciseSummary, ExerciseVersion, Reference, Remark,
-  RubricPreview, RubricVersion, ScoringMetric,
-  ScoringRun, SharingEdit,
+  Annotation,
+  Assignment,
+  AssignmentInsight,
+  AssignmentMove,
+  AssignmentTerms,
+  AttemptDetail,
+  CohortGrades,
+  Exercise,
+  ExerciseState,
+  ExerciseSummary,
+  ExerciseVersion,
+  Reference,
+  Remark,
+  RubricPreview,
+  RubricVersion,
+  ScoringMetric,
+  ScoringRun,
+  SharingEdit,
 } from "./types";
 
 type Seen = Pick<AttemptDetail, "id" | "revision">;
@@ -42,12 +57,18 @@ export class TeachingApi {
   }
   // Everything that a rubric can judge.
   async metrics(signal?: AbortSignal): Promise<ApiResult<readonly ScoringMetric[]>> {
-    const result = await this.http.json<{ readonly metrics: readonly ScoringMetric[] }>("GET", "/scoring-metrics", { signal });
+    const result = await this.http.json<{ readonly metrics: readonly ScoringMetric[] }>("GET", "/scoring-metrics", {
+      signal,
+    });
     return result.ok ? ok(result.value.metrics) : result;
   }
   // Every rubric that counted, the newest first; its tag goes with a correction of it.
   async rubrics(id: string, signal?: AbortSignal): Promise<ApiResult<Tagged<readonly RubricVersion[]>>> {
-    const result = await this.http.tagged<{ readonly rubrics: readonly RubricVersion[] }>("GET", `${exercisePath(id)}/rubrics`, { signal });
+    const result = await this.http.tagged<{ readonly rubrics: readonly RubricVersion[] }>(
+      "GET",
+      `${exercisePath(id)}/rubrics`,
+      { signal },
+    );
     return result.ok ? ok({ value: result.value.value.rubrics, tag: result.value.tag }) : result;
   }
   previewRubric(id: string, rubric: Json) {
@@ -55,14 +76,25 @@ export class TeachingApi {
   }
   // Whether it is right, as it is typed.
   checkRubric(id: string, text: string, signal?: AbortSignal) {
-    return this.http.json<RubricPreview>("POST", `${exercisePath(id)}/rubrics/preview?attempts=false`, { body: text, type: "application/json", signal });
+    return this.http.json<RubricPreview>("POST", `${exercisePath(id)}/rubrics/preview?attempts=false`, {
+      body: text,
+      type: "application/json",
+      signal,
+    });
   }
   // `anyway`: as of makeReference.
   publishRubric(id: string, rubric: Json, reason: string, anyway: string, tag: string) {
-    return this.http.json<RubricVersion>("POST", `${exercisePath(id)}/rubrics`, { body: { reason, rubric, ...(anyway === "" ? {} : { anyway }) }, tag });
+    return this.http.json<RubricVersion>("POST", `${exercisePath(id)}/rubrics`, {
+      body: { reason, rubric, ...(anyway === "" ? {} : { anyway }) },
+      tag,
+    });
   }
   checkExercise(text: string, signal?: AbortSignal) {
-    return this.http.json<{ readonly warnings: readonly string[] }>("POST", "/exercises?dry_run=true", { body: text, type: "application/json", signal });
+    return this.http.json<{ readonly warnings: readonly string[] }>("POST", "/exercises?dry_run=true", {
+      body: text,
+      type: "application/json",
+      signal,
+    });
   }
   // `text`: an exercise document (schemas/exercise.schema.json), sent as it is.
   putDraft(text: string) {
@@ -100,10 +132,16 @@ export class TeachingApi {
   }
   // What moving it to another version of its exercise would do, and doing it.
   lookAtMove(id: string, version: string, signal?: AbortSignal) {
-    return this.http.json<AssignmentMove>("POST", `${assignmentPath(id)}/move?dry_run=true`, { body: { exercise_id: version }, signal });
+    return this.http.json<AssignmentMove>("POST", `${assignmentPath(id)}/move?dry_run=true`, {
+      body: { exercise_id: version },
+      signal,
+    });
   }
   moveAssignment(id: string, version: string, tag: string) {
-    return this.http.tagged<AssignmentMove>("POST", `${assignmentPath(id)}/move`, { body: { exercise_id: version }, tag });
+    return this.http.tagged<AssignmentMove>("POST", `${assignmentPath(id)}/move`, {
+      body: { exercise_id: version },
+      tag,
+    });
   }
   // One result for each student and assignment of a cohort.
   grades(cohort: string, signal?: AbortSignal) {
@@ -129,7 +167,10 @@ export class TeachingApi {
     return this.http.empty("DELETE", `${attemptPath(id)}/release`, { tag: tagOf(revision) });
   }
   override({ id, revision }: Seen, score: number, reason: string) {
-    return this.http.json<AttemptDetail>("PUT", `${attemptPath(id)}/override`, { body: { score, reason }, tag: tagOf(revision) });
+    return this.http.json<AttemptDetail>("PUT", `${attemptPath(id)}/override`, {
+      body: { score, reason },
+      tag: tagOf(revision),
+    });
   }
   dropOverride({ id, revision }: Seen) {
     return this.http.json<AttemptDetail>("DELETE", `${attemptPath(id)}/override`, { tag: tagOf(revision) });
@@ -138,18 +179,26 @@ export class TeachingApi {
     return this.http.json<AttemptDetail>("POST", `${attemptPath(attempt)}/rescore`);
   }
   excuse({ id, revision }: Seen, reason: string) {
-    return this.http.json<AttemptDetail>("POST", `${attemptPath(id)}/excuse`, { body: { reason }, tag: tagOf(revision) });
+    return this.http.json<AttemptDetail>("POST", `${attemptPath(id)}/excuse`, {
+      body: { reason },
+      tag: tagOf(revision),
+    });
   }
   takeExcuseBack({ id, revision }: Seen) {
     return this.http.json<AttemptDetail>("DELETE", `${attemptPath(id)}/excuse`, { tag: tagOf(revision) });
   }
   // The score of an earlier run (results) counts again.
   restoreResult({ id, revision }: Seen, run: number) {
-    return this.http.json<AttemptDetail>("POST", `${attemptPath(id)}/restore-result`, { body: { run }, tag: tagOf(revision) });
+    return this.http.json<AttemptDetail>("POST", `${attemptPath(id)}/restore-result`, {
+      body: { run },
+      tag: tagOf(revision),
+    });
   }
   // `anyway`: why, where it was refused with that field; else empty.
   makeReference(attempt: string, dentist: string, consent: boolean, anyway: string) {
-    return this.http.json<Reference>("POST", `${attemptPath(attempt)}/reference`, { body: { dentist, consent, ...(anyway === "" ? {} : { anyway }) } });
+    return this.http.json<Reference>("POST", `${attemptPath(attempt)}/reference`, {
+      body: { dentist, consent, ...(anyway === "" ? {} : { anyway }) },
+    });
   }
   results(attempt: string, signal?: AbortSignal) {
     return this.http.all<ScoringRun>(`${attemptPath(attempt)}/results`, "results", {}, signal);
@@ -172,7 +221,9 @@ export class TeachingApi {
     return this.http.json<AttemptDetail>("POST", `${attemptPath(attempt)}/appeal`, { body: { text } });
   }
   answerAppeal(attempt: string, outcome: "regrade" | "reject", answer: string) {
-    return this.http.json<AttemptDetail>("POST", `${attemptPath(attempt)}/appeal/answer`, { body: { outcome, answer } });
+    return this.http.json<AttemptDetail>("POST", `${attemptPath(attempt)}/appeal/answer`, {
+      body: { outcome, answer },
+    });
   }
 }
 

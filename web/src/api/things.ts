@@ -1,6 +1,24 @@
 import { ok } from "../base/result";
 import { type ApiResult, type Http, segment } from "./http";
-import type { AuditEntry, Calibration, EnrolCode, Job, ListedDevice, MadeEnrolCode, Profile, ProfileDetail, ProfileFeel, ProfileJudgement, ProfileReport, ProfileVersion, PutTooth, ServerHealth, Station, ToothImport, ToothImportUnit } from "./types";
+import type {
+  AuditEntry,
+  Calibration,
+  EnrolCode,
+  Job,
+  ListedDevice,
+  MadeEnrolCode,
+  Profile,
+  ProfileDetail,
+  ProfileFeel,
+  ProfileJudgement,
+  ProfileReport,
+  ProfileVersion,
+  PutTooth,
+  ServerHealth,
+  Station,
+  ToothImport,
+  ToothImportUnit,
+} from "./types";
 
 interface PageQuery {
   readonly cursor?: string | undefined;
@@ -68,9 +86,17 @@ export class ProfilesApi {
   // `text`: a device profile (schemas/device_profile.schema.json), sent as it is.
   // One that its criteria refuse is not saved; the judgement then says why.
   // `check`: only whether it would be taken, as it is typed.
-  async upload(text: string, { check = false, signal }: { readonly check?: boolean; readonly signal?: AbortSignal } = {}): Promise<ApiResult<ProfileJudgement>> {
-    const result = await this.http.json<ProfileJudgement>("POST", `/profiles${check ? "?dry_run=true" : ""}`, { body: text, type: "application/json", signal });
-    if (!result.ok && Array.isArray(result.error.answer?.["criteria"])) return ok(result.error.answer as unknown as ProfileJudgement);
+  async upload(
+    text: string,
+    { check = false, signal }: { readonly check?: boolean; readonly signal?: AbortSignal } = {},
+  ): Promise<ApiResult<ProfileJudgement>> {
+    const result = await this.http.json<ProfileJudgement>("POST", `/profiles${check ? "?dry_run=true" : ""}`, {
+      body: text,
+      type: "application/json",
+      signal,
+    });
+    if (!result.ok && Array.isArray(result.error.answer?.["criteria"]))
+      return ok(result.error.answer as unknown as ProfileJudgement);
     return result;
   }
   versions(name: string, signal?: AbortSignal) {
@@ -95,11 +121,14 @@ export class ProfilesApi {
   }
   // `text`: a calibration (schemas/calibration.schema.json), sent as it is.
   addCalibration(name: string, text: string) {
-    return this.http.json<Calibration>("POST", `${profilePath(name)}/calibrations`, { body: text, type: "application/json" });
+    return this.http.json<Calibration>("POST", `${profilePath(name)}/calibrations`, {
+      body: text,
+      type: "application/json",
+    });
   }
 }
 
-const kPartBytes = 512 * 1024;                   // of a mesh, in one request: the server takes 1 MiB
+const kPartBytes = 512 * 1024; // of a mesh, in one request: the server takes 1 MiB
 
 export interface AuditQuery extends PageQuery {
   readonly actor?: string;
@@ -120,8 +149,12 @@ export class OperationsApi {
     return this.http.json<ServerHealth>("GET", "/health", { signal });
   }
   // Those that the server can make itself, and making one.
-  async teeth(signal?: AbortSignal): Promise<ApiResult<ReadonlyArray<{ readonly name: string; readonly summary: string }>>> {
-    const result = await this.http.json<{ readonly teeth: ReadonlyArray<{ readonly name: string; readonly summary: string }> }>("GET", "/builtin-teeth", { signal });
+  async teeth(
+    signal?: AbortSignal,
+  ): Promise<ApiResult<ReadonlyArray<{ readonly name: string; readonly summary: string }>>> {
+    const result = await this.http.json<{
+      readonly teeth: ReadonlyArray<{ readonly name: string; readonly summary: string }>;
+    }>("GET", "/builtin-teeth", { signal });
     return result.ok ? ok(result.value.teeth) : result;
   }
   putTooth(name: string) {
@@ -129,9 +162,16 @@ export class OperationsApi {
   }
   // Sends a mesh in parts and asks until it is done or refused; `onChange` hears of each step. Left before all of it was sent, the
   // server is told that nothing more comes.
-  async importTooth(file: File, about: { readonly unit: ToothImportUnit; readonly title: string; readonly tooth: number },
-                    onChange: (now: ToothImport) => void, pollMs: number, signal: AbortSignal): Promise<ApiResult<ToothImport>> {
-    let now = await this.http.json<ToothImport>("POST", "/tooth-imports", { body: { file_name: file.name, bytes: file.size, ...about } });
+  async importTooth(
+    file: File,
+    about: { readonly unit: ToothImportUnit; readonly title: string; readonly tooth: number },
+    onChange: (now: ToothImport) => void,
+    pollMs: number,
+    signal: AbortSignal,
+  ): Promise<ApiResult<ToothImport>> {
+    let now = await this.http.json<ToothImport>("POST", "/tooth-imports", {
+      body: { file_name: file.name, bytes: file.size, ...about },
+    });
     while (now.ok) {
       const { id, state, received } = now.value;
       const path = `/tooth-imports/${segment(id)}`;
@@ -143,7 +183,10 @@ export class OperationsApi {
       if (state === "done" || state === "refused") return now;
       if (state === "receiving") {
         const part = file.slice(received, received + kPartBytes);
-        now = await this.http.json<ToothImport>("PUT", `${path}/bytes?offset=${received}`, { body: part, type: "application/octet-stream" });
+        now = await this.http.json<ToothImport>("PUT", `${path}/bytes?offset=${received}`, {
+          body: part,
+          type: "application/octet-stream",
+        });
       } else {
         await new Promise((done) => setTimeout(done, pollMs));
         now = await this.http.json<ToothImport>("GET", path);

@@ -16,7 +16,12 @@ async function goldenPlayer(): Promise<TimelinePlayer> {
   const head = value(await decodeHead(file))!;
   const player = new TimelinePlayer(head, value(await decodeStartTooth(golden("entb"))));
   for (const [i, segment] of head.segments.entries()) {
-    player.add(i, value(await decodeSegment(head, i, new Uint8Array(file.slice(segment.from, segment.from + segmentBytes(segment))))));
+    player.add(
+      i,
+      value(
+        await decodeSegment(head, i, new Uint8Array(file.slice(segment.from, segment.from + segmentBytes(segment)))),
+      ),
+    );
   }
   return player;
 }
@@ -24,7 +29,8 @@ async function goldenPlayer(): Promise<TimelinePlayer> {
 // What schemas/surface_timeline.md says of the golden tooth after `frames` frames.
 function expected(x: number, y: number, z: number, frames: number): number {
   let d = Math.sqrt((x - 19.5) ** 2 + (y - 19.5) ** 2 + (z - 19.5) ** 2) - 14.3;
-  for (let j = 0; j < frames; ++j) d = Math.max(d, 4 - Math.sqrt((x - 19.5) ** 2 + (y - 19.5) ** 2 + (z - (34 - 1.5 * j)) ** 2));
+  for (let j = 0; j < frames; ++j)
+    d = Math.max(d, 4 - Math.sqrt((x - 19.5) ** 2 + (y - 19.5) ** 2 + (z - (34 - 1.5 * j)) ** 2));
   return Math.max(-64, Math.min(63, Math.floor(64 * d)));
 }
 
@@ -33,14 +39,18 @@ test("the golden tooth is at every frame what the document says, whatever the or
   for (const frames of [0, 1, 2, 3, 4, 5, 2, 5, 0, 4, 3]) {
     value(player.seek(frames));
     for (let brick = 0; brick < 125; ++brick) {
-      const [bx, by, bz] = [brick % 5 * 8, Math.floor(brick / 5) % 5 * 8, Math.floor(brick / 25) * 8];
+      const [bx, by, bz] = [(brick % 5) * 8, (Math.floor(brick / 5) % 5) * 8, Math.floor(brick / 25) * 8];
       const samples = player.samples(brick);
       for (let i = 0; i < 512; ++i) {
-        const [x, y, z] = [bx + (i & 7), by + (i >> 3 & 7), bz + (i >> 6)];
+        const [x, y, z] = [bx + (i & 7), by + ((i >> 3) & 7), bz + (i >> 6)];
         const found = typeof samples === "number" ? samples : samples[i]!;
-        if (found !== expected(x, y, z, frames)) assert.fail(`frame ${frames}, brick ${brick}, sample ${i}: expected ${expected(x, y, z, frames)}, found ${found}`);
+        if (found !== expected(x, y, z, frames))
+          assert.fail(
+            `frame ${frames}, brick ${brick}, sample ${i}: expected ${expected(x, y, z, frames)}, found ${found}`,
+          );
         const dentin = Math.sqrt((x - 19.5) ** 2 + (y - 19.5) ** 2 + (z - 19.5) ** 2) < 9;
-        if (found < 0 && player.tissue(brick, i) !== (dentin ? 2 : 1)) assert.fail(`tissue of brick ${brick}, sample ${i}`);
+        if (found < 0 && player.tissue(brick, i) !== (dentin ? 2 : 1))
+          assert.fail(`tissue of brick ${brick}, sample ${i}`);
       }
     }
   }
@@ -50,11 +60,24 @@ test("head and poses of the golden file are what the document says", async () =>
   const player = await goldenPlayer();
   const { head } = player;
   assert.deepEqual([head.ticks, head.rateHz, head.frameTicks, head.segmentFrames, head.frames], [450, 1000, 100, 2, 5]);
-  assert.deepEqual(head.outline.map((point) => point.map((mm) => Math.round(mm * 1e6) / 1e6)), [[0, 0.1], [0.4, 0.2], [4, 0]]);
+  assert.deepEqual(
+    head.outline.map((point) => point.map((mm) => Math.round(mm * 1e6) / 1e6)),
+    [
+      [0, 0.1],
+      [0.4, 0.2],
+      [4, 0],
+    ],
+  );
   for (let k = 0; k < 5; ++k) {
     const pose = player.pose(k + 1)!;
-    assert.deepEqual(pose.tipMm.map((mm) => Math.round(mm * 1000) + 0), [0, -5 * k + 0, 1450 - 150 * k]);
-    assert.deepEqual(pose.axis.map((part) => Math.round(part * 127)), [0, k, 127]);
+    assert.deepEqual(
+      pose.tipMm.map((mm) => Math.round(mm * 1000) + 0),
+      [0, -5 * k + 0, 1450 - 150 * k],
+    );
+    assert.deepEqual(
+      pose.axis.map((part) => Math.round(part * 127)),
+      [0, k, 127],
+    );
     assert.equal(pose.turning, k % 2 === 1);
     assert.equal(pose.gapTicks, k);
   }
@@ -62,7 +85,11 @@ test("head and poses of the golden file are what the document says", async () =>
 
 test("seek names the bricks that look otherwise and no others", async () => {
   const player = await goldenPlayer();
-  const now = () => Array.from({ length: 125 }, (_, b) => { const s = player.samples(b); return typeof s === "number" ? String(s) : s.join(); });
+  const now = () =>
+    Array.from({ length: 125 }, (_, b) => {
+      const s = player.samples(b);
+      return typeof s === "number" ? String(s) : s.join();
+    });
   for (const frames of [0, 2, 3, 5, 1, 4, 4, 0]) {
     const before = now();
     const changed = value(player.seek(frames));
@@ -71,13 +98,28 @@ test("seek names the bricks that look otherwise and no others", async () => {
   }
 });
 
-function wholeMesh(player: TimelinePlayer): { area: number; volume: number; edges: Map<string, number>; vertices: number; worst: number; tissues: Set<number> } {
+function wholeMesh(player: TimelinePlayer): {
+  area: number;
+  volume: number;
+  edges: Map<string, number>;
+  vertices: number;
+  worst: number;
+  tissues: Set<number>;
+} {
   const mesher = new ToothMesher(player);
-  const out = { area: 0, volume: 0, edges: new Map<string, number>(), vertices: 0, worst: 0, tissues: new Set<number>() };
+  const out = {
+    area: 0,
+    volume: 0,
+    edges: new Map<string, number>(),
+    vertices: 0,
+    worst: 0,
+    tissues: new Set<number>(),
+  };
   for (const block of mesher.allBlocks()) {
     const mesh = mesher.mesh(block);
     if (mesh === undefined) continue;
-    const p = (i: number) => [mesh.positionMm[3 * i]!, mesh.positionMm[3 * i + 1]!, mesh.positionMm[3 * i + 2]!] as const;
+    const p = (i: number) =>
+      [mesh.positionMm[3 * i]!, mesh.positionMm[3 * i + 1]!, mesh.positionMm[3 * i + 2]!] as const;
     out.vertices += mesh.tissue.length;
     mesh.tissue.forEach((tissue, i) => {
       out.tissues.add(tissue);
@@ -85,11 +127,18 @@ function wholeMesh(player: TimelinePlayer): { area: number; volume: number; edge
       const length = Math.hypot(x, y, z);
       const normal = [0, 1, 2].map((axis) => mesh.normal[4 * i + axis]! / 127);
       out.worst = Math.max(out.worst, Math.abs(length - 1.43));
-      assert.ok((normal[0]! * x + normal[1]! * y + normal[2]! * z) / length > 0.98, "a ball's normals point away from its middle");
+      assert.ok(
+        (normal[0]! * x + normal[1]! * y + normal[2]! * z) / length > 0.98,
+        "a ball's normals point away from its middle",
+      );
     });
     for (let t = 0; t < mesh.triangle.length; t += 3) {
       const [a, b, c] = [p(mesh.triangle[t]!), p(mesh.triangle[t + 1]!), p(mesh.triangle[t + 2]!)];
-      const cross = [(b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1]), (b[2] - a[2]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[2] - a[2]), (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])];
+      const cross = [
+        (b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1]),
+        (b[2] - a[2]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[2] - a[2]),
+        (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]),
+      ];
       out.area += Math.hypot(...cross) / 2;
       out.volume += (a[0] * cross[0]! + a[1] * cross[1]! + a[2] * cross[2]!) / 6;
       const corners = [a, b, c].map((corner) => corner.map((mm) => mm.toFixed(6)).join());
@@ -107,8 +156,8 @@ test("the mesh of the ball is closed, lies on it and has its volume and area", a
   const player = await goldenPlayer();
   const mesh = wholeMesh(player);
   for (const [edge, sum] of mesh.edges) assert.equal(sum, 0, `edge ${edge} has no partner`);
-  assert.ok(mesh.worst < 0.1 / 14.3 * 0.7 + 0.002, `${mesh.worst} mm off`);
-  assert.ok(Math.abs(mesh.volume / (4 / 3 * Math.PI * 1.43 ** 3) - 1) < 0.01, `volume ${mesh.volume}`);
+  assert.ok(mesh.worst < (0.1 / 14.3) * 0.7 + 0.002, `${mesh.worst} mm off`);
+  assert.ok(Math.abs(mesh.volume / ((4 / 3) * Math.PI * 1.43 ** 3) - 1) < 0.01, `volume ${mesh.volume}`);
   assert.ok(Math.abs(mesh.area / (4 * Math.PI * 1.43 ** 2) - 1) < 0.01, `area ${mesh.area}`);
   assert.deepEqual([...mesh.tissues], [1]);
 });
@@ -121,7 +170,8 @@ test("only blocks of what was cut are made anew, and give the mesh of the whole"
   for (const frames of [1, 4, 2, 5]) {
     const dirty = mesher.blocksOf(value(player.seek(frames)));
     for (const block of dirty) kept.set(block, mesher.mesh(block));
-    for (const block of blocks) assert.deepEqual(kept.get(block), mesher.mesh(block), `block ${block} after ${frames} frames`);
+    for (const block of blocks)
+      assert.deepEqual(kept.get(block), mesher.mesh(block), `block ${block} after ${frames} frames`);
   }
 });
 
@@ -146,7 +196,10 @@ test("damaged and foreign files are refused with what is wrong", async () => {
 
 test("what an index claims beyond what its bytes can hold takes no memory", async () => {
   const head = value(await decodeHead(golden("entl")))!;
-  const bytes = new Uint8Array(golden("entl").slice(head.segments[0]!.from, head.segments[0]!.from + segmentBytes(head.segments[0]!)));
+  const bytes = new Uint8Array(
+    golden("entl").slice(head.segments[0]!.from, head.segments[0]!.from + segmentBytes(head.segments[0]!)),
+  );
   const claim = (change: object): Head => ({ ...head, segments: [{ ...head.segments[0]!, ...change }] });
-  for (const bad of [{ changeSize: 4e9 }, { keyBricks: 8e6 }, { changeSize: 5 }]) assert.equal((await decodeSegment(claim(bad), 0, bytes)).ok, false);
+  for (const bad of [{ changeSize: 4e9 }, { keyBricks: 8e6 }, { changeSize: 5 }])
+    assert.equal((await decodeSegment(claim(bad), 0, bytes)).ok, false);
 });

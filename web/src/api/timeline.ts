@@ -18,15 +18,15 @@ type Read<T> = Result<T, string>;
 
 export interface StartTooth {
   readonly grid: Grid;
-  readonly bricks: Uint8Array;                  // a byte for each: tissue, and flags
-  readonly samples: Int8Array;                  // 512 of each sampled brick
-  readonly slot: Int32Array;                    // per brick: its place in `samples`, or −1
+  readonly bricks: Uint8Array; // a byte for each: tissue, and flags
+  readonly samples: Int8Array; // 512 of each sampled brick
+  readonly slot: Int32Array; // per brick: its place in `samples`, or −1
   readonly labels: Uint8Array;
   readonly labelSlot: Int32Array;
 }
 
 export interface Segment {
-  readonly from: number;                        // first byte in the file
+  readonly from: number; // first byte in the file
   readonly poseBytes: number;
   readonly keyBytes: number;
   readonly changeBytes: number;
@@ -36,21 +36,21 @@ export interface Segment {
 
 export interface Head {
   readonly grid: Grid;
-  readonly start: string;                       // SHA-256 of the start tooth's file, hexadecimal
+  readonly start: string; // SHA-256 of the start tooth's file, hexadecimal
   readonly ticks: number;
   readonly rateHz: number;
   readonly frameTicks: number;
   readonly segmentFrames: number;
   readonly frames: number;
-  readonly outline: ReadonlyArray<readonly [number, number]>;  // mm: place along the axis, radius
+  readonly outline: ReadonlyArray<readonly [number, number]>; // mm: place along the axis, radius
   readonly segments: readonly Segment[];
-  readonly bytes: number;                       // of the head itself
+  readonly bytes: number; // of the head itself
   readonly fileBytes: number;
 }
 
 export interface FramePose {
   readonly tipMm: readonly [number, number, number];
-  readonly axis: readonly [number, number, number];  // toward the shank, unit
+  readonly axis: readonly [number, number, number]; // toward the shank, unit
   readonly turning: boolean;
   readonly gapTicks: number;
 }
@@ -94,8 +94,11 @@ function fromResiduals(s: Int8Array, at: number): void {
   }
 }
 
-const kSlice = 400;                             // bricks between two looks at the clock
-const nextTask = () => new Promise<void>((resolve) => { setTimeout(resolve); });
+const kSlice = 400; // bricks between two looks at the clock
+const nextTask = () =>
+  new Promise<void>((resolve) => {
+    setTimeout(resolve);
+  });
 
 // Leaves the thread to others now and then: there are thousands.
 async function bricksFromResiduals(samples: Int8Array): Promise<void> {
@@ -140,7 +143,8 @@ export function decodeStartTooth(file: ArrayBuffer): Promise<Read<StartTooth>> {
 }
 
 function between(what: string, value: number, least: number, most: number): number {
-  if (value < least || value > most) throw new Broken(`timeline: expected ${what} from ${least} to ${most}, found ${value}`);
+  if (value < least || value > most)
+    throw new Broken(`timeline: expected ${what} from ${least} to ${most}, found ${value}`);
   return value;
 }
 
@@ -163,16 +167,43 @@ export async function decodeHead(start: ArrayBuffer): Promise<Read<Head | undefi
     between("segments", segmentCount, 0, 65_536);
     const bytes = kHeadBytes + 8 * points + 20 * segmentCount;
     if (start.byteLength < bytes) return undefined;
-    const outline = Array.from({ length: points }, (_, i) => [view.getInt32(kHeadBytes + 8 * i, true) * 1e-6, view.getInt32(kHeadBytes + 8 * i + 4, true) * 1e-6] as const);
+    const outline = Array.from(
+      { length: points },
+      (_, i) =>
+        [view.getInt32(kHeadBytes + 8 * i, true) * 1e-6, view.getInt32(kHeadBytes + 8 * i + 4, true) * 1e-6] as const,
+    );
     let from = bytes;
     const segments = Array.from({ length: segmentCount }, (_, i): Segment => {
       const at = kHeadBytes + 8 * points + 20 * i;
-      const [poseBytes, keyBytes, changeBytes] = [view.getUint32(at, true), view.getUint32(at + 4, true), view.getUint32(at + 8, true)];
-      const segment = { from, poseBytes, keyBytes, changeBytes, keyBricks: view.getUint32(at + 12, true), changeSize: view.getUint32(at + 16, true) };
+      const [poseBytes, keyBytes, changeBytes] = [
+        view.getUint32(at, true),
+        view.getUint32(at + 4, true),
+        view.getUint32(at + 8, true),
+      ];
+      const segment = {
+        from,
+        poseBytes,
+        keyBytes,
+        changeBytes,
+        keyBricks: view.getUint32(at + 12, true),
+        changeSize: view.getUint32(at + 16, true),
+      };
       from += poseBytes + keyBytes + changeBytes;
       return segment;
     });
-    return { grid, start: hash, ticks, rateHz, frameTicks, segmentFrames, frames, outline, segments, bytes, fileBytes: from };
+    return {
+      grid,
+      start: hash,
+      ticks,
+      rateHz,
+      frameTicks,
+      segmentFrames,
+      frames,
+      outline,
+      segments,
+      bytes,
+      fileBytes: from,
+    };
   });
 }
 
@@ -187,17 +218,27 @@ export function framesIn(head: Head, segment: number): number {
 export function decodeSegment(head: Head, index: number, bytes: Uint8Array<ArrayBuffer>): Promise<Read<OpenSegment>> {
   return reading(async () => {
     const segment = head.segments[index]!;
-    if (bytes.length !== segmentBytes(segment)) throw new Broken(`segment ${index}: expected ${segmentBytes(segment)} bytes, found ${bytes.length}`);
+    if (bytes.length !== segmentBytes(segment))
+      throw new Broken(`segment ${index}: expected ${segmentBytes(segment)} bytes, found ${bytes.length}`);
     const part = (from: number, size: number) => bytes.subarray(from, from + size);
     const n = framesIn(head, index);
     const poses = await inflate(part(0, segment.poseBytes), 20 * n, "poses");
-    const key = await inflate(part(segment.poseBytes, segment.keyBytes), segment.keyBricks * (4 + kBrickSamples), "key frame");
-    const changes = await inflate(part(segment.poseBytes + segment.keyBytes, segment.changeBytes), segment.changeSize, "changes");
+    const key = await inflate(
+      part(segment.poseBytes, segment.keyBytes),
+      segment.keyBricks * (4 + kBrickSamples),
+      "key frame",
+    );
+    const changes = await inflate(
+      part(segment.poseBytes + segment.keyBytes, segment.changeBytes),
+      segment.changeSize,
+      "changes",
+    );
     const keyView = new DataView(key.buffer);
     const keyBricks = Uint32Array.from({ length: segment.keyBricks }, (_, i) => keyView.getUint32(4 * i, true));
     const count = head.grid.bricks[0] * head.grid.bricks[1] * head.grid.bricks[2];
     keyBricks.forEach((brick, i) => {
-      if (brick >= count || (i > 0 && brick <= keyBricks[i - 1]!)) throw new Broken(`brick ${brick} is out of order or outside the grid`);
+      if (brick >= count || (i > 0 && brick <= keyBricks[i - 1]!))
+        throw new Broken(`brick ${brick} is out of order or outside the grid`);
     });
     const keySamples = new Int8Array(key.buffer, 4 * segment.keyBricks);
     await bricksFromResiduals(keySamples);
@@ -218,7 +259,12 @@ function readPoses(raw: Uint8Array, n: number): FramePose[] {
     const axis = [0, 1, 2].map((a) => signed[12 * n + a * n + i]! / 127);
     const turning = raw[19 * n + i]!;
     if (turning > 1) throw new Broken("a bur neither turns nor stands");
-    return { tipMm: [tip[0]![i]!, tip[1]![i]!, tip[2]![i]!], axis: [axis[0]!, axis[1]!, axis[2]!], turning: turning === 1, gapTicks: fromPlanes(raw, 15 * n, n, i) };
+    return {
+      tipMm: [tip[0]![i]!, tip[1]![i]!, tip[2]![i]!],
+      axis: [axis[0]!, axis[1]!, axis[2]!],
+      turning: turning === 1,
+      gapTicks: fromPlanes(raw, 15 * n, n, i),
+    };
   });
 }
 
@@ -226,16 +272,19 @@ function readPoses(raw: Uint8Array, n: number): FramePose[] {
 export class TimelinePlayer {
   private readonly segments = new Map<number, OpenSegment>();
   private readonly count: number;
-  private current = new Map<number, Int8Array>();  // bricks that are not the start's
-  private entered = -1;                         // segment whose changes are open
-  private at = 0;                               // frames applied
+  private current = new Map<number, Int8Array>(); // bricks that are not the start's
+  private entered = -1; // segment whose changes are open
+  private at = 0; // frames applied
   private heads = 0;
   private headsEnd = 0;
   private masks = 0;
   private masksEnd = 0;
   private values = 0;
 
-  constructor(readonly head: Head, readonly start: StartTooth) {
+  constructor(
+    readonly head: Head,
+    readonly start: StartTooth,
+  ) {
     this.count = start.bricks.length;
   }
 
@@ -326,7 +375,8 @@ export class TimelinePlayer {
 
   private enter(index: number, segment: OpenSegment): void {
     this.current = new Map();
-    for (const [i, brick] of segment.keyBricks.entries()) this.current.set(brick, segment.keySamples.slice(i * kBrickSamples, (i + 1) * kBrickSamples));
+    for (const [i, brick] of segment.keyBricks.entries())
+      this.current.set(brick, segment.keySamples.slice(i * kBrickSamples, (i + 1) * kBrickSamples));
     const { changes } = segment;
     if (changes.length < 8) throw new Broken(`the changes of segment ${index} end early`);
     const view = new DataView(changes.buffer, changes.byteOffset, changes.length);
@@ -369,13 +419,13 @@ export class TimelinePlayer {
     const state = this.ownSamples(brick);
     const layers = this.mask(changes);
     for (let z = 0; z < 8; ++z) {
-      if (!(layers >> z & 1)) continue;
+      if (!((layers >> z) & 1)) continue;
       const rows = this.mask(changes);
       for (let y = 0; y < 8; ++y) {
-        if (!(rows >> y & 1)) continue;
+        if (!((rows >> y) & 1)) continue;
         const bits = this.mask(changes);
         for (let x = 0; x < 8; ++x) {
-          if (!(bits >> x & 1)) continue;
+          if (!((bits >> x) & 1)) continue;
           if (this.values >= changes.length) throw new Broken("a brick's changes end early");
           const i = z * 64 + y * 8 + x;
           state[i] = changes[this.values++]! + predicted(state, 0, i);

@@ -8,14 +8,18 @@ import type { BlockMesh } from "./tooth_mesh";
 const kStride = 6;
 
 // `cellOf`: of each vertex, in a block of `side`³ cells, x fastest; the outer layers are shared.
-export function coarsened({ positionMm, normal, tissue, deviation, triangle }: BlockMesh, cellOf: Int32Array, side: number): BlockMesh {
+export function coarsened(
+  { positionMm, normal, tissue, deviation, triangle }: BlockMesh,
+  cellOf: Int32Array,
+  side: number,
+): BlockMesh {
   const cubes = Math.ceil(side / kStride);
   const representative = new Int32Array(cubes ** 3).fill(-1);
   const becomes = new Int32Array(tissue.length);
   const position: number[] = [];
   const count: number[] = [];
   const direction: number[] = [];
-  const kept: number[] = [];                    // the vertex whose tissue and deviation it has
+  const kept: number[] = []; // the vertex whose tissue and deviation it has
   for (let v = 0; v < tissue.length; ++v) {
     const cell = cellOf[v]!;
     const [x, y, z] = [cell % side, Math.floor(cell / side) % side, Math.floor(cell / (side * side))];
@@ -46,13 +50,19 @@ export function coarsened({ positionMm, normal, tissue, deviation, triangle }: B
     positionMm: Float32Array.from(position, (sum, i) => sum / count[Math.floor(i / 3)]!),
     normal: new Int8Array(4 * kept.length),
     tissue: Uint8Array.from(kept, (v) => tissue[v]!),
-    deviation: deviation === undefined ? undefined : Float32Array.from({ length: 2 * kept.length }, (_, i) => deviation[2 * kept[i >> 1]! + (i & 1)]!),
+    deviation:
+      deviation === undefined
+        ? undefined
+        : Float32Array.from({ length: 2 * kept.length }, (_, i) => deviation[2 * kept[i >> 1]! + (i & 1)]!),
     triangle: Uint16Array.from(corners),
   };
   for (let v = 0; v < kept.length; ++v) {
     const [x, y, z] = [direction[3 * v]!, direction[3 * v + 1]!, direction[3 * v + 2]!];
     const length = Math.sqrt(x * x + y * y + z * z) || 1;
-    out.normal.set([Math.round(127 * x / length), Math.round(127 * y / length), Math.round(127 * z / length)], 4 * v);
+    out.normal.set(
+      [Math.round((127 * x) / length), Math.round((127 * y) / length), Math.round((127 * z) / length)],
+      4 * v,
+    );
   }
   return out;
 }
@@ -63,8 +73,11 @@ export function merged(meshes: readonly BlockMesh[]): BlockMesh {
   const vertices = sum((mesh) => mesh.tissue.length);
   const compared = meshes.some((mesh) => mesh.deviation !== undefined);
   const out = {
-    positionMm: new Float32Array(3 * vertices), normal: new Int8Array(4 * vertices), tissue: new Uint8Array(vertices),
-    deviation: compared ? new Float32Array(2 * vertices) : undefined, triangle: new Uint32Array(sum((mesh) => mesh.triangle.length)),
+    positionMm: new Float32Array(3 * vertices),
+    normal: new Int8Array(4 * vertices),
+    tissue: new Uint8Array(vertices),
+    deviation: compared ? new Float32Array(2 * vertices) : undefined,
+    triangle: new Uint32Array(sum((mesh) => mesh.triangle.length)),
   };
   let first = 0;
   let at = 0;

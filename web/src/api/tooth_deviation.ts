@@ -22,7 +22,8 @@ export function decodeDeviation(file: ArrayBuffer): Promise<Result<ToothDeviatio
     const grid = readGrid(view);
     const [count, values] = [view.getUint32(48, true), view.getUint32(52, true)];
     const gridBricks = grid.bricks[0] * grid.bricks[1] * grid.bricks[2];
-    if (count > gridBricks || values > count * kBrickCells) throw new Broken("the deviation has more bricks or values than the grid");
+    if (count > gridBricks || values > count * kBrickCells)
+      throw new Broken("the deviation has more bricks or values than the grid");
     let at = 56;
     const section = () => {
       const size = view.getUint32(at, true);
@@ -39,7 +40,12 @@ export function decodeDeviation(file: ArrayBuffer): Promise<Result<ToothDeviatio
   });
 }
 
-function bricksOf(cells: Uint8Array<ArrayBuffer>, planes: Uint8Array, values: number, gridBricks: number): Map<number, Int32Array> {
+function bricksOf(
+  cells: Uint8Array<ArrayBuffer>,
+  planes: Uint8Array,
+  values: number,
+  gridBricks: number,
+): Map<number, Int32Array> {
   const view = new DataView(cells.buffer);
   const out = new Map<number, Int32Array>();
   let before = -1;
@@ -47,11 +53,12 @@ function bricksOf(cells: Uint8Array<ArrayBuffer>, planes: Uint8Array, values: nu
   let um = 0;
   for (let from = 0; from < cells.length; from += kBrickBytes) {
     const brick = view.getUint32(from, true);
-    if (brick <= before || brick >= gridBricks) throw new Broken(`brick ${brick} of the deviation is out of order or outside the grid`);
+    if (brick <= before || brick >= gridBricks)
+      throw new Broken(`brick ${brick} of the deviation is out of order or outside the grid`);
     before = brick;
     const own = new Int32Array(kBrickCells).fill(kNotCompared);
     for (let i = 0; i < kBrickCells; ++i) {
-      if (!(cells[from + 4 + (i >> 3)]! >> (i & 7) & 1)) continue;
+      if (!((cells[from + 4 + (i >> 3)]! >> (i & 7)) & 1)) continue;
       if (next >= values) throw new Broken("the deviation names more cells than it has values");
       um = (um + unzigzag(fromPlanes(planes, 0, values, next++))) | 0;
       own[i] = um;

@@ -20,13 +20,21 @@ export interface ToothWatcher {
 }
 
 // Asks that have an answer: what is told under the same name.
-type Answers = { head: Result<Head, string>; start: Result<Extent, string>; segment: Result<readonly FramePose[], string>; deviation: Result<Compared, string> };
+type Answers = {
+  head: Result<Head, string>;
+  start: Result<Extent, string>;
+  segment: Result<readonly FramePose[], string>;
+  deviation: Result<Compared, string>;
+};
 
 export class ToothLink {
   private nextId = 0;
   private readonly waiting = new Map<number, (answer: Answers[keyof Answers]) => void>();
 
-  constructor(private readonly port: ToothPort, private readonly watcher: ToothWatcher) {
+  constructor(
+    private readonly port: ToothPort,
+    private readonly watcher: ToothWatcher,
+  ) {
     port.onmessage = ({ data }) => this.told(data);
     port.onerror = () => this.lost("what reads it could not be loaded or has stopped: load the page again");
   }
@@ -67,13 +75,20 @@ export class ToothLink {
 
   private told(told: ToothTold): void {
     switch (told.told) {
-      case "blocks": return this.watcher.blocks(told.blocks);
-      case "shown": return this.watcher.shown(told.frames, told.cut);
-      case "failed": return this.watcher.failed(told.message);
-      case "head": return this.answer(told.id, told.head);
-      case "start": return this.answer(told.id, told.extent);
-      case "segment": return this.answer(told.id, told.poses);
-      case "deviation": return this.answer(told.id, told.compared);
+      case "blocks":
+        return this.watcher.blocks(told.blocks);
+      case "shown":
+        return this.watcher.shown(told.frames, told.cut);
+      case "failed":
+        return this.watcher.failed(told.message);
+      case "head":
+        return this.answer(told.id, told.head);
+      case "start":
+        return this.answer(told.id, told.extent);
+      case "segment":
+        return this.answer(told.id, told.poses);
+      case "deviation":
+        return this.answer(told.id, told.compared);
     }
   }
   private answer(id: number, answer: Answers[keyof Answers]): void {
@@ -91,7 +106,10 @@ export class ToothLink {
 declare const kToothWorkerAddress: string;
 
 interface TrustedTypePolicies {
-  createPolicy(name: string, rules: { createScriptURL: (address: string) => string }): { createScriptURL(address: string): unknown };
+  createPolicy(
+    name: string,
+    rules: { createScriptURL: (address: string) => string },
+  ): { createScriptURL(address: string): unknown };
 }
 
 // The server's Content-Security-Policy names this policy and no other (server/http/site.cpp), once: no other script can be

@@ -5,17 +5,17 @@ import { kNotCompared, type ToothDeviation } from "./tooth_deviation";
 // surface crosses, at the mean of its edges' crossings; a quad for each crossed edge, split along its shorter diagonal.
 // Made block by block, so that only what was cut is made anew.
 
-const kBlockBricks = 4;                         // along each axis
+const kBlockBricks = 4; // along each axis
 const kBlock = kBlockBricks * kBrickSide;
-const kSide = kBlock + 2;                       // with a layer of the neighbours' samples around
-export const kCells = kBlock + 1;               // of a block along each axis; the outer ones are its neighbours' too
+const kSide = kBlock + 2; // with a layer of the neighbours' samples around
+export const kCells = kBlock + 1; // of a block along each axis; the outer ones are its neighbours' too
 
 export interface BlockMesh {
-  readonly positionMm: Float32Array<ArrayBuffer>;  // (n x 3), scene frame
-  readonly normal: Int8Array<ArrayBuffer>;      // (n x 4), x y z 0, /127, outward
-  readonly tissue: Uint8Array<ArrayBuffer>;     // (n)
-  readonly deviation: Float32Array<ArrayBuffer> | undefined;  // (n x 2): mm, + = more removed than the reference; 1, or 0 and 0 where not compared
-  readonly triangle: Uint16Array<ArrayBuffer> | Uint32Array<ArrayBuffer>;  // (m x 3), counter-clockwise seen from outside
+  readonly positionMm: Float32Array<ArrayBuffer>; // (n x 3), scene frame
+  readonly normal: Int8Array<ArrayBuffer>; // (n x 4), x y z 0, /127, outward
+  readonly tissue: Uint8Array<ArrayBuffer>; // (n)
+  readonly deviation: Float32Array<ArrayBuffer> | undefined; // (n x 2): mm, + = more removed than the reference; 1, or 0 and 0 where not compared
+  readonly triangle: Uint16Array<ArrayBuffer> | Uint32Array<ArrayBuffer>; // (m x 3), counter-clockwise seen from outside
 }
 
 // A cell's edges by their corners: four along x, four along y, four along z. Corner i is (i & 1, i >> 1 & 1, i >> 2).
@@ -23,8 +23,8 @@ const kEdgeFrom = Uint8Array.of(0, 2, 4, 6, 0, 1, 4, 5, 0, 1, 2, 3);
 const kEdgeTo = Uint8Array.of(1, 3, 5, 7, 2, 3, 6, 7, 4, 5, 6, 7);
 const kStep = Int32Array.of(1, kSide, kSide * kSide);
 const kCellStep = Int32Array.of(1, kCells, kCells * kCells);
-const kNextTo = 1 / 16;                         // of a cell
-const kFlat = 0.05 * -kDeep;                    // of a gradient: below it the direction is rounding, not shape
+const kNextTo = 1 / 16; // of a cell
+const kFlat = 0.05 * -kDeep; // of a gradient: below it the direction is rounding, not shape
 
 // Makes the meshes of a player's tooth as it is now. Owns buffers that it uses again, one mesh at a time: a whole tooth is
 // hundreds of thousands of vertices, and an object for each would be most of the time.
@@ -39,11 +39,11 @@ export class ToothMesher {
   deviation: ToothDeviation | undefined;
   private triangle = new Uint16Array(1 << 16);
   private vertices = 0;
-  private corners = 0;                          // of triangles
-  private readonly v = new Float64Array(8);     // a cell's corners
-  private readonly p = new Float64Array(3);     // its vertex
+  private corners = 0; // of triangles
+  private readonly v = new Float64Array(8); // a cell's corners
+  private readonly p = new Float64Array(3); // its vertex
   private readonly g = new Float64Array(3);
-  private readonly first = new Int32Array(3);   // voxel of local sample (0, 0, 0)
+  private readonly first = new Int32Array(3); // voxel of local sample (0, 0, 0)
   private readonly blocks: readonly [number, number, number];
 
   constructor(private readonly player: TimelinePlayer) {
@@ -68,7 +68,8 @@ export class ToothMesher {
   private blocksAt(brick: number, out: Set<number>): void {
     const [nx, ny] = this.player.start.grid.bricks;
     const at = [brick % nx, Math.floor(brick / nx) % ny, Math.floor(brick / (nx * ny))] as const;
-    const range = (axis: 0 | 1 | 2) => [Math.max(0, at[axis] - 1) >> 2, Math.min((at[axis] + 1) >> 2, this.blocks[axis] - 1)] as const;
+    const range = (axis: 0 | 1 | 2) =>
+      [Math.max(0, at[axis] - 1) >> 2, Math.min((at[axis] + 1) >> 2, this.blocks[axis] - 1)] as const;
     const [x, y, z] = [range(0), range(1), range(2)];
     for (let k = z[0]; k <= z[1]; ++k) {
       for (let j = y[0]; j <= y[1]; ++j) {
@@ -80,7 +81,9 @@ export class ToothMesher {
   // Of each vertex of the last mesh, its cell in the block.
   cells(): Int32Array {
     const out = new Int32Array(this.vertices);
-    this.vertexOf.forEach((vertex, cell) => { if (vertex >= 0) out[vertex] = cell; });
+    this.vertexOf.forEach((vertex, cell) => {
+      if (vertex >= 0) out[vertex] = cell;
+    });
     return out;
   }
   // Of the block's last mesh, the vertices that the block before does not have too: neighbours share those of a layer.
@@ -97,14 +100,21 @@ export class ToothMesher {
   mesh(block: number): BlockMesh | undefined {
     const [nx, ny] = this.blocks;
     const at = [block % nx, Math.floor(block / nx) % ny, Math.floor(block / (nx * ny))] as const;
-    at.forEach((n, axis) => { this.first[axis] = n * kBlock - 1; });
+    at.forEach((n, axis) => {
+      this.first[axis] = n * kBlock - 1;
+    });
     if (!this.gather()) return undefined;
     this.vertexOf.fill(-1);
     this.vertices = this.corners = 0;
     this.quads(at);
     if (this.corners === 0) return undefined;
-    return { positionMm: this.position.slice(0, 3 * this.vertices), normal: this.normal.slice(0, 4 * this.vertices), tissue: this.tissue.slice(0, this.vertices),
-             deviation: this.deviation === undefined ? undefined : this.compared.slice(0, 2 * this.vertices), triangle: this.triangle.slice(0, this.corners) };
+    return {
+      positionMm: this.position.slice(0, 3 * this.vertices),
+      normal: this.normal.slice(0, 4 * this.vertices),
+      tissue: this.tissue.slice(0, this.vertices),
+      deviation: this.deviation === undefined ? undefined : this.compared.slice(0, 2 * this.vertices),
+      triangle: this.triangle.slice(0, this.corners),
+    };
   }
 
   // False: all samples are on one side.
@@ -174,7 +184,8 @@ export class ToothMesher {
         let n = (z * kSide + y) * kSide + lx;
         for (let x = lx; x <= kBlock; ++x, ++n) {
           const side = s[n]! >> 7;
-          const crossed = (side ^ s[n + 1]! >> 7) | (side ^ s[n + kSide]! >> 7) | (side ^ s[n + kSide * kSide]! >> 7);
+          const crossed =
+            (side ^ (s[n + 1]! >> 7)) | (side ^ (s[n + kSide]! >> 7)) | (side ^ (s[n + kSide * kSide]! >> 7));
           if (crossed === 0) continue;
           for (let axis = 0; axis < 3; ++axis) {
             if (s[n + kStep[axis]!]! >> 7 !== side) this.quad(x, y, z, axis, side < 0);
@@ -226,7 +237,8 @@ export class ToothMesher {
     const z = (row - y) / kCells;
     const n = (z * kSide + y) * kSide + x;
     // Each stands for half a step more: 0 has no side.
-    for (let i = 0; i < 8; ++i) this.v[i] = this.samples[n + (i & 1) + (i >> 1 & 1) * kSide + (i >> 2) * kSide * kSide]! + 0.5;
+    for (let i = 0; i < 8; ++i)
+      this.v[i] = this.samples[n + (i & 1) + ((i >> 1) & 1) * kSide + (i >> 2) * kSide * kSide]! + 0.5;
     this.meanCrossing();
     const index = this.vertices++;
     this.vertexOf[cell] = index;
@@ -238,7 +250,7 @@ export class ToothMesher {
     this.gradient();
     for (let axis = 0; axis < 3; ++axis) this.normal[4 * index + axis] = Math.round(127 * this.g[axis]!);
     const under = this.nearestInside();
-    this.tissue[index] = this.tissueAt(vx + (under & 1), vy + (under >> 1 & 1), vz + (under >> 2));
+    this.tissue[index] = this.tissueAt(vx + (under & 1), vy + ((under >> 1) & 1), vz + (under >> 2));
     if (this.deviation !== undefined) this.compare(index, [vx, vy, vz], this.deviation);
     return index;
   }
@@ -258,7 +270,8 @@ export class ToothMesher {
     const [x, y, z] = cell.map((n, axis) => n - this.first[axis]!) as [number, number, number];
     if ([x, y, z].some((n) => n < 0 || n >= kCells)) return true;
     let solid = 0;
-    for (let i = 0; i < 8; ++i) if (this.samples[((z + (i >> 2)) * kSide + y + (i >> 1 & 1)) * kSide + x + (i & 1)]! < 0) ++solid;
+    for (let i = 0; i < 8; ++i)
+      if (this.samples[((z + (i >> 2)) * kSide + y + ((i >> 1) & 1)) * kSide + x + (i & 1)]! < 0) ++solid;
     return solid !== 0 && solid !== 8;
   }
   // Of the cell beyond the border that the vertex at `p` is next to: where it was made its position was rounded.
@@ -292,7 +305,7 @@ export class ToothMesher {
       ++count;
       const along = e >> 2;
       p[0]! += along === 0 ? a / (a - b) : from & 1;
-      p[1]! += along === 1 ? a / (a - b) : from >> 1 & 1;
+      p[1]! += along === 1 ? a / (a - b) : (from >> 1) & 1;
       p[2]! += along === 2 ? a / (a - b) : from >> 2;
     }
     for (let axis = 0; axis < 3; ++axis) p[axis]! /= count;
@@ -314,7 +327,8 @@ export class ToothMesher {
     let length = Math.sqrt(g[0]! * g[0]! + g[1]! * g[1]! + g[2]! * g[2]!);
     if (length < kFlat) {
       g.fill(0);
-      for (let i = 0; i < 8; ++i) for (let axis = 0; axis < 3; ++axis) g[axis]! += ((i >> axis & 1) - 0.5) * (v[i]! < 0 ? -1 : 1);
+      for (let i = 0; i < 8; ++i)
+        for (let axis = 0; axis < 3; ++axis) g[axis]! += (((i >> axis) & 1) - 0.5) * (v[i]! < 0 ? -1 : 1);
       length = Math.sqrt(g[0]! * g[0]! + g[1]! * g[1]! + g[2]! * g[2]!);
     }
     if (length === 0) {
@@ -330,7 +344,7 @@ export class ToothMesher {
     let corner = 0;
     for (let i = 0; i < 8; ++i) {
       if (v[i]! >= 0) continue;
-      const [x, y, z] = [p[0]! - (i & 1), p[1]! - (i >> 1 & 1), p[2]! - (i >> 2)];
+      const [x, y, z] = [p[0]! - (i & 1), p[1]! - ((i >> 1) & 1), p[2]! - (i >> 2)];
       const d2 = x * x + y * y + z * z;
       if (d2 >= nearest) continue;
       nearest = d2;

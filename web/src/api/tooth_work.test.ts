@@ -22,25 +22,58 @@ function linked({ sliceMs = 1e9, pause = async () => {} }: { sliceMs?: number; p
   const shown: number[] = [];
   const failures: string[] = [];
   let now = 0;
-  const port: ConstructorParameters<typeof ToothLink>[0] = { postMessage: (asked) => { queueMicrotask(() => void work.take(asked)); }, onmessage: null, onerror: null, terminate: () => {} };
-  const work = new ToothWork((message) => {
-    told.push(message);
-    port.onmessage?.({ data: message });
-  }, pause, () => { now += 13 - Math.min(sliceMs, 13); return now; });
+  const port: ConstructorParameters<typeof ToothLink>[0] = {
+    postMessage: (asked) => {
+      queueMicrotask(() => void work.take(asked));
+    },
+    onmessage: null,
+    onerror: null,
+    terminate: () => {},
+  };
+  const work = new ToothWork(
+    (message) => {
+      told.push(message);
+      port.onmessage?.({ data: message });
+    },
+    pause,
+    () => {
+      now += 13 - Math.min(sliceMs, 13);
+      return now;
+    },
+  );
   const link = new ToothLink(port, {
-    blocks: (all) => { for (const [index, mesh] of all) { if (mesh === undefined) blocks.delete(index); else blocks.set(index, mesh); } },
-    shown: (frames) => { shown.push(frames); }, failed: (message) => { failures.push(message); },
+    blocks: (all) => {
+      for (const [index, mesh] of all) {
+        if (mesh === undefined) blocks.delete(index);
+        else blocks.set(index, mesh);
+      }
+    },
+    shown: (frames) => {
+      shown.push(frames);
+    },
+    failed: (message) => {
+      failures.push(message);
+    },
   });
   return { link, port, blocks, told, shown, failures };
 }
 
-const settled = () => new Promise<void>((resolve) => { setTimeout(resolve, 5); });
+const settled = () =>
+  new Promise<void>((resolve) => {
+    setTimeout(resolve, 5);
+  });
 
 async function opened(made: ReturnType<typeof linked>, segments = [0, 1, 2]) {
   const file = golden("entl");
   const head = value(await made.link.head(file.slice(0)));
   value(await made.link.start(golden("entb")));
-  for (const i of segments) value(await made.link.segment(i, file.slice(head.segments[i]!.from, head.segments[i]!.from + segmentBytes(head.segments[i]!))));
+  for (const i of segments)
+    value(
+      await made.link.segment(
+        i,
+        file.slice(head.segments[i]!.from, head.segments[i]!.from + segmentBytes(head.segments[i]!)),
+      ),
+    );
   return head;
 }
 
@@ -49,11 +82,22 @@ async function expected(frames: number, deviation?: ArrayBuffer): Promise<Map<nu
   const file = golden("entl");
   const head = value(await decodeHead(file))!;
   const player = new TimelinePlayer(head, value(await decodeStartTooth(golden("entb"))));
-  for (const [i, segment] of head.segments.entries()) player.add(i, value(await decodeSegment(head, i, new Uint8Array(file.slice(segment.from, segment.from + segmentBytes(segment))))));
+  for (const [i, segment] of head.segments.entries())
+    player.add(
+      i,
+      value(
+        await decodeSegment(head, i, new Uint8Array(file.slice(segment.from, segment.from + segmentBytes(segment)))),
+      ),
+    );
   value(player.seek(frames));
   const mesher = new ToothMesher(player);
   if (deviation !== undefined) mesher.deviation = value(await decodeDeviation(deviation));
-  return new Map(mesher.allBlocks().flatMap((block) => { const mesh = mesher.mesh(block); return mesh === undefined ? [] : [[block, mesh] as const]; }));
+  return new Map(
+    mesher.allBlocks().flatMap((block) => {
+      const mesh = mesher.mesh(block);
+      return mesh === undefined ? [] : [[block, mesh] as const];
+    }),
+  );
 }
 
 test("a wish gives the blocks of that moment, and only then says that it is shown", async () => {
@@ -78,19 +122,37 @@ test("where the tooth lies is told with the start tooth", async () => {
 
 test("a wish that is overtaken is left where it is, and the later one is whole", async () => {
   let pauses = 0;
-  const made = linked({ sliceMs: 0, pause: async () => { if (++pauses === 2) made.link.seek(3); await settled(); } });
+  const made = linked({
+    sliceMs: 0,
+    pause: async () => {
+      if (++pauses === 2) made.link.seek(3);
+      await settled();
+    },
+  });
   await opened(made);
   made.link.seek(5);
   for (let i = 0; i < 40; ++i) await settled();
   assert.deepEqual(made.shown, [3], "the first was never shown");
   const last = made.told.at(-1);
-  assert.ok(last?.told === "shown" && last.cut !== undefined && Math.abs(last.cut.centreMm[0]) < 0.1 && last.cut.centreMm[2] > 0.8, "where it was cut is known all the same");
+  assert.ok(
+    last?.told === "shown" &&
+      last.cut !== undefined &&
+      Math.abs(last.cut.centreMm[0]) < 0.1 &&
+      last.cut.centreMm[2] > 0.8,
+    "where it was cut is known all the same",
+  );
   assert.deepEqual(made.blocks, await expected(3));
 });
 
 test("however often wishes overtake each other, every block is made in the end", async () => {
   let pauses = 0;
-  const made = linked({ sliceMs: 0, pause: async () => { if (++pauses < 60) made.link.seek(pauses % 6); await settled(); } });
+  const made = linked({
+    sliceMs: 0,
+    pause: async () => {
+      if (++pauses < 60) made.link.seek(pauses % 6);
+      await settled();
+    },
+  });
   await opened(made);
   made.link.seek(5);
   for (let i = 0; i < 200 && made.shown.length === 0; ++i) await settled();
@@ -105,7 +167,12 @@ test("a wish for a part that is not here yet is fulfilled when it is", async () 
   await settled();
   assert.deepEqual(made.shown, []);
   const head = value(await decodeHead(golden("entl")))!;
-  value(await made.link.segment(0, golden("entl").slice(head.segments[0]!.from, head.segments[0]!.from + segmentBytes(head.segments[0]!))));
+  value(
+    await made.link.segment(
+      0,
+      golden("entl").slice(head.segments[0]!.from, head.segments[0]!.from + segmentBytes(head.segments[0]!)),
+    ),
+  );
   await settled();
   assert.deepEqual(made.shown, [1]);
   assert.deepEqual(made.blocks, await expected(1));
@@ -126,13 +193,21 @@ test("the golden deviation is what the document says, and is at the vertices of 
     own.forEach((um, i) => {
       if (um === kNotCompared) return;
       ++seen;
-      const [x, y, z] = [brick % 5 * 8 + (i & 7), Math.floor(brick / 5) % 5 * 8 + (i >> 3 & 7), Math.floor(brick / 25) * 8 + (i >> 6)];
+      const [x, y, z] = [
+        (brick % 5) * 8 + (i & 7),
+        (Math.floor(brick / 5) % 5) * 8 + ((i >> 3) & 7),
+        Math.floor(brick / 25) * 8 + (i >> 6),
+      ];
       assert.equal(um, 100 * (z - 24) + 10 * (x - 19) - (y - 19));
     });
   }
   assert.equal(seen, values);
   compared.deviationMm.forEach((mm, i) => {
-    const [x, y, z] = [0, 1, 2].map((axis) => Math.floor((compared.positionMm[3 * i + axis]! + 1.95) / 0.1)) as [number, number, number];
+    const [x, y, z] = [0, 1, 2].map((axis) => Math.floor((compared.positionMm[3 * i + axis]! + 1.95) / 0.1)) as [
+      number,
+      number,
+      number,
+    ];
     assert.ok(Math.abs(mm - (100 * (z - 24) + 10 * (x - 19) - (y - 19)) / 1000) < 1e-6);
   });
   assert.deepEqual(made.blocks, await expected(2, golden("endv")), "what was shown is still shown, with the deviation");
@@ -148,7 +223,8 @@ test("damaged files, and a worker that stops, are told and nothing is thrown", a
   value(await made.link.head(golden("entl")));
   assert.match(JSON.stringify(await made.link.start(golden("endv"))), /begins with ENTB/);
   assert.match(JSON.stringify(await made.link.deviation(golden("endv").slice(0, 200))), /ends early/);
-  for (let end = 0; end < golden("endv").byteLength; ++end) assert.equal((await decodeDeviation(golden("endv").slice(0, end))).ok, false, `${end} bytes`);
+  for (let end = 0; end < golden("endv").byteLength; ++end)
+    assert.equal((await decodeDeviation(golden("endv").slice(0, end))).ok, false, `${end} bytes`);
   const lost = made.link.segment(0, new ArrayBuffer(3));
   made.port.onerror?.({});
   assert.match(JSON.stringify(await lost), /load the page again/);

@@ -1,6 +1,17 @@
 import { fail, ok, type Result } from "../base/result";
 import type { Grid } from "./packed";
-import { decodeHead, decodeSegment, decodeStartTooth, type FramePose, type Head, kBrickSamples, kBrickSide, type OpenSegment, type StartTooth, TimelinePlayer } from "./timeline";
+import {
+  decodeHead,
+  decodeSegment,
+  decodeStartTooth,
+  type FramePose,
+  type Head,
+  kBrickSamples,
+  kBrickSide,
+  type OpenSegment,
+  type StartTooth,
+  TimelinePlayer,
+} from "./timeline";
 import { decodeDeviation } from "./tooth_deviation";
 import { coarsened, merged } from "./tooth_coarse";
 import { type BlockMesh, kCells, ToothMesher } from "./tooth_mesh";
@@ -16,17 +27,17 @@ export interface Extent {
 
 // The vertices of the tooth at its end that were compared with the reference.
 export interface Compared {
-  readonly positionMm: Float32Array<ArrayBuffer>;  // (n x 3)
-  readonly normal: Int8Array<ArrayBuffer>;      // (n x 4), as a BlockMesh has them
+  readonly positionMm: Float32Array<ArrayBuffer>; // (n x 3)
+  readonly normal: Int8Array<ArrayBuffer>; // (n x 4), as a BlockMesh has them
   readonly deviationMm: Float32Array<ArrayBuffer>; // (n)
 }
 
 export type ToothAsk =
-  | { readonly ask: "head"; readonly id: number; readonly bytes: ArrayBuffer }     // the file's beginning
+  | { readonly ask: "head"; readonly id: number; readonly bytes: ArrayBuffer } // the file's beginning
   | { readonly ask: "start"; readonly id: number; readonly bytes: ArrayBuffer }
   | { readonly ask: "segment"; readonly id: number; readonly index: number; readonly bytes: ArrayBuffer }
   | { readonly ask: "deviation"; readonly id: number; readonly bytes: ArrayBuffer } // after start and last segment
-  | { readonly ask: "seek"; readonly frames: number };                            // the latest one counts
+  | { readonly ask: "seek"; readonly frames: number }; // the latest one counts
 
 export type ToothTold =
   | { readonly told: "head"; readonly id: number; readonly head: Result<Head, string> }
@@ -37,7 +48,7 @@ export type ToothTold =
   | { readonly told: "blocks"; readonly blocks: readonly (readonly [number, BlockMesh | undefined])[] }
   // All of it was told. `cut`: where something went by the end, once that is known.
   | { readonly told: "shown"; readonly frames: number; readonly cut?: Extent | undefined }
-  | { readonly told: "failed"; readonly message: string };                        // the file is damaged there
+  | { readonly told: "failed"; readonly message: string }; // the file is damaged there
 
 // Blocks that stay as they are, to be drawn as one.
 interface Still {
@@ -45,28 +56,32 @@ interface Still {
   readonly meshes: BlockMesh[];
 }
 
-const kSliceMs = 12;                            // until a later wish is looked for
-const kTellMs = 100;                            // until what was made is told; each time is a picture to be drawn
+const kSliceMs = 12; // until a later wish is looked for
+const kTellMs = 100; // until what was made is told; each time is a picture to be drawn
 
 export class ToothWork {
   private head: Head | undefined;
   private player: TimelinePlayer | undefined;
   private mesher: ToothMesher | undefined;
-  private readonly early = new Map<number, OpenSegment>();  // segments that came before the start tooth
+  private readonly early = new Map<number, OpenSegment>(); // segments that came before the start tooth
   private readonly dirty = new Set<number>();
-  private fine: Set<number> | undefined;        // blocks in all detail; undefined: all, until the end is known
-  private readonly stills: number[][] = [];     // the blocks of each mesh of several; its index is −1 less its place here
+  private fine: Set<number> | undefined; // blocks in all detail; undefined: all, until the end is known
+  private readonly stills: number[][] = []; // the blocks of each mesh of several; its index is −1 less its place here
   private wanted: number | undefined;
   private working = false;
-  private cut: Extent | undefined;              // known once the end was sought
+  private cut: Extent | undefined; // known once the end was sought
 
   // `pause`: resolves when messages that have come meanwhile were taken.
-  constructor(private readonly tell: (told: ToothTold, transfer: readonly ArrayBuffer[]) => void, private readonly pause: () => Promise<void>,
-              private readonly nowMs: () => number = () => performance.now()) {}
+  constructor(
+    private readonly tell: (told: ToothTold, transfer: readonly ArrayBuffer[]) => void,
+    private readonly pause: () => Promise<void>,
+    private readonly nowMs: () => number = () => performance.now(),
+  ) {}
 
   async take(asked: ToothAsk): Promise<void> {
     switch (asked.ask) {
-      case "head": return this.tell({ told: "head", id: asked.id, head: await this.readHead(asked.bytes) }, []);
+      case "head":
+        return this.tell({ told: "head", id: asked.id, head: await this.readHead(asked.bytes) }, []);
       case "start": {
         const extent = await this.readStart(asked.bytes);
         this.tell({ told: "start", id: asked.id, extent }, []);
@@ -79,7 +94,12 @@ export class ToothWork {
       }
       case "deviation": {
         const compared = await this.readDeviation(asked.bytes);
-        this.tell({ told: "deviation", id: asked.id, compared }, compared.ok ? [compared.value.positionMm.buffer, compared.value.normal.buffer, compared.value.deviationMm.buffer] : []);
+        this.tell(
+          { told: "deviation", id: asked.id, compared },
+          compared.ok
+            ? [compared.value.positionMm.buffer, compared.value.normal.buffer, compared.value.deviationMm.buffer]
+            : [],
+        );
         return this.work();
       }
       case "seek":
@@ -123,7 +143,11 @@ export class ToothWork {
     const { player, mesher } = this;
     if (player === undefined || mesher === undefined) return fail("a deviation came before the start tooth");
     const { grid } = player.start;
-    if (deviation.value.grid.voxelMm !== grid.voxelMm || deviation.value.grid.bricks.some((n, axis) => n !== grid.bricks[axis])) return fail("the deviation is of another grid");
+    if (
+      deviation.value.grid.voxelMm !== grid.voxelMm ||
+      deviation.value.grid.bricks.some((n, axis) => n !== grid.bricks[axis])
+    )
+      return fail("the deviation is of another grid");
     mesher.deviation = deviation.value;
     // All that carries it is made anew for the picture; here it is gathered from the tooth at its end, whatever is shown.
     const blocks = mesher.blocksOf(deviation.value.bricks.keys());
@@ -134,7 +158,11 @@ export class ToothWork {
     return compared;
   }
 
-  private async compareEnd(player: TimelinePlayer, mesher: ToothMesher, blocks: Iterable<number>): Promise<Result<Compared, string>> {
+  private async compareEnd(
+    player: TimelinePlayer,
+    mesher: ToothMesher,
+    blocks: Iterable<number>,
+  ): Promise<Result<Compared, string>> {
     const shown = player.frame;
     const there = player.seek(player.head.frames);
     if (!there.ok) return there;
@@ -163,7 +191,8 @@ export class ToothWork {
         break;
       }
       if (frames === player.head.frames) this.cut ??= cutOf(player);
-      if (frames === player.head.frames) this.fine ??= mesher.blocksOf([...player.changed().keys(), ...(mesher.deviation?.bricks.keys() ?? [])]);
+      if (frames === player.head.frames)
+        this.fine ??= mesher.blocksOf([...player.changed().keys(), ...(mesher.deviation?.bricks.keys() ?? [])]);
       for (const block of mesher.blocksOf(changed.value)) this.dirty.add(block);
       if (!(await this.meshDirty(mesher))) continue;
       this.tell({ told: "shown", frames, cut: this.cut }, []);
@@ -233,8 +262,17 @@ export class ToothWork {
 
   private tellBlocks(blocks: readonly (readonly [number, BlockMesh | undefined])[]): void {
     if (blocks.length === 0) return;
-    const parts = blocks.flatMap(([, mesh]) => mesh === undefined ? [] : [mesh.positionMm.buffer, mesh.normal.buffer, mesh.tissue.buffer, mesh.triangle.buffer,
-                                                                                ...(mesh.deviation === undefined ? [] : [mesh.deviation.buffer])]);
+    const parts = blocks.flatMap(([, mesh]) =>
+      mesh === undefined
+        ? []
+        : [
+            mesh.positionMm.buffer,
+            mesh.normal.buffer,
+            mesh.tissue.buffer,
+            mesh.triangle.buffer,
+            ...(mesh.deviation === undefined ? [] : [mesh.deviation.buffer]),
+          ],
+    );
     this.tell({ told: "blocks", blocks }, parts);
   }
 }
@@ -242,14 +280,21 @@ export class ToothWork {
 function comparedIn({ positionMm, normal, deviation }: BlockMesh, vertices: readonly number[]): Compared {
   const own = vertices.filter((vertex) => deviation?.[2 * vertex + 1] === 1);
   return {
-    positionMm: Float32Array.from({ length: 3 * own.length }, (_, i) => positionMm[3 * own[Math.floor(i / 3)]! + i % 3]!),
+    positionMm: Float32Array.from(
+      { length: 3 * own.length },
+      (_, i) => positionMm[3 * own[Math.floor(i / 3)]! + (i % 3)]!,
+    ),
     normal: Int8Array.from({ length: 4 * own.length }, (_, i) => normal[4 * own[i >> 2]! + (i & 3)]!),
     deviationMm: Float32Array.from(own, (vertex) => deviation![2 * vertex]!),
   };
 }
 function joined(parts: readonly Compared[]): Compared {
   const count = parts.reduce((sum, part) => sum + part.deviationMm.length, 0);
-  const out = { positionMm: new Float32Array(3 * count), normal: new Int8Array(4 * count), deviationMm: new Float32Array(count) };
+  const out = {
+    positionMm: new Float32Array(3 * count),
+    normal: new Int8Array(4 * count),
+    deviationMm: new Float32Array(count),
+  };
   let at = 0;
   for (const part of parts) {
     out.positionMm.set(part.positionMm, 3 * at);
@@ -262,12 +307,14 @@ function joined(parts: readonly Compared[]): Compared {
 
 // The ball about the middle of the box around what is solid near the surface.
 function extentOf({ grid, slot, samples }: StartTooth): Extent {
-  return extent(grid, (each) => {
-    for (let b = 0; b < slot.length; ++b) {
-      const from = slot[b]!;
-      if (from >= 0) eachOf(grid, b, (i) => samples[from * kBrickSamples + i]! < 0, each);
-    }
-  }) ?? { centreMm: [0, 0, 0], radiusMm: 1 };
+  return (
+    extent(grid, (each) => {
+      for (let b = 0; b < slot.length; ++b) {
+        const from = slot[b]!;
+        if (from >= 0) eachOf(grid, b, (i) => samples[from * kBrickSamples + i]! < 0, each);
+      }
+    }) ?? { centreMm: [0, 0, 0], radiusMm: 1 }
+  );
 }
 
 // The ball about what is gone.
@@ -275,7 +322,12 @@ function cutOf(player: TimelinePlayer): Extent | undefined {
   return extent(player.start.grid, (each) => {
     for (const [brick, now] of player.changed()) {
       const before = player.startSamples(brick);
-      eachOf(player.start.grid, brick, (i) => now[i]! >= 0 && (typeof before === "number" ? before : before[i]!) < 0, each);
+      eachOf(
+        player.start.grid,
+        brick,
+        (i) => now[i]! >= 0 && (typeof before === "number" ? before : before[i]!) < 0,
+        each,
+      );
     }
   });
 }
@@ -297,13 +349,19 @@ function extent(grid: Grid, all: (each: Each) => void): Extent | undefined {
   if (low[0] === Infinity) return undefined;
   const [cx, cy, cz] = [0, 1, 2].map((axis) => (low[axis]! + high[axis]!) / 2) as [number, number, number];
   let most = 0;
-  all((x, y, z) => { most = Math.max(most, (x - cx) ** 2 + (y - cy) ** 2 + (z - cz) ** 2); });
+  all((x, y, z) => {
+    most = Math.max(most, (x - cx) ** 2 + (y - cy) ** 2 + (z - cz) ** 2);
+  });
   const mm = (voxel: number, axis: 0 | 1 | 2) => grid.originMm[axis] + voxel * grid.voxelMm;
   return { centreMm: [mm(cx, 0), mm(cy, 1), mm(cz, 2)], radiusMm: Math.sqrt(most) * grid.voxelMm };
 }
 
 // The samples of a brick for which `counts` holds, by their place in the grid.
 function eachOf({ bricks: [nx, ny] }: Grid, brick: number, counts: (sample: number) => boolean, each: Each): void {
-  const [x, y, z] = [brick % nx * kBrickSide, Math.floor(brick / nx) % ny * kBrickSide, Math.floor(brick / (nx * ny)) * kBrickSide];
-  for (let i = 0; i < kBrickSamples; ++i) if (counts(i)) each(x + (i & 7), y + (i >> 3 & 7), z + (i >> 6));
+  const [x, y, z] = [
+    (brick % nx) * kBrickSide,
+    (Math.floor(brick / nx) % ny) * kBrickSide,
+    Math.floor(brick / (nx * ny)) * kBrickSide,
+  ];
+  for (let i = 0; i < kBrickSamples; ++i) if (counts(i)) each(x + (i & 7), y + ((i >> 3) & 7), z + (i >> 6));
 }

@@ -12,10 +12,11 @@ const scope = globalThis as unknown as Scope;
 const channel = new MessageChannel();
 let resume: (() => void) | undefined;
 channel.port1.onmessage = () => resume?.();
-const pause = () => new Promise<void>((resolve) => {
-  resume = resolve;
-  channel.port2.postMessage(undefined);
-});
+const pause = () =>
+  new Promise<void>((resolve) => {
+    resume = resolve;
+    channel.port2.postMessage(undefined);
+  });
 
 const work = new ToothWork((told, transfer) => scope.postMessage(told, transfer), pause);
 scope.onmessage = ({ data }) => void work.take(data);

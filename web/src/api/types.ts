@@ -80,12 +80,13 @@ export type LiveRemark = Schemas["LiveRemark"];
 export type LiveRemarks = Schemas["LiveRemarks"];
 export type ErrorCode = Schemas["Error"]["error"]["code"];
 
-
 // An entry's document is schemas/calibration.schema.json; this is what the page reads of it.
 export interface CalibrationDocument {
   readonly station: string;
   readonly software: string;
   readonly method: string;
-  readonly measured: Readonly<Record<string, { readonly value: number; readonly uncertainty: number; readonly samples: number }>>;
+  readonly measured: Readonly<
+    Record<string, { readonly value: number; readonly uncertainty: number; readonly samples: number }>
+  >;
 }
 export type Calibration = Omit<Schemas["CalibrationEntry"], "document"> & { readonly document: CalibrationDocument };

@@ -5,12 +5,12 @@ import { useChange } from "./use_change";
 export interface Edit<T> {
   readonly draft: T;
   readonly set: (change: Partial<T>) => void;
-  readonly changed: boolean;                    // against what was read
+  readonly changed: boolean; // against what was read
   readonly busy: boolean;
-  readonly saved: boolean;                      // the last save went through and nothing was changed since
-  readonly error: ApiError | undefined;         // other than a conflict
-  readonly newer: T | undefined;                // somebody else saved this meanwhile
-  readonly problemOf: (field: string) => string | undefined;  // what the server found wrong with a field
+  readonly saved: boolean; // the last save went through and nothing was changed since
+  readonly error: ApiError | undefined; // other than a conflict
+  readonly newer: T | undefined; // somebody else saved this meanwhile
+  readonly problemOf: (field: string) => string | undefined; // what the server found wrong with a field
   readonly save: () => Promise<void>;
   readonly takeTheirs: () => void;
   readonly keepMine: () => Promise<void>;
@@ -19,8 +19,11 @@ export interface Edit<T> {
 // Editing one thing that others may edit too. Begins with `read`; `write` sends the draft with the tag
 // of what was read. When somebody else was faster, nothing is lost: `newer` has theirs, `draft` mine.
 // `onRead` hears of every newer state that becomes known: saved, or taken over from somebody else.
-export function useEdit<T extends object>(read: Tagged<T>, write: (draft: T, tag: string) => Promise<ApiResult<Tagged<T>>>,
-                                          onRead: (read: Tagged<T>) => void = () => {}): Edit<T> {
+export function useEdit<T extends object>(
+  read: Tagged<T>,
+  write: (draft: T, tag: string) => Promise<ApiResult<Tagged<T>>>,
+  onRead: (read: Tagged<T>) => void = () => {},
+): Edit<T> {
   const [base, setBase] = useState(read);
   const [draft, setDraft] = useState(read.value);
   const [newer, setNewer] = useState<Tagged<T>>();
@@ -45,14 +48,17 @@ export function useEdit<T extends object>(read: Tagged<T>, write: (draft: T, tag
   };
 
   return {
-    draft, busy: change.busy, newer: newer?.value, saved,
+    draft,
+    busy: change.busy,
+    newer: newer?.value,
+    saved,
     changed: JSON.stringify(draft) !== JSON.stringify(base.value),
     error: newer === undefined ? change.error : undefined,
     set: (part) => {
       setSaved(false);
       setDraft((now) => ({ ...now, ...part }));
     },
-    problemOf: (field) => change.error?.field === field ? change.error.message : undefined,
+    problemOf: (field) => (change.error?.field === field ? change.error.message : undefined),
     save: () => send(base.tag),
     takeTheirs: () => {
       if (newer !== undefined) adopt(newer);

@@ -5,15 +5,18 @@ import { useRequest } from "./use_request";
 export interface Pages<T> {
   readonly state: "loading" | "ready" | "failed";
   readonly items: readonly T[];
-  readonly error: ApiError | undefined;         // of the first page, or of the one asked for last
+  readonly error: ApiError | undefined; // of the first page, or of the one asked for last
   readonly hasMore: boolean;
-  readonly onlyFirst: boolean;                  // nothing after the first page was loaded yet
+  readonly onlyFirst: boolean; // nothing after the first page was loaded yet
   readonly loadMore: () => Promise<void>;
-  readonly reload: () => void;                  // from the first page on
+  readonly reload: () => void; // from the first page on
 }
 
 // A list that comes page by page. Begins anew whenever `key` changes.
-export function usePages<T>(key: string, ask: (cursor: string | undefined, signal?: AbortSignal) => Promise<ApiResult<Page<T>>>): Pages<T> {
+export function usePages<T>(
+  key: string,
+  ask: (cursor: string | undefined, signal?: AbortSignal) => Promise<ApiResult<Page<T>>>,
+): Pages<T> {
   const first = useRequest(key, (signal) => ask(undefined, signal));
   const [rest, setRest] = useState<{ key: string; items: readonly T[]; next: string | null }>();
   const [error, setError] = useState<ApiError>();
@@ -23,7 +26,7 @@ export function usePages<T>(key: string, ask: (cursor: string | undefined, signa
 
   const more = rest?.key === key ? rest : undefined;
   const page = first.loaded.state === "ready" ? first.loaded.value : undefined;
-  const next = more === undefined ? page?.next ?? null : more.next;
+  const next = more === undefined ? (page?.next ?? null) : more.next;
   const reload = useCallback(() => {
     setRest(undefined);
     setError(undefined);
@@ -37,9 +40,12 @@ export function usePages<T>(key: string, ask: (cursor: string | undefined, signa
     if (result.ok) setRest({ key, items: [...(more?.items ?? []), ...result.value.items], next: result.value.next });
   };
   return {
-    state: first.loaded.state, items: [...(page?.items ?? []), ...(more?.items ?? [])],
+    state: first.loaded.state,
+    items: [...(page?.items ?? []), ...(more?.items ?? [])],
     error: first.loaded.state === "failed" ? first.loaded.error : error,
-    hasMore: next !== null, onlyFirst: more === undefined, loadMore,
+    hasMore: next !== null,
+    onlyFirst: more === undefined,
+    loadMore,
     reload,
   };
 }

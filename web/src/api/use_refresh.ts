@@ -4,7 +4,9 @@ import { useEffect } from "preact/hooks";
 export function useRefresh(on: boolean, everyMs: number, reload: () => void): void {
   useEffect(() => {
     if (!on) return undefined;
-    const timer = setInterval(() => { if (!document.hidden) reload(); }, everyMs);
+    const timer = setInterval(() => {
+      if (!document.hidden) reload();
+    }, everyMs);
     return () => clearInterval(timer);
   }, [on, everyMs, reload]);
 }

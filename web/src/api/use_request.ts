@@ -14,7 +14,10 @@ export interface Request<T> {
 
 // Loads on mount and whenever `key` changes; an answer to an older key is dropped. With `key`
 // undefined nothing is asked and the state stays "loading".
-export function useRequest<T>(key: string | undefined, ask: (signal: AbortSignal) => Promise<ApiResult<T>>): Request<T> {
+export function useRequest<T>(
+  key: string | undefined,
+  ask: (signal: AbortSignal) => Promise<ApiResult<T>>,
+): Request<T> {
   const [loaded, setLoaded] = useState<Loaded<T> & { key?: string }>({ state: "loading" });
   const [round, setRound] = useState(0);
   const latestAsk = useRef(ask);
@@ -25,7 +28,9 @@ export function useRequest<T>(key: string | undefined, ask: (signal: AbortSignal
     const abort = new AbortController();
     void latestAsk.current(abort.signal).then((result) => {
       if (abort.signal.aborted) return;
-      setLoaded(result.ok ? { state: "ready", value: result.value, key } : { state: "failed", error: result.error, key });
+      setLoaded(
+        result.ok ? { state: "ready", value: result.value, key } : { state: "failed", error: result.error, key },
+      );
     });
     return () => abort.abort();
   }, [key, round]);

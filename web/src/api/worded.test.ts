@@ -8,11 +8,35 @@ afterEach(() => speak("en"));
 
 const spaced = (text: string) => text.replaceAll(/[\u00a0\u202f]/g, " ");
 const told = (name: string, unit: string, code: string, ...values: number[]) =>
-  spaced(reasonText({ name, title: "It", unit, value: values[0] ?? 0, points: 1, max_points: 2, reason: "as the server says", reasons: [{ code, values, units: values.map(() => unit) }] }));
+  spaced(
+    reasonText({
+      name,
+      title: "It",
+      unit,
+      value: values[0] ?? 0,
+      points: 1,
+      max_points: 2,
+      reason: "as the server says",
+      reasons: [{ code, values, units: values.map(() => unit) }],
+    }),
+  );
 
 test("a signed measurement says which way, and no other does", () => {
-  const documented = [...readFileSync("../schemas/score.md", "utf8").matchAll(/`([a-z0-9_]+)`/g)].map(([, name = ""]) => name);
-  const signed = ["wall_mesial_mm", "wall_distal_mm", "wall_buccal_mm", "wall_lingual_mm", "floor_mm", "tilt_mesial_deg", "tilt_distal_deg", "tilt_buccal_deg", "tilt_lingual_deg", "finish_depth_mm"];
+  const documented = [...readFileSync("../schemas/score.md", "utf8").matchAll(/`([a-z0-9_]+)`/g)].map(
+    ([, name = ""]) => name,
+  );
+  const signed = [
+    "wall_mesial_mm",
+    "wall_distal_mm",
+    "wall_buccal_mm",
+    "wall_lingual_mm",
+    "floor_mm",
+    "tilt_mesial_deg",
+    "tilt_distal_deg",
+    "tilt_buccal_deg",
+    "tilt_lingual_deg",
+    "finish_depth_mm",
+  ];
   assert.deepEqual([...new Set(documented.filter((name) => directionsOf(name) !== undefined))].sort(), signed.sort());
   assert.equal(spaced(measuredText("floor_mm", 0.22, "mm")), "0.22 mm too deep");
   assert.equal(spaced(measuredText("finish_depth_mm", -2.98, "mm")), "2.98 mm too high");
@@ -24,12 +48,27 @@ test("a signed measurement says which way, and no other does", () => {
 });
 
 test("reasons read as the server's do: schemas/score.md", () => {
-  assert.equal(told("deviation_rms_mm", "mm", "at_most", 0.2, 0.1, 0.3), "It: 0.20 mm (full marks up to 0.10 mm, none from 0.30 mm).");
-  assert.equal(told("task_done_percent", "%", "at_least", 80, 97, 70), "It: 80.0 % (full marks from 97.0 %, none up to 70.0 %).");
-  assert.equal(told("wall_mesial_mm", "mm", "within", 0.12, 0.03, 0.25), "It: 0.12 mm too deep (full marks within 0.03 mm, none beyond 0.25 mm).");
+  assert.equal(
+    told("deviation_rms_mm", "mm", "at_most", 0.2, 0.1, 0.3),
+    "It: 0.20 mm (full marks up to 0.10 mm, none from 0.30 mm).",
+  );
+  assert.equal(
+    told("task_done_percent", "%", "at_least", 80, 97, 70),
+    "It: 80.0 % (full marks from 97.0 %, none up to 70.0 %).",
+  );
+  assert.equal(
+    told("wall_mesial_mm", "mm", "within", 0.12, 0.03, 0.25),
+    "It: 0.12 mm too deep (full marks within 0.03 mm, none beyond 0.25 mm).",
+  );
   assert.equal(told("floor_mm", "mm", "within", -0.12, 0.03), "It: 0.12 mm too shallow (full marks within 0.03 mm).");
-  assert.equal(told("finish_width_mm", "mm", "between", 0.4, 0.2, 0.3), "It: 0.40 mm (full marks from 0.20 mm to 0.30 mm).");
-  assert.equal(told("pulp_exposed_mm2", "mm2", "fails_above", 0.3, 0), "It: 0.30 mm² (more than 0.00 mm² fails the whole attempt).");
+  assert.equal(
+    told("finish_width_mm", "mm", "between", 0.4, 0.2, 0.3),
+    "It: 0.40 mm (full marks from 0.20 mm to 0.30 mm).",
+  );
+  assert.equal(
+    told("pulp_exposed_mm2", "mm2", "fails_above", 0.3, 0),
+    "It: 0.30 mm² (more than 0.00 mm² fails the whole attempt).",
+  );
   assert.equal(told("pulp_exposed_mm2", "mm2", "at_most", 0.3, 0), "It: 0.30 mm² (full marks at 0.00 mm²).");
   assert.equal(told("pulp_exposed_mm2", "mm2", "not_in_task"), "It: not judged, as the reference has nothing of it.");
   assert.equal(told("pulp_exposed_mm2", "mm2", "something_new", 1), "as the server says");
@@ -38,9 +77,18 @@ test("reasons read as the server's do: schemas/score.md", () => {
 // The station's test reads the same file (tests/station/desk/score_words_test.cpp), in all languages; here English is there.
 test("the page and the station's window make the same sentences", () => {
   type Told = Parameters<typeof reasonText>[0];
-  const { cases } = JSON.parse(readFileSync("../schemas/golden/reasons_said.json", "utf8")) as { readonly cases: readonly (Pick<Told, "title" | "unit" | "reasons" | "comment"> & { readonly metric: string; readonly said: { readonly en: string } })[] };
+  const { cases } = JSON.parse(readFileSync("../schemas/golden/reasons_said.json", "utf8")) as {
+    readonly cases: readonly (Pick<Told, "title" | "unit" | "reasons" | "comment"> & {
+      readonly metric: string;
+      readonly said: { readonly en: string };
+    })[];
+  };
   assert.ok(cases.length > 20);
-  for (const { metric, said, ...rest } of cases) assert.equal(spaced(reasonText({ ...rest, name: metric, value: 0, points: 1, max_points: 2, reason: "as the server says" })), said.en);
+  for (const { metric, said, ...rest } of cases)
+    assert.equal(
+      spaced(reasonText({ ...rest, name: metric, value: 0, points: 1, max_points: 2, reason: "as the server says" })),
+      said.en,
+    );
 });
 
 test("a value that misses its limit does not read like it, and a limit is shown as it is", () => {
@@ -50,7 +98,13 @@ test("a value that misses its limit does not read like it, and a limit is shown 
 });
 
 test("a time and a rate have the form that they have everywhere on the page", () => {
-  assert.equal(told("time_s", "s", "at_most", 1438.1, 600, 900), "It: 23 min 58 s (full marks up to 10 min 00 s, none from 15 min 00 s).");
+  assert.equal(
+    told("time_s", "s", "at_most", 1438.1, 600, 900),
+    "It: 23 min 58 s (full marks up to 10 min 00 s, none from 15 min 00 s).",
+  );
   assert.equal(told("time_s", "s", "any", 86.9), "It: 1 min 27 s.");
-  assert.equal(told("enamel_rate_mm3_per_s", "mm3/s", "at_most", 1.5, 1), "It: 1.50 mm³/s (full marks up to 1.00 mm³/s).");
+  assert.equal(
+    told("enamel_rate_mm3_per_s", "mm3/s", "at_most", 1.5, 1),
+    "It: 1.50 mm³/s (full marks up to 1.00 mm³/s).",
+  );
 });

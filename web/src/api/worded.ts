@@ -1,4 +1,12 @@
-import { formatFixed, formatMoment, formatNumber, formatQuantity, formatWith, kMostDigits, usualDigits } from "../base/format";
+import {
+  formatFixed,
+  formatMoment,
+  formatNumber,
+  formatQuantity,
+  formatWith,
+  kMostDigits,
+  usualDigits,
+} from "../base/format";
 import { spokenLanguage } from "../base/language";
 import { sayIf } from "../base/words";
 import { ok } from "../base/result";
@@ -16,42 +24,69 @@ type Gate = NonNullable<Score["gates"]>[number];
 type Reason = NonNullable<Criterion["reasons"]>[number];
 
 // Of an attempt, in the page's words.
-export async function scoreOf(client: Pick<Client, "score">, id: string, signal?: AbortSignal): Promise<ApiResult<Score>> {
+export async function scoreOf(
+  client: Pick<Client, "score">,
+  id: string,
+  signal?: AbortSignal,
+): Promise<ApiResult<Score>> {
   const score = await client.score(id, signal);
   return score.ok ? ok(wordedScore(score.value)) : score;
 }
 
 export function wordedScore(score: Score): Score {
   return {
-    ...score, criteria: score.criteria.map((criterion) => ({ ...criterion, title: wordedTitle(criterion.title), reason: reasonText(criterion) })),
-    ...(score.gates === undefined ? {} : { gates: score.gates.map((gate) => ({ ...gate, title: wordedTitle(gate.title), reason: reasonText(gate) })) }),
+    ...score,
+    criteria: score.criteria.map((criterion) => ({
+      ...criterion,
+      title: wordedTitle(criterion.title),
+      reason: reasonText(criterion),
+    })),
+    ...(score.gates === undefined
+      ? {}
+      : { gates: score.gates.map((gate) => ({ ...gate, title: wordedTitle(gate.title), reason: reasonText(gate) })) }),
   };
 }
 
 export function wordedInsight(insight: AssignmentInsight): AssignmentInsight {
   const worded = <T extends { readonly title: string }>(item: T): T => ({ ...item, title: wordedTitle(item.title) });
-  return spokenLanguage() === "en" ? insight : { ...insight, criteria: insight.criteria.map(worded), gates: insight.gates.map(worded) };
+  return spokenLanguage() === "en"
+    ? insight
+    : { ...insight, criteria: insight.criteria.map(worded), gates: insight.gates.map(worded) };
 }
 
 // Each code a sentence, then the rubric's comment. The server's own text where a code is not known or there are none.
 export function reasonText({ name, title, unit, reason, reasons = [], comment = "" }: Criterion | Gate): string {
   const told = reasons.map((each) => sentence(name, each, unit));
   if (told.length === 0 || told.includes(undefined)) return reason;
-  return [sayIf("reason.title", { title: wordedTitle(title) }) ?? "", ...told, wordedText(comment)].filter((part) => part !== "").join(spokenLanguage() === "zh" ? "" : " ");
+  return [sayIf("reason.title", { title: wordedTitle(title) }) ?? "", ...told, wordedText(comment)]
+    .filter((part) => part !== "")
+    .join(spokenLanguage() === "zh" ? "" : " ");
 }
 
 // What lies above and below zero of a measurement whose sign says which way: MetricInfo in common/scoring/registry.cpp.
 export function directionsOf(metric: string): readonly [above: string, below: string] | undefined {
   const [, kind] = /^(wall|tilt)_(?:mesial|distal|buccal|lingual)_/.exec(metric) ?? [];
   if (kind === "tilt") return ["more_open_at_the_top", "undercut"];
-  const below = kind === "wall" ? "short" : metric === "floor_mm" ? "too_shallow" : metric === "finish_depth_mm" ? "too_high" : undefined;
+  const below =
+    kind === "wall"
+      ? "short"
+      : metric === "floor_mm"
+        ? "too_shallow"
+        : metric === "finish_depth_mm"
+          ? "too_high"
+          : undefined;
   return below === undefined ? undefined : ["too_deep", below];
 }
 
-const kLeast = 0.005;                           // less is neither
+const kLeast = 0.005; // less is neither
 
 // A measured value; where its sign says which way, in words: "0.22 mm too deep".
-export function measuredText(metric: string, value: number, unit: string, form = (size: number) => formatQuantity(size, unit)): string {
+export function measuredText(
+  metric: string,
+  value: number,
+  unit: string,
+  form = (size: number) => formatQuantity(size, unit),
+): string {
   const directions = directionsOf(metric);
   if (directions === undefined || !Number.isFinite(value)) return form(value);
   const size = form(Math.abs(value));
@@ -77,33 +112,55 @@ function sentence(metric: string, { code, values }: Reason, unit: string): strin
   // What was found and its limits, all with as many decimals.
   const told = (missed: boolean) => {
     const digits = digitsBeside(first, values.slice(1), missed, unit);
-    const form = (value: number) => digits === undefined ? formatQuantity(value, unit) : formatWith(value, unit, digits);
+    const form = (value: number) =>
+      digits === undefined ? formatQuantity(value, unit) : formatWith(value, unit, digits);
     return { found: measuredText(metric, first, unit, form), second: form(second), third: form(third) };
   };
   const none = values.length > 2 ? "_none" : "";
   switch (code) {
-    case "at_most": case "at_least": case "within": {
-      const { found, second: full, third: zero } = told(code === "at_least" ? first < second : (code === "within" ? Math.abs(first) : first) > second);
+    case "at_most":
+    case "at_least":
+    case "within": {
+      const {
+        found,
+        second: full,
+        third: zero,
+      } = told(code === "at_least" ? first < second : (code === "within" ? Math.abs(first) : first) > second);
       // One value alone earns them: no pulp exposed.
-      return sayIf(`reason.${code !== "at_least" && second === 0 ? "exactly" : code}${none}`, { found, full, none: zero });
+      return sayIf(`reason.${code !== "at_least" && second === 0 ? "exactly" : code}${none}`, {
+        found,
+        full,
+        none: zero,
+      });
     }
     case "between": {
       const { found, second: from, third: to } = told(first < second || first > third);
-      return second === third ? sayIf("reason.exactly", { found, full: from }) : sayIf("reason.between", { found, from, to });
+      return second === third
+        ? sayIf("reason.exactly", { found, full: from })
+        : sayIf("reason.between", { found, from, to });
     }
     case "fails_above": {
       const { found, second: limit } = told(true);
       return sayIf("reason.fails_above", { found, limit });
     }
-    case "device_limit": return sayIf("reason.device_limit", { found: formatQuantity(first, unit), share: formatNumber(second, 1) });
-    case "keeps": return sayIf("reason.keeps", { percent: formatNumber(first, 1) });
-    case "stop_earlier": case "stop_earlier_here":
+    case "device_limit":
+      return sayIf("reason.device_limit", { found: formatQuantity(first, unit), share: formatNumber(second, 1) });
+    case "keeps":
+      return sayIf("reason.keeps", { percent: formatNumber(first, 1) });
+    case "stop_earlier":
+    case "stop_earlier_here":
       return sayIf(`reason.${code}`, { moment: formatMoment(first), stroke: formatNumber(second, 0) });
-    case "stop_earlier_by": case "stop_earlier_here_by":
+    case "stop_earlier_by":
+    case "stop_earlier_here_by":
       return sayIf(`reason.${code}`, { moment: formatMoment(first), half: formatMoment(second) });
-    case "cut_further": return sayIf("reason.cut_further", { volume: formatQuantity(first, "mm3") });
-    case "any": return sayIf("reason.any", { found: measuredText(metric, first, unit) });
-    case "not_in_task": case "not_made": return sayIf(`reason.${code}`);
-    default: return undefined;
+    case "cut_further":
+      return sayIf("reason.cut_further", { volume: formatQuantity(first, "mm3") });
+    case "any":
+      return sayIf("reason.any", { found: measuredText(metric, first, unit) });
+    case "not_in_task":
+    case "not_made":
+      return sayIf(`reason.${code}`);
+    default:
+      return undefined;
   }
 }

@@ -38,13 +38,16 @@ const client = new Client(() => {
 
 // The question for the password that is open, if any, and who waits for its answer.
 const confirming = signal<((confirmed: boolean) => void) | undefined>(undefined);
-client.onConfirmPassword(() => new Promise((resolve) => {
-  confirming.value?.(false);
-  confirming.value = (confirmed) => {
-    confirming.value = undefined;
-    resolve(confirmed);
-  };
-}));
+client.onConfirmPassword(
+  () =>
+    new Promise((resolve) => {
+      confirming.value?.(false);
+      confirming.value = (confirmed) => {
+        confirming.value = undefined;
+        resolve(confirmed);
+      };
+    }),
+);
 
 export async function restoreSession(): Promise<void> {
   const result = await client.currentSession();
@@ -56,7 +59,10 @@ export async function restoreSession(): Promise<void> {
 // `chosen`: the language that somebody chose before signing in, which is kept with the person then.
 async function signedIn(begun: Session, chosen?: Language): Promise<void> {
   const { person, must_change_password: mustChange } = begun;
-  const kept = chosen === undefined || chosen === begun.language ? begun : await client.setLanguage(chosen).then((result) => result.ok ? result.value : begun);
+  const kept =
+    chosen === undefined || chosen === begun.language
+      ? begun
+      : await client.setLanguage(chosen).then((result) => (result.ok ? result.value : begun));
   // Where its words cannot be loaded the page stays as it is, and the account page says so when it is asked.
   await applyLanguage(kept.language);
   // Without them built-in exercises are as the server has them, in English.
@@ -105,31 +111,62 @@ export function App() {
 function Screen() {
   const now = session.value;
   switch (now.state) {
-    case "unknown": return <Loading what={say("loading.page")} />;
+    case "unknown":
+      return <Loading what={say("loading.page")} />;
     case "unreachable":
       return (
         <main id="content" class="sign-in">
           <h1>Enamel</h1>
-          <ErrorNotice title={say("app.server_unexpected")} message={now.message} onRetry={() => void restoreSession()} />
+          <ErrorNotice
+            title={say("app.server_unexpected")}
+            message={now.message}
+            onRetry={() => void restoreSession()}
+          />
         </main>
       );
-    case "out": if (location.value.pathname === "/first") return <FirstAdmin client={client} token={window.location.hash.slice(1)} onSignedIn={begun} />; return <SignIn client={client} notice={now.notice} chosen={chosenBefore.value} onLanguage={(code) => void chooseBefore(code)} onSignedIn={(begin, chosen) => void signedIn(begin, chosen)} />;
+    case "out":
+      if (location.value.pathname === "/first")
+        return <FirstAdmin client={client} token={window.location.hash.slice(1)} onSignedIn={begun} />;
+      return (
+        <SignIn
+          client={client}
+          notice={now.notice}
+          chosen={chosenBefore.value}
+          onLanguage={(code) => void chooseBefore(code)}
+          onSignedIn={(begin, chosen) => void signedIn(begin, chosen)}
+        />
+      );
     case "in":
-      if (now.mustChange) return <ForcedPassword client={client} person={now.person} onChanged={(begin) => void signedIn(begin)} onSignOut={() => void signOut()} />;
+      if (now.mustChange)
+        return (
+          <ForcedPassword
+            client={client}
+            person={now.person}
+            onChanged={(begin) => void signedIn(begin)}
+            onSignOut={() => void signOut()}
+          />
+        );
       return <SignedIn person={now.person} />;
-    default: return unreachable(now);
+    default:
+      return unreachable(now);
   }
 }
 
 function SignedIn({ person }: { readonly person: Person }) {
   const url = location.value;
   const route = parseRoute(url);
-  useEffect(() => { if (route.name === "home") navigate(homePath(person.role), "replace"); }, [route.name, person.role]);
+  useEffect(() => {
+    if (route.name === "home") navigate(homePath(person.role), "replace");
+  }, [route.name, person.role]);
   return (
     <>
-      <a class="skip" href="#content">{say("app.skip")}</a>
+      <a class="skip" href="#content">
+        {say("app.skip")}
+      </a>
       <Header person={person} path={url.pathname} />
-      <main id="content" key={url.pathname}>{screen(route, person)}</main>
+      <main id="content" key={url.pathname}>
+        {screen(route, person)}
+      </main>
       {confirming.value !== undefined && <ConfirmPassword client={client} onAnswer={confirming.value} />}
     </>
   );
@@ -140,23 +177,37 @@ function Header({ person, path }: { readonly person: Person; readonly path: stri
   // On a narrow screen the row of pages scrolls sideways: the one that is open is brought into it.
   useEffect(() => {
     const open = list.current?.querySelector<HTMLElement>("[aria-current]");
-    if (list.current !== null && open != null) list.current.scrollLeft = open.offsetLeft - (list.current.clientWidth - open.offsetWidth) / 2;
+    if (list.current !== null && open != null)
+      list.current.scrollLeft = open.offsetLeft - (list.current.clientWidth - open.offsetWidth) / 2;
   }, [path]);
   return (
     <header class="header">
-      <a class="brand" href={homePath(person.role)}><BrandMark /><span>Enamel</span></a>
+      <a class="brand" href={homePath(person.role)}>
+        <BrandMark />
+        <span>Enamel</span>
+      </a>
       <nav aria-label={say("app.main")} ref={list}>
         <ul>
           {navigation(person.role).map((item) => (
             <li key={item.path}>
-              <a href={item.path} {...(path === item.path || path.startsWith(`${item.path}/`) ? { "aria-current": "page" as const } : {})}>{item.title}</a>
+              <a
+                href={item.path}
+                {...(path === item.path || path.startsWith(`${item.path}/`) ? { "aria-current": "page" as const } : {})}
+              >
+                {item.title}
+              </a>
             </li>
           ))}
         </ul>
       </nav>
       <div class="account">
-        <a class="account-name" href="/account" {...(path === "/account" ? { "aria-current": "page" as const } : {})}>{person.display_name}<span class="account-role">{say(`role.${person.role}`)}</span></a>
-        <button type="button" class="button small" onClick={() => void signOut()}>{say("session.sign_out")}</button>
+        <a class="account-name" href="/account" {...(path === "/account" ? { "aria-current": "page" as const } : {})}>
+          {person.display_name}
+          <span class="account-role">{say(`role.${person.role}`)}</span>
+        </a>
+        <button type="button" class="button small" onClick={() => void signOut()}>
+          {say("session.sign_out")}
+        </button>
       </div>
     </header>
   );
@@ -168,19 +219,62 @@ const Staff = part("staff", () => import("./staff"));
 
 function screen(route: Route, person: Person): ComponentChildren {
   const teacher = person.role !== "student";
-  const narrow = (query: Readonly<Record<string, string>>) => navigate(location.value.pathname + queryText(query), "replace");
+  const narrow = (query: Readonly<Record<string, string>>) =>
+    navigate(location.value.pathname + queryText(query), "replace");
   switch (route.name) {
-    case "home": return null;
-    case "exercises": return teacher ? <StaffExercisesPage client={client} admin={person.role === "admin"} query={route.query} onQuery={narrow} onOpen={navigate} /> : <ExercisesPage client={client} />;
-    case "exercise": return <OneExercise show={({ ExercisePage }) => <ExercisePage client={client} id={route.id} personId={person.id} teacher={teacher} onOpen={navigate} />} />;
-    case "attempts": return <AttemptsPage client={client} mine={!teacher} query={route.query} onQuery={narrow} />;
-    case "attempt": return <OneAttempt show={({ AttemptPage }) => <AttemptPage client={client} person={person} id={route.id} onOpen={navigate} />} />;
-    case "account": return <AccountPage client={client} person={person} language={session.value.state === "in" ? session.value.language : ""} onLanguage={choose} />;
-    case "assignments": if (!teacher) return <MyWorkPage client={client} />; break;
-    default: break;
+    case "home":
+      return null;
+    case "exercises":
+      return teacher ? (
+        <StaffExercisesPage
+          client={client}
+          admin={person.role === "admin"}
+          query={route.query}
+          onQuery={narrow}
+          onOpen={navigate}
+        />
+      ) : (
+        <ExercisesPage client={client} />
+      );
+    case "exercise":
+      return (
+        <OneExercise
+          show={({ ExercisePage }) => (
+            <ExercisePage client={client} id={route.id} personId={person.id} teacher={teacher} onOpen={navigate} />
+          )}
+        />
+      );
+    case "attempts":
+      return <AttemptsPage client={client} mine={!teacher} query={route.query} onQuery={narrow} />;
+    case "attempt":
+      return (
+        <OneAttempt
+          show={({ AttemptPage }) => <AttemptPage client={client} person={person} id={route.id} onOpen={navigate} />}
+        />
+      );
+    case "account":
+      return (
+        <AccountPage
+          client={client}
+          person={person}
+          language={session.value.state === "in" ? session.value.language : ""}
+          onLanguage={choose}
+        />
+      );
+    case "assignments":
+      if (!teacher) return <MyWorkPage client={client} />;
+      break;
+    default:
+      break;
   }
   const notFound = <NotFound home={homePath(person.role)} />;
-  return teacher ? <Staff show={({ staffScreen }) => staffScreen({ client, route, person, onQuery: narrow, onOpen: navigate }) ?? notFound} /> : notFound;
+  return teacher ? (
+    <Staff
+      show={({ staffScreen }) => staffScreen({ client, route, person, onQuery: narrow, onOpen: navigate }) ?? notFound}
+    />
+  ) : (
+    notFound
+  );
 }
 
 function NotFound({ home }: { readonly home: string }) {

@@ -8,19 +8,19 @@ import { changeLanguage } from "../base/words";
 export const language = signal<Language>("en");
 
 const kKey = "enamel.language";
-let begun = false;                              // there are words
+let begun = false; // there are words
 
 function kept(): Language | undefined {
   try {
     return languageOf(localStorage.getItem(kKey) ?? "");
   } catch {
-    return undefined;                           // a browser that keeps nothing
+    return undefined; // a browser that keeps nothing
   }
 }
 
 // `choice`: of a person; empty: none. False where its words could not be loaded: the page goes on in the one it has.
 export async function applyLanguage(choice: LanguageChoice): Promise<boolean> {
-  const next = choice === "" ? kept() ?? firstLanguage(navigator.languages) : choice;
+  const next = choice === "" ? (kept() ?? firstLanguage(navigator.languages)) : choice;
   try {
     if (!begun || next !== spokenLanguage()) await changeLanguage(next, navigator.languages);
     begun = true;

@@ -11,11 +11,22 @@ export function navigate(path: string, how: "push" | "replace" = "push"): void {
 }
 
 export function followLinks(): void {
-  window.addEventListener("popstate", () => { location.value = new URL(window.location.href); });
+  window.addEventListener("popstate", () => {
+    location.value = new URL(window.location.href);
+  });
   document.addEventListener("click", (event) => {
-    if (event.defaultPrevented || event.button !== 0 || event.metaKey || event.ctrlKey || event.shiftKey || event.altKey) return;
+    if (
+      event.defaultPrevented ||
+      event.button !== 0 ||
+      event.metaKey ||
+      event.ctrlKey ||
+      event.shiftKey ||
+      event.altKey
+    )
+      return;
     const link = event.target instanceof Element ? event.target.closest("a") : null;
-    if (link === null || link.target !== "" || link.hasAttribute("download") || link.origin !== window.location.origin) return;
+    if (link === null || link.target !== "" || link.hasAttribute("download") || link.origin !== window.location.origin)
+      return;
     if (link.getAttribute("href")?.startsWith("#") === true) return;
     event.preventDefault();
     navigate(link.pathname + link.search);

@@ -17,12 +17,21 @@ export { ProfilesPage } from "../features/profiles/profiles_page";
 // The screens of admins alone, which isForAdmins names.
 export function adminScreen({ client, route, person, onQuery, onOpen }: ScreenProps): ComponentChildren {
   switch (route.name) {
-    case "people": return <PeoplePage client={client} query={route.query} onQuery={onQuery} />;
-    case "person": return <PersonPage client={client} id={route.id} self={route.id === person.id} onGone={() => onOpen("/people")} />;
-    case "roster": return <RosterPage client={client} />;
-    case "health": return <HealthPage client={client} />;
-    case "jobs": return <JobsPage client={client} query={route.query} onQuery={onQuery} />;
-    case "audit": return <AuditPage client={client} query={route.query} onQuery={onQuery} />;
-    default: return null;
+    case "people":
+      return <PeoplePage client={client} query={route.query} onQuery={onQuery} />;
+    case "person":
+      return (
+        <PersonPage client={client} id={route.id} self={route.id === person.id} onGone={() => onOpen("/people")} />
+      );
+    case "roster":
+      return <RosterPage client={client} />;
+    case "health":
+      return <HealthPage client={client} />;
+    case "jobs":
+      return <JobsPage client={client} query={route.query} onQuery={onQuery} />;
+    case "audit":
+      return <AuditPage client={client} query={route.query} onQuery={onQuery} />;
+    default:
+      return null;
   }
 }

@@ -4,9 +4,29 @@ import { unreachable } from "../base/assert";
 import { say } from "../base/words";
 
 // The addresses of the page. The server answers all of them with index.html.
-const kLists = ["exercises", "attempts", "assignments", "cohorts", "people", "stations", "profiles", "live", "jobs", "audit", "health"] as const;
+const kLists = [
+  "exercises",
+  "attempts",
+  "assignments",
+  "cohorts",
+  "people",
+  "stations",
+  "profiles",
+  "live",
+  "jobs",
+  "audit",
+  "health",
+] as const;
 // Where a part of the address after the list names one thing of it.
-const kThings = { exercises: "exercise", attempts: "attempt", assignments: "assignment", cohorts: "cohort", people: "person", profiles: "profile", live: "watch" } as const;
+const kThings = {
+  exercises: "exercise",
+  attempts: "attempt",
+  assignments: "assignment",
+  cohorts: "cohort",
+  people: "person",
+  profiles: "profile",
+  live: "watch",
+} as const;
 const kSingles = ["roster", "account", "grading", "editor"] as const;
 
 type ListName = (typeof kLists)[number] | (typeof kSingles)[number];
@@ -55,10 +75,14 @@ function decoded(part: string): string {
 
 export function homePath(role: Role): string {
   switch (role) {
-    case "student": return "/assignments";
-    case "instructor": return "/attempts";
-    case "admin": return "/people";
-    default: return unreachable(role);
+    case "student":
+      return "/assignments";
+    case "instructor":
+      return "/attempts";
+    case "admin":
+      return "/people";
+    default:
+      return unreachable(role);
   }
 }
 
@@ -67,22 +91,74 @@ export interface NavItem {
   readonly title: string;
 }
 
-const kAttempts = { path: "/attempts", get title() { return say("nav.attempts"); } };
-const kAssignments = { path: "/assignments", get title() { return say("nav.assignments"); } };
-const kExercises = { path: "/exercises", get title() { return say("nav.exercises"); } };
-const kCohorts = { path: "/cohorts", get title() { return say("nav.cohorts"); } };
-const kLive = { path: "/live", get title() { return say("nav.live"); } };
-const kStations = { path: "/stations", get title() { return say("nav.stations"); } };
-const kDevices = { path: "/profiles", get title() { return say("nav.devices"); } };
+const kAttempts = {
+  path: "/attempts",
+  get title() {
+    return say("nav.attempts");
+  },
+};
+const kAssignments = {
+  path: "/assignments",
+  get title() {
+    return say("nav.assignments");
+  },
+};
+const kExercises = {
+  path: "/exercises",
+  get title() {
+    return say("nav.exercises");
+  },
+};
+const kCohorts = {
+  path: "/cohorts",
+  get title() {
+    return say("nav.cohorts");
+  },
+};
+const kLive = {
+  path: "/live",
+  get title() {
+    return say("nav.live");
+  },
+};
+const kStations = {
+  path: "/stations",
+  get title() {
+    return say("nav.stations");
+  },
+};
+const kDevices = {
+  path: "/profiles",
+  get title() {
+    return say("nav.devices");
+  },
+};
 
 export function navigation(role: Role): readonly NavItem[] {
   switch (role) {
-    case "student": return [{ path: "/assignments", title: say("nav.my_work") }, kExercises, { path: "/attempts", title: say("nav.my_attempts") }];
-    case "instructor": return [kAttempts, kAssignments, kExercises, kCohorts, kLive, kStations, kDevices];
-    case "admin": return [
-      { path: "/people", title: say("nav.people") }, kCohorts, kAttempts, kAssignments, kExercises, kLive, kStations, kDevices,
-      { path: "/health", title: say("nav.health") }, { path: "/jobs", title: say("nav.jobs") }, { path: "/audit", title: say("nav.audit") },
-    ];
-    default: return unreachable(role);
+    case "student":
+      return [
+        { path: "/assignments", title: say("nav.my_work") },
+        kExercises,
+        { path: "/attempts", title: say("nav.my_attempts") },
+      ];
+    case "instructor":
+      return [kAttempts, kAssignments, kExercises, kCohorts, kLive, kStations, kDevices];
+    case "admin":
+      return [
+        { path: "/people", title: say("nav.people") },
+        kCohorts,
+        kAttempts,
+        kAssignments,
+        kExercises,
+        kLive,
+        kStations,
+        kDevices,
+        { path: "/health", title: say("nav.health") },
+        { path: "/jobs", title: say("nav.jobs") },
+        { path: "/audit", title: say("nav.audit") },
+      ];
+    default:
+      return unreachable(role);
   }
 }

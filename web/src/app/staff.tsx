@@ -20,25 +20,70 @@ const More = part("more", () => import("./more"));
 export function staffScreen({ client, route, person, onQuery, onOpen }: ScreenProps): ComponentChildren | undefined {
   const admin = person.role === "admin";
   switch (route.name) {
-    case "assignments": return <AssignmentsPage client={client} query={route.query} onQuery={onQuery} onOpen={(id) => onOpen(`/assignments/${id}`)} />;
-    case "assignment": return <AssignmentPage client={client} id={route.id} onGone={() => onOpen("/assignments")} insight={(id, title) => <More show={({ InsightCard }) => <InsightCard client={client} id={id} title={title} />} />} />;
-    case "grading": return <GradingPage key={route.query.toString()} client={client} query={route.query} onOpen={onOpen} />;
-    case "cohorts": return <CohortsPage client={client} admin={admin} />;
-    case "cohort": return <CohortPage client={client} id={route.id} admin={admin} />;
-    case "live": return <LivePage client={client} />;
-    case "watch": return <WatchPage client={client} id={route.id} />;
-    case "stations": return <StationsPage client={client} admin={admin} />;
-    case "profiles": return <More show={({ ProfilesPage }) => <ProfilesPage client={client} admin={admin} />} />;
-    case "profile": return <More show={({ ProfilePage }) => <ProfilePage client={client} name={route.id} admin={admin} />} />;
-    case "editor": return editor(client, route.query, admin, onOpen);
-    default: return admin && isForAdmins(route) ? <More show={(more) => more.adminScreen({ client, route, person, onQuery, onOpen })} /> : undefined;
+    case "assignments":
+      return (
+        <AssignmentsPage
+          client={client}
+          query={route.query}
+          onQuery={onQuery}
+          onOpen={(id) => onOpen(`/assignments/${id}`)}
+        />
+      );
+    case "assignment":
+      return (
+        <AssignmentPage
+          client={client}
+          id={route.id}
+          onGone={() => onOpen("/assignments")}
+          insight={(id, title) => (
+            <More show={({ InsightCard }) => <InsightCard client={client} id={id} title={title} />} />
+          )}
+        />
+      );
+    case "grading":
+      return <GradingPage key={route.query.toString()} client={client} query={route.query} onOpen={onOpen} />;
+    case "cohorts":
+      return <CohortsPage client={client} admin={admin} />;
+    case "cohort":
+      return <CohortPage client={client} id={route.id} admin={admin} />;
+    case "live":
+      return <LivePage client={client} />;
+    case "watch":
+      return <WatchPage client={client} id={route.id} />;
+    case "stations":
+      return <StationsPage client={client} admin={admin} />;
+    case "profiles":
+      return <More show={({ ProfilesPage }) => <ProfilesPage client={client} admin={admin} />} />;
+    case "profile":
+      return <More show={({ ProfilePage }) => <ProfilePage client={client} name={route.id} admin={admin} />} />;
+    case "editor":
+      return editor(client, route.query, admin, onOpen);
+    default:
+      return admin && isForAdmins(route) ? (
+        <More show={(more) => more.adminScreen({ client, route, person, onQuery, onOpen })} />
+      ) : undefined;
   }
 }
 
 // Of an exercise, of the rubric of one that is published, or of a device profile.
-function editor(client: Client, query: URLSearchParams, admin: boolean, onOpen: ScreenProps["onOpen"]): ComponentChildren | undefined {
+function editor(
+  client: Client,
+  query: URLSearchParams,
+  admin: boolean,
+  onOpen: ScreenProps["onOpen"],
+): ComponentChildren | undefined {
   const [exercise, rubric, profile] = ["exercise", "rubric", "profile"].map((name) => query.get(name));
-  if (exercise != null) return <Editors show={({ ExerciseEditorPage }) => <ExerciseEditorPage client={client} id={exercise} onOpen={onOpen} />} />;
-  if (rubric != null) return <Editors show={({ RubricEditorPage }) => <RubricEditorPage client={client} id={rubric} onOpen={onOpen} />} />;
-  return profile != null && admin ? <Editors show={({ ProfileEditorPage }) => <ProfileEditorPage client={client} name={profile} onOpen={onOpen} />} /> : undefined;
+  if (exercise != null)
+    return (
+      <Editors
+        show={({ ExerciseEditorPage }) => <ExerciseEditorPage client={client} id={exercise} onOpen={onOpen} />}
+      />
+    );
+  if (rubric != null)
+    return (
+      <Editors show={({ RubricEditorPage }) => <RubricEditorPage client={client} id={rubric} onOpen={onOpen} />} />
+    );
+  return profile != null && admin ? (
+    <Editors show={({ ProfileEditorPage }) => <ProfileEditorPage client={client} name={profile} onOpen={onOpen} />} />
+  ) : undefined;
 }

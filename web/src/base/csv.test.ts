@@ -5,12 +5,26 @@ import { csvText } from "./csv";
 const body = (text: string) => text.replace(/^\uFEFF/, "");
 
 test("cells with commas, quotes and line ends are quoted, others are not", () => {
-  assert.equal(body(csvText(["a", "b"], [["x", 'y, "z"'], ["line\r\nend", null]])), 'a,b\r\nx,"y, ""z"""\r\n"line\r\nend",\r\n');
+  assert.equal(
+    body(
+      csvText(
+        ["a", "b"],
+        [
+          ["x", 'y, "z"'],
+          ["line\r\nend", null],
+        ],
+      ),
+    ),
+    'a,b\r\nx,"y, ""z"""\r\n"line\r\nend",\r\n',
+  );
 });
 
 test("text that a spreadsheet takes for a formula is not one, also behind a tab or in full width", () => {
   for (const start of ["=", "+", "-", "@", "\t", "\r", "\n", "＝", "＋", "－", "＠"]) {
-    const cell = body(csvText([], [[`${start}HYPERLINK(0)`]])).split("\r\n").slice(1).join("\r\n");
+    const cell = body(csvText([], [[`${start}HYPERLINK(0)`]]))
+      .split("\r\n")
+      .slice(1)
+      .join("\r\n");
     assert.match(cell, /^"?'/, JSON.stringify(start));
   }
 });

@@ -17,7 +17,7 @@ export function withValue(document: Json, path: Path, value: Json | undefined): 
   const [step, ...rest] = path;
   if (step === undefined) return value ?? null;
   if (Array.isArray(document)) {
-    const items: Json[] = [...document as readonly Json[]];
+    const items: Json[] = [...(document as readonly Json[])];
     if (rest.length === 0 && value === undefined) items.splice(Number(step), 1);
     else items[Number(step)] = withValue(items[Number(step)] ?? null, rest, value);
     return items;
@@ -30,17 +30,22 @@ export function withValue(document: Json, path: Path, value: Json | undefined): 
 
 // As the server names a place: "rubric.criteria[2].points".
 export function pathText(path: Path): string {
-  return path.map((step, i) => typeof step === "number" ? `[${step}]` : i === 0 ? step : `.${step}`).join("");
+  return path.map((step, i) => (typeof step === "number" ? `[${step}]` : i === 0 ? step : `.${step}`)).join("");
 }
 
 // The place that the server names so, or as a pointer: "/rubric/criteria/2/points" (RFC 6901).
 export function pathOf(text: string): Path {
-  const steps = text.startsWith("/") ? text.slice(1).split("/").map((step) => step.replaceAll("~1", "/").replaceAll("~0", "~")) : text.match(/[^.[\]]+/g) ?? [];
-  return steps.map((step) => /^\d+$/.test(step) ? Number(step) : step);
+  const steps = text.startsWith("/")
+    ? text
+        .slice(1)
+        .split("/")
+        .map((step) => step.replaceAll("~1", "/").replaceAll("~0", "~"))
+    : (text.match(/[^.[\]]+/g) ?? []);
+  return steps.map((step) => (/^\d+$/.test(step) ? Number(step) : step));
 }
 
 export interface Change {
-  readonly path: Path;                          // in the later document; in the earlier one for what is gone
+  readonly path: Path; // in the later document; in the earlier one for what is gone
   readonly before: Json | undefined;
   readonly after: Json | undefined;
 }
@@ -87,10 +92,19 @@ function isItems(value: Json | undefined): value is readonly Json[] {
 
 export function equal(a: Json | undefined, b: Json | undefined): boolean {
   if (a === b) return true;
-  if (typeof a !== "object" || typeof b !== "object" || a === null || b === null || Array.isArray(a) !== Array.isArray(b)) return false;
+  if (
+    typeof a !== "object" ||
+    typeof b !== "object" ||
+    a === null ||
+    b === null ||
+    Array.isArray(a) !== Array.isArray(b)
+  )
+    return false;
   const [left, right] = [a as { readonly [name: string]: Json }, b as { readonly [name: string]: Json }];
   const names = Object.keys(left);
-  return names.length === Object.keys(right).length && names.every((name) => name in right && equal(left[name], right[name]));
+  return (
+    names.length === Object.keys(right).length && names.every((name) => name in right && equal(left[name], right[name]))
+  );
 }
 
 // The steps of an edit. What is typed into one place one after the other is one step.
@@ -98,7 +112,7 @@ export interface History {
   readonly past: readonly Json[];
   readonly now: Json;
   readonly future: readonly Json[];
-  readonly place: string;                       // that the last change was at; empty: the next is a step of its own
+  readonly place: string; // that the last change was at; empty: the next is a step of its own
 }
 
 const kMostSteps = 200;
@@ -118,7 +132,9 @@ export function changed(history: History, path: Path, value: Json | undefined): 
 
 export function undone(history: History): History {
   const before = history.past.at(-1);
-  return before === undefined ? history : { past: history.past.slice(0, -1), now: before, future: [history.now, ...history.future], place: "" };
+  return before === undefined
+    ? history
+    : { past: history.past.slice(0, -1), now: before, future: [history.now, ...history.future], place: "" };
 }
 
 export function redone(history: History): History {

@@ -12,5 +12,14 @@ export function downloadText(name: string, type: string, text: string): void {
 
 // A name that every file system takes.
 export function fileName(...parts: readonly string[]): string {
-  return parts.map((part) => part.normalize("NFKD").replace(/\p{M}/gu, "").replace(/[^\w.-]+/g, "_").replace(/^[_.]+|_+$/g, "")).filter((part) => part !== "").join("_");
+  return parts
+    .map((part) =>
+      part
+        .normalize("NFKD")
+        .replace(/\p{M}/gu, "")
+        .replace(/[^\w.-]+/g, "_")
+        .replace(/^[_.]+|_+$/g, ""),
+    )
+    .filter((part) => part !== "")
+    .join("_");
 }

@@ -1,7 +1,16 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import {
-  formatBytes, formatDuration, formatLimit, formatMoment, formatNumber, formatQuantity, formatSigned, micrometresAsMm, kScoreStep, scoreForField,
+  formatBytes,
+  formatDuration,
+  formatLimit,
+  formatMoment,
+  formatNumber,
+  formatQuantity,
+  formatSigned,
+  micrometresAsMm,
+  kScoreStep,
+  scoreForField,
 } from "./format";
 
 test("angles have their sign without a blank", () => {
@@ -61,7 +70,8 @@ test("a score that fills a field lies on the field's steps", () => {
 });
 
 test("one quantity has one form: a deviation with or without sign, a time as a measurement or as a duration", () => {
-  for (const mm of [0.275, 0.291, 0.26, 0.05, 1.234]) assert.equal(`${formatSigned(mm)}\u00a0mm`, `+${formatQuantity(mm, "mm")}`);
+  for (const mm of [0.275, 0.291, 0.26, 0.05, 1.234])
+    assert.equal(`${formatSigned(mm)}\u00a0mm`, `+${formatQuantity(mm, "mm")}`);
   for (const seconds of [42.18, 127.4]) assert.equal(formatQuantity(seconds, "s"), formatDuration(seconds));
   assert.equal(formatQuantity(127.4, "s"), "2\u00a0min\u00a007\u00a0s");
 });

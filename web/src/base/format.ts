@@ -4,9 +4,23 @@ import { numberText, spokenLocale } from "./language";
 
 const kDash = "–";
 const kUnits: Readonly<Record<string, string>> = {
-  mm3: "mm³", "mm3/s": "mm³/s", mm2: "mm²", count: "", n: "N", mn: "mN", um: "µm", nm: "nm", percent: "%", deg: "°",
-  "mN/mm": "mN/mm", "N/mm": "N/mm", ratio: "",
-  "uN m": "µN m", "uN m/rad": "µN m/rad", "uN m s/rad": "µN m s/rad", urad: "µrad",
+  mm3: "mm³",
+  "mm3/s": "mm³/s",
+  mm2: "mm²",
+  count: "",
+  n: "N",
+  mn: "mN",
+  um: "µm",
+  nm: "nm",
+  percent: "%",
+  deg: "°",
+  "mN/mm": "mN/mm",
+  "N/mm": "N/mm",
+  ratio: "",
+  "uN m": "µN m",
+  "uN m/rad": "µN m/rad",
+  "uN m s/rad": "µN m s/rad",
+  urad: "µrad",
 };
 
 export function unitText(unit: string): string {
@@ -29,7 +43,7 @@ export function formatPoints(points: number): string {
   return formatNumber(points, 1);
 }
 
-export const kScoreStep = 0.1;                  // of a score as it is shown and set
+export const kScoreStep = 0.1; // of a score as it is shown and set
 
 // At the precision that a field for a score takes: a browser refuses what lies between its steps.
 export function scoreForField(score: number): number {
@@ -37,7 +51,21 @@ export function scoreForField(score: number): number {
 }
 
 // As fine as anybody acts on, and as the server's reasons have it (UsualDigits in common/scoring/score.cpp).
-const kDigits: Readonly<Record<string, number>> = { mm: 2, mm2: 2, mm3: 2, N: 2, "N s": 2, mJ: 2, "N/s": 2, "mm3/s": 2, ratio: 2, um: 2, "%": 1, deg: 1, count: 0 };
+const kDigits: Readonly<Record<string, number>> = {
+  mm: 2,
+  mm2: 2,
+  mm3: 2,
+  N: 2,
+  "N s": 2,
+  mJ: 2,
+  "N/s": 2,
+  "mm3/s": 2,
+  ratio: 2,
+  um: 2,
+  "%": 1,
+  deg: 1,
+  count: 0,
+};
 export const kMostDigits = 4;
 
 export function usualDigits(unit: string): number | undefined {

@@ -5,7 +5,9 @@ export type Language = "en" | "de" | "zh";
 
 // As its speakers write it.
 export const kLanguages: readonly { readonly code: Language; readonly name: string }[] = [
-  { code: "en", name: "English" }, { code: "de", name: "Deutsch" }, { code: "zh", name: "中文" },
+  { code: "en", name: "English" },
+  { code: "de", name: "Deutsch" },
+  { code: "zh", name: "中文" },
 ];
 
 // Of a code (BCP 47), by its first part: "de", "de-CH". Undefined: the page has no such language.
@@ -21,15 +23,16 @@ export function firstLanguage(codes: readonly string[]): Language {
 
 interface Spoken {
   readonly language: Language;
-  readonly locale: string;                      // for Intl: the browser's own where it is of this language, as en-GB has other dates
+  readonly locale: string; // for Intl: the browser's own where it is of this language, as en-GB has other dates
 }
 
 let now: Spoken = { language: "en", locale: "en" };
 let plurals = new Intl.PluralRules("en");
-let numbers = new Map<number, Intl.NumberFormat>();  // by least and most decimals: each takes long to make
+let numbers = new Map<number, Intl.NumberFormat>(); // by least and most decimals: each takes long to make
 
 export function speak(language: Language, browser: readonly string[] = []): void {
-  const locale = browser.find((code) => languageOf(code) === language && isLocale(code)) ?? (language === "zh" ? "zh-CN" : language);
+  const locale =
+    browser.find((code) => languageOf(code) === language && isLocale(code)) ?? (language === "zh" ? "zh-CN" : language);
   now = { language, locale };
   plurals = new Intl.PluralRules(language);
   numbers = new Map();
@@ -66,6 +69,9 @@ function numberFormat(least: number, most: number): Intl.NumberFormat {
 
 // With the language's decimal sign, a true minus sign, and thin grouping of thousands (ISO 80000-1).
 export function numberText(value: number, least: number, most: number): string {
-  const text = numberFormat(least, most).formatToParts(Math.abs(value)).map((part) => part.type === "group" ? "\u202f" : part.value).join("");
+  const text = numberFormat(least, most)
+    .formatToParts(Math.abs(value))
+    .map((part) => (part.type === "group" ? "\u202f" : part.value))
+    .join("");
   return (value < 0 ? "−" : "") + text;
 }

@@ -11,7 +11,8 @@ test("a time survives the input field to the minute", () => {
 
 test("no time is an empty field, and what is no time is none", () => {
   assert.equal(toLocalInput(0), "");
-  for (const text of ["", "tomorrow", "2026-13-40T00:00", "2026-03-09"]) assert.equal(fromLocalInput(text), undefined, text);
+  for (const text of ["", "tomorrow", "2026-13-40T00:00", "2026-03-09"])
+    assert.equal(fromLocalInput(text), undefined, text);
 });
 
 test("how long ago is said in the largest unit that fits", () => {

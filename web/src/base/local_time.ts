@@ -20,7 +20,11 @@ export function fromLocalInput(text: string): number | undefined {
 export function relativeTime(unixMs: number, nowMs: number): string {
   const format = new Intl.RelativeTimeFormat(spokenLocale(), { numeric: "auto" });
   const seconds = (unixMs - nowMs) / 1000;
-  const units: ReadonlyArray<readonly [Intl.RelativeTimeFormatUnit, number]> = [["day", 86_400], ["hour", 3600], ["minute", 60]];
+  const units: ReadonlyArray<readonly [Intl.RelativeTimeFormatUnit, number]> = [
+    ["day", 86_400],
+    ["hour", 3600],
+    ["minute", 60],
+  ];
   for (const [unit, size] of units) {
     if (Math.abs(seconds) >= size) return format.format(Math.trunc(seconds / size), unit);
   }

@@ -8,6 +8,9 @@ export function metricTitle(name: string, unit: string): string {
   if (known !== undefined) return known;
   const suffix = unit === "%" ? "_percent" : `_${unit.toLowerCase().replaceAll("/", "_per_").replaceAll(" ", "_")}`;
   const stem = name.toLowerCase().endsWith(suffix) ? name.slice(0, -suffix.length) : name;
-  const words = stem.replaceAll("_", " ").trim().replace(kAcronyms, (word) => word.toUpperCase());
+  const words = stem
+    .replaceAll("_", " ")
+    .trim()
+    .replace(kAcronyms, (word) => word.toUpperCase());
   return words.charAt(0).toUpperCase() + words.slice(1);
 }

@@ -12,6 +12,18 @@ test("a moment and a view survive the address", () => {
 });
 
 test("what is no moment or view is left out", () => {
-  for (const text of ["", "t=", "t=-1", "t=1e9", "t=NaN", "view=1_2", "view=a_b_c", "view=1_2_3", "view=1_2_-3_1", "view=99_1_1_1", "view=1_1_1_1_1"])
+  for (const text of [
+    "",
+    "t=",
+    "t=-1",
+    "t=1e9",
+    "t=NaN",
+    "view=1_2",
+    "view=a_b_c",
+    "view=1_2_3",
+    "view=1_2_-3_1",
+    "view=99_1_1_1",
+    "view=1_1_1_1_1",
+  ])
     assert.deepEqual(read(text), { seconds: undefined, look: undefined }, text);
 });

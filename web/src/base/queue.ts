@@ -2,13 +2,13 @@
 // the browser, so that the page of an attempt knows what comes before and after it.
 
 export interface Queue {
-  readonly back: string;                        // address of the list
+  readonly back: string; // address of the list
   readonly ids: readonly string[];
 }
 
 export interface Place {
   readonly back: string;
-  readonly number: number;                      // from 1
+  readonly number: number; // from 1
   readonly count: number;
   readonly previous: string | undefined;
   readonly next: string | undefined;
@@ -32,7 +32,13 @@ export function placeInQueue(id: string, storage: Storage = sessionStorage): Pla
   const queue = read(storage);
   const at = queue?.ids.indexOf(id) ?? -1;
   if (queue === undefined || at < 0) return undefined;
-  return { back: queue.back, number: at + 1, count: queue.ids.length, previous: queue.ids[at - 1], next: queue.ids[at + 1] };
+  return {
+    back: queue.back,
+    number: at + 1,
+    count: queue.ids.length,
+    previous: queue.ids[at - 1],
+    next: queue.ids[at + 1],
+  };
 }
 
 function read(storage: Storage): Queue | undefined {
@@ -40,7 +46,15 @@ function read(storage: Storage): Queue | undefined {
     const found: unknown = JSON.parse(storage.getItem(kKey) ?? "null");
     if (typeof found !== "object" || found === null) return undefined;
     const { back, ids } = found as Partial<Queue>;
-    if (typeof back !== "string" || !back.startsWith("/") || back.startsWith("//") || !Array.isArray(ids) || ids.length > kMostIds || !ids.every((id) => typeof id === "string")) return undefined;
+    if (
+      typeof back !== "string" ||
+      !back.startsWith("/") ||
+      back.startsWith("//") ||
+      !Array.isArray(ids) ||
+      ids.length > kMostIds ||
+      !ids.every((id) => typeof id === "string")
+    )
+      return undefined;
     return { back, ids };
   } catch {
     return undefined;

@@ -1,11 +1,14 @@
 // Keeps at most `most` of many streams open, each in turn: browsers allow only a few connections to
 // one server at a time, and the page needs some for its other requests.
 export class Rotation {
-  private readonly open = new Map<string, () => void>();  // oldest first
+  private readonly open = new Map<string, () => void>(); // oldest first
   private ids: readonly string[] = [];
   private next = 0;
 
-  constructor(private readonly most: number, private readonly start: (id: string) => () => void) {}
+  constructor(
+    private readonly most: number,
+    private readonly start: (id: string) => () => void,
+  ) {}
 
   // What there is to follow. Streams of what is gone are closed, free places are taken at once.
   follow(ids: readonly string[]): void {

@@ -6,7 +6,9 @@ import { numberText, pluralOf, speak, spokenLanguage, type Language } from "./la
 
 export type Key = keyof Places;
 type Value = string | number;
-type ValuesOf<K extends Key, Filling> = { readonly [Name in keyof Places[K]]: Places[K][Name] extends number ? number : Value | Filling };
+type ValuesOf<K extends Key, Filling> = {
+  readonly [Name in keyof Places[K]]: Places[K][Name] extends number ? number : Value | Filling;
+};
 type Rest<K extends Key, Filling> = keyof Places[K] extends never ? [] : [ValuesOf<K, Filling>];
 
 let messages: Messages = kAtOnce;
@@ -44,7 +46,10 @@ export function sayIf(key: string, values: Readonly<Record<string, Value>> = {})
   return Object.hasOwn(messages, key) ? filled(key, values).join("") : undefined;
 }
 
-export function sayIfWith<Filling>(key: string, values: Readonly<Record<string, Value | Filling>>): (string | Filling)[] | undefined {
+export function sayIfWith<Filling>(
+  key: string,
+  values: Readonly<Record<string, Value | Filling>>,
+): (string | Filling)[] | undefined {
   return Object.hasOwn(messages, key) ? filled(key, values) : undefined;
 }
 
@@ -55,7 +60,9 @@ function filled<Filling>(key: string, values: Readonly<Record<string, Value | Fi
 
 function partsOf<Filling>(message: Message, values: Readonly<Record<string, Value | Filling>>): (string | Filling)[] {
   if (typeof message === "string") return textParts(message, values);
-  return message.flatMap((piece) => typeof piece === "string" ? textParts(piece, values) : partsOf(chosen(piece[1], values[piece[0]]), values));
+  return message.flatMap((piece) =>
+    typeof piece === "string" ? textParts(piece, values) : partsOf(chosen(piece[1], values[piece[0]]), values),
+  );
 }
 
 function chosen(cases: Cases, count: unknown): Message {

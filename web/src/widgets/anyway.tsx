@@ -19,5 +19,15 @@ export function useAnyway(error: ApiError | undefined, about: string) {
 
 export function AnywayField({ anyway }: { readonly anyway: ReturnType<typeof useAnyway> }) {
   if (!anyway.asked) return null;
-  return <LongTextField label={say("anyway.why")} hint={say("anyway.hint")} value={anyway.text} onValue={anyway.setText} required maxLength={1000} rows={2} />;
+  return (
+    <LongTextField
+      label={say("anyway.why")}
+      hint={say("anyway.hint")}
+      value={anyway.text}
+      onValue={anyway.setText}
+      required
+      maxLength={1000}
+      rows={2}
+    />
+  );
 }

@@ -11,14 +11,22 @@ interface StateText {
 
 export function stateText(state: AttemptState): StateText {
   switch (state) {
-    case "ticketed": return { title: say("attempt_state.ticketed"), tone: "neutral" };
-    case "recording": return { title: say("attempt_state.recording"), tone: "neutral" };
-    case "sealed": return { title: say("attempt_state.sealed"), tone: "neutral" };
-    case "scoring": return { title: say("attempt_state.scoring"), tone: "neutral" };
-    case "scored": return { title: say("attempt_state.scored"), tone: "good" };
-    case "failed": return { title: say("attempt_state.failed"), tone: "bad" };
-    case "quarantined": return { title: say("attempt_state.quarantined"), tone: "bad" };
-    default: return unreachable(state);
+    case "ticketed":
+      return { title: say("attempt_state.ticketed"), tone: "neutral" };
+    case "recording":
+      return { title: say("attempt_state.recording"), tone: "neutral" };
+    case "sealed":
+      return { title: say("attempt_state.sealed"), tone: "neutral" };
+    case "scoring":
+      return { title: say("attempt_state.scoring"), tone: "neutral" };
+    case "scored":
+      return { title: say("attempt_state.scored"), tone: "good" };
+    case "failed":
+      return { title: say("attempt_state.failed"), tone: "bad" };
+    case "quarantined":
+      return { title: say("attempt_state.quarantined"), tone: "bad" };
+    default:
+      return unreachable(state);
   }
 }
 
@@ -29,7 +37,12 @@ export function isUnderWay(state: AttemptState): boolean {
 export function StateBadge({ attempt }: { readonly attempt: Attempt }) {
   const { title, tone } = stateText(attempt.state);
   const progress = attempt.state === "scoring" ? ` ${Math.round(attempt.progress * 100)} %` : "";
-  return <Badge tone={tone}>{title}{progress}</Badge>;
+  return (
+    <Badge tone={tone}>
+      {title}
+      {progress}
+    </Badge>
+  );
 }
 
 // Whether the student waits for the score. Practice (`graded` false) is never released: it shows at once.
@@ -54,17 +67,72 @@ function gateThatTook({ gates = [] }: Pick<Score, "gates">, metric: string): num
 
 // What is to be known about an attempt before it is judged.
 export const kFlagTexts: Readonly<Record<AttemptFlag, StateText>> = {
-  late: { get title() { return say("attempt_flag.late"); }, tone: "warning" },
-  late_upload: { get title() { return say("attempt_flag.late_upload"); }, tone: "neutral" },
-  faster_than_time: { get title() { return say("attempt_flag.faster_than_time"); }, tone: "neutral" },
-  over_time: { get title() { return say("attempt_flag.over_time"); }, tone: "warning" },
-  resumed: { get title() { return say("attempt_flag.resumed"); }, tone: "neutral" },
-  readmitted: { get title() { return say("attempt_flag.readmitted"); }, tone: "neutral" },
-  excused: { get title() { return say("attempt_flag.excused"); }, tone: "neutral" },
-  returned: { get title() { return say("attempt_flag.returned"); }, tone: "neutral" },
-  other_hand: { get title() { return say("attempt_flag.other_hand"); }, tone: "bad" },
-  contradicted: { get title() { return say("attempt_flag.contradicted"); }, tone: "bad" },
-  near_another: { get title() { return say("attempt_flag.near_another"); }, tone: "warning" },
+  late: {
+    get title() {
+      return say("attempt_flag.late");
+    },
+    tone: "warning",
+  },
+  late_upload: {
+    get title() {
+      return say("attempt_flag.late_upload");
+    },
+    tone: "neutral",
+  },
+  faster_than_time: {
+    get title() {
+      return say("attempt_flag.faster_than_time");
+    },
+    tone: "neutral",
+  },
+  over_time: {
+    get title() {
+      return say("attempt_flag.over_time");
+    },
+    tone: "warning",
+  },
+  resumed: {
+    get title() {
+      return say("attempt_flag.resumed");
+    },
+    tone: "neutral",
+  },
+  readmitted: {
+    get title() {
+      return say("attempt_flag.readmitted");
+    },
+    tone: "neutral",
+  },
+  excused: {
+    get title() {
+      return say("attempt_flag.excused");
+    },
+    tone: "neutral",
+  },
+  returned: {
+    get title() {
+      return say("attempt_flag.returned");
+    },
+    tone: "neutral",
+  },
+  other_hand: {
+    get title() {
+      return say("attempt_flag.other_hand");
+    },
+    tone: "bad",
+  },
+  contradicted: {
+    get title() {
+      return say("attempt_flag.contradicted");
+    },
+    tone: "bad",
+  },
+  near_another: {
+    get title() {
+      return say("attempt_flag.near_another");
+    },
+    tone: "warning",
+  },
 };
 
 // How a station ran is for who judges the attempt: a student can do nothing about it.
@@ -86,20 +154,36 @@ export function handText(hand: Hand): StateText | undefined {
 }
 
 // What somebody skimming a list must not miss.
-export function Flags({ attempt, graded, staff, appealed = false, done }:
-    { readonly attempt: Attempt; readonly graded: boolean; readonly staff: boolean;
-      readonly appealed?: boolean;              // an appeal waits for its answer
-      readonly done?: number | undefined }) {   // percent of the work, where it was stopped early
+export function Flags({
+  attempt,
+  graded,
+  staff,
+  appealed = false,
+  done,
+}: {
+  readonly attempt: Attempt;
+  readonly graded: boolean;
+  readonly staff: boolean;
+  readonly appealed?: boolean; // an appeal waits for its answer
+  readonly done?: number | undefined;
+}) {
+  // percent of the work, where it was stopped early
   const hand = handText(attempt.hand);
   return (
     <span class="flags">
       {appealed && <Badge tone="warning">{say("attempt_flag.appeal")}</Badge>}
-      {done !== undefined && <Badge tone="warning">{say("attempt_flag.stopped_early", { percent: formatNumber(done, 1) })}</Badge>}
+      {done !== undefined && (
+        <Badge tone="warning">{say("attempt_flag.stopped_early", { percent: formatNumber(done, 1) })}</Badge>
+      )}
       {hand !== undefined && <Badge tone={hand.tone}>{hand.title}</Badge>}
       {attempt.exam && <Badge tone="neutral">{say("attempt_flag.exam")}</Badge>}
       {attempt.critical_fail === true && <Badge tone="bad">{say("attempt_flag.critical")}</Badge>}
       {attempt.gap_ticks > 0 && <Badge tone="warning">{say("attempt_flag.gaps")}</Badge>}
-      {shownFlags(attempt.flags, staff).map((flag) => <Badge key={flag} tone={flagText(flag).tone}>{flagText(flag).title}</Badge>)}
+      {shownFlags(attempt.flags, staff).map((flag) => (
+        <Badge key={flag} tone={flagText(flag).tone}>
+          {flagText(flag).title}
+        </Badge>
+      ))}
       {attempt.is_reference && <Badge tone="good">{say("attempt_flag.reference")}</Badge>}
       {awaitsRelease(attempt, graded) && <Badge tone="neutral">{say("attempt_flag.not_released")}</Badge>}
     </span>

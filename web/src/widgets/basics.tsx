@@ -10,32 +10,64 @@ const kIcons: Readonly<Record<Tone, string>> = { good: "✓", warning: "!", bad:
 
 // A short state in words; the icon and the colour only repeat it.
 export function Badge({ tone, children }: { readonly tone: Tone; readonly children: ComponentChildren }) {
-  return <span class={`badge ${tone}`}><span aria-hidden="true">{kIcons[tone]}</span> {children}</span>;
+  return (
+    <span class={`badge ${tone}`}>
+      <span aria-hidden="true">{kIcons[tone]}</span> {children}
+    </span>
+  );
 }
 
-export function Notice({ tone, title, children }:
-                       { readonly tone: Tone; readonly title?: string; readonly children?: ComponentChildren }) {
+export function Notice({
+  tone,
+  title,
+  children,
+}: {
+  readonly tone: Tone;
+  readonly title?: string;
+  readonly children?: ComponentChildren;
+}) {
   return (
     <div class={`notice ${tone}`} role={tone === "bad" ? "alert" : "status"}>
-      <span class="notice-icon" aria-hidden="true">{kIcons[tone]}</span>
-      <div>{title !== undefined && <p class="notice-title">{title}</p>}{children}</div>
+      <span class="notice-icon" aria-hidden="true">
+        {kIcons[tone]}
+      </span>
+      <div>
+        {title !== undefined && <p class="notice-title">{title}</p>}
+        {children}
+      </div>
     </div>
   );
 }
 
-export function ErrorNotice({ title, message, onRetry }:
-                            { readonly title: string; readonly message: string; readonly onRetry?: (() => void) | undefined }) {
+export function ErrorNotice({
+  title,
+  message,
+  onRetry,
+}: {
+  readonly title: string;
+  readonly message: string;
+  readonly onRetry?: (() => void) | undefined;
+}) {
   return (
     <Notice tone="bad" title={title}>
       <p>{message}</p>
-      {onRetry !== undefined && <button type="button" class="button small" onClick={onRetry}>{say("common.try_again")}</button>}
+      {onRetry !== undefined && (
+        <button type="button" class="button small" onClick={onRetry}>
+          {say("common.try_again")}
+        </button>
+      )}
     </Notice>
   );
 }
 
 // `what`: a sentence, "Loading the list…".
 export function Loading({ what }: { readonly what: string }) {
-  return <p class="loading" role="status"><span class="spinner" aria-hidden="true" />{what}</p>;
+  return (
+    <p class="loading" role="status">
+      <span class="spinner" aria-hidden="true" />
+      {what}
+    </p>
+  );
 }
 
 export function Empty({ children }: { readonly children: ComponentChildren }) {
@@ -43,20 +75,44 @@ export function Empty({ children }: { readonly children: ComponentChildren }) {
 }
 
 // The heading of a screen; takes the focus when the screen appears, so that a screen reader begins there.
-export function PageTitle({ children, document: documentTitle }:
-                          { readonly children: ComponentChildren; readonly document: string }) {
+export function PageTitle({
+  children,
+  document: documentTitle,
+}: {
+  readonly children: ComponentChildren;
+  readonly document: string;
+}) {
   const heading = useRef<HTMLHeadingElement>(null);
-  useEffect(() => { document.title = say("app.document", { title: documentTitle }); }, [documentTitle]);
+  useEffect(() => {
+    document.title = say("app.document", { title: documentTitle });
+  }, [documentTitle]);
   useEffect(() => heading.current?.focus({ preventScroll: true }), []);
-  return <h1 tabIndex={-1} ref={heading}>{children}</h1>;
+  return (
+    <h1 tabIndex={-1} ref={heading}>
+      {children}
+    </h1>
+  );
 }
 
-export function Card({ title, aside, children, className = "" }:
-                     { readonly title?: string; readonly aside?: ComponentChildren; readonly children: ComponentChildren;
-                       readonly className?: string }) {
+export function Card({
+  title,
+  aside,
+  children,
+  className = "",
+}: {
+  readonly title?: string;
+  readonly aside?: ComponentChildren;
+  readonly children: ComponentChildren;
+  readonly className?: string;
+}) {
   return (
     <section class={`card ${className}`} aria-label={title}>
-      {title !== undefined && <div class="card-head"><h2>{title}</h2>{aside}</div>}
+      {title !== undefined && (
+        <div class="card-head">
+          <h2>{title}</h2>
+          {aside}
+        </div>
+      )}
       {children}
     </section>
   );
@@ -66,24 +122,35 @@ export function Card({ title, aside, children, className = "" }:
 export function TableFrame({ label, children }: { readonly label: string; readonly children: ComponentChildren }) {
   return (
     <div
-      class="table-frame" role="group" aria-label={label}
+      class="table-frame"
+      role="group"
+      aria-label={label}
       // biome-ignore lint/a11y/noNoninteractiveTabindex: keys scroll it once it has the focus
       tabIndex={0}
-    >{children}</div>
+    >
+      {children}
+    </div>
   );
 }
 
 // `share` 0..1. The bar repeats the number next to it and is hidden from screen readers.
 export function Bar({ share, tone }: { readonly share: number; readonly tone: Tone }) {
   const percent = Math.min(Math.max(share, 0), 1) * 100;
-  return <span class={`bar ${tone}`} aria-hidden="true"><span style={{ width: `${percent}%` }} /></span>;
+  return (
+    <span class={`bar ${tone}`} aria-hidden="true">
+      <span style={{ width: `${percent}%` }} />
+    </span>
+  );
 }
 
 export function Progress({ label, share }: { readonly label: string; readonly share: number | undefined }) {
   const percent = share === undefined ? undefined : Math.round(Math.min(Math.max(share, 0), 1) * 100);
   return (
     <div class="progress">
-      <div class="progress-head"><span>{label}</span>{percent !== undefined && <span>{percent} %</span>}</div>
+      <div class="progress-head">
+        <span>{label}</span>
+        {percent !== undefined && <span>{percent} %</span>}
+      </div>
       <progress aria-label={label} max={100} {...(percent === undefined ? {} : { value: percent })} />
     </div>
   );
@@ -95,16 +162,31 @@ export interface Choice<T extends string> {
 }
 
 // One of a few, as radio buttons in a row.
-export function Segmented<T extends string>({ legend, name, choices, value, onChange }:
-    { readonly legend: string; readonly name: string; readonly choices: readonly Choice<T>[]; readonly value: T;
-      readonly onChange: (value: T) => void }) {
+export function Segmented<T extends string>({
+  legend,
+  name,
+  choices,
+  value,
+  onChange,
+}: {
+  readonly legend: string;
+  readonly name: string;
+  readonly choices: readonly Choice<T>[];
+  readonly value: T;
+  readonly onChange: (value: T) => void;
+}) {
   return (
     <fieldset class="segmented">
       <legend class="hidden">{legend}</legend>
       {choices.map((choice) => (
         <label key={choice.value}>
-          <input type="radio" name={name} value={choice.value} checked={choice.value === value}
-                 onChange={() => onChange(choice.value)} />
+          <input
+            type="radio"
+            name={name}
+            value={choice.value}
+            checked={choice.value === value}
+            onChange={() => onChange(choice.value)}
+          />
           <span>{choice.title}</span>
         </label>
       ))}
@@ -114,5 +196,10 @@ export function Segmented<T extends string>({ legend, name, choices, value, onCh
 
 // `shown` where the place says the rest to who sees it; who hears the page is told `full`, which holds `shown`.
 export function Brief({ shown, full }: { readonly shown: string; readonly full: string }) {
-  return <><span aria-hidden="true">{shown}</span><span class="hidden">{full}</span></>;
+  return (
+    <>
+      <span aria-hidden="true">{shown}</span>
+      <span class="hidden">{full}</span>
+    </>
+  );
 }

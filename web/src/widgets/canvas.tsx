@@ -3,7 +3,7 @@ import { Disposables } from "../base/disposables";
 import { FrameScheduler } from "../base/frame";
 
 export interface Drawing {
-  readonly context: CanvasRenderingContext2D;   // scaled so that a unit is a CSS pixel; cleared
+  readonly context: CanvasRenderingContext2D; // scaled so that a unit is a CSS pixel; cleared
   readonly width: number;
   readonly height: number;
   readonly color: (variable: string) => string; // of the style sheet, so that dark and light both work
@@ -11,9 +11,9 @@ export interface Drawing {
 
 interface Props {
   readonly className: string;
-  readonly label: string;                       // what the picture shows, for who cannot see it
+  readonly label: string; // what the picture shows, for who cannot see it
   readonly draw: (drawing: Drawing) => void;
-  readonly stamp: unknown;                      // drawn again whenever this changes
+  readonly stamp: unknown; // drawn again whenever this changes
 }
 
 // A picture that is drawn often: at most once per frame, sharp on every screen.

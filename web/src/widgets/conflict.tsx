@@ -9,21 +9,41 @@ export interface Difference {
 }
 
 // Somebody else saved first: what they wrote beside what is about to be saved, and the two ways on.
-export function Conflict({ differences, busy, onTakeTheirs, onKeepMine }:
-    { readonly differences: readonly Difference[]; readonly busy: boolean; readonly onTakeTheirs: () => void; readonly onKeepMine: () => void }) {
+export function Conflict({
+  differences,
+  busy,
+  onTakeTheirs,
+  onKeepMine,
+}: {
+  readonly differences: readonly Difference[];
+  readonly busy: boolean;
+  readonly onTakeTheirs: () => void;
+  readonly onKeepMine: () => void;
+}) {
   return (
     <Notice tone="warning" title={say("conflict.title")}>
       <p>{say("conflict.compare")}</p>
-      {differences.length === 0 ? <p>{say("conflict.same")}</p> : (
-        <DataTable label={say("conflict.differs")} items={differences} dense columns={[
-          { title: say("common.field"), cell: (item) => item.title },
-          { title: say("conflict.theirs"), cell: (item) => item.theirs === "" ? "–" : item.theirs },
-          { title: say("conflict.mine"), cell: (item) => item.mine === "" ? "–" : item.mine },
-        ]} />
+      {differences.length === 0 ? (
+        <p>{say("conflict.same")}</p>
+      ) : (
+        <DataTable
+          label={say("conflict.differs")}
+          items={differences}
+          dense
+          columns={[
+            { title: say("common.field"), cell: (item) => item.title },
+            { title: say("conflict.theirs"), cell: (item) => (item.theirs === "" ? "–" : item.theirs) },
+            { title: say("conflict.mine"), cell: (item) => (item.mine === "" ? "–" : item.mine) },
+          ]}
+        />
       )}
       <div class="button-row">
-        <button type="button" class="button" onClick={onTakeTheirs}>{say("conflict.take_theirs")}</button>
-        <button type="button" class="button" disabled={busy} onClick={onKeepMine}>{say("conflict.keep_mine")}</button>
+        <button type="button" class="button" onClick={onTakeTheirs}>
+          {say("conflict.take_theirs")}
+        </button>
+        <button type="button" class="button" disabled={busy} onClick={onKeepMine}>
+          {say("conflict.keep_mine")}
+        </button>
       </div>
     </Notice>
   );

@@ -19,8 +19,18 @@ export function CopyText({ text, what }: { readonly text: string; readonly what:
   return (
     <div class="copy">
       <code class="copy-text">{text}</code>
-      <button type="button" class="button small" title={what} aria-label={what} onClick={(event) => void copy(event.currentTarget)}>{say("copy.copy")}</button>
-      <span class="hint" role="status">{state === "copied" ? say("copy.copied") : state === "selected" ? say("copy.selected") : ""}</span>
+      <button
+        type="button"
+        class="button small"
+        title={what}
+        aria-label={what}
+        onClick={(event) => void copy(event.currentTarget)}
+      >
+        {say("copy.copy")}
+      </button>
+      <span class="hint" role="status">
+        {state === "copied" ? say("copy.copied") : state === "selected" ? say("copy.selected") : ""}
+      </span>
     </div>
   );
 }

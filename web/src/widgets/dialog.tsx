@@ -6,7 +6,7 @@ import { ErrorNotice, type Tone } from "./basics";
 interface DialogProps {
   readonly title: string;
   readonly children: ComponentChildren;
-  readonly onClose: () => void;                 // Escape, or the button that closes
+  readonly onClose: () => void; // Escape, or the button that closes
   readonly wide?: boolean;
 }
 
@@ -18,11 +18,21 @@ export function Dialog({ title, children, onClose, wide = false }: DialogProps) 
   useEffect(() => {
     const before = document.activeElement;
     dialog.current?.showModal();
-    return () => { if (before instanceof HTMLElement && before.isConnected) before.focus(); };
+    return () => {
+      if (before instanceof HTMLElement && before.isConnected) before.focus();
+    };
   }, []);
   return (
-    <dialog ref={dialog} class={wide ? "dialog wide" : "dialog"} aria-labelledby={id}
-            onCancel={(event) => { event.preventDefault(); onClose(); }} onClose={onClose}>
+    <dialog
+      ref={dialog}
+      class={wide ? "dialog wide" : "dialog"}
+      aria-labelledby={id}
+      onCancel={(event) => {
+        event.preventDefault();
+        onClose();
+      }}
+      onClose={onClose}
+    >
       <h2 id={id}>{title}</h2>
       {children}
     </dialog>
@@ -31,10 +41,10 @@ export function Dialog({ title, children, onClose, wide = false }: DialogProps) 
 
 interface ConfirmProps {
   readonly title: string;
-  readonly children: ComponentChildren;         // what will happen, and whether it can be undone
-  readonly action: string;                      // what the button says
+  readonly children: ComponentChildren; // what will happen, and whether it can be undone
+  readonly action: string; // what the button says
   readonly tone?: Extract<Tone, "bad" | "neutral">;
-  readonly onConfirm: () => Promise<string | undefined>;  // the reason when it failed
+  readonly onConfirm: () => Promise<string | undefined>; // the reason when it failed
   readonly onClose: () => void;
 }
 
@@ -55,15 +65,24 @@ export function Confirm({ title, children, action, tone = "bad", onConfirm, onCl
       {children}
       {problem !== undefined && <ErrorNotice title={say("common.not_done")} message={problem} />}
       <div class="button-row end">
-        <button type="button" class="button" onClick={onClose}>{say("common.cancel")}</button>
-        <button type="button" class={`button ${tone === "bad" ? "danger" : "primary"}`} disabled={busy} onClick={() => void confirm()}>{action}</button>
+        <button type="button" class="button" onClick={onClose}>
+          {say("common.cancel")}
+        </button>
+        <button
+          type="button"
+          class={`button ${tone === "bad" ? "danger" : "primary"}`}
+          disabled={busy}
+          onClick={() => void confirm()}
+        >
+          {action}
+        </button>
       </div>
     </Dialog>
   );
 }
 
 interface FormButtonsProps {
-  readonly action: string;                      // what the button that sends the form says
+  readonly action: string; // what the button that sends the form says
   readonly disabled: boolean;
   readonly onCancel: () => void;
 }
@@ -72,8 +91,12 @@ interface FormButtonsProps {
 export function FormButtons({ action, disabled, onCancel }: FormButtonsProps) {
   return (
     <div class="button-row end">
-      <button type="button" class="button" onClick={onCancel}>{say("common.cancel")}</button>
-      <button type="submit" class="button primary" disabled={disabled}>{action}</button>
+      <button type="button" class="button" onClick={onCancel}>
+        {say("common.cancel")}
+      </button>
+      <button type="submit" class="button primary" disabled={disabled}>
+        {action}
+      </button>
     </div>
   );
 }

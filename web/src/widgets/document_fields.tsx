@@ -12,7 +12,7 @@ import type { EditedDocument } from "./use_document";
 export interface DocumentForm {
   readonly edit: EditedDocument;
   readonly wrong?: { readonly field: string; readonly message: string } | undefined;
-  readonly own?: ReadonlyMap<string, string>;   // what the page itself sees to be wrong, by place; said before the server's
+  readonly own?: ReadonlyMap<string, string>; // what the page itself sees to be wrong, by place; said before the server's
 }
 
 interface PlaceProps {
@@ -27,7 +27,7 @@ export function problemAt({ wrong, own }: DocumentForm, path: Path): string | un
   const seen = own?.get(here);
   if (seen !== undefined || wrong === undefined || pathText(pathOf(wrong.field)) !== here) return seen;
   // Of a list the server says what the page says of the item.
-  return [...own?.keys() ?? []].some((place) => place.startsWith(here)) ? undefined : plainMessage(wrong);
+  return [...(own?.keys() ?? [])].some((place) => place.startsWith(here)) ? undefined : plainMessage(wrong);
 }
 
 // What the server found wrong, until what stands there is changed.
@@ -37,31 +37,92 @@ export function stillWrong({ busy, error, text }: Checked<unknown>, now: Json): 
   return equal(valueAt(JSON.parse(text) as Json, place), valueAt(now, place)) ? error : undefined;
 }
 
-export function DocumentText({ form, path, label, hint, maxLength, long = false }: PlaceProps & { readonly maxLength: number; readonly long?: boolean }) {
+export function DocumentText({
+  form,
+  path,
+  label,
+  hint,
+  maxLength,
+  long = false,
+}: PlaceProps & { readonly maxLength: number; readonly long?: boolean }) {
   const value = form.edit.at(path);
-  const common = { label, hint, maxLength, problem: problemAt(form, path), value: typeof value === "string" ? value : "", onValue: (text: string) => form.edit.set(path, text) };
+  const common = {
+    label,
+    hint,
+    maxLength,
+    problem: problemAt(form, path),
+    value: typeof value === "string" ? value : "",
+    onValue: (text: string) => form.edit.set(path, text),
+  };
   return long ? <LongTextField {...common} rows={3} /> : <TextField {...common} />;
 }
 
 // `scale`: how many of the document's units are one of the field's, 1000 for millimetres of micrometres.
 // `optional`: an empty field takes the place away; what else is no number stays as null, so that nothing is saved in its place.
-export function DocumentNumber({ form, path, label, hint, scale = 1, optional = false, whole = false, min }: PlaceProps & { readonly scale?: number; readonly optional?: boolean; readonly whole?: boolean; readonly min?: number }) {
+export function DocumentNumber({
+  form,
+  path,
+  label,
+  hint,
+  scale = 1,
+  optional = false,
+  whole = false,
+  min,
+}: PlaceProps & {
+  readonly scale?: number;
+  readonly optional?: boolean;
+  readonly whole?: boolean;
+  readonly min?: number;
+}) {
   const value = form.edit.at(path);
   const set = (typed: number, unread: boolean) => {
     const exact = scale < 1 ? typed / (1 / scale) : typed * scale;
     if (Number.isFinite(typed)) form.edit.set(path, whole || scale > 1 ? Math.round(exact) : exact);
     else form.edit.set(path, optional && !unread ? undefined : null);
   };
-  return <NumberField label={label} hint={hint} problem={value === null ? form.own?.get(pathText(path)) ?? say("editor.a_number") : problemAt(form, path)} value={typeof value === "number" ? Number((value / scale).toPrecision(12)) : Number.NaN} onValue={set} step="any" required={!optional} {...(min === undefined ? {} : { min })} />;
+  return (
+    <NumberField
+      label={label}
+      hint={hint}
+      problem={value === null ? (form.own?.get(pathText(path)) ?? say("editor.a_number")) : problemAt(form, path)}
+      value={typeof value === "number" ? Number((value / scale).toPrecision(12)) : Number.NaN}
+      onValue={set}
+      step="any"
+      required={!optional}
+      {...(min === undefined ? {} : { min })}
+    />
+  );
 }
 
-export function DocumentChoice({ form, path, label, hint, options }: PlaceProps & { readonly options: readonly Option[] }) {
+export function DocumentChoice({
+  form,
+  path,
+  label,
+  hint,
+  options,
+}: PlaceProps & { readonly options: readonly Option[] }) {
   const value = form.edit.at(path);
-  return <SelectField label={label} hint={hint} problem={problemAt(form, path)} value={typeof value === "string" ? value : ""} options={options} onValue={(chosen) => form.edit.set(path, chosen)} />;
+  return (
+    <SelectField
+      label={label}
+      hint={hint}
+      problem={problemAt(form, path)}
+      value={typeof value === "string" ? value : ""}
+      options={options}
+      onValue={(chosen) => form.edit.set(path, chosen)}
+    />
+  );
 }
 
 export function DocumentFlag({ form, path, label, hint }: PlaceProps) {
-  return <CheckField label={label} {...(hint === undefined ? {} : { hint })} value={form.edit.at(path) === true} onValue={(on) => form.edit.set(path, on)} />;
+  return (
+    <CheckField
+      label={label}
+      {...(hint === undefined ? {} : { hint })}
+      value={form.edit.at(path) === true}
+      onValue={(on) => form.edit.set(path, on)}
+    />
+  );
 }
 
 // What a value is in a table of changes.
@@ -69,7 +130,10 @@ export function shownValue(value: Json | undefined): string {
   if (value === undefined || value === null) return "–";
   if (typeof value === "string") return value === "" ? say("common.empty") : value;
   if (typeof value === "boolean") return value ? say("common.yes") : say("common.no");
-  if (Array.isArray(value) && value.every((row) => Array.isArray(row) && row.length === 2)) return value.map((row) => `${String((row as readonly Json[])[0])} → ${percent((row as readonly Json[])[1])}`).join(", ");
+  if (Array.isArray(value) && value.every((row) => Array.isArray(row) && row.length === 2))
+    return value
+      .map((row) => `${String((row as readonly Json[])[0])} → ${percent((row as readonly Json[])[1])}`)
+      .join(", ");
   if (typeof value === "object" && "title" in value && typeof value.title === "string") return value.title;
   return JSON.stringify(value);
 }

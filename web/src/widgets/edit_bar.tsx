@@ -5,10 +5,23 @@ import { Notice } from "./basics";
 import type { EditedDocument } from "./use_document";
 
 // Undo, redo and what ends the edit; stays in sight. Ctrl+Z and Ctrl+Y act where no text is typed: a field has its own.
-export function EditBar({ edit, state, children }: { readonly edit: EditedDocument; readonly state: string; readonly children: ComponentChildren }) {
+export function EditBar({
+  edit,
+  state,
+  children,
+}: {
+  readonly edit: EditedDocument;
+  readonly state: string;
+  readonly children: ComponentChildren;
+}) {
   useEffect(() => {
     const press = (event: KeyboardEvent) => {
-      if (!(event.ctrlKey || event.metaKey) || event.target instanceof HTMLInputElement || event.target instanceof HTMLTextAreaElement) return;
+      if (
+        !(event.ctrlKey || event.metaKey) ||
+        event.target instanceof HTMLInputElement ||
+        event.target instanceof HTMLTextAreaElement
+      )
+        return;
       const key = event.key.toLowerCase();
       if (key !== "z" && key !== "y") return;
       event.preventDefault();
@@ -20,12 +33,30 @@ export function EditBar({ edit, state, children }: { readonly edit: EditedDocume
   });
   return (
     <>
-      {edit.kept && <Notice tone="neutral" title={say("edit.kept")}><p>{sayWith("edit.kept_unsaved", { discard: <button type="button" class="button small" onClick={edit.discard}>{say("edit.discard")}</button> })}</p></Notice>}
+      {edit.kept && (
+        <Notice tone="neutral" title={say("edit.kept")}>
+          <p>
+            {sayWith("edit.kept_unsaved", {
+              discard: (
+                <button type="button" class="button small" onClick={edit.discard}>
+                  {say("edit.discard")}
+                </button>
+              ),
+            })}
+          </p>
+        </Notice>
+      )}
       <div class="edit-bar">
-        <span class="hint" role="status">{state}</span>
+        <span class="hint" role="status">
+          {state}
+        </span>
         <div class="button-row">
-          <button type="button" class="button" disabled={!edit.canUndo} onClick={edit.undo}>{say("edit.undo")}</button>
-          <button type="button" class="button" disabled={!edit.canRedo} onClick={edit.redo}>{say("edit.redo")}</button>
+          <button type="button" class="button" disabled={!edit.canUndo} onClick={edit.undo}>
+            {say("edit.undo")}
+          </button>
+          <button type="button" class="button" disabled={!edit.canRedo} onClick={edit.redo}>
+            {say("edit.redo")}
+          </button>
           {children}
         </div>
       </div>

@@ -10,11 +10,11 @@ import type { Key } from "./keys";
 // there by a key of its own or by a button.
 
 export interface ReleaseUndo {
-  readonly keys: readonly Key[];                // none where there is nothing to take back
+  readonly keys: readonly Key[]; // none where there is nothing to take back
   readonly notice: ComponentChildren;
 }
 
-let last: AttemptDetail | undefined;            // for the screen that comes next
+let last: AttemptDetail | undefined; // for the screen that comes next
 
 export function releaseMade(attempt: AttemptDetail): void {
   last = attempt;
@@ -43,8 +43,21 @@ export function useReleaseUndo(takeBack: (id: string) => Promise<ApiResult<unkno
     keys: state === "made" ? [{ key: "w", what: say("judge.withdraw"), act: () => void act() }] : [],
     notice: (
       <div role="status" class="no-print">
-        <Notice tone="good" title={say(state === "back" ? "judge.cannot_see" : "judge.can_see", { name: attempt.person.display_name })}>
-          {state !== "back" && <button type="button" class="button small" aria-keyshortcuts="w" disabled={state === "busy"} onClick={() => void act()}>{say("judge.withdraw")} <kbd>w</kbd></button>}
+        <Notice
+          tone="good"
+          title={say(state === "back" ? "judge.cannot_see" : "judge.can_see", { name: attempt.person.display_name })}
+        >
+          {state !== "back" && (
+            <button
+              type="button"
+              class="button small"
+              aria-keyshortcuts="w"
+              disabled={state === "busy"}
+              onClick={() => void act()}
+            >
+              {say("judge.withdraw")} <kbd>w</kbd>
+            </button>
+          )}
         </Notice>
         {error !== undefined && <ErrorNotice title={say("common.not_done")} message={error} />}
       </div>

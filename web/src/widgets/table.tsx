@@ -4,7 +4,7 @@ import { TableFrame } from "./basics";
 export interface Column<T> {
   readonly title: string;
   readonly number?: boolean;
-  readonly hideTitle?: boolean;                 // for a column of buttons: the title is for screen readers only
+  readonly hideTitle?: boolean; // for a column of buttons: the title is for screen readers only
   readonly cell: (item: T) => ComponentChildren;
 }
 
@@ -35,9 +35,17 @@ export function DataTable<T>({ label, columns, items, rowKey, dense = false }: P
         <tbody role="rowgroup">
           {items.map((item, row) => (
             <tr key={rowKey?.(item) ?? row} role="row">
-              {columns.map((column, i) => i === 0
-                ? <th key={column.title} scope="row" role="rowheader" class={classOf(column)}>{column.cell(item)}</th>
-                : <td key={column.title} role="cell" class={classOf(column)} {...titleOf(column)}>{column.cell(item)}</td>)}
+              {columns.map((column, i) =>
+                i === 0 ? (
+                  <th key={column.title} scope="row" role="rowheader" class={classOf(column)}>
+                    {column.cell(item)}
+                  </th>
+                ) : (
+                  <td key={column.title} role="cell" class={classOf(column)} {...titleOf(column)}>
+                    {column.cell(item)}
+                  </td>
+                ),
+              )}
             </tr>
           ))}
         </tbody>

@@ -4,10 +4,10 @@ import { plotStyle, usePlot, withAlpha } from "./use_plot";
 import type { Joined, TrackLine } from "./strokes/tracks";
 
 interface Props {
-  readonly data: Joined;                        // one column for each line
+  readonly data: Joined; // one column for each line
   readonly lines: readonly TrackLine[];
   readonly valueTitle: string;
-  readonly markS?: number | null;               // an upright line at this time
+  readonly markS?: number | null; // an upright line at this time
   readonly label: string;
   readonly heightPx?: number;
 }
@@ -18,16 +18,25 @@ const kHeadroom = 0.06;
 // Lines over time, of either sign, in one frame of a row of small ones. The picture is for the eye:
 // whoever shows it says the same in words and numbers.
 export function TrackPlot({ data, lines, valueTitle, markS = null, label, heightPx = kHeightPx }: Props) {
-  const { frame } = usePlot((element) => ({
-    options: plotOptions(element, data, lines, valueTitle, markS, heightPx),
-    data: [[...data.timeS], ...data.columns.map((column) => [...column])] as uPlot.AlignedData,
-  }), [data, lines, valueTitle, markS, heightPx]);
+  const { frame } = usePlot(
+    (element) => ({
+      options: plotOptions(element, data, lines, valueTitle, markS, heightPx),
+      data: [[...data.timeS], ...data.columns.map((column) => [...column])] as uPlot.AlignedData,
+    }),
+    [data, lines, valueTitle, markS, heightPx],
+  );
 
   return <div class="plot" ref={frame} role="img" aria-label={label} />;
 }
 
-function plotOptions(element: HTMLElement, data: Joined, lines: readonly TrackLine[], valueTitle: string, markS: number | null,
-                     heightPx: number): uPlot.Options {
+function plotOptions(
+  element: HTMLElement,
+  data: Joined,
+  lines: readonly TrackLine[],
+  valueTitle: string,
+  markS: number | null,
+  heightPx: number,
+): uPlot.Options {
   const { color, axis } = plotStyle(element);
   const mark = (plot: uPlot) => {
     if (markS === null) return;
@@ -44,17 +53,30 @@ function plotOptions(element: HTMLElement, data: Joined, lines: readonly TrackLi
     plot.ctx.restore();
   };
   return {
-    width: element.clientWidth, height: heightPx,
+    width: element.clientWidth,
+    height: heightPx,
     legend: { show: false },
     cursor: { show: false },
     hooks: { drawAxes: [mark] },
     scales: { x: { time: false }, value: { range: valueRange(data) } },
-    axes: [{ ...axis, label: say("plot.seconds"), size: 34 }, { ...axis, scale: "value", label: valueTitle, size: 46 }],
-    series: [{}, ...lines.map((line): uPlot.Series => ({
-      scale: "value", stroke: color(line.colorVariable), width: line.width, points: { show: false }, spanGaps: true,
-      ...(line.dash === undefined ? {} : { dash: [...line.dash] }),
-      ...(line.fill === true ? { fill: withAlpha(color(line.colorVariable), "2e") } : {}),
-    }))],
+    axes: [
+      { ...axis, label: say("plot.seconds"), size: 34 },
+      { ...axis, scale: "value", label: valueTitle, size: 46 },
+    ],
+    series: [
+      {},
+      ...lines.map(
+        (line): uPlot.Series => ({
+          scale: "value",
+          stroke: color(line.colorVariable),
+          width: line.width,
+          points: { show: false },
+          spanGaps: true,
+          ...(line.dash === undefined ? {} : { dash: [...line.dash] }),
+          ...(line.fill === true ? { fill: withAlpha(color(line.colorVariable), "2e") } : {}),
+        }),
+      ),
+    ],
   };
 }
 

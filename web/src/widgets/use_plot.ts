@@ -10,14 +10,18 @@ export interface PlotInput {
 }
 
 export interface PlotFrame {
-  readonly frame: RefObject<HTMLDivElement | null>;   // give it to the element that the plot fills
-  readonly plot: RefObject<uPlot | null>;      // null until uPlot is loaded
+  readonly frame: RefObject<HTMLDivElement | null>; // give it to the element that the plot fills
+  readonly plot: RefObject<uPlot | null>; // null until uPlot is loaded
 }
 
 // A uPlot in a div: loaded when first needed, made anew when an input or the colour scheme changes, as wide as its
 // div. `created` may listen to it and add what is undone with it; `resized` runs after it has a new width.
-export function usePlot(describe: (element: HTMLElement) => PlotInput, inputs: readonly unknown[],
-                        created?: (plot: uPlot, cleanup: Disposables) => void, resized?: () => void): PlotFrame {
+export function usePlot(
+  describe: (element: HTMLElement) => PlotInput,
+  inputs: readonly unknown[],
+  created?: (plot: uPlot, cleanup: Disposables) => void,
+  resized?: () => void,
+): PlotFrame {
   const frame = useRef<HTMLDivElement>(null);
   const plot = useRef<uPlot>(null);
   const dark = useDarkScheme();
@@ -29,7 +33,9 @@ export function usePlot(describe: (element: HTMLElement) => PlotInput, inputs: r
     if (element === null) return undefined;
     const cleanup = new Disposables();
     let abandoned = false;
-    cleanup.add(() => { abandoned = true; });
+    cleanup.add(() => {
+      abandoned = true;
+    });
     void import("uplot").then(({ default: UPlot }) => {
       if (abandoned) return;
       const { options, data } = latest.current.describe(element);
@@ -67,8 +73,12 @@ export function plotStyle(element: HTMLElement): PlotStyle {
   const font = `12px ${style.fontFamily}`;
   const line = { stroke: color("--line"), width: 1 };
   // The page's language, where uPlot would take the browser's. Null: no place for a number there.
-  const values = (_: uPlot, splits: (number | null)[]) => splits.map((value) => value === null ? "" : numberText(value, 0, kTickDecimals));
-  return { color, axis: { stroke: color("--text-soft"), grid: line, ticks: line, font, labelFont: font, labelSize: 18, values } };
+  const values = (_: uPlot, splits: (number | null)[]) =>
+    splits.map((value) => (value === null ? "" : numberText(value, 0, kTickDecimals)));
+  return {
+    color,
+    axis: { stroke: color("--text-soft"), grid: line, ticks: line, font, labelFont: font, labelSize: 18, values },
+  };
 }
 
 export function withAlpha(hex: string, alpha: string): string {

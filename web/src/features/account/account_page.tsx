@@ -14,7 +14,7 @@ interface Props {
   readonly client: Client;
   readonly person: Person;
   readonly language: LanguageChoice;
-  readonly onLanguage: (language: LanguageChoice) => Promise<string | undefined>;  // the reason when it failed
+  readonly onLanguage: (language: LanguageChoice) => Promise<string | undefined>; // the reason when it failed
 }
 
 export function AccountPage({ client, person, language, onLanguage }: Props) {
@@ -23,14 +23,29 @@ export function AccountPage({ client, person, language, onLanguage }: Props) {
     <>
       <PageTitle document={say("account.title")}>{say("account.title")}</PageTitle>
       <dl class="facts">
-        <div><dt>{say("account.name")}</dt><dd>{person.display_name}</dd></div>
-        <div><dt>{say("account.login")}</dt><dd><code>{person.login}</code></dd></div>
-        <div><dt>{say("account.role")}</dt><dd>{say(`role.${person.role}`)}</dd></div>
+        <div>
+          <dt>{say("account.name")}</dt>
+          <dd>{person.display_name}</dd>
+        </div>
+        <div>
+          <dt>{say("account.login")}</dt>
+          <dd>
+            <code>{person.login}</code>
+          </dd>
+        </div>
+        <div>
+          <dt>{say("account.role")}</dt>
+          <dd>{say(`role.${person.role}`)}</dd>
+        </div>
       </dl>
       <div class="columns">
         <Card title={say("account.password")}>
           <PasswordForm client={client} login={person.login} onChanged={() => setChanged(true)} />
-          {changed && <Notice tone="good" title={say("account.changed")}><p>{say("account.changed_text")}</p></Notice>}
+          {changed && (
+            <Notice tone="good" title={say("account.changed")}>
+              <p>{say("account.changed_text")}</p>
+            </Notice>
+          )}
         </Card>
         <LanguageCard language={language} onLanguage={onLanguage} />
         <OwnSessions client={client} />
@@ -44,8 +59,15 @@ function LanguageCard({ language, onLanguage }: Pick<Props, "language" | "onLang
   const choose = async (choice: LanguageChoice) => setProblem(await onLanguage(choice));
   return (
     <Card title={say("account.language")}>
-      <SelectField<LanguageChoice> label={say("account.page_language")} value={language} onValue={(choice) => void choose(choice)}
-                                   options={[{ value: "", title: say("account.language_browser") }, ...kLanguages.map(({ code, name }) => ({ value: code, title: name }))]} />
+      <SelectField<LanguageChoice>
+        label={say("account.page_language")}
+        value={language}
+        onValue={(choice) => void choose(choice)}
+        options={[
+          { value: "", title: say("account.language_browser") },
+          ...kLanguages.map(({ code, name }) => ({ value: code, title: name })),
+        ]}
+      />
       {problem !== undefined && <ErrorNotice title={say("account.language_failed")} message={problem} />}
     </Card>
   );
@@ -56,30 +78,52 @@ function OwnSessions({ client }: { readonly client: Client }) {
   return (
     <Card title={say("account.sessions")}>
       {loaded.state === "loading" && <Loading what={say("loading.own_sessions")} />}
-      {loaded.state === "failed" && <ErrorNotice title={say("account.sessions_failed")} message={loaded.error.message} onRetry={reload} />}
-      {loaded.state === "ready" && (
-        <SessionsTable sessions={loaded.value} label={say("account.your_sessions")}
-                       onEnd={async (id) => {
-                         const result = await client.people.endSession(id);
-                         if (!result.ok) return result.error.message;
-                         reload();
-                         return undefined;
-                       }} />
+      {loaded.state === "failed" && (
+        <ErrorNotice title={say("account.sessions_failed")} message={loaded.error.message} onRetry={reload} />
       )}
-      <p class="hint">{sayWith("account.end_unknown", { this_one: <Badge tone="neutral">{say("sessions.this_one")}</Badge> })}</p>
+      {loaded.state === "ready" && (
+        <SessionsTable
+          sessions={loaded.value}
+          label={say("account.your_sessions")}
+          onEnd={async (id) => {
+            const result = await client.people.endSession(id);
+            if (!result.ok) return result.error.message;
+            reload();
+            return undefined;
+          }}
+        />
+      )}
+      <p class="hint">
+        {sayWith("account.end_unknown", { this_one: <Badge tone="neutral">{say("sessions.this_one")}</Badge> })}
+      </p>
     </Card>
   );
 }
 
 // All that somebody sees whose password was made up by the server.
-export function ForcedPassword({ client, person, onChanged, onSignOut }:
-    { readonly client: Client; readonly person: Person; readonly onChanged: (session: Session) => void; readonly onSignOut: () => void }) {
+export function ForcedPassword({
+  client,
+  person,
+  onChanged,
+  onSignOut,
+}: {
+  readonly client: Client;
+  readonly person: Person;
+  readonly onChanged: (session: Session) => void;
+  readonly onSignOut: () => void;
+}) {
   return (
     <main class="sign-in wide" id="content">
       <PageTitle document={say("account.choose_password")}>{say("account.choose_own")}</PageTitle>
       <p>{say("account.welcome", { name: person.display_name })}</p>
-      <div class="card"><PasswordForm client={client} login={person.login} onChanged={onChanged} /></div>
-      <p><button type="button" class="button quiet" onClick={onSignOut}>{say("account.sign_out_instead")}</button></p>
+      <div class="card">
+        <PasswordForm client={client} login={person.login} onChanged={onChanged} />
+      </div>
+      <p>
+        <button type="button" class="button quiet" onClick={onSignOut}>
+          {say("account.sign_out_instead")}
+        </button>
+      </p>
     </main>
   );
 }

@@ -24,9 +24,20 @@ export function ConfirmPassword({ client, onAnswer }: Props) {
     <Dialog title={say("account.password_please")} onClose={() => onAnswer(false)}>
       <p>{say("account.sensitive")}</p>
       <form class="form" onSubmit={(event) => void submit(event)}>
-        <TextField label={say("account.your_password")} secret autocomplete="current-password" required maxLength={1024} value={password} onValue={setPassword} />
+        <TextField
+          label={say("account.your_password")}
+          secret
+          autocomplete="current-password"
+          required
+          maxLength={1024}
+          value={password}
+          onValue={setPassword}
+        />
         {change.error !== undefined && (
-          <ErrorNotice title={say("account.not_confirmed")} message={change.error.field === "password" ? say("account.not_your_password") : change.error.message} />
+          <ErrorNotice
+            title={say("account.not_confirmed")}
+            message={change.error.field === "password" ? say("account.not_your_password") : change.error.message}
+          />
         )}
         <FormButtons action={say("common.go_on")} disabled={change.busy} onCancel={() => onAnswer(false)} />
       </form>

@@ -10,8 +10,15 @@ export const kMinPassword = 8;
 const kMaxPassword = 1024;
 
 // One's own password. The old one is asked for, so that an unattended screen is not enough.
-export function PasswordForm({ client, login, onChanged }:
-    { readonly client: Client; readonly login: string; readonly onChanged: (session: Session) => void }) {
+export function PasswordForm({
+  client,
+  login,
+  onChanged,
+}: {
+  readonly client: Client;
+  readonly login: string;
+  readonly onChanged: (session: Session) => void;
+}) {
   const [old, setOld] = useState("");
   const [fresh, setFresh] = useState("");
   const [again, setAgain] = useState("");
@@ -33,22 +40,64 @@ export function PasswordForm({ client, login, onChanged }:
   const shown = checked ? problem : undefined;
   return (
     <form class="form narrow" onSubmit={(event) => void submit(event)}>
-      <input class="hidden" type="text" name="username" autocomplete="username" value={login} readOnly tabIndex={-1} aria-hidden="true" />
-      <TextField label={say("account.old_password")} secret autocomplete="current-password" required maxLength={kMaxPassword} value={old} onValue={setOld} />
-      <TextField label={say("account.new_password")} secret autocomplete="new-password" required maxLength={kMaxPassword} value={fresh} onValue={setFresh}
-                 hint={say("account.password_hint", { least: kMinPassword })}
-                 problem={shown?.field === "new" ? shown.text : undefined} />
-      <TextField label={say("account.new_password_again")} secret autocomplete="new-password" required maxLength={kMaxPassword} value={again} onValue={setAgain}
-                 problem={shown?.field === "again" ? shown.text : undefined} />
+      <input
+        class="hidden"
+        type="text"
+        name="username"
+        autocomplete="username"
+        value={login}
+        readOnly
+        tabIndex={-1}
+        aria-hidden="true"
+      />
+      <TextField
+        label={say("account.old_password")}
+        secret
+        autocomplete="current-password"
+        required
+        maxLength={kMaxPassword}
+        value={old}
+        onValue={setOld}
+      />
+      <TextField
+        label={say("account.new_password")}
+        secret
+        autocomplete="new-password"
+        required
+        maxLength={kMaxPassword}
+        value={fresh}
+        onValue={setFresh}
+        hint={say("account.password_hint", { least: kMinPassword })}
+        problem={shown?.field === "new" ? shown.text : undefined}
+      />
+      <TextField
+        label={say("account.new_password_again")}
+        secret
+        autocomplete="new-password"
+        required
+        maxLength={kMaxPassword}
+        value={again}
+        onValue={setAgain}
+        problem={shown?.field === "again" ? shown.text : undefined}
+      />
       {change.error !== undefined && <ErrorNotice title={say("account.not_changed")} message={change.error.message} />}
-      <div><button type="submit" class="button primary" disabled={change.busy}>{say("account.change_password")}</button></div>
+      <div>
+        <button type="submit" class="button primary" disabled={change.busy}>
+          {say("account.change_password")}
+        </button>
+      </div>
     </form>
   );
 }
 
-export function problemOf(old: string, fresh: string, again: string): { readonly field: "new" | "again"; readonly text: string } | undefined {
+export function problemOf(
+  old: string,
+  fresh: string,
+  again: string,
+): { readonly field: "new" | "again"; readonly text: string } | undefined {
   const length = [...fresh].length;
-  if (length < kMinPassword) return { field: "new", text: say("account.too_short", { least: kMinPassword, found: length }) };
+  if (length < kMinPassword)
+    return { field: "new", text: say("account.too_short", { least: kMinPassword, found: length }) };
   if (fresh === old) return { field: "new", text: say("account.same_password") };
   return fresh === again ? undefined : { field: "again", text: say("account.passwords_differ") };
 }

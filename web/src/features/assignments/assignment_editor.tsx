@@ -11,12 +11,21 @@ import { type Terms, TermsFields } from "./terms_fields";
 
 interface Props {
   readonly client: Client;
-  readonly cohort: string;                      // chosen to begin with; empty: none
+  readonly cohort: string; // chosen to begin with; empty: none
   readonly onClose: () => void;
   readonly onMade: (made: Assignment) => void;
 }
 
-const kTerms: Terms = { opens_ms: 0, due_ms: 0, attempt_limit: 0, exam: false, late_allowed: false, hands: "listed", counting: "best", station_ids: [] };
+const kTerms: Terms = {
+  opens_ms: 0,
+  due_ms: 0,
+  attempt_limit: 0,
+  exam: false,
+  late_allowed: false,
+  hands: "listed",
+  counting: "best",
+  station_ids: [],
+};
 
 // A new assignment: an exercise for a cohort, with its terms.
 export function AssignmentEditor({ client, cohort, onClose, onMade }: Props) {
@@ -27,12 +36,19 @@ export function AssignmentEditor({ client, cohort, onClose, onMade }: Props) {
   return (
     <Dialog title={say("assign.title")} onClose={onClose} wide>
       {failed?.state === "failed" && <ErrorNotice title={say("assign.failed")} message={failed.error.message} />}
-      {exercises.loaded.state === "ready" && cohorts.loaded.state === "ready" && stations.loaded.state === "ready"
-        ? <Fields client={client} cohort={cohort} onClose={onClose} onMade={onMade}
-                  exercises={exercises.loaded.value.filter(({ may }) => may.includes("assign")).map(assignable)}
-                  cohorts={cohorts.loaded.value.map(({ id, name }) => ({ value: id, title: name }))}
-                  stations={stations.loaded.value.filter((station) => !station.revoked)} />
-        : failed === undefined && <Loading what={say("loading.assignable")} />}
+      {exercises.loaded.state === "ready" && cohorts.loaded.state === "ready" && stations.loaded.state === "ready" ? (
+        <Fields
+          client={client}
+          cohort={cohort}
+          onClose={onClose}
+          onMade={onMade}
+          exercises={exercises.loaded.value.filter(({ may }) => may.includes("assign")).map(assignable)}
+          cohorts={cohorts.loaded.value.map(({ id, name }) => ({ value: id, title: name }))}
+          stations={stations.loaded.value.filter((station) => !station.revoked)}
+        />
+      ) : (
+        failed === undefined && <Loading what={say("loading.assignable")} />
+      )}
     </Dialog>
   );
 }
@@ -50,25 +66,50 @@ interface FieldsProps extends Props {
 
 function Fields({ client, cohort, onClose, onMade, exercises, cohorts, stations }: FieldsProps) {
   const [exercise, setExercise] = useState(exercises[0]?.value ?? "");
-  const [into, setInto] = useState(cohort !== "" ? cohort : cohorts[0]?.value ?? "");
+  const [into, setInto] = useState(cohort !== "" ? cohort : (cohorts[0]?.value ?? ""));
   const [terms, setTerms] = useState(kTerms);
   const change = useChange();
   const submit = async (event: Event) => {
     event.preventDefault();
-    const result = await change.run(() => client.teaching.assign({ exercise, cohort_id: into, ...terms, station_ids: terms.exam ? terms.station_ids : [] }));
+    const result = await change.run(() =>
+      client.teaching.assign({ exercise, cohort_id: into, ...terms, station_ids: terms.exam ? terms.station_ids : [] }),
+    );
     if (result?.ok === true) onMade(result.value);
   };
-  const problemOf = (field: string) => change.error?.field === field ? change.error.message : undefined;
+  const problemOf = (field: string) => (change.error?.field === field ? change.error.message : undefined);
   return (
     <form class="form" onSubmit={(event) => void submit(event)}>
       <div class="form-grid">
-        <SelectField label={say("common.exercise")} value={exercise} onValue={setExercise} options={exercises} problem={problemOf("exercise")} />
-        <SelectField label={say("common.cohort")} value={into} onValue={setInto} options={cohorts} problem={problemOf("cohort_id")} />
+        <SelectField
+          label={say("common.exercise")}
+          value={exercise}
+          onValue={setExercise}
+          options={exercises}
+          problem={problemOf("exercise")}
+        />
+        <SelectField
+          label={say("common.cohort")}
+          value={into}
+          onValue={setInto}
+          options={cohorts}
+          problem={problemOf("cohort_id")}
+        />
       </div>
-      <TermsFields terms={terms} onTerms={(part) => setTerms((now) => ({ ...now, ...part }))} stations={stations} problemOf={problemOf} />
-      {change.error !== undefined && !["exercise", "cohort_id", "due_ms", "opens_ms", "attempt_limit"].includes(change.error.field) &&
-        <ErrorNotice title={say("assign.not_assigned")} message={change.error.message} />}
-      <FormButtons action={say("assign.assign")} disabled={change.busy || exercise === "" || into === ""} onCancel={onClose} />
+      <TermsFields
+        terms={terms}
+        onTerms={(part) => setTerms((now) => ({ ...now, ...part }))}
+        stations={stations}
+        problemOf={problemOf}
+      />
+      {change.error !== undefined &&
+        !["exercise", "cohort_id", "due_ms", "opens_ms", "attempt_limit"].includes(change.error.field) && (
+          <ErrorNotice title={say("assign.not_assigned")} message={change.error.message} />
+        )}
+      <FormButtons
+        action={say("assign.assign")}
+        disabled={change.busy || exercise === "" || into === ""}
+        onCancel={onClose}
+      />
     </form>
   );
 }

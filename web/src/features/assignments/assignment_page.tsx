@@ -19,7 +19,7 @@ interface Props {
   readonly client: Client;
   readonly id: string;
   readonly onGone: () => void;
-  readonly insight: (id: string, title: string) => ComponentChildren;  // how the class did
+  readonly insight: (id: string, title: string) => ComponentChildren; // how the class did
 }
 
 export function AssignmentPage({ client, id, onGone, insight }: Props) {
@@ -27,26 +27,60 @@ export function AssignmentPage({ client, id, onGone, insight }: Props) {
   const [newer, setNewer] = useState<Tagged<Assignment>>();
   if (loaded.state === "loading") return <Loading what={say("loading.assignment")} />;
   if (loaded.state === "failed") {
-    return <><PageTitle document={say("assignments.one")}>{say("assignments.one")}</PageTitle><ErrorNotice title={say("assignments.failed")} message={loaded.error.message} onRetry={reload} /></>;
+    return (
+      <>
+        <PageTitle document={say("assignments.one")}>{say("assignments.one")}</PageTitle>
+        <ErrorNotice title={say("assignments.failed")} message={loaded.error.message} onRetry={reload} />
+      </>
+    );
   }
   const { value: assignment, tag } = newer ?? loaded.value;
   return (
     <>
-      <nav class="trail" aria-label={say("common.where")}><a href="/assignments">{say("nav.assignments")}</a></nav>
+      <nav class="trail" aria-label={say("common.where")}>
+        <a href="/assignments">{say("nav.assignments")}</a>
+      </nav>
       <div class="title-row">
         <PageTitle document={exerciseTitle(assignment)}>{exerciseTitle(assignment)}</PageTitle>
         {assignment.exam && <Badge tone="warning">{say("attempt_flag.exam")}</Badge>}
         <PhaseBadge assignment={assignment} now={Date.now()} />
       </div>
       <p class="byline">
-        {assignment.cohort === null ? say("common.everybody") : <a href={`/cohorts/${assignment.cohort.id}`}>{assignment.cohort.name}</a>}{" · "}
-        {assignment.exercise.id !== null && <><a href={`/exercises/${assignment.exercise.id}`}>{say("assignments.version", { version: String(assignment.exercise.version) })}</a>{" · "}</>}<a href={`/attempts?assignment=${assignment.id}`}>{say("assignments.attempts_under")}</a>{" · "}<a href={`/grading?assignment=${assignment.id}`}>{say("assignments.grade_them")}</a>
+        {assignment.cohort === null ? (
+          say("common.everybody")
+        ) : (
+          <a href={`/cohorts/${assignment.cohort.id}`}>{assignment.cohort.name}</a>
+        )}
+        {" · "}
+        {assignment.exercise.id !== null && (
+          <>
+            <a href={`/exercises/${assignment.exercise.id}`}>
+              {say("assignments.version", { version: String(assignment.exercise.version) })}
+            </a>
+            {" · "}
+          </>
+        )}
+        <a href={`/attempts?assignment=${assignment.id}`}>{say("assignments.attempts_under")}</a>
+        {" · "}
+        <a href={`/grading?assignment=${assignment.id}`}>{say("assignments.grade_them")}</a>
       </p>
       {insight(assignment.id, exerciseTitle(assignment))}
       <div class="columns">
-        <Card title={say("assignments.terms")}><EditTerms client={client} read={loaded.value} onRead={setNewer} /></Card>
-        <MoveCard client={client} assignment={assignment} tag={tag} onMoved={() => { setNewer(undefined); reload(); }} />
-        <Card title={say("assignments.scores")}><Scores client={client} assignment={assignment} tag={tag} onGone={onGone} /></Card>
+        <Card title={say("assignments.terms")}>
+          <EditTerms client={client} read={loaded.value} onRead={setNewer} />
+        </Card>
+        <MoveCard
+          client={client}
+          assignment={assignment}
+          tag={tag}
+          onMoved={() => {
+            setNewer(undefined);
+            reload();
+          }}
+        />
+        <Card title={say("assignments.scores")}>
+          <Scores client={client} assignment={assignment} tag={tag} onGone={onGone} />
+        </Card>
       </div>
     </>
   );
@@ -55,74 +89,192 @@ export function AssignmentPage({ client, id, onGone, insight }: Props) {
 type Draft = Assignment;
 
 const kCompared = [
-  { get title() { return say("assignments.opens"); }, text: (item: Draft) => item.opens_ms === 0 ? say("assignments.at_once") : formatDateTime(item.opens_ms) },
-  { get title() { return say("assignments.due"); }, text: (item: Draft) => item.due_ms === 0 ? say("assignments.never") : formatDateTime(item.due_ms) },
-  { get title() { return say("nav.attempts"); }, text: limitText },
-  { get title() { return say("assignments.late_attempts"); }, text: (item: Draft) => item.late_allowed ? say("assignments.accepted") : say("assignments.refused") },
-  { get title() { return say("assignments.devices"); }, text: handsText },
-  { get title() { return say("assignments.counts"); }, text: (item: Draft) => countingText(item.counting) },
-  { get title() { return say("attempt_flag.exam"); }, text: (item: Draft) => item.exam ? say("common.yes") : say("common.no") },
-  { get title() { return say("nav.stations"); }, text: (item: Draft) => item.stations.map((station) => station.name).join(", ") },
+  {
+    get title() {
+      return say("assignments.opens");
+    },
+    text: (item: Draft) => (item.opens_ms === 0 ? say("assignments.at_once") : formatDateTime(item.opens_ms)),
+  },
+  {
+    get title() {
+      return say("assignments.due");
+    },
+    text: (item: Draft) => (item.due_ms === 0 ? say("assignments.never") : formatDateTime(item.due_ms)),
+  },
+  {
+    get title() {
+      return say("nav.attempts");
+    },
+    text: limitText,
+  },
+  {
+    get title() {
+      return say("assignments.late_attempts");
+    },
+    text: (item: Draft) => (item.late_allowed ? say("assignments.accepted") : say("assignments.refused")),
+  },
+  {
+    get title() {
+      return say("assignments.devices");
+    },
+    text: handsText,
+  },
+  {
+    get title() {
+      return say("assignments.counts");
+    },
+    text: (item: Draft) => countingText(item.counting),
+  },
+  {
+    get title() {
+      return say("attempt_flag.exam");
+    },
+    text: (item: Draft) => (item.exam ? say("common.yes") : say("common.no")),
+  },
+  {
+    get title() {
+      return say("nav.stations");
+    },
+    text: (item: Draft) => item.stations.map((station) => station.name).join(", "),
+  },
 ];
 
-function EditTerms({ client, read, onRead }:
-    { readonly client: Client; readonly read: Tagged<Assignment>; readonly onRead: (read: Tagged<Assignment>) => void }) {
+function EditTerms({
+  client,
+  read,
+  onRead,
+}: {
+  readonly client: Client;
+  readonly read: Tagged<Assignment>;
+  readonly onRead: (read: Tagged<Assignment>) => void;
+}) {
   const stations = useRequest("stations", (signal) => client.stations.all(signal));
   const known = stations.loaded.state === "ready" ? stations.loaded.value : [];
-  const edit = useEdit(read, (draft, tag) => client.teaching.editAssignment(draft.id, { exercise: draft.exercise.name, cohort_id: draft.cohort?.id ?? null, ...termsOf(draft) }, tag), onRead);
+  const edit = useEdit(
+    read,
+    (draft, tag) =>
+      client.teaching.editAssignment(
+        draft.id,
+        { exercise: draft.exercise.name, cohort_id: draft.cohort?.id ?? null, ...termsOf(draft) },
+        tag,
+      ),
+    onRead,
+  );
   const submit = (event: Event) => {
     event.preventDefault();
     void edit.save();
   };
   const set = ({ station_ids: ids, ...part }: Partial<Terms>) =>
-    edit.set(ids === undefined ? part : { ...part, stations: ids.map((id) => ({ id, name: known.find((station) => station.id === id)?.name ?? id })) });
+    edit.set(
+      ids === undefined
+        ? part
+        : {
+            ...part,
+            stations: ids.map((id) => ({ id, name: known.find((station) => station.id === id)?.name ?? id })),
+          },
+    );
   return (
     <form class="form" onSubmit={submit}>
-      <TermsFields terms={termsOf(edit.draft)} onTerms={set} problemOf={edit.problemOf}
-                   stations={known.filter((station) => !station.revoked || edit.draft.stations.some((item) => item.id === station.id))} />
+      <TermsFields
+        terms={termsOf(edit.draft)}
+        onTerms={set}
+        problemOf={edit.problemOf}
+        stations={known.filter(
+          (station) => !station.revoked || edit.draft.stations.some((item) => item.id === station.id),
+        )}
+      />
       <EditNotices edit={edit} compared={kCompared} fields={["opens_ms", "due_ms", "attempt_limit"]} />
-      <div><button type="submit" class="button primary" disabled={edit.busy || !edit.changed}>{say("common.save")}</button></div>
+      <div>
+        <button type="submit" class="button primary" disabled={edit.busy || !edit.changed}>
+          {say("common.save")}
+        </button>
+      </div>
     </form>
   );
 }
 
-function termsOf({ opens_ms, due_ms, attempt_limit, exam, late_allowed, hands, counting, stations }: Assignment): Terms {
-  return { opens_ms, due_ms, attempt_limit, exam, late_allowed, hands, counting, station_ids: exam ? stations.map((station) => station.id) : [] };
+function termsOf({
+  opens_ms,
+  due_ms,
+  attempt_limit,
+  exam,
+  late_allowed,
+  hands,
+  counting,
+  stations,
+}: Assignment): Terms {
+  return {
+    opens_ms,
+    due_ms,
+    attempt_limit,
+    exam,
+    late_allowed,
+    hands,
+    counting,
+    station_ids: exam ? stations.map((station) => station.id) : [],
+  };
 }
 
-function Scores({ client, assignment, tag, onGone }: { readonly client: Client; readonly assignment: Assignment; readonly tag: string; readonly onGone: () => void }) {
+function Scores({
+  client,
+  assignment,
+  tag,
+  onGone,
+}: {
+  readonly client: Client;
+  readonly assignment: Assignment;
+  readonly tag: string;
+  readonly onGone: () => void;
+}) {
   const [open, setOpen] = useState<"release" | "delete">();
   const [released, setReleased] = useState<number>();
   const close = () => setOpen(undefined);
   return (
     <>
       <div class="button-row">
-        <button type="button" class="button primary" onClick={() => setOpen("release")}>{say("assignments.release_ask")}</button>
-        <button type="button" class="button" onClick={() => setOpen("delete")}>{say("assignments.delete_ask")}</button>
+        <button type="button" class="button primary" onClick={() => setOpen("release")}>
+          {say("assignments.release_ask")}
+        </button>
+        <button type="button" class="button" onClick={() => setOpen("delete")}>
+          {say("assignments.delete_ask")}
+        </button>
       </div>
       <div aria-live="polite">
-        {released !== undefined && <Notice tone="good"><p>{released === 0 ? say("assignments.nothing_to_release") : say("bulk.released", { count: released })}</p></Notice>}
+        {released !== undefined && (
+          <Notice tone="good">
+            <p>{released === 0 ? say("assignments.nothing_to_release") : say("bulk.released", { count: released })}</p>
+          </Notice>
+        )}
       </div>
       <p class="hint">{say("assignments.release_hint")}</p>
       {open === "release" && (
-        <Confirm title={say("assignments.release_title")} action={say("assignments.release_all")} tone="neutral" onClose={close}
-                 onConfirm={async () => {
-                   const result = await client.teaching.releaseAssignment(assignment.id);
-                   if (!result.ok) return result.error.message;
-                   setReleased(result.value.released);
-                   return undefined;
-                 }}>
+        <Confirm
+          title={say("assignments.release_title")}
+          action={say("assignments.release_all")}
+          tone="neutral"
+          onClose={close}
+          onConfirm={async () => {
+            const result = await client.teaching.releaseAssignment(assignment.id);
+            if (!result.ok) return result.error.message;
+            setReleased(result.value.released);
+            return undefined;
+          }}
+        >
           <p>{say("assignments.release_text")}</p>
         </Confirm>
       )}
       {open === "delete" && (
-        <Confirm title={say("assignments.delete_title")} action={say("common.delete")} onClose={close}
-                 onConfirm={async () => {
-                   const result = await client.teaching.deleteAssignment(assignment.id, tag);
-                   if (!result.ok) return result.error.message;
-                   onGone();
-                   return undefined;
-                 }}>
+        <Confirm
+          title={say("assignments.delete_title")}
+          action={say("common.delete")}
+          onClose={close}
+          onConfirm={async () => {
+            const result = await client.teaching.deleteAssignment(assignment.id, tag);
+            if (!result.ok) return result.error.message;
+            onGone();
+            return undefined;
+          }}
+        >
           <p>{say("assignments.delete_text")}</p>
         </Confirm>
       )}

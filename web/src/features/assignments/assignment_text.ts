@@ -7,7 +7,10 @@ import { say } from "../../base/words";
 export type Phase = "before" | "open" | "late" | "closed";
 
 // Where an assignment stands in time.
-export function phaseOf({ opens_ms: opens, due_ms: due, late_allowed: late }: Pick<Assignment, "opens_ms" | "due_ms" | "late_allowed">, nowMs: number): Phase {
+export function phaseOf(
+  { opens_ms: opens, due_ms: due, late_allowed: late }: Pick<Assignment, "opens_ms" | "due_ms" | "late_allowed">,
+  nowMs: number,
+): Phase {
   if (nowMs < opens) return "before";
   if (due === 0 || nowMs <= due) return "open";
   return late ? "late" : "closed";
@@ -18,7 +21,10 @@ export function dueText({ due_ms: due }: Pick<Assignment, "due_ms">, nowMs: numb
 }
 
 // What is wrong with when it is due, for whoever sets it; undefined: nothing.
-export function dueProblem({ opens_ms: opens, due_ms: due, late_allowed: late }: Pick<Assignment, "opens_ms" | "due_ms" | "late_allowed">, nowMs: number): string | undefined {
+export function dueProblem(
+  { opens_ms: opens, due_ms: due, late_allowed: late }: Pick<Assignment, "opens_ms" | "due_ms" | "late_allowed">,
+  nowMs: number,
+): string | undefined {
   if (due === 0) return undefined;
   if (opens > 0 && due <= opens) return say("assignments.after_opening");
   if (due > nowMs) return undefined;
@@ -42,10 +48,30 @@ export function leftText({ attempts_left: left }: { readonly attempts_left: numb
 
 // What may hold the tool in graded work, each also what stands before it.
 export const kHands: readonly { readonly value: HandsAllowed; readonly title: string }[] = [
-  { value: "listed", get title() { return say("hands.listed"); } },
-  { value: "haptic", get title() { return say("hands.haptic"); } },
-  { value: "pointer", get title() { return say("hands.pointer"); } },
-  { value: "any", get title() { return say("hands.any"); } },
+  {
+    value: "listed",
+    get title() {
+      return say("hands.listed");
+    },
+  },
+  {
+    value: "haptic",
+    get title() {
+      return say("hands.haptic");
+    },
+  },
+  {
+    value: "pointer",
+    get title() {
+      return say("hands.pointer");
+    },
+  },
+  {
+    value: "any",
+    get title() {
+      return say("hands.any");
+    },
+  },
 ];
 
 export function handsText({ hands }: Pick<Assignment, "hands">): string {
@@ -63,5 +89,7 @@ export function resultText(grade: Grade, counting: Counting): string {
   if (grade.regrading) return say("assignments.regrading");
   if (grade.score === null) return say("assignments.no_result");
   const waiting = grade.attempts - grade.counted;
-  return waiting > 0 ? say(`result_waiting.${counting}`, { score: formatScore(grade.score), count: grade.counted, waiting }) : say(`result_of.${counting}`, { score: formatScore(grade.score), count: grade.counted });
+  return waiting > 0
+    ? say(`result_waiting.${counting}`, { score: formatScore(grade.score), count: grade.counted, waiting })
+    : say(`result_of.${counting}`, { score: formatScore(grade.score), count: grade.counted });
 }

@@ -20,7 +20,9 @@ interface Props {
 // What is assigned to which cohort, for who teaches.
 export function AssignmentsPage({ client, query, onQuery, onOpen }: Props) {
   const cohort = query.get("cohort") ?? "";
-  const { loaded, reload } = useRequest(`assignments ${cohort}`, (signal) => client.teaching.assignments({ cohort }, signal));
+  const { loaded, reload } = useRequest(`assignments ${cohort}`, (signal) =>
+    client.teaching.assignments({ cohort }, signal),
+  );
   const cohorts = useRequest("cohorts", (signal) => client.people.allCohorts(signal));
   const names = cohorts.loaded.state === "ready" ? cohorts.loaded.value : [];
   const [adding, setAdding] = useState(false);
@@ -29,28 +31,77 @@ export function AssignmentsPage({ client, query, onQuery, onOpen }: Props) {
     <>
       <div class="toolbar">
         <PageTitle document={say("nav.assignments")}>{say("nav.assignments")}</PageTitle>
-        <button type="button" class="button primary" onClick={() => setAdding(true)}>{say("assignments.assign_ask")}</button>
+        <button type="button" class="button primary" onClick={() => setAdding(true)}>
+          {say("assignments.assign_ask")}
+        </button>
       </div>
       <div class="filters">
-        <SelectField label={say("common.cohort")} value={cohort} onValue={(id) => onQuery({ cohort: id })}
-                     options={[{ value: "", title: say("common.all") }, ...names.map((item) => ({ value: item.id, title: item.name }))]} />
+        <SelectField
+          label={say("common.cohort")}
+          value={cohort}
+          onValue={(id) => onQuery({ cohort: id })}
+          options={[
+            { value: "", title: say("common.all") },
+            ...names.map((item) => ({ value: item.id, title: item.name })),
+          ]}
+        />
       </div>
       {loaded.state === "loading" && <Loading what={say("loading.assignments")} />}
-      {loaded.state === "failed" && <ErrorNotice title={say("assignments.list_failed")} message={loaded.error.message} onRetry={reload} />}
-      {loaded.state === "ready" && (loaded.value.length === 0 ? <Empty>{say("assignments.none")}</Empty>
-        : (
+      {loaded.state === "failed" && (
+        <ErrorNotice title={say("assignments.list_failed")} message={loaded.error.message} onRetry={reload} />
+      )}
+      {loaded.state === "ready" &&
+        (loaded.value.length === 0 ? (
+          <Empty>{say("assignments.none")}</Empty>
+        ) : (
           <Card className="flush">
-            <DataTable label={say("nav.assignments")} items={loaded.value} rowKey={(item) => item.id} columns={[
-              { title: say("common.exercise"), cell: (item: Assignment) => <a href={`/assignments/${item.id}`}>{exerciseTitle(item)}</a> },
-              { title: say("common.cohort"), cell: (item: Assignment) => item.cohort?.name ?? say("common.everybody") },
-              { title: say("common.state"), cell: (item: Assignment) => <span class="flags">{item.exam && <Badge tone="warning">{say("attempt_flag.exam")}</Badge>}<PhaseBadge assignment={item} now={now} /></span> },
-              { title: say("assignments.due"), cell: (item: Assignment) => dueText(item, now) },
-              { title: say("assignments.allowed"), cell: limitText },
-              { title: say("grading.title"), cell: (item: Assignment) => <a href={`/grading?assignment=${item.id}`}><Brief shown={say("grading.grade")} full={say("grading.grade_what", { title: exerciseTitle(item) })} /></a> },
-            ]} />
+            <DataTable
+              label={say("nav.assignments")}
+              items={loaded.value}
+              rowKey={(item) => item.id}
+              columns={[
+                {
+                  title: say("common.exercise"),
+                  cell: (item: Assignment) => <a href={`/assignments/${item.id}`}>{exerciseTitle(item)}</a>,
+                },
+                {
+                  title: say("common.cohort"),
+                  cell: (item: Assignment) => item.cohort?.name ?? say("common.everybody"),
+                },
+                {
+                  title: say("common.state"),
+                  cell: (item: Assignment) => (
+                    <span class="flags">
+                      {item.exam && <Badge tone="warning">{say("attempt_flag.exam")}</Badge>}
+                      <PhaseBadge assignment={item} now={now} />
+                    </span>
+                  ),
+                },
+                { title: say("assignments.due"), cell: (item: Assignment) => dueText(item, now) },
+                { title: say("assignments.allowed"), cell: limitText },
+                {
+                  title: say("grading.title"),
+                  cell: (item: Assignment) => (
+                    <a href={`/grading?assignment=${item.id}`}>
+                      <Brief
+                        shown={say("grading.grade")}
+                        full={say("grading.grade_what", { title: exerciseTitle(item) })}
+                      />
+                    </a>
+                  ),
+                },
+              ]}
+            />
           </Card>
         ))}
-      {adding && <AssignmentEditor client={client} cohort={cohort} onClose={() => setAdding(false)} onMade={(made) => onOpen(made.id)} />}
+      {adding && (
+        <AssignmentEditor
+          client={client}
+          cohort={cohort}
+          onClose={() => setAdding(false)}
+          onMade={(made) => onOpen(made.id)}
+        />
+      )}
     </>
   );
 }

@@ -5,32 +5,97 @@ import { csvText } from "../../base/csv";
 import { commonestText, insightTable, outliersOf, outlierText } from "./insight";
 
 const tenths: AssignmentInsight["summary"]["score_tenths"] = [0, 0, 0, 0, 0, 0, 0, 0, 0, 0];
-const criterion = { name: "wall_mesial_mm", title: "Mesial wall", unit: "mm", max_points: 20, judged: 3, half_lost: 2, mean_points: 8, earned_tenths: tenths, values: null };
+const criterion = {
+  name: "wall_mesial_mm",
+  title: "Mesial wall",
+  unit: "mm",
+  max_points: 20,
+  judged: 3,
+  half_lost: 2,
+  mean_points: 8,
+  earned_tenths: tenths,
+  values: null,
+};
 const insight: AssignmentInsight = {
-  assignment_id: "a", counting: "best", gates: [], outliers: [], staff: [], left_out: 0, unread: 0, commonest: "wall_mesial_mm", criteria: [criterion],
-  summary: { students: 2, not_started: 1, waiting: 0, scored: 1, failed: 0, scores: null, times_s: null, score_tenths: tenths },
+  assignment_id: "a",
+  counting: "best",
+  gates: [],
+  outliers: [],
+  staff: [],
+  left_out: 0,
+  unread: 0,
+  commonest: "wall_mesial_mm",
+  criteria: [criterion],
+  summary: {
+    students: 2,
+    not_started: 1,
+    waiting: 0,
+    scored: 1,
+    failed: 0,
+    scores: null,
+    times_s: null,
+    score_tenths: tenths,
+  },
   students: [
-    { person: { id: "1", login: "one", display_name: "=cmd|' /C calc'!A0" }, state: "scored", attempts: 2, score: 71.4285, released: false, time_s: 61.04, failed: false, attempt_id: "x", points: [8.26] },
-    { person: { id: "2", login: "@two", display_name: "Two" }, state: "not_started", attempts: 0, score: null, released: false, time_s: 0, failed: false, attempt_id: null, points: [null] },
+    {
+      person: { id: "1", login: "one", display_name: "=cmd|' /C calc'!A0" },
+      state: "scored",
+      attempts: 2,
+      score: 71.4285,
+      released: false,
+      time_s: 61.04,
+      failed: false,
+      attempt_id: "x",
+      points: [8.26],
+    },
+    {
+      person: { id: "2", login: "@two", display_name: "Two" },
+      state: "not_started",
+      attempts: 0,
+      score: null,
+      released: false,
+      time_s: 0,
+      failed: false,
+      attempt_id: null,
+      points: [null],
+    },
   ],
 };
 
 test("the commonest error is a sentence, and so is that there is none", () => {
-  assert.equal(commonestText(insight), "Most went wrong on Mesial wall: 2 of 3 students lost half of its points or more.");
+  assert.equal(
+    commonestText(insight),
+    "Most went wrong on Mesial wall: 2 of 3 students lost half of its points or more.",
+  );
   assert.equal(commonestText({ ...insight, commonest: null }), "On no criterion did anybody lose half of the points.");
-  assert.equal(commonestText({ ...insight, commonest: null, summary: { ...insight.summary, scored: 0 } }), "Nothing is scored yet.");
+  assert.equal(
+    commonestText({ ...insight, commonest: null, summary: { ...insight.summary, scored: 0 } }),
+    "Nothing is scored yet.",
+  );
 });
 
 test("what stands out is told in its unit, beside the class", () => {
-  assert.equal(outlierText({ person_id: "1", what: "time_all_attempts_s", value: 725, median: 240, z: 5 }, insight), "Time in all attempts 12\u00a0min\u00a005\u00a0s, the class 4\u00a0min\u00a000\u00a0s");
-  assert.equal(outlierText({ person_id: "1", what: "wall_mesial_mm", value: 0.9, median: 0.12, z: 5 }, insight), "Mesial wall 0.90\u00a0mm too deep, the class 0.12\u00a0mm too deep");
-  assert.equal(outlierText({ person_id: "1", what: "score", value: 12, median: 80, z: -5 }, insight), "Score 12.0, the class 80.0");
+  assert.equal(
+    outlierText({ person_id: "1", what: "time_all_attempts_s", value: 725, median: 240, z: 5 }, insight),
+    "Time in all attempts 12\u00a0min\u00a005\u00a0s, the class 4\u00a0min\u00a000\u00a0s",
+  );
+  assert.equal(
+    outlierText({ person_id: "1", what: "wall_mesial_mm", value: 0.9, median: 0.12, z: 5 }, insight),
+    "Mesial wall 0.90\u00a0mm too deep, the class 0.12\u00a0mm too deep",
+  );
+  assert.equal(
+    outlierText({ person_id: "1", what: "score", value: 12, median: 80, z: -5 }, insight),
+    "Score 12.0, the class 80.0",
+  );
 });
 
 test("the file has a row for each student and no cell that a spreadsheet computes", () => {
   const { header, rows } = insightTable(insight);
   const lines = csvText(header, rows).split("\r\n");
-  assert.equal(lines[0], "\uFEFFlogin,display_name,state,attempts,score,released,failed_critically,time_s_all_attempts,Mesial wall (of 20)");
+  assert.equal(
+    lines[0],
+    "\uFEFFlogin,display_name,state,attempts,score,released,failed_critically,time_s_all_attempts,Mesial wall (of 20)",
+  );
   assert.equal(lines[1], "one,'=cmd|' /C calc'!A0,scored,2,71.4,no,no,61,8.3");
   assert.equal(lines[2], "'@two,Two,not_started,0,,no,no,0,");
 });
@@ -38,9 +103,34 @@ test("the file has a row for each student and no cell that a spreadsheet compute
 test("a time in all attempts and that of the attempt that counts are told apart, and one time once", () => {
   const spread = (median: number) => ({ count: 8, least: 60, lower: 84, median, upper: 110, most: 200 });
   const time = { ...criterion, name: "time_s", title: "Time", unit: "s", values: spread(95) };
-  const outliers = [["1", 189, 97, "time_all_attempts_s"], ["1", 160, 95, "time_s"], ["2", 200, 97, "time_all_attempts_s"], ["2", 200, 95, "time_s"], ["3", 160, 95, "time_s"]].map(([person, value, median, what]) => ({ person_id: String(person), what: String(what), value: Number(value), median: Number(median), z: 5 }));
+  const outliers = [
+    ["1", 189, 97, "time_all_attempts_s"],
+    ["1", 160, 95, "time_s"],
+    ["2", 200, 97, "time_all_attempts_s"],
+    ["2", 200, 95, "time_s"],
+    ["3", 160, 95, "time_s"],
+  ].map(([person, value, median, what]) => ({
+    person_id: String(person),
+    what: String(what),
+    value: Number(value),
+    median: Number(median),
+    z: 5,
+  }));
   const [first, second] = insight.students;
-  const told = { ...insight, criteria: [criterion, time], outliers, summary: { ...insight.summary, times_s: spread(97) }, students: [first!, { ...second!, attempts: 1 }] };
-  assert.deepEqual(outliersOf(told).map((outlier) => outlierText(outlier, told).replaceAll("\u00a0", " ")),
-    ["Time in all attempts 3 min 09 s, the class 1 min 37 s", "Time 2 min 40 s, the class 1 min 35 s", "Time in all attempts 3 min 20 s, the class 1 min 37 s", "Time 2 min 40 s, the class 1 min 35 s"]);
+  const told = {
+    ...insight,
+    criteria: [criterion, time],
+    outliers,
+    summary: { ...insight.summary, times_s: spread(97) },
+    students: [first!, { ...second!, attempts: 1 }],
+  };
+  assert.deepEqual(
+    outliersOf(told).map((outlier) => outlierText(outlier, told).replaceAll("\u00a0", " ")),
+    [
+      "Time in all attempts 3 min 09 s, the class 1 min 37 s",
+      "Time 2 min 40 s, the class 1 min 35 s",
+      "Time in all attempts 3 min 20 s, the class 1 min 37 s",
+      "Time 2 min 40 s, the class 1 min 35 s",
+    ],
+  );
 });

@@ -11,16 +11,22 @@ type Outlier = AssignmentInsight["outliers"][number];
 // Where most went wrong, in a sentence.
 export function commonestText({ commonest, criteria, summary }: AssignmentInsight): string {
   const found = criteria.find(({ name }) => name === commonest);
-  if (found !== undefined) return say("insight.commonest", { title: found.title, lost: found.half_lost, count: found.judged });
+  if (found !== undefined)
+    return say("insight.commonest", { title: found.title, lost: found.half_lost, count: found.judged });
   return summary.scored === 0 ? say("insight.nothing_scored") : say("insight.none_lost");
 }
 
-const kTime = "time_s", kTimeOfAll = "time_all_attempts_s";
+const kTime = "time_s",
+  kTimeOfAll = "time_all_attempts_s";
 
 // Who made one attempt has one time, which is told once.
 export function outliersOf({ outliers, students }: AssignmentInsight): Outlier[] {
-  return outliers.filter(({ person_id: id, what }) => what !== kTime || (students.find(({ person }) => person.id === id)?.attempts ?? 0) > 1
-    || !outliers.some((other) => other.person_id === id && other.what === kTimeOfAll));
+  return outliers.filter(
+    ({ person_id: id, what }) =>
+      what !== kTime ||
+      (students.find(({ person }) => person.id === id)?.attempts ?? 0) > 1 ||
+      !outliers.some((other) => other.person_id === id && other.what === kTimeOfAll),
+  );
 }
 
 // What a student has that the class has not.
@@ -28,18 +34,44 @@ export function outlierText(outlier: Outlier, insight: AssignmentInsight): strin
   const { what, value, median } = outlier;
   const { criteria } = insight;
   if (what === "score") return say("insight.outlier_score", { value: formatScore(value), median: formatScore(median) });
-  if (what === kTimeOfAll) return say("insight.outlier_time", { value: formatDuration(value), median: formatDuration(median) });
+  if (what === kTimeOfAll)
+    return say("insight.outlier_time", { value: formatDuration(value), median: formatDuration(median) });
   const found = criteria.find(({ name }) => name === what);
   const unit = found?.unit ?? "";
-  return say("insight.outlier", { title: found?.title ?? what, value: measuredText(what, value, unit), median: measuredText(what, median, unit) });
+  return say("insight.outlier", {
+    title: found?.title ?? what,
+    value: measuredText(what, value, unit),
+    median: measuredText(what, median, unit),
+  });
 }
 
 // A row for each student; points by criterion, empty where there were none to be had.
-export function insightTable({ criteria, students }: AssignmentInsight): { readonly header: readonly string[]; readonly rows: ReadonlyArray<readonly Cell[]> } {
+export function insightTable({ criteria, students }: AssignmentInsight): {
+  readonly header: readonly string[];
+  readonly rows: ReadonlyArray<readonly Cell[]>;
+} {
   return {
-    header: ["login", "display_name", "state", "attempts", "score", "released", "failed_critically", "time_s_all_attempts", ...criteria.map(({ title, max_points: most }) => `${title} (of ${rounded(most)})`)],
+    header: [
+      "login",
+      "display_name",
+      "state",
+      "attempts",
+      "score",
+      "released",
+      "failed_critically",
+      "time_s_all_attempts",
+      ...criteria.map(({ title, max_points: most }) => `${title} (of ${rounded(most)})`),
+    ],
     rows: students.map(({ person, state, attempts, score, released, failed, time_s: time, points }) => [
-      person.login, person.display_name, state, attempts, rounded(score), released, failed, rounded(time), ...points.map(rounded),
+      person.login,
+      person.display_name,
+      state,
+      attempts,
+      rounded(score),
+      released,
+      failed,
+      rounded(time),
+      ...points.map(rounded),
     ]),
   };
 }

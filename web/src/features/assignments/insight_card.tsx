@@ -15,7 +15,7 @@ import { commonestText, insightTable, outliersOf, outlierText } from "./insight"
 interface Props {
   readonly client: Client;
   readonly id: string;
-  readonly title: string;                       // of the exercise
+  readonly title: string; // of the exercise
 }
 
 // How the class did: who has not begun, what was lost where, what stands out.
@@ -28,12 +28,18 @@ export function InsightCard({ client, id, title }: Props) {
     const { header, rows } = insightTable(insight);
     downloadText(`${fileName(title, "class")}.csv`, "text/csv", csvText(header, rows));
   };
-  const aside = loaded.state === "ready" && loaded.value.students.length > 0
-    ? <button type="button" class="button small" onClick={() => save(loaded.value)}>{say("common.save_csv")}</button> : undefined;
+  const aside =
+    loaded.state === "ready" && loaded.value.students.length > 0 ? (
+      <button type="button" class="button small" onClick={() => save(loaded.value)}>
+        {say("common.save_csv")}
+      </button>
+    ) : undefined;
   return (
     <Card title={say("insight.title")} aside={aside} className="insight">
       {loaded.state === "loading" && <Loading what={say("loading.insight")} />}
-      {loaded.state === "failed" && <ErrorNotice title={say("insight.failed")} message={loaded.error.message} onRetry={reload} />}
+      {loaded.state === "failed" && (
+        <ErrorNotice title={say("insight.failed")} message={loaded.error.message} onRetry={reload} />
+      )}
       {loaded.state === "ready" && <Insight insight={loaded.value} />}
     </Card>
   );
@@ -44,10 +50,22 @@ function Insight({ insight }: { readonly insight: AssignmentInsight }) {
   return (
     <>
       {students.length === 0 ? <Empty>{say("insight.no_student")}</Empty> : <Figures summary={summary} />}
-      {insight.left_out > 0 && <Notice tone="warning"><p>{say("insight.left_out", { count: insight.left_out })}</p></Notice>}
-      {insight.unread > 0 && <Notice tone="warning"><p>{say("insight.unread", { count: insight.unread })}</p></Notice>}
+      {insight.left_out > 0 && (
+        <Notice tone="warning">
+          <p>{say("insight.left_out", { count: insight.left_out })}</p>
+        </Notice>
+      )}
+      {insight.unread > 0 && (
+        <Notice tone="warning">
+          <p>{say("insight.unread", { count: insight.unread })}</p>
+        </Notice>
+      )}
       {students.length > 0 && <p class="insight-say">{commonestText(insight)}</p>}
-      {gates.map(({ name, title, taken }) => <p key={name} class="insight-say">{say("insight.gate", { title, count: taken })}</p>)}
+      {gates.map(({ name, title, taken }) => (
+        <p key={name} class="insight-say">
+          {say("insight.gate", { title, count: taken })}
+        </p>
+      ))}
       {summary.scored > 0 && criteria.length > 0 && <Criteria insight={insight} />}
       <div class="columns">
         <Waiting students={students} />
@@ -61,12 +79,46 @@ function Insight({ insight }: { readonly insight: AssignmentInsight }) {
 function Figures({ summary }: { readonly summary: AssignmentInsight["summary"] }) {
   return (
     <dl class="facts">
-      <div><dt>{say("attempt_state.ticketed")}</dt><dd>{say("count.of", { part: String(summary.not_started), whole: String(summary.students) })}</dd></div>
-      <div><dt>{say("insight.begun")}</dt><dd>{summary.waiting}</dd></div>
-      <div><dt>{say("attempt_state.scored")}</dt><dd>{summary.scored}{summary.failed > 0 && <> <Badge tone="bad">{say("insight.critical", { count: summary.failed })}</Badge></>}</dd></div>
-      {summary.scores !== null && <div><dt>{say("insight.score_middle")}</dt><dd>{middle(summary.scores, formatScore)}</dd></div>}
-      {summary.times_s !== null && <div><dt>{say("insight.time_middle")}</dt><dd>{middle(summary.times_s, formatDuration)}</dd></div>}
-      {summary.scored > 0 && <div><dt>{say("insight.scores")}</dt><dd><Tenths counts={summary.score_tenths} what={say("insight.scores_said")} /></dd></div>}
+      <div>
+        <dt>{say("attempt_state.ticketed")}</dt>
+        <dd>{say("count.of", { part: String(summary.not_started), whole: String(summary.students) })}</dd>
+      </div>
+      <div>
+        <dt>{say("insight.begun")}</dt>
+        <dd>{summary.waiting}</dd>
+      </div>
+      <div>
+        <dt>{say("attempt_state.scored")}</dt>
+        <dd>
+          {summary.scored}
+          {summary.failed > 0 && (
+            <>
+              {" "}
+              <Badge tone="bad">{say("insight.critical", { count: summary.failed })}</Badge>
+            </>
+          )}
+        </dd>
+      </div>
+      {summary.scores !== null && (
+        <div>
+          <dt>{say("insight.score_middle")}</dt>
+          <dd>{middle(summary.scores, formatScore)}</dd>
+        </div>
+      )}
+      {summary.times_s !== null && (
+        <div>
+          <dt>{say("insight.time_middle")}</dt>
+          <dd>{middle(summary.times_s, formatDuration)}</dd>
+        </div>
+      )}
+      {summary.scored > 0 && (
+        <div>
+          <dt>{say("insight.scores")}</dt>
+          <dd>
+            <Tenths counts={summary.score_tenths} what={say("insight.scores_said")} />
+          </dd>
+        </div>
+      )}
     </dl>
   );
 }
@@ -77,13 +129,58 @@ function middle({ lower, median, upper }: Spread, form: (value: number) => strin
 
 function Criteria({ insight: { criteria, commonest } }: { readonly insight: AssignmentInsight }) {
   return (
-    <DataTable label={say("insight.by_criterion")} items={criteria} rowKey={(item) => item.name} dense columns={[
-      { title: say("common.criterion"), cell: (item) => <>{item.title}{item.name === commonest && <> <Badge tone="warning">{say("insight.commonest_error")}</Badge></>}</> },
-      { title: say("insight.points_mean"), number: true, cell: (item) => item.judged === 0 ? "–" : say("count.of", { part: formatPoints(item.mean_points), whole: formatPoints(item.max_points) }) },
-      { title: say("insight.share"), cell: (item) => item.judged > 0 && <Tenths counts={item.earned_tenths} what={say("insight.share_of", { title: item.title })} /> },
-      { title: say("insight.lost_half"), number: true, cell: (item) => item.judged === 0 ? <span class="hint">{say("insight.not_judged")}</span> : say("count.of", { part: String(item.half_lost), whole: String(item.judged) }) },
-      { title: say("insight.measured_middle"), cell: (item) => item.values === null ? "–" : middle(item.values, (value) => formatQuantity(value, item.unit)) },
-    ]} />
+    <DataTable
+      label={say("insight.by_criterion")}
+      items={criteria}
+      rowKey={(item) => item.name}
+      dense
+      columns={[
+        {
+          title: say("common.criterion"),
+          cell: (item) => (
+            <>
+              {item.title}
+              {item.name === commonest && (
+                <>
+                  {" "}
+                  <Badge tone="warning">{say("insight.commonest_error")}</Badge>
+                </>
+              )}
+            </>
+          ),
+        },
+        {
+          title: say("insight.points_mean"),
+          number: true,
+          cell: (item) =>
+            item.judged === 0
+              ? "–"
+              : say("count.of", { part: formatPoints(item.mean_points), whole: formatPoints(item.max_points) }),
+        },
+        {
+          title: say("insight.share"),
+          cell: (item) =>
+            item.judged > 0 && (
+              <Tenths counts={item.earned_tenths} what={say("insight.share_of", { title: item.title })} />
+            ),
+        },
+        {
+          title: say("insight.lost_half"),
+          number: true,
+          cell: (item) =>
+            item.judged === 0 ? (
+              <span class="hint">{say("insight.not_judged")}</span>
+            ) : (
+              say("count.of", { part: String(item.half_lost), whole: String(item.judged) })
+            ),
+        },
+        {
+          title: say("insight.measured_middle"),
+          cell: (item) =>
+            item.values === null ? "–" : middle(item.values, (value) => formatQuantity(value, item.unit)),
+        },
+      ]}
+    />
   );
 }
 
@@ -95,8 +192,25 @@ function Waiting({ students }: { readonly students: AssignmentInsight["students"
   return (
     <section aria-label={say("attempt_state.ticketed")}>
       <h3>{say("insight.not_started", { count: none.length })}</h3>
-      {none.length === 0 ? <p class="hint">{say("insight.all_begun")}</p> : <ul class="name-list">{none.map((person) => <li key={person.id}>{person.display_name}</li>)}</ul>}
-      {begun.length > 0 && <><h3>{say("insight.begun_count", { count: begun.length })}</h3><ul class="name-list">{begun.map((person) => <li key={person.id}>{person.display_name}</li>)}</ul></>}
+      {none.length === 0 ? (
+        <p class="hint">{say("insight.all_begun")}</p>
+      ) : (
+        <ul class="name-list">
+          {none.map((person) => (
+            <li key={person.id}>{person.display_name}</li>
+          ))}
+        </ul>
+      )}
+      {begun.length > 0 && (
+        <>
+          <h3>{say("insight.begun_count", { count: begun.length })}</h3>
+          <ul class="name-list">
+            {begun.map((person) => (
+              <li key={person.id}>{person.display_name}</li>
+            ))}
+          </ul>
+        </>
+      )}
     </section>
   );
 }
@@ -109,12 +223,19 @@ function Outliers({ insight }: { readonly insight: AssignmentInsight }) {
   return (
     <section aria-label={say("insight.far")}>
       <h3>{say("insight.far_count", { count: outliers.length })}</h3>
-      {outliers.length === 0 ? <p class="hint">{summary.scored < 8 ? say("insight.too_few") : say("insight.nothing_far")}</p> : (
+      {outliers.length === 0 ? (
+        <p class="hint">{summary.scored < 8 ? say("insight.too_few") : say("insight.nothing_far")}</p>
+      ) : (
         <ul class="say-list">
           {outliers.map((outlier) => {
             const student = byPerson.get(outlier.person_id);
             const name = student?.person.display_name ?? "";
-            return <li key={`${outlier.person_id} ${outlier.what} ${outlier.median}`}>{student?.attempt_id == null ? name : <a href={`/attempts/${student.attempt_id}`}>{name}</a>}: {outlierText(outlier, insight)}</li>;
+            return (
+              <li key={`${outlier.person_id} ${outlier.what} ${outlier.median}`}>
+                {student?.attempt_id == null ? name : <a href={`/attempts/${student.attempt_id}`}>{name}</a>}:{" "}
+                {outlierText(outlier, insight)}
+              </li>
+            );
           })}
         </ul>
       )}
@@ -127,13 +248,26 @@ function Staff({ staff }: { readonly staff: AssignmentInsight["staff"] }) {
   return (
     <section aria-label={say("insight.staff")}>
       <h3>{say("insight.staff_apart")}</h3>
-      <DataTable label={say("insight.staff_attempts")} items={staff} rowKey={(row) => row.attempt_id} dense columns={[
-        { title: say("account.name"), cell: (row) => <a href={`/attempts/${row.attempt_id}`}>{row.person.display_name}</a> },
-        { title: say("common.begun"), cell: (row) => formatDateTime(row.ticketed_ms) },
-        { title: say("common.time"), number: true, cell: (row) => formatDuration(row.time_s) },
-        { title: say("common.score"), number: true, cell: (row) => formatScore(row.score) },
-        { title: say("insight.kind"), cell: (row) => row.as_reference ? <Badge tone="neutral">{say("insight.reference_cut")}</Badge> : say("insight.own_try") },
-      ]} />
+      <DataTable
+        label={say("insight.staff_attempts")}
+        items={staff}
+        rowKey={(row) => row.attempt_id}
+        dense
+        columns={[
+          {
+            title: say("account.name"),
+            cell: (row) => <a href={`/attempts/${row.attempt_id}`}>{row.person.display_name}</a>,
+          },
+          { title: say("common.begun"), cell: (row) => formatDateTime(row.ticketed_ms) },
+          { title: say("common.time"), number: true, cell: (row) => formatDuration(row.time_s) },
+          { title: say("common.score"), number: true, cell: (row) => formatScore(row.score) },
+          {
+            title: say("insight.kind"),
+            cell: (row) =>
+              row.as_reference ? <Badge tone="neutral">{say("insight.reference_cut")}</Badge> : say("insight.own_try"),
+          },
+        ]}
+      />
     </section>
   );
 }

@@ -17,20 +17,35 @@ interface Props {
 export function MoveCard({ client, assignment, tag, onMoved }: Props) {
   const { exercise } = assignment;
   const [open, setOpen] = useState(false);
-  if (exercise.newest_id === null || exercise.newest_version === null || exercise.newest_id === exercise.id) return null;
+  if (exercise.newest_id === null || exercise.newest_version === null || exercise.newest_id === exercise.id)
+    return null;
   const { newest_id: newest, newest_version: version } = exercise;
   return (
     <Card title={say("move.title")}>
-      <p>{sayWith("move.text", { version: String(exercise.version), newer: <a href={`/exercises/${newest}`}>{say("move.version", { version: String(version) })}</a> })}</p>
-      <div class="button-row"><button type="button" class="button" onClick={() => setOpen(true)}>{say("move.ask", { version: String(version) })}</button></div>
+      <p>
+        {sayWith("move.text", {
+          version: String(exercise.version),
+          newer: <a href={`/exercises/${newest}`}>{say("move.version", { version: String(version) })}</a>,
+        })}
+      </p>
+      <div class="button-row">
+        <button type="button" class="button" onClick={() => setOpen(true)}>
+          {say("move.ask", { version: String(version) })}
+        </button>
+      </div>
       {open && (
-        <Confirm title={say("move.confirm", { version: String(version) })} action={say("move.move")} tone="neutral" onClose={() => setOpen(false)}
-                 onConfirm={async () => {
-                   const result = await client.teaching.moveAssignment(assignment.id, newest, tag);
-                   if (!result.ok) return result.error.message;
-                   onMoved();
-                   return undefined;
-                 }}>
+        <Confirm
+          title={say("move.confirm", { version: String(version) })}
+          action={say("move.move")}
+          tone="neutral"
+          onClose={() => setOpen(false)}
+          onConfirm={async () => {
+            const result = await client.teaching.moveAssignment(assignment.id, newest, tag);
+            if (!result.ok) return result.error.message;
+            onMoved();
+            return undefined;
+          }}
+        >
           <WhatMoves client={client} assignment={assignment} newest={newest} />
         </Confirm>
       )}
@@ -38,12 +53,28 @@ export function MoveCard({ client, assignment, tag, onMoved }: Props) {
   );
 }
 
-function WhatMoves({ client, assignment, newest }: { readonly client: Client; readonly assignment: Assignment; readonly newest: string }) {
-  const { loaded } = useRequest(`${assignment.id} ${newest}`, (signal) => client.teaching.lookAtMove(assignment.id, newest, signal));
+function WhatMoves({
+  client,
+  assignment,
+  newest,
+}: {
+  readonly client: Client;
+  readonly assignment: Assignment;
+  readonly newest: string;
+}) {
+  const { loaded } = useRequest(`${assignment.id} ${newest}`, (signal) =>
+    client.teaching.lookAtMove(assignment.id, newest, signal),
+  );
   if (loaded.state === "loading") return <Loading what={say("loading.move")} />;
   if (loaded.state === "failed") return <ErrorNotice title={say("move.failed")} message={loaded.error.message} />;
   const { attempts, tickets, to_version: to } = loaded.value;
   return (
-    <p>{attempts === 0 ? say("move.none", { version: String(to) }) : tickets === 0 ? say("move.some", { version: String(to), count: attempts }) : say("move.some_tickets", { version: String(to), count: attempts, tickets })}</p>
+    <p>
+      {attempts === 0
+        ? say("move.none", { version: String(to) })
+        : tickets === 0
+          ? say("move.some", { version: String(to), count: attempts })
+          : say("move.some_tickets", { version: String(to), count: attempts, tickets })}
+    </p>
   );
 }

@@ -15,10 +15,21 @@ export function MyWorkPage({ client }: { readonly client: Client }) {
     <>
       <PageTitle document={say("nav.my_work")}>{say("nav.my_work")}</PageTitle>
       {loaded.state === "loading" && <Loading what={say("loading.my_work")} />}
-      {loaded.state === "failed" && <ErrorNotice title={say("my_work.failed")} message={loaded.error.message} onRetry={reload} />}
-      {loaded.state === "ready" && (loaded.value.length === 0
-        ? <Empty>{say("my_work.none")}</Empty>
-        : <ul class="card-list">{loaded.value.map((assignment) => <li key={assignment.id}><AssignmentCard assignment={assignment} now={now} /></li>)}</ul>)}
+      {loaded.state === "failed" && (
+        <ErrorNotice title={say("my_work.failed")} message={loaded.error.message} onRetry={reload} />
+      )}
+      {loaded.state === "ready" &&
+        (loaded.value.length === 0 ? (
+          <Empty>{say("my_work.none")}</Empty>
+        ) : (
+          <ul class="card-list">
+            {loaded.value.map((assignment) => (
+              <li key={assignment.id}>
+                <AssignmentCard assignment={assignment} now={now} />
+              </li>
+            ))}
+          </ul>
+        ))}
     </>
   );
 }
@@ -29,19 +40,58 @@ function AssignmentCard({ assignment, now }: { readonly assignment: Assignment; 
   return (
     <article class="card exercise">
       <div class="card-head">
-        <h2>{exercise.id === null ? exerciseTitle(assignment) : <a href={`/exercises/${exercise.id}`}>{exerciseTitle(assignment)}</a>}</h2>
-        <span class="flags">{assignment.exam && <Badge tone="warning">{say("attempt_flag.exam")}</Badge>}<PhaseBadge assignment={assignment} now={now} /></span>
+        <h2>
+          {exercise.id === null ? (
+            exerciseTitle(assignment)
+          ) : (
+            <a href={`/exercises/${exercise.id}`}>{exerciseTitle(assignment)}</a>
+          )}
+        </h2>
+        <span class="flags">
+          {assignment.exam && <Badge tone="warning">{say("attempt_flag.exam")}</Badge>}
+          <PhaseBadge assignment={assignment} now={now} />
+        </span>
       </div>
       <dl class="facts">
-        {now < assignment.opens_ms && <div><dt>{say("assignments.opens")}</dt><dd>{formatDateTime(assignment.opens_ms)}</dd></div>}
-        <div><dt>{say("assignments.due")}</dt><dd>{dueText(assignment, now)}</dd></div>
-        <div><dt>{say("nav.attempts")}</dt><dd>{madeText(leftText({ attempts_left: mine?.attempts_left ?? null }), used)}</dd></div>
-        {mine !== null && used > 0 && <div><dt>{say("my_work.result")}</dt><dd>{resultText(mine.grade, assignment.counting)}</dd></div>}
-        {assignment.stations.length > 0 && <div><dt>{say("my_work.where")}</dt><dd>{assignment.stations.map((station) => station.name).join(", ")}</dd></div>}
+        {now < assignment.opens_ms && (
+          <div>
+            <dt>{say("assignments.opens")}</dt>
+            <dd>{formatDateTime(assignment.opens_ms)}</dd>
+          </div>
+        )}
+        <div>
+          <dt>{say("assignments.due")}</dt>
+          <dd>{dueText(assignment, now)}</dd>
+        </div>
+        <div>
+          <dt>{say("nav.attempts")}</dt>
+          <dd>{madeText(leftText({ attempts_left: mine?.attempts_left ?? null }), used)}</dd>
+        </div>
+        {mine !== null && used > 0 && (
+          <div>
+            <dt>{say("my_work.result")}</dt>
+            <dd>{resultText(mine.grade, assignment.counting)}</dd>
+          </div>
+        )}
+        {assignment.stations.length > 0 && (
+          <div>
+            <dt>{say("my_work.where")}</dt>
+            <dd>{assignment.stations.map((station) => station.name).join(", ")}</dd>
+          </div>
+        )}
       </dl>
       {assignment.exam && <p class="hint">{say("my_work.exam")}</p>}
       {mine !== null && mine.refusal !== "" && <p class="hint">{mine.refusal}</p>}
-      {used > 0 && exercise.id !== null && <p><a href={`/attempts?exercise=${exercise.id}`}><Brief shown={say("nav.my_attempts")} full={say("my_work.attempts_at", { title: exerciseTitle(assignment) })} /></a></p>}
+      {used > 0 && exercise.id !== null && (
+        <p>
+          <a href={`/attempts?exercise=${exercise.id}`}>
+            <Brief
+              shown={say("nav.my_attempts")}
+              full={say("my_work.attempts_at", { title: exerciseTitle(assignment) })}
+            />
+          </a>
+        </p>
+      )}
     </article>
   );
 }
@@ -53,10 +103,15 @@ function madeText(left: string, made: number): string {
 export function PhaseBadge({ assignment, now }: { readonly assignment: Assignment; readonly now: number }) {
   const phase = phaseOf(assignment, now);
   switch (phase) {
-    case "before": return <Badge tone="neutral">{say("phase.before")}</Badge>;
-    case "open": return <Badge tone="good">{say("phase.open")}</Badge>;
-    case "late": return <Badge tone="warning">{say("phase.late")}</Badge>;
-    case "closed": return <Badge tone="neutral">{say("phase.closed")}</Badge>;
-    default: return unreachable(phase);
+    case "before":
+      return <Badge tone="neutral">{say("phase.before")}</Badge>;
+    case "open":
+      return <Badge tone="good">{say("phase.open")}</Badge>;
+    case "late":
+      return <Badge tone="warning">{say("phase.late")}</Badge>;
+    case "closed":
+      return <Badge tone="neutral">{say("phase.closed")}</Badge>;
+    default:
+      return unreachable(phase);
   }
 }

@@ -16,27 +16,74 @@ interface Props {
 export function TermsFields({ terms, onTerms, stations, problemOf }: Props) {
   const dueWrong = dueProblem(terms, Date.now());
   const chosen = new Set(terms.station_ids);
-  const toggle = (id: string, on: boolean) => onTerms({ station_ids: on ? [...terms.station_ids, id] : terms.station_ids.filter((item) => item !== id) });
+  const toggle = (id: string, on: boolean) =>
+    onTerms({ station_ids: on ? [...terms.station_ids, id] : terms.station_ids.filter((item) => item !== id) });
   return (
     <>
       <div class="form-grid">
-        <TimeField label={say("assignments.opens")} hint={say("terms.empty_at_once")} value={terms.opens_ms} onValue={(opensMs) => onTerms({ opens_ms: opensMs })} problem={problemOf("opens_ms")} />
-        <TimeField label={say("assignments.due")} hint={say("terms.empty_never")} value={terms.due_ms} onValue={(dueMs) => onTerms({ due_ms: dueMs })} problem={problemOf("due_ms") ?? dueWrong} />
-        <NumberField label={say("terms.attempts_each")} hint={say("terms.zero_no_limit")} min={0} max={1000} value={terms.attempt_limit}
-                     onValue={(limit) => onTerms({ attempt_limit: limit })} problem={problemOf("attempt_limit")} />
-        <SelectField<Counting> label={say("terms.counting")} value={terms.counting} onValue={(counting) => onTerms({ counting })}
-                               options={kCountings.map((counting) => ({ value: counting, title: countingText(counting) }))} />
+        <TimeField
+          label={say("assignments.opens")}
+          hint={say("terms.empty_at_once")}
+          value={terms.opens_ms}
+          onValue={(opensMs) => onTerms({ opens_ms: opensMs })}
+          problem={problemOf("opens_ms")}
+        />
+        <TimeField
+          label={say("assignments.due")}
+          hint={say("terms.empty_never")}
+          value={terms.due_ms}
+          onValue={(dueMs) => onTerms({ due_ms: dueMs })}
+          problem={problemOf("due_ms") ?? dueWrong}
+        />
+        <NumberField
+          label={say("terms.attempts_each")}
+          hint={say("terms.zero_no_limit")}
+          min={0}
+          max={1000}
+          value={terms.attempt_limit}
+          onValue={(limit) => onTerms({ attempt_limit: limit })}
+          problem={problemOf("attempt_limit")}
+        />
+        <SelectField<Counting>
+          label={say("terms.counting")}
+          value={terms.counting}
+          onValue={(counting) => onTerms({ counting })}
+          options={kCountings.map((counting) => ({ value: counting, title: countingText(counting) }))}
+        />
       </div>
-      <SelectField label={say("assignments.devices")} hint={say("terms.devices_hint")} value={terms.hands} onValue={(hands) => onTerms({ hands })}
-                   options={kHands} problem={problemOf("hands")} />
-      <CheckField label={say("terms.late")} hint={say("terms.late_hint")} value={terms.late_allowed} onValue={(late) => onTerms({ late_allowed: late })} />
-      <CheckField label={say("attempt_flag.exam")} hint={say("terms.exam_hint")} value={terms.exam} onValue={(exam) => onTerms({ exam })} />
+      <SelectField
+        label={say("assignments.devices")}
+        hint={say("terms.devices_hint")}
+        value={terms.hands}
+        onValue={(hands) => onTerms({ hands })}
+        options={kHands}
+        problem={problemOf("hands")}
+      />
+      <CheckField
+        label={say("terms.late")}
+        hint={say("terms.late_hint")}
+        value={terms.late_allowed}
+        onValue={(late) => onTerms({ late_allowed: late })}
+      />
+      <CheckField
+        label={say("attempt_flag.exam")}
+        hint={say("terms.exam_hint")}
+        value={terms.exam}
+        onValue={(exam) => onTerms({ exam })}
+      />
       {terms.exam && stations.length > 0 && (
         <fieldset class="group">
           <legend>{say("terms.stations")}</legend>
           <p class="hint">{say("terms.any_station")}</p>
           <div class="check-list">
-            {stations.map((station) => <CheckField key={station.id} label={station.name} value={chosen.has(station.id)} onValue={(on) => toggle(station.id, on)} />)}
+            {stations.map((station) => (
+              <CheckField
+                key={station.id}
+                label={station.name}
+                value={chosen.has(station.id)}
+                onValue={(on) => toggle(station.id, on)}
+              />
+            ))}
           </div>
         </fieldset>
       )}

@@ -24,9 +24,17 @@ export function AnnotationsPanel({ review, series }: Props) {
   const { marks, annotates } = review;
   return (
     <Card title={say("remarks.title")} className="annotations-card">
-      {marks.length === 0
-        ? <Empty>{annotates ? say("remarks.none_staff") : say("remarks.none")}</Empty>
-        : <ol class="annotations">{marks.map((mark) => <li key={mark.annotation.id}><RemarkItem review={review} series={series} mark={mark} /></li>)}</ol>}
+      {marks.length === 0 ? (
+        <Empty>{annotates ? say("remarks.none_staff") : say("remarks.none")}</Empty>
+      ) : (
+        <ol class="annotations">
+          {marks.map((mark) => (
+            <li key={mark.annotation.id}>
+              <RemarkItem review={review} series={series} mark={mark} />
+            </li>
+          ))}
+        </ol>
+      )}
       {annotates && <NewRemark review={review} series={series} />}
     </Card>
   );
@@ -45,33 +53,57 @@ function RemarkItem({ review, series, mark }: Props & { readonly mark: Mark }) {
   }, [mode]);
   return (
     <div class={chosen === annotation.id ? "annotation chosen" : "annotation"}>
-      <span class="annotation-number" aria-hidden="true">{number}</span>
+      <span class="annotation-number" aria-hidden="true">
+        {number}
+      </span>
       <div class="annotation-body">
         <p class="hint">
           <button type="button" class="button small quiet" onClick={() => choose(mark)}>
-            <span class="hidden">{say("remarks.show", { number: String(number) })} </span>{formatMoment(secondsOfTick(series, annotation.tick))}
-          </button>
-          {" "}{annotation.point_um !== null && <>{say("remarks.at_a_point")} </>}{annotation.to_chair && <>{say("remarks.to_chair")} </>}{byline(annotation)}
+            <span class="hidden">{say("remarks.show", { number: String(number) })} </span>
+            {formatMoment(secondsOfTick(series, annotation.tick))}
+          </button>{" "}
+          {annotation.point_um !== null && <>{say("remarks.at_a_point")} </>}
+          {annotation.to_chair && <>{say("remarks.to_chair")} </>}
+          {byline(annotation)}
         </p>
-        {mode === "edit"
-          ? <EditRemark client={client} annotation={annotation} onDone={() => { setMode("read"); remarks.reload(); }} onCancel={() => setMode("read")} />
-          : <p>{annotation.text}</p>}
+        {mode === "edit" ? (
+          <EditRemark
+            client={client}
+            annotation={annotation}
+            onDone={() => {
+              setMode("read");
+              remarks.reload();
+            }}
+            onCancel={() => setMode("read")}
+          />
+        ) : (
+          <p>{annotation.text}</p>
+        )}
         {annotation.mine && mode === "read" && (
           <div class="button-row">
-            <button type="button" class="button small" ref={again} onClick={() => setMode("edit")}><Brief shown={say("remarks.edit")} full={say("remarks.edit_which", { number: String(number) })} /></button>
-            <button type="button" class="button small" onClick={() => setMode("delete")}><Brief shown={say("remarks.delete_ask")} full={say("remarks.delete_which", { number: String(number) })} /></button>
+            <button type="button" class="button small" ref={again} onClick={() => setMode("edit")}>
+              <Brief shown={say("remarks.edit")} full={say("remarks.edit_which", { number: String(number) })} />
+            </button>
+            <button type="button" class="button small" onClick={() => setMode("delete")}>
+              <Brief shown={say("remarks.delete_ask")} full={say("remarks.delete_which", { number: String(number) })} />
+            </button>
           </div>
         )}
       </div>
       {mode === "delete" && (
-        <Confirm title={say("remarks.delete_title", { number: String(number) })} action={say("remarks.delete")} onClose={() => setMode("read")}
-                 onConfirm={async () => {
-                   const result = await client.teaching.deleteAnnotation(annotation);
-                   if (!result.ok) return result.error.message;
-                   remarks.reload();
-                   return undefined;
-                 }}>
-          <p class="quote">{annotation.text}</p><p>{say("remarks.delete_text")}</p>
+        <Confirm
+          title={say("remarks.delete_title", { number: String(number) })}
+          action={say("remarks.delete")}
+          onClose={() => setMode("read")}
+          onConfirm={async () => {
+            const result = await client.teaching.deleteAnnotation(annotation);
+            if (!result.ok) return result.error.message;
+            remarks.reload();
+            return undefined;
+          }}
+        >
+          <p class="quote">{annotation.text}</p>
+          <p>{say("remarks.delete_text")}</p>
         </Confirm>
       )}
     </div>
@@ -79,26 +111,53 @@ function RemarkItem({ review, series, mark }: Props & { readonly mark: Mark }) {
 }
 
 function byline({ author, created_ms: createdMs, edited_ms: editedMs }: Annotation): string {
-  const told = { author: author.display_name === "" ? say("remarks.erased") : author.display_name, when: formatDateTime(createdMs) };
+  const told = {
+    author: author.display_name === "" ? say("remarks.erased") : author.display_name,
+    when: formatDateTime(createdMs),
+  };
   return editedMs > 0 ? say("remarks.by_edited", told) : say("remarks.by", told);
 }
 
-function EditRemark({ client, annotation, onDone, onCancel }:
-    { readonly client: Client; readonly annotation: Annotation; readonly onDone: () => void; readonly onCancel: () => void }) {
+function EditRemark({
+  client,
+  annotation,
+  onDone,
+  onCancel,
+}: {
+  readonly client: Client;
+  readonly annotation: Annotation;
+  readonly onDone: () => void;
+  readonly onCancel: () => void;
+}) {
   const [text, setText] = useState(annotation.text);
   const change = useChange();
   const save = async (event: Event) => {
     event.preventDefault();
-    const result = await change.run(() => client.teaching.editAnnotation(annotation, { tick: annotation.tick, point_um: annotation.point_um, text: text.trim() }));
+    const result = await change.run(() =>
+      client.teaching.editAnnotation(annotation, {
+        tick: annotation.tick,
+        point_um: annotation.point_um,
+        text: text.trim(),
+      }),
+    );
     if (result?.ok === true) onDone();
   };
   return (
     <form class="form" onSubmit={(event) => void save(event)}>
       <LongTextField label={say("remarks.one")} value={text} onValue={setText} required maxLength={kMaxText} rows={3} />
-      {change.error !== undefined && <ErrorNotice title={change.error.status === 412 ? say("conflict.title") : say("common.not_saved")} message={change.error.message} />}
+      {change.error !== undefined && (
+        <ErrorNotice
+          title={change.error.status === 412 ? say("conflict.title") : say("common.not_saved")}
+          message={change.error.message}
+        />
+      )}
       <div class="button-row">
-        <button type="submit" class="button primary small" disabled={change.busy || text.trim() === ""}>{say("common.save")}</button>
-        <button type="button" class="button small" onClick={onCancel}>{say("common.cancel")}</button>
+        <button type="submit" class="button primary small" disabled={change.busy || text.trim() === ""}>
+          {say("common.save")}
+        </button>
+        <button type="button" class="button small" onClick={onCancel}>
+          {say("common.cancel")}
+        </button>
       </div>
     </form>
   );
@@ -112,10 +171,15 @@ function NewRemark({ review, series }: Props) {
   const form = useRef<HTMLFormElement>(null);
   const save = async (event: Event) => {
     event.preventDefault();
-    const remark = { tick: tickAt(series, momentS), point_um: point === undefined ? null : umOf(point), text: text.trim() };
+    const remark = {
+      tick: tickAt(series, momentS),
+      point_um: point === undefined ? null : umOf(point),
+      text: text.trim(),
+    };
     const result = await change.run(() => client.teaching.annotate(attempt.id, remark));
     // While it is sent the button cannot hold the focus: who did not go elsewhere writes on.
-    if (document.activeElement === document.body || form.current?.contains(document.activeElement) === true) form.current?.querySelector("textarea")?.focus();
+    if (document.activeElement === document.body || form.current?.contains(document.activeElement) === true)
+      form.current?.querySelector("textarea")?.focus();
     if (result?.ok !== true) return;
     setText("");
     setPoint(undefined);
@@ -124,16 +188,44 @@ function NewRemark({ review, series }: Props) {
   const anchor = series.anchor_mm[cursor];
   return (
     <form class="form new-remark" ref={form} onSubmit={(event) => void save(event)}>
-      <LongTextField label={say("remarks.new", { moment: formatMoment(momentS) })} value={text} onValue={setText} required maxLength={kMaxText} rows={3}
-                     hint={point === undefined ? say("remarks.click")
-                                               : say("remarks.at_point", { point: point.map((mm) => formatNumber(mm, 1)).join(" / ") })} />
+      <LongTextField
+        label={say("remarks.new", { moment: formatMoment(momentS) })}
+        value={text}
+        onValue={setText}
+        required
+        maxLength={kMaxText}
+        rows={3}
+        hint={
+          point === undefined
+            ? say("remarks.click")
+            : say("remarks.at_point", { point: point.map((mm) => formatNumber(mm, 1)).join(" / ") })
+        }
+      />
       {change.error !== undefined && <ErrorNotice title={say("common.not_saved")} message={change.error.message} />}
       <div class="button-row">
-        <button type="submit" class="button primary" disabled={change.busy || text.trim() === ""}>{say("remarks.add")}</button>
-        {point === undefined
-          ? anchor !== undefined && <button type="button" class="button" onClick={() => setPoint([anchor[0] ?? 0, anchor[1] ?? 0, anchor[2] ?? 0])}>{say("remarks.at_tool")}</button>
-          : <button type="button" class="button" onClick={() => setPoint(undefined)}>{say("remarks.no_point")}</button>}
-        {text.trim() !== "" && !kept.includes(text.trim()) && <button type="button" class="button" onClick={() => setKept(keepComment(personId, text))}>{say("remarks.keep")}</button>}
+        <button type="submit" class="button primary" disabled={change.busy || text.trim() === ""}>
+          {say("remarks.add")}
+        </button>
+        {point === undefined ? (
+          anchor !== undefined && (
+            <button
+              type="button"
+              class="button"
+              onClick={() => setPoint([anchor[0] ?? 0, anchor[1] ?? 0, anchor[2] ?? 0])}
+            >
+              {say("remarks.at_tool")}
+            </button>
+          )
+        ) : (
+          <button type="button" class="button" onClick={() => setPoint(undefined)}>
+            {say("remarks.no_point")}
+          </button>
+        )}
+        {text.trim() !== "" && !kept.includes(text.trim()) && (
+          <button type="button" class="button" onClick={() => setKept(keepComment(personId, text))}>
+            {say("remarks.keep")}
+          </button>
+        )}
       </div>
       {kept.length > 0 && (
         <details>
@@ -141,8 +233,21 @@ function NewRemark({ review, series }: Props) {
           <ul class="comment-bank">
             {kept.map((comment) => (
               <li key={comment}>
-                <button type="button" class="button small quiet" onClick={() => setText((now) => now.trim() === "" ? comment : `${now.trimEnd()} ${comment}`)}>{comment}</button>
-                <button type="button" class="button small quiet" aria-label={say("remarks.forget", { comment })} onClick={() => setKept(dropComment(personId, comment))}>✕</button>
+                <button
+                  type="button"
+                  class="button small quiet"
+                  onClick={() => setText((now) => (now.trim() === "" ? comment : `${now.trimEnd()} ${comment}`))}
+                >
+                  {comment}
+                </button>
+                <button
+                  type="button"
+                  class="button small quiet"
+                  aria-label={say("remarks.forget", { comment })}
+                  onClick={() => setKept(dropComment(personId, comment))}
+                >
+                  ✕
+                </button>
               </li>
             ))}
           </ul>

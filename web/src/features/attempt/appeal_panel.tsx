@@ -19,10 +19,15 @@ interface Props {
 // A student's one appeal against a released score, and its answer.
 export function AppealPanel({ client, attempt, onChanged }: Props) {
   const { appeal } = attempt;
-  if (appeal === null) return !attempt.may.includes("appeal") ? null : <FileAppeal client={client} attempt={attempt} onChanged={onChanged} />;
+  if (appeal === null)
+    return !attempt.may.includes("appeal") ? null : (
+      <FileAppeal client={client} attempt={attempt} onChanged={onChanged} />
+    );
   return (
     <Card title={say("appeal.title")} aside={<AppealBadge state={appeal.state} />} className="appeal-card">
-      <p class="hint">{attempt.person.display_name}, {formatDateTime(appeal.filed_ms)}</p>
+      <p class="hint">
+        {attempt.person.display_name}, {formatDateTime(appeal.filed_ms)}
+      </p>
       <blockquote class="quote">{appeal.text}</blockquote>
       {appeal.state !== "open" && (
         <>
@@ -30,18 +35,26 @@ export function AppealPanel({ client, attempt, onChanged }: Props) {
           <blockquote class="quote">{appeal.answer}</blockquote>
         </>
       )}
-      {appeal.state === "open" && (attempt.may.includes("answer_appeal") ? <AnswerAppeal client={client} attempt={attempt} onChanged={onChanged} />
-        : <p>{say("appeal.will_answer")}</p>)}
+      {appeal.state === "open" &&
+        (attempt.may.includes("answer_appeal") ? (
+          <AnswerAppeal client={client} attempt={attempt} onChanged={onChanged} />
+        ) : (
+          <p>{say("appeal.will_answer")}</p>
+        ))}
     </Card>
   );
 }
 
 export function AppealBadge({ state }: { readonly state: Appeal["state"] }) {
   switch (state) {
-    case "open": return <Badge tone="warning">{say("appeal.open")}</Badge>;
-    case "regraded": return <Badge tone="good">{say("appeal.regraded")}</Badge>;
-    case "rejected": return <Badge tone="neutral">{say("appeal.rejected")}</Badge>;
-    default: return unreachable(state);
+    case "open":
+      return <Badge tone="warning">{say("appeal.open")}</Badge>;
+    case "regraded":
+      return <Badge tone="good">{say("appeal.regraded")}</Badge>;
+    case "rejected":
+      return <Badge tone="neutral">{say("appeal.rejected")}</Badge>;
+    default:
+      return unreachable(state);
   }
 }
 
@@ -56,15 +69,29 @@ function FileAppeal({ client, attempt, onChanged }: Props) {
   };
   return (
     <Card title={say("appeal.wrong")} className="appeal-card no-print">
-      {!open && <button type="button" class="button" onClick={() => setOpen(true)}>{say("appeal.ask")}</button>}
+      {!open && (
+        <button type="button" class="button" onClick={() => setOpen(true)}>
+          {say("appeal.ask")}
+        </button>
+      )}
       {open && (
         <form class="form" onSubmit={(event) => void submit(event)}>
-          <LongTextField label={say("appeal.what")} value={text} onValue={setText} required maxLength={kMaxText}
-                         hint={say("appeal.once")} />
+          <LongTextField
+            label={say("appeal.what")}
+            value={text}
+            onValue={setText}
+            required
+            maxLength={kMaxText}
+            hint={say("appeal.once")}
+          />
           {change.error !== undefined && <ErrorNotice title={say("common.not_sent")} message={change.error.message} />}
           <div class="button-row">
-            <button type="submit" class="button primary" disabled={change.busy || text.trim() === ""}>{say("appeal.send")}</button>
-            <button type="button" class="button" onClick={() => setOpen(false)}>{say("common.cancel")}</button>
+            <button type="submit" class="button primary" disabled={change.busy || text.trim() === ""}>
+              {say("appeal.send")}
+            </button>
+            <button type="button" class="button" onClick={() => setOpen(false)}>
+              {say("common.cancel")}
+            </button>
           </div>
         </form>
       )}
@@ -81,11 +108,32 @@ function AnswerAppeal({ client, attempt, onChanged }: Props) {
   };
   return (
     <form class="form" onSubmit={(event) => event.preventDefault()}>
-      <LongTextField label={say("appeal.your_answer")} hint={say("appeal.student_reads")} value={text} onValue={setText} required maxLength={kMaxText} />
+      <LongTextField
+        label={say("appeal.your_answer")}
+        hint={say("appeal.student_reads")}
+        value={text}
+        onValue={setText}
+        required
+        maxLength={kMaxText}
+      />
       {change.error !== undefined && <ErrorNotice title={say("appeal.not_answered")} message={change.error.message} />}
       <div class="button-row">
-        <button type="button" class="button primary" disabled={change.busy || text.trim() === ""} onClick={() => void answer("regrade")}>{say("appeal.answer_regrade")}</button>
-        <button type="button" class="button" disabled={change.busy || text.trim() === ""} onClick={() => void answer("reject")}>{say("appeal.reject")}</button>
+        <button
+          type="button"
+          class="button primary"
+          disabled={change.busy || text.trim() === ""}
+          onClick={() => void answer("regrade")}
+        >
+          {say("appeal.answer_regrade")}
+        </button>
+        <button
+          type="button"
+          class="button"
+          disabled={change.busy || text.trim() === ""}
+          onClick={() => void answer("reject")}
+        >
+          {say("appeal.reject")}
+        </button>
       </div>
       <p class="hint">{say("appeal.regrade_hint")}</p>
     </form>

@@ -43,60 +43,131 @@ interface Props {
 export function AttemptPage({ client, person, id, onOpen }: Props) {
   const { loaded, reload } = useRequest(id, (signal) => client.attempt(id, signal));
   const attempt = loaded.state === "ready" ? loaded.value : undefined;
-  const exercise = useRequest(attempt?.exercise.id, (signal) => client.teaching.exercise(attempt?.exercise.id ?? "", signal));
+  const exercise = useRequest(attempt?.exercise.id, (signal) =>
+    client.teaching.exercise(attempt?.exercise.id ?? "", signal),
+  );
   const graded = exercise.loaded.state !== "ready" || exercise.loaded.value.value.graded || attempt?.exam === true;
   const tolerance = toleranceMm(exercise.loaded.state === "ready" ? exercise.loaded.value.value.rubric.criteria : []);
-  const [done, setDone] = useState<number>();       // of the work, where it was stopped early; the score says it
+  const [done, setDone] = useState<number>(); // of the work, where it was stopped early; the score says it
   const polling = attempt !== undefined && isUnderWay(attempt.state);
   useRefresh(polling, kPollMs, reload);
 
   const teacher = person.role !== "student";
-  const place = useMemo(() => teacher ? placeInQueue(id) : undefined, [id, teacher]);
-  const to = (other: string | undefined) => { if (other !== undefined) onOpen(`/attempts/${other}`); };
-  const release = useRef<() => void>(undefined);    // and on to the next one, where that may be done now
-  const review = useRef<Review>(undefined);         // while there is a score to look at
+  const place = useMemo(() => (teacher ? placeInQueue(id) : undefined), [id, teacher]);
+  const to = (other: string | undefined) => {
+    if (other !== undefined) onOpen(`/attempts/${other}`);
+  };
+  const release = useRef<() => void>(undefined); // and on to the next one, where that may be done now
+  const review = useRef<Review>(undefined); // while there is a score to look at
   const undo = useReleaseUndo(async (released) => {
-    const now = await client.attempt(released);     // with what others changed meanwhile
+    const now = await client.attempt(released); // with what others changed meanwhile
     return now.ok ? client.teaching.withdrawRelease(now.value) : now;
   });
-  const keys = useKeys([...playbackKeys(() => review.current?.control),
-    { key: "i", what: say("attempt_key.less"), act: () => review.current?.plots.zoom?.(1) }, { key: "o", what: say("attempt_key.more"), act: () => review.current?.plots.zoom?.(-1) },
+  const keys = useKeys([
+    ...playbackKeys(() => review.current?.control),
+    { key: "i", what: say("attempt_key.less"), act: () => review.current?.plots.zoom?.(1) },
+    { key: "o", what: say("attempt_key.more"), act: () => review.current?.plots.zoom?.(-1) },
     { key: "u", what: say("attempt_key.whole"), act: () => review.current?.plots.zoom?.(0) },
     { key: "v", what: say("attempt_key.lines"), act: () => review.current?.plots.more?.() },
     { key: "x", what: say("attempt_key.next_mark"), act: () => review.current?.toMark(1) },
     { key: "z", what: say("attempt_key.mark_before"), act: () => review.current?.toMark(-1) },
-    ...(!teacher ? [] : [
-    ...undo.keys,
-    ...(place === undefined ? [] : [
-      { key: "n", what: say("attempt_key.next"), act: () => to(place.next) }, { key: "p", what: say("attempt_key.before"), act: () => to(place.previous) },
-      { key: "b", what: say("queue.back"), act: () => onOpen(place.back) }, { key: "r", what: say("attempt_key.release"), act: () => release.current?.() },
-    ]),
-    { key: "c", what: say("attempt_key.remark"), act: () => document.querySelector<HTMLElement>(".annotations-card .new-remark textarea")?.focus() },
-    { key: "t", what: say("attempt_key.time"), act: () => document.querySelector<HTMLElement>("#timeline")?.focus() },
-  ])]);
+    ...(!teacher
+      ? []
+      : [
+          ...undo.keys,
+          ...(place === undefined
+            ? []
+            : [
+                { key: "n", what: say("attempt_key.next"), act: () => to(place.next) },
+                { key: "p", what: say("attempt_key.before"), act: () => to(place.previous) },
+                { key: "b", what: say("queue.back"), act: () => onOpen(place.back) },
+                { key: "r", what: say("attempt_key.release"), act: () => release.current?.() },
+              ]),
+          {
+            key: "c",
+            what: say("attempt_key.remark"),
+            act: () => document.querySelector<HTMLElement>(".annotations-card .new-remark textarea")?.focus(),
+          },
+          {
+            key: "t",
+            what: say("attempt_key.time"),
+            act: () => document.querySelector<HTMLElement>("#timeline")?.focus(),
+          },
+        ]),
+  ]);
 
-  if (loaded.state === "failed") return <>{undo.notice}<AttemptError error={loaded.error} onRetry={reload} /></>;
-  if (attempt === undefined) return <>{undo.notice}<Loading what={say("loading.attempt")} /></>;
+  if (loaded.state === "failed")
+    return (
+      <>
+        {undo.notice}
+        <AttemptError error={loaded.error} onRetry={reload} />
+      </>
+    );
+  if (attempt === undefined)
+    return (
+      <>
+        {undo.notice}
+        <Loading what={say("loading.attempt")} />
+      </>
+    );
   return (
     <>
       {undo.notice}
       <div class="trail-row">
-        {place !== undefined ? <QueueBar client={client} place={place} />
-          : <nav class="trail" aria-label={say("common.where")}><a href="/attempts">{teacher ? say("nav.attempts") : say("nav.my_attempts")}</a></nav>}
+        {place !== undefined ? (
+          <QueueBar client={client} place={place} />
+        ) : (
+          <nav class="trail" aria-label={say("common.where")}>
+            <a href="/attempts">{teacher ? say("nav.attempts") : say("nav.my_attempts")}</a>
+          </nav>
+        )}
         <KeysHelp keys={keys} />
       </div>
       <div class="attempt-head">
         <div>
           <PageTitle document={wordedTitle(attempt.exercise.title)}>{wordedTitle(attempt.exercise.title)}</PageTitle>
           <p class="byline">
-            {attempt.person.display_name}, {formatDateTime(attempt.ticketed_ms)} <StateBadge attempt={attempt} /> <Flags attempt={attempt} graded={graded && teacher} staff={teacher} appealed={attempt.appeal?.state === "open"} done={done} />
+            {attempt.person.display_name}, {formatDateTime(attempt.ticketed_ms)} <StateBadge attempt={attempt} />{" "}
+            <Flags
+              attempt={attempt}
+              graded={graded && teacher}
+              staff={teacher}
+              appealed={attempt.appeal?.state === "open"}
+              done={done}
+            />
           </p>
         </div>
-        {teacher ? <TeacherActions client={client} attempt={attempt} graded={graded} onChanged={reload} releaseNext={release}
-                                   onNext={place === undefined ? undefined : () => place.next === undefined ? onOpen(place.back) : to(place.next)} />
-                 : attempt.state === "scored" && <button type="button" class="button print-button" onClick={() => window.print()}>{say("attempt.print")}</button>}
+        {teacher ? (
+          <TeacherActions
+            client={client}
+            attempt={attempt}
+            graded={graded}
+            onChanged={reload}
+            releaseNext={release}
+            onNext={
+              place === undefined ? undefined : () => (place.next === undefined ? onOpen(place.back) : to(place.next))
+            }
+          />
+        ) : (
+          attempt.state === "scored" && (
+            <button type="button" class="button print-button" onClick={() => window.print()}>
+              {say("attempt.print")}
+            </button>
+          )
+        )}
       </div>
-      {isWithheld(attempt, teacher) ? <WithheldAttempt attempt={attempt} /> : attempt.state === "scored" ? <ScoredAttempt reviewed={{ client, attempt, personId: person.id, teacher, toleranceMm: tolerance }} handle={review} onChanged={reload} onDone={setDone} /> : <UnscoredAttempt attempt={attempt} />}
+      {isWithheld(attempt, teacher) ? (
+        <WithheldAttempt attempt={attempt} />
+      ) : attempt.state === "scored" ? (
+        <ScoredAttempt
+          reviewed={{ client, attempt, personId: person.id, teacher, toleranceMm: tolerance }}
+          handle={review}
+          onChanged={reload}
+          onDone={setDone}
+        />
+      ) : (
+        <UnscoredAttempt attempt={attempt} />
+      )}
     </>
   );
 }
@@ -127,7 +198,15 @@ function ScoredAttempt({ reviewed, handle, onChanged, onDone }: ScoredProps) {
           {scored !== undefined && <RunsPanel client={review.client} requestKey={review.key} attemptId={attempt.id} />}
         </div>
         <div class="stack">
-          {scored?.envelope != null && <EnvelopePanel client={review.client} exercise={attempt.exercise.id} envelope={scored.envelope} metrics={scored.metrics} judged={scored.criteria.map((criterion) => criterion.name)} />}
+          {scored?.envelope != null && (
+            <EnvelopePanel
+              client={review.client}
+              exercise={attempt.exercise.id}
+              envelope={scored.envelope}
+              metrics={scored.metrics}
+              judged={scored.criteria.map((criterion) => criterion.name)}
+            />
+          )}
           {scored !== undefined && <MetricsPanel metrics={scored.metrics} />}
         </div>
       </div>
@@ -141,13 +220,37 @@ function Judgement({ review, onChanged }: { readonly review: Review; readonly on
   const { reference } = attempt;
   return (
     <div class="stack">
-      {score.loaded.state === "loading" && <Card title={say("score.title")}><Loading what={say("loading.score")} /></Card>}
-      {score.loaded.state === "failed" && <Card title={say("score.title")}><ErrorNotice title={say("attempt.score_failed")} message={score.loaded.error.message} onRetry={score.reload} /></Card>}
-      {scored !== undefined && attempt.problem !== "" && <Notice tone="warning" title={say("attempt.rescore_failed")}><p>{attempt.problem}</p></Notice>}
-      {scored !== undefined && <ScorePanel score={scored} reference={reference === null ? undefined : reference.dentist ?? say("attempt.earlier_reference")} override={attempt.override}
-                                           onPlace={review.removed ? undefined : review.showPlace} />}
+      {score.loaded.state === "loading" && (
+        <Card title={say("score.title")}>
+          <Loading what={say("loading.score")} />
+        </Card>
+      )}
+      {score.loaded.state === "failed" && (
+        <Card title={say("score.title")}>
+          <ErrorNotice
+            title={say("attempt.score_failed")}
+            message={score.loaded.error.message}
+            onRetry={score.reload}
+          />
+        </Card>
+      )}
+      {scored !== undefined && attempt.problem !== "" && (
+        <Notice tone="warning" title={say("attempt.rescore_failed")}>
+          <p>{attempt.problem}</p>
+        </Notice>
+      )}
+      {scored !== undefined && (
+        <ScorePanel
+          score={scored}
+          reference={reference === null ? undefined : (reference.dentist ?? say("attempt.earlier_reference"))}
+          override={attempt.override}
+          onPlace={review.removed ? undefined : review.showPlace}
+        />
+      )}
       <AppealPanel client={client} attempt={attempt} onChanged={onChanged} />
-      {recorded !== undefined && review.remarks.loaded.state === "ready" && (review.annotates || review.marks.length > 0) && <AnnotationsPanel review={review} series={recorded} />}
+      {recorded !== undefined &&
+        review.remarks.loaded.state === "ready" &&
+        (review.annotates || review.marks.length > 0) && <AnnotationsPanel review={review} series={recorded} />}
     </div>
   );
 }
@@ -158,10 +261,18 @@ function Replay({ review }: { readonly review: Review }) {
   return (
     <div class="review">
       {beyondS !== undefined && endS !== undefined && (
-        <p class="hint beyond" role="status">{say("attempt.beyond", { asked: formatMoment(beyondS), end: formatMoment(endS) })}</p>
+        <p class="hint beyond" role="status">
+          {say("attempt.beyond", { asked: formatMoment(beyondS), end: formatMoment(endS) })}
+        </p>
       )}
-      {review.noMark && <p class="hint" role="status">{say("span_kind.none")}</p>}
-      <div class="review-tooth" ref={review.picture}><ToothPanel review={review} /></div>
+      {review.noMark && (
+        <p class="hint" role="status">
+          {say("span_kind.none")}
+        </p>
+      )}
+      <div class="review-tooth" ref={review.picture}>
+        <ToothPanel review={review} />
+      </div>
       <ForcePanel review={review} />
     </div>
   );
@@ -184,7 +295,17 @@ function Contradictions({ attempt }: { readonly attempt: AttemptDetail }) {
   return (
     <Card title={say("attempt_flag.contradicted")}>
       <p>{chunks.length === 0 ? say("attempt.two_recordings_text") : say("attempt.contradicted_text")}</p>
-      <ul>{chunks.map((chunk) => <li key={chunk.sha256}>{sayWith("attempt.chunk", { number: String(chunk.seq), when: formatDateTime(chunk.received_ms), hash: <code>{chunk.sha256.slice(0, 16)}…</code> })}</li>)}</ul>
+      <ul>
+        {chunks.map((chunk) => (
+          <li key={chunk.sha256}>
+            {sayWith("attempt.chunk", {
+              number: String(chunk.seq),
+              when: formatDateTime(chunk.received_ms),
+              hash: <code>{chunk.sha256.slice(0, 16)}…</code>,
+            })}
+          </li>
+        ))}
+      </ul>
     </Card>
   );
 }
@@ -193,10 +314,19 @@ function Contradictions({ attempt }: { readonly attempt: AttemptDetail }) {
 function Nearness({ near }: { readonly near: AttemptDetail["nearness"] }) {
   if (near === null || !near.worth_a_look) return null;
   const mm = (value: number) => formatQuantity(value, "mm");
-  const whose = near.person === null ? say("attempt.near_unknown") : say("attempt.near_of", { name: near.person.display_name });
+  const whose =
+    near.person === null ? say("attempt.near_unknown") : say("attempt.near_of", { name: near.person.display_name });
   return (
     <Card title={say("attempt_flag.near_another")}>
-      <p>{sayWith("attempt.near_text", { nearest: mm(near.nearest_mm), whose: near.attempt_id === null ? whose : <a href={`/attempts/${near.attempt_id}`}>{whose}</a>, count: near.others, median: mm(near.median_mm), size: mm(near.size_mm) })}</p>
+      <p>
+        {sayWith("attempt.near_text", {
+          nearest: mm(near.nearest_mm),
+          whose: near.attempt_id === null ? whose : <a href={`/attempts/${near.attempt_id}`}>{whose}</a>,
+          count: near.others,
+          median: mm(near.median_mm),
+          size: mm(near.size_mm),
+        })}
+      </p>
       <p class="hint">{say("attempt.near_hint")}</p>
     </Card>
   );
@@ -214,19 +344,31 @@ function UnscoredAttempt({ attempt }: { readonly attempt: AttemptDetail }) {
 
 function unscoredText(attempt: AttemptDetail) {
   switch (attempt.state) {
-    case "ticketed": return <p>{say("attempt.not_begun")}</p>;
-    case "recording": return <Progress label={say("attempt.recording")} share={undefined} />;
-    case "sealed": return <Progress label={say("attempt_state.sealed")} share={undefined} />;
-    case "scoring": return <Progress label={say("attempt.scoring")} share={attempt.progress} />;
-    case "failed": return <Notice tone="bad" title={say("attempt.not_scored")}><p>{attempt.problem}</p></Notice>;
+    case "ticketed":
+      return <p>{say("attempt.not_begun")}</p>;
+    case "recording":
+      return <Progress label={say("attempt.recording")} share={undefined} />;
+    case "sealed":
+      return <Progress label={say("attempt_state.sealed")} share={undefined} />;
+    case "scoring":
+      return <Progress label={say("attempt.scoring")} share={attempt.progress} />;
+    case "failed":
+      return (
+        <Notice tone="bad" title={say("attempt.not_scored")}>
+          <p>{attempt.problem}</p>
+        </Notice>
+      );
     case "quarantined":
       return (
         <Notice tone="bad" title={say("attempt.set_aside")}>
-          <p>{attempt.problem}</p><p>{say("attempt.set_aside_text")}</p>
+          <p>{attempt.problem}</p>
+          <p>{say("attempt.set_aside_text")}</p>
         </Notice>
       );
-    case "scored": return null;
-    default: return unreachable(attempt.state);
+    case "scored":
+      return null;
+    default:
+      return unreachable(attempt.state);
   }
 }
 
@@ -235,7 +377,9 @@ function WithheldAttempt({ attempt }: { readonly attempt: AttemptDetail }) {
   return (
     <>
       <Card title={say("score.title")}>
-        <Notice tone="neutral" title={say("attempt.not_released")}><p>{withheldText(attempt)}</p></Notice>
+        <Notice tone="neutral" title={say("attempt.not_released")}>
+          <p>{withheldText(attempt)}</p>
+        </Notice>
       </Card>
       <RecordingPanel attempt={attempt} score={undefined} />
     </>
@@ -246,11 +390,15 @@ function AttemptError({ error, onRetry }: { readonly error: ApiError; readonly o
   const missing = error.code === "not_found";
   return (
     <>
-      <nav class="trail" aria-label={say("common.where")}><a href="/attempts">{say("nav.attempts")}</a></nav>
+      <nav class="trail" aria-label={say("common.where")}>
+        <a href="/attempts">{say("nav.attempts")}</a>
+      </nav>
       <PageTitle document={say("attempt.one")}>{say("attempt.one")}</PageTitle>
-      <ErrorNotice title={missing ? say("attempt.none_for_you") : say("attempt.failed")}
-                   message={missing ? say("attempt.none_for_you_text") : error.message}
-                   onRetry={missing ? undefined : onRetry} />
+      <ErrorNotice
+        title={missing ? say("attempt.none_for_you") : say("attempt.failed")}
+        message={missing ? say("attempt.none_for_you_text") : error.message}
+        onRetry={missing ? undefined : onRetry}
+      />
     </>
   );
 }

@@ -8,19 +8,31 @@ const head = { ticks: 1050, rateHz: 1000, frameTicks: 100, frames: 11 } as Head;
 const pose = (gapTicks: number) => ({ gapTicks }) as FramePose;
 
 test("a frame ends after its ticks and every gap before; the last one may be shorter", () => {
-  const clock = new FrameClock(head, Array.from({ length: 11 }, (_, k) => pose(k === 3 ? 2000 : 0)));
-  assert.deepEqual([0, 1, 3, 4, 10, 11].map((frames) => clock.timeOf(frames)), [0, 0.1, 0.3, 2.4, 3, 3.05]);
+  const clock = new FrameClock(
+    head,
+    Array.from({ length: 11 }, (_, k) => pose(k === 3 ? 2000 : 0)),
+  );
+  assert.deepEqual(
+    [0, 1, 3, 4, 10, 11].map((frames) => clock.timeOf(frames)),
+    [0, 0.1, 0.3, 2.4, 3, 3.05],
+  );
   assert.equal(clock.endS, 3.05);
 });
 
 test("a time finds the frame whose end is nearest, and a frame's own time finds that frame", () => {
-  const clock = new FrameClock(head, Array.from({ length: 11 }, (_, k) => pose(k === 3 ? 2000 : 0)));
+  const clock = new FrameClock(
+    head,
+    Array.from({ length: 11 }, (_, k) => pose(k === 3 ? 2000 : 0)),
+  );
   for (let frames = 0; frames <= 11; ++frames) assert.equal(clock.framesAt(clock.timeOf(frames)), frames);
-  assert.deepEqual([-5, 0.04, 0.06, 1, 2, 99].map((timeS) => clock.framesAt(timeS)), [0, 0, 1, 3, 4, 11]);
+  assert.deepEqual(
+    [-5, 0.04, 0.06, 1, 2, 99].map((timeS) => clock.framesAt(timeS)),
+    [0, 0, 1, 3, 4, 11],
+  );
 });
 
 test("gaps are told with the frame that they end in, also where poses are still to come", () => {
-  const poses = Array.from({ length: 5 }, (_, k) => k === 1 ? undefined : pose(k === 3 ? 2000 : 0));
+  const poses = Array.from({ length: 5 }, (_, k) => (k === 1 ? undefined : pose(k === 3 ? 2000 : 0)));
   assert.deepEqual(new FrameClock(head, poses).gaps, [{ frames: 4, seconds: 2, endS: 2.4 }]);
 });
 
@@ -31,6 +43,9 @@ test("thirty seconds are thirty seconds, also where a step of the series is long
 
 test("a time lies in the step that began last", () => {
   const series = { rate_hz: 1000, step_ticks: 300, t_s: [0, 0.3, 0.6, 5.6] } as unknown as Series;
-  assert.deepEqual([-1, 0, 0.29, 0.3, 0.6, 5, 5.6, 99].map((timeS) => stepAt(series, timeS)), [0, 0, 0, 1, 2, 2, 3, 3]);
+  assert.deepEqual(
+    [-1, 0, 0.29, 0.3, 0.6, 5, 5.6, 99].map((timeS) => stepAt(series, timeS)),
+    [0, 0, 0, 1, 2, 2, 3, 3],
+  );
   assert.ok(Math.abs(seriesEndS(series) - 5.9) < 1e-9);
 });

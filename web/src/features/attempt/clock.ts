@@ -5,7 +5,7 @@ import type { FramePose, Head } from "../../api/timeline";
 
 // Where ticks passed that were not recorded.
 export interface Gap {
-  readonly frames: number;                      // it ends where so many frames end
+  readonly frames: number; // it ends where so many frames end
   readonly seconds: number;
   readonly endS: number;
 }
@@ -13,13 +13,19 @@ export interface Gap {
 // When each frame of a playback ends. Before its poses are here no gap is known.
 export class FrameClock {
   readonly gaps: readonly Gap[];
-  private readonly gapTicks: Float64Array;      // before the end of so many frames
+  private readonly gapTicks: Float64Array; // before the end of so many frames
 
-  constructor(private readonly head: Head, poses: readonly (FramePose | undefined)[]) {
+  constructor(
+    private readonly head: Head,
+    poses: readonly (FramePose | undefined)[],
+  ) {
     this.gapTicks = new Float64Array(head.frames + 1);
     for (let k = 0; k < head.frames; ++k) this.gapTicks[k + 1] = this.gapTicks[k]! + (poses[k]?.gapTicks ?? 0);
-    this.gaps = poses.flatMap((pose, k) => pose === undefined || pose.gapTicks === 0 ? []
-      : [{ frames: k + 1, seconds: pose.gapTicks / head.rateHz, endS: this.timeOf(k + 1) }]);
+    this.gaps = poses.flatMap((pose, k) =>
+      pose === undefined || pose.gapTicks === 0
+        ? []
+        : [{ frames: k + 1, seconds: pose.gapTicks / head.rateHz, endS: this.timeOf(k + 1) }],
+    );
   }
 
   get endS(): number {

@@ -4,8 +4,19 @@ import type { Series, Ticks } from "../../api/types";
 import { closeUp, ticksFor } from "./close_up";
 
 const series: Series = {
-  rate_hz: 1000, step_ticks: 300, t_s: [0, 0.3, 0.6], force_n: [1, 1, 1], force_mean_n: [1, 1, 1], bound_n: [6, 6, 6], removed_mm3: [0, 3, 3], removed_by_tissue: {},
-  anchor_mm: [[0, 0, 0], [0, 0, 0], [0, 0, 0]],
+  rate_hz: 1000,
+  step_ticks: 300,
+  t_s: [0, 0.3, 0.6],
+  force_n: [1, 1, 1],
+  force_mean_n: [1, 1, 1],
+  bound_n: [6, 6, 6],
+  removed_mm3: [0, 3, 3],
+  removed_by_tissue: {},
+  anchor_mm: [
+    [0, 0, 0],
+    [0, 0, 0],
+    [0, 0, 0],
+  ],
 };
 
 test("ticks are asked for in blocks, and only where a short part is looked at", () => {
@@ -19,7 +30,15 @@ test("ticks are asked for in blocks, and only where a short part is looked at", 
   assert.equal(ticksFor({ ...series, step_ticks: 1 }, [1, 2]), undefined, "each step is a tick already");
 });
 
-const ticks: Ticks = { from: 0, to: 4000, time_ticks: [149, 150, 450, 900], force_n: [1, 2, 3, 4], computed_n: [1, 2, 3.5, 4], late: [0, 0, 0, 0], limited: [0, 0, 1, 0] };
+const ticks: Ticks = {
+  from: 0,
+  to: 4000,
+  time_ticks: [149, 150, 450, 900],
+  force_n: [1, 2, 3, 4],
+  computed_n: [1, 2, 3.5, 4],
+  late: [0, 0, 0, 0],
+  limited: [0, 0, 1, 0],
+};
 
 test("a gap of the recording is a gap of the line", () => {
   const { timeS, forceN, computedN } = closeUp(ticks, series);
@@ -34,5 +53,8 @@ test("what was removed goes straight from step to step", () => {
   assert.ok(Math.abs(removedMm3[1]! - 1.5) < 1e-9);
   assert.equal(removedMm3[3], 3);
   assert.equal(removedMm3.at(-1), 3);
-  assert.deepEqual(closeUp({ ...ticks, time_ticks: [], force_n: [], computed_n: [], late: [], limited: [] }, series).timeS, []);
+  assert.deepEqual(
+    closeUp({ ...ticks, time_ticks: [], force_n: [], computed_n: [], late: [], limited: [] }, series).timeS,
+    [],
+  );
 });

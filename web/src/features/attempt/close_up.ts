@@ -3,25 +3,25 @@ import type { View } from "./view";
 
 // Where less than a few seconds are looked at, the recording's own ticks take the place of the series' steps.
 
-const kMostTicks = 4000;                        // that the server gives at once
-const kBlockTicks = 1000;                       // who moves the part a little needs nothing new
+const kMostTicks = 4000; // that the server gives at once
+const kBlockTicks = 1000; // who moves the part a little needs nothing new
 
 // The ticks to ask for, for a part of the time; undefined: the series says as much, or they are too many.
 export function ticksFor(series: Series, view: View | undefined): readonly [number, number] | undefined {
   if (view === undefined || series.step_ticks < 2) return undefined;
   const first = Math.max(0, Math.floor(view[0] * series.rate_hz));
-  const from = first - first % kBlockTicks;
+  const from = first - (first % kBlockTicks);
   return view[1] * series.rate_hz > from + kMostTicks ? undefined : [from, from + kMostTicks];
 }
 
 export interface CloseUp {
   readonly timeS: readonly number[];
   readonly forceN: readonly (number | null)[];
-  readonly computedN: readonly (number | null)[] | undefined;  // undefined: nothing was held back
-  readonly removedMm3: readonly number[];       // between the series' steps along a straight line
+  readonly computedN: readonly (number | null)[] | undefined; // undefined: nothing was held back
+  readonly removedMm3: readonly number[]; // between the series' steps along a straight line
 }
 
-const kGapTicks = 1;                            // from tick to tick
+const kGapTicks = 1; // from tick to tick
 
 // Columns to draw. A gap of the recording is a gap of the line.
 export function closeUp(ticks: Ticks, series: Series): CloseUp {

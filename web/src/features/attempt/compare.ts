@@ -11,7 +11,13 @@ export type Placement = "side" | "top";
 // The moment of `other` that belongs to `timeS` of `own`: the same time, the first at which as much was removed, or when the
 // bur was at the same place on its way (`path`: how the two ways belong together; undefined while it is not known). An attempt
 // that has ended, or never removes as much, is at its end.
-export function momentInOther(sync: Sync, own: Series, other: Series, timeS: number, path?: PathMatch): number | undefined {
+export function momentInOther(
+  sync: Sync,
+  own: Series,
+  other: Series,
+  timeS: number,
+  path?: PathMatch,
+): number | undefined {
   if (sync === "path") return path?.(timeS);
   const endS = seriesEndS(other);
   if (sync === "time") return Math.min(timeS, endS);

@@ -25,20 +25,48 @@ interface ChoiceProps {
 // The attempt that this one is compared with: the reference, another one of the same person, or of somebody else's whom
 // one may see.
 export function CompareChoice({ client, attempt, staff, chosen, onChoose }: ChoiceProps) {
-  const [asked, setAsked] = useState(false);    // the list is fetched when somebody wants it
-  const { loaded } = useRequest(asked ? attempt.exercise.id : undefined, (signal) => client.attempts({ exercise: attempt.exercise.id, state: "scored", limit: kMostOthers }, signal));
+  const [asked, setAsked] = useState(false); // the list is fetched when somebody wants it
+  const { loaded } = useRequest(asked ? attempt.exercise.id : undefined, (signal) =>
+    client.attempts({ exercise: attempt.exercise.id, state: "scored", limit: kMostOthers }, signal),
+  );
   const others = loaded.state === "ready" ? loaded.value.items.filter((other) => other.id !== attempt.id) : [];
   const own = others.filter((other) => other.person.id === attempt.person.id);
-  const reference = staff && attempt.reference !== null && attempt.reference.attempt_id !== attempt.id ? attempt.reference : undefined;
-  const title = (other: Attempt) => `${formatDateTime(other.ticketed_ms)}${other.score === null ? "" : `, ${formatScore(other.score)}`}`;
+  const reference =
+    staff && attempt.reference !== null && attempt.reference.attempt_id !== attempt.id ? attempt.reference : undefined;
+  const title = (other: Attempt) =>
+    `${formatDateTime(other.ticketed_ms)}${other.score === null ? "" : `, ${formatScore(other.score)}`}`;
   return (
-    <select aria-label={say("compare.with")} value={chosen ?? ""} onFocus={() => setAsked(true)} onPointerDown={() => setAsked(true)} onChange={(event) => onChoose(event.currentTarget.value || undefined)}>
+    <select
+      aria-label={say("compare.with")}
+      value={chosen ?? ""}
+      onFocus={() => setAsked(true)}
+      onPointerDown={() => setAsked(true)}
+      onChange={(event) => onChoose(event.currentTarget.value || undefined)}
+    >
       <option value="">{say("compare.nothing")}</option>
-      {reference !== undefined && <option value={reference.attempt_id}>{reference.dentist === null ? say("compare.reference") : say("compare.reference_of", { dentist: reference.dentist })}</option>}
-      {own.length > 0 && <optgroup label={say("compare.same_person")}>{own.map((other) => <option key={other.id} value={other.id}>{title(other)}</option>)}</optgroup>}
+      {reference !== undefined && (
+        <option value={reference.attempt_id}>
+          {reference.dentist === null
+            ? say("compare.reference")
+            : say("compare.reference_of", { dentist: reference.dentist })}
+        </option>
+      )}
+      {own.length > 0 && (
+        <optgroup label={say("compare.same_person")}>
+          {own.map((other) => (
+            <option key={other.id} value={other.id}>
+              {title(other)}
+            </option>
+          ))}
+        </optgroup>
+      )}
       {others.length > own.length && (
         <optgroup label={say("compare.others")}>
-          {others.filter((other) => !own.includes(other)).map((other) => <option key={other.id} value={other.id}>{`${other.person.display_name}, ${title(other)}`}</option>)}
+          {others
+            .filter((other) => !own.includes(other))
+            .map((other) => (
+              <option key={other.id} value={other.id}>{`${other.person.display_name}, ${title(other)}`}</option>
+            ))}
         </optgroup>
       )}
       {asked && loaded.state === "loading" && <option disabled>{say("loading.short")}</option>}
@@ -56,9 +84,21 @@ interface BarProps {
 export function CompareBar({ other, placement, onPlacement }: BarProps) {
   return (
     <div class="compare-bar">
-      <Segmented legend={say("compare.placement")} name="compare-placement" value={placement} onChange={onPlacement}
-                 choices={[{ value: "side", title: say("compare.side") }, { value: "top", title: say("compare.top") }]} />
-      <select aria-label={say("compare.moment")} value={other.sync} onChange={(event) => other.setSync(event.currentTarget.value as Sync)}>
+      <Segmented
+        legend={say("compare.placement")}
+        name="compare-placement"
+        value={placement}
+        onChange={onPlacement}
+        choices={[
+          { value: "side", title: say("compare.side") },
+          { value: "top", title: say("compare.top") },
+        ]}
+      />
+      <select
+        aria-label={say("compare.moment")}
+        value={other.sync}
+        onChange={(event) => other.setSync(event.currentTarget.value as Sync)}
+      >
         <option value="time">{say("compare.same_time")}</option>
         <option value="removed">{say("compare.same_removed")}</option>
         <option value="path">{say("compare.same_path")}</option>
@@ -74,16 +114,26 @@ export function isReady(other: Other): boolean {
 }
 
 // Why the other attempt is not seen.
-function OtherMissing({ other: { playback: { state } } }: { readonly other: Other }) {
+function OtherMissing({
+  other: {
+    playback: { state },
+  },
+}: {
+  readonly other: Other;
+}) {
   if (state.state === "loading") return <Loading what={say("loading.other_attempt")} />;
   if (state.state === "ready") return null;
-  return <p class="hint" role="status">{say("compare.cannot", { reason: state.state === "failed" ? state.error.message : state.message })}</p>;
+  return (
+    <p class="hint" role="status">
+      {say("compare.cannot", { reason: state.state === "failed" ? state.error.message : state.message })}
+    </p>
+  );
 }
 
 interface Props {
   readonly other: Other;
   readonly choices: ToothChoices;
-  readonly look: LookHandle;                    // follows how that one is looked at
+  readonly look: LookHandle; // follows how that one is looked at
 }
 
 // Another attempt, at the moment that belongs to this one's.
@@ -95,7 +145,16 @@ export function OtherTooth({ other, choices, look }: Props) {
   if (!isReady(other)) return <OtherMissing other={other} />;
   return (
     <div class="other-tooth">
-      <ToothView led model={model} busy={!playback.drawn} mode={compared === undefined || playback.showing ? "tissue" : choices.mode} label={say("compare.other")} angled={angled} section={choices.section} look={look} />
+      <ToothView
+        led
+        model={model}
+        busy={!playback.drawn}
+        mode={compared === undefined || playback.showing ? "tissue" : choices.mode}
+        label={say("compare.other")}
+        angled={angled}
+        section={choices.section}
+        look={look}
+      />
     </div>
   );
 }

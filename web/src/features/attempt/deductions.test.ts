@@ -5,19 +5,38 @@ import { deductionsOf, deductionText } from "./deductions";
 
 const stroke = (number: number) => ({ number, first_tick: 72_000, first_s: 72.4, volume_mm3: 0.2 });
 const deduction = (changes: Partial<Deduction> = {}): Deduction => ({
-  criterion: "wall_mesial_mm", left: false, volume_mm3: 0.42, position_mm: [1, 0, 0], facing: [1, 0, 0], first_tick: 72_000, first_s: 72.4,
-  stroke_count: 3, strokes: [stroke(7), stroke(8), stroke(9)], ...changes,
+  criterion: "wall_mesial_mm",
+  left: false,
+  volume_mm3: 0.42,
+  position_mm: [1, 0, 0],
+  facing: [1, 0, 0],
+  first_tick: 72_000,
+  first_s: 72.4,
+  stroke_count: 3,
+  strokes: [stroke(7), stroke(8), stroke(9)],
+  ...changes,
 });
 
 test("a deduction says how much, when it began and which strokes did it", () => {
   assert.equal(deductionText(deduction()), "0.42\u00a0mm³ too much, first at 1:12.4; mostly stroke 7 and 2 more");
-  assert.equal(deductionText(deduction({ stroke_count: 1, strokes: [stroke(7)] })), "0.42\u00a0mm³ too much, first at 1:12.4; mostly stroke 7");
+  assert.equal(
+    deductionText(deduction({ stroke_count: 1, strokes: [stroke(7)] })),
+    "0.42\u00a0mm³ too much, first at 1:12.4; mostly stroke 7",
+  );
   assert.equal(deductionText(deduction({ left: true, stroke_count: 0, strokes: [] })), "0.42\u00a0mm³ left standing");
   assert.equal(deductionText(deduction({ stroke_count: 0, strokes: [] })), "0.42\u00a0mm³ too much");
 });
 
 test("a criterion's deductions have most volume first, and leave out what nobody sees", () => {
-  const all = [deduction({ volume_mm3: 0.1 }), deduction({ volume_mm3: 0.5, left: true }), deduction({ volume_mm3: 0.001 }), deduction({ criterion: "floor_mm" })];
-  assert.deepEqual(deductionsOf(all, "wall_mesial_mm").map((each) => each.volume_mm3), [0.5, 0.1]);
+  const all = [
+    deduction({ volume_mm3: 0.1 }),
+    deduction({ volume_mm3: 0.5, left: true }),
+    deduction({ volume_mm3: 0.001 }),
+    deduction({ criterion: "floor_mm" }),
+  ];
+  assert.deepEqual(
+    deductionsOf(all, "wall_mesial_mm").map((each) => each.volume_mm3),
+    [0.5, 0.1],
+  );
   assert.deepEqual(deductionsOf(undefined, "wall_mesial_mm"), []);
 });

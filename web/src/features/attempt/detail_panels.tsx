@@ -1,30 +1,84 @@
 import type { Client } from "../../api/client";
 import type { AttemptDetail, Metric, Score } from "../../api/types";
 import { useRequest } from "../../api/use_request";
-import { formatBytes, formatDateTime, formatDuration, formatNumber, formatQuantity, formatScore } from "../../base/format";
+import {
+  formatBytes,
+  formatDateTime,
+  formatDuration,
+  formatNumber,
+  formatQuantity,
+  formatScore,
+} from "../../base/format";
 import { metricTitle } from "../../base/metric_titles";
 import { say } from "../../base/words";
 import { Badge, Card, Notice } from "../../widgets/basics";
 import { DataTable } from "../../widgets/table";
 import { heldBy, recordingFacts, saidFacts } from "./summary";
 
-export function RecordingPanel({ attempt, score }: { readonly attempt: AttemptDetail; readonly score: Score | undefined }) {
+export function RecordingPanel({
+  attempt,
+  score,
+}: {
+  readonly attempt: AttemptDetail;
+  readonly score: Score | undefined;
+}) {
   const facts = recordingFacts(attempt, score);
   return (
     <Card title={say("recording.title")}>
       <Notice tone={facts.complete ? "good" : "warning"} title={facts.headline}>
-        {facts.details.length > 0 && <ul>{facts.details.map((text) => <li key={text}>{text}</li>)}</ul>}
+        {facts.details.length > 0 && (
+          <ul>
+            {facts.details.map((text) => (
+              <li key={text}>{text}</li>
+            ))}
+          </ul>
+        )}
       </Notice>
       <dl class="facts stacked">
-        <div><dt>{say("recording.ticks")}</dt><dd>{formatNumber(attempt.ticks, 0)}</dd></div>
-        <div><dt>{say("recording.gaps")}</dt><dd>{attempt.gap_ticks === 0 ? say("common.none_there") : say("count.ticks", { count: attempt.gap_ticks })}</dd></div>
-        <div><dt>{say("recording.duration")}</dt><dd>{formatDuration(attempt.duration_s)}</dd></div>
-        <div><dt>{say("recording.chunks")}</dt><dd>{formatNumber(attempt.chunks, 0)}, {formatBytes(attempt.trace_bytes)}</dd></div>
-        <div><dt>{say("common.station")}</dt><dd>{attempt.station.name}</dd></div>
-        <div><dt>{say("common.device")}</dt><dd>{attempt.profile.title}</dd></div>
-        <div><dt>{say("recording.held_by")}</dt><dd>{heldBy(attempt.hand)}</dd></div>
-        {saidFacts(attempt.facts).map(({ name, value }) => <div key={name}><dt>{name}</dt><dd>{value}</dd></div>)}
-        {score !== undefined && <div><dt>{say("recording.replay")}</dt><dd>{say("recording.core", { version: String(score.core_version) })}</dd></div>}
+        <div>
+          <dt>{say("recording.ticks")}</dt>
+          <dd>{formatNumber(attempt.ticks, 0)}</dd>
+        </div>
+        <div>
+          <dt>{say("recording.gaps")}</dt>
+          <dd>
+            {attempt.gap_ticks === 0 ? say("common.none_there") : say("count.ticks", { count: attempt.gap_ticks })}
+          </dd>
+        </div>
+        <div>
+          <dt>{say("recording.duration")}</dt>
+          <dd>{formatDuration(attempt.duration_s)}</dd>
+        </div>
+        <div>
+          <dt>{say("recording.chunks")}</dt>
+          <dd>
+            {formatNumber(attempt.chunks, 0)}, {formatBytes(attempt.trace_bytes)}
+          </dd>
+        </div>
+        <div>
+          <dt>{say("common.station")}</dt>
+          <dd>{attempt.station.name}</dd>
+        </div>
+        <div>
+          <dt>{say("common.device")}</dt>
+          <dd>{attempt.profile.title}</dd>
+        </div>
+        <div>
+          <dt>{say("recording.held_by")}</dt>
+          <dd>{heldBy(attempt.hand)}</dd>
+        </div>
+        {saidFacts(attempt.facts).map(({ name, value }) => (
+          <div key={name}>
+            <dt>{name}</dt>
+            <dd>{value}</dd>
+          </div>
+        ))}
+        {score !== undefined && (
+          <div>
+            <dt>{say("recording.replay")}</dt>
+            <dd>{say("recording.core", { version: String(score.core_version) })}</dd>
+          </div>
+        )}
       </dl>
     </Card>
   );
@@ -35,7 +89,10 @@ export function MetricsPanel({ metrics }: { readonly metrics: readonly Metric[] 
     <Card title={say("recording.all_measurements")}>
       <dl class="facts stacked two">
         {metrics.map((metric) => (
-          <div key={metric.name}><dt>{metricTitle(metric.name, metric.unit)}</dt><dd>{formatQuantity(metric.value, metric.unit)}</dd></div>
+          <div key={metric.name}>
+            <dt>{metricTitle(metric.name, metric.unit)}</dt>
+            <dd>{formatQuantity(metric.value, metric.unit)}</dd>
+          </div>
         ))}
       </dl>
     </Card>
@@ -43,20 +100,59 @@ export function MetricsPanel({ metrics }: { readonly metrics: readonly Metric[] 
 }
 
 const kCauses: Readonly<Record<string, string>> = {
-  get seal() { return say("run_cause.seal"); }, get reference() { return say("run_cause.reference"); }, get rescore() { return say("run_cause.rescore"); }, get appeal() { return say("run_cause.appeal"); }, get rubric() { return say("run_cause.rubric"); }, get restore() { return say("run_cause.restore"); },
+  get seal() {
+    return say("run_cause.seal");
+  },
+  get reference() {
+    return say("run_cause.reference");
+  },
+  get rescore() {
+    return say("run_cause.rescore");
+  },
+  get appeal() {
+    return say("run_cause.appeal");
+  },
+  get rubric() {
+    return say("run_cause.rubric");
+  },
+  get restore() {
+    return say("run_cause.restore");
+  },
 };
 
 // Every time the attempt was scored; nothing to say as long as that was once.
-export function RunsPanel({ client, requestKey, attemptId }: { readonly client: Client; readonly requestKey: string; readonly attemptId: string }) {
+export function RunsPanel({
+  client,
+  requestKey,
+  attemptId,
+}: {
+  readonly client: Client;
+  readonly requestKey: string;
+  readonly attemptId: string;
+}) {
   const { loaded } = useRequest(requestKey, (signal) => client.teaching.results(attemptId, signal));
   if (loaded.state !== "ready" || loaded.value.length < 2) return null;
   return (
     <Card title={say("recording.runs")}>
-      <DataTable label={say("recording.runs_table")} items={loaded.value} dense columns={[
-        { title: say("common.when"), cell: (run) => formatDateTime(run.scored_ms) },
-        { title: say("jobs.why"), cell: (run) => kCauses[run.cause] ?? run.cause },
-        { title: say("common.score"), number: true, cell: (run) => <>{formatScore(run.score.score)} {run.score.critical_fail && <Badge tone="bad">{say("attempt_flag.critical")}</Badge>}</> },
-      ]} />
+      <DataTable
+        label={say("recording.runs_table")}
+        items={loaded.value}
+        dense
+        columns={[
+          { title: say("common.when"), cell: (run) => formatDateTime(run.scored_ms) },
+          { title: say("jobs.why"), cell: (run) => kCauses[run.cause] ?? run.cause },
+          {
+            title: say("common.score"),
+            number: true,
+            cell: (run) => (
+              <>
+                {formatScore(run.score.score)}{" "}
+                {run.score.critical_fail && <Badge tone="bad">{say("attempt_flag.critical")}</Badge>}
+              </>
+            ),
+          },
+        ]}
+      />
       <p class="hint">{say("recording.newest_counts")}</p>
     </Card>
   );

@@ -16,31 +16,57 @@ function surfaceOf(vertices: readonly Vertex[]): Surface {
 }
 
 test("a mesial wall that is 0.3 mm too deep is named first, with its sign", () => {
-  const summary = summariseDeviation(surfaceOf([
-    [[-1, 0, 0], 0.3], [[-1, 0, 0], 0.28], [[1, 0, 0], -0.02], [[0, 0, 1], 0.01], [[0, 1, 0], 0],
-  ]), 0.1);
+  const summary = summariseDeviation(
+    surfaceOf([
+      [[-1, 0, 0], 0.3],
+      [[-1, 0, 0], 0.28],
+      [[1, 0, 0], -0.02],
+      [[0, 0, 1], 0.01],
+      [[0, 1, 0], 0],
+    ]),
+    0.1,
+  );
   assert.equal(summary?.sides[0]?.side, "mesial_wall");
   assert.ok(Math.abs(summary.sides[0].meanMm - 0.29) < 1e-6);
   assert.ok(Math.abs(summary.sides[0].mostMm - 0.3) < 1e-6);
 });
 
 test("shares of more, less and within tolerance add up to the whole", () => {
-  const summary = summariseDeviation(surfaceOf([
-    [[0, 0, 1], 0.2], [[0, 0, 1], -0.2], [[0, 0, 1], 0.05], [[0, 0, 1], 0],
-  ]), 0.1);
+  const summary = summariseDeviation(
+    surfaceOf([
+      [[0, 0, 1], 0.2],
+      [[0, 0, 1], -0.2],
+      [[0, 0, 1], 0.05],
+      [[0, 0, 1], 0],
+    ]),
+    0.1,
+  );
   assert.equal(summary?.overShare, 0.25);
   assert.equal(summary?.underShare, 0.25);
   assert.equal(summary?.withinShare, 0.5);
 });
 
 test("untouched vertices do not count, and nothing compared is no summary", () => {
-  assert.equal(summariseDeviation(surfaceOf([[[0, 0, 1], Number.NaN], [[0, 0, 1], 0.4]]), 0.1)?.vertices, 1);
+  assert.equal(
+    summariseDeviation(
+      surfaceOf([
+        [[0, 0, 1], Number.NaN],
+        [[0, 0, 1], 0.4],
+      ]),
+      0.1,
+    )?.vertices,
+    1,
+  );
   assert.equal(summariseDeviation(surfaceOf([[[0, 0, 1], Number.NaN]]), 0.1), undefined);
   assert.equal(summariseDeviation({ ...surfaceOf([]), deviationMm: undefined }, 0.1), undefined);
 });
 
 test("the view begins opposite the wall that deviates most, at the middle of what was cut", () => {
-  const surface = surfaceOf([[[-1, 0, 0], 0.3], [[0, 0, 1], 0], [[0, 1, 0], Number.NaN]]);
+  const surface = surfaceOf([
+    [[-1, 0, 0], 0.3],
+    [[0, 0, 1], 0],
+    [[0, 1, 0], Number.NaN],
+  ]);
   surface.positionMm.set([2, 0, 1, 0, 0, -1, 90, 90, 90]);
   const { direction, centre } = outlook(surface, summariseDeviation(surface, 0.1)?.sides[0]?.side);
   assert.ok(direction[0] < 0 && direction[2] > 0);

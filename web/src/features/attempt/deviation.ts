@@ -11,7 +11,7 @@ export interface SideDeviation {
   readonly side: CavitySide;
   readonly vertices: number;
   readonly meanMm: number;
-  readonly mostMm: number;                      // the deviation of greatest size, with its sign
+  readonly mostMm: number; // the deviation of greatest size, with its sign
 }
 
 // Where to look from, and at what, to see the side that deviates most.
@@ -22,25 +22,32 @@ export interface Outlook {
 type Point = readonly [number, number, number];
 
 export interface DeviationSummary {
-  readonly vertices: number;                    // compared with the reference
+  readonly vertices: number; // compared with the reference
   readonly toleranceMm: number;
-  readonly withinShare: number;                 // |deviation| <= toleranceMm
-  readonly overShare: number;                   // more removed than that
+  readonly withinShare: number; // |deviation| <= toleranceMm
+  readonly overShare: number; // more removed than that
   readonly underShare: number;
-  readonly p95Mm: number;                       // of the size
-  readonly sides: readonly SideDeviation[];     // most deviating first; only sides that have vertices
+  readonly p95Mm: number; // of the size
+  readonly sides: readonly SideDeviation[]; // most deviating first; only sides that have vertices
 }
 
-const kFacing = 0.7;                            // a normal's component along a side's direction, about 45 degrees
+const kFacing = 0.7; // a normal's component along a side's direction, about 45 degrees
 
 // A wall of the cavity faces inward: the mesial wall's outward normal points distally, to -x.
 const kSides: ReadonlyArray<readonly [CavitySide, number, number]> = [
-  ["mesial_wall", 0, -1], ["distal_wall", 0, 1], ["buccal_wall", 1, -1], ["lingual_wall", 1, 1], ["floor", 2, 1],
+  ["mesial_wall", 0, -1],
+  ["distal_wall", 0, 1],
+  ["buccal_wall", 1, -1],
+  ["lingual_wall", 1, 1],
+  ["floor", 2, 1],
 ];
 
 const kDefaultOutlook: Outlook = { direction: [0.5, -0.6, 0.9], centre: undefined };
 const kOutlooks: Readonly<Record<string, Point>> = {
-  "mesial_wall": [-0.75, -0.45, 1], "distal_wall": [0.75, -0.45, 1], "buccal_wall": [0.4, -0.75, 1], "lingual_wall": [-0.4, 0.75, 1],
+  mesial_wall: [-0.75, -0.45, 1],
+  distal_wall: [0.75, -0.45, 1],
+  buccal_wall: [0.4, -0.75, 1],
+  lingual_wall: [-0.4, 0.75, 1],
 };
 
 export function outlook(surface: Compared | undefined, worst: CavitySide | undefined): Outlook {
@@ -80,11 +87,21 @@ export function summariseDeviation(surface: Compared, toleranceMm: number): Devi
   if (sizes.length === 0) return undefined;
   const n = sizes.length;
   return {
-    vertices: n, toleranceMm, overShare: over / n, underShare: under / n, withinShare: (n - over - under) / n,
+    vertices: n,
+    toleranceMm,
+    overShare: over / n,
+    underShare: under / n,
+    withinShare: (n - over - under) / n,
     p95Mm: percentile(sizes, 0.95),
-    sides: kSides.map(([name], i) => ({ name, side: sides[i]! }))
+    sides: kSides
+      .map(([name], i) => ({ name, side: sides[i]! }))
       .filter(({ side }) => side.vertices > 0)
-      .map(({ name, side }) => ({ side: name, vertices: side.vertices, meanMm: side.sum / side.vertices, mostMm: side.most }))
+      .map(({ name, side }) => ({
+        side: name,
+        vertices: side.vertices,
+        meanMm: side.sum / side.vertices,
+        mostMm: side.most,
+      }))
       .sort((a, b) => Math.abs(b.meanMm) - Math.abs(a.meanMm)),
   };
 }

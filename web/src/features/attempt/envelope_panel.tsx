@@ -13,14 +13,16 @@ interface Props {
   readonly exercise: string;
   readonly envelope: Envelope;
   readonly metrics: Score["metrics"];
-  readonly judged: readonly string[];           // metrics of the rubric, in its order
+  readonly judged: readonly string[]; // metrics of the rubric, in its order
 }
 
 // Where the attempt lies among several dentists' cuts. Points come from the newest of them alone.
 export function EnvelopePanel({ client, exercise, envelope, metrics, judged }: Props) {
   const references = useRequest(exercise, (signal) => client.teaching.references(exercise, signal));
   const known = references.loaded.state === "ready" ? references.loaded.value : [];
-  const nameOf = (attempt: string, place: number) => known.find((each) => each.attempt_id === attempt)?.dentist ?? say("envelope.dentist", { number: String(place + 1) });
+  const nameOf = (attempt: string, place: number) =>
+    known.find((each) => each.attempt_id === attempt)?.dentist ??
+    say("envelope.dentist", { number: String(place + 1) });
   const [nearest] = envelope.references;
   const rows = judged.flatMap((name) => {
     const place = envelope.metrics.find((each) => each.name === name);
@@ -29,18 +31,48 @@ export function EnvelopePanel({ client, exercise, envelope, metrics, judged }: P
   });
   return (
     <Card title={say("envelope.title", { count: envelope.references.length })}>
-      {nearest !== undefined && <p>{say("envelope.nearest", { name: nameOf(nearest.attempt, 0), percent: formatNumber(nearest.overlap_percent, 1) })}</p>}
+      {nearest !== undefined && (
+        <p>
+          {say("envelope.nearest", {
+            name: nameOf(nearest.attempt, 0),
+            percent: formatNumber(nearest.overlap_percent, 1),
+          })}
+        </p>
+      )}
       <dl class="facts stacked">
-        <div><dt>{say("envelope.by_none")}</dt><dd>{formatQuantity(envelope.taken_by_mm3[0] ?? 0, "mm3")}</dd></div>
-        <div><dt>{say("envelope.by_all")}</dt><dd>{formatQuantity(envelope.left_of_all_mm3, "mm3")}</dd></div>
-        <div><dt>{say("envelope.differ")}</dt><dd>{formatQuantity(envelope.disputed_mm3, "mm3")}</dd></div>
+        <div>
+          <dt>{say("envelope.by_none")}</dt>
+          <dd>{formatQuantity(envelope.taken_by_mm3[0] ?? 0, "mm3")}</dd>
+        </div>
+        <div>
+          <dt>{say("envelope.by_all")}</dt>
+          <dd>{formatQuantity(envelope.left_of_all_mm3, "mm3")}</dd>
+        </div>
+        <div>
+          <dt>{say("envelope.differ")}</dt>
+          <dd>{formatQuantity(envelope.disputed_mm3, "mm3")}</dd>
+        </div>
       </dl>
-      <DataTable label={say("envelope.criteria")} items={rows} rowKey={(row) => row.name} dense columns={[
-        { title: say("common.criterion"), cell: (row) => metricTitle(row.name, row.unit) },
-        { title: say("editor.here"), number: true, cell: (row) => formatQuantity(row.value, row.unit) },
-        { title: say("envelope.dentists"), number: true, cell: (row) => say("marks.range", { low: formatQuantity(row.least, row.unit), high: formatQuantity(row.most, row.unit) }) },
-        { title: say("envelope.place"), cell: placeAmong },
-      ]} />
+      <DataTable
+        label={say("envelope.criteria")}
+        items={rows}
+        rowKey={(row) => row.name}
+        dense
+        columns={[
+          { title: say("common.criterion"), cell: (row) => metricTitle(row.name, row.unit) },
+          { title: say("editor.here"), number: true, cell: (row) => formatQuantity(row.value, row.unit) },
+          {
+            title: say("envelope.dentists"),
+            number: true,
+            cell: (row) =>
+              say("marks.range", {
+                low: formatQuantity(row.least, row.unit),
+                high: formatQuantity(row.most, row.unit),
+              }),
+          },
+          { title: say("envelope.place"), cell: placeAmong },
+        ]}
+      />
       <p class="hint">{say("envelope.points")}</p>
     </Card>
   );

@@ -1,6 +1,14 @@
 import { say } from "../../base/words";
 // Where a value lies among the dentists'. Neither side is said to be better: of some criteria less is, of others more.
-export function placeAmong({ value, least, most }: { readonly value: number; readonly least: number; readonly most: number }): string {
+export function placeAmong({
+  value,
+  least,
+  most,
+}: {
+  readonly value: number;
+  readonly least: number;
+  readonly most: number;
+}): string {
   if (value < least) return say("envelope.below");
   return value > most ? say("envelope.above") : say("envelope.among");
 }

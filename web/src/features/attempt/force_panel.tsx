@@ -24,16 +24,33 @@ export function ForcePanel({ review }: { readonly review: Review }) {
   return (
     <Card title={say("force.title")} className="force-card">
       {loaded.state === "loading" && <Loading what={say("loading.force")} />}
-      {loaded.state === "failed" && <ErrorNotice title={say("force.failed")} message={loaded.error.message} onRetry={reload} />}
-      {loaded.state === "ready" && (loaded.value.t_s.length === 0
-        ? <p class="empty">{say("force.no_step")}</p>
-        : <LoadedForce series={loaded.value} review={review} />)}
+      {loaded.state === "failed" && (
+        <ErrorNotice title={say("force.failed")} message={loaded.error.message} onRetry={reload} />
+      )}
+      {loaded.state === "ready" &&
+        (loaded.value.t_s.length === 0 ? (
+          <p class="empty">{say("force.no_step")}</p>
+        ) : (
+          <LoadedForce series={loaded.value} review={review} />
+        ))}
     </Card>
   );
 }
 
 function LoadedForce({ series, review }: { readonly series: Series; readonly review: Review }) {
-  const { client, attempt, cursor, momentS: timeS, marks, spans, chosen, plots, choose, setCursor: onCursor, setTimeS: onTime } = review;
+  const {
+    client,
+    attempt,
+    cursor,
+    momentS: timeS,
+    marks,
+    spans,
+    chosen,
+    plots,
+    choose,
+    setCursor: onCursor,
+    setTimeS: onTime,
+  } = review;
   const last = series.t_s.length - 1;
   const at = Math.min(cursor, last);
   const whole = useMemo((): View => [series.t_s[0] ?? 0, series.t_s.at(-1) ?? 0], [series]);
@@ -41,22 +58,45 @@ function LoadedForce({ series, review }: { readonly series: Series; readonly rev
   // Who moves the moment past the edge takes the part along.
   useEffect(() => setView((was) => showing(whole, was, series.t_s[at] ?? 0)), [whole, series, at]);
   const wanted = ticksFor(series, view);
-  const { loaded: near } = useRequest(wanted === undefined ? undefined : `${attempt.id} ${wanted[0]}`, (signal) => client.ticks(attempt.id, ...wanted!, signal));
-  const close = useMemo(() => near.state === "ready" && near.value.time_ticks.length > 0 ? closeUp(near.value, series) : undefined, [near, series]);
+  const { loaded: near } = useRequest(wanted === undefined ? undefined : `${attempt.id} ${wanted[0]}`, (signal) =>
+    client.ticks(attempt.id, ...wanted!, signal),
+  );
+  const close = useMemo(
+    () => (near.state === "ready" && near.value.time_ticks.length > 0 ? closeUp(near.value, series) : undefined),
+    [near, series],
+  );
   const lines = useMemo(() => linesOf(series), [series]);
   const zoom = (atS: number, by: number) => setView(zoomed(whole, view, atS, by));
-  plots.zoom = (direction) => direction === 0 ? setView(undefined) : zoom(series.t_s[at] ?? 0, kZoomStep ** -direction);
+  plots.zoom = (direction) =>
+    direction === 0 ? setView(undefined) : zoom(series.t_s[at] ?? 0, kZoomStep ** -direction);
   const [fromS, toS] = view ?? whole;
-  const shown = view === undefined ? marks : marks.filter((mark) => (series.t_s[mark.step] ?? 0) >= fromS && (series.t_s[mark.step] ?? 0) <= toS);
-  const shareOf = (mark: Mark) => view === undefined ? mark.share : ((series.t_s[mark.step] ?? 0) - fromS) / (toS - fromS);
+  const shown =
+    view === undefined
+      ? marks
+      : marks.filter((mark) => (series.t_s[mark.step] ?? 0) >= fromS && (series.t_s[mark.step] ?? 0) <= toS);
+  const shareOf = (mark: Mark) =>
+    view === undefined ? mark.share : ((series.t_s[mark.step] ?? 0) - fromS) / (toS - fromS);
   const digits = close === undefined ? 1 : 2;
-  const shownText = say(close === undefined ? "force.shown" : "force.shown_ticks", { from: formatMoment(fromS, digits), to: formatMoment(toS, digits) });
+  const shownText = say(close === undefined ? "force.shown" : "force.shown_ticks", {
+    from: formatMoment(fromS, digits),
+    to: formatMoment(toS, digits),
+  });
   const [more, setMore] = useState(false);
   plots.more = () => setMore((was) => !was);
-  const moreLines = useMemo(() => more ? moreLinesOf(series) : [], [series, more]);
-  const { loaded: asked } = useRequest(more ? attempt.exercise.id : undefined, (signal) => client.teaching.exercise(attempt.exercise.id, signal));
-  const deepLines = useMemo(() => more ? deepLinesOf(series, asked.state === "ready" ? asked.value.value.target : undefined) : [], [series, more, asked]);
-  const moved = { view, onZoom: zoom, onPan: (byS: number) => setView(panned(whole, view, byS)), onWhole: () => setView(undefined) };
+  const moreLines = useMemo(() => (more ? moreLinesOf(series) : []), [series, more]);
+  const { loaded: asked } = useRequest(more ? attempt.exercise.id : undefined, (signal) =>
+    client.teaching.exercise(attempt.exercise.id, signal),
+  );
+  const deepLines = useMemo(
+    () => (more ? deepLinesOf(series, asked.state === "ready" ? asked.value.value.target : undefined) : []),
+    [series, more, asked],
+  );
+  const moved = {
+    view,
+    onZoom: zoom,
+    onPan: (byS: number) => setView(panned(whole, view, byS)),
+    onWhole: () => setView(undefined),
+  };
   const axis = useRef<HTMLDivElement>(null);
   const align = (leftPx: number, rightPx: number) => {
     axis.current?.style.setProperty("--axis-left", `${leftPx}px`);
@@ -67,29 +107,103 @@ function LoadedForce({ series, review }: { readonly series: Series; readonly rev
       {marks.length > 0 && (
         <div class="marks" role="group" aria-label={say("force.remarks")}>
           {shown.map((mark) => (
-            <button key={mark.annotation.id} type="button" class={mark.annotation.id === chosen ? "mark chosen" : "mark"} style={{ left: `${100 * shareOf(mark)}%` }}
-                    aria-pressed={mark.annotation.id === chosen} onClick={() => choose(mark)}><span class="hidden">{say("remarks.one")}</span>{mark.number}</button>
+            <button
+              key={mark.annotation.id}
+              type="button"
+              class={mark.annotation.id === chosen ? "mark chosen" : "mark"}
+              style={{ left: `${100 * shareOf(mark)}%` }}
+              aria-pressed={mark.annotation.id === chosen}
+              onClick={() => choose(mark)}
+            >
+              <span class="hidden">{say("remarks.one")}</span>
+              {mark.number}
+            </button>
           ))}
         </div>
       )}
       {spans.length > 0 && <SpanStrip spans={spans} fromS={fromS} toS={toS} onTime={onTime} />}
       <div class="timeline">
-        <label class="hidden" for="timeline">{say("live.time_in")}</label>
-        <input id="timeline" type="range" min={view === undefined ? 0 : stepAt(series, fromS)} max={view === undefined ? last : stepAt(series, toS)} step={1} value={at}
-               aria-valuetext={lines.reduce((text, line) => `${text}, ${line.label} ${readText(line, at)}`,
-                                            `${formatMoment(series.t_s[at] ?? 0)}`)}
-               onInput={(event) => onCursor(Number(event.currentTarget.value))} />
+        <label class="hidden" for="timeline">
+          {say("live.time_in")}
+        </label>
+        <input
+          id="timeline"
+          type="range"
+          min={view === undefined ? 0 : stepAt(series, fromS)}
+          max={view === undefined ? last : stepAt(series, toS)}
+          step={1}
+          value={at}
+          aria-valuetext={lines.reduce(
+            (text, line) => `${text}, ${line.label} ${readText(line, at)}`,
+            `${formatMoment(series.t_s[at] ?? 0)}`,
+          )}
+          onInput={(event) => onCursor(Number(event.currentTarget.value))}
+        />
       </div>
-      {close === undefined
-        ? <TimePlot key="series" timeS={series.t_s} lines={lines} leftTitle={say("force.force_n")} rightTitle={say("force.removed_mm3")} label={plotText(series)}
-                    cursor={at} onCursor={onCursor} onAxis={align} heightPx={kHeightPx} {...moved} />
-        : <CloseUpPlot close={close} timeS={timeS} onTime={onTime} leftTitle={say("force.force_n")} rightTitle={say("force.removed_mm3")} label={`${plotText(series)} ${shownText}`}
-                       onAxis={align} {...moved} />}
-      {more && <TimePlot timeS={series.t_s} lines={moreLines} leftTitle={say("force.speed")} rightTitle={say("force.removed_mm3")} label={moreText(moreLines)} cursor={at} onCursor={onCursor} heightPx={kHeightPx} {...moved} />}
-      {deepLines.length > 0 && <TimePlot timeS={series.t_s} lines={deepLines} leftTitle={say("force.depth_mm")} rightTitle={say("force.pulp_mm")} label={moreText(deepLines)} cursor={at} onCursor={onCursor} heightPx={kHeightPx} {...moved} />}
-      {view !== undefined && <p class="hint view-of" role="status">{shownText} <button type="button" class="button small quiet" onClick={() => setView(undefined)}>{say("attempts.show_all")}</button></p>}
+      {close === undefined ? (
+        <TimePlot
+          key="series"
+          timeS={series.t_s}
+          lines={lines}
+          leftTitle={say("force.force_n")}
+          rightTitle={say("force.removed_mm3")}
+          label={plotText(series)}
+          cursor={at}
+          onCursor={onCursor}
+          onAxis={align}
+          heightPx={kHeightPx}
+          {...moved}
+        />
+      ) : (
+        <CloseUpPlot
+          close={close}
+          timeS={timeS}
+          onTime={onTime}
+          leftTitle={say("force.force_n")}
+          rightTitle={say("force.removed_mm3")}
+          label={`${plotText(series)} ${shownText}`}
+          onAxis={align}
+          {...moved}
+        />
+      )}
+      {more && (
+        <TimePlot
+          timeS={series.t_s}
+          lines={moreLines}
+          leftTitle={say("force.speed")}
+          rightTitle={say("force.removed_mm3")}
+          label={moreText(moreLines)}
+          cursor={at}
+          onCursor={onCursor}
+          heightPx={kHeightPx}
+          {...moved}
+        />
+      )}
+      {deepLines.length > 0 && (
+        <TimePlot
+          timeS={series.t_s}
+          lines={deepLines}
+          leftTitle={say("force.depth_mm")}
+          rightTitle={say("force.pulp_mm")}
+          label={moreText(deepLines)}
+          cursor={at}
+          onCursor={onCursor}
+          heightPx={kHeightPx}
+          {...moved}
+        />
+      )}
+      {view !== undefined && (
+        <p class="hint view-of" role="status">
+          {shownText}{" "}
+          <button type="button" class="button small quiet" onClick={() => setView(undefined)}>
+            {say("attempts.show_all")}
+          </button>
+        </p>
+      )}
       {spans.length > 0 && <SpanLegend spans={spans} />}
-      <button type="button" class="button small quiet no-print" aria-pressed={more} onClick={() => setMore(!more)}>{say("force.more")}</button>
+      <button type="button" class="button small quiet no-print" aria-pressed={more} onClick={() => setMore(!more)}>
+        {say("force.more")}
+      </button>
       <MomentLinkButton link={review.link} />
       <Readout lines={[...lines, ...moreLines, ...deepLines]} timeS={timeS} index={at} />
       <RangePanel series={series} range={review.range} />
@@ -102,15 +216,62 @@ function LoadedForce({ series, review }: { readonly series: Series; readonly rev
 }
 
 // The same lines, tick by tick. The cursor stands at the tick of the moment.
-function CloseUpPlot({ close, timeS, onTime, ...rest }: Omit<Parameters<typeof TimePlot>[0], "timeS" | "lines" | "cursor" | "onCursor" | "heightPx"> &
-                     { readonly close: CloseUp; readonly timeS: number; readonly onTime: (timeS: number) => void }) {
-  const lines = useMemo((): PlotLine[] => [
-    { label: say("plot.removed_volume"), unit: "mm3", values: close.removedMm3, colorVariable: "--plot-removed", axis: "right", fill: true, dash: [7, 4] },
-    { label: say("plot.sent_force"), unit: "N", values: close.forceN, colorVariable: "--plot-force", axis: "left", width: 1.4 },
-    ...(close.computedN === undefined ? [] : [{ label: say("plot.computed_force"), unit: "N", values: close.computedN, colorVariable: "--plot-computed", axis: "left" as const, width: 1, dash: [3, 3] }]),
-  ], [close]);
+function CloseUpPlot({
+  close,
+  timeS,
+  onTime,
+  ...rest
+}: Omit<Parameters<typeof TimePlot>[0], "timeS" | "lines" | "cursor" | "onCursor" | "heightPx"> & {
+  readonly close: CloseUp;
+  readonly timeS: number;
+  readonly onTime: (timeS: number) => void;
+}) {
+  const lines = useMemo(
+    (): PlotLine[] => [
+      {
+        label: say("plot.removed_volume"),
+        unit: "mm3",
+        values: close.removedMm3,
+        colorVariable: "--plot-removed",
+        axis: "right",
+        fill: true,
+        dash: [7, 4],
+      },
+      {
+        label: say("plot.sent_force"),
+        unit: "N",
+        values: close.forceN,
+        colorVariable: "--plot-force",
+        axis: "left",
+        width: 1.4,
+      },
+      ...(close.computedN === undefined
+        ? []
+        : [
+            {
+              label: say("plot.computed_force"),
+              unit: "N",
+              values: close.computedN,
+              colorVariable: "--plot-computed",
+              axis: "left" as const,
+              width: 1,
+              dash: [3, 3],
+            },
+          ]),
+    ],
+    [close],
+  );
   const at = stepIn(close.timeS, timeS);
-  return <TimePlot {...rest} timeS={close.timeS} lines={lines} cursor={at} onCursor={(index) => onTime(close.timeS[index] ?? timeS)} heightPx={kHeightPx} />;
+  return (
+    <TimePlot
+      {...rest}
+      timeS={close.timeS}
+      lines={lines}
+      cursor={at}
+      onCursor={(index) => onTime(close.timeS[index] ?? timeS)}
+      heightPx={kHeightPx}
+    />
+  );
 }
 
 // The address is shown as well: where the browser does not allow copying, it can be taken from there.
@@ -118,7 +279,9 @@ function MomentLinkButton({ link }: { readonly link: () => string }) {
   const [shown, setShown] = useState<string>();
   return (
     <div class="moment-link no-print">
-      <button type="button" class="button small quiet" onClick={() => setShown(link())}>{say("force.link")}</button>
+      <button type="button" class="button small quiet" onClick={() => setShown(link())}>
+        {say("force.link")}
+      </button>
       {shown !== undefined && <CopyText key={shown} text={shown} what={say("copy.link")} />}
     </div>
   );
@@ -128,32 +291,96 @@ function linesOf(series: Series): PlotLine[] {
   const bound = boundLine(series);
   const computed = heldBack(series);
   return [
-    { label: say("plot.removed_volume"), unit: "mm3", values: series.removed_mm3, colorVariable: "--plot-removed", axis: "right", fill: true, dash: [7, 4] },
-    { label: say("plot.largest_force"), unit: "N", values: series.force_n, colorVariable: "--plot-force", axis: "left", width: 1 },
-    { label: say("plot.mean_force"), unit: "N", values: series.force_mean_n, colorVariable: "--plot-mean", axis: "left", width: 2.2 },
-    ...(computed === undefined ? [] : [{ label: say("plot.computed_force"), unit: "N", values: computed, colorVariable: "--plot-computed", axis: "left" as const, width: 1, dash: [3, 3] }]),
-    ...(bound === undefined ? [] : [{ label: say("plot.device_limit"), unit: "N", values: bound, colorVariable: "--plot-bound", axis: "left" as const,
-                                      dash: [2, 3], setsScale: false }]),
+    {
+      label: say("plot.removed_volume"),
+      unit: "mm3",
+      values: series.removed_mm3,
+      colorVariable: "--plot-removed",
+      axis: "right",
+      fill: true,
+      dash: [7, 4],
+    },
+    {
+      label: say("plot.largest_force"),
+      unit: "N",
+      values: series.force_n,
+      colorVariable: "--plot-force",
+      axis: "left",
+      width: 1,
+    },
+    {
+      label: say("plot.mean_force"),
+      unit: "N",
+      values: series.force_mean_n,
+      colorVariable: "--plot-mean",
+      axis: "left",
+      width: 2.2,
+    },
+    ...(computed === undefined
+      ? []
+      : [
+          {
+            label: say("plot.computed_force"),
+            unit: "N",
+            values: computed,
+            colorVariable: "--plot-computed",
+            axis: "left" as const,
+            width: 1,
+            dash: [3, 3],
+          },
+        ]),
+    ...(bound === undefined
+      ? []
+      : [
+          {
+            label: say("plot.device_limit"),
+            unit: "N",
+            values: bound,
+            colorVariable: "--plot-bound",
+            axis: "left" as const,
+            dash: [2, 3],
+            setsScale: false,
+          },
+        ]),
   ];
 }
 
-const kHeldBack = 0.02;                          // of the force, and
-const kHeldBackN = 0.02;                        // newton: less is rounding
+const kHeldBack = 0.02; // of the force, and
+const kHeldBackN = 0.02; // newton: less is rounding
 
 // What the force would have been, where limiter or device held some of it back; undefined where they never did.
 function heldBack({ computed_n: computed, force_n: sent }: Series): readonly number[] | undefined {
   return computed?.some((force, i) => force > (1 + kHeldBack) * sent[i]! + kHeldBackN) === true ? computed : undefined;
 }
 
-const kTissueLines: ReadonlyArray<readonly [string, readonly number[]]> = [["--plot-removed", [7, 4]], ["--plot-mean", [2, 3]], ["--plot-bound", [10, 3, 2, 3]]];
+const kTissueLines: ReadonlyArray<readonly [string, readonly number[]]> = [
+  ["--plot-removed", [7, 4]],
+  ["--plot-mean", [2, 3]],
+  ["--plot-bound", [10, 3, 2, 3]],
+];
 
 // How fast the tip went, and what went of each tissue.
 function moreLinesOf(series: Series): PlotLine[] {
   return [
-    { label: say("plot.tip_speed"), unit: "mm/s", values: speeds(series), colorVariable: "--plot-force", axis: "left", width: 1.2 },
+    {
+      label: say("plot.tip_speed"),
+      unit: "mm/s",
+      values: speeds(series),
+      colorVariable: "--plot-force",
+      axis: "left",
+      width: 1.2,
+    },
     ...Object.entries(series.removed_by_tissue).map(([tissue, values], i): PlotLine => {
       const [colorVariable, dash] = kTissueLines[i % kTissueLines.length]!;
-      return { label: say("force.tissue_removed", { tissue: sayIf(`tooth_tissue.${tissue}`) ?? tissue }), unit: "mm3", values, colorVariable, dash, axis: "right", width: 2 };
+      return {
+        label: say("force.tissue_removed", { tissue: sayIf(`tooth_tissue.${tissue}`) ?? tissue }),
+        unit: "mm3",
+        values,
+        colorVariable,
+        dash,
+        axis: "right",
+        width: 2,
+      };
     }),
   ];
 }
@@ -165,10 +392,31 @@ function deepLinesOf(series: Series, target: Target | undefined): PlotLine[] {
   const opening = target?.landmark_um?.[2];
   const above = Math.max(0, ...(target?.parts ?? []).map((part) => part.top_um?.[2] ?? 0));
   return [
-    ...(opening === undefined ? [] : [{ label: say("plot.depth"), unit: "mm", colorVariable: "--plot-mean", axis: "left" as const, width: 1.6,
-                                        values: series.anchor_mm.map(([, , z]) => Math.max(0, (opening + above) / 1000 - z!)) }]),
-    ...(series.pulp_mm === undefined ? [] : [{ label: say("plot.pulp"), unit: "mm", colorVariable: "--plot-computed", axis: "right" as const, width: 1.6, dash: [7, 4],
-                                               values: series.pulp_mm }]),
+    ...(opening === undefined
+      ? []
+      : [
+          {
+            label: say("plot.depth"),
+            unit: "mm",
+            colorVariable: "--plot-mean",
+            axis: "left" as const,
+            width: 1.6,
+            values: series.anchor_mm.map(([, , z]) => Math.max(0, (opening + above) / 1000 - z!)),
+          },
+        ]),
+    ...(series.pulp_mm === undefined
+      ? []
+      : [
+          {
+            label: say("plot.pulp"),
+            unit: "mm",
+            colorVariable: "--plot-computed",
+            axis: "right" as const,
+            width: 1.6,
+            dash: [7, 4],
+            values: series.pulp_mm,
+          },
+        ]),
   ];
 }
 
@@ -176,13 +424,27 @@ function moreText(lines: readonly PlotLine[]): string {
   return say("force.more_over_time", { lines: lines.map(({ label }) => label).join(", ") });
 }
 
-function Readout({ lines, timeS, index }: { readonly lines: readonly PlotLine[]; readonly timeS: number; readonly index: number }) {
+function Readout({
+  lines,
+  timeS,
+  index,
+}: {
+  readonly lines: readonly PlotLine[];
+  readonly timeS: number;
+  readonly index: number;
+}) {
   return (
     <dl class="readout">
-      <div><dt>{say("common.time")}</dt><dd>{formatMoment(timeS)}</dd></div>
+      <div>
+        <dt>{say("common.time")}</dt>
+        <dd>{formatMoment(timeS)}</dd>
+      </div>
       {lines.map((line) => (
         <div key={line.label}>
-          <dt><LineSample line={line} />{line.label}</dt>
+          <dt>
+            <LineSample line={line} />
+            {line.label}
+          </dt>
           <dd>{readText(line, index)}</dd>
         </div>
       ))}
@@ -198,8 +460,15 @@ function readText({ values, unit }: PlotLine, index: number): string {
 function LineSample({ line }: { readonly line: PlotLine }) {
   return (
     <svg class="line-sample" viewBox="0 0 24 8" aria-hidden="true">
-      <line x1="0" y1="4" x2="24" y2="4" style={{ stroke: `var(${line.colorVariable})` }} stroke-width={(line.width ?? 1.5) + 0.5}
-            {...(line.dash === undefined ? {} : { "stroke-dasharray": line.dash.join(" ") })} />
+      <line
+        x1="0"
+        y1="4"
+        x2="24"
+        y2="4"
+        style={{ stroke: `var(${line.colorVariable})` }}
+        stroke-width={(line.width ?? 1.5) + 0.5}
+        {...(line.dash === undefined ? {} : { "stroke-dasharray": line.dash.join(" ") })}
+      />
     </svg>
   );
 }
@@ -211,13 +480,27 @@ function SeriesTable({ series }: { readonly series: Series }) {
     <TableFrame label={say("force.table")}>
       <table class="dense">
         <thead>
-          <tr><th scope="col" class="number">{say("common.time")}</th><th scope="col" class="number">{say("force.largest_n")}</th>
-              <th scope="col" class="number">{say("force.mean_n")}</th><th scope="col" class="number">{say("force.removed_mm3")}</th></tr>
+          <tr>
+            <th scope="col" class="number">
+              {say("common.time")}
+            </th>
+            <th scope="col" class="number">
+              {say("force.largest_n")}
+            </th>
+            <th scope="col" class="number">
+              {say("force.mean_n")}
+            </th>
+            <th scope="col" class="number">
+              {say("force.removed_mm3")}
+            </th>
+          </tr>
         </thead>
         <tbody>
           {rows.map((i) => (
             <tr key={i}>
-              <th scope="row" class="number">{formatMoment(series.t_s[i] ?? 0)}</th>
+              <th scope="row" class="number">
+                {formatMoment(series.t_s[i] ?? 0)}
+              </th>
               <td class="number">{formatFixed(series.force_n[i] ?? 0, 2)}</td>
               <td class="number">{formatFixed(series.force_mean_n[i] ?? 0, 2)}</td>
               <td class="number">{formatFixed(series.removed_mm3[i] ?? 0, 2)}</td>
@@ -232,5 +515,10 @@ function SeriesTable({ series }: { readonly series: Series }) {
 function plotText(series: Series): string {
   const largest = series.force_n.reduce((a, b) => Math.max(a, b), 0);
   const at = series.t_s[series.force_n.indexOf(largest)] ?? 0;
-  return say("force.text", { span: formatDuration(series.t_s.at(-1) ?? 0), force: formatQuantity(largest, "N"), moment: formatMoment(at), volume: formatQuantity(series.removed_mm3.at(-1) ?? 0, "mm3") });
+  return say("force.text", {
+    span: formatDuration(series.t_s.at(-1) ?? 0),
+    force: formatQuantity(largest, "N"),
+    moment: formatMoment(at),
+    volume: formatQuantity(series.removed_mm3.at(-1) ?? 0, "mm3"),
+  });
 }

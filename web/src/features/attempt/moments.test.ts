@@ -3,8 +3,13 @@ import { test } from "node:test";
 import type { Annotation, Series } from "../../api/types";
 import { boundLine, marksOf, secondsOfTick, stepOfTick, tickAt, tickOfStep } from "./moments";
 
-const series = { rate_hz: 1000, step_ticks: 24, t_s: Array.from({ length: 101 }, (_, i) => i * 0.024) } as unknown as Series;
-const remark = (tick: number, createdMs: number) => ({ id: `${tick}`, tick, created_ms: createdMs }) as unknown as Annotation;
+const series = {
+  rate_hz: 1000,
+  step_ticks: 24,
+  t_s: Array.from({ length: 101 }, (_, i) => i * 0.024),
+} as unknown as Series;
+const remark = (tick: number, createdMs: number) =>
+  ({ id: `${tick}`, tick, created_ms: createdMs }) as unknown as Annotation;
 
 test("a step's tick lies in that step, and ticks beyond the end in the last one", () => {
   for (const step of [0, 1, 57, 100]) assert.equal(stepOfTick(series, tickOfStep(series, step)), step);
@@ -14,7 +19,8 @@ test("a step's tick lies in that step, and ticks beyond the end in the last one"
 
 test("a moment's tick is told as that moment, at the begin, within a step, after a gap and at the end", () => {
   const gap = { rate_hz: 1000, step_ticks: 100, t_s: [0, 0.1, 0.5, 0.6] } as unknown as Series;
-  for (const at of [0, 0.013, 0.1, 0.199, 0.5, 0.555, 0.6, 0.643, 0.7]) assert.ok(Math.abs(secondsOfTick(gap, tickAt(gap, at)) - at) < 1e-9, String(at));
+  for (const at of [0, 0.013, 0.1, 0.199, 0.5, 0.555, 0.6, 0.643, 0.7])
+    assert.ok(Math.abs(secondsOfTick(gap, tickAt(gap, at)) - at) < 1e-9, String(at));
   assert.equal(tickAt(gap, 0.643), 343, "of the ticks that were recorded");
   assert.equal(tickAt(gap, 0.35), 200, "in the gap");
   assert.equal(tickAt(gap, 9), 400);
@@ -22,8 +28,14 @@ test("a moment's tick is told as that moment, at the begin, within a step, after
 
 test("remarks are numbered in order of time and lie along the timeline", () => {
   const marks = marksOf(series, [remark(2400, 1), remark(0, 2), remark(1200, 9), remark(1200, 3)]);
-  assert.deepEqual(marks.map((mark) => mark.number), [1, 2, 3, 4]);
-  assert.deepEqual(marks.map((mark) => mark.share), [0, 0.5, 0.5, 1]);
+  assert.deepEqual(
+    marks.map((mark) => mark.number),
+    [1, 2, 3, 4],
+  );
+  assert.deepEqual(
+    marks.map((mark) => mark.share),
+    [0, 0.5, 0.5, 1],
+  );
   assert.equal(marks[1]?.annotation.created_ms, 3);
 });
 

@@ -5,7 +5,8 @@ import { matchPaths, pathMatch, thinned } from "./path_sync";
 
 type Point = readonly [number, number, number];
 // A step each second.
-const series = (anchor_mm: readonly Point[]) => ({ rate_hz: 1000, step_ticks: 1000, t_s: anchor_mm.map((_, i) => i), anchor_mm }) as unknown as Series;
+const series = (anchor_mm: readonly Point[]) =>
+  ({ rate_hz: 1000, step_ticks: 1000, t_s: anchor_mm.map((_, i) => i), anchor_mm }) as unknown as Series;
 // Round a circle and down: no place comes twice.
 const along = (turns: number): Point => [3 * Math.cos(turns), 3 * Math.sin(turns), -0.2 * turns];
 const way = (steps: number, stepTurns: number) => Array.from({ length: steps }, (_, i) => along(i * stepTurns));
@@ -30,13 +31,21 @@ test("a pause of one is skipped", () => {
   const going = way(20, 0.1);
   const paused = series([...going.slice(0, 10), ...Array<Point>(30).fill(going[9]!), ...going.slice(10)]);
   assert.deepEqual(at(series(going), paused, [8, 9, 10, 15]), [8, 9, 40, 45], "the other’s");
-  assert.deepEqual(at(paused, series(going), [8, 9, 20, 39, 40, 45]), [8, 9, 9, 9, 10, 15], "one’s own: meanwhile the other stands still");
+  assert.deepEqual(
+    at(paused, series(going), [8, 9, 20, 39, 40, 45]),
+    [8, 9, 9, 9, 10, 15],
+    "one’s own: meanwhile the other stands still",
+  );
 });
 
 test("who lifts the bur keeps their place meanwhile, and never goes back", () => {
   const going = way(60, 0.1);
   const [x, y, z] = going[29]!;
-  const lifts = series([...going.slice(0, 30), ...Array.from({ length: 20 }, (_, i): Point => [x, y, z + 9 - Math.abs(i - 10) / 2]), ...going.slice(30)]);
+  const lifts = series([
+    ...going.slice(0, 30),
+    ...Array.from({ length: 20 }, (_, i): Point => [x, y, z + 9 - Math.abs(i - 10) / 2]),
+    ...going.slice(30),
+  ]);
   const match = matchPaths(lifts, series(going));
   assert.deepEqual([10, 29, 50, 60, 79].map(match), [10, 29, 30, 40, 59]);
   let before = -1;

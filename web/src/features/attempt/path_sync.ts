@@ -12,7 +12,7 @@ export type PathMatch = (timeS: number) => number;
 // Of clock.ts, whose import would make a script of its own of what the page loads at once.
 const seriesEndS = (series: Series): number => (series.t_s.at(-1) ?? 0) + series.step_ticks / series.rate_hz;
 
-const kMostSteps = 1000;                        // of each attempt; a byte for every pair of them
+const kMostSteps = 1000; // of each attempt; a byte for every pair of them
 
 // Every n-th step, and the last one.
 export function thinned(steps: number, most = kMostSteps): number[] {
@@ -27,7 +27,9 @@ function pointsOf(series: Series, steps: readonly number[]): Float64Array {
   return out;
 }
 
-const kBoth = 0, kFirst = 1, kSecond = 2;       // which of the two has gone on by a step
+const kBoth = 0,
+  kFirst = 1,
+  kSecond = 2; // which of the two has gone on by a step
 
 interface Pair {
   readonly i: number;
@@ -40,15 +42,15 @@ function cheapestWay(a: Float64Array, b: Float64Array): Pair[] {
   const [n, m] = [a.length / 3, b.length / 3];
   const apart = (i: number, j: number) => {
     const [x, y, z] = [a[3 * i]! - b[3 * j]!, a[3 * i + 1]! - b[3 * j + 1]!, a[3 * i + 2]! - b[3 * j + 2]!];
-    return Math.sqrt(x * x + y * y + z * z);    // Math.hypot is several times as slow
+    return Math.sqrt(x * x + y * y + z * z); // Math.hypot is several times as slow
   };
   const came = new Uint8Array(n * m);
   const cost = new Float64Array(m).fill(Infinity);
   for (let i = 0; i < n; ++i) {
-    let diagonal = i === 0 ? 0 : Infinity;      // D(i−1, j−1)
-    let left = Infinity;                        // D(i, j−1)
+    let diagonal = i === 0 ? 0 : Infinity; // D(i−1, j−1)
+    let left = Infinity; // D(i, j−1)
     for (let j = 0; j < m; ++j) {
-      const above = cost[j]!;                   // D(i−1, j)
+      const above = cost[j]!; // D(i−1, j)
       let least = diagonal;
       let from = kBoth;
       if (above < least) {
@@ -65,7 +67,7 @@ function cheapestWay(a: Float64Array, b: Float64Array): Pair[] {
     }
   }
   const way: Pair[] = [];
-  for (let i = n - 1, j = m - 1; i >= 0 && j >= 0;) {
+  for (let i = n - 1, j = m - 1; i >= 0 && j >= 0; ) {
     way.push({ i, j, mm: apart(i, j) });
     const from = came[i * m + j];
     if (from !== kSecond) --i;
@@ -81,7 +83,9 @@ function mutual(way: readonly Pair[], n: number, m: number): Pair[] {
     ofFirst[i] = Math.min(ofFirst[i]!, mm);
     ofSecond[j] = Math.min(ofSecond[j]!, mm);
   }
-  return way.filter(({ i, j, mm }, at) => at === 0 || at === way.length - 1 || (mm <= ofFirst[i]! && mm <= ofSecond[j]!));
+  return way.filter(
+    ({ i, j, mm }, at) => at === 0 || at === way.length - 1 || (mm <= ofFirst[i]! && mm <= ofSecond[j]!),
+  );
 }
 
 // Of two attempts: the other's moment for each of this one's. It never goes back. At the end of one it is the end of the other;
@@ -95,7 +99,7 @@ export function matchPaths(own: Series, other: Series): PathMatch {
   const theirs = Float64Array.from([...pairs.map(({ j }) => other.t_s[others[j]!]!), otherEnds]);
   return (timeS) => {
     if (timeS >= ends) return otherEnds;
-    let low = 0;                                // the first that is not before
+    let low = 0; // the first that is not before
     let high = times.length - 1;
     while (low < high) {
       const middle = (low + high) >> 1;

@@ -11,40 +11,44 @@ import type { Film, FilmScreen } from "../../widgets/tooth/film";
 // An attempt with the tooth being cut. Loads its timeline: first what the tooth at the end needs, then the rest. What is
 // loaded goes to a worker, which answers with triangles.
 
-const kFirstBytes = 16_384;                     // the head of an attempt of six hours
+const kFirstBytes = 16_384; // the head of an attempt of six hours
 
 export type PlaybackState =
   | { readonly state: "loading" }
-  | { readonly state: "waiting"; readonly message: string }   // the server has not made it yet
+  | { readonly state: "waiting"; readonly message: string } // the server has not made it yet
   | { readonly state: "failed"; readonly error: ApiError }
   | { readonly state: "ready" };
 
 // The tooth at its end against the reference.
 export type DeviationState =
   | { readonly state: "loading" }
-  | { readonly state: "none" }                  // nothing to compare with
+  | { readonly state: "none" } // nothing to compare with
   | { readonly state: "failed"; readonly error: ApiError }
   | { readonly state: "ready"; readonly compared: Compared };
 
 export class Playback implements Film {
   state: PlaybackState = { state: "loading" };
   deviation: DeviationState = { state: "loading" };
-  drawn = false;                                // the first picture was told
-  readonly tissues = new Set<number>();         // that were seen at the surface
-  whole = false;                                // all segments are here
-  position = 0;                                 // frames of the tooth that is shown or being made
+  drawn = false; // the first picture was told
+  readonly tissues = new Set<number>(); // that were seen at the surface
+  whole = false; // all segments are here
+  position = 0; // frames of the tooth that is shown or being made
   head: Head | undefined;
   extent: Extent = { centreMm: [0, 0, 0], radiusMm: 1 };
-  cut: Extent | undefined;                      // where something went, by the end
+  cut: Extent | undefined; // where something went, by the end
   private link: ToothLink | undefined;
-  wanted = 0;                                   // frames of the tooth that was asked for last
-  readonly poses: FramePose[] = [];     // by frame, where its segment is here
+  wanted = 0; // frames of the tooth that was asked for last
+  readonly poses: FramePose[] = []; // by frame, where its segment is here
   private readonly meshes = new Map<number, BlockMesh>();
   private readonly screens = new Set<FilmScreen>();
   private readonly abort = new AbortController();
 
   // `changed` is called whenever state, position or what is loaded has changed.
-  constructor(private readonly client: Client, private readonly attempt: string, private readonly changed: () => void) {}
+  constructor(
+    private readonly client: Client,
+    private readonly attempt: string,
+    private readonly changed: () => void,
+  ) {}
 
   dispose(): void {
     this.abort.abort();
@@ -64,7 +68,8 @@ export class Playback implements Film {
     const error = await this.loadEnd();
     if (this.abort.signal.aborted) return;
     if (error !== undefined) {
-      this.state = error.code === "unavailable" ? { state: "waiting", message: error.message } : { state: "failed", error };
+      this.state =
+        error.code === "unavailable" ? { state: "waiting", message: error.message } : { state: "failed", error };
       this.changed();
       return;
     }
@@ -96,7 +101,9 @@ export class Playback implements Film {
     let link: ToothLink;
     try {
       link = this.link = new ToothLink(startToothWorker(), {
-        blocks: (blocks) => this.setBlocks(blocks), shown: (frames, cut) => this.shown(frames, cut), failed: (message) => this.fail(message),
+        blocks: (blocks) => this.setBlocks(blocks),
+        shown: (frames, cut) => this.shown(frames, cut),
+        failed: (message) => this.fail(message),
       });
     } catch {
       return { code: "unreachable", status: 0, field: "", message: say("playback.no_worker") };
@@ -107,7 +114,10 @@ export class Playback implements Film {
     if (!head.ok) return this.malformed(head.error);
     this.head = head.value;
     const last = head.value.segments.length - 1;
-    const [start, segment] = await Promise.all([this.loadStart(link, head.value), last < 0 ? undefined : this.loadLast(link, head.value, last)]);
+    const [start, segment] = await Promise.all([
+      this.loadStart(link, head.value),
+      last < 0 ? undefined : this.loadLast(link, head.value, last),
+    ]);
     return start ?? segment;
   }
   private async loadStart(link: ToothLink, head: Head): Promise<ApiError | undefined> {
@@ -123,10 +133,17 @@ export class Playback implements Film {
     const bytes = await this.part(segment.from, segment.from + segmentBytes(segment));
     return bytes.ok ? this.takeSegment(link, head, index, bytes.value) : bytes.error;
   }
-  private async takeSegment(link: ToothLink, head: Head, index: number, bytes: ArrayBuffer): Promise<ApiError | undefined> {
+  private async takeSegment(
+    link: ToothLink,
+    head: Head,
+    index: number,
+    bytes: ArrayBuffer,
+  ): Promise<ApiError | undefined> {
     const poses = await link.segment(index, bytes);
     if (!poses.ok) return this.malformed(poses.error);
-    poses.value.forEach((pose, i) => { this.poses[index * head.segmentFrames + i] = pose; });
+    poses.value.forEach((pose, i) => {
+      this.poses[index * head.segmentFrames + i] = pose;
+    });
     return undefined;
   }
 
@@ -134,7 +151,8 @@ export class Playback implements Film {
     const bytes = await this.client.deviation(this.attempt, this.abort.signal);
     const compared = bytes.ok ? await this.link?.deviation(bytes.value) : undefined;
     if (this.abort.signal.aborted) return;
-    if (!bytes.ok) this.deviation = bytes.error.code === "not_found" ? { state: "none" } : { state: "failed", error: bytes.error };
+    if (!bytes.ok)
+      this.deviation = bytes.error.code === "not_found" ? { state: "none" } : { state: "failed", error: bytes.error };
     else if (compared?.ok === true) this.deviation = { state: "ready", compared: compared.value };
     else this.deviation = { state: "failed", error: this.malformed(compared?.error ?? say("playback.closed")) };
     this.changed();
@@ -159,7 +177,9 @@ export class Playback implements Film {
     this.screens.add(screen);
     for (const [block, mesh] of this.meshes) screen.setBlock(block, mesh);
     this.tell(screen);
-    return () => { this.screens.delete(screen); };
+    return () => {
+      this.screens.delete(screen);
+    };
   }
   private tell(screen: FilmScreen): void {
     screen.setBur(this.head?.outline ?? [], this.showing ? this.pose(this.position) : undefined);

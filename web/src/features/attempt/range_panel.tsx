@@ -10,7 +10,7 @@ import { speeds } from "./speed";
 
 interface Props {
   readonly series: Series;
-  readonly range: readonly [number, number] | undefined;  // seconds, A to B; undefined: all of it
+  readonly range: readonly [number, number] | undefined; // seconds, A to B; undefined: all of it
 }
 
 // Figures of a part of the attempt, and the part as a file.
@@ -26,9 +26,21 @@ export function RangePanel({ series, range }: Props) {
   );
 }
 
-function RangeFigures({ series, from, to, text }: { readonly series: Series; readonly from: number; readonly to: number; readonly text: string }) {
+function RangeFigures({
+  series,
+  from,
+  to,
+  text,
+}: {
+  readonly series: Series;
+  readonly from: number;
+  readonly to: number;
+  readonly text: string;
+}) {
   const [made, setMade] = useState<typeof import("./range")>();
-  useEffect(() => { import("./range").then(setMade, () => undefined); }, []);
+  useEffect(() => {
+    import("./range").then(setMade, () => undefined);
+  }, []);
   if (made === undefined) return <Loading what={say("loading.page")} />;
   const speed = speeds(series);
   const save = () => {
@@ -40,20 +52,50 @@ function RangeFigures({ series, from, to, text }: { readonly series: Series; rea
     <>
       <TableFrame label={say("range.figures", { range: text })}>
         <table class="dense">
-          <thead><tr><th scope="col">{text}</th>{[say("range.mean"), say("range.peak"), "RMS", say("range.p95")].map((title) => <th key={title} scope="col" class="number">{title}</th>)}</tr></thead>
+          <thead>
+            <tr>
+              <th scope="col">{text}</th>
+              {[say("range.mean"), say("range.peak"), "RMS", say("range.p95")].map((title) => (
+                <th key={title} scope="col" class="number">
+                  {title}
+                </th>
+              ))}
+            </tr>
+          </thead>
           <tbody>
             {made.rangeRows(series, speed, from, to).map((row) => (
               <tr key={row.what}>
-                <th scope="row">{say(`plot.${row.what}`)} ({row.unit})</th>
-                <td class="number">{number(row.mean)}</td><td class="number">{number(row.peak)}</td><td class="number">{number(row.rms)}</td><td class="number">{number(row.p95)}</td>
+                <th scope="row">
+                  {say(`plot.${row.what}`)} ({row.unit})
+                </th>
+                <td class="number">{number(row.mean)}</td>
+                <td class="number">{number(row.peak)}</td>
+                <td class="number">{number(row.rms)}</td>
+                <td class="number">{number(row.p95)}</td>
               </tr>
             ))}
           </tbody>
         </table>
       </TableFrame>
-      <p>{say("range.removed", { list: made.removedIn(series, from, to).map(([what, mm3]) => what === "all" ? say("range.in_all", { volume: formatQuantity(mm3, "mm3") }) : say("range.of_tissue", { volume: formatQuantity(mm3, "mm3"), tissue: sayIf(`tooth_tissue.${what}`) ?? what })).join(", ") })}</p>
+      <p>
+        {say("range.removed", {
+          list: made
+            .removedIn(series, from, to)
+            .map(([what, mm3]) =>
+              what === "all"
+                ? say("range.in_all", { volume: formatQuantity(mm3, "mm3") })
+                : say("range.of_tissue", {
+                    volume: formatQuantity(mm3, "mm3"),
+                    tissue: sayIf(`tooth_tissue.${what}`) ?? what,
+                  }),
+            )
+            .join(", "),
+        })}
+      </p>
       <p class="hint">{say("range.hint")}</p>
-      <button type="button" class="button small" onClick={save}>{say("range.save")}</button>
+      <button type="button" class="button small" onClick={save}>
+        {say("range.save")}
+      </button>
     </>
   );
 }

@@ -9,10 +9,10 @@ const kRingRadius = 52;
 const kRingLength = 2 * Math.PI * kRingRadius;
 
 interface Props {
-  readonly score: Score;                        // as computed
+  readonly score: Score; // as computed
   readonly reference: string | undefined;
-  readonly override: AttemptDetail["override"];  // what an instructor says instead
-  readonly onPlace: ((deduction: Deduction) => void) | undefined;  // shows it on the tooth and the timeline
+  readonly override: AttemptDetail["override"]; // what an instructor says instead
+  readonly onPlace: ((deduction: Deduction) => void) | undefined; // shows it on the tooth and the timeline
 }
 
 export function ScorePanel({ score, reference, override, onPlace }: Props) {
@@ -22,9 +22,15 @@ export function ScorePanel({ score, reference, override, onPlace }: Props) {
         <ScoreRing value={override?.score ?? score.score} critical={score.critical_fail && override === null} />
         <div>
           {override !== null && <OverrideText score={score} override={override} />}
-          <p class="summary">{override !== null ? say("score.computed", { text: summarySentence(score) }) : summarySentence(score)}</p>
+          <p class="summary">
+            {override !== null ? say("score.computed", { text: summarySentence(score) }) : summarySentence(score)}
+          </p>
           {score.critical_fail && <Badge tone="bad">{say("score.critical")}</Badge>}
-          <p class="hint">{reference === undefined ? say("score.no_reference", { version: String(score.rubric_version) }) : say("score.compared", { reference, version: String(score.rubric_version) })}</p>
+          <p class="hint">
+            {reference === undefined
+              ? say("score.no_reference", { version: String(score.rubric_version) })
+              : say("score.compared", { reference, version: String(score.rubric_version) })}
+          </p>
         </div>
       </div>
       <Gates gates={score.gates ?? []} />
@@ -33,9 +39,22 @@ export function ScorePanel({ score, reference, override, onPlace }: Props) {
   );
 }
 
-function OverrideText({ score, override }: { readonly score: Score; readonly override: NonNullable<AttemptDetail["override"]> }) {
+function OverrideText({
+  score,
+  override,
+}: {
+  readonly score: Score;
+  readonly override: NonNullable<AttemptDetail["override"]>;
+}) {
   return (
-    <Notice tone="warning" title={say("score.set_by", { by: override.by === "" ? say("score.an_instructor") : override.by, set: formatScore(override.score), computed: formatScore(score.score) })}>
+    <Notice
+      tone="warning"
+      title={say("score.set_by", {
+        by: override.by === "" ? say("score.an_instructor") : override.by,
+        set: formatScore(override.score),
+        computed: formatScore(score.score),
+      })}
+    >
       <p class="instructions">{override.reason}</p>
       <p class="hint">{formatDateTime(override.at_ms)}</p>
     </Notice>
@@ -48,10 +67,19 @@ function ScoreRing({ value, critical }: { readonly value: number; readonly criti
     <div class={`score-ring ${toneOf(share, critical)}`}>
       <svg viewBox="0 0 120 120" aria-hidden="true">
         <circle class="ring-track" cx="60" cy="60" r={kRingRadius} />
-        <circle class="ring-value" cx="60" cy="60" r={kRingRadius} stroke-dasharray={`${share * kRingLength} ${kRingLength}`}
-                transform="rotate(-90 60 60)" />
+        <circle
+          class="ring-value"
+          cx="60"
+          cy="60"
+          r={kRingRadius}
+          stroke-dasharray={`${share * kRingLength} ${kRingLength}`}
+          transform="rotate(-90 60 60)"
+        />
       </svg>
-      <p class="score-number" data-testid="score">{formatScore(value)}<span class="score-of"> {say("score.of")}</span></p>
+      <p class="score-number" data-testid="score">
+        {formatScore(value)}
+        <span class="score-of"> {say("score.of")}</span>
+      </p>
     </div>
   );
 }
@@ -64,9 +92,19 @@ function toneOf(share: number, critical: boolean): Tone {
 // What took points of every criterion: said before them, as it explains them.
 function Gates({ gates }: { readonly gates: readonly Gate[] }) {
   const closing = gates.filter((gate) => gate.share < 1);
-  return <>{closing.map((gate) => (
-    <Notice key={gate.name} tone="warning" title={say("score.gate", { percent: formatNumber(100 * gate.share, 1) })}><p>{gate.reason}</p></Notice>
-  ))}</>;
+  return (
+    <>
+      {closing.map((gate) => (
+        <Notice
+          key={gate.name}
+          tone="warning"
+          title={say("score.gate", { percent: formatNumber(100 * gate.share, 1) })}
+        >
+          <p>{gate.reason}</p>
+        </Notice>
+      ))}
+    </>
+  );
 }
 
 interface Placed {
@@ -78,8 +116,22 @@ function CriteriaTable({ criteria, ...placed }: Placed & { readonly criteria: re
   return (
     <table class="criteria">
       <caption class="hidden">{say("score.criteria")}</caption>
-      <thead><tr><th scope="col">{say("common.criterion")}</th><th scope="col" class="number">{say("score.measured")}</th><th scope="col" class="number">{say("common.points")}</th></tr></thead>
-      <tbody>{criteria.map((criterion) => <CriterionRow key={criterion.name} criterion={criterion} {...placed} />)}</tbody>
+      <thead>
+        <tr>
+          <th scope="col">{say("common.criterion")}</th>
+          <th scope="col" class="number">
+            {say("score.measured")}
+          </th>
+          <th scope="col" class="number">
+            {say("common.points")}
+          </th>
+        </tr>
+      </thead>
+      <tbody>
+        {criteria.map((criterion) => (
+          <CriterionRow key={criterion.name} criterion={criterion} {...placed} />
+        ))}
+      </tbody>
     </table>
   );
 }
@@ -94,17 +146,30 @@ function CriterionRow({ criterion, deductions, onPlace }: Placed & { readonly cr
         {criterion.reason !== "" && <span class="reason">{criterion.reason}</span>}
         {deductionsOf(deductions, criterion.name).map((deduction) => (
           <span class="reason place" key={deduction.left ? "left" : "over"}>
-            {onPlace === undefined ? deductionText(deduction)
-              : <button type="button" class="link" title={say("score.show")} onClick={() => onPlace(deduction)}>{deductionText(deduction)}</button>}
+            {onPlace === undefined ? (
+              deductionText(deduction)
+            ) : (
+              <button type="button" class="link" title={say("score.show")} onClick={() => onPlace(deduction)}>
+                {deductionText(deduction)}
+              </button>
+            )}
           </span>
         ))}
       </th>
-      <td class="number nowrap">{criterion.judged === false ? "–" : formatQuantity(criterion.value, criterion.unit)}</td>
+      <td class="number nowrap">
+        {criterion.judged === false ? "–" : formatQuantity(criterion.value, criterion.unit)}
+      </td>
       <td class="number points">
-        {criterion.max_points === 0 ? say("insight.not_judged") : <>
-          <span class="nowrap"><b>{formatPoints(criterion.points)}</b> / {formatPoints(criterion.max_points)}</span>
-          <Bar share={share} tone={full ? "good" : toneOf(share, false)} />
-        </>}
+        {criterion.max_points === 0 ? (
+          say("insight.not_judged")
+        ) : (
+          <>
+            <span class="nowrap">
+              <b>{formatPoints(criterion.points)}</b> / {formatPoints(criterion.max_points)}
+            </span>
+            <Bar share={share} tone={full ? "good" : toneOf(share, false)} />
+          </>
+        )}
       </td>
     </tr>
   );

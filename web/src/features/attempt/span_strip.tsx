@@ -5,17 +5,43 @@ import { kContactN, type Span, type SpanKind } from "./spans";
 const kKinds: readonly SpanKind[] = ["contact", "limit", "late", "gap", "lost"];
 
 const kTitles: Readonly<Record<SpanKind, string>> = {
-  get contact() { return say("span_kind.contact"); }, get limit() { return say("span_kind.limit"); }, get late() { return say("span_kind.late"); }, get gap() { return say("span_kind.gap"); }, get lost() { return say("span_kind.lost"); },
+  get contact() {
+    return say("span_kind.contact");
+  },
+  get limit() {
+    return say("span_kind.limit");
+  },
+  get late() {
+    return say("span_kind.late");
+  },
+  get gap() {
+    return say("span_kind.gap");
+  },
+  get lost() {
+    return say("span_kind.lost");
+  },
 };
 const kMeanings: Readonly<Record<SpanKind, string>> = {
-  get contact() { return say("span_meaning.contact", { force: formatNumber(kContactN, 2) }); }, get limit() { return say("span_meaning.limit"); },
-  get late() { return say("span_meaning.late"); },
-  get gap() { return say("span_meaning.gap"); }, get lost() { return say("span_meaning.lost"); },
+  get contact() {
+    return say("span_meaning.contact", { force: formatNumber(kContactN, 2) });
+  },
+  get limit() {
+    return say("span_meaning.limit");
+  },
+  get late() {
+    return say("span_meaning.late");
+  },
+  get gap() {
+    return say("span_meaning.gap");
+  },
+  get lost() {
+    return say("span_meaning.lost");
+  },
 };
 
 interface Props {
   readonly spans: readonly Span[];
-  readonly fromS: number;                       // where the axis begins and ends
+  readonly fromS: number; // where the axis begins and ends
   readonly toS: number;
   readonly onTime: (timeS: number) => void;
 }
@@ -25,13 +51,18 @@ export function SpanStrip({ spans, fromS, toS, onTime }: Props) {
   const share = (timeS: number) => 100 * Math.min(1, Math.max(0, (timeS - fromS) / (toS - fromS || 1)));
   const press = (event: MouseEvent) => {
     const box = (event.currentTarget as HTMLElement).getBoundingClientRect();
-    onTime(fromS + (event.clientX - box.left) / box.width * (toS - fromS));
+    onTime(fromS + ((event.clientX - box.left) / box.width) * (toS - fromS));
   };
   return (
     // biome-ignore lint/a11y/useKeyWithClickEvents: the page's keys x and z go from one to the next
     <div class="spans" role="img" aria-label={stripText(spans)} onClick={press}>
       {spans.map((span, i) => (
-        <span key={i} class={`span ${span.kind}`} style={{ left: `${share(span.fromS)}%`, right: `${100 - share(span.toS)}%` }} title={spanText(span)} />
+        <span
+          key={i}
+          class={`span ${span.kind}`}
+          style={{ left: `${share(span.fromS)}%`, right: `${100 - share(span.toS)}%` }}
+          title={spanText(span)}
+        />
       ))}
     </div>
   );
@@ -41,9 +72,14 @@ export function SpanStrip({ spans, fromS, toS, onTime }: Props) {
 export function SpanLegend({ spans }: { readonly spans: readonly Span[] }) {
   return (
     <p class="span-legend hint">
-      {kKinds.filter((kind) => spans.some((span) => span.kind === kind)).map((kind) => (
-        <span key={kind} class="legend-item" title={kMeanings[kind]}><span class={`span-sample ${kind}`} />{kTitles[kind]}</span>
-      ))}
+      {kKinds
+        .filter((kind) => spans.some((span) => span.kind === kind))
+        .map((kind) => (
+          <span key={kind} class="legend-item" title={kMeanings[kind]}>
+            <span class={`span-sample ${kind}`} />
+            {kTitles[kind]}
+          </span>
+        ))}
     </p>
   );
 }
@@ -54,6 +90,10 @@ function spanText({ kind, fromS, toS }: Span): string {
 }
 
 function stripText(spans: readonly Span[]): string {
-  const counts = kKinds.map((kind) => [kTitles[kind], spans.filter((span) => span.kind === kind).length] as const).filter(([, count]) => count > 0);
-  return say("span_kind.strip", { counts: counts.map(([title, count]) => `${title}: ${formatNumber(count, 0)}`).join(", ") });
+  const counts = kKinds
+    .map((kind) => [kTitles[kind], spans.filter((span) => span.kind === kind).length] as const)
+    .filter(([, count]) => count > 0);
+  return say("span_kind.strip", {
+    counts: counts.map(([title, count]) => `${title}: ${formatNumber(count, 0)}`).join(", "),
+  });
 }

@@ -11,8 +11,8 @@ export interface Span {
   readonly toS: number;
 }
 
-export const kContactN = 0.05;                  // mean sent force of a step in which the tool touches
-const kAtLimit = 0.98;                          // of the device's limit: series are rounded
+export const kContactN = 0.05; // mean sent force of a step in which the tool touches
+const kAtLimit = 0.98; // of the device's limit: series are rounded
 
 // Steps in which `holds`, joined.
 function stretches(series: Series, kind: SpanKind, holds: (step: number) => boolean): Span[] {
@@ -32,7 +32,9 @@ function stretches(series: Series, kind: SpanKind, holds: (step: number) => bool
 export function spansOf(series: Series, gaps: readonly Gap[], deductions: readonly Deduction[]): Span[] {
   const lost = new Map<number, Span>();
   for (const { left, strokes } of deductions) {
-    if (!left) for (const { first_tick, first_s } of strokes) lost.set(first_tick, { kind: "lost", fromS: first_s, toS: first_s });
+    if (!left)
+      for (const { first_tick, first_s } of strokes)
+        lost.set(first_tick, { kind: "lost", fromS: first_s, toS: first_s });
   }
   return [
     ...stretches(series, "contact", (i) => series.force_mean_n[i]! >= kContactN),
@@ -43,11 +45,13 @@ export function spansOf(series: Series, gaps: readonly Gap[], deductions: readon
   ].sort((a, b) => a.fromS - b.fromS);
 }
 
-const kSameS = 0.05;                            // a moment is shown to a tenth
+const kSameS = 0.05; // a moment is shown to a tenth
 
 // The next moment, or the one before, at which a fault or a stroke that lost points begins. After the last comes the first:
 // an attempt opens at its end. Undefined: there is none.
 export function nextMark(spans: readonly Span[], timeS: number, direction: -1 | 1): number | undefined {
   const moments = spans.filter(({ kind }) => kind !== "contact").map(({ fromS }) => fromS);
-  return direction > 0 ? moments.find((at) => at > timeS + kSameS) ?? moments[0] : moments.filter((at) => at < timeS - kSameS).at(-1) ?? moments.at(-1);
+  return direction > 0
+    ? (moments.find((at) => at > timeS + kSameS) ?? moments[0])
+    : (moments.filter((at) => at < timeS - kSameS).at(-1) ?? moments.at(-1));
 }

@@ -4,19 +4,40 @@ import { stoppedEarly } from "../../widgets/attempt_state";
 import type { AttemptDetail, Criterion, Score } from "../../api/types";
 import { byLostPoints, isWithheld, recordingFacts, saidFacts, summarySentence, withheldText } from "./summary";
 
-const criterion = (title: string, points: number, max = 10): Criterion =>
-  ({ name: title, title, value: 0.3, unit: "mm", points, max_points: max, reason: "" });
+const criterion = (title: string, points: number, max = 10): Criterion => ({
+  name: title,
+  title,
+  value: 0.3,
+  unit: "mm",
+  points,
+  max_points: max,
+  reason: "",
+});
 
 const score = (changes: Partial<Score> = {}): Score => ({
-  score: 83.4, critical_fail: false, criteria: [criterion("Floor", 10), criterion("Mesial wall", 4), criterion("Time", 8)],
-  metrics: [], reference_attempt: "", rubric_version: 1, core_version: 1, ticks: 1000, gap_ticks: 0, late_ticks: 0,
-  bounded_ticks: 0, witness_ok: true, witness_note: "", ...changes,
+  score: 83.4,
+  critical_fail: false,
+  criteria: [criterion("Floor", 10), criterion("Mesial wall", 4), criterion("Time", 8)],
+  metrics: [],
+  reference_attempt: "",
+  rubric_version: 1,
+  core_version: 1,
+  ticks: 1000,
+  gap_ticks: 0,
+  late_ticks: 0,
+  bounded_ticks: 0,
+  witness_ok: true,
+  witness_note: "",
+  ...changes,
 });
 
 const attempt = (changes: Partial<AttemptDetail> = {}) => ({ ticks: 1000, gap_ticks: 0, ...changes }) as AttemptDetail;
 
 test("criteria are listed with the most points lost first, full marks last", () => {
-  assert.deepEqual(byLostPoints(score().criteria).map((item) => item.title), ["Mesial wall", "Time", "Floor"]);
+  assert.deepEqual(
+    byLostPoints(score().criteria).map((item) => item.title),
+    ["Mesial wall", "Time", "Floor"],
+  );
 });
 
 test("the sentence names the score and where most points went", () => {
@@ -27,13 +48,19 @@ test("the sentence names the score and where most points went", () => {
 });
 
 test("full marks and a critical fail are said so", () => {
-  assert.match(summarySentence(score({ score: 100, criteria: [criterion("Floor", 10)] })), /Full marks in every criterion/);
+  assert.match(
+    summarySentence(score({ score: 100, criteria: [criterion("Floor", 10)] })),
+    /Full marks in every criterion/,
+  );
   assert.match(summarySentence(score({ score: 0, critical_fail: true })), /critical criterion failed/);
 });
 
 test("work that was stopped early is said before anything else", () => {
   const gate = { name: "task_done_percent", title: "Task done", value: 43, unit: "%", share: 0.45, reason: "" };
-  assert.match(summarySentence(score({ score: 31, gates: [gate] })), /^31\.0 of 100\. The work was stopped early: 43 % of it was done/);
+  assert.match(
+    summarySentence(score({ score: 31, gates: [gate] })),
+    /^31\.0 of 100\. The work was stopped early: 43 % of it was done/,
+  );
   assert.match(summarySentence(score({ gates: [{ ...gate, share: 1 }] })), /Mesial wall/);
   assert.equal(stoppedEarly({ gates: [gate] }), 43);
   const caries = { ...gate, name: "caries_left_percent", value: 30 };
@@ -55,8 +82,10 @@ test("a recording without gaps whose replay agrees is complete", () => {
 });
 
 test("gaps, a broken replay and late ticks are each said, with how many", () => {
-  const facts = recordingFacts(attempt({ gap_ticks: 10 }),
-                               score({ gap_ticks: 10, ticks: 990, witness_ok: false, witness_note: "chunk 12", late_ticks: 1 }));
+  const facts = recordingFacts(
+    attempt({ gap_ticks: 10 }),
+    score({ gap_ticks: 10, ticks: 990, witness_ok: false, witness_note: "chunk 12", late_ticks: 1 }),
+  );
   assert.equal(facts.complete, false);
   assert.match(facts.details.join("\n"), /10 ticks \(1 %\) were not recorded/);
   assert.match(facts.details.join("\n"), /does not repeat what the station recorded: chunk 12/);
@@ -64,8 +93,14 @@ test("gaps, a broken replay and late ticks are each said, with how many", () => 
 });
 
 test("a disturbed attempt is said with its figures, an undisturbed one is not", () => {
-  const details = (disturbed: boolean) => recordingFacts(attempt(), score({ disturbance: { disturbed, late_percent: 2.5, gap_percent: 0, limited_percent: 0.04 } })).details;
-  assert.deepEqual(details(true), ["The station disturbed the attempt: 2.5 % of its ticks came late, 0 % of its time is missing, and the device was at its limit in 0 % of the time with force."]);
+  const details = (disturbed: boolean) =>
+    recordingFacts(
+      attempt(),
+      score({ disturbance: { disturbed, late_percent: 2.5, gap_percent: 0, limited_percent: 0.04 } }),
+    ).details;
+  assert.deepEqual(details(true), [
+    "The station disturbed the attempt: 2.5 % of its ticks came late, 0 % of its time is missing, and the device was at its limit in 0 % of the time with force.",
+  ]);
   assert.deepEqual(details(false), []);
 });
 
@@ -78,7 +113,11 @@ test("facts are shown by their names when they were said, also those that this p
   assert.deepEqual(saidFacts({ resumed: 0 }), []);
   assert.deepEqual(saidFacts({}), []);
   const later = { resumed: 2, chair_side: "left <b>", gloves: true, mask: false, lamp: "", list: [1], nothing: null };
-  assert.deepEqual(saidFacts(later), [{ name: "Resumed", value: "2" }, { name: "Chair side", value: "left <b>" }, { name: "Gloves", value: "Yes" }]);
+  assert.deepEqual(saidFacts(later), [
+    { name: "Resumed", value: "2" },
+    { name: "Chair side", value: "left <b>" },
+    { name: "Gloves", value: "Yes" },
+  ]);
 });
 
 test("a scored attempt without a score to be seen waits for its release, for the student alone", () => {

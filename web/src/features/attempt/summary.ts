@@ -4,7 +4,7 @@ import { formatNumber, formatPoints, formatScore } from "../../base/format";
 import { measuredText } from "../../api/worded";
 import { say, sayIf } from "../../base/words";
 
-const kPointsShown = 0.05;                      // lost points below this round to zero
+const kPointsShown = 0.05; // lost points below this round to zero
 
 export function lostPoints(criterion: Criterion): number {
   return Math.max(0, criterion.max_points - criterion.points);
@@ -31,17 +31,26 @@ export function summarySentence(score: Score): string {
   // Points are of the rubric's, which may be more or fewer than the score's hundred.
   const whole = judged.reduce((sum, criterion) => sum + criterion.max_points, 0);
   const first = { score: total, worst: inSentence(worst, whole) };
-  if (second === undefined) return kept.kept > 0 ? say("summary.one_kept", { ...first, ...kept }) : say("summary.one", first);
+  if (second === undefined)
+    return kept.kept > 0 ? say("summary.one_kept", { ...first, ...kept }) : say("summary.one", first);
   const both = { ...first, second: inSentence(second, whole) };
   return kept.kept > 0 ? say("summary.two_kept", { ...both, ...kept }) : say("summary.two", both);
 }
 
 function inSentence(criterion: Criterion, whole: number): string {
-  return say("summary.lost_on", { title: criterion.title, value: measuredText(criterion.name, criterion.value, criterion.unit), points: formatPoints(lostPoints(criterion)), whole: formatPoints(whole) });
+  return say("summary.lost_on", {
+    title: criterion.title,
+    value: measuredText(criterion.name, criterion.value, criterion.unit),
+    points: formatPoints(lostPoints(criterion)),
+    whole: formatPoints(whole),
+  });
 }
 
 // Scored, and not to be seen by the student yet: score, tooth, forces and remarks come with the release.
-export function isWithheld({ state, computed_score: computed }: Pick<AttemptDetail, "state" | "computed_score">, teacher: boolean): boolean {
+export function isWithheld(
+  { state, computed_score: computed }: Pick<AttemptDetail, "state" | "computed_score">,
+  teacher: boolean,
+): boolean {
   return !teacher && state === "scored" && computed === null;
 }
 
@@ -50,7 +59,7 @@ export function withheldText({ exam }: Pick<AttemptDetail, "exam">): string {
 }
 
 export interface RecordingFacts {
-  readonly complete: boolean;                   // nothing lost, and the replay repeats the recording
+  readonly complete: boolean; // nothing lost, and the replay repeats the recording
   readonly headline: string;
   readonly details: readonly string[];
 }
@@ -60,9 +69,17 @@ export function recordingFacts(attempt: AttemptDetail, score: Score | undefined)
   const gaps = score?.gap_ticks ?? attempt.gap_ticks;
   const ticks = score?.ticks ?? attempt.ticks;
   const details: string[] = [];
-  if (gaps > 0) details.push(say("recording.gap_ticks", { count: gaps, percent: formatNumber((100 * gaps) / Math.max(1, ticks + gaps), 2) }));
+  if (gaps > 0)
+    details.push(
+      say("recording.gap_ticks", { count: gaps, percent: formatNumber((100 * gaps) / Math.max(1, ticks + gaps), 2) }),
+    );
   if (score !== undefined) {
-    if (!score.witness_ok) details.push(score.witness_note === "" ? say("recording.not_repeated") : say("recording.not_repeated_note", { note: score.witness_note }));
+    if (!score.witness_ok)
+      details.push(
+        score.witness_note === ""
+          ? say("recording.not_repeated")
+          : say("recording.not_repeated_note", { note: score.witness_note }),
+      );
     if (score.late_ticks > 0) details.push(say("recording.late", { count: score.late_ticks }));
     if (score.bounded_ticks > 0) details.push(say("recording.limited", { count: score.bounded_ticks }));
     details.push(...disturbance(score));
@@ -75,16 +92,26 @@ export function recordingFacts(attempt: AttemptDetail, score: Score | undefined)
 function disturbance({ disturbance: d }: Score): string[] {
   if (d?.disturbed !== true) return [];
   const share = (percent: number): string => `${formatNumber(percent, 1)} %`;
-  return [say("recording.disturbed_by", { late: share(d.late_percent), missing: share(d.gap_percent), limited: share(d.limited_percent) })];
+  return [
+    say("recording.disturbed_by", {
+      late: share(d.late_percent),
+      missing: share(d.gap_percent),
+      limited: share(d.limited_percent),
+    }),
+  ];
 }
 
 // What held the tool, as the signed recording says.
 export function heldBy({ kind, device, driver, unit }: Hand): string {
   switch (kind) {
-    case "program": return say("hand.simulated", { driver });
-    case "haptic": return unit === "" ? device : `${device} (${unit})`;
-    case "pointer": return device;
-    default: return say("hand.not_told");
+    case "program":
+      return say("hand.simulated", { driver });
+    case "haptic":
+      return unit === "" ? device : `${device} (${unit})`;
+    case "pointer":
+      return device;
+    default:
+      return say("hand.not_told");
   }
 }
 

@@ -3,41 +3,132 @@ import { test } from "node:test";
 import type { Exercise } from "../../api/types";
 import { grown, linesOfTarget } from "./target_lines";
 
-const target: Exercise["target"] = { landmark: "fossa", landmark_um: [1000, 2000, 5000], half_size_um: [2000, 1500, 0], depth_um: 2500, leeway_side_um: 250, leeway_bottom_um: 500, container_um: 800, parts: [] };
+const target: Exercise["target"] = {
+  landmark: "fossa",
+  landmark_um: [1000, 2000, 5000],
+  half_size_um: [2000, 1500, 0],
+  depth_um: 2500,
+  leeway_side_um: 250,
+  leeway_bottom_um: 500,
+  container_um: 800,
+  parts: [],
+};
 
 test("a box is opening, floor and four edges, with a wider and deeper one around it", () => {
   const { solid, faint } = linesOfTarget(target)!;
-  assert.deepEqual(solid[0], [[3, 3.5, 5], [-1, 3.5, 5], [-1, 0.5, 5], [3, 0.5, 5], [3, 3.5, 5]]);
+  assert.deepEqual(solid[0], [
+    [3, 3.5, 5],
+    [-1, 3.5, 5],
+    [-1, 0.5, 5],
+    [3, 0.5, 5],
+    [3, 3.5, 5],
+  ]);
   assert.deepEqual(solid[1]![0], [3, 3.5, 2.5]);
   assert.equal(solid.length, 6);
-  assert.deepEqual(solid[2], [[3, 3.5, 5], [3, 3.5, 2.5]]);
-  assert.deepEqual(faint, [[[3.25, 3.75, 5], [-1.25, 3.75, 5], [-1.25, 0.25, 5], [3.25, 0.25, 5], [3.25, 3.75, 5]],
-                           [[3.25, 3.75, 2], [-1.25, 3.75, 2], [-1.25, 0.25, 2], [3.25, 0.25, 2], [3.25, 3.75, 2]]]);
+  assert.deepEqual(solid[2], [
+    [3, 3.5, 5],
+    [3, 3.5, 2.5],
+  ]);
+  assert.deepEqual(faint, [
+    [
+      [3.25, 3.75, 5],
+      [-1.25, 3.75, 5],
+      [-1.25, 0.25, 5],
+      [3.25, 0.25, 5],
+      [3.25, 3.75, 5],
+    ],
+    [
+      [3.25, 3.75, 2],
+      [-1.25, 3.75, 2],
+      [-1.25, 0.25, 2],
+      [3.25, 0.25, 2],
+      [3.25, 3.75, 2],
+    ],
+  ]);
 });
 
 test("a disc is round, a polygon has its own corners, and parts stand where they stand", () => {
-  const disc = linesOfTarget({ ...target, parts: [{ outline: "disc", top_um: [500, 0, -1000], radius_um: 1000, depth_um: 1000 }] })!;
+  const disc = linesOfTarget({
+    ...target,
+    parts: [{ outline: "disc", top_um: [500, 0, -1000], radius_um: 1000, depth_um: 1000 }],
+  })!;
   for (const [x, y, z] of disc.solid[0]!) {
     assert.ok(Math.abs(Math.hypot(x - 1.5, y - 2) - 1) < 1e-9);
     assert.equal(z, 4);
   }
   assert.equal(disc.solid.length, 6);
-  const polygon = linesOfTarget({ ...target, parts: [{ outline: "polygon", top_um: [0, 0, 0], corners_um: [[1000, 0], [0, 1000], [-1000, 0]], depth_um: 1000 }] })!;
+  const polygon = linesOfTarget({
+    ...target,
+    parts: [
+      {
+        outline: "polygon",
+        top_um: [0, 0, 0],
+        corners_um: [
+          [1000, 0],
+          [0, 1000],
+          [-1000, 0],
+        ],
+        depth_um: 1000,
+      },
+    ],
+  })!;
   assert.deepEqual(polygon.solid[0]![1], [1, 3, 5]);
   assert.equal(polygon.solid.length, 5);
 });
 
 test("a stump is its foot and its table; a relief has its opening only", () => {
-  const stump = linesOfTarget({ ...target, parts: [{ outline: "stump", top_um: [0, 0, 0], half_size_um: [5000, 5000], depth_um: 6000,
-                                                     stump: { foot: { middle_um: [0, 100], half_um: [3000, 2000] }, table: { middle_um: [0, 0], half_um: [2000, 1000] }, table_below_um: 1500, corner_um: 400 } }] })!;
+  const stump = linesOfTarget({
+    ...target,
+    parts: [
+      {
+        outline: "stump",
+        top_um: [0, 0, 0],
+        half_size_um: [5000, 5000],
+        depth_um: 6000,
+        stump: {
+          foot: { middle_um: [0, 100], half_um: [3000, 2000] },
+          table: { middle_um: [0, 0], half_um: [2000, 1000] },
+          table_below_um: 1500,
+          corner_um: 400,
+        },
+      },
+    ],
+  })!;
   assert.deepEqual(stump.solid[0]![0], [4, 4.1, -1]);
   assert.deepEqual(stump.solid[1]![0], [3, 3, 3.5]);
   assert.deepEqual(stump.faint, []);
-  const relief = linesOfTarget({ ...target, parts: [{ outline: "box", top_um: [0, 0, 0], half_size_um: [1000, 1000], depth_um: 900, relief: { step_um: 500, count: [3, 3], below_um: [0, 0, 0, 0, 0, 0, 0, 0, 0] } }] })!;
+  const relief = linesOfTarget({
+    ...target,
+    parts: [
+      {
+        outline: "box",
+        top_um: [0, 0, 0],
+        half_size_um: [1000, 1000],
+        depth_um: 900,
+        relief: { step_um: 500, count: [3, 3], below_um: [0, 0, 0, 0, 0, 0, 0, 0, 0] },
+      },
+    ],
+  })!;
   assert.equal(relief.solid.length, 1);
 });
 
 test("a corner grows along both of its sides; without a place there are no lines", () => {
-  assert.deepEqual(grown([[1, 0], [0, 1], [-1, 0], [0, -1]], Math.SQRT1_2).map(([x, y]) => [Math.round(1e9 * x) / 1e9, Math.round(1e9 * y) / 1e9]), [[2, 0], [0, 2], [-2, 0], [0, -2]]);
+  assert.deepEqual(
+    grown(
+      [
+        [1, 0],
+        [0, 1],
+        [-1, 0],
+        [0, -1],
+      ],
+      Math.SQRT1_2,
+    ).map(([x, y]) => [Math.round(1e9 * x) / 1e9, Math.round(1e9 * y) / 1e9]),
+    [
+      [2, 0],
+      [0, 2],
+      [-2, 0],
+      [0, -2],
+    ],
+  );
   assert.equal(linesOfTarget({ ...target, landmark_um: null }), undefined);
 });

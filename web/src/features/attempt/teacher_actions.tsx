@@ -17,8 +17,8 @@ interface Props {
   readonly attempt: AttemptDetail;
   readonly graded: boolean;
   readonly onChanged: () => void;
-  readonly onNext: (() => void) | undefined;    // to the next one of a list that is gone through
-  readonly releaseNext: { current: (() => void) | undefined };  // set to what releases and goes on, while that may be done
+  readonly onNext: (() => void) | undefined; // to the next one of a list that is gone through
+  readonly releaseNext: { current: (() => void) | undefined }; // set to what releases and goes on, while that may be done
 }
 
 type Open = "excuse" | "reference" | "override" | "withdraw" | "dropOverride" | "rescore";
@@ -62,60 +62,148 @@ export function TeacherActions({ client, attempt, graded, onChanged, onNext, rel
       <div class="button-row">
         {attempt.released && <Badge tone="good">{say("judge.released")}</Badge>}
         {releasable && onNext !== undefined && (
-          <button type="button" class="button primary" disabled={change.busy} onClick={() => void releaseAndNext()}>{say("judge.release_next")}</button>
+          <button type="button" class="button primary" disabled={change.busy} onClick={() => void releaseAndNext()}>
+            {say("judge.release_next")}
+          </button>
         )}
         {releasable && (
-          <button type="button" class={onNext === undefined ? "button primary" : "button"} disabled={change.busy}
-                  onClick={() => void act(() => teaching.release(attempt), say("judge.can_see", { name: student }))}>
+          <button
+            type="button"
+            class={onNext === undefined ? "button primary" : "button"}
+            disabled={change.busy}
+            onClick={() => void act(() => teaching.release(attempt), say("judge.can_see", { name: student }))}
+          >
             {say("judge.release")}
           </button>
         )}
-        {graded && may("unrelease") && <button type="button" class="button" onClick={() => setOpen("withdraw")}>{say("judge.withdraw_ask")}</button>}
-        {may("override") && <button type="button" class="button" aria-expanded={open === "override"} onClick={() => setOpen(open === "override" ? undefined : "override")}>
-          {attempt.override === null ? say("judge.override_ask") : say("judge.override_change")}
-        </button>}
-        {may("override") && attempt.override !== null && <button type="button" class="button" onClick={() => setOpen("dropOverride")}>{say("judge.drop_ask")}</button>}
-        {may("rescore") && <button type="button" class="button" onClick={() => setOpen("rescore")}>{say("judge.rescore_ask")}</button>}
-        {may("excuse") && <button type="button" class="button" aria-expanded={open === "excuse"} onClick={() => setOpen(open === "excuse" ? undefined : "excuse")}>{say("judge.excuse_ask")}</button>}
-        {may("unexcuse") && <button type="button" class="button" disabled={change.busy} onClick={() => void act(() => teaching.takeExcuseBack(attempt), say("judge.counts_again"))}>{say("judge.unexcuse")}</button>}
-        {attempt.is_reference ? <Badge tone="good">{say("judge.is_reference")}</Badge> : may("mark_reference") && (
-          <button type="button" class="button" aria-expanded={open === "reference"} onClick={() => setOpen(open === "reference" ? undefined : "reference")}>{say("judge.reference_ask")}</button>
+        {graded && may("unrelease") && (
+          <button type="button" class="button" onClick={() => setOpen("withdraw")}>
+            {say("judge.withdraw_ask")}
+          </button>
+        )}
+        {may("override") && (
+          <button
+            type="button"
+            class="button"
+            aria-expanded={open === "override"}
+            onClick={() => setOpen(open === "override" ? undefined : "override")}
+          >
+            {attempt.override === null ? say("judge.override_ask") : say("judge.override_change")}
+          </button>
+        )}
+        {may("override") && attempt.override !== null && (
+          <button type="button" class="button" onClick={() => setOpen("dropOverride")}>
+            {say("judge.drop_ask")}
+          </button>
+        )}
+        {may("rescore") && (
+          <button type="button" class="button" onClick={() => setOpen("rescore")}>
+            {say("judge.rescore_ask")}
+          </button>
+        )}
+        {may("excuse") && (
+          <button
+            type="button"
+            class="button"
+            aria-expanded={open === "excuse"}
+            onClick={() => setOpen(open === "excuse" ? undefined : "excuse")}
+          >
+            {say("judge.excuse_ask")}
+          </button>
+        )}
+        {may("unexcuse") && (
+          <button
+            type="button"
+            class="button"
+            disabled={change.busy}
+            onClick={() => void act(() => teaching.takeExcuseBack(attempt), say("judge.counts_again"))}
+          >
+            {say("judge.unexcuse")}
+          </button>
+        )}
+        {attempt.is_reference ? (
+          <Badge tone="good">{say("judge.is_reference")}</Badge>
+        ) : (
+          may("mark_reference") && (
+            <button
+              type="button"
+              class="button"
+              aria-expanded={open === "reference"}
+              onClick={() => setOpen(open === "reference" ? undefined : "reference")}
+            >
+              {say("judge.reference_ask")}
+            </button>
+          )
         )}
       </div>
       {open === "reference" && (
-        <ReferenceForm busy={change.busy} error={change.error} onCancel={() => setOpen(undefined)}
-                       onName={(dentist, consent, anyway) => void act(() => teaching.makeReference(attempt.id, dentist, consent, anyway),
-                                                                      say("judge.reference_done"))} />
+        <ReferenceForm
+          busy={change.busy}
+          error={change.error}
+          onCancel={() => setOpen(undefined)}
+          onName={(dentist, consent, anyway) =>
+            void act(() => teaching.makeReference(attempt.id, dentist, consent, anyway), say("judge.reference_done"))
+          }
+        />
       )}
       {open === "override" && (
-        <OverrideForm attempt={attempt} busy={change.busy} onCancel={() => setOpen(undefined)}
-                      onScore={(score, reason) => void act(() => teaching.override(attempt, score, reason), say("judge.score_counts", { score: formatScore(score) }))} />
+        <OverrideForm
+          attempt={attempt}
+          busy={change.busy}
+          onCancel={() => setOpen(undefined)}
+          onScore={(score, reason) =>
+            void act(
+              () => teaching.override(attempt, score, reason),
+              say("judge.score_counts", { score: formatScore(score) }),
+            )
+          }
+        />
       )}
       {open === "excuse" && (
-        <ExcuseForm busy={change.busy} onCancel={() => setOpen(undefined)}
-                    onReason={(reason) => void act(() => teaching.excuse(attempt, reason), say("judge.excused"))} />
+        <ExcuseForm
+          busy={change.busy}
+          onCancel={() => setOpen(undefined)}
+          onReason={(reason) => void act(() => teaching.excuse(attempt, reason), say("judge.excused"))}
+        />
       )}
       {open === "withdraw" && (
-        <Confirm title={say("judge.withdraw_title")} action={say("judge.withdraw")} onClose={() => setOpen(undefined)}
-                 onConfirm={() => confirm(teaching.withdrawRelease(attempt), say("judge.cannot_see", { name: student }))}>
+        <Confirm
+          title={say("judge.withdraw_title")}
+          action={say("judge.withdraw")}
+          onClose={() => setOpen(undefined)}
+          onConfirm={() => confirm(teaching.withdrawRelease(attempt), say("judge.cannot_see", { name: student }))}
+        >
           <p>{say("judge.withdraw_text", { name: student })}</p>
         </Confirm>
       )}
       {open === "dropOverride" && (
-        <Confirm title={say("judge.drop_title")} action={say("judge.drop")} onClose={() => setOpen(undefined)}
-                 onConfirm={() => confirm(teaching.dropOverride(attempt), say("judge.computed_counts"))}>
+        <Confirm
+          title={say("judge.drop_title")}
+          action={say("judge.drop")}
+          onClose={() => setOpen(undefined)}
+          onConfirm={() => confirm(teaching.dropOverride(attempt), say("judge.computed_counts"))}
+        >
           <p>{say("judge.drop_text")}</p>
         </Confirm>
       )}
       {open === "rescore" && (
-        <Confirm title={say("judge.rescore_title")} action={say("judge.rescore")} tone="neutral" onClose={() => setOpen(undefined)}
-                 onConfirm={() => confirm(teaching.rescore(attempt.id), say("judge.rescore_done"))}>
+        <Confirm
+          title={say("judge.rescore_title")}
+          action={say("judge.rescore")}
+          tone="neutral"
+          onClose={() => setOpen(undefined)}
+          onConfirm={() => confirm(teaching.rescore(attempt.id), say("judge.rescore_done"))}
+        >
           <p>{say("judge.rescore_text")}</p>
         </Confirm>
       )}
       <div aria-live="polite">
         {change.error !== undefined && <ErrorNotice title={say("common.not_done")} message={change.error.message} />}
-        {done !== undefined && change.error === undefined && <Notice tone="good" title={say("judge.done")}><p>{done}</p></Notice>}
+        {done !== undefined && change.error === undefined && (
+          <Notice tone="good" title={say("judge.done")}>
+            <p>{done}</p>
+          </Notice>
+        )}
       </div>
     </div>
   );
@@ -142,14 +230,26 @@ function ReferenceForm({ busy, error, onName, onCancel }: ReferenceFormProps) {
       <CheckField label={say("judge.consent")} value={consent} onValue={setConsent} />
       <AnywayField anyway={anyway} />
       <div class="button-row">
-        <button type="submit" class="button primary" disabled={busy || !consent || anyway.missing}>{say(anyway.asked ? "judge.reference_anyway" : "judge.reference")}</button>
-        <button type="button" class="button" onClick={onCancel}>{say("common.cancel")}</button>
+        <button type="submit" class="button primary" disabled={busy || !consent || anyway.missing}>
+          {say(anyway.asked ? "judge.reference_anyway" : "judge.reference")}
+        </button>
+        <button type="button" class="button" onClick={onCancel}>
+          {say("common.cancel")}
+        </button>
       </div>
     </form>
   );
 }
 
-function ExcuseForm({ busy, onReason, onCancel }: { readonly busy: boolean; readonly onReason: (reason: string) => void; readonly onCancel: () => void }) {
+function ExcuseForm({
+  busy,
+  onReason,
+  onCancel,
+}: {
+  readonly busy: boolean;
+  readonly onReason: (reason: string) => void;
+  readonly onCancel: () => void;
+}) {
   const [reason, setReason] = useState("");
   const submit = (event: Event) => {
     event.preventDefault();
@@ -157,18 +257,38 @@ function ExcuseForm({ busy, onReason, onCancel }: { readonly busy: boolean; read
   };
   return (
     <form class="inline-form" onSubmit={submit}>
-      <LongTextField label={say("judge.excuse_why")} hint={say("judge.excuse_hint")}
-                     value={reason} onValue={setReason} required maxLength={1000} rows={3} />
+      <LongTextField
+        label={say("judge.excuse_why")}
+        hint={say("judge.excuse_hint")}
+        value={reason}
+        onValue={setReason}
+        required
+        maxLength={1000}
+        rows={3}
+      />
       <div class="button-row">
-        <button type="submit" class="button primary" disabled={busy}>{say("judge.excuse_attempt")}</button>
-        <button type="button" class="button" onClick={onCancel}>{say("common.cancel")}</button>
+        <button type="submit" class="button primary" disabled={busy}>
+          {say("judge.excuse_attempt")}
+        </button>
+        <button type="button" class="button" onClick={onCancel}>
+          {say("common.cancel")}
+        </button>
       </div>
     </form>
   );
 }
 
-function OverrideForm({ attempt, busy, onScore, onCancel }:
-    { readonly attempt: AttemptDetail; readonly busy: boolean; readonly onScore: (score: number, reason: string) => void; readonly onCancel: () => void }) {
+function OverrideForm({
+  attempt,
+  busy,
+  onScore,
+  onCancel,
+}: {
+  readonly attempt: AttemptDetail;
+  readonly busy: boolean;
+  readonly onScore: (score: number, reason: string) => void;
+  readonly onCancel: () => void;
+}) {
   const [score, setScore] = useState(scoreForField(attempt.override?.score ?? attempt.score ?? Number.NaN));
   const [reason, setReason] = useState(attempt.override?.reason ?? "");
   const submit = (event: Event) => {
@@ -177,12 +297,33 @@ function OverrideForm({ attempt, busy, onScore, onCancel }:
   };
   return (
     <form class="inline-form" onSubmit={submit}>
-      <NumberField label={say("judge.score_field")} value={score} onValue={setScore} min={0} max={100} step={kScoreStep}
-                   {...(attempt.computed_score === null ? {} : { hint: say("judge.computed", { score: formatScore(attempt.computed_score) }) })} />
-      <LongTextField label={say("common.reason")} hint={say("appeal.student_reads")} value={reason} onValue={setReason} required maxLength={1000} rows={3} />
+      <NumberField
+        label={say("judge.score_field")}
+        value={score}
+        onValue={setScore}
+        min={0}
+        max={100}
+        step={kScoreStep}
+        {...(attempt.computed_score === null
+          ? {}
+          : { hint: say("judge.computed", { score: formatScore(attempt.computed_score) }) })}
+      />
+      <LongTextField
+        label={say("common.reason")}
+        hint={say("appeal.student_reads")}
+        value={reason}
+        onValue={setReason}
+        required
+        maxLength={1000}
+        rows={3}
+      />
       <div class="button-row">
-        <button type="submit" class="button primary" disabled={busy}>{say("judge.set")}</button>
-        <button type="button" class="button" onClick={onCancel}>{say("common.cancel")}</button>
+        <button type="submit" class="button primary" disabled={busy}>
+          {say("judge.set")}
+        </button>
+        <button type="button" class="button" onClick={onCancel}>
+          {say("common.cancel")}
+        </button>
       </div>
     </form>
   );

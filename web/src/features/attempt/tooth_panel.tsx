@@ -19,7 +19,7 @@ import { useOther } from "./use_other";
 import type { PlaybackControl } from "./use_playback";
 import type { Review } from "./use_review";
 
-const kPathSeconds = 3;                         // of the tool's way drawn behind it
+const kPathSeconds = 3; // of the tool's way drawn behind it
 
 export function ToothPanel({ review }: { readonly review: Review }) {
   const { control, surface } = review;
@@ -31,8 +31,18 @@ export function ToothPanel({ review }: { readonly review: Review }) {
   return (
     <Card className="tooth-card" title={playback.showing ? say("tooth_card.during") : say("tooth_card.after")}>
       {waits && <Loading what={say("loading.picture")} />}
-      {!played && !waits && still.state === "failed" && <ErrorNotice title={say("exercise_page.picture_failed")} message={still.error.message} onRetry={surface.reload} />}
-      {played ? <PlayedTooth review={review} control={control} /> : !waits && still.state === "ready" && <StillTooth surface={still.value} review={review} control={control} />}
+      {!played && !waits && still.state === "failed" && (
+        <ErrorNotice
+          title={say("exercise_page.picture_failed")}
+          message={still.error.message}
+          onRetry={surface.reload}
+        />
+      )}
+      {played ? (
+        <PlayedTooth review={review} control={control} />
+      ) : (
+        !waits && still.state === "ready" && <StillTooth surface={still.value} review={review} control={control} />
+      )}
     </Card>
   );
 }
@@ -46,64 +56,136 @@ function PlayedTooth(props: Shown) {
   const { playback } = props.control;
   const { deviation } = playback;
   const tissues = [...playback.tissues].sort((a, b) => a - b);
-  const missing = deviation.state === "loading" ? say("tooth_card.deviation_loading")
-    : deviation.state === "failed" ? say("tooth_card.deviation_failed", { reason: deviation.error.message }) : say("tooth_card.nothing");
-  return <LoadedTooth {...props} model={{ film: playback }} compared={deviation.state === "ready" ? deviation.compared : undefined} tissues={tissues} missing={missing} busy={!playback.drawn} />;
+  const missing =
+    deviation.state === "loading"
+      ? say("tooth_card.deviation_loading")
+      : deviation.state === "failed"
+        ? say("tooth_card.deviation_failed", { reason: deviation.error.message })
+        : say("tooth_card.nothing");
+  return (
+    <LoadedTooth
+      {...props}
+      model={{ film: playback }}
+      compared={deviation.state === "ready" ? deviation.compared : undefined}
+      tissues={tissues}
+      missing={missing}
+      busy={!playback.drawn}
+    />
+  );
 }
 
 function StillTooth({ surface, ...props }: Shown & { readonly surface: Surface }) {
   const tissues = useMemo(() => tissuesPresent(surface.tissue), [surface]);
-  return <LoadedTooth {...props} model={{ surface }} compared={surface.deviationMm === undefined ? undefined : surface} tissues={tissues} missing={say("tooth_card.nothing")} busy={false} />;
+  return (
+    <LoadedTooth
+      {...props}
+      model={{ surface }}
+      compared={surface.deviationMm === undefined ? undefined : surface}
+      tissues={tissues}
+      missing={say("tooth_card.nothing")}
+      busy={false}
+    />
+  );
 }
 
 interface Loaded3d extends Shown {
   readonly model: ToothSource;
   readonly compared: Compared | undefined;
   readonly tissues: readonly number[];
-  readonly missing: string;                     // why there is no deviation
+  readonly missing: string; // why there is no deviation
   readonly busy: boolean;
 }
 
 function LoadedTooth({ model, compared, tissues, missing, busy, review, control }: Loaded3d) {
   const { client, attempt, toleranceMm, recorded: series, marks, chosen, point, look } = review;
-  const cursor = series !== undefined && review.moved ? review.cursor : undefined;   // undefined: no tool is drawn
-  const summary = useMemo(() => compared === undefined ? undefined : summariseDeviation(compared, toleranceMm), [compared, toleranceMm]);
+  const cursor = series !== undefined && review.moved ? review.cursor : undefined; // undefined: no tool is drawn
+  const summary = useMemo(
+    () => (compared === undefined ? undefined : summariseDeviation(compared, toleranceMm)),
+    [compared, toleranceMm],
+  );
   const { cut } = control.playback;
   const worst = summary?.sides[0]?.side;
   const angled = useMemo((): AngledView => ({ ...outlook(compared, worst), cavity: cut }), [compared, worst, cut]);
-  const [compareWith, setCompareWith] = useState<string>();   // id of another attempt
+  const [compareWith, setCompareWith] = useState<string>(); // id of another attempt
   const [placement, setPlacement] = useState<Placement>("side");
-  const otherLook = useMemo((): LookHandle => ({ begin: look.now?.(), now: undefined }), [look, compareWith, placement]);
+  const otherLook = useMemo(
+    (): LookHandle => ({ begin: look.now?.(), now: undefined }),
+    [look, compareWith, placement],
+  );
   look.moved = compareWith === undefined ? undefined : (moved) => otherLook.set?.(moved);
   const shownS = control.clock?.timeOf(control.playback.position) ?? review.momentS;
   const other = useOther(client, compareWith, series, shownS);
   const beside = placement === "side" ? other : undefined;
   const ghost = placement === "top" && other !== undefined && isReady(other) ? other.playback : undefined;
-  const [choices, setChoices] = useState<ToothChoices>({ mode: "deviation", section: undefined, follow: false, target: false });
+  const [choices, setChoices] = useState<ToothChoices>({
+    mode: "deviation",
+    section: undefined,
+    follow: false,
+    target: false,
+  });
   // Asked for when somebody wants to see it, and so is what draws it.
-  const { loaded: exercise } = useRequest(choices.target ? attempt.exercise.id : undefined, (signal) => client.teaching.exercise(attempt.exercise.id, signal));
+  const { loaded: exercise } = useRequest(choices.target ? attempt.exercise.id : undefined, (signal) =>
+    client.teaching.exercise(attempt.exercise.id, signal),
+  );
   const [draw, setDraw] = useState<typeof import("./target_lines")>();
-  useEffect(() => { if (choices.target) import("./target_lines").then(setDraw, () => undefined); }, [choices.target]);
-  const lines = useMemo(() => exercise.state === "ready" ? draw?.linesOfTarget(exercise.value.value.target) : undefined, [exercise, draw]);
+  useEffect(() => {
+    if (choices.target) import("./target_lines").then(setDraw, () => undefined);
+  }, [choices.target]);
+  const lines = useMemo(
+    () => (exercise.state === "ready" ? draw?.linesOfTarget(exercise.value.value.target) : undefined),
+    [exercise, draw],
+  );
   // On the way there is nothing to compare with: a reference is of a finished tooth.
   const during = control.playback.showing;
   const mode: ColorMode = summary === undefined || during ? "tissue" : choices.mode;
   const pictured = during ? say("tooth_card.picture_during") : pictureText(summary, tissues);
   const label = ghost === undefined ? pictured : `${pictured} ${say("compare.on_top")}`;
   const path = useMemo(() => pathBefore(series, cursor), [series, cursor]);
-  const forceN = cursor === undefined ? undefined : series?.force_vector_n?.[cursor] as PointMm | undefined;
+  const forceN = cursor === undefined ? undefined : (series?.force_vector_n?.[cursor] as PointMm | undefined);
   const pins = useMemo(() => pinsOf(marks, chosen, point), [marks, chosen, point]);
   return (
     <>
       <PlaybackBar control={control} />
       <div class={other === undefined ? "teeth" : beside === undefined ? "teeth compared" : "teeth compared two"}>
-      <ToothView model={model} busy={busy} mode={mode} label={label} angled={angled} tool={during ? undefined : path.at(-1)} path={path} forceN={forceN} lines={lines} pins={pins} look={look} onPick={review.annotates ? review.setPoint : undefined}
-                 onPin={(key) => { const mark = marks.find((item) => item.annotation.id === key); if (mark !== undefined) review.choose(mark); }} section={choices.section} ghost={ghost} follow={choices.follow}>
-        <ToothTools choices={choices} onChoices={setChoices} compared={summary !== undefined && !during} played={"film" in model}>
-          {series !== undefined && <CompareChoice client={client} attempt={attempt} staff={review.teacher} chosen={compareWith} onChoose={setCompareWith} />}
-        </ToothTools>
-      </ToothView>
-      {beside !== undefined && <OtherTooth key={compareWith} other={beside} choices={choices} look={otherLook} />}
+        <ToothView
+          model={model}
+          busy={busy}
+          mode={mode}
+          label={label}
+          angled={angled}
+          tool={during ? undefined : path.at(-1)}
+          path={path}
+          forceN={forceN}
+          lines={lines}
+          pins={pins}
+          look={look}
+          onPick={review.annotates ? review.setPoint : undefined}
+          onPin={(key) => {
+            const mark = marks.find((item) => item.annotation.id === key);
+            if (mark !== undefined) review.choose(mark);
+          }}
+          section={choices.section}
+          ghost={ghost}
+          follow={choices.follow}
+        >
+          <ToothTools
+            choices={choices}
+            onChoices={setChoices}
+            compared={summary !== undefined && !during}
+            played={"film" in model}
+          >
+            {series !== undefined && (
+              <CompareChoice
+                client={client}
+                attempt={attempt}
+                staff={review.teacher}
+                chosen={compareWith}
+                onChoose={setCompareWith}
+              />
+            )}
+          </ToothTools>
+        </ToothView>
+        {beside !== undefined && <OtherTooth key={compareWith} other={beside} choices={choices} look={otherLook} />}
       </div>
       {other !== undefined && <CompareBar other={other} placement={placement} onPlacement={setPlacement} />}
       {mode === "deviation" ? <DeviationLegend /> : <TissueLegend tissues={tissues} />}
@@ -118,9 +200,19 @@ function pinsOf(marks: readonly Mark[], chosen: string | undefined, point: Point
   const pins = marks.flatMap(({ annotation, number }): ToothPin[] => {
     const [x, y, z] = annotation.point_um ?? [];
     if (x === undefined || y === undefined || z === undefined) return [];
-    return [{ key: annotation.id, text: String(number), label: say("tooth_card.remark", { number: String(number) }), pointMm: [x / 1000, y / 1000, z / 1000], chosen: annotation.id === chosen }];
+    return [
+      {
+        key: annotation.id,
+        text: String(number),
+        label: say("tooth_card.remark", { number: String(number) }),
+        pointMm: [x / 1000, y / 1000, z / 1000],
+        chosen: annotation.id === chosen,
+      },
+    ];
   });
-  return point === undefined ? pins : [...pins, { key: kNewPin, text: "+", label: say("tooth_card.new_point"), pointMm: point, chosen: true }];
+  return point === undefined
+    ? pins
+    : [...pins, { key: kNewPin, text: "+", label: say("tooth_card.new_point"), pointMm: point, chosen: true }];
 }
 
 function DeviationTable({ summary }: { readonly summary: DeviationSummary }) {
@@ -130,11 +222,23 @@ function DeviationTable({ summary }: { readonly summary: DeviationSummary }) {
       <p>{deviationText(summary)}</p>
       <table>
         <caption class="hidden">{say("tooth_card.by_side")}</caption>
-        <thead><tr><th scope="col">{say("tooth_card.side")}</th><th scope="col" class="number">{say("tooth_card.mean")}</th><th scope="col" class="number">{say("tooth_card.largest")}</th></tr></thead>
+        <thead>
+          <tr>
+            <th scope="col">{say("tooth_card.side")}</th>
+            <th scope="col" class="number">
+              {say("tooth_card.mean")}
+            </th>
+            <th scope="col" class="number">
+              {say("tooth_card.largest")}
+            </th>
+          </tr>
+        </thead>
         <tbody>
           {summary.sides.map((side) => (
             <tr key={side.side}>
-              <th scope="row">{say(`cavity_side.${side.side}`)}</th><td class="number">{formatSigned(side.meanMm)}</td><td class="number">{formatSigned(side.mostMm)}</td>
+              <th scope="row">{say(`cavity_side.${side.side}`)}</th>
+              <td class="number">{formatSigned(side.meanMm)}</td>
+              <td class="number">{formatSigned(side.mostMm)}</td>
             </tr>
           ))}
         </tbody>
@@ -156,11 +260,19 @@ function deviationText(summary: DeviationSummary): string {
   const percent = (share: number) => `${formatNumber(100 * share, 0)} %`;
   const worst = summary.sides[0];
   const told = {
-    within: percent(summary.withinShare), tolerance: formatLimit(summary.toleranceMm, "mm"), over: percent(summary.overShare), under: percent(summary.underShare),
+    within: percent(summary.withinShare),
+    tolerance: formatLimit(summary.toleranceMm, "mm"),
+    over: percent(summary.overShare),
+    under: percent(summary.underShare),
     p95: formatQuantity(summary.p95Mm, "mm"),
   };
-  return worst === undefined ? say("tooth_card.deviation", told)
-    : say("tooth_card.deviation_worst", { ...told, side: say(`cavity_side.${worst.side}`), mean: formatSigned(worst.meanMm) });
+  return worst === undefined
+    ? say("tooth_card.deviation", told)
+    : say("tooth_card.deviation_worst", {
+        ...told,
+        side: say(`cavity_side.${worst.side}`),
+        mean: formatSigned(worst.meanMm),
+      });
 }
 
 function pictureText(summary: DeviationSummary | undefined, tissues: readonly number[]): string {

@@ -9,14 +9,14 @@ export interface ToothChoices {
   readonly mode: ColorMode;
   readonly section: SectionPlane | undefined;
   readonly follow: boolean;
-  readonly target: boolean;                     // what the exercise asks for is drawn
+  readonly target: boolean; // what the exercise asks for is drawn
 }
 
 interface Props {
   readonly choices: ToothChoices;
   readonly onChoices: (choices: ToothChoices) => void;
-  readonly compared: boolean;                   // there is a deviation to colour by
-  readonly played: boolean;                     // there is a bur to follow
+  readonly compared: boolean; // there is a deviation to colour by
+  readonly played: boolean; // there is a bur to follow
   readonly children?: ComponentChildren;
 }
 
@@ -33,21 +33,65 @@ export function ToothTools({ choices, onChoices, compared, played, children }: P
   };
   return (
     <div class="tooth-choices no-print">
-      {compared && <Segmented legend={say("tools.colours")} name="tooth-mode" value={mode} onChange={(value) => set({ mode: value })}
-                              choices={[{ value: "deviation", title: say("tools.deviation") }, { value: "tissue", title: say("tools.tissues") }]} />}
-      <select aria-label={say("section.title")} value={section?.across ?? ""} onChange={(event) => chooseSection(event.currentTarget.value)}>
+      {compared && (
+        <Segmented
+          legend={say("tools.colours")}
+          name="tooth-mode"
+          value={mode}
+          onChange={(value) => set({ mode: value })}
+          choices={[
+            { value: "deviation", title: say("tools.deviation") },
+            { value: "tissue", title: say("tools.tissues") },
+          ]}
+        />
+      )}
+      <select
+        aria-label={say("section.title")}
+        value={section?.across ?? ""}
+        onChange={(event) => chooseSection(event.currentTarget.value)}
+      >
         <option value="">{say("section.none")}</option>
-        {kSections.map((across) => <option key={across} value={across}>{say(`section.${across}`)}</option>)}
+        {kSections.map((across) => (
+          <option key={across} value={across}>
+            {say(`section.${across}`)}
+          </option>
+        ))}
       </select>
       {section !== undefined && (
         <>
-          <input type="range" min={-kSteps} max={kSteps} value={section.share * kSteps} aria-label={say("section.place")}
-                 aria-valuetext={say("section.percent", { percent: formatNumber(section.share * 100, 0) })} onInput={(event) => set({ section: { ...section, share: Number(event.currentTarget.value) / kSteps } })} />
-          <button type="button" class="button small" aria-pressed={section.flipped} onClick={() => set({ section: { ...section, flipped: !section.flipped } })}>{say("section.other")}</button>
+          <input
+            type="range"
+            min={-kSteps}
+            max={kSteps}
+            value={section.share * kSteps}
+            aria-label={say("section.place")}
+            aria-valuetext={say("section.percent", { percent: formatNumber(section.share * 100, 0) })}
+            onInput={(event) => set({ section: { ...section, share: Number(event.currentTarget.value) / kSteps } })}
+          />
+          <button
+            type="button"
+            class="button small"
+            aria-pressed={section.flipped}
+            onClick={() => set({ section: { ...section, flipped: !section.flipped } })}
+          >
+            {say("section.other")}
+          </button>
         </>
       )}
-      {played && <button type="button" class="button small" aria-pressed={follow} onClick={() => set({ follow: !follow })}>{say("tools.follow")}</button>}
-      <button type="button" class="button small" aria-pressed={target} title={say("tools.target_hint")} onClick={() => set({ target: !target })}>{say("tools.target")}</button>
+      {played && (
+        <button type="button" class="button small" aria-pressed={follow} onClick={() => set({ follow: !follow })}>
+          {say("tools.follow")}
+        </button>
+      )}
+      <button
+        type="button"
+        class="button small"
+        aria-pressed={target}
+        title={say("tools.target_hint")}
+        onClick={() => set({ target: !target })}
+      >
+        {say("tools.target")}
+      </button>
       {children}
     </div>
   );

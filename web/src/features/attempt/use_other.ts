@@ -10,16 +10,24 @@ import { Playback } from "./playback";
 // Another attempt that this one is compared with, kept at the moment that belongs to this one's.
 export interface Other {
   readonly playback: Playback;
-  readonly at: number | undefined;              // its moment, s; undefined: not known yet
+  readonly at: number | undefined; // its moment, s; undefined: not known yet
   readonly sync: Sync;
   readonly setSync: (sync: Sync) => void;
 }
 
 // `id` undefined: nothing is compared, and nothing is loaded.
-export function useOther(client: Client, id: string | undefined, series: Series | undefined, timeS: number): Other | undefined {
+export function useOther(
+  client: Client,
+  id: string | undefined,
+  series: Series | undefined,
+  timeS: number,
+): Other | undefined {
   const [, redraw] = useState(0);
   const [sync, setSync] = useState<Sync>("time");
-  const playback = useMemo(() => id === undefined ? undefined : new Playback(client, id, () => redraw((n) => n + 1)), [client, id]);
+  const playback = useMemo(
+    () => (id === undefined ? undefined : new Playback(client, id, () => redraw((n) => n + 1))),
+    [client, id],
+  );
   useEffect(() => {
     void playback?.load();
     return () => playback?.dispose();
@@ -27,8 +35,12 @@ export function useOther(client: Client, id: string | undefined, series: Series 
   const { loaded } = useRequest(id, (signal) => client.series(id ?? "", signal));
   const theirs = loaded.state === "ready" ? loaded.value : undefined;
   const path = usePath(sync === "path" ? series : undefined, theirs, setSync);
-  const clock = useMemo(() => playback?.head === undefined ? undefined : new FrameClock(playback.head, playback.poses), [playback, playback?.head, playback?.whole]);
-  const at = series === undefined || theirs === undefined ? undefined : momentInOther(sync, series, theirs, timeS, path);
+  const clock = useMemo(
+    () => (playback?.head === undefined ? undefined : new FrameClock(playback.head, playback.poses)),
+    [playback, playback?.head, playback?.whole],
+  );
+  const at =
+    series === undefined || theirs === undefined ? undefined : momentInOther(sync, series, theirs, timeS, path);
   const ready = playback?.state.state === "ready";
   useEffect(() => {
     if (ready && clock !== undefined && at !== undefined) playback?.show(clock.framesAt(at));
@@ -37,14 +49,25 @@ export function useOther(client: Client, id: string | undefined, series: Series 
 }
 
 // How two ways belong together. What works it out is fetched when it is first wanted.
-function usePath(own: Series | undefined, other: Series | undefined, setSync: (sync: Sync) => void): PathMatch | undefined {
+function usePath(
+  own: Series | undefined,
+  other: Series | undefined,
+  setSync: (sync: Sync) => void,
+): PathMatch | undefined {
   const [known, setKnown] = useState<{ readonly own: Series; readonly other: Series; readonly match: PathMatch }>();
   useEffect(() => {
     if (own === undefined || other === undefined) return undefined;
     let abandoned = false;
-    import("./path_sync").then(({ pathMatch }) => { if (!abandoned) setKnown({ own, other, match: pathMatch(own, other) }); })
-      .catch(() => { if (!abandoned) setSync("time"); });
-    return () => { abandoned = true; };
+    import("./path_sync")
+      .then(({ pathMatch }) => {
+        if (!abandoned) setKnown({ own, other, match: pathMatch(own, other) });
+      })
+      .catch(() => {
+        if (!abandoned) setSync("time");
+      });
+    return () => {
+      abandoned = true;
+    };
   }, [own, other, setSync]);
   return known !== undefined && known.own === own && known.other === other ? known.match : undefined;
 }

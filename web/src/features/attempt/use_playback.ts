@@ -7,14 +7,14 @@ import { FrameClock } from "./clock";
 import { Playback } from "./playback";
 
 const kAskAgainMs = 5000;
-const kTellMs = 250;                            // the plots follow four times a second
+const kTellMs = 250; // the plots follow four times a second
 const kSpeeds = [0.1, 0.25, 0.5, 1, 2, 4, 8, 16] as const;
 const kJumpS = 5;
 
 // What is played again and again, in frames.
 export interface Loop {
   readonly from: number;
-  readonly to: number | undefined;              // undefined: its end is still to be chosen
+  readonly to: number | undefined; // undefined: its end is still to be chosen
 }
 
 export interface PlaybackControl {
@@ -36,11 +36,19 @@ export interface PlaybackControl {
 
 // Plays an attempt back, with the moment of the page's plots. `made`: another text means another playback, such as one of a
 // new score. Undefined: there is no recording.
-export function usePlayback(client: Client, attempt: string | undefined, made: string, timeS: number | undefined,
-                            setTime: (timeS: number) => void): PlaybackControl | undefined {
+export function usePlayback(
+  client: Client,
+  attempt: string | undefined,
+  made: string,
+  timeS: number | undefined,
+  setTime: (timeS: number) => void,
+): PlaybackControl | undefined {
   const [changes, redraw] = useState(0);
   const [round, setRound] = useState(0);
-  const playback = useMemo(() => attempt === undefined ? undefined : new Playback(client, attempt, () => redraw((n) => n + 1)), [client, attempt, made, round]);
+  const playback = useMemo(
+    () => (attempt === undefined ? undefined : new Playback(client, attempt, () => redraw((n) => n + 1))),
+    [client, attempt, made, round],
+  );
   const [playing, setPlaying] = useState(false);
   const [speed, setSpeed] = useState(1);
   const [loop, setLoop] = useState<Loop>();
@@ -50,7 +58,7 @@ export function usePlayback(client: Client, attempt: string | undefined, made: s
     ++run.current;
     setPlaying(false);
   }, []);
-  const ownTime = useRef<number | undefined>(undefined);             // that this told
+  const ownTime = useRef<number | undefined>(undefined); // that this told
 
   useEffect(() => {
     setPlaying(false);
@@ -70,13 +78,17 @@ export function usePlayback(client: Client, attempt: string | undefined, made: s
 
   const ready = playback?.state.state === "ready";
   const head = playback?.head;
-  const clock = useMemo(() => playback === undefined || head === undefined ? undefined : new FrameClock(head, playback.poses), [playback, head, playback?.whole]);
+  const clock = useMemo(
+    () => (playback === undefined || head === undefined ? undefined : new FrameClock(head, playback.poses)),
+    [playback, head, playback?.whole],
+  );
   const latest = useRef({ clock, loop, setTime });
   latest.current = { clock, loop, setTime };
 
   // Who moves the moment elsewhere moves the tooth.
   useEffect(() => {
-    if (playback === undefined || clock === undefined || !ready || timeS === undefined || timeS === ownTime.current) return;
+    if (playback === undefined || clock === undefined || !ready || timeS === undefined || timeS === ownTime.current)
+      return;
     ownTime.current = timeS;
     stop();
     playback.show(clock.framesAt(timeS));
@@ -92,17 +104,18 @@ export function usePlayback(client: Client, attempt: string | undefined, made: s
   const rate = head === undefined ? 10 : head.rateHz / head.frameTicks;
   useEffect(() => {
     if (!playing || playback === undefined) return undefined;
-    let at = playback.position >= endOf(playback, latest.current.loop) ? latest.current.loop?.from ?? 0 : playback.position;
+    let at =
+      playback.position >= endOf(playback, latest.current.loop) ? (latest.current.loop?.from ?? 0) : playback.position;
     let before: number | undefined;
     let told = 0;
     const own = ++run.current;
     let handle = requestAnimationFrame(function next(now) {
       if (own !== run.current) return;
       const end = endOf(playback, latest.current.loop);
-      at += (now - (before ?? now)) / 1000 * rate * speed;
+      at += ((now - (before ?? now)) / 1000) * rate * speed;
       before = now;
       const again = latest.current.loop?.to !== undefined;
-      if (at >= end) at = again ? latest.current.loop?.from ?? 0 : end;
+      if (at >= end) at = again ? (latest.current.loop?.from ?? 0) : end;
       playback.show(Math.floor(at));
       const ended = at >= end;
       if (ended || now - told > kTellMs) {
@@ -124,12 +137,28 @@ export function usePlayback(client: Client, attempt: string | undefined, made: s
       tell(wanted);
     };
     return {
-      playback, clock, playing, speed, setSpeed, show, loop, speeds: kSpeeds,
+      playback,
+      clock,
+      playing,
+      speed,
+      setSpeed,
+      show,
+      loop,
+      speeds: kSpeeds,
       toggle: () => setPlaying((was) => !was && ready),
       step: (frames) => show(playback.wanted + frames),
       jump: (direction) => show(playback.wanted + direction * kJumpS * rate),
-      loopFrom: () => setLoop((was) => ({ from: playback.wanted, to: was?.to !== undefined && was.to > playback.wanted ? was.to : undefined })),
-      loopTo: () => setLoop((was) => was !== undefined && playback.wanted > was.from ? { from: was.from, to: playback.wanted } : { from: 0, to: Math.max(playback.wanted, 1) }),
+      loopFrom: () =>
+        setLoop((was) => ({
+          from: playback.wanted,
+          to: was?.to !== undefined && was.to > playback.wanted ? was.to : undefined,
+        })),
+      loopTo: () =>
+        setLoop((was) =>
+          was !== undefined && playback.wanted > was.from
+            ? { from: was.from, to: playback.wanted }
+            : { from: 0, to: Math.max(playback.wanted, 1) },
+        ),
       loopOff: () => setLoop(undefined),
     };
   }, [playback, clock, playing, speed, loop, ready, rate, changes, stop, tell]);
@@ -146,7 +175,10 @@ export function playbackKeys(control: () => PlaybackControl | undefined): Key[] 
     const now = control();
     if (now?.playback.whole === true) act(now);
   };
-  const faster = (by: 1 | -1) => on((now) => now.setSpeed(kSpeeds[Math.max(0, Math.min(kSpeeds.indexOf(now.speed as 1) + by, kSpeeds.length - 1))]!));
+  const faster = (by: 1 | -1) =>
+    on((now) =>
+      now.setSpeed(kSpeeds[Math.max(0, Math.min(kSpeeds.indexOf(now.speed as 1) + by, kSpeeds.length - 1))]!),
+    );
   return [
     { key: "k", also: " ", what: say("playback.key_play"), act: on((now) => now.toggle()) },
     { key: "j", what: say("playback.key_back"), act: on((now) => now.jump(-1)) },

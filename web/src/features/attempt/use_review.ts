@@ -12,22 +12,22 @@ import { type Mark, marksOf, stepOfTick } from "./moments";
 import { nextMark, spansOf } from "./spans";
 import { usePlayback } from "./use_playback";
 
-const kBeyondS = 0.05;                          // an address has hundredths; less is rounding
+const kBeyondS = 0.05; // an address has hundredths; less is rounding
 const kNoRemarks: readonly Annotation[] = [];
 
 // Whose attempt is looked at, and by whom.
 export interface Reviewed {
   readonly client: Client;
   readonly attempt: AttemptDetail;
-  readonly personId: string;                    // who looks at it
+  readonly personId: string; // who looks at it
   readonly teacher: boolean;
-  readonly toleranceMm: number;                 // of the rubric
+  readonly toleranceMm: number; // of the rubric
 }
 
 // What the page's keys do with the plots.
 interface PlotKeys {
-  more?: () => void;                            // shows and hides the second plot
-  zoom?: (direction: -1 | 0 | 1) => void;       // 0: all
+  more?: () => void; // shows and hides the second plot
+  zoom?: (direction: -1 | 0 | 1) => void; // 0: all
 }
 
 export type Review = ReturnType<typeof useReview>;
@@ -54,21 +54,36 @@ export function useReview(reviewed: Reviewed) {
   const [chosen, setChosen] = useState<string>();
   const [point, setPoint] = useState<PointMm>();
   const picture = useRef<HTMLDivElement>(null);
-  const marks = useMemo(() => recorded === undefined ? [] : marksOf(recorded, said), [recorded, said]);
+  const marks = useMemo(() => (recorded === undefined ? [] : marksOf(recorded, said)), [recorded, said]);
   const clock = control?.playback.whole === true ? control.clock : undefined;
-  const spans = useMemo(() => recorded === undefined ? [] : spansOf(recorded, clock?.gaps ?? [], scored?.deductions ?? []), [recorded, clock, scored]);
+  const spans = useMemo(
+    () => (recorded === undefined ? [] : spansOf(recorded, clock?.gaps ?? [], scored?.deductions ?? [])),
+    [recorded, clock, scored],
+  );
   // Whatever has a time or a place is shown there, wherever on the page it was clicked.
   const go = (step: number | undefined) => {
     if (step !== undefined) setCursor(step);
     picture.current?.scrollIntoView({ block: "nearest" });
   };
   return {
-    ...reviewed, ...moment, key, removed, score, scored, series, recorded, remarks, plots, marks, spans,
-    done: scored === undefined ? undefined : stoppedEarly(scored),   // percent of the work, where it was stopped early
+    ...reviewed,
+    ...moment,
+    key,
+    removed,
+    score,
+    scored,
+    series,
+    recorded,
+    remarks,
+    plots,
+    marks,
+    spans,
+    done: scored === undefined ? undefined : stoppedEarly(scored), // percent of the work, where it was stopped early
     annotates: attempt.may.includes("annotate"),
-    noMark,                                     // somebody asked for the next one, and there is none
-    chosen,                                     // id of a remark
-    point, setPoint,                            // clicked on the tooth, for the next remark
+    noMark, // somebody asked for the next one, and there is none
+    chosen, // id of a remark
+    point,
+    setPoint, // clicked on the tooth, for the next remark
     picture,
     choose: (mark: Mark) => {
       setChosen(mark.annotation.id);
@@ -89,9 +104,9 @@ export function useReview(reviewed: Reviewed) {
 
 // The moment, the playback that shows it, and the picture without one. `id` undefined: there is no recording.
 function useMoment(client: Client, id: string | undefined, key: string, recorded: Series | undefined) {
-  const [timeS, setTimeS] = useState<number>();     // undefined until first moved: the end
+  const [timeS, setTimeS] = useState<number>(); // undefined until first moved: the end
   const asked = useMemo(() => momentOf(new URLSearchParams(window.location.search)), []);
-  const askedDone = useRef(false);                  // nothing that is still to come changes the moment it names
+  const askedDone = useRef(false); // nothing that is still to come changes the moment it names
   const look = useMemo((): LookHandle => ({ begin: asked.look, now: undefined }), [asked]);
   const control = usePlayback(client, id, key, timeS, setTimeS);
   const { state } = control?.playback.state ?? { state: "loading" };
@@ -102,23 +117,34 @@ function useMoment(client: Client, id: string | undefined, key: string, recorded
   const settled = control?.playback.whole === true || still;
   // A link may name the moment; it is opened as soon as the recording is there.
   useEffect(() => {
-    if (endS !== undefined && asked.seconds !== undefined && !askedDone.current) setTimeS(Math.min(asked.seconds, endS));
+    if (endS !== undefined && asked.seconds !== undefined && !askedDone.current)
+      setTimeS(Math.min(asked.seconds, endS));
     if (settled) askedDone.current = true;
   }, [endS, asked, settled]);
   const momentS = timeS ?? endS ?? 0;
   const { loop, clock } = control ?? {};
   return {
-    control, surface, look, endS, momentS, setTimeS,
+    control,
+    surface,
+    look,
+    endS,
+    momentS,
+    setTimeS,
     moved: timeS !== undefined,
-    cursor: recorded === undefined ? 0 : stepAt(recorded, momentS),   // the step that the moment lies in
+    cursor: recorded === undefined ? 0 : stepAt(recorded, momentS), // the step that the moment lies in
     setCursor: (step: number) => {
       if (recorded !== undefined) setTimeS(step >= recorded.t_s.length - 1 ? endS : recorded.t_s[step]);
     },
     // A to B, seconds
-    range: loop?.to === undefined || clock === undefined ? undefined : [clock.timeOf(loop.from), clock.timeOf(loop.to)] as const,
+    range:
+      loop?.to === undefined || clock === undefined
+        ? undefined
+        : ([clock.timeOf(loop.from), clock.timeOf(loop.to)] as const),
     // What the address asks for, where that is after the end
-    beyondS: endS !== undefined && asked.seconds !== undefined && asked.seconds > endS + kBeyondS ? asked.seconds : undefined,
+    beyondS:
+      endS !== undefined && asked.seconds !== undefined && asked.seconds > endS + kBeyondS ? asked.seconds : undefined,
     // The address of this moment, looked at as now
-    link: () => window.location.origin + window.location.pathname + momentQuery({ seconds: momentS, look: look.now?.() }),
+    link: () =>
+      window.location.origin + window.location.pathname + momentQuery({ seconds: momentS, look: look.now?.() }),
   };
 }

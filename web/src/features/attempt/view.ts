@@ -1,7 +1,7 @@
 // The part of the time that is looked at, seconds.
 export type View = readonly [number, number];
 
-const kLeastS = 0.1;                            // a hundred ticks
+const kLeastS = 0.1; // a hundred ticks
 export const kZoomStep = 1.5;
 
 // `by` times as long a part; what is at `atS` stays where it is. All of it: undefined.

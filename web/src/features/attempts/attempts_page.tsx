@@ -14,14 +14,22 @@ import { PagedList } from "../../widgets/pages";
 import { type Column, DataTable } from "../../widgets/table";
 
 const kPageSize = 50;
-const kMostAppeals = 200;                       // that are told of at once
+const kMostAppeals = 200; // that are told of at once
 const kNobody: ReadonlySet<string> = new Set();
 const kPollMs = 3000;
-const kStates: readonly AttemptState[] = ["ticketed", "recording", "sealed", "scoring", "scored", "failed", "quarantined"];
+const kStates: readonly AttemptState[] = [
+  "ticketed",
+  "recording",
+  "sealed",
+  "scoring",
+  "scored",
+  "failed",
+  "quarantined",
+];
 
 interface Props {
   readonly client: Client;
-  readonly mine: boolean;                       // a student's own list: no cohort, no names
+  readonly mine: boolean; // a student's own list: no cohort, no names
   readonly query: URLSearchParams;
   readonly onQuery: (query: Readonly<Record<string, string>>) => void;
 }
@@ -31,16 +39,23 @@ type Filter = Readonly<Record<"cohort" | "exercise" | "state" | "special" | "ass
 
 export function AttemptsPage({ client, mine, query, onQuery }: Props) {
   const filter: Filter = {
-    cohort: query.get("cohort") ?? "", exercise: query.get("exercise") ?? "", state: query.get("state") ?? "", special: query.get("special") ?? "",
-    assignment: query.get("assignment") ?? "", person: query.get("person") ?? "",
+    cohort: query.get("cohort") ?? "",
+    exercise: query.get("exercise") ?? "",
+    state: query.get("state") ?? "",
+    special: query.get("special") ?? "",
+    assignment: query.get("assignment") ?? "",
+    person: query.get("person") ?? "",
   };
   const exercises = useRequest("exercises", (signal) => client.teaching.exercises(undefined, signal));
   const known = exercises.loaded.state === "ready" ? exercises.loaded.value : [];
   return (
     <>
       <PageTitle document={say("nav.attempts")}>{mine ? say("nav.my_attempts") : say("nav.attempts")}</PageTitle>
-      {mine ? <AttemptList client={client} filter={filter} exercises={known} named={false} />
-            : <CohortAttempts client={client} filter={filter} exercises={known} onQuery={onQuery} />}
+      {mine ? (
+        <AttemptList client={client} filter={filter} exercises={known} named={false} />
+      ) : (
+        <CohortAttempts client={client} filter={filter} exercises={known} onQuery={onQuery} />
+      )}
     </>
   );
 }
@@ -54,39 +69,93 @@ interface ListProps {
 function CohortAttempts({ client, filter, exercises, onQuery }: ListProps & { readonly onQuery: Props["onQuery"] }) {
   const { loaded, reload } = useRequest("cohorts", (signal) => client.people.allCohorts(signal));
   const appeals = useRequest("appeals", (signal) => client.attempts({ appeal: "open", limit: kMostAppeals }, signal));
-  const appealed = useMemo(() => new Set(appeals.loaded.state === "ready" ? appeals.loaded.value.items.map(({ id }) => id) : []), [appeals.loaded]);
+  const appealed = useMemo(
+    () => new Set(appeals.loaded.state === "ready" ? appeals.loaded.value.items.map(({ id }) => id) : []),
+    [appeals.loaded],
+  );
   if (loaded.state === "loading") return <Loading what={say("loading.cohorts")} />;
-  if (loaded.state === "failed") return <ErrorNotice title={say("list_failed.cohorts")} message={loaded.error.message} onRetry={reload} />;
+  if (loaded.state === "failed")
+    return <ErrorNotice title={say("list_failed.cohorts")} message={loaded.error.message} onRetry={reload} />;
   return (
     <>
       <Filters cohorts={loaded.value} exercises={exercises} filter={filter} onQuery={onQuery} />
       {appealed.size > 0 && filter.special !== "appeal" && (
-        <p><Badge tone="warning">{say("attempts.appeals", { count: appealed.size })}</Badge>{" "}
-          <button type="button" class="button small" onClick={() => onQuery({ special: "appeal" })}>{say("attempts.show_appeals", { count: appealed.size })}</button></p>
+        <p>
+          <Badge tone="warning">{say("attempts.appeals", { count: appealed.size })}</Badge>{" "}
+          <button type="button" class="button small" onClick={() => onQuery({ special: "appeal" })}>
+            {say("attempts.show_appeals", { count: appealed.size })}
+          </button>
+        </p>
       )}
       {(filter.assignment !== "" || filter.person !== "") && (
-        <p class="hint">{filter.person === "" ? say("attempts.only_assignment") : filter.assignment === "" ? say("attempts.only_person") : say("attempts.only_both")}{" "}<button type="button" class="button small" onClick={() => onQuery({ ...filter, assignment: "", person: "" })}>{say("attempts.show_all")}</button></p>
+        <p class="hint">
+          {filter.person === ""
+            ? say("attempts.only_assignment")
+            : filter.assignment === ""
+              ? say("attempts.only_person")
+              : say("attempts.only_both")}{" "}
+          <button type="button" class="button small" onClick={() => onQuery({ ...filter, assignment: "", person: "" })}>
+            {say("attempts.show_all")}
+          </button>
+        </p>
       )}
       <AttemptList client={client} filter={filter} exercises={exercises} named={true} appealed={appealed} />
     </>
   );
 }
 
-function Filters({ cohorts, exercises, filter, onQuery }:
-    { readonly cohorts: readonly Cohort[]; readonly exercises: readonly ExerciseSummary[]; readonly filter: Filter; readonly onQuery: Props["onQuery"] }) {
+function Filters({
+  cohorts,
+  exercises,
+  filter,
+  onQuery,
+}: {
+  readonly cohorts: readonly Cohort[];
+  readonly exercises: readonly ExerciseSummary[];
+  readonly filter: Filter;
+  readonly onQuery: Props["onQuery"];
+}) {
   const chosen = cohorts.find((cohort) => cohort.id === filter.cohort);
   const students = chosen?.members.filter((member) => member.role === "student").length;
   return (
     <div class="filters">
-      <SelectField label={say("common.cohort")} value={filter.cohort} onValue={(cohort) => onQuery({ ...filter, cohort })}
-                   options={[{ value: "", title: say("common.all") }, ...cohorts.map((cohort) => ({ value: cohort.id, title: cohort.name }))]} />
-      <SelectField label={say("common.exercise")} value={filter.exercise} onValue={(exercise) => onQuery({ ...filter, exercise })}
-                   options={[{ value: "", title: say("common.all") }, ...exercises.map((exercise) => ({ value: exercise.id, title: wordedTitle(exercise.title) }))]} />
-      <SelectField label={say("common.state")} value={filter.state} onValue={(state) => onQuery({ ...filter, state })}
-                   options={[{ value: "", title: say("common.any") }, ...kStates.map((state) => ({ value: state as string, title: stateText(state).title }))]} />
-      <SelectField label={say("attempts.only_with")} value={filter.special} onValue={(special) => onQuery({ ...filter, special })}
-                   options={[{ value: "", title: "–" }, { value: "appeal", title: say("attempts.open_appeal") },
-                             ...Object.keys(kFlagTexts).map((flag) => ({ value: flag, title: flagText(flag as AttemptFlag).title }))]} />
+      <SelectField
+        label={say("common.cohort")}
+        value={filter.cohort}
+        onValue={(cohort) => onQuery({ ...filter, cohort })}
+        options={[
+          { value: "", title: say("common.all") },
+          ...cohorts.map((cohort) => ({ value: cohort.id, title: cohort.name })),
+        ]}
+      />
+      <SelectField
+        label={say("common.exercise")}
+        value={filter.exercise}
+        onValue={(exercise) => onQuery({ ...filter, exercise })}
+        options={[
+          { value: "", title: say("common.all") },
+          ...exercises.map((exercise) => ({ value: exercise.id, title: wordedTitle(exercise.title) })),
+        ]}
+      />
+      <SelectField
+        label={say("common.state")}
+        value={filter.state}
+        onValue={(state) => onQuery({ ...filter, state })}
+        options={[
+          { value: "", title: say("common.any") },
+          ...kStates.map((state) => ({ value: state as string, title: stateText(state).title })),
+        ]}
+      />
+      <SelectField
+        label={say("attempts.only_with")}
+        value={filter.special}
+        onValue={(special) => onQuery({ ...filter, special })}
+        options={[
+          { value: "", title: "–" },
+          { value: "appeal", title: say("attempts.open_appeal") },
+          ...Object.keys(kFlagTexts).map((flag) => ({ value: flag, title: flagText(flag as AttemptFlag).title })),
+        ]}
+      />
       {students !== undefined && <span class="hint">{say("count.students", { count: students })}</span>}
     </div>
   );
@@ -94,36 +163,74 @@ function Filters({ cohorts, exercises, filter, onQuery }:
 
 function queryOf({ cohort, exercise, state, special, assignment, person }: Filter): AttemptQuery {
   return {
-    cohort, exercise, assignment, person,
+    cohort,
+    exercise,
+    assignment,
+    person,
     ...(state === "" ? {} : { state: state as AttemptState }),
     ...(special === "appeal" ? { appeal: "open" } : special === "" ? {} : { flag: special as AttemptFlag }),
   };
 }
 
 // While only the first page is shown and something in it is under way, it is asked for again.
-function AttemptList({ client, filter, exercises, named, appealed = kNobody }: ListProps & { readonly named: boolean; readonly appealed?: ReadonlySet<string> }) {
-  const pages = usePages(JSON.stringify(filter), (cursor, signal) => client.attempts({ ...queryOf(filter), cursor, limit: kPageSize }, signal));
+function AttemptList({
+  client,
+  filter,
+  exercises,
+  named,
+  appealed = kNobody,
+}: ListProps & { readonly named: boolean; readonly appealed?: ReadonlySet<string> }) {
+  const pages = usePages(JSON.stringify(filter), (cursor, signal) =>
+    client.attempts({ ...queryOf(filter), cursor, limit: kPageSize }, signal),
+  );
   const practice = new Set(exercises.filter((exercise) => !exercise.graded).map((exercise) => exercise.id));
   const polling = pages.onlyFirst && pages.items.some((attempt) => isUnderWay(attempt.state));
   useRefresh(polling, kPollMs, pages.reload);
   const open = (attempt: Attempt, text: string) => <a href={`/attempts/${attempt.id}`}>{text}</a>;
   const columns: readonly Column<Attempt>[] = [
-    ...(named ? [{ title: say("common.student"), cell: (attempt: Attempt) => open(attempt, attempt.person.display_name) },
-                 { title: say("common.exercise"), cell: (attempt: Attempt) => wordedTitle(attempt.exercise.title) }]
-              : [{ title: say("common.exercise"), cell: (attempt: Attempt) => open(attempt, wordedTitle(attempt.exercise.title)) }]),
+    ...(named
+      ? [
+          { title: say("common.student"), cell: (attempt: Attempt) => open(attempt, attempt.person.display_name) },
+          { title: say("common.exercise"), cell: (attempt: Attempt) => wordedTitle(attempt.exercise.title) },
+        ]
+      : [
+          {
+            title: say("common.exercise"),
+            cell: (attempt: Attempt) => open(attempt, wordedTitle(attempt.exercise.title)),
+          },
+        ]),
     { title: say("common.when"), cell: (attempt) => formatDateTime(attempt.ticketed_ms) },
     { title: say("common.score"), number: true, cell: (attempt) => <ScoreCell attempt={attempt} /> },
     { title: say("common.state"), cell: (attempt) => <StateBadge attempt={attempt} /> },
-    { title: say("attempts.flags"), cell: (attempt) => <Flags attempt={attempt} graded={!practice.has(attempt.exercise.id) || attempt.exam} staff={named} appealed={appealed.has(attempt.id)} /> },
+    {
+      title: say("attempts.flags"),
+      cell: (attempt) => (
+        <Flags
+          attempt={attempt}
+          graded={!practice.has(attempt.exercise.id) || attempt.exam}
+          staff={named}
+          appealed={appealed.has(attempt.id)}
+        />
+      ),
+    },
   ];
   return (
     <PagedList pages={pages} list="attempts" empty={say("attempts.none")}>
-      {(attempts) => <div class="card flush"><DataTable label={say("nav.attempts")} items={attempts} rowKey={(attempt) => attempt.id} columns={columns} /></div>}
+      {(attempts) => (
+        <div class="card flush">
+          <DataTable label={say("nav.attempts")} items={attempts} rowKey={(attempt) => attempt.id} columns={columns} />
+        </div>
+      )}
     </PagedList>
   );
 }
 
 function ScoreCell({ attempt }: { readonly attempt: Attempt }) {
   const set = attempt.score !== null && attempt.computed_score !== null && attempt.score !== attempt.computed_score;
-  return <span class="score-cell">{formatScore(attempt.score)}{set && <span class="sub">{say("attempts.computed", { score: formatScore(attempt.computed_score) })}</span>}</span>;
+  return (
+    <span class="score-cell">
+      {formatScore(attempt.score)}
+      {set && <span class="sub">{say("attempts.computed", { score: formatScore(attempt.computed_score) })}</span>}
+    </span>
+  );
 }

@@ -24,71 +24,176 @@ export function CohortPage({ client, id, admin }: Props) {
   const { loaded, reload } = useRequest(id, (signal) => client.people.cohort(id, signal));
   if (loaded.state === "loading") return <Loading what={say("loading.cohort")} />;
   if (loaded.state === "failed") {
-    return <><PageTitle document={say("common.cohort")}>{say("common.cohort")}</PageTitle><ErrorNotice title={say("cohort.failed")} message={loaded.error.message} onRetry={reload} /></>;
+    return (
+      <>
+        <PageTitle document={say("common.cohort")}>{say("common.cohort")}</PageTitle>
+        <ErrorNotice title={say("cohort.failed")} message={loaded.error.message} onRetry={reload} />
+      </>
+    );
   }
   const cohort = loaded.value.value;
   return (
     <>
-      <nav class="trail" aria-label={say("common.where")}><a href="/cohorts">{say("nav.cohorts")}</a></nav>
+      <nav class="trail" aria-label={say("common.where")}>
+        <a href="/cohorts">{say("nav.cohorts")}</a>
+      </nav>
       <div class="title-row">
         <PageTitle document={cohort.name}>{cohort.name}</PageTitle>
         {cohort.archived_ms > 0 && <Badge tone="neutral">{say("cohort.archived")}</Badge>}
       </div>
-      <p class="byline"><a href={`/attempts?cohort=${cohort.id}`}>{say("nav.attempts")}</a>{" · "}<a href={`/grading?cohort=${cohort.id}`}>{say("grading.title")}</a>{" · "}<a href={`/assignments?cohort=${cohort.id}`}>{say("nav.assignments")}</a></p>
+      <p class="byline">
+        <a href={`/attempts?cohort=${cohort.id}`}>{say("nav.attempts")}</a>
+        {" · "}
+        <a href={`/grading?cohort=${cohort.id}`}>{say("grading.title")}</a>
+        {" · "}
+        <a href={`/assignments?cohort=${cohort.id}`}>{say("nav.assignments")}</a>
+      </p>
       <GradesCard client={client} cohort={cohort} />
       <div class={admin ? "columns" : ""}>
         <Members client={client} cohort={cohort} admin={admin} onChanged={reload} />
-        {admin && <Card title={say("cohort.details")}><Details key={loaded.value.tag} client={client} read={loaded.value} onRead={reload} /></Card>}
+        {admin && (
+          <Card title={say("cohort.details")}>
+            <Details key={loaded.value.tag} client={client} read={loaded.value} onRead={reload} />
+          </Card>
+        )}
       </div>
     </>
   );
 }
 
 const kCompared = [
-  { get title() { return say("account.name"); }, text: (cohort: Cohort) => cohort.name },
-  { get title() { return say("cohort.archived"); }, text: (cohort: Cohort) => cohort.archived_ms > 0 ? "yes" : "no" },
+  {
+    get title() {
+      return say("account.name");
+    },
+    text: (cohort: Cohort) => cohort.name,
+  },
+  {
+    get title() {
+      return say("cohort.archived");
+    },
+    text: (cohort: Cohort) => (cohort.archived_ms > 0 ? "yes" : "no"),
+  },
 ];
 
-function Details({ client, read, onRead }: { readonly client: Client; readonly read: Tagged<Cohort>; readonly onRead: () => void }) {
-  const edit = useEdit(read, ({ name, archived_ms }, tag) => client.people.editCohort(read.value.id, { name: name.trim(), archived: archived_ms > 0 }, tag), onRead);
+function Details({
+  client,
+  read,
+  onRead,
+}: {
+  readonly client: Client;
+  readonly read: Tagged<Cohort>;
+  readonly onRead: () => void;
+}) {
+  const edit = useEdit(
+    read,
+    ({ name, archived_ms }, tag) =>
+      client.people.editCohort(read.value.id, { name: name.trim(), archived: archived_ms > 0 }, tag),
+    onRead,
+  );
   const submit = (event: Event) => {
     event.preventDefault();
     void edit.save();
   };
   return (
     <form class="form" onSubmit={submit}>
-      <TextField label={say("account.name")} value={edit.draft.name} onValue={(name) => edit.set({ name })} required maxLength={200} problem={edit.problemOf("name")} />
-      <CheckField label={say("cohort.archived")} hint={say("cohort.archived_hint")} value={edit.draft.archived_ms > 0} onValue={(archived) => edit.set({ archived_ms: archived ? read.value.archived_ms || Date.now() : 0 })} />
+      <TextField
+        label={say("account.name")}
+        value={edit.draft.name}
+        onValue={(name) => edit.set({ name })}
+        required
+        maxLength={200}
+        problem={edit.problemOf("name")}
+      />
+      <CheckField
+        label={say("cohort.archived")}
+        hint={say("cohort.archived_hint")}
+        value={edit.draft.archived_ms > 0}
+        onValue={(archived) => edit.set({ archived_ms: archived ? read.value.archived_ms || Date.now() : 0 })}
+      />
       <EditNotices edit={edit} compared={kCompared} fields={["name"]} />
-      <div><button type="submit" class="button primary" disabled={edit.busy || !edit.changed}>{say("common.save")}</button></div>
+      <div>
+        <button type="submit" class="button primary" disabled={edit.busy || !edit.changed}>
+          {say("common.save")}
+        </button>
+      </div>
     </form>
   );
 }
 
-function Members({ client, cohort, admin, onChanged }: { readonly client: Client; readonly cohort: Cohort; readonly admin: boolean; readonly onChanged: () => void }) {
+function Members({
+  client,
+  cohort,
+  admin,
+  onChanged,
+}: {
+  readonly client: Client;
+  readonly cohort: Cohort;
+  readonly admin: boolean;
+  readonly onChanged: () => void;
+}) {
   const [leaving, setLeaving] = useState<CohortMember>();
-  const sorted = [...cohort.members].sort((a, b) => a.role.localeCompare(b.role) || a.display_name.localeCompare(b.display_name, spokenLocale(), { numeric: true }));
-  const name = (member: CohortMember) => admin ? <a href={`/people/${member.id}`}>{member.display_name}</a> : member.display_name;
+  const sorted = [...cohort.members].sort(
+    (a, b) =>
+      a.role.localeCompare(b.role) || a.display_name.localeCompare(b.display_name, spokenLocale(), { numeric: true }),
+  );
+  const name = (member: CohortMember) =>
+    admin ? <a href={`/people/${member.id}`}>{member.display_name}</a> : member.display_name;
   return (
     <Card title={say("cohort.members", { count: cohort.members.length })}>
-      {sorted.length === 0 ? <Empty>{say("cohort.nobody")}</Empty> : (
-        <DataTable label={say("cohort.members_of", { name: cohort.name })} items={sorted} rowKey={(member) => member.id} dense columns={[
-          { title: say("account.name"), cell: name },
-          { title: say("account.role"), cell: (member) => say(`role.${member.role}`) },
-          { title: say("nav.attempts"), cell: (member) => <a href={`/attempts?cohort=${cohort.id}&person=${member.id}`}><Brief shown={say("nav.attempts")} full={say("cohort.attempts_of", { name: member.display_name })} /></a> },
-          ...(admin ? [{ title: say("common.remove"), hideTitle: true, cell: (member: CohortMember) => (
-            <div class="row-tools"><button type="button" class="button small" onClick={() => setLeaving(member)}><Brief shown={say("cohort.remove_ask")} full={say("cohort.remove_whom", { name: member.display_name })} /></button></div>) }] : []),
-        ]} />
+      {sorted.length === 0 ? (
+        <Empty>{say("cohort.nobody")}</Empty>
+      ) : (
+        <DataTable
+          label={say("cohort.members_of", { name: cohort.name })}
+          items={sorted}
+          rowKey={(member) => member.id}
+          dense
+          columns={[
+            { title: say("account.name"), cell: name },
+            { title: say("account.role"), cell: (member) => say(`role.${member.role}`) },
+            {
+              title: say("nav.attempts"),
+              cell: (member) => (
+                <a href={`/attempts?cohort=${cohort.id}&person=${member.id}`}>
+                  <Brief shown={say("nav.attempts")} full={say("cohort.attempts_of", { name: member.display_name })} />
+                </a>
+              ),
+            },
+            ...(admin
+              ? [
+                  {
+                    title: say("common.remove"),
+                    hideTitle: true,
+                    cell: (member: CohortMember) => (
+                      <div class="row-tools">
+                        <button type="button" class="button small" onClick={() => setLeaving(member)}>
+                          <Brief
+                            shown={say("cohort.remove_ask")}
+                            full={say("cohort.remove_whom", { name: member.display_name })}
+                          />
+                        </button>
+                      </div>
+                    ),
+                  },
+                ]
+              : []),
+          ]}
+        />
       )}
       {admin && cohort.archived_ms === 0 && <AddMember client={client} cohort={cohort} onAdded={onChanged} />}
       {leaving !== undefined && (
-        <Confirm title={say("cohort.remove_title", { name: leaving.display_name, cohort: cohort.name })} action={say("common.remove")} onClose={() => setLeaving(undefined)}
-                 onConfirm={async () => {
-                   const result = await client.people.removeMember(cohort.id, leaving.id);
-                   if (!result.ok) return result.error.message;
-                   onChanged();
-                   return undefined;
-                 }}>
+        <Confirm
+          title={say("cohort.remove_title", { name: leaving.display_name, cohort: cohort.name })}
+          action={say("common.remove")}
+          onClose={() => setLeaving(undefined)}
+          onConfirm={async () => {
+            const result = await client.people.removeMember(cohort.id, leaving.id);
+            if (!result.ok) return result.error.message;
+            onChanged();
+            return undefined;
+          }}
+        >
           <p>{leaving.role === "instructor" ? say("cohort.remove_instructor") : say("cohort.remove_student")}</p>
         </Confirm>
       )}
@@ -97,10 +202,20 @@ function Members({ client, cohort, admin, onChanged }: { readonly client: Client
 }
 
 // Found by name or login, because a school has many people.
-function AddMember({ client, cohort, onAdded }: { readonly client: Client; readonly cohort: Cohort; readonly onAdded: () => void }) {
+function AddMember({
+  client,
+  cohort,
+  onAdded,
+}: {
+  readonly client: Client;
+  readonly cohort: Cohort;
+  readonly onAdded: () => void;
+}) {
   const [text, setText] = useState("");
   const [asked, setAsked] = useState("");
-  const found = useRequest(asked === "" ? undefined : asked, (signal) => client.people.list({ text: asked, limit: 20 }, signal));
+  const found = useRequest(asked === "" ? undefined : asked, (signal) =>
+    client.people.list({ text: asked, limit: 20 }, signal),
+  );
   const change = useChange();
   const submit = (event: Event) => {
     event.preventDefault();
@@ -116,20 +231,51 @@ function AddMember({ client, cohort, onAdded }: { readonly client: Client; reado
     <>
       <form class="filters" role="search" onSubmit={submit}>
         <TextField label={say("cohort.add")} value={text} onValue={setText} maxLength={100} />
-        <button type="submit" class="button" disabled={text.trim() === ""}>{say("common.find")}</button>
+        <button type="submit" class="button" disabled={text.trim() === ""}>
+          {say("common.find")}
+        </button>
       </form>
       {change.error !== undefined && <ErrorNotice title={say("common.not_added")} message={change.error.message} />}
-      {asked !== "" && found.loaded.state === "failed" && <ErrorNotice title={say("cohort.search_failed")} message={found.loaded.error.message} />}
-      {asked !== "" && found.loaded.state === "ready" && (items.length === 0 ? <Empty>{say("common.nobody_named")}</Empty> : (
-        <DataTable label={say("cohort.found")} items={items} rowKey={(person) => person.id} dense columns={[
-          { title: say("account.name"), cell: (person) => person.display_name },
-          { title: say("account.login"), cell: (person) => <code>{person.login}</code> },
-          { title: say("account.role"), cell: (person) => say(`role.${person.role}`) },
-          { title: say("common.add"), hideTitle: true, cell: (person) => (
-            <div class="row-tools">{inside.has(person.id) ? <span class="hint">{say("cohort.is_member")}</span>
-              : <button type="button" class="button small" disabled={change.busy} onClick={() => void add(person.id)}><Brief shown={say("common.add")} full={say("cohort.add_whom", { name: person.display_name })} /></button>}</div>) },
-        ]} />
-      ))}
+      {asked !== "" && found.loaded.state === "failed" && (
+        <ErrorNotice title={say("cohort.search_failed")} message={found.loaded.error.message} />
+      )}
+      {asked !== "" &&
+        found.loaded.state === "ready" &&
+        (items.length === 0 ? (
+          <Empty>{say("common.nobody_named")}</Empty>
+        ) : (
+          <DataTable
+            label={say("cohort.found")}
+            items={items}
+            rowKey={(person) => person.id}
+            dense
+            columns={[
+              { title: say("account.name"), cell: (person) => person.display_name },
+              { title: say("account.login"), cell: (person) => <code>{person.login}</code> },
+              { title: say("account.role"), cell: (person) => say(`role.${person.role}`) },
+              {
+                title: say("common.add"),
+                hideTitle: true,
+                cell: (person) => (
+                  <div class="row-tools">
+                    {inside.has(person.id) ? (
+                      <span class="hint">{say("cohort.is_member")}</span>
+                    ) : (
+                      <button
+                        type="button"
+                        class="button small"
+                        disabled={change.busy}
+                        onClick={() => void add(person.id)}
+                      >
+                        <Brief shown={say("common.add")} full={say("cohort.add_whom", { name: person.display_name })} />
+                      </button>
+                    )}
+                  </div>
+                ),
+              },
+            ]}
+          />
+        ))}
     </>
   );
 }

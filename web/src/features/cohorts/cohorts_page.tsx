@@ -20,17 +20,41 @@ export function CohortsPage({ client, admin }: { readonly client: Client; readon
     <>
       <div class="toolbar">
         <PageTitle document={say("nav.cohorts")}>{say("nav.cohorts")}</PageTitle>
-        {admin && <button type="button" class="button primary" onClick={() => setAdding(true)}>{say("cohorts.add_ask")}</button>}
+        {admin && (
+          <button type="button" class="button primary" onClick={() => setAdding(true)}>
+            {say("cohorts.add_ask")}
+          </button>
+        )}
       </div>
       <PagedList pages={pages} list="cohorts" empty={admin ? say("cohorts.none") : say("cohorts.none_assigned")}>
         {(cohorts) => (
           <Card className="flush">
-            <DataTable label={say("nav.cohorts")} items={cohorts} rowKey={(cohort) => cohort.id} columns={[
-              { title: say("common.cohort"), cell: (cohort) => <a href={`/cohorts/${cohort.id}`}>{cohort.name}</a> },
-              { title: say("cohorts.students"), number: true, cell: (cohort) => students(cohort) },
-              { title: say("cohorts.instructors"), cell: (cohort) => cohort.members.filter((member) => member.role === "instructor").map((member) => member.display_name).join(", ") || "–" },
-              { title: say("common.state"), cell: (cohort) => cohort.archived_ms > 0 ? <Badge tone="neutral">{say("cohort.archived")}</Badge> : <Badge tone="good">{say("cohorts.in_use")}</Badge> },
-            ]} />
+            <DataTable
+              label={say("nav.cohorts")}
+              items={cohorts}
+              rowKey={(cohort) => cohort.id}
+              columns={[
+                { title: say("common.cohort"), cell: (cohort) => <a href={`/cohorts/${cohort.id}`}>{cohort.name}</a> },
+                { title: say("cohorts.students"), number: true, cell: (cohort) => students(cohort) },
+                {
+                  title: say("cohorts.instructors"),
+                  cell: (cohort) =>
+                    cohort.members
+                      .filter((member) => member.role === "instructor")
+                      .map((member) => member.display_name)
+                      .join(", ") || "–",
+                },
+                {
+                  title: say("common.state"),
+                  cell: (cohort) =>
+                    cohort.archived_ms > 0 ? (
+                      <Badge tone="neutral">{say("cohort.archived")}</Badge>
+                    ) : (
+                      <Badge tone="good">{say("cohorts.in_use")}</Badge>
+                    ),
+                },
+              ]}
+            />
             <p class="hidden">{say("cohorts.count", { count: cohorts.length })}</p>
           </Card>
         )}
@@ -40,7 +64,15 @@ export function CohortsPage({ client, admin }: { readonly client: Client; readon
   );
 }
 
-function AddCohort({ client, onClose, onAdded }: { readonly client: Client; readonly onClose: () => void; readonly onAdded: () => void }) {
+function AddCohort({
+  client,
+  onClose,
+  onAdded,
+}: {
+  readonly client: Client;
+  readonly onClose: () => void;
+  readonly onAdded: () => void;
+}) {
   const [name, setName] = useState("");
   const change = useChange();
   const submit = async (event: Event) => {
@@ -53,8 +85,17 @@ function AddCohort({ client, onClose, onAdded }: { readonly client: Client; read
   return (
     <Dialog title={say("cohorts.add_title")} onClose={onClose}>
       <form class="form" onSubmit={(event) => void submit(event)}>
-        <TextField label={say("account.name")} value={name} onValue={setName} required maxLength={200} problem={change.error?.field === "name" ? change.error.message : undefined} />
-        {change.error !== undefined && change.error.field !== "name" && <ErrorNotice title={say("common.not_added")} message={change.error.message} />}
+        <TextField
+          label={say("account.name")}
+          value={name}
+          onValue={setName}
+          required
+          maxLength={200}
+          problem={change.error?.field === "name" ? change.error.message : undefined}
+        />
+        {change.error !== undefined && change.error.field !== "name" && (
+          <ErrorNotice title={say("common.not_added")} message={change.error.message} />
+        )}
         <FormButtons action={say("common.add")} disabled={change.busy} onCancel={onClose} />
       </form>
     </Dialog>

@@ -11,12 +11,25 @@ export interface CsvTable {
 
 // For each assignment the result, and over how many attempts it is.
 export function gradesTable({ assignments, students }: CohortGrades): CsvTable {
-  const titles = assignments.map(({ exercise }) => exercise.title !== "" ? exercise.title : exercise.name);
+  const titles = assignments.map(({ exercise }) => (exercise.title !== "" ? exercise.title : exercise.name));
   return {
-    header: ["person", "login", "display_name", ...titles, "assignments_done",
-             ...assignments.flatMap(({ counting }, i) => [`${titles[i]} (${counting} of attempts)`, `${titles[i]} (released)`])],
+    header: [
+      "person",
+      "login",
+      "display_name",
+      ...titles,
+      "assignments_done",
+      ...assignments.flatMap(({ counting }, i) => [
+        `${titles[i]} (${counting} of attempts)`,
+        `${titles[i]} (released)`,
+      ]),
+    ],
     rows: students.map(({ person, grades }) => [
-      person.id, person.login, person.display_name, ...grades.map((grade) => rounded(grade.score)), grades.filter((grade) => grade.score !== null).length,
+      person.id,
+      person.login,
+      person.display_name,
+      ...grades.map((grade) => rounded(grade.score)),
+      grades.filter((grade) => grade.score !== null).length,
       ...grades.flatMap((grade) => [grade.counted, grade.released]),
     ]),
   };
@@ -24,10 +37,35 @@ export function gradesTable({ assignments, students }: CohortGrades): CsvTable {
 
 export function attemptsTable(attempts: readonly Attempt[]): CsvTable {
   return {
-    header: ["display_name", "exercise", "begun_utc", "finished_utc", "state", "score", "computed_score", "critical_fail", "released", "exam", "flags", "station", "attempt"],
+    header: [
+      "display_name",
+      "exercise",
+      "begun_utc",
+      "finished_utc",
+      "state",
+      "score",
+      "computed_score",
+      "critical_fail",
+      "released",
+      "exam",
+      "flags",
+      "station",
+      "attempt",
+    ],
     rows: attempts.map((attempt) => [
-      attempt.person.display_name, attempt.exercise.title, isoOf(attempt.ticketed_ms), isoOf(attempt.sealed_ms), attempt.state,
-      rounded(attempt.score), rounded(attempt.computed_score), attempt.critical_fail, attempt.released, attempt.exam, attempt.flags.join(" "), attempt.station.name, attempt.id,
+      attempt.person.display_name,
+      attempt.exercise.title,
+      isoOf(attempt.ticketed_ms),
+      isoOf(attempt.sealed_ms),
+      attempt.state,
+      rounded(attempt.score),
+      rounded(attempt.computed_score),
+      attempt.critical_fail,
+      attempt.released,
+      attempt.exam,
+      attempt.flags.join(" "),
+      attempt.station.name,
+      attempt.id,
     ]),
   };
 }

@@ -33,11 +33,26 @@ export function DocumentForm({ action, send, onDone, onCancel }: Props) {
   };
   return (
     <form class="form" onSubmit={(event) => void submit(event)}>
-      <FileField label={say("document.file")} accept=".json,application/json" onFile={(chosen) => { setFile(chosen); change.clear(); }}
-                 hint={say("document.file_hint")}
-                 problem={tooLarge ? say("document.too_large", { found: formatNumber(file.size, 0), most: formatNumber(kMaxBytes, 0) }) : undefined} />
-      {change.error !== undefined &&
-        <ErrorNotice title={change.error.code === "invalid_input" ? say("document.not_right") : say("common.not_saved")} message={placedMessage(change.error)} />}
+      <FileField
+        label={say("document.file")}
+        accept=".json,application/json"
+        onFile={(chosen) => {
+          setFile(chosen);
+          change.clear();
+        }}
+        hint={say("document.file_hint")}
+        problem={
+          tooLarge
+            ? say("document.too_large", { found: formatNumber(file.size, 0), most: formatNumber(kMaxBytes, 0) })
+            : undefined
+        }
+      />
+      {change.error !== undefined && (
+        <ErrorNotice
+          title={change.error.code === "invalid_input" ? say("document.not_right") : say("common.not_saved")}
+          message={placedMessage(change.error)}
+        />
+      )}
       <FormButtons action={action} disabled={change.busy || file === undefined || tooLarge} onCancel={onCancel} />
     </form>
   );

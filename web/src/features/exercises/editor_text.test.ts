@@ -4,19 +4,50 @@ import type { Json } from "../../base/document";
 import { placeWords, rubricProblems } from "./editor_text";
 
 const rubric = (points: number | null, share = 1): Json => ({
-  criteria: [{ title: "Mesial wall", points, map: [[0, share], [0.5, 0]] }, { title: "", points: 10, fails_above: 2, map: [[0, 1]] }], gates: [{ title: "Task done", map: [[5, 0], [90, 1]] }],
+  criteria: [
+    {
+      title: "Mesial wall",
+      points,
+      map: [
+        [0, share],
+        [0.5, 0],
+      ],
+    },
+    { title: "", points: 10, fails_above: 2, map: [[0, 1]] },
+  ],
+  gates: [
+    {
+      title: "Task done",
+      map: [
+        [5, 0],
+        [90, 1],
+      ],
+    },
+  ],
 });
 
 test("numbers of a rubric that are none or out of bounds are told in words, at their place", () => {
   assert.equal(rubricProblems(rubric(20), []).size, 0);
-  assert.deepEqual([...rubricProblems(rubric(-5), [])], [["criteria[0].points", "Enter a number from 0 to 1\u202f000."]]);
-  assert.deepEqual([...rubricProblems({ rubric: rubric(null) }, ["rubric"])], [["rubric.criteria[0].points", "Enter a number."]]);
-  assert.deepEqual([...rubricProblems(rubric(20, 1.4), [])], [["criteria[0].map[0][1]", "Enter a number from 0 to 100."]]);
+  assert.deepEqual(
+    [...rubricProblems(rubric(-5), [])],
+    [["criteria[0].points", "Enter a number from 0 to 1\u202f000."]],
+  );
+  assert.deepEqual(
+    [...rubricProblems({ rubric: rubric(null) }, ["rubric"])],
+    [["rubric.criteria[0].points", "Enter a number."]],
+  );
+  assert.deepEqual(
+    [...rubricProblems(rubric(20, 1.4), [])],
+    [["criteria[0].map[0][1]", "Enter a number from 0 to 100."]],
+  );
 });
 
 test("a place is told by what stands there", () => {
   const document = { rubric: rubric(20) };
   assert.equal(placeWords(["rubric", "criteria", 0, "points"], document), "Rubric, Mesial wall, points");
   assert.equal(placeWords(["rubric", "criteria", 1, "fails_above"], document), "Rubric, 2, fails above");
-  assert.equal(placeWords(["rubric", "criteria", 0, "map", 0, 1], document), "Rubric, Mesial wall, full and no marks, 1");
+  assert.equal(
+    placeWords(["rubric", "criteria", 0, "map", 0, 1], document),
+    "Rubric, Mesial wall, full and no marks, 1",
+  );
 });

@@ -18,10 +18,11 @@ export function placeWords(path: Path, document: Json, last: Json | undefined = 
   path.forEach((step, i) => {
     if (typeof step === "string") {
       // The lists are told by what stands in them.
-      if (!((step === "criteria" || step === "gates") && typeof path[i + 1] === "number")) words.push(sayIf(`document_place.${step}`) ?? step);
+      if (!((step === "criteria" || step === "gates") && typeof path[i + 1] === "number"))
+        words.push(sayIf(`document_place.${step}`) ?? step);
       return;
     }
-    if (typeof path[i - 1] === "number") return;  // in a row
+    if (typeof path[i - 1] === "number") return; // in a row
     const here = i === path.length - 1 ? last : valueAt(document, path.slice(0, i + 1));
     const title = here === undefined ? undefined : valueAt(here, ["title"]);
     words.push(typeof title === "string" && title !== "" ? title : `${step + 1}`);
@@ -29,8 +30,8 @@ export function placeWords(path: Path, document: Json, last: Json | undefined = 
   return words.join(", ");
 }
 
-const kMostPoints = 1000;                       // of a criterion, and
-const kMostLimit = 1e9;                         // how far a limit may lie: schemas/rubric.schema.json
+const kMostPoints = 1000; // of a criterion, and
+const kMostLimit = 1e9; // how far a limit may lie: schemas/rubric.schema.json
 
 // Numbers of a rubric that are none or out of bounds, by place: what the page can say in its own words before the server does.
 export function rubricProblems(document: Json, rubric: Path): ReadonlyMap<string, string> {
@@ -38,16 +39,20 @@ export function rubricProblems(document: Json, rubric: Path): ReadonlyMap<string
   const look = (path: Path, least: number, most: number, shown = 1) => {
     const value = valueAt(document, path);
     if (typeof value !== "number") found.set(pathText(path), say("editor.a_number"));
-    else if (value < least || value > most) found.set(pathText(path), say("editor.number_from_to", { least: formatNumber(least * shown, 0), most: formatNumber(most * shown, 0) }));
+    else if (value < least || value > most)
+      found.set(
+        pathText(path),
+        say("editor.number_from_to", { least: formatNumber(least * shown, 0), most: formatNumber(most * shown, 0) }),
+      );
   };
   for (const list of ["criteria", "gates"]) {
     const items = valueAt(document, [...rubric, list]);
-    (Array.isArray(items) ? items as readonly Json[] : []).forEach((item, i) => {
+    (Array.isArray(items) ? (items as readonly Json[]) : []).forEach((item, i) => {
       const path = [...rubric, list, i];
       if (list === "criteria") look([...path, "points"], 0, kMostPoints);
       if (valueAt(item, ["fails_above"]) !== undefined) look([...path, "fails_above"], -kMostLimit, kMostLimit);
       const rows = valueAt(item, ["map"]);
-      (Array.isArray(rows) ? rows as readonly Json[] : []).forEach((_row, row) => {
+      (Array.isArray(rows) ? (rows as readonly Json[]) : []).forEach((_row, row) => {
         look([...path, "map", row, 0], -Infinity, Infinity);
         look([...path, "map", row, 1], 0, 1, 100);
       });

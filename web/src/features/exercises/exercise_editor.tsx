@@ -12,7 +12,14 @@ import { type Json, pathOf, valueAt } from "../../base/document";
 import { ok } from "../../base/result";
 import { say, sayWith } from "../../base/words";
 import { Card, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
-import { type DocumentForm, DocumentChoice, DocumentFlag, DocumentNumber, DocumentText, stillWrong } from "../../widgets/document_fields";
+import {
+  type DocumentForm,
+  DocumentChoice,
+  DocumentFlag,
+  DocumentNumber,
+  DocumentText,
+  stillWrong,
+} from "../../widgets/document_fields";
 import { DocumentChanges } from "../../widgets/document_changes";
 import { EditBar } from "../../widgets/edit_bar";
 import { useDocument } from "../../widgets/use_document";
@@ -33,14 +40,19 @@ interface Read {
   readonly exercise: Tagged<Exercise>;
   readonly document: Json;
   readonly metrics: readonly ScoringMetric[];
-  readonly published: { readonly id: string; readonly title: string; readonly document: Json } | undefined;  // the newest version
-  readonly draft: string | undefined;           // another one of that name
+  readonly published: { readonly id: string; readonly title: string; readonly document: Json } | undefined; // the newest version
+  readonly draft: string | undefined; // another one of that name
 }
 
 // An exercise in a form: a draft is changed, a published version gives a new draft.
 export function ExerciseEditorPage({ client, id, onOpen }: Props) {
   const { loaded, reload } = useRequest(`editor ${id}`, async (signal) => {
-    const [exercise, document, metrics, versions] = await Promise.all([client.teaching.exercise(id, signal), client.teaching.document(id, signal), client.teaching.metrics(signal), client.teaching.versions(id, signal)]);
+    const [exercise, document, metrics, versions] = await Promise.all([
+      client.teaching.exercise(id, signal),
+      client.teaching.document(id, signal),
+      client.teaching.metrics(signal),
+      client.teaching.versions(id, signal),
+    ]);
     if (!exercise.ok) return exercise;
     if (!document.ok) return document;
     if (!metrics.ok) return metrics;
@@ -48,15 +60,42 @@ export function ExerciseEditorPage({ client, id, onOpen }: Props) {
     const newest = versions.value.find((version) => version.state !== "draft");
     const before = newest === undefined ? undefined : await client.teaching.document(newest.id, signal);
     if (before !== undefined && !before.ok) return before;
-    const published = newest === undefined || before === undefined ? undefined : { id: newest.id, title: versionText(newest), document: before.value };
-    return ok<Read>({ exercise: exercise.value, document: document.value, metrics: metrics.value, published, draft: versions.value.find((version) => version.state === "draft" && version.id !== id)?.id });
+    const published =
+      newest === undefined || before === undefined
+        ? undefined
+        : { id: newest.id, title: versionText(newest), document: before.value };
+    return ok<Read>({
+      exercise: exercise.value,
+      document: document.value,
+      metrics: metrics.value,
+      published,
+      draft: versions.value.find((version) => version.state === "draft" && version.id !== id)?.id,
+    });
   });
   if (loaded.state === "loading") return <Loading what={say("loading.exercise")} />;
-  if (loaded.state === "failed") return <><PageTitle document={say("editor.document")}>{say("editor.title")}</PageTitle><ErrorNotice title={say("exercise_page.failed")} message={loaded.error.message} onRetry={reload} /></>;
-  return <Editor key={loaded.value.exercise.tag} client={client} read={loaded.value} onOpen={onOpen} onNewer={reload} />;
+  if (loaded.state === "failed")
+    return (
+      <>
+        <PageTitle document={say("editor.document")}>{say("editor.title")}</PageTitle>
+        <ErrorNotice title={say("exercise_page.failed")} message={loaded.error.message} onRetry={reload} />
+      </>
+    );
+  return (
+    <Editor key={loaded.value.exercise.tag} client={client} read={loaded.value} onOpen={onOpen} onNewer={reload} />
+  );
 }
 
-function Editor({ client, read, onOpen, onNewer }: { readonly client: Client; readonly read: Read; readonly onOpen: (path: string) => void; readonly onNewer: () => void }) {
+function Editor({
+  client,
+  read,
+  onOpen,
+  onNewer,
+}: {
+  readonly client: Client;
+  readonly read: Read;
+  readonly onOpen: (path: string) => void;
+  readonly onNewer: () => void;
+}) {
   const { value: exercise, tag } = read.exercise;
   const isDraft = exercise.state === "draft";
   const edit = useDocument(`exercise ${exercise.id}`, read.document);
@@ -66,7 +105,9 @@ function Editor({ client, read, onOpen, onNewer }: { readonly client: Client; re
   const own = useMemo(() => rubricProblems(edit.now, ["rubric"]), [edit.now]);
   const form: DocumentForm = { edit, wrong: stillWrong(check, edit.now), own };
   const save = async () => {
-    const result = await change.run(() => isDraft ? client.teaching.replaceDraft(exercise.id, text, tag) : client.teaching.putDraft(text));
+    const result = await change.run(() =>
+      isDraft ? client.teaching.replaceDraft(exercise.id, text, tag) : client.teaching.putDraft(text),
+    );
     if (result?.ok !== true) return;
     edit.forget();
     onOpen(`/exercises/${result.value.id}`);
@@ -74,29 +115,77 @@ function Editor({ client, read, onOpen, onNewer }: { readonly client: Client; re
   const rubric = valueAt(edit.now, ["rubric"]) as { readonly [name: string]: Json } | undefined;
   return (
     <>
-      <nav class="trail" aria-label={say("common.where")}><a href={`/exercises/${exercise.id}`}>{wordedTitle(exercise.title)}</a></nav>
-      <PageTitle document={say("editor.edit", { title: wordedTitle(exercise.title) })}>{isDraft ? say("editor.edit_draft", { title: wordedTitle(exercise.title) }) : say("editor.new_draft", { title: wordedTitle(exercise.title), version: versionText(exercise) })}</PageTitle>
-      {!isDraft && read.draft !== undefined && <Notice tone="warning"><p>{sayWith("editor.draft_there", { edit: <a href={`/editor?exercise=${read.draft}`}>{say("editor.edit_that")}</a> })}</p></Notice>}
+      <nav class="trail" aria-label={say("common.where")}>
+        <a href={`/exercises/${exercise.id}`}>{wordedTitle(exercise.title)}</a>
+      </nav>
+      <PageTitle document={say("editor.edit", { title: wordedTitle(exercise.title) })}>
+        {isDraft
+          ? say("editor.edit_draft", { title: wordedTitle(exercise.title) })
+          : say("editor.new_draft", { title: wordedTitle(exercise.title), version: versionText(exercise) })}
+      </PageTitle>
+      {!isDraft && read.draft !== undefined && (
+        <Notice tone="warning">
+          <p>
+            {sayWith("editor.draft_there", {
+              edit: <a href={`/editor?exercise=${read.draft}`}>{say("editor.edit_that")}</a>,
+            })}
+          </p>
+        </Notice>
+      )}
       <EditBar edit={edit} state={stateText(check, edit.dirty, own.size > 0)}>
-        <button type="button" class="button primary" disabled={change.busy || check.busy || check.error !== undefined || own.size > 0 || (isDraft && !edit.dirty)} onClick={() => void save()}>{isDraft ? say("editor.save_draft") : say("editor.make_draft")}</button>
+        <button
+          type="button"
+          class="button primary"
+          disabled={change.busy || check.busy || check.error !== undefined || own.size > 0 || (isDraft && !edit.dirty)}
+          onClick={() => void save()}
+        >
+          {isDraft ? say("editor.save_draft") : say("editor.make_draft")}
+        </button>
       </EditBar>
       <Problem check={check} form={form} />
-      {change.error !== undefined && (change.error.status === 412
-        ? <ErrorNotice title={say("editor.draft_changed")} message={say("editor.draft_changed_text")} onRetry={onNewer} />
-        : <ErrorNotice title={say("common.not_saved")} message={change.error.message} />)}
+      {change.error !== undefined &&
+        (change.error.status === 412 ? (
+          <ErrorNotice
+            title={say("editor.draft_changed")}
+            message={say("editor.draft_changed_text")}
+            onRetry={onNewer}
+          />
+        ) : (
+          <ErrorNotice title={say("common.not_saved")} message={change.error.message} />
+        ))}
       <div class="editor">
         <div class="stack">
           <General form={form} />
           <Tool form={form} />
           <Target form={form} />
-          <Card title={say("exercise_page.scored")}><RubricFields form={form} path={["rubric"]} metrics={read.metrics} /></Card>
+          <Card title={say("exercise_page.scored")}>
+            <RubricFields form={form} path={["rubric"]} metrics={read.metrics} />
+          </Card>
         </div>
         <div class="stack editor-side">
-          <Card title={read.published === undefined ? say("editor.changes") : say("editor.changes_against", { title: read.published.title })}>
-            {read.published === undefined ? <p class="hint">{say("editor.none_published")}</p>
-              : <DocumentChanges label={say("editor.changes_published")} before={read.published.document} after={edit.now} beforeTitle={say("exercise_state.published")} afterTitle={say("editor.here")} titleOf={(item) => placeTitle(item, edit.now)} />}
+          <Card
+            title={
+              read.published === undefined
+                ? say("editor.changes")
+                : say("editor.changes_against", { title: read.published.title })
+            }
+          >
+            {read.published === undefined ? (
+              <p class="hint">{say("editor.none_published")}</p>
+            ) : (
+              <DocumentChanges
+                label={say("editor.changes_published")}
+                before={read.published.document}
+                after={edit.now}
+                beforeTitle={say("exercise_state.published")}
+                afterTitle={say("editor.here")}
+                titleOf={(item) => placeTitle(item, edit.now)}
+              />
+            )}
           </Card>
-          {read.published !== undefined && rubric !== undefined && <RubricPreviewCard client={client} exercise={read.published.id} rubric={rubricDocument(rubric)} />}
+          {read.published !== undefined && rubric !== undefined && (
+            <RubricPreviewCard client={client} exercise={read.published.id} rubric={rubricDocument(rubric)} />
+          )}
         </div>
       </div>
     </>
@@ -122,14 +211,35 @@ export function stateText({ busy, error }: Checked<unknown>, dirty: boolean, wro
 }
 
 // What is wrong, and where: beside the field too, where it has one.
-export function Problem({ check, form: { edit, wrong, own } }: { readonly check: Checked<{ readonly warnings: readonly string[] }>; readonly form: DocumentForm }) {
+export function Problem({
+  check,
+  form: { edit, wrong, own },
+}: {
+  readonly check: Checked<{ readonly warnings: readonly string[] }>;
+  readonly form: DocumentForm;
+}) {
   const placed = (field: string) => placeWords(pathOf(field), edit.now);
   const [seen] = own ?? [];
-  const said = seen !== undefined ? say("editor.placed", { place: placed(seen[0]), problem: seen[1] }) : wrong === undefined ? undefined : placedMessage(wrong, placed(wrong.field));
+  const said =
+    seen !== undefined
+      ? say("editor.placed", { place: placed(seen[0]), problem: seen[1] })
+      : wrong === undefined
+        ? undefined
+        : placedMessage(wrong, placed(wrong.field));
   return (
     <div aria-live="polite" class="edit-notices">
-      {said !== undefined && <Notice tone="bad" title={say("editor.not_right")}><p>{said}</p></Notice>}
-      {said === undefined && check.error === undefined && check.value?.warnings.map((warning) => <Notice key={warning} tone="warning"><p>{warning}</p></Notice>)}
+      {said !== undefined && (
+        <Notice tone="bad" title={say("editor.not_right")}>
+          <p>{said}</p>
+        </Notice>
+      )}
+      {said === undefined &&
+        check.error === undefined &&
+        check.value?.warnings.map((warning) => (
+          <Notice key={warning} tone="warning">
+            <p>{warning}</p>
+          </Notice>
+        ))}
     </div>
   );
 }
@@ -141,8 +251,20 @@ function General({ form }: { readonly form: DocumentForm }) {
         <DocumentText form={form} path={["title"]} label={say("editor.title_field")} maxLength={200} />
         <DocumentText form={form} path={["instructions"]} label={say("editor.instructions")} maxLength={4000} long />
         <div class="form-grid">
-          <DocumentNumber form={form} path={["time_limit_s"]} label={say("editor.time_limit_min")} hint={say("editor.zero_none")} scale={60} min={0} />
-          <DocumentFlag form={form} path={["graded"]} label={say("exercise_page.graded")} hint={say("editor.graded_hint")} />
+          <DocumentNumber
+            form={form}
+            path={["time_limit_s"]}
+            label={say("editor.time_limit_min")}
+            hint={say("editor.zero_none")}
+            scale={60}
+            min={0}
+          />
+          <DocumentFlag
+            form={form}
+            path={["graded"]}
+            label={say("exercise_page.graded")}
+            hint={say("editor.graded_hint")}
+          />
         </div>
       </div>
     </Card>
@@ -160,19 +282,68 @@ function Tool({ form }: { readonly form: DocumentForm }) {
         <div class="form-grid">
           <DocumentChoice form={form} path={["bur", "shape"]} label={say("editor.shape")} options={shapeOptions()} />
           <DocumentNumber form={form} path={["bur", "radius_um"]} label={say("editor.radius")} scale={kMm} />
-          <DocumentNumber form={form} path={["bur", "length_um"]} label={say("editor.length")} hint={ball ? say("editor.zero_ball") : say("editor.least_length")} scale={kMm} />
-          <DocumentNumber form={form} path={["bur", "narrow_radius_um"]} label={say("editor.narrow")} hint={say("editor.narrow_hint")} scale={kMm} optional />
-          <DocumentNumber form={form} path={["bur", "shank_radius_um"]} label={say("editor.shank")} hint={say("editor.no_shank")} scale={kMm} optional />
+          <DocumentNumber
+            form={form}
+            path={["bur", "length_um"]}
+            label={say("editor.length")}
+            hint={ball ? say("editor.zero_ball") : say("editor.least_length")}
+            scale={kMm}
+          />
+          <DocumentNumber
+            form={form}
+            path={["bur", "narrow_radius_um"]}
+            label={say("editor.narrow")}
+            hint={say("editor.narrow_hint")}
+            scale={kMm}
+            optional
+          />
+          <DocumentNumber
+            form={form}
+            path={["bur", "shank_radius_um"]}
+            label={say("editor.shank")}
+            hint={say("editor.no_shank")}
+            scale={kMm}
+            optional
+          />
           <DocumentNumber form={form} path={["bur", "neck_um"]} label={say("editor.neck")} scale={kMm} optional />
         </div>
-        <Part form={form} on={handpiece} member="handpiece" label={say("editor.slows")} fresh={{ stall_un_m: 3000, tangential_permille: 300, lag_us: 50_000 }}>
+        <Part
+          form={form}
+          on={handpiece}
+          member="handpiece"
+          label={say("editor.slows")}
+          fresh={{ stall_un_m: 3000, tangential_permille: 300, lag_us: 50_000 }}
+        >
           <DocumentNumber form={form} path={["handpiece", "stall_un_m"]} label={say("editor.stall")} scale={1000} />
-          <DocumentNumber form={form} path={["handpiece", "tangential_permille"]} label={say("editor.tangential")} scale={10} />
+          <DocumentNumber
+            form={form}
+            path={["handpiece", "tangential_permille"]}
+            label={say("editor.tangential")}
+            scale={10}
+          />
           <DocumentNumber form={form} path={["handpiece", "lag_us"]} label={say("editor.lag")} scale={1000} />
         </Part>
-        <Part form={form} on={cues} member="touch_cues" label={say("editor.cues")} fresh={{ contact_mn: 300, chatter_mn: 120, energy_uj: 250, power_uw: 800 }}>
-          <DocumentNumber form={form} path={["touch_cues", "contact_mn"]} label={say("editor.knock")} scale={1000} min={0} />
-          <DocumentNumber form={form} path={["touch_cues", "chatter_mn"]} label={say("editor.chatter")} scale={1000} min={0} />
+        <Part
+          form={form}
+          on={cues}
+          member="touch_cues"
+          label={say("editor.cues")}
+          fresh={{ contact_mn: 300, chatter_mn: 120, energy_uj: 250, power_uw: 800 }}
+        >
+          <DocumentNumber
+            form={form}
+            path={["touch_cues", "contact_mn"]}
+            label={say("editor.knock")}
+            scale={1000}
+            min={0}
+          />
+          <DocumentNumber
+            form={form}
+            path={["touch_cues", "chatter_mn"]}
+            label={say("editor.chatter")}
+            scale={1000}
+            min={0}
+          />
           <DocumentNumber form={form} path={["touch_cues", "energy_uj"]} label={say("editor.energy")} whole />
           <DocumentNumber form={form} path={["touch_cues", "power_uw"]} label={say("editor.power")} whole min={0} />
         </Part>
@@ -182,13 +353,32 @@ function Tool({ form }: { readonly form: DocumentForm }) {
 }
 
 // A part of the document that may be left out.
-function Part({ form, on, member, label, fresh, children }: { readonly form: DocumentForm; readonly on: boolean; readonly member: string; readonly label: string; readonly fresh: Json; readonly children: ComponentChildren }) {
+function Part({
+  form,
+  on,
+  member,
+  label,
+  fresh,
+  children,
+}: {
+  readonly form: DocumentForm;
+  readonly on: boolean;
+  readonly member: string;
+  readonly label: string;
+  readonly fresh: Json;
+  readonly children: ComponentChildren;
+}) {
   const [id] = useState(() => `part_${member}`);
   return (
     <fieldset class="group">
       <legend>{label}</legend>
       <div class="field check">
-        <input type="checkbox" id={id} checked={on} onChange={(event) => form.edit.set([member], event.currentTarget.checked ? fresh : undefined)} />
+        <input
+          type="checkbox"
+          id={id}
+          checked={on}
+          onChange={(event) => form.edit.set([member], event.currentTarget.checked ? fresh : undefined)}
+        />
         <label for={id}>{say("editor.yes")}</label>
       </div>
       {on && <div class="form-grid">{children}</div>}
@@ -201,14 +391,46 @@ function Target({ form }: { readonly form: DocumentForm }) {
   return (
     <Card title={say("editor.to_cut")}>
       <div class="form">
-        {Array.isArray(parts) && <Notice tone="neutral"><p>{say("editor.parts", { count: parts.length })}</p></Notice>}
+        {Array.isArray(parts) && (
+          <Notice tone="neutral">
+            <p>{say("editor.parts", { count: parts.length })}</p>
+          </Notice>
+        )}
         <div class="form-grid">
-          <DocumentNumber form={form} path={["target", "half_size_um", 0]} label={say("editor.length_md")} scale={kMm / 2} />
-          <DocumentNumber form={form} path={["target", "half_size_um", 1]} label={say("editor.width_bl")} scale={kMm / 2} />
+          <DocumentNumber
+            form={form}
+            path={["target", "half_size_um", 0]}
+            label={say("editor.length_md")}
+            scale={kMm / 2}
+          />
+          <DocumentNumber
+            form={form}
+            path={["target", "half_size_um", 1]}
+            label={say("editor.width_bl")}
+            scale={kMm / 2}
+          />
           <DocumentNumber form={form} path={["target", "depth_um"]} label={say("editor.depth")} scale={kMm} />
-          <DocumentNumber form={form} path={["target", "leeway_side_um"]} label={say("editor.beyond_walls")} scale={kMm} min={0} />
-          <DocumentNumber form={form} path={["target", "leeway_bottom_um"]} label={say("editor.below_floor")} scale={kMm} min={0} />
-          <DocumentNumber form={form} path={["target", "container_um"]} label={say("editor.must_stay")} scale={kMm} min={0} />
+          <DocumentNumber
+            form={form}
+            path={["target", "leeway_side_um"]}
+            label={say("editor.beyond_walls")}
+            scale={kMm}
+            min={0}
+          />
+          <DocumentNumber
+            form={form}
+            path={["target", "leeway_bottom_um"]}
+            label={say("editor.below_floor")}
+            scale={kMm}
+            min={0}
+          />
+          <DocumentNumber
+            form={form}
+            path={["target", "container_um"]}
+            label={say("editor.must_stay")}
+            scale={kMm}
+            min={0}
+          />
         </div>
       </div>
     </Card>

@@ -4,12 +4,30 @@ import { wordedText, wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { Attempt, Exercise } from "../../api/types";
 import { useRequest } from "../../api/use_request";
-import { formatDateTime, formatNumber, formatPoints, formatLimit, formatScore, micrometresAsMm } from "../../base/format";
+import {
+  formatDateTime,
+  formatNumber,
+  formatPoints,
+  formatLimit,
+  formatScore,
+  micrometresAsMm,
+} from "../../base/format";
 import { say } from "../../base/words";
 import { Flags, StateBadge } from "../../widgets/attempt_state";
 import { Badge, Card, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
 import { DataTable } from "../../widgets/table";
-import { burText, falls, fullMarksText, kStateTexts, noMarksText, ownerText, shankText, timeLimitText, touchCuesText, versionText } from "./exercise_text";
+import {
+  burText,
+  falls,
+  fullMarksText,
+  kStateTexts,
+  noMarksText,
+  ownerText,
+  shankText,
+  timeLimitText,
+  touchCuesText,
+  versionText,
+} from "./exercise_text";
 import { ReferencesCard, VersionsCard } from "./history_cards";
 import { InitialTooth } from "./initial_tooth";
 import { ProgressCard } from "./progress_card";
@@ -41,29 +59,49 @@ export function ExercisePage({ client, id, personId, teacher, onOpen }: Props) {
   const state = kStateTexts[exercise.state];
   return (
     <>
-      <nav class="trail" aria-label={say("common.where")}><a href="/exercises">{say("nav.exercises")}</a></nav>
+      <nav class="trail" aria-label={say("common.where")}>
+        <a href="/exercises">{say("nav.exercises")}</a>
+      </nav>
       <div class="attempt-head">
         <div>
           <div class="title-row">
             <PageTitle document={wordedTitle(exercise.title)}>{wordedTitle(exercise.title)}</PageTitle>
             {teacher && <Badge tone={state.tone}>{state.title}</Badge>}
-            <Badge tone="neutral">{exercise.graded ? say("exercise_page.graded_text") : say("exercise_page.practice_text")}</Badge>
+            <Badge tone="neutral">
+              {exercise.graded ? say("exercise_page.graded_text") : say("exercise_page.practice_text")}
+            </Badge>
           </div>
-          {teacher && <p class="byline"><code>{exercise.name}</code>, {versionText(exercise)} · {ownerText(exercise)}</p>}
+          {teacher && (
+            <p class="byline">
+              <code>{exercise.name}</code>, {versionText(exercise)} · {ownerText(exercise)}
+            </p>
+          )}
         </div>
-        {teacher && <StaffActions client={client} exercise={exercise} tag={loaded.value.tag} onChanged={reload} onOpen={onOpen} />}
+        {teacher && (
+          <StaffActions client={client} exercise={exercise} tag={loaded.value.tag} onChanged={reload} onOpen={onOpen} />
+        )}
       </div>
       <p class="lead instructions">{wordedText(exercise.instructions)}</p>
       <div class="columns">
         <div class="stack">
-          <Card title={say("exercise_page.asked")}><TargetOutline exercise={exercise} /><Target exercise={exercise} /></Card>
-          <Card title={say("exercise_page.scored")}><Rubric exercise={exercise} /></Card>
+          <Card title={say("exercise_page.asked")}>
+            <TargetOutline exercise={exercise} />
+            <Target exercise={exercise} />
+          </Card>
+          <Card title={say("exercise_page.scored")}>
+            <Rubric exercise={exercise} />
+          </Card>
         </div>
         <InitialTooth client={client} exercise={exercise} />
       </div>
-      {teacher
-        ? <div class="columns"><ReferencesCard client={client} exercise={exercise} /><VersionsCard client={client} exercise={exercise} /></div>
-        : <OwnAttempts client={client} exercise={exercise} personId={personId} />}
+      {teacher ? (
+        <div class="columns">
+          <ReferencesCard client={client} exercise={exercise} />
+          <VersionsCard client={client} exercise={exercise} />
+        </div>
+      ) : (
+        <OwnAttempts client={client} exercise={exercise} personId={personId} />
+      )}
     </>
   );
 }
@@ -73,8 +111,13 @@ function TargetOutline({ exercise }: { readonly exercise: Exercise }) {
   const { target } = exercise;
   return (
     <svg class="target-outline" viewBox={outlineViewBox(target)} role="img" aria-label={say("exercise_page.outline")}>
-      {outlinePaths(target).map((path) => path.what === "goes" && <path class="leeway" d={path.d} style={{ strokeWidth: 2 * target.leeway_side_um }} />)}
-      {outlinePaths(target).map((path) => <path class={path.what} d={path.d} />)}
+      {outlinePaths(target).map(
+        (path) =>
+          path.what === "goes" && <path class="leeway" d={path.d} style={{ strokeWidth: 2 * target.leeway_side_um }} />,
+      )}
+      {outlinePaths(target).map((path) => (
+        <path class={path.what} d={path.d} />
+      ))}
     </svg>
   );
 }
@@ -83,17 +126,54 @@ function Target({ exercise }: { readonly exercise: Exercise }) {
   const { target, handpiece, touch_cues } = exercise;
   return (
     <dl class="facts stacked">
-      <div><dt>{say("exercise_page.bur")}</dt><dd>{burText(exercise.bur)}</dd></div>
-      <div><dt>{say("exercise_page.shank")}</dt><dd>{shankText(exercise.bur)}</dd></div>
-      <div><dt>{say("exercise_page.handpiece")}</dt><dd>{handpiece === null ? say("exercise_page.keeps_speed") : say("exercise_page.stalls", { torque: formatNumber(handpiece.stall_un_m / 1000, 2) })}</dd></div>
-      <div><dt>{say("exercise_page.cues")}</dt><dd>{touchCuesText(touch_cues)}</dd></div>
-      <div><dt>{say("exercise_page.time_limit")}</dt><dd>{timeLimitText(exercise.time_limit_s)}</dd></div>
-      <div><dt>{say("exercise_page.length")}</dt><dd>{micrometresAsMm(2 * (target.half_size_um[0] ?? 0))}</dd></div>
-      <div><dt>{say("exercise_page.width")}</dt><dd>{micrometresAsMm(2 * (target.half_size_um[1] ?? 0))}</dd></div>
-      <div><dt>{say("exercise_page.depth")}</dt><dd>{micrometresAsMm(target.depth_um)}</dd></div>
-      <div><dt>{say("exercise_page.beyond")}</dt><dd>{micrometresAsMm(target.leeway_side_um)}</dd></div>
-      <div><dt>{say("exercise_page.below")}</dt><dd>{micrometresAsMm(target.leeway_bottom_um)}</dd></div>
-      <div><dt>{say("exercise_page.stay")}</dt><dd>{say("exercise_page.stay_text", { width: micrometresAsMm(target.container_um) })}</dd></div>
+      <div>
+        <dt>{say("exercise_page.bur")}</dt>
+        <dd>{burText(exercise.bur)}</dd>
+      </div>
+      <div>
+        <dt>{say("exercise_page.shank")}</dt>
+        <dd>{shankText(exercise.bur)}</dd>
+      </div>
+      <div>
+        <dt>{say("exercise_page.handpiece")}</dt>
+        <dd>
+          {handpiece === null
+            ? say("exercise_page.keeps_speed")
+            : say("exercise_page.stalls", { torque: formatNumber(handpiece.stall_un_m / 1000, 2) })}
+        </dd>
+      </div>
+      <div>
+        <dt>{say("exercise_page.cues")}</dt>
+        <dd>{touchCuesText(touch_cues)}</dd>
+      </div>
+      <div>
+        <dt>{say("exercise_page.time_limit")}</dt>
+        <dd>{timeLimitText(exercise.time_limit_s)}</dd>
+      </div>
+      <div>
+        <dt>{say("exercise_page.length")}</dt>
+        <dd>{micrometresAsMm(2 * (target.half_size_um[0] ?? 0))}</dd>
+      </div>
+      <div>
+        <dt>{say("exercise_page.width")}</dt>
+        <dd>{micrometresAsMm(2 * (target.half_size_um[1] ?? 0))}</dd>
+      </div>
+      <div>
+        <dt>{say("exercise_page.depth")}</dt>
+        <dd>{micrometresAsMm(target.depth_um)}</dd>
+      </div>
+      <div>
+        <dt>{say("exercise_page.beyond")}</dt>
+        <dd>{micrometresAsMm(target.leeway_side_um)}</dd>
+      </div>
+      <div>
+        <dt>{say("exercise_page.below")}</dt>
+        <dd>{micrometresAsMm(target.leeway_bottom_um)}</dd>
+      </div>
+      <div>
+        <dt>{say("exercise_page.stay")}</dt>
+        <dd>{say("exercise_page.stay_text", { width: micrometresAsMm(target.container_um) })}</dd>
+      </div>
     </dl>
   );
 }
@@ -103,37 +183,100 @@ function Rubric({ exercise }: { readonly exercise: Exercise }) {
   const total = criteria.reduce((sum, criterion) => sum + criterion.points, 0);
   return (
     <>
-      <DataTable label={say("exercise_page.rubric")} items={criteria} rowKey={(criterion) => criterion.metric} dense columns={[
-        { title: say("common.criterion"), cell: (criterion) => (
-          <>{wordedTitle(criterion.title)}{criterion.fails_above !== null && <span class="sub">{say("exercise_page.fails_above", { limit: formatLimit(criterion.fails_above, criterion.unit) })}</span>}</>) },
-        { title: say("exercise_page.full"), cell: (criterion) => fullMarksText(criterion.map, criterion.unit) },
-        { title: say("exercise_page.no_marks"), cell: (criterion) => noMarksText(criterion.map, criterion.unit) },
-        { title: say("common.points"), number: true, cell: (criterion) => formatPoints(criterion.points) },
-      ]} />
+      <DataTable
+        label={say("exercise_page.rubric")}
+        items={criteria}
+        rowKey={(criterion) => criterion.metric}
+        dense
+        columns={[
+          {
+            title: say("common.criterion"),
+            cell: (criterion) => (
+              <>
+                {wordedTitle(criterion.title)}
+                {criterion.fails_above !== null && (
+                  <span class="sub">
+                    {say("exercise_page.fails_above", { limit: formatLimit(criterion.fails_above, criterion.unit) })}
+                  </span>
+                )}
+              </>
+            ),
+          },
+          { title: say("exercise_page.full"), cell: (criterion) => fullMarksText(criterion.map, criterion.unit) },
+          { title: say("exercise_page.no_marks"), cell: (criterion) => noMarksText(criterion.map, criterion.unit) },
+          { title: say("common.points"), number: true, cell: (criterion) => formatPoints(criterion.points) },
+        ]}
+      />
       <p class="hint">{say("exercise_page.total", { points: formatPoints(total) })}</p>
       {gates.map((gate) => (
-        <p class="hint" key={gate.metric}>{falls(gate.map) ? say("exercise_page.gate_falls", { title: wordedTitle(gate.title), full: fullMarksText(gate.map, gate.unit), none: noMarksText(gate.map, gate.unit) }) : say("exercise_page.gate_rises", { title: wordedTitle(gate.title), full: fullMarksText(gate.map, gate.unit), none: noMarksText(gate.map, gate.unit) })}</p>
+        <p class="hint" key={gate.metric}>
+          {falls(gate.map)
+            ? say("exercise_page.gate_falls", {
+                title: wordedTitle(gate.title),
+                full: fullMarksText(gate.map, gate.unit),
+                none: noMarksText(gate.map, gate.unit),
+              })
+            : say("exercise_page.gate_rises", {
+                title: wordedTitle(gate.title),
+                full: fullMarksText(gate.map, gate.unit),
+                none: noMarksText(gate.map, gate.unit),
+              })}
+        </p>
       ))}
     </>
   );
 }
 
-function OwnAttempts({ client, exercise, personId }: { readonly client: Client; readonly exercise: Exercise; readonly personId: string }) {
-  const { loaded, reload } = useRequest(exercise.id, (signal) => client.attempts({ exercise: exercise.id, person: personId, limit: kAttemptsShown }, signal));
+function OwnAttempts({
+  client,
+  exercise,
+  personId,
+}: {
+  readonly client: Client;
+  readonly exercise: Exercise;
+  readonly personId: string;
+}) {
+  const { loaded, reload } = useRequest(exercise.id, (signal) =>
+    client.attempts({ exercise: exercise.id, person: personId, limit: kAttemptsShown }, signal),
+  );
   return (
     <>
       {loaded.state === "ready" && <ProgressCard client={client} attempts={loaded.value.items} />}
       <Card title={say("nav.my_attempts")}>
         {loaded.state === "loading" && <Loading what={say("loading.attempts")} />}
-        {loaded.state === "failed" && <ErrorNotice title={say("list_failed.attempts")} message={loaded.error.message} onRetry={reload} />}
-        {loaded.state === "ready" && (loaded.value.items.length === 0 ? <Empty>{say("exercise_page.none")}</Empty> : (
-          <DataTable label={say("exercise_page.mine")} items={loaded.value.items} rowKey={(attempt) => attempt.id} columns={[
-            { title: say("common.when"), cell: (attempt: Attempt) => <a href={`/attempts/${attempt.id}`}>{formatDateTime(attempt.ticketed_ms)}</a> },
-            { title: say("common.state"), cell: (attempt: Attempt) => <StateBadge attempt={attempt} /> },
-            { title: say("common.score"), number: true, cell: (attempt: Attempt) => <span class="score-cell">{formatScore(attempt.score)}</span> },
-            { title: say("attempts.flags"), cell: (attempt: Attempt) => <Flags attempt={attempt} graded={exercise.graded || attempt.exam} staff={false} /> },
-          ]} />
-        ))}
+        {loaded.state === "failed" && (
+          <ErrorNotice title={say("list_failed.attempts")} message={loaded.error.message} onRetry={reload} />
+        )}
+        {loaded.state === "ready" &&
+          (loaded.value.items.length === 0 ? (
+            <Empty>{say("exercise_page.none")}</Empty>
+          ) : (
+            <DataTable
+              label={say("exercise_page.mine")}
+              items={loaded.value.items}
+              rowKey={(attempt) => attempt.id}
+              columns={[
+                {
+                  title: say("common.when"),
+                  cell: (attempt: Attempt) => (
+                    <a href={`/attempts/${attempt.id}`}>{formatDateTime(attempt.ticketed_ms)}</a>
+                  ),
+                },
+                { title: say("common.state"), cell: (attempt: Attempt) => <StateBadge attempt={attempt} /> },
+                {
+                  title: say("common.score"),
+                  number: true,
+                  cell: (attempt: Attempt) => <span class="score-cell">{formatScore(attempt.score)}</span>,
+                },
+                {
+                  title: say("attempts.flags"),
+                  cell: (attempt: Attempt) => (
+                    <Flags attempt={attempt} graded={exercise.graded || attempt.exam} staff={false} />
+                  ),
+                },
+              ]}
+            />
+          ))}
       </Card>
     </>
   );

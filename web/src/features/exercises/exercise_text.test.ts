@@ -1,15 +1,36 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { burText, fullMarksText, noMarksText, shankText, timeLimitText, touchCuesText, versionText } from "./exercise_text";
+import {
+  burText,
+  fullMarksText,
+  noMarksText,
+  shankText,
+  timeLimitText,
+  touchCuesText,
+  versionText,
+} from "./exercise_text";
 
-const bur = { shape: "cylinder", radius_um: 500, length_um: 4000, narrow_radius_um: 0, shank_radius_um: 0, neck_um: 0 } as const;
+const bur = {
+  shape: "cylinder",
+  radius_um: 500,
+  length_um: 4000,
+  narrow_radius_um: 0,
+  shank_radius_um: 0,
+  neck_um: 0,
+} as const;
 const spaced = (text: string) => text.replaceAll("\u00a0", " ");
 
 test("a bur is named by its shape and what one measures of it", () => {
   assert.equal(spaced(burText(bur)), "Cylinder, 1 mm across, 4 mm long");
   assert.equal(spaced(burText({ ...bur, shape: "sphere", length_um: 0 })), "Round, 1 mm across");
-  assert.equal(spaced(burText({ ...bur, shape: "cone", narrow_radius_um: 300 })), "Cone, 1 mm across, 0.6 mm at the tip, 4 mm long");
-  assert.equal(spaced(burText({ ...bur, shape: "pear", narrow_radius_um: 300 })), "Pear, 1 mm across, 0.6 mm at the shank, 4 mm long");
+  assert.equal(
+    spaced(burText({ ...bur, shape: "cone", narrow_radius_um: 300 })),
+    "Cone, 1 mm across, 0.6 mm at the tip, 4 mm long",
+  );
+  assert.equal(
+    spaced(burText({ ...bur, shape: "pear", narrow_radius_um: 300 })),
+    "Pear, 1 mm across, 0.6 mm at the shank, 4 mm long",
+  );
 });
 
 test("what is not there is said to be none", () => {
@@ -23,14 +44,27 @@ test("what is not there is said to be none", () => {
 test("touch cues are named with their largest force, and none where there are none", () => {
   const cues = { contact_mn: 250, chatter_mn: 100, energy_uj: 200, power_uw: 1000 } as const;
   assert.equal(touchCuesText(null), "None");
-  assert.equal(spaced(touchCuesText(cues)), "A knock on contact, up to 0.25 N; the bur’s chatter, up to 0.1 N. Not counted in the score");
-  assert.equal(spaced(touchCuesText({ ...cues, contact_mn: 0 })), "The bur’s chatter, up to 0.1 N. Not counted in the score");
-  assert.equal(spaced(touchCuesText({ ...cues, contact_mn: 3, chatter_mn: 0 })), "A knock on contact, up to 3 mN. Not counted in the score");
-  assert.equal(spaced(touchCuesText({ ...cues, chatter_mn: 0 })), "A knock on contact, up to 0.25 N. Not counted in the score");
+  assert.equal(
+    spaced(touchCuesText(cues)),
+    "A knock on contact, up to 0.25 N; the bur’s chatter, up to 0.1 N. Not counted in the score",
+  );
+  assert.equal(
+    spaced(touchCuesText({ ...cues, contact_mn: 0 })),
+    "The bur’s chatter, up to 0.1 N. Not counted in the score",
+  );
+  assert.equal(
+    spaced(touchCuesText({ ...cues, contact_mn: 3, chatter_mn: 0 })),
+    "A knock on contact, up to 3 mN. Not counted in the score",
+  );
+  assert.equal(
+    spaced(touchCuesText({ ...cues, chatter_mn: 0 })),
+    "A knock on contact, up to 0.25 N. Not counted in the score",
+  );
 });
 
 test("where marks begin and end is said for rising, falling and two-sided criteria", () => {
-  const map = (...points: ReadonlyArray<readonly [number, number]>) => points.map(([value, share]) => ({ value, share }));
+  const map = (...points: ReadonlyArray<readonly [number, number]>) =>
+    points.map(([value, share]) => ({ value, share }));
   const both = (points: ReturnType<typeof map>) => [fullMarksText(points, "mm"), noMarksText(points, "mm")].map(spaced);
   assert.deepEqual(both(map([0.05, 1], [0.3, 0])), ["0.05 mm", "0.30 mm"]);
   assert.deepEqual(both(map([0, 1], [0.05, 1], [0.3, 0], [1, 0])), ["0.05 mm", "0.30 mm"]);

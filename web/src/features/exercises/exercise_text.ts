@@ -4,21 +4,33 @@ import { say } from "../../base/words";
 import type { Tone } from "../../widgets/basics";
 
 export function burText(bur: Bur): string {
-  const [shape, across, long] = [say(`bur_shape.${bur.shape}`), micrometresAsMm(2 * bur.radius_um), micrometresAsMm(bur.length_um)];
+  const [shape, across, long] = [
+    say(`bur_shape.${bur.shape}`),
+    micrometresAsMm(2 * bur.radius_um),
+    micrometresAsMm(bur.length_um),
+  ];
   if (bur.shape === "sphere") return say("bur_words.plain", { shape, across });
   if (bur.narrow_radius_um === 0) return say("bur_words.long", { shape, across, long });
-  return say(bur.shape === "cone" ? "bur_words.at_tip" : "bur_words.at_shank", { shape, across, long, narrow: micrometresAsMm(2 * bur.narrow_radius_um) });
+  return say(bur.shape === "cone" ? "bur_words.at_tip" : "bur_words.at_shank", {
+    shape,
+    across,
+    long,
+    narrow: micrometresAsMm(2 * bur.narrow_radius_um),
+  });
 }
 
 export function shankText({ shank_radius_um: shank, neck_um: neck }: Bur): string {
   if (shank === 0) return say("common.none_there");
   const across = micrometresAsMm(2 * shank);
-  return neck > 0 ? say("bur_words.shank_neck", { across, neck: micrometresAsMm(neck) }) : say("bur_words.shank", { across });
+  return neck > 0
+    ? say("bur_words.shank_neck", { across, neck: micrometresAsMm(neck) })
+    : say("bur_words.shank", { across });
 }
 
 // Small forces beside the cutting force: what they tell of and how strong they get.
 export function touchCuesText(cues: TouchCues | null): string {
-  const force = (millinewtons: number) => millinewtons < 100 ? `${formatNumber(millinewtons, 0)} mN` : `${formatNumber(millinewtons / 1000, 2)} N`;
+  const force = (millinewtons: number) =>
+    millinewtons < 100 ? `${formatNumber(millinewtons, 0)} mN` : `${formatNumber(millinewtons / 1000, 2)} N`;
   const [knock, chatter] = [force(cues?.contact_mn ?? 0), force(cues?.chatter_mn ?? 0)];
   if (cues === null || (cues.contact_mn === 0 && cues.chatter_mn === 0)) return say("common.none_there");
   if (cues.chatter_mn === 0) return say("cues.knock", { knock });
@@ -30,7 +42,24 @@ export function timeLimitText(seconds: number): string {
 }
 
 export const kStateTexts: Readonly<Record<ExerciseState, { readonly title: string; readonly tone: Tone }>> = {
-  draft: { get title() { return say("exercise_state.draft"); }, tone: "warning" }, published: { get title() { return say("exercise_state.published"); }, tone: "good" }, retired: { get title() { return say("exercise_state.retired"); }, tone: "neutral" },
+  draft: {
+    get title() {
+      return say("exercise_state.draft");
+    },
+    tone: "warning",
+  },
+  published: {
+    get title() {
+      return say("exercise_state.published");
+    },
+    tone: "good",
+  },
+  retired: {
+    get title() {
+      return say("exercise_state.retired");
+    },
+    tone: "neutral",
+  },
 };
 
 export function versionText({ version }: { readonly version: number }): string {
@@ -53,7 +82,14 @@ export function noMarksText(map: MarkMap, unit: string): string {
   const none = map.filter((point) => point.share <= 0).map((point) => point.value);
   const [low, high] = [none.at(0), none.at(-1)];
   if (low === undefined || high === undefined) return "–";
-  if (isTwoSided(map)) return say("marks.beyond", { range: rangeText(none.filter((value) => value < middle(map)).at(-1) ?? low, none.find((value) => value > middle(map)) ?? high, unit) });
+  if (isTwoSided(map))
+    return say("marks.beyond", {
+      range: rangeText(
+        none.filter((value) => value < middle(map)).at(-1) ?? low,
+        none.find((value) => value > middle(map)) ?? high,
+        unit,
+      ),
+    });
   return formatLimit(falls(map) ? low : high, unit);
 }
 
@@ -71,7 +107,9 @@ function middle(map: MarkMap): number {
 }
 
 function rangeText(low: number, high: number, unit: string): string {
-  return low === -high ? `±${formatLimit(high, unit)}` : say("marks.range", { low: formatLimit(low, unit), high: formatLimit(high, unit) });
+  return low === -high
+    ? `±${formatLimit(high, unit)}`
+    : say("marks.range", { low: formatLimit(low, unit), high: formatLimit(high, unit) });
 }
 
 // Whose it is, for who teaches.

@@ -21,12 +21,17 @@ export function ExercisesPage({ client }: { readonly client: Client }) {
     <>
       <PageTitle document={say("nav.exercises")}>{say("nav.exercises")}</PageTitle>
       {loaded.state === "loading" && <Loading what={say("loading.exercises")} />}
-      {loaded.state === "failed" && <ErrorNotice title={say("exercise_list.failed")} message={loaded.error.message} onRetry={reload} />}
-      {loaded.state === "ready" && loaded.value.length === 0 &&
-        <Empty>{say("exercise_list.none_mine")}</Empty>}
+      {loaded.state === "failed" && (
+        <ErrorNotice title={say("exercise_list.failed")} message={loaded.error.message} onRetry={reload} />
+      )}
+      {loaded.state === "ready" && loaded.value.length === 0 && <Empty>{say("exercise_list.none_mine")}</Empty>}
       {loaded.state === "ready" && (
         <ul class="card-list">
-          {loaded.value.map((exercise) => <li key={exercise.id}><ExerciseCard exercise={exercise} /></li>)}
+          {loaded.value.map((exercise) => (
+            <li key={exercise.id}>
+              <ExerciseCard exercise={exercise} />
+            </li>
+          ))}
         </ul>
       )}
     </>
@@ -37,22 +42,46 @@ function ExerciseCard({ exercise }: { readonly exercise: ExerciseSummary }) {
   return (
     <article class="card exercise">
       <div class="card-head">
-        <h2><a href={`/exercises/${exercise.id}`}>{wordedTitle(exercise.title)}</a></h2>
+        <h2>
+          <a href={`/exercises/${exercise.id}`}>{wordedTitle(exercise.title)}</a>
+        </h2>
         <Badge tone="neutral">{exercise.graded ? say("exercise_page.graded") : say("exercise_list.practice")}</Badge>
       </div>
       <p class="instructions">{wordedText(exercise.instructions)}</p>
       <dl class="facts">
-        <div><dt>{say("exercise_page.bur")}</dt><dd>{burText(exercise.bur)}</dd></div>
-        <div><dt>{say("nav.my_attempts")}</dt><dd>{exercise.my_attempts}</dd></div>
-        <div><dt>{say("attempt_flag.reference")}</dt><dd>{exercise.has_reference ? say("exercise_list.available") : say("exercise_list.none_yet")}</dd></div>
-        {exercise.time_limit_s > 0 && <div><dt>{say("exercise_page.time_limit")}</dt><dd>{timeLimitText(exercise.time_limit_s)}</dd></div>}
+        <div>
+          <dt>{say("exercise_page.bur")}</dt>
+          <dd>{burText(exercise.bur)}</dd>
+        </div>
+        <div>
+          <dt>{say("nav.my_attempts")}</dt>
+          <dd>{exercise.my_attempts}</dd>
+        </div>
+        <div>
+          <dt>{say("attempt_flag.reference")}</dt>
+          <dd>{exercise.has_reference ? say("exercise_list.available") : say("exercise_list.none_yet")}</dd>
+        </div>
+        {exercise.time_limit_s > 0 && (
+          <div>
+            <dt>{say("exercise_page.time_limit")}</dt>
+            <dd>{timeLimitText(exercise.time_limit_s)}</dd>
+          </div>
+        )}
       </dl>
     </article>
   );
 }
 
 const kEmpty: Readonly<Record<ExerciseState, string>> = {
-  get draft() { return say("exercise_list.no_draft"); }, get published() { return say("exercise_list.none_published"); }, get retired() { return say("exercise_list.none_retired"); },
+  get draft() {
+    return say("exercise_list.no_draft");
+  },
+  get published() {
+    return say("exercise_list.none_published");
+  },
+  get retired() {
+    return say("exercise_list.none_retired");
+  },
 };
 
 interface StaffProps {
@@ -76,37 +105,89 @@ export function StaffExercisesPage({ client, admin, query, onQuery, onOpen }: St
       <div class="toolbar">
         <PageTitle document={say("nav.exercises")}>{say("nav.exercises")}</PageTitle>
         <div class="button-row">
-          {admin && <button type="button" class="button" onClick={() => onQuery({ import: "tooth" })}>{say("tooth_import.ask")}</button>}
-          <button type="button" class="button primary" onClick={() => setAdding(true)}>{say("exercise_list.add_ask")}</button>
+          {admin && (
+            <button type="button" class="button" onClick={() => onQuery({ import: "tooth" })}>
+              {say("tooth_import.ask")}
+            </button>
+          )}
+          <button type="button" class="button primary" onClick={() => setAdding(true)}>
+            {say("exercise_list.add_ask")}
+          </button>
         </div>
       </div>
-      <Segmented legend={say("exercise_list.show")} name="state" value={state} onChange={(value) => onQuery({ state: value })}
-                 choices={[{ value: "published", title: say("exercise_state.published") }, { value: "draft", title: say("exercise_list.drafts") }, { value: "retired", title: say("exercise_state.retired") }]} />
+      <Segmented
+        legend={say("exercise_list.show")}
+        name="state"
+        value={state}
+        onChange={(value) => onQuery({ state: value })}
+        choices={[
+          { value: "published", title: say("exercise_state.published") },
+          { value: "draft", title: say("exercise_list.drafts") },
+          { value: "retired", title: say("exercise_state.retired") },
+        ]}
+      />
       {loaded.state === "loading" && <Loading what={say("loading.exercises")} />}
-      {loaded.state === "failed" && <ErrorNotice title={say("exercise_list.failed")} message={loaded.error.message} onRetry={reload} />}
-      {loaded.state === "ready" && (loaded.value.length === 0 ? <Empty>{kEmpty[state]}</Empty> : (
-        <Card className="flush">
-          <DataTable label={say("nav.exercises")} items={loaded.value} rowKey={(exercise) => exercise.id} columns={[
-            { title: say("common.exercise"), cell: (exercise) => <a href={`/exercises/${exercise.id}`}>{wordedTitle(exercise.title)}</a> },
-            { title: say("account.name"), cell: (exercise) => <span><code>{exercise.name}</code>, {versionText(exercise)}</span> },
-            { title: say("exercise_list.owner"), cell: ownerText },
-            { title: say("insight.kind"), cell: (exercise) => exercise.graded ? say("exercise_page.graded") : say("exercise_list.practice") },
-            { title: say("exercise_page.bur"), cell: (exercise) => burText(exercise.bur) },
-            { title: say("exercise_page.time_limit"), cell: (exercise) => timeLimitText(exercise.time_limit_s) },
-            { title: say("attempt_flag.reference"), cell: (exercise) => exercise.has_reference ? <Badge tone="good">{say("exercise_list.available")}</Badge> : <Badge tone="warning">{say("exercise_list.none_yet")}</Badge> },
-            { title: say("listed.since"), cell: (exercise) => formatDateTime(exercise.published_ms) },
-          ]} />
-        </Card>
-      ))}
+      {loaded.state === "failed" && (
+        <ErrorNotice title={say("exercise_list.failed")} message={loaded.error.message} onRetry={reload} />
+      )}
+      {loaded.state === "ready" &&
+        (loaded.value.length === 0 ? (
+          <Empty>{kEmpty[state]}</Empty>
+        ) : (
+          <Card className="flush">
+            <DataTable
+              label={say("nav.exercises")}
+              items={loaded.value}
+              rowKey={(exercise) => exercise.id}
+              columns={[
+                {
+                  title: say("common.exercise"),
+                  cell: (exercise) => <a href={`/exercises/${exercise.id}`}>{wordedTitle(exercise.title)}</a>,
+                },
+                {
+                  title: say("account.name"),
+                  cell: (exercise) => (
+                    <span>
+                      <code>{exercise.name}</code>, {versionText(exercise)}
+                    </span>
+                  ),
+                },
+                { title: say("exercise_list.owner"), cell: ownerText },
+                {
+                  title: say("insight.kind"),
+                  cell: (exercise) => (exercise.graded ? say("exercise_page.graded") : say("exercise_list.practice")),
+                },
+                { title: say("exercise_page.bur"), cell: (exercise) => burText(exercise.bur) },
+                { title: say("exercise_page.time_limit"), cell: (exercise) => timeLimitText(exercise.time_limit_s) },
+                {
+                  title: say("attempt_flag.reference"),
+                  cell: (exercise) =>
+                    exercise.has_reference ? (
+                      <Badge tone="good">{say("exercise_list.available")}</Badge>
+                    ) : (
+                      <Badge tone="warning">{say("exercise_list.none_yet")}</Badge>
+                    ),
+                },
+                { title: say("listed.since"), cell: (exercise) => formatDateTime(exercise.published_ms) },
+              ]}
+            />
+          </Card>
+        ))}
       {importing && (
         <Dialog title={say("tooth_import.title")} onClose={closeImport}>
-          <ToothImport show={({ ToothImportForm }) => <ToothImportForm client={client} onDone={reload} onClose={closeImport} />} />
+          <ToothImport
+            show={({ ToothImportForm }) => <ToothImportForm client={client} onDone={reload} onClose={closeImport} />}
+          />
         </Dialog>
       )}
       {adding && (
         <Dialog title={say("exercise_list.add")} onClose={() => setAdding(false)}>
-          <DocumentForm action={say("common.add")} onCancel={() => setAdding(false)} send={(text) => client.teaching.putDraft(text)}
-                        onDone={(exercise) => onOpen(`/exercises/${exercise.id}`)} />
+          <DocumentForm
+            action={say("common.add")}
+            onCancel={() => setAdding(false)}
+            send={(text) => client.teaching.putDraft(text)}
+            onDone={(exercise) => onOpen(`/exercises/${exercise.id}`)}
+          />
         </Dialog>
       )}
     </>

@@ -16,18 +16,51 @@ interface Props {
 
 // Every version of the exercise, the draft first.
 export function VersionsCard({ client, exercise }: Props) {
-  const { loaded, reload } = useRequest(`${exercise.id} ${exercise.revision} ${exercise.state}`, (signal) => client.teaching.versions(exercise.id, signal));
+  const { loaded, reload } = useRequest(`${exercise.id} ${exercise.revision} ${exercise.state}`, (signal) =>
+    client.teaching.versions(exercise.id, signal),
+  );
   return (
     <Card title={say("version.title")}>
       {loaded.state === "loading" && <Loading what={say("loading.versions")} />}
-      {loaded.state === "failed" && <ErrorNotice title={say("version.failed")} message={loaded.error.message} onRetry={reload} />}
+      {loaded.state === "failed" && (
+        <ErrorNotice title={say("version.failed")} message={loaded.error.message} onRetry={reload} />
+      )}
       {loaded.state === "ready" && (
-        <DataTable label={say("version.title")} items={loaded.value} rowKey={(version) => version.id} dense columns={[
-          { title: say("version.one"), cell: (version) => version.id === exercise.id ? <b>{say("version.shown", { version: versionText(version) })}</b> : <a href={`/exercises/${version.id}`}>{versionText(version)}</a> },
-          { title: say("common.state"), cell: (version) => <Badge tone={kStateTexts[version.state].tone}>{kStateTexts[version.state].title}</Badge> },
-          { title: say("listed.since"), cell: (version) => formatDateTime(version.published_ms) },
-          { title: say("version.document"), cell: (version) => <a href={client.teaching.documentAddress(version.id)} download={`${exercise.name}_${version.version}.json`}><Brief shown="JSON" full={say("version.json_of", { version: versionText(version) })} /></a> },
-        ]} />
+        <DataTable
+          label={say("version.title")}
+          items={loaded.value}
+          rowKey={(version) => version.id}
+          dense
+          columns={[
+            {
+              title: say("version.one"),
+              cell: (version) =>
+                version.id === exercise.id ? (
+                  <b>{say("version.shown", { version: versionText(version) })}</b>
+                ) : (
+                  <a href={`/exercises/${version.id}`}>{versionText(version)}</a>
+                ),
+            },
+            {
+              title: say("common.state"),
+              cell: (version) => (
+                <Badge tone={kStateTexts[version.state].tone}>{kStateTexts[version.state].title}</Badge>
+              ),
+            },
+            { title: say("listed.since"), cell: (version) => formatDateTime(version.published_ms) },
+            {
+              title: say("version.document"),
+              cell: (version) => (
+                <a
+                  href={client.teaching.documentAddress(version.id)}
+                  download={`${exercise.name}_${version.version}.json`}
+                >
+                  <Brief shown="JSON" full={say("version.json_of", { version: versionText(version) })} />
+                </a>
+              ),
+            },
+          ]}
+        />
       )}
     </Card>
   );
@@ -42,26 +75,80 @@ export function ReferencesCard({ client, exercise }: Props) {
   return (
     <Card title={say("references.title")}>
       {loaded.state === "loading" && <Loading what={say("loading.references")} />}
-      {loaded.state === "failed" && <ErrorNotice title={say("references.failed")} message={loaded.error.message} onRetry={reload} />}
-      {loaded.state === "ready" && (references.length === 0 ? <Empty>{say("references.none")}</Empty> : (
-        <DataTable label={say("references.list")} items={references} rowKey={(reference) => reference.id} dense columns={[
-          { title: say("references.dentist"), cell: (reference) => (
-            <><a href={`/attempts/${reference.attempt_id}`}>{reference.dentist ?? say("references.not_named")}</a><span class="sub">{reference.consent ? say("references.name_shown") : say("references.name_hidden")}</span></>) },
-          { title: say("listed.since"), cell: (reference) => <>{formatDateTime(reference.created_ms)}<span class="sub">{say("version.number", { number: String(reference.version) })}</span></> },
-          { title: say("common.state"), cell: (reference) => reference === counting ? <Badge tone="good">{say("references.counts")}</Badge>
-            : reference.withdrawn_ms > 0 ? <Badge tone="neutral">{say("references.withdrawn")}</Badge> : <Badge tone="neutral">{say("references.earlier")}</Badge> },
-          { title: say("references.withdraw"), hideTitle: true, cell: (reference) => reference.withdrawn_ms > 0 ? null
-            : <div class="row-tools"><button type="button" class="button small" onClick={() => setLeaving(reference)}><Brief shown={say("references.withdraw_ask")} full={say("references.withdraw_which", { version: String(reference.version) })} /></button></div> },
-        ]} />
-      ))}
+      {loaded.state === "failed" && (
+        <ErrorNotice title={say("references.failed")} message={loaded.error.message} onRetry={reload} />
+      )}
+      {loaded.state === "ready" &&
+        (references.length === 0 ? (
+          <Empty>{say("references.none")}</Empty>
+        ) : (
+          <DataTable
+            label={say("references.list")}
+            items={references}
+            rowKey={(reference) => reference.id}
+            dense
+            columns={[
+              {
+                title: say("references.dentist"),
+                cell: (reference) => (
+                  <>
+                    <a href={`/attempts/${reference.attempt_id}`}>{reference.dentist ?? say("references.not_named")}</a>
+                    <span class="sub">
+                      {reference.consent ? say("references.name_shown") : say("references.name_hidden")}
+                    </span>
+                  </>
+                ),
+              },
+              {
+                title: say("listed.since"),
+                cell: (reference) => (
+                  <>
+                    {formatDateTime(reference.created_ms)}
+                    <span class="sub">{say("version.number", { number: String(reference.version) })}</span>
+                  </>
+                ),
+              },
+              {
+                title: say("common.state"),
+                cell: (reference) =>
+                  reference === counting ? (
+                    <Badge tone="good">{say("references.counts")}</Badge>
+                  ) : reference.withdrawn_ms > 0 ? (
+                    <Badge tone="neutral">{say("references.withdrawn")}</Badge>
+                  ) : (
+                    <Badge tone="neutral">{say("references.earlier")}</Badge>
+                  ),
+              },
+              {
+                title: say("references.withdraw"),
+                hideTitle: true,
+                cell: (reference) =>
+                  reference.withdrawn_ms > 0 ? null : (
+                    <div class="row-tools">
+                      <button type="button" class="button small" onClick={() => setLeaving(reference)}>
+                        <Brief
+                          shown={say("references.withdraw_ask")}
+                          full={say("references.withdraw_which", { version: String(reference.version) })}
+                        />
+                      </button>
+                    </div>
+                  ),
+              },
+            ]}
+          />
+        ))}
       {leaving !== undefined && (
-        <Confirm title={say("references.withdraw_title")} action={say("references.withdraw")} onClose={() => setLeaving(undefined)}
-                 onConfirm={async () => {
-                   const result = await client.teaching.withdrawReference(leaving.id);
-                   if (!result.ok) return result.error.message;
-                   reload();
-                   return undefined;
-                 }}>
+        <Confirm
+          title={say("references.withdraw_title")}
+          action={say("references.withdraw")}
+          onClose={() => setLeaving(undefined)}
+          onConfirm={async () => {
+            const result = await client.teaching.withdrawReference(leaving.id);
+            if (!result.ok) return result.error.message;
+            reload();
+            return undefined;
+          }}
+        >
           <p>{say("references.withdraw_text")}</p>
         </Confirm>
       )}

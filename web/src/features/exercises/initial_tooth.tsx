@@ -11,15 +11,19 @@ import { tissuesPresent, tissueTitle, workpiece } from "../../widgets/tooth/tiss
 import { ToothView } from "../../widgets/tooth/tooth_view";
 
 const kDirection = [0.5, -0.6, 0.9] as const;
-const kFromTop = 0.35;                          // of the tooth's height: the work is at the crown, not in the middle of the roots
+const kFromTop = 0.35; // of the tooth's height: the work is at the crown, not in the middle of the roots
 
 // What one will find at the station: the tooth or block before anything is cut.
 export function InitialTooth({ client, exercise }: { readonly client: Client; readonly exercise: Exercise }) {
-  const { loaded, reload } = useRequest(exercise.scene_sha256 + exercise.id, (signal) => client.teaching.initialSurface(exercise.id, signal));
+  const { loaded, reload } = useRequest(exercise.scene_sha256 + exercise.id, (signal) =>
+    client.teaching.initialSurface(exercise.id, signal),
+  );
   return (
     <Card title={say("exercise_page.before")} className="tooth-card">
       {loaded.state === "loading" && <Loading what={say("loading.picture")} />}
-      {loaded.state === "failed" && <ErrorNotice title={say("exercise_page.picture_failed")} message={loaded.error.message} onRetry={reload} />}
+      {loaded.state === "failed" && (
+        <ErrorNotice title={say("exercise_page.picture_failed")} message={loaded.error.message} onRetry={reload} />
+      )}
       {loaded.state === "ready" && <Tooth surface={loaded.value} />}
     </Card>
   );
@@ -30,7 +34,12 @@ function Tooth({ surface }: { readonly surface: Surface }) {
   const angled = useMemo((): AngledView => ({ direction: kDirection, centre: lookAt(surface) }), [surface]);
   return (
     <>
-      <ToothView model={{ surface }} mode="tissue" angled={angled} label={say(`exercise_page.shows_${workpiece(tissues)}`, { tissues: tissues.map(tissueTitle).join(", ") })} />
+      <ToothView
+        model={{ surface }}
+        mode="tissue"
+        angled={angled}
+        label={say(`exercise_page.shows_${workpiece(tissues)}`, { tissues: tissues.map(tissueTitle).join(", ") })}
+      />
       <TissueLegend tissues={tissues} />
     </>
   );

@@ -11,21 +11,21 @@ export interface Done {
 export interface CriterionProgress {
   readonly name: string;
   readonly title: string;
-  readonly maxPoints: number;                   // of the newest rubric
-  readonly shares: readonly number[];           // 0..1 of the points, oldest attempt first; where it was judged
-  readonly best: number;                        // share
-  readonly last: number;                        // share
+  readonly maxPoints: number; // of the newest rubric
+  readonly shares: readonly number[]; // 0..1 of the points, oldest attempt first; where it was judged
+  readonly best: number; // share
+  readonly last: number; // share
 }
 
 export interface NextStep {
   readonly title: string;
-  readonly lost: number;                        // points on average in the attempts looked at
-  readonly times: number;                       // in how many of them points were lost
+  readonly lost: number; // points on average in the attempts looked at
+  readonly times: number; // in how many of them points were lost
   readonly of: number;
-  readonly reason: string;                      // what the newest of them says
+  readonly reason: string; // what the newest of them says
 }
 
-const kLookedAt = 3;                            // the newest attempts: what was learned before is over
+const kLookedAt = 3; // the newest attempts: what was learned before is over
 const kMeaningPoints = 0.5;
 
 export function progressOf(done: readonly Done[]): CriterionProgress[] {
@@ -45,10 +45,19 @@ export function progressOf(done: readonly Done[]): CriterionProgress[] {
 export function nextStep(done: readonly Done[]): NextStep | undefined {
   const newest = [...done].sort((a, b) => b.atMs - a.atMs).slice(0, kLookedAt);
   const steps = (newest[0]?.score.criteria ?? []).map(({ name, title }): NextStep => {
-    const found = newest.flatMap(({ score }) => score.criteria.filter((criterion) => criterion.name === name && criterion.max_points > 0));
+    const found = newest.flatMap(({ score }) =>
+      score.criteria.filter((criterion) => criterion.name === name && criterion.max_points > 0),
+    );
     const losing = found.filter((criterion) => criterion.max_points - criterion.points >= kMeaningPoints);
-    return { title, lost: losing.reduce((sum, criterion) => sum + criterion.max_points - criterion.points, 0) / Math.max(1, newest.length), times: losing.length, of: newest.length,
-             reason: losing[0]?.reason ?? "" };
+    return {
+      title,
+      lost:
+        losing.reduce((sum, criterion) => sum + criterion.max_points - criterion.points, 0) /
+        Math.max(1, newest.length),
+      times: losing.length,
+      of: newest.length,
+      reason: losing[0]?.reason ?? "",
+    };
   });
   return steps.filter((step) => step.times > (step.of > 1 ? 1 : 0)).sort((a, b) => b.lost - a.lost)[0];
 }

@@ -31,28 +31,52 @@ interface Props {
 
 interface Read {
   readonly exercise: Exercise;
-  readonly rubrics: Tagged<readonly RubricVersion[]>;  // newest first
+  readonly rubrics: Tagged<readonly RubricVersion[]>; // newest first
   readonly metrics: readonly ScoringMetric[];
 }
 
 // The rubric of a published exercise, corrected: the exercise stays, scores change when they are made again.
 export function RubricEditorPage({ client, id, onOpen }: Props) {
   const { loaded, reload } = useRequest(`rubric ${id}`, async (signal) => {
-    const [exercise, rubrics, metrics] = await Promise.all([client.teaching.exercise(id, signal), client.teaching.rubrics(id, signal), client.teaching.metrics(signal)]);
+    const [exercise, rubrics, metrics] = await Promise.all([
+      client.teaching.exercise(id, signal),
+      client.teaching.rubrics(id, signal),
+      client.teaching.metrics(signal),
+    ]);
     if (!exercise.ok) return exercise;
     if (!rubrics.ok) return rubrics;
-    return metrics.ok ? ok<Read>({ exercise: exercise.value.value, rubrics: rubrics.value, metrics: metrics.value }) : metrics;
+    return metrics.ok
+      ? ok<Read>({ exercise: exercise.value.value, rubrics: rubrics.value, metrics: metrics.value })
+      : metrics;
   });
   if (loaded.state === "loading") return <Loading what={say("loading.rubric")} />;
-  if (loaded.state === "failed") return <><PageTitle document={say("exercise_page.rubric")}>{say("rubric.correct")}</PageTitle><ErrorNotice title={say("rubric.failed")} message={loaded.error.message} onRetry={reload} /></>;
+  if (loaded.state === "failed")
+    return (
+      <>
+        <PageTitle document={say("exercise_page.rubric")}>{say("rubric.correct")}</PageTitle>
+        <ErrorNotice title={say("rubric.failed")} message={loaded.error.message} onRetry={reload} />
+      </>
+    );
   return <Editor key={loaded.value.rubrics.tag} client={client} read={loaded.value} onOpen={onOpen} onNewer={reload} />;
 }
 
-function Editor({ client, read: { exercise, rubrics, metrics }, onOpen, onNewer }: { readonly client: Client; readonly read: Read; readonly onOpen: (path: string) => void; readonly onNewer: () => void }) {
+function Editor({
+  client,
+  read: { exercise, rubrics, metrics },
+  onOpen,
+  onNewer,
+}: {
+  readonly client: Client;
+  readonly read: Read;
+  readonly onOpen: (path: string) => void;
+  readonly onNewer: () => void;
+}) {
   const [counting] = rubrics.value;
-  const document = counting?.document as unknown as Json ?? null;
+  const document = (counting?.document as unknown as Json) ?? null;
   const edit = useDocument(`rubric ${exercise.id}`, document);
-  const check = useCheck(JSON.stringify(edit.now), (text, signal) => client.teaching.checkRubric(exercise.id, text, signal));
+  const check = useCheck(JSON.stringify(edit.now), (text, signal) =>
+    client.teaching.checkRubric(exercise.id, text, signal),
+  );
   const own = useMemo(() => rubricProblems(edit.now, []), [edit.now]);
   const form: DocumentForm = { edit, wrong: stillWrong(check, edit.now), own };
   const [reason, setReason] = useState("");
@@ -60,7 +84,9 @@ function Editor({ client, read: { exercise, rubrics, metrics }, onOpen, onNewer 
   const change = useChange();
   const anyway = useAnyway(change.error, JSON.stringify(edit.now));
   const publish = async () => {
-    const result = await change.run(() => client.teaching.publishRubric(exercise.id, edit.now, reason.trim(), anyway.reason, rubrics.tag));
+    const result = await change.run(() =>
+      client.teaching.publishRubric(exercise.id, edit.now, reason.trim(), anyway.reason, rubrics.tag),
+    );
     if (result?.ok !== true) return;
     edit.forget();
     onOpen(`/exercises/${exercise.id}`);
@@ -69,28 +95,76 @@ function Editor({ client, read: { exercise, rubrics, metrics }, onOpen, onNewer 
   const may = exercise.may.includes("change");
   return (
     <>
-      <nav class="trail" aria-label={say("common.where")}><a href={`/exercises/${exercise.id}`}>{wordedTitle(exercise.title)}</a></nav>
-      <PageTitle document={say("rubric.of", { title: wordedTitle(exercise.title) })}>{say("rubric.of_version", { title: wordedTitle(exercise.title), version: versionText(exercise) })}</PageTitle>
+      <nav class="trail" aria-label={say("common.where")}>
+        <a href={`/exercises/${exercise.id}`}>{wordedTitle(exercise.title)}</a>
+      </nav>
+      <PageTitle document={say("rubric.of", { title: wordedTitle(exercise.title) })}>
+        {say("rubric.of_version", { title: wordedTitle(exercise.title), version: versionText(exercise) })}
+      </PageTitle>
       <EditBar edit={edit} state={stateText(check, edit.dirty, own.size > 0)}>
-        <button type="button" class="button primary" disabled={!may || change.busy || check.busy || check.error !== undefined || own.size > 0 || !edit.dirty || reason.trim() === "" || anyway.missing} onClick={() => void publish()}>{say(anyway.asked ? "rubric.publish_anyway" : "rubric.publish")}</button>
+        <button
+          type="button"
+          class="button primary"
+          disabled={
+            !may ||
+            change.busy ||
+            check.busy ||
+            check.error !== undefined ||
+            own.size > 0 ||
+            !edit.dirty ||
+            reason.trim() === "" ||
+            anyway.missing
+          }
+          onClick={() => void publish()}
+        >
+          {say(anyway.asked ? "rubric.publish_anyway" : "rubric.publish")}
+        </button>
       </EditBar>
       <Problem check={check} form={form} />
-      {change.error !== undefined && (change.error.status === 412
-        ? <ErrorNotice title={say("rubric.changed")} message={say("rubric.changed_text")} onRetry={onNewer} />
-        : <ErrorNotice title={say("rubric.not_published")} message={change.error.message} />)}
+      {change.error !== undefined &&
+        (change.error.status === 412 ? (
+          <ErrorNotice title={say("rubric.changed")} message={say("rubric.changed_text")} onRetry={onNewer} />
+        ) : (
+          <ErrorNotice title={say("rubric.not_published")} message={change.error.message} />
+        ))}
       <div class="editor">
         <div class="stack">
-          <Card title={say("exercise_page.scored")}><RubricFields form={form} path={[]} metrics={metrics} /></Card>
+          <Card title={say("exercise_page.scored")}>
+            <RubricFields form={form} path={[]} metrics={metrics} />
+          </Card>
         </div>
         <div class="stack editor-side">
           <Card title={say("rubric.correction")}>
-            <LongTextField label={say("common.reason")} hint={say("rubric.reason_hint")} value={reason} onValue={setReason} maxLength={1000} rows={2} />
+            <LongTextField
+              label={say("common.reason")}
+              hint={say("rubric.reason_hint")}
+              value={reason}
+              onValue={setReason}
+              maxLength={1000}
+              rows={2}
+            />
             <AnywayField anyway={anyway} />
           </Card>
           <Card title={say("version.title")}>
-            <SelectField label={say("rubric.compare")} value={against} onValue={setAgainst} options={rubrics.value.map((rubric, i) => ({
-              value: String(rubric.version), title: versionTitle(rubric, i === 0) }))} />
-            {compared !== undefined && <DocumentChanges label={say("rubric.changes")} before={withoutVersion(compared.document as unknown as Json)} after={withoutVersion(edit.now)} beforeTitle={say("version.title_number", { number: String(compared.version) })} afterTitle={say("editor.here")} titleOf={(item) => placeTitle(item, edit.now)} />}
+            <SelectField
+              label={say("rubric.compare")}
+              value={against}
+              onValue={setAgainst}
+              options={rubrics.value.map((rubric, i) => ({
+                value: String(rubric.version),
+                title: versionTitle(rubric, i === 0),
+              }))}
+            />
+            {compared !== undefined && (
+              <DocumentChanges
+                label={say("rubric.changes")}
+                before={withoutVersion(compared.document as unknown as Json)}
+                after={withoutVersion(edit.now)}
+                beforeTitle={say("version.title_number", { number: String(compared.version) })}
+                afterTitle={say("editor.here")}
+                titleOf={(item) => placeTitle(item, edit.now)}
+              />
+            )}
           </Card>
           <RubricPreviewCard client={client} exercise={exercise.id} rubric={edit.now} />
         </div>

@@ -9,7 +9,7 @@ import { SelectField } from "../../widgets/form";
 
 interface Props {
   readonly form: DocumentForm;
-  readonly path: Path;                          // of the rubric; empty: the document is one
+  readonly path: Path; // of the rubric; empty: the document is one
   readonly metrics: readonly ScoringMetric[];
 }
 
@@ -21,10 +21,49 @@ export function RubricFields({ form, path, metrics }: Props) {
   return (
     <div class="stack">
       <p class="hint">{say("rubric.points_in_all", { points: formatPoints(total) })}</p>
-      {criteria.map((item, i) => <Item key={i} form={form} list={[...path, "criteria"]} place={i} count={criteria.length} metrics={metrics} item={item} what="criterion" points />)}
-      <div><button type="button" class="button" onClick={() => form.edit.set([...path, "criteria", criteria.length], fresh(metrics, criteria, true))}>{say("rubric.add_criterion")}</button></div>
-      {gates.map((item, i) => <Item key={i} form={form} list={[...path, "gates"]} place={i} count={gates.length} metrics={metrics} item={item} what="gate" />)}
-      <div><button type="button" class="button" onClick={() => form.edit.set([...path, "gates"], [...gates, fresh(metrics, gates, false)])}>{say("rubric.add_gate")}</button></div>
+      {criteria.map((item, i) => (
+        <Item
+          key={i}
+          form={form}
+          list={[...path, "criteria"]}
+          place={i}
+          count={criteria.length}
+          metrics={metrics}
+          item={item}
+          what="criterion"
+          points
+        />
+      ))}
+      <div>
+        <button
+          type="button"
+          class="button"
+          onClick={() => form.edit.set([...path, "criteria", criteria.length], fresh(metrics, criteria, true))}
+        >
+          {say("rubric.add_criterion")}
+        </button>
+      </div>
+      {gates.map((item, i) => (
+        <Item
+          key={i}
+          form={form}
+          list={[...path, "gates"]}
+          place={i}
+          count={gates.length}
+          metrics={metrics}
+          item={item}
+          what="gate"
+        />
+      ))}
+      <div>
+        <button
+          type="button"
+          class="button"
+          onClick={() => form.edit.set([...path, "gates"], [...gates, fresh(metrics, gates, false)])}
+        >
+          {say("rubric.add_gate")}
+        </button>
+      </div>
       <p class="hint">{say("rubric.gate_hint")}</p>
     </div>
   );
@@ -40,7 +79,24 @@ function fresh(metrics: readonly ScoringMetric[], others: readonly Json[], point
   const used = new Set(others.map((item) => valueAt(item, ["metric"])));
   const { name = "", unit = "" } = metrics.find((metric) => !used.has(metric.name)) ?? metrics[0] ?? {};
   const common = { metric: name, title: metricTitle(name, unit), unit };
-  return points ? { ...common, points: 10, map: [[0, 1], [1, 0]], comment: "" } : { ...common, map: [[0, 0], [1, 1]], comment: "" };
+  return points
+    ? {
+        ...common,
+        points: 10,
+        map: [
+          [0, 1],
+          [1, 0],
+        ],
+        comment: "",
+      }
+    : {
+        ...common,
+        map: [
+          [0, 0],
+          [1, 1],
+        ],
+        comment: "",
+      };
 }
 
 interface ItemProps {
@@ -59,12 +115,20 @@ function Item({ form, list, place, count, metrics, item, what, points = false }:
   const title = String(valueAt(item, ["title"]) ?? "");
   const metric = String(valueAt(item, ["metric"]) ?? "");
   const unit = String(valueAt(item, ["unit"]) ?? "");
-  const name = say(what === "gate" ? "rubric.gate_name" : "rubric.criterion_name", { number: String(place + 1), title });
+  const name = say(what === "gate" ? "rubric.gate_name" : "rubric.criterion_name", {
+    number: String(place + 1),
+    title,
+  });
   const choose = (chosen: string) => {
     const known = metrics.find((each) => each.name === chosen);
     // A title that somebody wrote stays; one that is the measurement's own follows it.
     const own = title === "" || title === metricTitle(metric, unit);
-    form.edit.set(path, { ...(item as { readonly [name: string]: Json }), metric: chosen, unit: known?.unit ?? unit, title: own ? metricTitle(chosen, known?.unit ?? unit) : title });
+    form.edit.set(path, {
+      ...(item as { readonly [name: string]: Json }),
+      metric: chosen,
+      unit: known?.unit ?? unit,
+      title: own ? metricTitle(chosen, known?.unit ?? unit) : title,
+    });
   };
   const move = (to: number) => {
     const items = [...itemsAt(form, list)];
@@ -80,18 +144,43 @@ function Item({ form, list, place, count, metrics, item, what, points = false }:
       <legend>{name}</legend>
       {problem !== undefined && <p class="field-problem">{problem}</p>}
       <div class="form-grid">
-        <SelectField label={say("rubric.measured")} value={metric} problem={problemAt(form, [...path, "metric"])} onValue={choose}
-                     options={(metrics.some((each) => each.name === metric) ? metrics : [{ name: metric, unit }, ...metrics]).map((each) => ({ value: each.name, title: metricTitle(each.name, each.unit) }))} />
+        <SelectField
+          label={say("rubric.measured")}
+          value={metric}
+          problem={problemAt(form, [...path, "metric"])}
+          onValue={choose}
+          options={(metrics.some((each) => each.name === metric) ? metrics : [{ name: metric, unit }, ...metrics]).map(
+            (each) => ({ value: each.name, title: metricTitle(each.name, each.unit) }),
+          )}
+        />
         <DocumentText form={form} path={[...path, "title"]} label={say("rubric.called")} maxLength={200} />
         {points && <DocumentNumber form={form} path={[...path, "points"]} label={say("common.points")} min={0} />}
-        {points && <DocumentNumber form={form} path={[...path, "fails_above"]} label={unitText(unit) === "" ? say("rubric.fails_above_number") : say("rubric.fails_above", { unit: unitText(unit) })} hint={say("rubric.does_not")} optional />}
+        {points && (
+          <DocumentNumber
+            form={form}
+            path={[...path, "fails_above"]}
+            label={
+              unitText(unit) === ""
+                ? say("rubric.fails_above_number")
+                : say("rubric.fails_above", { unit: unitText(unit) })
+            }
+            hint={say("rubric.does_not")}
+            optional
+          />
+        )}
       </div>
       <Steps form={form} path={[...path, "map"]} unit={unit} />
       <DocumentText form={form} path={[...path, "comment"]} label={say("rubric.advice")} maxLength={1000} />
       <div class="button-row">
-        <button type="button" class="button small" disabled={place === 0} onClick={() => move(place - 1)}><Brief shown={say("rubric.up")} full={say("rubric.up_which", { name })} /></button>
-        <button type="button" class="button small" disabled={place === count - 1} onClick={() => move(place + 1)}><Brief shown={say("rubric.down")} full={say("rubric.down_which", { name })} /></button>
-        <button type="button" class="button small" disabled={points && count === 1} onClick={remove}><Brief shown={say("common.remove")} full={say("rubric.remove_which", { name })} /></button>
+        <button type="button" class="button small" disabled={place === 0} onClick={() => move(place - 1)}>
+          <Brief shown={say("rubric.up")} full={say("rubric.up_which", { name })} />
+        </button>
+        <button type="button" class="button small" disabled={place === count - 1} onClick={() => move(place + 1)}>
+          <Brief shown={say("rubric.down")} full={say("rubric.down_which", { name })} />
+        </button>
+        <button type="button" class="button small" disabled={points && count === 1} onClick={remove}>
+          <Brief shown={say("common.remove")} full={say("rubric.remove_which", { name })} />
+        </button>
       </div>
     </fieldset>
   );
@@ -108,12 +197,27 @@ function Steps({ form, path, unit }: { readonly form: DocumentForm; readonly pat
       {problem !== undefined && <p class="field-problem">{problem}</p>}
       {rows.map((_row, i) => (
         <div class="map-row" key={i}>
-          <DocumentNumber form={form} path={[...path, i, 0]} label={unitText(unit) === "" ? say("rubric.at_number") : say("rubric.at", { unit: unitText(unit) })} />
+          <DocumentNumber
+            form={form}
+            path={[...path, i, 0]}
+            label={unitText(unit) === "" ? say("rubric.at_number") : say("rubric.at", { unit: unitText(unit) })}
+          />
           <DocumentNumber form={form} path={[...path, i, 1]} label={say("rubric.share")} scale={0.01} min={0} />
-          <button type="button" class="button small" disabled={rows.length === 1} onClick={() => form.edit.set([...path, i], undefined)}><Brief shown={say("common.remove")} full={say("rubric.remove_row", { number: String(i + 1) })} /></button>
+          <button
+            type="button"
+            class="button small"
+            disabled={rows.length === 1}
+            onClick={() => form.edit.set([...path, i], undefined)}
+          >
+            <Brief shown={say("common.remove")} full={say("rubric.remove_row", { number: String(i + 1) })} />
+          </button>
         </div>
       ))}
-      <div><button type="button" class="button small" onClick={() => form.edit.set([...path, rows.length], [next, 0])}>{say("rubric.add_row")}</button></div>
+      <div>
+        <button type="button" class="button small" onClick={() => form.edit.set([...path, rows.length], [next, 0])}>
+          {say("rubric.add_row")}
+        </button>
+      </div>
     </div>
   );
 }

@@ -26,7 +26,10 @@ export function StaffActions({ client, exercise, tag, onChanged, onOpen }: Props
   const { teaching } = client;
   const confirm = async (ask: Promise<ApiResult<unknown>>, then: () => void) => {
     const result = await ask;
-    if (!result.ok) return result.error.status === 412 ? say("staff.changed", { reason: result.error.message }) : result.error.message;
+    if (!result.ok)
+      return result.error.status === 412
+        ? say("staff.changed", { reason: result.error.message })
+        : result.error.message;
     then();
     return undefined;
   };
@@ -41,49 +44,118 @@ export function StaffActions({ client, exercise, tag, onChanged, onOpen }: Props
       <div class="button-row">
         {exercise.state === "draft" && (
           <>
-            <button type="button" class="button primary" onClick={() => setOpen("publish")}>{say("staff.publish_ask")}</button>
-            <a class="button" href={`/editor?exercise=${exercise.id}`}>{say("staff.edit_draft")}</a>
-            <button type="button" class="button" onClick={() => setOpen("replace")}>{say("staff.replace_ask")}</button>
-            <button type="button" class="button" onClick={() => setOpen("delete")}>{say("staff.delete_ask")}</button>
+            <button type="button" class="button primary" onClick={() => setOpen("publish")}>
+              {say("staff.publish_ask")}
+            </button>
+            <a class="button" href={`/editor?exercise=${exercise.id}`}>
+              {say("staff.edit_draft")}
+            </a>
+            <button type="button" class="button" onClick={() => setOpen("replace")}>
+              {say("staff.replace_ask")}
+            </button>
+            <button type="button" class="button" onClick={() => setOpen("delete")}>
+              {say("staff.delete_ask")}
+            </button>
           </>
         )}
-        {exercise.state !== "draft" && <a class="button" href={`/editor?exercise=${exercise.id}`}>{say("staff.edit_new")}</a>}
-        {exercise.state === "published" && <a class="button" href={`/editor?rubric=${exercise.id}`}>{say("staff.rubric")}</a>}
-        {exercise.state === "published" && <button type="button" class="button" onClick={() => setOpen("retire")}>{say("staff.retire_ask")}</button>}
-        <button type="button" class="button" onClick={() => setOpen("share")}>{exercise.shared ? say("staff.unshare_ask") : say("staff.share_ask")}</button>
+        {exercise.state !== "draft" && (
+          <a class="button" href={`/editor?exercise=${exercise.id}`}>
+            {say("staff.edit_new")}
+          </a>
+        )}
+        {exercise.state === "published" && (
+          <a class="button" href={`/editor?rubric=${exercise.id}`}>
+            {say("staff.rubric")}
+          </a>
+        )}
+        {exercise.state === "published" && (
+          <button type="button" class="button" onClick={() => setOpen("retire")}>
+            {say("staff.retire_ask")}
+          </button>
+        )}
+        <button type="button" class="button" onClick={() => setOpen("share")}>
+          {exercise.shared ? say("staff.unshare_ask") : say("staff.share_ask")}
+        </button>
       </div>
-      <div aria-live="polite">{done !== undefined && <Notice tone="good"><p>{done}</p></Notice>}</div>
+      <div aria-live="polite">
+        {done !== undefined && (
+          <Notice tone="good">
+            <p>{done}</p>
+          </Notice>
+        )}
+      </div>
       {open === "publish" && (
-        <Confirm title={say("staff.publish_title")} action={say("staff.publish")} tone="neutral" onClose={close}
-                 onConfirm={() => confirm(teaching.publish(exercise.id, tag), said(say("staff.published")))}>
+        <Confirm
+          title={say("staff.publish_title")}
+          action={say("staff.publish")}
+          tone="neutral"
+          onClose={close}
+          onConfirm={() => confirm(teaching.publish(exercise.id, tag), said(say("staff.published")))}
+        >
           <p>{sayWith("staff.publish_text", { name: <code>{exercise.name}</code> })}</p>
         </Confirm>
       )}
       {open === "retire" && (
-        <Confirm title={say("staff.retire_title", { title: wordedTitle(exercise.title) })} action={say("staff.retire")} onClose={close}
-                 onConfirm={() => confirm(teaching.retire(exercise.id), said(say("staff.retired")))}>
+        <Confirm
+          title={say("staff.retire_title", { title: wordedTitle(exercise.title) })}
+          action={say("staff.retire")}
+          onClose={close}
+          onConfirm={() => confirm(teaching.retire(exercise.id), said(say("staff.retired")))}
+        >
           <p>{sayWith("staff.retire_text", { name: <code>{exercise.name}</code> })}</p>
         </Confirm>
       )}
       {open === "share" && (
-        <Confirm title={exercise.shared ? say("staff.unshare_title", { title: wordedTitle(exercise.title) }) : say("staff.share_title", { title: wordedTitle(exercise.title) })} action={exercise.shared ? say("staff.unshare") : say("staff.share")} tone="neutral" onClose={close}
-                 onConfirm={() => confirm(teaching.share(exercise.id, { shared: !exercise.shared }), said(exercise.shared ? say("staff.private") : say("staff.shared")))}>
-          {exercise.shared
-            ? <p>{say("staff.unshare_text")}</p>
-            : <p>{sayWith("staff.share_text", { name: <code>{exercise.name}</code> })}</p>}
+        <Confirm
+          title={
+            exercise.shared
+              ? say("staff.unshare_title", { title: wordedTitle(exercise.title) })
+              : say("staff.share_title", { title: wordedTitle(exercise.title) })
+          }
+          action={exercise.shared ? say("staff.unshare") : say("staff.share")}
+          tone="neutral"
+          onClose={close}
+          onConfirm={() =>
+            confirm(
+              teaching.share(exercise.id, { shared: !exercise.shared }),
+              said(exercise.shared ? say("staff.private") : say("staff.shared")),
+            )
+          }
+        >
+          {exercise.shared ? (
+            <p>{say("staff.unshare_text")}</p>
+          ) : (
+            <p>{sayWith("staff.share_text", { name: <code>{exercise.name}</code> })}</p>
+          )}
         </Confirm>
       )}
       {open === "delete" && (
-        <Confirm title={say("staff.delete_title")} action={say("staff.delete")} onClose={close}
-                 onConfirm={() => confirm(teaching.deleteDraft(exercise.id, tag), () => onOpen("/exercises"))}>
+        <Confirm
+          title={say("staff.delete_title")}
+          action={say("staff.delete")}
+          onClose={close}
+          onConfirm={() => confirm(teaching.deleteDraft(exercise.id, tag), () => onOpen("/exercises"))}
+        >
           <p>{say("staff.delete_text")}</p>
-          <p><a href={teaching.documentAddress(exercise.id)} download={`${exercise.name}_draft.json`}>{say("staff.save_document")}</a></p>
+          <p>
+            <a href={teaching.documentAddress(exercise.id)} download={`${exercise.name}_draft.json`}>
+              {say("staff.save_document")}
+            </a>
+          </p>
         </Confirm>
       )}
       {open === "replace" && (
         <Dialog title={say("staff.replace_title")} onClose={close}>
-          <DocumentForm onCancel={close} action={say("staff.replace")} send={(text) => teaching.replaceDraft(exercise.id, text, tag)}
-                        onDone={() => { close(); setDone(say("staff.replaced")); onChanged(); }} />
+          <DocumentForm
+            onCancel={close}
+            action={say("staff.replace")}
+            send={(text) => teaching.replaceDraft(exercise.id, text, tag)}
+            onDone={() => {
+              close();
+              setDone(say("staff.replaced"));
+              onChanged();
+            }}
+          />
         </Dialog>
       )}
     </div>

@@ -17,9 +17,16 @@ function rectangle(x: number, y: number, halfX: number, halfY: number, corner = 
   }
   const arc = (toX: number, toY: number) => `A ${r} ${r} 0 0 0 ${point(toX, toY)}`;
   return [
-    `M ${point(x - halfX + r, y - halfY)}`, `L ${point(x + halfX - r, y - halfY)}`, arc(x + halfX, y - halfY + r),
-    `L ${point(x + halfX, y + halfY - r)}`, arc(x + halfX - r, y + halfY), `L ${point(x - halfX + r, y + halfY)}`,
-    arc(x - halfX, y + halfY - r), `L ${point(x - halfX, y - halfY + r)}`, arc(x - halfX + r, y - halfY), "Z",
+    `M ${point(x - halfX + r, y - halfY)}`,
+    `L ${point(x + halfX - r, y - halfY)}`,
+    arc(x + halfX, y - halfY + r),
+    `L ${point(x + halfX, y + halfY - r)}`,
+    arc(x + halfX - r, y + halfY),
+    `L ${point(x - halfX + r, y + halfY)}`,
+    arc(x - halfX, y + halfY - r),
+    `L ${point(x - halfX, y - halfY + r)}`,
+    arc(x - halfX + r, y - halfY),
+    "Z",
   ].join(" ");
 }
 
@@ -28,7 +35,12 @@ function partPaths(part: TargetPart): OutlinePath[] {
   const [halfX = 0, halfY = 0] = part.half_size_um ?? [];
   if (part.outline === "disc") {
     const r = part.radius_um ?? 0;
-    return [{ what: "goes", d: `M ${point(x - r, y)} A ${r} ${r} 0 0 0 ${point(x + r, y)} A ${r} ${r} 0 0 0 ${point(x - r, y)} Z` }];
+    return [
+      {
+        what: "goes",
+        d: `M ${point(x - r, y)} A ${r} ${r} 0 0 0 ${point(x + r, y)} A ${r} ${r} 0 0 0 ${point(x - r, y)} Z`,
+      },
+    ];
   }
   if (part.outline === "polygon") {
     const corners = (part.corners_um ?? []).map(([cx = 0, cy = 0]) => point(x + cx, y + cy));
@@ -38,7 +50,8 @@ function partPaths(part: TargetPart): OutlinePath[] {
   const stump = part.stump;
   if (stump === undefined) return [goes];
   const stays = (section: StumpSection): OutlinePath => {
-    const [middleX = 0, middleY = 0] = section.middle_um, [sectionX = 0, sectionY = 0] = section.half_um;
+    const [middleX = 0, middleY = 0] = section.middle_um,
+      [sectionX = 0, sectionY = 0] = section.half_um;
     return { what: "stays", d: rectangle(x + middleX, y + middleY, sectionX, sectionY, stump.corner_um) };
   };
   return [goes, stays(stump.foot), stays(stump.table)];
@@ -46,7 +59,9 @@ function partPaths(part: TargetPart): OutlinePath[] {
 
 export function outlinePaths(target: Target): OutlinePath[] {
   const [halfX = 0, halfY = 0] = target.half_size_um;
-  return target.parts.length === 0 ? [{ what: "goes", d: rectangle(0, 0, halfX, halfY) }] : target.parts.flatMap(partPaths);
+  return target.parts.length === 0
+    ? [{ what: "goes", d: rectangle(0, 0, halfX, halfY) }]
+    : target.parts.flatMap(partPaths);
 }
 
 // With room for the leeway all around.

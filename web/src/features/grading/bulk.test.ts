@@ -5,19 +5,26 @@ import { forEach, inTurn } from "./bulk";
 
 test("what fails is told with its reason, and the rest is done all the same", async () => {
   const refusal = { code: "conflict", status: 409, message: "is scored now", field: "" } as const;
-  const outcome = await forEach(["a", "b", "c"], async (item) => item === "b" ? fail(refusal) : ok(undefined));
+  const outcome = await forEach(["a", "b", "c"], async (item) => (item === "b" ? fail(refusal) : ok(undefined)));
   assert.deepEqual(outcome, { done: ["a", "c"], failed: [{ item: "b", message: "is scored now" }] });
 });
 
 test("each is asked for once, and never more at a time than allowed", async () => {
   let [open, most] = [0, 0];
   const asked: number[] = [];
-  await inTurn(Array.from({ length: 20 }, (_, i) => i), 3, async (item) => {
-    asked.push(item);
-    most = Math.max(most, ++open);
-    await Promise.resolve();
-    --open;
-  });
-  assert.deepEqual(asked.sort((a, b) => a - b), Array.from({ length: 20 }, (_, i) => i));
+  await inTurn(
+    Array.from({ length: 20 }, (_, i) => i),
+    3,
+    async (item) => {
+      asked.push(item);
+      most = Math.max(most, ++open);
+      await Promise.resolve();
+      --open;
+    },
+  );
+  assert.deepEqual(
+    asked.sort((a, b) => a - b),
+    Array.from({ length: 20 }, (_, i) => i),
+  );
   assert.equal(most, 3);
 });

@@ -7,7 +7,11 @@ export interface Outcome<T> {
   readonly failed: readonly { readonly item: T; readonly message: string }[];
 }
 
-export async function forEach<T>(items: readonly T[], change: (item: T) => Promise<ApiResult<unknown>>, told: (count: number) => void = () => {}): Promise<Outcome<T>> {
+export async function forEach<T>(
+  items: readonly T[],
+  change: (item: T) => Promise<ApiResult<unknown>>,
+  told: (count: number) => void = () => {},
+): Promise<Outcome<T>> {
   const done: T[] = [];
   const failed: { item: T; message: string }[] = [];
   for (const item of items) {

@@ -27,9 +27,16 @@ export function BulkActions({ client, chosen, onDone }: Props) {
   const [running, setRunning] = useState<string>();
   const [told, setTold] = useState<Told>();
   const { teaching } = client;
-  const run = async (items: readonly Attempt[], doing: "taking_back" | "releasing" | "excusing" | "rescoring", text: (count: number) => string, change: (attempt: Attempt) => Promise<ApiResult<unknown>>) => {
+  const run = async (
+    items: readonly Attempt[],
+    doing: "taking_back" | "releasing" | "excusing" | "rescoring",
+    text: (count: number) => string,
+    change: (attempt: Attempt) => Promise<ApiResult<unknown>>,
+  ) => {
     setTold(undefined);
-    const outcome = await forEach(items, change, (count) => setRunning(say(`bulk.${doing}`, { count, of: items.length })));
+    const outcome = await forEach(items, change, (count) =>
+      setRunning(say(`bulk.${doing}`, { count, of: items.length })),
+    );
     setRunning(undefined);
     onDone();
     setTold({ text: text(outcome.done.length), outcome });
@@ -40,65 +47,144 @@ export function BulkActions({ client, chosen, onDone }: Props) {
     const now = await client.attempt(id);
     return now.ok ? change(now.value) : now;
   };
-  const offerUndo = (done: readonly Attempt[], text: (count: number) => string, change: (now: AttemptDetail) => Promise<ApiResult<unknown>>) => {
+  const offerUndo = (
+    done: readonly Attempt[],
+    text: (count: number) => string,
+    change: (now: AttemptDetail) => Promise<ApiResult<unknown>>,
+  ) => {
     if (done.length === 0) return;
-    const undo = async () => { await run(done, "taking_back", text, (attempt) => onNow(attempt, change)); };
-    setTold((now) => now === undefined ? now : { ...now, undo });
+    const undo = async () => {
+      await run(done, "taking_back", text, (attempt) => onNow(attempt, change));
+    };
+    setTold((now) => (now === undefined ? now : { ...now, undo }));
   };
   const releasable = chosen.filter((attempt) => attempt.state === "scored" && !attempt.released);
   const release = async () => {
-    const { done } = await run(releasable, "releasing", (count) => say("bulk.released", { count: count }), (attempt) => teaching.release(attempt));
-    offerUndo(done, (count) => say("bulk.release_undone", { count: count }), (now) => teaching.withdrawRelease(now));
+    const { done } = await run(
+      releasable,
+      "releasing",
+      (count) => say("bulk.released", { count: count }),
+      (attempt) => teaching.release(attempt),
+    );
+    offerUndo(
+      done,
+      (count) => say("bulk.release_undone", { count: count }),
+      (now) => teaching.withdrawRelease(now),
+    );
   };
   const excuse = async () => {
-    const { done } = await run(chosen, "excusing", (count) => say("bulk.excused", { count: count }), (attempt) => teaching.excuse(attempt, reason.trim()));
-    offerUndo(done, (count) => say("bulk.count_again", { count }), (now) => teaching.takeExcuseBack(now));
+    const { done } = await run(
+      chosen,
+      "excusing",
+      (count) => say("bulk.excused", { count: count }),
+      (attempt) => teaching.excuse(attempt, reason.trim()),
+    );
+    offerUndo(
+      done,
+      (count) => say("bulk.count_again", { count }),
+      (now) => teaching.takeExcuseBack(now),
+    );
   };
   const rescore = async () => {
     // What counted before, so that it can count again.
     const before = new Map<string, number>();
-    const { done } = await run(chosen, "rescoring", (count) => say("bulk.rescored", { count: count }), async ({ id }) => {
-      const runs = await teaching.results(id);
-      if (!runs.ok) return runs;
-      const newest = runs.value[0];
-      if (newest !== undefined) before.set(id, newest.run);
-      return teaching.rescore(id);
-    });
-    offerUndo(done.filter(({ id }) => before.has(id)), (count) => say("bulk.earlier_score", { count: count }),
-              (now) => teaching.restoreResult(now, before.get(now.id)!));
+    const { done } = await run(
+      chosen,
+      "rescoring",
+      (count) => say("bulk.rescored", { count: count }),
+      async ({ id }) => {
+        const runs = await teaching.results(id);
+        if (!runs.ok) return runs;
+        const newest = runs.value[0];
+        if (newest !== undefined) before.set(id, newest.run);
+        return teaching.rescore(id);
+      },
+    );
+    offerUndo(
+      done.filter(({ id }) => before.has(id)),
+      (count) => say("bulk.earlier_score", { count: count }),
+      (now) => teaching.restoreResult(now, before.get(now.id)!),
+    );
   };
   return (
     <div class="bulk" aria-live="polite">
       {chosen.length > 0 && (
         <div class="button-row" role="group" aria-label={say("bulk.with_chosen")}>
           <span>{say("bulk.chosen", { count: chosen.length })}</span>
-          <button type="button" class="button primary" disabled={running !== undefined || releasable.length === 0} onClick={() => void release()}>{say("bulk.release", { count: releasable.length })}</button>
-          <button type="button" class="button" disabled={running !== undefined} onClick={() => setAsking("rescore")}>{say("judge.rescore_ask")}</button>
-          <button type="button" class="button" disabled={running !== undefined} onClick={() => setAsking("excuse")}>{say("judge.excuse_ask")}</button>
+          <button
+            type="button"
+            class="button primary"
+            disabled={running !== undefined || releasable.length === 0}
+            onClick={() => void release()}
+          >
+            {say("bulk.release", { count: releasable.length })}
+          </button>
+          <button type="button" class="button" disabled={running !== undefined} onClick={() => setAsking("rescore")}>
+            {say("judge.rescore_ask")}
+          </button>
+          <button type="button" class="button" disabled={running !== undefined} onClick={() => setAsking("excuse")}>
+            {say("judge.excuse_ask")}
+          </button>
         </div>
       )}
       {running !== undefined && <p role="status">{running}</p>}
       {told !== undefined && (
         <Notice tone={told.outcome.failed.length > 0 ? "warning" : "good"} title={told.text}>
-          {told.outcome.failed.length > 0 && <ul>{told.outcome.failed.map(({ item, message }) => <li key={item.id}>{item.person.display_name}: {message}</li>)}</ul>}
-          {told.undo !== undefined && <button type="button" class="button small" disabled={running !== undefined} onClick={() => void told.undo?.()}>{say("edit.undo")}</button>}
+          {told.outcome.failed.length > 0 && (
+            <ul>
+              {told.outcome.failed.map(({ item, message }) => (
+                <li key={item.id}>
+                  {item.person.display_name}: {message}
+                </li>
+              ))}
+            </ul>
+          )}
+          {told.undo !== undefined && (
+            <button
+              type="button"
+              class="button small"
+              disabled={running !== undefined}
+              onClick={() => void told.undo?.()}
+            >
+              {say("edit.undo")}
+            </button>
+          )}
         </Notice>
       )}
       {asking === "rescore" && (
-        <Confirm title={say("bulk.rescore_title", { count: chosen.length })} action={say("judge.rescore")} tone="neutral" onClose={() => setAsking(undefined)}
-                 onConfirm={async () => { void rescore(); return undefined; }}>
+        <Confirm
+          title={say("bulk.rescore_title", { count: chosen.length })}
+          action={say("judge.rescore")}
+          tone="neutral"
+          onClose={() => setAsking(undefined)}
+          onConfirm={async () => {
+            void rescore();
+            return undefined;
+          }}
+        >
           <p>{say("bulk.rescore_text")}</p>
         </Confirm>
       )}
       {asking === "excuse" && (
-        <Confirm title={say("bulk.excuse_title", { count: chosen.length })} action={say("judge.excuse")} onClose={() => setAsking(undefined)}
-                 onConfirm={async () => {
-                   if (reason.trim() === "") return say("judge.say_why");
-                   void excuse();
-                   return undefined;
-                 }}>
+        <Confirm
+          title={say("bulk.excuse_title", { count: chosen.length })}
+          action={say("judge.excuse")}
+          onClose={() => setAsking(undefined)}
+          onConfirm={async () => {
+            if (reason.trim() === "") return say("judge.say_why");
+            void excuse();
+            return undefined;
+          }}
+        >
           <p>{say("bulk.excuse_text")}</p>
-          <LongTextField label={say("bulk.excuse_why")} value={reason} onValue={setReason} required maxLength={1000} rows={3} />
+          <LongTextField
+            label={say("bulk.excuse_why")}
+            value={reason}
+            onValue={setReason}
+            required
+            maxLength={1000}
+            rows={3}
+          />
         </Confirm>
       )}
     </div>

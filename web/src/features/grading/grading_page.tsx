@@ -19,7 +19,7 @@ import { inTurn } from "./bulk";
 import { criteriaOf, type CriterionColumn, type GradingRow, lostOn, named, type Order, sorted } from "./rows";
 
 const kPageSize = 200;
-const kAtOnce = 3;                              // of the scores that are read
+const kAtOnce = 3; // of the scores that are read
 
 interface Props {
   readonly client: Client;
@@ -33,7 +33,12 @@ export function GradingPage({ client, query, onOpen }: Props) {
     return (
       <>
         <PageTitle document={say("grading.title")}>{say("grading.title")}</PageTitle>
-        <p>{sayWith("grading.what", { assignments: <a href="/assignments">{say("grading.assignments")}</a>, cohorts: <a href="/cohorts">{say("grading.cohorts")}</a> })}</p>
+        <p>
+          {sayWith("grading.what", {
+            assignments: <a href="/assignments">{say("grading.assignments")}</a>,
+            cohorts: <a href="/cohorts">{say("grading.cohorts")}</a>,
+          })}
+        </p>
       </>
     );
   }
@@ -44,23 +49,34 @@ function GradingTable({ client, query, onOpen }: Props) {
   const [assignment, cohort] = [query.get("assignment") ?? "", query.get("cohort") ?? ""];
   const key = `${assignment} ${cohort}`;
   const back = `/grading?${new URLSearchParams(assignment !== "" ? { assignment } : { cohort }).toString()}`;
-  const { loaded, reload } = useRequest(key, (signal) => readAll((cursor) => client.attempts({ assignment, cohort, cursor, limit: kPageSize }, signal)));
+  const { loaded, reload } = useRequest(key, (signal) =>
+    readAll((cursor) => client.attempts({ assignment, cohort, cursor, limit: kPageSize }, signal)),
+  );
   const title = useRequest(key, async (signal): Promise<ApiResult<string>> => {
     if (assignment === "") {
       const found = await client.people.cohort(cohort, signal);
       return found.ok ? ok(found.value.value.name) : found;
     }
     const found = await client.teaching.assignment(assignment, signal);
-    return found.ok ? ok(wordedTitle(found.value.value.exercise.title ?? "") || found.value.value.exercise.name) : found;
+    return found.ok
+      ? ok(wordedTitle(found.value.value.exercise.title ?? "") || found.value.value.exercise.name)
+      : found;
   });
   const exercises = useRequest("exercises", (signal) => client.teaching.exercises(undefined, signal));
-  const practice = new Set(exercises.loaded.state === "ready" ? exercises.loaded.value.filter((exercise) => !exercise.graded).map(({ id }) => id) : []);
+  const practice = new Set(
+    exercises.loaded.state === "ready"
+      ? exercises.loaded.value.filter((exercise) => !exercise.graded).map(({ id }) => id)
+      : [],
+  );
   const attempts = loaded.state === "ready" ? loaded.value : kNone;
   const scores = useScores(client, attempts);
   const [text, setText] = useState("");
   const [order, setOrder] = useState<Order>({ by: "name", down: false });
   const [chosen, setChosen] = useState<ReadonlySet<string>>(new Set());
-  const rows = useMemo(() => attempts.map((attempt): GradingRow => ({ attempt, score: scores.get(scoreKey(attempt)) })), [attempts, scores]);
+  const rows = useMemo(
+    () => attempts.map((attempt): GradingRow => ({ attempt, score: scores.get(scoreKey(attempt)) })),
+    [attempts, scores],
+  );
   const criteria = useMemo(() => criteriaOf(rows), [rows]);
   const shown = useMemo(() => sorted(named(rows, text), order), [rows, text, order]);
   const graded = (attempt: Attempt) => attempt.exam || !practice.has(attempt.exercise.id);
@@ -69,7 +85,13 @@ function GradingTable({ client, query, onOpen }: Props) {
     keepQueue({ back, ids: shown.map(({ attempt }) => attempt.id) });
     onOpen(`/attempts/${id}`);
   };
-  const toggle = (id: string, on = !chosen.has(id)) => setChosen((now) => { const next = new Set(now); if (on) next.add(id); else next.delete(id); return next; });
+  const toggle = (id: string, on = !chosen.has(id)) =>
+    setChosen((now) => {
+      const next = new Set(now);
+      if (on) next.add(id);
+      else next.delete(id);
+      return next;
+    });
   const search = useRef<HTMLDivElement>(null);
   const body = useRef<HTMLTableSectionElement>(null);
   const focused = () => body.current?.querySelector<HTMLElement>("tr:focus-within")?.dataset["id"];
@@ -80,68 +102,149 @@ function GradingTable({ client, query, onOpen }: Props) {
     body.current?.querySelector<HTMLElement>(`tr[data-id="${id}"] a`)?.focus();
   };
   const undo = useReleaseUndo(async (released) => {
-    const now = await client.attempt(released);     // with what others changed meanwhile
+    const now = await client.attempt(released); // with what others changed meanwhile
     const result = now.ok ? await client.teaching.withdrawRelease(now.value) : now;
     reload();
     return result;
   });
   const keys = useKeys([
     ...undo.keys,
-    { key: "j", what: say("grading.next_row"), act: () => move(1) }, { key: "k", what: say("grading.row_before"), act: () => move(-1) },
-    { key: "x", what: say("grading.choose_row"), act: () => { const id = focused(); if (id !== undefined) toggle(id); } },
+    { key: "j", what: say("grading.next_row"), act: () => move(1) },
+    { key: "k", what: say("grading.row_before"), act: () => move(-1) },
+    {
+      key: "x",
+      what: say("grading.choose_row"),
+      act: () => {
+        const id = focused();
+        if (id !== undefined) toggle(id);
+      },
+    },
     { key: "o", what: say("grading.open_row"), act: () => open(focused() ?? shown[0]?.attempt.id) },
     { key: "/", what: say("grading.search_name"), act: () => search.current?.querySelector("input")?.focus() },
   ]);
   if (title.loaded.state === "failed") {
-    return <ErrorNotice title={assignment !== "" ? say("grading.assignment_failed") : say("grading.cohort_failed")} message={title.loaded.error.message} onRetry={title.reload} />;
+    return (
+      <ErrorNotice
+        title={assignment !== "" ? say("grading.assignment_failed") : say("grading.cohort_failed")}
+        message={title.loaded.error.message}
+        onRetry={title.reload}
+      />
+    );
   }
-  const name = title.loaded.state === "ready" ? title.loaded.value : assignment !== "" ? say("grading.the_assignment") : say("grading.the_cohort");
+  const name =
+    title.loaded.state === "ready"
+      ? title.loaded.value
+      : assignment !== ""
+        ? say("grading.the_assignment")
+        : say("grading.the_cohort");
   const picked = rows.filter(({ attempt }) => chosen.has(attempt.id)).map(({ attempt }) => attempt);
   const firstWaiting = shown.find(({ attempt }) => awaitsRelease(attempt, graded(attempt)));
   const waiting = rows.filter(({ attempt }) => awaitsRelease(attempt, graded(attempt))).length;
   return (
     <>
-      <nav class="trail" aria-label={say("common.where")}><a href={assignment !== "" ? `/assignments/${assignment}` : `/cohorts/${cohort}`}>{name}</a></nav>
-      <div class="toolbar"><PageTitle document={say("grading.of", { name })}>{say("grading.of", { name })}</PageTitle><KeysHelp keys={keys} /></div>
+      <nav class="trail" aria-label={say("common.where")}>
+        <a href={assignment !== "" ? `/assignments/${assignment}` : `/cohorts/${cohort}`}>{name}</a>
+      </nav>
+      <div class="toolbar">
+        <PageTitle document={say("grading.of", { name })}>{say("grading.of", { name })}</PageTitle>
+        <KeysHelp keys={keys} />
+      </div>
       <div class="filters" role="search" ref={search}>
         <TextField label={say("common.student")} value={text} onValue={setText} maxLength={100} />
         <span class="hint">{say("grading.count", { count: shown.length, waiting })}</span>
-        <button type="button" class="button primary" disabled={shown.length === 0} onClick={() => open((firstWaiting ?? shown[0])?.attempt.id)}>{say("grading.begin")}</button>
+        <button
+          type="button"
+          class="button primary"
+          disabled={shown.length === 0}
+          onClick={() => open((firstWaiting ?? shown[0])?.attempt.id)}
+        >
+          {say("grading.begin")}
+        </button>
       </div>
       {undo.notice}
-      <BulkActions client={client} chosen={picked} onDone={() => { setChosen(new Set()); reload(); }} />
+      <BulkActions
+        client={client}
+        chosen={picked}
+        onDone={() => {
+          setChosen(new Set());
+          reload();
+        }}
+      />
       {loaded.state === "loading" && <Loading what={say("loading.attempts")} />}
-      {loaded.state === "failed" && <ErrorNotice title={say("list_failed.attempts")} message={loaded.error.message} onRetry={reload} />}
-      {loaded.state === "ready" && (shown.length === 0 ? <Empty>{rows.length === 0 ? say("grading.none") : say("common.nobody_named")}</Empty> : (
-        <Card className="flush">
-          <TableFrame label={say("grading.table")}>
-            <table class="grading">
-              <Head criteria={criteria} order={order} onOrder={setOrder} all={shown.every(({ attempt }) => chosen.has(attempt.id))}
-                    onAll={(on) => setChosen(on ? new Set(shown.map(({ attempt }) => attempt.id)) : new Set())} />
-              <tbody ref={body}>
-                {shown.map((row) => (
-                  <tr key={row.attempt.id} data-id={row.attempt.id}>
-                    <td><input type="checkbox" aria-label={say("grading.choose", { name: row.attempt.person.display_name, begun: formatDateTime(row.attempt.ticketed_ms) })} checked={chosen.has(row.attempt.id)}
-                               onChange={(event) => toggle(row.attempt.id, event.currentTarget.checked)} /></td>
-                    <th scope="row" class="nowrap">
-                      <a href={`/attempts/${row.attempt.id}`} onClick={(event) => {
-                        if (event.button !== 0 || event.metaKey || event.ctrlKey || event.shiftKey || event.altKey) return;
-                        event.preventDefault();
-                        open(row.attempt.id);
-                      }}>{row.attempt.person.display_name}</a>
-                    </th>
-                    <td class="nowrap">{formatDateTime(row.attempt.ticketed_ms)}</td>
-                    <td class="number score-cell">{formatScore(row.attempt.score)}</td>
-                    <td class="nowrap">{row.attempt.released ? say("grading.released") : awaitsRelease(row.attempt, graded(row.attempt)) ? say("grading.waits") : <span class="hint">–</span>}</td>
-                    {criteria.map((criterion) => <Lost key={criterion.name} row={row} criterion={criterion} />)}
-                    <td>{row.attempt.state !== "scored" && <StateBadge attempt={row.attempt} />} <Flags attempt={row.attempt} graded={graded(row.attempt)} staff={true} done={row.score === undefined ? undefined : stoppedEarly(row.score)} /></td>
-                  </tr>
-                ))}
-              </tbody>
-            </table>
-          </TableFrame>
-        </Card>
-      ))}
+      {loaded.state === "failed" && (
+        <ErrorNotice title={say("list_failed.attempts")} message={loaded.error.message} onRetry={reload} />
+      )}
+      {loaded.state === "ready" &&
+        (shown.length === 0 ? (
+          <Empty>{rows.length === 0 ? say("grading.none") : say("common.nobody_named")}</Empty>
+        ) : (
+          <Card className="flush">
+            <TableFrame label={say("grading.table")}>
+              <table class="grading">
+                <Head
+                  criteria={criteria}
+                  order={order}
+                  onOrder={setOrder}
+                  all={shown.every(({ attempt }) => chosen.has(attempt.id))}
+                  onAll={(on) => setChosen(on ? new Set(shown.map(({ attempt }) => attempt.id)) : new Set())}
+                />
+                <tbody ref={body}>
+                  {shown.map((row) => (
+                    <tr key={row.attempt.id} data-id={row.attempt.id}>
+                      <td>
+                        <input
+                          type="checkbox"
+                          aria-label={say("grading.choose", {
+                            name: row.attempt.person.display_name,
+                            begun: formatDateTime(row.attempt.ticketed_ms),
+                          })}
+                          checked={chosen.has(row.attempt.id)}
+                          onChange={(event) => toggle(row.attempt.id, event.currentTarget.checked)}
+                        />
+                      </td>
+                      <th scope="row" class="nowrap">
+                        <a
+                          href={`/attempts/${row.attempt.id}`}
+                          onClick={(event) => {
+                            if (event.button !== 0 || event.metaKey || event.ctrlKey || event.shiftKey || event.altKey)
+                              return;
+                            event.preventDefault();
+                            open(row.attempt.id);
+                          }}
+                        >
+                          {row.attempt.person.display_name}
+                        </a>
+                      </th>
+                      <td class="nowrap">{formatDateTime(row.attempt.ticketed_ms)}</td>
+                      <td class="number score-cell">{formatScore(row.attempt.score)}</td>
+                      <td class="nowrap">
+                        {row.attempt.released ? (
+                          say("grading.released")
+                        ) : awaitsRelease(row.attempt, graded(row.attempt)) ? (
+                          say("grading.waits")
+                        ) : (
+                          <span class="hint">–</span>
+                        )}
+                      </td>
+                      {criteria.map((criterion) => (
+                        <Lost key={criterion.name} row={row} criterion={criterion} />
+                      ))}
+                      <td>
+                        {row.attempt.state !== "scored" && <StateBadge attempt={row.attempt} />}{" "}
+                        <Flags
+                          attempt={row.attempt}
+                          graded={graded(row.attempt)}
+                          staff={true}
+                          done={row.score === undefined ? undefined : stoppedEarly(row.score)}
+                        />
+                      </td>
+                    </tr>
+                  ))}
+                </tbody>
+              </table>
+            </TableFrame>
+          </Card>
+        ))}
       <p class="hint">{say("grading.columns_hint")}</p>
     </>
   );
@@ -149,22 +252,50 @@ function GradingTable({ client, query, onOpen }: Props) {
 
 const kNone: readonly Attempt[] = [];
 
-function Head({ criteria, order, onOrder, all, onAll }:
-    { readonly criteria: readonly CriterionColumn[]; readonly order: Order; readonly onOrder: (order: Order) => void; readonly all: boolean; readonly onAll: (on: boolean) => void }) {
+function Head({
+  criteria,
+  order,
+  onOrder,
+  all,
+  onAll,
+}: {
+  readonly criteria: readonly CriterionColumn[];
+  readonly order: Order;
+  readonly onOrder: (order: Order) => void;
+  readonly all: boolean;
+  readonly onAll: (on: boolean) => void;
+}) {
   // What one looks for comes first: names from A, the newest, the lowest score, most points lost.
   const column = (by: string, title: string, downFirst: boolean, number = false) => {
     const current = order.by === by;
     return (
-      <th key={by} scope="col" class={number ? "number" : ""} {...(current ? { "aria-sort": order.down ? "descending" as const : "ascending" as const } : {})}>
-        <button type="button" class="sort" onClick={() => onOrder({ by, down: current ? !order.down : downFirst })}>{title}<span aria-hidden="true">{current ? (order.down ? " ▾" : " ▴") : ""}</span></button>
+      <th
+        key={by}
+        scope="col"
+        class={number ? "number" : ""}
+        {...(current ? { "aria-sort": order.down ? ("descending" as const) : ("ascending" as const) } : {})}
+      >
+        <button type="button" class="sort" onClick={() => onOrder({ by, down: current ? !order.down : downFirst })}>
+          {title}
+          <span aria-hidden="true">{current ? (order.down ? " ▾" : " ▴") : ""}</span>
+        </button>
       </th>
     );
   };
   return (
     <thead>
       <tr>
-        <th scope="col"><input type="checkbox" aria-label={say("grading.choose_all")} checked={all} onChange={(event) => onAll(event.currentTarget.checked)} /></th>
-        {column("name", say("common.student"), false)}{column("when", say("common.when"), true)}{column("score", say("common.score"), false, true)}
+        <th scope="col">
+          <input
+            type="checkbox"
+            aria-label={say("grading.choose_all")}
+            checked={all}
+            onChange={(event) => onAll(event.currentTarget.checked)}
+          />
+        </th>
+        {column("name", say("common.student"), false)}
+        {column("when", say("common.when"), true)}
+        {column("score", say("common.score"), false, true)}
         <th scope="col">{say("grading.release")}</th>
         {criteria.map(({ name, title }) => column(name, title, true, true))}
         <th scope="col">{say("common.state")}</th>
@@ -178,7 +309,11 @@ function Lost({ row, criterion }: { readonly row: GradingRow; readonly criterion
   const max = row.score?.criteria.find(({ name }) => name === criterion.name)?.max_points ?? 0;
   if (lost === undefined) return <td class="number hint">–</td>;
   const share = max > 0 ? lost / max : 0;
-  return <td class={share >= 0.5 ? "number lost-much" : share >= 0.05 ? "number lost-some" : "number hint"}>{lost < 0.05 ? "0" : `−${formatPoints(lost)}`}</td>;
+  return (
+    <td class={share >= 0.5 ? "number lost-much" : share >= 0.05 ? "number lost-some" : "number hint"}>
+      {lost < 0.05 ? "0" : `−${formatPoints(lost)}`}
+    </td>
+  );
 }
 
 // Of an attempt as it is now: a set score, a new run and a new reference change it.
@@ -193,7 +328,9 @@ function useScores(client: Client, attempts: readonly Attempt[]): ReadonlyMap<st
   known.current = scores;
   useEffect(() => {
     const abort = new AbortController();
-    const wanted = attempts.filter((attempt) => attempt.computed_score !== null && !known.current.has(scoreKey(attempt)));
+    const wanted = attempts.filter(
+      (attempt) => attempt.computed_score !== null && !known.current.has(scoreKey(attempt)),
+    );
     const fresh = new Map<string, Score>();
     void inTurn(wanted, kAtOnce, async (attempt) => {
       if (abort.signal.aborted) return;
@@ -201,7 +338,9 @@ function useScores(client: Client, attempts: readonly Attempt[]): ReadonlyMap<st
       if (score.ok) fresh.set(scoreKey(attempt), score.value);
       // Not at every single one: each draws the whole table.
       if (fresh.size % 12 === 0 && !abort.signal.aborted) setScores((now) => new Map([...now, ...fresh]));
-    }).then(() => { if (!abort.signal.aborted) setScores((now) => new Map([...now, ...fresh])); });
+    }).then(() => {
+      if (!abort.signal.aborted) setScores((now) => new Map([...now, ...fresh]));
+    });
     return () => abort.abort();
   }, [client, attempts]);
   return scores;

@@ -5,7 +5,23 @@ import { criteriaOf, type GradingRow, lostOn, named, sorted } from "./rows";
 
 const row = (name: string, score: number | null, wall?: number, judged = true): GradingRow => ({
   attempt: { id: name, person: { id: name, display_name: name }, score, ticketed_ms: 0 } as unknown as Attempt,
-  score: wall === undefined ? undefined : { criteria: [{ name: "wall_mesial_mm", title: "Mesial wall", value: 0, unit: "mm", points: 10 - wall, max_points: 10, reason: "", judged }] } as unknown as Score,
+  score:
+    wall === undefined
+      ? undefined
+      : ({
+          criteria: [
+            {
+              name: "wall_mesial_mm",
+              title: "Mesial wall",
+              value: 0,
+              unit: "mm",
+              points: 10 - wall,
+              max_points: 10,
+              reason: "",
+              judged,
+            },
+          ],
+        } as unknown as Score),
 });
 const names = (rows: readonly GradingRow[]) => rows.map(({ attempt }) => attempt.id);
 
@@ -26,6 +42,12 @@ test("names are sorted as people count and found without accents and case", () =
 });
 
 test("each criterion is one column, also when attempts were judged by different rubrics", () => {
-  const other = { ...row("B", 1, 1), score: { criteria: [{ name: "floor_mm", title: "Floor", points: 1, max_points: 1 }] } as unknown as Score };
-  assert.deepEqual(criteriaOf([row("A", 1, 1), other, row("C", 1)]).map(({ name }) => name), ["wall_mesial_mm", "floor_mm"]);
+  const other = {
+    ...row("B", 1, 1),
+    score: { criteria: [{ name: "floor_mm", title: "Floor", points: 1, max_points: 1 }] } as unknown as Score,
+  };
+  assert.deepEqual(
+    criteriaOf([row("A", 1, 1), other, row("C", 1)]).map(({ name }) => name),
+    ["wall_mesial_mm", "floor_mm"],
+  );
 });

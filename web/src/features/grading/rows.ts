@@ -5,7 +5,7 @@ import { spokenLocale } from "../../base/language";
 
 export interface GradingRow {
   readonly attempt: Attempt;
-  readonly score: Score | undefined;            // undefined: not scored, or not read yet
+  readonly score: Score | undefined; // undefined: not scored, or not read yet
 }
 
 export interface CriterionColumn {
@@ -16,7 +16,7 @@ export interface CriterionColumn {
 // By what the table is sorted: a column's name, or a criterion's.
 export interface Order {
   readonly by: "name" | "when" | "score" | string;
-  readonly down: boolean;                       // the largest first
+  readonly down: boolean; // the largest first
 }
 
 // Every criterion that some attempt was judged by, in the rubric's order.
@@ -39,7 +39,7 @@ export function sorted(rows: readonly GradingRow[], { by, down }: Order): Gradin
   const value = (row: GradingRow): number | string | undefined => {
     if (by === "name") return row.attempt.person.display_name;
     if (by === "when") return row.attempt.ticketed_ms;
-    return by === "score" ? row.attempt.score ?? undefined : lostOn(row, by);
+    return by === "score" ? (row.attempt.score ?? undefined) : lostOn(row, by);
   };
   return [...rows].sort((one, other) => {
     const [a, b] = [value(one), value(other)];
@@ -51,12 +51,17 @@ export function sorted(rows: readonly GradingRow[], { by, down }: Order): Gradin
 
 // Those whose name has every word that was typed, whatever the case and accents.
 export function named(rows: readonly GradingRow[], text: string): GradingRow[] {
-  const words = plain(text).split(/\s+/).filter((word) => word !== "");
+  const words = plain(text)
+    .split(/\s+/)
+    .filter((word) => word !== "");
   return rows.filter(({ attempt }) => words.every((word) => plain(attempt.person.display_name).includes(word)));
 }
 
 function byName(a: GradingRow, b: GradingRow): number {
-  return compareNames(a.attempt.person.display_name, b.attempt.person.display_name) || a.attempt.ticketed_ms - b.attempt.ticketed_ms;
+  return (
+    compareNames(a.attempt.person.display_name, b.attempt.person.display_name) ||
+    a.attempt.ticketed_ms - b.attempt.ticketed_ms
+  );
 }
 
 function compareNames(a: string, b: string): number {

@@ -12,17 +12,31 @@ import { TextField } from "../../widgets/form";
 const kPollMs = 2000;
 
 // A line of text to who works at the station, and how far each has come.
-export function ChairRemarks({ client, attempt, rateHz }: { readonly client: Client; readonly attempt: string; readonly rateHz: number }) {
+export function ChairRemarks({
+  client,
+  attempt,
+  rateHz,
+}: {
+  readonly client: Client;
+  readonly attempt: string;
+  readonly rateHz: number;
+}) {
   const { loaded, reload } = useRequest(attempt, (signal) => client.liveRemarks(attempt, signal));
   useRefresh(true, kPollMs, reload);
   return (
     <Card title={say("chair.title")}>
-      {loaded.state === "failed" && <ErrorNotice title={say("chair.failed")} message={loaded.error.message} onRetry={reload} />}
+      {loaded.state === "failed" && (
+        <ErrorNotice title={say("chair.failed")} message={loaded.error.message} onRetry={reload} />
+      )}
       {loaded.state === "ready" && (
         <>
           <Speak client={client} attempt={attempt} state={loaded.value} onSent={reload} />
           <ul class="annotations" aria-label={say("chair.said")}>
-            {[...loaded.value.remarks].reverse().map((remark) => <li key={remark.id}><Said remark={remark} rateHz={rateHz} /></li>)}
+            {[...loaded.value.remarks].reverse().map((remark) => (
+              <li key={remark.id}>
+                <Said remark={remark} rateHz={rateHz} />
+              </li>
+            ))}
           </ul>
         </>
       )}
@@ -30,11 +44,26 @@ export function ChairRemarks({ client, attempt, rateHz }: { readonly client: Cli
   );
 }
 
-function Speak({ client, attempt, state, onSent }: { readonly client: Client; readonly attempt: string; readonly state: LiveRemarks; readonly onSent: () => void }) {
+function Speak({
+  client,
+  attempt,
+  state,
+  onSent,
+}: {
+  readonly client: Client;
+  readonly attempt: string;
+  readonly state: LiveRemarks;
+  readonly onSent: () => void;
+}) {
   const [text, setText] = useState("");
   const change = useChange();
   const why = whyNot(state);
-  if (why !== undefined && text === "") return <Notice tone="neutral"><p>{why}</p></Notice>;
+  if (why !== undefined && text === "")
+    return (
+      <Notice tone="neutral">
+        <p>{why}</p>
+      </Notice>
+    );
   const send = async () => {
     const sent = await change.run(() => client.sendLiveRemark(attempt, text));
     if (sent?.ok !== true) return;
@@ -42,10 +71,27 @@ function Speak({ client, attempt, state, onSent }: { readonly client: Client; re
     onSent();
   };
   return (
-    <form class="form" onSubmit={(event) => { event.preventDefault(); void send(); }}>
-      <TextField label={say("chair.remark")} hint={say("chair.hint")} value={text} onValue={setText} required maxLength={state.max_characters}
-                 problem={change.error?.message ?? why} />
-      <div class="button-row"><button type="submit" class="button primary" disabled={change.busy || text.trim() === "" || why !== undefined}>{say("chair.send")}</button></div>
+    <form
+      class="form"
+      onSubmit={(event) => {
+        event.preventDefault();
+        void send();
+      }}
+    >
+      <TextField
+        label={say("chair.remark")}
+        hint={say("chair.hint")}
+        value={text}
+        onValue={setText}
+        required
+        maxLength={state.max_characters}
+        problem={change.error?.message ?? why}
+      />
+      <div class="button-row">
+        <button type="submit" class="button primary" disabled={change.busy || text.trim() === "" || why !== undefined}>
+          {say("chair.send")}
+        </button>
+      </div>
     </form>
   );
 }
@@ -60,15 +106,21 @@ function Said({ remark, rateHz }: { readonly remark: LiveRemark; readonly rateHz
   return (
     <>
       <p>{remark.text}</p>
-      <p class="byline"><State remark={remark} /> {say("chair.from", { from: remark.from, moment: formatDuration(remark.tick / rateHz) })}</p>
+      <p class="byline">
+        <State remark={remark} />{" "}
+        {say("chair.from", { from: remark.from, moment: formatDuration(remark.tick / rateHz) })}
+      </p>
     </>
   );
 }
 
 function State({ remark }: { readonly remark: LiveRemark }) {
   switch (remark.state) {
-    case "waiting": return <Badge tone="neutral">{say("chair.waiting")}</Badge>;
-    case "sent": return <Badge tone="neutral">{say("chair.sent")}</Badge>;
-    case "shown": return <Badge tone="good">{say("chair.shown")}</Badge>;
+    case "waiting":
+      return <Badge tone="neutral">{say("chair.waiting")}</Badge>;
+    case "sent":
+      return <Badge tone="neutral">{say("chair.sent")}</Badge>;
+    case "shown":
+      return <Badge tone="good">{say("chair.shown")}</Badge>;
   }
 }

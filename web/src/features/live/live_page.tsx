@@ -19,21 +19,40 @@ const kMostShown = 100;
 
 // What is being made at the stations now, of the cohorts the caller may see.
 export function LivePage({ client }: { readonly client: Client }) {
-  const { loaded, reload } = useRequest("live", (signal) => client.attempts({ state: "recording", limit: kMostShown }, signal));
+  const { loaded, reload } = useRequest("live", (signal) =>
+    client.attempts({ state: "recording", limit: kMostShown }, signal),
+  );
   useRefresh(true, kPollMs, reload);
   const attempts = loaded.state === "ready" ? loaded.value.items : [];
   const exercises = useExercises(client, attempts);
-  const tracks = useTracks(attempts.map((attempt) => ({ id: attempt.id, rateHz: exercises.get(attempt.exercise.id)?.rate_hz ?? kDefaultRateHz })), reload);
+  const tracks = useTracks(
+    attempts.map((attempt) => ({
+      id: attempt.id,
+      rateHz: exercises.get(attempt.exercise.id)?.rate_hz ?? kDefaultRateHz,
+    })),
+    reload,
+  );
   return (
     <>
       <PageTitle document={say("nav.live")}>{say("nav.live")}</PageTitle>
       {loaded.state === "loading" && <Loading what={say("loading.live")} />}
-      {loaded.state === "failed" && <ErrorNotice title={say("live.failed")} message={loaded.error.message} onRetry={reload} />}
-      {loaded.state === "ready" && (attempts.length === 0
-        ? <Empty>{say("live.none")}</Empty>
-        : (
+      {loaded.state === "failed" && (
+        <ErrorNotice title={say("live.failed")} message={loaded.error.message} onRetry={reload} />
+      )}
+      {loaded.state === "ready" &&
+        (attempts.length === 0 ? (
+          <Empty>{say("live.none")}</Empty>
+        ) : (
           <ul class="card-list live-list">
-            {attempts.map((attempt) => <li key={attempt.id}><LiveCard attempt={attempt} exercise={exercises.get(attempt.exercise.id)} track={tracks.get(attempt.id) ?? emptyTrack} /></li>)}
+            {attempts.map((attempt) => (
+              <li key={attempt.id}>
+                <LiveCard
+                  attempt={attempt}
+                  exercise={exercises.get(attempt.exercise.id)}
+                  track={tracks.get(attempt.id) ?? emptyTrack}
+                />
+              </li>
+            ))}
           </ul>
         ))}
       {attempts.length > 3 && <p class="hint">{say("live.three")}</p>}
@@ -46,30 +65,55 @@ function useExercises(client: Client, attempts: readonly Attempt[]): ReadonlyMap
   const ids = [...new Set(attempts.map((attempt) => attempt.exercise.id))].sort();
   const { loaded } = useRequest(ids.length === 0 ? undefined : ids.join(" "), async (signal) => {
     const read = await Promise.all(ids.map((id) => client.teaching.exercise(id, signal)));
-    return ok(new Map(read.flatMap((result) => result.ok ? [[result.value.value.id, result.value.value] as const] : [])));
+    return ok(
+      new Map(read.flatMap((result) => (result.ok ? [[result.value.value.id, result.value.value] as const] : []))),
+    );
   });
   return loaded.state === "ready" ? loaded.value : kNone;
 }
 
 const kNone: ReadonlyMap<string, Exercise> = new Map();
 
-function LiveCard({ attempt, exercise, track }: { readonly attempt: Attempt; readonly exercise: Exercise | undefined; readonly track: Track }) {
+function LiveCard({
+  attempt,
+  exercise,
+  track,
+}: {
+  readonly attempt: Attempt;
+  readonly exercise: Exercise | undefined;
+  readonly track: Track;
+}) {
   const rateHz = exercise?.rate_hz ?? kDefaultRateHz;
-  const time = liveTime(Math.max(attempt.ticks + attempt.gap_ticks, track.rows.at(-1)?.tick ?? 0), rateHz, exercise?.time_limit_s ?? 0);
+  const time = liveTime(
+    Math.max(attempt.ticks + attempt.gap_ticks, track.rows.at(-1)?.tick ?? 0),
+    rateHz,
+    exercise?.time_limit_s ?? 0,
+  );
   return (
     <article class="card live-card">
       <div class="card-head">
-        <h2><a href={`/live/${attempt.id}`}>{attempt.station.name}</a></h2>
+        <h2>
+          <a href={`/live/${attempt.id}`}>{attempt.station.name}</a>
+        </h2>
         <LiveState track={track} />
       </div>
-      <p>{attempt.person.display_name}<span class="hint"> · {wordedTitle(attempt.exercise.title)}</span></p>
+      <p>
+        {attempt.person.display_name}
+        <span class="hint"> · {wordedTitle(attempt.exercise.title)}</span>
+      </p>
       {exercise !== undefined && (
         <div class="live-time">
-          <span>{time.text} {time.over && <Badge tone="warning">{say("attempt_flag.over_time")}</Badge>}</span>
-          {time.share !== undefined && <Bar share={time.share} tone={time.over ? "bad" : time.share > 0.9 ? "warning" : "good"} />}
+          <span>
+            {time.text} {time.over && <Badge tone="warning">{say("attempt_flag.over_time")}</Badge>}
+          </span>
+          {time.share !== undefined && (
+            <Bar share={time.share} tone={time.over ? "bad" : time.share > 0.9 ? "warning" : "good"} />
+          )}
         </div>
       )}
-      {track.rows.length === 0 ? <p class="live-waiting hint">{track.state === "disturbed" ? track.problem : say("live.first_movement")}</p> : (
+      {track.rows.length === 0 ? (
+        <p class="live-waiting hint">{track.state === "disturbed" ? track.problem : say("live.first_movement")}</p>
+      ) : (
         <>
           <div class="live-pictures">
             <AnchorView rows={track.rows} rateHz={rateHz} plane={kFromAbove} />
@@ -85,15 +129,32 @@ function LiveCard({ attempt, exercise, track }: { readonly attempt: Attempt; rea
 export function ForceNow({ track }: { readonly track: Track }) {
   const last = track.rows.at(-1);
   return (
-    <p class="live-force">{sayWith("live.force_now", { force: <b>{last === undefined ? "–" : formatQuantity(forceSize(last), "N")}</b> })} {recentFaults(track).map((text) => <Badge key={text} tone="warning">{text}</Badge>)}</p>
+    <p class="live-force">
+      {sayWith("live.force_now", { force: <b>{last === undefined ? "–" : formatQuantity(forceSize(last), "N")}</b> })}{" "}
+      {recentFaults(track).map((text) => (
+        <Badge key={text} tone="warning">
+          {text}
+        </Badge>
+      ))}
+    </p>
   );
 }
 
 export function LiveState({ track }: { readonly track: Track }) {
   switch (track.state) {
-    case "waiting": return <Badge tone="neutral">{say("live.waiting")}</Badge>;
-    case "live": return <Badge tone="good">{Date.now() - track.heardMs < 4000 ? say("live.live") : say("live.seen", { when: relativeTime(track.heardMs, Date.now()) })}</Badge>;
-    case "ended": return <Badge tone="neutral">{say("live.finished")}</Badge>;
-    case "disturbed": return <Badge tone="warning">{say("live.no_picture")}</Badge>;
+    case "waiting":
+      return <Badge tone="neutral">{say("live.waiting")}</Badge>;
+    case "live":
+      return (
+        <Badge tone="good">
+          {Date.now() - track.heardMs < 4000
+            ? say("live.live")
+            : say("live.seen", { when: relativeTime(track.heardMs, Date.now()) })}
+        </Badge>
+      );
+    case "ended":
+      return <Badge tone="neutral">{say("live.finished")}</Badge>;
+    case "disturbed":
+      return <Badge tone="warning">{say("live.no_picture")}</Badge>;
   }
 }

@@ -5,7 +5,7 @@ import { Canvas, type Drawing } from "../../widgets/canvas";
 import { extentOf, largestForce, shownSeconds } from "./track";
 
 const kTrailSeconds = 4;
-const kLeastSpanMm = 6;                         // shown at least, so that a still hand does not look wild
+const kLeastSpanMm = 6; // shown at least, so that a still hand does not look wild
 const kLeastForceN = 2;
 
 interface Props {
@@ -25,20 +25,32 @@ export function ForceStrip({ rows, rateHz }: Props) {
     context.fillStyle = color("--text-soft");
     context.font = "11px system-ui, sans-serif";
     for (const level of [top / 2, top]) {
-      line(context, [[0, y(level)], [width, y(level)]]);
+      line(context, [
+        [0, y(level)],
+        [width, y(level)],
+      ]);
       context.fillText(`${formatNumber(level, 1)} N`, 2, y(level) - 3);
     }
     context.strokeStyle = color("--plot-force");
     context.lineWidth = 1.5;
-    line(context, rows.map((row) => [x(row.tick), y(forceSize(row))]));
+    line(
+      context,
+      rows.map((row) => [x(row.tick), y(forceSize(row))]),
+    );
   };
-  return <Canvas className="live-strip" stamp={rows} draw={draw}
-                 label={say("live.force_label", { seconds: formatNumber(seconds, 0), force: formatNumber(largestForce(rows)) })} />;
+  return (
+    <Canvas
+      className="live-strip"
+      stamp={rows}
+      draw={draw}
+      label={say("live.force_label", { seconds: formatNumber(seconds, 0), force: formatNumber(largestForce(rows)) })}
+    />
+  );
 }
 
 export interface Plane {
   readonly name: "above" | "side";
-  readonly right: 0 | 1 | 2;                    // axis of the scene that points right
+  readonly right: 0 | 1 | 2; // axis of the scene that points right
   readonly up: 0 | 1 | 2;
   readonly upName: "buccal" | "occlusal";
 }
@@ -50,19 +62,36 @@ export const kFromBuccal: Plane = { name: "side", right: 0, up: 2, upName: "occl
 export function AnchorView({ rows, rateHz, plane }: Props & { readonly plane: Plane }) {
   const last = rows.at(-1);
   const draw = (drawing: Drawing) => drawAnchor(drawing, rows, rateHz, plane);
-  const at = last === undefined ? say(`live.tool_${plane.name}_none`)
-    : say(`live.tool_${plane.name}`, { right: formatNumber(last.anchorMm[plane.right], 1), up: formatNumber(last.anchorMm[plane.up], 1) });
+  const at =
+    last === undefined
+      ? say(`live.tool_${plane.name}_none`)
+      : say(`live.tool_${plane.name}`, {
+          right: formatNumber(last.anchorMm[plane.right], 1),
+          up: formatNumber(last.anchorMm[plane.up], 1),
+        });
   return <Canvas className="live-anchor" stamp={rows} draw={draw} label={at} />;
 }
 
-function drawAnchor({ context, width, height, color }: Drawing, rows: readonly LiveRow[], rateHz: number, { right, up, upName }: Plane): void {
+function drawAnchor(
+  { context, width, height, color }: Drawing,
+  rows: readonly LiveRow[],
+  rateHz: number,
+  { right, up, upName }: Plane,
+): void {
   const last = rows.at(-1);
   const extent = extentOf(rows);
   if (last === undefined || extent === undefined) return;
-  const span = Math.max(kLeastSpanMm, 1.2 * (extent.high[right] - extent.low[right]), 1.2 * (extent.high[up] - extent.low[up]));
+  const span = Math.max(
+    kLeastSpanMm,
+    1.2 * (extent.high[right] - extent.low[right]),
+    1.2 * (extent.high[up] - extent.low[up]),
+  );
   const scale = Math.min(width, height) / span;
   const centre = [(extent.low[right] + extent.high[right]) / 2, (extent.low[up] + extent.high[up]) / 2] as const;
-  const place = (row: LiveRow): Point => [width / 2 + (row.anchorMm[right] - centre[0]) * scale, height / 2 - (row.anchorMm[up] - centre[1]) * scale];
+  const place = (row: LiveRow): Point => [
+    width / 2 + (row.anchorMm[right] - centre[0]) * scale,
+    height / 2 - (row.anchorMm[up] - centre[1]) * scale,
+  ];
   drawGrid(context, width, height, scale, color);
   context.strokeStyle = color("--plot-bound");
   line(context, rows.map(place));
@@ -72,7 +101,10 @@ function drawAnchor({ context, width, height, color }: Drawing, rows: readonly L
   const [x, y] = place(last);
   context.strokeStyle = context.fillStyle = color("--plot-removed");
   const perNewton = Math.min(width, height) / 8;
-  line(context, [[x, y], [x + last.forceN[right] * perNewton, y - last.forceN[up] * perNewton]]);
+  line(context, [
+    [x, y],
+    [x + last.forceN[right] * perNewton, y - last.forceN[up] * perNewton],
+  ]);
   context.beginPath();
   context.arc(x, y, 5, 0, 2 * Math.PI);
   context.fill();
@@ -84,12 +116,26 @@ function drawAnchor({ context, width, height, color }: Drawing, rows: readonly L
 }
 
 // A line each millimetre would crowd a wide view: every one, two, five or ten.
-function drawGrid(context: CanvasRenderingContext2D, width: number, height: number, scale: number, color: Drawing["color"]): void {
+function drawGrid(
+  context: CanvasRenderingContext2D,
+  width: number,
+  height: number,
+  scale: number,
+  color: Drawing["color"],
+): void {
   const step = [1, 2, 5, 10, 20, 50].find((mm) => mm * scale >= 18) ?? 100;
   context.strokeStyle = color("--line");
   context.lineWidth = 1;
-  for (let x = (width / 2) % (step * scale); x < width; x += step * scale) line(context, [[x, 0], [x, height]]);
-  for (let y = (height / 2) % (step * scale); y < height; y += step * scale) line(context, [[0, y], [width, y]]);
+  for (let x = (width / 2) % (step * scale); x < width; x += step * scale)
+    line(context, [
+      [x, 0],
+      [x, height],
+    ]);
+  for (let y = (height / 2) % (step * scale); y < height; y += step * scale)
+    line(context, [
+      [0, y],
+      [width, y],
+    ]);
   context.fillStyle = color("--text-soft");
   context.font = "11px system-ui, sans-serif";
   // Above the line that has the name of a direction at its end.

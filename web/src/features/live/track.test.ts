@@ -3,7 +3,12 @@ import { test } from "node:test";
 import type { LiveRow } from "../../api/live";
 import { emptyTrack, extentOf, flagTexts, kTrackSeconds, largestForce, shownSeconds, withRows } from "./track";
 
-const row = (tick: number, x = 0, force = 0): LiveRow => ({ tick, anchorMm: [x, -x, 1], forceN: [0, force, 0], flags: 0 });
+const row = (tick: number, x = 0, force = 0): LiveRow => ({
+  tick,
+  anchorMm: [x, -x, 1],
+  forceN: [0, force, 0],
+  flags: 0,
+});
 const rows = (from: number, count: number) => Array.from({ length: count }, (_, i) => row(from + 16 * i));
 
 test("a track keeps the last seconds only, however long it is watched", () => {

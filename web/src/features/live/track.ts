@@ -6,12 +6,12 @@ export interface Track {
   readonly rows: readonly LiveRow[];
   readonly state: "waiting" | "live" | "ended" | "disturbed";
   readonly problem: string;
-  readonly heardMs: number;                     // when rows came last; 0: none yet
+  readonly heardMs: number; // when rows came last; 0: none yet
 }
 
 export const kTrackSeconds = 20;
-export const kDefaultRateHz = 1000;             // of exercises; only sets how long ago is drawn where
-const kMaxRows = 2000;                          // 20 s at 60 rows a second, and room for faster stations
+export const kDefaultRateHz = 1000; // of exercises; only sets how long ago is drawn where
+const kMaxRows = 2000; // 20 s at 60 rows a second, and room for faster stations
 
 export const emptyTrack: Track = { rows: [], state: "waiting", problem: "", heardMs: 0 };
 
@@ -21,7 +21,12 @@ export function withRows(track: Track, rows: readonly LiveRow[], rateHz: number,
   if (last === undefined) return track;
   const kept = (track.rows.at(-1)?.tick ?? -1) < (rows[0]?.tick ?? 0) ? track.rows : [];
   const oldest = last.tick - kTrackSeconds * rateHz;
-  return { rows: [...kept, ...rows].filter((row) => row.tick >= oldest).slice(-kMaxRows), state: "live", problem: "", heardMs: nowMs };
+  return {
+    rows: [...kept, ...rows].filter((row) => row.tick >= oldest).slice(-kMaxRows),
+    state: "live",
+    problem: "",
+    heardMs: nowMs,
+  };
 }
 
 const kLeastShownSeconds = 4;
@@ -56,7 +61,12 @@ export function largestForce(rows: readonly LiveRow[]): number {
 }
 
 const kFlags: ReadonlyArray<readonly [number, "guarded" | "peak" | "reset" | "reserve" | "suspended" | "fault"]> = [
-  [1, "guarded"], [2, "peak"], [256, "reset"], [512, "reserve"], [1024, "suspended"], [2048, "fault"],
+  [1, "guarded"],
+  [2, "peak"],
+  [256, "reset"],
+  [512, "reserve"],
+  [1024, "suspended"],
+  [2048, "fault"],
 ];
 
 // What of a tick's witness flags (schemas/trace_format.md, column 19) a teacher wants to know.

@@ -3,8 +3,8 @@ import { watchAttempt } from "../../api/live";
 import { Rotation } from "../../base/rotation";
 import { emptyTrack, kDefaultRateHz, type Track, withRows } from "./track";
 
-const kMostStreams = 3;                         // browsers allow six connections to a server, over all tabs
-const kTurnMs = 2500;                           // long enough for rows that come twice a second
+const kMostStreams = 3; // browsers allow six connections to a server, over all tabs
+const kTurnMs = 2500; // long enough for rows that come twice a second
 
 export interface Watched {
   readonly id: string;
@@ -23,16 +23,21 @@ export function useTracks(watched: readonly Watched[], onEnd: () => void): Reado
   useEffect(() => {
     const change = (id: string, next: (track: Track) => Track) =>
       setTracks((now) => new Map(now).set(id, next(now.get(id) ?? emptyTrack)));
-    const pool = new Rotation(kMostStreams, (id) => watchAttempt(id, {
-      onRows: (rows) => change(id, (track) => withRows(track, rows, rates.current.get(id) ?? kDefaultRateHz, Date.now())),
-      onEnd: () => {
-        change(id, (track) => ({ ...track, state: "ended" }));
-        ended.current();
-      },
-      onProblem: (problem) => change(id, (track) => ({ ...track, state: "disturbed", problem })),
-    }));
+    const pool = new Rotation(kMostStreams, (id) =>
+      watchAttempt(id, {
+        onRows: (rows) =>
+          change(id, (track) => withRows(track, rows, rates.current.get(id) ?? kDefaultRateHz, Date.now())),
+        onEnd: () => {
+          change(id, (track) => ({ ...track, state: "ended" }));
+          ended.current();
+        },
+        onProblem: (problem) => change(id, (track) => ({ ...track, state: "disturbed", problem })),
+      }),
+    );
     rotation.current = pool;
-    const timer = setInterval(() => { if (!document.hidden) pool.turn(); }, kTurnMs);
+    const timer = setInterval(() => {
+      if (!document.hidden) pool.turn();
+    }, kTurnMs);
     return () => {
       clearInterval(timer);
       pool.dispose();

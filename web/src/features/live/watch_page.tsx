@@ -22,42 +22,85 @@ export function WatchPage({ client, id }: { readonly client: Client; readonly id
   useRefresh(recording, kPollMs, reload);
   return (
     <>
-      <nav class="trail" aria-label={say("common.where")}><a href="/live">{say("nav.live")}</a></nav>
+      <nav class="trail" aria-label={say("common.where")}>
+        <a href="/live">{say("nav.live")}</a>
+      </nav>
       <PageTitle document={say("nav.live")}>{attempt === undefined ? say("nav.live") : attempt.station.name}</PageTitle>
       {loaded.state === "loading" && <Loading what={say("loading.attempt")} />}
-      {loaded.state === "failed" && <ErrorNotice title={say("attempt.failed")} message={loaded.error.message} onRetry={reload} />}
+      {loaded.state === "failed" && (
+        <ErrorNotice title={say("attempt.failed")} message={loaded.error.message} onRetry={reload} />
+      )}
       {attempt !== undefined && (
         <>
-          <p class="byline">{attempt.person.display_name} · {wordedTitle(attempt.exercise.title)}</p>
-          {recording ? <Watched client={client} attempt={attempt} onEnd={reload} />
-            : <Notice tone="neutral" title={say("live.is_finished")}><p><a href={`/attempts/${id}`}>{say("live.see")}</a></p></Notice>}
+          <p class="byline">
+            {attempt.person.display_name} · {wordedTitle(attempt.exercise.title)}
+          </p>
+          {recording ? (
+            <Watched client={client} attempt={attempt} onEnd={reload} />
+          ) : (
+            <Notice tone="neutral" title={say("live.is_finished")}>
+              <p>
+                <a href={`/attempts/${id}`}>{say("live.see")}</a>
+              </p>
+            </Notice>
+          )}
         </>
       )}
     </>
   );
 }
 
-function Watched({ client, attempt, onEnd }: { readonly client: Client; readonly attempt: AttemptDetail; readonly onEnd: () => void }) {
+function Watched({
+  client,
+  attempt,
+  onEnd,
+}: {
+  readonly client: Client;
+  readonly attempt: AttemptDetail;
+  readonly onEnd: () => void;
+}) {
   const rateHz = rateOf(attempt);
   const track = useTracks([{ id: attempt.id, rateHz }], onEnd).get(attempt.id) ?? emptyTrack;
   const last = track.rows.at(-1);
   return (
     <>
-      <div class="title-row"><LiveState track={track} /><ForceNow track={track} /></div>
-      {track.state === "disturbed" && <Notice tone="warning"><p>{track.problem}</p></Notice>}
-      {last === undefined ? <Empty>{say("live.waiting_station")}</Empty> : (
+      <div class="title-row">
+        <LiveState track={track} />
+        <ForceNow track={track} />
+      </div>
+      {track.state === "disturbed" && (
+        <Notice tone="warning">
+          <p>{track.problem}</p>
+        </Notice>
+      )}
+      {last === undefined ? (
+        <Empty>{say("live.waiting_station")}</Empty>
+      ) : (
         <>
           <dl class="facts">
-            <div><dt>{say("live.time_in")}</dt><dd>{formatDuration(last.tick / rateHz)}</dd></div>
-            <div><dt>{say("live.largest", { seconds: String(kTrackSeconds) })}</dt><dd>{formatNumber(largestForce(track.rows))} N</dd></div>
-            <div><dt>{say("common.device")}</dt><dd>{attempt.profile.title}</dd></div>
+            <div>
+              <dt>{say("live.time_in")}</dt>
+              <dd>{formatDuration(last.tick / rateHz)}</dd>
+            </div>
+            <div>
+              <dt>{say("live.largest", { seconds: String(kTrackSeconds) })}</dt>
+              <dd>{formatNumber(largestForce(track.rows))} N</dd>
+            </div>
+            <div>
+              <dt>{say("common.device")}</dt>
+              <dd>{attempt.profile.title}</dd>
+            </div>
           </dl>
           <div class="columns">
             {[kFromAbove, kFromBuccal].map((plane) => (
-              <Card key={plane.name} title={say(`live.from_${plane.name}`)}><AnchorView rows={track.rows} rateHz={rateHz} plane={plane} /></Card>
+              <Card key={plane.name} title={say(`live.from_${plane.name}`)}>
+                <AnchorView rows={track.rows} rateHz={rateHz} plane={plane} />
+              </Card>
             ))}
           </div>
-          <Card title={say("live.force_last", { seconds: String(kTrackSeconds) })}><ForceStrip rows={track.rows} rateHz={rateHz} /></Card>
+          <Card title={say("live.force_last", { seconds: String(kTrackSeconds) })}>
+            <ForceStrip rows={track.rows} rateHz={rateHz} />
+          </Card>
         </>
       )}
       <ChairRemarks client={client} attempt={attempt.id} rateHz={rateHz} />

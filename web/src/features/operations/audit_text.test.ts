@@ -3,18 +3,36 @@ import { test } from "node:test";
 import { detailsOf, peopleIn, shortId, thingOf } from "./audit_text";
 
 const id = (number: number) => `00000000-0000-7000-8000-${String(number).padStart(12, "0")}`;
-const entry = (action: string, object: string, before = "", after = "") => ({ at_ms: 1, actor: `${id(3)} (page)`, action, object, before, after });
+const entry = (action: string, object: string, before = "", after = "") => ({
+  at_ms: 1,
+  actor: `${id(3)} (page)`,
+  action,
+  object,
+  before,
+  after,
+});
 
 test("empty details are left out, and so is what stayed as it was", () => {
   assert.deepEqual(detailsOf({ before: "{}", after: "{}" }), []);
   assert.deepEqual(detailsOf({ before: "", after: "" }), []);
-  assert.deepEqual(detailsOf({ before: '{"role":"student","name":"A"}', after: '{"role":"instructor","name":"A","stations":[],"note":null}' }),
-                   [{ name: "Role", before: "student", after: "instructor" }]);
+  assert.deepEqual(
+    detailsOf({
+      before: '{"role":"student","name":"A"}',
+      after: '{"role":"instructor","name":"A","stations":[],"note":null}',
+    }),
+    [{ name: "Role", before: "student", after: "instructor" }],
+  );
 });
 
 test("values are told as people read them: times as dates, people by name, yes and no", () => {
-  const details = detailsOf({ before: "{}", after: `{"due_ms":${Date.UTC(2026, 2, 9)},"opens_ms":0,"exam":true,"person":"${id(7)}"}` }, (person) => person === id(7) ? "Student Seven" : person);
-  assert.deepEqual(details.map(({ name }) => name), ["Due", "Exam", "Person"]);
+  const details = detailsOf(
+    { before: "{}", after: `{"due_ms":${Date.UTC(2026, 2, 9)},"opens_ms":0,"exam":true,"person":"${id(7)}"}` },
+    (person) => (person === id(7) ? "Student Seven" : person),
+  );
+  assert.deepEqual(
+    details.map(({ name }) => name),
+    ["Due", "Exam", "Person"],
+  );
   assert.match(details[0]?.after ?? "", /2026/);
   assert.equal(details[1]?.after, "yes");
   assert.equal(details[2]?.after, "Student Seven");
@@ -25,14 +43,27 @@ test("text that is no object of members is shown as it is", () => {
 });
 
 test("what something was done to is named by its kind, ids are shortened", () => {
-  assert.deepEqual(thingOf(entry("annotation.add", id(105))), { kind: "attempt", id: id(105), text: "attempt …000105" });
+  assert.deepEqual(thingOf(entry("annotation.add", id(105))), {
+    kind: "attempt",
+    id: id(105),
+    text: "attempt …000105",
+  });
   assert.equal(thingOf(entry("person.edit", id(7)))?.kind, "person");
   assert.equal(thingOf(entry("roster.import", "")), undefined);
   assert.equal(shortId("ab".repeat(32)), "abababab…");
-  assert.deepEqual(detailsOf({ before: "", after: '{"score":"61.500000"}' }), [{ name: "Score", before: "", after: "61.5" }]);
+  assert.deepEqual(detailsOf({ before: "", after: '{"score":"61.500000"}' }), [
+    { name: "Score", before: "", after: "61.5" },
+  ]);
   assert.equal(shortId(`of ${id(12)}.`), "of …000012.");
 });
 
 test("whose names are wanted is said once each", () => {
-  assert.deepEqual(peopleIn([entry("person.edit", id(7)), entry("cohort.add", id(10), "{}", `{"person":"${id(8)}"}`), entry("attempt.seal", id(9))]), [id(3), id(7), id(8)]);
+  assert.deepEqual(
+    peopleIn([
+      entry("person.edit", id(7)),
+      entry("cohort.add", id(10), "{}", `{"person":"${id(8)}"}`),
+      entry("attempt.seal", id(9)),
+    ]),
+    [id(3), id(7), id(8)],
+  );
 });

@@ -17,44 +17,57 @@ const kOnAttempts = ["attempt", "annotation", "appeal", "job"];
 export interface Thing {
   readonly kind: "attempt" | "person" | "other";
   readonly id: string;
-  readonly text: string;                        // where no better name is known
+  readonly text: string; // where no better name is known
 }
 
 // What it was done to; undefined where the sentence needs none.
 export function thingOf({ action, object }: Pick<AuditEntry, "action" | "object">): Thing | undefined {
   const [area = ""] = action.split(".");
-  if (object === "" || (action === "session.begin")) return undefined;
-  if (kOnAttempts.includes(area)) return { kind: "attempt", id: object, text: say("audit.attempt", { id: shortId(object) }) };
+  if (object === "" || action === "session.begin") return undefined;
+  if (kOnAttempts.includes(area))
+    return { kind: "attempt", id: object, text: say("audit.attempt", { id: shortId(object) }) };
   if (area === "person" || area === "session") return { kind: "person", id: object, text: shortId(object) };
   return { kind: "other", id: object, text: shortId(object) };
 }
 
 // The end of an id tells things apart; its beginning is a time.
 export function shortId(text: string): string {
-  return text.replace(new RegExp(kUuid, "g"), (id) => `…${id.slice(-6)}`).replace(kHash, (hash) => `${hash.slice(0, 8)}…`);
+  return text
+    .replace(new RegExp(kUuid, "g"), (id) => `…${id.slice(-6)}`)
+    .replace(kHash, (hash) => `${hash.slice(0, 8)}…`);
 }
 
 // Everyone whose name a reader wants, each once.
 export function peopleIn(entries: readonly AuditEntry[]): string[] {
   const ids = entries.flatMap((entry) => {
     const thing = thingOf(entry);
-    return [personOf(entry.actor) ?? [], thing?.kind === "person" && personOf(thing.id) !== undefined ? thing.id : [], membersIn(entry)].flat();
+    return [
+      personOf(entry.actor) ?? [],
+      thing?.kind === "person" && personOf(thing.id) !== undefined ? thing.id : [],
+      membersIn(entry),
+    ].flat();
   });
   return [...new Set(ids)].sort();
 }
 
 function membersIn({ before, after }: AuditEntry): string[] {
-  return [before, after].flatMap((text) => { const person = membersOf(text)["person"]; return typeof person === "string" && personOf(person) !== undefined ? [person] : []; });
+  return [before, after].flatMap((text) => {
+    const person = membersOf(text)["person"];
+    return typeof person === "string" && personOf(person) !== undefined ? [person] : [];
+  });
 }
 
 export interface Detail {
   readonly name: string;
-  readonly before: string;                      // empty: there was nothing
-  readonly after: string;                       // empty: nothing is left
+  readonly before: string; // empty: there was nothing
+  readonly after: string; // empty: nothing is left
 }
 
 // What changed, member by member. What stayed, what is empty and what holds nothing is left out.
-export function detailsOf({ before, after }: Pick<AuditEntry, "before" | "after">, nameOf: (id: string) => string = shortId): Detail[] {
+export function detailsOf(
+  { before, after }: Pick<AuditEntry, "before" | "after">,
+  nameOf: (id: string) => string = shortId,
+): Detail[] {
   const [was, is] = [membersOf(before), membersOf(after)];
   return [...new Set([...Object.keys(was), ...Object.keys(is)])].flatMap((key) => {
     const [old, now] = [valueText(key, was[key], nameOf), valueText(key, is[key], nameOf)];
@@ -66,7 +79,9 @@ function membersOf(text: string): Readonly<Record<string, unknown>> {
   if (text === "") return {};
   try {
     const value: unknown = JSON.parse(text);
-    return typeof value === "object" && value !== null && !Array.isArray(value) ? value as Readonly<Record<string, unknown>> : { value };
+    return typeof value === "object" && value !== null && !Array.isArray(value)
+      ? (value as Readonly<Record<string, unknown>>)
+      : { value };
   } catch {
     return { value: text };
   }
@@ -86,6 +101,11 @@ function valueText(key: string, value: unknown, nameOf: (id: string) => string):
   if (typeof value === "boolean") return value ? say("common.yes") : say("common.no");
   if (typeof value === "string" && /^-?\d+\.\d+$/.test(value)) return formatNumber(Number(value), 3);
   if (typeof value === "string") return personOf(value) === value ? nameOf(value) : shortId(value);
-  if (Array.isArray(value)) return value.length === 0 ? "" : value.map((item) => valueText("", item, nameOf)).join(", ");
-  return typeof value === "object" ? (Object.keys(value).length === 0 ? "" : shortId(JSON.stringify(value))) : String(value);
+  if (Array.isArray(value))
+    return value.length === 0 ? "" : value.map((item) => valueText("", item, nameOf)).join(", ");
+  return typeof value === "object"
+    ? Object.keys(value).length === 0
+      ? ""
+      : shortId(JSON.stringify(value))
+    : String(value);
 }

@@ -18,32 +18,89 @@ interface Step {
 }
 
 // From an empty server to a class that can begin, on the page alone; gone once all of it is done.
-export function FirstSteps({ client, backedUp, stations }: { readonly client: Client; readonly backedUp: boolean; readonly stations: number }) {
+export function FirstSteps({
+  client,
+  backedUp,
+  stations,
+}: {
+  readonly client: Client;
+  readonly backedUp: boolean;
+  readonly stations: number;
+}) {
   const { loaded, reload } = useRequest("first steps", async (signal) => {
     const [exercises, students, cohorts, assignments] = await Promise.all([
-      client.teaching.exercises("published", signal), client.people.list({ role: "student", limit: 1 }, signal), client.people.allCohorts(signal), client.teaching.assignments({}, signal)]);
+      client.teaching.exercises("published", signal),
+      client.people.list({ role: "student", limit: 1 }, signal),
+      client.people.allCohorts(signal),
+      client.teaching.assignments({}, signal),
+    ]);
     if (!exercises.ok) return exercises;
     if (!students.ok) return students;
     if (!cohorts.ok) return cohorts;
-    return assignments.ok ? ok({ exercises: exercises.value.length, students: students.value.items.length, cohorts: cohorts.value.length, assignments: assignments.value.length }) : assignments;
+    return assignments.ok
+      ? ok({
+          exercises: exercises.value.length,
+          students: students.value.items.length,
+          cohorts: cohorts.value.length,
+          assignments: assignments.value.length,
+        })
+      : assignments;
   });
   if (loaded.state !== "ready") return null;
   const { exercises, students, cohorts, assignments } = loaded.value;
   const steps: readonly Step[] = [
-    { title: say("steps.teeth"), text: say("steps.teeth_text"), done: exercises > 0, action: <PutTooth client={client} onPut={reload} />, link: { path: "/exercises?import=tooth", title: say("steps.import_scan") } },
-    { title: say("nav.people"), text: say("steps.people_text"), done: students > 0, link: { path: "/roster", title: say("steps.import") } },
-    { title: say("steps.cohort"), text: say("steps.cohort_text"), done: cohorts > 0, link: { path: "/cohorts", title: say("nav.cohorts") } },
-    { title: say("steps.station"), text: say("steps.station_text"), done: stations > 0, link: { path: "/stations", title: say("nav.stations") } },
-    { title: say("steps.work"), text: say("steps.work_text"), done: assignments > 0, link: { path: "/assignments", title: say("nav.assignments") } },
+    {
+      title: say("steps.teeth"),
+      text: say("steps.teeth_text"),
+      done: exercises > 0,
+      action: <PutTooth client={client} onPut={reload} />,
+      link: { path: "/exercises?import=tooth", title: say("steps.import_scan") },
+    },
+    {
+      title: say("nav.people"),
+      text: say("steps.people_text"),
+      done: students > 0,
+      link: { path: "/roster", title: say("steps.import") },
+    },
+    {
+      title: say("steps.cohort"),
+      text: say("steps.cohort_text"),
+      done: cohorts > 0,
+      link: { path: "/cohorts", title: say("nav.cohorts") },
+    },
+    {
+      title: say("steps.station"),
+      text: say("steps.station_text"),
+      done: stations > 0,
+      link: { path: "/stations", title: say("nav.stations") },
+    },
+    {
+      title: say("steps.work"),
+      text: say("steps.work_text"),
+      done: assignments > 0,
+      link: { path: "/assignments", title: say("nav.assignments") },
+    },
     { title: say("steps.backup"), text: say("steps.backup_text"), done: backedUp },
   ];
   if (steps.every((step) => step.done)) return null;
   return (
-    <Card title={say("steps.title", { done: String(steps.filter((step) => step.done).length), count: String(steps.length) })}>
+    <Card
+      title={say("steps.title", {
+        done: String(steps.filter((step) => step.done).length),
+        count: String(steps.length),
+      })}
+    >
       <ol class="steps">
         {steps.map((step) => (
           <li key={step.title}>
-            <b>{step.title}</b> {step.done ? <Badge tone="good">{say("steps.done")}</Badge> : <>– {step.text} {step.link !== undefined && <a href={step.link.path}>{step.link.title}</a>}</>}
+            <b>{step.title}</b>{" "}
+            {step.done ? (
+              <Badge tone="good">{say("steps.done")}</Badge>
+            ) : (
+              <>
+                – {step.text} {step.link !== undefined && <a href={step.link.path}>{step.link.title}</a>}
+              </>
+            )}
             {!step.done && step.action}
           </li>
         ))}
@@ -58,7 +115,7 @@ function PutTooth({ client, onPut }: { readonly client: Client; readonly onPut: 
   const [put, setPut] = useState<string>();
   const change = useChange();
   if (teeth.loaded.state !== "ready") return null;
-  const name = chosen === "" ? teeth.loaded.value[0]?.name ?? "" : chosen;
+  const name = chosen === "" ? (teeth.loaded.value[0]?.name ?? "") : chosen;
   const submit = async (event: Event) => {
     event.preventDefault();
     const result = await change.run(() => client.operations.putTooth(name));
@@ -69,10 +126,24 @@ function PutTooth({ client, onPut }: { readonly client: Client; readonly onPut: 
   const summary = teeth.loaded.value.find((tooth) => tooth.name === name)?.summary;
   return (
     <form class="filters" onSubmit={(event) => void submit(event)}>
-      <SelectField label={say("steps.tooth")} value={name} onValue={setChosen} hint={summary === undefined ? undefined : wordedTitle(summary)} options={teeth.loaded.value.map((tooth) => ({ value: tooth.name, title: tooth.name }))} />
-      <button type="submit" class="button primary" disabled={change.busy || name === ""}>{change.busy ? say("steps.making") : say("steps.put_it")}</button>
+      <SelectField
+        label={say("steps.tooth")}
+        value={name}
+        onValue={setChosen}
+        hint={summary === undefined ? undefined : wordedTitle(summary)}
+        options={teeth.loaded.value.map((tooth) => ({ value: tooth.name, title: tooth.name }))}
+      />
+      <button type="submit" class="button primary" disabled={change.busy || name === ""}>
+        {change.busy ? say("steps.making") : say("steps.put_it")}
+      </button>
       {change.error !== undefined && <ErrorNotice title={say("steps.not_put")} message={change.error.message} />}
-      <div aria-live="polite">{put !== undefined && <Notice tone="good"><p>{put}</p></Notice>}</div>
+      <div aria-live="polite">
+        {put !== undefined && (
+          <Notice tone="good">
+            <p>{put}</p>
+          </Notice>
+        )}
+      </div>
     </form>
   );
 }

@@ -25,8 +25,16 @@ export function HealthPage({ client }: { readonly client: Client }) {
     <>
       <PageTitle document={say("nav.health")}>{say("nav.health")}</PageTitle>
       {loaded.state === "loading" && <Loading what={say("loading.health")} />}
-      {loaded.state === "failed" && <ErrorNotice title={say("health.failed")} message={loaded.error.message} onRetry={reload} />}
-      {now !== undefined && <><Findings health={now} /><FirstSteps client={client} backedUp={now.backup !== null} stations={now.stations.enrolled} /><Figures health={now} before={before.current} /></>}
+      {loaded.state === "failed" && (
+        <ErrorNotice title={say("health.failed")} message={loaded.error.message} onRetry={reload} />
+      )}
+      {now !== undefined && (
+        <>
+          <Findings health={now} />
+          <FirstSteps client={client} backedUp={now.backup !== null} stations={now.stations.enrolled} />
+          <Figures health={now} before={before.current} />
+        </>
+      )}
     </>
   );
 }
@@ -35,9 +43,23 @@ function Findings({ health }: { readonly health: ServerHealth }) {
   const findings = findingsOf(health);
   return (
     <div class="stack" aria-live="polite">
-      {findings.length === 0 && <Notice tone="good" title={say("health.well")}><p>{say("health.well_text")}</p></Notice>}
+      {findings.length === 0 && (
+        <Notice tone="good" title={say("health.well")}>
+          <p>{say("health.well_text")}</p>
+        </Notice>
+      )}
       {findings.map(({ tone, title, text, link }) => (
-        <Notice key={title} tone={tone} title={title}><p>{text}{link !== undefined && <> <a href={link.path}>{link.title}</a></>}</p></Notice>
+        <Notice key={title} tone={tone} title={title}>
+          <p>
+            {text}
+            {link !== undefined && (
+              <>
+                {" "}
+                <a href={link.path}>{link.title}</a>
+              </>
+            )}
+          </p>
+        </Notice>
       ))}
     </div>
   );
@@ -51,29 +73,89 @@ function Figures({ health, before }: { readonly health: ServerHealth; readonly b
     <>
       <div class="health">
         <Card title={say("health.recordings")}>
-          <Facts rows={[[say("health.connected"), say("count.of", { part: String(stations.online), whole: String(stations.enrolled) })], [say("health.in_progress"), formatNumber(recordings.open, 0)], [say("health.silent"), formatNumber(recordings.late.length, 0)],
-                        [say("health.arriving"), chunks === undefined ? "–" : say("health.a_second", { count: formatNumber(chunks, 1) })], [say("health.finished"), formatNumber(ingest.sealed, 0)], [say("health.taken"), formatBytes(ingest.chunk_bytes)]]} />
+          <Facts
+            rows={[
+              [
+                say("health.connected"),
+                say("count.of", { part: String(stations.online), whole: String(stations.enrolled) }),
+              ],
+              [say("health.in_progress"), formatNumber(recordings.open, 0)],
+              [say("health.silent"), formatNumber(recordings.late.length, 0)],
+              [
+                say("health.arriving"),
+                chunks === undefined ? "–" : say("health.a_second", { count: formatNumber(chunks, 1) }),
+              ],
+              [say("health.finished"), formatNumber(ingest.sealed, 0)],
+              [say("health.taken"), formatBytes(ingest.chunk_bytes)],
+            ]}
+          />
         </Card>
         <Card title={say("health.writing")}>
-          <Facts rows={[[say("health.writes_99"), commits.timed === 0 ? "–" : shortTime(commits.p99_s)], [say("health.writes"), formatNumber(commits.count, 0)], [say("health.writes_failed"), formatNumber(commits.failed, 0)],
-                        [say("health.free"), formatBytes(disk.free_bytes)], [say("health.kept_free"), formatBytes(disk.kept_free_bytes)], [say("health.database"), `${formatBytes(disk.database_bytes)} + ${formatBytes(disk.log_bytes)}`]]} />
+          <Facts
+            rows={[
+              [say("health.writes_99"), commits.timed === 0 ? "–" : shortTime(commits.p99_s)],
+              [say("health.writes"), formatNumber(commits.count, 0)],
+              [say("health.writes_failed"), formatNumber(commits.failed, 0)],
+              [say("health.free"), formatBytes(disk.free_bytes)],
+              [say("health.kept_free"), formatBytes(disk.kept_free_bytes)],
+              [say("health.database"), `${formatBytes(disk.database_bytes)} + ${formatBytes(disk.log_bytes)}`],
+            ]}
+          />
         </Card>
         <Card title={say("health.scoring")} aside={<a href="/jobs">{say("health.all_jobs")}</a>}>
-          <Facts rows={[[say("job_state.queued"), count(jobs.queued)], [say("job_state.running"), count(jobs.running)], [say("job_state.failed"), count(jobs.failed)]]} />
+          <Facts
+            rows={[
+              [say("job_state.queued"), count(jobs.queued)],
+              [say("job_state.running"), count(jobs.running)],
+              [say("job_state.failed"), count(jobs.failed)],
+            ]}
+          />
         </Card>
         <Card title={say("health.sign_ins")} aside={<a href="/audit?action=session.">{say("health.in_audit")}</a>}>
-          <Facts rows={[[say("health.signed_in"), formatNumber(door.signed_in, 0)], [say("health.wrong"), formatNumber(door.refused, 0)], [say("health.held_back"), formatNumber(door.throttled, 0)], [say("health.turned_away"), formatNumber(door.busy, 0)]]} />
+          <Facts
+            rows={[
+              [say("health.signed_in"), formatNumber(door.signed_in, 0)],
+              [say("health.wrong"), formatNumber(door.refused, 0)],
+              [say("health.held_back"), formatNumber(door.throttled, 0)],
+              [say("health.turned_away"), formatNumber(door.busy, 0)],
+            ]}
+          />
         </Card>
         <Card title={say("health.backup")}>
-          <Facts rows={[[say("health.last_backup"), backup === null ? say("health.never") : <span title={formatDateTime(backup.at_ms)}>{relativeTime(backup.at_ms, health.now_ms)}</span>], [say("health.missing"), backup === null ? "–" : formatNumber(backup.missing, 0)],
-                        ...(retention.length === 0 ? [[say("health.kept"), say("health.for_good")] as const] : retention.map(retentionText))]} />
+          <Facts
+            rows={[
+              [
+                say("health.last_backup"),
+                backup === null ? (
+                  say("health.never")
+                ) : (
+                  <span title={formatDateTime(backup.at_ms)}>{relativeTime(backup.at_ms, health.now_ms)}</span>
+                ),
+              ],
+              [say("health.missing"), backup === null ? "–" : formatNumber(backup.missing, 0)],
+              ...(retention.length === 0
+                ? [[say("health.kept"), say("health.for_good")] as const]
+                : retention.map(retentionText)),
+            ]}
+          />
         </Card>
       </div>
-      <p class="hint">{say("health.counted", { since: relativeTime(health.started_ms, health.now_ms), count: commits.timed })}</p>
+      <p class="hint">
+        {say("health.counted", { since: relativeTime(health.started_ms, health.now_ms), count: commits.timed })}
+      </p>
     </>
   );
 }
 
 function Facts({ rows }: { readonly rows: ReadonlyArray<readonly [string, ComponentChildren]> }) {
-  return <dl class="facts stacked">{rows.map(([name, value], i) => <div key={i}><dt>{name}</dt><dd>{value}</dd></div>)}</dl>;
+  return (
+    <dl class="facts stacked">
+      {rows.map(([name, value], i) => (
+        <div key={i}>
+          <dt>{name}</dt>
+          <dd>{value}</dd>
+        </div>
+      ))}
+    </dl>
+  );
 }

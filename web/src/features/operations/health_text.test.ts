@@ -5,15 +5,19 @@ import { countText, findingsOf, perSecond, retentionText, shortTime } from "./he
 
 const kDayMs = 86_400_000;
 const well: ServerHealth = {
-  now_ms: 100 * kDayMs, started_ms: 99 * kDayMs,
+  now_ms: 100 * kDayMs,
+  started_ms: 99 * kDayMs,
   ingest: { takes_recordings: true, problem: "", waiting: "", chunks: 1000, chunk_bytes: 1e6, sealed: 10 },
   commits: { count: 500, failed: 0, timed: 500, p99_s: 0.02 },
-  clock: { ahead_ms: 0, problem: "" }, standby: "",
+  clock: { ahead_ms: 0, problem: "" },
+  standby: "",
   disk: { free_bytes: 50e9, kept_free_bytes: 268e6, database_bytes: 1e6, log_bytes: 0 },
   jobs: { queued: 0, running: 0, failed: 0, counted_up_to: 200 },
-  stations: { enrolled: 3, online: 3 }, recordings: { open: 1, late: [] },
+  stations: { enrolled: 3, online: 3 },
+  recordings: { open: 1, late: [] },
   sign_ins: { signed_in: 5, refused: 3, throttled: 0, busy: 0 },
-  backup: { at_ms: 99.5 * kDayMs, missing: 0 }, retention: [],
+  backup: { at_ms: 99.5 * kDayMs, missing: 0 },
+  retention: [],
 };
 const titles = (health: ServerHealth) => findingsOf(health).map(({ tone, title }) => `${tone}: ${title}`);
 
@@ -22,8 +26,10 @@ test("a server that does well is said nothing of", () => {
 });
 
 test("what stops recordings comes before what only warns", () => {
-  assert.deepEqual(titles({ ...well, backup: null, ingest: { ...well.ingest, takes_recordings: false, problem: "the disk is full" } }),
-    ["bad: Recordings are not taken", "warning: No backup was made yet"]);
+  assert.deepEqual(
+    titles({ ...well, backup: null, ingest: { ...well.ingest, takes_recordings: false, problem: "the disk is full" } }),
+    ["bad: Recordings are not taken", "warning: No backup was made yet"],
+  );
 });
 
 test("each of the figures that need somebody is told", () => {
@@ -31,34 +37,57 @@ test("each of the figures that need somebody is told", () => {
   assert.deepEqual(told({ disk: { ...well.disk, free_bytes: 400e6 } }), ["warning: The disk is nearly full"]);
   assert.deepEqual(told({ disk: { ...well.disk, free_bytes: 200e6 } }), ["bad: The disk is nearly full"]);
   assert.deepEqual(told({ commits: { ...well.commits, p99_s: 0.9 } }), ["warning: Writing is slow"]);
-  assert.deepEqual(told({ commits: { ...well.commits, failed: 1 } }), ["warning: 1 change could not be written since the start"]);
+  assert.deepEqual(told({ commits: { ...well.commits, failed: 1 } }), [
+    "warning: 1 change could not be written since the start",
+  ]);
   assert.deepEqual(told({ jobs: { ...well.jobs, failed: 200 } }), ["warning: 200 or more jobs have failed"]);
   assert.deepEqual(told({ jobs: { ...well.jobs, queued: 60 } }), ["warning: 60 jobs wait"]);
   assert.deepEqual(told({ standby: "behind" }), ["warning: No standby is synchronous"]);
   assert.deepEqual(told({ standby: "none" }), ["warning: No standby is synchronous"]);
-  assert.deepEqual(told({ standby: "missing", ingest: { ...well.ingest, waiting: "the database server waits" } }), ["bad: Every change waits for a standby"]);
+  assert.deepEqual(told({ standby: "missing", ingest: { ...well.ingest, waiting: "the database server waits" } }), [
+    "bad: Every change waits for a standby",
+  ]);
   assert.deepEqual(told({ standby: "synchronous" }), []);
   assert.deepEqual(told({ standby: "unknown" }), []);
   assert.deepEqual(told({ backup: { at_ms: 90 * kDayMs, missing: 0 } }), ["warning: The last backup is 10 days old"]);
   assert.deepEqual(told({ backup: { at_ms: 99 * kDayMs, missing: 2 } }), ["bad: The last backup misses 2 files"]);
-  assert.deepEqual(told({ sign_ins: { ...well.sign_ins, throttled: 20 } }), ["warning: 20 sign-ins were held back since the start"]);
+  assert.deepEqual(told({ sign_ins: { ...well.sign_ins, throttled: 20 } }), [
+    "warning: 20 sign-ins were held back since the start",
+  ]);
   assert.deepEqual(told({ stations: { enrolled: 0, online: 0 } }), ["warning: No station is enrolled"]);
-  assert.deepEqual(told({ recordings: { open: 2, late: [{ attempt_id: "a", station_id: "s", silent_ms: 150_000 }] } }), ["warning: Nothing comes from 1 attempt in progress"]);
+  assert.deepEqual(
+    told({ recordings: { open: 2, late: [{ attempt_id: "a", station_id: "s", silent_ms: 150_000 }] } }),
+    ["warning: Nothing comes from 1 attempt in progress"],
+  );
   assert.deepEqual(told({ ingest: { ...well.ingest, waiting: "a person was erased" } }), ["warning: Changes wait"]);
 });
 
 test("a clock that is off is told with its direction", () => {
-  const text = (ahead_ms: number) => findingsOf({ ...well, clock: { ahead_ms, problem: "off" } }).map((finding) => finding.text);
-  assert.deepEqual(text(8200), ["It is 8.2\u00a0s ahead of the database server’s. Let both machines take their time from the same time servers."]);
-  assert.deepEqual(text(-8200), ["It is 8.2\u00a0s behind the database server’s. Let both machines take their time from the same time servers."]);
+  const text = (ahead_ms: number) =>
+    findingsOf({ ...well, clock: { ahead_ms, problem: "off" } }).map((finding) => finding.text);
+  assert.deepEqual(text(8200), [
+    "It is 8.2\u00a0s ahead of the database server’s. Let both machines take their time from the same time servers.",
+  ]);
+  assert.deepEqual(text(-8200), [
+    "It is 8.2\u00a0s behind the database server’s. Let both machines take their time from the same time servers.",
+  ]);
   assert.deepEqual(findingsOf({ ...well, clock: { ahead_ms: 4000, problem: "" } }), []);
 });
 
 test("a count that rises is told by the second, and not over a restart", () => {
   const later = { ...well, now_ms: well.now_ms + 5000, ingest: { ...well.ingest, chunks: 1100 } };
-  assert.equal(perSecond(well, later, (health) => health.ingest.chunks), 20);
-  assert.equal(perSecond(well, { ...later, started_ms: later.now_ms }, (health) => health.ingest.chunks), undefined);
-  assert.equal(perSecond(undefined, later, (health) => health.ingest.chunks), undefined);
+  assert.equal(
+    perSecond(well, later, (health) => health.ingest.chunks),
+    20,
+  );
+  assert.equal(
+    perSecond(well, { ...later, started_ms: later.now_ms }, (health) => health.ingest.chunks),
+    undefined,
+  );
+  assert.equal(
+    perSecond(undefined, later, (health) => health.ingest.chunks),
+    undefined,
+  );
 });
 
 test("counts that the server does not finish say so, and rules are words", () => {

@@ -13,15 +13,22 @@ export interface Finding {
 }
 
 const kDayMs = 86_400_000;
-const kBackupLateMs = 8 * kDayMs;               // a backup a week, and a day to spare
-const kSlowCommitS = 0.5;                       // a station's spool waits for it, and a person at the page
+const kBackupLateMs = 8 * kDayMs; // a backup a week, and a day to spare
+const kSlowCommitS = 0.5; // a station's spool waits for it, and a person at the page
 const kManyJobs = 50;
-const kManyThrottled = 20;                      // what one person who has forgotten a password makes
+const kManyThrottled = 20; // what one person who has forgotten a password makes
 const kRank: Readonly<Record<Tone, number>> = { bad: 0, warning: 1, neutral: 2, good: 3 };
 
 export function findingsOf(health: ServerHealth): Finding[] {
-  return [...ingestFindings(health), ...clockFindings(health), ...standbyFindings(health), ...diskFindings(health), ...workFindings(health), ...backupFindings(health), ...doorFindings(health)]
-    .sort((a, b) => kRank[a.tone] - kRank[b.tone]);
+  return [
+    ...ingestFindings(health),
+    ...clockFindings(health),
+    ...standbyFindings(health),
+    ...diskFindings(health),
+    ...workFindings(health),
+    ...backupFindings(health),
+    ...doorFindings(health),
+  ].sort((a, b) => kRank[a.tone] - kRank[b.tone]);
 }
 
 function ingestFindings({ ingest, recordings, standby, stations }: ServerHealth): Finding[] {
@@ -30,24 +37,42 @@ function ingestFindings({ ingest, recordings, standby, stations }: ServerHealth)
     out.push({ tone: "bad", title: say("finding.not_taken"), text: sentence(ingest.problem) });
   }
   // A standby that is missing is told by itself.
-  if (ingest.waiting !== "" && standby !== "missing") out.push({ tone: "warning", title: say("finding.waits"), text: sentence(ingest.waiting) });
+  if (ingest.waiting !== "" && standby !== "missing")
+    out.push({ tone: "warning", title: say("finding.waits"), text: sentence(ingest.waiting) });
   if (recordings.late.length > 0) {
     const longest = Math.max(...recordings.late.map((row) => row.silent_ms));
-    out.push({ tone: "warning", title: say("finding.silent", { count: recordings.late.length }),
-               text: say("finding.silent_text", { span: formatDuration(longest / 1000) }), link: { path: "/live", title: say("nav.live") } });
+    out.push({
+      tone: "warning",
+      title: say("finding.silent", { count: recordings.late.length }),
+      text: say("finding.silent_text", { span: formatDuration(longest / 1000) }),
+      link: { path: "/live", title: say("nav.live") },
+    });
   }
-  if (stations.enrolled === 0) out.push({ tone: "warning", title: say("finding.no_station"), text: say("finding.no_station_text"), link: { path: "/stations", title: say("nav.stations") } });
+  if (stations.enrolled === 0)
+    out.push({
+      tone: "warning",
+      title: say("finding.no_station"),
+      text: say("finding.no_station_text"),
+      link: { path: "/stations", title: say("nav.stations") },
+    });
   return out;
 }
 
 function clockFindings({ clock }: ServerHealth): Finding[] {
   if (clock.problem === "") return [];
   const span = formatDuration(Math.abs(clock.ahead_ms) / 1000);
-  return [{ tone: "bad", title: say("finding.clock"), text: clock.ahead_ms > 0 ? say("finding.clock_ahead", { span }) : say("finding.clock_behind", { span }) }];
+  return [
+    {
+      tone: "bad",
+      title: say("finding.clock"),
+      text: clock.ahead_ms > 0 ? say("finding.clock_ahead", { span }) : say("finding.clock_behind", { span }),
+    },
+  ];
 }
 
 function standbyFindings({ standby }: ServerHealth): Finding[] {
-  if (standby === "missing") return [{ tone: "bad", title: say("finding.standby_missing"), text: say("finding.standby_missing_text") }];
+  if (standby === "missing")
+    return [{ tone: "bad", title: say("finding.standby_missing"), text: say("finding.standby_missing_text") }];
   if (standby !== "none" && standby !== "behind") return [];
   return [{ tone: "warning", title: say("finding.standby"), text: say("finding.standby_text") }];
 }
@@ -55,12 +80,24 @@ function standbyFindings({ standby }: ServerHealth): Finding[] {
 function diskFindings({ disk, commits }: ServerHealth): Finding[] {
   const out: Finding[] = [];
   if (disk.free_bytes < 2 * disk.kept_free_bytes) {
-    out.push({ tone: disk.free_bytes < disk.kept_free_bytes ? "bad" : "warning", title: say("finding.disk"),
-               text: say("finding.disk_text", { free: formatBytes(disk.free_bytes), kept: formatBytes(disk.kept_free_bytes) }) });
+    out.push({
+      tone: disk.free_bytes < disk.kept_free_bytes ? "bad" : "warning",
+      title: say("finding.disk"),
+      text: say("finding.disk_text", { free: formatBytes(disk.free_bytes), kept: formatBytes(disk.kept_free_bytes) }),
+    });
   }
-  if (commits.failed > 0) out.push({ tone: "warning", title: say("finding.writes", { count: commits.failed }), text: say("finding.writes_text") });
+  if (commits.failed > 0)
+    out.push({
+      tone: "warning",
+      title: say("finding.writes", { count: commits.failed }),
+      text: say("finding.writes_text"),
+    });
   if (commits.timed > 0 && commits.p99_s > kSlowCommitS) {
-    out.push({ tone: "warning", title: say("finding.slow"), text: say("finding.slow_text", { span: shortTime(commits.p99_s) }) });
+    out.push({
+      tone: "warning",
+      title: say("finding.slow"),
+      text: say("finding.slow_text", { span: shortTime(commits.p99_s) }),
+    });
   }
   return out;
 }
@@ -68,10 +105,20 @@ function diskFindings({ disk, commits }: ServerHealth): Finding[] {
 function workFindings({ jobs }: ServerHealth): Finding[] {
   const out: Finding[] = [];
   if (jobs.failed > 0) {
-    out.push({ tone: "warning", title: say("finding.jobs_failed", { count: jobs.failed, text: countText(jobs.failed, jobs.counted_up_to) }), text: say("finding.jobs_failed_text"), link: { path: "/jobs?state=failed", title: say("finding.jobs_failed_link") } });
+    out.push({
+      tone: "warning",
+      title: say("finding.jobs_failed", { count: jobs.failed, text: countText(jobs.failed, jobs.counted_up_to) }),
+      text: say("finding.jobs_failed_text"),
+      link: { path: "/jobs?state=failed", title: say("finding.jobs_failed_link") },
+    });
   }
   if (jobs.queued > kManyJobs) {
-    out.push({ tone: "warning", title: say("finding.jobs_wait", { count: countText(jobs.queued, jobs.counted_up_to) }), text: say("finding.jobs_wait_text"), link: { path: "/jobs?state=queued", title: say("finding.jobs_wait_link") } });
+    out.push({
+      tone: "warning",
+      title: say("finding.jobs_wait", { count: countText(jobs.queued, jobs.counted_up_to) }),
+      text: say("finding.jobs_wait_text"),
+      link: { path: "/jobs?state=queued", title: say("finding.jobs_wait_link") },
+    });
   }
   return out;
 }
@@ -80,14 +127,31 @@ function backupFindings({ backup, now_ms: now }: ServerHealth): Finding[] {
   const todo = say("finding.backup_todo");
   if (backup === null) return [{ tone: "warning", title: say("finding.no_backup"), text: todo }];
   const out: Finding[] = [];
-  if (backup.missing > 0) out.push({ tone: "bad", title: say("finding.backup_misses", { count: backup.missing }), text: say("finding.backup_misses_text") });
-  if (now - backup.at_ms > kBackupLateMs) out.push({ tone: "warning", title: say("finding.backup_old", { count: Math.floor((now - backup.at_ms) / kDayMs) }), text: todo });
+  if (backup.missing > 0)
+    out.push({
+      tone: "bad",
+      title: say("finding.backup_misses", { count: backup.missing }),
+      text: say("finding.backup_misses_text"),
+    });
+  if (now - backup.at_ms > kBackupLateMs)
+    out.push({
+      tone: "warning",
+      title: say("finding.backup_old", { count: Math.floor((now - backup.at_ms) / kDayMs) }),
+      text: todo,
+    });
   return out;
 }
 
 function doorFindings({ sign_ins: door }: ServerHealth): Finding[] {
   if (door.throttled < kManyThrottled) return [];
-  return [{ tone: "warning", title: say("finding.held_back", { count: door.throttled }), text: say("finding.held_back_text"), link: { path: "/audit?action=session.refused", title: say("finding.held_back_link") } }];
+  return [
+    {
+      tone: "warning",
+      title: say("finding.held_back", { count: door.throttled }),
+      text: say("finding.held_back_text"),
+      link: { path: "/audit?action=session.refused", title: say("finding.held_back_link") },
+    },
+  ];
 }
 
 // As far as the server counts.
@@ -95,7 +159,17 @@ export function countText(count: number, upTo: number): string {
   return count >= upTo ? say("health.or_more", { count: formatNumber(upTo, 0) }) : formatNumber(count, 0);
 }
 
-const kKept: Readonly<Record<string, string>> = { get unfinished() { return say("retention.unfinished"); }, get recordings() { return say("health.recordings"); }, get attempts() { return say("retention.attempts"); } };
+const kKept: Readonly<Record<string, string>> = {
+  get unfinished() {
+    return say("retention.unfinished");
+  },
+  get recordings() {
+    return say("health.recordings");
+  },
+  get attempts() {
+    return say("retention.attempts");
+  },
+};
 
 // What a rule removes, and when.
 export function retentionText({ what, days }: ServerHealth["retention"][number]): readonly [string, string] {
@@ -113,7 +187,11 @@ export function shortTime(seconds: number): string {
 }
 
 // Of a count that rises, how much in a second between two looks; undefined where the server was started anew in between.
-export function perSecond(before: ServerHealth | undefined, now: ServerHealth, count: (health: ServerHealth) => number): number | undefined {
+export function perSecond(
+  before: ServerHealth | undefined,
+  now: ServerHealth,
+  count: (health: ServerHealth) => number,
+): number | undefined {
   if (before === undefined || before.started_ms !== now.started_ms || now.now_ms <= before.now_ms) return undefined;
   return (count(now) - count(before)) / ((now.now_ms - before.now_ms) / 1000);
 }

@@ -12,10 +12,46 @@ import { type Column, DataTable } from "../../widgets/table";
 
 const kPageSize = 50;
 const kPollMs = 2000;
-const kTones: Readonly<Record<Job["state"], Tone>> = { queued: "neutral", running: "neutral", done: "good", failed: "bad", cancelled: "warning" };
-const kTitles: Readonly<Record<Job["state"], string>> = { get queued() { return say("job_state.queued"); }, get running() { return say("job_state.running"); }, get done() { return say("job_state.done"); }, get failed() { return say("job_state.failed"); }, get cancelled() { return say("job_state.cancelled"); } };
+const kTones: Readonly<Record<Job["state"], Tone>> = {
+  queued: "neutral",
+  running: "neutral",
+  done: "good",
+  failed: "bad",
+  cancelled: "warning",
+};
+const kTitles: Readonly<Record<Job["state"], string>> = {
+  get queued() {
+    return say("job_state.queued");
+  },
+  get running() {
+    return say("job_state.running");
+  },
+  get done() {
+    return say("job_state.done");
+  },
+  get failed() {
+    return say("job_state.failed");
+  },
+  get cancelled() {
+    return say("job_state.cancelled");
+  },
+};
 const kCauses: Readonly<Record<string, string>> = {
-  get seal() { return say("cause.seal"); }, get reference() { return say("cause.reference"); }, get rescore() { return say("cause.instructor"); }, get appeal() { return say("cause.appeal"); }, get rubric() { return say("cause.cohort"); },
+  get seal() {
+    return say("cause.seal");
+  },
+  get reference() {
+    return say("cause.reference");
+  },
+  get rescore() {
+    return say("cause.instructor");
+  },
+  get appeal() {
+    return say("cause.appeal");
+  },
+  get rubric() {
+    return say("cause.cohort");
+  },
 };
 
 interface Props {
@@ -27,37 +63,75 @@ interface Props {
 // Background work of the server.
 export function JobsPage({ client, query, onQuery }: Props) {
   const state = query.get("state") ?? "";
-  const pages = usePages(state, (cursor, signal) => client.operations.jobs({ state, cursor, limit: kPageSize }, signal));
+  const pages = usePages(state, (cursor, signal) =>
+    client.operations.jobs({ state, cursor, limit: kPageSize }, signal),
+  );
   const [cancelling, setCancelling] = useState<Job>();
   const polling = pages.onlyFirst && pages.items.some((job) => job.state === "queued" || job.state === "running");
   useRefresh(polling, kPollMs, pages.reload);
   const columns: readonly Column<Job>[] = [
-    { title: say("jobs.job"), cell: (job) => <a href={`/attempts/${job.attempt_id}`}>{say("jobs.score", { id: job.attempt_id.slice(-8) })}</a> },
+    {
+      title: say("jobs.job"),
+      cell: (job) => <a href={`/attempts/${job.attempt_id}`}>{say("jobs.score", { id: job.attempt_id.slice(-8) })}</a>,
+    },
     { title: say("jobs.why"), cell: (job) => kCauses[job.cause] ?? job.cause },
-    { title: say("common.state"), cell: (job) => job.state === "running" ? <Progress label={say("job_state.running")} share={job.progress} /> : <Badge tone={kTones[job.state]}>{kTitles[job.state]}</Badge> },
+    {
+      title: say("common.state"),
+      cell: (job) =>
+        job.state === "running" ? (
+          <Progress label={say("job_state.running")} share={job.progress} />
+        ) : (
+          <Badge tone={kTones[job.state]}>{kTitles[job.state]}</Badge>
+        ),
+    },
     { title: say("jobs.tries"), number: true, cell: (job) => job.tries },
-    { title: say("jobs.problem"), cell: (job) => job.error === "" ? "–" : job.error },
-    { title: say("common.cancel"), hideTitle: true, cell: (job) => job.state === "queued" || job.state === "running"
-      ? <div class="row-tools"><button type="button" class="button small" onClick={() => setCancelling(job)}>{say("jobs.cancel_ask")}</button></div> : null },
+    { title: say("jobs.problem"), cell: (job) => (job.error === "" ? "–" : job.error) },
+    {
+      title: say("common.cancel"),
+      hideTitle: true,
+      cell: (job) =>
+        job.state === "queued" || job.state === "running" ? (
+          <div class="row-tools">
+            <button type="button" class="button small" onClick={() => setCancelling(job)}>
+              {say("jobs.cancel_ask")}
+            </button>
+          </div>
+        ) : null,
+    },
   ];
   return (
     <>
       <PageTitle document={say("nav.jobs")}>{say("nav.jobs")}</PageTitle>
       <div class="filters">
-        <SelectField label={say("common.state")} value={state} onValue={(value) => onQuery({ state: value })}
-                     options={[{ value: "", title: say("common.any") }, ...Object.entries(kTitles).map(([value, title]) => ({ value, title }))]} />
+        <SelectField
+          label={say("common.state")}
+          value={state}
+          onValue={(value) => onQuery({ state: value })}
+          options={[
+            { value: "", title: say("common.any") },
+            ...Object.entries(kTitles).map(([value, title]) => ({ value, title })),
+          ]}
+        />
       </div>
       <PagedList pages={pages} list="jobs" empty={say("jobs.none")}>
-        {(jobs) => <Card className="flush"><DataTable label={say("nav.jobs")} items={jobs} rowKey={(job) => job.id} columns={columns} /></Card>}
+        {(jobs) => (
+          <Card className="flush">
+            <DataTable label={say("nav.jobs")} items={jobs} rowKey={(job) => job.id} columns={columns} />
+          </Card>
+        )}
       </PagedList>
       {cancelling !== undefined && (
-        <Confirm title={say("jobs.cancel_title")} action={say("jobs.cancel")} onClose={() => setCancelling(undefined)}
-                 onConfirm={async () => {
-                   const result = await client.operations.cancelJob(cancelling.id);
-                   if (!result.ok) return result.error.message;
-                   pages.reload();
-                   return undefined;
-                 }}>
+        <Confirm
+          title={say("jobs.cancel_title")}
+          action={say("jobs.cancel")}
+          onClose={() => setCancelling(undefined)}
+          onConfirm={async () => {
+            const result = await client.operations.cancelJob(cancelling.id);
+            if (!result.ok) return result.error.message;
+            pages.reload();
+            return undefined;
+          }}
+        >
           <p>{say("jobs.cancel_text")}</p>
         </Confirm>
       )}

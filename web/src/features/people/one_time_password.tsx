@@ -15,11 +15,17 @@ export function OneTimePassword({ login, password, untilMs, onClose }: Props) {
   return (
     <>
       <p>{sayWith("one_time.login", { login: <code>{login}</code> })}</p>
-      <div class="secret"><CopyText text={password} what={say("copy.password")} /></div>
+      <div class="secret">
+        <CopyText text={password} what={say("copy.password")} />
+      </div>
       <Notice tone="warning" title={say("common.shown_now")}>
         <p>{say("one_time.give", { until: formatDateTime(untilMs) })}</p>
       </Notice>
-      <div class="button-row end"><button type="button" class="button primary" onClick={onClose}>{say("one_time.noted")}</button></div>
+      <div class="button-row end">
+        <button type="button" class="button primary" onClick={onClose}>
+          {say("one_time.noted")}
+        </button>
+      </div>
     </>
   );
 }

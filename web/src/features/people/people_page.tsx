@@ -14,7 +14,24 @@ import { OneTimePassword } from "./one_time_password";
 
 const kPageSize = 50;
 export const kRoles: readonly Option<Role>[] = [
-  { value: "student", get title() { return say("people.student"); } }, { value: "instructor", get title() { return say("people.instructor"); } }, { value: "admin", get title() { return say("people.admin"); } },
+  {
+    value: "student",
+    get title() {
+      return say("people.student");
+    },
+  },
+  {
+    value: "instructor",
+    get title() {
+      return say("people.instructor");
+    },
+  },
+  {
+    value: "admin",
+    get title() {
+      return say("people.admin");
+    },
+  },
 ];
 
 interface Props {
@@ -25,20 +42,30 @@ interface Props {
 
 export function PeoplePage({ client, query, onQuery }: Props) {
   const filter = { text: query.get("text") ?? "", role: query.get("role") ?? "", cohort: query.get("cohort") ?? "" };
-  const pages = usePages(JSON.stringify(filter), (cursor, signal) => client.people.list({ ...filter, cursor, limit: kPageSize }, signal));
+  const pages = usePages(JSON.stringify(filter), (cursor, signal) =>
+    client.people.list({ ...filter, cursor, limit: kPageSize }, signal),
+  );
   const [adding, setAdding] = useState(false);
   return (
     <>
       <div class="toolbar">
         <PageTitle document={say("nav.people")}>{say("nav.people")}</PageTitle>
         <div class="button-row">
-          <a class="button" href="/roster">{say("people.import_ask")}</a>
-          <button type="button" class="button primary" onClick={() => setAdding(true)}>{say("people.add_ask")}</button>
+          <a class="button" href="/roster">
+            {say("people.import_ask")}
+          </a>
+          <button type="button" class="button primary" onClick={() => setAdding(true)}>
+            {say("people.add_ask")}
+          </button>
         </div>
       </div>
       <Filters client={client} filter={filter} onQuery={onQuery} />
       <PagedList pages={pages} list="people" empty={say("people.none")}>
-        {(people) => <Card className="flush"><DataTable label={say("nav.people")} items={people} rowKey={(person) => person.id} columns={kColumns} /></Card>}
+        {(people) => (
+          <Card className="flush">
+            <DataTable label={say("nav.people")} items={people} rowKey={(person) => person.id} columns={kColumns} />
+          </Card>
+        )}
       </PagedList>
       {adding && <AddPerson client={client} onClose={() => setAdding(false)} onAdded={pages.reload} />}
     </>
@@ -46,18 +73,48 @@ export function PeoplePage({ client, query, onQuery }: Props) {
 }
 
 const kColumns = [
-  { get title() { return say("account.name"); }, cell: (person: PersonDetail) => <a href={`/people/${person.id}`}>{person.display_name}</a> },
-  { get title() { return say("account.login"); }, cell: (person: PersonDetail) => <code>{person.login}</code> },
-  { get title() { return say("account.role"); }, cell: (person: PersonDetail) => kRoles.find((role) => role.value === person.role)?.title ?? person.role },
-  { get title() { return say("common.state"); }, cell: (person: PersonDetail) => <PersonState person={person} /> },
+  {
+    get title() {
+      return say("account.name");
+    },
+    cell: (person: PersonDetail) => <a href={`/people/${person.id}`}>{person.display_name}</a>,
+  },
+  {
+    get title() {
+      return say("account.login");
+    },
+    cell: (person: PersonDetail) => <code>{person.login}</code>,
+  },
+  {
+    get title() {
+      return say("account.role");
+    },
+    cell: (person: PersonDetail) => kRoles.find((role) => role.value === person.role)?.title ?? person.role,
+  },
+  {
+    get title() {
+      return say("common.state");
+    },
+    cell: (person: PersonDetail) => <PersonState person={person} />,
+  },
 ];
 
 export function PersonState({ person }: { readonly person: PersonDetail }) {
   if (person.disabled) return <Badge tone="bad">{say("people.disabled")}</Badge>;
-  return person.must_change_password ? <Badge tone="warning">{say("people.one_time")}</Badge> : <Badge tone="good">{say("people.active")}</Badge>;
+  return person.must_change_password ? (
+    <Badge tone="warning">{say("people.one_time")}</Badge>
+  ) : (
+    <Badge tone="good">{say("people.active")}</Badge>
+  );
 }
 
-function Filters({ client, filter, onQuery }: Omit<Props, "query"> & { readonly filter: { readonly text: string; readonly role: string; readonly cohort: string } }) {
+function Filters({
+  client,
+  filter,
+  onQuery,
+}: Omit<Props, "query"> & {
+  readonly filter: { readonly text: string; readonly role: string; readonly cohort: string };
+}) {
   const cohorts = useRequest("cohorts", (signal) => client.people.allCohorts(signal));
   const [text, setText] = useState(filter.text);
   const names = cohorts.loaded.state === "ready" ? cohorts.loaded.value : [];
@@ -68,15 +125,37 @@ function Filters({ client, filter, onQuery }: Omit<Props, "query"> & { readonly 
   return (
     <form class="filters" role="search" onSubmit={submit}>
       <TextField label={say("people.name_or_login")} value={text} onValue={setText} maxLength={100} />
-      <SelectField label={say("account.role")} value={filter.role} onValue={(role) => onQuery({ ...filter, role })} options={[{ value: "", title: say("common.any") }, ...kRoles]} />
-      <SelectField label={say("common.cohort")} value={filter.cohort} onValue={(cohort) => onQuery({ ...filter, cohort })}
-                   options={[{ value: "", title: say("common.any") }, ...names.map((cohort) => ({ value: cohort.id, title: cohort.name }))]} />
-      <button type="submit" class="button">{say("people.search")}</button>
+      <SelectField
+        label={say("account.role")}
+        value={filter.role}
+        onValue={(role) => onQuery({ ...filter, role })}
+        options={[{ value: "", title: say("common.any") }, ...kRoles]}
+      />
+      <SelectField
+        label={say("common.cohort")}
+        value={filter.cohort}
+        onValue={(cohort) => onQuery({ ...filter, cohort })}
+        options={[
+          { value: "", title: say("common.any") },
+          ...names.map((cohort) => ({ value: cohort.id, title: cohort.name })),
+        ]}
+      />
+      <button type="submit" class="button">
+        {say("people.search")}
+      </button>
     </form>
   );
 }
 
-function AddPerson({ client, onClose, onAdded }: { readonly client: Client; readonly onClose: () => void; readonly onAdded: () => void }) {
+function AddPerson({
+  client,
+  onClose,
+  onAdded,
+}: {
+  readonly client: Client;
+  readonly onClose: () => void;
+  readonly onAdded: () => void;
+}) {
   const [login, setLogin] = useState("");
   const [name, setName] = useState("");
   const [role, setRole] = useState<Role>("student");
@@ -84,22 +163,51 @@ function AddPerson({ client, onClose, onAdded }: { readonly client: Client; read
   const change = useChange();
   const submit = async (event: Event) => {
     event.preventDefault();
-    const result = await change.run(() => client.people.create({ login: login.trim(), display_name: name.trim(), role }));
+    const result = await change.run(() =>
+      client.people.create({ login: login.trim(), display_name: name.trim(), role }),
+    );
     if (result?.ok !== true) return;
     setMade({ login: result.value.login, password: result.value.password, untilMs: result.value.password_until_ms });
     onAdded();
   };
-  const problem = (field: string) => change.error?.field === field ? change.error.message : undefined;
+  const problem = (field: string) => (change.error?.field === field ? change.error.message : undefined);
   if (made !== undefined) {
-    return <Dialog title={say("people.added")} onClose={onClose}><OneTimePassword {...made} onClose={onClose} /></Dialog>;
+    return (
+      <Dialog title={say("people.added")} onClose={onClose}>
+        <OneTimePassword {...made} onClose={onClose} />
+      </Dialog>
+    );
   }
   return (
     <Dialog title={say("people.add")} onClose={onClose}>
       <form class="form" onSubmit={(event) => void submit(event)}>
-        <TextField label={say("account.name")} value={name} onValue={setName} required maxLength={200} problem={problem("display_name")} />
-        <TextField label={say("account.login")} value={login} onValue={setLogin} required maxLength={64} problem={problem("login")} hint={say("people.login_hint")} />
-        <SelectField label={say("account.role")} value={role} onValue={setRole} options={kRoles} problem={problem("role")} />
-        {change.error !== undefined && !["login", "display_name", "role"].includes(change.error.field) && <ErrorNotice title={say("common.not_added")} message={change.error.message} />}
+        <TextField
+          label={say("account.name")}
+          value={name}
+          onValue={setName}
+          required
+          maxLength={200}
+          problem={problem("display_name")}
+        />
+        <TextField
+          label={say("account.login")}
+          value={login}
+          onValue={setLogin}
+          required
+          maxLength={64}
+          problem={problem("login")}
+          hint={say("people.login_hint")}
+        />
+        <SelectField
+          label={say("account.role")}
+          value={role}
+          onValue={setRole}
+          options={kRoles}
+          problem={problem("role")}
+        />
+        {change.error !== undefined && !["login", "display_name", "role"].includes(change.error.field) && (
+          <ErrorNotice title={say("common.not_added")} message={change.error.message} />
+        )}
         <FormButtons action={say("common.add")} disabled={change.busy} onCancel={onClose} />
       </form>
     </Dialog>

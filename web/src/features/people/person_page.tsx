@@ -16,7 +16,7 @@ import { kRoles, PersonState } from "./people_page";
 interface Props {
   readonly client: Client;
   readonly id: string;
-  readonly self: boolean;                       // the admin's own account
+  readonly self: boolean; // the admin's own account
   readonly onGone: () => void;
 }
 
@@ -24,27 +24,71 @@ export function PersonPage({ client, id, self, onGone }: Props) {
   const { loaded, reload } = useRequest(id, (signal) => client.people.get(id, signal));
   return (
     <>
-      <nav class="trail" aria-label={say("common.where")}><a href="/people">{say("nav.people")}</a></nav>
+      <nav class="trail" aria-label={say("common.where")}>
+        <a href="/people">{say("nav.people")}</a>
+      </nav>
       {loaded.state === "loading" && <Loading what={say("loading.person")} />}
       {loaded.state === "failed" && (
-        <><PageTitle document={say("person.one")}>{say("person.one")}</PageTitle><ErrorNotice title={say("person.failed")} message={loaded.error.message} onRetry={reload} /></>
+        <>
+          <PageTitle document={say("person.one")}>{say("person.one")}</PageTitle>
+          <ErrorNotice title={say("person.failed")} message={loaded.error.message} onRetry={reload} />
+        </>
       )}
-      {loaded.state === "ready" && <LoadedPerson key={loaded.value.tag} client={client} read={loaded.value} self={self} onChanged={reload} onGone={onGone} />}
+      {loaded.state === "ready" && (
+        <LoadedPerson
+          key={loaded.value.tag}
+          client={client}
+          read={loaded.value}
+          self={self}
+          onChanged={reload}
+          onGone={onGone}
+        />
+      )}
     </>
   );
 }
 
-function LoadedPerson({ client, read, self, onChanged, onGone }:
-    { readonly client: Client; readonly read: Tagged<PersonWithCohorts>; readonly self: boolean; readonly onChanged: () => void; readonly onGone: () => void }) {
+function LoadedPerson({
+  client,
+  read,
+  self,
+  onChanged,
+  onGone,
+}: {
+  readonly client: Client;
+  readonly read: Tagged<PersonWithCohorts>;
+  readonly self: boolean;
+  readonly onChanged: () => void;
+  readonly onGone: () => void;
+}) {
   const [latest, setLatest] = useState<Tagged<PersonDetail>>(read);
   const person = latest.value;
   return (
     <>
-      <div class="title-row"><PageTitle document={person.display_name}>{person.display_name}</PageTitle><PersonState person={person} /></div>
-      <p class="byline">{sayWith("person.login", { login: <code>{person.login}</code> })}{" · "}<a href={`/attempts?person=${person.id}`}>{say("nav.attempts")}</a>{" · "}<a href={`/audit?object=${person.id}`}>{say("nav.audit")}</a>{read.value.cohorts.map((cohort) => <span key={cohort.id}>{" · "}<a href={`/cohorts/${cohort.id}`}>{cohort.name}</a></span>)}</p>
+      <div class="title-row">
+        <PageTitle document={person.display_name}>{person.display_name}</PageTitle>
+        <PersonState person={person} />
+      </div>
+      <p class="byline">
+        {sayWith("person.login", { login: <code>{person.login}</code> })}
+        {" · "}
+        <a href={`/attempts?person=${person.id}`}>{say("nav.attempts")}</a>
+        {" · "}
+        <a href={`/audit?object=${person.id}`}>{say("nav.audit")}</a>
+        {read.value.cohorts.map((cohort) => (
+          <span key={cohort.id}>
+            {" · "}
+            <a href={`/cohorts/${cohort.id}`}>{cohort.name}</a>
+          </span>
+        ))}
+      </p>
       <div class="columns">
-        <Card title={say("cohort.details")}><Details client={client} read={read} self={self} onRead={setLatest} /></Card>
-        <Card title={say("person.access")}><Access client={client} read={latest} self={self} onChanged={onChanged} /></Card>
+        <Card title={say("cohort.details")}>
+          <Details client={client} read={read} self={self} onRead={setLatest} />
+        </Card>
+        <Card title={say("person.access")}>
+          <Access client={client} read={latest} self={self} onChanged={onChanged} />
+        </Card>
       </div>
       <PersonSessions client={client} person={person} />
       {!self && <Erase client={client} person={person} onGone={onGone} />}
@@ -53,31 +97,86 @@ function LoadedPerson({ client, read, self, onChanged, onGone }:
 }
 
 const kCompared = [
-  { get title() { return say("account.name"); }, text: (person: PersonDetail) => person.display_name },
-  { get title() { return say("account.role"); }, text: (person: PersonDetail) => person.role as string },
-  { get title() { return say("people.disabled"); }, text: (person: PersonDetail) => person.disabled ? "yes" : "no" },
+  {
+    get title() {
+      return say("account.name");
+    },
+    text: (person: PersonDetail) => person.display_name,
+  },
+  {
+    get title() {
+      return say("account.role");
+    },
+    text: (person: PersonDetail) => person.role as string,
+  },
+  {
+    get title() {
+      return say("people.disabled");
+    },
+    text: (person: PersonDetail) => (person.disabled ? "yes" : "no"),
+  },
 ];
 
-function Details({ client, read, self, onRead }:
-    { readonly client: Client; readonly read: Tagged<PersonDetail>; readonly self: boolean; readonly onRead: (read: Tagged<PersonDetail>) => void }) {
-  const edit = useEdit(read, ({ display_name, role }, tag) => client.people.edit(read.value.id, { display_name: display_name.trim(), role }, tag), onRead);
+function Details({
+  client,
+  read,
+  self,
+  onRead,
+}: {
+  readonly client: Client;
+  readonly read: Tagged<PersonDetail>;
+  readonly self: boolean;
+  readonly onRead: (read: Tagged<PersonDetail>) => void;
+}) {
+  const edit = useEdit(
+    read,
+    ({ display_name, role }, tag) =>
+      client.people.edit(read.value.id, { display_name: display_name.trim(), role }, tag),
+    onRead,
+  );
   const submit = (event: Event) => {
     event.preventDefault();
     void edit.save();
   };
   return (
     <form class="form" onSubmit={submit}>
-      <TextField label={say("account.name")} value={edit.draft.display_name} onValue={(name) => edit.set({ display_name: name })} required maxLength={200} problem={edit.problemOf("display_name")} />
-      <SelectField label={say("account.role")} value={edit.draft.role} onValue={(role) => edit.set({ role })} options={kRoles} problem={edit.problemOf("role")}
-                   {...(self ? { hint: say("person.own_account") } : {})} />
+      <TextField
+        label={say("account.name")}
+        value={edit.draft.display_name}
+        onValue={(name) => edit.set({ display_name: name })}
+        required
+        maxLength={200}
+        problem={edit.problemOf("display_name")}
+      />
+      <SelectField
+        label={say("account.role")}
+        value={edit.draft.role}
+        onValue={(role) => edit.set({ role })}
+        options={kRoles}
+        problem={edit.problemOf("role")}
+        {...(self ? { hint: say("person.own_account") } : {})}
+      />
       <EditNotices edit={edit} compared={kCompared} fields={["display_name", "role"]} />
-      <div><button type="submit" class="button primary" disabled={edit.busy || !edit.changed}>{say("common.save")}</button></div>
+      <div>
+        <button type="submit" class="button primary" disabled={edit.busy || !edit.changed}>
+          {say("common.save")}
+        </button>
+      </div>
     </form>
   );
 }
 
-function Access({ client, read, self, onChanged }:
-    { readonly client: Client; readonly read: Tagged<PersonDetail>; readonly self: boolean; readonly onChanged: () => void }) {
+function Access({
+  client,
+  read,
+  self,
+  onChanged,
+}: {
+  readonly client: Client;
+  readonly read: Tagged<PersonDetail>;
+  readonly self: boolean;
+  readonly onChanged: () => void;
+}) {
   const person = read.value;
   const [open, setOpen] = useState<"reset" | "disable">();
   const [made, setMade] = useState<{ readonly password: string; readonly untilMs: number }>();
@@ -97,24 +196,57 @@ function Access({ client, read, self, onChanged }:
   return (
     <>
       <div class="button-row">
-        <button type="button" class="button" onClick={() => setOpen("reset")}>{say("person.reset_ask")}</button>
-        {!self && <button type="button" class="button" onClick={() => setOpen("disable")}>{person.disabled ? say("person.enable_ask") : say("person.disable_ask")}</button>}
+        <button type="button" class="button" onClick={() => setOpen("reset")}>
+          {say("person.reset_ask")}
+        </button>
+        {!self && (
+          <button type="button" class="button" onClick={() => setOpen("disable")}>
+            {person.disabled ? say("person.enable_ask") : say("person.disable_ask")}
+          </button>
+        )}
       </div>
       <p class="hint">{say("person.disable_hint")}</p>
       {open === "reset" && (
-        <Confirm title={say("person.reset_title", { name: person.display_name })} action={say("person.reset")} onClose={close} onConfirm={reset}>
+        <Confirm
+          title={say("person.reset_title", { name: person.display_name })}
+          action={say("person.reset")}
+          onClose={close}
+          onConfirm={reset}
+        >
           <p>{say("person.reset_text")}</p>
         </Confirm>
       )}
       {open === "disable" && (
-        <Confirm title={person.disabled ? say("person.enable_title", { name: person.display_name }) : say("person.disable_title", { name: person.display_name })} tone={person.disabled ? "neutral" : "bad"}
-                 action={person.disabled ? say("person.enable") : say("person.disable")} onClose={close} onConfirm={() => setDisabled(!person.disabled)}>
+        <Confirm
+          title={
+            person.disabled
+              ? say("person.enable_title", { name: person.display_name })
+              : say("person.disable_title", { name: person.display_name })
+          }
+          tone={person.disabled ? "neutral" : "bad"}
+          action={person.disabled ? say("person.enable") : say("person.disable")}
+          onClose={close}
+          onConfirm={() => setDisabled(!person.disabled)}
+        >
           <p>{person.disabled ? say("person.enable_text") : say("person.disable_text")}</p>
         </Confirm>
       )}
       {made !== undefined && (
-        <Dialog title={say("account.new_password")} onClose={() => { setMade(undefined); onChanged(); }}>
-          <OneTimePassword login={person.login} {...made} onClose={() => { setMade(undefined); onChanged(); }} />
+        <Dialog
+          title={say("account.new_password")}
+          onClose={() => {
+            setMade(undefined);
+            onChanged();
+          }}
+        >
+          <OneTimePassword
+            login={person.login}
+            {...made}
+            onClose={() => {
+              setMade(undefined);
+              onChanged();
+            }}
+          />
         </Dialog>
       )}
     </>
@@ -126,26 +258,46 @@ function PersonSessions({ client, person }: { readonly client: Client; readonly 
   const sessions = loaded.state === "ready" ? loaded.value : [];
   const [endingAll, setEndingAll] = useState(false);
   return (
-    <Card title={say("person.signed_in")} {...(sessions.length === 0 ? {} : { aside: <button type="button" class="button small" onClick={() => setEndingAll(true)}>{say("person.end_all_ask")}</button> })}>
+    <Card
+      title={say("person.signed_in")}
+      {...(sessions.length === 0
+        ? {}
+        : {
+            aside: (
+              <button type="button" class="button small" onClick={() => setEndingAll(true)}>
+                {say("person.end_all_ask")}
+              </button>
+            ),
+          })}
+    >
       {loaded.state === "loading" && <Loading what={say("loading.sessions")} />}
-      {loaded.state === "failed" && <ErrorNotice title={say("person.sessions_failed")} message={loaded.error.message} onRetry={reload} />}
+      {loaded.state === "failed" && (
+        <ErrorNotice title={say("person.sessions_failed")} message={loaded.error.message} onRetry={reload} />
+      )}
       {loaded.state === "ready" && (
-        <SessionsTable sessions={sessions} label={say("person.sessions_of", { name: person.display_name })}
-                       onEnd={async (session) => {
-                         const result = await client.people.endSession(session);
-                         if (!result.ok) return result.error.message;
-                         reload();
-                         return undefined;
-                       }} />
+        <SessionsTable
+          sessions={sessions}
+          label={say("person.sessions_of", { name: person.display_name })}
+          onEnd={async (session) => {
+            const result = await client.people.endSession(session);
+            if (!result.ok) return result.error.message;
+            reload();
+            return undefined;
+          }}
+        />
       )}
       {endingAll && (
-        <Confirm title={say("person.end_all_title", { name: person.display_name })} action={say("person.end_all")} onClose={() => setEndingAll(false)}
-                 onConfirm={async () => {
-                   const result = await client.people.endSessions(person.id);
-                   if (!result.ok) return result.error.message;
-                   reload();
-                   return undefined;
-                 }}>
+        <Confirm
+          title={say("person.end_all_title", { name: person.display_name })}
+          action={say("person.end_all")}
+          onClose={() => setEndingAll(false)}
+          onConfirm={async () => {
+            const result = await client.people.endSessions(person.id);
+            if (!result.ok) return result.error.message;
+            reload();
+            return undefined;
+          }}
+        >
           <p>{say("person.end_all_text")}</p>
         </Confirm>
       )}
@@ -154,25 +306,49 @@ function PersonSessions({ client, person }: { readonly client: Client; readonly 
 }
 
 // Ends everything that is kept about a person (schemas/personal_data.md).
-function Erase({ client, person, onGone }: { readonly client: Client; readonly person: PersonDetail; readonly onGone: () => void }) {
+function Erase({
+  client,
+  person,
+  onGone,
+}: {
+  readonly client: Client;
+  readonly person: PersonDetail;
+  readonly onGone: () => void;
+}) {
   const [open, setOpen] = useState(false);
   const [login, setLogin] = useState("");
   const [withReferences, setWithReferences] = useState(false);
   return (
     <Card title={say("person.erase")}>
       <p>{say("person.erase_hint")}</p>
-      <button type="button" class="button" onClick={() => setOpen(true)}>{say("person.erase_ask")}</button>
+      <button type="button" class="button" onClick={() => setOpen(true)}>
+        {say("person.erase_ask")}
+      </button>
       {open && (
-        <Confirm title={say("person.erase_title", { name: person.display_name })} action={say("person.erase_for_ever")} onClose={() => setOpen(false)}
-                 onConfirm={async () => {
-                   const result = await client.people.erase(person.id, login.trim(), withReferences);
-                   if (!result.ok) return result.error.message;
-                   onGone();
-                   return undefined;
-                 }}>
+        <Confirm
+          title={say("person.erase_title", { name: person.display_name })}
+          action={say("person.erase_for_ever")}
+          onClose={() => setOpen(false)}
+          onConfirm={async () => {
+            const result = await client.people.erase(person.id, login.trim(), withReferences);
+            if (!result.ok) return result.error.message;
+            onGone();
+            return undefined;
+          }}
+        >
           <p>{say("person.erase_text")}</p>
-          <TextField label={say("person.type_login", { login: person.login })} value={login} onValue={setLogin} maxLength={64} />
-          <CheckField label={say("person.erase_references")} hint={say("person.erase_references_hint")} value={withReferences} onValue={setWithReferences} />
+          <TextField
+            label={say("person.type_login", { login: person.login })}
+            value={login}
+            onValue={setLogin}
+            maxLength={64}
+          />
+          <CheckField
+            label={say("person.erase_references")}
+            hint={say("person.erase_references_hint")}
+            value={withReferences}
+            onValue={setWithReferences}
+          />
         </Confirm>
       )}
     </Card>

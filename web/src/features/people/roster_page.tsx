@@ -11,7 +11,7 @@ import { Badge, Card, ErrorNotice, Notice, PageTitle, type Tone } from "../../wi
 import { FileField, SelectField } from "../../widgets/form";
 import { DataTable } from "../../widgets/table";
 
-const kMaxBytes = 1 << 20;                      // of a request's body
+const kMaxBytes = 1 << 20; // of a request's body
 const kShownRows = 500;
 const kExample = "login,display_name,role,cohort\r\nstudent.one,Student One,student,Preclinic A\r\n";
 
@@ -39,7 +39,11 @@ export function RosterPage({ client }: { readonly client: Client }) {
   };
   const choose = async (chosen: File | undefined) => {
     const tooLarge = chosen !== undefined && chosen.size > kMaxBytes;
-    setProblem(tooLarge ? say("roster.too_large", { found: formatNumber(chosen.size, 0), most: formatNumber(kMaxBytes, 0) }) : undefined);
+    setProblem(
+      tooLarge
+        ? say("roster.too_large", { found: formatNumber(chosen.size, 0), most: formatNumber(kMaxBytes, 0) })
+        : undefined,
+    );
     const next = chosen === undefined || tooLarge ? undefined : { name: chosen.name, text: await chosen.text() };
     setFile(next);
     await check(next, cohort);
@@ -52,19 +56,52 @@ export function RosterPage({ client }: { readonly client: Client }) {
 
   return (
     <>
-      <nav class="trail" aria-label={say("common.where")}><a href="/people">{say("nav.people")}</a></nav>
+      <nav class="trail" aria-label={say("common.where")}>
+        <a href="/people">{say("nav.people")}</a>
+      </nav>
       <PageTitle document={say("roster.title")}>{say("roster.title")}</PageTitle>
-      {done !== undefined ? <Done report={done} /> : (
+      {done !== undefined ? (
+        <Done report={done} />
+      ) : (
         <>
           <Card title={say("roster.file")}>
-            <p>{sayWith("roster.format", { login: <code>"login"</code>, display_name: <code>"display_name"</code>, role: <code>"role"</code>, cohort: <code>"cohort"</code> })}</p>
+            <p>
+              {sayWith("roster.format", {
+                login: <code>"login"</code>,
+                display_name: <code>"display_name"</code>,
+                role: <code>"role"</code>,
+                cohort: <code>"cohort"</code>,
+              })}
+            </p>
             <div class="form-grid">
-              <FileField label={say("roster.csv")} accept=".csv,text/csv" onFile={(chosen) => void choose(chosen)} problem={problem} />
-              <SelectField label={say("roster.cohort")} value={cohort}
-                           onValue={(name) => { setCohort(name); void check(file, name); }}
-                           options={[{ value: "", title: say("common.none") }, ...names.map((name) => ({ value: name, title: name }))]} />
+              <FileField
+                label={say("roster.csv")}
+                accept=".csv,text/csv"
+                onFile={(chosen) => void choose(chosen)}
+                problem={problem}
+              />
+              <SelectField
+                label={say("roster.cohort")}
+                value={cohort}
+                onValue={(name) => {
+                  setCohort(name);
+                  void check(file, name);
+                }}
+                options={[
+                  { value: "", title: say("common.none") },
+                  ...names.map((name) => ({ value: name, title: name })),
+                ]}
+              />
             </div>
-            <p><button type="button" class="button quiet" onClick={() => downloadText("roster_example.csv", "text/csv", kExample)}>{say("roster.example")}</button></p>
+            <p>
+              <button
+                type="button"
+                class="button quiet"
+                onClick={() => downloadText("roster_example.csv", "text/csv", kExample)}
+              >
+                {say("roster.example")}
+              </button>
+            </p>
           </Card>
           {change.error !== undefined && <ErrorNotice title={say("roster.not_read")} message={change.error.message} />}
           {trial !== undefined && <Trial report={trial} busy={change.busy} onImport={() => void carryOut()} />}
@@ -74,7 +111,15 @@ export function RosterPage({ client }: { readonly client: Client }) {
   );
 }
 
-function Trial({ report, busy, onImport }: { readonly report: RosterOutcome; readonly busy: boolean; readonly onImport: () => void }) {
+function Trial({
+  report,
+  busy,
+  onImport,
+}: {
+  readonly report: RosterOutcome;
+  readonly busy: boolean;
+  readonly onImport: () => void;
+}) {
   const { problems } = report;
   if (problems.length > 0) {
     return (
@@ -82,12 +127,17 @@ function Trial({ report, busy, onImport }: { readonly report: RosterOutcome; rea
         <Notice tone="bad" title={say("roster.problems", { count: report.problem_count })}>
           <p>{say("roster.correct")}</p>
         </Notice>
-        <DataTable label={say("roster.problems_table")} items={problems} dense columns={[
-          { title: say("roster.row"), number: true, cell: (item) => item.row },
-          { title: say("roster.column"), cell: (item) => item.column === "" ? "–" : <code>{item.column}</code> },
-          { title: say("roster.found"), cell: (item) => item.found },
-          { title: say("roster.expected"), cell: (item) => item.expected },
-        ]} />
+        <DataTable
+          label={say("roster.problems_table")}
+          items={problems}
+          dense
+          columns={[
+            { title: say("roster.row"), number: true, cell: (item) => item.row },
+            { title: say("roster.column"), cell: (item) => (item.column === "" ? "–" : <code>{item.column}</code>) },
+            { title: say("roster.found"), cell: (item) => item.found },
+            { title: say("roster.expected"), cell: (item) => item.expected },
+          ]}
+        />
       </Card>
     );
   }
@@ -96,12 +146,18 @@ function Trial({ report, busy, onImport }: { readonly report: RosterOutcome; rea
     <Card title={say("roster.would")}>
       <Notice tone={nothing ? "neutral" : "good"} title={countText(report)}>
         {report.new_cohorts.length > 0 && <p>{say("roster.new_cohorts", { names: report.new_cohorts.join(", ") })}</p>}
-        {report.ignored_columns.length > 0 && <p>{say("roster.ignored", { names: report.ignored_columns.join(", ") })}</p>}
+        {report.ignored_columns.length > 0 && (
+          <p>{say("roster.ignored", { names: report.ignored_columns.join(", ") })}</p>
+        )}
       </Notice>
       <Rows report={report} />
       <div class="button-row">
         <button type="button" class="button primary" disabled={busy || nothing} onClick={onImport}>
-          {nothing ? say("roster.nothing") : busy ? say("roster.importing") : say("roster.import", { count: report.created + report.updated })}
+          {nothing
+            ? say("roster.nothing")
+            : busy
+              ? say("roster.importing")
+              : say("roster.import", { count: report.created + report.updated })}
         </button>
       </div>
     </Card>
@@ -109,31 +165,64 @@ function Trial({ report, busy, onImport }: { readonly report: RosterOutcome; rea
 }
 
 const kTones: Readonly<Record<string, Tone>> = { create: "good", update: "warning", unchanged: "neutral" };
-const kTitles: Readonly<Record<string, string>> = { get create() { return say("roster.create"); }, get update() { return say("roster.update"); }, get unchanged() { return say("roster.unchanged"); } };
+const kTitles: Readonly<Record<string, string>> = {
+  get create() {
+    return say("roster.create");
+  },
+  get update() {
+    return say("roster.update");
+  },
+  get unchanged() {
+    return say("roster.unchanged");
+  },
+};
 
 function Rows({ report }: { readonly report: RosterOutcome }) {
   const shown = report.people.slice(0, kShownRows);
   return (
     <>
-      <DataTable label={say("roster.rows")} items={shown} dense columns={[
-        { title: say("roster.row"), number: true, cell: (item) => item.row },
-        { title: say("account.login"), cell: (item) => <code>{item.login}</code> },
-        { title: say("roster.happens"), cell: (item) => <Badge tone={kTones[item.change] ?? "neutral"}>{kTitles[item.change] ?? item.change}</Badge> },
-        { title: say("roster.detail"), cell: (item) => detailText(item) },
-      ]} />
-      {report.people.length > shown.length && <p class="hint">{say("roster.first_rows", { shown: shown.length, count: report.people.length })}</p>}
+      <DataTable
+        label={say("roster.rows")}
+        items={shown}
+        dense
+        columns={[
+          { title: say("roster.row"), number: true, cell: (item) => item.row },
+          { title: say("account.login"), cell: (item) => <code>{item.login}</code> },
+          {
+            title: say("roster.happens"),
+            cell: (item) => (
+              <Badge tone={kTones[item.change] ?? "neutral"}>{kTitles[item.change] ?? item.change}</Badge>
+            ),
+          },
+          { title: say("roster.detail"), cell: (item) => detailText(item) },
+        ]}
+      />
+      {report.people.length > shown.length && (
+        <p class="hint">{say("roster.first_rows", { shown: shown.length, count: report.people.length })}</p>
+      )}
     </>
   );
 }
 
 function detailText({ renames, joins, note }: RosterOutcome["people"][number]): string {
-  return [renames ? say("roster.renames") : "", joins ? say("roster.joins") : "", note].filter((part) => part !== "").join("; ") || "–";
+  return (
+    [renames ? say("roster.renames") : "", joins ? say("roster.joins") : "", note]
+      .filter((part) => part !== "")
+      .join("; ") || "–"
+  );
 }
 
 function Done({ report }: { readonly report: RosterOutcome }) {
   const { passwords } = report;
-  const save = () => downloadText("passwords.csv", "text/csv", csvText(["login", "display_name", "cohort", "password"],
-    passwords.map((row) => [row.login, row.display_name, row.cohort, row.password])));
+  const save = () =>
+    downloadText(
+      "passwords.csv",
+      "text/csv",
+      csvText(
+        ["login", "display_name", "cohort", "password"],
+        passwords.map((row) => [row.login, row.display_name, row.cohort, row.password]),
+      ),
+    );
   return (
     <Card title={say("roster.imported")}>
       <Notice tone="good" title={countText(report)} />
@@ -141,15 +230,25 @@ function Done({ report }: { readonly report: RosterOutcome }) {
         <>
           <Notice tone="warning" title={say("roster.passwords_now")}>
             <p>{say("roster.passwords_text")}</p>
-            <button type="button" class="button" onClick={save}>{say("roster.save_passwords", { count: passwords.length })}</button>
+            <button type="button" class="button" onClick={save}>
+              {say("roster.save_passwords", { count: passwords.length })}
+            </button>
           </Notice>
-          <DataTable label={say("roster.new_passwords")} items={passwords} dense columns={[
-            { title: say("account.name"), cell: (row) => row.display_name }, { title: say("account.login"), cell: (row) => <code>{row.login}</code> },
-            { title: say("account.password"), cell: (row) => <code>{row.password}</code> },
-          ]} />
+          <DataTable
+            label={say("roster.new_passwords")}
+            items={passwords}
+            dense
+            columns={[
+              { title: say("account.name"), cell: (row) => row.display_name },
+              { title: say("account.login"), cell: (row) => <code>{row.login}</code> },
+              { title: say("account.password"), cell: (row) => <code>{row.password}</code> },
+            ]}
+          />
         </>
       )}
-      <p><a href="/people">{say("roster.go_people")}</a></p>
+      <p>
+        <a href="/people">{say("roster.go_people")}</a>
+      </p>
     </Card>
   );
 }

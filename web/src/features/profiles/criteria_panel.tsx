@@ -13,16 +13,45 @@ export function CriteriaPanel({ criteria }: { readonly criteria: readonly Profil
     <div class="columns">
       {bars.length > 0 && (
         <div class="stack">
-          <LimitBars label={say("criteria.use")} items={bars.map((item) => ({ title: wordedTitle(item.title), share: item.at_least ? item.limit / item.value : item.value / item.limit, ok: item.met }))} />
+          <LimitBars
+            label={say("criteria.use")}
+            items={bars.map((item) => ({
+              title: wordedTitle(item.title),
+              share: item.at_least ? item.limit / item.value : item.value / item.limit,
+              ok: item.met,
+            }))}
+          />
           <p class="hint">{say("criteria.line")}</p>
         </div>
       )}
-      <DataTable label={say("document_place.criteria")} items={criteria} rowKey={(item) => item.name} dense columns={[
-        { title: say("common.criterion"), cell: (item) => <>{wordedTitle(item.title)}<span class="sub">{item.formula}</span></> },
-        { title: say("criteria.figure"), number: true, cell: (item) => formatQuantity(item.value, item.unit) },
-        { title: say("criteria.limit"), number: true, cell: (item) => limitText(item) },
-        { title: say("criteria.result"), cell: (item) => item.met ? <Badge tone="good">{say("criteria.met")}</Badge> : <Badge tone="bad">{say("criteria.not_met")}</Badge> },
-      ]} />
+      <DataTable
+        label={say("document_place.criteria")}
+        items={criteria}
+        rowKey={(item) => item.name}
+        dense
+        columns={[
+          {
+            title: say("common.criterion"),
+            cell: (item) => (
+              <>
+                {wordedTitle(item.title)}
+                <span class="sub">{item.formula}</span>
+              </>
+            ),
+          },
+          { title: say("criteria.figure"), number: true, cell: (item) => formatQuantity(item.value, item.unit) },
+          { title: say("criteria.limit"), number: true, cell: (item) => limitText(item) },
+          {
+            title: say("criteria.result"),
+            cell: (item) =>
+              item.met ? (
+                <Badge tone="good">{say("criteria.met")}</Badge>
+              ) : (
+                <Badge tone="bad">{say("criteria.not_met")}</Badge>
+              ),
+          },
+        ]}
+      />
     </div>
   );
 }

@@ -8,18 +8,37 @@ import { DrawnView } from "../../widgets/lab_report/drawn_view";
 
 // What can be drawn of a qualification report: how it feels to press, stroke, reverse, lift, nick and slip out, and
 // what else enamel-lab found.
-export function DrawnReport({ client, id, onClose }: { readonly client: Client; readonly id: string; readonly onClose: () => void }) {
+export function DrawnReport({
+  client,
+  id,
+  onClose,
+}: {
+  readonly client: Client;
+  readonly id: string;
+  readonly onClose: () => void;
+}) {
   const { loaded, reload } = useRequest(id, (signal) => client.profiles.report(id, signal));
   const drawable = useMemo(() => (loaded.state === "ready" ? drawableIn(loaded.value) : undefined), [loaded]);
-  const close = <button type="button" class="button small" onClick={onClose}>{say("common.close")}</button>;
+  const close = (
+    <button type="button" class="button small" onClick={onClose}>
+      {say("common.close")}
+    </button>
+  );
   if (drawable?.ok === true) return <DrawnView drawable={drawable.value} aside={close} />;
   return (
     <Card title={say("strokes.title")} aside={close}>
       {loaded.state === "loading" && <Loading what={say("loading.report")} />}
-      {loaded.state === "failed" && <ErrorNotice title={say("drawn.failed")} message={loaded.error.message} onRetry={reload} />}
+      {loaded.state === "failed" && (
+        <ErrorNotice title={say("drawn.failed")} message={loaded.error.message} onRetry={reload} />
+      )}
       {drawable?.ok === false && (
         <Notice tone="neutral" title={say("drawn.nothing")}>
-          <p>{sayWith("drawn.nothing_text", { reason: capital(drawable.error), command: <code>enamel-lab qualify --profile NAME --suite strokes --json FILE</code> })}</p>
+          <p>
+            {sayWith("drawn.nothing_text", {
+              reason: capital(drawable.error),
+              command: <code>enamel-lab qualify --profile NAME --suite strokes --json FILE</code>,
+            })}
+          </p>
         </Notice>
       )}
     </Card>

@@ -8,21 +8,33 @@ export type Verdict = FeelCell["verdict"];
 export type Motion = FeelCell["motion"];
 
 export const kTones: Readonly<Record<Verdict, "good" | "warning" | "bad" | "neutral">> = {
-  felt: "good", late: "warning", nearly: "warning", law_falls_short: "bad", device_cannot: "bad", beyond_force: "neutral",
+  felt: "good",
+  late: "warning",
+  nearly: "warning",
+  law_falls_short: "bad",
+  device_cannot: "bad",
+  beyond_force: "neutral",
 };
 
 export const kMotions: readonly Motion[] = ["strokes", "steady"];
 
 export function tissueName(tissue: FeelTissue): string {
   // English names are those of the server, so that only the first begins with a capital.
-  const text = tissue.names.map((name) => spokenLanguage() === "en" ? name : sayIf(`tooth_tissue.${name}`) ?? name).join(", ");
+  const text = tissue.names
+    .map((name) => (spokenLanguage() === "en" ? name : (sayIf(`tooth_tissue.${name}`) ?? name)))
+    .join(", ");
   return text.charAt(0).toUpperCase() + text.slice(1);
 }
 
 export function dampingText(tissue: FeelTissue): string {
   const inN = (mn: number) => formatNumber(mn / 1000, 2);
-  const told = { damping: inN(tissue.damping_mn_s_per_mm), friction: inN(tissue.coulomb_mn), threshold: inN(tissue.threshold_mn) };
-  if (tissue.coulomb_mn > 0) return tissue.threshold_mn > 0 ? say("feel.tissue_friction_threshold", told) : say("feel.tissue_friction", told);
+  const told = {
+    damping: inN(tissue.damping_mn_s_per_mm),
+    friction: inN(tissue.coulomb_mn),
+    threshold: inN(tissue.threshold_mn),
+  };
+  if (tissue.coulomb_mn > 0)
+    return tissue.threshold_mn > 0 ? say("feel.tissue_friction_threshold", told) : say("feel.tissue_friction", told);
   return tissue.threshold_mn > 0 ? say("feel.tissue_threshold", told) : say("feel.tissue_damping", told);
 }
 
@@ -42,7 +54,9 @@ export function figuresText(cell: FeelCell): string {
   }
   const error = percent(cell.law.error);
   if (cell.motion === "strokes") return say("feel.off_late", { error, lag: timeText(cell.law.lag_s) });
-  return cell.law.rise_s === null ? say("feel.off_never", { error }) : say("feel.off_after", { error, rise: timeText(cell.law.rise_s) });
+  return cell.law.rise_s === null
+    ? say("feel.off_never", { error })
+    : say("feel.off_after", { error, rise: timeText(cell.law.rise_s) });
 }
 
 // What the reference track does there, which has the same stiffness and knows the speed.
@@ -98,7 +112,11 @@ export function bySpeed(items: readonly { readonly speed: number; readonly text:
     if (last?.text === text) last.speeds.push(formatNumber(speed, 2));
     else groups.push({ text, speeds: [formatNumber(speed, 2)] });
   }
-  return groups.map(({ text, speeds }) => say("feel.at_speeds", { text, speeds: speeds.reduce((list, speed) => say("feel.and_speed", { list, speed })) })).join("; ");
+  return groups
+    .map(({ text, speeds }) =>
+      say("feel.at_speeds", { text, speeds: speeds.reduce((list, speed) => say("feel.and_speed", { list, speed })) }),
+    )
+    .join("; ");
 }
 
 export function percent(share: number): string {
@@ -109,11 +127,18 @@ function differs(feel: ProfileFeel, a: FeelCell, b: FeelCell): boolean {
   const [weakA, weakB] = [a.verdict === "beyond_force", b.verdict === "beyond_force"];
   if (weakA || weakB) return weakA !== weakB;
   const most = Math.max(a.law.gain, b.law.gain);
-  return most > 0 && Math.abs(a.law.gain - b.law.gain) > thresholdOf(feel, a.motion === "strokes" ? "viscosity" : "force") * most;
+  return (
+    most > 0 &&
+    Math.abs(a.law.gain - b.law.gain) > thresholdOf(feel, a.motion === "strokes" ? "viscosity" : "force") * most
+  );
 }
 
 function feelsLike(a: FeelTissue, b: FeelTissue): boolean {
-  return a.damping_mn_s_per_mm === b.damping_mn_s_per_mm && a.coulomb_mn === b.coulomb_mn && a.threshold_mn === b.threshold_mn;
+  return (
+    a.damping_mn_s_per_mm === b.damping_mn_s_per_mm &&
+    a.coulomb_mn === b.coulomb_mn &&
+    a.threshold_mn === b.threshold_mn
+  );
 }
 
 function timeText(seconds: number | null): string {

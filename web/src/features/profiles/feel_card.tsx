@@ -8,20 +8,44 @@ import { Card, Empty, ErrorNotice, Loading, Segmented } from "../../widgets/basi
 import { SelectField } from "../../widgets/form";
 import { type Column, DataTable } from "../../widgets/table";
 import {
-  bySpeed, cellAt, comparable, type Difference, differences, dampingText, feltText, figuresText, kMotions, kTones, type Motion, percent, referenceText, speedsOf, thresholdOf, tissueName, type Verdict,
+  bySpeed,
+  cellAt,
+  comparable,
+  type Difference,
+  differences,
+  dampingText,
+  feltText,
+  figuresText,
+  kMotions,
+  kTones,
+  type Motion,
+  percent,
+  referenceText,
+  speedsOf,
+  thresholdOf,
+  tissueName,
+  type Verdict,
 } from "./feel";
 
 const kIcons = { good: "✓", warning: "!", bad: "✕", neutral: "•" } as const;
 
 // What a hand can feel on this device: tissue by speed, and what another device makes of it.
 export function FeelCard({ client, profile }: { readonly client: Client; readonly profile: Profile }) {
-  const { loaded, reload } = useRequest(`${profile.name} ${profile.version}`, (signal) => client.profiles.feel(profile.name, signal));
+  const { loaded, reload } = useRequest(`${profile.name} ${profile.version}`, (signal) =>
+    client.profiles.feel(profile.name, signal),
+  );
   return (
     <Card title={say("feel.title")} className="feel">
       {loaded.state === "loading" && <Loading what={say("loading.feel")} />}
-      {loaded.state === "failed" && <ErrorNotice title={say("feel.failed")} message={loaded.error.message} onRetry={reload} />}
-      {loaded.state === "ready" && (loaded.value.has_motors ? <Feel client={client} feel={loaded.value} />
-        : <Empty>{say("feel.no_motors")}</Empty>)}
+      {loaded.state === "failed" && (
+        <ErrorNotice title={say("feel.failed")} message={loaded.error.message} onRetry={reload} />
+      )}
+      {loaded.state === "ready" &&
+        (loaded.value.has_motors ? (
+          <Feel client={client} feel={loaded.value} />
+        ) : (
+          <Empty>{say("feel.no_motors")}</Empty>
+        ))}
     </Card>
   );
 }
@@ -32,17 +56,38 @@ function Feel({ client, feel }: { readonly client: Client; readonly feel: Profil
   return (
     <>
       <p>{introduction(feel)}</p>
-      <ul class="hint feel-sources">{feel.thresholds.map((threshold) => <li key={threshold.name}>{thresholdText(threshold)}</li>)}</ul>
-      <Segmented legend={say("feel.motion_of_hand")} name="feel-motion" choices={kMotions.map((each) => ({ value: each, title: say(`feel_motion.${each}`) }))} value={motion} onChange={setMotion} />
+      <ul class="hint feel-sources">
+        {feel.thresholds.map((threshold) => (
+          <li key={threshold.name}>{thresholdText(threshold)}</li>
+        ))}
+      </ul>
+      <Segmented
+        legend={say("feel.motion_of_hand")}
+        name="feel-motion"
+        choices={kMotions.map((each) => ({ value: each, title: say(`feel_motion.${each}`) }))}
+        value={motion}
+        onChange={setMotion}
+      />
       <FeelGrid feel={feel} motion={motion} />
       <dl class="feel-legend">
-        {(Object.keys(kTones) as Verdict[]).filter((verdict) => seen.has(verdict)).map((verdict) => (
-          <div key={verdict}><dt><Chip verdict={verdict} /></dt><dd>{say(`feel_meaning.${verdict}`)}</dd></div>
-        ))}
+        {(Object.keys(kTones) as Verdict[])
+          .filter((verdict) => seen.has(verdict))
+          .map((verdict) => (
+            <div key={verdict}>
+              <dt>
+                <Chip verdict={verdict} />
+              </dt>
+              <dd>{say(`feel_meaning.${verdict}`)}</dd>
+            </div>
+          ))}
       </dl>
       <details>
         <summary>{say("feel.how")}</summary>
-        {method(feel, motion).map((sentence) => <p key={sentence} class="hint">{sentence}</p>)}
+        {method(feel, motion).map((sentence) => (
+          <p key={sentence} class="hint">
+            {sentence}
+          </p>
+        ))}
       </details>
       <Comparison client={client} feel={feel} />
     </>
@@ -51,14 +96,44 @@ function Feel({ client, feel }: { readonly client: Client; readonly feel: Profil
 
 function FeelGrid({ feel, motion }: { readonly feel: ProfileFeel; readonly motion: Motion }) {
   const rows = feel.tissues.map((tissue, index) => ({ tissue, index }));
-  const columns: Column<typeof rows[number]>[] = [
-    { title: say("feel.tissue"), cell: ({ tissue }) => <>{tissueName(tissue)}<span class="sub">{dampingText(tissue)}</span></> },
-    ...speedsOf(feel).map((speed): Column<typeof rows[number]> => ({ title: formatQuantity(speed, "mm/s"), cell: ({ index }) => <FeelCellText feel={feel} tissue={index} speed={speed} motion={motion} /> })),
+  const columns: Column<(typeof rows)[number]>[] = [
+    {
+      title: say("feel.tissue"),
+      cell: ({ tissue }) => (
+        <>
+          {tissueName(tissue)}
+          <span class="sub">{dampingText(tissue)}</span>
+        </>
+      ),
+    },
+    ...speedsOf(feel).map(
+      (speed): Column<(typeof rows)[number]> => ({
+        title: formatQuantity(speed, "mm/s"),
+        cell: ({ index }) => <FeelCellText feel={feel} tissue={index} speed={speed} motion={motion} />,
+      }),
+    ),
   ];
-  return <DataTable label={motion === "strokes" ? say("feel.grid_strokes") : say("feel.grid_steady")} items={rows} columns={columns} dense />;
+  return (
+    <DataTable
+      label={motion === "strokes" ? say("feel.grid_strokes") : say("feel.grid_steady")}
+      items={rows}
+      columns={columns}
+      dense
+    />
+  );
 }
 
-function FeelCellText({ feel, tissue, speed, motion }: { readonly feel: ProfileFeel; readonly tissue: number; readonly speed: number; readonly motion: Motion }) {
+function FeelCellText({
+  feel,
+  tissue,
+  speed,
+  motion,
+}: {
+  readonly feel: ProfileFeel;
+  readonly tissue: number;
+  readonly speed: number;
+  readonly motion: Motion;
+}) {
   const cell = cellAt(feel, tissue, speed, motion);
   if (cell === undefined) return <>–</>;
   return (
@@ -71,11 +146,20 @@ function FeelCellText({ feel, tissue, speed, motion }: { readonly feel: ProfileF
 }
 
 function VerdictName({ verdict }: { readonly verdict: Verdict }) {
-  return <span class="feel-verdict"><span aria-hidden="true">{kIcons[kTones[verdict]]} </span>{say(`feel_verdict.${verdict}`)}</span>;
+  return (
+    <span class="feel-verdict">
+      <span aria-hidden="true">{kIcons[kTones[verdict]]} </span>
+      {say(`feel_verdict.${verdict}`)}
+    </span>
+  );
 }
 
 function Chip({ verdict }: { readonly verdict: Verdict }) {
-  return <span class={`feel-cell ${kTones[verdict]}`}><VerdictName verdict={verdict} /></span>;
+  return (
+    <span class={`feel-cell ${kTones[verdict]}`}>
+      <VerdictName verdict={verdict} />
+    </span>
+  );
 }
 
 // Fairness: the same exercise on two devices.
@@ -85,16 +169,24 @@ function Comparison({ client, feel }: { readonly client: Client; readonly feel: 
   const others = loaded.state === "ready" ? loaded.value.filter((profile) => profile.name !== feel.name) : [];
   const name = chosen ?? others[0]?.name;
   const other = useRequest(name, (signal) => client.profiles.feel(name ?? "", signal));
-  if (loaded.state === "failed") return <ErrorNotice title={say("feel.others_failed")} message={loaded.error.message} />;
+  if (loaded.state === "failed")
+    return <ErrorNotice title={say("feel.others_failed")} message={loaded.error.message} />;
   if (name === undefined) return null;
   return (
     <section class="stack" aria-label={say("feel.compared")}>
       <h3>{say("feel.fair")}</h3>
       <div class="form narrow">
-        <SelectField label={say("feel.compare_with")} value={name} onValue={setChosen} options={others.map((profile) => ({ value: profile.name, title: profile.title }))} />
+        <SelectField
+          label={say("feel.compare_with")}
+          value={name}
+          onValue={setChosen}
+          options={others.map((profile) => ({ value: profile.name, title: profile.title }))}
+        />
       </div>
       {other.loaded.state === "loading" && <Loading what={say("loading.other_device")} />}
-      {other.loaded.state === "failed" && <ErrorNotice title={say("feel.other_failed")} message={other.loaded.error.message} onRetry={other.reload} />}
+      {other.loaded.state === "failed" && (
+        <ErrorNotice title={say("feel.other_failed")} message={other.loaded.error.message} onRetry={other.reload} />
+      )}
       {other.loaded.state === "ready" && <Differences mine={feel} other={other.loaded.value} />}
     </section>
   );
@@ -108,16 +200,33 @@ function Differences({ mine, other }: { readonly mine: ProfileFeel; readonly oth
   return (
     <>
       <p>
-        {found.length === 0 ? say("feel.same", { count: all })
-          : say("feel.different", { found: formatNumber(found.length, 0), count: all, viscosity: percent(thresholdOf(mine, "viscosity")), force: percent(thresholdOf(mine, "force")) })}
+        {found.length === 0
+          ? say("feel.same", { count: all })
+          : say("feel.different", {
+              found: formatNumber(found.length, 0),
+              count: all,
+              viscosity: percent(thresholdOf(mine, "viscosity")),
+              force: percent(thresholdOf(mine, "force")),
+            })}
       </p>
       {rows.length > 0 && (
-        <DataTable label={say("feel.where_different", { device: mine.title, other: other.title })} items={rows} dense columns={[
-          { title: say("feel.tissue"), cell: (row) => tissueName(row.tissue) },
-          { title: say("feel.motion"), cell: (row) => say(`feel_motion.${row.motion}`) },
-          { title: say("feel.here"), cell: (row) => bySpeed(row.cells.map((item) => ({ speed: item.speed, text: feltText(item.mine) }))) },
-          { title: say("feel.there"), cell: (row) => bySpeed(row.cells.map((item) => ({ speed: item.speed, text: feltText(item.other) }))) },
-        ]} />
+        <DataTable
+          label={say("feel.where_different", { device: mine.title, other: other.title })}
+          items={rows}
+          dense
+          columns={[
+            { title: say("feel.tissue"), cell: (row) => tissueName(row.tissue) },
+            { title: say("feel.motion"), cell: (row) => say(`feel_motion.${row.motion}`) },
+            {
+              title: say("feel.here"),
+              cell: (row) => bySpeed(row.cells.map((item) => ({ speed: item.speed, text: feltText(item.mine) }))),
+            },
+            {
+              title: say("feel.there"),
+              cell: (row) => bySpeed(row.cells.map((item) => ({ speed: item.speed, text: feltText(item.other) }))),
+            },
+          ]}
+        />
       )}
       {rows.length > 0 && <p class="hint">{say("feel.shares")}</p>}
     </>
@@ -141,9 +250,15 @@ function byTissue(found: readonly Difference[]): TissueDifference[] {
 
 function introduction(feel: ProfileFeel): string {
   const told = {
-    force: percent(thresholdOf(feel, "force")), viscosity: percent(thresholdOf(feel, "viscosity")), delay: milliseconds(thresholdOf(feel, "delay")), coupling: couplingText(feel), ticks: feel.delay_ticks,
+    force: percent(thresholdOf(feel, "force")),
+    viscosity: percent(thresholdOf(feel, "viscosity")),
+    delay: milliseconds(thresholdOf(feel, "delay")),
+    coupling: couplingText(feel),
+    ticks: feel.delay_ticks,
   };
-  return feel.delay_measured || feel.delay_ticks === 0 ? say("feel.introduction", told) : say("feel.introduction_not_measured", told);
+  return feel.delay_measured || feel.delay_ticks === 0
+    ? say("feel.introduction", told)
+    : say("feel.introduction_not_measured", told);
 }
 
 function thresholdText({ name, value, unit, source }: ProfileFeel["thresholds"][number]): string {

@@ -23,12 +23,42 @@ interface Props {
 export function ProfileEditorPage({ client, name, onOpen }: Props) {
   const { loaded, reload } = useRequest(`editor ${name}`, (signal) => client.profiles.get(name, signal));
   if (loaded.state === "loading") return <Loading what={say("loading.profile")} />;
-  if (loaded.state === "failed") return <><PageTitle document={say("editor.document")}>{say("profile_editor.title")}</PageTitle><ErrorNotice title={say("profile.failed")} message={loaded.error.message} onRetry={reload} /></>;
+  if (loaded.state === "failed")
+    return (
+      <>
+        <PageTitle document={say("editor.document")}>{say("profile_editor.title")}</PageTitle>
+        <ErrorNotice title={say("profile.failed")} message={loaded.error.message} onRetry={reload} />
+      </>
+    );
   const { title, version, document } = loaded.value;
-  return <Editor key={version} client={client} name={name} title={title} version={version} read={document as unknown as Json} onOpen={onOpen} />;
+  return (
+    <Editor
+      key={version}
+      client={client}
+      name={name}
+      title={title}
+      version={version}
+      read={document as unknown as Json}
+      onOpen={onOpen}
+    />
+  );
 }
 
-function Editor({ client, name, title, version, read, onOpen }: { readonly client: Client; readonly name: string; readonly title: string; readonly version: number; readonly read: Json; readonly onOpen: (path: string) => void }) {
+function Editor({
+  client,
+  name,
+  title,
+  version,
+  read,
+  onOpen,
+}: {
+  readonly client: Client;
+  readonly name: string;
+  readonly title: string;
+  readonly version: number;
+  readonly read: Json;
+  readonly onOpen: (path: string) => void;
+}) {
   const edit = useDocument(`profile ${name}`, read);
   const text = JSON.stringify(edit.now);
   const check = useCheck(text, (asked, signal) => client.profiles.upload(asked, { check: true, signal }));
@@ -41,18 +71,45 @@ function Editor({ client, name, title, version, read, onOpen }: { readonly clien
     edit.forget();
     onOpen(`/profiles/${name}`);
   };
-  const numbers = Object.entries(edit.now as { readonly [member: string]: Json }).filter(([, value]) => value !== null && typeof value === "object" && "source" in value);
-  const state = check.busy ? say("editor.checking") : check.error !== undefined ? say("editor.not_right") : refused ? say("profile_editor.refused") : edit.dirty ? say("editor.right_not_saved") : say("editor.as_saved");
+  const numbers = Object.entries(edit.now as { readonly [member: string]: Json }).filter(
+    ([, value]) => value !== null && typeof value === "object" && "source" in value,
+  );
+  const state = check.busy
+    ? say("editor.checking")
+    : check.error !== undefined
+      ? say("editor.not_right")
+      : refused
+        ? say("profile_editor.refused")
+        : edit.dirty
+          ? say("editor.right_not_saved")
+          : say("editor.as_saved");
   return (
     <>
-      <nav class="trail" aria-label={say("common.where")}><a href={`/profiles/${name}`}>{title}</a></nav>
+      <nav class="trail" aria-label={say("common.where")}>
+        <a href={`/profiles/${name}`}>{title}</a>
+      </nav>
       <PageTitle document={say("editor.edit", { title })}>{say("editor.edit", { title })}</PageTitle>
       <EditBar edit={edit} state={state}>
-        <button type="button" class="button primary" disabled={change.busy || check.busy || check.error !== undefined || refused || !edit.dirty} onClick={() => void save()}>{say("profile_editor.save", { version: String(version + 1) })}</button>
+        <button
+          type="button"
+          class="button primary"
+          disabled={change.busy || check.busy || check.error !== undefined || refused || !edit.dirty}
+          onClick={() => void save()}
+        >
+          {say("profile_editor.save", { version: String(version + 1) })}
+        </button>
       </EditBar>
       <div aria-live="polite" class="edit-notices">
-        {form.wrong !== undefined && <Notice tone="bad" title={say("editor.not_right")}><p>{placedMessage(form.wrong)}</p></Notice>}
-        {refused && <Notice tone="bad" title={say("profile_editor.would_refuse")}><p>{say("profile_editor.would_refuse_text")}</p></Notice>}
+        {form.wrong !== undefined && (
+          <Notice tone="bad" title={say("editor.not_right")}>
+            <p>{placedMessage(form.wrong)}</p>
+          </Notice>
+        )}
+        {refused && (
+          <Notice tone="bad" title={say("profile_editor.would_refuse")}>
+            <p>{say("profile_editor.would_refuse_text")}</p>
+          </Notice>
+        )}
         {change.error !== undefined && <ErrorNotice title={say("common.not_saved")} message={change.error.message} />}
       </div>
       <div class="editor">
@@ -62,17 +119,32 @@ function Editor({ client, name, title, version, read, onOpen }: { readonly clien
             {numbers.map(([member]) => (
               <div class="form-grid" key={member}>
                 <DocumentNumber form={form} path={[member, "value"]} label={memberTitle(member)} />
-                <DocumentText form={form} path={[member, "source"]} label={say("profile_editor.source_of", { number: memberTitle(member) })} maxLength={200} />
+                <DocumentText
+                  form={form}
+                  path={[member, "source"]}
+                  label={say("profile_editor.source_of", { number: memberTitle(member) })}
+                  maxLength={200}
+                />
               </div>
             ))}
           </div>
         </Card>
         <div class="stack editor-side">
           <Card title={say("editor.changes_against", { title: say("version.number", { number: String(version) }) })}>
-            <DocumentChanges label={say("profile_editor.changes_saved")} before={read} after={edit.now} beforeTitle={say("version.title_number", { number: String(version) })} afterTitle={say("editor.here")}
-                             titleOf={({ path }) => placeTitle(path)} />
+            <DocumentChanges
+              label={say("profile_editor.changes_saved")}
+              before={read}
+              after={edit.now}
+              beforeTitle={say("version.title_number", { number: String(version) })}
+              afterTitle={say("editor.here")}
+              titleOf={({ path }) => placeTitle(path)}
+            />
           </Card>
-          {check.value !== undefined && <Card title={say("profile_editor.stable")}><CriteriaPanel criteria={check.value.criteria} /></Card>}
+          {check.value !== undefined && (
+            <Card title={say("profile_editor.stable")}>
+              <CriteriaPanel criteria={check.value.criteria} />
+            </Card>
+          )}
         </div>
       </div>
     </>

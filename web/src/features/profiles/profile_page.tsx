@@ -17,39 +17,77 @@ import { CriteriaPanel } from "./criteria_panel";
 import { FeelCard } from "./feel_card";
 import { numberTitle } from "./profile_text";
 
-export function ProfilePage({ client, name, admin }: { readonly client: Client; readonly name: string; readonly admin: boolean }) {
+export function ProfilePage({
+  client,
+  name,
+  admin,
+}: {
+  readonly client: Client;
+  readonly name: string;
+  readonly admin: boolean;
+}) {
   const { loaded, reload } = useRequest(name, (signal) => client.profiles.get(name, signal));
   const title = loaded.state === "ready" ? loaded.value.title : say("profile.one");
   return (
     <>
-      <nav class="trail" aria-label={say("common.where")}><a href="/profiles">{say("profiles.title")}</a></nav>
+      <nav class="trail" aria-label={say("common.where")}>
+        <a href="/profiles">{say("profiles.title")}</a>
+      </nav>
       <PageTitle document={title}>{title}</PageTitle>
       {loaded.state === "loading" && <Loading what={say("loading.profile")} />}
-      {loaded.state === "failed" && <ErrorNotice title={say("profile.failed")} message={loaded.error.message} onRetry={reload} />}
+      {loaded.state === "failed" && (
+        <ErrorNotice title={say("profile.failed")} message={loaded.error.message} onRetry={reload} />
+      )}
       {loaded.state === "ready" && <LoadedProfile client={client} profile={loaded.value} admin={admin} />}
     </>
   );
 }
 
-function LoadedProfile({ client, profile, admin }: { readonly client: Client; readonly profile: ProfileDetail; readonly admin: boolean }) {
+function LoadedProfile({
+  client,
+  profile,
+  admin,
+}: {
+  readonly client: Client;
+  readonly profile: ProfileDetail;
+  readonly admin: boolean;
+}) {
   // Id of the report that is drawn; in the address too, so that it can be passed on.
   const [drawn, setDrawn] = useState(() => new URLSearchParams(location.search).get("report") ?? undefined);
   const draw = (id: string | undefined) => {
-    history.replaceState(history.state, "", id === undefined ? location.pathname : `${location.pathname}?report=${encodeURIComponent(id)}`);
+    history.replaceState(
+      history.state,
+      "",
+      id === undefined ? location.pathname : `${location.pathname}?report=${encodeURIComponent(id)}`,
+    );
     setDrawn(id);
   };
   return (
     <>
-      <p class="byline">{sayWith("profile.byline", { name: <code>{profile.name}</code>, version: String(profile.version) })}{admin && <>{" · "}<a href={`/editor?profile=${profile.name}`}>{say("profile.edit")}</a></>}</p>
-      <Card title={say("profile.criteria")}><CriteriaPanel criteria={profile.criteria} /></Card>
+      <p class="byline">
+        {sayWith("profile.byline", { name: <code>{profile.name}</code>, version: String(profile.version) })}
+        {admin && (
+          <>
+            {" · "}
+            <a href={`/editor?profile=${profile.name}`}>{say("profile.edit")}</a>
+          </>
+        )}
+      </p>
+      <Card title={say("profile.criteria")}>
+        <CriteriaPanel criteria={profile.criteria} />
+      </Card>
       <FeelCard client={client} profile={profile} />
-      <Card title={say("profile.numbers")}><Numbers profile={profile} /></Card>
+      <Card title={say("profile.numbers")}>
+        <Numbers profile={profile} />
+      </Card>
       <Calibrations client={client} profile={profile} admin={admin} />
       <div class="columns">
         <Card title={say("version.title")}>
           <Versions client={client} profile={profile} />
         </Card>
-        <Card title={say("profile.reports")}><Reports client={client} profile={profile} admin={admin} drawn={drawn} onDraw={draw} /></Card>
+        <Card title={say("profile.reports")}>
+          <Reports client={client} profile={profile} admin={admin} drawn={drawn} onDraw={draw} />
+        </Card>
       </div>
       {drawn !== undefined && <DrawnReport key={drawn} client={client} id={drawn} onClose={() => draw(undefined)} />}
     </>
@@ -58,24 +96,41 @@ function LoadedProfile({ client, profile, admin }: { readonly client: Client; re
 
 function Numbers({ profile }: { readonly profile: Profile }) {
   return (
-    <DataTable label={say("profile.numbers_of", { device: profile.title })} items={profile.numbers} dense columns={[
-      { title: say("profile.number"), cell: (number) => numberTitle(number.name) },
-      { title: say("profile.value"), number: true, cell: (number) => <span class="nowrap">{valueText(number)}</span> },
-      { title: say("profile.source"), cell: (number) => number.source },
-    ]} />
+    <DataTable
+      label={say("profile.numbers_of", { device: profile.title })}
+      items={profile.numbers}
+      dense
+      columns={[
+        { title: say("profile.number"), cell: (number) => numberTitle(number.name) },
+        {
+          title: say("profile.value"),
+          number: true,
+          cell: (number) => <span class="nowrap">{valueText(number)}</span>,
+        },
+        { title: say("profile.source"), cell: (number) => number.source },
+      ]}
+    />
   );
 }
 
 function Versions({ client, profile }: { readonly client: Client; readonly profile: ProfileDetail }) {
-  const { loaded, reload } = useRequest(`${profile.name} ${profile.version}`, (signal) => client.profiles.versions(profile.name, signal));
+  const { loaded, reload } = useRequest(`${profile.name} ${profile.version}`, (signal) =>
+    client.profiles.versions(profile.name, signal),
+  );
   if (loaded.state === "loading") return <Loading what={say("loading.versions")} />;
-  if (loaded.state === "failed") return <ErrorNotice title={say("version.failed")} message={loaded.error.message} onRetry={reload} />;
+  if (loaded.state === "failed")
+    return <ErrorNotice title={say("version.failed")} message={loaded.error.message} onRetry={reload} />;
   return (
-    <DataTable label={say("version.title")} items={loaded.value} dense columns={[
-      { title: say("version.one"), cell: (version) => version.version },
-      { title: say("editor.title_field"), cell: (version) => version.title },
-      { title: say("profile.saved"), cell: (version) => formatDateTime(version.created_ms) },
-    ]} />
+    <DataTable
+      label={say("version.title")}
+      items={loaded.value}
+      dense
+      columns={[
+        { title: say("version.one"), cell: (version) => version.version },
+        { title: say("editor.title_field"), cell: (version) => version.title },
+        { title: say("profile.saved"), cell: (version) => formatDateTime(version.created_ms) },
+      ]}
+    />
   );
 }
 
@@ -92,45 +147,112 @@ function Reports({ client, profile, admin, drawn, onDraw }: ReportsProps) {
   return (
     <>
       {loaded.state === "loading" && <Loading what={say("loading.reports")} />}
-      {loaded.state === "failed" && <ErrorNotice title={say("profile.reports_failed")} message={loaded.error.message} onRetry={reload} />}
-      {loaded.state === "ready" && (loaded.value.length === 0 ? <Empty>{say("profile.no_report")}</Empty> : (
-        <DataTable label={say("profile.reports")} items={loaded.value} dense columns={[
-          { title: say("profile.report"), cell: (report) => <a href={client.profiles.reportAddress(report.id)} download>{formatDateTime(report.created_ms)}</a> },
-          { title: say("profile.of_version"), number: true, cell: (report) => report.version },
-          { title: say("profile.size"), number: true, cell: (report) => formatBytes(report.bytes) },
-          { title: say("profile.drawing"), hideTitle: true, cell: (report) => report.media_type === "application/json" && (
-            <div class="row-tools">
-              <button type="button" class="button small" aria-pressed={drawn === report.id} onClick={() => onDraw(drawn === report.id ? undefined : report.id)}>
-                <Brief shown={say("profile.draw")} full={say("profile.draw_which", { when: formatDateTime(report.created_ms) })} />
-              </button>
-            </div>) },
-        ]} />
-      ))}
+      {loaded.state === "failed" && (
+        <ErrorNotice title={say("profile.reports_failed")} message={loaded.error.message} onRetry={reload} />
+      )}
+      {loaded.state === "ready" &&
+        (loaded.value.length === 0 ? (
+          <Empty>{say("profile.no_report")}</Empty>
+        ) : (
+          <DataTable
+            label={say("profile.reports")}
+            items={loaded.value}
+            dense
+            columns={[
+              {
+                title: say("profile.report"),
+                cell: (report) => (
+                  <a href={client.profiles.reportAddress(report.id)} download>
+                    {formatDateTime(report.created_ms)}
+                  </a>
+                ),
+              },
+              { title: say("profile.of_version"), number: true, cell: (report) => report.version },
+              { title: say("profile.size"), number: true, cell: (report) => formatBytes(report.bytes) },
+              {
+                title: say("profile.drawing"),
+                hideTitle: true,
+                cell: (report) =>
+                  report.media_type === "application/json" && (
+                    <div class="row-tools">
+                      <button
+                        type="button"
+                        class="button small"
+                        aria-pressed={drawn === report.id}
+                        onClick={() => onDraw(drawn === report.id ? undefined : report.id)}
+                      >
+                        <Brief
+                          shown={say("profile.draw")}
+                          full={say("profile.draw_which", { when: formatDateTime(report.created_ms) })}
+                        />
+                      </button>
+                    </div>
+                  ),
+              },
+            ]}
+          />
+        ))}
       {admin && (
-        <UploadForm label={say("profile.attach")} accept=".json,.html,application/json,text/html" hint={say("profile.attach_hint")}
-                    send={(text, file) => client.profiles.addReport(profile.name, text, file.name.endsWith(".html") ? "text/html" : "application/json")} onDone={reload} />
+        <UploadForm
+          label={say("profile.attach")}
+          accept=".json,.html,application/json,text/html"
+          hint={say("profile.attach_hint")}
+          send={(text, file) =>
+            client.profiles.addReport(
+              profile.name,
+              text,
+              file.name.endsWith(".html") ? "text/html" : "application/json",
+            )
+          }
+          onDone={reload}
+        />
       )}
     </>
   );
 }
 
-function Calibrations({ client, profile, admin }: { readonly client: Client; readonly profile: ProfileDetail; readonly admin: boolean }) {
+function Calibrations({
+  client,
+  profile,
+  admin,
+}: {
+  readonly client: Client;
+  readonly profile: ProfileDetail;
+  readonly admin: boolean;
+}) {
   const { loaded, reload } = useRequest(profile.name, (signal) => client.profiles.calibrations(profile.name, signal));
   return (
     <Card title={say("calibration.title")}>
       {loaded.state === "loading" && <Loading what={say("loading.calibrations")} />}
-      {loaded.state === "failed" && <ErrorNotice title={say("calibration.failed")} message={loaded.error.message} onRetry={reload} />}
-      {loaded.state === "ready" && (loaded.value.length === 0 ? <Empty>{say("calibration.none")}</Empty>
-        : <CalibrationHistory calibrations={loaded.value} profile={profile} />)}
+      {loaded.state === "failed" && (
+        <ErrorNotice title={say("calibration.failed")} message={loaded.error.message} onRetry={reload} />
+      )}
+      {loaded.state === "ready" &&
+        (loaded.value.length === 0 ? (
+          <Empty>{say("calibration.none")}</Empty>
+        ) : (
+          <CalibrationHistory calibrations={loaded.value} profile={profile} />
+        ))}
       {admin && (
-        <UploadForm label={say("calibration.add")} accept=".json,application/json" hint={say("calibration.add_hint")}
-                    send={(text) => client.profiles.addCalibration(profile.name, text)} onDone={reload} />
+        <UploadForm
+          label={say("calibration.add")}
+          accept=".json,application/json"
+          hint={say("calibration.add_hint")}
+          send={(text) => client.profiles.addCalibration(profile.name, text)}
+          onDone={reload}
+        />
       )}
     </Card>
   );
 }
 
-function CalibrationHistory({ calibrations, profile }: { readonly calibrations: readonly Calibration[]; readonly profile: ProfileDetail }) {
+function CalibrationHistory({
+  calibrations,
+  profile,
+}: {
+  readonly calibrations: readonly Calibration[];
+  readonly profile: ProfileDetail;
+}) {
   const devices = [...new Set(calibrations.map((calibration) => calibration.device))];
   const numbers = new Map(profile.numbers.map((number) => [number.name, number.value]));
   return (
@@ -140,17 +262,37 @@ function CalibrationHistory({ calibrations, profile }: { readonly calibrations: 
         return (
           <section key={device} aria-label={say("calibration.device", { device })}>
             <h3>{device}</h3>
-            <div class="trends">{calibrationSeries(own, numbers).map((series) => <CalibrationTrend key={series.title} series={series} />)}</div>
+            <div class="trends">
+              {calibrationSeries(own, numbers).map((series) => (
+                <CalibrationTrend key={series.title} series={series} />
+              ))}
+            </div>
           </section>
         );
       })}
-      <DataTable label={say("calibration.all")} items={calibrations} dense columns={[
-        { title: say("calibration.measured"), cell: (item) => formatDateTime(item.measured_ms) },
-        { title: say("common.device"), cell: (item) => item.device },
-        { title: say("common.station"), cell: (item) => item.document.station === "" ? "–" : item.document.station },
-        { title: say("calibration.figures"), cell: (item) => figuresText(item, numbers) },
-        { title: say("calibration.measured_by"), cell: (item) => <>{item.document.software}<span class="sub">{item.document.method}</span></> },
-      ]} />
+      <DataTable
+        label={say("calibration.all")}
+        items={calibrations}
+        dense
+        columns={[
+          { title: say("calibration.measured"), cell: (item) => formatDateTime(item.measured_ms) },
+          { title: say("common.device"), cell: (item) => item.device },
+          {
+            title: say("common.station"),
+            cell: (item) => (item.document.station === "" ? "–" : item.document.station),
+          },
+          { title: say("calibration.figures"), cell: (item) => figuresText(item, numbers) },
+          {
+            title: say("calibration.measured_by"),
+            cell: (item) => (
+              <>
+                {item.document.software}
+                <span class="sub">{item.document.method}</span>
+              </>
+            ),
+          },
+        ]}
+      />
     </>
   );
 }
@@ -162,18 +304,30 @@ function CalibrationTrend({ series }: { readonly series: CalibrationSeries }) {
   return (
     <figure class="trend-figure">
       <figcaption>{series.title}</figcaption>
-      <Trend points={series.points} unit={series.unit} claim={claim}
-             label={series.claim === undefined ? say("calibration.trend", told) : say("calibration.trend_claim", { ...told, claim: formatNumber(series.claim, 2) })} />
+      <Trend
+        points={series.points}
+        unit={series.unit}
+        claim={claim}
+        label={
+          series.claim === undefined
+            ? say("calibration.trend", told)
+            : say("calibration.trend_claim", { ...told, claim: formatNumber(series.claim, 2) })
+        }
+      />
     </figure>
   );
 }
 
 function figuresText(calibration: Calibration, numbers: ReadonlyMap<string, number>): string {
-  return calibrationSeries([calibration], numbers).map(({ title, unit, points }) => {
-    const point = points[0]!;
-    const told = { figure: title, value: formatNumber(point.value, 2), unit };
-    return point.uncertainty > 0 ? say("calibration.figure_about", { ...told, uncertainty: formatNumber(point.uncertainty, 2) }) : say("calibration.figure", told);
-  }).join("; ");
+  return calibrationSeries([calibration], numbers)
+    .map(({ title, unit, points }) => {
+      const point = points[0]!;
+      const told = { figure: title, value: formatNumber(point.value, 2), unit };
+      return point.uncertainty > 0
+        ? say("calibration.figure_about", { ...told, uncertainty: formatNumber(point.uncertainty, 2) })
+        : say("calibration.figure", told);
+    })
+    .join("; ");
 }
 
 interface UploadProps {
@@ -199,9 +353,19 @@ function UploadForm({ label, accept, hint, send, onDone }: UploadProps) {
   return (
     <form class="form narrow" onSubmit={(event) => void submit(event)}>
       <FileField label={label} accept={accept} onFile={setFile} hint={hint} />
-      {change.error !== undefined && <ErrorNotice title={say("common.not_added")} message={placedMessage(change.error)} />}
-      {added && change.error === undefined && <Notice tone="good"><p>{say("profile.added")}</p></Notice>}
-      <div><button type="submit" class="button" disabled={change.busy || file === undefined}>{say("common.add")}</button></div>
+      {change.error !== undefined && (
+        <ErrorNotice title={say("common.not_added")} message={placedMessage(change.error)} />
+      )}
+      {added && change.error === undefined && (
+        <Notice tone="good">
+          <p>{say("profile.added")}</p>
+        </Notice>
+      )}
+      <div>
+        <button type="submit" class="button" disabled={change.busy || file === undefined}>
+          {say("common.add")}
+        </button>
+      </div>
     </form>
   );
 }

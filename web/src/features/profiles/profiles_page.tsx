@@ -22,12 +22,23 @@ export function ProfilesPage({ client, admin }: { readonly client: Client; reado
       <PagedList pages={pages} list="profiles" empty={say("profiles.none")}>
         {(profiles) => (
           <Card className="flush">
-            <DataTable label={say("profiles.title")} items={profiles} rowKey={(profile) => profile.name} columns={[
-              { title: say("common.device"), cell: (profile: Profile) => <a href={`/profiles/${profile.name}`}>{profile.title}</a> },
-              { title: say("document_place.name"), cell: (profile: Profile) => <code>{profile.name}</code> },
-              { title: say("version.one"), number: true, cell: (profile: Profile) => profile.version },
-              { title: say("profile.numbers"), cell: (profile: Profile) => say("profiles.numbers", { count: profile.numbers.length }) },
-            ]} />
+            <DataTable
+              label={say("profiles.title")}
+              items={profiles}
+              rowKey={(profile) => profile.name}
+              columns={[
+                {
+                  title: say("common.device"),
+                  cell: (profile: Profile) => <a href={`/profiles/${profile.name}`}>{profile.title}</a>,
+                },
+                { title: say("document_place.name"), cell: (profile: Profile) => <code>{profile.name}</code> },
+                { title: say("version.one"), number: true, cell: (profile: Profile) => profile.version },
+                {
+                  title: say("profile.numbers"),
+                  cell: (profile: Profile) => say("profiles.numbers", { count: profile.numbers.length }),
+                },
+              ]}
+            />
           </Card>
         )}
       </PagedList>
@@ -51,17 +62,33 @@ function UploadProfile({ client, onDone }: { readonly client: Client; readonly o
   return (
     <Card title={say("profiles.add")}>
       <form class="form narrow" onSubmit={(event) => void submit(event)}>
-        <FileField label={say("profiles.file")} accept=".json,application/json" onFile={setFile}
-                   hint={say("profiles.file_hint")} />
-        <div><button type="submit" class="button primary" disabled={change.busy || file === undefined}>{say("profiles.check_save")}</button></div>
+        <FileField
+          label={say("profiles.file")}
+          accept=".json,application/json"
+          onFile={setFile}
+          hint={say("profiles.file_hint")}
+        />
+        <div>
+          <button type="submit" class="button primary" disabled={change.busy || file === undefined}>
+            {say("profiles.check_save")}
+          </button>
+        </div>
       </form>
       {change.error !== undefined && (
         <ErrorNotice title={say("common.not_saved")} message={placedMessage(change.error)} />
       )}
       {stored !== undefined && (
         <>
-          {stored.stored ? <Notice tone="good" title={say("profiles.saved_as", { version: String(stored.version), name: stored.name })} />
-            : <Notice tone="bad" title={say("common.not_saved")}><p>{say("profiles.not_stable")}</p></Notice>}
+          {stored.stored ? (
+            <Notice
+              tone="good"
+              title={say("profiles.saved_as", { version: String(stored.version), name: stored.name })}
+            />
+          ) : (
+            <Notice tone="bad" title={say("common.not_saved")}>
+              <p>{say("profiles.not_stable")}</p>
+            </Notice>
+          )}
           <CriteriaPanel criteria={stored.criteria} />
         </>
       )}

@@ -9,8 +9,8 @@ import { BrandMark } from "../../widgets/brand";
 
 interface Props {
   readonly client: Client;
-  readonly notice: string | undefined;          // why one has to sign in, when there was a session before
-  readonly chosen: Language | undefined;        // in this tab, on this screen
+  readonly notice: string | undefined; // why one has to sign in, when there was a session before
+  readonly chosen: Language | undefined; // in this tab, on this screen
   readonly onSignedIn: (session: Session, chosen: Language | undefined) => void;
   readonly onLanguage: (language: Language) => void;
 }
@@ -39,24 +39,64 @@ export function SignIn({ client, notice, chosen, onSignedIn, onLanguage }: Props
 
   return (
     <main class="sign-in" id="content">
-      <div class="sign-in-brand"><BrandMark /><span>Enamel</span></div>
+      <div class="sign-in-brand">
+        <BrandMark />
+        <span>Enamel</span>
+      </div>
       <h1>{say("page_sign_in.title")}</h1>
-      {notice !== undefined && error === undefined && <Notice tone="warning" title={say("page_sign_in.signed_out")}><p>{notice}</p></Notice>}
+      {notice !== undefined && error === undefined && (
+        <Notice tone="warning" title={say("page_sign_in.signed_out")}>
+          <p>{notice}</p>
+        </Notice>
+      )}
       {error !== undefined && (
-        <div id="sign-in-error"><Notice tone="bad" title={say("page_sign_in.not_signed_in")}><p>{signInText(error)}</p></Notice></div>
+        <div id="sign-in-error">
+          <Notice tone="bad" title={say("page_sign_in.not_signed_in")}>
+            <p>{signInText(error)}</p>
+          </Notice>
+        </div>
       )}
       <form onSubmit={(event) => void submit(event)}>
         <label for="login">{say("account.login")}</label>
-        <input id="login" name="login" ref={login} type="text" autocomplete="username" autocapitalize="none" spellcheck={false} required
-               maxLength={64} {...describedBy(error)} />
+        <input
+          id="login"
+          name="login"
+          ref={login}
+          type="text"
+          autocomplete="username"
+          autocapitalize="none"
+          spellcheck={false}
+          required
+          maxLength={64}
+          {...describedBy(error)}
+        />
         <label for="password">{say("account.password")}</label>
-        <input id="password" name="password" ref={password} type="password" autocomplete="current-password" required
-               maxLength={1024} {...describedBy(error)} />
-        <button type="submit" class="button primary" disabled={busy}>{busy ? say("page_sign_in.going") : say("page_sign_in.title")}</button>
+        <input
+          id="password"
+          name="password"
+          ref={password}
+          type="password"
+          autocomplete="current-password"
+          required
+          maxLength={1024}
+          {...describedBy(error)}
+        />
+        <button type="submit" class="button primary" disabled={busy}>
+          {busy ? say("page_sign_in.going") : say("page_sign_in.title")}
+        </button>
       </form>
       <nav class="languages" aria-label={say("page_sign_in.language")}>
         {kLanguages.map(({ code, name }) => (
-          <button key={code} type="button" class="button quiet small" lang={code} aria-pressed={code === spokenLanguage()} onClick={() => onLanguage(code)}>{name}</button>
+          <button
+            key={code}
+            type="button"
+            class="button quiet small"
+            lang={code}
+            aria-pressed={code === spokenLanguage()}
+            onClick={() => onLanguage(code)}
+          >
+            {name}
+          </button>
         ))}
       </nav>
     </main>

@@ -18,29 +18,68 @@ export function ListedDevices({ client, admin }: { readonly client: Client; read
   const [open, setOpen] = useState<"add" | ListedDevice>();
   const close = () => setOpen(undefined);
   return (
-    <Card title={say("listed.title")}
-          aside={admin && <button type="button" class="button" onClick={() => setOpen("add")}>{say("listed.add_ask")}</button>}>
+    <Card
+      title={say("listed.title")}
+      aside={
+        admin && (
+          <button type="button" class="button" onClick={() => setOpen("add")}>
+            {say("listed.add_ask")}
+          </button>
+        )
+      }
+    >
       <p class="hint">{say("listed.hint")}</p>
       {loaded.state === "loading" && <Loading what={say("loading.devices")} />}
-      {loaded.state === "failed" && <ErrorNotice title={say("listed.failed")} message={loaded.error.message} onRetry={reload} />}
-      {loaded.state === "ready" && (loaded.value.devices.length === 0 ? <Empty>{say("listed.none")}</Empty> : (
-        <DataTable label={say("listed.title")} items={[...loaded.value.devices]} rowKey={(device) => device.name} dense columns={[
-          { title: say("common.device"), cell: (device) => device.title },
-          { title: say("listed.known_by"), cell: (device) => <code>{device.name}</code> },
-          { title: say("listed.since"), cell: (device) => formatDateTime(device.added_ms) },
-          ...(admin ? [{ title: say("common.change"), hideTitle: true, cell: (device: ListedDevice) => (
-            <div class="row-tools"><button type="button" class="button small" onClick={() => setOpen(device)}><Brief shown={say("cohort.remove_ask")} full={say("cohort.remove_whom", { name: device.title })} /></button></div>) }] : []),
-        ]} />
-      ))}
+      {loaded.state === "failed" && (
+        <ErrorNotice title={say("listed.failed")} message={loaded.error.message} onRetry={reload} />
+      )}
+      {loaded.state === "ready" &&
+        (loaded.value.devices.length === 0 ? (
+          <Empty>{say("listed.none")}</Empty>
+        ) : (
+          <DataTable
+            label={say("listed.title")}
+            items={[...loaded.value.devices]}
+            rowKey={(device) => device.name}
+            dense
+            columns={[
+              { title: say("common.device"), cell: (device) => device.title },
+              { title: say("listed.known_by"), cell: (device) => <code>{device.name}</code> },
+              { title: say("listed.since"), cell: (device) => formatDateTime(device.added_ms) },
+              ...(admin
+                ? [
+                    {
+                      title: say("common.change"),
+                      hideTitle: true,
+                      cell: (device: ListedDevice) => (
+                        <div class="row-tools">
+                          <button type="button" class="button small" onClick={() => setOpen(device)}>
+                            <Brief
+                              shown={say("cohort.remove_ask")}
+                              full={say("cohort.remove_whom", { name: device.title })}
+                            />
+                          </button>
+                        </div>
+                      ),
+                    },
+                  ]
+                : []),
+            ]}
+          />
+        ))}
       {open === "add" && <Add client={client} onClose={close} onDone={reload} />}
       {open !== undefined && open !== "add" && (
-        <Confirm title={say("listed.remove_title", { name: open.title })} action={say("common.remove")} onClose={close}
-                 onConfirm={async () => {
-                   const result = await client.stations.unlistDevice(open.name);
-                   if (!result.ok) return result.error.message;
-                   reload();
-                   return undefined;
-                 }}>
+        <Confirm
+          title={say("listed.remove_title", { name: open.title })}
+          action={say("common.remove")}
+          onClose={close}
+          onConfirm={async () => {
+            const result = await client.stations.unlistDevice(open.name);
+            if (!result.ok) return result.error.message;
+            reload();
+            return undefined;
+          }}
+        >
           <p>{say("listed.remove_text")}</p>
         </Confirm>
       )}
@@ -48,11 +87,19 @@ export function ListedDevices({ client, admin }: { readonly client: Client; read
   );
 }
 
-function Add({ client, onClose, onDone }: { readonly client: Client; readonly onClose: () => void; readonly onDone: () => void }) {
+function Add({
+  client,
+  onClose,
+  onDone,
+}: {
+  readonly client: Client;
+  readonly onClose: () => void;
+  readonly onDone: () => void;
+}) {
   const [name, setName] = useState("");
   const [title, setTitle] = useState("");
   const change = useChange();
-  const problemOf = (field: string) => change.error?.field === field ? change.error.message : undefined;
+  const problemOf = (field: string) => (change.error?.field === field ? change.error.message : undefined);
   const submit = async (event: Event) => {
     event.preventDefault();
     const result = await change.run(() => client.stations.listDevice(name.trim(), title.trim()));
@@ -63,11 +110,32 @@ function Add({ client, onClose, onDone }: { readonly client: Client; readonly on
   return (
     <Dialog title={say("listed.add_title")} onClose={onClose}>
       <form class="form" onSubmit={(event) => void submit(event)}>
-        <TextField label={say("listed.known_by")} hint={sayWith("listed.known_hint", { command: <code>"enamel-station devices"</code> })}
-                   value={name} onValue={setName} required maxLength={kLongest} problem={problemOf("name")} />
-        <TextField label={say("account.name")} hint={say("listed.name_hint")} value={title} onValue={setTitle} required maxLength={kLongest} problem={problemOf("title")} />
-        {change.error !== undefined && problemOf("name") === undefined && problemOf("title") === undefined && <ErrorNotice title={say("common.not_added")} message={change.error.message} />}
-        <FormButtons action={say("common.add")} disabled={change.busy || name.trim() === "" || title.trim() === ""} onCancel={onClose} />
+        <TextField
+          label={say("listed.known_by")}
+          hint={sayWith("listed.known_hint", { command: <code>"enamel-station devices"</code> })}
+          value={name}
+          onValue={setName}
+          required
+          maxLength={kLongest}
+          problem={problemOf("name")}
+        />
+        <TextField
+          label={say("account.name")}
+          hint={say("listed.name_hint")}
+          value={title}
+          onValue={setTitle}
+          required
+          maxLength={kLongest}
+          problem={problemOf("title")}
+        />
+        {change.error !== undefined && problemOf("name") === undefined && problemOf("title") === undefined && (
+          <ErrorNotice title={say("common.not_added")} message={change.error.message} />
+        )}
+        <FormButtons
+          action={say("common.add")}
+          disabled={change.busy || name.trim() === "" || title.trim() === ""}
+          onCancel={onClose}
+        />
       </form>
     </Dialog>
   );

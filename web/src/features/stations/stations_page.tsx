@@ -18,7 +18,7 @@ import { ListedDevices } from "./listed_devices";
 
 const kPageSize = 100;
 const kCodeMinutes = 60;
-const kUsualPort = 8443;                        // of the station link, for a server that does not tell its own
+const kUsualPort = 8443; // of the station link, for a server that does not tell its own
 const kSeenNowMs = 2 * 60_000;
 
 // The workstations; an admin enrols, renames and revokes them.
@@ -29,33 +29,81 @@ export function StationsPage({ client, admin }: { readonly client: Client; reado
   const columns: readonly Column<Station>[] = [
     { title: say("common.station"), cell: (station) => station.name },
     { title: say("common.state"), cell: (station) => <StationState station={station} /> },
-    { title: say("stations.seen"), cell: (station) => station.last_seen_ms === 0 ? say("common.never") : <span title={formatDateTime(station.last_seen_ms)}>{relativeTime(station.last_seen_ms, Date.now())}</span> },
-    { title: say("stations.software"), cell: (station) => station.software === "" ? "–" : say("stations.core", { software: station.software, core: String(station.core_version) }) },
+    {
+      title: say("stations.seen"),
+      cell: (station) =>
+        station.last_seen_ms === 0 ? (
+          say("common.never")
+        ) : (
+          <span title={formatDateTime(station.last_seen_ms)}>{relativeTime(station.last_seen_ms, Date.now())}</span>
+        ),
+    },
+    {
+      title: say("stations.software"),
+      cell: (station) =>
+        station.software === ""
+          ? "–"
+          : say("stations.core", { software: station.software, core: String(station.core_version) }),
+    },
     { title: say("stations.enrolled_at"), cell: (station) => formatDateTime(station.enrolled_ms) },
-    ...(admin ? [{ title: say("common.change"), hideTitle: true, cell: (station: Station) => station.revoked ? null : (
-      <div class="row-tools">
-        <button type="button" class="button small" onClick={() => setOpen({ what: "rename", station })}><Brief shown={say("stations.rename_ask")} full={say("stations.rename_which", { name: station.name })} /></button>
-        <button type="button" class="button small" onClick={() => setOpen({ what: "revoke", station })}><Brief shown={say("stations.revoke_ask")} full={say("stations.revoke_which", { name: station.name })} /></button>
-      </div>
-    ) }] : []),
+    ...(admin
+      ? [
+          {
+            title: say("common.change"),
+            hideTitle: true,
+            cell: (station: Station) =>
+              station.revoked ? null : (
+                <div class="row-tools">
+                  <button type="button" class="button small" onClick={() => setOpen({ what: "rename", station })}>
+                    <Brief
+                      shown={say("stations.rename_ask")}
+                      full={say("stations.rename_which", { name: station.name })}
+                    />
+                  </button>
+                  <button type="button" class="button small" onClick={() => setOpen({ what: "revoke", station })}>
+                    <Brief
+                      shown={say("stations.revoke_ask")}
+                      full={say("stations.revoke_which", { name: station.name })}
+                    />
+                  </button>
+                </div>
+              ),
+          },
+        ]
+      : []),
   ];
   return (
     <>
       <PageTitle document={say("nav.stations")}>{say("nav.stations")}</PageTitle>
       {admin && <EnrolmentCodes client={client} />}
       <PagedList pages={pages} list="stations" empty={say("stations.none")}>
-        {(stations) => <Card className="flush"><DataTable label={say("nav.stations")} items={stations} rowKey={(station) => station.id} columns={columns} /></Card>}
+        {(stations) => (
+          <Card className="flush">
+            <DataTable
+              label={say("nav.stations")}
+              items={stations}
+              rowKey={(station) => station.id}
+              columns={columns}
+            />
+          </Card>
+        )}
       </PagedList>
       <ListedDevices client={client} admin={admin} />
-      {open?.what === "rename" && <Rename client={client} station={open.station} onClose={close} onDone={pages.reload} />}
+      {open?.what === "rename" && (
+        <Rename client={client} station={open.station} onClose={close} onDone={pages.reload} />
+      )}
       {open?.what === "revoke" && (
-        <Confirm title={say("stations.revoke_title", { name: open.station.name })} action={say("stations.revoke")} onClose={close}
-                 onConfirm={async () => {
-                   const result = await client.stations.revoke(open.station.id);
-                   if (!result.ok) return result.error.message;
-                   pages.reload();
-                   return undefined;
-                 }}>
+        <Confirm
+          title={say("stations.revoke_title", { name: open.station.name })}
+          action={say("stations.revoke")}
+          onClose={close}
+          onConfirm={async () => {
+            const result = await client.stations.revoke(open.station.id);
+            if (!result.ok) return result.error.message;
+            pages.reload();
+            return undefined;
+          }}
+        >
           <p>{say("stations.revoke_text")}</p>
         </Confirm>
       )}
@@ -65,10 +113,24 @@ export function StationsPage({ client, admin }: { readonly client: Client; reado
 
 function StationState({ station }: { readonly station: Station }) {
   if (station.revoked) return <Badge tone="bad">{say("stations.revoked")}</Badge>;
-  return Date.now() - station.last_seen_ms < kSeenNowMs ? <Badge tone="good">{say("cohorts.in_use")}</Badge> : <Badge tone="neutral">{say("stations.enrolled")}</Badge>;
+  return Date.now() - station.last_seen_ms < kSeenNowMs ? (
+    <Badge tone="good">{say("cohorts.in_use")}</Badge>
+  ) : (
+    <Badge tone="neutral">{say("stations.enrolled")}</Badge>
+  );
 }
 
-function Rename({ client, station, onClose, onDone }: { readonly client: Client; readonly station: Station; readonly onClose: () => void; readonly onDone: () => void }) {
+function Rename({
+  client,
+  station,
+  onClose,
+  onDone,
+}: {
+  readonly client: Client;
+  readonly station: Station;
+  readonly onClose: () => void;
+  readonly onDone: () => void;
+}) {
   const [name, setName] = useState(station.name);
   const change = useChange();
   const submit = async (event: Event) => {
@@ -81,8 +143,17 @@ function Rename({ client, station, onClose, onDone }: { readonly client: Client;
   return (
     <Dialog title={say("stations.rename_title", { name: station.name })} onClose={onClose}>
       <form class="form" onSubmit={(event) => void submit(event)}>
-        <TextField label={say("account.name")} value={name} onValue={setName} required maxLength={64} problem={change.error?.field === "name" ? change.error.message : undefined} />
-        {change.error !== undefined && change.error.field !== "name" && <ErrorNotice title={say("stations.not_renamed")} message={change.error.message} />}
+        <TextField
+          label={say("account.name")}
+          value={name}
+          onValue={setName}
+          required
+          maxLength={64}
+          problem={change.error?.field === "name" ? change.error.message : undefined}
+        />
+        {change.error !== undefined && change.error.field !== "name" && (
+          <ErrorNotice title={say("stations.not_renamed")} message={change.error.message} />
+        )}
         <FormButtons action={say("stations.rename")} disabled={change.busy} onCancel={onClose} />
       </form>
     </Dialog>
@@ -101,27 +172,60 @@ function EnrolmentCodes({ client }: { readonly client: Client }) {
     reload();
   };
   return (
-    <Card title={say("stations.enrol")} aside={<button type="button" class="button primary" disabled={change.busy} onClick={() => void make()}>{say("stations.make_code")}</button>}>
-      {change.error !== undefined && <ErrorNotice title={say("stations.no_code_made")} message={change.error.message} />}
+    <Card
+      title={say("stations.enrol")}
+      aside={
+        <button type="button" class="button primary" disabled={change.busy} onClick={() => void make()}>
+          {say("stations.make_code")}
+        </button>
+      }
+    >
+      {change.error !== undefined && (
+        <ErrorNotice title={say("stations.no_code_made")} message={change.error.message} />
+      )}
       {loaded.state === "loading" && <Loading what={say("loading.codes")} />}
-      {loaded.state === "failed" && <ErrorNotice title={say("stations.codes_failed")} message={loaded.error.message} onRetry={reload} />}
-      {loaded.state === "ready" && (loaded.value.length === 0 ? <Empty>{say("stations.no_code")}</Empty> : (
-        <DataTable label={say("stations.codes")} items={loaded.value} rowKey={(code) => code.id} dense columns={[
-          { title: say("stations.open_since"), cell: (code) => formatDateTime(code.created_ms) },
-          { title: say("stations.good_until"), cell: (code) => formatDateTime(code.expires_ms) },
-          { title: say("stations.withdraw_column"), hideTitle: true, cell: (code) => (
-            <div class="row-tools"><button type="button" class="button small" onClick={() => setEnding(code)}>{say("stations.withdraw_ask")}</button></div>) },
-        ]} />
-      ))}
+      {loaded.state === "failed" && (
+        <ErrorNotice title={say("stations.codes_failed")} message={loaded.error.message} onRetry={reload} />
+      )}
+      {loaded.state === "ready" &&
+        (loaded.value.length === 0 ? (
+          <Empty>{say("stations.no_code")}</Empty>
+        ) : (
+          <DataTable
+            label={say("stations.codes")}
+            items={loaded.value}
+            rowKey={(code) => code.id}
+            dense
+            columns={[
+              { title: say("stations.open_since"), cell: (code) => formatDateTime(code.created_ms) },
+              { title: say("stations.good_until"), cell: (code) => formatDateTime(code.expires_ms) },
+              {
+                title: say("stations.withdraw_column"),
+                hideTitle: true,
+                cell: (code) => (
+                  <div class="row-tools">
+                    <button type="button" class="button small" onClick={() => setEnding(code)}>
+                      {say("stations.withdraw_ask")}
+                    </button>
+                  </div>
+                ),
+              },
+            ]}
+          />
+        ))}
       {made !== undefined && <NewCode code={made} onClose={() => setMade(undefined)} />}
       {ending !== undefined && (
-        <Confirm title={say("stations.withdraw_title")} action={say("stations.withdraw")} onClose={() => setEnding(undefined)}
-                 onConfirm={async () => {
-                   const result = await client.stations.withdrawCode(ending.id);
-                   if (!result.ok) return result.error.message;
-                   reload();
-                   return undefined;
-                 }}>
+        <Confirm
+          title={say("stations.withdraw_title")}
+          action={say("stations.withdraw")}
+          onClose={() => setEnding(undefined)}
+          onConfirm={async () => {
+            const result = await client.stations.withdrawCode(ending.id);
+            if (!result.ok) return result.error.message;
+            reload();
+            return undefined;
+          }}
+        >
           <p>{say("stations.withdraw_text")}</p>
         </Confirm>
       )}
@@ -133,7 +237,10 @@ function NewCode({ code, onClose }: { readonly code: MadeEnrolCode; readonly onC
   return (
     <Dialog title={say("stations.enrol")} onClose={onClose} wide>
       <ol class="steps">
-        <li><p>{sayWith("stations.type_command", { place: <code>STATION</code> })}</p><CopyText text={enrolCommand(code)} what={say("copy.command")} /></li>
+        <li>
+          <p>{sayWith("stations.type_command", { place: <code>STATION</code> })}</p>
+          <CopyText text={enrolCommand(code)} what={say("copy.command")} />
+        </li>
         <li>{say("stations.appears")}</li>
       </ol>
       <p>{say("stations.code_alone")}</p>
@@ -141,7 +248,11 @@ function NewCode({ code, onClose }: { readonly code: MadeEnrolCode; readonly onC
       <Notice tone="warning" title={say("common.shown_now")}>
         <p>{say("stations.code_good", { until: formatDateTime(code.expires_ms) })}</p>
       </Notice>
-      <div class="button-row end"><button type="button" class="button primary" onClick={onClose}>{say("common.close")}</button></div>
+      <div class="button-row end">
+        <button type="button" class="button primary" onClick={onClose}>
+          {say("common.close")}
+        </button>
+      </div>
     </Dialog>
   );
 }

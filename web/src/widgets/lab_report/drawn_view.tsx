@@ -15,7 +15,9 @@ export function DrawnView({ drawable, aside }: { readonly drawable: Drawable; re
           <StrokesView strokes={drawable.strokes} />
         </Card>
       )}
-      {drawable.report !== undefined && <LabReportView report={drawable.report} aside={drawable.strokes === undefined ? aside : undefined} />}
+      {drawable.report !== undefined && (
+        <LabReportView report={drawable.report} aside={drawable.strokes === undefined ? aside : undefined} />
+      )}
     </>
   );
 }

@@ -5,20 +5,40 @@ import { say } from "../../base/words";
 // What is drawn of a plot of enamel-lab's, apart from drawing it.
 
 export const kColourVariables: Readonly<Record<LabColour, string>> = {
-  1: "--plot-force", 2: "--plot-removed", 3: "--good", 4: "--bad", 5: "--plot-mean", 6: "--accent", 7: "--warning", 8: "--plot-bound",
-  reference: "--text", muted: "--line-strong", good: "--good", bad: "--bad", chosen: "--warning",
+  1: "--plot-force",
+  2: "--plot-removed",
+  3: "--good",
+  4: "--bad",
+  5: "--plot-mean",
+  6: "--accent",
+  7: "--warning",
+  8: "--plot-bound",
+  reference: "--text",
+  muted: "--line-strong",
+  good: "--good",
+  bad: "--bad",
+  chosen: "--warning",
 };
 
 export const kVerdictVariables: Readonly<Record<LabVerdict, string>> = {
-  passive: "--verdict-passive", "stable with these grips": "--verdict-stable", bounded: "--verdict-bounded", unstable: "--verdict-unstable",
+  passive: "--verdict-passive",
+  "stable with these grips": "--verdict-stable",
+  bounded: "--verdict-bounded",
+  unstable: "--verdict-unstable",
 };
 
 // A map as a plot: its curves over its cells.
 export function plotOfMap(map: LabMap): LabPlot {
   const inks = ["reference", "5", "1"] as const;
   return {
-    title: map.title, x_label: map.x_label, y_label: map.y_label, log_x: true, log_y: true,
-    series: map.curves.map((curve, index): LabSeries => ({ ...curve, colour: inks[index % inks.length]!, style: "dashes", beside: false })),
+    title: map.title,
+    x_label: map.x_label,
+    y_label: map.y_label,
+    log_x: true,
+    log_y: true,
+    series: map.curves.map(
+      (curve, index): LabSeries => ({ ...curve, colour: inks[index % inks.length]!, style: "dashes", beside: false }),
+    ),
   };
 }
 
@@ -27,7 +47,7 @@ export function edgesOf(centres: readonly number[]): number[] {
   if (centres.length === 1) return [centres[0]! / 1.5, centres[0]! * 1.5];
   const inner = centres.slice(1).map((value, index) => Math.sqrt(value * centres[index]!));
   const [first, last] = [centres[0]!, centres.at(-1)!];
-  return [first * first / inner[0]!, ...inner, last * last / inner.at(-1)!];
+  return [(first * first) / inner[0]!, ...inner, (last * last) / inner.at(-1)!];
 }
 
 // One row for each point of each series: a value of one series, null in the others. Points at the same place of
@@ -35,7 +55,10 @@ export function edgesOf(centres: readonly number[]): number[] {
 export function rowsOf(series: readonly LabSeries[]): { readonly x: number[]; readonly columns: (number | null)[][] } {
   const points = series.flatMap((one, at) => one.x.map((x, index) => ({ x, y: one.y[index]!, at })));
   points.sort((a, b) => a.x - b.x);
-  return { x: points.map(({ x }) => x), columns: series.map((_, at) => points.map((point) => (point.at === at ? point.y : null))) };
+  return {
+    x: points.map(({ x }) => x),
+    columns: series.map((_, at) => points.map((point) => (point.at === at ? point.y : null))),
+  };
 }
 
 // From least to most of all points, with room about it; what there is without any points.
@@ -61,7 +84,8 @@ export function ticksOf(low: number, high: number, log: boolean): number[] {
     for (let power = first; power <= last; power += step) powers.push(10 ** power);
     if (powers.length >= 3) return powers;
     const finer: number[] = [];
-    for (let power = first - 1; power <= last + 1; ++power) finer.push(...[1, 2, 3, 5].map((factor) => factor * 10 ** power));
+    for (let power = first - 1; power <= last + 1; ++power)
+      finer.push(...[1, 2, 3, 5].map((factor) => factor * 10 ** power));
     return finer.filter((value) => value >= low && value <= high);
   }
   const raw = (high - low) / 6;
@@ -80,17 +104,29 @@ const kTickDigits = 12;
 // Without what binary fractions add, and without an exponent where zeros are short.
 export function tickText(value: number): string {
   const short = Number(value.toPrecision(6));
-  return short === 0 || (Math.abs(short) >= kLeastPlain && Math.abs(short) < kMostPlain) ? formatNumber(short, kTickDigits) : String(short);
+  return short === 0 || (Math.abs(short) >= kLeastPlain && Math.abs(short) < kMostPlain)
+    ? formatNumber(short, kTickDigits)
+    : String(short);
 }
 
 // The picture in a sentence, for who does not see it.
 export function plotSentence(plot: LabPlot): string {
   const named = plot.series.filter((series) => series.label !== "" && series.x.length > 0);
-  return say("lab.picture", { title: plot.title, y: plot.y_label, x: plot.x_label, what: named.map((series) => series.label).join("; ") });
+  return say("lab.picture", {
+    title: plot.title,
+    y: plot.y_label,
+    x: plot.x_label,
+    what: named.map((series) => series.label).join("; "),
+  });
 }
 
 export function mapSentence(map: LabMap): string {
   const counts = new Map<string, number>();
   for (const cell of map.cells) counts.set(cell, (counts.get(cell) ?? 0) + 1);
-  return say("lab.picture", { title: map.title, y: map.y_label, x: map.x_label, what: [...counts].map(([verdict, count]) => `${formatNumber(count, 0)} ${verdict}`).join(", ") });
+  return say("lab.picture", {
+    title: map.title,
+    y: map.y_label,
+    x: map.x_label,
+    what: [...counts].map(([verdict, count]) => `${formatNumber(count, 0)} ${verdict}`).join(", "),
+  });
 }

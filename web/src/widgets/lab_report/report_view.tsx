@@ -12,12 +12,18 @@ export function LabReportView({ report, aside }: { readonly report: LabReport; r
       <Card title={say("lab.found")} aside={aside}>
         <ul class="lab-cards" aria-label={say("calibration.figures")}>
           {report.cards.map((card) => (
-            <li key={card.text} class={card.good ? "" : "missed"}><b>{card.figure}</b> {card.text}</li>
+            <li key={card.text} class={card.good ? "" : "missed"}>
+              <b>{card.figure}</b> {card.text}
+            </li>
           ))}
         </ul>
-        {report.sources.map((source) => <Sources key={source.title} source={source} />)}
+        {report.sources.map((source) => (
+          <Sources key={source.title} source={source} />
+        ))}
       </Card>
-      {report.sections.map((section) => <Section key={section.title} section={section} />)}
+      {report.sections.map((section) => (
+        <Section key={section.title} section={section} />
+      ))}
     </>
   );
 }
@@ -27,9 +33,16 @@ function Sources({ source }: { readonly source: LabReport["sources"][number] }) 
     <details class="numbers">
       <summary>{say("lab.where_from", { device: source.title })}</summary>
       <TableFrame label={say("lab.sources_of", { device: source.title })}>
-        <table class="dense"><tbody>
-          {source.numbers.map((number) => <tr key={number.what}><th scope="row">{number.what}</th><td>{number.source}</td></tr>)}
-        </tbody></table>
+        <table class="dense">
+          <tbody>
+            {source.numbers.map((number) => (
+              <tr key={number.what}>
+                <th scope="row">{number.what}</th>
+                <td>{number.source}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
       </TableFrame>
     </details>
   );
@@ -39,9 +52,15 @@ function Section({ section }: { readonly section: LabSection }) {
   return (
     <Card title={section.title}>
       {section.text !== "" && <p>{section.text}</p>}
-      {section.plots.map((plot) => <FigurePlot key={plot.title} plot={plot} />)}
-      {section.maps.map((map) => <VerdictMap key={map.title} map={map} />)}
-      {section.tables.map((table) => <Table key={table.title} table={table} />)}
+      {section.plots.map((plot) => (
+        <FigurePlot key={plot.title} plot={plot} />
+      ))}
+      {section.maps.map((map) => (
+        <VerdictMap key={map.title} map={map} />
+      ))}
+      {section.tables.map((table) => (
+        <Table key={table.title} table={table} />
+      ))}
     </Card>
   );
 }
@@ -54,10 +73,24 @@ function Table({ table }: { readonly table: LabTable }) {
       {table.rows.length > 0 && (
         <TableFrame label={table.title}>
           <table class="dense">
-            <thead><tr>{table.head.map((name, column) => <th key={column} scope="col">{name}</th>)}</tr></thead>
+            <thead>
+              <tr>
+                {table.head.map((name, column) => (
+                  <th key={column} scope="col">
+                    {name}
+                  </th>
+                ))}
+              </tr>
+            </thead>
             <tbody>
               {table.rows.map((row, at) => (
-                <tr key={at}>{row.map((cell, column) => <td key={column} class={bad.has(`${at} ${column}`) ? "missed" : ""}>{cell}</td>)}</tr>
+                <tr key={at}>
+                  {row.map((cell, column) => (
+                    <td key={column} class={bad.has(`${at} ${column}`) ? "missed" : ""}>
+                      {cell}
+                    </td>
+                  ))}
+                </tr>
               ))}
             </tbody>
           </table>

@@ -11,8 +11,19 @@ function golden(): readonly StrokeCase[] {
 }
 
 test("columns of different times are joined over all of them, with gaps", () => {
-  assert.deepEqual(joined([{ timeS: [0, 2], values: [5, 6] }, { timeS: [0, 1], values: [7, 8] }]),
-                   { timeS: [0, 1, 2], columns: [[5, null, 6], [7, 8, null]] });
+  assert.deepEqual(
+    joined([
+      { timeS: [0, 2], values: [5, 6] },
+      { timeS: [0, 1], values: [7, 8] },
+    ]),
+    {
+      timeS: [0, 1, 2],
+      columns: [
+        [5, null, 6],
+        [7, 8, null],
+      ],
+    },
+  );
 });
 
 test("the law in use is drawn last, the ideal is its own, and every point is there", () => {
@@ -20,8 +31,14 @@ test("the law in use is drawn last, the ideal is its own, and every point is the
     const { lines, data } = drawn(one);
     assert.equal(lines.length, data.columns.length);
     assert.equal(lines.at(-1)!.label, `${one.tracks[0]!.law}, the law in use`);
-    assert.deepEqual(data.columns.at(-1)!.filter((value) => value !== null), one.tracks[0]!.force_n);
-    assert.deepEqual(data.columns[lines.indexOf(kIdealLine)]!.filter((value) => value !== null), one.tracks[0]!.ideal_n);
+    assert.deepEqual(
+      data.columns.at(-1)!.filter((value) => value !== null),
+      one.tracks[0]!.force_n,
+    );
+    assert.deepEqual(
+      data.columns[lines.indexOf(kIdealLine)]!.filter((value) => value !== null),
+      one.tracks[0]!.ideal_n,
+    );
   }
 });
 
@@ -39,5 +56,8 @@ test("the sentence says the forces, and what is not held", () => {
   const track = one.tracks[0]!;
   assert.match(caseSentence({ ...one, tracks: [{ ...track, figures: [] }] }), /Every judged figure is held/);
   const missed = { name: "pull_n", unit: "N", value: 1, bound: 0.15, held: false };
-  assert.match(caseSentence({ ...one, tracks: [{ ...track, figures: [missed] }] }), /Not held: Pull against the hand in air\./);
+  assert.match(
+    caseSentence({ ...one, tracks: [{ ...track, figures: [missed] }] }),
+    /Not held: Pull against the hand in air\./,
+  );
 });

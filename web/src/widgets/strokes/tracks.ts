@@ -6,16 +6,37 @@ import { say, sayIf } from "../../base/words";
 
 export interface TrackLine {
   readonly label: string;
-  readonly colorVariable: string;               // a CSS custom property
+  readonly colorVariable: string; // a CSS custom property
   readonly width: number;
   readonly dash?: readonly number[];
-  readonly fill?: boolean;                      // an area down to zero instead of a line
+  readonly fill?: boolean; // an area down to zero instead of a line
 }
 
 // The same in every case, so that one legend serves all of them.
-export const kIdealLine: TrackLine = { get label() { return say("strokes.ideal"); }, colorVariable: "--text", width: 1.6, dash: [7, 4] };
-export const kOracleLine: TrackLine = { get label() { return say("strokes.oracle"); }, colorVariable: "--good", width: 1.4, dash: [2, 3] };
-export const kWholeLine: TrackLine = { get label() { return say("strokes.whole"); }, colorVariable: "--plot-force", width: 0, fill: true };
+export const kIdealLine: TrackLine = {
+  get label() {
+    return say("strokes.ideal");
+  },
+  colorVariable: "--text",
+  width: 1.6,
+  dash: [7, 4],
+};
+export const kOracleLine: TrackLine = {
+  get label() {
+    return say("strokes.oracle");
+  },
+  colorVariable: "--good",
+  width: 1.4,
+  dash: [2, 3],
+};
+export const kWholeLine: TrackLine = {
+  get label() {
+    return say("strokes.whole");
+  },
+  colorVariable: "--plot-force",
+  width: 0,
+  fill: true,
+};
 const kLawLines: readonly Omit<TrackLine, "label">[] = [
   { colorVariable: "--plot-force", width: 2.6 },
   { colorVariable: "--plot-removed", width: 1.3 },
@@ -24,7 +45,12 @@ const kLawLines: readonly Omit<TrackLine, "label">[] = [
 
 export function lawLine(track: StrokeTrack, index: number): TrackLine {
   const style = kLawLines[Math.min(index, kLawLines.length - 1)]!;
-  return { ...style, label: track.default ? say("strokes.law_used", { law: track.law }) : say("strokes.law_compared", { law: track.law }) };
+  return {
+    ...style,
+    label: track.default
+      ? say("strokes.law_used", { law: track.law })
+      : say("strokes.law_compared", { law: track.law }),
+  };
 }
 
 export interface Joined {
@@ -33,14 +59,18 @@ export interface Joined {
 }
 
 // Columns over the times of all tracks; null where a track has no point. `columns`: times and values.
-export function joined(columns: readonly { readonly timeS: readonly number[]; readonly values: readonly number[] }[]): Joined {
+export function joined(
+  columns: readonly { readonly timeS: readonly number[]; readonly values: readonly number[] }[],
+): Joined {
   const timeS = [...new Set(columns.flatMap((column) => column.timeS))].sort((a, b) => a - b);
   const place = new Map(timeS.map((time, index) => [time, index]));
   return {
     timeS,
     columns: columns.map(({ timeS: own, values }) => {
       const out: (number | null)[] = new Array<number | null>(timeS.length).fill(null);
-      own.forEach((time, index) => { out[place.get(time)!] = values[index]!; });
+      own.forEach((time, index) => {
+        out[place.get(time)!] = values[index]!;
+      });
       return out;
     }),
   };
@@ -53,8 +83,12 @@ export function drawn(one: StrokeCase): { readonly lines: readonly TrackLine[]; 
   const order = one.tracks.map((track, index) => ({ track, line: lawLine(track, index) })).reverse();
   return {
     lines: [kWholeLine, kIdealLine, kOracleLine, ...order.map(({ line }) => line)],
-    data: joined([{ timeS: first.t_s, values: first.magnitude_n }, { timeS: first.t_s, values: first.ideal_n }, { timeS: first.t_s, values: first.oracle_n },
-                  ...order.map(({ track }) => ({ timeS: track.t_s, values: track.force_n }))]),
+    data: joined([
+      { timeS: first.t_s, values: first.magnitude_n },
+      { timeS: first.t_s, values: first.ideal_n },
+      { timeS: first.t_s, values: first.oracle_n },
+      ...order.map(({ track }) => ({ timeS: track.t_s, values: track.force_n })),
+    ]),
   };
 }
 
@@ -67,7 +101,11 @@ export interface CaseText {
 // A motion that the page does not know is called by its name.
 export function caseText(name: string): CaseText {
   const key = name.replaceAll("-", "_");
-  return { title: sayIf(`stroke_case.${key}`) ?? name, what: sayIf(`stroke_what.${key}`) ?? "", look: sayIf(`stroke_look.${key}`) ?? "" };
+  return {
+    title: sayIf(`stroke_case.${key}`) ?? name,
+    what: sayIf(`stroke_what.${key}`) ?? "",
+    look: sayIf(`stroke_look.${key}`) ?? "",
+  };
 }
 
 export function figureTitle(name: string): string {
@@ -85,6 +123,13 @@ export function caseSentence(one: StrokeCase): string {
   const track = one.tracks[0]!;
   const most = (values: readonly number[]) => values.reduce((a, b) => Math.max(a, b), 0);
   const misses = track.figures.filter((figure) => !figure.held).map((figure) => figureTitle(figure.name));
-  const told = { motion: caseText(one.name).title, seconds: formatNumber(track.t_s.at(-1)!, 1), force: formatNumber(most(track.force_n), 2), ideal: formatNumber(most(track.ideal_n), 2) };
-  return misses.length === 0 ? say("strokes.sentence_held", told) : say("strokes.sentence_missed", { ...told, figures: misses.join("; ") });
+  const told = {
+    motion: caseText(one.name).title,
+    seconds: formatNumber(track.t_s.at(-1)!, 1),
+    force: formatNumber(most(track.force_n), 2),
+    ideal: formatNumber(most(track.ideal_n), 2),
+  };
+  return misses.length === 0
+    ? say("strokes.sentence_held", told)
+    : say("strokes.sentence_missed", { ...told, figures: misses.join("; ") });
 }

@@ -5,11 +5,11 @@ import { TriangleGrid } from "./triangle_grid";
 
 // A tooth in blocks, each with its own triangles, so that only what was cut is given to the graphics card anew.
 
-const kCellsAlong = 16;                         // of a block, which has a few thousand triangles
+const kCellsAlong = 16; // of a block, which has a few thousand triangles
 
 export interface BlockHit {
   readonly mesh: BlockMesh;
-  readonly vertex: number;                      // of the triangle that is met
+  readonly vertex: number; // of the triangle that is met
   readonly at: readonly [number, number, number];
 }
 
@@ -17,7 +17,7 @@ interface Block {
   readonly mesh: BlockMesh;
   readonly drawn: Mesh;
   readonly box: Box3;
-  grid: TriangleGrid | undefined;               // made when a ray first comes near
+  grid: TriangleGrid | undefined; // made when a ray first comes near
 }
 
 export class ToothBlocks {
@@ -60,13 +60,19 @@ export class ToothBlocks {
   }
 
   // What a ray meets first. `direction` need not have the length 1.
-  firstHit(origin: Vector3, direction: Vector3, meets: (point: readonly [number, number, number]) => boolean): BlockHit | undefined {
+  firstHit(
+    origin: Vector3,
+    direction: Vector3,
+    meets: (point: readonly [number, number, number]) => boolean,
+  ): BlockHit | undefined {
     const ray = new Ray(origin, direction.clone().normalize());
     const entry = new Vector3();
-    const near = [...this.blocks.values()].flatMap((block) => {
-      if (ray.intersectBox(block.box, entry) === null) return [];
-      return [{ block, from: block.box.containsPoint(origin) ? 0 : entry.distanceTo(origin) }];
-    }).sort((a, b) => a.from - b.from);
+    const near = [...this.blocks.values()]
+      .flatMap((block) => {
+        if (ray.intersectBox(block.box, entry) === null) return [];
+        return [{ block, from: block.box.containsPoint(origin) ? 0 : entry.distanceTo(origin) }];
+      })
+      .sort((a, b) => a.from - b.from);
     let best: BlockHit | undefined;
     let nearest = Infinity;
     for (const { block, from } of near) {

@@ -6,7 +6,10 @@ test("a deviation of zero is a pale, quiet middle, and both ends are the end col
   assert.deepEqual(deviationColor(-0.5), parseHex("#053061"));
   assert.deepEqual(deviationColor(0.5), parseHex("#67001f"));
   const spread = (mm: number) => Math.max(...deviationColor(mm)) - Math.min(...deviationColor(mm));
-  assert.ok(deviationColor(0).every((value) => value > 220), "light");
+  assert.ok(
+    deviationColor(0).every((value) => value > 220),
+    "light",
+  );
   for (const mm of [-0.2, 0.2]) assert.ok(spread(0) < spread(mm) / 3, "what is right stands out less than what is not");
 });
 

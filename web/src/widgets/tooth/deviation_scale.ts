@@ -6,7 +6,17 @@ export const kContourStepMm = 0.1;
 export const kUntouchedColor = "#a3abb5";
 
 const kStops = [
-  "#053061", "#2166ac", "#4393c3", "#92c5de", "#d1e5f0", "#f6f1e4", "#fddbc7", "#f4a582", "#d6604d", "#b2182b", "#67001f",
+  "#053061",
+  "#2166ac",
+  "#4393c3",
+  "#92c5de",
+  "#d1e5f0",
+  "#f6f1e4",
+  "#fddbc7",
+  "#f4a582",
+  "#d6604d",
+  "#b2182b",
+  "#67001f",
 ] as const;
 
 export type Rgb = readonly [number, number, number];

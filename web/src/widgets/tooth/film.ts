@@ -5,7 +5,7 @@ import type { Extent } from "../../api/tooth_work";
 
 export interface FilmPose {
   readonly tipMm: readonly [number, number, number];
-  readonly axis: readonly [number, number, number];  // toward the shank
+  readonly axis: readonly [number, number, number]; // toward the shank
 }
 
 export interface FilmScreen {

@@ -1,6 +1,6 @@
 import { ConeGeometry, CylinderGeometry, Mesh, MeshBasicMaterial, Vector3 } from "three";
 
-const kArrowMmPerN = 1.5;                       // as the words say (tooth.force_arrow)
+const kArrowMmPerN = 1.5; // as the words say (tooth.force_arrow)
 const kMostMm = 12;
 const kShaftMm = 0.09;
 const kHeadMm = 0.55;
@@ -36,7 +36,7 @@ export class ForceArrow {
     this.mesh.quaternion.setFromUnitVectors(kUp, new Vector3(...this.force).normalize());
     this.mesh.scale.set(1, lengthMm, 1);
     this.head.position.set(0, 1, 0);
-    this.head.scale.set(1, 1 / lengthMm, 1);    // the head keeps its size
+    this.head.scale.set(1, 1 / lengthMm, 1); // the head keeps its size
   }
 
   dispose(): void {

@@ -1,5 +1,17 @@
 import {
-  AlwaysStencilFunc, BackSide, DecrementWrapStencilOp, EqualStencilFunc, FrontSide, Group, IncrementWrapStencilOp, type Material, Mesh, type Plane, PlaneGeometry, ReplaceStencilOp, ShaderMaterial,
+  AlwaysStencilFunc,
+  BackSide,
+  DecrementWrapStencilOp,
+  EqualStencilFunc,
+  FrontSide,
+  Group,
+  IncrementWrapStencilOp,
+  type Material,
+  Mesh,
+  type Plane,
+  PlaneGeometry,
+  ReplaceStencilOp,
+  ShaderMaterial,
 } from "three";
 import type { BlockMesh } from "../../api/tooth_mesh";
 import { ToothBlocks } from "./blocks";
@@ -15,11 +27,11 @@ import { Section } from "./section";
 // again before one meets the tooth that is looked at. Never, or as often out as in: that place is outside (as with shadow
 // volumes: Heidmann, "Real shadows, real time", 1991). A section opens the other tooth, and this count with it: no stripes then.
 
-const kSameMm = 0.03;                           // apart or less is the same: triangles of both are made coarser in other places
-const kFill = 0.5;                              // opacities
+const kSameMm = 0.03; // apart or less is the same: triangles of both are made coarser in other places
+const kFill = 0.5; // opacities
 const kStripe = 0.75;
-const kStripePx = 7;                            // of the picture, from one stripe to the next
-const kMarked = 128;                            // in the stencil: the tooth that is looked at, and neither in the other nor out of it
+const kStripePx = 7; // of the picture, from one stripe to the next
+const kMarked = 128; // in the stencil: the tooth that is looked at, and neither in the other nor out of it
 
 const kFragment = `
 uniform vec3 tint;
@@ -41,19 +53,40 @@ const shared = { transparent: true, depthWrite: false, uniforms: { tint: { value
 
 // `shiftMm`: a little towards the side on which it counts as the same.
 function surface(shiftMm: number, more: object = {}): ShaderMaterial {
-  return new ShaderMaterial({ vertexShader: kQuickVertex, fragmentShader: kFragment, vertexColors: true, clipping: true, defines: { SHIFT: shiftMm }, ...shared, ...more });
+  return new ShaderMaterial({
+    vertexShader: kQuickVertex,
+    fragmentShader: kFragment,
+    vertexColors: true,
+    clipping: true,
+    defines: { SHIFT: shiftMm },
+    ...shared,
+    ...more,
+  });
 }
-const counting = (side: typeof FrontSide | typeof BackSide) => surface(kSameMm, {
-  side, colorWrite: false, stencilWrite: true, stencilFunc: AlwaysStencilFunc, stencilZPass: side === FrontSide ? IncrementWrapStencilOp : DecrementWrapStencilOp,
-});
+const counting = (side: typeof FrontSide | typeof BackSide) =>
+  surface(kSameMm, {
+    side,
+    colorWrite: false,
+    stencilWrite: true,
+    stencilFunc: AlwaysStencilFunc,
+    stencilZPass: side === FrontSide ? IncrementWrapStencilOp : DecrementWrapStencilOp,
+  });
 
 function stripes(): Mesh<PlaneGeometry, ShaderMaterial> {
-  const mesh = new Mesh(new PlaneGeometry(2, 2), new ShaderMaterial({
-    vertexShader: "void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }", fragmentShader: kStripeFragment,
-    depthTest: false, stencilWrite: true, stencilFunc: EqualStencilFunc, stencilRef: kMarked, ...shared,
-  }));
+  const mesh = new Mesh(
+    new PlaneGeometry(2, 2),
+    new ShaderMaterial({
+      vertexShader: "void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }",
+      fragmentShader: kStripeFragment,
+      depthTest: false,
+      stencilWrite: true,
+      stencilFunc: EqualStencilFunc,
+      stencilRef: kMarked,
+      ...shared,
+    }),
+  );
   mesh.frustumCulled = false;
-  mesh.renderOrder = 0.25;                      // when all is counted, and before the bur
+  mesh.renderOrder = 0.25; // when all is counted, and before the bur
   return mesh;
 }
 
@@ -72,9 +105,12 @@ export class Ghost implements FilmScreen {
   private readonly stripes = stripes();
 
   // `expected`: more of it comes soon; `changed`: it is to be drawn anew.
-  constructor(private readonly expected: () => void, private readonly changed: () => void) {
-    this.section.outline.renderOrder = 3.5;     // below the line of the tooth that is looked at
-    this.section.outline.renderOrder = 3.5;     // below the line of the tooth that is looked at
+  constructor(
+    private readonly expected: () => void,
+    private readonly changed: () => void,
+  ) {
+    this.section.outline.renderOrder = 3.5; // below the line of the tooth that is looked at
+    this.section.outline.renderOrder = 3.5; // below the line of the tooth that is looked at
     this.group.add(this.blocks.group, this.stripes, this.section.outline);
   }
 

@@ -19,17 +19,24 @@ export function DeviationLegend() {
   return (
     <div class="legend">
       <div class="legend-scale">
-        <div class="legend-ends"><span>{say("legend.less")}</span><span>{say("legend.as_reference")}</span><span>{say("legend.more")}</span></div>
+        <div class="legend-ends">
+          <span>{say("legend.less")}</span>
+          <span>{say("legend.as_reference")}</span>
+          <span>{say("legend.more")}</span>
+        </div>
         {/* biome-ignore lint/a11y/noAriaHiddenOnFocusable: a canvas takes no focus, and the numbers stand below */}
         <canvas ref={canvas} width={kPixels} height={1} aria-hidden="true" />
         <div class="legend-ticks">
           {kTicks.map((mm) => (
-            <span key={mm} style={{ left: `${50 + (50 * mm) / kDeviationRangeMm}%` }}>{formatSigned(mm, 1)}</span>
+            <span key={mm} style={{ left: `${50 + (50 * mm) / kDeviationRangeMm}%` }}>
+              {formatSigned(mm, 1)}
+            </span>
           ))}
         </div>
       </div>
       <span class="legend-item">
-        <span class="swatch" style={{ background: kUntouchedColor }} />{say("legend.untouched")}
+        <span class="swatch" style={{ background: kUntouchedColor }} />
+        {say("legend.untouched")}
       </span>
       <span class="legend-item hint">{say("legend.lines")}</span>
     </div>
@@ -41,7 +48,8 @@ export function TissueLegend({ tissues }: { readonly tissues: readonly number[] 
     <div class="legend">
       {tissues.map((tissue) => (
         <span key={tissue} class="legend-item">
-          <span class="swatch" style={{ background: tissueColor(tissue) }} />{tissueTitle(tissue)}
+          <span class="swatch" style={{ background: tissueColor(tissue) }} />
+          {tissueTitle(tissue)}
         </span>
       ))}
     </div>
@@ -52,8 +60,17 @@ export function TissueLegend({ tissues }: { readonly tissues: readonly number[] 
 export function GhostLegend() {
   return (
     <>
-      <span class="legend-item"><span class="swatch" style={{ background: kGhostColor }} />{say("compare.more_left")}</span>
-      <span class="legend-item"><span class="swatch" style={{ background: `repeating-linear-gradient(135deg, ${kGhostColor} 0 2.5px, transparent 2.5px 5px)` }} />{say("compare.less_left")}</span>
+      <span class="legend-item">
+        <span class="swatch" style={{ background: kGhostColor }} />
+        {say("compare.more_left")}
+      </span>
+      <span class="legend-item">
+        <span
+          class="swatch"
+          style={{ background: `repeating-linear-gradient(135deg, ${kGhostColor} 0 2.5px, transparent 2.5px 5px)` }}
+        />
+        {say("compare.less_left")}
+      </span>
     </>
   );
 }

@@ -8,8 +8,14 @@ const kDashMm = 0.12;
 export class LineGroup {
   readonly group = new Group();
   private readonly over = { color: kColor, depthTest: false, transparent: true };
-  private readonly solid = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ ...this.over, opacity: 0.9 }));
-  private readonly faint = new LineSegments(new BufferGeometry(), new LineDashedMaterial({ ...this.over, opacity: 0.65, dashSize: kDashMm, gapSize: kDashMm }));
+  private readonly solid = new LineSegments(
+    new BufferGeometry(),
+    new LineBasicMaterial({ ...this.over, opacity: 0.9 }),
+  );
+  private readonly faint = new LineSegments(
+    new BufferGeometry(),
+    new LineDashedMaterial({ ...this.over, opacity: 0.65, dashSize: kDashMm, gapSize: kDashMm }),
+  );
 
   constructor() {
     this.solid.renderOrder = this.faint.renderOrder = 1;
@@ -20,7 +26,10 @@ export class LineGroup {
   set(lines: ToothLines | undefined): void {
     this.group.visible = lines !== undefined;
     if (lines === undefined) return;
-    for (const [segments, ways] of [[this.solid, lines.solid], [this.faint, lines.faint]] as const) {
+    for (const [segments, ways] of [
+      [this.solid, lines.solid],
+      [this.faint, lines.faint],
+    ] as const) {
       segments.geometry.dispose();
       segments.geometry = new BufferGeometry().setFromPoints(ways.flatMap(pairs));
       segments.frustumCulled = false;

@@ -1,8 +1,15 @@
 type Vec = readonly [number, number, number];
 
 // Appends to `out` where the plane normal · p + constant = 0 cuts the triangles: six numbers for each, the two ends.
-export function crossings(position: Float32Array, triangle: Uint32Array | Uint16Array, [nx, ny, nz]: Vec, constant: number, out: number[]): void {
-  const height = (vertex: number) => nx * position[3 * vertex]! + ny * position[3 * vertex + 1]! + nz * position[3 * vertex + 2]! + constant;
+export function crossings(
+  position: Float32Array,
+  triangle: Uint32Array | Uint16Array,
+  [nx, ny, nz]: Vec,
+  constant: number,
+  out: number[],
+): void {
+  const height = (vertex: number) =>
+    nx * position[3 * vertex]! + ny * position[3 * vertex + 1]! + nz * position[3 * vertex + 2]! + constant;
   for (let i = 0; i < triangle.length; i += 3) {
     const [a, b, c] = [triangle[i]!, triangle[i + 1]!, triangle[i + 2]!];
     const [ha, hb, hc] = [height(a), height(b), height(c)];

@@ -1,13 +1,22 @@
-import { Color, DataTexture, DoubleSide, FrontSide, LinearFilter, NoColorSpace, type Plane, ShaderMaterial } from "three";
+import {
+  Color,
+  DataTexture,
+  DoubleSide,
+  FrontSide,
+  LinearFilter,
+  NoColorSpace,
+  type Plane,
+  ShaderMaterial,
+} from "three";
 import { deviationScalePixels, kDeviationRangeMm } from "./deviation_scale";
 
 // The tooth's colours with light worked out at the vertices, so that a pixel costs little: about a third of the time of
 // the elaborate material on a processor. No contour lines, no gloss. The lamps are those of ToothScene: an intensity of π is 1 here.
 
 export interface QuickLook {
-  readonly heat: { readonly value: number };    // shared with the elaborate material
+  readonly heat: { readonly value: number }; // shared with the elaborate material
   readonly untouched: string;
-  readonly inside: string;                      // colour of a cut
+  readonly inside: string; // colour of a cut
 }
 
 // SHIFT: mm outwards.
@@ -58,8 +67,17 @@ export function quickMaterial({ heat, untouched, inside }: QuickLook): ShaderMat
   scale.minFilter = scale.magFilter = LinearFilter;
   scale.needsUpdate = true;
   const material = new ShaderMaterial({
-    vertexShader: kQuickVertex, fragmentShader: kFragment, vertexColors: true, clipping: true, defines: { SHIFT: 0 },
-    uniforms: { heat, scale: { value: scale }, untouched: { value: asShown(untouched) }, inside: { value: asShown(inside) } },
+    vertexShader: kQuickVertex,
+    fragmentShader: kFragment,
+    vertexColors: true,
+    clipping: true,
+    defines: { SHIFT: 0 },
+    uniforms: {
+      heat,
+      scale: { value: scale },
+      untouched: { value: asShown(untouched) },
+      inside: { value: asShown(inside) },
+    },
   });
   material.addEventListener("dispose", () => scale.dispose());
   return material;
@@ -70,7 +88,10 @@ export function asShown(hex: string): Color {
   return new Color().setHex(Number.parseInt(hex.slice(1), 16), NoColorSpace);
 }
 
-export function cutBy(material: { clippingPlanes: Plane[] | null; side: number; needsUpdate: boolean }, plane: Plane | undefined): void {
+export function cutBy(
+  material: { clippingPlanes: Plane[] | null; side: number; needsUpdate: boolean },
+  plane: Plane | undefined,
+): void {
   material.clippingPlanes = plane === undefined ? null : [plane];
   // Behind the plane one looks at the inside of the surface: painted flat it is the cut.
   material.side = plane === undefined ? FrontSide : DoubleSide;

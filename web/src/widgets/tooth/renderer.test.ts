@@ -3,9 +3,20 @@ import { test } from "node:test";
 import { DrawingPace, type Effort, isSoftware, pixelRatio } from "./renderer";
 
 test("renderers without a graphics card are told from those with one", () => {
-  for (const name of ["ANGLE (Google, Vulkan 1.3.0 (SwiftShader Device (Subzero) (0x0000C0DE)), SwiftShader driver)", "llvmpipe (LLVM 15.0.6, 256 bits)",
-                      "ANGLE (Microsoft, Microsoft Basic Render Driver Direct3D11)", "Apple Software Renderer"]) assert.equal(isSoftware(name), true, name);
-  for (const name of ["ANGLE (Intel, Mesa Intel(R) UHD Graphics 620 (KBL GT2), OpenGL 4.6)", "NVIDIA GeForce RTX 3060/PCIe/SSE2", "Apple M1", "WebKit WebGL"]) assert.equal(isSoftware(name), false, name);
+  for (const name of [
+    "ANGLE (Google, Vulkan 1.3.0 (SwiftShader Device (Subzero) (0x0000C0DE)), SwiftShader driver)",
+    "llvmpipe (LLVM 15.0.6, 256 bits)",
+    "ANGLE (Microsoft, Microsoft Basic Render Driver Direct3D11)",
+    "Apple Software Renderer",
+  ])
+    assert.equal(isSoftware(name), true, name);
+  for (const name of [
+    "ANGLE (Intel, Mesa Intel(R) UHD Graphics 620 (KBL GT2), OpenGL 4.6)",
+    "NVIDIA GeForce RTX 3060/PCIe/SSE2",
+    "Apple M1",
+    "WebKit WebGL",
+  ])
+    assert.equal(isSoftware(name), false, name);
 });
 
 test("what moves is drawn quickly where drawing is slow, and in full once it stands; elsewhere always in full", () => {
@@ -14,9 +25,18 @@ test("what moves is drawn quickly where drawing is slow, and in full once it sta
   let due: (() => void) | undefined;
   const later = (act: () => void) => {
     due = act;
-    return () => { due = undefined; };
+    return () => {
+      due = undefined;
+    };
   };
-  const slow = new DrawingPace(true, (effort) => used.push(effort), () => { ++draws; }, later);
+  const slow = new DrawingPace(
+    true,
+    (effort) => used.push(effort),
+    () => {
+      ++draws;
+    },
+    later,
+  );
   slow.moved();
   const first = due;
   slow.moved();
@@ -27,7 +47,14 @@ test("what moves is drawn quickly where drawing is slow, and in full once it sta
   slow.moved();
   slow.stop();
   assert.equal(due, undefined, "nothing is drawn after the end");
-  const fast = new DrawingPace(false, (effort) => used.push(effort), () => { ++draws; }, later);
+  const fast = new DrawingPace(
+    false,
+    (effort) => used.push(effort),
+    () => {
+      ++draws;
+    },
+    later,
+  );
   fast.moved();
   assert.deepEqual([due, used.length, draws, fast.effort], [undefined, 3, 1, "full"]);
   assert.ok(pixelRatio("quick", 1) < pixelRatio("full", 1));

@@ -23,7 +23,7 @@ export function drawsSlowly(): boolean {
 
 export type Effort = "quick" | "full";
 
-const kQuickShare = 0.5;                        // of the pixels along each side
+const kQuickShare = 0.5; // of the pixels along each side
 const kMostPerCssPixel = 2;
 
 // Pixels for each CSS pixel.
@@ -31,7 +31,7 @@ export function pixelRatio(effort: Effort, device: number): number {
   return effort === "quick" ? kQuickShare : Math.min(device, kMostPerCssPixel);
 }
 
-const kSettleMs = 250;                          // without a change, until it is drawn in full
+const kSettleMs = 250; // without a change, until it is drawn in full
 
 // Where drawing is slow, what moves is drawn quickly, and in full once nothing has changed for a while. Where it is not, always
 // in full.
@@ -40,8 +40,12 @@ export class DrawingPace {
   private current: Effort = "full";
 
   // `later`: calls what it is given after a while, unless what it returns is called before.
-  constructor(private readonly slow: boolean, private readonly use: (effort: Effort) => void, private readonly redraw: () => void,
-              private readonly later: (act: () => void) => () => void = whenStill) {}
+  constructor(
+    private readonly slow: boolean,
+    private readonly use: (effort: Effort) => void,
+    private readonly redraw: () => void,
+    private readonly later: (act: () => void) => () => void = whenStill,
+  ) {}
 
   get effort(): Effort {
     return this.current;

@@ -1,7 +1,28 @@
 import {
-  AmbientLight, Box3, BufferAttribute, BufferGeometry, Color, DataTexture, DirectionalLight, LatheGeometry, Line, LineBasicMaterial, LinearFilter,
-  Mesh, MeshBasicMaterial, MeshStandardMaterial, PerspectiveCamera, Raycaster, Scene, SphereGeometry, Spherical,
-  type ShaderMaterial, SRGBColorSpace, Vector2, Vector3, WebGLRenderer,
+  AmbientLight,
+  Box3,
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  DataTexture,
+  DirectionalLight,
+  LatheGeometry,
+  Line,
+  LineBasicMaterial,
+  LinearFilter,
+  Mesh,
+  MeshBasicMaterial,
+  MeshStandardMaterial,
+  PerspectiveCamera,
+  Raycaster,
+  Scene,
+  SphereGeometry,
+  Spherical,
+  type ShaderMaterial,
+  SRGBColorSpace,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Surface } from "../../api/surface";
@@ -30,14 +51,14 @@ export type { PointMm };
 // How to look into what was cut: from where, and at what.
 export interface AngledView {
   readonly direction: PointMm;
-  readonly centre: PointMm | undefined;         // undefined: the middle of the tooth
-  readonly cavity?: Extent | undefined;         // what "cavity" frames; undefined: as "angled"
+  readonly centre: PointMm | undefined; // undefined: the middle of the tooth
+  readonly cavity?: Extent | undefined; // what "cavity" frames; undefined: as "angled"
 }
 
 export interface SurfacePoint {
   readonly tissue: number;
-  readonly deviationMm: number | undefined;   // NaN: untouched; undefined: nothing to compare with
-  readonly pointMm: PointMm;                  // where exactly
+  readonly deviationMm: number | undefined; // NaN: untouched; undefined: nothing to compare with
+  readonly pointMm: PointMm; // where exactly
 }
 
 // From what is looked at towards the camera; scene frame. "angled" is given by who shows the tooth.
@@ -50,15 +71,15 @@ const kDirections: Readonly<Record<Exclude<CameraPreset, "angled" | "cavity">, P
   apical: [0, -0.001, -1],
 };
 const kFieldOfViewDeg = 28;
-const kMargin = 1.02;                          // of the bounding sphere, so that nothing touches the edge
+const kMargin = 1.02; // of the bounding sphere, so that nothing touches the edge
 const kIntoCavity: PointMm = [0.12, -0.3, 1];
-const kCavityMargin = 1.25;                    // a little of what is around it
-const kAngledCloser = 0.8;                     // of the distance at which the whole tooth is in view
+const kCavityMargin = 1.25; // a little of what is around it
+const kAngledCloser = 0.8; // of the distance at which the whole tooth is in view
 const kMarkerRadiusMm = 0.2;
 const kInsideColor = "#b98a5e";
 const kSamePlaceMm = 1e-3;
 const kLeastRadiusMm = 0.5;
-const kMinPolar = 0.001;                       // Spherical turns over at the poles
+const kMinPolar = 0.001; // Spherical turns over at the poles
 
 // What is looked at: a surface that stays as it is, or a tooth in blocks that come and change.
 export type ToothModel = { readonly surface: Surface } | { readonly extent: Extent };
@@ -75,7 +96,7 @@ export class ToothScene implements FilmScreen {
   private readonly heat = { value: 0 };
   private readonly surface: Surface | undefined;
   private readonly blocks: ToothBlocks;
-  private grid: TriangleGrid | undefined;       // made when something is first looked up
+  private grid: TriangleGrid | undefined; // made when something is first looked up
   private readonly marker: Mesh;
   private bur: Mesh | undefined;
   private readonly trail: Line;
@@ -85,19 +106,29 @@ export class ToothScene implements FilmScreen {
   private readonly radius: number;
   private readonly material: MeshStandardMaterial;
   private readonly quick: ShaderMaterial;
-  private readonly whole: Mesh | undefined;     // the surface that stays as it is
+  private readonly whole: Mesh | undefined; // the surface that stays as it is
   private readonly pace: DrawingPace;
   private readonly section = new Section();
   private readonly parts: () => Iterable<Cuttable>;
   private ghost: { readonly drawn: Ghost; readonly end: () => void } | undefined;
-  private follows = false;                      // the camera stays at the bur
-  private turning = false;                      // by the pointer
-  private untouched = true;                     // as it began: nobody has turned it
+  private follows = false; // the camera stays at the bur
+  private turning = false; // by the pointer
+  private untouched = true; // as it began: nobody has turned it
 
-  constructor(private readonly canvas: HTMLCanvasElement, model: ToothModel, private angled: AngledView,
-              private readonly drawn: (project: (point: PointMm) => PointMm, centre: PointMm, radius: number) => void) {
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    model: ToothModel,
+    private angled: AngledView,
+    private readonly drawn: (project: (point: PointMm) => PointMm, centre: PointMm, radius: number) => void,
+  ) {
     const slow = drawsSlowly();
-    this.renderer = new WebGLRenderer({ canvas, antialias: !slow, alpha: true, stencil: true, powerPreference: "low-power" });
+    this.renderer = new WebGLRenderer({
+      canvas,
+      antialias: !slow,
+      alpha: true,
+      stencil: true,
+      powerPreference: "low-power",
+    });
     // Asking for a shader's errors waits until the driver has made it.
     this.renderer.debug.checkShaderErrors = false;
     this.cleanup.add(() => this.renderer.dispose());
@@ -105,17 +136,33 @@ export class ToothScene implements FilmScreen {
     const { material } = this;
     this.quick = quickMaterial({ heat: this.heat, untouched: kUntouchedColor, inside: kInsideColor });
     this.cleanup.add(() => this.quick.dispose());
-    this.pace = new DrawingPace(slow, (effort) => this.setEffort(effort), () => this.draw());
+    this.pace = new DrawingPace(
+      slow,
+      (effort) => this.setEffort(effort),
+      () => this.draw(),
+    );
     this.cleanup.add(() => this.pace.stop());
     this.blocks = new ToothBlocks(material);
     this.cleanup.add(() => this.blocks.dispose());
     this.marker = toolMarker();
-    this.trail = new Line(new BufferGeometry(), new LineBasicMaterial({ color: 0x101418, depthTest: false, transparent: true, opacity: 0.55 }));
+    this.trail = new Line(
+      new BufferGeometry(),
+      new LineBasicMaterial({ color: 0x101418, depthTest: false, transparent: true, opacity: 0.55 }),
+    );
     this.trail.renderOrder = 1;
     this.trail.frustumCulled = false;
     this.cleanup.add(() => this.arrow.dispose());
     this.cleanup.add(() => this.lines.dispose());
-    this.scene.add(this.blocks.group, this.section.outline, this.trail, this.marker, this.arrow.mesh, this.lines.group, this.camera, new AmbientLight(0xffffff, 1.3));
+    this.scene.add(
+      this.blocks.group,
+      this.section.outline,
+      this.trail,
+      this.marker,
+      this.arrow.mesh,
+      this.lines.group,
+      this.camera,
+      new AmbientLight(0xffffff, 1.3),
+    );
     this.addLights();
     this.whole = "surface" in model ? new Mesh(toothGeometry(model.surface), material) : undefined;
     this.radius = this.take(model, this.whole);
@@ -125,7 +172,10 @@ export class ToothScene implements FilmScreen {
     this.surface = "surface" in model ? model.surface : undefined;
     this.controls = this.orbit();
     this.cleanup.add(() => this.frame.cancel());
-    this.cleanup.listen(window, "beforeprint", () => { this.pace.settle(); this.draw(); });  // paper gets what was drawn last
+    this.cleanup.listen(window, "beforeprint", () => {
+      this.pace.settle();
+      this.draw();
+    }); // paper gets what was drawn last
     this.view("angled");
     this.untouched = true;
   }
@@ -190,7 +240,9 @@ export class ToothScene implements FilmScreen {
     this.frame.request();
   }
   private placeArrow(): void {
-    this.arrow.place(this.bur?.visible === true ? this.bur.position : this.marker.visible ? this.marker.position : undefined);
+    this.arrow.place(
+      this.bur?.visible === true ? this.bur.position : this.marker.visible ? this.marker.position : undefined,
+    );
   }
 
   expect(): void {
@@ -222,7 +274,10 @@ export class ToothScene implements FilmScreen {
   setGhost(film: Film | undefined): void {
     this.endGhost();
     if (film !== undefined) {
-      const drawn = new Ghost(() => this.pace.moved(), () => this.moved());
+      const drawn = new Ghost(
+        () => this.pace.moved(),
+        () => this.moved(),
+      );
       this.scene.add(drawn.group);
       this.ghost = { drawn, end: film.attach(drawn) };
       this.cutGhost();
@@ -249,7 +304,8 @@ export class ToothScene implements FilmScreen {
     this.section.set(plane);
     if (was !== this.section.on) {
       this.renderer.localClippingEnabled = this.section.on;
-      for (const material of [this.material, this.quick]) cutBy(material, this.section.on ? this.section.plane : undefined);
+      for (const material of [this.material, this.quick])
+        cutBy(material, this.section.on ? this.section.plane : undefined);
     }
     this.cutGhost();
     this.frame.request();
@@ -294,9 +350,18 @@ export class ToothScene implements FilmScreen {
     this.untouched = false;
     const { direction, centre, cavity } = this.angled;
     if (preset === "cavity" && cavity !== undefined) {
-      return this.lookAt(new Vector3(...cavity.centreMm), new Vector3(...kIntoCavity), this.fitDistance(Math.max(cavity.radiusMm * kCavityMargin, kLeastRadiusMm)));
+      return this.lookAt(
+        new Vector3(...cavity.centreMm),
+        new Vector3(...kIntoCavity),
+        this.fitDistance(Math.max(cavity.radiusMm * kCavityMargin, kLeastRadiusMm)),
+      );
     }
-    if (preset === "angled" || preset === "cavity") return this.lookAt(centre === undefined ? this.centre : new Vector3(...centre), new Vector3(...direction), this.fitDistance() * kAngledCloser);
+    if (preset === "angled" || preset === "cavity")
+      return this.lookAt(
+        centre === undefined ? this.centre : new Vector3(...centre),
+        new Vector3(...direction),
+        this.fitDistance() * kAngledCloser,
+      );
     this.lookAt(this.centre, new Vector3(...kDirections[preset]), this.fitDistance());
   }
 
@@ -310,11 +375,22 @@ export class ToothScene implements FilmScreen {
   look(): Look {
     const away = this.camera.position.clone().sub(this.controls.target);
     const { theta, phi, radius } = new Spherical().setFromCartesianCoords(away.x, away.z, -away.y);
-    return { azimuthRad: theta, polarRad: phi, distance: radius / this.fitDistance(), atCut: this.controls.target.distanceTo(this.centre) > kSamePlaceMm };
+    return {
+      azimuthRad: theta,
+      polarRad: phi,
+      distance: radius / this.fitDistance(),
+      atCut: this.controls.target.distanceTo(this.centre) > kSamePlaceMm,
+    };
   }
   setLook({ azimuthRad, polarRad, distance, atCut }: Look): void {
-    this.view(atCut ? "angled" : "occlusal");   // for what is looked at
-    this.moveCamera((offset) => { offset.set(distance * this.fitDistance(), Math.min(Math.max(polarRad, kMinPolar), Math.PI - kMinPolar), azimuthRad); });
+    this.view(atCut ? "angled" : "occlusal"); // for what is looked at
+    this.moveCamera((offset) => {
+      offset.set(
+        distance * this.fitDistance(),
+        Math.min(Math.max(polarRad, kMinPolar), Math.PI - kMinPolar),
+        azimuthRad,
+      );
+    });
   }
 
   rotate(azimuthRad: number, polarRad: number): void {
@@ -335,12 +411,17 @@ export class ToothScene implements FilmScreen {
     const pointer = new Vector2((2 * x) / this.canvas.clientWidth - 1, 1 - (2 * y) / this.canvas.clientHeight);
     const ray = new Raycaster();
     ray.setFromCamera(pointer, this.camera);
-    if (this.surface === undefined) return pointOf(this.blocks.firstHit(ray.ray.origin, ray.ray.direction, (at) => this.isShown(at)));
+    if (this.surface === undefined)
+      return pointOf(this.blocks.firstHit(ray.ray.origin, ray.ray.direction, (at) => this.isShown(at)));
     this.grid ??= new TriangleGrid(this.surface.positionMm, this.surface.triangle);
     const hit = this.grid.firstHit(ray.ray.origin.toArray(), ray.ray.direction.toArray(), (at) => this.isShown(at));
     const vertex = hit === undefined ? undefined : this.surface.triangle[3 * hit.triangle];
     if (hit === undefined || vertex === undefined) return undefined;
-    return { tissue: this.surface.tissue[vertex] ?? 0, deviationMm: this.surface.deviationMm?.[vertex], pointMm: hit.at };
+    return {
+      tissue: this.surface.tissue[vertex] ?? 0,
+      deviationMm: this.surface.deviationMm?.[vertex],
+      pointMm: hit.at,
+    };
   }
 
   private isShown(at: PointMm): boolean {
@@ -395,12 +476,14 @@ export class ToothScene implements FilmScreen {
     controls.maxDistance = this.radius * 12;
     // A finger may still scroll the page over the picture; sideways it turns the tooth.
     this.canvas.style.touchAction = "pan-y";
-    controls.addEventListener("change", () => this.turning ? this.moved() : this.frame.request());
+    controls.addEventListener("change", () => (this.turning ? this.moved() : this.frame.request()));
     controls.addEventListener("start", () => {
       this.untouched = false;
       this.turning = true;
     });
-    controls.addEventListener("end", () => { this.turning = false; });
+    controls.addEventListener("end", () => {
+      this.turning = false;
+    });
     this.cleanup.add(() => controls.dispose());
     return controls;
   }
@@ -455,8 +538,13 @@ function wholeOf(surface: Surface): () => Iterable<Cuttable> {
 // A place whose deviation is not known looks untouched.
 function pointOf(hit: BlockHit | undefined): SurfacePoint | undefined {
   if (hit === undefined) return undefined;
-  const { mesh: { tissue, deviation }, vertex, at } = hit;
-  const deviationMm = deviation === undefined ? undefined : deviation[2 * vertex + 1] === 0 ? Number.NaN : deviation[2 * vertex];
+  const {
+    mesh: { tissue, deviation },
+    vertex,
+    at,
+  } = hit;
+  const deviationMm =
+    deviation === undefined ? undefined : deviation[2 * vertex + 1] === 0 ? Number.NaN : deviation[2 * vertex];
   return { tissue: tissue[vertex] ?? 0, deviationMm, pointMm: at };
 }
 
@@ -464,10 +552,16 @@ function pointOf(hit: BlockHit | undefined): SurfacePoint | undefined {
 function burMesh(outline: readonly (readonly [number, number])[]): Mesh {
   // Closed at both ends, also where the outline ends at a radius.
   const closed = [[outline[0]![0], 0] as const, ...outline, [outline.at(-1)![0], 0] as const];
-  const geometry = new LatheGeometry(closed.map(([place, radius]) => new Vector2(radius, place)), 32);
+  const geometry = new LatheGeometry(
+    closed.map(([place, radius]) => new Vector2(radius, place)),
+    32,
+  );
   geometry.rotateX(Math.PI / 2);
   // After what is translucent, which would else be drawn over it.
-  const bur = new Mesh(geometry, new MeshStandardMaterial({ color: 0x8a94a0, roughness: 0.35, metalness: 0.6, transparent: true }));
+  const bur = new Mesh(
+    geometry,
+    new MeshStandardMaterial({ color: 0x8a94a0, roughness: 0.35, metalness: 0.6, transparent: true }),
+  );
   bur.renderOrder = 0.5;
   return bur;
 }
@@ -491,8 +585,11 @@ function withDeviationAttribute(shader: string): string {
 // The scale's colour, with a thin line at every contour step: not at zero, and not where the deviation
 // hardly changes, because there noise alone would draw it.
 function withDeviationColor(shader: string): string {
-  return shader
-    .replace("#include <common>", `#include <common>
+  return (
+    shader
+      .replace(
+        "#include <common>",
+        `#include <common>
 uniform float heat;
 uniform sampler2D scale;
 uniform vec3 untouched;
@@ -507,17 +604,30 @@ vec3 deviationColor() {
   float line = abs(fract(level - 0.5) - 0.5) / max(slope, 1e-4);
   float strength = 0.45 * step(0.5, abs(level)) * smoothstep(0.05, 0.14, slope) * (1.0 - smoothstep(0.4, 1.2, line));
   return color * (1.0 - strength);
-}`)
-    .replace("#include <color_fragment>",
-             "#include <color_fragment>\nif (heat > 0.5) diffuseColor.rgb = deviationColor();")
-    // Without light: the inside of the surface stands for the plane.
-    .replace("#include <opaque_fragment>", "#include <opaque_fragment>\n#ifdef DOUBLE_SIDED\nif (!gl_FrontFacing) gl_FragColor.rgb = inside;\n#endif");
+}`,
+      )
+      .replace(
+        "#include <color_fragment>",
+        "#include <color_fragment>\nif (heat > 0.5) diffuseColor.rgb = deviationColor();",
+      )
+      // Without light: the inside of the surface stands for the plane.
+      .replace(
+        "#include <opaque_fragment>",
+        "#include <opaque_fragment>\n#ifdef DOUBLE_SIDED\nif (!gl_FrontFacing) gl_FragColor.rgb = inside;\n#endif",
+      )
+  );
 }
 
 function toolMarker(): Mesh {
   const over = { depthTest: false, transparent: true };
-  const rim = new Mesh(new SphereGeometry(kMarkerRadiusMm * 1.45, 24, 16), new MeshBasicMaterial({ color: 0xffffff, ...over }));
-  const core = new Mesh(new SphereGeometry(kMarkerRadiusMm, 24, 16), new MeshBasicMaterial({ color: 0x0b7a4b, ...over }));
+  const rim = new Mesh(
+    new SphereGeometry(kMarkerRadiusMm * 1.45, 24, 16),
+    new MeshBasicMaterial({ color: 0xffffff, ...over }),
+  );
+  const core = new Mesh(
+    new SphereGeometry(kMarkerRadiusMm, 24, 16),
+    new MeshBasicMaterial({ color: 0x0b7a4b, ...over }),
+  );
   rim.renderOrder = 2;
   core.renderOrder = 3;
   rim.add(core);

@@ -4,9 +4,9 @@ import { crossings } from "./plane_cut";
 // A plane that hides what is in front of it, and the line along which it cuts the tooth.
 
 export interface SectionPlane {
-  readonly across: "x" | "y" | "z" | "view";    // what the plane stands across: an axis of the scene, or the line of sight
-  readonly share: number;                       // −1 … 1 of the tooth's radius from its middle
-  readonly flipped: boolean;                    // hides the other side
+  readonly across: "x" | "y" | "z" | "view"; // what the plane stands across: an axis of the scene, or the line of sight
+  readonly share: number; // −1 … 1 of the tooth's radius from its middle
+  readonly flipped: boolean; // hides the other side
 }
 
 export interface Cuttable {
@@ -17,13 +17,16 @@ export interface Cuttable {
 const kAxes = { x: new Vector3(1, 0, 0), y: new Vector3(0, 1, 0), z: new Vector3(0, 0, 1) } as const;
 
 export class Section {
-  readonly plane = new Plane();                 // what lies behind it, against its normal, is hidden
+  readonly plane = new Plane(); // what lies behind it, against its normal, is hidden
   readonly outline: LineSegments<BufferGeometry, LineBasicMaterial>;
   private plan: SectionPlane | undefined;
   private stale = false;
 
   constructor(color = "#8c1d18") {
-    this.outline = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color, depthTest: false, transparent: true }));
+    this.outline = new LineSegments(
+      new BufferGeometry(),
+      new LineBasicMaterial({ color, depthTest: false, transparent: true }),
+    );
     this.outline.renderOrder = 4;
     this.outline.frustumCulled = false;
     this.outline.visible = false;

@@ -21,5 +21,7 @@ const kOfTeeth = ["enamel", "dentin", "pulp", "caries"];
 
 // What the picture shows, in a word: exercises are also cut in blocks of one material.
 export function workpiece(tissues: readonly number[]): "tooth" | "block" {
-  return tissues.length === 0 || tissues.some((tissue) => kOfTeeth.includes(kTissueNames[tissue] ?? "")) ? "tooth" : "block";
+  return tissues.length === 0 || tissues.some((tissue) => kOfTeeth.includes(kTissueNames[tissue] ?? ""))
+    ? "tooth"
+    : "block";
 }

@@ -15,7 +15,7 @@ import { tissueTitle } from "./tissue";
 // A numbered mark at a point of the tooth.
 export interface ToothPin {
   readonly key: string;
-  readonly text: string;                        // short: drawn in the mark
+  readonly text: string; // short: drawn in the mark
   readonly label: string;
   readonly pointMm: PointMm;
   readonly chosen: boolean;
@@ -24,9 +24,9 @@ export interface ToothPin {
 // How whoever shows a tooth learns from where it is looked at, and says from where to begin.
 export interface LookHandle {
   readonly begin: Look | undefined;
-  now: (() => Look) | undefined;                // set while the picture is there
-  set?: ((look: Look) => void) | undefined;     // the same
-  moved?: ((look: Look) => void) | undefined;   // called after it was drawn
+  now: (() => Look) | undefined; // set while the picture is there
+  set?: ((look: Look) => void) | undefined; // the same
+  moved?: ((look: Look) => void) | undefined; // called after it was drawn
 }
 
 // A surface that stays as it is, or a tooth that is played back.
@@ -35,48 +35,79 @@ export type ToothSource = { readonly surface: Surface } | { readonly film: Film 
 interface Props {
   readonly model: ToothSource;
   readonly mode: ColorMode;
-  readonly label: string;                       // what the picture shows, for who cannot see it
-  readonly angled: AngledView;                  // what the view begins with
+  readonly label: string; // what the picture shows, for who cannot see it
+  readonly angled: AngledView; // what the view begins with
   readonly tool?: PointMm | undefined;
   readonly path?: readonly PointMm[];
   readonly lines?: ToothLines | undefined;
-  readonly forceN?: PointMm | undefined;         // on the hand, scene frame
+  readonly forceN?: PointMm | undefined; // on the hand, scene frame
   readonly section?: SectionPlane | undefined;
-  readonly ghost?: Film | undefined;            // another tooth over it, translucent
-  readonly led?: boolean;                       // from where to look is chosen elsewhere
-  readonly follow?: boolean;                    // the camera stays at the bur
-  readonly children?: ComponentChildren;        // more to choose, beside where to look from
-  readonly busy?: boolean;                      // more of it comes soon
+  readonly ghost?: Film | undefined; // another tooth over it, translucent
+  readonly led?: boolean; // from where to look is chosen elsewhere
+  readonly follow?: boolean; // the camera stays at the bur
+  readonly children?: ComponentChildren; // more to choose, beside where to look from
+  readonly busy?: boolean; // more of it comes soon
   readonly pins?: readonly ToothPin[];
   readonly look?: LookHandle | undefined;
   readonly onPin?: (key: string) => void;
-  readonly onPick?: ((point: PointMm) => void) | undefined;  // a click on the tooth that does not turn it
+  readonly onPick?: ((point: PointMm) => void) | undefined; // a click on the tooth that does not turn it
 }
 
 type Side = "mesial" | "distal" | "buccal" | "lingual";
 
 // Where there is little room the first letters stand for the word.
 const kPresets: ReadonlyArray<readonly [CameraPreset, number]> = [
-  ["cavity", 6], ["angled", 6], ["occlusal", 4], ["buccal", 3], ["lingual", 4], ["mesial", 3], ["distal", 4], ["apical", 4],
+  ["cavity", 6],
+  ["angled", 6],
+  ["occlusal", 4],
+  ["buccal", 3],
+  ["lingual", 4],
+  ["mesial", 3],
+  ["distal", 4],
+  ["apical", 4],
 ];
-const kDirections: ReadonlyArray<readonly [Side, PointMm]> = [["mesial", [1, 0, 0]], ["distal", [-1, 0, 0]], ["buccal", [0, 1, 0]], ["lingual", [0, -1, 0]]];
+const kDirections: ReadonlyArray<readonly [Side, PointMm]> = [
+  ["mesial", [1, 0, 0]],
+  ["distal", [-1, 0, 0]],
+  ["buccal", [0, 1, 0]],
+  ["lingual", [0, -1, 0]],
+];
 const kKeyStepRad = Math.PI / 24;
 const kKeyZoom = 1.15;
-const kSameMm = 0.005;                          // shown as no deviation: rounds to zero
-const kLabelMarginPx = [38, 18] as const;       // half a label and a little air
-const kClickMovesPx = 4;                        // more is a turn of the tooth
+const kSameMm = 0.005; // shown as no deviation: rounds to zero
+const kLabelMarginPx = [38, 18] as const; // half a label and a little air
+const kClickMovesPx = 4; // more is a turn of the tooth
 const kNoPins: readonly ToothPin[] = [];
-const kBesideTooth = 1.05;                       // of the radius of the ball around it
-const kLeastForceN = 0.05;                       // less is no contact
-const kLabelMinShare = 0.12;                    // of the picture's height: shorter points at the viewer
+const kBesideTooth = 1.05; // of the radius of the ball around it
+const kLeastForceN = 0.05; // less is no contact
+const kLabelMinShare = 0.12; // of the picture's height: shorter points at the viewer
 
 // Fetches what draws a tooth, for who will show one soon. Nobody waits for it.
 export function prepareTooth(): void {
-  import("./scene").catch(() => undefined);     // told when a tooth is to be shown
+  import("./scene").catch(() => undefined); // told when a tooth is to be shown
 }
 
 // A tooth to turn: by mouse, finger, arrow keys, + and −, and the preset buttons.
-export function ToothView({ model, mode, label, angled, busy = false, section, ghost, led = false, follow = false, children, tool, path, forceN, lines, pins = kNoPins, look, onPin, onPick }: Props) {
+export function ToothView({
+  model,
+  mode,
+  label,
+  angled,
+  busy = false,
+  section,
+  ghost,
+  led = false,
+  follow = false,
+  children,
+  tool,
+  path,
+  forceN,
+  lines,
+  pins = kNoPins,
+  look,
+  onPin,
+  onPick,
+}: Props) {
   const film = "film" in model ? model.film : undefined;
   const source = "film" in model ? model.film : model.surface;
   const newton = forceN === undefined ? 0 : Math.hypot(...forceN);
@@ -96,22 +127,34 @@ export function ToothView({ model, mode, label, angled, busy = false, section, g
     const { model, angled, look } = begin.current;
     const cleanup = new Disposables();
     let abandoned = false;
-    cleanup.add(() => { abandoned = true; });
-    import("./scene").then((module) => {
-      if (abandoned) return;
-      scene.current = openScene(module.ToothScene, element, "film" in model ? { extent: model.film.extent } : model, angled, look, cleanup, setProblem);
-      const opened = scene.current;
-      if (look !== undefined) {
-        look.now = () => opened.look();
-        look.set = (wanted) => opened.setLook(wanted);
-        if (look.begin !== undefined) opened.setLook(look.begin);
-      }
-      cleanup.add(() => {
-        scene.current = undefined;
-        if (look !== undefined) look.now = look.set = undefined;
-      });
-      setReady(true);
-    }).catch(() => setProblem(say("tooth.no_webgl")));
+    cleanup.add(() => {
+      abandoned = true;
+    });
+    import("./scene")
+      .then((module) => {
+        if (abandoned) return;
+        scene.current = openScene(
+          module.ToothScene,
+          element,
+          "film" in model ? { extent: model.film.extent } : model,
+          angled,
+          look,
+          cleanup,
+          setProblem,
+        );
+        const opened = scene.current;
+        if (look !== undefined) {
+          look.now = () => opened.look();
+          look.set = (wanted) => opened.setLook(wanted);
+          if (look.begin !== undefined) opened.setLook(look.begin);
+        }
+        cleanup.add(() => {
+          scene.current = undefined;
+          if (look !== undefined) look.now = look.set = undefined;
+        });
+        setReady(true);
+      })
+      .catch(() => setProblem(say("tooth.no_webgl")));
     return () => {
       setReady(false);
       cleanup.dispose();
@@ -123,14 +166,18 @@ export function ToothView({ model, mode, label, angled, busy = false, section, g
   useEffect(() => scene.current?.setForce(felt), [felt, ready]);
   useEffect(() => scene.current?.setLines(lines), [lines, ready]);
   useEffect(() => scene.current?.setAngled(angled), [angled, ready]);
-  useEffect(() => ready && scene.current !== undefined ? film?.attach(scene.current) : undefined, [film, ready]);
+  useEffect(() => (ready && scene.current !== undefined ? film?.attach(scene.current) : undefined), [film, ready]);
   useEffect(() => scene.current?.setSection(section), [section, ready]);
   useEffect(() => scene.current?.setGhost(ghost), [ghost, ready]);
   useEffect(() => scene.current?.setFollow(follow), [follow, ready]);
   useEffect(() => scene.current?.redraw(), [pins, ready]);
   // Looked up once a frame, however often the pointer tells of itself.
   const over = useRef<Place | undefined>(undefined);
-  const looking = useMemo(() => new FrameScheduler(() => setUnder(over.current === undefined ? undefined : scene.current?.pick(...over.current))), []);
+  const looking = useMemo(
+    () =>
+      new FrameScheduler(() => setUnder(over.current === undefined ? undefined : scene.current?.pick(...over.current))),
+    [],
+  );
   useEffect(() => () => looking.cancel(), [looking]);
   const hover = (place: Place | undefined) => {
     over.current = place;
@@ -148,43 +195,96 @@ export function ToothView({ model, mode, label, angled, busy = false, section, g
 
   return (
     <div class="tooth">
-      <div class={onPick === undefined ? "tooth-frame" : "tooth-frame picking"} ref={frame}
-           // biome-ignore lint/a11y/noNoninteractiveTabindex: an application takes keys
-           tabIndex={0}
-           role="application" aria-roledescription={say("tooth.view")} aria-label={label}
-           aria-describedby={keys} aria-busy={(!ready || busy) && problem === ""}
-           onKeyDown={(event) => handleKey(event, scene.current)}
-           onFocus={() => scene.current?.setZoomEnabled(true)} onBlur={() => scene.current?.setZoomEnabled(false)}
-           onPointerDown={(event) => { pressed.current = [event.clientX, event.clientY]; }} onClick={pick}
-           onPointerMove={(event) => hover(placeOf(event))} onPointerLeave={() => hover(undefined)}>
-        {kDirections.map(([name]) => <span key={name} class="tooth-direction" aria-hidden="true">{say(`side.${name}`)}</span>)}
+      <div
+        class={onPick === undefined ? "tooth-frame" : "tooth-frame picking"}
+        ref={frame}
+        // biome-ignore lint/a11y/noNoninteractiveTabindex: an application takes keys
+        tabIndex={0}
+        role="application"
+        aria-roledescription={say("tooth.view")}
+        aria-label={label}
+        aria-describedby={keys}
+        aria-busy={(!ready || busy) && problem === ""}
+        onKeyDown={(event) => handleKey(event, scene.current)}
+        onFocus={() => scene.current?.setZoomEnabled(true)}
+        onBlur={() => scene.current?.setZoomEnabled(false)}
+        onPointerDown={(event) => {
+          pressed.current = [event.clientX, event.clientY];
+        }}
+        onClick={pick}
+        onPointerMove={(event) => hover(placeOf(event))}
+        onPointerLeave={() => hover(undefined)}
+      >
+        {kDirections.map(([name]) => (
+          <span key={name} class="tooth-direction" aria-hidden="true">
+            {say(`side.${name}`)}
+          </span>
+        ))}
         {pins.map((pin) => (
-          <button key={pin.key} type="button" class={pin.chosen ? "tooth-pin chosen" : "tooth-pin"} aria-label={pin.label} aria-pressed={pin.chosen}
-                  data-point={pin.pointMm.join(" ")} onClick={() => onPin?.(pin.key)}>{pin.text}</button>
+          <button
+            key={pin.key}
+            type="button"
+            class={pin.chosen ? "tooth-pin chosen" : "tooth-pin"}
+            aria-label={pin.label}
+            aria-pressed={pin.chosen}
+            data-point={pin.pointMm.join(" ")}
+            onClick={() => onPin?.(pin.key)}
+          >
+            {pin.text}
+          </button>
         ))}
         {problem !== "" && <p class="tooth-problem">{problem}</p>}
-        {felt !== undefined && <p class="tooth-force" title={say("tooth.force_arrow")}><span class="swatch force" />{say("tooth.force", { force: formatQuantity(newton, "N") })}</p>}
-        {under !== undefined && <p class="tooth-under" aria-hidden="true">{pointText(under)}</p>}
+        {felt !== undefined && (
+          <p class="tooth-force" title={say("tooth.force_arrow")}>
+            <span class="swatch force" />
+            {say("tooth.force", { force: formatQuantity(newton, "N") })}
+          </p>
+        )}
+        {under !== undefined && (
+          <p class="tooth-under" aria-hidden="true">
+            {pointText(under)}
+          </p>
+        )}
       </div>
       <div class="tooth-tools">
-        {!led && <div class="button-row" role="group" aria-label={say("tooth.look_from")}>
-          {kPresets.map(([preset, short]) => {
-            const title = say(`view.${preset}`);
-            return preset === "cavity" && angled.cavity === undefined ? null : (
-              <button key={preset} type="button" class="button small" disabled={!ready} title={title}
-                      onClick={() => scene.current?.view(preset)}>{title.slice(0, short)}<span class="preset-rest">{title.slice(short)}</span></button>
-            );
-          })}
-        </div>}
+        {!led && (
+          <div class="button-row" role="group" aria-label={say("tooth.look_from")}>
+            {kPresets.map(([preset, short]) => {
+              const title = say(`view.${preset}`);
+              return preset === "cavity" && angled.cavity === undefined ? null : (
+                <button
+                  key={preset}
+                  type="button"
+                  class="button small"
+                  disabled={!ready}
+                  title={title}
+                  onClick={() => scene.current?.view(preset)}
+                >
+                  {title.slice(0, short)}
+                  <span class="preset-rest">{title.slice(short)}</span>
+                </button>
+              );
+            })}
+          </div>
+        )}
         {children}
-        <p class="hint" id={keys}>{say("tooth.drag")}</p>
+        <p class="hint" id={keys}>
+          {say("tooth.drag")}
+        </p>
       </div>
     </div>
   );
 }
 
-function openScene(Scene: typeof ToothScene, element: HTMLElement, model: ToothModel, angled: AngledView, look: LookHandle | undefined,
-                   cleanup: Disposables, report: (problem: string) => void): ToothScene {
+function openScene(
+  Scene: typeof ToothScene,
+  element: HTMLElement,
+  model: ToothModel,
+  angled: AngledView,
+  look: LookHandle | undefined,
+  cleanup: Disposables,
+  report: (problem: string) => void,
+): ToothScene {
   const canvas = document.createElement("canvas");
   canvas.setAttribute("aria-hidden", "true");
   const labels = [...element.querySelectorAll<HTMLElement>(".tooth-direction")];
@@ -205,8 +305,13 @@ function openScene(Scene: typeof ToothScene, element: HTMLElement, model: ToothM
 
 // Names of the sides at the edge of the picture, in the direction in which they lie; hidden where they
 // lie towards the viewer or away.
-function placeLabels(labels: readonly HTMLElement[], frame: HTMLElement, project: (point: PointMm) => PointMm,
-                     centre: PointMm, radius: number): void {
+function placeLabels(
+  labels: readonly HTMLElement[],
+  frame: HTMLElement,
+  project: (point: PointMm) => PointMm,
+  centre: PointMm,
+  radius: number,
+): void {
   const [cx, cy] = project(centre);
   kDirections.forEach(([, direction], i) => {
     const label = labels[i];
@@ -215,10 +320,15 @@ function placeLabels(labels: readonly HTMLElement[], frame: HTMLElement, project
     const [dx, dy] = [at[0] - cx, at[1] - cy];
     const half = [frame.clientWidth / 2, frame.clientHeight / 2] as const;
     // At the edge of the picture, or beside the tooth where that is nearer.
-    const toEdge = Math.min(kBesideTooth, (half[0] - kLabelMarginPx[0]) / Math.abs(dx), (half[1] - kLabelMarginPx[1]) / Math.abs(dy));
+    const toEdge = Math.min(
+      kBesideTooth,
+      (half[0] - kLabelMarginPx[0]) / Math.abs(dx),
+      (half[1] - kLabelMarginPx[1]) / Math.abs(dy),
+    );
     const visible = Math.hypot(dx, dy) > kLabelMinShare * frame.clientHeight && Number.isFinite(toEdge);
     label.style.visibility = visible ? "visible" : "hidden";
-    if (visible) label.style.transform = `translate(-50%, -50%) translate(${half[0] + dx * toEdge}px, ${half[1] + dy * toEdge}px)`;
+    if (visible)
+      label.style.transform = `translate(-50%, -50%) translate(${half[0] + dx * toEdge}px, ${half[1] + dy * toEdge}px)`;
   });
 }
 
@@ -233,18 +343,32 @@ function placePins(frame: HTMLElement, project: (point: PointMm) => PointMm): vo
 function handleKey(event: KeyboardEvent, scene: ToothScene | undefined): void {
   if (scene === undefined || event.ctrlKey || event.metaKey || event.altKey) return;
   switch (event.key) {
-    case "ArrowLeft": scene.rotate(-kKeyStepRad, 0); break;
-    case "ArrowRight": scene.rotate(kKeyStepRad, 0); break;
-    case "ArrowUp": scene.rotate(0, -kKeyStepRad); break;
-    case "ArrowDown": scene.rotate(0, kKeyStepRad); break;
-    case "+": case "=": scene.zoom(1 / kKeyZoom); break;
-    case "-": scene.zoom(kKeyZoom); break;
-    default: return;
+    case "ArrowLeft":
+      scene.rotate(-kKeyStepRad, 0);
+      break;
+    case "ArrowRight":
+      scene.rotate(kKeyStepRad, 0);
+      break;
+    case "ArrowUp":
+      scene.rotate(0, -kKeyStepRad);
+      break;
+    case "ArrowDown":
+      scene.rotate(0, kKeyStepRad);
+      break;
+    case "+":
+    case "=":
+      scene.zoom(1 / kKeyZoom);
+      break;
+    case "-":
+      scene.zoom(kKeyZoom);
+      break;
+    default:
+      return;
   }
   event.preventDefault();
 }
 
-type Place = readonly [number, number];          // CSS pixels from the picture's top left corner
+type Place = readonly [number, number]; // CSS pixels from the picture's top left corner
 
 // Of a pointer that hovers; undefined for one that turns the tooth, or cannot hover.
 function placeOf(event: PointerEvent): Place | undefined {
@@ -258,5 +382,7 @@ function pointText({ tissue, deviationMm }: SurfacePoint): string {
   if (Number.isNaN(deviationMm)) return say("tooth.untouched", { tissue: tissueTitle(tissue) });
   const size = Math.abs(deviationMm);
   if (size < kSameMm) return say("tooth.as_reference", { tissue: tissueTitle(tissue) });
-  return deviationMm > 0 ? say("tooth.more_removed", { tissue: tissueTitle(tissue), size: formatQuantity(size, "mm") }) : say("tooth.less_removed", { tissue: tissueTitle(tissue), size: formatQuantity(size, "mm") });
+  return deviationMm > 0
+    ? say("tooth.more_removed", { tissue: tissueTitle(tissue), size: formatQuantity(size, "mm") })
+    : say("tooth.less_removed", { tissue: tissueTitle(tissue), size: formatQuantity(size, "mm") });
 }

@@ -11,7 +11,14 @@ function ball(n: number) {
     for (let i = 0; i <= n; ++i) {
       const [polar, azimuth] = [(Math.PI * j) / n, (2 * Math.PI * i) / n];
       const radius = 5 + 0.6 * Math.sin(9 * azimuth) * Math.sin(7 * polar);
-      position.set([radius * Math.sin(polar) * Math.cos(azimuth), radius * Math.sin(polar) * Math.sin(azimuth), radius * Math.cos(polar)], 3 * (j * (n + 1) + i));
+      position.set(
+        [
+          radius * Math.sin(polar) * Math.cos(azimuth),
+          radius * Math.sin(polar) * Math.sin(azimuth),
+          radius * Math.cos(polar),
+        ],
+        3 * (j * (n + 1) + i),
+      );
     }
   }
   for (let j = 0; j < n; ++j) {
@@ -23,7 +30,8 @@ function ball(n: number) {
   return { position, index };
 }
 
-const towards = (from: Vector3, k: number) => new Vector3(4.6 * Math.sin(3 * k), 4.6 * Math.cos(5 * k), 4.6 * Math.sin(7 * k)).sub(from).normalize();
+const towards = (from: Vector3, k: number) =>
+  new Vector3(4.6 * Math.sin(3 * k), 4.6 * Math.cos(5 * k), 4.6 * Math.sin(7 * k)).sub(from).normalize();
 
 test("the grid finds what looking at every triangle finds, from outside and from inside", () => {
   const { position, index } = ball(80);

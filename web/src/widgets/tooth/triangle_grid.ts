@@ -9,18 +9,22 @@ export interface Hit {
   readonly at: Vec;
 }
 
-const kCellsAlong = 96;                         // of the longest side
+const kCellsAlong = 96; // of the longest side
 const kNone = 1e-12;
 
 export class TriangleGrid {
   private readonly low: [number, number, number] = [Infinity, Infinity, Infinity];
   private readonly count: [number, number, number] = [1, 1, 1];
   private readonly cell: number;
-  private readonly first: Uint32Array;          // of each cell in `member`; one more at the end
-  private readonly member: Uint32Array;         // triangles, cell by cell
+  private readonly first: Uint32Array; // of each cell in `member`; one more at the end
+  private readonly member: Uint32Array; // triangles, cell by cell
 
   // `position`: three numbers for each vertex; `index`: three vertices for each triangle. Both are read later too.
-  constructor(private readonly position: Float32Array, private readonly index: Uint32Array | Uint16Array, cellsAlong = kCellsAlong) {
+  constructor(
+    private readonly position: Float32Array,
+    private readonly index: Uint32Array | Uint16Array,
+    cellsAlong = kCellsAlong,
+  ) {
     const high: [number, number, number] = [-Infinity, -Infinity, -Infinity];
     for (let i = 0; i < position.length; ++i) {
       const axis = i % 3;
@@ -54,10 +58,16 @@ export class TriangleGrid {
     return enter > leave ? undefined : this.walk(origin, direction, enter, leave, counts);
   }
 
-  private walk(origin: Vec, direction: Vec, enter: number, leave: number, counts: (at: Vec) => boolean): Hit | undefined {
+  private walk(
+    origin: Vec,
+    direction: Vec,
+    enter: number,
+    leave: number,
+    counts: (at: Vec) => boolean,
+  ): Hit | undefined {
     const at: [number, number, number] = [0, 0, 0];
     const step: [number, number, number] = [0, 0, 0];
-    const next: [number, number, number] = [Infinity, Infinity, Infinity];  // where the ray crosses into the next cell
+    const next: [number, number, number] = [Infinity, Infinity, Infinity]; // where the ray crosses into the next cell
     const each: [number, number, number] = [Infinity, Infinity, Infinity];
     for (let axis = 0; axis < 3; ++axis) {
       const way = direction[axis]!;
@@ -70,7 +80,13 @@ export class TriangleGrid {
     for (;;) {
       const axis = next[0] <= next[1] && next[0] <= next[2] ? 0 : next[1] <= next[2] ? 1 : 2;
       // A triangle reaches into several cells: what it is met at beyond this one belongs to a later cell.
-      const hit = this.nearestIn((at[2] * this.count[1] + at[1]) * this.count[0] + at[0], origin, direction, Math.min(next[axis], leave), counts);
+      const hit = this.nearestIn(
+        (at[2] * this.count[1] + at[1]) * this.count[0] + at[0],
+        origin,
+        direction,
+        Math.min(next[axis], leave),
+        counts,
+      );
       if (hit !== undefined) return hit;
       at[axis] += step[axis];
       if (next[axis] > leave || at[axis] < 0 || at[axis] >= this.count[axis]) return undefined;
@@ -78,8 +94,18 @@ export class TriangleGrid {
     }
   }
 
-  private nearestIn(cell: number, origin: Vec, direction: Vec, until: number, counts: (at: Vec) => boolean): Hit | undefined {
-    const place = (along: number): Vec => [origin[0] + along * direction[0], origin[1] + along * direction[1], origin[2] + along * direction[2]];
+  private nearestIn(
+    cell: number,
+    origin: Vec,
+    direction: Vec,
+    until: number,
+    counts: (at: Vec) => boolean,
+  ): Hit | undefined {
+    const place = (along: number): Vec => [
+      origin[0] + along * direction[0],
+      origin[1] + along * direction[1],
+      origin[2] + along * direction[2],
+    ];
     let nearest = until + 1e-6 * (1 + Math.abs(until));
     let found: number | undefined;
     for (let i = this.first[cell]!; i < this.first[cell + 1]!; ++i) {
@@ -118,7 +144,13 @@ export class TriangleGrid {
   // Counts in `counter` for every cell (`shift` further on) the triangles whose boxes touch it; with `member`, writes the
   // triangle to where the counter stood. Plain loops over plain arrays: this goes twice over most of a million triangles.
   private eachCell(counter: Uint32Array, member: Uint32Array | undefined, shift: number): void {
-    const { position: p, index, cell, low: [lowX, lowY, lowZ], count: [nx, ny, nz] } = this;
+    const {
+      position: p,
+      index,
+      cell,
+      low: [lowX, lowY, lowZ],
+      count: [nx, ny, nz],
+    } = this;
     const inverse = 1 / cell;
     for (let i = 0, triangle = 0; i < index.length; i += 3, ++triangle) {
       const a = 3 * index[i]!;
