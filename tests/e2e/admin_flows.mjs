@@ -136,7 +136,7 @@ async function editPerson(world) {
   await page.getByRole("dialog").waitFor();
   await page.keyboard.press("Escape");
   await page.getByRole("dialog").waitFor({ state: "detached" });
-  assert.equal(person.disabled, false, "Escape leaves everything as it is");
+  assert.equal(person.disabled, false, "Escape changes nothing");
   await page.getByRole("button", { name: "Disable…" }).click();
   await page.getByRole("button", { name: "Disable", exact: true }).click();
   await page.locator(".badge", { hasText: "Disabled" }).waitFor();

@@ -35,7 +35,8 @@ export async function newPage(browser, baseURL) {
   return page;
 }
 
-// Makes it look as a flow wants it. Every console error and policy violation from now on is kept in what this gives.
+// Sets size and colours for a flow. Returns the list that collects every console error and policy
+// violation from now on.
 export async function begin(page, { width = 1440, height = 900, colorScheme = "light" } = {}) {
   await page.setViewportSize({ width, height });
   await page.emulateMedia({ media: null, colorScheme, reducedMotion: "reduce" });
@@ -47,7 +48,7 @@ export async function begin(page, { width = 1440, height = 900, colorScheme = "l
   return errors;
 }
 
-// Leaves nothing of a flow in the page but what its cache holds.
+// Removes everything that a flow left in the page, except the cache.
 export async function leave(page) {
   await page
     .evaluate(() => {
@@ -69,7 +70,7 @@ function isExpected(message) {
 const kAxe = readFileSync(require.resolve("axe-core/axe.min.js"), "utf8");
 const kRules = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"];
 
-// Only what is wrong leaves the page: all that axe looked at is a megabyte.
+// Returns only violations: the whole result of axe is a megabyte.
 export async function accessibilityViolations(page) {
   if (!(await page.evaluate(() => "axe" in globalThis))) await page.evaluate(kAxe);
   return page.evaluate(async (rules) => {

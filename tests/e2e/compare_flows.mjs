@@ -5,7 +5,7 @@ import { toothPixels, toothPixelsBecome } from "./pixels.mjs";
 import { accessible, looks, signedIn } from "./session.mjs";
 
 export const compareFlows = [
-  { name: "two attempts are looked at side by side", run: beside },
+  { name: "two attempts are shown side by side", run: beside },
   { name: "two attempts fit a small window, with nothing over the teeth", run: besideInASmallWindow },
   { name: "another attempt lies over this one, at the same time or place of the way", run: onTop },
 ];
@@ -45,7 +45,8 @@ async function boxesOf(page, selector) {
 
 const kTools = ".tooth-tools .button, .tooth-tools select, .tooth-tools [type=range], .tooth-tools .segmented label";
 
-// What there is to choose lies beside the teeth, inside the card, none of it over another, and the plot's axis is in view.
+// The tools are beside the teeth and inside the card, no tool covers another, and the plot's axis
+// is in view.
 async function fitsBesideTheTeeth(page, height, where) {
   const [teeth, tools, [card], [plot]] = [
     await boxesOf(page, ".tooth-frame"),
@@ -118,7 +119,7 @@ async function putOnTop(page, other) {
   await page.getByText("Other: more left").waitFor();
 }
 
-// Everything of the picture's card that is seen lies in the window, and the legend in one line.
+// The visible part of the picture's card fits the window, and the legend takes one line.
 async function barFits(page, height) {
   const bar = await page.locator(".compare-bar").boundingBox();
   const plot = await page.locator(".force-card .u-over").boundingBox();
@@ -126,8 +127,8 @@ async function barFits(page, height) {
   assert.ok(plot.y + plot.height <= height, `the plot ends at ${plot.y + plot.height} of ${height}`);
 }
 
-// Two attempts of the mock do the same, one slowly at first: by the middle of the time it has done less, and at each place of
-// the way as much.
+// Two attempts of the mock do the same work, one slowly at first: halfway through the time it has
+// cut less, but at each place of the path as much.
 async function onTop(world) {
   for (const [width, height] of looks([1280, 720], [1440, 900])) {
     const page = await signedIn(world, "instructor", `/attempts/${id(105)}?t=20`, { width, height });

@@ -1,4 +1,4 @@
-// schemas/api/openapi.yaml as data: which requests there are, what they may carry, and how an answer looks.
+// schemas/api/openapi.yaml as data: requests, what they may carry, and the shape of each answer.
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 
@@ -58,7 +58,7 @@ export const operations = Object.entries(contract.paths)
     ),
   );
 
-// The operation that a request asks for, and what stands in its path's hole.
+// Finds the operation of a request, and the id or name in its path.
 export function operationFor(method, path) {
   const parts = path.split("/").slice(1).map(decodeURIComponent);
   const fits = ({ segments }) =>
@@ -84,7 +84,7 @@ export function problemOf(schema, value) {
   return { field, message: `${field}: expected what ${message.replace(/^must /, "should ")}` };
 }
 
-// A schema with what it is made of put together. Of alternatives the first that is not null.
+// Merges a schema with its parts. Of several alternatives the first that is not null counts.
 function shapeOf(schema) {
   const own = resolved(schema);
   const parts = [...(own.allOf ?? []), ...(own.oneOf ?? []).filter(({ type }) => type !== "null").slice(0, 1)].map(
@@ -121,7 +121,7 @@ export function sampleOf(schema) {
   }
 }
 
-// As much of a value as the schema knows, and samples for what is required and not there.
+// Keeps the members that the schema knows, and adds samples for required members that are missing.
 export function fitted(schema, value) {
   if (value === undefined) return sampleOf(schema);
   const shape = shapeOf(schema);
@@ -136,7 +136,8 @@ export function fitted(schema, value) {
   );
 }
 
-// An answer that is more than the value of a plain success. `tag`: the ETag, where it is not the thing's revision.
+// An answer that is more than the value of a plain success. `tag`: the ETag, where it is not the
+// thing's revision.
 export class Reply {
   constructor(body, { status, headers = {}, tag, stream } = {}) {
     Object.assign(this, { body, status, headers, tag, stream });

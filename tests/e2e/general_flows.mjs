@@ -85,7 +85,7 @@ async function adminReads(world) {
   }
 }
 
-// What a school wrote stays as it is.
+// Texts that a school wrote are not translated.
 async function builtInExercisesAreTranslated(page) {
   await page.goto("/exercises");
   await page.getByRole("heading", { name: "Klasse-II-Kavität, mesialer Kasten" }).waitFor();

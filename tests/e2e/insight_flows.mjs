@@ -1,4 +1,5 @@
-// What those who teach and run a school see of classes, server and stations, against the mock server.
+// What those who teach and run a school see of classes, server and stations, against the mock
+// server.
 import assert from "node:assert/strict";
 import { id } from "./mock_world.mjs";
 import { accessible, downloaded, looks, signedIn } from "./session.mjs";
@@ -10,16 +11,19 @@ export const insightFlows = [
   },
   { name: "what is wrong with the server is said first, with what to do", run: serverHealth },
   {
-    name: "an exercise is edited in a form: what is wrong is told while one types, it is undone, compared, looked at and saved",
+    name: "an exercise is edited in a form: problems show while typing, edits are undone, compared, previewed and saved",
     run: editExercise,
   },
   { name: "a rubric that is published is corrected, with what it would do to past attempts", run: correctRubric },
-  { name: "a device profile is edited, and what would be refused is told before it is sent", run: editProfile },
+  {
+    name: "a device profile is edited, and a value that the server would refuse shows before saving",
+    run: editProfile,
+  },
   {
     name: "a new server's first admin makes an account from its link and is led through the first steps",
     run: firstAdmin,
   },
-  { name: "a scan becomes a tooth on the page, and a wrong unit is told with the right one", run: importTooth },
+  { name: "a scan becomes a tooth on the page, and a wrong unit is reported with the right one", run: importTooth },
 ];
 
 // Nothing is wider than the screen, at each of the sizes that people use.
@@ -176,7 +180,8 @@ async function correctRubric(world) {
   await page.getByRole("table", { name: "Changes against the chosen version" }).waitFor();
 }
 
-// What is wrong with a number is said at once, at the field and in words above; it goes when the number is right.
+// A wrong number is reported at once, at its field and in words above; both disappear when it is
+// right.
 async function wrongPoints(world, page, criterion, publish) {
   const points = criterion.getByLabel("Points", { exact: true });
   const kept = await points.inputValue();

@@ -1,4 +1,4 @@
-// Attempts of the mock server: what is done with them, and what their recordings hold.
+// Attempts of the mock server: the actions on them, and the content of their recordings.
 import { conflict, forbidden, refused, Reply } from "./contract.mjs";
 import { playbackOf, seriesEndS, toolPosition, toothSurface } from "./mock_tooth.mjs";
 import { added, kReference, newId, scoreOf } from "./mock_world.mjs";
@@ -68,7 +68,8 @@ const change =
   ({ row, ...call }) =>
     Object.assign(row, changes(row, call));
 
-// Who begins slowly and then hurries does the same work: its share is the share of the time raised to this.
+// One attempt begins slowly and then hurries: its share of the work is the share of the time raised
+// to this.
 const paceOf = ({ id }) => (id.endsWith("201") ? 1.5 : 1);
 
 function bytesOf({ request }, bytes, cached) {
@@ -129,7 +130,8 @@ function seriesOf({ row }) {
   };
 }
 
-// Ticks of the recording: a trembling force, held back at its peaks, and a gap of 50 ticks at each full second.
+// Ticks of the recording: a trembling force, held back at its peaks, and a gap of 50 ticks at each
+// full second.
 function ticksOf({ query: { from, to } }) {
   const times = Array.from({ length: Math.max(0, Math.min(to, 1000 * seriesEndS) - from) }, (_, i) => from + i).filter(
     (time) => time % 1000 >= 50,
@@ -163,7 +165,7 @@ function looked({ row }) {
 function makeReference({ world, row, body }) {
   if (row.gap_ticks > 0 && body.anyway === undefined) {
     return conflict(
-      "this attempt cannot be what others are compared with: 4.1 % of its time is missing; take another attempt, or say why this one is right all the same",
+      "this attempt cannot be what others are compared with: 4.1 % of its time is missing; take another attempt, or say why this one is right anyway",
       "anyway",
     );
   }
@@ -229,7 +231,8 @@ function live({ row, world }) {
   return row.state === "recording" ? new Reply(undefined, { stream }) : conflict("The attempt is not being made.");
 }
 
-// A chair that shows what it is sent when it is asked for the second time; `row.chair` is what its station is.
+// The chair shows a remark from the second time that the page asks; `row.chair` overrides the state
+// of its station.
 function liveRemarks({ row: { said = [], chair = { connected: true, shows_remarks: true } } }) {
   for (const remark of said)
     Object.assign(

@@ -1,5 +1,5 @@
-// What the mock server's routes do beyond what their contract says: who may ask, what a change changes, what is computed.
-// A rule gets a call (who asks, for which row, with which query and body) and gives what the answer is made of.
+// What the contract does not say about the mock server's routes: permissions, effects, computed
+// values. A rule gets a call (session, row, query and body) and returns the value of the answer.
 import { randomBytes } from "node:crypto";
 import { conflict, documentSchema, forbidden, golden, invalid, problemOf, refused, Reply } from "./contract.mjs";
 import { attemptRules, attemptView, hidden } from "./mock_attempts.mjs";
@@ -41,7 +41,7 @@ export const visible = {
 const inCohort = (person, cohort, { world }) =>
   world.cohorts.find((row) => row.id === cohort)?.members.includes(person) ?? false;
 
-// Where a list is narrowed by more than what stands in its rows.
+// Filters that need more than a comparison with the row.
 export const filters = {
   people: {
     cohort: inCohort,
@@ -62,7 +62,7 @@ export const filters = {
   },
 };
 
-// Rows with what is computed of them, for who asks.
+// Rows with their computed members, for the person who asks.
 export const views = {
   people: (row, { world }) => ({ ...row, cohorts: world.cohorts.filter(({ members }) => members.includes(row)) }),
   sessions: (row, { session }) => ({
@@ -157,7 +157,7 @@ function signIn({ world, body }) {
 }
 
 function changePassword({ world, session, person, body }) {
-  if (body.old_password !== person.password) return forbidden("expected the password until now", "old_password");
+  if (body.old_password !== person.password) return forbidden("That is not your password.", "old_password");
   Object.assign(person, { password: body.new_password, must_change_password: false });
   world.sessions = world.sessions.filter((other) => other.person !== person || other === session);
   return sessionOf(session);
@@ -277,7 +277,7 @@ const peopleRules = {
 
 const kPhases = ["reading", "repairing", "filling", "storing"];
 
-// A tooth of a mesh: in micrometres it is refused, as one that is a thousand times too small.
+// A mesh in micrometres is refused: the tooth would be a thousand times too small.
 function importedTooth({ world, row }) {
   if (row.state !== "working") return row;
   const phase = kPhases[row.looks++];
@@ -459,7 +459,7 @@ function wrongDocument(kind, body) {
       );
 }
 
-// Kept once it was asked for, so that a draft that was saved reads as it was saved.
+// Kept after the first request, so that a saved draft reads as it was saved.
 function documentOf({ documents }, { id, name, title, instructions, graded, version, revision }) {
   if (!documents.has(id))
     documents.set(id, {

@@ -1,8 +1,9 @@
-// The HTTP API made from its contract (contract.mjs), and the built page with the headers that the real server sends: the
-// page can be tested without a server, a station or a database. Requests are checked against the contract, and answers
-// too: one that breaks it is a 500 and is kept in `broken`. Lists, things, changes and tags follow from the contract; what
-// a route does beyond that is in mock_rules.mjs, and what there is in mock_world.mjs.
-//   node mock_server.mjs DIST [PORT]     to look at the page by hand
+// Serves the HTTP API from its contract (contract.mjs) and the built page with the headers of the
+// real server, so that the page can be tested without a server, a station or a database. Both
+// requests and answers are validated: an answer that breaks the contract becomes a 500 and is kept
+// in `broken`. Lists, changes and tags follow from the contract; mock_rules.mjs has the exceptions,
+// mock_world.mjs the data.
+//   node mock_server.mjs DIST [PORT]     to try the page by hand
 import { existsSync, readFileSync, statSync } from "node:fs";
 import { createServer } from "node:http";
 import { extname, join, normalize } from "node:path";
@@ -95,7 +96,7 @@ async function answer({ world }, dist, request) {
   return sent(call, prepared(call, url.searchParams) ?? carriedOut(call));
 }
 
-// Refuses what the contract does not allow, else puts what is asked into `call`.
+// Refuses requests that break the contract; otherwise adds query, body and row to `call`.
 function prepared(call, search) {
   const { operation, session, request, world, id, bytes } = call;
   if (!operation.open) {

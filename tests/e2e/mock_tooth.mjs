@@ -1,6 +1,6 @@
-// A molar-like crown with an occlusal box cavity whose mesial wall was cut 0.3 mm too far, in the server's formats: as a
-// surface, and as it is played back. Made from signed distances, so that the deviation it carries is exact near the walls.
-// Frame: millimetres, +x mesial, +y buccal, +z occlusal.
+// A molar-like crown with an occlusal box cavity whose mesial wall was cut 0.3 mm too far, in the
+// server's formats for a surface and for a playback. It is made from signed distances, so its
+// deviation is exact near the walls. Frame: millimetres, +x mesial, +y buccal, +z occlusal.
 import { createHash } from "node:crypto";
 import { deflateSync } from "node:zlib";
 
@@ -96,7 +96,7 @@ export function toolPosition(share) {
   return [sweep * 1.6 + 0.15, -0.8 + 1.6 * within, 1.7 - (layer + 1) * 0.36];
 }
 
-// The attempt as it is played back: start tooth, timeline and deviation, as schemas/surface_timeline.md says.
+// The playback of the attempt: start tooth, timeline and deviation (schemas/surface_timeline.md).
 
 const kRateHz = 1000;
 const kFrameTicks = 100;

@@ -1,5 +1,6 @@
-// What the mock server remembers: as much of invented people, things and attempts as the flows look at. The contract's
-// samples stand for the rest. Rows name each other by reference; an answer has as much of them as the contract says.
+// What the mock server remembers: as much of invented people, things and attempts as the flows look
+// at. The contract's samples stand for the rest. Rows name each other by reference; an answer has
+// as much of them as the contract says.
 import { golden } from "./contract.mjs";
 
 export const id = (number) => `00000000-0000-7000-8000-${String(number).padStart(12, "0")}`;

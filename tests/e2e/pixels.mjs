@@ -24,7 +24,7 @@ export async function toothPixels(page, test) {
   return (await countColors(page, ".tooth-frame canvas", { found: test })).found;
 }
 
-// Looks again until there are enough of them: what is drawn follows what was asked for.
+// Repeats until `enough` accepts the count: the picture follows a request a little later.
 export async function toothPixelsBecome(page, what, test, enough) {
   let count = -1;
   for (let look = 0; look < kLooks; ++look) {

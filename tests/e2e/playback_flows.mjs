@@ -1,4 +1,4 @@
-// What the attempt's playback shows and how it is drawn.
+// The attempt's playback and its drawing.
 import assert from "node:assert/strict";
 import { id } from "./mock_world.mjs";
 import { toothPixels, toothPixelsBecome } from "./pixels.mjs";
@@ -45,7 +45,8 @@ async function drawsQuickly(world) {
   await accessible(page, "a playback that was stopped");
 }
 
-// Contact, faults and strokes that lost points, on the axis of slider and plot; keys go from one to the next.
+// Contact, faults and strokes that lost points, on the axis of slider and plot; keys go from one to
+// the next.
 async function marksOnTheTime(world) {
   for (const [width, height] of looks([1280, 720], [1440, 900])) {
     const page = await signedIn(world, "instructor", `${kAttempt}?t=0`, { width, height });
@@ -73,7 +74,8 @@ async function marksOnTheTime(world) {
   }
 }
 
-// Keys and wheel show a part of the time, and slider, marks and plot go along; a double click shows all.
+// Keys and wheel show a part of the time, and slider, marks and plot go along; a double click shows
+// all.
 async function plotZooms(world) {
   const page = await signedIn(world, "instructor", `${kAttempt}?t=20`);
   await page.locator('.playback[data-shown="200"]').waitFor();
@@ -250,8 +252,8 @@ async function tickByTick(world) {
   await page.getByText(/^Shown: /).waitFor({ state: "detached" });
 }
 
-// A link's moment is opened once, also where the playback fails after the plots are there: what is loaded anew later does
-// not take back what somebody chose.
+// A link's moment is opened once, also where the playback fails after the plots are there. Data
+// that is loaded again later does not undo a person's choice.
 async function linkIsOpenedOnce(world) {
   const row = world.mock.attempts.find((attempt) => attempt.id.endsWith("106"));
   const page = await world.open();

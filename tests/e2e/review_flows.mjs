@@ -22,10 +22,10 @@ export const reviewFlows = [
   { name: "a link opens the same moment from the same side", run: momentLink },
   { name: "tooth, timeline and plot are seen together without scrolling", run: oneViewport },
   { name: "an attempt is played back by keys, wherever the focus is", run: playbackKeys },
-  { name: "an address with a moment beyond the end shows the end and says so", run: momentBeyondTheEnd },
+  { name: "an address with a moment beyond the end shows the end, with a note", run: momentBeyondTheEnd },
   { name: "a tooth is cut open along four planes", run: section },
   { name: "an instructor marks an attempt as the reference", run: markReference },
-  { name: "gaps and a replay that disagrees are said plainly", run: disturbedRecording },
+  { name: "gaps and a replay that disagrees are reported", run: disturbedRecording },
 ];
 
 const kScored = "✓ Scored";
@@ -162,7 +162,8 @@ async function playbackKeys(world) {
   await at(432);
   await page.keyboard.press("Home");
   await at(0);
-  // On a button, on the tooth and on a choice they act as well; there the arrows are the tooth's and the choice's own.
+  // On a button, on the tooth and on a choice they act as well; there the arrows are the tooth's
+  // and the choice's own.
   await page.getByRole("button", { name: "Print" }).focus();
   await page.keyboard.press("l");
   await at(50);
@@ -286,7 +287,8 @@ function thumbIn(picture) {
   return (columns[0] + columns.at(-1) + 1) / 2;
 }
 
-// Ivory (as the reference), red (0.3 mm too far) and the neutral of untouched tooth, in view at once.
+// Ivory (as the reference), red (0.3 mm too far) and the neutral of untouched tooth, in view at
+// once.
 async function heatMapIsThere(page) {
   const counts = await countColors(page, ".tooth-frame canvas", {
     deep: ([r, g, b]) => r > 130 && r > 1.6 * g && r > 1.8 * b,

@@ -1,11 +1,12 @@
-// Browser tests of the page: one server and one browser for all flows, each with a world of its own.
+// Browser tests of the page: one server and one browser for all flows, each with a world of its
+// own.
 //   node tests/e2e/run.mjs [--dist DIR] [--pictures DIR] [--only TEXT]
-// --pictures: keeps a picture of what each flow shows; without it only of what failed, in web/build/pictures.
-// With ENAMEL_FULL each screen in every look, and what fits one window in others.
+// --pictures: keeps pictures of each flow; without it only failed flows leave one, in
+// web/build/pictures. With ENAMEL_FULL every screen is shown in each language, theme and width.
 // Without BASE_URL: against the mock server. With BASE_URL (and STUDENT_LOGIN, STUDENT_PASSWORD,
-// INSTRUCTOR_LOGIN, INSTRUCTOR_PASSWORD, ADMIN_LOGIN, ADMIN_PASSWORD; FOREIGN_ATTEMPT,
-// the id of an attempt that is not the student's): against that server.
-// Ends with 0 when all pass, 1 when one fails, 77 when there is no Chromium.
+// INSTRUCTOR_LOGIN, INSTRUCTOR_PASSWORD, ADMIN_LOGIN, ADMIN_PASSWORD; FOREIGN_ATTEMPT, the id of an
+// attempt that is not the student's): against that server. Ends with 0 when all pass, 1 when one
+// fails, 77 when there is no Chromium.
 import assert from "node:assert/strict";
 import { mkdirSync } from "node:fs";
 import { join } from "node:path";
@@ -37,8 +38,9 @@ function loginsFromEnvironment() {
   );
 }
 
-// Runs one flow: `open` gives each of its persons a page. The next flow uses them again, which saves it starting processes
-// and reading scripts, but finds nothing in them. The page must not have logged an error or broken its policy.
+// Runs one flow: `open` returns a page for each of its persons. The next flow uses the same pages,
+// emptied: that saves starting processes and loading scripts. Fails if the page logged an error or
+// broke its policy.
 async function runFlow(flow, { pages, newPage, mock, ...world }, failedPicture) {
   const opened = [];
   mock?.reset();

@@ -1,6 +1,7 @@
-// Every screen of the page, as each role sees it: no accessibility finding, nothing wider than the screen, no key of a word
-// that is missing, a picture of each to be looked at. With ENAMEL_FULL in each language, both themes, on a wide and on a
-// narrow screen; else each screen in one of three looks, which take turns.
+// Every screen of the page, as each role sees it: no accessibility finding, nothing wider than the
+// screen, no key of a word that is missing, a picture of each to be looked at. With ENAMEL_FULL in
+// each language, both themes, on a wide and on a narrow screen; else each screen in one of three
+// looks, which take turns.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { accessibilityViolations } from "./browser.mjs";
@@ -8,7 +9,7 @@ import { id } from "./mock_world.mjs";
 import { signedIn } from "./session.mjs";
 
 const kFull = Boolean(process.env.ENAMEL_FULL);
-// German has the longest words: it is looked at where there is least room.
+// German has the longest words, so it is checked on the narrowest screen.
 const kShortLooks = [
   { language: "en", width: 1280, colorScheme: "light" },
   { language: "de", width: 390, colorScheme: "dark" },

@@ -9,7 +9,7 @@ export async function signIn(page, { login, password }) {
   await page.getByRole("button", { name: "Sign in" }).click();
 }
 
-// Signs in as the page does, but without its form: flows of their own show that.
+// Signs in without the form, which has flows of its own.
 export async function signedIn(world, role, path = "/", options = {}) {
   const { login, password } = world.logins[role];
   const page = await world.open(options);
@@ -19,7 +19,7 @@ export async function signedIn(world, role, path = "/", options = {}) {
   return page;
 }
 
-// What is looked at more than once in the full run only: the first says enough.
+// Variants of one check: all in the full run, otherwise only the first.
 export const looks = (...all) => (process.env.ENAMEL_FULL ? all : all.slice(0, 1));
 
 export async function accessible(page, where) {

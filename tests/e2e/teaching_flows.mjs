@@ -18,7 +18,7 @@ export const teachingFlows = [
   { name: "remarks are written by keyboard, and the focus stays there", run: remarksByKeys },
   { name: "a set score shows beside the computed one, and can be removed", run: override },
   { name: "a student appeals once, and the answer grades again", run: appeal },
-  { name: "an attempt that was stopped early says so and how far it came", run: stoppedEarly },
+  { name: "an attempt that was stopped early shows how far it came", run: stoppedEarly },
   { name: "stations in use are seen live, and one is watched until it ends", run: live },
   { name: "a reference is withdrawn", run: withdrawReference },
   { name: "a student sees how the criteria come on and what to work at next", run: progress },

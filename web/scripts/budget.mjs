@@ -1,10 +1,11 @@
 // What the page costs who grades with it, in a slowed Chromium: bytes, clicks, times.
 //   node scripts/budget.mjs [--dist DIR] [--json FILE]
-// Without BASE_URL: against the mock server. With BASE_URL, INSTRUCTOR_LOGIN and INSTRUCTOR_PASSWORD: against that server, which
-// has an assignment with scored attempts that were not released, judged by the criterion that MOST_LOST names (Mesial wall).
-// It then sets a score, writes a remark and releases one attempt there.
-// Ends with 1 where more bytes or clicks are needed than allowed, with 77 where there is no Chromium. Times are told and
-// never fail: they depend on the machine.
+// Without BASE_URL: against the mock server. With BASE_URL, INSTRUCTOR_LOGIN and
+// INSTRUCTOR_PASSWORD: against that server, which has an assignment with scored attempts that were
+// not released, judged by the criterion that MOST_LOST names (Mesial wall). It then sets a score,
+// writes a remark and releases one attempt there. Ends with 1 where more bytes or clicks are needed
+// than allowed, with 77 where there is no Chromium. Times are printed and never fail: they depend
+// on the machine.
 import { writeFileSync } from "node:fs";
 import { fileURLToPath } from "node:url";
 import { begin, chromiumIsThere, launch, newPage } from "../../tests/e2e/browser.mjs";
@@ -41,7 +42,8 @@ async function countBytes(page) {
   return bytes;
 }
 
-// Who lost most on a criterion, when it happened, a remark there, another score, and on to the next.
+// Who lost most on a criterion, when it happened, a remark there, another score, and on to the
+// next.
 async function grade(page, most) {
   let clicks = 0;
   const click = async (locator) => {

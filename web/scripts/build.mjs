@@ -1,5 +1,5 @@
-// Builds the page: dist/index.html, dist/assets/* with hashed names, .gz and .br beside each; and dist_lab, what draws
-// a report of enamel-lab.
+// Builds the page: dist/index.html, dist/assets/* with hashed names, .gz and .br beside each; and
+// dist_lab, what draws a report of enamel-lab.
 //   node scripts/build.mjs [--out DIR]
 import { createHash } from "node:crypto";
 import { existsSync, mkdirSync, readFileSync, readdirSync, renameSync, rmSync, writeFileSync } from "node:fs";
@@ -40,7 +40,8 @@ function mayBeReplaced(folder) {
   }
 }
 
-// The new page takes the place of the old one when it is whole: a server that starts meanwhile finds one or the other.
+// The new page takes the place of the old one when it is whole: a server that starts meanwhile
+// finds one or the other.
 function replace(folder, built) {
   rmSync(folder, { recursive: true, force: true });
   renameSync(built, folder);
@@ -85,8 +86,8 @@ function loadedWith(inputs, entry) {
   return [...seen].filter((path) => path.startsWith("src/"));
 }
 
-// Which words each part of the page needs: the first those of all that is loaded before anybody signs in, each other what
-// its own sources name beyond.
+// Which words each part of the page needs: the first those of all that is loaded before anybody
+// signs in, each other what its own sources name beyond.
 async function wordsOfParts(options) {
   const { metafile } = await build({
     ...options,
@@ -115,7 +116,8 @@ async function wordsOfParts(options) {
   return parts;
 }
 
-// The worker first, and whole in one file: the page must know its name, and it imports nothing from elsewhere.
+// The worker first, and whole in one file: the page must know its name, and it imports nothing from
+// elsewhere.
 async function bundle(out) {
   const kWorker = "src/api/tooth_worker.ts";
   const worker = await scripts(out, [kWorker], { plugins: [englishAtOnce([])] });

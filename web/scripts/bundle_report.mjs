@@ -1,5 +1,5 @@
-// Writes dist_lab/draw_report.mjs: draw_report.mjs with all that it needs in itself, for where enamel-lab is installed.
-// It needs node and nothing else.
+// Writes dist_lab/draw_report.mjs: draw_report.mjs with all that it needs in itself, for where
+// enamel-lab is installed. It needs node and nothing else.
 import { mkdirSync } from "node:fs";
 import { join } from "node:path";
 import { build } from "esbuild";

@@ -1,5 +1,5 @@
-// Types of the words, then of the HTTP API, from schemas/api/openapi.yaml into build/api.d.ts. Nothing is written when
-// nothing changed, so that a build without a schema change stays fast.
+// Types of the words, then of the HTTP API, from schemas/api/openapi.yaml into build/api.d.ts.
+// Nothing is written when nothing changed, so that a build without a schema change stays fast.
 import { existsSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { createHash } from "node:crypto";
 import { fileURLToPath } from "node:url";

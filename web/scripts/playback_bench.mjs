@@ -1,9 +1,11 @@
-// What opening an attempt and moving through it costs in Chromium with software drawing: bytes and time until the tooth is
-// there, how long the page's thread is held up, how long a moment takes to be shown, and frames a second while the plot is moved.
+// What opening an attempt and moving through it costs in Chromium with software drawing: bytes and
+// time until the tooth is there, how long the page's thread is held up, how long a moment takes to
+// be shown, and frames a second while the plot is moved.
 //   node scripts/playback_bench.mjs [--dist DIR] [--json FILE] [--seeks N] [--slower N]
-// Without BASE_URL: the mock server's small attempt. With BASE_URL, LOGIN, PASSWORD and ATTEMPT (an id): that server's.
-// --slower: so many times slower a processor. The network is that of a school (10 Mbit/s, 40 ms) until the tooth is there.
-// Times depend on the machine and nothing here fails by them. Ends with 77 where there is no Chromium.
+// Without BASE_URL: the mock server's small attempt. With BASE_URL, LOGIN, PASSWORD and ATTEMPT (an
+// id): that server's. --slower: so many times slower a processor. The network is that of a school
+// (10 Mbit/s, 40 ms) until the tooth is there. Times depend on the machine and nothing here fails
+// by them. Ends with 77 where there is no Chromium.
 import { writeFileSync } from "node:fs";
 import { loadavg } from "node:os";
 import { fileURLToPath } from "node:url";
@@ -25,7 +27,7 @@ function option(name, otherwise) {
   return at < 0 ? otherwise : process.argv[at + 1];
 }
 
-// Called in the page before anything of it runs. The browser tells of tasks of 50 ms and more only.
+// Called in the page before anything of it runs. The browser reports only tasks of 50 ms and more.
 function watchTasks() {
   globalThis.longTasks = [];
   new PerformanceObserver((list) => {
@@ -33,8 +35,8 @@ function watchTasks() {
   }).observe({ type: "longtask", buffered: true });
 }
 
-// Called in the page: sets the playback's slider, and waits until its tooth is the one of that moment and was given to the
-// screen. Milliseconds of each.
+// Called in the page: sets the playback's slider, and waits until its tooth is the one of that
+// moment and was given to the screen. Milliseconds of each.
 async function seekAll(moments) {
   const slider = document.querySelector(".playback input[type=range]");
   const frame = () =>
@@ -56,7 +58,8 @@ async function seekAll(moments) {
   return times;
 }
 
-// Called in the page: drags the plot's part of the time to and fro, a little in each frame. Frames per second.
+// Called in the page: drags the plot's part of the time to and fro, a little in each frame. Frames
+// per second.
 async function pan(frames) {
   const over = document.querySelector(".force-card .u-over");
   const box = over.getBoundingClientRect();
@@ -147,7 +150,8 @@ async function measure(browser, { baseUrl, login, password, attempt, seeks, slow
   found.longest_block_playing_ms = Math.max(0, ...(await takeTasks(page)));
   found.frames = Number(await page.locator(".playback input[type=range]").getAttribute("max"));
 
-  // Both ways a plot is drawn: half of the attempt in the series' steps, and three seconds tick by tick.
+  // Both ways a plot is drawn: half of the attempt in the series' steps, and three seconds tick by
+  // tick.
   await page.keyboard.press("k");
   await page.waitForSelector(".tooth-frame canvas[data-drawn=full]");
   for (let i = 0; i < 2; ++i) await page.keyboard.press("i");
@@ -176,7 +180,8 @@ const server =
   real === undefined
     ? await startMockServer({ dist: option("--dist") ?? fileURLToPath(new URL("../dist", import.meta.url)) })
     : undefined;
-// The mock server makes its files when they are first asked for, which takes it seconds: no part of what is measured.
+// The mock server makes its files when they are first asked for, which takes it seconds: no part of
+// what is measured.
 if (real === undefined) playbackOf();
 const browser = await launch();
 try {

@@ -1,5 +1,6 @@
-// A report of enamel-lab as one HTML file that needs nothing else: no server, no network. What draws it (a script and
-// a style sheet) and what reads the report are given: draw_report.mjs builds them, the installed script has them.
+// A report of enamel-lab as one HTML file that needs nothing else: no server, no network. What
+// draws it (a script and a style sheet) and what reads the report are given: draw_report.mjs builds
+// them, the installed script has them.
 import { createHash } from "node:crypto";
 import { readFileSync, statSync, writeFileSync } from "node:fs";
 
@@ -10,7 +11,7 @@ const kEscapes = { "&": "&amp;", "<": "&lt;", ">": "&gt;" };
 const escaped = (text) => text.replace(/[&<>]/g, (found) => kEscapes[found]);
 
 function page(title, report, script, style) {
-  // Only what is in this file may run or be loaded; the browser is told so.
+  // The policy lets the browser run and load only what is in this file.
   const policy = `default-src 'none'; script-src ${hash(script)}; style-src ${hash(style)}; base-uri 'none'; form-action 'none'`;
   return `<!doctype html>
 <html lang="en">
@@ -62,13 +63,13 @@ function readReport(from) {
   }
 }
 
-// Reads the report named first, writes the page named second. Says what is wrong and throws; then nothing is written.
-// `parts`: script, style, and drawable: what src/api/drawable.ts has.
+// Reads the report named first, writes the page named second. Says what is wrong and throws; then
+// nothing is written. `parts`: script, style, and drawable: what src/api/drawable.ts has.
 export function writePage(from, to, parts) {
   const drawable = parts.drawableIn(readReport(from));
   if (!drawable.ok)
     throw new Error(`${from}: expected a report that can be drawn, but ${drawable.error}; ${kHowToWrite}`);
-  // "<" cannot stand in a script element's text: it is written as JSON's own escape.
+  // "<" could end the script element, so it is written as a JSON escape.
   const text = JSON.stringify(drawable.value).replaceAll("<", "\\u003c");
   try {
     writeFileSync(to, page(parts.titleOf(drawable.value), text, parts.script, parts.style));

@@ -7,7 +7,7 @@ import { englishAtOnce, keysIn, readCatalogue } from "./words.mjs";
 
 export const web = fileURLToPath(new URL("..", import.meta.url));
 
-// The words of what `entry` is made of.
+// The words that `entry` and its imports need.
 async function wordsOf(entry) {
   const { metafile } = await build({
     absWorkingDir: web,
@@ -25,7 +25,7 @@ async function wordsOf(entry) {
   return englishAtOnce(keysIn(text, Object.keys(readCatalogue("en"))));
 }
 
-// `end`: what would end the element that holds the text, and how it is written instead.
+// `end`: the text that would end the enclosing element, and its replacement.
 async function bundled(entry, end, written) {
   const result = await build({
     absWorkingDir: web,

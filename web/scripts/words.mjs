@@ -1,6 +1,7 @@
-// The catalogues of schemas/words as the page uses them: types of their keys and places into build/words.d.ts, and the module
-// "enamel:words", which src/base/words.ts reads. Messages become texts with {places}, plurals a list of cases: nothing is
-// left to be parsed, and no code is made at run time.
+// The catalogues of schemas/words as the page uses them: types of their keys and places into
+// build/words.d.ts, and the module "enamel:words", which src/base/words.ts reads. Messages become
+// texts with {places}, plurals a list of cases: the page parses nothing and makes no code at run
+// time.
 import { existsSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { fileURLToPath } from "node:url";
 import { parse } from "@messageformat/parser";
@@ -10,7 +11,7 @@ const kTypes = new URL("../build/words.d.ts", import.meta.url);
 export const kLanguages = ["en", "de", "zh"];
 const kVersion = 1;
 
-// What the page alone says, and what the station's window says with it.
+// Messages of the page alone, and those it shares with the station's window.
 const kParts = ["page", "exercise"];
 
 export function readCatalogue(language) {
@@ -133,8 +134,9 @@ const written = (language, keys, short = new Map()) => {
 
 const kSaid = /(\bsay(?:With)?(?:<[^(]*>)?\()"([a-z0-9_]+\.[a-z0-9_]+)"/g;
 
-// Names of a few letters for keys that are only ever said as they are written, `say("place.thing")`: a third of what the
-// words weigh is their keys. `sources`: of the whole page.
+// Names of a few letters for keys that are only ever said as they are written,
+// `say("place.thing")`: a third of what the words weigh is their keys. `sources`: of the whole
+// page.
 export function shortKeys(sources) {
   const all = sources.join("\n");
   const rest = all.replaceAll(kSaid, "");
@@ -147,17 +149,19 @@ export function shortKeys(sources) {
 const shortened = (source, short) =>
   source.replaceAll(kSaid, (whole, call, key) => (short.has(key) ? `${call}"${short.get(key)}"` : whole));
 
-// English alone, there from the start: for tests, and for what is read without a server. `keys`: all where there are none.
+// English alone, there from the start: for tests, and for what is read without a server. `keys`:
+// all where there are none.
 export function englishAtOnce(keys = Object.keys(readCatalogue("en"))) {
   return plugin(() => `export const kAtOnce = ${written("en", keys)}; export const kParts = {};`);
 }
 
-// What built-in exercises say: a part for itself, which nobody needs who reads English.
+// Texts of built-in exercises are a separate part: readers of English do not need it.
 const kBuiltin = /^builtin_/;
 export const pageKeys = () => Object.keys(readCatalogue("en")).filter((key) => !kBuiltin.test(key));
 const builtinKeys = () => Object.keys(readCatalogue("en")).filter((key) => kBuiltin.test(key));
 
-// Each part in each language a file of its own, loaded when it is needed. `pageParts`: from its name to the keys it needs.
+// Each part in each language a file of its own, loaded when it is needed. `pageParts`: from its
+// name to the keys it needs.
 export function wordsByPart(pageParts, short) {
   const parts = { ...pageParts, builtin: builtinKeys() };
   const source = (language, part) =>

@@ -6,7 +6,8 @@ import { test } from "node:test";
 // base <- api <- widgets <- features <- app: a layer imports itself and what is left of it.
 const kLayers = ["base", "api", "widgets", "features", "app"];
 const kSource = resolve("src");
-// What draws a tooth. It comes with the first one: from elsewhere nothing of it is imported at once.
+// What draws a tooth. It comes with the first one: from elsewhere nothing of it is imported at
+// once.
 const kThree = [
   "widgets/tooth/scene",
   "widgets/tooth/blocks",

@@ -143,8 +143,8 @@ function hasWords(text: string): boolean {
   return /\p{L}{2}/u.test(trimmed) && !kNoWords.test(trimmed);
 }
 
-// A literal that becomes text of the page wherever it stands: an element's text, an attribute that is read or heard, a
-// member of that name, and what such a place chooses from.
+// A literal that becomes text of the page wherever it stands: an element's text, an attribute that
+// is read or heard, a member of that name, and what such a place chooses from.
 function ownWords(path: string, text: string): string[] {
   const source = ts.createSourceFile(path, text, ts.ScriptTarget.Latest, true);
   const found: string[] = [];
@@ -167,7 +167,7 @@ function ownWords(path: string, text: string): string[] {
       [node.left, node.right].forEach(literals);
     else if (ts.isParenthesizedExpression(node)) literals(node.expression);
   };
-  // What is typed or named as it is.
+  // Text that is typed or named literally.
   const isCode = (node: ts.Node) =>
     ts.isJsxElement(node) && ["code", "kbd"].includes(node.openingElement.tagName.getText(source));
   const visit = (node: ts.Node): void => {

@@ -1,9 +1,10 @@
 import { numberText, spokenLanguage } from "../base/language";
 import { sayIf } from "../base/words";
 
-// What the built-in exercises, criteria and teeth say, in the language of the page. The server gives it in English, and the
-// text itself names its message: without its numbers, which are the message's places in their order. So what a school has
-// written, or written anew, has no message and stays as it was typed. In English there are none of these messages: nothing changes.
+// What the built-in exercises, criteria and teeth say, in the language of the page. The server
+// gives it in English, and the text itself names its message: without its numbers, which are the
+// message's places in their order. So a text that a school has written or changed has no message
+// and stays as it was typed. In English there are none of these messages: nothing changes.
 
 const kNumber = /\d+(?:\.\d+)?/g;
 
@@ -12,7 +13,8 @@ export function wordedTitle(title: string): string {
   return sayIf(`builtin_title.${nameOf(title)}`, numbersOf(title)) ?? title;
 }
 
-// Instructions, or the comment of a criterion: sentence by sentence. Where one of them is not built in, none is translated.
+// Instructions, or the comment of a criterion: sentence by sentence. Where one of them is not built
+// in, none is translated.
 export function wordedText(text: string): string {
   const told = sentencesOf(text).map((sentence) => sayIf(`builtin_text.${nameOf(sentence)}`, numbersOf(sentence)));
   return told.includes(undefined) ? text : told.join(spokenLanguage() === "zh" ? "" : " ");
@@ -31,7 +33,8 @@ export function nameOf(text: string): string {
   ).join("_");
 }
 
-// From the name of the place, "a" for the first, to the number with as many decimals as were written.
+// From the name of the place, "a" for the first, to the number with as many decimals as were
+// written.
 export function numbersOf(text: string): Readonly<Record<string, string>> {
   return Object.fromEntries(
     (text.match(kNumber) ?? []).map((number, i) => {

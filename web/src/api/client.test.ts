@@ -153,7 +153,7 @@ test("an edit repeats the tag it was read with, and a conflict carries what some
   assert.deepEqual(!result.ok && result.error.current, { value: { name: "theirs" }, tag: '"8"' });
 });
 
-test("a list gives its rows and where it goes on, and one without rows is an error", async () => {
+test("a list gives its rows and the next cursor, and one without rows is an error", async () => {
   const { client, calls } = clientThatGets([
     Response.json({ people: [{ id: "a" }], next: "c2" }),
     Response.json({ people: [{ id: "b" }], next: null }),

@@ -37,7 +37,7 @@ interface Ahead {
 }
 
 // The server's HTTP API (schemas/api/openapi.yaml). Never throws: every outcome is a Result.
-// `sessionLost` is called when a request that needs a session is told there is none.
+// `sessionLost` is called when a request needs a session and the server reports none.
 export class Client {
   readonly teaching: TeachingApi;
   readonly people: PeopleApi;
@@ -113,7 +113,8 @@ export class Client {
   async surface(id: string, signal?: AbortSignal): Promise<ApiResult<Surface>> {
     return readSurface(await this.http.bytes(`${attemptPath(id)}/surface`, signal));
   }
-  // Reads the series of an attempt that will probably be opened next. It is given out once; a failure is asked again.
+  // Reads the series of an attempt that will probably be opened next. It is given out once; a
+  // failure is asked again.
   readAhead(id: string): void {
     if (this.ahead?.id !== id) this.ahead = { id, series: this.askSeries(id) };
   }
@@ -131,7 +132,8 @@ export class Client {
   timeline(id: string, from: number, to: number, signal?: AbortSignal) {
     return this.http.range(`${attemptPath(id)}/timeline`, from, to, signal);
   }
-  // Of the tooth at the timeline's end from the reference (tooth_deviation.ts). Not found: there is none to compare with.
+  // Of the tooth at the timeline's end from the reference (tooth_deviation.ts). Not found: there is
+  // none to compare with.
   deviation(id: string, signal?: AbortSignal): Promise<ApiResult<ArrayBuffer>> {
     return this.http.bytes(`${attemptPath(id)}/deviation`, signal);
   }

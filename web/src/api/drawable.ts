@@ -2,8 +2,8 @@ import { fail, ok, type Result } from "../base/result";
 import { labReportIn, type LabReport } from "./lab_report";
 import { strokesIn, type Strokes } from "./strokes";
 
-// What can be drawn of a report of enamel-lab's. The members are named as in what it writes, so that this is such a
-// report itself.
+// What can be drawn of a report of enamel-lab's. The members are named as in what it writes, so
+// that this is such a report itself.
 export interface Drawable {
   readonly report?: LabReport;
   readonly strokes?: Strokes;

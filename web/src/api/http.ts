@@ -3,8 +3,8 @@ import { say, sayIf } from "../base/words";
 import { spokenLanguage } from "../base/language";
 import type { ErrorCode } from "./types";
 
-// Why a request gave nothing. `unreachable`: no answer at all; `malformed`: an answer this page does
-// not understand; otherwise the server's own code and sentence.
+// Why a request gave nothing. `unreachable`: no answer at all; `malformed`: an answer this page
+// does not understand; otherwise the server's own code and sentence.
 export interface ApiError {
   readonly code: ErrorCode | "unreachable" | "malformed" | "cancelled";
   readonly status: number;
@@ -45,8 +45,8 @@ export type Query = Readonly<Record<string, string | number | boolean | undefine
 const kMostRows = 200; // that the server gives in a page
 const kMostPages = 200;
 
-// The pages of a list, one after the other, up to kMostPages of them (40 000 rows of 200): what comes after is left out.
-// Ends early with an error of any of them.
+// The pages of a list, one after the other, up to kMostPages of them (40 000 rows of 200): what
+// comes after is left out. Ends early with an error of any of them.
 export async function readAll<T>(
   ask: (cursor: string | undefined) => Promise<ApiResult<Page<T>>>,
 ): Promise<ApiResult<readonly T[]>> {
@@ -63,7 +63,7 @@ export async function readAll<T>(
 }
 
 // How requests of the HTTP API (schemas/api/openapi.yaml) travel. Never throws: every outcome is a
-// Result. `sessionLost` is called when a request that needs a session is told there is none.
+// Result. `sessionLost` is called when a request needs a session and the server reports none.
 export class Http {
   csrf = ""; // the session's; empty while signed out
   // Asks the person for the password again, where the server wants that for a change; true when it
@@ -119,7 +119,7 @@ export class Http {
     const response = await this.request("GET", path, options);
     if (!response.ok) return response;
     const bytes = await received(() => response.value.arrayBuffer());
-    // A server may give all of it to who asks for a part.
+    // A server may answer a request for a part with all of it.
     if (!bytes.ok || options.range === undefined || response.value.status === 206) return bytes;
     return ok(bytes.value.slice(...options.range));
   }
@@ -205,8 +205,8 @@ async function received<T>(read: () => Promise<T>): Promise<ApiResult<T>> {
   }
 }
 
-// What the server says is English and tells what it found. In other languages the code's sentence stands in its place, or
-// before it where the code alone says too little.
+// The server's messages are English. Other languages show a sentence for the code instead, followed
+// by the message where the code alone says too little.
 function errorText(code: string | undefined, said: string): string {
   return spokenLanguage() === "en" ? said : (sayIf(`error_code.${code ?? ""}`, { said }) ?? said);
 }

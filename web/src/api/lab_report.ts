@@ -1,7 +1,7 @@
 import { isObject } from "../base/document";
 import { fail, ok, type Result } from "../base/result";
 
-// What enamel-lab found, to be drawn: the member `report` of what it writes with --json
+// The drawable findings of enamel-lab: the member `report` of its --json file
 // (schemas/lab_report.schema.json).
 export interface LabCard {
   readonly figure: string;
@@ -106,8 +106,9 @@ const kMostRows = 20_000;
 const kMostPoints = 4000;
 const kMostCells = 40_000;
 
-// Finds what can be drawn in what enamel-lab wrote; undefined where there is no such member. Nothing in it is trusted:
-// counts are bounded, numbers are numbers, every cell of a map has a verdict. The error says what was found.
+// Finds the drawable part of a file of enamel-lab; undefined where there is none. Nothing in it is
+// trusted: counts are bounded, numbers are numbers, every cell of a map has a verdict. The error
+// says what was found.
 export function labReportIn(report: unknown): Result<LabReport, string> | undefined {
   if (!isObject(report) || !("report" in report)) return undefined;
   const found = report["report"];

@@ -39,7 +39,7 @@ test("rows come in millimetres and newtons", () => {
   assert.equal(forceSize(rows.value[1]!), 0.5);
 });
 
-test("what is no event is refused with what was found", () => {
+test("text that is no event is refused with a reason", () => {
   const cases = [
     "",
     "null",
@@ -69,7 +69,7 @@ test("a watched attempt reports rows, a lost connection and its end, after which
   assert.equal(stream.closed, 1);
 });
 
-test("a stream that the server refuses is not tried again and says so; stopping closes it", () => {
+test("a stream that the server refuses reports that and is not tried again; stopping closes it", () => {
   const { stream, said, stop } = watching();
   stream.readyState = 2;
   stream.say("error");

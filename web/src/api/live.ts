@@ -1,7 +1,7 @@
 import { fail, ok, type Result } from "../base/result";
 import type { LiveEvent } from "./types";
 
-// One moment of an attempt as it is being made.
+// One moment of an attempt in progress.
 export interface LiveRow {
   readonly tick: number;
   readonly anchorMm: readonly [number, number, number]; // from the device's origin, along the scene's axes

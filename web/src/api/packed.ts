@@ -1,6 +1,7 @@
 import { fail, ok, type Result } from "../base/result";
 
-// What the files of a playback have in common (schemas/surface_timeline.md): packed parts, the way they begin, their grid.
+// What the files of a playback have in common (schemas/surface_timeline.md): packed parts, the way
+// they begin, their grid.
 
 type Read<T> = Result<T, string>;
 
@@ -15,7 +16,8 @@ export interface Grid {
 
 export class Broken extends Error {}
 
-// `read` may throw Broken, which becomes the result's error; anything else is a bug and goes on.
+// `read` may throw Broken, which becomes the result's error; anything else is a bug and is thrown
+// on.
 export async function reading<T>(read: () => Promise<T> | T): Promise<Read<T>> {
   try {
     return ok(await read());

@@ -65,8 +65,8 @@ export class PeopleApi {
   changePassword(old: string, fresh: string) {
     return this.http.json<Session>("POST", "/session/password", { body: { old_password: old, new_password: fresh } });
   }
-  // With `trial` nothing is changed: the answer says what would be. A roster with problems is refused
-  // as a whole; the report then says what they are.
+  // With `trial` nothing is changed: the answer says what would be. A roster with problems is
+  // refused as a whole; the report then says what they are.
   async importRoster(text: string, trial: boolean, cohort: string): Promise<ApiResult<RosterOutcome>> {
     const result = await this.http.json<RosterOutcome>("POST", `/roster${queryText({ dry_run: trial, cohort })}`, {
       body: text,

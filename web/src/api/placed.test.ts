@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { placedMessage, plainMessage } from "./placed";
 
-test("a place is said once, in words where there are some, and bounds are plain numbers", () => {
+test("a place is named once, in words where there are some, and bounds are plain numbers", () => {
   const error = {
     field: "/criteria/0/points",
     message: "/criteria/0/points: expected a number from 0E0 to 1E3, found -5",

@@ -23,7 +23,7 @@ test("the golden document is read, alone and as a member of a report", () => {
   assert.deepEqual(strokesIn({ format: 1, rows: [], strokes: golden() }), alone);
 });
 
-test("what is no strokes document is refused with what was found", () => {
+test("a document that is no strokes document is refused with a reason", () => {
   const refused = (change: (document: Golden) => void): string => {
     const document = golden();
     change(document);

@@ -67,8 +67,9 @@ const kDeviceNumbers = [
   "continuous_force_n",
 ] as const;
 
-// Finds the strokes in a report: the document itself, or the member `strokes` of what `qualify` wrote.
-// Nothing in it is trusted: counts are bounded, numbers are numbers, time grows. The error says what was found.
+// Finds the strokes in a report: the document itself, or the member `strokes` of what `qualify`
+// wrote. Nothing in it is trusted: counts are bounded, numbers are numbers, time grows. The error
+// says what was found.
 export function strokesIn(report: unknown): Result<Strokes, string> {
   if (!isObject(report)) return fail("the report is no JSON object");
   const document = "strokes" in report ? report["strokes"] : report;

@@ -1,7 +1,8 @@
 import type { Result } from "../base/result";
 
 // A tooth surface as the server sends it: "ENSF" version 1, described in schemas/api/openapi.yaml
-// at /attempts/{id}/surface. Loaded with the first one that is read (read_surface.ts), so it imports nothing that others have.
+// at /attempts/{id}/surface. Loaded with the first one that is read (read_surface.ts), so it
+// imports nothing that others have.
 export interface Surface {
   readonly positionMm: Float32Array; // (n x 3), scene frame: +x mesial, +y buccal, +z occlusal
   readonly normal: Int8Array; // (n x 4), x y z 0, /127, outward
@@ -19,7 +20,8 @@ const kMaxTriangles = 8_000_000;
 
 const fail = (error: string) => ({ ok: false, error }) as const;
 
-// The error says what was expected and found. Reads nothing beyond `bytes` whatever the header claims.
+// The error says what was expected and found. Reads nothing beyond `bytes` whatever the header
+// claims.
 export function decodeSurface(bytes: ArrayBuffer): Result<Surface, string> {
   if (bytes.byteLength < kHeaderBytes)
     return fail(`a surface has at least ${kHeaderBytes} bytes, found ${bytes.byteLength}`);

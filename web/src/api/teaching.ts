@@ -30,7 +30,7 @@ type Seen = Pick<AttemptDetail, "id" | "revision">;
 export class TeachingApi {
   constructor(private readonly http: Http) {}
 
-  // The caller's own, or (for who edits exercises) the newest of each name in a state.
+  // The caller's own exercises; for people who edit exercises, the newest of each name in a state.
   exercises(state?: ExerciseState, signal?: AbortSignal) {
     return this.http.all<ExerciseSummary>("/exercises", "exercises", { state }, signal);
   }
@@ -74,7 +74,7 @@ export class TeachingApi {
   previewRubric(id: string, rubric: Json) {
     return this.http.json<RubricPreview>("POST", `${exercisePath(id)}/rubrics/preview`, { body: rubric });
   }
-  // Whether it is right, as it is typed.
+  // Checks a document while it is typed.
   checkRubric(id: string, text: string, signal?: AbortSignal) {
     return this.http.json<RubricPreview>("POST", `${exercisePath(id)}/rubrics/preview?attempts=false`, {
       body: text,
@@ -96,7 +96,7 @@ export class TeachingApi {
       signal,
     });
   }
-  // `text`: an exercise document (schemas/exercise.schema.json), sent as it is.
+  // `text`: an exercise document (schemas/exercise.schema.json), sent unchanged.
   putDraft(text: string) {
     return this.http.json<Exercise>("POST", "/exercises", { body: text, type: "application/json" });
   }

@@ -83,9 +83,9 @@ export class ProfilesApi {
   feel(name: string, signal?: AbortSignal) {
     return this.http.json<ProfileFeel>("GET", `${profilePath(name)}/feel`, { signal });
   }
-  // `text`: a device profile (schemas/device_profile.schema.json), sent as it is.
-  // One that its criteria refuse is not saved; the judgement then says why.
-  // `check`: only whether it would be taken, as it is typed.
+  // `text`: a device profile (schemas/device_profile.schema.json), sent unchanged. One that its
+  // criteria refuse is not saved; the judgement then says why. `check`: only checks it, without
+  // storing it.
   async upload(
     text: string,
     { check = false, signal }: { readonly check?: boolean; readonly signal?: AbortSignal } = {},
@@ -119,7 +119,7 @@ export class ProfilesApi {
   calibrations(name: string, signal?: AbortSignal) {
     return this.http.all<Calibration>(`${profilePath(name)}/calibrations`, "calibrations", {}, signal);
   }
-  // `text`: a calibration (schemas/calibration.schema.json), sent as it is.
+  // `text`: a calibration (schemas/calibration.schema.json), sent unchanged.
   addCalibration(name: string, text: string) {
     return this.http.json<Calibration>("POST", `${profilePath(name)}/calibrations`, {
       body: text,
@@ -160,8 +160,8 @@ export class OperationsApi {
   putTooth(name: string) {
     return this.http.json<PutTooth>("POST", "/builtin-teeth", { body: { name } });
   }
-  // Sends a mesh in parts and asks until it is done or refused; `onChange` hears of each step. Left before all of it was sent, the
-  // server is told that nothing more comes.
+  // Sends a mesh in parts and asks until it is done or refused; `onChange` hears of each step. If
+  // the person leaves before all of it was sent, the server forgets the upload.
   async importTooth(
     file: File,
     about: { readonly unit: ToothImportUnit; readonly title: string; readonly tooth: number },

@@ -162,7 +162,7 @@ test("the mesh of the ball is closed, lies on it and has its volume and area", a
   assert.deepEqual([...mesh.tissues], [1]);
 });
 
-test("only blocks of what was cut are made anew, and give the mesh of the whole", async () => {
+test("only blocks that were cut are meshed again, and match the mesh of the whole tooth", async () => {
   const player = await goldenPlayer();
   const mesher = new ToothMesher(player);
   const blocks = mesher.allBlocks();
@@ -194,7 +194,7 @@ test("damaged and foreign files are refused with what is wrong", async () => {
   for (const end of [50, 200, 3000]) assert.equal((await decodeStartTooth(golden("entb").slice(0, end))).ok, false);
 });
 
-test("what an index claims beyond what its bytes can hold takes no memory", async () => {
+test("an index that claims more than its bytes can hold takes no memory", async () => {
   const head = value(await decodeHead(golden("entl")))!;
   const bytes = new Uint8Array(
     golden("entl").slice(head.segments[0]!.from, head.segments[0]!.from + segmentBytes(head.segments[0]!)),

@@ -1,8 +1,9 @@
 import { fail, ok, type Result } from "../base/result";
 import { Broken, checkMagic, fromPlanes, type Grid, inflate, readGrid, reading, unzigzag } from "./packed";
 
-// Reads what plays an attempt back: a start tooth ("ENTB") and a surface timeline ("ENTL"), version 1, both described in
-// schemas/surface_timeline.md. Nothing here draws or fetches; triangles are made of the samples by tooth_mesh.ts.
+// Reads what plays an attempt back: a start tooth ("ENTB") and a surface timeline ("ENTL"), version
+// 1, both described in schemas/surface_timeline.md. Nothing here draws or fetches; triangles are
+// made of the samples by tooth_mesh.ts.
 
 export const kBrickSide = 8;
 export const kBrickSamples = 512;
@@ -55,7 +56,7 @@ export interface FramePose {
   readonly gapTicks: number;
 }
 
-// A segment as it is read: its changes are applied frame by frame.
+// A segment while it is read: its changes are applied frame by frame.
 export interface OpenSegment {
   readonly poses: readonly FramePose[];
   readonly keyBricks: Uint32Array;
@@ -306,7 +307,8 @@ export class TimelinePlayer {
     return this.segments.get(index)?.poses[Math.max(frames, 1) - 1 - index * this.head.segmentFrames];
   }
 
-  // The tooth after so many frames. Returns the bricks that look otherwise than before. Needs: the segment was added.
+  // The tooth after so many frames. Returns the bricks that look otherwise than before. Needs: the
+  // segment was added.
   seek(frames: number): Read<Set<number>> {
     const before = this.current;
     try {

@@ -1,9 +1,10 @@
 import type { BlockMesh } from "./tooth_mesh";
 
-// Fewer triangles for what is not cut: the vertices of each cube of kStride cells become one, at their mean (vertex clustering:
-// Rossignac and Borrel, "Multi-resolution 3D approximations for rendering complex scenes", 1993). On a surface of radius R
-// that is off by about (kStride · voxel)² / 8 R: 11 µm at 0.05 mm and 1 mm. Vertices that a block shares with its neighbours
-// stay as they are, so that no gap opens, whether the neighbour is coarse or not.
+// Fewer triangles for what is not cut: the vertices of each cube of kStride cells become one, at
+// their mean (vertex clustering: Rossignac and Borrel, "Multi-resolution 3D approximations for
+// rendering complex scenes", 1993). On a surface of radius R that is off by about (kStride ·
+// voxel)² / 8 R: 11 µm at 0.05 mm and 1 mm. Vertices that a block shares with its neighbours stay
+// as they are, so that no gap opens, whether the neighbour is coarse or not.
 
 const kStride = 6;
 

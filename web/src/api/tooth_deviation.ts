@@ -1,7 +1,8 @@
 import type { Result } from "../base/result";
 import { Broken, checkMagic, fromPlanes, type Grid, inflate, readGrid, reading, unzigzag } from "./packed";
 
-// Reads how far the tooth at its end lies from the reference's: "ENDV", version 1 (schemas/surface_timeline.md).
+// Reads how far the tooth at its end lies from the reference's: "ENDV", version 1
+// (schemas/surface_timeline.md).
 
 const kBrickCells = 512;
 const kMaskBytes = kBrickCells / 8;
@@ -11,7 +12,8 @@ export const kNotCompared = -(2 ** 31);
 export interface ToothDeviation {
   readonly grid: Grid;
   readonly values: number;
-  // By brick, µm of each of its 512 cells; plus: more removed than in the reference; kNotCompared: neither was cut there.
+  // By brick, µm of each of its 512 cells; plus: more removed than in the reference; kNotCompared:
+  // neither was cut there.
   readonly bricks: ReadonlyMap<number, Int32Array>;
 }
 

@@ -3,7 +3,8 @@ import type { FramePose, Head } from "./timeline";
 import type { BlockMesh } from "./tooth_mesh";
 import type { Compared, Extent, ToothAsk, ToothTold } from "./tooth_work";
 
-// The page's end of what reads playbacks (tooth_work.ts). The page's thread only hands bytes over and gets triangles.
+// The page's end of what reads playbacks (tooth_work.ts). The page's thread only hands bytes over
+// and gets triangles.
 
 // A worker, or what stands for one.
 export interface ToothPort {
@@ -19,7 +20,7 @@ export interface ToothWatcher {
   failed(message: string): void;
 }
 
-// Asks that have an answer: what is told under the same name.
+// Requests that have an answer, which comes back under the same name.
 type Answers = {
   head: Result<Head, string>;
   start: Result<Extent, string>;
@@ -39,7 +40,7 @@ export class ToothLink {
     port.onerror = () => this.lost("what reads it could not be loaded or has stopped: load the page again");
   }
 
-  // Nothing is told any more, and what was asked is answered by nobody.
+  // Afterwards nothing is reported, and open requests get no answer.
   dispose(): void {
     this.port.onmessage = this.port.onerror = null;
     this.port.terminate();
@@ -112,8 +113,8 @@ interface TrustedTypePolicies {
   ): { createScriptURL(address: string): unknown };
 }
 
-// The server's Content-Security-Policy names this policy and no other (server/http/site.cpp), once: no other script can be
-// run as a worker, whatever else a page is made to do.
+// The server's Content-Security-Policy names this policy and no other (server/http/site.cpp), once:
+// no other script can run as a worker, even on a page that was tampered with.
 const kPolicyName = "enamel-worker";
 let trusted: unknown;
 function workerAddress(): string | URL {

@@ -1,9 +1,10 @@
 import { kBrickSide, kDeep, kFarOut, type TimelinePlayer } from "./timeline";
 import { kNotCompared, type ToothDeviation } from "./tooth_deviation";
 
-// Triangles of a tooth's samples, by surface nets, as common/surface/surface.cpp makes them: a vertex in each cell that the
-// surface crosses, at the mean of its edges' crossings; a quad for each crossed edge, split along its shorter diagonal.
-// Made block by block, so that only what was cut is made anew.
+// Triangles of a tooth's samples, by surface nets, as common/surface/surface.cpp makes them: a
+// vertex in each cell that the surface crosses, at the mean of its edges' crossings; a quad for
+// each crossed edge, split along its shorter diagonal. Made block by block, so that only what was
+// cut is meshed again.
 
 const kBlockBricks = 4; // along each axis
 const kBlock = kBlockBricks * kBrickSide;
@@ -18,7 +19,8 @@ export interface BlockMesh {
   readonly triangle: Uint16Array<ArrayBuffer> | Uint32Array<ArrayBuffer>; // (m x 3), counter-clockwise seen from outside
 }
 
-// A cell's edges by their corners: four along x, four along y, four along z. Corner i is (i & 1, i >> 1 & 1, i >> 2).
+// A cell's edges by their corners: four along x, four along y, four along z. Corner i is (i & 1, i
+// >> 1 & 1, i >> 2).
 const kEdgeFrom = Uint8Array.of(0, 2, 4, 6, 0, 1, 4, 5, 0, 1, 2, 3);
 const kEdgeTo = Uint8Array.of(1, 3, 5, 7, 2, 3, 6, 7, 4, 5, 6, 7);
 const kStep = Int32Array.of(1, kSide, kSide * kSide);
@@ -26,8 +28,9 @@ const kCellStep = Int32Array.of(1, kCells, kCells * kCells);
 const kNextTo = 1 / 16; // of a cell
 const kFlat = 0.05 * -kDeep; // of a gradient: below it the direction is rounding, not shape
 
-// Makes the meshes of a player's tooth as it is now. Owns buffers that it uses again, one mesh at a time: a whole tooth is
-// hundreds of thousands of vertices, and an object for each would be most of the time.
+// Makes the meshes of a player's tooth as it is now. Owns buffers that it uses again, one mesh at a
+// time: a whole tooth is hundreds of thousands of vertices, and an object for each would be most of
+// the time.
 export class ToothMesher {
   private readonly samples = new Int8Array(kSide ** 3);
   private readonly vertexOf = new Int32Array(kCells ** 3);
@@ -86,7 +89,8 @@ export class ToothMesher {
     });
     return out;
   }
-  // Of the block's last mesh, the vertices that the block before does not have too: neighbours share those of a layer.
+  // Of the block's last mesh, the vertices that the block before does not have too: neighbours
+  // share those of a layer.
   ownVertices(): number[] {
     const out: number[] = [];
     this.vertexOf.forEach((vertex, cell) => {
@@ -144,7 +148,8 @@ export class ToothMesher {
     return any < 0 && all >= 0;
   }
 
-  // `x`, `y`, `z`: local place of the brick's first sample; what lies outside the block is left out.
+  // `x`, `y`, `z`: local place of the brick's first sample; what lies outside the block is left
+  // out.
   private fillBrick(q: number, x: number, y: number, z: number): void {
     for (let k = Math.max(0, z); k < Math.min(kSide, z + kBrickSide); ++k) {
       for (let j = Math.max(0, y); j < Math.min(kSide, y + kBrickSide); ++j) {
@@ -274,7 +279,8 @@ export class ToothMesher {
       if (this.samples[((z + (i >> 2)) * kSide + y + ((i >> 1) & 1)) * kSide + x + (i & 1)]! < 0) ++solid;
     return solid !== 0 && solid !== 8;
   }
-  // Of the cell beyond the border that the vertex at `p` is next to: where it was made its position was rounded.
+  // Of the cell beyond the border that the vertex at `p` is next to: where it was made its position
+  // was rounded.
   private deviationBeside([x, y, z]: readonly [number, number, number], deviation: ToothDeviation): number | undefined {
     for (let axis = 0; axis < 3; ++axis) {
       const at = this.p[axis]!;
@@ -311,8 +317,8 @@ export class ToothMesher {
     for (let axis = 0; axis < 3; ++axis) p[axis]! /= count;
   }
 
-  // g: the direction of the trilinear interpolation's gradient at p; where it vanishes, from the inside corners to the
-  // outside ones.
+  // g: the direction of the trilinear interpolation's gradient at p; where it vanishes, from the
+  // inside corners to the outside ones.
   private gradient(): void {
     const { v, p, g } = this;
     g.fill(0);

@@ -14,8 +14,8 @@ function value<T>(result: { ok: true; value: T } | { ok: false; error: string })
   return result.value;
 }
 
-// A link and its work in one thread: what is asked arrives later, as between a page and its worker. `pause` is called
-// between two slices; `sliceMs` of 0 is a slice for each block.
+// A link and its work in one thread: what is asked arrives later, as between a page and its worker.
+// `pause` is called between two slices; `sliceMs` of 0 is a slice for each block.
 function linked({ sliceMs = 1e9, pause = async () => {} }: { sliceMs?: number; pause?: () => Promise<void> } = {}) {
   const blocks = new Map<number, BlockMesh>();
   const told: ToothTold[] = [];
@@ -112,7 +112,7 @@ test("a wish gives the blocks of that moment, and only then says that it is show
   assert.deepEqual(made.shown, [5, 2, 0, 4]);
 });
 
-test("where the tooth lies is told with the start tooth", async () => {
+test("the position of the tooth is reported with the start tooth", async () => {
   const made = linked();
   value(await made.link.head(golden("entl")));
   const { centreMm, radiusMm } = value(await made.link.start(golden("entb")));
@@ -144,7 +144,7 @@ test("a wish that is overtaken is left where it is, and the later one is whole",
   assert.deepEqual(made.blocks, await expected(3));
 });
 
-test("however often wishes overtake each other, every block is made in the end", async () => {
+test("every block is meshed in the end, however often requests overtake each other", async () => {
   let pauses = 0;
   const made = linked({
     sliceMs: 0,
@@ -216,7 +216,7 @@ test("the golden deviation is what the document says, and is at the vertices of 
   assert.deepEqual(made.blocks, await expected(5, golden("endv")));
 });
 
-test("damaged files, and a worker that stops, are told and nothing is thrown", async () => {
+test("damaged files and a worker that stops are reported, and nothing is thrown", async () => {
   const made = linked();
   assert.match(JSON.stringify(await made.link.head(golden("entb"))), /begins with ENTL/);
   assert.match(JSON.stringify(await made.link.start(golden("entb"))), /came before the head/);

@@ -16,10 +16,11 @@ import { decodeDeviation } from "./tooth_deviation";
 import { coarsened, merged } from "./tooth_coarse";
 import { type BlockMesh, kCells, ToothMesher } from "./tooth_mesh";
 
-// The work of playing an attempt back: reads its files and makes triangles of the tooth at any moment. It runs in a worker
-// (tooth_worker.ts) and is asked by messages (tooth_link.ts); nothing here knows of either, so tests can do without.
+// The work of playing an attempt back: reads its files and makes triangles of the tooth at any
+// moment. It runs in a worker (tooth_worker.ts) and is asked by messages (tooth_link.ts); nothing
+// here knows of either, so tests can do without.
 
-// Where the tooth lies, for who looks at it.
+// The position of the tooth, for the camera.
 export interface Extent {
   readonly centreMm: readonly [number, number, number];
   readonly radiusMm: number;
@@ -44,9 +45,10 @@ export type ToothTold =
   | { readonly told: "start"; readonly id: number; readonly extent: Result<Extent, string> }
   | { readonly told: "segment"; readonly id: number; readonly poses: Result<readonly FramePose[], string> }
   | { readonly told: "deviation"; readonly id: number; readonly compared: Result<Compared, string> }
-  // What looks otherwise than before; no mesh: no surface passes there. A number below 0 stands for several blocks.
+  // What looks otherwise than before; no mesh: no surface passes there. A number below 0 stands for
+  // several blocks.
   | { readonly told: "blocks"; readonly blocks: readonly (readonly [number, BlockMesh | undefined])[] }
-  // All of it was told. `cut`: where something went by the end, once that is known.
+  // All of it was reported. `cut`: where something went by the end, once that is known.
   | { readonly told: "shown"; readonly frames: number; readonly cut?: Extent | undefined }
   | { readonly told: "failed"; readonly message: string }; // the file is damaged there
 
@@ -149,7 +151,8 @@ export class ToothWork {
     )
       return fail("the deviation is of another grid");
     mesher.deviation = deviation.value;
-    // All that carries it is made anew for the picture; here it is gathered from the tooth at its end, whatever is shown.
+    // The blocks that carry it are meshed again for the picture. The figures come from the tooth at
+    // its end, whichever moment is shown.
     const blocks = mesher.blocksOf(deviation.value.bricks.keys());
     this.refine(mesher, deviation.value.bricks.keys());
     for (const block of blocks) this.dirty.add(block);
@@ -200,7 +203,8 @@ export class ToothWork {
     this.working = false;
   }
 
-  // False: overtaken by a later wish. What is left stays dirty and comes first the next time, so that nothing waits for ever.
+  // False: overtaken by a later wish. What is left stays dirty and comes first the next time, so
+  // that nothing waits for ever.
   private async meshDirty(mesher: ToothMesher): Promise<boolean> {
     let made: [number, BlockMesh | undefined][] = [];
     let still: Still = { blocks: [], meshes: [] };
@@ -241,8 +245,9 @@ export class ToothWork {
     return [[-this.stills.length, merged(meshes)]];
   }
 
-  // What has changed by the end, or has something to compare, is made in all detail; the rest stays as it is and is made
-  // coarser, many blocks in one. Those that were made coarser and no longer are take their place again at once.
+  // Blocks that change by the end, or have a deviation, get all detail. The rest never changes, so
+  // many such blocks become one coarse block. A block that needs detail after all replaces its
+  // coarse one at once.
   private refine(mesher: ToothMesher, bricks: Iterable<number>): void {
     const fine = mesher.blocksOf(bricks);
     if (this.fine === undefined) return;
@@ -317,7 +322,7 @@ function extentOf({ grid, slot, samples }: StartTooth): Extent {
   );
 }
 
-// The ball about what is gone.
+// The ball around the removed tissue.
 function cutOf(player: TimelinePlayer): Extent | undefined {
   return extent(player.start.grid, (each) => {
     for (const [brick, now] of player.changed()) {

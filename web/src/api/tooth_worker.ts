@@ -8,7 +8,8 @@ interface Scope {
 }
 const scope = globalThis as unknown as Scope;
 
-// A timer would wait for some milliseconds; a message of its own comes after those that wait already.
+// A timer would wait for some milliseconds; a message of its own comes after those that wait
+// already.
 const channel = new MessageChannel();
 let resume: (() => void) | undefined;
 channel.port1.onmessage = () => resume?.();

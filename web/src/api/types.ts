@@ -1,6 +1,7 @@
 import type { components } from "../../build/api";
 
-// Names for what schemas/api/openapi.yaml describes; the shapes are generated from it at build time.
+// Names for what schemas/api/openapi.yaml describes; the shapes are generated from it at build
+// time.
 type Schemas = components["schemas"];
 
 export type Target = Schemas["Target"];

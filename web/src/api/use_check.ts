@@ -10,7 +10,8 @@ export interface Checked<T> {
 
 const kPauseMs = 350;
 
-// Asks the server about what is being typed, when there is a pause; an answer to what stood there before is dropped.
+// Asks the server about what is being typed, when there is a pause; an answer to what stood there
+// before is dropped.
 export function useCheck<T>(
   text: string,
   ask: (text: string, signal: AbortSignal) => Promise<ApiResult<T>>,

@@ -16,9 +16,10 @@ export interface Edit<T> {
   readonly keepMine: () => Promise<void>;
 }
 
-// Editing one thing that others may edit too. Begins with `read`; `write` sends the draft with the tag
-// of what was read. When somebody else was faster, nothing is lost: `newer` has theirs, `draft` mine.
-// `onRead` hears of every newer state that becomes known: saved, or taken over from somebody else.
+// Editing one thing that others may edit too. Begins with `read`; `write` sends the draft with the
+// tag of what was read. When somebody else was faster, nothing is lost: `newer` has theirs, `draft`
+// mine. `onRead` hears of every newer state that becomes known: saved, or taken over from somebody
+// else.
 export function useEdit<T extends object>(
   read: Tagged<T>,
   write: (draft: T, tag: string) => Promise<ApiResult<Tagged<T>>>,

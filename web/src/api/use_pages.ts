@@ -12,7 +12,7 @@ export interface Pages<T> {
   readonly reload: () => void; // from the first page on
 }
 
-// A list that comes page by page. Begins anew whenever `key` changes.
+// A list that comes page by page. Starts again whenever `key` changes.
 export function usePages<T>(
   key: string,
   ask: (cursor: string | undefined, signal?: AbortSignal) => Promise<ApiResult<Page<T>>>,

@@ -74,7 +74,8 @@ test("reasons read as the server's do: schemas/score.md", () => {
   assert.equal(told("pulp_exposed_mm2", "mm2", "something_new", 1), "as the server says");
 });
 
-// The station's test reads the same file (tests/station/desk/score_words_test.cpp), in all languages; here English is there.
+// The station's test reads the same file (tests/station/desk/score_words_test.cpp), in all
+// languages; here English is there.
 test("the page and the station's window make the same sentences", () => {
   type Told = Parameters<typeof reasonText>[0];
   const { cases } = JSON.parse(readFileSync("../schemas/golden/reasons_said.json", "utf8")) as {
@@ -91,7 +92,7 @@ test("the page and the station's window make the same sentences", () => {
     );
 });
 
-test("a value that misses its limit does not read like it, and a limit is shown as it is", () => {
+test("a value that misses its limit does not read like it, and a limit is not rounded", () => {
   assert.equal(told("deviation_rms_mm", "mm", "at_most", 0.1004, 0.1), "It: 0.1004 mm (full marks up to 0.1000 mm).");
   assert.equal(told("deviation_rms_mm", "mm", "at_most", 0.0999, 0.1), "It: 0.10 mm (full marks up to 0.10 mm).");
   assert.equal(told("deviation_rms_mm", "mm", "at_most", 0.2, 0.025), "It: 0.200 mm (full marks up to 0.025 mm).");

@@ -15,9 +15,9 @@ import type { Client } from "./client";
 import type { ApiResult } from "./http";
 import type { AssignmentInsight, Score } from "./types";
 
-// What the server says of a score in English, in the language of the page: reasons by their codes (schemas/score.md,
-// "Reasons"), titles that the built-in exercises give. In English too, so that a time or a unit has one form on the page.
-// What people wrote stays as they wrote it.
+// What the server says of a score in English, in the language of the page: reasons by their codes
+// (schemas/score.md, "Reasons"), titles that the built-in exercises give. In English too, so that a
+// time or a unit has one form on the page. What people wrote stays as they wrote it.
 
 type Criterion = Score["criteria"][number];
 type Gate = NonNullable<Score["gates"]>[number];
@@ -54,7 +54,8 @@ export function wordedInsight(insight: AssignmentInsight): AssignmentInsight {
     : { ...insight, criteria: insight.criteria.map(worded), gates: insight.gates.map(worded) };
 }
 
-// Each code a sentence, then the rubric's comment. The server's own text where a code is not known or there are none.
+// Each code a sentence, then the rubric's comment. The server's own text where a code is not known
+// or there are none.
 export function reasonText({ name, title, unit, reason, reasons = [], comment = "" }: Criterion | Gate): string {
   const told = reasons.map((each) => sentence(name, each, unit));
   if (told.length === 0 || told.includes(undefined)) return reason;
@@ -63,7 +64,8 @@ export function reasonText({ name, title, unit, reason, reasons = [], comment = 
     .join(spokenLanguage() === "zh" ? "" : " ");
 }
 
-// What lies above and below zero of a measurement whose sign says which way: MetricInfo in common/scoring/registry.cpp.
+// What lies above and below zero of a measurement whose sign says which way: MetricInfo in
+// common/scoring/registry.cpp.
 export function directionsOf(metric: string): readonly [above: string, below: string] | undefined {
   const [, kind] = /^(wall|tilt)_(?:mesial|distal|buccal|lingual)_/.exec(metric) ?? [];
   if (kind === "tilt") return ["more_open_at_the_top", "undercut"];
@@ -93,7 +95,8 @@ export function measuredText(
   return sayIf(`direction.${Math.abs(value) < kLeast ? "none" : directions[value > 0 ? 0 : 1]}`, { size }) ?? size;
 }
 
-// So many decimals that a limit is shown as it is, 0.025 mm and not 0.03, and that a value that misses it does not read like it.
+// Returns enough decimals to show a limit unrounded, 0.025 mm and not 0.03, and to tell a value
+// that misses it from it.
 function digitsBeside(value: number, limits: readonly number[], missed: boolean, unit: string): number | undefined {
   let digits = usualDigits(unit);
   if (digits === undefined) return undefined;

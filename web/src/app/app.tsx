@@ -63,7 +63,8 @@ async function signedIn(begun: Session, chosen?: Language): Promise<void> {
     chosen === undefined || chosen === begun.language
       ? begun
       : await client.setLanguage(chosen).then((result) => (result.ok ? result.value : begun));
-  // Where its words cannot be loaded the page stays as it is, and the account page says so when it is asked.
+  // Where its words cannot be loaded, the page keeps its language, and the account page reports
+  // that.
   await applyLanguage(kept.language);
   // Without them built-in exercises are as the server has them, in English.
   await loadWords("builtin").catch(() => undefined);
@@ -71,7 +72,7 @@ async function signedIn(begun: Session, chosen?: Language): Promise<void> {
   session.value = { state: "in", person, language: kept.language, mustChange };
 }
 
-// Before anybody is signed in: for this browser, and for who signs in next.
+// Before anybody is signed in: for this browser, and for the next person who signs in.
 const chosenBefore = signal<Language | undefined>(undefined);
 async function chooseBefore(code: Language): Promise<void> {
   keepLanguage(code);
@@ -87,7 +88,7 @@ async function choose(language: LanguageChoice): Promise<string | undefined> {
   return undefined;
 }
 
-// The first admin goes on where the first steps are; the link is used up.
+// The first admin continues with the first steps; the link is used up.
 function begun(begin: Session): void {
   navigate("/health", "replace");
   void signedIn(begin);
@@ -103,7 +104,7 @@ async function signOut(): Promise<void> {
   session.value = { state: "out" };
 }
 
-// Drawn anew in another language: what was said is said again.
+// Another language draws the whole page again.
 export function App() {
   return <Screen key={language.value} />;
 }

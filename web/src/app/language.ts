@@ -3,8 +3,8 @@ import type { LanguageChoice } from "../api/types";
 import { firstLanguage, languageOf, spokenLanguage, type Language } from "../base/language";
 import { changeLanguage } from "../base/words";
 
-// Which language the page speaks: the one that the person chose, else the one chosen in this browser before signing in, else
-// the first that the browser is set to and that the page has.
+// Which language the page speaks: the one that the person chose, else the one chosen in this
+// browser before signing in, else the first that the browser is set to and that the page has.
 export const language = signal<Language>("en");
 
 const kKey = "enamel.language";
@@ -18,7 +18,8 @@ function kept(): Language | undefined {
   }
 }
 
-// `choice`: of a person; empty: none. False where its words could not be loaded: the page goes on in the one it has.
+// `choice`: of a person; empty: none. False where its words could not be loaded: the page continues
+// in the one it has.
 export async function applyLanguage(choice: LanguageChoice): Promise<boolean> {
   const next = choice === "" ? (kept() ?? firstLanguage(navigator.languages)) : choice;
   try {

@@ -9,7 +9,8 @@ import { PersonPage } from "../features/people/person_page";
 import { RosterPage } from "../features/people/roster_page";
 import type { ScreenProps } from "./routes";
 
-// What who teaches seldom opens, and admins: one part of the page, since each part costs a request and its head.
+// What who teaches seldom opens, and admins: one part of the page, since each part costs a request
+// and its head.
 export { InsightCard } from "../features/assignments/insight_card";
 export { ProfilePage } from "../features/profiles/profile_page";
 export { ProfilesPage } from "../features/profiles/profiles_page";

@@ -55,7 +55,7 @@ test("an item or a member is taken away with undefined", () => {
   assert.deepEqual(withValue({ a: 1, b: 2 }, ["a"], undefined), { b: 2 });
 });
 
-test("a criterion that is put in between is one change", () => {
+test("a criterion that is inserted is one change", () => {
   const [first, second] = kDocument.rubric.criteria;
   const added = { metric: "floor_mm", points: 5, map: [[0, 1]] };
   const after = { ...kDocument, rubric: { criteria: [added, first!, { ...second!, points: 12 }] } };

@@ -12,7 +12,8 @@ export function valueAt(document: Json, path: Path): Json | undefined {
   return here;
 }
 
-// The document with `value` at that place; undefined takes the place away. What the path leads through is there.
+// The document with `value` at that place; undefined takes the place away. What the path leads
+// through is there.
 export function withValue(document: Json, path: Path, value: Json | undefined): Json {
   const [step, ...rest] = path;
   if (step === undefined) return value ?? null;
@@ -50,9 +51,9 @@ export interface Change {
   readonly after: Json | undefined;
 }
 
-// What differs, place by place, in the order of the later document. Items of a list that have a metric are compared with
-// the item of the same metric, wherever it stands, so that one that is put in between changes nothing else. Lists of
-// numbers, and of such lists, are one value.
+// The differences, place by place, in the order of the later document. An item with a metric is
+// compared with the item of the same metric at any place, so an inserted item changes nothing else.
+// Lists of numbers, and lists of them, are one value.
 export function changesBetween(before: Json | undefined, after: Json | undefined, path: Path = []): Change[] {
   if (equal(before, after)) return [];
   if (isMembers(before) && isMembers(after)) {

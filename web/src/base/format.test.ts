@@ -40,14 +40,14 @@ test("a quantity has as many decimals as anybody acts on, and its unit", () => {
   assert.equal(formatQuantity(42180, "count"), "42\u202f180");
 });
 
-test("a limit is shown as it is, in the form of what is measured", () => {
+test("a limit is shown unrounded, in the form of the measured value", () => {
   assert.equal(formatLimit(0.025, "mm"), "0.025\u00a0mm");
   assert.equal(formatLimit(0.1, "mm"), "0.10\u00a0mm");
   assert.equal(formatLimit(97, "%"), "97.0\u00a0%");
   assert.equal(formatLimit(240, "s"), "4\u00a0min\u00a000\u00a0s");
 });
 
-test("a small torque is told in millinewton metres, not as nothing", () => {
+test("a small torque is shown in millinewton metres, not as zero", () => {
   assert.equal(formatQuantity(0.00024, "N m").replaceAll("\u00a0", " "), "0.24 mN m");
   assert.equal(formatQuantity(0.5, "N m").replaceAll("\u00a0", " "), "0.5 N m");
 });
@@ -76,7 +76,7 @@ test("one quantity has one form: a deviation with or without sign, a time as a m
   assert.equal(formatQuantity(127.4, "s"), "2\u00a0min\u00a007\u00a0s");
 });
 
-test("a moment is told in minutes, seconds and tenths", () => {
+test("a moment is shown in minutes, seconds and tenths", () => {
   assert.equal(formatMoment(127.4), "2:07.4");
   assert.equal(formatMoment(5), "0:05.0");
   assert.equal(formatMoment(59.96), "1:00.0");

@@ -50,7 +50,8 @@ export function scoreForField(score: number): number {
   return Number(score.toFixed(1));
 }
 
-// As fine as anybody acts on, and as the server's reasons have it (UsualDigits in common/scoring/score.cpp).
+// As fine as anybody acts on, and as the server's reasons have it (UsualDigits in
+// common/scoring/score.cpp).
 const kDigits: Readonly<Record<string, number>> = {
   mm: 2,
   mm2: 2,
@@ -87,7 +88,8 @@ export function formatQuantity(value: number, unit: string): string {
   return withUnit(digits === undefined ? formatNumber(value, digitsFor(value)) : formatFixed(value, digits), unit);
 }
 
-// What is asked for: in the form of what is measured, with as many decimals more as show it as it is, 0.025 mm and not 0.03.
+// A limit of a measured value, in its form but with enough decimals to show it unrounded: 0.025 mm,
+// not 0.03.
 export function formatLimit(value: number, unit: string): string {
   const usual = kDigits[unit];
   if (unit === "s" || usual === undefined || !Number.isFinite(value)) return formatQuantity(value, unit);

@@ -1,5 +1,5 @@
-// The language that the page speaks, and how it writes numbers and dates. One for the whole page: who changes it draws the
-// page anew (app/language.ts).
+// The language that the page speaks, and how it writes numbers and dates. One for the whole page:
+// app/language.ts changes it and draws the page again.
 
 export type Language = "en" | "de" | "zh";
 
@@ -67,7 +67,8 @@ function numberFormat(least: number, most: number): Intl.NumberFormat {
   return made;
 }
 
-// With the language's decimal sign, a true minus sign, and thin grouping of thousands (ISO 80000-1).
+// With the language's decimal sign, a true minus sign, and thin grouping of thousands (ISO
+// 80000-1).
 export function numberText(value: number, least: number, most: number): string {
   const text = numberFormat(least, most)
     .formatToParts(Math.abs(value))

@@ -32,7 +32,7 @@ test("every measurement has a title of its own in plain words", () => {
   assert.equal(new Set(titles).size, titles.length, "no two are called the same");
 });
 
-test("no title is left of a measurement that is gone", () => {
+test("every title belongs to a measurement", () => {
   const names = new Set(metrics.map(({ name }) => name));
   assert.deepEqual(
     titled.filter((name) => !names.has(name)),

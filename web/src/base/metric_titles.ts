@@ -2,7 +2,8 @@ import { sayIf } from "./words";
 
 const kAcronyms = /\b(rms|dtw|iou)\b/g;
 
-// What a measurement is called. One that this page does not know, of an older or newer server, by its name without the unit.
+// What a measurement is called. One that this page does not know, of an older or newer server, by
+// its name without the unit.
 export function metricTitle(name: string, unit: string): string {
   const known = sayIf(`metric.${name}`);
   if (known !== undefined) return known;

@@ -1,4 +1,5 @@
-// The part of an address that says which moment is open, and from where the tooth is looked at: "?t=21.4&view=1.2_0.8_0.9_1".
+// The part of an address that names the open moment and the view of the tooth:
+// "?t=21.4&view=1.2_0.8_0.9_1".
 
 export interface Look {
   readonly azimuthRad: number; // around the tooth's axis

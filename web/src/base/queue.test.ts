@@ -12,7 +12,7 @@ function storage(text?: string) {
   };
 }
 
-test("an attempt of the queue knows its place, what is before it and what comes next", () => {
+test("an attempt of the queue knows its place, the previous and the next one", () => {
   const kept = storage();
   keepQueue({ back: "/grading?assignment=x", ids: ["a", "b", "c"] }, kept);
   assert.deepEqual(placeInQueue("b", kept), {

@@ -1,5 +1,6 @@
-// The attempts that somebody goes through one after the other, in the order of the list they came from. Kept for one tab of
-// the browser, so that the page of an attempt knows what comes before and after it.
+// The attempts that somebody goes through one after the other, in the order of the list they came
+// from. Kept for one tab of the browser, so that the page of an attempt knows what comes before and
+// after it.
 
 export interface Queue {
   readonly back: string; // address of the list

@@ -34,7 +34,7 @@ test("of many, never more than allowed are open, and each has its turn", () => {
   assert.deepEqual([...new Set(started)].sort(), [...ids].sort());
 });
 
-test("what is gone is closed and its place taken by another", () => {
+test("a stream without its attempt is closed and another takes its place", () => {
   const { pool, open } = rotation(2);
   pool.follow(["a", "b", "c"]);
   pool.follow(["b", "c"]);

@@ -10,7 +10,7 @@ export class Rotation {
     private readonly start: (id: string) => () => void,
   ) {}
 
-  // What there is to follow. Streams of what is gone are closed, free places are taken at once.
+  // Follows these ids: closes streams of all others and fills free places at once.
   follow(ids: readonly string[]): void {
     this.ids = ids;
     for (const id of [...this.open.keys()]) if (!ids.includes(id)) this.stop(id);

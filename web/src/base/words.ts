@@ -1,8 +1,9 @@
 import { kAtOnce, kParts, type Cases, type Message, type Messages, type Part, type Places } from "enamel:words";
 import { numberText, pluralOf, speak, spokenLanguage, type Language } from "./language";
 
-// What people read, from the catalogues in schemas/words (schemas/words.md). The build compiles their messages to texts with
-// places, and puts those that a part of the page needs into a file of its own for each language.
+// What people read, from the catalogues in schemas/words (schemas/words.md). The build compiles
+// their messages to texts with places, and puts those that a part of the page needs into a file of
+// its own for each language.
 
 export type Key = keyof Places;
 type Value = string | number;
@@ -22,7 +23,8 @@ export async function loadWords(part: Part): Promise<void> {
   loaded.add(part);
 }
 
-// From now on in another language, with all parts that are there already. Nothing changes where one cannot be loaded.
+// From now on in another language, with all parts that are there already. Nothing changes where one
+// cannot be loaded.
 export async function changeLanguage(language: Language, browser: readonly string[]): Promise<void> {
   const parts = loaded.size === 0 ? ["first" as const] : [...loaded];
   const found = await Promise.all(parts.map((part) => kParts[language][part]()));
@@ -31,7 +33,8 @@ export async function changeLanguage(language: Language, browser: readonly strin
   speak(language, browser);
 }
 
-// The message of this key, its places filled. Numbers decide on plurals and are written as the language does.
+// The message of this key, its places filled. Numbers decide on plurals and are written as the
+// language does.
 export function say<K extends Key>(key: K, ...values: Rest<K, never>): string {
   return filled(key, values[0] ?? {}).join("");
 }
@@ -41,7 +44,7 @@ export function sayWith<K extends Key, Filling>(key: K, values: ValuesOf<K, Fill
   return filled<Filling>(key, values);
 }
 
-// Of a key that is put together from a code of the server's: undefined where there is no such message.
+// Of a key made from a code of the server: undefined where there is no such message.
 export function sayIf(key: string, values: Readonly<Record<string, Value>> = {}): string | undefined {
   return Object.hasOwn(messages, key) ? filled(key, values).join("") : undefined;
 }

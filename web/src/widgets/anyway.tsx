@@ -6,8 +6,8 @@ import { LongTextField } from "./form";
 // The field of a refusal that whoever asks may overrule with a reason (openapi.yaml, "Anyway").
 const kAnyway = "anyway";
 
-// The reason, once `about` was refused without one. It stays asked for whatever the next answer is, until it is about
-// something else.
+// The reason, once `about` was refused without one. It stays asked for whatever the next answer is,
+// until it is about something else.
 export function useAnyway(error: ApiError | undefined, about: string) {
   const [text, setText] = useState("");
   const [refused, setRefused] = useState<{ readonly error: ApiError; readonly about: string }>();

@@ -45,7 +45,8 @@ export function StateBadge({ attempt }: { readonly attempt: Attempt }) {
   );
 }
 
-// Whether the student waits for the score. Practice (`graded` false) is never released: it shows at once.
+// Whether the student waits for the score. Practice (`graded` false) is never released: it shows at
+// once.
 export function awaitsRelease(attempt: Attempt, graded: boolean): boolean {
   return attempt.state === "scored" && graded && !attempt.released && !attempt.as_reference;
 }
@@ -55,8 +56,8 @@ export function stoppedEarly(score: Pick<Score, "gates">): number | undefined {
   return gateThatTook(score, "task_done_percent");
 }
 
-// How much of the caries was left, in percent, where that took points of every criterion: work that was ended as it
-// should be may have left it.
+// How much of the caries was left, in percent, where that took points of every criterion: work that
+// was ended as it should be may have left it.
 export function cariesLeft(score: Pick<Score, "gates">): number | undefined {
   return gateThatTook(score, "caries_left_percent");
 }
@@ -135,7 +136,7 @@ export const kFlagTexts: Readonly<Record<AttemptFlag, StateText>> = {
   },
 };
 
-// How a station ran is for who judges the attempt: a student can do nothing about it.
+// Only people who judge the attempt see how the station ran: a student cannot change that.
 const kForStaff: readonly AttemptFlag[] = ["faster_than_time", "contradicted", "readmitted", "near_another"];
 
 // The flags that are shown, in the API's order.
@@ -147,7 +148,8 @@ export function flagText(flag: AttemptFlag): StateText {
   return kFlagTexts[flag] ?? { title: flag, tone: "neutral" };
 }
 
-// What held the tool, where it was not a person at a haptic device. Undefined: nothing to say in a list.
+// What held the tool, where it was not a person at a haptic device. Undefined: nothing to say in a
+// list.
 export function handText(hand: Hand): StateText | undefined {
   if (hand.kind === "program") return { title: say("hand.program"), tone: "warning" };
   return hand.kind === "pointer" ? { title: say("hand.pointer"), tone: "neutral" } : undefined;

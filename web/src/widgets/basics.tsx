@@ -74,7 +74,8 @@ export function Empty({ children }: { readonly children: ComponentChildren }) {
   return <p class="empty">{children}</p>;
 }
 
-// The heading of a screen; takes the focus when the screen appears, so that a screen reader begins there.
+// The heading of a screen; takes the focus when the screen appears, so that a screen reader begins
+// there.
 export function PageTitle({
   children,
   document: documentTitle,
@@ -194,7 +195,8 @@ export function Segmented<T extends string>({
   );
 }
 
-// `shown` where the place says the rest to who sees it; who hears the page is told `full`, which holds `shown`.
+// `shown` is enough for people who see its place; a screen reader reads `full`, which holds
+// `shown`.
 export function Brief({ shown, full }: { readonly shown: string; readonly full: string }) {
   return (
     <>

@@ -8,7 +8,7 @@ export interface Difference {
   readonly mine: string;
 }
 
-// Somebody else saved first: what they wrote beside what is about to be saved, and the two ways on.
+// Somebody else saved first: their version beside this one, and the two ways to continue.
 export function Conflict({
   differences,
   busy,

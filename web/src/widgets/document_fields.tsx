@@ -7,7 +7,8 @@ import { say } from "../base/words";
 import { CheckField, LongTextField, NumberField, type Option, SelectField, TextField } from "./form";
 import type { EditedDocument } from "./use_document";
 
-// Fields of a document that is edited, each for one place in it. What the server found wrong is shown at its place.
+// Fields of a document that is edited, each for one place in it. What the server found wrong is
+// shown at its place.
 
 export interface DocumentForm {
   readonly edit: EditedDocument;
@@ -30,7 +31,7 @@ export function problemAt({ wrong, own }: DocumentForm, path: Path): string | un
   return [...(own?.keys() ?? [])].some((place) => place.startsWith(here)) ? undefined : plainMessage(wrong);
 }
 
-// What the server found wrong, until what stands there is changed.
+// The server's problem, until the value at its place changes.
 export function stillWrong({ busy, error, text }: Checked<unknown>, now: Json): ApiError | undefined {
   if (!busy || error === undefined || text === undefined) return error;
   const place = pathOf(error.field);
@@ -57,8 +58,9 @@ export function DocumentText({
   return long ? <LongTextField {...common} rows={3} /> : <TextField {...common} />;
 }
 
-// `scale`: how many of the document's units are one of the field's, 1000 for millimetres of micrometres.
-// `optional`: an empty field takes the place away; what else is no number stays as null, so that nothing is saved in its place.
+// `scale`: how many of the document's units are one of the field's, 1000 for millimetres of
+// micrometres. `optional`: an empty field takes the place away; what else is no number stays as
+// null, so that nothing is saved in its place.
 export function DocumentNumber({
   form,
   path,

@@ -4,7 +4,8 @@ import { say, sayWith } from "../base/words";
 import { Notice } from "./basics";
 import type { EditedDocument } from "./use_document";
 
-// Undo, redo and what ends the edit; stays in sight. Ctrl+Z and Ctrl+Y act where no text is typed: a field has its own.
+// Undo, redo and what ends the edit; stays in sight. Ctrl+Z and Ctrl+Y act where no text is typed:
+// a field has its own.
 export function EditBar({
   edit,
   state,

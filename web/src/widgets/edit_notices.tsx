@@ -3,14 +3,14 @@ import { say } from "../base/words";
 import { ErrorNotice, Notice } from "./basics";
 import { Conflict, type Difference } from "./conflict";
 
-// A field as it is compared when two people edited the same thing.
+// A field in the comparison after two people edited the same thing.
 export interface Compared<T> {
   readonly title: string;
   readonly text: (value: T) => string;
 }
 
-// What came of saving: done, refused, or somebody else was faster. Fields that are named in `fields`
-// show what is wrong with them themselves.
+// What came of saving: done, refused, or somebody else was faster. Fields that are named in
+// `fields` show what is wrong with them themselves.
 export function EditNotices<T>({
   edit,
   compared,

@@ -2,7 +2,7 @@ import type { ComponentChildren } from "preact";
 import { useId } from "preact/hooks";
 import { fromLocalInput, toLocalInput } from "../base/local_time";
 
-// Fields of a form: a label, what is expected, and what the server found wrong with it.
+// Fields of a form: a label, a hint, and the problem that the server found.
 
 interface FieldProps {
   readonly label: string;
@@ -141,7 +141,8 @@ export function SelectField<T extends string>({
   );
 }
 
-// Whole or decimal; NaN while what stands there is no number: `unread` where something stands there, such as 1e999.
+// Whole or decimal; NaN while the text is no number. `unread`: there is text that cannot be read as
+// one, such as 1e999.
 export function NumberField({
   label,
   hint,

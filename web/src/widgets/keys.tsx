@@ -3,8 +3,8 @@ import { say } from "../base/words";
 import { Dialog } from "./dialog";
 import { CheckField } from "./form";
 
-// Single keys for who does the same many times. They act only while nothing is typed, and can be switched off, since a
-// person who speaks to the computer, or slips, would set them off unwillingly (WCAG 2.1.4).
+// Single keys for repeated work. They act only while nothing is typed, and can be switched off,
+// since a person who speaks to the computer, or slips, would set them off unwillingly (WCAG 2.1.4).
 
 export interface Key {
   readonly key: string; // as KeyboardEvent.key has it; a small letter stands for the large one too
@@ -74,7 +74,8 @@ export function useKeys(list: readonly Key[]): Keys {
   return { list, open, setOpen };
 }
 
-// Whether the key does something else where the focus is: everything does in a text, little does elsewhere.
+// Whether the key does something else where the focus is: everything does in a text, little does
+// elsewhere.
 function isOthers(target: EventTarget | null, key: string): boolean {
   if (!(target instanceof HTMLElement)) return false;
   if (

@@ -9,7 +9,7 @@ export interface Limited {
 
 const kRange = 1.5; // of the limit; what is more is drawn to the end
 
-// How much of its limit each figure uses. The numbers stand in a table beside it.
+// How much of its limit each figure uses. A table beside it has the numbers.
 export function LimitBars({ items, label }: { readonly items: readonly Limited[]; readonly label: string }) {
   return (
     <div

@@ -10,7 +10,8 @@ interface Props<T> {
   readonly children: (items: readonly T[]) => ComponentChildren;
 }
 
-// A list that comes page by page, with its loading, empty and failed states and the button for more.
+// A list that comes page by page, with its loading, empty and failed states and the button for
+// more.
 export function PagedList<T>({ pages, list, empty, children }: Props<T>) {
   if (pages.state === "loading") return <Loading what={say(`list_loading.${list}`)} />;
   if (pages.state === "failed")

@@ -3,7 +3,8 @@ import { useEffect, useState } from "preact/hooks";
 import { loadWords, say } from "../base/words";
 import { ErrorNotice, Loading } from "./basics";
 
-// A part of the page that is loaded when somebody comes to it, with its words: a component that shows what `show` makes of it.
+// A part of the page that is loaded when somebody comes to it, with its words: a component that
+// shows what `show` makes of it.
 export function part<Part>(name: Parameters<typeof loadWords>[0], load: () => Promise<Part>) {
   return function LoadedPart({ show }: { readonly show: (part: Part) => ComponentChildren }) {
     const [loaded, setLoaded] = useState<{ readonly part: Part } | "loading" | "failed">("loading");

@@ -6,8 +6,8 @@ import { say } from "../base/words";
 import { ErrorNotice, Notice } from "./basics";
 import type { Key } from "./keys";
 
-// The way back from a release that one key makes and that goes on at once: said on the screen that comes next, and taken back
-// there by a key of its own or by a button.
+// Undoes a release that one key made: offered on the screen that comes next, and taken back there
+// by a key of its own or by a button.
 
 export interface ReleaseUndo {
   readonly keys: readonly Key[]; // none where there is nothing to take back
@@ -36,7 +36,7 @@ export function useReleaseUndo(takeBack: (id: string) => Promise<ApiResult<unkno
     const result = await takeBack(attempt.id);
     setState(result.ok ? "back" : "made");
     setError(result.ok ? undefined : result.error.message);
-    // The button that may have had the focus is gone.
+    // The button may have had the focus and has gone.
     if (document.activeElement === document.body) document.querySelector("h1")?.focus();
   };
   return {

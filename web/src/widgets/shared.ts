@@ -1,5 +1,5 @@
-// What every part of the page uses. Each part names it, so that the build keeps it together in one file: a file more costs
-// a request and its head, which for a small one is more than its content.
+// What every part of the page uses. Each part names it, so that the build keeps it together in one
+// file: a file more costs a request and its head, which for a small one is more than its content.
 import "../base/assert";
 import "../base/disposables";
 import "../base/format";

@@ -3,7 +3,7 @@ import { say } from "../base/words";
 const kBar = 8;
 const kHeight = 26;
 
-// How many lie in each tenth of a scale from 0 to 100: bars, and the same in words.
+// Counts by tenths of a scale from 0 to 100: bars, and the same in words.
 export function Tenths({ counts, what }: { readonly counts: readonly number[]; readonly what: string }) {
   const most = Math.max(1, ...counts);
   return (

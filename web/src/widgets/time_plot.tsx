@@ -25,7 +25,8 @@ interface Props {
   readonly label: string;
   readonly cursor: number; // index into timeS
   readonly onCursor: (index: number) => void;
-  // Where the axis of time lies, from the plot's own left and right edge: what stands above it can be put on the same axis.
+  // Where the axis of time lies, from the plot's own left and right edge: what stands above it can
+  // be put on the same axis.
   readonly onAxis?: (leftPx: number, rightPx: number) => void;
   readonly heightPx?: number;
   readonly view?: readonly [number, number] | undefined; // seconds that are shown; undefined: all
@@ -40,9 +41,10 @@ const kHeadroom = 1.08;
 const kWheelStep = 1.25;
 const kFineS = 0.01; // from point to point: a moment is told to the millisecond
 
-// Lines over time with two value axes and a cursor that a press or a drag sets. A pointer that only passes over it shows
-// the time there in a thin line and leaves the cursor where it is. The wheel zooms with Ctrl, or once the plot was pressed, since
-// it scrolls the page otherwise; a drag with Shift pans; a double click shows all. The picture is for the eye: whoever shows it offers the
+// Lines over time with two value axes and a cursor that a press or a drag sets. A pointer that only
+// passes over it shows the time there in a thin line and leaves the cursor where it is. The wheel
+// zooms with Ctrl, or once the plot was pressed, since it scrolls the page otherwise; a drag with
+// Shift pans; a double click shows all. The picture is for the eye: whoever shows it offers the
 // numbers as a table and the cursor as a slider too.
 export function TimePlot({
   timeS,

@@ -16,7 +16,7 @@ const kHeightPx = 210;
 const kHeadroom = 0.06;
 
 // Lines over time, of either sign, in one frame of a row of small ones. The picture is for the eye:
-// whoever shows it says the same in words and numbers.
+// the caller gives the same in words and numbers.
 export function TrackPlot({ data, lines, valueTitle, markS = null, label, heightPx = kHeightPx }: Props) {
   const { frame } = usePlot(
     (element) => ({

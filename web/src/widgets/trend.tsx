@@ -18,7 +18,7 @@ const kHeight = 190;
 const kMargin = { left: 52, right: 12, top: 14, bottom: 24 };
 const kHeadroom = 1.15;
 
-// One measured quantity over days, from zero up. The numbers stand in a table beside it.
+// One measured quantity over days, from zero up. A table beside it has the numbers.
 export function Trend({ points, unit, claim, label }: Props) {
   const first = points[0]?.atMs ?? 0;
   const span = (points.at(-1)?.atMs ?? 0) - first;

@@ -1,7 +1,8 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { begun, changed, equal, type History, type Json, type Path, redone, undone, valueAt } from "../base/document";
 
-// A document while it is edited. What was typed outlives the loss of the session and of the page, in this tab only.
+// A document while it is edited. What was typed outlives the loss of the session and of the page,
+// in this tab only.
 export interface EditedDocument {
   readonly now: Json;
   readonly dirty: boolean; // it is not as it was read

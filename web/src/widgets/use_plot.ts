@@ -14,8 +14,9 @@ export interface PlotFrame {
   readonly plot: RefObject<uPlot | null>; // null until uPlot is loaded
 }
 
-// A uPlot in a div: loaded when first needed, made anew when an input or the colour scheme changes, as wide as its
-// div. `created` may listen to it and add what is undone with it; `resized` runs after it has a new width.
+// A uPlot in a div: loaded when first needed, replaced when an input or the colour scheme changes,
+// as wide as its div. `created` may listen to it and add what is undone with it; `resized` runs
+// after it has a new width.
 export function usePlot(
   describe: (element: HTMLElement) => PlotInput,
   inputs: readonly unknown[],

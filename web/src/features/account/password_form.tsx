@@ -9,7 +9,7 @@ import { TextField } from "../../widgets/form";
 export const kMinPassword = 8;
 const kMaxPassword = 1024;
 
-// One's own password. The old one is asked for, so that an unattended screen is not enough.
+// One's own password. Asks for the old one too, so that an unattended screen is not enough.
 export function PasswordForm({
   client,
   login,

@@ -21,7 +21,7 @@ test("a due time that has passed, or comes before the opening, is said when it i
   assert.equal(dueProblem(terms(0, 0), 4 * day), undefined);
 });
 
-test("due dates and what is left are said in words", () => {
+test("due dates and remaining attempts are shown in words", () => {
   assert.match(dueText({ due_ms: 20 * day }, 17 * day), /in 3 days/);
   assert.equal(dueText({ due_ms: 0 }, day), "No due date");
   assert.equal(leftText({ attempts_left: 0 }), "None left");

@@ -6,7 +6,7 @@ import { say } from "../../base/words";
 
 export type Phase = "before" | "open" | "late" | "closed";
 
-// Where an assignment stands in time.
+// The phase of an assignment: before, open or over.
 export function phaseOf(
   { opens_ms: opens, due_ms: due, late_allowed: late }: Pick<Assignment, "opens_ms" | "due_ms" | "late_allowed">,
   nowMs: number,

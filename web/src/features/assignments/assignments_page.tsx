@@ -17,7 +17,7 @@ interface Props {
   readonly onOpen: (id: string) => void;
 }
 
-// What is assigned to which cohort, for who teaches.
+// The exercises assigned to each cohort, for instructors.
 export function AssignmentsPage({ client, query, onQuery, onOpen }: Props) {
   const cohort = query.get("cohort") ?? "";
   const { loaded, reload } = useRequest(`assignments ${cohort}`, (signal) =>

@@ -74,7 +74,7 @@ test("the commonest error is a sentence, and so is that there is none", () => {
   );
 });
 
-test("what stands out is told in its unit, beside the class", () => {
+test("an outlier is shown in its unit, beside the class", () => {
   assert.equal(
     outlierText({ person_id: "1", what: "time_all_attempts_s", value: 725, median: 240, z: 5 }, insight),
     "Time in all attempts 12\u00a0min\u00a005\u00a0s, the class 4\u00a0min\u00a000\u00a0s",
@@ -100,7 +100,7 @@ test("the file has a row for each student and no cell that a spreadsheet compute
   assert.equal(lines[2], "'@two,Two,not_started,0,,no,no,0,");
 });
 
-test("a time in all attempts and that of the attempt that counts are told apart, and one time once", () => {
+test("the time of all attempts and that of the counted attempt have different names, and equal times appear once", () => {
   const spread = (median: number) => ({ count: 8, least: 60, lower: 84, median, upper: 110, most: 200 });
   const time = { ...criterion, name: "time_s", title: "Time", unit: "s", values: spread(95) };
   const outliers = [

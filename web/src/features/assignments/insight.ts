@@ -4,7 +4,8 @@ import type { Cell } from "../../base/csv";
 import { formatDuration, formatScore } from "../../base/format";
 import { say } from "../../base/words";
 
-// What is said of a class, and its table to take along. The figures are the server's (schema AssignmentInsight).
+// What is said of a class, and its table to take along. The figures are the server's (schema
+// AssignmentInsight).
 
 type Outlier = AssignmentInsight["outliers"][number];
 
@@ -19,7 +20,7 @@ export function commonestText({ commonest, criteria, summary }: AssignmentInsigh
 const kTime = "time_s",
   kTimeOfAll = "time_all_attempts_s";
 
-// Who made one attempt has one time, which is told once.
+// A student with one attempt has one time, which appears once.
 export function outliersOf({ outliers, students }: AssignmentInsight): Outlier[] {
   return outliers.filter(
     ({ person_id: id, what }) =>
@@ -76,7 +77,7 @@ export function insightTable({ criteria, students }: AssignmentInsight): {
   };
 }
 
-// As it is shown.
+// Rounded as on the page.
 function rounded(value: number | null): number | null {
   return value === null ? null : Math.round(value * 10) / 10;
 }

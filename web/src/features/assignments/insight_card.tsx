@@ -18,7 +18,7 @@ interface Props {
   readonly title: string; // of the exercise
 }
 
-// How the class did: who has not begun, what was lost where, what stands out.
+// How the class did: students who have not begun, points lost by criterion, outliers.
 export function InsightCard({ client, id, title }: Props) {
   const { loaded, reload } = useRequest(`insight ${id}`, async (signal) => {
     const insight = await client.teaching.insight(id, signal);

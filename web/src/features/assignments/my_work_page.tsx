@@ -7,7 +7,7 @@ import { say } from "../../base/words";
 import { Badge, Brief, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
 import { dueText, exerciseTitle, leftText, phaseOf, resultText } from "./assignment_text";
 
-// What a student has to do, what is due first on top.
+// A student's assignments, the earliest due time first.
 export function MyWorkPage({ client }: { readonly client: Client }) {
   const { loaded, reload } = useRequest("assignments", (signal) => client.teaching.assignments({}, signal));
   const now = Date.now();

@@ -46,7 +46,7 @@ function RemarkItem({ review, series, mark }: Props & { readonly mark: Mark }) {
   const [mode, setMode] = useState<"read" | "edit" | "delete">("read");
   const again = useRef<HTMLButtonElement>(null);
   const wasEdited = useRef(false);
-  // The form that had the focus is gone: it goes back to what opened it.
+  // The form had the focus and has gone, so the focus returns to the button that opened it.
   useEffect(() => {
     if (wasEdited.current && mode === "read") again.current?.focus();
     wasEdited.current = mode === "edit";

@@ -38,8 +38,8 @@ interface Props {
   readonly onOpen: (path: string) => void;
 }
 
-// One attempt. While it is recorded or scored its state is asked for again and again, so that the
-// score appears by itself.
+// One attempt. While it is recorded or scored, the page polls its state, so that the score appears
+// by itself.
 export function AttemptPage({ client, person, id, onOpen }: Props) {
   const { loaded, reload } = useRequest(id, (signal) => client.attempt(id, signal));
   const attempt = loaded.state === "ready" ? loaded.value : undefined;
@@ -214,7 +214,7 @@ function ScoredAttempt({ reviewed, handle, onChanged, onDone }: ScoredProps) {
   );
 }
 
-// What was said of the attempt: by the rubric, by teachers, by the student.
+// Score, appeal and remarks.
 function Judgement({ review, onChanged }: { readonly review: Review; readonly onChanged: () => void }) {
   const { client, attempt, score, scored, recorded } = review;
   const { reference } = attempt;
@@ -288,7 +288,7 @@ function RemovedRecording({ removedMs }: { readonly removedMs: number }) {
   );
 }
 
-// Only who decides about the attempt is told.
+// Only people who decide about the attempt see this.
 function Contradictions({ attempt }: { readonly attempt: AttemptDetail }) {
   const chunks = attempt.contradictions;
   if (chunks.length === 0 && !(attempt.flags.includes("contradicted") && attempt.may.includes("annotate"))) return null;
@@ -310,7 +310,7 @@ function Contradictions({ attempt }: { readonly attempt: AttemptDetail }) {
   );
 }
 
-// Of a motion that lies near an earlier one's, for who reviews the attempt: what was found, and no verdict.
+// A motion near an earlier one, for the reviewer: figures, and no verdict.
 function Nearness({ near }: { readonly near: AttemptDetail["nearness"] }) {
   if (near === null || !near.worth_a_look) return null;
   const mm = (value: number) => formatQuantity(value, "mm");

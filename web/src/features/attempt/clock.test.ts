@@ -31,7 +31,7 @@ test("a time finds the frame whose end is nearest, and a frame's own time finds 
   );
 });
 
-test("gaps are told with the frame that they end in, also where poses are still to come", () => {
+test("gaps name the frame in which they end, also where poses are still to come", () => {
   const poses = Array.from({ length: 5 }, (_, k) => (k === 1 ? undefined : pose(k === 3 ? 2000 : 0)));
   assert.deepEqual(new FrameClock(head, poses).gaps, [{ frames: 4, seconds: 2, endS: 2.4 }]);
 });
@@ -41,7 +41,7 @@ test("thirty seconds are thirty seconds, also where a step of the series is long
   assert.equal(clock.timeOf(clock.framesAt(30)), 30);
 });
 
-test("a time lies in the step that began last", () => {
+test("a time is in the step that began last", () => {
   const series = { rate_hz: 1000, step_ticks: 300, t_s: [0, 0.3, 0.6, 5.6] } as unknown as Series;
   assert.deepEqual(
     [-1, 0, 0.29, 0.3, 0.6, 5, 5.6, 99].map((timeS) => stepAt(series, timeS)),

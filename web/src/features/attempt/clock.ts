@@ -1,7 +1,8 @@
 import type { Series } from "../../api/types";
 import type { FramePose, Head } from "../../api/timeline";
 
-// Times of an attempt, in seconds since its first tick, gaps included: what the series, the playback and a link share.
+// Times of an attempt, in seconds since its first tick, gaps included: what the series, the
+// playback and a link share.
 
 // Where ticks passed that were not recorded.
 export interface Gap {
@@ -48,7 +49,7 @@ export class FrameClock {
   }
 }
 
-// The step of the series that a time lies in.
+// The step of the series that contains a time.
 export function stepAt(series: Series, timeS: number): number {
   return stepIn(series.t_s, timeS);
 }

@@ -19,11 +19,11 @@ const series: Series = {
   ],
 };
 
-test("ticks are asked for in blocks, and only where a short part is looked at", () => {
+test("ticks are requested in blocks, and only for a short part", () => {
   assert.equal(ticksFor(series, undefined), undefined);
   assert.equal(ticksFor(series, [0, 10]), undefined);
   assert.deepEqual(ticksFor(series, [12.3, 14.9]), [12000, 16000]);
-  assert.deepEqual(ticksFor(series, [12.5, 15.1]), [12000, 16000], "the same for who moves a little");
+  assert.deepEqual(ticksFor(series, [12.5, 15.1]), [12000, 16000], "the same after a small move");
   assert.deepEqual(ticksFor(series, [12.9, 15.9]), [12000, 16000], "three seconds always fit");
   assert.equal(ticksFor(series, [12.9, 16.1]), undefined);
   assert.deepEqual(ticksFor({ ...series, rate_hz: 4000 }, [2, 2.5]), [8000, 12000]);

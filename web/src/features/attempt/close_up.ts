@@ -1,12 +1,13 @@
 import type { Series, Ticks } from "../../api/types";
 import type { View } from "./view";
 
-// Where less than a few seconds are looked at, the recording's own ticks take the place of the series' steps.
+// Where the plot shows only a few seconds, the recording's own ticks replace the series' steps.
 
 const kMostTicks = 4000; // that the server gives at once
 const kBlockTicks = 1000; // who moves the part a little needs nothing new
 
-// The ticks to ask for, for a part of the time; undefined: the series says as much, or they are too many.
+// The ticks to ask for, for a part of the time; undefined: the series says as much, or they are too
+// many.
 export function ticksFor(series: Series, view: View | undefined): readonly [number, number] | undefined {
   if (view === undefined || series.step_ticks < 2) return undefined;
   const first = Math.max(0, Math.floor(view[0] * series.rate_hz));

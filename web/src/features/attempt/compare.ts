@@ -8,9 +8,10 @@ export type Sync = "time" | "removed" | "path";
 // Where another attempt is drawn: beside this one, or over it.
 export type Placement = "side" | "top";
 
-// The moment of `other` that belongs to `timeS` of `own`: the same time, the first at which as much was removed, or when the
-// bur was at the same place on its way (`path`: how the two ways belong together; undefined while it is not known). An attempt
-// that has ended, or never removes as much, is at its end.
+// The moment of `other` that belongs to `timeS` of `own`: the same time, the first at which as much
+// was removed, or when the bur was at the same place on its way (`path`: how the two ways belong
+// together; undefined while it is not known). An attempt that has ended, or never removes as much,
+// is at its end.
 export function momentInOther(
   sync: Sync,
   own: Series,

@@ -22,8 +22,8 @@ interface ChoiceProps {
   readonly onChoose: (id: string | undefined) => void;
 }
 
-// The attempt that this one is compared with: the reference, another one of the same person, or of somebody else's whom
-// one may see.
+// The attempt that this one is compared with: the reference, another one of the same person, or of
+// somebody else's whom one may see.
 export function CompareChoice({ client, attempt, staff, chosen, onChoose }: ChoiceProps) {
   const [asked, setAsked] = useState(false); // the list is fetched when somebody wants it
   const { loaded } = useRequest(asked ? attempt.exercise.id : undefined, (signal) =>
@@ -80,7 +80,7 @@ interface BarProps {
   readonly onPlacement: (placement: Placement) => void;
 }
 
-// Under the teeth: where the other one is drawn, at which of its moments, and by what it is told apart.
+// Under the teeth: placement and moment of the other one, and the legend of its colours.
 export function CompareBar({ other, placement, onPlacement }: BarProps) {
   return (
     <div class="compare-bar">

@@ -2,7 +2,7 @@ import type { Surface } from "../../api/surface";
 
 export type Compared = Pick<Surface, "positionMm" | "normal" | "deviationMm">;
 
-// The deviation map in numbers, for who does not or cannot look at the picture. Counted by vertex:
+// The deviation map in numbers, for people who do not or cannot see the picture. Counted by vertex:
 // the surface comes from a grid, so vertices lie nearly evenly over its area.
 
 export type CavitySide = "mesial_wall" | "distal_wall" | "buccal_wall" | "lingual_wall" | "floor";

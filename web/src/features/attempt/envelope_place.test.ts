@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { placeAmong } from "./envelope_place";
 
-test("a value on the edge is among the dentists', and beyond it is told on which side", () => {
+test("a value on the edge is among the dentists', and one beyond names its side", () => {
   const dentists = { least: 1, most: 2 };
   assert.equal(placeAmong({ value: 1, ...dentists }), "among them");
   assert.equal(placeAmong({ value: 2, ...dentists }), "among them");

@@ -1,5 +1,6 @@
 import { say } from "../../base/words";
-// Where a value lies among the dentists'. Neither side is said to be better: of some criteria less is, of others more.
+// Where a value lies among the dentists'. Neither side is said to be better: of some criteria less
+// is, of others more.
 export function placeAmong({
   value,
   least,

@@ -55,7 +55,7 @@ function LoadedForce({ series, review }: { readonly series: Series; readonly rev
   const at = Math.min(cursor, last);
   const whole = useMemo((): View => [series.t_s[0] ?? 0, series.t_s.at(-1) ?? 0], [series]);
   const [view, setView] = useState<View>();
-  // Who moves the moment past the edge takes the part along.
+  // Moving the moment past the edge moves the visible part too.
   useEffect(() => setView((was) => showing(whole, was, series.t_s[at] ?? 0)), [whole, series, at]);
   const wanted = ticksFor(series, view);
   const { loaded: near } = useRequest(wanted === undefined ? undefined : `${attempt.id} ${wanted[0]}`, (signal) =>
@@ -215,7 +215,7 @@ function LoadedForce({ series, review }: { readonly series: Series; readonly rev
   );
 }
 
-// The same lines, tick by tick. The cursor stands at the tick of the moment.
+// The same lines, tick by tick. The cursor is at the tick of the moment.
 function CloseUpPlot({
   close,
   timeS,
@@ -274,7 +274,8 @@ function CloseUpPlot({
   );
 }
 
-// The address is shown as well: where the browser does not allow copying, it can be taken from there.
+// The address is shown as well: where the browser does not allow copying, it can be taken from
+// there.
 function MomentLinkButton({ link }: { readonly link: () => string }) {
   const [shown, setShown] = useState<string>();
   return (
@@ -348,7 +349,8 @@ function linesOf(series: Series): PlotLine[] {
 const kHeldBack = 0.02; // of the force, and
 const kHeldBackN = 0.02; // newton: less is rounding
 
-// What the force would have been, where limiter or device held some of it back; undefined where they never did.
+// What the force would have been, where limiter or device held some of it back; undefined where
+// they never did.
 function heldBack({ computed_n: computed, force_n: sent }: Series): readonly number[] | undefined {
   return computed?.some((force, i) => force > (1 + kHeldBack) * sent[i]! + kHeldBackN) === true ? computed : undefined;
 }

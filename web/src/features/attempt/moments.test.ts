@@ -11,13 +11,13 @@ const series = {
 const remark = (tick: number, createdMs: number) =>
   ({ id: `${tick}`, tick, created_ms: createdMs }) as unknown as Annotation;
 
-test("a step's tick lies in that step, and ticks beyond the end in the last one", () => {
+test("a step's tick is in that step, and ticks beyond the end are in the last one", () => {
   for (const step of [0, 1, 57, 100]) assert.equal(stepOfTick(series, tickOfStep(series, step)), step);
   assert.equal(stepOfTick(series, 1e9), 100);
   assert.equal(secondsOfTick(series, 1500), 1.5);
 });
 
-test("a moment's tick is told as that moment, at the begin, within a step, after a gap and at the end", () => {
+test("a moment's tick leads back to that moment: at the beginning, within a step, after a gap and at the end", () => {
   const gap = { rate_hz: 1000, step_ticks: 100, t_s: [0, 0.1, 0.5, 0.6] } as unknown as Series;
   for (const at of [0, 0.013, 0.1, 0.199, 0.5, 0.555, 0.6, 0.643, 0.7])
     assert.ok(Math.abs(secondsOfTick(gap, tickAt(gap, at)) - at) < 1e-9, String(at));

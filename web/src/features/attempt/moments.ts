@@ -3,7 +3,7 @@ import { stepAt } from "./clock";
 
 // Moments of an attempt: ticks of the recording, steps of its series, seconds.
 
-// The step of the series in which `tick` lies; the last one for what is beyond.
+// The step of the series that contains `tick`; the last one for ticks beyond.
 export function stepOfTick(series: Series, tick: number): number {
   return Math.max(0, Math.min(Math.floor(tick / series.step_ticks), series.t_s.length - 1));
 }
@@ -12,7 +12,8 @@ export function tickOfStep(series: Series, step: number): number {
   return step * series.step_ticks;
 }
 
-// The tick that a moment lies at; the end is the tick after the last one. Of a gap in a step, the end of that step.
+// The tick of a moment; the end is the tick after the last one. Of a gap in a step, the end of that
+// step.
 export function tickAt(series: Series, timeS: number): number {
   const step = stepAt(series, timeS);
   const into = Math.round((timeS - (series.t_s[step] ?? 0)) * series.rate_hz);
@@ -29,8 +30,8 @@ export function secondsOfTick(series: Series, tick: number): number {
 
 const kNearBound = 1.05; // a limit farther from the largest force says nothing about it
 
-// The device's limit as a line, null where it was not known yet: before the first sent force it is 0. Undefined where the
-// force never came near it.
+// The device's limit as a line, null where it was not known yet: before the first sent force it is
+// 0. Undefined where the force never came near it.
 export function boundLine({
   bound_n: bound,
   force_n: force,

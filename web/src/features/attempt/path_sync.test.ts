@@ -38,7 +38,7 @@ test("a pause of one is skipped", () => {
   );
 });
 
-test("who lifts the bur keeps their place meanwhile, and never goes back", () => {
+test("a lifted bur keeps its place, and never goes back", () => {
   const going = way(60, 0.1);
   const [x, y, z] = going[29]!;
   const lifts = series([

@@ -2,10 +2,12 @@ import type { Series } from "../../api/types";
 
 // Which moment of another attempt belongs to one of this by where the bur was, whatever the pace.
 //
-// Dynamic time warping of the two ways of the tip: D(i, j) = |a_i − b_j| + min(D(i−1, j−1), D(i−1, j), D(i, j−1)), distances in
-// mm, and the pairs (i, j) of the cheapest way from the first pair to the last; of equally cheap ones the diagonal. (Sakoe and
-// Chiba, "Dynamic programming algorithm optimization for spoken word recognition", IEEE Trans. ASSP 26(1), 1978; the same steps
-// and weights as common/scoring/align.h.) No band: who begins late is as far from the diagonal as they waited.
+// Dynamic time warping of the two paths of the tip, distances in mm:
+//   D(i, j) = |a_i − b_j| + min(D(i−1, j−1), D(i−1, j), D(i, j−1))
+// The result is the pairs (i, j) of the cheapest path from the first pair to the last; of equally
+// cheap ones the diagonal. (Sakoe and Chiba, "Dynamic programming algorithm optimization for spoken
+// word recognition", IEEE Trans. ASSP 26(1), 1978; the same steps and weights as
+// common/scoring/align.h.) There is no band: a late start may be any distance from the diagonal.
 
 export type PathMatch = (timeS: number) => number;
 
@@ -76,7 +78,8 @@ function cheapestWay(a: Float64Array, b: Float64Array): Pair[] {
   return way.reverse();
 }
 
-// The pairs of which neither has a nearer partner on the way: where one goes slower, the others lie between two of these.
+// The pairs of which neither has a nearer partner on the way: where one goes slower, the others lie
+// between two of these.
 function mutual(way: readonly Pair[], n: number, m: number): Pair[] {
   const [ofFirst, ofSecond] = [new Float64Array(n).fill(Infinity), new Float64Array(m).fill(Infinity)];
   for (const { i, j, mm } of way) {
@@ -88,8 +91,8 @@ function mutual(way: readonly Pair[], n: number, m: number): Pair[] {
   );
 }
 
-// Of two attempts: the other's moment for each of this one's. It never goes back. At the end of one it is the end of the other;
-// where one of them has no steps, the same time.
+// Of two attempts: the other's moment for each of this one's. It never goes back. At the end of one
+// it is the end of the other; where one of them has no steps, the same time.
 export function matchPaths(own: Series, other: Series): PathMatch {
   const [ends, otherEnds] = [seriesEndS(own), seriesEndS(other)];
   if (own.t_s.length === 0 || other.t_s.length === 0) return (timeS) => Math.min(timeS, otherEnds);

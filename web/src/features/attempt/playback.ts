@@ -8,8 +8,8 @@ import { startToothWorker, ToothLink } from "../../api/tooth_link";
 import { say } from "../../base/words";
 import type { Film, FilmScreen } from "../../widgets/tooth/film";
 
-// An attempt with the tooth being cut. Loads its timeline: first what the tooth at the end needs, then the rest. What is
-// loaded goes to a worker, which answers with triangles.
+// An attempt with the tooth being cut. Loads its timeline: first what the tooth at the end needs,
+// then the rest. What is loaded goes to a worker, which answers with triangles.
 
 const kFirstBytes = 16_384; // the head of an attempt of six hours
 

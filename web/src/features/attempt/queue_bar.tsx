@@ -5,7 +5,8 @@ import { say } from "../../base/words";
 
 const kAheadMs = 1200; // this attempt's own requests come first
 
-// Where in the list this attempt stands, and the ways to the one before and after it. The next one is read ahead.
+// Where in the list this attempt stands, and the ways to the one before and after it. The next one
+// is read ahead.
 export function QueueBar({ client, place }: { readonly client: Client; readonly place: Place }) {
   const { next } = place;
   useEffect(() => {

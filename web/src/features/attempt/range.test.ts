@@ -30,7 +30,7 @@ test("mean, peak, root mean square and 95th percentile are of the steps of the r
   assert.equal(rangeRows(twenty, speeds(twenty), 0, 19)[0]!.p95, 19);
 });
 
-test("speed is the way of a step by its time, and what went is told by tissue", () => {
+test("speed is the path of a step divided by its time, and removal is listed by tissue", () => {
   assert.deepEqual(speeds(series), [0, 10, 0, 4]);
   assert.deepEqual(removedIn(series, 0, 3), [
     ["all", 10],

@@ -1,7 +1,7 @@
 import type { Series } from "../../api/types";
 
-// What happened in a part of an attempt, in figures. Steps are equally long, so each counts the same. Loaded by who looks at
-// them, so it imports nothing that others have.
+// What happened in a part of an attempt, in figures. Steps are equally long, so each counts the
+// same. Loaded when somebody opens them, so it imports nothing that other parts share.
 
 export interface RangeRow {
   readonly what: "largest_force" | "mean_force" | "tip_speed";

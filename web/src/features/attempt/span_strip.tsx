@@ -46,7 +46,8 @@ interface Props {
   readonly onTime: (timeS: number) => void;
 }
 
-// Parts of the attempt on the axis of time. For the eye and the pointer: keys go from mark to mark, and the list says the same.
+// Parts of the attempt on the axis of time. For the eye and the pointer: keys go from mark to mark,
+// and the list says the same.
 export function SpanStrip({ spans, fromS, toS, onTime }: Props) {
   const share = (timeS: number) => 100 * Math.min(1, Math.max(0, (timeS - fromS) / (toS - fromS || 1)));
   const press = (event: MouseEvent) => {
@@ -68,7 +69,7 @@ export function SpanStrip({ spans, fromS, toS, onTime }: Props) {
   );
 }
 
-// What the colours and places mean; only what there is.
+// The legend of the kinds that are on the strip.
 export function SpanLegend({ spans }: { readonly spans: readonly Span[] }) {
   return (
     <p class="span-legend hint">

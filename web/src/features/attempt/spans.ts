@@ -47,8 +47,8 @@ export function spansOf(series: Series, gaps: readonly Gap[], deductions: readon
 
 const kSameS = 0.05; // a moment is shown to a tenth
 
-// The next moment, or the one before, at which a fault or a stroke that lost points begins. After the last comes the first:
-// an attempt opens at its end. Undefined: there is none.
+// The next moment, or the one before, at which a fault or a stroke that lost points begins. After
+// the last comes the first: an attempt opens at its end. Undefined: there is none.
 export function nextMark(spans: readonly Span[], timeS: number, direction: -1 | 1): number | undefined {
   const moments = spans.filter(({ kind }) => kind !== "contact").map(({ fromS }) => fromS);
   return direction > 0

@@ -47,7 +47,7 @@ test("the sentence names the score and where most points went", () => {
   assert.match(text, /Full marks in 1 of 3 criteria\.$/);
 });
 
-test("full marks and a critical fail are said so", () => {
+test("full marks and a critical fail are named", () => {
   assert.match(
     summarySentence(score({ score: 100, criteria: [criterion("Floor", 10)] })),
     /Full marks in every criterion/,

@@ -46,7 +46,8 @@ function inSentence(criterion: Criterion, whole: number): string {
   });
 }
 
-// Scored, and not to be seen by the student yet: score, tooth, forces and remarks come with the release.
+// Scored, and not to be seen by the student yet: score, tooth, forces and remarks come with the
+// release.
 export function isWithheld(
   { state, computed_score: computed }: Pick<AttemptDetail, "state" | "computed_score">,
   teacher: boolean,
@@ -115,8 +116,8 @@ export function heldBy({ kind, device, driver, unit }: Hand): string {
   }
 }
 
-// What the station said of the attempt, by the API's own names: a new fact needs nothing here. What was not said is not
-// shown, and neither is what a newer server tells in a way that has no line.
+// What the station said of the attempt, by the API's own names: a new fact needs nothing here. What
+// was not said is not shown, and neither is what a newer server tells in a way that has no line.
 export function saidFacts(facts: AttemptFacts): { readonly name: string; readonly value: string }[] {
   return Object.entries(facts).flatMap(([key, value]: [string, unknown]) => {
     const words = key.replaceAll("_", " ");

@@ -1,8 +1,8 @@
 import type { Exercise } from "../../api/types";
 import type { PointMm, ToothLines } from "../../widgets/tooth/lines";
 
-// What the exercise asks for, as lines in the scene's frame: of each part the opening and the floor, joined at the corners, and
-// how far beside it may be cut (the leeway).
+// What the exercise asks for, as lines in the scene's frame: of each part the opening and the
+// floor, joined at the corners, and how far beside it may be cut (the leeway).
 
 type Target = Exercise["target"];
 type Part = Target["parts"][number];

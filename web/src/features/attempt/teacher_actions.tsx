@@ -23,8 +23,8 @@ interface Props {
 
 type Open = "excuse" | "reference" | "override" | "withdraw" | "dropOverride" | "rescore";
 
-// What an instructor can do with an attempt: release its score or take that back, set another score,
-// score it again, excuse it, make it the reference.
+// What an instructor can do with an attempt: release its score or take that back, set another
+// score, score it again, excuse it, make it the reference.
 export function TeacherActions({ client, attempt, graded, onChanged, onNext, releaseNext }: Props) {
   const [open, setOpen] = useState<Open>();
   const [done, setDone] = useState<string>();

@@ -3,8 +3,9 @@ import { kContourStepMm } from "../../widgets/tooth/deviation_scale";
 
 type Criteria = Exercise["rubric"]["criteria"];
 
-// How far a wall may lie from the reference's and still has full marks: the rubric's own number, the strictest of its walls
-// and floor, or else of the distance as a whole. A line of the scale where the rubric judges neither.
+// How far a wall may lie from the reference's and still has full marks: the rubric's own number,
+// the strictest of its walls and floor, or else of the distance as a whole. A line of the scale
+// where the rubric judges neither.
 export function toleranceMm(criteria: Criteria): number {
   return (
     strictest(criteria, /^(wall_(mesial|distal|buccal|lingual)|floor)_mm$/) ??

@@ -34,8 +34,8 @@ export interface PlaybackControl {
   readonly loopOff: () => void;
 }
 
-// Plays an attempt back, with the moment of the page's plots. `made`: another text means another playback, such as one of a
-// new score. Undefined: there is no recording.
+// Plays an attempt back, with the moment of the page's plots. `made`: another text means another
+// playback, such as one of a new score. Undefined: there is no recording.
 export function usePlayback(
   client: Client,
   attempt: string | undefined,
@@ -52,7 +52,8 @@ export function usePlayback(
   const [playing, setPlaying] = useState(false);
   const [speed, setSpeed] = useState(1);
   const [loop, setLoop] = useState<Loop>();
-  // Which run of the playback it is: a frame that was asked for before somebody chose another moment must not undo that.
+  // Which run of the playback it is: a frame that was asked for before somebody chose another
+  // moment must not undo that.
   const run = useRef(0);
   const stop = useCallback(() => {
     ++run.current;
@@ -85,7 +86,7 @@ export function usePlayback(
   const latest = useRef({ clock, loop, setTime });
   latest.current = { clock, loop, setTime };
 
-  // Who moves the moment elsewhere moves the tooth.
+  // A moment that is set elsewhere moves the tooth.
   useEffect(() => {
     if (playback === undefined || clock === undefined || !ready || timeS === undefined || timeS === ownTime.current)
       return;

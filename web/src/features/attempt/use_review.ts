@@ -15,11 +15,11 @@ import { usePlayback } from "./use_playback";
 const kBeyondS = 0.05; // an address has hundredths; less is rounding
 const kNoRemarks: readonly Annotation[] = [];
 
-// Whose attempt is looked at, and by whom.
+// The attempt under review, and the reviewer.
 export interface Reviewed {
   readonly client: Client;
   readonly attempt: AttemptDetail;
-  readonly personId: string; // who looks at it
+  readonly personId: string; // the reviewer
   readonly teacher: boolean;
   readonly toleranceMm: number; // of the rubric
 }
@@ -32,13 +32,13 @@ interface PlotKeys {
 
 export type Review = ReturnType<typeof useReview>;
 
-// A scored attempt as it is looked at: what is loaded of it, and the one moment and place that picture, plots and remarks
-// share. Every panel takes this and moves it.
+// The review of a scored attempt: its data, and the one moment and place that picture, plots and
+// remarks share. Every panel reads and moves it.
 export function useReview(reviewed: Reviewed) {
   const { client, attempt, teacher } = reviewed;
   const { id } = attempt;
   const removed = attempt.recording_removed_ms > 0;
-  // Release changes what a student gets, not what a teacher gets; a new score changes it for both.
+  // A release changes the answers that a student gets, a new score those for everybody.
   const key = `${id} ${teacher || attempt.released} ${attempt.computed_score} ${attempt.reference?.attempt_id}`;
   const score = useRequest(key, (signal) => scoreOf(client, id, signal));
   const series = useRequest(removed ? undefined : key, (signal) => client.series(id, signal));
@@ -60,7 +60,7 @@ export function useReview(reviewed: Reviewed) {
     () => (recorded === undefined ? [] : spansOf(recorded, clock?.gaps ?? [], scored?.deductions ?? [])),
     [recorded, clock, scored],
   );
-  // Whatever has a time or a place is shown there, wherever on the page it was clicked.
+  // Shows the time or place of an item that was clicked anywhere on the page.
   const go = (step: number | undefined) => {
     if (step !== undefined) setCursor(step);
     picture.current?.scrollIntoView({ block: "nearest" });
@@ -102,11 +102,12 @@ export function useReview(reviewed: Reviewed) {
   };
 }
 
-// The moment, the playback that shows it, and the picture without one. `id` undefined: there is no recording.
+// The moment, the playback that shows it, and the picture without one. `id` undefined: there is no
+// recording.
 function useMoment(client: Client, id: string | undefined, key: string, recorded: Series | undefined) {
   const [timeS, setTimeS] = useState<number>(); // undefined until first moved: the end
   const asked = useMemo(() => momentOf(new URLSearchParams(window.location.search)), []);
-  const askedDone = useRef(false); // nothing that is still to come changes the moment it names
+  const askedDone = useRef(false); // later data no longer changes the moment
   const look = useMemo((): LookHandle => ({ begin: asked.look, now: undefined }), [asked]);
   const control = usePlayback(client, id, key, timeS, setTimeS);
   const { state } = control?.playback.state ?? { state: "loading" };

@@ -1,4 +1,4 @@
-// The part of the time that is looked at, seconds.
+// The visible part of the time, seconds.
 export type View = readonly [number, number];
 
 const kLeastS = 0.1; // a hundred ticks

@@ -172,7 +172,7 @@ function queryOf({ cohort, exercise, state, special, assignment, person }: Filte
   };
 }
 
-// While only the first page is shown and something in it is under way, it is asked for again.
+// Polls while it shows only the first page and something on it is in progress.
 function AttemptList({
   client,
   filter,

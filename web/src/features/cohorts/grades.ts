@@ -1,8 +1,8 @@
 import type { Attempt, CohortGrades } from "../../api/types";
 import type { Cell } from "../../base/csv";
 
-// A cohort's results as files to take along. What is one result of several attempts is the server's to
-// say (schema Grade).
+// A cohort's results as files to take along. What is one result of several attempts is the server's
+// to say (schema Grade).
 
 export interface CsvTable {
   readonly header: readonly string[];
@@ -70,7 +70,7 @@ export function attemptsTable(attempts: readonly Attempt[]): CsvTable {
   };
 }
 
-// As it is shown.
+// Rounded as on the page.
 function rounded(score: number | null): number | null {
   return score === null ? null : Math.round(score * 10) / 10;
 }

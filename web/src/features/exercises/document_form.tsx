@@ -18,8 +18,8 @@ interface Props {
   readonly onCancel: () => void;
 }
 
-// An exercise document from a file. The server checks it whole; what is wrong is shown with the place
-// in the document.
+// An exercise document from a file. The server checks it whole; what is wrong is shown with the
+// place in the document.
 export function DocumentForm({ action, send, onDone, onCancel }: Props) {
   const [file, setFile] = useState<File>();
   const change = useChange();

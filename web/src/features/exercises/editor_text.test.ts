@@ -26,7 +26,7 @@ const rubric = (points: number | null, share = 1): Json => ({
   ],
 });
 
-test("numbers of a rubric that are none or out of bounds are told in words, at their place", () => {
+test("missing and out-of-range numbers of a rubric are reported in words, at their place", () => {
   assert.equal(rubricProblems(rubric(20), []).size, 0);
   assert.deepEqual(
     [...rubricProblems(rubric(-5), [])],
@@ -42,7 +42,7 @@ test("numbers of a rubric that are none or out of bounds are told in words, at t
   );
 });
 
-test("a place is told by what stands there", () => {
+test("a place is named after its content", () => {
   const document = { rubric: rubric(20) };
   assert.equal(placeWords(["rubric", "criteria", 0, "points"], document), "Rubric, Mesial wall, points");
   assert.equal(placeWords(["rubric", "criteria", 1, "fails_above"], document), "Rubric, 2, fails above");

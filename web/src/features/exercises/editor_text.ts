@@ -12,12 +12,12 @@ export function placeTitle({ path, before, after }: Change, document: Json): str
   return after === undefined ? say("place_changed.removed", { place }) : place;
 }
 
-// `last`: what stands there, or stood.
+// `last`: the value there, or the removed one.
 export function placeWords(path: Path, document: Json, last: Json | undefined = valueAt(document, path)): string {
   const words: string[] = [];
   path.forEach((step, i) => {
     if (typeof step === "string") {
-      // The lists are told by what stands in them.
+      // Lists are named after their items.
       if (!((step === "criteria" || step === "gates") && typeof path[i + 1] === "number"))
         words.push(sayIf(`document_place.${step}`) ?? step);
       return;
@@ -33,7 +33,8 @@ export function placeWords(path: Path, document: Json, last: Json | undefined = 
 const kMostPoints = 1000; // of a criterion, and
 const kMostLimit = 1e9; // how far a limit may lie: schemas/rubric.schema.json
 
-// Numbers of a rubric that are none or out of bounds, by place: what the page can say in its own words before the server does.
+// Numbers of a rubric that are none or out of bounds, by place: what the page can say in its own
+// words before the server does.
 export function rubricProblems(document: Json, rubric: Path): ReadonlyMap<string, string> {
   const found = new Map<string, string>();
   const look = (path: Path, least: number, most: number, shown = 1) => {

@@ -195,7 +195,8 @@ function Editor({
 const kRubricFormat = 1;
 const kDocuments = new WeakMap<object, Json>();
 
-// A rubric by itself says its own format (schemas/rubric.schema.json). The same one for the same rubric, so that it can be told apart.
+// A rubric by itself says its own format (schemas/rubric.schema.json). The same one for the same
+// rubric, so that the two differ.
 function rubricDocument(rubric: { readonly [name: string]: Json }): Json {
   const known = kDocuments.get(rubric);
   if (known !== undefined) return known;

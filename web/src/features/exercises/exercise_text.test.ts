@@ -33,7 +33,7 @@ test("a bur is named by its shape and what one measures of it", () => {
   );
 });
 
-test("what is not there is said to be none", () => {
+test("missing parts read as none", () => {
   assert.equal(shankText(bur), "None");
   assert.equal(spaced(shankText({ ...bur, shank_radius_um: 800, neck_um: 2000 })), "1.6 mm across, neck 2 mm");
   assert.equal(timeLimitText(0), "None");

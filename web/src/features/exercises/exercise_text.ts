@@ -27,7 +27,7 @@ export function shankText({ shank_radius_um: shank, neck_um: neck }: Bur): strin
     : say("bur_words.shank", { across });
 }
 
-// Small forces beside the cutting force: what they tell of and how strong they get.
+// Small forces beside the cutting force: what they signal, and their strength.
 export function touchCuesText(cues: TouchCues | null): string {
   const force = (millinewtons: number) =>
     millinewtons < 100 ? `${formatNumber(millinewtons, 0)} mN` : `${formatNumber(millinewtons / 1000, 2)} N`;
@@ -68,7 +68,8 @@ export function versionText({ version }: { readonly version: number }): string {
 
 type MarkMap = ReadonlyArray<{ readonly value: number; readonly share: number }>;
 
-// From where on a criterion gives all of its points: one end, or for one that may err to both sides, both.
+// From where on a criterion gives all of its points: one end, or for one that may err to both
+// sides, both.
 export function fullMarksText(map: MarkMap, unit: string): string {
   const full = map.filter((point) => point.share >= 1).map((point) => point.value);
   const [low, high] = [full.at(0), full.at(-1)];
@@ -112,7 +113,7 @@ function rangeText(low: number, high: number, unit: string): string {
     : say("marks.range", { low: formatLimit(low, unit), high: formatLimit(high, unit) });
 }
 
-// Whose it is, for who teaches.
+// The owner, for instructors.
 export function ownerText({ owner, shared }: Pick<ExerciseSummary, "owner" | "shared">): string {
   if (owner == null) return say(shared ? "owner.school_shared" : "owner.school_private");
   return say(shared ? "owner.shared" : "owner.private", { name: owner.display_name });

@@ -92,7 +92,7 @@ interface StaffProps {
   readonly onOpen: (path: string) => void;
 }
 
-// For who teaches: drafts, published and retired exercises.
+// For instructors: drafts, published and retired exercises.
 export function StaffExercisesPage({ client, admin, query, onQuery, onOpen }: StaffProps) {
   const asked = query.get("state");
   const state: ExerciseState = asked === "draft" || asked === "retired" ? asked : "published";

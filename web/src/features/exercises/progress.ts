@@ -1,6 +1,7 @@
 import type { Score } from "../../api/types";
 
-// How a student comes on at one exercise, criterion by criterion, over the attempts whose score may be seen.
+// How a student comes on at one exercise, criterion by criterion, over the attempts whose score may
+// be seen.
 
 export interface Done {
   readonly id: string;
@@ -41,7 +42,8 @@ export function progressOf(done: readonly Done[]): CriterionProgress[] {
   });
 }
 
-// The criterion that lost most over the newest attempts, if it did so more than once, or there is only one attempt.
+// The criterion that lost most over the newest attempts, if it did so more than once, or there is
+// only one attempt.
 export function nextStep(done: readonly Done[]): NextStep | undefined {
   const newest = [...done].sort((a, b) => b.atMs - a.atMs).slice(0, kLookedAt);
   const steps = (newest[0]?.score.criteria ?? []).map(({ name, title }): NextStep => {

@@ -35,7 +35,8 @@ interface Read {
   readonly metrics: readonly ScoringMetric[];
 }
 
-// The rubric of a published exercise, corrected: the exercise stays, scores change when they are made again.
+// The rubric of a published exercise, corrected: the exercise stays, scores change when they are
+// made again.
 export function RubricEditorPage({ client, id, onOpen }: Props) {
   const { loaded, reload } = useRequest(`rubric ${id}`, async (signal) => {
     const [exercise, rubrics, metrics] = await Promise.all([

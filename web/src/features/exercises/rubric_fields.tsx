@@ -186,7 +186,8 @@ function Item({ form, list, place, count, metrics, item, what, points = false }:
   );
 }
 
-// Rows of value and share, linear in between: where the full points end and where the last one is lost.
+// Rows of value and share, linear in between: where the full points end and where the last one is
+// lost.
 function Steps({ form, path, unit }: { readonly form: DocumentForm; readonly path: Path; readonly unit: string }) {
   const rows = itemsAt(form, path);
   const last = rows.at(-1);

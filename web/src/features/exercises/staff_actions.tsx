@@ -18,7 +18,8 @@ interface Props {
 
 type Open = "publish" | "retire" | "delete" | "replace" | "share";
 
-// What a teacher can do with an exercise: replace, publish or delete a draft; retire what is published.
+// What a teacher can do with an exercise: replace, publish or delete a draft; retire what is
+// published.
 export function StaffActions({ client, exercise, tag, onChanged, onOpen }: Props) {
   const [open, setOpen] = useState<Open>();
   const [done, setDone] = useState<string>();

@@ -23,7 +23,8 @@ export async function forEach<T>(
   return { done, failed };
 }
 
-// Asks for many things, a few at a time: the browser has only a few connections, and the page needs some for itself.
+// Asks for many things, a few at a time: the browser has only a few connections, and the page needs
+// some for its own requests.
 export async function inTurn<T>(items: readonly T[], atOnce: number, ask: (item: T) => Promise<void>): Promise<void> {
   let next = 0;
   const work = async () => {

@@ -20,7 +20,8 @@ interface Told {
   readonly undo?: () => Promise<void>;
 }
 
-// One thing done to every attempt that is chosen. Each is asked for by itself, so that one that is refused stops no other.
+// One thing done to every attempt that is chosen. Each is a request of its own, so that one that is
+// refused stops no other.
 export function BulkActions({ client, chosen, onDone }: Props) {
   const [asking, setAsking] = useState<"excuse" | "rescore">();
   const [reason, setReason] = useState("");

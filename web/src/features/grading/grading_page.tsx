@@ -27,7 +27,8 @@ interface Props {
   readonly onOpen: (path: string) => void;
 }
 
-// Everything that was made under an assignment or in a cohort, criterion by criterion, to be judged one after the other.
+// Everything that was made under an assignment or in a cohort, criterion by criterion, to be judged
+// one after the other.
 export function GradingPage({ client, query, onOpen }: Props) {
   if ((query.get("assignment") ?? query.get("cohort") ?? "") === "") {
     return (

@@ -11,7 +11,7 @@ import { TextField } from "../../widgets/form";
 
 const kPollMs = 2000;
 
-// A line of text to who works at the station, and how far each has come.
+// A line of text for the person at the station, and the delivery state of each.
 export function ChairRemarks({
   client,
   attempt,

@@ -4,7 +4,7 @@ import type { LiveRow } from "../../api/live";
 import { liveTime, recentFaults } from "./live_time";
 import { emptyTrack } from "./track";
 
-test("the time that is left is told, and what is over", () => {
+test("the remaining time is shown, or the time over the limit", () => {
   assert.deepEqual(liveTime(200_000, 1000, 600), {
     text: "6\u00a0min\u00a040\u00a0s left of 10\u00a0min\u00a000\u00a0s",
     share: 1 / 3,

@@ -29,7 +29,8 @@ export function liveTime(ticks: number, rateHz: number, limitS: number): LiveTim
       };
 }
 
-// What the force was limited or stopped by in the seconds that are shown, each once, the newest first.
+// What the force was limited or stopped by in the seconds that are shown, each once, the newest
+// first.
 export function recentFaults(track: Track): string[] {
   return [...new Set([...track.rows].reverse().flatMap((row) => flagTexts(row.flags)))];
 }

@@ -15,7 +15,7 @@ const kMaxRows = 2000; // 20 s at 60 rows a second, and room for faster stations
 
 export const emptyTrack: Track = { rows: [], state: "waiting", problem: "", heardMs: 0 };
 
-// Rows come in order; a station that begins anew (ticks go back) begins a new track.
+// Rows come in order; a station that restarts (ticks go back) begins a new track.
 export function withRows(track: Track, rows: readonly LiveRow[], rateHz: number, nowMs: number): Track {
   const last = rows.at(-1);
   if (last === undefined) return track;
@@ -31,7 +31,8 @@ export function withRows(track: Track, rows: readonly LiveRow[], rateHz: number,
 
 const kLeastShownSeconds = 4;
 
-// How many seconds a strip of the track shows: as much as was seen, so that it is filled from the beginning.
+// How many seconds a strip of the track shows: as much as was seen, so that it is filled from the
+// beginning.
 export function shownSeconds(rows: readonly LiveRow[], rateHz: number): number {
   const seen = ((rows.at(-1)?.tick ?? 0) - (rows[0]?.tick ?? 0)) / rateHz;
   return Math.min(Math.max(seen, kLeastShownSeconds), kTrackSeconds);

@@ -14,7 +14,7 @@ import { useTracks } from "./use_tracks";
 
 const kPollMs = 5000;
 
-// One attempt as it is being made.
+// One attempt in progress.
 export function WatchPage({ client, id }: { readonly client: Client; readonly id: string }) {
   const { loaded, reload } = useRequest(id, (signal) => client.attempt(id, signal));
   const attempt = loaded.state === "ready" ? loaded.value : undefined;

@@ -76,7 +76,7 @@ export function AuditPage({ client, query, onQuery }: Props) {
   );
 }
 
-// People are told by their id in the trail, because names change: those who are there get their name.
+// The trail identifies people by id, because names change: those who are there get their name.
 function Entries({ client, entries }: { readonly client: Client; readonly entries: readonly AuditEntry[] }) {
   const ids = peopleIn(entries);
   const names = useRequest(ids.join(" "), async (signal) => {

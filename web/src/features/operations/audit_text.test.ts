@@ -24,7 +24,7 @@ test("empty details are left out, and so is what stayed as it was", () => {
   );
 });
 
-test("values are told as people read them: times as dates, people by name, yes and no", () => {
+test("values are shown as people read them: times as dates, people by name, yes and no", () => {
   const details = detailsOf(
     { before: "{}", after: `{"due_ms":${Date.UTC(2026, 2, 9)},"opens_ms":0,"exam":true,"person":"${id(7)}"}` },
     (person) => (person === id(7) ? "Student Seven" : person),
@@ -38,7 +38,7 @@ test("values are told as people read them: times as dates, people by name, yes a
   assert.equal(details[2]?.after, "Student Seven");
 });
 
-test("text that is no object of members is shown as it is", () => {
+test("text that is no JSON object is shown unchanged", () => {
   assert.deepEqual(detailsOf({ before: "", after: "not json" }), [{ name: "Value", before: "", after: "not json" }]);
 });
 
@@ -57,7 +57,7 @@ test("what something was done to is named by its kind, ids are shortened", () =>
   assert.equal(shortId(`of ${id(12)}.`), "of …000012.");
 });
 
-test("whose names are wanted is said once each", () => {
+test("each person whose name is needed is listed once", () => {
   assert.deepEqual(
     peopleIn([
       entry("person.edit", id(7)),

@@ -63,7 +63,7 @@ export interface Detail {
   readonly after: string; // empty: nothing is left
 }
 
-// What changed, member by member. What stayed, what is empty and what holds nothing is left out.
+// What changed, member by member. Leaves out unchanged and empty members.
 export function detailsOf(
   { before, after }: Pick<AuditEntry, "before" | "after">,
   nameOf: (id: string) => string = shortId,

@@ -25,14 +25,14 @@ test("a server that does well is said nothing of", () => {
   assert.deepEqual(findingsOf(well), []);
 });
 
-test("what stops recordings comes before what only warns", () => {
+test("problems that stop recordings come before warnings", () => {
   assert.deepEqual(
     titles({ ...well, backup: null, ingest: { ...well.ingest, takes_recordings: false, problem: "the disk is full" } }),
     ["bad: Recordings are not taken", "warning: No backup was made yet"],
   );
 });
 
-test("each of the figures that need somebody is told", () => {
+test("every figure that needs attention is reported", () => {
   const told = (changes: Partial<ServerHealth>) => titles({ ...well, ...changes });
   assert.deepEqual(told({ disk: { ...well.disk, free_bytes: 400e6 } }), ["warning: The disk is nearly full"]);
   assert.deepEqual(told({ disk: { ...well.disk, free_bytes: 200e6 } }), ["bad: The disk is nearly full"]);
@@ -62,7 +62,7 @@ test("each of the figures that need somebody is told", () => {
   assert.deepEqual(told({ ingest: { ...well.ingest, waiting: "a person was erased" } }), ["warning: Changes wait"]);
 });
 
-test("a clock that is off is told with its direction", () => {
+test("a wrong clock is reported with its direction", () => {
   const text = (ahead_ms: number) =>
     findingsOf({ ...well, clock: { ahead_ms, problem: "off" } }).map((finding) => finding.text);
   assert.deepEqual(text(8200), [
@@ -74,7 +74,7 @@ test("a clock that is off is told with its direction", () => {
   assert.deepEqual(findingsOf({ ...well, clock: { ahead_ms: 4000, problem: "" } }), []);
 });
 
-test("a count that rises is told by the second, and not over a restart", () => {
+test("a rising count is shown per second, and not across a restart", () => {
   const later = { ...well, now_ms: well.now_ms + 5000, ingest: { ...well.ingest, chunks: 1100 } };
   assert.equal(
     perSecond(well, later, (health) => health.ingest.chunks),
@@ -90,7 +90,7 @@ test("a count that rises is told by the second, and not over a restart", () => {
   );
 });
 
-test("counts that the server does not finish say so, and rules are words", () => {
+test("counts that the server cuts off read as a lower bound, and retention rules are words", () => {
   assert.equal(countText(199, 200), "199");
   assert.equal(countText(200, 200), "200 or more");
   assert.deepEqual(retentionText({ what: "recordings", days: 730 }), ["Recordings", "removed after 730 days"]);

@@ -3,7 +3,7 @@ import { formatBytes, formatDuration, formatNumber } from "../../base/format";
 import { say } from "../../base/words";
 import type { Tone } from "../../widgets/basics";
 
-// What is wrong with the server, in words, and what to do. The worst comes first.
+// Problems of the server in words, with what to do. The worst comes first.
 
 export interface Finding {
   readonly tone: Tone;
@@ -36,7 +36,7 @@ function ingestFindings({ ingest, recordings, standby, stations }: ServerHealth)
   if (!ingest.takes_recordings) {
     out.push({ tone: "bad", title: say("finding.not_taken"), text: sentence(ingest.problem) });
   }
-  // A standby that is missing is told by itself.
+  // A missing standby has a finding of its own.
   if (ingest.waiting !== "" && standby !== "missing")
     out.push({ tone: "warning", title: say("finding.waits"), text: sentence(ingest.waiting) });
   if (recordings.late.length > 0) {
@@ -186,7 +186,8 @@ export function shortTime(seconds: number): string {
   return seconds < 1 ? `${formatNumber(1000 * seconds, seconds < 0.01 ? 1 : 0)}\u00a0ms` : formatDuration(seconds);
 }
 
-// Of a count that rises, how much in a second between two looks; undefined where the server was started anew in between.
+// Of a count that rises, how much in a second between two looks; undefined where the server
+// restarted in between.
 export function perSecond(
   before: ServerHealth | undefined,
   now: ServerHealth,

@@ -2,8 +2,8 @@ import type { Calibration } from "../../api/types";
 import { say } from "../../base/words";
 import type { TrendPoint } from "../../widgets/trend";
 
-// The quantities of a calibration document (schemas/calibration.schema.json), as the page draws them:
-// in units people read, next to what the profile says.
+// The quantities of a calibration document (schemas/calibration.schema.json), as the page draws
+// them: in units people read, next to what the profile says.
 interface Quantity {
   readonly name: "resolution_nm" | "noise_nm" | "friction_mn" | "damping_mn_s_per_m" | "mass_g" | "bus_delay_ticks"; // in the document
   readonly unit: string;

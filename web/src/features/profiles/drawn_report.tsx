@@ -6,8 +6,8 @@ import { say, sayWith } from "../../base/words";
 import { Card, ErrorNotice, Loading, Notice } from "../../widgets/basics";
 import { DrawnView } from "../../widgets/lab_report/drawn_view";
 
-// What can be drawn of a qualification report: how it feels to press, stroke, reverse, lift, nick and slip out, and
-// what else enamel-lab found.
+// What can be drawn of a qualification report: how it feels to press, stroke, reverse, lift, nick
+// and slip out, and what else enamel-lab found.
 export function DrawnReport({
   client,
   id,

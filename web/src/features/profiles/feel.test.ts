@@ -80,7 +80,7 @@ test("a cell says its figures in units people read", () => {
   assert.equal(feltText(cell({ gain: 0.884 })), "88\u00a0%");
 });
 
-test("a tissue is named with all that feels like it, and with what it is made of", () => {
+test("a tissue is named with all that feels like it, and with its figures", () => {
   assert.equal(tissueName(tissue(8700, ["enamel", "neighbour"])), "Enamel, neighbour");
   assert.equal(
     dampingText({ ...tissue(8700), coulomb_mn: 200, threshold_mn: 500 }),

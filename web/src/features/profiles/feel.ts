@@ -74,9 +74,10 @@ export interface Difference {
   readonly other: FeelCell;
 }
 
-// Where two devices differ by more than a hand can tell: strokes by the viscosity that is felt (19 %), a
-// steady cut by its force (7 %), either as a share of the larger; or where only one has the force at all.
-// Tissues are matched by what they feel like. What neither can give is not a difference.
+// Where two devices differ by more than a hand can tell: strokes by the viscosity that is felt (19
+// %), a steady cut by its force (7 %), either as a share of the larger; or where only one has the
+// force at all. Tissues are matched by what they feel like. What neither can give is not a
+// difference.
 export function differences(mine: ProfileFeel, other: ProfileFeel): Difference[] {
   return mine.cells.flatMap((cell) => {
     const tissue = mine.tissues[cell.tissue];
@@ -99,7 +100,7 @@ export function thresholdOf(feel: ProfileFeel, name: "force" | "viscosity" | "de
   return feel.thresholds.find((threshold) => threshold.name === name)?.value ?? Number.NaN;
 }
 
-// What is felt of a tissue, as a share of what is right.
+// The felt share of the right viscosity.
 export function feltText(cell: FeelCell): string {
   return cell.verdict === "beyond_force" ? say("feel.too_weak") : percent(cell.law.gain);
 }

@@ -19,7 +19,8 @@ interface Props {
   readonly onOpen: (path: string) => void;
 }
 
-// A device profile in a form: each number with its source, and whether the device would be stable with them.
+// A device profile in a form: each number with its source, and whether the device would be stable
+// with them.
 export function ProfileEditorPage({ client, name, onOpen }: Props) {
   const { loaded, reload } = useRequest(`editor ${name}`, (signal) => client.profiles.get(name, signal));
   if (loaded.state === "loading") return <Loading what={say("loading.profile")} />;

@@ -16,7 +16,7 @@ interface Props {
 const kMinPassword = 8;
 const kFields = ["login", "display_name", "password"];
 
-// The first account of a new server, made by who can read what the server prints.
+// The first account of a new server, made by a person who can read its output.
 export function FirstAdmin({ client, token, onSignedIn }: Props) {
   const [login, setLogin] = useState("");
   const [name, setName] = useState("");

@@ -5,7 +5,8 @@ import { Card } from "../basics";
 import { StrokesView } from "../strokes/strokes_view";
 import { LabReportView } from "./report_view";
 
-// All that can be drawn of a report: strokes, and what else was found. `aside` stands in the first card's corner.
+// The drawable parts of a report: strokes, and other findings. `aside` goes into the first card's
+// corner.
 export function DrawnView({ drawable, aside }: { readonly drawable: Drawable; readonly aside?: ComponentChildren }) {
   return (
     <>

@@ -19,7 +19,8 @@ import {
 const kHeightPx = 360;
 const kDash = [7, 4];
 
-// Points and lines over linear or logarithmic axes, with the names of its series below or beside the points.
+// Points and lines over linear or logarithmic axes, with the names of its series below or beside
+// the points.
 export function FigurePlot({ plot }: { readonly plot: LabPlot }) {
   return <Figure plot={plot} sentence={plotSentence(plot)} />;
 }

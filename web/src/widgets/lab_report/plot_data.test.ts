@@ -79,7 +79,7 @@ test("every colour and verdict that the schema names has a colour of the style s
   }
 });
 
-test("a picture is said in words: what is drawn against what, and how many cells hold what", () => {
+test("a picture has a sentence: its axes, and the number of cells of each kind", () => {
   const map = {
     title: "Map",
     x_label: "B",

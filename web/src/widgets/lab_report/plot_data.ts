@@ -50,8 +50,8 @@ export function edgesOf(centres: readonly number[]): number[] {
   return [(first * first) / inner[0]!, ...inner, (last * last) / inner.at(-1)!];
 }
 
-// One row for each point of each series: a value of one series, null in the others. Points at the same place of
-// different series, or above each other, stay apart.
+// One row for each point of each series: a value of one series, null in the others. Points at the
+// same place of different series, or above each other, stay apart.
 export function rowsOf(series: readonly LabSeries[]): { readonly x: number[]; readonly columns: (number | null)[][] } {
   const points = series.flatMap((one, at) => one.x.map((x, index) => ({ x, y: one.y[index]!, at })));
   points.sort((a, b) => a.x - b.x);
@@ -74,7 +74,8 @@ export function rangeOf(values: readonly number[], log: boolean): [number, numbe
   return [low, high + room];
 }
 
-// Round places on an axis: about seven; on a logarithmic one powers of ten, or 1, 2, 3, 5 of them where those are few.
+// Round places on an axis: about seven; on a logarithmic one powers of ten, or 1, 2, 3, 5 of them
+// where those are few.
 export function ticksOf(low: number, high: number, log: boolean): number[] {
   if (log) {
     const first = Math.ceil(Math.log10(low) - 1e-9);
@@ -109,7 +110,7 @@ export function tickText(value: number): string {
     : String(short);
 }
 
-// The picture in a sentence, for who does not see it.
+// The picture in a sentence, for people who do not see it.
 export function plotSentence(plot: LabPlot): string {
   const named = plot.series.filter((series) => series.label !== "" && series.x.length > 0);
   return say("lab.picture", {

@@ -4,8 +4,8 @@ import { say } from "../../base/words";
 import { Card, TableFrame } from "../basics";
 import { FigurePlot, VerdictMap } from "./figure_plot";
 
-// What enamel-lab found: its figures, then section by section tables, plots and maps, at last where every number of a
-// device is from.
+// What enamel-lab found: its figures, then section by section tables, plots and maps, at last where
+// every number of a device is from.
 export function LabReportView({ report, aside }: { readonly report: LabReport; readonly aside?: ComponentChildren }) {
   return (
     <>

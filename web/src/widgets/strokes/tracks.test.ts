@@ -42,7 +42,7 @@ test("the law in use is drawn last, the ideal is its own, and every point is the
   }
 });
 
-test("every case and figure that the schema names is said in words", () => {
+test("every case and figure of the schema has words", () => {
   const schema = JSON.parse(readFileSync("../schemas/strokes.schema.json", "utf8"));
   for (const name of schema.$defs.case.properties.name.enum) assert.notEqual(caseText(name).look, "", name);
   for (const name of schema.$defs.figure.properties.name.enum) assert.notEqual(figureTitle(name), name);

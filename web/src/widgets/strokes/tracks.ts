@@ -2,7 +2,7 @@ import type { StrokeCase, StrokeTrack } from "../../api/strokes";
 import { formatNumber } from "../../base/format";
 import { say, sayIf } from "../../base/words";
 
-// What is drawn of a case, and how it is said.
+// The picture and the words of a case.
 
 export interface TrackLine {
   readonly label: string;
@@ -58,7 +58,8 @@ export interface Joined {
   readonly columns: readonly (readonly (number | null)[])[];
 }
 
-// Columns over the times of all tracks; null where a track has no point. `columns`: times and values.
+// Columns over the times of all tracks; null where a track has no point. `columns`: times and
+// values.
 export function joined(
   columns: readonly { readonly timeS: readonly number[]; readonly values: readonly number[] }[],
 ): Joined {
@@ -118,7 +119,7 @@ export function figureText(value: number, unit: string): string {
   return `${formatNumber(value, unit === "N" ? 3 : 2)}${unit === "" ? "" : ` ${unit}`}`;
 }
 
-// The picture in a sentence, for who does not see it.
+// The picture in a sentence, for people who do not see it.
 export function caseSentence(one: StrokeCase): string {
   const track = one.tracks[0]!;
   const most = (values: readonly number[]) => values.reduce((a, b) => Math.max(a, b), 0);

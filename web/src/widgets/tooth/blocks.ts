@@ -3,7 +3,8 @@ import type { BlockMesh } from "../../api/tooth_mesh";
 import { tissueColors } from "./tissue_colors";
 import { TriangleGrid } from "./triangle_grid";
 
-// A tooth in blocks, each with its own triangles, so that only what was cut is given to the graphics card anew.
+// A tooth in blocks, each with its own triangles, so that only cut blocks go to the graphics card
+// again.
 
 const kCellsAlong = 16; // of a block, which has a few thousand triangles
 

@@ -10,7 +10,7 @@ test("a deviation of zero is a pale, quiet middle, and both ends are the end col
     deviationColor(0).every((value) => value > 220),
     "light",
   );
-  for (const mm of [-0.2, 0.2]) assert.ok(spread(0) < spread(mm) / 3, "what is right stands out less than what is not");
+  for (const mm of [-0.2, 0.2]) assert.ok(spread(0) < spread(mm) / 3, "right places stand out less than wrong ones");
 });
 
 test("beyond the range the colour stays at the end", () => {

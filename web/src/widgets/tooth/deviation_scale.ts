@@ -1,5 +1,6 @@
 // The colour scale of the deviation map: diverging, safe for the common colour vision deficiencies
-// (ColorBrewer RdBu, 11 classes, its middle a little warmer), quiet where nothing is wrong; the same numbers for the 3-D picture and its legend.
+// (ColorBrewer RdBu, 11 classes, its middle a little warmer), quiet where nothing is wrong; the
+// same numbers for the 3-D picture and its legend.
 
 export const kDeviationRangeMm = 0.5;
 export const kContourStepMm = 0.1;

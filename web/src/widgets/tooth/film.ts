@@ -13,7 +13,8 @@ export interface FilmScreen {
   expect(): void;
   // A part of the tooth; undefined: no surface there.
   setBlock(index: number, mesh: BlockMesh | undefined): void;
-  // The bur's outline (place along the axis, radius; mm) and where it is; undefined: it is not shown.
+  // The bur's outline (place along the axis, radius; mm) and where it is; undefined: it is not
+  // shown.
   setBur(outline: readonly (readonly [number, number])[], pose: FilmPose | undefined): void;
 }
 

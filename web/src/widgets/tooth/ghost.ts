@@ -20,12 +20,14 @@ import { kGhostColor } from "./ghost_color";
 import { asShown, kQuickVertex } from "./quick_material";
 import { Section } from "./section";
 
-// Another tooth over the one that is looked at: translucent where it stands out of that one, and stripes on that one where the
-// other has less left. Where both are the same nothing of it is seen, so that what was left untouched keeps its colours.
+// Another tooth over the one in view: translucent where it stands out of that one, and stripes on
+// that one where the other has less left. Where both are the same nothing of it is seen, so that
+// what was left untouched keeps its colours.
 //
-// Which places the other tooth does not reach is counted: along each line of sight, how often one goes into it and comes out
-// again before one meets the tooth that is looked at. Never, or as often out as in: that place is outside (as with shadow
-// volumes: Heidmann, "Real shadows, real time", 1991). A section opens the other tooth, and this count with it: no stripes then.
+// Which places the other tooth does not reach is counted: along each line of sight, how often one
+// goes into it and comes out again before it meets the tooth in view. Never, or as often out as in:
+// that place is outside (as with shadow volumes: Heidmann, "Real shadows, real time", 1991). A
+// section opens the other tooth, and this count with it: no stripes then.
 
 const kSameMm = 0.03; // apart or less is the same: triangles of both are made coarser in other places
 const kFill = 0.5; // opacities
@@ -104,7 +106,7 @@ export class Ghost implements FilmScreen {
   private readonly blocks = new ToothBlocks(this.materials);
   private readonly stripes = stripes();
 
-  // `expected`: more of it comes soon; `changed`: it is to be drawn anew.
+  // `expected`: more of it comes soon; `changed`: asks for another drawing.
   constructor(
     private readonly expected: () => void,
     private readonly changed: () => void,
@@ -124,7 +126,7 @@ export class Ghost implements FilmScreen {
     this.section.changed();
     this.changed();
   }
-  // The bur that is seen is of the tooth that is looked at.
+  // The visible bur belongs to the tooth in view.
   setBur(): void {}
 
   cutBy(plane: Plane | undefined): void {

@@ -1,2 +1,3 @@
-// Of another tooth that lies over the one that is looked at: neither a tissue's colour nor one of the deviation scale's.
+// The colour of another tooth over the one in view: neither a tissue's colour nor one of the
+// deviation scale's.
 export const kGhostColor = "#00a88f";

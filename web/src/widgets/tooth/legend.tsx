@@ -56,7 +56,7 @@ export function TissueLegend({ tissues }: { readonly tissues: readonly number[] 
   );
 }
 
-// Of another tooth that lies over the one that is looked at.
+// For another tooth over the one in view.
 export function GhostLegend() {
   return (
     <>

@@ -1,6 +1,7 @@
 type Vec = readonly [number, number, number];
 
-// Appends to `out` where the plane normal · p + constant = 0 cuts the triangles: six numbers for each, the two ends.
+// Appends to `out` where the plane normal · p + constant = 0 cuts the triangles: six numbers for
+// each, the two ends.
 export function crossings(
   position: Float32Array,
   triangle: Uint32Array | Uint16Array,

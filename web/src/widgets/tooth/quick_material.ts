@@ -10,8 +10,9 @@ import {
 } from "three";
 import { deviationScalePixels, kDeviationRangeMm } from "./deviation_scale";
 
-// The tooth's colours with light worked out at the vertices, so that a pixel costs little: about a third of the time of
-// the elaborate material on a processor. No contour lines, no gloss. The lamps are those of ToothScene: an intensity of π is 1 here.
+// The tooth's colours with light worked out at the vertices, so that a pixel costs little: about a
+// third of the time of the elaborate material on a processor. No contour lines, no gloss. The lamps
+// are those of ToothScene: an intensity of π is 1 here.
 
 export interface QuickLook {
   readonly heat: { readonly value: number }; // shared with the elaborate material
@@ -83,7 +84,7 @@ export function quickMaterial({ heat, untouched, inside }: QuickLook): ShaderMat
   return material;
 }
 
-// As it is on the screen, which is what the shader writes.
+// In screen colours, which the shader writes.
 export function asShown(hex: string): Color {
   return new Color().setHex(Number.parseInt(hex.slice(1), 16), NoColorSpace);
 }

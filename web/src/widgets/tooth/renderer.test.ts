@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { DrawingPace, type Effort, isSoftware, pixelRatio } from "./renderer";
 
-test("renderers without a graphics card are told from those with one", () => {
+test("renderers without a graphics card are recognised", () => {
   for (const name of [
     "ANGLE (Google, Vulkan 1.3.0 (SwiftShader Device (Subzero) (0x0000C0DE)), SwiftShader driver)",
     "llvmpipe (LLVM 15.0.6, 256 bits)",

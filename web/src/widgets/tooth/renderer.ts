@@ -1,16 +1,19 @@
-// Renderers that draw on the processor: SwiftShader (Chromium), llvmpipe and softpipe (Mesa), Microsoft's WARP and basic driver.
+// Renderers that draw on the processor: SwiftShader (Chromium), llvmpipe and softpipe (Mesa),
+// Microsoft's WARP and basic driver.
 const kSoftware = /swiftshader|llvmpipe|softpipe|software|basic render|\bwarp\b/i;
 
-// Whether a renderer's name, as the browser tells it, stands for one without a graphics card. Many samples in each pixel and
-// an elaborate light cost a card nothing, and a processor most of its time.
+// Whether a renderer's name, as the browser tells it, stands for one without a graphics card. Many
+// samples in each pixel and an elaborate light cost a card nothing, and a processor most of its
+// time.
 export function isSoftware(renderer: string): boolean {
   return kSoftware.test(renderer);
 }
 
 let known: boolean | undefined;
 
-// Asked with a context of its own, once: antialiasing is chosen before a context can be asked. (`failIfMajorPerformanceCaveat`
-// does not tell: Chromium gives its own software renderer all the same.)
+// Asked with a context of its own, once: antialiasing is chosen before a context can be asked.
+// (`failIfMajorPerformanceCaveat` does not tell: Chromium gives its own software renderer all the
+// same.)
 export function drawsSlowly(): boolean {
   if (known !== undefined) return known;
   const context = document.createElement("canvas").getContext("webgl2", { antialias: false, depth: false });
@@ -33,13 +36,13 @@ export function pixelRatio(effort: Effort, device: number): number {
 
 const kSettleMs = 250; // without a change, until it is drawn in full
 
-// Where drawing is slow, what moves is drawn quickly, and in full once nothing has changed for a while. Where it is not, always
-// in full.
+// Where drawing is slow, what moves is drawn quickly, and in full once nothing has changed for a
+// while. Where it is not, always in full.
 export class DrawingPace {
   private calledOff = (): void => {};
   private current: Effort = "full";
 
-  // `later`: calls what it is given after a while, unless what it returns is called before.
+  // `later`: calls a function after a while, unless the returned one cancels it.
   constructor(
     private readonly slow: boolean,
     private readonly use: (effort: Effort) => void,

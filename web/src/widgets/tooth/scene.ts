@@ -48,7 +48,7 @@ export type ColorMode = "tissue" | "deviation";
 export type CameraPreset = "angled" | "cavity" | "occlusal" | "buccal" | "lingual" | "mesial" | "distal" | "apical";
 export type { PointMm };
 
-// How to look into what was cut: from where, and at what.
+// The view into the cavity: direction and target.
 export interface AngledView {
   readonly direction: PointMm;
   readonly centre: PointMm | undefined; // undefined: the middle of the tooth
@@ -61,7 +61,7 @@ export interface SurfacePoint {
   readonly pointMm: PointMm; // where exactly
 }
 
-// From what is looked at towards the camera; scene frame. "angled" is given by who shows the tooth.
+// From the target towards the camera; scene frame. The caller gives "angled".
 const kDirections: Readonly<Record<Exclude<CameraPreset, "angled" | "cavity">, PointMm>> = {
   occlusal: [0, -0.001, 1],
   buccal: [0, 1, 0.25],
@@ -81,7 +81,7 @@ const kSamePlaceMm = 1e-3;
 const kLeastRadiusMm = 0.5;
 const kMinPolar = 0.001; // Spherical turns over at the poles
 
-// What is looked at: a surface that stays as it is, or a tooth in blocks that come and change.
+// The drawn tooth: a fixed surface, or blocks that come and change.
 export type ToothModel = { readonly surface: Surface } | { readonly extent: Extent };
 
 // The three.js side of the tooth view: owns the WebGL context, draws only when something changed.
@@ -180,7 +180,7 @@ export class ToothScene implements FilmScreen {
     this.untouched = true;
   }
 
-  // Returns the radius, and sets the centre, of what is looked at.
+  // Returns the radius of the drawn tooth, and sets its centre.
   private take(model: ToothModel, whole: Mesh | undefined): number {
     if ("extent" in model) {
       this.centre.set(...model.extent.centreMm);
@@ -199,7 +199,7 @@ export class ToothScene implements FilmScreen {
     this.cleanup.dispose();
   }
 
-  // Where "angled" looks from and at. Whoever has turned the tooth keeps what they look at.
+  // Where "angled" looks from and at. A tooth that somebody has turned keeps its view.
   setAngled(angled: AngledView): void {
     this.angled = angled;
     if (!this.untouched) return;
@@ -233,7 +233,8 @@ export class ToothScene implements FilmScreen {
     this.frame.request();
   }
 
-  // The force on the hand, N; undefined: none is felt. Drawn at the bur or, where none is shown, at the tool's mark.
+  // The force on the hand, N; undefined: none is felt. Drawn at the bur or, where none is shown, at
+  // the tool's mark.
   setForce(forceN: PointMm | undefined): void {
     this.arrow.set(forceN);
     this.placeArrow();
@@ -270,7 +271,8 @@ export class ToothScene implements FilmScreen {
     this.moved();
   }
 
-  // Another tooth over this one, translucent; undefined: none. It can neither be pointed at nor does it change what is framed.
+  // Another tooth over this one, translucent; undefined: none. It can neither be pointed at nor
+  // does it change what is framed.
   setGhost(film: Film | undefined): void {
     this.endGhost();
     if (film !== undefined) {
@@ -529,7 +531,7 @@ function toothGeometry(surface: Surface): BufferGeometry {
   return geometry;
 }
 
-// A surface that stays as it is, as one part.
+// A fixed surface, as one part.
 function wholeOf(surface: Surface): () => Iterable<Cuttable> {
   const box = new Box3().setFromArray(surface.positionMm);
   return () => [{ mesh: surface, box }];
@@ -566,8 +568,8 @@ function burMesh(outline: readonly (readonly [number, number])[]): Mesh {
   return bur;
 }
 
-// (deviation or 0, 1 where compared): interpolated, x / y is the deviation right up to the border of
-// what was cut, where NaN would eat a row of triangles.
+// (deviation or 0, 1 where compared): interpolated, x / y is the deviation right up to the border
+// of what was cut, where NaN would eat a row of triangles.
 function deviationPairs(surface: Surface): Float32Array<ArrayBuffer> {
   const pairs = new Float32Array(2 * surface.tissue.length);
   surface.deviationMm?.forEach((value, i) => {
@@ -582,8 +584,8 @@ function withDeviationAttribute(shader: string): string {
     .replace("#include <begin_vertex>", "#include <begin_vertex>\nvDeviation = deviation;");
 }
 
-// The scale's colour, with a thin line at every contour step: not at zero, and not where the deviation
-// hardly changes, because there noise alone would draw it.
+// The scale's colour, with a thin line at every contour step: not at zero, and not where the
+// deviation hardly changes, because there noise alone would draw it.
 function withDeviationColor(shader: string): string {
   return (
     shader

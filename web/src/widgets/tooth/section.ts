@@ -52,7 +52,7 @@ export class Section {
     this.stale = true;
   }
 
-  // Before each picture. `sight`: from what is looked at to the camera.
+  // Before each picture. `sight`: from the target to the camera.
   update(centre: Vector3, radius: number, sight: Vector3, parts: () => Iterable<Cuttable>): void {
     if (this.plan === undefined) return;
     const { across, share, flipped } = this.plan;

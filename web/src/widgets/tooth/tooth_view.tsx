@@ -21,7 +21,7 @@ export interface ToothPin {
   readonly chosen: boolean;
 }
 
-// How whoever shows a tooth learns from where it is looked at, and says from where to begin.
+// Lets the owner of a view read and set its camera, and say where to begin.
 export interface LookHandle {
   readonly begin: Look | undefined;
   now: (() => Look) | undefined; // set while the picture is there
@@ -29,7 +29,7 @@ export interface LookHandle {
   moved?: ((look: Look) => void) | undefined; // called after it was drawn
 }
 
-// A surface that stays as it is, or a tooth that is played back.
+// A fixed surface, or a tooth in playback.
 export type ToothSource = { readonly surface: Surface } | { readonly film: Film };
 
 interface Props {
@@ -82,7 +82,7 @@ const kBesideTooth = 1.05; // of the radius of the ball around it
 const kLeastForceN = 0.05; // less is no contact
 const kLabelMinShare = 0.12; // of the picture's height: shorter points at the viewer
 
-// Fetches what draws a tooth, for who will show one soon. Nobody waits for it.
+// Fetches the drawing code for a page that will show a tooth soon. Nobody waits for it.
 export function prepareTooth(): void {
   import("./scene").catch(() => undefined); // told when a tooth is to be shown
 }
@@ -171,7 +171,7 @@ export function ToothView({
   useEffect(() => scene.current?.setGhost(ghost), [ghost, ready]);
   useEffect(() => scene.current?.setFollow(follow), [follow, ready]);
   useEffect(() => scene.current?.redraw(), [pins, ready]);
-  // Looked up once a frame, however often the pointer tells of itself.
+  // Looked up once a frame, however often the pointer moves.
   const over = useRef<Place | undefined>(undefined);
   const looking = useMemo(
     () =>
@@ -303,8 +303,8 @@ function openScene(
   return scene;
 }
 
-// Names of the sides at the edge of the picture, in the direction in which they lie; hidden where they
-// lie towards the viewer or away.
+// Names of the sides at the edge of the picture, in the direction in which they lie; hidden where
+// they lie towards the viewer or away.
 function placeLabels(
   labels: readonly HTMLElement[],
   frame: HTMLElement,

@@ -1,6 +1,7 @@
-// Which triangle of a surface a ray meets first. The triangles lie in a grid of cells, and a ray looks only at those of the
-// cells it goes through (Amanatides and Woo, "A fast voxel traversal algorithm", 1987; Moeller and Trumbore, 1997): a tooth
-// has most of a million, and a pointer asks at every frame. Making the grid is two passes over the triangles.
+// Which triangle of a surface a ray meets first. The triangles are in a grid of cells, and a ray
+// looks only at those of the cells it goes through (Amanatides and Woo, "A fast voxel traversal
+// algorithm", 1987; Moeller and Trumbore, 1997): a tooth has most of a million, and a pointer asks
+// at every frame. Making the grid is two passes over the triangles.
 
 type Vec = readonly [number, number, number];
 
@@ -19,7 +20,8 @@ export class TriangleGrid {
   private readonly first: Uint32Array; // of each cell in `member`; one more at the end
   private readonly member: Uint32Array; // triangles, cell by cell
 
-  // `position`: three numbers for each vertex; `index`: three vertices for each triangle. Both are read later too.
+  // `position`: three numbers for each vertex; `index`: three vertices for each triangle. Both are
+  // read later too.
   constructor(
     private readonly position: Float32Array,
     private readonly index: Uint32Array | Uint16Array,
@@ -41,7 +43,8 @@ export class TriangleGrid {
     this.eachCell(this.first.slice(), this.member, 0);
   }
 
-  // `direction` need not have the length 1. `counts`: whether a place is there at all; what is cut away is not.
+  // `direction` need not have the length 1. `counts`: whether a place is there at all; what is cut
+  // away is not.
   firstHit(origin: Vec, direction: Vec, counts: (at: Vec) => boolean = () => true): Hit | undefined {
     let enter = 0;
     let leave = Infinity;
@@ -79,7 +82,8 @@ export class TriangleGrid {
     }
     for (;;) {
       const axis = next[0] <= next[1] && next[0] <= next[2] ? 0 : next[1] <= next[2] ? 1 : 2;
-      // A triangle reaches into several cells: what it is met at beyond this one belongs to a later cell.
+      // A triangle reaches into several cells: what it is met at beyond this one belongs to a later
+      // cell.
       const hit = this.nearestIn(
         (at[2] * this.count[1] + at[1]) * this.count[0] + at[0],
         origin,
@@ -141,8 +145,9 @@ export class TriangleGrid {
     return clamped((value - this.low[axis]!) / this.cell, this.count[axis]!);
   }
 
-  // Counts in `counter` for every cell (`shift` further on) the triangles whose boxes touch it; with `member`, writes the
-  // triangle to where the counter stood. Plain loops over plain arrays: this goes twice over most of a million triangles.
+  // Counts in `counter` for every cell (`shift` further on) the triangles whose boxes touch it;
+  // with `member`, writes the triangle to where the counter stood. Plain loops over plain arrays:
+  // this goes twice over most of a million triangles.
   private eachCell(counter: Uint32Array, member: Uint32Array | undefined, shift: number): void {
     const {
       position: p,
