@@ -6,7 +6,7 @@ import { join } from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
 import { drawReport } from "../../web/scripts/draw_report.mjs";
 import { golden } from "./contract.mjs";
-import { id } from "./mock_world.mjs";
+import { id } from "./mock_exercises.mjs";
 import { accessible, chooseFile, downloaded, looks, signedIn, signIn } from "./session.mjs";
 
 const kLongAgo = -600_000;

@@ -1,6 +1,6 @@
 // Two attempts, side by side and one over the other.
 import assert from "node:assert/strict";
-import { id } from "./mock_world.mjs";
+import { id } from "./mock_exercises.mjs";
 import { toothPixels, toothPixelsBecome } from "./pixels.mjs";
 import { accessible, looks, signedIn } from "./session.mjs";
 

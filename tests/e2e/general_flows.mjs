@@ -1,6 +1,6 @@
 // Signing in, languages, and what each role sees first.
 import assert from "node:assert/strict";
-import { id } from "./mock_world.mjs";
+import { id } from "./mock_exercises.mjs";
 import { accessible, signedIn, signIn } from "./session.mjs";
 
 export const generalFlows = [

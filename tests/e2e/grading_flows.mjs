@@ -1,6 +1,6 @@
 // How instructors grade a class, and narrow a list of attempts.
 import assert from "node:assert/strict";
-import { id } from "./mock_world.mjs";
+import { id } from "./mock_exercises.mjs";
 import { accessible, signedIn } from "./session.mjs";
 
 export const gradingFlows = [

@@ -1,7 +1,7 @@
 // What those who teach and run a school see of classes, server and stations, against the mock
 // server.
 import assert from "node:assert/strict";
-import { id } from "./mock_world.mjs";
+import { id } from "./mock_exercises.mjs";
 import { accessible, downloaded, looks, signedIn } from "./session.mjs";
 
 export const insightFlows = [

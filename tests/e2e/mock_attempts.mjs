@@ -1,7 +1,8 @@
 // Attempts of the mock server: the actions on them, and the content of their recordings.
 import { conflict, forbidden, refused, Reply } from "./contract.mjs";
+import { kReference, scoreOf } from "./mock_exercises.mjs";
 import { playbackOf, seriesEndS, toolPosition, toothSurface } from "./mock_tooth.mjs";
-import { added, kReference, newId, scoreOf } from "./mock_world.mjs";
+import { added, newId } from "./mock_world.mjs";
 
 export const hidden = (row) => !row.released && (row.exam || row.exercise.graded);
 const withheld = (row, { person }) => person.role === "student" && hidden(row);

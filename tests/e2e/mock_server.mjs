@@ -20,7 +20,8 @@ import {
   Reply,
   sampleOf,
 } from "./contract.mjs";
-import { confirmed, filters, mayCall, rules, tagOf, views, visible } from "./mock_rules.mjs";
+import { confirmed, filters, mayCall, rules, views, visible } from "./mock_rules.mjs";
+import { tagOf } from "./mock_teaching.mjs";
 import { added, makeWorld, people } from "./mock_world.mjs";
 
 const kPageHeaders = {

@@ -1,6 +1,6 @@
 // The attempt's playback and its drawing.
 import assert from "node:assert/strict";
-import { id } from "./mock_world.mjs";
+import { id } from "./mock_exercises.mjs";
 import { toothPixels, toothPixelsBecome } from "./pixels.mjs";
 import { accessible, looks, signedIn, signIn } from "./session.mjs";
 

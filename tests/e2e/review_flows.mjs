@@ -1,6 +1,6 @@
 // What people do with one attempt.
 import assert from "node:assert/strict";
-import { id } from "./mock_world.mjs";
+import { id } from "./mock_exercises.mjs";
 import { countColors, differing } from "./pixels.mjs";
 import { decodePng } from "./png.mjs";
 import { accessible, looks, signedIn } from "./session.mjs";

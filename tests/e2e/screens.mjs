@@ -5,7 +5,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { accessibilityViolations } from "./browser.mjs";
-import { id } from "./mock_world.mjs";
+import { id } from "./mock_exercises.mjs";
 import { signedIn } from "./session.mjs";
 
 const kFull = Boolean(process.env.ENAMEL_FULL);

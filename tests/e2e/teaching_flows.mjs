@@ -1,7 +1,7 @@
 // What instructors and students do with exercises, assignments and attempts.
 import assert from "node:assert/strict";
 import { golden } from "./contract.mjs";
-import { id } from "./mock_world.mjs";
+import { id } from "./mock_exercises.mjs";
 import { accessible, chooseFile, signedIn } from "./session.mjs";
 
 export const teachingFlows = [

@@ -10,6 +10,7 @@ const kSource = resolve("src");
 // once.
 const kThree = [
   "widgets/tooth/scene",
+  "widgets/tooth/scene_meshes",
   "widgets/tooth/blocks",
   "widgets/tooth/force_arrow",
   "widgets/tooth/line_group",

@@ -139,7 +139,7 @@ test("a wish that is overtaken is left where it is, and the later one is whole",
       last.cut !== undefined &&
       Math.abs(last.cut.centreMm[0]) < 0.1 &&
       last.cut.centreMm[2] > 0.8,
-    "where it was cut is known all the same",
+    "where it was cut is known anyway",
   );
   assert.deepEqual(made.blocks, await expected(3));
 });

@@ -72,7 +72,7 @@ test("ticks are round, rise, lie on the axis, and are neither few nor many", () 
 
 test("every colour and verdict that the schema names has a colour of the style sheet", () => {
   const schema = JSON.parse(readFileSync("../schemas/lab_report.schema.json", "utf8"));
-  const style = readFileSync("src/app/style.css", "utf8");
+  const style = readFileSync("src/app/base.css", "utf8");
   const variables: Readonly<Record<string, string>> = { ...kColourVariables, ...kVerdictVariables };
   for (const name of [...schema.$defs.series.properties.colour.enum, ...schema.$defs.map.properties.cells.items.enum]) {
     assert.ok(style.includes(`${variables[name]}:`), `${name}: ${variables[name]}`);
