@@ -33,13 +33,13 @@ async function drawnReport(world) {
   const page = await signedIn(world, "admin", "/profiles/phantom_desktop");
   const draw = page.getByRole("button", { name: /^Draw the report/ });
   await draw.click();
-  const card = page.getByRole("region", { name: "Force against time" });
+  const card = page.getByRole("region", { name: "Force over time" });
   const press = card.getByRole("region", { name: "Press", exact: true });
   await press
-    .getByRole("img", { name: /^Press: force against time over/ })
+    .getByRole("img", { name: /^Press: force over/ })
     .locator("canvas")
     .waitFor();
-  await press.getByText("Figures, and where tip and bur were").click();
+  await press.getByText("Figures, and positions of tip and bur").click();
   assert.ok((await press.getByRole("group", { name: "Press: figures" }).locator("tbody tr").count()) >= 4);
   // What else was found is drawn below: a share of cases, a map of verdicts, a table.
   for (const name of [/^Share of cases below a multiple of the bound/, /^Map\. delay, ticks against B/]) {
@@ -63,7 +63,7 @@ async function reportAsOneFile(world) {
   page.on("request", (request) => asked.push(request.url()));
   await page.goto(pathToFileURL(file).href);
   await page
-    .getByRole("img", { name: /^Press: force against time over/ })
+    .getByRole("img", { name: /^Press: force over/ })
     .locator("canvas")
     .waitFor();
   await accessible(page, "the report as one file");
@@ -77,16 +77,16 @@ async function forcedPassword(world) {
     page,
     world.mock.people.find((person) => person.login === "newcomer"),
   );
-  await page.getByRole("heading", { level: 1, name: "Choose a password of your own" }).waitFor();
+  await page.getByRole("heading", { level: 1, name: "Choose your own password" }).waitFor();
   await accessible(page, "the forced change of a password");
   const fill = async (old, fresh, again) => {
-    await page.getByLabel("Password until now").fill(old);
+    await page.getByLabel("Current password").fill(old);
     await page.getByLabel("New password", { exact: true }).fill(fresh);
-    await page.getByLabel("New password again").fill(again);
+    await page.getByLabel("Repeat the new password").fill(again);
     await page.getByRole("button", { name: "Change password" }).click();
   };
   await fill("given by the office", "a new long phrase", "another long phrase");
-  await page.getByText("The two are not the same").waitFor();
+  await page.getByText("The two passwords do not match").waitFor();
   await accessible(page, "a password that was not repeated alike");
   await fill("not the one of before", "a new long phrase", "a new long phrase");
   await page.getByRole("alert").waitFor();
@@ -104,7 +104,7 @@ async function ownSessions(world) {
   await page.getByRole("button", { name: "End session" }).click();
   await page.getByRole("dialog").waitFor({ state: "detached" });
   await table.getByRole("row").nth(2).waitFor({ state: "detached" });
-  await page.getByText("This one").first().waitFor();
+  await page.getByText("This session").first().waitFor();
 }
 
 async function editPerson(world) {
@@ -122,13 +122,13 @@ async function editPerson(world) {
   Object.assign(person, { display_name: "Named by another admin", revision: person.revision + 1 });
   await name.fill("Named by me");
   await page.getByRole("button", { name: "Save" }).click();
-  await page.getByText("Somebody changed it meanwhile").waitFor();
-  const differs = await page.getByRole("table", { name: "What differs" }).innerText();
+  await page.getByText("Somebody else has changed this").waitFor();
+  const differs = await page.getByRole("table", { name: "Differences" }).innerText();
   assert.match(differs, /Named by another admin/);
   assert.match(differs, /Named by me/);
   await accessible(page, "a conflict");
   await world.picture(page, "conflict", { fullPage: true });
-  await page.getByRole("button", { name: "Save mine instead" }).click();
+  await page.getByRole("button", { name: "Save my version" }).click();
   await page.getByText("Saved.").waitFor();
   assert.equal(person.display_name, "Named by me");
 
@@ -148,13 +148,13 @@ async function resetPassword(world) {
   for (const session of world.mock.sessions) session.confirmedMs = world.mock.nowMs + kLongAgo;
   await page.getByRole("button", { name: "Reset the password…" }).click();
   await page.getByRole("button", { name: "Reset the password", exact: true }).click();
-  await page.getByRole("heading", { name: "Your password, please" }).waitFor();
+  await page.getByRole("heading", { name: "Enter your password" }).waitFor();
   await accessible(page, "the question for the password");
   await page.getByLabel("Your password", { exact: true }).fill("a wrong one");
-  await page.getByRole("button", { name: "Go on" }).click();
-  await page.getByText("This is not your password").waitFor();
+  await page.getByRole("button", { name: "Continue" }).click();
+  await page.getByText("That is not your password").waitFor();
   await page.getByLabel("Your password", { exact: true }).fill(world.logins.admin.password);
-  await page.getByRole("button", { name: "Go on" }).click();
+  await page.getByRole("button", { name: "Continue" }).click();
   await page.getByText("amber kettle north").waitFor();
   await accessible(page, "a new password");
   await world.picture(page, "one_time_password");
@@ -167,11 +167,11 @@ async function erase(world) {
   const page = await signedIn(world, "admin", `/people/${id(1002)}`);
   await page.getByRole("button", { name: "Erase this person…" }).click();
   await page.getByLabel(/^Type the login/).fill("somebody else");
-  await page.getByRole("button", { name: "Erase for ever" }).click();
+  await page.getByRole("button", { name: "Erase permanently" }).click();
   await page.getByText("expected the person's login").waitFor();
   await accessible(page, "the question before erasing");
   await page.getByLabel(/^Type the login/).fill("student5");
-  await page.getByRole("button", { name: "Erase for ever" }).click();
+  await page.getByRole("button", { name: "Erase permanently" }).click();
   await page.getByRole("heading", { level: 1, name: "People" }).waitFor();
   assert.ok(world.mock.people.every((person) => person.login !== "student5"));
 }
@@ -185,7 +185,7 @@ async function importRoster(world) {
     "first.csv",
     "login,display_name,role,cohort\nnew.one,New One,studnet,A\nnew.two,=HYPERLINK(1),student,A\n",
   );
-  await page.getByText("2 problems: nothing was imported").waitFor();
+  await page.getByText("2 problems. Nothing was imported").waitFor();
   const problems = await page.getByRole("table", { name: "Problems in the roster" }).innerText();
   assert.match(problems, /2\s+role\s+studnet\s+student, instructor or admin/);
   assert.match(problems, /3\s+display_name/);
@@ -203,11 +203,11 @@ async function importRoster(world) {
       "New",
     ),
   );
-  await page.getByText("2 new, 0 changed, 1 as they are").waitFor();
+  await page.getByText("2 new, 0 changed, 1 unchanged").waitFor();
   assert.equal(world.mock.people.length, before, "a look changes nothing");
   await accessible(page, "a roster before its import");
   await page.getByRole("button", { name: "Import 2 people" }).click();
-  await page.getByText("Passwords are shown only now").waitFor();
+  await page.getByText("Passwords are shown only once").waitFor();
   await accessible(page, "an imported roster");
   const file = await downloaded(page, () => page.getByRole("button", { name: "Save 2 passwords as CSV" }).click());
   assert.match(file.text, /new\.one,New One,A,copper lantern 1\r\n/);
@@ -219,7 +219,7 @@ async function cohortAndGrades(world) {
   const cohort = world.mock.cohorts[0];
   const stranger = world.mock.people.find((person) => person.login === "student100");
   stranger.display_name = "=HYPERLINK(1) Hundred";
-  await page.getByLabel("Add somebody: name or login").fill("student100");
+  await page.getByLabel("Add a person: name or login").fill("student100");
   await page.getByRole("button", { name: "Find" }).click();
   await page.getByRole("button", { name: "Add =HYPERLINK(1) Hundred" }).click();
   await page.getByRole("link", { name: "=HYPERLINK(1) Hundred", exact: true }).waitFor();
@@ -246,7 +246,7 @@ async function cohortAndGrades(world) {
 
 async function stations(world) {
   const page = await signedIn(world, "admin", "/stations");
-  await page.getByRole("button", { name: "Make a code" }).click();
+  await page.getByRole("button", { name: "Create a code" }).click();
   const command = await page.locator(".copy-text").first().innerText();
   assert.match(command, /^enamel-station enrol --server 127\.0\.0\.1:8600 --code [0-9a-f]+@[0-9a-f]{64} --name /);
   await accessible(page, "a new enrolment code");
@@ -276,7 +276,7 @@ async function stations(world) {
 async function listedDevices(world) {
   const page = await signedIn(world, "admin", "/stations");
   await page.getByRole("button", { name: "Add a device…" }).click();
-  await page.getByLabel("Known by").fill("hid:1209:0001:B2");
+  await page.getByLabel("Device ID").fill("hid:1209:0001:B2");
   await page.getByLabel("Name", { exact: true }).fill("Chair 9");
   await accessible(page, "a device for graded work");
   await world.picture(page, "device");
@@ -328,14 +328,14 @@ async function whatAHandCanFeel(page) {
     .getByRole("table", { name: /strokes to and fro/ })
     .getByRole("row", { name: /Enamel, neighbour/ });
   await enamel.getByText("Device too weak").first().waitFor();
-  await card.getByLabel("One steady cut").check();
+  await card.getByLabel("Steady cut").check();
   await card
-    .getByRole("table", { name: /a steady cut/ })
+    .getByRole("table", { name: /steady cut/ })
     .getByRole("row", { name: /Dentin/ })
     .getByText("Right, but late")
     .first()
     .waitFor();
-  await card.getByText("A hand can tell the two apart in").waitFor();
+  await card.getByText("A hand feels a difference between the two in").waitFor();
   await card
     .getByRole("table", { name: "Where Phantom Desktop and Omega 6 feel different" })
     .getByRole("row", { name: /Dentin/ })
@@ -349,7 +349,7 @@ async function whatAHandCanFeel(page) {
 async function feltNarrowAndDark(world) {
   for (const [colorScheme, width] of looks(["dark", 390], ["light", 390], ["dark", 1280], ["light", 1280])) {
     const page = await signedIn(world, "admin", "/profiles/phantom_desktop", { width, height: 844, colorScheme });
-    await page.getByText("A hand can tell the two apart in").waitFor();
+    await page.getByText("A hand feels a difference between the two in").waitFor();
     await world.picture(page.getByRole("region", { name: "What a hand can feel" }), `feel_${colorScheme}_${width}`);
     assert.ok(
       await page.evaluate(() => document.documentElement.scrollWidth <= document.documentElement.clientWidth),
@@ -374,12 +374,12 @@ async function jobsAndAudit(world) {
   await page.getByRole("button", { name: "Search" }).click();
   await page.getByText("Nobody has this login.").waitFor();
   await page.getByLabel("Who (login)").fill("admin");
-  await page.getByLabel("What").fill("person.");
+  await page.getByLabel("Action").fill("person.");
   await page.getByRole("button", { name: "Search" }).click();
   await page.waitForURL(/action=person/);
   await page.getByRole("row").filter({ hasText: "released the score of" }).first().waitFor({ state: "detached" });
   await page.getByRole("link", { name: "Admin One" }).nth(1).waitFor();
-  const file = await downloaded(page, () => page.getByRole("button", { name: "Save what is shown as CSV" }).click());
+  const file = await downloaded(page, () => page.getByRole("button", { name: "Save these entries as CSV" }).click());
   assert.ok(
     file.text
       .split("\r\n")

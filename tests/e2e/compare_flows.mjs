@@ -25,7 +25,7 @@ async function beside(world) {
   await page.locator(".other-time", { hasText: "0:30.0" }).waitFor();
   await page.getByRole("button", { name: "Occlusal", exact: true }).click();
   // Both are the mock's one attempt: from the same side, at the same moment they look alike.
-  await page.getByLabel("The other’s moment").selectOption("removed");
+  await page.getByLabel("Moment of the other attempt").selectOption("removed");
   await page.locator(".other-time", { hasText: /0:(29|30)\.\d/ }).waitFor();
   await accessible(page, "two attempts");
   await world.picture(page, "beside");
@@ -139,11 +139,11 @@ async function onTop(world) {
     await putOnTop(page, "000000000201");
     await page.locator(".other-time", { hasText: "0:20.0" }).waitFor();
     await toothPixelsBecome(page, "slower, on top", isTinted, (count) => count > before + 1000);
-    await page.getByRole("application", { name: /The other attempt lies over it/ }).waitFor();
+    await page.getByRole("application", { name: /The other attempt is drawn on top/ }).waitFor();
     await barFits(page, height);
     await accessible(page, `another attempt on top at ${width}`);
     await world.picture(page, `on_top_${width}`);
-    await page.getByLabel("The other’s moment").selectOption({ label: "The same place on the way" });
+    await page.getByLabel("Moment of the other attempt").selectOption({ label: "At the same place" });
     // (20 / 43.2)^(1 / 1.5) of 43.2 s.
     await page.locator(".other-time", { hasText: /^0:2(5\.[7-9]|6\.0)$/ }).waitFor();
     await toothPixelsBecome(page, "at the same place", isTinted, same);
@@ -153,7 +153,7 @@ async function onTop(world) {
     await page.getByRole("button", { name: "Lingual", exact: true }).click();
     await toothPixelsBecome(page, "alike, cut open", isTinted, same);
     const cutAlike = await toothPixels(page, isTinted);
-    await page.getByLabel("The other’s moment").selectOption("time");
+    await page.getByLabel("Moment of the other attempt").selectOption("time");
     await toothPixelsBecome(page, "cut open", isTinted, (count) => count > cutAlike + 180);
     await world.picture(page, `on_top_section_${width}`);
     await page.getByLabel("Section", { exact: true }).selectOption("");

@@ -23,7 +23,7 @@ async function wrongPassword(world) {
   await signIn(page, { login: world.logins.student.login, password: "not this one" });
   const alert = page.getByRole("alert");
   await alert.waitFor();
-  assert.match(await alert.innerText(), /Login and password do not belong together/);
+  assert.match(await alert.innerText(), /Wrong login or password/);
   assert.equal(await page.getByLabel("Login").inputValue(), world.logins.student.login);
   await accessible(page, "sign-in with an error");
   await signIn(page, world.logins.student);
@@ -52,7 +52,7 @@ async function studentLooksAround(world) {
   await page.locator("main article").first().waitFor();
   await accessible(page, "exercises");
   await page.locator("main article a").first().click();
-  await page.getByRole("heading", { level: 2, name: "What is asked" }).waitFor();
+  await page.getByRole("heading", { level: 2, name: "Task" }).waitFor();
   assert.match(await page.getByRole("main").innerText(), /Depth\s+[\d.]+\smm/);
   await accessible(page, "an exercise");
   await page.getByRole("link", { name: "My attempts" }).click();
@@ -65,7 +65,7 @@ async function studentLooksAround(world) {
 async function foreignAttempt(world) {
   const page = await signedIn(world, "student", `/attempts/${world.foreignAttempt}`);
   await page.getByRole("heading", { level: 1, name: "Attempt" }).waitFor();
-  assert.match(await page.getByRole("alert").innerText(), /There is no such attempt for you/);
+  assert.match(await page.getByRole("alert").innerText(), /Attempt not found/);
   await accessible(page, "a missing attempt");
 }
 

@@ -19,7 +19,7 @@ const namesIn = (page) => page.locator("table.grading tbody th").allInnerTexts()
 
 async function grading(world) {
   const page = await signedIn(world, "instructor", "/grading");
-  await page.getByText("What is to be graded?").waitFor();
+  await page.getByText("Choose what to grade").waitFor();
   await page.locator("main").getByRole("link", { name: "assignments" }).click();
   await page.getByRole("link", { name: "Grade Occlusal cavity, class I" }).click();
   await page.locator("table.grading .lost-much").first().waitFor();
@@ -37,15 +37,15 @@ async function grading(world) {
   await page.getByText(`${at + 1} of ${names.length}`, { exact: true }).waitFor();
   await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
   await page.getByLabel(/New remark/).fill("Keep the wall upright.");
-  await page.getByRole("button", { name: "Keep this comment" }).click();
+  await page.getByRole("button", { name: "Save this text" }).click();
   await page.getByRole("button", { name: "Add remark" }).click();
   await page.locator(".annotation", { hasText: "Keep the wall upright." }).waitFor();
   await accessible(page, "an attempt of the list");
   const here = page.url().split("/").at(-1);
-  await page.getByRole("button", { name: "Release and next" }).click();
+  await page.getByRole("button", { name: "Release, then next" }).click();
   await page.getByText(`${at + 2} of ${names.length}`, { exact: true }).waitFor();
   assert.equal(world.mock.attempts.find((row) => row.id === here).released, true);
-  await page.getByText("Kept comments (1)").click();
+  await page.getByText("Saved texts (1)").click();
   await page.getByRole("button", { name: "Keep the wall upright.", exact: true }).click();
   assert.equal(await page.getByLabel(/New remark/).inputValue(), "Keep the wall upright.");
   await page.getByRole("link", { name: "Previous", exact: true }).click();
@@ -58,7 +58,7 @@ async function bulkRelease(world) {
   const page = await signedIn(world, "instructor", gradingPath);
   await page.locator("table.grading .lost-much").first().waitFor();
   const before = world.mock.attempts.filter((row) => row.released).length;
-  await page.getByLabel("Choose all that are shown").check();
+  await page.getByLabel("Select all shown").check();
   const button = page.getByRole("button", { name: /^Release \d+$/ });
   const count = Number((await button.innerText()).split(" ")[1]);
   assert.ok(count > 5);
@@ -67,18 +67,18 @@ async function bulkRelease(world) {
   assert.equal(world.mock.attempts.filter((row) => row.released).length, before + count);
   await accessible(page, "after releasing several");
   await page.getByRole("button", { name: "Undo" }).click();
-  await page.getByText(`${count} releases taken back.`).waitFor();
+  await page.getByText(`${count} releases withdrawn.`).waitFor();
   assert.equal(world.mock.attempts.filter((row) => row.released).length, before);
 }
 
 async function bulkUndo(world) {
   const page = await signedIn(world, "instructor", gradingPath);
   await page.locator("table.grading .lost-much").first().waitFor();
-  await page.getByLabel("Choose all that are shown").check();
+  await page.getByLabel("Select all shown").check();
   const excused = () => world.mock.attempts.filter((row) => row.flags.includes("excused")).length;
   const before = excused();
   await page.getByRole("button", { name: "Excuse…" }).click();
-  await page.getByLabel("Why they do not count").fill("The power failed.");
+  await page.getByLabel("Why these attempts do not count").fill("The power failed.");
   await page.getByRole("button", { name: "Excuse", exact: true }).click();
   const told = await page.getByText(/^\d+ attempts excused\.$/).innerText();
   const count = Number(told.split(" ")[0]);
@@ -92,14 +92,14 @@ async function bulkUndo(world) {
       .map((row) => row.id)
       .sort();
   const settled = scored();
-  await page.getByLabel("Choose all that are shown").check();
-  await page.getByRole("button", { name: "Score again…" }).click();
-  await page.getByRole("button", { name: "Score again", exact: true }).click();
-  await page.getByText(/^\d+ attempts to be scored again\.$/).waitFor();
+  await page.getByLabel("Select all shown").check();
+  await page.getByRole("button", { name: "Rescore…" }).click();
+  await page.getByRole("button", { name: "Rescore", exact: true }).click();
+  await page.getByText(/^\d+ attempts are waiting to be rescored\.$/).waitFor();
   assert.ok(scored().length < settled.length);
   await accessible(page, "after asking for scores");
   await page.getByRole("button", { name: "Undo" }).click();
-  await page.getByText(/^The earlier score of \d+ attempts counts again\.$/).waitFor();
+  await page.getByText(/^The earlier scores of \d+ attempts count again\.$/).waitFor();
   assert.deepEqual(scored(), settled);
 }
 
@@ -107,12 +107,12 @@ async function gradingByKeys(world) {
   const page = await signedIn(world, "instructor", gradingPath);
   await page.locator("table.grading .lost-much").first().waitFor();
   await page.keyboard.press("?");
-  await page.getByRole("dialog").getByText("Search a name").waitFor();
+  await page.getByRole("dialog").getByText("Search by name").waitFor();
   await accessible(page, "the list of keys");
   await page.keyboard.press("Escape");
   await page.getByRole("dialog").waitFor({ state: "detached" }); // while it is open, keys are its own
   for (const key of ["j", "j", "x"]) await page.keyboard.press(key);
-  await page.getByText("1 attempt chosen:").waitFor();
+  await page.getByText("1 attempt selected:").waitFor();
   await page.keyboard.press("o");
   await page.getByText(/^2 of \d+$/).waitFor();
   await page.getByRole("heading", { name: "Remarks" }).waitFor();
@@ -130,26 +130,26 @@ async function gradingByKeys(world) {
 async function releaseTakenBack(world) {
   const page = await signedIn(world, "instructor", gradingPath);
   await page.locator("table.grading .lost-much").first().waitFor();
-  const row = () => page.locator("table.grading tbody tr", { hasText: "Waits" });
+  const row = () => page.locator("table.grading tbody tr", { hasText: "To release" });
   const released = (own) => world.mock.attempts.find((each) => each.id === own).released;
   // With another one after it.
   const own = await row().first().getAttribute("data-id");
   await row().first().locator("th a").click();
-  await page.getByRole("button", { name: "Release and next" }).waitFor();
+  await page.getByRole("button", { name: "Release, then next" }).waitFor();
   const of = Number(/^(\d+) of/.exec(await page.locator(".queue span").first().innerText())[1]);
   await page.keyboard.press("r");
   await page.getByText(new RegExp(`^${of + 1} of \\d+$`)).waitFor();
-  await page.getByText("can see the score now.").waitFor();
+  await page.getByText("can now see the score.").waitFor();
   assert.equal(released(own), true);
   await page.getByRole("heading", { name: "Remarks" }).waitFor();
   await accessible(page, "an attempt after a release");
   await world.picture(page, "released_undo");
   await page.keyboard.press("?");
-  await page.getByRole("dialog").getByText("Take release back", { exact: true }).waitFor();
+  await page.getByRole("dialog").getByText("Withdraw release", { exact: true }).waitFor();
   await page.keyboard.press("Escape");
   await page.getByRole("dialog").waitFor({ state: "detached" });
   await page.keyboard.press("w");
-  await page.getByText("does not see the score any more.").waitFor();
+  await page.getByText("can no longer see the score.").waitFor();
   assert.equal(released(own), false);
   await page.getByText(new RegExp(`^${of + 1} of \\d+$`)).waitFor();
   // The last one of the list: back there.
@@ -161,24 +161,24 @@ async function releaseTakenBack(world) {
   await page.getByLabel("Student", { exact: true }).fill("Zoe Alone");
   await row().first().locator("th a").click();
   await page.getByText("1 of 1", { exact: true }).waitFor();
-  await page.getByRole("button", { name: "Release and next" }).waitFor();
+  await page.getByRole("button", { name: "Release, then next" }).waitFor();
   await page.keyboard.press("r");
   await page.locator("table.grading").waitFor();
-  await page.getByText("can see the score now.").waitFor();
+  await page.getByText("can now see the score.").waitFor();
   assert.equal(released(last), true);
   await accessible(page, "the list after a release");
-  await page.getByRole("button", { name: "Take release back" }).click();
-  await page.getByText("does not see the score any more.").waitFor();
+  await page.getByRole("button", { name: "Withdraw release" }).click();
+  await page.getByText("can no longer see the score.").waitFor();
   assert.equal(released(last), false);
 }
 
 async function nearAnother(world) {
   const page = await signedIn(world, "instructor", `/attempts/${id(606)}`);
-  const card = page.locator(".card", { hasText: "It proves nothing and costs no points" });
+  const card = page.locator(".card", { hasText: "This proves nothing and costs no points" });
   await card.waitFor();
   assert.match(
     await card.innerText(),
-    /within 0\.02\s?mm of how it went in an earlier attempt of .+\. Of 12 motions .+ 0\.94\s?mm away/,
+    /within 0\.02\s?mm of its path in an earlier attempt by .+ to 12 motions .+ is 0\.94\s?mm/,
   );
   await accessible(page, "a motion near another's");
   await card.scrollIntoViewIfNeeded();
@@ -191,7 +191,7 @@ async function narrow(world) {
   const page = await signedIn(world, "instructor", "/attempts");
   const rows = page.locator("tbody tr");
   await rows.first().waitFor();
-  await page.getByLabel("State").selectOption({ label: "Quarantined" });
+  await page.getByLabel("State").selectOption({ label: "Set aside" });
   await page.waitForURL(/state=quarantined/);
   await page.waitForFunction(() => document.querySelectorAll("tbody tr").length === 1);
   await page.getByLabel("State").selectOption({ label: "Any" });

@@ -6,7 +6,7 @@ import { accessible, downloaded, looks, signedIn } from "./session.mjs";
 
 export const insightFlows = [
   {
-    name: "an assignment says who has not begun, the commonest error, and who is far from the class",
+    name: "an assignment says who has not begun, the most common problem, and who is far from the class",
     run: classInsight,
   },
   { name: "what is wrong with the server is said first, with what to do", run: serverHealth },
@@ -42,7 +42,7 @@ async function pictures(world, page, name) {
 async function classInsight(world) {
   const page = await signedIn(world, "instructor", `/assignments/${id(500)}`);
   const card = page.getByRole("region", { name: "The class" });
-  await card.getByText("Most went wrong on").waitFor();
+  await card.getByText("Most common problem:").waitFor();
   assert.match(await card.locator(".facts").innerText(), /Not started\s+\d+ of \d+/);
   const waiting = card.getByRole("region", { name: "Not started" });
   assert.equal(
@@ -51,9 +51,9 @@ async function classInsight(world) {
   );
   await card
     .getByRole("region", { name: "Far from the class" })
-    .getByText(/Time in all attempts .* the class/)
+    .getByText(/Time in all attempts .* class/)
     .waitFor();
-  await card.getByRole("region", { name: "Those who teach" }).getByText("Instructor One").waitFor();
+  await card.getByRole("region", { name: "Teaching staff" }).getByText("Instructor One").waitFor();
   await accessible(page, "the class of an assignment");
   const file = await downloaded(page, () => card.getByRole("button", { name: "Save as CSV" }).click());
   assert.match(
@@ -85,14 +85,14 @@ async function serverHealth(world) {
     standby: "behind",
     recordings: { open: 4, late: [{ attempt_id: id(110), station_id: id(30), silent_ms: 190_000 }] },
   };
-  await page.getByText("Recordings are not taken").waitFor({ timeout: 15_000 });
+  await page.getByText("Recordings are not accepted").waitFor({ timeout: 15_000 });
   assert.deepEqual(await page.locator(".notice-title").allInnerTexts(), [
-    "Recordings are not taken",
+    "Recordings are not accepted",
     "This server’s clock is wrong",
-    "Nothing comes from 1 attempt in progress",
-    "No standby is synchronous",
+    "No data from 1 attempt in progress",
+    "No synchronous standby",
     "2 jobs have failed",
-    "No backup was made yet",
+    "No backup has been made yet",
   ]);
   await accessible(page, "a server with trouble");
   await pictures(world, page, "health_trouble");
@@ -103,31 +103,31 @@ async function serverHealth(world) {
 async function editExercise(world) {
   const page = await signedIn(world, "admin", `/exercises/${id(20)}`);
   await page.getByRole("link", { name: "Edit as a new draft" }).click();
-  await page.getByRole("heading", { level: 1, name: /A new draft from Occlusal cavity/ }).waitFor();
-  await page.getByText("As saved").waitFor();
+  await page.getByRole("heading", { level: 1, name: /New draft from Occlusal cavity/ }).waitFor();
+  await page.getByText("No unsaved changes").waitFor();
   const title = page.getByLabel("Title", { exact: true });
   await title.fill("");
-  await page.getByText("Not right yet").first().waitFor();
+  await page.getByText("Has errors").first().waitFor();
   assert.equal(await title.getAttribute("aria-invalid"), "true");
-  assert.ok(await page.getByRole("button", { name: "Make the draft" }).isDisabled());
+  assert.ok(await page.getByRole("button", { name: "Create the draft" }).isDisabled());
   await accessible(page, "an exercise that is not right yet");
   await title.fill("Occlusal cavity, deeper");
-  await page.getByText("Right, not saved").waitFor();
+  await page.getByText("Valid, not saved").waitFor();
   await page.getByLabel("Depth (mm)").fill("2.5");
   await page
-    .getByRole("table", { name: "Changes against the published version" })
+    .getByRole("table", { name: "Changes from the published version" })
     .getByRole("row", { name: /Target, depth/ })
     .waitFor();
   const first = page.getByRole("group", { name: /^Criterion 1:/ });
   await first.getByLabel("Points", { exact: true }).fill("45");
-  await page.getByRole("button", { name: "Look at past attempts" }).click();
-  await page.getByText("Mean, now and then").waitFor();
+  await page.getByRole("button", { name: "Check past attempts" }).click();
+  await page.getByText("Mean score, now and new").waitFor();
   await accessible(page, "an edited exercise");
   await pictures(world, page, "exercise_editor");
   await page.setViewportSize({ width: 1280, height: 900 });
   await page.getByRole("button", { name: "Undo", exact: true }).click();
   assert.notEqual(await first.getByLabel("Points", { exact: true }).inputValue(), "45");
-  await page.getByText("The rubric was changed since. Look again.").waitFor();
+  await page.getByText("The rubric has changed since. Check again.").waitFor();
   await page.getByRole("button", { name: "Redo", exact: true }).click();
   assert.equal(await first.getByLabel("Points", { exact: true }).inputValue(), "45");
   await page.getByRole("button", { name: "Add a criterion" }).click();
@@ -140,33 +140,33 @@ async function editExercise(world) {
   await page.getByRole("button", { name: "Undo", exact: true }).click();
   // What was typed outlives the page.
   await page.reload();
-  await page.getByText("Your changes from before are here").waitFor();
+  await page.getByText("Unsaved changes restored").waitFor();
   assert.equal(await title.inputValue(), "Occlusal cavity, deeper");
-  await page.getByText("Right, not saved").waitFor();
-  await page.getByRole("button", { name: "Make the draft" }).click();
+  await page.getByText("Valid, not saved").waitFor();
+  await page.getByRole("button", { name: "Create the draft" }).click();
   await page.getByRole("heading", { level: 1, name: "Occlusal cavity, deeper" }).waitFor();
   const draft = world.mock.exercises.find((row) => row.title === "Occlusal cavity, deeper");
   assert.equal(world.mock.documents.get(draft.id).target.depth_um, 2500);
   assert.equal(world.mock.documents.get(draft.id).rubric.criteria[0].points, 45);
   await page.getByRole("link", { name: "Edit the draft" }).click();
-  await page.getByText("As saved").waitFor();
-  assert.equal(await page.getByText("Your changes from before are here").count(), 0);
+  await page.getByText("No unsaved changes").waitFor();
+  assert.equal(await page.getByText("Unsaved changes restored").count(), 0);
 }
 
 async function correctRubric(world) {
   const page = await signedIn(world, "admin", `/exercises/${id(20)}`);
   await page.getByRole("link", { name: "Correct the rubric" }).click();
-  await page.getByText("As saved").waitFor();
+  await page.getByText("No unsaved changes").waitFor();
   const publish = page.getByRole("button", { name: "Publish the correction" });
   const first = page.getByRole("group", { name: /^Criterion 1:/ });
-  await first.getByLabel("Share of the points (%)").first().fill("140");
+  await first.getByLabel("Share of points (%)").first().fill("140");
   await first.getByText("Enter a number from 0 to 100.").waitFor();
-  await first.getByLabel("Share of the points (%)").first().fill("90");
+  await first.getByLabel("Share of points (%)").first().fill("90");
   await wrongPoints(world, page, first, publish);
-  await page.getByText("Right, not saved").waitFor();
+  await page.getByText("Valid, not saved").waitFor();
   assert.ok(await publish.isDisabled(), "a correction has a reason");
   await page.getByLabel("Reason").fill("Colleagues found it too strict.");
-  await page.getByRole("button", { name: "Look at past attempts" }).click();
+  await page.getByRole("button", { name: "Check past attempts" }).click();
   await page.getByText("Would rise").waitFor();
   await accessible(page, "a rubric being corrected");
   await pictures(world, page, "rubric_editor");
@@ -177,7 +177,7 @@ async function correctRubric(world) {
   assert.equal(counts.document.criteria[0].map[0][1], 0.9);
   await page.goto(`/editor?rubric=${id(20)}`);
   await page.getByLabel("Compare with").selectOption("1");
-  await page.getByRole("table", { name: "Changes against the chosen version" }).waitFor();
+  await page.getByRole("table", { name: "Changes from the selected version" }).waitFor();
 }
 
 // A wrong number is reported at once, at its field and in words above; both disappear when it is
@@ -216,8 +216,8 @@ async function wrongPoints(world, page, criterion, publish) {
 
 async function editProfile(world) {
   const page = await signedIn(world, "admin", "/profiles/phantom_desktop");
-  await page.getByRole("link", { name: "Edit its numbers" }).click();
-  await page.getByText("As saved").waitFor();
+  await page.getByRole("link", { name: "Edit numbers" }).click();
+  await page.getByText("No unsaved changes").waitFor();
   await page.getByLabel("Coupling (mN/mm)", { exact: true }).fill("1900");
   await page.getByText("The server would refuse it").waitFor();
   await page.getByText("Not met").first().waitFor();
@@ -225,7 +225,7 @@ async function editProfile(world) {
   await accessible(page, "a profile that would be refused");
   await pictures(world, page, "profile_editor");
   await page.getByLabel("Coupling (mN/mm)", { exact: true }).fill("1100");
-  await page.getByText("Right, not saved").waitFor();
+  await page.getByText("Valid, not saved").waitFor();
   await page.getByRole("button", { name: "Save as version 3" }).click();
   await page.getByRole("heading", { level: 1, name: "Phantom Desktop" }).waitFor();
 }
@@ -242,29 +242,29 @@ async function firstAdmin(world) {
   });
   const page = await world.open({ width: 1280, height: 900 });
   await page.goto(`/first#${"cd".repeat(32)}`);
-  await page.getByRole("heading", { name: "The first admin" }).waitFor();
+  await page.getByRole("heading", { name: "First admin" }).waitFor();
   await accessible(page, "making the first admin");
   await pictures(world, page, "first_admin");
   await page.getByLabel("Name", { exact: true }).fill("Head of School");
   await page.getByLabel("Login").fill("head");
   await page.getByLabel("Password").fill("short one");
-  await page.getByRole("button", { name: "Make the account" }).click();
+  await page.getByRole("button", { name: "Create the account" }).click();
   await page.getByText("This link is not good any more.").waitFor();
   await page.goto("/");
   await page.goto(`/first#${"ab".repeat(32)}`);
   await page.getByLabel("Name", { exact: true }).fill("Head of School");
   await page.getByLabel("Login").fill("head");
   await page.getByLabel("Password").fill("short one");
-  await page.getByRole("button", { name: "Make the account" }).click();
+  await page.getByRole("button", { name: "Create the account" }).click();
   await page.getByText("this password is easy to guess").waitFor();
   await page.getByLabel("Password").fill("quite a long phrase of mine");
-  await page.getByRole("button", { name: "Make the account" }).click();
+  await page.getByRole("button", { name: "Create the account" }).click();
   await page.getByRole("heading", { level: 2, name: /First steps, \d of 6 done/ }).waitFor();
   assert.equal(new URL(page.url()).hash, "", "the token does not stay in the address");
   await accessible(page, "the first steps");
   await pictures(world, page, "first_steps");
   await page.getByLabel("Built-in tooth").selectOption("molar");
-  await page.getByRole("button", { name: "Put it" }).click();
+  await page.getByRole("button", { name: "Add it" }).click();
   await page.locator(".steps li", { hasText: "Teeth and exercises" }).getByText("done").waitFor();
 }
 
@@ -277,18 +277,18 @@ async function importTooth(world) {
     .setInputFiles({ name: "Crown.STL", mimeType: "model/stl", buffer: Buffer.alloc(700_000, "x") });
   await dialog.getByLabel("Name", { exact: true }).fill("Molar of the collection");
   await dialog.getByLabel("Tooth", { exact: true }).selectOption("46");
-  await dialog.getByLabel("Unit of its coordinates").selectOption("um");
+  await dialog.getByLabel("Unit of the coordinates").selectOption("um");
   await accessible(page, "importing a tooth");
   await dialog.getByRole("button", { name: "Import", exact: true }).click();
-  await dialog.getByText("No tooth can be made of this file").waitFor();
+  await dialog.getByText("This file cannot be turned into a tooth").waitFor();
   assert.match(await dialog.getByRole("alert").innerText(), /found 0\.01 mm with unit um; in mm it is 11\.2 mm/);
   await accessible(page, "a mesh that is refused");
   await pictures(world, page, "tooth_refused");
-  await dialog.getByLabel("Unit of its coordinates").selectOption("mm");
+  await dialog.getByLabel("Unit of the coordinates").selectOption("mm");
   await dialog.getByRole("button", { name: "Import", exact: true }).click();
   await dialog.getByText("Filling the volume").waitFor();
   await pictures(world, page, "tooth_import");
-  await dialog.getByText("2 exercises published, assigned to nobody yet.").waitFor();
+  await dialog.getByText("2 exercises published, not assigned to anybody yet.").waitFor();
   await dialog.getByText("size 11.21 x 10.02 x 7.35 mm").waitFor();
   await accessible(page, "a tooth that was imported");
   assert.equal(world.mock.imports.at(-1).received, 700_000);

@@ -67,7 +67,7 @@ async function marksOnTheTime(world) {
     await page.keyboard.press("x");
     await page.waitForFunction(() => document.querySelector(".playback").dataset.shown !== "0");
     await page.keyboard.press("?");
-    assert.match(await page.getByRole("dialog").innerText(), /To the next fault or stroke that lost points/);
+    assert.match(await page.getByRole("dialog").innerText(), /Next fault, or stroke that lost points/);
     await page.keyboard.press("Escape");
     await accessible(page, `marks on the time at ${width}`);
     await world.picture(page, `marks_${width}`);
@@ -90,7 +90,7 @@ async function plotZooms(world) {
   assert.deepEqual(await range(), all);
   await page.locator("body").click({ position: { x: 5, y: 300 } });
   await page.keyboard.press("i");
-  await page.getByText(/^Shown: 0:0\d\.\d to 0:3\d\.\d\./).waitFor();
+  await page.getByText(/^Showing 0:0\d\.\d to 0:3\d\.\d\./).waitFor();
   const once = await range();
   assert.ok(once[0] > all[0] && once[1] < all[1], `after a key: ${once}`);
   await over.click();
@@ -122,10 +122,10 @@ async function plotZooms(world) {
     () => document.querySelector("#timeline").min === "0" && document.querySelector("#timeline").value === "0",
   );
   await over.dblclick();
-  await page.getByText(/^Shown: /).waitFor({ state: "detached" });
+  await page.getByText(/^Showing /).waitFor({ state: "detached" });
   assert.deepEqual(await range(), all);
   await page.keyboard.press("?");
-  assert.match(await page.getByRole("dialog").innerText(), /See less of the time/);
+  assert.match(await page.getByRole("dialog").innerText(), /Zoom in on the timeline/);
 }
 
 // More plots on the same axis, with the same cursor.
@@ -136,9 +136,7 @@ async function secondPlot(world) {
     await page.locator(".plot canvas").waitFor();
     await page.locator("body").click({ position: { x: 5, y: 300 } });
     await page.keyboard.press("v");
-    const second = page.getByRole("img", {
-      name: /^More over time: speed of the tip, enamel removed, dentin removed/i,
-    });
+    const second = page.getByRole("img", { name: /^Also over time: tip speed, enamel removed, dentin removed/i });
     await second.locator("canvas").waitFor();
     await page.locator(".readout").getByText("Dentin removed").waitFor();
     const [one, other] = [
@@ -161,7 +159,7 @@ async function secondPlot(world) {
     );
     assert.equal((await cursors()).length, 3);
     await page
-      .getByRole("img", { name: /^More over time: depth of the tip, distance to the pulp/i })
+      .getByRole("img", { name: /^Also over time: tip depth, distance to the pulp/i })
       .locator("canvas")
       .waitFor();
     await page.locator(".readout").getByText("Distance to the pulp").waitFor();
@@ -220,7 +218,7 @@ async function tickByTick(world) {
   assert.deepEqual(asked, [], "all of it needs no ticks");
   await page.locator("body").click({ position: { x: 5, y: 300 } });
   for (let i = 0; i < 12; ++i) await page.keyboard.press("i");
-  await page.getByText(/^Shown: 0:(19|20)\.\d\d to 0:20\.\d\d, tick by tick\./).waitFor();
+  await page.getByText(/^Showing 0:(19|20)\.\d\d to 0:20\.\d\d, tick by tick\./).waitFor();
   await page
     .getByRole("img", { name: /tick by tick\.$/ })
     .locator("canvas")
@@ -249,7 +247,7 @@ async function tickByTick(world) {
   await accessible(page, "a plot tick by tick");
   await world.picture(page, "ticks");
   await over.dblclick();
-  await page.getByText(/^Shown: /).waitFor({ state: "detached" });
+  await page.getByText(/^Showing /).waitFor({ state: "detached" });
 }
 
 // A link's moment is opened once, also where the playback fails after the plots are there. Data

@@ -72,10 +72,10 @@ async function lostPointLeadsToItsMoment(world) {
   const page = await openScoredAttempt(world);
   const slider = page.getByRole("slider", { name: /moment|time/i }).first();
   const before = await slider.inputValue();
-  await page.getByRole("button", { name: /too much, first at 0:21.4; mostly stroke 7 and 2 more/ }).click();
+  await page.getByRole("button", { name: /too much, from 0:21.4; mostly stroke 7 and 2 more/ }).click();
   assert.notEqual(await slider.inputValue(), before, "the timeline moves");
-  await page.getByRole("heading", { name: "Among 3 dentists" }).waitFor();
-  await page.getByText(/Nearest is the cut of Dentist One/).waitFor();
+  await page.getByRole("heading", { name: "Compared with 3 dentists" }).waitFor();
+  await page.getByText(/The closest cut is by Dentist One/).waitFor();
   await accessible(page, "an attempt among dentists");
   await world.picture(page, "lost_point", { fullPage: true });
 }
@@ -108,7 +108,7 @@ async function oneTimeAxis(world) {
     await page.locator(".plot canvas").waitFor();
     const slider = page.getByLabel("Time in the attempt");
     const centre = ({ x, width: wide }) => x + wide / 2;
-    for (const mark of await page.getByRole("group", { name: "Remarks along the time" }).getByRole("button").all()) {
+    for (const mark of await page.getByRole("group", { name: "Remarks on the timeline" }).getByRole("button").all()) {
       await mark.click();
       const at = centre(await page.locator(".plot-cursor").boundingBox());
       const thumb = (await slider.boundingBox()).x + thumbIn(await slider.screenshot());
@@ -181,11 +181,11 @@ async function playbackKeys(world) {
   await page.keyboard.press("l");
   await at(199);
   await page.keyboard.press("]");
-  await page.getByText("Played again from 0:14.9 to 0:19.9").waitFor({ state: "attached" });
-  await page.getByText("Figures of 0:14.9 to 0:19.9").click();
+  await page.getByText("Repeating 0:14.9 to 0:19.9").waitFor({ state: "attached" });
+  await page.getByText("Figures for 0:14.9 to 0:19.9").click();
   await page.getByRole("columnheader", { name: "95 % below" }).waitFor();
   const saved = page.waitForEvent("download");
-  await page.getByRole("button", { name: "Save this part as CSV" }).click();
+  await page.getByRole("button", { name: "Save this range as CSV" }).click();
   assert.match((await saved).suggestedFilename(), /^attempt_0_14\.9_to_0_19\.9\.csv$/);
   await accessible(page, "a loop");
   await world.picture(page, "loop");
@@ -202,8 +202,8 @@ async function playbackKeys(world) {
   for (const what of [
     "Play and pause",
     "5 seconds back",
-    "One frame on",
-    "Play again from here (A)",
+    "One frame forward",
+    "Repeat from here (A)",
     "Faster",
     "To the end",
   ])
@@ -219,7 +219,7 @@ async function playbackKeys(world) {
 
 async function momentBeyondTheEnd(world) {
   const page = await signedIn(world, "student", `/attempts/${id(105)}?t=90`);
-  await page.getByText("The address names 1:30.0, but the attempt ends at 0:43.2: its end is shown.").waitFor();
+  await page.getByText("The link points to 1:30.0, but the attempt ends at 0:43.2. Showing the end.").waitFor();
   await page.locator('.playback[data-shown="432"]').waitFor();
   await accessible(page, "a moment beyond the end");
 }
@@ -244,7 +244,7 @@ async function section(world) {
     await page.getByLabel("Section", { exact: true }).selectOption(across);
     const cut = await picture();
     assert.ok(differing(whole, cut) > 0.02, `the ${name} section shows`);
-    await page.getByLabel("Place of the section").fill("25");
+    await page.getByLabel("Position of the section").fill("25");
     assert.ok(differing(cut, await picture()) > 0.005, `the ${name} section moves`);
     await world.picture(page, `section_${across}`);
   }
@@ -268,7 +268,7 @@ async function oneViewport(world) {
     await page.mouse.move(200, height / 2);
     await page.mouse.wheel(0, 250);
     await page.waitForFunction(() => window.scrollY > 100);
-    await page.getByRole("button", { name: /too much, first at/ }).click();
+    await page.getByRole("button", { name: /too much, from/ }).click();
     const tooth = await page.locator(".tooth-frame").boundingBox();
     assert.ok(tooth.y >= 0 && tooth.y + tooth.height <= height, "the tooth is in view");
     await world.picture(page, `one_viewport_${width}`);
@@ -334,13 +334,13 @@ async function toothByKeyboard(world) {
   assert.match(await timeline.getAttribute("aria-valuetext"), /^\d+:\d\d\.\d, .*largest force.*\sN/i);
   assert.ok(!(await canvas.screenshot()).equals(occlusal), "the tool appears at the tooth");
 
-  await page.getByText("The same as a table").click();
+  await page.getByText("Show as a table").click();
   assert.ok((await page.getByRole("group", { name: "Force and removal as a table" }).locator("tbody tr").count()) > 10);
   await page.getByText("Deviation in numbers").click();
-  await page.getByText("Of the surface that was cut", { exact: false }).first().waitFor();
+  await page.getByText("Of the cut surface", { exact: false }).first().waitFor();
   assert.match(
     await page.getByRole("main").innerText(),
-    /Of the surface that was cut, \d+ % lies within 0\.\d+\smm of the reference/,
+    /Of the cut surface, \d+ % is within 0\.\d+\smm of the reference/,
   );
   await accessible(page, "an attempt with its tables open");
 }
@@ -359,7 +359,7 @@ async function playsBack(world) {
   await page.locator('.playback[data-shown="0"]').waitFor();
   const start = await canvas.screenshot();
   assert.ok(!start.equals(end), "the tooth is the one before");
-  await bar.getByRole("button", { name: "One frame on" }).click();
+  await bar.getByRole("button", { name: "One frame forward" }).click();
   await page.waitForFunction(() => document.querySelector(".playback-time").innerText === "0:00.1");
   await position.fill("300");
   await page.locator('.playback[data-shown="300"]').waitFor();
@@ -433,9 +433,9 @@ async function markReference(world) {
   await page.getByLabel("The dentist agrees").check();
   await mark.click();
   await page.getByText("cannot be what others are compared with", { exact: false }).waitFor();
-  const anyway = page.getByRole("button", { name: "Mark as reference all the same" });
+  const anyway = page.getByRole("button", { name: "Mark as reference anyway" });
   assert.equal(await anyway.isDisabled(), true, "not without a reason");
-  await page.getByLabel("Why all the same").fill("The gap is before the first stroke");
+  await page.getByLabel("Reason for going ahead").fill("The gap is before the first stroke");
   await accessible(page, "a reason for a reference");
   await world.picture(page, "reference_anyway", { fullPage: true });
   await anyway.click();
@@ -445,8 +445,8 @@ async function markReference(world) {
 async function disturbedRecording(world) {
   const page = await signedIn(world, "instructor", `/attempts/${id(104)}`);
   // The score, which says whether the replay agreed, comes after the attempt itself.
-  await page.getByText("does not repeat what the station recorded", { exact: false }).first().waitFor();
+  await page.getByText("does not match the station’s recording", { exact: false }).first().waitFor();
   const text = await page.getByRole("region", { name: "Recording" }).innerText();
-  assert.match(text, /412 ticks .* were not recorded/);
-  assert.match(text, /does not repeat what the station recorded: the state after chunk 12 differs/);
+  assert.match(text, /Not recorded: 412 ticks/);
+  assert.match(text, /does not match the station’s recording: the state after chunk 12 differs/);
 }

@@ -38,7 +38,7 @@ async function exerciseLife(world) {
     JSON.stringify({ ...kDocument, rubric: { ...kDocument.rubric, criteria: [] } }),
   );
   await page.getByRole("button", { name: "Add", exact: true }).click();
-  await page.getByText("The document is not right").waitFor();
+  await page.getByText("The document has errors").waitFor();
   assert.match(await page.getByRole("alert").innerText(), /rubric\.criteria: expected/);
   await accessible(page, "a refused document");
   await chooseFile(page, "Exercise document (JSON)", "new.json", JSON.stringify(kDocument));
@@ -46,7 +46,7 @@ async function exerciseLife(world) {
   await page.getByRole("heading", { level: 1, name: "A new cavity" }).waitFor();
   await page.getByRole("button", { name: "Publish…" }).click();
   await page.getByRole("button", { name: "Publish", exact: true }).click();
-  await page.getByText("Published. It can be assigned now.").waitFor();
+  await page.getByText("Published. It can now be assigned.").waitFor();
   const published = page.url();
   await page.goto("/assignments");
   await page.getByRole("button", { name: "Assign an exercise…" }).click();
@@ -59,7 +59,7 @@ async function exerciseLife(world) {
   await page.getByRole("button", { name: "Retire…" }).click();
   await page.getByRole("button", { name: "Retire", exact: true }).click();
   await page.locator(".badge", { hasText: "Retired" }).first().waitFor();
-  await page.getByRole("navigation", { name: "Where you are" }).getByRole("link").click();
+  await page.getByRole("navigation", { name: "You are here" }).getByRole("link").click();
   await page.getByLabel("Retired").check();
   await page.getByRole("link", { name: "A new cavity" }).waitFor();
 }
@@ -71,10 +71,10 @@ async function assignmentLife(world) {
   await dialog.getByLabel("Exercise").selectOption({ label: "Class II cavity, mesial box" });
   await dialog.getByLabel("Cohort").selectOption({ label: "Preclinic, second term" });
   await dialog.getByLabel("Due").fill("2020-03-09T09:00");
-  await dialog.getByText("This time has passed: nobody could begin any more.").waitFor();
+  await dialog.getByText("This time has passed, so nobody could start.").waitFor();
   await dialog.getByLabel("Opens").fill("2027-03-10T09:00");
   await dialog.getByLabel("Due").fill("2027-03-09T09:00");
-  await dialog.getByText("Expected a time after the opening.").waitFor();
+  await dialog.getByText("Choose a time after the assignment opens.").waitFor();
   await dialog.getByRole("checkbox", { name: "Exam" }).check();
   await dialog.getByRole("checkbox", { name: "Station 3" }).check();
   await accessible(page, "a new assignment");
@@ -89,15 +89,15 @@ async function assignmentLife(world) {
   assert.equal(made.stations.length, 1);
 
   Object.assign(made, { attempt_limit: 7, revision: made.revision + 1 });
-  await page.getByLabel("Attempts for each student").fill("2");
+  await page.getByLabel("Attempts per student").fill("2");
   await page.getByRole("button", { name: "Save" }).click();
-  await page.getByText("Somebody changed it meanwhile").waitFor();
+  await page.getByText("Somebody else has changed this").waitFor();
   assert.match(
-    await page.getByRole("table", { name: "What differs" }).innerText(),
+    await page.getByRole("table", { name: "Differences" }).innerText(),
     /Attempts\s+7 attempts\s+2 attempts/,
   );
-  await page.getByRole("button", { name: "Take the newer values" }).click();
-  assert.equal(await page.getByLabel("Attempts for each student").inputValue(), "7");
+  await page.getByRole("button", { name: "Use their version" }).click();
+  assert.equal(await page.getByLabel("Attempts per student").inputValue(), "7");
   await page.getByRole("button", { name: "Delete the assignment…" }).click();
   await page.getByRole("button", { name: "Delete", exact: true }).click();
   await page.getByRole("heading", { level: 1, name: "Assignments" }).waitFor();
@@ -110,10 +110,10 @@ async function assignmentLife(world) {
   world.mock.exercises.push({ ...first, id: id(990), version: first.version + 1 });
   await page.getByRole("link", { name: "Occlusal cavity, class I", exact: true }).click();
   await page.getByRole("button", { name: `Move to version ${first.version + 1}…` }).click();
-  await page.getByText(/attempts made with another version keep it/).waitFor();
+  await page.getByText(/attempts made with other versions keep their versions/).waitFor();
   await accessible(page, "moving an assignment");
   await page.getByRole("button", { name: "Move", exact: true }).click();
-  await page.getByRole("link", { name: `The exercise, version ${first.version + 1}` }).waitFor();
+  await page.getByRole("link", { name: `Exercise, version ${first.version + 1}` }).waitFor();
   assert.equal(running.version.id, id(990));
   await page.getByRole("button", { name: "Release all scores…" }).click();
   await page.getByRole("button", { name: "Release all", exact: true }).click();
@@ -146,7 +146,7 @@ async function remarks(world) {
     `a point on the tooth, found ${made.point_um}`,
   );
 
-  await page.getByRole("button", { name: "Point at the tool" }).click();
+  await page.getByRole("button", { name: "Use the tool’s position" }).click();
   await page.getByLabel(/New remark/).fill("And where the tool is.");
   await page.getByRole("button", { name: "Add remark" }).click();
   await page.getByText("And where the tool is.").waitFor();
@@ -164,10 +164,13 @@ async function remarks(world) {
   const student = await signedIn(world, "student", path);
   await student.getByText("Look at this very place.").waitFor();
   assert.equal(await student.getByRole("button", { name: "Add remark" }).count(), 0);
-  assert.match(await student.locator(".annotation", { hasText: "Good light touch" }).innerText(), /said at the chair/);
-  assert.equal(await student.getByText("said at the chair").count(), 1);
+  assert.match(
+    await student.locator(".annotation", { hasText: "Good light touch" }).innerText(),
+    /sent to the station/,
+  );
+  assert.equal(await student.getByText("sent to the station").count(), 1);
   await student
-    .getByRole("group", { name: "Remarks along the time" })
+    .getByRole("group", { name: "Remarks on the timeline" })
     .getByRole("button", { name: "Remark 2" })
     .click();
   assert.equal(await student.getByLabel("Time in the attempt").inputValue(), "500");
@@ -230,8 +233,8 @@ async function remarksByKeys(world) {
 
 async function override(world) {
   const page = await signedIn(world, "instructor", `/attempts/${id(120)}`);
-  await page.getByRole("button", { name: "Set another score…" }).click();
-  const field = page.getByLabel("Score that counts, 0 to 100");
+  await page.getByRole("button", { name: "Override score…" }).click();
+  const field = page.getByLabel("New score, 0 to 100");
   assert.equal(await field.inputValue(), "71.4");
   assert.equal(await field.evaluate((input) => input.checkValidity()), true, "what the field begins with may be sent");
   await field.fill("88.5");
@@ -244,8 +247,8 @@ async function override(world) {
   await world.picture(page, "override", { fullPage: true });
   const student = await signedIn(world, "student", `/attempts/${id(120)}`);
   await student.getByText("The lesion reached the mesial wall.").waitFor();
-  await page.getByRole("button", { name: "Remove the set score…" }).click();
-  await page.getByRole("button", { name: "Remove the set score", exact: true }).click();
+  await page.getByRole("button", { name: "Remove override…" }).click();
+  await page.getByRole("button", { name: "Remove override", exact: true }).click();
   await page.getByText("The computed score counts again.").first().waitFor();
   await page.getByTestId("score").filter({ hasText: "71.4" }).waitFor();
 }
@@ -254,7 +257,7 @@ async function appeal(world) {
   const path = `/attempts/${id(120)}`;
   const student = await signedIn(world, "student", path);
   await student.getByRole("button", { name: "Appeal against the score…" }).click();
-  await student.getByLabel("What should be looked at again, and why").fill("The bur was worn.");
+  await student.getByLabel("What should be checked again, and why").fill("The bur was worn.");
   await accessible(student, "an appeal being written");
   await student.getByRole("button", { name: "Send the appeal" }).click();
   await student.getByText("Not answered yet").waitFor();
@@ -262,7 +265,7 @@ async function appeal(world) {
 
   const page = await signedIn(world, "instructor", "/attempts");
   await page.getByText("2 appeals to answer").waitFor();
-  await page.locator("tbody tr", { hasText: "Appeal to answer" }).first().waitFor();
+  await page.locator("tbody tr", { hasText: "Unanswered appeal" }).first().waitFor();
   await page.getByRole("button", { name: "Show them" }).click();
   await page
     .getByRole("row", { name: /Student One/ })
@@ -270,9 +273,9 @@ async function appeal(world) {
     .first()
     .click();
   await page.getByLabel("Your answer").fill("We replay it.");
-  await page.getByRole("button", { name: "Answer and grade again" }).click();
+  await page.getByRole("button", { name: "Answer and rescore" }).click();
   await page.getByRole("progressbar", { name: "Replaying and scoring" }).waitFor();
-  await page.getByText("Graded again").waitFor();
+  await page.getByText("Rescored").waitFor();
   await page.getByRole("region", { name: "Scored more than once" }).waitFor();
   await accessible(page, "an answered appeal");
 }
@@ -280,7 +283,7 @@ async function appeal(world) {
 async function stoppedEarly(world) {
   const page = await signedIn(world, "instructor", `/attempts/${id(605)}`);
   await page.locator(".byline", { hasText: "Stopped early: 46 % done" }).waitFor();
-  await page.getByText("The work was stopped early: 46 % of it was done").waitFor();
+  await page.getByText("The work was stopped early, with 46 % done").waitFor();
 }
 
 async function live(world) {
@@ -299,18 +302,18 @@ async function live(world) {
   await page.getByText("Largest in 20 s").waitFor();
   assert.match(
     await page.getByRole("img", { name: /^Force over the last/ }).getAttribute("aria-label"),
-    /largest [\d.]+ N/,
+    /at most [\d.]+ N/,
   );
-  const chair = page.getByRole("region", { name: "Say something at the chair" });
+  const chair = page.getByRole("region", { name: "Send a remark to the station" });
   await chair.getByLabel("Remark").fill("Stop: the mesial wall is thin. 请停一下。");
-  await chair.getByRole("button", { name: "Send to the chair" }).click();
+  await chair.getByRole("button", { name: "Send to the station" }).click();
   await chair.locator(".badge", { hasText: "Shown" }).waitFor();
   assert.match(await chair.getByRole("listitem").innerText(), /请停一下。[\s\S]*at 1\smin\s12\ss/);
   assert.equal(await chair.getByLabel("Remark").inputValue(), "");
   await accessible(page, "a watched attempt");
   await world.picture(page, "said", { fullPage: true });
   world.mock.attempts[0].chair = { connected: true, shows_remarks: false };
-  await chair.getByText(/This station cannot show remarks/).waitFor();
+  await chair.getByText(/software is too old to show remarks/).waitFor();
   Object.assign(world.mock.attempts[0], { state: "sealed", sealed_ms: Date.now() });
   await page.getByText("This attempt is finished").waitFor();
 }
@@ -325,9 +328,9 @@ async function withdrawReference(world) {
 
 async function progress(world) {
   const page = await signedIn(world, "student", `/exercises/${id(20)}`);
-  const card = page.getByRole("region", { name: "How you come on" });
+  const card = page.getByRole("region", { name: "Your progress" });
   await card.getByText("Next: Mesial wall").waitFor();
-  assert.match(await card.innerText(), /lost 10\.1 points in your attempt/);
+  assert.match(await card.innerText(), /cost you 10\.1 points in your attempt/);
   assert.match(await card.getByRole("row", { name: /Mesial wall/ }).innerText(), /4\.9 \/ 15/);
   assert.match(await card.getByRole("img", { name: /^Mesial wall/ }).getAttribute("aria-label"), /33 % of the points/);
   await accessible(page, "a student's progress");

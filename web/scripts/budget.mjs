@@ -73,8 +73,8 @@ async function grade(page, most) {
   await remark.fill("The wall was cut too far here.");
   await click(page.getByRole("button", { name: "Add remark" }));
   await page.locator(".annotation").first().waitFor();
-  await click(page.getByRole("button", { name: "Set another score…" }));
-  const score = page.getByLabel("Score that counts, 0 to 100");
+  await click(page.getByRole("button", { name: "Override score…" }));
+  const score = page.getByLabel("New score, 0 to 100");
   await click(score);
   await score.fill("61.5");
   const reason = page.getByLabel("Reason");
@@ -84,7 +84,7 @@ async function grade(page, most) {
   await page.getByText("61.5 instead of").waitFor();
   await timed("next_ms", async () => {
     const before = page.url();
-    await click(page.getByRole("button", { name: "Release and next" }));
+    await click(page.getByRole("button", { name: "Release, then next" }));
     await page.waitForFunction((url) => location.href !== url, before);
     await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
   });

@@ -14,9 +14,9 @@ test("an assignment is before, open, late or closed", () => {
 });
 
 test("a due time that has passed, or comes before the opening, is said when it is set", () => {
-  assert.match(dueProblem(terms(0, 5 * day), 6 * day) ?? "", /has passed: nobody could begin/);
+  assert.match(dueProblem(terms(0, 5 * day), 6 * day) ?? "", /has passed, so nobody could start/);
   assert.match(dueProblem(terms(0, 5 * day, true), 6 * day) ?? "", /every attempt would be late/);
-  assert.match(dueProblem(terms(5 * day, 4 * day), day) ?? "", /after the opening/);
+  assert.match(dueProblem(terms(5 * day, 4 * day), day) ?? "", /after the assignment opens/);
   assert.equal(dueProblem(terms(0, 5 * day), 4 * day), undefined);
   assert.equal(dueProblem(terms(0, 0), 4 * day), undefined);
 });

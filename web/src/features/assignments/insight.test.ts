@@ -62,12 +62,12 @@ const insight: AssignmentInsight = {
   ],
 };
 
-test("the commonest error is a sentence, and so is that there is none", () => {
+test("the most common problem is a sentence, and so is that there is none", () => {
   assert.equal(
     commonestText(insight),
-    "Most went wrong on Mesial wall: 2 of 3 students lost half of its points or more.",
+    "Most common problem: Mesial wall. 2 of 3 students lost half of its points or more.",
   );
-  assert.equal(commonestText({ ...insight, commonest: null }), "On no criterion did anybody lose half of the points.");
+  assert.equal(commonestText({ ...insight, commonest: null }), "Nobody lost half of the points on any criterion.");
   assert.equal(
     commonestText({ ...insight, commonest: null, summary: { ...insight.summary, scored: 0 } }),
     "Nothing is scored yet.",
@@ -77,15 +77,15 @@ test("the commonest error is a sentence, and so is that there is none", () => {
 test("an outlier is shown in its unit, beside the class", () => {
   assert.equal(
     outlierText({ person_id: "1", what: "time_all_attempts_s", value: 725, median: 240, z: 5 }, insight),
-    "Time in all attempts 12\u00a0min\u00a005\u00a0s, the class 4\u00a0min\u00a000\u00a0s",
+    "Time in all attempts 12\u00a0min\u00a005\u00a0s; class 4\u00a0min\u00a000\u00a0s",
   );
   assert.equal(
     outlierText({ person_id: "1", what: "wall_mesial_mm", value: 0.9, median: 0.12, z: 5 }, insight),
-    "Mesial wall 0.90\u00a0mm too deep, the class 0.12\u00a0mm too deep",
+    "Mesial wall 0.90\u00a0mm too deep; class 0.12\u00a0mm too deep",
   );
   assert.equal(
     outlierText({ person_id: "1", what: "score", value: 12, median: 80, z: -5 }, insight),
-    "Score 12.0, the class 80.0",
+    "Score 12.0; class 80.0",
   );
 });
 
@@ -127,10 +127,10 @@ test("the time of all attempts and that of the counted attempt have different na
   assert.deepEqual(
     outliersOf(told).map((outlier) => outlierText(outlier, told).replaceAll("\u00a0", " ")),
     [
-      "Time in all attempts 3 min 09 s, the class 1 min 37 s",
-      "Time 2 min 40 s, the class 1 min 35 s",
-      "Time in all attempts 3 min 20 s, the class 1 min 37 s",
-      "Time 2 min 40 s, the class 1 min 35 s",
+      "Time in all attempts 3 min 09 s; class 1 min 37 s",
+      "Time 2 min 40 s; class 1 min 35 s",
+      "Time in all attempts 3 min 20 s; class 1 min 37 s",
+      "Time 2 min 40 s; class 1 min 35 s",
     ],
   );
 });

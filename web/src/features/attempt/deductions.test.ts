@@ -18,12 +18,12 @@ const deduction = (changes: Partial<Deduction> = {}): Deduction => ({
 });
 
 test("a deduction says how much, when it began and which strokes did it", () => {
-  assert.equal(deductionText(deduction()), "0.42\u00a0mm³ too much, first at 1:12.4; mostly stroke 7 and 2 more");
+  assert.equal(deductionText(deduction()), "0.42\u00a0mm³ too much, from 1:12.4; mostly stroke 7 and 2 more");
   assert.equal(
     deductionText(deduction({ stroke_count: 1, strokes: [stroke(7)] })),
-    "0.42\u00a0mm³ too much, first at 1:12.4; mostly stroke 7",
+    "0.42\u00a0mm³ too much, from 1:12.4; mostly stroke 7",
   );
-  assert.equal(deductionText(deduction({ left: true, stroke_count: 0, strokes: [] })), "0.42\u00a0mm³ left standing");
+  assert.equal(deductionText(deduction({ left: true, stroke_count: 0, strokes: [] })), "0.42\u00a0mm³ left uncut");
   assert.equal(deductionText(deduction({ stroke_count: 0, strokes: [] })), "0.42\u00a0mm³ too much");
 });
 

@@ -46,19 +46,16 @@ test("touch cues are named with their largest force, and none where there are no
   assert.equal(touchCuesText(null), "None");
   assert.equal(
     spaced(touchCuesText(cues)),
-    "A knock on contact, up to 0.25 N; the bur’s chatter, up to 0.1 N. Not counted in the score",
+    "Knock on contact up to 0.25 N, bur chatter up to 0.1 N. Neither affects the score",
   );
-  assert.equal(
-    spaced(touchCuesText({ ...cues, contact_mn: 0 })),
-    "The bur’s chatter, up to 0.1 N. Not counted in the score",
-  );
+  assert.equal(spaced(touchCuesText({ ...cues, contact_mn: 0 })), "Bur chatter up to 0.1 N. Does not affect the score");
   assert.equal(
     spaced(touchCuesText({ ...cues, contact_mn: 3, chatter_mn: 0 })),
-    "A knock on contact, up to 3 mN. Not counted in the score",
+    "Knock on contact up to 3 mN. Does not affect the score",
   );
   assert.equal(
     spaced(touchCuesText({ ...cues, chatter_mn: 0 })),
-    "A knock on contact, up to 0.25 N. Not counted in the score",
+    "Knock on contact up to 0.25 N. Does not affect the score",
   );
 });
 

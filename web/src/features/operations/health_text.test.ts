@@ -28,7 +28,7 @@ test("a server that does well is said nothing of", () => {
 test("problems that stop recordings come before warnings", () => {
   assert.deepEqual(
     titles({ ...well, backup: null, ingest: { ...well.ingest, takes_recordings: false, problem: "the disk is full" } }),
-    ["bad: Recordings are not taken", "warning: No backup was made yet"],
+    ["bad: Recordings are not accepted", "warning: No backup has been made yet"],
   );
 });
 
@@ -36,40 +36,42 @@ test("every figure that needs attention is reported", () => {
   const told = (changes: Partial<ServerHealth>) => titles({ ...well, ...changes });
   assert.deepEqual(told({ disk: { ...well.disk, free_bytes: 400e6 } }), ["warning: The disk is nearly full"]);
   assert.deepEqual(told({ disk: { ...well.disk, free_bytes: 200e6 } }), ["bad: The disk is nearly full"]);
-  assert.deepEqual(told({ commits: { ...well.commits, p99_s: 0.9 } }), ["warning: Writing is slow"]);
+  assert.deepEqual(told({ commits: { ...well.commits, p99_s: 0.9 } }), ["warning: Writes are slow"]);
   assert.deepEqual(told({ commits: { ...well.commits, failed: 1 } }), [
-    "warning: 1 change could not be written since the start",
+    "warning: 1 change could not be written since the server started",
   ]);
   assert.deepEqual(told({ jobs: { ...well.jobs, failed: 200 } }), ["warning: 200 or more jobs have failed"]);
-  assert.deepEqual(told({ jobs: { ...well.jobs, queued: 60 } }), ["warning: 60 jobs wait"]);
-  assert.deepEqual(told({ standby: "behind" }), ["warning: No standby is synchronous"]);
-  assert.deepEqual(told({ standby: "none" }), ["warning: No standby is synchronous"]);
+  assert.deepEqual(told({ jobs: { ...well.jobs, queued: 60 } }), ["warning: 60 jobs are waiting"]);
+  assert.deepEqual(told({ standby: "behind" }), ["warning: No synchronous standby"]);
+  assert.deepEqual(told({ standby: "none" }), ["warning: No synchronous standby"]);
   assert.deepEqual(told({ standby: "missing", ingest: { ...well.ingest, waiting: "the database server waits" } }), [
-    "bad: Every change waits for a standby",
+    "bad: All changes are waiting for a standby",
   ]);
   assert.deepEqual(told({ standby: "synchronous" }), []);
   assert.deepEqual(told({ standby: "unknown" }), []);
   assert.deepEqual(told({ backup: { at_ms: 90 * kDayMs, missing: 0 } }), ["warning: The last backup is 10 days old"]);
-  assert.deepEqual(told({ backup: { at_ms: 99 * kDayMs, missing: 2 } }), ["bad: The last backup misses 2 files"]);
+  assert.deepEqual(told({ backup: { at_ms: 99 * kDayMs, missing: 2 } }), ["bad: The last backup is missing 2 files"]);
   assert.deepEqual(told({ sign_ins: { ...well.sign_ins, throttled: 20 } }), [
-    "warning: 20 sign-ins were held back since the start",
+    "warning: 20 sign-ins were held back since the server started",
   ]);
   assert.deepEqual(told({ stations: { enrolled: 0, online: 0 } }), ["warning: No station is enrolled"]);
   assert.deepEqual(
     told({ recordings: { open: 2, late: [{ attempt_id: "a", station_id: "s", silent_ms: 150_000 }] } }),
-    ["warning: Nothing comes from 1 attempt in progress"],
+    ["warning: No data from 1 attempt in progress"],
   );
-  assert.deepEqual(told({ ingest: { ...well.ingest, waiting: "a person was erased" } }), ["warning: Changes wait"]);
+  assert.deepEqual(told({ ingest: { ...well.ingest, waiting: "a person was erased" } }), [
+    "warning: Changes are waiting",
+  ]);
 });
 
 test("a wrong clock is reported with its direction", () => {
   const text = (ahead_ms: number) =>
     findingsOf({ ...well, clock: { ahead_ms, problem: "off" } }).map((finding) => finding.text);
   assert.deepEqual(text(8200), [
-    "It is 8.2\u00a0s ahead of the database server’s. Let both machines take their time from the same time servers.",
+    "It is 8.2\u00a0s ahead of the database server’s clock. Set both machines to use the same time servers.",
   ]);
   assert.deepEqual(text(-8200), [
-    "It is 8.2\u00a0s behind the database server’s. Let both machines take their time from the same time servers.",
+    "It is 8.2\u00a0s behind the database server’s clock. Set both machines to use the same time servers.",
   ]);
   assert.deepEqual(findingsOf({ ...well, clock: { ahead_ms: 4000, problem: "" } }), []);
 });
@@ -93,7 +95,7 @@ test("a rising count is shown per second, and not across a restart", () => {
 test("counts that the server cuts off read as a lower bound, and retention rules are words", () => {
   assert.equal(countText(199, 200), "199");
   assert.equal(countText(200, 200), "200 or more");
-  assert.deepEqual(retentionText({ what: "recordings", days: 730 }), ["Recordings", "removed after 730 days"]);
+  assert.deepEqual(retentionText({ what: "recordings", days: 730 }), ["Recordings", "deleted after 730 days"]);
   assert.equal(shortTime(0.0214), "21\u00a0ms");
   assert.equal(shortTime(0.0014), "1.4\u00a0ms");
 });

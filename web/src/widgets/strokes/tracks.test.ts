@@ -54,10 +54,13 @@ test("every case and figure of the schema has words", () => {
 test("the sentence says the forces, and what is not held", () => {
   const one = golden()[0]!;
   const track = one.tracks[0]!;
-  assert.match(caseSentence({ ...one, tracks: [{ ...track, figures: [] }] }), /Every judged figure is held/);
+  assert.match(
+    caseSentence({ ...one, tracks: [{ ...track, figures: [] }] }),
+    /Every judged figure is within its limit/,
+  );
   const missed = { name: "pull_n", unit: "N", value: 1, bound: 0.15, held: false };
   assert.match(
     caseSentence({ ...one, tracks: [{ ...track, figures: [missed] }] }),
-    /Not held: Pull against the hand in air\./,
+    /Outside the limit: Pull against the hand in air\./,
   );
 });
