@@ -110,7 +110,7 @@ page result
 see Handed in
 frames 3
 picture PICTURES/9-result.png
-click Another try
+click Try again
 page exercise
 see Bur:
 key Escape
@@ -170,9 +170,9 @@ click Make it the reference
 see expected at least 80 %
 frames 2
 picture PICTURES/38-reference-refused.png
-click Why it is right
+click Reason for going ahead
 type A short cut for a test
-click Do it all the same
+click Do it anyway
 page result
 see Is the reference
 quit
@@ -242,7 +242,7 @@ key F
 page finish
 click Hand in
 page hand-in
-see The server is away
+see The server cannot be reached
 see [Try again now]
 frames 2
 picture PICTURES/28-hand-in-away.png
@@ -317,19 +317,19 @@ cut_off "${chosen[@]}"
 cut_off "${chosen[@]}"
 play cut-off <<'EOF'
 sign in as student1
-see Cut off:
+see Interrupted:
 frames 2
 picture PICTURES/15-cut-off.png
 key Enter
 page cut-off
 frames 2
 picture PICTURES/16-go-on.png
-click Go on
+click Continue
 page exercise
 see Simulated: student
 frames 3
 picture PICTURES/17-resumed.png
-click Go on cutting
+click Continue cutting
 page running
 frames 20
 picture PICTURES/18-resumed-running.png
@@ -340,7 +340,7 @@ page result
 see Handed in
 click Exercises
 page exercises
-see Cut off:
+see Interrupted:
 key Enter
 page cut-off
 click Hand in
@@ -358,7 +358,7 @@ key Enter
 see guessed first
 frames 2
 picture PICTURES/19-reserve.png
-click Leave it
+click Cancel
 page exercise
 click Keep for later
 page reserve
@@ -389,8 +389,8 @@ frames 2
 picture PICTURES/31-give-back.png
 click Give back
 page reserved
-see Given back
-see Nothing is kept here
+see was given back
+see No attempts are kept
 frames 2
 picture PICTURES/32-given-back.png
 quit
@@ -425,7 +425,7 @@ key F
 page finish
 click Hand in
 page hand-in
-see The server is away
+see The server cannot be reached
 click Do not wait
 page sign-in
 see safe here
@@ -438,21 +438,21 @@ play offline-cut-off <<'EOF'
 page sign-in
 click Without the server
 page reserved
-see GO ON
+see CONTINUE
 key Enter
 page pin
 type 804217
 key Enter
 page exercise
 see Simulated: student
-click Go on cutting
+click Continue cutting
 page running
 frames 20
 key F
 page finish
 click Hand in
 page hand-in
-see The server is away
+see The server cannot be reached
 click Do not wait
 page sign-in
 see safe here

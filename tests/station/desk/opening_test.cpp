@@ -61,7 +61,7 @@ TEST_F(OpeningTest, ADamagedSpoolIsExplainedAndOpensOnceItWasSalvaged) {
   ASSERT_EQ(opening.workplace(), nullptr);
   const OpeningProblem shown = opening.explained(kEnglish);
   EXPECT_NE(shown.what.find("is damaged"), std::string::npos) << shown.what;
-  EXPECT_NE(shown.safe.find("the server has is safe"), std::string::npos) << shown.safe;
+  EXPECT_NE(shown.safe.find("the server has are safe"), std::string::npos) << shown.safe;
   EXPECT_NE(shown.todo.find("another station"), std::string::npos) << shown.todo;
   EXPECT_NE(shown.operators.find("spool salvage --out"), std::string::npos);
   EXPECT_NE(shown.operators.find(data().string()), std::string::npos);
@@ -108,7 +108,7 @@ TEST_F(OpeningTest, AnEmptySpoolIsNotOfferedToBeSalvaged) {
   for (const char* end : {"-wal", "-shm"}) fs::remove(file().string() + end);
   fs::resize_file(file(), 0);
   const OpeningProblem shown = Opening({.data = data()}).explained(kEnglish);
-  EXPECT_NE(shown.what.find("empty or gone"), std::string::npos) << shown.what;
+  EXPECT_NE(shown.what.find("empty or missing"), std::string::npos) << shown.what;
   EXPECT_EQ(shown.safe.find("can usually be saved"), std::string::npos) << shown.safe;
   EXPECT_EQ(shown.operators.find("salvage"), std::string::npos) << shown.operators;
   EXPECT_NE(shown.operators.find("Put its copy back as " + file().string()), std::string::npos)
@@ -121,7 +121,7 @@ TEST_F(OpeningTest, WithoutItsEnrolmentItsRecordingsAreNotSaidToBeNone) {
   fs::rename(data() / "station.json", folder_ / "kept.json");
   Opening opening({.data = data()});
   const OpeningProblem shown = opening.explained(kEnglish);
-  EXPECT_EQ(shown.safe.find("Nothing was recorded"), std::string::npos) << shown.safe;
+  EXPECT_EQ(shown.safe.find("Nothing has been recorded"), std::string::npos) << shown.safe;
   EXPECT_NE(shown.safe.find("still here"), std::string::npos) << shown.safe;
   EXPECT_NE(shown.operators.find("station.json: put a copy of that file back"), std::string::npos)
       << shown.operators;
@@ -138,7 +138,7 @@ TEST_F(OpeningTest, WhatIsWrongWithTheEnrolmentIsNotSaidOfTheRecordings) {
             std::string::npos);
   const fs::path enrolment = data() / "station.json";
   fs::permissions(enrolment, fs::perms(0644));
-  EXPECT_NE(Opening({.data = data()}).explained(kEnglish).what.find("know its server by"),
+  EXPECT_NE(Opening({.data = data()}).explained(kEnglish).what.find("enrolment data"),
             std::string::npos);
   std::ofstream(enrolment) << "{\"format\": 99}";
   fs::permissions(enrolment, fs::perms(0600));
@@ -148,7 +148,7 @@ TEST_F(OpeningTest, WhatIsWrongWithTheEnrolmentIsNotSaidOfTheRecordings) {
 
 TEST_F(OpeningTest, AStationThatIsEnrolledMeanwhileOpens) {
   Opening opening({.data = data()});
-  EXPECT_NE(opening.explained(kEnglish).what.find("does not belong"), std::string::npos);
+  EXPECT_NE(opening.explained(kEnglish).what.find("not enrolled"), std::string::npos);
   Enrol();
   opening.TryAgain();
   Settle(opening);

@@ -40,7 +40,7 @@ TEST(ResultTextTest, WithoutALossThereIsNoWorstWall) {
 TEST(ResultTextTest, AnAssignmentSaysWhenItIsDueAndHowManyAttemptsAreLeft) {
   constexpr int64_t kMinute = 60'000, kNow = 1'000'000 * kMinute;
   Catalogue::Exercise e;
-  EXPECT_EQ(AssignmentText(kEnglish, e, kNow), "as often as you like");
+  EXPECT_EQ(AssignmentText(kEnglish, e, kNow), "any number of attempts");
   e.due_unix_ms = kNow + 3 * 24 * 60 * kMinute + kMinute;
   EXPECT_EQ(AssignmentText(kEnglish, e, kNow), "due in 3 days");
   e.due_unix_ms = kNow + 47 * 60 * kMinute;
@@ -63,15 +63,15 @@ TEST(ResultTextTest, WhatWasCutOffOrReservedSaysHowLongAgoAndHowLongStill) {
   cut.profile = "omega3";
   cut.chunks = 12;
   cut.created_unix_ms = kNow - 3 * 60 * kMinute;
-  EXPECT_EQ(CutOffText(kEnglish, cut, kNow), "12 parts recorded on omega3, begun 3 hours ago");
+  EXPECT_EQ(CutOffText(kEnglish, cut, kNow), "12 parts recorded on omega3, started 3 hours ago");
   cut.created_unix_ms = kNow + kMinute;  // the clock was set back
   EXPECT_EQ(CutOffText(kEnglish, cut, kNow),
-            "12 parts recorded on omega3, begun less than a minute ago");
+            "12 parts recorded on omega3, started less than a minute ago");
   EXPECT_EQ(HandedInText(kEnglish, cut, kNow),
-            "Not all of it is on the server yet, made less than a minute ago on omega3");
+            "Not yet completely on the server; made less than a minute ago on omega3");
   cut.seal.emplace();
   cut.sealed_at_server = true;
-  EXPECT_EQ(HandedInText(kEnglish, cut, kNow), "Handed in, made less than a minute ago on omega3");
+  EXPECT_EQ(HandedInText(kEnglish, cut, kNow), "Handed in; made less than a minute ago on omega3");
   ReservedAttempt reserved;
   reserved.ticket.person = "Ada";
   reserved.ticket.profile = "pointer";
@@ -81,11 +81,11 @@ TEST(ResultTextTest, WhatWasCutOffOrReservedSaysHowLongAgoAndHowLongStill) {
 
 TEST(ResultTextTest, ABurIsToldInMillimetres) {
   EXPECT_EQ(BurText(kEnglish, {cutting::BurShape::kCylinder, 0.5e-3, 4e-3}),
-            "Cylinder, 1.0 mm thick, 4.0 mm long");
+            "Cylinder, 1.0 mm across, 4.0 mm long");
   EXPECT_EQ(BurText(kEnglish, {cutting::BurShape::kInvertedCone, 0.7e-3, 1.4e-3, 0.5e-3}),
-            "Inverted cone, 1.4 mm thick, 1.4 mm long");
+            "Inverted cone, 1.4 mm across, 1.4 mm long");
   EXPECT_EQ(BurText(kEnglish, {cutting::BurShape::kSphere, 0.6e-3}),
-            "Sphere, 1.2 mm thick, 1.2 mm long");
+            "Round, 1.2 mm across, 1.2 mm long");
 }
 
 TEST(ProgressTest, IsShownInPracticeAndToInstructorsButNeverInAnExam) {

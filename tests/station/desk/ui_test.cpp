@@ -74,7 +74,7 @@ TEST_F(UiTest, RemarkIsReadInAnyScriptThatTheLettersHave) {
                     text = "\u8bf7\u505c\u4e00\u4e0b \u0421\u0442\u043e\u043f";
   auto page = [&](const std::string& said) {
     ui_->Begin("running", {0.605f, 0.79f, 0.38f, 0.12f, true, false});
-    ui_->Remark(who, said, "R puts this away");
+    ui_->Remark(who, said, "R closes this");
     ui_->End();
   };
   Play([&] { page(text); });
@@ -95,7 +95,7 @@ TEST_F(UiTest, LongestRemarkLeavesTheMiddleOfThePictureFree) {
   for (int i = 0; i < 500; ++i) longest += i % 7 == 6 ? " " : "m";
   Play([&] {
     ui_->Begin("running", {0.605f, 0.79f, 0.38f, 0.12f, true, false});
-    ui_->Remark("Ada says", longest, "R puts this away");
+    ui_->Remark("Ada says", longest, "R closes this");
     ui_->End();
   });
   const ImGuiWindow* window = ImGui::FindWindowByName("remark");

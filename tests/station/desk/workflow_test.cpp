@@ -79,9 +79,9 @@ class WorkflowTest : public testing::Test {
 TEST_F(WorkflowTest, WhatWasNotWrittenIsAskedForWithoutTheServer) {
   flow_->SignIn("", "secret");
   EXPECT_FALSE(flow_->busy());
-  EXPECT_EQ(flow_->problem(), "Write your login first.");
+  EXPECT_EQ(flow_->problem(), "Enter your login first.");
   flow_->SignIn("ada", "");
-  EXPECT_EQ(flow_->problem(), "Write your password too.");
+  EXPECT_EQ(flow_->problem(), "Enter your password too.");
   EXPECT_EQ(flow_->place(), Place::kSignIn);
 }
 
