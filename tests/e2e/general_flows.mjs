@@ -108,7 +108,7 @@ async function speaksLanguages(world) {
   await page.getByLabel("Anmeldename").fill(login);
   await page.getByLabel("Passwort").fill("not it");
   await page.getByRole("button", { name: "Anmelden", exact: true }).click();
-  await page.getByText("passen nicht zusammen", { exact: false }).waitFor();
+  await page.getByText("Anmeldename oder Passwort ist falsch", { exact: false }).waitFor();
   await page.getByLabel("Passwort").fill(password);
   await page.getByRole("button", { name: "Anmelden", exact: true }).click();
   await page.getByTestId("score").waitFor();

@@ -23,14 +23,14 @@ play() {
 
 play german --language de <<'EOF'
 page sign-in
-see Benutzername
+see Anmeldename
 picture PICTURES/de-1-sign-in.png
 type student1
 key Tab
 type enamel-demo-student1
 key Enter
 page exercises
-see Hallo,
+see Guten Tag,
 frames 2
 picture PICTURES/de-2-exercises.png
 key Enter
@@ -38,7 +38,7 @@ page exercise
 see Bohrer:
 frames 3
 picture PICTURES/de-3-exercise.png
-click Beginnen
+click Start
 page running
 frames 30
 picture PICTURES/de-4-running.png
@@ -94,7 +94,7 @@ unset LC_ALL
 export LC_MESSAGES=de_AT.UTF-8
 play locale <<'EOF'
 page sign-in
-see Benutzername
+see Anmeldename
 quit
 EOF
 status=0
