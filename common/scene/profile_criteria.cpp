@@ -38,13 +38,13 @@ void AddTorque(const TorqueSpec& torque, const Si& si, std::vector<ProfileCriter
   const double c = static_cast<double>(torque.friction_un_m.value) * 1e-6;
   const double cell = static_cast<double>(torque.orientation_cell_urad.value) * 1e-6;
   const double peak = static_cast<double>(torque.peak_un_m.value) * 1e-6;
-  out.push_back(Judged({"torque_damping", "Passive limit of the torque's spring",
+  out.push_back(Judged({"torque_damping", "Passivity limit of the torque spring",
                         "K <= 2 b_rot/(T (d + 1)^2)", "N m/rad", "torque/coupling_un_m_per_rad", k,
                         haptics::CouplingStiffness(b, si.tick, si.delay)}));
-  out.push_back(Judged({"torque_friction", "Friction that pays for the orientation's cell",
+  out.push_back(Judged({"torque_friction", "Friction that covers one orientation step",
                         "c_rot >= K rho", "N m", "torque/friction_un_m", c, k * cell, true}));
-  out.push_back(Judged({"torque_peak", "Peak torque beyond what the cell hides", "peak >= 2 K rho",
-                        "N m", "torque/peak_un_m", peak, 2 * k * cell, true}));
+  out.push_back(Judged({"torque_peak", "Peak torque above what one orientation step hides",
+                        "peak >= 2 K rho", "N m", "torque/peak_un_m", peak, 2 * k * cell, true}));
 }
 
 }  // namespace
@@ -53,10 +53,10 @@ std::vector<ProfileCriterion> CheckProfile(const DeviceProfile& profile) {
   Si si(profile);
   double passive = haptics::CouplingStiffness(si.b, si.tick, si.delay);
   std::vector<ProfileCriterion> out = {
-      Judged({"coupling_damping", "Passive limit of the coupling", "Kc <= 2 b/(T (d + 1)^2)", "N/m",
-              "coupling_mn_per_mm", si.kc, passive}),
-      Judged({"coupling_friction", "Friction that pays for the encoder's cell", "c >= Kc delta/2",
-              "N", "friction_mn", si.c, haptics::CouplingFriction(si.kc, si.delta), true}),
+      Judged({"coupling_damping", "Passivity limit of the coupling", "Kc <= 2 b/(T (d + 1)^2)",
+              "N/m", "coupling_mn_per_mm", si.kc, passive}),
+      Judged({"coupling_friction", "Friction that covers one encoder step", "c >= Kc delta/2", "N",
+              "friction_mn", si.c, haptics::CouplingFriction(si.kc, si.delta), true}),
       Judged({"coupling_stiffness", "Largest stiffness the device shows", "Kc <= K", "N/m",
               "coupling_mn_per_mm", si.kc, si.k}),
       Judged({"continuous_force", "Continuous force within the peak", "Fcont <= Fpeak", "N",

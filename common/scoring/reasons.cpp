@@ -135,10 +135,10 @@ std::string Clause(const MetricInfo& info, const Reason& reason) {
     return Found(info, v[0], digits) + " (more than " + Number(v[1], info.unit, digits) +
            " fails the whole attempt)";
   }
-  if (reason.code == "not_in_task") return "not judged, as the reference has nothing of it";
+  if (reason.code == "not_in_task") return "not judged, because the reference has none of it";
   if (reason.code == "not_made") return "there is nothing to measure yet";
   if (reason.code == "device_limit" && v.size() == 2) {
-    return "not judged, as the device was at its limit in more than " + Number(v[1], "%") +
+    return "not judged, because the device was at its limit for more than " + Number(v[1], "%") +
            " of the time with force (measured: " + Number(v[0], info.unit) + ")";
   }
   if (reason.code == "keeps" && v.size() == 1) {
@@ -148,13 +148,13 @@ std::string Clause(const MetricInfo& info, const Reason& reason) {
   const bool by_moment = reason.code == "stop_earlier_by" || reason.code == "stop_earlier_here_by";
   if ((by_stroke || by_moment) && v.size() == 2) {
     const bool here = reason.code.find("_here") != std::string::npos;
-    return std::string(here ? "Where it is worst, it began at " : "It began at ") + Clock(v[0]) +
-           (by_stroke ? ", and stroke " + Digits(v[1], 0) + " took most of it"
+    return std::string(here ? "At the worst spot, it began at " : "It began at ") + Clock(v[0]) +
+           (by_stroke ? ", and stroke " + Digits(v[1], 0) + " removed most of it"
                       : ", and half of it was gone by " + Clock(v[1])) +
            ". Stop earlier there";
   }
   if (reason.code == "cut_further" && v.size() == 1) {
-    return Number(v[0], "mm3") + " were left standing. Cut further there";
+    return Number(v[0], "mm3") + " was left uncut. Cut further there";
   }
   return "";
 }

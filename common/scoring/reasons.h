@@ -54,7 +54,7 @@ std::string WithUnit(std::string number, std::string_view unit);
 inline constexpr double kNeitherWay = 0.005;
 
 // The sentences, each with its full stop: "Mesial wall: 0.30 mm too deep (full marks within 0.03 mm,
-// none beyond 0.25 mm). Where it is worst, it began at 1:12, and stroke 14 took most of it. Stop earlier there." A code
+// none beyond 0.25 mm). At the worst spot, it began at 1:12, and stroke 14 removed most of it. Stop earlier there." A code
 // that is not known, of a newer server, is left out. `comment`: the rubric's, told last; may be empty.
 std::string Sentence(std::string_view title, const MetricInfo& info,
                      const std::vector<Reason>& reasons, std::string_view comment);

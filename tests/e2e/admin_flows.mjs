@@ -300,7 +300,7 @@ async function profiles(world) {
   await save();
   await page.getByText("would not be stable").waitFor();
   await page
-    .getByRole("row", { name: /Passive limit of the coupling/ })
+    .getByRole("row", { name: /Passivity limit of the coupling/ })
     .getByText("Not met")
     .waitFor();
   await accessible(page, "a refused profile");

@@ -49,7 +49,7 @@ const kRubric = [
   ],
   [
     "container_removed_mm3",
-    "Sound tissue kept",
+    "Sound tissue preserved",
     "mm3",
     20,
     [
@@ -165,7 +165,7 @@ export function makeExercises() {
       "class-2-mesial",
       "Class II cavity, mesial box",
       true,
-      "Cut the mesial box: 3.2 mm wide, 3.5 mm deep from the marginal ridge, its axial wall 0.99 mm inside the middle of the ridge, open to the mesial side. Do not touch the neighbour.",
+      "Cut the mesial box 3.2 mm wide and 3.5 mm deep from the marginal ridge, open to the mesial side, with its axial wall 0.99 mm inside the middle of the ridge. Do not touch the adjacent tooth.",
     ),
     exercise(23, "crown", "Crown preparation", true, "Reduce the crown evenly.", {
       state: "draft",
@@ -325,7 +325,13 @@ export function criteriaOf(couplingMnPerMm) {
     met: value <= limit,
   });
   return [
-    criterion("coupling_damping", "Passive limit of the coupling", "Kc <= 2 b / (T (d + 1)^2)", couplingMnPerMm, 1760),
+    criterion(
+      "coupling_damping",
+      "Passivity limit of the coupling",
+      "Kc <= 2 b / (T (d + 1)^2)",
+      couplingMnPerMm,
+      1760,
+    ),
     criterion("coupling_stiffness", "Largest stiffness the device shows", "Kc <= K", couplingMnPerMm, 1860),
   ];
 }

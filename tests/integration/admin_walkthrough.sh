@@ -111,7 +111,7 @@ admin list-stations
 step "a device profile, checked"
 admin put-profile "$root/schemas/golden/scene_profile_phantom_desktop.json" --check
 sed 's/"value": 2500/"value": 25000/' "$root/schemas/golden/scene_profile_phantom_desktop.json" >"$work/stiff.json"
-expect_failure "a profile that is not passive" "FAIL Passive limit" \
+expect_failure "a profile that is not passive" "FAIL Passivity limit" \
   "$bin/enamel-server" admin put-profile "$work/stiff.json" --data "$data"
 admin put-profile "$root/schemas/golden/scene_profile_phantom_desktop.json"
 admin add-calibration "$root/schemas/golden/scene_calibration.json"

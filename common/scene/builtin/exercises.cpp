@@ -38,6 +38,12 @@ std::string Mm(int32_t um) {
   return text + " mm";
 }
 
+// How far a side may be off, as a student reads it.
+std::string SidesText() {
+  return "A side that is off by at most " + Mm(kRight_um) +
+         " gets full marks, one that is off by " + Mm(kLeeway_um) + " gets none.";
+}
+
 std::string NameFor(const char* kind, const Scene& scene) {
   // 64 is all that a document takes as a name (json/read.h).
   return (std::string(kind) + "-" + scene.name).substr(0, 64);
@@ -50,11 +56,11 @@ Exercise ClassTwoExercise(const Scene& scene, const Sha256& scene_hash) {
   e.target.landmark = "mesial_box";
   e.target.half_size_um = {990, 1'600, 0};
   e.target.depth_um = 3'500;
-  e.instructions = "Cut the mesial box: " + Mm(2 * e.target.half_size_um[1]) + " wide, " +
-                   Mm(e.target.depth_um) + " deep from the marginal ridge, its axial wall " +
+  e.instructions = "Cut the mesial box " + Mm(2 * e.target.half_size_um[1]) + " wide and " +
+                   Mm(e.target.depth_um) +
+                   " deep from the marginal ridge, open to the mesial side, with its axial wall " +
                    Mm(e.target.half_size_um[0]) +
-                   " inside the middle of the ridge, open to the mesial side. Do not touch the "
-                   "neighbour.";
+                   " inside the middle of the ridge. Do not touch the adjacent tooth.";
   // Less than elsewhere: on the mesial side the neighbour stands 0.05 mm away.
   e.target.leeway_side_um = 100;
   e.rubric.name = "class-2-mesial";
@@ -76,10 +82,10 @@ Exercise ClassTwoExercise(const Scene& scene, const Sha256& scene_hash) {
   });
   // A nick can be polished out; a groove in the neighbour is caries to come. A bur that goes by at
   // 0.05 mm moves its surface by less than a voxel of 0.1 mm: as deep as that says nothing yet.
-  criteria.push_back(AtMost("neighbour_removed_mm3", "Neighbour untouched", "mm3", 4, 0.001, 0.1,
-                            "The neighbouring tooth was cut."));
-  RubricCriterion depth = AtMost(kNeighbourDepth, "Neighbour not grooved", "mm", 4, 0.1, 0.2,
-                                 "The neighbouring tooth has a groove.");
+  criteria.push_back(AtMost("neighbour_removed_mm3", "Adjacent tooth untouched", "mm3", 4, 0.001,
+                            0.1, "The adjacent tooth was cut."));
+  RubricCriterion depth = AtMost(kNeighbourDepth, "Adjacent tooth not grooved", "mm", 4, 0.1, 0.2,
+                                 "The adjacent tooth has a groove.");
   depth.fails_above = 0.2;
   criteria.push_back(std::move(depth));
   criteria.push_back(NoCariesCriterion(10));
@@ -103,8 +109,8 @@ Exercise CariesExercise(const Scene& scene, const Sha256& scene_hash) {
   e.name = NameFor("caries", scene);
   e.title = "Caries excavation";
   e.instructions =
-      "Open the lesion under the central fossa and take away all that is soft, and no more sound "
-      "tissue than you must to reach it. Keep the pulp covered.";
+      "Open the lesion under the central fossa and remove all soft caries, with no more sound "
+      "tissue than you need to reach it. Keep the pulp covered.";
   e.target.landmark = "caries";
   // The lesion's widest section and its bottom (FissureCaries in arrangement.h).
   e.target.half_size_um = {1'550, 1'150, 0};
@@ -201,7 +207,7 @@ Exercise CrownExercise(const Scene& scene, const Sha256& scene_hash) {
   const std::string highest = anterior ? "the incisal edge" : "the highest cusp";
   if (crown == nullptr) {
     e.instructions = "Reduce the " + top +
-                     " and the walls all around as the reference does, down to a shoulder " +
+                     " and all walls as in the reference, down to a shoulder " +
                      Mm(e.target.depth_um) + " below " + highest + ".";
   } else {
     e.target.depth_um = crown->depth_um;
@@ -215,13 +221,12 @@ Exercise CrownExercise(const Scene& scene, const Sha256& scene_hash) {
     }
     e.target.parts = {part};
     const std::string take_top = "Take " + Mm(crown->off_top_um) + " off the " + top +
-                                 (anterior ? "" : ", which keeps its cusps and its fossa");
-    e.instructions = take_top + ". Reduce the walls by at least " + Mm(crown->off_walls_um) +
-                     " all around, down to a shoulder " + Mm(crown->depth_um) + " below " +
-                     highest + ".";
+                                 (anterior ? "" : " and keep the form of its cusps and fossa");
+    e.instructions = take_top + ". Reduce all walls by at least " + Mm(crown->off_walls_um) +
+                     ", down to a shoulder " + Mm(crown->depth_um) + " below " + highest + ".";
   }
-  e.instructions += Has(scene, Tissue::kNeighbour) ? " Neighbours and root stay untouched."
-                                                   : " The root stays untouched.";
+  e.instructions += Has(scene, Tissue::kNeighbour) ? " Do not touch the adjacent teeth or the root."
+                                                   : " Do not touch the root.";
   e.time_limit_s = 1'800;
   // A simulated good hand takes a quarter of an hour.
   e.rubric = CrownRubric(anterior);
@@ -237,14 +242,12 @@ Exercise ClassFiveExercise(const Scene& scene, const Sha256& scene_hash) {
   e.target.landmark = "class_5";
   e.target.half_size_um = {2'000, 1'000, 0};
   e.target.depth_um = 1'200;
-  e.instructions = "The tooth lies with its buccal side up, the root away from you. Cut a box of " +
-                   Mm(2 * e.target.half_size_um[0]) + " from mesial to distal and " +
-                   Mm(2 * e.target.half_size_um[1]) + " from gingival to occlusal, " +
+  e.instructions = "The buccal side faces up, and the root points away from you. Cut a box " +
+                   Mm(2 * e.target.half_size_um[0]) + " from mesial to distal, " +
+                   Mm(2 * e.target.half_size_um[1]) + " from gingival to occlusal and " +
                    Mm(e.target.depth_um) +
-                   " deep in its middle, with upright walls and a flat axial wall. A side that is "
-                   "at most " +
-                   Mm(kRight_um) + " off has full marks, one that is " + Mm(kLeeway_um) +
-                   " off has none. Do not expose the pulp.";
+                   " deep in the middle, with upright walls and a flat axial wall. " + SidesText() +
+                   " Do not expose the pulp.";
   e.rubric.name = "class-5-buccal";
   e.rubric.version = 3;
   // What is down in this scene is the wall towards the pulp.
@@ -253,7 +256,7 @@ Exercise ClassFiveExercise(const Scene& scene, const Sha256& scene_hash) {
   } named[] = {{"wall_buccal_mm", "Gingival wall", "The gingival wall is not where it should be."},
                {"wall_lingual_mm", "Occlusal wall", "The occlusal wall is not where it should be."},
                {"floor_mm", "Axial wall", "The axial wall is too deep or too shallow."},
-               {"tilt_floor_deg", "Axial wall even with the face", "The axial wall slopes."},
+               {"tilt_floor_deg", "Axial wall parallel to the face", "The axial wall slopes."},
                {"floor_waviness_mm", "Axial wall flat", "The axial wall is uneven."}};
   for (RubricCriterion& c : e.rubric.criteria)
     for (const auto& n : named) {
@@ -331,12 +334,12 @@ Exercise VeneerExercise(const Scene& scene, const ToothShape& tooth, const Sha25
   e.target.half_size_um = {part.half_size_um[0], part.half_size_um[1], 0};
   e.target.depth_um = part.depth_um - part.top_um[2];
   e.target.parts = {part};
-  e.instructions = "The tooth lies with its labial face up, the root away from you. Take " +
-                   Mm(kVeneerDepth_um) + " off the face, as it is curved, over " +
-                   Mm(2 * kVeneerHalf_um[0]) + " from mesial to distal and " +
-                   Mm(2 * kVeneerHalf_um[1]) +
-                   " from gingival to incisal, with a chamfer all around. The incisal edge and the "
-                   "contacts stay.";
+  e.instructions =
+      "The labial face is up, and the root points away from you. Take " + Mm(kVeneerDepth_um) +
+      " off the face, following its curve, over " + Mm(2 * kVeneerHalf_um[0]) +
+      " from mesial to distal and " + Mm(2 * kVeneerHalf_um[1]) +
+      " from gingival to incisal, with a chamfer all around. Keep the incisal edge and the "
+      "contacts.";
   e.rubric = ShapeRubric("veneer-labial", 20, 10, {600, 1'200});
   // All of it is floor: a hand that is off by less than a tenth of a millimetre is off everywhere.
   // Where it ends is judged by itself, as hardly any of its area lies there.
@@ -350,8 +353,8 @@ Exercise VeneerExercise(const Scene& scene, const ToothShape& tooth, const Sha25
     if (c.metric == "force_sent_p95_n") c.points = 8;
     if (c.metric == "time_s") c.points = 2;
   }
-  e.rubric.criteria[0].title = "All of the face reduced";
-  e.rubric.criteria[0].comment = "Part of the face was left standing.";
+  e.rubric.criteria[0].title = "Face fully reduced";
+  e.rubric.criteria[0].comment = "Part of the face was not reduced.";
   return e;
 }
 
@@ -381,15 +384,15 @@ Exercise AccessExercise(const Scene& scene, const Sha256& scene_hash) {
   e.target.half_size_um = {2'000, 1'450, 0};
   e.target.depth_um = kAccessDepth_um;
   e.target.parts = {part};
-  e.instructions = "Open the pulp chamber from the central fossa: take its whole roof away, " +
+  e.instructions = "Open the pulp chamber from the central fossa: remove its whole roof, " +
                    Mm(2 * e.target.half_size_um[0]) + " x " + Mm(2 * e.target.half_size_um[1]) +
-                   ", with upright walls, " + Mm(kAccessDepth_um) +
-                   " deep. Do not touch the chamber's floor.";
+                   " and " + Mm(kAccessDepth_um) +
+                   " deep, with upright walls. Do not touch the floor of the chamber.";
   e.rubric = ShapeRubric("access-cavity", 30, 10);
   e.rubric.criteria[0].title = "Roof removed";
-  e.rubric.criteria[0].comment = "Part of the chamber's roof was left standing.";
+  e.rubric.criteria[0].comment = "Part of the roof of the chamber was not removed.";
   e.rubric.criteria.push_back(
-      AtMost("wall_tilt_deg", "Walls upright", "deg", 5, 3, 12, "A wall leans."));
+      AtMost("wall_tilt_deg", "Walls upright", "deg", 5, 3, 12, "A wall is tilted."));
   return e;
 }
 
@@ -412,8 +415,8 @@ Exercise ShapeExercise(const Scene& scene, const Sha256& scene_hash, const Prepa
   e.rubric = ShapeRubric(rubric, 18, 7);
   e.rubric.version = 6;
   const RubricCriterion of_a_box[] = {
-      AtMost("wall_tilt_deg", "Walls upright", "deg", 7, 3, 12, "A wall leans."),
-      AtMost("undercut_deg", "No undercut", "deg", 5, 4, 12, "A wall leans over the cavity."),
+      AtMost("wall_tilt_deg", "Walls upright", "deg", 7, 3, 12, "A wall is tilted."),
+      AtMost("undercut_deg", "No undercut", "deg", 5, 4, 12, "A wall is undercut."),
       AtMost("wall_waviness_mm", "Walls smooth", "mm", 5, 0.03, 0.12, "A wall is wavy."),
       AtMost("floor_waviness_mm", "Floor flat", "mm", 3, 0.03, 0.12, "The floor is uneven.")};
   for (const RubricCriterion& c : of_a_box) e.rubric.criteria.push_back(c);
@@ -452,21 +455,21 @@ Exercise PreparedExercise(const Scene& scene, const Sha256& scene_hash,
                           const CavityTarget& target) {
   Exercise e = ClassOneExercise(scene, scene_hash);
   e.name = NameFor("prepared", scene);
-  e.title = "Preparation after an example";
-  e.instructions = "Prepare the tooth as the example is prepared: what is marked goes, and " +
-                   std::string(Has(scene, Tissue::kNeighbour) ? "neighbours and " : "") +
-                   "the rest of the tooth stay. A place that is at most " + Mm(kRight_um) +
-                   " off is right, and " + Mm(target.leeway_side_um) +
-                   " beyond it tissue that should stay begins.";
+  e.title = "Preparation from an example";
+  e.instructions = "Prepare the tooth like the example: remove what is marked, and keep " +
+                   std::string(Has(scene, Tissue::kNeighbour) ? "the adjacent teeth and " : "") +
+                   "the rest of the tooth. A place that is off by at most " + Mm(kRight_um) +
+                   " is right, and tissue that must stay begins " + Mm(target.leeway_side_um) +
+                   " beyond it.";
   e.target = target;
   e.time_limit_s = 1'800;
   e.rubric = ShapeRubric("prepared-tooth", 25, 10, {1'200, 2'400});
   auto& criteria = e.rubric.criteria;
   criteria[1].title = "Closeness to the example";
-  criteria[1].comment = "The surface is far from the example's.";
+  criteria[1].comment = "The surface is far from that of the example.";
   const bool tooth = Has(scene, Tissue::kPulp);
   criteria.push_back(AtMost("undercut_deg", "No undercut", "deg", tooth ? 4 : 10, 2, 8,
-                            "A wall leans over the cavity more than the example's."));
+                            "A wall is undercut more than in the example."));
   if (tooth) {
     criteria.push_back(PulpCriterion(3));
     criteria.push_back(CoverCriterion(3));
@@ -485,10 +488,10 @@ std::vector<Exercise> BuiltinExercises(const Scene& scene, const Sha256& scene_h
     }
     // Where it is not what the exercise is about, it has no points of its own, and takes all others'.
     e.rubric.gates.push_back({kNeighbourDepth,
-                              "Neighbour untouched",
+                              "Adjacent tooth untouched",
                               "mm",
                               {{0.1, 1}, {0.3, 0}},
-                              "The neighbouring tooth was cut."});
+                              "The adjacent tooth was cut."});
   }
   return out;
 }
@@ -497,7 +500,7 @@ Exercise ClassOneExercise(const Scene& scene, const Sha256& scene_hash) {
   const bool tooth = Has(scene, Tissue::kPulp);
   Exercise e;
   e.name = ("class-1-" + scene.name).substr(0, 64);
-  e.title = tooth ? "Class I occlusal cavity" : "Box in the middle, as of a class I cavity";
+  e.title = tooth ? "Class I occlusal cavity" : "Central box, as in a class I cavity";
   e.scene = scene_hash;
   e.bur_shape = cutting::BurShape::kCylinder;
   e.bur_radius_um = 500;
@@ -513,9 +516,8 @@ Exercise ClassOneExercise(const Scene& scene, const Sha256& scene_hash) {
   e.instructions = "Cut a box of " + Mm(2 * e.target.half_size_um[0]) + " x " +
                    Mm(2 * e.target.half_size_um[1]) + ", " + Mm(e.target.depth_um) +
                    (tooth ? " deep from the central fossa" : " deep from the middle of the top") +
-                   ", with upright walls and a flat floor. A side that is at most " +
-                   Mm(kRight_um) + " off has full marks, one that is " + Mm(kLeeway_um) +
-                   " off has none." + (tooth ? " Do not expose the pulp." : "");
+                   ", with upright walls and a flat floor. " + SidesText() +
+                   (tooth ? " Do not expose the pulp." : "");
   e.rubric = ClassOneRubric(tooth);
   return e;
 }

@@ -21,7 +21,7 @@ RubricCriterion ConvergenceCriterion(const char* metric, const char* title, doub
           "deg",
           4,
           {{0, 0}, {5, 1}, {most_deg, 1}, {most_deg + 14, 0}},
-          "Opposite walls stand too steep or too flat to each other.",
+          "Opposite walls converge too little or too much.",
           {}};
 }
 
@@ -50,18 +50,18 @@ std::vector<RubricGate> TaskGates() {
            "Task done",
            "%",
            {{5, 0}, {90, 1}},
-           "The work was stopped early: part of the task is still to be cut."},
+           "The work was stopped early: part of the task is not done."},
           {"damage_percent",
-           "Cut where nothing was asked for",
+           "Cut outside the task",
            "%",
            {{20, 1}, {120, 0}},
-           "Much was cut away that has nothing to do with the task."},
+           "Much was cut away that is not part of the task."},
           // Beside a large task a second hole is a small share of it.
           {"deepest_over_mm",
            "No second hole",
            "mm",
            {{0.6, 1}, {1.6, 0}},
-           "Somewhere the bur went a bur's width into what had to stay."}};
+           "At one spot, the bur cut its own width into what had to stay."}};
 }
 
 RubricCriterion PulpCriterion(double points) {
@@ -72,7 +72,7 @@ RubricCriterion PulpCriterion(double points) {
 }
 
 RubricCriterion CoverCriterion(double points) {
-  return AtLeast("remaining_dentin_mm", "Cover of the pulp", "mm", points, 0.5, 0.9,
+  return AtLeast("remaining_dentin_mm", "Dentin over the pulp", "mm", points, 0.5, 0.9,
                  "Too little dentin is left over the pulp.");
 }
 
@@ -85,13 +85,14 @@ RubricCriterion ElsewhereCriterion(double points) {
 // lid of 0.1 mm over 3 mm2 of it 0.3.
 RubricCriterion StandingCriterion(double points) {
   return AtMost("left_standing_mm3", "Nothing left inside", "mm3", points, 0.02, 0.3,
-                "Something that had to go was left standing.");
+                "Part of what had to be removed was left uncut.");
 }
 
 void AddHand(Rubric& r, double force, double time, double full_s, double none_s) {
   r.criteria.push_back(AtMost("force_sent_p95_n", "Light hand", "N", force, 4, 8,
                               "The bur was pressed too hard: let it cut."));
-  r.criteria.push_back(AtMost("time_s", "Time", "s", time, full_s, none_s, "The work took long."));
+  r.criteria.push_back(
+      AtMost("time_s", "Time", "s", time, full_s, none_s, "The work took too long."));
 }
 
 Rubric ClassOneRubric(bool tooth) {
@@ -101,7 +102,7 @@ Rubric ClassOneRubric(bool tooth) {
   r.gates = TaskGates();
   r.criteria = {
       AtLeast("task_done_percent", "Outline removed", "%", tooth ? 6 : 10, 70, 97,
-              "Part of the outline was left standing."),
+              "Part of the outline was not removed."),
       StandingCriterion(8),
       ElsewhereCriterion(6),
       WallCriterion("wall_mesial_mm", "Mesial wall", 6,
@@ -114,15 +115,15 @@ Rubric ClassOneRubric(bool tooth) {
                     "The lingual wall is not where it should be."),
       WallCriterion("floor_mm", tooth ? "Pulpal floor" : "Floor", tooth ? 8 : 11,
                     "The floor is too deep or too shallow."),
-      AtMost("wall_tilt_deg", "Walls upright", "deg", 6, 2, 10, "A wall leans."),
+      AtMost("wall_tilt_deg", "Walls upright", "deg", 6, 2, 10, "A wall is tilted."),
       AtMost("undercut_deg", "No undercut", "deg", 6, 2, 8,
-             "A wall leans over the cavity: the filling could not be condensed under it."),
+             "A wall is undercut: the filling could not be condensed beneath it."),
       AtMost("tilt_floor_deg", "Floor level", "deg", 3, 2, 10, "The floor slopes."),
       AtMost("wall_waviness_mm", "Walls smooth", "mm", 4, 0.025, 0.1, "A wall is wavy."),
       AtMost("floor_waviness_mm", "Floor flat", "mm", 3, 0.025, 0.1, "The floor is uneven."),
       // A gouge of 0.3 mm is gone through as far as a wall may not go at all.
       AtMost("deepest_over_mm", "No gouge", "mm", 8, 0.1, 0.3,
-             "Somewhere the bur went deep beyond the outline: see the heat map."),
+             "At one spot, the bur cut deep beyond the outline: see the heat map."),
       AtMost("outline_over_mm", "Outline on the surface", "mm", 4, 0.1, 0.4,
              "The opening is wider than it should be."),
   };
@@ -140,18 +141,18 @@ Rubric ShapeRubric(std::string name, double closeness, double nowhere, TimeBand 
   r.version = 5;
   r.gates = TaskGates();
   r.criteria = {
-      AtLeast("task_done_percent", "All of it cut", "%", 4, 70, 97,
-              "Part of the shape was left standing."),
+      AtLeast("task_done_percent", "Shape fully cut", "%", 4, 70, 97,
+              "Part of the shape was not removed."),
       StandingCriterion(6),
       AtMost("deviation_rms_mm", "Closeness to the reference", "mm", closeness, kRight_mm, 0.3,
              "The surface is far from the reference."),
-      AtMost("deviation_p95_mm", "Nowhere far off", "mm", nowhere, 0.08, 0.6,
-             "Somewhere the surface is far from the reference: see the heat map."),
+      AtMost("deviation_p95_mm", "No spot far off", "mm", nowhere, 0.08, 0.6,
+             "At one spot, the surface is far from the reference: see the heat map."),
       AtMost("deepest_over_mm", "No gouge", "mm", 10, 0.1, 0.4,
-             "Somewhere the bur went deep beyond the shape: see the heat map."),
-      AtMost("most_left_mm", "Nothing left standing", "mm", 10, 0.1, 0.6,
-             "Somewhere much was left standing: see the heat map."),
-      AtMost("outside_removed_mm3", "Nothing beside and below cut", "mm3", 10, 0.05, 2,
+             "At one spot, the bur cut deep beyond the shape: see the heat map."),
+      AtMost("most_left_mm", "Nothing left uncut", "mm", 10, 0.1, 0.6,
+             "At one spot, much was left uncut: see the heat map."),
+      AtMost("outside_removed_mm3", "Nothing cut beside or below", "mm3", 10, 0.05, 2,
              "Material beyond the tolerance was cut away."),
   };
   AddHand(r, 10, 5, time.full_s, time.none_s);
@@ -163,12 +164,12 @@ RubricGate CariesGate() {
           "Caries left",
           "%",
           {{10, 1}, {90, 0}},
-          "There is still caries to be taken away."};
+          "Some caries was not removed."};
 }
 
 RubricCriterion NoCariesCriterion(double points) {
   return AtMost("caries_left_percent", "No caries left", "%", points, 0.5, 6,
-                "Caries was left: it goes on under the filling.");
+                "Caries was left: it would progress under the filling.");
 }
 
 Rubric CariesRubric() {
@@ -180,13 +181,13 @@ Rubric CariesRubric() {
   r.criteria = {
       NoCariesCriterion(32),
       StandingCriterion(10),
-      AtMost("sound_removed_mm3", "Sound tissue kept", "mm3", 17, 0.5, 6,
-             "More sound tissue was taken than the reference took."),
+      AtMost("sound_removed_mm3", "Sound tissue preserved", "mm3", 17, 0.5, 6,
+             "More sound tissue was removed than in the reference."),
       ElsewhereCriterion(8),
       AtMost("undercut_deg", "Walls not undercut", "deg", 5, 4, 12,
-             "A wall leans over the cavity: the filling could not be condensed under it."),
+             "A wall is undercut: the filling could not be condensed beneath it."),
       AtMost("deepest_over_mm", "No gouge", "mm", 8, 0.1, 0.4,
-             "Somewhere the bur went deep into sound tissue: see the heat map."),
+             "At one spot, the bur cut deep into sound tissue: see the heat map."),
       PulpCriterion(5),
       CoverCriterion(5),
   };
@@ -203,20 +204,21 @@ Rubric CrownRubric(bool anterior) {
   criteria.push_back(ConvergenceCriterion("convergence_buccolingual_deg",
                                           "Convergence, buccal to lingual", anterior ? 30 : 22));
   // A molar's stump leans by 6.5 degrees, as its crown does.
-  criteria.push_back(AtMost("crown_axis_deg", "Stump upright", "deg", 3, 8, 18,
-                            "The stump leans: the crown would have to go on at an angle."));
+  criteria.push_back(
+      AtMost("crown_axis_deg", "Preparation upright", "deg", 3, 8, 18,
+             "The preparation is tilted: the crown would have to seat at an angle."));
   criteria.push_back(AtMost("crown_undercut_mm2", "No undercut", "mm2", 8, 0.5, 4,
-                            "A wall leans out over the finish line: the crown could not seat."));
+                            "A wall overhangs the finish line: the crown could not seat."));
   RubricCriterion line{"finish_depth_mm",
-                       "Finish line at its height",
+                       "Finish line at the right height",
                        "mm",
                        3,
                        {{-0.5, 0}, {-0.1, 1}, {0.1, 1}, {0.5, 0}},
-                       "The finish line is not at the height that is asked for.",
+                       "The finish line is not at the required height.",
                        {}};
   criteria.push_back(std::move(line));
   criteria.push_back(AtMost("finish_waviness_mm", "Finish line even", "mm", 3, 0.05, 0.25,
-                            "The finish line goes up and down around the stump."));
+                            "The height of the finish line varies around the tooth."));
   criteria.push_back(PulpCriterion(3));
   criteria.push_back(CoverCriterion(3));
   return r;

@@ -117,7 +117,7 @@ TEST(ApplyRubricTest, AdviceNamesTheMomentAndTheStrokeThatTookMost) {
                                  {"stop_earlier", {72.4, 14}, {"s", "count"}}}));
   EXPECT_EQ(r.criteria[0].reason,
             "Mesial wall: 0.20 mm too deep (full marks within 0.05 mm, none beyond 0.30 mm). It "
-            "began at 1:12, and stroke 14 took most of it. Stop earlier there. Watch the line "
+            "began at 1:12, and stroke 14 removed most of it. Stop earlier there. Watch the line "
             "angle.");
   EXPECT_EQ(r.deductions.size(), 1u);
 }
@@ -133,14 +133,14 @@ TEST(ApplyRubricTest, AdviceNamesAMomentWhereNoOneStrokeIsToBlame) {
     return Sentence("Wall", wall, {*Advice(wall, 0.2, {d})}, "");
   };
   EXPECT_EQ(sentence(shared),
-            "Wall: Where it is worst, it began at 1:12, and half of it was gone by 1:21. Stop "
+            "Wall: At the worst spot, it began at 1:12, and half of it was gone by 1:21. Stop "
             "earlier there.");
   EXPECT_EQ(sentence(lasting),
             "Wall: It began at 1:12, and half of it was gone by 1:21. Stop earlier there.");
   shared.strokes_m3 = 1e-9;
   EXPECT_EQ(
       sentence(shared),
-      "Wall: Where it is worst, it began at 1:12, and stroke 14 took most of it. Stop earlier "
+      "Wall: At the worst spot, it began at 1:12, and stroke 14 removed most of it. Stop earlier "
       "there.");
 }
 
@@ -151,7 +151,7 @@ TEST(ApplyRubricTest, AdviceOfAWallTakesTheSideThatItIsOffOn) {
   left.left = true;
   left.volume_m3 = 0.52e-9;
   Advise(Three(), {WallTooDeep(), left}, r);
-  EXPECT_NE(r.criteria[0].reason.find(" 0.52 mm³ were left standing. Cut further there."),
+  EXPECT_NE(r.criteria[0].reason.find(" 0.52 mm³ was left uncut. Cut further there."),
             std::string::npos)
       << r.criteria[0].reason;
   EXPECT_EQ(r.criteria[0].reason.find("stroke"), std::string::npos) << r.criteria[0].reason;
@@ -281,7 +281,8 @@ TEST(ApplyRubricTest, WhatIsNotInTheTaskCountsNeitherWay) {
   EXPECT_NEAR(r->score, 75, 1e-12);  // 10 + 20 of 20 + 20
   EXPECT_FALSE(r->criteria[0].judged);
   EXPECT_EQ(r->criteria[0].max_points, 0);
-  EXPECT_EQ(r->criteria[0].reason, "Mesial wall: not judged, as the reference has nothing of it.");
+  EXPECT_EQ(r->criteria[0].reason,
+            "Mesial wall: not judged, because the reference has none of it.");
 }
 
 TEST(ApplyRubricTest, WhatWasNotMadeEarnsNothing) {

@@ -65,14 +65,14 @@ test("a built-in text is said sentence by sentence with its own numbers", () => 
   speak("de");
   // The tests have the English messages alone: their numbers are written as German has them.
   assert.equal(
-    wordedText("Take 1.2 mm off the incisal edge. The root stays untouched."),
-    "Take 1,2 mm off the incisal edge. The root stays untouched.",
+    wordedText("Take 1.2 mm off the incisal edge. Do not touch the root."),
+    "Take 1,2 mm off the incisal edge. Do not touch the root.",
   );
   assert.equal(wordedTitle("Practice: Line, 8 x 1.5 mm and 2.0 mm deep"), "Practice: Line, 8 x 1,5 mm and 2,0 mm deep");
   speak("zh");
   assert.equal(
-    wordedText("Do not expose the pulp. The root stays untouched."),
-    "Do not expose the pulp.The root stays untouched.",
+    wordedText("Do not expose the pulp. Do not touch the root."),
+    "Do not expose the pulp.Do not touch the root.",
   );
 });
 

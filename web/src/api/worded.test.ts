@@ -70,7 +70,7 @@ test("reasons read as the server's do: schemas/score.md", () => {
     "It: 0.30 mm² (more than 0.00 mm² fails the whole attempt).",
   );
   assert.equal(told("pulp_exposed_mm2", "mm2", "at_most", 0.3, 0), "It: 0.30 mm² (full marks at 0.00 mm²).");
-  assert.equal(told("pulp_exposed_mm2", "mm2", "not_in_task"), "It: not judged, as the reference has nothing of it.");
+  assert.equal(told("pulp_exposed_mm2", "mm2", "not_in_task"), "It: not judged, because the reference has none of it.");
   assert.equal(told("pulp_exposed_mm2", "mm2", "something_new", 1), "as the server says");
 });
 
