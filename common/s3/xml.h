@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,15 +15,7 @@ namespace enamel::s3 {
 
 // A page of a thousand keys of a thousand bytes is 1.5 MB.
 inline constexpr size_t kMaxXmlBytes = 4 << 20;
-inline constexpr size_t kMaxXmlDepth = 8;
 inline constexpr size_t kMaxXmlText = 8192;  // of one element
-
-// Elements, attributes (passed over), text, the five named entities and numeric ones. No DTD,
-// comment, CDATA or processing instruction but the declaration at the beginning; no text beside
-// elements. `end` is called where an element ends, with the names down to it ("Error/Code") and its
-// text.
-Status ReadXml(std::string_view document,
-               const std::function<void(const std::string& path, const std::string& text)>& end);
 
 struct ListedObject {
   std::string key;
