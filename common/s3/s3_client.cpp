@@ -323,7 +323,8 @@ Status S3Client::Judge(const Call& call, const Answer& answer, bool& again) cons
   const std::string found =
       std::to_string(answer.status) +
       (refusal.ok() ? " " + Printable(ShortenedText(code + ": " + refusal->message, 300)) : "");
-  if (answer.status == 404 && code != "NoSuchBucket" && !call.key.empty())
+  // Head looks into a 404 by itself.
+  if (answer.status == 404 && (code == "NoSuchKey" || call.method == "HEAD"))
     return Status(Code::kNotFound, "there is no object " + call.key + " at " + Where());
   if (IsFull(answer.status, code)) {
     return Status(Code::kStorage,
@@ -338,9 +339,15 @@ Status S3Client::Judge(const Call& call, const Answer& answer, bool& again) cons
     return Status(Code::kStorage,
                   "the store refuses " + what + " (" + found + "); " + Remedy(code));
   }
-  if (answer.status == 404) {
+  if (code == "NoSuchBucket") {
     return Status(Code::kStorage, "the store has no bucket for " + what + " (" + found +
-                                      "); make it, or name another");
+                                      "); create the bucket, or name another one");
+  }
+  // A store says what is missing. A page without that is of a proxy, and proves nothing is gone.
+  if (answer.status == 404) {
+    again = true;
+    return Status(Code::kUnavailable, "something other than an S3 store answered " + what + " (" +
+                                          found + "); check the endpoint and any proxy before it");
   }
   return Status(Code::kStorage, "the store does not do " + what + " (" + found +
                                     "); see that endpoint, region and bucket are right");
@@ -399,7 +406,17 @@ Result<Bytes> S3Client::Get(const std::string& key, const Sha256& hash) {
                                     "; restore it from a backup");
 }
 
-Status S3Client::Head(const std::string& key) { return Run(Call{"HEAD", key}); }
+Status S3Client::Head(const std::string& key) {
+  const auto begun = options_.time.steady();
+  Answer answer;
+  Status status = Run(Call{"HEAD", key}, begun, answer);
+  if (answer.status != 404) return status;
+  // The answer to HEAD has no body, so a proxy's 404 looks like the store's. The answer to GET has one.
+  Call get{"GET", key};
+  get.most = 0;
+  status = Run(get, begun, answer);
+  return status.code() == Code::kTooLarge ? Status::Ok() : status;
+}
 
 Status S3Client::Delete(const std::string& key) {
   const Status status = Run(Call{"DELETE", key});
@@ -417,12 +434,23 @@ Result<ListPage> S3Client::List(const std::string& prefix, const std::string& ne
 
 Status S3Client::ListEach(const std::string& prefix,
                           const std::function<void(ListedObject&)>& each) {
-  std::string next;
+  std::string next, last;
+  int empty_pages = 0;
   do {
     ENAMEL_ASSIGN_OR_RETURN(ListPage page, List(prefix, next));
-    for (ListedObject& object : page.objects) each(object);
-    // It would be listed for ever.
-    if (page.next == next) break;
+    // Keys come in the order of their UTF-8 bytes (S3 API Reference, ListObjectsV2). A page that
+    // does not continue the one before would be listed forever.
+    bool advances = page.next.empty() || !page.objects.empty() || ++empty_pages <= kMaxEmptyPages;
+    for (ListedObject& object : page.objects) {
+      advances = advances && object.key > last;
+      last = object.key;
+      if (advances) each(object);
+    }
+    if (!advances || (!page.next.empty() && page.next == next)) {
+      return Status(Code::kStorage, "the list of objects at " + Where() +
+                                        " repeats itself; check that the endpoint is that of an "
+                                        "S3 store");
+    }
     next = page.next;
   } while (!next.empty());
   return Status::Ok();

@@ -58,8 +58,9 @@ struct S3Options {
 // most kMaxIdle.
 //
 // What may pass by itself is tried again: no connection, a connection that was lost or is silent, 429,
-// 500, 502, 503 (SlowDown) and 504. What will not is told at once: 400, 403, 404, a full store. A call
-// that was told to have failed may have been done all the same.
+// 500, 502, 503 (SlowDown), 504, and a 404 that is not the store's own. What will not pass is
+// reported at once: 400, 403, a missing object or bucket, a full store. A call that failed may still
+// have been carried out.
 //
 // Errors: kNotFound (no such object); kUnavailable (not there, or overloaded, after all tries: it may
 // be later); kTooLarge (more than object_bytes); kStorage (it refuses, is full, or answers with what an
@@ -86,7 +87,8 @@ class S3Client {
   // Keys that begin with the prefix, in order, at most a thousand; `next` of the page before, empty
   // for the first.
   Result<ListPage> List(const std::string& prefix, const std::string& next = {});
-  // All of them, a page at a time; a store that gives the same page again is asked no further.
+  // All of them, a page at a time. Errors: also kStorage where a page does not continue the one
+  // before; `each` may then have seen some objects.
   Status ListEach(const std::string& prefix, const std::function<void(ListedObject&)>& each);
   // The bucket keeps what is overwritten and deleted. Never: neither does nor did.
   Result<Versioning> GetBucketVersioning();
@@ -99,6 +101,8 @@ class S3Client {
  private:
   static constexpr size_t kMaxIdle = 16;
   static constexpr size_t kMaxRefusalBytes = 64 << 10;
+  // A store may filter a page down to nothing and continue.
+  static constexpr int kMaxEmptyPages = 100;
   struct Call;
   struct Answer;
   class Lease;

@@ -280,6 +280,23 @@ bool S3StandIn::Answer(Connection& connection, const Asked& asked, Fault fault) 
       reply = Reply::Xml("<html><br>Bad Gateway</html>");
       reply.status = 502;
       break;
+    case Fault::kProxyNotFound:
+      reply = Reply::Xml("<html><br>Not Found</html>");
+      reply.status = 404;
+      break;
+    case Fault::kSamePage: {
+      Asked first = asked;
+      std::erase_if(first.query,
+                    [](const auto& each) { return each.first == "continuation-token"; });
+      std::lock_guard lock(mutex_);
+      reply = DoBucket(first);
+      break;
+    }
+    case Fault::kEmptyPage:
+      reply =
+          Reply::Xml("<ListBucketResult><IsTruncated>true</IsTruncated><NextContinuationToken>" +
+                     std::to_string(requests_) + "</NextContinuationToken></ListBucketResult>");
+      break;
     case Fault::kSilence:
       while (connection.Fill()) {
       }

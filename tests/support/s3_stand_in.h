@@ -39,6 +39,9 @@ class S3StandIn {
     kInternal,         // 500 InternalError
     kSlowDown,         // 503 SlowDown
     kGateway,          // 502 with a page of HTML
+    kProxyNotFound,    // 404 with a page of HTML
+    kSamePage,         // the first page of a list, whatever page is asked for
+    kEmptyPage,        // a page of a list without objects, and a token that was never seen before
     kFull,             // 507 XMinioStorageFull
     kQuota,            // 403 QuotaExceeded
     kResetInBody,      // of what is sent or received

@@ -108,6 +108,38 @@ TEST_F(S3ClientTest, ListGoesOnFromPageToPage) {
   EXPECT_EQ(pages, 3);
 }
 
+TEST_F(S3ClientTest, ListThatRepeatsItselfEndsWithAnError) {
+  store_.SetPageSize(2);
+  auto client = Make();
+  for (const char* key : {"p/1", "p/2", "p/3"}) ASSERT_TRUE(client->Put(key, kBody).ok());
+  std::vector<std::string> keys;
+  const auto list = [&] {
+    keys.clear();
+    return client->ListEach("p/", [&](ListedObject& object) { keys.push_back(object.key); });
+  };
+  ASSERT_TRUE(list().ok());
+  EXPECT_EQ(keys, (std::vector<std::string>{"p/1", "p/2", "p/3"}));
+  for (const Fault fault : {Fault::kSamePage, Fault::kEmptyPage}) {
+    store_.FailNext(fault, -1);
+    const int before = store_.requests();
+    ExpectTold(list(), Code::kStorage, "repeats itself");
+    EXPECT_LE(store_.requests() - before, 102);
+    EXPECT_LE(keys.size(), 2u);
+  }
+}
+
+TEST_F(S3ClientTest, ProxysPageOfNotFoundDoesNotProveThatAnObjectIsGone) {
+  auto client = Make();
+  ASSERT_TRUE(client->Put("a", kBody).ok());
+  store_.FailNext(Fault::kProxyNotFound, -1);
+  ExpectTold(client->Delete("a"), Code::kUnavailable, "something other than an S3 store");
+  EXPECT_EQ(client->Head("a").code(), Code::kUnavailable);
+  EXPECT_EQ(client->Get("a", kHash).status().code(), Code::kUnavailable);
+  store_.FailNext(Fault::kProxyNotFound, 2);
+  EXPECT_TRUE(client->Delete("a").ok());
+  EXPECT_TRUE(store_.objects().empty());
+}
+
 struct Case {
   const char* name;
   Fault fault;
