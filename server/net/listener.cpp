@@ -35,8 +35,7 @@ constexpr std::chrono::milliseconds kAcceptPause{100};
 
 auto Into(error_code& error) { return asio::redirect_error(asio::use_awaitable, error); }
 
-// A socket from a proxy until that has said whom it was asked by. It then gives the socket on, and is no more; or it
-// ends as any connection does.
+// Reads the PROXY header, then hands the socket on. A header that is wrong or late ends the connection.
 class Introduction : public AcceptedConnection, public std::enable_shared_from_this<Introduction> {
  public:
   using Then = std::function<void(tcp::socket socket, Strand strand, const std::string& peer)>;
@@ -53,21 +52,8 @@ class Introduction : public AcceptedConnection, public std::enable_shared_from_t
         then_(std::move(then)) {}
 
   void Run(std::function<void()> on_end) override {
-    asio::co_spawn(
-        strand_, Read(),
-        [self = shared_from_this(), on_end](std::exception_ptr failure, bool introduced) {
-          self->late_.cancel();
-          if (!failure && introduced) {
-            return self->then_(std::move(self->socket_), self->strand_, self->peer_);
-          }
-          self->CloseSocket();
-          on_end();
-        });
-    late_.expires_after(time_);
-    late_.async_wait([self = weak_from_this()](error_code cancelled) {
-      auto there = self.lock();
-      if (there && !cancelled) there->CloseSocket();
-    });
+    asio::post(strand_,
+               [self = shared_from_this(), on_end = std::move(on_end)] { self->Begin(on_end); });
   }
   // Nothing was asked yet that could be finished.
   void BeginStop() override { Close(); }
@@ -78,8 +64,29 @@ class Introduction : public AcceptedConnection, public std::enable_shared_from_t
   const std::string& block() const override { return proxy_; }
 
  private:
+  // The header may be there already, and Read may end on another thread at once: the timer is set
+  // first, on the strand that also cancels it.
+  void Begin(const std::function<void()>& on_end) {
+    ENAMEL_CHECK(strand_.running_in_this_thread());
+    late_.expires_after(time_);
+    late_.async_wait([self = weak_from_this()](error_code cancelled) {
+      auto there = self.lock();
+      if (there && !cancelled) there->CloseSocket();
+    });
+    asio::co_spawn(
+        strand_, Read(),
+        [self = shared_from_this(), on_end](std::exception_ptr failure, bool introduced) {
+          self->late_.cancel();
+          if (!failure && introduced) {
+            return self->then_(std::move(self->socket_), self->strand_, self->peer_);
+          }
+          self->CloseSocket();
+          on_end();
+        });
+  }
   asio::awaitable<bool> Read();
   void CloseSocket() {
+    ENAMEL_CHECK(strand_.running_in_this_thread());
     error_code ignored;
     socket_.close(ignored);
   }
