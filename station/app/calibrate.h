@@ -12,11 +12,11 @@
 namespace enamel::station {
 
 struct CalibrateCommand {
-  std::filesystem::path data;  // whose station it is, if it is one
+  std::filesystem::path data;  // the station's folder, if there is one
   std::string device = "simulated:phantom_desktop";
-  std::string profile;  // it is compared with; empty: the device's own
+  std::string profile;  // for comparison; empty: the device's own
   int rate_hz = 1000;
-  double max_force_n = 2;         // it may use
+  double max_force_n = 2;         // the most it may use
   double simulated_noise_um = 0;  // of a simulated device\'s sensor
   std::string name;               // of the proposed profile; empty: the profile's with "-measured"
   std::filesystem::path out;      // the proposed profile
@@ -24,15 +24,15 @@ struct CalibrateCommand {
   bool yes = false;                   // do not wait for the person's go-ahead
 };
 
-// Measures a haptic board or a simulated device (calibrator.h), prints the figures beside the
-// profile's, and writes a profile made of them (schemas/device_profile.schema.json) and the
-// measurement (schemas/calibration.schema.json). The measurement of a unit with a serial number is
-// also kept under `data`, where attempts on it find its delay (device_delay.h). Errors: the
-// device's, kUnavailable when it cannot be measured, kInvalidInput when no coupling would be stable
-// on it, kStorage.
+// Measures a haptic board or a simulated device (calibrator.h) and prints the figures beside the
+// profile's. Writes a profile made of them (schemas/device_profile.schema.json) and the measurement
+// (schemas/calibration.schema.json). For a unit with a serial number the measurement is also kept
+// under `data`, where attempts on it find its delay (device_delay.h). Errors: the device's,
+// kUnavailable when it cannot be measured, kInvalidInput when no coupling would be stable on it,
+// kStorage.
 Status CalibrateDevice(const CalibrateCommand& options);
 
-// The worst of three axes, each quantity for itself.
+// For each quantity, the worst of three axes.
 AxisFigures WorstOf(const std::array<AxisFigures, 3>& axes);
 
 // A profile with the measured numbers, and the rest of `base`: K = 2 b f/(d + 1)^2, and Kc nine

@@ -10,21 +10,21 @@
 #include "common/program/declare.h"
 #include "station/app/workplace_settings.h"
 
-// Where the commands of enamel-station go, and what they share. Used once, at start, by one thread.
+// How subcommands of enamel-station are registered. Used once, at start, by one thread.
 namespace enamel::station {
 
-// Exit codes; 2 is for a command line that cannot be understood.
+// Exit codes; 2 is for a command line that cannot be parsed.
 inline constexpr int kFailed = 1, kUsage = 2, kNotUploaded = 3;
 
-// Says what went wrong on standard error; the exit code.
+// Prints the error to standard error; returns the exit code.
 int Finish(const Status& status);
 
-// Where commands go, and what they have in common. All of it outlives the parsing.
+// Where commands are registered, and what they share. All of it outlives the parsing.
 struct CommandGroup {
   CLI::App& app;
   WorkplaceSettings& place;
   const program::CommandSettings& settings;
-  int& exit_code;  // of the command that was asked for
+  int& exit_code;  // of the command that ran
 };
 
 // A command of the program (declare.h). It runs while it is parsed, and `run` returns a Status.
@@ -36,13 +36,13 @@ program::DeclaredCommand<Options> Declare(CommandGroup group, const std::string&
       [&exit_code = group.exit_code](const auto& command) { exit_code = Finish(command()); });
 }
 
-// --cpu, of commands with a haptic loop.
+// Adds --cpu, for commands with a haptic loop.
 void AddCpu(CLI::App* cmd, int& cpu);
 
-// Of an environment variable; empty where it is not set.
+// Value of an environment variable; empty if unset.
 std::string Environment(const char* name);
 
-// The window; what it runs is also what the program does without any command.
+// The window, which also opens when the program is started without a command.
 struct OpenCommand {
   CLI::App* cmd;
   std::function<Status()> run;
@@ -56,7 +56,7 @@ void DeclareVerify(CommandGroup group);
 void DeclareImport(CommandGroup group);
 void DeclareTarget(CommandGroup group);
 void DeclareSimulate(CommandGroup group);
-// 'scenes' and 'profiles': what is built in.
+// 'scenes' and 'profiles': list what is built in.
 void DeclareLists(CommandGroup group);
 
 }  // namespace enamel::station

@@ -6,26 +6,26 @@
 #include "common/base/result.h"
 #include "station/session/workplace.h"
 
-// What the subcommands of enamel-station do, apart from running an attempt (attempt.h). They print
-// to standard output and return the first thing that went wrong.
+// The subcommands of enamel-station, except running an attempt (attempt.h). They print to standard
+// output and return the first error.
 namespace enamel::station {
 
 struct EnrolOptions {
   std::filesystem::path data;
   std::string server, code;
-  std::string name;    // empty: as before
-  bool again = false;  // under the old id and key, at a server that was restored and forgot it
+  std::string name;    // empty: unchanged
+  bool again = false;  // with the old id and key, at a server restored without them
 };
 Status EnrolStation(const EnrolOptions& options);
 
-// Takes a ticket now, to make the attempt later with or without the server, and prints how.
+// Takes a ticket now for an attempt later, with or without the server. Prints how to use it.
 struct ReserveCommand {
   WorkplaceOptions workplace;
   std::string exercise, profile, login, password, pin;
 };
 Status ReserveAttempt(const ReserveCommand& options);
 Status ListReserved(const std::filesystem::path& data);
-// Hands one back that is not wanted any more: with its PIN, or with its person's password.
+// Hands back an unused ticket, with its PIN or its person's password.
 struct GiveBackCommand {
   WorkplaceOptions workplace;
   std::string attempt, login, password, pin;
@@ -42,7 +42,7 @@ struct SimulateCommand {
 };
 Status SimulateAttempt(const SimulateCommand& options);
 
-// The scenes and exercises the project makes itself.
+// Lists the built-in scenes and exercises.
 void PrintScenes();
 void PrintProfiles();
 

@@ -13,7 +13,7 @@ class App;
 namespace enamel::station {
 
 // Adds 'devices', 'calibrate', 'doctor' and 'loop-test'. `finish` turns an outcome into the exit
-// code, which goes to `exit_code`; `default_data` is the folder used without --data. All must
+// code, which is written to `exit_code`; `default_data` is the folder used without --data. All must
 // outlive the parsing.
 void RegisterDeviceCommands(CLI::App& app, const std::string& default_data,
                             std::function<int(const Status&)> finish, int* exit_code);

@@ -18,21 +18,22 @@ struct DoctorCommand {
 
 enum class Verdict : uint8_t { kOk, kWarn, kFail };
 
-// One thing a station needs, and how it is here.
+// One requirement of a station, and whether it is met here.
 struct Finding {
   std::string what;  // "real-time rights"
   Verdict verdict = Verdict::kOk;
   std::string found;
-  std::string advice;  // what to do; empty where all is well
+  std::string advice;  // what to do; empty if all is well
 };
 
-// Looks at all an attempt needs: enrolment, server with its certificate and clock, disk, spool,
-// real-time rights, timer, devices and their delay, graphics. Changes nothing but a file it writes
-// and removes again. Slow things are bounded: a server that does not answer, by
+// Checks everything an attempt needs: enrolment, server with its certificate and clock, disk,
+// spool, real-time rights, timer, devices and their delay, graphics. Changes nothing, except that
+// it writes a file and removes it again. Waits are bounded: for a server that does not answer, by
 // ServerLink::kTimeout.
 std::vector<Finding> Examine(const DoctorCommand& options);
 
-// Examine, one line each. Errors: kUnavailable when something failed (warnings are no error).
+// Prints Examine's findings, one a line. Errors: kUnavailable if one failed (warnings are no
+// error).
 Status Doctor(const DoctorCommand& options);
 
 }  // namespace enamel::station

@@ -11,7 +11,7 @@ class App;
 
 namespace enamel::station {
 
-// 'enamel-station import': a scene's folder from mesh files (common/import/import_tooth.h).
+// 'enamel-station import': makes a scene's folder from mesh files (common/import/import_tooth.h).
 struct ImportCommand {
   std::filesystem::path file, out;   // `file` may be empty when tissues name files
   std::string enamel, dentin, pulp;  // FILE, FILE#PART or a PART of `file`; may be empty
@@ -22,7 +22,7 @@ struct ImportCommand {
 // Prints the report to standard output and, on a terminal, progress to standard error.
 Status ImportMesh(const ImportCommand& options);
 
-// Options and help of the subcommand; `options` must live as long as the parser.
+// Adds the subcommand with its options and help; `options` must outlive the parser.
 CLI::App* AddImportCommand(CLI::App& app, ImportCommand& options);
 
 }  // namespace enamel::station

@@ -6,7 +6,7 @@
 #include "common/cutting/volume.h"
 #include "common/trace/trace.h"
 
-// An exported recording (`enamel-station spool export`) and the tooth it began with.
+// An exported recording (`enamel-station spool export`) and its start tooth.
 namespace enamel::station {
 
 struct RecordingFile {
@@ -14,17 +14,17 @@ struct RecordingFile {
   trace::Header header;
 };
 
-// Errors: those of reading and of the trace's readers.
+// Errors: those of file reading and of the trace's readers.
 Result<RecordingFile> ReadRecordingFile(const std::filesystem::path& path);
 
-// From `volume`, or, where that is empty, from the station's cache under `data`. Errors: kConflict
-// (the volume of another scene), kNotFound (neither is there), what the volume's reader refuses.
+// Reads `volume`, or if that is empty, the station's cache under `data`. Errors: kConflict (the
+// volume of another scene), kNotFound (neither exists), those of the volume's reader.
 Result<cutting::Volume> ReadVolumeOf(const trace::Header& header,
                                      const std::filesystem::path& volume,
                                      const std::filesystem::path& data);
 
-// Whether the chunks follow one another and the seal, where there is one, fits the last. Signatures
-// are not looked at. Errors: kConflict with what was expected and what was found.
+// Checks that the chunks form a chain and that the seal, if any, fits the last. Does not check
+// signatures. Errors: kConflict with the expected and the found value.
 Status CheckChain(const RecordingFile& recording);
 
 }  // namespace enamel::station

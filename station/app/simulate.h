@@ -10,11 +10,11 @@
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/types.h"
 
-// An attempt without server, spool or threads: core, simulated device and operator in one loop. For
-// trying a profile or an operator, and for tests.
+// Runs an attempt without server, spool or threads: core, simulated device and operator in one
+// loop. For trying a profile or an operator, and for tests.
 namespace enamel::station {
 
-// Where a cut plane lies against the exercise's box: positive when too far out (too deep).
+// Distance of a cut plane from the exercise's box: positive when too far out (too deep).
 struct PlaneError {
   std::string name;  // "mesial", …, "floor"
   double mean_um = 0;

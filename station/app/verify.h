@@ -7,16 +7,16 @@
 
 namespace enamel::station {
 
-// `enamel-station verify`: everything that can be checked about an exported recording. Was its
-// ticket issued by the server, was every chunk signed by the station, do the chunks follow one
-// another to the seal, and does the core do every recorded tick again?
+// `enamel-station verify` checks an exported recording as far as possible without the server: the
+// server issued its ticket, the station signed every chunk, the chunks form a chain to the seal,
+// and the core reproduces every tick.
 struct VerifyOptions {
   std::filesystem::path data, trace, volume, json;
-  // Ed25519 public keys: 64 hexadecimal digits, or a file that holds them. Empty: those of the
-  // station that `data` belongs to and of its server.
+  // Ed25519 public keys: 64 hexadecimal digits, or a file that holds them. Empty: the keys of the
+  // station in `data` and of its server.
   std::string station_key, server_key;
 };
-// Prints each check with what was found. Errors: kConflict when one fails, or when the recording is
+// Prints each check and its finding. Errors: kConflict when a check fails, or when the recording is
 // cut short or has no seal; kNotFound and kInvalidInput for keys and files.
 Status VerifyRecording(const VerifyOptions& options);
 

@@ -11,9 +11,9 @@ class App;
 
 namespace enamel::station {
 
-// What a command line or a settings file (schemas/station_settings.md) says of the place a command
-// works at. One group for every command that opens a workplace or its spool, so that no setting
-// reaches one and not another.
+// Settings of the workplace, from the command line or a settings file
+// (schemas/station_settings.md). One group for every command that opens a workplace or its spool,
+// so that all get all settings.
 struct WorkplaceSettings {
   std::filesystem::path data;  // the default
   std::string server;
@@ -24,9 +24,9 @@ struct WorkplaceSettings {
   WorkplaceOptions Options() const;
 };
 
-// --data alone, for commands that neither send nor prune.
+// Adds --data alone, for commands that neither send nor prune.
 void AddDataOption(CLI::App& command, WorkplaceSettings& settings);
-// All of them. `settings` outlives the parser.
+// Adds all settings. `settings` outlives the parser.
 void AddWorkplaceSettings(CLI::App& command, WorkplaceSettings& settings);
 
 }  // namespace enamel::station

@@ -9,16 +9,16 @@
 
 namespace enamel::station::desk {
 
-// One thing done apart from the window's thread, because it may wait for the server or the disk:
-// the work runs on a thread of its own and returns what is to be done with its outcome, which then
-// runs where Poll is called. One at a time. Thread safety: owner's thread.
+// Runs one task off the window's thread, because it may wait for the server or the disk. The work
+// runs on its own thread and returns a function for its outcome; Poll calls that. One task at a
+// time. Thread safety: owner's thread.
 class BackgroundTask {
  public:
   using After = std::function<void()>;
 
   ~BackgroundTask() { Join(); }
 
-  // Requires: !busy(). `what` is for the person who waits, a key of the words: "task.sign_in".
+  // Requires: !busy(). `what` is shown to the person waiting, a key of the words: "task.sign_in".
   void Start(std::string what, std::function<After()> work) {
     ENAMEL_CHECK(!busy());
     what_ = std::move(what);
@@ -31,7 +31,7 @@ class BackgroundTask {
   }
   bool busy() const { return running_; }
   const std::string& what() const { return what_; }
-  // Its outcome is not wanted any more. It still has to end before another can start.
+  // Discards the outcome. The task still has to end before another can start.
   void Forget() { forgotten_ = true; }
   // Once a frame.
   void Poll() {

@@ -10,28 +10,29 @@
 
 namespace enamel::station::desk {
 
-// What a student sits at: one window from sign-in to result, and again.
+// The student's window, from sign-in to result.
 struct DeskOptions {
   WorkplaceOptions workplace;
-  std::string profile;  // of this station's device: it is offered first; empty: any
+  std::string profile;  // of this station's device, offered first; empty: any
   int cpu = -1;         // bind the haptic loop to this processor; -1: to none
   language::Language language = language::Language::kEnglish;
   bool full_screen = true;
-  int width_px = 1280, height_px = 720;  // when not on the full screen
-  std::string quality;       // "best", "good", "fair", "low"; empty: by how long pictures take
+  int width_px = 1280, height_px = 720;  // when not full screen
+  std::string quality;       // "best", "good", "fair", "low"; empty: chosen by drawing time
   bool simulated = false;    // offer simulated hands too
   hid::DeviceChoice device;  // pedal, axes and watchdog of attached devices
   bool sound = true;
-  double idle_minutes = 10;      // without a key or the mouse, outside an attempt, signs out
-  std::filesystem::path script;  // plays a person's part (script.h); empty: nobody's
+  double idle_minutes = 10;      // sign out after this time without input, outside an attempt
+  std::filesystem::path script;  // plays a person's part (script.h); empty: none
 };
 
 // "1280x720": instead of the full screen. Errors: kInvalidInput.
 Status SetWindowSize(const std::string& text, DeskOptions& options);
 
-// Until the person closes the window. Where the workplace cannot be opened the window says why, and
-// tries again when asked. Errors: kUnavailable without a display; the credentials' and the spool's,
-// where it was closed with them; a script's that did not find what it expected.
+// Runs until the person closes the window. If the workplace cannot be opened, the window says why
+// and tries again on request. Errors: kUnavailable without a display; those of the credentials and
+// the spool, if the window was closed with them; those of a script that did not find what it
+// expected.
 Status RunDesk(const DeskOptions& options);
 
 }  // namespace enamel::station::desk

@@ -17,12 +17,12 @@
 
 namespace enamel::station::desk {
 
-// One attempt as the window shows it: its documents, the device, the picture, and from Begin on the
-// running attempt. Owner's thread only; the tick sees the device and the feed.
+// One attempt in the window: its documents, the device, the picture, and from Begin on the running
+// attempt. Owner's thread only; the tick sees the device and the feed.
 class DeskAttempt {
  public:
-  // `attached` is the offer's HID device, opened; null: it has none. Errors: a simulated hand's, a
-  // driver's that refuses the picture.
+  // `attached` is the offer's HID device, opened; null if it has none. Errors: those of a simulated
+  // hand, or of a driver that refuses the picture.
   static Result<std::unique_ptr<DeskAttempt>> Create(PreparedAttempt prepared,
                                                      const DeviceOffer& offer,
                                                      std::unique_ptr<Device> attached);
@@ -38,16 +38,16 @@ class DeskAttempt {
   std::optional<render::ZoneShares> zones() const { return zones_->shares(); }
   render::Reach reach() const { return reach_->reach(); }
 
-  // The target's outline, on the tooth as soon as it is known. Worked out the first time it is shown.
+  // Shows the target's outline on the tooth once it is computed, which starts the first time.
   void ShowOutline(bool shown);
 
-  // The first tick. The loop is bound to processor `cpu`; -1: to none.
+  // Starts with the first tick. The loop is bound to processor `cpu`; -1: to none.
   Status Begin(Workplace& workplace, int cpu);
   // Null before Begin.
   RunningAttempt* run() { return run_.get(); }
 
-  // What the person did with mouse and keys in this frame, as the device's pose; `held`: nothing
-  // was meant for it (a dialog is open).
+  // Turns this frame's mouse and key input into the device's pose. `held`: ignore it (a dialog is
+  // open).
   void Point(const render::Screen& screen, double dt_s, bool held);
 
  private:

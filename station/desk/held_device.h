@@ -6,17 +6,16 @@
 
 namespace enamel::station::desk {
 
-// A device with the window's hand on its pedal: while the attempt is paused the pedal counts as
-// released, so the bur stands still and the force fades as it does then; poses go on, so that the
-// recording is whole. Thread safety: SetPaused and speed_krpm from any thread, the rest as Device.
-// Real-time as Device.
+// A device that the window can pause. While paused the pedal counts as released, so the bur stops
+// and the force fades as usual; poses continue, so the recording stays whole. Thread safety:
+// SetPaused and speed_krpm from any thread, the rest as Device. Real-time as Device.
 class HeldDevice final : public Device {
  public:
   // `inner` outlives this.
   explicit HeldDevice(Device& inner) : inner_(inner) {}
 
   void SetPaused(bool paused) noexcept { paused_.store(paused, std::memory_order_relaxed); }
-  // What the handpiece turns at, unloaded; 0 while the pedal is up.
+  // Speed of the unloaded handpiece; 0 while the pedal is up.
   int speed_krpm() const noexcept { return speed_krpm_.load(std::memory_order_relaxed); }
 
   std::string Name() const override { return inner_.Name(); }

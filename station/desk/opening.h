@@ -10,33 +10,32 @@
 
 namespace enamel::station::desk {
 
-// Why the station cannot be used, for who sits at it and for who looks after it.
+// Why the station cannot be used, for the student and for the administrator.
 struct OpeningProblem {
-  // The first three in the reader's language; the last in English, as commands and log are.
-  std::string what;       // is wrong
-  std::string safe;       // what nobody has to fear for
-  std::string todo;       // by who sits here
-  std::string operators;  // what the program found, and the commands that mend it
+  // The first three in the reader's language; the last in English, like commands and log.
+  std::string what;       // what is wrong
+  std::string safe;       // what is not lost
+  std::string todo;       // what the student can do
+  std::string operators;  // what the program found, and the commands that repair it
 };
 OpeningProblem OpeningProblemOf(const language::Words& words, const Status& problem,
                                 const std::filesystem::path& data);
 
-// The way to a workplace where it cannot be opened at once (not enrolled, a damaged spool, a disk
-// that cannot be written): why, and again as often as somebody asks. Thread safety: the window's
-// thread.
+// Opens a workplace that may fail at first (not enrolled, a damaged spool, a disk that cannot be
+// written). Gives the reason and tries again on request. Thread safety: the window's thread.
 class Opening {
  public:
   // Tries at once, and waits for the disk.
   explicit Opening(WorkplaceOptions options);
 
-  // Null until it could be opened.
+  // Null until opened.
   Workplace* workplace() { return workplace_.get(); }
-  // Of the last try, or ok.
+  // Error of the last try, or ok.
   const Status& problem() const { return problem_; }
   OpeningProblem explained(const language::Words& words) const {
     return OpeningProblemOf(words, problem_, options_.data);
   }
-  // For the operator's panel: what is there, whatever is wrong.
+  // For the operator's panel: the facts available despite the problem.
   std::vector<std::string> Lines() const;
 
   void TryAgain();

@@ -11,7 +11,7 @@
 
 namespace enamel::station::desk {
 
-// How long the last pictures took, for the panel and for nobody else.
+// Times of the last pictures, for the panel.
 class PictureTimes {
  public:
   static constexpr size_t kCount = 180;
@@ -19,7 +19,7 @@ class PictureTimes {
   const std::array<float, kCount>& ms() const { return ms_; }
   size_t first() const { return next_ % kCount; }
   double Quantile_ms(double share) const;
-  // How many of them took no longer, 0..1.
+  // Share of them that took no longer, 0..1.
   double ShareWithin(double seconds) const;
 
  private:
@@ -27,12 +27,11 @@ class PictureTimes {
   size_t next_ = 0;
 };
 
-// F1: what an operator asks when something is wrong. Station and pictures; once there is a device
-// also that, loop and recording, in a second column, so that all of it is on a screen of 1280 x
-// 720.
+// F1: the facts an operator needs when something is wrong. First column: station and pictures;
+// second column, once there is a device: device, loop and recording. Fits a screen of 1280 x 720.
 void DrawOperatorPanel(Workflow& flow, StationWatch& station, const render::Screen& screen,
                        const PictureTimes& times, const render::Quality& quality, double budget_s);
-// The same where there is no workplace to ask: these lines in the place of what it would say.
+// The same without a workplace: `lines` replace its facts.
 void DrawOperatorPanel(const std::vector<std::string>& lines, const render::Screen& screen,
                        const PictureTimes& times, const render::Quality& quality, double budget_s);
 

@@ -11,11 +11,11 @@ namespace enamel::station::desk {
 
 using language::Words;
 
-// A page that has the window to itself; shares of it.
+// A page that uses the whole window; values are shares of it.
 inline const Ui::Page kWidePage{0.06f, 0.06f, 0.88f, 0.90f, false};
 
-// Draws the place where the person is, and carries what was chosen there to the workflow. What is
-// being written into fields lives here, and is forgotten on leaving.
+// Draws the page of the current place and passes choices to the workflow. Text being typed into
+// fields is kept here, and forgotten on leaving.
 class Pages {
  public:
   Pages(Ui& ui, Workflow& flow, std::string station)
@@ -58,7 +58,7 @@ class Pages {
   const std::string station_;
   std::string login_, password_, dentist_, anyway_, pin_, pin_again_;
   bool consent_ = false, as_reference_ = false;
-  // What somebody said to this chair, until it is put away.
+  // A message sent to this chair, until the person dismisses it.
   struct Said {
     protocol::Remark remark;
     Workflow::Clock::time_point since;
@@ -68,8 +68,8 @@ class Pages {
   Dialog dialog_before_ = Dialog::kNone;
 };
 
-// In place of all pages, while the workplace cannot be opened: what is wrong, what is safe, what to
-// do ("trouble"). One frame. True when the person wants to close the window.
+// Replaces all pages while the workplace cannot be opened ("trouble"): the problem, what is safe,
+// and what to do. One frame. True when the person wants to close the window.
 bool DrawOpeningProblem(Ui& ui, const Words& words, Opening& opening);
 
 // The bur seen from the side, to scale, in the current ImGui window at the cursor.
@@ -77,22 +77,22 @@ void DrawBur(const cutting::Bur& bur, float width_px, float height_px, float mm_
 // "Cylinder, 1.2 mm thick, 4.0 mm long".
 std::string BurText(const Words& words, const cutting::Bur& bur);
 
-// What there is to know of an exercise before it is chosen: "due in 2 days, 3 attempts left".
+// Status of an exercise before it is chosen: "due in 2 days, 3 attempts left".
 std::string AssignmentText(const Words& words, const Catalogue::Exercise& exercise,
                            int64_t now_unix_ms);
 
-// Of one that was cut off: "12 parts recorded on omega3, begun 3 hours ago".
+// An interrupted attempt: "12 parts recorded on omega3, begun 3 hours ago".
 std::string CutOffText(const Words& words, const SpooledAttempt& attempt, int64_t now_unix_ms);
-// Of one that was handed in: "Handed in, made 5 minutes ago on pointer".
+// An attempt handed in: "Handed in, made 5 minutes ago on pointer".
 std::string HandedInText(const Words& words, const SpooledAttempt& attempt, int64_t now_unix_ms);
-// "Ada on omega3, 11 hours left": of a ticket taken before.
+// A ticket taken in advance: "Ada on omega3, 11 hours left".
 std::string ReservedText(const Words& words, const ReservedAttempt& reserved, int64_t now_unix_ms);
 
-// What is said of a fault at the chair, a key; its English is FaultText's. Empty for none.
+// Key of the message for a fault at the chair; its English is FaultText's. Empty for none.
 const char* FaultKey(Fault fault);
 
-// "Mesial wall: 0.30 mm too deep …": the criterion of a wall or the floor that lost most points,
-// or empty when none did.
+// "Mesial wall: 0.30 mm too deep …": the wall or floor criterion that lost most points, or empty if
+// none did.
 std::string WorstWall(const Words& words, const scoring::ScoreResult& score);
 
 }  // namespace enamel::station::desk

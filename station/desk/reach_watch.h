@@ -12,28 +12,27 @@
 
 namespace enamel::station::desk {
 
-// How near the cut has come to what must stay, while it is being made: to the pulp, and to the end
-// of the leeway beside and below the target. Both from where solid that was there at the beginning
-// now ends: a point on each grid edge from a voxel that went to one that stayed, linear in the
-// distances, so exact for walls along the grid. The pulp's own surface is drawn between its voxels
-// and the others, so it is known to half a voxel. A cut comes only nearer, so what is too far to
-// matter is not looked at again.
+// Watches how near the cut comes to what must stay: the pulp, and the end of the leeway beside and
+// below the target. Distances are from where the original solid now ends: a point on each grid edge
+// between a removed and a remaining voxel, interpolated linearly, so exact for walls along the
+// grid. The pulp's surface runs between its voxels and the others, so it is known to half a voxel.
+// A cut only comes nearer, so what is too far to matter is not checked again.
 //
 // Thread safety: Look by one thread (the mesher's), reach from any.
 class ReachWatch {
  public:
-  // `initial` outlives this. Without a target in the scene there is no leeway to tell of, without
-  // pulp none of that.
+  // `initial` outlives this. A scene without a target has no leeway, a scene without pulp no
+  // distance to it.
   ReachWatch(const scene::Scene& scene, const scene::CavityTarget& target,
              const cutting::Volume& initial);
   ~ReachWatch();
 
   void Look(const cutting::Volume& now);
-  // Of the leeway: the side where most of it is gone, by share.
+  // The reach, with the leeway of the side that has used the largest share of its own.
   render::Reach reach() const;
 
  private:
-  // The way a cut may go beyond the target, and how far it went.
+  // A direction in which a cut may go beyond the target, and how far it went.
   struct Side {
     const char* name;
     dvec3 outward;
@@ -48,9 +47,9 @@ class ReachWatch {
   void Publish();
 
   const cutting::Volume& initial_;
-  // The looking thread's.
+  // Owned by the looking thread.
   std::vector<Side> sides_;
-  // Of a target that has parts or is a prepared tooth, instead of sides: the farthest beyond its
+  // For a target with parts or a prepared tooth, instead of sides: the farthest distance beyond its
   // outline or floor.
   bool FollowsShape() const { return shape_ || prepared_; }
   double BeyondShape_m(const dvec3& p_m) const;
@@ -60,7 +59,7 @@ class ReachWatch {
   double shape_leeway_m_ = 0, beyond_shape_m_ = 0;
   std::unique_ptr<surface::DistanceQuery> pulp_;  // null: there is none
   bool pulp_looked_for_ = false;
-  std::vector<float> pulp_bound_m_;  // least a brick can be from the pulp; negative: not asked yet
+  std::vector<float> pulp_bound_m_;  // a brick's least distance to the pulp; negative: unknown
   double pulp_m_;
   mutable Mutex mutex_;
   render::Reach reach_ ENAMEL_GUARDED_BY(mutex_);

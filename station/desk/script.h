@@ -9,14 +9,14 @@
 
 namespace enamel::station::desk {
 
-// A person's part, for trying the window where nobody sits: one step per line, `#` begins a remark.
+// Plays a person's part to test the window: one step per line, `#` begins a comment.
 //
 //   page NAME          waits until this page or dialog is shown ("sign-in", "reserved",
 //                      "exercises", "exercise", "ready", "running", "hand-in", "result"; "paused",
 //                      "finish", "give-up", "reference", "reserve", "pin", "cut-off", "close";
 //                      "trouble" where the station cannot be used)
-//   see WORDS          waits until these words are on it
-//   click LABEL        the left button on the choice whose label begins so, once it is there;
+//   see WORDS          waits until the page shows these words
+//   click LABEL        the left button on the choice whose label begins so, once it is shown;
 //                      LABEL #2: on the second of them
 //   type TEXT          writes it, letter by letter
 //   key NAME           Tab, Enter, Escape, Space, Up, Down, F1, or a letter; pressed and let go
@@ -24,16 +24,16 @@ namespace enamel::station::desk {
 //   move DX DY N       the mouse by so many pixels in each of N frames
 //   wheel N            notches, one a frame
 //   frames N           waits
-//   removed MM3        waits until at least so much of the tooth is gone
-//   until FILE         waits until this file is there: for what happens outside the window
-//   picture FILE       writes what is shown as PNG
+//   removed MM3        waits until this volume of the tooth has been removed
+//   until FILE         waits until this file exists, for events outside the window
+//   picture FILE       writes the current picture as PNG
 //   quit               ends the program
 //
-// Input goes in where the window system's does (Screen::Inject). Nothing depends on how fast the
-// computer is: steps wait for what they need, kPatience long at most.
+// Input enters where the window system's does (Screen::Inject). Nothing depends on the computer's
+// speed: each step waits for its condition, at most kPatience.
 class Script {
  public:
-  // A sanitizer's build takes minutes to score what others score in seconds.
+  // A sanitizer's build takes minutes for a score that otherwise takes seconds.
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
   static constexpr std::chrono::seconds kPatience{1200};
 #else
@@ -44,8 +44,8 @@ class Script {
   static Result<Script> Read(const std::filesystem::path& file);
   Script() = default;
 
-  // Once a frame, after it was drawn. True when the program is to end.
-  // `flow` is null where there is none yet.
+  // Call once a frame, after it was drawn. True when the program should end. `flow` is null if
+  // there is none yet.
   bool Step(render::Screen& screen, const Ui& ui, Workflow* flow);
   // Why it gave up, or ok.
   const Status& status() const { return status_; }

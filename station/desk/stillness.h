@@ -7,8 +7,8 @@
 
 namespace enamel::station::desk {
 
-// Looks at a device before the first tick: it is there, the pedal is up, and the handpiece rests.
-// Pure: samples come in, at any pace. Thread safety: none.
+// Checks a device before the first tick: it is attached, the pedal is up, and the handpiece rests.
+// Pure: takes samples at any pace. Thread safety: none.
 class StillnessCheck {
  public:
   static constexpr double kWanted_s = 0.7, kAllowed_m = 0.5e-3;
@@ -17,8 +17,8 @@ class StillnessCheck {
 
   void Look(const DeviceSample& sample, double now_s);
   bool passed() const { return share() >= 1; }
-  double share() const;  // of the time it has to be still, 0..1
-  // What the person is to do, a key of the words; empty when it only takes time.
+  double share() const;  // of the required time at rest, 0..1
+  // What the person has to do, a key of the words; empty if they only have to wait.
   const std::string& wanted() const { return wanted_; }
 
  private:

@@ -5,15 +5,15 @@
 
 namespace enamel::station::desk {
 
-// Which of an attempt's gaps are worth a word on the screen now. One that comes up while cutting
-// is, for kShown_s; the one with which an attempt is taken up again after it was cut off is told
-// calmly, until the force is on, and for kCalm_s at least. Pure; real-time.
+// Decides which of an attempt's gaps the screen reports now. A gap while cutting is shown for
+// kShown_s. The gap at which an interrupted attempt resumes gets a calm notice until the force is
+// on, and for kCalm_s at least. Pure; real-time.
 class GapWatch {
  public:
   static constexpr double kShown_s = 8, kCalm_s = 4;
 
   explicit GapWatch(uint32_t rate_hz) : rate_hz_(rate_hz) {}
-  // Of each tick in turn: kWarnGap, kWarnResumed or 0.
+  // Call for each tick in turn. Returns kWarnGap, kWarnResumed or 0.
   ENAMEL_REALTIME uint32_t Look(const Snapshot& snapshot) noexcept;
 
  private:

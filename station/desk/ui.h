@@ -7,7 +7,7 @@
 
 #include "station/render/screen.h"
 
-// The few widgets a person at the chair sees, large, by keyboard or mouse, on Dear ImGui.
+// The few widgets of the student's window, large, for keyboard or mouse, on Dear ImGui.
 namespace enamel::station::desk {
 
 struct Rect {
@@ -15,45 +15,43 @@ struct Rect {
   bool Holds(float x, float y) const { return x >= x0 && x < x1 && y >= y0 && y < y1; }
 };
 
-// Something that can be chosen on the page shown: for the keyboard, for a script that stands for a
-// person, and for tests.
+// A choice on the page shown: for the keyboard, for scripts, and for tests.
 struct Choice {
   std::string label;
   Rect at;  // window pixels
   bool field = false;
 };
 
-// One page after another on one screen. In a frame:
+// Draws one page after another on one screen. In a frame:
 //
 //   ui.Begin("sign-in");  ui.Title(…); if (ui.Button("Sign in")) …; ui.End();
 //   if (…) { ui.BeginDialog(…); …; ui.EndDialog(); }
 //   ui.EndFrame();
 //
-// Everything that can be chosen takes part in one round of Tab (arrow keys too) and shows when it
-// has the focus; Enter or the space bar chooses it, once for each time it goes down. The focus
-// starts at a page's first choice.
+// Every choice takes part in one round of Tab (arrow keys too) and shows when it has the focus.
+// Enter or the space bar chooses it, once per key press. The focus starts at a page's first choice.
 // Sizes are in pixels of a picture 1080 high and scaled. Not thread-safe.
 class Ui {
  public:
-  // Small: read from the chair, for what few people need.
+  // kSmall is read from the chair, for what few people need.
   enum class Look { kPlain, kMain, kDanger, kSmall };
-  // In dialogs over a running attempt the space bar is the bur's pedal: a foot that comes down on
-  // it must not choose.
+  // In dialogs over a running attempt the space bar is the bur's pedal, and pressing it must not
+  // choose.
   enum class Space { kChooses, kIsThePedal };
 
   explicit Ui(render::Screen& screen) : screen_(screen) {}
 
-  // A page that fills the screen; `name` tells pages apart. `at_x`, `width`: its column, as shares
-  // of the screen's width. `see_through`: over a picture, as high as what is on it.
+  // A page that fills the screen; `name` identifies it. `at_x`, `width`: its column, as shares of
+  // the screen's width. `see_through`: over a picture, as high as its content.
   struct Page {
     float at_x = 0.1f, at_y = 0.07f, width = 0.8f, height = 0.86f;  // shares of the screen
     bool see_through = false;
-    bool keys = true;  // false: keys choose nothing here, they mean something else
+    bool keys = true;  // false: keys choose nothing here, they have another meaning
   };
   void Begin(const std::string& name, const Page& page);
   void Begin(const std::string& name) { Begin(name, Page()); }
   void End();
-  // A page over the page, after its End; nothing of that one can be chosen meanwhile.
+  // A page over the page, after its End; nothing on the page below can be chosen meanwhile.
   void BeginDialog(const std::string& name, const std::string& title,
                    Space space = Space::kChooses);
   void EndDialog();
@@ -63,12 +61,12 @@ class Ui {
   void Large(const std::string& text);    // the same letters in a line of its own
   void Text(const std::string& text);     // wrapped
   void Note(const std::string& text);     // the same, quieter
-  void Problem(const std::string& text);  // something went wrong; begins with a capital
+  void Problem(const std::string& text);  // an error; begins with a capital
   void Gap(float px = 24);
   void SameLine();
   // True when chosen.
   bool Button(const std::string& label, Look look = Look::kPlain, bool enabled = true);
-  // One line of a list: a title, words under it, words at the right. True when chosen. Rows may
+  // One line of a list: a title, words below it, words at the right. True when chosen. Rows may
   // have the same title.
   bool Row(const std::string& title, const std::string& detail, const std::string& right,
            bool chosen = false);
@@ -76,14 +74,14 @@ class Ui {
   // One line of text. True when Enter was pressed in it.
   bool Field(const std::string& label, std::string& text, bool secret = false);
   void Bar(const std::string& label, double share);
-  // A number as large as the page has, and what it is of.
+  // A number as large as the page allows, and its maximum.
   void Score(const std::string& number, const std::string& of);
-  // One line of a table: a name, a value at the right, words under it. `lost`: to be noticed.
+  // One line of a table: a name, a value at the right, words below it. `lost`: highlighted.
   void Line(const std::string& name, const std::string& value, const std::string& words, bool lost);
 
-  // Over the picture at the left below, of a page that is see-through: what somebody says, who, and
-  // which key puts it away. As wide as the page leaves room; long texts in smaller letters. In any
-  // script that the station's letters have.
+  // A message over a see-through page's picture, at the bottom left: who sends it, its text, and
+  // the key that dismisses it. As wide as the page allows; long texts in smaller letters. In any
+  // script that the station's fonts have.
   void Remark(const std::string& who, const std::string& text, const std::string& key);
 
   // A part of the page that scrolls, down to `below` pixels above the page's end.
@@ -92,7 +90,7 @@ class Ui {
 
   // Esc was pressed in this frame, for the page or dialog in use.
   bool escape() const { return escape_ && !blocked_; }
-  // This key (render::Key; of letters: the capital) was pressed in this frame, likewise.
+  // Whether this key (render::Key; for letters the capital) was pressed in this frame, as escape().
   bool pressed(int key) const;
   // Moves the focus to the choice with this label, from the next frame on.
   void Focus(const std::string& label) { wanted_ = label; }
@@ -101,7 +99,7 @@ class Ui {
   // Of the last whole frame.
   const std::vector<Choice>& choices() const { return shown_; }
   const std::string& page() const { return shown_page_; }
-  // Words that were shown in the last whole frame, in order.
+  // Words shown in the last whole frame, in order.
   const std::string& words() const { return shown_words_; }
 
  private:
@@ -110,7 +108,7 @@ class Ui {
     bool moved = false;   // and got it in this frame
     bool chosen = false;  // by keyboard
   };
-  // Counts a choice of the page in use.
+  // Registers a choice of the page in use.
   Focused Next(const std::string& label);
   void Listed(const std::string& label, bool field);
   void Ring();

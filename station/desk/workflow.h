@@ -18,30 +18,30 @@ namespace enamel::station::desk {
 enum class Place { kSignIn, kReserved, kExercises, kExercise, kReady, kRunning, kHandIn, kResult };
 enum class Dialog { kNone, kPaused, kFinish, kGiveUp, kReference, kClose, kReserve, kPin, kCutOff };
 
-// How an attempt comes to its ticket: asked for when the device rests; taken before and locked with
-// a PIN; or it was begun, cut off, and goes on.
+// How an attempt gets its ticket: requested when the device rests; taken in advance and locked with
+// a PIN; or already there, because the attempt was interrupted and continues.
 enum class Way { kTicket, kReserved, kResumed };
 
-// Whether what the score will measure is shown while it is cut: in practice, and to who teaches; in
-// an exam to nobody.
+// Whether progress on what the score measures is shown while cutting: in practice, and to
+// instructors; in an exam to nobody.
 inline bool MayShowProgress(bool graded, bool exam, bool instructor) {
   return !exam && (!graded || instructor);
 }
 
 struct WorkflowOptions {
   bool simulated = false;    // offer simulated hands too
-  hid::DeviceChoice device;  // pedal, axes, watchdog of attached devices; its `device` says nothing
+  hid::DeviceChoice device;  // pedal, axes, watchdog of attached devices; its `device` is ignored
   double idle_s = 600;
-  std::string profile = {};  // of this station's device: chosen at first where it is there
+  std::string profile = {};  // of this station's device: chosen at first if it exists
   int cpu = -1;              // bind the haptic loop to this processor; -1: to none
   language::Language language = language::Language::kEnglish;  // until somebody chooses another
 };
 
-// Where a person is on the way from sign-in to result, and the steps from there. The pages draw
-// what is here and call the steps; steps that wait for the server run as a background task, and what went
-// wrong is in `problem`, in words. Needs the OpenGL context current where an attempt is shown or left
-// (Tick and the steps). No step waits for the server: what a background task still needs of a place that
-// was left is kept until it ends. Thread safety: the window's thread.
+// The person's place on the way from sign-in to result, and the steps from there. The pages draw
+// this state and call the steps. Steps that wait for the server run as a background task, so no
+// step waits itself; an error is in `problem`, in words. If the person leaves a place, what its
+// background task needs is kept until the task ends. Needs the OpenGL context current where an
+// attempt is shown or left (Tick and the steps). Thread safety: the window's thread.
 class Workflow {
  public:
   using Clock = std::chrono::steady_clock;
@@ -52,10 +52,11 @@ class Workflow {
   Workflow(const Workflow&) = delete;
   Workflow& operator=(const Workflow&) = delete;
 
-  // Once a frame: outcomes of background tasks, ends of attempts. `active`: the person did something.
+  // Call once a frame: handles outcomes of background tasks and ends of attempts. `active`: the
+  // person used mouse or keyboard.
   void Tick(Clock::time_point now, bool active);
 
-  // What is said here, and in which language. What was said already stays as it is.
+  // The window's words in its language. Texts already shown stay in theirs.
   const language::Words& words() const { return words_; }
   void Speak(language::Language language) { words_ = language::Words(language); }
 
@@ -69,23 +70,23 @@ class Workflow {
   const Person& person() const { return person_; }
   bool instructor() const { return person_.role != "student"; }
   const std::vector<Catalogue::Exercise>& exercises() const { return catalogue_.exercises; }
-  // The one chosen. Of an attempt that was reserved or cut off: what is known of it.
+  // The chosen exercise. For a reserved or interrupted attempt, what is known of it.
   const Catalogue::Exercise& chosen() const { return chosen_; }
   Way way() const { return way_; }
-  // On a ticket taken before, and nobody is signed in.
+  // Running on a ticket taken in advance, with nobody signed in.
   bool offline() const { return offline_; }
-  // Of this person, newest first: handed in here, to see what they are worth.
+  // This person's attempts handed in here, newest first, to see their scores.
   const std::vector<SpooledAttempt>& handed_in() const { return handed_in_; }
-  // Attempts of this person that were cut off, and the one that the dialog is about.
+  // This person's interrupted attempts, and the one that the dialog is about.
   const std::vector<SpooledAttempt>& cut_off() const { return cut_off_; }
   const SpooledAttempt& cut_off_chosen() const { return cut_off_[cut_off_index_]; }
   std::string TitleOf(const SpooledAttempt& attempt) const;
-  // Tickets taken before, of all people here.
+  // Tickets taken in advance, of all people here.
   const std::vector<ReservedAttempt>& reserved() const { return reserved_; }
   const ReservedAttempt& reserved_chosen() const { return reserved_[reserved_index_]; }
   const std::vector<DeviceOffer>& offers() const { return offers_; }
   size_t offer_index() const { return offer_; }
-  // An attempt that has its ticket can be made with the ticket's device profile only.
+  // Whether the ticket's device profile, if there is a ticket, allows this device.
   bool Fits(const DeviceOffer& offer) const;
   // The exercise chosen, once fetched; from kReady on the attempt has it.
   const PreparedAttempt* preview() const {
@@ -93,21 +94,21 @@ class Workflow {
   }
   DeskAttempt* attempt() { return attempt_.get(); }
   const StillnessCheck* stillness() const { return stillness_ ? &*stillness_ : nullptr; }
-  // The whole tooth is in the picture.
+  // Whether the whole tooth is in the picture.
   bool tooth_drawn() { return attempt_ && attempt_->view().WaitIdle(std::chrono::milliseconds(0)); }
   Uploader::State upload() const;
   uint32_t chunks() const;
-  // Why the recording cannot be stored just now, or ok; and whether all of it is.
+  // Why the recording cannot be stored at the moment, or ok; and whether all of it is stored.
   Status recording_problem() const;
   bool recorded() const { return recorded_; }
-  // Whose result kResult shows.
+  // The attempt whose result kResult shows.
   const std::string& result_title() const { return result_.title; }
   const std::optional<AttemptProgress>& progress() const { return progress_; }
   const std::optional<scoring::ScoreResult>& score() const { return score_; }
-  // The score is there but not for this person yet.
+  // The score exists, but is not released to this person yet.
   bool held_back() const { return held_back_; }
   bool marked_as_reference() const { return marked_; }
-  // It was refused as reference, and may be it for a reason.
+  // Refused as reference, but allowed with a reason.
   bool reference_needs_reason() const { return needs_reason_; }
   Workplace& workplace() { return workplace_; }
 
@@ -122,31 +123,31 @@ class Workflow {
   void OpenHandedIn(size_t index);  // its result
   void OpenCutOff(size_t index);
   void GoOnWithCutOff();
-  void EndCutOff();  // hands it in as far as it goes
+  void EndCutOff();  // hands it in as recorded
   void Reserve(const std::string& pin);
   void ToReserved();
   void AskPin(size_t index);
   void OpenReserved(const std::string& pin);
-  void GiveBack(const std::string& pin);  // the ticket that the dialog is about, for good
+  void GiveBack(const std::string& pin);  // returns the dialog's ticket for good
   void Open(Dialog dialog);
   void CloseDialog() { Open(Dialog::kNone); }
-  void EndAttempt();       // finished, or given up: sealed as it is
-  void LeaveHandIn();      // the upload goes on by itself
-  void GiveUpRecording();  // does not wait any longer for a disk that takes nothing
-  // Asks the server at once, where the station waits before it tries again.
+  void EndAttempt();       // finished, or given up: sealed as recorded
+  void LeaveHandIn();      // the upload continues in the background
+  void GiveUpRecording();  // stops waiting for a disk that takes nothing
+  // Asks the server at once instead of waiting for the next try.
   void TryAgainNow();
   void AnotherTry();
   void ToExercises();
-  // `anyway`: the reason, where one is needed.
+  // `anyway`: the reason, where one is required.
   void MarkReference(const std::string& dentist, bool consent, const std::string& anyway);
-  void Back();  // one place back, where there is one
+  void Back();  // one place back, if possible
 
  private:
-  // What a person has at this station.
+  // This person's attempts at this station.
   struct Kept {
     Result<std::vector<SpooledAttempt>> cut_off, handed_in;
   };
-  // Whose result is shown, or is to be once its person has signed in again.
+  // The result shown, or to be shown once its person has signed in again.
   struct Shown {
     Uuid person, attempt;  // zero: none
     std::string title;
@@ -192,11 +193,11 @@ class Workflow {
   size_t offer_ = 0, cut_off_index_ = 0, reserved_index_ = 0;
   std::unique_ptr<PreparedAttempt> preview_;
   std::unique_ptr<DeskAttempt> attempt_;
-  std::unique_ptr<DeskAttempt> left_;  // was left while a background task may use it
+  std::unique_ptr<DeskAttempt> left_;  // left while a background task may still use it
   std::function<void()> once_free_;
   Shown result_, come_back_to_;
   std::optional<StillnessCheck> stillness_;
-  uint64_t put_downs_ = 0;  // of the handpiece, that were answered
+  uint64_t put_downs_ = 0;  // times the handpiece was put down that have been answered
   bool ticketed_ = false, joined_ = false, recorded_ = false, marked_ = false, held_back_ = false,
        needs_reason_ = false;
   std::optional<AttemptProgress> progress_;

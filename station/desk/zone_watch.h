@@ -8,12 +8,12 @@
 
 namespace enamel::station::desk {
 
-// How much of the exercise's zones is gone, while it is being cut: as the score will measure it
-// (scoring::MeasureZone), a few times a second, on the mesher's thread.
-// Thread safety: Look by one thread, shares from any.
+// Measures how much of the exercise's zones has been removed during the cut, as the score will
+// (scoring::MeasureZone), a few times a second on the mesher's thread. Thread safety: Look by one
+// thread, shares from any.
 class ZoneWatch {
  public:
-  // `initial` outlives this. Without a target in the scene it knows nothing.
+  // `initial` outlives this. Knows nothing if the scene has no target.
   ZoneWatch(const scene::Scene& scene, const scene::CavityTarget& target,
             const cutting::Volume& initial);
 
