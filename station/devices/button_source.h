@@ -7,16 +7,17 @@
 
 namespace enamel::station {
 
-// Buttons that are no part of a device: a foot pedal.
+// Buttons separate from the device: a foot pedal.
 class ButtonSource {
  public:
   virtual ~ButtonSource() = default;
   virtual std::string Name() const = 0;
-  // DeviceButtons that are down now; none while it is unplugged. From any thread. Real-time: safe.
+  // DeviceButtons pressed at the moment; none while it is unplugged. From any thread. Real-time:
+  // safe.
   ENAMEL_REALTIME virtual uint8_t buttons() const noexcept = 0;
 };
 
-// A device whose pedal is another one: a button is down when either says so.
+// A device with a separate pedal: a button is down when either reports it down.
 class PedalledDevice final : public Device {
  public:
   // Neither may be null.

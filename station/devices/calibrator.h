@@ -8,17 +8,17 @@
 #include "common/base/result.h"
 #include "station/devices/device.h"
 
-// Measures what a force law has to know of a haptic device: cell, noise, Coulomb friction, viscous
-// damping, effective mass and bus delay, per axis, by moving it with its own motors. Nobody holds
-// it meanwhile.
+// Measures the properties of a haptic device that a force law needs: cell, noise, Coulomb friction,
+// viscous damping, effective mass and bus delay, per axis. It moves the device with its own motors;
+// nobody may hold it.
 //
 // Rest (2 s, no force): noise is the standard deviation about a straight line through the counts,
 // less the cell's own delta^2/12 (Sheppard).
 //
-// Pushes (per axis): a force is switched on, and to the way that follows that of a mass with
-// damping is fitted, by the moment t0 at which it began: the bus delay. Where a rigid mass does not
-// explain the way, one with a structural mode: its motor's side runs ahead at first, which a rigid
-// fit takes for up to 1.5 ticks less of delay. The interval is from leaving out a push at a time.
+// Pushes (per axis): switches a force on and fits the motion of a damped mass to the motion that
+// follows. The fitted start t0 gives the bus delay. Where a rigid mass does not explain the motion,
+// the model has a structural mode: its motor's side runs ahead at first, which a rigid fit mistakes
+// for up to 1.5 ticks less of delay. The interval is from leaving out a push at a time.
 //
 // Swings (per axis): sinusoidal targets at four speeds, held by a weak spring and damper. In the
 // periodic motion that follows, the fundamentals obey exactly
@@ -26,17 +26,17 @@
 //   F = (-m w^2 + j b w) X + c S,
 //
 // X, F and S the complex amplitudes of position, force (as it arrives: half a tick and the bus
-// delay after it was sent) and sign of velocity; while it sticks, friction takes the force up, and
-// neither counts. Two real equations per period; m, b and c by least
-// squares over all of them. Intervals: from the residuals, from leaving out a speed at a time, and
-// what the model may be off by (1 %; friction 4 %; mass by the damping times 0.4 ms of phase). What
-// is constant (gravity, friction that is stronger one way) has no fundamental.
+// delay after it was sent) and sign of velocity. While the device sticks, friction balances the
+// force, and neither counts. Two real equations per period; m, b and c by least squares over all of
+// them. Intervals: from the residuals, from leaving out a speed at a time, and the model's possible
+// error (1 %; friction 4 %; mass by the damping times 0.4 ms of phase). Constant terms (gravity,
+// friction that is stronger one way) have no fundamental.
 //
 // Cell: the steps between neighbouring values of all counts ever seen. A device that reports finer
 // than it measures shows steps of more than one count. An arm that counts joints moves along x, y
-// and z at once, by amounts that vary with its pose, in steps as small as one likes: there it is
-// the length of a move of one joint's count (alone in time, or by the block of places that noise
-// shows at rest), less what a driver's own rounding adds; one figure for all axes. Along an axis a
+// and z at once, by amounts that vary with its pose, in steps of any size. There the cell is the
+// length of a move of one joint's count (alone in time, or by the block of places that noise shows
+// at rest), less the part that a driver's rounding adds; one figure for all axes. Along an axis a
 // position may then be off by up to sqrt(3)/2 of it.
 namespace enamel::station {
 
@@ -58,20 +58,19 @@ struct AxisFigures {
   Estimate resolution_m, noise_m, friction_n, damping_n_s_per_m, mass_kg, delay_ticks;
 };
 
-// Passive limit of Kc with this delay, fraction and all: 2 b / ((d + 1)^2 T), as
-// haptics::CouplingStiffness for whole ticks. d is the upper end of the measured interval:
-// half a tick left out would be Kc more than twice too stiff. A profile, which knows whole ticks,
-// takes WholeTicks and the smaller limit of the two.
+// Passive limit of Kc with this delay and its fraction: 2 b / ((d + 1)^2 T), as
+// haptics::CouplingStiffness for whole ticks. d is the upper end of the measured interval: omitting
+// half a tick would make Kc more than twice too stiff. A profile, which has whole ticks, takes
+// WholeTicks and the smaller of the two limits.
 double PassiveStiffness(double damping_n_s_per_m, double tick_s, const Estimate& delay) noexcept;
 
-// The whole ticks that hold the delay with its interval: what a profile and the guard are told. Up
-// to a quarter of a tick, which the interval alone may reach, is not rounded up: PassiveStiffness
-// pays for it.
+// The whole ticks that cover the delay and its interval, for profile and guard. Up to a quarter of
+// a tick, which the interval alone may reach, is not rounded up: PassiveStiffness pays for it.
 int64_t WholeTicks(const Estimate& delay) noexcept;
 
-// Step once per tick with what the device said; send what it returns. No clock, no thread: with a
-// simulated device it runs as fast as the machine. Thread safety: none. Real-time: Step allocates
-// nothing after construction.
+// Call Step once per tick with the device's sample, and send the force it returns. No clock, no
+// thread: a simulated device runs as fast as the machine. Thread safety: none. Real-time: Step
+// allocates nothing after construction.
 class Calibrator {
  public:
   explicit Calibrator(const CalibratorSetup& setup);
@@ -81,10 +80,10 @@ class Calibrator {
   bool done() const noexcept { return phase_ == Phase::kDone || failed(); }
   bool failed() const noexcept { return phase_ == Phase::kFailed; }
   double progress() const noexcept;  // 0..1
-  // What is happening, as a sentence for whoever stands beside it.
+  // The current activity, as a sentence for the person watching.
   std::string Doing() const;
-  // Requires: done(). Errors: kUnavailable, with what went wrong and what to do: silent or
-  // unplugged, does not move, ran away.
+  // Requires: done(). Errors: kUnavailable, with the failure and the remedy: silent or unplugged,
+  // does not move, ran away.
   Result<std::array<AxisFigures, 3>> Figures() const;
 
  private:
@@ -133,7 +132,7 @@ class Calibrator {
   int64_t push_ticks_ = 0;  // 0: still pushing
   int silent_ = 0;
 
-  // Everything that was seen and sent, (ticks x 3), and where each part of it begins.
+  // All counts seen and forces sent, (ticks x 3), and where each part begins.
   std::vector<std::array<int32_t, 3>> counts_;
   std::vector<std::array<float, 3>> forces_;
   std::array<int64_t, 3> pulses_begin_{}, swings_begin_{};

@@ -10,11 +10,11 @@
 #include "common/math/vec.h"
 #include "station/devices/outline.h"
 
-// What a simulated dentist intends to do to cut a cavity: strokes of the bur's tip in the scene
-// frame (m; +z out of the tooth, +x mesial, +y buccal).
+// A simulated dentist's plan to cut a cavity: strokes of the bur's tip in the scene frame (m; +z
+// out of the tooth, +x mesial, +y buccal).
 namespace enamel::station {
 
-// An upright hollow to cut: its top is open.
+// An upright hollow to cut, open at the top.
 struct HollowCut {
   Outline walls;
   double floor_m = 0;  // height
@@ -29,9 +29,9 @@ struct Stroke {
   bool bur_on = true;
 };
 
-// A ring of strokes repeated with growing depth across it until the bur was seen where it should
-// be on every side: how a wall or floor is finished. The operator remembers per side how much he
-// has to lean, and stops leaning on a side that is done.
+// A ring of strokes that finishes a wall or floor: repeated with growing depth until the bur was
+// seen in place on every side. The operator remembers for each side how far to lean, and stops
+// leaning on a side that is done.
 struct FinishRing {
   std::vector<dvec3> corners;  // closed: the last joins the first
   std::vector<dvec3> outward;  // per side i (corner i to i + 1): unit, into the material
@@ -61,12 +61,12 @@ FinishRing RingAlong(const Outline& outline, double z_m, bool clockwise, double 
 // A ring whose corners are set, as one that finishes downward.
 void SetUpFloor(FinishRing& ring);
 
-// What roughing leaves on the walls: less where the bur has little room.
+// Stock that roughing leaves on the walls: less where the bur has little room.
 double WallStock_m(const HollowCut& hollow, const cutting::Bur& bur,
                    const CavityPlanOptions& options);
 
-// Whether the bur goes between the walls with room for some stock on all sides, and deep enough for
-// the stock on the floor below `top_m`.
+// Whether the bur fits between the walls with stock on all sides, and the hollow below `top_m` is
+// deeper than the stock on its floor.
 bool FitsInto(const HollowCut& hollow, double top_m, const cutting::Bur& bur,
               const CavityPlanOptions& options);
 
@@ -75,15 +75,15 @@ bool FitsInto(const HollowCut& hollow, double top_m, const cutting::Bur& bur,
 std::vector<Move> PlanCavity(const HollowCut& hollow, const cutting::Bur& bur,
                              const cutting::Volume& volume, const CavityPlanOptions& options);
 
-// A part of a target, in the scene, and how far off it a hand is.
+// A part of a target, in the scene, and the error of the hand that cuts it.
 struct PartCut {
   scene::PreparationPart part;
-  // How far each wall goes on, and floor, table and foot go down, beyond what the part says.
+  // How far beyond the part each wall, floor, table and foot is cut.
   std::function<double(const glm::dvec2& outward)> deeper_m;
   double lower_m = 0;
 };
-// All around a stump and off its top, down to its foot: layer by layer from above, outermost round
-// first, clear of the neighbours that the volume holds.
+// Cuts all around a stump and its top, down to its foot: layer by layer from above, outermost round
+// first, clear of the neighbours in the volume.
 std::vector<Move> PlanStump(const PartCut& cut, const cutting::Bur& bur,
                             const cutting::Volume& volume, const CavityPlanOptions& options);
 

@@ -18,10 +18,10 @@ enum DeviceButtons : uint8_t {
   kPutDown = 1 << 2,  // the handpiece lies in its holder: no force and no bur meanwhile
 };
 
-// Free speed of the handpiece of a device that cannot tell: a dental turbine's.
+// Free speed of a handpiece that does not report it: a dental turbine's.
 inline constexpr uint16_t kTurbineSpeed_krpm = 300;
 
-// What the device said about one tick.
+// The device's report for one tick.
 struct DeviceSample {
   std::array<int32_t, 3> counts{};  // encoder cells from the device's centre, scene axes
   QuantisedOrientation orientation = kIdentityOrientation;
@@ -29,56 +29,58 @@ struct DeviceSample {
   uint16_t bur_speed_krpm = 0;
   bool fresh = true;     // false: nothing new since the last tick (stall)
   bool attached = true;  // false: unplugged, or never there; the pose is the last one known
-  // False: the device has switched off by itself the force it was sent (its watchdog, its motors).
+  // False: the device has switched off its force by itself (its watchdog, its motors).
   bool driven = true;
-  // The device's own numbering of its samples, and its clock at this one, which never goes back:
-  // it stands still while the device is away or restarts. 0 where it has none.
+  // The device's own sample number and clock. The clock never goes back: it stops while the device
+  // is away or restarts. 0 if the device has none.
   uint32_t sequence = 0;
   uint64_t device_time_us = 0;
 };
 
-// What an adapter has seen of its bus since it was made. All zero for a device without one.
+// An adapter's counts for its bus since construction. All zero for a device without one.
 struct DeviceCounters {
   uint64_t samples = 0;     // taken
   uint64_t lost = 0;        // missing in the sequence
-  uint64_t duplicated = 0;  // the same sequence number again, or one from before: left out
+  uint64_t duplicated = 0;  // a sequence number repeated or older: left out
   uint64_t refused = 0;     // too short, wrong id or version, failed check: left out
   uint64_t writes = 0;      // forces written
   uint64_t write_errors = 0;
   uint64_t detached = 0;  // times it was unplugged
 };
 
-// A haptic device, seen from the tick loop. One call of ReadSample and one of SendForceAndTorque per
-// tick, from one thread. Real-time: ReadSample, the Sends and ShowBur are safe: adapters of buses that
-// block keep threads of their own and exchange the newest values with the tick (TripleBuffer).
+// A haptic device, seen from the tick loop. One call of ReadSample and one of SendForceAndTorque
+// per tick, from one thread. Real-time: ReadSample, the Sends and ShowBur are safe. Adapters of
+// buses that block have their own threads and exchange the newest values with the tick
+// (TripleBuffer).
 class Device {
  public:
   virtual ~Device() = default;
 
   virtual std::string Name() const = 0;
-  // Which unit it is, so that what was measured on it is found again: "hid:1209:0001:SERIAL". Empty
-  // where it cannot be told from another of its model, and for what is not attached.
+  // Identifies the unit, so that its measurements are found again: "hid:1209:0001:SERIAL". Empty if
+  // it is indistinguishable from others of its model, or not attached.
   virtual std::string Unit() const { return {}; }
-  // What holds the tool, for the recording's header. A device around another one says that one's.
+  // What holds the tool, for the recording's header. A device that wraps another one returns that
+  // one's.
   virtual Hand hand() const = 0;
   ENAMEL_REALTIME virtual DeviceSample ReadSample() noexcept = 0;
-  // Force on the operator, N, scene frame; held until the next call. Zero before the first.
-  // Torque is 0 with it.
+  // Force on the operator, N, scene frame, without torque; held until the next call. Zero before
+  // the first.
   ENAMEL_REALTIME virtual void SendForce(const dvec3& force_n) noexcept = 0;
-  // The same with a torque, N m, scene axes: what the loop calls. A device that drives no rotation
-  // leaves the torque out.
+  // As SendForce, with a torque, N m, scene axes; the loop calls this. A device without rotational
+  // motors ignores the torque.
   ENAMEL_REALTIME virtual void SendForceAndTorque(const dvec3& force_n,
                                                   const dvec3& torque_n_m) noexcept {
     (void)torque_n_m;
     SendForce(force_n);
   }
-  // The bur as the picture shows it now. Only a simulated operator looks.
+  // The bur as the picture shows it now. Only a simulated operator uses it.
   ENAMEL_REALTIME virtual void ShowBur(const dvec3& tip_m) noexcept { (void)tip_m; }
 
-  // False: what is sent is shown, not felt (a mouse). Then late ticks put nobody at risk.
+  // False: the force is shown, not felt (a mouse). Late ticks are then harmless.
   virtual bool has_motors() const noexcept { return true; }
   // How long the device must have been still before force comes on, at the start and after a fault,
-  // s. 0 for what nobody can be hurt by.
+  // s. 0 if it cannot hurt anybody.
   virtual double still_before_force_s() const noexcept { return 0; }
   // From any thread.
   virtual DeviceCounters counters() const noexcept { return {}; }

@@ -8,11 +8,10 @@
 namespace enamel::station {
 
 // Decides what a writer thread sends to a board, and when. Keeps the board's watchdog fed without
-// keeping an old force alive: a force the loop has not renewed for kHold_us falls linearly to 0 at
-// kGone_us after its time, and from then on the repeats say 0. While it falls they come every
-// kHold_us at least, however long the watchdog, and one comes at kGone_us: what the board holds is
-// 0 then. Time is a parameter: no clock.
-// Thread safety: none. Real-time: safe.
+// keeping an old force alive: a force that the loop has not renewed for kHold_us falls linearly to
+// 0, kGone_us after its time. From then on the repeats send 0. During the fall, repeats come at
+// least every kHold_us, whatever the watchdog's time, and one comes at kGone_us, so that the board
+// then holds 0. Time is a parameter: no clock. Thread safety: none. Real-time: safe.
 class ForceKeeper {
  public:
   static constexpr int64_t kHold_us = 5'000, kGone_us = 20'000;
@@ -26,13 +25,13 @@ class ForceKeeper {
     bool motors_on = false;  // false before the first force and once it has gone
   };
 
-  // The newest from the loop; `number` counts its forces, 0: none yet. Where either is not finite,
-  // both are 0.
+  // The loop's newest force; `number` counts its forces, 0: none yet. If either is not finite, both
+  // are 0.
   void Take(const dvec3& force_n, uint64_t number, int64_t now_us,
             const dvec3& torque_n_m = dvec3(0)) noexcept;
-  // What to send now: something new, a repeat that is due, or nothing.
+  // The command to send now: a new force or a repeat that is due; or nothing.
   std::optional<Command> Next(int64_t now_us) noexcept;
-  // How long to wait for a new force before asking Next again.
+  // How long to wait for a new force before the next call of Next.
   int64_t WaitFor_us(int64_t now_us) const noexcept;
 
  private:

@@ -6,7 +6,7 @@
 
 namespace enamel::station {
 
-// v, or the vector of length `limit` in its direction where v is longer.
+// v, shortened to length `limit` if it is longer.
 inline dvec3 Limited(const dvec3& v, double limit) noexcept {
   double length = std::sqrt(Dot(v, v));
   return length > limit ? v * (limit / length) : v;

@@ -8,9 +8,9 @@
 
 namespace enamel::station {
 
-// The hand on the device during one tick: a spring and damper to an equilibrium the operator moves,
-// with his mass lumped to the device's. Force on the device = stiffness (equilibrium - x)
-// - damping (v - equilibrium velocity), at most max_force.
+// The hand on the device during one tick: a spring and damper to an equilibrium that the operator
+// moves, with his mass lumped to the device's. Force on the device = stiffness (equilibrium - x) -
+// damping (v - equilibrium velocity), at most max_force.
 struct HandDrive {
   dvec3 equilibrium_m{0};
   dvec3 velocity_m_per_s{0};  // of the equilibrium
@@ -22,14 +22,14 @@ struct HandDrive {
   bool finished = false;  // nothing left to do
 };
 
-// Who holds a simulated device. Act is called once per tick of tick_s with what the operator can
-// know: where his hand is and where the picture shows the bur now (he reacts to it late by
-// himself). Real-time: Act is safe. Thread safety: none.
+// A simulated person holding a simulated device. Act is called once per tick of tick_s with what
+// the operator can know: the position of his hand, and of the bur in the picture now. The operator
+// adds his own reaction delay. Real-time: Act is safe. Thread safety: none.
 class SimulatedOperator {
  public:
   virtual ~SimulatedOperator() = default;
   virtual std::string Name() const = 0;
-  // Where the hand begins.
+  // Where the hand starts.
   virtual dvec3 Start_m() const = 0;
   ENAMEL_REALTIME virtual HandDrive Act(const dvec3& hand_m, const dvec3& bur_m,
                                         double tick_s) noexcept = 0;
@@ -37,7 +37,7 @@ class SimulatedOperator {
   virtual double Progress() const noexcept = 0;
 };
 
-// Nobody: the device is left to itself, from the scene's origin on.
+// Nobody: the device is left to itself, starting at the scene's origin.
 class NobodyHolding final : public SimulatedOperator {
  public:
   std::string Name() const override { return "nobody"; }

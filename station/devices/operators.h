@@ -11,51 +11,51 @@
 #include "common/scene/types.h"
 #include "station/devices/simulated_device.h"
 
-// The simulated people a station knows, and the simulated device they hold.
+// The station's simulated people, and the simulated device they hold.
 namespace enamel::station {
 
 struct OperatorPreset {
   std::string_view name;  // as on the command line
   std::string_view summary;
-  // Who cuts better has the higher; equally good hands have the same. Scores are tested against it.
+  // Better cutters have a higher rank, equally good ones the same. Scores are tested against it.
   int rank;
   uint64_t seed;  // of the tremor
   double speed_ratio = 1;
   double layer_m = 0.5e-3;
   double rough_push_n = 1.8;
   bool clockwise = true;
-  // How much too far each part is cut; negative: short of it.
+  // How much too far each part is cut; negative: too short.
   struct Extra {
     double mesial_m = 0, distal_m = 0, buccal_m = 0, lingual_m = 0, floor_m = 0;
   };
   Extra extra{};
-  double tremor_ratio = 1;  // to a calm hand's
+  double tremor_ratio = 1;  // relative to a calm hand's
   double plan_share = 1;    // he stops after this share of his moves
   bool slips = false;       // at the end the bur goes into the tooth beside the cavity
-  bool offered = true;      // in the window's list; all are on the command line
-  // How far off he takes each wall and the floor to be: another for each seed, evenly up to twice
-  // this, never the same way for all.
+  bool offered = true;      // in the window's list; the command line has all
+  // Error in his idea of each wall and the floor: different for each seed, evenly distributed up to
+  // twice this, never the same way for all.
   double misjudges_m = 0;
-  // The bur's upper end leans to buccal; at a stump to its steeper side, and farther than the wall there.
+  // The bur's upper end leans to buccal; at a stump to its steeper side, and farther than the wall.
   double askew_deg = 0;
   bool nicks_neighbour = false;
-  // What a tooth must have for his fault to be one; air: anything will do.
+  // The tissue a tooth needs for his fault to apply; air: none.
   cutting::Tissue needs = cutting::Tissue::kAir;
 };
 std::span<const OperatorPreset> OperatorPresets();
-// Whether `preset`'s fault can be made in this exercise: its tooth has what he spoils, and a bur that
-// is held askew is no ball.
+// Whether `preset`'s fault can be made in this exercise: the tooth has the tissue he spoils, and a
+// bur held askew is not a ball.
 bool HasUseFor(const OperatorPreset& preset, const scene::Scene& scene,
                const scene::Exercise& exercise);
 // nullptr when the name is unknown.
 const OperatorPreset* FindOperator(std::string_view name);
 
-// The plant a profile describes, with counts centred as `params` say.
+// The plant that a profile describes, with counts centred as in `params`.
 PlantParams PlantOf(const scene::DeviceProfile& profile, const core::CoreParams& params);
 
-// `preset` holding the profile's device over the exercise's tooth, to cut what its target asks for.
-// `seed` 0: the preset's own. Errors: kInvalidInput when a part of the target is too small for its
-// bur or has a bay, or the landmark is missing.
+// `preset` holding the profile's device over the exercise's tooth, to cut its target. `seed` 0: the
+// preset's own. Errors: kInvalidInput when a part of the target is too small for its bur or has a
+// bay, or the landmark is missing.
 Result<std::unique_ptr<SimulatedDevice>> MakeSimulatedDevice(
     const OperatorPreset& preset, const scene::Scene& scene, const scene::Exercise& exercise,
     const scene::DeviceProfile& profile, const core::CoreParams& params,

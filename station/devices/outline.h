@@ -6,8 +6,8 @@
 #include "common/cutting/volume.h"
 #include "common/scene/types.h"
 
-// Level outlines that a simulated dentist follows with his bur: convex, corners counter-clockwise
-// seen from above, metres in the scene frame.
+// Level outlines that a simulated dentist's bur follows: convex, corners counter-clockwise seen
+// from above, metres in the scene frame.
 namespace enamel::station {
 
 using Outline = std::vector<glm::dvec2>;
@@ -16,26 +16,26 @@ struct Bounds {
   double x0 = 0, x1 = 0, y0 = 0, y1 = 0;
 };
 
-Outline RectangleOf(const Bounds& b);  // from the corner where x and y are least
+Outline RectangleOf(const Bounds& b);  // starts at the corner of least x and y
 Bounds BoundsOf(const Outline& outline);
 bool IsConvex(const Outline& outline);
 
-// The opening of a box, disc or polygon. A disc has 24 corners and touches its circle with the
-// middles of its sides.
+// The opening of a box, disc or polygon. A disc has 24 corners; the middles of its sides touch the
+// circle.
 Outline OutlineOf(const scene::PreparationPart& part);
-// A stump's level section at height `z_m`; 16 corners, four to a round one.
+// A stump's level section at height `z_m`; 16 corners, four for each round one.
 Outline SectionOf(const scene::PreparationPart& part, double z_m);
 
-// Every side moved out by `by_m` of its outward direction. Sides that shrink to nothing go; empty
-// where nothing is left inside.
+// Every side moved out by `by_m` of its outward direction. Sides that shrink to nothing are
+// dropped; empty if nothing is left inside.
 Outline Moved(const Outline& outline, const std::function<double(const glm::dvec2&)>& by_m);
 Outline Grown(const Outline& outline, double by_m);
-// What of it lies within the bounds.
+// The part of it within the bounds.
 Outline Within(const Outline& outline, const Bounds& bounds);
 // Radius of the largest circle inside.
 double Inradius(const Outline& outline);
 
-// The corners at height `z_m`, from the first one on, one way round or the other.
+// The corners at height `z_m`, starting with the first, in either direction.
 std::vector<dvec3> CornersAt(const Outline& outline, double z_m, bool clockwise);
 
 }  // namespace enamel::station

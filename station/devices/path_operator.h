@@ -9,14 +9,14 @@
 
 namespace enamel::station {
 
-// A person's hand and eye, as far as they matter here. SI units.
+// The properties of a person's hand and eye that matter here. SI units.
 struct HandParams {
   double stiffness_n_per_m = 800;  // 0.5 to 1 N/mm
   double damping_n_s_per_m = 20;
   double max_force_n = 3.5;
-  double coupling_n_per_m = 2500;  // of the device in hand: he has got used to it
+  double coupling_n_per_m = 2500;  // of the device in hand, which he is used to
   double eye_delay_s = 0.150;      // from the picture to the hand
-  double lean_rate_per_s = 1.5;    // slow correction of what he sees beside the line
+  double lean_rate_per_s = 1.5;    // slow correction of the distance he sees from the line
   double max_lean_m = 0.15e-3;
   double light_touch_m = 50e-6;  // lean that only just overcomes the device's friction
   double back_off_m = 25e-6;     // from where a wall is done
@@ -26,10 +26,10 @@ struct HandParams {
 };
 
 // Follows a plan with a hand impedance. He sees the bur late and knows how his hand has moved
-// since, so he expects it at seen + hand now - hand then. Along a stroke the hand's equilibrium
-// goes ahead of that by at most what the wanted push needs, and less as the end comes near: the bur
-// comes to rest from behind. Across it he corrects slowly what he sees. On finishing rings he
-// remembers from pass to pass how much each side needs.
+// since, so he expects it at seen + hand now - hand then. Along a stroke the hand's equilibrium is
+// ahead of that, by at most the distance that gives the wanted push, and by less near the end: the
+// bur comes to rest from behind. Across the stroke he corrects slowly what he sees. On finishing
+// rings he remembers from pass to pass how much each side needs.
 //
 // Real-time: Act is safe (memory is fixed when built). Thread safety: none.
 class PathOperator final : public SimulatedOperator {
@@ -53,7 +53,7 @@ class PathOperator final : public SimulatedOperator {
     double length = 0;
     double feed = 0, lead = 0, tolerance = 0;
     bool bur_on = false;
-    dvec3 learnt_axis{0};  // across the leg: corrected from pass to pass, not on the way
+    dvec3 learnt_axis{0};  // across the leg: corrected from pass to pass, not while moving
   };
   // A piece of a finishing side.
   struct Bin {
@@ -70,12 +70,12 @@ class PathOperator final : public SimulatedOperator {
     double gained_m = 0;  // by the last pass, summed over bins that were not done
     double yield = 0;     // how much of the lean a pass takes
   };
-  // What he knew at one moment.
+  // The operator's knowledge at one moment.
   struct Moment {
     dvec3 hand_m{0}, bur_m{0};
   };
 
-  // Stores `now`, returns what the picture he reacts to showed.
+  // Stores `now`; returns the moment that the delayed picture shows.
   Moment Seen(const Moment& now) noexcept;
   void BeginLeg(const dvec3& to, const Stroke& like) noexcept;
   void NextLeg() noexcept;
@@ -88,9 +88,9 @@ class PathOperator final : public SimulatedOperator {
   static void SmoothLeans(Side& side) noexcept;
   // Number of bins not done yet.
   size_t LearnSide(Side& side, double accuracy_m, bool gentle) noexcept;
-  // Passes go round one way and then the other, so that no corner is always come to from one side.
+  // Passes alternate in direction, so that no corner is always approached from one side.
   bool backward() const noexcept { return pass_ % 2 != 0; }
-  // Along a side from its first corner, whichever way it is gone.
+  // Distance along a side from its first corner, in either direction of travel.
   double FromCorner(double along_m) const noexcept;
   size_t BinCount() const noexcept;
   double LearntLean(double along_m) const noexcept;

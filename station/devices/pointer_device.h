@@ -5,17 +5,17 @@
 #include "common/base/triple_buffer.h"
 #include "station/devices/device.h"
 
-// Mouse and keyboard as a device: the mouse moves the tip in a plane of the scene, the wheel across
-// it, a key is the pedal, four keys tilt the bur.
+// Mouse and keyboard as a device: the mouse moves the tip in a plane of the scene, the wheel moves
+// it across the plane, a key is the pedal, four keys tilt the bur.
 //
 //   window thread: input events ─▶ PointerMapping ─ pose ─▶ PointerDevice::Publish
 //   tick thread:                              latest value ─▶ PointerDevice::ReadSample
 //
-// A mouse has no motors: the force is computed, recorded and shown, not felt. To be able to press
-// all the same, one draws the tip into the tooth: the coupling's spring does the pressing.
+// A mouse has no motors: the force is computed, recorded and shown, not felt. To press, one draws
+// the tip into the tooth, and the coupling's spring presses.
 namespace enamel::station {
 
-// Where the hand is meant to be.
+// The pose the hand intends.
 struct PointerPose {
   dvec3 offset_m{0};  // tip from the device's centre, scene axes
   Quat orientation;   // scene from bur
@@ -30,16 +30,16 @@ struct PointerSettings {
   double max_tilt_rad = 1.05;  // 60 degrees, about each axis
 };
 
-// Events to pose. A pure function of its calls. The mouse moves in the plane of two scene axes that
-// faces the viewer most (seen from above: mesio-distal and bucco-lingual), so that the wheel is the
-// depth; forward is away from the viewer. Thread safety: none. Real-time: safe.
+// Turns events into a pose. A pure function of its calls. The mouse moves in the plane of two scene
+// axes that faces the viewer most (seen from above: mesio-distal and bucco-lingual), so the wheel
+// is the depth; forward is away from the viewer. Thread safety: none. Real-time: safe.
 class PointerMapping {
  public:
   explicit PointerMapping(const PointerSettings& settings = {});
 
-  // How the picture is seen: unit directions in the scene frame, to the right on the screen and
-  // from the scene toward the viewer, and the size of a pixel at what is looked at. The pose does
-  // not change by it. A direction that is not finite or zero is left out.
+  // The view: unit directions in the scene frame, to the right on the screen and from the scene
+  // toward the viewer, and the size of a pixel at the point in view. The pose does not change. A
+  // direction that is zero or not finite is ignored.
   void SetView(const dvec3& right, const dvec3& toward_viewer, double m_per_px);
 
   // Cursor moved: x to the right, y down, as window systems report it.
@@ -50,11 +50,11 @@ class PointerMapping {
   void SetPedal(bool down) { SetButton(kPedal, down); }
   // Which tilt keys are held, -1, 0 or 1 each: the shank leans right on the screen, and away.
   void SetTilt(int right, int away);
-  // Time passes for held keys. At most 0.1 s is taken: the window may have hung.
+  // Advances time for held keys. Takes at most 0.1 s: the window may have hung.
   void Advance(double dt_s);
   // Upright again.
   void Straighten() { lean_right_rad_ = lean_away_rad_ = 0; }
-  // All keys up: when the window loses the focus it does not hear of their release.
+  // Releases all keys: a window without the focus does not see their release.
   void ReleaseKeys();
   // Back at the centre, upright, keys up.
   void Reset();
@@ -75,10 +75,10 @@ class PointerMapping {
   uint8_t buttons_ = 0;
 };
 
-// The device of the loop. What is published comes 60 times a second; between, the tip goes after it
-// through two first-order filters of kLag_s each, at kMaxSpeed_m_per_s at most, so that the bur
-// moves and does not jump. A window that has not published for kSilence_s is taken to hang: the
-// pedal counts as released, since nobody sees what is being cut.
+// The loop's device. Poses are published 60 times a second. In between, the tip follows through two
+// first-order filters of kLag_s each, at kMaxSpeed_m_per_s at most, so that the bur moves without
+// jumps. A window that has not published for kSilence_s counts as hanging: the pedal is then
+// released, since nobody sees the cut.
 //
 // Thread safety: Publish by one thread, the rest by the tick's. Before the first Publish the tip is
 // at the centre, the pedal up.
@@ -104,7 +104,7 @@ class PointerDevice final : public Device {
     uint64_t number = 0;
   };
 
-  const double resolution_m_, tick_s_, share_;  // share_: of the way per tick, each filter
+  const double resolution_m_, tick_s_, share_;  // share_: of the way per tick, for each filter
   TripleBuffer<Message> mailbox_;
   uint64_t published_ = 0;  // owned by the publisher
   // Owned by the tick.

@@ -10,8 +10,8 @@
 
 namespace enamel::station {
 
-// A device behind a maker's library whose calls may wait for a bus. Called on the adapter's thread
-// only, all of it.
+// A device behind a maker's library whose calls may wait for a bus. All calls are on the adapter's
+// thread.
 class PolledBus {
  public:
   struct Pose {
@@ -23,7 +23,7 @@ class PolledBus {
   virtual ~PolledBus() = default;
   virtual std::string Name() const = 0;
   virtual std::string Driver() const = 0;  // the library: "dhd"
-  // False: the device is gone. Both may wait, for a few milliseconds at most.
+  // False: the device is detached. Both may wait, for a few milliseconds at most.
   virtual bool Read(Pose& out) = 0;
   virtual bool Send(const dvec3& force_n) = 0;  // scene axes; without torque
   virtual bool SendWithTorque(const dvec3& force_n, const dvec3& torque_n_m) {
@@ -32,14 +32,13 @@ class PolledBus {
   }
 };
 
-// Runs such a device on a thread of its own, read and driven as fast as its bus goes, and exchanges
-// the newest values with the tick. A force that the loop has not renewed falls to 0 (ForceKeeper).
-// A pose that is not finite is left out and counted as refused.
-// Once gone it stays gone: unplugged, 0. Real-time: ReadSample and the Sends are safe. Destruction
-// sends 0.
+// Runs a polled device on its own thread, as fast as its bus allows, and exchanges the newest
+// values with the tick. A force that the loop has not renewed falls to 0 (ForceKeeper). A pose that
+// is not finite is left out and counted as refused. Once detached it stays detached, with force 0.
+// Real-time: ReadSample and the Sends are safe. The destructor sends 0.
 class PolledDevice final : public MotorDevice {
  public:
-  // `resolution_m`: edge of a count, of the device profile. The first pose read is the centre.
+  // `resolution_m`: edge of a count, from the device profile. The first pose read is the centre.
   // `thread_setup` is called when the thread begins; it may be empty.
   PolledDevice(std::unique_ptr<PolledBus> bus, double resolution_m,
                std::function<void()> thread_setup = {});

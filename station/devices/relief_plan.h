@@ -2,13 +2,13 @@
 
 #include "station/devices/cavity_plan.h"
 
-// How a simulated dentist cuts a floor that follows the tooth: in rows from mesial to distal, each
-// next to the one before.
+// How a simulated dentist cuts a floor that follows the tooth: in adjacent rows from mesial to
+// distal.
 namespace enamel::station {
 
-// Where the tip of an upright bur stands that touches a part's relief from above: a ball at its
-// side, a flat end at its rim. What is deeper or farther out of the cut is in it: sideways the relief
-// is drawn out from its middle.
+// Tip position of an upright bur that touches a part's relief from above: a ball at its side, a
+// flat end at its rim. Includes what is deeper or farther out of the cut: sideways the relief is
+// extended from its middle.
 class ReliefTips {
  public:
   // `cut` is kept. Requires: its part has a relief.
@@ -16,7 +16,8 @@ class ReliefTips {
 
   double Height_m(double x_m, double y_m) const;
   double end_radius_m() const { return end_radius_m_; }
-  // The part's box. Within it, how far the tip goes along a row before it would have to climb a wall.
+  // The part's box. Within it, how far the tip goes along a row before it would have to climb a
+  // wall.
   Bounds box() const;
   Bounds ReachAlongX(double y_m) const;
   Bounds ReachAlongY(double x_m) const;
@@ -35,8 +36,8 @@ class ReliefTips {
   std::vector<Touch> end_;
 };
 
-// Rows over a rectangle, as far as `tips` says, each from one end to the other and back on the next:
-// points so near that a straight way between them is on the relief.
+// Rows over a rectangle, as far as `tips` allows, each from one end to the other, alternating.
+// Points are so near that a straight line between them is on the relief.
 std::vector<std::vector<dvec3>> RowsOver(const ReliefTips& tips, const Bounds& over,
                                          double spacing_m, double raise_m, bool from_far_side);
 

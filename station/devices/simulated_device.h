@@ -9,7 +9,7 @@
 
 namespace enamel::station {
 
-// Numbers of a device that is not there. SI units.
+// Parameters of a simulated device. SI units.
 struct PlantParams {
   double mass_kg = 0;            // apparent mass of the device
   double hand_mass_kg = 0.1;     // of the hand, lumped to it
@@ -17,8 +17,9 @@ struct PlantParams {
   double friction_n = 0;         // c, Coulomb, per axis
   double resolution_m = 0;       // delta: edge of an encoder cell
   double peak_force_n = 0;       // the motors saturate here
-  // Turning, of a device that drives six axes; inertia 0: of one that does not: its gimbal goes with
-  // the hand. Else device and hand are lumped; the hand holds its orientation by a spring and a damper.
+  // Rotation, for a device that drives six axes: device and hand are lumped, and the hand holds its
+  // orientation by a spring and a damper. Inertia 0: the device does not drive rotation, and its
+  // gimbal goes with the hand.
   double inertia_kg_m2 = 0;
   double rotational_damping_n_m_s = 0;  // b_rot
   double rotational_friction_n_m = 0;   // c_rot, Coulomb, per axis
@@ -34,8 +35,8 @@ struct PlantParams {
 };
 
 // A rigid mass with damping, Coulomb friction, an encoder and motors that hold their force for a
-// tick, in the hand of a simulated operator. One tick of its time passes in every ReadSample: it
-// neither knows nor needs the real time, so a lockstep run is exactly a slow one.
+// tick, in the hand of a simulated operator. Each ReadSample advances its time by one tick. It does
+// not use the real time, so a lockstep run gives exactly the same as a slow one.
 //
 // Integration: half a step of motion, the step's impulse, half a step of motion (leapfrog, second
 // order, no drift of energy), `substeps` per tick; friction is the impulse that can at most stop
@@ -58,7 +59,7 @@ class SimulatedDevice final : public Device {
                                           const dvec3& torque_n_m) noexcept override;
   ENAMEL_REALTIME void ShowBur(const dvec3& tip_m) noexcept override { bur_m_ = tip_m; }
 
-  // The true tip, which no real device tells.
+  // The true tip, which no real device reports.
   const dvec3& position_m() const noexcept { return x_; }
   const dvec3& velocity_m_per_s() const noexcept { return v_; }
   const Quat& orientation() const noexcept { return turned_; }
@@ -78,7 +79,7 @@ class SimulatedDevice final : public Device {
   dvec3 x_{0}, v_{0}, sent_n_{0}, motor_n_{0}, bur_m_{0};
   Quat turned_;
   dvec3 spin_{0}, sent_n_m_{0}, motor_n_m_{0};
-  std::array<dvec3, kMaxDelay + 1> pipe_{}, torques_{};  // rings of what is on its way
+  std::array<dvec3, kMaxDelay + 1> pipe_{}, torques_{};  // rings of forces and torques in transit
   size_t pipe_at_ = 0;
   uint64_t random_;
 };

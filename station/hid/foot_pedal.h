@@ -7,9 +7,9 @@
 
 namespace enamel::station::hid {
 
-// Where in its reports a pedal says that it is down. The default is the VEC Infinity, as sold for
-// dictation: its descriptor has the buttons 1 to 3 (left, middle, right), so bits 0 to 2 of its
-// first byte, and no report ids (its event codes are 0x90001 to 0x90003, HID usage page 9).
+// Where a pedal's reports hold its state. The default is the VEC Infinity, as sold for dictation:
+// its descriptor has the buttons 1 to 3 (left, middle, right), so bits 0 to 2 of its first byte,
+// and no report ids (its event codes are 0x90001 to 0x90003, HID usage page 9).
 struct PedalSettings {
   HidMatch match{0x05f3, 0x00ff, {}, 0, 0};
   uint8_t report_id = 0;  // 0: the device does not number its reports
@@ -20,14 +20,14 @@ struct PedalSettings {
 // "05f3:00ff" (with the defaults above), or "1a86:e026,id=1,byte=3,mask=ff". Errors: kInvalidInput.
 Result<PedalSettings> ParsePedal(std::string_view text);
 
-// Whether a report says that the pedal is down. False in `relevant`: it says nothing of it.
+// Whether a report has the pedal down. `relevant` false: the report does not contain it.
 struct PedalReading {
   bool relevant = false, down = false;
 };
 PedalReading ReadPedal(const PedalSettings& settings, ByteView report) noexcept;
 
-// A foot pedal on a thread of its own. Released while it is unplugged; plugged in again, it is back
-// by itself. Thread safety: buttons and refused from any thread.
+// A foot pedal on its own thread. Released while it is unplugged; it works again once it is plugged
+// in. Thread safety: buttons and refused from any thread.
 class FootPedal final : public ButtonSource, private ReportSink {
  public:
   // Errors: kNotFound, kUnavailable when it may not be opened.

@@ -10,27 +10,28 @@
 
 namespace enamel::station::hid {
 
-// What a reader's thread hands on; called on that thread only, never two at once.
+// Receives what a reader reads; called on the reader's thread only, never two at once.
 class ReportSink {
  public:
   virtual ~ReportSink() = default;
   virtual void OnReport(ByteView report) = 0;
-  // Opened, also again after it was unplugged. False: this is not the one that is meant, or it does
-  // not answer yet; it is closed, no report of it is handed on, and it is tried again after kRetry.
+  // A device was opened, at first or after it was unplugged. Return false if it is the wrong one or
+  // does not answer yet: it is closed, its reports are dropped, and it is tried again after kRetry.
   virtual bool OnAttached(const HidInfo& info) = 0;
-  // The one that OnAttached took is gone.
+  // The device that OnAttached accepted was detached.
   virtual void OnDetached() = 0;
 };
 
-// Reads one HID device on a thread of its own, for as long as it lives: waits for reports, notices
-// when it is unplugged, and looks for it again every kRetry until it is back (hot-plug).
-// Thread safety: constructed and destroyed by one thread. Destruction takes at most kPatience.
+// Reads one HID device on its own thread: waits for reports, notices when the device is unplugged,
+// and searches for it every kRetry until it returns (hot-plug). Thread safety: constructed and
+// destroyed by one thread. The destructor takes at most kPatience.
 class HidReader {
  public:
   static constexpr std::chrono::milliseconds kRetry{200};
   static constexpr int kPatience_ms = 50;
 
-  // `sink` outlives the reader. `match` also finds it again; the path may then be another.
+  // `sink` outlives the reader. `match` also finds the device again, which may then have another
+  // path.
   HidReader(HidMatch match, ReportSink& sink);
   ~HidReader();
   HidReader(const HidReader&) = delete;
@@ -46,7 +47,7 @@ class HidReader {
   std::thread thread_;
 };
 
-// The first attached interface that fits. Errors: kNotFound with what is attached.
+// The first attached interface that matches. Errors: kNotFound with what is attached.
 Result<HidInfo> FindHid(const HidMatch& match);
 
 }  // namespace enamel::station::hid

@@ -11,40 +11,41 @@
 #include "station/hid/haptic_report.h"
 #include "station/hid/hid_port.h"
 
-// From what a person writes on the command line or in the settings to a device that runs, and back:
-// from what is attached to what it is taken for.
+// Opens the device that a command line or the settings name; and recognises and names attached
+// devices.
 namespace enamel::station::hid {
 
 enum class HidKind : uint8_t { kOther, kHapticBoard, kSpaceMouse, kFootPedal };
-// By usage page and ids alone: nothing is opened.
+// Uses only usage page and ids; opens nothing.
 HidKind Recognise(const HidInfo& info);
 const char* HidKindText(HidKind kind);  // "haptic board", …
-// How a person names it: "hid:1209:0001:SERIAL", "spacemouse:256f:c62e", "05f3:00ff" for a pedal.
+// Its name on the command line: "hid:1209:0001:SERIAL", "spacemouse:256f:c62e", "05f3:00ff" for a
+// pedal.
 std::string DeviceNameOf(const HidInfo& info);
 
-// Why this program may not open it, and what to do about it; empty when it may. Nothing is opened.
+// Why this program may not open it, and what to do; empty if it may. Opens nothing.
 std::string WhyNotUsable(const HidInfo& info);
 
 struct DeviceChoice {
-  // "hid" or "spacemouse", the first that is there; or either with ":VENDOR:PRODUCT[:SERIAL]".
+  // "hid" or "spacemouse", the first attached; or either with ":VENDOR:PRODUCT[:SERIAL]".
   std::string device;
   std::string pedal;            // as ParsePedal reads it; empty: the device's own button
   std::string axes = "+x+y+z";  // of a haptic board, as ParseAxisMap reads it
   int watchdog_ms = 20;
-  // A haptic board's two threads call it when they begin: gives them the loop's priority.
+  // Called at the start of a haptic board's two threads, to give them the loop's priority.
   std::function<void()> thread_setup;
 };
 
-// Opens it for an attempt with this profile. Errors: kInvalidInput for a choice that names nothing,
-// kNotFound, kUnavailable, kVersion, kConflict when the board is not what the profile says.
+// Opens the device for an attempt with this profile. Errors: kInvalidInput for an unknown choice,
+// kNotFound, kUnavailable, kVersion, kConflict when the board does not match the profile.
 Result<std::unique_ptr<Device>> OpenDevice(const DeviceChoice& choice,
                                            const scene::DeviceProfile& profile, double tick_s);
 
-// The device with a foot pedal, as ParsePedal reads it; as it is when `pedal` is empty.
+// Adds a foot pedal, named as for ParsePedal, to the device; `pedal` empty: returns it unchanged.
 // Errors: kInvalidInput, kNotFound, kUnavailable.
 Result<std::unique_ptr<Device>> WithPedal(std::unique_ptr<Device> device, const std::string& pedal);
 
-// Asks a haptic board what it is. Errors: kUnavailable, kVersion, kInvalidInput.
+// Reads a haptic board's feature report. Errors: kUnavailable, kVersion, kInvalidInput.
 Result<FeatureReport> AskBoard(const HidInfo& info);
 
 }  // namespace enamel::station::hid

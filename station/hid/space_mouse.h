@@ -7,14 +7,14 @@
 #include "station/devices/device.h"
 #include "station/hid/hid_reader.h"
 
-// 3Dconnexion's six-axis mice. Two families of reports, told apart by their length:
+// 3Dconnexion's six-axis mice. Two families of reports, distinguished by their length:
 //
 //   separate  id 1: translation, 3 x i16; id 2: rotation, 3 x i16   (SpaceNavigator, 046d)
 //   combined  id 1: translation and rotation, 6 x i16               (SpaceMouse Wireless, 256f)
 //   both      id 3: buttons, one bit each, lowest first
 //
 // Little-endian, full deflection 350, axes x to the right, y toward the user, z down; rotations
-// right-handed about them. Other ids (battery 0x17, LED) say nothing of the pose. Source: published
+// right-handed about them. Other ids (battery 0x17, LED) do not concern the pose. Source: published
 // report descriptors and recordings (usage page 1, usage 8, logical range -350 to 350).
 namespace enamel::station::hid {
 
@@ -29,7 +29,7 @@ struct SpaceMouseState {
 };
 
 enum class SpaceMouseReport : uint8_t { kTaken, kIgnored, kTooShort };
-// Takes what a report says into `state`; unchanged unless kTaken. Pure.
+// Applies a report to `state`; unchanged unless kTaken. Pure.
 SpaceMouseReport TakeReport(ByteView report, SpaceMouseState& state) noexcept;
 
 struct SpaceMouseSettings {
@@ -39,16 +39,16 @@ struct SpaceMouseSettings {
   double reach_m = 0.03;  // of the tip from the centre
 };
 
-// Velocity of tip (m/s) and tool (rad/s) in the scene, as seen with x to the right, y away from the
-// user and z up: a dead zone of 10, then growing with the square. Pure.
+// Velocity of tip (m/s) and tool (rad/s) in the scene, seen with x to the right, y away from the
+// user and z up: zero up to 10, then growing with the square. Pure.
 struct SpaceMouseMotion {
   dvec3 velocity_m_per_s{0}, turn_rad_per_s{0};
 };
 SpaceMouseMotion MotionOf(const SpaceMouseState& state,
                           const SpaceMouseSettings& settings) noexcept;
 
-// The device of the loop: deflection is speed. It has no motors. Button 1 is the pedal. A mouse
-// that is deflected reports every few ms: after kSilence_s without a report it counts as let go.
+// The loop's device: deflection is speed. It has no motors. Button 1 is the pedal. A deflected
+// mouse reports every few ms: after kSilence_s without a report it counts as released.
 class SpaceMouse final : public Device, private ReportSink {
  public:
   static constexpr double kSilence_s = 0.25;
