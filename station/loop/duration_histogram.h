@@ -10,9 +10,9 @@
 
 namespace enamel::station {
 
-// How long something took or how late it was, over a whole attempt, in fixed memory: counts in
-// buckets whose edges grow by powers of two, each split into 32, so that a quantile is known to
-// a 32nd of itself. From 0 ns to 2^40 ns (18 min); longer is counted as that.
+// Durations or lateness over a whole attempt, in fixed memory: counts in buckets whose edges grow
+// by powers of two, each split into 32, so a quantile is accurate to a 32nd of its value. From 0 ns
+// to 2^40 ns (18 min); longer durations count as that.
 //
 // Thread safety: Add by one thread, everything else by any. Real-time: Add is safe (wait-free).
 class DurationHistogram {
@@ -38,7 +38,7 @@ class DurationHistogram {
                   : static_cast<double>(sum_ns_.load(std::memory_order_relaxed)) /
                         static_cast<double>(n);
   }
-  // The middle of the bucket that holds the given share of all values; 0 when there are none.
+  // The middle of the bucket that holds the given share of all values; 0 if there are none.
   double Quantile_ns(double share) const noexcept {
     uint64_t n = count(), seen = 0;
     auto wanted = static_cast<uint64_t>(share * static_cast<double>(n));
@@ -69,7 +69,7 @@ class DurationHistogram {
 
  private:
   static void Increase(std::atomic<uint64_t>& counter, uint64_t by) noexcept {
-    // One writer: no need of a locked addition.
+    // One writer: a locked addition is not needed.
     counter.store(counter.load(std::memory_order_relaxed) + by, std::memory_order_relaxed);
   }
 

@@ -19,12 +19,12 @@ class SpscRing {
   SpscRing& operator=(const SpscRing&) = delete;
 
   size_t capacity() const noexcept { return slots_.size() - 1; }
-  // As seen now: the other side may be changing it.
+  // A snapshot: the other side may be changing it.
   size_t size() const noexcept {
     size_t in = in_.load(std::memory_order_acquire), out = out_.load(std::memory_order_acquire);
     return in >= out ? in - out : in + slots_.size() - out;
   }
-  // Producer: false is certain to stay so until the next Push.
+  // Producer: false stays false until the next Push.
   ENAMEL_REALTIME bool Full() const noexcept {
     return Next(in_.load(std::memory_order_relaxed)) == out_.load(std::memory_order_acquire);
   }

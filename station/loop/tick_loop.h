@@ -31,19 +31,19 @@ struct LoopCounters {
   uint64_t bounded_ticks = 0;  // the force was limited to the device's
   uint64_t stale_ticks = 0;    // stepped without anything new from the device
   uint64_t put_downs = 0;      // times the handpiece was put into its holder
-  // Energy that late and stale ticks can have handed out, at most, J (tick_loop.h, "Leak").
+  // Upper bound of the energy that late and stale ticks may have released, J (see "Leak" below).
   double leak_j = 0;
 
-  // Of the attempt: what passed, stepped or declared as a gap.
+  // The attempt's ticks that passed, stepped or declared as a gap.
   uint64_t passed_ticks() const noexcept { return ticks + gap_ticks + skipped_ticks; }
 };
 
 // Why a fault was latched: force zero, no cutting, until the operator acts.
 enum class Fault : uint8_t { kNone = 0, kStalled, kLateOnce, kLateOften, kUnplugged, kSwitchedOff };
-// One sentence for the operator: what happened, and what to do.
+// One sentence for the operator: the fault and the remedy.
 const char* FaultText(Fault fault) noexcept;
 
-// What the loop shows of its newest tick: to the picture, the progress line and the live view.
+// The loop's newest tick, for the picture, the progress line and the live view.
 struct Snapshot {
   LoopCounters counters;
   cutting::Pose anchor;
@@ -56,7 +56,7 @@ struct Snapshot {
   bool put_down = false;  // the handpiece lies in its holder
 };
 
-// One tick as it is kept for a fault's record.
+// One tick of a fault's record.
 struct FaultTick {
   core::TickInput input;
   dvec3 force_sent_n{0};
@@ -64,7 +64,7 @@ struct FaultTick {
   bool fresh = true, attached = true, driven = true;
 };
 
-// A fault and the ticks that led to it, the one it was latched in last.
+// A fault and the ticks that led to it; the last is the tick that latched it.
 struct FaultRecord {
   static constexpr size_t kTicks = 64;
   Fault fault = Fault::kNone;
@@ -73,7 +73,7 @@ struct FaultRecord {
   std::array<FaultTick, kTicks> ticks{};
 };
 
-// Sees each stepped tick on the tick's own thread: for the window's mailbox. Real-time.
+// Called with each stepped tick on the tick's own thread, for the window's mailbox. Real-time.
 class TickObserver {
  public:
   virtual ~TickObserver() = default;
@@ -83,83 +83,82 @@ class TickObserver {
 
 struct TickLoopOptions {
   uint32_t rate_hz = 1000;
-  // As fast as the machine can, waiting for the recorder instead of dropping: simulated devices
-  // only. Otherwise ticks come at rate_hz and a full ring makes a declared gap.
+  // Runs as fast as the machine can and waits for the recorder instead of dropping: simulated
+  // devices only. Otherwise ticks come at rate_hz and a full ring makes a declared gap.
   bool lockstep = false;
-  // A device whose time does not pass while the loop is late (a simulated one) is not put at risk
-  // by late ticks: they are counted and recorded, no fault is latched.
+  // False for a device whose time stops while the loop is late (a simulated one): late ticks are
+  // counted and recorded, and latch no fault.
   bool faults_when_late = true;
   // b of the device, for the leak's bound. 0 bounds it for any device.
   double damping_n_s_per_m = 0;
-  double rotational_damping_n_m_s = 0;  // b_rot, likewise
-  // An attempt that goes on after a crash: ticks stepped before, and those that passed since and
-  // were not. The first tick declares that gap and keeps force and cutting off until the bur is in
-  // free air.
+  double rotational_damping_n_m_s = 0;  // b_rot, for the same bound
+  // For an attempt resumed after a crash: ticks stepped before, and ticks that passed since without
+  // being stepped. The first tick declares that gap and keeps force and cutting off until the bur
+  // is in free air.
   uint64_t ticks_before = 0;
   uint32_t first_gap_ticks = 0;
 };
 
-// The haptic loop: device -> core -> device, and what was done to the ring and the snapshot.
+// The haptic loop: device -> core -> device; the result goes to the ring and the snapshot.
 //
 // Late ticks (common/haptics/README.md, "Late and lost ticks"): a tick late by a whole period is
-// flagged; by 5 ms, or more than 20 late ones within any second, latches a fault, as does a device
-// that says nothing new for 5 ms, and at once one that is unplugged or has switched its force off
-// by itself. A fault sends 0 in the tick it is latched in: a force that falls can hand out no
-// energy, so there is nothing to gain from fading it, and the bound is 0 sooner than the 20 ms
-// allowed. It ends when the operator releases the pedal and presses it again, both with the device
-// there and alive: a pedal that is silent because it was unplugged with its board is not a pedal
-// that was released. The last FaultRecord::kTicks ticks of the first kMaxRecords faults are kept.
+// flagged. These latch a fault: a tick late by 5 ms, more than 20 late ticks within any second, a
+// device that reports nothing new for 5 ms, and at once a device that is unplugged or has switched
+// its force off by itself. A fault sends 0 in the tick that latches it. Fading would gain nothing,
+// since a falling force can release no energy, and 0 is reached sooner than the 20 ms allowed. The
+// fault ends when the operator releases the pedal and presses it again, both with the device
+// attached and alive: a pedal that is silent because it was unplugged with its board was not
+// released. The last FaultRecord::kTicks ticks of the first kMaxRecords faults are kept.
 //
 // Time that passed is in the recording: whole periods that pass while a tick is late are declared
-// as a gap before it. The force was held over them (core::kHeldGap), for less than 5 ms or the
-// fault above takes it away, so nothing is felt of the declaring. Ticks that could not be recorded
-// are a gap without force. Ticks and gaps together are the attempt's time, by the clock.
+// as a gap before it. The force was held over them (core::kHeldGap) for less than 5 ms, or the
+// fault above removes it, so declaring the gap is not felt. Ticks that could not be recorded are a
+// gap without force. Ticks and gaps together are the attempt's time, by the clock.
 //
-// A handpiece that is put into its holder (kPutDown) has no force and its bur stands, as long as it
-// lies there; taken up again the force comes on as at the start. It ends nothing.
+// While the handpiece is in its holder (kPutDown) it has no force and its bur is stopped. When it
+// is taken up, the force comes on as at the start. The attempt continues.
 //
-// Force comes on softly: never before the device has been still for as long as it asks
-// (Device::still_before_force_s; still is within 0.5 mm on each axis), and then in free air only
+// Force comes on softly: only after the device has been still for as long as it asks
+// (Device::still_before_force_s; still means within 0.5 mm on each axis), and then only in free air
 // (core.h), where it is 0 and grows with the way into the tooth.
 //
 // Leak: while a force is held for T_hold, longer than a tick, and the tip moves by dx meanwhile,
-// the operator can be handed at most max(0, Kc/2 - b/T_hold) |dx|^2; by a torque over an angle the
-// same with its own numbers. The sum is in the counters.
+// the operator can receive at most max(0, Kc/2 - b/T_hold) |dx|^2. For a torque over an angle the
+// same formula holds with its own numbers. The sum is in the counters.
 //
 // Thread safety: Run and Tick on one thread; RequestStop, Hold, fault(), snapshot() (one reader),
-// lateness() and durations() from others. Real-time: Tick is safe; Run sleeps between ticks and
-// does nothing else.
+// lateness() and durations() from others. Real-time: Tick is safe; Run only adds the sleep between
+// ticks.
 class TickLoop {
  public:
   // All must outlive the loop; `observer` may be null.
   TickLoop(Device& device, core::Core& core, SampleRing& ring, const TickLoopOptions& options,
            TickObserver* observer = nullptr);
 
-  // Until the device reports kFinish (a simulated hand's) or RequestStop. On return the device
+  // Runs until the device reports kFinish (a simulated hand's) or RequestStop. On return the device
   // holds zero force.
   void Run() noexcept;
   void RequestStop() noexcept { stop_.store(true, std::memory_order_relaxed); }
-  // From the next tick on until Hold(false) none is stepped, as with a full ring: what was recorded
-  // last cannot be stored. No force, no cut, a declared gap.
+  // Hold(true): from the next tick on none is stepped until Hold(false), as with a full ring,
+  // because the last samples cannot be stored. No force, no cut, a declared gap.
   void Hold(bool held) noexcept { held_.store(held, std::memory_order_relaxed); }
   // Run has returned; all samples are in the ring.
   bool finished() const noexcept { return finished_.load(std::memory_order_acquire); }
 
   // One tick, `late_s` (not below 0) after it was due. The next one is due a tick after this one
-  // was, and after the whole periods that this one is late by. True when the operator has finished.
+  // was due, plus the whole periods that this one is late by. True when the operator has finished.
   // The whole chain from the device's counts to its motors is in this function.
   ENAMEL_REALTIME bool Tick(double late_s = 0) noexcept;
 
   // Newest tick, for one reader thread.
   const Snapshot& snapshot() noexcept { return snapshots_.Read(); }
-  // Now, also between ticks that are not stepped. By any thread.
+  // The current fault, also between ticks that are not stepped. By any thread.
   Fault fault() const noexcept { return fault_.load(std::memory_order_relaxed); }
-  // All that was counted, also over ticks that were not stepped: on the tick's thread, or after
-  // finished().
+  // All counts, also of ticks that were not stepped. On the tick's thread, or after finished().
   const LoopCounters& counters() const noexcept { return counters_; }
   // Oldest first. On the tick's thread, or after finished().
   std::span<const FaultRecord> fault_records() const noexcept { return {records_, record_count_}; }
-  // How late Run's ticks began, and how long they took. Lockstep fills neither.
+  // Lateness of the start of Run's ticks, and their duration. Lockstep fills neither.
   const DurationHistogram& lateness() const noexcept { return lateness_; }
   const DurationHistogram& durations() const noexcept { return durations_; }
 
@@ -197,13 +196,13 @@ class TickLoop {
   uint32_t gap_ = 0;      // ticks not stepped since the last sample
   bool gap_held_ = true;  // all of them passed while a tick was late
   uint64_t skipped_ = 0;  // whole periods this tick is late by
-  double rest_s_ = 0;     // what the last tick was late by beyond whole periods
+  double rest_s_ = 0;     // lateness of the last tick beyond whole periods
   bool put_down_ = false, holder_known_ = false;
   std::atomic<Fault> fault_{Fault::kNone};  // written by the tick
   bool pedal_released_ = false;             // since the fault
   bool soft_restart_ = false;
   double now_s_ = 0;     // of the attempt, by the ticks that were due
-  double silent_s_ = 0;  // since the device was seen to say something new, by the clock
+  double silent_s_ = 0;  // since the device last reported something new, by the clock
   std::array<double, kLateTicksPerSecond> late_at_s_{};  // ring of the last late ticks' times
   uint64_t late_count_ = 0;                              // since the last fault
   uint64_t still_ticks_needed_ = 0, still_ticks_ = 0;

@@ -7,8 +7,8 @@
 #include "common/base/result.h"
 #include "station/devices/polled_device.h"
 
-// Two functions per SDK, defined where it was found. Open switches the motors on; Find only asks
-// for the name of what is attached.
+// Two functions per SDK, defined if the SDK was found. Open switches the motors on; Find only asks
+// for the attached device's name.
 namespace enamel::station::sdk {
 
 Result<std::unique_ptr<PolledBus>> OpenForceDimension();

@@ -6,24 +6,24 @@
 
 namespace enamel::station {
 
-// What a command line asks for.
+// The exercise named on a command line.
 struct WantedExercise {
   std::string name;
-  Uuid assignment;  // zero: whichever can be begun
-  // What will hold the tool; kNotTold where it is not known yet. Whether a device is on the school's
-  // list is for the server to say.
+  Uuid assignment;  // zero: any that can be begun
+  // The device that will hold the tool; kNotTold if not known yet. The server decides whether it is
+  // on the school's list of devices.
   Hand hand = {};
 };
 
-// The exercise that an attempt can be begun at: of several assignments of it the one that is due first,
-// admits the hand and allows an attempt. Errors: kNotFound with the names there are, or the
-// assignments; kForbidden with why none of them can be begun here and now, each reason once, or,
-// field "hand", where one of them is an open exam that does not admit the hand: it is not dodged
-// without another being named.
+// Chooses the assignment of the exercise that can be begun here: the first due of those that admit
+// the hand and allow an attempt. Errors: kNotFound with the existing names or assignments;
+// kForbidden with the reasons why none can be begun now, each once; kForbidden, field "hand", when
+// one is an open exam that does not admit the hand, so that an exam is not avoided unless another
+// assignment is named.
 Result<Catalogue::Exercise> ChooseByName(const std::vector<Catalogue::Exercise>& exercises,
                                          const WantedExercise& wanted);
 
-// Fetches what is wanted and the profile of this name. Requires: a sign-in. Errors also:
+// Fetches the exercise and the profile of this name. Requires: a sign-in. Errors also:
 // ChooseByName's, kNotFound for a profile.
 Result<PreparedAttempt> PrepareByName(Workplace& workplace, const WantedExercise& wanted,
                                       const std::string& profile);

@@ -14,37 +14,36 @@
 namespace enamel::station {
 
 // Everything an attempt needs before its first tick: documents fetched, checked against each other,
-// and compiled. Its ticket is empty until Workplace::TakeTicket; one that is resumed has its own.
+// and compiled. The ticket is empty until Workplace::TakeTicket; a resumed attempt has its own.
 struct PreparedAttempt {
   Sha256 exercise_hash, profile_hash;  // content addresses of the documents
-  Uuid assignment;                     // that the ticket is asked for; zero: none
+  Uuid assignment;                     // for the ticket's request; zero: none
   scene::Scene scene;
   scene::Exercise exercise;
   scene::DeviceProfile profile;
   cutting::Volume volume;  // the tooth before the first cut
   trace::Header header;
-  HandsAllowed hands = HandsAllowed::kAny;  // that its ticket admits, as far as it says
+  HandsAllowed hands = HandsAllowed::kAny;  // as far as the ticket gives them
   protocol::AttemptFacts
       facts;  // as it will be begun; one that is resumed has its own in the spool
-  // Of an attempt that goes on after a crash: the core where the spool's chunks end, with the tooth
-  // as it was then; otherwise null.
+  // For an attempt resumed after a crash: the core at the end of the spool's chunks, with the tooth
+  // in that state; otherwise null.
   std::unique_ptr<core::Core> core;
-  trace::ChainState place;     // where their chain stands
-  uint32_t gap_ticks = 0;      // that passed since and were not recorded; as of Begin
-  bool clock_stepped = false;  // this computer's clock was changed since: at least so many
-  // What an attached device's delay was taken to be (UseDelayOf); none: it is the profile's, by
-  // construction.
+  trace::ChainState place;     // end of the chain of its chunks
+  uint32_t gap_ticks = 0;      // that passed since without being recorded; as of Begin
+  bool clock_stepped = false;  // this computer's clock was changed since: gap_ticks is a minimum
+  // The delay assumed for an attached device (UseDelayOf); none: the profile's, by construction.
   std::optional<scene::DelayUsed> delay;
-  // Held from before its ticket was asked for until it begins (Workplace::MakeReady).
+  // Held from before the ticket's request until the attempt begins (Workplace::MakeReady).
   std::optional<RecordingLock> lock;
 
   const Uuid& attempt() const { return header.ticket.attempt; }
   double voxel_m() const { return volume.spec().voxel_m(); }
 };
 
-// Writes into the header what holds the tool; before the ticket, which is asked for with it. Errors:
-// kForbidden when a ticket taken before does not admit it (a school's list of devices is the
-// server's to know), kConflict when a resumed attempt was begun with another kind.
+// Writes the device that holds the tool into the header; call before the ticket's request, which
+// contains it. Errors: kForbidden when a ticket taken in advance does not admit it (only the server
+// knows a school's list of devices), kConflict when a resumed attempt was begun with another kind.
 Status UseHandOf(PreparedAttempt& prepared, const Device& device);
 
 }  // namespace enamel::station

@@ -5,16 +5,16 @@
 
 namespace enamel::station::sound {
 
-// What a handpiece sounds like: a tone at the bur's rotation, with two overtones, and a hiss while
-// it cuts.
+// The sound of a handpiece: a tone at the bur's rotation, with two overtones, and a hiss while it
+// cuts.
 //
 //   pitch = speed / 60 * (1 - kDroop * load)          Hz, speed in 1/min
 //
-// kDroop: a turbine under the load at which students are told to stop has lost about a quarter of
-// its speed; where the simulated handpiece slows by itself (core/handpiece.h), load is 0 for the
-// pitch. Pitch and loudness follow with first-order lags, and the tone's phase is never set back,
-// so there is no click: between two samples the wave changes by at most MaxStep. Pure: the same
-// calls give the same samples. Thread safety: none.
+// kDroop: a turbine has lost about a quarter of its speed under the load at which students learn to
+// stop. Where the simulated handpiece slows by itself (core/handpiece.h), load is 0 for the pitch.
+// Pitch and loudness follow with first-order lags, and the tone's phase is never set back, so there
+// is no click: between two samples the wave changes by at most MaxStep. Pure: the same calls give
+// the same samples. Thread safety: none.
 class HandpieceVoice {
  public:
   static constexpr double kDroop = 0.25, kLag_s = 0.03;
@@ -23,14 +23,14 @@ class HandpieceVoice {
 
   explicit HandpieceVoice(double rate_hz) : rate_hz_(rate_hz) {}
 
-  // From the next sample on. `speed_krpm` 0: the bur comes to rest. `load` 0..1, of the force at
-  // which the bur should be taken off.
+  // Applies from the next sample on. `speed_krpm` 0: the bur comes to rest. `load` 0..1, of the
+  // force at which the bur should be lifted.
   void Set(double speed_krpm, double load);
   void Fill(std::span<float> samples);
 
-  // Where the pitch goes, Hz.
+  // The pitch's target, Hz.
   static double Pitch_hz(double speed_krpm, double load);
-  // Most that two neighbouring samples differ at this rate.
+  // Largest difference of two neighbouring samples at this rate.
   static double MaxStep(double rate_hz);
 
  private:

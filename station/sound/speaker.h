@@ -4,9 +4,9 @@
 
 namespace enamel::station::sound {
 
-// The handpiece's voice on the computer's loudspeaker, from a thread of its own; about 40 ms
-// behind. Where there is no sound card, or the program was built without ALSA, it is silent and
-// nothing else changes. Thread safety: Set from one thread.
+// Plays the handpiece's voice on the computer's loudspeaker, from its own thread, about 40 ms
+// behind. Without a sound card, or built without ALSA, it is silent and nothing else changes.
+// Thread safety: Set from one thread.
 class Speaker {
  public:
   Speaker();
@@ -16,7 +16,7 @@ class Speaker {
 
   // As HandpieceVoice::Set. Never waits.
   void Set(double speed_krpm, double load);
-  // A sound card takes what is played.
+  // Whether a sound card is playing.
   bool audible() const;
 
  private:

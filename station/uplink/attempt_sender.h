@@ -13,30 +13,30 @@ namespace enamel::station {
 
 // Whether trying again later may help.
 bool IsTransient(const Status& status);
-// It was ended from this side: nothing is known of the server by that.
+// This side ended it, so it gives no information on the server.
 bool IsStopped(const Status& status);
-// Only this recording has to wait, for what an admin has to bring back to the server; it is offered
-// again, however long that takes, and others go on.
+// Only this recording has to wait, until an admin restores something on the server. It is offered
+// again for as long as that takes; other recordings continue.
 bool IsAwaited(const Status& status);
-// Only this recording has to wait, as not all of it can be read from the station's disk.
+// Only this recording has to wait, because part of it cannot be read from the station's disk.
 bool IsDamaged(const Status& status);
-// Only this recording has to wait: the connection carries the others.
+// Only this recording has to wait: the connection still carries the others.
 inline bool IsOfOneRecording(const Status& status) {
   return IsAwaited(status) || IsDamaged(status);
 }
 
-// What one connection carries from the spool to the server. At most kWindow chunks are on their way
-// without acknowledgement, and no more is in memory. Thread safety: none.
+// Sends from the spool to the server over one connection. At most kWindow chunks wait for an
+// acknowledgement, and no more are in memory. Thread safety: none.
 class AttemptSender {
  public:
   static constexpr size_t kWindow = 16;
-  // Called before each message and at least this often while waiting; not ok: the call ends with
-  // it.
+  // Called before each message and at least this often while waiting; a status other than ok ends
+  // the call and is returned.
   static constexpr std::chrono::milliseconds kSlice{10};
   using Meanwhile = std::function<Status()>;
 
-  // All must outlive it. `link` is connected; after a transient error that is not
-  // IsOfOneRecording this is of no more use. `remarks`: where those to the chair go; null: nobody is
+  // All must outlive it. `link` is connected; after a transient error that is not IsOfOneRecording,
+  // this object is no longer usable. `remarks` receives messages to the chair; null: nobody is
   // there.
   AttemptSender(ServerLink& link, Spool& spool, Bandwidth& bandwidth, Meanwhile meanwhile = {},
                 RemarkBox* remarks = nullptr)
@@ -46,28 +46,29 @@ class AttemptSender {
         meanwhile_(std::move(meanwhile)),
         remarks_(remarks) {}
 
-  // Asks which of the attempts that the server once had it has no more (it was restored from an
-  // older backup): the spool has them wait again; and which tickets for later are revoked: they are
-  // forgotten. Returns how many attempts. A server that does not know the question has all of them.
+  // Asks which attempts the server once had and has lost (it was restored from an older backup):
+  // they wait in the spool again. Also asks which tickets for later are revoked: they are deleted.
+  // Returns the number of attempts. A server that does not know the question has lost none.
   Result<size_t> Offer();
 
-  // Tells the server of the tickets that were handed back, and forgets those that it answers about,
-  // whatever it says. One whose attempt was begun is forgotten without asking. Errors: the link's.
+  // Returns tickets that were handed back to the server, and deletes each one that the server
+  // answers, whatever the answer. A ticket whose attempt was begun is deleted without asking.
+  // Errors: the link's.
   Status ReturnTickets();
 
-  // Sends what the spool has of an attempt now, from where the server says, waits until it is
-  // committed there, and seals it when the spool has its seal. How it went is noted in the spool.
-  // `yield`, asked between chunks, returning true ends it earlier, with everything sent
-  // acknowledged. A refusal that trying again cannot change is noted in the spool. Errors: the
-  // link's, the spool's.
+  // Sends the spool's chunks of an attempt from where the server says, waits until they are
+  // committed there, and seals the attempt if the spool has its seal. Notes the outcome in the
+  // spool, including a refusal that trying again cannot change. `yield`, asked between chunks,
+  // returns true to end the call early, with everything sent acknowledged. Errors: the link's, the
+  // spool's.
   Status Send(const Uuid& attempt, const std::function<bool()>& yield = {});
 
-  // The next Send opens the attempt anew: it was resumed.
+  // The attempt was resumed: the next Send opens it again.
   void Reopen(const Uuid& attempt) { next_.erase(attempt); }
 
-  // The server said with its last answer about this attempt that somebody watches it.
+  // The server's last answer about this attempt said that somebody watches it.
   bool watched(const Uuid& attempt) const { return watched_ == attempt; }
-  // Few chunks wait for an acknowledgement: the network keeps up.
+  // Few chunks wait for an acknowledgement, so the network keeps up.
   bool at_ease() const { return waiting_ <= kWindow / 4; }
 
  private:
@@ -87,11 +88,11 @@ class AttemptSender {
   RemarkBox* const remarks_;
   std::map<Uuid, uint32_t> next_;  // attempts opened on this connection, and their next chunk
   size_t waiting_ = 0;             // chunks without acknowledgement
-  size_t unmarked_ = 0;            // chunks that the spool does not know of yet to be committed
+  size_t unmarked_ = 0;            // chunks whose commit the spool does not have yet
   std::optional<Uuid> watched_;
 };
 
-// The attempts that are to be sent: not refused, and with something the server does not have.
+// Attempts to send: not refused, and not complete on the server.
 Result<std::vector<SpooledAttempt>> WaitingAttempts(Spool& spool);
 
 }  // namespace enamel::station

@@ -5,10 +5,10 @@
 
 namespace enamel::station {
 
-// How long to wait before connecting again (schemas/wire/README.md, "Coming back"): 0.5 s, doubled
-// up to 30 s (after a refusal of the station as a whole 1 min, up to 15 min), each shortened by a
-// random part of up to a half, so that forty stations of a room do not come back at once after a
-// switch was restarted. Thread safety: none.
+// Wait before connecting again (schemas/wire/README.md, "Coming back"): 0.5 s, doubled up to 30 s;
+// after a refusal of the whole station 1 min, up to 15 min. Each wait is shortened by a random part
+// of up to a half, so that forty stations of a room do not return all at once after a switch
+// restarts. Thread safety: none.
 class Backoff {
  public:
   using Duration = std::chrono::milliseconds;

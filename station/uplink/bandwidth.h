@@ -6,11 +6,11 @@
 
 namespace enamel::station {
 
-// Keeps what is sent below a rate: a bucket that holds a second's worth and fills at the rate.
+// Limits the rate of sending: a bucket that holds a second's worth and fills at the rate.
 //
-// A message goes when the bucket holds it, or is full; one that is larger leaves a debt that is
-// worked off before the next. So over any time t at most rate * (t + 1 s) and one message are sent.
-// Time is the caller's. Thread safety: none.
+// A message is sent when the bucket holds it, or is full. A larger message leaves a debt that is
+// paid off before the next. So over any time t at most rate * (t + 1 s) and one message are sent.
+// The caller provides the time. Thread safety: none.
 class Bandwidth {
  public:
   using Clock = std::chrono::steady_clock;
@@ -21,7 +21,7 @@ class Bandwidth {
 
   // Takes `bytes` out and returns zero, or returns how long to wait before asking again.
   Clock::duration Take(size_t bytes, Clock::time_point now);
-  // For what may be dropped: takes only while half of the bucket stays for the rest.
+  // For data that may be dropped: takes only while half of the bucket remains for the rest.
   bool TakeSpare(size_t bytes, Clock::time_point now);
 
  private:

@@ -9,8 +9,9 @@
 
 namespace enamel::station {
 
-// Scenes, volumes, exercises and profiles on the station's disk, named by their content. What does
-// not match its name is as good as absent. Thread safety: const; files are written atomically.
+// Scenes, volumes, exercises and profiles on the station's disk, named by their content. A file
+// that does not match its name counts as absent. Thread safety: const; files are written
+// atomically.
 class BlobCache {
  public:
   explicit BlobCache(std::filesystem::path folder) : folder_(std::move(folder)) {}

@@ -13,7 +13,7 @@
 
 namespace enamel::station {
 
-// What a station got when it was enrolled, and the key it signs its recordings with.
+// What a station received on enrolment, and the key that signs its recordings.
 struct Credentials {
   net::Endpoint server;
   Sha256 fingerprint;  // of the server's certificate
@@ -33,8 +33,8 @@ inline constexpr char kEnrolment[] = "enrolment";
 Status SaveCredentials(const std::filesystem::path& folder, const Credentials& credentials);
 Result<Credentials> LoadCredentials(const std::filesystem::path& folder);
 // The same station when the server has moved to another address (HOST:PORT; empty: as enrolled).
-// Its identity stays pinned: another server at that address is refused. Errors also: kInvalidInput
-// with field kServerOption when that is no address.
+// The server's identity stays pinned: another server at that address is refused. Errors also:
+// kInvalidInput with field kServerOption for an invalid address.
 inline constexpr char kServerOption[] = "server";
 Result<Credentials> LoadCredentialsFor(const std::filesystem::path& folder,
                                        std::string_view server);

@@ -8,7 +8,7 @@
 
 namespace enamel::station {
 
-// A moment of an attempt for who watches it (schemas/wire/station.proto, LiveState).
+// A moment of an attempt for its viewers (schemas/wire/station.proto, LiveState).
 struct LivePoint {
   uint64_t ticks = 0;                  // stepped so far; 0: none yet
   std::array<int32_t, 3> anchor_um{};  // from the device's origin, along the scene's axes
@@ -16,12 +16,12 @@ struct LivePoint {
   uint32_t flags = 0;                  // witness flags
 };
 
-// From the tick to the uplink: the newest moment, older ones are overwritten unread.
-// Thread safety: one writer, one reader. Real-time: Write is safe.
+// Passes the newest moment from the tick to the uplink; older ones are overwritten unread. Thread
+// safety: one writer, one reader. Real-time: Write is safe.
 class LiveMailbox {
  public:
   void Write(const LivePoint& point) noexcept { newest_.Write(point); }
-  // The newest one; nothing when it was read before.
+  // The newest moment; nothing if it was read before.
   std::optional<LivePoint> Take() {
     const LivePoint& point = newest_.Read();
     if (point.ticks == read_) return std::nullopt;

@@ -9,20 +9,20 @@
 
 namespace enamel::station {
 
-// Remarks to the chair of the attempt being made, between the uplink that receives them and whoever
-// shows them (schemas/wire/README.md, "Remarks"). Each is given out once, by id, however often it
-// comes. Bounded: kMaxRemarks wait; what comes meanwhile is sent again by the server. Thread safety:
-// any thread. Real-time: never.
+// Messages to the chair of the attempt being made, from the uplink that receives them to the code
+// that shows them (schemas/wire/README.md, "Remarks"). Each is given out once, by id, however often
+// it arrives. Bounded: kMaxRemarks wait; the server sends the rest again. Thread safety: any
+// thread. Real-time: never.
 class RemarkBox {
  public:
-  // This attempt is made from now on: what was for another is gone. The same one again (resumed):
-  // nothing changes.
+  // Sets the current attempt and discards messages for any other. The same attempt again (resumed)
+  // changes nothing.
   void Begin(const Uuid& attempt);
-  // Passed over: for another attempt, known already, without text.
+  // Ignores messages for another attempt, known ones, and ones without text.
   void Arrived(const Uuid& attempt, const protocol::Remark& remark);
-  // The oldest that was not shown yet; stays it until Shown.
+  // The oldest message not shown yet; remains it until Shown.
   std::optional<protocol::Remark> Next(const Uuid& attempt) const;
-  // This one is before somebody's eyes.
+  // Somebody sees this message now.
   void Shown(const Uuid& attempt, uint64_t id);
   // The highest id that was shown; 0: none.
   uint64_t shown(const Uuid& attempt) const;

@@ -26,8 +26,8 @@ struct Person {
   std::string display_name;
   std::string role;
   std::string session;  // opaque
-  // The password was for one use: the server lets the person do nothing here before another was
-  // chosen on the page.
+  // The password was for one use: the server allows nothing here until the person chooses another
+  // on the page.
   bool must_change_password = false;
 };
 
@@ -36,13 +36,13 @@ struct Catalogue {
     std::string name, title;
     Sha256 exercise, scene, volume;
     Uuid assignment;  // zero: none
-    // Of the assignment (schemas/wire/station.proto, ExerciseRef); 0 where there is no bound.
+    // Of the assignment (schemas/wire/station.proto, ExerciseRef); 0: no limit.
     int64_t due_unix_ms = 0;
     bool late_allowed = false;
     uint32_t attempt_limit = 0, attempts_left = 0;
     bool exam = false;
     HandsAllowed hands = HandsAllowed::kAny;
-    std::string refusal;  // why an attempt cannot be begun here and now; empty: it can
+    std::string refusal;  // why an attempt cannot be begun now; empty: it can
   };
   struct Profile {
     std::string name, title;
@@ -52,17 +52,17 @@ struct Catalogue {
   std::vector<Profile> profiles;
 };
 
-// What a ticket is asked for.
+// Contents of a request for a ticket.
 struct TicketRequest {
   Sha256 exercise, profile;
-  Uuid assignment;            // as the catalogue has it
+  Uuid assignment;            // from the catalogue
   bool as_reference = false;  // instructors only
   bool for_later = false;     // to be used with or without the server
-  Hand hand{};                // what will hold the tool; not told: it is not known yet
+  Hand hand{};                // what will hold the tool; kNotTold: not known yet
 };
 struct IssuedTicket {
   trace::Ticket ticket;
-  HandsAllowed hands = HandsAllowed::kAny;  // that it admits; what a server did not say, it admits
+  HandsAllowed hands = HandsAllowed::kAny;  // hands it admits; all if the server gave none
 };
 
 struct HeldAttempt {
@@ -74,7 +74,7 @@ struct Wanted {
   std::vector<Uuid> revoked;  // tickets
 };
 
-// What the server has made of an attempt so far.
+// The server's progress with an attempt.
 struct AttemptProgress {
   std::string state;        // "recording", "sealed", "scoring", "scored", "failed", "quarantined"
   double progress = 0;      // 0..1 while scoring
@@ -91,56 +91,56 @@ class ServerLink {
  public:
   static constexpr std::chrono::seconds kTimeout{20};
 
-  // Connects and enrols with a fresh key pair, or, with `before`, as the station that it was, under
-  // its old id and key (name empty: its old one). The credentials are not yet saved.
+  // Connects and enrols with a fresh key pair; or, with `before`, as that station with its id and
+  // key (name empty: its old one). The credentials are not yet saved.
   static Result<Credentials> Enrol(const net::Endpoint& server, const EnrolCode& code,
                                    const std::string& name,
                                    const std::optional<Credentials>& before = {});
 
-  // Connects and says hello. Errors: kUnauthenticated (another certificate, or the station is not
-  // known any more), kUnavailable.
+  // Connects and exchanges hellos. Errors: kUnauthenticated (another certificate, or the server
+  // does not know the station any more), kUnavailable.
   Status Connect(const Credentials& credentials);
   bool connected() const { return client_.connected(); }
-  // False when the server's core is of another version: uploads only.
+  // False when the server's core has another version: uploads only.
   bool may_begin_attempts() const { return may_begin_; }
-  // Where people open the page, as the server said when it was connected to; empty: it did not, or
-  // not so that it can be shown (protocol::IsPageUrl).
+  // The page's address, from the server's hello; empty if missing or unsuitable
+  // (protocol::IsPageUrl).
   const std::string& page_url() const { return page_url_; }
   // The newest version of a recording's header that the server reads.
   uint32_t header_version() const { return header_version_; }
-  // How far the server's clock is ahead of this machine's, ms, to half the time the hello took.
+  // How far the server's clock is ahead of this machine's, ms, accurate to half the duration of the
+  // hello.
   int64_t server_ahead_ms() const { return server_ahead_ms_; }
 
   Result<Person> SignIn(const std::string& login, const std::string& password);
   Result<Catalogue> ListExercises(const Person& person);
-  // From the cache if it is there. Errors: kConflict when what came is not what was asked for.
+  // From the cache if possible. Errors: kConflict when the answer is not the requested blob.
   Result<Bytes> FetchBlob(const Sha256& name, const BlobCache& cache);
-  // Signature, station, exercise and profile are checked.
+  // Checks signature, station, exercise and profile.
   Result<IssuedTicket> RequestTicket(const Credentials& credentials, const Person& person,
                                      const TicketRequest& wanted);
 
   // Errors: kNotFound, also for somebody else's attempt.
   Result<AttemptProgress> AttemptStatus(const Person& person, const Uuid& attempt);
-  // A scored attempt becomes its exercise's reference, with the dentist's consent. Errors:
-  // kForbidden unless the person may, kConflict before it is scored, and with field
-  // protocol::kAnyway where it does not do what its exercise asks for and `anyway` does not say why
-  // it is right all the same.
+  // Makes a scored attempt its exercise's reference, with the dentist's consent. Errors: kForbidden
+  // without the right, kConflict before it is scored, and with field protocol::kAnyway when the
+  // attempt does not meet the exercise's criteria and `anyway` gives no reason to accept it.
   Status MarkReference(const Person& person, const Uuid& attempt, const std::string& dentist,
                        bool consent, const std::string& anyway = {});
-  // Keeps a connection alive that has nothing to say. Returns what is to be said at the chair of
-  // `attempt`, which has shown remarks up to `shown`; nothing without one.
+  // Keeps an idle connection alive. Returns messages for the chair of `attempt`, which has shown
+  // messages up to `shown`; none without an attempt.
   Result<std::vector<protocol::Remark>> Ping(const std::optional<Uuid>& attempt = {},
                                              uint64_t shown = 0);
 
-  // Which of the attempts the server lacks as a whole, and which of the tickets (by attempt) must
-  // not be used any more. At most 1024 of each. Errors: kVersion when the server does not know the
-  // question.
+  // Asks which of the attempts the server lacks entirely, and which of the tickets (by attempt)
+  // must not be used any more. At most 1024 of each. Errors: kVersion when the server does not know
+  // the question.
   Result<Wanted> OfferAttempts(const std::vector<HeldAttempt>& attempts,
                                const std::vector<Uuid>& tickets);
 
-  // The ticket of this attempt was not used and will not be. Errors: kNotFound (this station has
-  // none such there), kConflict (the attempt was opened), kVersion when the server does not know
-  // the request; asking again changes none of them.
+  // Reports that the ticket of this attempt was not used and will not be. Errors: kNotFound (no
+  // such ticket of this station), kConflict (the attempt was opened), kVersion when the server does
+  // not know the request; asking again changes none of them.
   Status ReturnTicket(const Uuid& attempt);
 
   struct Opened {
@@ -148,8 +148,8 @@ class ServerLink {
     bool watched = false;
   };
   Result<Opened> OpenAttempt(ByteView header, const protocol::AttemptFacts& facts);
-  // Sends without waiting; acknowledgements come from PollAck. `shown`: highest id of the attempt's
-  // remarks that was shown.
+  // Sends without waiting; PollAck returns the acknowledgements. `shown`: highest id of the
+  // attempt's messages that was shown.
   Status SendChunk(ByteView chunk, uint64_t shown = 0);
   struct Ack {
     Uuid attempt;
@@ -158,9 +158,9 @@ class ServerLink {
     bool watched = false;                     // LiveState is wanted
     std::vector<protocol::Remark> remarks{};  // to the attempt's chair
   };
-  // The next one, or nothing within `patience`.
+  // The next acknowledgement, or nothing within `patience`.
   Result<std::optional<Ack>> PollAck(std::chrono::milliseconds patience);
-  // Never answered.
+  // Has no answer.
   Status SendLive(const Uuid& attempt, const LivePoint& point);
   Status Seal(const trace::Seal& seal);
 

@@ -21,49 +21,49 @@
 namespace enamel::station {
 
 struct UploaderOptions {
-  uint64_t bytes_per_s = 0;  // no more than this in the long run (bandwidth.h); 0: no bound
-  // What the server has had for long is forgotten here, at the start and this often; nothing:
-  // never.
+  uint64_t bytes_per_s = 0;  // upper limit in the long run (bandwidth.h); 0: none
+  // Deletes what the server has had for long enough, at the start and this often; none: never.
   std::optional<Retention> retention = {};
   std::chrono::steady_clock::duration prune_every = std::chrono::hours(24);
   Backoff::Duration refused_first = Backoff::kRefusedFirst;  // wait after the station was refused
 };
 
-// Brings the spool to the server on a thread of its own while recording goes on, over breaks of the
-// connection: first the attempt being made, then what is left of earlier ones. On every connection
-// it first asks which attempts the server lost (AttemptSender::Offer) and sends those again. Tickets that
-// were handed back are returned to the server (AttemptSender::ReturnTickets).
+// Sends the spool to the server on its own thread, during recording and across broken connections:
+// first the attempt being made, then earlier ones. On every connection it first asks which attempts
+// the server lost (AttemptSender::Offer), sends those again, and returns tickets that were handed
+// back (AttemptSender::ReturnTickets).
 //
-// Waits between tries as Backoff says. A refusal that trying again cannot change stops the upload
-// of that attempt only; one of the station as a whole (not known any more, another certificate,
-// another protocol version) stops all for some minutes, or until Retry: it may have been another
-// server for a moment only. Recording goes on either way.
+// Waits between tries as in Backoff. A refusal that trying again cannot change stops the upload of
+// that attempt only. A refusal of the whole station (unknown, another certificate, another protocol
+// version) stops all for some minutes, or until Retry: the address may have led to another server
+// for a moment. Recording continues in both cases.
 //
 // Live: while the server says that somebody watches the attempt being made, its newest moment is
-// sent 60 times a second: latest wins, and none when bandwidth or acknowledgements are short, so
-// that chunks never wait for more than the one being written. Thread safety: all methods from any
+// sent 60 times a second. The latest wins, and none is sent when bandwidth or acknowledgements are
+// short, so that chunks never wait for more than the one being written. Thread safety: all methods
+// from any thread; the live mailbox has one writer.
 // thread; the live mailbox has one writer.
 class Uploader {
  public:
   static constexpr std::chrono::microseconds kLiveEvery{16'667};
   static constexpr std::chrono::seconds kPingEvery{20};
-  // What has to wait for an admin, or to be salvaged (IsOfOneRecording), is offered again this
+  // Recordings that wait for an admin or for salvage (IsOfOneRecording) are offered again this
   // often, at the next ping.
   static constexpr std::chrono::minutes kAwaitedEvery{5};
 
   // Of one attempt.
   struct State {
     uint32_t committed = 0;  // chunks the server has durably
-    bool sealed = false;     // everything is there
+    bool sealed = false;     // everything is on the server
     bool reachable = true;   // the server, as of the last try
     Status problem;          // last failure
-    // Waiting for it is no use: refused for good, or not all of it can be read here (IsDamaged).
+    // Waiting is useless: refused for good, or part of it cannot be read here (IsDamaged).
     bool gave_up = false;
   };
   // Of the connection.
   struct Link {
     bool reachable = true;  // as of the last try
-    bool refused = false;   // by the server as a whole: tried again in minutes, or by Retry
+    bool refused = false;   // the whole station was refused: next try in minutes, or by Retry
     Status problem;
     uint64_t live_sent = 0, live_dropped = 0;
   };
@@ -73,18 +73,19 @@ class Uploader {
   Uploader(const Uploader&) = delete;
   Uploader& operator=(const Uploader&) = delete;
 
-  // This attempt goes before all others from now on, and is opened anew if it was before (resumed).
-  // `live` may be null.
+  // From now on sends this attempt before all others, and opens it again if it was open before
+  // (resumed). `live` may be null.
   void Prefer(const Uuid& attempt, std::shared_ptr<LiveMailbox> live);
-  // There is something new in the spool.
+  // The spool has new data.
   void Wake();
-  // Tries again at once, also after a refusal of the station.
+  // Tries again at once, even after a refusal of the station.
   void Retry();
   State state(const Uuid& attempt) const;
   Link link() const;
-  // What was said to the chair of the attempt preferred.
+  // Messages to the chair of the preferred attempt.
   RemarkBox& remarks() { return remarks_; }
-  // Until the attempt is sealed there, given up, or the server not reachable for `patience`.
+  // Waits until the attempt is sealed on the server, given up, or the server not reachable for
+  // `patience`.
   void WaitUntilDone(const Uuid& attempt, std::chrono::milliseconds patience);
   void Stop();
 
@@ -126,8 +127,8 @@ class Uploader {
   bool wake_ ENAMEL_GUARDED_BY(mutex_) = true;
   bool retry_ ENAMEL_GUARDED_BY(mutex_) = false;
   bool stop_ ENAMEL_GUARDED_BY(mutex_) = false;
-  // Apart from wake_: the walk through the attempts takes that one, and a ticket handed back
-  // meanwhile is looked for after it.
+  // Separate from wake_, which the walk through the attempts consumes: tickets handed back
+  // meanwhile are returned after it.
   bool look_for_tickets_ ENAMEL_GUARDED_BY(mutex_) = true;
   std::thread thread_;
 };
