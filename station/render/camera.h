@@ -10,8 +10,8 @@ namespace enamel::station::render {
 // Orbits a focus; millimetres, scene frame (+z occlusal, +x mesial, +y buccal). Not thread-safe.
 class Camera {
  public:
-  // `radius_mm`: half of what fits into the picture's height. `aside`: how far right of the
-  // picture's middle the focus is seen, in picture heights.
+  // `radius_mm`: half the height of the view at the focus. `aside`: distance of the focus to the
+  // right of the picture's middle, in picture heights.
   Camera(const glm::vec3& focus_mm, float radius_mm, float aside = 0);
 
   void SetView(View view);
@@ -24,7 +24,7 @@ class Camera {
 
   glm::mat4 ViewFromScene() const;
   glm::mat4 ClipFromView(float aspect) const;
-  // Of the picture, in the scene frame, unit length.
+  // Unit vectors of the picture, in the scene frame.
   glm::vec3 Right() const;
   glm::vec3 TowardViewer() const;
   float radius_mm() const { return radius_mm_; }

@@ -10,8 +10,8 @@
 
 struct ImFont;
 
-// Letters in the sizes the station needs. What has to be read from two metres (titles, score,
-// timer, warnings, buttons) has capitals of kFarCapital_mm; the rest is read from the chair.
+// Fonts in the sizes the station needs. Text to be read from two metres (titles, score, timer,
+// warnings, buttons) has capitals of kFarCapital_mm; the rest is read from the chair.
 namespace enamel::station::render {
 
 inline constexpr double kFarCapital_mm = 12;
@@ -28,24 +28,24 @@ struct Fonts {
   float scale = 1;          // picture height / kReferenceHeight_px
 };
 
-// Height of a font's capitals, px, from the outline of its letter H. 0 when it has none.
+// Height of a font's capitals, px, from the outline of its letter H. 0 if it has none.
 float CapitalHeight_px(const ImFont& font);
 
-// Where the letters come from: DejaVu where Linux distributions put it, or the file named by
-// ENAMEL_FONT. None: Dear ImGui's own bitmap letters are used, enlarged.
+// The font's file: DejaVu where Linux distributions put it, or the file named by ENAMEL_FONT. None:
+// Dear ImGui's own bitmap font is used, enlarged.
 std::optional<std::filesystem::path> FindFont(bool bold = false);
-// Where Chinese letters come from: Noto Sans CJK (Debian: fonts-noto-cjk), or the file named by
+// The file of a Chinese font: Noto Sans CJK (Debian: fonts-noto-cjk), or the file named by
 // ENAMEL_CJK_FONT. None: Chinese is not offered.
 std::optional<std::filesystem::path> FindChineseFont();
 
-// Makes the letters for pictures of this height and what this language is written with; into the
-// current ImGui context, whose textures must then be made anew (Screen does). Of Chinese the 2500
-// commonest letters and those of our own texts: names with rarer ones show a question mark. `more`: of
-// what others wrote, in whatever script these files have; what they lack (emoji) is a question mark.
-// Not thread-safe.
+// Makes fonts for pictures of this height with the letters of this language, in the current ImGui
+// context, whose textures must then be rebuilt (Screen does). Chinese has the 2500 commonest
+// letters and those of our own texts: names with rarer ones show a question mark. `more`: text by
+// others, in any script these files have; missing letters (emoji) show as a question mark. Not
+// thread-safe.
 Fonts MakeFonts(int picture_height_px, language::Language language, std::string_view more = {});
 
-// Whether a text has letters beyond those that Latin texts are shown with.
+// Whether a text has letters beyond the Latin set.
 bool NeedsMoreLetters(std::string_view text);
 
 }  // namespace enamel::station::render

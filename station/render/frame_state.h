@@ -9,22 +9,22 @@
 
 namespace enamel::station::render {
 
-// Why the operator should look at the screen. Shown as text in the window.
+// Reasons for the operator to look at the screen. Shown as text in the window.
 enum Warning : uint32_t {
-  kWarnForceBounded = 1u << 0,  // the force the law asked for was cut to the device's limit
+  kWarnForceBounded = 1u << 0,  // the law's force was cut to the device's limit
   kWarnLate = 1u << 1,          // ticks run late
   kWarnFault = 1u << 2,         // force is held at zero until the operator acts
-  kWarnGap = 1u << 3,           // a moment ago ticks could not be recorded and were not made
+  kWarnGap = 1u << 3,           // ticks were just lost: not recorded, not stepped
   kWarnOffline = 1u << 4,       // server not reachable: recording continues on the station
   kWarnPulpExposed = 1u << 5,
-  kWarnDisk = 1u << 6,     // the spool takes nothing just now
-  kWarnDevice = 1u << 7,   // the device says nothing new
+  kWarnDisk = 1u << 6,     // the spool takes nothing at the moment
+  kWarnDevice = 1u << 7,   // the device reports nothing new
   kWarnTime = 1u << 8,     // past the exercise's time limit
-  kWarnResumed = 1u << 9,  // taken up again after it was cut off: no cause for alarm
+  kWarnResumed = 1u << 9,  // resumed after an interruption: no cause for alarm
 };
 inline constexpr int kWarningCount = 10;
 
-// All the picture needs to know about one tick: a plain value, copied whole. Scene frame, SI.
+// The picture's facts of one tick: a plain value, copied whole. Scene frame, SI.
 struct FrameState {
   uint64_t tick = 0;
   double time_s = 0;      // of the attempt, for the timer

@@ -49,7 +49,8 @@ class TriangleBuffer {
 
   void Upload(std::span<const GpuVertex> vertices, std::span<const uint32_t> indices,
               std::span<const uint32_t> coarse = {});
-  // `coarse`: the coarser ones where there are any. How many triangles.
+  // Draws the coarser triangles if `coarse` is set and there are any. Returns the number of
+  // triangles.
   size_t Draw(bool coarse = false) const;
   size_t triangle_count() const { return static_cast<size_t>(count_) / 3; }
 
@@ -67,12 +68,12 @@ class Target {
   Target(const Target&) = delete;
   Target& operator=(const Target&) = delete;
 
-  // Draws go here from now on, over its whole size.
+  // Directs drawing here, over its whole size.
   void Bind() const;
   void BindColour(int unit, size_t which) const;
   void BindDepth(int unit) const;
-  // All of this one's first colour into all of the other's: averaged where it is half the size,
-  // stretched where sizes differ otherwise.
+  // Copies the first colour texture into the other's: averaged at half the size, stretched at other
+  // sizes.
   void CopyColourTo(const Target& other) const;
   // Requires: equal sizes, both with depth.
   void CopyDepthTo(const Target& other) const;

@@ -4,8 +4,8 @@
 
 namespace enamel::station::render {
 
-// Keys, mouse buttons and modifiers by GLFW's numbers (letters and digits by ASCII), for those who
-// do not draw: screen.cpp checks that they are the same.
+// Keys, mouse buttons and modifiers by GLFW's numbers (letters and digits by ASCII), for code that
+// does not draw; screen.cpp checks that they match.
 enum Key : int {
   kKeySpace = 32,
   kKeyEscape = 256,
@@ -24,15 +24,15 @@ enum Key : int {
 enum MouseButton : int { kMouseLeft = 0, kMouseRight = 1, kMouseMiddle = 2 };
 inline constexpr int kModShift = 1;
 
-// One thing a person did at the window. The only way in: from GLFW, or from a script that stands
-// for a person (Screen::Inject), so that both take the same way from here on.
+// One action of a person at the window. All input enters this way, from GLFW or from a script that
+// plays a person (Screen::Inject), so both are handled alike.
 struct InputEvent {
   enum class Kind : uint8_t { kKey, kCharacter, kCursor, kButton, kWheel };
   Kind kind = Kind::kKey;
   int code = 0;          // Key or MouseButton; character: Unicode
   bool pressed = false;  // key, button
   int mods = 0;          // kModShift
-  bool repeat = false;   // key: pressed, because it is still held; the keyboard says it again
+  bool repeat = false;   // key: pressed, as a repeat of a held key
   double x = 0, y = 0;   // cursor: window pixels from the upper left; wheel: notches
 
   static InputEvent Key(int key, bool pressed, int mods = 0, bool repeat = false) {

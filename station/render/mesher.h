@@ -16,7 +16,7 @@
 
 namespace enamel::station::render {
 
-// A vertex as the graphics card takes it. Position in millimetres, scene frame.
+// A vertex in the graphics card's format. Position in millimetres, scene frame.
 struct GpuVertex {
   float position_mm[3];
   int8_t normal[3];  // 127 = 1
@@ -24,7 +24,7 @@ struct GpuVertex {
 };
 static_assert(sizeof(GpuVertex) == 16);
 
-// Where a mesh is and which way its triangles face, so that what cannot be seen is not drawn.
+// A mesh's place and the directions of its triangles, so that hidden ones are not drawn.
 struct Bounds {
   glm::vec3 middle_mm{0};
   float radius_mm = 0;
@@ -32,7 +32,7 @@ struct Bounds {
   float spread_rad = 4;     // more than pi: all directions
 };
 Bounds BoundsOf(std::span<const GpuVertex> vertices, std::span<const uint32_t> indices);
-// False when no triangle can be seen from `eye_mm`, all facing away. Never false by mistake.
+// False when no triangle is visible from `eye_mm`, all facing away. Never false by mistake.
 bool MayFace(const Bounds& bounds, const glm::vec3& eye_mm);
 
 // The surface of 4 x 4 x 4 bricks, replaced as a whole when one of them changes. Until then it is
@@ -41,21 +41,20 @@ struct GroupMesh {
   size_t group = 0;
   std::vector<GpuVertex> vertices;
   std::vector<uint32_t> indices;
-  std::vector<uint32_t> coarse;  // for a picture that moves; empty: not made yet
+  std::vector<uint32_t> coarse;  // for a moving picture; empty: not made yet
   Bounds bounds;
-  bool same_surface = false;  // as the one before it: only `coarse` is new
+  bool same_surface = false;  // same as the previous one: only `coarse` is new
 };
 
-// Sees the replica on the mesher's thread after it has changed, at most every kWatchInterval: for
-// measuring what has gone. The picture waits meanwhile.
+// Called with the replica on the mesher's thread after it has changed, at most every
+// kWatchInterval, to measure what was removed. The picture waits meanwhile.
 using VolumeWatch = std::function<void(const cutting::Volume& now)>;
 inline constexpr std::chrono::milliseconds kWatchInterval{500};
 
-// Keeps a replica of the volume up to date from a BrickFeed, on a thread of its own, and meshes
-// what changed (surface::BrickMeshes). Bricks that a cut spreads over arrive
-// within a few milliseconds of each other, so a picture may show a step between them for one frame.
-// What was cut gets its coarse triangles once nothing has changed for kRest.
-// Thread safety: TakeReady, WaitIdle from any thread. Not real-time.
+// Keeps a replica of the volume up to date from a BrickFeed, on its own thread, and meshes the
+// changes (surface::BrickMeshes). Bricks of one cut arrive within a few milliseconds of each other,
+// so a picture may show a step between them for one frame. Changed groups get coarse triangles once
+// nothing has changed for kRest. Thread safety: TakeReady, WaitIdle from any thread. Not real-time.
 class Mesher {
  public:
   static constexpr std::chrono::milliseconds kRest{250};
@@ -69,7 +68,7 @@ class Mesher {
   size_t group_count() const { return static_cast<size_t>(groups_.x) * groups_.y * groups_.z; }
   // Groups meshed since the last call; at most one entry per group.
   std::vector<GroupMesh> TakeReady();
-  // Waits until all that the feed has sent, and the initial volume, is meshed. False on time-out.
+  // Waits until the initial volume and everything the feed has sent are meshed. False on time-out.
   bool WaitIdle(std::chrono::milliseconds limit);
 
  private:
@@ -99,7 +98,7 @@ class Mesher {
   std::mutex mutex_;
   std::condition_variable idle_;
   std::vector<GroupMesh> ready_;
-  size_t meshed_ = 0;  // updates that are in the picture
+  size_t meshed_ = 0;  // updates included in the picture
   bool initial_done_ = false;
 
   std::atomic<bool> stop_{false};

@@ -13,30 +13,30 @@ namespace enamel::station::render {
 
 using language::Words;
 
-// How much of the exercise's zones is gone (schemas/score.md, "Zones").
+// How much of the exercise's zones was removed (schemas/score.md, "Zones").
 struct ZoneShares {
   double target_percent = 0;
   double leeway_percent = 0;
-  double beyond_mm3 = 0;     // taken beyond the leeway, wherever; neighbours too
+  double beyond_mm3 = 0;     // removed beyond the leeway, anywhere; neighbours too
   double neighbour_mm3 = 0;  // of it, from neighbouring teeth
 };
 
-// How near the cut has come to what must stay.
+// Distance of the cut from what must stay.
 struct Reach {
   struct Leeway {
-    double left_mm = 0;  // until its end; below zero: beyond it
+    double left_mm = 0;  // to its end; below zero: beyond it
     double whole_mm = 0;
     std::string_view where;  // the nearest end, a key: "place.mesial_wall"; empty: all is left
   };
   std::optional<Leeway> leeway;
-  std::optional<double> pulp_mm;  // what is left over the pulp where it is thinnest
+  std::optional<double> pulp_mm;  // thickness over the pulp at its thinnest
 };
-// Thicker is shown as more than this: what a dentist leaves under a filling without a thought.
+// Thicker is shown as "more than this": no cause for concern under a filling.
 inline constexpr double kPulpFar_mm = 2;
 // Thinner is too thin (design of the score: critical).
 inline constexpr double kPulpThin_mm = 0.5;
 
-// What a bar says by its colour; apart in brightness too, for every kind of eye.
+// The meaning of a bar's colour; the colours also differ in brightness.
 enum class Bearing { kGood, kCareful, kBad };
 // sRGB, 0..1.
 std::array<float, 3> ColourOf(Bearing bearing);
@@ -51,15 +51,15 @@ struct PanelContent {
   double time_limit_s = 0;
   double mm_per_pixel = 0;          // at the focus, for the scale bar; picture pixels; 0: no bar
   std::optional<ZoneShares> zones;  // none: not to be shown (an exam), or not known
-  Reach reach;                      // likewise
+  Reach reach;                      // empty: not to be shown, or not known
   std::string hint;                 // what keys and mouse do, in one line
-  // Why the force is off and what to do, in one sentence: in place of kWarnFault and kWarnDevice,
-  // which say less.
+  // Why the force is off and what to do, in one sentence: replaces kWarnFault and kWarnDevice,
+  // which are less specific.
   std::string fault;
 };
 
 // Text and bars over the picture: timer, force, zones, limits, removed volume, warnings, keys. Bars
-// are read from two metres. Into the current ImGui frame of a picture of this size.
+// can be read from two metres. Draws into the current ImGui frame of a picture of this size.
 void DrawPanel(const PanelContent& content, const Words& words, const Fonts& fonts, int width,
                int height);
 
@@ -67,7 +67,7 @@ void DrawPanel(const PanelContent& content, const Words& words, const Fonts& fon
 std::string TimerText(double seconds);
 // Each warning as a sentence for the person at the chair, one line each; empty for none.
 std::string WarningText(const Words& words, uint32_t warnings);
-// The same for what is on the panel: the fault in its own words first.
+// As above for the panel: its fault comes first.
 std::string WarningText(const Words& words, const PanelContent& content);
 
 }  // namespace enamel::station::render

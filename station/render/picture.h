@@ -15,38 +15,37 @@
 
 namespace enamel::station::render {
 
-// What to draw in one frame; millimetres, scene frame.
+// Contents of one frame; millimetres, scene frame.
 struct PictureState {
   glm::mat4 view_from_scene{1}, clip_from_view{1};
   std::optional<glm::mat4> scene_from_bur;    // none: not drawn
   std::optional<glm::mat4> scene_from_ghost;  // only with scene_from_bur
   glm::vec3 arrow_from_mm{0}, arrow_mm{0};    // zero: no arrow
   float bur_spin = 0;                         // rad
-  bool lines = false;                         // those of SetLines are drawn
+  bool lines = false;                         // draw SetLines' lines
 };
 
-// What the last Draw did.
+// Statistics of the last Draw.
 struct PictureWork {
   size_t triangles = 0;        // of the tooth, all of it
   size_t triangles_drawn = 0;  // of the tooth, this time
-  bool whole = false;          // the tooth was drawn anew everywhere
-  bool coarse = false;         // and is of coarse triangles, because the camera moves
+  bool whole = false;          // the tooth was redrawn everywhere
+  bool coarse = false;         // with coarse triangles, because the camera moves
 };
 
 // The solid part of the picture, by OpenGL 3.3. The tooth is kept as a layer: colour, depth and
-// ambient occlusion, drawn anew only where a mesh has changed, or everywhere when the camera has.
-// Over a copy of that layer each frame draws what always moves: the bur's shadow, the bur, the
-// ghost of the hand, the force. *Why:* while somebody cuts, the camera rests and the cut changes a
-// thousandth of the surface; all of it each time is what a computer without graphics card cannot.
-// While the camera moves the layer may be a lighter one (Quality::lighter_turning); it is drawn
-// anew in full once the camera has rested for kStillPictures.
-// Draws into a buffer of its own, which the panel is then drawn over. Needs the context current.
-// Not thread-safe.
+// ambient occlusion. It is redrawn only where a mesh has changed, or everywhere when the camera has
+// moved. Each frame draws the moving things over a copy of that layer: the bur's shadow, the bur,
+// the ghost of the hand, the force. *Why:* while somebody cuts, the camera rests and the cut
+// changes a thousandth of the surface; a computer without graphics card cannot redraw all of it
+// each time. While the camera moves the layer may be a lighter one (Quality::lighter_turning); it
+// is redrawn in full once the camera has rested for kStillPictures. Draws into its own buffer; the
+// panel is then drawn over that. Needs the context current. Not thread-safe.
 class Picture {
  public:
   static constexpr int kStillPictures = 4;
 
-  // Throws std::runtime_error when the driver refuses something.
+  // Throws std::runtime_error when the driver refuses a resource.
   Picture(const cutting::Bur& bur, size_t group_count);
 
   void Replace(const GroupMesh& mesh);
@@ -63,11 +62,11 @@ class Picture {
     Bounds bounds;
   };
 
-  // What is drawn now, the camera having moved or not.
+  // The quality to draw with now, depending on whether the camera moved.
   Quality QualityNow(const PictureState& state, const Quality& wanted);
   bool MayBeSeen(const Bounds& bounds, const PictureState& state) const;
   void Resize(int width, int height, const Quality& quality);
-  // What of the layer is to be drawn anew, and what around it that light reaches differently then.
+  // The parts of the layer to redraw: the change itself, and its surroundings whose light changes.
   struct Stale {
     PixelRect solids, around;
   };
@@ -91,15 +90,15 @@ class Picture {
   float bur_height_mm_, bur_radius_mm_;
   GLuint empty_array_ = 0;
   PictureWork work_;
-  // The tooth's layer: as drawn, its occlusion, both composed over the background; and what it is
-  // of.
+  // The tooth's layer: as drawn, its occlusion, and both composed over the background; and its
+  // inputs.
   std::unique_ptr<Target> solids_, occluded_, blurred_, composed_, empty_;
-  PixelRect tooth_;  // where any of it is
+  PixelRect tooth_;  // the part of the picture it covers
   glm::mat4 drawn_view_{0}, drawn_clip_{0};
   Quality drawn_quality_;
   std::optional<glm::mat4> last_view_;
   int still_ = kStillPictures;   // pictures since the camera moved
-  std::vector<Bounds> changed_;  // since then: what was there, and what is
+  std::vector<Bounds> changed_;  // since then: the old and new surface
   // The frame, at the layer's size and at the window's.
   std::unique_ptr<Target> frame_, result_;
 };

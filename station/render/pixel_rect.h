@@ -12,17 +12,17 @@ struct PixelRect {
   static PixelRect Whole(int width, int height) { return {0, 0, width, height}; }
   bool empty() const { return x1 <= x0 || y1 <= y0; }
   bool Meets(const PixelRect& o) const { return x0 < o.x1 && o.x0 < x1 && y0 < o.y1 && o.y0 < y1; }
-  // What both hold.
+  // The intersection.
   PixelRect Within(const PixelRect& o) const;
-  // Smallest one around both; an empty one adds nothing.
+  // Smallest rectangle around both; an empty one adds nothing.
   PixelRect Around(const PixelRect& o) const;
-  // With `margin` pixels on every side, inside a picture of this size.
+  // With `margin` pixels more on every side, inside a picture of this size.
   PixelRect Grown(int margin, int width, int height) const;
   bool operator==(const PixelRect&) const = default;
 };
 
-// Where a ball may be in the picture: contains every pixel of it, a little more, and never less.
-// The whole picture where the ball reaches the eye. `clip_from_view` is a symmetric perspective.
+// A rectangle with every pixel of a ball, slightly larger, never smaller. The whole picture if the
+// ball reaches the eye. `clip_from_view` is a symmetric perspective.
 PixelRect AroundBall(const glm::mat4& view_from_scene, const glm::mat4& clip_from_view, int width,
                      int height, const glm::vec3& middle_mm, float radius_mm);
 

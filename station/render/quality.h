@@ -5,14 +5,14 @@
 #include <optional>
 #include <string_view>
 
-// How much work a picture may be, and the choice of it from how long pictures take.
+// Levels of drawing effort, and the choice among them by drawing time.
 namespace enamel::station::render {
 
 struct Quality {
   std::string_view name;         // as in settings
   float scale = 1;               // solid pixels per picture pixel along each side
   int occlusion_samples = 0;     // per pixel of ambient occlusion; 0: none
-  bool lighter_turning = false;  // while the camera moves, WhileTurning of this
+  bool lighter_turning = false;  // while the camera moves, use WhileTurning of this
   bool coarse = false;           // the tooth's coarse triangles
 
   bool operator==(const Quality&) const = default;
@@ -25,15 +25,15 @@ inline constexpr std::array<Quality, 4> kQualities = {{
     {"fair", 1.0f, 8, true},
     {"low", 0.5f, 0, true},
 }};
-// What is left out while everything in the picture moves and nobody looks closely.
+// A lighter quality for a moving picture, which nobody examines closely.
 Quality WhileTurning(const Quality& quality);
 // nullptr when the name is unknown.
 const Quality* FindQuality(std::string_view name);
 
-// Steps down when pictures take longer than the budget and up again when there is much time left.
-// A picture counts by its median over kWindow, so that one slow picture (a window that is moved)
-// changes nothing. It goes up at most kMaxRises times: a level that was too slow twice stays left.
-// Pure: time comes in, a level comes out. Not thread-safe.
+// Steps down when pictures take longer than the budget, and up again when much time is left. Uses
+// the median over kWindow, so that one slow picture (a window being moved) changes nothing. Steps
+// up at most kMaxRises times: a level that was too slow twice is not used again. Pure: time comes
+// in, a level comes out. Not thread-safe.
 class QualityGovernor {
  public:
   static constexpr size_t kWindow = 30;
@@ -41,7 +41,7 @@ class QualityGovernor {
   // Levels are indices into kQualities.
   QualityGovernor(size_t first_level, double budget_s);
 
-  // After each picture, with the time it took. True when the level changed.
+  // Call after each picture with its time. True when the level changed.
   bool Note(double picture_s);
   size_t level() const { return level_; }
   double budget_s() const { return budget_s_; }

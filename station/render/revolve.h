@@ -21,7 +21,7 @@ struct Shape {
 };
 
 // Half outlines of a bur, (radius, z) in mm, from the distal end upward: the cutting head exactly
-// as the core cuts, then neck and shank, which are for the eye only.
+// as in the core, then neck and shank, for show only.
 std::vector<glm::vec2> BurHeadOutline(const cutting::Bur& bur);
 std::vector<glm::vec2> BurShankOutline(const cutting::Bur& bur);
 

@@ -25,33 +25,33 @@ namespace enamel::station::render {
 //   tick thread ── Publish ──────▶ latest-value mailbox ────────────────▶ main thread (draws)
 //               └─ PublishBricks ▶ dirty set ▶ bounded ring ▶ mesher (replica) ▶ meshes ┘
 //
-// The mesher owns a replica of the volume. A brick the cut changes is marked dirty on the tick
-// thread; each tick copies at most kBricksPerTick dirty bricks (1 kB each) into a ring that the
-// mesher empties. A full ring leaves bricks dirty, so nothing is ever lost and no resync is needed:
-// a brick that changes many times while it waits is copied once, as it is then. The picture lags by
-// dirty bricks / kBricksPerTick ticks at most, and the recording is never touched by it.
+// The mesher owns a replica of the volume. The tick thread marks each brick that the cut changes as
+// dirty; each tick copies at most kBricksPerTick dirty bricks (1 kB each) into a ring that the
+// mesher empties. A full ring leaves bricks dirty, so nothing is lost and no resync is needed: a
+// brick that changes many times while it waits is copied once, in its last state. The picture lags
+// by dirty bricks / kBricksPerTick ticks at most, and the recording is not affected.
 //
-// Thread safety: Publish and PublishBricks are called by one thread, the producer (the tick thread
-// or, in lockstep, the one that steps the core); everything else on the thread that has the OpenGL
+// Thread safety: one thread, the producer, calls Publish and PublishBricks (the tick thread or, in
+// lockstep, the one that steps the core); everything else is on the thread that has the OpenGL
 // context. Destroy after the producer has stopped. Before the first Publish the bur is not drawn;
-// after the last one the picture stays as it is.
+// after the last one the picture does not change.
 class ToothView {
  public:
   static constexpr size_t kBricksPerTick = 4;
 
-  // Begins to mesh `initial` (copied). `watch` sees the replica now and then (mesher.h).
-  // Throws std::runtime_error when the driver refuses something.
+  // Starts meshing a copy of `initial`. `watch` sees the replica at intervals (mesher.h). Throws
+  // std::runtime_error when the driver refuses a resource.
   ToothView(const ViewOptions& options, const cutting::Volume& initial, VolumeWatch watch = {});
 
   // --- producer ---
-  // Latest state; older ones that were not drawn are dropped. Real-time: safe, wait-free.
+  // Sets the newest state; older ones that were not drawn are dropped. Real-time: safe, wait-free.
   ENAMEL_REALTIME void Publish(const FrameState& state) noexcept { latest_.Write(state); }
   // `touched` bricks of `volume` changed (core::Core::touched()). Call each tick, also with an
-  // empty span, so that bricks which wait are sent. `volume` must be the same object each time.
+  // empty span, so that waiting bricks are sent. `volume` must be the same object each time.
   // Real-time: safe, wait-free; cost at most kBricksPerTick copies of 1 kB.
   ENAMEL_REALTIME void PublishBricks(const cutting::Volume& volume,
                                      std::span<const int32_t> touched) noexcept;
-  // Sends all that waits and blocks until the mesher has it all: for the end of an attempt.
+  // Sends everything that waits and blocks until the mesher has it: for the end of an attempt.
   // Requires: the producer has stopped or is the caller. Not real-time.
   void FlushBricks(const cutting::Volume& volume);
 
@@ -66,7 +66,7 @@ class ToothView {
   // Newest state drawn; none before the first tick.
   const FrameState& state() const { return state_; }
   bool has_state() const { return has_state_; }
-  // Until every brick received is meshed. False on time-out.
+  // Waits until every brick received is meshed. False on time-out.
   bool WaitIdle(std::chrono::milliseconds limit) { return mesher_.WaitIdle(limit); }
 
  private:

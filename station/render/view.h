@@ -7,16 +7,16 @@ namespace enamel::station::render {
 
 enum class View { kOblique, kOcclusal, kBuccal, kMesial };
 
-// What a picture of an attempt needs to know before the first tick.
+// Parameters of an attempt's picture, set before the first tick.
 struct ViewOptions {
   cutting::Bur bur;
   double force_full_scale_n = 3.0;  // full length of the arrow and the bar
   View view = View::kOblique;
-  // What the camera circles around, scene frame; the middle of the crown for a tooth.
+  // The point the camera orbits, scene frame; the middle of the crown for a tooth.
   dvec3 focus_m{0};
-  // Radius (m) of what should fill the view; 0: from the volume's surface.
+  // Radius (m) that should fill the view; 0: from the volume's surface.
   double view_radius_m = 0;
-  // How far right of the picture's middle it is shown, in picture heights: a panel is on the left.
+  // Its distance right of the picture's middle, in picture heights: a panel is on the left.
   float aside = 0;
 };
 

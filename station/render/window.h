@@ -16,25 +16,25 @@ using language::Words;
 struct WindowOptions {
   ScreenOptions screen;
   ViewOptions view;
-  std::string heading;      // who and what, shown in the panel: "Class I, molar 46"
+  std::string heading;      // shown in the panel: "Class I, molar 46"
   bool panel = true;        // false: only the solid picture
   double time_limit_s = 0;  // 0: none; the timer counts up either way
 };
 
-// A window that shows one attempt and nothing else: for `run --window`, screenshots and tests.
-// Threads and lifetime as of Screen and ToothView.
+// A window that only shows one attempt: for `run --window`, screenshots and tests. Threads and
+// lifetime as of Screen and ToothView.
 class Window {
  public:
-  // Opens the window and begins to mesh `initial` (copied).
-  // Errors: kUnavailable when there is no display or no OpenGL 3.3, with what to do.
+  // Opens the window and starts meshing a copy of `initial`. Errors: kUnavailable when there is no
+  // display or no OpenGL 3.3, with what to do.
   static Result<std::unique_ptr<Window>> Create(const WindowOptions& options,
                                                 const cutting::Volume& initial);
 
   Screen& screen() { return screen_; }
   ToothView& tooth() { return tooth_; }
 
-  // Draws one frame and handles input. False once the operator closed the window.
-  // Waits for the display's refresh where there is one.
+  // Draws one frame and handles input. False once the operator closed the window. Waits for the
+  // display's refresh, if there is one.
   bool PumpOnce();
   // Pumps until `done` returns true (asked once a frame) or the window is closed.
   void Run(const std::function<bool()>& done);
@@ -54,15 +54,15 @@ class Window {
   QualityGovernor governor_;
 };
 
-// The error of a computer that cannot open a window: what to do about it.
+// The error of a computer that cannot open a window, with what to do.
 Status NoDisplay(const std::string& reason);
 
-// Turns, moves and zooms by what the person did in this frame: keys 1 to 4 for the views, left drag
-// turns, right drag moves, the wheel comes nearer. `by_mouse` false: keys only, because the mouse
-// is something else just now.
+// Turns, moves and zooms the camera by this frame's input: keys 1 to 4 choose a view, left drag
+// turns, right drag moves, the wheel zooms in. `by_mouse` false: keys only, because the mouse has
+// another use at the moment.
 void SteerCamera(const Screen& screen, Camera& camera, bool by_mouse = true);
 
-// Budget of a picture, s, and the quality to begin with.
+// Budget of a picture, s, and the first quality.
 QualityGovernor GovernorFor(const Screen& screen);
 
 }  // namespace enamel::station::render

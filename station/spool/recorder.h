@@ -10,12 +10,12 @@
 
 namespace enamel::station {
 
-// Takes samples out of the loop's ring, makes signed chunks of them and puts those into the spool.
-// Thread safety: one thread calls Pump and Finish; chunks() and ticks() from any.
-// Real-time: never; this is the other end of the ring.
+// Takes samples from the loop's ring, makes signed chunks of them and puts those into the spool.
+// Thread safety: one thread calls Pump and Finish; chunks() and ticks() from any. Real-time: never;
+// this is the other end of the ring.
 class Recorder {
  public:
-  // Half a second: what a crash can lose, at any rate.
+  // Half a second, the most a crash can lose, at any rate.
   static constexpr size_t TicksPerChunk(uint32_t rate_hz) {
     return std::clamp<size_t>(rate_hz / 2, 1, trace::kMaxTicksPerChunk);
   }
@@ -24,20 +24,20 @@ class Recorder {
   // All must outlive the recorder. Requires: the spool has the attempt.
   Recorder(Spool& spool, SampleRing& ring, const Uuid& attempt, const Sha256& header_hash,
            const trace::SecretKey& station_key);
-  // Goes on after the chunks that are in the spool already; `place` is where their chain stands.
+  // Continues after the chunks already in the spool; `place` is the end of their chain.
   Recorder(Spool& spool, SampleRing& ring, const Uuid& attempt, const trace::ChainState& place,
            const trace::SecretKey& station_key, size_t ticks_per_chunk = kTicksPerChunk);
 
-  // Moves what is in the ring; spools each chunk that is full. True when something was moved.
-  // Errors: the spool's; nothing is lost by calling again once the cause is gone.
+  // Takes the ring's samples and spools each full chunk. True when there were any. Errors: the
+  // spool's; call again once the cause is repaired, and nothing is lost.
   Result<bool> Pump();
-  // After the loop's end: the rest as a last chunk, then the seal.
-  // Errors: the spool's; kInvalidInput when not one tick was recorded.
+  // After the loop's end: spools the rest as a last chunk, then the seal. Errors: the spool's;
+  // kInvalidInput when not one tick was recorded.
   Result<trace::Seal> Finish();
 
   uint32_t chunks() const { return chunks_.load(std::memory_order_acquire); }
   uint64_t ticks() const { return ticks_.load(std::memory_order_acquire); }
-  // Taken in, or in the ring, and not in the spool yet; from any thread, as of about now.
+  // Ticks in memory or in the ring, not in the spool yet; from any thread, approximate.
   uint64_t waiting_ticks() const { return held_.load(std::memory_order_acquire) + ring_.size(); }
 
  private:

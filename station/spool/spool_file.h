@@ -18,18 +18,18 @@ inline constexpr char kSpoolFile[] = "spool.sqlite";
 // schemas/sql/station_spool.
 const std::vector<sql::Migration>& SpoolMigrations();
 
-// What can be done about it, for people.
+// The cause of a failure, to tell people what to do.
 using SpoolTrouble = sql::SqliteFailure::Kind;
 std::string WhatToDoAbout(SpoolTrouble trouble);
 
-// The database file of a spool: found, made, brought to this program's version, and opened. What is
-// in its tables is for Spool, SpooledTickets, SpooledLoopFacts and VerifyRecordings.
+// The database file of a spool: finds, creates, migrates and opens it. Its tables belong to Spool,
+// SpooledTickets, SpooledLoopFacts and VerifyRecordings.
 //
-// Thread safety: whoever uses db(), Run, Fail or Exec holds mutex(). Real-time: never. Errors:
-// those of Spool.
+// Thread safety: callers of db(), Run, Fail or Exec hold mutex(). Real-time: never. Errors: those
+// of Spool.
 class SpoolFile {
  public:
-  // Spool::Open's and Spool::OpenToRead's.
+  // For Spool::Open and Spool::OpenToRead.
   static Result<std::unique_ptr<SpoolFile>> Open(const std::filesystem::path& folder);
   static Result<std::unique_ptr<SpoolFile>> OpenToRead(const std::filesystem::path& folder);
   ~SpoolFile();
@@ -40,11 +40,11 @@ class SpoolFile {
   std::mutex& mutex() { return mutex_; }
   const std::filesystem::path& path() const { return path_; }
 
-  // The error of the last statement, said as one of `doing`.
+  // The error of the last statement, described as failing at `doing`.
   Status Fail(const char* doing) const;
-  // Runs a statement that returns no more rows.
+  // Runs a statement that returns no rows.
   Status Run(sql::Query& query, const char* doing);
-  // A write that changes nothing and has become durable.
+  // A durable write that changes nothing.
   Status TestWrite();
 
  private:
@@ -58,7 +58,7 @@ class SpoolFile {
   Status BringUpToDate(int version);
 
   std::filesystem::path path_;
-  std::filesystem::path copy_;  // folder that it is read in; empty: where it lies
+  std::filesystem::path copy_;  // folder of the copy being read; empty: the original is read
   std::unique_ptr<sql::SqliteDb> db_;
   SpoolTrouble opening_ = SpoolTrouble::kOther;  // why it could not be opened
   std::mutex mutex_;

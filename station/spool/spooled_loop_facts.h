@@ -11,20 +11,20 @@ namespace enamel::station {
 
 class SpoolFile;
 
-// How the loop went that recorded an attempt, for each time it was run to its end.
+// Facts of the loop that recorded an attempt, for each run that ended properly.
 struct KeptLoopFacts {
-  uint32_t run = 0;  // 0: as it was begun; n: after it was resumed n times
+  uint32_t run = 0;  // 0: the first run; n: after n resumptions
   int64_t ended_unix_ms = 0;
   std::string json;  // schemas/loop_facts.md
 };
 
-// Those of the attempts in a spool: they go when their attempt goes. Thread safety and errors:
-// those of Spool.
+// Loop facts of a spool's attempts; deleted with their attempt. Thread safety and errors: those of
+// Spool.
 class SpooledLoopFacts {
  public:
   explicit SpooledLoopFacts(SpoolFile& file) : file_(file) {}
 
-  // Those of the same run before are replaced. Errors also: kNotFound.
+  // Replaces earlier facts of the same run. Errors also: kNotFound.
   Status Put(const Uuid& attempt, const KeptLoopFacts& facts);
   // In the order of the runs.
   Result<std::vector<KeptLoopFacts>> Of(const Uuid& attempt);

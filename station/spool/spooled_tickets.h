@@ -21,30 +21,30 @@ struct LockedTicket {
   std::string person, exercise, title, profile;  // for people
   int64_t expires_unix_ms = 0;
   std::array<uint8_t, 16> salt{};
-  Bytes locked;  // empty: it opens nothing any more, and the server is yet to be told
+  Bytes locked;  // empty: handed back, and the server does not know yet
   int wrong_pins = 0;
-  int64_t wait_unix_ms = 0;  // no PIN is tried before
+  int64_t wait_unix_ms = 0;  // no PIN is tested before this time
   HandsAllowed hands = HandsAllowed::kAny;
 
   bool handed_back() const { return locked.empty(); }
 };
 
-// Those of a spool. What is locked and with which PIN is for station/session/ticket_safe.h. Thread
-// safety and errors: those of Spool.
+// A spool's tickets for later. Their encryption and PINs are in station/session/ticket_safe.h.
+// Thread safety and errors: those of Spool.
 class SpooledTickets {
  public:
   explicit SpooledTickets(SpoolFile& file) : file_(file) {}
 
   Status Put(const LockedTicket& ticket);
-  // Those that were handed back too.
+  // Includes tickets that were handed back.
   Result<std::vector<LockedTicket>> List();
-  // Takes the ticket itself away, for good, and keeps what it was for until Remove. None: nothing
-  // changes.
+  // Deletes the ticket itself for good, and keeps its description until Remove. Does nothing if
+  // there is none.
   Status HandBack(const Uuid& attempt);
   // Counts a try of the ticket's PIN and sets the wait before the next: `first_wait_ms`, doubled
-  // each time, from the try after `free_tries` on. In one step and durable before the PIN is tried:
-  // neither a pulled plug nor tries at the same moment win a further one. Returns how many there
-  // were with this one; nothing when it has to wait, was tried `most` times, or is not there.
+  // each time, from the try after `free_tries` on. One step, durable before the PIN is tested:
+  // neither a pulled plug nor simultaneous tries gain a further try. Returns the number of tries
+  // including this one; nothing when it has to wait, was tried `most` times, or does not exist.
   Result<std::optional<int>> CountPinTry(const Uuid& attempt, int64_t now_unix_ms, int free_tries,
                                          int most, int64_t first_wait_ms);
   // The PIN was right.

@@ -9,15 +9,15 @@
 
 namespace enamel::station {
 
-// What VerifyRecordings found in one attempt.
+// VerifyRecordings' finding for one attempt.
 struct SpoolVerdict {
   SpooledAttempt attempt;
-  Status status;  // first thing that is wrong, or ok
+  Status status;  // first error, or ok
 };
 
-// Chunks 0 to the last counted, chain, signatures (when `station_key` is given), seal, and what is
-// counted beside them, of every attempt. `pages` gets what is wrong with the file as such; without
-// it that is an error. Changes nothing. Errors: those of Spool.
+// Checks for every attempt: chunks 0 to the last counted, chain, signatures (when `station_key` is
+// given), seal, and the counts stored with them. `pages` receives faults of the file itself;
+// without it they are an error. Changes nothing. Errors: those of Spool.
 Result<std::vector<SpoolVerdict>> VerifyRecordings(
     Spool& spool, const std::optional<trace::PublicKey>& station_key, Status* pages = nullptr);
 
