@@ -6,8 +6,8 @@ class App;
 
 namespace enamel::station::lab {
 
-// Mounts the lab's commands on a program's command line: qualify, error, bench, explain and
-// fit-damping. Each one's callback sets *exit_code; `app` and `exit_code` outlive the parsing.
+// Registers the lab's commands: qualify, error, bench, explain and fit-damping. Each command's
+// callback sets *exit_code; `app` and `exit_code` outlive the parsing.
 void RegisterLab(CLI::App& app, int* exit_code);
 
 }  // namespace enamel::station::lab

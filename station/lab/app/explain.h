@@ -14,17 +14,16 @@ struct ExplainCommand {
   std::string profile = "phantom_desktop";
   int voxel_um = 50;                    // of a built-in scene
   int memory_mb = 2147;                 // a built-in scene may take
-  bool window = false, replay = false;  // what the attempt is for
+  bool window = false, replay = false;  // purpose of the attempt
   std::optional<double> budget_us;      // of a tick
   std::filesystem::path json;
 };
 
-// Prints every part of the plan for an attempt: kept or left out, why, and what it costs or saves
-// on this machine, measured now (scene_cost.h). With a budget also: which voxel size, law and rate
-// fit it, from curves measured now, for practice; for a graded exercise, whether this machine
-// carries what it fixes.
-// Errors: whatever is wrong with the scene; kUnavailable when a graded exercise does not fit, or
-// nothing does.
+// Prints every part of an attempt's plan: kept or left out, why, and what it costs or saves on this
+// machine, measured now (scene_cost.h). With a budget also: for practice, the voxel size, law and
+// rate that fit it, from curves measured now; for a graded exercise, whether this machine can run
+// its fixed settings. Errors: those of the scene; kUnavailable when a graded exercise does not fit,
+// or nothing does.
 Status ExplainScene(const ExplainCommand& options);
 
 }  // namespace enamel::station::lab

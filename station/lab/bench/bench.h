@@ -7,9 +7,9 @@ namespace CLI {
 class App;
 }
 
-// `enamel-lab bench`, and what its subcommands share: a line of progress, a goal beside a figure,
-// rows as JSON. Each subcommand is one file with one Register function, called by RegisterBench; its
-// callback sets *exit_code, and `app` and `exit_code` outlive the parsing.
+// `enamel-lab bench`, and the common parts of its subcommands: a progress line, a goal beside a
+// figure, rows as JSON. Each subcommand is one file with one Register function, called by
+// RegisterBench; its callback sets *exit_code, and `app` and `exit_code` outlive the parsing.
 namespace enamel::station::lab::bench {
 
 void RegisterBench(CLI::App& app, int* exit_code);
@@ -25,8 +25,8 @@ void RegisterTarget(CLI::App& app, int* exit_code);
 void RegisterRecord(CLI::App& app, int* exit_code);
 void RegisterFrames(CLI::App& app, int* exit_code);
 
-// One line on standard error, rewritten in place and wiped at the end; at most ten times a second,
-// and only where somebody can see it: a log gets the rows as they come.
+// One line on standard error, rewritten in place and erased at the end; at most ten times a second,
+// and only on a terminal. A log gets only the rows.
 class Progress {
  public:
   Progress() = default;
@@ -34,7 +34,7 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
   void Show(const std::string& what, double ratio);
-  // Wipes the line, before a row is printed.
+  // Erases the line, before a row is printed.
   void Clear();
 
  private:
@@ -49,8 +49,8 @@ class Rows {
  public:
   Rows(std::string subcommand, std::string method);
   void Add(boost::json::object row);
-  // Writes them to `path`, or does nothing when it is empty. Returns a program's exit code, having
-  // said on standard error what is wrong.
+  // Writes them to `path`, or does nothing when it is empty. Returns a program's exit code, after
+  // printing an error to standard error.
   int Write(const std::string& path) const;
 
  private:

@@ -8,7 +8,7 @@
 #include "common/base/result.h"
 #include "station/lab/cutting/tick_cost.h"
 
-// How exact cutting is, against closed forms and against the finest voxel, beside what it costs.
+// The accuracy of cutting, compared with closed forms and with the finest voxel, and its cost.
 namespace enamel::station::lab {
 
 // One bur at one speed, cut at several voxel sizes.
@@ -18,15 +18,15 @@ struct CuttingPlan {
   size_t ticks = 1000;
   int replays = 5;
 };
-// All burs x speeds x voxel sizes, upright and turned off the grid together with the block, so that
-// no face lies along voxels; `quick`: two burs, one speed, two sizes.
+// All burs x speeds x voxel sizes, upright, and turned off the grid together with the block so that
+// no face is along voxels; `quick`: two burs, one speed, two sizes.
 CuttingPlan DefaultCuttingPlan(bool quick);
 
 struct CuttingFigures {
   CutCase c;
   TickCost cost;  // on the same path
-  // The slot a body of revolution of profile r(z) cuts while its axis moves from outside the
-  // block's side to X behind it: integral over the depth of 2 r X + pi r^2 / 2.
+  // The slot cut by a body of revolution of profile r(z) whose axis moves from outside the block's
+  // side to X behind it: integral over the depth of 2 r X + pi r^2 / 2.
   double analytic_mm3 = 0, removed_mm3 = 0;
   double volume_error = 0;  // (removed - analytic) / analytic
   // Distance of the slot's mesh from the swept body, over vertices more than 1.5 voxels inside the
@@ -34,7 +34,8 @@ struct CuttingFigures {
   double deviation_mean_um = 0, deviation_p95_um = 0;
   size_t vertices = 0;
   double force_mean_n = 0;
-  // Mean of |F - F_finest| over the measured ticks, by the mean of |F_finest|; 0 for the finest.
+  // Mean of |F - F_finest| over the measured ticks, relative to the mean of |F_finest|; 0 for the
+  // finest.
   double force_error = 0;
 };
 
@@ -43,7 +44,7 @@ std::vector<CuttingFigures> MeasureCutting(
     const CuttingPlan& plan,
     const std::function<void(const std::string&, size_t, size_t)>& progress = {});
 
-// What a score is worth at a voxel size: the same hand cuts a class I cavity into the built-in
+// The accuracy of a score at a voxel size: the same hand cuts a class I cavity into the built-in
 // molar as a reference, and again with the mesial wall 0.3 mm and the floor 0.15 mm too deep.
 struct CriterionFigures {
   std::string metric, unit;

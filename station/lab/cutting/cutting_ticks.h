@@ -4,9 +4,9 @@
 
 namespace enamel::station::lab {
 
-// Counts the ticks of a recording that cut: those less than 50 ms after something was removed. (The
-// core renews a cut when it would leave a mark, so that most ticks of a stroke remove nothing
-// themselves.) Real-time: safe. Thread safety: none.
+// Counts the ticks of a recording that cut: ticks less than 50 ms after a removal. (The core renews
+// a cut only when it would leave a mark, so most ticks of a stroke remove nothing themselves.)
+// Real-time: safe. Thread safety: none.
 class CuttingTicks {
  public:
   explicit CuttingTicks(uint32_t rate_hz) : window_(rate_hz / 20) {}

@@ -7,11 +7,11 @@
 #include "common/core/core.h"
 #include "common/scene/types.h"
 
-// What a scene costs on this machine, measured when asked. Nothing is stored; figures of a busy
-// machine are a busy machine's. Blocks; not real-time.
+// The cost of a scene on this machine, measured when called. Nothing is stored, and a busy machine
+// gives higher figures. Blocks; not real-time.
 namespace enamel::station::lab {
 
-// A way of the hand for a scene's exercise: soft start in free air, down at the landmark, then a
+// A path of the hand for a scene's exercise: soft start in free air, down at the landmark, then a
 // widening circle inside the target. The bur follows through the device's spring and is engaged in
 // nearly every measured tick.
 struct CutWay {
@@ -21,7 +21,7 @@ struct CutWay {
 CutWay MakeCutWay(const core::CoreParams& params, const scene::CavityTarget& target, size_t ticks);
 
 struct StepCost {
-  double mean_us = 0, p99_us = 0;  // over ticks of the least of all replays
+  double mean_us = 0, p99_us = 0;  // over ticks, each the minimum of all replays
   double removed_mm3 = 0;          // in all ticks
   double engaged_share = 0;        // of the measured ticks
   uint64_t state_hash = 0;
@@ -31,14 +31,14 @@ struct StepCost {
 StepCost MeasureSteps(const core::CoreParams& params, const cutting::Volume& volume,
                       const CutWay& way, int replays);
 
-// How far the force is from R = B v (Liu et al. 2008, eq. 1) where that is known in closed form: a
-// cylinder of 0.6 x 4 mm in a slot, pushed on at the paper's 0.43 mm/s in material of B = 6.5 N
-// s/mm, for which engagement.h is normalised. Rms over the last millimetre of the sent force along
-// the way against B v, N. Takes device, law and rate from `params`.
+// Error of the force from R = B v (Liu et al. 2008, eq. 1) in a case with a closed form: a cylinder
+// of 0.6 x 4 mm in a slot, moved at the paper's 0.43 mm/s in material of B = 6.5 N s/mm, for which
+// engagement.h is normalised. Rms over the last millimetre of the sent force along the path against
+// B v, N. Takes device, law and rate from `params`.
 double ForceError_n(const core::CoreParams& params);
 
-// Triangles of what one tick's cut touched: mean time to renew them (off the tick's thread), and
-// the memory of the whole surface.
+// Triangles of the region a tick's cut touched: mean time to renew them (off the tick's thread),
+// and the memory of the whole surface.
 struct SurfaceCost {
   double us_per_tick = 0;
   double mb = 0;

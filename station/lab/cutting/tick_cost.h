@@ -8,11 +8,11 @@
 #include "common/core/core.h"
 #include "common/cutting/bur.h"
 
-// What a tick of the core costs: cut, engagement, force and hash, on a bur that moves sideways
-// through a block and is engaged in every tick that counts.
+// The cost of a tick of the core: cut, engagement, force and hash, on a bur that moves sideways
+// through a block and is engaged in every measured tick.
 namespace enamel::station::lab {
 
-// How the bur stands in the block.
+// Position of the bur in the block.
 enum class Sunk : uint8_t {
   kHalf,   // upright, half of its height below the surface
   kWhole,  // upright, all of it below the surface: a slot
@@ -25,7 +25,7 @@ struct CutCase {
   int32_t voxel_nm = 50'000;
   double speed_m_s = 5e-3;
   Sunk sunk = Sunk::kHalf;
-  // Block, way and bur are turned off the grid together, so that no face lies along voxels.
+  // Turns block, path and bur off the grid together, so that no face is along voxels.
   bool oblique = false;
   uint32_t rate_hz = 1000;
 
@@ -47,7 +47,7 @@ class BlockFrame {
   dmat3 m_;
 };
 
-// A way through a block, as the core gets it. The block's frame: solid where x > 0 and z < 0, and
+// A path through a block, as input to the core. The block's frame: solid where x > 0 and z < 0, and
 // the bur moves along +x.
 struct CutPath {
   core::CoreParams params;
@@ -58,8 +58,8 @@ struct CutPath {
   std::vector<core::TickInput> inputs;
   size_t first_measured = 0;  // before it: soft start, entry at 20 mm/s, settling
 };
-// `ticks`: how many are to be measured at most; fewer where they would travel over 6 mm.
-// Requires: a bur and a voxel the core accepts.
+// `ticks`: the most to be measured; fewer where they would travel over 6 mm. Requires: a bur and a
+// voxel the core accepts.
 CutPath MakeCutPath(const CutCase& c, size_t ticks);
 
 struct Spread {
@@ -71,9 +71,9 @@ Spread SpreadOf(std::vector<double> values);
 struct TickCost {
   size_t ticks = 0;
   int replays = 0;
-  // Per tick the least of the replays; mean and 99th percentile over ticks.
+  // For each tick the minimum of the replays; mean and 99th percentile over ticks.
   double mean_us = 0, p99_us = 0;
-  // Over all ticks of all replays, as they came.
+  // Over all ticks of all replays, unfiltered.
   double raw_mean_us = 0, raw_p99_us = 0;
   double removed_mm3 = 0;     // in the measured ticks
   double engaged_share = 0;   // of the measured ticks

@@ -7,12 +7,12 @@
 #include "common/surface/surface.h"
 #include "station/lab/grades/faults.h"
 
-// Makes the faults of one exercise (FaultsOf in faults.h). Not for others.
+// Makes the faults of one exercise, for FaultsOf in faults.h only.
 namespace enamel::station::lab {
 
 class FaultMaker {
  public:
-  // Both outlive the object and what it makes.
+  // Both outlive the object and its faults.
   FaultMaker(const scene::BuiltScene& built, const scene::Exercise& exercise, const Task& task,
              bool few);
   std::vector<Fault> Make();
@@ -21,13 +21,13 @@ class FaultMaker {
   static constexpr double kMm = 1e3, kMm3 = 1e9;
   static constexpr double kAngleTolerance_deg = 0.5;
 
-  // Of a fault; whether it is at or over its threshold, so that it must cost a point.
+  // A fault's size, and whether it reaches its threshold, so that it must cost a point.
   struct Size {
     double value = 0;
     bool must_cost = true;
     double m() const { return value / kMm; }  // of one in mm
   };
-  // All of `all`, or the threshold alone, which is one of them.
+  // All of `all`, or only the threshold, which is one of them.
   std::vector<Size> Sizes(std::initializer_list<double> all, double threshold) const;
 
   void Add(std::string name, Size size, const char* unit, std::string metric, double tolerance,
@@ -58,10 +58,10 @@ class FaultMaker {
   void MakeFaceMargin();
   template <typename Over, typename Raised>
   void AddFollowing(const dvec3& at, const Over& over, const Raised& raised);
-  // A crown: there, too.
+  // A crown: in faults_of_shape.cpp too.
   void MakeCrown();
 
-  // Of all: faults.cpp.
+  // For all exercises: faults.cpp.
   void AddGouges(const dvec3& lo, const dvec3& hi);
   void AddBump(const dvec3& at);
   void AddMargin(Size size, Hollow taken);
@@ -83,7 +83,7 @@ class FaultMaker {
   const bool few_;
   double quarter_m_ = 0, near_m_ = 0;
   dvec3 landmark_m_{0}, grid_lo_m_{0}, grid_hi_m_{0};
-  surface::Mesh surface_;       // of the tooth, once somebody asks for it
+  surface::Mesh surface_;       // of the tooth, computed on first use
   std::vector<float> heights_;  // of points of the task
   std::vector<Fault> out_;
 };

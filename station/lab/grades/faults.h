@@ -6,12 +6,11 @@
 #include "common/scene/builtin/builtin.h"
 #include "station/lab/grades/hollow.h"
 
-// Attempts with known faults, made by formula from what an exercise asks for: the one generator that
-// the lab, the tests and their tables of points use.
-// Thread safety: functions, any thread. Not real-time.
+// Attempts with known faults, made by formula from an exercise's target: the one generator for the
+// lab, the tests and their tables of points. Thread safety: functions, any thread. Not real-time.
 namespace enamel::station::lab {
 
-// What a perfect hand would take out in this exercise: a box for cavities and caries, the shape of a
+// What a perfect hand would remove in this exercise: a box for cavities and caries, the shape of a
 // practice block, the reduction for a crown.
 struct Task {
   enum class Kind { kBox, kShape, kCrown };
@@ -26,23 +25,24 @@ struct Task {
 // Errors: kInvalidInput when the landmark is not in the scene.
 Result<Task> TaskOf(const scene::BuiltScene& built, const scene::Exercise& exercise);
 
-// An attempt with one fault. `metric` is the one that must find it; it should then be `size`.
+// An attempt with one fault. `metric` must find it, with the value `size`.
 struct Fault {
   std::string name;    // "wall_mesial", "none", "nothing"
-  double size = 0;     // in `unit`; of a volume what was measured of it by points (VolumeWhere_m3)
+  double size = 0;     // in `unit`; a volume's is measured by points (VolumeWhere_m3)
   std::string unit;    // of the metric
-  std::string metric;  // that is to find it
-  // How far off the metric may be: a quarter of a voxel, of a volume its area times that, half a
+  std::string metric;  // the metric that must find it
+  // Allowed error of the metric: a quarter of a voxel, for a volume its area times that, half a
   // degree, a percent.
   double tolerance = 0;
-  // At or over the threshold of its kind, which we chose: no study says at which size a dentist marks
-  // a fault down. It has to cost a point at least.
+  // At or over the threshold of its kind, so it must cost at least a point. We chose the
+  // thresholds: no study gives the size at which a dentist deducts marks.
   bool must_cost = true;
   Hollow taken;
   Neighbours neighbours = Neighbours::kSpared;
 };
 
-// Every fault for this exercise. `few`: of each kind one size, its threshold. `built` outlives what is returned.
+// Every fault for this exercise. `few`: one size of each kind, its threshold. `built` outlives the
+// result.
 std::vector<Fault> FaultsOf(const scene::BuiltScene& built, const scene::Exercise& exercise,
                             const Task& task, bool few);
 

@@ -9,15 +9,15 @@
 #include "common/scoring/score.h"
 #include "station/lab/grades/faults.h"
 
-// What a known fault costs: attempts made by formula (faults.h), measured and graded by the
-// exercise's own rubric against the task itself. schemas/lab_grades.schema.json is the document.
-// Thread safety: functions, any thread. Blocks.
+// The cost of a known fault: attempts made by formula (faults.h), measured and graded by the
+// exercise's own rubric against the task itself. Document: schemas/lab_grades.schema.json. Thread
+// safety: functions, any thread. Blocks.
 namespace enamel::station::lab {
 
 struct GradesOptions {
   std::vector<int32_t> voxels_nm = {100'000, 50'000, 25'000};
   bool quick = false;                  // the coarsest voxel size, one size of each fault
-  std::vector<std::string> exercises;  // names or their beginnings; empty: all that are built in
+  std::vector<std::string> exercises;  // names or their beginnings; empty: all built in
 };
 
 struct GradeRow {
@@ -26,10 +26,10 @@ struct GradeRow {
   std::string unit;
   double voxel_mm = 0;
   std::string metric;
-  std::optional<double> found;  // empty: the attempt has made nothing that could be measured
-  double tolerance = 0;         // |found - size| is to stay within it
+  std::optional<double> found;  // empty: the attempt has nothing to measure
+  double tolerance = 0;         // limit of |found - size|
   double points_lost = 0, score = 0;
-  bool must_cost = true;  // at or over its threshold: it has to cost a point at least
+  bool must_cost = true;  // at or over its threshold: must cost at least a point
 
   bool AsKnown() const;
   bool CostsEnough() const;
@@ -41,8 +41,8 @@ class GradedExercise {
   // Errors: those of TaskOf and scene::CompilePlan.
   static Result<GradedExercise> Make(const scene::BuiltScene& built, scene::Exercise exercise);
 
-  // The score of what `taken` leaves, against the task itself, as if by a calm hand within the time.
-  // Errors: those of scoring::ComputeMetrics.
+  // The score after removing `taken`, against the task itself, as if by a calm hand within the
+  // time. Errors: those of scoring::ComputeMetrics.
   Result<scoring::ScoreResult> Score(const Hollow& taken, Neighbours neighbours) const;
   Result<GradeRow> Grade(const Fault& fault) const;
 
@@ -62,8 +62,9 @@ class GradedExercise {
   surface::Mesh reference_mesh_;
 };
 
-// Scene by scene. `row` is called with each as it comes, `progress` (what, 0..1) between them; both
-// may be empty. Errors: kNotFound when no exercise has such a name; those of the scene's builder.
+// Works scene by scene. `row` is called with each row as it comes, `progress` (what, 0..1) between
+// them; both may be empty. Errors: kNotFound when no exercise has such a name; those of the scene's
+// builder.
 Result<std::vector<GradeRow>> MeasureGrades(
     const GradesOptions& options, const std::function<void(const GradeRow&)>& row = {},
     const std::function<void(const std::string&, double)>& progress = {});

@@ -13,9 +13,9 @@
 
 namespace enamel::station::lab {
 
-// A simulated person does an exercise, as fast as it computes. `seen` is called with each tick.
-// `seed` 0: the preset's own. Returns the tooth when he has finished, or after `most_ticks`. Errors:
-// MakeSimulatedDevice's, CompilePlan's.
+// A simulated person does an exercise, as fast as the machine computes. `seen` is called with each
+// tick. `seed` 0: the preset's own. Returns the tooth when he has finished, or after `most_ticks`.
+// Errors: MakeSimulatedDevice's, CompilePlan's.
 Result<cutting::Volume> RunOperator(
     const OperatorPreset& preset, const scene::BuiltScene& built, const scene::Exercise& exercise,
     const scene::DeviceProfile& profile, uint64_t seed, uint64_t most_ticks,

@@ -7,10 +7,9 @@
 
 #include "common/base/result.h"
 
-// Whether a score tells skill: the simulated people of devices/operators.h, each with a published
-// rank, cut and are graded against the dentist among them. schemas/lab_operators.schema.json is the
-// document.
-// Thread safety: functions, any thread. Blocks.
+// Whether scores rank skill: the simulated people of devices/operators.h, each with a published
+// rank, cut and are graded against the dentist among them. Document:
+// schemas/lab_operators.schema.json. Thread safety: functions, any thread. Blocks.
 namespace enamel::station::lab {
 
 struct OperatorsOptions {
@@ -28,21 +27,21 @@ struct OperatorRow {
   bool critical_fail = false;
   double score = 0;
 };
-// Spearman's correlation of rank and score over an exercise's rows on one device. Who fails
-// critically is left out of it: that score is 0 whatever the rest is like.
+// Spearman's correlation of rank and score over an exercise's rows on one device. Rows that fail
+// critically are left out: their score is 0 whatever the rest is like.
 struct SkillOrder {
   std::string exercise, device;
   size_t rows = 0;
   double spearman = 0;
 };
 
-// Who cannot make their fault in an exercise: no room for a bur held askew.
+// An operator who cannot make their fault in an exercise: no room for a bur held askew.
 struct LeftOut {
   std::string exercise, device, name;
 };
 
-// How far apart one operator's mean scores on the devices are, over the same seeds on each: the same
-// skill should get the same grade. Without seeds of which one failed critically on some device.
+// Difference of one operator's mean scores on the devices, over the same seeds on each: the same
+// skill should get the same grade. Excludes seeds with a critical failure on any device.
 struct EqualSkill {
   std::string exercise, name;
   size_t seeds = 0;
@@ -53,7 +52,7 @@ struct OperatorsFindings {
   std::vector<OperatorRow> rows;
   std::vector<SkillOrder> order;
   std::vector<EqualSkill> equal_skill;  // none with fewer than two devices
-  std::vector<std::string> not_cut;     // exercises that no simulated person can do yet
+  std::vector<std::string> not_cut;     // exercises no simulated person can do yet
   std::vector<LeftOut> left_out;
 };
 
@@ -61,11 +60,12 @@ struct OperatorsFindings {
 // Requires: equally long.
 double Spearman(const std::vector<double>& a, const std::vector<double>& b);
 
-// Of rows in any order; exercises and operators in the order in which they first come.
+// For rows in any order; exercises and operators in the order in which they first appear.
 std::vector<EqualSkill> EqualSkillOf(const std::vector<OperatorRow>& rows);
 
-// `row` is called with each as it comes, `progress` (what, 0..1) between them; both may be empty.
-// Errors: kNotFound when no device or exercise has such a name; those of the scene's builder.
+// `row` is called with each row as it comes, `progress` (what, 0..1) between them; both may be
+// empty. Errors: kNotFound when no device or exercise has such a name; those of the scene's
+// builder.
 Result<OperatorsFindings> MeasureOperators(
     const OperatorsOptions& options, const std::function<void(const OperatorRow&)>& row = {},
     const std::function<void(const std::string&, double)>& progress = {});

@@ -16,7 +16,7 @@ struct HandTrial {
   int delay_ticks = 0;
 };
 
-// Where the tip is prescribed, v is the way's; else the tip's own, smoothed over 10 ms.
+// v is the motion's speed if the tip is prescribed; else the tip's own, smoothed over 10 ms.
 struct HandFigures {
   double ideal_rms_n = 0;    // RMS of B v
   double error_rms_n = 0;    // RMS of R - B v

@@ -33,8 +33,8 @@ struct DeviceModel {
   double PassiveKc(double rate_hz) const;
 };
 
-// The paper's three and omega.3, Touch, Falcon, Inverse3 by their manufacturers' and CHAI3D's
-// figures; every number says where it is from, assumptions included.
+// The paper's three devices, and omega.3, Touch, Falcon and Inverse3 by their manufacturers' and
+// CHAI3D's figures. Every number has its source, assumptions included.
 std::vector<scene::DeviceProfile> QualifyProfiles();
 
 // Converts and checks. Errors (kInvalidInput, field named): K <= 0, delta <= 0, rate 0, negative b
@@ -46,11 +46,11 @@ Result<DeviceModel> ModelOf(const scene::DeviceProfile& profile);
 // with 2 b / T as far as friction allows.
 DeviceModel AtRate(const DeviceModel& model, double rate_hz, bool scale_kc);
 
-// What the device cannot render of material b at speed v, one sentence each; empty when nothing.
+// Limits of the device in rendering material b at speed v, one sentence each; empty if none.
 std::vector<std::string> CannotRender(const DeviceModel& model, double b_n_s_per_m,
                                       double speed_m_per_s);
 
-// A trial of this device with everything else at its default.
+// A trial of this device with all other parameters at their defaults.
 TrialSpec SpecOf(const DeviceModel& model, haptics::LawKind law, double b_n_s_per_m,
                  double speed_m_per_s);
 

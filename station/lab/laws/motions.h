@@ -6,10 +6,10 @@
 #include "common/base/result.h"
 #include "station/lab/laws/plant.h"
 
-// What hands do while they cut: ways in space sampled once a millisecond. Recorded ones come from a
-// folder of CSV files; the others are generated, and the same on every machine for one seed.
+// Hand motions while cutting: paths in space sampled once a millisecond. Recorded ones come from a
+// folder of CSV files; the others are generated, and identical on every machine for a seed.
 //
-// A way begins and ends at rest unless its name says otherwise. SI units.
+// A path begins and ends at rest unless its name says otherwise. SI units.
 namespace enamel::station::lab {
 
 struct HandMotion {
@@ -23,7 +23,7 @@ inline constexpr double kWayStep_s = 1e-3;
 
 // Length of the way over its duration.
 double MeanSpeed(const HandMotion& motion);
-// The same way, larger or smaller, so that its mean speed is as asked; the time stays.
+// The same path, scaled to this mean speed; the duration does not change.
 HandMotion ScaledToSpeed(HandMotion motion, double mean_m_per_s);
 
 // Straight and back at constant speed: `out_s` there, `back_s` back, no rest between.
@@ -39,12 +39,12 @@ HandMotion CornerMotion(double speed_m_per_s, double leg_s);
 // Straight at constant speed, with tremor of the amplitude across and along, 8 to 12 Hz.
 HandMotion TremorMotion(double speed_m_per_s, double amplitude_m, double duration_s, uint64_t seed);
 // A hand that works a surface: minimum-jerk strokes of random length, direction and pause, with
-// tremor; as smooth as a person's and as varied, but of known statistics.
+// tremor; as smooth and varied as a person's, but of known statistics.
 HandMotion WanderingMotion(double mean_m_per_s, double duration_s, uint64_t seed);
 
-// Every `*.csv` under `folder` (bounded: 64 files of 4 MiB) with columns t_s, px_m, py_m, pz_m at
-// 1 kHz; positions are smoothed over 20 ms, since their differences are what the force is compared
-// with. Empty when there is no such folder. Errors: kInvalidInput with file and line.
+// Every `*.csv` under `folder` (at most 64 files of 4 MiB) with columns t_s, px_m, py_m, pz_m at 1
+// kHz. Positions are smoothed over 20 ms, since the force is compared with their differences. Empty
+// if there is no such folder. Errors: kInvalidInput with file and line.
 Result<std::vector<HandMotion>> RecordedMotions(const std::string& folder);
 
 // Position and speed at any time, by cubic interpolation of the way; at rest beyond its end.

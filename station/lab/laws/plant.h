@@ -7,7 +7,7 @@
 #include "common/fidelity/tracks.h"
 #include "common/math/vec.h"
 
-// A haptic device and the hand on it, simulated: what the force laws are judged with. SI units.
+// A simulated haptic device and the hand on it, to judge force laws. SI units.
 //
 // Tip: point mass with viscous damping b and Coulomb friction c per axis, optionally split by one
 // structural mode (motor mass, spring, tip mass; the encoder sits on the motor side). Encoder:
@@ -20,18 +20,18 @@
 // IntegrationError in trial.h reports it against a finer step.
 namespace enamel::station::lab {
 
-// Where the encoder's cells lie. As it stands: cells of edge delta along x, y and z, no noise.
-// Joint counts: row i of `joints` is the direction whose way encoder i counts, q = joints * tip, in
-// cells of edge delta. A rotation keeps the cells cubes; unit rows that are not square to each
-// other shear them. What is read is the joint cell's middle, taken back to x, y and z. Validity: an
-// invertible matrix (checked by Plant); one matrix over a whole trial, as a real arm's is over a
-// few millimetres.
+// Position of the encoder's cells. Default: cells of edge delta along x, y and z, no noise. Joint
+// counts: row i of `joints` is the direction in which encoder i counts, q = joints * tip, in cells
+// of edge delta. A rotation keeps the cells cubes; unit rows that are not orthogonal shear them.
+// The reading is the joint cell's middle, converted back to x, y and z. Validity: an invertible
+// matrix (checked by Plant); one matrix over a whole trial, as a real arm has over a few
+// millimetres.
 struct Lattice {
   glm::dmat3 joints{1};
-  // A driver that rounds the position again, to the nearest multiple of this per axis; 0: not.
+  // Edge to which a driver rounds the position again, per axis; 0: no rounding.
   double driver_cell_m = 0;
-  // Each joint's count is off by a whole number uniform in -n..n, drawn anew each tick, apart from
-  // the seed's other numbers: a trial with noise has the jitter and the lost ticks of one without.
+  // Each joint's count is off by a whole number uniform in -n..n, drawn each tick from separate
+  // random numbers: trials with and without noise have the same jitter and lost ticks.
   int noise_counts = 0;
 };
 
@@ -54,13 +54,13 @@ struct PlantSpec {
   int substeps = 8;
 };
 
-// What the hand does during one sub-step: a force, and a spring and damper to a moving equilibrium,
-// which the integrator takes implicitly.
+// The hand's action during one sub-step: a force, and a spring and damper to a moving equilibrium,
+// which the integrator treats implicitly.
 struct Grip {
   dvec3 force_n{0};
   dvec3 equilibrium_m{0}, equilibrium_speed_m_per_s{0};
   double stiffness_n_per_m = 0, damping_n_s_per_m = 0;
-  bool prescribed = false;  // equilibrium is where the tip is, whatever it takes
+  bool prescribed = false;  // the tip is at the equilibrium, whatever the force
 };
 
 // An operator. `t_s` runs from the start of the trial.
@@ -96,14 +96,14 @@ class Plant {
   // `hand` is borrowed and outlives the plant.
   Plant(const PlantSpec& spec, Hand& hand, const dvec3& start_m);
 
-  // What the driver says: the middle of the encoder cell the motor side is in, noise and the
-  // driver's own rounding included. The same however often it is asked within a tick.
+  // The driver's reading: the middle of the encoder cell of the motor side, with noise and the
+  // driver's own rounding. The same however often it is read within a tick.
   dvec3 Read() const;
   // Whether this tick is lost: the controller is not run and the last force is held.
   bool TickLost();
   // Holds the command (delayed, saturated) for one tick.
   void Step(const dvec3& command_n);
-  // The same when the controller was not run.
+  // The same when the controller did not run.
   void StepHeld();
 
   double time_s() const { return time_s_; }

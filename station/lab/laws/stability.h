@@ -3,10 +3,10 @@
 #include "station/lab/laws/plant.h"
 
 // The stiffest spring and the strongest damper a simulated device can render, found by experiment:
-// bisection on what the simulated device does, with the device's own damping b given. Nothing here
-// reads a listed stiffness, so what comes out can be held against one. SI units.
+// bisection on the simulated device's behaviour, with its own damping b given. Uses no listed
+// stiffness, so results can be compared with one. SI units.
 //
-// Two judges, which differ by orders of magnitude for a damper:
+// Two criteria, which differ by orders of magnitude for a damper:
 //  * passive: no cyclic motion of the tip lets the operator gain energy for ever;
 //  * stable: the device, alone or in a hand of given mass, stiffness and damping, comes to rest.
 // Deterministic. Thread safety: all functions may be called from any thread.
@@ -17,7 +17,7 @@ enum class Rendered {
   kDamper,  // F = -B (p_i - p_{i-1}) f: eq. 1 of the paper on one tick's difference
 };
 
-// What holds the tip: a spring and a damper to a fixed point, and a mass. All zero: nothing.
+// The hold on the tip: a spring and a damper to a fixed point, and a mass. All zero: none.
 struct Hold {
   double mass_kg = 0, stiffness_n_per_m = 0, damping_n_s_per_m = 0;
 };
@@ -29,12 +29,12 @@ struct Hold {
 double LargestPassive(const PlantSpec& plant, Rendered what);
 
 // Least b (N s/m) of the device at which a spring of K passes the same test; plant.damping is not
-// read. 1e4 where friction is too small for any.
+// used. 1e4 if friction is too small for any.
 double LeastDamping(const PlantSpec& plant, double k_n_per_m);
 
-// Largest K or B at which the tip swings less and less: let go 1 mm from the spring's rest, or
-// after one false reading of 1 mm that jolts the damper. Bisection assumes one boundary; the search
-// ends at 1e7. The plant's sub-steps shift it: with n of them K comes out high by 1/n of itself.
+// Largest K or B at which the tip's swings decrease: released 1 mm from the spring's rest, or after
+// one false reading of 1 mm that jolts the damper. Bisection assumes one boundary; the search ends
+// at 1e7. The plant's sub-steps shift it: with n sub-steps K is too high by 1/n.
 double LargestStable(const PlantSpec& plant, Rendered what, const Hold& hold);
 
 // The same boundary for the device alone from the poles of the sampled, undelayed linear system

@@ -7,7 +7,7 @@
 #include "station/lab/laws/hands.h"
 #include "station/lab/laws/plant.h"
 
-// One simulated cut with one law on one device in one hand, and what is measured from it.
+// One simulated cut with one law on one device in one hand, and its measurements.
 namespace enamel::station::lab {
 
 enum class HandKind { kVelocity, kForce, kImpedance };
@@ -55,16 +55,16 @@ struct Measurement {
   double ripple_fast_rms_n = 0;  // the part above 20 Hz
   double deviation_m = 0;  // tip's largest distance from its fitted line x0 + v t in the window
   double rise90_s = -1, rise90_floor_s = 0;
-  // From the stop until |R| <= 10 % of the mean, or until every axis holds no more than the guard
-  // may leave, Kc delta / 2; -1: never. Not measured with a force hand.
+  // Time from the stop until |R| <= 10 % of the mean, or until every axis holds no more than the
+  // guard may leave, Kc delta / 2; -1: never. Not measured with a force hand.
   double release10_s = -1, release_level_n = 0;
-  double kick_n = 0;  // largest force against the hand's way back after the stop
+  double kick_n = 0;  // largest force against the hand's return after the stop
   double energy_min_j = 0,
          energy_floor_j = 0;  // sum of R dx + b/T dx^2 + c |dx|, and its proved floor
   double extracted_j = 0;     // most energy the operator got out: -(lowest sum of R dx) alone
   bool violation = false;     // energy under the floor by more than rounding
   bool cycle = false;
-  bool unstable = false;  // not finite, or the force saturates to and fro
+  bool unstable = false;  // not finite, or the force swings between its limits
   int ticks = 0;
   std::vector<Sample> trace;
 };

@@ -4,8 +4,8 @@
 
 #include "common/core/core.h"
 
-// A bur that has cut its way into a block is pulled back along the way it came, with the product's
-// own core: nothing is ahead of it, so nothing may hold it. SI units.
+// A bur that has cut its way into a block is pulled back along its path, with the product's own
+// core. Nothing is ahead of it, so nothing may hold it. SI units.
 namespace enamel::station::lab {
 
 enum class Cut { kSideMill, kPlunge, kSunkToTop, kPocket };
@@ -32,7 +32,7 @@ struct Withdrawal {
 };
 
 struct WithdrawalFigures {
-  double opposing_n = 0;  // largest part of the force against the way back
+  double opposing_n = 0;  // largest part of the force against the withdrawal
   double rise_n = 0;      // its largest rise in a tick
   double other_n = 0;     // what a step of the force has beyond Kc (v T + sqrt(3) delta)
   double deepest_n = 0;   // largest force on the way in

@@ -5,7 +5,7 @@
 
 #include "station/lab/report/plot.h"
 
-// What the suite "cutting" found, for the JSON and the report.
+// Findings of the suite "cutting", for the JSON and the report.
 namespace enamel::station::lab {
 
 // Rows with "suite": "cutting" (bur x voxel x speed) and "scores" (voxel x criterion).

@@ -5,11 +5,11 @@
 
 #include "station/lab/suites/findings.h"
 
-// What the suites found, as text tables and as JSON.
+// The suites' findings, as text tables and as JSON.
 namespace enamel::station::lab {
 
 std::string TextOf(const Table& table);
-// What is drawn of it: schemas/lab_report.schema.json.
+// The drawn part: schemas/lab_report.schema.json.
 boost::json::object ReportOf(const Findings& findings);
 // {"format": 1, "seed", "quick", "rows": [...], "attacks": [...], "random": {...}, "report": {...}}
 std::string JsonOf(const Findings& findings);

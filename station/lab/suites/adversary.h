@@ -10,13 +10,13 @@
 #include "station/lab/laws/plant.h"
 #include "station/lab/suites/findings.h"
 
-// Games against the theorem of common/haptics/README.md ("Why it is passive") in which the
-// adversary is more than the hand: delay, noise, turned lattices, bounds that jump, gaps, late
-// ticks. Each is played at the least damping and friction its own clause allows, so that nothing a
-// device has beyond it can hide a mistake. SI units. Thread safety: one Game per thread.
+// Games against the theorem of common/haptics/README.md ("Why it is passive"). The adversary is
+// more than the hand: delay, noise, turned lattices, bounds that jump, gaps, late ticks. Each game
+// is played at the least damping and friction that its own clause allows, so that no reserve of the
+// device can hide a mistake. SI units. Thread safety: one Game per thread.
 namespace enamel::station::lab {
 
-// What the adversary may do beside moving the tip and choosing B every tick.
+// The adversary's means besides moving the tip and choosing B every tick.
 struct GameRules {
   enum class Late : uint8_t { kNone, kCovered, kLeak };
 
@@ -25,13 +25,12 @@ struct GameRules {
   bool lattice = false;        // cells are those of joints turned any way
   bool driver_rounds = false;  // and the driver rounds the result to its own cells of the same edge
   bool bounds = false;         // the bound on the force jumps every tick, to 0 and from 0
-  bool gaps = false;           // the force stops, the tip moves unseen, the spring goes on
-  // Now and then a force is felt for two ticks: because the device missed a new one or the coupling
-  // a tick (covered by the clause of one more tick of delay), or a tick only, without delay, and
-  // the leak that README.md names is added to the balance.
+  bool gaps = false;           // the force stops, the tip moves unseen, the spring continues
+  // Occasionally a force is felt for two ticks. Either the device missed a new force or the
+  // coupling a tick (covered by the clause of one more tick of delay), or it lasts only a tick,
+  // without delay, and the leak that README.md names is added to the balance.
   Late late = Late::kNone;
-  // Delay that neither the guard nor the clause is told of: what the theorem does not allow, to see
-  // that the games find it.
+  // Delay unknown to the guard and the clause: the theorem excludes it, and the games must find it.
   int undeclared_ticks = 0;
 
   int clause_ticks() const { return delay_ticks + (late == Late::kCovered ? 1 : 0); }
@@ -39,15 +38,15 @@ struct GameRules {
   std::string Name() const;
 };
 
-// What is attacked: a coupling, or a bare spring whose rest point the adversary pushes about with
-// nothing but the guard between.
+// The target of the attack: a coupling, or a bare spring whose rest point the adversary moves with
+// only the guard in between.
 class Subject {
  public:
   virtual ~Subject() = default;
   virtual void Reset(const dvec3& tip_m) = 0;
   virtual void Resume(const dvec3& tip_m) = 0;
-  // Resisting force to send. `push_m`: where the adversary would like the rest point to go; a
-  // coupling does not listen.
+  // Resisting force to send. `push_m`: the adversary's wish for the rest point; a coupling ignores
+  // it.
   virtual dvec3 Tick(const dvec3& tip_m, double bound_ratio, const haptics::Contact& contact,
                      const dvec3& push_m) = 0;
   virtual double tank_j() const { return 0; }
@@ -61,7 +60,7 @@ double ClauseStiffness(const DeviceModel& model, const GameRules& rules);
 // Whether the theorem covers this law under these rules.
 bool Covered(std::optional<haptics::LawKind> law, const GameRules& rules);
 
-// What the adversary does in one tick.
+// The adversary's action in one tick.
 struct Turn {
   dvec3 way_m{0};
   haptics::Contact contact;
@@ -73,23 +72,23 @@ struct Turn {
   dvec3 gap_way_m{0};  // moved unseen
 };
 
-// The balance of one game, kept from the tip's way and the force felt alone.
+// The balance of one game, computed only from the tip's way and the force felt.
 class Game {
  public:
   Game(const DeviceModel& model, const GameRules& rules, std::optional<haptics::LawKind> law,
        double energy_j = 0);
   // At rest without force, the lattice turned by `frame` (orthonormal columns).
   void Start(const dvec3& tip_m, const dmat3& frame);
-  // Without delay only: the floor counts from what is stored now.
+  // Without delay only: the floor starts from the energy stored now.
   void Rebase();
   // Balance above the floor, J.
   double Play(const Turn& turn);
 
   double above() const { return balance_ - floor_; }
-  // Drawn from the spring and the hand's account so far: falls without end where there is a pump.
+  // Energy drawn from the spring and the hand's account so far: falls without limit for a pump.
   double owed() const;
   double paid_j() const { return paid_; }    // by damping and friction
-  double taken_j() const { return taken_; }  // most that sum of R.dx alone gave back
+  double taken_j() const { return taken_; }  // most that the sum of R.dx alone returned
   double lowest_j() const { return lowest_; }
   const dvec3& tip_m() const { return x_; }
   const dvec3& felt_n() const { return pipe_.front(); }
@@ -122,7 +121,7 @@ const char* GameKindName(GameKind kind);
 Attack PlayGame(const DeviceModel& model, const GameRules& rules,
                 std::optional<haptics::LawKind> law, GameKind kind, uint64_t seed, int64_t length);
 
-// The rules that a suite plays: each delay, each reading, and the rest, alone and together.
+// The rules of a suite: each delay, each reading, and the rest, alone and together.
 std::vector<GameRules> AllRules();
 
 }  // namespace enamel::station::lab

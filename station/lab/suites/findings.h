@@ -10,7 +10,7 @@
 #include "station/lab/laws/model.h"
 #include "station/lab/laws/strokes.h"
 
-// What the suites find, as data: the tables, the JSON and the report are made from it.
+// The suites' findings as data, the source of tables, JSON and report.
 namespace enamel::station::lab {
 
 enum class Verdict { kPassive, kStable, kBounded, kUnstable };
@@ -23,8 +23,8 @@ struct Row {
   double rate_hz = 1000, b_n_s_per_mm = 0, speed_mm_s = 0, kc_n_per_mm = 0;
   double tau_s = 0, kc_delta_half_n = 0, ns_per_tick = 0;
   Measurement m;
-  // What a suite measures besides, by name: written beside the other members in JSON and read by
-  // front.h. "error_over_oracle": human-motion error over the memoryless oracle's; "pull_n".
+  // Other measures of a suite, by name: written beside the other members in JSON and read by
+  // front.h. "error_over_oracle": human-motion error relative to the memoryless oracle's; "pull_n".
   std::vector<std::pair<std::string, double>> extra;
   Verdict verdict = Verdict::kStable;
   bool pareto = false, is_default = false;
@@ -59,8 +59,8 @@ struct TimeTrace {
 struct Attack {
   std::string law, kind;  // kind: how the motion was made, or the rules of a game of adversary.h
   std::string made;       // of such a game, how the worst was made
-  // What repeats the worst: PlayRandom, PlaySearch or PlayGame with this profile, law, seed and
-  // length (ticks, or rounds of the search).
+  // Arguments that repeat the worst: PlayRandom, PlaySearch or PlayGame with this profile, law,
+  // seed and length (ticks, or rounds of the search).
   std::string profile;
   uint64_t seed = 0;
   int64_t length = 0;
@@ -87,8 +87,9 @@ struct HandRow {
   int delay_ticks = 0;
   bool has_track = false;
   HandFigures f;
-  // Withdrawals: the opposing part, beyond Kc delta where that is larger than 0.15 N, else the part
-  // itself; its largest rise in a tick; what a step of the force has beyond Kc (v T + sqrt(3) delta).
+  // Withdrawals: the opposing part, beyond Kc delta if that is larger than 0.15 N, else the part
+  // itself; its largest rise in a tick; the excess of a step of the force over Kc (v T + sqrt(3)
+  // delta).
   double opposing_n = 0, pull_n = 0, rise_n = 0, step_n = 0;
 };
 
@@ -101,7 +102,7 @@ struct FeelRow {
   fidelity::Cell cell;
 };
 
-// One device at one loop rate with the largest coupling it may have there (scene/rate.h), in five
+// One device at one loop rate with the largest coupling possible there (scene/rate.h), in five
 // hands that wander over enamel of 6.5 N s/mm at 0.2 mm/s. JSON: member "rates", the names below.
 struct RateRow {
   std::string device,

@@ -6,9 +6,9 @@
 
 #include "station/lab/suites/findings.h"
 
-// Error against run time, over every figure a law is chosen for and not steady error alone. A
-// metric is a number read off a row; a law's figure is the worst of the rows that say something of
-// it. Thread safety: pure functions.
+// Error against run time, over every figure a law is chosen for, not only steady error. A metric is
+// a number read off a row; a law's figure is the worst of the rows that have it. Thread safety:
+// pure functions.
 namespace enamel::station::lab {
 
 inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
@@ -18,13 +18,13 @@ struct Metric {
   const char* id;     // of plot files; lower case
   const char* label;  // axis, with its unit
   double floor;       // smaller figures are drawn as this: the axis is logarithmic
-  // kNotMeasured: this row says nothing about it. kNever: it is not reached.
+  // kNotMeasured: this row does not have it. kNever: never reached.
   double (*of)(const Row&);
 };
 // Steady error; rise over its floor and release over B/Kc, of the hand that prescribes velocity;
 // human-motion error over the oracle's, pull. The last two are read from Row::extra
-// ("error_over_oracle", "pull_n"), which a suite of motions fills; as long as no row has them they
-// have no plot and no say.
+// ("error_over_oracle", "pull_n"), which a suite of motions fills. While no row has them they have
+// no plot and do not count.
 const std::vector<Metric>& FrontMetrics();
 
 // One law with one estimator at one loop rate.
@@ -33,16 +33,15 @@ struct LawPoint {
   double ns_per_tick = 0;
   std::vector<double> figures;  // per metric: the worst of its rows
   std::vector<bool> on_front;   // per metric: no law has a smaller or equal figure for less time
-  // No law is as good in time and all metrics and better in one.
+  // No law is at least as good in time and all metrics and better in one.
   bool undominated = false;
   bool lost = false;  // cycles or is unstable in a hand: on no front
   bool is_default = false;
 };
 
-// The laws of one device at B = 6.5 N s/mm, from rows of any suite that carry a law, an estimator,
-// a rate and at least one metric. Rows without nanoseconds take those of the same law's other rows;
-// a law that has none is left out. A metric that other laws were measured by and this one was not
-// counts as kNever.
+// The laws of one device at B = 6.5 N s/mm, from rows of any suite that have a law, an estimator, a
+// rate and at least one metric. Rows without nanoseconds take those of the same law's other rows; a
+// law without any is left out. A metric that other laws have and this one lacks counts as kNever.
 std::vector<LawPoint> LawPointsOf(const std::vector<Row>& rows, const std::string& profile);
 // The name LawPointsOf gives to a row's law.
 std::string LawPointName(const Row& row);

@@ -8,7 +8,7 @@
 
 namespace enamel::station::lab {
 
-// What is to be measured, and how: app/qualify.h runs it.
+// Selects measurements and their options; app/qualify.h runs them.
 struct QualifyOptions {
   std::string profile = "phantom_desktop";  // of QualifyProfiles, a file, or "all"
   std::vector<std::string> suites = {
@@ -21,9 +21,10 @@ struct QualifyOptions {
   int64_t adversary_ticks = 0;                       // 0: 1e9, or 2e6 with quick
   uint64_t seed = 1;
   int threads = 2;
-  std::FILE* out = nullptr;                        // tables; nullptr: nothing printed
-  std::FILE* progress = nullptr;                   // one line, rewritten
-  std::function<void(const std::string&)> errors;  // told why nothing was done; may be empty
+  std::FILE* out = nullptr;       // tables; nullptr: nothing printed
+  std::FILE* progress = nullptr;  // one line, rewritten
+  std::function<void(const std::string&)>
+      errors;  // called with the reason if nothing was done; may be empty
 };
 
 }  // namespace enamel::station::lab

@@ -5,11 +5,11 @@
 
 #include "station/lab/suites/findings.h"
 
-// Table 3 of Liu et al. 2008 (3.7 / 0.8 / 1.1 N "maximum continuous output force" at more than
-// 2 mm/s), asked in simulation and by its own arithmetic. SI units. Thread safety: any thread.
+// Tests Table 3 of Liu et al. 2008 (3.7 / 0.8 / 1.1 N "maximum continuous output force" at more
+// than 2 mm/s) in simulation and by its own arithmetic. SI units. Thread safety: any thread.
 namespace enamel::station::lab {
 
-// What one printed force says.
+// Implications of one printed force.
 struct Table3Says {
   double way_m = 0;                         // F / Kc: what eq. 17 needs to get there, and passes
   double time_s = 0;                        // that way at 2 mm/s
@@ -21,7 +21,7 @@ struct Table3Says {
 Table3Says ArithmeticOfTable3(double force_n, double kc_n_per_m, double resolution_m,
                               double tick_s);
 
-// How eq. 17 may be read.
+// Possible readings of eq. 17.
 struct LimiterReading {
   const char* label;
   haptics::LawKind law;

@@ -5,7 +5,7 @@
 #include "station/lab/suites/findings.h"
 #include "station/lab/suites/options.h"
 
-// The suites. Each adds to Findings; all are deterministic but for nanoseconds.
+// The suites. Each adds to Findings; all are deterministic except for nanoseconds.
 namespace enamel::station::lab {
 
 // Reports progress: what, done, of how many. May be called from several threads.
@@ -32,9 +32,9 @@ void RunCuttingSuite(SuiteContext& context);
 // Calls job(i) for i < n on `threads` threads, lowest first. `job` must not throw.
 void ParallelFor(size_t n, int threads, const std::function<void(size_t)>& job);
 
-// Runs the trial and fills in what it measures; names and nanoseconds are the caller's.
+// Runs the trial and fills in its measurements; the caller fills in names and nanoseconds.
 Row RunRow(const DeviceModel& model, const TrialSpec& spec);
-// The laws the theorem of coupling.h is about.
+// Whether the theorem of coupling.h covers this law.
 bool ProvedLaw(haptics::LawKind law);
 // Whether the theorem of coupling.h covers this trial: an anchored law, Kc and c within the
 // profile's.
@@ -47,8 +47,8 @@ double ErrorGoal(const DeviceModel& model, double floor_n, double factor);
 // The adversary's games, also used by tests: `ticks` ticks of a random motion in random material
 // that changes every tick, from a loaded or unloaded start.
 Attack PlayRandom(const DeviceModel& model, haptics::LawKind law, uint64_t seed, int64_t ticks);
-// The same, searching: (1+1) evolution of a periodic 3-D motion and of a material that follows its
-// phase, `rounds` tries of 400 ticks.
+// The same with a search: (1+1) evolution of a periodic 3-D motion and of a material that follows
+// its phase, `rounds` tries of 400 ticks.
 Attack PlaySearch(const DeviceModel& model, haptics::LawKind law, uint64_t seed, int rounds);
 // How the random suite draws: speeds uniformly; speeds logarithmically, which favours slow cuts;
 // also the loop rate, 500 Hz to 8 kHz with Kc as at 1 kHz where that is passive; B as a matrix with

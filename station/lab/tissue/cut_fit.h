@@ -7,15 +7,15 @@
 
 #include "common/math/vec.h"
 
-// What a tissue asks of the hand that cuts it, from recorded force and motion. For one engagement
+// A tissue's resistance to cutting, fitted to recorded force and motion. For one engagement
 //
 //   F = B V + Fc V/|V| while cutting;   nothing is cut while |F| < Fth;   V_tip = V + c dF/dt
 //
-// F is what the hand presses with (along the motion), V the speed of the cutting front, B symmetric
-// and positive semi-definite, Fc the Coulomb part, Fth >= Fc the threshold, c the tip's compliance.
+// F is the pressing force (along the motion), V the speed of the cutting front, B symmetric and
+// positive semi-definite, Fc the Coulomb part, Fth >= Fc the threshold, c the tip's compliance.
 // Units: s, mm, N. Frame: the recording's own. No function here keeps state; not for the tick.
 //
-// Method, and where its errors are:
+// Method, and its sources of error:
 // * Weak form. With a smooth bump w over a window W, the mean of V is -int w' x and that of F is
 //   int w F. Both sides of F = B V are averaged alike: the window adds no bias to B. It adds one to
 //   Fc where the motion turns inside it (`turn_bias`); windows that turn, stop or reverse are left
@@ -23,13 +23,13 @@
 //   a third of the usual speed (50 ms and 8 samples to 0.6 s).
 // * Errors in V shrink B. Their variance: white noise from third differences, and an encoder's
 //   counts (half a count per window squared up to 1.5 counts in it, falling with the fourth power
-//   above). What they do to V, to V/|V| and to products of both is taken out of the normal
-//   equations to second order. That variance is known to a factor only, so that twice
-//   `attenuation` is added to every interval on both sides.
-// * Outliers: single samples far from the median of five are dropped; windows are weighed after
-//   Huber (2 medians of the residual) and left out beyond 8.
-// * Fth: the gate at which the motion computed from the force is nearest to the measured motion,
-//   over longer windows (up to 0.8 s), that stick as well as that cut.
+//   above). Their effect on V, on V/|V| and on products of both is removed from the normal
+//   equations to second order. The variance is known only to a factor, so twice `attenuation` is
+//   added to every interval on both sides.
+// * Outliers: single samples far from the median of five are dropped; windows have Huber weights (2
+//   medians of the residual) and are left out beyond 8.
+// * Fth: the gate whose motion, computed from the force, is nearest to the measured motion, over
+//   longer windows (up to 0.8 s), both sticking and cutting.
 // * Intervals: 95 %, Student's, over 20 stretches of the recording each left out once (jackknife):
 //   neighbouring windows need not be independent.
 namespace enamel::station::lab {
@@ -52,7 +52,7 @@ enum class CutModel {
   kMatrix,
 };
 
-// Where the samples went. Windows overlap by half, so a sample may be in two.
+// Use of the samples. Windows overlap by half, so a sample may be in two.
 struct CutWindows {
   size_t used = 0;
   size_t gap = 0;      // rows missing inside
@@ -73,11 +73,11 @@ struct CutFit {
   Estimate coulomb_n;                 // never below 0
   Estimate threshold_n;               // never below Coulomb's part
   bool threshold_seen = false;   // false: no sticking seen; the interval's upper end is a bound
-  Estimate compliance_mm_per_n;  // 0 where it cannot be told from 0
+  Estimate compliance_mm_per_n;  // 0 if indistinguishable from 0
   double residual_rms_n = 0;
   double window_s = 0;
   double speed_noise_mm_s = 0;  // one standard deviation of a window's speed, mean of the used
-  double attenuation = 0;       // part of B that errors in V would take, put back
+  double attenuation = 0;       // part of B lost to errors in V, restored
   double turn_bias = 0;         // largest part of Fc that turning inside windows can hide
   double condition = 0;         // of the scaled normal equations; above 400 a model is not taken
   double speed_max_mm_s = 0, force_max_n = 0;
@@ -88,8 +88,8 @@ struct CutFit {
   std::string refused;  // why there is no fit
 };
 
-// `magnitude`: f_n.x is a force along the motion without direction. `positions`: how many of x, y,
-// z were recorded. Time rises within a run. Requires: numbers finite.
+// `magnitude`: f_n.x is a force along the motion without direction. `positions`: number of recorded
+// axes of x, y, z. Time rises within a run. Requires: numbers finite.
 CutFit FitCut(const std::vector<CutSample>& samples, double dt_s, bool magnitude, int positions);
 
 // Speed of the cutting front under force `f` (N): the inverse of the law above, 0 below

@@ -5,13 +5,13 @@
 
 #include "station/lab/tissue/cut_fit.h"
 
-// A recording of a cut, and the windows that speed, force and the force's rate are taken from
-// (cut_fit.h says how and why). Units: s, mm, N. Pure functions, any thread.
+// A recording of a cut, and the windows for speed, force and the force's rate (method: cut_fit.h).
+// Units: s, mm, N. Pure functions, any thread.
 namespace enamel::station::lab::cut {
 
 constexpr size_t kLeastSamples = 8;      // in a window
 constexpr double kContact_n = 0.02;      // less is air
-constexpr double kForceSmooth_s = 0.01;  // half width of the force the gate sees
+constexpr double kForceSmooth_s = 0.01;  // half width of the force used by the gate
 
 // Means under one bump: speed, force and the force's rate.
 struct Means {
@@ -33,7 +33,7 @@ struct Window {
 
 struct Recording {
   std::vector<CutSample> s;
-  std::vector<dvec3> smooth;     // F as the gate sees it
+  std::vector<dvec3> smooth;     // F for the gate
   std::vector<double> smooth_n;  // its size
   std::vector<double> width_s;   // of each sample's trapezium
   double dt = 0, window_s = 0;
@@ -42,17 +42,17 @@ struct Recording {
   bool magnitude = false;
 };
 
-// The recording with all that is measured of it: widths, counts, noise, window_s. `s`: without
-// spikes, at least kLeastSamples. SmoothForce is left to the caller, who may turn the force first.
+// The recording with all its measures: widths, counts, noise, window_s. `s`: without spikes, at
+// least kLeastSamples. The caller runs SmoothForce, and may turn the force first.
 Recording RecordingOf(std::vector<CutSample> s, double dt_s, bool magnitude);
 
-// Drops single samples that stand out of the median of five about them; returns how many.
+// Drops single samples far from the median of five around them; returns the number.
 size_t DropSpikes(std::vector<CutSample>* s);
 
 // Overlapping windows of `width` seconds, run by run.
 std::vector<Window> WindowsOf(const Recording& r, double width);
 
-// Fills in the force as the gate of the threshold sees it.
+// Fills in the force for the threshold's gate.
 void SmoothForce(Recording* r);
 
 // The front's speed from the tip's. A magnitude's rate is taken along the motion.
@@ -61,7 +61,7 @@ dvec3 Front(const Recording& r, const Means& m, double c);
 // The force along the front's motion.
 double Along(const Recording& r, const Window& w);
 
-// Sorts the windows into used and left out, for a tip that gives by `c`, and counts both in `fit`.
+// Sorts the windows into used and left out, for a tip of compliance `c`, and counts both in `fit`.
 // With `threshold` (above 0: seen) the force must stay above it.
 void Classify(const Recording& r, double c, double threshold, std::vector<Window>* windows,
               CutFit* fit);

@@ -7,9 +7,9 @@
 #include "common/base/result.h"
 #include "station/lab/tissue/cut_fit.h"
 
-// B, Coulomb's part and the threshold of real tissue from recorded cuts, per tissue: columns of
-// text in, a table, a plot and a material profile out. The method and its errors: cut_fit.h. Not
-// for the tick; no state.
+// B, the Coulomb part and the threshold of real tissue from recorded cuts, per tissue: columns of
+// text in, a table, a plot and a material profile out. Method and errors: cut_fit.h. Not for the
+// tick; no state.
 namespace enamel::station::lab {
 
 // One tissue's fit.
@@ -27,33 +27,33 @@ struct DampingFit {
 
 struct DampingReport {
   double rate_hz = 0;              // median of the file's
-  std::vector<std::string> notes;  // what was assumed: units, columns, rows left out
+  std::vector<std::string> notes;  // assumptions: units, columns, rows left out
   std::vector<DampingFit> fits;
 };
 
-// Columns by name, case aside: time_s, t_s, time or t (time_ms, t_ms: milliseconds); position_mm or
-// x_mm, y_mm, z_mm (or _m, or bare: metres guessed from size, and said); force_n or fx_n, fy_n,
-// fz_n (or bare, N); optionally axis_x, axis_y, axis_z (the bur's, in the frame of the positions)
-// and tissue. Any order, any rate up from 1 Hz, gaps allowed.
+// Columns by name, in upper or lower case: time_s, t_s, time or t (time_ms, t_ms: milliseconds);
+// position_mm or x_mm, y_mm, z_mm (or _m; without a unit, metres are guessed from size, with a
+// note); force_n or fx_n, fy_n, fz_n (or without unit, N); optionally axis_x, axis_y, axis_z (the
+// bur's, in the frame of the positions) and tissue. Any order, any rate from 1 Hz, gaps allowed.
 //
 // Three columns of position give a matrix B, or B across and along the bur where its axis is known
 // (`bur_axis`, zero: not known, or the columns, which come first); else, or where the directions of
 // motion do not determine it, one B along the motion. One column of force is a magnitude along the
 // cut, unless it and the one position both have signs. Force may be the hand's or the tooth's.
 //
-// Errors (kInvalidInput): columns missing, no numbers, time that does not rise, units that cannot
-// be (more than 1 m of travel, above 200 N, faster than 1 m/s): the message says what was found. A
-// tissue that cannot be fitted alone (no motion, no contact, fewer than 8 windows, force that falls
-// with speed) is in the report with the reason.
+// Errors (kInvalidInput): columns missing, no numbers, time that does not rise, impossible units
+// (more than 1 m of travel, above 200 N, faster than 1 m/s): the message gives the value found. A
+// tissue that cannot be fitted (no motion, no contact, fewer than 8 windows, force that falls with
+// speed) is in the report with the reason.
 Result<DampingReport> FitDamping(std::string_view csv, const dvec3& bur_axis = dvec3(0));
 
 std::string DampingText(const DampingReport& report);
-// Force against speed with the fitted lines, to be drawn (schemas/lab_report.schema.json); `source`
+// Plot of force against speed with the fitted lines (schemas/lab_report.schema.json); `source`
 // names the file.
 std::string DampingPlot(const DampingReport& report, const std::string& source);
 
-// What was fitted, as schemas/material.schema.json has it; `source` names the file. Requires: a
-// tissue that could be fitted.
+// The fit in the form of schemas/material.schema.json; `source` names the file. Requires: a tissue
+// that could be fitted.
 std::string MaterialText(const DampingReport& report, const std::string& source);
 
 struct FitDampingOptions {
@@ -62,8 +62,8 @@ struct FitDampingOptions {
   std::string material_path;  // material profile; not written when empty
   std::string bur_axis;       // "x,y,z" in the frame of the positions; empty: not known
 };
-// Program entry: reads the file (at most 256 MiB), prints the table, writes what is asked for.
-// Exit code: 0 at least one tissue fitted, 1 otherwise (said on stderr).
+// Program entry: reads the file (at most 256 MiB), prints the table, writes the chosen files. Exit
+// code: 0 at least one tissue fitted, 1 otherwise (reason on stderr).
 int RunFitDamping(const FitDampingOptions& options);
 
 }  // namespace enamel::station::lab
