@@ -33,10 +33,10 @@ constexpr milliseconds kSameInterrupt{2'000};      // Ctrl-C pressed more than o
 constexpr std::chrono::seconds kDiskPatience{60};  // with a disk that takes nothing
 
 volatile std::sig_atomic_t interrupted = 0;  // how often
-// A handler may do no more than this; the watcher looks at it with every turn.
+// A handler may do no more than this; the watcher checks the count in every turn.
 void OnSignal(int) { interrupted = interrupted + 1; }
 
-// The attempt that was cut off and is meant.
+// Id of the interrupted attempt that `text` names.
 Result<Uuid> Unfinished(Workplace& workplace, const std::string& text) {
   if (text != "last") return Uuid::Parse(text);
   ENAMEL_ASSIGN_OR_RETURN(auto all, workplace.Unfinished());
@@ -46,14 +46,14 @@ Result<Uuid> Unfinished(Workplace& workplace, const std::string& text) {
 
 Result<PreparedAttempt> PrepareResume(Workplace& workplace, const RunOptions& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto id, Unfinished(workplace, options.resume));
-  // Begun on a reserved ticket: its PIN says whose it is, with or without the server.
+  // Begun on a reserved ticket: its PIN proves the person, with or without the server.
   if (!options.pin.empty()) return workplace.PrepareResume(id, options.pin);
   auto person = workplace.SignIn(options.login, options.password);
   if (!person.ok()) return person.status();
   return workplace.PrepareResume(id);
 }
 
-// What the attempt needs, with its ticket if it has one already.
+// Prepares the attempt, with its ticket if it has one already.
 Result<PreparedAttempt> Prepare(Workplace& workplace, const RunOptions& options) {
   if (!options.resume.empty()) return PrepareResume(workplace, options);
   if (!options.reserved.empty()) {
@@ -63,7 +63,7 @@ Result<PreparedAttempt> Prepare(Workplace& workplace, const RunOptions& options)
   auto person = workplace.SignIn(options.login, options.password);
   if (!person.ok()) return person.status();
   WantedExercise wanted{options.exercise, {}, {}};
-  // A device tells what it is when it is opened.
+  // A device identifies itself when it is opened.
   if (options.device.device.empty()) {
     wanted.hand =
         MakeHand(HandKind::kProgram, "simulated device", "operator " + options.operator_name);
@@ -80,10 +80,10 @@ Result<std::unique_ptr<render::Window>> OpenWindow(const RunOptions& options,
   w.heading = job.exercise.title + ", " + job.scene.title;
   w.screen.visible = options.window;
   w.view.bur = job.exercise.bur().metric();
-  // The bar is full at what the device can give, so that it means the same in every exercise on it.
+  // The bar is full at the device's peak force, so that it means the same in every exercise.
   w.view.force_full_scale_n = static_cast<double>(job.profile.peak_force_mn.value) * 1e-3;
   w.time_limit_s = job.exercise.time_limit_s;
-  // Resumed: the tooth as it was cut before, not as it was whole.
+  // Resumed: the tooth as already cut.
   return render::Window::Create(w, job.core ? job.core->volume() : job.volume);
 }
 
@@ -94,7 +94,7 @@ double Sum(const std::array<double, cutting::kTissueCount>& v) {
 }
 
 // One line that is rewritten on a terminal, a line every few seconds elsewhere. The cursor stays at
-// its beginning: a line of the log is longer and takes its place.
+// its beginning, so that a line of the log, which is longer, replaces it.
 class Progress {
  public:
   Progress(bool quiet, bool log_only)
@@ -104,7 +104,7 @@ class Progress {
             const Uploader::State& up) {
     if (quiet_) return;
     auto now = steady_clock::now();
-    // In a file every line stays: one in two seconds is enough to see that it goes on.
+    // In a file every line stays: one in two seconds is enough to show progress.
     if (!terminal_ && now - last_ < std::chrono::seconds(2)) return;
     last_ = now;
     std::fprintf(
@@ -118,7 +118,7 @@ class Progress {
     if (shown_ && terminal_) std::fputc('\n', stderr);
     shown_ = false;
   }
-  // A line of its own, also when quiet: why there is no force, and what to do.
+  // A separate line, even when quiet: why there is no force, and what to do.
   void Tell(const Snapshot& s) {
     const std::string why =
         s.fault != Fault::kNone ? FaultText(s.fault)
@@ -133,7 +133,7 @@ class Progress {
                  why.empty() ? "force comes on again in free air" : "force is off: ", why.c_str());
   }
 
-  // A line of its own, also when quiet: somebody speaks to whoever works here.
+  // A separate line, even when quiet: a message to the person at the chair.
   void Say(const std::string& line) {
     End();
     std::fprintf(stderr, "%s\n", line.c_str());
@@ -146,8 +146,8 @@ class Progress {
   steady_clock::time_point last_{};
 };
 
-// How many ticks the attempt was computed with, and by what: "profile", "calibration", "assumed",
-// or "construction" of a device that is not attached.
+// The attempt's delay in ticks and its source: "profile", "calibration", "assumed", or
+// "construction" for a device that is not attached.
 boost::json::object DelayFacts(const PreparedAttempt& job) {
   if (!job.delay) {
     return {{"ticks", job.profile.bus_delay_ticks.value}, {"from", "construction"}};
@@ -192,11 +192,11 @@ Status WriteFacts(const RunOptions& options, const PreparedAttempt& job,
   return WriteFileDurably(options.json, AsBytes(boost::json::serialize(facts) + "\n"));
 }
 
-// What the attempt is made with, and the simulated device again if it is one.
+// The attempt's device, and again as simulated device if it is one.
 struct Tool {
   std::unique_ptr<Device> device;
   SimulatedDevice* simulated = nullptr;
-  // Only a simulated operator knows how far he is.
+  // Only a simulated operator knows its progress.
   double progress() const { return simulated != nullptr ? simulated->progress() : 0; }
 };
 
@@ -218,20 +218,19 @@ Result<Tool> OpenTool(const RunOptions& options, PreparedAttempt& job) {
                   "lockstep");
   }
   hid::DeviceChoice choice = options.device;
-  // The reader of a board has to wake as punctually as the loop that reads from it. Refusal is told
-  // by the loop's own request.
+  // A board's reader has to wake as punctually as the loop that reads from it. The loop's own
+  // request reports a refusal.
   choice.thread_setup = [] { (void)RequestRealtime(); };
   ENAMEL_ASSIGN_OR_RETURN(
       auto opened, sdk::OpenChosenDevice(choice, job.profile, 1.0 / job.header.params.rate_hz));
   out.device = std::move(opened);
-  // Before the ticket: the signed header says with what delay, hence with which coupling, it was
-  // computed.
+  // Before the ticket: the signed header contains the delay, and hence the coupling.
   ENAMEL_RETURN_IF_ERROR(UseDelayOf(job, *out.device, options.workplace.data));
   ENAMEL_RETURN_IF_ERROR(UseHandOf(job, *out.device));
   return out;
 }
 
-// The window of an attempt, when it has one.
+// The window of an attempt, if it has one.
 struct Screen {
   std::unique_ptr<render::Window> window;
   std::optional<desk::TickFeed> feed;
@@ -247,7 +246,7 @@ Status OpenScreen(const RunOptions& options, const PreparedAttempt& job, Screen&
   return Status::Ok();
 }
 
-// Shows an attempt while it runs, and ends it when asked to.
+// Shows a running attempt, and ends it on request.
 class Watcher {
  public:
   Watcher(const RunOptions& options, RunningAttempt& attempt, const PreparedAttempt& job,
@@ -261,11 +260,10 @@ class Watcher {
 
   Result<AttemptResult> Run(Spool& spool) {
     Watch();
-    // Joined whatever happened above: the recorder has to write the seal before anything returns.
+    // Join in every case: the recorder has to write the seal before anything returns.
     auto seal = attempt_.Join();
     last_ = attempt_.snapshot();
-    // Looked at last: an attempt that is recorded is brought to the server also when its picture
-    // could not be written.
+    // Checked last: a recorded attempt is uploaded even if its picture could not be written.
     Status picture = TakePicture();
     if (!seal.ok()) return seal.status();
     AttemptResult result;
@@ -296,15 +294,16 @@ class Watcher {
       return attempt_.recorded();
     };
     if (screen_.window) {
-      // On this thread, because window systems want their events on the one that made the window.
+      // On this thread, because window systems require their events on the thread that made the
+      // window.
       screen_.window->Run(over);
       EndEarly();  // unless it has ended: the operator closed the window
     }
-    // Without a window there is nothing to do but look; the loop has threads of its own.
+    // Without a window only waiting remains; the loop has its own threads.
     while (!over()) std::this_thread::sleep_for(milliseconds(20));
   }
 
-  // What cannot be stored is waited for, not for ever: nobody may be there to make room.
+  // Waits for a full disk, but not for ever: nobody may be there to make room.
   void WatchDisk() {
     auto now = steady_clock::now();
     if (attempt_.recording().problem.ok()) {
@@ -315,12 +314,12 @@ class Watcher {
     // Somebody who interrupts does not want to wait for a disk.
     if (!interrupted && now - *disk_fails_since_ < kDiskPatience) return;
     EndEarly();
-    // What was stored stays and can be closed or resumed later; the rest is lost.
+    // The stored part stays and can be closed or resumed later; the rest is lost.
     attempt_.GiveUp();
   }
 
-  // What was said to this chair. Where only a log is written nobody reads it here: it is not taken
-  // for shown.
+  // Prints messages to this chair. Where output goes only to a log nobody reads it here, so they do
+  // not count as shown.
   void TellRemarks() {
     while (auto remark = options_.log_only ? std::nullopt : attempt_.remark()) {
       progress_.Say(remark->from + " says: " + remark->text);
@@ -342,14 +341,15 @@ class Watcher {
 
   Status TakePicture() {
     if (screen_.window && !options_.screenshot.empty()) {
-      // All of what was cut, where the window shows what it has come to.
+      // The whole cut, because the window shows the result.
       screen_.window->tooth().FlushBricks(attempt_.core().volume());
       return screen_.window->WriteScreenshot(options_.screenshot.string());
     }
     return Status::Ok();
   }
 
-  // Until it is there, refused, the server is away for some time, or a further interrupt.
+  // Waits until the attempt is on the server or refused, the server is away for some time, or
+  // another interrupt comes.
   void AwaitUpload(AttemptResult& result) {
     auto interrupted_before = interrupted;
     const auto since = steady_clock::now();
@@ -358,8 +358,7 @@ class Watcher {
     auto waits = [&] {
       auto now = steady_clock::now();
       if (state.reachable) reachable_at = now;
-      // The Ctrl-C that ended the attempt may have been pressed more than once; it does not end the
-      // upload too.
+      // Further presses of the Ctrl-C that ended the attempt must not end the upload too.
       if (now - since < kSameInterrupt) interrupted_before = interrupted;
       return !state.sealed && !state.gave_up && interrupted == interrupted_before &&
              now - reachable_at < kUploadPatience;
@@ -432,7 +431,7 @@ Result<AttemptResult> RunAttempt(const RunOptions& options) {
   ENAMEL_RETURN_IF_ERROR(OpenScreen(options, job, screen));
   std::signal(SIGINT, OnSignal);
   std::signal(SIGTERM, OnSignal);
-  // Last of all that can fail: a ticket that is taken counts as an attempt.
+  // Last of all that can fail: a ticket counts as an attempt once taken.
   if (job.attempt().IsZero()) {
     ENAMEL_RETURN_IF_ERROR(workplace->TakeTicket(job, options.as_reference));
   }
@@ -440,7 +439,7 @@ Result<AttemptResult> RunAttempt(const RunOptions& options) {
     SayResumed(options, job);
   }
   workplace->SignOut();  // uploading needs no sign-in
-  // A simulated device's time is the loop's own: being late harms nobody.
+  // A simulated device's time is the loop's own: lateness harms nobody.
   auto attempt = workplace->Begin(
       job, *tool.device,
       {options.lockstep, tool.simulated == nullptr, screen.observer(), options.cpu});

@@ -28,16 +28,16 @@
 namespace enamel::station {
 namespace {
 
-// Of the smallest bound: the measured numbers have intervals, and a device changes with warmth and
-// wear.
+// Share of the smallest bound: the measured numbers have intervals, and a device changes with
+// warmth and wear.
 constexpr double kMargin = 0.9;
 constexpr int64_t kSecond_ns = 1'000'000'000;
 constexpr std::string_view kSimulated = "simulated:";
 
-// What is measured, and at what pace.
+// The measured device and its pace.
 struct Subject {
   std::unique_ptr<Device> device;
-  scene::DeviceProfile profile;  // compared with
+  scene::DeviceProfile profile;  // for comparison
   std::array<double, 3> count_m{};
   std::string address;  // with the serial number
   bool real = false;
@@ -54,7 +54,7 @@ Result<Subject> OpenSimulated(const CalibrateCommand& options) {
   params.resolution_nm.fill(static_cast<int32_t>(truth->resolution_nm.value));
   params.peak_force_mn = static_cast<int32_t>(truth->peak_force_mn.value);
   PlantParams plant = PlantOf(*truth, params);
-  // As on a real one: nobody holds it.
+  // Nobody holds it, as with a real device.
   plant.hand_mass_kg = 0;
   plant.noise_m = options.simulated_noise_um * 1e-6;
   plant.delay_ticks =
@@ -91,7 +91,7 @@ Result<Subject> OpenAttached(const CalibrateCommand& options) {
                           scene::FindProfile(name.empty() ? "phantom_desktop" : name));
   out.profile = std::move(profile);
   for (size_t i = 0; i < 3; ++i) out.count_m[i] = feature.resolution_nm[i] * 1e-9;
-  // What the board says of itself replaces the profile's: it is what its motors are held to.
+  // The board's own peak force replaces the profile's: its motors are limited to that.
   out.profile.peak_force_mn = {
       *std::min_element(feature.peak_force_mn.begin(), feature.peak_force_mn.end()),
       "the device's own (HID feature report)"};
@@ -102,8 +102,8 @@ Result<Subject> OpenAttached(const CalibrateCommand& options) {
   return out;
 }
 
-// To a time and not for a time, so that one late tick does not move all later ones. Signals wake it
-// early: it sleeps on.
+// Sleeps until a time, not for a duration, so that one late tick does not move all later ones.
+// Continues after signals.
 void SleepUntil(int64_t due_ns) {
   timespec t{due_ns / kSecond_ns, due_ns % kSecond_ns};
   while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr) != 0) {
@@ -142,12 +142,12 @@ Result<std::array<AxisFigures, 3>> Measure(Subject& subject, const CalibrateComm
     ShowProgress(calibrator, shown);
     subject.device->SendForce(calibrator.Step(subject.device->ReadSample()));
   }
-  // The last force would otherwise be held until the device's own watchdog ends it.
+  // Otherwise the device would hold the last force until its watchdog ends it.
   subject.device->SendForce(dvec3(0));
   return calibrator.Figures();
 }
 
-// The person takes the hands off and says so; a pipe cannot.
+// Asks the person to let go and confirm; a pipe cannot.
 Status AwaitGoAhead(const CalibrateCommand& options, const Subject& subject) {
   if (!subject.real || options.yes) return Status::Ok();
   if (::isatty(STDIN_FILENO) == 0) {
@@ -168,7 +168,7 @@ Status AwaitGoAhead(const CalibrateCommand& options, const Subject& subject) {
   return Status::Ok();
 }
 
-// An estimate of a small number may be below 0; a document holds what can be.
+// An estimate of a small number may be below 0; a document holds possible values only.
 int64_t Rounded(double v) { return std::llround(std::max(0.0, v)); }
 
 scene::Measured Document(const Estimate& e, double unit) {
@@ -202,7 +202,7 @@ void Print(const AxisFigures& worst, const std::array<AxisFigures, 3>& axes,
 Status KeepForAttempts(const CalibrateCommand& options, const scene::Calibration& document,
                        const Subject& subject) {
   const std::string unit = subject.device->Unit();
-  // By serial number alone: two boards of one model differ in their delay.
+  // Only for units with a serial number: two boards of one model differ in their delay.
   if (unit.empty()) {
     std::printf(
         "it has no serial number: attempts on it go by its profile, so that another of its model "
@@ -239,7 +239,7 @@ AxisFigures WorstOf(const std::array<AxisFigures, 3>& axes) {
     }
   };
   // The worst for stability: large cells, mass and delay, little friction and damping. One profile
-  // has to hold on every axis.
+  // must hold on every axis.
   take(&AxisFigures::resolution_m, true);
   take(&AxisFigures::noise_m, true);
   take(&AxisFigures::friction_n, false);
@@ -253,18 +253,18 @@ Result<scene::DeviceProfile> ProposeProfile(const AxisFigures& worst, int rate_h
                                             const scene::DeviceProfile& base,
                                             const std::string& name, const std::string& source) {
   auto low = [](const Estimate& e) { return std::max(0.0, e.value - e.uncertainty); };
-  // At the lower ends of their intervals: what cannot be told from nothing is not counted on.
+  // At the lower ends of their intervals: a value that may be zero is not relied on.
   double b = low(worst.damping_n_s_per_m), c = low(worst.friction_n);
   double passive = PassiveStiffness(b, 1.0 / rate_hz, worst.delay_ticks);
-  // The core knows whole ticks only: its clause holds for those too.
+  // The core uses whole ticks, and its clause must hold for those too.
   const int64_t ticks = WholeTicks(worst.delay_ticks);
   double kc =
       kMargin *
-      // 2 c/delta: friction has to swallow what the coupling's spring can gain within one cell of
-      // the sensor (Abbott and Okamura 2005).
+      // 2 c/delta: friction must absorb the energy that the coupling's spring can gain within one
+      // cell of the sensor (Abbott and Okamura 2005).
       std::min({passive, haptics::CouplingStiffness(b, 1.0 / rate_hz, static_cast<int>(ticks)),
                 2 * c / worst.resolution_m.value});
-  // Not `kc < 1`: with a NaN among the figures it refuses too.
+  // Not `kc < 1`: this also refuses a NaN among the figures.
   if (!(kc >= 1)) {
     return Status(
         Code::kInvalidInput,
@@ -288,8 +288,8 @@ Result<scene::DeviceProfile> ProposeProfile(const AxisFigures& worst, int rate_h
   p.coupling_mn_per_mm = {static_cast<int64_t>(kc),
                           "nine tenths of the smaller of 2 b f/(d + 1)^2 and 2 c/delta, measured"};
   p.rate_hz = {rate_hz, source};
-  p.electrical_damping_mn_s_per_m = {};  // what it had is in the measured b
-  // Rotation is not measured; its stiffness is only lowered to what the measured delay allows.
+  p.electrical_damping_mn_s_per_m = {};  // included in the measured b
+  // Rotation is not measured; its stiffness is only lowered to the limit of the measured delay.
   if (p.torque) {
     scene::Sourced& k = p.torque->coupling_un_m_per_rad;
     const int64_t most = scene::PassiveTorque_un_m_per_rad(p, rate_hz, ticks);
@@ -325,7 +325,7 @@ Status CalibrateDevice(const CalibrateCommand& options) {
   auto subject =
       options.device.starts_with(kSimulated) ? OpenSimulated(options) : OpenAttached(options);
   if (!subject.ok()) return subject.status();
-  // A name that the document would be refused for is told before anything moves.
+  // Reports a name that the document does not allow before anything moves.
   scene::DeviceProfile named = subject->profile;
   named.name = options.name.empty() ? subject->profile.name + "-measured" : options.name;
   if (auto valid = scene::ProfileFromJson(scene::ToJson(named)); !valid.ok()) return valid.status();
@@ -342,7 +342,7 @@ Status CalibrateDevice(const CalibrateCommand& options) {
   if (auto station = LoadCredentials(options.data); station.ok()) document.station = station->name;
   document.software = SoftwareName();
   document.measured_ms = UnixMs();
-  // What was measured is kept even when no profile can be proposed from it: it says why.
+  // The measurement is kept even when no profile can be proposed from it: it shows why.
   if (!options.calibration.empty()) {
     ENAMEL_RETURN_IF_ERROR(WriteFileDurably(options.calibration, AsBytes(scene::ToJson(document))));
     std::printf("measurement: %s\n", options.calibration.c_str());

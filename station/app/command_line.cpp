@@ -9,7 +9,7 @@ namespace enamel::station {
 
 int Finish(const Status& status) {
   if (status.ok()) return 0;
-  // The reason comes after what was printed, also where both go to one file.
+  // So that the reason follows the output when both go to one file.
   std::fflush(stdout);
   program::SayError(status.message());
   return kFailed;

@@ -35,8 +35,8 @@ Status EnrolStation(const EnrolOptions& options) {
   if (options.again) {
     ENAMEL_ASSIGN_OR_RETURN(auto loaded, LoadCredentials(options.data));
     before = loaded;
-    // The key in it has signed what lies in the spool. Enrolling over it would make those recordings
-    // strangers'.
+    // Its key signed the recordings in the spool. Enrolling over it would make those recordings
+    // foreign.
   } else if (fs::exists(options.data / "station.json")) {
     return Status(
         Code::kConflict,
@@ -95,8 +95,7 @@ Status GiveBackReserved(const GiveBackCommand& options) {
     auto person = workplace->SignIn(options.login, options.password);
     if (!person.ok()) return person.status();
   }
-  // Either the PIN or the person's password: others at this chair cannot hand back what is not
-  // theirs.
+  // Requires the PIN or the person's password, so that others at this chair cannot hand it back.
   auto given = options.pin.empty() ? workplace->GiveBack(id) : workplace->GiveBack(id, options.pin);
   if (!given.ok()) return given.status();
   std::printf("%s is given back: %s\n", options.attempt.c_str(),
@@ -112,7 +111,7 @@ Status SimulateAttempt(const SimulateCommand& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto built, import::LoadScene(options.scene, options.voxel_um * 1000));
   ENAMEL_ASSIGN_OR_RETURN(auto profile, scene::FindProfile(options.profile));
   scene::Exercise exercise =
-      // The hash that the server would store the scene under, so that an exercise made here is the
+      // The hash under which the server would store the scene, so that an exercise made here is the
       // same document.
       scene::ClassOneExercise(built.scene, HashSha256(AsBytes(scene::ToJson(built.scene))));
   ENAMEL_ASSIGN_OR_RETURN(auto report,
@@ -148,7 +147,7 @@ Status SimulateAttempt(const SimulateCommand& options) {
 void PrintScenes() {
   for (const scene::BuiltinScene& s : scene::BuiltinScenes()) {
     std::printf("builtin:%-14s %s\n", std::string(s.name).c_str(), std::string(s.summary).c_str());
-    // As coarse as it goes: exercises come from landmarks, and no voxel is looked at.
+    // As coarse as possible: exercises come from landmarks, not from voxels.
     auto built = scene::BuildBuiltinScene(s.name, 500'000);
     if (!built.ok()) continue;
     for (const scene::Exercise& e : scene::BuiltinExercises(built->scene, {})) {
@@ -197,7 +196,7 @@ std::string HostName() {
 void DeclareEnrol(CommandGroup group) {
   auto options = std::make_shared<EnrolOptions>();
   EnrolOptions& o = *options;
-  // A name people know the machine by already; an admin can give it another at the server.
+  // The machine's known name; an admin can choose another at the server.
   o.name = HostName();
   CLI::App* cmd =
       group.app.add_subcommand("enrol", "Make this machine a station of a server (once)");
@@ -211,7 +210,7 @@ void DeclareEnrol(CommandGroup group) {
                 "what is recorded here stays good");
   cmd->callback([options, cmd, group] {
     options->data = group.place.data;
-    // Enrolled again it keeps the name it had, unless another is given.
+    // When enrolling again, the name stays unless another is given.
     if (options->again && cmd->count("--name") == 0) options->name.clear();
     group.exit_code = Finish(EnrolStation(*options));
   });
@@ -228,8 +227,7 @@ void DeclareReserve(CommandGroup group) {
       [&place = group.place](Options& options) {
         ReserveCommand& reserve = options.reserve;
         reserve.workplace = place.Options();
-        // From the environment: what stands on the command line is seen by everybody who lists
-        // processes.
+        // From the environment: anybody who lists processes sees the command line.
         reserve.password = Environment("ENAMEL_PASSWORD");
         reserve.pin = Environment("ENAMEL_PIN");
         if (!options.give_back.empty()) {

@@ -110,7 +110,7 @@ void AddLoopTest(CLI::App& app, const Finisher& finish, int* exit_code) {
 
 void RegisterDeviceCommands(CLI::App& app, const std::string& default_data, Finisher finish,
                             int* exit_code) {
-  // What runs is chosen by the parser's callbacks; the exit code outlives them in `main`.
+  // The parser's callbacks choose the command; the exit code outlives them in `main`.
   AddDevices(app, default_data, finish, exit_code);
   AddCalibrate(app, default_data, finish, exit_code);
   AddDoctor(app, default_data, finish, exit_code);

@@ -17,9 +17,9 @@ namespace {
 using hid::HidInfo;
 using hid::HidKind;
 
-// "profile phantom_desktop, 3 axes, 0.010 mm, 7.9 N", or why it is not known.
+// "profile phantom_desktop, 3 axes, 0.010 mm, 7.9 N", or why it is unknown.
 std::string BoardText(const HidInfo& info, boost::json::object& out) {
-  // Only its description is asked for: no force, and nothing moves.
+  // Only asks for its description: no force, no motion.
   auto board = hid::AskBoard(info);
   if (!board.ok()) return board.status().message();
   out["profile"] = board->profile;
@@ -70,8 +70,7 @@ void ShowSdk(boost::json::array& listed) {
     }
     std::printf("%-28s %s: profile %s\n", choice.c_str(), device->name.c_str(),
                 device->profile.c_str());
-    // Makers' libraries tell no serial number, so that no measurement can be known to be this
-    // unit's.
+    // Makers' libraries report no serial number, so a measurement cannot be assigned to this unit.
     const auto delay = DelayKnownHere({}, {});
     std::printf("    %s\n", DelayText(delay, device->name).c_str());
     listed.push_back(boost::json::object{{"name", choice},
@@ -103,7 +102,8 @@ Status ListDevices(const DevicesCommand& options) {
   size_t unknown = 0;
   std::printf("Attached (HID):\n");
   for (const HidInfo& info : hid::ListHid()) {
-    // Keyboards, mice and webcams are HID too; a list of them all hides the one that is looked for.
+    // Keyboards, mice and webcams are HID too; listing them all would hide the device the person
+    // needs.
     if (hid::Recognise(info) == HidKind::kOther && !options.all) {
       ++unknown;
       continue;

@@ -30,7 +30,7 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::steady_clock;
 
-// 8 h of recording take up to 350 MB; a week of them waits on a station.
+// 8 h of recording take up to 350 MB; a station must hold a week of them.
 constexpr double kFewFree_gb = 5, kTooFewFree_gb = 0.5;
 constexpr int64_t kClockOff_ms = 2'000, kClockWrong_ms = 60'000;
 constexpr int kTimerTicks = 500;
@@ -53,7 +53,8 @@ Finding Enrolment(const DoctorCommand& options, Result<Credentials>& credentials
 
 Finding ServersClock(int64_t ahead_ms) {
   std::string found = "the server's is " + std::to_string(ahead_ms) + " ms ahead of this one";
-  // Either way: a clock ahead takes a good ticket for expired, one behind an expired one for good.
+  // In both directions: a clock ahead makes a valid ticket look expired, one behind an expired one
+  // valid.
   int64_t off = ahead_ms < 0 ? -ahead_ms : ahead_ms;
   if (off <= kClockOff_ms) return {"clock", Verdict::kOk, found, ""};
   return {"clock", off <= kClockWrong_ms ? Verdict::kWarn : Verdict::kFail, found,
@@ -93,11 +94,11 @@ void Server(const Result<Credentials>& credentials, std::vector<Finding>& out) {
 Finding Disk(const fs::path& data) {
   std::error_code error;
   fs::path place = fs::absolute(data, error);
-  // The folder may not be there before enrolment: then the disk is looked at where it would be.
+  // The folder may not exist before enrolment; then its future disk is checked.
   while (!fs::exists(place, error) && place.has_relative_path()) place = place.parent_path();
   fs::path probe = place / (".enamel-doctor-" + std::to_string(::getpid()));
   auto begin = steady_clock::now();
-  // With a sync, as every chunk is: a folder on a slow network drive is found here and not in an
+  // With a sync, as for every chunk: finds a folder on a slow network drive here instead of in an
   // exam.
   Status written = WriteFileDurably(probe, Bytes(4096, 0x5a), 0600);
   double ms = std::chrono::duration<double, std::milli>(steady_clock::now() - begin).count();
@@ -147,7 +148,7 @@ Finding SpoolState(const fs::path& data) {
   return {"spool", Verdict::kWarn, found, "enamel-station upload"};
 }
 
-// On a thread of its own: the program's others keep their priority.
+// On a separate thread, so that the program's other threads keep their priority.
 void Realtime(std::vector<Finding>& out) {
   RealtimeGrant grant;
   DurationHistogram late;
@@ -159,8 +160,7 @@ void Realtime(std::vector<Finding>& out) {
     for (int i = 0; i < kTimerTicks; ++i) {
       due += kTick_ns;
       timespec until{due / kNsPerSecond, due % kNsPerSecond};
-      // A bare sleep and nothing else: what is late here is late by the computer and not by the
-      // loop.
+      // Only a bare sleep: lateness here is the computer's, not the loop's.
       clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
       clock_gettime(CLOCK_MONOTONIC, &t);
       late.Add(t.tv_sec * kNsPerSecond + t.tv_nsec - due);
@@ -201,7 +201,7 @@ Finding Devices() {
   return {"devices", Verdict::kOk, there, ""};
 }
 
-// Of each device with motors that may be opened: what attempts on it are computed with.
+// For each device with motors that may be opened: the delay assumed for attempts on it.
 void Delays(const fs::path& data, std::vector<Finding>& out) {
   auto add = [&](const std::string& device, const std::string& unit) {
     const scene::DelayUsed delay = DelayKnownHere(data, unit);
@@ -248,7 +248,7 @@ const char* Word(Verdict verdict) {
 std::vector<Finding> Examine(const DoctorCommand& options) {
   std::vector<Finding> out;
   Result<Credentials> credentials = Status(Code::kNotFound, "");
-  // In the order in which a new station is set up: each line assumes those above it.
+  // In the order of setting up a new station: each line assumes those above it.
   out.push_back(Enrolment(options, credentials));
   Server(credentials, out);
   out.push_back(Disk(options.data));

@@ -48,7 +48,7 @@ Status ImportMesh(const ImportCommand& options) {
       std::fprintf(stderr, "\r\033[Kfilling the volume %3.0f %%", 100 * done);
     };
   }
-  // A line each where it goes to a file: who reads along is not left in silence either.
+  // Separate lines when output goes to a file, so that its reader sees progress too.
   if (!shows && !program::LogIsJson()) {
     import_options.phase = [](std::string_view phase) {
       std::fprintf(stderr, "%.*s\n", static_cast<int>(phase.size()), phase.data());

@@ -16,7 +16,7 @@ struct Renamed {
 };
 
 const std::vector<Renamed>& Commands() {
-  // Scripts and notes of before know these names; the lab is a program of its own since then.
+  // Names from before the lab was a separate program, for scripts and notes.
   static const std::vector<Renamed> all = {{"qualify", {"qualify"}},
                                            {"fit-damping", {"fit-damping"}},
                                            {"explain", {"explain"}},
@@ -24,7 +24,7 @@ const std::vector<Renamed>& Commands() {
   return all;
 }
 
-// Where the command stands, behind the program's own options; argc: nowhere.
+// Position of the command, behind the program's own options; argc: none.
 int CommandAt(int argc, const char* const* argv) {
   constexpr std::string_view kWithValue[] = {"--config", "--log-format", "--log-level"};
   int at = 1;
@@ -51,7 +51,7 @@ Status RunLabCommand(int argc, const char* const* argv) {
   std::vector<std::string> arguments(argv + 1, argv + at);
   arguments.insert(arguments.end(), command.lab.begin(), command.lab.end());
   arguments.insert(arguments.end(), argv + at + 1, argv + argc);
-  // Returns only when it failed: else this process is the lab from here on, with its exit code.
+  // Returns only on failure; otherwise this process becomes the lab, with its exit code.
   Status failed = program::ReplaceBy("enamel-lab", std::move(arguments));
   return Status(failed.code(),
                 "'" + std::string(command.here) + "' is a command of enamel-lab, which is not " +

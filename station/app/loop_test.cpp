@@ -24,7 +24,7 @@
 namespace enamel::station {
 namespace {
 
-// Short turns, in turn: what else the computer does falls on both alike.
+// Short alternating turns, so that the computer's other work affects both alike.
 constexpr int kTurn_s = 5;
 constexpr int kBatch = 1000, kBatches = 200;
 // 0.4 s at the highest rate: a drain that is late loses nothing.
@@ -51,14 +51,14 @@ Result<Bench> MakeBench(int rate_hz) {
   for (const scene::DeviceProfile& p : scene::BuiltinProfiles()) {
     if (p.name != "pointer") continue;
     ENAMEL_ASSIGN_OR_RETURN(auto params, scene::CompilePlan(built.scene, exercise, p));
-    // Beyond what an exercise may ask for: this measures the loop, not a law.
+    // Above an exercise's limits: this measures the loop, not a law.
     params.rate_hz = static_cast<uint32_t>(rate_hz);
     return Bench{params, std::move(built.volume)};
   }
   return Status(Code::kInternal, "no pointer profile");
 }
 
-// A hand that circles in the air, as often as a window publishes.
+// A hand that circles in the air, at a window's rate of publishing.
 void Circle(PointerDevice& device, int step) {
   PointerPose pose;
   double turn = 0.05 * step;
@@ -84,8 +84,8 @@ Cost MeasureCost(const Bench& bench) {
   for (int batch = 0; batch < kBatches; ++batch) {
     Circle(device, batch);
     int64_t begin = Now_ns();
-    // Tick and not Run: without its sleep, so that the difference to the core alone is the loop's
-    // own work.
+    // Tick instead of Run: without its sleep, the difference to the core alone is the loop's own
+    // work.
     for (int i = 0; i < kBatch; ++i) loop.Tick();
     int64_t middle = Now_ns();
     Sample sample;
@@ -102,7 +102,7 @@ Cost MeasureCost(const Bench& bench) {
     out.core_ns += step / kBatches;
     own.push_back(tick - step);
   }
-  // Both did the same, hence the difference is not in the core.
+  // Both did the same, so the difference is not in the core.
   ENAMEL_CHECK(alone.state_hash() == in_loop.state_hash());
   std::sort(own.begin(), own.end());
   out.own_p05_ns = own[own.size() / 20];
@@ -110,7 +110,7 @@ Cost MeasureCost(const Bench& bench) {
   return out;
 }
 
-// Lateness in the steps a person reads, us: the last is without end.
+// Lateness in readable steps, us; the last is unlimited.
 constexpr std::array<double, 9> kSteps_us{20, 50, 100, 200, 500, 1000, 2000, 5000, 1e12};
 using Steps = std::array<uint64_t, kSteps_us.size()>;
 
@@ -121,7 +121,7 @@ struct Turn {
   boost::json::object histogram;
 };
 
-// What straddles an edge counts below it: a bucket is a 32nd of itself wide.
+// A bucket that straddles an edge counts below it: its width is a 32nd of its value.
 Turn TurnOf(const DurationHistogram& h, int rate_hz) {
   Turn out{h.Quantile_ns(0.5) * 1e-3,
            h.Quantile_ns(0.99) * 1e-3,
@@ -145,7 +145,7 @@ double LateShare(const Turn& t) {
   return t.ticks == 0 ? 0 : static_cast<double>(t.late) / static_cast<double>(t.ticks);
 }
 
-// Empties the ring every 2 ms, as the recorder does, also while nothing comes.
+// Empties the ring every 2 ms, like the recorder, even when nothing comes.
 class Drain {
  public:
   explicit Drain(SampleRing& ring) : ring_(ring), thread_([this] { Run(); }) {}
@@ -180,7 +180,7 @@ Turn BareTurn(int rate_hz, const RealtimeRequest& realtime, RealtimeGrant& grant
       }
       int64_t late_ns = Now_ns() - due;
       late.Add(late_ns);
-      // Whole periods that passed are left out, as the loop does: catching up would count one delay
+      // Leaves out whole periods that passed, as the loop does: catching up would count one delay
       // many times.
       if (late_ns > period) due += late_ns / period * period;
     }
@@ -240,7 +240,7 @@ void PrintSteps(const char* kind, const Turn& all) {
   std::printf("\n");
 }
 
-// Shares of all turns' ticks by how late they were, in per cent.
+// Shares of all turns' ticks by lateness, in per cent.
 void PrintHistogram(const Turn& bare, const Turn& loop) {
   std::printf("  share of ticks, %%, late by less than, us:\n       ");
   for (size_t i = 0; i + 1 < kSteps_us.size(); ++i) std::printf(" %9.0f", kSteps_us[i]);
@@ -316,11 +316,10 @@ Status TestLoop(const LoopTestCommand& options) {
     all.push_back(Json("loop", loop.lateness));
   }
   auto [low, high] = std::minmax_element(bare_p99.begin(), bare_p99.end());
-  // Of p99 and not of the largest: one hiccup of the system decides that, in whoever's turn it
-  // falls.
+  // Uses p99 instead of the largest: one hiccup of the system determines that, in either's turn.
   double spread = *high - *low, difference = Median(loop_p99) - Median(bare_p99);
-  // 10 us: a hundredth of a tick at 1 kHz. Where bare sleeps differ by more among themselves,
-  // nothing smaller can be told.
+  // 10 us: a hundredth of a tick at 1 kHz. If bare sleeps differ more among themselves, smaller
+  // differences are not detectable.
   bool within = difference <= std::max(10.0, spread);
   std::printf(
       "  median p99: bare %.1f us, loop %.1f us, difference %+.1f us; bare against bare spreads "

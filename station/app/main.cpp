@@ -8,7 +8,7 @@
 #include "station/app/lab_command.h"
 #include "station/app/spool_command.h"
 
-// enamel-station: which commands there are.
+// enamel-station: its commands.
 namespace {
 
 using namespace enamel;
@@ -52,7 +52,7 @@ std::string DefaultData() {
 int main(int argc, char** argv) {
   const bool json = program::AsksForJson(argc, argv, kPrefix);
   (void)program::SetUpLog({.format = json ? "json" : "text", .name = kName});
-  // Before parsing: the options behind it are the lab's, and unknown here.
+  // Before parsing, which does not know the lab's options.
   if (IsLabCommand(argc, argv)) return Finish(RunLabCommand(argc, argv));
   CLI::App app("enamel-station: cut virtual teeth; every tick is recorded and sent to the server.");
   app.footer("'enamel-station --help' shows a first attempt, and what exit codes mean.");
@@ -74,13 +74,12 @@ int main(int argc, char** argv) {
     declare(group);
   }
   RegisterDeviceCommands(app, DefaultData(), Finish, &exit_code);
-  // After the commands have been declared, since a subcommand inherits the footer there is when it
-  // is made.
+  // After the commands are declared, since a subcommand inherits the footer set at that time.
   app.footer(kFooter);
   settings.Add();
   try {
     app.parse(argc, argv);
-    // As started from a desktop's icon: without a subcommand it is the window.
+    // As started from a desktop's icon: without a subcommand the window opens.
     if (app.get_subcommands().empty()) {
       Status set = settings.Apply(*open.cmd);
       exit_code = Finish(set.ok() ? open.run() : set);

@@ -11,13 +11,13 @@ struct OpenOptions {
   std::string size, language;
 };
 
-// The one asked for, else the one that this computer speaks.
+// The requested language, else the computer's.
 language::Language LanguageFor(const std::string& asked) {
   if (auto named = language::LanguageOf(asked)) return *named;
   for (const char* name : {"LC_ALL", "LC_MESSAGES", "LANG"}) {
     const char* value = std::getenv(name);
     if (value == nullptr || *value == 0) continue;
-    // The first that is set decides, as POSIX has it.
+    // The first variable that is set decides, as in POSIX.
     return language::LanguageOf(value).value_or(language::Language::kEnglish);
   }
   return language::Language::kEnglish;
@@ -53,7 +53,7 @@ OpenCommand DeclareOpen(CommandGroup group) {
       ->capture_default_str();
   cmd->add_option("--script", o.script,
                   "Play a person's part from this file (station/desk/script.h)");
-  // Given back as well: `main` runs it where no subcommand was named.
+  // Also returned, because `main` runs it if no subcommand was named.
   auto run = [options, cmd, &place = group.place]() -> Status {
     options->desk.workplace = place.Options();
     options->desk.language = LanguageFor(options->language);

@@ -22,7 +22,7 @@ Result<cutting::Volume> ReadVolumeOf(const trace::Header& header, const fs::path
   std::optional<Bytes> blob;
   if (!volume.empty()) {
     ENAMEL_ASSIGN_OR_RETURN(auto read, ReadFile(volume));
-    // Told here: replayed on another tooth, the first witness in contact would disagree, as if
+    // Reported here: in a replay on another tooth the first witness in contact would differ, as if
     // somebody had changed the recording.
     if (HashSha256(read) != header.volume) {
       return Status(Code::kConflict, volume.string() +
@@ -43,7 +43,7 @@ Result<cutting::Volume> ReadVolumeOf(const trace::Header& header, const fs::path
 Status CheckChain(const RecordingFile& recording) {
   trace::ChainVerifier chain(recording.header.ticket.attempt, HashSha256(recording.file.header));
   for (const Bytes& bytes : recording.file.chunks) {
-    // The head is enough: the chain is over hashes of the bytes, and replay unpacks the ticks.
+    // The head is enough: the chain covers hashes of the bytes, and replay unpacks the ticks.
     ENAMEL_ASSIGN_OR_RETURN(auto chunk, trace::DecodeChunkHead(bytes));
     ENAMEL_RETURN_IF_ERROR(chain.Accept(chunk));
   }

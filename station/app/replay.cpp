@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using unsigned_ll = unsigned long long;
 
-// TRACE.keyframes. A cache: what cannot be read is made anew, what cannot be written is not missed.
+// TRACE.keyframes. A cache: an unreadable file is rebuilt, and a failed write does no harm.
 class KeyframeFile {
  public:
   KeyframeFile(const ReplayOptions& options, const RecordingFile& recording)
@@ -42,7 +42,7 @@ class KeyframeFile {
   }
   trace::Keyframes& frames() { return frames_; }
   void Keep(bool discarded) {
-    // Written only when there is something new: the file may be some MiB.
+    // Written only when it has changed: the file may be some MiB.
     if (!used_ || (!discarded && frames_.size() == before_) || frames_.size() == 0) return;
     if (Status s = WriteFileDurably(path_, frames_.Encode()); !s.ok()) {
       std::printf("keyframes are not kept: %s\n", s.message().c_str());
@@ -58,7 +58,7 @@ class KeyframeFile {
 
 bool ProgressIsSeen() { return ::isatty(STDERR_FILENO) != 0 && !program::LogIsJson(); }
 
-// One line on standard error, where somebody can see it.
+// One line on standard error, if it is a terminal.
 bool ShowProgress(double ratio) {
   static int shown = -1;
   auto percent = static_cast<int>(100 * ratio);
@@ -69,7 +69,7 @@ bool ShowProgress(double ratio) {
   return true;
 }
 
-// As text in JSON too: a number of 64 bits is not exact in the doubles of many readers.
+// As text in JSON too: many readers store numbers as doubles, which cannot hold 64 bits.
 std::string Hex(uint64_t value) {
   char text[24];
   std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned_ll>(value));
@@ -149,7 +149,7 @@ Status ReplayTrace(const ReplayOptions& options) {
   KeyframeFile keyframes(options, recording);
   trace::MomentOptions how;
   how.to_tick = options.to_tick;
-  // Whole recordings are always stepped from the first tick: a keyframe is a cache and no witness.
+  // Whole recordings are always stepped from the first tick: a keyframe is a cache, not proof.
   how.start_from_keyframe = options.to_tick != UINT64_MAX && options.keyframes;
   auto moment = trace::ReplayToMoment(make_core, recording.header, recording.file.chunks, how,
                                       keyframes.frames(), ShowProgress);
@@ -158,8 +158,7 @@ Status ReplayTrace(const ReplayOptions& options) {
   keyframes.Keep(!moment->discarded.empty());
 
   const trace::ReplayReport& r = moment->report;
-  // From a keyframe on: the ticks before it were not computed now and must not make this look
-  // faster.
+  // Counts from the keyframe: earlier ticks were not computed now and must not raise the speed.
   auto stepped = static_cast<double>(r.ticks - moment->from_tick);
   double per_second = r.seconds > 0 ? stepped / r.seconds : 0;
   double factor = per_second / recording.header.params.rate_hz;
@@ -187,7 +186,7 @@ Status ReplayTrace(const ReplayOptions& options) {
                                             {"seconds", r.seconds},
                                             {"ticks_per_second", per_second},
                                             {"realtime_factor", factor}}));
-  // A replay that was stopped has not looked at the rest, and says nothing about it.
+  // A replay that was stopped has not checked the rest, and makes no claim about it.
   if (moment->whole) ENAMEL_RETURN_IF_ERROR(CheckChain(recording));
   return Verdict(*moment);
 }

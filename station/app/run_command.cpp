@@ -6,16 +6,16 @@
 #include "station/app/attempt.h"
 #include "station/app/command_line.h"
 
-// The command line of `run`: who signs in how, and what the exit code says of the recording.
+// The command line of `run`: the way of signing in, and the exit code's meaning for the recording.
 namespace enamel::station {
 namespace {
 
-// The PIN of a reserved ticket stands for its person where the server is not asked.
+// The PIN of a reserved ticket identifies its person when the server is not asked.
 bool SignsInByPin(const RunOptions& options) {
   return !options.pin.empty() && (!options.reserved.empty() || !options.resume.empty());
 }
 
-// What CLI11 cannot say: which options belong together.
+// Checks that CLI11 cannot express: which options belong together.
 Status CheckRun(const RunOptions& options) {
   if (!options.reserved.empty() && options.pin.empty()) {
     return Status(Code::kInvalidInput, "a reserved ticket needs its PIN: set ENAMEL_PIN");
@@ -48,8 +48,7 @@ Result<std::string> Password(bool from_stdin) {
 int Run(RunOptions& options, bool password_stdin) {
   options.pin = Environment("ENAMEL_PIN");
   if (Status s = CheckRun(options); !s.ok()) {
-    // Said like a failure, counted as a wrong command line: exit code 2 as for what the parser
-    // finds.
+    // Reported like a failure, but with exit code 2, as for errors found by the parser.
     (void)Finish(s);
     return kUsage;
   }
@@ -68,9 +67,9 @@ int Run(RunOptions& options, bool password_stdin) {
                         " % of it. What was done is sealed and will be scored as it is: what was "
                         "not cut counts as missing");
   }
-  // Also when it was ended early: what was asked for is done.
+  // Also when it was ended early, as requested.
   if (result->uploaded) return 0;
-  // No other try will help: somebody has to look at it, so that this is a failure and not "later".
+  // Trying again will not help and somebody has to act, so this is a failure, not "later".
   if (!result->refused.empty()) {
     return Finish(Status(Code::kForbidden,
                          "the server refuses this recording: " + result->refused +

@@ -13,17 +13,17 @@
 namespace enamel::station {
 namespace {
 
-// A tenth of a usual voxel: the crossing is then interpolated within a step in which distance is
-// close to linear.
+// A tenth of a usual voxel: within such a step, distance is close to linear and the crossing is
+// interpolated.
 constexpr double kRayStep_m = 5e-6;
 constexpr double kRayReach_m = 2e-3;
-// 441 rays a plane: a wall may be rough to 35 um rms and its median good to some um.
+// 441 rays a plane: the median is good to some um even if a wall is rough to 35 um rms.
 constexpr int kRaysPerSide = 21;
 
-// Along a ray from air: where the volume's surface is, m.
+// Distance along a ray from air to the volume's surface, m.
 std::optional<double> March(const cutting::Volume& volume, const dvec3& from, const dvec3& along) {
   double before = volume.DistanceAt_m(from);
-  // The ray begins in tissue: nothing was cut there, and a distance would mean nothing.
+  // The ray begins in tissue: nothing was cut there, so a distance has no meaning.
   if (before <= 0) return std::nullopt;
   for (double s = kRayStep_m; s < kRayReach_m; s += kRayStep_m) {
     double here = volume.DistanceAt_m(from + along * s);
@@ -33,7 +33,7 @@ std::optional<double> March(const cutting::Volume& volume, const dvec3& from, co
   return std::nullopt;
 }
 
-// One plane of the box: where its middle is, outward normal, and the half extents to look at.
+// One plane of the box: its middle, outward normal, and the half extents to measure.
 struct Plane {
   const char* name;
   dvec3 middle, outward, across, up;
@@ -70,7 +70,7 @@ PlaneError Measure(const cutting::Volume& volume, const Plane& plane, double bac
 std::array<double, cutting::kTissueCount> Removed_mm3(const cutting::RemovedUnits& removed,
                                                       double voxel_m) {
   std::array<double, cutting::kTissueCount> out{};
-  // The core counts in 65536ths of a voxel, so that sums are exact and the same everywhere.
+  // The core counts in 65536ths of a voxel, so that sums are exact and the same on every machine.
   double unit = voxel_m * voxel_m * voxel_m * 1e9 / 65536;
   for (size_t t = 0; t < out.size(); ++t) out[t] = static_cast<double>(removed[t]) * unit;
   return out;
@@ -97,7 +97,7 @@ std::vector<PlaneError> MeasureBox(const cutting::Volume& volume, const scene::S
                           {"floor", centre - dvec3(0, 0, depth), dvec3(0, 0, -1),
                            dvec3(hx - r, 0, 0), dvec3(0, hy - r, 0)}};
   std::vector<PlaneError> out;
-  // From a bur's radius in front of each wall, which is in the air of any cavity the bur has made.
+  // From a bur's radius in front of each wall, in the air of any cavity the bur has made.
   for (const Plane& plane : planes) out.push_back(Measure(volume, plane, r));
   return out;
 }

@@ -34,14 +34,15 @@ const char* StateOf(const SpooledAttempt& a) {
   return a.seal ? "waiting" : "unfinished";
 }
 
-// Why not all of it is on the server, and since when; `tried_unix_ms` 0: not known, or never.
+// Why an attempt is not complete on the server, and since when; `tried_unix_ms` 0: unknown, or
+// never.
 struct Waiting {
   std::string why;  // empty: it does not wait
   int64_t since_unix_ms = 0, tried_unix_ms = 0;
 };
 
 Waiting WaitingOf(const SpooledAttempt& a) {
-  // In the order of how much a person has to do about it.
+  // The most urgent for the person first.
   if (!a.refused.empty()) return {"the server refuses it: " + a.refused, a.refused_unix_ms, 0};
   if (a.waits() && !a.waits_because.empty()) {
     return {a.waits_because, a.waits_since_unix_ms, a.tried_unix_ms};
@@ -92,12 +93,12 @@ json::object FactsOf(const SpooledAttempt& a) {
 
 void PrintJson(const json::object& object) { std::printf("%s\n", json::serialize(object).c_str()); }
 
-// To read. Of a station that has recorded nothing yet: null.
+// For reading. Null for a station that has recorded nothing yet.
 Result<std::unique_ptr<Spool>> OpenSpool(const fs::path& data) {
   auto spool = Spool::OpenToRead(data);
   std::error_code error;
   bool enrolled = fs::exists(data / "station.json", error);
-  // A station that was enrolled today is not broken; a folder that is none of ours is.
+  // A station enrolled today is not broken; a folder of something else is.
   if (spool.status().code() == Code::kNotFound && enrolled) return std::unique_ptr<Spool>();
   return spool;
 }
@@ -106,7 +107,7 @@ Result<std::vector<SpooledAttempt>> ListOf(const std::unique_ptr<Spool>& spool) 
   return spool ? spool->List() : std::vector<SpooledAttempt>();
 }
 
-// Of all that the server refuses, in one sentence; ok when it refuses nothing.
+// All the server's refusals in one sentence; ok if there are none.
 Status Refusals(const std::vector<SpooledAttempt>& attempts) {
   const SpooledAttempt* first = nullptr;
   size_t count = 0;
@@ -123,7 +124,7 @@ Status Refusals(const std::vector<SpooledAttempt>& attempts) {
                     first->id.Text() + "' sends it");
 }
 
-// The one that is meant; of "last" the newest that `fits`.
+// The named attempt; for "last" the newest that `fits`.
 Result<Uuid> AttemptMeant(Spool& spool, const std::string& text,
                           const std::function<bool(const SpooledAttempt&)>& fits) {
   if (text != kLast) return Uuid::Parse(text);
@@ -144,7 +145,7 @@ std::string LocalTime(int64_t unix_ms) {
   return text;
 }
 
-// "; since 2026-11-20 10:02, last tried 2026-11-20 10:40: the server is away"; empty: it does not
+// "; since 2026-11-20 10:02, last tried 2026-11-20 10:40: the server is away"; empty if it does not
 // wait.
 std::string WaitingText(const Waiting& waiting) {
   if (waiting.why.empty()) return {};
@@ -163,7 +164,7 @@ void PrintLine(const SpooledAttempt& a) {
               facts.empty() ? "" : "  ", facts.c_str(), WaitingText(WaitingOf(a)).c_str());
 }
 
-// What is missing reads as 0.
+// A missing number reads as 0.
 double NumberIn(const json::object& facts, std::initializer_list<std::string_view> path) {
   const json::object* at = &facts;
   const json::value* value = nullptr;
@@ -178,7 +179,7 @@ double NumberIn(const json::object& facts, std::initializer_list<std::string_vie
 }
 
 void PrintLoop(const KeptLoopFacts& run, const json::object& facts) {
-  // Of a newer program, or an older one: shown as it is rather than misread.
+  // From a newer program, or an older one: printed raw to avoid misreading it.
   if (NumberIn(facts, {"version"}) != kLoopFactsVersion) {
     std::printf("run %u, ended %s, in a version that this program does not know: %s\n", run.run,
                 LocalTime(run.ended_unix_ms).c_str(), json::serialize(facts).c_str());
@@ -210,10 +211,10 @@ Status SendWaiting(AttemptSender& sender, Spool& spool, bool as_json, json::arra
   Status worst;
   for (const SpooledAttempt& attempt : waiting) {
     Status status = sender.Send(attempt.id);
-    // The server or the way to it: the next attempt would meet the same. A fault of one recording
-    // does not keep the others from being sent.
+    // A fault of the server or the way to it: the next attempt would meet the same. A fault of one
+    // recording does not stop the others.
     if (!status.ok() && IsTransient(status) && !IsOfOneRecording(status)) {
-      (void)spool.MarkAllTried(status.message());  // the link's error is the one to tell
+      (void)spool.MarkAllTried(status.message());  // the link's error is the one to report
       return status;
     }
     ENAMEL_ASSIGN_OR_RETURN(auto after, spool.Get(attempt.id));
@@ -305,7 +306,7 @@ Status VerifySpool(const SpoolCommand& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto spool, OpenSpool(options.workplace.data));
   std::optional<trace::PublicKey> key;
   if (auto credentials = LoadCredentials(options.workplace.data); credentials.ok()) {
-    // A spool that was copied away is checked without signatures, and the answer says so.
+    // The spool was copied away: signatures are not checked, and the output notes that.
     key = credentials->public_key();
   }
   Status pages;
@@ -343,7 +344,7 @@ Status ExportFromSpool(const SpoolCommand& options) {
   if (!id.ok()) return id.status();
   ENAMEL_ASSIGN_OR_RETURN(auto file, spool->Export(*id));
   Bytes bytes = trace::EncodeTraceFile(file);
-  // For this user alone: a recording is personal data (schemas/personal_data.md).
+  // Only for this user: a recording is personal data (schemas/personal_data.md).
   ENAMEL_RETURN_IF_ERROR(WriteFileDurably(options.out, bytes, 0600));
   if (options.json) {
     PrintJson({{"attempt_id", id->Text()},
@@ -374,7 +375,7 @@ Status UploadSpool(const SpoolCommand& options) {
   AttemptSender sender(link, *spool, bandwidth);
   Status status = link.Connect(credentials);
   if (status.ok()) {
-    // First what the server had and lost: only then is it known what is to be sent.
+    // First asks what the server has lost: only then is it known what to send.
     auto wanted = sender.Offer();
     status = wanted.ok() ? sender.ReturnTickets() : wanted.status();
     if (wanted.ok() && *wanted > 0 && !options.json) {
@@ -382,17 +383,18 @@ Status UploadSpool(const SpoolCommand& options) {
                   *wanted);
     }
   } else if (waiting.empty() && IsTransient(status)) {
-    status = Status::Ok();  // nothing to send, and nobody to ask whether something got lost
+    status = Status::Ok();  // nothing to send, and nobody to ask about losses
   }
   if (!status.ok() && !IsDamaged(status)) (void)(spool)->MarkAllTried(status.message());
   json::array sent;
   if (status.ok() && link.connected()) status = SendWaiting(sender, *spool, options.json, sent);
-  // With the server away nobody has asked it: a refusal of before is told when it answers again.
+  // While the server is away, an earlier refusal may be outdated: it is reported when the server
+  // answers again.
   if (status.ok() || !IsTransient(status)) {
     ENAMEL_ASSIGN_OR_RETURN(auto all, spool->List());
     if (Status refused = Refusals(all); !refused.ok()) status = refused;
   }
-  // After sending, so that nothing goes that was just found to be missing.
+  // After sending, so that recordings just found missing are not deleted.
   ENAMEL_ASSIGN_OR_RETURN(auto pruned, spool->Prune(options.workplace.retention));
   if (std::string text = PrunedText(pruned, options.workplace.retention); !text.empty()) {
     spdlog::warn("{}", text);
@@ -430,7 +432,7 @@ Status SalvageIntoFolder(const SpoolCommand& options) {
 
 Status CloseInSpool(const SpoolCommand& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto spool, Spool::Open(options.workplace.data));
-  // A window may be recording this very attempt: it must not be ended under its hands.
+  // A window may be recording this very attempt, which must not be ended meanwhile.
   auto lock = spool->LockForRecording();
   if (!lock.ok()) return lock.status();
   auto id = AttemptMeant(*spool, options.attempt, [](const auto& a) { return !a.seal; });
@@ -452,7 +454,8 @@ void AddSpoolCommands(CLI::App& app, SpoolCommand& options, WorkplaceSettings& s
   auto add = [&](CLI::App& to, const char* name, const char* about,
                  Status (*command)(const SpoolCommand&)) {
     CLI::App* added = to.add_subcommand(name, about);
-    // The same command stands under `spool` and at the top, where the window's advice names it.
+    // The same command is available under `spool` and at the top, where the window's advice names
+    // it.
     if (command == UploadSpool) {
       AddWorkplaceSettings(*added, settings);
       added->add_option("--again", options.again,

@@ -51,7 +51,7 @@ Status MakeTarget(const TargetCommand& o) {
   scene::Exercise exercise = scene::PreparedExercise(tooth.scene, scene, target);
   if (!o.name.empty()) exercise.name = o.name;
   const std::string document = scene::ToJson(exercise);
-  // As whoever reads it will: a name that is none is refused here.
+  // Reads it back as any reader will: an invalid name is refused here.
   ENAMEL_RETURN_IF_ERROR(scene::ExerciseFromJson(document).status());
   ENAMEL_RETURN_IF_ERROR(import::WriteSceneFolder(o.out, taken.prepared));
   ENAMEL_RETURN_IF_ERROR(WriteFileDurably(o.out / "exercise.json", AsBytes(document)));

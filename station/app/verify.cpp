@@ -27,12 +27,12 @@ Result<trace::PublicKey> ReadKey(const std::string& text, const std::string& opt
   constexpr size_t kMostBytes = 4096;
   std::string digits = text;
   std::error_code none;
-  // A file first: nobody names one like 64 hexadecimal digits.
+  // A file first: nobody gives a file a name of 64 hexadecimal digits.
   if (fs::exists(text, none)) {
     ENAMEL_ASSIGN_OR_RETURN(const Bytes bytes, ReadFile(text, kMostBytes));
     digits = Trimmed(std::string(AsText(bytes)));
   }
-  // A key is 32 bytes, as a hash is.
+  // A key is 32 bytes, like a hash.
   auto key = Sha256::FromHex(digits);
   if (!key.ok()) {
     return Status(Code::kInvalidInput,
@@ -51,7 +51,7 @@ struct Keys {
 };
 Result<Keys> KeysFor(const VerifyOptions& options) {
   Keys out;
-  // One that is not named is this station's own, which has to be enrolled for that.
+  // A key that is not given is this station's own, which requires enrolment.
   if (options.station_key.empty() || options.server_key.empty()) {
     auto own = LoadCredentials(options.data);
     if (!own.ok()) {
@@ -70,14 +70,14 @@ Result<Keys> KeysFor(const VerifyOptions& options) {
   return out;
 }
 
-// The checks of one recording, each printed as it is made. The first failure is what is returned.
+// The checks of one recording; prints each result at once. The first failure is the outcome.
 class Checks {
  public:
   void Add(const char* name, const Status& status, const std::string& good) {
     std::printf("%-8s %-6s %s\n", name, status.ok() ? "ok" : "FAILED",
                 status.ok() ? good.c_str() : status.message().c_str());
     json_[name] = status.ok();
-    // All are made, whatever failed before: two failures together say more than the first.
+    // Makes every check: two failures together say more than the first.
     if (first_.ok() && !status.ok()) first_ = status;
   }
   const Status& first_failure() const { return first_; }
@@ -142,7 +142,7 @@ Status VerifyRecording(const VerifyOptions& options) {
   ENAMEL_ASSIGN_OR_RETURN(const Keys keys, KeysFor(options));
   const std::string chunks = std::to_string(recording.file.chunks.size());
   Checks checks;
-  // From what costs nothing to what takes longest.
+  // The cheapest first.
   checks.Add("ticket", CheckTicket(recording, keys.server), "issued by the server");
   checks.Add("chunks", CheckSignatures(recording, keys.station),
              "all " + chunks + " signed by the station");

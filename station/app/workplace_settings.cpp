@@ -35,7 +35,7 @@ void AddWorkplaceSettings(CLI::App& command, WorkplaceSettings& settings) {
   command
       .add_option("--keep-days", settings.keep_days,
                   "Keep recordings this long after the server has them")
-      // Never less than a week: so old may a server's backup be that asks for its recordings again.
+      // At least a week: a server's backup that asks for its recordings again may be that old.
       ->check(CLI::Range(7, 3650))
       ->capture_default_str();
   command

@@ -15,7 +15,7 @@ namespace {
 constexpr ImU32 kHead = IM_COL32(150, 170, 205, 255), kShank = IM_COL32(112, 122, 138, 255),
                 kScale = IM_COL32(235, 238, 242, 255);
 
-// A body of revolution of this half outline, lying on its side.
+// A body of revolution with this half outline, on its side.
 void DrawOutline(const std::vector<glm::vec2>& outline, ImVec2 tip, float mm, ImU32 colour) {
   ImDrawList* list = ImGui::GetWindowDrawList();
   for (size_t i = 0; i + 1 < outline.size(); ++i) {
@@ -38,7 +38,7 @@ void DrawBur(const cutting::Bur& bur, float width_px, float height_px, float mm)
   ImVec2 at = ImGui::GetCursorScreenPos();
   ImDrawList* list = ImGui::GetWindowDrawList();
   ImVec2 tip{at.x + 12, at.y + 0.42f * height_px};
-  // A shank may be longer than the page is wide: what matters is the head.
+  // A shank may be longer than the page is wide; the head matters.
   list->PushClipRect(at, {at.x + width_px, at.y + height_px}, true);
   DrawOutline(render::BurShankOutline(bur), tip, mm, kShank);
   DrawOutline(render::BurHeadOutline(bur), tip, mm, kHead);

@@ -22,7 +22,7 @@ using language::Words;
 using render::Quality;
 using Clock = Workflow::Clock;
 
-// A signal handler may do no more: the frame looks.
+// A signal handler may do no more; the next frame reads it.
 volatile std::sig_atomic_t interrupted = 0;
 void OnSignal(int) { interrupted = 1; }
 
@@ -41,7 +41,7 @@ const Quality& QualityOf(const DeskOptions& options, const render::QualityGovern
 
 // F1 opens and closes the operator's panel.
 void TakePanelKey(const render::Screen& screen, const Ui& ui, bool& panel) {
-  // Before the first page there is nothing to open a panel over.
+  // Before the first page a panel has nothing to cover.
   if (ui.page().empty()) return;
   for (const render::InputEvent& event : screen.events()) {
     bool f1 = event.kind == render::InputEvent::Kind::kKey && event.code == render::kKeyF1;
@@ -49,7 +49,7 @@ void TakePanelKey(const render::Screen& screen, const Ui& ui, bool& panel) {
   }
 }
 
-// The window while there is no workplace to work at.
+// The window while there is no workplace.
 class OpeningDesk {
  public:
   OpeningDesk(const DeskOptions& options, render::Screen& screen, Opening& opening, Script& script)
@@ -61,7 +61,7 @@ class OpeningDesk {
         ui_(screen),
         words_(options.language) {}
 
-  // Until it was opened, or the person has closed the window. Errors: the script's.
+  // Runs until the workplace opens or the person closes the window. Errors: the script's.
   Status Run() {
     screen_.Speak(options_.language);
     while (opening_.workplace() == nullptr && Frame()) {
@@ -122,15 +122,15 @@ class Desk {
     screen_.Speak(flow_.words().language());
     if (!screen_.Begin()) AskToClose();
     auto now = Clock::now();
-    // Of the window alone: the device and the tick have their own time.
+    // For the window only: the device and the tick have their own time.
     double dt_s = std::chrono::duration<double>(now - last_).count();
     last_ = now;
-    // Before anything is drawn: a frame shows one state, not parts of two.
+    // Before drawing: a frame shows one state, not parts of two.
     flow_.Tick(now, !screen_.events().empty());
     TakePanelKey(screen_, ui_, panel_);
     const render::Target* picture = Picture(dt_s);
     Sound();
-    // After the picture, which lies below it.
+    // After the picture, which is below it.
     bool end = pages_.Draw();
     if (panel_) {
       DrawOperatorPanel(flow_, station_, screen_, times_, quality(), governor_.budget_s());
@@ -143,22 +143,22 @@ class Desk {
 
   const Quality& quality() const { return QualityOf(options_, governor_); }
 
-  // The window's own close button: an attempt is not lost by it.
+  // The window's own close button must not lose an attempt.
   void AskToClose() {
     screen_.CancelClose();
     if (flow_.dialog() != Dialog::kNone) return;
     flow_.Open(flow_.place() == Place::kRunning ? Dialog::kPaused : Dialog::kClose);
   }
 
-  // The tooth, while there is one to cut; null: none to show.
+  // The tooth, if there is one to cut; null: none.
   const render::Target* Picture(double dt_s) {
     DeskAttempt* attempt = flow_.attempt();
     bool running = flow_.place() == Place::kRunning && attempt != nullptr;
     bool dialog = flow_.dialog() != Dialog::kNone;
     screen_.CaptureCursor(running && !dialog && attempt->by_pointer());
-    // The view stays with its attempt: coming back from a dialog costs no building.
+    // The view stays with its attempt: returning from a dialog builds nothing.
     if (!running) return nullptr;
-    // Also below a dialog: the pointer device must be told to hold still.
+    // Also below a dialog: the pointer device must hold still then.
     attempt->Point(screen_, dt_s, dialog);
     if (!dialog) Steer(*attempt);
     ShowOutline(*attempt, dialog);
@@ -186,7 +186,7 @@ class Desk {
     return desk::MayShowProgress(prepared.exercise.graded, flow_.chosen().exam, flow_.instructor());
   }
 
-  // A line to cut along is help, as the zones are.
+  // A line to cut along is help, like the zones.
   void ShowOutline(DeskAttempt& attempt, bool dialog) {
     for (const render::InputEvent& event : screen_.events()) {
       const bool key = event.kind == render::InputEvent::Kind::kKey && event.code == 'T' &&
@@ -204,7 +204,7 @@ class Desk {
     content.has_state = attempt.view().has_state();
     content.force_full_scale_n = static_cast<double>(prepared.profile.peak_force_mn.value) * 1e-3;
     content.time_limit_s = prepared.exercise.time_limit_s;
-    // No ruler: a perspective picture has no one scale.
+    // No scale bar: a perspective picture does not have a single scale.
     content.mm_per_pixel = 0;
     content.state.warnings |=
         AttemptWarnings(*attempt.run(), content.state.time_s, content.time_limit_s);
@@ -215,7 +215,7 @@ class Desk {
     } else if (newest.put_down) {
       content.fault = words.Say("fault.in_holder");
     }
-    // Graded work and exams: whoever saw the zones would cut to the numbers.
+    // Graded work and exams: a student who saw the zones would cut to the numbers.
     if (MayShowProgress(prepared)) {
       content.zones = attempt.zones();
       content.reach = attempt.reach();
@@ -229,7 +229,8 @@ class Desk {
     if (!speaker_) return;
     DeskAttempt* attempt = flow_.attempt();
     if (flow_.place() != Place::kRunning || attempt == nullptr) return speaker_->Set(0, 0);
-    // The voice takes a share: it sounds alike on a weak device and a strong one.
+    // The voice gets a share of the peak force, so that it sounds the same on weak and strong
+    // devices.
     double full = static_cast<double>(attempt->prepared().profile.peak_force_mn.value) * 1e-3;
     double force = glm::length(attempt->view().state().force_sent_n);
     speaker_->Set(attempt->held().speed_krpm(), force / std::max(full, 1e-3));
@@ -237,7 +238,8 @@ class Desk {
 
   void Measure() {
     times_.Add(screen_.drawing_s());
-    // Pages take less than a tooth: they would let the quality rise just before it is needed.
+    // Pages take less time than a tooth: they would raise the quality just before the tooth needs
+    // it.
     if (flow_.place() == Place::kRunning) governor_.Note(screen_.drawing_s());
   }
 
@@ -256,7 +258,7 @@ class Desk {
   Clock::time_point last_ = Clock::now();
 };
 
-// Of one side of the window; neither more nor fewer digits than make a size.
+// One side of the window; exactly the digits of a possible size.
 bool ReadSide(std::string_view text, int at_least, int& out) {
   const char* end = text.data() + text.size();
   auto [stopped, error] = std::from_chars(text.data(), end, out);
@@ -310,7 +312,8 @@ Status RunDesk(const DeskOptions& options) {
     if (opening.workplace() == nullptr) return opening.problem();
     return Desk(options, screen, *opening.workplace(), script).Run();
   } catch (const std::exception& e) {
-    // Without a display the reason why the station cannot be used is still the one to tell.
+    // Without a display, the reason why the station cannot be used is still the more important
+    // error.
     return opening.problem().ok() ? render::NoDisplay(e.what()) : opening.problem();
   }
 }

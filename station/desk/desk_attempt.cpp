@@ -82,7 +82,7 @@ void DeskAttempt::ShowOutline(bool shown) {
 Status DeskAttempt::Begin(Workplace& workplace, int cpu) {
   AttemptOptions options;
   options.cpu = cpu;
-  // Lateness endangers a hand that a motor holds, and nobody else.
+  // Lateness is dangerous only for a hand that a motor holds.
   options.faults_when_late = held_->has_motors() && !simulated();
   options.observer = feed_.get();
   ENAMEL_ASSIGN_OR_RETURN(auto run, workplace.Begin(prepared_, *held_, options));
@@ -93,7 +93,7 @@ Status DeskAttempt::Begin(Workplace& workplace, int cpu) {
 void DeskAttempt::Point(const Screen& screen, double dt_s, bool held) {
   if (!pointer_) return;
   if (held) {
-    // Below a dialog: a key that is still down must not go on tilting.
+    // Below a dialog: a key held down must stop tilting.
     mapping_.ReleaseKeys();
   } else {
     render::Camera& camera = view_->camera();

@@ -26,7 +26,7 @@ Pedal FindPedal(const Words& words, const std::vector<HidInfo>& attached,
   }
   for (const HidInfo& info : attached) {
     if (hid::Recognise(info) != HidKind::kFootPedal) continue;
-    // Not the device's problem: it has a button of its own, so it is offered all the same.
+    // The device is not at fault: it has a button of its own, so it is still offered.
     if (std::string refused = hid::WhyNotUsable(info); !refused.empty()) {
       return {"", words.Say("device.pedal_refused", {{"reason", refused}})};
     }
@@ -46,7 +46,7 @@ void AskBoard(const Words& words, const HidInfo& info, DeviceOffer& offer) {
     offer.problem = board.status().message();
     return;
   }
-  // As the board calls itself: a bus name says nothing to a person.
+  // The board's own name: a bus name means nothing to a person.
   if (!board->name.empty()) offer.title = board->name;
   offer.profile = board->profile;
   offer.detail = BoardText(words, *board);
@@ -99,8 +99,8 @@ std::vector<DeviceOffer> DeviceOffers(const language::Words& words, bool simulat
       if (hid::Recognise(info) == kind) offers.push_back(AttachedOffer(words, info, pedal));
     }
   };
-  // In the order in which a person would want them: force that is felt first, a mouse when there is
-  // nothing else. FirstUsable takes the first that fits.
+  // In order of preference: force that can be felt first, a mouse if there is nothing else.
+  // FirstUsable takes the first that fits.
   add(HidKind::kHapticBoard);
   for (const sdk::SdkDevice& found : sdk::ListSdkDevices()) {
     offers.push_back(SdkOffer(words, found, pedal));
@@ -109,7 +109,7 @@ std::vector<DeviceOffer> DeviceOffers(const language::Words& words, bool simulat
   offers.push_back(
       // Always there, so that the list is never empty.
       {words.Say("device.mouse"), words.Say("device.mouse_detail"), "pointer", {}, {}, {}, {}});
-  // Simulated hands are for tests and demonstrations: nobody is to practise by watching.
+  // Simulated hands are for tests and demonstrations: nobody should practise by watching.
   if (!simulated) return offers;
   for (const OperatorPreset& preset : OperatorPresets()) {
     if (!preset.offered) continue;

@@ -15,8 +15,8 @@ std::string WithData(const std::string& command, const std::filesystem::path& da
 
 }  // namespace
 
-// By the field first and the code after it: a field names one cause, a code many. Who sits here
-// reads the first three texts and must not be frightened; the last is for the operator.
+// By the field first and then the code: a field has one cause, a code many. The student reads the
+// first three texts and must not be frightened; the last is for the operator.
 OpeningProblem OpeningProblemOf(const language::Words& words, const Status& problem,
                                 const std::filesystem::path& data) {
   const std::string elsewhere = words.Say("opening.elsewhere"),
@@ -43,8 +43,8 @@ OpeningProblem OpeningProblemOf(const language::Words& words, const Status& prob
         where_it_was, elsewhere, problem.message() + ".\nThen try again here."};
   }
   std::error_code error;
-  // Enrolled anew it would have another key, and the server would take its old recordings for forged:
-  // that must not be the first thing that somebody tries.
+  // Enrolling again would give it another key, and the server would reject its old recordings as
+  // forged, so that must not be the first advice.
   if (problem.code() == Code::kNotFound && std::filesystem::exists(SpoolFile(data), error)) {
     return {words.Say("opening.forgot"), words.Say("opening.forgot_safe"), elsewhere,
             problem.message() + ".\nBefore it is enrolled anew: there are recordings in " +
@@ -84,7 +84,7 @@ std::vector<std::string> Opening::Lines() const {
 void Opening::TryAgain() {
   if (busy() || workplace_) return;
   task_.Start("trouble.looking", [this]() -> BackgroundTask::After {
-    // A task's outcome is copied (std::function), a workplace cannot be.
+    // A task's outcome is copied (std::function), but a workplace cannot be.
     auto opened = std::make_shared<Result<std::unique_ptr<Workplace>>>(Workplace::Open(options_));
     return [this, opened] {
       problem_ = opened->status();

@@ -22,9 +22,10 @@ void Head(const char* text) {
 void Lateness(const DurationHistogram& lateness, float px) {
   ImGui::Text("late by   p50 %.0f   p99 %.0f   max %.0f us", Us(lateness.Quantile_ns(0.5)),
               Us(lateness.Quantile_ns(0.99)), Us(static_cast<double>(lateness.max_ns())));
-  // One bar per doubling from 1 us to 16 ms, by share of ticks; square root, to see the few.
+  // One bar per doubling from 1 us to 16 ms, by share of ticks; square root, to make rare ones
+  // visible.
   std::vector<float> bars;
-  // kSplit buckets make a doubling: put together again, a bar is one.
+  // kSplit buckets make a doubling; their sum is a bar.
   for (int octave = 7; octave < 22; ++octave) {
     uint64_t n = 0;
     for (int i = 0; i < DurationHistogram::kSplit; ++i) {
@@ -123,7 +124,7 @@ double PictureTimes::ShareWithin(double seconds) const {
 
 namespace {
 
-// The panel's place and letters; `draw` puts its columns.
+// The panel's place and fonts; `draw` adds its columns.
 template <typename Draw>
 void Frame(const render::Screen& screen, int columns, Draw&& draw) {
   const float px = screen.fonts().scale;
@@ -135,7 +136,7 @@ void Frame(const render::Screen& screen, int columns, Draw&& draw) {
   ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4{0.05f, 0.06f, 0.07f, 0.95f});
   ImGui::Begin("operator", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoSavedSettings |
-                   // It takes no input: an attempt goes on below it with mouse and keys.
+                   // It takes no input: mouse and keys still control the attempt below it.
                    ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_AlwaysAutoResize);
   ImGui::Text("Operator panel   F1 closes it");
   if (ImGui::BeginTable("columns", columns)) {

@@ -12,7 +12,7 @@ namespace {
 // "3 days", "5 hours", "1 minute".
 std::string SpanText(const Words& words, int64_t span_ms) {
   int64_t minutes = std::max<int64_t>(span_ms, 0) / 60'000;
-  // From two on, so that no span is told as one day when it is nearly two.
+  // From two on, so that nearly two days are not shown as one.
   if (minutes >= 2 * 24 * 60) return words.Say("span.days", {{"count", minutes / (24 * 60)}});
   if (minutes >= 2 * 60) return words.Say("span.hours", {{"count", minutes / 60}});
   return words.Say("span.minutes", {{"count", minutes}});
@@ -81,19 +81,19 @@ void Pages::Busy() {
   if (flow_.busy()) {
     ui_.Note(Say("task.running", {{"task", Say(flow_.task())}}));
   } else {
-    // As high as the line it takes the place of: buttons below must not jump under a finger.
+    // As high as the line it replaces: buttons below must not move while somebody clicks.
     ui_.Note(" ");
   }
 }
 
 bool Pages::Draw() {
-  // What was typed belongs to who typed it: the next person at this window must not find it.
+  // Typed text belongs to the person who typed it: the next person at this window must not find it.
   if (flow_.place() != before_) {
     password_.clear();
     dentist_.clear();
     consent_ = false;
     said_.reset();
-    // A login stays through a wrong password, and goes with its person.
+    // A login stays after a wrong password, and is cleared when its person leaves.
     if (flow_.place() == Place::kSignIn) login_.clear();
     before_ = flow_.place();
   }
@@ -168,7 +168,7 @@ void Pages::SignIn() {
   ui_.Note(Say("sign_in.station", {{"station", station_}}));
   ui_.Gap();
   bool go = ui_.Field(Say("sign_in.login"), login_);
-  // Enter in the first field goes on to the second.
+  // Enter in the first field moves to the second.
   if (go && password_.empty()) {
     ui_.Focus(Say("sign_in.password"));
     go = false;
@@ -186,7 +186,7 @@ void Pages::SignIn() {
   Languages();
   if (go) {
     flow_.SignIn(login_, password_);
-    // Kept nowhere once it was sent, whatever the server says to it.
+    // Not kept after sending, whatever the server answers.
     password_.clear();
   }
   if (offline) flow_.ToReserved();
@@ -194,8 +194,8 @@ void Pages::SignIn() {
   ui_.End();
 }
 
-// In their own words, so that who cannot read this page finds theirs. Without letters for it Chinese
-// is not offered.
+// In their own words, so that people who cannot read this page find theirs. Chinese is not offered
+// without a font for it.
 void Pages::Languages() {
   ui_.Gap(8);
   bool first = true;
@@ -292,7 +292,7 @@ void Pages::Devices() {
   ui_.Text(Say("exercise.device"));
   for (size_t i = 0; i < flow_.offers().size(); ++i) {
     const DeviceOffer& offer = flow_.offers()[i];
-    // A device that cannot be chosen for this attempt would only raise a question.
+    // A device that cannot be chosen for this attempt would only confuse.
     if (!flow_.Fits(offer)) continue;
     bool mine = i == flow_.offer_index();
     bool usable = offer.problem.empty();
@@ -308,11 +308,11 @@ void Pages::ExerciseChoices(bool prepared) {
   bool ready = prepared && has_device && !flow_.busy() && flow_.chosen().refusal.empty();
   bool resumed = flow_.way() == Way::kResumed;
   if (ui_.Button(Say(resumed ? "exercise.go_on" : "exercise.start"), Ui::Look::kMain, ready)) {
-    // The box is only there for instructors, and its state outlives a sign-out.
+    // Only instructors have the box, and its state outlives a sign-out.
     flow_.Start(as_reference_ && flow_.instructor());
   }
   ui_.SameLine();
-  // An exam begins while the server is there; one that was kept for later is kept already.
+  // An exam needs the server at its start; an attempt kept for later is kept already.
   if (flow_.way() == Way::kTicket && !flow_.chosen().exam) {
     if (ui_.Button(Say("exercise.keep"), Ui::Look::kPlain, ready)) flow_.Open(Dialog::kReserve);
     ui_.SameLine();
@@ -382,7 +382,7 @@ void Pages::AskReserve() {
   if (go) ui_.Focus(Say("pin.again"));
   go = ui_.Field(Say("pin.again"), pin_again_, true);
   bool same = pin_ == pin_again_;
-  // Two fields are different while the second is being written: said only once it is as long.
+  // The two fields differ while the second is being typed: reported only once it is as long.
   bool typed = pin_again_.size() >= pin_.size() && !pin_.empty();
   ui_.Problem(typed && !same ? Say("pin.different") : flow_.problem());
   Busy();
@@ -405,7 +405,7 @@ void Pages::AskCutOff() {
   const SpooledAttempt& attempt = flow_.cut_off_chosen();
   ui_.BeginDialog("cut-off", Say("exercises.cut_off",
                                  {{"title", WordedTitle(flow_.words(), flow_.TitleOf(attempt))}}));
-  // Without a chunk there is no seal to make, and so nothing to hand in.
+  // Without a chunk there is no seal, and so nothing to hand in.
   bool recorded = attempt.chunks > 0;
   ui_.Text(Say(recorded ? "cut_off.some" : "cut_off.nothing",
                {{"text", CutOffText(flow_.words(), attempt, UnixMs())}}));
@@ -433,7 +433,7 @@ bool DrawOpeningProblem(Ui& ui, const Words& words, Opening& opening) {
   ui.Note(words.Say("trouble.operators"));
   ui.Note(shown.operators);
   ui.EndList();
-  // Who sits here sees no path and no command but in the part for the operator.
+  // Students see no path and no command except in the operator's part.
   ui.Note(words.Say(opening.busy() ? "trouble.looking" : "trouble.f1"));
   if (ui.Button(words.Say("trouble.again"), Ui::Look::kMain, !opening.busy())) opening.TryAgain();
   ui.SameLine();

@@ -21,7 +21,7 @@ void Pages::Ready() {
   ui_.Begin("ready", {0.2f, 0.3f, 0.6f, 0.5f, false});
   ui_.Title(Say("ready.title"));
   const StillnessCheck* check = flow_.stillness();
-  // A simulated hand holds still by itself, and looking at it would make its time pass.
+  // A simulated hand holds still by itself, and sampling it would advance its time.
   bool still = flow_.attempt() != nullptr && flow_.attempt()->simulated();
   ui_.Bar(Say(check != nullptr && !check->wanted().empty() ? check->wanted() : "ready.looking"),
           still || check == nullptr ? 1 : check->share());
@@ -37,17 +37,18 @@ void Pages::Ready() {
   ui_.End();
 }
 
-// Stays until it is put away, as the hands are at the tooth: only what waits behind it moves it on.
+// Stays until the person dismisses it, because their hands are at the tooth; only a waiting message
+// replaces it.
 void Pages::Remark(RunningAttempt& run) {
   constexpr std::chrono::seconds kShown{10};
   const auto now = Workflow::Clock::now();
   if (said_ && ui_.pressed('R')) said_.reset();
-  // Below a dialog it would be seen by nobody.
+  // Below a dialog nobody would see it.
   const bool free = !said_ || now - said_->since >= kShown;
   if (free && flow_.dialog() == Dialog::kNone) {
     if (auto next = run.remark()) {
       said_ = Said{std::move(*next), now};
-      // Drawn in this frame: what the server hears is true.
+      // Drawn in this frame, so the report to the server is true.
       run.RemarkShown(said_->remark.id);
     }
   }
@@ -56,12 +57,12 @@ void Pages::Remark(RunningAttempt& run) {
              Say("remark.put_away"));
 }
 
-// Keys and mouse belong to the handpiece here; Esc and F are all that is left for the window.
+// Keys and mouse belong to the handpiece here; only Esc and F are left for the window.
 void Pages::Running() {
   Ui::Page page{0.605f, 0.79f, 0.38f, 0.12f, true};
   page.keys = false;
   ui_.Begin("running", page);
-  // The mouse is the handpiece: buttons could not be reached with it.
+  // The mouse is the handpiece, so it could not reach buttons.
   if (flow_.attempt()->by_pointer()) {
     ui_.Large(Say("running.keys"));
   } else {
@@ -77,7 +78,7 @@ void Pages::Running() {
 
 void Pages::Paused() {
   RunningAttempt* run = flow_.attempt() != nullptr ? flow_.attempt()->run() : nullptr;
-  // Whoever put the handpiece down is told so, and not that something is wrong.
+  // A person who put the handpiece down gets that message, not an error.
   const bool put_down = run != nullptr && run->snapshot().put_down;
   ui_.BeginDialog("paused", Say(put_down ? "paused.put_down" : "paused.title"),
                   Ui::Space::kIsThePedal);
@@ -118,14 +119,14 @@ void Pages::HandIn() {
   Uploader::State up = flow_.upload();
   uint32_t chunks = flow_.chunks();
   const Status problem = flow_.recording_problem();
-  // "All parts are on the server" would be true and wrong where its end is not stored.
+  // "All parts are on the server" would be true and misleading if the end is not stored.
   const bool partly = !problem.ok() || (!flow_.busy() && !flow_.recorded());
   ui_.Bar(Say(partly ? "hand_in.parts_without_end" : "hand_in.parts",
               {{"done", int64_t{up.committed}}, {"count", int64_t{chunks}}}),
           chunks > 0 ? static_cast<double>(up.committed) / chunks : 0);
   ui_.Problem(flow_.problem());
   if (!problem.ok() && flow_.busy()) {
-    // Still being tried: who can free space has until then.
+    // Still retrying: until then somebody can free space.
     ui_.Problem(Say("hand_in.cannot_store", {{"reason", problem.message()}}));
     if (ui_.Button(Say("hand_in.give_up_end"), Ui::Look::kDanger)) flow_.GiveUpRecording();
   } else if (up.gave_up) {
@@ -162,7 +163,7 @@ void Pages::Score(const scoring::ScoreResult& score) {
     ui_.Line(WordedTitle(flow_.words(), c.title),
              Say("result.points", {{"points", NumberText(flow_.words(), c.points, 1)},
                                    {"most", NumberText(flow_.words(), c.max_points, 1)}}),
-             // Half of the tenth that is shown: "10 of 10" with a reason would be a riddle.
+             // Half of the tenth that is shown: "10 of 10" with a reason would be puzzling.
              c.max_points - c.points > 0.05 ? ReasonText(flow_.words(), c) : "",
              c.points + 0.05 < c.max_points);
   }
@@ -204,7 +205,7 @@ void Pages::ResultChoices() {
   if (ui_.Button(Say("result.exercises")) || ui_.escape()) return flow_.ToExercises();
   ui_.SameLine();
   if (ui_.Button(Say("exercises.sign_out"))) return flow_.SignOut();
-  // Only a scored attempt can be one that others are compared with; the server checks it too.
+  // Only a scored attempt can be a reference; the server checks this too.
   bool scored = flow_.progress() && flow_.progress()->state == "scored";
   if (!flow_.instructor() || !scored) return;
   ui_.SameLine();
@@ -223,7 +224,7 @@ void Pages::AskReference() {
   ui_.Field(Say("reference.dentist"), dentist_);
   ui_.Check(Say("reference.consent"), consent_);
   ui_.Problem(flow_.problem());
-  // Only once it was refused: most cuts that are made for this need no reason.
+  // Only after a refusal: most cuts made for this need no reason.
   const bool why = flow_.reference_needs_reason();
   if (why) ui_.Field(Say("reference.anyway"), anyway_);
   ui_.Gap(12);

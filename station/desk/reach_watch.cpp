@@ -12,7 +12,7 @@ using cutting::kBrickVoxels;
 using cutting::Tissue;
 using cutting::Volume;
 
-// Farther beyond a hollow is told as this far.
+// Greater distances beyond a hollow are reported as this.
 constexpr double kFar_m = 5e-3;
 
 ivec3 FirstVoxel(const GridSpec& spec, int brick) {
@@ -62,7 +62,7 @@ std::vector<int> BricksAroundPulp(const Volume& volume) {
   return out;
 }
 
-// The pulp by itself, its surface half-way between its voxels and the others.
+// Only the pulp, its surface half-way between its voxels and the others.
 Volume PulpAlone(const Volume& volume, const std::vector<int>& bricks) {
   Volume pulp(volume.spec());
   for (int b : bricks) {
@@ -77,8 +77,8 @@ Volume PulpAlone(const Volume& volume, const std::vector<int>& bricks) {
   return pulp;
 }
 
-// Calls visit(point in m, voxel) where solid ends that reached into this brick: the voxel is one
-// that went, the point between it and one that stayed.
+// Calls visit(point in m, voxel) wherever original solid in this brick now ends: the voxel was
+// removed, the point is between it and a remaining one.
 template <typename Visit>
 void ForEachCutPoint(const Volume& initial, const Volume& now, int brick, Visit&& visit) {
   const GridSpec& spec = now.spec();
@@ -133,7 +133,7 @@ double ReachWatch::BeyondShape_m(const dvec3& p_m) const {
 bool ReachWatch::MayGoFarther(const dvec3& middle_m) const {
   // Points of a brick's voxels reach a voxel beyond them.
   double half = HalfBrick_m(initial_.spec()) + initial_.spec().voxel_m();
-  // Of the middle of a brick that may be air the side in a hollow is not known.
+  // For the middle of a brick that may be air, the side in a hollow is unknown.
   if (hollow_) return hollow_->ToCut_m(middle_m, kFar_m) + std::sqrt(3.0) * half > beyond_shape_m_;
   if (shape_) return BeyondShape_m(middle_m) + std::sqrt(3.0) * half > beyond_shape_m_;
   return std::any_of(sides_.begin(), sides_.end(), [&](const Side& side) {
@@ -144,9 +144,8 @@ bool ReachWatch::MayGoFarther(const dvec3& middle_m) const {
 bool ReachWatch::MayBeNearerPulp(int brick, const dvec3& middle_m) {
   double corner = std::sqrt(3.0) * (HalfBrick_m(initial_.spec()) + initial_.spec().voxel_m());
   float& bound = pulp_bound_m_[static_cast<size_t>(brick)];
-  // The distance changes by no more than a point moves: the middle's, less the half diagonal,
-  // bounds every point of the brick. Worked out once, since the pulp stays what it was at the
-  // beginning.
+  // The distance changes by no more than a point moves, so the middle's, less the half diagonal,
+  // bounds every point of the brick. Computed once, since the pulp keeps its original surface.
   if (bound < 0) {
     bound =
         static_cast<float>(std::max(0.0, pulp_->Distance_m(middle_m, pulp_m_ + corner) - corner));
@@ -181,7 +180,7 @@ void ReachWatch::Look(const Volume& now) {
     hollow_ = std::make_unique<scoring::Hollow>(initial_, prepared_->volume);
   for (int b = 0; b < now.spec().brick_count(); ++b) {
     if (!now.IsStored(b)) continue;
-    // Bricks that were not cut are told by their samples: no list of touched ones has to be kept.
+    // Uncut bricks are recognised by their samples, so no list of touched ones is kept.
     if (initial_.IsStored(b) && initial_.Phi(b).phi == now.Phi(b).phi) continue;
     LookAtBrick(now, b);
   }
@@ -196,7 +195,7 @@ void ReachWatch::Publish() {
                    beyond_shape_m_ > 0 ? "place.outline" : ""}};
   }
   if (!sides_.empty()) {
-    // A leeway of nothing is used up by the least that goes beyond it.
+    // A leeway of nothing is used up by the least excess.
     auto used = [](const Side& s) { return s.beyond_m / std::max(s.leeway_m, 1e-9); };
     auto nearest =
         std::max_element(sides_.begin(), sides_.end(),

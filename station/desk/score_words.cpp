@@ -13,7 +13,7 @@ using language::Value;
 
 bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 
-// Where a number that begins at `at` ends: "12", "2.50", but not the full stop of "in 12.".
+// End of the number that begins at `at`: "12", "2.50", but not the full stop of "in 12.".
 size_t EndOfNumber(std::string_view text, size_t at) {
   while (at < text.size() && IsDigit(text[at])) ++at;
   if (at + 1 >= text.size() || text[at] != '.' || !IsDigit(text[at + 1])) return at;
@@ -22,7 +22,8 @@ size_t EndOfNumber(std::string_view text, size_t at) {
   return at;
 }
 
-// A text as the name of its message, and its numbers, which are the message's places {a}, {b}, … in their order.
+// A text as the name of its message, and its numbers, which fill the message's places {a}, {b}, …
+// in order.
 struct Named {
   std::string name;
   std::vector<std::string_view> numbers;
@@ -67,7 +68,7 @@ std::optional<std::string> SaidBuiltin(const Words& words, std::string_view kind
     const size_t point = number.find('.');
     const size_t decimals = point == std::string_view::npos ? 0 : number.size() - point - 1;
     double value = 0;
-    // Somebody else's text may have a number that no double holds: then it is not ours.
+    // A school's own text may have a number that no double holds; then it is not built in.
     const auto read = std::from_chars(number.data(), number.data() + number.size(), value);
     if (read.ec != std::errc() || number.size() > kLongestNumber) return std::nullopt;
     values.push_back({kPlaces.substr(i, 1), words.Decimal(value, static_cast<int>(decimals))});
@@ -75,7 +76,7 @@ std::optional<std::string> SaidBuiltin(const Words& words, std::string_view kind
   return words.Say(key, values);
 }
 
-// At each space that a full stop stands before and a capital letter behind.
+// Splits at each space between a full stop and a capital letter.
 std::vector<std::string_view> SentencesOf(std::string_view text) {
   std::vector<std::string_view> out;
   size_t from = 0;
@@ -88,13 +89,13 @@ std::vector<std::string_view> SentencesOf(std::string_view text) {
   return out;
 }
 
-// Chinese sentences have their space in the full stop.
+// A Chinese full stop includes its space.
 std::string_view Between(const Words& words) {
   return words.language() == language::Language::kChinese ? "" : " ";
 }
 
 std::string DurationText(const Words& words, double s) {
-  // What would be written as 60.0 s is a minute.
+  // From 59.95 s on, which would read 60.0 s, minutes are shown.
   if (s < 59.95) return NumberText(words, s, 1) + " s";
   const auto whole = std::llround(s);
   const std::string rest = std::to_string(whole % 60);
@@ -116,7 +117,7 @@ std::string MomentText(const Words& words, double s) {
   return std::to_string(tenths / 600) + ":" + (rest.size() < 4 ? "0" : "") + rest;
 }
 
-// The key's own form of what MetricInfo says in English: "too deep", "more open at the top".
+// The key form of MetricInfo's English: "too deep", "more open at the top".
 std::string DirectionKey(std::string_view direction) {
   std::string key = "direction." + std::string(direction);
   for (char& c : key) {
@@ -125,7 +126,7 @@ std::string DirectionKey(std::string_view direction) {
   return key;
 }
 
-// Measured; where its sign says which way, in words: "0.22 mm too deep".
+// A measured value; if its sign has a meaning, with words: "0.22 mm too deep".
 std::string FoundText(const Words& words, std::string_view metric, double value,
                       std::string_view unit, int digits) {
   const scoring::MetricInfo* info = scoring::FindMetric(metric);
@@ -137,7 +138,7 @@ std::string FoundText(const Words& words, std::string_view metric, double value,
   return words.Has(key) ? words.Say(key, {{"size", size}}) : size;
 }
 
-// None: a code that is not known here.
+// None: unknown code.
 std::optional<std::string> SentenceOf(const Words& words, std::string_view metric,
                                       const scoring::Reason& reason, std::string_view unit) {
   const std::vector<double>& v = reason.values;
@@ -157,7 +158,7 @@ std::optional<std::string> SentenceOf(const Words& words, std::string_view metri
       if (v[1] == v[2]) return words.Say("reason.exactly", {{"found", found}, {"full", second}});
       return words.Say(key, {{"found", found}, {"from", second}, {"to", quantity(2, digits)}});
     }
-    // One value alone earns them: no pulp exposed.
+    // Only one value earns the points: no pulp exposed.
     const std::string how = code != "at_least" && v[1] == 0 ? "reason.exactly" : key;
     if (v.size() == 2) return words.Say(how, {{"found", found}, {"full", second}});
     return words.Say(how + "_none",

@@ -73,7 +73,7 @@ Result<Script> Script::Read(const std::filesystem::path& file) {
 }
 
 bool Script::Step(Screen& screen, const Ui& ui, Workflow* flow) {
-  // A step a frame, and none before the window has seen what the last one did.
+  // One step a frame, and none before the window has processed the last one.
   if (steps_.empty() || screen.injecting()) return false;
   Line line = steps_.front();
   if (line.verb == "quit") return true;
@@ -83,7 +83,7 @@ bool Script::Step(Screen& screen, const Ui& ui, Workflow* flow) {
     waited_ = 0;
     since_ = std::chrono::steady_clock::now();
   } else if (std::chrono::steady_clock::now() - since_ > kPatience) {
-    // By the clock and not by frames: a busy computer draws few of them.
+    // By the clock, not by frames: a busy computer draws few.
     GiveUp(line, "waited " + std::to_string(kPatience.count()) + " s in vain", ui);
   }
   return !status_.ok();
@@ -133,11 +133,11 @@ bool Script::Take(const Line& line, Screen& screen, const Ui& ui, Workflow* flow
 bool Script::Click(const std::string& rest, Screen& screen, const Ui& ui) {
   auto mark = rest.rfind(" #");
   int nth = mark == std::string::npos ? 1 : std::atoi(rest.c_str() + mark + 2);
-  // " #2" at the end means the second of that name; anything that is no number belongs to the
+  // " #2" at the end means the second of that name; anything that is not a number belongs to the
   // label.
   const std::string label = nth > 0 ? rest.substr(0, mark) : rest;
   for (const Choice& choice : ui.choices()) {
-    // By its beginning: labels may end in what changes, such as a time.
+    // By its beginning: labels may end in changing text, such as a time.
     if (!choice.label.starts_with(label) || --nth > 0) continue;
     screen.Inject(InputEvent::Cursor(0.5 * (choice.at.x0 + choice.at.x1),
                                      0.5 * (choice.at.y0 + choice.at.y1)));

@@ -30,7 +30,7 @@ StationFacts LookAtStation(Workplace& workplace) {
   auto all = workplace.spool().List();
   auto waiting = WaitingAttempts(workplace.spool());
   auto tickets = workplace.Reserved();
-  // One is enough to say: what is wrong with a spool is wrong for all three.
+  // Report one: a spool's problem is the same for all three.
   for (const Status& status : {all.status(), waiting.status(), tickets.status()}) {
     if (out.problem.ok()) out.problem = status;
   }
@@ -79,7 +79,7 @@ std::vector<std::string> Lines(const StationFacts& facts) {
 const std::optional<StationFacts>& StationWatch::Look(std::chrono::steady_clock::time_point now) {
   task_.Poll();
   if (!task_.busy() && now >= next_) {
-    // On a thread of its own: a damaged or slow disk must not hold the picture.
+    // On a separate thread: a damaged or slow disk must not hold up the picture.
     next_ = now + kLookEvery;
     task_.Start("Looking at the station", [this]() -> BackgroundTask::After {
       return [this, facts = LookAtStation(workplace_)] { facts_ = facts; };

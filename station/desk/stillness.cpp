@@ -18,7 +18,7 @@ void StillnessCheck::Look(const DeviceSample& sample, double now_s) {
   if (sample.buttons & kPedal) return begin_anew("ready.foot_off");
   double moved = 0;
   for (size_t i = 0; i < 3; ++i) {
-    // From where it began to be still, not from sample to sample: a slow drift is a move too.
+    // Relative to the start of the rest, not to the last sample: a slow drift is motion too.
     moved = std::max(moved, std::fabs(static_cast<double>(sample.counts[i]) - at_[i]));
   }
   if (since_s_ < 0) return begin_anew("");

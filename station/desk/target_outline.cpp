@@ -18,7 +18,7 @@ std::vector<surface::LineSegment> OutlineOf(const scene::Scene& scene,
   for (size_t i = 0; i < beyond_mm.size(); ++i) {
     if (mesh.tissue[i] == static_cast<uint8_t>(cutting::Tissue::kNeighbour)) continue;
     const dvec3 p(mesh.position_m[i]);
-    // Where the surface stays, a prepared tooth's is as near as the voxels say.
+    // Where the surface stays, a prepared tooth's is only as near as the voxels show.
     const double beyond_m =
         prepared ? 0.5 * initial.spec().voxel_m() - target.prepared_tooth->volume.DistanceAt_m(p)
                  : scene::PreparationDistance_m(*shape, p);

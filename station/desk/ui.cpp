@@ -31,7 +31,7 @@ void PushButtonColours(ImU32 colour) {
 
 }  // namespace
 
-// What a page says, as text: scripts and tests read it.
+// The page's words as text, for scripts and tests.
 void Ui::Say(const std::string& text) { words_ += text + "\n"; }
 
 void Ui::ReadKeys() {
@@ -39,8 +39,8 @@ void Ui::ReadKeys() {
   choose_ = escape_ = false;
   for (const InputEvent& event : screen_.events()) {
     if (event.kind != InputEvent::Kind::kKey || !event.pressed) continue;
-    // A held key moves the focus on and on but chooses once; in a field arrows and space are its
-    // own.
+    // A held key keeps moving the focus but chooses once; in a field, arrows and space edit the
+    // text.
     bool once = !event.repeat, writing = focus_ < shown_.size() && shown_[focus_].field;
     switch (event.code) {
       case render::kKeyTab:
@@ -63,8 +63,8 @@ void Ui::ReadKeys() {
         choose_ |= once;
         break;
       case render::kKeySpace:
-        // Space is the pedal of a mouse that stands for the handpiece: in a dialog over the tooth
-        // the one that was held down must not choose.
+        // Space is the pedal when the mouse is the handpiece: held down, it must not choose in a
+        // dialog over the tooth.
         choose_ |= once && !writing && spaced_;
         break;
       case render::kKeyEscape:
@@ -76,17 +76,17 @@ void Ui::ReadKeys() {
   }
 }
 
-// The focus of a page that has just come up is at its first choice.
+// A new page's focus is at its first choice.
 void Ui::Enter(const std::string& name) {
   moved_ = false;
   if (name != page_) {
     page_ = name;
     focus_ = 0;
     moved_ = true;
-    choose_ = false;  // the key that brought the page
+    choose_ = false;  // the key that opened the page
   } else if (count_before_ > 0 && step_ != 0) {
     auto n = static_cast<int>(count_before_);
-    // Of the frame before, as how many choices this one has is only known at its end.
+    // Counts the last frame's choices: this frame's are only known at its end.
     focus_ = static_cast<size_t>(((static_cast<int>(focus_) + step_) % n + n) % n);
     moved_ = true;
   }
@@ -100,7 +100,7 @@ void Ui::Begin(const std::string& name, const Page& page) {
   by_keys_ = page.keys;
   dialog_before_ = dialog_;
   dialog_ = false;
-  // A dialog is drawn after its page: that there is one is known from the frame before.
+  // A dialog is drawn after its page, so its presence is known from the last frame.
   blocked_ = dialog_before_;
   if (!blocked_) Enter(name);
   auto w = static_cast<float>(screen_.width()), h = static_cast<float>(screen_.height());
@@ -134,9 +134,9 @@ bool Ui::pressed(int key) const {
 }
 
 void Ui::EndFrame() {
-  // Whatever a dialog has asked for ends with it.
+  // A dialog's settings end with it.
   if (!dialog_) spaced_ = true;
-  if (dialog_before_ && !dialog_) page_.clear();  // the page below begins anew in the next frame
+  if (dialog_before_ && !dialog_) page_.clear();  // the page below restarts in the next frame
   shown_ = choices_;
   shown_page_ = page_;
   shown_words_ = words_;
@@ -151,7 +151,7 @@ void Ui::BeginDialog(const std::string& name, const std::string& title, Space sp
   by_keys_ = true;
   if (first) {
     step_ = 0;
-    choose_ = escape_ = false;  // the key that brought it
+    choose_ = escape_ = false;  // the key that opened it
   }
   Enter(name);
   auto w = static_cast<float>(screen_.width()), h = static_cast<float>(screen_.height());
@@ -196,13 +196,13 @@ void Ui::Remark(const std::string& who, const std::string& text, const std::stri
   ImGui::PopTextWrapPos();
   ImGui::PopFont();
   ImGui::End();
-  // In the words of the page that it lies over, and not of a dialog's.
+  // Part of the page below it, not of a dialog.
   if (!blocked_) Say(who + "\n" + text);
 }
 
 Ui::Focused Ui::Next(const std::string& label) {
   if (blocked_) return {};
-  // By its name: a field that is asked for may come later in the page than who asks.
+  // By name: the field may come later in the page than the request.
   if (!wanted_.empty() && wanted_ == label) {
     wanted_.clear();
     focus_ = count_;
@@ -214,7 +214,7 @@ Ui::Focused Ui::Next(const std::string& label) {
   out.chosen = out.has && choose_;
   if (out.moved) {
     ImGui::SetScrollHereY(0.5f);
-    ImGui::ClearActiveID();  // a field that was being written in
+    ImGui::ClearActiveID();  // a field being edited
   }
   return out;
 }
@@ -223,11 +223,11 @@ void Ui::Listed(const std::string& label, bool field) {
   if (blocked_) return;
   ImVec2 lo = ImGui::GetItemRectMin(), hi = ImGui::GetItemRectMax();
   choices_.push_back({label, {lo.x, lo.y, hi.x, hi.y}, field});
-  // Mouse and keys have one focus: who clicks and then presses Tab goes on from there.
+  // Mouse and keys share one focus: after a click, Tab continues from there.
   if (ImGui::IsItemClicked()) focus_ = count_ - 1;
 }
 
-// Wide: it is looked for from where the handpiece is, and not from a keyboard.
+// Wide, to be found from the handpiece's distance, not a keyboard's.
 void Ui::Ring() {
   ImVec2 lo = ImGui::GetItemRectMin(), hi = ImGui::GetItemRectMax();
   float out = 4 * px();
@@ -259,7 +259,7 @@ void Ui::Note(const std::string& text) {
   ImGui::PopStyleColor();
 }
 
-// Messages begin small, as in a line of a log; on a page they are sentences.
+// Messages begin with a small letter, as in a log; on a page they are sentences.
 void Ui::Problem(const std::string& text) {
   if (text.empty()) return;
   std::string sentence = text;
@@ -284,7 +284,7 @@ bool Ui::Button(const std::string& label, Look look, bool enabled) {
   ImGui::PopStyleVar();
   ImGui::PopStyleColor(3);
   ImGui::PopFont();
-  // Not in the list: the keys step over what cannot be chosen.
+  // Not in the list: the keys skip what cannot be chosen.
   if (!enabled) return false;
   Focused focus = Next(label);
   Listed(label, false);
@@ -300,7 +300,7 @@ bool Ui::Row(const std::string& title, const std::string& detail, const std::str
   ImGui::SetCursorPosX(ImGui::GetCursorPosX() + inset);
   float width = ImGui::GetContentRegionAvail().x - inset;
   PushButtonColours(chosen_row ? kChosenRow : kRow);
-  // Of rows with the same title each is its own.
+  // Distinguishes rows with the same title.
   ImGui::PushID(static_cast<int>(std::ranges::count(choices_, title, &Choice::label)));
   bool chosen = ImGui::Button(("##" + title).c_str(), {width, height});
   ImGui::PopID();
@@ -341,7 +341,7 @@ bool Ui::Field(const std::string& label, std::string& text, bool secret) {
   Say(label + ": " + (secret ? std::string(text.size(), '*') : text));
   ImGui::TextUnformatted(label.c_str());
   Focused focus = Next(label);
-  // Once, when it is reached: again in each frame would select the text each time.
+  // Once, when reached: repeating it in each frame would select the text each time.
   if (focus.moved) ImGui::SetKeyboardFocusHere();
   ImGui::PushFont(fonts().far);
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - 8 * px());
@@ -371,7 +371,7 @@ void Ui::Score(const std::string& number, const std::string& of) {
   ImGui::PopFont();
   ImGui::SameLine();
   ImGui::PushFont(fonts().far);
-  // On the number's base line, as far as the two fonts' heights tell.
+  // On the number's base line, as far as the two fonts' heights allow.
   ImGui::SetCursorPosY(top + 0.62f * height);
   ImGui::TextUnformatted(of.c_str());
   ImGui::PopFont();

@@ -8,7 +8,7 @@ namespace {
 
 using language::Words;
 
-// Few enough to be one look; the page has all of them.
+// Few enough for one look; the page has all of them.
 constexpr size_t kResultsListed = 5;
 
 double Seconds(Workflow::Clock::duration d) { return std::chrono::duration<double>(d).count(); }
@@ -25,18 +25,18 @@ Workflow::~Workflow() { workplace_.SignOut(); }
 void Workflow::Go(Place place) {
   place_ = place;
   dialog_ = Dialog::kNone;
-  // A step that was to follow belongs to the place that is left.
+  // A pending step belongs to the place being left.
   once_free_ = {};
   problem_.clear();
   notice_.clear();
 }
 
-// A sign-in lasts as long as its connection: who was signed in is then asked again.
+// A sign-in lasts as long as its connection: afterwards the person has to sign in again.
 void Workflow::Fail(const Status& status) {
   bool signed_in = !offline_ && (place_ == Place::kExercises || place_ == Place::kExercise ||
                                  place_ == Place::kReady || place_ == Place::kResult);
   if (signed_in && status.code() == Code::kUnauthenticated && !workplace_.person()) {
-    // Who was looking at a result comes back to it, if it is the same person who signs in.
+    // A person who was looking at a result returns to it after signing in again.
     const Shown shown = place_ == Place::kResult ? result_ : Shown{};
     SignOut(words_.Say(shown.attempt.IsZero() ? "signed_out.lost" : "signed_out.lost_result"));
     come_back_to_ = shown;
@@ -47,7 +47,7 @@ void Workflow::Fail(const Status& status) {
 
 void Workflow::Tick(Clock::time_point now, bool active) {
   if (active) active_at_ = now;
-  // First: what a task has brought may change the place that is looked at below.
+  // First: a task's outcome may change the place used below.
   task_.Poll();
   FreeAgain();
   switch (place_) {
@@ -66,7 +66,7 @@ void Workflow::Tick(Clock::time_point now, bool active) {
     default:
       break;
   }
-  // Not while an attempt is made or handed in: there the person may be thinking, or waiting for us.
+  // Not during an attempt or while handing in: the person may be thinking, or waiting for us.
   bool may_idle = place_ == Place::kExercises || place_ == Place::kExercise ||
                   place_ == Place::kResult || place_ == Place::kReserved;
   if (may_idle && !busy() && Seconds(now - active_at_) > options_.idle_s) {
@@ -90,7 +90,7 @@ void Workflow::SignIn(const std::string& login, const std::string& password) {
       Go(Place::kExercises);
       TakeExercises(c, k);
       const Shown shown = std::exchange(come_back_to_, {});
-      // Somebody else must not see whose result was open here.
+      // Another person must not see whose result was open here.
       if (!shown.attempt.IsZero() && shown.person == p.id) ShowResult(shown);
     };
   });
@@ -101,7 +101,7 @@ Workflow::Kept Workflow::KeptOf(const Uuid& person) {
 }
 
 void Workflow::SignOut(const std::string& why) {
-  // Before everything else: it ends what waits for the server, so that the attempt can be left.
+  // First of all: it ends waits for the server, so that the attempt can be left.
   workplace_.SignOut();
   LeaveAttempt();
   preview_.reset();
@@ -126,7 +126,7 @@ void Workflow::Refresh() {
 }
 
 void Workflow::TakeExercises(Result<Catalogue> catalogue, Kept kept) {
-  // Each by itself: a server that is away hides neither what is on this disk nor what is wrong with
+  // Each separately: a server that is away hides neither the recordings on this disk nor a fault of
   // it.
   if (kept.cut_off.ok()) cut_off_ = std::move(*kept.cut_off);
   if (!kept.cut_off.ok()) Fail(kept.cut_off.status());
@@ -170,11 +170,11 @@ void Workflow::LookForDevices() {
 }
 
 bool Workflow::Fits(const DeviceOffer& offer) const {
-  // An attempt that was reserved or cut off has its profile in its ticket, which is signed.
+  // A reserved or interrupted attempt has its profile in its signed ticket.
   return way_ == Way::kTicket || !preview_ || offer.profile == preview_->profile.name;
 }
 
-// The one chosen before stays chosen while it is there.
+// The previous choice stays while it is available.
 void Workflow::TakeOffers(std::vector<DeviceOffer> offers) {
   std::string before = offer_ < offers_.size() ? offers_[offer_].title : std::string();
   offers_ = std::move(offers);
@@ -186,8 +186,8 @@ void Workflow::TakeOffers(std::vector<DeviceOffer> offers) {
   offer_ = kept != offers_.end()
                ? static_cast<size_t>(kept - offers_.begin())
                : FirstUsable(offers_, profile.empty() ? options_.profile : profile);
-  // The configured profile is a wish; where its device is not here, any that works is better than
-  // none.
+  // The configured profile is a preference; if its device is not attached, any usable one is better
+  // than none.
   if (offer_ == offers_.size() && profile.empty()) offer_ = FirstUsable(offers_, "");
   if (way_ == Way::kTicket) return Fetch();
   if (offer_ == offers_.size()) {
@@ -200,7 +200,7 @@ void Workflow::ChooseOffer(size_t index) {
   problem_ = offers_[index].problem;
   if (!problem_.empty()) return;
   offer_ = index;
-  // Another device is another profile, and with it another plan: fetched anew.
+  // Another device has another profile and so another plan, which must be fetched.
   if (way_ != Way::kTicket) return;
   preview_.reset();
   Fetch();
@@ -216,7 +216,7 @@ void Workflow::Fetch() {
   task_.Start("task.tooth", [this, e = chosen_, p = *profile]() -> BackgroundTask::After {
     auto prepared = workplace_.Prepare(e, p);
     if (!prepared.ok()) return [this, s = prepared.status()] { Fail(s); };
-    // std::function copies what it holds, and a volume must not be copied: shared, then moved out.
+    // std::function copies its captures, and a volume must not be copied: shared, then moved out.
     auto shared = std::make_shared<PreparedAttempt>(std::move(*prepared));
     return [this, shared] { preview_ = std::make_unique<PreparedAttempt>(std::move(*shared)); };
   });
@@ -232,7 +232,7 @@ void Workflow::LeaveAttempt() {
   if (busy()) {
     task_.Forget();
     // The task may be using the device or the loop: they live until it has ended, then FreeAgain
-    // lets go.
+    // releases them.
     if (attempt_) left_ = std::move(attempt_);
     return;
   }
@@ -240,7 +240,7 @@ void Workflow::LeaveAttempt() {
   workplace_.HandBackUnused();
 }
 
-// The outcome of the background task under way, if any, is not wanted; then the step.
+// Discards the outcome of the current background task, if any; then runs the step.
 void Workflow::WhenFree(std::function<void()> step) {
   if (!busy()) return step();
   task_.Forget();
@@ -253,11 +253,11 @@ void Workflow::FreeAgain() {
     left_.reset();
     workplace_.HandBackUnused();
   }
-  // Taken out before it runs: the step may set another.
+  // Taken out before it runs, because the step may set another.
   if (once_free_) std::exchange(once_free_, {})();
 }
 
-// Back to where it was chosen.
+// Returns to the page where it was chosen.
 void Workflow::LeaveAttemptFor(const Status& problem) {
   LeaveAttempt();
   preview_.reset();
@@ -277,8 +277,8 @@ void Workflow::AnotherTry() {
   LeaveAttempt();
   auto same = [&](const Catalogue::Exercise& e) {
     return e.exercise == before.exercise &&
-           // The same exercise may be assigned twice, with other terms: the try is for the one that
-           // was chosen.
+           // The same exercise may be assigned twice, with different terms: the try is for the
+           // chosen one.
            (way_ != Way::kTicket || e.assignment == before.assignment);
   };
   auto found = std::ranges::find_if(catalogue_.exercises, same);
@@ -293,7 +293,7 @@ void Workflow::OpenCutOff(size_t index) {
   Open(Dialog::kCutOff);
 }
 
-// What was reserved or cut off is as good as chosen.
+// A reserved or interrupted attempt counts as chosen.
 void Workflow::TakeOn(std::shared_ptr<Result<PreparedAttempt>> prepared, Way way) {
   if (!prepared->ok()) return Fail(prepared->status());
   way_ = way;
@@ -302,7 +302,8 @@ void Workflow::TakeOn(std::shared_ptr<Result<PreparedAttempt>> prepared, Way way
   chosen_.name = preview_->exercise.name;
   chosen_.title = preview_->exercise.title;
   chosen_.exercise = preview_->exercise_hash;
-  // The ticket does not say; without the server the catalogue is empty, and exams need the server.
+  // The ticket does not contain it; without the server the catalogue is empty, and exams need the
+  // server.
   chosen_.exam = std::ranges::any_of(catalogue_.exercises, [&](const Catalogue::Exercise& e) {
     return e.exam && e.exercise == chosen_.exercise;
   });
@@ -371,7 +372,7 @@ void Workflow::OpenReserved(const std::string& pin) {
     return [this, prepared, r] {
       if (prepared->ok()) {
         offline_ = true;
-        // The PIN proves the person to this station only: for the server nobody is signed in.
+        // The PIN identifies the person to this station only: on the server nobody is signed in.
         person_ = {(*prepared)->header.ticket.person, r.ticket.person, "student", {}, false};
       }
       TakeOn(prepared, r.cut_off ? Way::kResumed : Way::kReserved);
@@ -386,7 +387,7 @@ void Workflow::GiveBack(const std::string& pin) {
               [this, pin, id = reserved_chosen().ticket.attempt]() -> BackgroundTask::After {
                 auto given = workplace_.GiveBack(id, pin);
                 return [this, given] {
-                  // Before the outcome is looked at: a wrong PIN too many has destroyed the ticket, and it
+                  // Before using the outcome: too many wrong PINs have destroyed the ticket, and it
                   // must not stay in the list.
                   LookForReserved();
                   if (!given.ok()) return Fail(given.status());
@@ -425,7 +426,7 @@ void Workflow::Back() {
   if (dialog_ != Dialog::kNone) return CloseDialog();
   switch (place_) {
     case Place::kExercise:
-      // What it fetches is for a place that is left; it ends by itself.
+      // Its result is for a place that was left; it ends by itself.
       if (busy()) task_.Forget();
       preview_.reset();
       if (offline_) return SignOut();

@@ -1,5 +1,5 @@
-// The steps of one attempt: from the device's opening to the score. The rest of the window's way is
-// in workflow.cpp.
+// The steps of one attempt: from the device's opening to the score. Other steps are in
+// workflow.cpp.
 #include <utility>
 
 #include "station/desk/workflow.h"
@@ -23,7 +23,7 @@ void Workflow::Start(bool as_reference) {
   choice.device = offers_[offer_].device;
   choice.pedal = offers_[offer_].pedal;
   // On the reader's own thread, before its first sample: a driver's thread that is not real-time
-  // makes the loop late. Refused: the loop says so when it asks for itself.
+  // makes the loop late. If refused, the loop's own request reports it.
   choice.thread_setup = [] { (void)RequestRealtime(); };
   task_.Start("task.device",
               [this, choice, profile = preview_->profile,
@@ -40,13 +40,13 @@ void Workflow::Start(bool as_reference) {
 void Workflow::ShowAttempt(std::unique_ptr<Device> attached) {
   std::string assumed;
   if (attached != nullptr) {
-    // Only the opened device says which unit it is, and so which calibration holds.
+    // Only the opened device identifies its unit, and so its calibration.
     if (Status used = UseDelayOf(*preview_, *attached, workplace_.data()); !used.ok())
       return Fail(used);
     if (preview_->delay && preview_->delay->from == scene::DelayUsed::From::kAssumed)
       assumed = DelayText(*preview_->delay, attached->Name()) + ".";
   }
-  // From here on the preview is gone: whatever fails fetches it anew (LeaveAttemptFor).
+  // From here on there is no preview: after a failure it is fetched again (LeaveAttemptFor).
   auto attempt = DeskAttempt::Create(std::move(*preview_), offers_[offer_], std::move(attached));
   preview_.reset();
   if (!attempt.ok()) return LeaveAttemptFor(attempt.status());
@@ -68,15 +68,15 @@ void Workflow::TakeTicket() {
       [this, attempt = attempt_.get(), reference = as_reference_]() -> BackgroundTask::After {
         Status taken = workplace_.TakeTicket(attempt->prepared(), reference);
         return [this, taken] {
-          // No ticket, no attempt: back to where it was chosen, with the server's reason.
+          // No ticket, no attempt: returns to the exercise, with the server's reason.
           ticketed_ = taken.ok();
           if (!ticketed_) LeaveAttemptFor(taken);
         };
       });
 }
 
-// The ticket is taken last: the server waits for the attempt from then on. A simulated hand's time
-// passes when it is looked at: it is not.
+// The ticket is taken last: the server waits for the attempt from then on. A simulated hand is not
+// sampled, because that would advance its time.
 void Workflow::CheckDevice(Clock::time_point now) {
   if (!attempt_ || busy()) return;
   // A hand on the handpiece at the first tick would be pulled: force comes on only after stillness,
@@ -86,7 +86,7 @@ void Workflow::CheckDevice(Clock::time_point now) {
                      std::chrono::duration<double>(now - started_).count());
     if (!stillness_->passed()) return;
   }
-  if (!tooth_drawn()) return;  // nobody is to cut what cannot be seen yet
+  if (!tooth_drawn()) return;  // nobody should cut what cannot be seen yet
   if (ticketed_) return Begin();
   TakeTicket();
 }
@@ -98,7 +98,7 @@ void Workflow::Begin() {
   Go(Place::kRunning);
 }
 
-// Putting the handpiece down pauses; whether that was the end is asked, not guessed.
+// Putting the handpiece down pauses; the person is asked whether that was the end.
 void Workflow::WatchRun() {
   const uint64_t put_downs = attempt_->run()->snapshot().counters.put_downs;
   if (put_downs != put_downs_ && dialog_ == Dialog::kNone) Open(Dialog::kPaused);
@@ -106,15 +106,14 @@ void Workflow::WatchRun() {
   // A dialog covers the tooth: nobody can be cutting on purpose.
   attempt_->held().SetPaused(dialog_ != Dialog::kNone);
   if (attempt_->run()->ticking()) return;
-  // The pedal's finish or a fault that cannot be mended has ended the loop: the person is not
-  // asked.
+  // The pedal's finish or a permanent fault has ended the loop; the person is not asked.
   if (!busy() && !joined_) EndAttempt();
 }
 
 void Workflow::EndAttempt() {
   if (busy() || joined_ || !attempt_ || attempt_->run() == nullptr) return;
   Go(Place::kHandIn);
-  // Only asks; Join waits for the disk, and so for a task.
+  // Only requests the end; Join waits for the disk, and so needs a task.
   attempt_->run()->End();
   task_.Start("task.closing", [this, run = attempt_->run()]() -> BackgroundTask::After {
     auto seal = run->Join();
@@ -143,7 +142,7 @@ void Workflow::GiveUpRecording() {
 }
 
 void Workflow::WatchUpload() {
-  // The upload may be ahead of the recorder's last word, and its outcome is to be shown first.
+  // The upload may be ahead of the recorder's outcome, which must be shown first.
   if (!joined_ || !upload().sealed) return;
   if (offline_) return SignOut(words_.Say("signed_out.handed_in"));
   ShowResult({person_.id, attempt_->prepared().attempt(), attempt_->prepared().exercise.title});
@@ -158,7 +157,7 @@ void Workflow::ShowResult(Shown shown) {
   Go(Place::kResult);
 }
 
-// What was chosen for it is chosen again by "Another try".
+// "Another try" selects the same settings again.
 void Workflow::OpenHandedIn(size_t index) {
   if (busy() || index >= handed_in_.size()) return;
   const SpooledAttempt& attempt = handed_in_[index];
@@ -179,7 +178,7 @@ void Workflow::LeaveHandIn() {
 void Workflow::Take(const AttemptProgress& progress) {
   progress_ = progress;
   if (progress.state != "scored") return;
-  // Scored and not said: graded work before its release.
+  // Scored but not shown: graded work before its release.
   held_back_ = progress.result_json.empty();
   if (held_back_) return;
   auto score = scoring::ScoreFromJson(progress.result_json);
@@ -200,7 +199,7 @@ void Workflow::WatchScore(Clock::time_point now) {
         return Take(*p);
       }
       Fail(p.status());
-      // A server that is away is looked for less often than one that is scoring.
+      // A server that is away is asked less often than one that is scoring.
       next_look_ = Clock::now() + 5 * kLookEvery;
     };
   });
