@@ -1,4 +1,4 @@
-// How the device is moved; what is computed from it: calibrator_figures.cpp.
+// Motion of the device; its evaluation is in calibrator_figures.cpp.
 #include "station/devices/calibrator.h"
 
 #include <algorithm>
@@ -8,30 +8,30 @@
 namespace enamel::station {
 namespace {
 
-// At rest for noise and the joints' cells; between swings until their beginning has died away.
+// At rest for noise and the joints' cells; between swings until their start has died away.
 constexpr double kRest_s = 2.0, kSettle_s = 1.0;
-// A push lasts until the device has gone so far, or so long; the next one begins so much later. So
-// short a way is many encoder cells and little of the workspace, so that b, m and friction are
+// A push lasts until the device has moved this far, or this long; the next one begins this much
+// later. So short a way is many encoder cells but little of the workspace, so b, m and friction are
 // those of one place.
 constexpr double kPushReach_m = 1.5e-3, kPush_s = 0.06, kPulseEvery_s = 0.6;
-// Of the force it may use: inside the bound of Step, or a push would not be one force throughout.
+// Share of the allowed force: inside the bound of Step, so that a push has one force throughout.
 constexpr double kPulseShare = 0.8;
-// Soft, so that the hold is stable without the figures that are being measured: sampled at 1 kHz it
-// asks for b >= K T / 2 = 0.075 N s/m, and brings forty times that itself.
+// Soft, so that the hold is stable without the figures being measured: sampled at 1 kHz it needs b
+// >= K T / 2 = 0.075 N s/m, and adds forty times that itself.
 constexpr double kHoldStiffness_n_per_m = 150, kHoldDamping_n_s_per_m = 3;
-// Long enough that one encoder cell is a small velocity, short beside a swing's quarter.
+// Long enough that one encoder cell is a small velocity, short relative to a swing's quarter.
 constexpr double kVelocityOver_s = 0.008;
 constexpr double kSilence_s = 0.05;
-// A swing goes one reach_m to each side: who is so far off falls, or is pulled by a hand.
+// A swing goes one reach_m to each side: farther away, the device falls or a hand pulls it.
 constexpr double kRunaway = 2.5;  // times reach_m
 
 double Clamped(double v, double limit) noexcept { return std::clamp(v, -limit, limit); }
 
 }  // namespace
 
-// Slow swings tell friction (the same force at every speed), fast ones mass (force with the square
-// of the frequency); damping is what is left between. The fastest goes less far, so that its peak
-// force is within that allowed.
+// Slow swings show friction (the same force at every speed), fast ones mass (force with the square
+// of the frequency); damping is the rest. The fastest has a smaller amplitude, so that its peak
+// force stays within the limit.
 const std::array<Calibrator::Swing, Calibrator::kSwingCount> Calibrator::kSwings = {
     {{0.5, 1.0, 3}, {1, 1.0, 4}, {2, 1.0, 6}, {4, 0.6, 8}}};
 
@@ -173,7 +173,7 @@ double Calibrator::Pulse() noexcept {
   if (push_ticks_ == 0 && (way >= kPushReach_m || at >= push_limit_)) push_ticks_ = at;
   if (push_ticks_ == 0) return push;
   if (at < 2 * push_ticks_) return -push;
-  // Lets go in good time, so that the next pulse begins from rest and from no force.
+  // Releases early enough for the next pulse to begin from rest and without force.
   return at < pulse_ticks_ * 4 / 5 ? Hold(0, 0) : 0;
 }
 

@@ -1,6 +1,6 @@
-// What is computed from the motion that calibrator.cpp made. Times are in ticks of the loop, and
-// the unknowns of a fit are found by least squares in closed form: a search is only over what is
-// not linear (when a push began, the frequency of a mode).
+// Evaluates the motion that calibrator.cpp made. Times are in ticks of the loop. Fits find their
+// unknowns by least squares in closed form; only nonlinear ones are searched (the start of a push,
+// the frequency of a mode).
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -17,17 +17,17 @@ using Complex = std::complex<double>;
 
 constexpr double kSignOver_s = 0.010;
 constexpr double kDelayStep_ticks = 0.02, kBefore_ticks = 1;
-// What a push's way says no finer than: the quantised first ticks, a mode that is damped.
+// Resolution of a push's start: the quantised first ticks, a damped mode.
 constexpr double kModelDelay_ticks = 0.1, kModeDelay_ticks = 0.3;
 constexpr double kFewPushes95 = 2.36;            // Student's t of eight pushes
 constexpr double kExplained = 1.2, kUm2 = 1e12;  // um^2 in a m^2
-// Where a first structural mode is looked for (above, it is no slower than the push's first ticks),
-// and how much less a fit with it has to leave than one without before it is believed.
+// Range of a first structural mode (above, it is no slower than the push's first ticks), and the
+// share of the residual that a fit with it must stay below to be believed.
 constexpr double kLowestMode_hz = 25, kHighestMode_hz = 250, kModeEarns = 0.8;
 constexpr double kTwo95 = 1.96;
 constexpr double kNotRoundedUp_ticks = 0.25;
-// What the swings' model may be off by: a share of each figure, of friction more (when noise hides
-// where it turns round), and a moment's phase, which damping makes look like mass.
+// Possible errors of the swings' model: a share of each figure, more for friction (when noise hides
+// the reversal), and a moment's phase, which makes damping look like mass.
 constexpr double kModelShare = 0.01, kFrictionShare = 0.03, kPhase_s = 0.4e-3;
 constexpr size_t kAloneTicks = 3, kFewMoves = 40;
 constexpr size_t kFewPlaces = 20, kManyPlaces = 2000;
@@ -48,8 +48,8 @@ struct LeastSquares {
     bb += b * b;
     ++rows;
   }
-  // Sum of squares left by the best of the first two unknowns, and of all three where `third` and
-  // it is not negative.
+  // Sum of squares left by the best of the first two unknowns, and of all three if `third` is set
+  // and the third is not negative.
   double Left(bool third) const {
     const double det2 = ata[0][0] * ata[1][1] - ata[0][1] * ata[0][1];
     if (!(det2 > 0)) return bb;
@@ -62,11 +62,11 @@ struct LeastSquares {
     if (!third) return left;
     const double own = ata[2][2] - h.x * ata[0][2] - h.y * ata[1][2];
     const double with = atb[2] - y.x * ata[0][2] - y.y * ata[1][2];
-    // Along the push's own way, whichever sign that has.
+    // Along the push's own direction, whatever its sign.
     const double a = y.y, r = with / own;
     return own > 1e-9 * ata[2][2] && r * a > 0 ? left - with * with / own : left;
   }
-  // False when the rows do not tell the unknowns apart.
+  // False when the rows do not determine the unknowns.
   bool Solve(std::array<double, 3>& x, std::array<double, 3>& sigma) const {
     dmat3 m;
     for (int i = 0; i < 3; ++i) {
@@ -112,9 +112,9 @@ int64_t WholeTicks(const Estimate& delay) noexcept {
   return std::max<int64_t>(0, static_cast<int64_t>(std::ceil(upper - kNotRoundedUp_ticks)));
 }
 
-// What is left of a push's samples after the best c + a PushedWay(t - t0) + r (1 - cos w (t - t0)),
-// r >= 0: a structural mode lets the motor's side run ahead at first, and a fit without it takes
-// that for an earlier beginning. w = 0: a rigid device.
+// Residual of a push's samples after the best c + a PushedWay(t - t0) + r (1 - cos w (t - t0)), r
+// >= 0. A structural mode lets the motor's side run ahead at first, and a fit without it takes that
+// for an earlier start. w = 0: a rigid device.
 double Calibrator::PushResidual(size_t axis, const Push& push, double t0_ticks, double g,
                                 double w) const {
   LeastSquares fit;
@@ -128,8 +128,8 @@ double Calibrator::PushResidual(size_t axis, const Push& push, double t0_ticks, 
   return fit.Left(w > 0);
 }
 
-// The t0 that leaves least over all these pushes but `without`, in ticks after the first sample
-// that could show the force (one tick after it was sent), with the mode that leaves least.
+// The t0 with the least residual over all these pushes except `without`, in ticks after the first
+// sample that could show the force (one tick after it was sent), with the best mode.
 double Calibrator::Beginning(size_t axis, const std::vector<Push>& pushes, size_t without, double g,
                              double variance_m2, double& w) const {
   auto left = [&](double t0, double mode) {
@@ -164,8 +164,8 @@ double Calibrator::Beginning(size_t axis, const std::vector<Push>& pushes, size_
   if (w >= 0) return best_at(w, least);
   double best = best_at(0, least);
   w = 0;
-  // Where a rigid device explains the way as well as the encoder tells it, a mode would only fit
-  // the encoder's steps; elsewhere it has to earn its two unknowns.
+  // Where a rigid device explains the motion to the encoder's accuracy, a mode would only fit the
+  // encoder's steps; elsewhere it has to justify its two unknowns.
   const double rigid = least;
   double samples = 0;
   for (const Push& p : pushes) samples += static_cast<double>(p.ticks);
@@ -181,8 +181,7 @@ double Calibrator::Beginning(size_t axis, const std::vector<Push>& pushes, size_
   return best;
 }
 
-// Pushes that moved it too little are left out. The interval is from leaving out one push at a
-// time.
+// Leaves out pushes with too little motion. The interval is from leaving out one push at a time.
 double Calibrator::Delay(size_t axis, double cell_m, double noise_m, double g,
                          Estimate& out) const {
   out = {};
@@ -228,7 +227,7 @@ Estimate Calibrator::StepOf(size_t axis) const {
   Estimate out;
   if (steps.empty()) return out;
   std::sort(steps.begin(), steps.end());
-  // The tenth smallest of a hundred: cells that were jumped over make longer steps, never shorter.
+  // The tenth smallest of a hundred: skipped cells make steps longer, never shorter.
   double smallest = steps[steps.size() / 10], sum = 0, squares = 0, n = 0;
   for (double s : steps) {
     if (s > 1.5 * smallest) break;
@@ -244,9 +243,9 @@ Estimate Calibrator::StepOf(size_t axis) const {
   return out;
 }
 
-// The moves from one sample to the next, as long as one joint's count is: their length is the
-// joint's cell, whatever the arm's pose turns it into along x, y and z. None when moves are along
-// one axis at a time, as those of cells that lie along the axes.
+// The moves between samples that are as long as one joint's count: their length is the joint's
+// cell, whatever the arm's pose makes of it along x, y and z. None when moves are along one axis at
+// a time, as for cells along the axes.
 Estimate Calibrator::JointCell() const {
   std::vector<double> alone, all;
   size_t oblique = 0, straight = 0;
@@ -269,7 +268,7 @@ Estimate Calibrator::JointCell() const {
   }
   Estimate out;
   if (all.size() < kFewMoves) return out;
-  // Where noise leaves no move alone, the shortest of all.
+  // If noise leaves no single moves, the shortest of all.
   const bool few = alone.size() < kFewMoves;
   std::vector<double>& lengths = few ? all : alone;
   std::sort(lengths.begin(), lengths.end());
@@ -311,7 +310,7 @@ Estimate Calibrator::JointCell() const {
   return out;
 }
 
-// The places that noise of whole counts shows at rest are a block of the joints' lattice: n of
+// The places that noise of whole counts shows at rest form a block of the joints' lattice: n of
 // them, n^(1/3) along each joint, have a spread of (n^(2/3) - 1) delta^2 / 12 along each.
 Estimate Calibrator::RestingCell(double rounded_m) const {
   std::set<std::array<int32_t, 3>> places(counts_.begin(), counts_.begin() + rest_ticks_);
@@ -339,8 +338,8 @@ Estimate Calibrator::Cell(size_t axis) const {
   return joint.samples > 0 ? joint : StepOf(axis);
 }
 
-// What is left at rest after a straight line (an arm creeps under its own weight), less what
-// rounding to cells alone would leave, cell^2 / 12.
+// Residual at rest after a straight line (an arm creeps under its own weight), less the share of
+// rounding to cells, cell^2 / 12.
 Estimate Calibrator::Noise(size_t axis, double cell_m) const {
   auto n = static_cast<double>(rest_ticks_);
   double st = 0, sy = 0, stt = 0, sty = 0, syy = 0, first = counts_[0][axis];
@@ -357,14 +356,14 @@ Estimate Calibrator::Noise(size_t axis, double cell_m) const {
   double sd_m = std::sqrt(left) * setup_.count_m[axis];
   Estimate out;
   out.samples = rest_ticks_;
-  // Below about a third of a cell the counts hardly flicker and say little.
+  // Below about a third of a cell the counts hardly flicker and give little information.
   out.value = std::sqrt(std::max(0.0, sd_m * sd_m - cell_m * cell_m / 12));
   out.uncertainty = out.value > 0.35 * cell_m ? kTwo95 * sd_m / std::sqrt(2 * n) : cell_m / 3;
   return out;
 }
 
-// How far apart the places are where it was within twice `ticks` of sample i; `way` is what it went
-// from one `ticks` before to one after.
+// Range of positions within twice `ticks` of sample i; `way` is the distance from one `ticks`
+// before to one after.
 double Calibrator::Range(size_t axis, size_t i, int64_t ticks, double& way_m) const {
   auto at = [&](int64_t offset) {
     auto k = std::clamp<int64_t>(static_cast<int64_t>(i) + offset, 0,
@@ -381,13 +380,13 @@ double Calibrator::Range(size_t axis, size_t i, int64_t ticks, double& way_m) co
   return high - low;
 }
 
-// m x'' + b x' + F sign(x') = f, fitted to the first harmonic of each period: what repeats with the
-// swing stays, the encoder's steps and noise at other frequencies fall out, and no derivative of
-// counts is taken. Where the device is stuck the force says nothing of its motion: left out on both
-// sides.
+// m x'' + b x' + F sign(x') = f, fitted to the first harmonic of each period. The part that repeats
+// with the swing stays, the encoder's steps and noise at other frequencies drop out, and no
+// derivative of counts is taken. While the device is stuck the force does not depend on its motion,
+// so those samples are left out on both sides.
 bool Calibrator::Dynamics(size_t axis, double delay_ticks, double cell_m, AxisFigures& out) const {
-  // One fit of all swings, and one that leaves out each: what the model does not know of shows
-  // between speeds, not within one.
+  // One fit of all swings, and one without each: the model's errors show between speeds, not within
+  // one.
   LeastSquares fit;
   std::array<LeastSquares, kSwingCount> without;
   double largest = 0;
@@ -459,7 +458,7 @@ Result<std::array<AxisFigures, 3>> Calibrator::Figures() const {
     out[i].resolution_m = Cell(i);
     double cell_m = out[i].resolution_m.value;
     out[i].noise_m = Noise(i, cell_m);
-    // The push's form needs b/m, which needs the delay, a little: twice is enough.
+    // The push's formula needs b/m, which depends slightly on the delay: two rounds are enough.
     bool moved = cell_m > 0;
     for (int round = 0; moved && round < 3; ++round) {
       double g = round == 0 ? 0 : out[i].damping_n_s_per_m.value / out[i].mass_kg.value;

@@ -21,7 +21,7 @@ std::vector<Outline> Rounds(const Outline& outer, double radius) {
   std::vector<Outline> out = {outer};
   double inside = Inradius(outer);
   while (inside > 0.9 * radius) {
-    // Not quite to nothing, where sides have no direction any more.
+    // Stops before nothing is left, where sides have no direction.
     const double most = outer.size() == 4 ? inside : inside - 0.05e-3;
     out.push_back(Grown(out.back(), -std::min(1.3 * radius, most)));
     inside = Inradius(out.back());
@@ -72,7 +72,8 @@ class Planner {
     }
   }
 
-  // Down a ramp along the innermost ring's first side, or half of many; then ring by ring outward.
+  // Down a ramp along the innermost ring's first side, or half of many sides; then ring by ring
+  // outward.
   void RoughLayer(const std::vector<Outline>& rings, double z) {
     for (size_t i = 0; i < rings.size(); ++i) {
       std::vector<dvec3> c = CornersAt(rings[i], z, options_.clockwise);
@@ -117,7 +118,7 @@ class Planner {
     moves_.emplace_back(std::move(ring));
   }
 
-  // Rounds as closed ways, as many together as a hand remembers; every side finishes downward.
+  // Rounds as closed paths, as many together as a hand remembers; every side finishes downward.
   void FinishFloor() {
     FinishRing ring;
     for (const Outline& r : Rounds(Grown(tip_, -kFloorInset_m), radius_)) {
@@ -195,7 +196,7 @@ FinishRing RingAlong(const Outline& outline, double z_m, bool clockwise, double 
   ring.corners = CornersAt(outline, z_m, clockwise);
   for (size_t i = 0; i < ring.corners.size(); ++i) {
     const dvec3 along = ring.corners[(i + 1) % ring.corners.size()] - ring.corners[i];
-    // To the right of a counter-clockwise way, to the left of the other.
+    // To the right of a counter-clockwise path, to the left of a clockwise one.
     const double sign = (clockwise ? -1 : 1) * outward;
     ring.outward.push_back(dvec3(along.y, -along.x, 0) * (sign / std::sqrt(Dot(along, along))));
   }

@@ -15,10 +15,10 @@
 namespace enamel::station {
 namespace {
 
-// Of the highest point near the target, for a hand of usual speed: nothing is felt or cut before half
-// a second in free air (core/params.h), and he comes down with 10 mm/s.
+// Above the highest point near the target, for a hand of usual speed: force and cutting need half a
+// second in free air (core/params.h), and he descends at 10 mm/s.
 constexpr double kStartAbove_m = 8e-3;
-// Of a driven wrist and the fingers on it, about each axis: assumption.
+// For a driven wrist and the fingers on it, about each axis: assumption.
 constexpr double kHandAndWrist_kg_m2 = 1e-4;
 
 using Extra = OperatorPreset::Extra;
@@ -107,13 +107,13 @@ constexpr OperatorPreset kPresets[] = {
      .offered = false},
 };
 
-// How much farther a wall goes that faces `outward`.
+// How much too far a wall that faces `outward` is cut.
 double ExtraAt_m(const Extra& e, const glm::dvec2& outward) {
   return std::max(outward.x, 0.0) * e.mesial_m + std::max(-outward.x, 0.0) * e.distal_m +
          std::max(outward.y, 0.0) * e.buccal_m + std::max(-outward.y, 0.0) * e.lingual_m;
 }
 
-// An even number from -1 to 1 for a seed and a side (splitmix64).
+// A number from -1 to 1, evenly distributed, for a seed and a side (splitmix64).
 double Draw(uint64_t seed, uint64_t side) {
   uint64_t z = (seed * 8 + side + 1) * 0x9e3779b97f4a7c15ull;
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
@@ -121,7 +121,7 @@ double Draw(uint64_t seed, uint64_t side) {
   return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-52 - 1;
 }
 
-// Each side by one to two times `by_m`, one way or the other: who misjudges never does so by nothing.
+// Each side by one to two times `by_m`, in either direction: a misjudgement is never zero.
 Extra Misjudged(Extra extra, double by_m, uint64_t seed) {
   double* sides[] = {&extra.mesial_m, &extra.distal_m, &extra.buccal_m, &extra.lingual_m,
                      &extra.floor_m};
@@ -138,8 +138,8 @@ Bounds ExtentOf(const scene::CavityTarget& target, const dvec3& landmark_m) {
   return {landmark_m.x - hx, landmark_m.x + hx, landmark_m.y - hy, landmark_m.y + hy};
 }
 
-// A slip: from above the surface distally of the target a millimetre into it, and out. Of a tooth
-// that is prepared all around, or as far as its distal side, into the middle.
+// A slip: from above the surface distal to the target a millimetre into it, and out. If the tooth
+// is prepared all around, or to its distal side, into the middle.
 Stroke SlipBeside(const Bounds& extent, double out_m, bool all_around, const cutting::Bur& bur,
                   const cutting::Volume& volume) {
   constexpr double kDeep_m = 1e-3, kBeyondLeeway_m = 0.5e-3, kClear_m = 1e-3;
@@ -161,8 +161,8 @@ Stroke SlipBeside(const Bounds& extent, double out_m, bool all_around, const cut
   return slip;
 }
 
-// Where a neighbour comes nearest on the mesial side between the target's floor and its top: from above
-// down along its face, `deep_m` in, and up again.
+// Where a neighbour is nearest on the mesial side between the target's floor and its top: down
+// along its face, `deep_m` in, and up again.
 Stroke NickOf(const Bounds& extent, double floor_m, double top_m, double deep_m,
               const cutting::Bur& bur, const cutting::Volume& volume) {
   constexpr double kClear_m = 1e-3, kDown_m = 0.8e-3;
@@ -198,7 +198,8 @@ Status CannotCut(const scene::Exercise& exercise, const std::string& why) {
   return Status(Code::kInvalidInput, "exercise '" + exercise.name + "': " + why, "half_size_um");
 }
 
-// How thick the layer is that a relief's part takes off: the median under a grid over its middle half.
+// Thickness of the layer that a relief's part removes: the median under a grid over its middle
+// half.
 double LayerOf_m(const scene::PreparationPart& part, const cutting::Volume& volume) {
   constexpr int kSteps = 4;
   const double h = volume.spec().voxel_m();
@@ -216,8 +217,8 @@ double LayerOf_m(const scene::PreparationPart& part, const cutting::Volume& volu
   return *middle;
 }
 
-// Who leaves the lowest of a cavity leaves as much of a thin layer at most: with all of it left he
-// would be who does nothing.
+// An operator who leaves the bottom of a cavity leaves at most this share of a thin layer: with all
+// of it left he would be the one who does nothing.
 constexpr double kMostOfLayerLeft = 0.6;
 
 double FloorOver(double wanted_m, const scene::PreparationPart& part,
@@ -225,8 +226,9 @@ double FloorOver(double wanted_m, const scene::PreparationPart& part,
   return wanted_m < 0 ? std::max(wanted_m, -kMostOfLayerLeft * LayerOf_m(part, volume)) : wanted_m;
 }
 
-// How far the bur's upper end leans to buccal; negative: to lingual. A stump's walls lean already, so
-// there he holds it towards the steeper one, as far beyond it as makes an undercut that is felt.
+// Lean of the bur's upper end to buccal; negative: to lingual. A stump's walls are inclined
+// already, so there he leans towards the steeper one, far enough beyond it to make a noticeable
+// undercut.
 double AskewIn_deg(const scene::Preparation& shape, double askew_deg) {
   using PartOutline = scene::PreparationPart::Outline;
   constexpr double kUndercut_deg = 4, kDegPerRad = 57.29577951308232;
@@ -244,7 +246,7 @@ double AskewIn_deg(const scene::Preparation& shape, double askew_deg) {
                            : -std::max(askew_deg, lingual + kUndercut_deg);
 }
 
-// Part after part of what the exercise asks for, each in what the others have left.
+// Part after part of the exercise's target, each in the volume left by the previous ones.
 Result<std::vector<Move>> PlanTarget(const scene::Preparation& shape, const OperatorPreset& preset,
                                      const Extra& wrong, const scene::Exercise& exercise,
                                      double top_m, const cutting::Volume& volume) {
@@ -294,7 +296,7 @@ Result<std::vector<Move>> PlanTarget(const scene::Preparation& shape, const Oper
   return plan;
 }
 
-// He has got used to the device in his hand: how stiff it is, how much its friction holds back.
+// He is used to the device in his hand: its stiffness and its friction.
 HandParams HandFor(const PlantParams& plant, const core::CoreParams& params,
                    const OperatorPreset& preset, double askew_deg, uint64_t seed) {
   HandParams hand;

@@ -31,8 +31,8 @@ bool IsUpright(const Outline& o) {
   return true;
 }
 
-// Corners where each of a rectangle's lines meets the one before: to the last bit what its numbers
-// say. Empty where it has turned inside out.
+// Corners where each of a rectangle's lines meets the previous one: exact to the last bit. Empty if
+// it has turned inside out.
 Outline CornersOf(const std::vector<Line>& lines) {
   Outline out;
   for (size_t i = 0; i < lines.size(); ++i) {
@@ -48,7 +48,7 @@ Outline CornersOf(const std::vector<Line>& lines) {
   return out;
 }
 
-// What of it lies on the inner side of a line.
+// The part on the inner side of a line.
 Outline Clipped(const Outline& outline, const Line& line) {
   constexpr double kSame_m = 1e-9;
   Outline kept;
@@ -126,7 +126,7 @@ Outline SectionOf(const scene::PreparationPart& part, double z_m) {
                      part.top_um[1] * 1e-6 + mix(s.foot.middle_um[1], s.table.middle_um[1]));
   const dvec2 half(mix(s.foot.half_um[0], s.table.half_um[0]),
                    mix(s.foot.half_um[1], s.table.half_um[1]));
-  // Never quite all of a side: each arc ends in a corner of its own.
+  // Never all of a side: each arc ends in a separate corner.
   const double r = std::min(s.corner_um * 1e-6, 0.95 * std::min(half.x, half.y));
   Outline out;
   for (int i = 0; i < 4 * kArcCorners; ++i) {
@@ -149,7 +149,7 @@ Outline Moved(const Outline& outline, const std::function<double(const dvec2&)>&
     lines.push_back({outward, Dot2(outward, a) + by_m(outward)});
   }
   if (IsUpright(outline)) return CornersOf(lines);
-  // Between all its lines, from a square that holds any of it.
+  // Bounded by all its lines, starting from a square that contains it.
   const Bounds b = BoundsOf(outline);
   const double far = 4 * std::max(b.x1 - b.x0, b.y1 - b.y0);
   Outline out = RectangleOf({b.x0 - far, b.x1 + far, b.y0 - far, b.y1 + far});

@@ -10,12 +10,12 @@ namespace {
 
 constexpr double kTremorHz = 10;
 constexpr double kTremorDamping = 0.15;  // spread over about 8 to 12 Hz
-constexpr double kOnLine_m = 40e-6;      // beside the line: near enough to go on at full feed
+constexpr double kOnLine_m = 40e-6;      // beside the line: near enough for full feed
 constexpr double kOffLine_m = 200e-6;    // here he waits until the bur is back
 constexpr double kMinLead_m = 50e-6;
 constexpr double kReach = 5.0;    // of what he sees beside the line, added at once
 constexpr double kPress = 2.5;    // how far he aims beyond the end, of what is left
-constexpr double kStall_s = 1.5;  // no nearer for so long: he goes on
+constexpr double kStall_s = 1.5;  // no progress for this long: he moves on
 constexpr double kRingStall_s = 0.35;
 constexpr double kStallStep_m = 10e-6;
 constexpr double kBin_m = 0.2e-3;  // length of a side that is judged and pressed as one
@@ -109,7 +109,7 @@ HandDrive PathOperator::Act(const dvec3& hand_m, const dvec3& bur_m, double tick
   }
   dvec3 tremor = Tremor(tick_s);
   hand.equilibrium_m = equilibrium_ + tremor;
-  // Steps of the plan are taken by the arm, not by the damper.
+  // Steps of the plan are left to the arm, not the damper.
   hand.velocity_m_per_s = Limited((equilibrium_ - before) / tick_s, leg_.feed);
   return hand;
 }
@@ -177,7 +177,7 @@ void PathOperator::BeginRingSide(const FinishRing& ring) noexcept {
   side_ = backward() ? ring.corners.size() - 1 - step_ : step_;
   BeginLeg(ring.corners[(side_ + (backward() ? 0 : 1)) % ring.corners.size()], like);
   leg_.learnt_axis = ring.outward[side_];
-  // Past what is clean he only hurries.
+  // He hurries past clean parts.
   if (pass_ > 0 && sides_[side_].undone == 0) leg_.feed *= kHurry;
   lean_ = Across(lean_, leg_.learnt_axis);
 }
@@ -214,8 +214,8 @@ double PathOperator::LearntLean(double along_m) const noexcept {
   return side.bins[i].lean * (1 - part) + side.bins[std::min(i + 1, n - 1)].lean * part;
 }
 
-// What he has learnt of a wall is not what it gives where he lingers: he leans no farther beyond the
-// line than the bur is short of it, and a light touch, and lets go where it has come to the line.
+// Limits the learned lean where he lingers: he leans no farther beyond the line than the bur is
+// short of it, plus a light touch, and lets go where it has reached the line.
 double PathOperator::LeanInSight(const FinishRing& ring, const dvec3& seen) const noexcept {
   if (ring.gentle) return kMaxStretch_m;
   double left = Dot(ring.corners[side_] - seen, leg_.learnt_axis);
@@ -241,8 +241,8 @@ void PathOperator::WatchSide(const FinishRing& ring, const dvec3& seen) noexcept
   ++side.bins[i].count;
 }
 
-// Compares what was seen with what was wanted, bin by bin, and leans accordingly next time. True
-// when nothing is left to do.
+// Compares what he saw with the target, bin by bin, and adjusts the lean of the next pass. True
+// when everything is done.
 bool PathOperator::EndPass(const FinishRing& ring) noexcept {
   double gained = 0;
   size_t bins = 0, left = 0;
@@ -256,7 +256,7 @@ bool PathOperator::EndPass(const FinishRing& ring) noexcept {
                        idle_passes_ >= (ring.gentle ? 4 : 2));
 }
 
-// The arm cannot change its push from one bin to the next at will: never by more than a slope.
+// The arm cannot change its push abruptly from one bin to the next: limited to a slope.
 void PathOperator::SmoothLeans(Side& side) noexcept {
   auto limit = [&](size_t b, size_t next) {
     if (!side.bins[next].seen) return;

@@ -9,7 +9,8 @@
 namespace enamel::station {
 namespace {
 
-// Of the keeper's repeats; a maker's library has no watchdog to feed, but its motors hold on.
+// Interval of the keeper's repeats; a maker's library has no watchdog to feed, but its motors hold
+// the last force.
 constexpr int kRepeat_ms = 4;
 constexpr double kMostCounts = 2147483647.0;
 

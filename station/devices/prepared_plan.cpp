@@ -12,9 +12,9 @@ using cutting::Volume;
 
 constexpr double kOverAll_m = 1.0e-3;  // above the highest solid, between air and work
 constexpr double kThroughAir_m_per_s = 10e-3, kRowFeed_m_per_s = 3e-3, kFineRowFeed_m_per_s = 3e-3;
-constexpr double kRowStock_m = 0.12e-3;   // left by roughing
-constexpr double kWorthAVisit_m = 20e-6;  // less above the tip is not worth a visit
-constexpr double kStraight_m = 8e-6;      // corners that lie less off a line are left out
+constexpr double kRowStock_m = 0.12e-3;                   // left by roughing
+constexpr double kWorthAVisit_m = 20e-6;                  // less above the tip is not worth a visit
+constexpr double kStraight_m = 8e-6;                      // corners less off a line are left out
 constexpr double kRoughPitch = 0.9, kFinishPitch = 0.25;  // of the tip's radius, from row to row
 constexpr double kNone_m = -1;                            // a height below every tooth
 
@@ -80,8 +80,8 @@ class RowPlanner {
     solid_ = Under(before_, Rests::kOnAll);
     const Heights exact = Under(after, Rests::kOnWhatStays);
     floor_ = Under(after, Rests::kOnWhatStaysButWalls);
-    // Only where something goes: the tooth beside it is not to be lowered, and a slope there is no
-    // wall.
+    // Only where material is removed: the tooth beside it must not be lowered, and a slope there is
+    // not a wall.
     for (int y = 0; y < floor_.size.y; ++y)
       for (int x = 0; x < floor_.size.x; ++x) {
         const bool goes = Goes(exact, x, y);
@@ -142,7 +142,7 @@ class RowPlanner {
 
   enum class Rests { kOnAll, kOnWhatStays, kOnWhatStaysButWalls };
 
-  // Whether the bur has work here, or on the way from which a wall goes in to here.
+  // Whether the bur has work here, or where a wall starts that goes in to here.
   bool Goes(const Heights& exact, int x, int y) const {
     for (const Offset& o : disc_) {
       if (o.reach_m > cut_.deeper_m(o.outward) && o.reach_m > 0) continue;
@@ -155,8 +155,8 @@ class RowPlanner {
     return false;
   }
 
-  // Where the tip stands when the bur rests on the columns: on all, on those that stay, or on those
-  // less what the walls are to go in.
+  // Height of the tip when the bur rests on the columns: on all, on those that stay, or on those
+  // less the inward error of the walls.
   Heights Under(const Heights& tops, Rests rests) const {
     Heights out = tops;
     for (int y = 0; y < tops.size.y; ++y)
@@ -205,7 +205,7 @@ class RowPlanner {
     return {p.x, p.y, z};
   }
 
-  // One stretch of a row, without the corners that are none.
+  // Takes one stretch of a row, without superfluous corners.
   void Take(std::vector<dvec3>& way) {
     if (way.empty()) return;
     std::vector<dvec3> corners = {way.front()};

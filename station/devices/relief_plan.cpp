@@ -140,8 +140,8 @@ std::vector<Move> PlanRelief(const PartCut& cut, const cutting::Bur& bur,
   const dvec3 first = rough.front().front();
   go({dvec3(first.x, first.y, clear)}, kAirFeed_m_per_s, 0.5, false);
   for (auto& row : rough) go(std::move(row), kRoughFeed_m_per_s, options.rough_push_n, true);
-  // The other way round, so that the last of the rough rows is beside the first of these. Two rows
-  // at a time, forth and back, until they are right.
+  // In the opposite direction, so that the last rough row is beside the first of these. Two rows at
+  // a time, forth and back, until they are right.
   const auto rows = RowsOver(tips, over, kFinishRows_m, 0, !options.clockwise);
   for (size_t k = 0; k < rows.size(); k += 2) {
     FinishRing ring;

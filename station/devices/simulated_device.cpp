@@ -38,7 +38,7 @@ std::string SimulatedDevice::Name() const {
 
 DeviceSample SimulatedDevice::ReadSample() noexcept {
   HandDrive hand = operator_->Act(x_, bur_m_, params_.tick_s);
-  // What was sent last goes in, what was sent delay_ticks before it comes out.
+  // The newest force goes in; the force sent delay_ticks ago comes out.
   const size_t size = pipe_.size(), delay = static_cast<size_t>(params_.delay_ticks);
   pipe_[pipe_at_] = sent_n_;
   motor_n_ = pipe_[(pipe_at_ + size - delay) % size];
@@ -57,7 +57,7 @@ DeviceSample SimulatedDevice::ReadSample() noexcept {
     sample.counts[static_cast<size_t>(i)] = static_cast<int32_t>(
         std::lround((x_[i] + Noise() - params_.origin_m[i]) / params_.resolution_m));
   }
-  // A gimbal without motors goes with the hand.
+  // A gimbal without motors follows the hand.
   sample.orientation = ToQuantised(params_.inertia_kg_m2 > 0 ? Read(turned_) : hand.orientation);
   if (hand.pedal) {
     sample.buttons |= kPedal;
@@ -99,7 +99,7 @@ void SimulatedDevice::Substep(const HandDrive& hand, const dvec3& equilibrium_m,
   x_ += v_ * (0.5 * dt);
 }
 
-// As Substep, with angles for lengths. Gyroscopic torque is left out: a hand turns slowly.
+// As Substep, with angles for lengths. Without gyroscopic torque: a hand turns slowly.
 void SimulatedDevice::Turn(const HandDrive& hand, double dt) noexcept {
   turned_ = haptics::TurnedBy(spin_ * (0.5 * dt), turned_);
   const dvec3 torque = haptics::ChordOfTurn(hand.orientation, turned_) * params_.hand_n_m_per_rad -
@@ -111,9 +111,9 @@ void SimulatedDevice::Turn(const HandDrive& hand, double dt) noexcept {
   turned_ = haptics::TurnedBy(spin_ * (0.5 * dt), turned_);
 }
 
-// Counts of the vector part, as coarse as the cell lets them be: with step s it is off by at most
-// sqrt(3) s / 2, and the angle by twice that over w. Exact to a hundredth up to 15 degrees of tilt,
-// and farther the cell is larger than said by 1/w.
+// Counts of the vector part, as coarse as the cell permits: with step s its error is at most
+// sqrt(3) s / 2, and the angle's twice that over w. Exact to a hundredth up to 15 degrees of tilt;
+// beyond, the cell is larger than stated by 1/w.
 Quat SimulatedDevice::Read(const Quat& q) const noexcept {
   const double sign = q.w < 0 ? -1 : 1;
   const double step = (params_.orientation_cell_rad - kRecordedCell_rad) / std::sqrt(3.0);

@@ -103,7 +103,7 @@ class Planner {
     moves_.emplace_back(
         Stroke{std::move(points), feed * options_.speed_ratio, push, tolerance, bur_on});
   }
-  // Through the air to over a point, and down to it.
+  // Through the air above a point, and down to it.
   void GoTo(const dvec3& p) {
     const double clear = std::max(top_, p.z) + kClear_m;
     std::vector<dvec3> way;
@@ -113,7 +113,7 @@ class Planner {
     Go({p}, kAirFeed_m_per_s, 0.5, 2e-4, true);
   }
   void GoRound(const Outline& outline, double z, double feed, double push) {
-    // Walls that are cut in beyond their middle: there is nothing left to go round.
+    // The walls are cut in beyond their middle: there is nothing left to go round.
     if (outline.empty()) return;
     std::vector<dvec3> c = CornersAt(outline, z, options_.clockwise);
     c.push_back(c[0]);
@@ -121,7 +121,7 @@ class Planner {
     Go(std::move(c), feed, push, 1e-4, true);
   }
 
-  // The walls at a height, so far out.
+  // The walls at a height, this far out.
   Outline Walls(double z, double out_m) const {
     const Outline walls = SectionOf(cut_.part, z + cut_.lower_m);
     return Moved(walls, [&](const glm::dvec2& outward) { return out_m - cut_.deeper_m(outward); });
@@ -158,8 +158,8 @@ class Planner {
     }
   }
 
-  // What the table has lower than its highest place: in rows, layer by layer, and once more in closer
-  // ones. Beside the table it is for the walls' rounds to clear.
+  // Clears what is lower on the table than its highest place: in rows, layer by layer, and once
+  // more in closer ones. The walls' rounds clear the area beside the table.
   void IntoTheRelief(const cutting::Bur& bur) {
     const ReliefTips tips(cut_, bur);
     Bounds over = BoundsOf(Walls(table_z_, tip_m_));
@@ -200,7 +200,7 @@ class Planner {
     }
     cut();
   }
-  // To a place near by: just over the table, and down.
+  // To a nearby place: just over the table, and down.
   void Near(const dvec3& p) {
     const double clear = table_z_ + 0.3e-3;
     Go({dvec3(at_.x, at_.y, clear), dvec3(p.x, p.y, clear), p}, kAirFeed_m_per_s, 0.5, 2e-4, true);

@@ -40,7 +40,7 @@ dvec3 AxisMap::ToBoard(const dvec3& scene) const noexcept {
 }
 
 Quat AxisMap::ToScene(const Quat& board) const noexcept {
-  // A rotation turns the axis of a turn like any vector and leaves its angle. A mirror image would
+  // A rotation turns the axis of a turn like any vector and keeps its angle. A mirror image would
   // not.
   const double v[3] = {board.x, board.y, board.z};
   double out[3];

@@ -39,14 +39,14 @@ Result<PedalSettings> ParsePedal(std::string_view text) {
 
 PedalReading ReadPedal(const PedalSettings& settings, ByteView report) noexcept {
   if (report.size() <= settings.byte) return {};
-  // A device with several reports says nothing of the pedal in the others.
+  // A device with several reports has the pedal in only one of them.
   if (settings.report_id != 0 && report[0] != settings.report_id) return {};
   return {true, (report[settings.byte] & settings.mask) != 0};
 }
 
 Result<std::unique_ptr<FootPedal>> FootPedal::Open(const PedalSettings& settings) {
   ENAMEL_ASSIGN_OR_RETURN(auto info, FindHid(settings.match));
-  // Once here, so that a refusal is told and not retried for ever.
+  // Tried once here, so that a refusal is reported instead of retried for ever.
   auto port = HidPort::Open(info.path);
   if (!port.ok()) return port.status();
   return std::unique_ptr<FootPedal>(

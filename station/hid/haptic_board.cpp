@@ -8,10 +8,10 @@
 namespace enamel::station::hid {
 namespace {
 
-constexpr uint32_t kLateReports = 1000;  // so far back is late, farther is a restart
+constexpr uint32_t kLateReports = 1000;  // up to this far back is late, farther is a restart
 constexpr std::chrono::milliseconds kFirstReport{1000}, kStep{1};
 constexpr int64_t kSecond_ns = 1'000'000'000;
-// A board that was told to drive its motors has said so in its reports after this.
+// After this time a board's reports must confirm that it drives its motors.
 constexpr int64_t kTakesEffect_us = 20'000;
 constexpr uint8_t kSixAxes = 6;
 constexpr double kMostTorque = 2e9;  // what the report holds, uN m
@@ -22,7 +22,7 @@ int64_t Now_us() noexcept {
   return t.tv_sec * int64_t{1'000'000} + t.tv_nsec / 1000;
 }
 
-// Within a tenth of unit length; what is not comes from no sensor.
+// Within a tenth of unit length; anything else does not come from a sensor.
 bool IsTurn(const std::array<int16_t, 4>& q) noexcept {
   constexpr double kUnit = 32767.0;
   double square = 0;
@@ -34,8 +34,8 @@ int32_t Saturated(int64_t v) noexcept {
   return static_cast<int32_t>(std::clamp<int64_t>(v, INT32_MIN, INT32_MAX));
 }
 
-// In 0.1 mN. Beyond the peak on any axis all of it is less, by the same share: clipped axis by axis
-// it would push elsewhere than the tooth does.
+// In 0.1 mN. Beyond the peak on any axis all axes are reduced by the same share: clipping each axis
+// would change the direction of the push.
 std::array<int32_t, 3> WithinPeak(const dvec3& force_n, const FeatureReport& board) {
   const dvec3 force = force_n * 1e4;
   double share = 1;
@@ -73,7 +73,7 @@ ReportOrder::Verdict ReportOrder::Judge(uint32_t sequence) noexcept {
   }
   if (ahead == 0) return Verdict::kDuplicate;
   if (behind <= kLateReports) return Verdict::kLate;
-  // More than half the range ahead is behind, and too far to be late: it counts anew.
+  // Ahead by more than half the range means behind, and too far to be late: a restart.
   bool restarted = ahead > UINT32_MAX / 2;
   if (!restarted) lost_ += ahead - 1;
   last_ = sequence;
@@ -82,7 +82,7 @@ ReportOrder::Verdict ReportOrder::Judge(uint32_t sequence) noexcept {
 
 Result<std::unique_ptr<HapticBoard>> HapticBoard::Open(const HapticBoardSettings& settings) {
   HidMatch match = settings.match;
-  // The collection says that it speaks our reports; ids are only which of several.
+  // The collection identifies our reports; ids only select among several boards.
   match.usage_page = kBoardUsagePage;
   match.usage = kBoardUsage;
   ENAMEL_ASSIGN_OR_RETURN(auto info, FindHid(match));
@@ -115,13 +115,14 @@ HapticBoard::HapticBoard(const HapticBoardSettings& settings, const HidInfo& inf
       watchdog_ms_(std::clamp(settings.watchdog_ms, 1, int{feature_.max_watchdog_ms})) {
   ENAMEL_CHECK(sem_init(&force_posted_, 0, 0) == 0);
   HidMatch again{info.vendor, info.product, info.serial, kBoardUsagePage, kBoardUsage};
-  // The writer first: the reader may find a board at once and hand it a port.
+  // The writer first: the reader may find a board at once and pass it a port.
   writer_ = std::thread([this] { Write(); });
   reader_.reset(new HidReader(again, *this));
 }
 
 HapticBoard::~HapticBoard() {
-  // The reader first, which calls into the rest. The writer's last act is force 0 and motors off.
+  // The reader first, because it calls into the rest. The writer's last act is force 0 and motors
+  // off.
   reader_.reset();
   stop_ = true;
   sem_post(&force_posted_);
@@ -132,10 +133,10 @@ HapticBoard::~HapticBoard() {
 DeviceSample HapticBoard::ReadSample() noexcept {
   const Pose& newest = poses_.Read();
   DeviceSample sample = newest.sample;
-  // Fresh once: what was seen in the last tick is news no more.
+  // Fresh once: data seen in the last tick is no longer new.
   sample.fresh = sample.fresh && newest.number != seen_;
   seen_ = newest.number;
-  // Counters and not flags: what began and ended between two ticks is told all the same.
+  // Counters instead of flags: an event that began and ended between two ticks still counts.
   if (newest.breaks != seen_breaks_) sample.attached = sample.fresh = false;
   seen_breaks_ = newest.breaks;
   if (newest.switch_offs != seen_switch_offs_) sample.driven = false;
@@ -144,8 +145,8 @@ DeviceSample HapticBoard::ReadSample() noexcept {
 }
 
 void HapticBoard::SendForceAndTorque(const dvec3& force_n, const dvec3& torque_n_m) noexcept {
-  // The newest force replaces one that was not written yet, and a semaphore that is posted already
-  // is not posted again: a bus that blocks leaves no queue behind.
+  // The newest force replaces an unwritten one, and the semaphore is posted at most once: a bus
+  // that blocks leaves no queue behind.
   forces_.Write({force_n, torque_n_m, ++sent_});
   if (!force_waits_.exchange(true, std::memory_order_acq_rel)) sem_post(&force_posted_);
 }
@@ -155,15 +156,15 @@ DeviceCounters HapticBoard::counters() const noexcept {
 }
 
 bool HapticBoard::OnAttached(const HidInfo& info) {
-  // The reader's thread is HidReader's own: this is its first call here.
+  // The reader's thread belongs to HidReader: this is its first call here.
   if (settings_.thread_setup && published_ == 0) settings_.thread_setup();
   if (info.serial != serial_) return false;
-  // Another handle than the reader's, for the writer.
+  // A separate handle for the writer.
   auto port = HidPort::Open(info.path);
   if (!port.ok()) return false;
   auto feature = AskFeature(**port);
   if (!feature.ok() || *feature != feature_) return false;
-  // Plugged in again it may count from anywhere.
+  // After plugging in, its count may start anywhere.
   order_.Forget();
   {
     std::lock_guard lock(port_mutex_);
@@ -178,7 +179,7 @@ void HapticBoard::OnDetached() {
   new_clock_ = true;
   ++breaks_;
   ++detached_;
-  // Nobody holds the pedal of a board that is gone. Its pose stays: the tick needs one.
+  // An unplugged board's pedal counts as released. Its pose stays: the tick needs one.
   sample_.buttons = 0;
   sample_.bur_speed_krpm = 0;
   PublishPose(false);
@@ -211,7 +212,7 @@ void HapticBoard::OnReport(ByteView bytes) {
 void HapticBoard::TakeReport(const InputReport& report) {
   auto scene = settings_.axes.ToScene(
       std::array<int32_t, 3>{report.counts[0], report.counts[1], report.counts[2]});
-  // Once: a board that is plugged in again keeps its middle, or the scene would lie elsewhere.
+  // Once: a board plugged in again keeps its middle, or the scene would move.
   if (!centred_ && settings_.centre_on_first_report) centre_ = scene;
   centred_ = true;
   for (size_t i = 0; i < 3; ++i) sample_.counts[i] = Saturated(int64_t{scene[i]} - centre_[i]);
@@ -229,20 +230,20 @@ void HapticBoard::TakeReport(const InputReport& report) {
   sample_.driven = !SwitchedOff(report.status);
   switch_offs_ += !sample_.driven;
   sample_.sequence = report.sequence;
-  // The station's time of the device stands still over a restart and never goes back.
+  // The station's copy of the device's time stops during a restart and never goes back.
   if (new_clock_) last_time_us_ = report.time_us;
   new_clock_ = false;
   sample_.device_time_us += report.time_us - last_time_us_;  // modulo 2^32: it wraps
   last_time_us_ = report.time_us;
 }
 
-// Not before its motors were asked for: it begins with them off, and its watchdog may not have been
-// fed for long. And not in reports that were on the way then.
+// Applies only after the motors were requested: the board starts with them off, and its watchdog
+// may not have been fed for long. Ignores reports that were already on the way.
 bool HapticBoard::SwitchedOff(uint8_t status) {
   const int64_t first_us = first_driven_us_;
   if (first_us == 0) return false;
-  // Reports that were under way when the motors were asked for, or let go, say what was: after
-  // every turn the board has to say anew that they are on before their being off means anything.
+  // Reports already on the way when the motors were requested or released describe the previous
+  // state. After every turn the board has to report them on before a report of off counts.
   const uint32_t turns = turns_;
   if (turns != seen_turns_) said_on_ = false;
   seen_turns_ = turns;
@@ -276,7 +277,7 @@ bool HapticBoard::WaitForForce(int64_t timeout_us) {
   t.tv_sec += until / kSecond_ns;
   t.tv_nsec = until % kSecond_ns;
   bool posted = sem_clockwait(&force_posted_, CLOCK_MONOTONIC, &t) == 0;
-  // Before the force is read: one that comes in between posts again, so none is left lying.
+  // Before the force is read: a force that arrives in between posts again, so none is missed.
   force_waits_.store(false, std::memory_order_release);
   return posted;
 }
@@ -287,7 +288,7 @@ void HapticBoard::Write() {
   std::unique_ptr<HidPort> port;
   uint32_t sequence = 0;
   while (!stop_) {
-    // At least 0.1 ms, or a keeper that is due would spin on a board that is gone.
+    // At least 0.1 ms, or a keeper with a due repeat would spin on a detached board.
     WaitForForce(std::max<int64_t>(keeper.WaitFor_us(Now_us()), 100));
     TakePort(port);
     Force newest = forces_.Read();
@@ -307,7 +308,7 @@ bool HapticBoard::Send(HidPort& port, const ForceKeeper::Command& command, uint3
   report.watchdog_ms = static_cast<uint16_t>(watchdog_ms_);
   report.force_100un = WithinPeak(settings_.axes.ToBoard(command.force_n), feature_);
   if (feature_.axes == kSixAxes) {
-    // Turned like a force: the axes are turned, never mirrored (AxisMap).
+    // Turned like a force: the axes are rotated, never mirrored (AxisMap).
     const dvec3 torque_un_m = settings_.axes.ToBoard(command.torque_n_m) * 1e6;
     for (int i = 0; i < 3; ++i) {
       report.torque_un_m[static_cast<size_t>(i)] =
@@ -315,7 +316,7 @@ bool HapticBoard::Send(HidPort& port, const ForceKeeper::Command& command, uint3
     }
   }
   auto bytes = EncodeOutput(report);
-  // Before the write: the board's answer must not come before it is known what it answers.
+  // Before the write, so that the board's answer finds the new state.
   if (command.motors_on != (turns_ % 2 == 1)) ++turns_;
   if (command.motors_on && first_driven_us_ == 0) first_driven_us_ = Now_us();
   bool written = port.Write(bytes);

@@ -36,10 +36,10 @@ ReportError Check(ByteView bytes, uint8_t id, size_t size) noexcept {
   if (bytes.empty()) return ReportError::kShort;
   if (bytes[0] != id) return ReportError::kWrongId;
   if (bytes.size() < 2) return ReportError::kShort;
-  // Before the length: another version may well have another one, and is not to be called short.
+  // Before the length: another version may have another one, and must not be called short.
   if (bytes[1] != kReportVersion) return ReportError::kVersion;
   if (bytes.size() < size) return ReportError::kShort;
-  // At the layout's end and not the report's: what follows is padding of the bus.
+  // At the layout's end, not the report's: the rest is padding of the bus.
   uint16_t crc = static_cast<uint16_t>(bytes[size - 2] | bytes[size - 1] << 8);
   return Crc16(bytes.first(size - 2)) == crc ? ReportError::kNone : ReportError::kChecksum;
 }
@@ -51,7 +51,7 @@ std::string ReadText(ByteReader& in) {
 
 bool Within(uint32_t value, uint32_t low, uint32_t high) { return value >= low && value <= high; }
 
-// As a profile's (common/scene/json/profile.cpp): the core must be able to run with it.
+// As for a profile (common/scene/json/profile.cpp): the core must be able to run with it.
 bool InRange(const FeatureReport& f) {
   bool ok =
       Within(f.axes, 3, 6) && Within(f.max_watchdog_ms, 1, 1000) && Within(f.rate_hz, 100, 20'000);
@@ -119,7 +119,7 @@ ReportError DecodeOutput(ByteView bytes, OutputReport& out) noexcept {
 ReportError DecodeFeature(ByteView bytes, FeatureReport& out) {
   if (ReportError e = Check(bytes, kFeatureId, kFeatureBytes); e != ReportError::kNone) return e;
   ByteReader in(bytes.subspan(2));
-  // Into one of its own: `out` stays as it was where something is out of range.
+  // Into a temporary: `out` does not change if a value is out of range.
   FeatureReport f;
   f.axes = in.U8();
   f.tells_orientation = (in.U8() & 1) != 0;

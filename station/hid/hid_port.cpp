@@ -10,7 +10,7 @@
 namespace enamel::station::hid {
 namespace {
 
-// hidapi lists and opens by a library context that is not safe for threads.
+// hidapi lists and opens through a library context that is not thread-safe.
 std::mutex& ContextMutex() {
   static std::mutex mutex;
   return mutex;
@@ -56,7 +56,7 @@ std::vector<HidInfo> ListHid() {
                    Utf8(d->manufacturer_string), Utf8(d->product_string)});
   }
   hid_free_enumeration(all);
-  // By path, so that "the first that fits" is the same one each time.
+  // By path, so that "the first that matches" is the same one each time.
   std::sort(out.begin(), out.end(),
             [](const HidInfo& a, const HidInfo& b) { return a.path < b.path; });
   return out;
@@ -117,7 +117,7 @@ bool HidPort::Write(ByteView report) {
 
 Result<Bytes> HidPort::GetFeature(uint8_t id, size_t size) {
   Bytes out(size);
-  // hidapi wants the id where the answer will have it.
+  // hidapi needs the id at the answer's place.
   out[0] = id;
   int got = hid_get_feature_report(Handle(handle_), out.data(), out.size());
   if (got < 0) {

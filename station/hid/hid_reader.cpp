@@ -6,7 +6,7 @@
 namespace enamel::station::hid {
 namespace {
 
-// The largest input report known here has 48 bytes. The wait between two looks is cut in steps, so
+// The largest known input report has 48 bytes. The wait between two searches is cut in steps, so
 // that ending the reader does not take all of kRetry.
 constexpr size_t kMaxReport = 256;
 constexpr std::chrono::milliseconds kRetryStep{20};
@@ -62,7 +62,7 @@ void HidReader::Run() {
     if (got > 0) {
       sink_.OnReport({buffer.data(), static_cast<size_t>(got)});
     } else if (got < 0) {
-      // Looked for again by its ids, since the path may be another's by then.
+      // Searched again by its ids, since the path may be another's by then.
       sink_.OnDetached();
       port.reset();
     }

@@ -57,7 +57,7 @@ Result<std::unique_ptr<Device>> OpenMouse(const DeviceChoice& choice,
 
 HidKind Recognise(const HidInfo& info) {
   if (info.usage_page == kBoardUsagePage && info.usage == kBoardUsage) return HidKind::kHapticBoard;
-  // Logitech's and 3Dconnexion's own: others' devices may say the same usage.
+  // Logitech's and 3Dconnexion's own: other makers' devices may have the same usage.
   bool maker = info.vendor == 0x046d || info.vendor == 0x256f;
   if (maker && info.usage_page == kMultiAxisPage && info.usage == kMultiAxisUsage) {
     return HidKind::kSpaceMouse;

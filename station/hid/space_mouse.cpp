@@ -7,8 +7,8 @@ namespace enamel::station::hid {
 namespace {
 
 constexpr uint8_t kTranslationId = 1, kRotationId = 2, kButtonsId = 3;
-// Of the deflection's 350. A hand that rests on the cap must not move the bur, and the square keeps
-// small motions slow; both are chosen, space_mouse_test.cpp has the curve.
+// Of the deflection's 350. A hand resting on the cap must not move the bur, and the square keeps
+// small motions slow; both values are our choice, space_mouse_test.cpp has the curve.
 constexpr double kDeadZone = 10, kFullDeflection = 350;
 
 void TakeAxes(ByteView bytes, size_t first, size_t count, SpaceMouseState& state) noexcept {
@@ -30,7 +30,7 @@ SpaceMouseReport TakeReport(ByteView report, SpaceMouseState& state) noexcept {
   switch (report[0]) {
     case kTranslationId:
       if (body.size() < 6) return SpaceMouseReport::kTooShort;
-      // The two families differ in this length alone.
+      // Only this length distinguishes the two families.
       TakeAxes(body, 0, body.size() >= 12 ? 6 : 3, state);
       return SpaceMouseReport::kTaken;
     case kRotationId:
@@ -108,7 +108,7 @@ DeviceSample SpaceMouse::ReadSample() noexcept {
   const Message& newest = mailbox_.Read();
   silent_s_ = newest.number == seen_ ? silent_s_ + tick_s_ : 0;
   seen_ = newest.number;
-  // Silent for longer it stays where it is: a last deflection must not drive on for ever.
+  // After a longer silence it stops: a last deflection must not drive on for ever.
   if (silent_s_ <= kSilence_s) {
     SpaceMouseMotion motion = MotionOf(newest.state, settings_);
     at_m_ += motion.velocity_m_per_s * tick_s_;

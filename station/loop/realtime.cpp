@@ -45,7 +45,7 @@ RealtimeGrant RequestRealtime(const RealtimeRequest& request) {
   RealtimeGrant grant;
   sched_param param{};
   param.sched_priority = kPriority;
-  // For the calling thread alone: a picture that is drawn at this priority would hold up the tick.
+  // Only for the calling thread: drawing at this priority would delay the tick.
   int error = ::pthread_setschedparam(pthread_self(), SCHED_FIFO, &param);
   grant.fifo = error == 0;
   if (!grant.fifo) {

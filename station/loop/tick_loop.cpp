@@ -5,14 +5,14 @@
 namespace enamel::station {
 namespace {
 
-// The same 5 ms that schemas/hid_haptic_report.md calls silence. What can be handed out within them
-// is summed by AddLeak.
+// The same 5 ms as "silent" in schemas/hid_haptic_report.md. AddLeak sums the energy that may be
+// released within them.
 constexpr double kFaultAfter_s = 5e-3;
 constexpr double kRounding_s = 1e-9;  // a sum of ticks is compared with a time
 constexpr double kLateWindow_s = 1.0;
 constexpr double kStillReach_m = 0.5e-3;
 constexpr int64_t kSecond_ns = 1'000'000'000;
-// How long a lockstep loop waits before it looks at a full ring again.
+// How long a lockstep loop waits before it checks a full ring again.
 constexpr int64_t kBackPressure_ns = 100'000;
 
 int64_t Now_ns() noexcept {
@@ -22,13 +22,13 @@ int64_t Now_ns() noexcept {
 }
 
 void SleepUntil(int64_t due_ns) noexcept {
-  // To a time, not for one: lateness does not add up. A signal only has it asked again.
+  // Until a time, not for a duration, so lateness does not add up. After a signal it continues.
   timespec t{due_ns / kSecond_ns, due_ns % kSecond_ns};
   while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr) != 0) {
   }
 }
 
-// What does not fit is held at the most there is.
+// A sum that does not fit is held at the maximum.
 uint32_t Longer(uint32_t gap, uint64_t by) noexcept {
   return by < UINT32_MAX - gap ? gap + static_cast<uint32_t>(by) : UINT32_MAX;
 }
@@ -66,7 +66,7 @@ TickLoop::TickLoop(Device& device, core::Core& core, SampleRing& ring,
   counters_.ticks = options_.ticks_before;
   counters_.gap_ticks = gap_ = options_.first_gap_ticks;
   gap_held_ = gap_ == 0;
-  // What passed since the crash was seen by nobody: as after a fault, free air first.
+  // Nobody watched the time since the crash: as after a fault, free air first.
   soft_restart_ = gap_ > 0;
 }
 
@@ -83,7 +83,7 @@ void TickLoop::Run() noexcept {
       continue;
     }
     due_ticks += 1 + static_cast<int64_t>(skipped_);  // the hand has moved on
-    // From the start on and in whole numbers: a period of 333 333.3 ns does not drift.
+    // From the start and in whole numbers: a period of 333 333.3 ns does not drift.
     const int64_t due_ns = start_ns + due_ticks * kSecond_ns / options_.rate_hz;
     SleepUntil(due_ns);
     int64_t begin_ns = Now_ns(), late_ns = begin_ns - due_ns;
@@ -122,7 +122,7 @@ bool TickLoop::Tick(double late_s) noexcept {
 core::TickInput TickLoop::InputOf(const DeviceSample& sample) noexcept {
   bool pedal = (sample.buttons & kPedal) != 0 && !put_down_;
   if (fault() != Fault::kNone) {
-    // A pedal that went away with its device was not released by that, nor before.
+    // A pedal that was detached with its device was not released, by that or before.
     const bool alive = DeviceAlive(sample);
     pedal_released_ = alive && (pedal_released_ || !pedal);
     if (pedal && pedal_released_ && alive) {
@@ -150,7 +150,7 @@ void TickLoop::WatchTime(const DeviceSample& sample, double late_s) noexcept {
   const double tick_s = 1.0 / options_.rate_hz;
   skipped_ = static_cast<uint64_t>((late_s + kRounding_s) * options_.rate_hz);
   const double skipped_s = static_cast<double>(skipped_) * tick_s;
-  // Of a loop that is steadily 0.9 ms late each tick still comes a tick after the last: only the
+  // In a loop that is steadily 0.9 ms late each tick still comes a tick after the last: only the
   // change of lateness is time that passed.
   const double since_last_s = tick_s + late_s - rest_s_;
   rest_s_ = late_s - skipped_s;
@@ -165,7 +165,7 @@ void TickLoop::WatchTime(const DeviceSample& sample, double late_s) noexcept {
     silent_s_ += since_last_s;
     ++counters_.stale_ticks;
   }
-  // What says most first: an unplugged device is silent too, and only the first fault is kept.
+  // The most specific first: an unplugged device is silent too, and only the first fault is kept.
   if (!sample.attached) {
     Latch(Fault::kUnplugged);
   } else if (!sample.driven) {
@@ -179,7 +179,7 @@ void TickLoop::WatchTime(const DeviceSample& sample, double late_s) noexcept {
 void TickLoop::WatchLateness(double late_s) noexcept {
   if (skipped_ > 0) {
     // The place of the twentieth late tick before this one: if that is less than a second old, this
-    // is one too many, whichever second one looks at.
+    // is one too many, for any window of a second.
     double& oldest = late_at_s_[late_count_ % late_at_s_.size()];
     if (late_count_ >= late_at_s_.size() && now_s_ - oldest < kLateWindow_s) {
       Latch(Fault::kLateOften);
@@ -190,7 +190,7 @@ void TickLoop::WatchLateness(double late_s) noexcept {
   if (late_s >= kFaultAfter_s) Latch(Fault::kLateOnce);
 }
 
-// max(0, Kc/2 - b/T_hold) |dx|^2, for a hold longer than a tick; and of the torque.
+// max(0, Kc/2 - b/T_hold) |dx|^2, for a hold longer than a tick; and the torque's share.
 void TickLoop::AddLeak(const DeviceSample& sample, double hold_s) noexcept {
   const core::CoreParams& params = core_.params();
   if (has_last_ && options_.faults_when_late && hold_s > 1.0 / options_.rate_hz + kRounding_s) {
@@ -219,7 +219,7 @@ bool TickLoop::DeviceAlive(const DeviceSample& sample) const noexcept {
   return sample.attached && sample.driven && silent_s_ < kFaultAfter_s - kRounding_s;
 }
 
-// What lies in its holder when the loop begins was not put down.
+// A handpiece that is in its holder when the loop begins was not put down.
 void TickLoop::WatchHolder(const DeviceSample& sample) noexcept {
   const bool down = (sample.buttons & kPutDown) != 0;
   if (down && holder_known_ && !put_down_) ++counters_.put_downs;
@@ -250,7 +250,7 @@ void TickLoop::WatchStillness(const DeviceSample& sample) noexcept {
 }
 
 void TickLoop::Latch(Fault fault) noexcept {
-  // The first stays: what follows is often its consequence.
+  // The first stays: later ones are often its consequence.
   if (fault_.load(std::memory_order_relaxed) != Fault::kNone) return;
   fault_.store(fault, std::memory_order_relaxed);
   pedal_released_ = false;

@@ -8,7 +8,7 @@ namespace {
 // Its frame is x toward the user, y to the right, z up.
 dvec3 ToScene(double x, double y, double z) { return {y, -x, z}; }
 
-// The handle's frame, seen from the scene: both are turned by ToScene.
+// The handle's frame in the scene: ToScene turns both.
 Quat ToScene(const double (&m)[3][3]) {
   // Columns of the scene's matrix: ToScene of the frame's image of each scene axis.
   const dvec3 x = ToScene(m[0][1], m[1][1], m[2][1]);
@@ -41,7 +41,7 @@ class ForceDimension final : public PolledBus {
   explicit ForceDimension(char id)
       : id_(id), name_(NameOf(id)), turns_(dhdHasWrist(id)), twists_(dhdHasActiveWrist(id)) {}
   ~ForceDimension() override {
-    // Before it is closed: afterwards nobody feeds them.
+    // Before closing: afterwards nothing feeds the motors.
     dhdEnableForce(DHD_OFF, id_);
     dhdClose(id_);
   }

@@ -12,7 +12,7 @@ namespace {
 using OpenBus = Result<std::unique_ptr<PolledBus>> (*)();
 using FindName = std::optional<std::string> (*)();
 
-// A maker's library; its functions are null where this program was built without it.
+// A maker's library; its functions are null if this program was built without it.
 struct Library {
   std::string_view choice, what;
   OpenBus open;

@@ -21,19 +21,19 @@ Status Unknown(const char* what, const std::string& name, const std::vector<T>& 
                 what);
 }
 
-// Without an end is due last.
+// Without a due date, it is due last.
 int64_t DueOf(const Catalogue::Exercise& e) {
   return e.due_unix_ms > 0 ? e.due_unix_ms : INT64_MAX;
 }
 
-// By what may hold the tool; empty: nothing is in the way, as far as is known here.
+// Why the hand is not allowed; empty: no objection is known here.
 std::string HandRefusal(const Catalogue::Exercise& e, const Hand& hand) {
   if (hand.kind == HandKind::kNotTold) return {};
   constexpr bool kMayBeListed = true;
   return MayHold(e.hands, hand, kMayBeListed).message();
 }
 
-// With its id, by which it is asked for.
+// With the id, which requests use.
 std::string WordsOf(const Catalogue::Exercise& e) {
   return e.assignment.Text() + ", " + AssignmentText({e.title, e.exam, e.due_unix_ms, e.hands});
 }
@@ -66,7 +66,7 @@ Result<Catalogue::Exercise> ChooseByName(const std::vector<Catalogue::Exercise>&
       continue;
     }
     const std::string refusal = HandRefusal(e, wanted.hand);
-    // An exam that is open is not dodged by a hand that it does not admit.
+    // An open exam must not be avoided by a hand that it does not admit.
     if (!refusal.empty() && e.exam) exam_refusal = refusal;
     if (!refusal.empty()) {
       refusals.insert(refusal);

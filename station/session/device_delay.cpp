@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A calibration is some hundred bytes; another file with its name is not read whole.
+// A calibration has some hundred bytes; another file of that name is not read whole.
 constexpr size_t kMaxCalibration = 1 << 16;
 
 const char* FromText(scene::DelayUsed::From from) {
@@ -32,10 +32,10 @@ const char* FromText(scene::DelayUsed::From from) {
 fs::path CalibrationsFolder(const fs::path& data) { return data / "calibrations"; }
 
 fs::path CalibrationFile(const fs::path& data, const std::string& unit) {
-  // A unit's name is what its maker wrote into it: no part of it may lead out of the folder.
+  // Makers write any text into a unit's name: no part of it may lead out of the folder.
   std::string name;
   for (char c : unit) name += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
-  // Names that differ in other letters only are told apart by the hash.
+  // The hash distinguishes names that differ only in replaced letters.
   return CalibrationsFolder(data) /
          (name.substr(0, 60) + "-" + HashSha256(AsBytes(unit)).Hex().substr(0, 8) + ".json");
 }
@@ -57,8 +57,7 @@ std::optional<scene::Calibration> FindCalibration(const fs::path& data, const st
 
 scene::DelayUsed DelayKnownHere(const fs::path& data, const std::string& unit) {
   const auto calibration = FindCalibration(data, unit);
-  // What is known of the unit alone: a profile without a delay of its own leaves only the
-  // calibration.
+  // Only the unit's own delay: for a profile without one, only the calibration remains.
   scene::DeviceProfile silent;
   silent.rate_hz.value = 1000;
   return scene::DelayOfAttached(silent, calibration ? &*calibration : nullptr, 1000);
@@ -86,8 +85,8 @@ Status UseDelayOf(PreparedAttempt& prepared, const Device& device, const fs::pat
       scene::DelayOfAttached(prepared.profile, calibration ? &*calibration : nullptr, rate_hz);
   ENAMEL_ASSIGN_OR_RETURN(auto profile, scene::WithDelay(prepared.profile, rate_hz, used.ticks));
   const int64_t was = prepared.header.params.kc_mn_per_mm, is = profile.coupling_mn_per_mm.value;
-  // The header of an attempt that goes on is what its chunks are chained to, and its ticks must be
-  // replayed with it: a device that asks for less stiffness or more guard than that is refused.
+  // The chunks of a resumed attempt are chained to its header, and its ticks must replay with it: a
+  // device that needs less stiffness or more guard is refused.
   if (prepared.core) {
     if (was > is) {
       return Status(Code::kConflict,
@@ -115,8 +114,7 @@ Status UseDelayOf(PreparedAttempt& prepared, const Device& device, const fs::pat
                         ": go on with the device it was begun on, or close it",
                     "bus_delay_ticks");
     }
-    // A device that could take more goes on with what the attempt was begun with: that is stable on
-    // it.
+    // A device that could take more keeps the attempt's settings, which are stable on it.
     prepared.delay = used;
     return Status::Ok();
   }

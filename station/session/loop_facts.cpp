@@ -39,7 +39,7 @@ json::object DurationFacts(const DurationHistogram& h) {
     }
     // Most are empty, and the document is kept with every attempt.
     if (count == 0) continue;
-    // By the end of the doubling: "below_2048" reads by itself.
+    // By the end of the doubling: "below_2048" needs no explanation.
     size_t next = (octave + 1) * DurationHistogram::kSplit;
     doublings["below_" + std::to_string(DurationHistogram::Floor_ns(next))] = count;
   }

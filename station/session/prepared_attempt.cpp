@@ -10,7 +10,7 @@ Status UseHandOf(PreparedAttempt& prepared, const Device& device) {
     prepared.header.hand = hand;
     return Status::Ok();
   }
-  // Its header is recorded and stays: a recording by two kinds of hand would say it was by one.
+  // Its header is recorded and fixed: a recording by two kinds of hand would claim only one.
   if (begun.kind == HandKind::kNotTold || begun.kind == hand.kind) return Status::Ok();
   return Status(Code::kConflict,
                 "this attempt was begun with " + HandText(begun) + ", found " + HandText(hand) +

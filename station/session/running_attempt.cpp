@@ -25,7 +25,7 @@ constexpr uint32_t kLivePerSecond = 60;
 constexpr double kUmPerM = 1e6, kMnPerN = 1e3;
 
 trace::ChainState PlaceOf(const PreparedAttempt& prepared) {
-  // Chunk 0 names the hash of the header as the chunk before it.
+  // Chunk 0 names the header's hash as its predecessor.
   if (prepared.place.next_seq > 0) return prepared.place;
   return {HashSha256(trace::EncodeHeader(prepared.header)), 0, 0, 0};
 }
@@ -73,8 +73,8 @@ RunningAttempt::RunningAttempt(const trace::SecretKey& station_key, Spool& spool
       recorder_(spool, ring_, attempt_, PlaceOf(prepared), station_key,
                 Recorder::TicksPerChunk(rate_hz_)),
       loop_(device, *core_, ring_, LoopOptions(prepared, options), this) {
-  // Before the first tick: everything the threads use is there, and the chunks find somebody to
-  // send them.
+  // Before the first tick: everything the threads use is ready, and the uploader expects the
+  // chunks.
   uploader_.Prefer(attempt_, live_);
   recorder_thread_ = std::thread([this] { Record(); });
   loop_thread_ = std::thread([this, options] { RunLoop(options); });
@@ -82,7 +82,7 @@ RunningAttempt::RunningAttempt(const trace::SecretKey& station_key, Spool& spool
 
 RunningAttempt::~RunningAttempt() {
   End();
-  // A recorder that waits for a full disk would wait without end: nobody is left to free space.
+  // Without this the recorder would wait for a full disk for ever: nobody is left to free space.
   GiveUp();
   (void)Join();
 }
@@ -99,7 +99,7 @@ void RunningAttempt::OnTick(const core::Core& core, const Snapshot& snapshot) no
 void RunningAttempt::RunLoop(const AttemptOptions& options) {
   if (!options.lockstep) {
     RealtimeGrant grant = RequestRealtime({options.cpu});
-    // Being late harms nobody without motors, and nothing that is simulated.
+    // Lateness is harmless without motors and in simulations.
     auto level = options.faults_when_late ? spdlog::level::warn : spdlog::level::info;
     if (!grant.refused.empty()) spdlog::log(level, "{}", grant.refused);
   }
@@ -108,7 +108,7 @@ void RunningAttempt::RunLoop(const AttemptOptions& options) {
 
 void RunningAttempt::Record() {
   while (!(recorded_ = RecordOnce())) LogFaults();
-  // The facts are the loop's own numbers, which are only at rest once it has ended.
+  // The facts are the loop's own numbers, which are final only once it has ended.
   while (!loop_.finished()) std::this_thread::sleep_for(kRecorderIdle);
   LogFaults();
   KeepFacts();
@@ -117,21 +117,21 @@ void RunningAttempt::Record() {
   uploader_.Wake();
 }
 
-// One turn of the recorder; its outcome when that was the last.
+// One turn of the recorder; returns the outcome if that was the last.
 std::optional<Result<trace::Seal>> RunningAttempt::RecordOnce() {
-  // Asked before Pump: nothing comes after the end, and there is a try after it was given up.
+  // Read before Pump: nothing comes after the end, and one try follows GiveUp.
   const bool ended = loop_.finished(), last_try = ended && give_up_;
   const uint32_t before = recorder_.chunks();
   auto moved = recorder_.Pump();
   std::optional<Result<trace::Seal>> seal;
   if (moved.ok() && !*moved && ended) seal = recorder_.Finish();
-  // After each chunk and not after each tick: a chunk is what can be sent.
+  // After each chunk, not each tick: chunks are what is sent.
   if (recorder_.chunks() != before) uploader_.Wake();
   const Status status = seal ? seal->status() : moved.status();
   const bool try_again = status.code() == Code::kStorage;
   Note(status);
-  // Not the disk: the spool says another recording is there, or an older program runs. Waiting does
-  // not mend that, and ticking on would only be lost.
+  // Not the disk: the spool reports another recording, or an older program runs. Waiting does not
+  // help, and further ticks would only be lost.
   if (!status.ok() && !try_again) {
     loop_.RequestStop();
     return status;
@@ -145,7 +145,7 @@ std::optional<Result<trace::Seal>> RunningAttempt::RecordOnce() {
   return std::nullopt;
 }
 
-// Not worth an attempt: where the disk takes the recording and not these, they are lost.
+// Not worth an attempt: if the disk takes the recording but not these, they are lost.
 void RunningAttempt::KeepFacts() {
   auto stored = spool_.Get(attempt_);
   Status kept = stored.ok() ? spool_.loop_facts().Put(attempt_, {stored->facts.resumed(), UnixMs(),
@@ -186,7 +186,7 @@ void RunningAttempt::LogEnd(const Status& status) const {
   }
 }
 
-// What cannot be recorded is not felt.
+// Ticks that cannot be recorded are not felt.
 void RunningAttempt::Note(const Status& problem) {
   loop_.Hold(!problem.ok());
   std::lock_guard lock(mutex_);
@@ -207,8 +207,7 @@ Status RunningAttempt::Lost(const Status& why) const {
     std::snprintf(text, sizeof text, "%.2f s", static_cast<double>(ticks) / rate_hz_);
     return std::string(text);
   };
-  // Said here, where both numbers are known: how much is safe, how much is not, and what to do with
-  // it.
+  // Reported here, where both numbers are known: how much is safe, how much is not, and what to do.
   const std::string id = attempt_.Text();
   if (recorder_.chunks() == 0) {
     return Status(why.code(), why.message() + ". Of attempt " + id + " nothing could be stored");

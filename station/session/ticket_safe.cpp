@@ -10,9 +10,9 @@
 namespace enamel::station {
 namespace {
 
-// A PIN of six digits has 20 bits: the work for each guess is what protects a stolen spool file.
-// Argon2id with 64 MiB and one pass more than libsodium's "interactive" work. At 0.1 s each all
-// PINs of six digits take a processor a day, and a ticket lasts 12 hours.
+// A PIN of six digits has 20 bits: the work for each guess protects a stolen spool file. Argon2id
+// with 64 MiB and one pass more than libsodium's "interactive" work. At 0.1 s each, all PINs of six
+// digits take a processor a day, and a ticket lasts 12 hours.
 constexpr size_t kMinPin = 6, kMaxPin = 12;
 constexpr unsigned long long kPasses = 3;
 constexpr size_t kMemoryBytes = size_t{64} << 20;
@@ -22,7 +22,7 @@ static_assert(crypto_pwhash_SALTBYTES == sizeof(LockedTicket::salt));
 using Key = std::array<uint8_t, crypto_secretbox_KEYBYTES>;
 
 Result<Key> KeyOf(const std::string& pin, const std::array<uint8_t, 16>& salt) {
-  // Again each time: it does nothing after the first, and no caller has to know of it.
+  // Each time: it does nothing after the first, and callers need not know of it.
   ENAMEL_CHECK(sodium_init() >= 0);
   Key key{};
   if (crypto_pwhash(key.data(), key.size(), pin.data(), pin.size(), salt.data(), kPasses,
@@ -55,7 +55,7 @@ Status TicketSafe::CheckPin(const std::string& pin) {
   if (pin.size() < kMinPin || pin.size() > kMaxPin || !digits) {
     return Status(Code::kInvalidInput, "a PIN has 6 to 12 digits and nothing else", "pin");
   }
-  // Digits of birthdays are not looked for: ten tries are too few to make use of them.
+  // Birthdays are not refused: ten tries are too few to exploit them.
   if (Steps(pin, 0) || Steps(pin, 1) || Steps(pin, -1)) {
     return Status(Code::kInvalidInput,
                   "this PIN is guessed first: choose one whose digits are neither all the same nor "
@@ -73,12 +73,12 @@ Status TicketSafe::Put(const trace::Ticket& ticket, LockedTicket names, const st
   ENAMEL_ASSIGN_OR_RETURN(auto key, KeyOf(pin, names.salt));
   Bytes open = trace::EncodeTicket(ticket);
   names.locked.resize(crypto_secretbox_NONCEBYTES + crypto_secretbox_MACBYTES + open.size());
-  // Key and nonce are both new for each ticket: the key by its salt, so no nonce is ever used
+  // Key and nonce are both new for each ticket, the key by its salt, so no nonce is ever used
   // twice.
   randombytes_buf(names.locked.data(), crypto_secretbox_NONCEBYTES);
   crypto_secretbox_easy(names.locked.data() + crypto_secretbox_NONCEBYTES, open.data(), open.size(),
                         names.locked.data(), key.data());
-  // A plain assignment might be left out, as nothing reads the key any more.
+  // The compiler might omit a plain assignment, as nothing reads the key any more.
   sodium_memzero(key.data(), key.size());
   return spool_.tickets().Put(names);
 }
@@ -89,7 +89,7 @@ Result<std::vector<LockedTicket>> TicketSafe::List() {
   std::erase_if(*all, [](const LockedTicket& t) { return t.handed_back(); });
   for (const LockedTicket& t : *all) {
     if (t.expires_unix_ms > clock_()) continue;
-    // Of one that was begun there is nothing to give back: the server will see its recording.
+    // If its attempt was begun there is nothing to give back: the server will see the recording.
     bool begun = spool_.Get(t.attempt).ok();
     ENAMEL_RETURN_IF_ERROR(begun ? spool_.tickets().Remove(t.attempt)
                                  : spool_.tickets().HandBack(t.attempt));
@@ -120,8 +120,7 @@ Result<trace::Ticket> TicketSafe::Open(const Uuid& attempt, const std::string& p
                                           std::to_string((wait_ms + 999) / 1000) +
                                           " s before the next try");
   }
-  // Counted before it is tried: whoever pulls the plug after a wrong PIN has used up a try all the
-  // same.
+  // Counted before testing: pulling the plug after a wrong PIN does not regain the try.
   ENAMEL_ASSIGN_OR_RETURN(
       auto counted, spool_.tickets().CountPinTry(attempt, clock_(), kFreeTries, kMaxTries,
                                                  std::chrono::milliseconds(kFirstWait).count()));
@@ -135,7 +134,7 @@ Result<trace::Ticket> TicketSafe::Open(const Uuid& attempt, const std::string& p
                                     t->locked.size() - crypto_secretbox_NONCEBYTES,
                                     t->locked.data(), key.data()) == 0;
   sodium_memzero(key.data(), key.size());
-  // Whether the PIN was right is said by the authentication code alone.
+  // Only the authentication code shows whether the PIN was right.
   if (right) {
     ENAMEL_RETURN_IF_ERROR(spool_.tickets().ForgetPinTries(attempt));
     return trace::DecodeTicket(open);

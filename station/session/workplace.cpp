@@ -17,15 +17,14 @@
 namespace enamel::station {
 namespace {
 
-// The server lets go of a connection that says nothing for a minute.
+// The server closes a connection that is silent for a minute.
 constexpr std::chrono::seconds kPingEvery{20};
-// Half a minute of ticks: few enough to be in memory, many enough that reading them is not what
-// takes time.
+// Half a minute of ticks: few enough for memory, many enough to read quickly.
 constexpr size_t kChunksAtOnce = 64;
 constexpr char kSignedOut[] = "has signed out",
                kLost[] = "is signed out: the connection to the server was lost";
 
-// Exercise and profile, and what they name in turn.
+// Exercise and profile, and the documents they name.
 Result<PreparedAttempt> Assemble(const Sha256& exercise, const Sha256& profile,
                                  const scene::FetchContent& fetch) {
   PreparedAttempt out;
@@ -50,8 +49,8 @@ UploaderOptions UploaderOf(const WorkplaceOptions& options) {
   return out;
 }
 
-// What an attempt takes on disk until it ends: 3.7 bytes a tick were measured of simulated hands,
-// and the write-ahead log.
+// An attempt's size on disk until it ends: 3.7 bytes a tick, measured with simulated hands, plus
+// the write-ahead log.
 uint64_t RoomFor(const PreparedAttempt& prepared) {
   constexpr double kBytesPerTick = 4, kUsual_s = 1800, kLog_bytes = 4 << 20;
   const double time_s =
@@ -92,7 +91,7 @@ Workplace::~Workplace() {
     ForgetPerson(kSignedOut);
     changed_.notify_all();
   }
-  // Only now: until it has ended it may use the link, and what it does ends with Cancel.
+  // Last: until it has ended it may use the link, and Cancel ends its requests.
   keep_alive_.join();
   HandBackUnused();
 }
@@ -104,11 +103,11 @@ void Workplace::KeepAlive() {
     lock.unlock();
     {
       auto link = UseLink();
-      // Without mutex_: a step that only asks who is signed in must not wait for the network.
+      // Without mutex_: a step that only asks for the person must not wait for the network.
       if (link->connected() && !link->Ping().ok()) link->Close();
       bool lost = !link->connected();
       lock.lock();
-      // Somebody may have signed out and another one in meanwhile: that is another link.
+      // If one person signed out and another in meanwhile, the link is a different one.
       if (lost && link.link == link_) ForgetPerson(kLost);
     }
   }
@@ -131,7 +130,7 @@ Status Workplace::ConnectForPeople(ServerLink& link) {
                 "upload recordings, not begin attempts; update it");
 }
 
-// Of one that fails not what was typed is logged: it may be a password in the wrong field.
+// A failed sign-in is logged without the typed login: it may be a password in the wrong field.
 Result<Person> Workplace::SignIn(const std::string& login, const std::string& password) {
   auto person = SignInAtServer(login, password);
   if (person.ok()) {
@@ -148,7 +147,7 @@ Result<Person> Workplace::SignInAtServer(const std::string& login, const std::st
   if (!kept) ENAMEL_RETURN_IF_ERROR(ConnectForPeople(*link));
   auto person = link->SignIn(login, password);
   if (!person.ok() && kept && person.status().code() == Code::kUnavailable) {
-    // The server lets go of a connection that nobody signed in on.
+    // The server closes a connection on which nobody signed in.
     link->Close();
     ENAMEL_RETURN_IF_ERROR(ConnectForPeople(*link));
     person = link->SignIn(login, password);
@@ -166,7 +165,7 @@ Result<Person> Workplace::SignInAtServer(const std::string& login, const std::st
                   "password");
   }
   std::lock_guard lock(mutex_);
-  // Signed out while the server was asked: who comes next must not find this person signed in.
+  // Signed out during the request: the next person must not find this one signed in.
   if (link.link != link_)
     return Status(Code::kUnavailable, "signed out meanwhile", net::kCancelled);
   person_ = *person;
@@ -178,9 +177,10 @@ void Workplace::ForgetPerson(const char* how) {
   person_.reset();
 }
 
-// A step that waits for the server holds the connection: it is told to end, and takes it along.
+// A step that waits for the server holds the connection: this ends the step and closes the
+// connection.
 void Workplace::SignOut() {
-  std::shared_ptr<ServerLink> left;  // closed where nothing is locked any more
+  std::shared_ptr<ServerLink> left;  // closed once nothing is locked any more
   std::lock_guard lock(mutex_);
   left = std::exchange(link_, std::make_shared<ServerLink>());
   left->Cancel();
@@ -226,7 +226,7 @@ Result<PreparedAttempt> Workplace::Prepare(const Catalogue::Exercise& exercise,
 }
 
 Status Workplace::MakeReady(PreparedAttempt& prepared) {
-  // The window asks when the person looks at the exercise, and again when she begins.
+  // The window calls this when the person opens the exercise, and again when the attempt begins.
   if (prepared.lock) return Status::Ok();
   ENAMEL_ASSIGN_OR_RETURN(auto lock, spool_->LockForRecording());
   ENAMEL_RETURN_IF_ERROR(spool_->ProveWritable(RoomFor(prepared)));
@@ -246,15 +246,15 @@ Status Workplace::AskForTicket(PreparedAttempt& prepared, bool as_reference) {
   auto link = UseLink();
   ENAMEL_ASSIGN_OR_RETURN(auto who, SignedIn(*link));
   ENAMEL_RETURN_IF_ERROR(TellReturned(*link));
-  // A server from before there were hands does not read a header that tells of one.
+  // A server of an older version cannot read a header with a hand.
   if (link->header_version() < 2) prepared.header.hand = {};
   ENAMEL_ASSIGN_OR_RETURN(
       auto issued,
       link->RequestTicket(credentials_, who,
                           {prepared.exercise_hash, prepared.profile_hash, prepared.assignment,
                            as_reference, false, prepared.header.hand}));
-  // From here on the ticket counts at the server. Should the program crash before Begin, only the
-  // ticket's own end frees it.
+  // From here on the ticket counts at the server. If the program crashes before Begin, only the
+  // ticket's expiry frees it.
   prepared.header.ticket = issued.ticket;
   prepared.hands = issued.hands;
   std::lock_guard lock(mutex_);
@@ -269,11 +269,11 @@ Status Workplace::TellReturned(ServerLink& link) {
 
 void Workplace::HandBackUnused() {
   const Uuid unused = [this] {
-    std::lock_guard lock(mutex_);  // not while the disk is asked: the window reads under it
+    std::lock_guard lock(mutex_);  // not during disk access: the window reads under it
     return std::exchange(unused_, {});
   }();
   if (unused.IsZero() || spool_->Get(unused).ok()) return;
-  LockedTicket row;  // one that opens nothing
+  LockedTicket row;  // one that cannot be opened
   row.attempt = unused;
   if (Status kept = spool_->tickets().Put(row); !kept.ok()) {
     spdlog::warn("the ticket of attempt {}, which was not begun, cannot be handed back: {}",
@@ -284,13 +284,13 @@ void Workplace::HandBackUnused() {
 
 Result<std::unique_ptr<RunningAttempt>> Workplace::Begin(PreparedAttempt& prepared, Device& device,
                                                          const AttemptOptions& options) {
-  // Begin without a ticket would record what no server may take.
+  // Begin without a ticket would record an attempt that no server accepts.
   ENAMEL_CHECK(!prepared.attempt().IsZero());
   ENAMEL_RETURN_IF_ERROR(MakeReady(prepared));
-  // Given up here if it cannot begin after all.
+  // Released here if it cannot begin after all.
   std::optional<RecordingLock> recording = std::exchange(prepared.lock, std::nullopt);
   if (prepared.core) {
-    // Until now, not until it was chosen.
+    // The gap lasts until now, not until the attempt was chosen.
     ENAMEL_RETURN_IF_ERROR(MeasureGap(prepared));
     if (prepared.clock_stepped) {
       spdlog::warn(
@@ -354,8 +354,8 @@ Result<HandedBack> Workplace::HandBackNow(const Uuid& attempt) {
   ENAMEL_RETURN_IF_ERROR(safe_.HandBack(attempt));
   auto link = UseLink();
   const bool connected = link->connected();
-  // A ticket can be given back with nobody signed in, so a connection may have to be made for it;
-  // it is not kept, as a person who signs in makes her own.
+  // Giving back needs no sign-in, so it may have to connect first. That connection is not kept: a
+  // person who signs in makes a new one.
   Status told = connected ? Status::Ok() : link->Connect(credentials_);
   if (told.ok()) told = TellReturned(*link);
   if (!connected) link->Close();
@@ -370,14 +370,14 @@ Result<HandedBack> Workplace::GiveBack(const Uuid& attempt, const std::string& p
   return HandBackNow(attempt);
 }
 
-// The server tells only those about an attempt who may see it.
+// The server gives information on an attempt only to people who may see it.
 Result<HandedBack> Workplace::GiveBack(const Uuid& attempt) {
   auto progress = Progress(attempt);
   if (!progress.ok()) return progress.status();
   return HandBackNow(attempt);
 }
 
-// What the server will look at when the recording comes: better now than after the attempt.
+// The server's later checks of the recording: better now than after the attempt.
 Status Workplace::CheckTicket(const trace::Ticket& ticket) const {
   const std::string name = "the ticket of attempt " + ticket.attempt.Text();
   if (ticket.station != credentials_.station) {
@@ -412,8 +412,8 @@ Result<PreparedAttempt> Workplace::PrepareReserved(const Uuid& attempt, const st
 Result<PreparedAttempt> Workplace::FromCache(const trace::Ticket& ticket) {
   BlobCache cache(data_ / "blobs");
   return Assemble(ticket.exercise, ticket.profile, [&](const Sha256& name) -> Result<Bytes> {
-    // The cache is by content: what is found is what the ticket was issued for, also after the
-    // exercise has a newer version.
+    // The cache is by content: it has the version of the ticket, even if the exercise has a newer
+    // one.
     if (auto cached = cache.Find(name)) return std::move(*cached);
     return Status(Code::kNotFound, "document " + name.Hex() +
                                        " of this attempt is not on this station any more (" +
@@ -488,7 +488,7 @@ Result<PreparedAttempt> Workplace::Replayed(const trace::Header& header,
   }
   auto prepared = FromCache(header.ticket);
   if (!prepared.ok()) return prepared.status();
-  // Those of another delay than the profile's are this version's too.
+  // Parameters with another delay than the profile's belong to this version too.
   Status params =
       scene::CheckParams(prepared->scene, prepared->exercise, prepared->profile, header.params);
   if (params.code() == Code::kConflict && params.field() == "params") {
@@ -500,8 +500,8 @@ Result<PreparedAttempt> Workplace::Replayed(const trace::Header& header,
   if (!params.ok()) return params;
   prepared->header = header;
   prepared->core = std::make_unique<core::Core>(header.params, prepared->volume);
-  // The tooth as it was is computed and not stored: what goes on is then proved to be what was
-  // recorded, and the spool needs no room for it.
+  // The tooth's state is computed, not stored: this proves that the attempt continues as recorded,
+  // and the spool needs no room for it.
   trace::ReplayRun run(*prepared->core, prepared->header);
   ENAMEL_RETURN_IF_ERROR(run.CheckCore());
   while (run.chain().next_seq < stored.chunks) {
@@ -535,7 +535,7 @@ Result<trace::Seal> Workplace::Close(const Uuid& attempt) {
   auto lock = spool_->LockForRecording();
   if (!lock.ok()) return lock.status();
   auto seal = spool_->CloseAttempt(attempt);
-  // Whatever came of it: a seal that was there already may be waiting to be sent.
+  // In every case: an existing seal may be waiting to be sent.
   uploader_.Wake();
   return seal;
 }

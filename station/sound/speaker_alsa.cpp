@@ -13,7 +13,7 @@ namespace {
 constexpr unsigned kRate_hz = 48'000, kLatency_us = 40'000;
 constexpr size_t kBlock = 480;  // 10 ms
 
-// ALSA says on standard error what it did not find; that there is no sound card is no news.
+// ALSA reports on standard error what it did not find; a missing sound card is not worth a message.
 void Quiet(const char*, int, const char*, int, const char*, ...) {}
 
 snd_pcm_t* OpenCard() {
@@ -54,7 +54,7 @@ class Speaker::Impl {
       voice.Fill(block);
       snd_pcm_sframes_t written = snd_pcm_writei(card_, block.data(), block.size());
       if (written < 0 && snd_pcm_recover(card_, static_cast<int>(written), 1) < 0) {
-        audible_ = false;  // the card has gone
+        audible_ = false;  // the card was removed
         return;
       }
     }

@@ -30,10 +30,10 @@ Result<bool> Recorder::Pump() {
     state_hash_ = sample.state_hash;
     moved = true;
   }
-  // Read by the window while this thread goes on: how much is in memory only.
+  // The window reads it while this thread runs: the number of ticks only in memory.
   held_.store(open_.size(), std::memory_order_release);
-  // At most one chunk is open: what comes meanwhile stays in the ring, which is what makes a slow
-  // disk a gap and not more and more memory.
+  // At most one chunk is open: newer samples stay in the ring, so that a slow disk causes a gap
+  // instead of growing memory.
   if (open_.size() == ticks_per_chunk_) ENAMEL_RETURN_IF_ERROR(Spill());
   return moved;
 }
@@ -44,7 +44,7 @@ Result<trace::Seal> Recorder::Finish() {
     if (!moved) break;
   }
   if (!open_.empty()) ENAMEL_RETURN_IF_ERROR(Spill());
-  // The seal names the last chunk; without one there is no recording to end.
+  // The seal names the last chunk; without chunks there is no recording to end.
   if (chunks() == 0)
     return Status(Code::kInvalidInput, "not one tick was recorded: nothing to seal");
   trace::Seal seal{attempt_, chunks(), first_tick_, previous_, state_hash_};
@@ -53,8 +53,8 @@ Result<trace::Seal> Recorder::Finish() {
 }
 
 Status Recorder::Spill() {
-  // Encoded once and tried again as it is: a chunk that perhaps reached the disk before the error
-  // is then the same chunk (PutChunk), not another under its seq.
+  // Encoded once and retried unchanged: a chunk that perhaps reached the disk before the error is
+  // then the same chunk (PutChunk), not another under its seq.
   if (unspooled_.empty()) {
     trace::ChunkHead head;
     head.attempt = attempt_;
@@ -67,7 +67,7 @@ Status Recorder::Spill() {
   ENAMEL_RETURN_IF_ERROR(spool_.PutChunk(attempt_, unspooled_));
   auto chunk = trace::DecodeChunkHead(unspooled_);
   ENAMEL_CHECK(chunk.ok());
-  // Only now that it is durable: whatever fails before leaves the chain where it was.
+  // Only after it is durable: an earlier failure leaves the chain unchanged.
   previous_ = chunk->hash;
   first_tick_ += open_.size();
   ticks_.store(first_tick_, std::memory_order_release);

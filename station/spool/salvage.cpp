@@ -21,10 +21,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// https://www.sqlite.org/fileformat2.html, 1.3: the header, and where it counts pages.
+// https://www.sqlite.org/fileformat2.html, 1.3: the header, and its count of pages.
 constexpr size_t kPageBytes = 4096, kHeaderBytes = 100, kPageCountAt = 28;
 
-// A folder that goes away again.
+// A temporary folder.
 struct Scratch {
   fs::path path;
   Scratch() {
@@ -37,7 +37,7 @@ struct Scratch {
   }
 };
 
-// As far as it can be read. Errors also: the table of attempts cannot be found in it.
+// Opens what can be read. Errors also: it has no readable table of attempts.
 Result<std::unique_ptr<sql::SqliteDb>> OpenAsItIs(const fs::path& file) {
   sql::SqliteDbOptions options;
   options.mode = sql::SqliteDbOptions::Mode::kExisting;
@@ -47,9 +47,10 @@ Result<std::unique_ptr<sql::SqliteDb>> OpenAsItIs(const fs::path& file) {
   return db;
 }
 
-// The first `bytes` of a file become those of a new spool, but for the count of pages. SQLite reads
-// from page 1 where every table begins. All spools have their tables at the same pages, as none is
-// ever moved (schemas/sql/station_spool/0001_initial.sql), so a new one's page 1 fits.
+// Replaces the first `bytes` of a file by those of a new spool, except for the count of pages.
+// SQLite reads from page 1 where every table begins. All spools have their tables at the same
+// pages, as none is ever moved (schemas/sql/station_spool/0001_initial.sql), so a new one's page 1
+// fits.
 bool GiveFreshStart(const fs::path& file, const fs::path& scratch, size_t bytes) {
   { (void)Spool::Open(scratch / "fresh"); }
   std::vector<char> start(kPageBytes);
@@ -65,7 +66,7 @@ bool GiveFreshStart(const fs::path& file, const fs::path& scratch, size_t bytes)
   return static_cast<bool>(out);
 }
 
-// As it is, then with a new header, then with a new first page.
+// Tries it unchanged, then with a new header, then with a new first page.
 Result<std::unique_ptr<sql::SqliteDb>> OpenDamaged(const fs::path& from, const fs::path& scratch) {
   Status why;
   const fs::path file = scratch / kSpoolFile;
@@ -90,7 +91,7 @@ Result<std::unique_ptr<sql::SqliteDb>> OpenDamaged(const fs::path& from, const f
                                     why.message() + ")");
 }
 
-// What a scan yields from its beginning to the damage, and from its end back to it.
+// A scan's rows from its beginning to the damage, and from its end back to it.
 template <typename Take>
 void ScanBothWays(sql::Db& db, const std::string& sql, const Take& take) {
   for (const char* order : {" ASC", " DESC"}) {
@@ -102,7 +103,7 @@ void ScanBothWays(sql::Db& db, const std::string& sql, const Take& take) {
 
 using Places = std::map<std::pair<Uuid, uint32_t>, int64_t>;  // row of a chunk
 
-// Where chunks lie, by position: an index may be damaged where they are not.
+// Positions of chunks: an index may be damaged where they are not.
 Places ChunkPlaces(sql::Db& db) {
   Places out;
   ScanBothWays(db, "SELECT rowid, attempt, seq FROM chunks NOT INDEXED ORDER BY rowid",
@@ -119,8 +120,7 @@ struct FoundChunk {
   std::optional<int64_t> spooled_unix_ms;
 };
 
-// The index first, as it is the quick way; where it is damaged, the chunk may still be where it
-// was seen in the scan.
+// By index first, which is fast; if that is damaged, at the position found by the scan.
 std::optional<FoundChunk> ChunkOf(sql::Db& db, const Places& places, const Uuid& id, uint32_t seq) {
   auto found = [](const sql::Query& s) {
     FoundChunk out{s.Blob("bytes"), {}};
@@ -136,8 +136,8 @@ std::optional<FoundChunk> ChunkOf(sql::Db& db, const Places& places, const Uuid&
   return std::nullopt;
 }
 
-// What the new spool computes from the chunks that are saved, and what BeginAttempt has stored.
-// Every other column of an attempt is taken over as it is, also one that a later version adds.
+// Columns that the new spool computes from the saved chunks, or that BeginAttempt has stored. Every
+// other column of an attempt is copied unchanged, also one that a later version adds.
 constexpr std::array<std::string_view, 13> kComputed = {"id",
                                                         "header",
                                                         "header_sha256",
@@ -157,7 +157,7 @@ struct SharedColumn {
   int in_row = 0;
 };
 
-// Those of the new spool's table that the damaged row has too.
+// Columns of the new spool's table that the damaged row has too.
 std::vector<SharedColumn> SharedColumns(const sql::Query& row, sql::Db& to,
                                         const std::string& table) {
   const sql::Query there(to, "SELECT * FROM " + table + " LIMIT 0");
@@ -169,7 +169,7 @@ std::vector<SharedColumn> SharedColumns(const sql::Query& row, sql::Db& to,
   return out;
 }
 
-// A value that the table does not allow is damage, not a failure to write: nothing is changed then.
+// A value that the table does not allow is damage, not a failure to write: it changes nothing.
 Status Written(sql::Query& q, SpoolFile& to, const char* doing) {
   Status done = q.Run();
   return done.ok() || done.code() == Code::kConflict ? Status::Ok() : to.Fail(doing);
@@ -189,8 +189,8 @@ Status TakeOverColumns(const sql::Query& row, const Uuid& id, SpoolFile& to) {
   return Written(s.BindBlob(id.view()), to, "saving an attempt");
 }
 
-// The row with all that both tables have. Returns whether it was inserted.
-// By the names of columns: a damaged spool may be of an earlier version.
+// Copies the columns that both tables have. Returns whether the row was inserted. By name, because
+// a damaged spool may be of an earlier version.
 Result<bool> TakeOverRow(const sql::Query& row, SpoolFile& to, const std::string& table) {
   std::lock_guard lock(to.mutex());
   std::string names, places;
@@ -218,7 +218,7 @@ Status KeepTime(const Uuid& id, uint32_t seq, const std::optional<int64_t>& spoo
   return Written(s, to, "saving a chunk's time");
 }
 
-// Up to the first that is missing or does not fit: after a hole nothing can be proved.
+// Up to the first chunk that is missing or does not fit: nothing after a hole can be proved.
 Status SaveChunks(sql::Db& db, const Places& places, const SpooledAttempt& row, ByteView header,
                   Spool& to, SalvagedAttempt& out) {
   trace::ChainVerifier chain(out.id, HashSha256(header));
@@ -263,7 +263,7 @@ Result<SalvagedAttempt> SaveAttempt(sql::Db& db, const Places& places, const Uui
   return out;
 }
 
-// Tickets for later are kept when all of their row is.
+// A ticket for later is kept only if its whole row is readable.
 Result<size_t> SaveTickets(sql::Db& db, Spool& to) {
   size_t saved = 0;
   Status worst;
@@ -277,7 +277,7 @@ Result<size_t> SaveTickets(sql::Db& db, Spool& to) {
   return worst.ok() ? Result<size_t>(saved) : worst;
 }
 
-// How the loops went, of attempts that are saved.
+// Loop facts of the saved attempts.
 void SaveLoopFacts(sql::Db& db, const Uuid& id, Spool& to) {
   sql::Query s(db, "SELECT * FROM loop_facts WHERE attempt = ?");
   s.BindBlob(id.view());
@@ -298,7 +298,7 @@ Result<Salvaged> SalvageSpool(const fs::path& from, const fs::path& to) {
   Scratch scratch;
   ENAMEL_ASSIGN_OR_RETURN(const auto damaged, OpenDamaged(from, scratch.path));
   ENAMEL_ASSIGN_OR_RETURN(auto saved, Spool::Open(to));
-  // An id that only chunks still have is an attempt whose row is lost, or noise.
+  // An id found only in chunks is an attempt whose row is lost, or noise.
   const Places places = ChunkPlaces(*damaged);
   std::set<Uuid> ids;
   ScanBothWays(*damaged, "SELECT id FROM attempts ORDER BY id", [&](const sql::Query& s) {
@@ -318,7 +318,7 @@ Result<Salvaged> SalvageSpool(const fs::path& from, const fs::path& to) {
   }
   ENAMEL_ASSIGN_OR_RETURN(out.tickets, SaveTickets(*damaged, *saved));
   if (!out.attempts.empty() || out.tickets > 0) return out;
-  // An empty spool must not take the place of one that something was in.
+  // An empty spool must not replace one that had contents.
   saved.reset();
   for (const char* end : {"", "-wal", "-shm"}) fs::remove((to / kSpoolFile).string() + end, error);
   return Status(

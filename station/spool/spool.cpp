@@ -22,20 +22,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Every column but the header, which can be long and only Export and Verify need.
+// Every column except the header, which can be long and only Export and Verify need.
 constexpr char kSelectAttempts[] =
     "SELECT id, exercise, profile, created_unix_ms, seal_chunks, seal_ticks, seal_last_sha256,"
     " seal_state_hash, sealed_at_server, refused, chunks, committed, ticks, gap_ticks, bytes, "
     "facts, resumed, refused_unix_ms, waits_because, waits_since_unix_ms, tried_unix_ms"
     " FROM attempts WHERE ?1 IS NULL OR id = ?1 ORDER BY created_unix_ms, id";
 
-// Which start of the machine this is, and the time since, with sleep: no clock that is set changes
-// it. proc(5), random/boot_id.
+// Identifies the machine's start, and the time since, including sleep: setting a clock does not
+// change it. proc(5), random/boot_id.
 struct SinceBoot {
   std::string boot;
   int64_t ms = 0;
 };
-// CLOCK_BOOTTIME goes on while the machine sleeps, unlike CLOCK_MONOTONIC: a gap over night is one.
+// CLOCK_BOOTTIME includes sleep, unlike CLOCK_MONOTONIC: a gap over night counts.
 SinceBoot BootNow() {
   SinceBoot out;
   std::ifstream("/proc/sys/kernel/random/boot_id") >> out.boot;
@@ -65,7 +65,7 @@ SpooledAttempt ReadAttemptRow(const sql::Query& row) {
   out.ticks = static_cast<uint64_t>(row.Int("ticks"));
   out.gap_ticks = static_cast<uint64_t>(row.Int("gap_ticks"));
   out.bytes = static_cast<uint64_t>(row.Int("bytes"));
-  // Facts that cannot be read are not worth an attempt: it then says none.
+  // Unreadable facts must not cost the attempt: they are left empty.
   if (auto facts = protocol::DecodeFacts(row.Blob("facts")); facts.ok()) out.facts = *facts;
   out.facts.set_resumed(static_cast<uint32_t>(row.Int("resumed")));
   out.refused_unix_ms = row.Int("refused_unix_ms");
@@ -139,15 +139,15 @@ Status Spool::PutChunk(const Uuid& attempt, ByteView chunk) {
   {
     sql::Query s(file_->db(), "SELECT sha256 FROM chunks WHERE attempt = ? AND seq = ?");
     if (s.BindBlob(attempt.view()).BindInt(head.head.seq).Next()) {
-      // Compared by the hash of all but the signature, which is what the chain is made of.
+      // Compared by the hash without the signature, which is also what the chain uses.
       if (s.Hash(0) == head.hash) return Status::Ok();
       return Status(Code::kConflict, "attempt " + attempt.Text() + " has another chunk " +
                                          std::to_string(head.head.seq) + " already");
     }
     if (!s.status().ok()) return file_->Fail("reading a chunk");
   }
-  // One transaction for chunk and counts: whoever lists attempts need not look at their chunks, and
-  // what is counted is never other than what is there.
+  // One transaction for chunk and counts: listing attempts need not read their chunks, and the
+  // counts always match.
   sql::Transaction transaction(file_->db());
   if (!transaction.begun().ok()) return file_->Fail("storing a chunk");
   {
@@ -184,7 +184,7 @@ Status Spool::PutChunk(const Uuid& attempt, ByteView chunk) {
 Status Spool::MarkResumed(const Uuid& attempt) {
   std::lock_guard lock(file_->mutex());
   sql::Query s(file_->db(),
-               // In the database and not in memory: a crash while it is resumed is counted too.
+               // In the database, not in memory, so that a crash during the resumption counts too.
                "UPDATE attempts SET resumed = resumed + 1 WHERE id = ? AND seal_chunks IS NULL");
   ENAMEL_RETURN_IF_ERROR(file_->Run(s.BindBlob(attempt.view()), "resuming an attempt"));
   if (file_->db().Changes() == 1) return Status::Ok();
@@ -203,8 +203,7 @@ Result<trace::Seal> Spool::CloseAttempt(const Uuid& attempt) {
   ENAMEL_ASSIGN_OR_RETURN(auto last, ChunksFrom(attempt, stored.chunks - 1, 1));
   ENAMEL_ASSIGN_OR_RETURN(auto chunk, last.empty() ? Result<trace::Chunk>(NoAttempt(attempt))
                                                    : trace::DecodeChunkHead(last.front().bytes));
-  // From the last chunk alone: its head says where the chain stands, and each was checked when it
-  // was stored.
+  // Only from the last chunk: its head has the end of the chain, and each was checked when stored.
   trace::Seal seal{attempt, stored.chunks, chunk.head.first_tick + chunk.head.count, chunk.hash,
                    chunk.head.state_hash};
   ENAMEL_RETURN_IF_ERROR(PutSeal(seal));
@@ -237,8 +236,7 @@ Status Spool::SetCommittedBelow(const Uuid& attempt, uint32_t next_seq) {
   std::lock_guard lock(file_->mutex());
   sql::Query s(
       file_->db(),
-      // Nothing is written where nothing changes: each write waits for the disk, and a chunk being
-      // recorded waits for it.
+      // Writes only changes: each write waits for the disk, and delays a chunk being recorded.
       "UPDATE attempts SET committed = min(?1, chunks), committed_unix_ms = ?2"
       " WHERE id = ?3 AND committed != min(?1, chunks)");
   s.BindInt(next_seq).BindInt(UnixMs()).BindBlob(attempt.view());
@@ -250,14 +248,14 @@ Status Spool::MarkCommitted(const Uuid& attempt, uint32_t seq) {
   sql::Query s(file_->db(),
                "UPDATE attempts SET committed = ?1, committed_unix_ms = ?2"
                " WHERE id = ?3 AND committed < ?1");
-  // Acknowledgements come in order, and several are marked with one write: the last says it all.
+  // Acknowledgements come in order, and one write marks several: the last includes the others.
   s.BindInt(int64_t{seq} + 1).BindInt(UnixMs()).BindBlob(attempt.view());
   return file_->Run(s, "marking a chunk");
 }
 
 Status Spool::MarkWanted(const Uuid& attempt) {
   std::lock_guard lock(file_->mutex());
-  // Its chunks stay counted as committed until OpenAttempt says from where they are wanted.
+  // Its chunks stay counted as committed until OpenAttempt says where to start.
   sql::Query s(file_->db(), "UPDATE attempts SET sealed_at_server = 0 WHERE id = ?");
   return file_->Run(s.BindBlob(attempt.view()), "marking an attempt");
 }
@@ -270,7 +268,7 @@ Status Spool::MarkSealedAtServer(const Uuid& attempt) {
   return file_->Run(s.BindBlob(attempt.view()), "marking a seal");
 }
 
-// What went well changes nothing where there is nothing to forget.
+// Success writes only if an earlier failure is to be cleared.
 Status Spool::MarkTried(const Uuid& attempt, const std::string& problem) {
   if (!problem.empty()) return MarkTriedWhere("id = ?3", attempt, problem);
   std::lock_guard lock(file_->mutex());
@@ -282,7 +280,7 @@ Status Spool::MarkTried(const Uuid& attempt, const std::string& problem) {
 
 Status Spool::MarkAllTried(const std::string& problem) {
   return MarkTriedWhere(
-      // As SpooledAttempt::waits says it; `?3 IS NOT NULL` only takes the parameter that is bound.
+      // As SpooledAttempt::waits; `?3 IS NOT NULL` only uses the bound parameter.
       "refused IS NULL AND (committed < chunks OR (seal_chunks IS NOT NULL AND NOT "
       "sealed_at_server)) AND ?3 IS NOT NULL",
       {}, problem);
@@ -299,7 +297,7 @@ Status Spool::MarkTriedWhere(const char* where, const Uuid& attempt, const std::
   return file_->Run(s, "marking what waits");
 }
 
-// Refused is more than tried: why it waits no longer matters.
+// A refusal outweighs failed tries: why it waits no longer matters.
 Status Spool::MarkRefused(const Uuid& attempt, const std::string& why) {
   std::lock_guard lock(file_->mutex());
   sql::Query s(file_->db(),
@@ -358,7 +356,7 @@ Result<std::vector<SpooledChunk>> Spool::ChunksFrom(const Uuid& attempt, uint32_
   return out;
 }
 
-// Also without a seal: a recording that was cut off can be looked at.
+// Also without a seal, to examine an interrupted recording.
 Result<trace::TraceFile> Spool::Export(const Uuid& attempt) {
   ENAMEL_ASSIGN_OR_RETURN(auto stored, Get(attempt));
   ENAMEL_ASSIGN_OR_RETURN(auto header, HeaderOf(attempt));
@@ -381,8 +379,8 @@ Result<Silence> Spool::SilenceOf(const Uuid& attempt) {
   if (!there) return NoAttempt(attempt);
   constexpr int64_t kStepped_ms = 1000;
   const SinceBoot now = BootNow();
-  // Two measures that fail differently: the clock can be set, the time since boot ends with it.
-  // Each can only be too short where it fails, so the longer one holds.
+  // Two measures that fail differently: the clock can be set, uptime ends with a restart. Each
+  // failure only makes its measure too short, so the longer one is right.
   const int64_t by_clock_ms = UnixMs() - s.Int(0);
   Silence out{std::max<int64_t>(by_clock_ms, 0), by_clock_ms < -kStepped_ms};
   if (!s.IsNull(1) && s.Text(1) == now.boot) {
@@ -419,7 +417,7 @@ Result<Pruned> Spool::Prune(const Retention& retention, std::chrono::system_cloc
   std::lock_guard lock(file_->mutex());
   std::vector<std::pair<Bytes, bool>> going;  // id, early
   {
-    // Newest first: what still fits stays.
+    // Newest first: those that fit stay.
     sql::Query s(file_->db(),
                  "SELECT id, bytes, committed_unix_ms, sealed_at_server AND committed >= chunks"
                  " FROM attempts ORDER BY sealed_at_server AND committed >= chunks,"
@@ -428,7 +426,7 @@ Result<Pruned> Spool::Prune(const Retention& retention, std::chrono::system_cloc
     while (s.Next()) {
       kept += static_cast<uint64_t>(s.Int(1));
       if (s.Int(3) == 0) continue;  // the server does not have it
-      // Only whole attempts go, with their chunks (ON DELETE CASCADE): half a recording proves
+      // Deletes only whole attempts, with their chunks (ON DELETE CASCADE): half a recording proves
       // nothing.
       bool old = s.Int(2) <= old_ms;
       if (old || (retention.bytes > 0 && kept > retention.bytes))
@@ -452,7 +450,7 @@ RecordingLock::~RecordingLock() {
 
 Status Spool::ProveWritable(uint64_t room_bytes) {
   const fs::path folder = file_->path().parent_path();
-  // f_bavail, not f_bfree: the last blocks are root's, and this program is not root.
+  // f_bavail, not f_bfree: the last blocks are reserved for root, and this program is not root.
   struct statvfs space {};
   uint64_t free_bytes = 0;
   if (::statvfs(folder.c_str(), &space) == 0) {
@@ -480,8 +478,8 @@ Result<RecordingLock> Spool::LockForRecording() {
                                       "): " + WhatToDoAbout(SpoolTrouble::kNotWritable));
   }
   RecordingLock lock(file);
-  // flock and not a row or a file that is there: the system takes it away when the process dies, so
-  // no lock is ever left behind.
+  // flock instead of a row or a file: the system releases it when the process dies, so no lock is
+  // ever left behind.
   if (::flock(file, LOCK_EX | LOCK_NB) == 0) return lock;
   return Status(Code::kConflict, "another enamel-station is recording into " +
                                      path.parent_path().string() +

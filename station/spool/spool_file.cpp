@@ -24,14 +24,14 @@ sql::SqliteDbOptions In(Mode mode) {
   return out;
 }
 
-// Also a file that is cut short, or whose schema has errors, for what can be read of it.
+// Also opens a file that is cut short, or whose schema has errors, to read what it can.
 sql::SqliteDbOptions AsItIs(Mode mode) {
   sql::SqliteDbOptions out = In(mode);
   out.damaged = true;
   return out;
 }
 
-// Recordings identify people: nobody but the owner reads them.
+// Recordings identify people: only the owner may read them.
 void KeepOthersOut(const fs::path& file) {
   std::error_code error;
   fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write, error);
@@ -80,9 +80,9 @@ Status SpoolFile::Run(sql::Query& query, const char* doing) {
 }
 
 Status SpoolFile::OpenDb(const fs::path& file, sql::SqliteDbOptions options, const char* doing) {
-  // The connection before may hold the file that is opened now.
+  // The previous connection may still hold the file.
   db_.reset();
-  // Only while it is opened: what fails later is told by Fail, which knows what was being done.
+  // Only while opening: Fail reports later errors, and knows the operation.
   options.explain = [this, doing](const sql::SqliteFailure& failure) {
     if (failure.opening) opening_ = failure.kind;
     return failure.opening ? Told(path_, doing, failure)
@@ -92,8 +92,8 @@ Status SpoolFile::OpenDb(const fs::path& file, sql::SqliteDbOptions options, con
   return Status::Ok();
 }
 
-// Where the file is to be: what must not be taken for a new spool. Empty, or gone with its log left
-// behind: SQLite would begin anew and throw the log away.
+// Finds a lost file, which must not be taken for a new spool: empty, or missing with its log
+// present. SQLite would start a new file and discard the log.
 Status SpoolFile::CheckNotLost() const {
   std::error_code error;
   const bool there = fs::exists(path_, error);
@@ -108,8 +108,8 @@ Status SpoolFile::CheckNotLost() const {
                 kLostSpool);
 }
 
-// The whole file at once, so that an empty one is never a new one. Nothing when another process was
-// first.
+// Creates the whole file at once, so that an empty one is never a new one. Does nothing if another
+// process was first.
 Status SpoolFile::Create() {
   const fs::path made = path_.string() + ".new-" + std::to_string(::getpid());
   Status done;
@@ -155,7 +155,7 @@ Result<std::unique_ptr<SpoolFile>> SpoolFile::Open(const fs::path& folder) {
   std::unique_ptr<SpoolFile> out(new SpoolFile(folder / kSpoolFile));
   ENAMEL_RETURN_IF_ERROR(out->CheckNotLost());
   if (!fs::exists(out->path_, error)) ENAMEL_RETURN_IF_ERROR(out->Create());
-  // Before it is opened: its log gets the mode that it has then.
+  // Before it is opened, because its log gets the same mode.
   KeepOthersOut(out->path_);
   ENAMEL_RETURN_IF_ERROR(out->OpenDb(out->path_, In(Mode::kExisting), "opening"));
   ENAMEL_ASSIGN_OR_RETURN(const int version, out->Version());
@@ -168,15 +168,15 @@ Result<std::unique_ptr<SpoolFile>> SpoolFile::Open(const fs::path& folder) {
   return out;
 }
 
-// Of another program is no failure to read.
+// A file of another program is not a read error.
 Result<int> SpoolFile::Version() {
   auto version = db_->SchemaVersion();
   const bool told = version.ok() || version.status().code() == Code::kVersion;
   return told ? version : Fail("reading its version");
 }
 
-// What cannot be read where it lies (its log needs a writable folder, or it is of an older version)
-// is read in a copy.
+// Reads a copy if the file cannot be read in place (its log needs a writable folder, or it is of an
+// older version).
 Status SpoolFile::OpenCopy() {
   std::string name = (fs::temp_directory_path() / "enamel_spool_XXXXXX").string();
   if (::mkdtemp(name.data()) == nullptr) {
@@ -219,7 +219,8 @@ Result<std::unique_ptr<SpoolFile>> SpoolFile::OpenToRead(const fs::path& folder)
   return out;
 }
 
-// The version was read before the transaction, for the words only: Migrate reads it anew inside.
+// `version` was read before the transaction and is only for messages: Migrate reads it again
+// inside.
 Status SpoolFile::BringUpToDate(int version) {
   if (db_->Migrate(SpoolMigrations()).ok()) return Status::Ok();
   const std::string doing = version == 0

@@ -9,8 +9,8 @@ Status SpooledLoopFacts::Put(const Uuid& attempt, const KeptLoopFacts& facts) {
   std::lock_guard lock(file_.mutex());
   sql::Query s(
       file_.db(),
-      // From the attempt's own row, so that facts of one that is not there are not kept. Replaced:
-      // a run that ended twice (a full disk, then room) is told by its last end.
+      // From the attempt's own row, so that facts of a missing attempt are not kept. Replaces: for
+      // a run that ended twice (a full disk, then room) the last end counts.
       "INSERT OR REPLACE INTO loop_facts (attempt, run, ended_unix_ms, facts)"
       " SELECT id, ?2, ?3, ?4 FROM attempts WHERE id = ?1");
   s.BindBlob(attempt.view()).BindInt(facts.run).BindInt(facts.ended_unix_ms).BindText(facts.json);

@@ -6,7 +6,7 @@
 
 namespace enamel::station {
 
-// Never replaced: each ticket is for another attempt.
+// Never replaced: each ticket is for a different attempt.
 Status SpooledTickets::Put(const LockedTicket& ticket) {
   std::lock_guard lock(file_.mutex());
   sql::Query s(
@@ -40,7 +40,7 @@ Result<std::vector<LockedTicket>> SpooledTickets::List() {
     t.profile = s.Text(4);
     t.expires_unix_ms = s.Int(5);
     Bytes salt = s.Blob(6);
-    // A damaged row may have a salt of another length: then no PIN opens its ticket.
+    // A damaged row may have a salt of another length; no PIN then opens its ticket.
     std::copy_n(salt.begin(), std::min(salt.size(), t.salt.size()), t.salt.begin());
     t.locked = s.Blob(7);
     t.wrong_pins = static_cast<int>(s.Int(8));
@@ -55,7 +55,7 @@ Result<std::vector<LockedTicket>> SpooledTickets::List() {
 Status SpooledTickets::HandBack(const Uuid& attempt) {
   std::lock_guard lock(file_.mutex());
   sql::Query s(file_.db(),
-               // Overwritten and not deleted: the server has still to be told which ticket it was.
+               // Overwritten instead of deleted: the server still has to learn which ticket it was.
                "UPDATE tickets SET locked = x'', salt = zeroblob(16) WHERE attempt = ?");
   return file_.Run(s.BindBlob(attempt.view()), "handing back a ticket");
 }
@@ -66,8 +66,8 @@ Result<std::optional<int>> SpooledTickets::CountPinTry(const Uuid& attempt, int6
   std::lock_guard lock(file_.mutex());
   sql::Query s(
       file_.db(),
-      // One statement looks, counts and sets the wait: two programs that try at the same moment are
-      // counted one after the other, and the second finds the first one's wait.
+      // One statement checks, counts and sets the wait: of two simultaneous tries the second is
+      // counted after the first and meets its wait.
       "UPDATE tickets SET wrong_pins = wrong_pins + 1, wait_unix_ms = CASE"
       " WHEN wrong_pins < ?1 THEN 0 ELSE ?2 + (?3 << (wrong_pins - ?1)) END"
       " WHERE wait_unix_ms <= ?2 AND wrong_pins < ?4 AND attempt = ?5"
@@ -80,14 +80,13 @@ Result<std::optional<int>> SpooledTickets::CountPinTry(const Uuid& attempt, int6
   const bool counted = s.Next();
   if (!s.status().ok()) return file_.Fail("counting a try of a PIN");
   if (!counted) return std::optional<int>();
-  // Stepped to its end before it is believed: RETURNING gives the row before the change is
-  // committed.
+  // Stepped to its end first: RETURNING gives the row before the change is committed.
   const int tries = static_cast<int>(s.Int(0));
   ENAMEL_RETURN_IF_ERROR(file_.Run(s, "counting a try of a PIN"));
   return std::optional<int>(tries);
 }
 
-// The right PIN proves its person: tries before it were slips.
+// The right PIN proves its person: earlier tries were slips.
 Status SpooledTickets::ForgetPinTries(const Uuid& attempt) {
   std::lock_guard lock(file_.mutex());
   sql::Query s(file_.db(), "UPDATE tickets SET wrong_pins = 0, wait_unix_ms = 0 WHERE attempt = ?");

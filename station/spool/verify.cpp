@@ -12,7 +12,7 @@ Status Differs(const char* what, uint64_t counted, uint64_t found) {
                                      std::to_string(found));
 }
 
-// Chain, signatures and seal of a recording, and what the spool counts of it.
+// Checks chain, signatures and seal of a recording, and the spool's counts.
 Status VerifyRecording(const SpooledAttempt& attempt, ByteView header,
                        const std::vector<SpooledChunk>& chunks,
                        const std::optional<trace::PublicKey>& key) {
@@ -21,7 +21,7 @@ Status VerifyRecording(const SpooledAttempt& attempt, ByteView header,
     return Status(Code::kConflict,
                   "its header is that of attempt " + decoded.ticket.attempt.Text());
   }
-  // The same checks as the server's: what passes here is not refused there for its bytes.
+  // The same checks as the server's: it will not refuse the bytes of what passes here.
   trace::ChainVerifier chain(attempt.id, HashSha256(header));
   uint64_t ticks = 0, gap_ticks = 0, bytes = 0;
   for (const SpooledChunk& spooled : chunks) {
@@ -39,7 +39,7 @@ Status VerifyRecording(const SpooledAttempt& attempt, ByteView header,
     gap_ticks += chunk->head.gap_ticks;
     bytes += spooled.bytes.size();
   }
-  // The counts are compared last: where the chain is broken they follow from that.
+  // The counts last: where the chain is broken they differ as a consequence.
   if (chunks.size() != attempt.chunks) return Differs("chunks", attempt.chunks, chunks.size());
   if (ticks != attempt.ticks) return Differs("ticks", attempt.ticks, ticks);
   if (gap_ticks != attempt.gap_ticks) return Differs("gap ticks", attempt.gap_ticks, gap_ticks);
@@ -53,7 +53,7 @@ Status VerifyRecording(const SpooledAttempt& attempt, ByteView header,
 Status VerifyPages(SpoolFile& file) {
   std::lock_guard lock(file.mutex());
   {
-    // The first finding is enough: whatever is wrong with a page is salvaged in the same way.
+    // The first finding is enough: all faults of a page are salvaged in the same way.
     sql::Query s(file.db(), "PRAGMA integrity_check(1)");
     if (!s.Next()) return file.Fail("checking its pages");
     if (std::string found = s.Text(0); found != "ok") {
@@ -63,8 +63,8 @@ Status VerifyPages(SpoolFile& file) {
   }
   sql::Query s(
       file.db(),
-      // A row of `attempts` that was lost leaves its chunks behind; foreign keys are only looked at
-      // when something is written.
+      // A lost row of `attempts` leaves its chunks behind; foreign keys are only checked when
+      // writing.
       "SELECT count(*) FROM chunks WHERE attempt NOT IN (SELECT id FROM attempts)");
   if (!s.Next()) return file.Fail("checking its chunks");
   if (s.Int(0) == 0) return Status::Ok();
@@ -82,8 +82,7 @@ Status VerifyAttempt(Spool& spool, const SpooledAttempt& attempt,
     sql::Query s(file.db(), "SELECT header_sha256 FROM attempts WHERE id = ?");
     if (!s.BindBlob(attempt.id.view()).Next()) return file.Fail("reading a header's hash");
     const Sha256 hash = HashSha256(header);
-    // Every chunk is chained to this hash: a header that has changed by one bit has lost its
-    // recording.
+    // Every chunk is chained to this hash: a header changed by one bit has lost its recording.
     if (s.Hash(0) != hash) {
       return Status(Code::kConflict, "its header is not the one whose hash is kept beside it");
     }
