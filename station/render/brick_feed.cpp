@@ -19,7 +19,7 @@ void BrickFeed::Mark(std::span<const int32_t> bricks) noexcept {
 
 size_t BrickFeed::Send(const cutting::Volume& volume, size_t most) noexcept {
   size_t head = head_.load(std::memory_order_relaxed);
-  // Acquire: what the consumer has let go of it has read to the end.
+  // Acquire: the consumer has read to the end what it has released.
   size_t room = ring_.size() - (head - released_.load(std::memory_order_acquire));
   size_t sent = 0;
   for (; sent < most && sent < room && dirty_count_ > 0; ++sent) {
@@ -27,10 +27,10 @@ size_t BrickFeed::Send(const cutting::Volume& volume, size_t most) noexcept {
     dirty_head_ = (dirty_head_ + 1) % dirty_.size();
     --dirty_count_;
     is_dirty_[static_cast<size_t>(brick)] = 0;
-    // A brick that was cut is stored.
+    // A brick that was cut is stored explicitly.
     BrickUpdate& update = ring_[(head + sent) % ring_.size()];
     update.brick = brick;
-    // As it is now: the changes before this one need not be seen.
+    // In its current state: earlier changes need not be seen.
     update.phi = volume.Phi(brick);
   }
   head_.store(head + sent, std::memory_order_release);

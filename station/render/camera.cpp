@@ -8,7 +8,7 @@ namespace enamel::station::render {
 namespace {
 
 constexpr float kFieldOfView = glm::radians(28.0f);  // narrow: little perspective distortion
-// Short of the pole, where up and the line of sight would be one.
+// Short of the pole, where up and the line of sight would coincide.
 constexpr float kMaxPitch = glm::radians(89.9f);
 
 glm::vec3 Direction(float yaw, float pitch) {

@@ -16,21 +16,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Heights of capitals at the reference height, px: 12 mm of a 24-inch screen, and what is 12 mm at
-// 2 m seen from 0.9 m.
+// Heights of capitals at the reference height, px: 12 mm of a 24-inch screen, and the size that
+// looks like 12 mm at 2 m from 0.9 m.
 constexpr double kFarCapital_px = kFarCapital_mm / kReferencePixel_mm + 0.7;  // hinting rounds
 constexpr double kTextCapital_px = 23, kNearCapital_px = 16, kScoreCapital_px = 150;
 
-// Latin with what names and our texts need: accents, Turkish and Polish, dashes, quotes, µ, ², ³,
-// ≥.
+// Latin with the signs of names and our texts: accents, Turkish and Polish, dashes, quotes, µ, ²,
+// ³, ≥.
 constexpr ImWchar kLatin[] = {0x20,   0x17f,  0x218,  0x21b,  0x2010, 0x2026,
                               0x2190, 0x2193, 0x2264, 0x2265, 0};
 constexpr size_t kMostFontBytes = size_t{64} << 20;
-// What languages call themselves where one is chosen.
+// Languages' own names, for choosing one.
 constexpr ImWchar kNamesOfLanguages[] = {0x4e2d, 0x4e2d, 0x6587, 0x6587, 0};
 constexpr ImWchar kDigits[] = {0x20, 0x20, 0x2d, 0x39, 0x2013, 0x2013, 'H', 'H', 0};
 
-// Size to ask for so that capitals are `capital_px` high: measured on the font itself.
+// Font size at which capitals are `capital_px` high, measured on the font itself.
 float SizeFor(const fs::path* file, double capital_px, int number = 0) {
   constexpr float kProbe_px = 64;
   ImFontAtlas atlas;
@@ -51,11 +51,11 @@ float SizeFor(const fs::path* file, double capital_px, int number = 0) {
                      : static_cast<float>(capital_px / 0.63);
 }
 
-// A file with Chinese letters. It has 20 MB: read once, whatever sizes are made of it.
+// A file with Chinese letters. It has 20 MB, so it is read once for all sizes.
 struct ChineseFont {
   std::vector<uint8_t> bytes;
   int number = 0;            // of the shapes in the file
-  float per_capital_px = 0;  // size to ask for, of a capital of 1 px
+  float per_capital_px = 0;  // font size for a capital of 1 px
 };
 
 std::optional<ChineseFont> ReadChineseFont() {
@@ -63,14 +63,14 @@ std::optional<ChineseFont> ReadChineseFont() {
   if (!file) return std::nullopt;
   auto bytes = ReadFile(*file, kMostFontBytes);
   if (!bytes.ok()) return std::nullopt;
-  // One file holds the shapes of several countries; the third are those of simplified Chinese.
+  // One file has the shapes of several countries; the third are those of simplified Chinese.
   ChineseFont font{std::move(*bytes), file->extension() == ".ttc" ? 2 : 0, 0};
   font.per_capital_px = SizeFor(&*file, 1, font.number);
   return font;
 }
 
-// Chinese letters as large as the Latin ones beside them, into the font added last. `font` stays
-// until the atlas is built.
+// Adds Chinese letters, as large as the Latin ones, to the font added last. `font` stays until the
+// atlas is built.
 void AddChinese(ChineseFont& font, double capital_px, const ImWchar* ranges) {
   ImFontConfig config;
   config.MergeMode = true;
@@ -82,7 +82,7 @@ void AddChinese(ChineseFont& font, double capital_px, const ImWchar* ranges) {
       std::ceil(font.per_capital_px * static_cast<float>(capital_px)), &config, ranges);
 }
 
-// The commonest, and all that our texts are made of. Kept until the atlas is built, by ImGui's rule.
+// The commonest, and all in our texts. Kept until the atlas is built, by ImGui's rule.
 const ImWchar* ChineseRanges() {
   static const ImVector<ImWchar> kRanges = [] {
     ImFontGlyphRangesBuilder builder;
@@ -155,7 +155,7 @@ std::optional<fs::path> FindChineseFont() {
 bool NeedsMoreLetters(std::string_view text) {
   while (!text.empty()) {
     const std::optional<uint32_t> code = NextCodePoint(text);
-    if (!code) return false;  // what shows it shows no bytes that are no text
+    if (!code) return false;  // invalid UTF-8, which is not shown
     bool latin = false;
     for (const ImWchar* range = kLatin; *range != 0; range += 2) {
       latin |= *code >= range[0] && *code <= range[1];
@@ -183,15 +183,15 @@ Fonts MakeFonts(int picture_height_px, language::Language language, std::string_
     return font;
   };
   const ImWchar* all = speaks_it ? ChineseRanges() : nullptr;
-  // Both stay until the atlas is built. A range that a file has no shapes for costs nothing.
+  // Both stay until the atlas is built. A range without shapes in a file costs nothing.
   const ImVector<ImWchar> own = RangesWith(kLatin, more);
   const ImVector<ImWchar> merged = RangesWith(speaks_it ? all : kNamesOfLanguages, more);
   fonts.near = add(text, kNearCapital_px, own.Data, speaks_it || !more.empty() ? merged.Data : all);
-  // Where a language is chosen, in these letters, it is called by its own name.
+  // The choice of a language shows each one's own name in these letters.
   fonts.text = add(text, kTextCapital_px, own.Data, merged.Data);
   fonts.far = add(title, kFarCapital_px, kLatin, all);
   fonts.score = Add(title, kScoreCapital_px * scale, kDigits);
-  // Built here, so that the files' bytes need not stay.
+  // Built here, so that the files' bytes can be freed.
   atlas.Build();
   atlas.ClearInputData();
   return fonts;

@@ -31,7 +31,7 @@ GLuint MakeTexture(GLenum format, int width, int height, GLenum filter) {
   glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(format), width, height, 0,
                depth ? GL_DEPTH_COMPONENT : GL_RGBA, depth ? GL_UNSIGNED_INT : GL_UNSIGNED_BYTE,
                nullptr);
-  // A mean of two depths is a depth where nothing is.
+  // The mean of two depths would be a depth with nothing there.
   auto sampling = static_cast<GLint>(depth ? GL_NEAREST : filter);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, sampling);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, sampling);
@@ -49,7 +49,7 @@ Program::Program(const char* vertex_source, std::initializer_list<const char*> f
   glAttachShader(name_, vertex);
   glAttachShader(name_, fragment);
   glLinkProgram(name_);
-  // The linked program keeps what it needs of them.
+  // The linked program keeps its copy.
   glDeleteShader(vertex);
   glDeleteShader(fragment);
   GLint ok = 0;
@@ -96,7 +96,7 @@ TriangleBuffer::TriangleBuffer() {
 }
 
 TriangleBuffer::TriangleBuffer(TriangleBuffer&& other) noexcept
-    // OpenGL passes over the name 0 when it deletes: what was moved from owns nothing.
+    // OpenGL ignores the name 0 on deletion: a moved-from object owns nothing.
     : array_(std::exchange(other.array_, 0)),
       vertices_(std::exchange(other.vertices_, 0)),
       indices_(std::exchange(other.indices_, 0)),
@@ -117,7 +117,7 @@ void TriangleBuffer::Upload(std::span<const GpuVertex> vertices, std::span<const
                GL_DYNAMIC_DRAW);
   auto size = static_cast<GLsizeiptr>(indices.size_bytes()),
        coarse_size = static_cast<GLsizeiptr>(coarse.size_bytes());
-  // Both kinds of triangles in one buffer, the coarse ones behind: one array object draws either.
+  // Both kinds of triangles in one buffer, the coarse ones last: one array object draws either.
   glBufferData(GL_ELEMENT_ARRAY_BUFFER, size + coarse_size, nullptr, GL_DYNAMIC_DRAW);
   glBufferSubData(GL_ELEMENT_ARRAY_BUFFER, 0, size, indices.data());
   glBufferSubData(GL_ELEMENT_ARRAY_BUFFER, size, coarse_size, coarse.data());
@@ -174,7 +174,7 @@ void Target::BindColour(int unit, size_t which) const {
 }
 
 void Target::CopyColourTo(const Target& other) const {
-  // Where sizes are equal there is nothing to average, and nearest is exact.
+  // At equal sizes there is nothing to average, and nearest is exact.
   bool same = width_ == other.width_ && height_ == other.height_;
   glBindFramebuffer(GL_READ_FRAMEBUFFER, name_);
   glReadBuffer(GL_COLOR_ATTACHMENT0);

@@ -9,14 +9,15 @@
 namespace enamel::station::render {
 namespace {
 
-// A change sends its whole group anew, and each group is a call to the driver: larger ones cost the
-// first, smaller ones the second. 'enamel-station frame-bench' measures both together.
+// A change sends its whole group again, and each group is a call to the driver: larger groups cost
+// more of the first, smaller ones more of the second. 'enamel-station frame-bench' measures both
+// together.
 constexpr int kGroupSide = 4;
-// What was not cut yet may be off by this in the picture: a third of a pixel, seen near.
+// Error of uncut surface in the picture: a third of a pixel, seen near.
 constexpr float kUncutError_mm = 0.004f;
-// While the picture moves: half a pixel, seen as an attempt begins.
+// While the picture moves: half a pixel, seen as at the start of an attempt.
 constexpr float kMovingError_mm = 0.012f;
-// The tick thread cannot wake the mesher without a system call, so the mesher looks.
+// The tick thread cannot wake the mesher without a system call, so the mesher polls.
 constexpr auto kPollInterval = std::chrono::milliseconds(4);
 
 int8_t ToInt8(float v) {
@@ -65,7 +66,7 @@ Bounds BoundsOf(std::span<const GpuVertex> vertices, std::span<const uint32_t> i
   float least = 1;
   ForEachNormal(vertices, indices,
                 [&](const glm::vec3& n) { least = std::min(least, glm::dot(n, out.axis)); });
-  // The thousandth is for rounding: never false by mistake.
+  // The thousandth is for rounding: the result is never false by mistake.
   out.spread_rad = std::acos(std::clamp(least, -1.0f, 1.0f)) + 1e-3f;
   return out;
 }
@@ -129,7 +130,7 @@ void Mesher::Run() {
     RemeshChanged();
     {
       std::lock_guard lock(mutex_);
-      // After the meshes were delivered: who waits for this number finds them.
+      // After the meshes were delivered: a thread that waits for this number finds them.
       meshed_ = applied_;
     }
     idle_.notify_all();
@@ -148,7 +149,7 @@ void Mesher::MeshInitial() {
   for (size_t g = 0; g < group_count() && !stop_; ++g) {
     bricks_.Renew(replica_, bricks_of_group_[g]);
     GroupMesh mesh = Assemble(g);
-    // Before Simplify, which would leave no edges to be told (simplify.h).
+    // Before Simplify, which would leave no recognisable edges (simplify.h).
     Coarsen(mesh, kMovingError_mm);
     Simplify(mesh, kUncutError_mm);
     if (!mesh.indices.empty()) Deliver(std::move(mesh));
@@ -221,7 +222,7 @@ void Mesher::Deliver(GroupMesh mesh) {
   std::lock_guard lock(mutex_);
   for (GroupMesh& waiting : ready_) {
     if (waiting.group == mesh.group) {
-      // The one that waits was never drawn: if its surface was new, it still is.
+      // The waiting mesh was never drawn: if its surface was new, it still is.
       mesh.same_surface &= waiting.same_surface;
       waiting = std::move(mesh);
       return;

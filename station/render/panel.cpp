@@ -43,7 +43,7 @@ struct Panel {
     ImGui::TextUnformatted(value.c_str());
   }
 
-  // `mark`: where on the bar it gets serious; 0: nowhere.
+  // `mark`: where the bar becomes critical; 0: nowhere.
   void Bar(const char* name, const std::string& value, double share, Bearing bearing,
            double mark = 0) const {
     ImGui::PushFont(fonts.far);
@@ -74,7 +74,7 @@ struct Panel {
 
   void Force() const {
     double force = glm::length(c.state.force_sent_n);
-    // Where 0.6 and 0.9 come from is not recorded; nothing but this bar's colour depends on them.
+    // The source of 0.6 and 0.9 is not recorded; only this bar's colour depends on them.
     double share = force / std::max(c.force_full_scale_n, 1e-3);
     Bar("panel.force", words.Decimal(force, 2) + " N", share,
         share < 0.6   ? Bearing::kGood
@@ -88,7 +88,7 @@ struct Panel {
         c.zones->target_percent / 100, Bearing::kGood);
   }
 
-  // What is left of the leeway where it is least, and which share of it all is gone.
+  // The least remaining leeway, and its used share.
   void Leeway() const {
     if (!c.reach.leeway) return;
     const Reach::Leeway& leeway = *c.reach.leeway;
@@ -162,7 +162,7 @@ void DrawWarnings(const PanelContent& content, const Words& words, const Fonts& 
   float left = (kPanelWidth_px + 4 * kMargin_px) * px;
   ImGui::SetNextWindowPos({0.5f * (left + width), kMargin_px * px}, ImGuiCond_Always, {0.5f, 0});
   ImGui::SetNextWindowSizeConstraints({0, 0}, {width - left - kMargin_px * px, 1e6f});
-  // One warning is no cause for alarm, and only while it is alone.
+  // This warning is no cause for alarm, if it is alone.
   bool calm = content.fault.empty() && content.state.warnings == kWarnResumed;
   ImGui::PushStyleColor(ImGuiCol_WindowBg, calm ? kCalm : kAlarm);
   ImGui::Begin("warnings", nullptr, kOverlay);
@@ -188,7 +188,7 @@ void DrawScaleBar(double mm_per_pixel, const Fonts& fonts, float width, float he
                 {(left.x + right.x - text.x) / 2, left.y - 10 * px - text.y}, white, "1 mm");
 }
 
-// On a ground of its own: roots reach down to it, and a neighbour's crown.
+// On its own background, because roots and a neighbour's crown reach down to it.
 void DrawHint(const std::string& hint, const Fonts& fonts, float height, float px) {
   if (hint.empty()) return;
   float size = fonts.near->FontSize;
@@ -248,7 +248,7 @@ std::string WarningText(const Words& words, uint32_t warnings) {
 
 std::string WarningText(const Words& words, const PanelContent& content) {
   if (content.fault.empty()) return WarningText(words, content.state.warnings);
-  // The fault's own words say what these two say, and what to do.
+  // The fault's own text replaces these two and adds what to do.
   std::string rest = WarningText(words, content.state.warnings & ~(kWarnFault | kWarnDevice));
   return content.fault + (rest.empty() ? "" : "\n" + rest);
 }

@@ -15,7 +15,7 @@ namespace {
 constexpr int kKernelSize = 20;  // the shader's array; a lower quality uses the first of them
 // Reach of ambient occlusion: about half a cavity's width.
 constexpr float kOcclusionRadius_mm = 1.6f;
-// And of its blur, over pixels at half size.
+// Reach of its blur, over pixels at half size.
 constexpr int kBlurReach_px = 8;
 
 glm::vec3 Linear(int r, int g, int b) {
@@ -57,7 +57,7 @@ std::array<glm::vec3, kKernelSize> OcclusionKernel() {
   std::mt19937 random(5);
   auto unit = [&] { return static_cast<float>(random()) / 4294967296.0f; };
   for (int i = 0; i < kKernelSize; ++i) {
-    // Near and far points alternate, so that any first few of them reach as far as all.
+    // Near and far points alternate, so that the first few reach as far as all.
     int rank = i * 7 % kKernelSize;
     float turn = 6.2831853f * unit(), z = std::sqrt(0.05f + 0.95f * unit()),
           rho = std::sqrt(1 - z * z);
@@ -75,7 +75,7 @@ TriangleBuffer& Fill(TriangleBuffer& buffer, const Shape& shape) {
 
 // As in the shaders: over the left shoulder, in view.
 const glm::vec3 kKeyLight = glm::normalize(glm::vec3(-0.55f, 0.75f, 0.55f));
-// How far a shadow is followed, and how far beside the bur it reaches.
+// Length of a shadow, and its reach beside the bur.
 constexpr float kShadowReach_mm = 5, kShadowSide_mm = 1.2f, kShankShadow_mm = 6;
 
 void Scissor(const PixelRect& part) {
@@ -88,13 +88,13 @@ PixelRect Halved(const PixelRect& part) {
   return {part.x0 / 2, part.y0 / 2, (part.x1 + 1) / 2, (part.y1 + 1) / 2};
 }
 
-// Of a line on the tooth: three pixels where a crown fills a window.
+// Radius of a line on the tooth: three pixels where a crown fills a window.
 constexpr float kLineRadius_mm = 0.05f;
 
 // Parts of a bur.
 constexpr int kHead = 1, kShank = 2;
 
-// Looking down the shank, which would then hide what is being cut.
+// Looking down the shank, which would then hide the cut.
 bool SeenFromAbove(const PictureState& state) {
   glm::vec4 axis = state.view_from_scene * (*state.scene_from_bur)[2];
   return axis.z > 0.85f;
@@ -176,8 +176,8 @@ bool Picture::MayBeSeen(const Bounds& bounds, const PictureState& state) const {
   const glm::mat4 &view = state.view_from_scene, &clip = state.clip_from_view;
   glm::vec3 p(view * glm::vec4(bounds.middle_mm, 1));
   for (int axis = 0; axis < 2; ++axis) {
-    // Sides of the view: |clip p| <= -z.
-    // The side's plane is not of unit length: the root makes a distance of it.
+    // Sides of the view: |clip p| <= -z. The side's plane is not normalised: the root turns it into
+    // a distance.
     float slope = clip[axis][axis], outside = slope * std::fabs(p[axis]) + p.z;
     if (outside > bounds.radius_mm * std::sqrt(slope * slope + 1)) return false;
   }
@@ -241,7 +241,7 @@ Picture::Stale Picture::StalePart(const PictureState& state, const Quality& qual
     stale.solids = stale.solids.Grown(kEdge, w, h);
     stale.around = stale.around.Grown(kBlurReach_px, w, h);
   }
-  // All of it is in what is drawn now; what comes later is later's.
+  // The current drawing includes all changes so far.
   changed_.clear();
   drawn_view_ = state.view_from_scene;
   drawn_clip_ = state.clip_from_view;
@@ -292,7 +292,7 @@ void Picture::UseTooth(const PictureState& state) {
   kept_.Set("view_from_model", state.view_from_scene);
 }
 
-// Front to back: what is hidden then costs no light.
+// Front to back, so that hidden parts cost no light.
 void Picture::DrawTooth(const PictureState& state, const PixelRect& part) {
   solids_->Bind();
   Scissor(part);
@@ -311,7 +311,7 @@ void Picture::DrawTooth(const PictureState& state, const PixelRect& part) {
     glm::vec4 middle = state.view_from_scene * glm::vec4(group->bounds.middle_mm, 1);
     seen.emplace_back(-middle.z, group.get());
   }
-  // The rim around it is where the occlusion's pixels and their blur reach over the edge.
+  // The rim around it, where the occlusion's pixels and their blur reach over the edge.
   tooth_ = tooth_.Grown(kBlurReach_px, w, h);
   std::sort(seen.begin(), seen.end());
   for (const auto& [depth, group] : seen) {
@@ -431,7 +431,7 @@ void Picture::DrawBur(const PictureState& state, const glm::mat4& scene_from_bur
   if (parts & kShank) bur_shank_.Draw();
 }
 
-// Over everything: the hand feels the force wherever the tooth hides the bur.
+// Over everything: the hand feels the force even where the tooth hides the bur.
 void Picture::DrawArrow(const PictureState& state) {
   float length = glm::length(state.arrow_mm);
   if (length < 0.05f) return;

@@ -6,7 +6,7 @@
 namespace enamel::station::render {
 namespace {
 
-// Pixels along one axis, of [middle - radius, middle + radius] seen between two depths.
+// Pixels along one axis of [middle - radius, middle + radius] between two depths.
 struct Extent {
   int from = 0, to = 0;
 };
@@ -16,7 +16,7 @@ Extent Along(float middle, float radius, float near, float far, float slope, int
     return (offset * slope / depth + 1) * 0.5f * static_cast<float>(pixels);
   };
   float lo = middle - radius, hi = middle + radius;
-  // A border left of the middle is farthest left where it is nearest, one right of it where it is
+  // A border left of the middle is farthest left at its nearest point, one right of it at its
   // farthest.
   float from = pixel(lo, lo < 0 ? near : far), to = pixel(hi, hi > 0 ? near : far);
   auto limit = static_cast<float>(pixels);

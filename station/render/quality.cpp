@@ -5,7 +5,7 @@
 namespace enamel::station::render {
 namespace {
 
-// A level up costs up to four times as much: there must be room for it, for a while.
+// A level up costs up to four times as much, so there must be room for it, for some time.
 constexpr double kEasyShare = 0.2;
 constexpr size_t kEasyWindows = 4;
 

@@ -10,7 +10,7 @@
 namespace enamel::station::render {
 namespace {
 
-// At 0.8 mm radius the outline lies at most 1.7 um within the circle.
+// At 0.8 mm radius the outline is at most 1.7 um inside the circle.
 constexpr int kAround = 48;
 constexpr float kPi = 3.14159265f;
 
@@ -69,9 +69,9 @@ Profile BurHeadOutline(const cutting::Bur& bur) {
       add(piece.to[0], piece.to[1]);
       continue;
     }
-    // A corner: the lines before and after it meet there anyway.
+    // A corner: the adjacent lines meet there anyway.
     if (piece.radius == 0) continue;
-    // Outward normals have r >= 0, so the angles lie within a quarter turn of 0 and never wrap.
+    // Outward normals have r >= 0, so the angles are within a quarter turn of 0 and never wrap.
     double from = std::atan2(piece.first[1], piece.first[0]);
     double turn = std::atan2(piece.last[1], piece.last[0]) - from;
     for (int i = 1; i <= 24; ++i) {

@@ -4,7 +4,7 @@
 #include <backends/imgui_impl_opengl3.h>
 #include <epoxy/gl.h>
 #include <imgui.h>
-// epoxy must come before GLFW, which would otherwise bring OpenGL headers of its own.
+// epoxy must come before GLFW, which would otherwise include its own OpenGL headers.
 #include <GLFW/glfw3.h>
 
 #include <algorithm>
@@ -48,7 +48,7 @@ std::string LastGlfwError() {
 class GlfwWindow {
  public:
   explicit GlfwWindow(const ScreenOptions& options) {
-    // Errors are asked for (LastGlfwError) and become exceptions: nothing is printed beside them.
+    // Errors are read by LastGlfwError and become exceptions; GLFW prints nothing.
     glfwSetErrorCallback(nullptr);
     if (!glfwInit()) throw std::runtime_error(LastGlfwError());
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
@@ -86,7 +86,7 @@ class GlfwWindow {
 };
 
 bool IsSoftware(std::string_view renderer) {
-  // Mesa's names for drawing by the processor.
+  // Mesa's names for software rendering.
   return renderer.find("llvmpipe") != renderer.npos || renderer.find("softpipe") != renderer.npos;
 }
 
@@ -121,13 +121,13 @@ class Screen::Impl {
     ListenToInput();
     ImGui::CreateContext();
     ImGuiIO& io = ImGui::GetIO();
-    // Dear ImGui would write both into whatever folder the program was started in.
+    // Dear ImGui would write both into the current folder.
     io.IniFilename = nullptr;
     io.LogFilename = nullptr;
-    // Without its own callbacks: all input comes by way of Take, a person's and a script's alike.
+    // Without its own callbacks: Take receives all input, a person's and a script's alike.
     ImGui_ImplGlfw_InitForOpenGL(glfw_.get(), false);
     ImGui_ImplOpenGL3_Init("#version 330 core");
-    // The focus is moved and pages are left by those who draw them.
+    // The pages move the focus and handle leaving.
     for (int key : {ImGuiKey_Tab, ImGuiKey_Escape}) io.KeyMap[key] = -1;
     Measure();
   }
@@ -146,7 +146,7 @@ class Screen::Impl {
     began_ = Clock::now();
     glfwPollEvents();
     if (!injected_.empty()) {
-      // One a frame: what a script does is spread over frames, as what a hand does is.
+      // One a frame: spreads a script's input over frames, like a hand's.
       InputEvent event = injected_.front();
       injected_.pop_front();
       Take(event);
@@ -154,9 +154,9 @@ class Screen::Impl {
     Measure();
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
-    // What the person did is what came through Take: one way in, also for a script.
+    // All input comes through Take, also a script's.
     ImGuiIO& io = ImGui::GetIO();
-    // Dear ImGui's way to say that there is no mouse.
+    // Dear ImGui's value for "no mouse".
     io.MousePos = captured_ ? ImVec2{-FLT_MAX, -FLT_MAX}
                             : ImVec2{static_cast<float>(cursor_x_), static_cast<float>(cursor_y_)};
     for (int i = 0; i < kButtons; ++i) {
@@ -171,8 +171,8 @@ class Screen::Impl {
     ImGui::Render();
     glDisable(GL_SCISSOR_TEST);
     if (picture != nullptr) {
-      // By way of a target of our own: what a window's back buffer holds after a swap is not
-      // defined, and a screenshot reads what was shown.
+      // Through our own target: the contents of a window's back buffer are undefined after a swap,
+      // and a screenshot reads the picture that was shown.
       picture->CopyColourTo(*shown_);
       shown_->Bind();
     } else {
@@ -185,12 +185,12 @@ class Screen::Impl {
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
     glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT,
                       GL_NEAREST);
-    // Drawing is only queued until then, and its time would not be drawing's. A card is not waited
+    // Otherwise drawing is only queued, and its time is not measured. A graphics card is not waited
     // for.
     if (software_ || !paced_) glFinish();
     auto end = Clock::now();
     drawing_s_ = std::chrono::duration<double>(end - began_).count();
-    // Where the processor draws, the tick needs it too: pause half as long as drawing took.
+    // With software rendering the tick needs the processor too: pause half as long as drawing took.
     next_ = std::max(began_ + kFrameTime, software_ ? end + (end - began_) / 2 : end);
     glfwSwapBuffers(glfw_.get());
   }
@@ -203,7 +203,7 @@ class Screen::Impl {
     return WritePng(path, rgb, width_, height_);
   }
 
-  // The cursor jumps when it is captured and let go: no motion of the person's.
+  // The cursor jumps when it is captured and released; the person did not move it.
   void Capture(bool capture) {
     if (capture == captured_) return;
     captured_ = capture;
@@ -281,13 +281,12 @@ class Screen::Impl {
     while (paced_) {
       std::chrono::duration<double> left = next_ - Clock::now();
       if (left.count() <= 0) return;
-      // Comes back with every event; the callbacks have taken it by then, and the rest of the time
-      // is waited for.
+      // Returns with every event. The callbacks have handled it by then, and the wait continues.
       glfwWaitEventsTimeout(left.count());
     }
   }
 
-  // After a change of the window's size or language: the letters and the picture in the new one.
+  // After a change of the window's size or language: fonts and picture in the new one.
   void Measure() {
     int width = 0, height = 0;
     glfwGetFramebufferSize(glfw_.get(), &width, &height);
@@ -300,7 +299,7 @@ class Screen::Impl {
                                       GL_NEAREST);
     fonts_ = MakeFonts(height, language_, needed_);
     SetStyle(fonts_.scale);
-    // The letters are pixels of one size: another height needs others.
+    // Fonts are pixels of one size: another height needs new ones.
     ImGui_ImplOpenGL3_DestroyFontsTexture();
     ImGui_ImplOpenGL3_CreateFontsTexture();
   }

@@ -25,8 +25,8 @@ void main() {
 )";
 
 // Key light over the left shoulder, fill from the right, sky and bounce; all fixed to the camera,
-// so that a cavity reads the same from every side. `base` is linear, what
-// comes out is what a display takes.
+// so that a cavity looks the same from every side. `base` is linear; the result is in the display's
+// encoding.
 const char* const kLit = R"(#version 330 core
 vec3 Lit(vec3 base, float shine, vec3 n, vec3 to_eye, vec3 up_in_view) {
   vec3 key = normalize(vec3(-0.55, 0.75, 0.55)), fill = normalize(vec3(0.8, 0.1, 0.45));
@@ -68,8 +68,8 @@ void main() {
 )";
 
 // The tooth is most of the triangles, many smaller than the block of pixels a processor shades at
-// once. So each costs as little as can be: what light needs to know is kept, and light is computed
-// when composing, once for each pixel that is seen.
+// once. So each costs as little as possible: the inputs of lighting are stored, and light is
+// computed when composing, once for each visible pixel.
 const char* const kToothVertex = R"(#version 330 core
 layout(location = 0) in vec3 position_mm;
 layout(location = 1) in vec3 normal;
@@ -104,9 +104,9 @@ void main() {
 }
 )";
 
-// Ambient occlusion in screen space: the share of points in the half ball over a pixel that lie
-// behind what is drawn. Directions turn from pixel to pixel in a 4 x 4 tile; composing averages it.
-// Beside it goes the pixel's depth in view, mm.
+// Ambient occlusion in screen space: the share of points in the half ball over a pixel that are
+// behind the surface drawn. Directions turn from pixel to pixel in a 4 x 4 tile; composing averages
+// it. Also stores the pixel's depth in view, mm.
 const char* const kOcclusionFragment = R"(#version 330 core
 in vec2 uv;
 uniform sampler2D depth, normals;
@@ -177,7 +177,7 @@ uniform mat4 clip_from_view;
 uniform vec3 up_in_view;
 uniform int occluded;
 layout(location = 0) out vec4 colour;
-// Bilinear between the four occlusion pixels around, as far as they are at the same depth.
+// Bilinear between the four surrounding occlusion pixels of the same depth.
 float Open(float z) {
   ivec2 size = textureSize(occlusion, 0);
   vec2 at = uv * vec2(size) - 0.5, f = fract(at);
@@ -221,9 +221,9 @@ void main() {
 }
 )";
 
-// Where the bur keeps the key light off: the nearest point of the way to the light to the axis of
-// the cutting part (tip to neck) and of the shank (neck to top), softer the farther the bur is; and
-// a darker seam where it is near, whatever the light. Exact for capsules.
+// The bur's shadow of the key light: the nearest point of the ray to the light to the axis of the
+// cutting part (tip to neck) and of the shank (neck to top), softer the farther the bur is. A
+// darker seam where it is near, for any light. Exact for capsules.
 const char* const kShadowFragment = R"(#version 330 core
 in vec2 uv;
 uniform sampler2D depth;
@@ -231,7 +231,7 @@ uniform mat4 clip_from_view;
 uniform vec3 to_light, tip, neck, top;
 uniform float head_radius_mm, reach_mm, side_mm;
 layout(location = 0) out vec4 light_left;
-// Of the ray from p: x, the least distance to the segment; y, how far along the ray that is.
+// For the ray from p: x, the least distance to the segment; y, its distance along the ray.
 vec2 ToSegment(vec3 p, vec3 a, vec3 b) {
   vec3 v = b - a, w = p - a;
   float uv = dot(to_light, v), vv = dot(v, v), uw = dot(to_light, w), vw = dot(v, w);

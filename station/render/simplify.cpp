@@ -11,7 +11,7 @@
 namespace enamel::station::render {
 namespace {
 
-// What light asks for, as cosines.
+// Limits for correct lighting, as cosines.
 struct Shading {
   float least_crease;  // between two corners' normals: less is an edge or a groove
   float least_lean;    // of a corner's normal from a large triangle's
@@ -43,8 +43,8 @@ glm::vec3 NormalOf(const GpuVertex& v) {
   return glm::normalize(glm::vec3(v.normal[0], v.normal[1], v.normal[2]));
 }
 
-// The share of a surface over which light would run wrongly: triangles that are large and whose
-// corners' normals lean away from them.
+// Share of a surface with wrong lighting: triangles that are large and whose corners' normals lean
+// away from theirs.
 float ShadedWrongly(const std::vector<GpuVertex>& vertices, const std::vector<uint32_t>& indices,
                     float least_lean) {
   constexpr float kLarge_mm = 0.2f;
@@ -66,7 +66,7 @@ float ShadedWrongly(const std::vector<GpuVertex>& vertices, const std::vector<ui
   return all > 0 ? wrong / all : 0;
 }
 
-// Triangles of one tissue and no edge, by tissue; and all others.
+// Triangles of one tissue without edges, by tissue; and all others.
 struct Parts {
   std::array<std::vector<uint32_t>, cutting::kTissueCount> smooth;
   std::vector<uint32_t> others;
@@ -100,7 +100,7 @@ std::vector<uint32_t> Fewer(const std::vector<GpuVertex>& vertices,
   for (const std::vector<uint32_t>& part : parts.smooth) {
     if (part.empty()) continue;
     const std::vector<uint32_t>* taken = &part;
-    // Less where light asks for it.
+    // Less reduction where lighting requires it.
     for (float share : {1.0f, 0.25f, 0.06f}) {
       fewer.resize(part.size());
       fewer.resize(meshopt_simplify(fewer.data(), part.data(), part.size(), positions,
@@ -115,7 +115,7 @@ std::vector<uint32_t> Fewer(const std::vector<GpuVertex>& vertices,
   return out;
 }
 
-// Only the vertices that are used, in the order they are.
+// Keeps only the used vertices, in their order.
 void DropUnused(GroupMesh& mesh) {
   std::vector<uint32_t> all = mesh.indices;
   all.insert(all.end(), mesh.coarse.begin(), mesh.coarse.end());

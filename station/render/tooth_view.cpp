@@ -14,7 +14,7 @@ constexpr double kGhostFrom_m = 50e-6;  // apart by less, hand and bur look the 
 constexpr float kArrowFullScale_mm = 5;
 constexpr float kSpinPerFrame = 0.37f;  // for the eye: not the true speed
 
-// Half the larger of length and width of what is there, with a margin.
+// Half the larger of length and width of the solid, with a margin.
 float RadiusOf(const cutting::Volume& volume) {
   const cutting::GridSpec& spec = volume.spec();
   ivec3 lo = spec.bricks, hi(-1);

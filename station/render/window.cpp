@@ -1,7 +1,7 @@
 #include "station/render/window.h"
 
 #include <epoxy/gl.h>
-// epoxy must come before GLFW, which would otherwise bring OpenGL headers of its own.
+// epoxy must come before GLFW, which would otherwise include its own OpenGL headers.
 #include <GLFW/glfw3.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace enamel::station::render {
 namespace {
 
 constexpr auto kMeshLimit = std::chrono::seconds(30);
-// 60 pictures a second where there is a graphics card, 15 where the processor draws.
+// 60 pictures a second with a graphics card, 15 with software rendering.
 constexpr double kCardBudget_s = 1.0 / 60, kSoftwareBudget_s = 1.0 / 15;
 
 void PressKey(Camera& camera, int key) {
@@ -50,7 +50,7 @@ Status NoDisplay(const std::string& reason) {
 }
 
 QualityGovernor GovernorFor(const Screen& screen) {
-  // The best level draws four pixels for each that is seen: not where the processor draws.
+  // The best level draws four pixels for each visible one: too slow for software rendering.
   return screen.draws_in_software() ? QualityGovernor(1, kSoftwareBudget_s)
                                     : QualityGovernor(0, kCardBudget_s);
 }
@@ -79,7 +79,7 @@ Result<std::unique_ptr<Window>> Window::Create(const WindowOptions& options,
   try {
     return std::unique_ptr<Window>(new Window(options, initial));
   } catch (const std::exception& e) {
-    // Whatever it was: this window is one of several ways to run an attempt, and the others need no
+    // For any error: this window is one of several ways to run an attempt, and the others need no
     // display.
     return NoDisplay(e.what());
   }
@@ -122,7 +122,7 @@ Status Window::WriteScreenshot(const std::string& path) {
                   "the machine is too busy or the voxels are too small",
                   "screenshot");
   }
-  // Twice: the panel takes the size its text asks for one frame later.
+  // Twice: the panel reaches the size of its text one frame later.
   for (int i = 0; i < 2; ++i) {
     screen_.Begin();
     DrawFrame(kQualities[0]);

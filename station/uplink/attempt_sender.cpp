@@ -9,14 +9,14 @@
 namespace enamel::station {
 namespace {
 
-// Half of what the server takes in one message, so that attempts and tickets fit beside each other.
+// Half of the server's limit for one message, so that attempts and tickets fit together.
 constexpr size_t kOfferAtOnce = 512;
 using Clock = std::chrono::steady_clock;
 
 }  // namespace
 
-// A server whose disk is full (kStorage) or that failed in itself (kInternal) can be mended without
-// this station; whatever else it answers it will answer again.
+// A server whose disk is full (kStorage) or that failed internally (kInternal) may recover without
+// this station; any other answer it will repeat.
 bool IsTransient(const Status& status) {
   return status.code() == Code::kUnavailable || status.code() == Code::kStorage ||
          status.code() == Code::kInternal;
@@ -36,7 +36,7 @@ bool IsDamaged(const Status& status) {
 
 Result<std::vector<SpooledAttempt>> WaitingAttempts(Spool& spool) {
   auto all = spool.List();
-  // What the server refused is not asked again and again: ClearRefusal makes it wait once more.
+  // A refused recording is not offered again until ClearRefusal makes it wait.
   if (all.ok()) std::erase_if(*all, [](const SpooledAttempt& a) { return !a.waits(); });
   return all;
 }
@@ -53,11 +53,11 @@ Result<size_t> AttemptSender::Offer() {
     }
     ENAMEL_RETURN_IF_ERROR(Meanwhiles());
     auto wanted = link_.OfferAttempts(held, std::exchange(tickets, {}));
-    // Older than the question: it was never restored with a program that could have asked.
+    // A server that does not know the question was never restored with a program that could ask.
     if (wanted.status().code() == Code::kVersion) return size_t{0};
     if (!wanted.ok()) return wanted.status();
     for (const Uuid& id : wanted->attempts) {
-      // Not what it says on its own: only what was offered can be sent again.
+      // Only offered ids count: only they can be sent again.
       bool offered = std::ranges::find(held, id, &HeldAttempt::attempt) != held.end();
       if (!offered) continue;
       ENAMEL_RETURN_IF_ERROR(spool_.MarkWanted(id));
@@ -72,7 +72,7 @@ Result<std::vector<Uuid>> AttemptSender::UnusedTickets() {
   ENAMEL_ASSIGN_OR_RETURN(auto tickets, spool_.tickets().List());
   std::vector<Uuid> out;
   for (const LockedTicket& t : tickets) {
-    // One that was begun is in the spool: its recording is evidence, and its PIN may resume it.
+    // If it was begun it is in the spool: its recording is evidence, and its PIN may resume it.
     bool unused = !t.handed_back() && !spool_.Get(t.attempt).ok();
     if (unused && out.size() < kOfferAtOnce) out.push_back(t.attempt);
   }
@@ -84,7 +84,7 @@ Status AttemptSender::ReturnTickets() {
   for (const LockedTicket& t : tickets) {
     if (!t.handed_back()) continue;
     ENAMEL_RETURN_IF_ERROR(Meanwhiles());
-    // Begun after all: its recording tells the server, and returning the ticket would be refused.
+    // Begun after all: its recording informs the server, which would refuse the ticket's return.
     Status told = spool_.Get(t.attempt).ok() ? Status::Ok() : link_.ReturnTicket(t.attempt);
     if (IsTransient(told)) return told;
     ENAMEL_RETURN_IF_ERROR(spool_.tickets().Remove(t.attempt));
@@ -98,10 +98,10 @@ Status AttemptSender::Send(const Uuid& attempt, const std::function<bool()>& yie
     if (Status noted = spool_.MarkTried(attempt, status.message()); status.ok()) return noted;
   }
   if (IsTransient(status)) return status;
-  // The next try begins with what the server says it has, not with what was sent.
+  // The next try starts where the server says, not where the sending stopped.
   next_.erase(attempt);
   if (status.code() == Code::kConflict && status.field() == "seq") {
-    // The server stands elsewhere than it said: ask again on a new connection.
+    // The server is at another chunk than it said: ask again on a new connection.
     return Status(Code::kUnavailable, status.message());
   }
   ENAMEL_RETURN_IF_ERROR(spool_.MarkRefused(attempt, status.message()));
@@ -114,17 +114,19 @@ Status AttemptSender::SendOnce(const Uuid& attempt, const std::function<bool()>&
     ENAMEL_ASSIGN_OR_RETURN(auto header, spool_.HeaderOf(attempt));
     ENAMEL_ASSIGN_OR_RETURN(auto opened, link_.OpenAttempt(header, stored.facts));
     NoteWatched(attempt, opened.watched);
-    // The server's word counts, also where it is less than it said before: a restored backup
-    // forgets.
+    // The server's answer counts, even if it is less than before: a restored backup may lack
+    // chunks.
     ENAMEL_RETURN_IF_ERROR(spool_.SetCommittedBelow(attempt, opened.next_seq));
     next_[attempt] = opened.next_seq;
   }
   Status sent = SendChunks(attempt, yield);
-  // What was read before the damage is the server's to keep, and the link the others' to use.
+  // The server keeps what was read before the damage, and the connection serves the other
+  // recordings.
   if (IsDamaged(sent)) {
     if (Status taken = TakeAllAcks(); !taken.ok()) sent = taken;
   }
-  // What was refused is one of these: the others' answers are still to come, and mean nothing now.
+  // One of the chunks was refused: the answers to the others are still to come, and mean nothing
+  // now.
   if (!sent.ok() && waiting_ > 0) link_.Close();
   ENAMEL_RETURN_IF_ERROR(sent);
   ENAMEL_ASSIGN_OR_RETURN(auto stored, spool_.Get(attempt));
@@ -156,7 +158,7 @@ Status AttemptSender::SendChunks(const Uuid& attempt, const std::function<bool()
   return TakeAllAcks();
 }
 
-// All, also where the spool cannot mark some of them.
+// Takes all, even if the spool cannot mark some of them.
 Status AttemptSender::TakeAllAcks() {
   Status worst;
   while (waiting_ > 0) {
@@ -169,7 +171,7 @@ Status AttemptSender::TakeAllAcks() {
 
 Status AttemptSender::AwaitBandwidth(size_t bytes) {
   while (true) {
-    // In slices, so that Stop and the live view need not wait until a whole chunk may go.
+    // In slices, so that Stop and the live view need not wait for a whole chunk's turn.
     auto wait = bandwidth_.Take(bytes, Clock::now());
     if (wait == Clock::duration{}) return Status::Ok();
     ENAMEL_RETURN_IF_ERROR(Meanwhiles());
@@ -178,7 +180,7 @@ Status AttemptSender::AwaitBandwidth(size_t bytes) {
 }
 
 Status AttemptSender::TakeAck() {
-  // A connection that is up and silent is no use: TCP alone would keep it for many minutes.
+  // A connection that is up but silent is useless: TCP alone would keep it for many minutes.
   const auto deadline = Clock::now() + ServerLink::kTimeout;
   while (true) {
     ENAMEL_RETURN_IF_ERROR(Meanwhiles());
@@ -189,7 +191,7 @@ Status AttemptSender::TakeAck() {
         for (const protocol::Remark& remark : ack->remarks) remarks_->Arrived(ack->attempt, remark);
       }
       if (!ack->committed) continue;
-      // Each mark is a write to disk that a chunk being spooled would wait for.
+      // Each mark is a write to disk, which delays a chunk being spooled.
       bool mark = --waiting_ == 0 || ++unmarked_ >= kWindow / 2;
       if (!mark) return Status::Ok();
       unmarked_ = 0;
@@ -203,7 +205,7 @@ Status AttemptSender::TakeAck() {
 }
 
 void AttemptSender::NoteWatched(const Uuid& attempt, bool watched) {
-  // One at a time is made here, so one at a time is watched.
+  // Only one attempt at a time is made here, so only one is watched.
   if (watched)
     watched_ = attempt;
   else if (watched_ == attempt)

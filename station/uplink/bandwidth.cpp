@@ -25,7 +25,7 @@ Bandwidth::Clock::duration Bandwidth::Take(size_t bytes, Clock::time_point now) 
     level_ -= size;
     return {};
   }
-  // Rounded up, so that it is there when asked again.
+  // Rounded up, so that it is available at the next call.
   return std::chrono::duration_cast<Clock::duration>(Seconds(missing / rate_)) +
          std::chrono::microseconds(1);
 }

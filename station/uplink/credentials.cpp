@@ -15,7 +15,7 @@ namespace {
 namespace json = boost::json;
 
 constexpr int kFormat = 1;
-// The file has eight short members; whatever is longer is another file.
+// The file has eight short members; a longer one is another file.
 constexpr size_t kMaxFile = 64 << 10;
 
 std::filesystem::path FileIn(const std::filesystem::path& folder) {
@@ -72,8 +72,8 @@ Result<Credentials> LoadCredentials(const std::filesystem::path& folder) {
   }
   if (!bytes.ok()) return Status(bytes.status().code(), bytes.status().message(), kEnrolment);
   struct stat info {};
-  // Whoever has read the key can sign recordings as this station: changing the rights afterwards
-  // is not enough to know, so it is refused and not mended here.
+  // Anybody who has read the key can sign recordings as this station. Changing the mode afterwards
+  // does not tell whether somebody has, so the file is refused, not repaired here.
   if (::stat(file.c_str(), &info) == 0 && (info.st_mode & 077) != 0) {
     return Status(Code::kForbidden,
                   file.string() +

@@ -8,8 +8,8 @@ namespace {
 
 using net::IsTimeout;
 
-// A volume of a whole tooth takes some megabytes; this only keeps a wrong `total` from taking the
-// memory of the machine.
+// A volume of a whole tooth takes some megabytes; this limit only keeps a wrong `total` from using
+// up memory.
 constexpr uint64_t kMaxBlob = uint64_t{2} << 30;
 
 Status Unexpected(const char* wanted) {
@@ -26,7 +26,7 @@ std::vector<protocol::Remark> ReadRemarks(
   return out;
 }
 
-// A newer server's word for it is not known here; that server looks at it itself.
+// A newer server's value is unknown here; that server checks it itself.
 HandsAllowed HandsIn(const std::string& name) {
   return HandsAllowedFromName(name).value_or(HandsAllowed::kAny);
 }
@@ -45,8 +45,8 @@ Result<wire::Reply> ServerLink::Receive(uint32_t reply_to) {
   while (true) {
     auto frame = client_.Receive(kTimeout);
     if (!frame.ok()) {
-      // A server that does not answer in time is as good as gone: what it owes would come later
-      // and be taken for something else.
+      // A server that does not answer in time counts as gone: its answer would come later and be
+      // mistaken for another.
       client_.Close();
       return frame.status();
     }
@@ -55,8 +55,8 @@ Result<wire::Reply> ServerLink::Receive(uint32_t reply_to) {
       client_.Close();
       return reply.status();
     }
-    // Acknowledgements of chunks may overtake what is waited for, and an error that is of no
-    // request (reply_to 0) ends the connection: it is the answer to whatever was asked.
+    // Acknowledgements of chunks may arrive before the reply. An error without a request (reply_to
+    // 0) ends the connection and answers whatever was asked.
     if (reply->reply_to() != reply_to && reply->reply_to() != 0) continue;
     if (reply->has_error()) return protocol::ToStatus(reply->error());
     if (reply->reply_to() == reply_to) return reply;
@@ -73,8 +73,8 @@ Result<Credentials> ServerLink::Enrol(const net::Endpoint& server, const EnrolCo
                                       const std::optional<Credentials>& before) {
   ServerLink link;
   ENAMEL_RETURN_IF_ERROR(link.client_.Connect(server, code.fingerprint, kTimeout));
-  // The old key with the old id: tickets and chunks that were signed for it stay good on a server
-  // that has forgotten the station (schemas/wire/README.md, "Two acknowledgements").
+  // The old key with the old id: tickets and chunks signed for it stay valid on a server that has
+  // lost the station (schemas/wire/README.md, "Two acknowledgements").
   trace::KeyPair keys =
       before ? trace::KeyPair{before->public_key(), before->secret_key} : trace::NewKeyPair();
   wire::Request request;
@@ -115,8 +115,7 @@ Status ServerLink::Connect(const Credentials& credentials) {
   hello->set_core_version(core::kCoreVersion);
   hello->set_software(SoftwareName());
   hello->set_shows_remarks(true);
-  // As NTP does: half of the way there and back is taken for the way back, wrong by at most that
-  // half.
+  // As in NTP: half of the round trip counts as the way back, with an error of at most that half.
   int64_t asked_ms = UnixMs();
   auto reply = Call(request);
   if (!reply.ok()) {
@@ -126,7 +125,7 @@ Status ServerLink::Connect(const Credentials& credentials) {
   if (!reply->has_welcome()) return Unexpected("Welcome");
   server_ahead_ms_ = reply->welcome().server_unix_ms() - (asked_ms + UnixMs()) / 2;
   may_begin_ = reply->welcome().core_version() == core::kCoreVersion;
-  // Shown to people who type it elsewhere: what is no plain address is passed over.
+  // People type it elsewhere, so anything but a plain address is ignored.
   const std::string& page_url = reply->welcome().page_url();
   header_version_ = std::max(1u, reply->welcome().header_version());
   page_url_ = protocol::IsPageUrl(page_url) ? page_url : "";

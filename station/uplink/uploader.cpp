@@ -10,7 +10,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// What a LiveState takes on the wire, with frame and TLS record.
+// Size of a LiveState on the wire, with frame and TLS record.
 constexpr size_t kLiveBytes = 100;
 
 }  // namespace
@@ -31,8 +31,7 @@ void Uploader::Prefer(const Uuid& attempt, std::shared_ptr<LiveMailbox> live) {
   MutexLock lock(mutex_);
   preferred_ = attempt;
   live_ = std::move(live);
-  // An attempt that goes on after a crash has been opened on this connection perhaps, and must say
-  // so again: reopen_.
+  // A resumed attempt may have been opened on this connection, and must be opened again: reopen_.
   reopen_ = wake_ = retry_ = true;
   changed_.notify_all();
 }
@@ -70,7 +69,7 @@ void Uploader::WaitUntilDone(const Uuid& attempt, std::chrono::milliseconds pati
   while (!stop_ && !about_link_.refused) {
     const State& state = states_[attempt];
     if (state.sealed || state.gave_up) return;
-    // Patience is with a server that is away; one that is there may take as long as the bytes take.
+    // Patience is for a server that is away; a reachable one may take as long as it needs.
     if (about_link_.reachable) gone_since = Clock::now();
     if (changed_.wait_until(mutex_, gone_since + patience) == std::cv_status::timeout &&
         !about_link_.reachable) {
@@ -104,7 +103,7 @@ void Uploader::Run() {
     Status status = RunConnection();
     link_.Close();
     Say(status);
-    // A spool that cannot be read says nothing of the server, and is not to be written to.
+    // An unreadable spool gives no information on the server, and must not be written to.
     if (!IsStopped(status) && !IsDamaged(status)) (void)spool_.MarkAllTried(status.message());
     mutex_.lock();
     about_link_.reachable = false;
@@ -112,8 +111,8 @@ void Uploader::Run() {
     about_link_.refused = !IsTransient(status);
     retry_ = false;
     changed_.notify_all();
-    // A server that is away is tried again soon, one that says no seldom: only a person changes
-    // that.
+    // A server that is away is tried again soon. One that refuses is tried seldom: only a person
+    // changes that.
     Backoff& backoff = about_link_.refused ? refused_backoff_ : backoff_;
     changed_.wait_for(mutex_, backoff.Next(),
                       [&]() ENAMEL_REQUIRES(mutex_) { return stop_ || retry_; });
@@ -121,7 +120,7 @@ void Uploader::Run() {
   }
 }
 
-// Once for each change.
+// Logs each change once.
 void Uploader::Say(const Status& status) {
   if (stopping() || said_ == status.message()) return;
   said_ = status.message();
@@ -147,11 +146,11 @@ void Uploader::PruneWhenDue() {
 // Until the connection breaks or Stop; never ok.
 Status Uploader::RunConnection() {
   ENAMEL_RETURN_IF_ERROR(link_.Connect(credentials_));
-  // Reached, so whatever was refused before is not any more; backoff_ is reset only when a request
-  // has been answered, as a server that accepts and drops would be asked without end.
+  // Reached, so an earlier refusal is over. backoff_ is reset only after an answered request, or a
+  // server that accepts and drops would be asked without end.
   refused_backoff_.Reset();
   Say(Status::Ok());
-  // The sender calls Meanwhile, which asks the sender: known only once it is made.
+  // Meanwhile uses the sender that calls it, so this is set once the sender exists.
   AttemptSender* self = nullptr;
   AttemptSender sender(
       link_, spool_, bandwidth_, [&] { return Meanwhile(*self); }, &remarks_);
@@ -189,14 +188,13 @@ Status Uploader::SendWaiting(AttemptSender& sender) {
     }
     Status status = sender.Send(*attempt, [&] { return yielded = !preferred && PreferredWaits(); });
     Note(*attempt, status);
-    // What one recording waits for is no reason to let the others wait, nor to give up the
-    // connection.
+    // One recording's reason to wait neither delays the others nor ends the connection.
     if (IsOfOneRecording(status)) {
       awaited_due_ = Clock::now() + kAwaitedEvery;
     } else if (!status.ok() && IsTransient(status)) {
       return status;
     }
-    // One that gave way is not done: it comes again in this round.
+    // A recording that yielded is not done: it comes again in this round.
     if (!yielded) brought.insert(*attempt);
     if (!link_.connected()) return Status(Code::kUnavailable, "the connection was lost");
     ping_due_ = Clock::now() + kPingEvery;
@@ -204,15 +202,15 @@ Status Uploader::SendWaiting(AttemptSender& sender) {
   return Status::Ok();
 }
 
-// The preferred attempt when it waits, else the oldest that does; none of `brought`, unless there
-// is something new.
+// The preferred attempt if it waits, else the oldest that does; none of `brought`, unless there is
+// new data.
 std::optional<Uuid> Uploader::NextWaiting(std::set<Uuid>& brought) {
   {
     MutexLock lock(mutex_);
     if (std::exchange(wake_, false)) brought.clear();
   }
   auto waiting = WaitingAttempts(spool_);
-  // A spool that cannot be read now has nothing to send now; Note and Say tell of it.
+  // An unreadable spool has nothing to send now; Note and Say report it.
   if (!waiting.ok()) return std::nullopt;
   std::erase_if(*waiting, [&](const SpooledAttempt& a) { return brought.contains(a.id); });
   if (waiting->empty()) return std::nullopt;
@@ -223,8 +221,8 @@ std::optional<Uuid> Uploader::NextWaiting(std::set<Uuid>& brought) {
   return waiting->front().id;
 }
 
-// An attempt that is being made goes first, so that an instructor sees it as it is made; what waits
-// from yesterday gives way at its next chunk.
+// The attempt being made goes first, so that an instructor sees it live; older recordings yield at
+// their next chunk.
 bool Uploader::PreferredWaits() {
   MutexLock lock(mutex_);
   return preferred_ && wake_;
@@ -240,8 +238,7 @@ void Uploader::Note(const Uuid& attempt, const Status& status) {
     state.sealed = stored->complete();
   }
   state.problem = status;
-  // Nobody who waits for this one need wait longer: what is damaged stays so until a person
-  // salvages it.
+  // Ends waiting for this one: damage stays until a person salvages it.
   state.gave_up = !status.ok() && (!IsTransient(status) || IsDamaged(status));
   const bool news = before.problem.message() != status.message();
   if (state.sealed && !before.sealed) {
@@ -279,7 +276,7 @@ void Uploader::SendLive(const AttemptSender& sender) {
   if (!sender.watched(attempt)) return;
   auto point = live->Take();
   if (!point) return;
-  // From when it was due, so that the rate holds; not all at once after a pause.
+  // From its due time, so that the rate holds; without a burst after a pause.
   live_due_ = std::max(live_due_ + kLiveEvery, now - kLiveEvery);
   // A live point is only worth sending now: it never takes a chunk's place, and is dropped, not
   // kept.
@@ -301,7 +298,7 @@ Status Uploader::Ping() {
   return Status::Ok();
 }
 
-// Until there is something new, keeping the connection alive and the live view going.
+// Waits for new data, keeping the connection and the live view alive.
 Status Uploader::AwaitWork(AttemptSender& sender) {
   while (true) {
     ENAMEL_RETURN_IF_ERROR(Meanwhile(sender));
@@ -313,7 +310,7 @@ Status Uploader::AwaitWork(AttemptSender& sender) {
     }
     MutexLock lock(mutex_);
     bool watched = preferred_ && live_ && sender.watched(*preferred_);
-    // A mailbox wakes nobody, as the tick must not; so it is looked into at four times its rate.
+    // A mailbox wakes no thread, because the tick must not; so it is polled at four times its rate.
     auto until = watched ? std::min<Clock::time_point>(ping_due_, now + kLiveEvery / 4) : ping_due_;
     if (changed_.wait_until(mutex_, until, [&]() ENAMEL_REQUIRES(mutex_) {
           return wake_ || look_for_tickets_ || stop_;
