@@ -8,7 +8,7 @@
 int main(int argc, char** argv) {
   using namespace enamel;
   std::vector<std::string> arguments(argv + 1, argv + argc);
-  // "error" was a bench once and is a command of its own now; the others moved under `bench`.
+  // "error" is a separate command; the other old benches are under `bench`.
   if (arguments.empty() || arguments[0] != "error") arguments.insert(arguments.begin(), "bench");
   (void)program::SetUpLog({.name = "enamel-bench"});
   const Status failed = program::ReplaceBy("enamel-lab", std::move(arguments));

@@ -19,7 +19,7 @@ namespace {
 void RegisterQualify(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<QualifyOptions>();
   options->out = stdout;
-  // Told to a function and not printed: tests run suites without a terminal.
+  // Passed to a function instead of printed: tests run suites without a terminal.
   options->errors = [](const std::string& why) { program::SayError("qualify: " + why); };
   CLI::App* qualify = app.add_subcommand("qualify",
                                          "Measure force laws on a device profile: error against "
@@ -147,7 +147,7 @@ void RegisterExplain(CLI::App& app, int* exit_code) {
                    "checked against it")
       ->check(CLI::PositiveNumber);
   command->add_option("--json", explain->json, "Write the facts to this file");
-  // Here a refusal is printed by the command: unlike a suite it has no caller that could.
+  // The command prints a refusal itself: unlike a suite it has no caller that could.
   command->callback([explain, exit_code] {
     Status status = ExplainScene(*explain);
     if (!status.ok()) program::SayError(status.message());
@@ -157,7 +157,7 @@ void RegisterExplain(CLI::App& app, int* exit_code) {
 
 void RegisterError(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<QualifyOptions>();
-  // A suite under a name of its own, since it is asked for by people who judge no force law.
+  // A suite with its own name, for people who do not judge force laws.
   options->suites = {"cutting"};
   options->out = stdout;
   options->errors = [](const std::string& why) { program::SayError("error: " + why); };
@@ -185,7 +185,7 @@ void RegisterError(CLI::App& app, int* exit_code) {
 
 }  // namespace
 
-// In the order of `--help`: what most people come for first.
+// In the order of `--help`: the most common first.
 void RegisterLab(CLI::App& app, int* exit_code) {
   RegisterQualify(app, exit_code);
   RegisterError(app, exit_code);

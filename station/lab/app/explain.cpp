@@ -31,7 +31,7 @@ namespace json = boost::json;
 using scene::Part;
 using scene::PartId;
 
-// Enough for a p99 of six ticks; parts are measured a dozen times and somebody waits.
+// Enough for a p99 of six ticks; parts are measured a dozen times while somebody waits.
 constexpr size_t kTicks = 600;
 constexpr int kReplays = 5;
 
@@ -45,7 +45,7 @@ void EndProgress() {
   if (::isatty(STDERR_FILENO) != 0 && !program::LogIsJson()) std::fprintf(stderr, "\r\033[K");
 }
 
-// What is explained.
+// The subject of the explanation.
 struct Subject {
   scene::BuiltScene built;
   scene::Exercise exercise;
@@ -75,7 +75,7 @@ Result<Subject> Prepare(const ExplainCommand& options) {
   Subject s;
   ENAMEL_ASSIGN_OR_RETURN(auto built, Load(options, options.voxel_um * 1000));
   s.built = std::move(built);
-  // As a ticket would: what a station refuses is not worth measuring.
+  // As a ticket would: a scene that a station refuses is not worth measuring.
   ENAMEL_RETURN_IF_ERROR(scene::CheckVolume(s.built.scene, s.built.volume));
   ENAMEL_ASSIGN_OR_RETURN(auto exercise, Choose(s.built.scene, options.exercise));
   s.exercise = std::move(exercise);
@@ -86,7 +86,7 @@ Result<Subject> Prepare(const ExplainCommand& options) {
   return s;
 }
 
-// What a part is worth: what it costs where it is kept, what it would cost where it is left out.
+// Cost of a part: where it is kept, its cost; where it is left out, the cost it would have.
 struct Worth {
   std::optional<double> ns_per_tick, mb;
   std::string note;
@@ -97,14 +97,14 @@ class Appraiser {
   explicit Appraiser(const Subject& subject)
       : s_(subject), way_(MakeCutWay(s_.params, s_.exercise.target, kTicks)) {
     Progress("the tick as planned");
-    // Twice: what the same measurement differs by from itself is printed, so that nobody reads
-    // noise as a cost.
+    // Twice: the difference between two runs of the same measurement is printed, so that nobody
+    // mistakes noise for a cost.
     base_ = Steps(s_.built.volume);
     again_ = Steps(s_.built.volume);
   }
 
   const StepCost& base() const { return base_; }
-  // What two measurements of the same thing differ by.
+  // Difference between two measurements of the same thing.
   double noise_ns() const { return std::abs(base_.mean_us - again_.mean_us) * 1e3; }
   double volume_mb() const { return Mb(s_.built.volume); }
 
@@ -133,7 +133,7 @@ class Appraiser {
       }
       case PartId::kBusWrite:
         return BusWrite();
-      // Never left out, hence nothing to compare with.
+      // Never left out, so there is nothing to compare with.
       case PartId::kForceBounds:
       case PartId::kStateHash:
         return {{}, {}, "inside the tick's figure"};
@@ -154,16 +154,16 @@ class Appraiser {
     return (other.mean_us - base_.mean_us) * 1e3;
   }
 
-  // The same with `other` for the volume; its hash must be the same.
+  // The same with `other` for the volume; its hash must be equal.
   Worth Instead(const cutting::Volume& other, const char* what) const {
     StepCost c = Steps(other);
     Worth w{MoreThanBase_ns(c), Mb(other) - volume_mb(), what};
-    // The promise of leaving out is that it changes no hash. Measuring is a good moment to look.
+    // Leaving out must not change a hash. This measurement also checks it.
     if (c.state_hash != base_.state_hash) w.note += "; THE HASH DIFFERS: do not trust this plan";
     return w;
   }
 
-  // Labels on every stored brick, against those there are.
+  // Labels on every stored brick, compared with the existing ones.
   Worth LabelsLeftOut() const {
     double labelled = 0;
     for (int b = 0; b < s_.built.volume.spec().brick_count(); ++b) {
@@ -185,7 +185,7 @@ class Appraiser {
     out.SetBrick(b, v.Phi(b).phi, labels, static_cast<cutting::Tissue>(labels[0]));
   }
 
-  // One tissue everywhere: the cut goes another way then, so only the memory is a fair figure.
+  // One tissue everywhere: the cut then takes another path, so only the memory is comparable.
   Worth LabelsKept() const {
     const cutting::Volume& v = s_.built.volume;
     size_t bricks = 0;
@@ -199,7 +199,7 @@ class Appraiser {
     if (!kept) return {0.0, 0.0, "there is none"};
     cutting::Volume without = scene::Without(s_.built.volume, cutting::Tissue::kNeighbour);
     StepCost c = Steps(without);
-    // Negative: this one leaves out what the plan keeps.
+    // Negative: this one leaves out a part that the plan keeps.
     return {-MoreThanBase_ns(c), volume_mb() - Mb(without), "against the tooth alone"};
   }
 
@@ -227,7 +227,7 @@ class Appraiser {
     return {-MoreThanBase_ns(c), 0.0, "against a tick without them"};
   }
 
-  // Against a device of three axes, whose bur turns as softly as its coupling lets it.
+  // Compared with a device of three axes, whose bur turns as softly as its coupling permits.
   Worth Torque() const {
     core::CoreParams without = s_.params;
     without.peak_torque_un_m = without.rotation_cell_urad = 0;
@@ -235,7 +235,7 @@ class Appraiser {
     return {-MoreThanBase_ns(c), 0.0, "against the same bur without torque"};
   }
 
-  // A second bur's cutter on the same volume: time to make it and what the heap grew by.
+  // A second bur's cutter on the same volume: time to make it, and growth of the heap.
   Worth OtherBurs() const {
     cutting::Volume volume = s_.built.volume;
     cutting::Bur other{cutting::BurShape::kSphere, s_.exercise.bur_radius_um * 1e-6};
@@ -243,7 +243,7 @@ class Appraiser {
       other.shape = cutting::BurShape::kCylinder;
       other.length_m = 4e-3;
     }
-    // From the heap: a process grows by whole pages, and keeps what was freed.
+    // From the heap: a process grows by whole pages, and keeps freed memory.
     double before_mb = HeapMb();
     auto from = std::chrono::steady_clock::now();
     cutting::Cutter cutter(volume, other);
@@ -261,7 +261,7 @@ class Appraiser {
     if (!device.ok()) return {{}, {}, "no operator can do this exercise: not measured"};
     constexpr int kCalls = 100'000;
     auto from = std::chrono::steady_clock::now();
-    // Differing forces: a device that skips what it has sent already would cost nothing.
+    // Differing forces, because a device may skip repeated values at no cost.
     for (int i = 0; i < kCalls; ++i) (*device)->SendForce(dvec3(0, 0, 1e-3 * (i & 7)));
     double ns =
         std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - from).count();
@@ -320,11 +320,11 @@ class Budget {
   }
 
  private:
-  // A graded exercise fixes everything: the question is only whether this machine carries it.
+  // A graded exercise fixes everything: the only question is whether this machine can run it.
   Status DecideGraded(json::object& out) {
     EndProgress();
     double period_us = 1e6 / s_.exercise.rate_hz;
-    // By p99 and not by the mean: a tick that is late now and then is what a hand feels.
+    // By p99, not the mean: the hand feels a tick that is occasionally late.
     bool fits = base_.p99_us <= std::min(budget_us_, period_us);
     out["graded"] = true;
     out["fits"] = fits;
@@ -356,14 +356,14 @@ class Budget {
       double mb = static_cast<double>(built->volume.MemoryBytes()) * 1e-6;
       CutWay way = MakeCutWay(s_.params, s_.exercise.target, kTicks);
       voxels_.push_back({nm, MeasureSteps(s_.params, built->volume, way, kReplays), mb});
-      // Finer ones cost more: no need to wait for them.
+      // Finer ones cost more, so the search ends here.
       if (voxels_.back().cost.p99_us > 4 * budget_us_) break;
     }
   }
 
   void MeasureLaws() {
     for (int32_t rate : {1'000, 2'000, 4'000}) {
-      // The profile's rate is the device's own: faster than that nobody reads it.
+      // The profile's rate is the device's own: nothing reads it faster.
       if (rate > s_.profile.rate_hz.value) continue;
       for (const haptics::LawEntry& law : haptics::ForceLaws()) {
         Progress(std::string(law.name) + " at " + std::to_string(rate) + " Hz");
@@ -412,12 +412,12 @@ class Budget {
     out["laws"] = std::move(laws);
   }
 
-  // The finest voxel first, then the smallest force error of a law that cannot hand out energy.
+  // The finest voxel first, then the smallest force error of a law that cannot release energy.
   Status Pick(json::object& out) const {
     for (auto v = voxels_.rbegin(); v != voxels_.rend(); ++v) {
       const LawPoint* best = nullptr;
       for (const LawPoint& l : laws_) {
-        // A law's cost is added to the voxel's: each pair measured for itself would take minutes.
+        // Adds a law's cost to the voxel's: measuring each pair would take minutes.
         bool fits =
             v->cost.p99_us + std::max(l.more_us, 0.0) <= std::min(budget_us_, 1e6 / l.rate_hz);
         if (fits && l.passive && (best == nullptr || l.force_error_n < best->force_error_n))
@@ -498,7 +498,7 @@ Status ExplainScene(const ExplainCommand& options) {
                    {"parts", std::move(parts)}};
   Status decided;
   if (options.budget_us) decided = Budget(options, subject, base).Decide(out);
-  // Before the verdict: the figures are wanted most where nothing fits.
+  // Before the verdict: the figures matter most if nothing fits.
   ENAMEL_RETURN_IF_ERROR(WriteJson(options.json, out));
   return decided;
 }

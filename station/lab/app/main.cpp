@@ -10,7 +10,7 @@ namespace {
 
 using namespace enamel;
 
-// The settings are the station's: what measures a machine is told of it in one place.
+// Uses the station's settings, so that a machine's measurements have one place for them.
 constexpr char kName[] = "enamel-lab", kPrefix[] = "ENAMEL_STATION_";
 constexpr int kFailed = 1, kUsage = 2;
 
@@ -37,14 +37,14 @@ int main(int argc, char** argv) {
   app.footer("'enamel-lab --help' shows which command answers which question.");  // of commands
   app.require_subcommand(1);
   app.set_version_flag("--version", "enamel-lab " ENAMEL_VERSION);
-  // Before parsing, so that a wrong command line is refused in the format that was asked for.
+  // Before parsing, so that a wrong command line is refused in the requested format.
   const bool json = program::AsksForJson(argc, argv, kPrefix);
   (void)program::SetUpLog({.format = json ? "json" : "text", .name = kName});
-  // A long measurement's rows are seen as they come, in a file too.
+  // A long measurement's rows appear as they come, in a file too.
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   int exit_code = 0;
   station::lab::RegisterLab(app, &exit_code);
-  // After the commands, which inherit the footer there is when they are made.
+  // After the commands, which inherit the footer set when they are made.
   app.footer(kFooter);
   program::CommandSettings settings(app, {.program = kName,
                                           .prefix = kPrefix,

@@ -33,10 +33,10 @@ constexpr Suite kSuites[] = {{"paper", &RunPaperSuite},
                              {"random", &RunRandomSuite},
                              {"cutting", &RunCuttingSuite}};
 
-// The suites measure the three axes of force. A torque that is not passive would shake the hand that holds them.
+// The suites measure the three axes of force. A torque that is not passive would shake the hand.
 Status CheckTorque(const scene::DeviceProfile& profile) {
   for (const scene::ProfileCriterion& c : scene::CheckProfile(profile)) {
-    // The other criteria are what the suites are here to measure, also where a profile fails them.
+    // The suites measure the other criteria, even if a profile fails them.
     if (c.met || !c.member.starts_with("torque/")) continue;
     char found[80];
     std::snprintf(found, sizeof found, "expected %s %.4g %s, found %.4g",
@@ -47,7 +47,7 @@ Status CheckTorque(const scene::DeviceProfile& profile) {
   return Status::Ok();
 }
 
-// A document of one's own, by its path.
+// A custom document, by its path.
 Result<std::vector<DeviceModel>> ModelIn(const std::string& path) {
   Result<scene::DeviceProfile> profile = scene::FindProfile(path);
   if (!profile.ok()) return profile.status();
@@ -59,13 +59,13 @@ Result<std::vector<DeviceModel>> ModelIn(const std::string& path) {
 }
 
 Result<std::vector<DeviceModel>> ModelsFor(const std::string& name) {
-  // A path and no name: names of profiles have no dot.
+  // A path, not a name: names of profiles have no dot.
   if (name.ends_with(".json")) return ModelIn(name);
   std::vector<DeviceModel> out;
   std::string known;
   for (const scene::DeviceProfile& p : QualifyProfiles()) {
     known += (known.empty() ? "" : ", ") + p.name;
-    // Listed before it is left out, so that a refusal can name them all.
+    // Listed before it is left out, so that a refusal can name all.
     if (name != "all" && name != p.name) continue;
     Result<DeviceModel> model = ModelOf(p);
     if (!model.ok())
@@ -95,9 +95,9 @@ Status CheckSuites(const std::vector<std::string>& names) {
   return Status::Ok();
 }
 
-// Without recordings the hand suite's figures are other ones: whoever names a folder means it.
+// Without recordings the hand suite gives different figures, so a named folder must exist.
 Status CheckRecordings(const QualifyOptions& options) {
-  // The default folder may be missing: the suite then says so and goes on with generated motions.
+  // The default folder may be missing: the suite reports that and uses generated motions.
   if (options.recordings == QualifyOptions().recordings) return Status::Ok();
   Result<std::vector<HandMotion>> found = RecordedMotions(options.recordings);
   if (!found.ok()) return found.status();
@@ -157,7 +157,7 @@ int RunQualify(const QualifyOptions& options) {
     if (options.errors) options.errors(status.message());
     return 1;
   };
-  // Everything that can be wrong is looked at before the first suite: a full run is long.
+  // Checks for every possible error before the first suite: a full run is long.
   if (Status status = CheckSuites(options.suites); !status.ok()) return Fail(status);
   if (options.cases < 1 || options.cases > 1'000'000)
     return Fail({Code::kInvalidInput, "--cases: expected 1 to 1000000", "cases"});
@@ -198,7 +198,7 @@ int RunQualify(const QualifyOptions& options) {
     Status status = WriteReport(JsonOf(findings), options.report);
     if (!status.ok()) return Fail(status);
   }
-  // A code of its own: a proof that fails is another thing than a path that cannot be written.
+  // A separate code: a failed proof differs from a path that cannot be written.
   bool broken = std::any_of(findings.attacks.begin(), findings.attacks.end(),
                             [](const Attack& a) { return a.proved && a.violations > 0; });
   return broken ? 2 : 0;

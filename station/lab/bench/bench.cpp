@@ -29,7 +29,7 @@ void Progress::Clear() {
 void Progress::Show(const std::string& what, double ratio) {
   if (!::isatty(STDERR_FILENO)) return;
   double now = Now();
-  // A terminal is slow, and what is measured runs on the same cores.
+  // A terminal is slow, and the measured code runs on the same cores.
   if (shown_s_ >= 0 && now - shown_s_ < 0.1) return;
   shown_s_ = now;
   std::fprintf(stderr, "\r%-66.66s %3.0f %%", what.c_str(), 100 * ratio);
@@ -37,13 +37,13 @@ void Progress::Show(const std::string& what, double ratio) {
 }
 
 std::string AgainstGoal(double value, double goal, bool at_least) {
-  // A missed goal is told and is no error: a slower computer is not broken.
+  // A missed goal is reported, but is no error: a slower computer is not broken.
   bool met = at_least ? value >= goal : value <= goal;
   char text[120];
   if (met) {
     std::snprintf(text, sizeof text, "%.4g (goal %s %g: met)", value, at_least ? ">=" : "<=", goal);
   } else {
-    // By how much, since a goal that is missed by 3 % on another machine says little.
+    // By how much, since a goal missed by 3 % on another machine means little.
     std::snprintf(text, sizeof text, "%.4g (goal %s %g: missed by %.0f %%)", value,
                   at_least ? ">=" : "<=", goal, 100 * std::fabs(value / goal - 1));
   }
@@ -67,7 +67,7 @@ int Rows::Write(const std::string& path) const {
 }
 
 bool CanWrite(const std::string& path) {
-  // Before anything is measured: minutes must not be lost over a path.
+  // Before measuring: minutes must not be lost over a path.
   Status status = program::CheckOutputFile(path, "--json");
   if (!status.ok()) program::SayError(status.message());
   return status.ok();

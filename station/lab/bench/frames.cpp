@@ -57,7 +57,7 @@ struct Times {
   }
 };
 
-// A molar, a bur that cuts slots into it, and the window it is seen in.
+// A molar, a bur that cuts slots into it, and its window.
 class FrameBench {
  public:
   FrameBench(const FrameBenchOptions& options, const Quality& quality, render::Screen& screen,
@@ -67,7 +67,7 @@ class FrameBench {
         screen_(screen),
         volume_(built.volume),
         view_(View(), built.volume),
-        // Reserved first: a cutter never grows what it cuts, and the comma keeps both in the
+        // Reserved first: a cutter never grows its volume, and the comma keeps both in the
         // initialiser.
         cutter_((volume_.Reserve(), volume_), View().bur) {
     auto at = built.scene.landmarks.at("occlusal_centre");
@@ -89,21 +89,21 @@ class FrameBench {
   Figures Cut() {
     Times times{"cutting", {}};
     for (int i = 0; i < options_.frames; ++i) {
-      // As many ticks as pass between two pictures, so that a picture has an attempt's work to do.
+      // As many ticks as pass between two pictures, so that a picture has an attempt's work.
       for (int k = 0; k < kTicksPerFrame; ++k) Step();
       Frame(quality_, times);
     }
     return times.Of();
   }
 
-  // Two ways in turn, so that a busy computer is as busy for both: as an attempt turns, and with
-  // all that is drawn at rest.
+  // Two ways alternately, so that a busy computer affects both alike: turning as in an attempt, and
+  // with full detail.
   std::array<Figures, 2> Turn() {
     Times turning{"turning", {}}, all{"in full", {}};
-    // Turning is drawn lighter in an attempt; without that it costs what a still picture does.
+    // Turning is drawn lighter in an attempt; otherwise it costs as much as a still picture.
     Quality full = quality_;
     full.lighter_turning = false;
-    // What was cut has its coarse triangles by then.
+    // The cut has its coarse triangles by then.
     for (auto until = Clock::now() + kCoarseLimit; Clock::now() < until;) {
       Times unused{"", {}};
       Frame(quality_, unused);
@@ -209,11 +209,11 @@ Status Print(const FrameBenchOptions& options, const FrameBench& bench,
   return program::WriteJsonFile(options.json, json);
 }
 
-// Draws the built-in molar with panel, as an attempt does, and prints how long frames take here: at
-// rest (the bur moves in the air), while cutting, and while the camera turns, lighter as it does in
-// an attempt and in full. Each frame is drawn
-// to its end (glFinish) and not held back for the display. Errors: kUnavailable without a display
-// or OpenGL 3.3; kInvalidInput for an unknown quality.
+// Draws the built-in molar with panel, as an attempt does, and prints the time of frames on this
+// machine: at rest (the bur moves in the air), while cutting, and while the camera turns, lighter
+// as in an attempt and in full. Each frame is drawn to its end (glFinish), without waiting for the
+// display. Errors: kUnavailable without a display or OpenGL 3.3; kInvalidInput for an unknown
+// quality.
 Status BenchFrames(const FrameBenchOptions& options) {
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFile(options.json, "--json"));
   if (options.frames < 1 || options.width_px < 64 || options.height_px < 64) {
@@ -231,7 +231,7 @@ Status BenchFrames(const FrameBenchOptions& options) {
     render::ScreenOptions window;
     window.width_px = options.width_px;
     window.height_px = options.height_px;
-    // Pictures as fast as they can be drawn: paced, they would all take a display's 16.7 ms.
+    // As fast as possible: paced pictures would all take a display's 16.7 ms.
     window.paced = false;
     render::Screen screen(window);
     const Quality& quality =
@@ -241,7 +241,7 @@ Status BenchFrames(const FrameBenchOptions& options) {
     for (const Figures& f : bench.Turn()) all.push_back(f);
     return Print(options, bench, screen, quality, all);
   } catch (const std::exception& e) {
-    // Windows and drivers throw; here it becomes what to do about it.
+    // Windows and drivers throw; the error gets a remedy here.
     return render::NoDisplay(e.what());
   }
 }

@@ -39,7 +39,7 @@ double Seconds(const timeval& t) {
 // Processor time of all threads and of the finished reader, user and system.
 double Cpu_s() {
   double sum = 0;
-  // The reader is a child process of its own (import/child_process.h); its time counts as well.
+  // The reader is a child process (import/child_process.h); its time counts as well.
   for (int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
     rusage used{};
     getrusage(who, &used);
@@ -52,10 +52,10 @@ double Wall_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// Each triangle in n x n, so that there are at least `least`.
+// Divides each triangle into n x n, so that there are at least `least`.
 Triangles Subdivided(const Triangles& mesh, size_t least) {
   size_t n = 1;
-  // Flat ones keep the shape: more triangles of the same crown, so that their number alone varies.
+  // Flat ones keep the shape: only the number of triangles changes.
   while (n * n * mesh.indices.size() < least) ++n;
   Triangles out;
   for (const auto& t : mesh.indices) {
@@ -76,7 +76,7 @@ Triangles Subdivided(const Triangles& mesh, size_t least) {
   return out;
 }
 
-// A round block of 11 mm with four cusps and a hollow between them, where there is no real crown.
+// A round block of 11 mm with four cusps and a hollow between them, if no real crown is given.
 Triangles CrownLike(size_t least) {
   // n rings of 2 n places, two triangles each: some 4 n^2.
   const auto n = static_cast<uint32_t>(std::sqrt(static_cast<double>(least) / 4)) + 2;
@@ -115,7 +115,7 @@ Bytes BinaryStl(const Triangles& mesh) {
   return out.Take();
 }
 
-// Goes away with its file.
+// Deletes its file.
 struct TempStl {
   fs::path path = fs::temp_directory_path() / ("enamel-lab-" + Uuid::New().Text() + ".stl");
   ~TempStl() {
@@ -146,7 +146,7 @@ Result<Measured> Measure(const fs::path& file, const Options& options, int voxel
   double entered = cpu;
   auto close = [&] {
     const double now = Cpu_s();
-    // A phase ends when the next one begins, which is all that the import tells.
+    // A phase ends when the next one begins, which is all the import reports.
     if (!m.phases.empty()) m.phases.back().cpu_s = now - entered;
     entered = now;
   };
@@ -175,7 +175,7 @@ int Run(const Options& options) {
   } else {
     auto read = import::ReadMeshInChild(options.tooth);
     if (!read.ok()) return Fail(read.status().message());
-    // A scan has as many triangles as it has; figures are compared at one number of them.
+    // Scans have any number of triangles; figures are compared at the same number.
     mesh = Subdivided(read->mesh.mesh, least);
   }
   const TempStl stl;

@@ -34,7 +34,7 @@ struct Figures {
   size_t bricks = 0, stored = 0, labelled = 0;
 };
 
-// The scene as a station gets it: from its blob, after everything that built it is gone.
+// The scene as a station receives it: from its blob, after everything that built it was freed.
 Result<Figures> Measure(const std::string& name, int voxel_um) {
   Result<Bytes> blob = [&]() -> Result<Bytes> {
     ENAMEL_ASSIGN_OR_RETURN(auto built, scene::BuildBuiltinScene(name, voxel_um * 1000));
@@ -42,8 +42,8 @@ Result<Figures> Measure(const std::string& name, int voxel_um) {
   }();
   if (!blob.ok()) return blob.status();
   malloc_trim(0);
-  // What the allocator kept from building is given back first, or it would be used for the volume
-  // and hide its size.
+  // First returns the allocator's leftovers from building, which the volume would use, hiding its
+  // size.
   double before = Resident_mb();
   ENAMEL_ASSIGN_OR_RETURN(auto volume, scene::DecodeVolume(*blob));
   malloc_trim(0);
@@ -73,8 +73,8 @@ int Run(Options& options) {
   size_t done = 0;
   for (const std::string& name : options.scenes) {
     double coarser = 0;
-    // Coarse to fine: by how much memory grows with each halving is the figure of a sparse volume
-    // (4, not 8).
+    // Coarse to fine: the growth of memory with each halving characterises a sparse volume (4, not
+    // 8).
     for (int voxel_um : options.voxels_um) {
       Result<Figures> f = [&] {
         Progress progress;
@@ -91,7 +91,7 @@ int Run(Options& options) {
                   f->mb, f->resident_mb, f->blob_mb, f->bricks, f->stored, f->labelled);
       if (coarser > 0) std::printf("  x%.1f", f->mb / coarser);
       std::printf("\n");
-      // By the arrays' own sum: what the process grew by holds the allocator's habits too.
+      // By the sum of the arrays: the process's growth includes the allocator's behaviour.
       if (name == "molar" && voxel_um == 25) goals = AgainstGoal(f->mb, kGoal_mb);
       boost::json::object row{{"scene", name},
                               {"voxel_mm", voxel_um * 1e-3},

@@ -10,7 +10,7 @@ namespace enamel::station::lab::bench {
 std::vector<cutting::Pose> PosesOf(const CutPath& path) {
   core::Core core(path.params, path.block);
   std::vector<cutting::Pose> out;
-  // Where the core's bur was, so that everybody cuts in the same places.
+  // The core's poses of the bur, so that all cut in the same places.
   for (const core::TickInput& in : path.inputs) out.push_back(core.Step(in).anchor);
   return out;
 }
@@ -19,7 +19,7 @@ PeerCost TimeCutter(const CutPath& path, const std::vector<cutting::Pose>& poses
   PeerCost cost{.what = "this cutter alone"};
   std::vector<double> least(poses.size() - path.first_measured, 1e12);
   for (int r = 0; r < replays; ++r) {
-    // Each replay cuts a whole block: a second one through the same slot would find nothing to do.
+    // Each replay cuts a whole block: a second one through the same slot would remove nothing.
     cutting::Volume volume = path.block;
     // As the core does before an attempt: no tick allocates.
     volume.Reserve();

@@ -39,11 +39,11 @@ FloatGrid::Ptr GridOf(const cutting::Volume& volume) {
           continue;
         }
         for (int i = 0; i < cutting::kBrickVoxels; ++i) {
-          // The block's own samples: both begin with the same surface.
+          // The block's own samples, so that both begin with the same surface.
           const float phi = static_cast<float>(volume.Phi(brick).phi[static_cast<size_t>(i)]) /
                             cutting::kPhiPerVoxel;
           const Coord c = from.offsetBy(i % kSide, i / kSide % kSide, i / (kSide * kSide));
-          // OpenVDB's convention: what is active is the band, beyond it only the sign counts.
+          // OpenVDB's convention: the band is active, beyond it only the sign counts.
           if (std::fabs(phi) < kBand)
             at.setValueOn(c, phi);
           else
@@ -55,7 +55,7 @@ FloatGrid::Ptr GridOf(const cutting::Volume& volume) {
   return grid;
 }
 
-// The bur's box in voxels, with the band about it, and its distance there.
+// The bur's box in voxels, with the band around it, and its distance there.
 class PlacedBur {
  public:
   PlacedBur(const cutting::Bur& bur, const cutting::Profile& profile, const cutting::GridSpec& spec,
@@ -71,7 +71,7 @@ class PlacedBur {
       low_[k] = static_cast<int>(std::floor(std::min(tip_[k], end[k]) - reach - kBand));
       high_[k] = static_cast<int>(std::ceil(std::max(tip_[k], end[k]) + reach + kBand));
     }
-    // A sphere reaches its radius in every direction, also along the axis.
+    // A sphere extends by its radius in every direction, also along the axis.
     if (bur.shape != cutting::BurShape::kSphere) return;
     const double r = bur.radius_m / voxel_m_;
     for (int k = 0; k < 3; ++k) {
@@ -97,7 +97,7 @@ class PlacedBur {
   Coord low_, high_;
 };
 
-// phi := max(phi, -bur), block by block of the grid's leaves; what is air already is passed over.
+// phi := max(phi, -bur), block by block of the grid's leaves; skips air.
 void CarveInPlace(FloatGrid::Accessor& at, const PlacedBur& bur) {
   constexpr int kLeaf = 8;
   const Coord low = bur.low() & ~(kLeaf - 1);
@@ -105,7 +105,7 @@ void CarveInPlace(FloatGrid::Accessor& at, const PlacedBur& bur) {
     for (int y = low.y(); y <= bur.high().y(); y += kLeaf) {
       for (int z = low.z(); z <= bur.high().z(); z += kLeaf) {
         const Coord from(x, y, z);
-        // Air stays air under max: no leaf is made where there was none.
+        // Air stays air under max: a missing leaf stays missing.
         if (at.probeConstLeaf(from) == nullptr && at.getValue(from) > 0) continue;
         const Coord first = Coord::maxComponent(from, bur.low()),
                     last = Coord::minComponent(from.offsetBy(kLeaf - 1), bur.high());
@@ -140,12 +140,12 @@ void CarveByCsg(FloatGrid& tooth, const PlacedBur& bur) {
       }
     }
   }
-  // csgDifference needs signs inside as well, which the band alone does not have.
+  // csgDifference needs signs inside too, which the band alone lacks.
   openvdb::tools::signedFloodFill(grid->tree());
   openvdb::tools::csgDifference(tooth, *grid);
 }
 
-// Solid in voxels; one that the surface crosses counts by its distance.
+// Volume in voxels; one crossed by the surface counts by its distance.
 double SolidVoxels(const FloatGrid& grid, const cutting::GridSpec& spec) {
   auto at = grid.getConstAccessor();
   double sum = 0;
@@ -153,8 +153,8 @@ double SolidVoxels(const FloatGrid& grid, const cutting::GridSpec& spec) {
   for (int x = 0; x < n.x; ++x) {
     for (int y = 0; y < n.y; ++y) {
       for (int z = 0; z < n.z; ++z)
-        // A plane through a voxel at distance d leaves 1/2 - d of it, as long as it is near the
-        // axes.
+        // A plane through a voxel at distance d leaves 1/2 - d of the voxel, if it is nearly
+        // parallel to a face.
         sum += std::clamp(0.5 - static_cast<double>(at.getValue(Coord(x, y, z))), 0.0, 1.0);
     }
   }
@@ -168,7 +168,7 @@ bool HasOpenVdb() { return true; }
 std::vector<PeerCost> TimeOpenVdb(const CutPath& path, const std::vector<cutting::Pose>& poses,
                                   int replays) {
   openvdb::initialize();
-  // One thread, as a tick has.
+  // One thread, like a tick.
   tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   const cutting::GridSpec& spec = path.block.spec();
   const cutting::Profile profile = cutting::ProfileOf(path.bur);
@@ -181,7 +181,7 @@ std::vector<PeerCost> TimeOpenVdb(const CutPath& path, const std::vector<cutting
       const double before = r == 0 ? SolidVoxels(*tooth, spec) : 0;
       auto at = tooth->getAccessor();
       for (size_t i = 0; i < poses.size(); ++i) {
-        // What leads there is cut in the cheaper way: csgDifference gives the same values.
+        // The lead-in is cut in the cheaper way: csgDifference gives the same values.
         const bool measured = i >= path.first_measured;
         auto from = std::chrono::steady_clock::now();
         const PlacedBur bur(path.bur, profile, spec, poses[i]);

@@ -21,7 +21,7 @@
 #include "station/loop/tick_loop.h"
 #include "station/spool/recorder.h"
 
-// A working day's recording: what it takes on disk and in memory.
+// A working day's recording: its size on disk and in memory.
 namespace enamel::station::lab::bench {
 namespace {
 
@@ -47,8 +47,8 @@ double Resident_mb() {
   return static_cast<double>(resident) * static_cast<double>(::sysconf(_SC_PAGESIZE)) * 1e-6;
 }
 
-// The simulated device, its encoder read with noise; and after its operator has finished a hand
-// that waits in the air, trembling, while the attempt has cut for more than a third of its time.
+// The simulated device, its encoder read with noise. After its operator has finished, a hand that
+// waits in the air, trembling, while the attempt has cut for more than a third of its time.
 class NoisyDevice final : public Device {
  public:
   NoisyDevice(Device& inner, double sigma_counts, uint32_t seed)
@@ -57,7 +57,7 @@ class NoisyDevice final : public Device {
   std::string Name() const override { return "noisy"; }
   Hand hand() const override { return inner_.hand(); }
   DeviceSample ReadSample() noexcept override {
-    // Once its operator has finished, the simulated device is asked no more: it would end the
+    // Once its operator has finished, the simulated device is not called any more: it would end the
     // attempt.
     DeviceSample sample = waiting_ ? held_ : inner_.ReadSample();
     if (!waiting_ && (sample.buttons & kFinish) != 0) {
@@ -69,7 +69,7 @@ class NoisyDevice final : public Device {
     for (size_t i = 0; i < 3; ++i) {
       double tremor =
           waiting_ ? 2 * std::sin(0.063 * static_cast<double>(ticks_) * (1 + 0.1 * i)) : 0;
-      // A noiseless encoder would make recordings pack far better than any real device's.
+      // Recordings of a noiseless encoder would pack far better than any real device's.
       sample.counts[i] += static_cast<int32_t>(std::lround(tremor + sigma_ * normal_(random_)));
     }
     return sample;
@@ -142,7 +142,7 @@ Status Attempt(const World& w, const Options& options, Spool& spool, uint64_t mo
                                        w.built.volume, seed));
   NoisyDevice noisy(*device, options.noise_counts, seed);
   trace::Header header;
-  // Each attempt is one of its own in the spool, as on a station.
+  // Each attempt is separate in the spool, as on a station.
   header.ticket.attempt = Uuid::New();
   header.params = w.params;
   header.station_software = "enamel-lab";
@@ -154,10 +154,10 @@ Status Attempt(const World& w, const Options& options, Spool& spool, uint64_t mo
   Recorder recorder(spool, ring, header.ticket.attempt, HashSha256(trace::EncodeHeader(header)),
                     trace::NewKeyPair().secret_key);
   uint64_t ticks = 0;
-  // A third of the ticks cut; an attempt of cutting alone would weigh too much.
+  // A third of the ticks cut; pure cutting would take too much space.
   while (ticks < most && (!noisy.waiting() || cuts.cutting() * 3 > ticks)) {
     loop.Tick();
-    // The recorder's thread is this one: it packs when a chunk is full, as it would on its own.
+    // The recorder runs on this thread: it packs when a chunk is full, as on its own.
     if (++ticks % Recorder::kTicksPerChunk != 0) continue;
     auto moved = recorder.Pump();
     if (!moved.ok()) return moved.status();
@@ -182,7 +182,7 @@ Status Measure(const Options& options, const fs::path& folder, Rows& rows) {
   ENAMEL_ASSIGN_OR_RETURN(auto world, Load(options));
   ENAMEL_ASSIGN_OR_RETURN(auto spool, Spool::Open(folder));
   const auto most = static_cast<uint64_t>(options.hours * 3600 * kRate_hz);
-  // Eight lines: memory that grows with time would be seen to grow.
+  // Eight lines, which would show memory that grows with time.
   const uint64_t step = std::max<uint64_t>(1, most / 8);
   std::printf("%7s %9s %11s %9s %9s %11s %9s\n", "hours", "attempts", "ticks", "cutting", "B/tick",
               "spool MB", "RSS MB");
@@ -193,7 +193,7 @@ Status Measure(const Options& options, const fs::path& folder, Rows& rows) {
   while (totals.ticks < most) {
     ENAMEL_RETURN_IF_ERROR(Attempt(world, options, *spool, most - totals.ticks, totals));
     progress.Show("recording", static_cast<double>(totals.ticks) / static_cast<double>(most));
-    // Attempts are of any length: a line when the next eighth has been passed.
+    // Attempts vary in length: prints a line after each eighth.
     if (totals.ticks < next && totals.ticks < most) continue;
     while (next <= totals.ticks) next += step;
     progress.Clear();
@@ -214,7 +214,7 @@ Status Measure(const Options& options, const fs::path& folder, Rows& rows) {
   }
   double took_s = std::chrono::duration<double>(Clock::now() - begin).count();
   double per_tick = static_cast<double>(totals.bytes) / static_cast<double>(totals.ticks);
-  // From the disk and not from the chunks: pages and indexes of the spool count too.
+  // From the disk, not the chunks: pages and indexes of the spool count too.
   double mb_8h = OnDisk_mb(folder) * 8 / options.hours;
   std::printf("\n%.0f s, %.0f x real time. Bytes a tick: %s. Spool for 8 h: %s MB\n", took_s,
               static_cast<double>(totals.ticks) / kRate_hz / took_s,

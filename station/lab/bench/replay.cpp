@@ -30,11 +30,11 @@ struct Reach {
   size_t keyframes = 0, bytes = 0;
 };
 
-// Moments spread over the attempt, each as `enamel-station replay --to-tick` reaches it: the
-// trace's and the keyframes' bytes are at hand, everything else is timed.
+// Moments spread over the attempt, reached as `enamel-station replay --to-tick` does: the bytes of
+// trace and keyframes are in memory, everything else is timed.
 Result<Reach> MeasureReach(const Attempt& attempt, const trace::Keyframes& made) {
   constexpr int kMoments = 20;
-  // Encoded once and decoded for each moment, because reading the file is part of reaching one.
+  // Encoded once and decoded for each moment, because reading the file is part of it.
   Bytes bytes = made.Encode();
   Reach out{0, 0, made.size(), bytes.size()};
   uint64_t ticks = attempt.seal.ticks;
@@ -44,7 +44,7 @@ Result<Reach> MeasureReach(const Attempt& attempt, const trace::Keyframes& made)
         trace::Keyframes::Decode(bytes, HashSha256(trace::EncodeHeader(attempt.header)));
     if (!keyframes.ok()) return keyframes.status();
     trace::MomentOptions options;
-    // Not on round numbers: a moment just before a keyframe is as likely as one just behind it.
+    // Not round numbers: a moment just before a keyframe is as likely as one just after.
     options.to_tick = ticks * static_cast<uint64_t>(i) / kMoments - static_cast<uint64_t>(137 * i);
     auto moment = trace::ReplayToMoment(
         [&] { return std::make_unique<core::Core>(attempt.header.params, attempt.built.volume); },
@@ -70,7 +70,7 @@ Result<std::vector<double>> TimeChunks(const Attempt& attempt) {
   });
   marks.push_back(Clock::now());
   if (!report.ok()) return report.status();
-  // A replay that is fast and wrong is no figure.
+  // The time of a wrong replay is worthless.
   if (!report->witness_ok || report->state_hash != attempt.seal.state_hash) {
     return Status(Code::kConflict, "the replay disagrees with the recording");
   }
@@ -99,7 +99,7 @@ Result<Speed> MeasureSpeed(const Attempt& attempt, int replays,
       out.raw_s += times[i] / replays;
     }
   }
-  // Chunk by chunk and not replay by replay: one disturbance spoils one chunk of one replay.
+  // Chunk by chunk, not replay by replay: one disturbance spoils one chunk of one replay.
   for (double s : least) out.least_s += s;
   return out;
 }
@@ -141,7 +141,7 @@ int Run(const Options& options) {
     if (!speed.ok()) return Fail(speed.status());
     trace::Keyframes keyframes(HashSha256(trace::EncodeHeader(attempt->header)));
     trace::MomentOptions whole;
-    // The keyframes are made on this way, by one whole replay.
+    // This whole replay makes the keyframes.
     whole.start_from_keyframe = false;
     auto moment = trace::ReplayToMoment(
         [&] { return std::make_unique<core::Core>(attempt->header.params, attempt->built.volume); },

@@ -17,11 +17,11 @@
 #include "station/lab/bench/bench.h"
 #include "station/lab/cutting/attempt.h"
 
-// What it takes to verify and score an attempt, step by step, as the server's score job does.
+// Time to verify and score an attempt, step by step, as in the server's score job.
 namespace enamel::station::lab::bench {
 namespace {
 
-// Of this thread alone: others on this machine count only as far as they share its caches.
+// Of this thread alone: other programs count only as far as they share its caches.
 double Now_s() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -36,10 +36,10 @@ struct Options {
 };
 
 constexpr double kTotalGoal_s = 4, kProvenanceGoal_percent = 10, kVoxelGoal_bytes = 2;
-// What an attempt does wrong, so that there is something to look into.
+// The attempt's faults, so that the score has work to do.
 constexpr double kMesialExtra_m = 0.3e-3, kFloorExtra_m = 0.2e-3;
 
-// The least of several runs.
+// The minimum of several runs.
 class Least {
  public:
   void Take(double from_s) {
@@ -68,7 +68,7 @@ struct Figures {
   }
 };
 
-// The attempt replayed, with what is gathered on the way.
+// The replayed attempt and the data gathered from it.
 struct Replayed {
   std::unique_ptr<core::Core> core;
   std::unique_ptr<scoring::ProcessRecorder> process;
@@ -105,7 +105,7 @@ Result<Replayed> Replay(const Attempt& attempt, bool provenance, Least& time) {
 }
 
 Status Verify(const Attempt& attempt) {
-  // The key is not the recording's: a signature that does not fit costs what one that fits costs.
+  // Not the recording's key: a signature that fails costs as much to check as one that fits.
   const trace::PublicKey key{};
   trace::ChainVerifier chain(attempt.header.ticket.attempt,
                              HashSha256(trace::EncodeHeader(attempt.header)));
@@ -149,7 +149,7 @@ Status MeasureOnce(const Attempt& attempt, const Attempt& reference_attempt,
   double from = Now_s();
   ENAMEL_RETURN_IF_ERROR(Verify(attempt));
   out.verify.Take(from);
-  // In turn, so that a machine that becomes slower does so for both.
+  // Alternately, so that a machine that slows down affects both.
   auto without = Replay(attempt, false, out.replay);
   if (!without.ok()) return without.status();
   ENAMEL_ASSIGN_OR_RETURN(auto replayed, Replay(attempt, true, out.replay_with_provenance));

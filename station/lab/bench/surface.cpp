@@ -32,7 +32,7 @@ struct UpdateCost {
   double looked_at = 0, renewed = 0;  // bricks, mean
 };
 
-// The headline path; after each measured tick the meshes of what it touched.
+// The headline path; after each measured tick, the meshes of the region it touched.
 UpdateCost MeasureUpdates(const CutPath& path, int replays, Progress& progress) {
   std::vector<double> least, raw;
   UpdateCost out;
@@ -43,14 +43,14 @@ UpdateCost MeasureUpdates(const CutPath& path, int replays, Progress& progress) 
     size_t measured = 0;
     for (size_t i = 0; i < path.inputs.size(); ++i) {
       core.Step(path.inputs[i]);
-      // Whole once, then kept up to date: only what a tick changed is measured.
+      // Complete once, then kept up to date: only a tick's changes are measured.
       if (i + 1 == path.first_measured) meshes.ExtractAll(core.volume());
       if (i < path.first_measured) continue;
       if (i % 50 == 0) {
         progress.Show("surface, replay " + std::to_string(r + 1), static_cast<double>(r) / replays);
       }
       auto from = Clock::now();
-      // Timed without the tick that touched them: that one has a bench of its own.
+      // Without the tick itself, which has its own bench.
       size_t renewed = meshes.Update(core.volume(), core.touched()).size();
       double ms = Milliseconds(from);
       raw.push_back(ms);
@@ -99,7 +99,7 @@ int Run(const Options& options) {
     size_t triangles = 0;
     for (int i = 0; i < options.replays; ++i) {
       auto from = Clock::now();
-      // The count is used, so that no compiler leaves the work out.
+      // Uses the count, so that no compiler omits the work.
       triangles = surface::ExtractSurface(built->volume).triangles.size();
       whole_ms = std::min(whole_ms, Milliseconds(from));
     }

@@ -24,7 +24,7 @@ struct Options {
   int turns = 3;
 };
 
-// Of the scan, so that it has no sample in common with the tooth it is laid on.
+// For the scan, so that it shares no sample with the tooth it is aligned to.
 constexpr int32_t kScanVoxel_nm = 60'000;
 constexpr int kUsualNoise_um = 20, kUsualVoxel_um = 100;
 
@@ -42,7 +42,7 @@ Result<scene::Preparation> ShapeOf(const scene::BuiltScene& tooth, const std::st
                 tooth.scene.name + " has no exercise " + exercise + ", it has " + known);
 }
 
-// Turned evenly and moved away, as a scanner's file lies.
+// Turned and moved away, like a scanner's file.
 mesh::Rigid Somewhere(std::mt19937& random) {
   std::normal_distribution<double> normal;
   auto any = [&] { return dvec3(normal(random), normal(random), normal(random)); };
@@ -95,7 +95,7 @@ Result<Error> Measure(const scene::BuiltScene& tooth, const scene::Preparation& 
   return out;
 }
 
-// The worst of several turns; the time is their mean.
+// The worst of several turns; the time is the mean.
 Result<Error> Worst(const scene::BuiltScene& tooth, const std::string& exercise,
                     const mesh::Triangles& scan, int noise_um, int turns) {
   ENAMEL_ASSIGN_OR_RETURN(const auto shape, ShapeOf(tooth, exercise));

@@ -26,7 +26,7 @@ struct Goal {
   double mean_us, p99_us;
 };
 constexpr Goal kGoals[] = {{50'000, 12, 25}, {25'000, 50, 100}};
-// Halving the voxel makes four times as many on the bur's surface; eight would be its volume.
+// Halving the voxel gives four times as many on the bur's surface; its volume would give eight.
 constexpr double kGrowthGoal = 4;
 
 bool IsHeadline(const CutCase& c) {
@@ -55,7 +55,7 @@ std::vector<CutCase> Cases(bool quick) {
     add(c);
   }
   std::vector<CutCase> burs = BurCases();
-  // The first bur is the headline's, which has been added with every depth and speed.
+  // The first bur is the headline's, which was added with every depth and speed.
   for (size_t i = 1; i < burs.size(); ++i) {
     for (double speed : {1e-3, 5e-3, 20e-3}) {
       CutCase c = burs[i];
@@ -97,7 +97,7 @@ constexpr char kPeerMethod[] =
     "distance into those voxels of the bur's box that are not air, 'csgDifference' makes the bur's "
     "level set anew and takes it off, as its manual does it. It keeps no tissues";
 
-// The same cut by others, and how many times this tick's cost that is.
+// The same cut by other programs, as a multiple of this tick's cost.
 void ComparePeers(Rows& rows) {
   if (!HasOpenVdb()) {
     std::printf(
@@ -164,7 +164,7 @@ int Run(const Options& options) {
                                 static_cast<double>(cases.size()));
       });
     }
-    // Checked in passing: what is not deterministic here would not replay at the server.
+    // Also checks determinism: otherwise the server could not replay it.
     if (!cost.replays_agree) {
       program::SayError(
           "replays of one path ended in different states; the core is not "

@@ -12,7 +12,7 @@
 #include "station/lab/bench/bench.h"
 #include "station/lab/cutting/attempt.h"
 
-// What it takes to play an attempt back with the tooth being cut: bytes and times.
+// Bytes and times of playing back an attempt with the tooth being cut.
 namespace enamel::station::lab::bench {
 namespace {
 
@@ -74,7 +74,7 @@ Status MeasurePlayer(const Bytes& start, const Bytes& file, Figures& out) {
   std::vector<double> scrubs_ms;
   uint64_t at = 1;
   for (int i = 0; i < 200; ++i) {
-    // Any order that goes back and forth over all of it (Knuth's multiplier).
+    // An order that jumps back and forth over all of it (Knuth's multiplier).
     at = (at * 2654435761u + 12345) % (out.frames + 1);
     from = Clock::now();
     ENAMEL_RETURN_IF_ERROR(player.Seek(static_cast<uint32_t>(at)));

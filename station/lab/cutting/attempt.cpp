@@ -15,7 +15,7 @@ namespace {
 constexpr double kStroke_m_s = 2e-3, kMove_m_s = 15e-3;
 constexpr double kAbove_m = 0.6e-3;  // where the first layer lies above the landmark
 constexpr double kLift_m = 5e-3;
-// Physiological tremor lies at 8 to 12 Hz; held against the tooth it is a quarter (Put).
+// Physiological tremor is at 8 to 12 Hz; against the tooth it is a quarter (Put).
 constexpr double kTremor_m = 20e-6, kTremor_hz = 9;
 constexpr size_t kChunkTicks = 500;
 constexpr int kRows = 4;
@@ -26,7 +26,7 @@ std::array<uint8_t, 32> Seed(uint8_t value) {
   return seed;
 }
 
-// Where the hand is and what the pedal does, tick by tick.
+// Position of the hand and state of the pedal, tick by tick.
 class Hand {
  public:
   Hand(const scene::Exercise& exercise, const scene::Scene& scene, const AttemptOptions& options)
@@ -34,12 +34,12 @@ class Hand {
     const scene::PointUm& at = scene.landmarks.at(exercise.target.landmark);
     landmark_ = dvec3(at[0], at[1], at[2]) * 1e-6;
     double radius = exercise.bur_radius_um * 1e-6;
-    // The bur's middle stays its radius inside the box.
+    // The bur's axis stays its radius inside the box.
     half_x_ = std::max(0.1e-3, exercise.target.half_size_um[0] * 1e-6 - radius);
     half_y_ = std::max(0.1e-3, exercise.target.half_size_um[1] * 1e-6 - radius);
     depth_ = exercise.target.depth_um * 1e-6 + options.floor_extra_m;
     double stroke_s = 2 * half_x_ / kStroke_m_s;
-    // Lift, pause and way down belong to every stroke.
+    // Lift, pause and descent belong to every stroke.
     double cycle_s = stroke_s * (1 + options.pause_strokes) + 2 * kLift_m / kMove_m_s;
     strokes_ = std::max(1.0, static_cast<double>(options.ticks) * tick_s_ / cycle_s);
     at_ = landmark_ + dvec3(0, 0, kLift_m);
@@ -68,7 +68,7 @@ class Hand {
 
   void Put(const dvec3& at, bool pedal) {
     double phase = 6.28318530717958648 * kTremor_hz * static_cast<double>(made_++) * tick_s_;
-    // Ratios that do not repeat within an attempt: a period would make its recording pack too well.
+    // Ratios that do not repeat within an attempt: a periodic recording would pack too well.
     dvec3 tremor(std::sin(phase), std::sin(1.31 * phase + 1), std::sin(0.83 * phase + 2));
     queue_.push_back({at + tremor * (pedal ? 0.25 : 1.0) * kTremor_m, pedal});
   }

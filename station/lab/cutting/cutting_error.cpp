@@ -12,12 +12,12 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kProfileSteps = 4000, kSettleTicks = 100;
 
-// Radius of the bur's body at a height above its tip; by bisection, since only the distance is
-// known of every shape. 0 where there is no body.
+// Radius of the bur's body at a height above its tip, by bisection, since every shape provides only
+// its distance. 0 where there is no body.
 double RadiusAt(const cutting::Bur& bur, double height_m, double beyond_m) {
   double in = 0, out = beyond_m;
   if (bur.Distance(dvec3(0, 0, height_m)) >= 0) return 0;
-  // 2^-60 of the interval: as exact as a double.
+  // 2^-60 of the interval: as accurate as a double.
   for (int i = 0; i < 60; ++i) {
     double middle = 0.5 * (in + out);
     (bur.Distance(dvec3(middle, 0, height_m)) < 0 ? in : out) = middle;
@@ -35,7 +35,7 @@ double SlotVolume_m3(const CutPath& path, double end_x_m) {
   return sum;
 }
 
-// Distance from the body swept along +x: the nearest of its places is the one beside the point.
+// Distance from the body swept along +x: the nearest position is the one beside the point.
 double SlotDistance_m(const CutPath& path, double start_x_m, double end_x_m, const dvec3& p) {
   double x = std::clamp(p.x, start_x_m, end_x_m);
   return path.bur.Distance(p - dvec3(x, path.tip_m.y, path.tip_m.z));
@@ -73,10 +73,10 @@ void MeasureSurface(const CutPath& path, const Run& run, CuttingFigures& f) {
   std::vector<double> off;
   for (const glm::vec3& position : run.mesh.position_m) {
     dvec3 p = frame.ToBlock(dvec3(position));
-    // Without the block's top and front, where the slot's edge is the block's as much as the bur's.
+    // Without the block's top and front, where the slot's edge is partly the block's.
     if (p.z > -inside || p.x < inside) continue;
     double d = std::fabs(SlotDistance_m(path, start_x, run.end_m.x, p));
-    // The block's own outside is farther away than this from any bur.
+    // The block's own outside is farther away from any bur.
     if (d < 4 * path.block.spec().voxel_m()) off.push_back(d * 1e6);
   }
   f.vertices = off.size();

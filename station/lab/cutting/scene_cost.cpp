@@ -50,7 +50,7 @@ CutWay MakeCutWay(const core::CoreParams& params, const scene::CavityTarget& tar
   for (double z = 0; z > bottom; z -= down) way.inputs.push_back(inputs.At({0, 0, z}));
   way.first_measured = way.inputs.size();
   double widest = 0.8e-6 * std::min(target.half_size_um[0], target.half_size_um[1]);
-  // A spiral outwards: every tick of it has uncut tissue ahead, and it stays inside the box.
+  // An outward spiral: every tick has uncut tissue ahead, and it stays inside the box.
   double angle = 0;
   for (size_t i = 0; i < ticks; ++i) {
     double radius = widest * (0.2 + 0.8 * static_cast<double>(i) / static_cast<double>(ticks));
@@ -73,7 +73,7 @@ StepCost MeasureSteps(const core::CoreParams& params, const cutting::Volume& vol
       double us = MicrosecondsSince(from);
       if (i < way.first_measured) continue;
       double& kept = least[i - way.first_measured];
-      // The same tick of every replay: what else the computer did is not the scene's cost.
+      // The same tick of every replay, to exclude the computer's other work.
       kept = std::min(kept, us);
       engaged += (out.flags & kNotEngaged) == 0;
     }
@@ -91,7 +91,7 @@ StepCost MeasureSteps(const core::CoreParams& params, const cutting::Volume& vol
 
 double ForceError_n(const core::CoreParams& params) {
   constexpr double kSpeed_m_s = 0.43e-3, kDamping_n_s_m = 6'500;
-  // Force settles with B/Kc: seconds on a soft device, so the way is long.
+  // Force settles with B/Kc: seconds on a soft device, so the path is long.
   constexpr double kTravel_m = 7e-3, kLast_m = 1e-3;
   CutCase slot;
   slot.voxel_nm = 100'000;
@@ -124,7 +124,7 @@ SurfaceCost MeasureSurface(const core::CoreParams& params, const cutting::Volume
                            const CutWay& way) {
   SurfaceCost cost;
   surface::Mesh whole = surface::ExtractSurface(volume);
-  // Position and normal a vertex, one byte of tissue, and the triangles.
+  // Position and normal per vertex, one byte of tissue, and the triangles.
   cost.mb = 1e-6 * static_cast<double>(whole.position_m.size() * 2 * sizeof(glm::vec3) +
                                        whole.tissue.size() +
                                        whole.triangles.size() * sizeof(whole.triangles[0]));

@@ -10,7 +10,7 @@
 namespace enamel::station::lab {
 namespace {
 
-// An attempt replayed, with what scoring reads of it.
+// A replayed attempt with scoring's inputs.
 struct Scored {
   Attempt attempt;
   std::unique_ptr<core::Core> core;
@@ -35,7 +35,7 @@ Result<Scored> Cut(const AttemptOptions& options) {
                                 out.process->Add(tick, output);
                               });
   if (!report.ok()) return report.status();
-  // As the server does: a figure of a recording that does not replay would be of nothing.
+  // As on the server: figures of a recording that does not replay would be meaningless.
   if (!report->witness_ok) return Status(Code::kConflict, "a replay disagrees with its recording");
   out.realtime_factor = static_cast<double>(report->ticks) / params.rate_hz / report->seconds;
   out.mesh = surface::ExtractSurface(out.core->volume());
@@ -46,7 +46,7 @@ Result<ScoreFigures> MeasureAt(int32_t voxel_nm, uint64_t ticks) {
   AttemptOptions options;
   options.voxel_nm = voxel_nm;
   options.ticks = ticks;
-  // At the same voxel size, so that what is compared is the hand and not the grid.
+  // At the same voxel size, so that the hands are compared and not the grids.
   ENAMEL_ASSIGN_OR_RETURN(auto reference, Cut(options));
   options.mesial_extra_m = kMesialExtra_m;
   options.floor_extra_m = kFloorExtra_m;

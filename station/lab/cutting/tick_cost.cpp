@@ -19,19 +19,19 @@ constexpr int kSettleTicks = 300;
 constexpr double kLow = -0.70710678118654752;
 constexpr int kNotEngaged = int{haptics::kFreeAir} | int{core::kSuspended};
 
-// The tip's place when the bur's axis is over x = 0.
+// The tip's position when the bur's axis is over x = 0.
 dvec3 TipAtStart(const CutCase& c) {
   double height = c.bur.height_m();
   if (c.sunk == Sunk::kLying) return {0, -0.5 * height, 0};
   return {0, 0, c.sunk == Sunk::kHalf ? -0.5 * height : -height};
 }
 
-// Turned by about 33 degrees about an axis that is no symmetry of the grid.
+// Turned by about 33 degrees about an axis that is not a symmetry of the grid.
 Quat TurnOf(const CutCase& c) {
   return c.oblique ? Quat{0.17, 0.11, 0.23, 1}.Normalised() : Quat{};
 }
 
-// Solid for x > 0 and z < 0, as large as the way needs.
+// Solid for x > 0 and z < 0, as large as the path needs.
 cutting::Volume MakeBlock(const CutCase& c, double travel_m) {
   double radius = c.bur.radius_m, height = c.bur.height_m();
   bool lying = c.sunk == Sunk::kLying;
@@ -160,7 +160,7 @@ std::vector<CutCase> BurCases() {
 
 CutPath MakeCutPath(const CutCase& c, size_t ticks) {
   const double step = c.speed_m_s / c.rate_hz, entry_step = kEntry_m_s / c.rate_hz;
-  // From outside the block to where the whole bur is in it: only then does every tick cut the same.
+  // From outside the block until the whole bur is in it: only then do all ticks cut the same.
   const double start = -(c.bur.radius_m + 0.5e-3), inside = c.bur.radius_m + 0.5e-3;
   size_t measured = std::min(ticks, static_cast<size_t>(kTravel_m / step));
   CutPath path;
@@ -172,7 +172,7 @@ CutPath MakeCutPath(const CutCase& c, size_t ticks) {
   double x = start;
   for (int i = 0; i < 4; ++i) add(x);
   for (; x < inside; x += entry_step) add(x);
-  // At the speed that is measured: caches and the bur's lag behind the hand have settled.
+  // At the measured speed: caches and the bur's lag behind the hand have settled.
   for (int i = 0; i < kSettleTicks; ++i, x += step) add(x);
   path.first_measured = path.inputs.size();
   for (size_t i = 0; i < measured; ++i, x += step) add(x);
@@ -190,7 +190,7 @@ TickCost TimeTicks(const CutPath& path, int replays,
     Replayed one = Replay(path);
     if (least.empty()) least = one.us;
     for (size_t i = 0; i < least.size(); ++i) least[i] = std::min(least[i], one.us[i]);
-    // Beside the least of the replays: what somebody at this computer would have seen.
+    // Besides the minimum of the replays: the times seen by a person at this computer.
     raw.insert(raw.end(), one.us.begin(), one.us.end());
     cost.replays_agree &= r == 0 || one.state_hash == cost.state_hash;
     cost.state_hash = one.state_hash;

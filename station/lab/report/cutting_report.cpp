@@ -12,7 +12,7 @@ std::vector<std::pair<std::string, std::vector<const CuttingRow*>>> ByBur(const 
   std::vector<std::pair<std::string, std::vector<const CuttingRow*>>> out;
   double speed = CutCase().speed_m_s;
   for (const CuttingRow& row : f.cutting) {
-    // One speed: three would make three lines a bur, which nobody could tell apart.
+    // One speed: three would make three lines a bur, too similar to distinguish.
     if (row.figures.c.speed_m_s != speed) continue;
     std::string name = BurText(row.figures.c);
     if (out.empty() || out.back().first != name) out.push_back({name, {}});
@@ -36,7 +36,7 @@ Plot FrontPlot(const Findings& f) {
     Series dots{"", ColourOf(i++), Style::kDots, {}};
     for (const CuttingRow* row : rows) {
       std::pair<double, double> at{row->figures.cost.mean_us, row->figures.deviation_p95_um};
-      // Not on the line: it would bend back, and the line is what a bur can be had for.
+      // Not on the line: it would bend back, and the line shows the possible choices.
       if (!row->pareto) {
         lost.points.push_back(at);
         continue;
@@ -62,7 +62,7 @@ Plot VolumePlot(const Findings& f) {
   for (const auto& [name, rows] : ByBur(f)) {
     Series line{name, ColourOf(i++), Style::kLine, {}};
     for (const CuttingRow* row : rows) {
-      // The axis is logarithmic: an error that happens to be 0 is drawn at the bottom, not lost.
+      // The axis is logarithmic: an error of exactly 0 is drawn at the bottom, not lost.
       double percent = std::max(1e-4, 100 * std::fabs(row->figures.volume_error));
       line.points.push_back({row->figures.c.voxel_mm(), percent});
       coarsest = std::max(coarsest, row->figures.c.voxel_mm());
@@ -72,7 +72,7 @@ Plot VolumePlot(const Findings& f) {
     p.series.push_back(std::move(line));
   }
   if (coarsest > finest) {
-    // What a method of second order would do, drawn through the worst bur.
+    // The slope of a second-order method, drawn through the worst bur.
     double ratio = finest / coarsest;
     p.series.push_back({"falling as h^2",
                         "reference",

@@ -38,15 +38,14 @@ struct Outcome {
 Outcome RunNode(std::vector<std::string> arguments) {
   Outcome out;
   int ends[2];
-  // Closed on exec: node gets the end that was put in the place of its standard error, and no
-  // other.
+  // Closed on exec: node only gets the end that replaced its standard error.
   if (::pipe2(ends, O_CLOEXEC) != 0) return out;
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
   posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
-  // From PATH, and without a shell: file names are arguments and nothing else.
+  // From PATH, without a shell: file names are only arguments.
   std::string node = "node";
   std::vector<char*> argv{node.data()};
   for (std::string& argument : arguments) argv.push_back(argument.data());
@@ -65,7 +64,7 @@ Outcome RunNode(std::vector<std::string> arguments) {
     out.code = WIFEXITED(state) ? WEXITSTATUS(state) : 1;
   }
   ::close(ends[0]);
-  // It becomes the message of a refusal, which has a line of its own.
+  // It becomes the message of an error, which is one line.
   while (out.said.ends_with('\n')) out.said.pop_back();
   return out;
 }
@@ -91,13 +90,13 @@ Status WriteReport(const std::string& document, const fs::path& path) {
   const ReportFiles files = ReportFilesOf(path);
   std::error_code ignored;
   if (path.extension() != ".html") fs::create_directories(path, ignored);
-  // The document first: it is what was measured, and can be drawn later or elsewhere.
+  // The document first: it has the measurements, and can be drawn later or elsewhere.
   ENAMEL_RETURN_IF_ERROR(WriteFileDurably(files.document, AsBytes(document)));
   const std::optional<fs::path> script = Script();
   Outcome drawn;
   if (script) drawn = RunNode({script->string(), files.document.string(), files.page.string()});
   if (drawn.code == 0) return Status::Ok();
-  // Node was there and refused: that is a fault. No node is none, the document is whole without it.
+  // A failure of node is an error. A missing node is not: the document is complete without it.
   if (drawn.code != kNoProgram) return Status(Code::kStorage, drawn.said);
   program::SayWarning(
       files.document.string() + " is written but not drawn: " +

@@ -9,9 +9,9 @@ namespace {
 
 namespace json = boost::json;
 
-// JSON has no infinities: what never happened is null.
+// JSON has no infinities: null means never.
 json::value Number(double v) { return std::isfinite(v) ? json::value(v) : json::value(nullptr); }
-// Below 0: it was not reached in the time that was simulated.
+// Below 0: not reached in the simulated time.
 json::value Time(double v) { return v < 0 ? json::value(nullptr) : Number(v); }
 
 json::object RowJson(const Row& r) {
@@ -53,10 +53,10 @@ json::object RowJson(const Row& r) {
 
 json::object HandJson(const HandRow& r) {
   const HandFigures& f = r.f;
-  // Every row has every member, null where it says nothing: readers need not guess what is missing.
+  // Every row has every member, null if it does not apply, so readers need not guess.
   auto Of = [&](double v) { return r.has_track ? Number(v) : json::value(nullptr); };
   auto Out = [&](double v) { return r.has_track ? json::value(nullptr) : Number(v); };
-  // Other motions turn too, but at no moment that the figure could count from.
+  // Other motions turn too, but without a moment the figure could start from.
   bool turns = r.motion == "reversal";
   return {{"suite", "hand"},
           {"device", r.device},
@@ -120,7 +120,7 @@ json::object FeelJson(const FeelRow& r) {
 
 std::string JsonOf(const Findings& f) {
   json::array rows, fronts, attacks, random;
-  // A hand row has other members than a point of the hands' front against run time.
+  // A hand row has other members than a point of the front of hands against run time.
   for (const Row& r : f.rows) (r.suite == "hand-front" ? fronts : rows).push_back(RowJson(r));
   AppendCuttingRows(f, rows);
   for (const HandRow& r : f.hands) rows.push_back(HandJson(r));
@@ -153,7 +153,7 @@ std::string JsonOf(const Findings& f) {
                    {"rows", std::move(rows)},
                    {"attacks", std::move(attacks)},
                    {"random", std::move(random)}};
-  // Left out where no such suite ran; the same for the members below.
+  // Left out if no such suite ran; the same for the members below.
   if (!fronts.empty()) out["fronts"] = std::move(fronts);
   if (!f.rates.empty()) {
     json::array rates;

@@ -15,7 +15,7 @@ using Points = std::vector<std::pair<double, double>>;
 // A plot is some hundred pixels wide.
 constexpr size_t kMostPoints = 1000;
 
-// More than any plot shows; seventeen would make the document three times as long.
+// More digits than any plot shows; seventeen would make the document three times as long.
 double SixDigits(double v) {
   char text[48];
   std::snprintf(text, sizeof text, "%.6g", v);
@@ -35,7 +35,7 @@ void AddPoints(const Points& points, json::object& out) {
   out["y"] = Numbers(y);
 }
 
-// What an axis cannot show is left out here, so that no drawer has to decide what to do with it.
+// Values that an axis cannot show are left out here, so that no drawer has to handle them.
 Points Shown(const Points& points, bool log_x, bool log_y) {
   Points out;
   for (auto [x, y] : points) {
@@ -52,7 +52,7 @@ Points Thinned(const Points& points) {
   for (size_t g = 0; g < kGroups; ++g) {
     auto from = points.begin() + static_cast<std::ptrdiff_t>(g * points.size() / kGroups),
          to = points.begin() + static_cast<std::ptrdiff_t>((g + 1) * points.size() / kGroups);
-    // Lowest and highest of each group, in their order: thinned so, a curve keeps its peaks.
+    // Lowest and highest of each group, in order, so that a thinned curve keeps its peaks.
     auto [low, high] = std::minmax_element(
         from, to, [](const auto& a, const auto& b) { return a.second < b.second; });
     out.push_back(*std::min(low, high));
@@ -75,7 +75,7 @@ const char* StyleName(Style style) {
   return "";
 }
 
-// Words that a suite writes where something does not hold.
+// A suite's words for a failed condition.
 bool IsBad(const std::string& cell) {
   return cell.starts_with("UNDER") || cell.starts_with("NOT BOUNDED") ||
          cell.find("VIOLATED") != std::string::npos || cell == "unstable";
@@ -83,7 +83,7 @@ bool IsBad(const std::string& cell) {
 
 }  // namespace
 
-// A name and no colour: the page has eight that can be told apart, in its light and dark forms.
+// A name instead of a colour: the page has eight distinguishable ones, in light and dark.
 std::string ColourOf(size_t n) { return std::to_string(n % 8 + 1); }
 
 json::object PlotJson(const Plot& plot) {
@@ -123,7 +123,7 @@ json::object TableJson(const Table& table) {
   json::array rows, bad;
   for (size_t r = 0; r < table.rows.size(); ++r) {
     for (size_t c = 0; c < table.rows[r].size(); ++c) {
-      // Marked here and not by the page, which would have to know every suite's words.
+      // Marked here, because the page would have to know every suite's words.
       if (IsBad(table.rows[r][c])) bad.push_back(json::array{r, c});
     }
     rows.push_back(Texts(table.rows[r]));

@@ -23,7 +23,7 @@ std::string F(double v, const char* format = "%.3f") {
 
 size_t Width(const std::string& s) {
   return static_cast<size_t>(
-      // Characters and not bytes: 10xxxxxx continues one in UTF-8. Columns stay under each other.
+      // Characters, not bytes, so that columns line up: 10xxxxxx continues one in UTF-8.
       std::count_if(s.begin(), s.end(), [](char c) { return (c & 0xc0) != 0x80; }));
 }
 
@@ -53,9 +53,9 @@ Plot ParetoPlot(const std::vector<LawPoint>& points, size_t metric, const Device
   for (const LawPoint& q : points) {
     double value = q.figures[metric];
     if (std::isnan(value)) continue;
-    // Both ends of a logarithmic axis: 0 and "never" have a place, at its edges.
+    // Both ends of a logarithmic axis: 0 and "never" are at its edges.
     std::pair<double, double> at{q.ns_per_tick, std::clamp(value, what.floor, kDrawn)};
-    // In the order of what a reader looks for first: each law is drawn once.
+    // In the order of importance to a reader: each law is drawn once.
     if (q.is_default)
       star.points.push_back(at);
     else if (q.lost)
@@ -70,7 +70,7 @@ Plot ParetoPlot(const std::vector<LawPoint>& points, size_t metric, const Device
       // Each name is a series of one point: the drawer writes a series' label beside it.
       names.push_back({q.name, "1", Style::kRings, {at}, true});
   }
-  // What matters is drawn last, over what does not: the default on top.
+  // The important ones are drawn last: the default on top.
   p.series = {others, lost, all, front};
   for (Series& s : names) p.series.push_back(std::move(s));
   p.series.push_back(star);
@@ -108,8 +108,8 @@ Plot RandomPlot(const RandomSummary& r) {
     std::sort(v.begin(), v.end());
     for (size_t i = 0; i < v.size(); ++i)
       s.points.push_back(
-          // Cut off at two and a half times the bound: farther out, only how many matters, which
-          // the height says.
+          // Cut off at two and a half times the bound: farther out only the number matters, which
+          // the height shows.
           {std::min(v[i], 2.5), static_cast<double>(i + 1) / static_cast<double>(v.size())});
     return s;
   };
@@ -142,7 +142,7 @@ json::array Cards(const Findings& f) {
   }
   int64_t violations = 0, ticks = 0;
   for (const Attack& a : f.attacks) {
-    // Laws without a proof are attacked too, and may lose: they say nothing about a promise.
+    // Laws without a proof are attacked too, and may lose, which breaks no promise.
     if (!a.proved) continue;
     violations += a.violations;
     ticks += a.ticks;
@@ -213,14 +213,14 @@ std::vector<Placed> AllPlots(const Findings& f) {
   for (const TimeTrace& t : f.traces) {
     Plot& p = frames[t.title];
     if (p.series.empty()) {
-      // A map sorts by title; frames are shown in the order in which they were measured.
+      // A map sorts by title; frames are shown in the order of measurement.
       order.push_back(t.title);
       p.title = t.title;
       p.x_label = "time, s";
       p.y_label = "resisting force, N";
     }
     Series s{t.label, ColourOf(p.series.size()), Style::kLine, {}};
-    // Laws that swing to and fro would fill the frame; the paper's figures are drawn whole.
+    // Laws that oscillate would fill the frame; the paper's figures are drawn whole.
     double most = OfThePaper(t.title) ? 1e9 : t.target_n;
     for (const Sample& q : t.samples)
       s.points.push_back({q.t_s, std::clamp(q.force_n, -2 * most, 4 * most)});
@@ -232,7 +232,7 @@ std::vector<Placed> AllPlots(const Findings& f) {
     for (const Series& s : p.series)
       if (!s.points.empty()) end = std::max(end, s.points.back().first);
     for (const TimeTrace& t : f.traces) {
-      // Once a frame: its traces are of one force.
+      // Once a frame: all its traces belong to one force.
       if (t.title != order[i]) continue;
       p.series.push_back(
           {"B V", "reference", Style::kDashes, {{0, t.target_n}, {end, t.target_n}}});
@@ -248,7 +248,7 @@ std::vector<Placed> AllPlots(const Findings& f) {
       if (!Measured(points, k)) continue;
       out.push_back({"laws", ParetoPlot(points, k, m)});
     }
-    // Quick has one rate, which makes no line.
+    // With `quick` there is one rate, which makes no line.
     if (!f.quick) out.push_back({"laws", RatePlot(f, m)});
   }
   for (const RandomSummary& r : f.random) out.push_back({"random", RandomPlot(r)});
@@ -256,10 +256,10 @@ std::vector<Placed> AllPlots(const Findings& f) {
   return out;
 }
 
-// A table's place on the page, by the words its title starts with.
+// A table's place on the page, by the first words of its title.
 const char* SectionOf(const Table& t) {
   auto Starts = [&](const char* with) { return t.title.rfind(with, 0) == 0; };
-  // Titles are ours (suites/*.cpp). One that no line knows lands under "extreme", where it is seen.
+  // Titles are ours (suites/*.cpp). An unknown one appears under "extreme", where it is noticed.
   if (Starts("Figures of") || Starts("Strokes") || Starts("Loop rates")) return "figures";
   if (Starts("Fronts")) return "laws";
   if (Starts("Table") || Starts("Device profiles")) return "paper";
@@ -275,7 +275,7 @@ struct Section {
   const char* title;
   const char* text;
 };
-// In the order of the page: what it comes to first, what it was derived from last.
+// In the order of the page: conclusions first, their derivation last.
 constexpr Section kSections[] = {
     {"figures", "What the default law reaches",
      "Tank Maxwell: a spring Kc joins the tip to a rest point, which makes the force. The bur cuts "
