@@ -33,7 +33,7 @@ FaultMaker::FaultMaker(const scene::BuiltScene& built, const scene::Exercise& ex
 }
 
 std::vector<Fault> FaultMaker::Make() {
-  // What is no fault costs nothing.
+  // Anything but a fault costs nothing.
   Add("none", {0, false}, "mm", "deviation_rms_mm", 1e-9, Wanted());
   Add("nothing", {0}, "%", "task_done_percent", 1e-9, NothingTaken);
   Add("everything removed", {100}, "%", "task_done_percent", 1e-6, EverythingTaken,
@@ -81,7 +81,7 @@ std::vector<FaultMaker::Size> FaultMaker::Sizes(std::initializer_list<double> al
   return out;
 }
 
-// Pits under a level part of the surface, from lo to hi (equal z): as deep as they are said to be.
+// Pits under a level part of the surface, from lo to hi (equal z), exactly as deep as stated.
 void FaultMaker::AddGouges(const dvec3& lo, const dvec3& hi) {
   for (const Size s : Sizes({0.1, 0.2, 0.3, 0.57}, 0.3)) {
     const dvec3 from = lo - dvec3(0, 0, s.m()), to(hi.x, hi.y, grid_hi_m_.z + 1);
@@ -99,7 +99,7 @@ void FaultMaker::AddBump(const dvec3& at) {
   }
 }
 
-// An outline that is wider somewhere: how far is measured by the uncut tooth's triangles.
+// An outline that is wider somewhere; the triangles of the uncut tooth measure how far.
 void FaultMaker::AddMargin(Size size, Hollow taken) {
   size.value = kMm * OutlineOver_m(Surface(), Wanted(), taken);
   AddMm("margin", size, "outline_over_mm", std::move(taken));
@@ -114,8 +114,8 @@ void FaultMaker::AddStoppedEarly() {
     const double middle = 0.5 * (lo + hi);
     (TakenAbove(middle) > 0.5 * all ? lo : hi) = middle;
   }
-  // Half way between two layers of points, which lie at whole thirds of a voxel: each layer stands for
-  // as much above it as below.
+  // Half way between two layers of points, which are at whole thirds of a voxel: each layer
+  // represents as much above it as below.
   const double third = h / 3;
   const double z = grid_lo_m_.z + (std::floor((lo - grid_lo_m_.z) / third) + 0.5) * third;
   const double in_a_voxel = TakenAbove(z - h) - TakenAbove(z);
@@ -141,7 +141,7 @@ double FaultMaker::TakenAbove(double z) {
       heights_.end() - std::upper_bound(heights_.begin(), heights_.end(), static_cast<float>(z)));
 }
 
-// A second hole, 0.8 mm wide, where the task is not: beside it, or under a crown's shoulder.
+// A second hole, 0.8 mm wide, away from the task: beside it, or under a crown's shoulder.
 void FaultMaker::AddElsewhere() {
   dvec3 lo, hi;
   if (!PlaceElsewhere(lo, hi)) return;
@@ -166,7 +166,7 @@ bool FaultMaker::PlaceElsewhere(dvec3& lo, dvec3& hi) const {
     hi = {s.middle_x_m + kWide_m / 2, y + 2e-3, z};
     return true;
   }
-  // Whichever side has most of the tooth about the place.
+  // The side with the most tooth around the place.
   double best = 0;
   const scene::CavityTarget& t = exercise_.target;
   const double out = near_m_ + 0.3e-3 + kWide_m / 2;
@@ -204,13 +204,13 @@ void FaultMaker::AddShaving() {
   const double bottom = landmark_m_.z - exercise_.target.depth_um * 1e-6 - below;
   const double h = volume_.spec().voxel_m();
   for (double layer_m : {kShallow_m, kShave_m}) {
-    // Where phi says no more, it is deep.
+    // Where phi is saturated, it is deep.
     auto shaving = [=, tooth = &volume_](const dvec3& p) {
       const double d = tooth->DistanceAt_m(p);
       return d < -3.9 * h ? 1.0 : std::max(-d - layer_m, bottom - p.z);
     };
-    // By area: points are too far apart to see so thin a layer. Only what the task's neighbourhood
-    // does not hold: the metric counts that apart.
+    // By area: points are too far apart for so thin a layer. Only outside the task's neighbourhood,
+    // which the metric counts separately.
     const double surface_m2 =
         AreaWhere_m2([&](const dvec3& p) { return p.z > bottom && FarFromCut(p); });
     const double size = surface_m2 * layer_m;
@@ -222,7 +222,7 @@ const surface::Mesh& FaultMaker::Surface() {
   if (surface_.triangles.empty()) surface_ = surface::ExtractSurface(volume_);
   return surface_;
 }
-// Of the tooth's surface, neighbours apart, by triangles whose middle `counts` accepts.
+// Area of the tooth's surface without neighbours, by triangles whose middle `counts` accepts.
 double FaultMaker::AreaWhere_m2(const std::function<bool(const dvec3&)>& counts) {
   Surface();
   double sum = 0;
@@ -236,8 +236,7 @@ double FaultMaker::AreaWhere_m2(const std::function<bool(const dvec3&)>& counts)
   }
   return sum;
 }
-// Farther from the task than the leeway, on either side of its surface: what is wanted is not
-// counted.
+// Farther from the task than the leeway, on either side of its surface; excludes the task itself.
 bool FaultMaker::FarFromCut(const dvec3& p) const {
   if (task_.kind != Task::Kind::kBox) return task_.Distance_m(p) > near_m_;
   const BoxCavity& b = task_.box;
@@ -316,7 +315,7 @@ Result<Task> TaskOf(const scene::BuiltScene& built, const scene::Exercise& exerc
   }
   out.box = {
       at, target.half_size_um[0] * 1e-6, target.half_size_um[1] * 1e-6, target.depth_um * 1e-6, {}};
-  // No wall stands where the box ends in the open.
+  // There is no wall where the box ends in the open.
   out.open_mesial = target.landmark == "mesial_box";
   return out;
 }

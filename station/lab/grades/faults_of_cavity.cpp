@@ -38,8 +38,8 @@ void FaultMaker::MakeBox() {
   // The longest wall has the waves: three of them on a short one are steeper than voxels can show.
   const BoxCavity& b = task_.box;
   const size_t long_wall = b.half_x_m > b.half_y_m ? 2 : kAnyWall;
-  // The height of a wave whose root mean square is the size. Where caries is followed, walls are
-  // as they come.
+  // The height of a wave whose root mean square is the size. Where caries is followed, walls have
+  // any position.
   for (const Size s : Sizes({0.02, 0.05, 0.1, 0.2}, 0.1)) {
     if (HasCaries()) break;
     const Face wave{.wave_m = std::sqrt(2.0) * s.m()};
@@ -82,8 +82,8 @@ void FaultMaker::AddPillars() {
   }
 }
 
-// A wall that is moved out of the tooth's side is no wall: no farther than that something is left
-// behind it.
+// A wall moved out of the tooth's side is none: moves only so far that some tooth is left behind
+// it.
 std::vector<FaultMaker::Size> FaultMaker::WallSizes(size_t wall) const {
   constexpr double kLeft_m = 0.3e-3;
   std::vector<Size> out = Sizes({-1, -0.5, -0.3, -0.1, -0.05, 0.05, 0.1, 0.3, 0.5, 1}, 0.3);
@@ -95,7 +95,7 @@ std::vector<FaultMaker::Size> FaultMaker::WallSizes(size_t wall) const {
   return out;
 }
 
-// How far the tooth goes on beyond a wall, at the least in the middle of its length and height.
+// How far the tooth extends beyond a wall, at the least in the middle of its length and height.
 double FaultMaker::RoomBehind_m(size_t wall) const {
   constexpr double kFarthest_m = 2e-3;
   const BoxCavity& b = task_.box;
@@ -132,8 +132,8 @@ void FaultMaker::MakeLeaningWalls(size_t wall) {
   }
 }
 
-// The rim of the distal wall is farther out, down to 0.6 mm and no more than 0.4 of the wall: where it
-// is most of it, it is the wall that is off.
+// The rim of the distal wall is farther out, down to 0.6 mm and at most 0.4 of the wall: beyond
+// that, the wall itself would be off.
 void FaultMaker::MakeMargins() {
   constexpr double kRim_m = 0.6e-3, kOfWall = 0.4;
   const BoxCavity& b = task_.box;

@@ -23,7 +23,7 @@ Hollow GrownBy(const scene::Preparation& shape, double side_m, double floor_m) {
   };
 }
 
-// Its floor lower by so much, which may differ from place to place.
+// Its floor lower by an amount that may differ from place to place.
 template <typename Lower>
 Hollow FloorLowered(const scene::Preparation& shape, const Lower& lower_m) {
   return [=](const dvec3& p) {
@@ -67,7 +67,7 @@ void FaultMaker::MakeLeaningShape() {
   }
 }
 
-// How far an upright corner goes when its walls move by 1: where two parts meet at a right angle, a
+// Movement of an upright corner when its walls move by 1: where two parts meet at a right angle, a
 // corner of the tooth is left; a polygon has its own.
 double FaultMaker::CornerMovesBy() const {
   double most = task_.shape.parts.size() > 1 ? std::sqrt(2.0) : 1;
@@ -87,8 +87,8 @@ double FaultMaker::CornerMovesBy() const {
   return most;
 }
 
-// The middle of the bottom of the first part that is level for 0.7 mm about it: where another part
-// goes deeper, a pit or a pillar there would have another size.
+// The middle of the bottom of the first part that is level for 0.7 mm around it: where another part
+// is deeper, a pit or a pillar there would have another size.
 dvec3 FaultMaker::LevelFloor_m() const {
   constexpr double kAbout_m = 0.7e-3, kUnder_m = 1e-6;
   auto middle = [](const scene::PreparationPart& part) {
@@ -124,9 +124,9 @@ void FaultMaker::MakeFace() {
   });
 }
 
-// A reduction that is deeper on the root's side than on the edge's, and one that goes up and down. The
-// size is the root mean square of the distance between the two floors, by points of the floor that
-// lie in the tooth: d = lower / sqrt(1 + slope^2), its area as many times the one seen from above.
+// A reduction that is deeper on the root's side than on the edge's, and one that waves. The size is
+// the root mean square of the distance between the two floors, by points of the floor inside the
+// tooth: d = lower / sqrt(1 + slope^2), weighted with the area relative to that seen from above.
 void FaultMaker::MakeUnevenFace() {
   const scene::PreparationPart& part = task_.shape.parts[0];
   const dvec3 middle = dvec3(part.top_um[0], part.top_um[1], 0) * 1e-6;
@@ -178,9 +178,9 @@ void FaultMaker::MakeFaceMargin() {
   }
 }
 
-// A pit of 0.8 x 0.8 mm and a pillar of 1.4 x 1.4 mm about a place, their ends so far below and above
-// a surface as they are said to be. `over`: height over it; `raised`: the task with it so much
-// higher.
+// A pit of 0.8 x 0.8 mm and a pillar of 1.4 x 1.4 mm around a place, their ends exactly as far
+// below and above a surface as stated. `over`: height over it; `raised`: the task, higher by this
+// amount.
 template <typename Over, typename Raised>
 void FaultMaker::AddFollowing(const dvec3& at, const Over& over, const Raised& raised) {
   constexpr double kPit_m = 0.4e-3, kPillar_m = 0.7e-3;

@@ -12,7 +12,8 @@ namespace {
 
 namespace json = boost::json;
 
-// A second of a bur moved with 1 N: what a rubric asks of a hand is met, and no more is known of it.
+// A second of a bur moved with 1 N: meets a rubric's demands on the hand, and gives no other
+// information.
 scoring::ProcessRecorder CalmRecording(const core::CoreParams& params) {
   scoring::ProcessRecorder recorder(params);
   for (int i = 0; i < static_cast<int>(params.rate_hz); ++i) {
@@ -36,7 +37,7 @@ std::vector<scene::Exercise> AskedFor(const GradesOptions& options, const scene:
   return out;
 }
 
-// Looked up in coarse teeth, which are made in no time: the names are the same.
+// Looked up in coarse teeth, which are fast to build: the names are the same.
 Result<std::vector<std::string>> ScenesAskedFor(const GradesOptions& options) {
   constexpr int32_t kCoarse_nm = 400'000;
   std::vector<std::string> out;

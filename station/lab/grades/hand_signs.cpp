@@ -38,7 +38,7 @@ constexpr Sign kSigns[] = {{"tremor, 8 to 12 Hz (um)", &HandSigns::tremor_um},
                            {"entropy of directions (bit)", &HandSigns::direction_bits},
                            {"pauses (%)", &HandSigns::pause_percent}};
 
-// Which of 26 directions: each axis forward, back or neither (less than half of the longest).
+// One of 26 directions: each axis forward, back or neither (less than half of the longest).
 size_t DirectionOf(const dvec3& step) {
   const double most = std::max({std::fabs(step.x), std::fabs(step.y), std::fabs(step.z)});
   auto side = [&](double v) -> size_t { return std::fabs(v) < 0.5 * most ? 0 : v > 0 ? 1 : 2; };
@@ -68,14 +68,14 @@ std::vector<HandSigns> AllSigns(const std::vector<dvec3>& way_m) {
 
 using Way = std::vector<dvec3>;
 
-// How far apart two motions lie, of the first one's size.
+// Distance of two motions relative to the first one's size.
 double NearnessOf(const Way& a, const Way& b) {
   const scoring::Motion other[] = {scoring::MotionAlong(b)};
   const auto near = scoring::NearnessTo(scoring::MotionAlong(a), other);
   return near->nearest_m / near->size_m;
 }
 
-// Fifths of the way, by length: people who go one path again take another time for each.
+// Fifths of the path, by length: people who repeat a path take another time for each.
 constexpr size_t kParts = 5;
 std::vector<Way> PartsOf(const Way& way) {
   std::vector<double> gone = {0};
@@ -91,7 +91,7 @@ std::vector<Way> PartsOf(const Way& way) {
   return out;
 }
 
-// As somebody might pass on a recorded motion.
+// As somebody might pass off a recorded motion.
 std::vector<Way> CopiesOf(const Way& way, uint64_t seed) {
   constexpr double kNoiseOfSize = 0.01, kLater = 0.05;
   std::mt19937_64 random(seed);
@@ -111,7 +111,7 @@ std::vector<Way> CopiesOf(const Way& way, uint64_t seed) {
   return {noisy, later, slower};
 }
 
-// `again`: people who did the same again.
+// `again`: people who repeated the motion.
 SignRoc NearnessOfCopies(const std::vector<HandMotion>& motions, std::vector<double>& again) {
   std::vector<std::vector<Way>> parts;
   for (const HandMotion& motion : motions) parts.push_back(PartsOf(motion.way_m));
@@ -128,7 +128,7 @@ SignRoc NearnessOfCopies(const std::vector<HandMotion>& motions, std::vector<dou
   return RocOf("nearness of a copy (of size)", again, std::move(copied));
 }
 
-// Where the device's tip was as it said, once a tick of 1 kHz.
+// The device's own tip positions, once a tick of 1 kHz.
 Result<Way> WayOf(const OperatorPreset& preset, const scene::BuiltScene& built,
                   const scene::Exercise& exercise, const scene::DeviceProfile& profile,
                   size_t ticks, uint64_t seed = 0) {
@@ -144,7 +144,7 @@ Result<Way> WayOf(const OperatorPreset& preset, const scene::BuiltScene& built,
   return out;
 }
 
-// Share of `programs` beyond what `share` of `people` are beyond, above or below.
+// Share of `programs` outside the limit that `share` of `people` exceed, above or below.
 double FoundAt(double share, const std::vector<double>& people,
                const std::vector<double>& programs) {
   // Sorted. So many people may be taken for programs.
@@ -269,7 +269,7 @@ Result<std::vector<SignRoc>> MeasureHandSigns(
     for (const HandSigns& signs : programs) of_programs.push_back(signs.*sign.value);
     out.push_back(RocOf(sign.name, std::move(of_people), std::move(of_programs)));
   }
-  // Of one recording there is nothing that was done again.
+  // A single recording has no repetition.
   if (motions.size() > 1) {
     std::vector<double> again;
     out.push_back(NearnessOfCopies(motions, again));

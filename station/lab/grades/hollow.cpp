@@ -20,10 +20,10 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr int kWaves = 3;
 constexpr double kBandVoxels = 4;  // phi says no more
 
-// In the wall's own frame: how far out, along it and above the cavity's middle height.
+// In the wall's own frame: distance out, along it and above the cavity's middle height.
 double WallDistance_m(const Face& f, double out, double along, double length, double height) {
   const double wave = f.wave_m * std::sin(2 * kPi * kWaves * along / length);
-  // Met to second order in the slope.
+  // Accurate to second order in the slope.
   return (out - f.moved_m - wave - f.slope * height) / std::sqrt(1 + f.slope * f.slope);
 }
 
@@ -168,7 +168,7 @@ double CrownCut::OverTop_m(const dvec3& p) const {
 
 double CrownCut::Distance_m(const dvec3& p) const {
   const double height = top_z_m - shoulder_z_m;
-  // The walls go on above the top and under the shoulder as they are between.
+  // The walls continue above the top and under the shoulder with the same slope.
   const double t = (p.z - shoulder_z_m) / height;
   auto mix = [&](double a, double b) { return a + (b - a) * t; };
   const Section &a = at_shoulder, &b = at_top;
@@ -208,7 +208,7 @@ Volume CutAway(const Volume& initial, const Hollow& hollow, Neighbours neighbour
   const cutting::GridSpec& spec = initial.spec();
   const double h = spec.voxel_m();
   const double half = 0.5 * (kBrickSide - 1);
-  // A wavy wall's distance may change by up to twice the way.
+  // A wavy wall's distance may change by up to twice the distance moved.
   const double far = (2 * half * std::sqrt(3.0) + kBandVoxels) * h;
   Volume out(spec);
   for (int b = 0; b < spec.brick_count(); ++b) {

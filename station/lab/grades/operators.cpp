@@ -52,7 +52,7 @@ bool IsAskedFor(const OperatorsOptions& options, const std::string& name) {
                      [&](const std::string& e) { return name.starts_with(e); });
 }
 
-// Whether the simulated person has a plan for it.
+// Whether the simulated person can plan it.
 bool CanCut(const OperatorPreset& preset, const scene::BuiltScene& built,
             const scene::Exercise& exercise, const scene::DeviceProfile& profile) {
   const auto params = scene::CompilePlan(built.scene, exercise, profile);
@@ -104,7 +104,7 @@ class Study {
   }
 
  private:
-  // Everybody in one exercise on one device.
+  // All operators in one exercise on one device.
   Status AddCell(const scene::BuiltScene& built, const scene::Exercise& exercise,
                  const scene::DeviceProfile& profile) {
     const OperatorPreset* dentist = FindOperator("dentist");

@@ -36,7 +36,7 @@ double ReliefDepth::Depth_m(const dvec3& p, double limit_m) const {
   const double below = Height_m(p.x, p.y) - p.z;
   if (below <= 0) return below;
   if (below >= 2 * limit_m) return limit_m;
-  // Nothing nearer lies farther aside.
+  // Points farther aside are not nearer.
   const int reach = static_cast<int>(below / kStep_m) + 1;
   const int x = Index(p.x - lo_x_m_), y = Index(p.y - lo_y_m_);
   double nearest = below * below;

@@ -11,8 +11,8 @@
 namespace enamel::station::lab {
 namespace {
 
-// Beyond that a lag is no delay of the same stroke any more; a step of 5 ms is a third of what a
-// hand notices (fidelity).
+// A longer lag is not a delay of the same stroke; a step of 5 ms is a third of what a hand notices
+// (fidelity).
 constexpr double kLongestLag_s = 1.5, kLagStep_s = 5e-3;
 constexpr double kTipSmooth_s = 0.01;
 
@@ -52,7 +52,7 @@ class WayHand final : public Hand {
   double damping_;
 };
 
-// Of what was sent and what would be right, tick by tick.
+// Figures of sent and ideal force, tick by tick.
 struct Track {
   std::vector<dvec3> sent, ideal;
 };
@@ -102,7 +102,7 @@ HandFigures RunHand(const DeviceModel& m, const HandTrial& trial, const HandMoti
   haptics::UniformMaterial material(Sym3::Isotropic(trial.b_n_s_per_m));
   coupling.Reset(plant.Read());
 
-  // The last ticks are left out: there the way ends, and with it its speed.
+  // Without the last ticks, in which the path and with it the speed ends.
   auto ticks = static_cast<size_t>(reader.duration_s() / tick_s) - 5;
   Track track;
   HandFigures out;
@@ -114,8 +114,8 @@ HandFigures RunHand(const DeviceModel& m, const HandTrial& trial, const HandMoti
     dvec3 was = plant.tip_m(), r = -tick.force_sent_n;
     plant.Step(tick.force_sent_n);
     dvec3 dx = plant.tip_m() - was;
-    // A hand that prescribes its motion has an exact speed; of the others it is the tip's,
-    // smoothed, since a step of the simulation is as rough as the friction that ends it.
+    // A hand that prescribes its motion has an exact speed. Others have the tip's, smoothed, since
+    // a step of the simulation is as rough as the friction that ends it.
     speed = trial.hand == HandKind::kVelocity
                 ? reader.SpeedAt(plant.time_s())
                 : speed + (plant.speed_m_per_s() - speed) * (tick_s / (kTipSmooth_s + tick_s));
@@ -136,7 +136,7 @@ HandFigures RunHand(const DeviceModel& m, const HandTrial& trial, const HandMoti
       largest = std::max(largest, glm::length(ideal));
       for (int i = 0; i < 3; ++i)
         out.excess_n = std::max(out.excess_n, speed[i] > 0 ? r[i] - ideal[i] : ideal[i] - r[i]);
-      // After a second: a force that is only building up has no direction to judge.
+      // After a second: a force that is only building up has no meaningful direction.
       if (plant.time_s() > 1 && size > 1e-6) {
         mean.angle += std::acos(std::clamp(along / size, -1.0, 1.0));
         ++mean.angles;

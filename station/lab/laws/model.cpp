@@ -124,7 +124,7 @@ Result<DeviceModel> ModelOf(const DeviceProfile& p) {
     m.provenance.push_back({what, number->source.empty() ? "not known" : number->source});
   }
   double allowed = m.PassiveKc(m.rate_hz);
-  // Refused here: every suite would otherwise measure how a device shakes that nobody may build.
+  // Refused here: otherwise every suite would measure the vibration of an impossible device.
   if (m.kc_n_per_m > allowed * (1 + 1e-9)) {
     return Refuse("coupling_mn_per_mm", Text("Kc %.0f mN/mm is above what is passive at %.0f Hz "
                                              "with this b, c and delay: lower it to %.0f mN/mm",
@@ -176,7 +176,7 @@ TrialSpec SpecOf(const DeviceModel& m, haptics::LawKind law, double b, double sp
   s.plant.tick_s = m.tick_s();
   s.plant.delay_ticks = m.delay_ticks;
   s.plant.mode_hz = m.mode_hz;
-  // 0.17 ms a step at 1 kHz: IntegrationError says what that costs.
+  // 0.17 ms a step at 1 kHz; IntegrationError gives its error.
   s.plant.substeps = m.rate_hz > 2500 ? 2 : m.rate_hz > 1500 ? 4 : 6;
   s.law.kind = law;
   s.law.kc_n_per_m = m.kc_n_per_m;

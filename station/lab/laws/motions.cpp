@@ -27,7 +27,7 @@ dvec3 Across(const dvec3& direction) {
 // Running mean over 2 half + 1 samples, in place of each; shorter towards the ends.
 std::vector<dvec3> RunningMean(const std::vector<dvec3>& x, size_t half) {
   std::vector<dvec3> sums(x.size() + 1, dvec3(0)), out(x.size());
-  // Against the first one: sums of large coordinates would lose the small motion.
+  // Relative to the first one: sums of large coordinates would lose the small motion.
   for (size_t i = 0; i < x.size(); ++i) sums[i + 1] = sums[i] + (x[i] - x[0]);
   for (size_t i = 0; i < x.size(); ++i) {
     size_t reach = std::min({half, i, x.size() - 1 - i});
@@ -73,13 +73,13 @@ Result<HandMotion> Recorded(const std::filesystem::path& path) {
     if (row.empty() || row == "\r") continue;
     double v[4];
     if (!Numbers(row, v, 4)) return Refuse(line, "found no four numbers");
-    // Recordings with gaps are refused: a jump would be a speed that nobody moved at.
+    // Recordings with gaps are refused: a jump would be a false speed.
     if (std::fabs(v[0] - static_cast<double>(motion.way_m.size()) * kWayStep_s) > 0.5 * kWayStep_s)
       return Refuse(line, "found another time than a millisecond after the last");
     motion.way_m.push_back({v[1], v[2], v[3]});
   }
   if (motion.way_m.size() < 100) return Refuse(1, "found fewer than 100 rows");
-  // Twice, which is a triangle of 40 ms in all: once leaves steps in the slope.
+  // Twice, which makes a triangle of 40 ms: once leaves steps in the slope.
   motion.way_m = RunningMean(RunningMean(motion.way_m, 10), 10);
   return motion;
 }
@@ -186,7 +186,7 @@ HandMotion WanderingMotion(double mean, double duration_s, uint64_t seed) {
       began = now;
       stroke_s = r.LogBetween(0.3, 2);
       pause_s = r.Below(3) == 0 ? r.Between(0.05, 0.5) : 0;
-      // Half of the strokes go roughly back where they came from.
+      // Half of the strokes return roughly to their start.
       dvec3 way = r.Direction();
       if (r.Below(2)) way = glm::normalize(home - at + way * 1e-4);
       step = way * (stroke_s * r.LogBetween(0.3, 2));
@@ -210,7 +210,7 @@ Result<std::vector<HandMotion>> RecordedMotions(const std::string& folder) {
                     folder + ": expected at most " + std::to_string(kMostFiles) + " recordings",
                     "recordings");
   }
-  // Folders have no order of their own, and suites are to print the same rows everywhere.
+  // Folders have no order, and suites must print the same rows on every machine.
   std::sort(paths.begin(), paths.end());
   std::vector<HandMotion> out;
   for (const fs::path& path : paths) {

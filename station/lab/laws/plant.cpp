@@ -8,7 +8,7 @@
 namespace enamel::station::lab {
 
 uint64_t Random::Next() {
-  // SplitMix64 (Steele, Lea and Flood 2014): 64 bits of state, the same on every machine, which no
+  // SplitMix64 (Steele, Lea and Flood 2014): 64 bits of state, identical on every machine, which no
   // library's distribution promises.
   uint64_t z = (state_ += 0x9e3779b97f4a7c15ull);
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
@@ -50,7 +50,7 @@ Plant::Plant(const PlantSpec& spec, Hand& hand, const dvec3& start_m)
   const Lattice& lattice = spec_.lattice;
   const double volume = std::fabs(glm::determinant(lattice.joints));
   ENAMEL_CHECK(volume > 1e-6 && lattice.driver_cell_m >= 0 && lattice.noise_counts >= 0);
-  // Cartesian cells are read without going through a matrix: bit for bit what they always were.
+  // Cartesian cells are read without a matrix, bit for bit exact.
   joint_cells_ = lattice.joints != glm::dmat3(1);
   if (joint_cells_) from_joints_ = glm::inverse(lattice.joints);
   DrawNoise();
@@ -74,7 +74,8 @@ dvec3 Plant::Read() const {
 bool Plant::TickLost() { return spec_.drop_ratio > 0 && random_.Uniform() < spec_.drop_ratio; }
 
 void Plant::Step(const dvec3& command_n) {
-  // A ring of delay + 1 places: what is written now is read `delay_ticks` later, with none at once.
+  // A ring of delay + 1 places: a value is read `delay_ticks` after it is written, without delay at
+  // once.
   pipe_[pipe_at_] = command_n;
   pipe_at_ = (pipe_at_ + 1) % pipe_.size();
   sent_ = glm::clamp(pipe_[pipe_at_], dvec3(-spec_.peak_force_n), dvec3(spec_.peak_force_n));

@@ -38,8 +38,8 @@ double Bisect(double low, double high, const std::function<bool(double)>& holds)
   return low;
 }
 
-// Work the operator puts in over the later half of `cycles` cycles; the plant's b and c take their
-// part. Below zero: the operator gains it again in every further cycle.
+// The operator's work over the later half of `cycles` cycles, including the plant's b and c. Below
+// zero: the operator gains it in every further cycle.
 double WorkOfLaterCycles(const PlantSpec& spec, Rendered what, double gain, double amplitude_m,
                          int period) {
   constexpr int kCycles = 24;
@@ -64,7 +64,7 @@ double WorkOfLaterCycles(const PlantSpec& spec, Rendered what, double gain, doub
 bool GainsNothing(const PlantSpec& spec, Rendered what, double gain) {
   // Two ticks is the fastest that a sampled loop can be shaken.
   for (int period : {2, 3, 4, 6, 10, 20}) {
-    // Within a cell, across one edge, across some, and so far that cells do not matter.
+    // Within a cell, across one edge, across several, and so far that cells do not matter.
     for (double cells : {0.002, 0.4, 1.3, 10.3, 1e4}) {
       double work = WorkOfLaterCycles(spec, what, gain, cells * spec.resolution_m, period);
       if (work < 0) return false;
@@ -73,13 +73,13 @@ bool GainsNothing(const PlantSpec& spec, Rendered what, double gain) {
   return true;
 }
 
-// Whether the swing after the first half is smaller than before it, or no more than cells.
+// Whether the swing in the second half is smaller than in the first, or only some cells.
 bool ComesToRest(const PlantSpec& spec, Rendered what, double gain, const Hold& hold) {
   constexpr double kStart_m = 1e-3, kRun_s = 2;
   LineMotion still;
   ImpedanceHand hand(still, hold.stiffness_n_per_m, hold.mass_kg, hold.damping_n_s_per_m);
   Plant plant(spec, hand, dvec3(kStart_m, 0, 0));
-  // A damper has no place it returns to: it starts from one false count, 1 mm in a tick.
+  // A damper has no rest position: it starts from one false count, 1 mm in a tick.
   Controller controller(what, gain, spec.tick_s,
                         what == Rendered::kDamper ? dvec3(0) : plant.Read());
   int ticks = static_cast<int>(kRun_s / spec.tick_s);
@@ -92,8 +92,8 @@ bool ComesToRest(const PlantSpec& spec, Rendered what, double gain, const Hold& 
     double& half = k < ticks / 2 ? early : late;
     if (k >= ticks / 4) half = std::max(half, std::fabs(speed));
   }
-  // Speed, not place: a device alone rests anywhere. A thirtieth of a cell a tick, or a millionth
-  // of the first swing, is rest.
+  // Speed, not position: a device alone rests anywhere. A thirtieth of a cell a tick, or a
+  // millionth of the first swing, counts as rest.
   return late < early || late < std::max(spec.resolution_m / spec.tick_s / 30, 1e-6 * most);
 }
 

@@ -29,7 +29,7 @@ struct Leg {
   double hold_s = 0;
 };
 
-// Where the hand takes the tip. A force at the end: the hand then pushes along `push`.
+// The hand's path for the tip. A force at the end: the hand then pushes along `push`.
 struct Way {
   dvec3 start{0};
   std::vector<Leg> legs;
@@ -98,8 +98,7 @@ Way WayOf(StrokeCase c, const DeviceModel& m) {
   return w;
 }
 
-// Follows the legs, then pushes if the way says so. In that it keeps to its line by a soft spring
-// across.
+// Follows the legs, then pushes if the case has a push, kept on its line by a soft spring across.
 class LegHand final : public Hand {
  public:
   explicit LegHand(const Way& way) : way_(way) {
@@ -137,7 +136,7 @@ class LegHand final : public Hand {
     grip.equilibrium_m = p.from + (p.to - p.from) * share;
     return grip;
   }
-  // Of the motion that the hand means, unit.
+  // Direction of the intended motion, unit.
   dvec3 DirectionAt(double t_s) const {
     return pushing(t_s) ? glm::normalize(way_.push) : PartAt(t_s).direction;
   }
@@ -146,9 +145,9 @@ class LegHand final : public Hand {
   double record_from_s() const {
     return way_.record_from == 0 ? 0 : parts_[way_.record_from].from_s - kLead_s;
   }
-  // When the leg before whose begin the record leads up to begins; of a way that turns, its turn.
+  // Start of the leg before the recorded one; for a path that turns, its turn.
   double turn_s() const { return parts_.size() > 1 ? parts_[1].from_s : end_s_; }
-  // Once a tick: where the tip is, and what resists the hand there. It begins to push with that.
+  // Once a tick: the tip's position, and the resistance to the hand. Starts the push.
   void Feels(const dvec3& tip_m, const dvec3& r_n, double t_s) {
     tip_ = tip_m;
     if (!pushing(t_s)) led_with_n_ = std::max(0.0, Dot(r_n, DirectionAt(t_s)));
@@ -172,7 +171,7 @@ class LegHand final : public Hand {
   dvec3 tip_{0};
 };
 
-// The ideal: a bur that is where the tip is.
+// The ideal: a bur at the tip.
 class IdealBur {
  public:
   IdealBur(const cutting::Volume& block, const dvec3& tip_m)
@@ -236,7 +235,7 @@ core::CoreParams ParamsOf(const DeviceModel& m, haptics::LawKind law) {
   return p;
 }
 
-// A tick, before anything is made of it.
+// A tick before evaluation.
 struct Raw {
   double t_s = 0, ahead_n_s_per_m = 0;
   dvec3 r{0}, ideal{0}, oracle{0}, tip{0}, bur{0}, direction{0};
@@ -284,7 +283,7 @@ class StrokeRun {
     }
     out_ = core_.Step(input_);
   }
-  // The hand moves under the force of the tick before; then the loop reads and answers.
+  // The hand moves under the last tick's force; then the loop reads and answers.
   void Tick() {
     hand_.Feels(plant_.tip_m(), -out_.force_sent_n, plant_.time_s());
     const dvec3 was = plant_.tip_m();
@@ -300,8 +299,8 @@ class StrokeRun {
     IdealBur::Felt felt = ideal_.MoveTo(raw.tip, raw.direction, tick_s);
     raw.ideal = felt.force_n;
     raw.ahead_n_s_per_m = felt.ahead_n_s_per_m;
-    // The oracle knows B v and has no memory; its force rises by at most Kc times the tip's way, as
-    // any coupling's does.
+    // The oracle knows B v and has no memory; like any coupling's, its force rises by at most Kc
+    // times the tip's distance.
     const double most = std::min(
         glm::length(oracle_) + model_.kc_n_per_m * glm::length(raw.tip - was), model_.peak_force_n);
     const double wanted = glm::length(raw.ideal);
@@ -367,13 +366,13 @@ class StrokeRun {
       push = std::max(push, -along);
       rise = std::max(rise, std::max(0.0, along) - before);
       before = std::max(0.0, along);
-      // What an encoder's cell leaves is nothing to be felt.
+      // The remainder from an encoder's cell cannot be felt.
       if (along < -0.5 * cell_n) help_s += tick_s;
       if (glm::length(raw_[i].r) > level) held_on = i;
     }
     for (size_t i = left + 1; i <= held_on; ++i) way += glm::length(raw_[i].tip - raw_[i - 1].tip);
     const double let_go_s = raw_[held_on].t_s - raw_[left].t_s;
-    // The force may not fall by more than Kc (v T + sqrt(3) delta) in a tick: so long, and 15 ms.
+    // The force may not fall by more than Kc (v T + sqrt(3) delta) in a tick: that time, and 15 ms.
     const auto ticks = static_cast<double>(held_on - left);
     const double pace = ticks > 0 ? way / ticks : 0;
     const double least_s =
@@ -389,7 +388,7 @@ class StrokeRun {
     add("let_go_s", "s", let_go_s, fidelity::kDelay_s + least_s);
   }
 
-  // Goals of the human motions; other devices have none.
+  // Goals for people's motions on these devices; other devices have none.
   std::optional<double> HelpGoal() const {
     if (model_.name == "omega3") return 0.1;
     if (model_.name == "phantom_desktop") return 0.15;
@@ -432,7 +431,7 @@ class StrokeRun {
       add("rise90_s", "s", rise_s, 1.15 * least_s + model_.tick_s());
     }
     if (case_ != StrokeCase::kSlipOut) {
-      // Where B v is within what the motors bear for long.
+      // Where B v is within the motors' continuous force.
       std::optional<double> bound;
       if (peak <= model_.continuous_force_n)
         bound = std::max({0.1 * peak, 0.05, 1.15 * cell_n / 2});

@@ -4,8 +4,8 @@
 #include "common/core/params.h"
 #include "station/lab/laws/strokes.h"
 
-// Text by hand and not by a library's numbers: four digits are what is drawn, and a report has to
-// stay below the server's 1 MiB.
+// Written by hand, not with a library's numbers: plots need four digits, and a report has to stay
+// below the server's 1 MiB.
 namespace enamel::station::lab {
 namespace {
 

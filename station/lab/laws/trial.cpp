@@ -35,7 +35,7 @@ class TrialMaterial final : public haptics::Material {
   Sym3 now_;
 };
 
-// A trial that has not settled by then is measured as it is.
+// A trial that has not settled by then is measured unsettled.
 constexpr double kLongestTrial_s = 120;
 
 std::unique_ptr<Hand> MakeHand(const TrialSpec& s, double stop_s) {
@@ -119,7 +119,8 @@ class TrialRun {
   }
 
   Measurement Run() {
-    // A force hand that lets go is thrown back by the spring it held: no release to measure.
+    // A force hand that lets go is thrown back by the spring it held, so there is no release to
+    // measure.
     double wait = std::min(3 * Tau() + 1, std::max(0.0, kLongestTrial_s - stop_));
     double end = spec_.hand == HandKind::kForce || !spec_.measure_release ? stop_ : stop_ + wait;
     while (plant_.time_s() < end && !m_.unstable) {
@@ -190,7 +191,7 @@ class TrialRun {
     }
     error2_.Add(Dot(off, off));
     ripple_.Add(along);
-    // A first-order low-pass at 20 Hz: what is above it is felt as vibration and not as force.
+    // A first-order low-pass at 20 Hz: the part above it is felt as vibration, not as force.
     double k = 2 * M_PI * 20 * spec_.plant.tick_s;
     smooth_ += (along - smooth_) * (k / (1 + k));
     fast_.Add(along - smooth_);
@@ -204,7 +205,7 @@ class TrialRun {
       m_.release_level_n = 0.1 * ripple_.mean();
     }
     m_.kick_n = std::max(m_.kick_n, -along);
-    // What the guard may leave is no failure to let go: Kc delta / 2 per axis (and rounding).
+    // The guard may leave Kc delta / 2 per axis (and rounding); that still counts as released.
     double left = 0.5001 * spec_.law.kc_n_per_m * spec_.plant.resolution_m;
     bool inside = std::fabs(r.x) <= left && std::fabs(r.y) <= left && std::fabs(r.z) <= left;
     if (m_.release10_s < 0 && (inside || glm::length(r) <= m_.release_level_n))

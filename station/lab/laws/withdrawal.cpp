@@ -17,7 +17,7 @@ using cutting::BurShape;
 constexpr double kTick_s = 1e-3;
 constexpr double kFeed_m_per_s = 1e-3;
 
-// The bur's frame and its way, turned off the grid together.
+// The frame of bur and path, turned off the grid together.
 struct Frame {
   Frame(double turn, double tilt)
       : orientation(ToQuantised(Quat{0, 0, std::sin(turn / 2), std::cos(turn / 2)} *
@@ -29,7 +29,7 @@ struct Frame {
   double tilt_sine;
 };
 
-// Where the hand takes the tip; the last leg is the way in that is gone back along.
+// The hand's path for the tip; it returns along the last leg.
 std::vector<dvec3> WayIn(Cut cut, const Bur& bur, const Frame& f) {
   const double h = bur.height_m(), r = bur.radius_m;
   const dvec3 x = f.m[0], y = f.m[1], z = f.m[2];
@@ -70,13 +70,13 @@ CoreParams ParamsOf(const Withdrawal& s) {
   return p;
 }
 
-// The anchor's way in, from its end, by length.
+// The anchor's path in, from its end, by length.
 class WayBack {
  public:
   explicit WayBack(const dvec3& tip) : points_{tip}, at_{0} {}
   void Add(const dvec3& p, bool last) {
     double step = glm::length(p - points_.back());
-    // Points 20 um apart: the anchor's noise would make the way longer than it is.
+    // Points 20 um apart: the anchor's noise would lengthen the path.
     if (step < 20e-6 && !last) return;
     points_.push_back(p);
     at_.push_back(at_.back() + step);
@@ -116,7 +116,7 @@ class WithdrawalRun {
         anchors_.push_back(out_.anchor.tip_m);
         figures_.deepest_n = std::max(figures_.deepest_n, glm::length(out_.force_sent_n));
       }
-      // Until the anchor has come round the corner, or the way back is not the way in.
+      // Until the anchor has passed the corner; before, the path back is not the path in.
       bool last = leg + 2 == way.size();
       for (int i = 0; !last && i < 300; ++i) StepTo(way[leg + 1]);
     }

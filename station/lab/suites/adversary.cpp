@@ -24,7 +24,7 @@ class CouplingSubject final : public Subject {
     material_.contact = contact;
     haptics::CouplingOutput out = coupling_.Tick(tip, bound_ratio, material_);
     tank_j_ = out.tank_j;
-    // The coupling gives the force on the operator, the theorem is about the resisting one.
+    // The coupling gives the force on the operator; the theorem is about the resisting one.
     return -out.force_sent_n;
   }
   double tank_j() const override { return tank_j_; }
@@ -40,10 +40,10 @@ class CouplingSubject final : public Subject {
     if (law == LawKind::kTankMaxwell) {
       p.law.resolution_m = dvec3(m.resolution_m);
       p.cell = cell;
-      // The tank law is told what the rules allow: it is proved for that and for no more.
+      // The tank law gets exactly the delay of the rules, for which it is proved.
       p.delay_ticks = rules.clause_ticks();
     } else {
-      // The older guard knows boxes only: one around the cell, whatever its shape.
+      // The older guard only handles boxes: one around the cell, whatever its shape.
       p.law.resolution_m = (cell.half_m + cell.ball_m) * 2.0;
     }
     return p;
@@ -53,8 +53,8 @@ class CouplingSubject final : public Subject {
   double tank_j_ = 0;
 };
 
-// The guard without a law. What the adversary asks for is what a law could do at its worst, so that
-// a pump found here would be one in every law that moves its rest point by guarded steps.
+// The guard without a law. The adversary requests what a law could do at worst, so a pump found
+// here exists in every law that moves its rest point by guarded steps.
 class GuardedSpring final : public Subject {
  public:
   GuardedSpring(const DeviceModel& m, const GameRules& rules, double energy)
@@ -63,7 +63,7 @@ class GuardedSpring final : public Subject {
     params_.cell = rules.Cell(m.resolution_m);
     params_.delay_ticks = rules.clause_ticks();
     tank_.energy_j = energy;
-    // What the spring holds at half the peak force, (F/2)^2/(2 Kc): enough to be worth stealing.
+    // The spring's energy at half the peak force, (F/2)^2/(2 Kc): enough to be worth stealing.
     tank_.cap_j = 0.125 * peak_ * peak_ / kc_;
     tank_.inflow_share = 0.3;
   }
@@ -82,7 +82,7 @@ class GuardedSpring final : public Subject {
   }
   dvec3 Tick(const dvec3& tip, double bound_ratio, const Contact& contact,
              const dvec3& push) override {
-    // From quantised positions, hence wrong by a cell: the proof does not use it, it bounds the
+    // From quantised positions, hence wrong by a cell. The proof does not use it; it bounds the
     // inflow.
     double work = Dot(sent_, tip - tip_);
     tip_ = tip;
@@ -98,8 +98,7 @@ class GuardedSpring final : public Subject {
     Move(w, work);
     double bound = peak_ * bound_ratio;
     e = tip_ - rest_;
-    // As the coupling does: the rest point gives way first, what is left is a share of the
-    // stiffness.
+    // As in the coupling: the rest point yields first, the rest is a share of the stiffness.
     double force = kc_ * std::sqrt(Dot(e, e));
     if (force > bound) Move(e * (1 - bound / force), work);
     params_.kc_n_per_m = kc_;
@@ -155,7 +154,7 @@ void PlayWalk(Game& game, const GameRules& rules, Random& r, int64_t ticks, Atta
   double pace = 1, memory = 0;
   int dither = 0, steady = 1;
   for (int64_t tick = 0; tick < ticks; ++tick) {
-    // A new start now and then: a pump would show within some periods, and other paces have their
+    // An occasional new start: a pump would show within some periods, and other periods get their
     // turn.
     if (tick % 1500 == 0) {
       pace = game.delta_m() * r.LogBetween(1e-3, 30);
@@ -165,7 +164,7 @@ void PlayWalk(Game& game, const GameRules& rules, Random& r, int64_t ticks, Atta
       v = r.Direction() * pace;
       turn = Turn{};
       game.Start(dvec3(r.Signed(), r.Signed(), r.Signed()) * 1e-4, RandomFrame(r));
-      // Loaded starts have a floor that is known only where no force is still under way.
+      // The floor of a loaded start is known only if no force is still on its way.
       if (rules.delay_ticks == 0 && rules.late == GameRules::Late::kNone && r.Below(2)) {
         turn.contact.damping_n_s_per_m = Sym3::Isotropic(1e8);
         turn.contact.engaged = true;
@@ -209,8 +208,8 @@ void PlayWalk(Game& game, const GameRules& rules, Random& r, int64_t ticks, Atta
   }
 }
 
-// The tip dithers across an edge of its cell while wall and air come in every pattern; all of them
-// where they are few, else drawn.
+// The tip dithers across an edge of its cell while wall and air alternate in every pattern; all of
+// them if they are few, else drawn.
 void PlayDither(Game& game, const GameRules& rules, Random& r, int64_t ticks, Attack* attack) {
   constexpr std::array kReaches = {0.01, 0.02, 0.05, 0.1, 0.15, 0.2, 0.4};
   int64_t played = 0;
@@ -293,7 +292,7 @@ void PlayPress(Game& game, const GameRules& rules, Random& r, int64_t ticks, Att
   }
 }
 
-// What a tick does, bred: the tip's place, B, bound, push, noise, late, gap. Places are in cells
+// The tick, bred: the tip's position, B, bound, push, noise, late, gap. Positions are in cells
 // times ten to the last gene.
 class Strategy {
  public:
@@ -345,8 +344,8 @@ class Strategy {
   }
 };
 
-// What further periods draw, as a share of what damping and friction pay in them: the energy itself
-// would breed a tip that rests. Every tick counts for the floor.
+// Energy drawn by further periods, as a share of the pay of damping and friction in them: breeding
+// for the energy itself would give a tip that rests. Every tick counts for the floor.
 double PlayStrategy(Game& game, const GameRules& rules, const Strategy& s, const dmat3& frame,
                     Attack* attack) {
   constexpr size_t kPeriods = 30;
@@ -354,7 +353,7 @@ double PlayStrategy(Game& game, const GameRules& rules, const Strategy& s, const
   double settled = 0, paid = 0;
   size_t ticks = kPeriods * s.period();
   for (size_t k = 1; k <= ticks; ++k) {
-    // The first half is the way in: what counts is what a motion draws that repeats.
+    // The first half is the run-up: only a repeating motion's gain counts.
     if (k == ticks / 2) {
       settled = game.owed();
       paid = game.paid_j();
@@ -381,7 +380,8 @@ void PlayBred(Game& game, const GameRules& rules, Random& r, int64_t rounds, Att
     // 1.5 up and 0.97 down balance at about one success in fourteen: slow enough not to collapse
     // on the long plateaus of these games.
     size = std::clamp(size * (drawn > most ? 1.5 : 0.97), 0.003, 3.0);
-    // As good is taken too: the search drifts along plateaus, where most of its time goes.
+    // Equally good children are accepted too: the search drifts along plateaus, where most of its
+    // time goes.
     if (drawn >= most) {
       most = drawn;
       best = next;
@@ -480,13 +480,13 @@ double Game::owed() const { return balance_ - Stored() - subject_->tank_j(); }
 
 double Game::Play(const Turn& turn) {
   const dvec3& dx = turn.way_m;
-  // The force that is felt while the tip goes this way was computed delay ticks ago.
+  // The force felt during this motion was computed delay ticks ago.
   double work = Dot(pipe_.front(), dx);
   double paid = b_over_t_ * Dot(dx, dx) + Dot(friction_, glm::abs(dx));
   balance_ += work + paid;
   paid_ += paid;
   handed_ += work;
-  // More than was stored at the start: `floor_` is minus that.
+  // Larger than the energy stored at the start: `floor_` is minus that.
   taken_ = std::max(taken_, -handed_ + floor_);
   x_ += dx;
   if (held_) {
@@ -504,14 +504,13 @@ double Game::Play(const Turn& turn) {
   held_ = lost;
   held_way_ = dx;
   if (turn.gap && rules_.gaps) {
-    // The force stops, the tip moves on; then the spring goes on as a new start.
+    // The force stops, the tip moves on; then the spring starts again.
     std::fill(pipe_.begin(), pipe_.end(), dvec3(0));
     newest_ = dvec3(0);
     x_ += turn.gap_way_m;
     p_ = Read(turn.noise);
     subject_->Resume(p_);
-    // A new start may hold Kc/2 (radius of the cell)^2 that nobody paid for (README, "After a
-    // gap").
+    // A new start may hold unpaid energy of Kc/2 (radius of the cell)^2 (README, "After a gap").
     floor_ -= 0.5 * kc_ * radius_ * radius_;
     lost = held_ = false;
   }
@@ -522,7 +521,7 @@ double Game::Play(const Turn& turn) {
   }
   pipe_.erase(pipe_.begin());
   pipe_.push_back(newest_);
-  // The coupling has stepped; the device missed the new force and goes on with the one before.
+  // The coupling has stepped; the device missed the new force and holds the last one.
   if (late && !lost) pipe_.front() = felt;
   return above();
 }

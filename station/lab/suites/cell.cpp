@@ -16,14 +16,14 @@ using haptics::LawKind;
 const char* HandName(const TrialSpec& s) {
   if (s.hand == HandKind::kVelocity) return "velocity";
   if (s.hand == HandKind::kForce) return "force";
-  // Grips are 1000 and 200 N/m; a drawn one is called by the nearer.
+  // Grips are 1000 and 200 N/m; a drawn one is named after the nearer.
   return s.hand_stiffness_n_per_m > 600 ? "impedance-1" : "impedance-0.2";
 }
 
 Verdict VerdictOf(const TrialSpec& spec, const Measurement& m) {
   if (m.unstable) return Verdict::kUnstable;
   if (Proved(spec) && !m.violation) return Verdict::kPassive;
-  // A law that pulls its hand along gives energy away without a swing.
+  // A law that pulls its hand along releases energy without a swing.
   return m.cycle || m.violation ? Verdict::kBounded : Verdict::kStable;
 }
 
@@ -119,7 +119,7 @@ double NanosecondsPerTick(const TrialSpec& spec) {
     auto from = std::chrono::steady_clock::now();
     for (const dvec3& tip : tips) coupling.Tick(tip, 1, material);
     std::chrono::duration<double, std::nano> took = std::chrono::steady_clock::now() - from;
-    // The least of several: everything that disturbs a measurement makes it longer.
+    // The minimum of several: every disturbance makes a measurement longer.
     best = std::min(best, took.count() / kTicks);
   }
   return best;

@@ -18,12 +18,11 @@ double Extra(const Row& r, const char* name) {
 bool HasTrial(const Row& r) { return r.m.ticks > 0; }
 
 double SteadyError(const Row& r) {
-  // Of both: against the force asked for, and against B times the speed at which the bur really
-  // moves.
+  // Of both: relative to the target force, and to B times the bur's actual speed.
   return HasTrial(r) ? std::max(r.m.error_max_n, r.m.anchor_error_n) : kNotMeasured;
 }
-// Only a hand that prescribes velocity times the law: a force hand pushes with the force that is
-// waited for, an impedance hand's own spring is the slower one.
+// Only a hand that prescribes velocity times the law: a force hand pushes with the awaited force,
+// and an impedance hand's own spring is slower.
 double Rise(const Row& r) {
   if (!HasTrial(r) || r.hand != "velocity" || r.m.rise90_floor_s <= 0) return kNotMeasured;
   return r.m.rise90_s < 0 ? kNever : r.m.rise90_s / r.m.rise90_floor_s;
@@ -49,7 +48,7 @@ bool Dominates(const LawPoint& a, const LawPoint& b) {
 void MarkFronts(std::vector<LawPoint>* points) {
   for (LawPoint& p : *points) {
     auto None = [&](auto beats) {
-      // A law that is lost beats nobody either: its figures were taken while it swung.
+      // A lost law dominates none: its figures were taken while it oscillated.
       return !p.lost && std::none_of(points->begin(), points->end(), [&](const LawPoint& q) {
         return &q != &p && !q.lost && beats(q);
       });
@@ -108,7 +107,7 @@ std::vector<LawPoint> LawPointsOf(const std::vector<Row>& rows, const std::strin
   for (auto& [name, p] : by_name) {
     if (p.ns_per_tick <= 0) continue;
     for (size_t k = 0; k < metrics.size(); ++k) {
-      // Not measured while others were: a law must not win by having been left out.
+      // Not measured while others were: a law must not win by being left out.
       if (std::isnan(p.figures[k])) p.figures[k] = measured[k] ? kNever : kNotMeasured;
     }
     points.push_back(std::move(p));

@@ -26,9 +26,9 @@ struct Ledger {
 struct PlainGame {
   PlainGame(const DeviceModel& m, LawKind law)
       : model(m), coupling(Params(m, law)), b_over_t(m.damping_n_s_per_m / m.tick_s()) {
-    // The least friction the theorem allows: what the device has beyond it only helps.
+    // The least friction the theorem allows; a device's surplus only helps.
     friction = std::min(m.friction_n, m.kc_n_per_m * m.resolution_m / 2);
-    // Likewise: Kc = 2 b/T at most, hence b/T at least Kc/2.
+    // Also Kc = 2 b/T at most, hence b/T at least Kc/2.
     b_over_t = std::min(b_over_t, m.kc_n_per_m / 2);
   }
   static haptics::CouplingParams Params(const DeviceModel& m, LawKind law) {
@@ -47,7 +47,7 @@ struct PlainGame {
     material.contact.clearance_m = 1;
     Rebase();
   }
-  // The floor counts from here: V_0 is what the spring holds now, E_0 what the tank does.
+  // The floor starts here: V_0 is the spring's energy now, E_0 the tank's.
   void Rebase() {
     dvec3 stretch = x - coupling.rest_m();
     floor = -0.5 * model.kc_n_per_m * Dot(stretch, stretch) - coupling.tank_j();
@@ -91,7 +91,7 @@ void RandomB(Random& r, haptics::Contact* contact) {
   for (int i = 0; i < rank; ++i) b += Sym3::Outer(r.Direction(), r.LogBetween(1, 1e6));
   contact->damping_n_s_per_m = b;
   contact->engaged = rank > 0;
-  // Now and then a wall: the bur has stopped.
+  // An occasional wall: the bur has stopped.
   contact->wall_normal = r.Below(16) == 0 ? r.Direction() : dvec3(0);
 }
 
@@ -160,7 +160,7 @@ Attack PlayRandom(const DeviceModel& m, LawKind law, uint64_t seed, int64_t tick
       game.bound_ratio = r.Below(4) == 0 ? r.Uniform() : 1;
       game.Start(dvec3(r.Signed(), r.Signed(), r.Signed()) * 1e-4);
       if (r.Below(2)) {
-        // Loaded: the bur in something hard, the tip pushed on; the floor counts from there.
+        // Loaded: the bur in something hard, the tip pushed on; the floor starts there.
         game.material.contact.damping_n_s_per_m = Sym3::Isotropic(1e8);
         game.material.contact.engaged = true;
         for (int i = 0; i < 20; ++i) game.Move(r.Direction() * (m.resolution_m * r.Between(0, 20)));
@@ -168,7 +168,7 @@ Attack PlayRandom(const DeviceModel& m, LawKind law, uint64_t seed, int64_t tick
       }
     }
     RandomB(r, &game.material.contact);
-    // The adversary leans to where the force helps him half of the time.
+    // Half of the time the adversary leans to where the force helps him.
     v = v * memory + r.Direction() * (pace * r.Uniform());
     if (r.Below(2)) v -= game.force * (pace * r.Uniform() / (glm::length(game.force) + 1e-9));
     double above = game.Move(v);
@@ -213,7 +213,7 @@ void RunAdversarySuite(SuiteContext& c) {
     uint64_t seed;
     int64_t ticks;
     bool search;
-    // Of a game of adversary.h; law is not looked at.
+    // For a game of adversary.h; law is not used.
     std::optional<GameRules> rules;
     GameKind kind = GameKind::kWalk;
     std::optional<LawKind> against;
@@ -225,7 +225,7 @@ void RunAdversarySuite(SuiteContext& c) {
   uint64_t seed = c.options.seed;
   for (const DeviceModel& m : c.findings.models) {
     for (const auto& law : haptics::ForceLaws()) {
-      // Most of the ticks go to what is proved.
+      // Most of the ticks go to proved cases.
       int64_t share = ProvedLaw(law.kind) ? ticks / 5 / models : ticks / 60 / models;
       for (int part = 0; part < kParts; ++part) {
         jobs.push_back({&m,

@@ -99,7 +99,7 @@ void RunCuttingSuite(SuiteContext& c) {
     c.progress(what.c_str(), done, all);
   };
   CuttingPlan plan = DefaultCuttingPlan(c.options.quick);
-  // Marked after all are there: whether one is on the front depends on the others.
+  // Marked last: being on the front depends on the other voxel sizes.
   for (const CuttingFigures& f : MeasureCutting(plan, progress)) {
     c.findings.cutting.push_back({f, false});
   }
@@ -108,7 +108,7 @@ void RunCuttingSuite(SuiteContext& c) {
   // Scores are of a molar at each voxel size: too long for --quick.
   if (c.options.quick) return;
   auto scores = MeasureScores(plan.voxels_nm, kScoreTicks, progress);
-  // The rest of the suite is worth having without them: the table says why they are missing.
+  // The rest of the suite is useful without them: the table says why they are missing.
   if (!scores.ok()) {
     c.findings.tables.push_back(
         {"Scores against voxel size", "Not measured: " + scores.status().message(), {}, {}});

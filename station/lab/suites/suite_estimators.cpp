@@ -32,7 +32,7 @@ Figures Judge(const haptics::EstimatorEntry& entry, const DeviceModel& m, double
   std::vector<double> in(static_cast<size_t>(2 * n));
   for (int k = 0; k < 2 * n; ++k) {
     double x = speed * m.tick_s() * std::min(k, n);
-    // 0.37: a start that is neither in the middle nor at an edge of its cell.
+    // 0.37: a start neither in the middle nor at an edge of its cell.
     in[static_cast<size_t>(k)] = (std::floor(x / m.resolution_m + 0.37) + 0.5) * m.resolution_m;
   }
   estimator->Reset(in[0]);

@@ -25,7 +25,7 @@ std::vector<double> Steps(double lo, double hi, int n) {
   return out;
 }
 
-// The tip swings by hundreds of cells, or by a tenth of a millimetre: that is no encoder noise.
+// The tip swings by hundreds of cells, or by a tenth of a millimetre: more than encoder noise.
 bool Swings(const TrialSpec& s, const Measurement& m) {
   return m.unstable ||
          (m.deviation_m > std::max(40 * s.plant.resolution_m, 50e-6) && m.ripple_fast_rms_n > 0.05);
@@ -36,7 +36,7 @@ Verdict OneGrip(TrialSpec s) {
   s.window_s = 1;
   s.measure_release = false;
   Measurement m = RunTrial(s);
-  // Where the theorem holds, a violated balance is a fault of ours, whatever the tip does.
+  // Where the theorem holds, a violated balance is our error, whatever the tip does.
   if (Proved(s)) return m.violation ? Verdict::kUnstable : Verdict::kPassive;
   if (Swings(s, m)) return Verdict::kUnstable;
   if (m.deviation_m > 2.5 * s.plant.resolution_m || m.violation)
@@ -51,11 +51,11 @@ Verdict CellVerdict(TrialSpec s) {
   s.plant.substeps = std::clamp(static_cast<int>(s.plant.tick_s / 0.12e-3), 1, 80);
   s.hand = HandKind::kImpedance;
   s.hand_stiffness_n_per_m = 1000;
-  // A tenth of critical damping: a loose grip, which hides least.
+  // A tenth of critical damping: a loose grip, which hides the least.
   s.hand_damping_n_s_per_m = 0.2 * std::sqrt(1000 * (s.hand_mass_kg + s.plant.mass_kg));
   Verdict v = OneGrip(s);
   double b = s.b_n_s_per_m.Trace() / 3;
-  // Elsewhere a force hand flies through the material or stands still, and says nothing.
+  // Elsewhere a force hand flies through the material or stops, and gives no information.
   if (v == Verdict::kUnstable || b < 1000 || b > 2e4) return v;
   s.hand = HandKind::kForce;
   s.hand_damping_n_s_per_m = 2;
@@ -163,8 +163,8 @@ std::string N(double v) {
   return text;
 }
 
-// Drives the coupling with what `tip` says and reports the largest force and whether every force
-// was finite and within the peak.
+// Drives the coupling with the positions of `tip` and reports the largest force and whether every
+// force was finite and within the peak.
 std::vector<std::string> Event(const DeviceModel& m, const char* name, const char* expected,
                                int ticks, const std::function<dvec3(int, StepMaterial&)>& tip) {
   haptics::CouplingParams p;
@@ -198,7 +198,7 @@ std::vector<std::string> Event(const DeviceModel& m, const char* name, const cha
 
 void AddEvents(const DeviceModel& m, Table* t) {
   double v = kSpeed * m.tick_s(), delta = m.resolution_m;
-  // Two axes at different speeds, so that counts do not fall together.
+  // Two axes at different speeds, so that counts do not coincide.
   auto Steady = [=](int k) { return CellMiddle(dvec3(v * k, 0.3 * v * k, 0), delta); };
   double nan = std::numeric_limits<double>::quiet_NaN(),
          inf = std::numeric_limits<double>::infinity();

@@ -50,11 +50,11 @@ Job JobOf(const DeviceModel& m, double b, const HandMotion& motion) {
   return job;
 }
 
-// What every device and hand is put through.
+// The motions for every device and hand.
 std::vector<HandMotion> Motions(const DeviceModel& m, double b,
                                 const std::vector<HandMotion>& recorded) {
   std::vector<HandMotion> all;
-  // People at different paces are compared at one mean speed; the shape stays theirs.
+  // People at different paces are compared at one mean speed, with their own shape.
   for (const HandMotion& r : recorded) all.push_back(ScaledToSpeed(r, kHumanSpeed_m_per_s));
   all.push_back(WanderingMotion(kHumanSpeed_m_per_s, 12, 1));
   for (double stroke : {1.0, 0.5}) {
@@ -94,7 +94,7 @@ std::vector<Job> JobsFor(const DeviceModel& m, bool quick,
   for (double b : {6500.0, 1000.0, 300.0}) {
     for (const HandMotion& motion : Motions(m, b, recorded)) {
       for (const Grip& grip : kGrips) {
-        // Only in this hand the law's own times are seen (front.cpp).
+        // Only this hand shows the law's own times (front.cpp).
         if (quick && grip.kind != HandKind::kVelocity) continue;
         Job job = JobOf(m, b, motion);
         job.trial.hand = grip.kind;
@@ -112,7 +112,8 @@ std::vector<Job> JobsFor(const DeviceModel& m, bool quick,
       job.lattice = rounds ? "turned-rounded" : "turned";
       jobs.push_back(std::move(job));
     }
-    // One tick of delay, at the stiffness its clause allows; other rates, with the stiffness theirs do.
+    // One tick of delay, at the stiffness its clause allows; other rates, with the stiffness of
+    // theirs.
     Job late = JobOf(m, 6500, motion);
     late.model.delay_ticks = late.trial.delay_ticks = 1;
     late.model.kc_n_per_m = std::min(m.kc_n_per_m, late.model.PassiveKc(m.rate_hz));
@@ -141,7 +142,7 @@ HandRow RowOf(const Job& job, const HandFigures& f) {
   return row;
 }
 
-// `pull_n` is judged against the way in; see Withdrawal.
+// `pull_n` is relative to the path in; see Withdrawal.
 void AddWithdrawals(SuiteContext& c, const DeviceModel& m, const cutting::Volume& block) {
   struct Case {
     const NamedBur* bur;
@@ -182,8 +183,8 @@ void AddWithdrawals(SuiteContext& c, const DeviceModel& m, const cutting::Volume
     row.law = haptics::FindLaw(w.law)->name;
     row.opposing_n = f.opposing_n;
     row.pull_n = f.opposing_n > std::max(0.15, m.kc_n_per_m * m.resolution_m)
-                     // One cell of the encoder is worth Kc delta: a device that is coarse is not
-                     // charged for it.
+                     // One encoder cell causes Kc delta, which is not charged to the law of a
+                     // coarse device.
                      ? f.opposing_n - m.kc_n_per_m * m.resolution_m
                      : f.opposing_n;
     row.rise_n = f.rise_n;
@@ -199,7 +200,7 @@ std::string Text(const char* format, double v) {
   return out;
 }
 
-// The figures, a line per device: what the rows say at their worst.
+// The goals' figures, a line per device: the worst of the rows.
 void AddTable(SuiteContext& c, size_t from) {
   Table t;
   t.title =
@@ -232,12 +233,12 @@ void AddTable(SuiteContext& c, size_t from) {
       const HandRow& r = c.findings.hands[i];
       if (r.device != m.name || r.hand != "velocity" || r.delay_ticks > 0 || r.rate_hz != m.rate_hz)
         continue;
-      // The generated hand stands in only where there are no people.
+      // The generated hand is only used without recorded people.
       bool human = r.motion.starts_with("human-") || (!recorded && r.motion == "wandering");
       bool straight = r.lattice == "cartesian", hard = r.b_n_s_per_mm == 6.5;
       if (!r.has_track) pull = std::max(pull, r.pull_n);
       if (human && hard && straight) {
-        // Squares are added and not ratios: motions are of different lengths and forces.
+        // Adds squares, not ratios: motions differ in length and force.
         e2 += r.f.error_rms_n * r.f.error_rms_n;
         o2 += r.f.oracle_rms_n * r.f.oracle_rms_n;
         straight2 += r.f.error_rms_n * r.f.error_rms_n;
@@ -255,7 +256,7 @@ void AddTable(SuiteContext& c, size_t from) {
       }
       if (!straight) continue;
       if (r.motion == "first-stroke") {
-        // As ErrorGoal: what is within it is no overshoot but the encoder's grain.
+        // As in ErrorGoal: within it, the difference is the encoder's grain, not overshoot.
         double allowed = std::max(0.05, 1.15 * m.kc_n_per_m * m.resolution_m / 2);
         if (r.f.excess_n > allowed) shoot = std::max(shoot, r.f.overshoot);
       }
@@ -276,7 +277,7 @@ void AddTable(SuiteContext& c, size_t from) {
   c.findings.tables.push_back(std::move(t));
 }
 
-// What the anchored laws do with a hand, for the fronts against run time.
+// The anchored laws' results with a hand, for the fronts against run time.
 void AddFrontRows(SuiteContext& c, const DeviceModel& m, const cutting::Volume& block) {
   for (haptics::LawKind law : {haptics::LawKind::kMaxwell, haptics::LawKind::kGatedMaxwell,
                                haptics::LawKind::kTankMaxwell}) {
@@ -307,7 +308,7 @@ void RunHandSuite(SuiteContext& c) {
   std::vector<HandMotion> recorded;
   Result<std::vector<HandMotion>> found = RecordedMotions(c.options.recordings);
   if (found.ok()) recorded = std::move(*found);
-  // A folder that was named and cannot be read; one that is not there is said below.
+  // A named folder that cannot be read; a missing default one is reported below.
   if (!found.ok() && c.options.errors) c.options.errors(found.status().message());
   if (recorded.empty() && c.options.out != nullptr) {
     std::fprintf(

@@ -30,7 +30,7 @@ Grid GridFor(bool quick) {
   return g;
 }
 
-// The others have no speed in them, or one of their own.
+// The other laws use no speed, or their own.
 bool UsesEstimator(LawKind law) {
   return law != LawKind::kMaxwell && law != LawKind::kGatedMaxwell &&
          law != LawKind::kTankMaxwell && law != LawKind::kVirtualCoupling;
@@ -62,7 +62,7 @@ void AddJobs(const DeviceModel& at_rate, const Grid& grid, std::vector<Job>* job
         for (const Grip& grip : kGrips) {
           TrialSpec s = SpecOf(at_rate, law.kind, b, kSpeed);
           s.law.estimator.kind = estimator;
-          // 0.128 s, but never more samples than the adaptive windows may look at.
+          // 0.128 s, but never more samples than the limit of the adaptive windows.
           s.law.estimator.window_ticks = std::min(256, static_cast<int>(0.128 * at_rate.rate_hz));
           s.direction = kOblique;
           s.hand = grip.kind;
@@ -103,8 +103,7 @@ void AddTraces(const DeviceModel& model, Findings& findings) {
     EstimatorKind estimator;
     const char* label;
   };
-  // One of each kind, drawn into one frame: the default, its forerunners, and what the paper
-  // prints.
+  // One of each kind, drawn into one frame: the default, its forerunners, and the paper's.
   for (Shown shown :
        {Shown{LawKind::kTankMaxwell, EstimatorKind::kLawsOwn, "tank Maxwell (default)"},
         Shown{LawKind::kGatedMaxwell, EstimatorKind::kLawsOwn, "gated Maxwell"},
@@ -124,7 +123,7 @@ void AddTraces(const DeviceModel& model, Findings& findings) {
   }
 }
 
-// The table of the issue: B = 6.5 at 0.43 mm/s, worst of axis and oblique cuts.
+// The table of goals: B = 6.5 at 0.43 mm/s, worst of axis and oblique cuts.
 void AddGoalTable(SuiteContext& c) {
   Table t;
   t.title = "Figures of the default law: B = 6.5 N s/mm, 0.43 mm/s (2.795 N), 1 kHz";
@@ -173,7 +172,7 @@ void AddGoalTable(SuiteContext& c) {
       error[hand] = std::max(error[hand], r.m.error_max_n);
       energy = std::min(energy, r.m.energy_min_j - r.m.energy_floor_j);
       if (hand == 0) {
-        // 99: not reached. It has to fail its goal and still be printed.
+        // 99: not reached. It must fail its goal and still be printed.
         rise = std::max(rise, r.m.rise90_s < 0 ? 99 : r.m.rise90_s / r.m.rise90_floor_s);
         release = std::max(release, r.m.release10_s < 0 ? 99 : r.m.release10_s / r.tau_s);
         ripple = std::max(ripple, r.m.ripple_rms_n);
@@ -199,7 +198,7 @@ void AddGoalTable(SuiteContext& c) {
   c.findings.tables.push_back(std::move(t));
 }
 
-// What each law gives for its time, and which are undominated once every figure counts.
+// Each law's figures for its time, and which laws are undominated over all figures.
 void AddFrontTable(const DeviceModel& m, Findings& findings) {
   const std::vector<Metric>& metrics = FrontMetrics();
   std::vector<LawPoint> points = LawPointsOf(findings.rows, m.name);

@@ -6,7 +6,7 @@
 #include "common/scene/builtin/builtin.h"
 #include "station/lab/suites/suites.h"
 
-// Where a hand feels F = B V, per device and tissue, and where no law could make it
+// Where a hand feels F = B V, per device and tissue, and where no law could achieve it
 // (common/fidelity).
 namespace enamel::station::lab {
 namespace {
@@ -115,7 +115,7 @@ void RunMapSuite(SuiteContext& c) {
     Result<fidelity::Device> plain = fidelity::AsItStands(m.profile);
     Result<fidelity::AttachedDevice> attached = fidelity::Attached(m.profile);
     for (const Status& status : {plain.status(), attached.status()}) {
-      // A profile that can be used only as it stands still has its half of the map.
+      // A profile usable only with its own delay still has its half of the map.
       if (!status.ok() && c.options.errors) c.options.errors("map: " + status.message());
     }
     for (bool is_attached : {false, true}) {

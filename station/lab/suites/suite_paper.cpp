@@ -8,7 +8,7 @@
 #include "station/lab/laws/stability.h"
 #include "station/lab/suites/suites.h"
 
-// Liu et al. 2008, tables 1-3 and what figures 7-9 show, computed beside printed.
+// Liu et al. 2008, tables 1-3 and the contents of figures 7-9, computed and printed together.
 namespace enamel::station::lab {
 namespace {
 
@@ -37,7 +37,7 @@ const Printed* Find(const std::string& name) {
   return nullptr;
 }
 
-// The device as a plant with its own damping given: only K and B are looked for.
+// The device as a plant with its own damping given: the search is only for K and B.
 PlantSpec PlantOf(const DeviceModel& m, double damping_n_s_per_m) {
   PlantSpec s;
   s.mass_kg = m.mass_kg;
@@ -56,14 +56,14 @@ PlantSpec Finely(PlantSpec s) {
 
 PlantSpec Ideal(PlantSpec s) {
   s.friction_n = 0;
-  // As good as none, without a division by 0: the ideal device of the closed forms.
+  // Practically none, without a division by 0: the ideal device of the closed forms.
   s.resolution_m = 1e-12;
   return Finely(s);
 }
 
 constexpr Hold kLightHand{0.05, 500, 4};
 
-// Own damping swept over what any such device may have: nothing of it comes from K.
+// Own damping, swept over the range possible for such devices: independent of K.
 constexpr double kDampings[] = {0.5, 2, 8};
 
 Table MeasuredTable(SuiteContext& c) {
@@ -136,8 +136,8 @@ Table MeasuredTable(SuiteContext& c) {
   return t;
 }
 
-// The one thing the paper leaves to be fixed is b; its printed K fixes it, its printed B is then
-// foretold and not fitted.
+// The only value missing in the paper is b. Its printed K determines b, so its printed B is
+// predicted, not fitted.
 Table ForetoldTable(SuiteContext& c) {
   Table t;
   t.title =
@@ -172,10 +172,10 @@ Table ForetoldTable(SuiteContext& c) {
     const Printed* p = Find(m.name);
     if (p == nullptr) continue;
     double k = m.max_stiffness_n_per_m, f = m.rate_hz;
-    // The other way round from MeasuredTable: given K, which b makes it passive.
+    // The inverse of MeasuredTable: given K, the b that makes it passive.
     double b = LeastDamping(PlantOf(m, 0), k);
     PlantSpec plant = PlantOf(m, b);
-    // Foretold: b comes from the printed K alone, and this B from that b.
+    // Predicted: b comes from the printed K alone, and this B from that b.
     double passive = LargestPassive(plant, Rendered::kDamper) * 1e-3;
     auto Off = [&](double printed) { return F((printed / passive - 1) * 100, "%+.0f %%"); };
     t.rows.push_back({m.title, F(k * 1e-3, "%.1f"), F(b, "%.3f"), F(passive, "%.5f"),
@@ -264,7 +264,7 @@ Table SustainedTable(SuiteContext& c) {
 constexpr double kTable3Speed = 2e-3;
 constexpr double kEnamel = 6500;
 
-// The paper's devices that are in this run, with what it prints of them.
+// The paper's devices in this run, with its printed values.
 struct Both {
   const DeviceModel* model;
   const Printed* printed;
@@ -315,7 +315,7 @@ Table ArithmeticTable(const std::vector<Both>& devices) {
   return t;
 }
 
-// One row: a quantity that the printed forces might be in proportion to.
+// One row: a quantity to which the printed forces might be proportional.
 void AddProportion(Table* t, const std::string& what, const std::vector<Both>& devices,
                    const std::vector<double>& value, const char* format) {
   std::vector<std::string> row = {what};
@@ -325,7 +325,7 @@ void AddProportion(Table* t, const std::string& what, const std::vector<Both>& d
     row.push_back(F(value[i], format));
     row.push_back(F(printed[i] / value[i], "%.3g"));
   }
-  // With fewer than the paper's three devices a spread says nothing.
+  // With fewer than the paper's three devices a spread is meaningless.
   row.push_back(devices.size() < 3 ? "-" : F(SpreadOf(printed, value), "%.2f"));
   t->rows.push_back(std::move(row));
 }
@@ -391,8 +391,8 @@ Table ProportionTable(SuiteContext& c, const std::vector<Both>& devices) {
   return t;
 }
 
-// Figures 7-9 are the Omega's. Their curves are not given as numbers: what the text and the axes
-// say of them is drawn, as level lines, beside the laws in the hand that cuts at the printed speed.
+// Figures 7-9 are the Omega's. Their curves are not given as numbers: the values in the text and on
+// the axes are drawn as level lines, with the laws in the hand that cuts at the printed speed.
 void AddFigures(const DeviceModel& m, Findings& findings) {
   struct Level {
     const char* label;
@@ -444,7 +444,7 @@ void AddFigures(const DeviceModel& m, Findings& findings) {
       findings.traces.push_back({figure.title, s.label, target, RunTrial(spec).trace});
     }
     for (const Level& level : figure.levels) {
-      // A level is a trace of two points: the report then draws it as it draws the others.
+      // A level is a trace of two points, which the report draws like the others.
       Sample from, to;
       from.force_n = to.force_n = level.force_n;
       to.t_s = figure.seconds;
@@ -517,7 +517,7 @@ double LimiterForceAfter(const DeviceModel& m, double way_m) {
   Measurement found = RunTrial(s);
   double force = 0;
   for (const Sample& q : found.trace) {
-    // The last sample on the way: half a tick of slack, as the way need not end on one.
+    // The last sample on the path: half a tick of slack, as the path need not end on one.
     if (q.tip_m <= way_m + kTable3Speed * m.tick_s() / 2) force = q.force_n;
   }
   return force;
@@ -540,7 +540,7 @@ RaisedDamping RaiseUntilItVibrates(const DeviceModel& m, const LimiterReading& r
     s.measure_release = false;
     s.trace_s = m.tick_s();
     Measurement found = RunTrial(s);
-    // The paper says that the device vibrates and not how much: these figures are chosen.
+    // The paper says that the device vibrates, but not how much: these limits are our choice.
     if (found.unstable || found.ripple_fast_rms_n > 0.1 || found.extracted_j > 10e-6) {
       out.vibrated = true;
       break;

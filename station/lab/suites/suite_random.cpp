@@ -19,8 +19,8 @@ Sym3 RandomMatrix(Random& r, double lo, double hi) {
 
 }  // namespace
 
-// Device aside: B 2.5-11.3 N s/mm, speed 0.05-1.0 mm/s, any direction, friction 0-2 Kc delta / 2,
-// hand and its mass; B v at most 0.9 of the peak.
+// Except the device: B 2.5-11.3 N s/mm, speed 0.05-1.0 mm/s, any direction, friction 0-2 Kc delta /
+// 2, hand and its mass; B v at most 0.9 of the peak.
 TrialSpec RandomCase(const DeviceModel& at_1khz, uint64_t seed, Draw draw) {
   Random r(seed);
   constexpr double kRates_hz[] = {500, 2000, 4000, 8000};
@@ -33,13 +33,13 @@ TrialSpec RandomCase(const DeviceModel& at_1khz, uint64_t seed, Draw draw) {
                               : Sym3::Isotropic(r.Between(2500, 11300));
     v = draw == Draw::kSlow ? r.LogBetween(0.05e-3, 1e-3) : r.Between(0.05e-3, 1e-3);
     direction = r.Direction();
-    // Drawn again and not scaled down, which would change what is drawn.
+    // Drawn again instead of scaled down, which would change the distribution.
   } while (glm::length(b * direction) * v > 0.9 * m.peak_force_n);
   TrialSpec s = SpecOf(m, haptics::kDefaultLaw, b.Trace() / 3, v);
   s.b_n_s_per_m = b;
   s.direction = direction;
   s.plant.friction_n = r.Uniform() * m.kc_n_per_m * m.resolution_m;
-  // Anywhere in a cell: where the first count comes decides much of a slow cut's beginning.
+  // Anywhere in a cell: the place of the first count has much influence on a slow cut's beginning.
   s.start_offset_m = dvec3(r.Uniform(), r.Uniform(), r.Uniform()) * m.resolution_m;
   s.hand_mass_kg = r.LogBetween(0.02, 0.5);
   // Half of the cases prescribe velocity; the rest a force or an impedance.
@@ -84,7 +84,7 @@ constexpr RandomGrip kGrips[] = {{HandKind::kVelocity, 0},
                                  {HandKind::kImpedance, 200}};
 
 void Hold(const RandomGrip& grip, uint64_t seed, const DeviceModel& m, TrialSpec* s) {
-  // "hand": draws of its own, so that the four grips of a case share everything else.
+  // "hand": separate draws, so that the four grips of a case share everything else.
   Random r(seed ^ 0x68616e64);
   s->hand = grip.kind;
   s->hand_stiffness_n_per_m = grip.stiffness;
@@ -95,11 +95,11 @@ void Hold(const RandomGrip& grip, uint64_t seed, const DeviceModel& m, TrialSpec
           : 2 * ratio * std::sqrt(grip.stiffness * (s->hand_mass_kg + m.mass_kg));
 }
 
-// The bounds that common/haptics/README.md names, for all four hands of a case.
+// The bounds of common/haptics/README.md, for all four hands of a case.
 constexpr double kRise = 1.15, kRelease = 0.55;
 
 void AddCase(const Row* rows, RandomSummary* sum) {
-  // A case holds when it holds in all four hands: a person has one of them, and nobody knows which.
+  // A case holds if it holds in all four hands: a person has one of them, and nobody knows which.
   bool error = false, late = false, held_on = false, cycle = false;
   for (size_t h = 0; h < std::size(kGrips); ++h) {
     const Row& r = rows[h];
@@ -129,8 +129,7 @@ void AddCase(const Row* rows, RandomSummary* sum) {
 
 bool RendersAny(const DeviceModel& m) { return kSoftest_n_s_per_m / m.kc_n_per_m <= kSlowest_s; }
 
-// Which devices the misses are on: a coarse encoder counts too rarely at 0.05 mm/s to notice a
-// stop.
+// Devices of the misses: a coarse encoder counts too rarely at 0.05 mm/s to notice a stop.
 void AddDeviceTable(Findings& findings, const RandomSummary& sum, const char* suite) {
   Table t{"Random cases by device, " + sum.title,
           "",
@@ -158,7 +157,7 @@ void RunDraws(SuiteContext& c, const std::vector<DeviceModel>& models, const Dra
   std::vector<Row> rows(n * std::size(kGrips));
   Random draws(c.options.seed);
   std::vector<uint64_t> seeds(n);
-  // Drawn before the threads begin, so that the cases do not depend on who takes which.
+  // Drawn before the threads begin, so that the cases do not depend on the threads' order.
   for (uint64_t& seed : seeds) seed = draws.Next();
   std::atomic<size_t> done{0};
   ParallelFor(rows.size(), c.options.threads, [&](size_t i) {

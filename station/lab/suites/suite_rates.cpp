@@ -24,16 +24,16 @@ struct Job {
   std::string limit;
 };
 
-// The profile as it stands first, then each rate. Delays count in ticks of the rate.
+// The unchanged profile first, then each rate. Delays count in ticks of the rate.
 std::vector<Job> JobsFor(const DeviceModel& m) {
   std::vector<Job> jobs{{m, "as the profile says"}};
   for (int64_t delay : {0, 1}) {
     for (int64_t rate : {1000, 2000, 4000, 8000}) {
       scene::DeviceProfile profile = m.profile;
-      // The profile's own delay is of its own rate; here 0 and 1 are compared at every rate.
+      // The profile's own delay belongs to its own rate; here 0 and 1 are compared at every rate.
       profile.bus_delay_ticks.value = 0;
       Result<scene::DeviceProfile> at = scene::AtRate(profile, rate);
-      // A rate that the profile cannot have is no row.
+      // A rate that is impossible for the profile has no row.
       if (!at.ok()) continue;
       at->bus_delay_ticks.value = delay;
       const scene::LargestCoupling largest = scene::LargestCouplingAt(*at, rate, delay);

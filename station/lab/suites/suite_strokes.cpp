@@ -17,7 +17,7 @@ std::string Text(const char* format, double v) {
   return out;
 }
 
-// A figure beside its bound; a star where it is not held.
+// A figure beside its bound; a star marks a miss.
 std::string FigureText(const StrokeTrack& track, const char* name, double factor,
                        const char* format) {
   for (const StrokeFigure& f : track.figures) {

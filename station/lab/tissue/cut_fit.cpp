@@ -15,10 +15,10 @@ namespace {
 
 using namespace cut;
 
-// Of normal equations, hence 20 of the columns themselves: one unknown is then known twenty times
-// worse than another.
+// Of normal equations, hence 20 of the columns themselves: one unknown is then twenty times less
+// certain than another.
 constexpr double kMostCondition = 400;
-// A millimetre under a newton is no tip any more.
+// A millimetre under a newton is too soft for a tip.
 constexpr double kMostCompliance_mm_per_n = 1;
 
 std::string F(double v, const char* format = "%.3g") {
@@ -36,7 +36,7 @@ CutFit FitCut(const std::vector<CutSample>& samples, double dt_s, bool magnitude
   if (magnitude) {
     for (CutSample& s : kept) s.f_n = dvec3(std::fabs(s.f_n.x), 0, 0);
   }
-  // Before anything is measured: one spike of a sensor would set noise, window and contact.
+  // Before measuring: one spike of a sensor would set noise, window and contact.
   fit.spikes = DropSpikes(&kept);
   if (kept.size() < kLeastSamples) {
     fit.refused = "only " + std::to_string(kept.size()) + " samples; at least " +
@@ -58,8 +58,8 @@ CutFit FitCut(const std::vector<CutSample>& samples, double dt_s, bool magnitude
                   std::to_string(kLeastWindows) + " windows are needed";
     return fit;
   }
-  // What is wrong with most files is a unit or a column: told in the words of what was expected,
-  // before a fit makes something of it.
+  // Most faulty files have a wrong unit or column: reported with the expected value, before a fit
+  // uses it.
   if (fastest < 1e-3) {
     fit.refused =
         "no motion: the fastest window moves at " + F(fastest) + " mm/s; record while cutting";
@@ -86,15 +86,15 @@ CutFit FitCut(const std::vector<CutSample>& samples, double dt_s, bool magnitude
 
   bool has_axis = std::all_of(r.s.begin(), r.s.end(),
                               [](const CutSample& s) { return glm::length(s.axis) > 0; });
-  // The richest model first. What the recording cannot determine is not guessed: the next rung asks
-  // for less and says so.
+  // The richest model first. Nothing is guessed: if the recording cannot determine it, a simpler
+  // model is tried, with a note.
   std::vector<Plan> ladder;
   if (positions == 3 && has_axis)
     ladder.push_back(PlanOf(CutModel::kAxialLateral, true, false, magnitude));
   else if (positions == 3)
     ladder.push_back(PlanOf(CutModel::kMatrix, true, false, magnitude));
   ladder.push_back(PlanOf(CutModel::kScalar, true, false, true));
-  // The last one has one unknown, which every motion determines.
+  // The last model has one unknown, which every motion determines.
   ladder.push_back(PlanOf(CutModel::kScalar, false, false, true));
 
   double c = 0, threshold = 0;
@@ -130,7 +130,7 @@ CutFit FitCut(const std::vector<CutSample>& samples, double dt_s, bool magnitude
     }
     return false;
   };
-  // What the tip's bending and the threshold hide from the first pass is put right in the next.
+  // A second pass corrects for the tip's bending and the threshold, which the first ignores.
   // Sticking is slow: windows of B's length hold no count of it.
   double width = magnitude ? r.window_s : std::max(r.window_s, std::min(4 * r.window_s, 0.8));
   std::vector<Window> longer = WindowsOf(r, width);
@@ -141,7 +141,7 @@ CutFit FitCut(const std::vector<CutSample>& samples, double dt_s, bool magnitude
   for (int round = 0; round < 6; ++round) {
     double c_before = c, threshold_before = threshold;
     Classify(r, c, threshold, &windows, &fit);
-    // A threshold that leaves nothing to fit is wrong: without one the fit is at least possible.
+    // A threshold that leaves no windows is wrong: without it a fit is at least possible.
     if (fit.windows.used < kLeastWindows && threshold > 0) {
       threshold = 0;
       Classify(r, c, threshold, &windows, &fit);
@@ -155,10 +155,10 @@ CutFit FitCut(const std::vector<CutSample>& samples, double dt_s, bool magnitude
         Estimate e = Interval(
             with, [&](const Column& x) { return c + x[plan.columns() - 1]; }, 0);
         double next = std::clamp(e.value, 0.0, kMostCompliance_mm_per_n);
-        // Three standard errors: a bend that is not there only adds noise.
+        // Three standard errors: fitting an insignificant bend only adds noise.
         bend_sure = (e.value - e.low) * 1.5;
         if (e.value < bend_sure) {
-          // Twice not seen: given up, so that noise does not switch it on and off.
+          // Not significant twice: given up, so that noise does not switch it on and off.
           if (round > 0) bends = false;
           next = 0;
         }
@@ -208,8 +208,8 @@ CutFit FitCut(const std::vector<CutSample>& samples, double dt_s, bool magnitude
   const Plan& p = s.plan;
   double mean_b = s.fit.x[0];
   if (p.model == CutModel::kMatrix) mean_b = (s.fit.x[0] + s.fit.x[1] + s.fit.x[2]) / 3;
-  // The noise's variance is known to a factor only (cut_fit.h): its whole effect is added on both
-  // sides.
+  // The noise's variance is known only to a factor (cut_fit.h), so its whole effect is added on
+  // both sides.
   double trust = 2 * s.attenuation * std::fabs(mean_b);
   fit.model = p.model;
   fit.with_coulomb = p.coulomb;
@@ -243,7 +243,7 @@ CutFit FitCut(const std::vector<CutSample>& samples, double dt_s, bool magnitude
       fit.warnings.push_back("the line meets the axis at " + F(fit.offset_n) +
                              " N, below 0: speed rises less than force; check units and contact");
   }
-  // Fth >= Fc by its meaning: below Fc nothing moves either.
+  // Fth >= Fc by definition: below Fc nothing moves either.
   fit.threshold_n.value = std::max(fit.threshold_n.value, fit.coulomb_n.value);
   fit.threshold_n.high = std::max(fit.threshold_n.high, fit.threshold_n.value);
   if (!fit.threshold_seen)
@@ -259,8 +259,8 @@ CutFit FitCut(const std::vector<CutSample>& samples, double dt_s, bool magnitude
     for (int j = 0; j < 6; ++j)
       m.a[kRow[j]][kColumn[j]] = m.a[kColumn[j]][kRow[j]] = fit.matrix[j].value;
     Eigen(m, &values, &vectors);
-    // Noise can make a small eigenvalue negative. The interval keeps both, what was found and what
-    // is used.
+    // Noise can make a small eigenvalue negative. The interval contains both the fitted and the
+    // used value.
     if (values[0] < 0) {
       fit.warnings.push_back("an eigenvalue of B came out at " + F(values[0]) +
                              " N s/mm and was set to 0: B must not push");
@@ -279,7 +279,7 @@ CutFit FitCut(const std::vector<CutSample>& samples, double dt_s, bool magnitude
   for (size_t k = 0; k < s.used.size(); ++k) {
     if (s.weight[k] > 0) fit.points.push_back({glm::length(s.used[k]->v), Along(r, *s.used[k])});
   }
-  // Even the upper end: a B that only may be negative is a poor fit and no wrong file.
+  // Even the upper end: a B that may be positive is a poor fit, but not a wrong file.
   if (fit.b.high <= 0)
     fit.refused = "force falls with speed (B = " + F(fit.b.value, "%.3f") +
                   " N s/mm): position and force do not belong together, or not in this unit";

@@ -8,7 +8,7 @@ namespace {
 
 dmat3 Outer(const dvec3& a, const dvec3& b) { return dmat3(a * b.x, a * b.y, a * b.z); }
 
-// The symmetric matrix column `j` of B stands for.
+// The symmetric matrix of column `j` of B.
 dmat3 Basis(const Plan& p, int j, const dvec3& axis) {
   if (p.model == CutModel::kScalar) return dmat3(1);
   if (p.model == CutModel::kAxialLateral) {
@@ -21,8 +21,8 @@ dmat3 Basis(const Plan& p, int j, const dvec3& axis) {
   return m;
 }
 
-// The equations of one window: columns, right side, and what noise in V adds on average to X'X and
-// to X'y.
+// The equations of one window: columns, right side, and the average that noise in V adds to X'X and
+// X'y.
 struct Equations {
   std::array<dvec3, kMost> x{};
   dvec3 y{0};
@@ -43,10 +43,11 @@ Equations EquationsOf(const Recording& r, const Plan& p, const Window& w, const 
   if (p.coulomb) e.x[n++] = w.u;
   if (p.compliance) {
     dvec3 fdot = r.magnitude ? w.whole.fdot.x * w.u : w.whole.fdot;
-    // Linear in the compliance only about a known B: `at` is the last round's.
+    // Linear in the compliance only around a known B: `at` is the last round's.
     e.x[n++] = -(Damping(p, at, axis) * fdot);
   }
-  // One equation a window: across the motion a scalar model says nothing and would only add noise.
+  // One equation a window: across the motion a scalar model has no information and would only add
+  // noise.
   if (p.along) {
     for (int j = 0; j < n; ++j) e.x[j] = dvec3(Dot(e.x[j], w.u), 0, 0);
     y = dvec3(Dot(y, w.u), 0, 0);
@@ -93,8 +94,8 @@ Equations EquationsOf(const Recording& r, const Plan& p, const Window& w, const 
   return e;
 }
 
-// Weighted least squares with the speed noise taken out; windows in stretch `out` of
-// the groups are left out.
+// Weighted least squares, corrected for speed noise; leaves out the windows in stretch `out` of the
+// groups.
 Linear Least(const std::vector<Equations>& eq, const std::vector<double>& weight,
              const std::vector<int>& group, int out) {
   Linear l;
@@ -105,8 +106,8 @@ Linear Least(const std::vector<Equations>& eq, const std::vector<double>& weight
     if (group[k] == out || weight[k] == 0) continue;
     for (int i = 0; i < n; ++i) {
       for (int j = 0; j < n; ++j)
-        // X'X of noisy speeds is too large by their variance: B would come out too small (errors in
-        // variables). It is taken off.
+        // X'X of noisy speeds is too large by their variance, which would make B too small (errors
+        // in variables), so it is subtracted.
         l.normal.a[i][j] += weight[k] * (Dot(eq[k].x[i], eq[k].x[j]) - eq[k].noise.a[i][j]);
       y[i] += weight[k] * (Dot(eq[k].x[i], eq[k].y) - eq[k].noise_y[i]);
     }
@@ -134,7 +135,7 @@ Linear Robust(const std::vector<Equations>& eq, std::vector<double>* weight,
     if (round == rounds) break;
     for (size_t k = 0; k < eq.size(); ++k) {
       double z = l.median > 0 ? size[k] / l.median : 0;
-      // Huber's weights; beyond kReject a window is of something else, and not only far off.
+      // Huber's weights; beyond kReject a window shows something else, not only a large error.
       (*weight)[k] = z > kReject ? 0 : z > kHuber ? kHuber / z : 1;
     }
   }
@@ -168,7 +169,7 @@ Solved SolvePlan(const Recording& r, const Plan& plan, const std::vector<Window>
   for (const Window* w : s.used) eq.push_back(EquationsOf(r, plan, *w, at));
   size_t groups = std::min(kGroups, s.used.size() / 2);
   std::vector<int> group;
-  // Stretches of time and not every twentieth window: neighbours share samples and errors.
+  // Stretches of time, not every twentieth window: neighbours share samples and errors.
   for (size_t k = 0; k < eq.size(); ++k) group.push_back(static_cast<int>(k * groups / eq.size()));
   s.weight.assign(eq.size(), 1);
   s.fit = Robust(eq, &s.weight, group, -1, 12);
@@ -199,7 +200,7 @@ Solved SolvePlan(const Recording& r, const Plan& plan, const std::vector<Window>
   if (!jackknife) return s;
   for (size_t g = 0; g < groups; ++g) {
     std::vector<double> weight = s.weight;
-    // From the weights of the whole: two rounds are enough to follow what one stretch changes.
+    // Starting with the weights of the whole: two rounds are enough for the change of one stretch.
     Linear l = Robust(eq, &weight, group, static_cast<int>(g), 2);
     if (l.ok) s.without.push_back(l.x);
   }

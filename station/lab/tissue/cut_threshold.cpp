@@ -18,7 +18,7 @@ dvec3 FrontSpeed(const dvec3& f, const dmat3& basis, const dvec3& values, double
   if (coulomb_n > 0) {
     double least = std::min({values.x, values.y, values.z}),
            most = std::max({values.x, values.y, values.z});
-    // With every eigenvalue the least, or the most: s lies between what those would give.
+    // With all eigenvalues at the least, or at the most: s is between the two results.
     double low = least * coulomb_n / (size - coulomb_n),
            high = most * coulomb_n / (size - coulomb_n);
     s = low;
@@ -79,7 +79,7 @@ void FitThreshold(const Recording& r, const std::vector<Window>& windows,
   auto Miss = [&](size_t k, double gate) {
     const Window& w = *all[k];
     dvec3 sum(0);
-    // The gate is open or shut all the way in most windows: their sums are known without a loop.
+    // In most windows the gate is fully open or shut: their sums need no loop.
     if (gate < weakest[k] - soft) sum = ungated[k];
     for (size_t i = w.first; gate >= weakest[k] - soft && gate < hardest[k] + soft && i < w.last;
          ++i) {
@@ -105,7 +105,7 @@ void FitThreshold(const Recording& r, const std::vector<Window>& windows,
     seen[k] = Front(r, w.whole, c);
     miss.push_back(Miss(k, floor - 4 * soft));
   }
-  // A window's noise: what half of them miss without any gate, and the resolution's of its own.
+  // Noise of a window: the median error without any gate, and the resolution's own.
   double scale = std::max(Quantile(miss, 0.5), 1e-6);
   std::vector<double> sharp;
   for (const Window* w : all)
@@ -142,7 +142,7 @@ void FitThreshold(const Recording& r, const std::vector<Window>& windows,
     value = Lowest([&](size_t j) { return total[j]; });
     double least = *std::min_element(total.begin(), total.end());
     if (pass == 0) gain = total[0] - least;
-    // What is not worse by 4 (twice 1.92: windows overlap) is as good.
+    // Values worse by less than 4 (twice 1.92: windows overlap) count as equally good.
     first_low = first_high = value;
     for (size_t j = 0; j <= kGrid; ++j) {
       if (total[j] > least + 4) continue;
@@ -160,9 +160,9 @@ void FitThreshold(const Recording& r, const std::vector<Window>& windows,
     mean += best[g] / n;
   }
   for (double b : best) sum += (b - mean) * (b - mean);
-  // The gate is as wide as the noise of the force it sees.
+  // The gate is as wide as the noise of its force.
   double half = Student975(n - 1) * std::sqrt(sum * (n - 1) / n) + soft;
-  // Against no gate at all, in the cost of the windows: chosen, so that recordings without sticking
+  // Compared with no gate, in the cost of the windows: chosen so that recordings without sticking
   // show none (cut_fit_test).
   fit->threshold_seen = gain > 6;
   if (fit->threshold_seen) {

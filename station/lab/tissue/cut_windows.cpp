@@ -53,7 +53,7 @@ double WhiteNoise(const Recording& r, bool force, int axis) {
   for (size_t i = 3; i < r.s.size(); ++i) {
     if (r.s[i].run != r.s[i - 3].run || r.s[i].t_s - r.s[i - 3].t_s > 3.5 * r.dt) continue;
     auto At = [&](size_t k) { return force ? r.s[k].f_n[axis] : r.s[k].x_mm[axis]; };
-    // Third differences: a motion that is smooth over four samples leaves nothing in them.
+    // Third differences: a motion that is smooth over four samples vanishes in them.
     double d = At(i) - 3 * At(i - 1) + 3 * At(i - 2) - At(i - 3);
     squares.push_back(d * d / 20);
   }
@@ -65,7 +65,7 @@ double WhiteNoise(const Recording& r, bool force, int axis) {
   return sum / static_cast<double>(n);
 }
 
-// An encoder's count, 0 where most samples differ from the one before: then it is in the white
+// An encoder's count, 0 if most samples differ from the previous one: it is then in the white
 // noise.
 double CountOf(const Recording& r, int axis) {
   std::vector<double> steps;
@@ -76,11 +76,11 @@ double CountOf(const Recording& r, int axis) {
     double d = std::fabs(r.s[i].x_mm[axis] - r.s[i - 1].x_mm[axis]);
     if (d > 1e-9) steps.push_back(d);
   }
-  // The lower quartile: some steps are of two counts, none of less than one.
+  // The lower quartile: some steps are two counts, none is less than one.
   return steps.empty() || 2 * steps.size() > all ? 0 : Quantile(steps, 0.25);
 }
 
-// The shortest window in which speeds are known well enough.
+// The shortest window that gives accurate speeds.
 double WindowOf(const Recording& r) {
   std::vector<double> speeds;
   size_t per = std::max<size_t>(2, static_cast<size_t>(0.1 / r.dt));
@@ -105,10 +105,10 @@ double WindowOf(const Recording& r) {
   return std::clamp(std::max(by_noise, by_count), least, std::max(least, kMostWindow_s));
 }
 
-// Variance a count adds to a speed of `n` counts in a window. Below one it is 1.5 n - n^2 (a step
-// now and then), far above 2/(pi^2 n^4) (what the bump leaves of a saw-tooth). n is itself the
-// measured one: a slow axis shows none or two where half a count is true, so that the variance is
-// held at its largest up to 1.5.
+// Variance that a count adds to a speed of `n` counts in a window. Below one it is 1.5 n - n^2 (an
+// occasional step), far above 2/(pi^2 n^4) (the bump's remainder of a saw-tooth). n is itself
+// measured: a slow axis shows none or two for a true half count, so the variance is held at its
+// largest up to 1.5.
 double CountVariance(double speed, double count, double window) {
   if (!(count > 0)) return 0;
   double n = std::fabs(speed) * window / count, unit = count / window;
@@ -153,8 +153,8 @@ size_t DropSpikes(std::vector<CutSample>* s) {
       off[i] = std::fabs(At(i) - five[2]);
       step.push_back(std::fabs(At(i) - At(i - 1)));
     }
-    // 1.4826 makes a standard deviation of a median; beside it the steps of a fast motion, which
-    // are no spikes.
+    // 1.4826 turns a median into a standard deviation; added are the steps of a fast motion, which
+    // are not spikes.
     double limit = 8 * std::max(1.4826 * Quantile(off, 0.5), Quantile(step, 0.95));
     if (!(limit > 0)) {
       for (double d : step) limit = limit == 0 || (d > 0 && 4 * d < limit) ? 4 * d : limit;
@@ -178,7 +178,7 @@ std::vector<Window> WindowsOf(const Recording& r, double width) {
     while (to < r.s.size() && r.s[to].run == r.s[from].run) ++to;
     size_t first = from, last = from;
     double end = r.s[to - 1].t_s + 0.5 * r.dt - half;
-    // Half a window on: bumps that overlap by half weigh every sample alike.
+    // Half a window on: bumps that overlap by half weigh every sample equally.
     for (double t = r.s[from].t_s - 0.5 * r.dt + half; t <= end; t += half) {
       while (first < to && r.s[first].t_s < t - half) ++first;
       while (last < to && r.s[last].t_s < t + half) ++last;
@@ -191,7 +191,7 @@ std::vector<Window> WindowsOf(const Recording& r, double width) {
       w.whole = MeansOf(r, t, width, a, b);
       w.early = MeansOf(r, t - half / 2, half, a, cut);
       w.late = MeansOf(r, t + half / 2, half, cut, b);
-      // Rows missing at an edge leave the bump without its foot.
+      // Rows missing at an edge cut off the bump's foot.
       w.whole.gap = w.whole.gap || r.s[first].t_s - (t - half) > std::max(2.5 * r.dt, half / 4) ||
                     t + half - r.s[last - 1].t_s > std::max(2.5 * r.dt, half / 4);
       if (!w.whole.ok) continue;
@@ -246,7 +246,7 @@ void Classify(const Recording& r, double c, double threshold, std::vector<Window
   for (size_t i = 0; i < windows->size(); ++i) {
     const Window& w = (*windows)[i];
     if (w.whole.gap || Slow(w) || std::fabs(Along(r, w)) >= touch) continue;
-    // The windows beside it as well: the bur is partly out there.
+    // The adjacent windows too: the bur is partly out there.
     for (size_t k = i > 0 ? i - 1 : 0; k < std::min(windows->size(), i + 2); ++k) air[k] = 1;
   }
   fit->speed_max_mm_s = 0;

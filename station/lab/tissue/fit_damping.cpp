@@ -59,7 +59,7 @@ bool ParseNumber(const std::string& text, double* v) {
   return error == std::errc() && end == text.data() + to + 1 && std::isfinite(*v);
 }
 
-// A quantity of one or three columns with the unit its names carry.
+// A quantity of one or three columns with the unit in their names.
 struct Columns {
   std::vector<size_t> at;
   double to_unit = 0;  // 0: not said
@@ -140,7 +140,7 @@ Result<std::vector<Sample3>> SamplesOf(const std::vector<CsvRow>& rows, const La
     }
     s.f_n *= l.force.to_unit;
     if (l.tissue) s.tissue = Cell(rows[i], l.tissue.at[0]);
-    // Refused and not sorted: times that fall usually mean two recordings in one file.
+    // Refused instead of sorted: falling times usually mean two recordings in one file.
     if (!out.empty() && s.t_s <= out.back().t_s) {
       return Refuse("time does not rise in row " + std::to_string(rows[i].row) + ": " +
                         F(out.back().t_s, "%.6g") + " s, then " + F(s.t_s, "%.6g") +
@@ -184,7 +184,7 @@ Status SettleUnits(std::vector<Sample3>* samples, double to_mm, DampingReport* r
   return Status::Ok();
 }
 
-// Samples of one tissue; where another was cut in between, a new run.
+// Samples of one tissue; after another tissue a new run begins.
 DampingFit FitTissue(const std::vector<Sample3>& samples, const std::string& tissue, double dt,
                      const Layout& layout) {
   DampingFit fit;
@@ -201,7 +201,7 @@ DampingFit FitTissue(const std::vector<Sample3>& samples, const std::string& tis
     mine.push_back({s.t_s, s.x_mm, s.f_n, s.axis, run});
     lowest = std::min(lowest, s.f_n.x), highest = std::max(highest, s.f_n.x);
   }
-  // One force column beside one position: with both signs it is a component, with one a magnitude.
+  // One force column with one position: with both signs it is a component, with one a magnitude.
   both_signs = lowest < -0.2 * highest && highest > -0.2 * lowest;
   int positions = static_cast<int>(layout.position.at.size());
   bool vector = layout.force.at.size() == 3 ? positions == 3 : positions == 1 && both_signs;
@@ -251,7 +251,7 @@ Result<DampingReport> FitDamping(std::string_view csv, const dvec3& bur_axis) {
     steps.push_back((*samples)[i].t_s - (*samples)[i - 1].t_s);
   std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2),
                    steps.end());
-  // The median: rows that are missing do not make the rate lower.
+  // The median: missing rows do not lower the rate.
   double dt = steps[steps.size() / 2];
   if (dt > 1)
     return Refuse("samples are " + F(dt, "%.3g") +
@@ -266,7 +266,7 @@ Result<DampingReport> FitDamping(std::string_view csv, const dvec3& bur_axis) {
       tissues.push_back(s.tissue);
   }
   if (tissues.empty()) tissues.push_back("");
-  // A column of numbers taken for names would otherwise be fitted for minutes.
+  // Otherwise a column of numbers mistaken for names would be fitted for minutes.
   if (tissues.size() > 64) return Refuse("more than 64 tissues in the tissue column", "tissue");
   for (const std::string& tissue : tissues)
     report.fits.push_back(FitTissue(*samples, tissue, dt, *layout));

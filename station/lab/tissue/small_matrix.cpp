@@ -12,8 +12,8 @@ void Eigen(Square m, Column* values, Square* vectors) {
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j < n; ++j) vectors->a[i][j] = i == j;
   }
-  // Jacobi's rotations (Golub and Van Loan, 8.5): exact for matrices of a few rows, and the same
-  // everywhere.
+  // Jacobi's rotations (Golub and Van Loan, 8.5): exact for matrices of a few rows, and the same on
+  // every machine.
   for (int sweep = 0; sweep < 60; ++sweep) {
     double off = 0, on = 0;
     for (int i = 0; i < n; ++i) {
@@ -77,7 +77,7 @@ bool Solve(const Square& m, const Column& y, Column* x) {
       double sum = m.a[i][j];
       for (int k = 0; k < j; ++k) sum -= l.a[i][k] * l.a[j][k];
       if (i == j) {
-        // Cholesky: a pivot that rounding could have made is a direction that nothing determines.
+        // Cholesky: a pivot within rounding means a direction that nothing determines.
         if (!(sum > 1e-14 * m.a[i][i])) return false;
         l.a[i][i] = std::sqrt(sum);
       } else {
