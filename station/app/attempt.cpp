@@ -123,7 +123,7 @@ class Progress {
     const std::string why =
         s.fault != Fault::kNone ? FaultText(s.fault)
         : s.put_down
-            ? "the handpiece lies in its holder: take it up to go on; Ctrl-C ends the attempt"
+            ? "the handpiece is in its holder: take it out to continue; Ctrl-C ends the attempt"
             : "";
     // Once for each change: a fault stays for as long as the pedal is down.
     if (why == told_ || log_only_) return;
@@ -400,9 +400,9 @@ void SayResumed(const RunOptions& options, const PreparedAttempt& job) {
   if (options.quiet || options.log_only) return;
   const double rate = job.header.params.rate_hz;
   std::fprintf(stderr,
-               "going on with '%s': the %s recorded before it was cut off are kept and were cut "
-               "again, tick by tick; the %s since then count as a gap. Force comes on once the bur "
-               "has been in free air\n",
+               "resuming '%s': the %s recorded before the interruption were replayed tick by tick; "
+               "the %s since then count as a gap. Force comes on once the bur has been in free "
+               "air\n",
                Printable(job.exercise.title).c_str(),
                SpanText(static_cast<double>(job.place.next_tick) / rate).c_str(),
                SpanText(job.gap_ticks / rate).c_str());

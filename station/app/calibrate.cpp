@@ -74,8 +74,8 @@ Result<Subject> OpenAttached(const CalibrateCommand& options) {
     return Status(Code::kInvalidInput,
                   "expected hid, hid:VENDOR:PRODUCT or simulated:PROFILE, found '" +
                       options.device +
-                      "': only what has motors can be calibrated, and what is behind a maker's "
-                      "library not yet ('enamel-station devices')",
+                      "': only devices with motors can be calibrated, and those of a maker's "
+                      "library not yet ('enamel-station devices' lists them)",
                   "device");
   }
   if (colon != std::string::npos) {
@@ -205,8 +205,8 @@ Status KeepForAttempts(const CalibrateCommand& options, const scene::Calibration
   // Only for units with a serial number: two boards of one model differ in their delay.
   if (unit.empty()) {
     std::printf(
-        "it has no serial number: attempts on it go by its profile, so that another of its model "
-        "is not taken for it\n");
+        "it has no serial number, which would distinguish it from others of its model: attempts on "
+        "it rely on its profile\n");
     return Status::Ok();
   }
   std::error_code error;

@@ -101,8 +101,8 @@ Status GiveBackReserved(const GiveBackCommand& options) {
   std::printf("%s is given back: %s\n", options.attempt.c_str(),
               *given == HandedBack::kAtServer
                   ? "it no longer counts"
-                  : "it opens nothing here any more; the server could not be reached, and is told "
-                    "when this station next reaches it");
+                  : "it can no longer be used here; the server could not be reached, so this "
+                    "station returns it later");
   return Status::Ok();
 }
 

@@ -17,7 +17,7 @@ void AddDevices(CLI::App& app, const std::string& default_data, const Finisher& 
   auto options = std::make_shared<DevicesCommand>();
   options->data = default_data;
   auto* command = app.add_subcommand(
-      "devices", "What is attached, what it is taken for, and the devices that are always there");
+      "devices", "List the attached devices, and those that are always available");
   command->add_flag("--all", options->all, "Also HID devices that are not known here");
   command->add_option("--json", options->json, "Write the list to this file");
   command->add_option("--data", options->data, "The station's folder, for what was measured here")
@@ -102,7 +102,7 @@ void AddLoopTest(CLI::App& app, const Finisher& finish, int* exit_code) {
       "                priority ('enamel-station doctor' says how), bind it with --cpu. When only "
       "the\n"
       "                loop is bad, report it with --json.\n"
-      "A mouse is not put at risk by late ticks; they are recorded all the same.");
+      "Late ticks are harmless with a mouse; they are still recorded.");
   command->callback([=] { *exit_code = finish(TestLoop(*options)); });
 }
 

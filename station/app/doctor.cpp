@@ -74,7 +74,7 @@ void Server(const Result<Credentials>& credentials, std::vector<Finding>& out) {
   if (!status.ok()) {
     const char* advice =
         status.code() == Code::kUnauthenticated
-            ? "if the server was set up anew, enrol again; else somebody is between you and it"
+            ? "if the server was set up again, enrol again; else somebody intercepts the connection"
             : "check cable, address and that enamel-server runs; recordings made meanwhile are "
               "kept here";
     out.push_back({"server", Verdict::kFail, status.message(), advice});
@@ -141,7 +141,7 @@ Finding SpoolState(const fs::path& data) {
   if (!because.empty()) found += " (the last try: " + because + ")";
   if (refused > 0) {
     return {"spool", Verdict::kWarn, found,
-            "'enamel-station spool list' says why; when the cause is gone: 'enamel-station spool "
+            "'enamel-station spool list' says why; when that is resolved: 'enamel-station spool "
             "upload --again ID'"};
   }
   if (waiting == 0) return {"spool", Verdict::kOk, found, ""};

@@ -36,7 +36,7 @@ class KeyframeFile {
       frames_ = std::move(*read);
       before_ = frames_.size();
     } else {
-      std::printf("%s is not used and made anew (%s)\n", path_.c_str(),
+      std::printf("%s is unusable and is rebuilt (%s)\n", path_.c_str(),
                   read.status().message().c_str());
     }
   }
@@ -83,11 +83,10 @@ void PrintMoment(const RecordingFile& recording, const trace::Moment& moment) {
               r.chunks, recording.file.chunks.size(), static_cast<unsigned_ll>(r.gap_ticks),
               moment.whole ? "" : "; stopped where asked");
   if (recording.file.truncated) {
-    std::printf(
-        "the file is cut short: its whole chunks were used, what was behind them is lost\n");
+    std::printf("the file is cut short: its whole chunks were used, the rest is lost\n");
   } else if (!recording.file.seal) {
     std::printf(
-        "the recording has no seal: it broke off, or was still going on when it was exported\n");
+        "the recording has no seal: it was interrupted, or still running when it was exported\n");
   }
   if (!moment.discarded.empty())
     std::printf("keyframes thrown away: %s\n", moment.discarded.c_str());

@@ -64,8 +64,8 @@ int Run(RunOptions& options, bool password_stdin) {
   if (result->ended_early) {
     program::SayWarning("this attempt was ended early, at " +
                         std::to_string(std::lround(100 * result->done_ratio)) +
-                        " % of it. What was done is sealed and will be scored as it is: what was "
-                        "not cut counts as missing");
+                        " % of it. It is sealed and will be scored: what was not cut counts as "
+                        "missing");
   }
   // Also when it was ended early, as requested.
   if (result->uploaded) return 0;
@@ -74,7 +74,7 @@ int Run(RunOptions& options, bool password_stdin) {
     return Finish(Status(Code::kForbidden,
                          "the server refuses this recording: " + result->refused +
                              ". It is kept in " + options.workplace.data.string() +
-                             "; when the cause is gone, 'enamel-station spool upload --again " +
+                             "; when that is resolved, 'enamel-station spool upload --again " +
                              result->attempt.Text() + "' sends it"));
   }
   program::SayWarning("recorded and safe in " + options.workplace.data.string() +
@@ -95,22 +95,21 @@ void DeclareRun(CommandGroup group) {
   CLI::App* cmd = group.app.add_subcommand("run", "Make an attempt at an exercise");
   AddWorkplaceSettings(*cmd, group.place);
   cmd->footer(
-      "With a simulated hand; with a board and a foot pedal; going on after a crash:\n"
+      "With a simulated hand; with a board and a foot pedal; resuming after a crash:\n"
       "  ENAMEL_PASSWORD=... enamel-station run --user LOGIN --exercise NAME --profile omega3\n"
       "  ENAMEL_PASSWORD=... enamel-station run --user LOGIN --exercise NAME --profile NAME \\\n"
       "      --device hid --pedal 05f3:00ff --window\n"
       "  ENAMEL_PASSWORD=... enamel-station run --user LOGIN --resume last\n"
-      "'devices' lists what is attached, 'profiles' and the server's page what there is.");
+      "'devices' lists attached devices; 'profiles' and the server's page list profiles.");
   auto* exercise = cmd->add_option("--exercise", run.exercise, "Name of the exercise");
   cmd->add_option("--assignment", run.assignment,
                   "Id of the assignment, where the exercise is assigned more than once")
       ->needs(exercise);
   cmd->add_option("--profile", run.profile, "Name of the device profile");
   cmd->add_option("--user", run.login, "Login of the person at this station");
-  auto* resume =
-      cmd->add_option("--resume", run.resume,
-                      "Go on with an attempt that was cut off: its id ('spool list'), or 'last'")
-          ->excludes(exercise);
+  auto* resume = cmd->add_option("--resume", run.resume,
+                                 "Resume an interrupted attempt: its id ('spool list'), or 'last'")
+                     ->excludes(exercise);
   cmd->add_option("--reserved", run.reserved,
                   "Use a ticket taken with 'reserve'; PIN in ENAMEL_PIN")
       ->excludes(exercise)
@@ -127,7 +126,7 @@ void DeclareRun(CommandGroup group) {
   cmd->add_option("--axes", run.device.axes, "Which of a board's axes are the scene's x, y, z")
       ->capture_default_str();
   cmd->add_option("--operator", run.operator_name,
-                  "Who holds the simulated device ('devices' lists them)")
+                  "Operator of the simulated device ('devices' lists them)")
       ->capture_default_str();
   cmd->add_option("--seed", run.seed, "Of the operator's tremor; 0: the operator's own")
       ->capture_default_str();

@@ -48,9 +48,9 @@ Waiting WaitingOf(const SpooledAttempt& a) {
     return {a.waits_because, a.waits_since_unix_ms, a.tried_unix_ms};
   }
   if (!a.seal) {
-    return {"no end of it is recorded (it broke off, or goes on): 'enamel-station run --resume " +
-                a.id.Text() + "' goes on with it, 'enamel-station spool close " + a.id.Text() +
-                "' ends it as far as it goes",
+    return {"it has no end yet (interrupted, or still running): 'enamel-station run --resume " +
+                a.id.Text() + "' resumes it, 'enamel-station spool close " + a.id.Text() +
+                "' ends it where it stopped",
             0, 0};
   }
   if (a.waits()) {
@@ -119,7 +119,7 @@ Status Refusals(const std::vector<SpooledAttempt>& attempts) {
   std::string others = count == 1 ? "" : " (and " + std::to_string(count - 1) + " more)";
   return Status(Code::kForbidden,
                 "the server refuses attempt " + first->id.Text() + others + ": " + first->refused +
-                    ". It is kept here; when the cause is gone, 'enamel-station spool upload "
+                    ". It is kept here; when that is resolved, 'enamel-station spool upload "
                     "--again " +
                     first->id.Text() + "' sends it");
 }
@@ -296,7 +296,7 @@ Status ShowLoops(const SpoolCommand& options) {
   if (options.json) {
     PrintJson({{"attempt_id", id->Text()}, {"runs", runs}});
   } else if (runs.empty()) {
-    std::printf("%s: no loop of it ran to its end (it goes on, or broke off)\n",
+    std::printf("%s: no loop of it ran to its end (still running, or interrupted)\n",
                 id->Text().c_str());
   }
   return Status::Ok();
@@ -474,7 +474,7 @@ void AddSpoolCommands(CLI::App& app, SpoolCommand& options, WorkplaceSettings& s
   add(app, "upload", kUpload, UploadSpool);
   CLI::App* spool = app.add_subcommand("spool", "Recordings on this station");
   spool->require_subcommand(1);
-  add(*spool, "list", "What is there, how large, what of it is on the server, and why not all",
+  add(*spool, "list", "List recordings, their size, and what keeps them from the server",
       ListSpool);
   add(*spool, "verify", "Check pages, chains, signatures and seals", VerifySpool);
   add(*spool, "upload", kUpload, UploadSpool);

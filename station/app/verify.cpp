@@ -107,12 +107,11 @@ Status CheckSeal(const RecordingFile& recording) {
   // Before the seal: a file that ends early has none either, and that would be the wrong reason.
   if (recording.file.truncated) {
     return Status(Code::kConflict,
-                  "the file is cut short: what was behind its whole chunks is "
-                  "lost");
+                  "the file is cut short: everything after its whole chunks is lost");
   }
   if (!recording.file.seal) {
     return Status(Code::kConflict,
-                  "there is none: the recording broke off, or was still going on when it was "
+                  "there is none: the recording was interrupted, or still running when it was "
                   "exported");
   }
   return Status::Ok();

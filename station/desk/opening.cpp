@@ -46,15 +46,15 @@ OpeningProblem OpeningProblemOf(const language::Words& words, const Status& prob
   // Enrolling again would give it another key, and the server would reject its old recordings as
   // forged, so that must not be the first advice.
   if (problem.code() == Code::kNotFound && std::filesystem::exists(SpoolFile(data), error)) {
-    return {words.Say("opening.forgot"), words.Say("opening.forgot_safe"), elsewhere,
-            problem.message() + ".\nBefore it is enrolled anew: there are recordings in " +
-                SpoolFile(data).string() +
-                ", signed with the key that was in station.json: put a copy of that file back "
-                "beside it, then try again here. Where there is no copy, this writes each of them "
-                "to a file:\n" +
-                WithData("spool export ID --out FILE", data) +
-                "\nEnrolled anew, this is another station to the server: it can be used again, "
-                "and keeps them, but the server refuses them from it."};
+    return {
+        words.Say("opening.forgot"), words.Say("opening.forgot_safe"), elsewhere,
+        problem.message() + ".\nBefore you enrol it again: there are recordings in " +
+            SpoolFile(data).string() +
+            ", signed with the key that was in station.json: restore a copy of that file beside "
+            "it, then try again here. Without a copy, this writes each of them to a file:\n" +
+            WithData("spool export ID --out FILE", data) +
+            "\nAfter enrolling again this is a different station to the server: it can be used "
+            "and keeps the recordings, but the server refuses them."};
   }
   if (problem.code() == Code::kNotFound) {
     return {words.Say("opening.not_enrolled"), words.Say("opening.not_enrolled_safe"),

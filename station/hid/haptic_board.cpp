@@ -357,7 +357,7 @@ Status CheckBoard(const FeatureReport& board, const scene::DeviceProfile& profil
   if (profile.torque && (board.axes != kSixAxes || !board.tells_orientation)) {
     return NotAsNeeded(
         board.name + " drives " + std::to_string(board.axes) + " axes and " +
-            (board.tells_orientation ? "says" : "does not say") + " how it is turned",
+            (board.tells_orientation ? "reports" : "does not report") + " its orientation",
         says + "6 with torque", "choose its own profile" + own + ", or one without torque", "axes");
   }
   if (board.rate_hz < rate_hz) {

@@ -25,7 +25,7 @@ Result<HidInfo> FindHid(const HidMatch& match) {
       (match.vendor == 0 ? "no such device is attached: plug it in. There "
                          : "device " + match.Text() + " is not attached: plug it in. There ") +
           (there.empty() ? "is no HID device at all" : "are " + there) +
-          " ('enamel-station devices' shows what each is taken for)",
+          " ('enamel-station devices' lists them)",
       "device");
 }
 

@@ -69,7 +69,7 @@ std::string DelayText(const scene::DelayUsed& used, const std::string& device) {
   if (used.from != scene::DelayUsed::From::kAssumed) {
     return device + ": " + ticks + ", " + FromText(used.from);
   }
-  return device + ": its delay was never measured, so it is computed with " + ticks +
+  return device + ": its delay was never measured, so attempts assume " + ticks +
          " and its coupling is at most 2 b f/" +
          std::to_string((used.ticks + 1) * (used.ticks + 1)) +
          "; 'enamel-station calibrate' measures it";
@@ -92,7 +92,7 @@ Status UseDelayOf(PreparedAttempt& prepared, const Device& device, const fs::pat
       return Status(Code::kConflict,
                     DelayText(used, name) + ": Kc is at most " + std::to_string(is) +
                         " mN/mm on it, and this attempt was begun with " + std::to_string(was) +
-                        ": go on with the device it was begun on, or close it",
+                        ": resume it on the device it was begun on, or close it",
                     "coupling_mn_per_mm");
     }
     const int64_t turning = profile.torque ? profile.torque->coupling_un_m_per_rad.value : 0;
@@ -103,7 +103,7 @@ Status UseDelayOf(PreparedAttempt& prepared, const Device& device, const fs::pat
                         std::to_string(turning) +
                         " uN m/rad on it, and this attempt was begun with " +
                         std::to_string(prepared.header.params.rotational_kc_un_m_per_rad) +
-                        ": go on with the device it was begun on, or close it",
+                        ": resume it on the device it was begun on, or close it",
                     "coupling_un_m_per_rad");
     }
     const uint32_t begun = prepared.header.params.bus_delay_ticks;
@@ -111,7 +111,7 @@ Status UseDelayOf(PreparedAttempt& prepared, const Device& device, const fs::pat
       return Status(Code::kConflict,
                     DelayText(used, name) + ", and this attempt was begun with a guard for " +
                         std::to_string(begun) +
-                        ": go on with the device it was begun on, or close it",
+                        ": resume it on the device it was begun on, or close it",
                     "bus_delay_ticks");
     }
     // A device that could take more keeps the attempt's settings, which are stable on it.

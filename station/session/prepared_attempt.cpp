@@ -14,7 +14,7 @@ Status UseHandOf(PreparedAttempt& prepared, const Device& device) {
   if (begun.kind == HandKind::kNotTold || begun.kind == hand.kind) return Status::Ok();
   return Status(Code::kConflict,
                 "this attempt was begun with " + HandText(begun) + ", found " + HandText(hand) +
-                    "; go on with what it was begun with",
+                    "; resume it with the same kind",
                 "hand");
 }
 

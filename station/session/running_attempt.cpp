@@ -217,8 +217,8 @@ Status RunningAttempt::Lost(const Status& why) const {
                     " are safe in the spool, the last " + span_s(recorder_.waiting_ticks()) +
                     " could not be stored and are lost. It has no end yet: 'enamel-station run "
                     "--resume " +
-                    id + "' goes on with it, 'enamel-station spool close " + id +
-                    "' ends it as far as it goes");
+                    id + "' resumes it, 'enamel-station spool close " + id +
+                    "' ends it where it stopped");
 }
 
 RunningAttempt::Recording RunningAttempt::recording() const {

@@ -58,7 +58,7 @@ Status TicketSafe::CheckPin(const std::string& pin) {
   // Birthdays are not refused: ten tries are too few to exploit them.
   if (Steps(pin, 0) || Steps(pin, 1) || Steps(pin, -1)) {
     return Status(Code::kInvalidInput,
-                  "this PIN is guessed first: choose one whose digits are neither all the same nor "
+                  "this PIN is guessed first: choose one whose digits are not all the same and not "
                   "in a row",
                   "pin");
   }
@@ -105,8 +105,8 @@ Status TicketSafe::HandBack(const Uuid& attempt) {
   }
   if (spool_.Get(attempt).ok()) {
     return Status(Code::kConflict, "attempt " + attempt.Text() +
-                                       " was begun, so its ticket is used up: go on with the "
-                                       "attempt, or end it as far as it goes");
+                                       " was begun, so its ticket is used up: resume the attempt, "
+                                       "or end it where it stopped");
   }
   return spool_.tickets().HandBack(attempt);
 }
@@ -124,7 +124,7 @@ Result<trace::Ticket> TicketSafe::Open(const Uuid& attempt, const std::string& p
   ENAMEL_ASSIGN_OR_RETURN(
       auto counted, spool_.tickets().CountPinTry(attempt, clock_(), kFreeTries, kMaxTries,
                                                  std::chrono::milliseconds(kFirstWait).count()));
-  if (!counted) return Status(Code::kUnavailable, "another try of this PIN is going on: wait");
+  if (!counted) return Status(Code::kUnavailable, "another try of this PIN is running: wait");
   const int tries = *counted;
   ENAMEL_ASSIGN_OR_RETURN(auto key, KeyOf(pin, t->salt));
   const size_t overhead = crypto_secretbox_NONCEBYTES + crypto_secretbox_MACBYTES;

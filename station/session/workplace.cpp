@@ -309,7 +309,7 @@ Result<std::unique_ptr<RunningAttempt>> Workplace::Begin(PreparedAttempt& prepar
   }
   spdlog::info("attempt {} {}: exercise '{}', person {}, {} at {} Hz, profile '{}'",
                prepared.attempt().Text(),
-               prepared.core ? fmt::format("goes on after {} ticks and a gap of {}",
+               prepared.core ? fmt::format("resumes after {} ticks and a gap of {}",
                                            prepared.place.next_tick, prepared.gap_ticks)
                              : "begins",
                prepared.exercise.name, prepared.header.ticket.person.Text(), device.Name(),
@@ -464,8 +464,9 @@ Result<PreparedAttempt> Workplace::PrepareResume(const Uuid& attempt, const Keep
   ENAMEL_ASSIGN_OR_RETURN(auto header, HeaderOf(attempt));
   ENAMEL_ASSIGN_OR_RETURN(auto who, SignedIn(*UseLink()));
   if (who.id != header.ticket.person) {
-    return Status(Code::kForbidden, "attempt " + attempt.Text() +
-                                        " is somebody else's: only who began it can go on with it");
+    return Status(Code::kForbidden,
+                  "attempt " + attempt.Text() +
+                      " is somebody else's: only the person who began it can resume it");
   }
   return Replayed(header, keep_going);
 }
@@ -494,8 +495,8 @@ Result<PreparedAttempt> Workplace::Replayed(const trace::Header& header,
   if (params.code() == Code::kConflict && params.field() == "params") {
     return Status(Code::kVersion,
                   "attempt " + attempt.Text() +
-                      " was begun by another version of this program and cannot go on in this one; "
-                      "'enamel-station spool close' ends it as far as it goes");
+                      " was begun by another version of this program and cannot be resumed by this "
+                      "one; 'enamel-station spool close' ends it where it stopped");
   }
   if (!params.ok()) return params;
   prepared->header = header;
@@ -514,10 +515,11 @@ Result<PreparedAttempt> Workplace::Replayed(const trace::Header& header,
     if (chunks.empty() || !run.report().witness_ok) break;
   }
   if (!run.report().witness_ok || run.chain().next_seq != stored.chunks) {
-    return Status(Code::kConflict,
-                  "attempt " + attempt.Text() + " does not replay to what was recorded (tick " +
-                      std::to_string(run.report().first_bad_tick) +
-                      "): it cannot go on; 'enamel-station spool close' ends it as far as it goes");
+    return Status(
+        Code::kConflict,
+        "attempt " + attempt.Text() + " does not replay to what was recorded (tick " +
+            std::to_string(run.report().first_bad_tick) +
+            "): it cannot be resumed; 'enamel-station spool close' ends it where it stopped");
   }
   prepared->place = run.chain();
   ENAMEL_RETURN_IF_ERROR(MeasureGap(*prepared));

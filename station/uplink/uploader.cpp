@@ -245,7 +245,7 @@ void Uploader::Note(const Uuid& attempt, const Status& status) {
     spdlog::info("attempt {} is on the server, all {} chunks of it", attempt.Text(),
                  state.committed);
   } else if (IsDamaged(status) && news) {
-    spdlog::error("attempt {} cannot be sent whole, others go on: {}", attempt.Text(),
+    spdlog::error("attempt {} cannot be sent whole, others are still sent: {}", attempt.Text(),
                   status.message());
   } else if (state.gave_up && news) {
     spdlog::error("the server refuses attempt {}, it is kept here: {}", attempt.Text(),

@@ -118,14 +118,14 @@ void RegisterFitDamping(CLI::App& app, int* exit_code) {
       "Fc),\n"
       "at least three directions that are not in a plane (the matrix; one B otherwise), slow "
       "presses\n"
-      "that stick, and stops (the threshold). What it lacks is said as a warning.");
+      "that stick, and stops (the threshold). A warning names what it lacks.");
   fit->callback([fitting, exit_code] { *exit_code = RunFitDamping(*fitting); });
 }
 
 void RegisterExplain(CLI::App& app, int* exit_code) {
   auto explain = std::make_shared<ExplainCommand>();
   CLI::App* command = app.add_subcommand(
-      "explain", "What of a scene an attempt carries, what is left out and why, measured here");
+      "explain", "Parts of a scene in an attempt, parts left out and why, measured here");
   command
       ->add_option("scene", explain->scene,
                    "builtin:NAME ('scenes' lists them) or an imported scene's folder")

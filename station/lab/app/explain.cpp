@@ -477,7 +477,7 @@ Status ExplainScene(const ExplainCommand& options) {
   std::printf(
       "as planned: tick %.2f us mean, %.2f us p99; volume %.1f MB. Per tick the least of %d runs\n"
       "over %zu ticks, bur engaged in %.0f %%; the same measured twice differs by %.0f ns.\n"
-      "ns a tick and MB: what a kept part costs, what a left out part would cost.\n\n",
+      "ns a tick and MB: the cost of a kept part, or of a left out part if it were kept.\n\n",
       base.mean_us, base.p99_us, appraiser.volume_mb(), kReplays, kTicks, 100 * base.engaged_share,
       appraiser.noise_ns());
   std::printf("part            plan        ns/tick        MB  why; how measured\n");

@@ -135,13 +135,13 @@ void RegisterHandSigns(CLI::App& app, int* exit_code) {
   signs->add_option("--json", command->json, "Write the rows to this file");
   signs->footer(
       "A row for each figure: the area under its receiver operating characteristic (the chance\n"
-      "that a program's second has the higher figure; 0.5 tells nothing, 0 and 1 tell all) with\n"
-      "its standard error, and the share of programs found at three rates of false alarm. Nothing\n"
-      "is decided by it: what holds the tool is what the signed recording says. People who do\n"
-      "something else than cut a tooth differ by that too. The last two rows: how near a copy of "
+      "that a program's second has the higher figure; 0.5 separates nothing, 0 and 1 all)\n"
+      "with its standard error, and the share of programs found at three rates of false alarm. It\n"
+      "decides nothing: the signed recording says what holds the tool. People who do something\n"
+      "other than cutting a tooth differ for that reason too. The last two rows: the nearness of "
       "a\n"
-      "person's motion lies to it, and one simulated person's to another run of theirs, against\n"
-      "people who did the same again.\n"
+      "copy to a person's motion, and of a simulated person's motion to another run, against\n"
+      "people who repeated a motion.\n"
       "Example:\n"
       "  enamel-lab hand-signs --people ../shared/data/motion\n"
       "The JSON: schemas/lab_hand_signs.schema.json. Exit codes: 0 measured, 1 failed.");

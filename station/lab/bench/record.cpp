@@ -285,7 +285,7 @@ void RegisterRecord(CLI::App& app, int* exit_code) {
       ->capture_default_str();
   record->add_option(
       "--folder", options->folder,
-      "Where the spool is made, and removed; the system's folder for temporary files");
+      "Folder for the spool, which is removed; else the system's folder for temporary files");
   record->add_option("--json", options->json, "Write the rows to this file");
   record->callback([options, exit_code] { *exit_code = Run(*options); });
 }

@@ -95,7 +95,7 @@ constexpr char kPeerMethod[] =
     "tick. OpenVDB: a narrow band of 3 voxels with the block's own samples; 'accessor' puts the "
     "bur's "
     "distance into those voxels of the bur's box that are not air, 'csgDifference' makes the bur's "
-    "level set anew and takes it off, as its manual does it. It keeps no tissues";
+    "level set again and subtracts it, as in its manual. It keeps no tissues";
 
 // The same cut by other programs, as a multiple of this tick's cost.
 void ComparePeers(Rows& rows) {
