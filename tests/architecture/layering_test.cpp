@@ -11,8 +11,9 @@
 #include <string>
 #include <vector>
 
-// The tree's layers, as a table: which directories a directory may include from. Downward only;
-// what stands here is the design (CONTRIBUTING.md, "Layers"), and the sources and the link graph must agree.
+// The tree's layers, as a table: which directories a directory may include from. Downward only. The
+// table is the design (CONTRIBUTING.md, "Layers"); the sources and the link graph must agree with
+// it.
 namespace {
 
 namespace fs = std::filesystem;
@@ -130,7 +131,7 @@ std::vector<fs::path> Sources(const std::string& folder) {
   return out;
 }
 
-// The nearest folder about it that has its place in the table; empty: none.
+// The nearest enclosing folder that is in the table; empty: none.
 std::string FolderOf(std::string path) {
   for (size_t end; (end = path.rfind('/')) != std::string::npos;) {
     path.resize(end);
@@ -173,7 +174,7 @@ TEST(LayeringTest, IncludesPointDownward) {
   }
 }
 
-// The link graph says the same: a target names only directories its folder may use.
+// The link graph must agree: a target names only directories its folder may use.
 TEST(LayeringTest, LinkGraphAgreesWithTheTable) {
   static const std::regex target(R"re(enamel_((?:common|station|server)_[a-z0-9_]+))re");
   for (const auto& [folder, allowed] : Allowed()) {
@@ -221,8 +222,8 @@ TEST(LayeringTest, LibrariesStayInTheirRooms) {
   }
 }
 
-// Who needs another table or query asks one of the two for it. What a driver says to its own engine
-// is the driver's.
+// Code that needs another table or query asks one of the two for it. What a driver says to its own
+// engine is the driver's.
 TEST(LayeringTest, SqlIsWrittenInServerStorageAndStationSpoolOnly) {
   const std::regex sql(
       R"re("(SELECT|INSERT (OR [A-Z]+ )?INTO|UPDATE [a-z_]+ SET|DELETE FROM|CREATE (TABLE|INDEX|TRIGGER)|DROP TABLE|ALTER TABLE|PRAGMA|BEGIN|COMMIT|ROLLBACK|SAVEPOINT|VACUUM)\b)re");

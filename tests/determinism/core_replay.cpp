@@ -1,4 +1,4 @@
-// Re-runs the core on a recorded attempt and prints what it found, one line per fact. Built several
+// Re-runs the core on a recorded attempt and prints its findings, one fact a line. Built several
 // times, by g++ -O3 and by clang++ -O0 among others; tests/determinism compares the outputs byte
 // for byte.
 //   core_replay record SEED TRACE VOLUME   makes a recording (a seeded hand on a two-tissue ball)
@@ -117,7 +117,7 @@ int Record(uint64_t seed, const char* trace_path, const char* volume_path) {
   head.previous = HashSha256(file.header);
   std::vector<trace::Tick> ticks;
   for (int i = -600; i < 11'400; ++i) {
-    // Wanders between the ball's middle and the air above it; now and then the pedal is lifted, a
+    // Wanders between the ball's middle and the air above it; occasionally the pedal is lifted, a
     // tick is lost, the bur tilts.
     dvec3 goal(0, 0, i >= 0 && i % 4000 < 2600 ? 1e-3 : 4.4e-3);
     velocity = velocity * 0.995 + dvec3(normal(random), normal(random), normal(random)) * 1.2e-8 -
@@ -191,7 +191,7 @@ int Digest(const char* trace_path, const char* volume_path, uint64_t disturbed_t
   return 0;
 }
 
-// 1 where the digests differ.
+// 1 if the digests differ.
 int Diff(const char* path_a, const char* path_b) {
   std::ifstream a(path_a), b(path_b);
   std::string line_a, line_b;

@@ -1,7 +1,7 @@
 #include "common/base/check.h"
 #include "common/trace/trace.h"
 
-// Any bytes as a chunk: refused, or ticks that survive being encoded again.
+// Any bytes as a chunk: refused, or ticks that are unchanged by encoding and decoding.
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace enamel;
   ByteView bytes(data, size);

@@ -1,8 +1,8 @@
 #include "common/base/check.h"
 #include "common/trace/columns.h"
 
-// First two bytes: how many ticks; the rest: an unpacked payload. Reaches the column decoder
-// without having to get past zstd.
+// First two bytes: the number of ticks; the rest: an unpacked payload. Reaches the column decoder
+// without passing zstd first.
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace enamel;
   ByteReader in({data, size});

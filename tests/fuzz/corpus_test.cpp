@@ -8,7 +8,7 @@
 
 #include "common/base/file.h"
 
-// Replays a fuzz target over its corpus in an ordinary build: whole files, every cut of them, and
+// Runs a fuzz target over its corpus in an ordinary build: whole files, every cut of them, and
 // every byte changed; at most about kMaxCases of each, evenly spread over large files.
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
 
@@ -44,7 +44,7 @@ class CorpusTest : public testing::Test {
       for (size_t i = 0; i < bytes->size(); i += step) run(*bytes, i);
     }
   }
-  // In memory of exactly its size, so that a sanitizer sees a read beyond it.
+  // In memory of exactly its size, so that a sanitizer sees a read past its end.
   static void Feed(ByteView input) {
     Bytes exact(input.begin(), input.end());
     LLVMFuzzerTestOneInput(exact.data(), exact.size());

@@ -34,8 +34,8 @@ Outcome ReadIn(ByteView stream, size_t piece) {
 
 }  // namespace
 
-// Any bytes as a stream: the same messages in whatever pieces it arrives, each of them one frame,
-// and the parsers of messages survive them.
+// Any bytes as a stream: the same messages however it is split, each of them one frame, and the
+// parsers of messages survive them.
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   ByteView stream(data, size);
   Outcome whole = ReadIn(stream, size);

@@ -25,7 +25,7 @@ std::string TextOf(const Request& request) {
   return out + "\n" + request.body;
 }
 
-// One request out of `stream`, which arrives `piece` bytes at a time; none when it is cut off.
+// One request out of `stream`, which arrives `piece` bytes at a time; none if it is cut off.
 bool ReadIn(std::string_view stream, size_t piece, Outcome& out) {
   RequestReader reader;
   size_t arrived = 0;
@@ -45,7 +45,7 @@ bool ReadIn(std::string_view stream, size_t piece, Outcome& out) {
   return false;
 }
 
-// What the layers behind the reader rely on.
+// The guarantees that the layers behind the reader rely on.
 void CheckRequest(std::string_view stream, const Outcome& whole) {
   std::string head(stream.substr(0, stream.find("\r\n\r\n")));
   ENAMEL_CHECK(head.find('\0') == std::string::npos);
@@ -63,8 +63,8 @@ void CheckRequest(std::string_view stream, const Outcome& whole) {
 
 }  // namespace
 
-// Any bytes as what a browser sends: one request or a refusal, the same in whatever pieces they
-// arrive, and every request cut where RFC 9112 cuts it.
+// Any bytes from a browser: one request or a refusal, the same however they are split, and every
+// request separated as in RFC 9112.
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   std::string_view stream(reinterpret_cast<const char*>(data), size);
   Outcome whole, pieces;

@@ -3,7 +3,7 @@
 
 namespace {
 
-// Each name and each text has two; the ones inside texts stand behind a backslash.
+// Each name and each text has two; inside texts they follow a backslash.
 size_t Quotes(const std::string& json) {
   size_t out = 0;
   for (size_t i = 0; i < json.size(); ++i) {
@@ -18,8 +18,8 @@ size_t Quotes(const std::string& json) {
 
 }  // namespace
 
-// Any bytes as the body of a request of the API: refused with a reason, or exactly the texts that
-// were asked for, each once, within their lengths, which read back from the JSON they make.
+// Any bytes as the body of a request of the API: refused with a reason, or exactly the requested
+// texts, each once, within their lengths, which read back from the JSON they make.
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace enamel;
   using namespace enamel::server::http;

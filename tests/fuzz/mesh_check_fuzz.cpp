@@ -3,7 +3,7 @@
 
 #include "common/import/mesh_file_check.h"
 
-// First byte: which kind of file; the rest: its bytes. Refused or not, and never read beyond.
+// First byte: the kind of file; the rest: its bytes. Refused or not, and never read past the end.
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace enamel;
   constexpr std::array<std::string_view, 5> kKinds = {"stl", "ply", "obj", "off", "other"};

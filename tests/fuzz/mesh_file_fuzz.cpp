@@ -4,10 +4,10 @@
 #include "common/base/check.h"
 #include "common/import/mesh_reader.h"
 
-// The mesh library loses memory where it throws; its process ends after one file.
+// The mesh library leaks memory when it throws; its process ends after one file.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libassimp"; }
 
-// First byte: which kind of file; the rest: its bytes. Refused, or a mesh that reads back from the
+// First byte: the kind of file; the rest: its bytes. Refused, or a mesh that reads back from the
 // form in which the import child sends it.
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace enamel;

@@ -1,7 +1,7 @@
 #include "common/base/check.h"
 #include "common/scoring/provenance.h"
 
-// Any bytes as a provenance blob: refused, or one that survives being encoded again.
+// Any bytes as a provenance blob: refused, or unchanged by encoding and decoding.
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace enamel;
   auto read = scoring::DecodeProvenance(ByteView(data, size));

@@ -3,7 +3,7 @@
 #include "common/base/check.h"
 #include "server/net/proxy_header.h"
 
-// What a proxy sends before anything else: the start, and then as much as the start says.
+// A proxy's header, before all other data: the start, and then the length given in it.
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace enamel::server;
   if (size < kProxyStartBytes) return 0;

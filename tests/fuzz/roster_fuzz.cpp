@@ -2,7 +2,7 @@
 #include "common/base/csv.h"
 #include "server/roster/roster_file.h"
 
-// A roster as somebody might upload it. What is accepted is within its bounds, and the table
+// A roster as somebody might upload it. An accepted roster is within its bounds, and the table
 // written from it reads back.
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace enamel::server;

@@ -9,7 +9,7 @@ namespace {
 std::string Escaped(const std::string& text) {
   std::string out;
   for (unsigned char c : text) {
-    // A line end that was written as a number would be read as one that is not.
+    // A line end written as a number would be read as a plain one.
     if (c < 0x20 || c == '<' || c == '&') {
       out += "&#" + std::to_string(c) + ";";
     } else {
@@ -21,8 +21,8 @@ std::string Escaped(const std::string& text) {
 
 }  // namespace
 
-// What an S3 store, or whoever stands in its place, answers. A list that is accepted is within its
-// bounds, and reads the same when it is written anew.
+// Answers of an S3 store, or of something in its place. An accepted list is within its bounds, and
+// reads the same after being written again.
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace enamel::s3;
   const std::string_view document(reinterpret_cast<const char*>(data), size);

@@ -46,7 +46,7 @@ struct Target {
 
   void Restart() { session.emplace(world.services, "127.0.0.1"); }
 
-  // What only somebody with the station's key could send: its attempt, its signature.
+  // Messages possible only with the station's key: its attempt, its signature.
   void MakeOurs(std::string& chunk) {
     constexpr size_t kAttemptAt = 6, kSignature = 64;
     constexpr std::string_view kDomain = "enamel.chunk.v1";
@@ -69,8 +69,7 @@ struct Target {
 };
 
 void Send(Target& target, wire::Request request) {
-  // Sign-in is for passwords to guess, slow on purpose; enrolment would need a fresh code each
-  // time.
+  // Sign-in is slow on purpose, to protect passwords; enrolment would need a fresh code each time.
   if (request.has_sign_in() || request.has_enrol() || request.has_request_ticket()) return;
   if (request.has_put_chunk() && request.id() % 2 == 1) {
     target.MakeOurs(*request.mutable_put_chunk()->mutable_chunk());
@@ -93,8 +92,8 @@ void Send(Target& target, wire::Request request) {
 
 }  // namespace
 
-// Any bytes as what a station that said hello sends: every request is answered, or the connection
-// ends; nothing is sealed, and the committed chunk stays what it was.
+// Any bytes from a station that said hello: every request is answered, or the connection ends;
+// nothing is sealed, and the committed chunk does not change.
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   static Target target;
   target.Restart();

@@ -4,8 +4,8 @@
 #include "common/cutting/volume.h"
 #include "common/import/import_tooth.h"
 
-// Bytes as a small mesh: first byte how many vertices, then three bytes each in sixteenths of
-// a millimetre, then triangles. Refused, or a tooth of no more than its bounding box.
+// Bytes as a small mesh: first byte the number of vertices, then three bytes each in sixteenths of
+// a millimetre, then triangles. Refused, or a tooth of at most its bounding box.
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace enamel;
   ByteReader in({data, std::min<size_t>(size, 1000)});

@@ -5,9 +5,9 @@
 #include "common/timeline/player.h"
 
 // A start tooth and a timeline in one input, each after its length (u32): refused, or played from
-// end to end without reading beyond what is there. Its start tooth's hash is set to fit, so that
-// what lies behind that check is reached.
-// The same input is also read as a deviation: what is read of it is written and read as it was.
+// end to end without reading past the end. Its start tooth's hash is set to fit, so that the code
+// after that check is reached. The same input is also read as a deviation, which must be unchanged
+// by writing and reading.
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace enamel;
   if (auto deviation = timeline::DecodeDeviation({data, size}); deviation.ok()) {
@@ -27,7 +27,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   auto player = timeline::Player::Open(start, file);
   if (!player.ok()) return 0;
   const timeline::Head& head = player->head();
-  // What the head says is written as it was read.
+  // The head is written as it was read.
   ENAMEL_CHECK(std::ranges::equal(timeline::EncodeHead(head), ByteView(file).first(head.bytes())));
   for (size_t s = 0; s < head.segments.size(); ++s) {
     if (auto poses = player->Poses(s); poses.ok()) ENAMEL_CHECK(poses->size() == head.FramesIn(s));

@@ -15,9 +15,9 @@
 #include "tests/common/trace/describe.h"
 #include "tests/common/trace/sample.h"
 
-// Writes anew what of schemas/golden a program can write (schemas/golden/README.md): recordings and
-// their parts, the frames of the wire's messages, the built-in device profiles. What stands for
-// files that are in the field already is never written anew, and is not written here.
+// Writes the files of schemas/golden that a program can write (schemas/golden/README.md):
+// recordings and their parts, the frames of the wire's messages, the built-in device profiles.
+// Files that represent recordings already in use are never rewritten, and are not written here.
 namespace enamel::trace {
 namespace {
 
@@ -84,7 +84,7 @@ void WriteTraces(const std::filesystem::path& folder) {
   Write(folder, "recording", EncodeTraceFile(file), Describe(file));
 }
 
-// Each message's description is what is written by hand; its frame follows from it.
+// Each message's description is written by hand; its frame follows from it.
 void WriteFrames(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> descriptions;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {

@@ -10,12 +10,10 @@
 
 namespace enamel::load {
 
-// An instructor's page, read over and over on a thread of its own: lists, an attempt, the
-// exercises.
+// An instructor's page, read repeatedly on a separate thread: lists, an attempt, the exercises.
 class ApiReader {
  public:
-  // `reads_per_s`: pages are asked for at fixed moments, so that a slow answer does not lessen the
-  // load.
+  // `reads_per_s`: requests start at fixed times, so that a slow answer does not reduce the load.
   ApiReader(net::Endpoint page, const School& school, double reads_per_s);
   ~ApiReader() { Stop(); }
   void Stop();

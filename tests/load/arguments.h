@@ -40,8 +40,8 @@ struct Arguments {
 
 // `a` outlives `app`.
 void AddOptions(CLI::App& app, Arguments& a);
-// After the command line was parsed: what it leaves to be worked out. `program` is how this one was
-// called. Errors: kInvalidInput, when options do not go together.
+// Computes values that depend on several options; call after parsing. `program` is this program's
+// path. Errors: kInvalidInput, when options contradict each other.
 Status Complete(Arguments& a, const char* program);
 
 }  // namespace enamel::load

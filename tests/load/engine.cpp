@@ -67,7 +67,7 @@ void Engine::Touch(size_t index, double now) {
   progress_.reached = reached_count_;
 }
 
-// Lets the next stations begin while fewer than allowed are on their way.
+// Lets the next stations begin while fewer than the limit are starting.
 void Engine::Admit(const Phase& phase, double now) {
   while (admitted_ < stations_.size() && admitted_ < reached_count_ + phase.at_once) {
     stations_[admitted_]->SetGoal(phase.goal);
@@ -103,7 +103,7 @@ void Engine::WaitForEvents(double now, double until_s) {
 bool Engine::Run(const Phase& phase) {
   wake_s_.assign(stations_.size(), -1);
   wakes_ = {};
-  // All begin as not there; Touch finds who is.
+  // All begin as absent; Touch finds those that are present.
   reached_.assign(stations_.size(), false);
   reached_count_ = admitted_ = 0;
   progress_.reached = 0;

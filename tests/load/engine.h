@@ -10,14 +10,14 @@
 
 namespace enamel::load {
 
-// Seconds of the steady clock that all schedules use.
+// Seconds of the steady clock, used by all schedules.
 double NowS();
 
 // Some stations on one thread and one epoll. Thread safety: one thread at a time; `stop` and
 // progress() may be used from others.
 class Engine {
  public:
-  // What other threads may read while it runs.
+  // Values that other threads may read while it runs.
   struct Progress {
     std::atomic<uint64_t> reached{0}, connected{0}, ticks{0};
   };
@@ -28,7 +28,7 @@ class Engine {
   Engine& operator=(const Engine&) = delete;
 
   Station& Add(StationPlan plan);
-  // A connection that means no good; it is kept going beside the stations.
+  // A hostile connection, run alongside the stations.
   void AddHostile(HostileKind kind);
 
   struct Phase {

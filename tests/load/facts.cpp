@@ -95,7 +95,7 @@ boost::json::object Facts(const Arguments& a, LoadReport& r) {
   return out;
 }
 
-// Without the exponents that a machine likes.
+// Without exponents, for people.
 std::string ForPeople(const boost::json::value& value) {
   if (value.is_double()) {
     char text[32];

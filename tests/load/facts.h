@@ -5,13 +5,13 @@
 
 #include "tests/load/arguments.h"
 
-// What a run was found to do, by name.
+// A run's findings, by name.
 namespace enamel::load {
 
-// Takes the report's lists of durations apart.
+// Reorders the report's lists of durations.
 boost::json::object Facts(const Arguments& a, LoadReport& report);
 std::string ForPeople(const boost::json::value& value);
-// All that was sent is there once.
+// Whether everything sent is there once.
 bool Sound(const LoadReport& report);
 
 }  // namespace enamel::load

@@ -6,11 +6,11 @@
 
 namespace enamel::load {
 
-// The p-th part (0 to 1) of the values, by rank; 0 of none. Takes the values apart.
+// The value at share p (0 to 1), by rank; 0 if there are none. Reorders the values.
 double Quantile(std::vector<float>& values, double p);
 double Median(std::vector<double> values);
 
-// What one engine counted while it streamed.
+// One engine's counts while it streamed.
 struct StreamFigures {
   uint64_t ticks_sent = 0;        // handed to the network at least once
   uint64_t ticks_committed = 0;   // known to be committed

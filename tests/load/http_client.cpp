@@ -23,7 +23,7 @@ constexpr timeval kPatience{20, 0};
 }  // namespace
 
 struct HttpClient::Impl {
-  // Connects when it is not. Any failure leaves it disconnected.
+  // Connects if needed. Any failure leaves it disconnected.
   Status Exchange(const net::Endpoint& page, http::request<http::string_body>& request,
                   http::response<http::string_body>& response) {
     error_code error;

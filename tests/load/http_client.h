@@ -8,7 +8,7 @@
 
 namespace enamel::load {
 
-// A browser's part of the API on one kept-alive connection, blocking; every wait ends after 20 s.
+// A browser's side of the API on one kept-alive connection, blocking; every wait ends after 20 s.
 // Plain HTTP on loopback. Thread safety: none.
 class HttpClient {
  public:
@@ -19,7 +19,7 @@ class HttpClient {
 
   // Keeps the session's cookie. Errors: kUnavailable, kUnauthenticated.
   Status SignIn(const std::string& login, const std::string& password);
-  // The body of a 200. Errors: kUnavailable (nobody there; the next call connects again), kInternal
+  // The body of a 200. Errors: kUnavailable (no server; the next call connects again), kInternal
   // with another status.
   Result<std::string> Get(const std::string& path);
   const std::string& cookie() const { return cookie_; }

@@ -55,7 +55,7 @@ double LoadAverage() {
 
 double OwnCpuS() { return UseOf({::getpid()}).cpu_s; }
 
-// A folder that goes away with its owner.
+// A folder that is deleted with its owner.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -152,7 +152,7 @@ class Run {
                   "enrolled, signed in and ticketed");
   }
 
-  // Runs all engines, each on its own thread, and tells about it.
+  // Runs all engines, each on its own thread, and reports progress.
   Status Toward(const Engine::Phase& phase, const std::string& what) {
     std::atomic<size_t> running{engines_.size()};
     std::vector<std::jthread> threads;
@@ -222,7 +222,7 @@ class Run {
       double share = static_cast<double>(s) / static_cast<double>(streaming_.size());
       streaming_[s]->SetStart(start_s_ + share * chunk_s);
     }
-    // What was counted until now was setting up.
+    // Counts up to here belong to the set-up.
     for (auto& engine : engines_) engine->figures() = {};
     for (size_t i = 0; i < o_.hostile; ++i) {
       engines_[0]->AddHostile(static_cast<HostileKind>(i % kHostileKinds));
@@ -283,7 +283,7 @@ class Run {
     return Status::Ok();
   }
 
-  // The main thread's part while the engines stream: kills, viewers, words.
+  // The main thread's work while the engines stream: kills, viewers, messages.
   void WatchOver(const std::atomic<size_t>& running) {
     std::mt19937 random(1);
     std::vector<double> kills_s;
@@ -335,7 +335,7 @@ class Run {
     viewers_.reset();
   }
 
-  // Stretches without and with viewers take turns; the first second of each is not counted.
+  // Stretches without and with viewers alternate; the first second of each does not count.
   void BeginStretch() {
     if (o_.alternate == 0) return;
     double length_s = o_.seconds / (2 * o_.alternate);

@@ -21,8 +21,7 @@ struct LoadOptions {
   double loop_seconds = 30;      // of each station's motion before it repeats
   std::filesystem::path motion;  // trace file; empty: simulated
   int threads = 1;               // of the stations; preparing uses every processor
-  // A server of our own in a folder of its own, unless one is given by address, fingerprint and
-  // data.
+  // Our own server in its own folder, unless one is given by address, fingerprint and data.
   std::filesystem::path server_program, data;
   std::optional<net::Endpoint> server, page;
   std::vector<pid_t> server_pids{};
@@ -30,7 +29,7 @@ struct LoadOptions {
   int kills = 0, cuts = 0;
   size_t hostile = 0;
   Disturbances disturbances;
-  // Beside the stations.
+  // Running alongside the stations.
   std::optional<Marking::Options> marking;  // scored while they stream
   int job_threads = 0;                      // of our own server
   double api_reads_per_s = 0;
@@ -59,8 +58,8 @@ struct LoadReport {
   std::string problem;               // the first station, reader or viewer that had one
 };
 
-// Sets up, runs and reads back. `say` gets one line after the other about what goes on.
-// Errors: what kept the load from running; what went wrong while it ran is in the report.
+// Sets up, runs and reads back. `say` receives progress, line by line. Errors: failures that kept
+// the load from running; failures during the run are in the report.
 Result<LoadReport> RunLoad(const LoadOptions& options,
                            const std::function<void(const std::string&)>& say);
 

@@ -21,10 +21,10 @@ using namespace server;
 constexpr auto kAnswerWithin = std::chrono::seconds(60);
 constexpr auto kLook = std::chrono::milliseconds(200);
 constexpr double kReferenceWithin_s = 1800;
-// Too deep by so much more in each recording that is cut anew.
+// Extra depth of each further recording.
 constexpr double kFloorStep_m = 50e-6;
 
-// Who cuts, where, on what.
+// The operator, device and tooth.
 struct Bench {
   Store& store;
   trace::KeyPair ticket_key, station_key;
@@ -60,8 +60,8 @@ Result<Bench> SetUp(Store& store, const trace::KeyPair& ticket_key, int32_t voxe
   return out;
 }
 
-// A new attempt with the ticks of `recorded`, chained and signed as its station would. Everything
-// but the seal is in the store afterwards.
+// A new attempt with the ticks of `recorded`, chained and signed as its station would. Afterwards
+// the store has everything except the seal.
 Result<trace::Seal> Put(const Bench& bench, const station::lab::Attempt& recorded,
                         bool as_reference) {
   AttemptRow row;

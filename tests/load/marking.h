@@ -14,8 +14,8 @@
 
 namespace enamel::load {
 
-// Recordings that are sealed all at once while stations stream, as when a class ends: how long
-// until the last has its score. Thread safety: none; Begin starts a thread of its own.
+// Recordings that are sealed all at once while stations stream, as when a class ends, and the time
+// until the last has its score. Thread safety: none; Begin starts its own thread.
 class Marking {
  public:
   struct Options {
@@ -38,10 +38,10 @@ class Marking {
   Marking& operator=(const Marking&) = delete;
 
   // Before the server starts: records class I cavities on the built-in molar, scores one as the
-  // reference, and puts the others into the store, whole but for their seal.
+  // reference, and puts the others into the store, complete except for the seal.
   Status Prepare(const std::filesystem::path& data, const Options& options,
                  const std::function<void(const std::string&)>& say);
-  // Seals them over the station link, each on a connection of its own, and waits for the scores.
+  // Seals them over the station link, each on its own connection, and waits for the scores.
   void Begin(const net::Endpoint& server, const Sha256& fingerprint);
   bool done() const { return done_; }
   // Waits at most `seconds` for what Begin started. Errors: kUnavailable when not all were scored.

@@ -10,7 +10,7 @@
 
 namespace enamel::load {
 
-// What the server's store has of the attempts, compared byte by byte with what was sent.
+// The server's stored attempts, compared byte by byte with the data sent.
 struct ReadBack {
   uint64_t ticks_stored = 0;    // as sent, each once
   uint64_t ticks_lost = 0;      // committed and not stored as they were sent
@@ -18,7 +18,7 @@ struct ReadBack {
   uint64_t damaged_chunks = 0;  // stored with other bytes
 };
 
-// `data`: the server's folder, opened beside it. `progress`: 0 to 1.
+// `data`: the server's folder, opened while it runs. `progress`: 0 to 1.
 Result<ReadBack> ReadEverythingBack(const std::filesystem::path& data,
                                     const std::vector<const Station*>& stations,
                                     const std::function<void(double)>& progress);

@@ -19,7 +19,7 @@ using namespace server;
 constexpr char kProfile[] = "phantom_desktop";
 constexpr int32_t kBlockVoxel_nm = 500'000;
 constexpr auth::PasswordCost kCheapPassword{1, 8192};
-// Writers at once: they share the store's commits.
+// Number of concurrent writers, which share the store's commits.
 constexpr size_t kWriters = 32;
 
 Status AddPerson(Store& store, const std::string& login, Role role, const std::string& password,

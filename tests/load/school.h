@@ -11,13 +11,13 @@
 
 namespace enamel::load {
 
-// By whom it is written, and when what ends at a time ends.
+// The author of the generator's writes, and an end that is never reached.
 inline const server::Actor kLoadgen{{}, "enamel-loadgen"};
 inline constexpr server::UnixMs kFarOff = server::UnixMs{1} << 60;
 
-// What stations need to find on a server: written into its data folder, beside the server or before
-// it is started. The person's password verifier is a cheap one, so that a thousand sign-ins measure
-// the link and not argon2id.
+// Data that stations need on a server: written into its data folder, before or while it runs. The
+// person's password verifier is cheap, so that a thousand sign-ins measure the link and not
+// argon2id.
 struct School {
   std::string login, password;
   std::vector<std::string> codes;  // one-time enrolment codes
@@ -26,7 +26,7 @@ struct School {
   std::string instructor_login;
 };
 
-// Adds a student and an instructor of names of their own, a practice block with its exercise for
+// Adds a student and an instructor with their own names, a practice block with its exercise for
 // everybody and `stations` enrolment codes. Errors: those of the store.
 Result<School> FoundSchool(const std::filesystem::path& data, size_t stations);
 

@@ -141,7 +141,7 @@ StatFields StatOf(pid_t pid) {
   std::ifstream stat("/proc/" + std::to_string(pid) + "/stat");
   std::string text;
   std::getline(stat, text);
-  // Fields 4 and 14 to 17, counted behind the name in brackets, which may hold spaces (proc(5)).
+  // Fields 4 and 14 to 17, counted after the name in brackets, which may contain spaces (proc(5)).
   std::istringstream fields(
       text.substr(text.rfind(')') == std::string::npos ? 0 : text.rfind(')') + 1));
   StatFields out;
@@ -158,7 +158,7 @@ StatFields StatOf(pid_t pid) {
   return out;
 }
 
-// These and all that came of them.
+// These processes and all their descendants.
 std::set<pid_t> WithChildren(const std::vector<pid_t>& pids) {
   std::map<pid_t, std::vector<pid_t>> children;
   std::error_code error;

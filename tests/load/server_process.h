@@ -13,19 +13,18 @@
 
 namespace enamel::load {
 
-// An enamel-server of our own: started on ports of its choice, killed as hard as a power cut kills
-// a process, and started again on the same ports. Destruction kills it. Thread safety: none, except
-// pid().
+// Our own enamel-server: started on ports of its choice, killed as abruptly as by a power cut, and
+// started again on the same ports. The destructor kills it. Thread safety: none, except pid().
 class ServerProcess {
  public:
-  // `log`: where its standard error goes, appended to.
+  // `log`: the file its standard error is appended to.
   ServerProcess(std::filesystem::path program, std::filesystem::path data,
                 std::filesystem::path log, std::vector<std::string> more_arguments = {});
   ~ServerProcess();
   ServerProcess(const ServerProcess&) = delete;
   ServerProcess& operator=(const ServerProcess&) = delete;
 
-  // Returns once it says that it is ready. Errors: kUnavailable with the end of its log.
+  // Returns once it reports ready. Errors: kUnavailable with the end of its log.
   Status Start();
   void Kill();  // SIGKILL
   // SIGTERM, and SIGKILL after 15 s.
@@ -46,8 +45,8 @@ class ServerProcess {
   Sha256 fingerprint_;
 };
 
-// What /proc says of processes and of those they have started, also of those that have ended; zeros of what is gone.
-// Peaks are since they were started.
+// Figures from /proc of processes and their children, including ended ones; zeros for missing
+// processes. Peaks are since they were started.
 struct ProcessUse {
   double cpu_s = 0;  // user and system, all threads
   double rss_mb = 0, peak_rss_mb = 0;

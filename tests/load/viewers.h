@@ -12,10 +12,11 @@
 namespace enamel::load {
 
 // Instructors who watch attempts live (schemas/api/openapi.yaml, /attempts/{id}/live): one
-// connection each, all on one thread, which reads what comes and counts it.
+// connection each, all on one thread, which reads and counts.
 class Viewers {
  public:
-  // Viewer i watches attempts[i % attempts.size()]. `slow`: so many more connect and never read.
+  // Viewer i watches attempts[i % attempts.size()]. `slow`: number of further viewers that never
+  // read.
   Viewers(net::Endpoint page, const School& school, std::vector<Uuid> attempts, size_t count,
           size_t slow);
   ~Viewers() { Stop(); }

@@ -4,8 +4,9 @@
 #include <cstdlib>
 #include <new>
 
-// Counts what the current thread allocates while a guard is alive: proof that a real-time function
-// does not. Include in exactly one file of a test program: it replaces global operator new.
+// Counts the current thread's allocations while a guard is alive, to prove that a real-time
+// function makes none. Include in exactly one file of a test program: it replaces global operator
+// new.
 namespace enamel::testing_support {
 
 inline thread_local bool counting = false;

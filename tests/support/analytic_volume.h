@@ -5,7 +5,7 @@
 
 #include "common/cutting/volume.h"
 
-// Volumes straight from a closed-form signed distance, one tissue: references that share no code
+// Volumes directly from a closed-form signed distance, one tissue: references that share no code
 // with the builder of common/scene.
 namespace enamel::test {
 

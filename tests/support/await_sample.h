@@ -9,7 +9,8 @@
 
 namespace enamel::test {
 
-// The first sample that is as wanted, or the last one after ten seconds, which fails the test.
+// The first sample that satisfies the condition, or the last one after ten seconds, which fails the
+// test.
 template <typename Wanted>
 station::DeviceSample AwaitSample(station::Device& device, const Wanted& wanted) {
   station::DeviceSample s = device.ReadSample();

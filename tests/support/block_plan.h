@@ -9,14 +9,14 @@
 
 namespace enamel::test {
 
-// The practice block with the class I exercise in it, held by the second built-in profile: what a
-// core needs to cut something.
+// The practice block with its class I exercise, held by the second built-in profile: a core's
+// inputs for cutting.
 struct BlockPlan {
   core::CoreParams params;  // force from the first tick on
   cutting::Volume volume;
   int64_t top_nm = 0;  // the block's upper face, scene z
 
-  // Counts along z of a tip so far above the upper face.
+  // Counts along z of a tip at this height above the upper face.
   int32_t CountsAbove(int64_t above_nm) const {
     return static_cast<int32_t>((top_nm + above_nm - params.device_origin_nm[2]) /
                                 params.resolution_nm[2]);

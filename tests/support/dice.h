@@ -7,7 +7,8 @@
 
 namespace enamel::testing_support {
 
-// Draws that are the same for a seed on every machine; distributions of the standard library are not.
+// Random numbers that are the same for a seed on every machine, unlike the standard library's
+// distributions.
 class Dice {
  public:
   explicit Dice(uint64_t seed) : state_(seed * 0x9e3779b97f4a7c15ull + 1) {}
@@ -27,7 +28,7 @@ class Dice {
       if (n > 0.1 && n < 1) return v / n;
     }
   }
-  // Three orthonormal columns, turned any way.
+  // Three orthonormal columns, turned at random.
   dmat3 Frame() {
     dvec3 a = Direction(), b = Direction();
     b -= a * Dot(a, b);

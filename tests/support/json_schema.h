@@ -4,12 +4,13 @@
 #include <cmath>
 #include <string>
 
-// The part of JSON Schema that the documents in schemas/ use: type, const, enum, required, properties,
-// additionalProperties: false, items, minItems, maxItems, minimum, maximum, minLength, maxLength, $ref
-// into $defs. A keyword that is not one of these, nor a comment, is an error: nothing goes unchecked.
+// The part of JSON Schema that the documents in schemas/ use: type, const, enum, required,
+// properties, additionalProperties: false, items, minItems, maxItems, minimum, maximum, minLength,
+// maxLength, $ref into $defs. Any other keyword, except a comment, is an error: nothing goes
+// unchecked.
 namespace enamel::test {
 
-// Empty when `value` is as `schema` says, else what is wrong and where.
+// Empty if `value` conforms to `schema`, else the error and its place.
 inline std::string WhyNotOfSchema(const boost::json::value& value,
                                   const boost::json::object& schema,
                                   const boost::json::object& root, const std::string& at = "") {

@@ -10,8 +10,8 @@
 
 namespace enamel::test {
 
-// Standbys that PostgreSQL waits for and that are not there, until its end: meanwhile no change on the whole server ends.
-// `db` is an administrator's, and outlives it. Thread safety: one thread.
+// Makes PostgreSQL wait for standbys that do not exist: until this object ends, no change on the
+// whole server completes. `db` is an administrator's, and outlives it. Thread safety: one thread.
 class MissingStandbys {
  public:
   explicit MissingStandbys(sql::Db& db) : db_(db) {}
@@ -22,7 +22,7 @@ class MissingStandbys {
   MissingStandbys(const MissingStandbys&) = delete;
   MissingStandbys& operator=(const MissingStandbys&) = delete;
 
-  // As in postgresql.conf. The server goes by it some milliseconds later.
+  // As in postgresql.conf. The server applies it some milliseconds later.
   void Name(const std::string& names) {
     const std::string set = "ALTER SYSTEM SET synchronous_standby_names = '" + names + "'";
     ASSERT_TRUE(db_.Exec(set.c_str()).ok());
@@ -35,7 +35,7 @@ class MissingStandbys {
   sql::Db& db_;
 };
 
-// Asks again and again, for ten seconds at most.
+// Retries for at most ten seconds.
 template <typename Is>
 bool Becomes(const Is& is) {
   const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(10);

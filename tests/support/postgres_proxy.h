@@ -21,10 +21,10 @@
 
 namespace enamel::test {
 
-// Between libpq and PostgreSQL, on local sockets: passes everything on, and breaks one connection at a
-// message that is told. Reads the protocol's frames (PostgreSQL 15, chapter 55.7): a type, a length of
-// four bytes that counts itself, and the rest; a connection's first message has no type.
-// Thread safety: any thread.
+// A proxy between libpq and PostgreSQL, on local sockets: passes everything on, and breaks one
+// connection at a chosen message. Reads the protocol's frames (PostgreSQL 15, chapter 55.7): a
+// type, a length of four bytes that counts itself, and the rest; a connection's first message has
+// no type. Thread safety: any thread.
 class PostgresProxy {
  public:
   enum class Cut {
@@ -34,7 +34,7 @@ class PostgresProxy {
     kLate,    // the client is gone; the server gets it once another connection has asked something
   };
 
-  // `server`: libpq's words, with "host=FOLDER" among them.
+  // `server`: libpq's connection string, with "host=FOLDER" in it.
   explicit PostgresProxy(const std::string& server) {
     const size_t begin = server.find("host=") + 5, end = server.find(' ', begin);
     behind_ = server.substr(begin, end - begin) + "/.s.PGSQL.5432";
@@ -55,19 +55,19 @@ class PostgresProxy {
   PostgresProxy(const PostgresProxy&) = delete;
   PostgresProxy& operator=(const PostgresProxy&) = delete;
 
-  // What a client connects with.
+  // The connection string for clients.
   const std::string& server() const { return words_; }
-  // Breaks the connection that sends the next message but `skip` from now on.
+  // Lets `skip` messages pass, then breaks the connection that sends the next.
   void CutAt(int skip, Cut cut) {
     std::lock_guard lock(mutex_);
     left_ = skip;
     cut_ = cut;
   }
-  // From now on nobody is let through, as when the server is gone; what is connected stays.
+  // From now on refuses new connections, as if the server were down; existing ones stay.
   void Refuse() { refusing_ = true; }
-  // How often the server was asked for an answer so far: a query, or the end of a pipeline.
+  // Number of requests for an answer so far: queries and ends of pipelines.
   int asked() const { return asked_; }
-  // Whether it was broken; from now on nothing is.
+  // Whether a connection was broken; disables further breaks.
   bool Disarm() {
     std::lock_guard lock(mutex_);
     const bool cut = left_ == kCut;
@@ -78,7 +78,7 @@ class PostgresProxy {
  private:
   static constexpr int kIdle = -1, kCut = -2;
   static constexpr int kPoll_ms = 20;
-  // Messages of a connection that was made anew, until it has read whether a COMMIT was kept.
+  // Messages of a reconnection, until it has read whether a COMMIT was kept.
   static constexpr int kAskedAll = 12;
 
   static sockaddr_un Address(const std::string& path) {
@@ -104,7 +104,7 @@ class PostgresProxy {
     }
   }
 
-  // True: this message is the one.
+  // True: this is the chosen message.
   bool IsTheOne(Cut& cut) {
     std::lock_guard lock(mutex_);
     if (left_ < 0) return false;
@@ -124,7 +124,7 @@ class PostgresProxy {
     return true;
   }
 
-  // The size of the message at the front; 0: it has not come whole.
+  // The size of the message at the front; 0: incomplete.
   static size_t Front(const std::string& bytes, bool typed) {
     const size_t at = typed ? 1 : 0;
     if (bytes.size() < at + 4) return 0;
@@ -133,7 +133,7 @@ class PostgresProxy {
     return bytes.size() < at + length ? 0 : at + length;
   }
 
-  // Waits until the server has nothing more to say about what it was sent: "ready for query".
+  // Waits until the server has answered everything: "ready for query".
   void AwaitAnswer(int server) {
     std::string bytes;
     std::array<char, 4096> part;
@@ -152,8 +152,8 @@ class PostgresProxy {
     }
   }
 
-  // Until another connection has connected, asked and been answered, or waits for its answer: then there is
-  // nothing to hurry for.
+  // Until another connection has received an answer, or waits for its answer: then there is no
+  // hurry.
   void AwaitOthers() {
     const int before = passed_;
     for (int waited = 0; waited < 10 && !stopping_ && passed_ < before + kAskedAll; ++waited)

@@ -7,8 +7,8 @@
 
 namespace enamel::test {
 
-// The next message of a stream of frames; waits for it. Throws boost::system::system_error where
-// the stream ends or is no stream of frames.
+// Waits for the next message of a stream of frames. Throws boost::system::system_error if the
+// stream ends or has no frames.
 template <typename Stream>
 Bytes ReadMessage(Stream& stream) {
   protocol::FrameReader reader;

@@ -152,7 +152,7 @@ class S3StandIn::Connection {
     }
     return true;
   }
-  // The other's next read or write fails with ECONNRESET.
+  // The peer's next read or write fails with ECONNRESET.
   void Reset() {
     const linger now{1, 0};
     ::setsockopt(socket_, SOL_SOCKET, SO_LINGER, &now, sizeof now);

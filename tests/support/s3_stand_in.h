@@ -16,9 +16,9 @@
 
 namespace enamel::test {
 
-// A store of one bucket on loopback that fails as it is told: what an S3 store does, as far as ours is
-// asked. Signatures, hashes and times are checked as S3 checks them. Objects outlive Stop.
-// Thread safety: any thread.
+// A store of one bucket on loopback that fails on command. It implements the part of S3 that we
+// use, and checks signatures, hashes and times as S3 does. Objects outlive Stop. Thread safety: any
+// thread.
 class S3StandIn {
  public:
   S3StandIn();
@@ -30,7 +30,7 @@ class S3StandIn {
   static constexpr char kRegion[] = "eu-test-1";
   const s3::Credentials& credentials() const { return credentials_; }
   std::string endpoint() const { return "http://127.0.0.1:" + std::to_string(port_); }
-  // Of a client of its bucket.
+  // For a client of its bucket.
   s3::S3Options options() const;
 
   enum class Fault {
@@ -49,13 +49,14 @@ class S3StandIn {
     kWrongBytes,       // 200, one byte of the body another
     kSilence,          // no answer, until the other ends the connection
   };
-  // The next `count` requests of that method (empty: any) end so; -1: all, until FailNext(kNone, 0).
+  // The next `count` requests of that method (empty: any) fail in this way; -1: all, until
+  // FailNext(kNone, 0).
   void FailNext(Fault fault, int count, const std::string& method = {});
-  // An outage: connections end and none is taken, until Start.
+  // An outage: connections end and none is accepted, until Start.
   void Stop();
   void Start();
 
-  // What the bucket says of itself; empty: never versioned, or no lock.
+  // The bucket's own settings; empty: never versioned, or no lock.
   void SetVersioning(const std::string& state);
   void SetLocked(bool locked);
   void SetPageSize(size_t keys) { page_size_ = keys; }
@@ -68,7 +69,7 @@ class S3StandIn {
   int requests() const { return requests_; }
   int requests(const std::string& method) const;
   int connections() const { return connections_; }
-  // What was asked wrongly: a signature that does not fit, a body that is another. Empty: nothing.
+  // Wrong requests: a signature that does not fit, a different body. Empty: none.
   std::vector<std::string> complaints() const;
 
  private:

@@ -8,8 +8,8 @@
 
 namespace enamel::test {
 
-// A folder of its own under the system's temporary folder, removed with everything in it when the
-// object goes.
+// A new folder under the system's temporary folder, removed with its contents when the object is
+// destroyed.
 class TempFolder {
  public:
   TempFolder() {
@@ -24,7 +24,7 @@ class TempFolder {
   TempFolder& operator=(const TempFolder&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
-  // Writes a file in it, making the folders on its way.
+  // Writes a file in it, creating parent folders.
   void Write(const std::string& name, const std::string& content) const {
     std::filesystem::create_directories((path_ / name).parent_path());
     std::ofstream(path_ / name, std::ios::binary) << content;

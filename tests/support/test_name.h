@@ -6,7 +6,7 @@
 
 namespace enamel::test {
 
-// `text` as the last part of a test's name: what is no letter or digit becomes '_'.
+// `text` as the last part of a test's name: all but letters and digits become '_'.
 inline std::string TestName(std::string_view text) {
   std::string name(text);
   for (char& c : name) {

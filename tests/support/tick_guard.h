@@ -9,10 +9,10 @@
 
 #include "tests/support/allocation_guard.h"
 
-// Counts what the current thread does that a tick must not: allocations (allocation_guard.h), locks
-// and waits of pthreads, reads, writes, polls and sleeps. Include in exactly one file of a test
-// program, instead of allocation_guard.h: it stands in front of the C library's functions. Under a
-// sanitizer, which stands there itself, only allocations are counted.
+// Counts the current thread's actions that a tick must not make: allocations (allocation_guard.h),
+// locks and waits of pthreads, reads, writes, polls and sleeps. Include in exactly one file of a
+// test program, instead of allocation_guard.h: it interposes on the C library's functions. Under a
+// sanitizer, which interposes on them itself, only allocations are counted.
 namespace enamel::testing_support {
 
 inline thread_local size_t blocking_calls = 0;

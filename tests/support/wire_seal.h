@@ -5,7 +5,7 @@
 
 namespace enamel::test {
 
-// The seal as a station asks for it.
+// The seal in a station's request.
 inline void FillSeal(const trace::Seal& seal, wire::SealAttempt& body) {
   body.set_attempt(protocol::ToField(seal.attempt.view()));
   body.set_chunks(seal.chunks);

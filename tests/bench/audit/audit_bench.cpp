@@ -1,5 +1,5 @@
-// What a signed row of the audit trail costs: its hash and signature, the state that it states, the
-// whole row, and looking at it again in `verify`.
+// Cost of a signed row of the audit trail: its hash and signature, the state in it, the whole row,
+// and checking it in `verify`.
 #include <benchmark/benchmark.h>
 
 #include <cstdlib>
@@ -19,7 +19,7 @@ using namespace enamel;
 using namespace enamel::server;
 
 const Actor kBench{{}, "bench"};
-// About what an attempt's state takes.
+// About the size of an attempt's state.
 const std::string kState(600, 's');
 
 sqlite::AuditSeal Seal(const sqlite::AuditSalt& salt) {
@@ -59,7 +59,7 @@ void BM_VerifySignature(benchmark::State& state) {
 }
 BENCHMARK(BM_VerifySignature)->Unit(benchmark::kMicrosecond);
 
-// A store of its own with one listed device, which each row is about.
+// A separate store with one listed device, the subject of each row.
 class Folder {
  public:
   Folder() {
@@ -75,7 +75,7 @@ class Folder {
     std::error_code error;
     std::filesystem::remove_all(path_, error);
   }
-  // A connection for statements of the bench's own.
+  // A connection for the bench's own statements.
   std::unique_ptr<sqlite::SqliteDb> Connect() const {
     auto db = sqlite::OpenDatabase(path_ / "enamel.db", sqlite::DbMode::kExisting);
     if (!db.ok()) std::abort();
@@ -99,7 +99,7 @@ void BM_State(benchmark::State& state) {
 }
 BENCHMARK(BM_State)->Unit(benchmark::kMicrosecond);
 
-// Within one transaction, so without the commit: argument 0, a row about nothing; 1, about a
+// Within one transaction, so without the commit: argument 0, a row without a subject; 1, about a
 // device, with its state.
 void BM_WriteRow(benchmark::State& state) {
   const Folder folder;
@@ -115,7 +115,7 @@ void BM_WriteRow(benchmark::State& state) {
 }
 BENCHMARK(BM_WriteRow)->Arg(0)->Arg(1)->Unit(benchmark::kMicrosecond);
 
-// The trail of so many rows, as `verify` looks at it.
+// A trail of that many rows, as `verify` reads it.
 void BM_VerifyTrail(benchmark::State& state) {
   const Folder folder;
   auto db = folder.Connect();

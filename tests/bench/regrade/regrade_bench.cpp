@@ -1,9 +1,9 @@
-// How much sooner a class is graded again by two workers than by one: jobs as the server runs them,
-// over a store in memory. In rounds in turn, so that a machine that becomes slower does so for both.
+// How much faster two workers regrade a class than one: jobs as the server runs them, over a store
+// in memory. Rounds alternate, so that a machine that slows down affects both.
 //
-// On a machine that does other work as well, a thread that could run waits for a core: the kernel
-// counts that (schedstat), and it is taken off. What is left is what the workers themselves take:
-// computing, and waiting for one another, for locks and for the end of the round.
+// On a machine that does other work as well, a runnable thread waits for a core. The kernel counts
+// that wait (schedstat), and it is subtracted. The rest is the workers' own time: computing, and
+// waiting for one another, for locks and for the end of the round.
 //
 //   regrade_bench [ATTEMPTS, 144] [ROUNDS, 3]
 #include <chrono>
@@ -26,7 +26,7 @@ double Now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// Of one thread since it began, s.
+// For one thread since it began, s.
 struct Spent {
   double computing = 0, waiting_for_a_core = 0;
 };

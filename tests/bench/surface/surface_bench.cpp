@@ -13,7 +13,7 @@ namespace {
 using cutting::Volume;
 
 double Ellipsoid(const dvec3& p, const dvec3& half) {
-  // First-order distance: exact near the surface, which is all that is stored.
+  // First-order distance: exact near the surface, and only that is stored.
   double k = glm::length(p / half), g = glm::length(p / (half * half));
   return g > 0 ? k * (k - 1) / g : -std::min({half.x, half.y, half.z});
 }

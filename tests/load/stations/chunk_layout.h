@@ -5,8 +5,8 @@
 
 namespace enamel::load {
 
-// Chunks taken apart and put together from schemas/trace_format.md ("Chunk") alone, so that one
-// encoded payload can stand in many places of a chain without being encoded again.
+// Splits and assembles chunks by schemas/trace_format.md ("Chunk") alone, so that one encoded
+// payload can be used at many places of a chain.
 inline constexpr size_t kChunkHeadBytes = 90;
 inline constexpr size_t kChunkSignatureBytes = 64;
 

@@ -36,7 +36,7 @@ void Hostile::Misbehave(double now) {
     case HostileKind::kHalfOpen:
       return;
     case HostileKind::kSlowDrip: {
-      // The length of 1000 bytes, then one of them every now and then.
+      // The length of 1000 bytes, then one of them now and then.
       if (!done_) link_.SendRaw(Bytes{0xe8, 0x03, 0, 0});
       done_ = true;
       if (now - dripped_s_ < kDripEvery_s) return;

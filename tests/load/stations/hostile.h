@@ -16,8 +16,8 @@ enum class HostileKind {
 };
 inline constexpr int kHostileKinds = 5;
 
-// A peer without an enrolment that wastes what a server gives it; begins again whenever it is
-// thrown out. Same thread rules as Station.
+// A peer without an enrolment that wastes the server's resources, and returns whenever it is
+// disconnected. Same thread rules as Station.
 class Hostile {
  public:
   Hostile(const LinkTarget& target, int epoll, uint64_t tag, HostileKind kind)

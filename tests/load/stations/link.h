@@ -13,7 +13,7 @@
 
 namespace enamel::load {
 
-// Where all links of a load go, resolved once. The server is known by its certificate's
+// The target of all links of a load, resolved once. The server is identified by its certificate's
 // fingerprint.
 struct LinkTarget {
   sockaddr_storage address{};
@@ -21,12 +21,12 @@ struct LinkTarget {
   Sha256 fingerprint;
   std::shared_ptr<SSL_CTX> tls;
 };
-// Errors: kUnavailable when the name is not known.
+// Errors: kUnavailable for an unknown name.
 Result<LinkTarget> TargetOf(const net::Endpoint& server, const Sha256& fingerprint);
 
-// One station's TLS connection without threads or buffers of its own: OpenSSL on a non-blocking
-// socket that the caller's epoll watches, edge-triggered. Made to cost little, so that a thousand
-// of them leave the processor to the server. Thread safety: none.
+// One station's TLS connection without its own threads or buffers: OpenSSL on a non-blocking socket
+// that the caller's epoll watches, edge-triggered. Cheap, so that a thousand of them leave the
+// processor to the server. Thread safety: none.
 class Link {
  public:
   enum class State { kClosed, kOpening, kOpen };
@@ -39,19 +39,19 @@ class Link {
   Link& operator=(const Link&) = delete;
 
   void Open();
-  // What epoll asks for: goes on shaking hands and writing. Reading is NextMessage's.
+  // Call on an epoll event: continues the handshake and writing. NextMessage reads.
   void Advance();
-  // Frames it and writes what the system takes; the rest at the next Advance.
+  // Frames it and writes as much as the system accepts; the rest at the next Advance.
   void Send(ByteView message);
-  // Bytes as they are, not framed: for what no station would send.
+  // Raw bytes without a frame: for messages no station would send.
   void SendRaw(ByteView bytes);
   // A whole message, if there is one; call until there is none.
   bool NextMessage(Bytes& message);
-  // Ends it without a word, as a pulled cable does when `reset`, else with close_notify.
+  // `reset`: ends it abruptly, like a pulled cable; else with close_notify.
   void Close(bool reset = false);
 
   State state() const { return state_; }
-  // Bytes of frames handed over with Send, and of those, what the system has taken.
+  // Bytes of frames passed to Send, and the part the system has accepted.
   uint64_t queued() const { return queued_; }
   uint64_t written() const { return written_; }
   const std::string& problem() const { return problem_; }  // why it closed, for people

@@ -9,7 +9,7 @@ namespace enamel::load {
 namespace {
 
 constexpr int32_t kVoxel_nm = 200'000;
-// Coprime to any length of motion that matters: stations begin spread all over it.
+// Coprime to any relevant length of motion, so that the stations' starts are spread over all of it.
 constexpr size_t kStationStride = 7919;
 constexpr int32_t kAnchorUnit_nm = 10;  // schemas/trace_format.md, column 10
 
@@ -22,7 +22,7 @@ Status TakeTicks(const std::vector<Bytes>& chunks, Motion& motion) {
   return Status(Code::kInvalidInput, "expected a recording with at least one tick, found none");
 }
 
-// Counts and anchor moved together, so that the recording stays one of a bur beside its anchor.
+// Counts and anchor move together, so that the bur stays beside its anchor in the recording.
 trace::Tick Shifted(trace::Tick tick, int32_t cells, const std::array<int32_t, 3>& resolution_nm) {
   for (size_t axis = 0; axis < 3; ++axis) {
     tick.input.counts[axis] += cells;

@@ -18,7 +18,7 @@ Bytes HeaderFor(const School& school, ByteView ticket, Uuid& attempt) {
   return trace::EncodeHeader(header);
 }
 
-// Any 64 bits do: nothing is re-run while the load lasts.
+// Any 64 bits will do: nothing is re-run during the load.
 uint64_t StateHash(uint32_t seq) { return 0x9e3779b97f4a7c15u * (seq + 1u); }
 
 }  // namespace

@@ -9,13 +9,13 @@
 
 namespace enamel::load {
 
-// A station's attempt, every chunk chained and signed before the clock starts. Payloads repeat when
-// the attempt is longer than the stream they were cut from; heads and signatures never do. Memory:
-// 154 bytes a chunk beside the payloads. Thread safety: const after construction.
+// A station's attempt, every chunk chained and signed before the clock starts. Payloads repeat if
+// the attempt is longer than their stream; heads and signatures never do. Memory: 154 bytes a chunk
+// besides the payloads. Thread safety: const after construction.
 class Recording {
  public:
-  // Requires: the ticket is whole, payloads are not empty. The first chunk is decoded and its
-  // signature checked by common/trace.
+  // Requires: the ticket is whole, payloads are not empty. common/trace decodes the first chunk and
+  // checks its signature.
   Recording(const School& school, ByteView ticket, const trace::KeyPair& keys,
             std::vector<Payload> payloads, uint32_t chunks);
 

@@ -56,10 +56,10 @@ bool Station::Reached() const {
 
 double Station::Advance(double now) {
   if (!problem_.empty()) return kNever;
-  // Closed by somebody else since the last time.
+  // Closed by the other side since the last time.
   if (link_.state() == Link::State::kClosed && up_) Lost(now);
   if (link_.state() == Link::State::kClosed) {
-    // Goals behind us need no connection; streams and idle stations keep theirs.
+    // Reached goals need no connection; streams and idle stations keep theirs.
     if (Reached() && goal_ != Goal::kOpen) return kNever;
     if (now < again_s_) return again_s_;
     link_.Open();
@@ -301,7 +301,7 @@ void Station::NoteWritten(double now) {
   for (InFlight& chunk : in_flight_) {
     if (chunk.out_s == 0 && link_.written() >= chunk.ends_at) chunk.out_s = now;
   }
-  // A server that says nothing is given up like a dead one.
+  // A silent server is given up like a dead one.
   bool waiting = asked_ || !in_flight_.empty() || link_.state() == Link::State::kOpening;
   if (waiting && now - asked_s_ > kReplyWithin_s) link_.Close(true);
 }

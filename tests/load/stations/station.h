@@ -13,7 +13,7 @@
 
 namespace enamel::load {
 
-// What a load asks of its stations, one goal after the other.
+// A load's goals for its stations, one after the other.
 enum class Goal {
   kTicket,  // enrolled, and with `ticketed` signed in and holding a ticket
   kOpen,    // the attempt is open (or, without a recording, hello is said)
@@ -21,7 +21,7 @@ enum class Goal {
   kSeal,
 };
 
-// How the streams are disturbed and what goes with them. Shares are of chunks, 0 to 1.
+// Disturbances and companions of the streams. Shares are of chunks, 0 to 1.
 struct Disturbances {
   double repeated = 0;    // sent twice
   double disordered = 0;  // sent before the one in front of it
@@ -36,8 +36,8 @@ struct StationPlan {
   Disturbances disturbances;
 };
 
-// One simulated station: protocol, schedule and account of one attempt. Everything on its engine's
-// thread; times are seconds of one steady clock.
+// One simulated station: protocol, schedule and account of one attempt. Everything runs on its
+// engine's thread; times are seconds of one steady clock.
 class Station {
  public:
   Station(const LinkTarget& target, int epoll, uint64_t tag, StationPlan plan,
@@ -48,13 +48,13 @@ class Station {
   // Chunk k is due at start_s + (k + 1) chunk lengths.
   void SetStart(double start_s) { start_s_ = start_s; }
   void SetGoal(Goal goal) { goal_ = goal; }
-  // No more chunks than are due at `now` will be sent: the attempt ends there.
+  // Sends only the chunks due at `now`; the attempt ends there.
   void EndAt(double now);
 
-  // Does what can be done now: connects, reads, answers, sends. Returns when it wants to be called
-  // again without an event; infinity: only at an event.
+  // Does everything possible now: connects, reads, answers, sends. Returns the time of the next
+  // call without an event; infinity: only at an event.
   double Advance(double now);
-  // A cable pulled.
+  // Simulates a pulled cable.
   void Cut();
 
   bool Reached() const;
