@@ -30,8 +30,8 @@ TEST(CalibrateTest, WorstAxisIsTakenForEachQuantity) {
   EXPECT_DOUBLE_EQ(worst.delay_ticks.value, 2);
 }
 
-// The lower ends: b = 1.8, c = 0.045; the upper of d, a tenth more: K = 2 b f/(d + 1)^2, 2 b f =
-// 3600.
+// The lower ends: b = 1.8, c = 0.045; the upper end of d, a tenth more: K = 2 b f/(d + 1)^2, 2 b f
+// = 3600.
 TEST(CalibrateTest, ProposedProfileIsStableByTheMeasuredNumbersAndCarriesTheExercise) {
   auto built = scene::BuildBuiltinScene("block", 200'000);
   ASSERT_TRUE(built.ok());
@@ -44,7 +44,7 @@ TEST(CalibrateTest, ProposedProfileIsStableByTheMeasuredNumbersAndCarriesTheExer
                 3600 / std::pow(delay + 1.1, 2), 1);
     double friction_limit = 2 * 0.045 / 20e-6;
     double kc = static_cast<double>(p->coupling_mn_per_mm.value);
-    // The core knows whole ticks: 0.1, 1.5 and 2.1 are taken for 0, 2 and 2 (a quarter may be the
+    // The core uses whole ticks: 0.1, 1.5 and 2.1 count as 0, 2 and 2 (a quarter may be the
     // interval's own).
     const double held = delay == 0 ? 1 : 3;
     EXPECT_NEAR(

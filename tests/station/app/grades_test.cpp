@@ -16,8 +16,8 @@
 #include "station/devices/operators.h"
 #include "station/loop/tick_loop.h"
 
-// What simulated people earn in the exercises that come with Enamel, on coarse grids so that all of
-// them fit into a test: the lab measures at the demo's (enamel-lab grades).
+// Scores of simulated people in the built-in exercises, on coarse grids so that all of them fit
+// into a test: the lab measures on the demo's (enamel-lab grades).
 namespace enamel::station {
 namespace {
 
@@ -74,8 +74,8 @@ double PointsOf(const scoring::ScoreResult& score, std::string_view metric) {
   return -1;
 }
 
-// The exercises whose box a simulated person cuts as it is meant. A crown and the shapes of the
-// block need other hands.
+// The exercises whose box a simulated person can cut. A crown and the shapes of the block need
+// other hands.
 bool IsBoxOfACavity(const scene::Exercise& exercise) {
   return exercise.name.starts_with("class-") || exercise.name.starts_with("caries-");
 }
@@ -114,7 +114,7 @@ TEST_P(Grades, AReferenceScoresAHundredAgainstItselfAndAnUntouchedToothNothing) 
     }
     const auto nothing = ScoreOf(built_, exercise, Cut("dentist", exercise, 500), reference);
     EXPECT_EQ(nothing.score, 0);
-    // Who has ended the work as it should be may have left caries too.
+    // An operator who stopped early may have left caries too.
     const auto& gate = nothing.gates.at(0);
     const char* why = gate.name == "caries_left_percent" ? "caries was not removed" : "stopped early";
     EXPECT_NE(gate.reason.find(why), std::string::npos) << gate.reason;
@@ -138,7 +138,7 @@ TEST_P(Grades, AnotherGoodHandKeepsNinetyFivePointsAndADeepWallCostsItsOwnCriter
   }
 }
 
-// Whoever does one thing wrong falls below a good hand, and on what is wrong.
+// A person with one fault scores below a good hand, and for that fault.
 struct OneFault {
   const char* operator_name;
   const char* metric;
@@ -154,7 +154,7 @@ constexpr OneFault kOneFaults[] = {
 
 TEST_P(Grades, OneFaultFallsBelowAGoodHandAndOnItsOwnCriterion) {
   for (const scene::Exercise& exercise : exercises_) {
-    // The teeth with something special have the same class I cavity as the one without.
+    // The teeth with a speciality have the same class I cavity as the one without.
     if (exercise.name.starts_with("class-1") && std::string(GetParam()) != "molar") continue;
     SCOPED_TRACE(exercise.name);
     const CutTooth reference = Cut("dentist", exercise);
@@ -183,7 +183,7 @@ TEST_P(Grades, ADestroyedToothScoresNothing) {
   }
 }
 
-// The shape that an exercise asks for, and not the box around it.
+// The shape of an exercise, not the box around it.
 TEST(ShapesTest, TheDentistsCircleIsACircle) {
   auto built = scene::BuildBuiltinScene("block", kVoxel_nm);
   ASSERT_TRUE(built.ok());
@@ -237,7 +237,7 @@ TEST_P(Grades, SkillIsFoundInTheOrderItWasMade) {
     for (const OperatorPreset& preset : OperatorPresets()) {
       if (!HasUseFor(preset, built_.scene, exercise)) continue;
       const auto score = ScoreOf(built_, exercise, CutBy(preset, built_, exercise), reference);
-      // Who cuts the neighbour fails whatever the rest is like.
+      // A person who cuts the neighbour fails whatever the rest is like.
       if (score.critical_fail) continue;
       skill.push_back(preset.rank);
       scores.push_back(score.score);

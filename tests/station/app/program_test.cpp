@@ -18,7 +18,7 @@
 #include "tests/station/uplink/fake_server.h"
 #include "tests/support/temp_folder.h"
 
-// enamel-station as people run it: exit codes and what is said.
+// enamel-station as people run it: exit codes and output.
 namespace enamel::station {
 namespace {
 
@@ -61,7 +61,7 @@ class ProgramTest : public testing::Test {
     ASSERT_TRUE(SaveCredentials(folder_ / "data", c).ok());
   }
 
-  // An attempt that the server has had whole for so long.
+  // An attempt that the server has had whole for this long.
   Uuid KeptForDays(int days) {
     trace::Header header;
     header.ticket.attempt = Uuid::New();
@@ -179,7 +179,7 @@ TEST_F(ProgramTest, SettingsOfAWorkplaceAreRefusedOutOfRange) {
   }
 }
 
-// The server has had an attempt for eight days: by default that is forgotten.
+// The server has had an attempt for eight days: by default it is deleted.
 TEST_F(ProgramTest, SettingsFileReachesEveryCommandThatOpensTheWorkplace) {
   Enrol(1);
   const std::string settings = (folder_ / "station.toml").string();
@@ -343,7 +343,7 @@ TEST_F(ProgramTest, RefusedRecordingIsCountedAndToldAndFailsTheUpload) {
   EXPECT_TRUE((*Spool::Open(folder_ / "data"))->Get(id)->refused.empty());
 }
 
-// A page in the middle of the older of two recordings is overwritten.
+// Overwrites a page in the middle of the older of two recordings.
 TEST_F(ProgramTest, UploadSendsWhatCanBeReadAndFailsNamingWhatCannot) {
   FakeServer server(folder_);
   ASSERT_TRUE(SaveCredentials(folder_ / "data", server.NewStation()).ok());

@@ -11,7 +11,7 @@
 #include "station/lab/cutting/attempt.h"
 #include "tests/support/temp_folder.h"
 
-// `enamel-station replay` on recordings as they come: whole, cut short, reordered, of another
+// `enamel-station replay` on real kinds of recordings: whole, cut short, reordered, of another
 // scene.
 namespace enamel::station {
 namespace {

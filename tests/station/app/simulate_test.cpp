@@ -39,7 +39,7 @@ double Median(const SimulationReport& report, const std::string& plane) {
   return 1e9;
 }
 
-// He takes a floor for done within 7 um (cavity_plan.cpp); a voxel is 50.
+// He considers a floor done within 7 um (cavity_plan.cpp); a voxel is 50.
 TEST(SimulateTest, DentistCutsEveryPlaneToAThirdOfAVoxel) {
   SimulationReport report = Cut("dentist");
   EXPECT_TRUE(report.finished);
@@ -49,7 +49,7 @@ TEST(SimulateTest, DentistCutsEveryPlaneToAThirdOfAVoxel) {
   EXPECT_GT(report.force_p95_n, 0.5);
   EXPECT_LT(report.force_max_n, 2.5);
   EXPECT_EQ(report.removed_mm3[static_cast<size_t>(cutting::Tissue::kPulp)], 0);
-  // The box and what stood above it: at least 4.0 x 2.4 x 2.0 mm less four round corners.
+  // The box and the tooth above it: at least 4.0 x 2.4 x 2.0 mm less four round corners.
   double corners = (4 - 3.14159265) * 0.5 * 0.5 * 2;
   EXPECT_GT(report.removed_mm3[1] + report.removed_mm3[2], 4.0 * 2.4 * 2.0 - corners - 0.6);
 }

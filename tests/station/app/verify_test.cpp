@@ -53,7 +53,7 @@ class VerifyTest : public testing::Test {
     EXPECT_TRUE(WriteFileDurably(options_.trace, trace::EncodeTraceFile(file_)).ok());
     return VerifyRecording(options_);
   }
-  // Which of the checks failed, as the JSON says.
+  // Names of the failed checks, from the JSON.
   std::vector<std::string> Failed() const {
     auto bytes = ReadFile(options_.json);
     ENAMEL_CHECK(bytes.ok());

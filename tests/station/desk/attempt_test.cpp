@@ -25,7 +25,7 @@ using Clock = Workflow::Clock;
 
 constexpr char kPin[] = "804217";
 
-// A haptic board of this profile that says where it is a thousand times a second, or about so.
+// A haptic board of this profile that reports its pose about a thousand times a second.
 class PlayedBoard {
  public:
   PlayedBoard(const fs::path& node, const std::string& profile_name) : path_(node.string()) {
@@ -75,7 +75,7 @@ class PlayedBoard {
   std::thread player_;
 };
 
-// Attempts in the window, on tickets kept for later: pages are drawn as a person sees them.
+// Attempts in the window, on tickets kept for later; pages are drawn as for a person.
 class DeskAttemptTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -114,14 +114,14 @@ class DeskAttemptTest : public testing::Test {
     (void)pages_->Draw();
     screen_->End(attempt != nullptr ? &attempt->view().result() : nullptr);
   }
-  // Never waited for in full when all is well.
+  // A limit that is not reached when all is well.
   template <typename Until>
   [[nodiscard]] bool Reached(Until&& until) {
     const auto patience = Clock::now() + std::chrono::seconds(100);
     while (!until() && Clock::now() < patience) Frame();
     return until();
   }
-  // As far as the first tick.
+  // Up to the first tick.
   void Begin(const std::string& profile) {
     id_ = KeepAttempt(folder_ / "data", workplace_->spool(), workplace_->credentials(), ticket_key_,
                       server_->person, profile, kPin);
@@ -138,14 +138,14 @@ class DeskAttemptTest : public testing::Test {
     ASSERT_EQ(flow_->offers()[flow_->offer_index()].profile, profile);
     flow_->Start(false);
     ASSERT_TRUE(Reached([&] {
-      // On a machine with far too much to do the arm is not heard within its second: again.
+      // On an overloaded machine the arm is not heard within its second: tries again.
       const bool again = flow_->place() == Place::kExercise && !flow_->busy();
       if (again && !flow_->problem().empty()) flow_->Start(false);
       return flow_->place() == Place::kRunning;
     })) << flow_->problem();
   }
   const Snapshot& Newest() { return flow_->attempt()->run()->snapshot(); }
-  // For who wants to look.
+  // Writes a picture for people to look at.
   void Picture(const std::string& name) {
     const char* folder = ::getenv("ENAMEL_PICTURES");
     if (folder == nullptr) return;
@@ -196,7 +196,7 @@ TEST_F(DeskAttemptTest, PuttingTheHandpieceDownPausesAndSaysHowToGoOn) {
       << ui_->words();
   for (int i = 0; i < 3; ++i) Frame();
   Picture("put-down");
-  // Paused once each time it is put down, not as long as it lies there.
+  // Paused once each time it is put down, not continuously while it is in its holder.
   flow_->CloseDialog();
   const uint64_t ticks = Newest().counters.ticks;
   ASSERT_TRUE(Reached([&] { return Newest().counters.ticks >= ticks + 100; }));

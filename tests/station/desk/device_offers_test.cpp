@@ -17,7 +17,7 @@ namespace {
 using testing_support::HidBus;
 using testing_support::ScriptedHid;
 
-// Devices are files here: who may read and write the file may use the device.
+// Devices are files here: a person who may read and write the file may use the device.
 class DeviceOffersTest : public testing::Test {
  protected:
   void SetUp() override { HidBus::Get().Reset(); }

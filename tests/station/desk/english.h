@@ -4,7 +4,7 @@
 
 namespace enamel::station::desk {
 
-// What these tests read.
+// The language of these tests.
 inline const language::Words kEnglish(language::Language::kEnglish);
 
 }  // namespace enamel::station::desk

@@ -39,7 +39,7 @@ TEST(GapWatchTest, ResumedIsToldCalmlyUntilTheForceIsOn) {
     ASSERT_EQ(watch.Look(At(t, 90'000, true)), render::kWarnResumed) << t;
   }
   EXPECT_EQ(watch.Look(At(++t, 90'000)), 0u);
-  // It is said once: suspended again, the attempt is not resumed again.
+  // Shown once: when suspended again, the attempt is not resumed again.
   EXPECT_EQ(watch.Look(At(++t, 90'000, true)), 0u);
   EXPECT_EQ(watch.Look(At(++t, 90'004)), render::kWarnGap);
 }

@@ -24,7 +24,7 @@ class OpeningTest : public testing::Test {
   fs::path data() const { return folder_ / "data"; }
   fs::path file() const { return data() / "spool.sqlite"; }
   void Enrol() { ASSERT_TRUE(SaveCredentials(data(), server_->NewStation()).ok()); }
-  // A spool with an attempt of somebody, whose file is then destroyed in part.
+  // A spool with a person's attempt, whose file is then partly destroyed.
   void Damage() {
     const trace::Header header = HeaderOf(server_->person);
     {

@@ -17,8 +17,8 @@ using cutting::Volume;
 
 constexpr double kRadius_m = 0.5e-3;
 
-// A block of 8 x 8 x 5.6 mm at 0.1 mm, its top at z = 0, of dentin; pulp where `is_pulp` (m) says
-// so.
+// A block of 8 x 8 x 5.6 mm at 0.1 mm, its top at z = 0, of dentin; pulp where `is_pulp` (m) is
+// true.
 template <typename IsPulp>
 Volume Block(IsPulp&& is_pulp) {
   GridSpec spec{100'000, {12, 12, 9}, {-4'750'000, -4'750'000, -6'350'000}};
@@ -166,7 +166,7 @@ TEST(ReachWatchTest, WithoutATargetOrPulpThereIsNothingToTell) {
   EXPECT_FALSE(watch.reach().pulp_mm.has_value());
 }
 
-// A disc's leeway ends around the disc: a box cut within the square about it may be far beyond.
+// A disc's leeway ends around the disc: a box cut within the square around it may be far outside.
 TEST(ReachWatchTest, ADiscsLeewayIsMeasuredFromTheDisc) {
   const Volume initial = Block([](const dvec3&) { return false; });
   scene::CavityTarget target = Target();
@@ -184,7 +184,7 @@ TEST(ReachWatchTest, ADiscsLeewayIsMeasuredFromTheDisc) {
   watch.Look(scene::Prepared(initial, *shape));
   const auto leeway = watch.reach().leeway;
   ASSERT_TRUE(leeway.has_value());
-  // The corner lies 1.5 (sqrt 2 - 1) mm beyond the disc; known to a voxel.
+  // The corner is 1.5 (sqrt 2 - 1) mm outside the disc, known to a voxel.
   EXPECT_NEAR(leeway->left_mm, 0.25 - 0.621, 0.1);
   EXPECT_EQ(leeway->where, "place.outline");
 }

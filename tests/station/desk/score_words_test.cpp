@@ -13,7 +13,7 @@ namespace {
 
 using language::Language;
 
-// One that the golden file describes.
+// A criterion that the golden file describes.
 scoring::CriterionResult CriterionOf(const boost::json::object& told) {
   scoring::CriterionResult out;
   const auto text = [&](const char* member) { return std::string(told.at(member).as_string()); };
@@ -56,14 +56,14 @@ TEST(ScoreWordsTest, WhatIsNotKnownHereIsTheServersOwnText) {
   EXPECT_EQ(ReasonText(kEnglish, gate), "as the server says");
   gate.reasons = {{"keeps", {50}, {"%"}}, {"something_new", {1}, {"mm"}}};
   EXPECT_EQ(ReasonText(kEnglish, gate), "as the server says");
-  // A known code with too few values, of a server that is wrong.
+  // A known code with too few values, from a faulty server.
   for (const char* code : {"keeps", "within", "between", "stop_earlier", "fails_above", "any"}) {
     gate.reasons = {{code, {}, {}}};
     EXPECT_EQ(ReasonText(kEnglish, gate), "as the server says") << code;
   }
 }
 
-// Every text that is built in (tests/common/scene compares the list with what the code makes).
+// Every built-in text (tests/common/scene compares the list with the code's).
 TEST(ScoreWordsTest, EveryBuiltInTextHasWordsInEveryLanguage) {
   auto bytes =
       ReadFile(std::filesystem::path(ENAMEL_SOURCE_DIR) / "schemas/golden/builtin_words.txt");
@@ -96,7 +96,7 @@ TEST(ScoreWordsTest, WhatASchoolHasWrittenStaysAsItWasTyped) {
     EXPECT_EQ(WordedTitle(german, text), text);
     EXPECT_EQ(WordedText(german, text), text);
   }
-  // Built in but for a number that nothing holds.
+  // Built in except for a number that no double holds.
   const std::string huge = "Practice: Line, " + std::string(400, '9') + " x 1.5 mm and 2.0 mm deep";
   EXPECT_EQ(WordedTitle(german, huge), huge);
 }

@@ -36,7 +36,7 @@ TEST(StationFactsLines, NameWhatSomebodyHasToDo) {
   EXPECT_TRUE(Says(lines, "3 MB free: TOO LITTLE"));
 }
 
-// What waits is known before anybody signs in, and without the server.
+// Waiting recordings are known before anybody signs in, and without the server.
 TEST(StationFactsOf, AStationWithoutItsServerTellWhatWaits) {
   std::string name = (fs::temp_directory_path() / "enamel_facts_XXXXXX").string();
   const fs::path folder = ::mkdtemp(name.data());

@@ -12,7 +12,7 @@
 namespace enamel::station::desk {
 namespace {
 
-// The exercise whose name begins so, with the tooth.
+// The exercise whose name begins like this, with its tooth.
 struct Task {
   scene::BuiltScene built;
   scene::CavityTarget target;

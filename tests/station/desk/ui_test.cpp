@@ -22,7 +22,7 @@ class UiTest : public testing::Test {
     ui_.emplace(*screen_);
   }
 
-  // Frames until all that was injected has been taken, and two more.
+  // Runs frames until all injected input has been taken, and two more.
   template <typename Page>
   void Play(Page&& page) {
     int more = 2;
@@ -60,7 +60,7 @@ TEST_F(UiTest, AProblemIsASentenceOnThePage) {
   EXPECT_EQ(ui_->words(), "Login or password is wrong\n6 digits\n");
 }
 
-// Whether these letters are shown as themselves, in this size.
+// Whether these letters have their own shapes in this size.
 bool HasLetters(const ImFont& font, std::string_view text) {
   while (!text.empty()) {
     const std::optional<uint32_t> code = NextCodePoint(text);
@@ -84,7 +84,7 @@ TEST_F(UiTest, RemarkIsReadInAnyScriptThatTheLettersHave) {
   const bool chinese = render::FindChineseFont().has_value();
   EXPECT_EQ(HasLetters(*ui_->fonts().text, text.substr(0, 12)), chinese);
   EXPECT_TRUE(HasLetters(*ui_->fonts().text, text.substr(13)));
-  // What no letters have is a sign to see all the same.
+  // A character without a shape still appears, as a substitute.
   Play([&] { page("\U0001f600"); });
   EXPECT_NE(ui_->fonts().text->FallbackGlyph, nullptr);
   EXPECT_TRUE(HasLetters(*ui_->fonts().text, text.substr(13))) << "and the others stay";

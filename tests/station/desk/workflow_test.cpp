@@ -13,7 +13,7 @@ using Clock = Workflow::Clock;
 
 constexpr char kPin[] = "804217";
 
-// A workplace of its own against a server on loopback; frames are calls of Tick.
+// A separate workplace with a server on loopback; frames are calls of Tick.
 class WorkflowTest : public testing::Test {
  protected:
   WorkflowTest() {
@@ -52,7 +52,7 @@ class WorkflowTest : public testing::Test {
     server_->person = person;
   }
 
-  // An attempt of this person: with its end, or cut off.
+  // An attempt of this person, complete or interrupted.
   Uuid Recorded(const Uuid& person, bool ended) {
     trace::Header header = HeaderOf(person);
     EXPECT_TRUE(workplace_->spool().BeginAttempt(header, "class-1", "pointer").ok());

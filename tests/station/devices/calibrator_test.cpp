@@ -23,7 +23,7 @@ struct Truth {
   double rate_hz = 1000;
 };
 
-// Reports in counts finer than its cell, as a board that interpolates would.
+// Reports in counts finer than its cell, like a board that interpolates.
 DeviceSample Finer(DeviceSample s, double cells_per_count) {
   for (auto& c : s.counts) c = static_cast<int32_t>(std::lround(c * cells_per_count));
   return s;
@@ -132,7 +132,7 @@ TEST(CalibratorTest, AgreesWithAnIndependentSimulation) {
   ExpectAgrees({"plant", 15e-6, 0, 0.06, 2.2, 0.12, 2}, *axes);
 }
 
-// A mass with damping, one axis like another, whose forces arrive after any part of a tick.
+// A mass with damping, all axes alike, whose forces arrive after any fraction of a tick.
 class LateDevice {
  public:
   LateDevice(double mass_kg, double b, double cell_m, double delay_ticks)
@@ -161,7 +161,7 @@ class LateDevice {
 };
 
 // Nine tenths of it never exceed the limit for the true delay, Kc <= 2 b / ((d + 1)^2 T)
-// (haptics/coupling.h), whatever part of a tick that is; nor is it given away.
+// (haptics/coupling.h), for any fraction of a tick, and are not needlessly low.
 TEST(CalibratorTest, APartOfATickOfDelayIsNotLeftOutOfTheLimitOfKc) {
   constexpr double kT = 1e-3, kDamping = 1.5;
   for (double d : {0.0, 0.2, 0.4, 0.5, 0.9, 1.0, 1.1, 1.4, 1.5, 2.6, 3.3}) {
@@ -188,7 +188,7 @@ TEST(CalibratorTest, IntervalsHoldTheTruthMostOfTheTime) {
     Truth truth{"interval", 10e-6, 5e-6, 0.03 + 0.01 * i, 1 + 0.4 * i, 0.05 + 0.02 * i, 1};
     for (const AxisFigures& a : Measure(truth, truth.cell_m)) {
       all += 2;
-      // The interval is of the scatter; one per cent is allowed for the model.
+      // The interval covers the scatter; one per cent is allowed for the model.
       inside += std::fabs(a.damping_n_s_per_m.value - truth.damping_n_s_per_m) <=
                 a.damping_n_s_per_m.uncertainty + 0.01 * truth.damping_n_s_per_m;
       inside += std::fabs(a.friction_n.value - truth.friction_n) <=
@@ -198,10 +198,10 @@ TEST(CalibratorTest, IntervalsHoldTheTruthMostOfTheTime) {
   EXPECT_GE(inside, all * 8 / 10) << inside << " of " << all;
 }
 
-// A device that shares nothing with the calibrator's own model: two masses with a structural mode
-// (the encoder on the motor's side), friction and damping of each axis its own, friction stronger
-// one way than the other, ticks that jitter, forces that arrive after any part of a tick, joint
-// counts off by whole counts, taken to x, y and z and rounded again.
+// A device that shares nothing with the calibrator's own model. It has two masses with a structural
+// mode (the encoder on the motor's side), friction and damping that differ by axis, and friction
+// stronger in one direction. Ticks jitter, forces arrive after any fraction of a tick, and joint
+// counts are off by whole counts, converted to x, y and z and rounded again.
 struct RoughTruth {
   std::array<double, 3> mass_kg{0.1, 0.1, 0.1}, damping_n_s_per_m{2, 2, 2},
       friction_n{0.05, 0.05, 0.05};
@@ -217,7 +217,7 @@ class RoughDevice {
   explicit RoughDevice(const RoughTruth& truth)
       : truth_(truth), random_(truth.seed), from_joints_(glm::inverse(truth.joints)) {}
 
-  // Arrives delay later, by the clock, not by ticks.
+  // Arrives after the delay by the clock, not by ticks.
   void Send(const dvec3& force_n) {
     sent_.push_back({time_s_ + truth_.delay_ticks * kTick_s, force_n});
   }
@@ -322,10 +322,10 @@ struct Tally {
   }
 };
 
-// Delays of 0 to 3.7 ticks; plain, with a mode and jitter, with noise of a count, on rotated
-// joints, those with noise and a coarse driver, and all of it with friction stronger one way. The
-// intervals are of 95 in 100: of 90 that is 85.5 +- 2.1; 81 would be seen by chance once in 40
-// runs.
+// Delays of 0 to 3.7 ticks. Plain; with a mode and jitter; with noise of a count; on rotated
+// joints; these with noise and a coarse driver; and all of it with friction stronger in one
+// direction. The intervals hold 95 in 100: of 90 that is 85.5 +- 2.1; 81 would occur by chance once
+// in 40 runs.
 TEST(CalibratorTest, FindsRoughDevicesWithinItsOwnIntervals) {
   Tally cell, friction, damping, mass, delay;
   uint64_t seed = 1000;
@@ -359,7 +359,7 @@ TEST(CalibratorTest, FindsRoughDevicesWithinItsOwnIntervals) {
     std::printf("%s: %d of %d inside, worst %.3f%s\n", name, t->inside, t->all, t->worst,
                 t == &delay ? " ticks" : "");
   }
-  // And no interval hides behind its width.
+  // And no interval is too wide.
   EXPECT_LT(cell.worst, 0.1);
   EXPECT_LT(friction.worst, 0.15);
   EXPECT_LT(damping.worst, 0.1);

@@ -54,7 +54,7 @@ TEST(OutlineTest, SidesThatShrinkAwayGoAndTheOthersStayWhereTheyAre) {
 }
 
 TEST(OutlineTest, ADiscMovedByOneSideMoreKeepsItsOtherSide) {
-  // As whoever cuts one wall too far: more the more a side faces mesially.
+  // Like a person who cuts one wall too far: the more a side faces mesially, the farther.
   const Outline o = Moved(OutlineOf(Disc(2'500)), [](const glm::dvec2& out) {
     return 0.2e-3 * std::max(out.x, 0.0) - 0.15e-3 * std::max(-out.x, 0.0);
   });

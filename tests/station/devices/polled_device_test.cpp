@@ -12,7 +12,7 @@
 namespace enamel::station {
 namespace {
 
-// A library whose reads come when the test lets them.
+// A library whose reads return when the test permits.
 struct Script {
   std::mutex mutex;
   std::condition_variable changed;
@@ -31,7 +31,8 @@ struct Script {
     gone = true;
     changed.notify_all();
   }
-  // Not only last: a force that is not renewed is gone within milliseconds. Called in Await.
+  // Among all calls, not only the last: a force that is not renewed ends within milliseconds.
+  // Called in Await.
   bool WasSent(const dvec3& force_n) const {
     return std::ranges::find(sent, force_n) != sent.end();
   }
@@ -49,7 +50,7 @@ class ScriptedBus final : public PolledBus {
   std::string Driver() const override { return "scripted"; }
   bool Read(Pose& out) override {
     std::unique_lock lock(script_->mutex);
-    // Bounded, as a library's call is: what is read then is the same pose again.
+    // Bounded, like a library's call: it then reads the same pose again.
     script_->changed.wait_for(lock, std::chrono::milliseconds(5), [&] {
       return script_->gone || script_->read < script_->poses.size();
     });

@@ -37,7 +37,7 @@ Volume Followed(const std::vector<Move>& plan, const cutting::Bur& bur, Volume v
   return volume;
 }
 
-// Solid of `a` that `b` does not have, mm3.
+// Solid of `a` that `b` lacks, mm3.
 double More_mm3(const Volume& a, const Volume& b) {
   const ivec3 n = a.spec().voxels();
   double sum = 0;

@@ -122,7 +122,7 @@ PlantParams Wrist(int substeps = 64) {
   return p;
 }
 
-// Turned by the hand's spring alone: inertia I, stiffness k, damping d. Chord and angle differ by
+// Turned only by the hand's spring: inertia I, stiffness k, damping d. Chord and angle differ by
 // the cube of the angle.
 TEST(SimulatedDeviceTest, TurnsLikeADampedOscillator) {
   const PlantParams p = Wrist();
@@ -138,7 +138,7 @@ TEST(SimulatedDeviceTest, TurnsLikeADampedOscillator) {
         tilt *
         (1 - std::exp(-gamma * t) * (std::cos(omega * t) + gamma / omega * std::sin(omega * t)));
     ASSERT_NEAR(2 * device.orientation().y, exact, 0.002 * tilt) << i;
-    // What is recorded is within the cell of what is true.
+    // The recorded value is within a cell of the true one.
     const Quat error = FromQuantised(s.orientation) * device.orientation().Conjugate();
     ASSERT_LE(2 * std::sqrt(error.x * error.x + error.y * error.y + error.z * error.z), 300e-6);
   }

@@ -11,8 +11,8 @@
 #include "tests/station/hid/hid_double.h"
 #include "tests/support/block_plan.h"
 
-// Whatever a device sends: streams drawn from seeds, and what must hold of each of them. What is
-// expected is worked out here, from the documents, not by the code under test.
+// Any stream a device may send: drawn from seeds, with the properties that must hold for all. The
+// test computes the expected values from the documents, not with the code under test.
 namespace enamel::station::hid {
 namespace {
 
@@ -21,7 +21,8 @@ using testing_support::ScriptedHid;
 
 constexpr const char* kPath = "/dev/hidraw4";
 
-// Draws; the same for a seed on every machine (distributions of the library are not).
+// Random numbers that are the same for a seed on every machine (distributions of the library are
+// not).
 class Dice {
  public:
   explicit Dice(uint32_t seed) : random_(seed) {}
@@ -68,7 +69,7 @@ ScriptedHid Plugged(const FeatureReport& feature, const wchar_t* serial) {
   return d;
 }
 
-// What schemas/hid_haptic_report.md says of a stream: which reports count, and how.
+// The rules of schemas/hid_haptic_report.md for a stream: which reports count, and how.
 class Expected {
  public:
   void Take(const Bytes& bytes) {
@@ -111,7 +112,7 @@ class Expected {
   static uint32_t Little(const Bytes& b, size_t at) {
     return b[at] | b[at + 1] << 8 | b[at + 2] << 16 | static_cast<uint32_t>(b[at + 3]) << 24;
   }
-  // CRC-16/CCITT-FALSE, by a table of nibbles: not as the code does it.
+  // CRC-16/CCITT-FALSE, by a table of nibbles: a different way than in the code.
   static uint16_t Crc(const Bytes& b, size_t n) {
     uint16_t crc = 0xFFFF;
     for (size_t i = 0; i < n; ++i) {
@@ -130,7 +131,7 @@ class Expected {
   uint32_t last_ = 0;
 };
 
-// Keeps what the loop sent.
+// Keeps the forces sent by the loop.
 class Watched final : public Device {
  public:
   explicit Watched(Device& inner) : inner_(inner) {}
@@ -205,7 +206,7 @@ class AnyStreamTest : public testing::TestWithParam<uint32_t> {
     return Sealed(std::move(b));
   }
 
-  // One report of what can come; mostly the next one.
+  // One possible report; mostly the next one.
   Bytes Draw() {
     Bytes b = Next();
     switch (dice_.Below(60)) {
@@ -296,7 +297,7 @@ class AnyStreamTest : public testing::TestWithParam<uint32_t> {
     }
   }
 
-  // Unplugged in the middle of everything; back after a while, perhaps as another one first.
+  // Unplugged at any time; returns later, perhaps as another device first.
   void Replug() {
     const uint64_t before = board_->counters().detached;
     bus_.Unplug(kPath);
@@ -325,7 +326,7 @@ class AnyStreamTest : public testing::TestWithParam<uint32_t> {
     bus_.Plug(Plugged(Feature(), L"A1"));
     ASSERT_TRUE(bus_.Await([](HidBus& b) { return b.handle_count() == 2; }));
     if (dice_.OneIn(2)) sequence_ = dice_.Any();
-    // The foot has stayed on the pedal: that is no release, and no force comes back.
+    // The foot has stayed on the pedal: that is not a release, and no force returns.
     const bool pedal = pedal_;
     pedal_ = true;
     for (int i = 0; i < 5; ++i) {
@@ -371,7 +372,7 @@ TEST_P(AnyStreamTest, TheBoardsForceIsBoundedAndItsReportsCountAsTheDocumentSays
     ASSERT_NO_FATAL_FAILURE(AwaitTaken());
     for (uint32_t n = stalled ? 8 : dice_.Below(2) + 1; n > 0; --n) {
       ASSERT_NO_FATAL_FAILURE(Tick()) << "step " << step;
-      // However soon it was over, what ended the trust in the poses is seen.
+      // However brief, the event that ended the trust in the poses is seen.
       if (broke) {
         ASSERT_NE(loop_->fault(), Fault::kNone) << "step " << step;
       }

@@ -27,7 +27,7 @@ class FootPedalTest : public testing::Test {
   FootPedalTest() { bus_.Reset(); }
   ~FootPedalTest() override { bus_.Reset(); }
 
-  // Until the pedal's thread has seen it, or ten seconds.
+  // Waits until the pedal's thread has seen it, at most ten seconds.
   static bool Becomes(const FootPedal& pedal, uint8_t buttons) {
     for (int i = 0; i < 10'000 && pedal.buttons() != buttons; ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -125,7 +125,7 @@ class HapticBoardTest : public testing::Test {
     }
     EXPECT_TRUE(reached(board_->counters()));
   }
-  // Sends a force, and awaits that the board has been asked for its motors.
+  // Sends a force, and waits until the board's motors were requested.
   bool Drive() {
     board_->SendForce(dvec3(0, 0, 0.5));
     return bus_.Await([](HidBus& b) {
@@ -248,7 +248,7 @@ TEST_F(HapticBoardTest, WritesTheForceInItsOwnAxesAndItsDirectionWithinItsPeak) 
   EXPECT_EQ(out.watchdog_ms, 100);
 }
 
-// A torque is turned as a force is; a board of three axes gets none.
+// A torque is turned like a force; a board of three axes gets none.
 TEST_F(HapticBoardTest, WritesTheTorqueInItsOwnAxesWhereItDrivesThem) {
   for (uint8_t axes : {uint8_t{6}, uint8_t{3}}) {
     FeatureReport feature = Feature();
@@ -284,7 +284,7 @@ TEST_F(HapticBoardTest, StalledWriteHoldsUpNeitherReadingNorTheTickAndIsFollowed
   board_->SendForce(dvec3(0, 0, 1));
   ASSERT_TRUE(bus_.Await([](HidBus& b) { return b.waiting() == 1; }));
   size_t before = bus_.Written().size();
-  // The write is stuck for as long as this takes: ten ticks and more.
+  // The write is stuck for this long: ten ticks and more.
   size_t allocations = 0;
   for (uint32_t tick = 1; tick <= 50; ++tick) {
     Send(At(100 + tick, 3000 + static_cast<int32_t>(tick)));
@@ -299,8 +299,7 @@ TEST_F(HapticBoardTest, StalledWriteHoldsUpNeitherReadingNorTheTickAndIsFollowed
   EXPECT_EQ(allocations, 0u);
   bus_.HoldWrites(false);
   ASSERT_TRUE(bus_.Await([&](HidBus& b) { return b.written_count() >= before + 2; }));
-  // What was stuck, and then one force for the fifty: the last, or on a slow machine what is left
-  // of it.
+  // The stuck force, and then one for the fifty: the last, or on a slow machine its remainder.
   OutputReport next;
   ASSERT_EQ(DecodeOutput(bus_.Written()[before + 1], next), ReportError::kNone);
   EXPECT_LE(next.force_100un[2], 5000);
@@ -367,7 +366,7 @@ TEST_F(HapticBoardTest, AnotherBoardBehindTheSameIdsIsNotTaken) {
   for (const ScriptedHid& other : {Plugged(Feature(20'000)), Plugged(weaker), numbered}) {
     int opened = bus_.Opened();
     bus_.Plug(other);
-    // It is looked at, and again.
+    // Opened twice, and refused each time.
     ASSERT_TRUE(bus_.Await([&](HidBus& b) { return b.opened() >= opened + 2; }));
     Send(At(101, 3001));
     EXPECT_FALSE(board_->ReadSample().attached);
@@ -528,7 +527,7 @@ TEST_F(HapticBoardTest, ABoardThatReportsTooSeldomForTheExerciseIsNotOpenedForIt
   EXPECT_NE(device.status().message().find("1000 times"), std::string::npos);
 }
 
-// What its watchdog said before it was driven is no news.
+// A watchdog report from before it was driven is not news.
 TEST_F(HapticBoardTest, AWatchdogThatTripsWhileItIsDrivenIsASwitchOffAndOneFromBeforeIsNone) {
   bus_.Plug(Plugged());
   first_.status = kWatchdogTripped;
@@ -537,7 +536,7 @@ TEST_F(HapticBoardTest, AWatchdogThatTripsWhileItIsDrivenIsASwitchOffAndOneFromB
   ASSERT_TRUE(Drive());
   Send(At(102, 3001));
   EXPECT_TRUE(Until([](const DeviceSample& d) { return d.sequence == 102; }).driven);
-  // For one report between two ticks: seen all the same.
+  // For only one report between two ticks: still seen.
   InputReport tripped = At(103, 3001);
   tripped.status = kWatchdogTripped;
   Send(tripped);
@@ -578,7 +577,8 @@ TEST_F(HapticBoardTest, MotorsThatGoOffByThemselvesAreASwitchOffWhileItLasts) {
     return Until([&](const DeviceSample& d) { return d.sequence == sequence; }).driven;
   };
   EXPECT_TRUE(driven(101, 0));  // it has not taken effect yet
-  // When this thread is held up for 20 ms the board itself is told to switch them off: tried anew.
+  // If this thread is held up for 20 ms, the keeper itself switches the motors off, so the test
+  // tries again.
   bool seen = false;
   for (uint32_t sequence = 102; !seen && sequence < 200; sequence += 3) {
     EXPECT_TRUE(driven(sequence, kMotorsOn));
@@ -612,7 +612,7 @@ TEST_F(HapticBoardTest, AProfileWithTorqueNeedsABoardThatDrivesSixAxesAndSaysHow
   EXPECT_EQ(CheckBoard(board, profile, 1000).field(), "axes");
 }
 
-// The whole way: a board cutting the block, unplugged between reading and sending.
+// The whole chain: a board cutting the block, unplugged between reading and sending.
 TEST_F(HapticBoardTest, UnpluggedMidCutIsCommandedZeroWithinTwoTicksOfBeingSeen) {
   test::BlockPlan block = test::MakeBlockPlan();
   const int32_t start = block.CountsAbove(300'000);
@@ -637,7 +637,7 @@ TEST_F(HapticBoardTest, UnpluggedMidCutIsCommandedZeroWithinTwoTicksOfBeingSeen)
     loop.Tick();
     ASSERT_TRUE(ring.Pop(recorded));
   };
-  // Still for the tenth of a second that it asks for, then down.
+  // Still for the tenth of a second that it requires, then down.
   for (int i = 0; i < 110; ++i) tick(start);
   for (int i = 1; i < 120 && recorded.tick.witness.force_sent_100un[2] < 2000; ++i) tick(start - i);
   ASSERT_GE(recorded.tick.witness.force_sent_100un[2], 2000);

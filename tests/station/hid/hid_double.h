@@ -12,7 +12,7 @@
 #include "common/base/bytes.h"
 
 // hidapi without a bus: linked in place of libhidapi, with devices that a test plugs in and
-// scripts. Every function the station calls is here, with hidapi's shape and return values.
+// scripts. It has every function that the station calls, with hidapi's signature and return values.
 namespace enamel::station::testing_support {
 
 struct ScriptedHid {
@@ -28,21 +28,21 @@ class HidBus {
  public:
   static HidBus& Get();
 
-  // No devices, nothing scripted. Handles that are still open read "gone".
+  // No devices, nothing scripted. Handles that are still open read as detached.
   void Reset();
   void Plug(const ScriptedHid& device);
   // Reads and writes of its open handles fail from now on; waiting ones return at once.
   void Unplug(const std::string& path);
   // One input report, to every open handle of the device and no other.
   void Send(const std::string& path, ByteView report);
-  // Writes wait until they are let go (the bus is stalled).
+  // Writes wait until they are released (the bus is stalled).
   void HoldWrites(bool held);
   int WritesWaiting();
   std::vector<Bytes> Written();
   int OpenHandles();
-  // Handles that were ever opened since Reset.
+  // Number of handles opened since Reset.
   int Opened();
-  // Until `what` holds of this bus, or ten seconds have passed: false then.
+  // Waits until `what` is true of this bus; false after ten seconds.
   template <typename What>
   bool Await(What what) {
     std::unique_lock lock(mutex_);

@@ -20,7 +20,7 @@
 #include "tests/station/sdk/fake_sdk.h"
 #include "tests/support/tick_guard.h"
 
-// What a tick may not do, with every driver there is; and a consumer that has stalled, likewise.
+// Prohibited actions of a tick, checked with every driver, and with a stalled consumer.
 namespace enamel::station {
 namespace {
 
@@ -52,7 +52,7 @@ World MakeWorld() {
   return w;
 }
 
-// A driver, and what makes its device say something new. Feed returns when the driver has it.
+// A driver, and a function that gives its device new data. Feed returns when the driver has it.
 struct Rig {
   std::unique_ptr<Device> device;
   std::function<void(int)> feed = [](int) {};
@@ -172,7 +172,7 @@ Rig MakeRig(const std::string& driver, const World& w) {
   return Sdk(w, "openhaptics", FakeSdk::OpenHaptics());
 }
 
-// Passes a driver's calls on and watches over them.
+// Passes a driver's calls on and monitors them.
 class Watched final : public Device {
  public:
   explicit Watched(Device& inner) : inner_(inner) {}
@@ -289,8 +289,8 @@ INSTANTIATE_TEST_SUITE_P(Drivers, DriverTicksTest,
                                          "openhaptics"),
                          [](const auto& param) { return param.param; });
 
-// What the window and the uplink take from a tick, as TickFeed and RunningAttempt do, while neither
-// looks: a window that is being opened, drags or hangs; a network that is gone.
+// The consumers of a tick in the window and the uplink, as TickFeed and RunningAttempt, while
+// neither reads: a window being opened or dragged, or hanging; a network failure.
 class NobodyLooks final : public TickObserver {
  public:
   explicit NobodyLooks(const cutting::Volume& volume) : bricks_(volume.spec().brick_count(), 4) {}

@@ -17,7 +17,7 @@
 namespace enamel::station {
 namespace {
 
-// Plays what it is told and remembers the forces it was sent.
+// Plays scripted samples and remembers the forces it was sent.
 class ScriptedDevice final : public Device {
  public:
   std::string Name() const override { return "scripted"; }
@@ -79,8 +79,8 @@ TEST_F(TickLoopTest, RecordsEachSteppedTickWithTheForceThatWasSent) {
   EXPECT_EQ(loop.snapshot().counters.ticks, 100u);
 }
 
-// A six-axis device twists the bur in the block: torque with the force, and none where there is
-// none.
+// A six-axis device twists the bur in the block: torque with the force, and no torque without
+// force.
 TEST_F(TickLoopTest, TorqueIsSentWithTheForceAndIsZeroWithIt) {
   params_.rotational_kc_un_m_per_rad = 800'000;
   params_.peak_torque_un_m = 200'000;
@@ -114,7 +114,7 @@ TEST_F(TickLoopTest, TorqueIsSentWithTheForceAndIsZeroWithIt) {
     loop.Tick();
   }
   EXPECT_LT(device_.last_torque.x, -0.01);
-  // A tick that is late leaks by turning too: here K/2 |dphi|^2, nothing moves but the angle.
+  // A late tick leaks by turning too: here K/2 |dphi|^2, only the angle changes.
   const double before = loop.counters().leak_j;
   device_.sample.orientation = {2200, 0, 0, 32700};
   loop.Tick(0.0015);
@@ -151,9 +151,9 @@ class TwistingHand final : public SimulatedOperator {
   int tick_ = 0;
 };
 
-// The whole way: hand, device, core and motors. The wall holds the bur, so two springs share the
+// The whole chain: hand, device, core and motors. The wall holds the bur, so two springs share the
 // tilt: the hand's 1 N m/rad and the torque's 0.8 leave the device at 1/1.8 of it. Without torque
-// it is where the hand wants it.
+// it is at the hand's angle.
 TEST(TorqueLoopTest, ATwistedHandpieceInItsHoleIsHeldByTheTorquesSpring) {
   for (bool torque : {true, false}) {
     core::CoreParams params = test::ParamsFor({cutting::BurShape::kCylinder, 0.6e-3, 4e-3});
@@ -330,17 +330,17 @@ TEST_F(TickLoopTest, UnpluggedMidCutCommandsZeroInTheTickThatSeesIt) {
   EXPECT_EQ(loop.fault(), Fault::kUnplugged);
   for (int i = 0; i < 20; ++i) loop.Tick();
   EXPECT_EQ(device_.last_force, dvec3(0));
-  // What the bur had passed and not yet cut is cut, within a voxel; nothing after.
+  // Tissue that the bur had passed but not yet cut is cut, within a voxel; nothing afterwards.
   EXPECT_LE(core.removed()[static_cast<size_t>(cutting::Tissue::kGypsum)] -
                 removed[static_cast<size_t>(cutting::Tissue::kGypsum)],
             65536 * 200);
-  // The pedal alone does not help while it is away.
+  // While it is away, pressing the pedal does not help.
   device_.sample.buttons = 0;
   loop.Tick();
   device_.sample.buttons = kPedal;
   for (int i = 0; i < 5; ++i) loop.Tick();
   EXPECT_EQ(loop.fault(), Fault::kUnplugged);
-  // Back: the pedal is down already and counts only when pressed anew with the device there.
+  // Back: the pedal is already down and counts only when pressed again with the device attached.
   device_.sample.attached = device_.sample.fresh = true;
   device_.sample.buttons = 0;
   loop.Tick();
@@ -360,7 +360,7 @@ TEST_F(TickLoopTest, APedalThatWentAwayWithItsDeviceWasNotReleased) {
     device_.sample.buttons = pedal ? kPedal : 0;
     loop.Tick();
   };
-  // Released before, unplugged, back with the foot on it: the press was not seen.
+  // Released before unplugging, and back with the foot on it: the press was not seen.
   tick(true, true);
   loop.Tick(0.006);
   tick(true, false);
@@ -457,7 +457,7 @@ TEST_F(TickLoopTest, NoForceUntilTheDeviceWasStillAndThenOnlyFromZero) {
   SampleRing ring(8000);
   device_.still_s = 0.1;
   TickLoop loop(device_, core, ring, {1000, false, true});
-  // Plunges into the block at 100 mm/s, as somebody who grabs it: no force, no cut.
+  // Plunges into the block at 100 mm/s, like a person grabbing it: no force, no cut.
   device_.step = 10;
   for (int i = 0; i < 90; ++i) {
     loop.Tick();
@@ -465,7 +465,7 @@ TEST_F(TickLoopTest, NoForceUntilTheDeviceWasStillAndThenOnlyFromZero) {
   }
   EXPECT_EQ(core.removed()[static_cast<size_t>(cutting::Tissue::kGypsum)], 0);
   // Back above it and still; then slowly down. The force begins at 0 and grows by at most Kc times
-  // the way per tick.
+  // the distance per tick.
   Sample s;
   while (ring.Pop(s)) {
   }
@@ -527,7 +527,7 @@ TEST_F(TickLoopTest, PutDownInTheMiddleForceAndBurGoOffAndComeBackSoftlyWhenItIs
       ASSERT_TRUE(ring.Pop(s));
       ASSERT_EQ(s.tick.input.flags & core::kBurOn, 0);
     }
-    // What the bur had passed and not yet cut is cut, within a voxel; nothing after.
+    // Tissue that the bur had passed but not yet cut is cut, within a voxel; nothing afterwards.
     EXPECT_LE(core.removed()[static_cast<size_t>(cutting::Tissue::kGypsum)] -
                   removed[static_cast<size_t>(cutting::Tissue::kGypsum)],
               65536 * 200);
@@ -568,7 +568,7 @@ TEST_F(TickLoopTest, ADeviceThatSwitchedItsForceOffHasNoneUntilThePedalIsPressed
   loop.Tick();
   EXPECT_EQ(loop.fault(), Fault::kSwitchedOff);
   EXPECT_EQ(device_.last_force, dvec3(0));
-  // It drives again: the pedal has been down all the while.
+  // It drives again: the pedal has been down all the time.
   device_.sample.driven = true;
   for (int i = 0; i < 100; ++i) {
     loop.Tick();
@@ -606,9 +606,8 @@ TEST_F(TickLoopTest, PeriodsThatPassWhileATickIsLateAreDeclaredExactly) {
   EXPECT_EQ(loop.snapshot().counters.gap_ticks, 0u);
 }
 
-// The same motion, once in time and once with periods skipped now and then: the force in the tick
-// after is what it would have been, within what the missed ticks' way is worth; nothing is
-// suspended.
+// The same motion, once in time and once with skipped periods. The force in the tick after a skip
+// equals the one without it, within the effect of the missed distance; nothing is suspended.
 TEST_F(TickLoopTest, APeriodThatIsSkippedIsNotFelt) {
   auto forces = [&](bool late) {
     ScriptedDevice device;
@@ -676,8 +675,8 @@ TEST_F(TickLoopTest, WhatIsRecordedWithSkippedPeriodsReplaysToTheSameState) {
   EXPECT_GT(core.removed()[static_cast<size_t>(cutting::Tissue::kGypsum)], 0);
 }
 
-// Ticks begin when they like; the oracle knows by the clock when each did, and when each report was
-// seen. The loop knows lateness only.
+// Ticks begin at any time. The oracle knows by the clock when each did, and when each report was
+// seen; the loop knows only lateness.
 TEST_F(TickLoopTest, SilenceIsWhatPassedByTheClockHoweverLateTheTicksAre) {
   int faults = 0, alive = 0;
   for (uint32_t seed = 1; seed <= 200; ++seed) {

@@ -9,8 +9,8 @@
 #include "tests/station/render/virtual_display.h"
 
 // Cuts part of a class I cavity into the built-in molar and writes the window's picture of it, for
-// a person to look at: cut_screenshot OUT.png [voxel_um [view [exercise]]]; with an exercise's kind
-// ("crown") that one's outline on the tooth, which is then not cut.
+// people: cut_screenshot OUT.png [voxel_um [view [exercise]]]. With an exercise's kind ("crown") it
+// shows that outline on the uncut tooth.
 
 namespace {
 

@@ -10,7 +10,7 @@
 namespace enamel::station::render {
 namespace {
 
-// Feeds whole windows of pictures that take `picture_s`; how many levels it then stands at.
+// Feeds whole windows of pictures that take `picture_s`; returns the resulting level.
 size_t After(QualityGovernor& governor, int windows, double picture_s) {
   for (size_t i = 0; i < windows * QualityGovernor::kWindow; ++i) governor.Note(picture_s);
   return governor.level();

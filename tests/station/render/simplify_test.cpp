@@ -13,7 +13,7 @@ namespace {
 constexpr int kSide = 40;
 constexpr float kStep_mm = 0.05f, kRadius_mm = 5;
 
-// A patch of a sphere as surface nets would give it, in two halves that repeat the seam between.
+// A patch of a sphere as from surface nets, in two halves that repeat the seam between them.
 GroupMesh Patch(uint8_t tissue_beyond = 1) {
   GroupMesh mesh;
   auto add = [&](int i, int j) {
@@ -43,7 +43,7 @@ glm::vec3 At(const GroupMesh& mesh, size_t index) {
   return {p[0], p[1], p[2]};
 }
 
-// Edges without an opposite one, by where they are.
+// Edges without an opposite one, by position.
 std::map<std::array<float, 6>, int> Border(const GroupMesh& mesh) {
   std::map<std::array<float, 6>, int> edges;
   for (size_t i = 0; i < mesh.indices.size(); i += 3) {
@@ -75,14 +75,14 @@ TEST(SimplifyTest, TheOuterBorderStaysAsItIsAndTheSeamInsideCloses) {
   EXPECT_EQ(Border(mesh), before);
 }
 
-// Triangles by the tissues of their corners, and by where they are.
+// Triangles by the tissues of their corners, and by position.
 std::map<std::array<float, 9>, bool> TrianglesBetweenTissues(const GroupMesh& mesh) {
   std::map<std::array<float, 9>, bool> out;
   for (size_t i = 0; i < mesh.indices.size(); i += 3) {
     auto tissue = [&](size_t k) { return mesh.vertices[mesh.indices[i + k]].tissue; };
     if (tissue(0) == tissue(1) && tissue(1) == tissue(2)) continue;
     std::array<glm::vec3, 3> p{At(mesh, i), At(mesh, i + 1), At(mesh, i + 2)};
-    // Corners in a fixed order: which one is first says nothing.
+    // Corners in a fixed order: which one is first has no meaning.
     auto first = std::min_element(p.begin(), p.end(), [](const glm::vec3& a, const glm::vec3& b) {
       return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
     });

@@ -114,7 +114,7 @@ dvec3 Landmark_m(const scene::Scene& scene, const char* name) {
   return dvec3(p[0], p[1], p[2]) * 1e-6;
 }
 
-// Box in the fossa, with the mesial and distal ends of the fissure.
+// A box in the fossa, with the mesial and distal ends of the fissure.
 void CutClassOne(const scene::Scene& scene, cutting::Volume& volume) {
   constexpr double kRadius_m = 0.5e-3;
   Hand hand(volume, {cutting::BurShape::kCylinder, kRadius_m, 4e-3});

@@ -4,8 +4,8 @@
 
 namespace enamel::station::render {
 
-// An X server without a screen for as long as this lives: Xvfb on a display number of its own
-// choice, which it reports through a pipe, so that tests may run side by side. Sets DISPLAY.
+// An X server without a screen, for this object's lifetime: Xvfb on a display number of its choice,
+// reported through a pipe, so that tests may run in parallel. Sets DISPLAY.
 class VirtualDisplay {
  public:
   VirtualDisplay();

@@ -195,7 +195,7 @@ TEST_F(WindowTest, ShowsAGhostWhereTheHandIsWhenItLeavesTheBur) {
   EXPECT_GT(Screenshot(window).Count(IsSteel), together + together / 4);
 }
 
-// The tooth is drawn anew only where it has changed: the picture must not tell.
+// The tooth is redrawn only where it has changed: the picture must be identical.
 TEST_F(WindowTest, DrawnPieceByPieceIsDrawnAsAWhole) {
   Volume volume = Slab();
   auto created = Window::Create(Options(), volume);
@@ -218,7 +218,7 @@ TEST_F(WindowTest, DrawnPieceByPieceIsDrawnAsAWhole) {
   EXPECT_EQ(differ, 0);
 }
 
-// As an attempt draws where there is no graphics card, without the panel.
+// Drawn as in an attempt without a graphics card, without the panel.
 class TurningTest : public WindowTest {
  protected:
   Image Draw(Screen& screen, ToothView& view, const Quality& quality, int pictures = 1) {
@@ -230,7 +230,7 @@ class TurningTest : public WindowTest {
     EXPECT_TRUE(screen.WriteScreenshot(File("turning.png")).ok());
     return ReadPng(File("turning.png"));
   }
-  // Pixels that are tooth in `shown`, of those inside the tooth's outline in `outline`.
+  // Pixels that are tooth in `shown`, among those inside the tooth's outline in `outline`.
   static int InsideTooth(const Image& outline, const Image& shown) {
     auto is_tooth = [](const Image& image, int x, int y) {
       const uint8_t* p = &image.rgb[(static_cast<size_t>(y) * image.width + x) * 3];
@@ -281,7 +281,7 @@ TEST_F(TurningTest, WhileTheCameraTurnsFewerTrianglesShowTheSameToothAndAtRestAl
   EXPECT_GT(InsideTooth(rest, rest), rest.width * rest.height / 20);
   EXPECT_EQ(InsideTooth(rest, turning), InsideTooth(rest, rest));
 
-  // Nothing of having turned is left in the picture.
+  // No trace of the turn is left in the picture.
   view.camera().Orbit(-0.02f, 0);
   Draw(screen, view, quality);
   view.camera().Orbit(0.02f, 0);
@@ -307,7 +307,7 @@ TEST_F(TurningTest, WhatIsCutWhileTheCameraTurnsIsWholeOnceItRests) {
   }
   view.FlushBricks(volume);
   Image after = Draw(screen, view, quality, 1 + Picture::kStillPictures);
-  // The same tooth, never seen before.
+  // The same tooth, not seen before.
   ToothView anew(Options().view, volume);
   anew.camera() = view.camera();
   ASSERT_TRUE(anew.WaitIdle(std::chrono::seconds(30)));
@@ -316,7 +316,7 @@ TEST_F(TurningTest, WhatIsCutWhileTheCameraTurnsIsWholeOnceItRests) {
   for (size_t i = 0; i < fresh.rgb.size(); ++i) {
     differ += std::abs(after.rgb[i] - fresh.rgb[i]) > 24;
   }
-  // Uncut again, the anew one has fewer triangles where it was cut.
+  // To the new view nothing was cut, so it has fewer triangles there.
   EXPECT_LT(differ, fresh.width * fresh.height / 200);
 }
 
@@ -413,7 +413,7 @@ TEST_F(WindowTest, SaysWhatToDoWithoutADisplay) {
   EXPECT_NE(created.status().message().find("--window"), std::string::npos);
 }
 
-// Whichever way it is turned and however near: so much of a picture's height right of its middle.
+// For any direction and distance: this far right of the middle, in picture heights.
 TEST(CameraTest, WhatIsTurnedStaysAsideOfThePanel) {
   glm::vec3 focus(1, -2, 3);
   constexpr float kAspect = 16.0f / 9;

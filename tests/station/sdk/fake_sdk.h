@@ -6,8 +6,8 @@
 
 namespace enamel::station::testing_support {
 
-// Two makers' libraries without a device behind them, linked in place of the real ones: what each
-// would read, and what it was told. In its own frame and units. Thread safety: all of it.
+// Two makers' libraries without a device, linked in place of the real ones: the values each would
+// read, and the commands it received. In its own frame and units. Thread safety: all of it.
 class FakeSdk {
  public:
   struct State {

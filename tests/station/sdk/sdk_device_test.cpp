@@ -70,7 +70,7 @@ TEST_F(SdkDeviceTest, ModelNamesBecomeProfileNames) {
   EXPECT_EQ(ProfileNameOf("PHANTOM Desktop"), "phantom_desktop");
   EXPECT_EQ(ProfileNameOf(" Touch - X  "), "touch_x");
   EXPECT_EQ(ProfileNameOf("\xc3\xa9?!"), "");
-  // The profiles that are built in are found by what their makers' libraries say.
+  // The built-in profiles are found by the names in their makers' libraries.
   auto profiles = scene::BuiltinProfiles();
   EXPECT_EQ(profiles[0].name, ProfileNameOf("omega.3"));
   EXPECT_EQ(profiles[1].name, ProfileNameOf("Phantom Desktop"));
@@ -119,7 +119,7 @@ TEST_F(SdkDeviceTest, ForceDimensionsAxesAreTurnedToTheSceneAndBack) {
   EXPECT_EQ(Heard(sdk, dvec3(1, 2, 3), wanted), wanted);
 }
 
-// A driven wrist: its frame and its torque are turned as places and forces are.
+// A driven wrist: its frame and its torque are turned like positions and forces.
 TEST_F(SdkDeviceTest, ForceDimensionsWristIsReadAndDriven) {
   FakeSdk& sdk = FakeSdk::ForceDimension();
   Attach(sdk, "sigma.7");

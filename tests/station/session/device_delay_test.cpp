@@ -72,7 +72,7 @@ TEST_F(DeviceDelayTest, AnUnmeasuredDeviceIsComputedWithATickAndItIsSaid) {
   EXPECT_TRUE(log.Has("warning: arm: its delay was never measured")) << log.text();
   EXPECT_TRUE(log.Has("enamel-station calibrate")) << log.text();
   EXPECT_TRUE(log.Has("Kc 875 mN/mm instead of the profile's 2500")) << log.text();
-  // What a server is given passes its check.
+  // The value sent to a server passes its check.
   EXPECT_TRUE(scene::CheckParams(prepared_.scene, prepared_.exercise, prepared_.profile,
                                  prepared_.header.params)
                   .ok());
@@ -93,7 +93,7 @@ TEST_F(DeviceDelayTest, AMeasurementOfThisUnitLiftsItAndOneOfAnotherDoesNot) {
   ASSERT_TRUE(UseDelayOf(prepared_, Attached(true), folder_).ok());
   EXPECT_EQ(Kc(), 2500);
   EXPECT_FALSE(log.Has("warning")) << log.text();
-  // A unit that cannot be told from another is taken for none that was measured.
+  // A unit without a distinct name never matches a measured one.
   ASSERT_TRUE(UseDelayOf(prepared_, Attached(true, ""), folder_).ok());
   EXPECT_EQ(Kc(), 875);
   Keep("hid:1209:0001:SN7", 2);

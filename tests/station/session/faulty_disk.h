@@ -6,9 +6,9 @@
 
 namespace enamel::station {
 
-// A disk that refuses to be written, for SQLite: its files are real, and every write and every new
-// file fails with `fail` while that is not SQLITE_OK, as on a full disk (SQLITE_FULL), one that was
-// mounted read-only (SQLITE_READONLY) or a broken one (SQLITE_IOERR_WRITE). One at a time.
+// A disk that refuses writes, for SQLite. Its files are real, and while `fail` is not SQLITE_OK
+// every write and every new file fails with it: a full disk (SQLITE_FULL), one mounted read-only
+// (SQLITE_READONLY) or a broken one (SQLITE_IOERR_WRITE). One at a time.
 class FaultyDisk {
  public:
   FaultyDisk() {
@@ -33,7 +33,7 @@ class FaultyDisk {
   static int Open(sqlite3_vfs*, const char* name, sqlite3_file* file, int flags, int* out) {
     int rc = real_->xOpen(real_, name, file, flags, out);
     if (rc != SQLITE_OK || file->pMethods == nullptr) return rc;
-    // The database and its log have tables of their own.
+    // The database and its log have separate tables.
     for (Table& table : tables_) {
       if (table.real == nullptr) {
         table.real = file->pMethods;

@@ -14,7 +14,7 @@ namespace enamel::station {
 
 // A class I cavity in the practice block, kept for later at a station: its documents in the cache,
 // a ticket of this person signed by the server's key and locked under the PIN. An attempt can then
-// be made without anybody answering for it. Returns its id.
+// be made without a server. Returns its id.
 inline Uuid KeepAttempt(const std::filesystem::path& data, Spool& spool,
                         const Credentials& credentials, const trace::SecretKey& ticket_key,
                         const Uuid& person, const std::string& profile_name,

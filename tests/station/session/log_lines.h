@@ -11,8 +11,8 @@
 
 namespace enamel::station {
 
-// Where this test program logs to, from before its threads begin: a logger is not to be replaced
-// while another thread writes to it.
+// The log of this test program, set before its threads begin: a logger must not be replaced while
+// another thread writes to it.
 inline const std::shared_ptr<spdlog::sinks::dist_sink_mt> kLog = [] {
   auto all = std::make_shared<spdlog::sinks::dist_sink_mt>();
   all->add_sink(std::make_shared<spdlog::sinks::stderr_sink_mt>());
@@ -20,8 +20,8 @@ inline const std::shared_ptr<spdlog::sinks::dist_sink_mt> kLog = [] {
   return all;
 }();
 
-// What is logged while this lives, one message a line with its level before it: "info: …". Thread
-// safety: all.
+// Messages logged during this object's lifetime, one a line with its level before it: "info: …".
+// Thread safety: all.
 class LogLines {
  public:
   LogLines() { kLog->add_sink(sink_); }

@@ -69,7 +69,7 @@ TEST_F(LoopFactsTest, HaveEachFaultWithItsTicksAndTheTimeThatPassed) {
   EXPECT_EQ(facts.at("faults").as_array().size(), TickLoop::kMaxRecords);
 }
 
-// Each number of it with as many digits as its kind has.
+// Each number with as many digits as its kind has.
 void MakeLongest(boost::json::value& value) {
   if (auto* object = value.if_object()) {
     for (auto& member : *object) MakeLongest(member.value());
@@ -109,7 +109,7 @@ TEST_F(LoopFactsTest, AreNeverLargerThanIsSaid) {
   facts.at("lateness") = facts.at("tick") = DurationFacts(histogram);
   MakeLongest(facts);
   facts.at("faults") = FaultFacts(records);
-  // A name that the bus was told by the device: 126 letters, each of which JSON writes as \u0001.
+  // A device's name on the bus: 126 letters, each of which JSON writes as \u0001.
   facts.at("device").at("name") = std::string(126, '\1');
   const size_t bytes = boost::json::serialize(facts).size();
   RecordProperty("bytes", static_cast<int>(bytes));
@@ -117,7 +117,7 @@ TEST_F(LoopFactsTest, AreNeverLargerThanIsSaid) {
   EXPECT_GT(bytes, 120'000u) << "else this is not the longest";
 }
 
-// Each name that is in a document, with those it lies in: "lateness.ns", "faults.ticks.late_us".
+// Each name in a document with its parents: "lateness.ns", "faults.ticks.late_us".
 void NamesIn(const boost::json::value& value, const std::string& in, std::set<std::string>& out) {
   if (const auto* object = value.if_object()) {
     for (const auto& member : *object) {

@@ -80,12 +80,12 @@ class RunningAttemptTest : public testing::Test {
     EXPECT_TRUE(begun.ok()) << begun.status().message();
     return std::move(*begun);
   }
-  // Until it is so; never waited for in full when all is well.
+  // Waits for a condition, with a limit that is not reached when all is well.
   static bool Await(const std::function<bool()>& so) {
     for (int i = 0; i < 60'000 && !so(); ++i) std::this_thread::sleep_for(milliseconds(1));
     return so();
   }
-  // The same core does what is on disk.
+  // The same core reproduces the recording on disk.
   void ExpectReplays(const core::Core& core) {
     core::Core again(prepared_.header.params, volume_);
     auto file = spool().Export(id());
@@ -108,8 +108,8 @@ class RunningAttemptTest : public testing::Test {
   std::unique_ptr<Workplace> workplace_;
 };
 
-// Whichever way a disk fails: no further tick is stepped than were stepped when the first write
-// failed and a turn of the recorder later, and all that was felt before is kept and stored.
+// However a disk fails: no tick is stepped after the first failed write and a turn of the recorder,
+// and all samples from before are kept and stored.
 class FailingDiskTest : public RunningAttemptTest, public testing::WithParamInterface<int> {};
 
 TEST_P(FailingDiskTest, ForceEndsAtOnceAndWhatWasFeltIsStoredWhenThereIsRoomAgain) {
@@ -186,7 +186,7 @@ TEST_P(FailingDiskTest, GivenUpItSaysWhatIsSafeAndWhatIsLost) {
 INSTANTIATE_TEST_SUITE_P(Each, FailingDiskTest,
                          testing::Values(SQLITE_FULL, SQLITE_READONLY, SQLITE_IOERR_WRITE));
 
-// While the disk takes nothing no tick is stepped, and the attempt may end so.
+// While the disk takes nothing no tick is stepped, and the attempt may end in that state.
 TEST_F(RunningAttemptTest, AFaultWhileTheDiskHoldsTheLoopIsLoggedThen) {
   LogLines log;
   Plunging device(above_, above_);
@@ -260,8 +260,8 @@ TEST_F(RunningAttemptTest, TooLittleRoomIsSaidWithHowMuchIsNeeded) {
   EXPECT_TRUE(spool().ProveWritable(1).ok());
 }
 
-// Nobody is signed in: that the recording lock is missed first shows that it is asked for before
-// the server is.
+// Nobody is signed in: the error of the missing recording lock shows that the lock comes before the
+// server.
 TEST_F(RunningAttemptTest, NoTicketIsAskedForWhileAnotherProcessRecordsHere) {
   auto other = Spool::Open(folder_);
   ASSERT_TRUE(other.ok());

@@ -70,7 +70,7 @@ TEST_F(TicketSafeTest, WrongPinsWaitLongerEachTimeAndTheTenthDestroysTheTicket) 
     ASSERT_EQ(Open(kOther), Code::kUnauthenticated) << wrong;
     if (wrong == TicketSafe::kMaxTries) break;
     if (wrong <= TicketSafe::kFreeTries) continue;
-    // Not even the right one is tried before.
+    // Before that, not even the right one is tested.
     now_ms_ += expected_s * 1000 - 1;
     EXPECT_EQ(Open(kPin), Code::kUnavailable) << wrong;
     now_ms_ += 1;
@@ -80,7 +80,7 @@ TEST_F(TicketSafeTest, WrongPinsWaitLongerEachTimeAndTheTenthDestroysTheTicket) 
   EXPECT_EQ(HandedBack(), 1u) << "the server is told that it was not used";
 }
 
-// Each thread has a connection of its own, as a process would have.
+// Each thread has its own connection, like a process.
 TEST_F(TicketSafeTest, TriesAtTheSameMomentWinNoFurtherOne) {
   ASSERT_TRUE(Put().ok());
   constexpr int kThreads = 6;

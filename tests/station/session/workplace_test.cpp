@@ -117,7 +117,7 @@ TEST_F(WorkplaceTest, ReservedTicketIsCheckedBeforeAnAttemptBeginsOnIt) {
   trace::SignTicket(elsewhere, ticket_keys_.secret_key);
   EXPECT_EQ(Prepare(elsewhere).code(), Code::kForbidden);
 
-  // The row beside it may say what it likes.
+  // The row may claim anything.
   trace::Ticket expired = Ticket();
   expired.expires_unix_ms = 1;
   trace::SignTicket(expired, ticket_keys_.secret_key);
@@ -193,7 +193,7 @@ TEST_F(WorkplaceTest, ASignInThatWasLeftDoesNotTakePlaceAfterAll) {
   EXPECT_FALSE(workplace_->person().has_value());
 }
 
-// A server that takes the connection and never says anything on it.
+// A server that accepts the connection and never answers.
 TEST_F(WorkplaceTest, ASignInThatIsLeftWhileConnectingIsNotLoggedAsFailed) {
   asio::io_context io;
   asio::ip::tcp::acceptor mute(io, {asio::ip::address_v4::loopback(), 0});

@@ -25,7 +25,7 @@ double Strength(const std::vector<float>& sound, double hz) {
   return 2 * std::hypot(re, im) / static_cast<double>(sound.size());
 }
 
-// Where between 100 Hz and 7 kHz the sound is strongest.
+// The frequency between 100 Hz and 7 kHz at which the sound is strongest.
 double Loudest_hz(const std::vector<float>& sound) {
   double best = 0, best_strength = -1;
   for (double hz = 100; hz <= 7000; hz += 10) {

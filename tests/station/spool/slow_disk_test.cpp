@@ -9,8 +9,8 @@
 #include "tests/support/block_plan.h"
 #include "tests/support/temp_folder.h"
 
-// A disk that takes nothing for as long as the test likes: another connection holds the database's
-// write lock, so that the recorder waits in the middle of its commit.
+// A disk that takes nothing for as long as the test wants: another connection holds the database's
+// write lock, so the recorder waits in the middle of its commit.
 namespace enamel::station {
 namespace {
 
@@ -83,7 +83,7 @@ TEST_F(SlowDiskTest, HangingDiskStopsForceAndCutNeverTheLoopAndTheGapIsRecorded)
   TickLoop loop(device, core, ring, {1000, false, false});
 
   Hang();
-  // Pumps as RunningAttempt does: an error is the spool's, and is tried again.
+  // Pumps like RunningAttempt: an error is the spool's, and is retried.
   std::atomic<bool> stop{false};
   std::thread pump([&] {
     while (!stop) {
@@ -91,7 +91,7 @@ TEST_F(SlowDiskTest, HangingDiskStopsForceAndCutNeverTheLoopAndTheGapIsRecorded)
       if (!moved.ok() || !*moved) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
   });
-  // What the recorder holds and the ring are full soon; each further tick is a gap.
+  // The recorder and the ring are soon full; each further tick is a gap.
   uint64_t ticked = 0;
   double most_n = 0;
   auto tick = [&] {
@@ -127,7 +127,7 @@ TEST_F(SlowDiskTest, HangingDiskStopsForceAndCutNeverTheLoopAndTheGapIsRecorded)
   EXPECT_EQ(seal->ticks, stepped + 1);
   EXPECT_EQ(spool_->Get(header_.ticket.attempt)->gap_ticks, ticked - stepped - 1);
 
-  // What is on disk is what was done, gap and all.
+  // The disk has the whole attempt, including the gap.
   core::Core again(header_.params, volume_);
   auto file = spool_->Export(header_.ticket.attempt);
   ASSERT_TRUE(file.ok());

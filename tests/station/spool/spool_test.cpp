@@ -66,7 +66,7 @@ class SpoolTest : public testing::Test {
     }
   }
 
-  // The tables that a program of that version made.
+  // The tables of that version's program.
   static std::string TablesOf(int version) { return GoldenSql(std::to_string(version)); }
   static std::string GoldenSql(const std::string& name) {
     std::ifstream in(fs::path(ENAMEL_SOURCE_DIR) / "schemas/golden/sql" /
@@ -75,7 +75,7 @@ class SpoolTest : public testing::Test {
   }
   static std::string VersionOne() { return TablesOf(1); }
 
-  // Done to the file behind the program's back.
+  // Changes the file without the program's knowledge.
   void Tamper(const std::string& sql) {
     sqlite3* db = nullptr;
     ASSERT_EQ(sqlite3_open((folder_ / "spool.sqlite").c_str(), &db), SQLITE_OK);
@@ -158,7 +158,7 @@ TEST_F(SpoolTest, VerifyFindsAChunkThatWasChanged) {
   EXPECT_EQ((*VerifyRecordings(*Open(), keys_.public_key))[0].status.code(), Code::kConflict);
 }
 
-// Each of these was called whole once.
+// Cases that must not pass as whole.
 TEST_F(SpoolTest, VerifyComparesWhatIsThereWithWhatIsCounted) {
   for (const char* sql :
        {"DELETE FROM chunks WHERE seq = 2; UPDATE attempts SET seal_chunks = NULL",
@@ -189,7 +189,7 @@ TEST_F(SpoolTest, EmptyFileIsNotANewSpool) {
   EXPECT_EQ(fs::file_size(folder_ / "spool.sqlite"), 0u);
 }
 
-// SQLite would throw the log away, and with it what was recorded last.
+// SQLite would discard the log, and with it the last recordings.
 TEST_F(SpoolTest, LogWithoutItsFileIsNotThrownAway) {
   auto spool = Open();
   ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p").ok());
@@ -263,7 +263,7 @@ TEST_F(SpoolTest, OlderSpoolIsReadWithoutBeingChanged) {
   EXPECT_EQ(version, 2);
 }
 
-// Half of the file is gone: the attempt that is hit is named, and the other is whole.
+// Half of the file is destroyed: the affected attempt is named, and the other is whole.
 TEST_F(SpoolTest, VerifyOfADamagedSpoolNamesTheAttemptsThatAreHit) {
   MakeOne();
   trace::Header first = header_;
@@ -287,8 +287,8 @@ TEST_F(SpoolTest, VerifyOfADamagedSpoolNamesTheAttemptsThatAreHit) {
   }
 }
 
-// Whatever is destroyed: what is saved is whole as far as it goes, and of each attempt it is said
-// how far.
+// For any damage: saved data is whole as far as it goes, and the result says how far for each
+// attempt.
 TEST_F(SpoolTest, SalvageSavesWhatCanBeReadAndSaysWhatCouldNot) {
   MakeOne();
   const Uuid small = id();
@@ -334,7 +334,7 @@ TEST_F(SpoolTest, SalvageSavesWhatCanBeReadAndSaysWhatCouldNot) {
   }
 }
 
-// Nothing is damaged: nothing may be missing, also not what a later version adds to a table.
+// Without damage nothing may be missing, including additions of a later version to a table.
 TEST_F(SpoolTest, SalvageTakesEveryColumnOver) {
   MakeOne();
   {
@@ -361,7 +361,7 @@ TEST_F(SpoolTest, SalvageTakesEveryColumnOver) {
   }
 }
 
-// It would be put in the place of the one that recordings were in.
+// It would replace the spool that had recordings.
 TEST_F(SpoolTest, SalvageOfWhatHasNothingLeftMakesNoSpool) {
   const fs::path file = folder_ / "spool.sqlite", to = folder_ / "saved";
   for (const std::string& content : {std::string(), std::string(40'960, '\x5a')}) {
@@ -565,7 +565,7 @@ TEST_F(SpoolTest, SpoolOfVersionOneBecomesOneOfThisVersionWithAllItHad) {
     ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p").ok());
     Record(*spool, 1700, true);
   }
-  // What of it a program of version 1 had written.
+  // The part that a program of version 1 had written.
   sqlite3* db = nullptr;
   ASSERT_EQ(sqlite3_open((folder_ / "spool.sqlite").c_str(), &db), SQLITE_OK);
   const std::string back =
@@ -626,7 +626,7 @@ TEST_F(SpoolTest, MigratedSpoolHasTheColumnsOfANewOne) {
   }
 }
 
-// What a spool of version `version` held in the field, each table with something in it.
+// A spool of version `version` from the field, with a row in each table.
 TEST_F(SpoolTest, EveryVersionBeforeTheNewestIsBroughtHereWithAllItHad) {
   auto golden = ReadFile(fs::path(ENAMEL_SOURCE_DIR) / "schemas/golden/trace/recording_core3.bin");
   ASSERT_TRUE(golden.ok());
@@ -666,7 +666,7 @@ TEST_F(SpoolTest, EveryVersionBeforeTheNewestIsBroughtHereWithAllItHad) {
   }
 }
 
-// The first page of a new spool stands in for one that is destroyed (salvage.h).
+// The first page of a new spool replaces a destroyed one (salvage.h).
 TEST_F(SpoolTest, NewSpoolHasItsTablesWhereThoseOfVersionFourHaveThem) {
   auto places = [](const fs::path& file) {
     sqlite3* db = nullptr;
@@ -769,7 +769,7 @@ TEST_F(SpoolTest, RecorderGoesOnAfterTheChunksThatAreThere) {
   EXPECT_TRUE((*VerifyRecordings(*spool, keys_.public_key))[0].status.ok());
 }
 
-// Field 1000 stands for a fact that a later station says.
+// Field 1000 represents a fact of a later station.
 TEST_F(SpoolTest, FactsComeBackAsTheyWereSaidAndResumedAsItIsCounted) {
   const auto facts = protocol::DecodeFacts(Bytes{0x08, 0x02, 0xc2, 0x3e, 0x01, 'x'});
   ASSERT_TRUE(facts.ok());
@@ -823,7 +823,7 @@ TEST_F(SpoolTest, FullDiskIsAClearErrorAndNothingSpooledIsLost) {
   if (child == 0) {
     auto spool = Spool::Open(folder_);
     if (!spool.ok()) ::_exit(1);
-    // No file may grow beyond what is there: the disk is full.
+    // No file may grow: the disk is full.
     ::signal(SIGXFSZ, SIG_IGN);
     rlimit limit{60'000, 60'000};
     ::setrlimit(RLIMIT_FSIZE, &limit);

@@ -22,7 +22,7 @@ TEST(BackoffTest, DoublesFromHalfASecondToThirtyEachShortenedByAtMostHalf) {
   }
 }
 
-// Forty stations that lost their server at the same moment come back spread over the whole span.
+// Forty stations that lost their server at the same moment return spread over the whole span.
 TEST(BackoffTest, StationsOfARoomDoNotComeBackAtOnce) {
   std::set<int64_t> tenths;
   for (uint32_t station = 1; station <= 40; ++station) {

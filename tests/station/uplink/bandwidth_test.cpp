@@ -14,7 +14,7 @@ using std::chrono::seconds;
 
 constexpr uint64_t kRate = 10'000;
 
-// Sends messages of random sizes as soon as it may; returns what was sent by each moment it was.
+// Sends messages of random sizes as early as allowed; returns the amount sent by each moment.
 struct Sent {
   Clock::time_point at;
   size_t bytes;

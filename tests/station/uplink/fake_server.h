@@ -81,7 +81,7 @@ class FakeServer {
     return c;
   }
 
-  // What it holds of the attempt that came first.
+  // The stored part of the first attempt.
   std::map<uint32_t, Bytes> chunks() const {
     std::lock_guard lock(mutex_);
     auto at = chunks_.find(first_);
@@ -106,7 +106,8 @@ class FakeServer {
   int offered() const { return offered_; }       // attempts
   uint32_t resumed() const { return resumed_; }  // as the last OpenAttempt said
 
-  // Said to the chair with every acknowledgement and answer to a ping until it was shown.
+  // A message to the chair, sent with every acknowledgement and answer to a ping until it was
+  // shown.
   void Say(const protocol::Remark& remark) {
     std::lock_guard lock(mutex_);
     remarks_.push_back(remark);
@@ -114,23 +115,23 @@ class FakeServer {
   uint64_t shown() const { return shown_; }              // highest id that a station named
   bool shows_remarks() const { return shows_remarks_; }  // as the last Hello said
 
-  // Takes what people ask for and answers none of it, as a server that hangs.
+  // Accepts requests and answers none, like a server that hangs.
   std::atomic<bool> silent{false};
   std::atomic<int> unanswered{0};
 
-  // Who signs in, whatever the login.
+  // The person who signs in, for any login.
   Uuid person = Uuid::New();
-  // Who signs in has a password for one use.
+  // The password is for one use.
   bool must_change_password = false;
-  // What it lists, one exercise for each; zero: without one.
+  // Exercises in the list, one entry for each; zero: none.
   std::vector<Uuid> assignments;
-  // The last request for a ticket; all are refused. Read it when the answer is there.
+  // The last request for a ticket; all are refused. Read it after the answer.
   const wire::RequestTicket& asked_for() const { return asked_for_; }
 
-  // Answers OpenAttempt, and ReturnTicket, with this. The latter also while it runs, between two
+  // Answers OpenAttempt and ReturnTicket with this. ReturnTicket also while it runs, between two
   // requests.
   std::optional<Status> refuse, refuse_returns;
-  // The attempt with this header has to wait for something that a restore has taken from it.
+  // The attempt with this header has to wait for data that a restore has removed.
   std::optional<Bytes> awaits;
   // Attempts whose tickets were returned, each time.
   std::vector<Uuid> returned() const {
@@ -141,7 +142,7 @@ class FakeServer {
     std::lock_guard lock(mutex_);
     page_url_ = std::move(url);
   }
-  // Attempts that whoever signs in may see. Not while it answers.
+  // Attempts visible to the person who signs in. Not while it answers.
   std::set<Uuid> seen;
 
  private:
@@ -178,7 +179,7 @@ class FakeServer {
         Answer(stream, *request);
       }
     } catch (const boost::system::system_error&) {
-      // The station went away, or a fault was asked for.
+      // The station disconnected, or a fault was requested.
     }
     std::lock_guard lock(mutex_);
     open_.erase(fd);
@@ -284,7 +285,7 @@ class FakeServer {
       doubled_ += chunks.count(chunk->head.seq) != 0 ? 1 : 0;
       chunks[chunk->head.seq] = Bytes(bytes.begin(), bytes.end());
     }
-    // Kept, but the station never hears of it.
+    // Stored, but without an acknowledgement to the station.
     if (break_every != 0 && ++received_ % break_every == 0) {
       throw boost::system::system_error(asio::error::connection_reset);
     }

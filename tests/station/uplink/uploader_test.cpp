@@ -47,7 +47,7 @@ class UploaderTest : public testing::Test {
     Bandwidth no_bound(0);
     return AttemptSender(link, spool, no_bound).Send(attempt);
   }
-  // The page of the spool, which is closed, that these bytes lie in is destroyed.
+  // Destroys the page of the closed spool that contains these bytes.
   void OverwritePageWith(const Bytes& bytes) {
     constexpr size_t kPageBytes = 4096;
     const fs::path file = folder_ / "spool" / "spool.sqlite";
@@ -176,7 +176,7 @@ TEST_F(UploaderTest, RecordingThatHasToWaitIsKeptAndOthersGoOn) {
   EXPECT_TRUE(again.state(id()).sealed);
 }
 
-// A page in the middle of the older of two recordings is overwritten.
+// Overwrites a page in the middle of the older of two recordings.
 TEST_F(UploaderTest, RecordingThatCannotBeReadWholeWaitsAloneAndOthersGoOn) {
   constexpr uint32_t kChunks = 300, kHit = 200;
   Record(kChunks);
@@ -306,7 +306,7 @@ TEST_F(UploaderTest, ServerWithAnotherCertificateIsGivenUp) {
   EXPECT_EQ(server.chunks().size(), 0u);
 }
 
-// For a moment another server answers at the address; its own comes back.
+// Another server answers at the address for a moment, then the right one returns.
 class WrongServerTest : public UploaderTest {
  protected:
   WrongServerTest() {
@@ -371,7 +371,7 @@ TEST_F(UploaderTest, WhatTheServerHasHadForLongIsForgottenWhileTheProgramRuns) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   uploader.Wake();
-  // It has an end that the server does not have yet.
+  // It has an end that the server lacks.
   ASSERT_TRUE(spool_->Get(id()).ok());
   ASSERT_TRUE(recorder_->Finish().ok());
   for (int i = 0; i < 60'000 && spool_->Get(id()).ok(); ++i) {
@@ -402,7 +402,7 @@ TEST_F(UploaderTest, RefusedRecordingIsSentWhenItIsTriedOnceMore) {
   ExpectWholeAt(server);
 }
 
-// The server was restored from a backup made before the attempt: nobody tells the station.
+// The server was restored from a backup made before the attempt; nobody informs the station.
 TEST_F(UploaderTest, WhatTheServerLostIsSentAgainAsSoonAsItIsAsked) {
   Record(9);
   ASSERT_TRUE(recorder_->Finish().ok());
@@ -584,8 +584,8 @@ TEST_F(LiveTest, NothingIsSentWhileNobodyWatches) {
   EXPECT_EQ(Run(server, uploader, 2), 0);
 }
 
-// How many arrive depends on the machine's speed; that they do, are the newest and no more than 60
-// a second does not.
+// The number depends on the machine's speed. That some arrive, are the newest and are at most 60 a
+// second does not.
 TEST_F(LiveTest, WhoWatchesGetsTheNewestMoments) {
   FakeServer server(folder_);
   server.watched = true;
@@ -603,7 +603,7 @@ TEST_F(LiveTest, WhoWatchesGetsTheNewestMoments) {
 TEST_F(LiveTest, ShortBandwidthDropsTheLiveViewAndNoChunk) {
   FakeServer server(folder_);
   server.watched = true;
-  // Less than the chunks need: nothing is to spare.
+  // Less than the chunks need: nothing is left over.
   Record(1);
   uint64_t chunk_bytes = spool_->Get(id())->bytes;
   Uploader uploader(server.NewStation(), *spool_, {chunk_bytes});

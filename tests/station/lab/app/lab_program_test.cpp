@@ -10,7 +10,7 @@
 #include <regex>
 #include <string>
 
-// enamel-lab as people run it, and its older names: exit codes and what is said.
+// enamel-lab as people run it, and its older names: exit codes and output.
 namespace enamel::station::lab {
 namespace {
 
@@ -34,7 +34,7 @@ Outcome RunProgram(const fs::path& program, const std::string& arguments) {
   while (size_t n = std::fread(buffer, 1, sizeof buffer, pipe)) out.text.append(buffer, n);
   int state = ::pclose(pipe);
   out.code = WIFEXITED(state) ? WEXITSTATUS(state) : -1;
-  // Two runs of one command are compared: the log's time is not what they say.
+  // Compares two runs of one command without the log's times.
   out.text = std::regex_replace(out.text, std::regex(R"re("time":"[^"]*")re"), "");
   return out;
 }
@@ -99,7 +99,7 @@ TEST_F(LabProgramTest, OlderNamesSayWhatTheLabSays) {
   EXPECT_EQ(Bench("error --help"), Lab("error --help"));
 }
 
-// A word that only a later place makes a command of the lab.
+// A word that names a command of the lab only at a later place.
 TEST_F(LabProgramTest, OnlyTheCommandItselfIsForwarded) {
   const Outcome out = Station("spool list --data qualify");
   EXPECT_EQ(out.code, 1);
@@ -116,7 +116,7 @@ TEST_F(LabProgramTest, WithoutTheLabTheOlderNamesSayWhatToDo) {
   }
 }
 
-// The machine's settings are the station's: the lab takes what it has of them.
+// The machine's settings are the station's: the lab uses those it knows.
 TEST_F(LabProgramTest, KeysOfTheStationsSettingsArePassedOverAndItsOwnAreTaken) {
   const std::string settings = (folder_ / "station.toml").string();
   std::ofstream(settings) << "keep-days = 30\nprofile = \"no_such_device\"\n";

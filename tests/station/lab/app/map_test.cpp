@@ -37,7 +37,7 @@ bool Fine(const json::object& row, const std::string& of) {
 
 TEST(MapSuiteTest, EveryRowHasItsFiguresAndTheVerdictThatFollows) {
   const json::value rows = RowsOf("omega3");
-  // As the profile says and as attached, six tissues, four speeds, two motions.
+  // By the profile and as attached, six tissues, four speeds, two motions.
   ASSERT_EQ(rows.as_array().size(), 2u * 6 * 4 * 2);
   std::set<double> speeds, stiffness;
   for (const json::value& value : rows.as_array()) {

@@ -108,7 +108,7 @@ TEST(QualifyTest, RefusesATorqueThatIsNotPassiveAndAFileItCannotWriteBeforeItMea
   EXPECT_NE(text.find("--json: cannot write"), std::string::npos) << text;
 }
 
-// Every member the rows promise, and a report of the same suites.
+// Every documented member of the rows, and a report of the same suites.
 TEST(QualifyTest, WritesRowsAndAReport) {
   Folder folder;
   QualifyOptions o;

@@ -6,7 +6,7 @@
 #include "station/lab/cutting/attempt.h"
 #include "station/lab/cutting/cutting_error.h"
 
-// That the benchmarks measure what they name. No test here looks at a time.
+// The benchmarks measure what they name. No test here depends on a time.
 namespace enamel::station::lab {
 namespace {
 
@@ -59,7 +59,7 @@ TEST(CuttingErrorTest, SweptVolumeMeetsTheClosedForms) {
   ball.bur = {cutting::BurShape::kSphere, 0.5e-3, 0};
   auto figures = MeasureCutting(Plan({cylinder, ball}, {100'000}));
   ASSERT_EQ(figures.size(), 2u);
-  // The anchor ends at X: 0.3 s of settling and 0.1 s measured at 5 mm/s behind the entry's end.
+  // The anchor ends at X: 0.3 s of settling and 0.1 s measured at 5 mm/s after the entry.
   double x = 1.1 + 0.4 * 5, r = 0.6, depth = 2;
   EXPECT_NEAR(figures[0].analytic_mm3, (2 * r * x + 0.5 * kPi * r * r) * depth, 0.02);
   // Half a ball of radius R: 2 X times its half disc, and half of half its volume.

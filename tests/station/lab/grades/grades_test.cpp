@@ -10,8 +10,8 @@
 #include <iterator>
 #include <random>
 
-// What known faults cost in the exercises that come with Enamel, on coarse grids; the lab measures
-// the fine ones (enamel-lab grades).
+// The cost of known faults in the built-in exercises, on coarse grids; the lab measures on fine
+// ones (enamel-lab grades).
 namespace enamel::station::lab {
 namespace {
 
@@ -36,7 +36,7 @@ struct Asked {
 };
 class Grades : public testing::TestWithParam<Asked> {};
 
-// A fault at its threshold must cost a point at the least.
+// A fault at its threshold must cost at least a point.
 TEST_P(Grades, EveryFaultIsFoundAndCostsAndOnlyTheReferenceIsPerfect) {
   if (GetParam().only_full && std::getenv("ENAMEL_FULL") == nullptr) {
     GTEST_SKIP() << "takes minutes: ./check --full";
@@ -79,7 +79,7 @@ INSTANTIATE_TEST_SUITE_P(
       return name;
     });
 
-// Each fault of one kind costs no less than a smaller one, whatever their sizes.
+// Each fault of a kind costs at least as much as a smaller one, for any sizes.
 TEST(GradesTest, TheLargerOfTwoFaultsNeverCostsLess) {
   const Made made = Build("molar");
   auto graded = GradedExercise::Make(made.built, made.exercises.front());
@@ -103,7 +103,7 @@ TEST(GradesTest, TheLargerOfTwoFaultsNeverCostsLess) {
     const int kind = static_cast<int>(random() % 4);
     std::uniform_real_distribution<double> sizes(0, 1);
     const double a = sizes(random), b = sizes(random);
-    // A hundredth of a point is what voxels make of two sizes that are nearly the same.
+    // Voxels make up to a hundredth of a point between nearly equal sizes.
     EXPECT_GE(score(face, kind, std::min(a, b)) + 0.01, score(face, kind, std::max(a, b)))
         << "face " << face << ", kind " << kind << ", " << a << " and " << b;
   }

@@ -14,11 +14,11 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 
 TEST(HandSignsTest, RocOfNumbersThatOneCanCount) {
-  // Of 4 x 4 pairs the program's is higher in 3 + 3 + 4 + 4, and in one pair as high.
+  // Of 4 x 4 pairs the program's is higher in 3 + 3 + 4 + 4, and equal in one.
   const SignRoc roc = RocOf("x", {1, 2, 3, 6}, {4, 5, 6, 7});
   EXPECT_NEAR(roc.area, (3 + 3 + 3.5 + 4) / 16.0, 1e-12);
   EXPECT_EQ(roc.people, 4u);
-  // None of the people may be taken for one at 5 %: above 6 lies one of four.
+  // At 5 % none of the people may be mistaken for a program: one of four is above 6.
   EXPECT_EQ(roc.found_at_5, 0.25);
   EXPECT_GT(roc.standard_error, 0);
 }
@@ -62,7 +62,7 @@ TEST(HandSignsTest, TheDocumentIsTheSchemas) {
             boost::json::parse(golden));
 }
 
-// Of the recordings that are kept beside the project: one person, one path, three times.
+// Recordings kept with the project: one person, one path, three times.
 TEST(HandSignsTest, CopiesLieNearerThanWhoDoesTheSameAgain) {
   HandSignsOptions options;
   options.people = ENAMEL_SHARED_DATA "/motion";

@@ -10,8 +10,9 @@
 #include "tests/common/scoring/synthetic_cavity.h"
 
 // Faults made by formula, on and off the grid, at three voxel sizes: each metric finds its own
-// within a quarter of a voxel (volumes: area times that) or half a degree, and what it is not about
-// leaves it alone. The lab's generator fills the volumes from closed forms; no cutter made them.
+// fault within a quarter of a voxel (volumes: area times that) or half a degree, and unrelated
+// metrics do not change. The lab's generator fills the volumes from closed forms; no cutter made
+// them.
 namespace enamel::station::lab {
 namespace {
 
@@ -36,7 +37,7 @@ Hollow Box_mm(const dvec3& lo_mm, const dvec3& hi_mm) {
 Hollow Taken(const BoxCavity& cavity) {
   return [cavity](const dvec3& p) { return cavity.Distance_m(p); };
 }
-// The cavity that is asked for, one of its faces changed.
+// The cavity of the exercise with one changed face.
 BoxCavity With(scoring::Part part, const Face& face) {
   BoxCavity out = FaultBlockCavity();
   out.faces[part] = face;
@@ -55,7 +56,7 @@ struct Filling {
 
 class KnownFaults : public testing::TestWithParam<Grid> {
  protected:
-  // A grid that is only for ./check --full is filled coarsely where it is skipped.
+  // A grid used only by ./check --full is filled coarsely when it is skipped.
   KnownFaults()
       : initial_(FaultBlock({Used().voxel_nm, Used().shift_mm * kMm})),
         reference_(CutAway(initial_, Turned(Taken(FaultBlockCavity()), Used().turn_deg))) {}
@@ -173,7 +174,8 @@ TEST_P(KnownFaults, APillarASeptumAndALidAreLeftStanding) {
   }
 }
 
-// What is short of a wall or of the floor is told by it, and is neither left standing nor a slope of the floor.
+// Material short of a wall or of the floor counts there, and is neither left standing nor a slope
+// of the floor.
 TEST_P(KnownFaults, ACavityThatIsTooSmallHasALevelFloorAndNothingStands) {
   for (double short_mm : {0.1, 0.2, 0.3}) {
     BoxCavity small = FaultBlockCavity();
@@ -188,7 +190,7 @@ TEST_P(KnownFaults, ACavityThatIsTooSmallHasALevelFloorAndNothingStands) {
   }
 }
 
-// A fault that grows until it is no part of the floor or the wall any more must not become cheaper.
+// A fault that grows until it is no longer part of the floor or the wall must not become cheaper.
 TEST_P(KnownFaults, ADitchAndALumpAreNoLessUnevenTheLargerTheyAre) {
   const BoxCavity asked = FaultBlockCavity();
   const dvec3 middle = asked.centre_m / kMm;
@@ -228,7 +230,7 @@ TEST_P(KnownFaults, ShavingTheWholeBlockCostsAndImprovesNoStatistic) {
   const double leeway = 0.2, near = (3 + 2 * leeway) * (2.4 + 2 * leeway), top = 7 * 6 + 1 * 6;
   EXPECT_NEAR(ValueOf(m, "outside_removed_mm3") + ValueOf(m, "neighbour_removed_mm3"),
               (top - near) * shaved_mm, top * tolerance_mm());
-  // Only the rim of the walls is gone with it.
+  // Only the rim of the walls disappears with it.
   EXPECT_LT(ValueOf(m, "deviation_rms_mm"), 0.02);
   EXPECT_GE(ValueOf(m, "deviation_rms_mm"), 0);
 }
@@ -271,7 +273,7 @@ TEST_P(KnownFaults, AnUntouchedToothHasDoneNothingAndADestroyedOneEverythingElse
       ++not_made;
       continue;
     }
-    // All that a cavity does not have is a crown's walls and finish line.
+    // The only metrics a cavity lacks are a crown's walls and finish line.
     const bool of_a_crown =
         std::ranges::any_of(std::array{"convergence_", "crown_", "reduction_", "finish_", "bevel_"},
                             [&](const char* beginning) { return m.name.starts_with(beginning); });

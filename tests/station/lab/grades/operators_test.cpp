@@ -32,7 +32,7 @@ TEST(OperatorsTest, EqualSkillComparesTheMeansOfTheSameSeeds) {
       EqualSkillOf({row("a", "good", 1, 90), row("a", "good", 2, 96), row("a", "good", 3, 0),
                     row("b", "good", 1, 93), row("b", "good", 2, 92), row("b", "good", 3, 10),
                     row("a", "hasty", 1, 0), row("b", "hasty", 1, 70)});
-  // Seed 3 failed critically on one device; of hasty nothing is left.
+  // Seed 3 failed critically on one device; hasty has no seed left.
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].name, "good");
   EXPECT_EQ(found[0].seeds, 2u);
@@ -52,7 +52,7 @@ TEST(OperatorsTest, TheDocumentIsTheSchemas) {
   EXPECT_EQ(boost::json::value(OperatorsJson(findings)), boost::json::parse(golden));
 }
 
-// Walls that a hand cuts in beyond their middle leave nothing to go round: no crash.
+// Walls cut in beyond their middle leave nothing to go round: must not crash.
 TEST(OperatorsTest, EverybodyHasAPlanForACrownOrSaysWhyNot) {
   const auto built = scene::BuildBuiltinScene("molar-caries", 400'000);
   ASSERT_TRUE(built.ok());

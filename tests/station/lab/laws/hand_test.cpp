@@ -15,7 +15,7 @@ const dvec3 kOblique = glm::normalize(dvec3(1, 2, 3));
 
 DeviceModel Device(int i) { return *ModelOf(QualifyProfiles()[static_cast<size_t>(i)]); }
 
-// A recording as people make them, without one: slow strokes with two harmonics.
+// A synthetic recording like a person's: slow strokes with two harmonics.
 std::string RecordingText(int rows) {
   std::string text = "t_s,px_m,py_m,pz_m,vx,vy,vz\n";
   for (int i = 0; i < rows; ++i) {
@@ -115,7 +115,7 @@ TEST_P(HandOnDevice, GeneratedStrokesAreFollowedBetterThanByTheGatedLaw) {
   }
 }
 
-// With a tick of delay, on turned joints and in soft hands no more energy comes out than was in.
+// With a tick of delay, on turned joints and in soft hands, no more energy comes out than went in.
 TEST_P(HandOnDevice, NoHandDrawsEnergyWhateverTheLatticeAndTheDelay) {
   for (int delay : {0, 1}) {
     for (bool turned : {false, true}) {

@@ -54,8 +54,8 @@ TEST(DeviceModelTest, SaysWhatItCannotRenderAndForHowLongThePeakLasts) {
   EXPECT_EQ(CannotRender(*omega, 6500, 2e-3).size(), 1u);
 }
 
-// Table 3 of the paper prints what the limiter gave in one experiment, not what motors bear for
-// long.
+// Table 3 of the paper prints the limiter's force in one experiment, not the motors' continuous
+// force.
 TEST(DeviceModelTest, NoContinuousForceIsTheLimitersForceOfThePapersTable3) {
   for (const auto& profile : QualifyProfiles()) {
     EXPECT_EQ(profile.continuous_force_mn.source.find("paper"), std::string::npos) << profile.name;

@@ -71,9 +71,9 @@ TEST(PlantTest, MotorsSaturateAndCellsHaveMiddles) {
   EXPECT_EQ(plant.sent_n(), dvec3(3, -3, 1));
 }
 
-// A rotated lattice of edge delta keeps its cells cubes: what is read is never further from the tip
-// than half a cell's diagonal, along each joint never more than half a cell, and both are nearly
-// reached. Rounded again by the driver: half a driver cell more per axis, on its multiples.
+// The cells of a rotated lattice of edge delta are still cubes. The reading is never further from
+// the tip than half a cell's diagonal, and never more than half a cell along each joint; both are
+// nearly reached. Rounding by the driver adds half a driver cell per axis, on its multiples.
 TEST(PlantTest, JointCellsReadTheirMiddleBackInCartesianCoordinates) {
   const double delta = 10e-6, driver = 25e-6;
   Random random(7);
@@ -103,8 +103,8 @@ TEST(PlantTest, JointCellsReadTheirMiddleBackInCartesianCoordinates) {
   EXPECT_GE(furthest_rounded, 0.48 * driver);
 }
 
-// Two joints at 60 degrees: unit rows, the cell a rhombus. A tip one joint cell further along the
-// first joint's dual direction is read exactly that much further.
+// Two joints at 60 degrees: unit rows, the cell a rhombus. For a tip one joint cell further along
+// the first joint's dual direction, the reading is exactly that much further.
 TEST(PlantTest, ShearedJointCellsKeepTheirEdgeAlongEachJoint) {
   PlantSpec s = Bare(1);
   s.resolution_m = 10e-6;

@@ -20,7 +20,7 @@ PlantSpec Device(double mass_kg, double b, double c, double delta_m, int substep
   return s;
 }
 
-// b is chosen here, far from K T/2 of any device: were it read off a stiffness, these could not
+// b is chosen here, far from K T/2 of any device: if it came from a stiffness, these could not
 // agree.
 TEST(StabilityTest, TheLargestPassiveSpringIsColgateSchenkelsForEveryDamping) {
   for (double b : {0.1, 0.7, 3.0, 20.0}) {
@@ -71,16 +71,15 @@ TEST(StabilityTest, ADeviceAloneComesToRestUpToWhereItsPolesSay) {
   }
 }
 
-// With little damping the closed forms are 2 b / T and 2 m / T: a damper that is not passive comes
-// to rest a hundred times further on.
+// With little damping the closed forms are 2 b / T and 2 m / T: a damper still comes to rest at a
+// hundred times its passive limit.
 TEST(StabilityTest, AtRestASpringIsLimitedByDampingAndADamperByMass) {
   EXPECT_NEAR(LinearStableSpring(0.1, 0.01, kTick_s), 2 * 0.01 / kTick_s, 1e-3);
   EXPECT_NEAR(LinearStableDamper(0.1, 0.01, kTick_s), 2 * 0.1 / kTick_s, 0.02);
 }
 
 // A mass under a damper that acts late by L: B L / m = pi / 2. Sample, hold and difference are one
-// tick of L. What it would take for the paper's device of 0.25 kg to shake at its printed 5.1 N
-// s/m.
+// tick of L. The delay at which the paper's device of 0.25 kg vibrates at its printed 5.1 N s/m.
 TEST(StabilityTest, ADamperShakesAMassAtThePrintedDampingOnlyWhenItActsSeventySevenTicksLate) {
   constexpr double kPi = 3.14159265358979;
   PlantSpec device = Device(0.25, 0.01, 0, 1e-12, 16);

@@ -76,7 +76,7 @@ TEST(StrokesTest, TheOracleRisesNoFasterThanTheSpringIsStretched) {
   EXPECT_NEAR(steepest, m.kc_n_per_m * 0.5e-3 * m.tick_s(), 1e-6);
 }
 
-// What the default law does not reach. The bound stands in the track; here is what is reached.
+// Limits that the default law misses. The bound is in the track; here are the values it reaches.
 struct Miss {
   const char* device;
   StrokeCase which;
@@ -132,7 +132,7 @@ INSTANTIATE_TEST_SUITE_P(Devices, StrokesOnDevice, testing::Values(0, 1, 2), [](
   return QualifyProfiles()[static_cast<size_t>(i.param)].name;
 });
 
-// So that the figures are known to be able to fail: eq. 1 kicks by 58 N a count.
+// Proves that the figures can fail: eq. 1 kicks by 58 N a count.
 TEST(StrokesTest, ALawThatKicksIsFound) {
   StrokeTrack track = RunStroke(Device(0), StrokeCase::kReverse, LawKind::kPaperDamping, Block());
   EXPECT_FALSE(track.held());

@@ -49,7 +49,7 @@ TEST(TrialTest, IntegratesFarBelowAnEncoderCell) {
 
 class PaperDevice : public testing::TestWithParam<size_t> {};
 
-// The figures asked of the default law, each with its bound.
+// The figures required of the default law, each with its bound.
 TEST_P(PaperDevice, CarriesTheFullForceInAVelocityHand) {
   DeviceModel m = Model(GetParam());
   for (const dvec3& way : kWays) {
@@ -105,7 +105,7 @@ TEST_P(PaperDevice, TremorShakesTheSpringAndNoMore) {
   }
 }
 
-// A hand that turns back is resisted by no more than twice what it was, and settles on -B v.
+// A hand that turns back is resisted by at most twice the previous force, and settles on -B v.
 TEST_P(PaperDevice, ReversalStaysWithinTwiceTheForce) {
   DeviceModel m = Model(GetParam());
   double tau = kEnamel / m.kc_n_per_m;
@@ -118,8 +118,7 @@ TEST_P(PaperDevice, ReversalStaysWithinTwiceTheForce) {
   for (const Sample& q : r.trace) EXPECT_LE(std::fabs(q.force_n), 2 * r.target_n);
 }
 
-// The gate looks at the force of the last 60 ms, so a fresh rise overshoots by a part of Kc v 60
-// ms.
+// The gate uses the force of the last 60 ms, so a fresh rise overshoots by a part of Kc v 60 ms.
 TEST_P(PaperDevice, TissueStepsStayWithinTheHarderTissue) {
   DeviceModel m = Model(GetParam());
   double tau = 8700 / m.kc_n_per_m;
@@ -134,7 +133,7 @@ TEST_P(PaperDevice, TissueStepsStayWithinTheHarderTissue) {
   EXPECT_FALSE(r.violation);
 }
 
-// Axial and side cutting differ by four: R = B V still, in an oblique cut.
+// Axial and side cutting differ by a factor of four: R = B V still holds in an oblique cut.
 TEST_P(PaperDevice, MatrixDampingSettlesOnItsForce) {
   DeviceModel m = Model(GetParam());
   TrialSpec s = SpecOf(m, haptics::kDefaultLaw, kEnamel, kSpeed);
@@ -177,9 +176,9 @@ TEST(AdversaryTest, NeverGetsUnderTheFloorOfWhatIsProved) {
   }
 }
 
-// The search is not blind: where nothing is proved it finds energy at once.
-// The worst games of a search of 1e9 ticks over every profile (`qualify --profile all --suite
-// adversary`): still won against the laws they were found on, and lost against what is proved.
+// The search works: without a proof it finds energy at once. The worst games of a search of 1e9
+// ticks over every profile (`qualify --profile all --suite adversary`) are still won against the
+// laws they were found on, and lost against proved ones.
 struct KnownAttack {
   LawKind law;
   const char* profile;

@@ -6,15 +6,15 @@
 #include <cstdio>
 #include <string>
 
-// A bur pulled back along the way it came has nothing ahead of it, so nothing may hold it.
+// A bur pulled back along its path has nothing ahead of it, so nothing may hold it.
 namespace enamel::station::lab {
 namespace {
 
 using haptics::LawKind;
 
 constexpr double kOpposing_n = 0.15, kRise_n = 0.1;  // or Kc delta where that is more
-// What is reached where the goals above are not: README of common/haptics, "What falls short". No
-// case pulls harder than kWorst_n, and no more than kBeyond of the 168 miss one of the goals.
+// Values reached where the goals above are missed: README of common/haptics, "What falls short". No
+// case pulls harder than kWorst_n, and at most kBeyond of the 168 miss one of the goals.
 constexpr double kWorst_n = 0.17;
 constexpr int kBeyond = 8;
 
@@ -38,7 +38,7 @@ TEST_P(FreeWithdrawalTest, NothingHoldsABurThatGoesBackTheWayItCame) {
     for (Cut cut : kCuts) {
       for (bool turned : {false, true}) {
         for (double speed : {0.01, 0.03, 0.05}) {
-          // Plain Maxwell keeps no memory: its fastest says all.
+          // Plain Maxwell has no memory: its fastest case is enough.
           if (GetParam() == LawKind::kMaxwell && speed < 0.05) continue;
           Withdrawal s{b.bur, cut, speed, turned, GetParam()};
           WithdrawalFigures f = RunWithdrawal(s, Block());
@@ -67,16 +67,15 @@ INSTANTIATE_TEST_SUITE_P(Laws, FreeWithdrawalTest,
                            return i.param == LawKind::kMaxwell ? "Maxwell" : "TankMaxwell";
                          });
 
-// The band of half a voxel that core version 2 counts, so that the claim above is known to be able
-// to fail.
+// The band of half a voxel that core version 2 counts proves that the claim above can fail.
 TEST(WithdrawalTest, CoreVersion2IsHeld) {
   Withdrawal s{WithdrawalBurs()[0].bur, Cut::kSideMill, 0.05, false, LawKind::kMaxwell};
   s.core_version = 2;
   EXPECT_GT(RunWithdrawal(s, Block()).opposing_n, 1);
 }
 
-// A soft hand does not keep to the way: what the spring still holds across it presses the bur, for
-// a tick or two, into the floor it has passed.
+// A soft hand deviates from the path: the spring's remaining force across it presses the bur, for a
+// tick or two, into the floor it has passed.
 constexpr double kSoftHand_n = 0.2;
 
 TEST(WithdrawalTest, AHandOfOneNewtonAMillimetreIsNotHeldEither) {

@@ -32,7 +32,7 @@ json::value Schema(const std::string& file) {
   return json::parse(ReadAll(fs::path(ENAMEL_SOURCE_DIR) / "schemas" / file));
 }
 
-// Something of every kind that a report may hold.
+// One of every kind of content of a report.
 Findings OneOfEach() {
   Findings f;
   f.quick = true;
@@ -171,7 +171,8 @@ TEST_F(DrawTest, PlaceThatCannotBeWrittenIsRefusedBeforeTheWork) {
   EXPECT_TRUE(CheckReport(folder_ / "new", "--report").ok());
 }
 
-// With node and the built script a page; without one of them the document, and what to do is said.
+// With node and the built script a page; without one of them the document, and a message with the
+// remedy.
 TEST_F(DrawTest, DocumentIsAlwaysWrittenAndAPageOrTheWayToOne) {
   const std::string document = json::serialize(json::object{{"report", ReportOf(OneOfEach())}});
   testing::internal::CaptureStderr();

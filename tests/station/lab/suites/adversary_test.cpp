@@ -45,8 +45,8 @@ TEST(AdversaryGameTest, NoRuleThatTheLawsCoverGetsThemUnderTheirFloor) {
   }
 }
 
-// Games that were won: against the laws that clip at a wall and know no delay they still are, with
-// the energy they drew, and against the guard with its tank they are lost.
+// Games that were won. Against laws that clip at a wall and know no delay they still are, with the
+// same energy; against the guard with its tank they are lost.
 struct Won {
   GameRules rules;
   GameKind made;
@@ -81,8 +81,8 @@ TEST(AdversaryGameTest, GamesThatWereWonAreLostAgainstTheGuardWithATank) {
   }
 }
 
-// The games can tell: one tick of delay that nobody declared, and the guard is beaten by each kind
-// but the presses, which are not about delay.
+// The games detect errors: with one undeclared tick of delay each kind beats the guard, except the
+// presses, which do not depend on delay.
 TEST(AdversaryGameTest, ATickOfDelayThatIsNotInTheClauseIsFound) {
   DeviceModel m = Device(0);
   for (GameKind kind :

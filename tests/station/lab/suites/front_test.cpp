@@ -38,8 +38,8 @@ const LawPoint& Named(const std::vector<LawPoint>& points, const std::string& na
   return points.at(0);
 }
 
-// Cheap and as accurate, but slow to rise and to let go: on the front of steady error it beats the
-// dear law, over all figures it does not.
+// Cheap and as accurate, but slow to rise and to let go: it beats the expensive law on the front of
+// steady error, but not over all figures.
 TEST(FrontTest, ALawThatRisesAndReleasesFasterIsNotDominatedByACheaperOneOfEqualError) {
   auto points =
       LawPointsOf({Cut("cheap", 20, 0.045, 2.4, 2.3), Cut("dear", 120, 0.045, 1.1, 0.3)}, "device");
@@ -81,7 +81,7 @@ TEST(FrontTest, WhatIsNeverReachedIsOnNoFront) {
   EXPECT_TRUE(Named(points, "free").on_front[2]);
 }
 
-// A suite of motions only has to hand in rows: no trial of ours, no nanoseconds, another name.
+// A suite of motions only has to provide rows: no trial of ours, no nanoseconds, another name.
 TEST(FrontTest, MetricsOfAnotherSuiteJoinWhenItsRowsCarryThem) {
   std::vector<Row> rows = {Cut("cheap", 20, 0.045, 1, 0.3), Cut("dear", 120, 0.045, 1, 0.3)};
   EXPECT_FALSE(Named(LawPointsOf(rows, "device"), "dear").undominated);

@@ -19,7 +19,8 @@ DeviceModel Paper(size_t i) {
   return *model;
 }
 
-// Nothing in eq. 17 stops at table 3's force: the force is Kc times the way, to within two counts.
+// Nothing in eq. 17 stops at table 3's force: the force is Kc times the distance, to within two
+// counts.
 TEST(PaperTable3Test, TheLimiterPassesThePrintedForceAfterFOverKcAndGoesOn) {
   for (size_t i = 0; i < 3; ++i) {
     DeviceModel m = Paper(i);

@@ -28,8 +28,8 @@ const dvec3 kAxis = glm::normalize(dvec3(1, 2, 3)),
             kSide = glm::normalize(glm::cross(kAxis, dvec3(0, 0, 1))),
             kOther = glm::cross(kAxis, kSide);
 
-// A hand that presses 1.2 s at a time in random directions, every third time too weakly or hardly
-// strongly enough to cut.
+// A hand that presses 1.2 s at a time in random directions, every third time too weakly to cut or
+// hardly strongly enough.
 std::function<dvec3(double)> Presses(uint64_t seed) {
   Random r(seed * 77 + 5);
   std::vector<dvec3> force;
@@ -43,7 +43,7 @@ std::function<dvec3(double)> Presses(uint64_t seed) {
   };
 }
 
-// How often intervals hold the truth, and how far off values are.
+// How often intervals hold the truth, and the errors of values.
 struct Score {
   int n = 0, held = 0;
   double sum = 0, squares = 0, worst = 0, half = 0;
@@ -191,7 +191,7 @@ TEST(CutFitTest, SaysWhatTheRecordingCannotTellApart) {
   EXPECT_TRUE(Warns(line, "directions"));
   EXPECT_NEAR(line.b.value, 9, 0.3);
   EXPECT_NEAR(line.coulomb_n.value, 0.5, 0.1);
-  // One speed as well: one number holds both parts, F/V.
+  // One speed too: one number contains both parts, F/V.
   CutFit speed = FitCut(
       CutByForce(truth, Sensor{}, kSeconds, 1, [](double) { return 2.5 * kAxis; }), 1e-3, false, 3);
   EXPECT_FALSE(speed.with_coulomb);
@@ -223,7 +223,7 @@ TEST(CutFitTest, FrontSpeedInvertsTheLawAndStopsAtCoulombsPart) {
   EXPECT_EQ(glm::length(FrontSpeed({0.3, 0.3, 0.2}, basis, {9, 6, 3}, 0.5)), 0);
 }
 
-// Where a person's hand was, at 1 kHz: made smaller until its mean speed is 0.45 mm/s.
+// Positions of a person's hand at 1 kHz, scaled down to a mean speed of 0.45 mm/s.
 std::vector<dvec3> HumanPath_mm(const fs::path& file) {
   std::vector<dvec3> path;
   std::ifstream in(file);
@@ -236,7 +236,7 @@ std::vector<dvec3> HumanPath_mm(const fs::path& file) {
     dvec3 p;
     if (cells >> t >> p.x >> p.y >> p.z) path.push_back(p * 1e3);
   }
-  // The robot's own noise would be cut as well: a mean over 100 ms of the recording.
+  // The robot's own noise would cut too, so this is a mean over 100 ms of the recording.
   std::vector<dvec3> smooth(path.size());
   for (size_t i = 0; i < path.size(); ++i) {
     size_t a = i < 50 ? 0 : i - 50, b = std::min(path.size(), i + 51);

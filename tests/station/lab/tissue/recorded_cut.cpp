@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kSubsteps = 2;  // of a sample, midpoint rule
 
-// Speed of the front under `f`: fixed point of (B + Fc/|V|) V = F, from the speed before.
+// Speed of the front under `f`: fixed point of (B + Fc/|V|) V = F, starting from the last speed.
 dvec3 Answer(const TrueCut& truth, const dvec3& f, const dvec3& before = dvec3(0)) {
   double size = glm::length(f);
   if (size < truth.threshold_n || size <= truth.coulomb_n) return dvec3(0);

@@ -6,7 +6,7 @@
 #include "common/math/vec.h"
 #include "station/lab/tissue/cut_fit.h"
 
-// Recordings of cuts with known parameters, made apart from the code that fits them.
+// Recordings of cuts with known parameters, made independently of the code that fits them.
 namespace enamel::station::lab {
 
 struct TrueCut {
@@ -24,11 +24,11 @@ struct Sensor {
   double spikes = 0;      // part of the rows that hold nonsense
 };
 
-// A force hand: the tissue answers `force_n(t)`.
+// A force hand: the tissue responds to `force_n(t)`.
 std::vector<CutSample> CutByForce(const TrueCut& truth, const Sensor& sensor, double seconds,
                                   uint64_t seed, const std::function<dvec3(double)>& force_n);
-// A hand that prescribes where the far end of the tip's spring is; the front follows. Requires a
-// compliance above 0.
+// A hand that prescribes the far end of the tip's spring; the front follows. Requires a compliance
+// above 0.
 std::vector<CutSample> CutByMotion(const TrueCut& truth, const Sensor& sensor, double seconds,
                                    uint64_t seed, const std::function<dvec3(double)>& position_mm);
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// The part of a maker's interface that station/sdk/force_dimension.cpp calls, with a device that a
-// test moves (fake_sdk.h).
+// The part of the maker's interface that station/sdk/force_dimension.cpp calls, with a device that
+// a test moves (fake_sdk.h).
 #define DHD_ON 1
 #define DHD_OFF 0
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// The part of a maker's interface that station/sdk/open_haptics.cpp calls, with a device that a
+// The part of the maker's interface that station/sdk/open_haptics.cpp calls, with a device that a
 // test moves (fake_sdk.h).
 using HHD = unsigned int;
 using HDdouble = double;
