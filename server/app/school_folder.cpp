@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 // installation's. Each server makes the same, none can make the installation's of it, and a school that is made again
 // under an old name has another.
 Result<trace::KeyPair> SchoolKey(const fs::path& installation, const Uuid& id) {
-  constexpr std::string_view kLabel = "enamel.school-ticket-key.v1";
+  constexpr std::string_view kLabel = "enamel.school-key.v1";
   ENAMEL_ASSIGN_OR_RETURN(const auto own, ReadTicketKey(installation));
   Bytes told(kLabel.begin(), kLabel.end());
   told.insert(told.end(), id.bytes.begin(), id.bytes.end());
@@ -110,9 +110,10 @@ Result<ServerIdentity> EnsureSchoolFolder(const fs::path& installation, const Sc
                                                      : MustBeThere(folder, row));
   }
   ENAMEL_RETURN_IF_ERROR(sqlite::MakeDataFolder(folder, disk, /*restoring=*/false));
-  const std::string document = boost::json::serialize(boost::json::object{
-                                   {"version", 1}, {"name", row.name}, {"id", row.id.Text()}}) +
-                               "\n";
+  const std::string document =
+      boost::json::serialize(boost::json::object{
+          {"format", "enamel-school"}, {"version", 1}, {"name", row.name}, {"id", row.id.Text()}}) +
+      "\n";
   constexpr size_t kMaxDocument = 4096;
   const auto kept_document = ReadFile(folder / kSchoolFile, kMaxDocument);
   if (!kept_document.ok() || AsText(*kept_document) != document) {

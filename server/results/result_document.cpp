@@ -10,10 +10,10 @@
 namespace enamel::server {
 namespace {
 
-constexpr std::array<uint8_t, 4> kMagic = {'E', 'N', 'r', 's'};
+constexpr std::array<uint8_t, 4> kMagic = {'E', 'N', 'r', 'd'};
 constexpr uint16_t kVersion = 1;
 constexpr size_t kSignedBytes = 552, kBytes = kSignedBytes + 64;
-constexpr char kDomain[] = "enamel.result.v1";
+constexpr char kDomain[] = "enamel.result-document.v1";
 
 // Every hash and id in the order of the document, so that writing and reading cannot differ.
 template <typename Document, typename Visit>
@@ -70,7 +70,7 @@ Bytes EncodeResult(const ResultDocument& document) {
 Result<ResultDocument> DecodeResult(ByteView bytes) {
   ByteReader in(bytes);
   if (!std::ranges::equal(in.Raw(kMagic.size()), kMagic)) {
-    return Status(Code::kInvalidInput, "result: expected one that begins with ENrs");
+    return Status(Code::kInvalidInput, "result: expected one that begins with ENrd");
   }
   uint16_t version = in.U16();
   if (in.ok() && version != kVersion) {

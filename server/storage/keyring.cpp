@@ -10,10 +10,10 @@
 namespace enamel::server {
 namespace {
 
-constexpr std::string_view kMagic = "ENPD";
+constexpr std::string_view kMagic = "ENEV";
 constexpr uint16_t kVersion = 1;
 // Sub-keys of a person's key (schemas/personal_data.md).
-constexpr char kContext[] = "ENPDkeys";
+constexpr char kContext[] = "ENEVkeys";
 enum class SubKey : uint64_t { kCipher = 1, kNonce = 2 };
 
 DataKey Derive(const DataKey& key, SubKey which) {

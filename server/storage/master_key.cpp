@@ -10,11 +10,11 @@
 namespace enamel::server {
 namespace {
 
-constexpr std::string_view kMagic = "ENWK";
+constexpr std::string_view kMagic = "ENKW";
 constexpr uint16_t kVersion = 1;
 constexpr size_t kHexKey = 2 * DataKey::kBytes;
 // Sub-keys of the master key (schemas/personal_data.md).
-constexpr char kContext[] = "ENWKkeys";
+constexpr char kContext[] = "ENKWkeys";
 enum class SubKey : uint64_t { kCipher = 1, kFingerprint = 2 };
 
 DataKey Derive(const DataKey& master, SubKey which) {

@@ -14,9 +14,8 @@ namespace {
 
 namespace json = boost::json;
 
-constexpr int64_t kWithout = 1, kWithBlobs = 2, kWithKeys = 3;
-constexpr int64_t kNewestVersion = kWithKeys;
-constexpr int64_t kCredentialsVersion = 1;
+constexpr std::string_view kDatabaseFormat = "enamel-database";
+constexpr int64_t kDatabaseVersion = 1;
 constexpr size_t kMaxDatabaseBytes = 64 << 10;
 constexpr size_t kMaxPrefix = 200;
 
@@ -26,19 +25,24 @@ Status Bad(const std::filesystem::path& path, const std::string& found) {
       path.string() + ": expected what schemas/database.md says, found " + found + "; mend it");
 }
 
-// Of a file of ours, of a version from 1 to `newest`.
+// `format`: of the member of that name; empty: the file has none.
 Result<json::object> ParseObject(const std::filesystem::path& path, const Bytes& bytes,
-                                 int64_t newest) {
+                                 std::string_view format) {
   boost::system::error_code bad;
   json::value document = json::parse(AsText(bytes), bad);
   if (bad || !document.is_object()) return Bad(path, "no JSON object");
+  const json::value* its_format = document.get_object().if_contains("format");
   const json::value* version = document.get_object().if_contains("version");
+  if (!format.empty() && (its_format == nullptr || !its_format->is_string() ||
+                          std::string_view(its_format->get_string()) != format)) {
+    return Bad(path, "no format \"" + std::string(format) + "\"");
+  }
   if (version == nullptr || !version->is_int64()) return Bad(path, "no version");
-  if (version->get_int64() < 1 || version->get_int64() > newest) {
+  if (version->get_int64() != kDatabaseVersion) {
     return Status(Code::kVersion, path.string() + " has version " +
                                       std::to_string(version->get_int64()) +
-                                      ", this enamel-server knows up to " + std::to_string(newest) +
-                                      "; run the newer one");
+                                      ", this enamel-server reads " +
+                                      std::to_string(kDatabaseVersion) + "; run the newer one");
   }
   return std::move(document.get_object());
 }
@@ -99,7 +103,7 @@ Result<s3::Credentials> ReadCredentials(const std::filesystem::path& path) {
   ENAMEL_ASSIGN_OR_RETURN(
       const Bytes bytes,
       ReadPrivateFile(path, kMaxDatabaseBytes, "the S3 store's credentials", "write it"));
-  ENAMEL_ASSIGN_OR_RETURN(const json::object all, ParseObject(path, bytes, kCredentialsVersion));
+  ENAMEL_ASSIGN_OR_RETURN(const json::object all, ParseObject(path, bytes, {}));
   s3::Credentials out;
   ENAMEL_RETURN_IF_ERROR(ReadText(path, all, "access_key", Need::kMust, out.access_key));
   ENAMEL_RETURN_IF_ERROR(ReadText(path, all, "secret_key", Need::kMust, out.secret_key));
@@ -136,7 +140,7 @@ Result<std::optional<DatabaseFile>> ReadDatabaseFile(const std::filesystem::path
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return std::optional<DatabaseFile>();
   ENAMEL_ASSIGN_OR_RETURN(const Bytes bytes, ReadFile(path, kMaxDatabaseBytes));
-  ENAMEL_ASSIGN_OR_RETURN(const json::object all, ParseObject(path, bytes, kNewestVersion));
+  ENAMEL_ASSIGN_OR_RETURN(const json::object all, ParseObject(path, bytes, kDatabaseFormat));
   DatabaseFile out;
   const json::value* blobs = all.if_contains("blobs");
   const json::value* keys = all.if_contains("keys");
@@ -146,13 +150,6 @@ Result<std::optional<DatabaseFile>> ReadDatabaseFile(const std::filesystem::path
                       ": expected rows in PostgreSQL beside what is in an S3 store, found no "
                       "server: rows in enamel.db are one machine's, and what others name would be "
                       "deleted; name the PostgreSQL server, or keep all of it in the folder");
-  }
-  const int64_t version = all.at("version").get_int64();
-  if (blobs != nullptr && version < kWithBlobs)
-    return Bad(path, "blobs in a file of version 1, which an older server would pass over");
-  if (keys != nullptr && version < kWithKeys) {
-    return Bad(path, "keys in a file of version " + std::to_string(version) +
-                         ", which an older server would pass over");
   }
   ENAMEL_RETURN_IF_ERROR(ReadText(path, all, "server", Need::kMust, out.server));
   ENAMEL_RETURN_IF_ERROR(ReadText(path, all, "schema", Need::kMust, out.schema));
@@ -238,9 +235,8 @@ Status MayKeepRowsIn(const std::filesystem::path& folder, const DatabaseFile& fi
 Status WriteDatabaseFile(const std::filesystem::path& folder, const DatabaseFile& file,
                          Disk& disk) {
   ENAMEL_RETURN_IF_ERROR(MayKeepRowsIn(folder, file));
-  json::object document = {{"version", file.keys    ? kWithKeys
-                                       : file.blobs ? kWithBlobs
-                                                    : kWithout},
+  json::object document = {{"format", kDatabaseFormat},
+                           {"version", kDatabaseVersion},
                            {"server", file.server},
                            {"schema", file.schema}};
   if (file.blobs) document["blobs"] = ObjectOf(*file.blobs);

@@ -13,7 +13,7 @@ namespace {
 
 namespace json = boost::json;
 
-constexpr std::string_view kFormat = "enamel-backup";
+constexpr std::string_view kFormat = "enamel-server-backup";
 constexpr int64_t kVersion = 1;
 // Room for more than two million files.
 constexpr size_t kMaxBytes = size_t{512} << 20;
@@ -121,11 +121,9 @@ Result<sqlite::AuditHead> HeadOf(const json::value& value) {
   return out;
 }
 
-// Backups from before there was one have none.
 Status ReadTrail(const json::object& root, Manifest& out) {
   const json::value* trail = root.if_contains("trail");
-  if (trail == nullptr) return Status::Ok();
-  if (!trail->is_array()) return Bad("trail", "an array");
+  if (trail == nullptr || !trail->is_array()) return Bad("trail", "an array");
   for (const json::value& value : trail->as_array()) {
     ENAMEL_ASSIGN_OR_RETURN(auto head, HeadOf(value));
     out.trail.push_back(head);

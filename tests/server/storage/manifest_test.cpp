@@ -12,13 +12,14 @@ namespace json = boost::json;
 const std::string kHash(64, 'a');
 
 json::object Good() {
-  return {{"format", "enamel-backup"},
+  return {{"format", "enamel-server-backup"},
           {"version", 1},
           {"created_ms", 1'700'000'000'000},
           {"software", "enamel-server 0.1.0"},
           {"schema", 2},
           {"keyring", "inside"},
           {"counts", {{"people", 1}, {"attempts", 2}, {"ticks", 3}}},
+          {"trail", json::array()},
           {"files", json::array{{{"path", "blobs/aa/" + kHash}, {"bytes", 7}, {"sha256", kHash}},
                                 {{"path", "enamel.db"}, {"bytes", 8}, {"sha256", kHash}}}}};
 }
@@ -58,8 +59,8 @@ TEST(ManifestTest, PathsLeadNowhereButIntoADataFolder) {
 }
 
 TEST(ManifestTest, WhatIsNoManifestIsRefusedWithTheMember) {
-  for (const char* member :
-       {"format", "version", "created_ms", "software", "schema", "keyring", "counts", "files"}) {
+  for (const char* member : {"format", "version", "created_ms", "software", "schema", "keyring",
+                             "counts", "trail", "files"}) {
     json::object without = Good(), other = Good();
     without.erase(member);
     other[member] = nullptr;
