@@ -413,8 +413,10 @@ Result<int> PgDb::SchemaVersion() {
   Query q(*this, "SELECT application, version FROM enamel_schema");
   if (!q.Next()) return q.status().ok() ? Result<int>(0) : q.status();
   if (q.Text(0) != options_.application) {
-    return Status(Code::kVersion, "the PostgreSQL database is one of " + q.Text(0) + ", not of " +
-                                      options_.application + "; name another database");
+    return Status(Code::kVersion, "expected tables of " + options_.application +
+                                      " in this schema of PostgreSQL, found those of " + q.Text(0) +
+                                      "; name another schema or database; nothing in this one was "
+                                      "changed");
   }
   return static_cast<int>(q.Int(1));
 }

@@ -240,7 +240,9 @@ Result<int> SqliteDb::SchemaVersion() {
   ENAMEL_ASSIGN_OR_RETURN(const int64_t application, Pragma("PRAGMA application_id"));
   if (version != 0 && application != options_.application_id) {
     return Status(Code::kVersion,
-                  path_ + " is a database of another program; name another data folder");
+                  path_ +
+                      " is a database of another program, or of a version of this one that it does "
+                      "not read; name another folder; nothing in this one was changed");
   }
   return static_cast<int>(version);
 }

@@ -1,7 +1,9 @@
--- Schema 1 of the server's store. Migrations are numbered and forward-only; each runs in one
--- transaction. Shaped so that it can move to PostgreSQL: the tenant leads every key, ids are UUIDv7
--- (16 bytes, sort by age), times are milliseconds since the Unix epoch, hashes are SHA-256 (32 bytes).
--- What is large lives in content-addressed blobs and is named here by its hash.
+-- Schema 1 of the server's store, in SQLite. schemas/sql/pg/0001_initial.sql has the same tables, columns, keys, checks
+-- and indexes for PostgreSQL; a test compares the two files.
+--
+-- The tenant leads every key. Ids are UUIDv7 (16 bytes, sort by age), times are milliseconds since the Unix epoch,
+-- hashes are SHA-256 (32 bytes). Large content is in blobs, which rows name by their hash. Migrations are numbered and
+-- only go forward; those that are missing run in one transaction.
 
 CREATE TABLE tenants (
   tenant INTEGER NOT NULL PRIMARY KEY,
@@ -10,35 +12,31 @@ CREATE TABLE tenants (
 INSERT INTO tenants (tenant, name) VALUES (1, 'default');
 
 CREATE TABLE people (
-  tenant       INTEGER NOT NULL REFERENCES tenants (tenant),
-  id           BLOB NOT NULL CHECK (length(id) = 16),
-  login        TEXT NOT NULL,
-  display_name TEXT NOT NULL,
-  role         INTEGER NOT NULL CHECK (role BETWEEN 1 AND 3),  -- 1 student, 2 instructor, 3 admin
-  disabled     INTEGER NOT NULL DEFAULT 0 CHECK (disabled IN (0, 1)),
-  created_ms   INTEGER NOT NULL,
-  verifier     TEXT NOT NULL,                                  -- argon2id, libsodium's form
+  tenant               INTEGER NOT NULL REFERENCES tenants (tenant),
+  id                   BLOB NOT NULL CHECK (length(id) = 16),
+  login                TEXT NOT NULL,
+  display_name         TEXT NOT NULL,
+  role                 INTEGER NOT NULL CHECK (role BETWEEN 1 AND 3),  -- 1 student, 2 instructor, 3 admin
+  disabled             INTEGER NOT NULL DEFAULT 0 CHECK (disabled IN (0, 1)),
+  created_ms           INTEGER NOT NULL,
+  verifier             TEXT NOT NULL,  -- argon2id, libsodium's form
+  revision             INTEGER NOT NULL DEFAULT 1,
+  must_change_password INTEGER NOT NULL DEFAULT 0 CHECK (must_change_password IN (0, 1)),
+  password_ms          INTEGER NOT NULL DEFAULT 0,
+  password_used        INTEGER NOT NULL DEFAULT 0 CHECK (password_used IN (0, 1)),
+  -- A language of the page (schemas/words.md); empty: the browser's.
+  language             TEXT NOT NULL DEFAULT '' CHECK (language IN ('', 'en', 'de', 'zh')),
   PRIMARY KEY (tenant, id),
   UNIQUE (tenant, login)
 ) STRICT, WITHOUT ROWID;
-
-CREATE TABLE sessions (
-  tenant       INTEGER NOT NULL,
-  token_hash   BLOB NOT NULL CHECK (length(token_hash) = 32),
-  person       BLOB NOT NULL,
-  created_ms   INTEGER NOT NULL,
-  last_used_ms INTEGER NOT NULL,
-  expires_ms   INTEGER NOT NULL,
-  via          TEXT NOT NULL,
-  PRIMARY KEY (tenant, token_hash),
-  FOREIGN KEY (tenant, person) REFERENCES people (tenant, id) ON DELETE CASCADE
-) STRICT, WITHOUT ROWID;
-CREATE INDEX sessions_by_person ON sessions (tenant, person);
+CREATE INDEX people_by_role ON people (tenant, role, login);
 
 CREATE TABLE cohorts (
-  tenant     INTEGER NOT NULL REFERENCES tenants (tenant),
-  id         BLOB NOT NULL CHECK (length(id) = 16),
-  name       TEXT NOT NULL,
+  tenant      INTEGER NOT NULL REFERENCES tenants (tenant),
+  id          BLOB NOT NULL CHECK (length(id) = 16),
+  name        TEXT NOT NULL,
+  revision    INTEGER NOT NULL DEFAULT 1,
+  archived_ms INTEGER NOT NULL DEFAULT 0,  -- 0: in use
   PRIMARY KEY (tenant, id),
   UNIQUE (tenant, name)
 ) STRICT, WITHOUT ROWID;
@@ -53,14 +51,6 @@ CREATE TABLE cohort_members (
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX cohort_members_by_person ON cohort_members (tenant, person);
 
-CREATE TABLE enrol_codes (
-  tenant     INTEGER NOT NULL REFERENCES tenants (tenant),
-  code_hash  BLOB NOT NULL CHECK (length(code_hash) = 32),
-  expires_ms INTEGER NOT NULL,
-  used_ms    INTEGER,
-  PRIMARY KEY (tenant, code_hash)
-) STRICT, WITHOUT ROWID;
-
 CREATE TABLE stations (
   tenant          INTEGER NOT NULL REFERENCES tenants (tenant),
   id              BLOB NOT NULL CHECK (length(id) = 16),
@@ -70,6 +60,10 @@ CREATE TABLE stations (
   revoked         INTEGER NOT NULL DEFAULT 0 CHECK (revoked IN (0, 1)),
   enrolled_ms     INTEGER NOT NULL,
   last_seen_ms    INTEGER NOT NULL,
+  revision        INTEGER NOT NULL DEFAULT 1,
+  revoked_ms      INTEGER NOT NULL DEFAULT 0,
+  software        TEXT NOT NULL DEFAULT '',
+  core_version    INTEGER NOT NULL DEFAULT 0,
   PRIMARY KEY (tenant, id)
 ) STRICT, WITHOUT ROWID;
 
@@ -87,10 +81,10 @@ CREATE TABLE scenes (
   title   TEXT NOT NULL,
   content BLOB NOT NULL CHECK (length(content) = 32),
   volume  BLOB NOT NULL CHECK (length(volume) = 32),
+  surface BLOB CHECK (length(surface) = 32),
   PRIMARY KEY (tenant, content)
 ) STRICT, WITHOUT ROWID;
 
--- One row per version; the newest of a name is the one offered.
 CREATE TABLE exercises (
   tenant       INTEGER NOT NULL REFERENCES tenants (tenant),
   id           BLOB NOT NULL CHECK (length(id) = 16),
@@ -101,19 +95,13 @@ CREATE TABLE exercises (
   scene        BLOB NOT NULL,
   graded       INTEGER NOT NULL CHECK (graded IN (0, 1)),
   published_ms INTEGER NOT NULL,
+  state        INTEGER NOT NULL DEFAULT 2 CHECK (state BETWEEN 1 AND 3),
+  revision     INTEGER NOT NULL DEFAULT 1,  -- counts the changes of a draft
   PRIMARY KEY (tenant, id),
   UNIQUE (tenant, name, version),
   FOREIGN KEY (tenant, scene) REFERENCES scenes (tenant, content)
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX exercises_by_content ON exercises (tenant, content);
-
--- Who may do an exercise, by its name, all versions. A zero cohort (16 zero bytes): everybody.
-CREATE TABLE assignments (
-  tenant        INTEGER NOT NULL REFERENCES tenants (tenant),
-  exercise_name TEXT NOT NULL,
-  cohort        BLOB NOT NULL CHECK (length(cohort) = 16),
-  PRIMARY KEY (tenant, exercise_name, cohort)
-) STRICT, WITHOUT ROWID;
 
 CREATE TABLE attempts (
   tenant          INTEGER NOT NULL REFERENCES tenants (tenant),
@@ -122,23 +110,20 @@ CREATE TABLE attempts (
   station         BLOB NOT NULL,
   exercise        BLOB NOT NULL,
   profile_content BLOB NOT NULL CHECK (length(profile_content) = 32),
-  -- 1 ticketed, 2 recording, 3 sealed, 4 scoring, 5 scored, 6 failed, 7 quarantined
-  state           INTEGER NOT NULL CHECK (state BETWEEN 1 AND 7),
+  state           INTEGER NOT NULL CHECK (state BETWEEN 1 AND 7),  -- 1 ticketed, 2 recording, 3 sealed, 4 scoring, 5 scored, 6 failed, 7 quarantined
   as_reference    INTEGER NOT NULL DEFAULT 0 CHECK (as_reference IN (0, 1)),
   released        INTEGER NOT NULL DEFAULT 0 CHECK (released IN (0, 1)),
   ticketed_ms     INTEGER NOT NULL,
   sealed_ms       INTEGER NOT NULL DEFAULT 0,
   ticket          BLOB NOT NULL,
   header          BLOB,
-  -- The committed chain: what the next chunk must continue.
-  head_hash       BLOB CHECK (length(head_hash) = 32),     -- of the header, then of the last chunk
+  head_hash       BLOB CHECK (length(head_hash) = 32),  -- of the header, then of the last chunk
   head_state_hash INTEGER NOT NULL DEFAULT 0,
   chunks          INTEGER NOT NULL DEFAULT 0,
   ticks           INTEGER NOT NULL DEFAULT 0,
   gap_ticks       INTEGER NOT NULL DEFAULT 0,
   trace_bytes     INTEGER NOT NULL DEFAULT 0,
-  trace_blob      BLOB CHECK (length(trace_blob) = 32),    -- whole trace file, once sealed
-  -- What scoring left.
+  trace_blob      BLOB CHECK (length(trace_blob) = 32),  -- whole trace file, once sealed
   progress        REAL NOT NULL DEFAULT 0,
   problem         TEXT NOT NULL DEFAULT '',
   score           REAL,
@@ -147,7 +132,26 @@ CREATE TABLE attempts (
   final_volume    BLOB,
   surface         BLOB,
   series          BLOB,
-  reference       BLOB,                                    -- the attempt it was compared with
+  reference       BLOB,  -- the attempt it was compared with
+  expired_ms      INTEGER NOT NULL DEFAULT 0,
+  assignment      BLOB CHECK (length(assignment) = 16),
+  exam            INTEGER NOT NULL DEFAULT 0 CHECK (exam IN (0, 1)),
+  due_ms          INTEGER NOT NULL DEFAULT 0,
+  rate_hz         INTEGER NOT NULL DEFAULT 0,  -- 0: time is not checked
+  limit_ticks     INTEGER NOT NULL DEFAULT 0,  -- 0: no time limit
+  last_chunk_ms   INTEGER NOT NULL DEFAULT 0,  -- when the newest chunk came
+  flags           INTEGER NOT NULL DEFAULT 0,
+  override_score  REAL,
+  override_reason TEXT NOT NULL DEFAULT '',
+  override_by     BLOB CHECK (length(override_by) = 16),
+  override_ms     INTEGER NOT NULL DEFAULT 0,
+  revision        INTEGER NOT NULL DEFAULT 1,
+  facts           TEXT NOT NULL DEFAULT '{}',
+  hands           INTEGER NOT NULL DEFAULT 4,
+  hand_kind       INTEGER NOT NULL DEFAULT 0,
+  hand_device     TEXT NOT NULL DEFAULT '',
+  hand_driver     TEXT NOT NULL DEFAULT '',
+  hand_unit       TEXT NOT NULL DEFAULT '',
   PRIMARY KEY (tenant, id),
   FOREIGN KEY (tenant, person) REFERENCES people (tenant, id),
   FOREIGN KEY (tenant, station) REFERENCES stations (tenant, id),
@@ -155,8 +159,9 @@ CREATE TABLE attempts (
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX attempts_by_person ON attempts (tenant, person, id);
 CREATE INDEX attempts_by_exercise ON attempts (tenant, exercise, id);
+CREATE INDEX attempts_by_reference ON attempts (tenant, reference) WHERE reference IS NOT NULL;
+CREATE INDEX attempts_by_assignment ON attempts (tenant, assignment, person) WHERE assignment IS NOT NULL;
 
--- Chunks of attempts that are not sealed yet.
 CREATE TABLE trace_chunks (
   tenant      INTEGER NOT NULL,
   attempt     BLOB NOT NULL,
@@ -168,7 +173,6 @@ CREATE TABLE trace_chunks (
   FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
 ) STRICT;
 
--- Evidence of quarantine: chunks that contradict a committed one. At most 16 per attempt are kept.
 CREATE TABLE contradicting_chunks (
   tenant      INTEGER NOT NULL,
   attempt     BLOB NOT NULL,
@@ -180,46 +184,457 @@ CREATE TABLE contradicting_chunks (
   FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
 ) STRICT;
 
--- Reference cuts; the newest version of an exercise counts.
 CREATE TABLE reference_cuts (
-  tenant     INTEGER NOT NULL,
-  id         BLOB NOT NULL CHECK (length(id) = 16),
-  exercise   BLOB NOT NULL,
-  attempt    BLOB NOT NULL,
-  dentist    TEXT NOT NULL,
-  version    INTEGER NOT NULL,
-  created_ms INTEGER NOT NULL,
+  tenant       INTEGER NOT NULL,
+  id           BLOB NOT NULL CHECK (length(id) = 16),
+  exercise     BLOB NOT NULL,
+  attempt      BLOB NOT NULL,
+  dentist      TEXT NOT NULL,
+  version      INTEGER NOT NULL,
+  created_ms   INTEGER NOT NULL,
+  consent      INTEGER NOT NULL DEFAULT 1 CHECK (consent IN (0, 1)),
+  withdrawn_ms INTEGER NOT NULL DEFAULT 0,
   PRIMARY KEY (tenant, id),
   UNIQUE (tenant, exercise, version),
   FOREIGN KEY (tenant, exercise) REFERENCES exercises (tenant, id),
   FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
 ) STRICT, WITHOUT ROWID;
 
--- Leases: a running job whose lease ran out may be taken again.
+CREATE TABLE audit (
+  tenant       INTEGER NOT NULL REFERENCES tenants (tenant),
+  id           BLOB NOT NULL CHECK (length(id) = 16),
+  at_ms        INTEGER NOT NULL,
+  actor        BLOB NOT NULL CHECK (length(actor) = 16),  -- zero: the system or the command line
+  via          TEXT NOT NULL,
+  action       TEXT NOT NULL,
+  object       TEXT NOT NULL,
+  before_json  TEXT NOT NULL,
+  after_json   TEXT NOT NULL,
+  subject      TEXT NOT NULL,
+  state        TEXT NOT NULL,
+  salt         BLOB CHECK (length(salt) = 32),  -- NULL: erased
+  content_hash BLOB NOT NULL CHECK (length(content_hash) = 32),
+  signature    BLOB NOT NULL CHECK (length(signature) = 64),
+  chain        BLOB NOT NULL CHECK (length(chain) = 16),
+  number       INTEGER NOT NULL CHECK (number > 0),
+  previous     BLOB NOT NULL CHECK (length(previous) = 32),
+  PRIMARY KEY (tenant, id)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX audit_by_object ON audit (tenant, object, id);
+CREATE INDEX audit_by_actor ON audit (tenant, actor, id);
+CREATE INDEX audit_by_subject ON audit (tenant, subject, id) WHERE subject <> '';
+CREATE UNIQUE INDEX audit_by_number ON audit (tenant, chain, number);
+
+CREATE TABLE erasures (
+  tenant      INTEGER NOT NULL REFERENCES tenants (tenant),
+  person_hash BLOB NOT NULL CHECK (length(person_hash) = 32),
+  erased_ms   INTEGER NOT NULL,
+  PRIMARY KEY (tenant, person_hash)
+) STRICT, WITHOUT ROWID;
+
+CREATE TABLE retention_rules (
+  tenant INTEGER NOT NULL REFERENCES tenants (tenant),
+  what   TEXT NOT NULL CHECK (what IN ('unfinished', 'recordings', 'attempts')),
+  days   INTEGER NOT NULL CHECK (days BETWEEN 1 AND 36500),
+  PRIMARY KEY (tenant, what)
+) STRICT, WITHOUT ROWID;
+
+CREATE TABLE assignments (
+  tenant        INTEGER NOT NULL REFERENCES tenants (tenant),
+  id            BLOB NOT NULL CHECK (length(id) = 16),
+  exercise_name TEXT NOT NULL,
+  cohort        BLOB NOT NULL CHECK (length(cohort) = 16),
+  opens_ms      INTEGER NOT NULL DEFAULT 0 CHECK (opens_ms >= 0),
+  due_ms        INTEGER NOT NULL DEFAULT 0 CHECK (due_ms >= 0),
+  attempt_limit INTEGER NOT NULL DEFAULT 0 CHECK (attempt_limit >= 0),
+  exam          INTEGER NOT NULL DEFAULT 0 CHECK (exam IN (0, 1)),
+  late_allowed  INTEGER NOT NULL DEFAULT 0 CHECK (late_allowed IN (0, 1)),
+  revision      INTEGER NOT NULL DEFAULT 1,
+  created_ms    INTEGER NOT NULL DEFAULT 0,
+  hands         INTEGER NOT NULL DEFAULT 4,
+  exercise      BLOB NOT NULL CHECK (length(exercise) = 16),  -- the version
+  counting      TEXT NOT NULL DEFAULT 'best' CHECK (counting IN ('best', 'last', 'mean', 'median')),
+  PRIMARY KEY (tenant, id)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX assignments_by_exercise ON assignments (tenant, exercise_name, cohort);
+
+CREATE TABLE assignment_stations (
+  tenant     INTEGER NOT NULL,
+  assignment BLOB NOT NULL,
+  station    BLOB NOT NULL,
+  PRIMARY KEY (tenant, assignment, station),
+  FOREIGN KEY (tenant, assignment) REFERENCES assignments (tenant, id) ON DELETE CASCADE,
+  FOREIGN KEY (tenant, station) REFERENCES stations (tenant, id)
+) STRICT, WITHOUT ROWID;
+
+CREATE TABLE attempt_results (
+  tenant                 INTEGER NOT NULL,
+  attempt                BLOB NOT NULL,
+  run                    INTEGER NOT NULL,
+  scored_ms              INTEGER NOT NULL,
+  cause                  TEXT NOT NULL,  -- of the job: "seal", "reference", "rescore", "appeal"
+  score                  REAL NOT NULL,
+  critical_fail          INTEGER NOT NULL CHECK (critical_fail IN (0, 1)),
+  score_json             BLOB NOT NULL,
+  reference              BLOB,  -- the attempt it was compared with
+  replay_realtime_factor REAL NOT NULL DEFAULT 0,
+  document               BLOB NOT NULL,  -- the signed result (schemas/result.md)
+  final_volume           BLOB CHECK (length(final_volume) = 32),
+  surface                BLOB CHECK (length(surface) = 32),
+  series                 BLOB CHECK (length(series) = 32),
+  PRIMARY KEY (tenant, attempt, run),
+  FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
+) STRICT, WITHOUT ROWID;
+
+CREATE TABLE annotations (
+  tenant       INTEGER NOT NULL,
+  id           BLOB NOT NULL CHECK (length(id) = 16),
+  attempt      BLOB NOT NULL,
+  author       BLOB NOT NULL CHECK (length(author) = 16),
+  tick         INTEGER NOT NULL CHECK (tick >= 0),
+  x_um         INTEGER,
+  y_um         INTEGER,
+  z_um         INTEGER,
+  text         TEXT NOT NULL,
+  created_ms   INTEGER NOT NULL,
+  edited_ms    INTEGER NOT NULL DEFAULT 0,
+  revision     INTEGER NOT NULL DEFAULT 1,
+  -- A remark to the chair (to_chair = 1): its number at its station, which grows with each remark of an attempt, and
+  -- how far it has come.
+  to_chair     INTEGER NOT NULL DEFAULT 0 CHECK (to_chair IN (0, 1)),
+  remark_id    INTEGER CHECK (remark_id > 0),
+  remark_state TEXT CHECK (remark_state IN ('waiting', 'sent', 'shown')),
+  shown_ms     INTEGER NOT NULL DEFAULT 0,
+  PRIMARY KEY (tenant, id),
+  FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX annotations_by_attempt ON annotations (tenant, attempt, tick, id);
+CREATE INDEX annotations_to_chairs ON annotations (tenant, created_ms) WHERE remark_id IS NOT NULL;
+
+CREATE TABLE appeals (
+  tenant      INTEGER NOT NULL,
+  attempt     BLOB NOT NULL,
+  filed_ms    INTEGER NOT NULL,
+  text        TEXT NOT NULL,
+  state       TEXT NOT NULL CHECK (state IN ('open', 'regraded', 'rejected')),
+  answer      TEXT NOT NULL DEFAULT '',
+  answered_by BLOB CHECK (length(answered_by) = 16),
+  answered_ms INTEGER NOT NULL DEFAULT 0,
+  PRIMARY KEY (tenant, attempt),
+  FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX appeals_open ON appeals (tenant, filed_ms) WHERE state = 'open';
+
 CREATE TABLE jobs (
   tenant         INTEGER NOT NULL,
   id             BLOB NOT NULL CHECK (length(id) = 16),
   kind           TEXT NOT NULL,
   attempt        BLOB NOT NULL,
-  state          TEXT NOT NULL CHECK (state IN ('queued', 'running', 'done', 'failed')),
+  cause          TEXT NOT NULL DEFAULT 'seal',
+  state          TEXT NOT NULL CHECK (state IN ('queued', 'running', 'done', 'failed', 'cancelled')),
   tries          INTEGER NOT NULL DEFAULT 0,
   lease_until_ms INTEGER NOT NULL DEFAULT 0,
   error          TEXT NOT NULL DEFAULT '',
+  batch          BLOB,  -- NULL: a run by itself, which goes first
+  -- Names one run of the job. A worker gives it with everything it writes, so a worker whose lease ran out cannot
+  -- change the run that another worker makes now. NULL: the job waits.
+  lease          BLOB CHECK (length(lease) = 16),
+  owner          BLOB CHECK (length(owner) = 16),  -- the server that holds the lease; NULL: the only one there is
   PRIMARY KEY (tenant, id),
   FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX jobs_open ON jobs (tenant, id) WHERE state IN ('queued', 'running');
+CREATE INDEX jobs_by_attempt ON jobs (tenant, attempt, id);
+CREATE INDEX jobs_by_batch ON jobs (tenant, batch) WHERE batch IS NOT NULL;
+CREATE UNIQUE INDEX jobs_by_lease ON jobs (tenant, lease) WHERE lease IS NOT NULL;
+-- One run of an attempt at a time.
+CREATE UNIQUE INDEX jobs_running ON jobs (tenant, attempt) WHERE state = 'running';
 
--- Who changed what. Pseudonymous: ids, no names.
-CREATE TABLE audit (
-  tenant      INTEGER NOT NULL REFERENCES tenants (tenant),
+CREATE TABLE sessions (
+  tenant       INTEGER NOT NULL,
+  token_hash   BLOB NOT NULL CHECK (length(token_hash) = 32),
+  id           BLOB NOT NULL CHECK (length(id) = 16),
+  person       BLOB NOT NULL,
+  created_ms   INTEGER NOT NULL,
+  last_used_ms INTEGER NOT NULL,
+  expires_ms   INTEGER NOT NULL,
+  confirmed_ms INTEGER NOT NULL,
+  via          TEXT NOT NULL,
+  address      TEXT NOT NULL DEFAULT '',
+  device       TEXT NOT NULL DEFAULT '',
+  PRIMARY KEY (tenant, token_hash),
+  UNIQUE (tenant, id),
+  FOREIGN KEY (tenant, person) REFERENCES people (tenant, id) ON DELETE CASCADE
+) STRICT, WITHOUT ROWID;
+CREATE INDEX sessions_by_person ON sessions (tenant, person);
+
+CREATE TABLE enrol_codes (
+  tenant       INTEGER NOT NULL REFERENCES tenants (tenant),
+  code_hash    BLOB NOT NULL CHECK (length(code_hash) = 32),
+  id           BLOB NOT NULL CHECK (length(id) = 16),
+  created_ms   INTEGER NOT NULL,
+  expires_ms   INTEGER NOT NULL,
+  used_ms      INTEGER,
+  withdrawn_ms INTEGER,
+  PRIMARY KEY (tenant, code_hash),
+  UNIQUE (tenant, id)
+) STRICT, WITHOUT ROWID;
+
+CREATE TABLE profile_versions (
+  tenant     INTEGER NOT NULL REFERENCES tenants (tenant),
+  name       TEXT NOT NULL,
+  version    INTEGER NOT NULL CHECK (version >= 1),
+  title      TEXT NOT NULL,
+  content    BLOB NOT NULL CHECK (length(content) = 32),
+  created_ms INTEGER NOT NULL,
+  PRIMARY KEY (tenant, name, version)
+) STRICT, WITHOUT ROWID;
+
+CREATE TABLE profile_reports (
+  tenant     INTEGER NOT NULL,
+  id         BLOB NOT NULL CHECK (length(id) = 16),
+  name       TEXT NOT NULL,
+  version    INTEGER NOT NULL,
+  media_type TEXT NOT NULL CHECK (media_type IN ('application/json', 'text/html')),
+  content    BLOB NOT NULL CHECK (length(content) = 32),
+  bytes      INTEGER NOT NULL,
+  created_ms INTEGER NOT NULL,
+  PRIMARY KEY (tenant, id),
+  UNIQUE (tenant, name, version, content),
+  FOREIGN KEY (tenant, name, version) REFERENCES profile_versions (tenant, name, version)
+) STRICT, WITHOUT ROWID;
+
+CREATE TABLE calibrations (
+  tenant      INTEGER NOT NULL,
   id          BLOB NOT NULL CHECK (length(id) = 16),
-  at_ms       INTEGER NOT NULL,
-  actor       BLOB NOT NULL CHECK (length(actor) = 16),    -- zero: the system or the command line
-  via         TEXT NOT NULL,
-  action      TEXT NOT NULL,
-  object      TEXT NOT NULL,
-  before_json TEXT NOT NULL,
-  after_json  TEXT NOT NULL,
+  profile     TEXT NOT NULL,
+  device      TEXT NOT NULL,
+  measured_ms INTEGER NOT NULL,
+  added_ms    INTEGER NOT NULL,
+  document    TEXT NOT NULL,
+  PRIMARY KEY (tenant, id),
+  FOREIGN KEY (tenant, profile) REFERENCES profiles (tenant, name)
+) STRICT, WITHOUT ROWID;
+CREATE UNIQUE INDEX calibrations_once ON calibrations (tenant, profile, document);
+CREATE INDEX calibrations_by_profile ON calibrations (tenant, profile, measured_ms);
+
+CREATE TABLE write_probe (
+  tenant INTEGER NOT NULL PRIMARY KEY,
+  at_ms  INTEGER NOT NULL
+) STRICT;
+
+CREATE TABLE rubrics (
+  tenant       INTEGER NOT NULL,
+  exercise     BLOB NOT NULL,  -- this version of it
+  version      INTEGER NOT NULL CHECK (version > 1),  -- of the document, as scores name it
+  content      BLOB NOT NULL CHECK (length(content) = 32),
+  reason       TEXT NOT NULL,
+  published_ms INTEGER NOT NULL,
+  PRIMARY KEY (tenant, exercise, version),
+  FOREIGN KEY (tenant, exercise) REFERENCES exercises (tenant, id)
+) STRICT, WITHOUT ROWID;
+
+CREATE TABLE job_batches (
+  tenant    INTEGER NOT NULL REFERENCES tenants (tenant),
+  id        BLOB NOT NULL CHECK (length(id) = 16),
+  title     TEXT NOT NULL,  -- for people: "Year 2, class-1-molar"
+  cohort    BLOB,  -- whose attempts they are
+  cause     TEXT NOT NULL,  -- of its jobs
+  queued_ms INTEGER NOT NULL,
   PRIMARY KEY (tenant, id)
 ) STRICT, WITHOUT ROWID;
+
+CREATE TABLE listed_devices (
+  tenant   INTEGER NOT NULL REFERENCES tenants (tenant),
+  name     TEXT NOT NULL,
+  title    TEXT NOT NULL,  -- for people: "chair 3"
+  added_ms INTEGER NOT NULL,
+  PRIMARY KEY (tenant, name)
+) STRICT, WITHOUT ROWID;
+
+CREATE TABLE exercise_owners (
+  tenant INTEGER NOT NULL REFERENCES tenants (tenant),
+  name   TEXT NOT NULL,
+  owner  BLOB,  -- a person; NULL: the school's, hence the admins'
+  shared INTEGER NOT NULL CHECK (shared IN (0, 1)),  -- other instructors may read and assign it
+  PRIMARY KEY (tenant, name),
+  FOREIGN KEY (tenant, owner) REFERENCES people (tenant, id)
+) STRICT, WITHOUT ROWID;
+
+CREATE TABLE timelines (
+  tenant         INTEGER NOT NULL,
+  attempt        BLOB NOT NULL,
+  content        BLOB CHECK (length(content) = 32),  -- NULL: not made
+  tries          INTEGER NOT NULL DEFAULT 0,  -- begun, of those that did not end with it
+  problem        TEXT NOT NULL DEFAULT '',  -- why the last try failed
+  owner          BLOB CHECK (length(owner) = 16),  -- the server that makes it
+  lease_until_ms INTEGER NOT NULL DEFAULT 0,  -- no other server takes it until then
+  PRIMARY KEY (tenant, attempt),
+  FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX timelines_to_make ON timelines (tenant, attempt) WHERE content IS NULL;
+
+CREATE TABLE start_teeth (
+  tenant  INTEGER NOT NULL REFERENCES tenants (tenant),
+  volume  BLOB NOT NULL CHECK (length(volume) = 32),
+  content BLOB NOT NULL CHECK (length(content) = 32),
+  PRIMARY KEY (tenant, volume)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX start_teeth_by_content ON start_teeth (tenant, content);
+
+CREATE TABLE motions (
+  tenant     INTEGER NOT NULL,
+  attempt    BLOB NOT NULL,
+  content    BLOB NOT NULL CHECK (length(content) = 32),
+  nearest    BLOB CHECK (length(nearest) = 16),  -- an attempt; NULL: there was none before it, or it is erased
+  others     INTEGER NOT NULL,  -- it was compared with so many
+  nearest_um INTEGER NOT NULL,
+  median_um  INTEGER NOT NULL,
+  size_um    INTEGER NOT NULL,
+  PRIMARY KEY (tenant, attempt),
+  FOREIGN KEY (tenant, attempt) REFERENCES attempts (tenant, id)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX motions_by_nearest ON motions (tenant, nearest) WHERE nearest IS NOT NULL;
+
+CREATE TABLE audit_heads (
+  tenant    INTEGER NOT NULL,
+  chain     BLOB NOT NULL CHECK (length(chain) = 16),
+  number    INTEGER NOT NULL CHECK (number > 0),  -- of its last row
+  last_id   BLOB NOT NULL CHECK (length(last_id) = 16),
+  hash      BLOB NOT NULL CHECK (length(hash) = 32),
+  signature BLOB NOT NULL CHECK (length(signature) = 64),
+  PRIMARY KEY (tenant, chain)
+) STRICT, WITHOUT ROWID;
+
+-- Blobs in an S3 store; empty where blobs are files. A row is added after its object and deleted before it. The
+-- transaction that deletes a row sees that no other row names the blob. A transaction that names a blob which may go
+-- with its attempt changes the blob's row too.
+CREATE TABLE blobs (
+  tenant     INTEGER NOT NULL REFERENCES tenants (tenant),
+  hash       BLOB NOT NULL CHECK (length(hash) = 32),  -- SHA-256 of the bytes: the blob's name
+  generation INTEGER NOT NULL CHECK (generation > 0),    -- at random; the object is <hash>-<generation>
+  put_ms     INTEGER NOT NULL,                           -- the last time that somebody put or named it
+  PRIMARY KEY (tenant, hash)
+) STRICT, WITHOUT ROWID;
+
+-- Keys in an S3 store (schemas/personal_data.md, "Keys in a bucket"); empty where the key ring is a folder. A row is
+-- added after its object, and deleted after it, by an erasure that has put the person among the erased before.
+CREATE TABLE person_keys (
+  tenant     INTEGER NOT NULL REFERENCES tenants (tenant),
+  person     BLOB NOT NULL CHECK (length(person) = 16),
+  generation INTEGER NOT NULL CHECK (generation > 0),    -- at random; the object is <uuid>-<generation>
+  hash       BLOB NOT NULL CHECK (length(hash) = 32),  -- SHA-256 of the object
+  made_ms    INTEGER NOT NULL,
+  PRIMARY KEY (tenant, person)
+) STRICT, WITHOUT ROWID;
+
+-- SHA-256 of what all servers of this database must have in common. The first server writes it; a server that has
+-- something else is refused. Empty where only one server can have its rows here.
+CREATE TABLE server_identity (
+  tenant      INTEGER NOT NULL REFERENCES tenants (tenant),
+  name        TEXT NOT NULL CHECK (name IN ('station_certificate', 'ticket_key', 'key_ring')),
+  fingerprint BLOB NOT NULL CHECK (length(fingerprint) = 32),
+  PRIMARY KEY (tenant, name)
+) STRICT, WITHOUT ROWID;
+
+-- Failures to sign in, counted by all servers together. `key` is a hash under a key of the school's, because people
+-- type passwords into the login field. PostgreSQL does not log this table, so counting begins again after its crash
+-- and on a standby that takes over.
+CREATE TABLE sign_in_counters (
+  tenant      INTEGER NOT NULL REFERENCES tenants (tenant),
+  key         BLOB NOT NULL CHECK (length(key) = 32),
+  failures    INTEGER NOT NULL CHECK (failures >= 0),
+  first_tries INTEGER NOT NULL CHECK (first_tries >= 0),
+  last_ms     INTEGER NOT NULL,
+  next_try_ms INTEGER NOT NULL,
+  until_ms    INTEGER NOT NULL,  -- forgotten then
+  PRIMARY KEY (tenant, key)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX sign_in_counters_by_end ON sign_in_counters (tenant, until_ms);
+
+-- Work that only one server does at a time. A lease ends at until_ms, or when its holder deletes the row.
+CREATE TABLE leases (
+  tenant   INTEGER NOT NULL REFERENCES tenants (tenant),
+  name     TEXT NOT NULL CHECK (name IN ('upkeep')),
+  lease    BLOB NOT NULL CHECK (length(lease) = 16),  -- of this holding of it
+  until_ms INTEGER NOT NULL,
+  PRIMARY KEY (tenant, name)
+) STRICT, WITHOUT ROWID;
+
+-- A row while an erasure may have left copies of what it deleted: the tables have to be rewritten.
+CREATE TABLE rewrite_due (
+  tenant   INTEGER NOT NULL PRIMARY KEY REFERENCES tenants (tenant),
+  since_ms INTEGER NOT NULL,
+  mark     BLOB NOT NULL CHECK (length(mark) = 16)  -- of whoever erased last
+) STRICT;
+
+-- Running servers, each with a new id for each run, and the stations connected to them. A server that was not heard for
+-- a while is gone. PostgreSQL does not log these tables: each server writes its rows again.
+CREATE TABLE running_servers (
+  tenant   INTEGER NOT NULL REFERENCES tenants (tenant),
+  server   BLOB NOT NULL CHECK (length(server) = 16),
+  heard_ms INTEGER NOT NULL,
+  PRIMARY KEY (tenant, server)
+) STRICT, WITHOUT ROWID;
+CREATE TABLE station_links (
+  tenant        INTEGER NOT NULL REFERENCES tenants (tenant),
+  server        BLOB NOT NULL CHECK (length(server) = 16),
+  station       BLOB NOT NULL CHECK (length(station) = 16),
+  shows_remarks INTEGER NOT NULL CHECK (shows_remarks IN (0, 1)),
+  PRIMARY KEY (tenant, server, station)
+) STRICT, WITHOUT ROWID;
+
+-- Other schools of this installation (schemas/schools.md); empty where the server is one school's.
+CREATE TABLE schools (
+  tenant     INTEGER NOT NULL REFERENCES tenants (tenant),
+  name       TEXT NOT NULL,
+  id         BLOB NOT NULL CHECK (length(id) = 16),
+  hosts      TEXT NOT NULL,  -- lower case, without port, one space between two
+  state      TEXT NOT NULL CHECK (state IN ('being_made', 'served', 'suspended', 'being_deleted')),
+  created_ms INTEGER NOT NULL,
+  PRIMARY KEY (tenant, name)
+) STRICT, WITHOUT ROWID;
+
+-- The school was moved out of this database, or is being moved into it and is half here. For servers whose folders have
+-- no mark of the move.
+CREATE TABLE move_marks (
+  tenant INTEGER NOT NULL REFERENCES tenants (tenant),
+  mark   TEXT NOT NULL CHECK (mark IN ('moved', 'moving')),
+  PRIMARY KEY (tenant, mark)
+) STRICT, WITHOUT ROWID;
+
+CREATE TRIGGER audit_is_not_deleted BEFORE DELETE ON audit
+BEGIN
+  SELECT RAISE(ABORT, 'audit rows are never deleted');
+END;
+
+-- Rows never change, except that erasing a person blanks the words of rows about that person.
+CREATE TRIGGER audit_is_not_changed BEFORE UPDATE ON audit
+WHEN NOT (
+  NEW.tenant = OLD.tenant AND NEW.id = OLD.id AND NEW.at_ms = OLD.at_ms AND NEW.actor = OLD.actor AND
+  NEW.via = OLD.via AND NEW.action = OLD.action AND NEW.object = OLD.object AND NEW.subject = OLD.subject AND
+  NEW.content_hash = OLD.content_hash AND NEW.signature = OLD.signature AND NEW.chain = OLD.chain AND
+  NEW.number = OLD.number AND NEW.previous = OLD.previous AND NEW.salt IS NULL AND
+  NEW.state = CASE OLD.state WHEN '' THEN '' ELSE '{"erased":true}' END AND
+  NEW.before_json = '{"erased":true}' AND NEW.after_json = '{"erased":true}' AND (
+    ((OLD.action LIKE 'person.%' OR OLD.action LIKE 'session.%' OR OLD.action = 'request.refused') AND
+     NOT EXISTS (SELECT 1 FROM people p WHERE p.tenant = OLD.tenant AND
+                 lower(hex(p.id)) = replace(OLD.object, '-', ''))) OR
+    (OLD.action <> 'attempt.ticket' AND
+     EXISTS (SELECT 1 FROM audit t WHERE t.tenant = OLD.tenant AND t.object = OLD.object AND
+             t.action = 'attempt.ticket' AND
+             replace(json_extract(t.after_json, '$.person'), '-', '') NOT IN
+               (SELECT lower(hex(p.id)) FROM people p WHERE p.tenant = OLD.tenant)))))
+BEGIN
+  SELECT RAISE(ABORT, 'audit rows are never changed');
+END;
+
+CREATE TRIGGER audit_heads_are_not_deleted BEFORE DELETE ON audit_heads
+BEGIN
+  SELECT RAISE(ABORT, 'the audit trail only grows');
+END;
+CREATE TRIGGER audit_heads_only_advance BEFORE UPDATE ON audit_heads
+WHEN NOT (NEW.tenant = OLD.tenant AND NEW.chain = OLD.chain AND NEW.number > OLD.number)
+BEGIN
+  SELECT RAISE(ABORT, 'the audit trail only grows');
+END;

@@ -101,7 +101,6 @@ struct SignedBy {
 
 SignedBy ReadSigned(const AttemptRow& row, const Store::AttemptResult& result) {
   SignedBy out;
-  if (result.document.empty()) return out;
   auto document = DecodeResult(result.document);
   if (!document.ok()) {
     out.problem = document.status().message();
@@ -218,7 +217,7 @@ void PrintTable(const AttemptRow& row, const ScoreResult& score, const Store::At
     Line("result", by.hash);
     Line("signed by", by.key);
   } else {
-    Line("result", by.problem.empty() ? "not signed; scoring again signs it" : by.problem);
+    Line("result", by.problem);
   }
   Line("attempt", row.id.Text());
   Line("reference",

@@ -46,26 +46,15 @@ json::object JsonOf(const VerifyReport& report) {
     trail.push_back(
         {{"chain", head.chain.Text()}, {"rows", head.number}, {"sha256", head.hash.Hex()}});
   }
-  return {{"ok", report.findings.empty()},
-          {"backup", report.is_backup},
-          {"schema", report.schema},
-          {"blobs", report.blobs},
-          {"blob_bytes", report.blob_bytes},
-          {"unnamed_blobs", report.unnamed_blobs},
-          {"people", report.people},
-          {"attempts", report.attempts},
-          {"sealed", report.sealed},
-          {"chunks", report.chunks},
-          {"ticks", report.ticks},
-          {"keys", report.keys},
-          {"erased", report.erased},
-          {"signed_results", report.signed_results},
-          {"unsigned_results", report.unsigned_results},
-          {"signed_audit", report.signed_audit},
-          {"unsigned_audit", report.unsigned_audit},
-          {"trail", std::move(trail)},
-          {"decisions", report.decisions},
-          {"findings", std::move(findings)},
+  return {{"ok", report.findings.empty()},   {"backup", report.is_backup},
+          {"schema", report.schema},         {"blobs", report.blobs},
+          {"blob_bytes", report.blob_bytes}, {"unnamed_blobs", report.unnamed_blobs},
+          {"people", report.people},         {"attempts", report.attempts},
+          {"sealed", report.sealed},         {"chunks", report.chunks},
+          {"ticks", report.ticks},           {"keys", report.keys},
+          {"erased", report.erased},         {"results", report.results},
+          {"audit_rows", report.audit_rows}, {"trail", std::move(trail)},
+          {"decisions", report.decisions},   {"findings", std::move(findings)},
           {"notes", std::move(notes)}};
 }
 
@@ -74,17 +63,8 @@ void Print(const VerifyReport& report) {
       Mib(report.blob_bytes), Counted(report.people, "person", "people"),
       Counted(report.attempts, "attempt"), report.sealed, Counted(report.chunks, "chunk"),
       Counted(report.ticks, "tick"), Counted(report.keys, "key"));
-  Say("results: {} signed by this server{}\n", report.signed_results,
-      report.unsigned_results == 0
-          ? ""
-          : fmt::format(", {} not signed: they are from before results were, or their document was "
-                        "not kept; scoring again signs",
-                        report.unsigned_results));
-  Say("audit trail: {} signed by this server{}, {} compared with it\n",
-      Counted(report.signed_audit, "row"),
-      report.unsigned_audit == 0
-          ? ""
-          : fmt::format(", {} not signed, from before rows were", report.unsigned_audit),
+  Say("checked: {}, {} of the audit trail, {} compared with it\n",
+      Counted(report.results, "signed result"), Counted(report.audit_rows, "row"),
       Counted(report.decisions, "decision"));
   for (const sqlite::AuditHead& head : report.trail) {
     Say("it ends with row {}, hash {}; verify --since BACKUP compares it with an earlier end\n",

@@ -11,8 +11,7 @@ namespace {
 
 const Actor kProgram{{}, "built-in profiles"};
 
-// Who put the newest version. One that a program from before said of itself as an admin would have
-// is taken for an admin's.
+// Whether the program put the newest version.
 Result<bool> IsOfTheProgram(AuditStore& audit, const std::string& profile) {
   ENAMEL_ASSIGN_OR_RETURN(
       const auto rows, audit.FindAudit({.action = "profile.put", .object = profile, .limit = 1}));

@@ -62,7 +62,7 @@ class AttemptStore {
     std::optional<Uuid> reference;      // none when the exercise has no reference yet
     double replay_realtime_factor = 0;  // recorded time / replay time: of the machine, not the work
     UnixMs scored_ms = 0;               // 0: now
-    Bytes document;                     // signed (schemas/result.md); empty: not signed
+    Bytes document;                     // signed (schemas/result.md)
     // The score document of the run before, when it gives the same points for the same reasons:
     // then this is no other score, whatever else was measured.
     std::optional<Sha256> same_judgement_as;

@@ -64,8 +64,7 @@ Status Join(Keyring& keyring, Keyring& other,
 Bytes SealPersonal(const Uuid& person, const DataKey& key, const Uuid& attempt, ByteView data);
 // None: these bytes are no envelope.
 std::optional<Uuid> PersonOfSealed(ByteView bytes);
-// Envelopes are opened, everything else is returned as it is (written before schema 2, or
-// nobody's). Errors: kNotFound (key destroyed), kStorage (damaged), kVersion.
+// Envelopes are opened; everything else is nobody's and returned as it is. Errors: kNotFound (key destroyed), kStorage (damaged), kVersion.
 Result<Bytes> OpenPersonal(Keyring& keyring, Bytes bytes);
 // The same for many in a row, mostly of one person, whose key is asked for once. One thread.
 class PersonalReader {

@@ -277,9 +277,6 @@ namespace {
 
 using sqlite::SqliteStore;
 
-// The first that tells what servers have in common (0020_keys.sql).
-constexpr int kIdentitySchema = 20;
-
 // Keys that were made in the folder would not be found any more, and others made beside them.
 Status MustHaveNoKeysIn(const std::filesystem::path& keyring) {
   std::error_code error;
@@ -349,7 +346,7 @@ Result<std::unique_ptr<Store>> OpenStoreOn(
     return transaction.Commit();
   };
   // A server that is refused has changed nothing before.
-  const bool matches_first = many && version >= kIdentitySchema;
+  const bool matches_first = many && version > 0;
   if (matches_first) ENAMEL_RETURN_IF_ERROR(match());
   const bool had_key = key.ok();
   if (version < LatestSchemaVersion() || !key.ok()) {
@@ -367,7 +364,6 @@ Result<std::unique_ptr<Store>> OpenStoreOn(
   }
   const AuditSigner signer(key->secret_key, server);
   db.SetCompanion(&signer);
-  ENAMEL_RETURN_IF_ERROR(BeginSignedTrail(db));
   if (!options.hold_lock) lock.reset();
   if (options.s3_blobs) {
     ENAMEL_ASSIGN_OR_RETURN(buckets.blobs, s3::S3Client::Make(options.s3_blobs->store));
@@ -385,6 +381,8 @@ Result<std::unique_ptr<Store>> OpenStoreOn(
 Result<std::unique_ptr<Store>> OpenSqliteStore(const SqliteOptions& options) {
   using namespace sqlite;
   const auto path = options.folder / "enamel.db";
+  // Before anything is made in a folder that is not ours.
+  ENAMEL_RETURN_IF_ERROR(MustBeOurs(path));
   return OpenStoreOn(options, Migrations(), /*many=*/false, [&]() -> Result<SqliteStore::Database> {
     ENAMEL_ASSIGN_OR_RETURN(auto writer,
                             OpenDatabase(path, DbMode::kCreate, options.vfs, options.fail_next));
@@ -418,7 +416,7 @@ Result<bool> HasServers(const PostgresOptions& options) {
                           sqlite::OpenPgDatabase(options.server, options.schema,
                                                  /*read_only=*/true, options.folder.fail_next));
   ENAMEL_ASSIGN_OR_RETURN(const int version, sqlite::SchemaVersion(*db));
-  if (version < kIdentitySchema) return version > 0;
+  if (version == 0) return false;
   // Something is known by which a new server would be refused.
   const Status none = sqlite::MatchIdentityRow(*db, ServerPart::kKeyRing, {});
   if (none.ok() || none.code() == Code::kNotFound) return !none.ok();

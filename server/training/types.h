@@ -32,7 +32,7 @@ struct Person {
   bool disabled = false;
   UnixMs created_ms = 0;
   bool must_change_password = false;  // it was made up here and is good for changing it only
-  UnixMs password_ms = 0;             // when it was set; 0: before schema 7
+  UnixMs password_ms = 0;             // when it was set
   bool password_used = false;         // one for one use was signed in with
   int32_t revision = 1;               // server/training/revision.h
   std::string language;               // of the page, of kPageLanguages; empty: the browser's
@@ -83,7 +83,7 @@ struct StationRow {
 // A one-time code for enrolling a station. The code itself is known to whoever made it only.
 struct EnrolCodeRow {
   Uuid id;
-  UnixMs created_ms = 0;  // 0: before schema 4
+  UnixMs created_ms = 0;
   UnixMs expires_ms = 0;
 };
 
@@ -92,7 +92,7 @@ struct ProfileRow {
   std::string title;
   Sha256 content;         // JSON blob
   int32_t version = 1;    // counts the contents it had
-  UnixMs created_ms = 0;  // of this version; 0: before schema 4
+  UnixMs created_ms = 0;  // of this version
 };
 
 // What `enamel-lab qualify` wrote about one version of a profile.

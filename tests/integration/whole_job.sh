@@ -140,7 +140,7 @@ echo "ok: a corrected rubric counts in the next run as its preview said ($before
 press_ctrl_c
 
 "$bin/enamel-server" verify "${server[@]}" >"$work/verify" || { cat "$work/verify"; fail "verify finds something in what nobody touched"; }
-grep -q 'signed by this server' "$work/verify" || { cat "$work/verify"; fail "no result is signed"; }
+grep -qE '[1-9][0-9]* signed result' "$work/verify" || { cat "$work/verify"; fail "no result is signed"; }
 
 "$bin/enamel-server" admin list-attempts --data "$work/data/server" >"$work/list"
 for id in "$first" "$reference" "$(node -p "JSON.parse(require('fs').readFileSync('$work/2.json','utf8')).attempt_id")"; do

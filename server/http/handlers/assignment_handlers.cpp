@@ -164,8 +164,7 @@ Status MustBeAssignableNow(const Call& call, Parts<ContentStore, TeachingStore> 
 
 constexpr size_t kMaxTermName = 16;
 
-// `before`: what holds of hands and counting where the body does not say, as of a client from before
-// there were those terms.
+// `before`: hands and counting where the body does not give them.
 Result<AssignmentRow> TermsIn(const Call& call, const AssignmentRow& before) {
   BodyReader body(call.request);
   AssignmentRow row;

@@ -146,8 +146,7 @@ class BackupMaker {
     } else {
       ENAMEL_ASSIGN_OR_RETURN(auto db,
                               OpenDatabase(options_.data / "enamel.db", DbMode::kReadOnly));
-      ENAMEL_ASSIGN_OR_RETURN(auto schema, SchemaVersion(*db));
-      manifest_.schema = schema;
+      ENAMEL_ASSIGN_OR_RETURN(manifest_.schema, SchemaVersion(*db));
       manifest_.created_ms = NowMs();
       ENAMEL_RETURN_IF_ERROR(CopyPages(*db, copy));
     }
@@ -162,9 +161,7 @@ class BackupMaker {
     ENAMEL_ASSIGN_OR_RETURN(auto db, OpenDatabase(copy, DbMode::kReadOnly));
     ENAMEL_ASSIGN_OR_RETURN(auto blobs, NamedBlobs(*db));
     named = std::move(blobs);
-    if (manifest_.schema == LatestSchemaVersion()) {
-      ENAMEL_ASSIGN_OR_RETURN(manifest_.trail, AuditHeads(*db));
-    }
+    ENAMEL_ASSIGN_OR_RETURN(manifest_.trail, AuditHeads(*db));
     Query q(*db,
             "SELECT (SELECT count(*) FROM people WHERE tenant = ?1), count(*), "
             "coalesce(sum(ticks), 0) FROM attempts WHERE tenant = ?1");

@@ -2,13 +2,16 @@
 
 #include <spdlog/spdlog.h>
 
+#include <array>
+#include <fstream>
+#include <string_view>
 #include <utility>
 
 namespace enamel::server::sqlite {
 namespace {
 
-// "Enml": marks the file as ours.
-constexpr int32_t kApplicationId = 0x456e6d6c;
+// "Enst": marks the file as ours.
+constexpr int32_t kApplicationId = 0x456e7374;
 
 constexpr char kSetup[] =
     // Under load the same pages are written again and again: 32 MiB of log between checkpoints
@@ -80,11 +83,36 @@ Status Tell(const sql::SqliteFailure& failure) {
   return WithoutDetail(failure.kind);
 }
 
+Status NotOurs(const std::filesystem::path& path) {
+  const std::string folder = path.parent_path().string();
+  return Status(Code::kVersion,
+                path.string() +
+                    " was made by another program, or by an enamel-server from before the first "
+                    "release, which this one does not read: move the folder " +
+                    folder + " away, or name another with --data; nothing in it was changed");
+}
+
 }  // namespace
+
+// https://www.sqlite.org/fileformat.html: the application's id is at byte 68, big-endian. Of a file whose first page
+// is still in its log it is 0; SchemaVersion decides then.
+Status MustBeOurs(const std::filesystem::path& path) {
+  constexpr std::string_view kMagic("SQLite format 3\0", 16);
+  constexpr size_t kAt = 68;
+  std::ifstream file(path, std::ios::binary);
+  std::array<char, kAt + 4> head{};
+  if (!file.read(head.data(), head.size()) ||
+      !std::string_view(head.data(), 16).starts_with(kMagic))
+    return Status::Ok();
+  uint32_t id = 0;
+  for (size_t i = kAt; i < head.size(); ++i) id = id << 8 | static_cast<uint8_t>(head[i]);
+  return id == 0 || id == kApplicationId ? Status::Ok() : NotOurs(path);
+}
 
 Result<std::unique_ptr<SqliteDb>> OpenDatabase(const std::filesystem::path& path, DbMode mode,
                                                const std::string& vfs,
                                                std::function<bool()> fail_next) {
+  ENAMEL_RETURN_IF_ERROR(MustBeOurs(path));
   sql::SqliteDbOptions options;
   options.mode = mode;
   options.setup = kSetup;

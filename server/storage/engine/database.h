@@ -26,6 +26,10 @@ Result<std::unique_ptr<SqliteDb>> OpenDatabase(const std::filesystem::path& path
                                                const std::string& vfs = {},
                                                std::function<bool()> fail_next = {});
 
+// Ok too where there is no file, and where it has not said yet whose it is. Looks at the file's first
+// bytes and changes nothing. Errors: kVersion (another program's, or a development version's).
+Status MustBeOurs(const std::filesystem::path& path);
+
 // Schema version of an open database, 0 when empty. Errors: kVersion when newer than this program
 // or not ours at all.
 Result<int> SchemaVersion(Db& db);

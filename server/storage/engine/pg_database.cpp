@@ -61,7 +61,7 @@ Result<std::unique_ptr<sql::Db>> OpenPgDatabase(const std::string& server,
   options.server = server;
   options.schema = schema;
   options.read_only = read_only;
-  options.application = "enamel-server";
+  options.application = "enamel-store";
   options.fail_next = std::move(fail_next);
   options.explain = TellPg;
   ENAMEL_ASSIGN_OR_RETURN(auto db, sql::PgDb::Open(std::move(options)));

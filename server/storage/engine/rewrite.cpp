@@ -52,7 +52,6 @@ Result<std::optional<Uuid>> Rewriter::FindMark() const {
       return q.status();
     }));
   }
-  // Of several servers, too: that of a version before there were rows for it.
   if (!mark && HasMarkFile()) mark = Uuid{};
   return mark;
 }

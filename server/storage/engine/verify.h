@@ -37,11 +37,10 @@ struct VerifyReport {
   int schema = 0;
   uint64_t blobs = 0, blob_bytes = 0, unnamed_blobs = 0, unnamed_bytes = 0;
   uint64_t people = 0, attempts = 0, sealed = 0, chunks = 0, ticks = 0, keys = 0, erased = 0;
-  uint64_t signed_results = 0, unsigned_results = 0;  // of scoring runs
-  uint64_t signed_audit = 0, unsigned_audit = 0;      // rows of the audit trail
-  uint64_t unchained_audit = 0;                       // those from before they were a chain
-  std::vector<sqlite::AuditHead> trail;               // where it ends, in each chain
-  uint64_t decisions = 0;                             // compared with the trail
+  uint64_t results = 0;  // of scoring runs
+  uint64_t audit_rows = 0;
+  std::vector<sqlite::AuditHead> trail;  // where the audit trail ends, in each chain
+  uint64_t decisions = 0;                // compared with the trail
   std::vector<Finding> findings;
   std::vector<std::string> notes;  // what could not be looked at, and why; what is odd and harmless
 };

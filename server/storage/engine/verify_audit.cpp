@@ -25,7 +25,7 @@ constexpr uint64_t kToldSignatures = 20;
 struct TrailRow {
   AuditSeal seal;
   std::string before, after, state;
-  bool is_signed = false, has_salt = false;
+  bool has_salt = false;
   AuditSalt salt{};
   trace::Signature signature{};
 };
@@ -44,11 +44,10 @@ TrailRow TrailRowOf(const Query& q) {
   // Of another length: as if it were not there, which is found.
   out.has_salt = salt.size() == out.salt.size();
   if (out.has_salt) std::ranges::copy(salt, out.salt.begin());
-  out.is_signed = signature.size() == out.signature.size();
-  if (out.is_signed) std::ranges::copy(signature, out.signature.begin());
-  if (!q.IsNull(13)) {
-    out.seal.link = AuditLink{q.Id(13), static_cast<uint64_t>(q.Int(14)), q.Hash(15)};
+  if (signature.size() == out.signature.size()) {
+    std::ranges::copy(signature, out.signature.begin());
   }
+  out.seal.link = {q.Id(13), static_cast<uint64_t>(q.Int(14)), q.Hash(15)};
   return out;
 }
 
@@ -66,9 +65,6 @@ class AuditCheck {
     CheckEarlier();
     ENAMEL_RETURN_IF_ERROR(CheckRows());
     CheckHeads();
-    ENAMEL_RETURN_IF_ERROR(CheckBegin());
-    // Told and nothing more: the next start does what is left of the upgrade.
-    if (waits_) return Status::Ok();
     ENAMEL_RETURN_IF_ERROR(CheckStates());
     return CheckUntold();
   }
@@ -101,15 +97,7 @@ class AuditCheck {
     while (q.Next()) {
       const TrailRow row = TrailRowOf(q);
       if (progress_) progress_("rows of the audit trail", ++done, all);
-      if (!row.is_signed) {
-        ++report_.unsigned_audit;
-        ++report_.unchained_audit;
-        if (report_.signed_audit > 0)
-          FindRow(row, "a signature, as rows before it have one", "none");
-        continue;
-      }
-      // Rows from before there were signatures can only be followed by the row that counts them.
-      if (report_.signed_audit++ == 0) first_signed_ = row;
+      ++report_.audit_rows;
       ENAMEL_RETURN_IF_ERROR(CheckContent(row));
       const bool is_ours = !key_ || VerifyAuditSeal(row.seal, row.signature, *key_);
       if (!is_ours && forged_++ < kToldSignatures) forged.push_back(row);
@@ -122,13 +110,7 @@ class AuditCheck {
 
   // A row follows the one before it in its chain.
   void CheckPlace(const TrailRow& row, bool is_ours) {
-    if (!row.seal.link) {
-      ++report_.unchained_audit;
-      if (first_chained_) FindRow(row, "a place in the chain, as rows before it have one", "none");
-      return;
-    }
-    if (!first_chained_) first_chained_ = row;
-    const AuditLink& link = *row.seal.link;
+    const AuditLink& link = row.seal.link;
     const Sha256 hash = AuditSealHash(row.seal);
     CheckAgainstEarlier(row, hash);
     End& end = ends_[link.chain];
@@ -162,7 +144,7 @@ class AuditCheck {
   // What a backup said was the end at its time.
   void CheckAgainstEarlier(const TrailRow& row, const Sha256& hash) {
     for (AuditHead& head : earlier_) {
-      if (head.chain != row.seal.link->chain || head.number != row.seal.link->number) continue;
+      if (head.chain != row.seal.link.chain || head.number != row.seal.link.number) continue;
       if (head.hash != hash) {
         FindRow(row, "the row " + std::to_string(head.number) + " that the backup has", "another");
       }
@@ -175,7 +157,7 @@ class AuditCheck {
     constexpr char kLookForEnd[] =
         "compare the trail with that of the newest backup; somebody has written to the database";
     for (const AuditHead& head : report_.trail) {
-      if (key_ && forged_ < report_.signed_audit && !VerifyAuditHead(head, *key_)) {
+      if (key_ && forged_ < report_.audit_rows && !VerifyAuditHead(head, *key_)) {
         Find("audit", "enamel.db",
              "the end of the audit trail as this server's ticket.key signed it",
              "another signature, or a changed end", kLookForEnd);
@@ -213,7 +195,7 @@ class AuditCheck {
   // A key that was replaced is one finding, not one for each row.
   void FindForged(const std::vector<TrailRow>& some) {
     constexpr char kCompareKey[] = "compare ticket.key and the rows with those of a backup";
-    if (forged_ == report_.signed_audit && forged_ > 1) {
+    if (forged_ == report_.audit_rows && forged_ > 1) {
       Find("audit", "enamel.db",
            Rows(forged_) + " of the audit trail signed by this server's ticket.key",
            "all signed by another key", kCompareKey);
@@ -268,62 +250,6 @@ class AuditCheck {
     return gone;
   }
 
-  Status CheckBegin() {
-    ENAMEL_ASSIGN_OR_RETURN(const uint64_t waiting,
-                            Count("SELECT count(*) FROM audit_to_begin WHERE tenant = ?1"));
-    // The start that signs takes the row away in the same transaction.
-    if (waiting > 0 && first_signed_) {
-      Find("audit", "enamel.db", "no row in audit_to_begin, as the audit trail is signed already",
-           "one", kCompareTrail);
-    }
-    waits_ = waiting > 0 && !first_signed_;
-    if (waits_) {
-      report_.notes.push_back(
-          "the audit trail is not signed yet: start the server once, which signs what there is");
-    }
-    ENAMEL_RETURN_IF_ERROR(CheckChainBegin());
-    if (report_.unsigned_audit == 0 || waits_) return Status::Ok();
-    if (!first_signed_ || first_signed_->seal.action != kAuditBegin) {
-      Find("audit", "enamel.db",
-           "after " + Rows(report_.unsigned_audit) +
-               " without a signature the row audit.begin, which counts them",
-           first_signed_ ? "row " + first_signed_->seal.action : "no signed row", kCompareTrail);
-      return Status::Ok();
-    }
-    ENAMEL_ASSIGN_OR_RETURN(const auto rows, UnsignedRows(db_));
-    if (rows != first_signed_->after)
-      FindRow(*first_signed_, "the rows from before it, " + first_signed_->after, rows);
-    return Status::Ok();
-  }
-
-  Status CheckChainBegin() {
-    if (waits_) return Status::Ok();
-    ENAMEL_ASSIGN_OR_RETURN(const bool chain_waits, ChainWaitsToBegin(db_));
-    chain_waits_ = chain_waits;
-    if (chain_waits) {
-      report_.notes.push_back(
-          "the rows of the audit trail are no chain yet: start the server once, which makes one");
-      return Status::Ok();
-    }
-    if (report_.unchained_audit == 0) return Status::Ok();
-    // Rows without a signature are counted by audit.begin, which then is the chain's first row.
-    const bool all_unsigned = report_.unchained_audit == report_.unsigned_audit;
-    const std::string expected = all_unsigned ? kAuditBegin : kAuditChain;
-    if (!first_chained_ || first_chained_->seal.action != expected) {
-      Find("audit", "enamel.db",
-           "after " + Rows(report_.unchained_audit) + " in no chain the row " + expected +
-               ", which counts them",
-           first_chained_ ? "row " + first_chained_->seal.action : "no row in a chain",
-           kCompareTrail);
-      return Status::Ok();
-    }
-    if (all_unsigned) return Status::Ok();
-    ENAMEL_ASSIGN_OR_RETURN(const auto rows, UnchainedRows(db_));
-    if (rows != first_chained_->after)
-      FindRow(*first_chained_, "the rows from before it, " + first_chained_->after, rows);
-    return Status::Ok();
-  }
-
   // What the last row about each subject states is what is there.
   Status CheckStates() {
     std::vector<std::string> subjects;
@@ -354,9 +280,9 @@ class AuditCheck {
     auto now = StateOf(db_, subject);
     if (!now.ok() && now.status().code() == Code::kStorage) return now.status();
     // No subject of ours, or erased: the row itself is found above where that is wrong.
-    if (!now.ok() || state == kErasedJson || StatesTheSame(state, *now)) return Status::Ok();
-    // The start that makes the chain states what its rows did not state before.
-    if (chain_waits_ && ColumnsOf(state) == ColumnsBeforeChain(*now)) return Status::Ok();
+    if (!now.ok() || state == kErasedJson || ColumnsOf(state) == ColumnsOf(*now)) {
+      return Status::Ok();
+    }
     const size_t space = subject.find(' ');
     const std::string kind = subject.substr(0, space), key = subject.substr(space + 1);
     if (now->empty()) return CheckGone(kind, key, object, row);
@@ -365,9 +291,7 @@ class AuditCheck {
            kLookIntoBackup);
       return Status::Ok();
     }
-    auto stated = ColumnsOf(state), present = ColumnsOf(*now);
-    if (!stated.contains("display_name")) present.erase("display_name");
-    FindColumns(kind, key, row, std::move(stated), std::move(present));
+    FindColumns(kind, key, row, ColumnsOf(state), ColumnsOf(*now));
     return Status::Ok();
   }
 
@@ -413,9 +337,6 @@ class AuditCheck {
     ENAMEL_ASSIGN_OR_RETURN(const auto present, PresentSubjects(db_));
     for (const auto& [subject, object] : present) {
       if (told_.contains(subject)) continue;
-      ENAMEL_ASSIGN_OR_RETURN(const auto now, StateOf(db_, subject));
-      ENAMEL_ASSIGN_OR_RETURN(const bool told, IsToldWithoutState(db_, subject, now));
-      if (told) continue;
       const size_t space = subject.find(' ');
       Find("decision", subject.substr(space + 1),
            "a row of the audit trail that tells of this " + subject.substr(0, space), "none",
@@ -437,9 +358,7 @@ class AuditCheck {
   };
   std::map<Uuid, End> ends_;
   std::vector<AuditHead> earlier_;
-  std::optional<TrailRow> first_signed_, first_chained_;
   uint64_t forged_ = 0;  // rows with another signature
-  bool waits_ = false, chain_waits_ = false;
   std::map<std::string, bool> erased_;
   std::set<std::string> told_;
 };

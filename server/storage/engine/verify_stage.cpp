@@ -56,12 +56,9 @@ std::string WhyNot(const Stage& stage) {
   return "there is no such state";
 }
 
-// A run that failed by its recording ends as done; its row in the trail says that it failed. Of one
-// from before rows were signed that is not asked.
+// A run that failed by its recording ends as done; its row in the trail says that it failed.
 Result<bool> TrailTellsOfFailure(Db& db, const Uuid& attempt) {
-  Query q(db,
-          "SELECT 1 FROM audit WHERE tenant = ?1 AND object = ?2 AND action IN "
-          "('attempt.fail', 'attempt.adopt')");
+  Query q(db, "SELECT 1 FROM audit WHERE tenant = ?1 AND object = ?2 AND action = 'attempt.fail'");
   const bool told = q.Bind(attempt.Text()).Next();
   if (!q.status().ok()) return q.status();
   return told;

@@ -33,8 +33,7 @@ AssignmentRow AssignmentOf(const Query& q) {
   out.revision = static_cast<int32_t>(q.Int(9));
   out.created_ms = q.Int(10);
   out.hands = static_cast<HandsAllowed>(q.Int(11));
-  // None: of a name of which nothing was ever published, before schema 11.
-  if (!q.IsNull(12)) out.version_id = q.Id(12);
+  out.version_id = q.Id(12);
   out.version = static_cast<int32_t>(q.Int(13));
   out.title = q.Text(14);
   out.retired = q.Int(15) != 0;

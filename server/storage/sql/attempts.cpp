@@ -124,12 +124,7 @@ Status KeepResult(Db& db, const Uuid& attempt, const Store::AttemptResult& resul
       .Bind(result.score)
       .Bind(int64_t{result.critical_fail});
   q.Bind(result.score_json).Bind(result.reference);
-  q.Bind(lease).Bind(result.replay_realtime_factor);
-  if (result.document.empty()) {
-    q.BindNull(sql::Type::kBlob);
-  } else {
-    q.Bind(result.document);
-  }
+  q.Bind(lease).Bind(result.replay_realtime_factor).Bind(result.document);
   q.Bind(result.final_volume).Bind(result.surface).Bind(result.series);
   ENAMEL_RETURN_IF_ERROR(q.Run());
   return ForgetOldPictures(db, attempt);
@@ -248,13 +243,7 @@ Status RaiseRevisionForAnother(Db& db, const Uuid& attempt, const Store::Attempt
 
 }  // namespace
 
-Json ScoredJson(const Sha256& score_json, ByteView document) {
-  if (document.empty()) return JsonOf({{"score_json", score_json.Hex()}});
-  return JsonOf({{"score_json", score_json.Hex()}, {"result", HashSha256(document).Hex()}});
-}
-
-Result<Json> ScoredJsonOf(Db& db, const Uuid& attempt, const Sha256& score_json,
-                          ByteView document) {
+Result<Json> ScoredJson(Db& db, const Uuid& attempt, const Sha256& score_json, ByteView document) {
   std::string cause, motion;
   {
     Query q(
@@ -274,7 +263,7 @@ Result<Json> ScoredJsonOf(Db& db, const Uuid& attempt, const Sha256& score_json,
   }
   ENAMEL_RETURN_IF_ERROR(q.status());
   return JsonOf({{"score_json", score_json.Hex()},
-                 {"result", document.empty() ? "" : HashSha256(document).Hex()},
+                 {"result", HashSha256(document).Hex()},
                  {"cause", cause},
                  {"motion", motion}});
 }
@@ -411,7 +400,7 @@ Status SqliteStore::FinishAttempt(const Uuid& attempt, const AttemptResult& resu
     ENAMEL_RETURN_IF_ERROR(blobs_.Hold(db, {result.score_json, result.final_volume, result.surface,
                                             result.series, result.motion}));
     ENAMEL_ASSIGN_OR_RETURN(const auto scored,
-                            ScoredJsonOf(db, attempt, result.score_json, result.document));
+                            ScoredJson(db, attempt, result.score_json, result.document));
     ENAMEL_RETURN_IF_ERROR(FinishRun(db, lease));
     return WriteAudit(db, Actor{{}, "job"}, kAuditScore, attempt.Text(), "{}", scored);
   });
@@ -435,8 +424,8 @@ Status SqliteStore::RestoreResult(const Uuid& attempt, int32_t run, const Actor&
     ENAMEL_RETURN_IF_ERROR(RaiseRevisionForAnother(db, attempt, kept.result));
     ENAMEL_RETURN_IF_ERROR(SetResult(db, attempt, kept.result));
     ENAMEL_RETURN_IF_ERROR(RepeatRun(db, attempt, run));
-    ENAMEL_ASSIGN_OR_RETURN(
-        const auto scored, ScoredJsonOf(db, attempt, kept.result.score_json, kept.result.document));
+    ENAMEL_ASSIGN_OR_RETURN(const auto scored,
+                            ScoredJson(db, attempt, kept.result.score_json, kept.result.document));
     return WriteAudit(db, by, kAuditRestore, attempt.Text(),
                       JsonOf({{"run", std::to_string(kept.newest)}}), scored);
   });

@@ -46,7 +46,7 @@ Uuid After(Uuid id) {
   return id;
 }
 
-// The newest row of the chain; zero: there is none.
+// Number and id of the newest row of the chain; zero: there is none.
 Result<std::pair<int64_t, Uuid>> LastOfChain(Db& db, const Uuid& chain) {
   Query q(
       db,
@@ -93,13 +93,7 @@ Result<NextPlace> NextInChain(Db& db, const AuditSigner& signer) {
     return NextPlace{{signer.chain, head->number + 1, head->hash}, head->last_id};
   ENAMEL_ASSIGN_OR_RETURN(const auto last, LastOfChain(db, signer.chain));
   const uint64_t before = std::max(static_cast<uint64_t>(last.first), head ? head->number : 0);
-  NextPlace out{{signer.chain, before + 1, {}}, last.second};
-  if (before > 0) return out;
-  // Above the rows from before the chain too, which its first row counts.
-  Query q(db, "SELECT id FROM audit WHERE tenant = ?1 ORDER BY id DESC LIMIT 1");
-  if (q.Next()) out.after = q.Id(0);
-  if (!q.status().ok()) return q.status();
-  return out;
+  return NextPlace{{signer.chain, before + 1, {}}, last.second};
 }
 
 // Only rows about the same thing are looked at: servers that write about others at the same time
@@ -114,7 +108,7 @@ Result<Uuid> NewestAbout(Db& db, const std::string& subject) {
 }
 
 Status KeepHead(Db& db, const AuditSigner& signer, const AuditSeal& seal) {
-  AuditHead head{seal.link->chain, seal.link->number, seal.id, AuditSealHash(seal)};
+  AuditHead head{seal.link.chain, seal.link.number, seal.id, AuditSealHash(seal)};
   head.signature = SignAuditHead(head, signer.key);
   Query q(
       db,
@@ -175,145 +169,6 @@ Status WriteAuditAbout(Db& db, const std::string& subject, const Actor& by, cons
 Status WriteAudit(Db& db, const Actor& by, const char* action, const std::string& object,
                   const Json& before, const Json& after) {
   return WriteAuditAbout(db, SubjectOfAction(action, object), by, action, object, before, after);
-}
-
-Result<Json> UnsignedRows(Db& db) {
-  Query q(db,
-          "SELECT id, at_ms, actor, via, action, object FROM audit WHERE tenant = ?1 AND signature "
-          "IS NULL ORDER BY id");
-  Sha256Stream hash;
-  uint64_t rows = 0;
-  for (; q.Next(); ++rows) {
-    ByteWriter row;
-    row.Raw(q.Id(0).view());
-    row.I64(q.Int(1));
-    row.Raw(q.Id(2).view());
-    for (int i = 3; i < 6; ++i) row.Text(q.Text(i));
-    hash.Update(row.bytes());
-  }
-  if (!q.status().ok()) return q.status();
-  return JsonOf({{"rows", std::to_string(rows)}, {"sha256", hash.Finish().Hex()}});
-}
-
-Result<Json> UnchainedRows(Db& db) {
-  Query q(
-      db,
-      "SELECT id, at_ms, actor, via, action, object, subject, content_hash, signature FROM audit "
-      "WHERE tenant = ?1 AND chain IS NULL ORDER BY id");
-  Sha256Stream hash;
-  uint64_t rows = 0;
-  for (; q.Next(); ++rows) {
-    hash.Update(EncodeAuditSeal(
-        {q.Id(0), q.Int(1), q.Id(2), q.Text(3), q.Text(4), q.Text(5), q.Text(6), q.Hash(7)}));
-    hash.Update(q.Blob(8));
-  }
-  if (!q.status().ok()) return q.status();
-  return JsonOf({{"rows", std::to_string(rows)}, {"sha256", hash.Finish().Hex()}});
-}
-
-namespace {
-
-// An erasure finds what the trail tells of a person's attempts by the rows of their tickets. Where
-// there is none, it is written now.
-Status TellWhoseAttempt(Db& db, const std::string& attempt, const Actor& by) {
-  Query told(db,
-             "SELECT 1 FROM audit WHERE tenant = ?1 AND object = ?2 AND action = 'attempt.ticket'");
-  if (told.Bind(attempt).Next() || !told.status().ok()) return told.status();
-  ENAMEL_ASSIGN_OR_RETURN(const auto id, Uuid::Parse(attempt));
-  ENAMEL_ASSIGN_OR_RETURN(const auto row, FindAttempt(db, id));
-  return WriteAuditAbout(db, "", by, "attempt.ticket", attempt, "{}",
-                         JsonOf({{"person", row.person.Text()}}));
-}
-
-}  // namespace
-
-namespace {
-
-Result<bool> AnyRow(Db& db, const char* sql) {
-  Query q(db, sql);
-  const bool found = q.Next();
-  if (!q.status().ok()) return q.status();
-  return found;
-}
-
-// Signs what is there, from before rows were signed.
-Status AdoptAll(Db& db, const Actor& by) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto before, UnsignedRows(db));
-  ENAMEL_RETURN_IF_ERROR(WriteAudit(db, by, kAuditBegin, "", "{}", before));
-  ENAMEL_ASSIGN_OR_RETURN(const auto present, PresentSubjects(db));
-  for (const auto& [subject, object] : present) {
-    const std::string kind = subject.substr(0, subject.find(' ')), action = kind + ".adopt";
-    if (kind == "attempt") ENAMEL_RETURN_IF_ERROR(TellWhoseAttempt(db, object, by));
-    ENAMEL_RETURN_IF_ERROR(WriteAuditAbout(db, subject, by, action.c_str(), object, "{}", "{}"));
-  }
-  return Query(db, "DELETE FROM audit_to_begin WHERE tenant = ?1").Run();
-}
-
-// What rows from before the chain do not state yet is stated; where anything else differs from them,
-// nothing is, so that `verify` still finds it.
-Status StateWhatIsNew(Db& db, const Actor& by) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto present, PresentSubjects(db));
-  for (const auto& [subject, object] : present) {
-    std::string stated;
-    {
-      Query q(
-          db,
-          "SELECT state FROM audit WHERE tenant = ?1 AND subject = ?2 ORDER BY id DESC LIMIT 1");
-      if (q.Bind(subject).Next()) stated = q.Text(0);
-      ENAMEL_RETURN_IF_ERROR(q.status());
-    }
-    ENAMEL_ASSIGN_OR_RETURN(const auto now, StateOf(db, subject));
-    if (stated == now || ColumnsOf(stated) != ColumnsBeforeChain(now)) continue;
-    const std::string action = subject.substr(0, subject.find(' ')) + ".adopt";
-    ENAMEL_RETURN_IF_ERROR(WriteAuditAbout(db, subject, by, action.c_str(), object, "{}", "{}"));
-  }
-  return Status::Ok();
-}
-
-// Rows from before they were signed, or from before they were a chain. Where rows are signed, or in a
-// chain, what was changed behind their back is not signed too.
-enum class Begin { kNothing, kSigned, kChain };
-Result<Begin> WaitsToBegin(Db& db) {
-  ENAMEL_ASSIGN_OR_RETURN(
-      const bool sign, AnyRow(db,
-                              "SELECT 1 FROM audit_to_begin WHERE tenant = ?1 AND NOT EXISTS "
-                              "(SELECT 1 FROM audit a WHERE a.tenant = ?1 AND a.signature IS NOT "
-                              "NULL)"));
-  if (sign) return Begin::kSigned;
-  ENAMEL_ASSIGN_OR_RETURN(const bool chain, ChainWaitsToBegin(db));
-  return chain ? Begin::kChain : Begin::kNothing;
-}
-
-}  // namespace
-
-Result<bool> ChainWaitsToBegin(Db& db) {
-  ENAMEL_ASSIGN_OR_RETURN(const bool any,
-                          AnyRow(db, "SELECT 1 FROM audit WHERE tenant = ?1 LIMIT 1"));
-  if (!any) return false;
-  ENAMEL_ASSIGN_OR_RETURN(
-      const bool begun,
-      AnyRow(
-          db,
-          "SELECT 1 FROM audit_heads WHERE tenant = ?1 UNION ALL SELECT 1 FROM audit WHERE tenant "
-          "= ?1 AND chain IS NOT NULL LIMIT 1"));
-  return !begun;
-}
-
-Status BeginSignedTrail(Db& db) {
-  ENAMEL_ASSIGN_OR_RETURN(const Begin look, WaitsToBegin(db));
-  if (look == Begin::kNothing) return Status::Ok();
-  sql::Transaction transaction(db);
-  ENAMEL_RETURN_IF_ERROR(transaction.begun());
-  // Another process may have been faster.
-  ENAMEL_ASSIGN_OR_RETURN(const Begin begin, WaitsToBegin(db));
-  const Actor by{{}, "upgrade"};
-  if (begin == Begin::kSigned) ENAMEL_RETURN_IF_ERROR(AdoptAll(db, by));
-  if (begin == Begin::kChain) {
-    ENAMEL_ASSIGN_OR_RETURN(const auto before, UnchainedRows(db));
-    ENAMEL_RETURN_IF_ERROR(WriteAudit(db, by, kAuditChain, "", "{}", before));
-    ENAMEL_RETURN_IF_ERROR(StateWhatIsNew(db, by));
-  }
-  return transaction.Commit();
 }
 
 Result<std::vector<AuditRow>> SqliteStore::Audit(uint32_t limit) {

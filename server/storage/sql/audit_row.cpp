@@ -7,10 +7,7 @@
 namespace enamel::server::sqlite {
 namespace {
 
-constexpr char kDomain[] = "enamel.audit.v1", kChainedDomain[] = "enamel.audit.v2";
-constexpr char kHeadDomain[] = "enamel.audit.head.v1";
-
-const char* DomainOf(const AuditSeal& seal) { return seal.link ? kChainedDomain : kDomain; }
+constexpr char kDomain[] = "enamel.trail.v1", kHeadDomain[] = "enamel.trail.end.v1";
 
 // The second half of a secret key is the public one.
 trace::PublicKey PublicOf(const trace::SecretKey& key) {
@@ -44,23 +41,21 @@ Bytes EncodeAuditSeal(const AuditSeal& seal) {
     out.Text(*text);
   }
   out.Raw(seal.content.view());
-  if (seal.link) {
-    out.Raw(seal.link->chain.view());
-    out.U64(seal.link->number);
-    out.Raw(seal.link->previous.view());
-  }
+  out.Raw(seal.link.chain.view());
+  out.U64(seal.link.number);
+  out.Raw(seal.link.previous.view());
   return out.Take();
 }
 
 Sha256 AuditSealHash(const AuditSeal& seal) { return HashSha256(EncodeAuditSeal(seal)); }
 
 trace::Signature SignAuditSeal(const AuditSeal& seal, const trace::SecretKey& key) {
-  return trace::SignText(DomainOf(seal), EncodeAuditSeal(seal), key);
+  return trace::SignText(kDomain, EncodeAuditSeal(seal), key);
 }
 
 bool VerifyAuditSeal(const AuditSeal& seal, const trace::Signature& signature,
                      const trace::PublicKey& key) {
-  return trace::VerifyText(DomainOf(seal), EncodeAuditSeal(seal), signature, key);
+  return trace::VerifyText(kDomain, EncodeAuditSeal(seal), signature, key);
 }
 
 Bytes EncodeAuditHead(const AuditHead& head) {

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <string>
 
 #include "common/base/sha256.h"
@@ -35,8 +34,8 @@ struct AuditSeal {
   UnixMs at_ms = 0;
   Uuid actor;
   std::string via, action, object, subject;
-  Sha256 content;                   // AuditContentHash
-  std::optional<AuditLink> link{};  // none: a row from before there were chains
+  Sha256 content;  // AuditContentHash
+  AuditLink link;
 };
 Bytes EncodeAuditSeal(const AuditSeal& seal);
 Sha256 AuditSealHash(const AuditSeal& seal);

@@ -200,11 +200,13 @@ std::string SubjectOf(const std::string& kind, const std::string& key) { return 
 
 std::string SubjectOfAction(const std::string& action, const std::string& object) {
   static const std::pair<const char*, const char*> kPrefixes[] = {
-      {"attempt.", "attempt"},       {"appeal.", "attempt"},        {"reference.", "attempt"},
-      {"exercise.", "exercise"},     {"owner.", "owner"},           {"assignment.", "assignment"},
-      {"device.", "device"},         {"person.", "person"},         {"station.enrol", "station"},
-      {"station.rename", "station"}, {"station.revoke", "station"}, {"station.adopt", "station"},
-      {"cohort.create", "cohort"},   {"cohort.edit", "cohort"},     {"retention.set", "retention"},
+      {"attempt.", "attempt"},       {"appeal.", "attempt"},
+      {"reference.", "attempt"},     {"exercise.", "exercise"},
+      {"owner.", "owner"},           {"assignment.", "assignment"},
+      {"device.", "device"},         {"person.", "person"},
+      {"station.enrol", "station"},  {"station.rename", "station"},
+      {"station.revoke", "station"}, {"cohort.create", "cohort"},
+      {"cohort.edit", "cohort"},     {"retention.set", "retention"},
       {"profile.put", "profile"}};
   // Its object is no id any more.
   if (action == "person.erase") return "";
@@ -239,63 +241,6 @@ std::map<std::string, std::string> ColumnsOf(const std::string& state) {
     if (text.is_string()) out[std::string(name)] = std::string(text.as_string());
   }
   return out;
-}
-
-std::map<std::string, std::string> ColumnsBeforeChain(const std::string& state) {
-  std::map<std::string, std::string> out = ColumnsOf(state);
-  out.erase("quarantined");
-  out.erase("display_name");
-  return out;
-}
-
-bool StatesTheSame(const std::string& stated, const std::string& now) {
-  if (stated == now) return true;
-  std::map<std::string, std::string> before = ColumnsOf(stated), present = ColumnsOf(now);
-  // A person always has a name: a row without one is of before names were stated.
-  if (!before.contains("display_name") && !before.empty()) present.erase("display_name");
-  return before == present;
-}
-
-Result<bool> IsToldWithoutState(Db& db, const std::string& subject, const std::string& now) {
-  const size_t space = subject.find(' ');
-  const std::string kind = subject.substr(0, space), key = subject.substr(space + 1);
-  std::map<std::string, std::string> present = ColumnsOf(now);
-  std::string object = key, action, after;
-  auto newest = [&](const std::string& actions) -> Status {
-    const bool is_member = kind == "member";
-    Query q(db,
-            "SELECT action, after_json FROM audit WHERE tenant = ?1 AND object = ?2 AND subject "
-            "= '' AND action IN " +
-                actions + (is_member ? " AND (before_json = ?3 OR after_json = ?3)" : "") +
-                " ORDER BY id DESC LIMIT 1");
-    q.Bind(object);
-    if (is_member) q.Bind(JsonOf({{"person", key.substr(key.find(' ') + 1)}}));
-    if (q.Next()) {
-      action = q.Text(0);
-      after = q.Text(1);
-    }
-    return q.status();
-  };
-  if (kind == "member") {
-    object = key.substr(0, key.find(' '));
-    ENAMEL_RETURN_IF_ERROR(newest("('cohort.add', 'cohort.remove')"));
-    return action == "cohort.add";
-  }
-  if (kind == "cohort") {
-    ENAMEL_RETURN_IF_ERROR(newest("('cohort.create', 'cohort.edit')"));
-    std::map<std::string, std::string> told = ColumnsOf(after);
-    const bool archived = told["archived"] == "yes";
-    return !action.empty() && told["name"] == present["name"] &&
-           archived == (present["archived_ms"] != "0");
-  }
-  if (kind == "retention") {
-    ENAMEL_RETURN_IF_ERROR(newest("('retention.set')"));
-    return !action.empty() && ColumnsOf(after)["days"] == present["days"];
-  }
-  if (kind != "profile") return false;
-  ENAMEL_RETURN_IF_ERROR(newest("('profile.put')"));
-  std::map<std::string, std::string> told = ColumnsOf(after);
-  return !action.empty() && told["content"] == present["version " + told["version"] + " content"];
 }
 
 Result<std::vector<PresentSubject>> PresentSubjects(Db& db) {

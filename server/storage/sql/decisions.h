@@ -20,16 +20,6 @@ std::string SubjectOfAction(const std::string& action, const std::string& object
 Result<std::string> StateOf(Db& db, const std::string& subject);
 // Column to value. What has no value is left out. Empty too when it is no state.
 std::map<std::string, std::string> ColumnsOf(const std::string& state);
-// Without what rows from before the chain did not state.
-std::map<std::string, std::string> ColumnsBeforeChain(const std::string& state);
-
-// Whether what a row states is what is there now. Columns that rows of its time did not state are not
-// compared.
-bool StatesTheSame(const std::string& stated, const std::string& now);
-// Whether rows from before its kind was stated tell of a subject that no row states: the newest of
-// them says of it what is there now. `now`: its state.
-Result<bool> IsToldWithoutState(Db& db, const std::string& subject, const std::string& now);
-
 struct PresentSubject {
   std::string subject;
   std::string object;  // of the row that tells of it

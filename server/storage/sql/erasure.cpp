@@ -76,34 +76,16 @@ Result<std::set<Sha256>> NamedBlobs(Db& db) {
     }
     return q.status();
   };
-  // A backup that is verified may have an older schema.
-  ENAMEL_ASSIGN_OR_RETURN(auto schema, SchemaVersion(db));
-  std::string sql =
-      "SELECT content FROM profiles WHERE tenant = ?1 UNION SELECT content FROM scenes "
-      "WHERE tenant = ?1 UNION SELECT volume FROM scenes WHERE tenant = ?1 UNION "
-      "SELECT content FROM exercises WHERE tenant = ?1";
-  if (schema >= 3) {
+  std::string sql;
+  for (const char* document :
+       {"content FROM profiles", "content FROM profile_versions", "content FROM profile_reports",
+        "content FROM scenes", "volume FROM scenes", "surface FROM scenes",
+        "content FROM exercises", "content FROM rubrics", "content FROM start_teeth",
+        "content FROM timelines", "content FROM motions", "score_json FROM attempt_results",
+        "final_volume FROM attempt_results", "surface FROM attempt_results",
+        "series FROM attempt_results"}) {
     sql +=
-        " UNION SELECT surface FROM scenes WHERE tenant = ?1 UNION SELECT score_json FROM "
-        "attempt_results WHERE tenant = ?1";
-  }
-  if (schema >= 4) {
-    sql +=
-        " UNION SELECT content FROM profile_versions WHERE tenant = ?1 UNION SELECT content FROM "
-        "profile_reports WHERE tenant = ?1";
-  }
-  if (schema >= 8) sql += " UNION SELECT content FROM rubrics WHERE tenant = ?1";
-  if (schema >= 13) {
-    sql +=
-        " UNION SELECT content FROM start_teeth WHERE tenant = ?1 UNION SELECT content FROM "
-        "timelines WHERE tenant = ?1 AND content IS NOT NULL";
-  }
-  if (schema >= 14) sql += " UNION SELECT content FROM motions WHERE tenant = ?1";
-  if (schema >= 15) {
-    for (const char* picture : kPicturesOfRuns) {
-      sql += std::string(" UNION SELECT ") + picture +
-             " FROM attempt_results WHERE tenant = ?1 AND " + picture + " IS NOT NULL";
-    }
+        (sql.empty() ? "SELECT " : " UNION SELECT ") + std::string(document) + " WHERE tenant = ?1";
   }
   Query documents(db, sql.c_str());
   ENAMEL_RETURN_IF_ERROR(add(documents, 1));

@@ -372,17 +372,6 @@ Status WriteAudit(Db& db, const Actor& by, const char* action, const std::string
 // The same about a subject that action and object do not tell.
 Status WriteAuditAbout(Db& db, const std::string& subject, const Actor& by, const char* action,
                        const std::string& object, const Json& before, const Json& after);
-// Where the trail has rows from before they were signed, or from before they were a chain: signs how
-// many and which those are, and the state of what they do not state. Once, by the start that
-// migrated. Locks the database.
-inline constexpr char kAuditBegin[] = "audit.begin", kAuditChain[] = "audit.chain";
-Status BeginSignedTrail(Db& db);
-// There are rows, and none is in a chain.
-Result<bool> ChainWaitsToBegin(Db& db);
-// Of the rows that are not signed, or in no chain: how many, and the hash over what is never erased
-// of them.
-Result<Json> UnsignedRows(Db& db);
-Result<Json> UnchainedRows(Db& db);
 // Where one chain ends, or each. None: no row is in it.
 Result<std::optional<AuditHead>> FindAuditHead(Db& db, const Uuid& chain);
 Result<std::vector<AuditHead>> AuditHeads(Db& db);
@@ -430,11 +419,9 @@ Status MustBeRunning(Db& db, const Uuid& lease);
 // followed by another, with a second result. Zero: no run is meant.
 Status FinishRun(Db& db, const Uuid& lease);
 // What the row "attempt.score" of the audit trail tells, or that of an earlier run which counts
-// again; empty: the result is not signed.
+// again: score, signed result, why the run was made, where its motion lies.
 inline constexpr char kAuditScore[] = "attempt.score", kAuditRestore[] = "attempt.restore";
-Json ScoredJson(const Sha256& score_json, ByteView document);
-// With what else of it is in the database now: why it was made, and where its motion lies.
-Result<Json> ScoredJsonOf(Db& db, const Uuid& attempt, const Sha256& score_json, ByteView document);
+Result<Json> ScoredJson(Db& db, const Uuid& attempt, const Sha256& score_json, ByteView document);
 Result<AttemptRow> FindAttempt(Db& db, const Uuid& id);
 // Every blob that a row names.
 Result<std::set<Sha256>> NamedBlobs(Db& db);

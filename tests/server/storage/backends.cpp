@@ -22,17 +22,18 @@ void ExpectNoFindings(sql::Db& db, const std::filesystem::path& folder) {
     ADD_FAILURE() << finding.kind << " " << finding.object << ": expected " << finding.expected
                   << ", found " << finding.found;
   }
-  EXPECT_EQ(report.unsigned_audit, 0u);
 }
 
 class SqlitePlace : public Place {
  public:
-  std::unique_ptr<Store> Open() override { return OpenStore(folder_.path()); }
-  void ExpectTrailAgrees() const override {
-    auto db = sqlite::OpenDatabase(folder_.path() / "enamel.db", sqlite::DbMode::kReadOnly);
-    ASSERT_TRUE(db.ok()) << db.status().message();
-    ExpectNoFindings(**db, folder_.path());
+  Result<std::unique_ptr<Store>> Try() override { return OpenSqliteStore({folder_.path()}); }
+  std::unique_ptr<sql::Db> Connect() const override {
+    auto db = sqlite::OpenDatabase(folder_.path() / "enamel.db", sqlite::DbMode::kExisting);
+    EXPECT_TRUE(db.ok()) << db.status().message();
+    return std::move(db).value();
   }
+  const std::vector<sql::Migration>& migrations() const override { return sqlite::Migrations(); }
+  void ExpectTrailAgrees() const override { ExpectNoFindings(*Connect(), folder_.path()); }
 
  protected:
   TempFolder folder_;
@@ -41,14 +42,12 @@ class SqlitePlace : public Place {
 // The same, all files through the seams that the power-cut test uses.
 class SqliteOnSimulatedDisk final : public SqlitePlace {
  public:
-  std::unique_ptr<Store> Open() override {
+  Result<std::unique_ptr<Store>> Try() override {
     SqliteOptions options;
     options.folder = folder_.path();
     options.vfs = disk_.vfs();
     options.disk = &disk_;
-    auto store = OpenSqliteStore(options);
-    EXPECT_TRUE(store.ok()) << store.status().message();
-    return std::move(store).value();
+    return OpenSqliteStore(options);
   }
 
  private:
@@ -58,13 +57,11 @@ class SqliteOnSimulatedDisk final : public SqlitePlace {
 // Every change made twice: what it says and leaves is of the second time alone.
 class SqliteTwice final : public SqlitePlace {
  public:
-  std::unique_ptr<Store> Open() override {
+  Result<std::unique_ptr<Store>> Try() override {
     SqliteOptions options;
     options.folder = folder_.path();
     options.change_twice = true;
-    auto store = OpenSqliteStore(options);
-    EXPECT_TRUE(store.ok()) << store.status().message();
-    return std::move(store).value();
+    return OpenSqliteStore(options);
   }
 };
 
@@ -96,13 +93,11 @@ class Buckets {
 // Blobs and keys in S3 stores.
 class SqliteS3 final : public SqlitePlace {
  public:
-  std::unique_ptr<Store> Open() override {
+  Result<std::unique_ptr<Store>> Try() override {
     SqliteOptions options;
     options.folder = folder_.path();
     buckets_.Use(options);
-    auto store = OpenSqliteStore(options);
-    EXPECT_TRUE(store.ok()) << store.status().message();
-    return std::move(store).value();
+    return OpenSqliteStore(options);
   }
   void ExpectTrailAgrees() const override {
     SqlitePlace::ExpectTrailAgrees();
@@ -123,21 +118,21 @@ class PostgresPlace : public Place {
     auto db = sqlite::OpenPgDatabase(server_, {}, /*read_only=*/false, {});
     EXPECT_TRUE(db.ok() && (*db)->Exec(("DROP SCHEMA \"" + schema_ + "\" CASCADE").c_str()).ok());
   }
-  std::unique_ptr<Store> Open() override {
+  Result<std::unique_ptr<Store>> Try() override {
     PostgresOptions options;
     options.server = server_;
     options.schema = schema_;
     options.folder.folder = folder_.path();
     if (buckets_ != nullptr) buckets_->Use(options.folder);
-    auto store = OpenPostgresStore(options);
-    EXPECT_TRUE(store.ok()) << store.status().message();
-    return std::move(store).value();
+    return OpenPostgresStore(options);
   }
-  void ExpectTrailAgrees() const override {
-    auto db = sqlite::OpenPgDatabase(server_, schema_, /*read_only=*/true, {});
-    ASSERT_TRUE(db.ok()) << db.status().message();
-    ExpectNoFindings(**db, folder_.path());
+  std::unique_ptr<sql::Db> Connect() const override {
+    auto db = sqlite::OpenPgDatabase(server_, schema_, /*read_only=*/false, {});
+    EXPECT_TRUE(db.ok()) << db.status().message();
+    return std::move(db).value();
   }
+  const std::vector<sql::Migration>& migrations() const override { return sqlite::PgMigrations(); }
+  void ExpectTrailAgrees() const override { ExpectNoFindings(*Connect(), folder_.path()); }
 
  protected:
   std::unique_ptr<Buckets> buckets_;  // none: in the folder

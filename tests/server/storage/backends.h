@@ -18,7 +18,15 @@ namespace enamel::server::testing {
 class Place {
  public:
   virtual ~Place() = default;
-  virtual std::unique_ptr<Store> Open() = 0;
+  virtual Result<std::unique_ptr<Store>> Try() = 0;
+  std::unique_ptr<Store> Open() {
+    auto store = Try();
+    EXPECT_TRUE(store.ok()) << store.status().message();
+    return store.ok() ? std::move(store).value() : nullptr;
+  }
+  // To the rows themselves, past the store.
+  virtual std::unique_ptr<sql::Db> Connect() const = 0;
+  virtual const std::vector<sql::Migration>& migrations() const = 0;
   // Compares what is stored there with its audit trail: nothing that a store does may look like an
   // edit.
   virtual void ExpectTrailAgrees() const = 0;

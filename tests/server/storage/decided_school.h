@@ -46,8 +46,7 @@ class DecidedSchoolTest : public VerifyTest {
   // What keeps the trail from being edited by accident; whoever edits it on purpose begins here.
   const std::string without_triggers_ =
       "DROP TRIGGER IF EXISTS audit_is_not_changed; DROP TRIGGER IF EXISTS audit_is_not_deleted; "
-      "DROP TRIGGER IF EXISTS audit_stays_in_place; DROP TRIGGER IF EXISTS "
-      "audit_heads_only_advance; "
+      "DROP TRIGGER IF EXISTS audit_heads_only_advance; "
       "DROP TRIGGER IF EXISTS audit_heads_are_not_deleted; ";
   Uuid teacher_, graded_, assignment_, reference_, remark_;
   ExerciseRow other_;

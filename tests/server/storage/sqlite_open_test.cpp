@@ -7,6 +7,7 @@
 #include "common/base/file.h"
 #include "common/base/hex.h"
 #include "server/storage/engine/ticket_key.h"
+#include "server/storage/engine/verify.h"
 #include "server/storage/sql/sqlite_impl.h"
 #include "server/storage/sqlite_store.h"
 #include "tests/server/storage/store_world.h"
@@ -68,10 +69,32 @@ TEST(SqliteOpenTest, NewerDatabaseIsRefusedAndSaysWhatToDo) {
   EXPECT_NE(refused.status().message().find("newer enamel-server"), std::string::npos);
 }
 
-TEST(SqliteOpenTest, DatabaseOfAnotherProgramIsRefused) {
+TEST(SqliteOpenTest, DatabaseOfAnotherProgramIsRefusedInOneSentenceAndNothingIsChanged) {
   TempFolder folder;
-  ExecRaw(folder.path(), "CREATE TABLE theirs (x); PRAGMA user_version = 1");
-  EXPECT_EQ(OpenSqliteStore({folder.path()}).status().code(), Code::kVersion);
+  const auto data = folder.path() / "data";
+  std::filesystem::create_directory(data);
+  std::filesystem::permissions(data, kForAll);
+  // As a server from before the first release left it, and one that says nothing of itself.
+  for (const char* id : {"0x456e6d6c", "0"}) {
+    SCOPED_TRACE(id);
+    std::filesystem::remove(data / "enamel.db");
+    ExecRaw(data, std::string("PRAGMA application_id = ") + id +
+                      "; CREATE TABLE theirs (x); PRAGMA user_version = 23");
+    const Bytes before = *ReadFile(data / "enamel.db");
+    const Status refused = OpenSqliteStore({data}).status();
+    EXPECT_EQ(refused.code(), Code::kVersion);
+    EXPECT_NE(refused.message().find("nothing in"), std::string::npos) << refused.message();
+    if (id[1] == 'x') {
+      EXPECT_NE(refused.message().find("move the folder " + data.string() + " away"),
+                std::string::npos)
+          << refused.message();
+      EXPECT_NE(refused.message().find("--data"), std::string::npos) << refused.message();
+      EXPECT_EQ(*ReadFile(data / "enamel.db"), before);
+      EXPECT_EQ(ModeOf(data), kForAll);
+      EXPECT_EQ(std::distance(std::filesystem::directory_iterator(data), {}), 1);
+      EXPECT_EQ(Verify({data, {}, {}}).status().code(), Code::kVersion);
+    }
+  }
 }
 
 TEST(SqliteOpenTest, SecondServerOnTheFolderIsRefusedAndTheCommandLineIsNot) {
