@@ -65,18 +65,18 @@ void Show(const AttemptRow& row) {
 }
 
 // All versions of this exercise that were published; of every one where no name is given.
-Result<std::vector<ExerciseRow>> VersionsOf(ContentStore& store, const std::string& name) {
+Result<std::vector<ExerciseRow>> VersionsOf(ExerciseRows& exercises_rows, const std::string& name) {
   std::vector<ExerciseRow> out;
   std::set<std::string> names{name};
   if (name.empty()) {
     names.clear();
     for (ExerciseState state : {ExerciseState::kPublished, ExerciseState::kRetired}) {
-      ENAMEL_ASSIGN_OR_RETURN(const auto rows, store.ExercisesIn(state));
+      ENAMEL_ASSIGN_OR_RETURN(const auto rows, exercises_rows.ExercisesIn(state));
       for (const ExerciseRow& row : rows) names.insert(row.name);
     }
   }
   for (const std::string& each : names) {
-    ENAMEL_ASSIGN_OR_RETURN(const auto rows, store.ExerciseVersions(each));
+    ENAMEL_ASSIGN_OR_RETURN(const auto rows, exercises_rows.ExerciseVersions(each));
     out.insert(out.end(), rows.begin(), rows.end());
   }
   if (!out.empty() || name.empty()) return out;
@@ -85,12 +85,13 @@ Result<std::vector<ExerciseRow>> VersionsOf(ContentStore& store, const std::stri
 }
 
 // By its own id, or by that of its attempt, as mark-reference took it.
-Result<ReferenceRow> ReferenceNamed(Store& store, const Uuid& id) {
-  auto row = store.ReferenceById(id);
+Result<ReferenceRow> ReferenceNamed(AttemptRows& attempts, ReferenceRows& references_rows,
+                                    const Uuid& id) {
+  auto row = references_rows.ReferenceById(id);
   if (row.ok() || row.status().code() != Code::kNotFound) return row;
-  auto attempt = store.AttemptById(id);
+  auto attempt = attempts.AttemptById(id);
   if (attempt.ok()) {
-    ENAMEL_ASSIGN_OR_RETURN(const auto rows, store.References(attempt->exercise));
+    ENAMEL_ASSIGN_OR_RETURN(const auto rows, references_rows.References(attempt->exercise));
     const auto found = std::ranges::find(rows, id, &ReferenceRow::attempt);
     if (found != rows.end()) return *found;
   }
@@ -102,8 +103,8 @@ Result<ReferenceRow> ReferenceNamed(Store& store, const Uuid& id) {
 
 }  // namespace
 
-Result<Uuid> CohortByName(TeachingStore& store, const std::string& name) {
-  ENAMEL_ASSIGN_OR_RETURN(auto cohorts, store.Cohorts());
+Result<Uuid> CohortByName(CohortRows& cohorts_rows, const std::string& name) {
+  ENAMEL_ASSIGN_OR_RETURN(auto cohorts, cohorts_rows.Cohorts());
   // All of them are read: a school has dozens, and the store keeps their names apart.
   auto found = std::ranges::find(cohorts, name, &Cohort::name);
   if (found != cohorts.end()) return found->id;
@@ -111,10 +112,10 @@ Result<Uuid> CohortByName(TeachingStore& store, const std::string& name) {
                 "cohort");
 }
 
-Result<Person> PersonNamed(PeopleStore& store, const std::string& login) {
+Result<Person> PersonNamed(PeopleRows& people, const std::string& login) {
   // Logins are stored in lower case, so that what is typed here finds its person in any case.
   ENAMEL_ASSIGN_OR_RETURN(auto checked, CheckedLogin(login));
-  return store.PersonByLogin(checked);
+  return people.PersonByLogin(checked);
 }
 
 Status AddPerson(const std::filesystem::path& data, const NewPerson& person) {
@@ -140,7 +141,8 @@ Status AddPerson(const std::filesystem::path& data, const NewPerson& person) {
   row.role = *role;
   // Whoever ran this command has seen it, and so has the terminal's memory.
   row.must_change_password = password.made_up;
-  ENAMEL_ASSIGN_OR_RETURN(auto id, store->CreatePerson(row, password.verifier, {}, kCommandLine));
+  ENAMEL_ASSIGN_OR_RETURN(auto id,
+                          store->people.CreatePerson(row, password.verifier, {}, kCommandLine));
   Say("added {} ({}), id {}\n", login, RoleName(*role), id.Text());
   ShowIfMadeUp(password);
   return Status::Ok();
@@ -148,11 +150,11 @@ Status AddPerson(const std::filesystem::path& data, const NewPerson& person) {
 
 Status SetPassword(const std::filesystem::path& data, const std::string& login, bool from_stdin) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(auto person, PersonNamed(*store, login));
+  ENAMEL_ASSIGN_OR_RETURN(auto person, PersonNamed(store->people, login));
   ENAMEL_ASSIGN_OR_RETURN(auto password,
                           ReadOrMakePassword(from_stdin, login, person.display_name));
   ENAMEL_RETURN_IF_ERROR(
-      store->SetPassword(person.id, password.verifier, password.made_up, kCommandLine));
+      store->people.SetPassword(person.id, password.verifier, password.made_up, kCommandLine));
   Say("new password for {}; all sessions of this person have ended\n", login);
   ShowIfMadeUp(password);
   return Status::Ok();
@@ -160,8 +162,8 @@ Status SetPassword(const std::filesystem::path& data, const std::string& login, 
 
 Status SetDisabled(const std::filesystem::path& data, const std::string& login, bool disabled) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(auto person, PersonNamed(*store, login));
-  ENAMEL_RETURN_IF_ERROR(store->SetDisabled(person.id, disabled, kCommandLine));
+  ENAMEL_ASSIGN_OR_RETURN(auto person, PersonNamed(store->people, login));
+  ENAMEL_RETURN_IF_ERROR(store->people.SetDisabled(person.id, disabled, kCommandLine));
   Say("{} {}\n", login, disabled ? "may no longer sign in" : "may sign in again");
   return Status::Ok();
 }
@@ -169,7 +171,7 @@ Status SetDisabled(const std::filesystem::path& data, const std::string& login, 
 Status AddCohort(const std::filesystem::path& data, const std::string& name) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
   ENAMEL_ASSIGN_OR_RETURN(auto checked, CheckedName(name, "name"));
-  ENAMEL_ASSIGN_OR_RETURN(auto id, store->CreateCohort(checked, kCommandLine));
+  ENAMEL_ASSIGN_OR_RETURN(auto id, store->cohorts.CreateCohort(checked, kCommandLine));
   Say("added cohort \"{}\", id {}\n", checked, id.Text());
   return Status::Ok();
 }
@@ -177,9 +179,9 @@ Status AddCohort(const std::filesystem::path& data, const std::string& name) {
 Status AddToCohort(const std::filesystem::path& data, const std::string& cohort,
                    const std::string& login) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(auto id, CohortByName(*store, cohort));
-  ENAMEL_ASSIGN_OR_RETURN(auto person, PersonNamed(*store, login));
-  ENAMEL_RETURN_IF_ERROR(store->AddToCohort(id, person.id, kCommandLine));
+  ENAMEL_ASSIGN_OR_RETURN(auto id, CohortByName(store->cohorts, cohort));
+  ENAMEL_ASSIGN_OR_RETURN(auto person, PersonNamed(store->people, login));
+  ENAMEL_RETURN_IF_ERROR(store->cohorts.AddToCohort(id, person.id, kCommandLine));
   Say("{} is in \"{}\"\n", login, cohort);
   return Status::Ok();
 }
@@ -194,7 +196,7 @@ Status EnrolCode(const std::filesystem::path& data, int valid_minutes) {
   std::string code = ToHex(random);
   const UnixMs expires = enamel::UnixMs() + UnixMs{valid_minutes} * 60'000;
   // The hash alone is kept, so that a copy of the database enrols no station.
-  auto added = store->AddEnrolCode(HashSha256(AsBytes(code)), expires, kCommandLine);
+  auto added = store->stations.AddEnrolCode(HashSha256(AsBytes(code)), expires, kCommandLine);
   if (!added.ok()) return added.status();
   Say("{}@{}\n", code, identity.fingerprint.Hex());
   return Status::Ok();
@@ -218,8 +220,8 @@ Status MarkReference(const std::filesystem::path& data, const std::string& attem
   if (!made.ok()) return InsistWith(made.status(), "--anyway REASON");
   const ReferenceRow& row = *made;
   Say("reference version {} of the exercise: attempt {} by {}\n", row.version, attempt, name);
-  if (const auto done = store->AttemptById(id); done.ok()) {
-    if (const auto work = WorkOfAttempt(*store, *done); work.ok()) {
+  if (const auto done = store->attempts.AttemptById(id); done.ok()) {
+    if (const auto work = WorkOfAttempt(store->blobs, store->results, *done); work.ok()) {
       Say("it did {:.1f} % of the exercise's own target and cut {:.1f} % of it beside\n",
           work->done_percent, work->beside_percent);
     }
@@ -233,11 +235,11 @@ Status MarkReference(const std::filesystem::path& data, const std::string& attem
 
 Status ListReferences(const std::filesystem::path& data, const std::string& exercise) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(const auto versions, VersionsOf(*store, exercise));
+  ENAMEL_ASSIGN_OR_RETURN(const auto versions, VersionsOf(store->exercises, exercise));
   size_t shown = 0;
   for (const ExerciseRow& version : versions) {
-    ENAMEL_ASSIGN_OR_RETURN(const auto counts, store->ReferenceFor(version.id));
-    ENAMEL_ASSIGN_OR_RETURN(const auto rows, store->References(version.id));
+    ENAMEL_ASSIGN_OR_RETURN(const auto counts, store->references.ReferenceFor(version.id));
+    ENAMEL_ASSIGN_OR_RETURN(const auto rows, store->references.References(version.id));
     for (const ReferenceRow& row : rows) {
       const bool newest = counts && counts->id == row.id;
       Say("{}  {} version {}, reference {}  {:<9} attempt {}  {}{}  {}\n", row.id.Text(),
@@ -254,14 +256,14 @@ Status ListReferences(const std::filesystem::path& data, const std::string& exer
 Status WithdrawReference(const std::filesystem::path& data, const std::string& reference) {
   ENAMEL_ASSIGN_OR_RETURN(const auto id, Uuid::Parse(reference));
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(const auto row, ReferenceNamed(*store, id));
+  ENAMEL_ASSIGN_OR_RETURN(const auto row, ReferenceNamed(store->attempts, store->references, id));
   if (row.withdrawn_ms != 0) {
     Say("this reference was withdrawn before, {}; nothing was changed\n",
         TimeText(row.withdrawn_ms));
     return Status::Ok();
   }
-  ENAMEL_RETURN_IF_ERROR(store->WithdrawReference(row.id, kCommandLine));
-  ENAMEL_ASSIGN_OR_RETURN(const auto left, store->ReferenceFor(row.exercise));
+  ENAMEL_RETURN_IF_ERROR(store->references.WithdrawReference(row.id, kCommandLine));
+  ENAMEL_ASSIGN_OR_RETURN(const auto left, store->references.ReferenceFor(row.exercise));
   Say("reference version {} by {} is withdrawn; scores made with it stay, rescore makes them "
       "again\n",
       row.version, row.dentist);
@@ -274,7 +276,7 @@ Status WithdrawReference(const std::filesystem::path& data, const std::string& r
 Status ReleaseScore(const std::filesystem::path& data, const std::string& attempt) {
   ENAMEL_ASSIGN_OR_RETURN(auto id, Uuid::Parse(attempt));
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_RETURN_IF_ERROR(store->ReleaseAttempt(id, kCommandLine));
+  ENAMEL_RETURN_IF_ERROR(store->judging.ReleaseAttempt(id, kCommandLine));
   Say("the score of attempt {} is released to its student\n", attempt);
   return Status::Ok();
 }
@@ -286,7 +288,7 @@ Status ListAttempts(const std::filesystem::path& data, uint32_t limit) {
   AttemptFilter filter;
   for (uint32_t shown = 0; shown < limit;) {
     filter.limit = std::min(limit - shown, kPage);
-    ENAMEL_ASSIGN_OR_RETURN(auto rows, store->Attempts(filter));
+    ENAMEL_ASSIGN_OR_RETURN(auto rows, store->attempts.Attempts(filter));
     for (const AttemptRow& row : rows) Show(row);
     if (rows.size() < filter.limit) break;
     shown += filter.limit;

@@ -4,17 +4,18 @@
 #include <string>
 
 #include "common/base/result.h"
-#include "server/storage/store.h"
+#include "server/storage/people/cohort_rows.h"
+#include "server/storage/people/people_rows.h"
 
 // The `admin` commands. Each opens the data folder beside a running server, or without one, prints
 // its outcome to standard output and returns.
 namespace enamel::server::app {
 
 // Errors: kNotFound, with what to do.
-Result<Uuid> CohortByName(TeachingStore& store, const std::string& name);
+Result<Uuid> CohortByName(CohortRows& cohorts_rows, const std::string& name);
 
 // A login is written in any case. Errors: kNotFound.
-Result<Person> PersonNamed(PeopleStore& store, const std::string& login);
+Result<Person> PersonNamed(PeopleRows& people, const std::string& login);
 
 struct NewPerson {
   std::string login, display_name, role;

@@ -112,7 +112,7 @@ Status Refusal(const roster::ImportResult& result) {
 }
 
 // What is new gets its passwords into a file that was made before.
-Status Import(PeopleStore& store, std::string_view csv, const RosterCommand& command,
+Status Import(RosterRows& roster_rows, std::string_view csv, const RosterCommand& command,
               roster::ImportOptions options, size_t fresh) {
   std::optional<PasswordFile> file;
   // Nobody new, nothing to write down: a repeated import leaves no empty file behind.
@@ -132,7 +132,8 @@ Status Import(PeopleStore& store, std::string_view csv, const RosterCommand& com
   }
   // Somebody may have changed people since the dry run. The plan is made again inside, and may find
   // problems that the first one did not.
-  ENAMEL_ASSIGN_OR_RETURN(auto result, roster::ImportRoster(store, csv, options, kCommandLine));
+  ENAMEL_ASSIGN_OR_RETURN(auto result,
+                          roster::ImportRoster(roster_rows, csv, options, kCommandLine));
   if (!result.plan.problems.empty()) {
     ShowProblems(result.plan.problems);
     return Refusal(result);
@@ -167,7 +168,7 @@ Status ImportRoster(const RosterCommand& command) {
   }
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(command.data));
   ENAMEL_ASSIGN_OR_RETURN(auto tried,
-                          roster::ImportRoster(*store, AsText(csv), options, kCommandLine));
+                          roster::ImportRoster(store->roster, AsText(csv), options, kCommandLine));
   if (!tried.plan.problems.empty() || command.dry_run) {
     ShowProblems(tried.plan.problems);
     if (tried.plan.problems.empty()) ShowOutcome(tried);
@@ -175,7 +176,7 @@ Status ImportRoster(const RosterCommand& command) {
     return tried.plan.problems.empty() ? Status::Ok() : Refusal(tried);
   }
   options.dry_run = false;
-  return Import(*store, AsText(csv), command, options, tried.plan.Count(Change::kCreate));
+  return Import(store->roster, AsText(csv), command, options, tried.plan.Count(Change::kCreate));
 }
 
 Status ListPeople(const PeopleList& list) {
@@ -189,13 +190,13 @@ Status ListPeople(const PeopleList& list) {
     }
   }
   if (!list.cohort.empty()) {
-    ENAMEL_ASSIGN_OR_RETURN(auto cohort, CohortByName(*store, list.cohort));
+    ENAMEL_ASSIGN_OR_RETURN(auto cohort, CohortByName(store->cohorts, list.cohort));
     filter.cohort = cohort;
   }
   filter.text = list.text;
   for (uint32_t shown = 0; shown < list.limit;) {
     filter.limit = std::min(list.limit - shown, kPage);
-    ENAMEL_ASSIGN_OR_RETURN(auto people, store->FindPeople(filter));
+    ENAMEL_ASSIGN_OR_RETURN(auto people, store->people.FindPeople(filter));
     for (const Person& person : people) {
       Say("{:<24} {:<11} {}{}{}\n", person.login, RoleName(person.role), person.display_name,
           person.disabled ? "  (disabled)" : "",
@@ -210,9 +211,9 @@ Status ListPeople(const PeopleList& list) {
 
 Status ListCohorts(const std::filesystem::path& data) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(auto cohorts, store->Cohorts());
+  ENAMEL_ASSIGN_OR_RETURN(auto cohorts, store->cohorts.Cohorts());
   for (const Cohort& cohort : cohorts) {
-    ENAMEL_ASSIGN_OR_RETURN(auto members, store->CohortMembers(cohort.id));
+    ENAMEL_ASSIGN_OR_RETURN(auto members, store->cohorts.CohortMembers(cohort.id));
     auto students = std::ranges::count(members, Role::kStudent, &Person::role);
     const auto others = static_cast<int64_t>(members.size()) - students;
     Say("{:<30} {}, {}{}\n", cohort.name, Counted(students, "student"), Counted(others, "other"),
@@ -223,8 +224,8 @@ Status ListCohorts(const std::filesystem::path& data) {
 
 Status ListSessions(const std::filesystem::path& data, const std::string& login) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(auto person, PersonNamed(*store, login));
-  ENAMEL_ASSIGN_OR_RETURN(auto sessions, store->SessionsOf(person.id));
+  ENAMEL_ASSIGN_OR_RETURN(auto person, PersonNamed(store->people, login));
+  ENAMEL_ASSIGN_OR_RETURN(auto sessions, store->sessions.SessionsOf(person.id));
   for (const SessionRow& session : sessions) {
     Say("{}  {:<7}  since {}, last used {} UTC  {}  {}\n", session.id.Text(), session.via,
         UtcText(session.created_ms), UtcText(session.last_used_ms), session.address,
@@ -236,8 +237,8 @@ Status ListSessions(const std::filesystem::path& data, const std::string& login)
 
 Status EndSessions(const std::filesystem::path& data, const std::string& login) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(auto person, PersonNamed(*store, login));
-  ENAMEL_ASSIGN_OR_RETURN(auto ended, store->EndSessionsOf(person.id, kCommandLine));
+  ENAMEL_ASSIGN_OR_RETURN(auto person, PersonNamed(store->people, login));
+  ENAMEL_ASSIGN_OR_RETURN(auto ended, store->sessions.EndSessionsOf(person.id, kCommandLine));
   Say("ended {} of {}\n", Counted(ended, "session"), login);
   return Status::Ok();
 }

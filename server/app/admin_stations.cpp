@@ -38,14 +38,14 @@ std::string MeasuredText(const std::optional<scene::Measured>& measured) {
 
 }  // namespace
 
-Result<StationRow> StationNamed(StationStore& store, const std::string& text) {
+Result<StationRow> StationNamed(StationRows& stations_rows, const std::string& text) {
   // An id names one station whatever the stations are called, so it is tried first.
   if (auto id = Uuid::Parse(text); id.ok()) {
-    auto station = store.StationById(*id);
+    auto station = stations_rows.StationById(*id);
     if (!station.ok() || !station->revoked) return station;
     return Status(Code::kNotFound, "station " + text + " is no longer admitted", "station");
   }
-  ENAMEL_ASSIGN_OR_RETURN(auto stations, store.Stations());
+  ENAMEL_ASSIGN_OR_RETURN(auto stations, stations_rows.Stations());
   // Revoked ones do not count: a bench that was enrolled anew has its name twice, and the old row
   // is not meant.
   std::erase_if(stations, [&](const StationRow& row) { return row.revoked || row.name != text; });
@@ -59,7 +59,7 @@ Result<StationRow> StationNamed(StationStore& store, const std::string& text) {
 
 Status ListStations(const std::filesystem::path& data) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(auto stations, store->Stations());
+  ENAMEL_ASSIGN_OR_RETURN(auto stations, store->stations.Stations());
   for (const StationRow& row : stations) {
     Say("{}  {:<24} {:<8} last seen {} UTC  {}{}\n", row.id.Text(), row.name,
         row.revoked ? "revoked" : "admitted", UtcText(row.last_seen_ms),
@@ -80,13 +80,13 @@ Status ListAwaited(const std::filesystem::path& data) {
   // refusal left what it was about.
   filter.action = "attempt.awaits";
   filter.limit = 1000;
-  ENAMEL_ASSIGN_OR_RETURN(auto rows, store->FindAudit(filter));
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, store->audit.FindAudit(filter));
   std::set<std::string> seen;  // newest first: the last word about each attempt counts
   size_t waiting = 0;
   for (const AuditRow& row : rows) {
     auto attempt = Uuid::Parse(row.object);
     if (!attempt.ok() || !seen.insert(row.object).second) continue;
-    auto known = store->AttemptById(*attempt);
+    auto known = store->attempts.AttemptById(*attempt);
     // Taken since: what it waited for has come back.
     if (known.ok()) continue;
     if (known.status().code() != Code::kNotFound) return known.status();
@@ -105,8 +105,8 @@ Status ListAwaited(const std::filesystem::path& data) {
 
 Status RevokeStation(const std::filesystem::path& data, const std::string& station) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(auto row, StationNamed(*store, station));
-  ENAMEL_RETURN_IF_ERROR(store->RevokeStation(row.id, kCommandLine));
+  ENAMEL_ASSIGN_OR_RETURN(auto row, StationNamed(store->stations, station));
+  ENAMEL_RETURN_IF_ERROR(store->stations.RevokeStation(row.id, kCommandLine));
   Say("{} ({}) is no longer admitted; to use it again, enrol it with a new code\n", row.name,
       row.id.Text());
   return Status::Ok();
@@ -115,21 +115,21 @@ Status RevokeStation(const std::filesystem::path& data, const std::string& stati
 Status ListDevice(const std::filesystem::path& data, const std::string& name,
                   const std::string& title) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_RETURN_IF_ERROR(store->ListDevice(name, title, kCommandLine));
+  ENAMEL_RETURN_IF_ERROR(store->devices.ListDevice(name, title, kCommandLine));
   Say("graded work may be done with the haptic device that calls itself {} ({})\n", name, title);
   return Status::Ok();
 }
 
 Status UnlistDevice(const std::filesystem::path& data, const std::string& name) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_RETURN_IF_ERROR(store->UnlistDevice(name, kCommandLine));
+  ENAMEL_RETURN_IF_ERROR(store->devices.UnlistDevice(name, kCommandLine));
   Say("{} is no longer on the list; what was done with it stays\n", name);
   return Status::Ok();
 }
 
 Status ListListedDevices(const std::filesystem::path& data) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(auto rows, store->ListedDevices());
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, store->devices.ListedDevices());
   for (const ListedDevice& row : rows) {
     Say("{:<40} {:<24} since {} UTC\n", row.name, row.title, UtcText(row.added_ms));
   }
@@ -155,9 +155,10 @@ Status PutProfile(const std::filesystem::path& data, const std::filesystem::path
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
   // Written anew by our own writer: the same profile has the same hash, however the file was laid
   // out.
-  ENAMEL_ASSIGN_OR_RETURN(auto content, store->PutBlob(AsBytes(scene::ToJson(*profile))));
-  ENAMEL_RETURN_IF_ERROR(store->PutProfile({profile->name, profile->title, content}, kCommandLine));
-  ENAMEL_ASSIGN_OR_RETURN(auto versions, store->ProfileVersions(profile->name));
+  ENAMEL_ASSIGN_OR_RETURN(auto content, store->blobs.PutBlob(AsBytes(scene::ToJson(*profile))));
+  ENAMEL_RETURN_IF_ERROR(
+      store->profiles.PutProfile({profile->name, profile->title, content}, kCommandLine));
+  ENAMEL_ASSIGN_OR_RETURN(auto versions, store->profiles.ProfileVersions(profile->name));
   Say("device profile \"{}\" version {}\n", profile->name, versions.front().version);
   return Status::Ok();
 }
@@ -176,9 +177,9 @@ Status AddProfileReport(const std::filesystem::path& data, const std::string& pr
                 file.string()};
   }
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(auto content, store->PutBlob(bytes));
+  ENAMEL_ASSIGN_OR_RETURN(auto content, store->blobs.PutBlob(bytes));
   row.content = content;
-  ENAMEL_ASSIGN_OR_RETURN(auto added, store->AddProfileReport(row, kCommandLine));
+  ENAMEL_ASSIGN_OR_RETURN(auto added, store->profiles.AddProfileReport(row, kCommandLine));
   Say("report {} about \"{}\" version {}\n", added.id.Text(), profile, added.version);
   return Status::Ok();
 }
@@ -193,14 +194,14 @@ Status AddCalibration(const std::filesystem::path& data, const std::filesystem::
   row.device = calibration->device;
   row.measured_ms = calibration->measured_ms;
   row.document = scene::ToJson(*calibration);
-  ENAMEL_ASSIGN_OR_RETURN(auto added, store->AddCalibration(row, kCommandLine));
+  ENAMEL_ASSIGN_OR_RETURN(auto added, store->profiles.AddCalibration(row, kCommandLine));
   Say("calibration {} of {}, profile \"{}\"\n", added.id.Text(), row.device, row.profile);
   return Status::Ok();
 }
 
 Status ListCalibrations(const std::filesystem::path& data, const std::string& profile) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(auto rows, store->Calibrations(profile));
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, store->profiles.Calibrations(profile));
   for (const CalibrationRow& row : rows) {
     ENAMEL_ASSIGN_OR_RETURN(auto calibration, scene::CalibrationFromJson(row.document));
     Say("{} UTC  {}  resolution {} nm, noise {} nm, friction {} mN, damping {} mN s/m, mass {} g, "

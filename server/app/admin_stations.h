@@ -4,7 +4,7 @@
 #include <string>
 
 #include "common/base/result.h"
-#include "server/storage/store.h"
+#include "server/storage/people/station_rows.h"
 
 // The `admin` commands about stations and device profiles. Each opens the data folder beside a
 // running server, or without one, prints its outcome to standard output and returns.
@@ -12,7 +12,7 @@ namespace enamel::server::app {
 
 // The admitted station of this id or name. Errors: kNotFound (none, or several of that name, with
 // what to do).
-Result<StationRow> StationNamed(StationStore& store, const std::string& text);
+Result<StationRow> StationNamed(StationRows& stations_rows, const std::string& text);
 
 Status ListStations(const std::filesystem::path& data);
 // Recordings that stations still hold for a person, an exercise or a profile that is newer than the

@@ -25,15 +25,14 @@ struct Scored {
   scoring::ScoreResult score;
 };
 
-Result<std::vector<Scored>> ScoredUnder(Parts<BlobStore, AttemptStore> store,
-                                        const std::string& assignment) {
+Result<std::vector<Scored>> ScoredUnder(Store& store, const std::string& assignment) {
   AttemptFilter which;
   ENAMEL_ASSIGN_OR_RETURN(which.assignment, Uuid::Parse(assignment));
-  ENAMEL_ASSIGN_OR_RETURN(auto rows, ScoredAttempts(store.attempts(), which));
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, ScoredAttempts(store.attempts, which));
   std::vector<Scored> out;
   for (const AttemptRow& row : rows) {
-    ENAMEL_ASSIGN_OR_RETURN(auto result, store.attempts().ResultOf(row.id));
-    ENAMEL_ASSIGN_OR_RETURN(auto text, store.blobs().GetBlob(result.score_json));
+    ENAMEL_ASSIGN_OR_RETURN(auto result, store.results.ResultOf(row.id));
+    ENAMEL_ASSIGN_OR_RETURN(auto text, store.blobs.GetBlob(result.score_json));
     ENAMEL_ASSIGN_OR_RETURN(auto score, scoring::ScoreFromJson(AsText(text)));
     out.push_back({row.id, std::move(score)});
   }

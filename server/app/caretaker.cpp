@@ -8,7 +8,7 @@
 
 namespace enamel::server::app {
 
-Caretaker::Caretaker(UpkeepStore& store, Intervals intervals)
+Caretaker::Caretaker(Store& store, Intervals intervals)
     : store_(store),
       intervals_(intervals),
       thread_([this](const std::stop_token& stop) { Run(stop); }) {}
@@ -21,7 +21,7 @@ void Caretaker::Run(const std::stop_token& stop) {
     const auto now = std::chrono::steady_clock::now();
     if (now >= erasures) {
       // What fails is in the log. A lease may be that of a server that died, or of this one before it did.
-      const bool held = store_.FinishErasures().field() == kLeaseHeld;
+      const bool held = store_.erasures.FinishErasures().field() == kLeaseHeld;
       erasures = now + (held ? intervals_.held : intervals_.retention);
     }
     if (now >= retention) {
@@ -32,9 +32,9 @@ void Caretaker::Run(const std::stop_token& stop) {
 }
 
 void Caretaker::LookAtHealth() {
-  StoreHealth health = store_.Health();
+  StoreHealth health = store_.health.Health();
   // A write that failed may have been the only one: nobody else may be writing.
-  if (!health.takes_recordings && store_.TryWrite().ok()) health = store_.Health();
+  if (!health.takes_recordings && store_.health.TryWrite().ok()) health = store_.health.Health();
   if (health.takes_recordings == took_recordings_) return;
   took_recordings_ = health.takes_recordings;
   if (took_recordings_) {
@@ -45,7 +45,7 @@ void Caretaker::LookAtHealth() {
 }
 
 void Caretaker::ApplyRetention() {
-  auto report = store_.ApplyRetention(enamel::UnixMs(), false, Actor{{}, "retention"});
+  auto report = store_.retention.ApplyRetention(enamel::UnixMs(), false, Actor{{}, "retention"});
   // It keeps to the same rules.
   if (report.status().field() == kLeaseHeld) return;
   if (!report.ok()) {

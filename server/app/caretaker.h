@@ -19,15 +19,15 @@ class Caretaker {
     std::chrono::milliseconds retention{60 * 60 * 1000};        // and erasures that were left
     std::chrono::milliseconds held{35 * 1000};  // erasures, while another server is at it
   };
-  explicit Caretaker(UpkeepStore& store) : Caretaker(store, Intervals()) {}
-  Caretaker(UpkeepStore& store, Intervals intervals);
+  explicit Caretaker(Store& store) : Caretaker(store, Intervals()) {}
+  Caretaker(Store& store, Intervals intervals);
 
  private:
   void Run(const std::stop_token& stop);
   void LookAtHealth();
   void ApplyRetention();
 
-  UpkeepStore& store_;
+  Store& store_;
   const Intervals intervals_;
   bool took_recordings_ = true;  // on the thread
   std::jthread thread_;          // last: ends first

@@ -7,7 +7,7 @@
 #include <iostream>
 #include <string>
 
-#include "server/storage/engine/verify.h"
+#include "server/storage/verify/verify.h"
 
 namespace enamel::server::app {
 

@@ -6,11 +6,15 @@
 #include "server/app/places.h"
 #include "server/app/say.h"
 #include "server/app/school_folder.h"
-#include "server/storage/engine/data_folder.h"
-#include "server/storage/engine/database_file.h"
-#include "server/storage/engine/folder_lock.h"
-#include "server/storage/engine/ticket_key.h"
-#include "server/storage/sqlite_store.h"
+#include "server/storage/engine/server_identity.h"
+#include "server/storage/folder/data_folder.h"
+#include "server/storage/folder/database_file.h"
+#include "server/storage/folder/disk.h"
+#include "server/storage/folder/folder_lock.h"
+#include "server/storage/folder/store_options.h"
+#include "server/storage/folder/ticket_key.h"
+#include "server/storage/open_store.h"
+#include "server/storage/store.h"
 
 namespace enamel::server::app {
 namespace {
@@ -62,7 +66,7 @@ Result<Sha256> EnsureCertificate(const std::filesystem::path& certificate,
 Status TakeIdentity(const std::filesystem::path& folder, const std::filesystem::path& from,
                     bool moving) {
   std::vector<std::pair<std::filesystem::path, Bytes>> missing;
-  for (const char* name : sqlite::kIdentityFiles) {
+  for (const char* name : kIdentityFiles) {
     auto theirs = ReadFile(from / name, kMaxIdentityBytes);
     if (!theirs.ok()) {
       return Status(theirs.status().code(),
@@ -87,7 +91,7 @@ Status TakeIdentity(const std::filesystem::path& folder, const std::filesystem::
   }
   // First what it is: no key is written where others may look in.
   if (!missing.empty()) {
-    ENAMEL_RETURN_IF_ERROR(sqlite::MakeDataFolder(folder, SystemDisk(), /*restoring=*/moving));
+    ENAMEL_RETURN_IF_ERROR(MakeDataFolder(folder, SystemDisk(), /*restoring=*/moving));
   }
   for (const auto& [path, content] : missing) {
     ENAMEL_RETURN_IF_ERROR(SystemDisk().Replace(path, content));
@@ -117,15 +121,16 @@ Result<ServerIdentity> EnsureIdentity(const std::filesystem::path& folder) {
   return identity;
 }
 
-Result<ServerIdentity> EnsureMatchingIdentity(const std::filesystem::path& folder, Store& store) {
+Result<ServerIdentity> EnsureMatchingIdentity(const std::filesystem::path& folder,
+                                              ServerIdentityRows& identity_rows) {
   std::error_code error;
   if (!std::filesystem::exists(folder / "station.crt", error)) {
     // Before one is made that would be refused then.
-    ENAMEL_RETURN_IF_ERROR(store.MatchIdentity(ServerPart::kStationCertificate, {}));
+    ENAMEL_RETURN_IF_ERROR(identity_rows.MatchIdentity(ServerPart::kStationCertificate, {}));
   }
   ENAMEL_ASSIGN_OR_RETURN(auto identity, EnsureIdentity(folder));
   ENAMEL_RETURN_IF_ERROR(
-      store.MatchIdentity(ServerPart::kStationCertificate, identity.fingerprint));
+      identity_rows.MatchIdentity(ServerPart::kStationCertificate, identity.fingerprint));
   return identity;
 }
 
@@ -143,7 +148,7 @@ Result<PageCertificate> EnsurePageCertificate(const std::filesystem::path& folde
 
 Status InitData(const std::filesystem::path& folder) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenStore({folder}));
-  ENAMEL_ASSIGN_OR_RETURN(auto identity, EnsureMatchingIdentity(folder, *store));
+  ENAMEL_ASSIGN_OR_RETURN(auto identity, EnsureMatchingIdentity(folder, store->identity));
   Say("data folder {}, fingerprint {}\n", folder.string(), identity.fingerprint.Hex());
   return Status::Ok();
 }
@@ -178,7 +183,7 @@ Result<std::unique_ptr<Store>> OpenForCommand(const std::filesystem::path& folde
                       "--data " +
                       folder.string());
   }
-  SqliteOptions options;
+  StoreOptions options;
   options.folder = folder;
   return OpenStore(options);
 }

@@ -8,6 +8,8 @@
 #include "common/base/result.h"
 #include "common/base/sha256.h"
 #include "common/trace/trace.h"
+#include "server/storage/audit/actor.h"
+#include "server/storage/engine/server_identity.h"
 #include "server/storage/store.h"
 
 namespace enamel::server::app {
@@ -27,7 +29,7 @@ struct ServerIdentity {
 
 // Takes the files of another server's identity (station.crt, station.key, ticket.key) from the folder `from`
 // into a data folder that has none, before anything makes them. `moving`: the folder has the mark of a move
-// (storage/engine/move.h). Errors: kConflict (it has others),
+// (storage/move/move.h). Errors: kConflict (it has others),
 // kNotFound (`from` has not all three), kStorage.
 Status TakeIdentity(const std::filesystem::path& folder, const std::filesystem::path& from,
                     bool moving = false);
@@ -35,7 +37,8 @@ Status TakeIdentity(const std::filesystem::path& folder, const std::filesystem::
 Result<ServerIdentity> EnsureIdentity(const std::filesystem::path& folder);
 // The same, and compares it with what the other servers of the store's database are known by. Errors also:
 // kConflict (another), kNotFound (there is none here, and the others have one).
-Result<ServerIdentity> EnsureMatchingIdentity(const std::filesystem::path& folder, Store& store);
+Result<ServerIdentity> EnsureMatchingIdentity(const std::filesystem::path& folder,
+                                              ServerIdentityRows& identity_rows);
 
 struct PageCertificate {
   std::filesystem::path certificate;  // page.crt

@@ -4,7 +4,9 @@
 #include <stop_token>
 #include <thread>
 
+#include "server/storage/engine/database_look.h"
 #include "server/storage/store.h"
+#include "server/storage/upkeep/store_health.h"
 
 namespace enamel::server::app {
 
@@ -13,19 +15,18 @@ namespace enamel::server::app {
 // right again. A thread of its own until destroyed.
 class DatabaseWatch {
  public:
-  explicit DatabaseWatch(UpkeepStore& store,
-                         std::chrono::milliseconds every = UpkeepStore::kLookEvery);
+  explicit DatabaseWatch(Store& store, std::chrono::milliseconds every = DatabaseLook::kEvery);
 
  private:
   void Run(const std::stop_token& stop);
   // What has changed since the last look.
   void Tell(const StoreHealth& health);
 
-  UpkeepStore& store_;
+  Store& store_;
   const std::chrono::milliseconds every_;
   bool clock_right_ = true;  // on the thread
   // Likewise.
-  Standby standby_ = Standby::kUnknown;
+  sql::Standby standby_ = sql::Standby::kUnknown;
   std::jthread thread_;  // last: ends first
 };
 

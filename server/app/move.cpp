@@ -8,9 +8,11 @@
 #include "server/app/console_progress.h"
 #include "server/app/data_folder.h"
 #include "server/app/say.h"
-#include "server/storage/engine/folder_lock.h"
-#include "server/storage/engine/move.h"
-#include "server/storage/sqlite_store.h"
+#include "server/storage/audit/audit_trail.h"
+#include "server/storage/folder/disk.h"
+#include "server/storage/folder/folder_lock.h"
+#include "server/storage/move/move.h"
+#include "server/storage/open_store.h"
 
 namespace enamel::server::app {
 namespace {
@@ -34,7 +36,7 @@ Status Prepare(const MoveCommand& command) {
 
 json::object JsonOf(const MoveReport& report) {
   json::array tables, missing;
-  for (const sqlite::TableDigest& table : report.tables) {
+  for (const TableDigest& table : report.tables) {
     tables.push_back({{"table", table.table}, {"rows", table.rows}, {"sha256", table.hash.Hex()}});
   }
   for (const Sha256& hash : report.missing) missing.emplace_back(hash.Hex());
@@ -52,7 +54,7 @@ Status Move(const MoveCommand& command) {
     return Status(Code::kInvalidInput, "expected another folder with --to than with --data", "to");
   }
   // That there is a school; brings an older database up to date. One with a mark of this move was looked at before.
-  if (!std::filesystem::exists(command.data / sqlite::kMovedMark, error)) {
+  if (!std::filesystem::exists(command.data / kMovedMark, error)) {
     ENAMEL_RETURN_IF_ERROR(OpenForCommand(command.data).status());
   }
   ENAMEL_RETURN_IF_ERROR(Prepare(command));
@@ -63,7 +65,7 @@ Status Move(const MoveCommand& command) {
   }();
   if (!report.ok()) return report.status();
   uint64_t rows = 0;
-  for (const sqlite::TableDigest& table : report->tables) rows += table.rows;
+  for (const TableDigest& table : report->tables) rows += table.rows;
   Say("moved: {} of {}, {} ({:.1f} MiB{}), {}; all read back and compared\n", Counted(rows, "row"),
       Counted(report->tables.size(), "table"), Counted(report->blobs, "blob"),
       static_cast<double>(report->bytes) / (1 << 20),

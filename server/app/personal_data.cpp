@@ -10,7 +10,10 @@
 #include "server/app/say.h"
 #include "server/http/handlers/attempt_view.h"
 #include "server/http/handlers/audit_view.h"
-#include "server/storage/parts.h"
+#include "server/storage/attempts/attempt_rows.h"
+#include "server/storage/audit/audit_rows.h"
+#include "server/storage/people/session_rows.h"
+#include "server/storage/store.h"
 
 namespace enamel::server::app {
 namespace {
@@ -21,10 +24,7 @@ namespace json = boost::json;
 // Collects an export's files and what stands in export.json about them.
 class Exporter {
  public:
-  Exporter(
-      Parts<PeopleStore, ContentStore, TeachingStore, JudgingStore, AttemptStore, AuditStore> store,
-      fs::path target)
-      : store_(store), target_(std::move(target)) {}
+  Exporter(Store& store, fs::path target) : store_(store), target_(std::move(target)) {}
 
   Status Run(const Person& person) {
     ENAMEL_RETURN_IF_ERROR(MakeFolder(target_));
@@ -63,7 +63,7 @@ class Exporter {
   }
 
   Status AddCohorts(const Person& person, json::object& root) {
-    ENAMEL_ASSIGN_OR_RETURN(auto cohorts, store_.teaching().CohortsOf(person.id));
+    ENAMEL_ASSIGN_OR_RETURN(auto cohorts, store_.cohorts.CohortsOf(person.id));
     json::array names;
     for (const Cohort& cohort : cohorts) names.emplace_back(cohort.name);
     root["cohorts"] = std::move(names);
@@ -71,7 +71,7 @@ class Exporter {
   }
 
   Status AddSessions(const Person& person, json::object& root) {
-    ENAMEL_ASSIGN_OR_RETURN(auto rows, store_.people().SessionsOf(person.id));
+    ENAMEL_ASSIGN_OR_RETURN(auto rows, store_.sessions.SessionsOf(person.id));
     json::array sessions;
     for (const SessionRow& row : rows) {
       sessions.push_back({{"via", row.via},
@@ -86,7 +86,7 @@ class Exporter {
 
   Status AddAudit(const Person& person, json::object& root) {
     // What the person did and what was done to them: both are data about them.
-    ENAMEL_ASSIGN_OR_RETURN(auto rows, store_.audit().AuditAbout(person.id));
+    ENAMEL_ASSIGN_OR_RETURN(auto rows, store_.audit.AuditAbout(person.id));
     json::array audit;
     for (const AuditRow& row : rows) audit.push_back(http::AuditJson(row));
     root["audit"] = std::move(audit);
@@ -99,7 +99,7 @@ class Exporter {
     filter.limit = 200;
     json::array attempts;
     for (;;) {
-      ENAMEL_ASSIGN_OR_RETURN(auto rows, store_.attempts().Attempts(filter));
+      ENAMEL_ASSIGN_OR_RETURN(auto rows, store_.attempts.Attempts(filter));
       for (const AttemptRow& row : rows) {
         json::object facts = Facts(row);
         ENAMEL_RETURN_IF_ERROR(AddOverride(row, facts));
@@ -142,7 +142,7 @@ class Exporter {
   // Who said something, as the page names them.
   Result<std::string> NameOf(const Uuid& author) {
     if (author.IsZero()) return std::string("command line");
-    auto person = store_.people().PersonById(author);
+    auto person = store_.people.PersonById(author);
     if (person.ok()) return person->display_name;
     if (person.status().code() == Code::kNotFound) return std::string();
     return person.status();
@@ -161,7 +161,7 @@ class Exporter {
   // Every run, newest first; earlier ones' reasons as files.
   Status AddResults(const AttemptRow& row, json::object& facts, json::array& files,
                     json::array& problems) {
-    ENAMEL_ASSIGN_OR_RETURN(auto results, store_.attempts().ResultsOf(row.id));
+    ENAMEL_ASSIGN_OR_RETURN(auto results, store_.results.ResultsOf(row.id));
     json::array out;
     for (const ResultRow& result : results) {
       out.push_back({{"run", result.run},
@@ -172,7 +172,7 @@ class Exporter {
       if (&result == &results.front()) continue;  // score.json
       std::string name = "score_" + std::to_string(result.run) + ".json";
       ENAMEL_RETURN_IF_ERROR(
-          AddFile(row, name, store_.content().GetBlob(result.score_json), files, problems));
+          AddFile(row, name, store_.blobs.GetBlob(result.score_json), files, problems));
     }
     facts["results"] = std::move(out);
     return Status::Ok();
@@ -192,7 +192,7 @@ class Exporter {
 
   // What was said about it.
   Status AddWords(const AttemptRow& row, json::object& facts) {
-    ENAMEL_ASSIGN_OR_RETURN(auto remarks, store_.judging().AnnotationsOf(row.id));
+    ENAMEL_ASSIGN_OR_RETURN(auto remarks, store_.remarks.AnnotationsOf(row.id));
     json::array annotations;
     for (const AnnotationRow& remark : remarks) {
       ENAMEL_ASSIGN_OR_RETURN(auto by, NameOf(remark.author));
@@ -203,7 +203,7 @@ class Exporter {
                              {"created_ms", remark.created_ms}});
     }
     facts["annotations"] = std::move(annotations);
-    ENAMEL_ASSIGN_OR_RETURN(auto appeal, store_.judging().AppealOf(row.id));
+    ENAMEL_ASSIGN_OR_RETURN(auto appeal, store_.appeals.AppealOf(row.id));
     if (!appeal) return Status::Ok();
     facts["appeal"] = {{"filed_ms", appeal->filed_ms},
                        {"text", appeal->text},
@@ -226,14 +226,14 @@ class Exporter {
     // `recording_removed_ms` says.
     bool has_recording = row.state != AttemptState::kTicketed && row.expired_ms == 0;
     if (has_recording) ENAMEL_RETURN_IF_ERROR(add("recording.entrace", TraceOf(row)));
-    if (auto result = store_.attempts().ResultOf(row.id); result.ok()) {
+    if (auto result = store_.results.ResultOf(row.id); result.ok()) {
       const std::pair<const char*, Sha256> blobs[] = {{"score.json", result->score_json},
                                                       {"tooth.envb", result->final_volume},
                                                       {"surface.ensf", result->surface},
                                                       {"forces.json", result->series}};
       for (const auto& [name, hash] : blobs) {
         // Zero: that run made no such blob, or retention has removed it.
-        if (!hash.IsZero()) ENAMEL_RETURN_IF_ERROR(add(name, store_.content().GetBlob(hash)));
+        if (!hash.IsZero()) ENAMEL_RETURN_IF_ERROR(add(name, store_.blobs.GetBlob(hash)));
       }
     }
     ENAMEL_RETURN_IF_ERROR(AddResults(row, facts, files, problems));
@@ -243,17 +243,16 @@ class Exporter {
   }
 
   Result<Bytes> TraceOf(const AttemptRow& row) {
-    ENAMEL_ASSIGN_OR_RETURN(auto header, store_.attempts().AttemptHeader(row.id));
-    ENAMEL_ASSIGN_OR_RETURN(auto chunks, store_.attempts().AttemptChunks(row.id));
+    ENAMEL_ASSIGN_OR_RETURN(auto header, store_.recordings.AttemptHeader(row.id));
+    ENAMEL_ASSIGN_OR_RETURN(auto chunks, store_.recordings.AttemptChunks(row.id));
     // Header, chunks and seal are asked for one by one because an attempt that was never ended is
     // still rows and no blob; the file is put together the same way for both.
     trace::TraceFile file{std::move(header), std::move(chunks), std::nullopt, false};
-    if (auto seal = store_.attempts().AttemptSeal(row.id); seal.ok()) file.seal = *seal;
+    if (auto seal = store_.recordings.AttemptSeal(row.id); seal.ok()) file.seal = *seal;
     return trace::EncodeTraceFile(file);
   }
 
-  const Parts<PeopleStore, ContentStore, TeachingStore, JudgingStore, AttemptStore, AuditStore>
-      store_;
+  Store& store_;
   const fs::path target_;
   size_t attempts_ = 0;
   uint64_t bytes_ = 0;
@@ -270,11 +269,12 @@ Status ExportPerson(const fs::path& data, const std::string& login, const fs::pa
                       target.string() + "; name another one");
   }
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(auto person, PersonNamed(*store, login));
+  ENAMEL_ASSIGN_OR_RETURN(auto person, PersonNamed(store->people, login));
   Exporter exporter(*store, target);
   ENAMEL_RETURN_IF_ERROR(exporter.Run(person));
   // After it has succeeded, and into the person's own trail: the next export shows this one.
-  ENAMEL_RETURN_IF_ERROR(store->NoteAudit(kCommandLine, "person.export", person.id.Text(), "{}"));
+  ENAMEL_RETURN_IF_ERROR(
+      store->audit.NoteAudit(kCommandLine, "person.export", person.id.Text(), "{}"));
   Say("{}: {}, {} in {}\n", login, Counted(exporter.attempts(), "attempt"),
       Counted(exporter.bytes(), "byte"), target.string());
   return Status::Ok();
@@ -290,9 +290,9 @@ Status ErasePerson(const fs::path& data, const std::string& login, const std::st
         "confirm");
   }
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(auto person, PersonNamed(*store, login));
+  ENAMEL_ASSIGN_OR_RETURN(auto person, PersonNamed(store->people, login));
   ENAMEL_ASSIGN_OR_RETURN(auto report,
-                          store->ErasePerson(person.id, with_references, kCommandLine));
+                          store->erasures.ErasePerson(person.id, with_references, kCommandLine));
   Say("{} is erased: key destroyed, {} and {} removed, {} among them\n"
       "backups made before still hold name and login, and the key if it is kept inside them: "
       "delete "

@@ -3,9 +3,10 @@
 #include <string>
 #include <utility>
 
-#include "server/storage/key_bucket.h"
-#include "server/storage/master_key.h"
-#include "server/storage/sqlite_store.h"
+#include "server/storage/folder/disk.h"
+#include "server/storage/keys/key_bucket.h"
+#include "server/storage/keys/master_key.h"
+#include "server/storage/open_store.h"
 
 namespace enamel::server::app {
 namespace {

@@ -6,7 +6,8 @@
 #include <string>
 
 #include "common/base/result.h"
-#include "server/storage/engine/database_file.h"
+#include "server/storage/folder/database_file.h"
+#include "server/storage/open_store.h"
 
 // Where a school's rows, blobs and keys are to be, as the command line says it: for `init` and `move`.
 namespace enamel::server::app {

@@ -18,8 +18,8 @@
 namespace enamel::server::app {
 namespace {
 
-Result<ExerciseRow> NewestVersion(ContentStore& store, const std::string& name) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto versions, store.ExerciseVersions(name));
+Result<ExerciseRow> NewestVersion(ExerciseRows& exercises_rows, const std::string& name) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto versions, exercises_rows.ExerciseVersions(name));
   for (const ExerciseRow& row : versions) {
     if (row.state == ExerciseState::kPublished) return row;
   }
@@ -27,8 +27,8 @@ Result<ExerciseRow> NewestVersion(ContentStore& store, const std::string& name) 
                                      "\"; enamel-server admin list-exercises shows their names");
 }
 
-Result<cutting::Volume> VolumeOf(ContentStore& store, const Sha256& blob) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto bytes, store.GetBlob(blob));
+Result<cutting::Volume> VolumeOf(StoredBlobs& blobs, const Sha256& blob) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto bytes, blobs.GetBlob(blob));
   return scene::DecodeVolume(bytes);
 }
 
@@ -48,24 +48,24 @@ scene::Scene PreparedScene(const scene::Scene& from, const ExerciseRow& exercise
 
 }  // namespace
 
-Status CheckPrepared(ContentStore& store, const scene::Exercise& exercise) {
+Status CheckPrepared(StoredBlobs& blobs, SceneRows& scenes_rows, const scene::Exercise& exercise) {
   scene::CavityTarget target = exercise.target;
   if (target.prepared.IsZero()) return Status::Ok();
-  ENAMEL_ASSIGN_OR_RETURN(const auto scenes, store.Scenes());
+  ENAMEL_ASSIGN_OR_RETURN(const auto scenes, scenes_rows.Scenes());
   if (std::ranges::find(scenes, target.prepared, &SceneRow::content) == scenes.end()) {
     return Status(Code::kNotFound,
                   "the target's prepared tooth, scene " + target.prepared.Hex() +
                       ", is not on this server; publish-exercise --prepared brings it",
                   "target.prepared_scene_sha256");
   }
-  ENAMEL_ASSIGN_OR_RETURN(const auto text, store.GetBlob(exercise.scene));
+  ENAMEL_ASSIGN_OR_RETURN(const auto text, blobs.GetBlob(exercise.scene));
   ENAMEL_ASSIGN_OR_RETURN(const auto scene, scene::SceneFromJson(AsText(text)));
-  ENAMEL_ASSIGN_OR_RETURN(const auto tooth, VolumeOf(store, scene.volume));
+  ENAMEL_ASSIGN_OR_RETURN(const auto tooth, VolumeOf(blobs, scene.volume));
   return scene::LoadPreparedTarget(
-      tooth, [&](const Sha256& hash) { return store.GetBlob(hash); }, target);
+      tooth, [&](const Sha256& hash) { return blobs.GetBlob(hash); }, target);
 }
 
-Result<ExerciseRow> PublishPrepared(ContentStore& store, const SceneRow& scene,
+Result<ExerciseRow> PublishPrepared(Store& store, const SceneRow& scene,
                                     const std::filesystem::path& folder,
                                     const std::optional<Uuid>& cohort) {
   const std::filesystem::path document = folder / "exercise.json";
@@ -82,48 +82,50 @@ Result<ExerciseRow> PublishPrepared(ContentStore& store, const SceneRow& scene,
                       exercise->scene.Hex() + "; name the --scene and --voxel-um it was made with",
                   "scene");
   }
-  ENAMEL_ASSIGN_OR_RETURN(const auto prepared, PublishScene(store, folder.string(), 0));
+  ENAMEL_ASSIGN_OR_RETURN(const auto prepared,
+                          PublishScene(store.blobs, store.scenes, folder.string(), 0));
   if (exercise->target.prepared != prepared.content) {
     return Status(Code::kConflict,
                   document.string() + " names another prepared tooth than " +
                       (folder / "scene.json").string() + ": make the folder again",
                   "prepared");
   }
-  ENAMEL_RETURN_IF_ERROR(CheckPrepared(store, *exercise));
-  return PublishDocument(store, *exercise, cohort);
+  ENAMEL_RETURN_IF_ERROR(CheckPrepared(store.blobs, store.scenes, *exercise));
+  return PublishDocument(store.blobs, store.exercises, *exercise, cohort);
 }
 
 Status TargetFromReference(const std::filesystem::path& data, const FromReference& wanted) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(const auto row, NewestVersion(*store, wanted.exercise));
-  ENAMEL_ASSIGN_OR_RETURN(const auto reference, store->ReferenceFor(row.id));
+  ENAMEL_ASSIGN_OR_RETURN(const auto row, NewestVersion(store->exercises, wanted.exercise));
+  ENAMEL_ASSIGN_OR_RETURN(const auto reference, store->references.ReferenceFor(row.id));
   if (!reference) {
     return Status(Code::kNotFound, "\"" + row.name + "\" version " + std::to_string(row.version) +
                                        " has no reference; admin mark-reference makes one of a "
                                        "scored attempt");
   }
-  ENAMEL_ASSIGN_OR_RETURN(const auto cut_by, store->AttemptById(reference->attempt));
+  ENAMEL_ASSIGN_OR_RETURN(const auto cut_by, store->attempts.AttemptById(reference->attempt));
   if (wanted.anyway.empty()) {
-    if (Status is_right = CheckReferenceCut(*store, cut_by); !is_right.ok()) {
+    if (Status is_right = CheckReferenceCut(store->blobs, store->results, cut_by); !is_right.ok()) {
       return InsistWith(is_right, "--anyway REASON");
     }
   } else {
     ENAMEL_ASSIGN_OR_RETURN(const auto why, CheckedReason(wanted.anyway, "anyway"));
     ENAMEL_RETURN_IF_ERROR(
-        store->NoteAudit(kCommandLine, "exercise.target", row.id.Text(),
-                         boost::json::serialize(boost::json::object{{"anyway", why}})));
+        store->audit.NoteAudit(kCommandLine, "exercise.target", row.id.Text(),
+                               boost::json::serialize(boost::json::object{{"anyway", why}})));
   }
-  ENAMEL_ASSIGN_OR_RETURN(const auto text, store->GetBlob(row.content));
+  ENAMEL_ASSIGN_OR_RETURN(const auto text, store->blobs.GetBlob(row.content));
   ENAMEL_ASSIGN_OR_RETURN(auto exercise, scene::ExerciseFromJson(AsText(text)));
-  ENAMEL_ASSIGN_OR_RETURN(const auto scene_text, store->GetBlob(exercise.scene));
+  ENAMEL_ASSIGN_OR_RETURN(const auto scene_text, store->blobs.GetBlob(exercise.scene));
   ENAMEL_ASSIGN_OR_RETURN(const auto scene, scene::SceneFromJson(AsText(scene_text)));
-  ENAMEL_ASSIGN_OR_RETURN(const auto tooth, VolumeOf(*store, scene.volume));
-  ENAMEL_ASSIGN_OR_RETURN(const auto result, store->ResultOf(reference->attempt));
-  ENAMEL_ASSIGN_OR_RETURN(auto cut, VolumeOf(*store, result.final_volume));
+  ENAMEL_ASSIGN_OR_RETURN(const auto tooth, VolumeOf(store->blobs, scene.volume));
+  ENAMEL_ASSIGN_OR_RETURN(const auto result, store->results.ResultOf(reference->attempt));
+  ENAMEL_ASSIGN_OR_RETURN(auto cut, VolumeOf(store->blobs, result.final_volume));
 
-  ENAMEL_ASSIGN_OR_RETURN(const Sha256 volume, store->PutBlob(scene::EncodeVolume(cut)));
+  ENAMEL_ASSIGN_OR_RETURN(const Sha256 volume, store->blobs.PutBlob(scene::EncodeVolume(cut)));
   const scene::Scene prepared = PreparedScene(scene, row, volume);
-  ENAMEL_ASSIGN_OR_RETURN(const Sha256 content, store->PutBlob(AsBytes(scene::ToJson(prepared))));
+  ENAMEL_ASSIGN_OR_RETURN(const Sha256 content,
+                          store->blobs.PutBlob(AsBytes(scene::ToJson(prepared))));
   const scene::CavityTarget before = exercise.target;
   ENAMEL_ASSIGN_OR_RETURN(exercise.target,
                           scene::TargetFromPrepared(scene, tooth, std::move(cut), content,
@@ -134,8 +136,9 @@ Status TargetFromReference(const std::filesystem::path& data, const FromReferenc
     exercise.target.container_um = before.container_um;
   }
   ENAMEL_RETURN_IF_ERROR(
-      store->PutScene({prepared.name, prepared.title, content, volume}, kCommandLine));
-  ENAMEL_ASSIGN_OR_RETURN(const auto published, PublishDocument(*store, exercise, std::nullopt));
+      store->scenes.PutScene({prepared.name, prepared.title, content, volume}, kCommandLine));
+  ENAMEL_ASSIGN_OR_RETURN(const auto published,
+                          PublishDocument(store->blobs, store->exercises, exercise, std::nullopt));
   Say("exercise \"{}\" version {}, id {}: its target is what version {}'s reference left\n",
       published.name, published.version, published.id.Text(), row.version);
   return Status::Ok();

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::string_view kBuiltinPrefix = "builtin:";
 
-Result<SceneRow> PublishFolder(ContentStore& store, const std::string& folder) {
+Result<SceneRow> PublishFolder(StoredBlobs& blobs, SceneRows& scenes, const std::string& folder) {
   auto found = import::LoadSceneFolder(folder);
   if (!found.ok()) {
     return Status(found.status().code(),
@@ -23,33 +23,36 @@ Result<SceneRow> PublishFolder(ContentStore& store, const std::string& folder) {
                       found.status().message(),
                   found.status().field());
   }
-  return StoreScene(store, found->scene, found->volume_blob, kCommandLine);
+  return StoreScene(blobs, scenes, found->scene, found->volume_blob, kCommandLine);
 }
 
-Result<scene::Scene> StoredScene(ContentStore& store, const SceneRow& row) {
-  ENAMEL_ASSIGN_OR_RETURN(auto text, store.GetBlob(row.content));
+Result<scene::Scene> StoredScene(StoredBlobs& blobs, const SceneRow& row) {
+  ENAMEL_ASSIGN_OR_RETURN(auto text, blobs.GetBlob(row.content));
   return scene::SceneFromJson(AsText(text));
 }
 
 }  // namespace
 
-Result<SceneRow> PublishScene(ContentStore& store, const std::string& source, int32_t voxel_nm) {
-  if (!source.starts_with(kBuiltinPrefix)) return PublishFolder(store, source);
-  return StoreBuiltinScene(store, source.substr(kBuiltinPrefix.size()), voxel_nm, kCommandLine);
+Result<SceneRow> PublishScene(StoredBlobs& blobs, SceneRows& scenes, const std::string& source,
+                              int32_t voxel_nm) {
+  if (!source.starts_with(kBuiltinPrefix)) return PublishFolder(blobs, scenes, source);
+  return StoreBuiltinScene(blobs, scenes, source.substr(kBuiltinPrefix.size()), voxel_nm,
+                           kCommandLine);
 }
 
-Result<ExerciseRow> PublishDocument(ContentStore& store, const scene::Exercise& exercise,
+Result<ExerciseRow> PublishDocument(StoredBlobs& blobs, ExerciseRows& exercises,
+                                    const scene::Exercise& exercise,
                                     const std::optional<Uuid>& cohort) {
-  ENAMEL_RETURN_IF_ERROR(CheckExercise(store, exercise));
-  if (!cohort) return PublishUnassigned(store, exercise, kCommandLine);
-  ENAMEL_ASSIGN_OR_RETURN(const auto row, StoreExercise(store, exercise));
-  return store.PublishExercise(row, *cohort, kCommandLine);
+  ENAMEL_RETURN_IF_ERROR(CheckExercise(blobs, exercise));
+  if (!cohort) return PublishUnassigned(blobs, exercises, exercise, kCommandLine);
+  ENAMEL_ASSIGN_OR_RETURN(const auto row, StoreExercise(blobs, exercise));
+  return exercises.PublishExercise(row, *cohort, kCommandLine);
 }
 
-Result<std::vector<ExerciseRow>> PublishBuiltins(ContentStore& store, const SceneRow& row,
-                                                 const std::string& name,
+Result<std::vector<ExerciseRow>> PublishBuiltins(StoredBlobs& blobs, ExerciseRows& exercises,
+                                                 const SceneRow& row, const std::string& name,
                                                  const std::optional<Uuid>& cohort) {
-  auto scene = StoredScene(store, row);
+  auto scene = StoredScene(blobs, row);
   if (!scene.ok()) return scene.status();
   std::vector<ExerciseRow> out;
   std::string known;
@@ -58,7 +61,7 @@ Result<std::vector<ExerciseRow>> PublishBuiltins(ContentStore& store, const Scen
     // Names are KIND-SCENE ("class-1-molar-46"), so that a kind with its hyphen is a prefix of just
     // its own.
     if (!name.empty() && exercise.name != name && !exercise.name.starts_with(name + "-")) continue;
-    ENAMEL_ASSIGN_OR_RETURN(auto published, PublishDocument(store, exercise, cohort));
+    ENAMEL_ASSIGN_OR_RETURN(auto published, PublishDocument(blobs, exercises, exercise, cohort));
     out.push_back(published);
   }
   if (!out.empty()) return out;
@@ -67,12 +70,13 @@ Result<std::vector<ExerciseRow>> PublishBuiltins(ContentStore& store, const Scen
                 "name");
 }
 
-Result<ExerciseRow> PublishClassOne(ContentStore& store, const SceneRow& row, const Uuid& cohort) {
-  auto scene = StoredScene(store, row);
+Result<ExerciseRow> PublishClassOne(StoredBlobs& blobs, ExerciseRows& exercises,
+                                    const SceneRow& row, const Uuid& cohort) {
+  auto scene = StoredScene(blobs, row);
   if (!scene.ok()) return scene.status();
-  return PublishDocument(store, scene::ClassOneExercise(*scene, row.content), cohort);
+  return PublishDocument(blobs, exercises, scene::ClassOneExercise(*scene, row.content), cohort);
 }
 
-Status PublishProfiles(Parts<ContentStore, AuditStore> store) { return PutBuiltinProfiles(store); }
+Status PublishProfiles(Store& store) { return PutBuiltinProfiles(store); }
 
 }  // namespace enamel::server::app

@@ -6,8 +6,10 @@
 
 #include "common/base/result.h"
 #include "common/scene/types.h"
-#include "server/storage/parts.h"
+#include "server/storage/recordings/stored_blobs.h"
 #include "server/storage/store.h"
+#include "server/storage/teaching/exercise_rows.h"
+#include "server/storage/teaching/scene_rows.h"
 
 // Scenes and exercises from the command line into the store.
 namespace enamel::server::app {
@@ -15,23 +17,26 @@ namespace enamel::server::app {
 // `source`: a scene folder (common/import/scene_folder.h: what `enamel-station import` writes), or
 // builtin:NAME. A built-in scene of a name that is stored already is taken from there, not built
 // again. `voxel_nm`: of built-in scenes.
-Result<SceneRow> PublishScene(ContentStore& store, const std::string& source, int32_t voxel_nm);
+Result<SceneRow> PublishScene(StoredBlobs& blobs, SceneRows& scenes, const std::string& source,
+                              int32_t voxel_nm);
 
 // A new version when it differs from the newest; assigned to `cohort` unless it is (zero: to
 // everybody; none: to nobody).
-Result<ExerciseRow> PublishDocument(ContentStore& store, const scene::Exercise& exercise,
+Result<ExerciseRow> PublishDocument(StoredBlobs& blobs, ExerciseRows& exercises,
+                                    const scene::Exercise& exercise,
                                     const std::optional<Uuid>& cohort);
 
 // The exercises the project makes for a stored scene (common/scene/builtin/builtin.h): all, or those of
 // this name or kind ("class-2"). Errors also: kNotFound with the names there are.
-Result<std::vector<ExerciseRow>> PublishBuiltins(ContentStore& store, const SceneRow& scene,
-                                                 const std::string& name,
+Result<std::vector<ExerciseRow>> PublishBuiltins(StoredBlobs& blobs, ExerciseRows& exercises,
+                                                 const SceneRow& scene, const std::string& name,
                                                  const std::optional<Uuid>& cohort);
 // Class I alone.
-Result<ExerciseRow> PublishClassOne(ContentStore& store, const SceneRow& scene, const Uuid& cohort);
+Result<ExerciseRow> PublishClassOne(StoredBlobs& blobs, ExerciseRows& exercises,
+                                    const SceneRow& scene, const Uuid& cohort);
 
 // The profiles of the program: each that is not there, and a newer form of each whose newest version
 // an earlier program left. What somebody at the school has put since stays the newest.
-Status PublishProfiles(Parts<ContentStore, AuditStore> store);
+Status PublishProfiles(Store& store);
 
 }  // namespace enamel::server::app

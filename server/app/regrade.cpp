@@ -23,11 +23,9 @@ namespace {
 // One mark stands for one attempt until a row would be longer than this.
 constexpr uint32_t kWidth = 40;
 
-using RubricParts = Parts<ContentStore, RubricStore>;
-
 // The newest that was published, also when it is not offered any more: its attempts are there.
-Result<ExerciseRow> NewestPublished(ContentStore& store, const std::string& name) {
-  ENAMEL_ASSIGN_OR_RETURN(auto versions, store.ExerciseVersions(name));
+Result<ExerciseRow> NewestPublished(ExerciseRows& exercises_rows, const std::string& name) {
+  ENAMEL_ASSIGN_OR_RETURN(auto versions, exercises_rows.ExerciseVersions(name));
   for (const ExerciseRow& row : versions) {
     if (row.state != ExerciseState::kDraft) return row;
   }
@@ -35,10 +33,10 @@ Result<ExerciseRow> NewestPublished(ContentStore& store, const std::string& name
                                      "\"; enamel-server admin list-exercises shows their names");
 }
 
-Result<scene::Rubric> RubricOf(RubricParts store, const ExerciseRow& row) {
-  ENAMEL_ASSIGN_OR_RETURN(auto text, store.content().GetBlob(row.content));
+Result<scene::Rubric> RubricOf(StoredBlobs& blobs, RubricRows& rubrics, const ExerciseRow& row) {
+  ENAMEL_ASSIGN_OR_RETURN(auto text, blobs.GetBlob(row.content));
   ENAMEL_ASSIGN_OR_RETURN(auto document, scene::ExerciseFromJson(AsText(text)));
-  return CountingRubric(store, row.id, document.rubric);
+  return CountingRubric(blobs, rubrics, row.id, document.rubric);
 }
 
 Result<scene::Rubric> ReadRubric(const std::filesystem::path& file) {
@@ -104,18 +102,18 @@ void ShowPreview(const RubricPreview& preview) {
 }
 
 // Attempts by exercise version, each with its own rubric.
-Result<std::map<Uuid, std::vector<Uuid>>> ByExercise(Parts<ContentStore, AttemptStore> store,
-                                                     const Uuid& cohort,
+Result<std::map<Uuid, std::vector<Uuid>>> ByExercise(AttemptRows& attempts_rows,
+                                                     ExerciseRows& exercises, const Uuid& cohort,
                                                      const std::string& exercise) {
   std::set<Uuid> versions;
   if (!exercise.empty()) {
-    ENAMEL_RETURN_IF_ERROR(NewestPublished(store, exercise).status());
-    ENAMEL_ASSIGN_OR_RETURN(auto rows, store.content().ExerciseVersions(exercise));
+    ENAMEL_RETURN_IF_ERROR(NewestPublished(exercises, exercise).status());
+    ENAMEL_ASSIGN_OR_RETURN(auto rows, exercises.ExerciseVersions(exercise));
     for (const ExerciseRow& row : rows) versions.insert(row.id);
   }
   AttemptFilter which;
   which.cohort = cohort;
-  ENAMEL_ASSIGN_OR_RETURN(auto attempts, ScoredAttempts(store, which));
+  ENAMEL_ASSIGN_OR_RETURN(auto attempts, ScoredAttempts(attempts_rows, which));
   std::map<Uuid, std::vector<Uuid>> out;
   for (const AttemptRow& row : attempts) {
     if (versions.empty() || versions.count(row.exercise) > 0) out[row.exercise].push_back(row.id);
@@ -128,8 +126,8 @@ Result<std::map<Uuid, std::vector<Uuid>>> ByExercise(Parts<ContentStore, Attempt
 Status ShowRubric(const std::filesystem::path& data, const std::string& exercise,
                   const std::filesystem::path& out) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(auto row, NewestPublished(*store, exercise));
-  ENAMEL_ASSIGN_OR_RETURN(auto rubric, RubricOf(RubricParts(*store), row));
+  ENAMEL_ASSIGN_OR_RETURN(auto row, NewestPublished(store->exercises, exercise));
+  ENAMEL_ASSIGN_OR_RETURN(auto rubric, RubricOf(store->blobs, store->rubrics, row));
   const std::string text = scene::ToJson(rubric);
   if (out.empty()) {
     std::cout << text;
@@ -144,14 +142,14 @@ Status ShowRubric(const std::filesystem::path& data, const std::string& exercise
 Status CorrectRubric(const std::filesystem::path& data, const Correction& correction) {
   ENAMEL_ASSIGN_OR_RETURN(auto rubric, ReadRubric(correction.document));
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(auto row, NewestPublished(*store, correction.exercise));
+  ENAMEL_ASSIGN_OR_RETURN(auto row, NewestPublished(store->exercises, correction.exercise));
   // Also before a preview: the points there are given by these bands.
   const auto warnings = RubricWarnings(*store, row, rubric, false);
   for (const std::string& warning : warnings) Say("warning: {}\n", warning);
   if (correction.preview) {
     AttemptFilter which;
     which.exercise = row.id;
-    ENAMEL_ASSIGN_OR_RETURN(auto newest, store->ReferenceFor(row.id));
+    ENAMEL_ASSIGN_OR_RETURN(auto newest, store->references.ReferenceFor(row.id));
     ENAMEL_ASSIGN_OR_RETURN(auto preview, PreviewRubric(*store, which, rubric, newest));
     ShowPreview(preview);
     return Status::Ok();
@@ -159,7 +157,7 @@ Status CorrectRubric(const std::filesystem::path& data, const Correction& correc
   if (correction.reason.find_first_not_of(" \t\r\n") == std::string::npos) {
     return Status(Code::kInvalidInput, "expected --reason: it stays beside the correction");
   }
-  ENAMEL_ASSIGN_OR_RETURN(auto counting, RubricOf(RubricParts(*store), row));
+  ENAMEL_ASSIGN_OR_RETURN(auto counting, RubricOf(store->blobs, store->rubrics, row));
   auto made = PublishCorrection(*store, row.id, rubric, counting.version, correction.reason,
                                 correction.anyway, kCommandLine);
   if (!made.ok()) return InsistWith(made.status(), "--anyway REASON");
@@ -172,18 +170,19 @@ Status CorrectRubric(const std::filesystem::path& data, const Correction& correc
 
 Status RescoreCohort(const std::filesystem::path& data, const Regrading& regrading) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(auto cohort, CohortByName(*store, regrading.cohort));
-  ENAMEL_ASSIGN_OR_RETURN(auto exercises, ByExercise(*store, cohort, regrading.exercise));
+  ENAMEL_ASSIGN_OR_RETURN(auto cohort, CohortByName(store->cohorts, regrading.cohort));
+  ENAMEL_ASSIGN_OR_RETURN(
+      auto exercises, ByExercise(store->attempts, store->exercises, cohort, regrading.exercise));
   std::vector<Uuid> all;
   for (const auto& [exercise, attempts] : exercises) {
     all.insert(all.end(), attempts.begin(), attempts.end());
     if (!regrading.preview) continue;
-    ENAMEL_ASSIGN_OR_RETURN(auto row, store->ExerciseById(exercise));
-    ENAMEL_ASSIGN_OR_RETURN(auto rubric, RubricOf(RubricParts(*store), row));
+    ENAMEL_ASSIGN_OR_RETURN(auto row, store->exercises.ExerciseById(exercise));
+    ENAMEL_ASSIGN_OR_RETURN(auto rubric, RubricOf(store->blobs, store->rubrics, row));
     AttemptFilter which;
     which.cohort = cohort;
     which.exercise = exercise;
-    ENAMEL_ASSIGN_OR_RETURN(auto newest, store->ReferenceFor(exercise));
+    ENAMEL_ASSIGN_OR_RETURN(auto newest, store->references.ReferenceFor(exercise));
     ENAMEL_ASSIGN_OR_RETURN(auto preview, PreviewRubric(*store, which, rubric, newest));
     Say("{} version {}, rubric version {}:\n\n", row.name, row.version, rubric.version);
     ShowPreview(preview);
@@ -198,7 +197,8 @@ Status RescoreCohort(const std::filesystem::path& data, const Regrading& regradi
   batch.cause = "rubric";
   batch.cohort = cohort;
   uint32_t left_out = 0;
-  ENAMEL_ASSIGN_OR_RETURN(auto queued, store->RescoreTogether(batch, all, left_out, kCommandLine));
+  ENAMEL_ASSIGN_OR_RETURN(auto queued,
+                          store->batches.RescoreTogether(batch, all, left_out, kCommandLine));
   Say("{} queued; the server makes them and keeps the scores of before.\n",
       Counted(queued.queued, "run is", "runs are"));
   if (left_out > 0) {

@@ -19,7 +19,9 @@
 #include "server/app/data_folder.h"
 #include "server/app/say.h"
 #include "server/results/result_document.h"
-#include "server/storage/parts.h"
+#include "server/storage/attempts/attempt_rows.h"
+#include "server/storage/attempts/job_rows.h"
+#include "server/storage/judging/result_rows.h"
 
 namespace enamel::server::app {
 namespace {
@@ -32,10 +34,10 @@ using scoring::ScoreResult;
 constexpr auto kPoll = std::chrono::milliseconds(200);
 constexpr char kDeviationMetric[] = "deviation_rms_mm";
 
-Result<bool> HasOpenJob(JobStore& store, const Uuid& attempt) {
+Result<bool> HasOpenJob(JobRows& jobs_rows, const Uuid& attempt) {
   // A scored attempt may be scored again; its old score is not what --wait was for.
   for (const char* state : {"queued", "running"}) {
-    ENAMEL_ASSIGN_OR_RETURN(auto jobs, store.Jobs(state));
+    ENAMEL_ASSIGN_OR_RETURN(auto jobs, jobs_rows.Jobs(state));
     if (std::ranges::any_of(jobs, [&](const JobRow& job) { return job.attempt == attempt; }))
       return true;
   }
@@ -50,13 +52,13 @@ void ShowProgress(const AttemptRow& row) {
 }
 
 // The attempt once nothing is going to happen to it any more.
-Result<AttemptRow> WaitForVerdict(Parts<AttemptStore, JobStore> store, const Uuid& attempt,
+Result<AttemptRow> WaitForVerdict(AttemptRows& attempts, JobRows& jobs, const Uuid& attempt,
                                   int wait_s) {
   auto until = std::chrono::steady_clock::now() + std::chrono::seconds(wait_s);
   for (;;) {
-    auto row = store.attempts().AttemptById(attempt);
+    auto row = attempts.AttemptById(attempt);
     if (!row.ok()) return row;
-    ENAMEL_ASSIGN_OR_RETURN(auto open, HasOpenJob(store, attempt));
+    ENAMEL_ASSIGN_OR_RETURN(auto open, HasOpenJob(jobs, attempt));
     bool settled = row->state == AttemptState::kScored || row->state == AttemptState::kFailed ||
                    row->state == AttemptState::kQuarantined;
     if (settled && !open) return row;
@@ -99,7 +101,7 @@ struct SignedBy {
   std::string key, hash;  // hexadecimal
 };
 
-SignedBy ReadSigned(const AttemptRow& row, const Store::AttemptResult& result) {
+SignedBy ReadSigned(const AttemptRow& row, const AttemptResult& result) {
   SignedBy out;
   auto document = DecodeResult(result.document);
   if (!document.ok()) {
@@ -117,8 +119,8 @@ SignedBy ReadSigned(const AttemptRow& row, const Store::AttemptResult& result) {
   return out;
 }
 
-json::object Facts(const AttemptRow& row, const ScoreResult& score,
-                   const Store::AttemptResult& result, const std::string& page_url) {
+json::object Facts(const AttemptRow& row, const ScoreResult& score, const AttemptResult& result,
+                   const std::string& page_url) {
   json::array criteria, metrics;
   for (const auto& c : score.criteria) {
     criteria.push_back(json::object{{"name", c.name},
@@ -168,7 +170,7 @@ json::object Facts(const AttemptRow& row, const ScoreResult& score,
 
 void Line(const std::string& name, const std::string& value) { Say("  {:<34} {}\n", name, value); }
 
-void PrintTable(const AttemptRow& row, const ScoreResult& score, const Store::AttemptResult& result,
+void PrintTable(const AttemptRow& row, const ScoreResult& score, const AttemptResult& result,
                 const ReportOptions& options) {
   Say("\n{}, {}: {:.1f} of 100 points{}\n", row.exercise_title, row.person_name, score.score,
       score.critical_fail ? " (critical fault)" : "");
@@ -235,13 +237,14 @@ void PrintTable(const AttemptRow& row, const ScoreResult& score, const Store::At
 Status Report(const ReportOptions& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto id, Uuid::Parse(options.attempt));
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(options.data));
-  ENAMEL_ASSIGN_OR_RETURN(auto row, WaitForVerdict(*store, id, options.wait_s));
+  ENAMEL_ASSIGN_OR_RETURN(auto row,
+                          WaitForVerdict(store->attempts, store->jobs, id, options.wait_s));
   if (row.state != AttemptState::kScored) {
     return Status(Code::kConflict, fmt::format("attempt {} is {}: {}", id.Text(),
                                                AttemptStateName(row.state), row.problem));
   }
-  ENAMEL_ASSIGN_OR_RETURN(auto result, store->ResultOf(id));
-  ENAMEL_ASSIGN_OR_RETURN(auto text, store->GetBlob(result.score_json));
+  ENAMEL_ASSIGN_OR_RETURN(auto result, store->results.ResultOf(id));
+  ENAMEL_ASSIGN_OR_RETURN(auto text, store->blobs.GetBlob(result.score_json));
   ENAMEL_ASSIGN_OR_RETURN(auto score, scoring::ScoreFromJson(AsText(text)));
   PrintTable(row, score, result, options);
   if (options.json.empty()) return Status::Ok();

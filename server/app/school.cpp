@@ -9,9 +9,9 @@ namespace enamel::server::app {
 namespace {
 
 // What the store knows, as figures.
-void AddStoreFigures(Parts<JobStore, UpkeepStore> store, ops::MetricsText& text) {
+void AddStoreFigures(StoreHealthCheck& health_rows, JobRows& jobs_rows, ops::MetricsText& text) {
   // Once for all figures: those of one answer then belong to one moment.
-  StoreHealth health = store.upkeep().Health();
+  StoreHealth health = health_rows.Health();
   auto number = [](auto value) { return static_cast<double>(value); };
   text.Gauge("enamel_takes_recordings", "1 while recordings are taken.",
              health.takes_recordings ? 1 : 0);
@@ -23,13 +23,13 @@ void AddStoreFigures(Parts<JobStore, UpkeepStore> store, ops::MetricsText& text)
                "99 of 100 of the newest transactions, at most 1000, took at most so long.",
                health.commit_p99_s);
   }
-  if (health.standby != Standby::kNotKept && health.standby != Standby::kUnknown) {
+  if (health.standby != sql::Standby::kNotKept && health.standby != sql::Standby::kUnknown) {
     text.Gauge("enamel_database_synchronous_standby",
                "1 while what is committed is on a standby of the database server too.",
-               health.standby == Standby::kSynchronous ? 1 : 0);
+               health.standby == sql::Standby::kSynchronous ? 1 : 0);
     text.Gauge("enamel_database_standby_missing",
                "1 while every change waits for a standby that is not there.",
-               health.standby == Standby::kMissing ? 1 : 0);
+               health.standby == sql::Standby::kMissing ? 1 : 0);
   }
   text.Gauge("enamel_disk_free_bytes", "Free where the data folder is.", number(health.free_bytes));
   text.Gauge("enamel_disk_kept_free_bytes", "Below this no recordings are taken.",
@@ -50,7 +50,7 @@ void AddStoreFigures(Parts<JobStore, UpkeepStore> store, ops::MetricsText& text)
   text.Counter("enamel_attempts_sealed_total", "Attempts sealed.", number(health.sealed));
   // Jobs() lists at most 200 of a state. An operator has to know that they pile up, not how high.
   for (const char* state : {"queued", "running", "failed"}) {
-    if (auto jobs = store.jobs().Jobs(state); jobs.ok()) {
+    if (auto jobs = jobs_rows.Jobs(state); jobs.ok()) {
       text.Gauge("enamel_jobs", "Scoring jobs by state, counted up to 200.", number(jobs->size()),
                  {{"state", state}});
     }
@@ -59,7 +59,7 @@ void AddStoreFigures(Parts<JobStore, UpkeepStore> store, ops::MetricsText& text)
 
 WorkerOptions JobsOf(Store& store, const ServerIdentity& identity, int threads) {
   WorkerOptions out = LoggedJobs(identity.ticket_key, threads);
-  out.timelines.emplace(store);
+  out.timelines = true;
   return out;
 }
 
@@ -80,7 +80,8 @@ School::School(std::unique_ptr<Store> store, const ServerIdentity& identity,
       worker_(*store_, JobsOf(*store_, identity, options.job_threads)) {
   services_.board = &stations_;
   metrics_.Add(ops::AddProcess);
-  metrics_.Add([this](ops::MetricsText& text) { AddStoreFigures(*store_, text); });
+  metrics_.Add(
+      [this](ops::MetricsText& text) { AddStoreFigures(store_->health, store_->jobs, text); });
   metrics_.Add([this](ops::MetricsText& text) {
     text.Gauge("enamel_stations_connected", "Stations that are connected to this server.",
                static_cast<double>(stations_.Here().size()));
@@ -91,8 +92,8 @@ School::School(std::unique_ptr<Store> store, const ServerIdentity& identity,
 void School::Start() {
   worker_.Start();
   caretaker_.emplace(*store_);
-  keeper_.emplace(stations_, *store_, store_->IsShared());
-  if (store_->IsShared()) follower_.emplace(live_, *store_);
+  keeper_.emplace(stations_, *store_, store_->shared);
+  if (store_->shared) follower_.emplace(live_, *store_);
 }
 
 void School::End() {

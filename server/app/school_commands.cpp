@@ -12,7 +12,7 @@
 #include "server/app/say.h"
 #include "server/app/school_folder.h"
 #include "server/app/upkeep.h"
-#include "server/storage/engine/delete_store.h"
+#include "server/storage/school/delete_store.h"
 #include "server/training/names.h"
 
 namespace enamel::server::app {
@@ -31,8 +31,8 @@ Result<std::unique_ptr<Store>> OpenInstallation(const std::filesystem::path& dat
   return OpenForCommand(data);
 }
 
-Result<SchoolRow> SchoolNamed(SchoolStore& store, const std::string& name) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto all, store.Schools());
+Result<SchoolRow> SchoolNamed(SchoolRows& schools, const std::string& name) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto all, schools.Schools());
   const auto found = std::ranges::find(all, name, &SchoolRow::name);
   if (found != all.end()) return *found;
   return Status(Code::kNotFound, "there is no school \"" + name + "\"; school list shows them",
@@ -48,13 +48,13 @@ std::string HostsText(const SchoolRow& row) {
 Status SetState(const SchoolCommand& command, SchoolState state) {
   const bool suspended = state == SchoolState::kSuspended;
   ENAMEL_ASSIGN_OR_RETURN(const auto store, OpenInstallation(command.data));
-  ENAMEL_ASSIGN_OR_RETURN(SchoolRow row, SchoolNamed(*store, command.name));
+  ENAMEL_ASSIGN_OR_RETURN(SchoolRow row, SchoolNamed(store->schools, command.name));
   if (row.state == state) {
     Say("{} is {} already\n", row.name, SchoolStateName(state));
     return Status::Ok();
   }
   row.state = state;
-  ENAMEL_RETURN_IF_ERROR(store->ChangeSchool(row, kCommandLine));
+  ENAMEL_RETURN_IF_ERROR(store->schools.ChangeSchool(row, kCommandLine));
   if (suspended) {
     Say("{} is suspended: within seconds nobody gets in; all is kept, and stations keep what they "
         "record\n",
@@ -79,7 +79,7 @@ Status MakeData(const SchoolCommand& command, const SchoolRow& row) {
 Status AddSchool(const SchoolCommand& command) {
   ENAMEL_ASSIGN_OR_RETURN(const auto store, OpenInstallation(command.data));
   // What schools are known by is made of the installation's.
-  ENAMEL_RETURN_IF_ERROR(EnsureMatchingIdentity(command.data, *store).status());
+  ENAMEL_RETURN_IF_ERROR(EnsureMatchingIdentity(command.data, store->identity).status());
   // What is wrong with the words alone is said before anything is made.
   if (!command.admin.empty()) ENAMEL_RETURN_IF_ERROR(CheckedLogin(command.admin).status());
   SchoolRow row;
@@ -88,7 +88,7 @@ Status AddSchool(const SchoolCommand& command) {
   row.hosts = command.hosts;
   // Listed first: a folder that no list names would be in the way of the next try. No server opens one that is half made.
   row.state = SchoolState::kBeingMade;
-  ENAMEL_RETURN_IF_ERROR(store->AddSchool(row, kCommandLine));
+  ENAMEL_RETURN_IF_ERROR(store->schools.AddSchool(row, kCommandLine));
   if (Status made = MakeData(command, row); !made.ok()) {
     return {made.code(), made.message() +
                              ". The school is listed and half made; when the cause is "
@@ -96,7 +96,7 @@ Status AddSchool(const SchoolCommand& command) {
                              row.name + " --confirm " + row.name + ", then add it again"};
   }
   row.state = SchoolState::kServed;
-  ENAMEL_RETURN_IF_ERROR(store->ChangeSchool(row, kCommandLine));
+  ENAMEL_RETURN_IF_ERROR(store->schools.ChangeSchool(row, kCommandLine));
   Say("{} is served within seconds as {}; its data folder, for other commands: {}\n", row.name,
       HostsText(row), SchoolFolder(command.data, row.name).string());
   return Status::Ok();
@@ -104,7 +104,7 @@ Status AddSchool(const SchoolCommand& command) {
 
 Status ListSchools(const SchoolCommand& command) {
   ENAMEL_ASSIGN_OR_RETURN(const auto store, OpenInstallation(command.data));
-  ENAMEL_ASSIGN_OR_RETURN(const auto all, store->Schools());
+  ENAMEL_ASSIGN_OR_RETURN(const auto all, store->schools.Schools());
   for (const SchoolRow& row : all) {
     Say("{:<32}  {:<13}  {}  {}\n", row.name, SchoolStateName(row.state), HostsText(row),
         SchoolFolder(command.data, row.name).string());
@@ -115,9 +115,9 @@ Status ListSchools(const SchoolCommand& command) {
 
 Status SetSchoolHosts(const SchoolCommand& command) {
   ENAMEL_ASSIGN_OR_RETURN(const auto store, OpenInstallation(command.data));
-  ENAMEL_ASSIGN_OR_RETURN(SchoolRow row, SchoolNamed(*store, command.name));
+  ENAMEL_ASSIGN_OR_RETURN(SchoolRow row, SchoolNamed(store->schools, command.name));
   row.hosts = command.hosts;
-  ENAMEL_RETURN_IF_ERROR(store->ChangeSchool(row, kCommandLine));
+  ENAMEL_RETURN_IF_ERROR(store->schools.ChangeSchool(row, kCommandLine));
   Say("{} is {} from now on\n", row.name, HostsText(row));
   return Status::Ok();
 }
@@ -131,7 +131,7 @@ Status ResumeSchool(const SchoolCommand& command) {
 
 Status ExportSchool(const SchoolCommand& command) {
   ENAMEL_ASSIGN_OR_RETURN(const auto store, OpenInstallation(command.data));
-  ENAMEL_ASSIGN_OR_RETURN(const SchoolRow row, SchoolNamed(*store, command.name));
+  ENAMEL_ASSIGN_OR_RETURN(const SchoolRow row, SchoolNamed(store->schools, command.name));
   ENAMEL_RETURN_IF_ERROR(EnsureSchoolFolder(command.data, row, SchoolData::kExpect).status());
   BackupCommand backup;
   backup.data = SchoolFolder(command.data, row.name);
@@ -146,7 +146,7 @@ Status ExportSchool(const SchoolCommand& command) {
 
 Status RemoveSchool(const SchoolCommand& command) {
   ENAMEL_ASSIGN_OR_RETURN(const auto store, OpenInstallation(command.data));
-  ENAMEL_ASSIGN_OR_RETURN(SchoolRow row, SchoolNamed(*store, command.name));
+  ENAMEL_ASSIGN_OR_RETURN(SchoolRow row, SchoolNamed(store->schools, command.name));
   if (command.confirm != row.name) {
     return {Code::kConflict, "this deletes all that is " + row.name +
                                  "'s, and only a backup brings it back; say --confirm " + row.name};
@@ -159,7 +159,7 @@ Status RemoveSchool(const SchoolCommand& command) {
   }
   // Nobody resumes it from now on: it may be half gone.
   row.state = SchoolState::kBeingDeleted;
-  ENAMEL_RETURN_IF_ERROR(store->ChangeSchool(row, kCommandLine));
+  ENAMEL_RETURN_IF_ERROR(store->schools.ChangeSchool(row, kCommandLine));
   const auto until = std::chrono::steady_clock::now() + kLetGo;
   Status deleted = DeleteSchool(command.data, row);
   {
@@ -172,7 +172,7 @@ Status RemoveSchool(const SchoolCommand& command) {
     }
   }
   ENAMEL_RETURN_IF_ERROR(deleted);
-  ENAMEL_RETURN_IF_ERROR(store->RemoveSchool(row.name, kCommandLine));
+  ENAMEL_RETURN_IF_ERROR(store->schools.RemoveSchool(row.name, kCommandLine));
   Say("{} is deleted\n", row.name);
   return Status::Ok();
 }

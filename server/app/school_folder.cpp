@@ -6,9 +6,10 @@
 #include <boost/json.hpp>
 
 #include "common/base/file.h"
-#include "server/storage/engine/data_folder.h"
-#include "server/storage/engine/delete_store.h"
-#include "server/storage/engine/ticket_key.h"
+#include "server/storage/folder/data_folder.h"
+#include "server/storage/folder/ticket_key.h"
+#include "server/storage/open_store.h"
+#include "server/storage/school/delete_store.h"
 
 namespace enamel::server::app {
 namespace {
@@ -109,7 +110,7 @@ Result<ServerIdentity> EnsureSchoolFolder(const fs::path& installation, const Sc
     ENAMEL_RETURN_IF_ERROR(data == SchoolData::kMake ? MustNotBeThere(folder)
                                                      : MustBeThere(folder, row));
   }
-  ENAMEL_RETURN_IF_ERROR(sqlite::MakeDataFolder(folder, disk, /*restoring=*/false));
+  ENAMEL_RETURN_IF_ERROR(MakeDataFolder(folder, disk, /*restoring=*/false));
   const std::string document =
       boost::json::serialize(boost::json::object{
           {"format", "enamel-school"}, {"version", 1}, {"name", row.name}, {"id", row.id.Text()}}) +
@@ -136,7 +137,7 @@ Result<ServerIdentity> EnsureSchoolFolder(const fs::path& installation, const Sc
 }
 
 Result<OpenedSchool> OpenSchool(const fs::path& installation, const SchoolRow& row,
-                                SqliteOptions options) {
+                                StoreOptions options) {
   OpenedSchool out;
   ENAMEL_ASSIGN_OR_RETURN(out.identity, EnsureSchoolFolder(installation, row, SchoolData::kExpect));
   options.folder = SchoolFolder(installation, row.name);

@@ -8,9 +8,10 @@
 
 #include "common/base/result.h"
 #include "server/app/data_folder.h"
-#include "server/storage/engine/database_file.h"
-#include "server/storage/school_store.h"
-#include "server/storage/sqlite_store.h"
+#include "server/storage/folder/database_file.h"
+#include "server/storage/folder/store_options.h"
+#include "server/storage/people/school_list.h"
+#include "server/storage/store.h"
 
 // Where an installation's other schools are: INSTALLATION/schools/NAME, each a data folder of its own. With PostgreSQL its
 // tables are in a schema of their own, its blobs and keys have a prefix of their own. All its stations know the server by
@@ -44,7 +45,7 @@ struct OpenedSchool {
   std::unique_ptr<Store> store;
 };
 Result<OpenedSchool> OpenSchool(const std::filesystem::path& installation, const SchoolRow& row,
-                                SqliteOptions options);
+                                StoreOptions options);
 
 // Deletes all that is a school's, with its folder here. Errors: those of DeleteStore.
 Status DeleteSchool(const std::filesystem::path& installation, const SchoolRow& row);

@@ -34,10 +34,10 @@ std::shared_ptr<T> PartOf(const std::shared_ptr<Both>& both, T* part) {
 // How a school's store knows who says this first. kKnows: it is at home there.
 enum class Acquaintance : uint8_t { kNone, kKnowsOf, kKnows };
 
-Result<Acquaintance> Knows(StationStore& store, const wire::Request& first) {
+Result<Acquaintance> Knows(StationRows& stations, const wire::Request& first) {
   if (first.has_enrol()) {
     ENAMEL_ASSIGN_OR_RETURN(const bool its,
-                            store.IsEnrolCode(HashSha256(AsBytes(first.enrol().code()))));
+                            stations.IsEnrolCode(HashSha256(AsBytes(first.enrol().code()))));
     return its ? Acquaintance::kKnows : Acquaintance::kNone;
   }
   // What is no id is refused by whoever answers.
@@ -45,18 +45,18 @@ Result<Acquaintance> Knows(StationStore& store, const wire::Request& first) {
   if (!id.ok()) return Acquaintance::kNone;
   // The credential, not the id, which is no secret: another school may have enrolled the same id.
   const auto admitted =
-      store.StationByCredential(*id, auth::TokenHash(AsBytes(first.hello().credential())));
+      stations.StationByCredential(*id, auth::TokenHash(AsBytes(first.hello().credential())));
   if (admitted.ok() && !admitted->revoked) return Acquaintance::kKnows;
   if (admitted.ok()) return Acquaintance::kKnowsOf;
   if (admitted.status().code() != Code::kNotFound) return admitted.status();
-  const auto known = store.StationById(*id);
+  const auto known = stations.StationById(*id);
   if (!known.ok() && known.status().code() != Code::kNotFound) return known.status();
   return known.ok() ? Acquaintance::kKnowsOf : Acquaintance::kNone;
 }
 
 }  // namespace
 
-Schools::Schools(Parts<SchoolStore, StationStore> store, Open open, Forget forget)
+Schools::Schools(Store& store, Open open, Forget forget)
     : store_(store),
       open_(std::move(open)),
       forget_(std::move(forget)),
@@ -98,7 +98,7 @@ void Schools::Look(const std::stop_token& stop) {
 }
 
 void Schools::Read() {
-  const auto rows = store_.schools().Schools();
+  const auto rows = store_.schools.Schools();
   // What fails is in the store's log; they stay as they are.
   if (!rows.ok()) return;
   std::vector<std::shared_ptr<School>> closed;
@@ -238,12 +238,12 @@ Result<std::shared_ptr<stations::Services>> Schools::ServicesOf(const wire::Requ
   const std::vector<Served> all = Listed();
   if (all.empty() || !(first.has_hello() || first.has_enrol())) return own;
   // Where the own store fails, who answers will say so.
-  const auto here = Knows(store_, first);
+  const auto here = Knows(store_.stations, first);
   if (!here.ok() || *here == Acquaintance::kKnows) return own;
   bool missing = false;
   std::shared_ptr<School> knows_of;
   for (const Served& served : all) {
-    const auto known = served.school ? Knows(served.school->store(), first)
+    const auto known = served.school ? Knows(served.school->store().stations, first)
                                      : Result<Acquaintance>(Status(Code::kUnavailable, ""));
     if (!known.ok()) {
       missing = true;

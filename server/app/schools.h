@@ -12,7 +12,8 @@
 #include "common/base/mutex.h"
 #include "server/http/http_server.h"
 #include "server/stations/station_server.h"
-#include "server/storage/parts.h"
+#include "server/storage/people/school_list.h"
+#include "server/storage/store.h"
 
 namespace enamel::server::app {
 
@@ -38,7 +39,7 @@ class Schools final : public stations::OtherSchools {
   using Forget = std::function<void(const std::string& name)>;
 
   // `store`: the installation's own, which has the list.
-  Schools(Parts<SchoolStore, StationStore> store, Open open, Forget forget);
+  Schools(Store& store, Open open, Forget forget);
   ~Schools() override;
 
   // Reads the list, and then opens them one after the other on a thread of its own, which looks for what has changed. Once.
@@ -73,7 +74,7 @@ class Schools final : public stations::OtherSchools {
   void EndThose();
   std::vector<Served> Listed() const;
 
-  const Parts<SchoolStore, StationStore> store_;
+  Store& store_;
   const Open open_;
   const Forget forget_;
   mutable Mutex mutex_;

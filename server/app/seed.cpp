@@ -38,10 +38,10 @@ constexpr char kMolarSource[] = "builtin:molar";
 // one is good.
 std::string DemoPassword(const char* login) { return std::string("enamel-demo-") + login; }
 
-Result<Uuid> EnsurePerson(PeopleStore& store, const DemoPerson& demo) {
+Result<Uuid> EnsurePerson(PeopleRows& people, const DemoPerson& demo) {
   // Who is there stays as they are, also with another password or role: a second seeding undoes
   // nothing.
-  auto found = store.PersonByLogin(demo.login);
+  auto found = people.PersonByLogin(demo.login);
   if (found.ok()) return found->id;
   if (found.status().code() != Code::kNotFound) return found.status();
   ENAMEL_ASSIGN_OR_RETURN(auto verifier, auth::HashPassword(DemoPassword(demo.login)));
@@ -49,32 +49,33 @@ Result<Uuid> EnsurePerson(PeopleStore& store, const DemoPerson& demo) {
   person.login = demo.login;
   person.display_name = demo.display_name;
   person.role = demo.role;
-  return store.CreatePerson(person, verifier, {}, kCommandLine);
+  return people.CreatePerson(person, verifier, {}, kCommandLine);
 }
 
-Result<Uuid> EnsureCohort(TeachingStore& store) {
-  ENAMEL_ASSIGN_OR_RETURN(auto cohorts, store.Cohorts());
+Result<Uuid> EnsureCohort(CohortRows& cohorts_rows) {
+  ENAMEL_ASSIGN_OR_RETURN(auto cohorts, cohorts_rows.Cohorts());
   auto found = std::ranges::find(cohorts, kCohortName, &Cohort::name);
   if (found != cohorts.end()) return found->id;
-  return store.CreateCohort(kCohortName, kCommandLine);
+  return cohorts_rows.CreateCohort(kCohortName, kCommandLine);
 }
 
 // Building takes seconds: a molar that is there is taken as it is.
-Result<SceneRow> EnsureMolar(ContentStore& store, int32_t voxel_nm) {
-  ENAMEL_ASSIGN_OR_RETURN(auto scenes, store.Scenes());
+Result<SceneRow> EnsureMolar(StoredBlobs& blobs, SceneRows& scenes_rows, int32_t voxel_nm) {
+  ENAMEL_ASSIGN_OR_RETURN(auto scenes, scenes_rows.Scenes());
   auto found = std::ranges::find(scenes, kMolarName, &SceneRow::name);
   if (found != scenes.end()) return *found;
   std::cout << "building the molar (once)" << std::endl;
-  return PublishScene(store, kMolarSource, voxel_nm);
+  return PublishScene(blobs, scenes_rows, kMolarSource, voxel_nm);
 }
 
 // A demo's class follows its exercise; a real one is moved by who teaches it.
-Status FollowNewest(TeachingStore& store, const ExerciseRow& exercise, const Uuid& cohort) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto rows, store.Assignments({.cohort = cohort}));
+Status FollowNewest(AssignmentRows& assignments, const ExerciseRow& exercise, const Uuid& cohort) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto rows, assignments.Assignments({.cohort = cohort}));
   for (const AssignmentRow& row : rows) {
     if (row.exercise != exercise.name || row.version_id == exercise.id) continue;
     ENAMEL_RETURN_IF_ERROR(
-        store.MoveAssignment(row.id, exercise.id, row.revision, false, kCommandLine).status());
+        assignments.MoveAssignment(row.id, exercise.id, row.revision, false, kCommandLine)
+            .status());
   }
   return Status::Ok();
 }
@@ -96,13 +97,13 @@ json::object Facts(const ExerciseRow& exercise, bool has_reference) {
 
 }  // namespace
 
-Result<std::vector<std::string>> LoginsWithDemoPassword(PeopleStore& store) {
+Result<std::vector<std::string>> LoginsWithDemoPassword(PeopleRows& people) {
   std::vector<std::string> out;
   for (const DemoPerson& demo : kPeople) {
-    auto person = store.PersonByLogin(demo.login);
+    auto person = people.PersonByLogin(demo.login);
     if (!person.ok() && person.status().code() == Code::kNotFound) continue;
     if (!person.ok()) return person.status();
-    ENAMEL_ASSIGN_OR_RETURN(auto verifier, store.PasswordVerifier(person->id));
+    ENAMEL_ASSIGN_OR_RETURN(auto verifier, people.PasswordVerifier(person->id));
     // Disabled is as good as another password. Asked first, because argon2id is slow on purpose.
     bool open = !person->disabled && auth::VerifyPassword(DemoPassword(demo.login), verifier);
     if (open) out.emplace_back(demo.login);
@@ -116,25 +117,26 @@ Status SeedDemo(const SeedOptions& options) {
   // Now and not with the first `serve`: a script that seeds asks for an enrolment code next.
   if (auto identity = EnsureIdentity(options.data); !identity.ok()) return identity.status();
 
-  ENAMEL_ASSIGN_OR_RETURN(auto cohort, EnsureCohort(store));
+  ENAMEL_ASSIGN_OR_RETURN(auto cohort, EnsureCohort(store.cohorts));
   for (const DemoPerson& demo : kPeople) {
-    ENAMEL_ASSIGN_OR_RETURN(auto person, EnsurePerson(store, demo));
-    if (demo.in_cohort) ENAMEL_RETURN_IF_ERROR(store.AddToCohort(cohort, person, kCommandLine));
+    ENAMEL_ASSIGN_OR_RETURN(auto person, EnsurePerson(store.people, demo));
+    if (demo.in_cohort)
+      ENAMEL_RETURN_IF_ERROR(store.cohorts.AddToCohort(cohort, person, kCommandLine));
   }
   ENAMEL_RETURN_IF_ERROR(PublishProfiles(store));
-  auto scene = EnsureMolar(store, options.voxel_um * 1000);
+  auto scene = EnsureMolar(store.blobs, store.scenes, options.voxel_um * 1000);
   if (!scene.ok()) return scene.status();
-  auto exercise = PublishClassOne(store, *scene, cohort);
+  auto exercise = PublishClassOne(store.blobs, store.exercises, *scene, cohort);
   // The last one published is the one that is reported: what the caller brought, where there is
   // one.
   if (exercise.ok() && !options.scene.empty()) {
-    scene = PublishScene(store, options.scene, options.voxel_um * 1000);
+    scene = PublishScene(store.blobs, store.scenes, options.scene, options.voxel_um * 1000);
     if (!scene.ok()) return scene.status();
-    exercise = PublishClassOne(store, *scene, cohort);
+    exercise = PublishClassOne(store.blobs, store.exercises, *scene, cohort);
   }
   if (!exercise.ok()) return exercise.status();
-  ENAMEL_RETURN_IF_ERROR(FollowNewest(store, *exercise, cohort));
-  ENAMEL_ASSIGN_OR_RETURN(auto reference, store.ReferenceFor(exercise->id));
+  ENAMEL_RETURN_IF_ERROR(FollowNewest(store.assignments, *exercise, cohort));
+  ENAMEL_ASSIGN_OR_RETURN(auto reference, store.references.ReferenceFor(exercise->id));
 
   std::cout << "demo data is there: exercise \"" << exercise->name << "\" version "
             << exercise->version << "; its passwords are public, keep this server on loopback"

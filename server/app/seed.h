@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/base/result.h"
-#include "server/storage/store.h"
+#include "server/storage/people/people_rows.h"
 
 namespace enamel::server::app {
 
@@ -23,7 +23,7 @@ struct SeedOptions {
 Status SeedDemo(const SeedOptions& options);
 
 // Those of them that may sign in with their public password. Blocks: one argon2id each.
-Result<std::vector<std::string>> LoginsWithDemoPassword(PeopleStore& store);
+Result<std::vector<std::string>> LoginsWithDemoPassword(PeopleRows& people);
 
 struct CommandGroup;
 // On the command line (command_line.h).

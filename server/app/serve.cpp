@@ -28,8 +28,11 @@
 #include "server/http/http_server.h"
 #include "server/ops/metrics.h"
 #include "server/stations/station_server.h"
-#include "server/storage/parts.h"
-#include "server/storage/sqlite_store.h"
+#include "server/storage/folder/store_options.h"
+#include "server/storage/open_store.h"
+#include "server/storage/people/people_rows.h"
+#include "server/storage/people/school_list.h"
+#include "server/storage/store.h"
 
 namespace enamel::server::app {
 namespace {
@@ -73,13 +76,13 @@ bool IsLoopback(const std::string& address) {
 }
 
 // The demo accounts' passwords are printed in our documents.
-Status RefuseDemoBeyondLoopback(PeopleStore& store, const http::HttpOptions& page,
+Status RefuseDemoBeyondLoopback(PeopleRows& people, const http::HttpOptions& page,
                                 const stations::StationServerOptions& link) {
   // A proxy on this machine brings the whole world to a page on loopback.
   bool reached_from_afar = !IsLoopback(page.address) || !page.trusted_proxies.empty() ||
                            !IsLoopback(link.address) || !link.proxies.empty();
   if (!reached_from_afar) return Status::Ok();
-  ENAMEL_ASSIGN_OR_RETURN(auto logins, LoginsWithDemoPassword(store));
+  ENAMEL_ASSIGN_OR_RETURN(auto logins, LoginsWithDemoPassword(people));
   if (logins.empty()) return Status::Ok();
   std::string all;
   for (const std::string& login : logins) all += (all.empty() ? "" : ", ") + login;
@@ -156,11 +159,11 @@ bool IsPrivate(const http::HttpOptions& page) {
   return page.tls || proxied || IsLoopback(page.address);
 }
 
-Result<bool> HasAdmin(PeopleStore& store) {
+Result<bool> HasAdmin(PeopleRows& people) {
   PeopleFilter admins;
   admins.role = Role::kAdmin;
   admins.limit = 1;
-  ENAMEL_ASSIGN_OR_RETURN(const auto found, store.FindPeople(admins));
+  ENAMEL_ASSIGN_OR_RETURN(const auto found, people.FindPeople(admins));
   return !found.empty();
 }
 
@@ -200,18 +203,18 @@ Status Serve(const ServeOptions& options) {
                   "expected an installation's data folder, found a school's of " +
                       installation->string() + "; serve that one, which serves its schools");
   }
-  SqliteOptions store_options;
+  StoreOptions store_options;
   store_options.folder = options.data;
   // Two servers on one folder would both hand out jobs and both believe in their own caches.
   store_options.hold_lock = true;
   store_options.min_free_bytes = uint64_t(options.min_free_mib) << 20;
   ENAMEL_ASSIGN_OR_RETURN(auto opened, OpenStore(store_options));
   Store& store = *opened;
-  ENAMEL_ASSIGN_OR_RETURN(auto identity, EnsureMatchingIdentity(options.data, store));
+  ENAMEL_ASSIGN_OR_RETURN(auto identity, EnsureMatchingIdentity(options.data, store.identity));
   ENAMEL_ASSIGN_OR_RETURN(auto http_options, HttpOptionsOf(options));
   ENAMEL_ASSIGN_OR_RETURN(auto link_options, LinkOptionsOf(options, identity));
   // Before anything listens.
-  ENAMEL_RETURN_IF_ERROR(RefuseDemoBeyondLoopback(store, http_options, link_options));
+  ENAMEL_RETURN_IF_ERROR(RefuseDemoBeyondLoopback(store.people, http_options, link_options));
   // It travels to stations and is shown there; they refuse what is no such address, which nobody
   // would notice here.
   if (!options.page_url.empty() && !protocol::IsPageUrl(options.page_url)) {
@@ -228,7 +231,7 @@ Status Serve(const ServeOptions& options) {
   school_options.job_threads = options.job_threads;
   School school(std::move(opened), identity, school_options);
   ENAMEL_RETURN_IF_ERROR(ReadToken(options.metrics_token_file, http_options.metrics_token));
-  ENAMEL_ASSIGN_OR_RETURN(const bool has_admin, HasAdmin(store));
+  ENAMEL_ASSIGN_OR_RETURN(const bool has_admin, HasAdmin(store.people));
   auth::FirstAdmin first_admin;
   const bool gives_link = !has_admin && IsPrivate(http_options);
   if (gives_link) http_options.first_admin = &first_admin;
@@ -248,7 +251,7 @@ Status Serve(const ServeOptions& options) {
           row.name, host);
     }
     ENAMEL_ASSIGN_OR_RETURN(auto its, OpenSchool(options.data, row, store_options));
-    ENAMEL_RETURN_IF_ERROR(RefuseDemoBeyondLoopback(*its.store, http_options, link_options));
+    ENAMEL_RETURN_IF_ERROR(RefuseDemoBeyondLoopback(its.store->people, http_options, link_options));
     Schools::Opened out;
     out.school = std::make_shared<School>(std::move(its.store), its.identity, school_options);
     out.school->services().page_url = PageUrlOf(row.hosts.front(), http_options, page_port);

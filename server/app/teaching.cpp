@@ -51,27 +51,28 @@ void Show(const AssignmentRow& row) {
       row.retired ? ", exercise retired" : "");
 }
 
-Result<Uuid> CohortOrEverybody(TeachingStore& store, const std::string& name) {
+Result<Uuid> CohortOrEverybody(CohortRows& cohorts, const std::string& name) {
   if (name.empty()) return Uuid{};
-  return CohortByName(store, name);
+  return CohortByName(cohorts, name);
 }
 
-Result<std::vector<ExerciseRow>> Publish(ContentStore& store, const NewExercise& exercise,
+Result<std::vector<ExerciseRow>> Publish(Store& store, const NewExercise& exercise,
                                          const std::optional<Uuid>& cohort) {
   if (exercise.document.empty()) {
-    ENAMEL_ASSIGN_OR_RETURN(auto scene,
-                            PublishScene(store, exercise.scene, exercise.voxel_um * 1000));
+    ENAMEL_ASSIGN_OR_RETURN(auto scene, PublishScene(store.blobs, store.scenes, exercise.scene,
+                                                     exercise.voxel_um * 1000));
     if (!exercise.prepared.empty()) {
       ENAMEL_ASSIGN_OR_RETURN(auto row, PublishPrepared(store, scene, exercise.prepared, cohort));
       return std::vector<ExerciseRow>{row};
     }
-    return PublishBuiltins(store, scene, exercise.name, cohort);
+    return PublishBuiltins(store.blobs, store.exercises, scene, exercise.name, cohort);
   }
   ENAMEL_ASSIGN_OR_RETURN(auto text, ReadFile(exercise.document, kMaxDocumentBytes));
   auto document = scene::ExerciseFromJson(AsText(text));
   if (!document.ok()) return InDocument(exercise.document, document.status());
-  ENAMEL_RETURN_IF_ERROR(CheckPrepared(store, *document));
-  ENAMEL_ASSIGN_OR_RETURN(auto row, PublishDocument(store, *document, cohort));
+  ENAMEL_RETURN_IF_ERROR(CheckPrepared(store.blobs, store.scenes, *document));
+  ENAMEL_ASSIGN_OR_RETURN(auto row,
+                          PublishDocument(store.blobs, store.exercises, *document, cohort));
   return std::vector<ExerciseRow>{row};
 }
 
@@ -81,8 +82,9 @@ Status NoSuchExercise(const std::string& name) {
 }
 
 // The newest version, or this one.
-Result<ExerciseRow> VersionOf(ContentStore& store, const std::string& name, int32_t version) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto rows, store.ExerciseVersions(name));
+Result<ExerciseRow> VersionOf(ExerciseRows& exercises_rows, const std::string& name,
+                              int32_t version) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto rows, exercises_rows.ExerciseVersions(name));
   for (const ExerciseRow& row : rows) {
     if (row.state == ExerciseState::kPublished && (version == 0 || row.version == version)) {
       return row;
@@ -95,21 +97,21 @@ Result<ExerciseRow> VersionOf(ContentStore& store, const std::string& name, int3
                 "exercise");
 }
 
-Status MustHaveReference(Parts<ContentStore, ReferenceStore> store, const ExerciseRow& version,
+Status MustHaveReference(StoredBlobs& blobs, ReferenceRows& references, const ExerciseRow& version,
                          bool exam) {
-  ENAMEL_ASSIGN_OR_RETURN(const bool comparable, HasComparison(store, version));
+  ENAMEL_ASSIGN_OR_RETURN(const bool comparable, HasComparison(blobs, references, version));
   return CheckReference(exam, version, comparable);
 }
 
 // What the publisher has to know: others' work does not change, and graded work waits for a reference.
 Status SayWhatFollows(Store& store, const ExerciseRow& row) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto assignments, store.Assignments({}));
+  ENAMEL_ASSIGN_OR_RETURN(const auto assignments, store.assignments.Assignments({}));
   for (const AssignmentRow& each : assignments) {
     if (each.exercise != row.name || each.version_id == row.id) continue;
     Say("  assignment {}, {}, stays with version {}; move-assignment moves it\n", each.id.Text(),
         WordsOf(each), each.version);
   }
-  ENAMEL_ASSIGN_OR_RETURN(const bool comparable, HasComparison(store, row));
+  ENAMEL_ASSIGN_OR_RETURN(const bool comparable, HasComparison(store.blobs, store.references, row));
   if (row.graded && !comparable) {
     Say("  it has no reference yet: what is cut before there is one is scored once there is\n");
   }
@@ -131,11 +133,11 @@ Result<UnixMs> TimeOrNone(const std::string& text) {
   return TimeFromText(text);
 }
 
-Result<std::vector<Uuid>> StationsByName(StationStore& store,
+Result<std::vector<Uuid>> StationsByName(StationRows& stations,
                                          const std::vector<std::string>& names) {
   std::vector<Uuid> out;
   for (const std::string& name : names) {
-    ENAMEL_ASSIGN_OR_RETURN(auto station, StationNamed(store, name));
+    ENAMEL_ASSIGN_OR_RETURN(auto station, StationNamed(stations, name));
     out.push_back(station.id);
   }
   return out;
@@ -151,7 +153,7 @@ Status PublishExercise(const std::filesystem::path& data, const NewExercise& exe
                   "scene");
   }
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(auto cohort, CohortOrEverybody(*store, exercise.cohort));
+  ENAMEL_ASSIGN_OR_RETURN(auto cohort, CohortOrEverybody(store->cohorts, exercise.cohort));
   // A ticket needs a device profile. On a server that was never seeded this command is the first
   // chance to store them. One that an admin has put stays.
   ENAMEL_RETURN_IF_ERROR(PublishProfiles(*store));
@@ -168,14 +170,14 @@ Status PublishExercise(const std::filesystem::path& data, const NewExercise& exe
 Status RetireExercise(const std::filesystem::path& data, const std::string& name,
                       const std::string& reason) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(auto versions, store->ExerciseVersions(name));
+  ENAMEL_ASSIGN_OR_RETURN(auto versions, store->exercises.ExerciseVersions(name));
   if (versions.empty()) return NoSuchExercise(name);
   std::string why;
   if (!reason.empty()) {
     ENAMEL_ASSIGN_OR_RETURN(why, CheckedReason(reason, "reason"));
   }
-  ENAMEL_RETURN_IF_ERROR(store->RetireExercise(versions.front().id, kCommandLine, why));
-  ENAMEL_ASSIGN_OR_RETURN(const auto assigned, store->Assignments({}));
+  ENAMEL_RETURN_IF_ERROR(store->exercises.RetireExercise(versions.front().id, kCommandLine, why));
+  ENAMEL_ASSIGN_OR_RETURN(const auto assigned, store->assignments.Assignments({}));
   const auto now_ms = UnixMs();
   const auto running = std::ranges::count_if(assigned, [&](const AssignmentRow& row) {
     return row.exercise == name && (row.due_ms == 0 || row.due_ms > now_ms);
@@ -190,9 +192,9 @@ Status RetireExercise(const std::filesystem::path& data, const std::string& name
 
 Status OfferExercise(const std::filesystem::path& data, const std::string& name) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(auto versions, store->ExerciseVersions(name));
+  ENAMEL_ASSIGN_OR_RETURN(auto versions, store->exercises.ExerciseVersions(name));
   if (versions.empty()) return NoSuchExercise(name);
-  ENAMEL_RETURN_IF_ERROR(store->OfferExerciseAgain(versions.front().id, kCommandLine));
+  ENAMEL_RETURN_IF_ERROR(store->exercises.OfferExerciseAgain(versions.front().id, kCommandLine));
   Say("{} is offered again, as it was before it was retired\n", name);
   return Status::Ok();
 }
@@ -202,7 +204,7 @@ Status ListExercises(const std::filesystem::path& data, const std::string& state
   for (ExerciseState each :
        {ExerciseState::kDraft, ExerciseState::kPublished, ExerciseState::kRetired}) {
     if (!state.empty() && state != ExerciseStateName(each)) continue;
-    ENAMEL_ASSIGN_OR_RETURN(auto rows, store->ExercisesIn(each));
+    ENAMEL_ASSIGN_OR_RETURN(auto rows, store->exercises.ExercisesIn(each));
     for (const ExerciseRow& row : rows) Show(row);
   }
   return Status::Ok();
@@ -210,10 +212,10 @@ Status ListExercises(const std::filesystem::path& data, const std::string& state
 
 Status AssignExercise(const std::filesystem::path& data, const NewAssignment& assignment) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(auto cohort, CohortOrEverybody(*store, assignment.cohort));
+  ENAMEL_ASSIGN_OR_RETURN(auto cohort, CohortOrEverybody(store->cohorts, assignment.cohort));
   ENAMEL_ASSIGN_OR_RETURN(auto opens, TimeOrNone(assignment.opens));
   ENAMEL_ASSIGN_OR_RETURN(auto due, TimeOrNone(assignment.due));
-  ENAMEL_ASSIGN_OR_RETURN(auto stations, StationsByName(*store, assignment.stations));
+  ENAMEL_ASSIGN_OR_RETURN(auto stations, StationsByName(store->stations, assignment.stations));
   AssignmentRow row;
   row.exercise = assignment.exercise;
   row.cohort = cohort;
@@ -232,9 +234,9 @@ Status AssignExercise(const std::filesystem::path& data, const NewAssignment& as
   row.hands = *hands;
   row.counting = CountingFromName(assignment.counting).value_or(Counting::kBest);
   ENAMEL_RETURN_IF_ERROR(CheckTerms(row));
-  ENAMEL_ASSIGN_OR_RETURN(const auto version, VersionOf(*store, row.exercise, 0));
-  ENAMEL_RETURN_IF_ERROR(MustHaveReference(*store, version, row.exam));
-  ENAMEL_ASSIGN_OR_RETURN(auto added, store->AddAssignment(row, kCommandLine));
+  ENAMEL_ASSIGN_OR_RETURN(const auto version, VersionOf(store->exercises, row.exercise, 0));
+  ENAMEL_RETURN_IF_ERROR(MustHaveReference(store->blobs, store->references, version, row.exam));
+  ENAMEL_ASSIGN_OR_RETURN(auto added, store->assignments.AddAssignment(row, kCommandLine));
   Show(added);
   // Not refused: whoever brings in what was done elsewhere assigns what is over.
   if (added.due_ms != 0 && added.due_ms <= enamel::UnixMs()) {
@@ -247,17 +249,17 @@ Status AssignExercise(const std::filesystem::path& data, const NewAssignment& as
 Status ShareExercise(const std::filesystem::path& data, const Sharing& sharing) {
   ENAMEL_RETURN_IF_ERROR(MustChangeSomething(sharing));
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(const auto versions, store->ExerciseVersions(sharing.exercise));
+  ENAMEL_ASSIGN_OR_RETURN(const auto versions, store->exercises.ExerciseVersions(sharing.exercise));
   if (versions.empty()) return NoSuchExercise(sharing.exercise);
   SharingEdit edit;
   if (sharing.shared || sharing.is_private) edit.shared = sharing.shared;
   if (sharing.school) edit.owner = Uuid{};
   if (!sharing.owner.empty()) {
-    ENAMEL_ASSIGN_OR_RETURN(const auto person, PersonNamed(*store, sharing.owner));
+    ENAMEL_ASSIGN_OR_RETURN(const auto person, PersonNamed(store->people, sharing.owner));
     edit.owner = person.id;
   }
   ENAMEL_ASSIGN_OR_RETURN(const auto row,
-                          store->ShareExercise(versions.front().id, edit, kCommandLine));
+                          store->exercises.ShareExercise(versions.front().id, edit, kCommandLine));
   Show(row);
   return Status::Ok();
 }
@@ -266,15 +268,15 @@ Status MoveAssignment(const std::filesystem::path& data, const std::string& id, 
                       bool dry_run) {
   ENAMEL_ASSIGN_OR_RETURN(const auto parsed, Uuid::Parse(id));
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(const auto row, store->AssignmentById(parsed));
-  ENAMEL_ASSIGN_OR_RETURN(const auto to, VersionOf(*store, row.exercise, version));
+  ENAMEL_ASSIGN_OR_RETURN(const auto row, store->assignments.AssignmentById(parsed));
+  ENAMEL_ASSIGN_OR_RETURN(const auto to, VersionOf(store->exercises, row.exercise, version));
   if (to.id == row.version_id) {
     Say("{} stays with version {}; nothing was changed\n", WordsOf(row), row.version);
     return Status::Ok();
   }
-  ENAMEL_RETURN_IF_ERROR(MustHaveReference(*store, to, row.exam));
-  ENAMEL_ASSIGN_OR_RETURN(
-      const auto move, store->MoveAssignment(row.id, to.id, row.revision, dry_run, kCommandLine));
+  ENAMEL_RETURN_IF_ERROR(MustHaveReference(store->blobs, store->references, to, row.exam));
+  ENAMEL_ASSIGN_OR_RETURN(const auto move, store->assignments.MoveAssignment(
+                                               row.id, to.id, row.revision, dry_run, kCommandLine));
   Say("{} {} from version {} to {}; {} theirs, {} not used yet\n", row.exercise,
       dry_run ? "would move" : "moves", move.before.version, move.after.version,
       Counted(move.attempts, "attempt keeps", "attempts keep"),
@@ -285,8 +287,8 @@ Status MoveAssignment(const std::filesystem::path& data, const std::string& id, 
 Status EndAssignment(const std::filesystem::path& data, const std::string& id) {
   ENAMEL_ASSIGN_OR_RETURN(auto parsed, Uuid::Parse(id));
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(auto row, store->AssignmentById(parsed));
-  Status deleted = store->DeleteAssignment(row.id, row.revision, kCommandLine);
+  ENAMEL_ASSIGN_OR_RETURN(auto row, store->assignments.AssignmentById(parsed));
+  Status deleted = store->assignments.DeleteAssignment(row.id, row.revision, kCommandLine);
   if (deleted.ok()) {
     Say("this assignment of {} was removed\n", row.exercise);
     return deleted;
@@ -300,7 +302,7 @@ Status EndAssignment(const std::filesystem::path& data, const std::string& id) {
   row.late_allowed = false;
   // Terms have to open before they are due (CheckTerms), also those that had not opened yet.
   if (row.opens_ms >= row.due_ms) row.opens_ms = 0;
-  auto ended = store->ReplaceAssignment(row, kCommandLine);
+  auto ended = store->assignments.ReplaceAssignment(row, kCommandLine);
   if (!ended.ok()) return ended.status();
   Say("{} is due now, and no attempt can begin under this assignment any more. It stays for the "
       "attempts made under it; release --assignment lets students see their scores\n",
@@ -310,7 +312,7 @@ Status EndAssignment(const std::filesystem::path& data, const std::string& id) {
 
 Status ListAssignments(const std::filesystem::path& data) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(auto rows, store->Assignments({}));
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, store->assignments.Assignments({}));
   for (const AssignmentRow& row : rows) Show(row);
   return Status::Ok();
 }
@@ -318,7 +320,7 @@ Status ListAssignments(const std::filesystem::path& data) {
 Status ReleaseAssignment(const std::filesystem::path& data, const std::string& id) {
   ENAMEL_ASSIGN_OR_RETURN(auto parsed, Uuid::Parse(id));
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(auto released, store->ReleaseAssignment(parsed, kCommandLine));
+  ENAMEL_ASSIGN_OR_RETURN(auto released, store->judging.ReleaseAssignment(parsed, kCommandLine));
   Say("{}\n", Counted(released, "score is released to its student",
                       "scores are released to their students"));
   return Status::Ok();

@@ -11,7 +11,7 @@
 #include "server/app/say.h"
 #include "server/app/school_folder.h"
 #include "server/app/utc_text.h"
-#include "server/storage/engine/backup.h"
+#include "server/storage/backup/backup.h"
 
 namespace enamel::server::app {
 namespace {
@@ -42,7 +42,7 @@ json::object JsonOf(const VerifyReport& report) {
   }
   for (const std::string& note : report.notes) notes.emplace_back(note);
   json::array trail;
-  for (const sqlite::AuditHead& head : report.trail) {
+  for (const AuditHead& head : report.trail) {
     trail.push_back(
         {{"chain", head.chain.Text()}, {"rows", head.number}, {"sha256", head.hash.Hex()}});
   }
@@ -66,7 +66,7 @@ void Print(const VerifyReport& report) {
   Say("checked: {}, {} of the audit trail, {} compared with it\n",
       Counted(report.results, "signed result"), Counted(report.audit_rows, "row"),
       Counted(report.decisions, "decision"));
-  for (const sqlite::AuditHead& head : report.trail) {
+  for (const AuditHead& head : report.trail) {
     Say("it ends with row {}, hash {}; verify --since BACKUP compares it with an earlier end\n",
         head.number, head.hash.Hex());
   }
@@ -110,9 +110,9 @@ Status Backup(const BackupCommand& command) {
   }();
   if (!report.ok()) return report.status();
   ENAMEL_RETURN_IF_ERROR(
-      store->NoteAudit(kCommandLine, "store.backup", "",
-                       json::serialize(json::object{{"files", report->files},
-                                                    {"missing", report->missing.size()}})));
+      store->audit.NoteAudit(kCommandLine, "store.backup", "",
+                             json::serialize(json::object{{"files", report->files},
+                                                          {"missing", report->missing.size()}})));
   Say("backup as of {}: {}, {} ({} linked), {}, {}, {}\n", UtcText(report->created_ms) + " UTC",
       Counted(report->files, "file"), Mib(report->bytes), report->linked,
       Counted(report->people, "person", "people"), Counted(report->attempts, "attempt"),
@@ -151,11 +151,11 @@ namespace {
 // A backup of an installation has the list of its other schools, and none of their data.
 Status SuspendListedSchools(const std::filesystem::path& data) {
   ENAMEL_ASSIGN_OR_RETURN(const auto store, OpenForCommand(data));
-  ENAMEL_ASSIGN_OR_RETURN(const auto schools, store->Schools());
+  ENAMEL_ASSIGN_OR_RETURN(const auto schools, store->schools.Schools());
   for (SchoolRow row : schools) {
     if (row.state == SchoolState::kServed) {
       row.state = SchoolState::kSuspended;
-      ENAMEL_RETURN_IF_ERROR(store->ChangeSchool(row, kCommandLine));
+      ENAMEL_RETURN_IF_ERROR(store->schools.ChangeSchool(row, kCommandLine));
     }
     Say("school {} is listed and suspended: each school has backups of its own; restore it into "
         "{}, "
@@ -230,17 +230,18 @@ Status Retention(const RetentionCommand& command) {
   }
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(command.data));
   if (!command.what.empty()) {
-    ENAMEL_RETURN_IF_ERROR(store->SetRetention({command.what, *command.days}, kCommandLine));
+    ENAMEL_RETURN_IF_ERROR(
+        store->retention.SetRetention({command.what, *command.days}, kCommandLine));
   }
-  ENAMEL_ASSIGN_OR_RETURN(auto rules, store->RetentionRules());
+  ENAMEL_ASSIGN_OR_RETURN(auto rules, store->retention.RetentionRules());
   if (rules.empty()) Say("no rules: everything is kept for good\n");
   for (const RetentionRule& rule : rules) {
     Say("{:<10} kept for {}\n", rule.what, Counted(rule.days, "day"));
   }
   // With the new rule in force: without --apply this shows what the server will remove at its next
   // round.
-  ENAMEL_ASSIGN_OR_RETURN(auto report,
-                          store->ApplyRetention(enamel::UnixMs(), !command.apply, kCommandLine));
+  ENAMEL_ASSIGN_OR_RETURN(
+      auto report, store->retention.ApplyRetention(enamel::UnixMs(), !command.apply, kCommandLine));
   Say("{}: {}, {}, {}{}\n", command.apply ? "removed" : "would be removed now",
       Counted(report.unfinished.size(), "unfinished attempt"),
       Counted(report.recordings.size(), "recording"),

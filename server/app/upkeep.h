@@ -15,7 +15,7 @@ struct BackupCommand {
   std::filesystem::path data, target, keyring, json;
   bool copy = false;
 };
-// Errors: those of BackUp (storage/engine/backup.h); kStorage also when blobs were missing or damaged and
+// Errors: those of BackUp (storage/backup/backup.h); kStorage also when blobs were missing or damaged and
 // all else was backed up.
 Status Backup(const BackupCommand& command);
 

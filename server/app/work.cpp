@@ -15,8 +15,12 @@
 #include "server/app/database_watch.h"
 #include "server/app/school_folder.h"
 #include "server/app/stop_signals.h"
-#include "server/storage/engine/ticket_key.h"
-#include "server/storage/sqlite_store.h"
+#include "server/storage/attempts/job_rows.h"
+#include "server/storage/folder/store_options.h"
+#include "server/storage/folder/ticket_key.h"
+#include "server/storage/open_store.h"
+#include "server/storage/people/school_list.h"
+#include "server/storage/store.h"
 
 namespace enamel::server::app {
 
@@ -46,11 +50,11 @@ struct AtWork {
   }
   static WorkerOptions Jobs(Store& store, const trace::KeyPair& key, int threads) {
     WorkerOptions out = LoggedJobs(key, threads);
-    out.timelines.emplace(store);
+    out.timelines = true;
     return out;
   }
   static Result<std::unique_ptr<AtWork>> Open(const std::filesystem::path& folder, int threads) {
-    SqliteOptions options;
+    StoreOptions options;
     options.folder = folder;
     ENAMEL_ASSIGN_OR_RETURN(auto store, OpenStore(options));
     ENAMEL_ASSIGN_OR_RETURN(const auto key, ReadTicketKey(folder));
@@ -64,7 +68,7 @@ struct AtWork {
 // The installation's other schools. On one thread.
 class OthersAtWork {
  public:
-  OthersAtWork(const WorkOptions& options, SchoolStore& list) : options_(options), list_(list) {}
+  OthersAtWork(const WorkOptions& options, SchoolRows& list) : options_(options), list_(list) {}
 
   void Look() {
     const auto rows = list_.Schools();
@@ -100,7 +104,7 @@ class OthersAtWork {
   Result<std::unique_ptr<AtWork>> TryToBegin(const SchoolRow& row) const {
     // Such as no more threads: that is one school's trouble.
     try {
-      ENAMEL_ASSIGN_OR_RETURN(auto its, OpenSchool(options_.data, row, SqliteOptions{}));
+      ENAMEL_ASSIGN_OR_RETURN(auto its, OpenSchool(options_.data, row, StoreOptions{}));
       return std::make_unique<AtWork>(std::move(its.store), its.identity.ticket_key,
                                       options_.threads);
     } catch (const std::exception& error) {
@@ -109,7 +113,7 @@ class OthersAtWork {
   }
 
   const WorkOptions& options_;
-  SchoolStore& list_;
+  SchoolRows& list_;
   std::map<Uuid, std::unique_ptr<AtWork>> all_;
   std::map<Uuid, std::string> problems_;  // told
 };
@@ -125,7 +129,7 @@ Status Work(const WorkOptions& options) {
   ENAMEL_ASSIGN_OR_RETURN(const auto own, AtWork::Open(options.data, options.threads));
   Store& store = *own->store;
   DatabaseWatch watch(store);
-  OthersAtWork others(options, store);
+  OthersAtWork others(options, store.schools);
   boost::asio::steady_timer next_look(io);
   std::function<void()> look = [&] {
     others.Look();

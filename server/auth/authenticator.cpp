@@ -52,15 +52,14 @@ std::string Decoy(const PasswordCost& cost) {
   return *verifier;
 }
 
-std::unique_ptr<FailureCounters> CountersOf(const Parts<SignInStore, UpkeepStore>& store) {
-  if (store.upkeep().IsShared()) return std::make_unique<SharedCounters>(store.sign_ins());
+std::unique_ptr<FailureCounters> CountersOf(Store& store) {
+  if (store.shared) return std::make_unique<SharedCounters>(store);
   return std::make_unique<MemoryCounters>();
 }
 
 }  // namespace
 
-Authenticator::Authenticator(Parts<PeopleStore, SignInStore, UpkeepStore, AuditStore> store,
-                             AuthOptions options)
+Authenticator::Authenticator(Store& store, AuthOptions options)
     : store_(store),
       options_(std::move(options)),
       decoy_verifier_(Decoy(options_.cost)),
@@ -68,7 +67,7 @@ Authenticator::Authenticator(Parts<PeopleStore, SignInStore, UpkeepStore, AuditS
       refusals_(store, [this] { return Elapsed(); }),
       hashing_(options_.hashing ? options_.hashing
                                 : std::make_shared<StorePool>(options_.hash_threads)) {
-  if (store.upkeep().IsShared()) asking_.emplace(size_t{2});
+  if (store.shared) asking_.emplace(size_t{2});
 }
 
 Authenticator::~Authenticator() = default;
@@ -194,11 +193,11 @@ Result<SignedIn> Authenticator::SignInAdmitted(const std::string& login,
     ENAMEL_RETURN_IF_ERROR(throttle_.Failed(login, request.address, CountedAt()));
     return TurnAway("password", login, request.address, request.via, Refused());
   }
-  auto person = store_.people().PersonByLogin(login);
+  auto person = store_.people.PersonByLogin(login);
   if (!person.ok() && person.status().code() != Code::kNotFound) return person.status();
   std::string verifier = decoy_verifier_;
   if (person.ok()) {
-    ENAMEL_ASSIGN_OR_RETURN(auto stored, store_.people().PasswordVerifier(person->id));
+    ENAMEL_ASSIGN_OR_RETURN(auto stored, store_.people.PasswordVerifier(person->id));
     verifier = stored;
   }
   // The same work whether or not the person exists.
@@ -240,7 +239,7 @@ Status Authenticator::TakeOneTimePassword(const Person& person, const std::strin
   // At a station the password is not used up: there it cannot be changed, and the station sends its
   // owner to the page.
   if (via != kViaPage) return Status::Ok();
-  Status taken = store_.people().UseOneTimePassword(person.id);
+  Status taken = store_.people.UseOneTimePassword(person.id);
   // Somebody was quicker between the look and the use.
   return taken.code() == Code::kNotFound ? used : taken;
 }
@@ -250,9 +249,9 @@ void Authenticator::EndEarlier(const SignInRequest& request) {
   auto token = FromHex(request.earlier);
   if (!token.ok() || token->size() != kTokenBytes) return;
   const Sha256 hash = TokenHash(*token);
-  auto earlier = store_.people().FindSession(hash);
+  auto earlier = store_.sessions.FindSession(hash);
   if (!earlier.ok() || earlier->via != kViaPage) return;
-  Status ended = store_.people().EndSession(hash);
+  Status ended = store_.sessions.EndSession(hash);
   if (ended.ok()) ended = NoteSignedOut(earlier->person, request.address);
   if (!ended.ok()) spdlog::warn("page: an earlier session did not end: {}", ended.message());
 }
@@ -268,13 +267,13 @@ Result<SignedIn> Authenticator::BeginSession(const Person& person, const std::st
                  AddressText(address),       device};
   out.identity =
       Identity{person, row.token_hash, CsrfFor(out.token), row.id, now + options_.confirmed_ms};
-  ENAMEL_RETURN_IF_ERROR(store_.people().CreateSession(row));
+  ENAMEL_RETURN_IF_ERROR(store_.sessions.CreateSession(row));
   return out;
 }
 
 Status Authenticator::CheckOwnPassword(const Person& person, const std::string& password,
                                        const std::string& address, const std::string& via) {
-  ENAMEL_ASSIGN_OR_RETURN(auto verifier, store_.people().PasswordVerifier(person.id));
+  ENAMEL_ASSIGN_OR_RETURN(auto verifier, store_.people.PasswordVerifier(person.id));
   if (password.size() <= kMaxPasswordLength && Verify(password, verifier)) {
     return throttle_.Succeeded(person.login, address, CountedAt());
   }
@@ -290,7 +289,7 @@ boost::asio::awaitable<Status> Authenticator::Confirm(Identity identity, std::st
   if (!admitted.ok()) co_return admitted;
   co_return co_await InPlace(login, address, kViaPage, *hashing_, [&]() -> Status {
     ENAMEL_RETURN_IF_ERROR(CheckOwnPassword(identity.person, password, address, kViaPage));
-    return store_.people().ConfirmSession(identity.token_hash, Now());
+    return store_.sessions.ConfirmSession(identity.token_hash, Now());
   });
 }
 
@@ -309,8 +308,8 @@ Result<SignedIn> Authenticator::ChangePasswordHere(const Identity& identity,
     return Status(why.code(), why.message(), why.field().empty() ? "" : "new_password");
   }
   ENAMEL_RETURN_IF_ERROR(
-      store_.people().SetPassword(person.id, *verifier, false, Actor{person.id, change.via}));
-  ENAMEL_ASSIGN_OR_RETURN(auto changed, store_.people().PersonById(person.id));
+      store_.people.SetPassword(person.id, *verifier, false, Actor{person.id, change.via}));
+  ENAMEL_ASSIGN_OR_RETURN(auto changed, store_.people.PersonById(person.id));
   return BeginSession(changed, change.via, change.address, change.device);
 }
 
@@ -324,14 +323,14 @@ boost::asio::awaitable<Result<SignedIn>> Authenticator::ChangePassword(Identity 
 }
 
 Result<SessionRow> Authenticator::OpenSession(const Sha256& token_hash) {
-  auto session = store_.people().FindSession(token_hash);
+  auto session = store_.sessions.FindSession(token_hash);
   if (!session.ok()) {
     return session.status().code() == Code::kNotFound ? Ended() : session.status();
   }
   UnixMs now = Now();
   bool set_back = now < session->created_ms - kClockSlackMs;
   if (now >= session->expires_ms || set_back || now - session->last_used_ms > options_.idle_ms) {
-    ENAMEL_RETURN_IF_ERROR(store_.people().EndSession(token_hash));
+    ENAMEL_RETURN_IF_ERROR(store_.sessions.EndSession(token_hash));
     return Ended();
   }
   return session;
@@ -344,13 +343,13 @@ Result<Identity> Authenticator::Authenticate(ByteView token) {
 }
 
 Result<Identity> Authenticator::IdentityOf(ByteView token, const SessionRow& session) {
-  ENAMEL_ASSIGN_OR_RETURN(auto person, store_.people().PersonById(session.person));
+  ENAMEL_ASSIGN_OR_RETURN(auto person, store_.people.PersonById(session.person));
   if (person.disabled) return Ended();
   // Either way: with a clock set back, the idle time counts from now.
   UnixMs now = Now();
   Sha256 hash = TokenHash(token);
   if (std::abs(now - session.last_used_ms) >= std::min(kTouchEveryMs, options_.idle_ms / 4)) {
-    ENAMEL_RETURN_IF_ERROR(store_.people().TouchSession(hash, now));
+    ENAMEL_RETURN_IF_ERROR(store_.sessions.TouchSession(hash, now));
   }
   return Identity{person, hash, CsrfFor(token), session.id,
                   session.confirmed_ms + options_.confirmed_ms};
@@ -358,7 +357,7 @@ Result<Identity> Authenticator::IdentityOf(ByteView token, const SessionRow& ses
 
 Result<Person> Authenticator::StillSignedIn(const Sha256& token_hash) {
   ENAMEL_ASSIGN_OR_RETURN(auto session, OpenSession(token_hash));
-  auto person = store_.people().PersonById(session.person);
+  auto person = store_.people.PersonById(session.person);
   if (person.ok() && person->disabled) return Ended();
   return person;
 }
@@ -374,7 +373,7 @@ Result<Identity> Authenticator::AuthenticateHex(std::string_view cookie) {
 }
 
 Status Authenticator::SignOut(const Sha256& token_hash) {
-  return store_.people().EndSession(token_hash);
+  return store_.sessions.EndSession(token_hash);
 }
 
 Status Authenticator::SignOutFrom(const Identity& identity, const std::string& address) {
@@ -386,8 +385,8 @@ Status Authenticator::NoteSignedOut(const Uuid& id, const std::string& address) 
   ++counts_.signed_out;
   const std::string person = id.Text(), from = AddressText(address);
   spdlog::info("page: {} at {} signed out", person, from);
-  return store_.audit().NoteAudit({id, kViaPage}, "session.end", person,
-                                  R"({"address":")" + from + R"("})");
+  return store_.audit.NoteAudit({id, kViaPage}, "session.end", person,
+                                R"({"address":")" + from + R"("})");
 }
 
 Result<std::string> Authenticator::NewVerifier(std::string_view password, std::string_view login,

@@ -13,7 +13,8 @@
 #include "server/auth/password.h"
 #include "server/auth/refusal_trail.h"
 #include "server/auth/throttle.h"
-#include "server/storage/parts.h"
+#include "server/storage/people/session_rows.h"
+#include "server/storage/store.h"
 #include "server/storage/store_pool.h"
 
 namespace enamel::server::auth {
@@ -89,8 +90,7 @@ struct DoorCounts {
 // field "one_time_password"). At a station it opens nothing that could be used, and is not used up.
 class Authenticator {
  public:
-  explicit Authenticator(Parts<PeopleStore, SignInStore, UpkeepStore, AuditStore> store,
-                         AuthOptions options = {});
+  explicit Authenticator(Store& store, AuthOptions options = {});
   ~Authenticator();
 
   // Runs on the hashing threads, after what Throttle holds it for; continues on the caller's
@@ -171,7 +171,7 @@ class Authenticator {
   bool TakePlace(const std::string& block);
   void LeavePlace(const std::string& block);
 
-  const Parts<PeopleStore, SignInStore, UpkeepStore, AuditStore> store_;
+  Store& store_;
   const AuthOptions options_;
   const std::string decoy_verifier_;  // verified against when there is no such login
   Throttle throttle_;

@@ -45,7 +45,7 @@ Status MemoryCounters::Apply(const OfTry<std::string>& names, UnixMs now_ms, con
 
 Status SharedCounters::Apply(const OfTry<std::string>& names, UnixMs, const Change& change) {
   const auto key = [](const std::string& name) { return HashSha256(AsBytes(name)); };
-  return store_.ChangeSignIns(
+  return store_.sign_ins.Change(
       {key(names.here), key(names.place), key(names.anywhere), key(names.known)},
       [&](std::vector<SignInCounter>& all) {
         OfTry<SignInCounter> counters{all[0], all[1], all[2], all[3]};

@@ -6,7 +6,8 @@
 #include <unordered_map>
 
 #include "common/base/mutex.h"
-#include "server/storage/sign_in_store.h"
+#include "server/storage/people/sign_in_rows.h"
+#include "server/storage/store.h"
 
 namespace enamel::server::auth {
 
@@ -47,11 +48,11 @@ class MemoryCounters final : public FailureCounters {
 // The store's, which other servers count in too. Blocks.
 class SharedCounters final : public FailureCounters {
  public:
-  explicit SharedCounters(SignInStore& store) : store_(store) {}
+  explicit SharedCounters(Store& store) : store_(store) {}
   Status Apply(const OfTry<std::string>& names, UnixMs now_ms, const Change& change) override;
 
  private:
-  SignInStore& store_;
+  Store& store_;
 };
 
 }  // namespace enamel::server::auth

@@ -17,8 +17,7 @@ bool IsPowerOfTen(uint64_t count) {
 
 }  // namespace
 
-RefusalTrail::RefusalTrail(Parts<PeopleStore, AuditStore> store,
-                           std::function<int64_t()> elapsed_ms)
+RefusalTrail::RefusalTrail(Store& store, std::function<int64_t()> elapsed_ms)
     : store_(store), elapsed_ms_(std::move(elapsed_ms)) {}
 
 RefusalTrail::~RefusalTrail() { pool_.join(); }
@@ -53,7 +52,7 @@ void RefusalTrail::Take(const TurnedAway& refused, int64_t now_ms) {
   }
   Uuid person = refused.person;
   if (person.IsZero() && !refused.login.empty()) {
-    if (auto found = store_.people().PersonByLogin(refused.login); found.ok()) person = found->id;
+    if (auto found = store_.people.PersonByLogin(refused.login); found.ok()) person = found->id;
   }
   const std::string key = refused.why + "|" + AddressText(refused.address) + "|" +
                           (person.IsZero() ? "" : person.Text());
@@ -79,7 +78,7 @@ void RefusalTrail::Write(const TurnedAway& refused, const Uuid& person, uint64_t
   if (asked) after += R"(,"request":")" + refused.what + '"';
   const Actor by{asked ? person : Uuid{}, refused.via};
   Status noted =
-      store_.audit().NoteAudit(by, asked ? "request.refused" : "session.refused", who, after + "}");
+      store_.audit.NoteAudit(by, asked ? "request.refused" : "session.refused", who, after + "}");
   if (!noted.ok()) spdlog::warn("audit: a refusal could not be written: {}", noted.message());
 }
 

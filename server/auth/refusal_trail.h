@@ -8,7 +8,7 @@
 #include <map>
 #include <string>
 
-#include "server/storage/parts.h"
+#include "server/storage/store.h"
 
 namespace enamel::server::auth {
 
@@ -42,7 +42,7 @@ class RefusalTrail {
   static constexpr size_t kMaxWaiting = 256;
 
   // `elapsed_ms`: a clock that only goes forward.
-  RefusalTrail(Parts<PeopleStore, AuditStore> store, std::function<int64_t()> elapsed_ms);
+  RefusalTrail(Store& store, std::function<int64_t()> elapsed_ms);
   ~RefusalTrail();
 
   void Note(TurnedAway refused);
@@ -53,7 +53,7 @@ class RefusalTrail {
   void Take(const TurnedAway& refused, int64_t now_ms);
   void Write(const TurnedAway& refused, const Uuid& person, uint64_t count);
 
-  const Parts<PeopleStore, AuditStore> store_;
+  Store& store_;
   const std::function<int64_t()> elapsed_ms_;
   std::atomic<size_t> waiting_{0};
   // On the thread of `pool_`:

@@ -1,6 +1,8 @@
 #include "server/http/routes.h"
 
 #include <array>
+#include <tuple>
+#include <type_traits>
 
 #include "server/http/handlers/handlers.h"
 
@@ -8,31 +10,29 @@ namespace enamel::server::http {
 namespace asio = boost::asio;
 namespace {
 
-// A handler is given the parts of the store that its signature names.
-template <auto kHandler, typename P>
-Response Blocking(const Call& call, Store& store) {
-  return kHandler(call, static_cast<P>(store));
-}
-template <auto kHandler, typename P>
-asio::awaitable<Response> Async(Call call, Store& store) {
-  return kHandler(call, static_cast<P>(store));
+// A handler is given the rows that its signature names, or the whole store.
+template <typename Rows>
+Rows& In(Store& s) {
+  if constexpr (std::is_same_v<Rows, Store>) {
+    return s;
+  } else {
+    return std::get<Rows&>(std::tie(
+        s.people, s.roster, s.sessions, s.cohorts, s.stations, s.devices, s.profiles, s.scenes,
+        s.exercises, s.rubrics, s.assignments, s.blobs, s.attempts, s.results, s.remarks,
+        s.references, s.jobs, s.batches, s.timelines, s.audit, s.erasures, s.retention, s.health));
+  }
 }
 
-template <auto kHandler, typename P>
-constexpr BlockingHandler Adapt(Response (*)(const Call&, P)) {
-  return &Blocking<kHandler, P>;
+template <auto kHandler, typename... Rows>
+constexpr BlockingHandler Adapt(Response (*)(const Call&, Rows&...)) {
+  return [](const Call& call, [[maybe_unused]] Store& store) {
+    return kHandler(call, In<Rows>(store)...);
+  };
 }
-template <auto kHandler>
-constexpr BlockingHandler Adapt(Response (*)(const Call&)) {
-  return [](const Call& call, Store&) { return kHandler(call); };
-}
-template <auto kHandler, typename P>
-constexpr AsyncHandler Adapt(asio::awaitable<Response> (*)(Call, P)) {
-  return &Async<kHandler, P>;
-}
-template <auto kHandler>
-constexpr AsyncHandler Adapt(asio::awaitable<Response> (*)(Call)) {
-  return [](Call call, Store&) { return kHandler(call); };
+template <auto kHandler, typename... Rows>
+constexpr AsyncHandler Adapt(asio::awaitable<Response> (*)(Call, Rows&...)) {
+  return
+      [](Call call, [[maybe_unused]] Store& store) { return kHandler(call, In<Rows>(store)...); };
 }
 
 template <auto kHandler>

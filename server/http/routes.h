@@ -16,7 +16,7 @@
 #include "server/live/live_board.h"
 #include "server/live/station_board.h"
 #include "server/ops/metrics.h"
-#include "server/storage/parts.h"
+#include "server/storage/store.h"
 #include "server/storage/store_pool.h"
 
 // The API's table of routes and what a handler gets. schemas/api/openapi.yaml is the contract; a

@@ -12,7 +12,7 @@ namespace {
 const Actor kProgram{{}, "built-in profiles"};
 
 // Whether the program put the newest version.
-Result<bool> IsOfTheProgram(AuditStore& audit, const std::string& profile) {
+Result<bool> IsOfTheProgram(AuditRows& audit, const std::string& profile) {
   ENAMEL_ASSIGN_OR_RETURN(
       const auto rows, audit.FindAudit({.action = "profile.put", .object = profile, .limit = 1}));
   return !rows.empty() && rows.front().actor == kProgram.via;
@@ -20,25 +20,25 @@ Result<bool> IsOfTheProgram(AuditStore& audit, const std::string& profile) {
 
 }  // namespace
 
-Result<SceneRow> StoreScene(ContentStore& store, const scene::Scene& scene, ByteView volume,
-                            const Actor& by) {
+Result<SceneRow> StoreScene(StoredBlobs& blobs, SceneRows& scenes, const scene::Scene& scene,
+                            ByteView volume, const Actor& by) {
   // Volume first, then the document that names it, then the row that names both. A crash in between
   // leaves blobs that nothing names, which retention removes; never a name without its blob.
-  ENAMEL_ASSIGN_OR_RETURN(auto volume_hash, store.PutBlob(volume));
-  ENAMEL_ASSIGN_OR_RETURN(auto content, store.PutBlob(AsBytes(scene::ToJson(scene))));
+  ENAMEL_ASSIGN_OR_RETURN(auto volume_hash, blobs.PutBlob(volume));
+  ENAMEL_ASSIGN_OR_RETURN(auto content, blobs.PutBlob(AsBytes(scene::ToJson(scene))));
   SceneRow row{scene.name, scene.title, content, volume_hash};
-  ENAMEL_RETURN_IF_ERROR(store.PutScene(row, by));
+  ENAMEL_RETURN_IF_ERROR(scenes.PutScene(row, by));
   return row;
 }
 
-Result<SceneRow> StoreBuiltinScene(ContentStore& store, std::string_view name, int32_t voxel_nm,
-                                   const Actor& by) {
+Result<SceneRow> StoreBuiltinScene(StoredBlobs& blobs, SceneRows& scenes, std::string_view name,
+                                   int32_t voxel_nm, const Actor& by) {
   ENAMEL_ASSIGN_OR_RETURN(auto built, scene::BuildBuiltinScene(name, voxel_nm));
-  return StoreScene(store, built.scene, scene::EncodeVolume(built.volume), by);
+  return StoreScene(blobs, scenes, built.scene, scene::EncodeVolume(built.volume), by);
 }
 
-Result<ExerciseRow> StoreExercise(ContentStore& store, const scene::Exercise& exercise) {
-  ENAMEL_ASSIGN_OR_RETURN(auto content, store.PutBlob(AsBytes(scene::ToJson(exercise))));
+Result<ExerciseRow> StoreExercise(StoredBlobs& blobs, const scene::Exercise& exercise) {
+  ENAMEL_ASSIGN_OR_RETURN(auto content, blobs.PutBlob(AsBytes(scene::ToJson(exercise))));
   ExerciseRow row;
   row.name = exercise.name;
   row.title = exercise.title;
@@ -48,10 +48,10 @@ Result<ExerciseRow> StoreExercise(ContentStore& store, const scene::Exercise& ex
   return row;
 }
 
-Result<ExerciseRow> PublishUnassigned(ContentStore& store, const scene::Exercise& exercise,
-                                      const Actor& by) {
-  ENAMEL_ASSIGN_OR_RETURN(auto row, StoreExercise(store, exercise));
-  ENAMEL_ASSIGN_OR_RETURN(const auto versions, store.ExerciseVersions(row.name));
+Result<ExerciseRow> PublishUnassigned(StoredBlobs& blobs, ExerciseRows& exercises,
+                                      const scene::Exercise& exercise, const Actor& by) {
+  ENAMEL_ASSIGN_OR_RETURN(auto row, StoreExercise(blobs, exercise));
+  ENAMEL_ASSIGN_OR_RETURN(const auto versions, exercises.ExerciseVersions(row.name));
   // The newest published or retired version decides: when it says the same and is offered, there is
   // nothing to publish. A retired one is published again as a new version.
   for (const ExerciseRow& version : versions) {
@@ -62,37 +62,40 @@ Result<ExerciseRow> PublishUnassigned(ContentStore& store, const scene::Exercise
     break;
   }
   // As a draft that is published at once: drafts are assigned to nobody.
-  auto draft = store.PutDraft(row, by);
+  auto draft = exercises.PutDraft(row, by);
   if (!draft.ok()) return draft;
-  return store.PublishDraft(draft->id, draft->revision, by);
+  return exercises.PublishDraft(draft->id, draft->revision, by);
 }
 
-Result<std::vector<ExerciseRow>> PublishExercisesOf(ContentStore& store, const scene::Scene& scene,
+Result<std::vector<ExerciseRow>> PublishExercisesOf(StoredBlobs& blobs,
+                                                    ExerciseRows& exercises_rows,
+                                                    const scene::Scene& scene,
                                                     const Sha256& content, const Actor& by) {
   std::vector<ExerciseRow> out;
   const std::vector<scene::Exercise> exercises = scene::BuiltinExercises(scene, content);
   for (const scene::Exercise& exercise : exercises) {
-    ENAMEL_ASSIGN_OR_RETURN(const auto published, PublishUnassigned(store, exercise, by));
+    ENAMEL_ASSIGN_OR_RETURN(const auto published,
+                            PublishUnassigned(blobs, exercises_rows, exercise, by));
     out.push_back(published);
   }
   return out;
 }
 
-Status PutFirstProfiles(Parts<ContentStore, AuditStore> store) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto profiles, store.content().Profiles());
+Status PutFirstProfiles(Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto profiles, store.profiles.Profiles());
   return profiles.empty() ? PutBuiltinProfiles(store) : Status::Ok();
 }
 
-Status PutBuiltinProfiles(Parts<ContentStore, AuditStore> store) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto stored, store.content().Profiles());
+Status PutBuiltinProfiles(Store& store) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto stored, store.profiles.Profiles());
   for (const scene::DeviceProfile& profile : scene::BuiltinProfiles()) {
     if (std::ranges::find(stored, profile.name, &ProfileRow::name) != stored.end()) {
-      ENAMEL_ASSIGN_OR_RETURN(const bool ours, IsOfTheProgram(store.audit(), profile.name));
+      ENAMEL_ASSIGN_OR_RETURN(const bool ours, IsOfTheProgram(store.audit, profile.name));
       if (!ours) continue;
     }
-    ENAMEL_ASSIGN_OR_RETURN(auto content, store.content().PutBlob(AsBytes(scene::ToJson(profile))));
+    ENAMEL_ASSIGN_OR_RETURN(auto content, store.blobs.PutBlob(AsBytes(scene::ToJson(profile))));
     ENAMEL_RETURN_IF_ERROR(
-        store.content().PutProfile({profile.name, profile.title, content}, kProgram));
+        store.profiles.PutProfile({profile.name, profile.title, content}, kProgram));
   }
   return Status::Ok();
 }

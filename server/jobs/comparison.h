@@ -1,11 +1,13 @@
 #pragma once
 
-#include "server/storage/parts.h"
+#include "server/storage/judging/reference_rows.h"
+#include "server/storage/recordings/stored_blobs.h"
 
 namespace enamel::server {
 
 // Whether there is something to compare attempts at this version with: a reference, or the prepared
 // tooth that its target names. Errors: the store's.
-Result<bool> HasComparison(Parts<ContentStore, ReferenceStore> store, const ExerciseRow& version);
+Result<bool> HasComparison(StoredBlobs& blobs, ReferenceRows& references,
+                           const ExerciseRow& version);
 
 }  // namespace enamel::server

@@ -151,7 +151,7 @@ std::optional<double> NumberBefore(std::string_view text, size_t at) {
 
 }  // namespace
 
-Status CheckExercise(BlobStore& store, const scene::Exercise& exercise) {
+Status CheckExercise(StoredBlobs& blobs, const scene::Exercise& exercise) {
   auto in_rubric = [](const Status& status) {
     return Status(status.code(), status.message(), "rubric." + status.field());
   };
@@ -164,7 +164,7 @@ Status CheckExercise(BlobStore& store, const scene::Exercise& exercise) {
                    std::to_string(exercise.time_limit_s) + " s");
   }
   ENAMEL_RETURN_IF_ERROR(CheckBur(exercise));
-  const auto text = store.GetBlob(exercise.scene);
+  const auto text = blobs.GetBlob(exercise.scene);
   // Whether it is stored is asked elsewhere.
   if (!text.ok()) return Status::Ok();
   const auto scene = scene::SceneFromJson(AsText(*text));
@@ -177,7 +177,7 @@ Status CheckExercise(BlobStore& store, const scene::Exercise& exercise) {
   }
   ENAMEL_RETURN_IF_ERROR(CheckMetrics(*scene, exercise));
   if (!exercise.target.prepared.IsZero()) return Status::Ok();
-  const auto blob = store.GetBlob(scene->volume);
+  const auto blob = blobs.GetBlob(scene->volume);
   if (!blob.ok()) return Status::Ok();
   const auto volume = scene::DecodeVolume(*blob);
   if (!volume.ok()) return Status::Ok();

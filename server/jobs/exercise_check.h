@@ -5,7 +5,7 @@
 
 #include "common/base/result.h"
 #include "common/scene/types.h"
-#include "server/storage/parts.h"
+#include "server/storage/recordings/stored_blobs.h"
 
 // Whether an exercise can be done and judged on its tooth: asked when it is edited and when it is
 // published, by page, API and command alike. Thread safety: functions, any thread; they block for
@@ -20,7 +20,7 @@ inline constexpr int32_t kLeastTime_s = 30;
 // wider than the target, a target wider than the tooth or through a pulp whose opening fails the
 // attempt, a criterion of caries, a neighbour or a crown where there is none. What needs the tooth's
 // volume is left out where that cannot be read.
-Status CheckExercise(BlobStore& store, const scene::Exercise& exercise);
+Status CheckExercise(StoredBlobs& blobs, const scene::Exercise& exercise);
 
 // "the text says 3 mm deep, the target is 2 mm deep"; for people.
 std::vector<std::string> ContradictingSizes(const scene::Exercise& exercise);

@@ -5,15 +5,14 @@
 namespace enamel::server {
 namespace {
 
-Result<std::shared_ptr<const ReferenceCut>> Read(Parts<BlobStore, AttemptStore> store,
-                                                 const Uuid& attempt) {
-  ENAMEL_ASSIGN_OR_RETURN(auto result, store.attempts().ResultOf(attempt));
-  ENAMEL_ASSIGN_OR_RETURN(auto blob, store.blobs().GetBlob(result.final_volume));
+Result<std::shared_ptr<const ReferenceCut>> Read(Store& store, const Uuid& attempt) {
+  ENAMEL_ASSIGN_OR_RETURN(auto result, store.results.ResultOf(attempt));
+  ENAMEL_ASSIGN_OR_RETURN(auto blob, store.blobs.GetBlob(result.final_volume));
   ENAMEL_ASSIGN_OR_RETURN(auto volume, scene::DecodeVolume(blob));
-  ENAMEL_ASSIGN_OR_RETURN(auto header_bytes, store.attempts().AttemptHeader(attempt));
+  ENAMEL_ASSIGN_OR_RETURN(auto header_bytes, store.recordings.AttemptHeader(attempt));
   ENAMEL_ASSIGN_OR_RETURN(auto header, trace::DecodeHeader(header_bytes));
-  ENAMEL_ASSIGN_OR_RETURN(auto seal, store.attempts().AttemptSeal(attempt));
-  ENAMEL_ASSIGN_OR_RETURN(auto chunks, store.attempts().AttemptChunks(attempt));
+  ENAMEL_ASSIGN_OR_RETURN(auto seal, store.recordings.AttemptSeal(attempt));
+  ENAMEL_ASSIGN_OR_RETURN(auto chunks, store.recordings.AttemptChunks(attempt));
 
   scoring::ProcessRecorder process(header.params);
   for (const Bytes& bytes : chunks) {
@@ -28,8 +27,7 @@ Result<std::shared_ptr<const ReferenceCut>> Read(Parts<BlobStore, AttemptStore> 
 
 }  // namespace
 
-Result<std::shared_ptr<const ReferenceCut>> ReferenceCache::Get(
-    Parts<BlobStore, AttemptStore> store, const Uuid& attempt) {
+Result<std::shared_ptr<const ReferenceCut>> ReferenceCache::Get(Store& store, const Uuid& attempt) {
   {
     MutexLock lock(mutex_);
     for (const auto& [id, cut] : kept_) {

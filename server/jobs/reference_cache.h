@@ -10,7 +10,7 @@
 #include "common/base/result.h"
 #include "common/scoring/envelope.h"
 #include "common/scoring/metrics.h"
-#include "server/storage/parts.h"
+#include "server/storage/store.h"
 
 namespace enamel::server {
 
@@ -33,8 +33,7 @@ class ReferenceCache {
       : capacity_(capacity) {}
 
   // Errors: those of the store; kNotFound or kConflict when the attempt has no result.
-  Result<std::shared_ptr<const ReferenceCut>> Get(Parts<BlobStore, AttemptStore> store,
-                                                  const Uuid& attempt);
+  Result<std::shared_ptr<const ReferenceCut>> Get(Store& store, const Uuid& attempt);
 
   // A reference's own metrics against another one, which follow from what `key` names: the two, and
   // what they are measured by.

@@ -15,8 +15,6 @@
 namespace enamel::server {
 namespace {
 
-using StoredParts = Parts<BlobStore, AttemptStore>;
-
 constexpr double kMm3PerM3 = 1e9;
 
 Status RefusedCut(const std::string& why) {
@@ -26,8 +24,8 @@ Status RefusedCut(const std::string& why) {
                 std::string(kAnyway));
 }
 
-Result<cutting::Volume> VolumeOf(BlobStore& store, const Sha256& hash) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto blob, store.GetBlob(hash));
+Result<cutting::Volume> VolumeOf(StoredBlobs& blobs, const Sha256& hash) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto blob, blobs.GetBlob(hash));
   return scene::DecodeVolume(blob);
 }
 
@@ -52,27 +50,28 @@ Result<TargetWork> WorkOnTarget(const scene::Scene& scene, const scene::Exercise
   return out;
 }
 
-Result<TargetWork> WorkOfAttempt(Parts<BlobStore, AttemptStore> store, const AttemptRow& attempt) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto text, store.blobs().GetBlob(attempt.exercise_content));
+Result<TargetWork> WorkOfAttempt(StoredBlobs& blobs, ResultRows& results,
+                                 const AttemptRow& attempt) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto text, blobs.GetBlob(attempt.exercise_content));
   ENAMEL_ASSIGN_OR_RETURN(auto exercise, scene::ExerciseFromJson(AsText(text)));
-  ENAMEL_ASSIGN_OR_RETURN(const auto scene_text, store.blobs().GetBlob(exercise.scene));
+  ENAMEL_ASSIGN_OR_RETURN(const auto scene_text, blobs.GetBlob(exercise.scene));
   ENAMEL_ASSIGN_OR_RETURN(const auto scene, scene::SceneFromJson(AsText(scene_text)));
-  ENAMEL_ASSIGN_OR_RETURN(const auto initial, VolumeOf(store, scene.volume));
-  ENAMEL_ASSIGN_OR_RETURN(const auto result, store.attempts().ResultOf(attempt.id));
-  ENAMEL_ASSIGN_OR_RETURN(const auto after, VolumeOf(store, result.final_volume));
+  ENAMEL_ASSIGN_OR_RETURN(const auto initial, VolumeOf(blobs, scene.volume));
+  ENAMEL_ASSIGN_OR_RETURN(const auto result, results.ResultOf(attempt.id));
+  ENAMEL_ASSIGN_OR_RETURN(const auto after, VolumeOf(blobs, result.final_volume));
   ENAMEL_RETURN_IF_ERROR(scene::LoadPreparedTarget(
-      initial, [&](const Sha256& hash) { return store.blobs().GetBlob(hash); }, exercise.target));
+      initial, [&](const Sha256& hash) { return blobs.GetBlob(hash); }, exercise.target));
   return WorkOnTarget(scene, exercise, initial, after);
 }
 
-Status CheckReferenceCut(StoredParts store, const AttemptRow& attempt) {
+Status CheckReferenceCut(StoredBlobs& blobs, ResultRows& results, const AttemptRow& attempt) {
   if ((attempt.flags & kOverTime) != 0) {
     return RefusedCut("it took longer than the exercise's time limit");
   }
   if ((attempt.flags & kContradicted) != 0) {
     return RefusedCut("a second recording with other content was sent for it");
   }
-  const auto score = StoredScore(store, attempt.id);
+  const auto score = StoredScore(blobs, results, attempt.id);
   if (!score.ok()) {
     return RefusedCut("its score cannot be read: " + score.status().message());
   }
@@ -83,7 +82,7 @@ Status CheckReferenceCut(StoredParts store, const AttemptRow& attempt) {
                     "device's limit",
                     d.late_percent, d.gap_percent, d.limited_percent));
   }
-  const auto measured = WorkOfAttempt(store, attempt);
+  const auto measured = WorkOfAttempt(blobs, results, attempt);
   if (!measured.ok()) {
     return RefusedCut("what it did of the exercise's own target cannot be measured: " +
                       measured.status().message());
@@ -105,15 +104,14 @@ Status CheckReferenceCut(StoredParts store, const AttemptRow& attempt) {
   return Status::Ok();
 }
 
-Result<ReferenceRow> MakeReference(Parts<BlobStore, AttemptStore, ReferenceStore> store,
-                                   const Uuid& attempt, const std::string& dentist, bool consent,
-                                   const std::string& anyway, const Actor& by) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto row, store.attempts().AttemptById(attempt));
+Result<ReferenceRow> MakeReference(Store& store, const Uuid& attempt, const std::string& dentist,
+                                   bool consent, const std::string& anyway, const Actor& by) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto row, store.attempts.AttemptById(attempt));
   // What is not scored yet has nothing to look at; the store says so.
   if (anyway.empty() && row.state == AttemptState::kScored && row.expired_ms == 0) {
-    ENAMEL_RETURN_IF_ERROR(CheckReferenceCut(store, row));
+    ENAMEL_RETURN_IF_ERROR(CheckReferenceCut(store.blobs, store.results, row));
   }
-  return store.references().AddReference(attempt, dentist, consent, by, anyway);
+  return store.references.AddReference(attempt, dentist, consent, by, anyway);
 }
 
 }  // namespace enamel::server

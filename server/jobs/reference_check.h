@@ -5,7 +5,10 @@
 #include "common/base/result.h"
 #include "common/cutting/volume.h"
 #include "common/scene/types.h"
-#include "server/storage/parts.h"
+#include "server/storage/audit/actor.h"
+#include "server/storage/judging/result_rows.h"
+#include "server/storage/recordings/stored_blobs.h"
+#include "server/storage/store.h"
 
 // What others are compared with has to do what its exercise asks for. The exercise says so itself: by
 // its target, which no attempt has a part in. A first reference is compared with nothing else, so a
@@ -26,7 +29,8 @@ Result<TargetWork> WorkOnTarget(const scene::Scene& scene, const scene::Exercise
                                 const cutting::Volume& final_volume);
 
 // The same of an attempt that is scored, read from the store. Errors: the store's and the documents'.
-Result<TargetWork> WorkOfAttempt(Parts<BlobStore, AttemptStore> store, const AttemptRow& attempt);
+Result<TargetWork> WorkOfAttempt(StoredBlobs& blobs, ResultRows& results,
+                                 const AttemptRow& attempt);
 
 // Limits of a cut that others are compared with, chosen: the simulated dentist does more than nine
 // tenths of every tooth's target and cuts nothing beside its leeway (`admin mark-reference` prints
@@ -37,12 +41,11 @@ inline constexpr double kLeastDone_percent = 80, kMostBeside_percent = 5;
 // Whether an attempt that is scored may be what others are compared with: it did the task, and no
 // more than the task, within the time, undisturbed, and was uploaded once. Errors: kConflict with
 // field kAnyway and what to do; the store's.
-Status CheckReferenceCut(Parts<BlobStore, AttemptStore> store, const AttemptRow& attempt);
+Status CheckReferenceCut(StoredBlobs& blobs, ResultRows& results, const AttemptRow& attempt);
 
 // Makes it the reference: CheckReferenceCut, unless `anyway` says why not, then
 // ReferenceStore::AddReference. Errors: of both.
-Result<ReferenceRow> MakeReference(Parts<BlobStore, AttemptStore, ReferenceStore> store,
-                                   const Uuid& attempt, const std::string& dentist, bool consent,
-                                   const std::string& anyway, const Actor& by);
+Result<ReferenceRow> MakeReference(Store& store, const Uuid& attempt, const std::string& dentist,
+                                   bool consent, const std::string& anyway, const Actor& by);
 
 }  // namespace enamel::server

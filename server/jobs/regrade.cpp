@@ -15,10 +15,10 @@ namespace {
 constexpr uint32_t kPage = 200;
 constexpr double kRounding = 1e-9;  // a score document's numbers have twelve digits
 
-RegradedAttempt Regrade(Parts<BlobStore, AttemptStore> store, const AttemptRow& row,
+RegradedAttempt Regrade(StoredBlobs& blobs, ResultRows& results, const AttemptRow& row,
                         const scene::Rubric& rubric, const std::optional<ReferenceRow>& newest) {
   RegradedAttempt out{row, row.score.value_or(0), 0, row.critical_fail, false, "", false};
-  Result<scoring::ScoreResult> before = StoredScore(store, row.id);
+  Result<scoring::ScoreResult> before = StoredScore(blobs, results, row.id);
   if (!before.ok()) {
     out.problem = before.status().message();
     return out;
@@ -43,11 +43,11 @@ RegradedAttempt Regrade(Parts<BlobStore, AttemptStore> store, const AttemptRow& 
   return out;
 }
 
-Result<scene::Rubric> CountingOf(Parts<ContentStore, RubricStore> store,
+Result<scene::Rubric> CountingOf(StoredBlobs& blobs, RubricRows& rubrics,
                                  const ExerciseRow& exercise) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto text, store.content().GetBlob(exercise.content));
+  ENAMEL_ASSIGN_OR_RETURN(const auto text, blobs.GetBlob(exercise.content));
   ENAMEL_ASSIGN_OR_RETURN(const auto document, scene::ExerciseFromJson(AsText(text)));
-  return CountingRubric(store, exercise.id, document.rubric);
+  return CountingRubric(blobs, rubrics, exercise.id, document.rubric);
 }
 
 void Count(double score, ScoreHistogram& histogram) {
@@ -57,28 +57,28 @@ void Count(double score, ScoreHistogram& histogram) {
 
 }  // namespace
 
-Result<scoring::ScoreResult> StoredScore(Parts<BlobStore, AttemptStore> store,
+Result<scoring::ScoreResult> StoredScore(StoredBlobs& blobs, ResultRows& results,
                                          const Uuid& attempt) {
-  ENAMEL_ASSIGN_OR_RETURN(auto result, store.attempts().ResultOf(attempt));
-  ENAMEL_ASSIGN_OR_RETURN(auto text, store.blobs().GetBlob(result.score_json));
+  ENAMEL_ASSIGN_OR_RETURN(auto result, results.ResultOf(attempt));
+  ENAMEL_ASSIGN_OR_RETURN(auto text, blobs.GetBlob(result.score_json));
   return scoring::ScoreFromJson(AsText(text));
 }
 
-Result<scene::Rubric> CountingRubric(Parts<BlobStore, RubricStore> store, const Uuid& exercise,
+Result<scene::Rubric> CountingRubric(StoredBlobs& blobs, RubricRows& rubrics, const Uuid& exercise,
                                      const scene::Rubric& own) {
-  ENAMEL_ASSIGN_OR_RETURN(auto row, store.rubrics().RubricFor(exercise));
+  ENAMEL_ASSIGN_OR_RETURN(auto row, rubrics.RubricFor(exercise));
   if (!row) return own;
-  ENAMEL_ASSIGN_OR_RETURN(auto text, store.blobs().GetBlob(row->content));
+  ENAMEL_ASSIGN_OR_RETURN(auto text, blobs.GetBlob(row->content));
   return scene::RubricFromJson(AsText(text));
 }
 
-Result<std::vector<AttemptRow>> ScoredAttempts(AttemptStore& store, AttemptFilter which) {
+Result<std::vector<AttemptRow>> ScoredAttempts(AttemptRows& attempts, AttemptFilter which) {
   which.state = AttemptState::kScored;
   which.limit = kPage;
   which.before.reset();
   std::vector<AttemptRow> out;
   while (out.size() < kMaxPreviewed) {
-    ENAMEL_ASSIGN_OR_RETURN(auto page, store.Attempts(which));
+    ENAMEL_ASSIGN_OR_RETURN(auto page, attempts.Attempts(which));
     if (page.empty()) break;
     which.before = page.back().id;
     out.insert(out.end(), page.begin(), page.end());
@@ -86,14 +86,14 @@ Result<std::vector<AttemptRow>> ScoredAttempts(AttemptStore& store, AttemptFilte
   return out;
 }
 
-std::vector<std::string> RubricWarnings(RubricCheckParts store, const ExerciseRow& exercise,
+std::vector<std::string> RubricWarnings(Store& store, const ExerciseRow& exercise,
                                         const scene::Rubric& rubric, bool quick) {
   std::vector<std::string> out = RepeatedMetrics(rubric);
-  if (const auto counting = CountingOf(store, exercise); counting.ok()) {
+  if (const auto counting = CountingOf(store.blobs, store.rubrics, exercise); counting.ok()) {
     const auto objections = Objections(store, exercise, *counting, rubric, quick);
     if (objections.ok() && !objections->empty()) out.push_back(*objections);
   }
-  const auto text = store.content().GetBlob(exercise.scene);
+  const auto text = store.blobs.GetBlob(exercise.scene);
   if (!text.ok()) return out;
   const auto scene = scene::SceneFromJson(AsText(*text));
   if (!scene.ok()) return out;
@@ -103,14 +103,14 @@ std::vector<std::string> RubricWarnings(RubricCheckParts store, const ExerciseRo
   return out;
 }
 
-Result<RubricPreview> PreviewRubric(Parts<BlobStore, AttemptStore> store,
-                                    const AttemptFilter& which, const scene::Rubric& rubric,
+Result<RubricPreview> PreviewRubric(Store& store, const AttemptFilter& which,
+                                    const scene::Rubric& rubric,
                                     const std::optional<ReferenceRow>& newest) {
   ENAMEL_RETURN_IF_ERROR(scoring::ValidateRubric(rubric));
-  ENAMEL_ASSIGN_OR_RETURN(auto rows, ScoredAttempts(store.attempts(), which));
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, ScoredAttempts(store.attempts, which));
   RubricPreview out;
   for (const AttemptRow& row : rows) {
-    out.attempts.push_back(Regrade(store, row, rubric, newest));
+    out.attempts.push_back(Regrade(store.blobs, store.results, row, rubric, newest));
     const RegradedAttempt& a = out.attempts.back();
     out.earlier_references += a.earlier_reference ? 1 : 0;
     if (!a.problem.empty()) {
@@ -135,14 +135,14 @@ Result<RubricPreview> PreviewRubric(Parts<BlobStore, AttemptStore> store,
   return out;
 }
 
-Result<RubricRow> PublishCorrection(RubricCheckParts store, const Uuid& exercise,
-                                    scene::Rubric rubric, int32_t seen, const std::string& reason,
+Result<RubricRow> PublishCorrection(Store& store, const Uuid& exercise, scene::Rubric rubric,
+                                    int32_t seen, const std::string& reason,
                                     const std::string& anyway, const Actor& by) {
   ENAMEL_RETURN_IF_ERROR(scoring::ValidateRubric(rubric));
   ENAMEL_RETURN_IF_ERROR(CheckRubricWords(rubric));
   ENAMEL_ASSIGN_OR_RETURN(std::string why, CheckedReason(reason, "reason"));
-  ENAMEL_ASSIGN_OR_RETURN(auto row, store.content().ExerciseById(exercise));
-  ENAMEL_ASSIGN_OR_RETURN(auto counting, CountingOf(store, row));
+  ENAMEL_ASSIGN_OR_RETURN(auto row, store.exercises.ExerciseById(exercise));
+  ENAMEL_ASSIGN_OR_RETURN(auto counting, CountingOf(store.blobs, store.rubrics, row));
   // Two corrections at once: the second has not seen the first, and would undo it.
   if (counting.version != seen) {
     return Status(Code::kConflict,
@@ -167,8 +167,8 @@ Result<RubricRow> PublishCorrection(RubricCheckParts store, const Uuid& exercise
     why += " (anyway: " + insists + ")";
   }
   rubric.version = counting.version + 1;
-  ENAMEL_ASSIGN_OR_RETURN(auto content, store.content().PutBlob(AsBytes(scene::ToJson(rubric))));
-  return store.rubrics().PublishRubric({exercise, rubric.version, content, why, 0}, by);
+  ENAMEL_ASSIGN_OR_RETURN(auto content, store.blobs.PutBlob(AsBytes(scene::ToJson(rubric))));
+  return store.rubrics.PublishRubric({exercise, rubric.version, content, why, 0}, by);
 }
 
 }  // namespace enamel::server

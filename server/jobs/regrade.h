@@ -9,7 +9,12 @@
 #include "common/base/result.h"
 #include "common/scene/types.h"
 #include "common/scoring/score.h"
-#include "server/storage/parts.h"
+#include "server/storage/attempts/attempt_rows.h"
+#include "server/storage/audit/actor.h"
+#include "server/storage/judging/result_rows.h"
+#include "server/storage/recordings/stored_blobs.h"
+#include "server/storage/store.h"
+#include "server/storage/teaching/rubric_rows.h"
 
 // What a corrected rubric would change. Scores keep what was measured, so that points can be given
 // anew without replaying anything, as long as the correction asks for nothing that was not; whether
@@ -18,11 +23,12 @@
 namespace enamel::server {
 
 // The rubric that counts for an exercise: its newest correction, or the document's own.
-Result<scene::Rubric> CountingRubric(Parts<BlobStore, RubricStore> store, const Uuid& exercise,
+Result<scene::Rubric> CountingRubric(StoredBlobs& blobs, RubricRows& rubrics, const Uuid& exercise,
                                      const scene::Rubric& own);
 
 // The score document of an attempt's newest run. Errors: the store's; those of scoring::ScoreFromJson.
-Result<scoring::ScoreResult> StoredScore(Parts<BlobStore, AttemptStore> store, const Uuid& attempt);
+Result<scoring::ScoreResult> StoredScore(StoredBlobs& blobs, ResultRows& results,
+                                         const Uuid& attempt);
 
 struct RegradedAttempt {
   AttemptRow row;
@@ -52,20 +58,19 @@ struct RubricPreview {
 // What of a rubric is finer than its exercise's score can tell (scoring::FineBands), what it asks for
 // twice, and what publishing it would be refused for unless somebody insists (rubric_check.h), for
 // people. What cannot be read is left out: a preview does without. `quick`: while somebody types.
-std::vector<std::string> RubricWarnings(
-    Parts<ContentStore, RubricStore, ReferenceStore, AttemptStore> store,
-    const ExerciseRow& exercise, const scene::Rubric& rubric, bool quick);
+std::vector<std::string> RubricWarnings(Store& store, const ExerciseRow& exercise,
+                                        const scene::Rubric& rubric, bool quick);
 
 inline constexpr size_t kMaxPreviewed = 2000;
 
 // The scored attempts that `which` names (its state and page are not read), newest first, at most
 // kMaxPreviewed.
-Result<std::vector<AttemptRow>> ScoredAttempts(AttemptStore& store, AttemptFilter which);
+Result<std::vector<AttemptRow>> ScoredAttempts(AttemptRows& attempts, AttemptFilter which);
 
 // `rubric` on the metrics of those attempts, which are of one exercise version; `newest`: its reference
 // row that counts, if any. Errors: those of scoring::ValidateRubric.
-Result<RubricPreview> PreviewRubric(Parts<BlobStore, AttemptStore> store,
-                                    const AttemptFilter& which, const scene::Rubric& rubric,
+Result<RubricPreview> PreviewRubric(Store& store, const AttemptFilter& which,
+                                    const scene::Rubric& rubric,
                                     const std::optional<ReferenceRow>& newest);
 
 // Checks and stores `rubric` as the next version of the one that counts; its own version is not
@@ -73,9 +78,8 @@ Result<RubricPreview> PreviewRubric(Parts<BlobStore, AttemptStore> store,
 // speak against it; it stays beside the reason. Errors: those of scoring::ValidateRubric, of
 // CheckRubricWords and of RubricStore::PublishRubric; kConflict with field kStale when `seen` is not
 // the one that counts, with field kAnyway and the objections.
-Result<RubricRow> PublishCorrection(
-    Parts<ContentStore, RubricStore, ReferenceStore, AttemptStore> store, const Uuid& exercise,
-    scene::Rubric rubric, int32_t seen, const std::string& reason, const std::string& anyway,
-    const Actor& by);
+Result<RubricRow> PublishCorrection(Store& store, const Uuid& exercise, scene::Rubric rubric,
+                                    int32_t seen, const std::string& reason,
+                                    const std::string& anyway, const Actor& by);
 
 }  // namespace enamel::server

@@ -39,26 +39,26 @@ void AddRepeated(const std::vector<T>& items, const char* what, std::vector<std:
   }
 }
 
-Result<scene::Exercise> DocumentOf(ContentStore& store, const ExerciseRow& row) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto text, store.GetBlob(row.content));
+Result<scene::Exercise> DocumentOf(StoredBlobs& blobs, const ExerciseRow& row) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto text, blobs.GetBlob(row.content));
   return scene::ExerciseFromJson(AsText(text));
 }
 
-Result<cutting::Volume> ToothOf(ContentStore& store, const Sha256& hash) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto blob, store.GetBlob(hash));
+Result<cutting::Volume> ToothOf(StoredBlobs& blobs, const Sha256& hash) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto blob, blobs.GetBlob(hash));
   return scene::DecodeVolume(blob);
 }
 
 // What it measures against itself, of the groups that `rubric` asks for.
-Result<scoring::MetricSet> MeasuredAgainstItself(RubricCheckParts store, const ExerciseRow& row,
+Result<scoring::MetricSet> MeasuredAgainstItself(Store& store, const ExerciseRow& row,
                                                  const Uuid& reference,
                                                  const scene::Rubric& rubric) {
-  ENAMEL_ASSIGN_OR_RETURN(auto exercise, DocumentOf(store.content(), row));
-  ENAMEL_ASSIGN_OR_RETURN(const auto scene_text, store.content().GetBlob(exercise.scene));
+  ENAMEL_ASSIGN_OR_RETURN(auto exercise, DocumentOf(store.blobs, row));
+  ENAMEL_ASSIGN_OR_RETURN(const auto scene_text, store.blobs.GetBlob(exercise.scene));
   ENAMEL_ASSIGN_OR_RETURN(const auto scene, scene::SceneFromJson(AsText(scene_text)));
-  ENAMEL_ASSIGN_OR_RETURN(const auto initial, ToothOf(store.content(), scene.volume));
+  ENAMEL_ASSIGN_OR_RETURN(const auto initial, ToothOf(store.blobs, scene.volume));
   ENAMEL_RETURN_IF_ERROR(scene::LoadPreparedTarget(
-      initial, [&](const Sha256& hash) { return store.content().GetBlob(hash); }, exercise.target));
+      initial, [&](const Sha256& hash) { return store.blobs.GetBlob(hash); }, exercise.target));
   ReferenceCache cache;
   ENAMEL_ASSIGN_OR_RETURN(const auto cut, cache.Get(store, reference));
   const scoring::AttemptData data{&initial, &cut->final_volume, &cut->surface, &cut->process};
@@ -79,31 +79,30 @@ std::vector<std::string> RepeatedMetrics(const scene::Rubric& rubric) {
   return out;
 }
 
-Result<std::optional<std::string>> OtherOwnerOfRubric(RubricCheckParts store,
-                                                      const ExerciseRow& exercise,
+Result<std::optional<std::string>> OtherOwnerOfRubric(Store& store, const ExerciseRow& exercise,
                                                       const scene::Rubric& counting,
                                                       const std::string& name) {
   std::optional<std::string> none;
   if (name == counting.name) return none;
-  ENAMEL_ASSIGN_OR_RETURN(const auto rows, store.content().AllExercises());
+  ENAMEL_ASSIGN_OR_RETURN(const auto rows, store.exercises.AllExercises());
   for (const ExerciseRow& row : rows) {
     if (row.name == exercise.name) continue;
-    const auto document = DocumentOf(store.content(), row);
+    const auto document = DocumentOf(store.blobs, row);
     if (!document.ok()) continue;
-    const auto theirs = CountingRubric(store, row.id, document->rubric);
+    const auto theirs = CountingRubric(store.blobs, store.rubrics, row.id, document->rubric);
     if (theirs.ok() && theirs->name == name) return std::optional(row.name);
   }
   return none;
 }
 
-Result<std::optional<scoring::ScoreResult>> ReferenceUnder(RubricCheckParts store,
+Result<std::optional<scoring::ScoreResult>> ReferenceUnder(Store& store,
                                                            const ExerciseRow& exercise,
                                                            const scene::Rubric& rubric,
                                                            bool stored_only) {
   std::optional<scoring::ScoreResult> none;
-  ENAMEL_ASSIGN_OR_RETURN(const auto reference, store.references().ReferenceFor(exercise.id));
+  ENAMEL_ASSIGN_OR_RETURN(const auto reference, store.references.ReferenceFor(exercise.id));
   if (!reference) return none;
-  const auto stored = StoredScore(store, reference->attempt);
+  const auto stored = StoredScore(store.blobs, store.results, reference->attempt);
   const bool against_itself =
       stored.ok() &&
       (stored->reference_attempt.empty() || stored->reference_attempt == reference->attempt.Text());
@@ -139,7 +138,7 @@ std::string LostByReference(const scoring::ScoreResult& score) {
                      score.critical_fail ? ", failed" : "", why.empty() ? "" : ": ", why);
 }
 
-Result<std::string> Objections(RubricCheckParts store, const ExerciseRow& exercise,
+Result<std::string> Objections(Store& store, const ExerciseRow& exercise,
                                const scene::Rubric& counting, const scene::Rubric& rubric,
                                bool stored_only) {
   ENAMEL_ASSIGN_OR_RETURN(const auto other,

@@ -45,7 +45,7 @@ constexpr double kFarFromPulp_m = 5e-3;
 
 class ScoreJob {
  public:
-  ScoreJob(ScoringParts store, const Uuid& attempt, const Uuid& lease, const JobProgress& progress,
+  ScoreJob(Store& store, const Uuid& attempt, const Uuid& lease, const JobProgress& progress,
            ReferenceCache& cache, const trace::KeyPair* key)
       : store_(store),
         attempt_(attempt),
@@ -74,18 +74,18 @@ class ScoreJob {
   }
 
   Status LoadTrace() {
-    ENAMEL_ASSIGN_OR_RETURN(auto row, store_.attempts().AttemptById(attempt_));
+    ENAMEL_ASSIGN_OR_RETURN(auto row, store_.attempts.AttemptById(attempt_));
     row_ = std::move(row);
-    ENAMEL_ASSIGN_OR_RETURN(auto header, store_.attempts().AttemptHeader(attempt_));
+    ENAMEL_ASSIGN_OR_RETURN(auto header, store_.recordings.AttemptHeader(attempt_));
     header_hash_ = HashSha256(header);
     ENAMEL_ASSIGN_OR_RETURN(auto decoded, trace::DecodeHeader(header));
     header_ = std::move(decoded);
     // Before anything is computed with them: a header may be well signed and still ask for the
     // impossible.
     ENAMEL_RETURN_IF_ERROR(core::ValidateParams(header_.params));
-    ENAMEL_ASSIGN_OR_RETURN(auto chunks, store_.attempts().AttemptChunks(attempt_));
+    ENAMEL_ASSIGN_OR_RETURN(auto chunks, store_.recordings.AttemptChunks(attempt_));
     chunks_ = std::move(chunks);
-    ENAMEL_ASSIGN_OR_RETURN(auto seal, store_.attempts().AttemptSeal(attempt_));
+    ENAMEL_ASSIGN_OR_RETURN(auto seal, store_.recordings.AttemptSeal(attempt_));
     seal_ = seal;
     return Status::Ok();
   }
@@ -94,7 +94,7 @@ class ScoreJob {
     if (header_.ticket.attempt != attempt_) {
       return Differs("attempt in the header", attempt_.Text(), header_.ticket.attempt.Text());
     }
-    ENAMEL_ASSIGN_OR_RETURN(auto station, store_.stations().StationById(row_.station));
+    ENAMEL_ASSIGN_OR_RETURN(auto station, store_.stations.StationById(row_.station));
     trace::PublicKey key{};
     if (station.public_key.size() != key.size()) {
       return Status(Code::kInvalidInput, "station " + station.name + " has no valid public key");
@@ -123,7 +123,7 @@ class ScoreJob {
       return Differs("device profile", row_.profile_content.Hex(), ticket.profile.Hex());
     }
     auto documents = scene::ReadDocuments(ticket.exercise, ticket.profile, [&](const Sha256& hash) {
-      return store_.blobs().GetBlob(hash);
+      return store_.blobs.GetBlob(hash);
     });
     if (!documents.ok()) return documents.status();
     ENAMEL_RETURN_IF_ERROR(
@@ -137,22 +137,22 @@ class ScoreJob {
   // The recording names the exercise's document, which never changes; what is corrected is how it
   // is judged.
   Status LoadRubric() {
-    ENAMEL_ASSIGN_OR_RETURN(auto rubric, CountingRubric(store_, row_.exercise, exercise_.rubric));
+    ENAMEL_ASSIGN_OR_RETURN(
+        auto rubric, CountingRubric(store_.blobs, store_.rubrics, row_.exercise, exercise_.rubric));
     exercise_.rubric = std::move(rubric);
     return Status::Ok();
   }
 
   Status LoadVolume() {
-    ENAMEL_ASSIGN_OR_RETURN(auto blob, store_.blobs().GetBlob(header_.volume));
+    ENAMEL_ASSIGN_OR_RETURN(auto blob, store_.blobs.GetBlob(header_.volume));
     ENAMEL_ASSIGN_OR_RETURN(auto volume, scene::DecodeVolume(blob));
     initial_ = std::move(volume);
     return scene::LoadPreparedTarget(
-        initial_, [&](const Sha256& hash) { return store_.blobs().GetBlob(hash); },
-        exercise_.target);
+        initial_, [&](const Sha256& hash) { return store_.blobs.GetBlob(hash); }, exercise_.target);
   }
 
   Status LoadReference() {
-    ENAMEL_ASSIGN_OR_RETURN(auto row, store_.references().ReferenceFor(row_.exercise));
+    ENAMEL_ASSIGN_OR_RETURN(auto row, store_.references.ReferenceFor(row_.exercise));
     if (!row) {
       // Then the tooth that the target names is what an attempt is compared with.
       if (row_.as_reference || exercise_.target.prepared_tooth) return Status::Ok();
@@ -251,7 +251,7 @@ class ScoreJob {
     FillDeductions(attempt, reference, *metrics, score);
     ENAMEL_RETURN_IF_ERROR(FillEnvelope(attempt, reference, *metrics, score));
 
-    AttemptStore::AttemptResult result;
+    AttemptResult result;
     result.score = score.score;
     result.critical_fail = score.critical_fail;
     result.reference = reference_attempt_;
@@ -269,17 +269,16 @@ class ScoreJob {
     result.same_judgement_as = SameAsBefore(judgement);
     ENAMEL_RETURN_IF_ERROR(FillMotion(process, result));
     if (key_ != nullptr) Sign(stored, judgement, result);
-    return store_.jobs().FinishAttempt(attempt_, result, lease_);
+    return store_.results.FinishAttempt(attempt_, result, lease_);
   }
 
   // The motion, and where it lies among those before it at the same exercise and the reference's. One
   // that cannot be read any more is left out.
-  Status FillMotion(const scoring::ProcessRecorder& process, AttemptStore::AttemptResult& result) {
+  Status FillMotion(const scoring::ProcessRecorder& process, AttemptResult& result) {
     const auto motion = scoring::MotionOf(process.samples());
     if (!motion) return Status::Ok();
     ENAMEL_RETURN_IF_ERROR(Put(scoring::EncodeMotion(*motion), result.motion));
-    ENAMEL_ASSIGN_OR_RETURN(const auto rows,
-                            store_.attempts().MotionsBefore(attempt_, kMostMotions));
+    ENAMEL_ASSIGN_OR_RETURN(const auto rows, store_.motions.MotionsBefore(attempt_, kMostMotions));
     std::vector<Uuid> whose;
     std::vector<scoring::Motion> others;
     auto add = [&](const Uuid& attempt, const scoring::Motion& other) {
@@ -292,7 +291,7 @@ class ScoreJob {
     }
     for (const MotionRow& row : rows) {
       if (reference_attempt_ && row.attempt == *reference_attempt_) continue;
-      auto bytes = store_.blobs().GetBlob(row.content);
+      auto bytes = store_.blobs.GetBlob(row.content);
       if (!bytes.ok()) continue;
       if (auto of = scoring::DecodeMotion(*bytes); of.ok()) add(row.attempt, *of);
     }
@@ -308,9 +307,9 @@ class ScoreJob {
   // The score document of the run before, if it has the same points and reasons. One that cannot be
   // read counts as another: an instructor then sees the new one before students do.
   std::optional<Sha256> SameAsBefore(const Sha256& judgement) const {
-    auto before = store_.attempts().ResultOf(attempt_);
+    auto before = store_.results.ResultOf(attempt_);
     if (!before.ok()) return std::nullopt;
-    auto text = store_.blobs().GetBlob(before->score_json);
+    auto text = store_.blobs.GetBlob(before->score_json);
     if (!text.ok()) return std::nullopt;
     auto score = scoring::ScoreFromJson(AsText(*text));
     if (!score.ok() || JudgementOf(*score) != judgement) return std::nullopt;
@@ -318,7 +317,7 @@ class ScoreJob {
   }
 
   void Sign(const scoring::ScoreResult& score, const Sha256& judgement,
-            AttemptStore::AttemptResult& result) const {
+            AttemptResult& result) const {
     result.scored_ms = enamel::UnixMs();
     ResultDocument document;
     document.attempt = attempt_;
@@ -387,7 +386,7 @@ class ScoreJob {
   // nothing about this attempt, which has its points from the newest.
   Status FillEnvelope(const scoring::AttemptData& attempt, const scoring::AttemptData& reference,
                       const scoring::MetricSet& metrics, scoring::ScoreResult& score) const {
-    ENAMEL_ASSIGN_OR_RETURN(auto rows, store_.references().References(row_.exercise));
+    ENAMEL_ASSIGN_OR_RETURN(auto rows, store_.references.References(row_.exercise));
     std::erase_if(rows, [](const ReferenceRow& row) { return row.withdrawn_ms != 0; });
     if (rows.size() < 2) return Status::Ok();
     rows.resize(std::min(rows.size(), scoring::kMaxEnvelopeMembers));
@@ -431,12 +430,12 @@ class ScoreJob {
   }
 
   Status Put(ByteView bytes, Sha256& hash) {
-    ENAMEL_ASSIGN_OR_RETURN(auto put, store_.blobs().PutAttemptBlob(attempt_, bytes));
+    ENAMEL_ASSIGN_OR_RETURN(auto put, store_.blobs.PutAttemptBlob(attempt_, bytes));
     hash = put;
     return Status::Ok();
   }
 
-  const ScoringParts store_;
+  Store& store_;
   const Uuid attempt_, lease_;
   const JobProgress& progress_;
   ReferenceCache& cache_;
@@ -464,14 +463,14 @@ bool WorthAnotherTry(const Status& status) {
 
 }  // namespace
 
-Status RunScoreJob(ScoringParts store, const Uuid& attempt, const JobProgress& progress,
+Status RunScoreJob(Store& store, const Uuid& attempt, const JobProgress& progress,
                    ReferenceCache* cache, const Uuid& lease, const trace::KeyPair* key) {
   ReferenceCache own;
   Status status = ScoreJob(store, attempt, lease, progress, cache ? *cache : own, key).Run();
   // Anything else will be the same next time: the attempt says why, instead of the queue trying for
   // ever.
   if (status.ok() || WorthAnotherTry(status)) return status;
-  return store.jobs().FailAttempt(attempt, status.message(), lease);
+  return store.results.FailAttempt(attempt, status.message(), lease);
 }
 
 }  // namespace enamel::server

@@ -5,12 +5,9 @@
 #include "common/base/result.h"
 #include "common/base/uuid.h"
 #include "server/jobs/reference_cache.h"
-#include "server/storage/parts.h"
+#include "server/storage/store.h"
 
 namespace enamel::server {
-
-using ScoringParts =
-    Parts<StationStore, BlobStore, RubricStore, ReferenceStore, AttemptStore, JobStore>;
 
 // Told how far a job is, 0..1; returning false stops it (the server shuts down).
 using JobProgress = std::function<bool(double progress)>;
@@ -40,7 +37,7 @@ using JobProgress = std::function<bool(double progress)>;
 // Errors, after which the job should be tried again: kStorage, kUnavailable (also when `progress`
 // stopped it); kNotFound when there is no such attempt. Thread safety: any thread. Blocks for
 // seconds.
-Status RunScoreJob(ScoringParts store, const Uuid& attempt, const JobProgress& progress = {},
+Status RunScoreJob(Store& store, const Uuid& attempt, const JobProgress& progress = {},
                    ReferenceCache* cache = nullptr, const Uuid& lease = {},
                    const trace::KeyPair* key = nullptr);
 

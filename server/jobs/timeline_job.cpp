@@ -15,25 +15,25 @@ Status Stopped() {
   return Status(Code::kUnavailable, "stopped: the timeline is made when nobody waits for a score");
 }
 
-Result<Sha256> StartTooth(TimelineParts store, const Sha256& volume_hash,
+Result<Sha256> StartTooth(StoredBlobs& blobs, TimelineRows& timelines, const Sha256& volume_hash,
                           const cutting::Volume& volume) {
-  ENAMEL_ASSIGN_OR_RETURN(Sha256 known, store.timelines().StartToothOf(volume_hash));
+  ENAMEL_ASSIGN_OR_RETURN(Sha256 known, timelines.StartToothOf(volume_hash));
   if (!known.IsZero()) return known;
   ENAMEL_ASSIGN_OR_RETURN(
-      Sha256 made,
-      store.blobs().PutBlob(timeline::EncodeStartTooth(timeline::StartToothOf(volume))));
-  ENAMEL_RETURN_IF_ERROR(store.timelines().PutStartTooth(volume_hash, made));
+      Sha256 made, blobs.PutBlob(timeline::EncodeStartTooth(timeline::StartToothOf(volume))));
+  ENAMEL_RETURN_IF_ERROR(timelines.PutStartTooth(volume_hash, made));
   return made;
 }
 
-Status Make(TimelineParts store, const Uuid& attempt, const JobProgress& progress) {
-  ENAMEL_ASSIGN_OR_RETURN(const Bytes header_bytes, store.attempts().AttemptHeader(attempt));
+Status Make(Store& store, const Uuid& attempt, const JobProgress& progress) {
+  ENAMEL_ASSIGN_OR_RETURN(const Bytes header_bytes, store.recordings.AttemptHeader(attempt));
   ENAMEL_ASSIGN_OR_RETURN(const trace::Header header, trace::DecodeHeader(header_bytes));
   ENAMEL_RETURN_IF_ERROR(core::ValidateParams(header.params));
-  ENAMEL_ASSIGN_OR_RETURN(const std::vector<Bytes> chunks, store.attempts().AttemptChunks(attempt));
-  ENAMEL_ASSIGN_OR_RETURN(const Bytes volume, store.blobs().GetBlob(header.volume));
+  ENAMEL_ASSIGN_OR_RETURN(const std::vector<Bytes> chunks, store.recordings.AttemptChunks(attempt));
+  ENAMEL_ASSIGN_OR_RETURN(const Bytes volume, store.blobs.GetBlob(header.volume));
   ENAMEL_ASSIGN_OR_RETURN(const cutting::Volume initial, scene::DecodeVolume(volume));
-  ENAMEL_ASSIGN_OR_RETURN(const Sha256 start, StartTooth(store, header.volume, initial));
+  ENAMEL_ASSIGN_OR_RETURN(const Sha256 start,
+                          StartTooth(store.blobs, store.timelines, header.volume, initial));
   timeline::RecorderOptions options;
   options.rate_hz = header.params.rate_hz;
   options.bur = core::BurOf(header.params);
@@ -56,17 +56,17 @@ Status Make(TimelineParts store, const Uuid& attempt, const JobProgress& progres
                                        "; there is no tooth to play back");
   }
   ENAMEL_ASSIGN_OR_RETURN(const Sha256 content,
-                          store.blobs().PutAttemptBlob(attempt, recorder.Finish(core.volume())));
-  return store.timelines().PutTimeline(attempt, content);
+                          store.blobs.PutAttemptBlob(attempt, recorder.Finish(core.volume())));
+  return store.timelines.PutTimeline(attempt, content);
 }
 
 }  // namespace
 
-Status RunTimelineJob(TimelineParts store, const Uuid& attempt, const JobProgress& progress) {
+Status RunTimelineJob(Store& store, const Uuid& attempt, const JobProgress& progress) {
   const Status status = Make(store, attempt, progress);
   if (status.ok() || status.code() == Code::kUnavailable) return status;
   const bool again = status.code() == Code::kStorage;
-  const Status kept = store.timelines().FailTimeline(attempt, status.message(), again);
+  const Status kept = store.timelines.FailTimeline(attempt, status.message(), again);
   return again ? status : kept;
 }
 

@@ -3,11 +3,9 @@
 #include "common/base/result.h"
 #include "common/base/uuid.h"
 #include "server/jobs/score_job.h"
-#include "server/storage/parts.h"
+#include "server/storage/store.h"
 
 namespace enamel::server {
-
-using TimelineParts = Parts<BlobStore, AttemptStore, TimelineStore>;
 
 // Makes the surface timeline of a scored attempt (schemas/surface_timeline.md) and, once for a
 // volume, its start tooth: the core re-run on the recorded inputs, all of them, also what came
@@ -16,6 +14,6 @@ using TimelineParts = Parts<BlobStore, AttemptStore, TimelineStore>;
 // Returns Ok when it is stored, or its problem is: a recording that the replay disagrees with has
 // no timeline. Errors, after which it should be tried again: kStorage, kUnavailable (also when
 // `progress` stopped it). Thread safety: any thread. Blocks for seconds.
-Status RunTimelineJob(TimelineParts store, const Uuid& attempt, const JobProgress& progress = {});
+Status RunTimelineJob(Store& store, const Uuid& attempt, const JobProgress& progress = {});
 
 }  // namespace enamel::server

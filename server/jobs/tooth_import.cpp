@@ -76,8 +76,8 @@ std::string PlainName(std::string_view title, int tooth) {
 }
 
 // That no tooth has: exercises are named by it, and another tooth is not a version of theirs.
-Result<std::string> FreeName(ContentStore& store, const std::string& wanted) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto scenes, store.Scenes());
+Result<std::string> FreeName(SceneRows& scenes_rows, const std::string& wanted) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto scenes, scenes_rows.Scenes());
   std::string name = wanted;
   for (int again = 2; std::ranges::find(scenes, name, &SceneRow::name) != scenes.end(); ++again) {
     name = wanted + "-" + std::to_string(again);
@@ -224,7 +224,6 @@ void ToothImport::Work(Wanted wanted, Bytes file, Actor by) {
 
 Result<ToothImport::Made> ToothImport::Make(const Wanted& wanted, const Bytes& file,
                                             const Actor& by) {
-  ContentStore& store = stores_.content();
   ENAMEL_ASSIGN_OR_RETURN(const std::string title, CheckedName(wanted.title, "title"));
   const std::string plain = PlainName(title, wanted.tooth);
   import::ImportOptions options;
@@ -245,17 +244,18 @@ Result<ToothImport::Made> ToothImport::Make(const Wanted& wanted, const Bytes& f
   // Named by us and not by whoever sends it: the name stands in messages and in the provenance.
   ENAMEL_ASSIGN_OR_RETURN(const auto stored, PrivateFile::Write(plain + "." + wanted.kind, file));
   ENAMEL_ASSIGN_OR_RETURN(auto imported, import::ImportTooth(stored.path(), options));
-  ENAMEL_ASSIGN_OR_RETURN(imported.scene.name, FreeName(store, plain));
+  ENAMEL_ASSIGN_OR_RETURN(imported.scene.name, FreeName(store_.scenes, plain));
   imported.scene.title = title;
   if (wanted.tooth != 0) {
     imported.scene.provenance += "; tooth " + std::to_string(wanted.tooth) + " (ISO 3950)";
   }
   Made made;
-  ENAMEL_RETURN_IF_ERROR(PutFirstProfiles(stores_));
+  ENAMEL_RETURN_IF_ERROR(PutFirstProfiles(store_));
+  ENAMEL_ASSIGN_OR_RETURN(made.scene, StoreScene(store_.blobs, store_.scenes, imported.scene,
+                                                 scene::EncodeVolume(imported.volume), by));
   ENAMEL_ASSIGN_OR_RETURN(
-      made.scene, StoreScene(store, imported.scene, scene::EncodeVolume(imported.volume), by));
-  ENAMEL_ASSIGN_OR_RETURN(made.exercises,
-                          PublishExercisesOf(store, imported.scene, made.scene.content, by));
+      made.exercises,
+      PublishExercisesOf(store_.blobs, store_.exercises, imported.scene, made.scene.content, by));
   made.findings = std::move(imported.report);
   return made;
 }

@@ -8,7 +8,8 @@
 
 #include "common/base/mutex.h"
 #include "common/base/result.h"
-#include "server/storage/parts.h"
+#include "server/storage/audit/actor.h"
+#include "server/storage/store.h"
 #include "server/training/types.h"
 
 namespace enamel::server {
@@ -23,7 +24,6 @@ namespace enamel::server {
 // next one begins, or the server ends. Thread safety: any thread. The destructor waits for the thread.
 class ToothImport {
  public:
-  using Stores = Parts<ContentStore, AuditStore>;
   static constexpr size_t kMaxFileBytes = size_t{32} << 20;
   static constexpr UnixMs kForgottenMs = 5 * 60'000;
   static constexpr int32_t kVoxelNm = 50'000;
@@ -49,8 +49,8 @@ class ToothImport {
   };
 
   // `child`: the mesh reader; empty: beside the running program.
-  explicit ToothImport(Stores stores, std::filesystem::path child = {})
-      : stores_(stores), child_(std::move(child)) {}
+  explicit ToothImport(Store& store, std::filesystem::path child = {})
+      : store_(store), child_(std::move(child)) {}
   ~ToothImport();
   ToothImport(const ToothImport&) = delete;
   ToothImport& operator=(const ToothImport&) = delete;
@@ -72,7 +72,7 @@ class ToothImport {
   Result<Made> Make(const Wanted& wanted, const Bytes& file, const Actor& by);
   Status MustBe(const Uuid& id) const ENAMEL_REQUIRES(mutex_);
 
-  Stores stores_;
+  Store& store_;
   const std::filesystem::path child_;
   mutable Mutex mutex_;
   std::optional<About> about_ ENAMEL_GUARDED_BY(mutex_);

@@ -27,8 +27,7 @@ void YieldToOthers() {
 
 }  // namespace
 
-Worker::Worker(ScoringParts store, WorkerOptions options)
-    : store_(store), options_(std::move(options)) {}
+Worker::Worker(Store& store, WorkerOptions options) : store_(store), options_(std::move(options)) {}
 
 Worker::~Worker() { Stop(); }
 
@@ -58,7 +57,7 @@ void Worker::KeepLeases(std::stop_token stop) {
     }
     for (const Uuid& lease : leases) {
       if (stop.stop_requested()) return;
-      const Status kept = store_.jobs().KeepLease(lease, enamel::UnixMs() + options_.lease_ms);
+      const Status kept = store_.jobs.KeepLease(lease, enamel::UnixMs() + options_.lease_ms);
       if (kept.field() != kLeaseOver) continue;
       MutexLock lock(mutex_);
       if (auto at = running_.find(lease); at != running_.end()) at->second = true;
@@ -101,7 +100,7 @@ void Worker::Wait(const std::stop_token& stop, uint64_t seen) {
 }
 
 bool Worker::RunOne(const std::stop_token& stop) {
-  auto job = store_.jobs().LeaseJob(enamel::UnixMs(), options_.lease_ms);
+  auto job = store_.jobs.LeaseJob(enamel::UnixMs(), options_.lease_ms);
   bool report_queue = false;
   {
     MutexLock lock(mutex_);
@@ -123,8 +122,8 @@ bool Worker::RunOne(const std::stop_token& stop) {
     running_.erase(lease);
   }
   bool interrupted = status.code() == Code::kUnavailable && stop.stop_requested();
-  Status finished = interrupted ? store_.jobs().ReturnJob(lease)
-                                : store_.jobs().FinishJob(lease, status.ok(), status.message());
+  Status finished = interrupted ? store_.jobs.ReturnJob(lease)
+                                : store_.jobs.FinishJob(lease, status.ok(), status.message());
   Report(**job, status.ok() ? finished : status);
   return true;
 }
@@ -136,14 +135,14 @@ bool Worker::MakeTimeline(const std::stop_token& stop) {
     if (making_timeline_) return false;
     making_timeline_ = true;
   }
-  const bool made = MakeNextTimeline(*options_.timelines, stop);
+  const bool made = MakeNextTimeline(stop);
   MutexLock lock(mutex_);
   making_timeline_ = false;
   return made;
 }
 
-bool Worker::MakeNextTimeline(const TimelineParts& store, const std::stop_token& stop) {
-  auto attempt = store.timelines().TakeTimeline();
+bool Worker::MakeNextTimeline(const std::stop_token& stop) {
+  auto attempt = store_.timelines.TakeTimeline();
   // What is wrong with the database is said when the queue is asked.
   if (!attempt.ok() || !*attempt) return false;
   auto asked = std::chrono::steady_clock::now(), kept = asked;
@@ -156,21 +155,21 @@ bool Worker::MakeNextTimeline(const TimelineParts& store, const std::stop_token&
     if (now - kept >= options_.heartbeat) {
       kept = now;
       // At worst another server makes the same.
-      (void)store.timelines().KeepTimeline(**attempt);
+      (void)store_.timelines.KeepTimeline(**attempt);
     }
-    auto queued = store_.jobs().FindJobs({"queued", {}, {}, 1});
+    auto queued = store_.jobs.FindJobs({"queued", {}, {}, 1});
     return queued.ok() && queued->empty();
   };
   Status status;
   try {
-    status = RunTimelineJob(store, **attempt, nobody_waits);
+    status = RunTimelineJob(store_, **attempt, nobody_waits);
   } catch (const std::exception& e) {  // thread's entry: out of memory
     status =
         Status(Code::kInternal, std::string("the timeline ended with an exception: ") + e.what());
-    (void)store.timelines().FailTimeline(**attempt, status.message(), false);
+    (void)store_.timelines.FailTimeline(**attempt, status.message(), false);
   }
   if (status.code() == Code::kUnavailable) {
-    (void)store.timelines().ReturnTimeline(**attempt);
+    (void)store_.timelines.ReturnTimeline(**attempt);
     return !stop.stop_requested();
   }
   JobRow job;
@@ -190,7 +189,7 @@ Status Worker::RunJob(const JobRow& job, const std::stop_token& stop) {
     if (done >= told + kProgressStep) {
       told = done;
       // Other trouble than a run that is over is met and reported by the job's own writes.
-      if (store_.jobs().SetProgress(job.lease, done).field() == kLeaseOver) return false;
+      if (store_.results.SetProgress(job.lease, done).field() == kLeaseOver) return false;
     }
     return !stop.stop_requested() && !IsOver(job.lease);
   };

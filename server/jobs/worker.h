@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <functional>
 #include <map>
+#include <optional>
 #include <stop_token>
 #include <thread>
 #include <vector>
@@ -27,8 +28,8 @@ struct WorkerOptions {
   std::chrono::milliseconds heartbeat{10'000};
   // Signs results (schemas/result.md); none: they stay unsigned.
   std::optional<trace::KeyPair> key{};
-  // Makes surface timelines when the queue is empty (timeline_job.h); none: it makes none.
-  std::optional<TimelineParts> timelines{};
+  // Makes surface timelines when the queue is empty (timeline_job.h).
+  bool timelines = false;
   // Called on a worker's thread after every job, with what RunScoreJob returned, and after every
   // timeline, as a job of kind "timeline" without an id; and with an empty
   // job when the queue itself cannot be read (once, until it can be again). Must not call Stop.
@@ -42,7 +43,7 @@ struct WorkerOptions {
 // Notify from any thread; Start and Stop from the owner's. `store` must outlive it.
 class Worker {
  public:
-  explicit Worker(ScoringParts store, WorkerOptions options = {});
+  explicit Worker(Store& store, WorkerOptions options = {});
   ~Worker();  // Stops.
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
@@ -58,7 +59,7 @@ class Worker {
   void Loop(std::stop_token stop);
   bool RunOne(const std::stop_token& stop);        // False when there was nothing to do.
   bool MakeTimeline(const std::stop_token& stop);  // False when there was none to make.
-  bool MakeNextTimeline(const TimelineParts& store, const std::stop_token& stop);
+  bool MakeNextTimeline(const std::stop_token& stop);
   Status RunJob(const JobRow& job, const std::stop_token& stop);
   void KeepLeases(std::stop_token stop);  // until it is stopped
   bool IsOver(const Uuid& lease);
@@ -66,7 +67,7 @@ class Worker {
   void Wait(const std::stop_token& stop, uint64_t seen);
   void Report(const JobRow& job, const Status& status) const;
 
-  const ScoringParts store_;
+  Store& store_;
   const WorkerOptions options_;
   ReferenceCache references_;
   std::vector<std::jthread> threads_;

@@ -14,7 +14,7 @@ constexpr UnixMs kFreshMs = 60'000;
 
 }  // namespace
 
-BoardKeeper::BoardKeeper(StationBoard& board, LiveStore& store, bool shared)
+BoardKeeper::BoardKeeper(StationBoard& board, Store& store, bool shared)
     : board_(board),
       store_(store),
       shared_(shared),
@@ -31,12 +31,12 @@ void BoardKeeper::Run(const std::stop_token& stop) {
 void BoardKeeper::LookAtRemarks(UnixMs now_ms) {
   RemarkBoard& remarks = board_.remarks();
   if (const auto moved = remarks.Moved(); !moved.empty()) {
-    if (!store_.MoveRemarks(moved).ok()) return;
+    if (!store_.live.MoveRemarks(moved).ok()) return;
     remarks.Stored(moved);
   }
   // A server that is alone hears of each remark itself, but for those from before it began.
   if (!shared_ && remarks_read_) return;
-  const auto all = store_.ChairRemarks(now_ms - kRemarksForMs);
+  const auto all = store_.live.ChairRemarks(now_ms - kRemarksForMs);
   if (!all.ok()) return;
   std::set<Uuid> attempts;
   for (const ChairRemark& remark : *all) {
@@ -55,7 +55,7 @@ void BoardKeeper::LookAtLinks() {
     kept = KeepLinks();
   }
   if (!kept.ok()) return;
-  if (const auto elsewhere = store_.LinksElsewhere(); elsewhere.ok()) {
+  if (const auto elsewhere = store_.live.LinksElsewhere(); elsewhere.ok()) {
     board_.SetElsewhere(*elsewhere);
   }
 }
@@ -74,7 +74,7 @@ Status BoardKeeper::KeepLinks() {
       gone.push_back(link.station);
     }
   }
-  ENAMEL_RETURN_IF_ERROR(store_.KeepLinks(come, gone, !kept_));
+  ENAMEL_RETURN_IF_ERROR(store_.live.KeepLinks(come, gone, !kept_));
   kept_ = here;
   return Status::Ok();
 }

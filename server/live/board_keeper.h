@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "server/live/station_board.h"
-#include "server/storage/live_store.h"
+#include "server/storage/store.h"
 
 namespace enamel::server {
 
@@ -26,10 +26,10 @@ class BoardKeeper {
   static constexpr UnixMs kRemarksForMs = 24 * 3'600'000;
 
   // `shared`: the school has more servers.
-  BoardKeeper(StationBoard& board, LiveStore& store, bool shared);
+  BoardKeeper(StationBoard& board, Store& store, bool shared);
   // For tests: no thread, looks when it is told to.
   struct ByHand {};
-  BoardKeeper(StationBoard& board, LiveStore& store, bool shared, ByHand)
+  BoardKeeper(StationBoard& board, Store& store, bool shared, ByHand)
       : board_(board), store_(store), shared_(shared) {}
 
   // What fails is in the store's log, and is done at the next look.
@@ -41,7 +41,7 @@ class BoardKeeper {
   Status KeepLinks();
 
   StationBoard& board_;
-  LiveStore& store_;
+  Store& store_;
   const bool shared_;
   bool remarks_read_ = false;
   std::optional<std::vector<StationLink>>

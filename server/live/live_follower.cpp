@@ -7,7 +7,7 @@
 
 namespace enamel::server {
 
-LiveFollower::LiveFollower(LiveBoard& board, AttemptStore& store)
+LiveFollower::LiveFollower(LiveBoard& board, Store& store)
     : board_(board), store_(store), thread_([this](const std::stop_token& stop) { Run(stop); }) {}
 
 void LiveFollower::Run(const std::stop_token& stop) {
@@ -37,7 +37,7 @@ void LiveFollower::Look(UnixMs now_ms, const std::stop_token& stop) {
 }
 
 Status LiveFollower::Show(const Uuid& attempt, UnixMs now_ms, Followed& followed) {
-  const auto row = store_.AttemptById(attempt);
+  const auto row = store_.attempts.AttemptById(attempt);
   const bool made =
       row.ok() && (row->state == AttemptState::kTicketed || row->state == AttemptState::kRecording);
   if (!made) {
@@ -45,8 +45,8 @@ Status LiveFollower::Show(const Uuid& attempt, UnixMs now_ms, Followed& followed
     if (over) board_.Remove(attempt);
     return row.status();
   }
-  ENAMEL_ASSIGN_OR_RETURN(const auto chunks,
-                          store_.NewestChunks(attempt, followed.next_chunk, kMostChunks));
+  ENAMEL_ASSIGN_OR_RETURN(
+      const auto chunks, store_.recordings.NewestChunks(attempt, followed.next_chunk, kMostChunks));
   for (const Bytes& bytes : chunks) {
     ENAMEL_ASSIGN_OR_RETURN(const trace::Chunk chunk, trace::DecodeChunk(bytes));
     const std::vector<LiveSample> moments = MomentsOf(chunk, row->station, now_ms);

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "server/live/live_board.h"
-#include "server/storage/attempt_store.h"
+#include "server/storage/store.h"
 
 namespace enamel::server {
 
@@ -24,10 +24,10 @@ class LiveFollower {
   // Of one that is far behind only the newest chunks: the board keeps a second's rows.
   static constexpr uint32_t kMostChunks = 3;
 
-  LiveFollower(LiveBoard& board, AttemptStore& store);
+  LiveFollower(LiveBoard& board, Store& store);
   // For tests: no thread, looks when it is told to.
   struct ByHand {};
-  LiveFollower(LiveBoard& board, AttemptStore& store, ByHand) : board_(board), store_(store) {}
+  LiveFollower(LiveBoard& board, Store& store, ByHand) : board_(board), store_(store) {}
 
   // One look at all that is watched; ends early when the store fails, or when it is to stop.
   void Look(UnixMs now_ms, const std::stop_token& stop = {});
@@ -41,7 +41,7 @@ class LiveFollower {
   Status Show(const Uuid& attempt, UnixMs now_ms, Followed& followed);
 
   LiveBoard& board_;
-  AttemptStore& store_;
+  Store& store_;
   std::map<Uuid, Followed> followed_;  // the thread's
   std::jthread thread_;                // last: ends first
 };

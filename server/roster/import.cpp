@@ -51,7 +51,7 @@ json::object StepJson(const RosterStep& step) {
 
 }  // namespace
 
-Result<ImportResult> ImportRoster(PeopleStore& store, std::string_view csv,
+Result<ImportResult> ImportRoster(RosterRows& roster, std::string_view csv,
                                   const ImportOptions& options, const Actor& by) {
   RosterFile file = ReadRoster(csv, options.file);
   // With a bad row nothing is written, and the rows that could be read are still compared with who
@@ -64,11 +64,11 @@ Result<ImportResult> ImportRoster(PeopleStore& store, std::string_view csv,
     passwords = std::move(made);
   }
   if (!dry_run && options.keep) {
-    ENAMEL_ASSIGN_OR_RETURN(const auto planned, store.ImportRoster(file.rows, true, by));
+    ENAMEL_ASSIGN_OR_RETURN(const auto planned, roster.ImportRoster(file.rows, true, by));
     if (planned.problems.empty())
       ENAMEL_RETURN_IF_ERROR(options.keep(PasswordsOf(planned, passwords)));
   }
-  ENAMEL_ASSIGN_OR_RETURN(auto plan, store.ImportRoster(file.rows, dry_run, by));
+  ENAMEL_ASSIGN_OR_RETURN(auto plan, roster.ImportRoster(file.rows, dry_run, by));
   ImportResult out;
   out.plan = std::move(plan);
   out.done = !dry_run && out.plan.problems.empty();

@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "server/roster/roster_file.h"
-#include "server/storage/store.h"
+#include "server/storage/audit/actor.h"
+#include "server/storage/people/roster_rows.h"
 
 namespace enamel::server::roster {
 
@@ -34,7 +35,7 @@ struct ImportResult {
 
 // Reads the roster and brings the store in line with it, all or nothing. Blocks. Errors: those of
 // the store, those of `keep`; what is wrong with the roster is in the result.
-Result<ImportResult> ImportRoster(PeopleStore& store, std::string_view csv,
+Result<ImportResult> ImportRoster(RosterRows& roster, std::string_view csv,
                                   const ImportOptions& options, const Actor& by);
 
 // schemas/roster.md, "The outcome". At most 200 problems are listed, all are counted.

@@ -5,11 +5,11 @@
 namespace enamel::server::stations {
 
 Result<bool> Content::IsContent(const Sha256& hash) {
-  auto exercise = store_.ExerciseByContent(hash);
+  auto exercise = store_.exercises.ExerciseByContent(hash);
   if (exercise.ok()) return true;
   if (exercise.status().code() != Code::kNotFound) return exercise.status();
-  ENAMEL_ASSIGN_OR_RETURN(auto scenes, store_.Scenes());
-  ENAMEL_ASSIGN_OR_RETURN(auto profiles, store_.Profiles());
+  ENAMEL_ASSIGN_OR_RETURN(auto scenes, store_.scenes.Scenes());
+  ENAMEL_ASSIGN_OR_RETURN(auto profiles, store_.profiles.Profiles());
   return std::ranges::any_of(
              scenes, [&](const SceneRow& s) { return s.content == hash || s.volume == hash; }) ||
          std::ranges::any_of(profiles, [&](const ProfileRow& p) { return p.content == hash; });
@@ -30,7 +30,7 @@ Result<Content::Blob> Content::Get(const Sha256& hash) {
                   hash.Hex() + " is no exercise, scene, volume or device profile of this server",
                   "sha256");
   }
-  ENAMEL_ASSIGN_OR_RETURN(auto bytes, store_.GetBlob(hash));
+  ENAMEL_ASSIGN_OR_RETURN(auto bytes, store_.blobs.GetBlob(hash));
   auto blob = std::make_shared<const Bytes>(std::move(bytes));
   MutexLock lock(mutex_);
   // Held weakly: a volume of some MiB is in memory once while stations of a class fetch it, and not

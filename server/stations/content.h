@@ -19,14 +19,14 @@ class Content {
  public:
   using Blob = std::shared_ptr<const Bytes>;
 
-  explicit Content(ContentStore& store) : store_(store) {}
+  explicit Content(Store& store) : store_(store) {}
   // Errors: kNotFound also for what is stored but no content.
   Result<Blob> Get(const Sha256& hash);
 
  private:
   Result<bool> IsContent(const Sha256& hash);
 
-  ContentStore& store_;
+  Store& store_;
   Mutex mutex_;
   std::map<Sha256, std::weak_ptr<const Bytes>> held_ ENAMEL_GUARDED_BY(mutex_);
 };

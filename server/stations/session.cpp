@@ -84,13 +84,12 @@ bool Session::KnownAdmitted() const {
 Status Session::StillAdmitted() {
   UnixMs now = services_.clock();
   if (KnownAdmitted()) return Status::Ok();
-  ENAMEL_ASSIGN_OR_RETURN(auto station, services_.store.stations().StationById(station_->id));
+  ENAMEL_ASSIGN_OR_RETURN(auto station, services_.store.stations.StationById(station_->id));
   if (station.revoked) return RevokedStation();
   admitted_ms_ = now;
   if (now - noted_ms_ < kNotedEveryMs) return Status::Ok();
   // A list that is a minute old tomorrow is no reason to turn the station away.
-  (void)services_.store.stations().TouchStation(station_->id, software_, station_core_version_,
-                                                now);
+  (void)services_.store.stations.TouchStation(station_->id, software_, station_core_version_, now);
   noted_ms_ = now;
   return Status::Ok();
 }
@@ -142,7 +141,7 @@ Result<wire::Reply> Session::Do(const wire::Hello& hello) {
     ENAMEL_ASSIGN_OR_RETURN(auto checked, CheckedName(software, "software"));
     software = checked;
   }
-  auto station = services_.store.stations().StationByCredential(
+  auto station = services_.store.stations.StationByCredential(
       id, auth::TokenHash(AsBytes(hello.credential())));
   if (!station.ok() && station.status().code() != Code::kNotFound) return station.status();
   if (!station.ok() || station->revoked) {
@@ -151,8 +150,8 @@ Result<wire::Reply> Session::Do(const wire::Hello& hello) {
                   "new code (if the server was restored from an older backup: with enrol --again, "
                   "so that what is recorded here stays good)");
   }
-  ENAMEL_RETURN_IF_ERROR(services_.store.stations().TouchStation(id, software, hello.core_version(),
-                                                                 services_.clock()));
+  ENAMEL_RETURN_IF_ERROR(
+      services_.store.stations.TouchStation(id, software, hello.core_version(), services_.clock()));
   station_ = *station;
   shows_remarks_ = hello.shows_remarks();
   if (services_.board != nullptr) entered_ = services_.board->Enter(id, shows_remarks_);
@@ -191,7 +190,7 @@ Result<wire::Reply> Session::Do(const wire::Enrol& enrol) {
   }
   // Made here and sent once; the store keeps its hash.
   Bytes credential = auth::NewToken();
-  ENAMEL_ASSIGN_OR_RETURN(auto station, services_.store.stations().EnrolStation(
+  ENAMEL_ASSIGN_OR_RETURN(auto station, services_.store.stations.EnrolStation(
                                             HashSha256(AsBytes(enrol.code())), row,
                                             auth::TokenHash(credential), services_.clock()));
 
@@ -265,10 +264,10 @@ Result<Person> Session::PersonOf(const std::string& session_token) {
 // What is assigned, and for who teaches the newest version of whatever they could assign: graded work
 // needs a reference first, which they cut here.
 Result<std::vector<ExerciseRow>> Session::ExercisesOf(const Person& person) {
-  if (person.role == Role::kAdmin) return services_.store.content().AllExercises();
-  ENAMEL_ASSIGN_OR_RETURN(auto out, services_.store.content().ExercisesFor(person.id));
+  if (person.role == Role::kAdmin) return services_.store.exercises.AllExercises();
+  ENAMEL_ASSIGN_OR_RETURN(auto out, services_.store.exercises.ExercisesFor(person.id));
   if (person.role == Role::kStudent) return out;
-  ENAMEL_ASSIGN_OR_RETURN(const auto all, services_.store.content().AllExercises());
+  ENAMEL_ASSIGN_OR_RETURN(const auto all, services_.store.exercises.AllExercises());
   for (const ExerciseRow& row : all) {
     const bool listed = std::ranges::find(out, row.id, &ExerciseRow::id) != out.end();
     if (CanUseExercise(person, row) && !listed) out.push_back(row);
@@ -283,7 +282,7 @@ Result<std::vector<ExerciseRow>> Session::ExercisesOf(const Person& person) {
 Result<std::string> Session::StationsText(const AssignmentRow& assignment) {
   std::string out;
   for (const Uuid& id : assignment.stations) {
-    ENAMEL_ASSIGN_OR_RETURN(auto station, services_.store.stations().StationById(id));
+    ENAMEL_ASSIGN_OR_RETURN(auto station, services_.store.stations.StationById(id));
     out += (out.empty() ? "" : ", ") + station.name;
   }
   return out;
@@ -327,13 +326,13 @@ Status Session::AddAssigned(const AssignedRow& row, const std::vector<SceneRow>&
 
 Result<wire::Reply> Session::Do(const wire::ListExercises& request) {
   ENAMEL_ASSIGN_OR_RETURN(auto person, PersonOf(request.session()));
-  ENAMEL_ASSIGN_OR_RETURN(auto scenes, services_.store.content().Scenes());
-  ENAMEL_ASSIGN_OR_RETURN(auto profiles, services_.store.content().Profiles());
+  ENAMEL_ASSIGN_OR_RETURN(auto scenes, services_.store.scenes.Scenes());
+  ENAMEL_ASSIGN_OR_RETURN(auto profiles, services_.store.profiles.Profiles());
 
   wire::Reply reply;
   wire::Exercises& out = *reply.mutable_exercises();
   if (person.role == Role::kStudent) {
-    ENAMEL_ASSIGN_OR_RETURN(auto assigned, services_.store.teaching().AssignmentsFor(person.id));
+    ENAMEL_ASSIGN_OR_RETURN(auto assigned, services_.store.assignments.AssignmentsFor(person.id));
     for (const AssignedRow& row : assigned) {
       ENAMEL_RETURN_IF_ERROR(AddAssigned(row, scenes, out));
     }

@@ -15,7 +15,7 @@
 #include "server/live/station_board.h"
 #include "server/stations/arrivals.h"
 #include "server/stations/content.h"
-#include "server/storage/parts.h"
+#include "server/storage/store.h"
 #include "server/training/ticket_rules.h"
 
 namespace enamel::server::stations {
@@ -33,9 +33,7 @@ inline constexpr size_t kMaxSignedIn = 8;  // people signed in on one connection
 
 // What all sessions share. Everything in it outlives them and may be used from any thread.
 struct Services {
-  Parts<PeopleStore, StationStore, ContentStore, TeachingStore, JudgingStore, IngestStore,
-        AttemptStore, AuditStore>
-      store;
+  Store& store;
   auth::Authenticator& authenticator;
   LiveBoard& live;
   Content& content;

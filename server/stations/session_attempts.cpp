@@ -23,7 +23,7 @@ Status NotOurs(const Uuid& attempt) {
 
 Status Session::MustBeOurs(const Uuid& attempt) {
   if (ours_.contains(attempt)) return Status::Ok();
-  auto row = services_.store.attempts().AttemptById(attempt);
+  auto row = services_.store.attempts.AttemptById(attempt);
   if (!row.ok()) return row.status().code() == Code::kNotFound ? NotOurs(attempt) : row.status();
   if (row->station != station_->id) return NotOurs(attempt);
   if (ours_.size() >= kMaxRemembered) ours_.clear();
@@ -32,7 +32,7 @@ Status Session::MustBeOurs(const Uuid& attempt) {
 }
 
 Status Session::SetTiming(AttemptRow& row) {
-  ENAMEL_ASSIGN_OR_RETURN(auto text, services_.store.content().GetBlob(row.exercise_content));
+  ENAMEL_ASSIGN_OR_RETURN(auto text, services_.store.blobs.GetBlob(row.exercise_content));
   ENAMEL_ASSIGN_OR_RETURN(auto document, scene::ExerciseFromJson(AsText(text)));
   row.rate_hz = document.rate_hz;
   row.limit_ticks =
@@ -58,7 +58,7 @@ Result<std::optional<AssignedRow>> Session::AssignmentFor(const Person& person,
     ENAMEL_ASSIGN_OR_RETURN(auto id, protocol::ReadUuid(request.assignment(), "assignment"));
     wanted = id;
   }
-  ENAMEL_ASSIGN_OR_RETURN(auto rows, services_.store.teaching().AssignmentsFor(person.id));
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, services_.store.assignments.AssignmentsFor(person.id));
   UnixMs now_ms = services_.clock();
   const AssignedRow* assigned =
       PickAssignment(rows, exercise.content, wanted, now_ms, station_->id);
@@ -79,7 +79,7 @@ Result<std::optional<AssignedRow>> Session::AssignmentFor(const Person& person,
 Status Session::HandMayTake(const AssignedRow& assigned, const wire::RequestTicket& request) {
   if (request.for_later() && !request.has_hand()) return Status::Ok();
   const Hand hand = protocol::ReadHand(request.hand());
-  ENAMEL_ASSIGN_OR_RETURN(const bool listed, services_.store.stations().IsListed(hand));
+  ENAMEL_ASSIGN_OR_RETURN(const bool listed, services_.store.devices.IsListed(hand));
   return MayHold(HandsFor(assigned), hand, listed);
 }
 
@@ -99,9 +99,9 @@ Result<wire::Reply> Session::Do(const wire::RequestTicket& request) {
     return Status(Code::kForbidden, "only instructors and admins record reference cuts",
                   "as_reference");
   }
-  ENAMEL_ASSIGN_OR_RETURN(auto exercise, services_.store.content().ExerciseByContent(content));
+  ENAMEL_ASSIGN_OR_RETURN(auto exercise, services_.store.exercises.ExerciseByContent(content));
   ENAMEL_ASSIGN_OR_RETURN(auto assigned, AssignmentFor(person, exercise, request));
-  ENAMEL_ASSIGN_OR_RETURN(auto profiles, services_.store.content().Profiles());
+  ENAMEL_ASSIGN_OR_RETURN(auto profiles, services_.store.profiles.Profiles());
   if (std::ranges::find(profiles, profile, &ProfileRow::content) == profiles.end()) {
     return Status(Code::kNotFound, "this server has no device profile " + profile.Hex(), "profile");
   }
@@ -131,7 +131,7 @@ Result<wire::Reply> Session::Do(const wire::RequestTicket& request) {
   SetTerms(assigned, row);
   // Two versions may say the same: what counts is the one that was assigned, with its reference.
   if (assigned) row.exercise = assigned->exercise.id;
-  ENAMEL_RETURN_IF_ERROR(services_.store.ingest().CreateAttempt(
+  ENAMEL_RETURN_IF_ERROR(services_.store.tickets.CreateAttempt(
       row, encoded, Actor{person.id, "station " + station_->name}));
   ours_.insert(ticket.attempt);
   wire::Reply reply;
@@ -148,9 +148,9 @@ Result<wire::Reply> Session::Do(const wire::RequestTicket& request) {
 // The core's parameters follow from exercise, scene and profile; a header that names others would
 // be scored as something it was not.
 Status Session::CheckParams(const trace::Header& header) {
-  auto documents = scene::ReadDocuments(
-      header.ticket.exercise, header.ticket.profile,
-      [&](const Sha256& hash) { return services_.store.content().GetBlob(hash); });
+  auto documents =
+      scene::ReadDocuments(header.ticket.exercise, header.ticket.profile,
+                           [&](const Sha256& hash) { return services_.store.blobs.GetBlob(hash); });
   if (!documents.ok()) return documents.status();
   return scene::CheckMadeOf(*documents, header.scene, header.volume, header.params);
 }
@@ -178,13 +178,13 @@ Status Session::MayStillBegin(const trace::Ticket& ticket) const {
 // ticket say what was meant as a reference cut: what may be one is scored without a reference too,
 // as it has to be before it becomes one.
 Status Session::GuessTerms(const trace::Ticket& ticket, AttemptRow& row) {
-  auto person = services_.store.people().PersonById(row.person);
+  auto person = services_.store.people.PersonById(row.person);
   if (person.status().code() == Code::kNotFound) return Status::Ok();
   if (!person.ok()) return person.status();
   row.as_reference = CanRecordReference(*person);
   if (person->role != Role::kStudent) return Status::Ok();
   row.flags |= kReadmitted;
-  ENAMEL_ASSIGN_OR_RETURN(auto rows, services_.store.teaching().AssignmentsFor(row.person));
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, services_.store.assignments.AssignmentsFor(row.person));
   std::erase_if(rows, [&](const AssignedRow& assigned) {
     return TicketEnd(assigned, ticket.issued_unix_ms) != ticket.expires_unix_ms;
   });
@@ -203,7 +203,7 @@ Result<std::string> Session::ToldToAwait(const Uuid& attempt) {
   told.action = "attempt.awaits";
   told.object = attempt.Text();
   told.limit = 1;
-  ENAMEL_ASSIGN_OR_RETURN(auto rows, services_.store.audit().FindAudit(told));
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, services_.store.audit.FindAudit(told));
   return rows.empty() ? std::string() : rows.front().after_json;
 }
 
@@ -213,7 +213,7 @@ Status Session::Await(const trace::Ticket& ticket, const std::string& what,
   std::string named = "{\"" + what + "\":\"" + which + "\"}";
   // Once for each thing that is missing: a station asks again every few minutes.
   if (before != named) {
-    ENAMEL_RETURN_IF_ERROR(services_.store.audit().NoteAudit(
+    ENAMEL_RETURN_IF_ERROR(services_.store.audit.NoteAudit(
         Actor{{}, "station " + station_->name}, "attempt.awaits", ticket.attempt.Text(), named));
   }
   return Status(Code::kUnavailable,
@@ -227,12 +227,12 @@ Result<AttemptRow> Session::Readmit(const trace::Ticket& ticket) {
   ENAMEL_ASSIGN_OR_RETURN(auto told, ToldToAwait(ticket.attempt));
   // Who was told to wait may come as late as it takes an admin to bring back what was missing.
   if (told.empty()) ENAMEL_RETURN_IF_ERROR(MayStillBegin(ticket));
-  auto exercise = services_.store.content().ExerciseByContent(ticket.exercise);
+  auto exercise = services_.store.exercises.ExerciseByContent(ticket.exercise);
   if (exercise.status().code() == Code::kNotFound) {
     return Await(ticket, "exercise", ticket.exercise.Hex());
   }
   if (!exercise.ok()) return exercise.status();
-  if (!services_.store.content().HasBlob(ticket.profile)) {
+  if (!services_.store.blobs.HasBlob(ticket.profile)) {
     return Await(ticket, "profile", ticket.profile.Hex());
   }
   AttemptRow row;
@@ -245,21 +245,21 @@ Result<AttemptRow> Session::Readmit(const trace::Ticket& ticket) {
   row.ticketed_ms = ticket.issued_unix_ms;
   ENAMEL_RETURN_IF_ERROR(SetTiming(row));
   ENAMEL_RETURN_IF_ERROR(GuessTerms(ticket, row));
-  Status made = services_.store.ingest().CreateAttempt(
+  Status made = services_.store.tickets.CreateAttempt(
       row, trace::EncodeTicket(ticket),
       Actor{ticket.person, "station " + station_->name + ", ticket from before a restore"});
   if (made.code() == Code::kNotFound && made.field() == "person") {
     return Await(ticket, "person", ticket.person.Text());
   }
   if (!made.ok()) return made;
-  return services_.store.attempts().AttemptById(ticket.attempt);
+  return services_.store.attempts.AttemptById(ticket.attempt);
 }
 
 // Most open an attempt that they said the same of before: that costs no write.
 Status Session::KeepFacts(const AttemptRow& row, const protocol::AttemptFacts& facts) {
   std::string told = protocol::FactsJson(facts);
   if (told == row.facts) return Status::Ok();
-  return services_.store.ingest().KeepFacts(row.id, told);
+  return services_.store.tickets.KeepFacts(row.id, told);
 }
 
 Result<wire::Reply> Session::Do(const wire::OpenAttempt& request) {
@@ -267,7 +267,7 @@ Result<wire::Reply> Session::Do(const wire::OpenAttempt& request) {
   ENAMEL_ASSIGN_OR_RETURN(auto header, trace::DecodeHeader(AsBytes(request.header())));
   ENAMEL_RETURN_IF_ERROR(CheckHeader(header));
   const Uuid& attempt = header.ticket.attempt;
-  auto row = services_.store.attempts().AttemptById(attempt);
+  auto row = services_.store.attempts.AttemptById(attempt);
   const bool forgotten = row.status().code() == Code::kNotFound;
   if (forgotten) row = Readmit(header.ticket);
   if (!row.ok()) return row.status();
@@ -276,13 +276,13 @@ Result<wire::Reply> Session::Do(const wire::OpenAttempt& request) {
     if (!forgotten) ENAMEL_RETURN_IF_ERROR(MayStillBegin(header.ticket));
     ENAMEL_RETURN_IF_ERROR(CheckParams(header));
   }
-  ENAMEL_RETURN_IF_ERROR(services_.store.ingest().OpenAttempt(attempt, AsBytes(request.header())));
+  ENAMEL_RETURN_IF_ERROR(services_.store.tickets.OpenAttempt(attempt, AsBytes(request.header())));
   const protocol::AttemptFacts facts = protocol::FactsOf(request);
   ENAMEL_RETURN_IF_ERROR(KeepFacts(*row, facts));
   if (facts.resumed() > 0) {
-    ENAMEL_RETURN_IF_ERROR(services_.store.judging().FlagAttempt(
-        attempt, kResumed, "the station went on from its spool",
-        Actor{row->person, "station " + station_->name}));
+    ENAMEL_RETURN_IF_ERROR(
+        services_.store.judging.FlagAttempt(attempt, kResumed, "the station went on from its spool",
+                                            Actor{row->person, "station " + station_->name}));
   }
   ours_.insert(attempt);
 
@@ -318,9 +318,9 @@ Result<wire::Reply> Session::Do(const wire::PutChunk& request) {
   if (!trace::VerifyChunk(bytes, key)) return NotSigned(bytes);
   ENAMEL_ASSIGN_OR_RETURN(auto chunk, trace::DecodeChunk(bytes));
   ENAMEL_RETURN_IF_ERROR(MustBeOurs(chunk.head.attempt));
-  Store::ChunkPut put{chunk.head.attempt, chunk.head, chunk.hash, Bytes(bytes.begin(), bytes.end()),
-                      services_.clock()};
-  ENAMEL_RETURN_IF_ERROR(services_.store.ingest().AppendChunk(put));
+  ChunkPut put{chunk.head.attempt, chunk.head, chunk.hash, Bytes(bytes.begin(), bytes.end()),
+               services_.clock()};
+  ENAMEL_RETURN_IF_ERROR(services_.store.ingest.AppendChunk(put));
   services_.arrivals.Came(put.attempt, services_.clock());
   const bool watched = services_.live.Watched(put.attempt);
   // Half a second late, of stations that send no LiveState.
@@ -363,7 +363,7 @@ Result<wire::Reply> Session::Do(const wire::SealAttempt& request) {
   ENAMEL_ASSIGN_OR_RETURN(auto last, protocol::ReadSha256(request.last_chunk(), "last_chunk"));
   ENAMEL_RETURN_IF_ERROR(MustBeOurs(attempt));
   trace::Seal seal{attempt, request.chunks(), request.ticks(), last, request.state_hash()};
-  ENAMEL_RETURN_IF_ERROR(services_.store.ingest().SealAttempt(seal, services_.clock()));
+  ENAMEL_RETURN_IF_ERROR(services_.store.seals.SealAttempt(seal, services_.clock()));
   // After it is on disk: a viewer who sees the end finds the attempt sealed.
   services_.live.Remove(attempt);
   services_.arrivals.Ended(attempt);
@@ -378,9 +378,9 @@ Result<Session::Seen> Session::SeenAttempt(const std::string& session_token,
   ENAMEL_ASSIGN_OR_RETURN(auto attempt, protocol::ReadUuid(field, "attempt"));
   Seen seen;
   ENAMEL_ASSIGN_OR_RETURN(seen.person, PersonOf(session_token));
-  ENAMEL_ASSIGN_OR_RETURN(seen.row, services_.store.attempts().AttemptById(attempt));
+  ENAMEL_ASSIGN_OR_RETURN(seen.row, services_.store.attempts.AttemptById(attempt));
   ENAMEL_ASSIGN_OR_RETURN(seen.shares_cohort,
-                          services_.store.teaching().ShareCohort(seen.person.id, seen.row.person));
+                          services_.store.cohorts.ShareCohort(seen.person.id, seen.row.person));
   if (CanSeeAttempt(seen.person, seen.row, seen.shares_cohort)) return seen;
   return Status(Code::kNotFound, "no attempt " + attempt.Text(), "attempt");
 }
@@ -398,10 +398,10 @@ Result<wire::Reply> Session::Do(const wire::AttemptStatus& request) {
   for (const char* flag : AttemptFlagNames(row.flags & ~kReviewFlags)) state.add_flags(flag);
   state.set_problem(row.problem);
   if (row.state != AttemptState::kScored) return reply;
-  ENAMEL_ASSIGN_OR_RETURN(auto exercise, services_.store.content().ExerciseById(row.exercise));
+  ENAMEL_ASSIGN_OR_RETURN(auto exercise, services_.store.exercises.ExerciseById(row.exercise));
   if (!CanSeeScore(seen.person, row, exercise.graded, seen.shares_cohort)) return reply;
-  ENAMEL_ASSIGN_OR_RETURN(auto result, services_.store.attempts().ResultOf(row.id));
-  ENAMEL_ASSIGN_OR_RETURN(auto json, services_.store.content().GetBlob(result.score_json));
+  ENAMEL_ASSIGN_OR_RETURN(auto result, services_.store.results.ResultOf(row.id));
+  ENAMEL_ASSIGN_OR_RETURN(auto json, services_.store.blobs.GetBlob(result.score_json));
   state.set_result_json(std::string(AsText(json)));
   return reply;
 }

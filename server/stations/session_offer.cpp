@@ -31,7 +31,7 @@ Result<wire::Reply> Session::Do(const wire::OfferAttempts& request) {
 
 Result<bool> Session::Lacks(const wire::HeldAttempt& held) {
   ENAMEL_ASSIGN_OR_RETURN(auto attempt, protocol::ReadUuid(held.attempt(), "attempts.attempt"));
-  auto row = services_.store.attempts().AttemptById(attempt);
+  auto row = services_.store.attempts.AttemptById(attempt);
   if (row.status().code() == Code::kNotFound) return true;
   if (!row.ok()) return row.status();
   // Another's is told as had already: the station keeps it and learns nothing.
@@ -40,13 +40,13 @@ Result<bool> Session::Lacks(const wire::HeldAttempt& held) {
 }
 
 Result<bool> Session::Revoked(const Uuid& attempt) {
-  auto row = services_.store.attempts().AttemptById(attempt);
+  auto row = services_.store.attempts.AttemptById(attempt);
   // Issued before a restore: its signature says that it was.
   if (row.status().code() == Code::kNotFound) return false;
   if (!row.ok()) return row.status();
   bool open = row->state == AttemptState::kTicketed && (row->flags & kReturned) == 0;
   if (row->station != station_->id || !open) return true;
-  auto person = services_.store.people().PersonById(row->person);
+  auto person = services_.store.people.PersonById(row->person);
   if (person.status().code() == Code::kNotFound) return true;
   if (!person.ok()) return person.status();
   return person->disabled;
@@ -56,7 +56,7 @@ Result<wire::Reply> Session::Do(const wire::ReturnTicket& request) {
   ENAMEL_ASSIGN_OR_RETURN(auto attempt, protocol::ReadUuid(request.attempt(), "attempt"));
   ENAMEL_RETURN_IF_ERROR(MustBeOurs(attempt));
   ENAMEL_RETURN_IF_ERROR(
-      services_.store.ingest().ReturnTicket(attempt, Actor{{}, "station " + station_->name}));
+      services_.store.tickets.ReturnTicket(attempt, Actor{{}, "station " + station_->name}));
   wire::Reply reply;
   reply.mutable_ticket_returned()->set_attempt(request.attempt());
   return reply;

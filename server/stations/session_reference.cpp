@@ -2,6 +2,7 @@
 #include "server/stations/session.h"
 #include "server/training/access.h"
 #include "server/training/names.h"
+#include "server/training/revision.h"
 
 // An instructor's word, at the station, that an attempt is what others are compared with.
 namespace enamel::server::stations {

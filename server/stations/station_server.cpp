@@ -109,11 +109,11 @@ asio::awaitable<void> StationServer::State::WatchRevoked() {
 
 // Of the own school and these.
 Result<std::set<Uuid>> StationServer::State::Revoked(const Served& served) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto own, services.store.stations().RevokedStations());
+  ENAMEL_ASSIGN_OR_RETURN(const auto own, services.store.stations.RevokedStations());
   std::set<Uuid> out(own.begin(), own.end());
   for (const auto& other : served) {
     // One that fails keeps no other school's from being told; what it says is in its log.
-    const auto theirs = other->store.stations().RevokedStations();
+    const auto theirs = other->store.stations.RevokedStations();
     if (theirs.ok()) out.insert(theirs->begin(), theirs->end());
   }
   return out;

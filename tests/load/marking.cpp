@@ -40,20 +40,22 @@ Result<Bench> SetUp(Store& store, const trace::KeyPair& ticket_key, int32_t voxe
   Person person;
   person.login = "load-marked-" + tag;
   person.display_name = person.login;
-  ENAMEL_ASSIGN_OR_RETURN(auto id, store.CreatePerson(person, "no password", {}, kLoadgen));
+  ENAMEL_ASSIGN_OR_RETURN(auto id, store.people.CreatePerson(person, "no password", {}, kLoadgen));
   out.person = id;
   const Sha256 code = HashSha256(AsBytes("code " + tag));
-  ENAMEL_RETURN_IF_ERROR(store.AddEnrolCode(code, kFarOff, kLoadgen).status());
+  ENAMEL_RETURN_IF_ERROR(store.stations.AddEnrolCode(code, kFarOff, kLoadgen).status());
   StationRow row;
   row.name = "load marked " + tag;
   row.public_key.assign(out.station_key.public_key.begin(), out.station_key.public_key.end());
-  ENAMEL_ASSIGN_OR_RETURN(auto station,
-                          store.EnrolStation(code, row, HashSha256(AsBytes(out.credential)), 0));
+  ENAMEL_ASSIGN_OR_RETURN(
+      auto station, store.stations.EnrolStation(code, row, HashSha256(AsBytes(out.credential)), 0));
   out.station = station.id;
-  ENAMEL_ASSIGN_OR_RETURN(auto scene, app::PublishScene(store, "builtin:molar", voxel_nm));
-  ENAMEL_ASSIGN_OR_RETURN(auto exercise, app::PublishClassOne(store, scene, Uuid{}));
+  ENAMEL_ASSIGN_OR_RETURN(auto scene,
+                          app::PublishScene(store.blobs, store.scenes, "builtin:molar", voxel_nm));
+  ENAMEL_ASSIGN_OR_RETURN(auto exercise,
+                          app::PublishClassOne(store.blobs, store.exercises, scene, Uuid{}));
   out.exercise = exercise;
-  ENAMEL_ASSIGN_OR_RETURN(auto profiles, store.Profiles());
+  ENAMEL_ASSIGN_OR_RETURN(auto profiles, store.profiles.Profiles());
   for (const ProfileRow& profile : profiles) {
     if (profile.name == "phantom_desktop") out.profile = profile.content;
   }
@@ -82,9 +84,9 @@ Result<trace::Seal> Put(const Bench& bench, const station::lab::Attempt& recorde
   header.ticket.expires_unix_ms = kFarOff;
   trace::SignTicket(header.ticket, bench.ticket_key.secret_key);
   ENAMEL_RETURN_IF_ERROR(
-      bench.store.CreateAttempt(row, trace::EncodeTicket(header.ticket), kLoadgen));
+      bench.store.tickets.CreateAttempt(row, trace::EncodeTicket(header.ticket), kLoadgen));
   const Bytes header_bytes = trace::EncodeHeader(header);
-  ENAMEL_RETURN_IF_ERROR(bench.store.OpenAttempt(row.id, header_bytes));
+  ENAMEL_RETURN_IF_ERROR(bench.store.tickets.OpenAttempt(row.id, header_bytes));
   trace::ChainVerifier chain(row.id, HashSha256(header_bytes));
   for (const Bytes& original : recorded.chunks) {
     ENAMEL_ASSIGN_OR_RETURN(auto decoded, trace::DecodeChunkHead(original));
@@ -95,7 +97,7 @@ Result<trace::Seal> Put(const Bench& bench, const station::lab::Attempt& recorde
     const HeadBytes head_bytes = EncodeHead(head, payload);
     const trace::Signature signature =
         SignChunk(ChunkHash(head_bytes, payload), bench.station_key.secret_key);
-    Store::ChunkPut put;
+    ChunkPut put;
     put.attempt = row.id;
     ByteWriter bytes;
     bytes.Raw(head_bytes);
@@ -106,7 +108,7 @@ Result<trace::Seal> Put(const Bench& bench, const station::lab::Attempt& recorde
     ENAMEL_RETURN_IF_ERROR(chain.Accept(whole));
     put.head = whole.head;
     put.hash = whole.hash;
-    ENAMEL_RETURN_IF_ERROR(bench.store.AppendChunk(put));
+    ENAMEL_RETURN_IF_ERROR(bench.store.ingest.AppendChunk(put));
   }
   return chain.MakeSeal();
 }
@@ -134,7 +136,7 @@ Status RunJobs(Store& store) {
     std::this_thread::sleep_for(kLook);
     size_t open = 0;
     for (const char* state : {"queued", "running"}) {
-      ENAMEL_ASSIGN_OR_RETURN(auto jobs, store.Jobs(state));
+      ENAMEL_ASSIGN_OR_RETURN(auto jobs, store.jobs.Jobs(state));
       open += jobs.size();
     }
     if (open == 0) return Status::Ok();
@@ -144,9 +146,10 @@ Status RunJobs(Store& store) {
 
 Status ScoreReference(const Bench& bench, const station::lab::Attempt& recorded) {
   ENAMEL_ASSIGN_OR_RETURN(auto seal, Put(bench, recorded, true));
-  ENAMEL_RETURN_IF_ERROR(bench.store.SealAttempt(seal, 1));
+  ENAMEL_RETURN_IF_ERROR(bench.store.seals.SealAttempt(seal, 1));
   ENAMEL_RETURN_IF_ERROR(RunJobs(bench.store));
-  auto reference = bench.store.AddReference(seal.attempt, "a simulated dentist", true, kLoadgen);
+  auto reference =
+      bench.store.references.AddReference(seal.attempt, "a simulated dentist", true, kLoadgen);
   return reference.ok() ? RunJobs(bench.store) : reference.status();
 }
 
@@ -229,7 +232,7 @@ void Marking::Run(const std::stop_token& stop) {
   figures_.seal_s = NowS() - from;
   std::vector<double> replay;
   for (size_t i = 0; i < attempts_.size() && outcome_.ok() && !stop.stop_requested();) {
-    auto row = (*store)->AttemptById(attempts_[i].attempt);
+    auto row = (*store)->attempts.AttemptById(attempts_[i].attempt);
     outcome_ = row.status();
     if (!row.ok()) break;
     bool scored = row->state == AttemptState::kScored;
@@ -239,7 +242,7 @@ void Marking::Run(const std::stop_token& stop) {
     }
     ++(scored ? figures_.scored : figures_.failed);
     ++i;
-    auto result = (*store)->ResultOf(row->id);
+    auto result = (*store)->results.ResultOf(row->id);
     if (!result.ok()) continue;
     replay.push_back(result->replay_realtime_factor);
   }

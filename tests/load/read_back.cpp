@@ -37,7 +37,8 @@ Result<ReadBack> ReadEverythingBack(const std::filesystem::path& data,
   ReadBack out;
   for (size_t i = 0; i < stations.size(); ++i) {
     if (!stations[i]->recording()) continue;
-    ENAMEL_ASSIGN_OR_RETURN(auto chunks, store->AttemptChunks(stations[i]->recording()->attempt()));
+    ENAMEL_ASSIGN_OR_RETURN(auto chunks,
+                            store->recordings.AttemptChunks(stations[i]->recording()->attempt()));
     Compare(*stations[i], chunks, out);
     progress(static_cast<double>(i + 1) / static_cast<double>(stations.size()));
   }

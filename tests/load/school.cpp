@@ -29,12 +29,12 @@ Status AddPerson(Store& store, const std::string& login, Role role, const std::s
   person.login = login;
   person.display_name = login;
   person.role = role;
-  ENAMEL_ASSIGN_OR_RETURN(auto id, store.CreatePerson(person, verifier, {}, kLoadgen));
-  return store.AddToCohort(cohort, id, kLoadgen);
+  ENAMEL_ASSIGN_OR_RETURN(auto id, store.people.CreatePerson(person, verifier, {}, kLoadgen));
+  return store.cohorts.AddToCohort(cohort, id, kLoadgen);
 }
 
 Status Compile(Store& store, School& school) {
-  auto text = [&](const Sha256& hash) { return store.GetBlob(hash); };
+  auto text = [&](const Sha256& hash) { return store.blobs.GetBlob(hash); };
   ENAMEL_ASSIGN_OR_RETURN(auto scene_text, text(school.scene));
   ENAMEL_ASSIGN_OR_RETURN(auto exercise_text, text(school.exercise));
   ENAMEL_ASSIGN_OR_RETURN(auto profile_text, text(school.profile));
@@ -51,9 +51,11 @@ Status Compile(Store& store, School& school) {
 
 Status Publish(Store& store, School& school) {
   ENAMEL_RETURN_IF_ERROR(app::PublishProfiles(store));
-  ENAMEL_ASSIGN_OR_RETURN(auto scene, app::PublishScene(store, "builtin:block", kBlockVoxel_nm));
-  ENAMEL_ASSIGN_OR_RETURN(auto exercise, app::PublishClassOne(store, scene, Uuid{}));
-  ENAMEL_ASSIGN_OR_RETURN(auto profiles, store.Profiles());
+  ENAMEL_ASSIGN_OR_RETURN(
+      auto scene, app::PublishScene(store.blobs, store.scenes, "builtin:block", kBlockVoxel_nm));
+  ENAMEL_ASSIGN_OR_RETURN(auto exercise,
+                          app::PublishClassOne(store.blobs, store.exercises, scene, Uuid{}));
+  ENAMEL_ASSIGN_OR_RETURN(auto profiles, store.profiles.Profiles());
   for (const ProfileRow& row : profiles) {
     if (row.name == kProfile) school.profile = row.content;
   }
@@ -73,7 +75,8 @@ Status AddCodes(Store& store, School& school, size_t count) {
       writers.emplace_back([&] {
         for (size_t i; outcome.ok() && (i = next++) < count;) {
           outcome =
-              store.AddEnrolCode(HashSha256(AsBytes(school.codes[i])), kFarOff, kLoadgen).status();
+              store.stations.AddEnrolCode(HashSha256(AsBytes(school.codes[i])), kFarOff, kLoadgen)
+                  .status();
         }
       });
     }
@@ -91,7 +94,7 @@ Result<School> FoundSchool(const std::filesystem::path& data, size_t stations) {
   school.login = "load-student-" + tag;
   school.instructor_login = "load-instructor-" + tag;
   school.password = ToHex(auth::NewToken());
-  ENAMEL_ASSIGN_OR_RETURN(auto cohort, store->CreateCohort("load " + tag, kLoadgen));
+  ENAMEL_ASSIGN_OR_RETURN(auto cohort, store->cohorts.CreateCohort("load " + tag, kLoadgen));
   ENAMEL_RETURN_IF_ERROR(AddPerson(*store, school.login, Role::kStudent, school.password, cohort));
   ENAMEL_RETURN_IF_ERROR(
       AddPerson(*store, school.instructor_login, Role::kInstructor, school.password, cohort));

@@ -6,7 +6,7 @@
 
 #include "common/base/result.h"
 #include "common/core/core.h"
-#include "server/storage/actor.h"
+#include "server/storage/audit/actor.h"
 #include "server/training/types.h"
 
 namespace enamel::load {

@@ -73,10 +73,10 @@ Result<AuditFilter> AuditFilterOf(const Request& request) {
 
 }  // namespace
 
-Response ListAudit(const Call& call, AuditStore& store) {
+Response ListAudit(const Call& call, AuditRows& audit_rows) {
   Result<AuditFilter> filter = AuditFilterOf(call.request);
   if (!filter.ok()) return ErrorResponse(filter.status());
-  Result<std::vector<AuditRow>> rows = store.FindAudit(*filter);
+  Result<std::vector<AuditRow>> rows = audit_rows.FindAudit(*filter);
   if (!rows.ok()) return ErrorResponse(rows.status());
   json::array audit;
   for (const AuditRow& row : *rows) audit.push_back(AuditJson(row));
@@ -87,7 +87,7 @@ Response ListAudit(const Call& call, AuditStore& store) {
   return JsonResponse({{"audit", std::move(audit)}, {"next", std::move(next)}});
 }
 
-Response ListJobs(const Call& call, JobStore& store) {
+Response ListJobs(const Call& call, JobRows& jobs_rows) {
   JobFilter filter;
   Result<std::string> state = QueryText(call.request, "state");
   if (!state.ok()) return ErrorResponse(state.status());
@@ -103,7 +103,7 @@ Response ListJobs(const Call& call, JobStore& store) {
   Result<std::optional<Uuid>> before = IdOf(*page);
   if (!before.ok()) return ErrorResponse(before.status());
   filter.before = *before;
-  Result<std::vector<JobRow>> rows = store.FindJobs(filter);
+  Result<std::vector<JobRow>> rows = jobs_rows.FindJobs(filter);
   if (!rows.ok()) return ErrorResponse(rows.status());
   json::array jobs;
   for (const JobRow& row : *rows) {

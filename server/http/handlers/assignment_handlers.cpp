@@ -38,12 +38,12 @@ std::string PlaceOf(const AssignmentRow& row) {
 // Names for the ids in a list of assignments, looked up once.
 class AssignmentView {
  public:
-  static Result<AssignmentView> Make(Parts<StationStore, ContentStore, TeachingStore> store) {
+  static Result<AssignmentView> Make(Store& store) {
     AssignmentView out;
-    Result<std::vector<StationRow>> stations = store.stations().Stations();
+    Result<std::vector<StationRow>> stations = store.stations.Stations();
     if (!stations.ok()) return stations.status();
     for (const StationRow& row : *stations) out.stations_[row.id] = row.name;
-    Result<std::vector<ExerciseRow>> exercises = store.content().AllExercises();
+    Result<std::vector<ExerciseRow>> exercises = store.exercises.AllExercises();
     if (!exercises.ok()) return exercises.status();
     for (const ExerciseRow& row : *exercises) out.exercises_[row.name] = row;
     return out;
@@ -124,8 +124,8 @@ class AssignmentView {
   std::map<std::string, ExerciseRow> exercises_;  // newest published, by name
 };
 
-Status MustBeAssignable(const Call& call, TeachingStore& store, const Uuid& cohort) {
-  Result<bool> in_cohort = IsInCohort(call, store, cohort);
+Status MustBeAssignable(const Call& call, CohortRows& cohorts, const Uuid& cohort) {
+  Result<bool> in_cohort = IsInCohort(call, cohorts, cohort);
   if (!in_cohort.ok()) return in_cohort.status();
   if (CanAssign(call.caller->person, cohort, *in_cohort)) return {};
   return {Code::kForbidden,
@@ -134,15 +134,16 @@ Status MustBeAssignable(const Call& call, TeachingStore& store, const Uuid& coho
           "cohort_id"};
 }
 
-Status MustHaveReference(Parts<ContentStore, ReferenceStore> store, const ExerciseRow& version,
+Status MustHaveReference(StoredBlobs& blobs, ReferenceRows& references, const ExerciseRow& version,
                          bool exam) {
-  ENAMEL_ASSIGN_OR_RETURN(const bool comparable, HasComparison(store, version));
+  ENAMEL_ASSIGN_OR_RETURN(const bool comparable, HasComparison(blobs, references, version));
   return CheckReference(exam, version, comparable);
 }
 
 // The version that an assignment of this name would be of.
-Result<ExerciseRow> OfferedVersion(const Call& call, ContentStore& store, const std::string& name) {
-  Result<std::vector<ExerciseRow>> offered = store.AllExercises();
+Result<ExerciseRow> OfferedVersion(const Call& call, ExerciseRows& exercises,
+                                   const std::string& name) {
+  Result<std::vector<ExerciseRow>> offered = exercises.AllExercises();
   if (!offered.ok()) return offered.status();
   auto found = std::ranges::find(*offered, name, &ExerciseRow::name);
   // The same for what is not there and what is another's: names tell nothing.
@@ -155,11 +156,10 @@ Result<ExerciseRow> OfferedVersion(const Call& call, ContentStore& store, const 
   return *found;
 }
 
-Status MustBeAssignableNow(const Call& call, Parts<ContentStore, TeachingStore> store,
-                           const AssignmentRow& terms) {
-  Result<ExerciseRow> version = OfferedVersion(call, store, terms.exercise);
+Status MustBeAssignableNow(const Call& call, Store& store, const AssignmentRow& terms) {
+  Result<ExerciseRow> version = OfferedVersion(call, store.exercises, terms.exercise);
   if (!version.ok()) return version.status();
-  return MustHaveReference(store, *version, terms.exam);
+  return MustHaveReference(store.blobs, store.references, *version, terms.exam);
 }
 
 constexpr size_t kMaxTermName = 16;
@@ -199,20 +199,20 @@ Result<AssignmentRow> TermsIn(const Call& call, const AssignmentRow& before) {
   return row;
 }
 
-Response Editable(Parts<StationStore, ContentStore, TeachingStore> store, const AssignmentRow& row,
-                  int status = 200) {
+Response Editable(Store& store, const AssignmentRow& row, int status = 200) {
   Result<AssignmentView> view = AssignmentView::Make(store);
   if (!view.ok()) return ErrorResponse(view.status());
   return WithETag(JsonResponse(view->Json(row), status), row.revision);
 }
 
 // An assignment that is the caller's to change, at the revision the caller has seen.
-Result<AssignmentRow> BeginEdit(const Call& call, TeachingStore& store) {
-  Result<AssignmentRow> row = SeeAssignment(call, store);
+Result<AssignmentRow> BeginEdit(const Call& call, AssignmentRows& assignments,
+                                CohortRows& cohorts) {
+  Result<AssignmentRow> row = SeeAssignment(call, assignments, cohorts);
   if (!row.ok()) return row;
   // For the cohort that it is assigned to now; ReplaceAssignment asks again for the one that it is
   // to go to.
-  ENAMEL_RETURN_IF_ERROR(MustBeAssignable(call, store, row->cohort));
+  ENAMEL_RETURN_IF_ERROR(MustBeAssignable(call, cohorts, row->cohort));
   Result<int32_t> seen = IfMatch(call.request);
   if (!seen.ok()) return seen.status();
   // What the caller has seen, which the store compares with what is there inside its transaction.
@@ -221,13 +221,13 @@ Result<AssignmentRow> BeginEdit(const Call& call, TeachingStore& store) {
 }
 
 // What makes other work of an assignment has to be fit for it; what was assigned stays assigned.
-Status MustBeFitForTerms(const Call& call, Parts<ContentStore, TeachingStore> store,
-                         const AssignmentRow& now, const AssignmentRow& terms) {
+Status MustBeFitForTerms(const Call& call, Store& store, const AssignmentRow& now,
+                         const AssignmentRow& terms) {
   if (terms.exercise != now.exercise) return MustBeAssignableNow(call, store, terms);
   if (!terms.exam || now.exam) return {};
-  Result<ExerciseRow> version = store.content().ExerciseById(now.version_id);
+  Result<ExerciseRow> version = store.exercises.ExerciseById(now.version_id);
   if (!version.ok()) return version.status();
-  return MustHaveReference(store, *version, true);
+  return MustHaveReference(store.blobs, store.references, *version, true);
 }
 
 json::object MoveJson(const AssignmentView& view, const AssignmentMove& move, bool moved) {
@@ -240,10 +240,9 @@ json::object MoveJson(const AssignmentView& view, const AssignmentMove& move, bo
 }
 
 // Why a change of an assignment did not happen.
-Response Refused(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store,
-                 const Status& status) {
+Response Refused(const Call& call, Store& store, const Status& status) {
   if (status.field() != kStale) return ErrorResponse(status);
-  Result<AssignmentRow> now = store.teaching().AssignmentById(call.id);
+  Result<AssignmentRow> now = store.assignments.AssignmentById(call.id);
   if (!now.ok()) return ErrorResponse(now.status());
   Result<AssignmentView> view = AssignmentView::Make(store);
   if (!view.ok()) return ErrorResponse(view.status());
@@ -252,7 +251,7 @@ Response Refused(const Call& call, Parts<StationStore, ContentStore, TeachingSto
 
 }  // namespace
 
-Response ListAssignments(const Call& call, AssignmentListParts store) {
+Response ListAssignments(const Call& call, Store& store) {
   const Person& viewer = call.caller->person;
   Result<std::optional<Uuid>> cohort = QueryId(call.request, "cohort");
   if (!cohort.ok()) return ErrorResponse(cohort.status());
@@ -263,7 +262,7 @@ Response ListAssignments(const Call& call, AssignmentListParts store) {
   if (!page.ok()) return ErrorResponse(page.status());
   json::array assignments;
   if (viewer.role == Role::kStudent) {
-    Result<std::vector<AssignedRow>> rows = store.teaching().AssignmentsFor(viewer.id);
+    Result<std::vector<AssignedRow>> rows = store.assignments.AssignmentsFor(viewer.id);
     if (!rows.ok()) return ErrorResponse(rows.status());
     std::erase_if(*rows, [&](const AssignedRow& row) {
       return *cohort && row.assignment.cohort != **cohort;
@@ -281,39 +280,38 @@ Response ListAssignments(const Call& call, AssignmentListParts store) {
   AssignmentFilter filter;
   filter.cohort = *cohort;
   if (viewer.role == Role::kInstructor) filter.of_instructor = viewer.id;
-  Result<std::vector<AssignmentRow>> rows = store.teaching().Assignments(filter);
+  Result<std::vector<AssignmentRow>> rows = store.assignments.Assignments(filter);
   if (!rows.ok()) return ErrorResponse(rows.status());
   json::value next = CutPage(*rows, *page, PlaceOf);
   for (const AssignmentRow& row : *rows) assignments.push_back(view->Json(row));
   return JsonResponse({{"assignments", std::move(assignments)}, {"next", std::move(next)}});
 }
 
-Response AddAssignment(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store) {
+Response AddAssignment(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   Result<AssignmentRow> terms = TermsIn(call, AssignmentRow{});
   if (!terms.ok()) return ErrorResponse(terms.status());
-  if (Status may = MustBeAssignable(call, store, terms->cohort); !may.ok())
+  if (Status may = MustBeAssignable(call, store.cohorts, terms->cohort); !may.ok())
     return ErrorResponse(may);
   if (Status can = MustBeAssignableNow(call, store, *terms); !can.ok()) return ErrorResponse(can);
-  Result<AssignmentRow> row = store.teaching().AddAssignment(*terms, ActorOf(call));
+  Result<AssignmentRow> row = store.assignments.AddAssignment(*terms, ActorOf(call));
   if (!row.ok()) return ErrorResponse(row.status());
   return Editable(store, *row, 201);
 }
 
-Response GetAssignment(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store) {
-  Result<AssignmentRow> row = SeeAssignment(call, store);
+Response GetAssignment(const Call& call, Store& store) {
+  Result<AssignmentRow> row = SeeAssignment(call, store.assignments, store.cohorts);
   if (!row.ok()) return ErrorResponse(row.status());
   return Editable(store, *row);
 }
 
-Response ReplaceAssignment(const Call& call,
-                           Parts<StationStore, ContentStore, TeachingStore> store) {
+Response ReplaceAssignment(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<AssignmentRow> edited = BeginEdit(call, store);
+  Result<AssignmentRow> edited = BeginEdit(call, store.assignments, store.cohorts);
   if (!edited.ok()) return ErrorResponse(edited.status());
   Result<AssignmentRow> terms = TermsIn(call, *edited);
   if (!terms.ok()) return ErrorResponse(terms.status());
-  if (Status may = MustBeAssignable(call, store, terms->cohort); !may.ok())
+  if (Status may = MustBeAssignable(call, store.cohorts, terms->cohort); !may.ok())
     return ErrorResponse(may);
   if (Status can = MustBeFitForTerms(call, store, *edited, *terms); !can.ok()) {
     return ErrorResponse(can);
@@ -321,25 +319,26 @@ Response ReplaceAssignment(const Call& call,
   terms->id = call.id;
   terms->revision = edited->revision;
   terms->created_ms = edited->created_ms;
-  Result<AssignmentRow> row = store.teaching().ReplaceAssignment(*terms, ActorOf(call));
+  Result<AssignmentRow> row = store.assignments.ReplaceAssignment(*terms, ActorOf(call));
   if (!row.ok()) return Refused(call, store, row.status());
   return Editable(store, *row);
 }
 
-Response MoveAssignment(const Call& call, Parts<StationStore, ContentStore, TeachingStore> store) {
+Response MoveAssignment(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   Result<std::optional<bool>> dry_run = QueryFlag(call.request, "dry_run");
   if (!dry_run.ok()) return ErrorResponse(dry_run.status());
   const bool look_only = dry_run->value_or(false);
   // To look needs no If-Match: it shows what there is.
-  Result<AssignmentRow> row =
-      look_only ? SeeAssignment(call, store) : BeginEdit(call, store.teaching());
+  Result<AssignmentRow> row = look_only ? SeeAssignment(call, store.assignments, store.cohorts)
+                                        : BeginEdit(call, store.assignments, store.cohorts);
   if (!row.ok()) return ErrorResponse(row.status());
-  if (Status may = MustBeAssignable(call, store, row->cohort); !may.ok()) return ErrorResponse(may);
+  if (Status may = MustBeAssignable(call, store.cohorts, row->cohort); !may.ok())
+    return ErrorResponse(may);
   BodyReader body(call.request);
   const Uuid wanted = body.MaybeId("exercise_id").value_or(Uuid{});
   if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
-  Result<ExerciseRow> version = store.content().ExerciseById(wanted);
+  Result<ExerciseRow> version = store.exercises.ExerciseById(wanted);
   if (!version.ok() && version.status().code() != Code::kNotFound) {
     return ErrorResponse(version.status());
   }
@@ -349,11 +348,12 @@ Response MoveAssignment(const Call& call, Parts<StationStore, ContentStore, Teac
                "expected a published version of \"" + row->exercise + "\" that is yours or shared",
                "exercise_id"});
   }
-  if (Status can = MustHaveReference(store, *version, row->exam); !can.ok()) {
+  if (Status can = MustHaveReference(store.blobs, store.references, *version, row->exam);
+      !can.ok()) {
     return ErrorResponse(can);
   }
   Result<AssignmentMove> move =
-      store.teaching().MoveAssignment(call.id, wanted, row->revision, look_only, ActorOf(call));
+      store.assignments.MoveAssignment(call.id, wanted, row->revision, look_only, ActorOf(call));
   if (!move.ok()) return Refused(call, store, move.status());
   Result<AssignmentView> view = AssignmentView::Make(store);
   if (!view.ok()) return ErrorResponse(view.status());
@@ -361,22 +361,22 @@ Response MoveAssignment(const Call& call, Parts<StationStore, ContentStore, Teac
                   look_only ? move->before.revision : move->after.revision);
 }
 
-Response DeleteAssignment(const Call& call,
-                          Parts<StationStore, ContentStore, TeachingStore> store) {
-  Result<AssignmentRow> edited = BeginEdit(call, store);
+Response DeleteAssignment(const Call& call, Store& store) {
+  Result<AssignmentRow> edited = BeginEdit(call, store.assignments, store.cohorts);
   if (!edited.ok()) return ErrorResponse(edited.status());
-  Status done = store.teaching().DeleteAssignment(call.id, edited->revision, ActorOf(call));
+  Status done = store.assignments.DeleteAssignment(call.id, edited->revision, ActorOf(call));
   if (!done.ok()) return Refused(call, store, done);
   Response response;
   response.status = 204;
   return response;
 }
 
-Response ReleaseAssignment(const Call& call, TeachingStore& store) {
-  Result<AssignmentRow> row = SeeAssignment(call, store);
+Response ReleaseAssignment(const Call& call, Store& store) {
+  Result<AssignmentRow> row = SeeAssignment(call, store.assignments, store.cohorts);
   if (!row.ok()) return ErrorResponse(row.status());
-  if (Status may = MustBeAssignable(call, store, row->cohort); !may.ok()) return ErrorResponse(may);
-  Result<uint32_t> released = store.ReleaseAssignment(call.id, ActorOf(call));
+  if (Status may = MustBeAssignable(call, store.cohorts, row->cohort); !may.ok())
+    return ErrorResponse(may);
+  Result<uint32_t> released = store.judging.ReleaseAssignment(call.id, ActorOf(call));
   if (!released.ok()) return ErrorResponse(released.status());
   // How many were let out now; those released before are not counted again.
   return JsonResponse({{"released", *released}});

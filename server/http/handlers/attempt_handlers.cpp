@@ -83,9 +83,7 @@ Result<AttemptFilter> FilterFor(const Call& call) {
 
 // What the scoring job left, for a caller who may see it now. Once a retention rule has removed the
 // recording, of what was made from it only the score is there.
-Result<Store::AttemptResult> SeeResult(const Call& call,
-                                       Parts<ContentStore, TeachingStore, AttemptStore> store,
-                                       bool needs_recording) {
+Result<AttemptResult> SeeResult(const Call& call, Store& store, bool needs_recording) {
   Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
   if (!seen.ok()) return seen.status();
   if (!CanSeeScore(call.caller->person, seen->row, seen->graded, seen->shares_cohort)) {
@@ -99,15 +97,14 @@ Result<Store::AttemptResult> SeeResult(const Call& call,
                                        TimeText(seen->row.expired_ms) +
                                        " by a retention rule; the score stays"};
   }
-  return store.attempts().ResultOf(call.id);
+  return store.results.ResultOf(call.id);
 }
 
-Response BlobResponse(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store,
-                      Sha256 Store::AttemptResult::*member, std::string content_type) {
-  Result<Store::AttemptResult> result =
-      SeeResult(call, store, member != &Store::AttemptResult::score_json);
+Response BlobResponse(const Call& call, Store& store, Sha256 AttemptResult::*member,
+                      std::string content_type) {
+  Result<AttemptResult> result = SeeResult(call, store, member != &AttemptResult::score_json);
   if (!result.ok()) return ErrorResponse(result.status());
-  Result<Bytes> bytes = store.content().GetBlob((*result).*member);
+  Result<Bytes> bytes = store.blobs.GetBlob((*result).*member);
   // The row names a blob that is not there: damage of ours, not a wrong address.
   if (!bytes.ok()) return ErrorResponse(Status{Code::kInternal, bytes.status().message()});
   Response response;
@@ -117,8 +114,8 @@ Response BlobResponse(const Call& call, Parts<ContentStore, TeachingStore, Attem
 }
 
 // Errors: kUnavailable while it is being made, kNotFound when it could not be.
-Result<Sha256> TimelineContent(const Uuid& attempt, Parts<TimelineStore> store) {
-  ENAMEL_ASSIGN_OR_RETURN(const TimelineRow row, store.timelines().TimelineOf(attempt));
+Result<Sha256> TimelineContent(const Uuid& attempt, TimelineRows& timelines) {
+  ENAMEL_ASSIGN_OR_RETURN(const TimelineRow row, timelines.TimelineOf(attempt));
   if (row.waits) {
     return Status{Code::kUnavailable,
                   "the playback of this attempt is being made; scores that people "
@@ -133,8 +130,7 @@ Result<Sha256> TimelineContent(const Uuid& attempt, Parts<TimelineStore> store) 
 
 class LiveEvents final : public EventSource {
  public:
-  LiveEvents(const Call& call, Parts<TeachingStore, AttemptStore> store,
-             std::unique_ptr<LiveWatch> watch)
+  LiveEvents(const Call& call, Store& store, std::unique_ptr<LiveWatch> watch)
       : store_(store),
         authenticator_(call.authenticator),
         // Not the caller, who is gone with the request: a stream goes on, and signing out ends it.
@@ -146,9 +142,9 @@ class LiveEvents final : public EventSource {
     Result<Person> viewer = authenticator_.StillSignedIn(token_hash_);
     if (!viewer.ok() || viewer->role == Role::kStudent) return false;
     // A failure of the store ends the stream as well: showing on needs a yes.
-    Result<AttemptRow> row = store_.attempts().AttemptById(attempt_);
+    Result<AttemptRow> row = store_.attempts.AttemptById(attempt_);
     if (!row.ok()) return false;
-    Result<bool> shares = store_.teaching().ShareCohort(viewer->id, row->person);
+    Result<bool> shares = store_.cohorts.ShareCohort(viewer->id, row->person);
     return shares.ok() && CanSeeAttempt(*viewer, *row, *shares);
   }
   Event Take() override {
@@ -159,7 +155,7 @@ class LiveEvents final : public EventSource {
   }
 
  private:
-  const Parts<TeachingStore, AttemptStore> store_;
+  Store& store_;
   auth::Authenticator& authenticator_;
   const Sha256 token_hash_;
   const Uuid attempt_;
@@ -168,10 +164,10 @@ class LiveEvents final : public EventSource {
 
 }  // namespace
 
-Response ListAttempts(const Call& call, AttemptViewParts store) {
+Response ListAttempts(const Call& call, Store& store) {
   Result<AttemptFilter> filter = FilterFor(call);
   if (!filter.ok()) return ErrorResponse(filter.status());
-  Result<std::vector<AttemptRow>> rows = store.attempts().Attempts(*filter);
+  Result<std::vector<AttemptRow>> rows = store.attempts.Attempts(*filter);
   if (!rows.ok()) return ErrorResponse(rows.status());
   AttemptView view(store, call.caller->person);
   json::array attempts;
@@ -185,7 +181,7 @@ Response ListAttempts(const Call& call, AttemptViewParts store) {
   return JsonResponse({{"attempts", std::move(attempts)}, {"next", std::move(next)}});
 }
 
-Response GetAttempt(const Call& call, AttemptViewParts store) {
+Response GetAttempt(const Call& call, Store& store) {
   Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   AttemptView view(store, call.caller->person);
@@ -194,35 +190,33 @@ Response GetAttempt(const Call& call, AttemptViewParts store) {
   return WithETag(JsonResponse(*attempt), seen->row.revision);
 }
 
-Response GetScore(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
-  return BlobResponse(call, store, &Store::AttemptResult::score_json, "application/json");
+Response GetScore(const Call& call, Store& store) {
+  return BlobResponse(call, store, &AttemptResult::score_json, "application/json");
 }
 
-Response GetSurface(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
-  return BlobResponse(call, store, &Store::AttemptResult::surface, "application/octet-stream");
+Response GetSurface(const Call& call, Store& store) {
+  return BlobResponse(call, store, &AttemptResult::surface, "application/octet-stream");
 }
 
 // Under the same conditions as the surface: both show the work.
-Response GetTimeline(const Call& call,
-                     Parts<ContentStore, TeachingStore, AttemptStore, TimelineStore> store) {
-  Result<Store::AttemptResult> result = SeeResult(call, store, true);
+Response GetTimeline(const Call& call, Store& store) {
+  Result<AttemptResult> result = SeeResult(call, store, true);
   if (!result.ok()) return ErrorResponse(result.status());
-  Result<Sha256> content = TimelineContent(call.id, store);
+  Result<Sha256> content = TimelineContent(call.id, store.timelines);
   if (!content.ok()) return ErrorResponse(content.status());
   // Not to be kept by the browser: it shows how a person moved.
   return KeptResponse(call.request, {*content, "application/octet-stream", ""},
-                      [&] { return store.content().GetBlob(*content); });
+                      [&] { return store.blobs.GetBlob(*content); });
 }
 
 // Of the surface that the score was computed with, on the timeline's grid.
-Response GetDeviation(const Call& call,
-                      Parts<ContentStore, TeachingStore, AttemptStore, TimelineStore> store) {
-  Result<Store::AttemptResult> result = SeeResult(call, store, true);
+Response GetDeviation(const Call& call, Store& store) {
+  Result<AttemptResult> result = SeeResult(call, store, true);
   if (!result.ok()) return ErrorResponse(result.status());
-  Result<Sha256> content = TimelineContent(call.id, store);
+  Result<Sha256> content = TimelineContent(call.id, store.timelines);
   if (!content.ok()) return ErrorResponse(content.status());
-  Result<Bytes> timeline = store.content().GetBlob(*content);
-  Result<Bytes> surface = store.content().GetBlob(result->surface);
+  Result<Bytes> timeline = store.blobs.GetBlob(*content);
+  Result<Bytes> surface = store.blobs.GetBlob(result->surface);
   const auto damage = [](const Status& status) {
     return ErrorResponse(Status{Code::kInternal, status.message()});
   };
@@ -242,34 +236,34 @@ Response GetDeviation(const Call& call,
 }
 
 // Anybody who is signed in: it is nobody's, and its name is told with what begins with it.
-Response GetStartTooth(const Call& call, Parts<BlobStore, TimelineStore> store) {
+Response GetStartTooth(const Call& call, StoredBlobs& blobs, TimelineRows& timelines) {
   const Status none{Code::kNotFound, "there is no such start tooth", "name"};
   Result<Sha256> content = Sha256::FromHex(call.name);
   if (!content.ok()) return ErrorResponse(none);
   // Before any blob is looked at: others are named by their hash too.
-  Result<bool> known = store.timelines().IsStartTooth(*content);
+  Result<bool> known = timelines.IsStartTooth(*content);
   if (!known.ok()) return ErrorResponse(known.status());
   if (!*known) return ErrorResponse(none);
   return KeptResponse(
       call.request, {*content, "application/octet-stream", "private, max-age=31536000, immutable"},
-      [&] { return store.blobs().GetBlob(*content); });
+      [&] { return blobs.GetBlob(*content); });
 }
 
-Response GetSeries(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
-  return BlobResponse(call, store, &Store::AttemptResult::series, "application/json");
+Response GetSeries(const Call& call, Store& store) {
+  return BlobResponse(call, store, &AttemptResult::series, "application/json");
 }
 
 // Under the same conditions as the series: it is the same, closer.
-Response GetTicks(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
+Response GetTicks(const Call& call, Store& store) {
   Result<uint64_t> from = QueryOffset(call.request, "from");
   if (!from.ok()) return ErrorResponse(from.status());
   Result<uint64_t> to = QueryOffset(call.request, "to");
   if (!to.ok()) return ErrorResponse(to.status());
   if (!call.request.query.contains("to")) *to = *from + kMostWindowTicks;
-  if (Result<Store::AttemptResult> seen = SeeResult(call, store, true); !seen.ok()) {
+  if (Result<AttemptResult> seen = SeeResult(call, store, true); !seen.ok()) {
     return ErrorResponse(seen.status());
   }
-  Result<std::vector<Bytes>> chunks = store.attempts().AttemptChunks(call.id);
+  Result<std::vector<Bytes>> chunks = store.recordings.AttemptChunks(call.id);
   if (!chunks.ok()) return ErrorResponse(chunks.status());
   Result<std::string> ticks = TickWindowJson(*chunks, *from, *to);
   if (!ticks.ok()) {
@@ -284,7 +278,7 @@ Response GetTicks(const Call& call, Parts<ContentStore, TeachingStore, AttemptSt
   return response;
 }
 
-Response ReleaseAttempt(const Call& call, AttemptViewParts store) {
+Response ReleaseAttempt(const Call& call, Store& store) {
   Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   if (!CanReleaseAttempt(call.caller->person, seen->row, seen->shares_cohort)) {
@@ -294,14 +288,14 @@ Response ReleaseAttempt(const Call& call, AttemptViewParts store) {
   // Nobody releases what has been scored again or overridden since they looked at it.
   Result<int32_t> revision = IfMatch(call.request);
   if (!revision.ok()) return ErrorResponse(revision.status());
-  Status done = store.judging().ReleaseAttempt(call.id, ActorOf(call), *revision);
+  Status done = store.judging.ReleaseAttempt(call.id, ActorOf(call), *revision);
   if (!done.ok()) return JudgedMeanwhile(call, store, done);
   Response response;
   response.status = 204;
   return response;
 }
 
-Response MakeReference(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
+Response MakeReference(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   std::string dentist = body.Text("dentist", 1, kMaxDentist);
@@ -325,7 +319,7 @@ Response MakeReference(const Call& call, Parts<ContentStore, TeachingStore, Atte
 }
 
 // Other sites' pages cannot read the stream, and are not to begin one either.
-Response GetLive(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
+Response GetLive(const Call& call, Store& store) {
   if (Status same = CheckSameSite(call.request); !same.ok()) return ErrorResponse(same);
   if (!call.live) return ErrorResponse({Code::kNotFound, "this server shows nothing live"});
   // Watched before its state is looked at: an end in between is not missed.

@@ -15,8 +15,8 @@ namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
 
-Result<std::string> BlobText(ContentStore& store, const Sha256& hash) {
-  Result<Bytes> bytes = store.GetBlob(hash);
+Result<std::string> BlobText(StoredBlobs& blobs, const Sha256& hash) {
+  Result<Bytes> bytes = blobs.GetBlob(hash);
   if (!bytes.ok()) return bytes.status();
   return std::string(AsText(*bytes));
 }
@@ -39,13 +39,13 @@ Result<const AttemptView::Exercise*> AttemptView::ExerciseOf(const AttemptRow& r
   // answer.
   if (auto found = exercises_.find(row.exercise); found != exercises_.end()) return &found->second;
   Exercise exercise;
-  Result<ExerciseRow> stored = store_.content().ExerciseById(row.exercise);
+  Result<ExerciseRow> stored = store_.exercises.ExerciseById(row.exercise);
   if (!stored.ok()) return stored.status();
   exercise.graded = stored->graded;
-  Result<std::optional<ReferenceRow>> reference = store_.teaching().ReferenceFor(row.exercise);
+  Result<std::optional<ReferenceRow>> reference = store_.references.ReferenceFor(row.exercise);
   if (!reference.ok()) return reference.status();
   exercise.reference = *reference;
-  Result<std::string> text = BlobText(store_, row.exercise_content);
+  Result<std::string> text = BlobText(store_.blobs, row.exercise_content);
   if (!text.ok()) return text.status();
   // One that cannot be read any more costs duration and time limit, not the whole list.
   if (Result<scene::Exercise> document = scene::ExerciseFromJson(*text); document.ok()) {
@@ -59,7 +59,7 @@ Result<std::string> AttemptView::StationName(const Uuid& id) {
   // All stations at once, with the first attempt that asks: one query, where a list would make as
   // many as it has rows.
   if (!stations_) {
-    Result<std::vector<StationRow>> rows = store_.stations().Stations();
+    Result<std::vector<StationRow>> rows = store_.stations.Stations();
     if (!rows.ok()) return rows.status();
     stations_.emplace();
     for (const StationRow& row : *rows) stations_->emplace(row.id, row.name);
@@ -71,7 +71,7 @@ Result<std::string> AttemptView::StationName(const Uuid& id) {
 Result<std::pair<std::string, std::string>> AttemptView::ProfileNameAndTitle(
     const Sha256& content) {
   if (auto found = profiles_.find(content); found != profiles_.end()) return found->second;
-  Result<std::string> text = BlobText(store_, content);
+  Result<std::string> text = BlobText(store_.blobs, content);
   if (!text.ok()) return text.status();
   std::pair<std::string, std::string> names;
   if (Result<scene::DeviceProfile> profile = scene::ProfileFromJson(*text); profile.ok()) {
@@ -83,7 +83,7 @@ Result<std::pair<std::string, std::string>> AttemptView::ProfileNameAndTitle(
 Result<bool> AttemptView::SharesCohort(const AttemptRow& row) {
   auto known = shares_cohort_.find(row.person);
   if (known == shares_cohort_.end()) {
-    Result<bool> shares = store_.teaching().ShareCohort(viewer_.id, row.person);
+    Result<bool> shares = store_.cohorts.ShareCohort(viewer_.id, row.person);
     if (!shares.ok()) return shares.status();
     known = shares_cohort_.emplace(row.person, *shares).first;
   }
@@ -154,9 +154,9 @@ Result<json::value> AttemptView::ComparedWithJson(const AttemptRow& row, const E
   Result<bool> visible = ScoreVisible(row, exercise.graded);
   if (!visible.ok()) return visible.status();
   if (!*visible || row.state != AttemptState::kScored) return json::value();
-  Result<Store::AttemptResult> result = store_.attempts().ResultOf(row.id);
+  Result<AttemptResult> result = store_.results.ResultOf(row.id);
   if (!result.ok()) return result.status();
-  Result<std::string> text = BlobText(store_, result->score_json);
+  Result<std::string> text = BlobText(store_.blobs, result->score_json);
   if (!text.ok()) return text.status();
   // From the score document and not from the exercise's reference of today: what it was compared
   // with then is what the score means.
@@ -177,7 +177,7 @@ Result<json::value> AttemptView::OverrideJson(const AttemptRow& row, bool visibl
   const ScoreOverride& override = *row.overridden;
   std::string by = "command line";
   if (!override.by.IsZero()) {
-    Result<Person> person = store_.people().PersonById(override.by);
+    Result<Person> person = store_.people.PersonById(override.by);
     // Not found: erased since. The override stays and names nobody.
     if (!person.ok() && person.status().code() != Code::kNotFound) return person.status();
     by = person.ok() ? person->display_name : "";
@@ -189,7 +189,7 @@ Result<json::value> AttemptView::OverrideJson(const AttemptRow& row, bool visibl
 }
 
 Result<json::value> AttemptView::AppealJson(const AttemptRow& row) {
-  Result<std::optional<AppealRow>> appeal = store_.judging().AppealOf(row.id);
+  Result<std::optional<AppealRow>> appeal = store_.appeals.AppealOf(row.id);
   if (!appeal.ok()) return appeal.status();
   if (!*appeal) return json::value();
   return json::value{{"filed_ms", (*appeal)->filed_ms},
@@ -205,12 +205,12 @@ Result<json::value> AttemptView::NearnessJson(const AttemptRow& row) {
   Result<bool> shares = SharesCohort(row);
   if (!shares.ok()) return shares.status();
   if (!CanReviewAttempt(viewer_, row, *shares)) return json::value();
-  Result<std::optional<NearAttempt>> near = store_.attempts().NearestTo(row.id);
+  Result<std::optional<NearAttempt>> near = store_.motions.NearestTo(row.id);
   if (!near.ok()) return near.status();
   if (!*near) return json::value();
   constexpr double kMm = 1e-3;
   json::value attempt, person;
-  if (Result<AttemptRow> other = store_.attempts().AttemptById((*near)->attempt); other.ok()) {
+  if (Result<AttemptRow> other = store_.attempts.AttemptById((*near)->attempt); other.ok()) {
     Result<bool> shares_other = SharesCohort(*other);
     if (!shares_other.ok()) return shares_other.status();
     if (CanReviewAttempt(viewer_, *other, *shares_other)) {
@@ -236,7 +236,7 @@ Result<json::array> AttemptView::ContradictionsJson(const AttemptRow& row) {
   Result<bool> shares = SharesCohort(row);
   if (!shares.ok()) return shares.status();
   if (!CanReviewAttempt(viewer_, row, *shares)) return out;
-  Result<std::vector<ContradictionRow>> rows = store_.attempts().ContradictionsOf(row.id);
+  Result<std::vector<ContradictionRow>> rows = store_.recordings.ContradictionsOf(row.id);
   if (!rows.ok()) return rows.status();
   for (const ContradictionRow& chunk : *rows) {
     out.push_back(
@@ -249,7 +249,7 @@ Result<json::array> AttemptView::ContradictionsJson(const AttemptRow& row) {
 Result<json::array> AttemptView::MayDo(const AttemptRow& row) {
   Result<bool> shares = SharesCohort(row);
   if (!shares.ok()) return shares.status();
-  Result<std::optional<AppealRow>> appeal = store_.judging().AppealOf(row.id);
+  Result<std::optional<AppealRow>> appeal = store_.appeals.AppealOf(row.id);
   if (!appeal.ok()) return appeal.status();
   bool reviews = CanReviewAttempt(viewer_, row, *shares);
   bool scored = row.state == AttemptState::kScored;
@@ -325,9 +325,9 @@ Result<json::object> AttemptView::DetailJson(const AttemptRow& row) {
   return out;
 }
 
-Response JudgedMeanwhile(const Call& call, AttemptViewParts store, const Status& status) {
+Response JudgedMeanwhile(const Call& call, Store& store, const Status& status) {
   if (status.field() != kStale) return ErrorResponse(status);
-  Result<AttemptRow> now = store.attempts().AttemptById(call.id);
+  Result<AttemptRow> now = store.attempts.AttemptById(call.id);
   if (!now.ok()) return ErrorResponse(now.status());
   AttemptView view(store, call.caller->person);
   Result<json::object> out = view.DetailJson(*now);

@@ -8,21 +8,19 @@
 
 #include "common/base/result.h"
 #include "server/http/routes.h"
-#include "server/storage/parts.h"
+#include "server/storage/store.h"
+#include "server/storage/teaching/exercise_rows.h"
 
 namespace enamel::server::http {
 
 boost::json::object HandJson(const Hand& hand);
-
-using AttemptViewParts =
-    Parts<PeopleStore, StationStore, ContentStore, TeachingStore, JudgingStore, AttemptStore>;
 
 // Attempts as one viewer sees them (schemas Attempt and AttemptDetail): joins names, hides a graded
 // score that is not released. Keeps what it looked up, so a page of attempts costs a look-up per
 // station, profile and exercise. Lives for one request; blocks. Thread safety: none.
 class AttemptView {
  public:
-  AttemptView(AttemptViewParts store, const Person& viewer) : store_(store), viewer_(viewer) {}
+  AttemptView(Store& store, const Person& viewer) : store_(store), viewer_(viewer) {}
 
   // Requires: the viewer may see the attempt (CanSeeAttempt). Errors: the store's.
   Result<boost::json::object> Json(const AttemptRow& row);
@@ -47,7 +45,7 @@ class AttemptView {
   Result<boost::json::array> ContradictionsJson(const AttemptRow& row);
   Result<boost::json::array> MayDo(const AttemptRow& row);
 
-  const AttemptViewParts store_;
+  Store& store_;
   const Person& viewer_;
   std::map<Uuid, Exercise> exercises_;
   std::map<Uuid, bool> shares_cohort_;
@@ -57,7 +55,7 @@ class AttemptView {
 
 // Why a judgement (release, override, excuse) did not happen: when somebody else judged since then,
 // 412 with the attempt as it is now.
-Response JudgedMeanwhile(const Call& call, AttemptViewParts store, const Status& status);
+Response JudgedMeanwhile(const Call& call, Store& store, const Status& status);
 
 // Schema Reference: without the dentist's name for who may not see it.
 boost::json::object ReferenceJson(const Person& viewer, const ReferenceRow& row);

@@ -2,7 +2,7 @@
 
 #include <boost/json/object.hpp>
 
-#include "server/storage/audit_store.h"
+#include "server/storage/audit/audit_rows.h"
 
 namespace enamel::server::http {
 

@@ -11,6 +11,7 @@
 #include "server/http/paging.h"
 #include "server/http/query.h"
 #include "server/training/names.h"
+#include "server/training/revision.h"
 
 namespace enamel::server::http {
 namespace json = boost::json;
@@ -25,8 +26,8 @@ json::object SummaryJson(const Cohort& cohort) {
           {"revision", cohort.revision}};
 }
 
-Result<json::object> CohortJson(TeachingStore& store, const Cohort& cohort) {
-  Result<std::vector<Person>> people = store.CohortMembers(cohort.id);
+Result<json::object> CohortJson(CohortRows& cohorts, const Cohort& cohort) {
+  Result<std::vector<Person>> people = cohorts.CohortMembers(cohort.id);
   if (!people.ok()) return people.status();
   json::array members;
   for (const Person& person : *people) {
@@ -40,8 +41,8 @@ Result<json::object> CohortJson(TeachingStore& store, const Cohort& cohort) {
   return out;
 }
 
-Response CohortResponse(TeachingStore& store, const Cohort& cohort, int status = 200) {
-  Result<json::object> out = CohortJson(store, cohort);
+Response CohortResponse(CohortRows& cohorts, const Cohort& cohort, int status = 200) {
+  Result<json::object> out = CohortJson(cohorts, cohort);
   if (!out.ok()) return ErrorResponse(out.status());
   return WithETag(JsonResponse(*out, status), cohort.revision);
 }
@@ -62,12 +63,12 @@ Result<CohortEdit> EditOf(const Call& call) {
 
 }  // namespace
 
-Response ListCohorts(const Call& call, TeachingStore& store) {
+Response ListCohorts(const Call& call, CohortRows& cohorts_rows) {
   Result<Page> page = PageOf(call.request, kDefaultPage, kMaxPage);
   if (!page.ok()) return ErrorResponse(page.status());
   Result<std::optional<bool>> archived = QueryFlag(call.request, "archived");
   if (!archived.ok()) return ErrorResponse(archived.status());
-  Result<std::vector<Cohort>> rows = VisibleCohorts(call, store);
+  Result<std::vector<Cohort>> rows = VisibleCohorts(call, cohorts_rows);
   if (!rows.ok()) return ErrorResponse(rows.status());
   std::erase_if(*rows, [&](const Cohort& cohort) {
     // Those in use unless the archive is asked for.
@@ -76,27 +77,27 @@ Response ListCohorts(const Call& call, TeachingStore& store) {
   json::value next = CutPage(*rows, *page, [](const Cohort& cohort) { return cohort.name; });
   json::array cohorts;
   for (const Cohort& row : *rows) {
-    Result<json::object> cohort = CohortJson(store, row);
+    Result<json::object> cohort = CohortJson(cohorts_rows, row);
     if (!cohort.ok()) return ErrorResponse(cohort.status());
     cohorts.push_back(std::move(*cohort));
   }
   return JsonResponse({{"cohorts", std::move(cohorts)}, {"next", std::move(next)}});
 }
 
-Response GetCohort(const Call& call, TeachingStore& store) {
-  Result<Cohort> cohort = VisibleCohort(call, store);
-  return cohort.ok() ? CohortResponse(store, *cohort) : ErrorResponse(cohort.status());
+Response GetCohort(const Call& call, CohortRows& cohorts) {
+  Result<Cohort> cohort = VisibleCohort(call, cohorts);
+  return cohort.ok() ? CohortResponse(cohorts, *cohort) : ErrorResponse(cohort.status());
 }
 
 // A row for each student, a grade for each assignment of the cohort and for everybody. Not in pages: a
 // cohort is a class, and a result of it is a result of all of it.
-Response GetCohortGrades(const Call& call, AssignmentListParts store) {
-  Result<Cohort> cohort = VisibleCohort(call, store);
+Response GetCohortGrades(const Call& call, Store& store) {
+  Result<Cohort> cohort = VisibleCohort(call, store.cohorts);
   if (!cohort.ok()) return ErrorResponse(cohort.status());
-  Result<std::vector<Person>> members = store.teaching().CohortMembers(call.id);
+  Result<std::vector<Person>> members = store.cohorts.CohortMembers(call.id);
   if (!members.ok()) return ErrorResponse(members.status());
   std::erase_if(*members, [](const Person& person) { return person.role != Role::kStudent; });
-  Result<std::vector<AssignmentRow>> assigned = store.teaching().Assignments({});
+  Result<std::vector<AssignmentRow>> assigned = store.assignments.Assignments({});
   if (!assigned.ok()) return ErrorResponse(assigned.status());
   GradeView view(store, call.caller->person);
   json::array assignments;
@@ -130,34 +131,34 @@ Response GetCohortGrades(const Call& call, AssignmentListParts store) {
   return JsonResponse({{"assignments", std::move(assignments)}, {"students", std::move(students)}});
 }
 
-Response AddCohort(const Call& call, TeachingStore& store) {
+Response AddCohort(const Call& call, CohortRows& cohorts) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   std::string wanted = body.Text("name", 1, kMaxNameBytes);
   if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
   Result<std::string> name = CheckedName(wanted, "name");
   if (!name.ok()) return ErrorResponse(name.status());
-  Result<Uuid> id = store.CreateCohort(*name, ActorOf(call));
+  Result<Uuid> id = cohorts.CreateCohort(*name, ActorOf(call));
   if (!id.ok()) return ErrorResponse(id.status());
-  Result<Cohort> cohort = store.CohortById(*id);
-  return cohort.ok() ? CohortResponse(store, *cohort, 201) : ErrorResponse(cohort.status());
+  Result<Cohort> cohort = cohorts.CohortById(*id);
+  return cohort.ok() ? CohortResponse(cohorts, *cohort, 201) : ErrorResponse(cohort.status());
 }
 
-Response EditCohort(const Call& call, TeachingStore& store) {
+Response EditCohort(const Call& call, CohortRows& cohorts) {
   if (!IsJson(call.request)) return NotJson();
   Result<CohortEdit> edit = EditOf(call);
   if (!edit.ok()) return ErrorResponse(edit.status());
   Result<int32_t> seen = IfMatch(call.request);
   if (!seen.ok()) return ErrorResponse(seen.status());
-  Result<Cohort> cohort = store.EditCohort(call.id, *edit, *seen, ActorOf(call));
-  if (cohort.ok()) return CohortResponse(store, *cohort);
+  Result<Cohort> cohort = cohorts.EditCohort(call.id, *edit, *seen, ActorOf(call));
+  if (cohort.ok()) return CohortResponse(cohorts, *cohort);
   if (cohort.status().field() != kStale) return ErrorResponse(cohort.status());
-  Result<Cohort> current = store.CohortById(call.id);
+  Result<Cohort> current = cohorts.CohortById(call.id);
   if (!current.ok()) return ErrorResponse(current.status());
   return Stale(cohort.status(), SummaryJson(*current), current->revision);
 }
 
-Response ChangeMembers(const Call& call, TeachingStore& store) {
+Response ChangeMembers(const Call& call, CohortRows& cohorts) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   std::vector<Uuid> add = body.Ids("add", kMaxMembersAtOnce);
@@ -165,10 +166,10 @@ Response ChangeMembers(const Call& call, TeachingStore& store) {
   if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
   // Without If-Match: two people who add students to a cohort at once both mean it, and neither
   // undoes the other.
-  Status changed = store.ChangeMembers(call.id, add, remove, ActorOf(call));
+  Status changed = cohorts.ChangeMembers(call.id, add, remove, ActorOf(call));
   if (!changed.ok()) return ErrorResponse(changed);
-  Result<Cohort> cohort = store.CohortById(call.id);
-  return cohort.ok() ? CohortResponse(store, *cohort) : ErrorResponse(cohort.status());
+  Result<Cohort> cohort = cohorts.CohortById(call.id);
+  return cohort.ok() ? CohortResponse(cohorts, *cohort) : ErrorResponse(cohort.status());
 }
 
 }  // namespace enamel::server::http

@@ -34,17 +34,17 @@ namespace {
 // limits are counted by the store.
 constexpr uint32_t kCountedAttempts = 200;
 
-Result<scene::Exercise> Document(ContentStore& store, const ExerciseRow& row) {
-  Result<Bytes> bytes = store.GetBlob(row.content);
+Result<scene::Exercise> Document(StoredBlobs& blobs, const ExerciseRow& row) {
+  Result<Bytes> bytes = blobs.GetBlob(row.content);
   if (!bytes.ok()) return bytes.status();
   return scene::ExerciseFromJson(AsText(*bytes));
 }
 
-Result<std::map<Uuid, int>> OwnAttempts(const Call& call, AttemptStore& store) {
+Result<std::map<Uuid, int>> OwnAttempts(const Call& call, AttemptRows& attempts_rows) {
   AttemptFilter filter;
   filter.person = call.caller->person.id;
   filter.limit = kCountedAttempts;
-  Result<std::vector<AttemptRow>> attempts = store.Attempts(filter);
+  Result<std::vector<AttemptRow>> attempts = attempts_rows.Attempts(filter);
   if (!attempts.ok()) return attempts.status();
   std::map<Uuid, int> count;
   for (const AttemptRow& attempt : *attempts) ++count[attempt.exercise];
@@ -93,9 +93,10 @@ void AddSharing(const Person& viewer, const ExerciseRow& row, json::object& out)
   out.emplace("may", std::move(may));
 }
 
-Result<json::object> SummaryJson(const Person& viewer, TeachingStore& store, const ExerciseRow& row,
-                                 const scene::Exercise& exercise, std::map<Uuid, int>& attempts) {
-  Result<std::optional<ReferenceRow>> reference = store.ReferenceFor(row.id);
+Result<json::object> SummaryJson(const Person& viewer, ReferenceRows& references,
+                                 const ExerciseRow& row, const scene::Exercise& exercise,
+                                 std::map<Uuid, int>& attempts) {
+  Result<std::optional<ReferenceRow>> reference = references.ReferenceFor(row.id);
   if (!reference.ok()) return reference.status();
   json::object out{{"id", row.id.Text()},
                    {"name", row.name},
@@ -115,8 +116,8 @@ Result<json::object> SummaryJson(const Person& viewer, TeachingStore& store, con
 }
 
 // Where a target hangs, in the scene's frame; null where the scene cannot be read or has no such point.
-json::value LandmarkJson(BlobStore& store, const Sha256& scene, const std::string& landmark) {
-  const auto text = store.GetBlob(scene);
+json::value LandmarkJson(StoredBlobs& blobs, const Sha256& scene, const std::string& landmark) {
+  const auto text = blobs.GetBlob(scene);
   if (!text.ok()) return nullptr;
   const auto document = scene::SceneFromJson(AsText(*text));
   if (!document.ok()) return nullptr;
@@ -174,8 +175,8 @@ json::object RubricJson(const scene::Rubric& rubric) {
 }
 
 // Some device profile carries it on its scene; else why the last one does not.
-Status MustBeMakeable(ContentStore& store, const scene::Exercise& exercise) {
-  Result<std::vector<SceneRow>> scenes = store.Scenes();
+Status MustBeMakeable(Store& store, const scene::Exercise& exercise) {
+  Result<std::vector<SceneRow>> scenes = store.scenes.Scenes();
   if (!scenes.ok()) return scenes.status();
   // By content and not by name: an exercise is made for one tooth, bit by bit.
   if (std::ranges::find(*scenes, exercise.scene, &SceneRow::content) == scenes->end()) {
@@ -192,15 +193,15 @@ Status MustBeMakeable(ContentStore& store, const scene::Exercise& exercise) {
                 "; put it first (enamel-server admin publish-exercise --prepared)",
             "target.prepared_scene_sha256"};
   }
-  Result<Bytes> text = store.GetBlob(exercise.scene);
+  Result<Bytes> text = store.blobs.GetBlob(exercise.scene);
   if (!text.ok()) return text.status();
   Result<scene::Scene> scene = scene::SceneFromJson(AsText(*text));
   if (!scene.ok()) return {Code::kInternal, scene.status().message()};
-  Result<std::vector<ProfileRow>> profiles = store.Profiles();
+  Result<std::vector<ProfileRow>> profiles = store.profiles.Profiles();
   if (!profiles.ok()) return profiles.status();
   Status refusal{Code::kConflict, "this server has no device profile yet; add one first"};
   for (const ProfileRow& row : *profiles) {
-    Result<Bytes> bytes = store.GetBlob(row.content);
+    Result<Bytes> bytes = store.blobs.GetBlob(row.content);
     if (!bytes.ok()) return bytes.status();
     Result<scene::DeviceProfile> profile = scene::ProfileFromJson(AsText(*bytes));
     // One of a newer server, say: the others may do.
@@ -216,9 +217,9 @@ Status MustBeMakeable(ContentStore& store, const scene::Exercise& exercise) {
 }
 
 // What a list of exercises holds: the caller's own, or for who edits them, all in a state.
-Result<std::vector<ExerciseRow>> ListedExercises(const Call& call, ContentStore& store) {
+Result<std::vector<ExerciseRow>> ListedExercises(const Call& call, ExerciseRows& exercises) {
   auto wanted = call.request.query.find("state");
-  if (wanted == call.request.query.end()) return VisibleExercises(call, store);
+  if (wanted == call.request.query.end()) return VisibleExercises(call, exercises);
   std::optional<ExerciseState> state = ExerciseStateFromName(wanted->second);
   if (!state) {
     return Status{Code::kInvalidInput, "expected draft, published or retired", "state"};
@@ -226,9 +227,9 @@ Result<std::vector<ExerciseRow>> ListedExercises(const Call& call, ContentStore&
   if (!CanEditExercises(call.caller->person)) {
     return Status{Code::kForbidden, "expected an instructor or admin; leave out state", "state"};
   }
-  Result<std::vector<ExerciseRow>> rows = store.ExercisesIn(*state);
+  Result<std::vector<ExerciseRow>> rows = exercises.ExercisesIn(*state);
   if (!rows.ok()) return rows;
-  Result<std::vector<ExerciseRow>> assigned = VisibleExercises(call, store);
+  Result<std::vector<ExerciseRow>> assigned = VisibleExercises(call, exercises);
   if (!assigned.ok()) return assigned;
   // Others' that are private are not there, but for what the caller's cohorts work on.
   std::erase_if(*rows, [&](const ExerciseRow& row) {
@@ -240,12 +241,13 @@ Result<std::vector<ExerciseRow>> ListedExercises(const Call& call, ContentStore&
 }
 
 // The exercise with all of its document, as one that may be edited.
-Result<json::object> WholeJson(const Call& call, ExerciseParts store, const ExerciseRow& row) {
-  Result<std::map<Uuid, int>> attempts = OwnAttempts(call, store);
+Result<json::object> WholeJson(const Call& call, Store& store, const ExerciseRow& row) {
+  Result<std::map<Uuid, int>> attempts = OwnAttempts(call, store.attempts);
   if (!attempts.ok()) return attempts.status();
-  Result<scene::Exercise> exercise = Document(store, row);
+  Result<scene::Exercise> exercise = Document(store.blobs, row);
   if (!exercise.ok()) return Status{Code::kInternal, exercise.status().message()};
-  Result<json::object> out = SummaryJson(call.caller->person, store, row, *exercise, *attempts);
+  Result<json::object> out =
+      SummaryJson(call.caller->person, store.references, row, *exercise, *attempts);
   if (!out.ok()) return out;
   out->emplace("law", haptics::FindLaw(exercise->law)->name);
   out->emplace("rate_hz", exercise->rate_hz);
@@ -254,25 +256,24 @@ Result<json::object> WholeJson(const Call& call, ExerciseParts store, const Exer
   out->emplace("scene_sha256", row.scene.Hex());
   out->emplace("document_sha256", row.content.Hex());
   json::object target = TargetJson(exercise->target);
-  target.emplace("landmark_um",
-                 LandmarkJson(store.content(), row.scene, exercise->target.landmark));
+  target.emplace("landmark_um", LandmarkJson(store.blobs, row.scene, exercise->target.landmark));
   out->emplace("target", std::move(target));
-  Result<scene::Rubric> rubric = CountingRubric(store, row.id, exercise->rubric);
+  Result<scene::Rubric> rubric =
+      CountingRubric(store.blobs, store.rubrics, row.id, exercise->rubric);
   if (!rubric.ok()) return Status{Code::kInternal, rubric.status().message()};
   out->emplace("rubric", RubricJson(*rubric));
   return out;
 }
 
-Response WholeResponse(const Call& call, ExerciseParts store, const ExerciseRow& row,
-                       int status = 200) {
+Response WholeResponse(const Call& call, Store& store, const ExerciseRow& row, int status = 200) {
   Result<json::object> out = WholeJson(call, store, row);
   if (!out.ok()) return ErrorResponse(out.status());
   return WithETag(JsonResponse(*out, status), row.revision);
 }
 
 // The body as an exercise that this server can have attempts made of: document, scene, rubric, and
-// some device profile that carries it. Stores nothing.
-Result<scene::Exercise> CheckedExercise(const Call& call, ContentStore& store) {
+// some device profile that carries it. Store& nothing.
+Result<scene::Exercise> CheckedExercise(const Call& call, Store& store) {
   Result<scene::Exercise> exercise = scene::ExerciseFromJson(call.request.body);
   if (!exercise.ok()) {
     // A newer format is the sender's mistake, not this server's.
@@ -280,12 +281,12 @@ Result<scene::Exercise> CheckedExercise(const Call& call, ContentStore& store) {
     bool newer = why.code() == Code::kVersion;
     return Status{newer ? Code::kInvalidInput : why.code(), why.message(), why.field()};
   }
-  ENAMEL_RETURN_IF_ERROR(CheckExercise(store, *exercise));
+  ENAMEL_RETURN_IF_ERROR(CheckExercise(store.blobs, *exercise));
   ENAMEL_RETURN_IF_ERROR(MustBeMakeable(store, *exercise));
   return exercise;
 }
 
-Result<ExerciseRow> UploadedExercise(const Call& call, ContentStore& store) {
+Result<ExerciseRow> UploadedExercise(const Call& call, Store& store) {
   Result<scene::Exercise> exercise = CheckedExercise(call, store);
   if (!exercise.ok()) return exercise.status();
   ExerciseRow row;
@@ -295,23 +296,23 @@ Result<ExerciseRow> UploadedExercise(const Call& call, ContentStore& store) {
   row.graded = exercise->graded;
   // As our own writer spells it: equal exercises then have equal hashes, which is how publishing
   // finds out that nothing has changed.
-  Result<Sha256> content = store.PutBlob(AsBytes(scene::ToJson(*exercise)));
+  Result<Sha256> content = store.blobs.PutBlob(AsBytes(scene::ToJson(*exercise)));
   if (!content.ok()) return content.status();
   row.content = *content;
   return row;
 }
 
 // Who may edit it and what they have seen of it.
-Result<int32_t> SeenRevision(const Call& call, Parts<ContentStore, AttemptStore> store) {
-  Result<ExerciseRow> row = ChangeableExercise(call, store);
+Result<int32_t> SeenRevision(const Call& call, AttemptRows& attempts, ExerciseRows& exercises) {
+  Result<ExerciseRow> row = ChangeableExercise(call, attempts, exercises);
   if (!row.ok()) return row.status();
   return IfMatch(call.request);
 }
 
 // Why a change of an exercise did not happen.
-Response Refused(const Call& call, ExerciseParts store, const Status& status) {
+Response Refused(const Call& call, Store& store, const Status& status) {
   if (status.field() != kStale) return ErrorResponse(status);
-  Result<ExerciseRow> now = store.content().ExerciseById(call.id);
+  Result<ExerciseRow> now = store.exercises.ExerciseById(call.id);
   if (!now.ok()) return ErrorResponse(now.status());
   Result<json::object> current = WholeJson(call, store, *now);
   if (!current.ok()) return ErrorResponse(current.status());
@@ -346,49 +347,50 @@ class Making {
   bool first_ = false;
 };
 
-Result<SceneRow> SceneOf(ContentStore& store, const ExerciseRow& row) {
-  Result<std::vector<SceneRow>> scenes = store.Scenes();
+Result<SceneRow> SceneOf(SceneRows& scenes_rows, const ExerciseRow& row) {
+  Result<std::vector<SceneRow>> scenes = scenes_rows.Scenes();
   if (!scenes.ok()) return scenes.status();
   auto scene = std::ranges::find(*scenes, row.scene, &SceneRow::content);
   if (scene != scenes->end()) return *scene;
   return Status{Code::kInternal, "the exercise's scene is not stored"};
 }
 
-Result<Sha256> MakeSurface(ContentStore& store, const Sha256& volume_hash) {
-  Result<Bytes> blob = store.GetBlob(volume_hash);
+Result<Sha256> MakeSurface(StoredBlobs& blobs, SceneRows& scenes, const Sha256& volume_hash) {
+  Result<Bytes> blob = blobs.GetBlob(volume_hash);
   if (!blob.ok()) return blob.status();
   Result<cutting::Volume> volume = scene::DecodeVolume(*blob);
   if (!volume.ok()) return volume.status();
   // Seconds of work for a fine tooth, on a thread that requests wait for: hence once, and kept.
-  Result<Sha256> surface = store.PutBlob(EncodeSurface(surface::ExtractSurface(*volume)));
+  Result<Sha256> surface = blobs.PutBlob(EncodeSurface(surface::ExtractSurface(*volume)));
   if (!surface.ok()) return surface;
-  ENAMEL_RETURN_IF_ERROR(store.PutSceneSurface(volume_hash, *surface));
+  ENAMEL_RETURN_IF_ERROR(scenes.PutSceneSurface(volume_hash, *surface));
   return surface;
 }
 
 // Made once per scene and kept. Who comes while it is being made is told to come again and does not
 // hold a thread that others' requests wait for.
-Result<Sha256> InitialSurface(ContentStore& store, const ExerciseRow& row) {
-  Result<SceneRow> scene = SceneOf(store, row);
+Result<Sha256> InitialSurface(StoredBlobs& blobs, SceneRows& scenes, const ExerciseRow& row) {
+  Result<SceneRow> scene = SceneOf(scenes, row);
   if (!scene.ok()) return scene.status();
   if (!scene->surface.IsZero()) return scene->surface;
   Making making(scene->volume);
   if (!making.first()) {
     return Status{Code::kUnavailable, "the picture of the tooth is being made; try again"};
   }
-  scene = SceneOf(store, row);  // somebody may have come to the end of it meanwhile
+  scene = SceneOf(scenes, row);  // somebody may have come to the end of it meanwhile
   if (!scene.ok()) return scene.status();
   if (!scene->surface.IsZero()) return scene->surface;
-  Result<Sha256> made = MakeSurface(store, scene->volume);
+  Result<Sha256> made = MakeSurface(blobs, scenes, scene->volume);
   if (made.ok() || made.status().code() == Code::kStorage) return made;
   return Status{Code::kInternal, made.status().message()};
 }
 
 // While somebody types: only whether it is right.
-Response LookAtDraft(const Call& call, ExerciseParts store) {
-  Result<scene::Exercise> exercise = CheckedExercise(call, store.content());
+Response LookAtDraft(const Call& call, Store& store) {
+  Result<scene::Exercise> exercise = CheckedExercise(call, store);
   if (!exercise.ok()) return ErrorResponse(exercise.status());
-  if (Status may = MayUseName(call, store, exercise->name); !may.ok()) return ErrorResponse(may);
+  if (Status may = MayUseName(call, store.exercises, exercise->name); !may.ok())
+    return ErrorResponse(may);
   ExerciseRow row;
   row.scene = exercise->scene;
   std::vector<std::string> warnings = ContradictingSizes(*exercise);
@@ -399,36 +401,36 @@ Response LookAtDraft(const Call& call, ExerciseParts store) {
 
 }  // namespace
 
-Response ListExercises(const Call& call, ExerciseParts store) {
+Response ListExercises(const Call& call, Store& store) {
   Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
   if (!page.ok()) return ErrorResponse(page.status());
-  Result<std::vector<ExerciseRow>> rows = ListedExercises(call, store);
+  Result<std::vector<ExerciseRow>> rows = ListedExercises(call, store.exercises);
   if (!rows.ok()) return ErrorResponse(rows.status());
   json::value next = CutPage(*rows, *page, [](const ExerciseRow& row) { return row.name; });
-  Result<std::map<Uuid, int>> attempts = OwnAttempts(call, store);
+  Result<std::map<Uuid, int>> attempts = OwnAttempts(call, store.attempts);
   if (!attempts.ok()) return ErrorResponse(attempts.status());
   json::array exercises;
   for (const ExerciseRow& row : *rows) {
-    Result<scene::Exercise> exercise = Document(store, row);
+    Result<scene::Exercise> exercise = Document(store.blobs, row);
     if (!exercise.ok()) return ErrorResponse(Status{Code::kInternal, exercise.status().message()});
     Result<json::object> summary =
-        SummaryJson(call.caller->person, store, row, *exercise, *attempts);
+        SummaryJson(call.caller->person, store.references, row, *exercise, *attempts);
     if (!summary.ok()) return ErrorResponse(summary.status());
     exercises.push_back(std::move(*summary));
   }
   return JsonResponse({{"exercises", std::move(exercises)}, {"next", std::move(next)}});
 }
 
-Response GetExercise(const Call& call, ExerciseParts store) {
-  Result<ExerciseRow> row = VisibleExercise(call, store);
+Response GetExercise(const Call& call, Store& store) {
+  Result<ExerciseRow> row = VisibleExercise(call, store.attempts, store.exercises);
   if (!row.ok()) return ErrorResponse(row.status());
   return WholeResponse(call, store, *row);
 }
 
-Response GetExerciseDocument(const Call& call, Parts<ContentStore, AttemptStore> store) {
-  Result<ExerciseRow> row = VisibleExercise(call, store);
+Response GetExerciseDocument(const Call& call, Store& store) {
+  Result<ExerciseRow> row = VisibleExercise(call, store.attempts, store.exercises);
   if (!row.ok()) return ErrorResponse(row.status());
-  Result<Bytes> bytes = store.content().GetBlob(row->content);
+  Result<Bytes> bytes = store.blobs.GetBlob(row->content);
   if (!bytes.ok()) return ErrorResponse(Status{Code::kInternal, bytes.status().message()});
   Response response;
   response.content_type = "application/json";
@@ -436,12 +438,12 @@ Response GetExerciseDocument(const Call& call, Parts<ContentStore, AttemptStore>
   return WithETag(std::move(response), row->revision);
 }
 
-Response GetInitialSurface(const Call& call, Parts<ContentStore, AttemptStore> store) {
-  Result<ExerciseRow> row = VisibleExercise(call, store);
+Response GetInitialSurface(const Call& call, Store& store) {
+  Result<ExerciseRow> row = VisibleExercise(call, store.attempts, store.exercises);
   if (!row.ok()) return ErrorResponse(row.status());
-  Result<Sha256> surface = InitialSurface(store, *row);
+  Result<Sha256> surface = InitialSurface(store.blobs, store.scenes, *row);
   if (!surface.ok()) return ErrorResponse(surface.status());
-  Result<Bytes> bytes = store.content().GetBlob(*surface);
+  Result<Bytes> bytes = store.blobs.GetBlob(*surface);
   if (!bytes.ok()) return ErrorResponse(Status{Code::kInternal, bytes.status().message()});
   Response response;
   response.content_type = "application/octet-stream";
@@ -449,12 +451,12 @@ Response GetInitialSurface(const Call& call, Parts<ContentStore, AttemptStore> s
   return response;
 }
 
-Response ListExerciseVersions(const Call& call, Parts<ContentStore, AttemptStore> store) {
-  Result<ExerciseRow> row = VisibleExercise(call, store);
+Response ListExerciseVersions(const Call& call, AttemptRows& attempts, ExerciseRows& exercises) {
+  Result<ExerciseRow> row = VisibleExercise(call, attempts, exercises);
   if (!row.ok()) return ErrorResponse(row.status());
   Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
   if (!page.ok()) return ErrorResponse(page.status());
-  Result<std::vector<ExerciseRow>> rows = store.content().ExerciseVersions(row->name);
+  Result<std::vector<ExerciseRow>> rows = exercises.ExerciseVersions(row->name);
   if (!rows.ok()) return ErrorResponse(rows.status());
   if (!CanUseExercise(call.caller->person, *row)) {
     std::erase_if(
@@ -477,12 +479,12 @@ Response ListExerciseVersions(const Call& call, Parts<ContentStore, AttemptStore
   return JsonResponse({{"versions", std::move(versions)}, {"next", std::move(next)}});
 }
 
-Response ListReferences(const Call& call, ExerciseParts store) {
-  Result<ExerciseRow> row = VisibleExercise(call, store);
+Response ListReferences(const Call& call, Store& store) {
+  Result<ExerciseRow> row = VisibleExercise(call, store.attempts, store.exercises);
   if (!row.ok()) return ErrorResponse(row.status());
   Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
   if (!page.ok()) return ErrorResponse(page.status());
-  Result<std::vector<ReferenceRow>> rows = store.teaching().References(row->id);
+  Result<std::vector<ReferenceRow>> rows = store.references.References(row->id);
   if (!rows.ok()) return ErrorResponse(rows.status());
   json::value next = CutPage(*rows, *page, [](const ReferenceRow& reference) {
     return FallingKey(static_cast<uint64_t>(reference.version));
@@ -494,53 +496,55 @@ Response ListReferences(const Call& call, ExerciseParts store) {
   return JsonResponse({{"references", std::move(references)}, {"next", std::move(next)}});
 }
 
-Response PutDraft(const Call& call, ExerciseParts store) {
+Response PutDraft(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   Result<std::optional<bool>> dry_run = QueryFlag(call.request, "dry_run");
   if (!dry_run.ok()) return ErrorResponse(dry_run.status());
   if (dry_run->value_or(false)) return LookAtDraft(call, store);
   Result<ExerciseRow> draft = UploadedExercise(call, store);
   if (!draft.ok()) return ErrorResponse(draft.status());
-  if (Status may = MayUseName(call, store, draft->name); !may.ok()) return ErrorResponse(may);
-  Result<ExerciseRow> row = store.content().PutDraft(*draft, ActorOf(call));
+  if (Status may = MayUseName(call, store.exercises, draft->name); !may.ok())
+    return ErrorResponse(may);
+  Result<ExerciseRow> row = store.exercises.PutDraft(*draft, ActorOf(call));
   if (!row.ok()) return ErrorResponse(row.status());
   return WholeResponse(call, store, *row, 201);
 }
 
-Response ReplaceDraft(const Call& call, ExerciseParts store) {
+Response ReplaceDraft(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<int32_t> revision = SeenRevision(call, store);
+  Result<int32_t> revision = SeenRevision(call, store.attempts, store.exercises);
   if (!revision.ok()) return ErrorResponse(revision.status());
   Result<ExerciseRow> draft = UploadedExercise(call, store);
   if (!draft.ok()) return ErrorResponse(draft.status());
-  if (Status may = MayUseName(call, store, draft->name); !may.ok()) return ErrorResponse(may);
+  if (Status may = MayUseName(call, store.exercises, draft->name); !may.ok())
+    return ErrorResponse(may);
   draft->id = call.id;
   draft->revision = *revision;
-  Result<ExerciseRow> row = store.content().ReplaceDraft(*draft, ActorOf(call));
+  Result<ExerciseRow> row = store.exercises.ReplaceDraft(*draft, ActorOf(call));
   if (!row.ok()) return Refused(call, store, row.status());
   return WholeResponse(call, store, *row);
 }
 
-Response DeleteDraft(const Call& call, ExerciseParts store) {
-  Result<int32_t> revision = SeenRevision(call, store);
+Response DeleteDraft(const Call& call, Store& store) {
+  Result<int32_t> revision = SeenRevision(call, store.attempts, store.exercises);
   if (!revision.ok()) return ErrorResponse(revision.status());
-  Status done = store.content().DeleteDraft(call.id, *revision, ActorOf(call));
+  Status done = store.exercises.DeleteDraft(call.id, *revision, ActorOf(call));
   if (!done.ok()) return Refused(call, store, done);
   Response response;
   response.status = 204;
   return response;
 }
 
-Response PublishDraft(const Call& call, ExerciseParts store) {
-  Result<int32_t> revision = SeenRevision(call, store);
+Response PublishDraft(const Call& call, Store& store) {
+  Result<int32_t> revision = SeenRevision(call, store.attempts, store.exercises);
   if (!revision.ok()) return ErrorResponse(revision.status());
-  Result<ExerciseRow> row = store.content().PublishDraft(call.id, *revision, ActorOf(call));
+  Result<ExerciseRow> row = store.exercises.PublishDraft(call.id, *revision, ActorOf(call));
   if (!row.ok()) return Refused(call, store, row.status());
   return WholeResponse(call, store, *row);
 }
 
-Response RetireExercise(const Call& call, Parts<ContentStore, AttemptStore> store) {
-  Result<ExerciseRow> row = ChangeableExercise(call, store);
+Response RetireExercise(const Call& call, AttemptRows& attempts, ExerciseRows& exercises) {
+  Result<ExerciseRow> row = ChangeableExercise(call, attempts, exercises);
   if (!row.ok()) return ErrorResponse(row.status());
   std::string reason;
   if (!call.request.body.empty()) {
@@ -550,26 +554,26 @@ Response RetireExercise(const Call& call, Parts<ContentStore, AttemptStore> stor
     if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
     if (Status line = CheckOneLine(reason, "reason"); !line.ok()) return ErrorResponse(line);
   }
-  Status done = store.content().RetireExercise(call.id, ActorOf(call), reason);
+  Status done = exercises.RetireExercise(call.id, ActorOf(call), reason);
   if (!done.ok()) return ErrorResponse(done);
   Response response;
   response.status = 204;
   return response;
 }
 
-Response OfferExerciseAgain(const Call& call, ExerciseParts store) {
-  Result<ExerciseRow> row = ChangeableExercise(call, store);
+Response OfferExerciseAgain(const Call& call, Store& store) {
+  Result<ExerciseRow> row = ChangeableExercise(call, store.attempts, store.exercises);
   if (!row.ok()) return ErrorResponse(row.status());
-  Status done = store.content().OfferExerciseAgain(call.id, ActorOf(call));
+  Status done = store.exercises.OfferExerciseAgain(call.id, ActorOf(call));
   if (!done.ok()) return ErrorResponse(done);
-  row = store.content().ExerciseById(call.id);
+  row = store.exercises.ExerciseById(call.id);
   if (!row.ok()) return ErrorResponse(row.status());
   return WholeResponse(call, store, *row);
 }
 
-Response ShareExercise(const Call& call, ExerciseParts store) {
+Response ShareExercise(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<ExerciseRow> row = ChangeableExercise(call, store);
+  Result<ExerciseRow> row = ChangeableExercise(call, store.attempts, store.exercises);
   if (!row.ok()) return ErrorResponse(row.status());
   BodyReader body(call.request);
   SharingEdit edit;
@@ -578,7 +582,7 @@ Response ShareExercise(const Call& call, ExerciseParts store) {
   if (body.Has("owner_id")) edit.owner = body.MaybeId("owner_id").value_or(Uuid{});
   if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
   // Without If-Match: it is one switch, and who sets it last means it.
-  Result<ExerciseRow> shared = store.content().ShareExercise(call.id, edit, ActorOf(call));
+  Result<ExerciseRow> shared = store.exercises.ShareExercise(call.id, edit, ActorOf(call));
   if (!shared.ok()) return ErrorResponse(shared.status());
   return WholeResponse(call, store, *shared);
 }

@@ -36,15 +36,15 @@ struct Tissues {
   size_t left_out = 0;          // beyond kMostTissues
 };
 
-Result<scene::Scene> SceneOf(ContentStore& store, const SceneRow& row) {
-  Result<Bytes> text = store.GetBlob(row.content);
+Result<scene::Scene> SceneOf(StoredBlobs& blobs, const SceneRow& row) {
+  Result<Bytes> text = blobs.GetBlob(row.content);
   if (!text.ok()) return text.status();
   return scene::SceneFromJson(AsText(*text));
 }
 
 // Those of the scenes this server has; of the built-in scenes when there are none that can be read.
-Result<Tissues> TissuesHere(ContentStore& store) {
-  Result<std::vector<SceneRow>> scenes = store.Scenes();
+Result<Tissues> TissuesHere(StoredBlobs& blobs, SceneRows& scenes_rows) {
+  Result<std::vector<SceneRow>> scenes = scenes_rows.Scenes();
   if (!scenes.ok()) return scenes.status();
   using Feel = std::tuple<int32_t, int32_t, int32_t>;
   // Ordered by damping first, hence hard to soft.
@@ -59,7 +59,7 @@ Result<Tissues> TissuesHere(ContentStore& store) {
   };
   Tissues out;
   for (size_t i = 0; i < scenes->size() && i < kMostScenes; ++i) {
-    Result<scene::Scene> scene = SceneOf(store, (*scenes)[i]);
+    Result<scene::Scene> scene = SceneOf(blobs, (*scenes)[i]);
     // A scene that cannot be read is another page's to complain about; the map of the others is
     // right without it.
     if (!scene.ok()) continue;
@@ -133,23 +133,23 @@ json::array ThresholdsJson() {
   return out;
 }
 
-Result<scene::DeviceProfile> NewestDocument(ContentStore& store, const ProfileRow& row) {
-  Result<Bytes> bytes = store.GetBlob(row.content);
+Result<scene::DeviceProfile> NewestDocument(StoredBlobs& blobs, const ProfileRow& row) {
+  Result<Bytes> bytes = blobs.GetBlob(row.content);
   if (!bytes.ok()) return Status{Code::kInternal, bytes.status().message()};
   Result<scene::DeviceProfile> profile = scene::ProfileFromJson(AsText(*bytes));
   if (!profile.ok()) return Status{Code::kInternal, profile.status().message()};
   return profile;
 }
 
-Response Answer(const Call& call, ContentStore& store) {
-  Result<std::vector<ProfileRow>> rows = store.ProfileVersions(std::string(call.name));
+Response Answer(const Call& call, Store& store) {
+  Result<std::vector<ProfileRow>> rows = store.profiles.ProfileVersions(std::string(call.name));
   if (!rows.ok()) return ErrorResponse(rows.status());
   if (rows->empty()) {
     return ErrorResponse(Status{Code::kNotFound, "there is no such device profile", "name"});
   }
-  Result<scene::DeviceProfile> profile = NewestDocument(store, rows->front());
+  Result<scene::DeviceProfile> profile = NewestDocument(store.blobs, rows->front());
   if (!profile.ok()) return ErrorResponse(profile.status());
-  Result<Tissues> tissues = TissuesHere(store);
+  Result<Tissues> tissues = TissuesHere(store.blobs, store.scenes);
   if (!tissues.ok()) return ErrorResponse(tissues.status());
   Result<fidelity::AttachedDevice> attached = fidelity::Attached(*profile);
   // Nothing is wrong with the request: what is stored cannot be worked with.
@@ -181,7 +181,7 @@ Response Answer(const Call& call, ContentStore& store) {
 
 }  // namespace
 
-boost::asio::awaitable<Response> GetProfileFeel(Call call, ContentStore& store) {
+boost::asio::awaitable<Response> GetProfileFeel(Call call, Store& store) {
   // A thread of its own: a map takes up to a second, and its cache then needs no lock.
   co_return co_await call.feel->thread().Run([&call, &store]() -> Response {
     const LogRequest logged(call.request.id);

@@ -21,7 +21,7 @@ json::value OrNull(const std::optional<double>& value) {
 
 Result<bool> GradeView::IsGraded(const Uuid& exercise) {
   if (auto found = graded_.find(exercise); found != graded_.end()) return found->second;
-  Result<ExerciseRow> row = store_.content().ExerciseById(exercise);
+  Result<ExerciseRow> row = store_.exercises.ExerciseById(exercise);
   if (!row.ok()) return row.status();
   graded_.emplace(exercise, row->graded);
   return row->graded;
@@ -31,7 +31,7 @@ Result<bool> GradeView::IsGraded(const Uuid& exercise) {
 Result<bool> GradeView::IsScoredAgain(const AttemptRow& row, bool seen) {
   if (!row.score) return false;
   if (seen) return IsBeingScored(row);
-  Result<std::vector<ResultRow>> runs = store_.attempts().ResultsOf(row.id);
+  Result<std::vector<ResultRow>> runs = store_.results.ResultsOf(row.id);
   if (!runs.ok()) return runs.status();
   return runs->size() > 1;
 }
@@ -45,7 +45,7 @@ Result<std::map<Uuid, GradeView::Work>> GradeView::WorkOf(const AssignmentRow& a
   filter.person = person;
   filter.limit = kAttemptsAtOnce;
   for (bool more = true; more;) {
-    Result<std::vector<AttemptRow>> rows = store_.attempts().Attempts(filter);
+    Result<std::vector<AttemptRow>> rows = store_.attempts.Attempts(filter);
     if (!rows.ok()) return rows.status();
     more = rows->size() == kAttemptsAtOnce;
     if (more) filter.before = rows->back().id;

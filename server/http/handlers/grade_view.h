@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "server/storage/parts.h"
+#include "server/storage/store.h"
 #include "server/training/grade.h"
 
 namespace enamel::server::http {
@@ -15,8 +15,7 @@ namespace enamel::server::http {
 // release. Lives for one request; blocks. Thread safety: none.
 class GradeView {
  public:
-  GradeView(Parts<ContentStore, AttemptStore> store, const Person& viewer)
-      : store_(store), viewer_(viewer) {}
+  GradeView(Store& store, const Person& viewer) : store_(store), viewer_(viewer) {}
 
   // What one person made under an assignment; excused and returned attempts are left out.
   struct Work {
@@ -38,7 +37,7 @@ class GradeView {
   Result<bool> IsGraded(const Uuid& exercise);
   Result<bool> IsScoredAgain(const AttemptRow& row, bool seen);
 
-  Parts<ContentStore, AttemptStore> store_;
+  Store& store_;
   const Person& viewer_;
   std::map<Uuid, bool> graded_;
 };

@@ -12,8 +12,6 @@ namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
 
-using HealthParts = Parts<StationStore, AttemptStore, JobStore, AuditStore, UpkeepStore>;
-
 constexpr uint32_t kMostJobs = 200;      // that the store lists of a state
 constexpr uint32_t kMostAttempts = 200;  // likewise
 constexpr UnixMs kMinuteMs = 60'000;
@@ -23,21 +21,21 @@ constexpr UnixMs kLateMs = 2 * kMinuteMs;
 // Somebody who went home without ending an attempt is no fault that could still be mended.
 constexpr UnixMs kGivenUpMs = 24 * 60 * kMinuteMs;
 
-Result<json::object> JobsJson(JobStore& store) {
+Result<json::object> JobsJson(JobRows& jobs) {
   json::object out;
   for (const char* state : {"queued", "running", "failed"}) {
     JobFilter filter;
     filter.state = state;
     filter.limit = kMostJobs;
-    ENAMEL_ASSIGN_OR_RETURN(auto rows, store.FindJobs(filter));
+    ENAMEL_ASSIGN_OR_RETURN(auto rows, jobs.FindJobs(filter));
     out[state] = rows.size();
   }
   out["counted_up_to"] = kMostJobs;
   return out;
 }
 
-Result<json::object> StationsJson(StationStore& store, const StationBoard* board) {
-  ENAMEL_ASSIGN_OR_RETURN(auto rows, store.Stations());
+Result<json::object> StationsJson(StationRows& stations, const StationBoard* board) {
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, stations.Stations());
   uint32_t enrolled = 0, online = 0;
   for (const StationRow& row : rows) {
     enrolled += row.revoked ? 0 : 1;
@@ -48,11 +46,11 @@ Result<json::object> StationsJson(StationStore& store, const StationBoard* board
 
 // Attempts that are being made, and those of which nothing has come for longer than a station with a
 // connection would wait.
-Result<json::object> RecordingsJson(AttemptStore& store, UnixMs now_ms) {
+Result<json::object> RecordingsJson(AttemptRows& attempts, UnixMs now_ms) {
   AttemptFilter filter;
   filter.state = AttemptState::kRecording;
   filter.limit = kMostAttempts;
-  ENAMEL_ASSIGN_OR_RETURN(auto rows, store.Attempts(filter));
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, attempts.Attempts(filter));
   uint32_t open = 0;
   json::array late;
   for (const AttemptRow& row : rows) {
@@ -68,11 +66,11 @@ Result<json::object> RecordingsJson(AttemptStore& store, UnixMs now_ms) {
 }
 
 // As the backup command noted it, which is told nothing of what becomes of the copy.
-Result<json::value> LastBackup(AuditStore& store) {
+Result<json::value> LastBackup(Store& store) {
   AuditFilter filter;
   filter.action = "store.backup";
   filter.limit = 1;
-  ENAMEL_ASSIGN_OR_RETURN(auto rows, store.FindAudit(filter));
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, store.audit.FindAudit(filter));
   if (rows.empty()) return json::value();
   boost::system::error_code error;
   const json::value after = json::parse(rows.front().after_json, error);
@@ -83,8 +81,8 @@ Result<json::value> LastBackup(AuditStore& store) {
   return json::value{{"at_ms", rows.front().at_ms}, {"missing", error ? 0 : blobs}};
 }
 
-Result<json::array> RetentionJson(UpkeepStore& store) {
-  ENAMEL_ASSIGN_OR_RETURN(auto rules, store.RetentionRules());
+Result<json::array> RetentionJson(RetentionRows& retention) {
+  ENAMEL_ASSIGN_OR_RETURN(auto rules, retention.RetentionRules());
   json::array out;
   for (const RetentionRule& rule : rules) {
     out.push_back({{"what", rule.what}, {"days", rule.days}});
@@ -92,26 +90,26 @@ Result<json::array> RetentionJson(UpkeepStore& store) {
   return out;
 }
 
-const char* NameOf(Standby standby) {
+const char* NameOf(sql::Standby standby) {
   switch (standby) {
-    case Standby::kNotKept:
+    case sql::Standby::kNotKept:
       return "";
-    case Standby::kNone:
+    case sql::Standby::kNone:
       return "none";
-    case Standby::kBehind:
+    case sql::Standby::kBehind:
       return "behind";
-    case Standby::kMissing:
+    case sql::Standby::kMissing:
       return "missing";
-    case Standby::kSynchronous:
+    case sql::Standby::kSynchronous:
       return "synchronous";
-    case Standby::kUnknown:
+    case sql::Standby::kUnknown:
       break;
   }
   return "unknown";
 }
 
-Result<json::object> HealthJson(const Call& call, HealthParts store) {
-  const StoreHealth health = store.upkeep().Health();
+Result<json::object> HealthJson(const Call& call, Store& store) {
+  const StoreHealth health = store.health.Health();
   const UnixMs now_ms = enamel::UnixMs();
   const auth::DoorCounts& door = call.authenticator.counts();
   json::object out{
@@ -141,17 +139,17 @@ Result<json::object> HealthJson(const Call& call, HealthParts store) {
         {"refused", door.refused.load()},
         {"throttled", door.throttled.load()},
         {"busy", door.busy.load()}}}};
-  ENAMEL_ASSIGN_OR_RETURN(out["jobs"], JobsJson(store));
-  ENAMEL_ASSIGN_OR_RETURN(out["stations"], StationsJson(store, call.stations));
-  ENAMEL_ASSIGN_OR_RETURN(out["recordings"], RecordingsJson(store, now_ms));
+  ENAMEL_ASSIGN_OR_RETURN(out["jobs"], JobsJson(store.jobs));
+  ENAMEL_ASSIGN_OR_RETURN(out["stations"], StationsJson(store.stations, call.stations));
+  ENAMEL_ASSIGN_OR_RETURN(out["recordings"], RecordingsJson(store.attempts, now_ms));
   ENAMEL_ASSIGN_OR_RETURN(out["backup"], LastBackup(store));
-  ENAMEL_ASSIGN_OR_RETURN(out["retention"], RetentionJson(store));
+  ENAMEL_ASSIGN_OR_RETURN(out["retention"], RetentionJson(store.retention));
   return out;
 }
 
 }  // namespace
 
-Response GetServerHealth(const Call& call, HealthParts store) {
+Response GetServerHealth(const Call& call, Store& store) {
   Result<json::object> health = HealthJson(call, store);
   return health.ok() ? JsonResponse(*health) : ErrorResponse(health.status());
 }

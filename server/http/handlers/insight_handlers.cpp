@@ -17,8 +17,6 @@ namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
 
-using InsightParts = Parts<ContentStore, TeachingStore, AttemptStore>;
-
 // A score document is read for each: some 20 kB.
 constexpr size_t kMaxStudents = 1000;
 constexpr uint32_t kMaxTries = 50;  // of one who teaches
@@ -29,10 +27,10 @@ struct Class {
 };
 
 // Students of the assignment's cohort, of one cohort that was asked for, or of all that the caller sees.
-Result<Class> ClassOf(const Call& call, TeachingStore& store, const AssignmentRow& row,
+Result<Class> ClassOf(const Call& call, CohortRows& cohorts_rows, const AssignmentRow& row,
                       const std::optional<Uuid>& asked) {
   const std::optional<Uuid> one = row.cohort.IsZero() ? asked : std::optional(row.cohort);
-  ENAMEL_ASSIGN_OR_RETURN(auto cohorts, VisibleCohorts(call, store));
+  ENAMEL_ASSIGN_OR_RETURN(auto cohorts, VisibleCohorts(call, cohorts_rows));
   const bool known = !one || std::ranges::find(cohorts, *one, &Cohort::id) != cohorts.end();
   if (!known || (asked && asked != one)) {
     return Status(Code::kInvalidInput, "expected a cohort of yours that this is assigned to",
@@ -41,7 +39,7 @@ Result<Class> ClassOf(const Call& call, TeachingStore& store, const AssignmentRo
   std::map<Uuid, Person> people;
   for (const Cohort& cohort : cohorts) {
     if (one ? cohort.id != *one : cohort.archived_ms != 0) continue;
-    ENAMEL_ASSIGN_OR_RETURN(auto members, store.CohortMembers(cohort.id));
+    ENAMEL_ASSIGN_OR_RETURN(auto members, cohorts_rows.CohortMembers(cohort.id));
     for (Person& person : members) people.try_emplace(person.id, std::move(person));
   }
   Class out;
@@ -80,8 +78,8 @@ std::optional<Uuid> LookedAt(const GradeView::Work& work) {
 }
 
 // False: its score document cannot be read, so that nothing is told of its criteria.
-bool AddScore(InsightParts store, const Uuid& attempt, StudentWork& out) {
-  const Result<scoring::ScoreResult> score = StoredScore(store, attempt);
+bool AddScore(StoredBlobs& blobs, ResultRows& results, const Uuid& attempt, StudentWork& out) {
+  const Result<scoring::ScoreResult> score = StoredScore(blobs, results, attempt);
   if (!score.ok()) return false;
   out.failed = score->critical_fail;
   for (const scoring::CriterionResult& c : score->criteria) {
@@ -171,14 +169,15 @@ json::object InsightJson(const Insight& insight, const Class& people) {
 
 // What those who teach the class tried of the exercise version themselves: beside the class, in none of
 // its figures.
-Result<json::array> StaffJson(InsightParts store, const AssignmentRow& row, const Class& people) {
+Result<json::array> StaffJson(AttemptRows& attempts_rows, const AssignmentRow& row,
+                              const Class& people) {
   json::array out;
   for (const Person& person : people.staff) {
     AttemptFilter filter;
     filter.person = person.id;
     filter.exercise = row.version_id;
     filter.limit = kMaxTries;
-    ENAMEL_ASSIGN_OR_RETURN(auto attempts, store.attempts().Attempts(filter));
+    ENAMEL_ASSIGN_OR_RETURN(auto attempts, attempts_rows.Attempts(filter));
     for (const AttemptRow& attempt : attempts) {
       json::value score;
       if (attempt.score) score = ScoreOf(attempt);
@@ -193,9 +192,9 @@ Result<json::array> StaffJson(InsightParts store, const AssignmentRow& row, cons
   return out;
 }
 
-Result<json::object> InsightOfClass(const Call& call, InsightParts store, const AssignmentRow& row,
+Result<json::object> InsightOfClass(const Call& call, Store& store, const AssignmentRow& row,
                                     const std::optional<Uuid>& asked) {
-  ENAMEL_ASSIGN_OR_RETURN(auto people, ClassOf(call, store, row, asked));
+  ENAMEL_ASSIGN_OR_RETURN(auto people, ClassOf(call, store.cohorts, row, asked));
   GradeView view(store, call.caller->person);
   ENAMEL_ASSIGN_OR_RETURN(auto made, view.WorkOf(row, {}));
   std::vector<StudentWork> class_work;
@@ -208,7 +207,8 @@ Result<json::object> InsightOfClass(const Call& call, InsightParts store, const 
     out.score = work.grade.score;
     for (const AttemptRow& attempt : work.attempts) out.time_s += SecondsOf(attempt);
     looked_at.push_back(LookedAt(work));
-    if (looked_at.back()) unread += AddScore(store, *looked_at.back(), out) ? 0 : 1;
+    if (looked_at.back())
+      unread += AddScore(store.blobs, store.results, *looked_at.back(), out) ? 0 : 1;
   }
   const Insight insight = InsightOf(class_work);
   json::array students;
@@ -231,7 +231,7 @@ Result<json::object> InsightOfClass(const Call& call, InsightParts store, const 
   out["assignment_id"] = row.id.Text();
   out["counting"] = CountingName(row.counting);
   out["students"] = std::move(students);
-  ENAMEL_ASSIGN_OR_RETURN(out["staff"], StaffJson(store, row, people));
+  ENAMEL_ASSIGN_OR_RETURN(out["staff"], StaffJson(store.attempts, row, people));
   out["left_out"] = people.left_out;
   out["unread"] = unread;
   return out;
@@ -239,8 +239,8 @@ Result<json::object> InsightOfClass(const Call& call, InsightParts store, const 
 
 }  // namespace
 
-Response GetInsight(const Call& call, InsightParts store) {
-  Result<AssignmentRow> row = SeeAssignment(call, store);
+Response GetInsight(const Call& call, Store& store) {
+  Result<AssignmentRow> row = SeeAssignment(call, store.assignments, store.cohorts);
   if (!row.ok()) return ErrorResponse(row.status());
   Result<std::optional<Uuid>> cohort = QueryId(call.request, "cohort");
   if (!cohort.ok()) return ErrorResponse(cohort.status());

@@ -75,10 +75,7 @@ uint64_t TickOf(const Call& call, const AttemptRow& row) {
   return newest ? std::max(newest->tick, committed) : committed;
 }
 
-Result<ChairRemark> Speak(
-    const Call& call,
-    const Parts<ContentStore, TeachingStore, JudgingStore, AttemptStore, AuditStore>& store,
-    const std::string& given) {
+Result<ChairRemark> Speak(const Call& call, Store& store, const std::string& given) {
   ENAMEL_ASSIGN_OR_RETURN(const auto seen, SeeAttempt(call, store, call.id));
   if (!MaySpeak(call, seen)) {
     return Status(Code::kForbidden,
@@ -95,10 +92,10 @@ Result<ChairRemark> Speak(
   kept.tick = TickOf(call, seen.row);
   kept.text = text;
   kept.to_chair = true;
-  ENAMEL_ASSIGN_OR_RETURN(const auto row, store.judging().AddAnnotation(kept, ActorOf(call)));
+  ENAMEL_ASSIGN_OR_RETURN(const auto row, store.remarks.AddAnnotation(kept, ActorOf(call)));
   const json::object about{{"annotation", row.id.Text()}, {"station", seen.row.station.Text()}};
-  ENAMEL_RETURN_IF_ERROR(store.audit().NoteAudit(ActorOf(call), "attempt.speak", call.id.Text(),
-                                                 json::serialize(about)));
+  ENAMEL_RETURN_IF_ERROR(store.audit.NoteAudit(ActorOf(call), "attempt.speak", call.id.Text(),
+                                               json::serialize(about)));
   const ChairRemark sent{call.id,  row.remark_id,  text, call.caller->person.display_name,
                          row.tick, row.created_ms, {},   {}};
   board.Put(sent);
@@ -109,7 +106,7 @@ Response NoStations() { return ErrorResponse({Code::kNotFound, "this server take
 
 }  // namespace
 
-Response ListLiveRemarks(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
+Response ListLiveRemarks(const Call& call, Store& store) {
   Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   if (call.stations == nullptr) return NoStations();
@@ -125,9 +122,7 @@ Response ListLiveRemarks(const Call& call, Parts<ContentStore, TeachingStore, At
                        {"max_characters", protocol::kMaxRemarkCharacters}});
 }
 
-Response SendLiveRemark(
-    const Call& call,
-    Parts<ContentStore, TeachingStore, JudgingStore, AttemptStore, AuditStore> store) {
+Response SendLiveRemark(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   const std::string text = body.Text("text", 1, kMaxBytes);

@@ -24,8 +24,8 @@ bool MaySeeMetrics(const Call& call) {
 }  // namespace
 
 // Away from the store's threads: it has to answer when they all wait for the database.
-boost::asio::awaitable<Response> GetHealth(Call call, UpkeepStore& store) {
-  StoreHealth health = co_await call.apart->Run([&store] { return store.Health(); });
+boost::asio::awaitable<Response> GetHealth(Call call, Store& store) {
+  StoreHealth health = co_await call.apart->Run([&store] { return store.health.Health(); });
   const char* status = call.draining                   ? "draining"
                        : !health.takes_recordings      ? "no_recordings"
                        : !health.clock_problem.empty() ? "clock_off"

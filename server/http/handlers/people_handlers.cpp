@@ -12,6 +12,7 @@
 #include "server/http/query.h"
 #include "server/roster/import.h"
 #include "server/training/names.h"
+#include "server/training/revision.h"
 
 namespace enamel::server::http {
 namespace json = boost::json;
@@ -122,10 +123,10 @@ Result<NewPerson> NewPersonOf(const Call& call) {
 
 }  // namespace
 
-Response ListPeople(const Call& call, PeopleStore& store) {
+Response ListPeople(const Call& call, PeopleRows& people_rows) {
   Result<PeopleFilter> filter = FilterOf(call);
   if (!filter.ok()) return ErrorResponse(filter.status());
-  Result<std::vector<Person>> rows = store.FindPeople(*filter);
+  Result<std::vector<Person>> rows = people_rows.FindPeople(*filter);
   if (!rows.ok()) return ErrorResponse(rows.status());
   json::value next;
   if (rows->size() == filter->limit) {
@@ -137,10 +138,10 @@ Response ListPeople(const Call& call, PeopleStore& store) {
   return JsonResponse({{"people", std::move(people)}, {"next", std::move(next)}});
 }
 
-Response GetPerson(const Call& call, Parts<PeopleStore, TeachingStore> store) {
-  Result<Person> person = store.people().PersonById(call.id);
+Response GetPerson(const Call& call, CohortRows& cohorts_rows, PeopleRows& people) {
+  Result<Person> person = people.PersonById(call.id);
   if (!person.ok()) return ErrorResponse(person.status());
-  Result<std::vector<Cohort>> cohorts = store.teaching().CohortsOf(call.id);
+  Result<std::vector<Cohort>> cohorts = cohorts_rows.CohortsOf(call.id);
   if (!cohorts.ok()) return ErrorResponse(cohorts.status());
   json::object out = PersonJson(*person);
   json::array in;
@@ -151,7 +152,7 @@ Response GetPerson(const Call& call, Parts<PeopleStore, TeachingStore> store) {
   return WithETag(JsonResponse(out), person->revision);
 }
 
-Response AddPerson(const Call& call, PeopleStore& store) {
+Response AddPerson(const Call& call, PeopleRows& people) {
   if (!IsJson(call.request)) return NotJson();
   if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
   Result<NewPerson> wanted = NewPersonOf(call);
@@ -159,14 +160,14 @@ Response AddPerson(const Call& call, PeopleStore& store) {
   Result<auth::OneTimePassword> password = NewPassword();
   if (!password.ok()) return ErrorResponse(password.status());
   Result<Uuid> id =
-      store.CreatePerson(wanted->person, password->verifier, wanted->cohorts, ActorOf(call));
+      people.CreatePerson(wanted->person, password->verifier, wanted->cohorts, ActorOf(call));
   if (!id.ok()) return ErrorResponse(id.status());
-  Result<Person> person = store.PersonById(*id);
+  Result<Person> person = people.PersonById(*id);
   if (!person.ok()) return ErrorResponse(person.status());
   return WithPassword(call, *person, password->text, 201);
 }
 
-Response EditPerson(const Call& call, PeopleStore& store) {
+Response EditPerson(const Call& call, PeopleRows& people) {
   if (!IsJson(call.request)) return NotJson();
   Result<PersonEdit> edit = EditOf(call);
   if (!edit.ok()) return ErrorResponse(edit.status());
@@ -176,33 +177,33 @@ Response EditPerson(const Call& call, PeopleStore& store) {
   if (edit->role) {
     if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
   }
-  Result<Person> person = store.EditPerson(call.id, *edit, *seen, ActorOf(call));
+  Result<Person> person = people.EditPerson(call.id, *edit, *seen, ActorOf(call));
   if (person.ok()) return PersonResponse(*person);
   if (person.status().field() != kStale) return ErrorResponse(person.status());
-  Result<Person> current = store.PersonById(call.id);
+  Result<Person> current = people.PersonById(call.id);
   if (!current.ok()) return ErrorResponse(current.status());
   return Stale(person.status(), PersonJson(*current), current->revision);
 }
 
-Response ResetPassword(const Call& call, PeopleStore& store) {
+Response ResetPassword(const Call& call, PeopleRows& people) {
   if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
   Result<auth::OneTimePassword> password = NewPassword();
   if (!password.ok()) return ErrorResponse(password.status());
-  Status set = store.SetPassword(call.id, password->verifier, true, ActorOf(call));
+  Status set = people.SetPassword(call.id, password->verifier, true, ActorOf(call));
   if (!set.ok()) return ErrorResponse(set);
-  Result<Person> person = store.PersonById(call.id);
+  Result<Person> person = people.PersonById(call.id);
   if (!person.ok()) return ErrorResponse(person.status());
   return WithPassword(call, *person, password->text, 200);
 }
 
-Response ErasePerson(const Call& call, Parts<PeopleStore, UpkeepStore> store) {
+Response ErasePerson(const Call& call, Erasures& erasures, PeopleRows& people) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   std::string login = body.Text("login", 1, kMaxLoginBytes);
   bool with_references = body.Flag("with_references", false);
   if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
   if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
-  Result<Person> person = store.people().PersonById(call.id);
+  Result<Person> person = people.PersonById(call.id);
   if (!person.ok()) return ErrorResponse(person.status());
   // Typed by hand: the page's button alone erases nobody.
   if (person->login != login) {
@@ -214,29 +215,28 @@ Response ErasePerson(const Call& call, Parts<PeopleStore, UpkeepStore> store) {
     return ErrorResponse(
         {Code::kConflict, "expected another person: you cannot erase yourself; ask another admin"});
   }
-  Result<ErasureReport> erased =
-      store.upkeep().ErasePerson(call.id, with_references, ActorOf(call));
+  Result<ErasureReport> erased = erasures.ErasePerson(call.id, with_references, ActorOf(call));
   if (!erased.ok()) return ErrorResponse(erased.status());
   return JsonResponse({{"attempts", erased->attempts},
                        {"references", erased->references},
                        {"blobs", erased->blobs}});
 }
 
-Response ListSessionsOf(const Call& call, PeopleStore& store) {
-  Result<Person> person = store.PersonById(call.id);
+Response ListSessionsOf(const Call& call, PeopleRows& people, SessionRows& sessions) {
+  Result<Person> person = people.PersonById(call.id);
   if (!person.ok()) return ErrorResponse(person.status());
-  return SessionsResponse(call, store, call.id);
+  return SessionsResponse(call, sessions, call.id);
 }
 
-Response EndSessionsOf(const Call& call, PeopleStore& store) {
-  Result<Person> person = store.PersonById(call.id);
+Response EndSessionsOf(const Call& call, PeopleRows& people, SessionRows& sessions) {
+  Result<Person> person = people.PersonById(call.id);
   if (!person.ok()) return ErrorResponse(person.status());
-  Result<size_t> ended = store.EndSessionsOf(call.id, ActorOf(call));
+  Result<size_t> ended = sessions.EndSessionsOf(call.id, ActorOf(call));
   if (!ended.ok()) return ErrorResponse(ended.status());
   return JsonResponse({{"ended", *ended}});
 }
 
-Response ImportRoster(const Call& call, PeopleStore& store) {
+Response ImportRoster(const Call& call, RosterRows& roster_rows) {
   std::string_view type = call.request.Header("content-type");
   if (type.substr(0, type.find(';')) != "text/csv") {
     return ErrorResponse(415, "unsupported_media_type", "expected Content-Type: text/csv",
@@ -263,7 +263,7 @@ Response ImportRoster(const Call& call, PeopleStore& store) {
     if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
   }
   Result<roster::ImportResult> result =
-      roster::ImportRoster(store, call.request.body, options, ActorOf(call));
+      roster::ImportRoster(roster_rows, call.request.body, options, ActorOf(call));
   if (!result.ok()) return ErrorResponse(result.status());
   json::object out = roster::ImportJson(*result);
   size_t problems = result->plan.problems.size();

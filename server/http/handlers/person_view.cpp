@@ -20,10 +20,10 @@ json::object PersonJson(const Person& person) {
           {"revision", person.revision}};
 }
 
-Response SessionsResponse(const Call& call, PeopleStore& store, const Uuid& person) {
+Response SessionsResponse(const Call& call, SessionRows& sessions_rows, const Uuid& person) {
   Result<Page> page = PageOf(call.request, 50, 200);
   if (!page.ok()) return ErrorResponse(page.status());
-  Result<std::vector<SessionRow>> rows = store.SessionsOf(person);
+  Result<std::vector<SessionRow>> rows = sessions_rows.SessionsOf(person);
   if (!rows.ok()) return ErrorResponse(rows.status());
   json::value next = CutPage(*rows, *page, [](const SessionRow& row) { return row.id.Text(); });
   json::array sessions;

@@ -100,16 +100,16 @@ json::object CalibrationJson(const CalibrationRow& row) {
           {"document", error ? json::value() : document}};
 }
 
-Result<scene::DeviceProfile> Document(ContentStore& store, const ProfileRow& row) {
-  Result<Bytes> bytes = store.GetBlob(row.content);
+Result<scene::DeviceProfile> Document(StoredBlobs& blobs, const ProfileRow& row) {
+  Result<Bytes> bytes = blobs.GetBlob(row.content);
   if (!bytes.ok()) return Status{Code::kInternal, bytes.status().message()};
   Result<scene::DeviceProfile> profile = scene::ProfileFromJson(AsText(*bytes));
   if (!profile.ok()) return Status{Code::kInternal, profile.status().message()};
   return profile;
 }
 
-Result<json::object> ProfileJson(ContentStore& store, const ProfileRow& row) {
-  Result<scene::DeviceProfile> profile = Document(store, row);
+Result<json::object> ProfileJson(StoredBlobs& blobs, const ProfileRow& row) {
+  Result<scene::DeviceProfile> profile = Document(blobs, row);
   if (!profile.ok()) return profile.status();
   return json::object{{"name", row.name},
                       {"title", row.title},
@@ -119,8 +119,8 @@ Result<json::object> ProfileJson(ContentStore& store, const ProfileRow& row) {
 }
 
 // Newest first. Errors: kNotFound.
-Result<std::vector<ProfileRow>> VersionsOf(const Call& call, ContentStore& store) {
-  Result<std::vector<ProfileRow>> rows = store.ProfileVersions(std::string(call.name));
+Result<std::vector<ProfileRow>> VersionsOf(const Call& call, ProfileRows& profiles) {
+  Result<std::vector<ProfileRow>> rows = profiles.ProfileVersions(std::string(call.name));
   if (!rows.ok() || !rows->empty()) return rows;
   return Status{Code::kNotFound, "there is no such device profile", "name"};
 }
@@ -171,27 +171,27 @@ Response ListOf(const Call& call, const char* name, const Result<std::vector<Row
 
 }  // namespace
 
-Response ListProfiles(const Call& call, ContentStore& store) {
+Response ListProfiles(const Call& call, StoredBlobs& blobs, ProfileRows& profiles_rows) {
   Result<Page> page = PageOf(call.request, kDefaultPage, kMaxPage);
   if (!page.ok()) return ErrorResponse(page.status());
-  Result<std::vector<ProfileRow>> rows = store.Profiles();
+  Result<std::vector<ProfileRow>> rows = profiles_rows.Profiles();
   if (!rows.ok()) return ErrorResponse(rows.status());
   json::value next = CutPage(*rows, *page, [](const ProfileRow& row) { return row.name; });
   json::array profiles;
   for (const ProfileRow& row : *rows) {
-    Result<json::object> profile = ProfileJson(store, row);
+    Result<json::object> profile = ProfileJson(blobs, row);
     if (!profile.ok()) return ErrorResponse(profile.status());
     profiles.push_back(std::move(*profile));
   }
   return JsonResponse({{"profiles", std::move(profiles)}, {"next", std::move(next)}});
 }
 
-Response GetProfile(const Call& call, ContentStore& store) {
-  Result<std::vector<ProfileRow>> rows = VersionsOf(call, store);
+Response GetProfile(const Call& call, StoredBlobs& blobs, ProfileRows& profiles) {
+  Result<std::vector<ProfileRow>> rows = VersionsOf(call, profiles);
   if (!rows.ok()) return ErrorResponse(rows.status());
-  Result<json::object> out = ProfileJson(store, rows->front());
+  Result<json::object> out = ProfileJson(blobs, rows->front());
   if (!out.ok()) return ErrorResponse(out.status());
-  Result<scene::DeviceProfile> profile = Document(store, rows->front());
+  Result<scene::DeviceProfile> profile = Document(blobs, rows->front());
   if (!profile.ok()) return ErrorResponse(profile.status());
   out->emplace("document", json::parse(scene::ToJson(*profile)));
   auto criteria = scene::CheckProfile(*profile);
@@ -200,7 +200,7 @@ Response GetProfile(const Call& call, ContentStore& store) {
   return JsonResponse(*out);
 }
 
-Response PutProfile(const Call& call, ContentStore& store) {
+Response PutProfile(const Call& call, StoredBlobs& blobs, ProfileRows& profiles) {
   if (!IsJson(call.request)) return NotJson();
   Result<std::optional<bool>> dry_run = QueryFlag(call.request, "dry_run");
   if (!dry_run.ok()) return ErrorResponse(dry_run.status());
@@ -216,27 +216,27 @@ Response PutProfile(const Call& call, ContentStore& store) {
   if (dry_run->value_or(false) || !scene::IsAcceptable(criteria)) {
     return Judgement(criteria, std::move(out), 200);
   }
-  Result<Sha256> content = store.PutBlob(AsBytes(scene::ToJson(*profile)));
+  Result<Sha256> content = blobs.PutBlob(AsBytes(scene::ToJson(*profile)));
   if (!content.ok()) return ErrorResponse(content.status());
-  Status put = store.PutProfile({profile->name, profile->title, *content}, ActorOf(call));
+  Status put = profiles.PutProfile({profile->name, profile->title, *content}, ActorOf(call));
   if (!put.ok()) return ErrorResponse(put);
-  Result<std::vector<ProfileRow>> rows = store.ProfileVersions(profile->name);
+  Result<std::vector<ProfileRow>> rows = profiles.ProfileVersions(profile->name);
   if (!rows.ok()) return ErrorResponse(rows.status());
   out["stored"] = true;
   out["version"] = rows->front().version;
   return Judgement(criteria, std::move(out), 201);
 }
 
-Response ListProfileVersions(const Call& call, ContentStore& store) {
-  return ListOf(call, "versions", VersionsOf(call, store), VersionJson);
+Response ListProfileVersions(const Call& call, ProfileRows& profiles) {
+  return ListOf(call, "versions", VersionsOf(call, profiles), VersionJson);
 }
 
-Response ListProfileReports(const Call& call, ContentStore& store) {
-  if (auto there = VersionsOf(call, store); !there.ok()) return ErrorResponse(there.status());
-  return ListOf(call, "reports", store.ProfileReports(std::string(call.name)), ReportJson);
+Response ListProfileReports(const Call& call, ProfileRows& profiles) {
+  if (auto there = VersionsOf(call, profiles); !there.ok()) return ErrorResponse(there.status());
+  return ListOf(call, "reports", profiles.ProfileReports(std::string(call.name)), ReportJson);
 }
 
-Response AddProfileReport(const Call& call, ContentStore& store) {
+Response AddProfileReport(const Call& call, StoredBlobs& blobs, ProfileRows& profiles) {
   std::string_view given = call.request.Header("content-type");
   given = given.substr(0, given.find(';'));
   ProfileReportRow row;
@@ -262,20 +262,20 @@ Response AddProfileReport(const Call& call, ContentStore& store) {
     return ErrorResponse(
         {Code::kInvalidInput, "expected what `enamel-lab qualify` wrote as body", "body"});
   }
-  if (auto there = VersionsOf(call, store); !there.ok()) return ErrorResponse(there.status());
-  Result<Sha256> content = store.PutBlob(AsBytes(call.request.body));
+  if (auto there = VersionsOf(call, profiles); !there.ok()) return ErrorResponse(there.status());
+  Result<Sha256> content = blobs.PutBlob(AsBytes(call.request.body));
   if (!content.ok()) return ErrorResponse(content.status());
   row.content = *content;
   row.bytes = call.request.body.size();
-  Result<ProfileReportRow> added = store.AddProfileReport(row, ActorOf(call));
+  Result<ProfileReportRow> added = profiles.AddProfileReport(row, ActorOf(call));
   return added.ok() ? JsonResponse(ReportJson(*added), 201) : ErrorResponse(added.status());
 }
 
 // Never shown inside the page: somebody's HTML under our own address could act as the page.
-Response GetProfileReport(const Call& call, ContentStore& store) {
-  Result<ProfileReportRow> row = store.ProfileReportById(call.id);
+Response GetProfileReport(const Call& call, StoredBlobs& blobs, ProfileRows& profiles) {
+  Result<ProfileReportRow> row = profiles.ProfileReportById(call.id);
   if (!row.ok()) return ErrorResponse(row.status());
-  Result<Bytes> bytes = store.GetBlob(row->content);
+  Result<Bytes> bytes = blobs.GetBlob(row->content);
   if (!bytes.ok()) return ErrorResponse(Status{Code::kInternal, bytes.status().message()});
   Response response;
   response.content_type = row->media_type;
@@ -287,12 +287,13 @@ Response GetProfileReport(const Call& call, ContentStore& store) {
   return response;
 }
 
-Response ListCalibrations(const Call& call, ContentStore& store) {
-  if (auto there = VersionsOf(call, store); !there.ok()) return ErrorResponse(there.status());
-  return ListOf(call, "calibrations", store.Calibrations(std::string(call.name)), CalibrationJson);
+Response ListCalibrations(const Call& call, ProfileRows& profiles) {
+  if (auto there = VersionsOf(call, profiles); !there.ok()) return ErrorResponse(there.status());
+  return ListOf(call, "calibrations", profiles.Calibrations(std::string(call.name)),
+                CalibrationJson);
 }
 
-Response AddCalibration(const Call& call, ContentStore& store) {
+Response AddCalibration(const Call& call, ProfileRows& profiles) {
   if (!IsJson(call.request)) return NotJson();
   Result<scene::Calibration> calibration = scene::CalibrationFromJson(call.request.body);
   if (!calibration.ok()) {
@@ -312,7 +313,7 @@ Response AddCalibration(const Call& call, ContentStore& store) {
   row.device = calibration->device;
   row.measured_ms = calibration->measured_ms;
   row.document = scene::ToJson(*calibration);
-  Result<CalibrationRow> added = store.AddCalibration(row, ActorOf(call));
+  Result<CalibrationRow> added = profiles.AddCalibration(row, ActorOf(call));
   return added.ok() ? JsonResponse(CalibrationJson(*added), 201) : ErrorResponse(added.status());
 }
 

@@ -30,8 +30,8 @@ Response Done() {
 Response DoneOr(const Status& status) { return status.ok() ? Done() : ErrorResponse(status); }
 
 // The attempt as it is after a change.
-Response AttemptResponse(const Call& call, AttemptViewParts store, const Uuid& attempt) {
-  Result<AttemptRow> row = store.attempts().AttemptById(attempt);
+Response AttemptResponse(const Call& call, Store& store, const Uuid& attempt) {
+  Result<AttemptRow> row = store.attempts.AttemptById(attempt);
   if (!row.ok()) return ErrorResponse(row.status());
   AttemptView view(store, call.caller->person);
   Result<json::object> out = view.DetailJson(*row);
@@ -39,7 +39,7 @@ Response AttemptResponse(const Call& call, AttemptViewParts store, const Uuid& a
   return WithETag(JsonResponse(*out), row->revision);
 }
 
-Response JudgedOr(const Call& call, AttemptViewParts store, const Status& status) {
+Response JudgedOr(const Call& call, Store& store, const Status& status) {
   // With the attempt as it is now: the page needs its new revision for whatever comes next.
   return status.ok() ? AttemptResponse(call, store, call.id) : JudgedMeanwhile(call, store, status);
 }
@@ -73,10 +73,9 @@ Result<AnnotationRow> RemarkIn(const Call& call) {
 }
 
 // An annotation that the caller may change.
-Result<AnnotationRow> OwnAnnotation(
-    const Call& call, Parts<ContentStore, TeachingStore, JudgingStore, AttemptStore> store) {
+Result<AnnotationRow> OwnAnnotation(const Call& call, Store& store) {
   Status none{Code::kNotFound, "there is no such annotation", "id"};
-  Result<AnnotationRow> row = store.judging().AnnotationById(call.id);
+  Result<AnnotationRow> row = store.remarks.AnnotationById(call.id);
   if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();
   Result<SeenAttempt> seen = SeeAttempt(call, store, row->attempt);
   // Of an attempt that the caller may not see: the remark is then as good as not there.
@@ -89,25 +88,25 @@ Result<AnnotationRow> OwnAnnotation(
 }
 
 // Why a change of an annotation did not happen.
-Response Refused(const Call& call, JudgingStore& store, const Status& status) {
+Response Refused(const Call& call, RemarkRows& remarks, const Status& status) {
   if (status.field() != kStale) return ErrorResponse(status);
-  Result<AnnotationRow> now = store.AnnotationById(call.id);
+  Result<AnnotationRow> now = remarks.AnnotationById(call.id);
   if (!now.ok()) return ErrorResponse(now.status());
   return Stale(status, AnnotationJson(call, *now), now->revision);
 }
 
 }  // namespace
 
-Response WithdrawRelease(const Call& call, AttemptViewParts store) {
+Response WithdrawRelease(const Call& call, Store& store) {
   Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   Result<int32_t> revision = IfMatch(call.request);
   if (!revision.ok()) return ErrorResponse(revision.status());
-  Status done = store.judging().WithdrawRelease(call.id, ActorOf(call), *revision);
+  Status done = store.judging.WithdrawRelease(call.id, ActorOf(call), *revision);
   return done.ok() ? Done() : JudgedMeanwhile(call, store, done);
 }
 
-Response PutOverride(const Call& call, AttemptViewParts store) {
+Response PutOverride(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
@@ -119,24 +118,24 @@ Response PutOverride(const Call& call, AttemptViewParts store) {
   Result<int32_t> revision = IfMatch(call.request);
   if (!revision.ok()) return ErrorResponse(revision.status());
   return JudgedOr(call, store,
-                  store.judging().OverrideScore(call.id, score, ActorOf(call), *revision));
+                  store.judging.OverrideScore(call.id, score, ActorOf(call), *revision));
 }
 
-Response DeleteOverride(const Call& call, AttemptViewParts store) {
+Response DeleteOverride(const Call& call, Store& store) {
   Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   Result<int32_t> revision = IfMatch(call.request);
   if (!revision.ok()) return ErrorResponse(revision.status());
   return JudgedOr(call, store,
-                  store.judging().OverrideScore(call.id, std::nullopt, ActorOf(call), *revision));
+                  store.judging.OverrideScore(call.id, std::nullopt, ActorOf(call), *revision));
 }
 
-Response Rescore(const Call& call, AttemptViewParts store) {
+Response Rescore(const Call& call, Store& store) {
   Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   // No If-Match: it changes no judgement, and asking twice makes one more result, which is kept
   // with the others.
-  Status done = store.judging().Rescore(call.id, "rescore", ActorOf(call));
+  Status done = store.judging.Rescore(call.id, "rescore", ActorOf(call));
   if (!done.ok()) return ErrorResponse(done);
   Response response = AttemptResponse(call, store, call.id);
   // Accepted: the job is in the queue and the score as it was.
@@ -144,7 +143,7 @@ Response Rescore(const Call& call, AttemptViewParts store) {
   return response;
 }
 
-Response Excuse(const Call& call, AttemptViewParts store) {
+Response Excuse(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
@@ -154,18 +153,18 @@ Response Excuse(const Call& call, AttemptViewParts store) {
   Result<int32_t> revision = IfMatch(call.request);
   if (!revision.ok()) return ErrorResponse(revision.status());
   return JudgedOr(call, store,
-                  store.judging().FlagAttempt(call.id, kExcused, reason, ActorOf(call), *revision));
+                  store.judging.FlagAttempt(call.id, kExcused, reason, ActorOf(call), *revision));
 }
 
-Response TakeExcuseBack(const Call& call, AttemptViewParts store) {
+Response TakeExcuseBack(const Call& call, Store& store) {
   Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   Result<int32_t> revision = IfMatch(call.request);
   if (!revision.ok()) return ErrorResponse(revision.status());
-  return JudgedOr(call, store, store.judging().ClearExcuse(call.id, ActorOf(call), *revision));
+  return JudgedOr(call, store, store.judging.ClearExcuse(call.id, ActorOf(call), *revision));
 }
 
-Response RestoreResult(const Call& call, AttemptViewParts store) {
+Response RestoreResult(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
@@ -174,11 +173,10 @@ Response RestoreResult(const Call& call, AttemptViewParts store) {
   if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
   Result<int32_t> revision = IfMatch(call.request);
   if (!revision.ok()) return ErrorResponse(revision.status());
-  return JudgedOr(call, store,
-                  store.judging().RestoreResult(call.id, run, ActorOf(call), *revision));
+  return JudgedOr(call, store, store.results.RestoreResult(call.id, run, ActorOf(call), *revision));
 }
 
-Response ListResults(const Call& call, Parts<ContentStore, TeachingStore, AttemptStore> store) {
+Response ListResults(const Call& call, Store& store) {
   Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   if (!CanSeeScore(call.caller->person, seen->row, seen->graded, seen->shares_cohort)) {
@@ -188,7 +186,7 @@ Response ListResults(const Call& call, Parts<ContentStore, TeachingStore, Attemp
   }
   Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
   if (!page.ok()) return ErrorResponse(page.status());
-  Result<std::vector<ResultRow>> rows = store.attempts().ResultsOf(call.id);
+  Result<std::vector<ResultRow>> rows = store.results.ResultsOf(call.id);
   if (!rows.ok()) return ErrorResponse(rows.status());
   const int32_t newest = rows->empty() ? 0 : rows->front().run;
   json::value next = CutPage(*rows, *page, [](const ResultRow& row) {
@@ -198,7 +196,7 @@ Response ListResults(const Call& call, Parts<ContentStore, TeachingStore, Attemp
   for (const ResultRow& row : *rows) {
     json::value reference;
     if (row.reference) reference = row.reference->Text();
-    Result<Bytes> text = store.content().GetBlob(row.score_json);
+    Result<Bytes> text = store.blobs.GetBlob(row.score_json);
     if (!text.ok()) return ErrorResponse(Status{Code::kInternal, text.status().message()});
     json::error_code error;
     // Parsed and put in as JSON, so that a damaged document is found here and not by the page.
@@ -216,8 +214,7 @@ Response ListResults(const Call& call, Parts<ContentStore, TeachingStore, Attemp
   return JsonResponse({{"results", std::move(results)}, {"next", std::move(next)}});
 }
 
-Response ListAnnotations(const Call& call,
-                         Parts<ContentStore, TeachingStore, JudgingStore, AttemptStore> store) {
+Response ListAnnotations(const Call& call, Store& store) {
   Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   if (!CanSeeScore(call.caller->person, seen->row, seen->graded, seen->shares_cohort)) {
@@ -227,7 +224,7 @@ Response ListAnnotations(const Call& call,
   }
   Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
   if (!page.ok()) return ErrorResponse(page.status());
-  Result<std::vector<AnnotationRow>> rows = store.judging().AnnotationsOf(call.id);
+  Result<std::vector<AnnotationRow>> rows = store.remarks.AnnotationsOf(call.id);
   if (!rows.ok()) return ErrorResponse(rows.status());
   json::value next = CutPage(
       *rows, *page, [](const AnnotationRow& row) { return RisingKey(row.tick) + row.id.Text(); });
@@ -236,21 +233,19 @@ Response ListAnnotations(const Call& call,
   return JsonResponse({{"annotations", std::move(annotations)}, {"next", std::move(next)}});
 }
 
-Response AddAnnotation(const Call& call,
-                       Parts<ContentStore, TeachingStore, JudgingStore, AttemptStore> store) {
+Response AddAnnotation(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   Result<AnnotationRow> remark = RemarkIn(call);
   if (!remark.ok()) return ErrorResponse(remark.status());
   remark->attempt = call.id;
-  Result<AnnotationRow> row = store.judging().AddAnnotation(*remark, ActorOf(call));
+  Result<AnnotationRow> row = store.remarks.AddAnnotation(*remark, ActorOf(call));
   if (!row.ok()) return ErrorResponse(row.status());
   return WithETag(JsonResponse(AnnotationJson(call, *row), 201), row->revision);
 }
 
-Response ReplaceAnnotation(const Call& call,
-                           Parts<ContentStore, TeachingStore, JudgingStore, AttemptStore> store) {
+Response ReplaceAnnotation(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   Result<AnnotationRow> stored = OwnAnnotation(call, store);
   if (!stored.ok()) return ErrorResponse(stored.status());
@@ -260,22 +255,21 @@ Response ReplaceAnnotation(const Call& call,
   if (!remark.ok()) return ErrorResponse(remark.status());
   remark->id = call.id;
   remark->revision = *revision;
-  Result<AnnotationRow> row = store.judging().ReplaceAnnotation(*remark, ActorOf(call));
-  if (!row.ok()) return Refused(call, store, row.status());
+  Result<AnnotationRow> row = store.remarks.ReplaceAnnotation(*remark, ActorOf(call));
+  if (!row.ok()) return Refused(call, store.remarks, row.status());
   return WithETag(JsonResponse(AnnotationJson(call, *row)), row->revision);
 }
 
-Response DeleteAnnotation(const Call& call,
-                          Parts<ContentStore, TeachingStore, JudgingStore, AttemptStore> store) {
+Response DeleteAnnotation(const Call& call, Store& store) {
   Result<AnnotationRow> stored = OwnAnnotation(call, store);
   if (!stored.ok()) return ErrorResponse(stored.status());
   Result<int32_t> revision = IfMatch(call.request);
   if (!revision.ok()) return ErrorResponse(revision.status());
-  Status done = store.judging().DeleteAnnotation(call.id, *revision, ActorOf(call));
-  return done.ok() ? Done() : Refused(call, store, done);
+  Status done = store.remarks.DeleteAnnotation(call.id, *revision, ActorOf(call));
+  return done.ok() ? Done() : Refused(call, store.remarks, done);
 }
 
-Response FileAppeal(const Call& call, AttemptViewParts store) {
+Response FileAppeal(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
@@ -289,14 +283,14 @@ Response FileAppeal(const Call& call, AttemptViewParts store) {
   BodyReader body(call.request);
   std::string text = body.Text("text", 1, kMaxRemark);
   if (Status status = body.Finish(); !status.ok()) return ErrorResponse(status);
-  Status done = store.judging().FileAppeal(call.id, text, ActorOf(call));
+  Status done = store.appeals.FileAppeal(call.id, text, ActorOf(call));
   if (!done.ok()) return ErrorResponse(done);
   Response response = AttemptResponse(call, store, call.id);
   if (response.status == 200) response.status = 201;
   return response;
 }
 
-Response AnswerAppeal(const Call& call, AttemptViewParts store) {
+Response AnswerAppeal(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   Result<SeenAttempt> seen = ReviewAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
@@ -308,30 +302,30 @@ Response AnswerAppeal(const Call& call, AttemptViewParts store) {
     return ErrorResponse(
         {Code::kInvalidInput, "expected regrade or reject, found \"" + outcome + "\"", "outcome"});
   }
-  Status done = store.judging().AnswerAppeal(call.id, outcome == "regrade", answer, ActorOf(call));
+  Status done = store.appeals.AnswerAppeal(call.id, outcome == "regrade", answer, ActorOf(call));
   return done.ok() ? AttemptResponse(call, store, call.id) : ErrorResponse(done);
 }
 
-Response WithdrawReference(const Call& call, Parts<TeachingStore, AttemptStore> store) {
+Response WithdrawReference(const Call& call, Store& store) {
   Status none{Code::kNotFound, "there is no such reference", "id"};
-  Result<ReferenceRow> row = store.teaching().ReferenceById(call.id);
+  Result<ReferenceRow> row = store.references.ReferenceById(call.id);
   if (!row.ok()) {
     return ErrorResponse(row.status().code() == Code::kNotFound ? none : row.status());
   }
   // The right depends on whose cut it is, which the attempt knows.
-  Result<AttemptRow> attempt = store.attempts().AttemptById(row->attempt);
+  Result<AttemptRow> attempt = store.attempts.AttemptById(row->attempt);
   if (!attempt.ok()) return ErrorResponse(attempt.status());
   const Person& viewer = call.caller->person;
-  Result<bool> shares = store.teaching().ShareCohort(viewer.id, attempt->person);
+  Result<bool> shares = store.cohorts.ShareCohort(viewer.id, attempt->person);
   if (!shares.ok()) return ErrorResponse(shares.status());
   if (!CanMarkReference(viewer, *attempt, *shares)) {
     return ErrorResponse({Code::kForbidden, "expected an instructor of the dentist's cohort"});
   }
-  return DoneOr(store.teaching().WithdrawReference(call.id, ActorOf(call)));
+  return DoneOr(store.references.WithdrawReference(call.id, ActorOf(call)));
 }
 
-Response CancelJob(const Call& call, JobStore& store) {
-  return DoneOr(store.CancelJob(call.id, ActorOf(call)));
+Response CancelJob(const Call& call, JobRows& jobs) {
+  return DoneOr(jobs.CancelJob(call.id, ActorOf(call)));
 }
 
 }  // namespace enamel::server::http

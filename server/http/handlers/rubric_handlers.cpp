@@ -25,8 +25,8 @@ namespace {
 // Body, rubric, criteria, one of them, its map, a row of it.
 constexpr size_t kRubricDepth = 6;
 
-Result<scene::Exercise> DocumentOf(ContentStore& store, const ExerciseRow& row) {
-  ENAMEL_ASSIGN_OR_RETURN(auto bytes, store.GetBlob(row.content));
+Result<scene::Exercise> DocumentOf(StoredBlobs& blobs, const ExerciseRow& row) {
+  ENAMEL_ASSIGN_OR_RETURN(auto bytes, blobs.GetBlob(row.content));
   return scene::ExerciseFromJson(AsText(bytes));
 }
 
@@ -39,15 +39,15 @@ json::object VersionJson(const scene::Rubric& rubric, const std::string& reason,
 }
 
 // Newest first, the exercise's own last.
-Result<json::array> Versions(ExerciseParts store, const ExerciseRow& exercise) {
-  ENAMEL_ASSIGN_OR_RETURN(auto rows, store.rubrics().Rubrics(exercise.id));
+Result<json::array> Versions(StoredBlobs& blobs, RubricRows& rubrics, const ExerciseRow& exercise) {
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, rubrics.Rubrics(exercise.id));
   json::array out;
   for (const RubricRow& row : rows) {
-    ENAMEL_ASSIGN_OR_RETURN(auto text, store.content().GetBlob(row.content));
+    ENAMEL_ASSIGN_OR_RETURN(auto text, blobs.GetBlob(row.content));
     ENAMEL_ASSIGN_OR_RETURN(auto rubric, scene::RubricFromJson(AsText(text)));
     out.push_back(VersionJson(rubric, row.reason, row.published_ms));
   }
-  ENAMEL_ASSIGN_OR_RETURN(auto document, DocumentOf(store, exercise));
+  ENAMEL_ASSIGN_OR_RETURN(auto document, DocumentOf(blobs, exercise));
   out.push_back(VersionJson(document.rubric, "", exercise.published_ms));
   return out;
 }
@@ -118,11 +118,11 @@ bool Teaches(const std::vector<Cohort>& taught, const std::optional<Uuid>& cohor
   return cohort && std::ranges::find(taught, *cohort, &Cohort::id) != taught.end();
 }
 
-Result<BatchRow> SeenBatch(const Call& call, RescoreParts store) {
+Result<BatchRow> SeenBatch(const Call& call, BatchRows& batches, CohortRows& cohorts) {
   Status none{Code::kNotFound, "there is no such batch", "id"};
-  Result<BatchRow> row = store.batches().BatchById(call.id);
+  Result<BatchRow> row = batches.BatchById(call.id);
   if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();
-  Result<std::vector<Cohort>> taught = VisibleCohorts(call, store);
+  Result<std::vector<Cohort>> taught = VisibleCohorts(call, cohorts);
   if (!taught.ok()) return taught.status();
   if (Teaches(*taught, row->cohort)) return row;
   return none;
@@ -141,19 +141,19 @@ Response ListScoringMetrics(const Call&) {
   return JsonResponse({{"metrics", std::move(out)}});
 }
 
-Response ListRubrics(const Call& call, ExerciseParts store) {
-  Result<ExerciseRow> row = VisibleExercise(call, store);
+Response ListRubrics(const Call& call, Store& store) {
+  Result<ExerciseRow> row = VisibleExercise(call, store.attempts, store.exercises);
   if (!row.ok()) return ErrorResponse(row.status());
-  Result<json::array> versions = Versions(store, *row);
+  Result<json::array> versions = Versions(store.blobs, store.rubrics, *row);
   // What is stored was checked when it came in: unreadable now is damage of ours.
   if (!versions.ok()) return ErrorResponse({Code::kInternal, versions.status().message()});
   const auto newest = static_cast<int32_t>(versions->front().at("version").as_int64());
   return WithETag(JsonResponse({{"rubrics", std::move(*versions)}}), newest);
 }
 
-Response PreviewRubricChange(const Call& call, ExerciseParts store) {
+Response PreviewRubricChange(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<ExerciseRow> row = VisibleExercise(call, store);
+  Result<ExerciseRow> row = VisibleExercise(call, store.attempts, store.exercises);
   if (!row.ok()) return ErrorResponse(row.status());
   Result<scene::Rubric> rubric = RubricOf(call.request.body, "");
   if (!rubric.ok()) return ErrorResponse(rubric.status());
@@ -164,7 +164,7 @@ Response PreviewRubricChange(const Call& call, ExerciseParts store) {
   which.exercise = row->id;
   const Person& viewer = call.caller->person;
   if (viewer.role != Role::kAdmin) which.visible_to_instructor = viewer.id;
-  Result<std::optional<ReferenceRow>> newest = store.teaching().ReferenceFor(row->id);
+  Result<std::optional<ReferenceRow>> newest = store.references.ReferenceFor(row->id);
   if (!newest.ok()) return ErrorResponse(newest.status());
   Result<RubricPreview> preview = attempts->value_or(true)
                                       ? PreviewRubric(store, which, *rubric, *newest)
@@ -176,9 +176,9 @@ Response PreviewRubricChange(const Call& call, ExerciseParts store) {
   return JsonResponse(out);
 }
 
-Response PublishRubric(const Call& call, ExerciseParts store) {
+Response PublishRubric(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<ExerciseRow> row = ChangeableExercise(call, store);
+  Result<ExerciseRow> row = ChangeableExercise(call, store.attempts, store.exercises);
   if (!row.ok()) return ErrorResponse(row.status());
   BodyReader body(call.request, kRubricDepth);
   const std::string reason = body.Text("reason", 1, kMaxReasonBytes);
@@ -192,7 +192,7 @@ Response PublishRubric(const Call& call, ExerciseParts store) {
   if (!seen.ok()) return ErrorResponse(seen.status());
   Result<RubricRow> published =
       PublishCorrection(store, row->id, std::move(*rubric), *seen, reason, anyway, ActorOf(call));
-  Result<json::array> versions = Versions(store, *row);
+  Result<json::array> versions = Versions(store.blobs, store.rubrics, *row);
   if (!versions.ok()) return ErrorResponse({Code::kInternal, versions.status().message()});
   const json::object newest = versions->front().as_object();
   const auto version = static_cast<int32_t>(newest.at("version").as_int64());
@@ -201,9 +201,9 @@ Response PublishRubric(const Call& call, ExerciseParts store) {
   return ErrorResponse(published.status());
 }
 
-Response RescoreCohort(const Call& call, RescoreParts store) {
+Response RescoreCohort(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
-  Result<std::vector<Cohort>> taught = VisibleCohorts(call, store);
+  Result<std::vector<Cohort>> taught = VisibleCohorts(call, store.cohorts);
   if (!taught.ok()) return ErrorResponse(taught.status());
   auto cohort = std::ranges::find(*taught, call.id, &Cohort::id);
   if (cohort == taught->end()) {
@@ -219,29 +219,28 @@ Response RescoreCohort(const Call& call, RescoreParts store) {
   wanted.cause = "rubric";
   wanted.cohort = call.id;
   if (which.exercise) {
-    Result<ExerciseRow> exercise = store.content().ExerciseById(*which.exercise);
+    Result<ExerciseRow> exercise = store.exercises.ExerciseById(*which.exercise);
     if (!exercise.ok()) {
       return ErrorResponse({Code::kInvalidInput, "there is no such exercise", "exercise_id"});
     }
     wanted.title += ", " + exercise->title;
   }
-  Result<std::vector<AttemptRow>> rows = ScoredAttempts(store.attempts(), which);
+  Result<std::vector<AttemptRow>> rows = ScoredAttempts(store.attempts, which);
   if (!rows.ok()) return ErrorResponse(rows.status());
   std::vector<Uuid> attempts;
   for (const AttemptRow& row : *rows) attempts.push_back(row.id);
   uint32_t left_out = 0;
-  Result<BatchRow> batch =
-      store.batches().RescoreTogether(wanted, attempts, left_out, ActorOf(call));
+  Result<BatchRow> batch = store.batches.RescoreTogether(wanted, attempts, left_out, ActorOf(call));
   if (!batch.ok()) return ErrorResponse(batch.status());
   json::object out = BatchJson(*batch);
   out["left_out"] = left_out;
   return JsonResponse(out, 202);
 }
 
-Response ListBatches(const Call& call, RescoreParts store) {
-  Result<std::vector<Cohort>> taught = VisibleCohorts(call, store);
+Response ListBatches(const Call& call, BatchRows& batches_rows, CohortRows& cohorts) {
+  Result<std::vector<Cohort>> taught = VisibleCohorts(call, cohorts);
   if (!taught.ok()) return ErrorResponse(taught.status());
-  Result<std::vector<BatchRow>> rows = store.batches().Batches();
+  Result<std::vector<BatchRow>> rows = batches_rows.Batches();
   if (!rows.ok()) return ErrorResponse(rows.status());
   json::array batches;
   for (const BatchRow& row : *rows) {
@@ -250,19 +249,19 @@ Response ListBatches(const Call& call, RescoreParts store) {
   return JsonResponse({{"batches", std::move(batches)}});
 }
 
-Response GetBatch(const Call& call, RescoreParts store) {
-  Result<BatchRow> row = SeenBatch(call, store);
+Response GetBatch(const Call& call, BatchRows& batches, CohortRows& cohorts) {
+  Result<BatchRow> row = SeenBatch(call, batches, cohorts);
   if (!row.ok()) return ErrorResponse(row.status());
   return JsonResponse(BatchJson(*row));
 }
 
-Response CancelBatch(const Call& call, RescoreParts store) {
-  Result<BatchRow> row = SeenBatch(call, store);
+Response CancelBatch(const Call& call, BatchRows& batches, CohortRows& cohorts) {
+  Result<BatchRow> row = SeenBatch(call, batches, cohorts);
   if (!row.ok()) return ErrorResponse(row.status());
-  if (Status done = store.batches().CancelBatch(call.id, ActorOf(call)); !done.ok()) {
+  if (Status done = batches.CancelBatch(call.id, ActorOf(call)); !done.ok()) {
     return ErrorResponse(done);
   }
-  row = SeenBatch(call, store);
+  row = SeenBatch(call, batches, cohorts);
   if (!row.ok()) return ErrorResponse(row.status());
   return JsonResponse(BatchJson(*row));
 }

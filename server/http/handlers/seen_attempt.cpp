@@ -4,26 +4,22 @@
 
 namespace enamel::server::http {
 
-Result<SeenAttempt> SeeAttempt(const Call& call,
-                               Parts<ContentStore, TeachingStore, AttemptStore> store,
-                               const Uuid& attempt) {
+Result<SeenAttempt> SeeAttempt(const Call& call, Store& store, const Uuid& attempt) {
   Status none{Code::kNotFound, "there is no such attempt", "id"};
-  Result<AttemptRow> row = store.attempts().AttemptById(attempt);
+  Result<AttemptRow> row = store.attempts.AttemptById(attempt);
   if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();
   const Person& viewer = call.caller->person;
-  Result<bool> shares = store.teaching().ShareCohort(viewer.id, row->person);
+  Result<bool> shares = store.cohorts.ShareCohort(viewer.id, row->person);
   if (!shares.ok()) return shares.status();
   // As if it were not there: an id must not tell whether somebody has made an attempt.
   if (!CanSeeAttempt(viewer, *row, *shares)) return none;
   // Whether it counts is the exercise version's to say that the attempt was made of.
-  Result<ExerciseRow> exercise = store.content().ExerciseById(row->exercise);
+  Result<ExerciseRow> exercise = store.exercises.ExerciseById(row->exercise);
   if (!exercise.ok()) return exercise.status();
   return SeenAttempt{std::move(*row), *shares, exercise->graded};
 }
 
-Result<SeenAttempt> ReviewAttempt(const Call& call,
-                                  Parts<ContentStore, TeachingStore, AttemptStore> store,
-                                  const Uuid& attempt) {
+Result<SeenAttempt> ReviewAttempt(const Call& call, Store& store, const Uuid& attempt) {
   Result<SeenAttempt> seen = SeeAttempt(call, store, attempt);
   if (!seen.ok()) return seen;
   if (CanReviewAttempt(call.caller->person, seen->row, seen->shares_cohort)) return seen;

@@ -13,13 +13,9 @@ struct SeenAttempt {
   bool graded = true;
 };
 // Errors: kNotFound, the same for what is not there and what the caller may not see.
-Result<SeenAttempt> SeeAttempt(const Call& call,
-                               Parts<ContentStore, TeachingStore, AttemptStore> store,
-                               const Uuid& attempt);
+Result<SeenAttempt> SeeAttempt(const Call& call, Store& store, const Uuid& attempt);
 // The same for who may also review it (CanReviewAttempt); kForbidden for others.
-Result<SeenAttempt> ReviewAttempt(const Call& call,
-                                  Parts<ContentStore, TeachingStore, AttemptStore> store,
-                                  const Uuid& attempt);
+Result<SeenAttempt> ReviewAttempt(const Call& call, Store& store, const Uuid& attempt);
 
 // kConflict, with what it is instead.
 Status RequireScored(const AttemptRow& row);

@@ -15,19 +15,20 @@ std::string WhoseText(const ExerciseRow& row) {
 
 }  // namespace
 
-Result<std::vector<ExerciseRow>> VisibleExercises(const Call& call, ContentStore& store) {
+Result<std::vector<ExerciseRow>> VisibleExercises(const Call& call, ExerciseRows& exercises) {
   const Person& person = call.caller->person;
-  return person.role == Role::kAdmin ? store.AllExercises() : store.ExercisesFor(person.id);
+  return person.role == Role::kAdmin ? exercises.AllExercises() : exercises.ExercisesFor(person.id);
 }
 
-Result<ExerciseRow> VisibleExercise(const Call& call, Parts<ContentStore, AttemptStore> store) {
+Result<ExerciseRow> VisibleExercise(const Call& call, AttemptRows& attempts_rows,
+                                    ExerciseRows& exercises) {
   Status none{Code::kNotFound, "there is no such exercise", "id"};
   const Person& viewer = call.caller->person;
-  Result<ExerciseRow> row = store.content().ExerciseById(call.id);
+  Result<ExerciseRow> row = exercises.ExerciseById(call.id);
   if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();
   if (CanUseExercise(viewer, *row)) return row;
   if (row->state == ExerciseState::kDraft) return none;
-  Result<std::vector<ExerciseRow>> visible = VisibleExercises(call, store);
+  Result<std::vector<ExerciseRow>> visible = VisibleExercises(call, exercises);
   if (!visible.ok()) return visible.status();
   if (std::ranges::find(*visible, row->name, &ExerciseRow::name) != visible->end()) return row;
   AttemptFilter own;
@@ -35,21 +36,22 @@ Result<ExerciseRow> VisibleExercise(const Call& call, Parts<ContentStore, Attemp
   own.exercise = row->id;
   // Whether there is one, not how many.
   own.limit = 1;
-  Result<std::vector<AttemptRow>> attempts = store.attempts().Attempts(own);
+  Result<std::vector<AttemptRow>> attempts = attempts_rows.Attempts(own);
   if (!attempts.ok()) return attempts.status();
   if (!attempts->empty()) return row;
   return none;
 }
 
-Result<ExerciseRow> ChangeableExercise(const Call& call, Parts<ContentStore, AttemptStore> store) {
-  Result<ExerciseRow> row = VisibleExercise(call, store);
+Result<ExerciseRow> ChangeableExercise(const Call& call, AttemptRows& attempts,
+                                       ExerciseRows& exercises) {
+  Result<ExerciseRow> row = VisibleExercise(call, attempts, exercises);
   if (!row.ok() || CanChangeExercise(call.caller->person, *row)) return row;
   return Status{Code::kForbidden,
                 WhoseText(*row) + "; to change it, publish one of your own under another name"};
 }
 
-Status MayUseName(const Call& call, ContentStore& store, const std::string& name) {
-  Result<std::vector<ExerciseRow>> versions = store.ExerciseVersions(name);
+Status MayUseName(const Call& call, ExerciseRows& exercises, const std::string& name) {
+  Result<std::vector<ExerciseRow>> versions = exercises.ExerciseVersions(name);
   if (!versions.ok()) return versions.status();
   if (versions->empty() || CanChangeExercise(call.caller->person, versions->front())) return {};
   return {Code::kForbidden, WhoseText(versions->front()) + "; choose another name", "name"};

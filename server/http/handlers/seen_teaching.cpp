@@ -6,14 +6,14 @@
 
 namespace enamel::server::http {
 
-Result<std::vector<Cohort>> VisibleCohorts(const Call& call, TeachingStore& store) {
+Result<std::vector<Cohort>> VisibleCohorts(const Call& call, CohortRows& cohorts) {
   const Person& person = call.caller->person;
-  return person.role == Role::kAdmin ? store.Cohorts() : store.CohortsOf(person.id);
+  return person.role == Role::kAdmin ? cohorts.Cohorts() : cohorts.CohortsOf(person.id);
 }
 
-Result<Cohort> VisibleCohort(const Call& call, TeachingStore& store) {
+Result<Cohort> VisibleCohort(const Call& call, CohortRows& cohorts) {
   // By way of the list, so that one rule says what is visible.
-  Result<std::vector<Cohort>> visible = VisibleCohorts(call, store);
+  Result<std::vector<Cohort>> visible = VisibleCohorts(call, cohorts);
   if (!visible.ok()) return visible.status();
   for (const Cohort& cohort : *visible) {
     if (cohort.id == call.id) return cohort;
@@ -21,18 +21,19 @@ Result<Cohort> VisibleCohort(const Call& call, TeachingStore& store) {
   return Status{Code::kNotFound, "there is no such cohort", "id"};
 }
 
-Result<bool> IsInCohort(const Call& call, TeachingStore& store, const Uuid& cohort) {
-  Result<std::vector<Cohort>> own = store.CohortsOf(call.caller->person.id);
+Result<bool> IsInCohort(const Call& call, CohortRows& cohorts, const Uuid& cohort) {
+  Result<std::vector<Cohort>> own = cohorts.CohortsOf(call.caller->person.id);
   if (!own.ok()) return own.status();
   return std::ranges::find(*own, cohort, &Cohort::id) != own->end();
 }
 
-Result<AssignmentRow> SeeAssignment(const Call& call, TeachingStore& store) {
+Result<AssignmentRow> SeeAssignment(const Call& call, AssignmentRows& assignments,
+                                    CohortRows& cohorts) {
   // The same answer for what is not there and what is not the caller's to see: ids tell nothing.
   Status none{Code::kNotFound, "there is no such assignment", "id"};
-  Result<AssignmentRow> row = store.AssignmentById(call.id);
+  Result<AssignmentRow> row = assignments.AssignmentById(call.id);
   if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();
-  Result<bool> in_cohort = IsInCohort(call, store, row->cohort);
+  Result<bool> in_cohort = IsInCohort(call, cohorts, row->cohort);
   if (!in_cohort.ok()) return in_cohort.status();
   if (CanSeeAssignment(call.caller->person, row->cohort, *in_cohort)) return row;
   return none;

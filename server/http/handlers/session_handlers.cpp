@@ -93,7 +93,7 @@ boost::asio::awaitable<Response> ChangePassword(Call call) {
   co_return SignedInResponse(*signed_in, call.request);
 }
 
-Response SetLanguage(const Call& call, PeopleStore& store) {
+Response SetLanguage(const Call& call, PeopleRows& people) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   std::string language = body.Text("language", 0, kMaxLanguage);
@@ -104,7 +104,7 @@ Response SetLanguage(const Call& call, PeopleStore& store) {
          "expected language as en, de, zh, or empty for the browser's, found \"" + language + "\"",
          "language"});
   }
-  if (Status set = store.SetLanguage(call.caller->person.id, language); !set.ok()) {
+  if (Status set = people.SetLanguage(call.caller->person.id, language); !set.ok()) {
     return ErrorResponse(set);
   }
   auth::Identity identity = *call.caller;
@@ -124,12 +124,12 @@ Response SignOut(const Call& call) {
   return response;
 }
 
-Response ListSessions(const Call& call, PeopleStore& store) {
-  return SessionsResponse(call, store, call.caller->person.id);
+Response ListSessions(const Call& call, SessionRows& sessions) {
+  return SessionsResponse(call, sessions, call.caller->person.id);
 }
 
-Response EndSession(const Call& call, PeopleStore& store) {
-  Result<SessionRow> session = store.SessionById(call.id);
+Response EndSession(const Call& call, SessionRows& sessions) {
+  Result<SessionRow> session = sessions.SessionById(call.id);
   bool own = session.ok() && session->person == call.caller->person.id;
   if (!session.ok() && session.status().code() != Code::kNotFound) {
     return ErrorResponse(session.status());
@@ -138,7 +138,7 @@ Response EndSession(const Call& call, PeopleStore& store) {
   if (!session.ok() || (!own && call.caller->person.role != Role::kAdmin)) {
     return ErrorResponse({Code::kNotFound, "there is no such session", "id"});
   }
-  Status ended = store.EndSessionById(call.id, ActorOf(call));
+  Status ended = sessions.EndSessionById(call.id, ActorOf(call));
   return ended.ok() ? Done() : ErrorResponse(ended);
 }
 

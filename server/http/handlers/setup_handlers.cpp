@@ -47,20 +47,20 @@ Result<Newcomer> NewcomerOf(const Call& call) {
   return out;
 }
 
-Result<Person> MakeAdmin(const Call& call, PeopleStore& store, const Newcomer& newcomer) {
+Result<Person> MakeAdmin(const Call& call, PeopleRows& people, const Newcomer& newcomer) {
   PeopleFilter admins;
   admins.role = Role::kAdmin;
   admins.limit = 1;
-  ENAMEL_ASSIGN_OR_RETURN(const auto there, store.FindPeople(admins));
+  ENAMEL_ASSIGN_OR_RETURN(const auto there, people.FindPeople(admins));
   if (!there.empty()) {
     return Status(Code::kConflict, "there is an admin already; ask that person for an account");
   }
   ENAMEL_ASSIGN_OR_RETURN(const auto verifier,
                           call.authenticator.NewVerifier(newcomer.password, newcomer.person.login,
                                                          newcomer.person.display_name));
-  ENAMEL_ASSIGN_OR_RETURN(const auto id, store.CreatePerson(newcomer.person, verifier, {},
-                                                            Actor{{}, "first admin's link"}));
-  return store.PersonById(id);
+  ENAMEL_ASSIGN_OR_RETURN(const auto id, people.CreatePerson(newcomer.person, verifier, {},
+                                                             Actor{{}, "first admin's link"}));
+  return people.PersonById(id);
 }
 
 // Building one takes seconds of a thread and hundreds of megabytes: one at a time.
@@ -91,19 +91,20 @@ json::object ToothJson(const SceneRow& row, const std::vector<ExerciseRow>& publ
   return {{"name", row.name}, {"title", row.title}, {"exercises", std::move(exercises)}};
 }
 
-Result<json::object> PutTooth(const Call& call, Parts<ContentStore, AuditStore> parts,
-                              const std::string& name) {
-  ContentStore& store = parts.content();
+Result<json::object> PutTooth(const Call& call, Store& parts, const std::string& name) {
+  Store& store = parts;
   const Actor by = ActorOf(call);
   const Building mine;
   if (!mine.first()) {
     return Status(Code::kUnavailable, "another tooth is being made; try again in a moment");
   }
   ENAMEL_RETURN_IF_ERROR(PutFirstProfiles(parts));
-  ENAMEL_ASSIGN_OR_RETURN(const auto row, StoreBuiltinScene(store, name, kVoxelNm, by));
-  ENAMEL_ASSIGN_OR_RETURN(const auto text, store.GetBlob(row.content));
+  ENAMEL_ASSIGN_OR_RETURN(const auto row,
+                          StoreBuiltinScene(store.blobs, store.scenes, name, kVoxelNm, by));
+  ENAMEL_ASSIGN_OR_RETURN(const auto text, store.blobs.GetBlob(row.content));
   ENAMEL_ASSIGN_OR_RETURN(const auto scene, scene::SceneFromJson(AsText(text)));
-  ENAMEL_ASSIGN_OR_RETURN(const auto published, PublishExercisesOf(store, scene, row.content, by));
+  ENAMEL_ASSIGN_OR_RETURN(const auto published,
+                          PublishExercisesOf(store.blobs, store.exercises, scene, row.content, by));
   return ToothJson(row, published);
 }
 
@@ -142,7 +143,7 @@ Response ImportResponse(const Result<ToothImport::About>& about, int status = 20
 
 }  // namespace
 
-Response MakeFirstAdmin(const Call& call, PeopleStore& store) {
+Response MakeFirstAdmin(const Call& call, PeopleRows& people) {
   if (!IsJson(call.request)) return NotJson();
   Result<Newcomer> newcomer = NewcomerOf(call);
   if (!newcomer.ok()) return ErrorResponse(newcomer.status());
@@ -153,7 +154,7 @@ Response MakeFirstAdmin(const Call& call, PeopleStore& store) {
   // Before the password is hashed, which costs memory and time: a stranger gets none of either.
   Status taken = call.first_admin->Take(newcomer->token, enamel::UnixMs());
   if (!taken.ok()) return ErrorResponse(taken);
-  Result<Person> made = MakeAdmin(call, store, *newcomer);
+  Result<Person> made = MakeAdmin(call, people, *newcomer);
   if (made.ok()) return JsonResponse(PersonJson(*made), 201);
   call.first_admin->GiveBack();
   return ErrorResponse(made.status());
@@ -167,7 +168,7 @@ Response ListBuiltinTeeth(const Call&) {
   return JsonResponse({{"teeth", std::move(teeth)}});
 }
 
-Response PutBuiltinTooth(const Call& call, Parts<ContentStore, AuditStore> store) {
+Response PutBuiltinTooth(const Call& call, Store& store) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   const std::string name = body.Text("name", 1, kMaxToothName);

@@ -12,6 +12,7 @@
 #include "server/http/paging.h"
 #include "server/http/query.h"
 #include "server/training/names.h"
+#include "server/training/revision.h"
 
 namespace enamel::server::http {
 namespace json = boost::json;
@@ -59,12 +60,12 @@ Status RevokingIsApart() {
 
 }  // namespace
 
-Response ListStations(const Call& call, StationStore& store) {
+Response ListStations(const Call& call, StationRows& stations_rows) {
   Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
   if (!page.ok()) return ErrorResponse(page.status());
   Result<std::optional<bool>> revoked = QueryFlag(call.request, "revoked");
   if (!revoked.ok()) return ErrorResponse(revoked.status());
-  Result<std::vector<StationRow>> rows = store.Stations();
+  Result<std::vector<StationRow>> rows = stations_rows.Stations();
   if (!rows.ok()) return ErrorResponse(rows.status());
   if (*revoked) {
     std::erase_if(*rows, [&](const StationRow& row) { return row.revoked != **revoked; });
@@ -77,12 +78,12 @@ Response ListStations(const Call& call, StationStore& store) {
   return JsonResponse({{"stations", std::move(stations)}, {"next", std::move(next)}});
 }
 
-Response GetStation(const Call& call, StationStore& store) {
-  Result<StationRow> row = store.StationById(call.id);
+Response GetStation(const Call& call, StationRows& stations) {
+  Result<StationRow> row = stations.StationById(call.id);
   return row.ok() ? StationResponse(call, *row) : ErrorResponse(row.status());
 }
 
-Response EditStation(const Call& call, StationStore& store) {
+Response EditStation(const Call& call, StationRows& stations) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   // Understood in order to be refused with the reason: it is what somebody tries who wants a
@@ -97,25 +98,25 @@ Response EditStation(const Call& call, StationStore& store) {
   if (!name.ok()) return ErrorResponse(name.status());
   Result<int32_t> seen = IfMatch(call.request);
   if (!seen.ok()) return ErrorResponse(seen.status());
-  Result<StationRow> row = store.RenameStation(call.id, *name, *seen, ActorOf(call));
+  Result<StationRow> row = stations.RenameStation(call.id, *name, *seen, ActorOf(call));
   if (row.ok()) return StationResponse(call, *row);
   if (row.status().field() != kStale) return ErrorResponse(row.status());
-  Result<StationRow> current = store.StationById(call.id);
+  Result<StationRow> current = stations.StationById(call.id);
   if (!current.ok()) return ErrorResponse(current.status());
   return Stale(row.status(), StationJson(call, *current), current->revision);
 }
 
-Response RevokeStation(const Call& call, StationStore& store) {
+Response RevokeStation(const Call& call, StationRows& stations) {
   if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
-  Status revoked = store.RevokeStation(call.id, ActorOf(call));
+  Status revoked = stations.RevokeStation(call.id, ActorOf(call));
   if (!revoked.ok()) return ErrorResponse(revoked);
-  return GetStation(call, store);
+  return GetStation(call, stations);
 }
 
-Response ListEnrolCodes(const Call& call, StationStore& store) {
+Response ListEnrolCodes(const Call& call, StationRows& stations) {
   Result<Page> page = PageOf(call.request, kDefaultPage, kMaxPage);
   if (!page.ok()) return ErrorResponse(page.status());
-  Result<std::vector<EnrolCodeRow>> rows = store.OpenEnrolCodes(enamel::UnixMs());
+  Result<std::vector<EnrolCodeRow>> rows = stations.OpenEnrolCodes(enamel::UnixMs());
   if (!rows.ok()) return ErrorResponse(rows.status());
   json::value next = CutPage(*rows, *page, [](const EnrolCodeRow& row) { return row.id.Text(); });
   json::array codes;
@@ -126,7 +127,7 @@ Response ListEnrolCodes(const Call& call, StationStore& store) {
   return JsonResponse({{"codes", std::move(codes)}, {"next", std::move(next)}});
 }
 
-Response AddEnrolCode(const Call& call, StationStore& store) {
+Response AddEnrolCode(const Call& call, StationRows& stations_rows) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   int64_t minutes = body.Integer("minutes", 1, kMaxMinutes, 60);
@@ -140,7 +141,8 @@ Response AddEnrolCode(const Call& call, StationStore& store) {
   std::string code = ToHex(random);
   UnixMs expires_ms = enamel::UnixMs() + minutes * 60'000;
   // The hash alone is stored; the code is in this answer and nowhere else.
-  Result<Uuid> id = store.AddEnrolCode(HashSha256(AsBytes(code)), expires_ms, ActorOf(call));
+  Result<Uuid> id =
+      stations_rows.AddEnrolCode(HashSha256(AsBytes(code)), expires_ms, ActorOf(call));
   if (!id.ok()) return ErrorResponse(id.status());
   return JsonResponse({{"id", id->Text()},
                        {"code", code + "@" + std::string(call.station_fingerprint)},
@@ -149,16 +151,16 @@ Response AddEnrolCode(const Call& call, StationStore& store) {
                       201);
 }
 
-Response WithdrawEnrolCode(const Call& call, StationStore& store) {
-  Status withdrawn = store.WithdrawEnrolCode(call.id, ActorOf(call));
+Response WithdrawEnrolCode(const Call& call, StationRows& stations) {
+  Status withdrawn = stations.WithdrawEnrolCode(call.id, ActorOf(call));
   if (!withdrawn.ok()) return ErrorResponse(withdrawn);
   Response response;
   response.status = 204;
   return response;
 }
 
-Response ListListedDevices(const Call&, StationStore& store) {
-  Result<std::vector<ListedDevice>> rows = store.ListedDevices();
+Response ListListedDevices(const Call&, DeviceRows& devices_rows) {
+  Result<std::vector<ListedDevice>> rows = devices_rows.ListedDevices();
   if (!rows.ok()) return ErrorResponse(rows.status());
   json::array devices;
   for (const ListedDevice& row : *rows) {
@@ -167,25 +169,26 @@ Response ListListedDevices(const Call&, StationStore& store) {
   return JsonResponse({{"devices", std::move(devices)}});
 }
 
-Response ListDevice(const Call& call, StationStore& store) {
+Response ListDevice(const Call& call, DeviceRows& devices) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   const std::string name = body.Text("name", 1, kMaxHandTextBytes);
   const std::string title = body.Text("title", 1, kMaxHandTextBytes);
   if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
-  if (Status done = store.ListDevice(name, title, ActorOf(call)); !done.ok()) {
+  if (Status done = devices.ListDevice(name, title, ActorOf(call)); !done.ok()) {
     return ErrorResponse(done);
   }
-  return ListListedDevices(call, store);
+  return ListListedDevices(call, devices);
 }
 
-Response UnlistDevice(const Call& call, StationStore& store) {
+Response UnlistDevice(const Call& call, DeviceRows& devices) {
   if (!IsJson(call.request)) return NotJson();
   BodyReader body(call.request);
   const std::string name = body.Text("name", 1, kMaxHandTextBytes);
   if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
-  if (Status done = store.UnlistDevice(name, ActorOf(call)); !done.ok()) return ErrorResponse(done);
-  return ListListedDevices(call, store);
+  if (Status done = devices.UnlistDevice(name, ActorOf(call)); !done.ok())
+    return ErrorResponse(done);
+  return ListListedDevices(call, devices);
 }
 
 }  // namespace enamel::server::http

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <utility>
 
-namespace enamel::server::sqlite {
+namespace enamel::server {
 namespace {
 
 // "Enst": marks the file as ours.
@@ -123,9 +123,11 @@ Result<std::unique_ptr<SqliteDb>> OpenDatabase(const std::filesystem::path& path
   return SqliteDb::Open(path, std::move(options));
 }
 
+int LatestSchemaVersion() { return SqliteMigrations().back().version; }
+
 Result<int> SchemaVersion(Db& db) {
   ENAMEL_ASSIGN_OR_RETURN(const int version, db.SchemaVersion());
-  const int latest = Migrations().back().version;
+  const int latest = LatestSchemaVersion();
   if (version > latest) {
     return Status(Code::kVersion,
                   "the database has schema version " + std::to_string(version) +
@@ -135,4 +137,4 @@ Result<int> SchemaVersion(Db& db) {
   return version;
 }
 
-}  // namespace enamel::server::sqlite
+}  // namespace enamel::server

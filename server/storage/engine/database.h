@@ -10,13 +10,15 @@
 #include "common/sqlite/sqlite_db.h"
 
 // enamel.db, as the server opens it.
-namespace enamel::server::sqlite {
+namespace enamel::server {
 
 using sql::Db;
 using sql::SqliteDb;
 
-// In order; the n-th (1-based) leads to schema version n. Generated from schemas/sql.
-const std::vector<sql::Migration>& Migrations();
+// In order, from version 1. Generated from schemas/sql.
+const std::vector<sql::Migration>& SqliteMigrations();
+// The newest that this program knows; the same for every engine.
+int LatestSchemaVersion();
 
 // A failure tells whoever asked what to do, without path or SQLite's words: those go to the log.
 // While it is opened they are told too, to who started the program. `vfs`: SQLite's name of the
@@ -34,4 +36,4 @@ Status MustBeOurs(const std::filesystem::path& path);
 // or not ours at all.
 Result<int> SchemaVersion(Db& db);
 
-}  // namespace enamel::server::sqlite
+}  // namespace enamel::server

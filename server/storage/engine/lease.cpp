@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "common/base/stoppable_sleep.h"
-#include "server/storage/sql/query.h"
+#include "server/storage/engine/query.h"
 
-namespace enamel::server::sqlite {
+namespace enamel::server {
 
 Result<std::unique_ptr<Lease>> Lease::Take(std::unique_ptr<sql::Db> db, std::string name,
                                            LeaseTimes times) {
@@ -60,4 +60,4 @@ void Lease::KeepUp(const std::stop_token& stop) {
   }
 }
 
-}  // namespace enamel::server::sqlite
+}  // namespace enamel::server

@@ -10,9 +10,11 @@
 #include "common/base/result.h"
 #include "common/base/uuid.h"
 #include "common/sql/db.h"
-#include "server/storage/upkeep_store.h"
 
-namespace enamel::server::sqlite {
+namespace enamel::server {
+
+// Field of a refusal (kUnavailable): another server of this database erases or applies retention just now.
+inline constexpr char kLeaseHeld[] = "lease";
 
 struct LeaseTimes {
   std::chrono::milliseconds good{30'000}, renewed_every{10'000};
@@ -47,4 +49,4 @@ class Lease {
   std::jthread thread_;
 };
 
-}  // namespace enamel::server::sqlite
+}  // namespace enamel::server

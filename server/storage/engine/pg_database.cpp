@@ -6,7 +6,7 @@
 
 #include "common/postgres/pg_db.h"
 
-namespace enamel::server::sqlite {
+namespace enamel::server {
 namespace {
 
 using PgKind = sql::PgFailure::Kind;
@@ -68,4 +68,4 @@ Result<std::unique_ptr<sql::Db>> OpenPgDatabase(const std::string& server,
   return std::unique_ptr<sql::Db>(std::move(db));
 }
 
-}  // namespace enamel::server::sqlite
+}  // namespace enamel::server

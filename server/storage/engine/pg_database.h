@@ -9,7 +9,7 @@
 #include "common/sql/db.h"
 
 // The store's tables in PostgreSQL, as the server opens them.
-namespace enamel::server::sqlite {
+namespace enamel::server {
 
 // In order; generated from schemas/sql/pg. The newest has the same number as SQLite's.
 const std::vector<sql::Migration>& PgMigrations();
@@ -20,4 +20,4 @@ Result<std::unique_ptr<sql::Db>> OpenPgDatabase(const std::string& server,
                                                 const std::string& schema, bool read_only,
                                                 std::function<bool()> fail_next);
 
-}  // namespace enamel::server::sqlite
+}  // namespace enamel::server

@@ -2,7 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
-namespace enamel::server::sqlite {
+namespace enamel::server {
 
 Result<std::unique_ptr<Db>> Readers::Take() {
   {
@@ -34,4 +34,4 @@ void Readers::Return(std::unique_ptr<Db> db) {
   returned_.notify_one();
 }
 
-}  // namespace enamel::server::sqlite
+}  // namespace enamel::server

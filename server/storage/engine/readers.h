@@ -10,7 +10,7 @@
 
 #include "server/storage/engine/database.h"
 
-namespace enamel::server::sqlite {
+namespace enamel::server {
 
 // Read connections, opened as needed up to a number, then waited for.
 // Thread safety: any thread.
@@ -45,4 +45,4 @@ class Readers {
   int open_ = 0;                           // guarded by mutex_
 };
 
-}  // namespace enamel::server::sqlite
+}  // namespace enamel::server

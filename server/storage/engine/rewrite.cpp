@@ -6,23 +6,23 @@
 #include <string>
 
 #include "common/base/file.h"
-#include "server/storage/sql/query.h"
+#include "server/storage/engine/query.h"
 
-namespace enamel::server::sqlite {
+namespace enamel::server {
 
 Result<Rewriter::Upkeep> Rewriter::TakeUpkeep() {
   ENAMEL_ASSIGN_OR_RETURN(auto lock, TakeUpkeepLock(folder_, FolderLock::Mode::kExclusive));
   std::unique_ptr<Lease> lease;
-  if (shared_) {
-    ENAMEL_ASSIGN_OR_RETURN(auto db, shared_->open_writer());
+  if (rows_.shared()) {
+    ENAMEL_ASSIGN_OR_RETURN(auto db, rows_.OpenWriter());
     ENAMEL_ASSIGN_OR_RETURN(lease, Lease::Take(std::move(db), "upkeep"));
   }
   return Upkeep(std::move(lock), std::move(lease), upkeep_);
 }
 
 Status Rewriter::Mark() {
-  if (!shared_) return WriteFileDurably(folder_ / kRewriteMark, {});
-  return shared_->rows.write([mark = Uuid::New()](sql::Db& db) {
+  if (!rows_.shared()) return WriteFileDurably(folder_ / kRewriteMark, {});
+  return rows_.Write([mark = Uuid::New()](sql::Db& db) {
     Query q(db,
             "INSERT INTO rewrite_due (tenant, since_ms, mark) VALUES (?1, ?2, ?3) ON CONFLICT "
             "(tenant) DO "
@@ -41,11 +41,10 @@ Result<bool> Rewriter::IsMarked() const {
   return mark.has_value();
 }
 
-// Zero where the mark is a file.
 Result<std::optional<Uuid>> Rewriter::FindMark() const {
   std::optional<Uuid> mark;
-  if (shared_) {
-    ENAMEL_RETURN_IF_ERROR(shared_->rows.read([&](sql::Db& db) -> Status {
+  if (rows_.shared()) {
+    ENAMEL_RETURN_IF_ERROR(rows_.Read([&](sql::Db& db) -> Status {
       Query q(db, "SELECT mark FROM rewrite_due WHERE tenant = ?1");
       mark.reset();
       if (q.Next()) mark = q.Id(0);
@@ -58,8 +57,8 @@ Result<std::optional<Uuid>> Rewriter::FindMark() const {
 
 Status Rewriter::RemoveMark(const Uuid& mark) {
   // One that was set while the tables were written anew stays.
-  if (shared_) {
-    ENAMEL_RETURN_IF_ERROR(shared_->rows.write([&](sql::Db& db) {
+  if (rows_.shared()) {
+    ENAMEL_RETURN_IF_ERROR(rows_.Write([&](sql::Db& db) {
       return Query(db, "DELETE FROM rewrite_due WHERE tenant = ?1 AND mark = ?2").Bind(mark).Run();
     }));
   }
@@ -74,13 +73,13 @@ bool Rewriter::OthersErase() const {
   return upkeep_ == 0 && HasMarkFile() && IsUpkeepAlone(folder_);
 }
 
-Status Rewriter::RunIfMarked(Writer& writer) {
+Status Rewriter::RunIfMarked() {
   ENAMEL_ASSIGN_OR_RETURN(const auto mark, FindMark());
   if (!mark) return Status::Ok();
   spdlog::info("the database is being written anew after an erasure; changes wait until it is");
   const auto begin = std::chrono::steady_clock::now();
   running_ = true;
-  Status status = writer.RunAlone([&](Db& db) -> Status {
+  Status status = rows_.writer().RunAlone([&](Db& db) -> Status {
     ENAMEL_ASSIGN_OR_RETURN(const uint64_t bytes, db.RewriteBytes());
     ENAMEL_RETURN_IF_ERROR(space_.RoomFor(bytes));
     return db.Rewrite();
@@ -100,4 +99,4 @@ Status Rewriter::RunIfMarked(Writer& writer) {
   return status;
 }
 
-}  // namespace enamel::server::sqlite
+}  // namespace enamel::server

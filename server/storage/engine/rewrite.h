@@ -9,13 +9,12 @@
 
 #include "common/base/result.h"
 #include "common/base/uuid.h"
-#include "server/storage/engine/folder_lock.h"
 #include "server/storage/engine/lease.h"
-#include "server/storage/engine/space_guard.h"
-#include "server/storage/engine/writer.h"
-#include "server/storage/transactions.h"
+#include "server/storage/engine/transactions.h"
+#include "server/storage/folder/folder_lock.h"
+#include "server/storage/folder/space_guard.h"
 
-namespace enamel::server::sqlite {
+namespace enamel::server {
 
 // In the data folder while an erasure may have left copies in the database; the row of rewrite_due says
 // the same to several servers.
@@ -28,14 +27,8 @@ inline constexpr char kRewriteMark[] = "REWRITE";
 // Thread safety: any thread.
 class Rewriter {
  public:
-  // What servers of one database have in common: rows, and connections that write, for leases.
-  struct Shared {
-    Transactions rows;
-    std::function<Result<std::unique_ptr<sql::Db>>()> open_writer;
-  };
-  // Without `shared`: only this folder's processes use the database.
-  Rewriter(std::filesystem::path folder, SpaceGuard& space, std::optional<Shared> shared)
-      : folder_(std::move(folder)), space_(space), shared_(std::move(shared)) {}
+  Rewriter(std::filesystem::path folder, SpaceGuard& space, Transactions& rows)
+      : folder_(std::move(folder)), space_(space), rows_(rows) {}
 
   // The folder's UPKEEP lock, alone, and the lease of that name, until destroyed.
   class Upkeep {
@@ -66,21 +59,22 @@ class Rewriter {
   // Where the mark is, writes the database anew without what was freed in it, empties the log and
   // removes the mark. Writers wait meanwhile: this store's in the writer's queue, other processes'
   // because of OthersErase. What fails is in the log; the mark stays then. Requires: Upkeep is held.
-  Status RunIfMarked(Writer& writer);
+  Status RunIfMarked();
   bool running() const { return running_; }
   // Another process finishes an erasure: its write is worth waiting for.
   bool OthersErase() const;
 
  private:
   bool HasMarkFile() const;
+  // Zero where the mark is a file.
   Result<std::optional<Uuid>> FindMark() const;
   Status RemoveMark(const Uuid& mark);
 
   const std::filesystem::path folder_;
   SpaceGuard& space_;
-  const std::optional<Shared> shared_;
+  Transactions& rows_;
   std::atomic<int> upkeep_{0};  // Upkeep is held so often
   std::atomic<bool> running_{false};
 };
 
-}  // namespace enamel::server::sqlite
+}  // namespace enamel::server

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <utility>
 
-namespace enamel::server::sqlite {
+namespace enamel::server {
 
 Writer::Writer(std::unique_ptr<Db> db, bool twice)
     : db_(std::move(db)), twice_(twice), thread_([this] { Loop(); }) {}
@@ -238,4 +238,4 @@ Status Writer::RunApart(Pending& pending) {
   return db_->Exec("RELEASE one");
 }
 
-}  // namespace enamel::server::sqlite
+}  // namespace enamel::server

@@ -12,7 +12,7 @@
 
 #include "server/storage/engine/database.h"
 
-namespace enamel::server::sqlite {
+namespace enamel::server {
 
 // This process's one write connection, with group commit: callers queue their work; a thread of its own runs
 // up to kMaxBatch queued works in one transaction and one fsync, and wakes their owners. A work that fails is
@@ -114,4 +114,4 @@ class Writer {
   std::thread thread_;  // last: uses the rest
 };
 
-}  // namespace enamel::server::sqlite
+}  // namespace enamel::server

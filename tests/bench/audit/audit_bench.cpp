@@ -7,11 +7,15 @@
 #include <memory>
 #include <string>
 
+#include "server/storage/audit/actor.h"
+#include "server/storage/audit/audit_row.h"
+#include "server/storage/audit/audit_trail.h"
+#include "server/storage/audit/decisions.h"
 #include "server/storage/engine/database.h"
-#include "server/storage/engine/ticket_key.h"
-#include "server/storage/engine/verify_audit.h"
-#include "server/storage/sql/decisions.h"
-#include "server/storage/sqlite_store.h"
+#include "server/storage/folder/ticket_key.h"
+#include "server/storage/open_store.h"
+#include "server/storage/store.h"
+#include "server/storage/verify/verify_audit.h"
 
 namespace {
 
@@ -22,22 +26,22 @@ const Actor kBench{{}, "bench"};
 // About the size of an attempt's state.
 const std::string kState(600, 's');
 
-sqlite::AuditSeal Seal(const sqlite::AuditSalt& salt) {
+AuditSeal Seal(const AuditSalt& salt) {
   return {Uuid::New(),
           1'793'880'000'123,
           Uuid::New(),
           "page",
           "attempt.override",
           Uuid::New().Text(),
-          sqlite::SubjectOf("attempt", Uuid::New().Text()),
-          sqlite::AuditContentHash(salt, "{}", R"({"score":"70","reason":"too deep"})", kState),
-          sqlite::AuditLink{{}, 1000, HashSha256(AsBytes("the row before"))}};
+          SubjectOf("attempt", Uuid::New().Text()),
+          AuditContentHash(salt, "{}", R"({"score":"70","reason":"too deep"})", kState),
+          AuditLink{{}, 1000, HashSha256(AsBytes("the row before"))}};
 }
 
 void BM_SaltHashAndSign(benchmark::State& state) {
   const trace::KeyPair keys = trace::NewKeyPair();
   for (auto _ : state) {
-    benchmark::DoNotOptimize(sqlite::SignAuditSeal(Seal(sqlite::NewAuditSalt()), keys.secret_key));
+    benchmark::DoNotOptimize(SignAuditSeal(Seal(NewAuditSalt()), keys.secret_key));
   }
 }
 BENCHMARK(BM_SaltHashAndSign)->Unit(benchmark::kMicrosecond);
@@ -45,17 +49,16 @@ BENCHMARK(BM_SaltHashAndSign)->Unit(benchmark::kMicrosecond);
 // The end of the chain, which is signed with each row.
 void BM_SignEnd(benchmark::State& state) {
   const trace::KeyPair keys = trace::NewKeyPair();
-  sqlite::AuditHead head{{}, 1000, Uuid::New(), HashSha256(AsBytes("the last row"))};
-  for (auto _ : state) benchmark::DoNotOptimize(sqlite::SignAuditHead(head, keys.secret_key));
+  AuditHead head{{}, 1000, Uuid::New(), HashSha256(AsBytes("the last row"))};
+  for (auto _ : state) benchmark::DoNotOptimize(SignAuditHead(head, keys.secret_key));
 }
 BENCHMARK(BM_SignEnd)->Unit(benchmark::kMicrosecond);
 
 void BM_VerifySignature(benchmark::State& state) {
   const trace::KeyPair keys = trace::NewKeyPair();
-  const sqlite::AuditSeal seal = Seal(sqlite::NewAuditSalt());
-  const trace::Signature signature = sqlite::SignAuditSeal(seal, keys.secret_key);
-  for (auto _ : state)
-    benchmark::DoNotOptimize(sqlite::VerifyAuditSeal(seal, signature, keys.public_key));
+  const AuditSeal seal = Seal(NewAuditSalt());
+  const trace::Signature signature = SignAuditSeal(seal, keys.secret_key);
+  for (auto _ : state) benchmark::DoNotOptimize(VerifyAuditSeal(seal, signature, keys.public_key));
 }
 BENCHMARK(BM_VerifySignature)->Unit(benchmark::kMicrosecond);
 
@@ -67,7 +70,8 @@ class Folder {
     if (mkdtemp(name) == nullptr) std::abort();
     path_ = name;
     auto opened = OpenSqliteStore({path_});
-    if (!opened.ok() || !opened.value()->ListDevice("device", "chair", kBench).ok()) std::abort();
+    if (!opened.ok() || !opened.value()->devices.ListDevice("device", "chair", kBench).ok())
+      std::abort();
     store_ = std::move(opened).value();
   }
   ~Folder() {
@@ -76,8 +80,8 @@ class Folder {
     std::filesystem::remove_all(path_, error);
   }
   // A connection for the bench's own statements.
-  std::unique_ptr<sqlite::SqliteDb> Connect() const {
-    auto db = sqlite::OpenDatabase(path_ / "enamel.db", sqlite::DbMode::kExisting);
+  std::unique_ptr<SqliteDb> Connect() const {
+    auto db = OpenDatabase(path_ / "enamel.db", DbMode::kExisting);
     if (!db.ok()) std::abort();
     return std::move(db).value();
   }
@@ -95,7 +99,7 @@ class Folder {
 void BM_State(benchmark::State& state) {
   const Folder folder;
   auto db = folder.Connect();
-  for (auto _ : state) benchmark::DoNotOptimize(sqlite::StateOf(*db, "device device"));
+  for (auto _ : state) benchmark::DoNotOptimize(StateOf(*db, "device device"));
 }
 BENCHMARK(BM_State)->Unit(benchmark::kMicrosecond);
 
@@ -104,12 +108,12 @@ BENCHMARK(BM_State)->Unit(benchmark::kMicrosecond);
 void BM_WriteRow(benchmark::State& state) {
   const Folder folder;
   auto db = folder.Connect();
-  const sqlite::AuditSigner signer(folder.Key().secret_key);
+  const AuditSigner signer(folder.Key().secret_key);
   db->SetCompanion(&signer);
   const char* action = state.range(0) == 0 ? "store.backup" : "device.list";
   if (!db->Begin(sql::Isolation::kSerial).ok()) std::abort();
   for (auto _ : state) {
-    if (!sqlite::WriteAudit(*db, kBench, action, "device", "{}", "{}").ok()) std::abort();
+    if (!WriteAudit(*db, kBench, action, "device", "{}", "{}").ok()) std::abort();
   }
   db->Rollback();
 }
@@ -120,15 +124,15 @@ void BM_VerifyTrail(benchmark::State& state) {
   const Folder folder;
   auto db = folder.Connect();
   const trace::KeyPair keys = folder.Key();
-  const sqlite::AuditSigner signer(keys.secret_key);
+  const AuditSigner signer(keys.secret_key);
   db->SetCompanion(&signer);
   if (!db->Begin(sql::Isolation::kSerial).ok()) std::abort();
   for (int64_t i = 0; i < state.range(0); ++i) {
-    if (!sqlite::WriteAudit(*db, kBench, "device.list", "device", "{}", "{}").ok()) std::abort();
+    if (!WriteAudit(*db, kBench, "device.list", "device", "{}", "{}").ok()) std::abort();
   }
   for (auto _ : state) {
     VerifyReport report;
-    if (!sqlite::CheckAudit(*db, keys.public_key, {}, report, {}).ok()) std::abort();
+    if (!CheckAudit(*db, keys.public_key, {}, report, {}).ok()) std::abort();
     if (!report.findings.empty()) std::abort();
   }
   state.SetItemsProcessed(state.iterations() * state.range(0));

@@ -65,7 +65,7 @@ TEST_F(CommandsTest, InitMakesAFolderForItsOwnerOnlyAndChangesNoneThatIsThere) {
   ASSERT_TRUE(AddPerson(Data(), {"ada", "Ada", "student"}).ok());
   ASSERT_TRUE(InitData(Data()).ok());
   EXPECT_EQ(*ReadFile(Data() / "station.crt"), before);
-  EXPECT_EQ(OpenData()->People()->size(), 1u);
+  EXPECT_EQ(OpenData()->people.People()->size(), 1u);
 }
 
 TEST_F(CommandsTest, SeedingTwiceChangesNothing) {
@@ -74,20 +74,20 @@ TEST_F(CommandsTest, SeedingTwiceChangesNothing) {
   options.voxel_um = 400;
   options.json = folder_.path() / "seed.json";
   ASSERT_TRUE(SeedDemo(options).ok());
-  auto people = OpenData()->People();
-  auto exercises = OpenData()->AllExercises();
-  size_t changes = OpenData()->Audit(1000)->size();
+  auto people = OpenData()->people.People();
+  auto exercises = OpenData()->exercises.AllExercises();
+  size_t changes = OpenData()->audit.Audit(1000)->size();
   ASSERT_TRUE(SeedDemo(options).ok());
   EXPECT_EQ(people->size(), 4u);
-  EXPECT_EQ(OpenData()->AllExercises()->front().id, exercises->front().id);
-  EXPECT_EQ(OpenData()->Audit(1000)->size(), changes);
+  EXPECT_EQ(OpenData()->exercises.AllExercises()->front().id, exercises->front().id);
+  EXPECT_EQ(OpenData()->audit.Audit(1000)->size(), changes);
 
   auto facts = boost::json::parse(AsText(*ReadFile(options.json))).as_object();
   EXPECT_EQ(facts.at("exercise").as_string(), exercises->front().name);
   EXPECT_FALSE(facts.at("has_reference").as_bool());
   auto store = OpenData();
-  EXPECT_EQ(store->Profiles()->size(), scene::BuiltinProfiles().size());
-  EXPECT_EQ(store->ExercisesFor(store->PersonByLogin("student1")->id)->size(), 1u);
+  EXPECT_EQ(store->profiles.Profiles()->size(), scene::BuiltinProfiles().size());
+  EXPECT_EQ(store->exercises.ExercisesFor(store->people.PersonByLogin("student1")->id)->size(), 1u);
   auth::Authenticator authenticator(*store);
   EXPECT_TRUE(
       authenticator.SignInHere({"student1", "enamel-demo-student1", "127.0.0.1", "page"}).ok());
@@ -98,26 +98,26 @@ TEST_F(CommandsTest, SceneFolderIsRefusedWhenItIsIncompleteOrItsVolumeIsAnothers
   std::filesystem::path folder = folder_.path() / "scene";
   std::filesystem::create_directories(folder);
   auto store = OpenData();
-  EXPECT_EQ(PublishScene(*store, folder, 0).status().code(), Code::kNotFound);
+  EXPECT_EQ(PublishScene(store->blobs, store->scenes, folder, 0).status().code(), Code::kNotFound);
   auto write = [&](const char* name, ByteView content) {
     ASSERT_TRUE(WriteFileDurably(folder / name, content).ok());
   };
   write("scene.json", AsBytes(scene::ToJson(built->scene)));
-  Status incomplete = PublishScene(*store, folder, 0).status();
+  Status incomplete = PublishScene(store->blobs, store->scenes, folder, 0).status();
   EXPECT_EQ(incomplete.code(), Code::kNotFound);
   EXPECT_NE(incomplete.message().find("volume.envb"), std::string::npos) << incomplete.message();
   write("volume.envb", AsBytes("another"));
-  EXPECT_EQ(PublishScene(*store, folder, 0).status().code(), Code::kConflict);
+  EXPECT_EQ(PublishScene(store->blobs, store->scenes, folder, 0).status().code(), Code::kConflict);
   write("volume.envb", scene::EncodeVolume(built->volume));
   scene::Scene finer = built->scene;
   finer.voxel_nm /= 2;
   write("scene.json", AsBytes(scene::ToJson(finer)));
-  Status other = PublishScene(*store, folder, 0).status();
+  Status other = PublishScene(store->blobs, store->scenes, folder, 0).status();
   EXPECT_EQ(other.code(), Code::kConflict) << "scene and volume disagree about the voxel";
   write("scene.json", AsBytes(scene::ToJson(built->scene)));
-  auto row = PublishScene(*store, folder, 0);
+  auto row = PublishScene(store->blobs, store->scenes, folder, 0);
   ASSERT_TRUE(row.ok()) << row.status().message();
-  EXPECT_TRUE(store->HasBlob(row->volume));
+  EXPECT_TRUE(store->blobs.HasBlob(row->volume));
 }
 
 TEST_F(CommandsTest, RefusalsSayWhatIsAllowed) {
@@ -148,7 +148,7 @@ TEST_F(CommandsTest, ReportSaysWhyThereIsNoScore) {
   Status waiting = Report(report);
   EXPECT_EQ(waiting.code(), Code::kUnavailable);
   EXPECT_NE(waiting.message().find("recording"), std::string::npos) << waiting.message();
-  ASSERT_TRUE(store->FailAttempt(open, "witness differs at tick 7", {}).ok());
+  ASSERT_TRUE(store->results.FailAttempt(open, "witness differs at tick 7", {}).ok());
   Status failed = Report(report);
   EXPECT_EQ(failed.code(), Code::kConflict);
   EXPECT_NE(failed.message().find("tick 7"), std::string::npos);
@@ -174,7 +174,7 @@ TEST_F(CommandsTest, ExercisesArePublishedAssignedAndRetiredFromTheCommandLine) 
     row.due_ms = *TimeFromText(exam.due);
     row.attempt_limit = exam.attempt_limit;
     row.exam = true;
-    ASSERT_TRUE(OpenData()->AddAssignment(row, kSystem).ok());
+    ASSERT_TRUE(OpenData()->assignments.AddAssignment(row, kSystem).ok());
   }
   exam.stations = {"no such bench"};
   EXPECT_EQ(AssignExercise(Data(), exam).field(), "station");
@@ -187,10 +187,10 @@ TEST_F(CommandsTest, ExercisesArePublishedAssignedAndRetiredFromTheCommandLine) 
   {
     auto store = OpenForCommand(Data());
     ASSERT_TRUE(store.ok());
-    auto versions = (*store)->ExerciseVersions("cross-block");
+    auto versions = (*store)->exercises.ExerciseVersions("cross-block");
     ASSERT_EQ(versions->size(), 1u);
     EXPECT_EQ(versions->front().version, 1);
-    auto rows = (*store)->Assignments({});
+    auto rows = (*store)->assignments.Assignments({});
     ASSERT_EQ(rows->size(), 1u) << "unassigned until assigned";
     EXPECT_EQ(rows->front().due_ms, 1'796'126'400'000);  // date -u -d "2026-12-01 12:00" +%s
     EXPECT_TRUE(rows->front().exam);
@@ -234,7 +234,7 @@ TEST_F(CommandsTest, DemoPasswordsAreNotServedBeyondLoopback) {
                                *auth::HashPassword("enamel-demo-student1"));
     server::testing::AddPerson(*store, "admin", Role::kAdmin,
                                *auth::HashPassword("a drill and a spoon"));
-    EXPECT_EQ(*LoginsWithDemoPassword(*store), std::vector<std::string>{"student1"});
+    EXPECT_EQ(*LoginsWithDemoPassword(store->people), std::vector<std::string>{"student1"});
   }
   ServeOptions options;
   options.data = Data();
@@ -245,26 +245,27 @@ TEST_F(CommandsTest, DemoPasswordsAreNotServedBeyondLoopback) {
   EXPECT_NE(refused.message().find("public ones for student1; "), std::string::npos)
       << refused.message();
   ASSERT_TRUE(SetDisabled(Data(), "Student1", true).ok()) << "a login in any case";
-  EXPECT_TRUE(LoginsWithDemoPassword(*OpenData())->empty());
+  EXPECT_TRUE(LoginsWithDemoPassword(OpenData()->people)->empty());
 }
 
 TEST_F(CommandsTest, StationOfAnExamIsOneThatIsAdmitted) {
   auto store = OpenData();
   std::vector<Uuid> ids;
   for (const char* code : {"one", "two"}) {
-    ASSERT_TRUE(store->AddEnrolCode(HashSha256(AsBytes(code)), 1000, kSystem).ok());
+    ASSERT_TRUE(store->stations.AddEnrolCode(HashSha256(AsBytes(code)), 1000, kSystem).ok());
     StationRow row;
     row.name = "Lab 7";
     row.public_key = Bytes(32, static_cast<uint8_t>(code[0]));
-    auto station = store->EnrolStation(HashSha256(AsBytes(code)), row,
-                                       HashSha256(AsBytes(row.name + code)), 1);
+    auto station = store->stations.EnrolStation(HashSha256(AsBytes(code)), row,
+                                                HashSha256(AsBytes(row.name + code)), 1);
     ASSERT_TRUE(station.ok()) << station.status().message();
     ids.push_back(station->id);
   }
-  EXPECT_NE(StationNamed(*store, "Lab 7").status().message().find("2 stations"), std::string::npos);
-  ASSERT_TRUE(store->RevokeStation(ids[0], kSystem).ok());
-  EXPECT_EQ(StationNamed(*store, "Lab 7")->id, ids[1]);
-  EXPECT_EQ(StationNamed(*store, ids[0].Text()).status().field(), "station");
+  EXPECT_NE(StationNamed(store->stations, "Lab 7").status().message().find("2 stations"),
+            std::string::npos);
+  ASSERT_TRUE(store->stations.RevokeStation(ids[0], kSystem).ok());
+  EXPECT_EQ(StationNamed(store->stations, "Lab 7")->id, ids[1]);
+  EXPECT_EQ(StationNamed(store->stations, ids[0].Text()).status().field(), "station");
 }
 
 // Names are checked when they are given (training/names.h); documents, what stations say of
@@ -275,28 +276,29 @@ TEST_F(CommandsTest, TerminalObeysNoTextOfAnyList) {
   {
     auto store = OpenData();
     World world(*store);
-    Uuid cohort = *store->CreateCohort(evil, kSystem);
+    Uuid cohort = *store->cohorts.CreateCohort(evil, kSystem);
     Person person;
     person.login = "evil";
     person.display_name = evil;
-    person.id = *store->CreatePerson(person, "none", {cohort}, kSystem);
-    ASSERT_TRUE(store->CreateSession({HashSha256({}), person.id, 1, 1, 2, evil}).ok());
-    ASSERT_TRUE(store->RenameStation(world.station, evil, 1, kSystem).ok());
-    ASSERT_TRUE(store->TouchStation(world.station, evil, 1, 1).ok());
+    person.id = *store->people.CreatePerson(person, "none", {cohort}, kSystem);
+    ASSERT_TRUE(store->sessions.CreateSession({HashSha256({}), person.id, 1, 1, 2, evil}).ok());
+    ASSERT_TRUE(store->stations.RenameStation(world.station, evil, 1, kSystem).ok());
+    ASSERT_TRUE(store->stations.TouchStation(world.station, evil, 1, 1).ok());
     ExerciseRow exercise = world.Exercise(evil, "another content");
     exercise.title = evil;
-    auto published = store->PublishExercise(exercise, cohort, kSystem);
+    auto published = store->exercises.PublishExercise(exercise, cohort, kSystem);
     ASSERT_TRUE(published.ok()) << published.status().message();
     world.exercise = *published;
     AttemptRow attempt = world.NewAttemptOf(person.id);
-    ASSERT_TRUE(store->FailAttempt(attempt.id, evil, {}).ok());
-    ASSERT_TRUE(store->NoteAudit({{}, evil}, "attempt.awaits", Uuid::New().Text(), evil).ok());
-    ASSERT_TRUE(store->PutProfile({"device", "Device", world.profile}, kSystem).ok());
+    ASSERT_TRUE(store->results.FailAttempt(attempt.id, evil, {}).ok());
+    ASSERT_TRUE(
+        store->audit.NoteAudit({{}, evil}, "attempt.awaits", Uuid::New().Text(), evil).ok());
+    ASSERT_TRUE(store->profiles.PutProfile({"device", "Device", world.profile}, kSystem).ok());
     CalibrationRow calibration;
     calibration.profile = "device";
     calibration.device = evil;
     calibration.document = AsText(*ReadFile(golden));
-    ASSERT_TRUE(store->AddCalibration(calibration, kSystem).ok());
+    ASSERT_TRUE(store->profiles.AddCalibration(calibration, kSystem).ok());
     ASSERT_TRUE(
         WriteFileDurably(folder_.path() / "roster.csv",
                          AsBytes("login,display_name,role," + evil + "\nann,Ann,student,\n"))
@@ -338,7 +340,7 @@ TEST_F(CommandsTest, ReferencesAreListedAndWithdrawnByTheirIdOrThatOfTheirAttemp
     World world(*store);
     for (Uuid* attempt : {&first, &second}) {
       *attempt = world.ScoredAttempt();
-      ASSERT_TRUE(store->AddReference(*attempt, "Dr. Vega", true, kSystem).ok());
+      ASSERT_TRUE(store->references.AddReference(*attempt, "Dr. Vega", true, kSystem).ok());
     }
   }
   auto said = [&](const std::function<Status()>& command) {
@@ -358,13 +360,16 @@ TEST_F(CommandsTest, ReferencesAreListedAndWithdrawnByTheirIdOrThatOfTheirAttemp
   EXPECT_NE(list().find("newest    attempt " + first.Text()), std::string::npos) << list();
   EXPECT_NE(said([&] { return WithdrawReference(Data(), second.Text()); }).find("withdrawn before"),
             std::string::npos);
-  const Uuid id = OpenData()->ReferenceFor(OpenData()->AttemptById(first)->exercise)->value().id;
+  const Uuid id = OpenData()
+                      ->references.ReferenceFor(OpenData()->attempts.AttemptById(first)->exercise)
+                      ->value()
+                      .id;
   EXPECT_NE(said([&] { return WithdrawReference(Data(), id.Text()); }).find("no reference now"),
             std::string::npos);
   EXPECT_EQ(WithdrawReference(Data(), Uuid::New().Text()).field(), "reference");
   EXPECT_EQ(ListReferences(Data(), "no such").field(), "exercise");
-  EXPECT_EQ(OpenData()->AttemptById(first)->score, 80) << "scores stay";
-  EXPECT_EQ(OpenData()->FindAudit({.action = "reference.withdraw"})->size(), 2u);
+  EXPECT_EQ(OpenData()->attempts.AttemptById(first)->score, 80) << "scores stay";
+  EXPECT_EQ(OpenData()->audit.FindAudit({.action = "reference.withdraw"})->size(), 2u);
 }
 
 TEST_F(CommandsTest, ProfileThatAnAdminHasPutStaysTheNewestWhenExercisesArePublished) {
@@ -377,20 +382,20 @@ TEST_F(CommandsTest, ProfileThatAnAdminHasPutStaysTheNewestWhenExercisesArePubli
   {
     auto store = OpenData();
     const Sha256 content = PutText(*store, "measured here");
-    ASSERT_TRUE(store->PutProfile({ours.name, "Ours", content}, kCommandLine).ok());
+    ASSERT_TRUE(store->profiles.PutProfile({ours.name, "Ours", content}, kCommandLine).ok());
   }
   ASSERT_TRUE(PublishExercise(Data(), exercise).ok());
-  EXPECT_EQ(OpenData()->ProfileVersions(ours.name)->front().title, "Ours");
+  EXPECT_EQ(OpenData()->profiles.ProfileVersions(ours.name)->front().title, "Ours");
   // What an earlier program left is not the school's own.
   {
     auto store = OpenData();
     const scene::DeviceProfile other = scene::BuiltinProfiles().back();
-    ASSERT_TRUE(store
-                    ->PutProfile({other.name, "Of before", PutText(*store, "earlier form")},
-                                 Actor{{}, "built-in profiles"})
+    ASSERT_TRUE(store->profiles
+                    .PutProfile({other.name, "Of before", PutText(*store, "earlier form")},
+                                Actor{{}, "built-in profiles"})
                     .ok());
     ASSERT_TRUE(PublishProfiles(*store).ok());
-    EXPECT_EQ(store->ProfileVersions(other.name)->front().title, other.title);
+    EXPECT_EQ(store->profiles.ProfileVersions(other.name)->front().title, other.title);
   }
 }
 
@@ -405,7 +410,7 @@ TEST_F(CommandsTest, SharingNothingAndMovingNowhereSaySo) {
   const Status nothing = ShareExercise(Data(), sharing);
   EXPECT_EQ(nothing.code(), Code::kInvalidInput);
   EXPECT_NE(nothing.message().find("--shared or --private"), std::string::npos);
-  const Uuid assignment = OpenData()->Assignments({})->front().id;
+  const Uuid assignment = OpenData()->assignments.Assignments({})->front().id;
   ::testing::internal::CaptureStdout();
   EXPECT_TRUE(MoveAssignment(Data(), assignment.Text(), 1, false).ok());
   EXPECT_NE(::testing::internal::GetCapturedStdout().find("nothing was changed"),
@@ -435,7 +440,7 @@ TEST_F(CommandsTest, RosterWhosePasswordsCannotBeWrittenAddsNobody) {
   roster.file = csv;
   roster.passwords = folder_.path() / "nowhere" / "passwords.csv";
   EXPECT_FALSE(ImportRoster(roster).ok());
-  EXPECT_TRUE(OpenData()->People()->empty());
+  EXPECT_TRUE(OpenData()->people.People()->empty());
   roster.passwords = folder_.path() / "passwords.csv";
   ASSERT_TRUE(ImportRoster(roster).ok());
   EXPECT_NE(std::string(AsText(*ReadFile(roster.passwords))).find("\nada,Ada,,"),
@@ -447,7 +452,7 @@ TEST_F(CommandsTest, RetentionWithoutDaysTakesNoRuleAway) {
   ASSERT_TRUE(Retention({Data(), "recordings", 730, false}).ok());
   Status refused = Retention({Data(), "recordings", std::nullopt, false});
   EXPECT_EQ(refused.field(), "days");
-  EXPECT_EQ(OpenData()->RetentionRules()->size(), 1u);
+  EXPECT_EQ(OpenData()->retention.RetentionRules()->size(), 1u);
 }
 
 TEST_F(CommandsTest, IdentityIsMadeOnce) {

@@ -8,8 +8,9 @@
 #include <fstream>
 
 #include "common/base/file.h"
-#include "server/storage/engine/folder_lock.h"
-#include "server/storage/sqlite_store.h"
+#include "server/storage/engine/database.h"
+#include "server/storage/folder/folder_lock.h"
+#include "server/storage/open_store.h"
 #include "tests/server/storage/store_world.h"
 
 // The program itself: what it says and how it ends.
@@ -105,7 +106,7 @@ TEST_F(ServeProcessTest, SeveralSignalsAtOnceEndItCleanlyToo) {
 TEST_F(ServeProcessTest, BeginsAndEndsWhileAnotherProcessErasesAndKeepsTheDatabase) {
   OpenStore(Data());
   std::ofstream(Data() + "/REWRITE").close();
-  auto upkeep = sqlite::TakeUpkeepLock(Data(), sqlite::FolderLock::Mode::kExclusive);
+  auto upkeep = TakeUpkeepLock(Data(), FolderLock::Mode::kExclusive);
   ASSERT_TRUE(upkeep.ok()) << upkeep.status().message();
   sqlite3* other = nullptr;
   ASSERT_EQ(sqlite3_open((Data() + "/enamel.db").c_str(), &other), SQLITE_OK);

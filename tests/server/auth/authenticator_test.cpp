@@ -61,7 +61,8 @@ TEST_F(AuthenticatorTest, EverySignInDoesTheSameWorkWhoeverItIs) {
   AddPerson(*store_, "once", Role::kStudent, once.verifier);
   passwords["once"] = once.text;
   AddPerson(*store_, "off", Role::kStudent, *HashPassword(kPassword, kUsual));
-  ASSERT_TRUE(store_->SetDisabled(store_->PersonByLogin("off")->id, true, kSystem).ok());
+  ASSERT_TRUE(
+      store_->people.SetDisabled(store_->people.PersonByLogin("off")->id, true, kSystem).ok());
   passwords["off"] = kPassword;
   int usual = 0;
   AuthOptions options = Options();
@@ -99,7 +100,7 @@ TEST_F(AuthenticatorTest, OneTimePasswordsWorkAndAreDifferent) {
 
 TEST_F(AuthenticatorTest, AOneTimePasswordSignsInOnceAndSaysSoOnlyToWhoHasIt) {
   OneTimePassword once = MakeOneTimePassword();
-  ASSERT_TRUE(store_->SetPassword(person_, once.verifier, true, kSystem).ok());
+  ASSERT_TRUE(store_->people.SetPassword(person_, once.verifier, true, kSystem).ok());
   SignInRequest at_station = Request("ada", once.text);
   at_station.via = kViaStation;
   ASSERT_TRUE(authenticator_.SignInHere(at_station).ok()) << "where it opens nothing";
@@ -117,15 +118,16 @@ TEST_F(AuthenticatorTest, AOneTimePasswordSignsInOnceAndSaysSoOnlyToWhoHasIt) {
   Status wrong = authenticator_.SignInHere(Request("ada", "not this one")).status();
   EXPECT_EQ(wrong.message(), authenticator_.SignInHere(Request("nobody", "x")).status().message());
   EXPECT_TRUE(authenticator_.AuthenticateHex(ToHex(first->token)).ok()) << "the session it opened";
-  ASSERT_TRUE(store_->SetPassword(person_, MakeOneTimePassword().verifier, true, kSystem).ok());
-  EXPECT_FALSE(store_->PersonById(person_)->password_used) << "another one is a new one";
+  ASSERT_TRUE(
+      store_->people.SetPassword(person_, MakeOneTimePassword().verifier, true, kSystem).ok());
+  EXPECT_FALSE(store_->people.PersonById(person_)->password_used) << "another one is a new one";
 }
 
 TEST_F(AuthenticatorTest, AOneTimePasswordEndsAfterItsDaysAndAChosenOneDoesNot) {
   OneTimePassword once = MakeOneTimePassword();
-  ASSERT_TRUE(store_->SetPassword(person_, once.verifier, true, kSystem).ok());
+  ASSERT_TRUE(store_->people.SetPassword(person_, once.verifier, true, kSystem).ok());
   AddPerson(*store_, "own", Role::kStudent, *HashPassword(kPassword, kCheap));
-  const Person person = *store_->PersonById(person_);
+  const Person person = *store_->people.PersonById(person_);
   AuthOptions options = Options();
   options.one_time_ms = 3 * UnixMs{24 * 60 * 60 * 1000};
   Authenticator authenticator(*store_, options);
@@ -160,7 +162,7 @@ TEST_F(AuthenticatorTest, SigningInEndsTheSessionOfTheCookieThatCameAlong) {
     request.earlier = no_cookie;
     EXPECT_TRUE(authenticator_.SignInHere(request).ok()) << no_cookie;
   }
-  const SessionRow row = *store_->FindSession(now->identity.token_hash);
+  const SessionRow row = *store_->sessions.FindSession(now->identity.token_hash);
   EXPECT_EQ(row.address, "2001:db8:1:2::/64");
   EXPECT_EQ(row.device, "Firefox on Linux");
 }
@@ -186,7 +188,7 @@ TEST_F(AuthenticatorTest, WrongPasswordAndUnknownLoginGetTheSameAnswer) {
 }
 
 TEST_F(AuthenticatorTest, DisabledPersonIsRefusedWithTheSameWords) {
-  ASSERT_TRUE(store_->SetDisabled(person_, true, kSystem).ok());
+  ASSERT_TRUE(store_->people.SetDisabled(person_, true, kSystem).ok());
   Status disabled = authenticator_.SignInHere(Request("ada", kPassword)).status();
   EXPECT_EQ(disabled.message(),
             authenticator_.SignInHere(Request("nobody", "x")).status().message());
@@ -194,8 +196,8 @@ TEST_F(AuthenticatorTest, DisabledPersonIsRefusedWithTheSameWords) {
 
 TEST_F(AuthenticatorTest, TokenItselfIsNotStored) {
   auto signed_in = authenticator_.SignInHere(Request("ada", kPassword));
-  EXPECT_FALSE(store_->FindSession(Sha256::FromBytes(signed_in->token)).ok());
-  EXPECT_TRUE(store_->FindSession(HashSha256(signed_in->token)).ok());
+  EXPECT_FALSE(store_->sessions.FindSession(Sha256::FromBytes(signed_in->token)).ok());
+  EXPECT_TRUE(store_->sessions.FindSession(HashSha256(signed_in->token)).ok());
 }
 
 TEST_F(AuthenticatorTest, SessionEndsWhenIdleForHalfAnHour) {

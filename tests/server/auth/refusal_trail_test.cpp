@@ -30,7 +30,7 @@ class RefusalTrailTest : public ::testing::Test {
     AuditFilter filter;
     filter.action = "session.refused";
     filter.limit = 1000;
-    auto rows = store_->FindAudit(filter);
+    auto rows = store_->audit.FindAudit(filter);
     EXPECT_TRUE(rows.ok());
     return {rows->rbegin(), rows->rend()};
   }

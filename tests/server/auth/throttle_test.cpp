@@ -3,12 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <iostream>
-#include <map>
 #include <memory>
 #include <random>
 #include <vector>
 
+#include "common/base/unix_time.h"
 #include "server/auth/address_block.h"
+#include "server/storage/open_store.h"
+#include "tests/support/temp_folder.h"
 
 namespace enamel::server::auth {
 namespace {
@@ -233,27 +235,26 @@ TEST(ThrottleTest, GuesserOfOneLoginGetsFewTries) {
   EXPECT_LE(guesses, 30);
 }
 
-// What several servers' stores have in common.
-class OneStore final : public SignInStore {
- public:
-  Status ChangeSignIns(const std::vector<Sha256>& keys, const SignInChange& change) override {
-    std::vector<SignInCounter> counters;
-    for (const Sha256& key : keys) counters.push_back(kept_[key]);
-    change(counters);
-    change(counters = Again(keys));
-    for (size_t i = 0; i < keys.size(); ++i) kept_[keys[i]] = counters[i];
-    return fails ? Status(Code::kUnavailable, "the database is away") : Status::Ok();
-  }
+// What several servers count together.
+struct Common {
+  MemoryCounters counters;
   bool fails = false;
+};
+class CommonCounters final : public FailureCounters {
+ public:
+  explicit CommonCounters(Common& common) : common_(common) {}
+  Status Apply(const OfTry<std::string>& names, UnixMs now_ms, const Change& change) override {
+    const Status done = common_.counters.Apply(names, now_ms, [&](OfTry<SignInCounter>& counters) {
+      // Once more, as when another server's change came between.
+      OfTry<SignInCounter> first = counters;
+      change(first);
+      change(counters);
+    });
+    return common_.fails ? Status(Code::kUnavailable, "the database is away") : done;
+  }
 
  private:
-  // As when another server's change came between.
-  std::vector<SignInCounter> Again(const std::vector<Sha256>& keys) {
-    std::vector<SignInCounter> out;
-    for (const Sha256& key : keys) out.push_back(kept_[key]);
-    return out;
-  }
-  std::map<Sha256, SignInCounter> kept_;
+  Common& common_;
 };
 
 // Tries in a quarter of an hour at `logins` logins, from one address, thirty in a second, with each server in turn.
@@ -274,9 +275,9 @@ int GuessesAt(std::vector<Throttle>& servers, int logins) {
 
 TEST(ThrottleTest, ThreeServersThatCountTogetherLeaveNoMoreGuessesThanOne) {
   for (int logins : {1, 1000}) {
-    OneStore store;
+    Common common;
     std::vector<Throttle> alone(1), apart(3), together;
-    for (int i = 0; i < 3; ++i) together.emplace_back(std::make_unique<SharedCounters>(store));
+    for (int i = 0; i < 3; ++i) together.emplace_back(std::make_unique<CommonCounters>(common));
     const int one = GuessesAt(alone, logins), each = GuessesAt(apart, logins);
     const int all = GuessesAt(together, logins);
     std::cout << logins << " logins guessed at in 15 min: one server " << one
@@ -287,12 +288,17 @@ TEST(ThrottleTest, ThreeServersThatCountTogetherLeaveNoMoreGuessesThanOne) {
   }
 }
 
-TEST(ThrottleTest, ServersOfOneStoreCountAsOneInMemoryDoes) {
-  OneStore store;
-  Throttle memory, shared(std::make_unique<SharedCounters>(store));
+TEST(ThrottleTest, StoreCountsAsMemoryDoes) {
+  const test::TempFolder folder;
+  StoreOptions options;
+  options.folder = folder.path();
+  options.change_twice = true;
+  const auto store = std::move(OpenSqliteStore(options)).value();
+  Throttle memory, shared(std::make_unique<SharedCounters>(*store));
   std::minstd_rand random(7);
-  UnixMs now = 1000;
-  for (int i = 0; i < 20'000; ++i, now += random() % 400) {
+  // The store forgets by the clock.
+  UnixMs now = enamel::UnixMs();
+  for (int i = 0; i < 1000; ++i, now += random() % 4000) {
     const std::string login = "login" + std::to_string(random() % 12);
     const std::string address = "203.0.113." + std::to_string(random() % 4);
     const auto mine = memory.Admit(login, address, now), theirs = shared.Admit(login, address, now);
@@ -324,9 +330,8 @@ TEST(ThrottleTest, AClockThatIsSetBackKeepsNobodyOut) {
 }
 
 TEST(ThrottleTest, AFailureThatCannotBeCountedIsSaid) {
-  OneStore store;
-  Throttle throttle(std::make_unique<SharedCounters>(store));
-  store.fails = true;
+  Common common{{}, true};
+  Throttle throttle(std::make_unique<CommonCounters>(common));
   EXPECT_EQ(throttle.Failed("ada", kHere, 1000).code(), Code::kUnavailable);
   EXPECT_EQ(throttle.Admit("ada", kHere, 1000).status().message(), "the database is away");
 }

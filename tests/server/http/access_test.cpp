@@ -144,10 +144,10 @@ TEST_F(AccessTest, InstructorListsOwnCohortsAndAdminAll) {
 
 TEST_F(AccessTest, WhoseMotionIsNearIsToldToWhoReviewsBothAlone) {
   auto near = [&](const Uuid& attempt, const Uuid& other) {
-    auto result = *school_.store->ResultOf(attempt);
-    result.motion = *school_.store->PutAttemptBlob(attempt, AsBytes("motion"));
+    auto result = *school_.store->results.ResultOf(attempt);
+    result.motion = *school_.store->blobs.PutAttemptBlob(attempt, AsBytes("motion"));
     result.near = {other, 7, 12, 900, 1400, true};
-    ASSERT_TRUE(school_.store->FinishAttempt(attempt, result, {}).ok());
+    ASSERT_TRUE(school_.store->results.FinishAttempt(attempt, result, {}).ok());
   };
   near(school_.sams_scored, school_.toms_scored);
   auto seen = [&](const std::string& login) { return Parsed(By(login).Get(Scored())); };
@@ -238,9 +238,10 @@ TEST_F(AccessTest, ReferenceShowsAtTheExerciseAndTheAttempt) {
   RawResponse made = By("ada").Post(
       Scored("/reference"), R"({"dentist":"Dr. Vega","consent":true,"anyway":"seen by two"})");
   ASSERT_EQ(made.status, 201) << made.body;
-  EXPECT_NE(
-      school_.store->FindAudit({.action = "reference.add"})->front().after_json.find("seen by two"),
-      std::string::npos);
+  EXPECT_NE(school_.store->audit.FindAudit({.action = "reference.add"})
+                ->front()
+                .after_json.find("seen by two"),
+            std::string::npos);
   EXPECT_EQ(Parsed(made).at("dentist"), "Dr. Vega");
   EXPECT_EQ(Parsed(By("ada").Get(Scored())).at("is_reference"), true);
   boost::json::value exercise =
@@ -278,8 +279,9 @@ TEST_F(AccessTest, DeviationIsOfTheSurfaceOnTheTimelinesGrid) {
   head.spec.voxel_nm = 100'000;
   head.rate_hz = head.frame_ticks = head.segment_frames = 1;
   Store& store = *school_.store;
-  const Sha256 content = *store.PutAttemptBlob(school_.sams_scored, timeline::EncodeHead(head));
-  ASSERT_TRUE(store.PutTimeline(school_.sams_scored, content).ok());
+  const Sha256 content =
+      *store.blobs.PutAttemptBlob(school_.sams_scored, timeline::EncodeHead(head));
+  ASSERT_TRUE(store.timelines.PutTimeline(school_.sams_scored, content).ok());
   RawResponse found = By("ada").Get(Scored("/deviation"));
   ASSERT_EQ(found.status, 200) << found.body;
   EXPECT_EQ(found.headers["cache-control"], "no-store");
@@ -298,8 +300,8 @@ TEST_F(AccessTest, TimelineIsToldToBeInTheMakingAndThenServedInRanges) {
   EXPECT_NE(waits.body.find("is being made"), std::string::npos) << waits.body;
   Store& store = *school_.store;
   const Uuid attempt = school_.sams_scored;
-  const Sha256 content = *store.PutAttemptBlob(attempt, AsBytes("ENTL and more"));
-  ASSERT_TRUE(store.PutTimeline(attempt, content).ok());
+  const Sha256 content = *store.blobs.PutAttemptBlob(attempt, AsBytes("ENTL and more"));
+  ASSERT_TRUE(store.timelines.PutTimeline(attempt, content).ok());
   RawResponse all = By("ada").Get(Scored("/timeline"));
   EXPECT_EQ(all.status, 200);
   EXPECT_EQ(all.body, "ENTL and more");
@@ -313,10 +315,12 @@ TEST_F(AccessTest, TimelineIsToldToBeInTheMakingAndThenServedInRanges) {
 TEST_F(AccessTest, ATimelineThatCouldNotBeMadeSaysWhy) {
   // Only a process that took one may say that it could not make it.
   Store& store = *school_.store;
-  auto taken = store.TakeTimeline();
-  while (taken.ok() && *taken && **taken != school_.sams_scored) taken = store.TakeTimeline();
+  auto taken = store.timelines.TakeTimeline();
+  while (taken.ok() && *taken && **taken != school_.sams_scored)
+    taken = store.timelines.TakeTimeline();
   ASSERT_TRUE(taken.ok() && *taken) << taken.status().message();
-  ASSERT_TRUE(store.FailTimeline(school_.sams_scored, "replay and recording part", false).ok());
+  ASSERT_TRUE(
+      store.timelines.FailTimeline(school_.sams_scored, "replay and recording part", false).ok());
   RawResponse none = By("ada").Get(Scored("/timeline"));
   EXPECT_EQ(none.status, 404) << none.body;
   EXPECT_NE(none.body.find("replay and recording part"), std::string::npos) << none.body;
@@ -324,8 +328,9 @@ TEST_F(AccessTest, ATimelineThatCouldNotBeMadeSaysWhy) {
 
 TEST_F(AccessTest, AStartToothIsKeptForEverAndNoOtherBlobIsOne) {
   Store& store = *school_.store;
-  const Sha256 tooth = *store.PutBlob(AsBytes("ENTB")), other = *store.PutBlob(AsBytes("secret"));
-  ASSERT_TRUE(store.PutStartTooth(*store.PutBlob(AsBytes("volume")), tooth).ok());
+  const Sha256 tooth = *store.blobs.PutBlob(AsBytes("ENTB")),
+               other = *store.blobs.PutBlob(AsBytes("secret"));
+  ASSERT_TRUE(store.timelines.PutStartTooth(*store.blobs.PutBlob(AsBytes("volume")), tooth).ok());
   RawResponse found = By("sam").Get("/api/v1/start-teeth/" + tooth.Hex());
   EXPECT_EQ(found.body, "ENTB");
   EXPECT_EQ(found.headers["cache-control"], "private, max-age=31536000, immutable");

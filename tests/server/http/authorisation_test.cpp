@@ -16,6 +16,7 @@
 #include "server/http/api.h"
 #include "server/http/etag.h"
 #include "server/http/routes.h"
+#include "server/storage/open_store.h"
 #include "tests/server/http/school.h"
 
 // Who gets what of every route: the whole matrix, in one table. A route without a line here fails
@@ -235,8 +236,8 @@ class Template {
   Template() {
     std::string verifier = *school.authenticator->NewVerifier(kPassword, "nobody");
     Uuid off = Add("off", verifier), fresh = Add("fresh", verifier);
-    EXPECT_TRUE(school.store->AddToCohort(school.cohort_a, fresh, kBy).ok());
-    EXPECT_TRUE(school.store->SetPassword(fresh, verifier, true, kBy).ok());
+    EXPECT_TRUE(school.store->cohorts.AddToCohort(school.cohort_a, fresh, kBy).ok());
+    EXPECT_TRUE(school.store->people.SetPassword(fresh, verifier, true, kBy).ok());
     // Signs in ten minutes before the others.
     school.now_ms -= 10 * 60'000;
     SignIn("late", "root");
@@ -245,7 +246,7 @@ class Template {
       SignIn(login, login);
     }
     // What signing out of a disabled account leaves in a browser.
-    EXPECT_TRUE(school.store->SetDisabled(off, true, kBy).ok());
+    EXPECT_TRUE(school.store->people.SetDisabled(off, true, kBy).ok());
     AddThings();
   }
 
@@ -264,7 +265,7 @@ class Template {
     Person person;
     person.login = login;
     person.display_name = "Person " + login;
-    return *school.store->CreatePerson(person, verifier, {}, kBy);
+    return *school.store->people.CreatePerson(person, verifier, {}, kBy);
   }
   void SignIn(const std::string& column, const std::string& login) {
     auto signed_in = school.authenticator->SignInHere({login, kPassword, "203.0.113.7", "page"});
@@ -275,26 +276,28 @@ class Template {
     Store& store = *school.store;
     things["sam"] = school.sam.Text();
     things["tom"] = school.tom.Text();
-    things["sams session"] = store.SessionsOf(school.sam)->front().id.Text();
+    things["sams session"] = store.sessions.SessionsOf(school.sam)->front().id.Text();
     things["cohort A"] = school.cohort_a.Text();
     things["cohort B"] = school.cohort_b.Text();
     things["station"] = school.station.Text();
-    things["code"] = store.AddEnrolCode(HashSha256(AsBytes("c")), UnixMs{1} << 60, kBy)->Text();
+    things["code"] =
+        store.stations.AddEnrolCode(HashSha256(AsBytes("c")), UnixMs{1} << 60, kBy)->Text();
     things["profile"] = "phantom_desktop";
-    ProfileReportRow report{{}, "phantom_desktop", 1, "text/html", *store.PutBlob(AsBytes("<p>")),
-                            3};
-    things["report"] = store.AddProfileReport(report, kBy)->id.Text();
+    ProfileReportRow report{
+        {}, "phantom_desktop", 1, "text/html", *store.blobs.PutBlob(AsBytes("<p>")), 3};
+    things["report"] = store.profiles.AddProfileReport(report, kBy)->id.Text();
     things["exercise"] = school.exercise.Text();
     things["attempt"] = school.sams_scored.Text();
-    const Sha256 tooth = *store.PutBlob(AsBytes("ENTB"));
-    EXPECT_TRUE(store.PutStartTooth(*store.PutBlob(AsBytes("volume")), tooth).ok());
+    const Sha256 tooth = *store.blobs.PutBlob(AsBytes("ENTB"));
+    EXPECT_TRUE(store.timelines.PutStartTooth(*store.blobs.PutBlob(AsBytes("volume")), tooth).ok());
     things["start tooth"] = tooth.Hex();
     timeline::Head head;
     head.spec.bricks = ivec3(1);
     head.spec.voxel_nm = 100'000;
     head.rate_hz = head.frame_ticks = head.segment_frames = 1;
-    const Sha256 timeline = *store.PutAttemptBlob(school.sams_scored, timeline::EncodeHead(head));
-    EXPECT_TRUE(store.PutTimeline(school.sams_scored, timeline).ok());
+    const Sha256 timeline =
+        *store.blobs.PutAttemptBlob(school.sams_scored, timeline::EncodeHead(head));
+    EXPECT_TRUE(store.timelines.PutTimeline(school.sams_scored, timeline).ok());
     things["recording"] = school.sams_recording.Text();
     chair = stations.Enter(school.station, true);
     bodies["PASSWORD"] = kPassword;
@@ -311,37 +314,38 @@ class Template {
     Actor ada{school.ada, "page"}, sam{school.sam, "page"};
     bodies["EXERCISE"] = school.exercise.Text();
     bodies["COHORT"] = school.cohort_a.Text();
-    things["assignment"] = store.Assignments({school.cohort_a, {}})->front().id.Text();
-    EXPECT_TRUE(
-        store.PutSceneSurface(*store.PutBlob(AsBytes("volume")), *store.PutBlob(AsBytes("ENSF")))
-            .ok());
+    things["assignment"] = store.assignments.Assignments({school.cohort_a, {}})->front().id.Text();
+    EXPECT_TRUE(store.scenes
+                    .PutSceneSurface(*store.blobs.PutBlob(AsBytes("volume")),
+                                     *store.blobs.PutBlob(AsBytes("ENSF")))
+                    .ok());
     AnnotationRow remark;
     remark.attempt = school.sams_scored;
     remark.author = school.ada;
     remark.text = "here";
-    things["annotation"] = store.AddAnnotation(remark, ada)->id.Text();
+    things["annotation"] = store.remarks.AddAnnotation(remark, ada)->id.Text();
     // Another attempt of sam's: released, appealed against, and the exercise's reference.
     Uuid appealed = school.ScoredAttempt(school.sam);
-    EXPECT_TRUE(store.ReleaseAttempt(appealed, ada).ok());
-    EXPECT_TRUE(store.FileAppeal(appealed, "please look again", sam).ok());
+    EXPECT_TRUE(store.judging.ReleaseAttempt(appealed, ada).ok());
+    EXPECT_TRUE(store.appeals.FileAppeal(appealed, "please look again", sam).ok());
     things["appealed"] = appealed.Text();
-    things["reference"] = store.AddReference(appealed, "Dr. Vega", true, ada)->id.Text();
-    things["job"] = store.Jobs("queued")->front().id.Text();
+    things["reference"] = store.references.AddReference(appealed, "Dr. Vega", true, ada)->id.Text();
+    things["job"] = store.jobs.Jobs("queued")->front().id.Text();
     things["adas"] = school.OwnExercise(ada, "adas", true).id.Text();
     const ExerciseRow draft = school.OwnExercise(Actor{school.ben, "page"}, "bens", false);
-    EXPECT_TRUE(store.ShareExercise(draft.id, {true, {}}, kBy).ok());
+    EXPECT_TRUE(store.exercises.ShareExercise(draft.id, {true, {}}, kBy).ok());
     things["bens draft"] = draft.id.Text();
     // Sue's is scored and waits for nothing, until it is asked for with others of cohort A.
     const Uuid again = school.ScoredAttempt(school.sue);
     JobFilter newest;
     newest.limit = 1;
-    EXPECT_TRUE(store.CancelJob(store.FindJobs(newest)->front().id, ada).ok());
+    EXPECT_TRUE(store.jobs.CancelJob(store.jobs.FindJobs(newest)->front().id, ada).ok());
     BatchRow batch;
     batch.title = "cohort A";
     batch.cause = "rubric";
     batch.cohort = school.cohort_a;
     uint32_t left_out = 0;
-    things["batch"] = store.RescoreTogether(batch, {again}, left_out, ada)->id.Text();
+    things["batch"] = store.batches.RescoreTogether(batch, {again}, left_out, ada)->id.Text();
   }
 };
 
@@ -430,7 +434,8 @@ Request RequestOf(const Template& made, const Line& line) {
                                             : "application/json";
   bool judged = line.what == std::string("attempt") || line.what == std::string("appealed");
   int32_t revision =
-      judged ? made.school.store->AttemptById(*Uuid::Parse(made.things.at(line.what)))->revision
+      judged ? made.school.store->attempts.AttemptById(*Uuid::Parse(made.things.at(line.what)))
+                   ->revision
              : 1;
   request.headers["if-match"] = ETagOf(revision);
   return request;
@@ -487,7 +492,7 @@ TEST_F(AuthorisationTest, NoChangeIsMadeForAnotherSitesPageOrWithoutTheCsrfValue
   };
   Case shared(*made_, false);
   auto done = [&] {  // rows of anything but refusals
-    const auto rows = shared.store().Audit(1000);
+    const auto rows = shared.store().audit.Audit(1000);
     return std::ranges::count_if(
         *rows, [](const AuditRow& row) { return row.action != "request.refused"; });
   };

@@ -17,9 +17,10 @@ const Actor kBy{{}, "test"};
 class FeelTest : public testing::Test {
  protected:
   void AddProfile(const scene::DeviceProfile& profile) {
-    Result<Sha256> content = school_.store->PutBlob(AsBytes(scene::ToJson(profile)));
+    Result<Sha256> content = school_.store->blobs.PutBlob(AsBytes(scene::ToJson(profile)));
     ASSERT_TRUE(content.ok());
-    ASSERT_TRUE(school_.store->PutProfile({profile.name, profile.title, *content}, kBy).ok());
+    ASSERT_TRUE(
+        school_.store->profiles.PutProfile({profile.name, profile.title, *content}, kBy).ok());
   }
   void AddScene(const std::string& name, std::vector<scene::TissueSpec> tissues) {
     scene::Scene scene;
@@ -30,10 +31,11 @@ class FeelTest : public testing::Test {
     scene.tissues = std::move(tissues);
     scene.landmarks["occlusal_centre"] = {0, 0, 0};
     scene.provenance = "generated";
-    Result<Sha256> content = school_.store->PutBlob(AsBytes(scene::ToJson(scene)));
+    Result<Sha256> content = school_.store->blobs.PutBlob(AsBytes(scene::ToJson(scene)));
     ASSERT_TRUE(content.ok());
     ASSERT_TRUE(
-        school_.store->PutScene({scene.name, scene.title, *content, scene.volume}, kBy).ok());
+        school_.store->scenes.PutScene({scene.name, scene.title, *content, scene.volume}, kBy)
+            .ok());
   }
   json::value Feel(const std::string& name) {
     RawResponse response = root_.Get("/api/v1/profiles/" + name + "/feel");

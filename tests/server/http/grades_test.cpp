@@ -17,9 +17,9 @@ class GradesTest : public testing::Test {
     for (const char* login : {"sam", "tom", "ada", "ben", "root"}) {
       visitors_.emplace(login, Visitor(server_.port(), login));
     }
-    EXPECT_TRUE(
-        school_.store->AddReference(school_.toms_scored, "Dr. Vega", true, {school_.ben, "page"})
-            .ok());
+    EXPECT_TRUE(school_.store->references
+                    .AddReference(school_.toms_scored, "Dr. Vega", true, {school_.ben, "page"})
+                    .ok());
   }
   Visitor& By(const std::string& login) { return visitors_.at(login); }
   RawResponse Send(const std::string& login, const std::string& method, const std::string& target,
@@ -45,9 +45,9 @@ class GradesTest : public testing::Test {
         row.exercise = version;
         row.assignment = id;
       }));
-      EXPECT_TRUE(
-          school_.store->OverrideScore(attempts_.back(), ScoreOverride{score, "set", {}, 0}, kBy)
-              .ok());
+      EXPECT_TRUE(school_.store->judging
+                      .OverrideScore(attempts_.back(), ScoreOverride{score, "set", {}, 0}, kBy)
+                      .ok());
     }
     return id;
   }
@@ -123,29 +123,29 @@ TEST_F(GradesTest, StudentsResultIsMadeOfReleasedScoresAndTellsNothingOfOthers) 
   EXPECT_EQ(grade.at("attempts"), 2);
   EXPECT_EQ(grade.at("counted"), 0);
   EXPECT_TRUE(grade.at("score").is_null());
-  ASSERT_TRUE(school_.store->ReleaseAttempt(attempts_[0], kBy).ok());
+  ASSERT_TRUE(school_.store->judging.ReleaseAttempt(attempts_[0], kBy).ok());
   grade = Sams("sam", id);
   EXPECT_EQ(grade.at("counted"), 1);
   EXPECT_EQ(grade.at("score").to_number<double>(), 70) << "of what is released";
   EXPECT_EQ(Sams("ada", id).at("score").to_number<double>(), 80);
   EXPECT_EQ(Sams("ada", id).at("released"), false);
-  ASSERT_TRUE(school_.store->ReleaseAssignment(id, kBy).ok());
+  ASSERT_TRUE(school_.store->judging.ReleaseAssignment(id, kBy).ok());
   EXPECT_EQ(Sams("sam", id).at("score").to_number<double>(), 80);
   EXPECT_EQ(Sams("ada", id).at("released"), true);
-  ASSERT_TRUE(school_.store->FlagAttempt(attempts_[1], kExcused, "power cut", kBy).ok());
+  ASSERT_TRUE(school_.store->judging.FlagAttempt(attempts_[1], kExcused, "power cut", kBy).ok());
   EXPECT_EQ(Sams("sam", id).at("attempts"), 1);
   EXPECT_EQ(Sams("sam", id).at("score").to_number<double>(), 70);
 }
 
 TEST_F(GradesTest, StudentIsToldThatItIsGradedAgainInPlaceOfAnotherAttemptsScore) {
   const Uuid id = Worked("class-1-occlusal", school_.exercise, "best", {0, 90});
-  ASSERT_TRUE(school_.store->ReleaseAssignment(id, kBy).ok());
+  ASSERT_TRUE(school_.store->judging.ReleaseAssignment(id, kBy).ok());
   EXPECT_EQ(Sams("sam", id).at("score").to_number<double>(), 90);
   EXPECT_EQ(Sams("sam", id).at("regrading"), false);
   // The run that its seal asked for has not been made here.
-  auto job = school_.store->LeaseJob(school_.now_ms, 60'000);
+  auto job = school_.store->jobs.LeaseJob(school_.now_ms, 60'000);
   while (job.ok() && *job && (*job)->attempt != attempts_[1]) {
-    job = school_.store->LeaseJob(school_.now_ms, 60'000);
+    job = school_.store->jobs.LeaseJob(school_.now_ms, 60'000);
   }
   ASSERT_TRUE(job.ok() && *job);
   json::value grade = Sams("sam", id);

@@ -68,9 +68,11 @@ TEST_F(HealthTest, AttemptOfWhichNothingComesIsLateUntilItIsGivenUp) {
 TEST_F(HealthTest, LastBackupAndRulesAreTold) {
   EXPECT_TRUE(Health().at("backup").is_null());
   EXPECT_TRUE(Health().at("retention").as_array().empty());
-  ASSERT_TRUE(school_.store->NoteAudit(kBy, "store.backup", "", R"({"files":3,"missing":0})").ok());
-  ASSERT_TRUE(school_.store->NoteAudit(kBy, "store.backup", "", R"({"files":3,"missing":2})").ok());
-  ASSERT_TRUE(school_.store->SetRetention({"recordings", 730}, kBy).ok());
+  ASSERT_TRUE(
+      school_.store->audit.NoteAudit(kBy, "store.backup", "", R"({"files":3,"missing":0})").ok());
+  ASSERT_TRUE(
+      school_.store->audit.NoteAudit(kBy, "store.backup", "", R"({"files":3,"missing":2})").ok());
+  ASSERT_TRUE(school_.store->retention.SetRetention({"recordings", 730}, kBy).ok());
   const json::value health = Health();
   EXPECT_EQ(health.at("backup").at("missing"), 2) << "of the newest";
   EXPECT_GT(health.at("backup").at("at_ms").to_number<int64_t>(), 0);

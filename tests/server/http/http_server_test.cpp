@@ -10,8 +10,9 @@
 
 #include "server/http/request_reader.h"
 #include "server/http/site.h"
-#include "server/storage/engine/disk.h"
-#include "server/storage/sqlite_store.h"
+#include "server/storage/folder/disk.h"
+#include "server/storage/folder/store_options.h"
+#include "server/storage/open_store.h"
 #include "tests/server/http/running_server.h"
 
 namespace enamel::server::http {
@@ -279,7 +280,7 @@ TEST_F(HttpServerTest, DiskThatHangsHoldsUpWhoAsksForHealthAndNobodyElse) {
   });
   school_.authenticator.reset();
   school_.store.reset();
-  SqliteOptions hanging{.folder = school_.folder.path() / "data", .disk = &disk};
+  StoreOptions hanging{.folder = school_.folder.path() / "data", .disk = &disk};
   auto store = OpenSqliteStore(hanging);
   ASSERT_TRUE(store.ok()) << store.status().message();
   school_.store = std::move(*store);
@@ -352,7 +353,7 @@ TEST_F(SlowStoreTest, WorkThatWasNotBegunInItsTimeIsNotDoneLater) {
   }
   go_on_.set_value();
   server.reset();  // what its threads had begun is done
-  auto cohorts = school_.store->Cohorts();
+  auto cohorts = school_.store->cohorts.Cohorts();
   ASSERT_TRUE(cohorts.ok());
   auto asked_for = [](const Cohort& c) { return c.name == "x" || c.name == "y" || c.name == "z"; };
   EXPECT_LE(std::ranges::count_if(*cohorts, asked_for), 2);

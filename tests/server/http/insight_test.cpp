@@ -21,7 +21,7 @@ class AssignmentInsightTest : public testing::Test {
     AssignmentRow row;
     row.exercise = "class-1-occlusal";
     row.cohort = school_.cohort_a;
-    assignment_ = school_.store->AddAssignment(row, kBy)->id;
+    assignment_ = school_.store->assignments.AddAssignment(row, kBy)->id;
   }
   // An attempt of 1000 ticks at 1 kHz with these points of 20 for the mesial wall.
   Uuid Made(const Uuid& person, double points, double score, bool under = true) {
@@ -85,7 +85,7 @@ TEST_F(AssignmentInsightTest, SaysWhoHasNotBegunAndWhatWasLost) {
   EXPECT_EQ(insight.at("criteria").at(0).at("half_lost"), 1);
   EXPECT_EQ(insight.at("criteria").at(0).at("values").at("median").to_number<double>(), 0.3);
 
-  ASSERT_TRUE(school_.store->FlagAttempt(better, kExcused, "power cut", kBy).ok());
+  ASSERT_TRUE(school_.store->judging.FlagAttempt(better, kExcused, "power cut", kBy).ok());
   EXPECT_EQ(Row(Insight("ada"), "Person sam").at("attempt_id").as_string(), worse.Text().c_str());
 }
 
@@ -102,9 +102,9 @@ TEST_F(AssignmentInsightTest, WhoTeachesIsBesideTheClassAndInNoneOfItsFigures) {
 
 TEST_F(AssignmentInsightTest, ScoreThatCannotBeReadIsCountedAndHidesNothingElse) {
   const Uuid id = Made(school_.sam, 5, 40);
-  Store::AttemptResult damaged = *school_.store->ResultOf(id);
-  damaged.score_json = *school_.store->PutBlob(AsBytes("no score"));
-  ASSERT_TRUE(school_.store->FinishAttempt(id, damaged, {}).ok());
+  AttemptResult damaged = *school_.store->results.ResultOf(id);
+  damaged.score_json = *school_.store->blobs.PutBlob(AsBytes("no score"));
+  ASSERT_TRUE(school_.store->results.FinishAttempt(id, damaged, {}).ok());
   const json::object insight = Insight("ada");
   EXPECT_EQ(insight.at("unread"), 1);
   EXPECT_EQ(insight.at("summary").at("scored"), 1);
@@ -117,7 +117,7 @@ TEST_F(AssignmentInsightTest, CohortThatIsNotAssignedToOrNotTheCallersIsRefused)
   EXPECT_EQ(Answer("ben").status, 404);
   AssignmentRow everybody;
   everybody.exercise = "class-1-occlusal";
-  assignment_ = school_.store->AddAssignment(everybody, kBy)->id;
+  assignment_ = school_.store->assignments.AddAssignment(everybody, kBy)->id;
   EXPECT_EQ(Insight("root").at("summary").at("students"), 3);
   EXPECT_EQ(Insight("root", "?cohort=" + school_.cohort_b.Text()).at("summary").at("students"), 1);
   EXPECT_EQ(Insight("ben").at("summary").at("students"), 1) << "an instructor's own cohorts";

@@ -90,14 +90,14 @@ TEST_F(LiveTest, StreamEndsSoonForWhomWatchingIsNoLongerAllowed) {
   options_.deadlines.allowed = std::chrono::milliseconds(100);
   const Actor by{{}, "test"};
   const std::vector<std::function<Status()>> ways = {
-      [&] { return school_.store->SetDisabled(school_.ada, true, by); },
-      [&] { return school_.store->EndSessionsOf(school_.ada, by).status(); },
-      [&] { return school_.store->ChangeMembers(school_.cohort_a, {}, {school_.ada}, by); },
+      [&] { return school_.store->people.SetDisabled(school_.ada, true, by); },
+      [&] { return school_.store->sessions.EndSessionsOf(school_.ada, by).status(); },
+      [&] { return school_.store->cohorts.ChangeMembers(school_.cohort_a, {}, {school_.ada}, by); },
   };
   RunningServer server(school_, options_);
   for (const auto& way : ways) {
-    ASSERT_TRUE(school_.store->SetDisabled(school_.ada, false, by).ok());
-    ASSERT_TRUE(school_.store->AddToCohort(school_.cohort_a, school_.ada, by).ok());
+    ASSERT_TRUE(school_.store->people.SetDisabled(school_.ada, false, by).ok());
+    ASSERT_TRUE(school_.store->cohorts.AddToCohort(school_.cohort_a, school_.ada, by).ok());
     Visitor ada(server.port(), "ada");
     Stream stream(server.port(), Path(school_.sams_recording), ada.cookie);
     WaitUntilWatched(board_, school_.sams_recording);

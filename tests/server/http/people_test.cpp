@@ -212,14 +212,14 @@ TEST_F(PeopleTest, RosterOverTheApiIsTriedRefusedAndImported) {
   EXPECT_EQ(tried.at("done"), false);
   EXPECT_EQ(tried.at("created"), 2);
   EXPECT_TRUE(tried.at("passwords").as_array().empty());
-  EXPECT_EQ(school_.store->PersonByLogin("zoe").status().code(), Code::kNotFound);
+  EXPECT_EQ(school_.store->people.PersonByLogin("zoe").status().code(), Code::kNotFound);
 
   RawResponse wrong = post("", csv + "a b,,dean,\n");
   EXPECT_EQ(wrong.status, 400);
   EXPECT_EQ(Parsed(wrong).at("problems").as_array().size(), 2u);
   EXPECT_EQ(Parsed(wrong).at("problems").at(0).at("row"), 4);
   EXPECT_EQ(ErrorCode(wrong), "invalid_input");
-  EXPECT_FALSE(school_.store->PersonByLogin("zoe").ok()) << "all or nothing";
+  EXPECT_FALSE(school_.store->people.PersonByLogin("zoe").ok()) << "all or nothing";
 
   json::value done = Parsed(post("?cohort=Else", csv));
   EXPECT_EQ(done.at("done"), true);
@@ -296,8 +296,9 @@ TEST_F(PeopleTest, EnrolmentCodeIsShownOnceListedAndWithdrawn) {
   StationRow row;
   row.name = "s";
   row.public_key.assign(32, 1);
-  EXPECT_FALSE(
-      school_.store->EnrolStation(HashSha256(AsBytes(code.substr(0, 32))), row, Sha256{}, 1).ok());
+  EXPECT_FALSE(school_.store->stations
+                   .EnrolStation(HashSha256(AsBytes(code.substr(0, 32))), row, Sha256{}, 1)
+                   .ok());
 }
 
 TEST_F(PeopleTest, ProfileIsJudgedWithFiguresBeforeItIsStored) {
@@ -322,7 +323,7 @@ TEST_F(PeopleTest, ProfileIsJudgedWithFiguresBeforeItIsStored) {
   EXPECT_EQ(judgement.at("criteria").at(0).at("met"), false);
   EXPECT_GT(judgement.at("criteria").at(0).at("value").as_double(),
             judgement.at("criteria").at(0).at("limit").as_double());
-  EXPECT_EQ(school_.store->ProfileVersions(profile.name)->size(), 1u);
+  EXPECT_EQ(school_.store->profiles.ProfileVersions(profile.name)->size(), 1u);
   EXPECT_EQ(Send(root_, "POST", "/api/v1/profiles", R"({"format":9})").status, 400);
   profile.coupling_mn_per_mm.value /= 10;
   profile.title = "Second";

@@ -52,13 +52,13 @@ TEST_F(RemarkTest, RemarkGoesToTheChairAndStaysOnTheAttempt) {
   auto taken = stations_.remarks().Take(attempt);
   ASSERT_EQ(taken.size(), 1u);
   EXPECT_EQ(taken[0].text, "请停一下。 Stop.");
-  EXPECT_EQ(taken[0].from, school_.store->PersonById(school_.ada)->display_name);
+  EXPECT_EQ(taken[0].from, school_.store->people.PersonById(school_.ada)->display_name);
   EXPECT_EQ(Heard(attempt).at("remarks").at(0).at("state").as_string(), "sent");
   stations_.remarks().Shown(attempt, taken[0].id, 99);
   EXPECT_EQ(Heard(attempt).at("remarks").at(0).at("state").as_string(), "shown");
   EXPECT_EQ(Heard(attempt).at("remarks").at(0).at("shown_ms").as_int64(), 99);
 
-  auto kept = *school_.store->AnnotationsOf(attempt);
+  auto kept = *school_.store->remarks.AnnotationsOf(attempt);
   ASSERT_EQ(kept.size(), 1u);
   EXPECT_EQ(kept[0].text, "请停一下。 Stop.");
   EXPECT_EQ(kept[0].tick, 72'000u);
@@ -69,7 +69,7 @@ TEST_F(RemarkTest, RemarkGoesToTheChairAndStaysOnTheAttempt) {
   EXPECT_EQ(listed.at("annotations").at(0).at("to_chair"), true);
   AuditFilter spoken;
   spoken.action = "attempt.speak";
-  auto rows = *school_.store->FindAudit(spoken);
+  auto rows = *school_.store->audit.FindAudit(spoken);
   ASSERT_EQ(rows.size(), 1u);
   EXPECT_EQ(rows[0].object, attempt.Text());
   EXPECT_NE(rows[0].after_json.find(kept[0].id.Text()), std::string::npos);
@@ -91,8 +91,8 @@ TEST_F(RemarkTest, NothingIsSaidWhereNobodyWouldSeeIt) {
   auto newer = stations_.Enter(school_.station, true);
   const RawResponse over = Say("ada", school_.sams_scored, "stop");
   EXPECT_EQ(over.status, 409) << over.body;
-  EXPECT_TRUE(school_.store->AnnotationsOf(attempt)->empty());
-  EXPECT_TRUE(school_.store->AnnotationsOf(school_.sams_scored)->empty());
+  EXPECT_TRUE(school_.store->remarks.AnnotationsOf(attempt)->empty());
+  EXPECT_TRUE(school_.store->remarks.AnnotationsOf(school_.sams_scored)->empty());
 }
 
 TEST_F(RemarkTest, InAnExamOnlyWhoTeachesItsPersonSpeaks) {
@@ -130,7 +130,7 @@ TEST_F(RemarkTest, TextIsBoundedAndChairsAreNotFlooded) {
 
 TEST_F(RemarkTest, StationListSaysWhenItWasHeardLast) {
   auto chair = stations_.Enter(school_.station, true);
-  const UnixMs stored = school_.store->StationById(school_.station)->last_seen_ms;
+  const UnixMs stored = school_.store->stations.StationById(school_.station)->last_seen_ms;
   chair->Heard(stored + 12'345);
   const json::value row =
       Parsed(Visitor(server().port(), "ada").Get("/api/v1/stations/" + school_.station.Text()));

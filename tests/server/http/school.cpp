@@ -9,6 +9,7 @@
 #include "common/scoring/score.h"
 #include "common/trace/trace.h"
 #include "server/jobs/surface_blob.h"
+#include "server/storage/open_store.h"
 
 namespace enamel::server::http {
 namespace {
@@ -83,10 +84,10 @@ School::School(Role root_role) {
   sam = AddPerson("sam", Role::kStudent);
   sue = AddPerson("sue", Role::kStudent);
   tom = AddPerson("tom", Role::kStudent);
-  cohort_a = Must(store->CreateCohort("A", kBy));
-  cohort_b = Must(store->CreateCohort("B", kBy));
-  for (const Uuid& id : {ada, sam, sue}) Must(store->AddToCohort(cohort_a, id, kBy));
-  for (const Uuid& id : {ben, tom}) Must(store->AddToCohort(cohort_b, id, kBy));
+  cohort_a = Must(store->cohorts.CreateCohort("A", kBy));
+  cohort_b = Must(store->cohorts.CreateCohort("B", kBy));
+  for (const Uuid& id : {ada, sam, sue}) Must(store->cohorts.AddToCohort(cohort_a, id, kBy));
+  for (const Uuid& id : {ben, tom}) Must(store->cohorts.AddToCohort(cohort_b, id, kBy));
   AddDocuments();
   sams_scored = ScoredAttempt(sam);
   sams_recording = RecordingAttempt(sam);
@@ -98,29 +99,30 @@ Uuid School::AddPerson(const std::string& login, Role role) {
   person.login = login;
   person.display_name = "Person " + login;
   person.role = role;
-  return Must(store->CreatePerson(person, verifier_, {}, kBy));
+  return Must(store->people.CreatePerson(person, verifier_, {}, kBy));
 }
 
 void School::AddDocuments() {
   Sha256 code = HashSha256(AsBytes("code"));
-  Must(store->AddEnrolCode(code, now_ms + 1000, kBy));
+  Must(store->stations.AddEnrolCode(code, now_ms + 1000, kBy));
   StationRow row;
   row.name = "bench-1";
   row.public_key.assign(32, 1);
-  station = Must(store->EnrolStation(code, row, HashSha256(AsBytes("credential")), now_ms)).id;
+  station =
+      Must(store->stations.EnrolStation(code, row, HashSha256(AsBytes("credential")), now_ms)).id;
 
   scene::DeviceProfile profile = SomeProfile();
-  profile_ = Must(store->PutBlob(AsBytes(scene::ToJson(profile))));
-  Must(store->PutProfile({profile.name, profile.title, profile_}, kBy));
-  Sha256 scene_json = Must(store->PutBlob(AsBytes("scene")));
-  Sha256 volume = Must(store->PutBlob(AsBytes("volume")));
-  Must(store->PutScene({"molar", "Molar", scene_json, volume}, kBy));
+  profile_ = Must(store->blobs.PutBlob(AsBytes(scene::ToJson(profile))));
+  Must(store->profiles.PutProfile({profile.name, profile.title, profile_}, kBy));
+  Sha256 scene_json = Must(store->blobs.PutBlob(AsBytes("scene")));
+  Sha256 volume = Must(store->blobs.PutBlob(AsBytes("volume")));
+  Must(store->scenes.PutScene({"molar", "Molar", scene_json, volume}, kBy));
   scene::Exercise document = SomeExercise(scene_json);
   exercise_row_.name = document.name;
   exercise_row_.title = document.title;
-  exercise_row_.content = Must(store->PutBlob(AsBytes(scene::ToJson(document))));
+  exercise_row_.content = Must(store->blobs.PutBlob(AsBytes(scene::ToJson(document))));
   exercise_row_.scene = scene_json;
-  exercise_row_ = Must(store->PublishExercise(exercise_row_, cohort_a, kBy));
+  exercise_row_ = Must(store->exercises.PublishExercise(exercise_row_, cohort_a, kBy));
   exercise = exercise_row_.id;
 }
 
@@ -133,9 +135,9 @@ ExerciseRow School::OwnExercise(const Actor& by, const std::string& name, bool p
   row.name = name;
   row.title = document.title;
   row.graded = graded;
-  row.content = Must(store->PutBlob(AsBytes(scene::ToJson(document))));
-  row = Must(store->PutDraft(row, by));
-  return publish ? Must(store->PublishDraft(row.id, row.revision, by)) : row;
+  row.content = Must(store->blobs.PutBlob(AsBytes(scene::ToJson(document))));
+  row = Must(store->exercises.PutDraft(row, by));
+  return publish ? Must(store->exercises.PublishDraft(row.id, row.revision, by)) : row;
 }
 
 Uuid School::RecordingAttempt(const Uuid& person, const Change& change) {
@@ -147,14 +149,14 @@ Uuid School::RecordingAttempt(const Uuid& person, const Change& change) {
   row.profile_content = profile_;
   row.ticketed_ms = now_ms;
   if (change) change(row);
-  Must(store->CreateAttempt(row, AsBytes("ticket"), kBy));
-  Must(store->OpenAttempt(row.id, AsBytes("header")));
+  Must(store->tickets.CreateAttempt(row, AsBytes("ticket"), kBy));
+  Must(store->tickets.OpenAttempt(row.id, AsBytes("header")));
   return row.id;
 }
 
 Uuid School::ScoredAttempt(const Uuid& person, const Change& change, const Judge& judge) {
   Uuid id = RecordingAttempt(person, change);
-  Store::ChunkPut chunk;
+  ChunkPut chunk;
   chunk.attempt = chunk.head.attempt = id;
   chunk.head.count = 1000;
   chunk.head.previous = HashSha256(AsBytes("header"));
@@ -163,27 +165,27 @@ Uuid School::ScoredAttempt(const Uuid& person, const Change& change, const Judge
   static const std::vector<trace::Tick> kAtRest(1000);
   chunk.bytes = trace::EncodeChunk(chunk.head, kAtRest, kStation.secret_key);
   chunk.hash = trace::DecodeChunkHead(chunk.bytes)->hash;
-  Must(store->AppendChunk(chunk));
+  Must(store->ingest.AppendChunk(chunk));
   trace::Seal seal;
   seal.attempt = id;
   seal.chunks = 1;
   seal.ticks = 1000;
   seal.last_chunk = chunk.hash;
-  Must(store->SealAttempt(seal, now_ms));
+  Must(store->seals.SealAttempt(seal, now_ms));
   scoring::ScoreResult score;
   score.score = 87.5;
   if (judge) judge(score);
-  Store::AttemptResult result;
+  AttemptResult result;
   result.score = score.score;
-  result.score_json = Must(store->PutBlob(AsBytes(scoring::ToJson(score))));
-  result.final_volume = Must(store->PutBlob(AsBytes("volume")));
+  result.score_json = Must(store->blobs.PutBlob(AsBytes(scoring::ToJson(score))));
+  result.final_volume = Must(store->blobs.PutBlob(AsBytes("volume")));
   surface::Mesh point;
   point.position_m = {glm::vec3(1e-3f)};
   point.normal = {glm::vec3(0, 0, 1)};
   point.tissue = {1};
-  result.surface = Must(store->PutBlob(EncodeSurface(point, std::array{0.3e-3f})));
-  result.series = Must(store->PutBlob(AsBytes("{}")));
-  Must(store->FinishAttempt(id, result, {}));
+  result.surface = Must(store->blobs.PutBlob(EncodeSurface(point, std::array{0.3e-3f})));
+  result.series = Must(store->blobs.PutBlob(AsBytes("{}")));
+  Must(store->results.FinishAttempt(id, result, {}));
   return id;
 }
 

@@ -5,7 +5,8 @@
 #include <string>
 
 #include "server/auth/authenticator.h"
-#include "server/storage/sqlite_store.h"
+#include "server/storage/audit/actor.h"
+#include "server/storage/store.h"
 #include "tests/support/temp_folder.h"
 
 namespace enamel::scoring {

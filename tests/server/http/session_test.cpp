@@ -181,13 +181,14 @@ TEST_F(SessionTest, ChangesNeedTheCsrfValueOfThisSession) {
   EXPECT_EQ(ada.Send("POST", target, "X-Enamel-Csrf: " + ben.csrf + "\r\n").status, 403);
   EXPECT_EQ(ada.Send("POST", target, "X-Enamel-Csrf: " + ada.csrf + "\r\nOrigin: null\r\n").status,
             403);
-  EXPECT_FALSE(school_.store->AttemptById(school_.sams_scored)->released);
-  const std::string seen = ETagOf(school_.store->AttemptById(school_.sams_scored)->revision);
+  EXPECT_FALSE(school_.store->attempts.AttemptById(school_.sams_scored)->released);
+  const std::string seen =
+      ETagOf(school_.store->attempts.AttemptById(school_.sams_scored)->revision);
   EXPECT_EQ(
       ada.Send("POST", target, "X-Enamel-Csrf: " + ada.csrf + "\r\nIf-Match: " + seen + "\r\n")
           .status,
       204);
-  EXPECT_TRUE(school_.store->AttemptById(school_.sams_scored)->released);
+  EXPECT_TRUE(school_.store->attempts.AttemptById(school_.sams_scored)->released);
 }
 
 }  // namespace

@@ -124,16 +124,16 @@ TEST_F(ToothImportTest, MeshBecomesAToothWithItsExercises) {
   EXPECT_EQ(done.at("tooth").at("title").as_string(), "Ein Würfel");
   EXPECT_FALSE(done.at("tooth").at("exercises").as_array().empty());
   EXPECT_FALSE(done.at("findings").as_array().empty());
-  auto scenes = *school_.store->Scenes();
+  auto scenes = *school_.store->scenes.Scenes();
   const auto row = std::ranges::find(scenes, "ein-w-rfel-46", &SceneRow::name);
   ASSERT_NE(row, scenes.end());
-  const std::string document(AsText(*school_.store->GetBlob(row->content)));
+  const std::string document(AsText(*school_.store->blobs.GetBlob(row->content)));
   EXPECT_NE(document.find("tooth 46 (ISO 3950)"), std::string::npos);
   EXPECT_EQ(document.find("Crown"), std::string::npos)
       << "what the sender calls the file is not kept";
   AuditFilter put;
   put.action = "scene.put";
-  auto rows = *school_.store->FindAudit(put);
+  auto rows = *school_.store->audit.FindAudit(put);
   ASSERT_FALSE(rows.empty());
   EXPECT_TRUE(rows[0].actor.starts_with(school_.root.Text())) << rows[0].actor;
   // The same again is another tooth, not a version of this one's exercises.
@@ -160,7 +160,7 @@ TEST_F(ToothImportTest, WhatIsNoToothIsRefusedWithWhatToDo) {
   const RawResponse large = root_.Post(
       "/api/v1/tooth-imports", R"({"file_name":"a.stl","bytes":99999999,"unit":"mm","title":"t"})");
   EXPECT_EQ(large.status, 413) << large.body;
-  EXPECT_EQ(school_.store->Scenes()->size(), 1u) << "the school's own";
+  EXPECT_EQ(school_.store->scenes.Scenes()->size(), 1u) << "the school's own";
 }
 
 TEST_F(ToothImportTest, PartsComeInOrderAndOneFileAtATime) {

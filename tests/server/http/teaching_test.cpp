@@ -49,8 +49,8 @@ class TeachingTest : public testing::Test {
   }
   // Graded work can be assigned.
   void HaveReference() {
-    auto reference =
-        school_.store->AddReference(school_.toms_scored, "Dr. Vega", true, {school_.ben, "page"});
+    auto reference = school_.store->references.AddReference(school_.toms_scored, "Dr. Vega", true,
+                                                            {school_.ben, "page"});
     ASSERT_TRUE(reference.ok()) << reference.status().message();
   }
   json::value SamsAttempt(const std::string& login) { return Parsed(By(login).Get(Scored())); }
@@ -69,14 +69,15 @@ class DraftTest : public TeachingTest {
  protected:
   DraftTest() {
     scene::BuiltScene built = *scene::BuildBuiltinScene("block", 500'000);
-    Sha256 volume = *school_.store->PutBlob(scene::EncodeVolume(built.volume));
-    Sha256 content = *school_.store->PutBlob(AsBytes(scene::ToJson(built.scene)));
+    Sha256 volume = *school_.store->blobs.PutBlob(scene::EncodeVolume(built.volume));
+    Sha256 content = *school_.store->blobs.PutBlob(AsBytes(scene::ToJson(built.scene)));
     const Actor by{{}, "test"};
     EXPECT_TRUE(
-        school_.store->PutScene({built.scene.name, built.scene.title, content, volume}, by).ok());
+        school_.store->scenes.PutScene({built.scene.name, built.scene.title, content, volume}, by)
+            .ok());
     for (const scene::DeviceProfile& profile : scene::BuiltinProfiles()) {
-      Sha256 blob = *school_.store->PutBlob(AsBytes(scene::ToJson(profile)));
-      EXPECT_TRUE(school_.store->PutProfile({profile.name, profile.title, blob}, by).ok());
+      Sha256 blob = *school_.store->blobs.PutBlob(AsBytes(scene::ToJson(profile)));
+      EXPECT_TRUE(school_.store->profiles.PutProfile({profile.name, profile.title, blob}, by).ok());
     }
     document_ = scene::ClassOneExercise(built.scene, content);
   }
@@ -203,7 +204,8 @@ TEST_F(TeachingTest, WhatHasNoReferenceIsAssignedAsPracticeOnly) {
   refused(Send("ada", "PUT", path, Terms(school_.cohort_a), practice.headers["etag"]));
 
   // What is assigned already can still be ended.
-  const AssignmentRow offered = school_.store->Assignments({.cohort = school_.cohort_a})->front();
+  const AssignmentRow offered =
+      school_.store->assignments.Assignments({.cohort = school_.cohort_a})->front();
   ASSERT_EQ(offered.exercise, "class-1-occlusal");
   json::object ended = Terms(school_.cohort_a);
   ended["due_ms"] = 1000;
@@ -225,9 +227,9 @@ TEST_F(TeachingTest, AssignmentIsMovedToAnotherVersionByWhoSaidSoAndHasSeenIt) {
   });
   ExerciseRow second = first;
   second.title = "Another title";
-  second.content = *school_.store->PutBlob(AsBytes("{}"));
-  second = *school_.store->PutDraft(second, ada);
-  second = *school_.store->PublishDraft(second.id, second.revision, ada);
+  second.content = *school_.store->blobs.PutBlob(AsBytes("{}"));
+  second = *school_.store->exercises.PutDraft(second, ada);
+  second = *school_.store->exercises.PublishDraft(second.id, second.revision, ada);
 
   json::value seen = Parsed(By("sam").Get(path));
   EXPECT_EQ(seen.at("exercise").at("version"), 1) << "as it was assigned";
@@ -263,7 +265,7 @@ TEST_F(TeachingTest, AnothersPrivateExerciseIsNotAssigned) {
   RawResponse refused = Post("ben", "/api/v1/assignments", terms);
   EXPECT_EQ(refused.status, 400);
   EXPECT_EQ(Parsed(refused).at("error").at("field"), "exercise");
-  ASSERT_TRUE(school_.store->ShareExercise(hers.id, {true, {}}, {{}, "test"}).ok());
+  ASSERT_TRUE(school_.store->exercises.ShareExercise(hers.id, {true, {}}, {{}, "test"}).ok());
   EXPECT_EQ(Post("ben", "/api/v1/assignments", terms).status, 201);
 }
 
@@ -286,13 +288,13 @@ TEST_F(DraftTest, WholeDocumentIsShown) {
   document_.handpiece = {2000, 300, 50000};
   document_.touch_cues = {300, 0, 150, 900};
   document_.time_limit_s = 600;
-  Sha256 content = *school_.store->PutBlob(AsBytes(scene::ToJson(document_)));
+  Sha256 content = *school_.store->blobs.PutBlob(AsBytes(scene::ToJson(document_)));
   ExerciseRow row;
   row.name = document_.name;
   row.title = document_.title;
   row.content = content;
   row.scene = document_.scene;
-  row = *school_.store->PublishExercise(row, school_.cohort_a, {{}, "test"});
+  row = *school_.store->exercises.PublishExercise(row, school_.cohort_a, {{}, "test"});
   json::value shown = Parsed(By("sam").Get("/api/v1/exercises/" + row.id.Text()));
   EXPECT_EQ(shown.at("bur").at("shape"), "pear");
   EXPECT_EQ(shown.at("bur").at("narrow_radius_um"), 300);
@@ -556,14 +558,14 @@ TEST_F(TeachingTest, WhoJudgesWithoutHavingSeenTheLastJudgementIsToldIt) {
 
 TEST_F(TeachingTest, OfARecordingThatWasRemovedTheScoreStaysAndTheRestSaysWhenItWent) {
   ASSERT_EQ(By("ada").Judge("POST", Scored(), "/release").status, 204);
-  while (auto job = *school_.store->LeaseJob(1, 1000)) {
-    ASSERT_TRUE(school_.store->FinishJob(job->lease, true, "").ok());
-    Store::AttemptResult result = *school_.store->ResultOf(school_.sams_scored);
-    (void)school_.store->FinishAttempt(job->attempt, result, {});
+  while (auto job = *school_.store->jobs.LeaseJob(1, 1000)) {
+    ASSERT_TRUE(school_.store->jobs.FinishJob(job->lease, true, "").ok());
+    AttemptResult result = *school_.store->results.ResultOf(school_.sams_scored);
+    (void)school_.store->results.FinishAttempt(job->attempt, result, {});
   }
   const UnixMs when = school_.now_ms + UnixMs{40} * 24 * 60 * 60 * 1000;
-  ASSERT_TRUE(school_.store->SetRetention({"recordings", 1}, Actor{}).ok());
-  auto report = school_.store->ApplyRetention(when, false, Actor{});
+  ASSERT_TRUE(school_.store->retention.SetRetention({"recordings", 1}, Actor{}).ok());
+  auto report = school_.store->retention.ApplyRetention(when, false, Actor{});
   ASSERT_TRUE(report.ok()) << report.status().message();
   ASSERT_EQ(SamsAttempt("sam").at("recording_removed_ms").to_number<int64_t>(), when);
   EXPECT_EQ(By("sam").Get(Scored("/score")).status, 200);
@@ -632,15 +634,15 @@ TEST_F(TeachingTest, AppealIsTheStudentsAndItsAnswerTheInstructors) {
 
 TEST_F(TeachingTest, RegradeKeepsTheEarlierResultBesideTheNewOne) {
   // The run that sealing queued is over.
-  while (auto job = *school_.store->LeaseJob(1, 1000)) {
-    ASSERT_TRUE(school_.store->FinishJob(job->lease, true, "").ok());
+  while (auto job = *school_.store->jobs.LeaseJob(1, 1000)) {
+    ASSERT_TRUE(school_.store->jobs.FinishJob(job->lease, true, "").ok());
   }
-  Store::AttemptResult result;
+  AttemptResult result;
   scoring::ScoreResult score;
   score.score = 87.5;
   result.score = score.score;
-  result.score_json = *school_.store->PutBlob(AsBytes(scoring::ToJson(score)));
-  ASSERT_TRUE(school_.store->FinishAttempt(school_.sams_scored, result, {}).ok());
+  result.score_json = *school_.store->blobs.PutBlob(AsBytes(scoring::ToJson(score)));
+  ASSERT_TRUE(school_.store->results.FinishAttempt(school_.sams_scored, result, {}).ok());
   By("ada").Judge("POST", Scored(), "/release");
   ASSERT_EQ(Post("sam", Scored("/appeal"), {{"text", "please"}}).status, 201);
   json::object answer{{"outcome", "regrade"}, {"answer", "we look again"}};
@@ -648,11 +650,11 @@ TEST_F(TeachingTest, RegradeKeepsTheEarlierResultBesideTheNewOne) {
   json::value queued = Parsed(By("root").Get("/api/v1/jobs?state=queued")).at("jobs").at(0);
   EXPECT_EQ(queued.at("cause"), "appeal");
   EXPECT_EQ(queued.at("attempt_id"), school_.sams_scored.Text().c_str());
-  auto job = *school_.store->LeaseJob(1, 1000);
+  auto job = *school_.store->jobs.LeaseJob(1, 1000);
   score.score = result.score = 90;
-  result.score_json = *school_.store->PutBlob(AsBytes(scoring::ToJson(score)));
-  ASSERT_TRUE(school_.store->FinishAttempt(school_.sams_scored, result, job->lease).ok());
-  ASSERT_TRUE(school_.store->FinishJob(job->lease, true, "").ok());
+  result.score_json = *school_.store->blobs.PutBlob(AsBytes(scoring::ToJson(score)));
+  ASSERT_TRUE(school_.store->results.FinishAttempt(school_.sams_scored, result, job->lease).ok());
+  ASSERT_TRUE(school_.store->jobs.FinishJob(job->lease, true, "").ok());
   EXPECT_EQ(SamsAttempt("ada").at("released"), false) << "another score is released anew";
   EXPECT_EQ(By("sam").Get(Scored("/results")).status, 403);
   ASSERT_EQ(By("ada").Judge("POST", Scored(), "/release").status, 204);
@@ -684,7 +686,9 @@ TEST_F(TeachingTest, JobIsCancelledByAnAdminAndQueuedAgainByAnInstructor) {
 }
 
 TEST_F(TeachingTest, ARubricIsCorrectedOverTheVersionThatWasSeen) {
-  ASSERT_TRUE(school_.store->ShareExercise(school_.exercise, {{}, school_.ada}, {{}, "test"}).ok());
+  ASSERT_TRUE(
+      school_.store->exercises.ShareExercise(school_.exercise, {{}, school_.ada}, {{}, "test"})
+          .ok());
   const std::string path = "/api/v1/exercises/" + school_.exercise.Text() + "/rubrics";
   EXPECT_EQ(By("sam").Get(path).status, 403);
   json::value versions = Parsed(By("ada").Get(path)).at("rubrics");
@@ -745,9 +749,9 @@ TEST_F(TeachingTest, APreviewShowsOwnCohortsAlone) {
 }
 
 TEST_F(TeachingTest, ACohortIsScoredAgainInOneBatch) {
-  const std::vector<JobRow> waiting = *school_.store->Jobs("queued");
+  const std::vector<JobRow> waiting = *school_.store->jobs.Jobs("queued");
   for (const JobRow& job : waiting) {
-    ASSERT_TRUE(school_.store->CancelJob(job.id, Actor{school_.root, "page"}).ok());
+    ASSERT_TRUE(school_.store->jobs.CancelJob(job.id, Actor{school_.root, "page"}).ok());
   }
   const std::string path = "/api/v1/cohorts/" + school_.cohort_a.Text() + "/rescore";
   EXPECT_EQ(Post("sam", path).status, 403);
@@ -779,8 +783,8 @@ TEST_F(TeachingTest, ReferencesAreListedAndWithdrawnAndNamesShownWithConsentOnly
                 .status,
             201);
   // Kept from a time when a reference could be without it.
-  auto second = school_.store->AddReference(school_.ScoredAttempt(school_.sam), "Dr. Lyra", false,
-                                            Actor{school_.ada, "page"});
+  auto second = school_.store->references.AddReference(
+      school_.ScoredAttempt(school_.sam), "Dr. Lyra", false, Actor{school_.ada, "page"});
   ASSERT_TRUE(second.ok()) << second.status().message();
   json::value rows = Parsed(By("sam").Get(list)).at("references");
   EXPECT_TRUE(rows.at(0).at("dentist").is_null());
@@ -791,7 +795,7 @@ TEST_F(TeachingTest, ReferencesAreListedAndWithdrawnAndNamesShownWithConsentOnly
   EXPECT_EQ(Post("ben", path).status, 403);
   EXPECT_EQ(Post("ada", path).status, 204);
   EXPECT_NE(Parsed(By("ada").Get(list)).at("references").at(0).at("withdrawn_ms"), 0);
-  EXPECT_EQ(school_.store->ReferenceFor(school_.exercise)->value().dentist, "Dr. Vega");
+  EXPECT_EQ(school_.store->references.ReferenceFor(school_.exercise)->value().dentist, "Dr. Vega");
 }
 
 TEST_F(TeachingTest, ExcuseIsTakenBackByWhoMayExcuse) {
@@ -808,9 +812,9 @@ TEST_F(TeachingTest, ExcuseIsTakenBackByWhoMayExcuse) {
 TEST_F(TeachingTest, EarlierScoreIsMadeToCountAgainByWhoMayScoreAgain) {
   const std::string path = Scored("");
   const Uuid attempt = *Uuid::Parse(path.substr(path.rfind('/') + 1));
-  Store::AttemptResult result = *school_.store->ResultOf(attempt);
+  AttemptResult result = *school_.store->results.ResultOf(attempt);
   result.score = 12;
-  ASSERT_TRUE(school_.store->FinishAttempt(attempt, result, {}).ok());
+  ASSERT_TRUE(school_.store->results.FinishAttempt(attempt, result, {}).ok());
   json::value runs = Parsed(By("ada").Get(path + "/results")).at("results");
   EXPECT_EQ(runs.at(0).at("restorable"), false) << "it counts";
   EXPECT_EQ(runs.at(1).at("restorable"), true);
@@ -829,7 +833,7 @@ TEST_F(TeachingTest, ExamAttemptShowsNothingBeforeItsRelease) {
   terms.exercise = "class-1-occlusal";
   terms.cohort = school_.cohort_a;
   terms.exam = true;
-  AssignmentRow exam = *school_.store->AddAssignment(terms, {{}, "test"});
+  AssignmentRow exam = *school_.store->assignments.AddAssignment(terms, {{}, "test"});
   Uuid attempt = school_.ScoredAttempt(school_.sam, [&](AttemptRow& row) {
     row.assignment = exam.id;
     row.exam = true;

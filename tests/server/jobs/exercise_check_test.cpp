@@ -8,13 +8,13 @@
 #include "common/scene/json/json.h"
 #include "common/scene/volume_blob.h"
 #include "server/jobs/rubric_check.h"
-#include "tests/support/memory_store.h"
+#include "tests/server/storage/store_world.h"
 
 // Exercises that nobody can do, or that cannot be judged, are refused with what was expected and found.
 namespace enamel::server {
 namespace {
 
-class ExerciseCheckTest : public testing::Test {
+class ExerciseCheckTest : public ::testing::Test {
  protected:
   // Coarse: what is checked are sizes of millimetres.
   static constexpr int32_t kVoxel_nm = 300'000;
@@ -22,8 +22,8 @@ class ExerciseCheckTest : public testing::Test {
   std::vector<scene::Exercise> ExercisesOf(const std::string& name) {
     auto built = scene::BuildBuiltinScene(name, kVoxel_nm);
     EXPECT_TRUE(built.ok()) << name;
-    EXPECT_TRUE(store_.PutBlob(scene::EncodeVolume(built->volume)).ok());
-    const auto content = store_.PutBlob(AsBytes(scene::ToJson(built->scene)));
+    EXPECT_TRUE(store_->blobs.PutBlob(scene::EncodeVolume(built->volume)).ok());
+    const auto content = store_->blobs.PutBlob(AsBytes(scene::ToJson(built->scene)));
     return scene::BuiltinExercises(built->scene, *content);
   }
   scene::Exercise Named(const std::string& scene, const std::string& kind) {
@@ -38,19 +38,20 @@ class ExerciseCheckTest : public testing::Test {
                      const std::string& field) {
     scene::Exercise bad = good;
     change(bad);
-    const Status refused = CheckExercise(store_, bad);
+    const Status refused = CheckExercise(store_->blobs, bad);
     EXPECT_EQ(refused.code(), Code::kInvalidInput) << field;
     EXPECT_EQ(refused.field(), field) << refused.message();
     EXPECT_NE(refused.message().find("found"), std::string::npos) << refused.message();
   }
 
-  test::MemoryStore store_;
+  test::TempFolder folder_;
+  std::unique_ptr<Store> store_ = server::testing::OpenStore(folder_.path());
 };
 
 TEST_F(ExerciseCheckTest, EveryBuiltInExerciseCanBeDoneAndSaysTheSizesOfItsTarget) {
   for (const std::string& name : scene::BuiltinSceneNames()) {
     for (const scene::Exercise& exercise : ExercisesOf(name)) {
-      const Status status = CheckExercise(store_, exercise);
+      const Status status = CheckExercise(store_->blobs, exercise);
       EXPECT_TRUE(status.ok()) << exercise.name << ": " << status.field() << " "
                                << status.message();
       EXPECT_TRUE(ContradictingSizes(exercise).empty())
@@ -62,7 +63,7 @@ TEST_F(ExerciseCheckTest, EveryBuiltInExerciseCanBeDoneAndSaysTheSizesOfItsTarge
 
 TEST_F(ExerciseCheckTest, WhatNobodyCanDoIsRefused) {
   const scene::Exercise good = Named("molar", "class-1");
-  ASSERT_TRUE(CheckExercise(store_, good).ok());
+  ASSERT_TRUE(CheckExercise(store_->blobs, good).ok());
   ExpectRefused(
       good, [](auto& e) { e.target.landmark = "nowhere"; }, "target.landmark");
   ExpectRefused(

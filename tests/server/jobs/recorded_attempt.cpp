@@ -112,7 +112,7 @@ World::World(int32_t rate_hz, int32_t damping_mn_s_per_mm, haptics::LawKind law)
   volume = built->volume;
   // 10: soft enough that the anchor follows the tip within the rests at the corners.
   for (auto& t : scene.tissues) t.damping_mn_s_per_mm = damping_mn_s_per_mm;
-  volume_blob_ = scene::EncodeVolume(volume);
+  volume_blob = scene::EncodeVolume(volume);
   exercise = scene::ClassOneExercise(scene, HashSha256(AsBytes(scene::ToJson(scene))));
   exercise.target.half_size_um = {1'500, 1'000, 0};
   exercise.target.depth_um = 1'000;
@@ -127,40 +127,19 @@ World::World(int32_t rate_hz, int32_t damping_mn_s_per_mm, haptics::LawKind law)
   params = *plan;
 }
 
-void World::AddTo(MemoryStore& store) const {
-  for (const std::string& json :
-       {scene::ToJson(scene), scene::ToJson(exercise), scene::ToJson(profile)}) {
-    ENAMEL_CHECK(store.PutBlob(AsBytes(json)).ok());
-  }
-  ENAMEL_CHECK(store.PutBlob(volume_blob_).ok());
-  server::StationRow station;
-  station.id = station_id;
-  station.name = "bench 1";
-  station.public_key.assign(station_key.public_key.begin(), station_key.public_key.end());
-  store.stations[station_id] = station;
-}
-
-Uuid World::Record(MemoryStore& store, const PathOptions& options, bool as_reference) const {
-  server::AttemptRow row;
-  row.id = Uuid::New();
-  row.station = station_id;
-  row.exercise = exercise_id;
-  row.exercise_content = HashSha256(AsBytes(scene::ToJson(exercise)));
-  row.profile_content = HashSha256(AsBytes(scene::ToJson(profile)));
-  row.state = server::AttemptState::kSealed;
-  row.as_reference = as_reference;
-
+Recording World::Record(const Uuid& attempt, const Uuid& station,
+                        const PathOptions& options) const {
   trace::Header header;
-  header.ticket.attempt = row.id;
-  header.ticket.station = station_id;
-  header.ticket.exercise = row.exercise_content;
-  header.ticket.profile = row.profile_content;
+  header.ticket.attempt = attempt;
+  header.ticket.station = station;
+  header.ticket.exercise = HashSha256(AsBytes(scene::ToJson(exercise)));
+  header.ticket.profile = HashSha256(AsBytes(scene::ToJson(profile)));
   header.scene = exercise.scene;
-  header.volume = HashSha256(volume_blob_);
+  header.volume = HashSha256(volume_blob);
   header.params = core::AsOfVersion(params, options.core_version);
   header.station_software = "test 1";
 
-  MemoryStore::Trace recording;
+  Recording recording;
   recording.header = trace::EncodeHeader(header);
   core::Core core(header.params, volume);
   Sha256 previous = HashSha256(recording.header);
@@ -169,7 +148,7 @@ Uuid World::Record(MemoryStore& store, const PathOptions& options, bool as_refer
   auto flush = [&] {
     if (ticks.empty()) return;
     trace::ChunkHead head;
-    head.attempt = row.id;
+    head.attempt = attempt;
     head.seq = static_cast<uint32_t>(recording.chunks.size());
     head.first_tick = first;
     head.state_hash = core.state_hash();
@@ -199,12 +178,9 @@ Uuid World::Record(MemoryStore& store, const PathOptions& options, bool as_refer
     }
   }
   flush();
-  recording.seal = {row.id, static_cast<uint32_t>(recording.chunks.size()), core.ticks(), previous,
+  recording.seal = {attempt, static_cast<uint32_t>(recording.chunks.size()), core.ticks(), previous,
                     core.state_hash()};
-  row.ticks = core.ticks();
-  store.attempts[row.id] = row;
-  store.traces[row.id] = std::move(recording);
-  return row.id;
+  return recording;
 }
 
 Bytes World::Resign(ByteView bytes, const std::function<void(trace::Tick&)>& change) const {
@@ -212,16 +188,6 @@ Bytes World::Resign(ByteView bytes, const std::function<void(trace::Tick&)>& cha
   ENAMEL_CHECK(chunk.ok());
   change(chunk->ticks[chunk->ticks.size() / 2]);
   return trace::EncodeChunk(chunk->head, chunk->ticks, station_key.secret_key);
-}
-
-void World::SetReference(MemoryStore& store, const Uuid& attempt) const {
-  store.references[exercise_id] = {Uuid::New(), exercise_id, attempt, "Dr. Example", 1, 0};
-}
-
-Uuid World::RecordReference(MemoryStore& store) const {
-  Uuid attempt = Record(store, {}, true);
-  SetReference(store, attempt);
-  return attempt;
 }
 
 }  // namespace enamel::test

@@ -9,26 +9,24 @@
 #include "common/scoring/score.h"
 #include "server/jobs/score_job.h"
 #include "server/training/revision.h"
-#include "tests/server/jobs/recorded_attempt.h"
+#include "tests/server/jobs/job_school.h"
 
 // What others are compared with did what its exercise's own target asks for.
 namespace enamel::server {
 namespace {
 
-using test::MemoryStore;
+using test::JobSchool;
 using test::World;
 
-class ReferenceCheckTest : public testing::Test {
+class ReferenceCheckTest : public ::testing::Test {
  protected:
-  ReferenceCheckTest() {
-    world_.AddTo(store_);
-    cut_ = world_.RecordReference(store_);
-    EXPECT_TRUE(RunScoreJob(store_, cut_).ok());
+  Status Check() {
+    return CheckReferenceCut(school_->store->blobs, school_->store->results, school_->Row(cut_));
   }
-  Status Check() { return CheckReferenceCut(store_, store_.attempts[cut_]); }
   // As if the cut had left this tooth.
   void Leaves(const cutting::Volume& volume) {
-    store_.results[cut_].final_volume = *store_.PutBlob(scene::EncodeVolume(volume));
+    const Sha256 left = *school_->store->blobs.PutBlob(scene::EncodeVolume(volume));
+    school_->Set(cut_, "final_volume = " + JobSchool::Sql(left));
   }
   void ExpectRefused(const std::string& why) {
     const Status refused = Check();
@@ -45,8 +43,8 @@ class ReferenceCheckTest : public testing::Test {
   }
 
   const World& world_ = World::Get();
-  MemoryStore store_;
-  Uuid cut_;
+  std::unique_ptr<JobSchool> school_ = JobSchool::WithReference();
+  const Uuid cut_ = school_->reference;
 };
 
 TEST_F(ReferenceCheckTest, CutThatDoesTheTaskIsAReference) {
@@ -65,15 +63,16 @@ TEST_F(ReferenceCheckTest, CutThatStopsEarlyOrGoesBesideTheTaskIsNone) {
 }
 
 TEST_F(ReferenceCheckTest, CutOverTimeDisturbedOrSentTwiceIsNone) {
-  store_.attempts[cut_].flags |= kOverTime;
+  const auto flag = [&](uint32_t flags) { school_->Set(cut_, "flags = " + std::to_string(flags)); };
+  flag(kOverTime);
   ExpectRefused("time limit");
-  store_.attempts[cut_].flags = kContradicted;
+  flag(kContradicted);
   ExpectRefused("second recording");
-  store_.attempts[cut_].flags = 0;
+  flag(0);
   EXPECT_TRUE(Check().ok());
-  auto score = *scoring::ScoreFromJson(AsText(store_.blobs[store_.results[cut_].score_json]));
+  scoring::ScoreResult score = school_->Score(cut_);
   score.disturbance.late_percent = 7;
-  store_.results[cut_].score_json = *store_.PutBlob(AsBytes(scoring::ToJson(score)));
+  school_->SetScore(cut_, score);
   ExpectRefused("7.0 % of its ticks came late");
 }
 

@@ -13,25 +13,21 @@
 #include "server/jobs/judgement.h"
 #include "server/jobs/regrade.h"
 #include "server/results/result_document.h"
-#include "tests/server/jobs/recorded_attempt.h"
+#include "tests/server/jobs/job_school.h"
 
 namespace enamel::server {
 namespace {
 
-using test::MemoryStore;
+using test::JobSchool;
 using test::PathOptions;
 using test::World;
 
-class ScoreJobTest : public testing::Test {
+class ScoreJobTest : public ::testing::Test {
  protected:
-  ScoreJobTest() { world_.AddTo(store_); }
-
   scoring::ScoreResult ScoreOf(const Uuid& attempt) {
-    EXPECT_EQ(store_.attempts[attempt].problem, "");
-    EXPECT_EQ(store_.attempts[attempt].state, AttemptState::kScored);
-    auto score = scoring::ScoreFromJson(AsText(store_.blobs[store_.results[attempt].score_json]));
-    EXPECT_TRUE(score.ok()) << score.status().message();
-    return score.ok() ? *score : scoring::ScoreResult{};
+    EXPECT_EQ(school_->Row(attempt).problem, "");
+    EXPECT_EQ(school_->Row(attempt).state, AttemptState::kScored);
+    return school_->Score(attempt);
   }
   double Metric(const scoring::ScoreResult& score, std::string_view name) {
     for (const auto& m : score.metrics) {
@@ -40,56 +36,70 @@ class ScoreJobTest : public testing::Test {
     ADD_FAILURE() << "no metric " << name;
     return 0;
   }
-  // The scored reference and one attempt beside it.
-  Uuid WithReference(const PathOptions& path) {
-    reference_ = world_.RecordReference(store_);
-    EXPECT_TRUE(RunScoreJob(store_, reference_).ok());
-    return world_.Record(store_, path);
+  Status Run(const Uuid& attempt, ReferenceCache* cache = nullptr) {
+    return RunScoreJob(*school_->store, attempt, {}, cache);
   }
-  AttemptFilter OfExercise(const Uuid& attempt) {
+  Uuid Scored(const PathOptions& path) {
+    const Uuid attempt = school_->Record(path);
+    const Status status = Run(attempt);
+    EXPECT_TRUE(status.ok()) << status.message();
+    return attempt;
+  }
+  AttemptFilter OfExercise() {
     AttemptFilter filter;
-    filter.exercise = store_.attempts[attempt].exercise;
+    filter.exercise = school_->exercise;
     return filter;
   }
+  Result<RubricPreview> Preview(const scene::Rubric& rubric,
+                                const std::optional<ReferenceRow>& newest = {}) {
+    return PreviewRubric(*school_->store, OfExercise(), rubric, newest);
+  }
+  // Counts from now on, as the exercise's next version of it.
+  void Publish(scene::Rubric rubric) {
+    rubric.version = world_.exercise.rubric.version + 1;
+    const Sha256 content = *school_->store->blobs.PutBlob(AsBytes(scene::ToJson(rubric)));
+    const auto published = school_->store->rubrics.PublishRubric(
+        {school_->exercise, rubric.version, content, "why", 0}, Actor{{}, "test"});
+    EXPECT_TRUE(published.ok()) << published.status().message();
+  }
   void ExpectFailed(const Uuid& attempt, const std::string& part_of_problem) {
-    Status status = RunScoreJob(store_, attempt);
+    Status status = Run(attempt);
     EXPECT_TRUE(status.ok()) << status.message();
-    EXPECT_EQ(store_.attempts[attempt].state, AttemptState::kFailed);
-    EXPECT_NE(store_.attempts[attempt].problem.find(part_of_problem), std::string::npos)
-        << store_.attempts[attempt].problem;
-    EXPECT_EQ(store_.results.count(attempt), 0u) << "nothing may be scored";
+    EXPECT_EQ(school_->Row(attempt).state, AttemptState::kFailed);
+    EXPECT_NE(school_->Row(attempt).problem.find(part_of_problem), std::string::npos)
+        << school_->Row(attempt).problem;
+    EXPECT_FALSE(school_->store->results.ResultOf(attempt).ok()) << "nothing may be scored";
   }
 
   const World& world_ = World::Get();
-  MemoryStore store_;
-  Uuid reference_;
+  std::unique_ptr<JobSchool> school_ = JobSchool::WithReference();
 };
 
 TEST_F(ScoreJobTest, ResultIsSignedAndNamesWhatItWasMadeFrom) {
   const trace::KeyPair key = trace::NewKeyPair();
-  reference_ = world_.RecordReference(store_);
-  ASSERT_TRUE(RunScoreJob(store_, reference_, {}, nullptr, {}, &key).ok());
-  Uuid attempt = world_.Record(store_, {.mesial_extra_mm = 0.3});
-  store_.attempts[attempt].flags = kResumed | kExcused;
-  ASSERT_TRUE(RunScoreJob(store_, attempt, {}, nullptr, {}, &key).ok());
-  const auto& result = store_.results[attempt];
+  const Uuid attempt = school_->Record({.mesial_extra_mm = 0.3}), reference = school_->reference;
+  const std::string flags = std::to_string(uint32_t{kResumed | kExcused});
+  school_->Set(attempt, "flags = " + flags);
+  ASSERT_TRUE(RunScoreJob(*school_->store, attempt, {}, nullptr, {}, &key).ok());
+  const AttemptResult result = school_->Result(attempt);
+  const test::Recording recording = school_->RecordingOf(attempt);
   auto d = DecodeResult(result.document);
   ASSERT_TRUE(d.ok()) << d.status().message();
   EXPECT_TRUE(VerifyResult(*d));
   EXPECT_EQ(d->key, key.public_key);
-  const trace::Header header = *trace::DecodeHeader(store_.traces[attempt].header);
+  const trace::Header header = *trace::DecodeHeader(recording.header);
   EXPECT_EQ(d->attempt, attempt);
   EXPECT_EQ(d->scored_ms, result.scored_ms);
-  EXPECT_EQ(d->header, HashSha256(store_.traces[attempt].header));
-  EXPECT_EQ(d->recording, store_.traces[attempt].seal.last_chunk);
+  EXPECT_EQ(d->header, HashSha256(recording.header));
+  EXPECT_EQ(d->recording, recording.seal.last_chunk);
   EXPECT_EQ(d->exercise, header.ticket.exercise);
   EXPECT_EQ(d->profile, header.ticket.profile);
   EXPECT_EQ(d->scene, header.scene);
   EXPECT_EQ(d->volume, header.volume);
   EXPECT_EQ(d->rubric, HashSha256(AsBytes(scene::ToJson(world_.exercise.rubric))));
-  EXPECT_EQ(d->reference, reference_);
-  EXPECT_EQ(d->reference_recording, store_.traces[reference_].seal.last_chunk);
-  EXPECT_EQ(d->reference_tooth, store_.results[reference_].final_volume);
+  EXPECT_EQ(d->reference, reference);
+  EXPECT_EQ(d->reference_recording, school_->RecordingOf(reference).seal.last_chunk);
+  EXPECT_EQ(d->reference_tooth, school_->Result(reference).final_volume);
   EXPECT_EQ(d->score_document, result.score_json);
   EXPECT_EQ(d->tooth, result.final_volume);
   EXPECT_EQ(d->surface, result.surface);
@@ -106,67 +116,66 @@ constexpr double kCalm = 0.1;
 
 TEST_F(ScoreJobTest, ACopiedMotionIsFlaggedWithWhatItIsNearAndCostsNothing) {
   const trace::KeyPair key = trace::NewKeyPair();
-  reference_ = world_.Record(store_, {.pace = kCalm}, true);
-  world_.SetReference(store_, reference_);
-  ASSERT_TRUE(RunScoreJob(store_, reference_).ok());
-  EXPECT_FALSE(store_.results[reference_].motion.IsZero());
-  EXPECT_FALSE(store_.results[reference_].near) << "there is none before it";
+  school_ = std::make_unique<JobSchool>();
+  const Uuid reference = school_->RecordReference({.pace = kCalm});
+  EXPECT_FALSE(school_->Near(reference)) << "there is none before it";
 
   auto score = [&](const PathOptions& path) {
-    const Uuid attempt = world_.Record(store_, path);
-    EXPECT_TRUE(RunScoreJob(store_, attempt, {}, nullptr, {}, &key).ok());
+    const Uuid attempt = school_->Record(path);
+    EXPECT_TRUE(RunScoreJob(*school_->store, attempt, {}, nullptr, {}, &key).ok());
     return attempt;
   };
   const Uuid like_reference = score({.pace = kCalm});
-  ASSERT_TRUE(store_.results[like_reference].near);
-  EXPECT_EQ(store_.results[like_reference].near->attempt, reference_);
-  EXPECT_EQ(store_.results[like_reference].near->nearest_um, 0);
-  EXPECT_TRUE(store_.results[like_reference].near->worth_a_look);
+  const auto near_reference = school_->Near(like_reference);
+  ASSERT_TRUE(near_reference);
+  EXPECT_EQ(near_reference->attempt, reference);
+  EXPECT_EQ(near_reference->nearest_um, 0);
+  EXPECT_TRUE(near_reference->worth_a_look);
 
   // Another hand goes out farther; the copy is as far out, and faster.
   const Uuid own = score({.mesial_extra_mm = 1.4, .pace = kCalm});
   const Uuid copy = score({.mesial_extra_mm = 1.4, .pace = 1.2 * kCalm});
-  ASSERT_TRUE(store_.results[own].near && store_.results[copy].near);
-  EXPECT_FALSE(store_.results[own].near->worth_a_look);
-  EXPECT_EQ(store_.results[copy].near->attempt, own);
-  EXPECT_EQ(store_.results[copy].near->others, 3u);
-  EXPECT_TRUE(store_.results[copy].near->worth_a_look) << store_.results[copy].near->nearest_um;
-  EXPECT_EQ(DecodeResult(store_.results[own].document)->flags, 0u);
-  EXPECT_EQ(DecodeResult(store_.results[copy].document)->flags, uint32_t{kNearAnother});
+  const auto near_own = school_->Near(own), near_copy = school_->Near(copy);
+  ASSERT_TRUE(near_own && near_copy);
+  EXPECT_FALSE(near_own->worth_a_look);
+  EXPECT_EQ(near_copy->attempt, own);
+  EXPECT_EQ(near_copy->others, 3u);
+  EXPECT_TRUE(near_copy->worth_a_look) << near_copy->nearest_um;
+  EXPECT_EQ(DecodeResult(school_->Result(own).document)->flags, 0u);
+  EXPECT_EQ(DecodeResult(school_->Result(copy).document)->flags, uint32_t{kNearAnother});
   // It costs nothing: the same recording has the same score where nobody went so before.
   const scoring::ScoreResult flagged = ScoreOf(copy);
-  for (const Uuid& other : {own, like_reference}) store_.results[other].motion = {};
-  ASSERT_TRUE(RunScoreJob(store_, copy).ok());
-  EXPECT_FALSE(store_.results[copy].near->worth_a_look);
+  school_->Exec("DELETE FROM motions");
+  ASSERT_TRUE(Run(copy).ok());
+  EXPECT_FALSE(school_->Near(copy)->worth_a_look);
   EXPECT_EQ(ScoreOf(copy), flagged);
 }
 
-TEST_F(ScoreJobTest, AnAttemptBeforeMotionsWereKeptIsComparedWithTheReferenceAllTheSame) {
-  reference_ = world_.Record(store_, {.pace = kCalm}, true);
-  world_.SetReference(store_, reference_);
-  ASSERT_TRUE(RunScoreJob(store_, reference_).ok());
-  store_.results[reference_].motion = {};
-  const Uuid attempt = world_.Record(store_, {.pace = kCalm});
-  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
-  ASSERT_TRUE(store_.results[attempt].near);
-  EXPECT_EQ(store_.results[attempt].near->attempt, reference_);
-  EXPECT_EQ(store_.results[attempt].near->others, 1u);
+TEST_F(ScoreJobTest, AReferenceWhoseMotionIsNotKeptIsComparedWithAllTheSame) {
+  school_ = std::make_unique<JobSchool>();
+  const Uuid reference = school_->RecordReference({.pace = kCalm});
+  school_->Exec("DELETE FROM motions");
+  const Uuid attempt = Scored({.pace = kCalm});
+  ASSERT_TRUE(school_->Near(attempt));
+  EXPECT_EQ(school_->Near(attempt)->attempt, reference);
+  EXPECT_EQ(school_->Near(attempt)->others, 1u);
 }
 
-TEST_F(ScoreJobTest, ScoreWithTheSamePointsAndReasonsIsToldToBeTheSame) {
-  Uuid attempt = WithReference({.mesial_extra_mm = 0.3});
-  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
-  EXPECT_EQ(store_.results[attempt].same_judgement_as, std::nullopt) << "there was none before";
+TEST_F(ScoreJobTest, AnotherScoreWithdrawsTheReleaseAndTheSamePointsAndReasonsDoNot) {
+  const Uuid attempt = Scored({.mesial_extra_mm = 0.3});
   const scoring::ScoreResult score = ScoreOf(attempt);
+  const auto stays_released = [&](const scoring::ScoreResult& before) {
+    school_->SetScore(attempt, before);
+    EXPECT_TRUE(school_->store->judging.ReleaseAttempt(attempt, Actor{{}, "test"}).ok());
+    EXPECT_TRUE(Run(attempt).ok());
+    return school_->Row(attempt).released;
+  };
 
   // What was kept is a score of fewer metrics, and worded in another way.
   scoring::ScoreResult fewer = score;
   fewer.metrics.pop_back();
   fewer.criteria[0].reason = "The same, in other words.";
-  store_.results[attempt].score_json = *store_.PutBlob(AsBytes(scoring::ToJson(fewer)));
-  const Sha256 before = store_.results[attempt].score_json;
-  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
-  EXPECT_EQ(store_.results[attempt].same_judgement_as, before);
+  EXPECT_TRUE(stays_released(fewer));
 
   const std::function<void(scoring::ScoreResult&)> others[] = {
       [](auto& s) { s.score -= 0.001; },
@@ -180,47 +189,35 @@ TEST_F(ScoreJobTest, ScoreWithTheSamePointsAndReasonsIsToldToBeTheSame) {
   for (size_t i = 0; i < std::size(others); ++i) {
     scoring::ScoreResult other = score;
     others[i](other);
-    store_.results[attempt].score_json = *store_.PutBlob(AsBytes(scoring::ToJson(other)));
-    ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
-    EXPECT_EQ(store_.results[attempt].same_judgement_as, std::nullopt) << i;
+    EXPECT_FALSE(stays_released(other)) << i;
   }
 }
 
 TEST_F(ScoreJobTest, TheReferenceAgainstItselfHasNoDeviationAndFullMarksForShape) {
-  Uuid attempt = world_.RecordReference(store_);
-  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
-  auto score = ScoreOf(attempt);
+  const Uuid reference = school_->reference;
+  auto score = ScoreOf(reference);
   for (const char* name : {"deviation_rms_mm", "deviation_p95_mm", "wall_mesial_mm",
                            "wall_distal_mm", "wall_buccal_mm", "wall_lingual_mm", "floor_mm"}) {
     EXPECT_EQ(Metric(score, name), 0) << name;
   }
   EXPECT_EQ(score.score, 100) << "the least of them: " << score.criteria[0].reason;
-  EXPECT_EQ(score.reference_attempt, attempt.Text());
-  EXPECT_EQ(store_.results[attempt].reference, attempt);
+  EXPECT_TRUE(score.deductions.empty()) << "nothing too much";
+  EXPECT_EQ(score.reference_attempt, reference.Text());
+  EXPECT_EQ(school_->Result(reference).reference, reference);
   EXPECT_TRUE(score.witness_ok);
 }
 
 // A rubric is corrected: the preview says what a new run then finds, and the recording stays as it
 // was.
-TEST_F(ScoreJobTest, AReferenceAgainstItselfHasTakenNothingTooMuch) {
-  const Uuid reference = world_.RecordReference(store_);
-  ASSERT_TRUE(RunScoreJob(store_, reference).ok());
-  EXPECT_TRUE(ScoreOf(reference).deductions.empty());
-}
-
 TEST_F(ScoreJobTest, ACorrectedRubricCountsInTheNextRunAsItsPreviewSaid) {
-  const Uuid attempt = WithReference({.mesial_extra_mm = 0.3});
-  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+  const Uuid attempt = Scored({.mesial_extra_mm = 0.3});
   const scoring::ScoreResult before = ScoreOf(attempt);
-  const Sha256 exercise = store_.attempts[attempt].exercise_content;
-  auto document = scene::ExerciseFromJson(AsText(store_.blobs[exercise]));
-  ASSERT_TRUE(document.ok());
-  scene::Rubric rubric = document->rubric;
+  scene::Rubric rubric = world_.exercise.rubric;
   std::erase_if(rubric.criteria,
                 [](const scene::RubricCriterion& c) { return c.metric == "wall_mesial_mm"; });
-  ASSERT_LT(rubric.criteria.size(), document->rubric.criteria.size());
+  ASSERT_LT(rubric.criteria.size(), world_.exercise.rubric.criteria.size());
 
-  auto preview = PreviewRubric(store_, OfExercise(attempt), rubric, {});
+  auto preview = Preview(rubric);
   ASSERT_TRUE(preview.ok()) << preview.status().message();
   ASSERT_EQ(preview->attempts.size(), 2u) << "the reference, too";
   const RegradedAttempt& seen = preview->attempts.front();
@@ -232,26 +229,20 @@ TEST_F(ScoreJobTest, ACorrectedRubricCountsInTheNextRunAsItsPreviewSaid) {
   EXPECT_EQ(preview->lowered, 0u);
   EXPECT_EQ(std::accumulate(preview->after.begin(), preview->after.end(), 0u), 2u);
 
-  rubric.version = document->rubric.version + 1;
-  const Sha256 content = *store_.PutBlob(AsBytes(scene::ToJson(rubric)));
-  const Uuid id = store_.attempts[attempt].exercise;
-  store_.rubrics[id] = {id, rubric.version, content, "why", 1};
-  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+  Publish(rubric);
+  ASSERT_TRUE(Run(attempt).ok());
   const scoring::ScoreResult after = ScoreOf(attempt);
   EXPECT_NEAR(after.score, seen.after, 1e-9);
-  EXPECT_EQ(after.rubric_version, rubric.version);
+  EXPECT_EQ(after.rubric_version, world_.exercise.rubric.version + 1);
   EXPECT_EQ(after.metrics, before.metrics);
 }
 
 TEST_F(ScoreJobTest, APreviewSaysWhatElseScoringAgainWouldChange) {
-  const Uuid attempt = WithReference({.mesial_extra_mm = 0.3});
-  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
-  store_.attempts[attempt].released = true;
-  auto document =
-      scene::ExerciseFromJson(AsText(store_.blobs[store_.attempts[attempt].exercise_content]));
+  const Uuid attempt = Scored({.mesial_extra_mm = 0.3});
+  ASSERT_TRUE(school_->store->judging.ReleaseAttempt(attempt, Actor{{}, "test"}).ok());
   ReferenceRow newest;
-  newest.attempt = reference_;
-  auto same = PreviewRubric(store_, OfExercise(attempt), document->rubric, newest);
+  newest.attempt = school_->reference;
+  auto same = Preview(world_.exercise.rubric, newest);
   ASSERT_TRUE(same.ok());
   EXPECT_EQ(same->withdrawn, 0u);
   const auto of_attempt = [&](const RubricPreview& preview) {
@@ -261,10 +252,10 @@ TEST_F(ScoreJobTest, APreviewSaysWhatElseScoringAgainWouldChange) {
   EXPECT_FALSE(of_attempt(*same).earlier_reference);
 
   newest.attempt = Uuid::New();
-  scene::Rubric milder = document->rubric;
+  scene::Rubric milder = world_.exercise.rubric;
   std::erase_if(milder.criteria,
                 [](const scene::RubricCriterion& c) { return c.metric == "wall_mesial_mm"; });
-  auto other = PreviewRubric(store_, OfExercise(attempt), milder, newest);
+  auto other = Preview(milder, newest);
   ASSERT_TRUE(other.ok());
   EXPECT_EQ(other->withdrawn, 1u);
   EXPECT_TRUE(of_attempt(*other).earlier_reference);
@@ -272,61 +263,50 @@ TEST_F(ScoreJobTest, APreviewSaysWhatElseScoringAgainWouldChange) {
 }
 
 TEST_F(ScoreJobTest, APreviewSaysOfWhichAttemptsItCannotTell) {
-  const Uuid attempt = WithReference({});
-  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
-  auto document =
-      scene::ExerciseFromJson(AsText(store_.blobs[store_.attempts[attempt].exercise_content]));
+  const Uuid attempt = Scored({});
   scoring::ScoreResult older = ScoreOf(attempt);
   older.scoring_version = scoring::kSameNumbersSince - 1;
-  store_.results[attempt].score_json = *store_.PutBlob(AsBytes(scoring::ToJson(older)));
-  store_.results[reference_].score_json = HashSha256(AsBytes("lost"));
-  auto preview = PreviewRubric(store_, OfExercise(attempt), document->rubric, {});
+  school_->SetScore(attempt, older);
+  school_->Set(school_->reference, "score_json = " + JobSchool::Sql(HashSha256(AsBytes("lost"))));
+  auto preview = Preview(world_.exercise.rubric);
   ASSERT_TRUE(preview.ok());
   EXPECT_EQ(preview->problems, 2u);
   EXPECT_EQ(preview->mean_after, 0);
   for (const RegradedAttempt& a : preview->attempts) EXPECT_NE(a.problem, "");
 
-  scene::Rubric broken = document->rubric;
+  scene::Rubric broken = world_.exercise.rubric;
   broken.criteria[0].metric = "no_such_metric";
-  EXPECT_EQ(PreviewRubric(store_, OfExercise(attempt), broken, {}).status().code(),
-            Code::kInvalidInput);
+  EXPECT_EQ(Preview(broken).status().code(), Code::kInvalidInput);
 }
 
 TEST_F(ScoreJobTest, WhatARubricHadNoUseForIsMeasuredOnceOneHas) {
-  const Uuid attempt = WithReference({});
-  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
-  auto document =
-      scene::ExerciseFromJson(AsText(store_.blobs[store_.attempts[attempt].exercise_content]));
+  const Uuid attempt = Scored({});
   const auto measured = [&] {
     const scoring::ScoreResult score = ScoreOf(attempt);
     return std::ranges::count(score.metrics, "dtw_pose_mm", &scoring::MetricValue::name);
   };
   EXPECT_EQ(measured(), 0);
-  scene::Rubric other = document->rubric;
+  scene::Rubric other = world_.exercise.rubric;
   other.criteria.push_back({"dtw_pose_mm", "Like the dentist", "mm", 5, {{0, 1}, {2, 0}}, "", {}});
-  auto preview = PreviewRubric(store_, OfExercise(attempt), other, {});
+  auto preview = Preview(other);
   ASSERT_TRUE(preview.ok());
   for (const RegradedAttempt& a : preview->attempts) {
     EXPECT_TRUE(a.row.id != attempt || a.problem.find("dtw_pose_mm") != std::string::npos);
   }
   // The recording has it: scored again by that rubric it is measured.
-  other.version = document->rubric.version + 1;
-  const Sha256 content = *store_.PutBlob(AsBytes(scene::ToJson(other)));
-  const Uuid id = store_.attempts[attempt].exercise;
-  store_.rubrics[id] = {id, other.version, content, "why", 1};
-  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+  Publish(other);
+  ASSERT_TRUE(Run(attempt).ok());
   EXPECT_EQ(measured(), 1);
 }
 
 TEST_F(ScoreJobTest, AWallThreeTenthsTooFarOutIsFoundAndExplained) {
-  Uuid attempt = WithReference({.mesial_extra_mm = 0.3});
-  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+  const Uuid attempt = Scored({.mesial_extra_mm = 0.3});
   auto score = ScoreOf(attempt);
   EXPECT_NEAR(Metric(score, "wall_mesial_mm"), 0.3, 0.025);  // a quarter voxel
   EXPECT_NEAR(Metric(score, "wall_distal_mm"), 0, 0.025);
   EXPECT_NEAR(Metric(score, "floor_mm"), 0, 0.025);
   EXPECT_LT(score.score, 100);
-  EXPECT_EQ(score.reference_attempt, reference_.Text());
+  EXPECT_EQ(score.reference_attempt, school_->reference.Text());
   bool explained = false;
   for (const auto& c : score.criteria)
     explained |= c.reason.find("0.30 mm too deep") != std::string::npos;
@@ -355,7 +335,7 @@ struct AtRates {
   int32_t damping_mn_s_per_mm;
   double force_n;  // by which forces may differ, or 3 % where that is more
 };
-class ScoreAtRates : public testing::TestWithParam<AtRates> {};
+class ScoreAtRates : public ::testing::TestWithParam<AtRates> {};
 
 TEST_P(ScoreAtRates, OneMotionScoresTheSameAtEveryLoopRate) {
   // Five voxels of volume; two of the 50 ms in which a cut counts as going on.
@@ -366,19 +346,16 @@ TEST_P(ScoreAtRates, OneMotionScoresTheSameAtEveryLoopRate) {
   double slow_score = 0;
   for (int32_t rate : {1000, 2000, 4000, 8000}) {
     const World world(rate, GetParam().damping_mn_s_per_mm, GetParam().law);
-    MemoryStore store;
-    world.AddTo(store);
-    Uuid reference = world.RecordReference(store);
-    ASSERT_TRUE(RunScoreJob(store, reference).ok());
-    Uuid attempt = world.Record(store, {.mesial_extra_mm = 0.3});
-    ASSERT_TRUE(RunScoreJob(store, attempt).ok());
-    ASSERT_EQ(store.attempts[attempt].problem, "") << rate;
-    auto score = scoring::ScoreFromJson(AsText(store.blobs[store.results[attempt].score_json]));
-    ASSERT_TRUE(score.ok()) << score.status().message();
-    EXPECT_TRUE(score->witness_ok) << rate;
-    if (rate == 1000) slow_score = score->score;
-    EXPECT_NEAR(score->score, slow_score, kPoints) << rate;
-    for (const auto& m : score->metrics) {
+    JobSchool school(world);
+    school.RecordReference();
+    Uuid attempt = school.Record({.mesial_extra_mm = 0.3});
+    ASSERT_TRUE(RunScoreJob(*school.store, attempt).ok());
+    ASSERT_EQ(school.Row(attempt).problem, "") << rate;
+    const scoring::ScoreResult score = school.Score(attempt);
+    EXPECT_TRUE(score.witness_ok) << rate;
+    if (rate == 1000) slow_score = score.score;
+    EXPECT_NEAR(score.score, slow_score, kPoints) << rate;
+    for (const auto& m : score.metrics) {
       if (rate == 1000) {
         slow[m.name] = m.value;
         continue;
@@ -411,18 +388,17 @@ TEST_P(ScoreAtRates, OneMotionScoresTheSameAtEveryLoopRate) {
 
 INSTANTIATE_TEST_SUITE_P(
     Laws, ScoreAtRates,
-    testing::Values(AtRates{"MaxwellTough", haptics::LawKind::kMaxwell, 300, 0.02},
-                    AtRates{"DefaultSoft", haptics::kDefaultLaw, 10, 0.02}),
-    [](const testing::TestParamInfo<AtRates>& i) { return std::string(i.param.name); });
+    ::testing::Values(AtRates{"MaxwellTough", haptics::LawKind::kMaxwell, 300, 0.02},
+                      AtRates{"DefaultSoft", haptics::kDefaultLaw, 10, 0.02}),
+    [](const ::testing::TestParamInfo<AtRates>& i) { return std::string(i.param.name); });
 
 TEST_F(ScoreJobTest, TicksGapsAndLateTicksAreOnTheScore) {
-  Uuid attempt = WithReference({.gap_ticks = 40, .late = true});
-  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+  const Uuid attempt = Scored({.gap_ticks = 40, .late = true});
   auto score = ScoreOf(attempt);
-  EXPECT_EQ(score.ticks, store_.attempts[attempt].ticks);
+  EXPECT_EQ(score.ticks, school_->Row(attempt).ticks);
   EXPECT_EQ(score.gap_ticks, 40u);
   EXPECT_EQ(score.late_ticks, (score.ticks + 99) / 100);
-  EXPECT_GT(store_.results[attempt].replay_realtime_factor, 0);
+  EXPECT_GT(school_->Result(attempt).replay_realtime_factor, 0);
   EXPECT_EQ(score.core_version, core::kCoreVersion);
 }
 
@@ -434,11 +410,8 @@ TEST_F(ScoreJobTest, RecordingsOfEarlierCoreVersionsAreScoredAsThoseVersionsCut)
       world.exercise.law = haptics::LawKind::kGatedMaxwell;
       world.params.law = world.exercise.law;
     }
-    world.AddTo(store_);
-    Uuid attempt = world.Record(store_, {.core_version = version}, true);
-    world.SetReference(store_, attempt);
-    ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
-    auto score = ScoreOf(attempt);
+    school_ = std::make_unique<JobSchool>(world);
+    auto score = ScoreOf(school_->RecordReference({.core_version = version}));
     EXPECT_EQ(score.core_version, version);
     EXPECT_TRUE(score.witness_ok);
     EXPECT_GT(score.score, 90);
@@ -448,11 +421,11 @@ TEST_F(ScoreJobTest, RecordingsOfEarlierCoreVersionsAreScoredAsThoseVersionsCut)
 // The same recording as an exam with a limit, and as what a station would have sealed had its
 // student stopped there.
 TEST_F(ScoreJobTest, AnExamCountsUpToItsTimeLimitAndPracticeToItsEnd) {
-  Uuid attempt = WithReference({.mesial_extra_mm = 0.3, .gap_ticks = 40});
-  const uint64_t all = store_.attempts[attempt].ticks + 40, limit = all / 2;
+  const Uuid attempt = school_->Record({.mesial_extra_mm = 0.3, .gap_ticks = 40});
+  const uint64_t all = school_->Row(attempt).ticks + 40, limit = all / 2;
   core::Core core(world_.params, world_.volume);
   uint64_t time_ticks = 0;
-  for (const Bytes& bytes : store_.traces[attempt].chunks) {
+  for (const Bytes& bytes : school_->RecordingOf(attempt).chunks) {
     auto chunk = trace::DecodeChunk(bytes);
     ASSERT_TRUE(chunk.ok());
     for (const trace::Tick& tick : chunk->ticks) {
@@ -462,12 +435,11 @@ TEST_F(ScoreJobTest, AnExamCountsUpToItsTimeLimitAndPracticeToItsEnd) {
     }
   }
   auto scored_volume = [&](bool exam) {
-    store_.attempts[attempt].state = AttemptState::kSealed;
-    store_.attempts[attempt].exam = exam;
-    store_.attempts[attempt].limit_ticks = limit;
-    EXPECT_TRUE(RunScoreJob(store_, attempt).ok());
+    school_->Set(attempt,
+                 "exam = " + std::to_string(exam) + ", limit_ticks = " + std::to_string(limit));
+    EXPECT_TRUE(Run(attempt).ok());
     EXPECT_EQ(ScoreOf(attempt).ticks, all - 40) << "all of it is replayed and checked";
-    auto stored = scene::DecodeVolume(store_.blobs[store_.results[attempt].final_volume]);
+    auto stored = scene::DecodeVolume(school_->Blob(school_->Result(attempt).final_volume));
     EXPECT_TRUE(stored.ok());
     return *stored;
   };
@@ -477,26 +449,24 @@ TEST_F(ScoreJobTest, AnExamCountsUpToItsTimeLimitAndPracticeToItsEnd) {
 }
 
 TEST_F(ScoreJobTest, TheFinalVolumeIsTheOneTheStationHad) {
-  Uuid attempt = WithReference({.mesial_extra_mm = 0.1});
-  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+  const Uuid attempt = Scored({.mesial_extra_mm = 0.1});
   core::Core core(world_.params, world_.volume);
-  for (const Bytes& bytes : store_.traces[attempt].chunks) {
+  for (const Bytes& bytes : school_->RecordingOf(attempt).chunks) {
     auto chunk = trace::DecodeChunk(bytes);
     ASSERT_TRUE(chunk.ok());
     for (const trace::Tick& tick : chunk->ticks) core.Step(tick.input);
   }
-  auto stored = scene::DecodeVolume(store_.blobs[store_.results[attempt].final_volume]);
+  auto stored = scene::DecodeVolume(school_->Blob(school_->Result(attempt).final_volume));
   ASSERT_TRUE(stored.ok());
   EXPECT_TRUE(*stored == core.volume());
 }
 
 TEST_F(ScoreJobTest, ScoringAgainGivesTheSameBlobs) {
-  Uuid attempt = WithReference({.mesial_extra_mm = 0.2});
-  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
-  auto first = store_.results[attempt];
+  const Uuid attempt = Scored({.mesial_extra_mm = 0.2});
+  const AttemptResult first = school_->Result(attempt);
   ReferenceCache cache;
-  ASSERT_TRUE(RunScoreJob(store_, attempt, {}, &cache).ok());
-  auto again = store_.results[attempt];
+  ASSERT_TRUE(Run(attempt, &cache).ok());
+  const AttemptResult again = school_->Result(attempt);
   EXPECT_EQ(first.final_volume, again.final_volume);
   EXPECT_EQ(first.surface, again.surface);
   EXPECT_EQ(first.series, again.series);
@@ -504,18 +474,15 @@ TEST_F(ScoreJobTest, ScoringAgainGivesTheSameBlobs) {
 }
 
 TEST_F(ScoreJobTest, WithSeveralReferencesTheScoreSaysWhereTheAttemptLiesAmongThem) {
-  Uuid attempt = WithReference({.mesial_extra_mm = 0.3});
-  const Uuid first = reference_;
-  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+  const Uuid attempt = Scored({.mesial_extra_mm = 0.3}), first = school_->reference;
   EXPECT_FALSE(ScoreOf(attempt).envelope) << "one reference is no envelope";
   const double points = ScoreOf(attempt).score;
-  const Uuid second = world_.Record(store_, {.mesial_extra_mm = 0.2}, true);
-  ASSERT_TRUE(RunScoreJob(store_, second).ok());
-  // Older than the first: points still come from that one.
-  store_.older_references = {
-      {Uuid::New(), store_.attempts[attempt].exercise, second, "Dr. Other", 0, 0}};
+  const Uuid second = school_->RecordReference({.mesial_extra_mm = 0.2});
+  // Named again, the first is the newest: points still come from that one.
+  ASSERT_TRUE(
+      school_->store->references.AddReference(first, "Dr. Example", true, Actor{{}, "test"}).ok());
   ReferenceCache cache;
-  ASSERT_TRUE(RunScoreJob(store_, attempt, {}, &cache).ok());
+  ASSERT_TRUE(Run(attempt, &cache).ok());
   auto score = ScoreOf(attempt);
   EXPECT_EQ(score.score, points);
   ASSERT_TRUE(score.envelope);
@@ -528,115 +495,126 @@ TEST_F(ScoreJobTest, WithSeveralReferencesTheScoreSaysWhereTheAttemptLiesAmongTh
   EXPECT_EQ(wall->least, 0) << "the newest against itself";
   EXPECT_NEAR(wall->most, 0.2, 0.03);
   EXPECT_EQ(wall->percentile, 100);
-  auto json = store_.results[attempt].score_json;
-  ASSERT_TRUE(RunScoreJob(store_, attempt, {}, &cache).ok());
-  EXPECT_EQ(store_.results[attempt].score_json, json) << "from the cache too";
+  const Sha256 json = school_->Result(attempt).score_json;
+  ASSERT_TRUE(Run(attempt, &cache).ok());
+  EXPECT_EQ(school_->Result(attempt).score_json, json) << "from the cache too";
 }
 
 TEST_F(ScoreJobTest, TheCacheReadsAReferenceOnce) {
-  Uuid attempt = WithReference({});
+  const Uuid attempt = school_->Record(), other = school_->Record();
   ReferenceCache cache;
-  store_.chunk_reads = 0;
-  ASSERT_TRUE(RunScoreJob(store_, attempt, {}, &cache).ok());
-  ASSERT_TRUE(RunScoreJob(store_, attempt, {}, &cache).ok());
-  EXPECT_EQ(store_.chunk_reads, 3);  // the attempt twice, the reference once
+  ASSERT_TRUE(Run(attempt, &cache).ok());
+  school_->Set(school_->reference, "header = X'00'");
+  ASSERT_TRUE(Run(attempt, &cache).ok());
+  EXPECT_EQ(ScoreOf(attempt).score, 100);
+  ExpectFailed(other, "cannot be read");
 }
 
 TEST_F(ScoreJobTest, WithoutAReferenceAnAttemptWaitsAndSaysSo) {
-  Uuid attempt = world_.Record(store_);
+  school_ = std::make_unique<JobSchool>();
+  const Uuid attempt = school_->Record();
   ExpectFailed(attempt, "no reference yet");
-  reference_ = world_.RecordReference(store_);
-  ASSERT_TRUE(RunScoreJob(store_, reference_).ok());
-  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+  school_->RecordReference();
+  ASSERT_TRUE(Run(attempt).ok());
   EXPECT_EQ(ScoreOf(attempt).score, 100);
 }
 
 TEST_F(ScoreJobTest, AReferenceCutIsProcessedBeforeThereIsAReference) {
-  Uuid attempt = world_.Record(store_, {}, true);
-  ASSERT_TRUE(RunScoreJob(store_, attempt).ok());
+  school_ = std::make_unique<JobSchool>();
+  const Uuid attempt = school_->Record({}, true);
+  ASSERT_TRUE(Run(attempt).ok());
   EXPECT_EQ(ScoreOf(attempt).reference_attempt, "");
-  EXPECT_FALSE(store_.results[attempt].reference.has_value());
+  EXPECT_FALSE(school_->Result(attempt).reference.has_value());
 }
 
 TEST_F(ScoreJobTest, AChangedWitnessIsPlacedToItsTickAndNothingIsScored) {
-  Uuid attempt = WithReference({});
-  auto& recording = store_.traces[attempt];
-  Bytes& last = recording.chunks.back();
-  auto head = trace::DecodeChunkHead(last)->head;
-  last = world_.Resign(last, [](trace::Tick& tick) { tick.witness.anchor_10nm[0] += 1; });
-  recording.seal.last_chunk = trace::DecodeChunkHead(last)->hash;
+  const Uuid attempt = school_->Record();
+  trace::ChunkHead head;
+  school_->Spoil(attempt, [&](test::Recording& recording) {
+    Bytes& last = recording.chunks.back();
+    head = trace::DecodeChunkHead(last)->head;
+    last = world_.Resign(last, [](trace::Tick& tick) { tick.witness.anchor_10nm[0] += 1; });
+    recording.seal.last_chunk = trace::DecodeChunkHead(last)->hash;
+  });
   uint64_t tick = head.first_tick + head.count / 2;
   ExpectFailed(attempt, "tick " + std::to_string(tick) + " (chunk " + std::to_string(head.seq) +
                             "): anchor differs");
 }
 
 TEST_F(ScoreJobTest, AChangedInputIsFoundByTheReplay) {
-  Uuid attempt = WithReference({});
-  auto& recording = store_.traces[attempt];
-  Bytes& last = recording.chunks.back();
-  last = world_.Resign(last, [](trace::Tick& tick) { tick.input.counts[2] -= 50; });
-  recording.seal.last_chunk = trace::DecodeChunkHead(last)->hash;
+  const Uuid attempt = school_->Record();
+  school_->Spoil(attempt, [&](test::Recording& recording) {
+    Bytes& last = recording.chunks.back();
+    last = world_.Resign(last, [](trace::Tick& tick) { tick.input.counts[2] -= 50; });
+    recording.seal.last_chunk = trace::DecodeChunkHead(last)->hash;
+  });
   ExpectFailed(attempt, "replay and recording part at tick");
 }
 
 TEST_F(ScoreJobTest, ABrokenChainASealThatDoesNotFitAndAForeignSignatureAreFound) {
-  reference_ = world_.RecordReference(store_);
-  ASSERT_TRUE(RunScoreJob(store_, reference_).ok());
-  Uuid swapped = world_.Record(store_), cut = world_.Record(store_),
-       foreign = world_.Record(store_);
-  std::swap(store_.traces[swapped].chunks[1], store_.traces[swapped].chunks[2]);
+  const Uuid swapped = school_->Record(), cut = school_->Record(), foreign = school_->Record();
+  school_->Spoil(swapped, [](test::Recording& r) { std::swap(r.chunks[1], r.chunks[2]); });
   ExpectFailed(swapped, "expected");
-  store_.traces[cut].chunks.pop_back();
+  school_->Spoil(cut, [](test::Recording& r) { r.chunks.pop_back(); });
   ExpectFailed(cut, "expected");
-  store_.traces[foreign].chunks[0].back() ^= 1;
+  school_->Spoil(foreign, [](test::Recording& r) { r.chunks[0].back() ^= 1; });
   ExpectFailed(foreign, "chunk 0 is not signed by station bench 1");
 }
 
 TEST_F(ScoreJobTest, AnotherAttemptsRecordingIsRefused) {
-  Uuid attempt = WithReference({}), other = world_.Record(store_);
-  store_.traces[attempt] = store_.traces[other];
+  const Uuid attempt = school_->Record();
+  const test::Recording other = school_->RecordingOf(school_->Record());
+  school_->Spoil(attempt, [&](test::Recording& recording) { recording = other; });
   ExpectFailed(attempt, "attempt in the header");
 }
 
 TEST_F(ScoreJobTest, OtherParametersThanThePlanGivesAreRefused) {
-  Uuid attempt = WithReference({});
-  store_.attempts[attempt].profile_content = HashSha256(AsBytes("another"));
+  const Uuid attempt = school_->Record();
+  school_->Set(attempt, "profile_content = " + JobSchool::Sql(HashSha256(AsBytes("another"))));
   ExpectFailed(attempt, "device profile");
 
-  Uuid softer = world_.Record(store_);
-  auto header = trace::DecodeHeader(store_.traces[softer].header);
-  ASSERT_TRUE(header.ok());
-  header->params.peak_force_mn += 1;
-  store_.traces[softer].header = trace::EncodeHeader(*header);
-  store_.traces[softer].chunks.clear();
-  store_.traces[softer].seal = {softer, 0, 0, HashSha256(store_.traces[softer].header), 0};
+  const Uuid softer = school_->Record();
+  school_->Spoil(softer, [&](test::Recording& recording) {
+    auto header = trace::DecodeHeader(recording.header);
+    ASSERT_TRUE(header.ok());
+    header->params.peak_force_mn += 1;
+    recording.header = trace::EncodeHeader(*header);
+    recording.chunks.clear();
+    recording.seal = {softer, 0, 0, HashSha256(recording.header), 0};
+  });
   ExpectFailed(softer, "other core parameters");
 }
 
 TEST_F(ScoreJobTest, ADamagedHeaderIsAProblemOfTheAttempt) {
-  Uuid attempt = WithReference({});
-  store_.traces[attempt].header.resize(20);
-  Status status = RunScoreJob(store_, attempt);
+  const Uuid attempt = school_->Record();
+  school_->Spoil(attempt, [](test::Recording& recording) { recording.header.resize(20); });
+  Status status = Run(attempt);
   EXPECT_TRUE(status.ok());
-  EXPECT_EQ(store_.attempts[attempt].state, AttemptState::kFailed);
+  EXPECT_EQ(school_->Row(attempt).state, AttemptState::kFailed);
 }
 
 TEST_F(ScoreJobTest, AFullDiskIsTriedAgainAndNotTheAttemptsFault) {
-  Uuid attempt = WithReference({});
-  for (int nth = 1; nth <= 4; ++nth) {
-    store_.failing_puts = 1;
-    Status status = RunScoreJob(store_, attempt);
+  const Uuid attempt = school_->Record({.mesial_extra_mm = 0.05});
+  int failures = 0;
+  for (;; ++failures) {
+    school_->disk.fired = false;
+    school_->disk.until_failure = failures;
+    Status status = Run(attempt);
+    if (!school_->disk.fired) {
+      EXPECT_TRUE(status.ok()) << status.message();
+      break;
+    }
     EXPECT_EQ(status.code(), Code::kStorage);
-    EXPECT_EQ(store_.attempts[attempt].state, AttemptState::kSealed);
+    EXPECT_EQ(school_->Row(attempt).state, AttemptState::kSealed);
   }
-  EXPECT_TRUE(RunScoreJob(store_, attempt).ok());
-  EXPECT_EQ(ScoreOf(attempt).score, 100);
+  EXPECT_GE(failures, 1);
+  (void)ScoreOf(attempt);
 }
 
 TEST_F(ScoreJobTest, ProgressRisesAndStoppingLeavesNoTrace) {
-  Uuid attempt = WithReference({});
+  const Uuid attempt = school_->Record(), stopped = school_->Record();
   std::vector<double> seen;
-  ASSERT_TRUE(RunScoreJob(store_, attempt, [&](double p) {
+  ASSERT_TRUE(RunScoreJob(*school_->store, attempt, [&](double p) {
                 seen.push_back(p);
                 return true;
               }).ok());
@@ -645,18 +623,17 @@ TEST_F(ScoreJobTest, ProgressRisesAndStoppingLeavesNoTrace) {
   EXPECT_LE(seen.back(), 1);
 
   for (size_t stop_at = 0; stop_at < seen.size(); ++stop_at) {
-    store_.results.erase(attempt);
-    store_.attempts[attempt].state = AttemptState::kScoring;
     size_t calls = 0;
-    Status status = RunScoreJob(store_, attempt, [&](double) { return calls++ < stop_at; });
+    Status status =
+        RunScoreJob(*school_->store, stopped, [&](double) { return calls++ < stop_at; });
     EXPECT_EQ(status.code(), Code::kUnavailable) << "stopped at call " << stop_at;
-    EXPECT_EQ(store_.attempts[attempt].state, AttemptState::kScoring);
-    EXPECT_EQ(store_.results.count(attempt), 0u);
+    EXPECT_EQ(school_->Row(stopped).state, AttemptState::kSealed);
+    EXPECT_FALSE(school_->store->results.ResultOf(stopped).ok());
   }
 }
 
 TEST_F(ScoreJobTest, AnUnknownAttemptIsNotFound) {
-  EXPECT_EQ(RunScoreJob(store_, Uuid::New()).code(), Code::kNotFound);
+  EXPECT_EQ(Run(Uuid::New()).code(), Code::kNotFound);
 }
 
 }  // namespace

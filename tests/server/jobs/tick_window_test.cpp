@@ -11,28 +11,22 @@ namespace enamel::server {
 namespace {
 
 namespace json = boost::json;
-using test::MemoryStore;
 using test::World;
 
-class TickWindowTest : public testing::Test {
+class TickWindowTest : public ::testing::Test {
  protected:
-  TickWindowTest() { world_.AddTo(store_); }
-
-  const std::vector<Bytes>& Recorded(const test::PathOptions& path = {}) {
-    return store_.traces[world_.Record(store_, path)].chunks;
+  static std::vector<Bytes> Recorded(const test::PathOptions& path = {}) {
+    return World::Get().Record(Uuid::New(), Uuid::New(), path).chunks;
   }
   static json::object Window(const std::vector<Bytes>& chunks, uint64_t from, uint64_t to) {
     auto text = TickWindowJson(chunks, from, to);
     EXPECT_TRUE(text.ok()) << text.status().message();
     return json::parse(text.ok() ? *text : "{}").as_object();
   }
-
-  const World& world_ = World::Get();
-  MemoryStore store_;
 };
 
 TEST_F(TickWindowTest, SaysWhatWasRecordedOfEachTick) {
-  const auto& chunks = Recorded({.late = true});
+  const auto chunks = Recorded({.late = true});
   std::vector<trace::Tick> ticks;
   for (const Bytes& chunk : chunks) {
     const auto decoded = trace::DecodeChunk(chunk);
@@ -57,7 +51,7 @@ TEST_F(TickWindowTest, SaysWhatWasRecordedOfEachTick) {
 }
 
 TEST_F(TickWindowTest, TimeGoesOnInAGap) {
-  const auto& chunks = Recorded({.gap_ticks = 300});
+  const auto chunks = Recorded({.gap_ticks = 300});
   const json::array all = Window(chunks, 0, 4000).at("time_ticks").as_array();
   uint64_t before = 0, widest = 0, recorded = 0;
   for (uint64_t from = 0;; from += 4000) {

@@ -5,7 +5,7 @@
 
 #include "common/scoring/score.h"
 #include "server/jobs/score_job.h"
-#include "tests/server/jobs/recorded_attempt.h"
+#include "tests/server/jobs/job_school.h"
 
 // Recordings that nobody edited, of hands, loops and links as they come, raise no alarm: a thousand
 // with ENAMEL_FULL=1, two dozen otherwise. That edits do is EditsTest's and ScoreJobTest's.
@@ -25,8 +25,8 @@ constexpr Recorder kRecorders[] = {
     {"1 kHz, hard", 1000, 6500, haptics::kDefaultLaw},
 };
 
-class UneditedTest : public testing::TestWithParam<Recorder> {};
-INSTANTIATE_TEST_SUITE_P(Recorders, UneditedTest, testing::ValuesIn(kRecorders),
+class UneditedTest : public ::testing::TestWithParam<Recorder> {};
+INSTANTIATE_TEST_SUITE_P(Recorders, UneditedTest, ::testing::ValuesIn(kRecorders),
                          [](const auto& info) { return std::to_string(info.index); });
 
 TEST_P(UneditedTest, RaisesNoAlarm) {
@@ -35,32 +35,30 @@ TEST_P(UneditedTest, RaisesNoAlarm) {
   const Recorder& by = GetParam();
   const test::World world(by.rate_hz, by.damping_mn_s_per_mm, by.law);
   size_t alarms = 0, gaps = 0;
-  std::unique_ptr<test::MemoryStore> store;
+  std::unique_ptr<test::JobSchool> school;
   for (size_t i = 0; i < count; ++i) {
     if (i % kInOneStore == 0) {
-      store = std::make_unique<test::MemoryStore>();
-      world.AddTo(*store);
-      ASSERT_TRUE(RunScoreJob(*store, world.RecordReference(*store)).ok());
+      school = std::make_unique<test::JobSchool>(world);
+      school->RecordReference();
     }
-    const Uuid attempt = world.Record(*store, {.wander = 1 + i});
-    const Status status = RunScoreJob(*store, attempt);
+    const Uuid attempt = school->Record({.wander = 1 + i});
+    const Status status = RunScoreJob(*school->store, attempt);
     ASSERT_TRUE(status.ok()) << status.message();
-    const AttemptRow row = *store->AttemptById(attempt);
+    const AttemptRow row = school->Row(attempt);
     if (row.state != AttemptState::kScored) {
       ++alarms;
       ADD_FAILURE() << by.name << ", seed " << 1 + i << ": " << row.problem;
       continue;
     }
-    const auto& result = store->results[attempt];
-    if (result.near && result.near->worth_a_look) {
+    const auto near = school->Near(attempt);
+    if (near && near->worth_a_look) {
       ++alarms;
-      ADD_FAILURE() << by.name << ", seed " << 1 + i << ": " << result.near->nearest_um
+      ADD_FAILURE() << by.name << ", seed " << 1 + i << ": " << near->nearest_um
                     << " um from another";
     }
-    const auto score = scoring::ScoreFromJson(AsText(store->blobs[result.score_json]));
-    ASSERT_TRUE(score.ok());
-    EXPECT_TRUE(score->witness_ok);
-    gaps += score->gap_ticks > 0 ? 1 : 0;
+    const scoring::ScoreResult score = school->Score(attempt);
+    EXPECT_TRUE(score.witness_ok);
+    gaps += score.gap_ticks > 0 ? 1 : 0;
   }
   RecordProperty("recordings", static_cast<int>(count));
   RecordProperty("alarms", static_cast<int>(alarms));

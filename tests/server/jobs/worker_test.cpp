@@ -2,16 +2,19 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 
-#include "tests/server/jobs/recorded_attempt.h"
+#include "server/storage/engine/query.h"
+#include "server/storage/store_engine.h"
+#include "tests/server/jobs/job_school.h"
 
 namespace enamel::server {
 namespace {
 
 using namespace std::chrono_literals;
-using test::MemoryStore;
+using test::JobSchool;
 using test::World;
 
 // Far beyond what any machine needs; only a hang meets it.
@@ -42,9 +45,8 @@ class Reports {
   std::vector<std::pair<JobRow, Status>> seen_;
 };
 
-class WorkerTest : public testing::Test {
+class WorkerTest : public ::testing::Test {
  protected:
-  WorkerTest() { world_.AddTo(store_); }
   WorkerOptions Options(std::chrono::milliseconds poll = 5ms) {
     WorkerOptions options;
     options.poll = poll;
@@ -53,45 +55,89 @@ class WorkerTest : public testing::Test {
     };
     return options;
   }
+  // Scored against itself, as there is no reference.
+  Uuid Queue() { return school_.Record({}, true); }
+  size_t Count(const std::string& state) { return store_.jobs.Jobs(state)->size(); }
+  bool HasResult(const Uuid& attempt) { return store_.results.ResultOf(attempt).ok(); }
+  std::vector<double> Numbers(const std::string& sql) {
+    std::vector<double> out;
+    const Status read = store_.engine->rows.Read([&](sql::Db& db) {
+      sql::Query q(db, sql);
+      while (q.Next()) out.push_back(q.Real(0));
+      return q.status();
+    });
+    EXPECT_TRUE(read.ok()) << read.message();
+    return out;
+  }
+  // Every progress that a run tells goes to told_progress; at three tenths of it, `also`.
+  void OnProgress(const std::string& also = {}) {
+    school_.Exec("CREATE TABLE told_progress (done REAL)");
+    school_.Exec(
+        "CREATE TRIGGER tells_progress AFTER UPDATE OF progress ON attempts WHEN NEW.state = 4 "
+        "BEGIN INSERT INTO told_progress VALUES (NEW.progress); END");
+    if (also.empty()) return;
+    school_.Exec(
+        "CREATE TRIGGER at_three_tenths AFTER UPDATE OF progress ON attempts WHEN NEW.state = 4 "
+        "AND NEW.progress >= 0.3 BEGIN " +
+        also + "; END");
+  }
+  std::vector<double> Told() { return Numbers("SELECT done FROM told_progress ORDER BY rowid"); }
 
-  const World& world_ = World::Get();
-  MemoryStore store_;
+  std::atomic<bool> broken_{false};
+  std::atomic<int> refused_{0};
+  JobSchool school_{World::Get(), [this] {
+                      if (broken_) ++refused_;
+                      return broken_.load();
+                    }};
+  Store& store_ = *school_.store;
   Reports reports_;
 };
 
 TEST_F(WorkerTest, RunsEveryJobAndShowsProgress) {
-  Uuid reference = world_.RecordReference(store_), attempt = world_.Record(store_);
-  store_.Queue(reference);
-  store_.Queue(attempt);
+  OnProgress();
+  const Uuid attempt = Queue();
+  Queue();
   Worker worker(store_, Options());
   worker.Start();
   ASSERT_TRUE(reports_.WaitFor(2));
   worker.Stop();
-  EXPECT_EQ(store_.Jobs("done")->size(), 2u);
-  EXPECT_EQ(store_.attempts[attempt].state, AttemptState::kScored);
-  EXPECT_GE(store_.progress.size(), 4u);
-  EXPECT_LE(store_.progress.size(), 2u * 21);
+  EXPECT_EQ(Count("done"), 2u);
+  EXPECT_EQ(school_.Row(attempt).state, AttemptState::kScored);
+  EXPECT_GE(Told().size(), 4u);
+  EXPECT_LE(Told().size(), 2u * 21);
 }
 
 TEST_F(WorkerTest, CancelledJobEndsUnscoredAndIsNotTriedAgain) {
-  Uuid reference = world_.RecordReference(store_);
-  store_.cancel_at = 0.3;
-  store_.Queue(reference);
+  // As another server's CancelJob leaves it.
+  OnProgress(
+      "UPDATE jobs SET state = 'cancelled', lease = NULL WHERE attempt = NEW.id; "
+      "UPDATE attempts SET state = 3 WHERE id = NEW.id");
+  const Uuid attempt = Queue();
   Worker worker(store_, Options());
   worker.Start();
   ASSERT_TRUE(reports_.WaitFor(1));
   worker.Stop();
   EXPECT_EQ(reports_.seen()[0].second.code(), Code::kUnavailable);
-  EXPECT_EQ(store_.Jobs("cancelled")->size(), 1u);
-  EXPECT_EQ(store_.attempts[reference].state, AttemptState::kSealed);
-  EXPECT_EQ(store_.results.count(reference), 0u);
-  EXPECT_LT(store_.progress.back(), 0.7) << "it stopped soon after";
+  EXPECT_EQ(Count("cancelled"), 1u);
+  EXPECT_EQ(school_.Row(attempt).state, AttemptState::kSealed);
+  EXPECT_FALSE(HasResult(attempt));
+  EXPECT_LT(Told().back(), 0.7) << "it stopped soon after";
 }
 
 TEST_F(WorkerTest, KeepsTheLeaseOfWhatItIsAt) {
-  Uuid reference = world_.RecordReference(store_);
-  store_.await_beat = true;
-  store_.Queue(reference);
+  const Uuid attempt = Queue();
+  const auto kept_until = [&] { return Numbers("SELECT lease_until_ms FROM jobs")[0]; };
+  std::optional<double> at_first;
+  std::atomic<bool> kept{false};
+  // The run waits with what it leaves.
+  school_.disk.before_change = [&] {
+    if (!at_first) at_first = kept_until();
+    const auto until = std::chrono::steady_clock::now() + kPatience;
+    while (!kept && std::chrono::steady_clock::now() < until) {
+      kept = kept_until() > *at_first;
+      std::this_thread::sleep_for(1ms);
+    }
+  };
   WorkerOptions options = Options();
   options.heartbeat = 1ms;
   Worker worker(store_, options);
@@ -99,14 +145,14 @@ TEST_F(WorkerTest, KeepsTheLeaseOfWhatItIsAt) {
   ASSERT_TRUE(reports_.WaitFor(1));
   worker.Stop();
   EXPECT_TRUE(reports_.seen()[0].second.ok()) << reports_.seen()[0].second.message();
-  EXPECT_GT(store_.kept_leases, 0);
-  EXPECT_EQ(store_.Jobs("done")->size(), 1u);
+  EXPECT_TRUE(kept);
+  EXPECT_EQ(Count("done"), 1u);
+  EXPECT_TRUE(HasResult(attempt));
 }
 
 TEST_F(WorkerTest, ARunWhoseJobAnotherWorkerHasStopsAndChangesNothing) {
-  Uuid reference = world_.RecordReference(store_);
-  store_.await_beat = store_.take_over = true;
-  store_.Queue(reference);
+  OnProgress("UPDATE jobs SET lease = randomblob(16) WHERE attempt = NEW.id");
+  const Uuid attempt = Queue();
   WorkerOptions options = Options();
   options.heartbeat = 1ms;
   Worker worker(store_, options);
@@ -114,71 +160,73 @@ TEST_F(WorkerTest, ARunWhoseJobAnotherWorkerHasStopsAndChangesNothing) {
   ASSERT_TRUE(reports_.WaitFor(1));
   worker.Stop();
   EXPECT_EQ(reports_.seen()[0].second.code(), Code::kUnavailable);
-  EXPECT_EQ(store_.Jobs("running")->size(), 1u) << "the other worker's";
-  EXPECT_EQ(store_.results.count(reference), 0u);
+  EXPECT_EQ(Count("running"), 1u) << "the other worker's";
+  EXPECT_FALSE(HasResult(attempt));
+  EXPECT_LT(Told().back(), 0.7) << "it stopped soon after";
 }
 
 TEST_F(WorkerTest, NotifyWakesAWorkerThatWouldSleepForAnHour) {
-  Uuid reference = world_.RecordReference(store_);
   Worker worker(store_, Options(1h));
   worker.Start();
-  store_.Queue(reference);
+  Queue();
   worker.Notify();
   ASSERT_TRUE(reports_.WaitFor(1));
-  EXPECT_EQ(store_.Jobs("done")->size(), 1u);
+  worker.Stop();
+  EXPECT_EQ(Count("done"), 1u);
 }
 
 TEST_F(WorkerTest, AnAttemptsOwnProblemEndsItsJobAtOnce) {
-  Uuid attempt = world_.Record(store_);  // no reference
-  store_.Queue(attempt);
+  const Uuid attempt = school_.Record();  // no reference
   Worker worker(store_, Options());
   worker.Start();
   ASSERT_TRUE(reports_.WaitFor(1));
   worker.Stop();
-  EXPECT_EQ(store_.Jobs("done")->size(), 1u);
-  EXPECT_EQ(store_.jobs[0].tries, 1u);
-  EXPECT_NE(store_.attempts[attempt].problem.find("no reference yet"), std::string::npos);
+  ASSERT_EQ(Count("done"), 1u);
+  EXPECT_EQ(store_.jobs.Jobs("done")->front().tries, 1u);
+  EXPECT_NE(school_.Row(attempt).problem.find("no reference yet"), std::string::npos);
 }
 
 TEST_F(WorkerTest, TroubleWithTheDiskIsTriedAgain) {
-  Uuid reference = world_.RecordReference(store_);
-  store_.failing_puts = 1;
-  store_.Queue(reference);
+  Queue();
+  school_.disk.until_failure = 0;
   Worker worker(store_, Options());
   worker.Start();
   ASSERT_TRUE(reports_.WaitFor(2));
   worker.Stop();
   EXPECT_EQ(reports_.seen()[0].second.code(), Code::kStorage);
   EXPECT_TRUE(reports_.seen()[1].second.ok());
-  EXPECT_EQ(store_.jobs[0].tries, 2u);
+  EXPECT_EQ(store_.jobs.Jobs("done")->front().tries, 2u);
 }
 
 TEST_F(WorkerTest, AnUnknownKindOfJobFailsAndIsNotRunForever) {
-  store_.jobs.push_back({Uuid::New(), "polish", Uuid::New(), "queued", 0, ""});
+  Queue();
+  school_.Exec("UPDATE jobs SET kind = 'polish'");
   Worker worker(store_, Options());
   worker.Start();
   ASSERT_TRUE(reports_.WaitFor(3));
   worker.Stop();
-  EXPECT_EQ(store_.Jobs("failed")->size(), 1u);
-  EXPECT_NE(store_.jobs[0].error.find("polish"), std::string::npos);
+  ASSERT_EQ(Count("failed"), 1u);
+  EXPECT_NE(store_.jobs.Jobs("failed")->front().error.find("polish"), std::string::npos);
 }
 
 TEST_F(WorkerTest, ABrokenQueueIsReportedOnceAndSurvived) {
-  store_.SetQueueBroken(true);
+  Queue();
+  broken_ = true;
   Worker worker(store_, Options(1ms));
   worker.Start();
   ASSERT_TRUE(reports_.WaitFor(1));
   EXPECT_EQ(reports_.seen()[0].second.code(), Code::kStorage);
-  store_.Queue(world_.Record(store_));
-  store_.SetQueueBroken(false);
+  const auto until = std::chrono::steady_clock::now() + kPatience;
+  while (refused_ < 5 && std::chrono::steady_clock::now() < until) std::this_thread::yield();
+  broken_ = false;
   ASSERT_TRUE(reports_.WaitFor(2));
   worker.Stop();
   EXPECT_EQ(reports_.seen().size(), 2u);
+  EXPECT_EQ(Count("done"), 1u);
 }
 
 TEST_F(WorkerTest, StopReturnsAnInterruptedJobToTheQueue) {
-  Uuid reference = world_.RecordReference(store_);
-  store_.Queue(reference);
+  const Uuid attempt = Queue();
   // Stopping may win or lose the race against the job; both ends are whole.
   for (int i = 0; i < 2; ++i) {
     Worker worker(store_, Options());
@@ -186,49 +234,43 @@ TEST_F(WorkerTest, StopReturnsAnInterruptedJobToTheQueue) {
     worker.Stop();
     worker.Stop();
   }
-  auto queued = store_.Jobs("queued")->size(), done = store_.Jobs("done")->size();
-  EXPECT_EQ(queued + done, 1u);
-  EXPECT_EQ(store_.results.count(reference), done);
+  EXPECT_EQ(Count("queued") + Count("done"), 1u);
+  EXPECT_EQ(HasResult(attempt), Count("done") == 1);
 }
 
 TEST_F(WorkerTest, SeveralThreadsShareTheQueue) {
-  Uuid reference = world_.RecordReference(store_);
-  for (int i = 0; i < 4; ++i) store_.Queue(reference);
+  for (int i = 0; i < 4; ++i) Queue();
   WorkerOptions options = Options();
   options.threads = 2;
   Worker worker(store_, options);
   worker.Start();
   ASSERT_TRUE(reports_.WaitFor(4));
   worker.Stop();
-  EXPECT_EQ(store_.Jobs("done")->size(), 4u);
+  EXPECT_EQ(Count("done"), 4u);
 }
 
 TEST_F(WorkerTest, MakesTimelinesWhenNobodyWaitsForAScore) {
-  Uuid reference = world_.RecordReference(store_);
-  store_.timelines[reference].waits = true;
-  store_.Queue(reference);
+  const Uuid attempt = Queue();
   WorkerOptions options = Options();
-  options.timelines.emplace(store_);
+  options.timelines = true;
   Worker worker(store_, options);
   worker.Start();
   ASSERT_TRUE(reports_.WaitFor(2));
   worker.Stop();
   EXPECT_EQ(reports_.seen()[0].first.kind, "score");
   EXPECT_EQ(reports_.seen()[1].first.kind, "timeline");
-  EXPECT_EQ(reports_.seen()[1].first.attempt, reference);
+  EXPECT_EQ(reports_.seen()[1].first.attempt, attempt);
   EXPECT_TRUE(reports_.seen()[1].second.ok()) << reports_.seen()[1].second.message();
-  EXPECT_FALSE(store_.timelines[reference].content.IsZero());
+  EXPECT_FALSE(store_.timelines.TimelineOf(attempt)->content.IsZero());
 }
 
-TEST_F(WorkerTest, MakesNoTimelinesWhereItWasGivenNone) {
-  Uuid reference = world_.RecordReference(store_);
-  store_.timelines[reference].waits = true;
-  store_.Queue(reference);
+TEST_F(WorkerTest, MakesNoTimelinesUnlessItIsToldTo) {
+  Queue();
   Worker worker(store_, Options());
   worker.Start();
   ASSERT_TRUE(reports_.WaitFor(1));
   worker.Stop();
-  EXPECT_EQ(store_.timelines_taken, 0);
+  EXPECT_EQ(Numbers("SELECT tries FROM timelines"), std::vector<double>{0});
 }
 
 }  // namespace

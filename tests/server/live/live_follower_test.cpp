@@ -6,7 +6,7 @@
 #include <boost/json/value.hpp>
 
 #include "common/trace/trace.h"
-#include "tests/support/memory_store.h"
+#include "tests/server/storage/store_world.h"
 
 namespace enamel::server {
 namespace {
@@ -14,21 +14,21 @@ namespace {
 // A server whose stations are elsewhere, and the store that it has in common with them.
 class LiveFollowerTest : public ::testing::Test {
  protected:
-  LiveFollowerTest() {
-    row_.id = Uuid::New();
-    row_.station = Uuid::New();
-    row_.state = AttemptState::kRecording;
-    store_.attempts[row_.id] = row_;
-    store_.traces[row_.id] = {};
-  }
-  // Half a second of ticks, as its station commits them elsewhere.
-  void Commit() {
-    trace::ChunkHead head;
-    head.attempt = row_.id;
-    head.seq = chunks_;
-    head.first_tick = uint64_t{chunks_++} * trace::kMaxTicksPerChunk;
-    store_.traces[row_.id].chunks.push_back(trace::EncodeChunk(
-        head, std::vector<trace::Tick>(trace::kMaxTicksPerChunk), key_.secret_key));
+  // So many seconds of ticks, as its station commits them elsewhere.
+  void Commit(int seconds = 1) {
+    for (int i = 0; i < seconds; ++i, ++seal_.chunks, seal_.ticks += trace::kMaxTicksPerChunk) {
+      const trace::ChunkHead head{.attempt = attempt_,
+                                  .seq = seal_.chunks,
+                                  .first_tick = seal_.ticks,
+                                  .previous = seal_.last_chunk};
+      Bytes bytes = trace::EncodeChunk(head, std::vector<trace::Tick>(trace::kMaxTicksPerChunk),
+                                       world_.keys.secret_key);
+      const auto decoded = *trace::DecodeChunkHead(bytes);
+      seal_.last_chunk = decoded.hash;
+      const Status added =
+          store_->ingest.AppendChunk({attempt_, decoded.head, decoded.hash, std::move(bytes), 100});
+      ASSERT_TRUE(added.ok()) << added.message();
+    }
   }
   void Look() { follower_.Look(now_ms_ += 500); }
   size_t RowsOf(LiveWatch& watch) {
@@ -39,12 +39,14 @@ class LiveFollowerTest : public ::testing::Test {
     return value.at("rows").as_array().size();
   }
 
-  test::MemoryStore store_;
+  server::testing::TempFolder folder_;
+  std::unique_ptr<Store> store_ = server::testing::OpenStore(folder_.path());
+  server::testing::World world_{*store_};
+  const Uuid attempt_ = world_.OpenedAttempt();
   LiveBoard board_;
-  LiveFollower follower_{board_, store_, LiveFollower::ByHand()};
-  AttemptRow row_;
-  const trace::KeyPair key_ = trace::NewKeyPair();
-  uint32_t chunks_ = 0;
+  LiveFollower follower_{board_, *store_, LiveFollower::ByHand()};
+  // Of what is committed.
+  trace::Seal seal_{attempt_, 0, 0, server::testing::World::HeaderHash(), 0};
   UnixMs now_ms_ = 1'000'000;
   uint64_t newest_ = 0;
 };
@@ -52,15 +54,15 @@ class LiveFollowerTest : public ::testing::Test {
 TEST_F(LiveFollowerTest, WatcherSeesWhatAnotherServerCommits) {
   Commit();
   Look();
-  EXPECT_EQ(store_.newest_reads, 0) << "nobody watches";
-  auto watch = board_.Watch(row_.id);
+  EXPECT_FALSE(board_.Latest(attempt_)) << "nobody watches: nothing is read";
+  auto watch = board_.Watch(attempt_);
   size_t rows = 0;
   for (int i = 0; i < 20; ++i) {
     Commit();
     Look();
     rows += RowsOf(*watch);
   }
-  EXPECT_EQ(newest_, uint64_t{chunks_} * trace::kMaxTicksPerChunk - 1) << "the newest tick of all";
+  EXPECT_EQ(newest_, seal_.ticks - 1) << "the newest tick of all";
   // Ten seconds.
   EXPECT_GE(rows, 500u);
   Look();
@@ -68,46 +70,45 @@ TEST_F(LiveFollowerTest, WatcherSeesWhatAnotherServerCommits) {
 }
 
 TEST_F(LiveFollowerTest, OfAnAttemptThatIsFarOnlyTheNewestIsRead) {
-  for (int i = 0; i < 40; ++i) Commit();
-  auto watch = board_.Watch(row_.id);
+  Commit(40);
+  auto watch = board_.Watch(attempt_);
   Look();
   EXPECT_GT(RowsOf(*watch), 0u);
-  EXPECT_EQ(newest_, uint64_t{40} * trace::kMaxTicksPerChunk - 1);
+  EXPECT_EQ(newest_, seal_.ticks - 1);
 }
 
 TEST_F(LiveFollowerTest, WhatItsStationSaysHereIsNotReadAgain) {
-  Commit();
-  auto watch = board_.Watch(row_.id);
+  Commit(10);
+  auto watch = board_.Watch(attempt_);
   LiveSample here;
-  here.attempt = row_.id;
+  here.attempt = attempt_;
   for (int i = 0; i < 5; ++i) {
     here.tick += 400;
     here.received_ms = now_ms_ + 450;
     board_.Put(here);
     Look();
   }
-  EXPECT_EQ(store_.newest_reads, 0);
+  EXPECT_EQ(board_.Latest(attempt_)->tick, here.tick) << "and not the newest that is committed";
   // It goes to another server, and comes back.
-  for (int i = 0; i < 10; ++i) Commit();
   Look();
   Look();
-  EXPECT_GT(store_.newest_reads, 0);
   EXPECT_GT(RowsOf(*watch), 0u);
+  EXPECT_EQ(newest_, seal_.ticks - 1);
   here.tick = newest_ + 400;
   here.received_ms = now_ms_ + 450;
   board_.Put(here);
-  const int before = store_.newest_reads;
+  Commit();
   Look();
-  EXPECT_EQ(store_.newest_reads, before);
+  EXPECT_EQ(board_.Latest(attempt_)->tick, here.tick);
 }
 
 TEST_F(LiveFollowerTest, TheEndElsewhereIsTheEndHere) {
   Commit();
-  auto watch = board_.Watch(row_.id), other = board_.Watch(Uuid::New());
+  auto watch = board_.Watch(attempt_), other = board_.Watch(Uuid::New());
   Look();
   (void)watch->Next();
   EXPECT_FALSE(watch->ended());
-  store_.attempts[row_.id].state = AttemptState::kSealed;
+  ASSERT_TRUE(store_->seals.SealAttempt(seal_, 200).ok());
   Look();
   (void)watch->Next();
   EXPECT_TRUE(watch->ended());

@@ -7,7 +7,7 @@ namespace {
 
 constexpr UnixMs kNow = 1'700'000'000'000;
 
-class RemarkBoardTest : public testing::Test {
+class RemarkBoardTest : public ::testing::Test {
  protected:
   uint64_t Send(const std::string& text, UnixMs now_ms = kNow) {
     board_.Put(Remark(attempt_, ++last_id_, text, now_ms));

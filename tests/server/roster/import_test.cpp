@@ -24,7 +24,7 @@ class ImportTest : public ::testing::Test {
   ImportResult Import(const std::string& csv, bool dry_run = false) {
     ImportOptions options;
     options.dry_run = dry_run;
-    auto result = ImportRoster(*store_, csv, options, kSystem);
+    auto result = ImportRoster(store_->roster, csv, options, kSystem);
     EXPECT_TRUE(result.ok()) << result.status().message();
     return std::move(result).value();
   }
@@ -39,8 +39,8 @@ TEST_F(ImportTest, EverybodyNewGetsAPasswordThatWorksAndIsDifferent) {
   ASSERT_EQ(result.passwords.size(), 2u);
   EXPECT_NE(result.passwords[0].password, result.passwords[1].password);
   for (const NewPassword& made : result.passwords) {
-    Uuid id = store_->PersonByLogin(made.login)->id;
-    EXPECT_TRUE(auth::VerifyPassword(made.password, *store_->PasswordVerifier(id)));
+    Uuid id = store_->people.PersonByLogin(made.login)->id;
+    EXPECT_TRUE(auth::VerifyPassword(made.password, *store_->people.PasswordVerifier(id)));
     EXPECT_EQ(made.password.size(), 19u);
   }
   CsvTable table = ReadCsv(PasswordsCsv(result.passwords));
@@ -54,17 +54,18 @@ TEST_F(ImportTest, NobodyIsAddedWhosePasswordCannotBeKept) {
   std::vector<NewPassword> given;
   options.keep = [&](const std::vector<NewPassword>& passwords) {
     given = passwords;
-    EXPECT_TRUE(store_->People()->empty()) << "before anybody is added";
+    EXPECT_TRUE(store_->people.People()->empty()) << "before anybody is added";
     return Status(Code::kStorage, "the disk is full");
   };
-  EXPECT_EQ(ImportRoster(*store_, kRoster, options, kSystem).status().code(), Code::kStorage);
+  EXPECT_EQ(ImportRoster(store_->roster, kRoster, options, kSystem).status().code(),
+            Code::kStorage);
   EXPECT_EQ(given.size(), 2u);
-  EXPECT_TRUE(store_->People()->empty());
+  EXPECT_TRUE(store_->people.People()->empty());
   options.keep = [&](const std::vector<NewPassword>& passwords) {
     given = passwords;
     return Status::Ok();
   };
-  const auto done = ImportRoster(*store_, kRoster, options, kSystem);
+  const auto done = ImportRoster(store_->roster, kRoster, options, kSystem);
   ASSERT_TRUE(done.ok()) << done.status().message();
   EXPECT_EQ(PasswordsCsv(done->passwords), PasswordsCsv(given));
 }
@@ -74,7 +75,7 @@ TEST_F(ImportTest, DryRunTellsTheSameAndMakesNeitherPeopleNorPasswords) {
   EXPECT_FALSE(result.done);
   EXPECT_TRUE(result.passwords.empty());
   EXPECT_EQ(result.plan.Count(RosterStep::Change::kCreate), 2u);
-  EXPECT_TRUE(store_->People()->empty());
+  EXPECT_TRUE(store_->people.People()->empty());
 }
 
 TEST_F(ImportTest, SomebodyInTwoCohortsHasARowForEach) {
@@ -85,15 +86,15 @@ TEST_F(ImportTest, SomebodyInTwoCohortsHasARowForEach) {
   ASSERT_TRUE(result.done);
   EXPECT_EQ(result.plan.Count(RosterStep::Change::kCreate), 2u);
   EXPECT_EQ(result.passwords.size(), 2u) << "one password for one person";
-  const Uuid ada = store_->PersonByLogin("ada")->id;
-  const auto cohorts = store_->Cohorts();
+  const Uuid ada = store_->people.PersonByLogin("ada")->id;
+  const auto cohorts = store_->cohorts.Cohorts();
   ASSERT_EQ(cohorts->size(), 2u);
   for (const Cohort& cohort : *cohorts) {
-    const auto members = *store_->CohortMembers(cohort.id);
+    const auto members = *store_->cohorts.CohortMembers(cohort.id);
     EXPECT_TRUE(std::ranges::any_of(members, [&](const Person& each) { return each.id == ada; }))
         << cohort.name;
   }
-  EXPECT_EQ(store_->PersonByLogin("ada")->display_name, "Ada");
+  EXPECT_EQ(store_->people.PersonByLogin("ada")->display_name, "Ada");
   EXPECT_EQ(Import(rows).plan.Count(RosterStep::Change::kUnchanged), 3u) << "again changes nothing";
 }
 
@@ -107,7 +108,7 @@ TEST_F(ImportTest, RowsOfOnePersonMustAgree) {
   EXPECT_EQ(result.plan.problems[1].column, "display_name");
   EXPECT_EQ(result.plan.problems[2].expected, "each person once in each cohort");
   EXPECT_EQ(result.plan.problems[3].column, "login");
-  EXPECT_FALSE(store_->PersonByLogin("ada").ok());
+  EXPECT_FALSE(store_->people.PersonByLogin("ada").ok());
 }
 
 TEST_F(ImportTest, ProblemsOfTheFileAndOfWhatIsThereComeTogetherByRow) {
@@ -120,7 +121,7 @@ TEST_F(ImportTest, ProblemsOfTheFileAndOfWhatIsThereComeTogetherByRow) {
   EXPECT_EQ(result.plan.problems[1].row, 3u);
   EXPECT_EQ(result.plan.problems[2].row, 5u);
   EXPECT_EQ(result.plan.problems[2].column, "login");
-  EXPECT_EQ(store_->PersonByLogin("ada")->role, Role::kInstructor);
+  EXPECT_EQ(store_->people.PersonByLogin("ada")->role, Role::kInstructor);
 }
 
 TEST_F(ImportTest, CohortsThatPeopleTakeForOneAreToldAndNotMade) {
@@ -134,19 +135,20 @@ TEST_F(ImportTest, CohortsThatPeopleTakeForOneAreToldAndNotMade) {
   EXPECT_EQ(result.plan.problems[1].row, 3u);
   EXPECT_EQ(result.plan.problems[2].row, 6u);
   EXPECT_NE(result.plan.problems[2].expected.find("as in row 5"), std::string::npos);
-  EXPECT_EQ(store_->Cohorts()->size(), 1u);
+  EXPECT_EQ(store_->cohorts.Cohorts()->size(), 1u);
 }
 
 TEST_F(ImportTest, ArchivedCohortIsNotJoinedAndDisabledPeopleStaySo) {
   ASSERT_TRUE(Import(kRoster).done);
-  Uuid bob = store_->PersonByLogin("bob")->id;
-  ASSERT_TRUE(store_->SetDisabled(bob, true, kSystem).ok());
+  Uuid bob = store_->people.PersonByLogin("bob")->id;
+  ASSERT_TRUE(store_->people.SetDisabled(bob, true, kSystem).ok());
   ImportResult again = Import(kRoster);
   EXPECT_TRUE(again.done);
   EXPECT_NE(again.plan.steps[1].note.find("disabled"), std::string::npos);
-  EXPECT_TRUE(store_->PersonById(bob)->disabled);
-  Cohort cohort = store_->Cohorts()->front();
-  ASSERT_TRUE(store_->EditCohort(cohort.id, {.archived = true}, cohort.revision, kSystem).ok());
+  EXPECT_TRUE(store_->people.PersonById(bob)->disabled);
+  Cohort cohort = store_->cohorts.Cohorts()->front();
+  ASSERT_TRUE(
+      store_->cohorts.EditCohort(cohort.id, {.archived = true}, cohort.revision, kSystem).ok());
   ImportResult refused = Import(kRoster);
   EXPECT_EQ(refused.plan.problems.size(), 2u);
   EXPECT_EQ(refused.plan.problems[0].column, "cohort");

@@ -14,7 +14,9 @@ constexpr UnixMs kHour = 3'600'000;
 
 class AssignmentTest : public StudentAtStation {
  protected:
-  AssignmentTest() { open_ = world_.store->AssignmentsFor(world_.student)->front().assignment; }
+  AssignmentTest() {
+    open_ = world_.store->assignments.AssignmentsFor(world_.student)->front().assignment;
+  }
 
   // A connection of its own.
   ScriptedStation::Ask Asking() {
@@ -26,14 +28,14 @@ class AssignmentTest : public StudentAtStation {
   // The cohort's assignment with other terms.
   void Change(const std::function<void(AssignmentRow&)>& change) {
     change(open_);
-    auto row = world_.store->ReplaceAssignment(open_, kSystem);
+    auto row = world_.store->assignments.ReplaceAssignment(open_, kSystem);
     ASSERT_TRUE(row.ok()) << row.status().message();
     open_ = *row;
   }
   wire::Reply Ask() { return station_.RequestTicket(world_.exercise.content, profile_); }
   AttemptRow RowOf(const wire::Reply& ticket) {
     EXPECT_TRUE(ticket.has_ticket_issued()) << ticket.error().message();
-    return *world_.store->AttemptById(trace::DecodeTicket(TicketOf(ticket))->attempt);
+    return *world_.store->attempts.AttemptById(trace::DecodeTicket(TicketOf(ticket))->attempt);
   }
   wire::ExerciseRef Listed() {
     wire::Request list;
@@ -87,7 +89,7 @@ TEST_F(AssignmentTest, LimitIsUsedUpUntilAnAttemptIsExcused) {
   EXPECT_EQ(refused.error().field(), "attempt_limit");
   EXPECT_NE(refused.error().message().find("1 is used"), std::string::npos)
       << refused.error().message();
-  ASSERT_TRUE(world_.store->FlagAttempt(first.id, kExcused, "power cut", kSystem).ok());
+  ASSERT_TRUE(world_.store->judging.FlagAttempt(first.id, kExcused, "power cut", kSystem).ok());
   EXPECT_TRUE(Ask().has_ticket_issued());
 }
 
@@ -132,7 +134,9 @@ TEST_F(AssignmentTest, StationHandsBackItsOwnTicketsOnly) {
   odd.mutable_return_ticket()->set_attempt("short");
   EXPECT_EQ(station_.Send(odd).error().code(), "invalid_input");
   Uuid attempt = trace::DecodeTicket(TicketOf(Ask()))->attempt;
-  ASSERT_TRUE(world_.store->AddEnrolCode(HashSha256(AsBytes("c2")), UnixMs{1} << 60, kSystem).ok());
+  ASSERT_TRUE(
+      world_.store->stations.AddEnrolCode(HashSha256(AsBytes("c2")), UnixMs{1} << 60, kSystem)
+          .ok());
   std::optional<Session> session(std::in_place, world_.services, "127.0.0.1");
   ScriptedStation other([&](const wire::Request& request) {
     return session->Handle(request).reply.value_or(wire::Reply());
@@ -141,18 +145,20 @@ TEST_F(AssignmentTest, StationHandsBackItsOwnTicketsOnly) {
   session.emplace(world_.services, "127.0.0.1");
   ASSERT_TRUE(other.Hello().has_welcome());
   EXPECT_EQ(other.ReturnTicket(attempt).error().code(), "not_found");
-  EXPECT_EQ(world_.store->AttemptById(attempt)->flags, 0u);
+  EXPECT_EQ(world_.store->attempts.AttemptById(attempt)->flags, 0u);
 }
 
 TEST_F(AssignmentTest, ExamIsTakenAtItsStationOneAtATimeAndBegunNow) {
-  Uuid here = *Uuid::Parse(world_.store->Stations()->front().id.Text());
-  ASSERT_TRUE(world_.store->AddEnrolCode(HashSha256(AsBytes("c2")), UnixMs{1} << 60, kSystem).ok());
+  Uuid here = *Uuid::Parse(world_.store->stations.Stations()->front().id.Text());
+  ASSERT_TRUE(
+      world_.store->stations.AddEnrolCode(HashSha256(AsBytes("c2")), UnixMs{1} << 60, kSystem)
+          .ok());
   StationRow other;
   other.name = "bench-2";
   other.public_key.assign(32, 9);
   Uuid elsewhere =
-      world_.store
-          ->EnrolStation(HashSha256(AsBytes("c2")), other, HashSha256(AsBytes("credential 2")), 1)
+      world_.store->stations
+          .EnrolStation(HashSha256(AsBytes("c2")), other, HashSha256(AsBytes("credential 2")), 1)
           ->id;
   Change([&](AssignmentRow& row) {
     row.exam = true;
@@ -183,16 +189,16 @@ TEST_F(AssignmentTest, ExamShowsNoScoreAtTheStationBeforeItsRelease) {
   ASSERT_TRUE(station_.Open(recording.header, true).has_attempt_opened());
   ASSERT_TRUE(station_.Put(recording.chunks[0]).has_chunk_ack());
   ASSERT_TRUE(station_.Seal(recording.seal).has_sealed());
-  Store::AttemptResult result;
+  AttemptResult result;
   result.score_json = PutText(*world_.store, "{}");
-  ASSERT_TRUE(world_.store->FinishAttempt(recording.seal.attempt, result, {}).ok());
+  ASSERT_TRUE(world_.store->results.FinishAttempt(recording.seal.attempt, result, {}).ok());
   wire::AttemptState state = station_.Status(recording.seal.attempt).attempt_state();
   EXPECT_EQ(state.state(), "scored");
   EXPECT_TRUE(state.exam());
   EXPECT_EQ(state.result_json(), "");
   ASSERT_EQ(state.flags_size(), 1);
   EXPECT_EQ(state.flags(0), "resumed");
-  ASSERT_TRUE(world_.store->ReleaseAttempt(recording.seal.attempt, kSystem).ok());
+  ASSERT_TRUE(world_.store->judging.ReleaseAttempt(recording.seal.attempt, kSystem).ok());
   state = station_.Status(recording.seal.attempt).attempt_state();
   EXPECT_TRUE(state.released());
   EXPECT_EQ(state.result_json(), "{}");
@@ -202,7 +208,7 @@ TEST_F(AssignmentTest, ExamShowsNoScoreAtTheStationBeforeItsRelease) {
 TEST_F(AssignmentTest, FactsAreKeptAsTheStationSaidThemLast) {
   Recording recording(world_, TicketOf(Ask()), station_.keys, 1);
   const Uuid attempt = recording.seal.attempt;
-  auto kept = [&] { return world_.store->AttemptById(attempt)->facts; };
+  auto kept = [&] { return world_.store->attempts.AttemptById(attempt)->facts; };
   ASSERT_TRUE(station_.Open(recording.header).has_attempt_opened());
   EXPECT_EQ(kept(), protocol::FactsJson({}));
   protocol::AttemptFacts facts;
@@ -223,7 +229,7 @@ TEST_F(AssignmentTest, FactsAreKeptAsTheStationSaidThemLast) {
 TEST_F(AssignmentTest, StationMayNameTheAssignmentItAsksFor) {
   AssignmentRow exam = open_;
   exam.exam = true;
-  exam = *world_.store->AddAssignment(exam, kSystem);
+  exam = *world_.store->assignments.AddAssignment(exam, kSystem);
   EXPECT_EQ(RowOf(Ask()).assignment, exam.id) << "saying nothing does not dodge an exam";
   wire::Reply practice = station_.RequestTicketFor(open_.id, world_.exercise.content, profile_);
   EXPECT_EQ(RowOf(practice).assignment, open_.id);
@@ -253,7 +259,7 @@ TEST_F(AssignmentTest, ReadmittedRecordingIsJudgedByTheTermsThereAre) {
   Recording recording(world_, trace::EncodeTicket(ticket), station_.keys, 1);
   wire::Reply opened = station_.Open(recording.header);
   ASSERT_TRUE(opened.has_attempt_opened()) << opened.error().message();
-  AttemptRow row = *world_.store->AttemptById(ticket.attempt);
+  AttemptRow row = *world_.store->attempts.AttemptById(ticket.attempt);
   EXPECT_TRUE(row.exam) << "a restore does not turn an exam into practice";
   EXPECT_EQ(row.assignment, open_.id);
   EXPECT_EQ(row.flags, uint32_t{kReadmitted});
@@ -293,7 +299,7 @@ TEST_F(AssignmentTest, ExamSentAgainAfterARestoreIsStillThatExam) {
   EXPECT_EQ(Ask().error().field(), "attempt_limit") << "it is the one attempt";
   ASSERT_TRUE(station_.Put(recording.chunks[0]).has_chunk_ack());
   ASSERT_TRUE(station_.Seal(recording.seal).has_sealed());
-  AttemptRow row = *world_.store->AttemptById(ticket.attempt);
+  AttemptRow row = *world_.store->attempts.AttemptById(ticket.attempt);
   EXPECT_EQ(row.person, world_.student);
   EXPECT_TRUE(row.exam);
   EXPECT_EQ(row.due_ms, open_.due_ms);
@@ -302,7 +308,7 @@ TEST_F(AssignmentTest, ExamSentAgainAfterARestoreIsStillThatExam) {
   second.header_fields.station_software = "again";
   EXPECT_EQ(station_.Open(trace::EncodeHeader(second.header_fields)).error().code(), "conflict")
       << "one ticket, one recording";
-  Person student = *world_.store->PersonById(world_.student);
+  Person student = *world_.store->people.PersonById(world_.student);
   EXPECT_FALSE(CanSeeScore(student, row, false, false)) << "no score before its release";
   station_.Send(offer);
   EXPECT_EQ(station_.Send(offer).attempts_wanted().attempts_size(), 0);
@@ -319,7 +325,7 @@ TEST_F(AssignmentTest, RecordingOfAPersonThatARestoreForgotWaitsUntilTheAdminBri
     AuditFilter filter;
     filter.action = "attempt.awaits";
     filter.object = ticket.attempt.Text();
-    return *world_.store->FindAudit(filter);
+    return *world_.store->audit.FindAudit(filter);
   };
   for (int tries = 0; tries < 3; ++tries) {
     wire::Error error = station_.Open(recording.header).error();
@@ -334,12 +340,12 @@ TEST_F(AssignmentTest, RecordingOfAPersonThatARestoreForgotWaitsUntilTheAdminBri
   back.id = ticket.person;
   back.login = "late";
   back.display_name = "Late";
-  ASSERT_TRUE(world_.store->CreatePerson(back, "none", {world_.cohort}, kSystem).ok());
+  ASSERT_TRUE(world_.store->people.CreatePerson(back, "none", {world_.cohort}, kSystem).ok());
   wire::Reply opened = station_.Open(recording.header);
   ASSERT_TRUE(opened.has_attempt_opened()) << opened.error().message();
   ASSERT_TRUE(station_.Put(recording.chunks[0]).has_chunk_ack());
   ASSERT_TRUE(station_.Seal(recording.seal).has_sealed());
-  EXPECT_EQ(world_.store->AttemptById(ticket.attempt)->person, ticket.person);
+  EXPECT_EQ(world_.store->attempts.AttemptById(ticket.attempt)->person, ticket.person);
 }
 
 // A ticket does not say that it was for a reference cut, which is scored before there is any.
@@ -352,7 +358,8 @@ TEST_F(AssignmentTest, ReadmittedCutOfATeacherCanBecomeTheReference) {
     Recording recording(world_, trace::EncodeTicket(ticket), station_.keys, 1);
     wire::Reply opened = station_.Open(recording.header);
     ASSERT_TRUE(opened.has_attempt_opened()) << opened.error().message();
-    EXPECT_EQ(world_.store->AttemptById(ticket.attempt)->as_reference, role == Role::kInstructor);
+    EXPECT_EQ(world_.store->attempts.AttemptById(ticket.attempt)->as_reference,
+              role == Role::kInstructor);
   }
 }
 
@@ -360,7 +367,7 @@ TEST_F(AssignmentTest, RecordingOfAPersonWhoWasErasedIsRefusedForGood) {
   trace::Ticket ticket = *trace::DecodeTicket(TicketOf(Ask()));
   ticket.attempt = Uuid::New();
   ticket.person = AddPerson(*world_.store, "erased", Role::kStudent);
-  ASSERT_TRUE(world_.store->ErasePerson(ticket.person, false, kSystem).ok());
+  ASSERT_TRUE(world_.store->erasures.ErasePerson(ticket.person, false, kSystem).ok());
   trace::SignTicket(ticket, world_.services.ticket_key.secret_key);
   Recording recording(world_, trace::EncodeTicket(ticket), station_.keys, 1);
   EXPECT_EQ(station_.Open(recording.header).error().code(), "conflict");
@@ -390,7 +397,8 @@ TEST_F(AssignmentTest, StationThatARestoreForgotComesBackWithWhatItHolds) {
   forgotten.credential = std::string(32, 'c');
   EXPECT_EQ(forgotten.Hello().error().code(), "unauthenticated");
   ASSERT_TRUE(
-      world_.store->AddEnrolCode(HashSha256(AsBytes("new code")), UnixMs{1} << 60, kSystem).ok());
+      world_.store->stations.AddEnrolCode(HashSha256(AsBytes("new code")), UnixMs{1} << 60, kSystem)
+          .ok());
   ScriptedStation again(Asking());
   again.keys = forgotten.keys;
   wire::Reply enrolled = again.Enrol("new code", "bench 2", ticket.station);
@@ -406,7 +414,7 @@ TEST_F(AssignmentTest, StationThatARestoreForgotComesBackWithWhatItHolds) {
   ASSERT_TRUE(opened.has_attempt_opened()) << opened.error().message();
   ASSERT_TRUE(back.Put(recording.chunks[0]).has_chunk_ack());
   ASSERT_TRUE(back.Seal(recording.seal).has_sealed());
-  EXPECT_EQ(world_.store->AttemptById(ticket.attempt)->station, ticket.station);
+  EXPECT_EQ(world_.store->attempts.AttemptById(ticket.attempt)->station, ticket.station);
 }
 
 TEST_F(AssignmentTest, ReadmittedRecordingWhoseTermsAreLostIsShownOnceItIsReleased) {
@@ -418,11 +426,11 @@ TEST_F(AssignmentTest, ReadmittedRecordingWhoseTermsAreLostIsShownOnceItIsReleas
   Recording recording(world_, trace::EncodeTicket(ticket), station_.keys, 1);
   wire::Reply opened = station_.Open(recording.header);
   ASSERT_TRUE(opened.has_attempt_opened()) << opened.error().message();
-  AttemptRow row = *world_.store->AttemptById(ticket.attempt);
+  AttemptRow row = *world_.store->attempts.AttemptById(ticket.attempt);
   EXPECT_FALSE(row.assignment.has_value()) << "an exam's ticket is for ten minutes";
   EXPECT_EQ(row.flags, uint32_t{kReadmitted});
   EXPECT_FALSE(row.released);
-  Person student = *world_.store->PersonById(world_.student);
+  Person student = *world_.store->people.PersonById(world_.student);
   EXPECT_FALSE(CanSeeScore(student, row, /*graded=*/false, /*shares_cohort=*/false));
   row.released = true;
   EXPECT_TRUE(CanSeeScore(student, row, false, false));

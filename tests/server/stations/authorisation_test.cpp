@@ -73,9 +73,9 @@ class LinkAuthorisationTest : public ::testing::Test {
     EXPECT_TRUE(reply.has_ticket_issued()) << reply.error().message();
     recording_.emplace(world_, TicketOf(reply), station_.keys, 1);
     AddPerson(*world_.store, "once", Role::kStudent, world_.verifier);
-    Uuid once = world_.store->PersonByLogin("once")->id;
-    EXPECT_TRUE(world_.store->AddToCohort(world_.cohort, once, kSystem).ok());
-    EXPECT_TRUE(world_.store->SetPassword(once, world_.verifier, true, kSystem).ok());
+    Uuid once = world_.store->people.PersonByLogin("once")->id;
+    EXPECT_TRUE(world_.store->cohorts.AddToCohort(world_.cohort, once, kSystem).ok());
+    EXPECT_TRUE(world_.store->people.SetPassword(once, world_.verifier, true, kSystem).ok());
   }
 
   std::optional<wire::Reply> Carry(const wire::Request& request) {
@@ -92,17 +92,17 @@ class LinkAuthorisationTest : public ::testing::Test {
   // Brings the connection into the state that the column names.
   void Become(const std::string& column) {
     Reconnect();
-    ASSERT_TRUE(world_.store->SetDisabled(world_.student, false, kSystem).ok());
+    ASSERT_TRUE(world_.store->people.SetDisabled(world_.student, false, kSystem).ok());
     if (column == "unknown") return;
     ASSERT_TRUE(station_.Hello().has_welcome());
     if (column == "nobody") return;
     bool student = column == "ended" || column == "revoked";
     ASSERT_TRUE(station_.SignIn(student ? "student" : column).has_signed_in()) << column;
     if (column == "ended") {
-      ASSERT_TRUE(world_.store->SetDisabled(world_.student, true, kSystem).ok());
+      ASSERT_TRUE(world_.store->people.SetDisabled(world_.student, true, kSystem).ok());
     }
     if (column == "revoked") {
-      ASSERT_TRUE(world_.store->RevokeStation(session_.station()->id, kSystem).ok());
+      ASSERT_TRUE(world_.store->stations.RevokeStation(session_.station()->id, kSystem).ok());
       world_.now += kAdmittedEveryMs;
     }
   }
@@ -207,7 +207,7 @@ TEST_P(LinkCellTest, GetsWhatTheTableSays) {
 
 TEST_F(LinkAuthorisationTest, RevokedStationIsToldAndItsConnectionEnds) {
   ASSERT_NO_FATAL_FAILURE(Become("student"));
-  ASSERT_TRUE(world_.store->RevokeStation(session_.station()->id, kSystem).ok());
+  ASSERT_TRUE(world_.store->stations.RevokeStation(session_.station()->id, kSystem).ok());
   EXPECT_FALSE(session_.Handle(RequestOf("get_blob")).close) << "not looked at yet";
   world_.now += kAdmittedEveryMs;
   Answer answer = session_.Handle(RequestOf("get_blob"));
@@ -252,7 +252,8 @@ TEST_F(LinkAuthorisationTest, WhatAStationRunsIsCutBetweenCharacters) {
   hello.mutable_hello()->set_software(std::string(199, 'x') + "\u00e9\u00e9");
   Reconnect();
   ASSERT_TRUE(Carry(hello)->has_welcome());
-  EXPECT_EQ(world_.store->StationById(session_.station()->id)->software, std::string(199, 'x'));
+  EXPECT_EQ(world_.store->stations.StationById(session_.station()->id)->software,
+            std::string(199, 'x'));
 }
 
 TEST_F(LinkAuthorisationTest, SoftwareThatIsNoNameIsRefused) {
@@ -270,7 +271,7 @@ TEST_F(LinkAuthorisationTest, HelloLeavesWhatTheStationRuns) {
   hello.mutable_hello()->set_core_version(7);
   Reconnect();
   ASSERT_TRUE(Carry(hello)->has_welcome());
-  StationRow row = *world_.store->StationById(session_.station()->id);
+  StationRow row = *world_.store->stations.StationById(session_.station()->id);
   EXPECT_EQ(row.software, "enamel-station 0.1.0");
   EXPECT_EQ(row.core_version, 7u);
 }

@@ -17,13 +17,13 @@ const Hand kDentist = MakeHand(HandKind::kProgram, "simulated device", "operator
 class HandTest : public StudentAtStation {
  protected:
   HandTest() {
-    terms_ = world_.store->AssignmentsFor(world_.student)->front().assignment;
+    terms_ = world_.store->assignments.AssignmentsFor(world_.student)->front().assignment;
     Allow(HandsAllowed::kListed);
   }
 
   void Allow(HandsAllowed hands) {
     terms_.hands = hands;
-    auto row = world_.store->ReplaceAssignment(terms_, kSystem);
+    auto row = world_.store->assignments.ReplaceAssignment(terms_, kSystem);
     ASSERT_TRUE(row.ok()) << row.status().message();
     terms_ = *row;
   }
@@ -38,7 +38,7 @@ class HandTest : public StudentAtStation {
     EXPECT_TRUE(station_.Open(recording.header).has_attempt_opened());
     EXPECT_TRUE(station_.Put(recording.chunks[0]).has_chunk_ack());
     EXPECT_TRUE(station_.Seal(recording.seal).has_sealed());
-    return *world_.store->AttemptById(recording.header_fields.ticket.attempt);
+    return *world_.store->attempts.AttemptById(recording.header_fields.ticket.attempt);
   }
 
   AssignmentRow terms_;
@@ -51,7 +51,7 @@ TEST_F(HandTest, NewAssignmentAdmitsListedDevicesAlone) {
     EXPECT_EQ(error.code(), "forbidden") << HandText(hand);
     EXPECT_EQ(error.field(), "hand") << HandText(hand);
   }
-  ASSERT_TRUE(world_.store->ListDevice("hid:1209:0001:A7", "chair 3", kSystem).ok());
+  ASSERT_TRUE(world_.store->devices.ListDevice("hid:1209:0001:A7", "chair 3", kSystem).ok());
   wire::Reply ticket = Ask(kBoard);
   ASSERT_TRUE(ticket.has_ticket_issued()) << ticket.error().message();
   EXPECT_EQ(ticket.ticket_issued().hands(), "listed");
@@ -59,7 +59,7 @@ TEST_F(HandTest, NewAssignmentAdmitsListedDevicesAlone) {
   Hand other = kBoard;
   other.unit = "hid:1209:0001:A8";
   EXPECT_EQ(Ask(other).error().field(), "hand") << "another unit of the same model";
-  ASSERT_TRUE(world_.store->UnlistDevice("hid:1209:0001:A7", kSystem).ok());
+  ASSERT_TRUE(world_.store->devices.UnlistDevice("hid:1209:0001:A7", kSystem).ok());
   EXPECT_EQ(Ask(kBoard).error().field(), "hand");
 }
 

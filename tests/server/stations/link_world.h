@@ -33,17 +33,18 @@ struct LinkWorld {
     student = AddPerson(*store, "student", Role::kStudent, verifier);
     instructor = AddPerson(*store, "instructor", Role::kInstructor, verifier);
     AddPerson(*store, "outsider", Role::kStudent, verifier);
-    cohort = *store->CreateCohort("year 1", kSystem);
-    EXPECT_TRUE(store->AddToCohort(cohort, student, kSystem).ok());
-    EXPECT_TRUE(store->AddToCohort(cohort, instructor, kSystem).ok());
+    cohort = *store->cohorts.CreateCohort("year 1", kSystem);
+    EXPECT_TRUE(store->cohorts.AddToCohort(cohort, student, kSystem).ok());
+    EXPECT_TRUE(store->cohorts.AddToCohort(cohort, instructor, kSystem).ok());
     EXPECT_TRUE(app::PublishProfiles(*store).ok());
-    scene = *app::PublishScene(*store, "builtin:block", 500'000);
-    exercise = *app::PublishClassOne(*store, scene, cohort);
-    EXPECT_TRUE(store->AddEnrolCode(HashSha256(AsBytes("code")), UnixMs{1} << 60, kSystem).ok());
+    scene = *app::PublishScene(store->blobs, store->scenes, "builtin:block", 500'000);
+    exercise = *app::PublishClassOne(store->blobs, store->exercises, scene, cohort);
+    EXPECT_TRUE(
+        store->stations.AddEnrolCode(HashSha256(AsBytes("code")), UnixMs{1} << 60, kSystem).ok());
   }
 
   Sha256 Profile(const std::string& name) {
-    std::vector<ProfileRow> profiles = *store->Profiles();
+    std::vector<ProfileRow> profiles = *store->profiles.Profiles();
     for (const ProfileRow& row : profiles) {
       if (row.name == name) return row.content;
     }
@@ -214,7 +215,7 @@ struct Recording {
     header_fields.ticket = *trace::DecodeTicket(encoded_ticket);
     header_fields.scene = world.scene.content;
     header_fields.volume = world.scene.volume;
-    auto text = [&](const Sha256& hash) { return *world.store->GetBlob(hash); };
+    auto text = [&](const Sha256& hash) { return *world.store->blobs.GetBlob(hash); };
     header_fields.params =
         *scene::CompilePlan(*scene::SceneFromJson(AsText(text(world.scene.content))),
                             *scene::ExerciseFromJson(AsText(text(header_fields.ticket.exercise))),

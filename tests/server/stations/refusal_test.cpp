@@ -35,7 +35,7 @@ class ChunkRefusalTest : public ::testing::Test {
     return Recording(world_, TicketOf(reply), station_.keys, 3);
   }
 
-  uint32_t Stored() { return world_.store->AttemptById(recording_->seal.attempt)->chunks; }
+  uint32_t Stored() { return world_.store->attempts.AttemptById(recording_->seal.attempt)->chunks; }
 
   void ExpectRefused(const Bytes& chunk, const std::string& code) {
     uint32_t before = Stored();

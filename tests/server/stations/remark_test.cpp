@@ -70,7 +70,7 @@ class RemarkTest : public ::testing::Test {
   }
 
   Uuid StationId() const { return *protocol::ReadUuid(station_.id, "id"); }
-  UnixMs StoredMs() { return world_.store->StationById(StationId())->last_seen_ms; }
+  UnixMs StoredMs() { return world_.store->stations.StationById(StationId())->last_seen_ms; }
 
   LinkWorld world_;
   uint64_t last_id_ = 0;
@@ -144,7 +144,7 @@ TEST_F(RemarkTest, LastSeenFollowsPingsAndIsWrittenOnceAMinute) {
   world_.now = begun + 60'000;
   (void)Ping(Uuid::New());
   EXPECT_EQ(StoredMs(), world_.now);
-  const StationRow row = *world_.store->StationById(StationId());
+  const StationRow row = *world_.store->stations.StationById(StationId());
   EXPECT_EQ(row.software, "enamel-station test") << "what it said in Hello stays";
   EXPECT_EQ(row.core_version, core::kCoreVersion);
   session_.reset();

@@ -72,7 +72,7 @@ TEST_F(SessionTest, NameThatTurnsTextOrASpreadsheetAroundEnrolsNoStation) {
     Reconnect();
   }
   EXPECT_TRUE(station_.Enrol("code", " bench 1 ").has_enrolled()) << "the code is not used up";
-  EXPECT_EQ(world_.store->Stations()->front().name, "bench 1");
+  EXPECT_EQ(world_.store->stations.Stations()->front().name, "bench 1");
 }
 
 TEST_F(SessionTest, WrongCredentialAndOtherVersionAreRefused) {
@@ -165,7 +165,7 @@ TEST_F(SessionTest, WholeAttemptIsCommittedAndSealed) {
     EXPECT_TRUE(ack.chunk_ack().committed());
   }
   ASSERT_TRUE(station_.Seal(recording.seal).has_sealed());
-  EXPECT_EQ(*world_.store->AttemptChunks(recording.seal.attempt), recording.chunks);
+  EXPECT_EQ(*world_.store->recordings.AttemptChunks(recording.seal.attempt), recording.chunks);
   EXPECT_EQ(station_.Status(recording.seal.attempt).attempt_state().state(), "sealed");
 }
 
@@ -179,7 +179,7 @@ TEST_F(SessionTest, BrokenConnectionGoesOnWhereItWas) {
   EXPECT_EQ(station_.Open(recording.header).attempt_opened().next_seq(), 1u);
   EXPECT_TRUE(station_.Put(recording.chunks[0]).chunk_ack().committed()) << "again";
   EXPECT_TRUE(station_.Put(recording.chunks[1]).chunk_ack().committed());
-  EXPECT_EQ(world_.store->AttemptById(recording.seal.attempt)->chunks, 2u);
+  EXPECT_EQ(world_.store->attempts.AttemptById(recording.seal.attempt)->chunks, 2u);
 }
 
 TEST_F(SessionTest, ChunkOutOfOrderIsAConflictOfSeq) {
@@ -212,7 +212,7 @@ TEST_F(SessionTest, ChunkSignedWithAnotherKeyIsRefused) {
   Bytes damaged = recording.chunks[0];
   damaged[damaged.size() / 2] ^= 1;
   EXPECT_TRUE(station_.Put(damaged).has_error());
-  EXPECT_EQ(world_.store->AttemptById(recording.seal.attempt)->chunks, 0u);
+  EXPECT_EQ(world_.store->attempts.AttemptById(recording.seal.attempt)->chunks, 0u);
 }
 
 TEST_F(SessionTest, TicketThatThisServerDidNotSignIsRefused) {
@@ -269,7 +269,8 @@ TEST_F(SessionTest, AttemptOfAnotherStationIsNotFound) {
   Recording recording = Ticketed();
   station_.Open(recording.header);
   ASSERT_TRUE(
-      world_.store->AddEnrolCode(HashSha256(AsBytes("second")), UnixMs{1} << 60, kSystem).ok());
+      world_.store->stations.AddEnrolCode(HashSha256(AsBytes("second")), UnixMs{1} << 60, kSystem)
+          .ok());
   Reconnect();
   ScriptedStation other{[this](const wire::Request& request) { return Carry(request); }};
   ASSERT_TRUE(other.Enrol("second").has_enrolled());
@@ -285,13 +286,13 @@ TEST_F(SessionTest, SomebodyElsesAttemptIsNotFoundAndGradedScoreIsHeldBack) {
   station_.Open(recording.header);
   station_.Put(recording.chunks[0]);
   station_.Seal(recording.seal);
-  Store::AttemptResult result;
+  AttemptResult result;
   result.score_json = PutText(*world_.store, "{\"score\":80}");
-  ASSERT_TRUE(world_.store->FinishAttempt(recording.seal.attempt, result, {}).ok());
+  ASSERT_TRUE(world_.store->results.FinishAttempt(recording.seal.attempt, result, {}).ok());
   auto mine = station_.Status(recording.seal.attempt).attempt_state();
   EXPECT_EQ(mine.state(), "scored");
   EXPECT_EQ(mine.result_json().empty(), world_.exercise.graded);
-  ASSERT_TRUE(world_.store->ReleaseAttempt(recording.seal.attempt, kSystem).ok());
+  ASSERT_TRUE(world_.store->judging.ReleaseAttempt(recording.seal.attempt, kSystem).ok());
   EXPECT_EQ(station_.Status(recording.seal.attempt).attempt_state().result_json(),
             "{\"score\":80}");
   station_.SignIn("outsider");
@@ -311,23 +312,23 @@ TEST_F(SessionTest, OnlyAnInstructorWithConsentMarksAScoredAttemptAsReference) {
   station_.SignIn("instructor");
   EXPECT_EQ(station_.MarkReference(attempt, "Dr A", true).error().code(), "conflict")
       << "not scored yet";
-  Store::AttemptResult result;
+  AttemptResult result;
   result.score = 90;
   result.score_json = PutText(*world_.store, "{}");
-  ASSERT_TRUE(world_.store->FinishAttempt(attempt, result, {}).ok());
+  ASSERT_TRUE(world_.store->results.FinishAttempt(attempt, result, {}).ok());
   auto without = station_.MarkReference(attempt, "Dr A", false);
   EXPECT_EQ(without.error().field(), "consent");
   EXPECT_EQ(station_.MarkReference(attempt, "", true).error().field(), "dentist");
   EXPECT_EQ(station_.MarkReference(attempt, std::string(201, 'a'), true).error().field(),
             "dentist");
-  EXPECT_FALSE(world_.store->ReferenceFor(world_.exercise.id)->has_value());
+  EXPECT_FALSE(world_.store->references.ReferenceFor(world_.exercise.id)->has_value());
   // Its tooth is none, so whether it did the task cannot be told.
   EXPECT_EQ(station_.MarkReference(attempt, "Dr A", true).error().field(), "anyway");
   EXPECT_EQ(station_.MarkReference(attempt, "Dr A", true, "a\nb").error().code(), "invalid_input");
   auto marked = station_.MarkReference(attempt, "Dr A", true, "seen by two");
   ASSERT_TRUE(marked.has_reference_marked()) << marked.error().message();
   EXPECT_EQ(marked.reference_marked().version(), 1);
-  auto reference = *world_.store->ReferenceFor(world_.exercise.id);
+  auto reference = *world_.store->references.ReferenceFor(world_.exercise.id);
   ASSERT_TRUE(reference.has_value());
   EXPECT_EQ(reference->attempt, attempt);
   EXPECT_EQ(reference->dentist, "Dr A");
@@ -392,7 +393,7 @@ TEST_F(SessionTest, TicketThatWasUsedIsRevokedAndOneThatIsUnknownIsNot) {
   auto wanted = station_.Send(request).attempts_wanted();
   ASSERT_EQ(wanted.revoked_size(), 1);
   EXPECT_EQ(wanted.revoked(0), protocol::ToField(used.seal.attempt.view()));
-  ASSERT_TRUE(world_.store->SetDisabled(world_.student, true, kSystem).ok());
+  ASSERT_TRUE(world_.store->people.SetDisabled(world_.student, true, kSystem).ok());
   EXPECT_EQ(station_.Send(request).attempts_wanted().revoked_size(), 2);
 }
 
@@ -418,11 +419,11 @@ TEST_F(SessionTest, RecordingWhoseTicketARestoreForgotIsTaken) {
   wire::Reply opened = station_.Open(recording.header);
   ASSERT_TRUE(opened.has_attempt_opened()) << opened.error().message();
   EXPECT_TRUE(station_.Put(recording.chunks[0]).chunk_ack().committed());
-  EXPECT_EQ(world_.store->AttemptById(ticket.attempt)->person, world_.student);
+  EXPECT_EQ(world_.store->attempts.AttemptById(ticket.attempt)->person, world_.student);
 
   ticket.attempt = Uuid::New();
   ticket.person = AddPerson(*world_.store, "erased", Role::kStudent);
-  ASSERT_TRUE(world_.store->ErasePerson(ticket.person, false, kSystem).ok());
+  ASSERT_TRUE(world_.store->erasures.ErasePerson(ticket.person, false, kSystem).ok());
   trace::SignTicket(ticket, world_.services.ticket_key.secret_key);
   Recording nobodys(world_, trace::EncodeTicket(ticket), station_.keys, 1);
   EXPECT_EQ(station_.Open(nobodys.header).error().code(), "conflict");
@@ -433,7 +434,7 @@ TEST_F(SessionTest, RecordingWhoseTicketARestoreForgotIsTaken) {
   trace::SignTicket(ticket, world_.services.ticket_key.secret_key);
   Recording late(world_, trace::EncodeTicket(ticket), station_.keys, 1);
   EXPECT_EQ(station_.Open(late.header).error().code(), "conflict");
-  EXPECT_FALSE(world_.store->AttemptById(ticket.attempt).ok());
+  EXPECT_FALSE(world_.store->attempts.AttemptById(ticket.attempt).ok());
 
   trace::SignTicket(ticket, trace::NewKeyPair().secret_key);
   Recording forged(world_, trace::EncodeTicket(ticket), station_.keys, 1);

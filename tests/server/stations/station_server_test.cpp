@@ -111,7 +111,7 @@ TEST_F(StationServerTest, AttemptIsUploadedOverTls) {
     EXPECT_TRUE(reply.chunk_ack().committed()) << reply.error().message();
   }
   EXPECT_TRUE(station_.Seal(recording.seal).has_sealed());
-  EXPECT_EQ(world_.store->AttemptChunks(recording.seal.attempt)->size(), 5u);
+  EXPECT_EQ(world_.store->recordings.AttemptChunks(recording.seal.attempt)->size(), 5u);
 }
 
 TEST_F(StationServerTest, OversizedFrameBeforeHelloIsNamedAndEndsTheConnection) {
@@ -232,12 +232,13 @@ TEST_F(StationServerTest, StationThatIsRevokedWhileItSaysNothingIsToldAndItsConn
   ScriptedStation neighbour{[&](const wire::Request& request) { return Exchange(other, request); }};
   Connect(other);
   ASSERT_TRUE(
-      world_.store->AddEnrolCode(HashSha256(AsBytes("second")), UnixMs{1} << 60, kSystem).ok());
+      world_.store->stations.AddEnrolCode(HashSha256(AsBytes("second")), UnixMs{1} << 60, kSystem)
+          .ok());
   ASSERT_TRUE(neighbour.Enrol("second").has_enrolled());
   Connect(other);
   ASSERT_TRUE(neighbour.Hello().has_welcome());
   auto id = protocol::ReadUuid(station_.id, "id");
-  ASSERT_TRUE(world_.store->RevokeStation(*id, kSystem).ok());
+  ASSERT_TRUE(world_.store->stations.RevokeStation(*id, kSystem).ok());
   EXPECT_NE(Receive(client_).error().message().find("no longer admitted"), std::string::npos);
   EXPECT_TRUE(Ends(client_));
   EXPECT_TRUE(neighbour.SignIn("student").has_signed_in());

@@ -1,4 +1,4 @@
-#include "server/storage/sql/audit_row.h"
+#include "server/storage/audit/audit_row.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include "common/base/hex.h"
 
 // Rows of the audit trail are signed as schemas/audit.md says.
-namespace enamel::server::sqlite {
+namespace enamel::server {
 namespace {
 
 namespace json = boost::json;
@@ -89,4 +89,4 @@ TEST_F(AuditRowTest, RowAtAnotherPlaceOfItsChainIsAnotherRow) {
 TEST_F(AuditRowTest, SaltIsAnotherEachTime) { EXPECT_NE(NewAuditSalt(), NewAuditSalt()); }
 
 }  // namespace
-}  // namespace enamel::server::sqlite
+}  // namespace enamel::server

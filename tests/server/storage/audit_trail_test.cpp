@@ -47,16 +47,16 @@ TEST_F(AuditTrailTest, RowsAreNeitherChangedNorDeleted) {
     EXPECT_EQ(Run(std::string("UPDATE audit SET ") + change), "audit rows are never changed")
         << change;
   }
-  EXPECT_EQ(store_->Audit(10)->size(), 1u);
+  EXPECT_EQ(store_->audit.Audit(10)->size(), 1u);
 }
 
 TEST_F(AuditTrailTest, OnlyWhatIsToldOfAPersonWhoIsGoneIsOverwritten) {
   EXPECT_EQ(Run(redact_), "audit rows are never changed") << "ada is there";
-  Uuid cohort = *store_->CreateCohort("year 1", kSystem);
+  Uuid cohort = *store_->cohorts.CreateCohort("year 1", kSystem);
   EXPECT_EQ(Run(redact_ + " WHERE object = '" + cohort.Text() + "'"),
             "audit rows are never changed")
       << "no person";
-  ASSERT_TRUE(store_->ErasePerson(ada_, false, kSystem).ok());
+  ASSERT_TRUE(store_->erasures.ErasePerson(ada_, false, kSystem).ok());
   EXPECT_EQ(Run(redact_ + " WHERE object = '" + ada_.Text() + "'"), "");
   EXPECT_EQ(Run("UPDATE audit SET actor = randomblob(16) WHERE object = '" + ada_.Text() + "'"),
             "audit rows are never changed");
@@ -66,17 +66,17 @@ TEST_F(AuditTrailTest,
        WhatIsToldOfAttemptsIsOverwrittenOnceTheirPersonIsGoneAlsoAfterARetentionRule) {
   World world(*store_);
   AttemptRow attempt = world.NewAttempt();
-  ASSERT_TRUE(store_->FlagAttempt(attempt.id, kExcused, "was ill", kSystem).ok());
+  ASSERT_TRUE(store_->judging.FlagAttempt(attempt.id, kExcused, "was ill", kSystem).ok());
   const std::string about = redact_ + " WHERE object = '" + attempt.id.Text() + "'";
   EXPECT_EQ(Run(about + " AND action = 'attempt.flag'"), "audit rows are never changed")
       << "the student is there";
-  ASSERT_TRUE(store_->SetRetention({"unfinished", 14}, kSystem).ok());
-  ASSERT_TRUE(store_->ApplyRetention(UnixMs{1} << 42, false, kSystem).ok());
-  ASSERT_EQ(store_->AttemptById(attempt.id).status().code(), Code::kNotFound);
+  ASSERT_TRUE(store_->retention.SetRetention({"unfinished", 14}, kSystem).ok());
+  ASSERT_TRUE(store_->retention.ApplyRetention(UnixMs{1} << 42, false, kSystem).ok());
+  ASSERT_EQ(store_->attempts.AttemptById(attempt.id).status().code(), Code::kNotFound);
   EXPECT_EQ(Run(about + " AND action = 'attempt.flag'"), "audit rows are never changed")
       << "the attempt is gone, the student is there";
-  ASSERT_TRUE(store_->ErasePerson(world.student, false, kSystem).ok());
-  auto rows = *store_->Audit(1000);
+  ASSERT_TRUE(store_->erasures.ErasePerson(world.student, false, kSystem).ok());
+  auto rows = *store_->audit.Audit(1000);
   EXPECT_TRUE(std::ranges::none_of(rows, [](const AuditRow& row) {
     return row.after_json.find("was ill") != std::string::npos;
   }));

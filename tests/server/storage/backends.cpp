@@ -3,10 +3,10 @@
 #include <cstdlib>
 
 #include "server/storage/engine/pg_database.h"
-#include "server/storage/engine/ticket_key.h"
-#include "server/storage/engine/verify_audit.h"
-#include "server/storage/engine/verify_stage.h"
-#include "server/storage/master_key.h"
+#include "server/storage/folder/ticket_key.h"
+#include "server/storage/keys/master_key.h"
+#include "server/storage/verify/verify_audit.h"
+#include "server/storage/verify/verify_stage.h"
 #include "tests/support/s3_stand_in.h"
 
 namespace enamel::server::testing {
@@ -14,9 +14,9 @@ namespace {
 
 void ExpectNoFindings(sql::Db& db, const std::filesystem::path& folder) {
   VerifyReport report;
-  Status checked = sqlite::CheckAudit(db, ReadTicketKey(folder)->public_key, {}, report, {});
+  Status checked = CheckAudit(db, ReadTicketKey(folder)->public_key, {}, report, {});
   EXPECT_TRUE(checked.ok()) << checked.message();
-  checked = sqlite::CheckStages(db, report);
+  checked = CheckStages(db, report);
   EXPECT_TRUE(checked.ok()) << checked.message();
   for (const Finding& finding : report.findings) {
     ADD_FAILURE() << finding.kind << " " << finding.object << ": expected " << finding.expected
@@ -28,11 +28,11 @@ class SqlitePlace : public Place {
  public:
   Result<std::unique_ptr<Store>> Try() override { return OpenSqliteStore({folder_.path()}); }
   std::unique_ptr<sql::Db> Connect() const override {
-    auto db = sqlite::OpenDatabase(folder_.path() / "enamel.db", sqlite::DbMode::kExisting);
+    auto db = OpenDatabase(folder_.path() / "enamel.db", DbMode::kExisting);
     EXPECT_TRUE(db.ok()) << db.status().message();
     return std::move(db).value();
   }
-  const std::vector<sql::Migration>& migrations() const override { return sqlite::Migrations(); }
+  const std::vector<sql::Migration>& migrations() const override { return SqliteMigrations(); }
   void ExpectTrailAgrees() const override { ExpectNoFindings(*Connect(), folder_.path()); }
 
  protected:
@@ -43,7 +43,7 @@ class SqlitePlace : public Place {
 class SqliteOnSimulatedDisk final : public SqlitePlace {
  public:
   Result<std::unique_ptr<Store>> Try() override {
-    SqliteOptions options;
+    StoreOptions options;
     options.folder = folder_.path();
     options.vfs = disk_.vfs();
     options.disk = &disk_;
@@ -58,7 +58,7 @@ class SqliteOnSimulatedDisk final : public SqlitePlace {
 class SqliteTwice final : public SqlitePlace {
  public:
   Result<std::unique_ptr<Store>> Try() override {
-    SqliteOptions options;
+    StoreOptions options;
     options.folder = folder_.path();
     options.change_twice = true;
     return OpenSqliteStore(options);
@@ -75,7 +75,7 @@ S3Place PlaceIn(const test::S3StandIn& stand_in) {
 // What a school has in S3 stores: blobs in one bucket, keys in another.
 class Buckets {
  public:
-  void Use(SqliteOptions& options) const {
+  void Use(StoreOptions& options) const {
     options.s3_blobs = PlaceIn(blobs_);
     options.s3_keys = {PlaceIn(keys_), master_.path() / "master.key"};
     EXPECT_TRUE(EnsureMasterKey(options.s3_keys->master_key, SystemDisk()).ok());
@@ -94,7 +94,7 @@ class Buckets {
 class SqliteS3 final : public SqlitePlace {
  public:
   Result<std::unique_ptr<Store>> Try() override {
-    SqliteOptions options;
+    StoreOptions options;
     options.folder = folder_.path();
     buckets_.Use(options);
     return OpenSqliteStore(options);
@@ -115,7 +115,7 @@ class PostgresPlace : public Place {
  public:
   explicit PostgresPlace(std::string server) : server_(std::move(server)) {}
   ~PostgresPlace() override {
-    auto db = sqlite::OpenPgDatabase(server_, {}, /*read_only=*/false, {});
+    auto db = OpenPgDatabase(server_, {}, /*read_only=*/false, {});
     EXPECT_TRUE(db.ok() && (*db)->Exec(("DROP SCHEMA \"" + schema_ + "\" CASCADE").c_str()).ok());
   }
   Result<std::unique_ptr<Store>> Try() override {
@@ -127,11 +127,11 @@ class PostgresPlace : public Place {
     return OpenPostgresStore(options);
   }
   std::unique_ptr<sql::Db> Connect() const override {
-    auto db = sqlite::OpenPgDatabase(server_, schema_, /*read_only=*/false, {});
+    auto db = OpenPgDatabase(server_, schema_, /*read_only=*/false, {});
     EXPECT_TRUE(db.ok()) << db.status().message();
     return std::move(db).value();
   }
-  const std::vector<sql::Migration>& migrations() const override { return sqlite::PgMigrations(); }
+  const std::vector<sql::Migration>& migrations() const override { return PgMigrations(); }
   void ExpectTrailAgrees() const override { ExpectNoFindings(*Connect(), folder_.path()); }
 
  protected:

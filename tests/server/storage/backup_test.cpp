@@ -1,4 +1,4 @@
-#include "server/storage/engine/backup.h"
+#include "server/storage/backup/backup.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <thread>
 
 #include "common/base/file.h"
-#include "server/storage/engine/manifest.h"
-#include "server/storage/folder_keyring.h"
+#include "server/storage/keys/folder_keyring.h"
+#include "server/storage/verify/manifest.h"
 #include "tests/server/storage/failing_disk.h"
 #include "tests/server/storage/recorded_attempt.h"
 
@@ -86,10 +86,11 @@ TEST_F(BackupTest, RestoredDataIsWhatWasBackedUpAndEverythingAgrees) {
   school_.store = OpenStore(Path("new"));
   EXPECT_EQ(school_.TraceOf(scored), trace);
   EXPECT_EQ(school_.TraceOf(open), unfinished);
-  EXPECT_EQ(AsText(*school_.store->GetBlob(school_.store->ResultOf(scored)->series)), "series");
+  EXPECT_EQ(AsText(*school_.store->blobs.GetBlob(school_.store->results.ResultOf(scored)->series)),
+            "series");
   EXPECT_EQ(*ReadFile(Path("new") / "ticket.key"),
             Bytes(school_.ticket_key.secret_key.begin(), school_.ticket_key.secret_key.end()));
-  auto row = school_.store->Audit(1)->front();
+  auto row = school_.store->audit.Audit(1)->front();
   EXPECT_EQ(row.action, "store.restore");
 }
 
@@ -164,7 +165,7 @@ TEST_F(BackupTest, WhateverOfItFailsARestoreIsWholeOrNoServerStartsOnIt) {
     }
     EXPECT_FALSE(restored.ok());
     if (!fs::exists(options.data) || fs::is_empty(options.data)) continue;
-    SqliteOptions open;
+    StoreOptions open;
     open.folder = options.data;
     auto refused = OpenSqliteStore(open);
     EXPECT_EQ(refused.status().code(), Code::kConflict);
@@ -192,8 +193,8 @@ TEST_F(BackupTest, DamagedBackupIsNamedFileByFileAndRestoredOnlyWithTheLossAccep
   Uuid scored = school_.Record(2), other = school_.Record(1);
   school_.Score(scored);
   school_.Score(other);
-  Sha256 series = school_.store->ResultOf(scored)->series;
-  Sha256 surface = school_.store->ResultOf(scored)->surface;
+  Sha256 series = school_.store->results.ResultOf(scored)->series;
+  Sha256 surface = school_.store->results.ResultOf(scored)->surface;
   Bytes kept = school_.TraceOf(other);
   ASSERT_TRUE(Back("backup", true).ok());
   Spoil(BlobIn(Path("backup"), series));
@@ -223,7 +224,7 @@ TEST_F(BackupTest, DamagedDatabaseIsNeverRestored) {
 TEST_F(BackupTest, BlobDamagedAtTheSourceIsReportedAndTheRestIsBackedUp) {
   Uuid scored = school_.Record(1);
   school_.Score(scored);
-  Sha256 series = school_.store->ResultOf(scored)->series;
+  Sha256 series = school_.store->results.ResultOf(scored)->series;
   Spoil(BlobIn(Path("data"), series));
   auto backup = Back("backup");
   ASSERT_TRUE(backup.ok()) << backup.status().message();
@@ -240,7 +241,7 @@ TEST_F(BackupTest, ErasedPersonStaysErasedWhenAnOlderBackupIsRestoredWithTheNewe
   ASSERT_TRUE(Back("inside").ok());
   fs::path ring = Path("ring");
   ASSERT_TRUE(Back("apart", false, ring).ok());
-  ASSERT_TRUE(school_.store->ErasePerson(other, false, kSystem).ok());
+  ASSERT_TRUE(school_.store->erasures.ErasePerson(other, false, kSystem).ok());
 
   // Keys apart, mirrored again with the next backup: nothing opens the old one's recordings.
   ASSERT_TRUE(Back("next", false, ring).ok());
@@ -251,28 +252,29 @@ TEST_F(BackupTest, ErasedPersonStaysErasedWhenAnOlderBackupIsRestoredWithTheNewe
   EXPECT_EQ(restored->erased_again, 1u);
   EXPECT_TRUE(restored->verified.findings.empty());
   auto store = OpenStore(Path("new"));
-  EXPECT_EQ(store->PersonById(other).status().code(), Code::kNotFound);
-  EXPECT_EQ(store->AttemptById(theirs).status().code(), Code::kNotFound);
-  EXPECT_TRUE(store->AttemptChunks(kept).ok());
+  EXPECT_EQ(store->people.PersonById(other).status().code(), Code::kNotFound);
+  EXPECT_EQ(store->attempts.AttemptById(theirs).status().code(), Code::kNotFound);
+  EXPECT_TRUE(store->recordings.AttemptChunks(kept).ok());
   EXPECT_FALSE(FolderKeyring(Path("new") / "keyring", SystemDisk()).Find(other).ok());
 
   // Keys inside: the newest ring still says who is gone.
   auto again = Bring("inside", "new2", {Path("data") / "keyring"});
   ASSERT_TRUE(again.ok()) << again.status().message();
   EXPECT_EQ(again->erased_again, 1u);
-  EXPECT_EQ(OpenStore(Path("new2"))->PersonById(other).status().code(), Code::kNotFound);
+  EXPECT_EQ(OpenStore(Path("new2"))->people.PersonById(other).status().code(), Code::kNotFound);
 }
 
 TEST_F(BackupTest, SessionsAndOpenCodesDoNotComeBack) {
   Sha256 token = HashSha256(AsBytes("token")), code = HashSha256(AsBytes("another"));
   ASSERT_TRUE(
-      school_.store->CreateSession({token, school_.world.student, 1, 1, 1000, "page"}).ok());
-  ASSERT_TRUE(school_.store->AddEnrolCode(code, 1000, kSystem).ok());
+      school_.store->sessions.CreateSession({token, school_.world.student, 1, 1, 1000, "page"})
+          .ok());
+  ASSERT_TRUE(school_.store->stations.AddEnrolCode(code, 1000, kSystem).ok());
   ASSERT_TRUE(Back("backup").ok());
   ASSERT_TRUE(Bring("backup", "new").ok());
   auto store = OpenStore(Path("new"));
-  EXPECT_FALSE(store->FindSession(token).ok());
-  EXPECT_FALSE(store->EnrolStation(code, {}, {}, 10).ok());
+  EXPECT_FALSE(store->sessions.FindSession(token).ok());
+  EXPECT_FALSE(store->stations.EnrolStation(code, {}, {}, 10).ok());
 }
 
 TEST_F(BackupTest, NothingIsRemovedWhileABackupIsMade) {
@@ -284,13 +286,13 @@ TEST_F(BackupTest, NothingIsRemovedWhileABackupIsMade) {
   options.progress = [&](const std::string&, uint64_t, uint64_t) {
     if (asked) return;
     asked = true;
-    auto refused = school_.store->ErasePerson(school_.world.student, true, kSystem);
+    auto refused = school_.store->erasures.ErasePerson(school_.world.student, true, kSystem);
     EXPECT_EQ(refused.status().code(), Code::kUnavailable);
-    EXPECT_TRUE(school_.store->PersonById(school_.world.student).ok());
+    EXPECT_TRUE(school_.store->people.PersonById(school_.world.student).ok());
   };
   ASSERT_TRUE(BackUp(options).ok());
   EXPECT_TRUE(asked);
-  EXPECT_TRUE(school_.store->ErasePerson(school_.world.student, true, kSystem).ok());
+  EXPECT_TRUE(school_.store->erasures.ErasePerson(school_.world.student, true, kSystem).ok());
 }
 
 }  // namespace

@@ -14,17 +14,17 @@ INSTANTIATE_TEST_SUITE_P(Backends, StoreTest, ::testing::ValuesIn(Backends()), B
 TEST_P(StoreTest, PersonIsFoundByIdAndLoginAfterReopening) {
   Uuid id = AddPerson(*store_, "ada", Role::kInstructor, "verifier");
   Reopen();
-  EXPECT_EQ(store_->PersonById(id)->login, "ada");
-  EXPECT_EQ(store_->PersonByLogin("ada")->role, Role::kInstructor);
-  EXPECT_EQ(*store_->PasswordVerifier(id), "verifier");
-  EXPECT_EQ(store_->PersonByLogin("nobody").status().code(), Code::kNotFound);
+  EXPECT_EQ(store_->people.PersonById(id)->login, "ada");
+  EXPECT_EQ(store_->people.PersonByLogin("ada")->role, Role::kInstructor);
+  EXPECT_EQ(*store_->people.PasswordVerifier(id), "verifier");
+  EXPECT_EQ(store_->people.PersonByLogin("nobody").status().code(), Code::kNotFound);
 }
 
 TEST_P(StoreTest, SecondPersonWithTheSameLoginIsAConflict) {
   AddPerson(*store_, "ada", Role::kStudent);
   Person again;
   again.login = "ada";
-  auto refused = store_->CreatePerson(again, "x", {}, kSystem);
+  auto refused = store_->people.CreatePerson(again, "x", {}, kSystem);
   EXPECT_EQ(refused.status().code(), Code::kConflict);
   EXPECT_NE(refused.status().message().find("ada"), std::string::npos);
 }
@@ -32,247 +32,253 @@ TEST_P(StoreTest, SecondPersonWithTheSameLoginIsAConflict) {
 TEST_P(StoreTest, DisablingAPersonEndsItsSessions) {
   Uuid id = AddPerson(*store_, "ada", Role::kStudent);
   Sha256 token = HashSha256(AsBytes("token"));
-  ASSERT_TRUE(store_->CreateSession({token, id, 1, 1, 1000, "page"}).ok());
-  ASSERT_TRUE(store_->FindSession(token).ok());
-  ASSERT_TRUE(store_->SetDisabled(id, true, kSystem).ok());
-  EXPECT_EQ(store_->FindSession(token).status().code(), Code::kNotFound);
+  ASSERT_TRUE(store_->sessions.CreateSession({token, id, 1, 1, 1000, "page"}).ok());
+  ASSERT_TRUE(store_->sessions.FindSession(token).ok());
+  ASSERT_TRUE(store_->people.SetDisabled(id, true, kSystem).ok());
+  EXPECT_EQ(store_->sessions.FindSession(token).status().code(), Code::kNotFound);
 }
 
 TEST_P(StoreTest, PersonIsAddedWithTheCohortsOrNotAtAll) {
-  Uuid cohort = *store_->CreateCohort("year 1", kSystem);
+  Uuid cohort = *store_->cohorts.CreateCohort("year 1", kSystem);
   Person ada;
   ada.login = "ada";
   ada.display_name = "Ada";
-  auto refused = store_->CreatePerson(ada, "x", {cohort, Uuid::New()}, kSystem);
+  auto refused = store_->people.CreatePerson(ada, "x", {cohort, Uuid::New()}, kSystem);
   EXPECT_EQ(refused.status().code(), Code::kNotFound);
   EXPECT_EQ(refused.status().field(), "cohorts");
-  EXPECT_EQ(store_->PersonByLogin("ada").status().code(), Code::kNotFound);
-  EXPECT_TRUE(store_->CohortMembers(cohort)->empty());
-  auto id = store_->CreatePerson(ada, "x", {cohort, cohort}, kSystem);
+  EXPECT_EQ(store_->people.PersonByLogin("ada").status().code(), Code::kNotFound);
+  EXPECT_TRUE(store_->cohorts.CohortMembers(cohort)->empty());
+  auto id = store_->people.CreatePerson(ada, "x", {cohort, cohort}, kSystem);
   ASSERT_TRUE(id.ok()) << id.status().message();
-  EXPECT_EQ(store_->CohortsOf(*id)->size(), 1u);
+  EXPECT_EQ(store_->cohorts.CohortsOf(*id)->size(), 1u);
 }
 
 TEST_P(StoreTest, NewPasswordEndsSessionsMadeWithTheOldOne) {
   Uuid id = AddPerson(*store_, "ada", Role::kStudent);
   Sha256 token = HashSha256(AsBytes("token"));
-  ASSERT_TRUE(store_->CreateSession({token, id, 1, 1, 1000, "page"}).ok());
-  ASSERT_TRUE(store_->SetPassword(id, "new", false, kSystem).ok());
-  EXPECT_FALSE(store_->FindSession(token).ok());
+  ASSERT_TRUE(store_->sessions.CreateSession({token, id, 1, 1, 1000, "page"}).ok());
+  ASSERT_TRUE(store_->people.SetPassword(id, "new", false, kSystem).ok());
+  EXPECT_FALSE(store_->sessions.FindSession(token).ok());
 }
 
 TEST_P(StoreTest, CohortSharingIsWhatMembershipSays) {
   Uuid a = AddPerson(*store_, "a", Role::kStudent), b = AddPerson(*store_, "b", Role::kInstructor);
   Uuid c = AddPerson(*store_, "c", Role::kInstructor);
-  Uuid cohort = *store_->CreateCohort("year 1", kSystem);
-  ASSERT_TRUE(store_->AddToCohort(cohort, a, kSystem).ok());
-  ASSERT_TRUE(store_->AddToCohort(cohort, b, kSystem).ok());
-  ASSERT_TRUE(store_->AddToCohort(cohort, b, kSystem).ok()) << "adding twice changes nothing";
-  EXPECT_TRUE(*store_->ShareCohort(a, b));
-  EXPECT_FALSE(*store_->ShareCohort(a, c));
-  EXPECT_EQ(store_->CohortMembers(cohort)->size(), 2u);
-  EXPECT_EQ(store_->AddToCohort(Uuid::New(), a, kSystem).code(), Code::kNotFound);
+  Uuid cohort = *store_->cohorts.CreateCohort("year 1", kSystem);
+  ASSERT_TRUE(store_->cohorts.AddToCohort(cohort, a, kSystem).ok());
+  ASSERT_TRUE(store_->cohorts.AddToCohort(cohort, b, kSystem).ok());
+  ASSERT_TRUE(store_->cohorts.AddToCohort(cohort, b, kSystem).ok())
+      << "adding twice changes nothing";
+  EXPECT_TRUE(*store_->cohorts.ShareCohort(a, b));
+  EXPECT_FALSE(*store_->cohorts.ShareCohort(a, c));
+  EXPECT_EQ(store_->cohorts.CohortMembers(cohort)->size(), 2u);
+  EXPECT_EQ(store_->cohorts.AddToCohort(Uuid::New(), a, kSystem).code(), Code::kNotFound);
 }
 
 TEST_P(StoreTest, EnrolmentCodeWorksOnceAndBeforeItExpires) {
   Sha256 code = HashSha256(AsBytes("a")), late = HashSha256(AsBytes("b"));
-  ASSERT_TRUE(store_->AddEnrolCode(code, 1000, kSystem).ok());
-  ASSERT_TRUE(store_->AddEnrolCode(late, 1000, kSystem).ok());
+  ASSERT_TRUE(store_->stations.AddEnrolCode(code, 1000, kSystem).ok());
+  ASSERT_TRUE(store_->stations.AddEnrolCode(late, 1000, kSystem).ok());
   StationRow row;
   row.name = "s";
   row.public_key.assign(32, 7);
   Sha256 credential = HashSha256(AsBytes("credential"));
-  auto station = store_->EnrolStation(code, row, credential, 1000);
+  auto station = store_->stations.EnrolStation(code, row, credential, 1000);
   ASSERT_TRUE(station.ok()) << station.status().message();
-  EXPECT_EQ(store_->EnrolStation(code, row, credential, 1000).status().code(),
+  EXPECT_EQ(store_->stations.EnrolStation(code, row, credential, 1000).status().code(),
             Code::kUnauthenticated);
-  EXPECT_EQ(store_->EnrolStation(late, row, credential, 1001).status().code(),
+  EXPECT_EQ(store_->stations.EnrolStation(late, row, credential, 1001).status().code(),
             Code::kUnauthenticated);
-  EXPECT_EQ(store_->StationByCredential(station->id, credential)->public_key, row.public_key);
-  EXPECT_EQ(store_->StationByCredential(station->id, late).status().code(), Code::kNotFound);
+  EXPECT_EQ(store_->stations.StationByCredential(station->id, credential)->public_key,
+            row.public_key);
+  EXPECT_EQ(store_->stations.StationByCredential(station->id, late).status().code(),
+            Code::kNotFound);
 }
 
 TEST_P(StoreTest, BlobReadsBackAndAbsentOneIsNotFound) {
   Bytes data(100'000, 42);
-  Sha256 hash = *store_->PutBlob(data);
+  Sha256 hash = *store_->blobs.PutBlob(data);
   EXPECT_EQ(hash, HashSha256(data));
-  EXPECT_EQ(*store_->PutBlob(data), hash);
-  EXPECT_EQ(*store_->GetBlob(hash), data);
-  EXPECT_EQ(store_->GetBlob(Sha256{}).status().code(), Code::kNotFound);
+  EXPECT_EQ(*store_->blobs.PutBlob(data), hash);
+  EXPECT_EQ(*store_->blobs.GetBlob(hash), data);
+  EXPECT_EQ(store_->blobs.GetBlob(Sha256{}).status().code(), Code::kNotFound);
 }
 
 TEST_P(StoreTest, PublishingTheSameContentAgainKeepsTheVersion) {
   World world(*store_);
-  auto same = store_->PublishExercise(world.Exercise("exercise", "v1"), Uuid{}, kSystem);
+  auto same = store_->exercises.PublishExercise(world.Exercise("exercise", "v1"), Uuid{}, kSystem);
   EXPECT_EQ(same->id, world.exercise.id);
-  auto next = store_->PublishExercise(world.Exercise("exercise", "v2"), Uuid{}, kSystem);
+  auto next = store_->exercises.PublishExercise(world.Exercise("exercise", "v2"), Uuid{}, kSystem);
   EXPECT_EQ(next->version, 2);
-  auto all = store_->AllExercises();
+  auto all = store_->exercises.AllExercises();
   ASSERT_EQ(all->size(), 1u);
   EXPECT_EQ(all->front().content, next->content);
-  EXPECT_EQ(store_->ExerciseByContent(world.exercise.content)->version, 1);
+  EXPECT_EQ(store_->exercises.ExerciseByContent(world.exercise.content)->version, 1);
 }
 
 TEST_P(StoreTest, ExerciseOfACohortIsOfferedToItsMembersOnly) {
   World world(*store_);
-  Uuid cohort = *store_->CreateCohort("year 1", kSystem);
-  ASSERT_TRUE(store_->PublishExercise(world.Exercise("closed", "c1"), cohort, kSystem).ok());
-  EXPECT_EQ(store_->ExercisesFor(world.student)->size(), 1u) << "the open one";
-  ASSERT_TRUE(store_->AddToCohort(cohort, world.student, kSystem).ok());
-  EXPECT_EQ(store_->ExercisesFor(world.student)->size(), 2u);
+  Uuid cohort = *store_->cohorts.CreateCohort("year 1", kSystem);
+  ASSERT_TRUE(
+      store_->exercises.PublishExercise(world.Exercise("closed", "c1"), cohort, kSystem).ok());
+  EXPECT_EQ(store_->exercises.ExercisesFor(world.student)->size(), 1u) << "the open one";
+  ASSERT_TRUE(store_->cohorts.AddToCohort(cohort, world.student, kSystem).ok());
+  EXPECT_EQ(store_->exercises.ExercisesFor(world.student)->size(), 2u);
 }
 
 TEST_P(StoreTest, AttemptFiltersNarrowAndPage) {
   World world(*store_);
   Uuid other = AddPerson(*store_, "other", Role::kStudent);
   Uuid instructor = AddPerson(*store_, "instructor", Role::kInstructor);
-  Uuid cohort = *store_->CreateCohort("year 1", kSystem);
-  ASSERT_TRUE(store_->AddToCohort(cohort, other, kSystem).ok());
-  ASSERT_TRUE(store_->AddToCohort(cohort, instructor, kSystem).ok());
+  Uuid cohort = *store_->cohorts.CreateCohort("year 1", kSystem);
+  ASSERT_TRUE(store_->cohorts.AddToCohort(cohort, other, kSystem).ok());
+  ASSERT_TRUE(store_->cohorts.AddToCohort(cohort, instructor, kSystem).ok());
   world.NewAttempt();
   world.NewAttemptOf(other);
-  auto count = [&](AttemptFilter filter) { return store_->Attempts(filter)->size(); };
+  auto count = [&](AttemptFilter filter) { return store_->attempts.Attempts(filter)->size(); };
   EXPECT_EQ(count({}), 2u);
   EXPECT_EQ(count({.person = world.student}), 1u);
   EXPECT_EQ(count({.cohort = cohort}), 1u);
-  EXPECT_EQ(store_->Attempts({.visible_to_instructor = instructor})->front().person, other);
+  EXPECT_EQ(store_->attempts.Attempts({.visible_to_instructor = instructor})->front().person,
+            other);
   EXPECT_EQ(count({.visible_to_instructor = world.student}), 0u);
   EXPECT_EQ(count({.person = other, .cohort = cohort, .exercise = world.exercise.id}), 1u);
-  AttemptRow newest = store_->Attempts({.limit = 1})->front();
+  AttemptRow newest = store_->attempts.Attempts({.limit = 1})->front();
   EXPECT_EQ(count({.before = newest.id}), 1u);
 }
 
 TEST_P(StoreTest, OnlyAScoredAttemptIsReleased) {
   World world(*store_);
   Uuid open = world.OpenedAttempt();
-  EXPECT_EQ(store_->ReleaseAttempt(open, kSystem).code(), Code::kConflict);
+  EXPECT_EQ(store_->judging.ReleaseAttempt(open, kSystem).code(), Code::kConflict);
   Uuid scored = world.ScoredAttempt();
-  ASSERT_TRUE(store_->ReleaseAttempt(scored, kSystem).ok());
-  EXPECT_TRUE(store_->AttemptById(scored)->released);
+  ASSERT_TRUE(store_->judging.ReleaseAttempt(scored, kSystem).ok());
+  EXPECT_TRUE(store_->attempts.AttemptById(scored)->released);
 }
 
 TEST_P(StoreTest, ReferenceQueuesAttemptsThatWereScoredWithoutOne) {
   World world(*store_);
   Uuid scored = world.ScoredAttempt();
-  auto job = store_->LeaseJob(1, 1000);
+  auto job = store_->jobs.LeaseJob(1, 1000);
   ASSERT_TRUE(job.ok() && job->has_value());
-  ASSERT_TRUE(store_->FinishJob((*job)->lease, true, "").ok());
-  Store::AttemptResult done;
+  ASSERT_TRUE(store_->jobs.FinishJob((*job)->lease, true, "").ok());
+  AttemptResult done;
   done.score = 100;
-  ASSERT_TRUE(store_->FinishAttempt(scored, done, {}).ok());
-  EXPECT_FALSE(store_->LeaseJob(1, 1000)->has_value());
+  ASSERT_TRUE(store_->results.FinishAttempt(scored, done, {}).ok());
+  EXPECT_FALSE(store_->jobs.LeaseJob(1, 1000)->has_value());
 
-  auto reference = store_->AddReference(scored, "Dr. Example", true, kSystem);
+  auto reference = store_->references.AddReference(scored, "Dr. Example", true, kSystem);
   ASSERT_TRUE(reference.ok()) << reference.status().message();
-  EXPECT_EQ(store_->ReferenceFor(world.exercise.id)->value().attempt, scored);
-  auto again = store_->LeaseJob(1, 1000);
+  EXPECT_EQ(store_->references.ReferenceFor(world.exercise.id)->value().attempt, scored);
+  auto again = store_->jobs.LeaseJob(1, 1000);
   ASSERT_TRUE(again->has_value());
   EXPECT_EQ((*again)->attempt, scored);
 
-  Store::AttemptResult result;
+  AttemptResult result;
   result.reference = scored;
-  ASSERT_TRUE(store_->FinishAttempt(scored, result, {}).ok());
-  EXPECT_EQ(store_->ResultOf(scored).status().code(), Code::kOk);
-  EXPECT_EQ(store_->ResultOf(scored)->reference, scored);
+  ASSERT_TRUE(store_->results.FinishAttempt(scored, result, {}).ok());
+  EXPECT_EQ(store_->results.ResultOf(scored).status().code(), Code::kOk);
+  EXPECT_EQ(store_->results.ResultOf(scored)->reference, scored);
 }
 
 TEST_P(StoreTest, ReferenceQueuesAttemptsThatFailedForWantOfOne) {
   World world(*store_);
   Uuid waiting = world.OpenedAttempt();
-  ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(waiting, 1)), 200).ok());
-  auto job = store_->LeaseJob(1, 1000);
+  ASSERT_TRUE(store_->seals.SealAttempt(World::SealOf(world.Append(waiting, 1)), 200).ok());
+  auto job = store_->jobs.LeaseJob(1, 1000);
   ASSERT_TRUE(job.ok() && job->has_value());
-  ASSERT_TRUE(store_->FailAttempt(waiting, "no reference yet", {}).ok());
-  ASSERT_TRUE(store_->FinishJob((*job)->lease, true, "").ok());
+  ASSERT_TRUE(store_->results.FailAttempt(waiting, "no reference yet", {}).ok());
+  ASSERT_TRUE(store_->jobs.FinishJob((*job)->lease, true, "").ok());
 
   Uuid reference = world.ScoredAttempt();
-  ASSERT_TRUE(store_->AddReference(reference, "Dr. Example", true, kSystem).ok());
+  ASSERT_TRUE(store_->references.AddReference(reference, "Dr. Example", true, kSystem).ok());
   bool queued = false;
-  for (auto next = store_->LeaseJob(1, 1000); next->has_value(); next = store_->LeaseJob(1, 1000)) {
+  for (auto next = store_->jobs.LeaseJob(1, 1000); next->has_value();
+       next = store_->jobs.LeaseJob(1, 1000)) {
     queued |= (*next)->attempt == waiting;
   }
   EXPECT_TRUE(queued);
-  EXPECT_EQ(store_->AttemptById(waiting)->problem, "");
+  EXPECT_EQ(store_->attempts.AttemptById(waiting)->problem, "");
 }
 
 TEST_P(StoreTest, JobWhoseLeaseRanOutIsTakenAgainAndFailsAfterThreeTries) {
   World world(*store_);
   Uuid attempt = world.OpenedAttempt();
-  ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
+  ASSERT_TRUE(store_->seals.SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
   UnixMs now = 1000;
   for (uint32_t tries = 1; tries <= 3; ++tries) {
-    auto job = store_->LeaseJob(now, 50);
+    auto job = store_->jobs.LeaseJob(now, 50);
     ASSERT_TRUE(job->has_value());
     EXPECT_EQ((*job)->tries, tries);
-    EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kScoring);
-    EXPECT_FALSE(store_->LeaseJob(now + 50, 50)->has_value()) << "leased";
+    EXPECT_EQ(store_->attempts.AttemptById(attempt)->state, AttemptState::kScoring);
+    EXPECT_FALSE(store_->jobs.LeaseJob(now + 50, 50)->has_value()) << "leased";
     now += 100;
   }
-  EXPECT_FALSE(store_->LeaseJob(now, 50)->has_value());
-  EXPECT_EQ(store_->Jobs("failed")->size(), 1u);
-  EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kFailed);
+  EXPECT_FALSE(store_->jobs.LeaseJob(now, 50)->has_value());
+  EXPECT_EQ(store_->jobs.Jobs("failed")->size(), 1u);
+  EXPECT_EQ(store_->attempts.AttemptById(attempt)->state, AttemptState::kFailed);
 }
 
 TEST_P(StoreTest, LeaseThatIsKeptDoesNotRunOut) {
   World world(*store_);
   Uuid attempt = world.OpenedAttempt();
-  ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
-  const Uuid run = store_->LeaseJob(1000, 50)->value().lease;
-  ASSERT_TRUE(store_->KeepLease(run, 5000).ok());
-  EXPECT_FALSE(store_->LeaseJob(4000, 50)->has_value());
-  ASSERT_TRUE(store_->LeaseJob(6000, 50)->has_value());
-  const Status late = store_->KeepLease(run, 9000);
+  ASSERT_TRUE(store_->seals.SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
+  const Uuid run = store_->jobs.LeaseJob(1000, 50)->value().lease;
+  ASSERT_TRUE(store_->jobs.KeepLease(run, 5000).ok());
+  EXPECT_FALSE(store_->jobs.LeaseJob(4000, 50)->has_value());
+  ASSERT_TRUE(store_->jobs.LeaseJob(6000, 50)->has_value());
+  const Status late = store_->jobs.KeepLease(run, 9000);
   EXPECT_EQ(late.code(), Code::kUnavailable);
   EXPECT_EQ(late.field(), kLeaseOver);
-  EXPECT_EQ(store_->KeepLease(Uuid::New(), 9000).field(), kLeaseOver);
+  EXPECT_EQ(store_->jobs.KeepLease(Uuid::New(), 9000).field(), kLeaseOver);
 }
 
 TEST_P(StoreTest, ReturnedJobIsQueuedAgainWithoutCountingTheTry) {
   World world(*store_);
   Uuid attempt = world.OpenedAttempt();
-  ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
+  ASSERT_TRUE(store_->seals.SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
   for (int i = 0; i < 5; ++i) {
-    auto job = store_->LeaseJob(1, 1000);
+    auto job = store_->jobs.LeaseJob(1, 1000);
     ASSERT_TRUE(job->has_value());
     EXPECT_EQ((*job)->tries, 1u);
-    ASSERT_TRUE(store_->ReturnJob((*job)->lease).ok());
-    EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kSealed);
+    ASSERT_TRUE(store_->jobs.ReturnJob((*job)->lease).ok());
+    EXPECT_EQ(store_->attempts.AttemptById(attempt)->state, AttemptState::kSealed);
   }
 }
 
 TEST_P(StoreTest, FailedTryIsQueuedAgainWithItsError) {
   World world(*store_);
   Uuid attempt = world.OpenedAttempt();
-  ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
-  Uuid run = store_->LeaseJob(1, 50)->value().lease;
-  ASSERT_TRUE(store_->FinishJob(run, false, "disk full").ok());
-  EXPECT_EQ(store_->Jobs("queued")->front().error, "disk full");
-  EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kSealed);
+  ASSERT_TRUE(store_->seals.SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
+  Uuid run = store_->jobs.LeaseJob(1, 50)->value().lease;
+  ASSERT_TRUE(store_->jobs.FinishJob(run, false, "disk full").ok());
+  EXPECT_EQ(store_->jobs.Jobs("queued")->front().error, "disk full");
+  EXPECT_EQ(store_->attempts.AttemptById(attempt)->state, AttemptState::kSealed);
 }
 
 TEST_P(StoreTest, AWorkerThatDiesAfterItsResultIsNotFollowedByAnother) {
   World world(*store_);
   Uuid attempt = world.OpenedAttempt();
-  ASSERT_TRUE(store_->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
-  const Uuid run = store_->LeaseJob(1, 50)->value().lease;
-  Store::AttemptResult result;
+  ASSERT_TRUE(store_->seals.SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
+  const Uuid run = store_->jobs.LeaseJob(1, 50)->value().lease;
+  AttemptResult result;
   result.score = 50;
   result.score_json = PutText(*store_, "score");
-  ASSERT_TRUE(store_->FinishAttempt(attempt, result, run).ok());
-  EXPECT_FALSE(store_->LeaseJob(1'000'000'000'000'000, 50)->has_value());
-  EXPECT_EQ(store_->Jobs("done")->size(), 1u);
-  EXPECT_EQ(store_->ResultsOf(attempt)->size(), 1u);
+  ASSERT_TRUE(store_->results.FinishAttempt(attempt, result, run).ok());
+  EXPECT_FALSE(store_->jobs.LeaseJob(1'000'000'000'000'000, 50)->has_value());
+  EXPECT_EQ(store_->jobs.Jobs("done")->size(), 1u);
+  EXPECT_EQ(store_->results.ResultsOf(attempt)->size(), 1u);
   // It was only slow.
-  EXPECT_TRUE(store_->FinishJob(run, true, "").ok());
-  EXPECT_TRUE(store_->FinishJob(run, false, "late").ok());
-  EXPECT_EQ(store_->Jobs("done")->size(), 1u);
+  EXPECT_TRUE(store_->jobs.FinishJob(run, true, "").ok());
+  EXPECT_TRUE(store_->jobs.FinishJob(run, false, "late").ok());
+  EXPECT_EQ(store_->jobs.Jobs("done")->size(), 1u);
 }
 
 TEST_P(StoreTest, EveryChangeLeavesAnAuditRowWithItsActor) {
   World world(*store_);
   Uuid scored = world.ScoredAttempt();
-  ASSERT_TRUE(store_->ReleaseAttempt(scored, Actor{world.student, "page"}).ok());
-  auto rows = store_->Audit(100);
+  ASSERT_TRUE(store_->judging.ReleaseAttempt(scored, Actor{world.student, "page"}).ok());
+  auto rows = store_->audit.Audit(100);
   auto released = std::find_if(rows->begin(), rows->end(),
                                [](const AuditRow& row) { return row.action == "attempt.release"; });
   ASSERT_NE(released, rows->end());

@@ -1,10 +1,11 @@
-#include "server/storage/engine/database_file.h"
+#include "server/storage/folder/database_file.h"
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
 #include "common/base/file.h"
+#include "server/storage/open_store.h"
 #include "tests/support/s3_stand_in.h"
 #include "tests/support/temp_folder.h"
 
@@ -73,7 +74,7 @@ TEST_F(DatabaseFileTest, BlobsInS3WithRowsInSqliteAreRefused) {
   EXPECT_EQ(status.code(), Code::kInvalidInput);
   EXPECT_NE(status.message().find("enamel.db are one machine's"), std::string::npos)
       << status.message();
-  SqliteOptions options;
+  StoreOptions options;
   options.folder = folder_.path();
   EXPECT_EQ(OpenStore(options).status().code(), Code::kInvalidInput);
 }

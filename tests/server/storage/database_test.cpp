@@ -10,7 +10,7 @@
 #include "tests/server/storage/store_world.h"
 
 // enamel.db as the server opens it: how much it keeps, and what it tells of failures.
-namespace enamel::server::sqlite {
+namespace enamel::server {
 namespace {
 
 using namespace enamel::server::testing;
@@ -36,7 +36,7 @@ TEST_F(DatabaseTest, ListsAskedForInThousandsOfWaysTakeNoMoreMemory) {
     filter.flags = 1 + salt % 511;
     filter.state = static_cast<AttemptState>(1 + salt % 7);
     if (salt % 2 == 0) filter.before = Uuid::New();
-    EXPECT_TRUE(store->Attempts(filter).ok());
+    EXPECT_TRUE(store->attempts.Attempts(filter).ok());
   };
   for (uint32_t salt = 0; salt < 200; ++salt) ask(salt);
   const int64_t before = sqlite3_memory_used();
@@ -94,4 +94,4 @@ TEST_F(DatabaseTest, EmptyingTheLogWaitsForAnotherConnectionThatDoesItJustNow) {
 }
 
 }  // namespace
-}  // namespace enamel::server::sqlite
+}  // namespace enamel::server

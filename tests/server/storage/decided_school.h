@@ -11,28 +11,31 @@ class DecidedSchoolTest : public VerifyTest {
     Store& store = *school_.store;
     teacher_ = AddPerson(store, "teacher", Role::kInstructor);
     const Actor by{teacher_, "page"};
-    other_ = *store.PublishExercise(school_.world.Exercise("other", "v1 of another"), Uuid{}, by);
+    other_ = *store.exercises.PublishExercise(school_.world.Exercise("other", "v1 of another"),
+                                              Uuid{}, by);
     AssignmentRow work;
     work.exercise = "exercise";
     work.due_ms = 9'000'000'000'000;
     work.attempt_limit = 3;
     work.stations = {school_.world.station};
-    assignment_ = store.AddAssignment(work, by)->id;
-    EXPECT_TRUE(store.ListDevice("hid:1209:0001:A7", "chair 3", by).ok());
+    assignment_ = store.assignments.AddAssignment(work, by)->id;
+    EXPECT_TRUE(store.devices.ListDevice("hid:1209:0001:A7", "chair 3", by).ok());
     RubricRow rubric{school_.world.exercise.id, 2, PutText(store, "rubric 2"), "too strict", 0};
-    EXPECT_TRUE(store.PublishRubric(rubric, by).ok());
+    EXPECT_TRUE(store.rubrics.PublishRubric(rubric, by).ok());
     graded_ = school_.Record(1);
     school_.Score(graded_, scored_);
-    reference_ = store.AddReference(scored_, "Dr. Example", true, by)->id;
-    EXPECT_TRUE(store.ReleaseAttempt(graded_, by, {}).ok());
-    EXPECT_TRUE(store.OverrideScore(graded_, ScoreOverride{70, "too deep", {}, 0}, by, {}).ok());
-    EXPECT_TRUE(store.FlagAttempt(graded_, kExcused, "was ill", by, {}).ok());
-    EXPECT_TRUE(store.FileAppeal(graded_, "please look again", Actor{student(), "page"}).ok());
-    EXPECT_TRUE(store.AnswerAppeal(graded_, false, "no", by).ok());
+    reference_ = store.references.AddReference(scored_, "Dr. Example", true, by)->id;
+    EXPECT_TRUE(store.judging.ReleaseAttempt(graded_, by, {}).ok());
+    EXPECT_TRUE(
+        store.judging.OverrideScore(graded_, ScoreOverride{70, "too deep", {}, 0}, by, {}).ok());
+    EXPECT_TRUE(store.judging.FlagAttempt(graded_, kExcused, "was ill", by, {}).ok());
+    EXPECT_TRUE(
+        store.appeals.FileAppeal(graded_, "please look again", Actor{student(), "page"}).ok());
+    EXPECT_TRUE(store.appeals.AnswerAppeal(graded_, false, "no", by).ok());
     AnnotationRow remark;
     remark.attempt = graded_;
     remark.text = "see the wall";
-    remark_ = store.AddAnnotation(remark, by)->id;
+    remark_ = store.remarks.AddAnnotation(remark, by)->id;
   }
   Uuid student() const { return school_.world.student; }
 

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "server/storage/engine/backup.h"
+#include "server/storage/backup/backup.h"
 #include "tests/server/storage/store_world.h"
 
 // After an erasure neither the database's files nor a backup hold a word of or about the person,
@@ -34,27 +34,27 @@ class ErasedWordsTest : public ::testing::Test {
     Person person;
     person.login = "quixote";
     person.display_name = "Dulcinea Quixote";
-    gone_ = *store_->CreatePerson(person, "verifier", {}, kSystem);
+    gone_ = *store_->people.CreatePerson(person, "verifier", {}, kSystem);
     PersonEdit rename;
     rename.display_name = "Aldonza Lorenzo";
-    EXPECT_TRUE(store_->EditPerson(gone_, rename, 1, kSystem).ok());
+    EXPECT_TRUE(store_->people.EditPerson(gone_, rename, 1, kSystem).ok());
     RosterRow row;
     row.row = 2;
     row.login = "quixote";
     row.display_name = "Alonso Quijano";
     row.cohort = "year 3";
-    EXPECT_TRUE(store_->ImportRoster({row}, false, kSystem).ok());
+    EXPECT_TRUE(store_->roster.ImportRoster({row}, false, kSystem).ok());
   }
 
   Uuid Scored(const Uuid& person) {
     Uuid attempt = world_.NewAttemptOf(person).id;
-    EXPECT_TRUE(store_->OpenAttempt(attempt, AsBytes("header")).ok());
-    EXPECT_TRUE(store_->SealAttempt(World::SealOf(world_.Append(attempt, 1)), 200).ok());
-    Store::AttemptResult result;
+    EXPECT_TRUE(store_->tickets.OpenAttempt(attempt, AsBytes("header")).ok());
+    EXPECT_TRUE(store_->seals.SealAttempt(World::SealOf(world_.Append(attempt, 1)), 200).ok());
+    AttemptResult result;
     result.score = 80;
-    result.score_json = *store_->PutAttemptBlob(attempt, AsBytes("score of Mancha"));
-    EXPECT_TRUE(store_->FinishAttempt(attempt, result, {}).ok());
-    EXPECT_TRUE(store_->ReleaseAttempt(attempt, kSystem).ok());
+    result.score_json = *store_->blobs.PutAttemptBlob(attempt, AsBytes("score of Mancha"));
+    EXPECT_TRUE(store_->results.FinishAttempt(attempt, result, {}).ok());
+    EXPECT_TRUE(store_->judging.ReleaseAttempt(attempt, kSystem).ok());
     return attempt;
   }
 
@@ -65,7 +65,7 @@ class ErasedWordsTest : public ::testing::Test {
     row.author = teacher_;
     row.text = text;
     while (row.text.size() < bytes) row.text += " " + text;
-    return *store_->AddAnnotation(row, Actor{teacher_, "page"});
+    return *store_->remarks.AddAnnotation(row, Actor{teacher_, "page"});
   }
 
   // Everything that people may say about an attempt, some of it taken back again.
@@ -75,15 +75,17 @@ class ErasedWordsTest : public ::testing::Test {
       AnnotationRow remark = Remark(attempt, words, bytes);
       AnnotationRow edited = remark;
       edited.text = "edited " + words;
-      edited = *store_->ReplaceAnnotation(edited, by);
-      if (bytes > 200) EXPECT_TRUE(store_->DeleteAnnotation(edited.id, edited.revision, by).ok());
+      edited = *store_->remarks.ReplaceAnnotation(edited, by);
+      if (bytes > 200)
+        EXPECT_TRUE(store_->remarks.DeleteAnnotation(edited.id, edited.revision, by).ok());
     }
-    EXPECT_TRUE(store_->OverrideScore(attempt, ScoreOverride{50, words, {}, 0}, by).ok());
+    EXPECT_TRUE(store_->judging.OverrideScore(attempt, ScoreOverride{50, words, {}, 0}, by).ok());
     EXPECT_TRUE(
-        store_->OverrideScore(attempt, ScoreOverride{60, "later " + words, {}, 0}, by).ok());
-    EXPECT_TRUE(store_->FlagAttempt(attempt, kExcused, words, by).ok());
-    EXPECT_TRUE(store_->FileAppeal(attempt, words, Actor{person, "page"}).ok());
-    EXPECT_TRUE(store_->AnswerAppeal(attempt, false, words, by).ok());
+        store_->judging.OverrideScore(attempt, ScoreOverride{60, "later " + words, {}, 0}, by)
+            .ok());
+    EXPECT_TRUE(store_->judging.FlagAttempt(attempt, kExcused, words, by).ok());
+    EXPECT_TRUE(store_->appeals.FileAppeal(attempt, words, Actor{person, "page"}).ok());
+    EXPECT_TRUE(store_->appeals.AnswerAppeal(attempt, false, words, by).ok());
   }
 
   TempFolder folder_;
@@ -103,7 +105,7 @@ TEST_F(ErasedWordsTest, AreNeitherInTheDatabaseNorInABackup) {
     if (i % 8 == 0) SayAll(Scored(gone_), gone_, "Sancho Panza");
   }
   EXPECT_FALSE(FilesWith(folder_.path(), "Sancho Panza").empty());
-  auto report = store_->ErasePerson(gone_, true, kSystem);
+  auto report = store_->erasures.ErasePerson(gone_, true, kSystem);
   ASSERT_TRUE(report.ok()) << report.status().message();
   EXPECT_EQ(report->attempts, 5u);
   BackupOptions backup;
@@ -114,7 +116,7 @@ TEST_F(ErasedWordsTest, AreNeitherInTheDatabaseNorInABackup) {
     EXPECT_EQ(FilesWith(folder_.path(), words), std::vector<std::string>{}) << words;
   }
   EXPECT_FALSE(fs::exists(folder_.path() / "data" / "REWRITE"));
-  auto trail = *store_->Audit(1000);
+  auto trail = *store_->audit.Audit(1000);
   auto tells = [&](const std::string& text) {
     return std::ranges::any_of(
         trail, [&](const AuditRow& row) { return row.after_json.find(text) != std::string::npos; });
@@ -125,16 +127,16 @@ TEST_F(ErasedWordsTest, AreNeitherInTheDatabaseNorInABackup) {
 
 TEST_F(ErasedWordsTest, WhatACrashLeftInTheDatabaseIsGoneOnceTheNextServerRuns) {
   SayAll(Scored(gone_), gone_, "Sancho Panza");
-  ASSERT_TRUE(store_->ErasePerson(gone_, true, kSystem).ok());
+  ASSERT_TRUE(store_->erasures.ErasePerson(gone_, true, kSystem).ok());
   // As if the power had failed between deleting and writing anew.
   std::ofstream(folder_.path() / "data" / "REWRITE").close();
   store_.reset();
-  SqliteOptions server;
+  StoreOptions server;
   server.folder = folder_.path() / "data";
   server.hold_lock = true;
   auto next = OpenSqliteStore(server);
   ASSERT_TRUE(next.ok()) << next.status().message();
-  ASSERT_TRUE((*next)->FinishErasures().ok());
+  ASSERT_TRUE((*next)->erasures.FinishErasures().ok());
   EXPECT_FALSE(fs::exists(folder_.path() / "data" / "REWRITE"));
 }
 

@@ -1,8 +1,9 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 
-#include "server/storage/engine/disk.h"
+#include "server/storage/folder/disk.h"
 
 namespace enamel::server::testing {
 
@@ -11,6 +12,7 @@ class FailingDisk final : public Disk {
  public:
   int until_failure = -1;  // -1: never
   bool fired = false;
+  std::function<void()> before_change;
 
   Status Replace(const std::filesystem::path& path, ByteView data) override {
     return Fails() ? No() : SystemDisk().Replace(path, data);
@@ -44,6 +46,7 @@ class FailingDisk final : public Disk {
 
  private:
   bool Fails() {
+    if (before_change) before_change();
     if (until_failure < 0 || until_failure-- > 0) return false;
     fired = true;
     return true;

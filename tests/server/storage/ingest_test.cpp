@@ -20,25 +20,25 @@ INSTANTIATE_TEST_SUITE_P(Backends, IngestTest, ::testing::ValuesIn(Backends()), 
 
 TEST_P(IngestTest, HeaderIsOpenedOnceAndAgainOnlyWithTheSameBytes) {
   Uuid attempt = world_.OpenedAttempt();
-  EXPECT_TRUE(store_->OpenAttempt(attempt, AsBytes("header")).ok());
-  EXPECT_EQ(store_->OpenAttempt(attempt, AsBytes("another")).code(), Code::kConflict);
-  EXPECT_EQ(store_->OpenAttempt(Uuid::New(), AsBytes("header")).code(), Code::kNotFound);
+  EXPECT_TRUE(store_->tickets.OpenAttempt(attempt, AsBytes("header")).ok());
+  EXPECT_EQ(store_->tickets.OpenAttempt(attempt, AsBytes("another")).code(), Code::kConflict);
+  EXPECT_EQ(store_->tickets.OpenAttempt(Uuid::New(), AsBytes("header")).code(), Code::kNotFound);
 }
 
 TEST_P(IngestTest, KeepsTheFactsThatWereSaidLast) {
   Uuid attempt = world_.OpenedAttempt();
-  EXPECT_EQ(store_->AttemptById(attempt)->facts, "{}");
-  ASSERT_TRUE(store_->KeepFacts(attempt, "{\"resumed\":1}").ok());
-  ASSERT_TRUE(store_->KeepFacts(attempt, "{\"resumed\":2}").ok());
-  EXPECT_EQ(store_->AttemptById(attempt)->facts, "{\"resumed\":2}");
-  EXPECT_EQ(store_->KeepFacts(Uuid::New(), "{}").code(), Code::kNotFound);
+  EXPECT_EQ(store_->attempts.AttemptById(attempt)->facts, "{}");
+  ASSERT_TRUE(store_->tickets.KeepFacts(attempt, "{\"resumed\":1}").ok());
+  ASSERT_TRUE(store_->tickets.KeepFacts(attempt, "{\"resumed\":2}").ok());
+  EXPECT_EQ(store_->attempts.AttemptById(attempt)->facts, "{\"resumed\":2}");
+  EXPECT_EQ(store_->tickets.KeepFacts(Uuid::New(), "{}").code(), Code::kNotFound);
 }
 
 TEST_P(IngestTest, ChunksAreCountedOnceHoweverOftenTheyCome) {
   Uuid attempt = world_.OpenedAttempt();
   auto chunks = world_.Append(attempt, 3);
-  for (const auto& chunk : chunks) EXPECT_TRUE(store_->AppendChunk(chunk).ok());
-  AttemptRow row = *store_->AttemptById(attempt);
+  for (const auto& chunk : chunks) EXPECT_TRUE(store_->ingest.AppendChunk(chunk).ok());
+  AttemptRow row = *store_->attempts.AttemptById(attempt);
   EXPECT_EQ(row.chunks, 3u);
   EXPECT_EQ(row.ticks, 3u * World::kTicksPerChunk);
   EXPECT_EQ(row.state, AttemptState::kRecording);
@@ -46,7 +46,7 @@ TEST_P(IngestTest, ChunksAreCountedOnceHoweverOftenTheyCome) {
 
 TEST_P(IngestTest, ChunkOutOfOrderNamesTheExpectedOne) {
   Uuid attempt = world_.OpenedAttempt();
-  Status status = store_->AppendChunk(world_.Chunk(attempt, 2, World::HeaderHash()));
+  Status status = store_->ingest.AppendChunk(world_.Chunk(attempt, 2, World::HeaderHash()));
   EXPECT_EQ(status.code(), Code::kConflict);
   EXPECT_EQ(status.field(), "seq");
   EXPECT_NE(status.message().find("expected chunk 0"), std::string::npos) << status.message();
@@ -54,37 +54,38 @@ TEST_P(IngestTest, ChunkOutOfOrderNamesTheExpectedOne) {
 
 TEST_P(IngestTest, ChunkOfAnotherChainIsRefused) {
   Uuid attempt = world_.OpenedAttempt();
-  Status status = store_->AppendChunk(world_.Chunk(attempt, 0, HashSha256(AsBytes("elsewhere"))));
+  Status status =
+      store_->ingest.AppendChunk(world_.Chunk(attempt, 0, HashSha256(AsBytes("elsewhere"))));
   EXPECT_EQ(status.code(), Code::kConflict);
   EXPECT_EQ(status.field(), "previous");
-  EXPECT_EQ(store_->AttemptById(attempt)->chunks, 0u);
+  EXPECT_EQ(store_->attempts.AttemptById(attempt)->chunks, 0u);
 }
 
 TEST_P(IngestTest, ContradictingChunkQuarantinesTheAttemptAndKeepsBoth) {
   Uuid attempt = world_.OpenedAttempt();
   auto chunks = world_.Append(attempt, 1);
-  EXPECT_EQ(store_->AppendChunk(world_.Chunk(attempt, 0, World::HeaderHash(), 9)).code(),
+  EXPECT_EQ(store_->ingest.AppendChunk(world_.Chunk(attempt, 0, World::HeaderHash(), 9)).code(),
             Code::kConflict);
-  AttemptRow row = *store_->AttemptById(attempt);
+  AttemptRow row = *store_->attempts.AttemptById(attempt);
   EXPECT_EQ(row.state, AttemptState::kQuarantined);
   EXPECT_FALSE(row.problem.empty());
-  EXPECT_EQ(store_->AttemptChunks(attempt)->front(), chunks[0].bytes);
-  EXPECT_EQ(store_->SealAttempt(World::SealOf(chunks), 1).code(), Code::kConflict);
+  EXPECT_EQ(store_->recordings.AttemptChunks(attempt)->front(), chunks[0].bytes);
+  EXPECT_EQ(store_->seals.SealAttempt(World::SealOf(chunks), 1).code(), Code::kConflict);
 }
 
 TEST_P(IngestTest, SealedTraceReadsBackTheSameBytes) {
   Uuid attempt = world_.OpenedAttempt();
   auto chunks = world_.Append(attempt, 4);
   trace::Seal seal = World::SealOf(chunks);
-  ASSERT_TRUE(store_->SealAttempt(seal, 200).ok());
-  EXPECT_TRUE(store_->SealAttempt(seal, 300).ok()) << "again: nothing to do";
-  auto stored = store_->AttemptChunks(attempt);
+  ASSERT_TRUE(store_->seals.SealAttempt(seal, 200).ok());
+  EXPECT_TRUE(store_->seals.SealAttempt(seal, 300).ok()) << "again: nothing to do";
+  auto stored = store_->recordings.AttemptChunks(attempt);
   ASSERT_EQ(stored->size(), chunks.size());
   for (size_t i = 0; i < chunks.size(); ++i) EXPECT_EQ((*stored)[i], chunks[i].bytes);
-  EXPECT_EQ(*store_->AttemptHeader(attempt), Bytes({'h', 'e', 'a', 'd', 'e', 'r'}));
-  EXPECT_EQ(store_->AttemptSeal(attempt)->state_hash, seal.state_hash);
-  EXPECT_EQ(store_->AttemptById(attempt)->sealed_ms, 200);
-  EXPECT_EQ(store_->Jobs("queued")->size(), 1u);
+  EXPECT_EQ(*store_->recordings.AttemptHeader(attempt), Bytes({'h', 'e', 'a', 'd', 'e', 'r'}));
+  EXPECT_EQ(store_->recordings.AttemptSeal(attempt)->state_hash, seal.state_hash);
+  EXPECT_EQ(store_->attempts.AttemptById(attempt)->sealed_ms, 200);
+  EXPECT_EQ(store_->jobs.Jobs("queued")->size(), 1u);
 }
 
 TEST_P(IngestTest, SealThatDoesNotMatchTheChunksIsRefused) {
@@ -92,33 +93,35 @@ TEST_P(IngestTest, SealThatDoesNotMatchTheChunksIsRefused) {
   auto chunks = world_.Append(attempt, 2);
   trace::Seal seal = World::SealOf(chunks);
   ++seal.chunks;
-  EXPECT_EQ(store_->SealAttempt(seal, 200).code(), Code::kConflict);
-  EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kRecording);
+  EXPECT_EQ(store_->seals.SealAttempt(seal, 200).code(), Code::kConflict);
+  EXPECT_EQ(store_->attempts.AttemptById(attempt)->state, AttemptState::kRecording);
 }
 
 TEST_P(IngestTest, SealedAttemptTakesRepeatsButNothingNew) {
   Uuid attempt = world_.OpenedAttempt();
   auto chunks = world_.Append(attempt, 2);
-  ASSERT_TRUE(store_->SealAttempt(World::SealOf(chunks), 200).ok());
-  EXPECT_TRUE(store_->AppendChunk(chunks[1]).ok());
-  EXPECT_EQ(store_->AppendChunk(world_.Chunk(attempt, 1, chunks[0].hash, 5)).code(),
+  ASSERT_TRUE(store_->seals.SealAttempt(World::SealOf(chunks), 200).ok());
+  EXPECT_TRUE(store_->ingest.AppendChunk(chunks[1]).ok());
+  EXPECT_EQ(store_->ingest.AppendChunk(world_.Chunk(attempt, 1, chunks[0].hash, 5)).code(),
             Code::kConflict);
-  EXPECT_EQ(store_->AppendChunk(world_.Chunk(attempt, 2, chunks[1].hash)).code(), Code::kConflict);
-  EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kSealed);
+  EXPECT_EQ(store_->ingest.AppendChunk(world_.Chunk(attempt, 2, chunks[1].hash)).code(),
+            Code::kConflict);
+  EXPECT_EQ(store_->attempts.AttemptById(attempt)->state, AttemptState::kSealed);
 }
 
 TEST_P(IngestTest, ContradictionIsToldOnceAndShownHoweverOftenItComes) {
   Uuid attempt = world_.OpenedAttempt();
   auto chunks = world_.Append(attempt, 1);
   for (int salt = 1; salt <= 40; ++salt) {
-    EXPECT_FALSE(store_->AppendChunk(world_.Chunk(attempt, 0, World::HeaderHash(), salt)).ok());
+    EXPECT_FALSE(
+        store_->ingest.AppendChunk(world_.Chunk(attempt, 0, World::HeaderHash(), salt)).ok());
   }
   AuditFilter about;
   about.object = attempt.Text();
   about.action = "attempt.quarantine";
-  EXPECT_EQ(store_->FindAudit(about)->size(), 1u);
-  EXPECT_EQ(store_->AttemptById(attempt)->flags & kContradicted, kContradicted);
-  auto evidence = *store_->ContradictionsOf(attempt);
+  EXPECT_EQ(store_->audit.FindAudit(about)->size(), 1u);
+  EXPECT_EQ(store_->attempts.AttemptById(attempt)->flags & kContradicted, kContradicted);
+  auto evidence = *store_->recordings.ContradictionsOf(attempt);
   ASSERT_FALSE(evidence.empty());
   EXPECT_LE(evidence.size(), 16u);
   EXPECT_EQ(evidence[0].seq, 0u);
@@ -129,19 +132,19 @@ TEST_P(IngestTest, ContradictionIsToldOnceAndShownHoweverOftenItComes) {
 TEST_P(IngestTest, ContradictionAfterTheSealIsFlaggedOnceAndChangesNothing) {
   Uuid attempt = world_.OpenedAttempt();
   auto chunks = world_.Append(attempt, 2);
-  ASSERT_TRUE(store_->SealAttempt(World::SealOf(chunks), 200).ok());
+  ASSERT_TRUE(store_->seals.SealAttempt(World::SealOf(chunks), 200).ok());
   for (int salt = 1; salt <= 3; ++salt) {
-    EXPECT_FALSE(store_->AppendChunk(world_.Chunk(attempt, 1, chunks[0].hash, salt)).ok());
+    EXPECT_FALSE(store_->ingest.AppendChunk(world_.Chunk(attempt, 1, chunks[0].hash, salt)).ok());
   }
-  AttemptRow row = *store_->AttemptById(attempt);
+  AttemptRow row = *store_->attempts.AttemptById(attempt);
   EXPECT_EQ(row.state, AttemptState::kSealed);
   EXPECT_EQ(row.flags & kContradicted, kContradicted);
   AuditFilter about;
   about.object = attempt.Text();
   about.action = "attempt.flag";
-  EXPECT_EQ(store_->FindAudit(about)->size(), 1u);
-  EXPECT_EQ(store_->ContradictionsOf(attempt)->size(), 3u);
-  EXPECT_EQ(store_->AttemptChunks(attempt)->at(1), chunks[1].bytes);
+  EXPECT_EQ(store_->audit.FindAudit(about)->size(), 1u);
+  EXPECT_EQ(store_->recordings.ContradictionsOf(attempt)->size(), 3u);
+  EXPECT_EQ(store_->recordings.AttemptChunks(attempt)->at(1), chunks[1].bytes);
 }
 
 // A copy of a station's folder uses a reserved ticket once more. Whatever the second recording is
@@ -152,84 +155,88 @@ TEST_P(IngestTest, TicketThatWasClonedIsFoundHoweverLongTheSecondRecordingIs) {
       SCOPED_TRACE(std::to_string(others) + (sealed ? " after the seal" : " before the seal"));
       Uuid attempt = world_.OpenedAttempt();
       auto first = world_.Append(attempt, 3);
-      if (sealed) ASSERT_TRUE(store_->SealAttempt(World::SealOf(first), 200).ok());
+      if (sealed) ASSERT_TRUE(store_->seals.SealAttempt(World::SealOf(first), 200).ok());
       // The station of the copy sends what it is asked for: what comes after the committed ones.
-      ASSERT_TRUE(store_->OpenAttempt(attempt, AsBytes("header")).ok()) << "the same ticket";
-      std::vector<Store::ChunkPut> second;
+      ASSERT_TRUE(store_->tickets.OpenAttempt(attempt, AsBytes("header")).ok())
+          << "the same ticket";
+      std::vector<ChunkPut> second;
       Sha256 previous = World::HeaderHash();
       for (uint32_t seq = 0; seq < others; ++seq) {
         second.push_back(world_.Chunk(attempt, seq, previous, 7));
         previous = second.back().hash;
       }
       for (uint32_t seq = 3; seq < others; ++seq) {
-        EXPECT_EQ(store_->AppendChunk(second[seq]).code(), Code::kConflict);
+        EXPECT_EQ(store_->ingest.AppendChunk(second[seq]).code(), Code::kConflict);
       }
-      EXPECT_EQ(store_->SealAttempt(World::SealOf(second), 300).code(), Code::kConflict);
+      EXPECT_EQ(store_->seals.SealAttempt(World::SealOf(second), 300).code(), Code::kConflict);
 
-      AttemptRow row = *store_->AttemptById(attempt);
+      AttemptRow row = *store_->attempts.AttemptById(attempt);
       EXPECT_EQ(row.flags & kContradicted, kContradicted);
       EXPECT_EQ(row.chunks, 3u) << "what was there stays";
-      EXPECT_EQ(store_->AttemptChunks(attempt)->back(), first.back().bytes);
+      EXPECT_EQ(store_->recordings.AttemptChunks(attempt)->back(), first.back().bytes);
       AuditFilter about;
       about.object = attempt.Text();
       about.action = "attempt.flag";
-      auto told = *store_->FindAudit(about);
+      auto told = *store_->audit.FindAudit(about);
       ASSERT_EQ(told.size(), 1u) << "once";
       EXPECT_NE(told[0].after_json.find("two recordings"), std::string::npos);
-      if (!sealed) EXPECT_TRUE(store_->SealAttempt(World::SealOf(first), 400).ok());
+      if (!sealed) EXPECT_TRUE(store_->seals.SealAttempt(World::SealOf(first), 400).ok());
     }
   }
 }
 
 TEST_P(IngestTest, TicketThatWasClonedIsFoundByAnotherHeader) {
   Uuid attempt = world_.OpenedAttempt();
-  EXPECT_EQ(store_->OpenAttempt(attempt, AsBytes("other header")).code(), Code::kConflict);
-  EXPECT_EQ(store_->AttemptById(attempt)->flags & kContradicted, kContradicted);
-  EXPECT_EQ(AsText(*store_->AttemptHeader(attempt)), "header");
+  EXPECT_EQ(store_->tickets.OpenAttempt(attempt, AsBytes("other header")).code(), Code::kConflict);
+  EXPECT_EQ(store_->attempts.AttemptById(attempt)->flags & kContradicted, kContradicted);
+  EXPECT_EQ(AsText(*store_->recordings.AttemptHeader(attempt)), "header");
 }
 
 TEST_P(IngestTest, StationThatComesBackAfterABreakIsNoContradiction) {
   Uuid attempt = world_.OpenedAttempt();
   auto chunks = world_.Append(attempt, 2);
-  Store::ChunkPut third = world_.Chunk(attempt, 2, chunks[1].hash);
+  ChunkPut third = world_.Chunk(attempt, 2, chunks[1].hash);
   auto all = chunks;
   all.push_back(third);
-  EXPECT_FALSE(store_->SealAttempt(World::SealOf(all), 200).ok()) << "its chunk is still missing";
-  EXPECT_FALSE(store_->AppendChunk(world_.Chunk(attempt, 3, third.hash)).ok()) << "out of order";
-  for (const auto& chunk : all) EXPECT_TRUE(store_->AppendChunk(chunk).ok());
-  ASSERT_TRUE(store_->SealAttempt(World::SealOf(all), 300).ok());
-  for (const auto& chunk : all) EXPECT_TRUE(store_->AppendChunk(chunk).ok());
-  EXPECT_TRUE(store_->SealAttempt(World::SealOf(all), 400).ok());
-  EXPECT_EQ(store_->AttemptById(attempt)->flags, 0u);
+  EXPECT_FALSE(store_->seals.SealAttempt(World::SealOf(all), 200).ok())
+      << "its chunk is still missing";
+  EXPECT_FALSE(store_->ingest.AppendChunk(world_.Chunk(attempt, 3, third.hash)).ok())
+      << "out of order";
+  for (const auto& chunk : all) EXPECT_TRUE(store_->ingest.AppendChunk(chunk).ok());
+  ASSERT_TRUE(store_->seals.SealAttempt(World::SealOf(all), 300).ok());
+  for (const auto& chunk : all) EXPECT_TRUE(store_->ingest.AppendChunk(chunk).ok());
+  EXPECT_TRUE(store_->seals.SealAttempt(World::SealOf(all), 400).ok());
+  EXPECT_EQ(store_->attempts.AttemptById(attempt)->flags, 0u);
 }
 
 TEST_P(IngestTest, WhatIsCommittedOfAContradictedAttemptCanBeAccepted) {
   Uuid attempt = world_.OpenedAttempt();
   auto chunks = world_.Append(attempt, 2);
-  EXPECT_FALSE(store_->AppendChunk(world_.Chunk(attempt, 0, World::HeaderHash(), 9)).ok());
-  ASSERT_EQ(store_->AttemptById(attempt)->state, AttemptState::kQuarantined);
-  Status accepted = store_->Rescore(attempt, "rescore", kSystem);
+  EXPECT_FALSE(store_->ingest.AppendChunk(world_.Chunk(attempt, 0, World::HeaderHash(), 9)).ok());
+  ASSERT_EQ(store_->attempts.AttemptById(attempt)->state, AttemptState::kQuarantined);
+  Status accepted = store_->judging.Rescore(attempt, "rescore", kSystem);
   ASSERT_TRUE(accepted.ok()) << accepted.message();
-  AttemptRow row = *store_->AttemptById(attempt);
+  AttemptRow row = *store_->attempts.AttemptById(attempt);
   EXPECT_EQ(row.state, AttemptState::kSealed);
   EXPECT_GT(row.sealed_ms, 0);
   EXPECT_EQ(row.flags & kContradicted, kContradicted) << "it stays known";
-  EXPECT_EQ(store_->AttemptSeal(attempt)->last_chunk, chunks[1].hash);
-  EXPECT_EQ(store_->AttemptChunks(attempt)->size(), 2u);
-  EXPECT_EQ(store_->Jobs("queued")->size(), 1u);
+  EXPECT_EQ(store_->recordings.AttemptSeal(attempt)->last_chunk, chunks[1].hash);
+  EXPECT_EQ(store_->recordings.AttemptChunks(attempt)->size(), 2u);
+  EXPECT_EQ(store_->jobs.Jobs("queued")->size(), 1u);
   AuditFilter about;
   about.object = attempt.Text();
   about.action = "attempt.accept";
-  EXPECT_EQ(store_->FindAudit(about)->size(), 1u);
+  EXPECT_EQ(store_->audit.FindAudit(about)->size(), 1u);
   Reopen();
-  EXPECT_EQ(store_->AttemptChunks(attempt)->at(1), chunks[1].bytes);
-  EXPECT_TRUE(store_->SealAttempt(World::SealOf(chunks), 300).ok()) << "the station's own seal";
+  EXPECT_EQ(store_->recordings.AttemptChunks(attempt)->at(1), chunks[1].bytes);
+  EXPECT_TRUE(store_->seals.SealAttempt(World::SealOf(chunks), 300).ok())
+      << "the station's own seal";
 }
 
 TEST_P(IngestTest, NothingCommittedIsNothingToAccept) {
   Uuid attempt = world_.OpenedAttempt();
-  EXPECT_EQ(store_->Rescore(attempt, "rescore", kSystem).code(), Code::kConflict);
-  EXPECT_EQ(store_->AttemptById(attempt)->state, AttemptState::kRecording);
+  EXPECT_EQ(store_->judging.Rescore(attempt, "rescore", kSystem).code(), Code::kConflict);
+  EXPECT_EQ(store_->attempts.AttemptById(attempt)->state, AttemptState::kRecording);
 }
 
 TEST_P(IngestTest, TicketOfSomethingThatIsNotHereNamesIt) {
@@ -241,7 +248,7 @@ TEST_P(IngestTest, TicketOfSomethingThatIsNotHereNamesIt) {
     row.exercise = world_.exercise.id;
     row.profile_content = world_.profile;
     spoil(row);
-    return store_->CreateAttempt(row, AsBytes("ticket"), kSystem);
+    return store_->tickets.CreateAttempt(row, AsBytes("ticket"), kSystem);
   };
   Status person = refused([](AttemptRow& row) { row.person = Uuid::New(); });
   EXPECT_EQ(person.code(), Code::kNotFound);
@@ -249,13 +256,14 @@ TEST_P(IngestTest, TicketOfSomethingThatIsNotHereNamesIt) {
   EXPECT_EQ(refused([](AttemptRow& row) { row.station = Uuid::New(); }).field(), "station");
   EXPECT_EQ(refused([](AttemptRow& row) { row.exercise = Uuid::New(); }).field(), "exercise");
   Uuid erased = AddPerson(*store_, "erased", Role::kStudent);
-  ASSERT_TRUE(store_->ErasePerson(erased, false, kSystem).ok());
+  ASSERT_TRUE(store_->erasures.ErasePerson(erased, false, kSystem).ok());
   Status gone = refused([&](AttemptRow& row) { row.person = erased; });
   EXPECT_EQ(gone.code(), Code::kConflict) << "for good";
   Person again;
   again.id = erased;
   again.login = "erased";
-  EXPECT_EQ(store_->CreatePerson(again, "none", {}, kSystem).status().code(), Code::kConflict);
+  EXPECT_EQ(store_->people.CreatePerson(again, "none", {}, kSystem).status().code(),
+            Code::kConflict);
 }
 
 TEST_P(IngestTest, ConcurrentAttemptsAllCommit) {
@@ -269,7 +277,7 @@ TEST_P(IngestTest, ConcurrentAttemptsAllCommit) {
   for (auto& thread : threads) thread.join();
   Reopen();
   for (const Uuid& attempt : attempts)
-    EXPECT_EQ(store_->AttemptChunks(attempt)->size(), size_t{kChunks});
+    EXPECT_EQ(store_->recordings.AttemptChunks(attempt)->size(), size_t{kChunks});
 }
 
 }  // namespace

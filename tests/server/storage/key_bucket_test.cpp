@@ -1,4 +1,4 @@
-#include "server/storage/key_bucket.h"
+#include "server/storage/keys/key_bucket.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 
 #include "common/base/file.h"
 #include "common/base/hex.h"
-#include "server/storage/folder_keyring.h"
+#include "server/storage/keys/folder_keyring.h"
 #include "tests/server/storage/store_world.h"
 
 // Keys of people, and what is kept under them.

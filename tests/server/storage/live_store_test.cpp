@@ -18,12 +18,12 @@ class LiveStoreTest : public StoreSuite {
     row.tick = 7;
     row.text = text;
     row.to_chair = to_chair;
-    auto kept = world.store.AddAnnotation(row, author_);
+    auto kept = world.store.remarks.AddAnnotation(row, author_);
     EXPECT_TRUE(kept.ok()) << kept.status().message();
     return kept.ok() ? kept->remark_id : 0;
   }
   std::vector<ChairRemark> Remarks(UnixMs since_ms = 0) {
-    auto all = store_->ChairRemarks(since_ms);
+    auto all = store_->live.ChairRemarks(since_ms);
     EXPECT_TRUE(all.ok()) << all.status().message();
     return all.ok() ? *all : std::vector<ChairRemark>();
   }
@@ -62,11 +62,11 @@ TEST_P(LiveStoreTest, HowFarARemarkHasComeIsKeptAndNeverGoesBack) {
   all[0].state = RemarkState::kShown;
   all[0].shown_ms = 77;
   all[1].state = RemarkState::kSent;
-  ASSERT_TRUE(store_->MoveRemarks(all).ok());
+  ASSERT_TRUE(store_->live.MoveRemarks(all).ok());
   ChairRemark late = all[0];
   late.state = RemarkState::kSent;
   late.shown_ms = 0;
-  ASSERT_TRUE(store_->MoveRemarks({late}).ok());
+  ASSERT_TRUE(store_->live.MoveRemarks({late}).ok());
   Reopen();
   const std::vector<ChairRemark> kept = Remarks();
   ASSERT_EQ(kept.size(), 2u);
@@ -81,28 +81,28 @@ TEST_P(LiveStoreTest, ARemarkGoesWithItsAttemptAndWhenItIsDeleted) {
   const auto chunks = world.Append(attempt, 1);
   (void)Say(world, attempt, "stop");
   const uint64_t before = Say(world, deleted_from, "a mistake");
-  auto mistake = store_->AnnotationsOf(deleted_from);
-  ASSERT_TRUE(store_->DeleteAnnotation(mistake->at(0).id, 1, author_).ok());
+  auto mistake = store_->remarks.AnnotationsOf(deleted_from);
+  ASSERT_TRUE(store_->remarks.DeleteAnnotation(mistake->at(0).id, 1, author_).ok());
   ChairRemark gone;
   gone.attempt = deleted_from;
   gone.id = before;
   gone.state = RemarkState::kShown;
-  EXPECT_TRUE(store_->MoveRemarks({gone}).ok());
+  EXPECT_TRUE(store_->live.MoveRemarks({gone}).ok());
   (void)Say(world, deleted_from, "the next");
   EXPECT_EQ(Remarks().size(), 2u);
-  ASSERT_TRUE(store_->SealAttempt(World::SealOf(chunks), 200).ok());
+  ASSERT_TRUE(store_->seals.SealAttempt(World::SealOf(chunks), 200).ok());
   ASSERT_EQ(Remarks().size(), 1u) << "sealed: nobody is at the chair any more";
-  EXPECT_EQ(store_->AnnotationsOf(attempt)->at(0).text, "stop");
+  EXPECT_EQ(store_->remarks.AnnotationsOf(attempt)->at(0).text, "stop");
 }
 
 TEST_P(LiveStoreTest, OwnStationsAreNotElsewhere) {
   const Uuid station = Uuid::New();
-  EXPECT_EQ(store_->KeepLinks({{station, true}}, {}, /*anew=*/false).code(), Code::kNotFound)
+  EXPECT_EQ(store_->live.KeepLinks({{station, true}}, {}, /*anew=*/false).code(), Code::kNotFound)
       << "this server has not said that it runs";
-  ASSERT_TRUE(store_->KeepLinks({{station, true}}, {}, /*anew=*/true).ok());
-  ASSERT_TRUE(store_->KeepLinks({{station, false}}, {}, false).ok());
-  ASSERT_TRUE(store_->KeepLinks({}, {station, Uuid::New()}, false).ok());
-  EXPECT_TRUE(store_->LinksElsewhere()->empty());
+  ASSERT_TRUE(store_->live.KeepLinks({{station, true}}, {}, /*anew=*/true).ok());
+  ASSERT_TRUE(store_->live.KeepLinks({{station, false}}, {}, false).ok());
+  ASSERT_TRUE(store_->live.KeepLinks({}, {station, Uuid::New()}, false).ok());
+  EXPECT_TRUE(store_->live.LinksElsewhere()->empty());
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "server/storage/engine/manifest.h"
+#include "server/storage/verify/manifest.h"
 
 #include <gtest/gtest.h>
 

@@ -19,17 +19,17 @@ class MotionStoreTest : public StoreSuite {
     return attempt;
   }
   void Finish(const Uuid& attempt, const std::optional<NearAttempt>& near) {
-    auto result = *store_->ResultOf(attempt);
+    auto result = *store_->results.ResultOf(attempt);
     result.motion = Content(attempt);
     result.near = near;
-    ASSERT_TRUE(store_->FinishAttempt(attempt, result, {}).ok());
+    ASSERT_TRUE(store_->results.FinishAttempt(attempt, result, {}).ok());
   }
   Sha256 Content(const Uuid& attempt) {
-    return *store_->PutAttemptBlob(attempt, AsBytes("motion of " + attempt.Text()));
+    return *store_->blobs.PutAttemptBlob(attempt, AsBytes("motion of " + attempt.Text()));
   }
   std::vector<Uuid> Before(const Uuid& attempt, uint32_t limit = 100) {
     std::vector<Uuid> out;
-    auto rows = store_->MotionsBefore(attempt, limit);
+    auto rows = store_->motions.MotionsBefore(attempt, limit);
     EXPECT_TRUE(rows.ok()) << rows.status().message();
     for (const MotionRow& row : *rows) {
       out.push_back(row.attempt);
@@ -38,7 +38,7 @@ class MotionStoreTest : public StoreSuite {
     return out;
   }
   bool Flagged(const Uuid& attempt) {
-    return (store_->AttemptById(attempt)->flags & kNearAnother) != 0;
+    return (store_->attempts.AttemptById(attempt)->flags & kNearAnother) != 0;
   }
 
   World world_{*store_};
@@ -60,35 +60,35 @@ TEST_P(MotionStoreTest, WhatWasSealedBeforeIsFoundNewestFirst) {
 
 TEST_P(MotionStoreTest, WhatLiesNearestIsKeptAndFlagsTheAttempt) {
   const Uuid first = Moved(), copy = Moved(Near(first, true)), other = Moved(Near(first, false));
-  EXPECT_FALSE(*store_->NearestTo(first)) << "there was none before it";
+  EXPECT_FALSE(*store_->motions.NearestTo(first)) << "there was none before it";
   EXPECT_FALSE(Flagged(first));
-  EXPECT_EQ(*store_->NearestTo(copy), Near(first, true));
+  EXPECT_EQ(*store_->motions.NearestTo(copy), Near(first, true));
   EXPECT_TRUE(Flagged(copy));
-  EXPECT_EQ(*store_->NearestTo(other), Near(first, false));
+  EXPECT_EQ(*store_->motions.NearestTo(other), Near(first, false));
   EXPECT_FALSE(Flagged(other));
 }
 
 TEST_P(MotionStoreTest, TheNewestRunSaysWhetherItIsNear) {
   const Uuid first = Moved(), copy = Moved(Near(first, true));
-  auto unmeasured = *store_->ResultOf(copy);
+  auto unmeasured = *store_->results.ResultOf(copy);
   EXPECT_TRUE(unmeasured.motion.IsZero());
-  ASSERT_TRUE(store_->FinishAttempt(copy, unmeasured, {}).ok());
+  ASSERT_TRUE(store_->results.FinishAttempt(copy, unmeasured, {}).ok());
   EXPECT_TRUE(Flagged(copy)) << "a run that measured no motion says nothing";
   Finish(copy, Near(first, false));
   EXPECT_FALSE(Flagged(copy));
-  EXPECT_EQ(*store_->NearestTo(copy), Near(first, false));
+  EXPECT_EQ(*store_->motions.NearestTo(copy), Near(first, false));
 }
 
 TEST_P(MotionStoreTest, ItGoesWithTheRecording) {
   const Uuid attempt = Moved();
-  const Uuid run = store_->LeaseJob(1, 1000)->value().lease;
+  const Uuid run = store_->jobs.LeaseJob(1, 1000)->value().lease;
   Finish(attempt, {});
-  ASSERT_TRUE(store_->FinishJob(run, true, "").ok());
-  ASSERT_TRUE(store_->ReleaseAttempt(attempt, kSystem).ok());
+  ASSERT_TRUE(store_->jobs.FinishJob(run, true, "").ok());
+  ASSERT_TRUE(store_->judging.ReleaseAttempt(attempt, kSystem).ok());
   const Sha256 content = Content(attempt);
-  ASSERT_TRUE(store_->SetRetention({"recordings", 30}, kSystem).ok());
-  ASSERT_EQ(store_->ApplyRetention(kFortyDays, false, kSystem)->recordings.size(), 1u);
-  EXPECT_FALSE(store_->HasBlob(content));
+  ASSERT_TRUE(store_->retention.SetRetention({"recordings", 30}, kSystem).ok());
+  ASSERT_EQ(store_->retention.ApplyRetention(kFortyDays, false, kSystem)->recordings.size(), 1u);
+  EXPECT_FALSE(store_->blobs.HasBlob(content));
   EXPECT_TRUE(Before(Moved()).empty());
 }
 
@@ -99,10 +99,10 @@ TEST_P(MotionStoreTest, ItGoesWithThePersonAndIsNamedByNobodyThen) {
   const Uuid erased_student = world_.student;
   world_.student = AddPerson(*store_, "other", Role::kStudent);
   const Uuid stays = Moved(Near(attempt, true));
-  ASSERT_TRUE(store_->ErasePerson(erased_student, false, kSystem).ok());
-  EXPECT_FALSE(store_->HasBlob(content));
+  ASSERT_TRUE(store_->erasures.ErasePerson(erased_student, false, kSystem).ok());
+  EXPECT_FALSE(store_->blobs.HasBlob(content));
   EXPECT_TRUE(Before(stays).empty());
-  EXPECT_EQ(*store_->NearestTo(stays), Near(Uuid{}, true));
+  EXPECT_EQ(*store_->motions.NearestTo(stays), Near(Uuid{}, true));
   EXPECT_TRUE(Flagged(stays));
 }
 

@@ -1,4 +1,4 @@
-#include "server/storage/engine/move.h"
+#include "server/storage/move/move.h"
 
 #include <gtest/gtest.h>
 
@@ -8,14 +8,14 @@
 #include <utility>
 
 #include "common/base/file.h"
-#include "server/storage/engine/backup.h"
+#include "server/storage/backup/backup.h"
 #include "server/storage/engine/database.h"
-#include "server/storage/engine/database_file.h"
-#include "server/storage/engine/folder_lock.h"
 #include "server/storage/engine/pg_database.h"
-#include "server/storage/engine/school_rows.h"
-#include "server/storage/master_key.h"
-#include "server/storage/sql/query.h"
+#include "server/storage/engine/query.h"
+#include "server/storage/folder/database_file.h"
+#include "server/storage/folder/folder_lock.h"
+#include "server/storage/keys/master_key.h"
+#include "server/storage/school/school_tables.h"
 #include "tests/server/storage/failing_disk.h"
 #include "tests/server/storage/recorded_attempt.h"
 #include "tests/support/s3_stand_in.h"
@@ -26,7 +26,6 @@ namespace {
 
 using namespace testing;
 namespace fs = std::filesystem;
-using sqlite::TableDigest;
 
 class MoveTest : public ::testing::Test {
  protected:
@@ -36,7 +35,7 @@ class MoveTest : public ::testing::Test {
     school_.Score(scored_);
     erased_ = AddPerson(*school_.store, "gone", Role::kStudent);
     (void)school_.RecordOf(erased_, 1);
-    EXPECT_TRUE(school_.store->ErasePerson(erased_, false, kSystem).ok());
+    EXPECT_TRUE(school_.store->erasures.ErasePerson(erased_, false, kSystem).ok());
     trace_ = school_.TraceOf(scored_);
     unfinished_ = school_.TraceOf(open_);
     school_.store.reset();
@@ -63,8 +62,8 @@ class MoveTest : public ::testing::Test {
     }
   }
   static std::vector<TableDigest> RowsIn(const fs::path& folder) {
-    auto db = sqlite::OpenDatabase(folder / "enamel.db", sqlite::DbMode::kReadOnly);
-    return *sqlite::DigestRows(**db, *sqlite::TablesOfSchool(**db));
+    auto db = OpenDatabase(folder / "enamel.db", DbMode::kReadOnly);
+    return *DigestRows(**db, *TablesOfSchool(**db));
   }
   // But for what each move adds to the audit trail.
   static std::vector<TableDigest> ButAudit(std::vector<TableDigest> tables) {
@@ -73,15 +72,17 @@ class MoveTest : public ::testing::Test {
     return tables;
   }
   void ExpectSchoolIn(const fs::path& folder) {
-    SqliteOptions options;
+    StoreOptions options;
     options.folder = folder;
     auto store = OpenStore(options);
     ASSERT_TRUE(store.ok()) << store.status().message();
     school_.store = std::move(*store);
     EXPECT_EQ(school_.TraceOf(scored_), trace_);
     EXPECT_EQ(school_.TraceOf(open_), unfinished_);
-    EXPECT_EQ(AsText(*school_.store->GetBlob(school_.store->ResultOf(scored_)->series)), "series");
-    EXPECT_EQ(school_.store->PersonById(erased_).status().code(), Code::kNotFound);
+    EXPECT_EQ(
+        AsText(*school_.store->blobs.GetBlob(school_.store->results.ResultOf(scored_)->series)),
+        "series");
+    EXPECT_EQ(school_.store->people.PersonById(erased_).status().code(), Code::kNotFound);
     school_.store.reset();
   }
 
@@ -92,8 +93,8 @@ class MoveTest : public ::testing::Test {
 };
 
 TEST_F(MoveTest, EveryTableIsOneOfTheSchoolOrKnownToBeOneOfTheInstallation) {
-  auto db = sqlite::OpenDatabase(Path("data") / "enamel.db", sqlite::DbMode::kReadOnly);
-  auto tables = sqlite::TablesOfSchool(**db);
+  auto db = OpenDatabase(Path("data") / "enamel.db", DbMode::kReadOnly);
+  auto tables = TablesOfSchool(**db);
   ASSERT_TRUE(tables.ok()) << tables.status().message();
   std::set<std::string> names;
   for (const auto& table : *tables) {
@@ -116,16 +117,16 @@ TEST_F(MoveTest, EveryTableIsOneOfTheSchoolOrKnownToBeOneOfTheInstallation) {
 TEST_F(MoveTest, ADigestNoticesEveryChange) {
   const auto before = RowsIn(Path("data"));
   fs::copy_file(Path("data") / "enamel.db", Path("copy.db"));
-  auto db = sqlite::OpenDatabase(Path("copy.db"), sqlite::DbMode::kExisting);
-  const auto tables = *sqlite::TablesOfSchool(**db);
-  EXPECT_EQ(sqlite::Differences(before, *sqlite::DigestRows(**db, tables)), "");
+  auto db = OpenDatabase(Path("copy.db"), DbMode::kExisting);
+  const auto tables = *TablesOfSchool(**db);
+  EXPECT_EQ(Differences(before, *DigestRows(**db, tables)), "");
   for (const char* change :
        {"UPDATE people SET display_name = display_name || ' ' WHERE login = 'student'",
         "UPDATE attempts SET score = score + 1e-12 WHERE score IS NOT NULL",
         "DELETE FROM jobs WHERE id = (SELECT max(id) FROM jobs)",
         "UPDATE attempts SET ticks = ticks + 1"}) {
     ASSERT_TRUE((*db)->Exec((std::string("SAVEPOINT s; ") + change).c_str()).ok()) << change;
-    EXPECT_NE(sqlite::Differences(before, *sqlite::DigestRows(**db, tables)), "") << change;
+    EXPECT_NE(Differences(before, *DigestRows(**db, tables)), "") << change;
     ASSERT_TRUE((*db)->Exec("ROLLBACK TO s; RELEASE s").ok());
   }
 }
@@ -134,19 +135,19 @@ TEST_F(MoveTest, AllOfASchoolComesAlongAndTheOldPlaceIsClosed) {
   const auto rows = RowsIn(Path("data"));
   auto moved = MoveTo(Path("data"), Path("new"));
   ASSERT_TRUE(moved.ok()) << moved.status().message();
-  EXPECT_EQ(sqlite::Differences(ButAudit(rows), ButAudit(moved->tables)), "");
+  EXPECT_EQ(Differences(ButAudit(rows), ButAudit(moved->tables)), "");
   EXPECT_EQ(moved->keys, 1u);
   EXPECT_EQ(moved->erased, 1u);
   EXPECT_GT(moved->blobs, 3u);
-  EXPECT_EQ(sqlite::Differences(moved->tables, RowsIn(Path("new"))), "");
+  EXPECT_EQ(Differences(moved->tables, RowsIn(Path("new"))), "");
   ExpectWhole(Path("new"));
   ExpectSchoolIn(Path("new"));
-  SqliteOptions old;
+  StoreOptions old;
   old.folder = Path("data");
   const Status closed = OpenStore(old).status();
   EXPECT_EQ(closed.code(), Code::kConflict);
   EXPECT_NE(closed.message().find(Path("new").string()), std::string::npos) << closed.message();
-  fs::remove(Path("data") / sqlite::kMovedMark);
+  fs::remove(Path("data") / kMovedMark);
   EXPECT_TRUE(OpenStore(old).ok()) << "nothing was deleted";
 }
 
@@ -163,17 +164,17 @@ TEST_F(MoveTest, AMoveThatIsBrokenOffAnywhereGoesOn) {
     disk.until_failure = -1;
     if (!moved.ok()) {
       ++failures;
-      SqliteOptions half;
+      StoreOptions half;
       half.folder = to;
       EXPECT_FALSE(fs::exists(to / "enamel.db") && OpenStore(half).ok())
           << "a server would start on half of it, after " << n << " changes of the disk";
       moved = MoveTo(Path("data"), to, {}, &disk);
     }
     ASSERT_TRUE(moved.ok()) << n << ": " << moved.status().message();
-    EXPECT_EQ(sqlite::Differences(ButAudit(rows), ButAudit(moved->tables)), "") << n;
+    EXPECT_EQ(Differences(ButAudit(rows), ButAudit(moved->tables)), "") << n;
     ExpectSchoolIn(to);
     // For the next.
-    fs::remove(Path("data") / sqlite::kMovedMark);
+    fs::remove(Path("data") / kMovedMark);
   }
   EXPECT_GT(failures, 10);
 }
@@ -181,7 +182,7 @@ TEST_F(MoveTest, AMoveThatIsBrokenOffAnywhereGoesOn) {
 TEST_F(MoveTest, RowsThatASealLeftBehindGoFirstAndAreNoChange) {
   {
     // As a server leaves them that is killed after a seal: the blob is there, and the rows still are.
-    auto db = sqlite::OpenDatabase(Path("data") / "enamel.db", sqlite::DbMode::kExisting);
+    auto db = OpenDatabase(Path("data") / "enamel.db", DbMode::kExisting);
     sql::Query q(**db,
                  "WITH RECURSIVE n(i) AS (SELECT 0 UNION ALL SELECT i + 1 FROM n WHERE i < 4999) "
                  "INSERT INTO trace_chunks SELECT c.tenant, ?1, 100 + n.i, c.hash, c.bytes, "
@@ -202,7 +203,7 @@ TEST_F(MoveTest, WhatIsInTheWayIsNamed) {
   const Status other = MoveTo(Path("data"), Path("new")).status();
   EXPECT_EQ(other.code(), Code::kConflict);
   EXPECT_NE(other.message().find("elsewhere"), std::string::npos) << other.message();
-  SqliteOptions running;
+  StoreOptions running;
   running.folder = Path("data");
   running.hold_lock = true;
   auto server = OpenStore(running);
@@ -217,7 +218,7 @@ TEST_F(MoveTest, ASchoolThatWasMovedIsNotMovedFromItsOldPlaceOnceMore) {
     EXPECT_EQ(refused.code(), Code::kConflict) << to;
     EXPECT_NE(refused.message().find(Path("new").string()), std::string::npos) << refused.message();
   }
-  EXPECT_TRUE(fs::exists(Path("data") / sqlite::kMovedMark)) << "it stays closed";
+  EXPECT_TRUE(fs::exists(Path("data") / kMovedMark)) << "it stays closed";
   EXPECT_FALSE(fs::exists(Path("other")));
   EXPECT_EQ(MoveTo(Path("new"), Path("new") / "inside").status().code(), Code::kInvalidInput);
 }
@@ -233,14 +234,14 @@ TEST_F(MoveTest, ASecondMoveBesideTheFirstLeavesItsMark) {
     if (what != "keys" || std::exchange(tried, true)) return;
     EXPECT_EQ(MoveSchool({Path("data"), Path("new")}).status().code(), Code::kUnavailable);
     EXPECT_FALSE(MoveTo(Path("data"), Path("third")).ok());
-    EXPECT_TRUE(fs::exists(Path("data") / sqlite::kMovedMark));
+    EXPECT_TRUE(fs::exists(Path("data") / kMovedMark));
   };
   ASSERT_TRUE(MoveSchool(options).ok());
-  EXPECT_TRUE(fs::exists(Path("data") / sqlite::kMovedMark));
+  EXPECT_TRUE(fs::exists(Path("data") / kMovedMark));
 }
 
 TEST_F(MoveTest, WhatACommandChangesMeanwhileIsNotLost) {
-  SqliteOptions beside;
+  StoreOptions beside;
   beside.folder = Path("data");
   auto command = OpenStore(beside);
   ASSERT_TRUE(command.ok());
@@ -261,15 +262,15 @@ TEST_F(MoveTest, WhatACommandChangesMeanwhileIsNotLost) {
   EXPECT_TRUE(OpenStore(beside).ok()) << "the school goes on where it was";
   options.progress = {};
   ASSERT_TRUE(MoveSchool(options).ok());
-  SqliteOptions moved;
+  StoreOptions moved;
   moved.folder = Path("new");
-  EXPECT_TRUE((*OpenStore(moved))->PersonByLogin("late").ok());
+  EXPECT_TRUE((*OpenStore(moved))->people.PersonByLogin("late").ok());
 }
 
 TEST_F(MoveTest, ABlobThatIsLostIsNamedAndEverythingElseComesAlong) {
-  SqliteOptions options;
+  StoreOptions options;
   options.folder = Path("data");
-  const Sha256 lost = (*OpenStore(options))->ResultOf(scored_)->series;
+  const Sha256 lost = (*OpenStore(options))->results.ResultOf(scored_)->series;
   const fs::path file = Path("data") / "blobs" / lost.Hex().substr(0, 2) / lost.Hex();
   fs::rename(file, Path("kept"));
   const Status refused = MoveTo(Path("data"), Path("new")).status();
@@ -279,7 +280,7 @@ TEST_F(MoveTest, ABlobThatIsLostIsNamedAndEverythingElseComesAlong) {
   auto moved = MoveTo(Path("data"), Path("new"));
   ASSERT_TRUE(moved.ok()) << moved.status().message();
   EXPECT_EQ(moved->there_before, moved->blobs - 1) << "it goes on where it stopped";
-  fs::remove(Path("data") / sqlite::kMovedMark);
+  fs::remove(Path("data") / kMovedMark);
   fs::remove(file);
   auto accepted = MoveTo(Path("data"), Path("newer"), {}, nullptr, /*accept_damage=*/true);
   ASSERT_TRUE(accepted.ok()) << accepted.status().message();
@@ -304,7 +305,7 @@ class PgMoveTest : public MoveTest {
   }
   void TearDown() override {
     if (file_.server.empty()) return;
-    auto db = sqlite::OpenPgDatabase(file_.server, {}, /*read_only=*/false, {});
+    auto db = OpenPgDatabase(file_.server, {}, /*read_only=*/false, {});
     EXPECT_TRUE(
         (*db)->Exec(("DROP SCHEMA IF EXISTS \"" + file_.schema + "\" CASCADE").c_str()).ok());
   }
@@ -321,7 +322,7 @@ TEST_F(PgMoveTest, ThereAndBackIsIdentical) {
   const auto rows = RowsIn(Path("data"));
   auto there = MoveTo(Path("data"), Path("cluster"), file_);
   ASSERT_TRUE(there.ok()) << there.status().message();
-  EXPECT_EQ(sqlite::Differences(ButAudit(rows), ButAudit(there->tables)), "");
+  EXPECT_EQ(Differences(ButAudit(rows), ButAudit(there->tables)), "");
   EXPECT_FALSE(fs::exists(Path("cluster") / "enamel.db"));
   ExpectSchoolIn(Path("cluster"));
 
@@ -344,7 +345,7 @@ TEST_F(PgMoveTest, ThereAndBackIsIdentical) {
 
   auto back = MoveTo(Path("cluster"), Path("back"));
   ASSERT_TRUE(back.ok()) << back.status().message();
-  EXPECT_EQ(sqlite::Differences(ButAudit(rows), ButAudit(RowsIn(Path("back")))), "");
+  EXPECT_EQ(Differences(ButAudit(rows), ButAudit(RowsIn(Path("back")))), "");
   EXPECT_EQ(back->keys, there->keys);
   EXPECT_EQ(back->erased, there->erased);
   EXPECT_EQ(*ReadFile(Path("back") / "keyring" / (school_.world.student.Text() + ".key"), 64),
@@ -364,7 +365,7 @@ TEST_F(PgMoveTest, NoOtherServersFolderOpensAPlaceThatWasMovedOrIsHalfThere) {
     fs::create_directories(second);
     fs::copy_file(Path("data") / "ticket.key", second / "ticket.key");
     EXPECT_TRUE(WriteDatabaseFile(second, file_, SystemDisk()).ok());
-    SqliteOptions options;
+    StoreOptions options;
     options.folder = second;
     return OpenStore(options).status();
   };
@@ -376,12 +377,12 @@ TEST_F(PgMoveTest, NoOtherServersFolderOpensAPlaceThatWasMovedOrIsHalfThere) {
   EXPECT_EQ(half.code(), Code::kConflict);
   EXPECT_NE(half.message().find("half"), std::string::npos) << half.message();
   ASSERT_TRUE(MoveTo(Path("data"), Path("cluster"), file_).ok());
-  SqliteOptions beside;
+  StoreOptions beside;
   beside.folder = Path("second");
   EXPECT_TRUE(open_from_another("second").ok()) << "it is whole";
   auto worker = OpenStore(beside);
   ASSERT_TRUE(worker.ok());
-  ASSERT_TRUE((*worker)->Rescore(scored_, "again", kSystem).ok());
+  ASSERT_TRUE((*worker)->judging.Rescore(scored_, "again", kSystem).ok());
 
   // A move back that fails opens it again, one that is done does not.
   Disk& system = SystemDisk();
@@ -393,7 +394,7 @@ TEST_F(PgMoveTest, NoOtherServersFolderOpensAPlaceThatWasMovedOrIsHalfThere) {
   const Status closed = open_from_another("fourth");
   EXPECT_EQ(closed.code(), Code::kConflict);
   EXPECT_NE(closed.message().find("moved out"), std::string::npos) << closed.message();
-  const auto job = (*worker)->LeaseJob(enamel::UnixMs(), 60'000);
+  const auto job = (*worker)->jobs.LeaseJob(enamel::UnixMs(), 60'000);
   ASSERT_TRUE(job.ok());
   EXPECT_FALSE(job->has_value())
       << "a worker that was there before scores nothing in the old place";
@@ -402,7 +403,7 @@ TEST_F(PgMoveTest, NoOtherServersFolderOpensAPlaceThatWasMovedOrIsHalfThere) {
 TEST_F(PgMoveTest, ANegativeZeroComesBack) {
   ASSERT_TRUE(MoveTo(Path("data"), Path("cluster"), file_).ok());
   {
-    auto db = sqlite::OpenPgDatabase(file_.server, file_.schema, /*read_only=*/false, {});
+    auto db = OpenPgDatabase(file_.server, file_.schema, /*read_only=*/false, {});
     ASSERT_TRUE((*db)->Exec("UPDATE attempts SET score = '-0' WHERE score IS NOT NULL").ok());
   }
   const auto back = MoveTo(Path("cluster"), Path("back"));
@@ -423,17 +424,17 @@ TEST_F(PgMoveTest, AStoreThatGoesAwayIsTriedAgain) {
     auto moved = MoveTo(Path("data"), to, file);
     EXPECT_TRUE(moved.ok()) << moved.status().message();
     ExpectSchoolIn(to);
-    fs::remove(Path("data") / sqlite::kMovedMark);
-    auto db = sqlite::OpenPgDatabase(file_.server, {}, /*read_only=*/false, {});
+    fs::remove(Path("data") / kMovedMark);
+    auto db = OpenPgDatabase(file_.server, {}, /*read_only=*/false, {});
     EXPECT_TRUE((*db)->Exec(("DROP SCHEMA \"" + file.schema + "\" CASCADE").c_str()).ok());
   }
 }
 
 TEST_F(PgMoveTest, OtherRowsInTheNewPlaceAreLeftAlone) {
   ASSERT_TRUE(MoveTo(Path("data"), Path("cluster"), file_).ok());
-  fs::remove(Path("data") / sqlite::kMovedMark);
+  fs::remove(Path("data") / kMovedMark);
   {
-    SqliteOptions options;
+    StoreOptions options;
     options.folder = Path("data");
     auto store = OpenStore(options);
     (void)AddPerson(**store, "new", Role::kStudent);
@@ -453,12 +454,12 @@ TEST_F(PgMoveTest, AServerThatRunsElsewhereIsInTheWay) {
   fs::copy_file(Path("cluster") / "ticket.key", Path("second") / "ticket.key");
   fs::copy_file(Path("cluster") / "database.json", Path("second") / "database.json");
   {
-    SqliteOptions second;
+    StoreOptions second;
     second.folder = Path("second");
     second.hold_lock = true;
     auto server = OpenStore(second);
     ASSERT_TRUE(server.ok()) << server.status().message();
-    ASSERT_TRUE((*server)->KeepLinks({}, {}, true).ok());
+    ASSERT_TRUE((*server)->live.KeepLinks({}, {}, true).ok());
   }
   const Status refused = MoveTo(Path("cluster"), Path("back")).status();
   EXPECT_EQ(refused.code(), Code::kConflict);

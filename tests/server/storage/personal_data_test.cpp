@@ -17,84 +17,85 @@ INSTANTIATE_TEST_SUITE_P(Backends, PersonalDataTest, ::testing::ValuesIn(Backend
 TEST_P(PersonalDataTest, BlobOfAnAttemptReadsBackAndIsNotWhatWasPut) {
   Uuid attempt = world_.OpenedAttempt();
   Bytes data(1000, 7);
-  Sha256 name = *store_->PutAttemptBlob(attempt, data);
+  Sha256 name = *store_->blobs.PutAttemptBlob(attempt, data);
   EXPECT_NE(name, HashSha256(data)) << "kept as it is";
-  EXPECT_EQ(*store_->PutAttemptBlob(attempt, data), name) << "again: the same blob";
-  EXPECT_EQ(*store_->GetBlob(name), data);
-  EXPECT_NE(*store_->PutAttemptBlob(world_.OpenedAttempt(), data), name)
+  EXPECT_EQ(*store_->blobs.PutAttemptBlob(attempt, data), name) << "again: the same blob";
+  EXPECT_EQ(*store_->blobs.GetBlob(name), data);
+  EXPECT_NE(*store_->blobs.PutAttemptBlob(world_.OpenedAttempt(), data), name)
       << "of another attempt: another blob";
-  EXPECT_EQ(store_->PutAttemptBlob(Uuid::New(), data).status().code(), Code::kNotFound);
+  EXPECT_EQ(store_->blobs.PutAttemptBlob(Uuid::New(), data).status().code(), Code::kNotFound);
 }
 
 TEST_P(PersonalDataTest, ErasedPersonLeavesNothingThatCanBeRead) {
   Uuid scored = world_.ScoredAttempt(), open = world_.OpenedAttempt();
   world_.Append(open, 2);
-  Sha256 surface = *store_->PutAttemptBlob(scored, AsBytes("surface"));
-  Uuid cohort = *store_->CreateCohort("year 1", kSystem);
-  ASSERT_TRUE(store_->AddToCohort(cohort, world_.student, kSystem).ok());
+  Sha256 surface = *store_->blobs.PutAttemptBlob(scored, AsBytes("surface"));
+  Uuid cohort = *store_->cohorts.CreateCohort("year 1", kSystem);
+  ASSERT_TRUE(store_->cohorts.AddToCohort(cohort, world_.student, kSystem).ok());
   Sha256 token = HashSha256(AsBytes("token"));
-  ASSERT_TRUE(store_->CreateSession({token, world_.student, 1, 1, 1000, "page"}).ok());
+  ASSERT_TRUE(store_->sessions.CreateSession({token, world_.student, 1, 1, 1000, "page"}).ok());
 
-  auto report = store_->ErasePerson(world_.student, false, kSystem);
+  auto report = store_->erasures.ErasePerson(world_.student, false, kSystem);
   ASSERT_TRUE(report.ok()) << report.status().message();
   EXPECT_EQ(report->attempts, 2u);
   for (int look = 0; look < 2; ++look) {
-    EXPECT_EQ(store_->PersonById(world_.student).status().code(), Code::kNotFound);
-    EXPECT_EQ(store_->PersonByLogin("student").status().code(), Code::kNotFound);
-    EXPECT_EQ(store_->AttemptById(scored).status().code(), Code::kNotFound);
-    EXPECT_EQ(store_->AttemptById(open).status().code(), Code::kNotFound);
-    EXPECT_FALSE(store_->GetBlob(surface).ok());
-    EXPECT_FALSE(store_->FindSession(token).ok());
-    EXPECT_TRUE(store_->CohortMembers(cohort)->empty());
-    EXPECT_TRUE(store_->Jobs("").value().empty());
+    EXPECT_EQ(store_->people.PersonById(world_.student).status().code(), Code::kNotFound);
+    EXPECT_EQ(store_->people.PersonByLogin("student").status().code(), Code::kNotFound);
+    EXPECT_EQ(store_->attempts.AttemptById(scored).status().code(), Code::kNotFound);
+    EXPECT_EQ(store_->attempts.AttemptById(open).status().code(), Code::kNotFound);
+    EXPECT_FALSE(store_->blobs.GetBlob(surface).ok());
+    EXPECT_FALSE(store_->sessions.FindSession(token).ok());
+    EXPECT_TRUE(store_->cohorts.CohortMembers(cohort)->empty());
+    EXPECT_TRUE(store_->jobs.Jobs("").value().empty());
     Reopen();
   }
-  EXPECT_EQ(store_->ErasePerson(world_.student, false, kSystem).status().code(), Code::kNotFound);
+  EXPECT_EQ(store_->erasures.ErasePerson(world_.student, false, kSystem).status().code(),
+            Code::kNotFound);
 }
 
 TEST_P(PersonalDataTest, ErasureOfOneLeavesTheOthersAlone) {
   Uuid other = AddPerson(*store_, "other", Role::kStudent);
   Uuid attempt = world_.NewAttemptOf(other).id;
-  ASSERT_TRUE(store_->OpenAttempt(attempt, AsBytes("header")).ok());
+  ASSERT_TRUE(store_->tickets.OpenAttempt(attempt, AsBytes("header")).ok());
   auto chunks = world_.Append(attempt, 2);
   world_.ScoredAttempt();
-  ASSERT_TRUE(store_->ErasePerson(world_.student, false, kSystem).ok());
-  EXPECT_EQ(store_->AttemptChunks(attempt)->at(1), chunks[1].bytes);
-  EXPECT_EQ(store_->Attempts({})->size(), 1u);
+  ASSERT_TRUE(store_->erasures.ErasePerson(world_.student, false, kSystem).ok());
+  EXPECT_EQ(store_->recordings.AttemptChunks(attempt)->at(1), chunks[1].bytes);
+  EXPECT_EQ(store_->attempts.Attempts({})->size(), 1u);
 }
 
 TEST_P(PersonalDataTest, WhoMadeAReferenceIsErasedOnlyWithIt) {
   Uuid dentist = AddPerson(*store_, "dentist", Role::kInstructor);
   Uuid cut = world_.NewAttemptOf(dentist).id;
-  ASSERT_TRUE(store_->OpenAttempt(cut, AsBytes("header")).ok());
-  ASSERT_TRUE(store_->SealAttempt(World::SealOf(world_.Append(cut, 1)), 200).ok());
-  Store::AttemptResult done;
+  ASSERT_TRUE(store_->tickets.OpenAttempt(cut, AsBytes("header")).ok());
+  ASSERT_TRUE(store_->seals.SealAttempt(World::SealOf(world_.Append(cut, 1)), 200).ok());
+  AttemptResult done;
   done.score = 100;
-  ASSERT_TRUE(store_->FinishAttempt(cut, done, {}).ok());
-  ASSERT_TRUE(store_->AddReference(cut, "Dr. Example", true, kSystem).ok());
+  ASSERT_TRUE(store_->results.FinishAttempt(cut, done, {}).ok());
+  ASSERT_TRUE(store_->references.AddReference(cut, "Dr. Example", true, kSystem).ok());
   Uuid compared = world_.ScoredAttempt();
-  Store::AttemptResult result;
+  AttemptResult result;
   result.score_json = PutText(*store_, "score");
   result.reference = cut;
-  ASSERT_TRUE(store_->FinishAttempt(compared, result, {}).ok());
+  ASSERT_TRUE(store_->results.FinishAttempt(compared, result, {}).ok());
 
-  auto refused = store_->ErasePerson(dentist, false, kSystem);
+  auto refused = store_->erasures.ErasePerson(dentist, false, kSystem);
   EXPECT_EQ(refused.status().code(), Code::kConflict);
   EXPECT_NE(refused.status().message().find(cut.Text()), std::string::npos);
-  EXPECT_TRUE(store_->AttemptChunks(cut).ok()) << "a refusal destroys no key";
+  EXPECT_TRUE(store_->recordings.AttemptChunks(cut).ok()) << "a refusal destroys no key";
 
-  auto erased = store_->ErasePerson(dentist, true, kSystem);
+  auto erased = store_->erasures.ErasePerson(dentist, true, kSystem);
   ASSERT_TRUE(erased.ok()) << erased.status().message();
   EXPECT_EQ(erased->references, 1u);
-  EXPECT_FALSE(store_->ReferenceFor(world_.exercise.id)->has_value());
-  EXPECT_TRUE(store_->ResultOf(compared).ok()) << "the score stays";
-  EXPECT_FALSE(store_->ResultOf(compared)->reference.has_value());
+  EXPECT_FALSE(store_->references.ReferenceFor(world_.exercise.id)->has_value());
+  EXPECT_TRUE(store_->results.ResultOf(compared).ok()) << "the score stays";
+  EXPECT_FALSE(store_->results.ResultOf(compared)->reference.has_value());
 }
 
 TEST_P(PersonalDataTest, ErasureIsAuditedWithoutNamingThePerson) {
   world_.ScoredAttempt();
-  ASSERT_TRUE(store_->ErasePerson(world_.student, false, kSystem).ok());
-  auto rows = store_->Audit(100);
+  ASSERT_TRUE(store_->erasures.ErasePerson(world_.student, false, kSystem).ok());
+  auto rows = store_->audit.Audit(100);
   auto row = std::ranges::find(*rows, "person.erase", &AuditRow::action);
   ASSERT_NE(row, rows->end());
   EXPECT_EQ(row->object, HashSha256(world_.student.view()).Hex());
@@ -104,8 +105,8 @@ TEST_P(PersonalDataTest, ErasureIsAuditedWithoutNamingThePerson) {
 TEST_P(PersonalDataTest, AuditAboutAPersonHasWhatTheyDidAndWhatWasDoneToThem) {
   Uuid scored = world_.ScoredAttempt();
   Uuid other = AddPerson(*store_, "other", Role::kStudent);
-  ASSERT_TRUE(store_->ReleaseAttempt(scored, Actor{other, "page"}).ok());
-  auto about = store_->AuditAbout(world_.student);
+  ASSERT_TRUE(store_->judging.ReleaseAttempt(scored, Actor{other, "page"}).ok());
+  auto about = store_->audit.AuditAbout(world_.student);
   ASSERT_TRUE(about.ok()) << about.status().message();
   auto has = [&](const char* action) {
     return std::ranges::find(*about, action, &AuditRow::action) != about->end();

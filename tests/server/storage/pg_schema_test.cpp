@@ -15,14 +15,15 @@
 
 #include "server/storage/engine/database.h"
 #include "server/storage/engine/pg_database.h"
-#include "server/storage/engine/ticket_key.h"
-#include "server/storage/engine/verify_audit.h"
-#include "server/storage/sql/query.h"
-#include "server/storage/sqlite_store.h"
+#include "server/storage/engine/query.h"
+#include "server/storage/folder/ticket_key.h"
+#include "server/storage/open_store.h"
+#include "server/storage/store.h"
+#include "server/storage/verify/verify_audit.h"
 #include "tests/support/temp_folder.h"
 
 // The tables that the store has in PostgreSQL are those that it has in SQLite, column by column.
-namespace enamel::server::sqlite {
+namespace enamel::server {
 namespace {
 
 // "table.column" to "TYPE NOT NULL KEY".
@@ -107,10 +108,11 @@ std::set<std::string> Statements(const std::string& sql) {
 
 // Tables with their columns, keys, defaults and checks, and indexes.
 TEST(SchemaTest, IsTheSameInBothEngines) {
-  ASSERT_EQ(Migrations().size(), PgMigrations().size());
-  for (size_t i = 0; i < Migrations().size(); ++i) {
-    EXPECT_EQ(Migrations()[i].version, PgMigrations()[i].version);
-    const auto sqlite = Statements(Migrations()[i].sql), pg = Statements(PgMigrations()[i].sql);
+  ASSERT_EQ(SqliteMigrations().size(), PgMigrations().size());
+  for (size_t i = 0; i < SqliteMigrations().size(); ++i) {
+    EXPECT_EQ(SqliteMigrations()[i].version, PgMigrations()[i].version);
+    const auto sqlite = Statements(SqliteMigrations()[i].sql),
+               pg = Statements(PgMigrations()[i].sql);
     for (const std::string& statement : sqlite) {
       EXPECT_TRUE(pg.contains(statement)) << "PostgreSQL lacks: " << statement;
     }
@@ -150,11 +152,11 @@ TEST(SchemaTest, AMigrationTakesNothingAwayFromServersOfTheVersionBefore) {
 TEST_F(PgSchemaTest, HasTheTablesAndColumnsOfSqlite) {
   const test::TempFolder folder;
   auto sqlite = OpenDatabase(folder.path() / "a.db", DbMode::kCreate);
-  ASSERT_TRUE(sqlite.ok() && (*sqlite)->Migrate(Migrations()).ok());
+  ASSERT_TRUE(sqlite.ok() && (*sqlite)->Migrate(SqliteMigrations()).ok());
   const Columns expected = OfSqlite(**sqlite), found = OfPostgres(*pg_);
   EXPECT_GT(expected.size(), 200u);
   EXPECT_EQ(expected, found);
-  EXPECT_EQ(*pg_->SchemaVersion(), Migrations().back().version);
+  EXPECT_EQ(*pg_->SchemaVersion(), SqliteMigrations().back().version);
 }
 
 // A database of another language would put names in another order, and find others equal.
@@ -196,7 +198,7 @@ TEST_F(PgSchemaTest, TwoServersThatWriteAtOnceLoseAndDoubleNothing) {
           Person person;
           person.login = std::to_string(i) + "-" + std::to_string(n);
           person.display_name = person.login;
-          const auto made = stores[i]->CreatePerson(person, "none", {}, {{}, "test"});
+          const auto made = stores[i]->people.CreatePerson(person, "none", {}, {{}, "test"});
           EXPECT_TRUE(made.ok()) << made.status().message();
           kept += made.ok() ? 1 : 0;
         }
@@ -204,11 +206,11 @@ TEST_F(PgSchemaTest, TwoServersThatWriteAtOnceLoseAndDoubleNothing) {
     }
   }
   EXPECT_EQ(kept, 2 * kEach);
-  EXPECT_EQ(stores[0]->People()->size(), static_cast<size_t>(2 * kEach));
+  EXPECT_EQ(stores[0]->people.People()->size(), static_cast<size_t>(2 * kEach));
   VerifyReport report;
   EXPECT_TRUE(CheckAudit(*pg_, ReadTicketKey(folder.path())->public_key, {}, report, {}).ok());
   EXPECT_TRUE(report.findings.empty()) << report.findings.front().found;
 }
 
 }  // namespace
-}  // namespace enamel::server::sqlite
+}  // namespace enamel::server

@@ -19,12 +19,20 @@
 
 #include "common/base/file.h"
 #include "common/base/unix_time.h"
+#include "server/storage/attempts/job_rows.h"
 #include "server/storage/engine/lease.h"
 #include "server/storage/engine/pg_database.h"
-#include "server/storage/engine/ticket_key.h"
-#include "server/storage/master_key.h"
-#include "server/storage/sql/query.h"
-#include "server/storage/sql/sqlite_impl.h"
+#include "server/storage/engine/query.h"
+#include "server/storage/engine/server_identity.h"
+#include "server/storage/folder/disk.h"
+#include "server/storage/folder/ticket_key.h"
+#include "server/storage/judging/result_rows.h"
+#include "server/storage/keys/master_key.h"
+#include "server/storage/open_store.h"
+#include "server/storage/people/sign_in_rows.h"
+#include "server/storage/recordings/ingest_rows.h"
+#include "server/storage/store.h"
+#include "server/storage/upkeep/store_health.h"
 #include "tests/server/storage/store_world.h"
 #include "tests/support/missing_standbys.h"
 #include "tests/support/postgres_proxy.h"
@@ -47,7 +55,7 @@ class PgServersTest : public ::testing::Test {
   }
   void TearDown() override {
     if (server_.empty()) return;
-    auto db = sqlite::OpenPgDatabase(server_, {}, /*read_only=*/false, {});
+    auto db = OpenPgDatabase(server_, {}, /*read_only=*/false, {});
     EXPECT_TRUE(db.ok() && (*db)->Exec(("DROP SCHEMA \"" + schema_ + "\" CASCADE").c_str()).ok());
   }
   // Each its own folder: a server of its own.
@@ -67,7 +75,7 @@ class PgServersTest : public ::testing::Test {
     return Open(folder, server_);
   }
   int64_t Count(const std::string& sql) {
-    auto db = sqlite::OpenPgDatabase(server_, schema_, /*read_only=*/true, {});
+    auto db = OpenPgDatabase(server_, schema_, /*read_only=*/true, {});
     sql::Query q(**db, sql);
     EXPECT_TRUE(q.Next()) << q.status().message();
     return q.Int(0);
@@ -116,28 +124,31 @@ TEST_F(PgServersTest, AnAttemptIsThereOnceWhereverTheConnectionBreaks) {
       row.exercise = world.exercise.id;
       row.profile_content = world.profile;
       row.ticketed_ms = 5;
-      met |= with_cuts([&] { return store->CreateAttempt(row, AsBytes("ticket"), kSystem); }, cut,
+      met |= with_cuts(
+          [&] { return store->tickets.CreateAttempt(row, AsBytes("ticket"), kSystem); }, cut, skip);
+      met |= with_cuts([&] { return store->tickets.OpenAttempt(row.id, AsBytes("header")); }, cut,
                        skip);
-      met |= with_cuts([&] { return store->OpenAttempt(row.id, AsBytes("header")); }, cut, skip);
       const auto chunk = world.Chunk(row.id, 0, World::HeaderHash());
-      met |= with_cuts([&] { return store->AppendChunk(chunk); }, cut, skip);
-      met |= with_cuts([&] { return store->SealAttempt(World::SealOf({chunk}), 200); }, cut, skip);
+      met |= with_cuts([&] { return store->ingest.AppendChunk(chunk); }, cut, skip);
+      met |= with_cuts([&] { return store->seals.SealAttempt(World::SealOf({chunk}), 200); }, cut,
+                       skip);
       std::optional<JobRow> job;
       met |= with_cuts(
           [&] {
-            auto taken = store->LeaseJob(1, 1000);
+            auto taken = store->jobs.LeaseJob(1, 1000);
             if (taken.ok()) job = *taken;
             return taken.status();
           },
           cut, skip);
       ASSERT_TRUE(job.has_value());
       EXPECT_EQ(job->attempt, row.id);
-      met |= with_cuts([&] { return store->SetProgress(job->lease, 0.5); }, cut, skip);
-      Store::AttemptResult result;
+      met |= with_cuts([&] { return store->results.SetProgress(job->lease, 0.5); }, cut, skip);
+      AttemptResult result;
       result.score = 50;
       result.score_json = PutText(*store, "score");
-      met |= with_cuts([&] { return store->FinishAttempt(row.id, result, job->lease); }, cut, skip);
-      met |= with_cuts([&] { return store->FinishJob(job->lease, true, ""); }, cut, skip);
+      met |= with_cuts([&] { return store->results.FinishAttempt(row.id, result, job->lease); },
+                       cut, skip);
+      met |= with_cuts([&] { return store->jobs.FinishJob(job->lease, true, ""); }, cut, skip);
       cuts += met ? 1 : 0;
       ++attempts;
     }
@@ -168,7 +179,7 @@ TEST_F(PgServersTest, ChunksThatComeToTwoServersAtOnceAreKeptOnce) {
   stores[1] = OpenAnother(other, folder);
   constexpr uint32_t kChunks = 40;
   const Uuid attempt = world.OpenedAttempt();
-  std::vector<Store::ChunkPut> chunks;
+  std::vector<ChunkPut> chunks;
   Sha256 previous = World::HeaderHash();
   for (uint32_t seq = 0; seq < kChunks; ++seq) {
     chunks.push_back(world.Chunk(attempt, seq, previous));
@@ -180,20 +191,20 @@ TEST_F(PgServersTest, ChunksThatComeToTwoServersAtOnceAreKeptOnce) {
       links.emplace_back([&] {
         for (const auto& chunk : chunks) {
           // Refused where the other server has not committed the one before it yet.
-          Status status = store->AppendChunk(chunk);
+          Status status = store->ingest.AppendChunk(chunk);
           while (status.code() == Code::kConflict && status.field() == "seq")
-            status = store->AppendChunk(chunk);
+            status = store->ingest.AppendChunk(chunk);
           ASSERT_TRUE(status.ok()) << status.message() << " / " << status.field();
         }
       });
     }
   }
-  const AttemptRow row = *stores[1]->AttemptById(attempt);
+  const AttemptRow row = *stores[1]->attempts.AttemptById(attempt);
   EXPECT_EQ(row.chunks, kChunks);
   EXPECT_EQ(row.flags & kContradicted, 0u);
   EXPECT_EQ(row.ticks, uint64_t{kChunks} * World::kTicksPerChunk);
-  EXPECT_TRUE(stores[1]->SealAttempt(World::SealOf(chunks), 300).ok());
-  EXPECT_TRUE(stores[0]->SealAttempt(World::SealOf(chunks), 300).ok()) << "said twice";
+  EXPECT_TRUE(stores[1]->seals.SealAttempt(World::SealOf(chunks), 300).ok());
+  EXPECT_TRUE(stores[0]->seals.SealAttempt(World::SealOf(chunks), 300).ok()) << "said twice";
   EXPECT_EQ(Count("SELECT count(*) FROM jobs"), 1);
 }
 
@@ -208,11 +219,10 @@ TEST_F(PgServersTest, EveryJobIsTakenByOneWorkerAndAnAttemptHasOneRunAtATime) {
   constexpr int kAttempts = 20;
   for (int i = 0; i < kAttempts; ++i) {
     const Uuid attempt = world.OpenedAttempt();
-    ASSERT_TRUE(stores[0]->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
+    ASSERT_TRUE(stores[0]->seals.SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
     // As when an instructor has it scored again before it was scored.
-    ASSERT_TRUE(sqlite::QueueScoreJob(**sqlite::OpenPgDatabase(server_, schema_, false, {}),
-                                      attempt, "rescore")
-                    .ok());
+    ASSERT_TRUE(
+        QueueScoreJob(**OpenPgDatabase(server_, schema_, false, {}), attempt, "rescore").ok());
   }
   ASSERT_EQ(Count("SELECT count(*) FROM jobs WHERE state = 'queued'"), 2 * kAttempts);
   std::mutex mutex;
@@ -225,7 +235,7 @@ TEST_F(PgServersTest, EveryJobIsTakenByOneWorkerAndAnAttemptHasOneRunAtATime) {
       workers.emplace_back([&, i] {
         Store& store = *stores[static_cast<size_t>(i % 2)];
         while (done < 2 * kAttempts) {
-          auto job = store.LeaseJob(1000, 1000);
+          auto job = store.jobs.LeaseJob(1000, 1000);
           ASSERT_TRUE(job.ok()) << job.status().message();
           if (!*job) continue;
           {
@@ -233,12 +243,12 @@ TEST_F(PgServersTest, EveryJobIsTakenByOneWorkerAndAnAttemptHasOneRunAtATime) {
             EXPECT_EQ(++running[(*job)->attempt], 1) << "two runs of one attempt";
             taken.insert((*job)->id);
           }
-          EXPECT_TRUE(store.SetProgress((*job)->lease, 0.5).ok());
+          EXPECT_TRUE(store.results.SetProgress((*job)->lease, 0.5).ok());
           {
             std::lock_guard lock(mutex);
             --running[(*job)->attempt];
           }
-          EXPECT_TRUE(store.FinishJob((*job)->lease, true, "").ok());
+          EXPECT_TRUE(store.jobs.FinishJob((*job)->lease, true, "").ok());
           ++done;
         }
       });
@@ -255,29 +265,29 @@ TEST_F(PgServersTest, AServerThatStartsEndsItsOwnLeasesAndNoOthers) {
   World world(*first);
   for (int i = 0; i < 2; ++i) {
     const Uuid attempt = world.OpenedAttempt();
-    ASSERT_TRUE(first->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
+    ASSERT_TRUE(first->seals.SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
   }
-  const JobRow job = **first->LeaseJob(1000, 1'000'000);
+  const JobRow job = **first->jobs.LeaseJob(1000, 1'000'000);
   const TempFolder other;
   {
     auto second = OpenAnother(other, folder);
-    const JobRow theirs = **second->LeaseJob(2000, 1'000'000);
+    const JobRow theirs = **second->jobs.LeaseJob(2000, 1'000'000);
     EXPECT_NE(theirs.id, job.id);
-    EXPECT_FALSE(second->LeaseJob(2000, 1'000'000)->has_value());
-    EXPECT_TRUE(first->SetProgress(job.lease, 0.5).ok());
+    EXPECT_FALSE(second->jobs.LeaseJob(2000, 1'000'000)->has_value());
+    EXPECT_TRUE(first->results.SetProgress(job.lease, 0.5).ok());
   }
   auto second = Open(other, server_);
-  auto again = second->LeaseJob(3000, 1'000'000);
+  auto again = second->jobs.LeaseJob(3000, 1'000'000);
   ASSERT_TRUE(again->has_value()) << "its own of before are over";
   EXPECT_NE((*again)->id, job.id);
-  EXPECT_TRUE(first->SetProgress(job.lease, 0.6).ok());
+  EXPECT_TRUE(first->results.SetProgress(job.lease, 0.6).ok());
 }
 
 TEST_F(PgServersTest, FailuresToSignInAreCountedOnceEachByAllServers) {
   const TempFolder first_folder, second_folder;
   auto first = Open(first_folder, server_);
   auto second = OpenAnother(second_folder, first_folder);
-  EXPECT_TRUE(first->IsShared());
+  EXPECT_TRUE(first->shared);
   const std::vector<Sha256> keys{HashSha256(AsBytes("ada")), HashSha256(AsBytes("here"))};
   const UnixMs later = enamel::UnixMs() + 3'600'000;
   constexpr int kEach = 60;
@@ -289,7 +299,7 @@ TEST_F(PgServersTest, FailuresToSignInAreCountedOnceEachByAllServers) {
         // Named in either order, and between them somebody gets in.
         const std::vector<Sha256> mine{keys[i % 2], keys[1 - i % 2]};
         Store& store = i < 4 ? *first : *second;
-        const Status counted = store.ChangeSignIns(mine, [&](std::vector<SignInCounter>& all) {
+        const Status counted = store.sign_ins.Change(mine, [&](std::vector<SignInCounter>& all) {
           for (SignInCounter& counter : all) {
             ++counter.failures;
             counter.until_ms = later;
@@ -298,26 +308,27 @@ TEST_F(PgServersTest, FailuresToSignInAreCountedOnceEachByAllServers) {
         failed += counted.ok() ? 0 : 1;
         const std::vector<Sha256> own{HashSha256(AsBytes("seat " + std::to_string(n % 3)))};
         for (const bool in : {false, true}) {
-          failed += store.ChangeSignIns(
-                             own,
-                             [&](std::vector<SignInCounter>& all) {
-                               all[0] = in ? SignInCounter{} : SignInCounter{1, 0, 1, 0, later};
-                             })
-                            .ok()
-                        ? 0
-                        : 1;
+          failed +=
+              store.sign_ins
+                      .Change(own,
+                              [&](std::vector<SignInCounter>& all) {
+                                all[0] = in ? SignInCounter{} : SignInCounter{1, 0, 1, 0, later};
+                              })
+                      .ok()
+                  ? 0
+                  : 1;
         }
       }
     });
   }
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(failed, 0);
-  ASSERT_TRUE(first
-                  ->ChangeSignIns(keys,
-                                  [&](std::vector<SignInCounter>& all) {
-                                    for (const SignInCounter& counter : all)
-                                      EXPECT_EQ(counter.failures, 8u * kEach);
-                                  })
+  ASSERT_TRUE(first->sign_ins
+                  .Change(keys,
+                          [&](std::vector<SignInCounter>& all) {
+                            for (const SignInCounter& counter : all)
+                              EXPECT_EQ(counter.failures, 8u * kEach);
+                          })
                   .ok());
 }
 
@@ -327,17 +338,18 @@ TEST_F(PgServersTest, UpkeepIsOneServersAtATimeAndFinishedByAnother) {
   auto second = OpenAnother(second_folder, first_folder);
   World world(*first);
   const auto open = [&] {
-    return std::move(sqlite::OpenPgDatabase(server_, schema_, /*read_only=*/false, {})).value();
+    return std::move(OpenPgDatabase(server_, schema_, /*read_only=*/false, {})).value();
   };
   {
-    auto held = sqlite::Lease::Take(open(), "upkeep");
+    auto held = Lease::Take(open(), "upkeep");
     ASSERT_TRUE(held.ok()) << held.status().message();
-    EXPECT_EQ(sqlite::Lease::Take(open(), "upkeep").status().field(), kLeaseHeld);
-    const Status refused = second->ErasePerson(world.student, false, kSystem).status();
+    EXPECT_EQ(Lease::Take(open(), "upkeep").status().field(), kLeaseHeld);
+    const Status refused = second->erasures.ErasePerson(world.student, false, kSystem).status();
     EXPECT_EQ(refused.code(), Code::kUnavailable);
     EXPECT_EQ(refused.field(), kLeaseHeld);
-    EXPECT_TRUE(first->PersonById(world.student).ok()) << "nothing of it was begun";
-    EXPECT_EQ(first->ApplyRetention(enamel::UnixMs(), false, kSystem).status().field(), kLeaseHeld);
+    EXPECT_TRUE(first->people.PersonById(world.student).ok()) << "nothing of it was begun";
+    EXPECT_EQ(first->retention.ApplyRetention(enamel::UnixMs(), false, kSystem).status().field(),
+              kLeaseHeld);
   }
   EXPECT_EQ(Count("SELECT count(*) FROM leases"), 0) << "given back";
   // A server that died had taken it, and had begun to erase.
@@ -346,9 +358,9 @@ TEST_F(PgServersTest, UpkeepIsOneServersAtATimeAndFinishedByAnother) {
           ->Exec("INSERT INTO leases VALUES (1, 'upkeep', decode(repeat('ab', 16), 'hex'), 1); "
                  "INSERT INTO rewrite_due VALUES (1, 1, decode(repeat('cd', 16), 'hex'))")
           .ok());
-  ASSERT_TRUE(second->FinishErasures().ok());
+  ASSERT_TRUE(second->erasures.FinishErasures().ok());
   EXPECT_EQ(Count("SELECT count(*) FROM rewrite_due"), 0);
-  ASSERT_TRUE(second->ErasePerson(world.student, false, kSystem).ok());
+  ASSERT_TRUE(second->erasures.ErasePerson(world.student, false, kSystem).ok());
   EXPECT_EQ(Count("SELECT count(*) FROM rewrite_due"), 0);
   EXPECT_EQ(Count("SELECT count(*) FROM leases"), 0);
 }
@@ -357,28 +369,24 @@ TEST_F(PgServersTest, AnErasureWhileTheTablesAreWrittenAnewLeavesThemMarked) {
   const TempFolder folder;
   auto store = Open(folder, server_);
   const auto open = [&] {
-    return std::move(sqlite::OpenPgDatabase(server_, schema_, /*read_only=*/false, {})).value();
+    return std::move(OpenPgDatabase(server_, schema_, /*read_only=*/false, {})).value();
   };
-  const auto db = open();
-  std::function<void()> before_write = [] {};
-  sqlite::Rewriter::Shared shared;
-  shared.rows.read = [&](const auto& work) { return work(*db); };
-  shared.rows.write = [&](const auto& work) {
-    before_write();
-    return work(*db);
+  std::function<void()> before_write{};  // once
+  const auto hook = [&] {
+    if (before_write) std::exchange(before_write, {})();
+    return false;
   };
-  sqlite::SpaceGuard space(folder.path(), SystemDisk(), 0, std::chrono::milliseconds(1000));
-  sqlite::Rewriter rewriter(folder.path(), space, shared);
-  sqlite::Writer writer(open());
+  SpaceGuard space(folder.path(), SystemDisk(), 0, std::chrono::milliseconds(1000));
+  Transactions rows(
+      {OpenPgDatabase(server_, schema_, /*read_only=*/false, hook).value(), open, open}, 2),
+      others({open(), open, open}, 2);
+  Rewriter rewriter(folder.path(), space, rows), elsewhere(folder.path(), space, others);
   ASSERT_TRUE(rewriter.Mark().ok());
-  // As the mark is removed, another server has marked them for what it has erased meanwhile.
-  bool marks = true;
-  before_write = [&] {
-    if (std::exchange(marks, false)) EXPECT_TRUE(rewriter.Mark().ok());
-  };
-  ASSERT_TRUE(rewriter.RunIfMarked(writer).ok());
+  // Before the mark is removed, another server has marked them for what it has erased meanwhile.
+  before_write = [&] { EXPECT_TRUE(elsewhere.Mark().ok()); };
+  ASSERT_TRUE(rewriter.RunIfMarked().ok());
   EXPECT_TRUE(*rewriter.IsMarked());
-  ASSERT_TRUE(rewriter.RunIfMarked(writer).ok());
+  ASSERT_TRUE(rewriter.RunIfMarked().ok());
   EXPECT_FALSE(*rewriter.IsMarked());
 }
 
@@ -386,7 +394,7 @@ TEST_F(PgServersTest, ALeaseLastsAsLongAsItsHolder) {
   const TempFolder folder;
   auto store = Open(folder, server_);
   const auto open = [&] {
-    return std::move(sqlite::OpenPgDatabase(server_, schema_, /*read_only=*/false, {})).value();
+    return std::move(OpenPgDatabase(server_, schema_, /*read_only=*/false, {})).value();
   };
   int64_t until_renewed = 0;
   std::binary_semaphore until_read(0), renewed(0);
@@ -402,8 +410,7 @@ TEST_F(PgServersTest, ALeaseLastsAsLongAsItsHolder) {
     renewed.release();
   };
   using std::chrono::milliseconds;
-  auto held =
-      sqlite::Lease::Take(open(), "upkeep", {milliseconds(2000), milliseconds(20), on_renewed});
+  auto held = Lease::Take(open(), "upkeep", {milliseconds(2000), milliseconds(20), on_renewed});
   ASSERT_TRUE(held.ok());
   const int64_t until = Count("SELECT until_ms FROM leases");
   until_read.release();
@@ -419,48 +426,48 @@ TEST_F(PgServersTest, StationsOfOneServerAreElsewhereForTheOthersUntilItIsGone) 
   World world(*one);
   const Uuid station = Uuid::New(), both = Uuid::New();
   const std::vector<StationLink> links{{station, true}, {both, false}};
-  ASSERT_TRUE(one->KeepLinks(links, {}, true).ok());
-  ASSERT_TRUE(two->KeepLinks({{both, true}}, {}, true).ok());
-  auto elsewhere = *two->LinksElsewhere();
+  ASSERT_TRUE(one->live.KeepLinks(links, {}, true).ok());
+  ASSERT_TRUE(two->live.KeepLinks({{both, true}}, {}, true).ok());
+  auto elsewhere = *two->live.LinksElsewhere();
   std::ranges::sort(elsewhere, {}, &StationLink::shows_remarks);
   EXPECT_EQ(elsewhere, (std::vector<StationLink>{{both, false}, {station, true}}));
-  EXPECT_EQ(*one->LinksElsewhere(), (std::vector<StationLink>{{both, true}}));
+  EXPECT_EQ(*one->live.LinksElsewhere(), (std::vector<StationLink>{{both, true}}));
   // What is said at one server is there for the other, whose station says how far it has come.
   const Uuid attempt = world.OpenedAttempt();
   AnnotationRow row;
   row.attempt = attempt;
   row.text = "stop";
   row.to_chair = true;
-  ASSERT_TRUE(one->AddAnnotation(row, kSystem).ok());
-  auto remarks = *two->ChairRemarks(0);
+  ASSERT_TRUE(one->remarks.AddAnnotation(row, kSystem).ok());
+  auto remarks = *two->live.ChairRemarks(0);
   ASSERT_EQ(remarks.size(), 1u);
   remarks[0].state = RemarkState::kShown;
-  ASSERT_TRUE(two->MoveRemarks(remarks).ok());
-  EXPECT_EQ(one->ChairRemarks(0)->at(0).state, RemarkState::kShown);
+  ASSERT_TRUE(two->live.MoveRemarks(remarks).ok());
+  EXPECT_EQ(one->live.ChairRemarks(0)->at(0).state, RemarkState::kShown);
 
   // Not heard for a while.
-  auto db = sqlite::OpenPgDatabase(server_, schema_, /*read_only=*/false, {});
+  auto db = OpenPgDatabase(server_, schema_, /*read_only=*/false, {});
   ASSERT_TRUE((*db)->Exec("UPDATE running_servers SET heard_ms = heard_ms - 20001").ok());
-  EXPECT_TRUE(two->LinksElsewhere()->empty());
-  ASSERT_TRUE(two->KeepLinks({}, {}, false).ok()) << "nobody has deleted it yet";
-  EXPECT_EQ(one->LinksElsewhere()->size(), 1u);
+  EXPECT_TRUE(two->live.LinksElsewhere()->empty());
+  ASSERT_TRUE(two->live.KeepLinks({}, {}, false).ok()) << "nobody has deleted it yet";
+  EXPECT_EQ(one->live.LinksElsewhere()->size(), 1u);
   const TempFolder third_folder;
   auto third = OpenAnother(third_folder, one_folder);
-  ASSERT_TRUE(third->KeepLinks({}, {}, true).ok());
+  ASSERT_TRUE(third->live.KeepLinks({}, {}, true).ok());
   EXPECT_EQ(Count("SELECT count(*) FROM running_servers"), 2);
   EXPECT_EQ(Count("SELECT count(*) FROM station_links"), 1);
-  EXPECT_EQ(one->KeepLinks({}, {}, false).code(), Code::kNotFound);
-  ASSERT_TRUE(one->KeepLinks(links, {}, true).ok());
-  EXPECT_EQ(third->LinksElsewhere()->size(), 2u);
+  EXPECT_EQ(one->live.KeepLinks({}, {}, false).code(), Code::kNotFound);
+  ASSERT_TRUE(one->live.KeepLinks(links, {}, true).ok());
+  EXPECT_EQ(third->live.LinksElsewhere()->size(), 2u);
 }
 
 TEST_F(PgServersTest, TimesAreTheDatabases) {
   const TempFolder folder;
   auto store = Open(folder, server_);
   FollowClock(std::chrono::system_clock::now() + std::chrono::hours(5));
-  ASSERT_TRUE(store->LookAtDatabase().ok());
+  ASSERT_TRUE(store->look.Look().ok());
   // The server is on this machine.
-  const StoreHealth health = store->Health();
+  const StoreHealth health = store->health.Health();
   EXPECT_LT(std::abs(health.clock_ahead_ms), 1000);
   EXPECT_EQ(health.clock_problem, "");
   EXPECT_LT(enamel::UnixMs(), enamel::UnixMs(std::chrono::system_clock::now()) + 3'600'000);
@@ -472,20 +479,20 @@ TEST_F(PgServersTest, TimesAreTheDatabases) {
 TEST_F(PgServersTest, WhileEveryChangeWaitsForAStandbySessionsAreReadAndHealthSaysSo) {
   const TempFolder folder;
   auto store = Open(folder, server_);
-  auto db = sqlite::OpenPgDatabase(server_, {}, /*read_only=*/false, {});
+  auto db = OpenPgDatabase(server_, {}, /*read_only=*/false, {});
   ASSERT_TRUE(db.ok());
   // After `missing`: it may wait for what that ends.
   std::future<bool> touched;
   test::MissingStandbys missing(**db);
   missing.Name("nobody");
   ASSERT_TRUE(test::Becomes([&] {
-    return store->LookAtDatabase().ok() && store->Health().standby == sql::Standby::kMissing;
+    return store->look.Look().ok() && store->health.Health().standby == sql::Standby::kMissing;
   }));
-  const StoreHealth health = store->Health();
+  const StoreHealth health = store->health.Health();
   EXPECT_NE(health.waiting.find("standby"), std::string::npos) << health.waiting;
   EXPECT_TRUE(health.takes_recordings) << "what comes is not lost, and waits";
-  touched =
-      std::async(std::launch::async, [&] { return store->TouchSession(Sha256{}, UnixMs()).ok(); });
+  touched = std::async(std::launch::async,
+                       [&] { return store->sessions.TouchSession(Sha256{}, UnixMs()).ok(); });
   EXPECT_TRUE(touched.wait_for(std::chrono::seconds(10)) == std::future_status::ready &&
               touched.get());
 }
@@ -497,9 +504,9 @@ TEST_F(PgServersTest, ServersGoOnWhenANewerVersionMigratesAndNoneOfTheOldVersion
   (void)world.ScoredAttempt();  // every statement of an attempt is prepared
   const Uuid attempt = world.OpenedAttempt();
   auto chunks = world.Append(attempt, 1);
-  auto db = sqlite::OpenPgDatabase(server_, schema_, /*read_only=*/false, {});
+  auto db = OpenPgDatabase(server_, schema_, /*read_only=*/false, {});
   ASSERT_TRUE(db.ok()) << db.status().message();
-  std::vector<sql::Migration> later = sqlite::PgMigrations();
+  std::vector<sql::Migration> later = PgMigrations();
   const int next = later.back().version + 1;
   // As the next version's may (server/README.md): it adds, and takes nothing away.
   later.push_back({next, "later.sql",
@@ -511,9 +518,9 @@ TEST_F(PgServersTest, ServersGoOnWhenANewerVersionMigratesAndNoneOfTheOldVersion
   ASSERT_TRUE((*db)->Migrate(later).ok());
 
   chunks.push_back(world.Chunk(attempt, 1, chunks.back().hash));
-  Status status = store->AppendChunk(chunks.back());
+  Status status = store->ingest.AppendChunk(chunks.back());
   EXPECT_TRUE(status.ok()) << status.message();
-  EXPECT_TRUE(store->SealAttempt(World::SealOf(chunks), 300).ok());
+  EXPECT_TRUE(store->seals.SealAttempt(World::SealOf(chunks), 300).ok());
   (void)world.ScoredAttempt();
   (void)AddPerson(*store, "later", Role::kStudent);
   EXPECT_EQ(Count("SELECT count(*) FROM attempts WHERE later = 0"), 3);
@@ -547,9 +554,10 @@ TEST_F(PgServersTest, AServerThatIsKnownByAnotherThanTheOthersIsRefused) {
   ASSERT_TRUE(first.ok()) << first.status().message();
   EXPECT_TRUE(*HasServers(options));
   const Sha256 certificate = HashSha256(AsBytes("certificate"));
-  EXPECT_TRUE((*first)->MatchIdentity(ServerPart::kStationCertificate, {}).ok()) << "nobody's yet";
-  EXPECT_TRUE((*first)->MatchIdentity(ServerPart::kStationCertificate, certificate).ok());
-  EXPECT_TRUE((*first)->MatchIdentity(ServerPart::kStationCertificate, certificate).ok());
+  EXPECT_TRUE((*first)->identity.MatchIdentity(ServerPart::kStationCertificate, {}).ok())
+      << "nobody's yet";
+  EXPECT_TRUE((*first)->identity.MatchIdentity(ServerPart::kStationCertificate, certificate).ok());
+  EXPECT_TRUE((*first)->identity.MatchIdentity(ServerPart::kStationCertificate, certificate).ok());
 
   options.folder.folder = other.path();
   const Status without = OpenPostgresStore(options).status();
@@ -584,30 +592,32 @@ TEST_F(PgServersTest, AServerThatIsKnownByAnotherThanTheOthersIsRefused) {
 
   auto second = OpenPostgresStore(options);
   ASSERT_TRUE(second.ok()) << second.status().message();
-  const Status other_certificate = (*second)->MatchIdentity(
+  const Status other_certificate = (*second)->identity.MatchIdentity(
       ServerPart::kStationCertificate, HashSha256(AsBytes("another certificate")));
   EXPECT_EQ(other_certificate.code(), Code::kConflict);
   EXPECT_NE(other_certificate.message().find("station.crt"), std::string::npos);
-  EXPECT_EQ((*second)->MatchIdentity(ServerPart::kStationCertificate, {}).code(), Code::kNotFound);
+  EXPECT_EQ((*second)->identity.MatchIdentity(ServerPart::kStationCertificate, {}).code(),
+            Code::kNotFound);
 
   // What one takes in, the other reads; whom one erases is erased for both.
   World world(**first);
   const Uuid attempt = world.OpenedAttempt();
   const auto chunks = world.Append(attempt, 2);
-  EXPECT_EQ((*second)->AttemptChunks(attempt)->size(), 2u);
-  ASSERT_TRUE((*second)->SealAttempt(World::SealOf(chunks), 200).ok());
-  ASSERT_TRUE((*first)->ErasePerson(world.student, false, kSystem).ok());
-  EXPECT_EQ((*second)->AttemptById(attempt).status().code(), Code::kNotFound);
+  EXPECT_EQ((*second)->recordings.AttemptChunks(attempt)->size(), 2u);
+  ASSERT_TRUE((*second)->seals.SealAttempt(World::SealOf(chunks), 200).ok());
+  ASSERT_TRUE((*first)->erasures.ErasePerson(world.student, false, kSystem).ok());
+  EXPECT_EQ((*second)->attempts.AttemptById(attempt).status().code(), Code::kNotFound);
   Person again;
   again.id = world.student;
   again.login = "again";
-  EXPECT_EQ((*second)->CreatePerson(again, "v", {}, kSystem).status().code(), Code::kConflict);
+  EXPECT_EQ((*second)->people.CreatePerson(again, "v", {}, kSystem).status().code(),
+            Code::kConflict);
   EXPECT_EQ(bucket.complaints(), std::vector<std::string>{});
 
   // All servers are stopped and its row is deleted: the first that comes says anew what they are known by.
   first->reset();
   second->reset();
-  auto db = sqlite::OpenPgDatabase(server_, schema_, /*read_only=*/false, {});
+  auto db = OpenPgDatabase(server_, schema_, /*read_only=*/false, {});
   ASSERT_TRUE((*db)->Exec("DELETE FROM server_identity WHERE name = 'key_ring'").ok());
   place.prefix = "renewed/";
   EXPECT_TRUE(OpenPostgresStore(options).ok());

@@ -55,15 +55,13 @@ class Day {
     }
     return *last;
   }
-  const std::vector<Store::ChunkPut>& SentOf(const Uuid& attempt) const {
-    return sent_.at(attempt);
-  }
+  const std::vector<ChunkPut>& SentOf(const Uuid& attempt) const { return sent_.at(attempt); }
   SimulatedDisk& disk() { return disk_; }
   size_t first_promise() const { return promises_.at(1).operations; }
 
  private:
   void Open() {
-    SqliteOptions options;
+    StoreOptions options;
     options.folder = folder_;
     options.hold_lock = true;
     options.vfs = disk_.vfs();
@@ -86,8 +84,8 @@ class Day {
     row.exercise = world_->exercise.id;
     row.profile_content = world_->profile;
     row.ticketed_ms = 5;
-    EXPECT_TRUE(store_->CreateAttempt(row, AsBytes("ticket"), kSystem).ok());
-    EXPECT_TRUE(store_->OpenAttempt(row.id, AsBytes("header")).ok());
+    EXPECT_TRUE(store_->tickets.CreateAttempt(row, AsBytes("ticket"), kSystem).ok());
+    EXPECT_TRUE(store_->tickets.OpenAttempt(row.id, AsBytes("header")).ok());
     now_.chunks[row.id] = 0;
     Acknowledge();
     return row.id;
@@ -98,7 +96,7 @@ class Day {
     for (uint32_t i = 0; i < count; ++i) {
       Sha256 previous = sent.empty() ? World::HeaderHash() : sent.back().hash;
       sent.push_back(world_->Chunk(attempt, static_cast<uint32_t>(sent.size()), previous));
-      Status status = store_->AppendChunk(sent.back());
+      Status status = store_->ingest.AppendChunk(sent.back());
       EXPECT_TRUE(status.ok()) << status.message();
       ++now_.chunks[attempt];
       Acknowledge();
@@ -106,17 +104,17 @@ class Day {
   }
 
   void Seal(const Uuid& attempt) {
-    EXPECT_TRUE(store_->SealAttempt(World::SealOf(sent_[attempt]), 200).ok());
+    EXPECT_TRUE(store_->seals.SealAttempt(World::SealOf(sent_[attempt]), 200).ok());
     now_.sealed.insert(attempt);
     Acknowledge();
   }
 
   void Score(const Uuid& attempt) {
-    Store::AttemptResult result;
-    result.score_json = *store_->PutAttemptBlob(attempt, AsBytes("{\"score\": 80}"));
+    AttemptResult result;
+    result.score_json = *store_->blobs.PutAttemptBlob(attempt, AsBytes("{\"score\": 80}"));
     now_.blobs.insert(result.score_json);
     Acknowledge();
-    EXPECT_TRUE(store_->FinishAttempt(attempt, result, {}).ok());
+    EXPECT_TRUE(store_->results.FinishAttempt(attempt, result, {}).ok());
     now_.scored.insert(attempt);
     Acknowledge();
   }
@@ -125,7 +123,7 @@ class Day {
     now_.chunks.erase(attempt);  // from the first step on, it may be there or not
     now_.sealed.erase(attempt);
     Acknowledge();
-    auto erased = store_->ErasePerson(person, false, kSystem);
+    auto erased = store_->erasures.ErasePerson(person, false, kSystem);
     EXPECT_TRUE(erased.ok()) << erased.status().message();
     now_.erased.insert(person);
     Acknowledge();
@@ -136,44 +134,45 @@ class Day {
   std::unique_ptr<Store> store_;
   std::optional<World> world_;  // its store is the first one
   Uuid first_, unfinished_;
-  std::map<Uuid, std::vector<Store::ChunkPut>> sent_;
+  std::map<Uuid, std::vector<ChunkPut>> sent_;
   Promise now_;
   std::vector<Promise> promises_{Promise{}};
 };
 
 void ExpectKept(Store& store, const Day& day, const Promise& promise) {
   for (const auto& [attempt, count] : promise.chunks) {
-    auto row = store.AttemptById(attempt);
+    auto row = store.attempts.AttemptById(attempt);
     ASSERT_TRUE(row.ok()) << row.status().message();
     if (count == 0) continue;
-    auto chunks = store.AttemptChunks(attempt);
+    auto chunks = store.recordings.AttemptChunks(attempt);
     ASSERT_TRUE(chunks.ok()) << chunks.status().message();
     ASSERT_GE(chunks->size(), count);
     for (uint32_t i = 0; i < count; ++i)
       EXPECT_EQ((*chunks)[i], day.SentOf(attempt)[i].bytes) << "chunk " << i;
     if (promise.sealed.contains(attempt)) {
-      EXPECT_TRUE(store.AttemptSeal(attempt).ok());
+      EXPECT_TRUE(store.recordings.AttemptSeal(attempt).ok());
     }
     if (promise.scored.contains(attempt)) {
-      EXPECT_TRUE(store.ResultOf(attempt).ok());
+      EXPECT_TRUE(store.results.ResultOf(attempt).ok());
     }
   }
-  for (const Sha256& blob : promise.blobs) EXPECT_TRUE(store.GetBlob(blob).ok()) << blob.Hex();
+  for (const Sha256& blob : promise.blobs)
+    EXPECT_TRUE(store.blobs.GetBlob(blob).ok()) << blob.Hex();
   for (const Uuid& person : promise.erased) {
-    EXPECT_EQ(store.PersonById(person).status().code(), Code::kNotFound);
+    EXPECT_EQ(store.people.PersonById(person).status().code(), Code::kNotFound);
   }
 }
 
 // A station that comes back sends everything again; nothing is doubled.
 void SendAgain(Store& store, const Day& day, const Promise& promise) {
   for (const auto& [attempt, count] : promise.chunks) {
-    if (!store.AttemptHeader(attempt).ok()) continue;
-    for (const Store::ChunkPut& chunk : day.SentOf(attempt)) {
-      Status status = store.AppendChunk(chunk);
+    if (!store.recordings.AttemptHeader(attempt).ok()) continue;
+    for (const ChunkPut& chunk : day.SentOf(attempt)) {
+      Status status = store.ingest.AppendChunk(chunk);
       EXPECT_TRUE(status.ok()) << status.message();
     }
-    EXPECT_EQ(store.AttemptById(attempt)->chunks, day.SentOf(attempt).size());
-    EXPECT_EQ(store.AttemptChunks(attempt)->size(), day.SentOf(attempt).size());
+    EXPECT_EQ(store.attempts.AttemptById(attempt)->chunks, day.SentOf(attempt).size());
+    EXPECT_EQ(store.recordings.AttemptChunks(attempt)->size(), day.SentOf(attempt).size());
   }
 }
 
@@ -223,7 +222,7 @@ TEST(SimulatedDiskTest, DriveThatLiesAboutSyncsLosesWhatWasAcknowledged) {
   auto store = OpenSqliteStore({left.path(), true});
   size_t lost = 0;
   for (const auto& [attempt, count] : day.PromiseAfter(last).chunks) {
-    auto chunks = store.ok() ? (*store)->AttemptChunks(attempt) : store.status();
+    auto chunks = store.ok() ? (*store)->recordings.AttemptChunks(attempt) : store.status();
     lost += !chunks.ok() || chunks->size() < count ? 1 : 0;
   }
   EXPECT_GT(lost, 0u);

@@ -30,7 +30,7 @@ Uuid RecordedSchool::RecordOf(const Uuid& person, uint32_t chunks) {
   header.params = test::ParamsFor({cutting::BurShape::kCylinder, 0.6e-3, 4e-3});
   header.station_software = "test";
   Bytes encoded = trace::EncodeHeader(header);
-  EXPECT_TRUE(store->OpenAttempt(row.id, encoded).ok());
+  EXPECT_TRUE(store->tickets.OpenAttempt(row.id, encoded).ok());
   chains_[row.id].head = HashSha256(encoded);
   for (uint32_t i = 0; i < chunks; ++i) EXPECT_TRUE(Append(row.id).ok());
   return row.id;
@@ -39,14 +39,14 @@ Uuid RecordedSchool::RecordOf(const Uuid& person, uint32_t chunks) {
 Status RecordedSchool::Append(const Uuid& attempt) {
   Chain& chain = chains_.at(attempt);
   auto put = world.Chunk(attempt, static_cast<uint32_t>(chain.chunks.size()), chain.head);
-  ENAMEL_RETURN_IF_ERROR(store->AppendChunk(put));
+  ENAMEL_RETURN_IF_ERROR(store->ingest.AppendChunk(put));
   chain.head = put.hash;
   chain.chunks.push_back(std::move(put));
   return Status::Ok();
 }
 
 void RecordedSchool::Seal(const Uuid& attempt) {
-  Status sealed = store->SealAttempt(World::SealOf(chains_.at(attempt).chunks), 200);
+  Status sealed = store->seals.SealAttempt(World::SealOf(chains_.at(attempt).chunks), 200);
   EXPECT_TRUE(sealed.ok()) << sealed.message();
 }
 
@@ -56,38 +56,38 @@ void RecordedSchool::Score(const Uuid& attempt, const std::optional<Uuid>& refer
 }
 
 void RecordedSchool::ScoreAgain(const Uuid& attempt, double points) {
-  ASSERT_TRUE(store->Rescore(attempt, "rescore", kSystem).ok());
-  Finish(attempt, points, store->ResultOf(attempt)->reference);
+  ASSERT_TRUE(store->judging.Rescore(attempt, "rescore", kSystem).ok());
+  Finish(attempt, points, store->results.ResultOf(attempt)->reference);
 }
 
 void RecordedSchool::Finish(const Uuid& attempt, double points,
                             const std::optional<Uuid>& reference) {
-  auto job = store->LeaseJob(1, 1000);
+  auto job = store->jobs.LeaseJob(1, 1000);
   EXPECT_TRUE(job.ok() && job->has_value() && (*job)->attempt == attempt);
-  Store::AttemptResult result;
+  AttemptResult result;
   result.score = points;
   result.scored_ms = 300;
   result.reference = reference;
   auto put = [&](const std::string& text) {
-    return *store->PutAttemptBlob(attempt, AsBytes(text));
+    return *store->blobs.PutAttemptBlob(attempt, AsBytes(text));
   };
   result.score_json = put("score of " + std::to_string(points));
   result.final_volume = put("volume");
   result.surface = put("surface");
   result.series = put("series");
-  AttemptRow row = *store->AttemptById(attempt);
+  AttemptRow row = *store->attempts.AttemptById(attempt);
   ResultDocument document;
   document.attempt = attempt;
   document.scored_ms = result.scored_ms;
-  document.header = HashSha256(*store->AttemptHeader(attempt));
-  document.recording = store->AttemptSeal(attempt)->last_chunk;
+  document.header = HashSha256(*store->recordings.AttemptHeader(attempt));
+  document.recording = store->recordings.AttemptSeal(attempt)->last_chunk;
   document.exercise = world.exercise.content;
   document.scene = world.scene;
   document.profile = world.profile;
   if (reference) {
     document.reference = *reference;
-    document.reference_recording = store->AttemptSeal(*reference)->last_chunk;
-    document.reference_tooth = store->ResultOf(*reference)->final_volume;
+    document.reference_recording = store->recordings.AttemptSeal(*reference)->last_chunk;
+    document.reference_tooth = store->results.ResultOf(*reference)->final_volume;
   }
   document.score_document = result.score_json;
   document.tooth = result.final_volume;
@@ -97,13 +97,13 @@ void RecordedSchool::Finish(const Uuid& attempt, double points,
   document.flags = row.flags;
   SignResult(document, ticket_key);
   result.document = EncodeResult(document);
-  EXPECT_TRUE(store->FinishAttempt(attempt, result, {}).ok());
-  EXPECT_TRUE(store->FinishJob((*job)->lease, true, "").ok());
+  EXPECT_TRUE(store->results.FinishAttempt(attempt, result, {}).ok());
+  EXPECT_TRUE(store->jobs.FinishJob((*job)->lease, true, "").ok());
 }
 
 Bytes RecordedSchool::TraceOf(const Uuid& attempt) {
-  trace::TraceFile file{*store->AttemptHeader(attempt), *store->AttemptChunks(attempt),
-                        std::nullopt, false};
+  trace::TraceFile file{*store->recordings.AttemptHeader(attempt),
+                        *store->recordings.AttemptChunks(attempt), std::nullopt, false};
   return trace::EncodeTraceFile(file);
 }
 

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <map>
 
-#include "server/storage/engine/ticket_key.h"
+#include "server/storage/folder/ticket_key.h"
 #include "tests/server/storage/store_world.h"
 
 namespace enamel::server::testing {
@@ -35,7 +35,7 @@ struct RecordedSchool {
   void Finish(const Uuid& attempt, double points, const std::optional<Uuid>& reference);
   struct Chain {
     Sha256 head;
-    std::vector<Store::ChunkPut> chunks;
+    std::vector<ChunkPut> chunks;
   };
   std::map<Uuid, Chain> chains_;
 };

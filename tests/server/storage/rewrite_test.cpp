@@ -7,7 +7,7 @@
 #include <future>
 #include <thread>
 
-#include "server/storage/engine/folder_lock.h"
+#include "server/storage/folder/folder_lock.h"
 #include "tests/server/storage/simulated_disk.h"
 #include "tests/server/storage/store_world.h"
 
@@ -52,7 +52,7 @@ class RewriteTest : public ::testing::Test {
 
   std::unique_ptr<Store> Open(bool as_server, std::chrono::milliseconds busy_wait,
                               uint64_t min_free_bytes = 0) {
-    SqliteOptions options;
+    StoreOptions options;
     options.folder = Data();
     options.hold_lock = as_server;
     options.busy_wait = busy_wait;
@@ -70,7 +70,7 @@ class RewriteTest : public ::testing::Test {
   // The log's first write after the person is deleted for good is the new database's, under the
   // lock for writing.
   void LookAt(const std::string& path) {
-    if (!armed_ || !path.ends_with("-wal") || beside_->PersonById(gone_).ok()) return;
+    if (!armed_ || !path.ends_with("-wal") || beside_->people.PersonById(gone_).ok()) return;
     armed_ = false;
     in_the_middle_();
   }
@@ -82,22 +82,22 @@ class RewriteTest : public ::testing::Test {
     held_.set_value();
     (void)released_.wait_for(kEnough);
   }
-  Result<ErasureReport> Erase() { return server_->ErasePerson(gone_, false, kSystem); }
+  Result<ErasureReport> Erase() { return server_->erasures.ErasePerson(gone_, false, kSystem); }
   // What a crash leaves, or an erasure that could not be finished.
   void LeaveMark() const { std::ofstream(Mark()).close(); }
   static bool IsWaitedFor(Store& store) {
     auto until = std::chrono::steady_clock::now() + kEnough;
-    while (store.Health().waiting.empty() && std::chrono::steady_clock::now() < until) {
+    while (store.health.Health().waiting.empty() && std::chrono::steady_clock::now() < until) {
       std::this_thread::sleep_for(1ms);
     }
-    return !store.Health().waiting.empty();
+    return !store.health.Health().waiting.empty();
   }
 
   static Status Add(Store& store, const std::string& login) {
     Person person;
     person.login = login;
     person.display_name = login;
-    return store.CreatePerson(person, "none", {}, kSystem).status();
+    return store.people.CreatePerson(person, "none", {}, kSystem).status();
   }
 
   TempFolder folder_;
@@ -118,7 +118,7 @@ TEST_F(RewriteTest, NobodyIsRefusedHoweverLongItTakes) {
   auto beside = std::async([&] { return Add(*beside_, "beside"); });
   EXPECT_TRUE(IsWaitedFor(*beside_));
   std::this_thread::sleep_for(2 * kBusyWait);
-  StoreHealth health = server_->Health();
+  StoreHealth health = server_->health.Health();
   EXPECT_NE(health.waiting.find("erased"), std::string::npos) << health.waiting;
   EXPECT_TRUE(health.takes_recordings);
   EXPECT_EQ(here.wait_for(0s), std::future_status::timeout);
@@ -130,8 +130,8 @@ TEST_F(RewriteTest, NobodyIsRefusedHoweverLongItTakes) {
   auto report = erasure.get();
   ASSERT_TRUE(report.ok()) << report.status().message();
   EXPECT_TRUE(report->finished);
-  EXPECT_TRUE(server_->PersonByLogin("beside").ok());
-  EXPECT_EQ(server_->Health().waiting + beside_->Health().waiting, "");
+  EXPECT_TRUE(server_->people.PersonByLogin("beside").ok());
+  EXPECT_EQ(server_->health.Health().waiting + beside_->health.Health().waiting, "");
   EXPECT_FALSE(std::filesystem::exists(Mark()));
 }
 
@@ -140,7 +140,7 @@ TEST_F(RewriteTest, OtherProgramsThatKeepTheDatabaseAreWaitedForNoLongerThanUsua
   EXPECT_EQ(Add(*beside_, "late").code(), Code::kUnavailable);
   LeaveMark();
   EXPECT_EQ(Add(*beside_, "later").code(), Code::kUnavailable) << "a mark alone is no erasure";
-  EXPECT_EQ(beside_->Health().waiting, "");
+  EXPECT_EQ(beside_->health.Health().waiting, "");
 }
 
 TEST_F(RewriteTest, StartWaitsNeitherForAnotherProgramNorForWhatIsLeftToRewrite) {
@@ -149,12 +149,12 @@ TEST_F(RewriteTest, StartWaitsNeitherForAnotherProgramNorForWhatIsLeftToRewrite)
   {
     Other writer(Data(), "BEGIN IMMEDIATE");
     server_ = Open(true, kBusyWait);
-    EXPECT_TRUE(server_->PersonById(gone_).ok());
-    EXPECT_EQ(server_->LeaseJob(1, 1).status().code(), Code::kUnavailable);
+    EXPECT_TRUE(server_->people.PersonById(gone_).ok());
+    EXPECT_EQ(server_->jobs.LeaseJob(1, 1).status().code(), Code::kUnavailable);
   }
-  EXPECT_TRUE(server_->LeaseJob(1, 1).ok());
+  EXPECT_TRUE(server_->jobs.LeaseJob(1, 1).ok());
   EXPECT_TRUE(std::filesystem::exists(Mark()));
-  Status finished = server_->FinishErasures();
+  Status finished = server_->erasures.FinishErasures();
   EXPECT_TRUE(finished.ok()) << finished.message();
   EXPECT_FALSE(std::filesystem::exists(Mark()));
 }
@@ -162,16 +162,16 @@ TEST_F(RewriteTest, StartWaitsNeitherForAnotherProgramNorForWhatIsLeftToRewrite)
 TEST_F(RewriteTest, OnceStoppingNobodyWaitsForAnErasureBeside) {
   Other writer(Data(), "BEGIN IMMEDIATE");
   LeaveMark();
-  auto erases = sqlite::TakeUpkeepLock(Data(), sqlite::FolderLock::Mode::kExclusive);
+  auto erases = TakeUpkeepLock(Data(), FolderLock::Mode::kExclusive);
   ASSERT_TRUE(erases.ok()) << erases.status().message();
   auto waits = std::async([&] { return Add(*server_, "here"); });
   ASSERT_TRUE(IsWaitedFor(*server_));
-  auto touch = std::async([&] { return server_->TouchSession({}, 1); });
+  auto touch = std::async([&] { return server_->sessions.TouchSession({}, 1); });
   EXPECT_EQ(touch.wait_for(kEnough), std::future_status::ready) << "who reads is not kept waiting";
   server_->StopWaiting();
   ASSERT_EQ(waits.wait_for(kEnough), std::future_status::ready);
   EXPECT_EQ(waits.get().code(), Code::kUnavailable);
-  EXPECT_EQ(server_->FinishErasures().code(), Code::kUnavailable);
+  EXPECT_EQ(server_->erasures.FinishErasures().code(), Code::kUnavailable);
 }
 
 TEST_F(RewriteTest, StopInTheMiddleLeavesTheRestToTheNextStart) {
@@ -179,11 +179,11 @@ TEST_F(RewriteTest, StopInTheMiddleLeavesTheRestToTheNextStart) {
   auto report = Erase();
   ASSERT_TRUE(report.ok()) << report.status().message();
   EXPECT_FALSE(report->finished);
-  EXPECT_EQ(server_->PersonById(gone_).status().code(), Code::kNotFound);
+  EXPECT_EQ(server_->people.PersonById(gone_).status().code(), Code::kNotFound);
   EXPECT_TRUE(std::filesystem::exists(Mark()));
   server_.reset();
   server_ = Open(true, kBusyWait);
-  EXPECT_TRUE(server_->FinishErasures().ok());
+  EXPECT_TRUE(server_->erasures.FinishErasures().ok());
   EXPECT_FALSE(std::filesystem::exists(Mark()));
 }
 
@@ -197,12 +197,12 @@ TEST_F(RewriteTest, IsLeftForLaterWhereThereIsNoRoomForTwoMoreDatabases) {
   auto report = Erase();
   ASSERT_TRUE(report.ok()) << report.status().message();
   EXPECT_FALSE(report->finished);
-  EXPECT_EQ(server_->PersonById(gone_).status().code(), Code::kNotFound);
+  EXPECT_EQ(server_->people.PersonById(gone_).status().code(), Code::kNotFound);
   EXPECT_TRUE(std::filesystem::exists(Mark()));
-  EXPECT_EQ(server_->FinishErasures().code(), Code::kStorage);
-  EXPECT_TRUE(server_->Health().takes_recordings) << server_->Health().problem;
+  EXPECT_EQ(server_->erasures.FinishErasures().code(), Code::kStorage);
+  EXPECT_TRUE(server_->health.Health().takes_recordings) << server_->health.Health().problem;
   disk_.SetFree(kKeptFree + 3 * size);
-  Status finished = server_->FinishErasures();
+  Status finished = server_->erasures.FinishErasures();
   EXPECT_TRUE(finished.ok()) << finished.message();
   EXPECT_FALSE(std::filesystem::exists(Mark()));
 }
@@ -220,22 +220,22 @@ TEST_F(RewriteTest, DiskThatFillsUpAllTheSameHasItsRoomBack) {
   EXPECT_TRUE(std::filesystem::exists(Mark()));
   EXPECT_EQ(std::filesystem::file_size(Data() / "enamel.db-wal"), 0u);
   EXPECT_TRUE(Add(*server_, "next").ok());
-  EXPECT_TRUE(server_->Health().takes_recordings) << server_->Health().problem;
-  EXPECT_TRUE(server_->PersonByLogin("next").ok());
+  EXPECT_TRUE(server_->health.Health().takes_recordings) << server_->health.Health().problem;
+  EXPECT_TRUE(server_->people.PersonByLogin("next").ok());
 }
 
 // They are what makes room.
 TEST_F(RewriteTest, RulesOfRetentionApplyAlsoWhereThereIsNoRoomForIt) {
   World world(*server_);
   Uuid attempt = world.OpenedAttempt();
-  ASSERT_TRUE(server_->SetRetention({"unfinished", 14}, kSystem).ok());
+  ASSERT_TRUE(server_->retention.SetRetention({"unfinished", 14}, kSystem).ok());
   LeaveMark();
   disk_.SetFree(200'000);
   constexpr UnixMs kMuchLater = 1'000ll * 24 * 60 * 60 * 1000;
-  auto applied = server_->ApplyRetention(kMuchLater, false, kSystem);
+  auto applied = server_->retention.ApplyRetention(kMuchLater, false, kSystem);
   ASSERT_TRUE(applied.ok()) << applied.status().message();
   EXPECT_EQ(applied->unfinished.size(), 1u);
-  EXPECT_FALSE(server_->AttemptById(attempt).ok());
+  EXPECT_FALSE(server_->attempts.AttemptById(attempt).ok());
   EXPECT_TRUE(std::filesystem::exists(Mark()));
 }
 
@@ -246,11 +246,11 @@ TEST_F(RewriteTest, IsFinishedWithTheRulesOfRetentionWhenAReaderKeepsTheOldPages
     auto report = Erase();
     ASSERT_TRUE(report.ok()) << report.status().message();
     EXPECT_FALSE(report->finished);
-    EXPECT_EQ(server_->PersonById(gone_).status().code(), Code::kNotFound);
+    EXPECT_EQ(server_->people.PersonById(gone_).status().code(), Code::kNotFound);
     EXPECT_TRUE(std::filesystem::exists(Mark()));
     EXPECT_TRUE(Add(*server_, "next").ok());
   }
-  auto applied = server_->ApplyRetention(1, false, kSystem);
+  auto applied = server_->retention.ApplyRetention(1, false, kSystem);
   EXPECT_TRUE(applied.ok()) << applied.status().message();
   EXPECT_FALSE(std::filesystem::exists(Mark()));
 }

@@ -1,4 +1,4 @@
-#include "server/storage/s3_blobs.h"
+#include "server/storage/blobs/s3_blobs.h"
 
 #include <gtest/gtest.h>
 
@@ -7,13 +7,14 @@
 #include <thread>
 
 #include "common/base/unix_time.h"
+#include "server/storage/blobs/blob_rows.h"
 #include "server/storage/engine/database.h"
-#include "server/storage/sql/blob_rows.h"
+#include "tests/server/storage/bare_rows.h"
 #include "tests/server/storage/store_world.h"
 #include "tests/support/s3_stand_in.h"
 
 // Blobs in an S3 store that fails as it is told, with two servers beside each other.
-namespace enamel::server::sqlite {
+namespace enamel::server {
 namespace {
 
 using namespace enamel::server::testing;
@@ -25,25 +26,16 @@ constexpr int64_t kMinuteMs = 60'000, kHourMs = 60 * kMinuteMs;
 class Server {
  public:
   Server(const test::S3StandIn& s3, const std::filesystem::path& folder, const int64_t& now_ms)
-      : db_(std::move(OpenDatabase(folder / "enamel.db", DbMode::kCreate)).value()) {
-    EXPECT_TRUE(db_->Migrate(Migrations()).ok());
+      : db_(OpenMigrated(folder / "enamel.db")),
+        rows_(ConnectionsTo(folder / "enamel.db", before_write), 2) {
     s3::S3Options options = s3.options();
     options.time.pause = [](auto) {};
     auto client = s3::S3Client::Make(options);
     EXPECT_TRUE(client.ok()) << client.status().message();
-    Transactions rows;
-    rows.read = [this](const auto& work) { return work(*db_); };
-    rows.write = [this](const auto& work) { return Write(work); };
-    blobs_ = std::make_unique<S3Blobs>(std::move(client).value(), "p/", rows,
+    blobs_ = std::make_unique<S3Blobs>(std::move(client).value(), "p/", rows_,
                                        [&now_ms] { return now_ms; });
   }
-  Status Write(const std::function<Status(sql::Db&)>& work) {
-    if (before_write) std::exchange(before_write, {})();
-    sql::Transaction transaction(*db_);
-    if (!transaction.begun().ok()) return transaction.begun();
-    if (Status status = work(*db_); !status.ok()) return status;
-    return transaction.Commit();
-  }
+  Status Write(const std::function<Status(sql::Db&)>& work) { return rows_.Write(work); }
   // As an attempt's trace; without, its name is taken away.
   void Name(const Sha256& hash, bool there = true) {
     const std::string content = "X'" + hash.Hex() + "'";
@@ -71,6 +63,7 @@ class Server {
 
  private:
   std::unique_ptr<SqliteDb> db_;
+  Transactions rows_;
   std::unique_ptr<S3Blobs> blobs_;
 };
 
@@ -270,7 +263,7 @@ TEST_F(S3BlobsTest, ErasureIsNotKeptUpByAStoreThatIsAway) {
 TEST(S3OutageTest, RecordingsGoOnAndSealsComeAgain) {
   test::S3StandIn s3;
   TempFolder folder;
-  SqliteOptions options;
+  StoreOptions options;
   options.folder = folder.path();
   options.s3_blobs.emplace();
   options.s3_blobs->store = s3.options();
@@ -279,23 +272,23 @@ TEST(S3OutageTest, RecordingsGoOnAndSealsComeAgain) {
   World world(*store);
   const Uuid attempt = world.OpenedAttempt();
   s3.Stop();
-  std::vector<Store::ChunkPut> chunks;
+  std::vector<ChunkPut> chunks;
   Sha256 previous = World::HeaderHash();
   for (uint32_t seq = 0; seq < 3; ++seq) {
     chunks.push_back(world.Chunk(attempt, seq, previous));
     previous = chunks.back().hash;
-    EXPECT_TRUE(store->AppendChunk(chunks.back()).ok());
+    EXPECT_TRUE(store->ingest.AppendChunk(chunks.back()).ok());
   }
-  EXPECT_EQ(store->SealAttempt(World::SealOf(chunks), 1).code(), Code::kUnavailable);
-  EXPECT_EQ(store->AttemptById(attempt)->state, AttemptState::kRecording);
-  EXPECT_TRUE(store->Health().takes_recordings);
-  EXPECT_NE(store->Health().waiting.find("store of blobs"), std::string::npos);
+  EXPECT_EQ(store->seals.SealAttempt(World::SealOf(chunks), 1).code(), Code::kUnavailable);
+  EXPECT_EQ(store->attempts.AttemptById(attempt)->state, AttemptState::kRecording);
+  EXPECT_TRUE(store->health.Health().takes_recordings);
+  EXPECT_NE(store->health.Health().waiting.find("store of blobs"), std::string::npos);
   s3.Start();
-  EXPECT_TRUE(store->SealAttempt(World::SealOf(chunks), 1).ok());
-  EXPECT_EQ(store->AttemptById(attempt)->state, AttemptState::kSealed);
-  EXPECT_EQ(store->AttemptChunks(attempt)->size(), 3u);
-  EXPECT_TRUE(store->Health().waiting.empty()) << store->Health().waiting;
+  EXPECT_TRUE(store->seals.SealAttempt(World::SealOf(chunks), 1).ok());
+  EXPECT_EQ(store->attempts.AttemptById(attempt)->state, AttemptState::kSealed);
+  EXPECT_EQ(store->recordings.AttemptChunks(attempt)->size(), 3u);
+  EXPECT_TRUE(store->health.Health().waiting.empty()) << store->health.Health().waiting;
 }
 
 }  // namespace
-}  // namespace enamel::server::sqlite
+}  // namespace enamel::server

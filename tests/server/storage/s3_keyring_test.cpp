@@ -1,4 +1,4 @@
-#include "server/storage/s3_keyring.h"
+#include "server/storage/keys/s3_keyring.h"
 
 #include <gtest/gtest.h>
 
@@ -10,11 +10,12 @@
 #include "common/base/file.h"
 #include "common/base/hex.h"
 #include "server/storage/engine/database.h"
+#include "tests/server/storage/bare_rows.h"
 #include "tests/server/storage/store_world.h"
 #include "tests/support/s3_stand_in.h"
 
 // The key ring in a bucket that fails as it is told, with two servers beside each other.
-namespace enamel::server::sqlite {
+namespace enamel::server {
 namespace {
 
 using namespace enamel::server::testing;
@@ -89,32 +90,19 @@ class S3KeyringTest : public ::testing::Test {
   // One of the servers: a key ring over a connection of its own.
   struct Server {
     Server(const test::S3StandIn& s3, const std::filesystem::path& folder, const MasterKey& master)
-        : db(std::move(OpenDatabase(folder / "enamel.db", DbMode::kCreate)).value()) {
-      EXPECT_TRUE(db->Migrate(Migrations()).ok());
+        : db(OpenMigrated(folder / "enamel.db")),
+          rows(ConnectionsTo(folder / "enamel.db", before_write), 2) {
       s3::S3Options options = s3.options();
       options.limits.tries = 1;
       auto client = s3::S3Client::Make(options);
       EXPECT_TRUE(client.ok()) << client.status().message();
-      Transactions rows;
-      rows.read = [this](const auto& work) {
-        std::lock_guard lock(mutex);
-        return work(*db);
-      };
-      rows.write = [this](const auto& work) -> Status {
-        if (before_write) std::exchange(before_write, {})();
-        std::lock_guard lock(mutex);
-        sql::Transaction transaction(*db);
-        if (!transaction.begun().ok()) return transaction.begun();
-        if (Status status = work(*db); !status.ok()) return status;
-        return transaction.Commit();
-      };
       ring = std::make_unique<S3Keyring>(std::move(client).value(), "k/", master, rows);
     }
     S3Keyring* operator->() { return ring.get(); }
 
-    std::mutex mutex;  // of db
-    std::unique_ptr<SqliteDb> db;
     std::function<void()> before_write{};  // once
+    std::unique_ptr<SqliteDb> db;          // past the key ring
+    Transactions rows;
     std::unique_ptr<S3Keyring> ring;
   };
 
@@ -321,7 +309,7 @@ TEST_F(S3KeyringTest, StoreThatIsAwayIsSaidAndCalledAgain) {
 TEST(S3KeyringStoreTest, ErasureThatTheDatabaseForgotIsMadeAgainWhenTheBucketIsBack) {
   test::S3StandIn s3;
   const TempFolder folder, keys;
-  SqliteOptions options;
+  StoreOptions options;
   options.folder = folder.path();
   options.hold_lock = true;
   options.s3_keys = {{s3.options(), "k/"}, keys.path() / "master.key"};
@@ -334,19 +322,20 @@ TEST(S3KeyringStoreTest, ErasureThatTheDatabaseForgotIsMadeAgainWhenTheBucketIsB
   const auto before = folder.path() / "before.db";
   std::filesystem::copy_file(folder.path() / "enamel.db", before);
   store = std::move(OpenSqliteStore(options)).value();
-  ASSERT_TRUE(store->ErasePerson(world.student, false, kSystem).ok());
+  ASSERT_TRUE(store->erasures.ErasePerson(world.student, false, kSystem).ok());
   store.reset();
   std::filesystem::rename(before, folder.path() / "enamel.db");
 
   s3.Stop();
   auto restored = OpenSqliteStore(options);
   ASSERT_TRUE(restored.ok()) << restored.status().message();
-  EXPECT_TRUE((*restored)->PersonById(world.student).ok()) << "nobody could say that it is erased";
+  EXPECT_TRUE((*restored)->people.PersonById(world.student).ok())
+      << "nobody could say that it is erased";
   s3.Start();
-  ASSERT_TRUE((*restored)->FinishErasures().ok());
-  EXPECT_EQ((*restored)->PersonById(world.student).status().code(), Code::kNotFound);
+  ASSERT_TRUE((*restored)->erasures.FinishErasures().ok());
+  EXPECT_EQ((*restored)->people.PersonById(world.student).status().code(), Code::kNotFound);
   EXPECT_EQ(s3.complaints(), std::vector<std::string>{});
 }
 
 }  // namespace
-}  // namespace enamel::server::sqlite
+}  // namespace enamel::server

@@ -13,7 +13,7 @@ class SignInStoreTest : public StoreSuite {
   std::vector<SignInCounter> Read(const std::vector<Sha256>& keys) {
     std::vector<SignInCounter> out;
     EXPECT_TRUE(
-        store_->ChangeSignIns(keys, [&](std::vector<SignInCounter>& all) { out = all; }).ok());
+        store_->sign_ins.Change(keys, [&](std::vector<SignInCounter>& all) { out = all; }).ok());
     return out;
   }
   // Counters that nobody forgets while this test runs.
@@ -25,24 +25,24 @@ TEST_P(SignInStoreTest, KeepsWhatIsMadeOfEachCounterAndNothingElse) {
   const std::vector<Sha256> keys{Key("b"), Key("a"), Key("c")};
   for (const SignInCounter& counter : Read(keys)) EXPECT_EQ(counter, SignInCounter{});
   const SignInCounter b{3, 1, 500, 750, Later()}, c{1, 0, 501, 0, Later()};
-  ASSERT_TRUE(store_
-                  ->ChangeSignIns(keys,
-                                  [&](std::vector<SignInCounter>& all) {
-                                    all[0] = b;
-                                    all[2] = c;
-                                  })
+  ASSERT_TRUE(store_->sign_ins
+                  .Change(keys,
+                          [&](std::vector<SignInCounter>& all) {
+                            all[0] = b;
+                            all[2] = c;
+                          })
                   .ok());
   EXPECT_EQ(Read({Key("c"), Key("a"), Key("b")}), (std::vector<SignInCounter>{c, {}, b}));
   Reopen();
   EXPECT_EQ(Read(keys), (std::vector<SignInCounter>{b, {}, c}));
   ASSERT_TRUE(
-      store_->ChangeSignIns(keys, [&](std::vector<SignInCounter>& all) { all[0] = {}; }).ok());
+      store_->sign_ins.Change(keys, [&](std::vector<SignInCounter>& all) { all[0] = {}; }).ok());
   EXPECT_EQ(Read(keys), (std::vector<SignInCounter>{{}, {}, c}));
 }
 
 TEST_P(SignInStoreTest, WhatIsOverIsForgottenInTime) {
   const auto count = [&](const std::string& name, UnixMs until_ms) {
-    return store_->ChangeSignIns({Key(name)}, [&](std::vector<SignInCounter>& all) {
+    return store_->sign_ins.Change({Key(name)}, [&](std::vector<SignInCounter>& all) {
       ++all[0].failures;
       all[0].until_ms = until_ms;
     });

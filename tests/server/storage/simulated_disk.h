@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "server/storage/engine/disk.h"
+#include "server/storage/folder/disk.h"
 
 struct sqlite3_vfs;
 

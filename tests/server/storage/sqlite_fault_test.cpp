@@ -34,37 +34,38 @@ TEST(SqliteFaultTest, NothingAcknowledgedIsLostWhicheverWriteFails) {
     Uuid attempt = world.OpenedAttempt();
 
     faults.until_failure = n;
-    std::vector<Store::ChunkPut> chunks;
+    std::vector<ChunkPut> chunks;
     uint32_t acknowledged = 0;
     bool sealed = false;
     Sha256 previous = World::HeaderHash();
     for (uint32_t seq = 0; seq < kChunks; ++seq) {
       chunks.push_back(world.Chunk(attempt, seq, previous));
       previous = chunks.back().hash;
-      if (!store->AppendChunk(chunks.back()).ok()) break;
+      if (!store->ingest.AppendChunk(chunks.back()).ok()) break;
       ++acknowledged;
     }
-    if (acknowledged == kChunks) sealed = store->SealAttempt(World::SealOf(chunks), 1).ok();
+    if (acknowledged == kChunks) sealed = store->seals.SealAttempt(World::SealOf(chunks), 1).ok();
     bool fired = faults.fired;
     faults.until_failure = -1;
 
     store.reset();
     store = OpenStore(folder.path());
-    EXPECT_GE(store->AttemptChunks(attempt)->size(), acknowledged);
+    EXPECT_GE(store->recordings.AttemptChunks(attempt)->size(), acknowledged);
     if (sealed) {
-      EXPECT_EQ(store->AttemptById(attempt)->state, AttemptState::kSealed);
+      EXPECT_EQ(store->attempts.AttemptById(attempt)->state, AttemptState::kSealed);
     }
 
     previous = World::HeaderHash();
-    std::vector<Store::ChunkPut> all;
+    std::vector<ChunkPut> all;
     for (uint32_t seq = 0; seq < kChunks; ++seq) {
       all.push_back(world.Chunk(attempt, seq, previous));
       previous = all.back().hash;
-      EXPECT_TRUE(store->AppendChunk(all.back()).ok());
+      EXPECT_TRUE(store->ingest.AppendChunk(all.back()).ok());
     }
-    EXPECT_TRUE(store->SealAttempt(World::SealOf(all), 1).ok());
-    EXPECT_EQ(store->AttemptById(attempt)->ticks, uint64_t{kChunks} * World::kTicksPerChunk);
-    EXPECT_EQ(store->Jobs("queued")->size(), 1u);
+    EXPECT_TRUE(store->seals.SealAttempt(World::SealOf(all), 1).ok());
+    EXPECT_EQ(store->attempts.AttemptById(attempt)->ticks,
+              uint64_t{kChunks} * World::kTicksPerChunk);
+    EXPECT_EQ(store->jobs.Jobs("queued")->size(), 1u);
     if (!fired) return;
   }
   FAIL() << "the attempt never went through without a failure";
@@ -88,7 +89,7 @@ void WhicheverWriteFails(const std::function<void(World&)>& prepare,
     faults.until_failure = -1;
     EXPECT_TRUE(done || fired);
     store.reset();
-    SqliteOptions server;
+    StoreOptions server;
     server.folder = folder.path();
     server.hold_lock = true;
     auto opened = OpenSqliteStore(server);
@@ -100,7 +101,7 @@ void WhicheverWriteFails(const std::function<void(World&)>& prepare,
 }
 
 size_t AuditRows(Store& store, const std::string& action) {
-  auto rows = *store.Audit(1000);
+  auto rows = *store.audit.Audit(1000);
   return static_cast<size_t>(std::ranges::count(rows, action, &AuditRow::action));
 }
 
@@ -108,17 +109,17 @@ TEST(SqliteFaultTest, APersonIsErasedWhollyOrNotAtAllWhicheverWriteFails) {
   Uuid attempt;
   WhicheverWriteFails([&](World& world) { attempt = world.ScoredAttempt(); },
                       [](Store& store, const World& world) {
-                        return store.ErasePerson(world.student, true, kSystem).ok();
+                        return store.erasures.ErasePerson(world.student, true, kSystem).ok();
                       },
                       [&](Store& store, const World& world, bool done) {
-                        bool there = store.PersonById(world.student).ok();
+                        bool there = store.people.PersonById(world.student).ok();
                         EXPECT_FALSE(done && there);
-                        EXPECT_EQ(store.AttemptById(attempt).ok(), there);
-                        EXPECT_EQ(store.AttemptChunks(attempt).ok(), there);
+                        EXPECT_EQ(store.attempts.AttemptById(attempt).ok(), there);
+                        EXPECT_EQ(store.recordings.AttemptChunks(attempt).ok(), there);
                         EXPECT_EQ(AuditRows(store, "person.erase"), there ? 0u : 1u);
                         if (!there) return;
-                        EXPECT_TRUE(store.ErasePerson(world.student, true, kSystem).ok());
-                        EXPECT_FALSE(store.AttemptById(attempt).ok());
+                        EXPECT_TRUE(store.erasures.ErasePerson(world.student, true, kSystem).ok());
+                        EXPECT_FALSE(store.attempts.AttemptById(attempt).ok());
                       });
 }
 
@@ -129,16 +130,18 @@ TEST(SqliteFaultTest, ARetentionRuleIsAppliedWhollyOrNotAtAllWhicheverWriteFails
       [&](World& world) {
         attempt = world.OpenedAttempt();
         world.Append(attempt, 2);
-        ASSERT_TRUE(world.store.SetRetention({"unfinished", 14}, kSystem).ok());
+        ASSERT_TRUE(world.store.retention.SetRetention({"unfinished", 14}, kSystem).ok());
       },
-      [](Store& store, const World&) { return store.ApplyRetention(kLater, false, kSystem).ok(); },
+      [](Store& store, const World&) {
+        return store.retention.ApplyRetention(kLater, false, kSystem).ok();
+      },
       [&](Store& store, const World&, bool done) {
-        auto chunks = store.AttemptChunks(attempt);
+        auto chunks = store.recordings.AttemptChunks(attempt);
         EXPECT_FALSE(done && chunks.ok());
         if (!chunks.ok()) return;
         EXPECT_EQ(chunks->size(), 2u);
-        EXPECT_TRUE(store.ApplyRetention(kLater, false, kSystem).ok());
-        EXPECT_FALSE(store.AttemptById(attempt).ok());
+        EXPECT_TRUE(store.retention.ApplyRetention(kLater, false, kSystem).ok());
+        EXPECT_FALSE(store.attempts.AttemptById(attempt).ok());
       });
 }
 
@@ -146,20 +149,20 @@ TEST(SqliteFaultTest, APersonIsAddedWithAllMembershipsOrNotAtAllWhicheverWriteFa
   std::vector<Uuid> cohorts;
   WhicheverWriteFails(
       [&](World& world) {
-        cohorts = {*world.store.CreateCohort("a", kSystem),
-                   *world.store.CreateCohort("b", kSystem)};
+        cohorts = {*world.store.cohorts.CreateCohort("a", kSystem),
+                   *world.store.cohorts.CreateCohort("b", kSystem)};
       },
       [&](Store& store, const World&) {
         Person person;
         person.login = "ada";
         person.display_name = "Ada";
-        return store.CreatePerson(person, "verifier", cohorts, kSystem).ok();
+        return store.people.CreatePerson(person, "verifier", cohorts, kSystem).ok();
       },
       [&](Store& store, const World&, bool done) {
-        auto ada = store.PersonByLogin("ada");
+        auto ada = store.people.PersonByLogin("ada");
         EXPECT_EQ(ada.ok(), done);
         size_t in = 0;
-        for (const Uuid& cohort : cohorts) in += store.CohortMembers(cohort)->size();
+        for (const Uuid& cohort : cohorts) in += store.cohorts.CohortMembers(cohort)->size();
         EXPECT_EQ(in, ada.ok() ? 2u : 0u);
         EXPECT_EQ(AuditRows(store, "person.create"), ada.ok() ? 2u : 1u);
         EXPECT_EQ(AuditRows(store, "cohort.add"), in);
@@ -167,33 +170,33 @@ TEST(SqliteFaultTest, APersonIsAddedWithAllMembershipsOrNotAtAllWhicheverWriteFa
 }
 
 TEST(SqliteFaultTest, EveryChangeOfPeopleIsDoneWithItsAuditOrNotAtAllWhicheverWriteFails) {
-  WhicheverWriteFails([](World&) {},
-                      [](Store& store, const World& world) {
-                        Person person;
-                        person.login = "ada";
-                        person.display_name = "Ada";
-                        auto ada = store.CreatePerson(person, "verifier", {}, kSystem);
-                        if (!ada.ok()) return false;
-                        auto cohort = store.CreateCohort("year 3", kSystem);
-                        if (!cohort.ok()) return false;
-                        return store.AddToCohort(*cohort, *ada, kSystem).ok() &&
-                               store.SetPassword(*ada, "other", false, kSystem).ok() &&
-                               store.SetDisabled(world.student, true, kSystem).ok();
-                      },
-                      [](Store& store, const World& world, bool done) {
-                        auto ada = store.PersonByLogin("ada");
-                        auto cohorts = *store.Cohorts();
-                        bool member =
-                            !cohorts.empty() && !store.CohortMembers(cohorts[0].id)->empty();
-                        bool changed = ada.ok() && *store.PasswordVerifier(ada->id) == "other";
-                        bool disabled = store.PersonById(world.student)->disabled;
-                        EXPECT_EQ(AuditRows(store, "person.create"), ada.ok() ? 2u : 1u);
-                        EXPECT_EQ(AuditRows(store, "cohort.create"), cohorts.size());
-                        EXPECT_EQ(AuditRows(store, "cohort.add"), member ? 1u : 0u);
-                        EXPECT_EQ(AuditRows(store, "person.password"), changed ? 1u : 0u);
-                        EXPECT_EQ(AuditRows(store, "person.disable"), disabled ? 1u : 0u);
-                        EXPECT_EQ(done, disabled);
-                      });
+  WhicheverWriteFails(
+      [](World&) {},
+      [](Store& store, const World& world) {
+        Person person;
+        person.login = "ada";
+        person.display_name = "Ada";
+        auto ada = store.people.CreatePerson(person, "verifier", {}, kSystem);
+        if (!ada.ok()) return false;
+        auto cohort = store.cohorts.CreateCohort("year 3", kSystem);
+        if (!cohort.ok()) return false;
+        return store.cohorts.AddToCohort(*cohort, *ada, kSystem).ok() &&
+               store.people.SetPassword(*ada, "other", false, kSystem).ok() &&
+               store.people.SetDisabled(world.student, true, kSystem).ok();
+      },
+      [](Store& store, const World& world, bool done) {
+        auto ada = store.people.PersonByLogin("ada");
+        auto cohorts = *store.cohorts.Cohorts();
+        bool member = !cohorts.empty() && !store.cohorts.CohortMembers(cohorts[0].id)->empty();
+        bool changed = ada.ok() && *store.people.PasswordVerifier(ada->id) == "other";
+        bool disabled = store.people.PersonById(world.student)->disabled;
+        EXPECT_EQ(AuditRows(store, "person.create"), ada.ok() ? 2u : 1u);
+        EXPECT_EQ(AuditRows(store, "cohort.create"), cohorts.size());
+        EXPECT_EQ(AuditRows(store, "cohort.add"), member ? 1u : 0u);
+        EXPECT_EQ(AuditRows(store, "person.password"), changed ? 1u : 0u);
+        EXPECT_EQ(AuditRows(store, "person.disable"), disabled ? 1u : 0u);
+        EXPECT_EQ(done, disabled);
+      });
 }
 
 TEST(SqliteFaultTest, FailureThatHasPassedIsForgottenWithoutAnybodyWriting) {
@@ -202,17 +205,17 @@ TEST(SqliteFaultTest, FailureThatHasPassedIsForgottenWithoutAnybodyWriting) {
   auto store = OpenStore(folder.path(), [&] { return faults(); });
   World world(*store);
   faults.until_failure = 0;
-  ASSERT_FALSE(store->CreateCohort("first", kSystem).ok());
-  EXPECT_FALSE(store->Health().takes_recordings);
+  ASSERT_FALSE(store->cohorts.CreateCohort("first", kSystem).ok());
+  EXPECT_FALSE(store->health.Health().takes_recordings);
   faults.until_failure = 0;
-  EXPECT_FALSE(store->TryWrite().ok()) << "it fails still";
-  EXPECT_FALSE(store->Health().takes_recordings);
+  EXPECT_FALSE(store->health.TryWrite().ok()) << "it fails still";
+  EXPECT_FALSE(store->health.Health().takes_recordings);
   faults.until_failure = -1;
-  EXPECT_TRUE(store->TryWrite().ok());
-  EXPECT_TRUE(store->Health().takes_recordings);
-  const uint64_t writes = store->Health().writes;
-  EXPECT_TRUE(store->TryWrite().ok());
-  EXPECT_EQ(store->Health().writes, writes) << "nothing failed: nothing to try";
+  EXPECT_TRUE(store->health.TryWrite().ok());
+  EXPECT_TRUE(store->health.Health().takes_recordings);
+  const uint64_t writes = store->health.Health().writes;
+  EXPECT_TRUE(store->health.TryWrite().ok());
+  EXPECT_EQ(store->health.Health().writes, writes) << "nothing failed: nothing to try";
 }
 
 }  // namespace

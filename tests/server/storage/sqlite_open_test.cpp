@@ -6,10 +6,14 @@
 
 #include "common/base/file.h"
 #include "common/base/hex.h"
-#include "server/storage/engine/ticket_key.h"
-#include "server/storage/engine/verify.h"
-#include "server/storage/sql/sqlite_impl.h"
-#include "server/storage/sqlite_store.h"
+#include "server/storage/audit/audit_row.h"
+#include "server/storage/audit/audit_trail.h"
+#include "server/storage/engine/database.h"
+#include "server/storage/folder/ticket_key.h"
+#include "server/storage/open_store.h"
+#include "server/storage/recordings/ingest_rows.h"
+#include "server/storage/upkeep/store_health.h"
+#include "server/storage/verify/verify.h"
 #include "tests/server/storage/store_world.h"
 
 // Opening a data folder: what is refused, and in which words.
@@ -107,7 +111,7 @@ TEST(SqliteOpenTest, SecondServerOnTheFolderIsRefusedAndTheCommandLineIsNot) {
   auto command_line = OpenSqliteStore({folder.path(), false});
   ASSERT_TRUE(command_line.ok()) << command_line.status().message();
   AddPerson(**command_line, "ada", Role::kAdmin);
-  EXPECT_TRUE((*server)->PersonByLogin("ada").ok());
+  EXPECT_TRUE((*server)->people.PersonByLogin("ada").ok());
 }
 
 TEST(SqliteOpenTest, JobOfAKilledServerIsTakenAgainAtOnce) {
@@ -117,13 +121,14 @@ TEST(SqliteOpenTest, JobOfAKilledServerIsTakenAgainAtOnce) {
     auto server = OpenSqliteStore({folder.path(), true});
     World world(**server);
     attempt = world.OpenedAttempt();
-    ASSERT_TRUE((*server)->SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
-    ASSERT_TRUE((*server)->LeaseJob(1000, 120'000)->has_value());
+    ASSERT_TRUE((*server)->seals.SealAttempt(World::SealOf(world.Append(attempt, 1)), 200).ok());
+    ASSERT_TRUE((*server)->jobs.LeaseJob(1000, 120'000)->has_value());
   }
   auto command_line = OpenSqliteStore({folder.path(), false});
-  EXPECT_FALSE((*command_line)->LeaseJob(1001, 120'000)->has_value()) << "its lease still runs";
+  EXPECT_FALSE((*command_line)->jobs.LeaseJob(1001, 120'000)->has_value())
+      << "its lease still runs";
   auto restarted = OpenSqliteStore({folder.path(), true});
-  auto job = (*restarted)->LeaseJob(1001, 120'000);
+  auto job = (*restarted)->jobs.LeaseJob(1001, 120'000);
   ASSERT_TRUE(job.ok() && job->has_value());
   EXPECT_EQ((*job)->attempt, attempt);
   EXPECT_EQ((*job)->tries, 2u);
@@ -132,22 +137,22 @@ TEST(SqliteOpenTest, JobOfAKilledServerIsTakenAgainAtOnce) {
 TEST(SqliteOpenTest, AuditKeepsItsOrderWhenTheClockIsSetBack) {
   TempFolder folder;
   auto store = OpenStore(folder.path());
-  ASSERT_TRUE(store->NoteAudit(kSystem, "test.first", "a", "{}").ok());
+  ASSERT_TRUE(store->audit.NoteAudit(kSystem, "test.first", "a", "{}").ok());
   // As if it had been written a century later.
   const std::string later = "03ffffffffff7fffbfffffffffffffff";
-  auto db = sqlite::OpenDatabase(folder.path() / "enamel.db", sqlite::DbMode::kReadOnly);
-  sqlite::AuditHead head = **sqlite::FindAuditHead(**db, Uuid{});
+  auto db = OpenDatabase(folder.path() / "enamel.db", DbMode::kReadOnly);
+  AuditHead head = **FindAuditHead(**db, Uuid{});
   std::ranges::copy(*FromHex(later), head.last_id.bytes.begin());
-  head.signature = sqlite::SignAuditHead(head, ReadTicketKey(folder.path())->secret_key);
+  head.signature = SignAuditHead(head, ReadTicketKey(folder.path())->secret_key);
   ExecRaw(folder.path(),
           "DROP TRIGGER audit_is_not_changed; DROP TRIGGER audit_heads_only_advance; "
           "UPDATE audit SET id = x'" +
               later + "' WHERE action = 'test.first'; UPDATE audit_heads SET last_id = x'" + later +
               "', signature = x'" + ToHex(head.signature) + "'");
   for (const char* action : {"test.second", "test.third"}) {
-    ASSERT_TRUE(store->NoteAudit(kSystem, action, "a", "{}").ok());
+    ASSERT_TRUE(store->audit.NoteAudit(kSystem, action, "a", "{}").ok());
   }
-  auto rows = *store->Audit(3);
+  auto rows = *store->audit.Audit(3);
   ASSERT_EQ(rows.size(), 3u);
   EXPECT_EQ(rows[0].action, "test.third");
   EXPECT_EQ(rows[1].action, "test.second");
@@ -174,12 +179,12 @@ TEST(SqliteOpenTest, DamagedDatabaseTakesNoRecordingsAndSaysSo) {
     EXPECT_NE(opened.status().message().find("damaged, restore a backup"), std::string::npos);
     return;
   }
-  Status read = (*opened)->AttemptChunks(attempt).status();
+  Status read = (*opened)->recordings.AttemptChunks(attempt).status();
   EXPECT_EQ(read.code(), Code::kStorage) << read.message();
-  StoreHealth health = (*opened)->Health();
+  StoreHealth health = (*opened)->health.Health();
   EXPECT_FALSE(health.takes_recordings);
   EXPECT_NE(health.problem.find("restore a backup"), std::string::npos) << health.problem;
-  EXPECT_EQ((*opened)->PutBlob(AsBytes("more")).status().code(), Code::kUnavailable);
+  EXPECT_EQ((*opened)->blobs.PutBlob(AsBytes("more")).status().code(), Code::kUnavailable);
 }
 
 int64_t RowsOf(const std::filesystem::path& folder, const std::string& table) {
@@ -196,7 +201,7 @@ int64_t RowsOf(const std::filesystem::path& folder, const std::string& table) {
 TEST(SqliteOpenTest, RowsOfASealedRecordingGoInTheBackgroundAndThoseOfAnOpenOneStay) {
   TempFolder folder;
   Uuid sealed, open;
-  std::vector<Store::ChunkPut> chunks;
+  std::vector<ChunkPut> chunks;
   for (int start = 0; start < 2; ++start) {
     auto server = OpenSqliteStore({folder.path(), true});
     ASSERT_TRUE(server.ok()) << server.status().message();
@@ -206,15 +211,15 @@ TEST(SqliteOpenTest, RowsOfASealedRecordingGoInTheBackgroundAndThoseOfAnOpenOneS
       world.Append(open, 3);
       sealed = world.OpenedAttempt();
       chunks = world.Append(sealed, 300);
-      ASSERT_TRUE((*server)->SealAttempt(World::SealOf(chunks), 200).ok());
+      ASSERT_TRUE((*server)->seals.SealAttempt(World::SealOf(chunks), 200).ok());
       continue;  // stopped before all of them are gone, as a rule
     }
     for (int i = 0; i < 3000 && RowsOf(folder.path(), "trace_chunks") > 3; ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
-    EXPECT_EQ((*server)->AttemptChunks(sealed)->size(), 300u);
-    EXPECT_EQ((*server)->AttemptChunks(open)->size(), 3u);
-    EXPECT_TRUE((*server)->AppendChunk(chunks[7]).ok()) << "sent again after the seal";
+    EXPECT_EQ((*server)->recordings.AttemptChunks(sealed)->size(), 300u);
+    EXPECT_EQ((*server)->recordings.AttemptChunks(open)->size(), 3u);
+    EXPECT_TRUE((*server)->ingest.AppendChunk(chunks[7]).ok()) << "sent again after the seal";
   }
   EXPECT_EQ(RowsOf(folder.path(), "trace_chunks"), 3);
 }
@@ -256,7 +261,7 @@ TEST(SqliteOpenTest, DamagedBlobIsRefusedNotReturned) {
   Sha256 hash = PutText(*store, "content");
   auto path = folder.path() / "blobs" / hash.Hex().substr(0, 2) / hash.Hex();
   std::filesystem::resize_file(path, 3);
-  EXPECT_EQ(store->GetBlob(hash).status().code(), Code::kStorage);
+  EXPECT_EQ(store->blobs.GetBlob(hash).status().code(), Code::kStorage);
 }
 
 }  // namespace

@@ -7,7 +7,11 @@
 #include <string>
 
 #include "common/trace/trace.h"
-#include "server/storage/sqlite_store.h"
+#include "server/storage/audit/actor.h"
+#include "server/storage/judging/result_rows.h"
+#include "server/storage/open_store.h"
+#include "server/storage/recordings/ingest_rows.h"
+#include "server/storage/store.h"
 #include "tests/support/temp_folder.h"
 
 // A data folder that goes away, and a small school in it: what storage, sign-in and station tests
@@ -31,13 +35,13 @@ inline Uuid AddPerson(Store& store, const std::string& login, Role role,
   person.login = login;
   person.display_name = "Name of " + login;
   person.role = role;
-  auto id = store.CreatePerson(person, verifier, {}, kSystem);
+  auto id = store.people.CreatePerson(person, verifier, {}, kSystem);
   EXPECT_TRUE(id.ok()) << id.status().message();
   return *id;
 }
 
 inline Sha256 PutText(Store& store, const std::string& text) {
-  return *store.PutBlob(AsBytes(text));
+  return *store.blobs.PutBlob(AsBytes(text));
 }
 
 // Student, station with its key, scene, exercise, profile; attempts and chunks on request.
@@ -45,14 +49,15 @@ struct World {
   explicit World(Store& s) : store(s), keys(trace::NewKeyPair()) {
     student = AddPerson(store, "student", Role::kStudent);
     Sha256 code = HashSha256(AsBytes("code"));
-    EXPECT_TRUE(store.AddEnrolCode(code, 1000, kSystem).ok());
+    EXPECT_TRUE(store.stations.AddEnrolCode(code, 1000, kSystem).ok());
     StationRow row;
     row.name = "station";
     row.public_key.assign(keys.public_key.begin(), keys.public_key.end());
-    station = store.EnrolStation(code, row, HashSha256(AsBytes("credential")), 10)->id;
+    station = store.stations.EnrolStation(code, row, HashSha256(AsBytes("credential")), 10)->id;
     scene = PutText(store, "scene");
-    EXPECT_TRUE(store.PutScene({"scene", "Scene", scene, PutText(store, "volume")}, kSystem).ok());
-    exercise = *store.PublishExercise(Exercise("exercise", "v1"), Uuid{}, kSystem);
+    EXPECT_TRUE(
+        store.scenes.PutScene({"scene", "Scene", scene, PutText(store, "volume")}, kSystem).ok());
+    exercise = *store.exercises.PublishExercise(Exercise("exercise", "v1"), Uuid{}, kSystem);
     profile = PutText(store, "profile");
   }
 
@@ -74,19 +79,19 @@ struct World {
     row.exercise = exercise.id;
     row.profile_content = profile;
     row.ticketed_ms = 5;
-    EXPECT_TRUE(store.CreateAttempt(row, AsBytes("ticket"), kSystem).ok());
+    EXPECT_TRUE(store.tickets.CreateAttempt(row, AsBytes("ticket"), kSystem).ok());
     return row;
   }
 
   Uuid OpenedAttempt() {
     AttemptRow row = NewAttempt();
-    EXPECT_TRUE(store.OpenAttempt(row.id, AsBytes("header")).ok());
+    EXPECT_TRUE(store.tickets.OpenAttempt(row.id, AsBytes("header")).ok());
     return row.id;
   }
 
   // `salt` makes another content of the same chunk.
-  Store::ChunkPut Chunk(const Uuid& attempt, uint32_t seq, const Sha256& previous,
-                        int32_t salt = 0) const {
+  ChunkPut Chunk(const Uuid& attempt, uint32_t seq, const Sha256& previous,
+                 int32_t salt = 0) const {
     std::vector<trace::Tick> ticks(kTicksPerChunk);
     for (size_t i = 0; i < ticks.size(); ++i)
       ticks[i].input.counts[0] = static_cast<int32_t>(i) + salt;
@@ -106,19 +111,19 @@ struct World {
   static Sha256 HeaderHash() { return HashSha256(AsBytes("header")); }
 
   // Appends `count` chunks and returns them.
-  std::vector<Store::ChunkPut> Append(const Uuid& attempt, uint32_t count) {
-    std::vector<Store::ChunkPut> out;
+  std::vector<ChunkPut> Append(const Uuid& attempt, uint32_t count) {
+    std::vector<ChunkPut> out;
     Sha256 previous = HeaderHash();
     for (uint32_t seq = 0; seq < count; ++seq) {
       out.push_back(Chunk(attempt, seq, previous));
-      Status status = store.AppendChunk(out.back());
+      Status status = store.ingest.AppendChunk(out.back());
       EXPECT_TRUE(status.ok()) << status.message();
       previous = out.back().hash;
     }
     return out;
   }
 
-  static trace::Seal SealOf(const std::vector<Store::ChunkPut>& chunks) {
+  static trace::Seal SealOf(const std::vector<ChunkPut>& chunks) {
     const auto& last = chunks.back();
     return {last.attempt, static_cast<uint32_t>(chunks.size()), chunks.size() * kTicksPerChunk,
             last.hash, last.head.state_hash};
@@ -127,11 +132,11 @@ struct World {
   // Sealed and scored without a reference.
   Uuid ScoredAttempt(double score = 80) {
     Uuid attempt = OpenedAttempt();
-    EXPECT_TRUE(store.SealAttempt(SealOf(Append(attempt, 1)), 200).ok());
-    Store::AttemptResult result;
+    EXPECT_TRUE(store.seals.SealAttempt(SealOf(Append(attempt, 1)), 200).ok());
+    AttemptResult result;
     result.score = score;
     result.score_json = PutText(store, "score");
-    EXPECT_TRUE(store.FinishAttempt(attempt, result, {}).ok());
+    EXPECT_TRUE(store.results.FinishAttempt(attempt, result, {}).ok());
     return attempt;
   }
 

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <string>
 
-#include "server/storage/engine/verify.h"
+#include "server/storage/verify/verify.h"
 #include "tests/server/storage/recorded_attempt.h"
 
 // A data folder that `verify` finds whole, and ways to edit it behind the store's back.

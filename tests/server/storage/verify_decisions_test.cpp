@@ -70,7 +70,7 @@ TEST_F(VerifyDecisionsTest, ChangedOverrideReleaseAndTermsOfAnAttemptAreFound) {
 
 TEST_F(VerifyDecisionsTest, ChangedStateOfAnAttemptIsFound) {
   for (const Uuid& attempt : {graded_, scored_, open_}) {
-    const AttemptState is = school_.store->AttemptById(attempt)->state;
+    const AttemptState is = school_.store->attempts.AttemptById(attempt)->state;
     for (int state = 1; state <= static_cast<int>(AttemptState::kQuarantined); ++state) {
       if (state == static_cast<int>(is)) continue;
       const bool decided = state == static_cast<int>(AttemptState::kQuarantined);
@@ -84,9 +84,9 @@ TEST_F(VerifyDecisionsTest, ChangedStateOfAnAttemptIsFound) {
 
 TEST_F(VerifyDecisionsTest, AttemptThatIsNoLongerQuarantinedIsFound) {
   Store& store = *school_.store;
-  const Store::ChunkPut another = school_.world.Chunk(open_, 0, HashSha256(AsBytes("other")), 1);
-  ASSERT_EQ(store.AppendChunk(another).code(), Code::kConflict);
-  ASSERT_EQ(store.AttemptById(open_)->state, AttemptState::kQuarantined);
+  const ChunkPut another = school_.world.Chunk(open_, 0, HashSha256(AsBytes("other")), 1);
+  ASSERT_EQ(store.ingest.AppendChunk(another).code(), Code::kConflict);
+  ASSERT_EQ(store.attempts.AttemptById(open_)->state, AttemptState::kQuarantined);
   ExpectWhole("quarantined");
   for (const char* edit : {"state = 2", "state = 3", "state = 5", "state = 6"}) {
     ExpectEditFound("attempts",
@@ -106,9 +106,9 @@ TEST_F(VerifyDecisionsTest, AttemptThatWasTakenAwayWithAllThatHangsOnItIsFound) 
 TEST_F(VerifyDecisionsTest, ChangedCohortsAndMembersAreFound) {
   Store& store = *school_.store;
   const Actor by{teacher_, "page"};
-  const Uuid cohort = *store.CreateCohort("Year 9", by);
-  ASSERT_TRUE(store.AddToCohort(cohort, student(), by).ok());
-  ASSERT_TRUE(store.EditCohort(cohort, {std::nullopt, true}, 1, by).ok());
+  const Uuid cohort = *store.cohorts.CreateCohort("Year 9", by);
+  ASSERT_TRUE(store.cohorts.AddToCohort(cohort, student(), by).ok());
+  ASSERT_TRUE(store.cohorts.EditCohort(cohort, {std::nullopt, true}, 1, by).ok());
   ExpectWhole("archived");
   const std::string member = cohort.Text() + " " + student().Text();
   ExpectUpdatesFound("cohorts", "id = " + Id(cohort), cohort.Text(),
@@ -119,7 +119,7 @@ TEST_F(VerifyDecisionsTest, ChangedCohortsAndMembersAreFound) {
                   "decision", cohort.Text() + " " + teacher_.Text(), "member");
   ExpectEditFound("cohort_members", "DELETE FROM cohort_members WHERE cohort = " + Id(cohort),
                   "decision", member, "member");
-  ASSERT_TRUE(store.ChangeMembers(cohort, {}, {student()}, by).ok());
+  ASSERT_TRUE(store.cohorts.ChangeMembers(cohort, {}, {student()}, by).ok());
   ExpectWhole("removed");
   ExpectEditFound("cohort_members",
                   "INSERT INTO cohort_members (tenant, cohort, person) VALUES (1, " + Id(cohort) +
@@ -135,14 +135,15 @@ TEST_F(VerifyDecisionsTest, ChangedNamesRulesAndProfilesAreFound) {
   Store& store = *school_.store;
   ExpectUpdatesFound("people", "id = " + Id(student()), student().Text(),
                      {"display_name = 'Somebody else'"});
-  ASSERT_TRUE(store.SetRetention({"recordings", 730}, kSystem).ok());
+  ASSERT_TRUE(store.retention.SetRetention({"recordings", 730}, kSystem).ok());
   ExpectUpdatesFound("retention_rules", "what = 'recordings'", "recordings", {"days = 1"});
   ExpectEditFound("retention_rules",
                   "INSERT INTO retention_rules (tenant, what, days) VALUES (1, 'attempts', 1)",
                   "decision", "attempts", "retention");
   ExpectEditFound("retention_rules", "DELETE FROM retention_rules", "decision", "recordings",
                   "retention");
-  ASSERT_TRUE(store.PutProfile({"omega", "Omega", PutText(store, "omega profile")}, kSystem).ok());
+  ASSERT_TRUE(
+      store.profiles.PutProfile({"omega", "Omega", PutText(store, "omega profile")}, kSystem).ok());
   ExpectEditFound("profile_versions",
                   "UPDATE profile_versions SET title = 'x' WHERE name = 'omega'", "decision",
                   "omega", "title");
@@ -219,7 +220,7 @@ TEST_F(VerifyDecisionsTest, ReplacedRubricIsFound) {
 }
 
 TEST_F(VerifyDecisionsTest, RubricWhoseFileWasReplacedIsFound) {
-  const Sha256 rubric = (*school_.store->RubricFor(school_.world.exercise.id))->content;
+  const Sha256 rubric = (*school_.store->rubrics.RubricFor(school_.world.exercise.id))->content;
   ASSERT_TRUE(WriteFileDurably(Blob(rubric), AsBytes("an easier rubric")).ok());
   ExpectOnly("blob", rubric.Hex());
 }
@@ -279,7 +280,7 @@ TEST_F(VerifyDecisionsTest, ChangedListOfDevicesIsFound) {
 }
 
 TEST_F(VerifyDecisionsTest, StationThatIsAdmittedAgainIsFound) {
-  ASSERT_TRUE(school_.store->RevokeStation(school_.world.station, kSystem).ok());
+  ASSERT_TRUE(school_.store->stations.RevokeStation(school_.world.station, kSystem).ok());
   ExpectUpdatesFound("stations", "1", school_.world.station.Text(),
                      {"revoked = 0", "name = 'x'", "public_key = zeroblob(32)"});
 }
@@ -297,7 +298,7 @@ TEST_F(VerifyDecisionsTest, PersonWhoMayMoreThanWasDecidedIsFound) {
 // The last row about the override, which an edit of the trail would have to go with.
 TEST_F(VerifyDecisionsTest, ChangedRowsOfTheTrailAreFound) {
   const AuditFilter filter{.action = "attempt.override", .object = graded_.Text()};
-  const Uuid row = school_.store->FindAudit(filter)->front().id;
+  const Uuid row = school_.store->audit.FindAudit(filter)->front().id;
   const std::string at = " WHERE id = " + Id(row);
   for (const std::string edit :
        {"before_json = '{\"score\":\"99\"}'", "after_json = '{}'", "state = ''",
@@ -351,16 +352,16 @@ TEST_F(VerifyDecisionsTest, TrailWithoutAnySignatureIsFound) {
 
 TEST_F(VerifyDecisionsTest, ErasingPeopleIsNoEdit) {
   Store& store = *school_.store;
-  ASSERT_TRUE(store.ErasePerson(student(), true, kSystem).ok());
+  ASSERT_TRUE(store.erasures.ErasePerson(student(), true, kSystem).ok());
   ExpectWhole("the student");
-  ASSERT_TRUE(store.ErasePerson(teacher_, true, kSystem).ok());
+  ASSERT_TRUE(store.erasures.ErasePerson(teacher_, true, kSystem).ok());
   ExpectWhole("the teacher, who owned an exercise");
-  EXPECT_TRUE(store.ExerciseById(other_.id)->owner.IsZero());
+  EXPECT_TRUE(store.exercises.ExerciseById(other_.id)->owner.IsZero());
 }
 
 TEST_F(VerifyDecisionsTest, ErasedRowsOfAPersonWhoIsPutBackAreFound) {
   Sql("CREATE TABLE kept AS SELECT * FROM people; UPDATE kept SET disabled = 0");
-  ASSERT_TRUE(school_.store->ErasePerson(student(), true, kSystem).ok());
+  ASSERT_TRUE(school_.store->erasures.ErasePerson(student(), true, kSystem).ok());
   Sql("INSERT INTO people SELECT * FROM kept WHERE id = " + Id(student()) + "; DROP TABLE kept");
   const VerifyReport report = Look();
   EXPECT_TRUE(std::ranges::any_of(report.findings, [](const Finding& finding) {
@@ -370,20 +371,20 @@ TEST_F(VerifyDecisionsTest, ErasedRowsOfAPersonWhoIsPutBackAreFound) {
 
 TEST_F(VerifyDecisionsTest, WhatARetentionRuleRemovesIsNoEdit) {
   Store& store = *school_.store;
-  ASSERT_TRUE(store.SetRetention({"unfinished", 14}, kSystem).ok());
-  ASSERT_TRUE(store.SetRetention({"recordings", 1}, kSystem).ok());
-  ASSERT_TRUE(store.ApplyRetention(UnixMs{1} << 42, false, kSystem).ok());
-  ASSERT_EQ(store.AttemptById(open_).status().code(), Code::kNotFound);
+  ASSERT_TRUE(store.retention.SetRetention({"unfinished", 14}, kSystem).ok());
+  ASSERT_TRUE(store.retention.SetRetention({"recordings", 1}, kSystem).ok());
+  ASSERT_TRUE(store.retention.ApplyRetention(UnixMs{1} << 42, false, kSystem).ok());
+  ASSERT_EQ(store.attempts.AttemptById(open_).status().code(), Code::kNotFound);
   ExpectWhole("two rules");
-  ASSERT_TRUE(store.SetRetention({"attempts", 400}, kSystem).ok());
-  ASSERT_TRUE(store.ApplyRetention(UnixMs{1} << 42, false, kSystem).ok());
-  ASSERT_EQ(store.AttemptById(graded_).status().code(), Code::kNotFound);
+  ASSERT_TRUE(store.retention.SetRetention({"attempts", 400}, kSystem).ok());
+  ASSERT_TRUE(store.retention.ApplyRetention(UnixMs{1} << 42, false, kSystem).ok());
+  ASSERT_EQ(store.attempts.AttemptById(graded_).status().code(), Code::kNotFound);
   ExpectWhole("all rules");
 }
 
 TEST_F(VerifyDecisionsTest, EveryRowIsSignedAndCounted) {
   const VerifyReport report = Look();
-  EXPECT_EQ(report.audit_rows, school_.store->Audit(1000)->size());
+  EXPECT_EQ(report.audit_rows, school_.store->audit.Audit(1000)->size());
   EXPECT_GE(report.decisions, 9u);
 }
 

@@ -1,4 +1,4 @@
-#include "server/storage/engine/verify.h"
+#include "server/storage/verify/verify.h"
 
 #include <gtest/gtest.h>
 #include <sqlite3.h>
@@ -9,7 +9,7 @@
 #include "common/base/file.h"
 #include "common/base/hex.h"
 #include "server/results/result_document.h"
-#include "server/storage/folder_keyring.h"
+#include "server/storage/keys/folder_keyring.h"
 #include "tests/server/storage/verified_school.h"
 
 // Every kind of disagreement is found and named; without one there is nothing to find.
@@ -31,19 +31,19 @@ TEST_F(VerifyTest, WholeDataHasNoFindings) {
 }
 
 TEST_F(VerifyTest, ChangedBlobIsFound) {
-  Sha256 series = school_.store->ResultOf(scored_)->series;
+  Sha256 series = school_.store->results.ResultOf(scored_)->series;
   ASSERT_TRUE(WriteFileDurably(Blob(series), AsBytes("other")).ok());
   ExpectOnly("blob", series.Hex());
 }
 
 TEST_F(VerifyTest, MissingBlobIsFound) {
-  Sha256 surface = school_.store->ResultOf(scored_)->surface;
+  Sha256 surface = school_.store->results.ResultOf(scored_)->surface;
   fs::remove(Blob(surface));
   ExpectOnly("blob", surface.Hex());
 }
 
 TEST_F(VerifyTest, UnnamedBlobIsToldAndNoFault) {
-  ASSERT_TRUE(school_.store->PutBlob(AsBytes("left by a crash")).ok());
+  ASSERT_TRUE(school_.store->blobs.PutBlob(AsBytes("left by a crash")).ok());
   VerifyReport report = Look();
   EXPECT_TRUE(report.findings.empty());
   EXPECT_EQ(report.unnamed_blobs, 1u);
@@ -122,12 +122,12 @@ class EditsTest : public VerifyTest {
  protected:
   EditsTest() {
     graded_ = school_.Record(2);
-    EXPECT_TRUE(
-        school_.store->FlagAttempt(graded_, kResumed, "the station went on", Actor{{}, "test"}, {})
-            .ok());
+    EXPECT_TRUE(school_.store->judging
+                    .FlagAttempt(graded_, kResumed, "the station went on", Actor{{}, "test"}, {})
+                    .ok());
     school_.Score(graded_, scored_);
     ExerciseRow other = school_.world.Exercise("other", "v1 of another");
-    other_exercise_ = *school_.store->PublishExercise(other, Uuid{}, kSystem);
+    other_exercise_ = *school_.store->exercises.PublishExercise(other, Uuid{}, kSystem);
     EXPECT_TRUE(Look().findings.empty()) << "before anything is changed";
   }
   void ExpectFound(const std::string& edit, const std::string& kind) {
@@ -154,7 +154,7 @@ class EditsTest : public VerifyTest {
            Id(graded_);
   }
   static std::string Hex(ByteView bytes) { return "x'" + ToHex(bytes) + "'"; }
-  Bytes Document() const { return school_.store->ResultOf(graded_)->document; }
+  Bytes Document() const { return school_.store->results.ResultOf(graded_)->document; }
 
   Uuid graded_;
   ExerciseRow other_exercise_;
@@ -245,7 +245,7 @@ TEST_F(EditsTest, AnEarlierRunPutInThePlaceOfTheNewestIsFound) {
 TEST_F(EditsTest, OfARecordingsBytesAreFound) {
   for (int seq : {0, 1}) {
     const std::string where = " WHERE attempt = " + Id(open_) + " AND seq = " + std::to_string(seq);
-    Bytes kept = school_.store->AttemptChunks(open_)->at(static_cast<size_t>(seq));
+    Bytes kept = school_.store->recordings.AttemptChunks(open_)->at(static_cast<size_t>(seq));
     for (size_t i = 0; i < kept.size(); i += 7) {
       Bytes changed = kept;
       changed[i] ^= 1;
@@ -269,10 +269,10 @@ TEST_F(EditsTest, OfARecordingsBytesAreFound) {
 TEST_F(VerifyTest, ResultWithoutADocumentIsFound) {
   const Uuid attempt = school_.Record(1);
   school_.Seal(attempt);
-  Store::AttemptResult result;
+  AttemptResult result;
   result.score = 70;
   result.score_json = PutText(*school_.store, "score that nobody signed");
-  ASSERT_TRUE(school_.store->FinishAttempt(attempt, result, {}).ok());
+  ASSERT_TRUE(school_.store->results.FinishAttempt(attempt, result, {}).ok());
   ExpectOnly("result", attempt.Text());
 }
 
@@ -281,8 +281,9 @@ TEST_F(VerifyTest, APlaybackOfAnotherAttemptIsFound) {
   for (Uuid& attempt : attempts) {
     attempt = school_.Record(1);
     school_.Score(attempt, scored_);
-    const Sha256 made = *school_.store->PutAttemptBlob(attempt, AsBytes("what it looked like"));
-    ASSERT_TRUE(school_.store->PutTimeline(attempt, made).ok());
+    const Sha256 made =
+        *school_.store->blobs.PutAttemptBlob(attempt, AsBytes("what it looked like"));
+    ASSERT_TRUE(school_.store->timelines.PutTimeline(attempt, made).ok());
   }
   EXPECT_TRUE(Look().findings.empty());
   Sql("UPDATE timelines SET content = (SELECT content FROM timelines WHERE attempt = x'" +
@@ -297,7 +298,8 @@ TEST_F(VerifyTest, ReferenceErasedWithItsPersonIsNoFault) {
   Uuid other = AddPerson(*school_.store, "other", Role::kStudent);
   Uuid compared = school_.RecordOf(other, 1);
   school_.Score(compared, scored_);
-  ASSERT_TRUE(school_.store->ErasePerson(school_.world.student, true, Actor{{}, "test"}).ok());
+  ASSERT_TRUE(
+      school_.store->erasures.ErasePerson(school_.world.student, true, Actor{{}, "test"}).ok());
   VerifyReport report = Look();
   for (const Finding& finding : report.findings)
     ADD_FAILURE() << finding.kind << ": " << finding.expected << " / " << finding.found;
@@ -305,11 +307,12 @@ TEST_F(VerifyTest, ReferenceErasedWithItsPersonIsNoFault) {
 }
 
 TEST_F(VerifyTest, ResultWhoseRecordingARuleRemovedIsNoFault) {
-  ASSERT_TRUE(school_.store->ReleaseAttempt(scored_, Actor{{}, "test"}, {}).ok());
-  ASSERT_TRUE(school_.store->SetRetention({"recordings", 1}, Actor{{}, "test"}).ok());
+  ASSERT_TRUE(school_.store->judging.ReleaseAttempt(scored_, Actor{{}, "test"}, {}).ok());
+  ASSERT_TRUE(school_.store->retention.SetRetention({"recordings", 1}, Actor{{}, "test"}).ok());
   ASSERT_TRUE(
-      school_.store->ApplyRetention(int64_t{10} * 86'400'000, false, Actor{{}, "test"}).ok());
-  ASSERT_NE(school_.store->AttemptById(scored_)->expired_ms, 0);
+      school_.store->retention.ApplyRetention(int64_t{10} * 86'400'000, false, Actor{{}, "test"})
+          .ok());
+  ASSERT_NE(school_.store->attempts.AttemptById(scored_)->expired_ms, 0);
   VerifyReport report = Look();
   for (const Finding& finding : report.findings)
     ADD_FAILURE() << finding.kind << ": " << finding.expected << " / " << finding.found;
@@ -329,7 +332,7 @@ TEST_F(VerifyTest, UnfinishedErasureIsFoundAndFinishedByTheNextStart) {
   EXPECT_TRUE(
       std::ranges::any_of(report.findings, [](const Finding& f) { return f.kind == "erasure"; }));
   school_.store.reset();
-  SqliteOptions server;
+  StoreOptions server;
   server.folder = Data();
   server.hold_lock = true;
   ASSERT_TRUE(OpenSqliteStore(server).ok());
@@ -339,13 +342,13 @@ TEST_F(VerifyTest, UnfinishedErasureIsFoundAndFinishedByTheNextStart) {
 
 TEST_F(VerifyTest, APersonWhoIsErasedMeanwhileIsNoDamage) {
   bool erased = false;
-  VerifyOptions options{
-      Data(), {}, [&](const std::string& what, uint64_t done, uint64_t) {
-        if (erased || what != "database" || done == 0) return;
-        erased = true;
-        auto gone = school_.store->ErasePerson(school_.world.student, true, Actor{{}, "test"});
-        EXPECT_TRUE(gone.ok()) << gone.status().message();
-      }};
+  VerifyOptions options{Data(), {}, [&](const std::string& what, uint64_t done, uint64_t) {
+                          if (erased || what != "database" || done == 0) return;
+                          erased = true;
+                          auto gone = school_.store->erasures.ErasePerson(school_.world.student,
+                                                                          true, Actor{{}, "test"});
+                          EXPECT_TRUE(gone.ok()) << gone.status().message();
+                        }};
   auto report = Verify(options);
   ASSERT_TRUE(report.ok()) << report.status().message();
   EXPECT_TRUE(erased);

@@ -1,6 +1,13 @@
-#include "server/storage/engine/backup.h"
-#include "server/storage/engine/manifest.h"
-#include "server/storage/sql/sqlite_impl.h"
+#include "server/storage/audit/actor.h"
+#include "server/storage/audit/audit_row.h"
+#include "server/storage/audit/audit_rows.h"
+#include "server/storage/audit/audit_trail.h"
+#include "server/storage/backup/backup.h"
+#include "server/storage/engine/database.h"
+#include "server/storage/engine/sql_names.h"
+#include "server/storage/folder/disk.h"
+#include "server/storage/open_store.h"
+#include "server/storage/verify/manifest.h"
 #include "tests/server/storage/decided_school.h"
 
 // Rows of the audit trail that are taken away, put in, moved or cut off are found (schemas/audit.md).
@@ -8,10 +15,6 @@ namespace enamel::server {
 namespace {
 
 using namespace testing;
-using sqlite::AuditHead;
-using sqlite::AuditLink;
-using sqlite::AuditSeal;
-using sqlite::AuditSigner;
 
 // The school at rest, so that its database is one file that can be put back after each edit.
 class VerifyTrailTest : public DecidedSchoolTest {
@@ -29,7 +32,7 @@ class VerifyTrailTest : public DecidedSchoolTest {
   // In the order of the trail.
   std::vector<Row> Rows() {
     std::vector<Row> out;
-    const auto trail = school_.store->Audit(1000);
+    const auto trail = school_.store->audit.Audit(1000);
     for (const AuditRow& row : *trail) out.push_back({row.id, row.action});
     std::ranges::reverse(out);
     return out;
@@ -62,8 +65,8 @@ class VerifyTrailTest : public DecidedSchoolTest {
     }
     return "";
   }
-  Result<std::unique_ptr<sqlite::SqliteDb>> Connect() {
-    return sqlite::OpenDatabase(Data() / "enamel.db", sqlite::DbMode::kExisting);
+  Result<std::unique_ptr<SqliteDb>> Connect() {
+    return OpenDatabase(Data() / "enamel.db", DbMode::kExisting);
   }
   // A row about nothing in a chain of its own, as another server would write it.
   Status WriteIn(const Uuid& chain) {
@@ -72,7 +75,7 @@ class VerifyTrailTest : public DecidedSchoolTest {
     db->SetCompanion(&signer);
     ENAMEL_RETURN_IF_ERROR(db->Begin(sql::Isolation::kSerial));
     ENAMEL_RETURN_IF_ERROR(
-        sqlite::WriteAudit(*db, Actor{{}, "another server"}, "store.backup", "", "{}", "{}"));
+        WriteAudit(*db, Actor{{}, "another server"}, "store.backup", "", "{}", "{}"));
     return db->Commit();
   }
 
@@ -170,7 +173,7 @@ TEST_F(VerifyTrailTest, CutEndIsNotMendedByWhatIsWrittenAfterwards) {
     {
       auto store = OpenStore(Data());
       for (int i = 0; i < 3; ++i)
-        ASSERT_TRUE(store->NoteAudit(kSystem, "store.backup", "", "{}").ok());
+        ASSERT_TRUE(store->audit.NoteAudit(kSystem, "store.backup", "", "{}").ok());
     }
     const VerifyReport report = Look();
     EXPECT_TRUE(FindsTrail(report)) << Told(report);
@@ -181,7 +184,7 @@ TEST_F(VerifyTrailTest, CutEndIsNotMendedByWhatIsWrittenAfterwards) {
 TEST_F(VerifyTrailTest, OlderCopyThatIsPutBackAgreesWithItselfAndNotWithABackup) {
   {
     auto store = OpenStore(Data());
-    ASSERT_TRUE(store->OverrideScore(graded_, std::nullopt, kSystem, {}).ok());
+    ASSERT_TRUE(store->judging.OverrideScore(graded_, std::nullopt, kSystem, {}).ok());
   }
   const fs::path backup = folder_.path() / "backup";
   ASSERT_TRUE(BackUp({Data(), backup, {}, false, "test"}).ok());
@@ -190,7 +193,7 @@ TEST_F(VerifyTrailTest, OlderCopyThatIsPutBackAgreesWithItselfAndNotWithABackup)
   EXPECT_TRUE(look(backup).findings.empty()) << Told(look(backup));
   {
     auto store = OpenStore(Data());
-    ASSERT_TRUE(store->NoteAudit(kSystem, "store.backup", "", "{}").ok());
+    ASSERT_TRUE(store->audit.NoteAudit(kSystem, "store.backup", "", "{}").ok());
   }
   EXPECT_TRUE(look(Data()).findings.empty()) << "it went on" << Told(look(Data()));
   PutBack("kept.db");
@@ -199,7 +202,7 @@ TEST_F(VerifyTrailTest, OlderCopyThatIsPutBackAgreesWithItselfAndNotWithABackup)
   {
     auto store = OpenStore(Data());
     for (int i = 0; i < 3; ++i)
-      ASSERT_TRUE(store->NoteAudit(kSystem, "store.backup", "", "{}").ok());
+      ASSERT_TRUE(store->audit.NoteAudit(kSystem, "store.backup", "", "{}").ok());
   }
   EXPECT_TRUE(FindsTrail(look(Data()))) << "as long again, with other rows";
 }
@@ -210,7 +213,7 @@ TEST_F(VerifyTrailTest, BackupWhoseManifestSaysAnotherEndIsFound) {
   Manifest manifest = *ReadManifest(backup);
   ASSERT_EQ(manifest.trail.size(), 1u);
   EXPECT_EQ(manifest.trail.front().number, rows_.size());
-  EXPECT_TRUE(sqlite::VerifyAuditHead(manifest.trail.front(), school_.ticket_key.public_key));
+  EXPECT_TRUE(VerifyAuditHead(manifest.trail.front(), school_.ticket_key.public_key));
   manifest.trail.front().hash.bytes[0] ^= 1;
   ASSERT_TRUE(SystemDisk().Replace(backup / kManifestName, AsBytes(ToJson(manifest))).ok());
   EXPECT_TRUE(FindsTrail(*Verify({backup, {}, {}})));
@@ -222,7 +225,7 @@ TEST_F(VerifyTrailTest, ServersThatWriteBesideEachOtherHaveAChainEach) {
   for (const Uuid& chain : {other, third, other, other, third}) {
     Status written = WriteIn(chain);
     ASSERT_TRUE(written.ok()) << written.message();
-    ASSERT_TRUE(OpenStore(Data())->NoteAudit(kSystem, "store.backup", "", "{}").ok());
+    ASSERT_TRUE(OpenStore(Data())->audit.NoteAudit(kSystem, "store.backup", "", "{}").ok());
   }
   const VerifyReport report = Look();
   EXPECT_TRUE(report.findings.empty()) << Told(report);

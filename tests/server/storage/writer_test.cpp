@@ -11,11 +11,11 @@
 #include <utility>
 #include <vector>
 
-#include "server/storage/sql/query.h"
+#include "server/storage/engine/query.h"
 #include "tests/support/temp_folder.h"
 
 // What becomes of works that are committed together.
-namespace enamel::server::sqlite {
+namespace enamel::server {
 namespace {
 
 class WriterTest : public ::testing::Test {
@@ -154,4 +154,4 @@ TEST_F(WriterTest, AWorkThatFailsByItselfLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace enamel::server::sqlite
+}  // namespace enamel::server

@@ -1,0 +1,131 @@
+#include "server/storage/attempts/attempt_rows.h"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/storage/engine/query.h"
+
+// Attempts as rows.
+namespace enamel::server {
+namespace {
+
+constexpr char kAttemptSelect[] =
+    "SELECT a.id, a.person, p.display_name, a.station, a.exercise, e.title, e.content, "
+    "a.profile_content, "
+    "a.state, a.as_reference, a.released, a.ticketed_ms, a.sealed_ms, a.chunks, a.ticks, "
+    "a.gap_ticks, "
+    "a.trace_bytes, a.score, a.critical_fail, a.progress, a.problem, a.expired_ms, a.assignment, "
+    "a.exam, a.due_ms, a.rate_hz, a.limit_ticks, a.flags, a.last_chunk_ms, a.override_score, "
+    "a.override_reason, a.override_by, a.override_ms, a.revision, a.facts, a.hands, "
+    "a.hand_kind, a.hand_device, a.hand_driver, a.hand_unit FROM attempts a "
+    "JOIN people p ON p.tenant = a.tenant AND p.id = a.person "
+    "JOIN exercises e ON e.tenant = a.tenant AND e.id = a.exercise WHERE a.tenant = ?1";
+
+AttemptRow AttemptOf(const Query& q) {
+  AttemptRow out;
+  out.id = q.Id(0);
+  out.person = q.Id(1);
+  out.person_name = q.Text(2);
+  out.station = q.Id(3);
+  out.exercise = q.Id(4);
+  out.exercise_title = q.Text(5);
+  out.exercise_content = q.Hash(6);
+  out.profile_content = q.Hash(7);
+  out.state = static_cast<AttemptState>(q.Int(8));
+  out.as_reference = q.Int(9) != 0;
+  out.released = q.Int(10) != 0;
+  out.ticketed_ms = q.Int(11);
+  out.sealed_ms = q.Int(12);
+  out.chunks = static_cast<uint32_t>(q.Int(13));
+  out.ticks = static_cast<uint64_t>(q.Int(14));
+  out.gap_ticks = static_cast<uint64_t>(q.Int(15));
+  out.trace_bytes = static_cast<uint64_t>(q.Int(16));
+  if (!q.IsNull(17)) out.score = q.Real(17);
+  out.critical_fail = q.Int(18) != 0;
+  out.progress = q.Real(19);
+  out.problem = q.Text(20);
+  out.expired_ms = q.Int(21);
+  if (!q.IsNull(22)) out.assignment = q.Id(22);
+  out.exam = q.Int(23) != 0;
+  out.due_ms = q.Int(24);
+  out.rate_hz = static_cast<int32_t>(q.Int(25));
+  out.limit_ticks = static_cast<uint64_t>(q.Int(26));
+  out.flags = static_cast<uint32_t>(q.Int(27));
+  out.last_chunk_ms = q.Int(28);
+  if (!q.IsNull(29)) out.overridden = ScoreOverride{q.Real(29), q.Text(30), q.Id(31), q.Int(32)};
+  out.revision = static_cast<int32_t>(q.Int(33));
+  out.facts = q.Text(34);
+  out.hands = static_cast<HandsAllowed>(q.Int(35));
+  out.hand = {static_cast<HandKind>(q.Int(36)), q.Text(37), q.Text(38), q.Text(39)};
+  return out;
+}
+
+}  // namespace
+
+Result<AttemptRow> FindAttempt(Db& db, const Uuid& id) {
+  static const std::string kSql = std::string(kAttemptSelect) + " AND a.id = ?2";
+  Query q(db, kSql.c_str());
+  if (q.Bind(id).Next()) return AttemptOf(q);
+  if (!q.status().ok()) return q.status();
+  return Status(Code::kNotFound, "no attempt " + id.Text());
+}
+
+Result<AttemptRow> AttemptRows::AttemptById(const Uuid& id) {
+  return rows_.Read([&](Db& db) { return FindAttempt(db, id); });
+}
+
+Result<std::vector<AttemptRow>> AttemptRows::Attempts(const AttemptFilter& filter) {
+  std::string sql = kAttemptSelect;
+  std::vector<Uuid> ids;
+  std::vector<int64_t> numbers;
+  // ?1 is the tenant; all ids are bound before all numbers, so ids must be placed first.
+  auto next = [&] { return "?" + std::to_string(ids.size() + numbers.size() + 1); };
+  auto where = [&](const std::optional<Uuid>& id, const std::string& before,
+                   const std::string& after) {
+    if (!id) return;
+    ids.push_back(*id);
+    sql += " AND " + before + next() + after;
+  };
+  auto number = [&](int64_t value) {
+    numbers.push_back(value);
+    return next();
+  };
+  where(filter.person, "a.person = ", "");
+  where(filter.cohort,
+        "EXISTS (SELECT 1 FROM cohort_members m WHERE m.tenant = a.tenant AND m.person = a.person "
+        "AND m.cohort = ",
+        ")");
+  where(filter.visible_to_instructor,
+        "EXISTS (SELECT 1 FROM cohort_members i JOIN cohort_members m ON m.tenant = i.tenant AND "
+        "m.cohort = i.cohort WHERE i.tenant = a.tenant AND m.person = a.person AND i.person = ",
+        ")");
+  where(filter.exercise, "a.exercise = ", "");
+  where(filter.assignment, "a.assignment = ", "");
+  // Ids rise with time: a list goes on where the last one ended, whatever came in meanwhile.
+  where(filter.before, "a.id < ", "");
+  if (filter.state) sql += " AND a.state = " + number(static_cast<int64_t>(*filter.state));
+  if (filter.flags != 0) {
+    std::string bits = number(filter.flags);
+    sql += " AND a.flags & " + bits + " = " + bits;
+  }
+  if (filter.open_appeal) {
+    sql +=
+        " AND EXISTS (SELECT 1 FROM appeals o WHERE o.tenant = a.tenant AND o.attempt = a.id AND "
+        "o.state = 'open')";
+  }
+  // The bound is ours, not the asker's.
+  sql += " ORDER BY a.id DESC LIMIT " + number(std::clamp<uint32_t>(filter.limit, 1, 200));
+  return rows_.Read([&](Db& db) -> Result<std::vector<AttemptRow>> {
+    Query q(db, sql.c_str());
+    for (const Uuid& id : ids) q.Bind(id);
+    for (int64_t value : numbers) q.Bind(value);
+    std::vector<AttemptRow> out;
+    while (q.Next()) out.push_back(AttemptOf(q));
+    if (!q.status().ok()) return q.status();
+    return out;
+  });
+}
+
+}  // namespace enamel::server

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/base/uuid.h"
+#include "server/storage/engine/query.h"
+#include "server/storage/engine/transactions.h"
+#include "server/storage/recordings/recording_rows.h"
+#include "server/training/types.h"
+
+namespace enamel::server {
+
+struct AttemptFilter {
+  std::optional<Uuid> person{};
+  std::optional<Uuid> cohort{};                 // attempts of its students
+  std::optional<Uuid> visible_to_instructor{};  // attempts in any cohort of this instructor
+  std::optional<Uuid> exercise{};
+  std::optional<Uuid> assignment{};
+  std::optional<AttemptState> state{};
+  uint32_t flags = 0;            // with all of these bits of AttemptFlag
+  bool open_appeal = false;      // only those with an appeal that nobody has answered
+  std::optional<Uuid> before{};  // page: ids lower than this (newest first)
+  uint32_t limit = 50;           // at most 200
+};
+
+// Reads attempts. Their recordings: RecordingRows; their scores: ResultRows.
+class AttemptRows {
+ public:
+  explicit AttemptRows(Transactions& rows) : rows_(rows) {}
+
+  Result<AttemptRow> AttemptById(const Uuid& id);
+  Result<std::vector<AttemptRow>> Attempts(const AttemptFilter& filter);
+
+ private:
+  Transactions& rows_;
+};
+
+// Inside a transaction, for other rows.
+Result<AttemptRow> FindAttempt(Db& db, const Uuid& id);
+
+}  // namespace enamel::server

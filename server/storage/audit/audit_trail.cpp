@@ -1,0 +1,159 @@
+#include "server/storage/audit/audit_trail.h"
+
+#include <algorithm>
+#include <boost/json/object.hpp>
+#include <boost/json/serialize.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/check.h"
+#include "server/storage/audit/decisions.h"
+#include "server/storage/engine/query.h"
+
+// The audit trail: added to, never changed (schemas/audit.md).
+namespace enamel::server {
+std::string JsonOf(std::initializer_list<std::pair<const char*, std::string>> members) {
+  boost::json::object object;
+  for (const auto& [name, value] : members) object[name] = value;
+  return boost::json::serialize(object);
+}
+
+namespace {
+
+// The next one after it, where no clock gives a later one: rows about one thing are in the order of
+// their ids, also where a clock has been set back.
+Uuid After(Uuid id) {
+  for (size_t i = id.bytes.size(); i-- > 0;) {
+    if (++id.bytes[i] != 0) break;
+  }
+  return id;
+}
+
+// Number and id of the newest row of the chain; zero: there is none.
+Result<std::pair<int64_t, Uuid>> LastOfChain(Db& db, const Uuid& chain) {
+  Query q(
+      db,
+      "SELECT number, id FROM audit WHERE tenant = ?1 AND chain = ?2 ORDER BY number DESC LIMIT "
+      "1");
+  std::pair<int64_t, Uuid> out{};
+  if (q.Bind(chain).Next()) out = {q.Int(0), q.Id(1)};
+  if (!q.status().ok()) return q.status();
+  return out;
+}
+
+AuditHead HeadOf(const Query& q) {
+  AuditHead out{q.Id(0), static_cast<uint64_t>(q.Int(1)), q.Id(2), q.Hash(3)};
+  // Of another length: a signature that fits nothing.
+  const Bytes signature = q.Blob(4);
+  if (signature.size() == out.signature.size()) std::ranges::copy(signature, out.signature.begin());
+  return out;
+}
+
+Result<std::optional<AuditHead>> FindHead(Db& db, const Uuid& chain, const char* lock) {
+  Query q(db, std::string(
+                  "SELECT chain, number, last_id, hash, signature FROM audit_heads WHERE tenant "
+                  "= ?1 AND chain = ?2") +
+                  lock);
+  std::optional<AuditHead> out;
+  if (q.Bind(chain).Next()) out = HeadOf(q);
+  if (!q.status().ok()) return q.status();
+  return out;
+}
+
+// Where the next row goes, and the id that it has to be above.
+struct NextPlace {
+  AuditLink link;
+  Uuid after;
+};
+
+// From the chain's signed end. An end that is gone or was not signed here leaves a place that
+// follows on nothing, which `verify` finds for good: whoever cuts the trail's end off does not have
+// it mended by the next row.
+Result<NextPlace> NextInChain(Db& db, const AuditSigner& signer) {
+  // Locked: another process of this server (a command beside it) extends the same chain.
+  ENAMEL_ASSIGN_OR_RETURN(const auto head, FindHead(db, signer.chain, db.RowLock()));
+  if (head && (*head == signer.known || VerifyAuditHead(*head, signer.public_key)))
+    return NextPlace{{signer.chain, head->number + 1, head->hash}, head->last_id};
+  ENAMEL_ASSIGN_OR_RETURN(const auto last, LastOfChain(db, signer.chain));
+  const uint64_t before = std::max(static_cast<uint64_t>(last.first), head ? head->number : 0);
+  return NextPlace{{signer.chain, before + 1, {}}, last.second};
+}
+
+// Only rows about the same thing are looked at: servers that write about others at the same time
+// must not meet here.
+Result<Uuid> NewestAbout(Db& db, const std::string& subject) {
+  Uuid newest;
+  if (subject.empty()) return newest;
+  Query q(db, "SELECT id FROM audit WHERE tenant = ?1 AND subject = ?2 ORDER BY id DESC LIMIT 1");
+  if (q.Bind(subject).Next()) newest = q.Id(0);
+  if (!q.status().ok()) return q.status();
+  return newest;
+}
+
+Status KeepHead(Db& db, const AuditSigner& signer, const AuditSeal& seal) {
+  AuditHead head{seal.link.chain, seal.link.number, seal.id, AuditSealHash(seal)};
+  head.signature = SignAuditHead(head, signer.key);
+  Query q(
+      db,
+      "INSERT INTO audit_heads (tenant, chain, number, last_id, hash, signature) VALUES (?1, ?2, "
+      "?3, ?4, ?5, ?6) ON CONFLICT (tenant, chain) DO UPDATE SET number = ?3, last_id = ?4, hash "
+      "= ?5, signature = ?6");
+  q.Bind(head.chain).Bind(static_cast<int64_t>(head.number)).Bind(head.last_id).Bind(head.hash);
+  ENAMEL_RETURN_IF_ERROR(q.Bind(ByteView(head.signature)).Run());
+  signer.known = head;
+  return Status::Ok();
+}
+
+}  // namespace
+
+Result<std::optional<AuditHead>> FindAuditHead(Db& db, const Uuid& chain) {
+  return FindHead(db, chain, "");
+}
+
+Result<std::vector<AuditHead>> AuditHeads(Db& db) {
+  Query q(db,
+          "SELECT chain, number, last_id, hash, signature FROM audit_heads WHERE tenant = ?1 ORDER "
+          "BY chain");
+  std::vector<AuditHead> out;
+  while (q.Next()) out.push_back(HeadOf(q));
+  if (!q.status().ok()) return q.status();
+  return out;
+}
+
+// In the transaction of what it tells of: neither is there without the other.
+Status WriteAuditAbout(Db& db, const std::string& subject, const Actor& by, const char* action,
+                       const std::string& object, const std::string& before,
+                       const std::string& after) {
+  const auto* signer = dynamic_cast<const AuditSigner*>(db.companion());
+  ENAMEL_CHECK(signer != nullptr);
+  std::string state;
+  if (!subject.empty()) {
+    ENAMEL_ASSIGN_OR_RETURN(state, StateOf(db, subject));
+  }
+  ENAMEL_ASSIGN_OR_RETURN(const auto next, NextInChain(db, *signer));
+  ENAMEL_ASSIGN_OR_RETURN(const auto newest, NewestAbout(db, subject));
+  const Uuid last = std::max(next.after, newest), fresh = Uuid::New();
+  const Uuid id = last < fresh ? fresh : After(last);
+  const AuditSalt salt = NewAuditSalt();
+  const AuditSeal seal{id,       NowMs(), by.person, by.via,
+                       action,   object,  subject,   AuditContentHash(salt, before, after, state),
+                       next.link};
+  Query q(db,
+          "INSERT INTO audit (tenant, id, at_ms, actor, via, action, object, before_json, "
+          "after_json, subject, state, salt, content_hash, signature, chain, number, previous) "
+          "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17)");
+  q.Bind(seal.id).Bind(seal.at_ms).Bind(seal.actor).Bind(seal.via).Bind(seal.action);
+  q.Bind(seal.object).Bind(before).Bind(after).Bind(seal.subject).Bind(state);
+  q.Bind(ByteView(salt)).Bind(seal.content).Bind(ByteView(SignAuditSeal(seal, signer->key)));
+  q.Bind(next.link.chain).Bind(static_cast<int64_t>(next.link.number));
+  ENAMEL_RETURN_IF_ERROR(q.Bind(next.link.previous).Run());
+  return KeepHead(db, *signer, seal);
+}
+
+Status WriteAudit(Db& db, const Actor& by, const char* action, const std::string& object,
+                  const std::string& before, const std::string& after) {
+  return WriteAuditAbout(db, SubjectOfAction(action, object), by, action, object, before, after);
+}
+
+}  // namespace enamel::server

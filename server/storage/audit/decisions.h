@@ -1,0 +1,30 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "server/storage/engine/query.h"
+
+// What people decide about and what scores are made from, as the audit trail states it and `verify`
+// compares it (schemas/audit.md). A subject is a kind and a key, "attempt <id>"; its state is one
+// JSON object with all columns that are decided on.
+namespace enamel::server {
+
+std::string SubjectOf(const std::string& kind, const std::string& key);
+// What a row with this action and object decides about; empty: nothing that is compared.
+std::string SubjectOfAction(const std::string& action, const std::string& object);
+
+// Now, as of this transaction; empty: the subject is not there. What is words is in it as their
+// SHA-256. Errors: kInternal (no such kind).
+Result<std::string> StateOf(Db& db, const std::string& subject);
+// Column to value. What has no value is left out. Empty too when it is no state.
+std::map<std::string, std::string> ColumnsOf(const std::string& state);
+struct PresentSubject {
+  std::string subject;
+  std::string object;  // of the row that tells of it
+};
+// Every subject that is there.
+Result<std::vector<PresentSubject>> PresentSubjects(Db& db);
+
+}  // namespace enamel::server

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/base/sha256.h"
+#include "common/sql/db.h"
+
+// Rows of the table `blobs` (schemas/sql/0018_blobs.sql), for S3Blobs. Each function is part of a
+// transaction of the caller's. Private to server/storage.
+namespace enamel::server {
+
+struct BlobRow {
+  Sha256 hash;
+  int64_t generation = 0;
+  int64_t put_ms = 0;
+};
+
+Result<std::optional<BlobRow>> FindBlobRow(sql::Db& db, const Sha256& hash);
+Result<std::vector<BlobRow>> AllBlobRows(sql::Db& db);
+// Somebody puts or names what is there already: `put_ms` is now. The row is written in any case, so that
+// a transaction that deletes it meets this one. The row as it is then; none: there is none.
+Result<std::optional<BlobRow>> TouchBlobRow(sql::Db& db, const Sha256& hash, int64_t now_ms);
+// The object of this generation is there. The row as it is then: of another generation when another
+// server was faster. A row of the generation `lost`, whose object is not there, is replaced.
+Result<BlobRow> ClaimBlobRow(sql::Db& db, const Sha256& hash, int64_t generation, int64_t lost,
+                             int64_t now_ms);
+// Deletes the rows of those of `hashes` that no row names and that were put before `before_ms`. Those
+// that are deleted. Of a transaction of Isolation::kSerial.
+Result<std::vector<BlobRow>> DeleteUnnamedBlobRows(sql::Db& db, const std::set<Sha256>& hashes,
+                                                   int64_t before_ms);
+
+}  // namespace enamel::server

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "common/base/mutex.h"
+#include "common/base/result.h"
+
+namespace enamel::server {
+
+// How an S3 store does, by what its calls return. What fails is in the log in full, at most once a minute
+// of a kind; whoever asked is told without host and bucket.
+// Thread safety: any thread.
+class S3Trouble {
+ public:
+  // `what` it is the store of, in messages: "blobs".
+  S3Trouble(std::string what, std::function<int64_t()> now_ms)
+      : what_(std::move(what)), now_ms_(std::move(now_ms)) {}
+  // Notes what a call returned; the status as whoever asked may read it.
+  Status Told(const Status& status);
+  // Since the last call that was done.
+  Status Problem() const;
+
+ private:
+  const std::string what_;
+  const std::function<int64_t()> now_ms_;
+  mutable Mutex mutex_;
+  Status problem_ ENAMEL_GUARDED_BY(mutex_);
+  int64_t logged_ms_ ENAMEL_GUARDED_BY(mutex_) = 0;
+};
+
+}  // namespace enamel::server

@@ -1,0 +1,79 @@
+#include "server/storage/judging/motion_rows.h"
+
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "server/storage/engine/query.h"
+#include "server/storage/judging/result_rows.h"
+
+// Motions of attempts, and what lies nearest to them.
+namespace enamel::server {
+Status KeepMotion(Db& db, const Uuid& attempt, const AttemptResult& result) {
+  // A run that measured none says nothing about what was found before.
+  if (result.motion.IsZero()) return Status::Ok();
+  {
+    Query q(db, "DELETE FROM motions WHERE tenant = ?1 AND attempt = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Run());
+  }
+  const NearAttempt near = result.near.value_or(NearAttempt{});
+  Query q(db,
+          "INSERT INTO motions (tenant, attempt, content, nearest, others, nearest_um, median_um, "
+          "size_um) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)");
+  q.Bind(attempt).Bind(result.motion);
+  q.Bind(result.near ? std::optional(near.attempt) : std::nullopt);
+  q.Bind(int64_t{near.others}).Bind(near.nearest_um).Bind(near.median_um).Bind(near.size_um);
+  ENAMEL_RETURN_IF_ERROR(q.Run());
+  Query flag(db,
+             "UPDATE attempts SET flags = (flags - (flags & ?3)) | ?4 WHERE tenant = ?1 AND id = "
+             "?2");
+  flag.Bind(attempt).Bind(int64_t{kNearAnother});
+  return flag.Bind(near.worth_a_look ? static_cast<int64_t>(kNearAnother) : 0).Run();
+}
+
+Status DropMotion(Db& db, const Uuid& attempt, std::set<Sha256>& blobs) {
+  Query named(db, "SELECT content FROM motions WHERE tenant = ?1 AND attempt = ?2");
+  if (named.Bind(attempt).Next()) blobs.insert(named.Hash(0));
+  ENAMEL_RETURN_IF_ERROR(named.status());
+  return Query(db, "DELETE FROM motions WHERE tenant = ?1 AND attempt = ?2").Bind(attempt).Run();
+}
+
+Result<std::vector<MotionRow>> MotionRows::MotionsBefore(const Uuid& attempt, uint32_t limit) {
+  return rows_.Read([&](Db& db) -> Result<std::vector<MotionRow>> {
+    Query q(db,
+            "SELECT o.id, m.content FROM attempts a JOIN exercises e ON e.tenant = a.tenant AND "
+            "e.id = a.exercise JOIN exercises v ON v.tenant = e.tenant AND v.name = e.name AND "
+            "v.scene = e.scene JOIN attempts o ON o.tenant = v.tenant AND o.exercise = v.id AND "
+            "o.id <> a.id AND (o.sealed_ms < a.sealed_ms OR (o.sealed_ms = a.sealed_ms AND o.id < "
+            "a.id)) JOIN motions m ON m.tenant = o.tenant AND m.attempt = o.id WHERE a.tenant = "
+            "?1 AND a.id = ?2 ORDER BY o.sealed_ms DESC, o.id DESC LIMIT ?3");
+    q.Bind(attempt).Bind(int64_t{limit});
+    std::vector<MotionRow> out;
+    while (q.Next()) out.push_back({q.Id(0), q.Hash(1)});
+    if (!q.status().ok()) return q.status();
+    return out;
+  });
+}
+
+Result<std::optional<NearAttempt>> MotionRows::NearestTo(const Uuid& attempt) {
+  return rows_.Read([&](Db& db) -> Result<std::optional<NearAttempt>> {
+    Query q(db,
+            "SELECT m.nearest, m.others, m.nearest_um, m.median_um, m.size_um, a.flags FROM "
+            "motions m JOIN attempts a ON a.tenant = m.tenant AND a.id = m.attempt WHERE m.tenant "
+            "= ?1 AND m.attempt = ?2 AND m.others > 0");
+    std::optional<NearAttempt> out;
+    if (q.Bind(attempt).Next()) {
+      out.emplace();
+      if (!q.IsNull(0)) out->attempt = q.Id(0);
+      out->others = static_cast<uint32_t>(q.Int(1));
+      out->nearest_um = q.Int(2);
+      out->median_um = q.Int(3);
+      out->size_um = q.Int(4);
+      out->worth_a_look = (q.Int(5) & kNearAnother) != 0;
+    }
+    if (!q.status().ok()) return q.status();
+    return out;
+  });
+}
+
+}  // namespace enamel::server

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/base/sha256.h"
+#include "common/base/uuid.h"
+#include "server/storage/engine/query.h"
+#include "server/storage/engine/transactions.h"
+
+namespace enamel::server {
+
+// A motion that is kept (schemas/motion.md). `content`: as StoredBlobs::PutAttemptBlob kept it.
+struct MotionRow {
+  Uuid attempt;
+  Sha256 content;
+};
+
+// Where an attempt's motion lies among those before it (scoring::Nearness).
+struct NearAttempt {
+  Uuid attempt;  // the nearest; zero: it is erased
+  uint32_t others = 0;
+  int64_t nearest_um = 0, median_um = 0, size_um = 0;
+  bool worth_a_look = false;  // kNearAnother
+
+  bool operator==(const NearAttempt&) const = default;
+};
+
+struct AttemptResult;  // result_rows.h
+
+// The motions of attempts, and how near they lie to others (schemas/motion.md).
+class MotionRows {
+ public:
+  explicit MotionRows(Transactions& rows) : rows_(rows) {}
+
+  // The motions at the same exercise, any version of it on the same scene, that were sealed before
+  // this attempt's; the newest `limit`. Anybody's.
+  Result<std::vector<MotionRow>> MotionsBefore(const Uuid& attempt, uint32_t limit);
+  // None when there was none before, or the recording is gone.
+  Result<std::optional<NearAttempt>> NearestTo(const Uuid& attempt);
+
+ private:
+  Transactions& rows_;
+};
+
+// Inside a transaction, for other rows.
+//
+// What a run says of the motion, with its flag.
+Status KeepMotion(Db& db, const Uuid& attempt, const AttemptResult& result);
+// It goes, its blob into `blobs`.
+Status DropMotion(Db& db, const Uuid& attempt, std::set<Sha256>& blobs);
+
+}  // namespace enamel::server

@@ -1,0 +1,172 @@
+#include "server/storage/judging/reference_rows.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/storage/attempts/attempt_rows.h"
+#include "server/storage/attempts/job_rows.h"
+#include "server/storage/audit/audit_trail.h"
+#include "server/storage/engine/query.h"
+#include "server/storage/engine/sql_names.h"
+
+// The cuts that attempts are compared with.
+namespace enamel::server {
+namespace {
+
+// Those too whose run is under way: it may have looked for a reference before this one was there.
+Status QueueUnreferenced(Db& db, const Uuid& exercise) {
+  std::vector<Uuid> waiting;
+  {
+    Query q(
+        db,
+        "SELECT a.id FROM attempts a WHERE a.tenant = ?1 AND a.exercise = ?2 AND a.state IN (" +
+            Sql(AttemptState::kSealed) + ", " + Sql(AttemptState::kScoring) + ", " +
+            Sql(AttemptState::kScored) + ", " + Sql(AttemptState::kFailed) +
+            ") AND a.reference IS NULL AND a.expired_ms = 0 AND NOT EXISTS (SELECT 1 "
+            "FROM jobs j WHERE j.tenant = a.tenant AND j.attempt = a.id AND j.state = 'queued')");
+    q.Bind(exercise);
+    while (q.Next()) waiting.push_back(q.Id(0));
+    ENAMEL_RETURN_IF_ERROR(q.status());
+  }
+  for (const Uuid& attempt : waiting) {
+    ENAMEL_RETURN_IF_ERROR(QueueScoreJob(db, attempt, "reference"));
+  }
+  return Status::Ok();
+}
+
+Status InsertReference(Db& db, ReferenceRow& row) {
+  {
+    Query q(
+        db,
+        "SELECT coalesce(max(version), 0) FROM reference_cuts WHERE tenant = ?1 AND exercise = ?2");
+    // Counted in the writing transaction, so that no two get the same.
+    row.version = q.Bind(row.exercise).Next() ? static_cast<int32_t>(q.Int(0)) + 1 : 1;
+    ENAMEL_RETURN_IF_ERROR(q.status());
+  }
+  Query q(
+      db,
+      "INSERT INTO reference_cuts (tenant, id, exercise, attempt, dentist, version, created_ms, "
+      "consent) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)");
+  q.Bind(row.id).Bind(row.exercise).Bind(row.attempt).Bind(row.dentist).Bind(int64_t{row.version});
+  return q.Bind(row.created_ms).Bind(int64_t{row.consent}).Run();
+}
+
+#define ENAMEL_REFERENCE_SELECT                                                             \
+  "SELECT id, exercise, attempt, dentist, version, created_ms, consent, withdrawn_ms FROM " \
+  "reference_cuts WHERE tenant = ?1"
+
+ReferenceRow ReferenceOf(const Query& q) {
+  return ReferenceRow{q.Id(0),  q.Id(1),       q.Id(2), q.Text(3), static_cast<int32_t>(q.Int(4)),
+                      q.Int(5), q.Int(6) != 0, q.Int(7)};
+}
+
+// A cut that does not do the task would make everybody's score 0.
+Status MustDoTheTask(const AttemptRow& attempt) {
+  if (!attempt.critical_fail && attempt.score.value_or(0) > 0) return Status::Ok();
+  return Status(
+      Code::kConflict,
+      "attempt " + attempt.id.Text() +
+          " scored 0: what does not do the task cannot be the reference for others; if the "
+          "reference it was compared with is wrong, withdraw that and score it again",
+      "score");
+}
+
+// Said again, by another dentist's name perhaps: it counts once, as it was said last.
+Status WithdrawEarlier(Db& db, const Uuid& attempt) {
+  Query q(db,
+          "UPDATE reference_cuts SET withdrawn_ms = ?3 WHERE tenant = ?1 AND attempt = ?2 AND "
+          "withdrawn_ms = 0");
+  return q.Bind(attempt).Bind(NowMs()).Run();
+}
+
+Result<ReferenceRow> FindReference(Db& db, const Uuid& id) {
+  Query q(db, ENAMEL_REFERENCE_SELECT " AND id = ?2");
+  if (q.Bind(id).Next()) return ReferenceOf(q);
+  if (!q.status().ok()) return q.status();
+  return Status(Code::kNotFound, "no reference " + id.Text());
+}
+
+}  // namespace
+
+Result<ReferenceRow> ReferenceRows::AddReference(const Uuid& attempt, const std::string& dentist,
+                                                 bool consent, const Actor& by,
+                                                 const std::string& anyway) {
+  ReferenceRow row;
+  row.consent = consent;
+  row.id = Uuid::New();
+  row.attempt = attempt;
+  row.dentist = dentist;
+  row.created_ms = NowMs();
+  Status status = rows_.Write([&](Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(auto found, FindAttempt(db, attempt));
+    if (found.state != AttemptState::kScored) {
+      return Status(Code::kConflict, "attempt " + attempt.Text() + " is " +
+                                         AttemptStateName(found.state) +
+                                         ", only a scored one can become a reference");
+    }
+    // Others are compared with the cut itself, not with its score.
+    if (found.expired_ms != 0) {
+      return Status(Code::kConflict, "the recording of attempt " + attempt.Text() +
+                                         " was removed by a retention rule, so it can no longer "
+                                         "become a reference");
+    }
+    row.exercise = found.exercise;
+    ENAMEL_RETURN_IF_ERROR(MustDoTheTask(found));
+    ENAMEL_RETURN_IF_ERROR(WithdrawEarlier(db, attempt));
+    ENAMEL_RETURN_IF_ERROR(InsertReference(db, row));
+    // What was scored without a reference is scored again with it; what was compared with an earlier
+    // one keeps its score until somebody asks.
+    ENAMEL_RETURN_IF_ERROR(QueueUnreferenced(db, row.exercise));
+    const std::string exercise = row.exercise.Text(), version = std::to_string(row.version);
+    return WriteAudit(
+        db, by, "reference.add", attempt.Text(), "{}",
+        anyway.empty()
+            ? JsonOf({{"exercise", exercise}, {"version", version}})
+            : JsonOf({{"exercise", exercise}, {"version", version}, {"anyway", anyway}}));
+  });
+  if (!status.ok()) return status;
+  return row;
+}
+
+Result<std::optional<ReferenceRow>> ReferenceRows::ReferenceFor(const Uuid& exercise) {
+  return rows_.Read([&](Db& db) -> Result<std::optional<ReferenceRow>> {
+    Query q(db, ENAMEL_REFERENCE_SELECT
+            " AND exercise = ?2 AND withdrawn_ms = 0 ORDER BY version DESC LIMIT 1");
+    std::optional<ReferenceRow> out;
+    if (q.Bind(exercise).Next()) out = ReferenceOf(q);
+    if (!q.status().ok()) return q.status();
+    return out;
+  });
+}
+
+Result<ReferenceRow> ReferenceRows::ReferenceById(const Uuid& id) {
+  return rows_.Read([&](Db& db) { return FindReference(db, id); });
+}
+
+Result<std::vector<ReferenceRow>> ReferenceRows::References(const Uuid& exercise) {
+  return rows_.Read([&](Db& db) -> Result<std::vector<ReferenceRow>> {
+    Query q(db, ENAMEL_REFERENCE_SELECT " AND exercise = ?2 ORDER BY version DESC");
+    q.Bind(exercise);
+    std::vector<ReferenceRow> out;
+    while (q.Next()) out.push_back(ReferenceOf(q));
+    if (!q.status().ok()) return q.status();
+    return out;
+  });
+}
+
+// It is marked and not deleted: scores that were compared with it still name it.
+Status ReferenceRows::WithdrawReference(const Uuid& id, const Actor& by) {
+  return rows_.Write([&](Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(auto row, FindReference(db, id));
+    if (row.withdrawn_ms != 0) return Status::Ok();
+    Query q(db, "UPDATE reference_cuts SET withdrawn_ms = ?3 WHERE tenant = ?1 AND id = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(id).Bind(NowMs()).Run());
+    return WriteAudit(
+        db, by, "reference.withdraw", row.attempt.Text(),
+        JsonOf({{"exercise", row.exercise.Text()}, {"version", std::to_string(row.version)}}),
+        JsonOf({{"withdrawn", "yes"}}));
+  });
+}
+
+}  // namespace enamel::server

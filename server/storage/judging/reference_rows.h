@@ -1,0 +1,39 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/base/uuid.h"
+#include "server/storage/audit/actor.h"
+#include "server/storage/engine/transactions.h"
+#include "server/training/types.h"
+
+namespace enamel::server {
+
+// The cuts that attempts are compared with.
+class ReferenceRows {
+ public:
+  explicit ReferenceRows(Transactions& rows) : rows_(rows) {}
+
+  // A sealed and scored attempt becomes the exercise's reference (newest that is not withdrawn
+  // wins); attempts of that exercise which were sealed without a reference are queued for scoring,
+  // itself included (it then reads deviation 0). `consent`: students may see the name. Marked again,
+  // it counts once, under its new name. `anyway`: why it is one although a check speaks against it
+  // (jobs/reference_check.h); it goes to the audit trail. Errors also: kConflict, field "score", of
+  // one that scored 0.
+  Result<ReferenceRow> AddReference(const Uuid& attempt, const std::string& dentist, bool consent,
+                                    const Actor& by, const std::string& anyway = {});
+  Result<ReferenceRow> ReferenceById(const Uuid& id);
+  // Newest first, withdrawn ones too.
+  Result<std::vector<ReferenceRow>> References(const Uuid& exercise);
+  // Scores made with it stay until they are made again.
+  Status WithdrawReference(const Uuid& id, const Actor& by);
+  Result<std::optional<ReferenceRow>> ReferenceFor(const Uuid& exercise);
+
+ private:
+  Transactions& rows_;
+};
+
+}  // namespace enamel::server

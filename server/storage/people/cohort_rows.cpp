@@ -1,0 +1,191 @@
+#include "server/storage/people/cohort_rows.h"
+
+#include <string>
+#include <vector>
+
+#include "server/storage/audit/audit_trail.h"
+#include "server/storage/audit/decisions.h"
+#include "server/storage/engine/query.h"
+#include "server/storage/engine/row_checks.h"
+#include "server/storage/people/people_rows.h"
+
+// Cohorts and who is in them.
+namespace enamel::server {
+namespace {
+
+Result<std::vector<Cohort>> CohortsIn(Query& q) {
+  std::vector<Cohort> out;
+  while (q.Next()) out.push_back(CohortOf(q));
+  if (!q.status().ok()) return q.status();
+  return out;
+}
+
+Result<Cohort> FindCohort(Db& db, const Uuid& id) {
+  static const std::string kSql =
+      std::string("SELECT ") + kCohortColumns + " FROM cohorts c WHERE tenant = ?1 AND id = ?2";
+  Query q(db, kSql.c_str());
+  if (q.Bind(id).Next()) return CohortOf(q);
+  if (!q.status().ok()) return q.status();
+  return Status(Code::kNotFound, "no cohort " + id.Text());
+}
+
+Status UpdateCohort(Db& db, const Cohort& before, Cohort& after, const Actor& by) {
+  if (after.name == before.name && after.archived_ms == before.archived_ms) return Status::Ok();
+  ++after.revision;
+  Query q(db,
+          "UPDATE cohorts SET name = ?3, archived_ms = ?4, revision = ?5 WHERE tenant = ?1 AND "
+          "id = ?2");
+  q.Bind(after.id).Bind(after.name).Bind(after.archived_ms).Bind(int64_t{after.revision});
+  ENAMEL_RETURN_IF_ERROR(
+      Explain(q.Run(), "there is already a cohort named \"" + after.name + "\""));
+  auto json = [](const Cohort& cohort) {
+    return JsonOf({{"name", cohort.name}, {"archived", cohort.archived_ms != 0 ? "yes" : "no"}});
+  };
+  return WriteAudit(db, by, "cohort.edit", after.id.Text(), json(before), json(after));
+}
+
+std::string MemberSubject(const Uuid& cohort, const Uuid& person) {
+  return SubjectOf("member", cohort.Text() + " " + person.Text());
+}
+
+// Removing who is not in it leaves no audit row: nothing was done.
+Status DeleteMember(Db& db, const Uuid& cohort, const Uuid& person, const Actor& by) {
+  Query q(db, "DELETE FROM cohort_members WHERE tenant = ?1 AND cohort = ?2 AND person = ?3");
+  ENAMEL_RETURN_IF_ERROR(q.Bind(cohort).Bind(person).Run());
+  if (db.Changes() == 0) return Status::Ok();
+  return WriteAuditAbout(db, MemberSubject(cohort, person), by, "cohort.remove", cohort.Text(),
+                         JsonOf({{"person", person.Text()}}), "{}");
+}
+
+}  // namespace
+
+Cohort CohortOf(const Query& q) {
+  return {q.Id(0), q.Text(1), q.Int(2), static_cast<int32_t>(q.Int(3))};
+}
+
+Result<Uuid> InsertCohort(Db& db, const std::string& name, const Actor& by) {
+  Uuid id = Uuid::New();
+  Query q(db, "INSERT INTO cohorts (tenant, id, name) VALUES (?1, ?2, ?3)");
+  ENAMEL_RETURN_IF_ERROR(
+      Explain(q.Bind(id).Bind(name).Run(), "there is already a cohort named \"" + name + "\""));
+  ENAMEL_RETURN_IF_ERROR(
+      WriteAudit(db, by, "cohort.create", id.Text(), "{}", JsonOf({{"name", name}})));
+  return id;
+}
+
+Status InsertMember(Db& db, const Uuid& cohort, const Uuid& person, const Actor& by) {
+  Query q(db,
+          "INSERT INTO cohort_members (tenant, cohort, person) VALUES (?1, ?2, ?3) "
+          "ON CONFLICT DO NOTHING");
+  Status status = q.Bind(cohort).Bind(person).Run();
+  // The foreign keys say that one of the two is not there, and not which.
+  if (status.code() == Code::kConflict) {
+    return Status(Code::kNotFound, "no cohort " + cohort.Text() + " or no person " + person.Text());
+  }
+  ENAMEL_RETURN_IF_ERROR(status);
+  if (db.Changes() == 0) return Status::Ok();
+  return WriteAuditAbout(db, MemberSubject(cohort, person), by, "cohort.add", cohort.Text(), "{}",
+                         JsonOf({{"person", person.Text()}}));
+}
+
+Result<Uuid> CohortRows::CreateCohort(const std::string& name, const Actor& by) {
+  Result<Uuid> id = Uuid{};
+  Status status = rows_.Write([&](Db& db) -> Status {
+    id = InsertCohort(db, name, by);
+    return id.status();
+  });
+  if (!status.ok()) return status;
+  return id;
+}
+
+Result<Cohort> CohortRows::CohortById(const Uuid& id) {
+  return rows_.Read([&](Db& db) { return FindCohort(db, id); });
+}
+
+Result<Cohort> CohortRows::EditCohort(const Uuid& id, const CohortEdit& edit, int32_t revision,
+                                      const Actor& by) {
+  Cohort after;
+  Status status = rows_.Write([&](Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(auto before, FindCohort(db, id));
+    ENAMEL_RETURN_IF_ERROR(MustBeRevision(before.revision, revision));
+    after = before;
+    if (edit.name) after.name = *edit.name;
+    // Archiving what is archived keeps the time of the first.
+    if (edit.archived && *edit.archived != (before.archived_ms != 0)) {
+      after.archived_ms = *edit.archived ? NowMs() : 0;
+    }
+    return UpdateCohort(db, before, after, by);
+  });
+  if (!status.ok()) return status;
+  return after;
+}
+
+Status CohortRows::ChangeMembers(const Uuid& cohort, const std::vector<Uuid>& add,
+                                 const std::vector<Uuid>& remove, const Actor& by) {
+  return rows_.Write([&](Db& db) -> Status {
+    if (auto found = FindCohort(db, cohort); !found.ok()) return found.status();
+    // All are looked up before one is changed, so that a refusal names the person.
+    for (const auto* people : {&add, &remove}) {
+      for (const Uuid& person : *people) {
+        if (auto found = FindPerson(db, person); !found.ok()) return found.status();
+      }
+    }
+    for (const Uuid& person : add) {
+      ENAMEL_RETURN_IF_ERROR(InsertMember(db, cohort, person, by));
+    }
+    for (const Uuid& person : remove) {
+      ENAMEL_RETURN_IF_ERROR(DeleteMember(db, cohort, person, by));
+    }
+    return Status::Ok();
+  });
+}
+
+Status CohortRows::AddToCohort(const Uuid& cohort, const Uuid& person, const Actor& by) {
+  return rows_.Write([&](Db& db) -> Status { return InsertMember(db, cohort, person, by); });
+}
+
+Result<std::vector<Cohort>> CohortRows::CohortsOf(const Uuid& person) {
+  return rows_.Read([&](Db& db) -> Result<std::vector<Cohort>> {
+    static const std::string kSql =
+        std::string("SELECT ") + kCohortColumns +
+        " FROM cohort_members m JOIN cohorts c ON c.tenant = m.tenant AND c.id = m.cohort "
+        "WHERE m.tenant = ?1 AND m.person = ?2 ORDER BY c.name";
+    Query q(db, kSql.c_str());
+    return CohortsIn(q.Bind(person));
+  });
+}
+
+Result<std::vector<Cohort>> CohortRows::Cohorts() {
+  return rows_.Read([&](Db& db) -> Result<std::vector<Cohort>> {
+    static const std::string kSql =
+        std::string("SELECT ") + kCohortColumns + " FROM cohorts c WHERE tenant = ?1 ORDER BY name";
+    Query q(db, kSql.c_str());
+    return CohortsIn(q);
+  });
+}
+
+// An archived cohort counts too: what was made in it is still looked at.
+Result<bool> CohortRows::ShareCohort(const Uuid& a, const Uuid& b) {
+  return rows_.Read([&](Db& db) -> Result<bool> {
+    Query q(db,
+            "SELECT 1 FROM cohort_members x JOIN cohort_members y ON x.tenant = y.tenant AND "
+            "x.cohort = y.cohort WHERE x.tenant = ?1 AND x.person = ?2 AND y.person = ?3 LIMIT 1");
+    bool found = q.Bind(a).Bind(b).Next();
+    if (!q.status().ok()) return q.status();
+    return found;
+  });
+}
+
+// Those who teach come before those who are taught.
+Result<std::vector<Person>> CohortRows::CohortMembers(const Uuid& cohort) {
+  return rows_.Read([&](Db& db) -> Result<std::vector<Person>> {
+    static const std::string kSql =
+        std::string("SELECT ") + kPersonColumns +
+        " FROM cohort_members m JOIN people p ON p.tenant = m.tenant AND p.id = m.person "
+        "WHERE m.tenant = ?1 AND m.cohort = ?2 ORDER BY p.role DESC, p.display_name";
+    Query q(db, kSql.c_str());
+    return PeopleIn(q.Bind(cohort));
+  });
+}
+
+}  // namespace enamel::server

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/base/uuid.h"
+#include "server/storage/audit/actor.h"
+#include "server/storage/engine/query.h"
+#include "server/storage/engine/transactions.h"
+#include "server/training/types.h"
+
+namespace enamel::server {
+
+// Cohorts and who is in them.
+class CohortRows {
+ public:
+  explicit CohortRows(Transactions& rows) : rows_(rows) {}
+
+  Result<Uuid> CreateCohort(const std::string& name, const Actor& by);
+  Result<Cohort> CohortById(const Uuid& id);
+  // Errors: kConflict with field kStale, without one (the name is taken).
+  Result<Cohort> EditCohort(const Uuid& id, const CohortEdit& edit, int32_t revision,
+                            const Actor& by);
+  // All or nothing; who is in already, or is not, stays so. Errors: kNotFound with the id that is
+  // unknown.
+  Status ChangeMembers(const Uuid& cohort, const std::vector<Uuid>& add,
+                       const std::vector<Uuid>& remove, const Actor& by);
+  Status AddToCohort(const Uuid& cohort, const Uuid& person, const Actor& by);
+  Result<std::vector<Cohort>> CohortsOf(const Uuid& person);  // as student or instructor
+  Result<std::vector<Cohort>> Cohorts();
+  Result<std::vector<Person>> CohortMembers(const Uuid& cohort);
+  // True when the two share a cohort (a person shares one with itself only as a member of any).
+  Result<bool> ShareCohort(const Uuid& a, const Uuid& b);
+
+ private:
+  Transactions& rows_;
+};
+
+// Inside a transaction, for other rows.
+inline constexpr char kCohortColumns[] = "c.id, c.name, c.archived_ms, c.revision";
+Cohort CohortOf(const Query& q);
+// Each leaves its audit row.
+Result<Uuid> InsertCohort(Db& db, const std::string& name, const Actor& by);
+Status InsertMember(Db& db, const Uuid& cohort, const Uuid& person, const Actor& by);
+
+}  // namespace enamel::server

@@ -1,0 +1,63 @@
+#include "server/storage/people/device_rows.h"
+
+#include <string>
+#include <vector>
+
+#include "server/storage/audit/audit_trail.h"
+#include "server/storage/engine/query.h"
+#include "server/training/names.h"
+
+// Haptic devices that graded work is done with.
+namespace enamel::server {
+Result<bool> IsListedIn(Db& db, const Hand& hand) {
+  if (hand.kind != HandKind::kHaptic || ListedAs(hand).empty()) return false;
+  Query q(db, "SELECT 1 FROM listed_devices WHERE tenant = ?1 AND name = ?2");
+  const bool found = q.Bind(ListedAs(hand)).Next();
+  if (!q.status().ok()) return q.status();
+  return found;
+}
+
+Result<std::vector<ListedDevice>> DeviceRows::ListedDevices() {
+  return rows_.Read([&](Db& db) -> Result<std::vector<ListedDevice>> {
+    Query q(db, "SELECT name, title, added_ms FROM listed_devices WHERE tenant = ?1 ORDER BY name");
+    std::vector<ListedDevice> out;
+    while (q.Next()) out.push_back({q.Text(0), q.Text(1), q.Int(2)});
+    if (!q.status().ok()) return q.status();
+    return out;
+  });
+}
+
+Status DeviceRows::ListDevice(const std::string& name, const std::string& title, const Actor& by) {
+  ENAMEL_ASSIGN_OR_RETURN(const std::string checked_name, CheckedName(name, "name"));
+  ENAMEL_ASSIGN_OR_RETURN(const std::string checked_title, CheckedName(title, "title"));
+  if (checked_name.size() > kMaxHandTextBytes || checked_title.size() > kMaxHandTextBytes) {
+    return Status(Code::kInvalidInput,
+                  "expected at most " + std::to_string(kMaxHandTextBytes) + " bytes of each",
+                  checked_name.size() > kMaxHandTextBytes ? "name" : "title");
+  }
+  return rows_.Write([&](Db& db) -> Status {
+    Query q(db,
+            "INSERT INTO listed_devices (tenant, name, title, added_ms) VALUES (?1, ?2, ?3, ?4) ON "
+            "CONFLICT (tenant, name) DO UPDATE SET title = excluded.title");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(checked_name).Bind(checked_title).Bind(NowMs()).Run());
+    return WriteAudit(db, by, "device.list", checked_name, "{}",
+                      JsonOf({{"title", checked_title}}));
+  });
+}
+
+Status DeviceRows::UnlistDevice(const std::string& name, const Actor& by) {
+  return rows_.Write([&](Db& db) -> Status {
+    Query q(db, "DELETE FROM listed_devices WHERE tenant = ?1 AND name = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(name).Run());
+    if (db.Changes() == 0) {
+      return Status(Code::kNotFound, "no device \"" + name + "\" is listed", "name");
+    }
+    return WriteAudit(db, by, "device.unlist", name, "{}", "{}");
+  });
+}
+
+Result<bool> DeviceRows::IsListed(const Hand& hand) {
+  return rows_.Read([&](Db& db) { return IsListedIn(db, hand); });
+}
+
+}  // namespace enamel::server

@@ -1,0 +1,275 @@
+#include "server/storage/people/people_rows.h"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "server/storage/audit/audit_trail.h"
+#include "server/storage/engine/query.h"
+#include "server/storage/engine/row_checks.h"
+#include "server/storage/engine/sql_names.h"
+#include "server/storage/people/cohort_rows.h"
+#include "server/storage/people/session_rows.h"
+
+// People.
+namespace enamel::server {
+namespace {
+
+Result<Person> OnePerson(Query& q, const std::string& what) {
+  if (q.Next()) return PersonOf(q);
+  if (!q.status().ok()) return q.status();
+  return Status(Code::kNotFound, "no person " + what);
+}
+
+bool Admits(const Person& person) { return person.role == Role::kAdmin && !person.disabled; }
+
+Status KeepAnAdmin(Db& db, const Person& before, const Person& after) {
+  return Admits(after) ? Status::Ok() : MustNotBeTheOnlyAdmin(db, before);
+}
+
+// What of a person is edited, for the audit trail: a name only where it changes.
+std::string EditJson(const Person& person, const Person& other) {
+  if (person.display_name == other.display_name) {
+    return JsonOf({{"role", RoleName(person.role)}, {"disabled", person.disabled ? "yes" : "no"}});
+  }
+  return JsonOf({{"display_name", person.display_name},
+                 {"role", RoleName(person.role)},
+                 {"disabled", person.disabled ? "yes" : "no"}});
+}
+
+// Writes `after` over `before`. Nothing changed: nothing is written.
+Status UpdatePerson(Db& db, const Person& before, Person& after, const char* action,
+                    const Actor& by) {
+  // A session was given to the role that the person had: with another, or with none, it must not go
+  // on. A new name changes nothing of what may be done.
+  bool ends_sessions = after.role != before.role || (after.disabled && !before.disabled);
+  if (!ends_sessions && after.display_name == before.display_name &&
+      after.disabled == before.disabled) {
+    return Status::Ok();
+  }
+  ENAMEL_RETURN_IF_ERROR(KeepAnAdmin(db, before, after));
+  ++after.revision;
+  {
+    Query q(db,
+            "UPDATE people SET display_name = ?3, role = ?4, disabled = ?5, revision = ?6 "
+            "WHERE tenant = ?1 AND id = ?2");
+    q.Bind(after.id).Bind(after.display_name).Bind(static_cast<int64_t>(after.role));
+    q.Bind(static_cast<int64_t>(after.disabled)).Bind(int64_t{after.revision});
+    ENAMEL_RETURN_IF_ERROR(q.Run());
+  }
+  if (ends_sessions) ENAMEL_RETURN_IF_ERROR(DeleteSessions(db, after.id));
+  return WriteAudit(db, by, action, after.id.Text(), EditJson(before, after),
+                    EditJson(after, before));
+}
+
+}  // namespace
+
+Person PersonOf(const Query& q) {
+  Person out;
+  out.id = q.Id(0);
+  out.login = q.Text(1);
+  out.display_name = q.Text(2);
+  out.role = static_cast<Role>(q.Int(3));
+  out.disabled = q.Int(4) != 0;
+  out.created_ms = q.Int(5);
+  out.must_change_password = q.Int(6) != 0;
+  out.revision = static_cast<int32_t>(q.Int(7));
+  out.password_ms = q.Int(8);
+  out.password_used = q.Int(9) != 0;
+  out.language = q.Text(10);
+  return out;
+}
+
+Result<std::vector<Person>> PeopleIn(Query& q) {
+  std::vector<Person> out;
+  while (q.Next()) out.push_back(PersonOf(q));
+  if (!q.status().ok()) return q.status();
+  return out;
+}
+
+Result<Person> FindPerson(Db& db, const Uuid& id) {
+  static const std::string kSql =
+      std::string("SELECT ") + kPersonColumns + " FROM people p WHERE tenant = ?1 AND id = ?2";
+  Query q(db, kSql.c_str());
+  return OnePerson(q.Bind(id), id.Text());
+}
+
+// Somebody has to be able to let others in.
+Status MustNotBeTheOnlyAdmin(Db& db, const Person& person) {
+  if (!Admits(person)) return Status::Ok();
+  Query q(db, "SELECT 1 FROM people WHERE tenant = ?1 AND role = " + Sql(Role::kAdmin) +
+                  " AND disabled = 0 AND id <> ?2 LIMIT 1");
+  if (q.Bind(person.id).Next()) return Status::Ok();
+  if (!q.status().ok()) return q.status();
+  return Status(Code::kConflict, "\"" + person.login +
+                                     "\" is the only admin who may sign in; make somebody else an "
+                                     "admin first");
+}
+
+Status InsertPerson(Db& db, const Person& person, const std::string& verifier, const Actor& by) {
+  Query q(
+      db,
+      "INSERT INTO people (tenant, id, login, display_name, role, disabled, created_ms, "
+      "verifier, must_change_password, password_ms) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, "
+      "?10)");
+  q.Bind(person.id).Bind(person.login).Bind(person.display_name);
+  q.Bind(static_cast<int64_t>(person.role)).Bind(static_cast<int64_t>(person.disabled));
+  q.Bind(person.created_ms != 0 ? person.created_ms : NowMs()).Bind(verifier);
+  q.Bind(static_cast<int64_t>(person.must_change_password)).Bind(NowMs());
+  ENAMEL_RETURN_IF_ERROR(
+      Explain(q.Run(), "there is already a person with the login \"" + person.login + "\""));
+  return WriteAudit(db, by, "person.create", person.id.Text(), "{}",
+                    JsonOf({{"role", RoleName(person.role)}}));
+}
+
+Status RenamePerson(Db& db, const Person& before, const std::string& display_name,
+                    const Actor& by) {
+  Person after = before;
+  after.display_name = display_name;
+  return UpdatePerson(db, before, after, "person.edit", by);
+}
+
+Result<Uuid> PeopleRows::CreatePerson(const Person& person, const std::string& password_verifier,
+                                      const std::vector<Uuid>& cohorts, const Actor& by) {
+  Person row = person;
+  if (row.id.IsZero()) row.id = Uuid::New();
+  // Recordings that stations still hold under this id would be taken in again.
+  ENAMEL_ASSIGN_OR_RETURN(const bool gone, keyring_.IsGone(row.id));
+  if (gone) {
+    return Status(Code::kConflict, "person " + row.id.Text() + " was erased and stays so", "id");
+  }
+  Status status = rows_.Write([&](Db& db) -> Status {
+    ENAMEL_RETURN_IF_ERROR(InsertPerson(db, row, password_verifier, by));
+    for (const Uuid& cohort : cohorts) {
+      // In the same transaction: a person in half of the cohorts would miss exercises unnoticed.
+      Status in = InsertMember(db, cohort, row.id, by);
+      if (in.code() == Code::kNotFound) return {in.code(), "no cohort " + cohort.Text(), "cohorts"};
+      ENAMEL_RETURN_IF_ERROR(in);
+    }
+    return Status::Ok();
+  });
+  if (!status.ok()) return status;
+  return row.id;
+}
+
+Result<Person> PeopleRows::PersonById(const Uuid& id) {
+  return rows_.Read([&](Db& db) -> Result<Person> { return FindPerson(db, id); });
+}
+
+Result<Person> PeopleRows::PersonByLogin(const std::string& login) {
+  return rows_.Read([&](Db& db) -> Result<Person> {
+    static const std::string kSql =
+        std::string("SELECT ") + kPersonColumns + " FROM people p WHERE tenant = ?1 AND login = ?2";
+    Query q(db, kSql.c_str());
+    return OnePerson(q.Bind(login), "with the login \"" + login + "\"");
+  });
+}
+
+Result<std::string> PeopleRows::PasswordVerifier(const Uuid& person) {
+  return rows_.Read([&](Db& db) -> Result<std::string> {
+    Query q(db, "SELECT verifier FROM people WHERE tenant = ?1 AND id = ?2");
+    if (q.Bind(person).Next()) return q.Text(0);
+    if (!q.status().ok()) return q.status();
+    return Status(Code::kNotFound, "no person " + person.Text());
+  });
+}
+
+Status PeopleRows::SetPassword(const Uuid& person, const std::string& verifier, bool for_one_use,
+                               const Actor& by) {
+  return rows_.Write([&](Db& db) -> Status {
+    Query q(db,
+            "UPDATE people SET verifier = ?3, must_change_password = ?4, password_ms = ?5, "
+            "password_used = 0 WHERE tenant = ?1 AND id = ?2");
+    q.Bind(person).Bind(verifier).Bind(static_cast<int64_t>(for_one_use)).Bind(NowMs());
+    ENAMEL_RETURN_IF_ERROR(q.Run());
+    ENAMEL_RETURN_IF_ERROR(MustHaveChanged(db, "person " + person.Text()));
+    // Whoever knew the old password may be signed in with it.
+    ENAMEL_RETURN_IF_ERROR(DeleteSessions(db, person));
+    return WriteAudit(db, by, "person.password", person.Text(), "{}",
+                      JsonOf({{"for_one_use", for_one_use ? "yes" : "no"}}));
+  });
+}
+
+// Looked at and used up in one statement: of two who sign in at once, one is refused.
+Status PeopleRows::UseOneTimePassword(const Uuid& person) {
+  return rows_.Write([&](Db& db) -> Status {
+    Query q(db,
+            "UPDATE people SET password_used = 1 WHERE tenant = ?1 AND id = ?2 AND "
+            "must_change_password = 1 AND password_used = 0");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(person).Run());
+    return MustHaveChanged(db, "password for one use that was not used yet");
+  });
+}
+
+Status PeopleRows::SetLanguage(const Uuid& person, const std::string& language) {
+  return rows_.Write([&](Db& db) -> Status {
+    Query q(db, "UPDATE people SET language = ?3 WHERE tenant = ?1 AND id = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(person).Bind(language).Run());
+    return MustHaveChanged(db, "person " + person.Text());
+  });
+}
+
+Status PeopleRows::SetDisabled(const Uuid& person, bool disabled, const Actor& by) {
+  return rows_.Write([&](Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(auto before, FindPerson(db, person));
+    Person after = before;
+    after.disabled = disabled;
+    return UpdatePerson(db, before, after, disabled ? "person.disable" : "person.enable", by);
+  });
+}
+
+Result<Person> PeopleRows::EditPerson(const Uuid& id, const PersonEdit& edit, int32_t revision,
+                                      const Actor& by) {
+  Person after;
+  Status status = rows_.Write([&](Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(auto before, FindPerson(db, id));
+    ENAMEL_RETURN_IF_ERROR(MustBeRevision(before.revision, revision));
+    after = before;
+    if (edit.display_name) after.display_name = *edit.display_name;
+    if (edit.role) after.role = *edit.role;
+    if (edit.disabled) after.disabled = *edit.disabled;
+    return UpdatePerson(db, before, after, "person.edit", by);
+  });
+  if (!status.ok()) return status;
+  return after;
+}
+
+Result<std::vector<Person>> PeopleRows::People() {
+  return rows_.Read([&](Db& db) -> Result<std::vector<Person>> {
+    static const std::string kSql =
+        std::string("SELECT ") + kPersonColumns + " FROM people p WHERE tenant = ?1 ORDER BY login";
+    Query q(db, kSql.c_str());
+    return PeopleIn(q);
+  });
+}
+
+Result<std::vector<Person>> PeopleRows::FindPeople(const PeopleFilter& filter) {
+  // Only ASCII, as lower() of SQLite does it; other letters are compared as they are.
+  std::string text = filter.text;
+  std::ranges::transform(text, text.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
+  // What shrinks when the text is taken out holds it: there is no one function of all databases.
+  std::string sql = std::string("SELECT ") + kPersonColumns +
+                    " FROM people p WHERE tenant = ?1 AND login > ?2 AND (?3 = '' OR "
+                    "replace(login, ?3, '') <> login OR replace(lower(display_name), ?3, '') <> "
+                    "lower(display_name))";
+  if (filter.role) sql += " AND role = " + Sql(*filter.role);
+  if (filter.disabled) sql += *filter.disabled ? " AND disabled = 1" : " AND disabled = 0";
+  if (filter.cohort) {
+    sql +=
+        " AND EXISTS (SELECT 1 FROM cohort_members m WHERE m.tenant = p.tenant AND m.person = p.id "
+        "AND m.cohort = ?5)";
+  }
+  // By login and from the last one on: a page stays the same when people come and go before it.
+  sql += " ORDER BY login LIMIT ?4";
+  return rows_.Read([&](Db& db) -> Result<std::vector<Person>> {
+    Query q(db, sql.c_str());
+    q.Bind(filter.after_login).Bind(text);
+    q.Bind(int64_t{std::clamp<uint32_t>(filter.limit, 1, 1000)});
+    if (filter.cohort) q.Bind(*filter.cohort);
+    return PeopleIn(q);
+  });
+}
+
+}  // namespace enamel::server

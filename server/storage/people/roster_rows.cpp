@@ -1,0 +1,121 @@
+#include "server/storage/people/roster_rows.h"
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "server/storage/audit/audit_trail.h"
+#include "server/storage/engine/query.h"
+#include "server/storage/people/cohort_rows.h"
+#include "server/storage/people/people_rows.h"
+
+// A roster, in one transaction.
+namespace enamel::server {
+namespace {
+
+// All of them at once: a roster names most of a school, and a look-up for each of its lines would
+// take longer.
+Result<RosterFacts> FactsIn(Db& db) {
+  RosterFacts out;
+  static const std::string kPeople =
+      std::string("SELECT ") + kPersonColumns + " FROM people p WHERE tenant = ?1";
+  Query people(db, kPeople.c_str());
+  while (people.Next()) {
+    Person person = PersonOf(people);
+    std::string login = person.login;
+    out.people.emplace(std::move(login), std::move(person));
+  }
+  if (!people.status().ok()) return people.status();
+  static const std::string kCohorts =
+      std::string("SELECT ") + kCohortColumns + " FROM cohorts c WHERE tenant = ?1";
+  Query cohorts(db, kCohorts.c_str());
+  while (cohorts.Next()) {
+    Cohort cohort = CohortOf(cohorts);
+    out.cohorts.emplace(cohort.name, cohort);
+  }
+  if (!cohorts.status().ok()) return cohorts.status();
+  Query members(db, "SELECT cohort, person FROM cohort_members WHERE tenant = ?1");
+  while (members.Next()) out.members.emplace(members.Id(0), members.Id(1));
+  if (!members.status().ok()) return members.status();
+  return out;
+}
+
+Person NewPerson(const RosterRow& row) {
+  Person out;
+  out.id = Uuid::New();
+  out.login = row.login;
+  out.display_name = row.display_name.empty() ? row.login : row.display_name;
+  out.role = row.role;
+  // The list went through other hands.
+  out.must_change_password = true;
+  return out;
+}
+
+// `made`: who was new, by login; a person's further rows find the one that their first row made.
+Status CarryOut(Db& db, const RosterStep& step, const std::map<std::string, Uuid>& cohorts,
+                std::map<std::string, Uuid>& made, const Actor& by) {
+  Uuid person;
+  if (step.before) {
+    person = step.before->id;
+    if (step.renames) {
+      ENAMEL_RETURN_IF_ERROR(RenamePerson(db, *step.before, step.row.display_name, by));
+    }
+  } else if (step.again) {
+    person = made.at(step.row.login);
+  } else {
+    Person added = NewPerson(step.row);
+    person = added.id;
+    made[step.row.login] = person;
+    ENAMEL_RETURN_IF_ERROR(InsertPerson(db, added, step.row.verifier, by));
+  }
+  if (!step.joins) return Status::Ok();
+  return InsertMember(db, cohorts.at(step.row.cohort), person, by);
+}
+
+Status CarryOut(Db& db, const RosterPlan& plan, const RosterFacts& facts, const Actor& by) {
+  std::map<std::string, Uuid> cohorts;
+  for (const auto& [name, cohort] : facts.cohorts) cohorts[name] = cohort.id;
+  for (const std::string& name : plan.new_cohorts) {
+    ENAMEL_ASSIGN_OR_RETURN(auto id, InsertCohort(db, name, by));
+    cohorts[name] = id;
+  }
+  std::map<std::string, Uuid> made;
+  for (const RosterStep& step : plan.steps) {
+    ENAMEL_RETURN_IF_ERROR(CarryOut(db, step, cohorts, made, by));
+  }
+  // An import that changed nothing is no event.
+  size_t unchanged = plan.Count(RosterStep::Change::kUnchanged);
+  if (unchanged == plan.steps.size() && plan.new_cohorts.empty()) return Status::Ok();
+  return WriteAudit(db, by, "roster.import", "", "{}",
+                    JsonOf({{"created", std::to_string(plan.Count(RosterStep::Change::kCreate))},
+                            {"updated", std::to_string(plan.Count(RosterStep::Change::kUpdate))},
+                            {"unchanged", std::to_string(unchanged)}}));
+}
+
+}  // namespace
+
+Result<RosterPlan> RosterRows::ImportRoster(const std::vector<RosterRow>& rows, bool dry_run,
+                                            const Actor& by) {
+  RosterPlan plan;
+  auto make = [&](Db& db) -> Result<RosterFacts> {
+    auto facts = FactsIn(db);
+    if (facts.ok()) plan = PlanRoster(rows, *facts);
+    return facts;
+  };
+  if (dry_run) {
+    auto facts = rows_.Read(make);
+    if (!facts.ok()) return facts.status();
+    return plan;
+  }
+  Status status = rows_.Write([&](Db& db) -> Status {
+    auto facts = make(db);
+    // Planned anew from what is stored now: the dry run before may be out of date. A plan with
+    // problems changes nothing and is handed back.
+    if (!facts.ok() || !plan.problems.empty()) return facts.status();
+    return CarryOut(db, plan, *facts, by);
+  });
+  if (!status.ok()) return status;
+  return plan;
+}
+
+}  // namespace enamel::server

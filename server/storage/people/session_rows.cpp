@@ -1,0 +1,138 @@
+#include "server/storage/people/session_rows.h"
+
+#include <string>
+#include <vector>
+
+#include "server/storage/audit/audit_trail.h"
+#include "server/storage/engine/query.h"
+#include "server/storage/engine/row_checks.h"
+
+// Sessions of people.
+namespace enamel::server {
+namespace {
+
+// The token itself is never stored: who reads the database cannot sign in with what is there.
+constexpr char kSessionSelect[] =
+    "SELECT token_hash, person, created_ms, last_used_ms, expires_ms, via, id, confirmed_ms, "
+    "address, device FROM sessions WHERE tenant = ?1 AND ";
+
+SessionRow SessionOf(const Query& q) {
+  return {q.Hash(0), q.Id(1), q.Int(2), q.Int(3),  q.Int(4),
+          q.Text(5), q.Id(6), q.Int(7), q.Text(8), q.Text(9)};
+}
+
+Result<SessionRow> OneSession(Query& q) {
+  if (q.Next()) return SessionOf(q);
+  if (!q.status().ok()) return q.status();
+  return Status(Code::kNotFound, "no such session");
+}
+
+Result<SessionRow> FindSessionById(Db& db, const Uuid& id) {
+  static const std::string kSql = std::string(kSessionSelect) + "id = ?2";
+  Query q(db, kSql.c_str());
+  return OneSession(q.Bind(id));
+}
+
+}  // namespace
+
+Status DeleteSessions(Db& db, const Uuid& person) {
+  return Query(db, "DELETE FROM sessions WHERE tenant = ?1 AND person = ?2").Bind(person).Run();
+}
+
+Status SessionRows::CreateSession(const SessionRow& session) {
+  return rows_.Write([&](Db& db) -> Status {
+    // The only sweep there is: every sign-in drops what ended.
+    ENAMEL_RETURN_IF_ERROR(Query(db, "DELETE FROM sessions WHERE tenant = ?1 AND expires_ms < ?2")
+                               .Bind(session.created_ms)
+                               .Run());
+    Query q(db,
+            "INSERT INTO sessions (tenant, token_hash, person, created_ms, last_used_ms, "
+            "expires_ms, via, id, confirmed_ms, address, device) VALUES (?1, ?2, ?3, ?4, ?5, ?6, "
+            "?7, ?8, "
+            "?9, ?10, ?11)");
+    q.Bind(session.token_hash).Bind(session.person).Bind(session.created_ms);
+    q.Bind(session.last_used_ms).Bind(session.expires_ms).Bind(session.via);
+    q.Bind(session.id.IsZero() ? Uuid::New() : session.id);
+    q.Bind(session.confirmed_ms != 0 ? session.confirmed_ms : session.created_ms);
+    q.Bind(session.address).Bind(session.device);
+    ENAMEL_RETURN_IF_ERROR(q.Run());
+    return WriteAudit(db, Actor{session.person, session.via}, "session.begin",
+                      session.person.Text(), "{}",
+                      session.address.empty() ? "{}" : JsonOf({{"address", session.address}}));
+  });
+}
+
+Result<SessionRow> SessionRows::FindSession(const Sha256& token_hash) {
+  return rows_.Read([&](Db& db) -> Result<SessionRow> {
+    static const std::string kSql = std::string(kSessionSelect) + "token_hash = ?2";
+    Query q(db, kSql.c_str());
+    return OneSession(q.Bind(token_hash));
+  });
+}
+
+Result<SessionRow> SessionRows::SessionById(const Uuid& id) {
+  return rows_.Read([&](Db& db) { return FindSessionById(db, id); });
+}
+
+Result<std::vector<SessionRow>> SessionRows::SessionsOf(const Uuid& person) {
+  return rows_.Read([&](Db& db) -> Result<std::vector<SessionRow>> {
+    static const std::string kSql =
+        std::string(kSessionSelect) + "person = ?2 ORDER BY created_ms DESC, id";
+    Query q(db, kSql.c_str());
+    q.Bind(person);
+    std::vector<SessionRow> out;
+    while (q.Next()) out.push_back(SessionOf(q));
+    if (!q.status().ok()) return q.status();
+    return out;
+  });
+}
+
+// Whoever only reads is not to wait for it: the next request is in time too.
+Status SessionRows::TouchSession(const Sha256& token_hash, UnixMs now_ms) {
+  if (look_.ChangesWait()) return Status::Ok();
+  return rows_.Write([&](Db& db) -> Status {
+    Query q(db, "UPDATE sessions SET last_used_ms = ?3 WHERE tenant = ?1 AND token_hash = ?2");
+    return q.Bind(token_hash).Bind(now_ms).Run();
+  });
+}
+
+Status SessionRows::ConfirmSession(const Sha256& token_hash, UnixMs now_ms) {
+  return rows_.Write([&](Db& db) -> Status {
+    Query q(db, "UPDATE sessions SET confirmed_ms = ?3 WHERE tenant = ?1 AND token_hash = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(token_hash).Bind(now_ms).Run());
+    return MustHaveChanged(db, "such session");
+  });
+}
+
+Status SessionRows::EndSession(const Sha256& token_hash) {
+  return rows_.Write([&](Db& db) -> Status {
+    return Query(db, "DELETE FROM sessions WHERE tenant = ?1 AND token_hash = ?2")
+        .Bind(token_hash)
+        .Run();
+  });
+}
+
+// By id, which a list may show, unlike what the token is found by.
+Status SessionRows::EndSessionById(const Uuid& id, const Actor& by) {
+  return rows_.Write([&](Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(auto session, FindSessionById(db, id));
+    ENAMEL_RETURN_IF_ERROR(
+        Query(db, "DELETE FROM sessions WHERE tenant = ?1 AND id = ?2").Bind(id).Run());
+    return WriteAudit(db, by, "session.end", session.person.Text(), "{}", "{}");
+  });
+}
+
+Result<size_t> SessionRows::EndSessionsOf(const Uuid& person, const Actor& by) {
+  size_t ended = 0;
+  Status status = rows_.Write([&](Db& db) -> Status {
+    ENAMEL_RETURN_IF_ERROR(DeleteSessions(db, person));
+    ended = static_cast<size_t>(db.Changes());
+    if (ended == 0) return Status::Ok();
+    return WriteAudit(db, by, "session.end", person.Text(), "{}",
+                      JsonOf({{"sessions", std::to_string(ended)}}));
+  });
+  if (!status.ok()) return status;
+  return ended;
+}
+
+}  // namespace enamel::server

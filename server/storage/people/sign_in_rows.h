@@ -1,0 +1,60 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "common/base/mutex.h"
+#include "common/trace/trace.h"
+#include "server/storage/engine/transactions.h"
+#include "server/storage/keys/data_key.h"
+#include "server/training/types.h"
+
+namespace enamel::server {
+
+// What is counted under one key. As it begins: nothing is.
+struct SignInCounter {
+  uint32_t failures = 0;
+  uint32_t first_tries = 0;
+  UnixMs last_ms = 0;
+  UnixMs next_try_ms = 0;
+  UnixMs until_ms = 0;  // forgotten then
+  auto operator<=>(const SignInCounter&) const = default;
+};
+
+// Failures to sign in that the servers of a school count together; the rules are auth::Throttle's. A server that is
+// the only one (Transactions::shared) counts in its own memory.
+//
+// Where several servers count, each change is a transaction of its own on a
+// connection of its own: in one with others, servers would lock the same rows in any order, and what strangers
+// type would hold up the writer that recordings wait for.
+//
+// A key becomes a BLAKE2b of it under a key that the servers of a school have in common: what is typed as a login
+// may be a password. Thread safety: any thread; one change at a time.
+class SignInRows {
+ public:
+  SignInRows(Transactions& rows, const trace::SecretKey& shared);
+
+  // Hands the counters of these keys, each its own, to `change` and keeps what it makes of them; nobody
+  // else's change comes between. `change` may be called again with newer ones. What it leaves as it was costs no
+  // write. At most kMostSignInCounters with failures are kept, and as many without: those that would be forgotten
+  // first go.
+  static constexpr int64_t kMostSignInCounters = 100'000;
+  using SignInChange = std::function<void(std::vector<SignInCounter>&)>;
+  Status Change(const std::vector<Sha256>& keys, const SignInChange& change);
+  // Deletes what is over, and the oldest of what is more than kMostSignInCounters of a kind.
+  Status Sweep();
+
+ private:
+  Sha256 Keyed(const Sha256& key) const;
+  Status Write(const std::function<Status(sql::Db&)>& work);
+
+  Transactions& rows_;
+  const DataKey secret_;
+  std::atomic<uint64_t> changes_{0};
+  Mutex mutex_;
+  std::unique_ptr<sql::Db> db_ ENAMEL_GUARDED_BY(mutex_);  // none before the first change
+};
+
+}  // namespace enamel::server

@@ -1,0 +1,240 @@
+#include "server/storage/people/station_rows.h"
+
+#include <string>
+#include <vector>
+
+#include "server/storage/audit/audit_trail.h"
+#include "server/storage/engine/query.h"
+#include "server/storage/engine/row_checks.h"
+
+// Enrolment codes and stations.
+namespace enamel::server {
+namespace {
+
+constexpr char kStationSelect[] =
+    "SELECT id, name, public_key, revoked, enrolled_ms, last_seen_ms, revoked_ms, software, "
+    "core_version, revision FROM stations WHERE tenant = ?1";
+
+StationRow StationOf(const Query& q) {
+  StationRow out;
+  out.id = q.Id(0);
+  out.name = q.Text(1);
+  out.public_key = q.Blob(2);
+  out.revoked = q.Int(3) != 0;
+  out.enrolled_ms = q.Int(4);
+  out.last_seen_ms = q.Int(5);
+  out.revoked_ms = q.Int(6);
+  out.software = q.Text(7);
+  out.core_version = static_cast<uint32_t>(q.Int(8));
+  out.revision = static_cast<int32_t>(q.Int(9));
+  return out;
+}
+
+Result<StationRow> OneStation(Query& q, const Uuid& id) {
+  if (q.Next()) return StationOf(q);
+  if (!q.status().ok()) return q.status();
+  return Status(Code::kNotFound, "no station " + id.Text());
+}
+
+Result<StationRow> FindStation(Db& db, const Uuid& id) {
+  static const std::string kSql = std::string(kStationSelect) + " AND id = ?2";
+  Query q(db, kSql.c_str());
+  return OneStation(q.Bind(id), id);
+}
+
+// A station comes back under its old id: with the key it had, or where nothing is known of it.
+Status MayComeBack(Db& db, const StationRow& station) {
+  auto stored = FindStation(db, station.id);
+  if (stored.status().code() == Code::kNotFound) return Status::Ok();
+  if (!stored.ok()) return stored.status();
+  // Recordings are signed with the key: under another one the station's earlier recordings could no
+  // longer be told from forged ones.
+  if (stored->public_key != station.public_key) {
+    return Status(Code::kConflict,
+                  "station " + station.id.Text() + " has another key; enrol as a new station",
+                  "station_id");
+  }
+  if (!stored->revoked) return Status::Ok();
+  return Status(Code::kConflict,
+                "station " + station.id.Text() + " was revoked for good; enrol as a new station",
+                "station_id");
+}
+
+// The same id with a new name and credential: what it recorded before stays its own. The revision
+// rises, so that an edit that was begun before is refused.
+Status PutStation(Db& db, const StationRow& station, const Sha256& credential_hash) {
+  Query q(db,
+          "INSERT INTO stations (tenant, id, name, public_key, credential_hash, enrolled_ms, "
+          "last_seen_ms) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?6) ON CONFLICT (tenant, id) DO UPDATE "
+          "SET name = ?3, credential_hash = ?5, enrolled_ms = ?6, last_seen_ms = ?6, revision = "
+          "stations.revision + 1");
+  q.Bind(station.id).Bind(station.name).Bind(Bytes(station.public_key)).Bind(credential_hash);
+  return q.Bind(station.enrolled_ms).Run();
+}
+
+}  // namespace
+
+Result<Uuid> StationRows::AddEnrolCode(const Sha256& code_hash, UnixMs expires_ms,
+                                       const Actor& by) {
+  Uuid id = Uuid::New();
+  Status status = rows_.Write([&](Db& db) -> Status {
+    Query q(db,
+            "INSERT INTO enrol_codes (tenant, code_hash, id, created_ms, expires_ms) VALUES (?1, "
+            "?2, ?3, ?4, ?5)");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(code_hash).Bind(id).Bind(NowMs()).Bind(expires_ms).Run());
+    return WriteAudit(db, by, "station.code", id.Text(), "{}",
+                      JsonOf({{"expires_ms", std::to_string(expires_ms)}}));
+  });
+  if (!status.ok()) return status;
+  return id;
+}
+
+Result<std::vector<EnrolCodeRow>> StationRows::OpenEnrolCodes(UnixMs now_ms) {
+  return rows_.Read([&](Db& db) -> Result<std::vector<EnrolCodeRow>> {
+    Query q(db,
+            "SELECT id, created_ms, expires_ms FROM enrol_codes WHERE tenant = ?1 AND used_ms IS "
+            "NULL AND withdrawn_ms IS NULL AND expires_ms >= ?2 ORDER BY expires_ms, id");
+    q.Bind(now_ms);
+    std::vector<EnrolCodeRow> out;
+    while (q.Next()) out.push_back({q.Id(0), q.Int(1), q.Int(2)});
+    if (!q.status().ok()) return q.status();
+    return out;
+  });
+}
+
+Status StationRows::WithdrawEnrolCode(const Uuid& id, const Actor& by) {
+  return rows_.Write([&](Db& db) -> Status {
+    {
+      Query q(db, "SELECT used_ms, withdrawn_ms FROM enrol_codes WHERE tenant = ?1 AND id = ?2");
+      if (!q.Bind(id).Next()) {
+        return q.status().ok() ? Status(Code::kNotFound, "no enrolment code " + id.Text())
+                               : q.status();
+      }
+      // Too late to withdraw: the station is in already.
+      if (!q.IsNull(0)) {
+        return Status(Code::kConflict,
+                      "a station has enrolled with this code already; revoke the station instead");
+      }
+      if (!q.IsNull(1)) return Status::Ok();
+    }
+    Query q(db, "UPDATE enrol_codes SET withdrawn_ms = ?3 WHERE tenant = ?1 AND id = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(id).Bind(NowMs()).Run());
+    return WriteAudit(db, by, "station.code_withdrawn", id.Text(), "{}", "{}");
+  });
+}
+
+Result<bool> StationRows::IsEnrolCode(const Sha256& code_hash) {
+  return rows_.Read([&](Db& db) -> Result<bool> {
+    Query q(db, "SELECT 1 FROM enrol_codes WHERE tenant = ?1 AND code_hash = ?2");
+    const bool found = q.Bind(code_hash).Next();
+    if (!q.status().ok()) return q.status();
+    return found;
+  });
+}
+
+Result<StationRow> StationRows::EnrolStation(const Sha256& code_hash, StationRow station,
+                                             const Sha256& credential_hash, UnixMs now_ms) {
+  const bool again = !station.id.IsZero();
+  if (!again) station.id = Uuid::New();
+  station.enrolled_ms = station.last_seen_ms = now_ms;
+  Status status = rows_.Write([&](Db& db) -> Status {
+    // Used up in the statement that looks whether it may be: two stations at once cannot both have
+    // it. What comes after may still fail, and takes the use back with it.
+    Query use(db,
+              "UPDATE enrol_codes SET used_ms = ?3 WHERE tenant = ?1 AND code_hash = ?2 AND "
+              "used_ms IS NULL AND withdrawn_ms IS NULL AND expires_ms >= ?3");
+    ENAMEL_RETURN_IF_ERROR(use.Bind(code_hash).Bind(now_ms).Run());
+    if (db.Changes() == 0) {
+      return Status(Code::kUnauthenticated,
+                    "the enrolment code is unknown, used or expired; ask an admin for a new one");
+    }
+    if (again) ENAMEL_RETURN_IF_ERROR(MayComeBack(db, station));
+    ENAMEL_RETURN_IF_ERROR(PutStation(db, station, credential_hash));
+    return WriteAudit(db, Actor{{}, "station " + station.name},
+                      again ? "station.enrol_again" : "station.enrol", station.id.Text(), "{}",
+                      JsonOf({{"name", station.name}}));
+  });
+  if (!status.ok()) return status;
+  return station;
+}
+
+// Compared by the database: how long that takes tells of a hash only, and nothing of the
+// credential.
+Result<StationRow> StationRows::StationByCredential(const Uuid& id, const Sha256& credential_hash) {
+  return rows_.Read([&](Db& db) -> Result<StationRow> {
+    static const std::string kSql =
+        std::string(kStationSelect) + " AND id = ?2 AND credential_hash = ?3";
+    Query q(db, kSql.c_str());
+    return OneStation(q.Bind(id).Bind(credential_hash), id);
+  });
+}
+
+Result<StationRow> StationRows::StationById(const Uuid& id) {
+  return rows_.Read([&](Db& db) { return FindStation(db, id); });
+}
+
+// No audit row: it comes with every connection and says nothing that somebody did.
+Status StationRows::TouchStation(const Uuid& id, const std::string& software, uint32_t core_version,
+                                 UnixMs now_ms) {
+  return rows_.Write([&](Db& db) -> Status {
+    Query q(db,
+            "UPDATE stations SET last_seen_ms = ?3, software = ?4, core_version = ?5 WHERE tenant "
+            "= ?1 AND id = ?2");
+    return q.Bind(id).Bind(now_ms).Bind(software).Bind(int64_t{core_version}).Run();
+  });
+}
+
+Result<StationRow> StationRows::RenameStation(const Uuid& id, const std::string& name,
+                                              int32_t revision, const Actor& by) {
+  Result<StationRow> after = StationRow{};
+  Status status = rows_.Write([&](Db& db) -> Status {
+    after = FindStation(db, id);
+    if (!after.ok()) return after.status();
+    ENAMEL_RETURN_IF_ERROR(MustBeRevision(after->revision, revision));
+    if (after->name == name) return Status::Ok();
+    std::string before = std::exchange(after->name, name);
+    ++after->revision;
+    Query q(db, "UPDATE stations SET name = ?3, revision = ?4 WHERE tenant = ?1 AND id = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(id).Bind(name).Bind(int64_t{after->revision}).Run());
+    return WriteAudit(db, by, "station.rename", id.Text(), JsonOf({{"name", before}}),
+                      JsonOf({{"name", name}}));
+  });
+  if (!status.ok()) return status;
+  return after;
+}
+
+Status StationRows::RevokeStation(const Uuid& id, const Actor& by) {
+  return rows_.Write([&](Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(auto station, FindStation(db, id));
+    // Revoked once is revoked for good; the first time counts.
+    if (station.revoked) return Status::Ok();
+    Query q(db,
+            "UPDATE stations SET revoked = 1, revoked_ms = ?3, revision = revision + 1 WHERE "
+            "tenant = ?1 AND id = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(id).Bind(NowMs()).Run());
+    return WriteAudit(db, by, "station.revoke", id.Text(), JsonOf({{"name", station.name}}), "{}");
+  });
+}
+
+Result<std::vector<StationRow>> StationRows::Stations() {
+  return rows_.Read([&](Db& db) -> Result<std::vector<StationRow>> {
+    static const std::string kSql = std::string(kStationSelect) + " ORDER BY name, id";
+    Query q(db, kSql.c_str());
+    std::vector<StationRow> out;
+    while (q.Next()) out.push_back(StationOf(q));
+    if (!q.status().ok()) return q.status();
+    return out;
+  });
+}
+
+Result<std::vector<Uuid>> StationRows::RevokedStations() {
+  return rows_.Read([&](Db& db) -> Result<std::vector<Uuid>> {
+    Query q(db, "SELECT id FROM stations WHERE tenant = ?1 AND revoked = 1");
+    std::vector<Uuid> out;
+    while (q.Next()) out.push_back(q.Id(0));
+    if (!q.status().ok()) return q.status();
+    return out;
+  });
+}
+
+}  // namespace enamel::server

@@ -1,0 +1,183 @@
+#include "server/storage/recordings/seal_rows.h"
+
+#include "server/storage/attempts/job_rows.h"
+#include "server/storage/audit/audit_trail.h"
+#include "server/storage/engine/query.h"
+#include "server/storage/engine/sql_names.h"
+#include "server/storage/keys/keyring.h"
+#include "server/storage/recordings/trace_rows.h"
+
+namespace enamel::server {
+namespace {
+
+// Whether the work was late is certain when its ticks cannot have been made between ticket and due
+// time; when only the upload was, it may have been made before.
+uint32_t LateFlags(const Ingest& ingest) {
+  if (ingest.due_ms == 0 || (ingest.flags & kLate) != 0) return 0;
+  UnixMs shortest_ms = ingest.rate_hz > 0 ? static_cast<UnixMs>(ingest.ticks + ingest.gap_ticks) *
+                                                1000 / ingest.rate_hz
+                                          : 0;
+  if (ingest.ticketed_ms + shortest_ms > ingest.due_ms) return kLate;
+  if (ingest.last_chunk_ms > ingest.due_ms) return kLateUpload;
+  return 0;
+}
+
+// All four: chunks and ticks say that nothing is missing, the hash that it is this chain, the
+// state hash that both have the same tooth.
+Status SealMatches(const Ingest& ingest, const trace::Seal& seal) {
+  if (seal.chunks == ingest.chunks && seal.ticks == ingest.ticks &&
+      seal.last_chunk == ingest.head && seal.state_hash == ingest.head_state_hash) {
+    return Status::Ok();
+  }
+  return Status(Code::kConflict, "the seal names " + std::to_string(seal.chunks) + " chunks, " +
+                                     std::to_string(seal.ticks) + " ticks and the last chunk " +
+                                     seal.last_chunk.Hex() + "; committed are " +
+                                     std::to_string(ingest.chunks) + ", " +
+                                     std::to_string(ingest.ticks) + " and " + ingest.head.Hex() +
+                                     "; send what is missing, then seal again");
+}
+
+Status MarkSealed(Db& db, const Uuid& attempt, const Ingest& ingest, const Sha256& blob,
+                  UnixMs now_ms, bool keep_rows) {
+  {
+    Query q(db, "UPDATE attempts SET state = " + Sql(AttemptState::kSealed) +
+                    ", sealed_ms = ?3, trace_blob = ?4, flags = flags | ?5 "
+                    "WHERE tenant = ?1 AND id = ?2");
+    q.Bind(attempt).Bind(now_ms).Bind(blob);
+    ENAMEL_RETURN_IF_ERROR(q.Bind(int64_t{LateFlags(ingest)}).Run());
+  }
+  // Deleting an hour's chunks here would hold up all who record: SealedRows does it in portions.
+  if (keep_rows) return Status::Ok();
+  Query q(db, "DELETE FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2");
+  return q.Bind(attempt).Run();
+}
+
+}  // namespace
+
+// Outside the transaction that ends the attempt: after a crash in between, the blob is written
+// again.
+Status SealRows::MoveTraceToBlob(const trace::Seal& seal, Sha256& blob) {
+  auto file = rows_.Read([&](Db& db) -> Result<trace::TraceFile> {
+    ENAMEL_ASSIGN_OR_RETURN(auto header, HeaderOf(db, seal.attempt));
+    ENAMEL_ASSIGN_OR_RETURN(auto chunks, ChunksOf(db, seal.attempt));
+    return trace::TraceFile{std::move(header), std::move(chunks), seal, false};
+  });
+  if (!file.ok()) return file.status();
+  PersonalReader personal(keyring_);
+  for (Bytes& chunk : file->chunks) {
+    ENAMEL_ASSIGN_OR_RETURN(auto opened, personal.Open(std::move(chunk)));
+    chunk = std::move(opened);
+  }
+  ENAMEL_ASSIGN_OR_RETURN(auto hash,
+                          stored_.PutAttemptBlob(seal.attempt, trace::EncodeTraceFile(*file)));
+  blob = hash;
+  return Status::Ok();
+}
+
+// A seal that names fewer chunks than are committed, or as many with another last one, or that comes
+// after another was taken, is of another recording. One that names more waits for them.
+Status SealRows::NoteOtherSeal(const trace::Seal& seal) {
+  return rows_.WriteRow([&](Db& db) -> Status {
+    auto ingest = FindIngest(db, seal.attempt, Look::kToDecide);
+    if (!ingest.ok() || ingest->chunks == 0 || SealMatches(*ingest, seal).ok()) return Status::Ok();
+    const bool waits = ingest->trace_blob.IsZero() && seal.chunks > ingest->chunks;
+    if (waits || ingest->expired) return Status::Ok();
+    return Contradicted(db, seal.attempt,
+                        "a seal came that names " + std::to_string(seal.chunks) +
+                            " chunks and the last chunk " + seal.last_chunk.Hex() +
+                            ", beside the " + std::to_string(ingest->chunks) +
+                            " committed ones that end with " + ingest->head.Hex());
+  });
+}
+
+Status SealRows::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
+  // Asked twice: on a reader, so that no blob is written for a seal that does not fit, and in the
+  // transaction that ends the attempt, as another connection may have been faster.
+  auto check = [&](Db& db, Look look) -> Result<Ingest> {
+    auto ingest = FindIngest(db, seal.attempt, look);
+    if (!ingest.ok()) return ingest;
+    bool quarantined = ingest->state == AttemptState::kQuarantined && ingest->trace_blob.IsZero();
+    if (ingest->state == AttemptState::kTicketed || quarantined) {
+      return Status(Code::kConflict, "attempt " + seal.attempt.Text() + " is " +
+                                         AttemptStateName(ingest->state) + " and cannot be sealed");
+    }
+    if (Status status = SealMatches(*ingest, seal); !status.ok()) return status;
+    return ingest;
+  };
+  ENAMEL_RETURN_IF_ERROR(gate_.Check());
+  auto before_or = rows_.Read([&](Db& db) { return check(db, Look::kOnly); });
+  if (!before_or.ok()) {
+    ENAMEL_RETURN_IF_ERROR(NoteOtherSeal(seal));
+    return before_or.status();
+  }
+  const Ingest& before = *before_or;
+  // Sealed by the same seal before: the answer got lost.
+  if (before.state != AttemptState::kRecording) return Status::Ok();
+  if (before.chunks == 0)
+    return Status(Code::kConflict, "an attempt without a chunk cannot be sealed");
+  Sha256 blob;
+  ENAMEL_RETURN_IF_ERROR(MoveTraceToBlob(seal, blob));
+  bool fresh = false;
+  Status status = rows_.WriteRow([&](Db& db) -> Status {
+    fresh = false;
+    ENAMEL_ASSIGN_OR_RETURN(auto ingest, check(db, Look::kToDecide));
+    if (ingest.state != AttemptState::kRecording) return Status::Ok();
+    fresh = true;
+    ENAMEL_RETURN_IF_ERROR(blobs_.Hold(db, {blob}));
+    ENAMEL_RETURN_IF_ERROR(MarkSealed(db, seal.attempt, ingest, blob, now_ms, sealed_ != nullptr));
+    // Of other work it is a flag that an instructor sees; of an exam nothing is scored before one has
+    // looked. Nor is graded work with a hand that was not admitted, which a ticket was refused for or
+    // would have been.
+    if ((ingest.flags & kOtherHand) != 0) {
+      ENAMEL_RETURN_IF_ERROR(
+          Quarantine(db, seal.attempt,
+                     "what held the tool is not what the assignment admits. An instructor may have "
+                     "it scored all the same"));
+    } else if (ingest.exam && (ingest.flags & kFasterThanTime) != 0) {
+      ENAMEL_RETURN_IF_ERROR(
+          Quarantine(db, seal.attempt,
+                     "this exam has more ticks than time between its ticket and their arrival: it "
+                     "was not made "
+                     "in real time. An instructor may have it scored all the same"));
+    } else {
+      ENAMEL_RETURN_IF_ERROR(QueueScoreJob(db, seal.attempt, "seal"));
+    }
+    return WriteAudit(db, Actor{{}, "station link"}, "attempt.seal", seal.attempt.Text(), "{}",
+                      JsonOf({{"chunks", std::to_string(seal.chunks)}, {"trace", blob.Hex()}}));
+  });
+  if (status.ok() && fresh) {
+    ++counters_.sealed;
+    if (sealed_ != nullptr) sealed_->Add(seal.attempt);
+  }
+  return status;
+}
+
+Status SealRows::AcceptCommitted(const Uuid& attempt, const Actor& by) {
+  // Quarantined while it was recorded: there will be no seal from the station any more.
+  auto unsealed = [](const Ingest& ingest) {
+    return ingest.state == AttemptState::kQuarantined && ingest.trace_blob.IsZero() &&
+           !ingest.expired && ingest.chunks > 0;
+  };
+  auto before = rows_.Read([&](Db& db) { return FindIngest(db, attempt, Look::kOnly); });
+  if (!before.ok()) return before.status();
+  if (!unsealed(*before)) return Status::Ok();
+  ENAMEL_RETURN_IF_ERROR(gate_.Check());
+  Sha256 blob;
+  ENAMEL_RETURN_IF_ERROR(MoveTraceToBlob(
+      {attempt, before->chunks, before->ticks, before->head, before->head_state_hash}, blob));
+  bool fresh = false;
+  Status status = rows_.Write([&](Db& db) -> Status {
+    fresh = false;
+    ENAMEL_ASSIGN_OR_RETURN(auto ingest, FindIngest(db, attempt, Look::kToDecide));
+    if (!unsealed(ingest)) return Status::Ok();
+    fresh = true;
+    ENAMEL_RETURN_IF_ERROR(blobs_.Hold(db, {blob}));
+    ENAMEL_RETURN_IF_ERROR(MarkSealed(db, attempt, ingest, blob, NowMs(), sealed_ != nullptr));
+    return WriteAudit(db, by, "attempt.accept", attempt.Text(), "{}",
+                      JsonOf({{"chunks", std::to_string(ingest.chunks)}, {"trace", blob.Hex()}}));
+  });
+  if (status.ok() && fresh && sealed_ != nullptr) sealed_->Add(attempt);
+  return status;
+}
+
+}  // namespace enamel::server

@@ -1,0 +1,174 @@
+#include "server/storage/recordings/ticket_rows.h"
+
+#include <algorithm>
+#include <string>
+
+#include "server/storage/attempts/attempt_flags.h"
+#include "server/storage/attempts/attempt_rows.h"
+#include "server/storage/audit/audit_trail.h"
+#include "server/storage/engine/query.h"
+#include "server/storage/engine/row_checks.h"
+#include "server/storage/engine/sql_names.h"
+#include "server/storage/people/device_rows.h"
+#include "server/storage/recordings/trace_rows.h"
+#include "server/storage/teaching/assignment_rows.h"
+
+namespace enamel::server {
+namespace {
+
+Result<bool> Is(Db& db, const char* sql, const Uuid& id) {
+  Query q(db, sql);
+  bool there = q.Bind(id).Next();
+  if (!q.status().ok()) return q.status();
+  return there;
+}
+
+// Names what is not here: after a restore it may come back.
+Status MustBeHere(Db& db, const AttemptRow& row) {
+  const struct {
+    const char* what;
+    const char* sql;
+    const Uuid& id;
+  } things[] = {
+      {"person", "SELECT 1 FROM people WHERE tenant = ?1 AND id = ?2", row.person},
+      {"station", "SELECT 1 FROM stations WHERE tenant = ?1 AND id = ?2", row.station},
+      {"exercise", "SELECT 1 FROM exercises WHERE tenant = ?1 AND id = ?2", row.exercise},
+  };
+  for (const auto& thing : things) {
+    ENAMEL_ASSIGN_OR_RETURN(auto there, Is(db, thing.sql, thing.id));
+    if (there) continue;
+    std::string what = thing.what;
+    return Status(Code::kNotFound, "there is no " + what + " " + thing.id.Text() + " here", what);
+  }
+  return Status::Ok();
+}
+
+// What held the tool goes from the header into columns, for lists. A hand that the terms do not admit
+// is flagged and not refused: what was recorded is kept, and looked at once it is sealed.
+Status KeepHand(Db& db, const Uuid& attempt, ByteView header) {
+  auto decoded = trace::DecodeHeader(header);
+  // Whoever calls OpenAttempt has read the header; a header of another version tells of no hand.
+  if (!decoded.ok()) return Status::Ok();
+  const Hand& hand = decoded->hand;
+  {
+    Query q(db,
+            "UPDATE attempts SET hand_kind = ?3, hand_device = ?4, hand_driver = ?5, hand_unit = "
+            "?6 WHERE tenant = ?1 AND id = ?2");
+    q.Bind(attempt).Bind(static_cast<int64_t>(hand.kind)).Bind(hand.device).Bind(hand.driver);
+    ENAMEL_RETURN_IF_ERROR(q.Bind(hand.unit).Run());
+  }
+  Query terms(db, "SELECT hands FROM attempts WHERE tenant = ?1 AND id = ?2");
+  const bool found = terms.Bind(attempt).Next();
+  ENAMEL_RETURN_IF_ERROR(terms.status());
+  if (!found) return Status::Ok();
+  ENAMEL_ASSIGN_OR_RETURN(const bool listed, IsListedIn(db, hand));
+  Status may = MayHold(static_cast<HandsAllowed>(terms.Int(0)), hand, listed);
+  if (may.ok()) return may;
+  return SetFlags(db, attempt, kOtherHand, may.message(), Actor{{}, "station link"});
+}
+
+}  // namespace
+
+Status TicketRows::CreateAttempt(const AttemptRow& row, ByteView ticket, const Actor& by) {
+  ENAMEL_RETURN_IF_ERROR(gate_.Check());
+  Status status = rows_.Write([&](Db& db) -> Status {
+    ENAMEL_RETURN_IF_ERROR(MustBeHere(db, row));
+    ENAMEL_RETURN_IF_ERROR(MayBeIssued(db, row));
+    Query q(db,
+            "INSERT INTO attempts (tenant, id, person, station, exercise, profile_content, state, "
+            "as_reference, ticketed_ms, ticket, exam, due_ms, rate_hz, limit_ticks, flags, "
+            "assignment, hands) VALUES (?1, ?2, ?3, ?4, ?5, ?6, " +
+                Sql(AttemptState::kTicketed) +
+                ", ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, "
+                "?15, ?16)");
+    q.Bind(row.id).Bind(row.person).Bind(row.station).Bind(row.exercise).Bind(row.profile_content);
+    q.Bind(static_cast<int64_t>(row.as_reference)).Bind(row.ticketed_ms).Bind(ticket);
+    q.Bind(int64_t{row.exam}).Bind(row.due_ms).Bind(int64_t{row.rate_hz});
+    q.Bind(static_cast<int64_t>(row.limit_ticks)).Bind(int64_t{row.flags});
+    q.Bind(row.assignment).Bind(static_cast<int64_t>(row.hands));
+    ENAMEL_RETURN_IF_ERROR(Explain(q.Run(), "attempt " + row.id.Text() + " exists"));
+    return WriteAudit(db, by, "attempt.ticket", row.id.Text(), "{}",
+                      JsonOf({{"person", row.person.Text()},
+                              {"exercise", row.exercise.Text()},
+                              {"assignment", row.assignment ? row.assignment->Text() : ""},
+                              {"exam", row.exam ? "yes" : "no"}}));
+  });
+  // Erased or never here: only the key ring knows, as the row is gone in both cases. A station that
+  // was away may still offer what such a person recorded.
+  bool nobody = status.code() == Code::kNotFound && status.field() == "person";
+  if (!nobody) return status;
+  ENAMEL_ASSIGN_OR_RETURN(const bool gone, keyring_.IsGone(row.person));
+  if (!gone) return status;
+  return Status(Code::kConflict, "this person was erased; nothing of theirs is taken any more",
+                "person");
+}
+
+// Twice is the same as once: the station tells it until it has an answer.
+Status TicketRows::ReturnTicket(const Uuid& attempt, const Actor& by) {
+  return rows_.Write([&](Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(auto row, FindAttempt(db, attempt));
+    if ((row.flags & kReturned) != 0) return Status::Ok();
+    // Otherwise handing back would be a way to try until it goes well.
+    if (row.state != AttemptState::kTicketed) {
+      return Status(Code::kConflict,
+                    "attempt " + attempt.Text() +
+                        " was begun, so its ticket is used up; an instructor can excuse the "
+                        "attempt so that it does not count",
+                    "attempt");
+    }
+    Query q(db, "UPDATE attempts SET flags = flags | ?3 WHERE tenant = ?1 AND id = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(int64_t{kReturned}).Run());
+    return WriteAudit(db, by, "attempt.return", attempt.Text(),
+                      JsonOf({{"state", AttemptStateName(row.state)}}),
+                      JsonOf({{"returned", "yes"}}));
+  });
+}
+
+Status TicketRows::OpenAttempt(const Uuid& attempt, ByteView header) {
+  ENAMEL_RETURN_IF_ERROR(gate_.Check());
+  const Status opened = rows_.WriteRow(Writer::Work([&](Db& db, bool& keep_anyway) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(auto ingest, FindIngest(db, attempt, Look::kToDecide));
+    if (ingest.has_header) {
+      ENAMEL_ASSIGN_OR_RETURN(auto stored, HeaderOf(db, attempt));
+      // A station that lost the answer opens again; a ticket used twice brings another header.
+      if (std::ranges::equal(stored, header)) return Status::Ok();
+      keep_anyway = true;
+      ENAMEL_RETURN_IF_ERROR(Contradicted(db, attempt,
+                                          "a header came with another hash, " +
+                                              HashSha256(header).Hex() + ", than the stored " +
+                                              HashSha256(stored).Hex()));
+      return Status(Code::kConflict, "the ticket of attempt " + attempt.Text() +
+                                         " was used for another recording; ask for a new ticket");
+    }
+    if ((ingest.flags & kReturned) != 0) {
+      return Status(
+          Code::kConflict,
+          "the ticket of attempt " + attempt.Text() +
+              " was handed back, so nothing can be recorded with it; ask for a new ticket",
+          "ticket");
+    }
+    {
+      Query q(db, "UPDATE attempts SET header = ?3, head_hash = ?4, state = " +
+                      Sql(AttemptState::kRecording) +
+                      ", trace_bytes = ?5 "
+                      "WHERE tenant = ?1 AND id = ?2");
+      q.Bind(attempt).Bind(header).Bind(HashSha256(header));
+      ENAMEL_RETURN_IF_ERROR(q.Bind(static_cast<int64_t>(header.size())).Run());
+    }
+    return KeepHand(db, attempt, header);
+  }));
+  // So that the first chunk need not wait for a store of keys; it asks again.
+  if (opened.ok()) (void)keys_.KeyOf(attempt);
+  return opened;
+}
+
+Status TicketRows::KeepFacts(const Uuid& attempt, const std::string& facts) {
+  return rows_.Write([&](Db& db) -> Status {
+    Query q(db, "UPDATE attempts SET facts = ?3 WHERE tenant = ?1 AND id = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(facts).Run());
+    if (db.Changes() > 0) return Status::Ok();
+    return Status(Code::kNotFound, "no attempt " + attempt.Text());
+  });
+}
+
+}  // namespace enamel::server

@@ -1,0 +1,104 @@
+#include "server/storage/recordings/trace_rows.h"
+
+#include <bit>
+#include <string>
+#include <vector>
+
+#include "server/storage/attempts/attempt_flags.h"
+#include "server/storage/audit/audit_trail.h"
+#include "server/storage/engine/query.h"
+#include "server/storage/engine/sql_names.h"
+#include "server/storage/recordings/ingest_rows.h"
+
+namespace enamel::server {
+Result<Ingest> FindIngest(Db& db, const Uuid& attempt, Look look) {
+  Query q(
+      db,
+      std::string(
+          "SELECT state, header IS NOT NULL, head_hash, head_state_hash, chunks, ticks, "
+          "trace_blob, "
+          "expired_ms, gap_ticks, ticketed_ms, due_ms, last_chunk_ms, rate_hz, flags, exam FROM "
+          "attempts WHERE tenant = ?1 AND id = ?2") +
+          (look == Look::kToDecide ? db.RowLock() : ""));
+  if (!q.Bind(attempt).Next()) {
+    if (!q.status().ok()) return q.status();
+    return Status(Code::kNotFound,
+                  "no attempt " + attempt.Text() + "; its ticket was not issued here");
+  }
+  Ingest out;
+  out.state = static_cast<AttemptState>(q.Int(0));
+  out.has_header = q.Int(1) != 0;
+  out.head = q.Hash(2);
+  out.head_state_hash = std::bit_cast<uint64_t>(q.Int(3));
+  out.chunks = static_cast<uint32_t>(q.Int(4));
+  out.ticks = static_cast<uint64_t>(q.Int(5));
+  out.trace_blob = q.Hash(6);
+  out.expired = q.Int(7) != 0;
+  out.gap_ticks = static_cast<uint64_t>(q.Int(8));
+  out.ticketed_ms = q.Int(9);
+  out.due_ms = q.Int(10);
+  out.last_chunk_ms = q.Int(11);
+  out.rate_hz = q.Int(12);
+  out.flags = static_cast<uint32_t>(q.Int(13));
+  out.exam = q.Int(14) != 0;
+  return out;
+}
+
+Result<Bytes> HeaderOf(Db& db, const Uuid& attempt) {
+  Query q(db, "SELECT header FROM attempts WHERE tenant = ?1 AND id = ?2");
+  bool found = q.Bind(attempt).Next();
+  if (!q.status().ok()) return q.status();
+  if (!found || q.IsNull(0)) {
+    return Status(Code::kNotFound, "attempt " + attempt.Text() + " has no recording");
+  }
+  return q.Blob(0);
+}
+
+Result<std::vector<Bytes>> ChunksOf(Db& db, const Uuid& attempt) {
+  Query q(db, "SELECT bytes FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2 ORDER BY seq");
+  q.Bind(attempt);
+  std::vector<Bytes> out;
+  while (q.Next()) out.push_back(q.Blob(0));
+  if (!q.status().ok()) return q.status();
+  return out;
+}
+
+Status Expired(const Uuid& attempt) {
+  return Status(Code::kNotFound, "the recording of attempt " + attempt.Text() +
+                                     " was removed by a retention rule; its score stays");
+}
+
+namespace {
+
+// Enough to show what happened; a station that is broken or hostile cannot fill the disk with it.
+constexpr int kMaxEvidence = 16;
+
+}  // namespace
+
+// Counted in the statement that inserts: many connections at once cannot pass the bound.
+Status KeepEvidence(Db& db, const ChunkPut& chunk, ByteView sealed) {
+  Query q(db,
+          "INSERT INTO contradicting_chunks (tenant, attempt, seq, hash, bytes, received_ms) "
+          "SELECT ?1, ?2, ?3, ?4, ?5, ?6 WHERE (SELECT count(*) FROM contradicting_chunks "
+          "WHERE tenant = ?1 AND attempt = ?2) < ?7 ON CONFLICT DO NOTHING");
+  q.Bind(chunk.attempt).Bind(int64_t{chunk.head.seq}).Bind(chunk.hash).Bind(sealed);
+  return q.Bind(chunk.received_ms).Bind(int64_t{kMaxEvidence}).Run();
+}
+
+Status Quarantine(Db& db, const Uuid& attempt, const std::string& problem) {
+  Query q(db, "UPDATE attempts SET state = " + Sql(AttemptState::kQuarantined) +
+                  ", problem = ?3 WHERE tenant = ?1 AND id = ?2");
+  ENAMEL_RETURN_IF_ERROR(q.Bind(attempt).Bind(problem).Run());
+  return WriteAudit(db, Actor{{}, "station link"}, "attempt.quarantine", attempt.Text(), "{}",
+                    JsonOf({{"problem", problem}}));
+}
+
+Status Contradicted(Db& db, const Uuid& attempt, const std::string& problem) {
+  return SetFlags(db, attempt, kContradicted,
+                  problem +
+                      "; one ticket was used for two recordings. The other one is still in "
+                      "its station's spool",
+                  Actor{{}, "station link"});
+}
+
+}  // namespace enamel::server

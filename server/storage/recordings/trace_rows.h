@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/base/bytes.h"
+#include "common/base/result.h"
+#include "common/base/sha256.h"
+#include "common/base/uuid.h"
+#include "server/storage/engine/query.h"
+#include "server/storage/recordings/ingest_rows.h"
+#include "server/training/types.h"
+
+// Private to server/storage/attempts: a recording inside a transaction, while it comes in and after.
+namespace enamel::server {
+
+// The part of an attempt's row that a recording changes.
+struct Ingest {
+  AttemptState state = AttemptState::kTicketed;
+  bool has_header = false;
+  Sha256 head;
+  uint64_t head_state_hash = 0;
+  uint32_t chunks = 0;
+  uint64_t ticks = 0;
+  Sha256 trace_blob;
+  bool expired = false;
+  uint64_t gap_ticks = 0;
+  UnixMs ticketed_ms = 0, due_ms = 0, last_chunk_ms = 0;
+  int64_t rate_hz = 0;
+  uint32_t flags = 0;
+  bool exam = false;
+};
+
+// To look at, or to decide on: then nobody else changes it before the transaction's end.
+enum class Look { kOnly, kToDecide };
+// Errors: kNotFound.
+Result<Ingest> FindIngest(Db& db, const Uuid& attempt, Look look);
+
+// Errors: kNotFound (nothing was recorded).
+Result<Bytes> HeaderOf(Db& db, const Uuid& attempt);
+// In order, as they are kept under the person's key; none once the attempt's blob has them.
+Result<std::vector<Bytes>> ChunksOf(Db& db, const Uuid& attempt);
+// kNotFound: a retention rule removed it.
+Status Expired(const Uuid& attempt);
+
+// A chunk that contradicts what is committed is kept beside it. `sealed`: under the person's key.
+Status KeepEvidence(Db& db, const ChunkPut& chunk, ByteView sealed);
+Status Quarantine(Db& db, const Uuid& attempt, const std::string& problem);
+// What a second recording made with the same ticket leaves: a copy of a station's folder can use its
+// tickets once more. Which of the two came first says nothing, so neither is taken for the right one:
+// the attempt is flagged, what is committed stays, and the reason names the other.
+Status Contradicted(Db& db, const Uuid& attempt, const std::string& problem);
+
+}  // namespace enamel::server

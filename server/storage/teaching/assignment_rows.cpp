@@ -1,0 +1,377 @@
+#include "server/storage/teaching/assignment_rows.h"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "server/storage/audit/audit_trail.h"
+#include "server/storage/engine/query.h"
+#include "server/storage/engine/row_checks.h"
+#include "server/storage/engine/sql_names.h"
+#include "server/storage/teaching/exercise_rows.h"
+#include "server/training/ticket_rules.h"
+
+// Assignments: exercises for cohorts, with dates, limits and exams.
+namespace enamel::server {
+namespace {
+
+#define ENAMEL_ASSIGNMENT_COLUMNS                                                         \
+  "a.id, a.exercise_name, a.cohort, coalesce(c.name, ''), a.opens_ms, a.due_ms, "         \
+  "a.attempt_limit, a.exam, a.late_allowed, a.revision, a.created_ms, a.hands, "          \
+  "a.exercise, coalesce(v.version, 0), coalesce(v.title, ''), coalesce(v.state, 3) = 3, " \
+  "a.counting, coalesce(v.graded, 0)"
+#define ENAMEL_ASSIGNMENTS                                                                  \
+  "assignments a LEFT JOIN cohorts c ON c.tenant = a.tenant AND c.id = a.cohort LEFT JOIN " \
+  "exercises v ON v.tenant = a.tenant AND v.id = a.exercise"
+constexpr int kAssignmentColumns = 18;
+
+AssignmentRow AssignmentOf(const Query& q) {
+  AssignmentRow out;
+  out.id = q.Id(0);
+  out.exercise = q.Text(1);
+  out.cohort = q.Id(2);
+  out.cohort_name = q.Text(3);
+  out.opens_ms = q.Int(4);
+  out.due_ms = q.Int(5);
+  out.attempt_limit = static_cast<uint32_t>(q.Int(6));
+  out.exam = q.Int(7) != 0;
+  out.late_allowed = q.Int(8) != 0;
+  out.revision = static_cast<int32_t>(q.Int(9));
+  out.created_ms = q.Int(10);
+  out.hands = static_cast<HandsAllowed>(q.Int(11));
+  out.version_id = q.Id(12);
+  out.version = static_cast<int32_t>(q.Int(13));
+  out.title = q.Text(14);
+  out.retired = q.Int(15) != 0;
+  out.counting = CountingFromName(q.Text(16)).value_or(Counting::kBest);
+  out.graded = q.Int(17) != 0;
+  return out;
+}
+
+// Of an exam; none: it may be taken at any station.
+Status AddStations(Db& db, AssignmentRow& row) {
+  Query q(db,
+          "SELECT station FROM assignment_stations WHERE tenant = ?1 AND assignment = ?2 ORDER BY "
+          "station");
+  q.Bind(row.id);
+  while (q.Next()) row.stations.push_back(q.Id(0));
+  return q.status();
+}
+
+}  // namespace
+
+Result<AssignmentRow> FindAssignment(Db& db, const Uuid& id) {
+  AssignmentRow out;
+  {
+    Query q(db, "SELECT " ENAMEL_ASSIGNMENT_COLUMNS " FROM " ENAMEL_ASSIGNMENTS
+                " WHERE a.tenant = ?1 AND a.id = ?2");
+    if (!q.Bind(id).Next()) {
+      if (!q.status().ok()) return q.status();
+      return Status(Code::kNotFound, "no assignment " + id.Text());
+    }
+    out = AssignmentOf(q);
+  }
+  ENAMEL_RETURN_IF_ERROR(AddStations(db, out));
+  return out;
+}
+
+namespace {
+
+// All of the terms: the audit trail must show what an exam was held under.
+std::string TermsJson(const AssignmentRow& row) {
+  std::string stations;
+  for (const Uuid& station : row.stations)
+    stations += (stations.empty() ? "" : " ") + station.Text();
+  return JsonOf({{"exercise", row.exercise},
+                 {"version", std::to_string(row.version)},
+                 {"counting", CountingName(row.counting)},
+                 {"cohort", row.cohort.Text()},
+                 {"opens_ms", std::to_string(row.opens_ms)},
+                 {"due_ms", std::to_string(row.due_ms)},
+                 {"attempt_limit", std::to_string(row.attempt_limit)},
+                 {"exam", row.exam ? "yes" : "no"},
+                 {"late_allowed", row.late_allowed ? "yes" : "no"},
+                 {"stations", stations},
+                 {"hands", HandsAllowedName(row.hands)}});
+}
+
+Result<bool> Exists(Query& q) {
+  bool found = q.Next();
+  if (!q.status().ok()) return q.status();
+  return found;
+}
+
+// The row becomes one of what is offered now.
+Status TakeNewestVersion(Db& db, AssignmentRow& row) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto offered, OfferedVersion(db, row.exercise));
+  if (!offered) {
+    return Status(Code::kInvalidInput,
+                  "expected the name of a published exercise, found \"" + row.exercise + "\"",
+                  "exercise");
+  }
+  row.version_id = offered->id;
+  row.version = offered->version;
+  return Status::Ok();
+}
+
+Status CohortMustBeKnown(Db& db, const AssignmentRow& row) {
+  if (row.cohort.IsZero()) return Status::Ok();
+  Query cohort(db, "SELECT 1 FROM cohorts WHERE tenant = ?1 AND id = ?2");
+  auto known = Exists(cohort.Bind(row.cohort));
+  if (!known.ok()) return known.status();
+  if (*known) return Status::Ok();
+  return Status(Code::kNotFound, "no cohort " + row.cohort.Text(), "cohort_id");
+}
+
+Status PutStations(Db& db, const AssignmentRow& row) {
+  {
+    Query q(db, "DELETE FROM assignment_stations WHERE tenant = ?1 AND assignment = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(row.id).Run());
+  }
+  for (const Uuid& station : row.stations) {
+    Query q(db,
+            "INSERT INTO assignment_stations (tenant, assignment, station) "
+            "SELECT ?1, ?2, id FROM stations WHERE tenant = ?1 AND id = ?3 AND revoked = 0 "
+            "ON CONFLICT DO NOTHING");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(row.id).Bind(station).Run());
+    // Nothing changes too where the list names a station twice.
+    if (db.Changes() == 0 && std::ranges::count(row.stations, station) < 2) {
+      return Status(Code::kNotFound,
+                    "no admitted station " + station.Text() + "; revoked ones take no exams",
+                    "station_ids");
+    }
+  }
+  return Status::Ok();
+}
+
+// A ticket that was handed back has left nothing to release.
+Status NoAttemptMustDependOn(Db& db, const Uuid& assignment) {
+  Query q(db, "SELECT count(*) FROM attempts WHERE tenant = ?1 AND assignment = ?2 AND flags & " +
+                  Sql(kReturned) + " = 0");
+  int64_t attempts = q.Bind(assignment).Next() ? q.Int(0) : 0;
+  ENAMEL_RETURN_IF_ERROR(q.status());
+  if (attempts == 0) return Status::Ok();
+  return Status(Code::kConflict,
+                std::to_string(attempts) + (attempts == 1 ? " attempt was" : " attempts were") +
+                    " made under this assignment, and their scores are released through it; to "
+                    "end it, let it be due now",
+                "attempts");
+}
+
+Status InsertAssignment(Db& db, const AssignmentRow& row) {
+  {
+    Query q(db,
+            "INSERT INTO assignments (tenant, id, exercise_name, cohort, opens_ms, due_ms, "
+            "attempt_limit, exam, late_allowed, revision, created_ms, hands, exercise, counting) "
+            "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14) "
+            "ON CONFLICT (tenant, id) DO UPDATE SET exercise_name = excluded.exercise_name, cohort "
+            "= excluded.cohort, opens_ms = excluded.opens_ms, due_ms = excluded.due_ms, "
+            "attempt_limit = excluded.attempt_limit, exam = excluded.exam, late_allowed = "
+            "excluded.late_allowed, revision = excluded.revision, hands = excluded.hands, exercise "
+            "= excluded.exercise, counting = excluded.counting");
+    q.Bind(row.id).Bind(row.exercise).Bind(row.cohort).Bind(row.opens_ms).Bind(row.due_ms);
+    q.Bind(int64_t{row.attempt_limit}).Bind(int64_t{row.exam}).Bind(int64_t{row.late_allowed});
+    q.Bind(int64_t{row.revision}).Bind(row.created_ms).Bind(static_cast<int64_t>(row.hands));
+    ENAMEL_RETURN_IF_ERROR(
+        q.Bind(row.version_id).Bind(std::string(CountingName(row.counting))).Run());
+  }
+  return PutStations(db, row);
+}
+
+Result<std::vector<AssignmentRow>> WithStations(Db& db, std::vector<AssignmentRow> rows) {
+  for (AssignmentRow& row : rows) ENAMEL_RETURN_IF_ERROR(AddStations(db, row));
+  return rows;
+}
+
+}  // namespace
+
+Status NoteAssignment(Db& db, const Uuid& id, const Actor& by) {
+  ENAMEL_ASSIGN_OR_RETURN(const auto row, FindAssignment(db, id));
+  return WriteAudit(db, by, "assignment.add", id.Text(), "{}", TermsJson(row));
+}
+
+Result<AssignmentRow> AssignmentRows::AddAssignment(const AssignmentRow& assignment,
+                                                    const Actor& by) {
+  AssignmentRow row = assignment;
+  row.id = Uuid::New();
+  row.revision = 1;
+  row.created_ms = NowMs();
+  Status status = rows_.Write([&](Db& db) -> Status {
+    ENAMEL_RETURN_IF_ERROR(TakeNewestVersion(db, row));
+    ENAMEL_RETURN_IF_ERROR(CohortMustBeKnown(db, row));
+    ENAMEL_RETURN_IF_ERROR(InsertAssignment(db, row));
+    return WriteAudit(db, by, "assignment.add", row.id.Text(), "{}", TermsJson(row));
+  });
+  if (!status.ok()) return status;
+  return AssignmentById(row.id);
+}
+
+Result<AssignmentRow> AssignmentRows::ReplaceAssignment(const AssignmentRow& assignment,
+                                                        const Actor& by) {
+  Status status = rows_.Write([&](Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(auto stored, FindAssignment(db, assignment.id));
+    ENAMEL_RETURN_IF_ERROR(MustBeRevision(stored.revision, assignment.revision));
+    AssignmentRow row = assignment;
+    row.version_id = stored.version_id;
+    row.version = stored.version;
+    // Other terms are no other work: the version stays.
+    if (row.exercise != stored.exercise) ENAMEL_RETURN_IF_ERROR(TakeNewestVersion(db, row));
+    ENAMEL_RETURN_IF_ERROR(CohortMustBeKnown(db, row));
+    ++row.revision;
+    ENAMEL_RETURN_IF_ERROR(InsertAssignment(db, row));
+    return WriteAudit(db, by, "assignment.edit", row.id.Text(), TermsJson(stored), TermsJson(row));
+  });
+  if (!status.ok()) return status;
+  return AssignmentById(assignment.id);
+}
+
+Result<AssignmentMove> AssignmentRows::MoveAssignment(const Uuid& id, const Uuid& version,
+                                                      int32_t revision, bool look_only,
+                                                      const Actor& by) {
+  AssignmentMove move;
+  auto find = [&](Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(move.before, FindAssignment(db, id));
+    auto to = FindExercise(db, version);
+    if (!to.ok() && to.status().code() != Code::kNotFound) return to.status();
+    if (!to.ok() || to->name != move.before.exercise || to->state != ExerciseState::kPublished) {
+      return Status(Code::kInvalidInput,
+                    "expected a published version of \"" + move.before.exercise + "\", found " +
+                        version.Text(),
+                    "exercise_id");
+    }
+    ENAMEL_RETURN_IF_ERROR(NoExamMustBeOpen(db, move.before.exercise, id));
+    move.after = move.before;
+    move.after.version_id = to->id;
+    move.after.version = to->version;
+    move.after.title = to->title;
+    move.after.graded = to->graded;
+    move.after.retired = false;
+    Query q(db,
+            "SELECT count(*), coalesce(sum(CASE WHEN state = " + Sql(AttemptState::kTicketed) +
+                " THEN 1 ELSE 0 END), 0) FROM attempts WHERE tenant = ?1 AND assignment = ?2 AND "
+                "exercise <> ?3 AND flags & " +
+                Sql(kReturned) + " = 0");
+    q.Bind(id).Bind(version).Next();
+    ENAMEL_RETURN_IF_ERROR(q.status());
+    move.attempts = static_cast<uint32_t>(q.Int(0));
+    move.tickets = static_cast<uint32_t>(q.Int(1));
+    return Status::Ok();
+  };
+  if (look_only) {
+    return rows_.Read([&](Db& db) -> Result<AssignmentMove> {
+      ENAMEL_RETURN_IF_ERROR(find(db));
+      return move;
+    });
+  }
+  Status status = rows_.Write([&](Db& db) -> Status {
+    ENAMEL_RETURN_IF_ERROR(find(db));
+    ENAMEL_RETURN_IF_ERROR(MustBeRevision(move.before.revision, revision));
+    if (move.after.version_id == move.before.version_id) return Status::Ok();
+    ++move.after.revision;
+    Query q(db,
+            "UPDATE assignments SET exercise = ?3, revision = ?4 WHERE tenant = ?1 AND id = ?2");
+    q.Bind(id).Bind(move.after.version_id).Bind(int64_t{move.after.revision});
+    ENAMEL_RETURN_IF_ERROR(q.Run());
+    return WriteAudit(db, by, "assignment.move", id.Text(), TermsJson(move.before),
+                      TermsJson(move.after));
+  });
+  if (!status.ok()) return status;
+  return move;
+}
+
+Status AssignmentRows::DeleteAssignment(const Uuid& id, int32_t revision, const Actor& by) {
+  return rows_.Write([&](Db& db) -> Status {
+    ENAMEL_ASSIGN_OR_RETURN(auto stored, FindAssignment(db, id));
+    ENAMEL_RETURN_IF_ERROR(MustBeRevision(stored.revision, revision));
+    ENAMEL_RETURN_IF_ERROR(NoAttemptMustDependOn(db, id));
+    Query q(db, "DELETE FROM assignments WHERE tenant = ?1 AND id = ?2");
+    ENAMEL_RETURN_IF_ERROR(q.Bind(id).Run());
+    return WriteAudit(db, by, "assignment.delete", id.Text(), TermsJson(stored), "{}");
+  });
+}
+
+Result<AssignmentRow> AssignmentRows::AssignmentById(const Uuid& id) {
+  return rows_.Read([&](Db& db) { return FindAssignment(db, id); });
+}
+
+Result<std::vector<AssignmentRow>> AssignmentRows::Assignments(const AssignmentFilter& filter) {
+  return rows_.Read([&](Db& db) -> Result<std::vector<AssignmentRow>> {
+    std::vector<AssignmentRow> out;
+    {
+      // A zero id stands for no filter.
+      Query q(db, "SELECT " ENAMEL_ASSIGNMENT_COLUMNS " FROM " ENAMEL_ASSIGNMENTS
+                  " WHERE a.tenant = ?1 AND (a.cohort = ?2 OR ?2 = ?4) AND (?3 = ?4 OR a.cohort = "
+                  "?4 OR a.cohort IN (SELECT m.cohort FROM "
+                  "cohort_members m WHERE m.tenant = ?1 AND m.person = ?3)) "
+                  "ORDER BY a.due_ms = 0, a.due_ms, a.id");
+      q.Bind(filter.cohort.value_or(Uuid{})).Bind(filter.of_instructor.value_or(Uuid{}));
+      q.Bind(Uuid{});
+      while (q.Next()) out.push_back(AssignmentOf(q));
+      if (!q.status().ok()) return q.status();
+    }
+    return WithStations(db, std::move(out));
+  });
+}
+
+Result<std::vector<AssignedRow>> AssignmentRows::AssignmentsFor(const Uuid& person) {
+  return rows_.Read([&](Db& db) -> Result<std::vector<AssignedRow>> {
+    std::vector<AssignedRow> out;
+    {
+      Query q(db,
+              "SELECT " ENAMEL_ASSIGNMENT_COLUMNS
+              ", (SELECT count(*) FROM attempts t WHERE t.tenant = ?1 AND t.assignment = a.id "
+              "AND t.person = ?2 AND t.flags & " +
+                  Sql(kExcused | kReturned) +
+                  " = 0), " ENAMEL_EXERCISE_COLUMNS " FROM " ENAMEL_ASSIGNMENTS
+                  " JOIN exercises e ON e.tenant = a.tenant AND e.id = a.exercise AND e.state <> " +
+                  Sql(ExerciseState::kDraft) +
+                  " " ENAMEL_EXERCISE_OWNERS
+                  "WHERE a.tenant = ?1 AND (a.cohort = "
+                  "?3 OR a.cohort IN (SELECT m.cohort FROM cohort_members m JOIN cohorts c ON "
+                  "c.tenant = m.tenant AND c.id = m.cohort AND c.archived_ms = 0 WHERE m.tenant "
+                  "= ?1 AND m.person = ?2)) ORDER BY a.exam DESC, a.due_ms = 0, a.due_ms, "
+                  "a.exercise_name, a.id");
+      q.Bind(person).Bind(Uuid{});
+      while (q.Next()) {
+        out.push_back(AssignedRow{AssignmentOf(q), ExerciseOf(q, kAssignmentColumns + 1),
+                                  static_cast<uint32_t>(q.Int(kAssignmentColumns))});
+      }
+      if (!q.status().ok()) return q.status();
+    }
+    for (AssignedRow& row : out) ENAMEL_RETURN_IF_ERROR(AddStations(db, row.assignment));
+    return out;
+  });
+}
+
+// A limit or another exam is looked at where the attempt is made: two stations at once cannot both
+// have the last one. A ticket that ran out with nothing begun is no exam under way.
+Status MayBeIssued(Db& db, const AttemptRow& row) {
+  if (!row.assignment || (row.flags & kReadmitted) != 0) return Status::Ok();
+  Query q(
+      db,
+      "SELECT (SELECT attempt_limit FROM assignments WHERE tenant = ?1 AND id = ?2), (SELECT "
+      "count(*) FROM attempts WHERE tenant = ?1 AND assignment = ?2 AND person = ?3 AND flags & " +
+          Sql(kExcused | kReturned) +
+          " = 0), (SELECT id FROM attempts WHERE tenant = ?1 AND person = ?3 AND exam = 1 AND "
+          "(state = " +
+          Sql(AttemptState::kRecording) + " OR (state = " + Sql(AttemptState::kTicketed) +
+          " AND ticketed_ms >= ?4)) AND flags & " + Sql(kExcused | kReturned) + " = 0 LIMIT 1)");
+  q.Bind(*row.assignment).Bind(row.person).Bind(row.ticketed_ms - kExamTicketValidMs).Next();
+  ENAMEL_RETURN_IF_ERROR(q.status());
+  int64_t limit = q.Int(0), used = q.Int(1);
+  if (limit > 0 && used >= limit) {
+    return Status(Code::kForbidden,
+                  "the attempt limit of " + std::to_string(limit) +
+                      " is used up; an instructor can excuse an attempt so that it does not count",
+                  "attempt_limit");
+  }
+  if (row.exam && !q.IsNull(2)) {
+    return Status(Code::kForbidden,
+                  "exam attempt " + q.Id(2).Text() +
+                      " is not finished; finish it, or ask an instructor to excuse it",
+                  "exam");
+  }
+  return Status::Ok();
+}
+
+}  // namespace enamel::server

@@ -1,0 +1,82 @@
+#include "server/storage/teaching/rubric_rows.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/storage/audit/audit_trail.h"
+#include "server/storage/engine/query.h"
+#include "server/storage/teaching/exercise_rows.h"
+#include "server/training/revision.h"
+
+// Corrections of the rubrics of published exercises.
+namespace enamel::server {
+namespace {
+
+Result<std::vector<RubricRow>> FindRubrics(Db& db, const Uuid& exercise) {
+  Query q(db,
+          "SELECT exercise, version, content, reason, published_ms FROM rubrics WHERE tenant = ?1 "
+          "AND exercise = ?2 ORDER BY version DESC");
+  q.Bind(exercise);
+  std::vector<RubricRow> out;
+  while (q.Next()) {
+    out.push_back({q.Id(0), static_cast<int32_t>(q.Int(1)), q.Hash(2), q.Text(3), q.Int(4)});
+  }
+  if (!q.status().ok()) return q.status();
+  return out;
+}
+
+std::string RubricJson(const RubricRow& row) {
+  return JsonOf({{"version", std::to_string(row.version)},
+                 {"content", row.content.Hex()},
+                 {"reason", row.reason}});
+}
+
+}  // namespace
+
+// The newest counts; none: the rubric in the exercise itself.
+Result<std::optional<RubricRow>> RubricRows::RubricFor(const Uuid& exercise) {
+  ENAMEL_ASSIGN_OR_RETURN(auto rows, Rubrics(exercise));
+  return rows.empty() ? std::optional<RubricRow>() : rows.front();
+}
+
+Result<std::vector<RubricRow>> RubricRows::Rubrics(const Uuid& exercise) {
+  return rows_.Read([&](Db& db) { return FindRubrics(db, exercise); });
+}
+
+Result<RubricRow> RubricRows::PublishRubric(const RubricRow& row, const Actor& by) {
+  if (!blobs_.Has(row.content)) {
+    return Status(Code::kNotFound, "the rubric is not stored; put its blob first");
+  }
+  RubricRow added;
+  Status status = rows_.Write([&](Db& db) -> Status {
+    added = row;
+    added.published_ms = NowMs();
+    ENAMEL_ASSIGN_OR_RETURN(auto exercise, FindExercise(db, row.exercise));
+    // A draft has no scores that a correction could change.
+    if (exercise.state == ExerciseState::kDraft) {
+      return Status(Code::kConflict, "this exercise is a draft; edit the rubric in it");
+    }
+    ENAMEL_ASSIGN_OR_RETURN(auto earlier, FindRubrics(db, row.exercise));
+    if (!earlier.empty() && earlier.front().content == row.content) {
+      return Status(Code::kConflict, "the rubric that counts says the same already");
+    }
+    if (!earlier.empty() && row.version != earlier.front().version + 1) {
+      return Status(Code::kConflict,
+                    "somebody else corrected this rubric meanwhile (version " +
+                        std::to_string(earlier.front().version) + "); look at it and try again",
+                    std::string(kStale));
+    }
+    Query q(db,
+            "INSERT INTO rubrics (tenant, exercise, version, content, reason, published_ms) VALUES "
+            "(?1, ?2, ?3, ?4, ?5, ?6)");
+    q.Bind(added.exercise).Bind(int64_t{added.version}).Bind(added.content);
+    ENAMEL_RETURN_IF_ERROR(q.Bind(added.reason).Bind(added.published_ms).Run());
+    return WriteAudit(db, by, "exercise.rubric", row.exercise.Text(),
+                      earlier.empty() ? "{}" : RubricJson(earlier.front()), RubricJson(added));
+  });
+  if (!status.ok()) return status;
+  return added;
+}
+
+}  // namespace enamel::server

@@ -1,0 +1,51 @@
+#include "server/storage/teaching/scene_rows.h"
+
+#include <vector>
+
+#include "server/storage/audit/audit_trail.h"
+#include "server/storage/engine/query.h"
+
+// Scenes.
+namespace enamel::server {
+Status SceneRows::PutScene(const SceneRow& row, const Actor& by) {
+  // What a row names must be there; see profiles.cpp.
+  if (!blobs_.Has(row.content) || !blobs_.Has(row.volume)) {
+    return Status(Code::kNotFound,
+                  "the scene's document or volume is not stored; put both blobs first");
+  }
+  return rows_.Write([&](Db& db) -> Status {
+    Query q(db,
+            "INSERT INTO scenes (tenant, name, title, content, volume) VALUES (?1, ?2, ?3, ?4, ?5) "
+            "ON CONFLICT DO NOTHING");
+    ENAMEL_RETURN_IF_ERROR(
+        q.Bind(row.name).Bind(row.title).Bind(row.content).Bind(row.volume).Run());
+    // A scene is named by its content: the same again is the one that is there.
+    if (db.Changes() == 0) return Status::Ok();
+    return WriteAudit(db, by, "scene.put", row.name, "{}",
+                      JsonOf({{"content", row.content.Hex()}}));
+  });
+}
+
+Result<std::vector<SceneRow>> SceneRows::Scenes() {
+  return rows_.Read([&](Db& db) -> Result<std::vector<SceneRow>> {
+    Query q(
+        db,
+        "SELECT name, title, content, volume, surface FROM scenes WHERE tenant = ?1 ORDER BY name");
+    std::vector<SceneRow> out;
+    while (q.Next()) {
+      out.push_back(SceneRow{q.Text(0), q.Text(1), q.Hash(2), q.Hash(3), q.Hash(4)});
+    }
+    if (!q.status().ok()) return q.status();
+    return out;
+  });
+}
+
+// Follows from the volume alone: nothing that somebody did, so no audit row.
+Status SceneRows::PutSceneSurface(const Sha256& volume, const Sha256& surface) {
+  return rows_.Write([&](Db& db) -> Status {
+    Query q(db, "UPDATE scenes SET surface = ?3 WHERE tenant = ?1 AND volume = ?2");
+    return q.Bind(volume).Bind(surface).Run();
+  });
+}
+
+}  // namespace enamel::server

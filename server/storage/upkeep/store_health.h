@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <utility>
+
+#include "common/base/result.h"
+#include "common/sql/db.h"
+#include "server/storage/blobs/blobs.h"
+#include "server/storage/engine/database_look.h"
+#include "server/storage/engine/recording_gate.h"
+#include "server/storage/engine/rewrite.h"
+#include "server/storage/engine/transactions.h"
+#include "server/storage/folder/space_guard.h"
+#include "server/storage/keys/keyring.h"
+#include "server/storage/recordings/ingest_counters.h"
+
+namespace enamel::server {
+
+// How the store does. Counters are since it was opened.
+struct StoreHealth {
+  bool takes_recordings = true;
+  std::string problem;  // why not, and what to do; names no path
+  std::string waiting;  // why changes take longer than usual at the moment; empty: they do not
+  uint64_t free_bytes = 0, min_free_bytes = 0, database_bytes = 0, log_bytes = 0;
+  uint64_t commits = 0, writes = 0, failed_commits = 0;
+  double commit_s = 0;  // time spent in commits
+  // Of the newest commits, at most 1000: 99 of 100 took at most so long; 0: none is timed.
+  size_t timed_commits = 0;
+  double commit_p99_s = 0;
+  uint64_t chunks = 0, chunk_bytes = 0, sealed = 0;
+  // How far this machine's clock is ahead of the database's; 0 where they are one.
+  int64_t clock_ahead_ms = 0;
+  std::string clock_problem;  // it is too far off, and what to do; empty: it is not
+  sql::Standby standby = sql::Standby::kNotKept;
+};
+
+// So far a server's clock may be off before it asks load balancers to leave it alone. Its times are the
+// database's all the same; certificates, logs and the requests to an S3 store go by its own.
+inline constexpr int64_t kMostClockOffMs = 5000;
+
+// Says how the store does. Thread safety: any thread.
+class StoreHealthCheck {
+ public:
+  // What it looks at.
+  struct Parts {
+    std::filesystem::path folder;
+    SpaceGuard& space;
+    Transactions& rows;
+    const Rewriter& rewriter;
+    const DatabaseLook& look;
+    RecordingGate& gate;
+    Blobs& blobs;
+    Keyring& keyring;
+    const IngestCounters& counters;
+  };
+  explicit StoreHealthCheck(Parts parts) : parts_(std::move(parts)) {}
+
+  // Never fails: trouble is what it tells.
+  StoreHealth Health();
+  // After a write that failed: writes something small, so that Health knows whether writing works
+  // again. Else nothing.
+  Status TryWrite();
+
+ private:
+  void AddSizes(StoreHealth& out);
+  void AddCommits(StoreHealth& out);
+  void AddClock(StoreHealth& out);
+  std::string Problem();
+  // Why changes take long, or some things cannot be done; empty: neither.
+  std::string Waiting();
+
+  const Parts parts_;
+};
+
+}  // namespace enamel::server

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <optional>
+
+#include "common/sql/db.h"
+#include "common/trace/trace.h"
+#include "server/storage/audit/audit_row.h"
+#include "server/storage/verify/verify.h"
+
+namespace enamel::server {
+
+// Compares the audit trail with its signatures, and everything that people decide about with what
+// the trail's last row about it states (schemas/audit.md). `key`: this server's ticket key; none:
+// signatures are not looked at. `earlier`: where the trail ended in a backup. Adds to the report's
+// findings and counts.
+Status CheckAudit(sql::Db& db, const std::optional<trace::PublicKey>& key,
+                  const std::vector<AuditHead>& earlier, VerifyReport& report,
+                  const UpkeepProgress& progress);
+
+}  // namespace enamel::server

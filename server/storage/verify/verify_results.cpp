@@ -1,0 +1,227 @@
+#include "server/storage/verify/verify_results.h"
+
+#include <map>
+
+#include "server/results/result_document.h"
+#include "server/storage/audit/decisions.h"
+#include "server/storage/engine/query.h"
+#include "server/storage/judging/result_rows.h"
+
+namespace enamel::server {
+namespace {
+
+constexpr char kScoreAgain[] =
+    "have the attempt scored again, which computes it from the recording and signs it; look in the "
+    "audit trail and in a backup for who changed it";
+
+// A run with what the attempt's row says now.
+struct Run {
+  Uuid attempt;
+  int64_t run = 0, newest = 0;
+  UnixMs scored_ms = 0;
+  double score = 0;
+  bool critical_fail = false;
+  Sha256 score_json;
+  std::optional<Uuid> reference;
+  Bytes document;
+
+  // Of the attempt's row.
+  double row_score = 0;
+  bool row_critical_fail = false, expired = false;
+  Sha256 row_score_json, tooth, surface, series, recording, profile, exercise;
+  std::optional<Uuid> row_reference;
+  Bytes header;
+  uint32_t flags = 0;
+};
+
+constexpr char kRuns[] =
+    "SELECT r.attempt, r.run, (SELECT max(n.run) FROM attempt_results n WHERE n.tenant = r.tenant "
+    "AND n.attempt = r.attempt), r.scored_ms, r.score, r.critical_fail, r.score_json, r.reference, "
+    "r.document, a.score, a.critical_fail, a.score_json, a.final_volume, a.surface, a.series, "
+    "a.reference, a.head_hash, a.header, a.profile_content, e.content, a.flags, a.expired_ms "
+    "FROM attempt_results r JOIN attempts a ON a.tenant = r.tenant AND "
+    "a.id = r.attempt JOIN exercises e ON e.tenant = a.tenant AND e.id = a.exercise WHERE "
+    "r.tenant = ?1 ORDER BY r.attempt, r.run";
+
+std::optional<Uuid> OptionalId(const Query& q, int column) {
+  return q.IsNull(column) ? std::nullopt : std::optional(q.Id(column));
+}
+
+Run RunOf(const Query& q) {
+  Run out;
+  out.attempt = q.Id(0);
+  out.run = q.Int(1);
+  out.newest = q.Int(2);
+  out.scored_ms = q.Int(3);
+  out.score = q.Real(4);
+  out.critical_fail = q.Int(5) != 0;
+  out.score_json = q.Hash(6);
+  out.reference = OptionalId(q, 7);
+  out.document = q.Blob(8);
+  out.row_score = q.Real(9);
+  out.row_critical_fail = q.Int(10) != 0;
+  out.row_score_json = q.Hash(11);
+  out.tooth = q.Hash(12);
+  out.surface = q.Hash(13);
+  out.series = q.Hash(14);
+  out.row_reference = OptionalId(q, 15);
+  out.recording = q.Hash(16);
+  out.header = q.Blob(17);
+  out.profile = q.Hash(18);
+  out.exercise = q.Hash(19);
+  out.flags = static_cast<uint32_t>(q.Int(20));
+  out.expired = q.Int(21) != 0;
+  return out;
+}
+
+std::string TextOf(double points) { return std::to_string(points) + " points"; }
+std::string TextOf(bool failed) { return failed ? "failed critically" : "not failed"; }
+std::string TextOf(const Sha256& hash) { return hash.IsZero() ? "none" : hash.Hex(); }
+std::string TextOf(const Uuid& id) { return id.IsZero() ? "none" : id.Text(); }
+std::string TextOf(UnixMs ms) { return std::to_string(ms) + " ms"; }
+
+class RunCheck {
+ public:
+  RunCheck(Db& db, const Run& run, const std::optional<trace::PublicKey>& key, VerifyReport& report)
+      : db_(db), run_(run), key_(key), report_(report) {}
+
+  Status Check() {
+    // The run and the row of the attempt agree, signed or not.
+    if (run_.run == run_.newest) {
+      Same("points of the attempt", run_.score, run_.row_score);
+      Same("critical fail of the attempt", run_.critical_fail, run_.row_critical_fail);
+      Same("score document of the attempt", run_.score_json, run_.row_score_json);
+    }
+    ++report_.results;
+    auto document = DecodeResult(run_.document);
+    if (!document.ok()) {
+      Find("a signed result (schemas/result.md)", document.status().message());
+      return Status::Ok();
+    }
+    if (key_ && document->key != *key_) {
+      Find("a result signed by this server's ticket.key", "one signed by another key");
+      return Status::Ok();
+    }
+    if (!VerifyResult(*document)) {
+      Find("a result as it was signed", "another signature, or a changed document");
+      return Status::Ok();
+    }
+    CheckRow(*document);
+    CheckMadeFrom(*document);
+    if (run_.run == run_.newest) CheckNewest(*document);
+    return CheckReference(*document);
+  }
+
+ private:
+  void Find(const std::string& expected, const std::string& found) {
+    report_.findings.push_back({"result", run_.attempt.Text(),
+                                "run " + std::to_string(run_.run) + ": " + expected, found,
+                                kScoreAgain});
+  }
+
+  template <typename T>
+  void Same(const std::string& what, const T& is_signed, const T& is_there) {
+    if (is_signed != is_there) Find(what + " " + TextOf(is_signed), TextOf(is_there));
+  }
+
+  void CheckRow(const ResultDocument& d) {
+    Same("attempt", d.attempt, run_.attempt);
+    Same("time of scoring", d.scored_ms, run_.scored_ms);
+    Same("points", d.points, run_.score);
+    Same("critical fail", d.critical_fail, run_.critical_fail);
+    Same("score document", d.score_document, run_.score_json);
+  }
+
+  Status CheckReference(const ResultDocument& d) {
+    Query q(db_, "SELECT head_hash, final_volume FROM attempts WHERE tenant = ?1 AND id = ?2");
+    const bool there = q.Bind(d.reference).Next();
+    ENAMEL_RETURN_IF_ERROR(q.status());
+    // One that was removed, with a person or by a retention rule, is named by no row any more.
+    const Uuid named = there ? d.reference : Uuid();
+    Same("reference", named, run_.reference.value_or(Uuid()));
+    if (run_.run == run_.newest) {
+      Same("reference of the attempt", named, run_.row_reference.value_or(Uuid()));
+    }
+    if (!there) return Status::Ok();
+    Same("head of the reference's recording", d.reference_recording, q.Hash(0));
+    if (Sha256 tooth = q.Hash(1); !tooth.IsZero())
+      Same("reference's tooth", d.reference_tooth, tooth);
+    return Status::Ok();
+  }
+
+  void CheckMadeFrom(const ResultDocument& d) {
+    Same("header", d.header, HashSha256(run_.header));
+    Same("head of the recording", d.recording, run_.recording);
+    Same("exercise", d.exercise, run_.exercise);
+    Same("device profile", d.profile, run_.profile);
+    if (auto header = trace::DecodeHeader(run_.header); header.ok()) {
+      Same("exercise of the ticket", d.exercise, header->ticket.exercise);
+      Same("scene", d.scene, header->scene);
+      Same("volume", d.volume, header->volume);
+    }
+    if (uint32_t lost = d.flags & ~run_.flags; lost != 0) {
+      for (const char* name : AttemptFlagNames(lost)) Find("flag " + std::string(name), "no flag");
+    }
+  }
+
+  void CheckNewest(const ResultDocument& d) {
+    if (run_.expired) return;
+    Same("final tooth", d.tooth, run_.tooth);
+    Same("surface", d.surface, run_.surface);
+    Same("curves over time", d.series, run_.series);
+  }
+
+  Db& db_;
+  const Run& run_;
+  const std::optional<trace::PublicKey>& key_;
+  VerifyReport& report_;
+};
+
+// What the audit trail says was scored last is what is there: who takes a run away, or its
+// document, leaves a row that names it.
+Status CheckTrail(Db& db, const Run& run, VerifyReport& report) {
+  Query q(db,
+          "SELECT after_json FROM audit WHERE tenant = ?1 AND object = ?2 AND action IN (?3, ?4) "
+          "ORDER BY id DESC LIMIT 1");
+  q.Bind(run.attempt.Text()).Bind(std::string(kAuditScore)).Bind(std::string(kAuditRestore));
+  const std::string told = q.Next() ? q.Text(0) : "{}";
+  ENAMEL_RETURN_IF_ERROR(q.status());
+  ENAMEL_ASSIGN_OR_RETURN(const auto now,
+                          ScoredJson(db, run.attempt, run.score_json, run.document));
+  std::map<std::string, std::string> stated = ColumnsOf(told), present = ColumnsOf(now);
+  // A retention rule takes the motion with the recording.
+  if (run.expired && present["motion"].empty()) stated.erase("motion"), present.erase("motion");
+  if (stated != present) {
+    report.findings.push_back({"result", run.attempt.Text(),
+                               "the newest run that the audit trail names: " + told, now,
+                               kScoreAgain});
+  }
+  return Status::Ok();
+}
+
+// Scored, and no run says how.
+Status CheckUnexplained(Db& db, VerifyReport& report) {
+  Query q(db,
+          "SELECT a.id FROM attempts a WHERE a.tenant = ?1 AND a.score IS NOT NULL AND NOT EXISTS "
+          "(SELECT 1 FROM attempt_results r WHERE r.tenant = a.tenant AND r.attempt = a.id)");
+  while (q.Next()) {
+    report.findings.push_back(
+        {"result", q.Id(0).Text(), "a scoring run that gave its score", "no run", kScoreAgain});
+  }
+  return q.status();
+}
+
+}  // namespace
+
+Status CheckResults(Db& db, const std::optional<trace::PublicKey>& key, VerifyReport& report) {
+  Query q(db, kRuns);
+  while (q.Next()) {
+    Run run = RunOf(q);
+    ENAMEL_RETURN_IF_ERROR(RunCheck(db, run, key, report).Check());
+    if (run.run == run.newest) ENAMEL_RETURN_IF_ERROR(CheckTrail(db, run, report));
+  }
+  ENAMEL_RETURN_IF_ERROR(q.status());
+  return CheckUnexplained(db, report);
+}
+
+}  // namespace enamel::server
