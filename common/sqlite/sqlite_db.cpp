@@ -132,8 +132,10 @@ void SqliteDb::SetBusyWait(std::chrono::milliseconds wait, std::function<bool()>
 bool SqliteDb::WaitOn(bool first) {
   const auto now = std::chrono::steady_clock::now();
   if (first) busy_since_ = counted_since_ = now;
+  const bool waited = waits_;
   waits_ = worth_it_ && now - busy_since_ < kMostWait && worth_it_();
-  if (waits_) counted_since_ = now;
+  // Whoever waited for what was worth it then still has all of the usual patience.
+  if (waits_ || waited) counted_since_ = now;
   if (stopped_ || now - counted_since_ >= busy_wait_) return false;
   std::this_thread::sleep_for(first ? kFirstLook : kNextLook);
   return true;

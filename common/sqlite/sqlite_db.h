@@ -98,7 +98,7 @@ class SqliteDb final : public Db {
   const std::string& path() const { return path_; }
   size_t kept_statements() const { return statements_.size(); }
 
-  // `worth_it` counts up to kMostWait.
+  // While `worth_it` says so, up to kMostWait, a wait does not count.
   void SetBusyWait(std::chrono::milliseconds wait, std::function<bool()> worth_it = {}) override;
   bool waits() const override { return waits_; }
   // What Rewrite is at ends with kInterrupted or kUnavailable: at once, but for the last step of

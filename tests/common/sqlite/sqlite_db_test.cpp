@@ -161,6 +161,22 @@ TEST_F(SqliteDbTest, FailuresAreToldByTheirKind) {
   EXPECT_EQ(reader->failure().kind, Kind::kNotWritable);
 }
 
+// Between two looks more time goes by than the whole patience.
+TEST_F(SqliteDbTest, PatienceStartsWhenWhatWasWorthWaitingForEnds) {
+  auto db = Open();
+  auto other = Open();
+  ASSERT_TRUE(other->Begin(Isolation::kSerial).ok());
+  int looks = 0;
+  db->SetBusyWait(std::chrono::milliseconds(1), [&] {
+    if (++looks < 4) return true;
+    other->Rollback();
+    return false;
+  });
+  EXPECT_TRUE(db->Begin(Isolation::kSerial).ok());
+  EXPECT_EQ(looks, 4);
+  EXPECT_FALSE(db->waits());
+}
+
 TEST_F(SqliteDbTest, OnlyCreateMakesAFileThatIsNotThere) {
   for (Mode mode : {Mode::kExisting, Mode::kReadOnly}) {
     EXPECT_FALSE(TryOpen(mode).ok());
