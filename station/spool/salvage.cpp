@@ -47,6 +47,12 @@ Result<std::unique_ptr<sql::SqliteDb>> OpenAsItIs(const fs::path& file) {
   return db;
 }
 
+// Its spools have a version and no mark. Any other mark is damage.
+bool IsOfAnEarlierEnamel(sql::Db& db) {
+  sql::Query mark(db, "PRAGMA application_id"), version(db, "PRAGMA user_version");
+  return mark.Next() && mark.Int(0) == 0 && version.Next() && version.Int(0) > 0;
+}
+
 // Replaces the first `bytes` of a file by those of a new spool, except for the count of pages.
 // SQLite reads from page 1 where every table begins. All spools have their tables at the same
 // pages, as none is ever moved (schemas/sql/station_spool/0001_initial.sql), so a new one's page 1
@@ -84,6 +90,9 @@ Result<std::unique_ptr<sql::SqliteDb>> OpenDamaged(const fs::path& from, const f
     }
     if (fresh > 0 && !GiveFreshStart(file, scratch, fresh)) break;
     auto opened = OpenAsItIs(file);
+    if (opened.ok() && fresh == 0 && IsOfAnEarlierEnamel(**opened)) {
+      return NotOurs(from / kSpoolFile);
+    }
     if (opened.ok()) return opened;
     why = opened.status();
   }
@@ -117,15 +126,13 @@ Places ChunkPlaces(sql::Db& db) {
 
 struct FoundChunk {
   Bytes bytes;
-  std::optional<int64_t> spooled_unix_ms;
+  int64_t spooled_unix_ms = 0;
 };
 
 // By index first, which is fast; if that is damaged, at the position found by the scan.
 std::optional<FoundChunk> ChunkOf(sql::Db& db, const Places& places, const Uuid& id, uint32_t seq) {
   auto found = [](const sql::Query& s) {
-    FoundChunk out{s.Blob("bytes"), {}};
-    if (!s.IsNull("spooled_unix_ms")) out.spooled_unix_ms = s.Int("spooled_unix_ms");
-    return out;
+    return FoundChunk{s.Blob("bytes"), s.Int("spooled_unix_ms")};
   };
   sql::Query by_index(db, "SELECT * FROM chunks WHERE attempt = ? AND seq = ?");
   if (by_index.BindBlob(id.view()).BindInt(seq).Next()) return found(by_index);
@@ -189,8 +196,7 @@ Status TakeOverColumns(const sql::Query& row, const Uuid& id, SpoolFile& to) {
   return Written(s.BindBlob(id.view()), to, "saving an attempt");
 }
 
-// Copies the columns that both tables have. Returns whether the row was inserted. By name, because
-// a damaged spool may be of an earlier version.
+// Copies the columns that both tables have. Returns whether the row was inserted.
 Result<bool> TakeOverRow(const sql::Query& row, SpoolFile& to, const std::string& table) {
   std::lock_guard lock(to.mutex());
   std::string names, places;
@@ -206,15 +212,10 @@ Result<bool> TakeOverRow(const sql::Query& row, SpoolFile& to, const std::string
   return s.status().ok();
 }
 
-Status KeepTime(const Uuid& id, uint32_t seq, const std::optional<int64_t>& spooled_unix_ms,
-                SpoolFile& to) {
+Status KeepTime(const Uuid& id, uint32_t seq, int64_t spooled_unix_ms, SpoolFile& to) {
   std::lock_guard lock(to.mutex());
-  sql::Query s(to.db(),
-               spooled_unix_ms
-                   ? "UPDATE chunks SET spooled_unix_ms = ?3 WHERE attempt = ?1 AND seq = ?2"
-                   : "UPDATE chunks SET spooled_unix_ms = NULL WHERE attempt = ?1 AND seq = ?2");
-  s.BindBlob(id.view()).BindInt(seq);
-  if (spooled_unix_ms) s.BindInt(*spooled_unix_ms);
+  sql::Query s(to.db(), "UPDATE chunks SET spooled_unix_ms = ?3 WHERE attempt = ?1 AND seq = ?2");
+  s.BindBlob(id.view()).BindInt(seq).BindInt(spooled_unix_ms);
   return Written(s, to, "saving a chunk's time");
 }
 

@@ -383,7 +383,7 @@ Result<Silence> Spool::SilenceOf(const Uuid& attempt) {
   // failure only makes its measure too short, so the longer one is right.
   const int64_t by_clock_ms = UnixMs() - s.Int(0);
   Silence out{std::max<int64_t>(by_clock_ms, 0), by_clock_ms < -kStepped_ms};
-  if (!s.IsNull(1) && s.Text(1) == now.boot) {
+  if (s.Text(1) == now.boot) {
     const int64_t by_boot_ms = now.ms - s.Int(2);
     out.clock_stepped |= by_boot_ms - by_clock_ms > kStepped_ms;
     out.ms = std::max(out.ms, by_boot_ms);
@@ -397,7 +397,7 @@ Result<std::optional<int64_t>> Spool::LastSpooledUnixMs(const Uuid& attempt) {
                "SELECT spooled_unix_ms FROM chunks WHERE attempt = ? ORDER BY seq DESC LIMIT 1");
   const bool there = s.BindBlob(attempt.view()).Next();
   if (!s.status().ok()) return file_->Fail("reading a chunk's time");
-  if (!there || s.IsNull(0)) return std::optional<int64_t>();
+  if (!there) return std::optional<int64_t>();
   return std::optional<int64_t>(s.Int(0));
 }
 

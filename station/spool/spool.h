@@ -103,7 +103,7 @@ class RecordingLock {
 // safety: any thread; calls wait for each other. Real-time: never. One process records at a time
 // (LockForRecording); others may read, and mark chunks as committed. Errors: kStorage (disk full,
 // not writable, damaged: the message says which and what to do; field kDamagedSpool), kVersion
-// (made by a newer program), kConflict (contradicts stored data), kNotFound.
+// (made by another version), kConflict (contradicts stored data), kNotFound.
 class Spool {
  public:
   // Opens `folder`/spool.sqlite, creating both if needed. Errors also: kStorage with field
@@ -165,7 +165,7 @@ class Spool {
   // The whole recording as one file's content (trace::EncodeTraceFile).
   Result<trace::TraceFile> Export(const Uuid& attempt);
 
-  // When the last chunk became durable here; nothing if there is none, or it is of version 1.
+  // When the last chunk became durable here; nothing if there is none.
   Result<std::optional<int64_t>> LastSpooledUnixMs(const Uuid& attempt);
   // Time since then, or since it was begun: by the clock or by uptime, whichever is longer. A clock
   // that was set back does not shorten it while the machine runs.

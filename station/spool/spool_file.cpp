@@ -20,6 +20,7 @@ using Mode = sql::SqliteDbOptions::Mode;
 
 sql::SqliteDbOptions In(Mode mode) {
   sql::SqliteDbOptions out;
+  out.application_id = kSpoolMark;
   out.mode = mode;
   return out;
 }
@@ -46,6 +47,14 @@ Status Told(const fs::path& spool, const char* doing, const sql::SqliteFailure& 
 }
 
 }  // namespace
+
+Status NotOurs(const fs::path& spool) {
+  return Status(Code::kVersion,
+                "spool " + spool.string() +
+                    " was made by an earlier Enamel, or by another program: this one cannot read "
+                    "it, and changes nothing in it. Upload what it holds with the program that "
+                    "made it. Then move the file away, or choose another folder with --data");
+}
 
 std::string WhatToDoAbout(SpoolTrouble trouble) {
   switch (trouble) {
@@ -168,11 +177,11 @@ Result<std::unique_ptr<SpoolFile>> SpoolFile::Open(const fs::path& folder) {
   return out;
 }
 
-// A file of another program is not a read error.
+// Errors also: kVersion, it is another program's.
 Result<int> SpoolFile::Version() {
   auto version = db_->SchemaVersion();
-  const bool told = version.ok() || version.status().code() == Code::kVersion;
-  return told ? version : Fail("reading its version");
+  if (version.ok()) return version;
+  return version.status().code() == Code::kVersion ? NotOurs(path_) : Fail("reading its version");
 }
 
 // Reads a copy if the file cannot be read in place (its log needs a writable folder, or it is of an

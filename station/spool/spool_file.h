@@ -13,10 +13,14 @@
 namespace enamel::station {
 
 inline constexpr char kSpoolFile[] = "spool.sqlite";
+inline constexpr int32_t kSpoolMark = 0x454e7370;  // PRAGMA application_id: "ENsp"
 
 // In order; the n-th (1-based) leads to version n of the spool. Generated from
 // schemas/sql/station_spool.
 const std::vector<sql::Migration>& SpoolMigrations();
+
+// kVersion: it is no spool of this Enamel, and what to do.
+Status NotOurs(const std::filesystem::path& spool);
 
 // The cause of a failure, to tell people what to do.
 using SpoolTrouble = sql::SqliteFailure::Kind;

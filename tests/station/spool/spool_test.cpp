@@ -66,15 +66,6 @@ class SpoolTest : public testing::Test {
     }
   }
 
-  // The tables of that version's program.
-  static std::string TablesOf(int version) { return GoldenSql(std::to_string(version)); }
-  static std::string GoldenSql(const std::string& name) {
-    std::ifstream in(fs::path(ENAMEL_SOURCE_DIR) / "schemas/golden/sql" /
-                     ("station_spool_" + name + ".sql"));
-    return std::string((std::istreambuf_iterator<char>(in)), {});
-  }
-  static std::string VersionOne() { return TablesOf(1); }
-
   // Changes the file without the program's knowledge.
   void Tamper(const std::string& sql) {
     sqlite3* db = nullptr;
@@ -240,27 +231,13 @@ TEST_F(SpoolTest, WithoutTheRightToWriteBesideItItIsReadInACopyWithItsLog) {
   EXPECT_TRUE((*VerifyRecordings(**reader, keys_.public_key))[0].status.ok());
 }
 
-TEST_F(SpoolTest, OlderSpoolIsReadWithoutBeingChanged) {
-  fs::create_directories(folder_ / "old");
-  sqlite3* db = nullptr;
-  ASSERT_EQ(sqlite3_open((folder_ / "old" / "spool.sqlite").c_str(), &db), SQLITE_OK);
-  const std::string sql = TablesOf(2) + "PRAGMA user_version = 2";
-  ASSERT_EQ(sqlite3_exec(db, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
-  sqlite3_close(db);
-  auto reader = Spool::OpenToRead(folder_ / "old");
+// As a process leaves it that was killed before it had made the tables.
+TEST_F(SpoolTest, ASpoolWithoutTablesIsReadWithoutBeingChanged) {
+  Tamper("PRAGMA journal_mode = WAL; VACUUM");
+  auto reader = Spool::OpenToRead(folder_);
   ASSERT_TRUE(reader.ok()) << reader.status().message();
   EXPECT_TRUE((*reader)->List()->empty());
-  ASSERT_EQ(sqlite3_open((folder_ / "old" / "spool.sqlite").c_str(), &db), SQLITE_OK);
-  int version = 0;
-  sqlite3_exec(
-      db, "PRAGMA user_version",
-      [](void* to, int, char** values, char**) {
-        *static_cast<int*>(to) = std::atoi(values[0]);
-        return 0;
-      },
-      &version, nullptr);
-  sqlite3_close(db);
-  EXPECT_EQ(version, 2);
+  EXPECT_TRUE(AllOf(folder_ / "spool.sqlite", "sqlite_schema").empty());
 }
 
 // Half of the file is destroyed: the affected attempt is named, and the other is whole.
@@ -559,140 +536,6 @@ TEST_F(SpoolTest, HowLoopsWentIsKeptRunByRunAndGoesWithItsAttempt) {
   EXPECT_TRUE(spool->loop_facts().Of(id())->empty());
 }
 
-TEST_F(SpoolTest, SpoolOfVersionOneBecomesOneOfThisVersionWithAllItHad) {
-  {
-    auto spool = Open();
-    ASSERT_TRUE(spool->BeginAttempt(header_, "e", "p").ok());
-    Record(*spool, 1700, true);
-  }
-  // The part that a program of version 1 had written.
-  sqlite3* db = nullptr;
-  ASSERT_EQ(sqlite3_open((folder_ / "spool.sqlite").c_str(), &db), SQLITE_OK);
-  const std::string back =
-      "ALTER TABLE attempts RENAME TO a2; ALTER TABLE chunks RENAME TO c2;" + VersionOne() +
-      "INSERT INTO attempts SELECT id, header, header_sha256, exercise, profile, created_unix_ms,"
-      " seal_chunks, seal_ticks, seal_last_sha256, seal_state_hash, sealed_at_server, refused FROM "
-      "a2;"
-      "INSERT INTO chunks SELECT attempt, seq, sha256, bytes, ticks, gap_ticks,"
-      " CASE WHEN seq < 3 THEN 1000 + seq END FROM c2;"
-      "DROP TABLE c2; DROP TABLE a2; DROP TABLE tickets; DROP TABLE loop_facts; "
-      "PRAGMA user_version = 1";
-  char* error = nullptr;
-  ASSERT_EQ(sqlite3_exec(db, back.c_str(), nullptr, nullptr, &error), SQLITE_OK) << error;
-  sqlite3_close(db);
-  auto spool = Open();
-  auto attempt = spool->Get(id());
-  ASSERT_TRUE(attempt.ok());
-  EXPECT_EQ(attempt->chunks, 4u);
-  EXPECT_EQ(attempt->committed, 3u);
-  EXPECT_EQ(attempt->ticks, 1700u);
-  EXPECT_GT(attempt->bytes, 0u);
-  EXPECT_FALSE(spool->LastSpooledUnixMs(id())->has_value());
-  EXPECT_TRUE((*VerifyRecordings(*spool, keys_.public_key))[0].status.ok());
-  EXPECT_TRUE(spool->tickets().List()->empty());
-}
-
-TEST_F(SpoolTest, MigratedSpoolHasTheColumnsOfANewOne) {
-  auto columns = [](const fs::path& file) {
-    sqlite3* db = nullptr;
-    EXPECT_EQ(sqlite3_open(file.c_str(), &db), SQLITE_OK);
-    std::string out;
-    for (const char* table : {"attempts", "chunks", "tickets", "loop_facts"}) {
-      std::string sql = std::string("PRAGMA table_info(") + table + ")";
-      sqlite3_exec(
-          db, sql.c_str(),
-          [](void* to, int n, char** values, char**) {
-            for (int i = 1; i < n; ++i) {
-              *static_cast<std::string*>(to) += std::string(values[i] ? values[i] : "-") + " ";
-            }
-            return 0;
-          },
-          &out, nullptr);
-    }
-    sqlite3_close(db);
-    return out;
-  };
-  Open();
-  for (int version : {1, 2, 3, 4}) {
-    const fs::path old = folder_ / std::to_string(version);
-    fs::create_directories(old);
-    sqlite3* db = nullptr;
-    ASSERT_EQ(sqlite3_open((old / "spool.sqlite").c_str(), &db), SQLITE_OK);
-    const std::string sql = TablesOf(version) + "PRAGMA user_version = " + std::to_string(version);
-    ASSERT_EQ(sqlite3_exec(db, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
-    sqlite3_close(db);
-    ASSERT_TRUE(Spool::Open(old).ok());
-    EXPECT_EQ(columns(old / "spool.sqlite"), columns(folder_ / "spool.sqlite")) << version;
-  }
-}
-
-// A spool of version `version` from the field, with a row in each table.
-TEST_F(SpoolTest, EveryVersionBeforeTheNewestIsBroughtHereWithAllItHad) {
-  auto golden = ReadFile(fs::path(ENAMEL_SOURCE_DIR) / "schemas/golden/trace/recording_core3.bin");
-  ASSERT_TRUE(golden.ok());
-  const auto recording = *trace::DecodeTraceFile(*golden);
-  const Uuid attempt = trace::DecodeHeader(recording.header)->ticket.attempt;
-  std::array<uint8_t, 32> seed;
-  seed.fill(2);
-  const auto key = trace::KeyPairFromSeed(seed).public_key;
-  const int latest = SpoolMigrations().back().version;
-  ASSERT_GE(latest, 4);
-  for (int version = 1; version < std::max(latest, 5); ++version) {
-    SCOPED_TRACE("version " + std::to_string(version));
-    const fs::path folder = folder_ / std::to_string(version);
-    fs::create_directories(folder);
-    sqlite3* db = nullptr;
-    ASSERT_EQ(sqlite3_open((folder / "spool.sqlite").c_str(), &db), SQLITE_OK);
-    const std::string rows = GoldenSql(std::to_string(version) + "_rows");
-    ASSERT_FALSE(rows.empty()) << "each version before the newest needs schemas/golden/sql";
-    const std::string sql =
-        TablesOf(version) + rows + "PRAGMA user_version = " + std::to_string(version);
-    ASSERT_EQ(sqlite3_exec(db, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK)
-        << sqlite3_errmsg(db);
-    sqlite3_close(db);
-    auto spool = Spool::Open(folder);
-    ASSERT_TRUE(spool.ok()) << spool.status().message();
-    EXPECT_EQ(*(*spool)->Export(attempt), recording);
-    EXPECT_TRUE((*VerifyRecordings(**spool, key))[0].status.ok());
-    auto kept = (*spool)->Get(attempt);
-    ASSERT_TRUE(kept.ok());
-    EXPECT_EQ(kept->exercise, "class-1");
-    EXPECT_EQ(kept->created_unix_ms, 1'700'000'000'000);
-    EXPECT_EQ(kept->committed, 2u);
-    EXPECT_EQ(kept->facts.resumed(), version >= 2 ? 1u : 0u);
-    EXPECT_EQ(kept->waits_because, version >= 4 ? "the server is away" : "");
-    EXPECT_EQ((*spool)->tickets().List()->size(), version >= 2 ? 1u : 0u);
-    EXPECT_EQ((*spool)->loop_facts().Of(attempt)->size(), version >= 4 ? 1u : 0u);
-  }
-}
-
-// The first page of a new spool replaces a destroyed one (salvage.h).
-TEST_F(SpoolTest, NewSpoolHasItsTablesWhereThoseOfVersionFourHaveThem) {
-  auto places = [](const fs::path& file) {
-    sqlite3* db = nullptr;
-    EXPECT_EQ(sqlite3_open(file.c_str(), &db), SQLITE_OK);
-    std::string out;
-    sqlite3_exec(
-        db, "SELECT name, rootpage FROM sqlite_schema ORDER BY rootpage",
-        [](void* to, int, char** values, char**) {
-          *static_cast<std::string*>(to) += std::string(values[0]) + " " + values[1] + ", ";
-          return 0;
-        },
-        &out, nullptr);
-    sqlite3_close(db);
-    return out;
-  };
-  Open();
-  sqlite3* db = nullptr;
-  ASSERT_EQ(sqlite3_open((folder_ / "four.sqlite").c_str(), &db), SQLITE_OK);
-  ASSERT_EQ(sqlite3_exec(db, TablesOf(4).c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
-  sqlite3_close(db);
-  const std::string four = places(folder_ / "four.sqlite");
-  ASSERT_FALSE(four.empty());
-  EXPECT_TRUE(places(folder_ / "spool.sqlite").starts_with(four))
-      << places(folder_ / "spool.sqlite");
-}
-
 TEST_F(SpoolTest, SeveralProcessesMayOpenASpoolThatIsNotThereYetAtOnce) {
   constexpr int kRounds = 20, kProcesses = 6;
   for (int round = 0; round < kRounds; ++round) {
@@ -804,6 +647,24 @@ TEST_F(SpoolTest, NewerSpoolIsRefusedUnchanged) {
   sqlite3_exec(db, "PRAGMA user_version = 99", nullptr, nullptr, nullptr);
   sqlite3_close(db);
   EXPECT_EQ(Spool::Open(folder_).status().code(), Code::kVersion);
+}
+
+// Nothing marks the spools of earlier Enamels.
+TEST_F(SpoolTest, ASpoolOfAnEarlierEnamelIsRefusedByNameAndLeftAsItIs) {
+  MakeOne();
+  Tamper("PRAGMA application_id = 0; PRAGMA user_version = 6; PRAGMA wal_checkpoint(TRUNCATE)");
+  const fs::path file = folder_ / "spool.sqlite";
+  const auto before = *ReadFile(file);
+  for (const Status& refused : {Spool::Open(folder_).status(), Spool::OpenToRead(folder_).status(),
+                                SalvageSpool(folder_, folder_ / "saved").status()}) {
+    EXPECT_EQ(refused.code(), Code::kVersion);
+    EXPECT_NE(refused.message().find(file.string() + " was made by an earlier Enamel"),
+              std::string::npos)
+        << refused.message();
+    EXPECT_NE(refused.message().find("move the file away"), std::string::npos);
+  }
+  EXPECT_EQ(*ReadFile(file), before);
+  EXPECT_FALSE(fs::exists(folder_ / "saved" / "spool.sqlite"));
 }
 
 TEST_F(SpoolTest, FolderThatCannotBeMadeIsRefusedWithWhatToDo) {
