@@ -44,14 +44,9 @@ cutting::TissueDamping DampingOf(const CoreParams& p) {
   return out;
 }
 
-cutting::EngagementRule RuleOf(const CoreParams& p) {
-  return p.core_version == 2 ? cutting::EngagementRule::kBand : cutting::EngagementRule::kAhead;
-}
-
 haptics::CouplingParams CouplingOf(const CoreParams& p, double voxel_m) {
   haptics::CouplingParams c;
   c.law.kind = p.law;
-  c.law.revision = p.core_version >= 4 ? 4 : 3;
   c.law.kc_n_per_m = p.kc_mn_per_mm;
   c.law.resolution_m = dvec3(p.resolution_nm[0], p.resolution_nm[1], p.resolution_nm[2]) * 1e-9;
   c.law.tick_s = 1.0 / p.rate_hz;
@@ -222,9 +217,9 @@ Core::Core(const CoreParams& params, cutting::Volume initial)
       cutter_((volume_.Reserve(), volume_), BurOf(params)),
       reach_m_(ReachOf(params)),
       sweep_(volume_.spec().voxel_m(), reach_m_),
-      engagement_(BurOf(params), volume_.spec().voxel_m(), DampingOf(params), RuleOf(params)),
+      engagement_(BurOf(params), volume_.spec().voxel_m(), DampingOf(params)),
       coupling_(CouplingOf(params, volume_.spec().voxel_m())),
-      torque_(params.core_version >= 4 && params.peak_torque_un_m > 0),
+      torque_(params.peak_torque_un_m > 0),
       turning_(TurningOf(params, volume_.spec().voxel_m())),
       handpiece_(params),
       cues_(CuesOf(params)) {

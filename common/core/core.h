@@ -189,7 +189,7 @@ class Core {
   cutting::Sweep sweep_;
   cutting::EngagementReader engagement_;
   haptics::Coupling coupling_;
-  const bool torque_;  // on this device, in this version
+  const bool torque_;  // on this device
   haptics::Turning turning_;
   Handpiece handpiece_;
   haptics::TouchCues cues_;

@@ -11,17 +11,9 @@
 
 namespace enamel::core {
 
-// Any change that moves a golden hash bumps this. New attempts are made with it: a station with
-// another core version is refused for them. Recordings from kOldestCoreVersion on are re-run to the
-// bit by the same program, which then does as that version did.
-//
-// Version 2: bur shapes, shank, axial B, handpiece; a cut visits only bricks that can change, and
-// only poses that leave a mark (cutting/sweep.h); engagement by evenly spread points.
-// Version 3: only what travel brings into solid resists (cutting/engagement.h); bus delay, peak
-// torque, Coulomb part and threshold of the cutting force.
-// Version 4: torque on six-axis devices; touch cues. A version-3 recording has neither and is
-// otherwise the same.
-inline constexpr uint32_t kCoreVersion = 4, kOldestCoreVersion = 2;
+// A recording replays to the bit in the core version that made it, and in no other. A server lets
+// only stations of its own core version begin an attempt.
+inline constexpr uint32_t kCoreVersion = 1;
 
 // What rounding an orientation to four 16-bit numbers alone costs: |dq| <= 1/32767, and an angle is
 // twice that.
@@ -61,13 +53,11 @@ struct CoreParams {
   int32_t handpiece_tangential_permille =
       0;  // tangential force at the bur's radius per resisting force
   int32_t handpiece_lag_us = 0;
-  // From core version 3 on; all at 0 before.
   uint32_t bus_delay_ticks = 0;  // between reading a position and the force that answers it
-  int32_t peak_torque_un_m = 0;  // bound on the torque's magnitude; 0: no torque is sent. Version 4
+  int32_t peak_torque_un_m = 0;  // bound on the torque's magnitude; 0: no torque is sent
   // Per tissue, for the engagement that damping_mn_s_per_mm is of: the part of the cutting force
   // that does not depend on speed, and the force below which the bur does not cut at all.
   std::array<int32_t, cutting::kTissueCount> coulomb_mn{}, threshold_mn{};
-  // From core version 4 on; all at 0 before.
   // Largest angle between the true and the measured orientation, urad: what the torque's guard
   // counts with, kLeastRotationCell_urad of which are the recording's own. Needed where a torque is
   // sent; then rotational_kc_un_m_per_rad is needed too, and peak_torque_un_m >= 2 K cell.
@@ -86,17 +76,11 @@ cutting::Bur BurOf(const CoreParams& params) noexcept;
 // kc is the profile's business (haptics), not checked here.
 Status ValidateParams(const CoreParams& params);
 
-// The same parameters as a core of `version` had them: what came later at its default. An old
-// recording is compared with today's plan in this form.
-CoreParams AsOfVersion(CoreParams params, uint32_t version) noexcept;
-
-// Canonical little-endian form, versioned (first u16); see schemas/trace_format.md. Core versions 1
-// and 2 had formats 1 and 2, which have no fields for what came later: they must be at their
-// defaults.
+// Canonical little-endian form, versioned (first u16); see schemas/trace_format.md.
+inline constexpr size_t kParamsBytes = 254;
 void WriteParams(const CoreParams& params, ByteWriter& out);
-size_t ParamsBytes(uint32_t core_version) noexcept;
-// Reads every format and any core version, so that an old recording can be listed; whoever runs a
-// core calls ValidateParams. Errors: kInvalidInput (cut short, or a value out of range), kVersion
+// Reads any core version, so that another version's recording can be listed; whoever runs a core
+// calls ValidateParams. Errors: kInvalidInput (cut short, or a value out of range), kVersion
 // (format).
 Result<CoreParams> ReadParams(ByteReader& in);
 

@@ -58,9 +58,8 @@ double SolidShare(const Volume& volume, const dvec3& at, double distance,
 
 }  // namespace
 
-EngagementReader::EngagementReader(const Bur& bur, double voxel_m, const TissueDamping& damping,
-                                   EngagementRule rule)
-    : voxel_m_(voxel_m), rule_(rule) {
+EngagementReader::EngagementReader(const Bur& bur, double voxel_m, const TissueDamping& damping)
+    : voxel_m_(voxel_m) {
   auto add = [&](const std::vector<SurfacePoint>& points, bool shank) {
     for (const SurfacePoint& p : points) {
       points_.push_back(
@@ -91,17 +90,15 @@ void EngagementReader::Sample(const Volume& volume, const Pose& pose) noexcept {
     if (distance >= kReach) continue;
     Active a;
     a.normal = m[0] * p.normal.x + m[1] * p.normal.y + m[2] * p.normal.z;
-    a.into = a.press = a.normal;
+    a.into = a.normal;
     a.area_m2 = p.area_m2 * (distance <= 0 ? 1 : 1 - distance / kReach);
-    if (rule_ == EngagementRule::kAhead) {
-      dvec3 out = volume.SlopeAtSample(at);
-      double slope = std::sqrt(Dot(out, out));
-      // Else the bur's own normal is the best that is known.
-      if (slope >= kSlope) a.into = out * (-1 / slope);
-      if (slope < kPlainWall) a.area_m2 *= SolidShare(volume, at, distance, a.into);
-      if (!(a.area_m2 > 0)) continue;
-      a.press = Press(a.normal, a.into);
-    }
+    dvec3 out = volume.SlopeAtSample(at);
+    double slope = std::sqrt(Dot(out, out));
+    // Else the bur's own normal is the best that is known.
+    if (slope >= kSlope) a.into = out * (-1 / slope);
+    if (slope < kPlainWall) a.area_m2 *= SolidShare(volume, at, distance, a.into);
+    if (!(a.area_m2 > 0)) continue;
+    a.press = Press(a.normal, a.into);
     a.arm = arm * voxel_m_;
     a.beta = a.coulomb = a.threshold = 0;
     a.grazing = Grazing(distance);
@@ -129,7 +126,6 @@ double EngagementReader::WeightAhead(const Active& a, const dvec3& direction) no
 }
 
 Engagement EngagementReader::Read(const dvec3& travel) const noexcept {
-  if (rule_ == EngagementRule::kBand) return ReadBand(travel);
   Engagement out;
   const dvec3 direction = Unit(travel);
   dvec3 cutting(0), shank(0);
@@ -153,35 +149,13 @@ Engagement EngagementReader::Read(const dvec3& travel) const noexcept {
   return out;
 }
 
-Engagement EngagementReader::ReadBand(const dvec3& travel) const noexcept {
-  Engagement out;
-  dvec3 cutting(0), shank(0);
-  for (size_t i = 0; i < active_count_; ++i) {
-    const Active& a = active_[i];
-    if (!(Dot(a.normal, travel) > 0)) continue;
-    if (a.shank) {
-      shank += a.normal * a.area_m2;
-      continue;
-    }
-    out.damping_n_s_per_m += Sym3::Outer(a.normal, a.beta * a.area_m2);
-    cutting += a.normal * a.area_m2;
-    out.area_m2 += a.area_m2;
-  }
-  out.mean_normal = Unit(cutting + shank);
-  out.shank_normal = Unit(shank);
-  return out;
-}
-
 RotationalEngagement EngagementReader::ReadRotational(const dvec3& turn) const noexcept {
   RotationalEngagement out;
   for (size_t i = 0; i < active_count_; ++i) {
     const Active& a = active_[i];
-    double area = a.area_m2;
-    if (rule_ == EngagementRule::kAhead) {
-      // A point moves as turn x arm; one on the axis of the turn does not move, and weighs 0.
-      area *= WeightAhead(a, Unit(glm::cross(turn, a.arm)));
-      if (!(area > 0)) continue;
-    }
+    // A point moves as turn x arm; one on the axis of the turn does not move, and weighs 0.
+    double area = a.area_m2 * WeightAhead(a, Unit(glm::cross(turn, a.arm)));
+    if (!(area > 0)) continue;
     out.shank = out.shank || a.shank;
     out.area_m2 += area;
     if (a.shank) out.shank_area_m2 += area;

@@ -18,7 +18,7 @@ struct Engagement {
   dvec3 mean_normal{0};    // area-weighted outward normal of the engaged surface, unit or 0
   dvec3 shank_normal{0};   // the same of the engaged part of the shank
   double area_m2 = 0;      // of the cutting part
-  double coulomb_n = 0, threshold_n = 0;  // sums over tissues as along-travel B; 0 with kBand
+  double coulomb_n = 0, threshold_n = 0;  // sums over tissues as along-travel B
 };
 
 // The same for turning about the bur's tip.
@@ -36,16 +36,13 @@ struct TissueDamping {
   std::array<double, kTissueCount> coulomb_n{}, threshold_n{};
 };
 
-// Which surface points count. kBand: core version 2, kept to replay its recordings. kAhead: since.
-enum class EngagementRule { kBand, kAhead };
-
 // Reads engagement: M = integral of u u^T dA over the part of the bur's surface that lies within
 // half a voxel of solid and that travel brings into solid; B = sum beta_tissue M. The weight of a
 // surface point falls linearly from 1 at the surface to 0 half a voxel away, so B has no steps; and
 // no two points lie at one height (SampleSurface), so that B grows evenly where a bur enters a
 // wall.
 //
-// kAhead: resistance comes only from tissue ahead. Let n be a point's outward normal, m the way
+// Resistance comes only from tissue ahead. Let n be a point's outward normal, m the way
 // into the solid there (minus the gradient of the distance field, by differences over one voxel:
 // the interpolation's own error has that period and drops out), phi its distance to the solid in
 // voxels.
@@ -62,8 +59,6 @@ enum class EngagementRule { kBand, kAhead };
 //    rim of a face that runs along a wall: no press against a wall then resists the way along it.
 // In steady cutting the front is the bur's own print, m = n, and travel, which is the coupling's
 // stretch, stands along B v, so that the dead zone costs little.
-//
-// kBand: u = n, and a point counts when n . travel > 0. Its band resists withdrawal.
 //
 // beta (N s / m^3) is chosen so that a cylinder of radius 0.6 mm and length 4 mm that moves
 // sideways with its front half engaged meets the tissue's lateral B: its integral of (n.d)^2 over
@@ -86,16 +81,15 @@ class EngagementReader {
   static constexpr size_t kMaxPoints = 256, kMaxShankPoints = 160;
   static constexpr double kGrazing = 0.06, kRamp = 0.12;  // rates
 
-  EngagementReader(const Bur& bur, double voxel_m, const TissueDamping& damping,
-                   EngagementRule rule = EngagementRule::kAhead);
+  EngagementReader(const Bur& bur, double voxel_m, const TissueDamping& damping);
 
   // Finds the surface points in contact at `pose`. Work: at most kMaxPoints + kMaxShankPoints
-  // trilinear reads; kAhead: and seven more for each that is near solid.
+  // trilinear reads, and seven more for each that is near solid.
   ENAMEL_REALTIME void Sample(const Volume& volume, const Pose& pose) noexcept;
   // For travel along `travel` (any length), from the last Sample.
   ENAMEL_REALTIME Engagement Read(const dvec3& travel) const noexcept;
   // Rotational damping of the sampled contact about the bur's tip, N m s: sum beta (r x u)(r x
-  // u)^T, for a turn about `turn` (any length; kBand: whatever the turn).
+  // u)^T, for a turn about `turn` (any length).
   ENAMEL_REALTIME RotationalEngagement ReadRotational(const dvec3& turn) const noexcept;
   bool AnyContact() const noexcept { return active_count_ != 0; }
   // Saves or restores the last Sample. Not real-time.
@@ -123,14 +117,12 @@ class EngagementReader {
   };
 
   static double WeightAhead(const Active& a, const dvec3& direction) noexcept;
-  Engagement ReadBand(const dvec3& travel) const noexcept;
 
   std::vector<Point> points_;
   TissueDamping per_area_;
   std::vector<Active> active_;
   size_t active_count_ = 0;
   double voxel_m_;
-  EngagementRule rule_;
 };
 
 }  // namespace enamel::cutting

@@ -255,7 +255,7 @@ double Coupling::RunOutReach() const noexcept {
   // Out of cells so fine stored force would run for seconds. 14 N/s is 14 mN a millisecond.
   constexpr double kLeastRunOut_n_per_s = 14;
   const double least_m = kLeastRunOut_n_per_s * params_.law.tick_s / params_.law.kc_n_per_m;
-  return Revised() && reach < least_m ? least_m : reach;
+  return reach < least_m ? least_m : reach;
 }
 
 // Where the bur does not go along, because it is at the tip already, force is not spent on cutting: it
@@ -280,7 +280,7 @@ dvec3 Coupling::RunOut(const dvec3& w, const dvec3& e, const dvec3& tip_moved,
   const double moved2 = Dot(tip_moved, tip_moved);
   if (moved2 > 0) {
     const double moved = std::sqrt(moved2);
-    const double rest = Revised() && reach > moved ? reach - moved : 0;
+    const double rest = reach > moved ? reach - moved : 0;
     reach = Dot(tip_moved, e) > 0 && moved > rest ? moved : rest;
   }
   reach = reach > spent_m ? reach - spent_m : 0;
@@ -324,8 +324,8 @@ dvec3 Coupling::FrontStep(const dvec3& tip_m, const Contact& contact, const dvec
   if (!(trace > 0)) return e;
   bool cuts = Dot(rest_step, rest_step) > 0;
   // No force holds a bur that the rest point has left behind: it comes up without one.
-  if (!cuts && Revised()) return e - LeftBehind(b, e, rest_ - anchor_, dt_s / (3 * kCloseUp_s));
-  double shift = trace * (cuts ? dt_s / (3 * kCloseUp_s) : kFree);
+  if (!cuts) return e - LeftBehind(b, e, rest_ - anchor_, dt_s / (3 * kCloseUp_s));
+  double shift = trace * (dt_s / (3 * kCloseUp_s));
   dvec3 held = b * SolveShifted(b, shift, e), step = b * SolveShifted(b, shift, rest_step);
   double along = Dot(step, held), reach = Dot(held, held);
   dvec3 out = e - held;
@@ -382,7 +382,7 @@ Contact Coupling::RelaxRest(const dvec3& tip_m, const dvec3& tip_moved, bool ahe
     const double trace = contact.damping_n_s_per_m.Trace();
     bool resisted = trace > 0;
     // A last graze gives way at once, but the force that more tissue has built up is not spent on it.
-    if (Revised() && trace < kWayOut * held_) ahead_is_free = true;
+    if (trace < kWayOut * held_) ahead_is_free = true;
     dvec3 felt = resisted ? BeyondCoulomb(e, contact, kc) : e;
     dvec3 w = felt - law_->Relax(felt, contact.damping_n_s_per_m, left_s);
     if (!resisted) w = e;
@@ -404,8 +404,8 @@ Contact Coupling::RelaxRest(const dvec3& tip_m, const dvec3& tip_moved, bool ahe
     double share = length <= limit ? 1 : limit / length;
     ++out.substeps;
     const dvec3 taken = MoveRest(tip_m, w * share, out);
-    // What may run out is a tick's, however many steps the bur takes. Revision 3 took it in every step.
-    if (Revised()) spent_m += RanOut(taken, resisted && !ahead_is_free ? front * share : dvec3(0));
+    // What may run out is a tick's, however many steps the bur takes.
+    spent_m += RanOut(taken, resisted && !ahead_is_free ? front * share : dvec3(0));
     if (length > 0) {
       dvec3 to = anchor_ + front * share;
       material.AnchorMoved(anchor_, to);
@@ -458,12 +458,10 @@ void Coupling::LetGoAlong(const dvec3& tip_m, const dvec3& tip_moved, const Ahea
   double still = (c.coulomb_n > c.threshold_n ? c.coulomb_n : c.threshold_n) * std::sqrt(speed2);
   double allowed = (Dot(speed, c.damping_n_s_per_m * speed) + still) / params_.law.kc_n_per_m;
   double excess = Dot(tip_m - rest_, speed) - allowed;
-  // The law learns of a turn axis by axis, and late. So force against its speed runs out as elsewhere. Dropped
-  // at once, it was a step of 0.7 N to a hand that had stopped.
-  if (Revised()) {
-    excess =
-        LowerOf(excess, (std::sqrt(Dot(tip_moved, tip_moved)) + RunOutReach()) * std::sqrt(speed2));
-  }
+  // The law learns of a turn axis by axis, and late. So force against its speed runs out as
+  // elsewhere: dropped at once, it is a step of 0.7 N to a hand that had stopped.
+  excess =
+      LowerOf(excess, (std::sqrt(Dot(tip_moved, tip_moved)) + RunOutReach()) * std::sqrt(speed2));
   if (excess > 0) MoveRest(tip_m, speed * (excess / speed2), out);
 }
 

@@ -139,7 +139,6 @@ class Coupling {
                     CouplingOutput& out) noexcept;
   Contact RelaxRest(const dvec3& tip_m, const dvec3& tip_moved, bool ahead_is_free,
                     Material& material, CouplingOutput& out) noexcept;
-  bool Revised() const noexcept { return params_.law.revision >= 4; }
   double RunOutReach() const noexcept;
   dvec3 NoFasterThan(const dvec3& front, const dvec3& tip_moved, const dvec3& w,
                      double spent_m) const noexcept;

@@ -32,10 +32,6 @@ enum class LawKind : uint8_t {
 // What new exercises, suites and benchmarks use unless they say otherwise.
 inline constexpr LawKind kDefaultLaw = LawKind::kTankMaxwell;
 
-// The default law's revisions. Each repeats to the bit for ever: a recording of core version 2 or 3 replays with
-// revision 3, later ones with 4.
-inline constexpr uint32_t kLawRevision = 4;
-
 // What every law of one device is built from. SI units.
 struct LawParams {
   LawKind kind = LawKind::kMaxwell;
@@ -49,8 +45,6 @@ struct LawParams {
   // laws do not look at it. The core leaves it to the law; the qualification suite tries them all.
   EstimatorParams estimator{};
   double peak_force_n = 0;  // of the device: bounds what a slipping law aims at. 0: no bound
-  uint32_t revision =
-      kLawRevision;  // of tank-maxwell and of the slipping laws' tick, 3 or 4; other laws have one
 };
 
 // One force law. A law is of one of two families:

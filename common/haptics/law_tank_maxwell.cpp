@@ -124,7 +124,7 @@ class TankMaxwell final : public ForceLaw {
     // Off by no more than this tick's counts: three at once are 1.73 cells, and setting what they moved
     // back changes no force at all.
     const dvec3 change = off + tip_moved_;
-    const bool counts_alone = Revised() && Dot(change, change) <= once * once;
+    const bool counts_alone = Dot(change, change) <= once * once;
     if (distance > once && !counts_alone) reach = LowerOf(distance, Slew(cell));
     if (!(distance > 0) || !(hand_.trust() > 0)) return e_m;
     dvec3 step = off * (hand_.trust() * reach / distance);
@@ -144,8 +144,6 @@ class TankMaxwell final : public ForceLaw {
     double along, across;
   };
 
-  bool Revised() const noexcept { return params_.revision >= 4; }
-
   double Cell() const noexcept { return HigherOf(grid_.x, HigherOf(grid_.y, grid_.z)); }
 
   double Slew(double cell) const noexcept {
@@ -159,7 +157,6 @@ class TankMaxwell final : public ForceLaw {
   // encoder are read as one. The stretch, and the force with it, keep the encoder's own resolution.
   static dvec3 GridOf(const LawParams& params) noexcept {
     dvec3 grid = params.resolution_m;
-    if (params.revision < 4) return grid;
     for (int i = 0; i < 3; ++i) {
       if (!(grid[i] > 0) || !(grid[i] < kTuning.finest_m)) continue;
       const double cells = kTuning.finest_m / grid[i];
@@ -247,8 +244,7 @@ class TankMaxwell final : public ForceLaw {
       double correction = 0, mean = AxisSpeed(i, window, smooth_s, &correction);
       double speed = std::fabs(mean);
       // An axis that had fallen silent before the newest count of any says nothing about a stop.
-      double says = speed;
-      if (Revised()) says *= SilenceFade(QuietTime(delta, speed) + patience, since - since_any);
+      double says = speed * SilenceFade(QuietTime(delta, speed) + patience, since - since_any);
       if (says > most) {
         most = says;
         fastest = speed;
@@ -262,11 +258,11 @@ class TankMaxwell final : public ForceLaw {
     EstimateFast();
     HandStiffness::Tick tick{tip_moved_, slow_, counted_, false};
     // What a first count says is the most that the speed may be, and no way that the tip is known to go.
-    for (int i = 0; Revised() && i < 3; ++i) {
+    for (int i = 0; i < 3; ++i) {
       if (axes_[i].size() < 2) tick.slow_speed_m_per_s[i] = 0;
     }
     for (TurningAxis& axis : turning_) tick.swings |= axis.TakeSwing();
-    hand_.Step(tick, Revised() ? HigherOf(Cell(), kTuning.telling_m) : Cell(), params_.tick_s);
+    hand_.Step(tick, HigherOf(Cell(), kTuning.telling_m), params_.tick_s);
     bool still = Dot(fast_, fast_) == 0;
     if (still && fade_ < kTuning.rest_below) Rest();
     silent_ = fade_ < 1;
@@ -287,7 +283,7 @@ class TankMaxwell final : public ForceLaw {
       fast_[i] = turning_[i].speed() * fade;
       double often = std::fabs(turning_[i].speed()) / delta;
       const double without = turning_[i].SinceLast(time_s_) - since_any;
-      if (Revised() && without > kTuning.left_behind * turning_[i].Due(delta)) continue;
+      if (without > kTuning.left_behind * turning_[i].Due(delta)) continue;
       if (often > most) {
         most = often;
         lead = fade;
@@ -301,9 +297,9 @@ class TankMaxwell final : public ForceLaw {
     if (axis.size() == 1) {
       return smooth_[i] = FirstGuess(axes_, i, time_s_, grid_[i], params_.tick_s);
     }
-    const int ends = Revised() ? 2 : 1;
-    double mean = axis.Mean(window_s, ends);
-    *correction = kTuning.anchor_share * (anchor_speed_[i] - axis.AnchorMean(window_s, ends));
+    constexpr int kEnds = 2;
+    double mean = axis.Mean(window_s, kEnds);
+    *correction = kTuning.anchor_share * (anchor_speed_[i] - axis.AnchorMean(window_s, kEnds));
     if (axis.size() <= kWindowIntervals) return smooth_[i] = mean;
     double k = params_.tick_s / (smooth_s + params_.tick_s);
     return smooth_[i] += (mean - smooth_[i]) * k;

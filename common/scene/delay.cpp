@@ -72,16 +72,10 @@ Result<DeviceProfile> WithDelay(const DeviceProfile& profile, int64_t rate_hz,
 Status CheckParams(const Scene& scene, const Exercise& exercise, const DeviceProfile& profile,
                    const core::CoreParams& params) {
   ENAMEL_ASSIGN_OR_RETURN(auto plain, CompilePlan(scene, exercise, profile));
-  const auto made_from = [&](const core::CoreParams& plan) {
-    return core::AsOfVersion(plan, params.core_version) == params;
-  };
-  if (made_from(plain)) return Status::Ok();
-  // All are tried: parameters of core version 2 do not say their delay, only their Kc shows it.
-  for (int64_t d = 0; d <= kMostDelay_ticks; ++d) {
-    auto delayed = WithDelay(profile, exercise.rate_hz, d);
-    if (!delayed.ok()) break;  // more delay leaves less still
+  if (plain == params) return Status::Ok();
+  if (auto delayed = WithDelay(profile, exercise.rate_hz, params.bus_delay_ticks); delayed.ok()) {
     auto planned = CompilePlan(scene, exercise, *delayed);
-    if (planned.ok() && made_from(*planned)) return Status::Ok();
+    if (planned.ok() && *planned == params) return Status::Ok();
   }
   return Status(Code::kConflict,
                 "the core parameters are not those that exercise '" + exercise.name +

@@ -55,9 +55,8 @@ int64_t PassiveTorque_un_m_per_rad(const DeviceProfile& profile, int64_t rate_hz
 Result<DeviceProfile> WithDelay(const DeviceProfile& profile, int64_t rate_hz, int64_t delay_ticks);
 
 // Whether these are the parameters that CompilePlan gives for the profile as it stands (a simulated
-// device, a mouse), or for WithDelay of it at some delay (an attached device): for whoever checks a
-// recording. One of an earlier core version is compared as that version had the plan. Errors:
-// CompilePlan's for the profile as it stands; kConflict (field "params").
+// device, a mouse), or for WithDelay of it at their delay (an attached device): for whoever checks a
+// recording. Errors: CompilePlan's for the profile as it stands; kConflict (field "params").
 Status CheckParams(const Scene& scene, const Exercise& exercise, const DeviceProfile& profile,
                    const core::CoreParams& params);
 

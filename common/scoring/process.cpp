@@ -53,8 +53,7 @@ std::optional<double> Median(std::vector<double> values) {
 ProcessRecorder::ProcessRecorder(const core::CoreParams& params)
     : rate_hz_(params.rate_hz),
       decimation_(std::max(1u, (params.rate_hz + kSampleRate_hz - 1) / kSampleRate_hz)),
-      cutting_window_(
-          params.core_version >= 4 ? std::max(1u, params.rate_hz / kCuttingWindows_per_s) : 1),
+      cutting_window_(std::max(1u, params.rate_hz / kCuttingWindows_per_s)),
       force_histogram_(kForceBins),
       block_ticks_(std::max(1u, params.rate_hz / kBlocks_per_s)),
       rate_histogram_(kRateBins),

@@ -40,7 +40,7 @@ class ProcessRecorder {
   double duration_s() const;  // gaps included
   // Time less than 50 ms after something was removed: a cut is renewed when it would leave a mark,
   // after some way or some ticks, so that most ticks of a stroke remove nothing themselves, the more
-  // of them the faster the loop. Recordings before core version 4: the ticks that removed something.
+  // of them the faster the loop.
   double cutting_s() const;
   double anchor_path_m() const { return path_m_; }  // without the jumps after gaps and faults
   double force_sent_p95_n() const;                  // over ticks with any force; 1 mN steps

@@ -120,8 +120,6 @@ Bytes EncodeHeader(const Header& header) {
   ENAMEL_CHECK(header.station_software.size() <= kMaxSoftwareBytes);
   ByteWriter params;
   core::WriteParams(header.params, params);
-  // What ReadParams takes has this size too, so a decoded header never fails here.
-  ENAMEL_CHECK(params.size() == core::ParamsBytes(header.params.core_version));
   const bool told = header.hand.kind != HandKind::kNotTold;
   ByteWriter out;
   WriteMagic(kHeaderMagic, out, told ? 2 : 1);
@@ -144,7 +142,7 @@ Result<Header> DecodeHeader(ByteView bytes) {
   Header h;
   h.scene = ReadHash(in);
   h.volume = ReadHash(in);
-  ByteView params_bytes = in.Blob(core::ParamsBytes(core::kCoreVersion));
+  ByteView params_bytes = in.Blob(core::kParamsBytes);
   h.station_software = in.Text(kMaxSoftwareBytes);
   const uint8_t kind = version >= 2 ? ReadHand(in, h.hand) : 0;
   if (!in.ok()) return EndsEarly("header", bytes.size());

@@ -68,20 +68,17 @@ Result<Keyframes> Keyframes::Decode(ByteView bytes, const Sha256& header_hash) {
   ByteReader in(bytes);
   ENAMEL_RETURN_IF_ERROR(ReadMagic(kWhat, kKeyframesMagic, in));
   uint16_t reserved = in.U16();
-  uint32_t core_version = in.U32();
   uint64_t build = in.U64();
   Sha256 header = ReadHash(in);
   if (!in.ok()) return EndsEarly(kWhat, bytes.size());
   if (reserved != 0) return Unusable("expected 0 in the reserved field");
-  if (core_version < core::kOldestCoreVersion || core_version > core::kCoreVersion ||
-      build != Build()) {
+  if (build != Build()) {
     return Status(Code::kVersion, "keyframes: made by another core or build of the program");
   }
   if (header != header_hash) {
     return Status(Code::kConflict, "keyframes: made for another recording");
   }
   Keyframes out(header_hash);
-  out.core_version_ = core_version;
   while (!in.AtEnd()) {
     ENAMEL_ASSIGN_OR_RETURN(auto record, ReadRecord(kWhat, kMaxKeyframeBytes, in));
     if (!record.has_value()) break;
@@ -133,7 +130,6 @@ Bytes Keyframes::Encode() const {
   ByteWriter out;
   WriteMagic(kKeyframesMagic, out);
   out.U16(0);
-  out.U32(core_version_);
   out.U64(Build());
   out.Raw(header_hash_.view());
   for (const Frame& frame : frames_) {
@@ -149,8 +145,6 @@ void Keyframes::Add(core::Core& core, const KeyframePlace& place,
   ENAMEL_CHECK(frames_.empty() || place.chunks > frames_.back().place.chunks);
   // More than a reader takes: the replay goes on without.
   if (frames_.size() == kMaxKeyframes || changed.size() > kMaxBricks) return;
-  ENAMEL_CHECK(frames_.empty() || core_version_ == core.params().core_version);
-  core_version_ = core.params().core_version;
   Frame frame;
   frame.place = place;
   frame.bricks = static_cast<uint32_t>(changed.size());
@@ -172,10 +166,6 @@ void Keyframes::Add(core::Core& core, const KeyframePlace& place,
 
 Status Keyframes::Restore(size_t i, core::Core& core) const {
   ENAMEL_CHECK(i < frames_.size() && core.ticks() == 0);
-  if (core_version_ != core.params().core_version) {
-    return Unusable("they are of core version " + std::to_string(core_version_) +
-                    ", the recording of version " + std::to_string(core.params().core_version));
-  }
   // Each holds what changed since the one before, so all of them up to this one. Later ones
   // overwrite.
   for (size_t k = 0; k <= i; ++k) {

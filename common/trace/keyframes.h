@@ -62,7 +62,6 @@ class Keyframes {
   static void EncodeFrame(const Frame& frame, ByteWriter& out);
 
   Sha256 header_hash_;
-  uint32_t core_version_ = core::kCoreVersion;  // of the recording
   std::vector<Frame> frames_;
 };
 

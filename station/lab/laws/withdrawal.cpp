@@ -56,7 +56,6 @@ std::vector<dvec3> WayIn(Cut cut, const Bur& bur, const Frame& f) {
 CoreParams ParamsOf(const Withdrawal& s) {
   auto nm = [](double m) { return static_cast<int32_t>(std::lround(m * 1e9)); };
   CoreParams p;
-  p.core_version = s.core_version;
   p.law = s.law;
   p.kc_mn_per_mm = static_cast<int32_t>(std::lround(s.kc_n_per_m));
   p.resolution_nm = {nm(s.cell_m), nm(s.cell_m), nm(s.cell_m)};
@@ -146,7 +145,7 @@ class WithdrawalRun {
     dvec3 force = out_.force_sent_n, velocity(0), hand = tip_;
     double before = 0;
     for (int i = 1; i <= ticks; ++i) {
-      dvec3 target = way.At(speed * kTick_s * i);
+      dvec3 target = way.At(speed * kTick_s * i) + frame_.m[1] * trial_.beside_m;
       if (trial_.hand_n_per_m > 0) {
         // 0.25 kg, the device's 6 N s/m and a hand of 10 N s/m, in ten steps a tick.
         for (int k = 0; k < 10; ++k) {

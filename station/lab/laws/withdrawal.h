@@ -27,7 +27,7 @@ struct Withdrawal {
   bool turned = false;  // bur and way turned off the grid's axes
   haptics::LawKind law = haptics::kDefaultLaw;
   double hand_n_per_m = 0;  // 0: the hand prescribes the velocity; else 0.25 kg on that spring
-  uint32_t core_version = core::kCoreVersion;
+  double beside_m = 0;      // how far beside its way in the bur is pulled back
   double kc_n_per_m = 10'000, cell_m = 9e-6, peak_force_n = 12;  // Omega 3DOF
 };
 

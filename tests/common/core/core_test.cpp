@@ -589,75 +589,52 @@ TEST(CoreTest, SamePolylineMakesTheSameHoleAtEverySpeedAndRate) {
   }
 }
 
+// Every field at a value of its own.
+CoreParams FullParams() {
+  CoreParams p = Params();
+  p.bur_shape = cutting::BurShape::kCylinder;
+  p.bur_length_nm = 4'000'000;
+  p.shank_radius_nm = 800'000;
+  p.neck_nm = 1'000'000;
+  p.axial_damping_mn_s_per_mm[1] = 9000;
+  p.handpiece_stall_un_m = 1500;
+  p.handpiece_tangential_permille = 500;
+  p.handpiece_lag_us = 20'000;
+  p.bus_delay_ticks = 16;
+  p.coulomb_mn = {0, 300, 200, 100, 90, 80, 70, 60};
+  p.threshold_mn = {0, 30, 20, 10, 9, 8, 7, 6};
+  p.peak_torque_un_m = 250'000;
+  p.rotation_cell_urad = 400;
+  p.rotational_kc_un_m_per_rad = 800'000;
+  p.contact_cue_mn = 300;
+  p.chatter_cue_mn = 200;
+  p.cue_energy_nj = 50'000;
+  p.cue_power_nw = 100'000;
+  return p;
+}
+
 TEST(CoreParamsTest, ComeBackFromTheirCanonicalBytes) {
-  ByteWriter out;
-  WriteParams(Params(), out);
-  ByteReader in(out.bytes());
-  auto back = ReadParams(in);
-  ASSERT_TRUE(back.ok()) << back.status().message();
-  EXPECT_EQ(*back, Params());
-}
-
-void ComesBack(const CoreParams& params, uint32_t version) {
-  ByteWriter out;
-  WriteParams(params, out);
-  EXPECT_EQ(out.size(), ParamsBytes(version));
-  ByteReader in(out.bytes());
-  auto back = ReadParams(in);
-  ASSERT_TRUE(back.ok()) << back.status().message();
-  EXPECT_EQ(*back, params);
-}
-
-TEST(CoreParamsTest, FormatsOfEarlierCoresAreReadWithDefaultsForWhatCameLater) {
-  for (uint32_t version : {1u, 2u, 3u}) {
-    CoreParams p = Params();
-    p.core_version = version;
-    ComesBack(p, version);
-    EXPECT_EQ(ValidateParams(p).code(), version == 1 ? Code::kVersion : Code::kOk);
+  for (const CoreParams& params : {Params(), FullParams()}) {
+    ByteWriter out;
+    WriteParams(params, out);
+    EXPECT_EQ(out.size(), kParamsBytes);
+    ByteReader in(out.bytes());
+    auto back = ReadParams(in);
+    ASSERT_TRUE(back.ok()) << back.status().message();
+    EXPECT_EQ(*back, params);
+    EXPECT_TRUE(ValidateParams(*back).ok()) << ValidateParams(*back).message();
   }
 }
 
-TEST(CoreParamsTest, FieldsOfTheThirdCoreComeBackAndAreRefusedOutOfRangeOrInAnEarlierOne) {
-  auto with = [](auto set) {
-    CoreParams p = Params();
-    set(p);
-    return p;
-  };
-  CoreParams full = with([](CoreParams& p) {
-    p.bus_delay_ticks = 16;
-    p.coulomb_mn = {0, 300, 200, 100, 90, 80, 70, 60};
-    p.threshold_mn = {0, 30, 20, 10, 9, 8, 7, 6};
-  });
-  ComesBack(full, kCoreVersion);
-  EXPECT_TRUE(ValidateParams(full).ok());
-  full.core_version = 2;
-  EXPECT_EQ(ValidateParams(full).field(), "bus_delay_ticks");
-  EXPECT_EQ(ValidateParams(with([](CoreParams& p) { p.bus_delay_ticks = 17; })).field(),
-            "bus_delay_ticks");
-  EXPECT_EQ(ValidateParams(with([](CoreParams& p) { p.coulomb_mn[7] = -1; })).field(),
-            "coulomb_mn");
-  EXPECT_EQ(ValidateParams(with([](CoreParams& p) { p.threshold_mn[3] = 100'001; })).field(),
-            "threshold_mn");
-}
-
-TEST(CoreParamsTest, FieldsOfTheFourthCoreComeBackAndAreRefusedOutOfRangeOrInAnEarlierOne) {
-  CoreParams full = Params();
-  full.peak_torque_un_m = 250'000;
-  full.rotation_cell_urad = 400;
-  full.rotational_kc_un_m_per_rad = 800'000;
-  full.contact_cue_mn = 300;
-  full.chatter_cue_mn = 200;
-  full.cue_energy_nj = 50'000;
-  full.cue_power_nw = 100'000;
-  ComesBack(full, kCoreVersion);
-  EXPECT_TRUE(ValidateParams(full).ok());
-  auto refused = [&](auto set) {
-    CoreParams p = full;
+TEST(CoreParamsTest, ValuesOutOfRangeAreRefusedByName) {
+  auto refused = [](auto set) {
+    CoreParams p = FullParams();
     set(p);
     return ValidateParams(p).field();
   };
-  EXPECT_EQ(refused([](CoreParams& p) { p.core_version = 2; }), "peak_torque_un_m");
-  EXPECT_EQ(refused([](CoreParams& p) { p.core_version = 3; }), "rotation_cell_urad");
+  EXPECT_EQ(refused([](CoreParams& p) { p.bus_delay_ticks = 17; }), "bus_delay_ticks");
+  EXPECT_EQ(refused([](CoreParams& p) { p.coulomb_mn[7] = -1; }), "coulomb_mn");
+  EXPECT_EQ(refused([](CoreParams& p) { p.threshold_mn[3] = 100'001; }), "threshold_mn");
   EXPECT_EQ(refused([](CoreParams& p) { p.peak_torque_un_m = -1; }), "peak_torque_un_m");
   // A torque needs a spring, and to know how well the orientation is known: no better than it is
   // recorded. And a bound that lets the bur follow the hand in air.
@@ -665,45 +642,11 @@ TEST(CoreParamsTest, FieldsOfTheFourthCoreComeBackAndAreRefusedOutOfRangeOrInAnE
   EXPECT_EQ(refused([](CoreParams& p) { p.rotational_kc_un_m_per_rad = 0; }),
             "rotational_kc_un_m_per_rad");
   EXPECT_EQ(refused([](CoreParams& p) { p.peak_torque_un_m = 639; }), "peak_torque_un_m");
-  full.peak_torque_un_m = 640;
-  EXPECT_TRUE(ValidateParams(full).ok());
+  EXPECT_EQ(refused([](CoreParams& p) { p.peak_torque_un_m = 640; }), "");
   EXPECT_EQ(refused([](CoreParams& p) { p.contact_cue_mn = 2001; }), "contact_cue_mn");
   EXPECT_EQ(refused([](CoreParams& p) { p.chatter_cue_mn = -1; }), "chatter_cue_mn");
   EXPECT_EQ(refused([](CoreParams& p) { p.cue_energy_nj = 1'000'001; }), "cue_energy_nj");
   EXPECT_EQ(refused([](CoreParams& p) { p.cue_power_nw = -1; }), "cue_power_nw");
-}
-
-TEST(CoreParamsTest, AnEarlierVersionsFormHoldsWhatItsBytesHold) {
-  CoreParams full = Params();
-  full.bur_shape = cutting::BurShape::kCylinder;
-  full.bur_length_nm = 4'000'000;
-  full.shank_radius_nm = 800'000;
-  full.neck_nm = 1'000'000;
-  full.axial_damping_mn_s_per_mm[1] = 9000;
-  full.handpiece_stall_un_m = 1500;
-  full.handpiece_tangential_permille = 500;
-  full.handpiece_lag_us = 20'000;
-  full.bus_delay_ticks = 2;
-  full.coulomb_mn[1] = 300;
-  full.threshold_mn[1] = 400;
-  full.rotational_kc_un_m_per_rad = 500'000;
-  full.peak_torque_un_m = 250'000;
-  full.rotation_cell_urad = 400;
-  full.contact_cue_mn = 300;
-  full.chatter_cue_mn = 200;
-  full.cue_energy_nj = 50'000;
-  full.cue_power_nw = 100'000;
-  for (uint32_t version : {1u, 2u, 3u, 4u}) {
-    CoreParams then = AsOfVersion(full, version);
-    EXPECT_EQ(then.core_version, version);
-    EXPECT_EQ(then == full, version == kCoreVersion);
-    ByteWriter out;
-    WriteParams(then, out);
-    ByteReader in(out.bytes());
-    auto back = ReadParams(in);
-    ASSERT_TRUE(back.ok()) << version << ": " << back.status().message();
-    EXPECT_EQ(*back, then);
-  }
 }
 
 TEST(CoreParamsTest, ImpossibleBurIsRefusedWithItsMeasures) {
@@ -730,6 +673,18 @@ TEST(CoreParamsTest, ForeignCoreVersionIsNamed) {
   Status status = ValidateParams(p);
   EXPECT_EQ(status.code(), Code::kVersion);
   EXPECT_NE(status.message().find("99"), std::string::npos);
+}
+
+TEST(CoreParamsTest, AnotherFormatIsRefusedByNumber) {
+  ByteWriter out;
+  WriteParams(Params(), out);
+  Bytes bytes = out.Take();
+  bytes[0] = 2;
+  ByteReader in(bytes);
+  auto read = ReadParams(in);
+  EXPECT_EQ(read.status().code(), Code::kVersion);
+  EXPECT_NE(read.status().message().find("of format 2"), std::string::npos)
+      << read.status().message();
 }
 
 }  // namespace

@@ -174,23 +174,6 @@ TEST(TorqueTest, AGapTakesTheTorqueAwayUntilTheHandIsBackAndALongTurnSuspends) {
   EXPECT_TRUE(s.core.Step(in).flags & kSuspended);
 }
 
-// Recordings of version 3 carried the number and sent no torque: nothing of theirs changes.
-TEST(TorqueTest, AnEarlierCoreAndADeviceWithoutTorqueAreAsTheyWere) {
-  CoreParams with = SixAxes(), without = SixAxes();
-  with.core_version = without.core_version = 3;
-  with.rotation_cell_urad = without.rotation_cell_urad = 0;
-  without.peak_torque_un_m = 0;
-  Core a(with, test::Block(100'000, 2e-3, 2e-3)), b(without, test::Block(100'000, 2e-3, 2e-3));
-  for (int tick = 0; tick < 2000; ++tick) {
-    const TickInput in = Turned(At(0, 0, std::fmax(-1e-3, 0.5e-3 - tick * 1e-6)),
-                                dvec3(0.2 * std::sin(tick * 0.01), 0, 0));
-    const TickOutput x = a.Step(in);
-    ASSERT_EQ(glm::length(x.torque_sent_n_m), 0);
-    ASSERT_EQ(x.witness, b.Step(in).witness);
-  }
-  EXPECT_EQ(a.state_hash(), b.state_hash());
-}
-
 // Torques that differ by less than the witness holds, or by nothing that it holds: the hash knows.
 TEST(TorqueTest, TheHashCoversTheTorque) {
   CoreParams p = SixAxes(), q = SixAxes();

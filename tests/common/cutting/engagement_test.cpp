@@ -150,8 +150,8 @@ TEST(EngagementTest, EveryBurInItsSeatMeetsTheIntegralOverItsFront) {
 }
 
 // Cut in along the axis to every depth about the one at which the bur's top lies at the surface,
-// then drawn back along it: at every place on the way nothing is ahead. Core version 2 met a rim
-// and a film there (the film: engagement.h).
+// then drawn back along it: at every place on the way nothing is ahead, neither a
+// rim nor a film (engagement.h).
 TEST(EngagementTest, BurDrawnUpItsAxisMeetsNothingAtAnyDepth) {
   const Volume block = test::Block(50'000, 2e-3, 6e-3);
   // Off the axes.

@@ -48,17 +48,6 @@ TEST(GoldenTest, HeaderWithAHandReadsAsDescribedAndIsWrittenToTheSameBytes) {
   EXPECT_EQ(EncodeHeader(sample::MakeHeaderWithHand()), bytes);
 }
 
-// Written by core version 1, before its successor's fields were there: listed, not re-run.
-TEST(GoldenTest, HeaderOfTheFirstCoreIsStillReadAndWrittenToTheSameBytes) {
-  Bytes bytes = Golden("header_core1.bin");
-  auto header = DecodeHeader(bytes);
-  ASSERT_TRUE(header.ok()) << header.status().message();
-  EXPECT_EQ(header->params.core_version, 1u);
-  EXPECT_EQ(header->station_software, sample::MakeHeader().station_software);
-  EXPECT_EQ(EncodeHeader(*header), bytes);
-  EXPECT_EQ(core::ValidateParams(header->params).code(), Code::kVersion);
-}
-
 TEST(GoldenTest, ChunkReadsAsDescribedAndHoldsItsSignature) {
   Bytes bytes = Golden("chunk.bin");
   auto chunk = DecodeChunk(bytes);
@@ -87,39 +76,19 @@ TEST(GoldenTest, RecordingReadsAsDescribedAndEachChunkIsSigned) {
   }
 }
 
-// `core_version` as an argument, so that a failure names it.
-void ReplaysToTheBit(const std::string& name, uint32_t core_version) {
-  auto file = DecodeTraceFile(Golden(name));
+TEST(GoldenTest, RecordingReplaysToTheBit) {
+  auto file = DecodeTraceFile(Golden("recording.bin"));
   ASSERT_TRUE(file.ok()) << file.status().message();
   auto header = DecodeHeader(file->header);
   ASSERT_TRUE(header.ok()) << header.status().message();
-  ASSERT_EQ(header->params.core_version, core_version);
   ASSERT_TRUE(core::ValidateParams(header->params).ok());
   core::Core core(header->params, sample::MakeBlock());
   auto report = Replay(core, *header, file->chunks);
   ASSERT_TRUE(report.ok()) << report.status().message();
   EXPECT_TRUE(report->witness_ok) << report->what << " differs at tick " << report->first_bad_tick
-                                  << ": the core gives other results than core_version "
-                                  << header->params.core_version << " did";
+                                  << ": the core gives other results than it gave";
   EXPECT_EQ(report->state_hash, file->seal->state_hash);
   EXPECT_EQ(report->ticks, file->seal->ticks);
-}
-
-TEST(GoldenTest, RecordingReplaysToTheBit) { ReplaysToTheBit("recording.bin", core::kCoreVersion); }
-
-TEST(GoldenTest, RecordingsOfEarlierCoresStillReplayToTheBit) {
-  ReplaysToTheBit("recording_core2.bin", 2);
-  ReplaysToTheBit("recording_core3.bin", 3);
-}
-
-TEST(GoldenTest, HeadersOfEarlierCoresAreStillReadAndWrittenToTheSameBytes) {
-  for (uint32_t version : {2u, 3u}) {
-    Bytes bytes = Golden("header_core" + std::to_string(version) + ".bin");
-    auto header = DecodeHeader(bytes);
-    ASSERT_TRUE(header.ok()) << header.status().message();
-    EXPECT_EQ(header->params.core_version, version);
-    EXPECT_EQ(EncodeHeader(*header), bytes);
-  }
 }
 
 }  // namespace

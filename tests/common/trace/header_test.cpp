@@ -99,14 +99,12 @@ TEST(HeaderTest, WhatIsAcceptedEncodesToTheSameBytes) {
 }
 
 TEST(HeaderTest, RecordingOfAnotherCoreVersionIsReadAndNotReplayed) {
-  for (uint32_t version : {1u, core::kCoreVersion + 1}) {
-    Header header = sample::MakeHeader();
-    header.params.core_version = version;
-    auto read = DecodeHeader(EncodeHeader(header));
-    ASSERT_TRUE(read.ok()) << read.status().message();
-    EXPECT_EQ(read->params, header.params);
-    EXPECT_EQ(core::ValidateParams(read->params).code(), Code::kVersion);
-  }
+  Header header = sample::MakeHeader();
+  header.params.core_version = core::kCoreVersion + 1;
+  auto read = DecodeHeader(EncodeHeader(header));
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  EXPECT_EQ(read->params, header.params);
+  EXPECT_EQ(core::ValidateParams(read->params).code(), Code::kVersion);
 }
 
 TEST(HeaderTest, OverFourKibibytesIsRefused) {

@@ -136,7 +136,7 @@ Recording World::Record(const Uuid& attempt, const Uuid& station,
   header.ticket.profile = HashSha256(AsBytes(scene::ToJson(profile)));
   header.scene = exercise.scene;
   header.volume = HashSha256(volume_blob);
-  header.params = core::AsOfVersion(params, options.core_version);
+  header.params = params;
   header.station_software = "test 1";
 
   Recording recording;

@@ -17,8 +17,6 @@ struct PathOptions {
   bool late = false;           // marks some ticks late
   uint64_t wander =
       0;  // not 0: strokes, pauses, gaps, late ticks and suspensions at random, of this seed
-  uint32_t core_version =
-      core::kCoreVersion;  // as a station of that version would have recorded it
 };
 
 struct Recording {

@@ -402,22 +402,6 @@ TEST_F(ScoreJobTest, TicksGapsAndLateTicksAreOnTheScore) {
   EXPECT_EQ(score.core_version, core::kCoreVersion);
 }
 
-// A school keeps its recordings when it moves to a newer program.
-TEST_F(ScoreJobTest, RecordingsOfEarlierCoreVersionsAreScoredAsThoseVersionsCut) {
-  for (uint32_t version : {2u, 3u}) {
-    World world = world_;
-    if (version == 2) {  // which had no other default law
-      world.exercise.law = haptics::LawKind::kGatedMaxwell;
-      world.params.law = world.exercise.law;
-    }
-    school_ = std::make_unique<JobSchool>(world);
-    auto score = ScoreOf(school_->RecordReference({.core_version = version}));
-    EXPECT_EQ(score.core_version, version);
-    EXPECT_TRUE(score.witness_ok);
-    EXPECT_GT(score.score, 90);
-  }
-}
-
 // The same recording as an exam with a limit, and as what a station would have sealed had its
 // student stopped there.
 TEST_F(ScoreJobTest, AnExamCountsUpToItsTimeLimitAndPracticeToItsEnd) {
