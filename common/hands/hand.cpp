@@ -66,7 +66,7 @@ Hand MakeHand(HandKind kind, std::string_view device, std::string_view driver,
 std::string HandText(const Hand& hand) {
   switch (hand.kind) {
     case HandKind::kNotTold:
-      return "a station that does not say what holds the tool";
+      return "no device named";
     case HandKind::kProgram:
       return "a simulated hand (" + hand.driver + ")";
     case HandKind::kHaptic:
@@ -106,7 +106,7 @@ Status MayHold(HandsAllowed allowed, const Hand& hand, bool listed) {
       "use such a device, or ask an instructor to allow this one in the "
       "assignment";
   if (admitted) what_to_do = "an admin puts it on the list as \"" + ListedAs(hand) + "\"";
-  if (hand.kind == HandKind::kNotTold) what_to_do = "install a newer station program";
+  if (hand.kind == HandKind::kNotTold) what_to_do = "name the device that will hold the tool";
   return Status(Code::kForbidden,
                 std::string("graded work here is done with ") + HandsAllowedText(allowed) +
                     ", found " + HandText(hand) + "; " + what_to_do,

@@ -14,7 +14,7 @@ namespace enamel {
 // As the station found it when the attempt began. It stands in the recording's header, whose hash
 // the first signed chunk names. What it cannot say: schemas/trace_format.md, "Hand".
 enum class HandKind : uint8_t {
-  kNotTold = 0,  // a header of version 1
+  kNotTold = 0,  // of a ticket for later, which was asked for without a hand
   kHaptic = 1,   // a person at a device with motors
   kPointer = 2,  // a person at a mouse, a keyboard or another device without motors
   kProgram = 3,  // a simulated hand on a simulated device
@@ -47,7 +47,7 @@ enum class HandsAllowed : uint8_t {
   kListed = 1,   // devices with motors that are on the school's list
   kHaptic = 2,   // every device with motors
   kPointer = 3,  // a mouse too
-  kAny = 4,      // simulated hands too, and stations that do not say
+  kAny = 4,      // simulated hands too
 };
 // Stable names: "listed", "haptic", "pointer", "any".
 const char* HandsAllowedName(HandsAllowed allowed);

@@ -7,17 +7,6 @@
 
 namespace enamel::protocol {
 
-void SetFacts(const AttemptFacts& facts, wire::OpenAttempt& message) {
-  *message.mutable_facts() = facts;
-  message.set_resumed(facts.resumed());
-}
-
-AttemptFacts FactsOf(const wire::OpenAttempt& message) {
-  AttemptFacts facts = message.facts();
-  if (!message.has_facts()) facts.set_resumed(message.resumed());
-  return facts;
-}
-
 Bytes EncodeFacts(const AttemptFacts& facts) {
   Bytes out(facts.ByteSizeLong());
   ENAMEL_CHECK(facts.SerializeToArray(out.data(), static_cast<int>(out.size())));

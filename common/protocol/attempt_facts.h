@@ -20,12 +20,7 @@ using AttemptFacts = wire::AttemptFacts;
 // station's word.
 inline constexpr size_t kMaxFactsBytes = 4096;
 
-// A fact that the other side does not know reads as its default here, and is ignored there. Stations
-// and servers from before there was a message for facts say and read `resumed` alone.
-void SetFacts(const AttemptFacts& facts, wire::OpenAttempt& message);
-AttemptFacts FactsOf(const wire::OpenAttempt& message);
-
-// As the spool keeps them. Facts of a newer station, unknown here, are kept as they came.
+// As the spool keeps them. Facts that are unknown here are kept as they came.
 Bytes EncodeFacts(const AttemptFacts& facts);
 // Errors: kInvalidInput.
 Result<AttemptFacts> DecodeFacts(ByteView bytes);

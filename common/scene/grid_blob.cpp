@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include "common/base/letters.h"
+
 namespace enamel::scene {
 namespace {
 
@@ -26,8 +28,7 @@ Result<uint16_t> ReadBlobStart(ByteReader& in, std::string_view letters, uint16_
                                uint16_t known_flags, std::string_view blob) {
   const ByteView found = in.Raw(letters.size());
   if (!in.ok() || AsText(found) != letters) {
-    return Malformed(blob, "expected the letters " + std::string(letters) +
-                               " at its start: this is no " + std::string(blob));
+    return Malformed(blob, OtherLetters(letters, found));
   }
   if (const uint16_t other = in.U16(); other != version) {
     return Status(Code::kVersion, std::string(blob) + ": this program reads version " +

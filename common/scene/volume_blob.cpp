@@ -15,7 +15,7 @@ using cutting::kTissueCount;
 using cutting::Tissue;
 using cutting::Volume;
 
-constexpr std::string_view kLetters = "ENVB";
+constexpr std::string_view kLetters = "ENTV";
 constexpr uint16_t kVersion = 1;
 constexpr std::string_view kBlob = "volume blob";
 // Kind byte of a brick (schemas/volume_blob.md).

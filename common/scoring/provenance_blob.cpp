@@ -8,7 +8,7 @@
 namespace enamel::scoring {
 namespace {
 
-constexpr std::string_view kLetters = "ENPV";
+constexpr std::string_view kLetters = "ENTP";
 constexpr uint16_t kVersion = 1;
 constexpr uint16_t kIncomplete = 1;  // flag
 constexpr std::string_view kBlob = "provenance";

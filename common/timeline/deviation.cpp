@@ -15,7 +15,7 @@ namespace {
 using cutting::kBrickSide;
 using cutting::kBrickVoxels;
 
-constexpr std::string_view kLetters = "ENDV";
+constexpr std::string_view kLetters = "ENTD";
 constexpr uint16_t kVersion = 1;
 constexpr std::string_view kBlob = "deviation";
 constexpr size_t kMaskBytes = kBrickVoxels / 8;

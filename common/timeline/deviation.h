@@ -7,7 +7,7 @@
 #include "common/base/result.h"
 #include "common/cutting/volume.h"
 
-// How far the surface of a tooth lies from the reference's, cell by cell: format "ENDV", version 1
+// How far the surface of a tooth lies from the reference's, cell by cell: format "ENTD", version 1
 // (schemas/surface_timeline.md). Bounded, deterministic with one version of the library that packs.
 // Thread safety: functions, any thread.
 namespace enamel::timeline {

@@ -9,7 +9,7 @@
 namespace enamel::timeline {
 namespace {
 
-constexpr std::string_view kLetters = "ENTB";
+constexpr std::string_view kLetters = "ENTS";
 constexpr uint16_t kVersion = 1;
 constexpr std::string_view kBlob = "start tooth";
 

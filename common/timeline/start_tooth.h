@@ -7,7 +7,7 @@
 #include "common/cutting/volume.h"
 #include "common/timeline/samples.h"
 
-// The tooth before the first tick as the page reads it: format "ENTB", version 1
+// The tooth before the first tick as the page reads it: format "ENTS", version 1
 // (schemas/surface_timeline.md). The same for everybody who cuts this tooth.
 // Thread safety: functions, any thread. Not real-time.
 namespace enamel::timeline {

@@ -9,7 +9,7 @@
 #include "common/base/sha256.h"
 #include "common/cutting/volume.h"
 
-// What a surface timeline says about itself: format "ENTL", version 1
+// What a surface timeline says about itself: format "ENTT", version 1
 // (schemas/surface_timeline.md). How the tooth became what it is, in frames of equally many ticks,
 // beside the tooth before (start_tooth.h). Made by recorder.h, read by player.h.
 namespace enamel::timeline {

@@ -7,7 +7,7 @@
 namespace enamel::timeline {
 namespace {
 
-constexpr std::string_view kLetters = "ENTL";
+constexpr std::string_view kLetters = "ENTT";
 constexpr uint16_t kVersion = 1;
 constexpr std::string_view kBlob = "surface timeline";
 constexpr size_t kFixedBytes = 108, kOutlineBytes = 8, kSegmentBytes = 20;

@@ -15,7 +15,7 @@ namespace {
 
 // In front of what is signed: a key that signs two kinds of message must not let one pass for the
 // other (schemas/trace_format.md, "Ticket").
-constexpr std::string_view kChunkDomain = "enamel.chunk.v1";
+constexpr std::string_view kChunkDomain = "enamel.trace-chunk.v1";
 constexpr size_t kHeadBytes = 90;
 constexpr size_t kSignatureBytes = 64;
 // 4 % smaller than level 1 at the same time; level 19 would save another 14 % at forty times the

@@ -10,7 +10,7 @@
 namespace enamel::trace {
 namespace {
 
-constexpr std::string_view kTicketDomain = "enamel.ticket.v1";
+constexpr std::string_view kTicketDomain = "enamel.attempt-ticket.v1";
 constexpr size_t kTicketBytes = 214;
 
 template <size_t N>
@@ -37,6 +37,7 @@ void WriteTicketFields(const Ticket& t, ByteWriter& out) {
 }
 
 void WriteHand(const Hand& hand, ByteWriter& out) {
+  ENAMEL_CHECK(hand.kind != HandKind::kNotTold);
   out.U8(static_cast<uint8_t>(hand.kind));
   for (const std::string* text : {&hand.device, &hand.driver, &hand.unit}) {
     ENAMEL_CHECK(text->size() <= kMaxHandTextBytes);
@@ -120,38 +121,35 @@ Bytes EncodeHeader(const Header& header) {
   ENAMEL_CHECK(header.station_software.size() <= kMaxSoftwareBytes);
   ByteWriter params;
   core::WriteParams(header.params, params);
-  const bool told = header.hand.kind != HandKind::kNotTold;
   ByteWriter out;
-  WriteMagic(kHeaderMagic, out, told ? 2 : 1);
+  WriteMagic(kHeaderMagic, out);
   out.Blob(EncodeTicket(header.ticket));
   out.Raw(header.scene.view());
   out.Raw(header.volume.view());
   out.Blob(params.bytes());
   out.Text(header.station_software);
-  // A header that tells of no hand is what it was before there was one, to the byte.
-  if (told) WriteHand(header.hand, out);
+  WriteHand(header.hand, out);
   return out.Take();
 }
 
 Result<Header> DecodeHeader(ByteView bytes) {
   if (bytes.size() > kMaxHeaderBytes) return TooLarge("header", kMaxHeaderBytes, bytes.size());
   ByteReader in(bytes);
-  ENAMEL_ASSIGN_OR_RETURN(const uint16_t version,
-                          ReadVersion("header", kHeaderMagic, kHeaderVersion, in));
+  ENAMEL_RETURN_IF_ERROR(ReadMagic("header", kHeaderMagic, in));
   ByteView ticket_bytes = in.Blob(kTicketBytes);
   Header h;
   h.scene = ReadHash(in);
   h.volume = ReadHash(in);
   ByteView params_bytes = in.Blob(core::kParamsBytes);
   h.station_software = in.Text(kMaxSoftwareBytes);
-  const uint8_t kind = version >= 2 ? ReadHand(in, h.hand) : 0;
+  const uint8_t kind = ReadHand(in, h.hand);
   if (!in.ok()) return EndsEarly("header", bytes.size());
   ENAMEL_ASSIGN_OR_RETURN(auto ticket, DecodeTicket(ticket_bytes));
   h.ticket = ticket;
   ByteReader params_in(params_bytes);
   ENAMEL_ASSIGN_OR_RETURN(auto params, core::ReadParams(params_in));
   h.params = params;
-  if (version >= 2 && (kind < 1 || kind > 3)) {
+  if (kind < 1 || kind > 3) {
     return Status(Code::kInvalidInput,
                   "header: expected a hand of kind 1 to 3, found " + std::to_string(kind), "hand");
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/base/letters.h"
 #include "common/base/sha256.h"
 #include "common/trace/trace.h"
 
@@ -23,31 +24,23 @@ Sha256 CheckOf(uint8_t kind, ByteView content) {
 
 }  // namespace
 
-void WriteMagic(const Magic& magic, ByteWriter& out, uint16_t version) {
+void WriteMagic(const Magic& magic, ByteWriter& out) {
   out.Raw(magic);
-  out.U16(version);
-}
-
-Result<uint16_t> ReadVersion(const std::string& what, const Magic& magic, uint16_t newest,
-                             ByteReader& in) {
-  ByteView found = in.Raw(magic.size());
-  uint16_t version = in.U16();
-  if (!in.ok() || !std::equal(found.begin(), found.end(), magic.begin())) {
-    return Status(Code::kInvalidInput,
-                  what + ": expected it to begin with \"" + std::string(AsText(magic)) +
-                      "\" and a version; this is something else or cut short",
-                  "magic");
-  }
-  if (version >= 1 && version <= newest) return version;
-  return Status(Code::kVersion,
-                what + " is of format version " + std::to_string(version) +
-                    ", this program reads version " + (newest == 1 ? "" : "1 to ") +
-                    std::to_string(newest) + "; use a program of the recording's version",
-                "version");
+  out.U16(kTraceVersion);
 }
 
 Status ReadMagic(const std::string& what, const Magic& magic, ByteReader& in) {
-  return ReadVersion(what, magic, kTraceVersion, in).status();
+  ByteView found = in.Raw(magic.size());
+  uint16_t version = in.U16();
+  if (!in.ok() || !std::equal(found.begin(), found.end(), magic.begin())) {
+    return Status(Code::kInvalidInput, what + ": " + OtherLetters(AsText(magic), found), "magic");
+  }
+  if (version == kTraceVersion) return Status::Ok();
+  return Status(Code::kVersion,
+                what + " is of format version " + std::to_string(version) +
+                    ", this program reads version " + std::to_string(kTraceVersion) +
+                    "; use a program of the recording's version",
+                "version");
 }
 
 void WriteRecord(uint8_t kind, ByteView content, ByteWriter& out) {

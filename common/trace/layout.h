@@ -13,20 +13,17 @@
 namespace enamel::trace {
 
 using Magic = std::array<uint8_t, 4>;
-inline constexpr Magic kTicketMagic = {'E', 'N', 't', 'k'};
-inline constexpr Magic kHeaderMagic = {'E', 'N', 'h', 'd'};
-inline constexpr Magic kChunkMagic = {'E', 'N', 'c', 'h'};
-inline constexpr Magic kSealMagic = {'E', 'N', 's', 'l'};
-inline constexpr Magic kFileMagic = {'E', 'N', 't', 'f'};
-inline constexpr Magic kKeyframesMagic = {'E', 'N', 'k', 'f'};
+inline constexpr Magic kTicketMagic = {'E', 'N', 'a', 't'};
+inline constexpr Magic kHeaderMagic = {'E', 'N', 'a', 'h'};
+inline constexpr Magic kChunkMagic = {'E', 'N', 'a', 'c'};
+inline constexpr Magic kSealMagic = {'E', 'N', 'a', 's'};
+inline constexpr Magic kFileMagic = {'E', 'N', 'a', 'f'};
+inline constexpr Magic kKeyframesMagic = {'E', 'N', 'a', 'k'};
 inline constexpr size_t kSealBytes = 74;
 
 // Magic and version.
-void WriteMagic(const Magic& magic, ByteWriter& out, uint16_t version = kTraceVersion);
-// The version, 1 to `newest`. Errors: kInvalidInput for another magic, kVersion for another version.
-Result<uint16_t> ReadVersion(const std::string& what, const Magic& magic, uint16_t newest,
-                             ByteReader& in);
-// The same where there is one version only.
+void WriteMagic(const Magic& magic, ByteWriter& out);
+// Errors: kInvalidInput for another magic, kVersion for another version.
 Status ReadMagic(const std::string& what, const Magic& magic, ByteReader& in);
 
 // A file is its magic, version and reserved field, a body if it has one, and records: kind, size,

@@ -21,8 +21,7 @@
 // the server's ticket) and an Ed25519 signature of the station. Everything is little-endian.
 namespace enamel::trace {
 
-inline constexpr uint16_t kTraceVersion = 1;   // of all but the header
-inline constexpr uint16_t kHeaderVersion = 2;  // the newest that is read
+inline constexpr uint16_t kTraceVersion = 1;
 inline constexpr size_t kMaxTicksPerChunk = 1000;
 inline constexpr size_t kMaxChunkBytes = 1 << 20;
 inline constexpr size_t kMaxHeaderBytes = 4096;
@@ -33,7 +32,7 @@ using SecretKey = std::array<uint8_t, 64>;  // Ed25519, libsodium's form (seed, 
 using Signature = std::array<uint8_t, 64>;
 
 // Ed25519 over `domain` and then `content`. The domain says what kind of thing is signed, so that a
-// key that signs several never has one pass for another ("enamel.ticket.v1").
+// key that signs several never has one pass for another ("enamel.attempt-ticket.v1").
 Signature SignText(std::string_view domain, ByteView content, const SecretKey& key);
 bool VerifyText(std::string_view domain, ByteView content, const Signature& signature,
                 const PublicKey& key);
@@ -67,11 +66,11 @@ struct Header {
   Sha256 volume;  // content address of the initial volume blob
   core::CoreParams params;
   std::string station_software;  // "enamel-station 0.1.0", at most kMaxSoftwareBytes
-  Hand hand;                     // told: the header is of version 2; else of version 1
+  Hand hand;                     // of a kind that is told
 
   bool operator==(const Header&) const = default;
 };
-// HashSha256 of the encoded header is the first link: chunk 0's `previous`.
+// HashSha256 of the encoded header is the first link: chunk 0's `previous`. Requires: a hand.
 Bytes EncodeHeader(const Header& header);
 // Accepts only what EncodeHeader writes, so that the hash of a decoded header encoded again is the
 // hash of the original. Headers of other core versions are read, to be listed; whoever runs a core on one

@@ -72,7 +72,7 @@ int CellAlong(double voxels, int normal, double rounding) {
 Bytes EncodeSurface(const surface::Mesh& mesh, std::span<const float> deviation_m) {
   ENAMEL_CHECK(deviation_m.empty() || deviation_m.size() == mesh.position_m.size());
   ByteWriter out;
-  out.Raw(AsBytes("ENSF"));
+  out.Raw(AsBytes("ENTM"));
   out.U16(kVersion);
   out.U16(deviation_m.empty() ? 0 : kHasDeviation);
   out.U32(static_cast<uint32_t>(mesh.position_m.size()));
@@ -99,7 +99,7 @@ Bytes EncodeSurface(const surface::Mesh& mesh, std::span<const float> deviation_
 
 Result<Bytes> DeviationOfSurface(ByteView surface, const cutting::GridSpec& spec) {
   ByteReader in(surface);
-  const bool is_surface = AsText(in.Raw(4)) == "ENSF" && in.U16() == kVersion;
+  const bool is_surface = AsText(in.Raw(4)) == "ENTM" && in.U16() == kVersion;
   const uint16_t flags = in.U16();
   const size_t vertices = in.U32();
   in.U32();  // triangles

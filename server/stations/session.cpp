@@ -16,10 +16,11 @@ constexpr size_t kMaxSoftwareBytes = 200;
 
 Status CheckProtocolVersion(uint32_t version) {
   if (version == protocol::kProtocolVersion) return Status::Ok();
+  const std::string spoken = version == 0 ? "that of an earlier Enamel" : std::to_string(version);
   return Status(Code::kVersion,
                 "this server speaks protocol version " +
-                    std::to_string(protocol::kProtocolVersion) + ", the station " +
-                    std::to_string(version) + "; install matching versions",
+                    std::to_string(protocol::kProtocolVersion) + ", the station speaks " + spoken +
+                    "; install matching versions",
                 "protocol_version");
 }
 
@@ -168,7 +169,6 @@ Result<wire::Reply> Session::Do(const wire::Hello& hello) {
   welcome.set_server_unix_ms(services_.clock());
   welcome.set_ticket_key(protocol::ToField(services_.ticket_key.public_key));
   welcome.set_page_url(services_.page_url);
-  welcome.set_header_version(trace::kHeaderVersion);
   return reply;
 }
 

@@ -277,7 +277,7 @@ Result<wire::Reply> Session::Do(const wire::OpenAttempt& request) {
     ENAMEL_RETURN_IF_ERROR(CheckParams(header));
   }
   ENAMEL_RETURN_IF_ERROR(services_.store.tickets.OpenAttempt(attempt, AsBytes(request.header())));
-  const protocol::AttemptFacts facts = protocol::FactsOf(request);
+  const protocol::AttemptFacts facts = request.facts();
   ENAMEL_RETURN_IF_ERROR(KeepFacts(*row, facts));
   if (facts.resumed() > 0) {
     ENAMEL_RETURN_IF_ERROR(

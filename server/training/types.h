@@ -128,7 +128,7 @@ struct SceneRow {
   std::string title;
   Sha256 content;  // JSON blob
   Sha256 volume;
-  Sha256 surface{};  // ENSF blob of the volume before it is cut; zero: not made yet
+  Sha256 surface{};  // ENTM blob of the volume before it is cut; zero: not made yet
 };
 
 // A draft can be replaced and is seen by instructors and admins only. A published version never

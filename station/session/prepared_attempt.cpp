@@ -11,7 +11,7 @@ Status UseHandOf(PreparedAttempt& prepared, const Device& device) {
     return Status::Ok();
   }
   // Its header is recorded and fixed: a recording by two kinds of hand would claim only one.
-  if (begun.kind == HandKind::kNotTold || begun.kind == hand.kind) return Status::Ok();
+  if (begun.kind == hand.kind) return Status::Ok();
   return Status(Code::kConflict,
                 "this attempt was begun with " + HandText(begun) + ", found " + HandText(hand) +
                     "; resume it with the same kind",

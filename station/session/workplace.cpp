@@ -246,8 +246,6 @@ Status Workplace::AskForTicket(PreparedAttempt& prepared, bool as_reference) {
   auto link = UseLink();
   ENAMEL_ASSIGN_OR_RETURN(auto who, SignedIn(*link));
   ENAMEL_RETURN_IF_ERROR(TellReturned(*link));
-  // A server of an older version cannot read a header with a hand.
-  if (link->header_version() < 2) prepared.header.hand = {};
   ENAMEL_ASSIGN_OR_RETURN(
       auto issued,
       link->RequestTicket(credentials_, who,

@@ -53,8 +53,6 @@ Result<size_t> AttemptSender::Offer() {
     }
     ENAMEL_RETURN_IF_ERROR(Meanwhiles());
     auto wanted = link_.OfferAttempts(held, std::exchange(tickets, {}));
-    // A server that does not know the question was never restored with a program that could ask.
-    if (wanted.status().code() == Code::kVersion) return size_t{0};
     if (!wanted.ok()) return wanted.status();
     for (const Uuid& id : wanted->attempts) {
       // Only offered ids count: only they can be sent again.

@@ -127,7 +127,6 @@ Status ServerLink::Connect(const Credentials& credentials) {
   may_begin_ = reply->welcome().core_version() == core::kCoreVersion;
   // People type it elsewhere, so anything but a plain address is ignored.
   const std::string& page_url = reply->welcome().page_url();
-  header_version_ = std::max(1u, reply->welcome().header_version());
   page_url_ = protocol::IsPageUrl(page_url) ? page_url : "";
   return Status::Ok();
 }
@@ -298,7 +297,7 @@ Result<ServerLink::Opened> ServerLink::OpenAttempt(ByteView header,
                                                    const protocol::AttemptFacts& facts) {
   wire::Request request;
   request.mutable_open_attempt()->set_header(protocol::ToField(header));
-  protocol::SetFacts(facts, *request.mutable_open_attempt());
+  *request.mutable_open_attempt()->mutable_facts() = facts;
   ENAMEL_ASSIGN_OR_RETURN(auto reply, Call(request));
   if (!reply.has_attempt_opened()) return Unexpected("AttemptOpened");
   return Opened{reply.attempt_opened().next_seq(), reply.attempt_opened().watched()};

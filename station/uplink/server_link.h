@@ -106,8 +106,6 @@ class ServerLink {
   // The page's address, from the server's hello; empty if missing or unsuitable
   // (protocol::IsPageUrl).
   const std::string& page_url() const { return page_url_; }
-  // The newest version of a recording's header that the server reads.
-  uint32_t header_version() const { return header_version_; }
   // How far the server's clock is ahead of this machine's, ms, accurate to half the duration of the
   // hello.
   int64_t server_ahead_ms() const { return server_ahead_ms_; }
@@ -133,14 +131,12 @@ class ServerLink {
                                              uint64_t shown = 0);
 
   // Asks which of the attempts the server lacks entirely, and which of the tickets (by attempt)
-  // must not be used any more. At most 1024 of each. Errors: kVersion when the server does not know
-  // the question.
+  // must not be used any more. At most 1024 of each.
   Result<Wanted> OfferAttempts(const std::vector<HeldAttempt>& attempts,
                                const std::vector<Uuid>& tickets);
 
   // Reports that the ticket of this attempt was not used and will not be. Errors: kNotFound (no
-  // such ticket of this station), kConflict (the attempt was opened), kVersion when the server does
-  // not know the request; asking again changes none of them.
+  // such ticket of this station), kConflict (the attempt was opened); asking again changes neither.
   Status ReturnTicket(const Uuid& attempt);
 
   struct Opened {
@@ -175,7 +171,6 @@ class ServerLink {
   net::FrameClient client_;
   uint32_t last_id_ = 0;
   bool may_begin_ = false;
-  uint32_t header_version_ = 1;
   std::string page_url_;
   int64_t server_ahead_ms_ = 0;
 };

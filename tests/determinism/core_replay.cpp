@@ -103,6 +103,7 @@ int Record(uint64_t seed, const char* trace_path, const char* volume_path) {
   header.volume = HashSha256(blob);
   header.params = ParamsFor(seed);
   header.station_software = "core_replay";
+  header.hand.kind = HandKind::kProgram;
   trace::TraceFile file;
   file.header = trace::EncodeHeader(header);
   trace::KeyPair keys = trace::NewKeyPair();

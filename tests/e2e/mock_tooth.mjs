@@ -180,7 +180,7 @@ function startTooth(before) {
     if (flags[b] & 8) samples.push(residuals(s));
     labels.push(Uint8Array.from(before.subarray(512 * b, 512 * b + 512), tissueIn));
   }
-  return Buffer.concat([beginning("ENTB"), blob(flags), blob(Buffer.concat(samples)), blob(Buffer.concat(labels))]);
+  return Buffer.concat([beginning("ENTS"), blob(flags), blob(Buffer.concat(samples)), blob(Buffer.concat(labels))]);
 }
 
 // Of every brick that is cut at some time: what its samples are at any frame.
@@ -283,7 +283,7 @@ function timeline(cut, start, seconds, pace) {
     .flat()
     .map((mm) => Math.round(mm * 1e6));
   return Buffer.concat([
-    beginning("ENTL"),
+    beginning("ENTT"),
     createHash("sha256").update(start).digest(),
     u32(ticks, 0, kRateHz, kFrameTicks, kSegmentFrames, outline.length / 2, index.length),
     u32(...outline),
@@ -316,7 +316,7 @@ function deviation(before, cavity) {
     cells.push(u32(b), mask);
   }
   return Buffer.concat([
-    beginning("ENDV"),
+    beginning("ENTD"),
     u32(bricksIn, values.length),
     blob(Buffer.concat(cells)),
     blob(planes(differences(values))),
@@ -337,7 +337,7 @@ export function playbackOf(pace = 1) {
   return made.get(pace);
 }
 
-// The surface as the server's format ENSF (schemas/api/openapi.yaml, /attempts/{id}/surface)
+// The surface as the server's format ENTM (schemas/api/openapi.yaml, /attempts/{id}/surface)
 // without deviation: where rays from inside leave the tooth, along meridians from its top.
 function surface(solid) {
   const [across, around] = [64, 128];
@@ -370,7 +370,7 @@ function surface(solid) {
   const n = positions.length;
   const scale = (Math.max(...kHalf) * 2) / 65_000;
   const head = Buffer.alloc(32);
-  head.write("ENSF", 0, "latin1");
+  head.write("ENTM", 0, "latin1");
   head.writeUInt16LE(1, 4);
   head.writeUInt32LE(n, 8);
   head.writeUInt32LE(triangles.length / 3, 12);

@@ -49,7 +49,7 @@ struct Target {
   // Messages possible only with the station's key: its attempt, its signature.
   void MakeOurs(std::string& chunk) {
     constexpr size_t kAttemptAt = 6, kSignature = 64;
-    constexpr std::string_view kDomain = "enamel.chunk.v1";
+    constexpr std::string_view kDomain = "enamel.trace-chunk.v1";
     if (chunk.size() < 90 + kSignature) return;
     std::ranges::copy(attempt.bytes, chunk.begin() + kAttemptAt);
     std::string signed_part = chunk.substr(0, chunk.size() - kSignature);

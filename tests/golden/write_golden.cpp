@@ -17,7 +17,6 @@
 
 // Writes the files of schemas/golden that a program can write (schemas/golden/README.md):
 // recordings and their parts, the frames of the wire's messages, the built-in device profiles.
-// Files that represent recordings already in use are never rewritten, and are not written here.
 namespace enamel::trace {
 namespace {
 
@@ -68,8 +67,6 @@ void WriteTraces(const std::filesystem::path& folder) {
   Header header = sample::MakeHeader();
   Write(folder, "ticket", EncodeTicket(header.ticket), Describe(header.ticket));
   Write(folder, "header", EncodeHeader(header), Describe(header));
-  Header held = sample::MakeHeaderWithHand();
-  Write(folder, "header_hand", EncodeHeader(held), Describe(held));
 
   ChunkHead head;
   head.attempt = header.ticket.attempt;

@@ -39,7 +39,7 @@ pair() {
   attempt=$(json_of "$work/$name" attempt_id)
   station_cli spool export --data "$station" "$attempt" --out "$work/$name.trace" >/dev/null
   for blob in "$station"/blobs/*; do
-    if [ "$(head -c 4 "$blob" | tr -d '\0')" = ENVB ]; then volume=$blob; fi
+    if [ "$(head -c 4 "$blob" | tr -d '\0')" = ENTV ]; then volume=$blob; fi
   done
   if [ -x "$bin/core_replay" ]; then
     "$bin/core_replay" replay "$work/$name.trace" "$volume" | grep -q '^witness_ok 1' || fail "$name: the core alone does not replay it"

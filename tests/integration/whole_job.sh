@@ -27,7 +27,7 @@ node -e '
 "$bin/enamel-station" spool export --data "$work/data/station" "$first" --out "$work/first.trace"
 volume=""
 for blob in "$work"/data/station/blobs/*; do
-  if [ "$(head -c 4 "$blob" | tr -d '\0')" = ENVB ]; then volume=$blob; fi
+  if [ "$(head -c 4 "$blob" | tr -d '\0')" = ENTV ]; then volume=$blob; fi
 done
 [ -n "$volume" ] || fail "no volume blob among the station's"
 "$bin/core_replay" replay "$work/first.trace" "$volume" | tee "$work/replay.a"

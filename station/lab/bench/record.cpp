@@ -146,6 +146,7 @@ Status Attempt(const World& w, const Options& options, Spool& spool, uint64_t mo
   header.ticket.attempt = Uuid::New();
   header.params = w.params;
   header.station_software = "enamel-lab";
+  header.hand.kind = HandKind::kProgram;
   ENAMEL_RETURN_IF_ERROR(spool.BeginAttempt(header, w.exercise.name, w.profile.name));
   core::Core core(w.params, w.built.volume);
   SampleRing ring(4 * Recorder::kTicksPerChunk);

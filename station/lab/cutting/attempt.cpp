@@ -161,6 +161,7 @@ trace::Header MakeHeader(const scene::BuiltScene& built, const scene::Exercise& 
   header.volume = built.scene.volume;
   header.params = params;
   header.station_software = "enamel-measure";
+  header.hand.kind = HandKind::kProgram;
   return header;
 }
 

@@ -81,27 +81,6 @@ TEST(MessagesTest, FieldsOfAnotherSizeAreRefusedByName) {
   EXPECT_EQ(ReadKey(std::string(33, 'k'), "public_key").status().field(), "public_key");
 }
 
-// As a peer reads it that was made before the fact was known, and the other way round.
-TEST(AttemptFactsTest, ComeBackAndAreDefaultsWhereAPeerDoesNotSayThem) {
-  AttemptFacts facts;
-  facts.set_resumed(3);
-  wire::OpenAttempt message;
-  SetFacts(facts, message);
-  EXPECT_EQ(FactsOf(message).SerializeAsString(), facts.SerializeAsString());
-  EXPECT_EQ(FactsOf(wire::OpenAttempt()).SerializeAsString(), "");
-}
-
-TEST(AttemptFactsTest, StationsAndServersFromBeforeTheMessageOfFactsUnderstandResumed) {
-  AttemptFacts facts;
-  facts.set_resumed(3);
-  wire::OpenAttempt to_old;
-  SetFacts(facts, to_old);
-  EXPECT_EQ(to_old.resumed(), 3u);
-  wire::OpenAttempt from_old;
-  from_old.set_resumed(2);
-  EXPECT_EQ(FactsOf(from_old).resumed(), 2u);
-}
-
 // Field 1000 stands for one that comes later.
 TEST(AttemptFactsTest, KeepsFactsThatItDoesNotKnowAndNamesThoseItKnows) {
   const Bytes later{0x08, 0x02, 0xc2, 0x3e, 0x05, 'l', 'a', 't', 'e', 'r'};

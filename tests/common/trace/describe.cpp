@@ -87,19 +87,17 @@ json::object Describe(const Ticket& t) {
 }
 
 json::object Describe(const Header& h) {
-  json::object out{{"ticket", Describe(h.ticket)},
-                   {"scene", h.scene.Hex()},
-                   {"volume", h.volume.Hex()},
-                   {"params", Describe(h.params)},
-                   {"station_software", h.station_software}};
-  if (h.hand.kind != HandKind::kNotTold) {
-    out["hand"] = {{"kind", HandKindName(h.hand.kind)},
-                   {"device", h.hand.device},
-                   {"driver", h.hand.driver},
-                   {"unit", h.hand.unit}};
-  }
-  out["hash"] = HashSha256(EncodeHeader(h)).Hex();
-  return out;
+  return json::object{{"ticket", Describe(h.ticket)},
+                      {"scene", h.scene.Hex()},
+                      {"volume", h.volume.Hex()},
+                      {"params", Describe(h.params)},
+                      {"station_software", h.station_software},
+                      {"hand",
+                       {{"kind", HandKindName(h.hand.kind)},
+                        {"device", h.hand.device},
+                        {"driver", h.hand.driver},
+                        {"unit", h.hand.unit}}},
+                      {"hash", HashSha256(EncodeHeader(h)).Hex()}};
 }
 
 json::object Describe(const Chunk& chunk) {

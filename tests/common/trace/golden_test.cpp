@@ -39,15 +39,6 @@ TEST(GoldenTest, HeaderReadsAsDescribedAndIsWrittenToTheSameBytes) {
   EXPECT_EQ(EncodeHeader(sample::MakeHeader()), bytes);
 }
 
-TEST(GoldenTest, HeaderWithAHandReadsAsDescribedAndIsWrittenToTheSameBytes) {
-  Bytes bytes = Golden("header_hand.bin");
-  auto header = DecodeHeader(bytes);
-  ASSERT_TRUE(header.ok()) << header.status().message();
-  EXPECT_EQ(Describe(*header), Content("header_hand"));
-  EXPECT_EQ(header->hand.unit, "hid:1209:0001:A7");
-  EXPECT_EQ(EncodeHeader(sample::MakeHeaderWithHand()), bytes);
-}
-
 TEST(GoldenTest, ChunkReadsAsDescribedAndHoldsItsSignature) {
   Bytes bytes = Golden("chunk.bin");
   auto chunk = DecodeChunk(bytes);

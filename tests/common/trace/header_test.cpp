@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "common/trace/trace.h"
 #include "tests/common/trace/sample.h"
 
@@ -48,33 +50,34 @@ TEST(HeaderTest, GivesBackWhatWasWritten) {
 }
 
 TEST(HeaderTest, EveryTruncationAndAnExtraByteAreRefused) {
-  for (const Header& header : {sample::MakeHeader(), sample::MakeHeaderWithHand()}) {
-    Bytes bytes = EncodeHeader(header);
-    for (size_t n = 0; n < bytes.size(); ++n)
-      EXPECT_FALSE(DecodeHeader(ByteView(bytes).first(n)).ok());
-    bytes.push_back(0);
-    EXPECT_FALSE(DecodeHeader(bytes).ok());
+  Bytes bytes = EncodeHeader(sample::MakeHeader());
+  for (size_t n = 0; n < bytes.size(); ++n)
+    EXPECT_FALSE(DecodeHeader(ByteView(bytes).first(n)).ok());
+  bytes.push_back(0);
+  EXPECT_FALSE(DecodeHeader(bytes).ok());
+}
+
+TEST(HeaderTest, AnotherVersionIsRefused) {
+  Bytes bytes = EncodeHeader(sample::MakeHeader());
+  for (uint8_t version : {0, 2, 255}) {
+    bytes[4] = version;
+    EXPECT_EQ(DecodeHeader(bytes).status().code(), Code::kVersion) << int{version};
   }
 }
 
-// The version says whether there is a hand, so that no header has two forms.
-TEST(HeaderTest, TellsOfAHandInVersionTwoAndOfNoneInVersionOne) {
-  const Bytes without = EncodeHeader(sample::MakeHeader());
-  Bytes with = EncodeHeader(sample::MakeHeaderWithHand());
-  EXPECT_EQ(without[4], 1);
-  EXPECT_EQ(with[4], 2);
-  EXPECT_EQ(DecodeHeader(with)->hand, sample::MakeHeaderWithHand().hand);
-  EXPECT_EQ(DecodeHeader(without)->hand.kind, HandKind::kNotTold);
-  for (uint8_t version : {0, 3, 255}) {
-    with[4] = version;
-    EXPECT_EQ(DecodeHeader(with).status().code(), Code::kVersion) << int{version};
-  }
-  with[4] = 1;
-  EXPECT_EQ(DecodeHeader(with).status().code(), Code::kInvalidInput) << "bytes left over";
+// What earlier programs wrote begins with other letters.
+TEST(HeaderTest, AnEarlierEnamelsIsRefusedByItsLetters) {
+  Bytes bytes = EncodeHeader(sample::MakeHeader());
+  std::ranges::copy(AsBytes("ENhd"), bytes.begin());
+  const Status refused = DecodeHeader(bytes).status();
+  EXPECT_EQ(refused.code(), Code::kInvalidInput);
+  EXPECT_NE(refused.message().find("begin with ENah, found ENhd"), std::string::npos)
+      << refused.message();
+  EXPECT_NE(refused.message().find("an earlier Enamel"), std::string::npos) << refused.message();
 }
 
 TEST(HeaderTest, KnowsThreeKindsOfHandAndNoOther) {
-  Bytes bytes = EncodeHeader(sample::MakeHeaderWithHand());
+  Bytes bytes = EncodeHeader(sample::MakeHeader());
   const size_t kind_at = bytes.size() - (4 + 16) - (4 + 3) - (4 + 7) - 1;
   ASSERT_EQ(bytes[kind_at], 1);
   for (int kind = 0; kind < 256; ++kind) {

@@ -69,11 +69,6 @@ Header MakeHeader() {
   header.volume = Filled<Sha256>(0xc2);
   header.params = MakeParams();
   header.station_software = "enamel-station 0.1.0";
-  return header;
-}
-
-Header MakeHeaderWithHand() {
-  Header header = MakeHeader();
   header.hand = {HandKind::kHaptic, "omega.3", "hid", "hid:1209:0001:A7"};
   return header;
 }

@@ -12,7 +12,6 @@ namespace enamel::trace::sample {
 KeyPair ServerKeys();
 KeyPair StationKeys();
 Header MakeHeader();
-Header MakeHeaderWithHand();  // version 2
 
 // Enamel below z = 0, dentin below z = -0.4 mm, 6.4 mm wide and 3.2 mm deep, voxels of 0.1 mm.
 cutting::Volume MakeBlock();

@@ -86,7 +86,7 @@ TEST(TraceFileTest, RecordOfUnknownKindIsSkipped) {
 TEST(TraceFileTest, SomethingElseIsRefusedWithWhatWasExpected) {
   auto read = DecodeTraceFile(AsBytes("solid cube\n facet normal 0 0 1\n"));
   ASSERT_FALSE(read.ok());
-  EXPECT_NE(read.status().message().find("ENtf"), std::string::npos) << read.status().message();
+  EXPECT_NE(read.status().message().find("ENaf"), std::string::npos) << read.status().message();
 }
 
 TEST(TraceFileTest, ChunkBeforeTheHeaderIsRefused) {

@@ -9,7 +9,7 @@
 namespace enamel::load {
 namespace {
 
-constexpr std::string_view kDomain = "enamel.chunk.v1";
+constexpr std::string_view kDomain = "enamel.trace-chunk.v1";
 
 }  // namespace
 
@@ -29,7 +29,7 @@ Payload PayloadOf(ByteView chunk) {
 
 HeadBytes EncodeHead(const trace::ChunkHead& head, const Payload& payload) {
   ByteWriter out;
-  out.Raw(AsBytes("ENch"));
+  out.Raw(AsBytes("ENac"));
   out.U16(1);
   out.Raw(head.attempt.view());
   out.U32(head.seq);

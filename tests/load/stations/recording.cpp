@@ -14,6 +14,7 @@ Bytes HeaderFor(const School& school, ByteView ticket, Uuid& attempt) {
   header.volume = school.volume;
   header.params = school.params;
   header.station_software = "enamel-loadgen";
+  header.hand.kind = HandKind::kProgram;
   attempt = header.ticket.attempt;
   return trace::EncodeHeader(header);
 }

@@ -268,7 +268,7 @@ TEST_F(AccessTest, ReferenceIsRefusedUnlessTheDentistIsSaidToAgree) {
 TEST_F(AccessTest, SurfaceIsServedAsItWasStored) {
   RawResponse surface = By("ada").Get(Scored("/surface"));
   EXPECT_EQ(surface.headers["content-type"], "application/octet-stream");
-  EXPECT_EQ(surface.body.substr(0, 4), "ENSF");
+  EXPECT_EQ(surface.body.substr(0, 4), "ENTM");
 }
 
 TEST_F(AccessTest, DeviationIsOfTheSurfaceOnTheTimelinesGrid) {
@@ -300,11 +300,11 @@ TEST_F(AccessTest, TimelineIsToldToBeInTheMakingAndThenServedInRanges) {
   EXPECT_NE(waits.body.find("is being made"), std::string::npos) << waits.body;
   Store& store = *school_.store;
   const Uuid attempt = school_.sams_scored;
-  const Sha256 content = *store.blobs.PutAttemptBlob(attempt, AsBytes("ENTL and more"));
+  const Sha256 content = *store.blobs.PutAttemptBlob(attempt, AsBytes("ENTT and more"));
   ASSERT_TRUE(store.timelines.PutTimeline(attempt, content).ok());
   RawResponse all = By("ada").Get(Scored("/timeline"));
   EXPECT_EQ(all.status, 200);
-  EXPECT_EQ(all.body, "ENTL and more");
+  EXPECT_EQ(all.body, "ENTT and more");
   EXPECT_EQ(all.headers["cache-control"], "no-store") << "it shows how a person moved";
   RawResponse part = By("ada").Send("GET", Scored("/timeline"), "Range: bytes=5-7\r\n");
   EXPECT_EQ(part.status, 206);
@@ -328,11 +328,11 @@ TEST_F(AccessTest, ATimelineThatCouldNotBeMadeSaysWhy) {
 
 TEST_F(AccessTest, AStartToothIsKeptForEverAndNoOtherBlobIsOne) {
   Store& store = *school_.store;
-  const Sha256 tooth = *store.blobs.PutBlob(AsBytes("ENTB")),
+  const Sha256 tooth = *store.blobs.PutBlob(AsBytes("ENTS")),
                other = *store.blobs.PutBlob(AsBytes("secret"));
   ASSERT_TRUE(store.timelines.PutStartTooth(*store.blobs.PutBlob(AsBytes("volume")), tooth).ok());
   RawResponse found = By("sam").Get("/api/v1/start-teeth/" + tooth.Hex());
-  EXPECT_EQ(found.body, "ENTB");
+  EXPECT_EQ(found.body, "ENTS");
   EXPECT_EQ(found.headers["cache-control"], "private, max-age=31536000, immutable");
   RawResponse again = By("sam").Send("GET", "/api/v1/start-teeth/" + tooth.Hex(),
                                      "If-None-Match: " + found.headers["etag"] + "\r\n");

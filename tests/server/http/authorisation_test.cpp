@@ -288,7 +288,7 @@ class Template {
     things["report"] = store.profiles.AddProfileReport(report, kBy)->id.Text();
     things["exercise"] = school.exercise.Text();
     things["attempt"] = school.sams_scored.Text();
-    const Sha256 tooth = *store.blobs.PutBlob(AsBytes("ENTB"));
+    const Sha256 tooth = *store.blobs.PutBlob(AsBytes("ENTS"));
     EXPECT_TRUE(store.timelines.PutStartTooth(*store.blobs.PutBlob(AsBytes("volume")), tooth).ok());
     things["start tooth"] = tooth.Hex();
     timeline::Head head;
@@ -317,7 +317,7 @@ class Template {
     things["assignment"] = store.assignments.Assignments({school.cohort_a, {}})->front().id.Text();
     EXPECT_TRUE(store.scenes
                     .PutSceneSurface(*store.blobs.PutBlob(AsBytes("volume")),
-                                     *store.blobs.PutBlob(AsBytes("ENSF")))
+                                     *store.blobs.PutBlob(AsBytes("ENTM")))
                     .ok());
     AnnotationRow remark;
     remark.attempt = school.sams_scored;

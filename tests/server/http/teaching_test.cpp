@@ -348,7 +348,7 @@ TEST_F(DraftTest, PictureBeforeTheCutIsMadeOnceAndTheSameForAll) {
   RawResponse first = By("ada").Get(path);
   ASSERT_EQ(first.status, 200) << first.body;
   EXPECT_EQ(first.headers["content-type"], "application/octet-stream");
-  EXPECT_EQ(first.body.substr(0, 4), "ENSF");
+  EXPECT_EQ(first.body.substr(0, 4), "ENTM");
   EXPECT_EQ(static_cast<uint8_t>(first.body.at(6)) & 1, 0) << "no deviation";
   EXPECT_EQ(By("root").Get(path).body, first.body);
   EXPECT_EQ(By("sam").Get(path).status, 404);

@@ -138,6 +138,7 @@ Recording World::Record(const Uuid& attempt, const Uuid& station,
   header.volume = HashSha256(volume_blob);
   header.params = params;
   header.station_software = "test 1";
+  header.hand.kind = HandKind::kProgram;
 
   Recording recording;
   recording.header = trace::EncodeHeader(header);

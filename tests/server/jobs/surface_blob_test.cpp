@@ -30,7 +30,7 @@ Decoded Decode(ByteView bytes) {
   auto pad = [&] {
     while (in.offset() % 4 != 0) in.U8();
   };
-  EXPECT_EQ(AsText(in.Raw(4)), "ENSF");
+  EXPECT_EQ(AsText(in.Raw(4)), "ENTM");
   out.version = in.U16();
   out.flags = in.U16();
   uint32_t n = in.U32(), m = in.U32();

@@ -72,7 +72,7 @@ TEST_F(HandTest, AssignmentAdmitsWhatItSays) {
   EXPECT_EQ(Ask(kDentist).error().field(), "hand");
   Allow(HandsAllowed::kAny);
   EXPECT_TRUE(Ask(kDentist).has_ticket_issued());
-  EXPECT_TRUE(Ask(Hand()).has_ticket_issued()) << "a station of before";
+  EXPECT_TRUE(Ask(Hand()).has_ticket_issued()) << "none named";
 }
 
 TEST_F(HandTest, ExamOfPracticeIsHeldToItTooAndPracticeIsNot) {
@@ -102,13 +102,6 @@ TEST_F(HandTest, AttemptOfAHandThatItsTermsDoNotAdmitIsKeptAndNotScored) {
   EXPECT_NE(row.problem.find("held the tool"), std::string::npos) << row.problem;
 }
 
-TEST_F(HandTest, HeaderWithoutAHandIsNoWayRound) {
-  Allow(HandsAllowed::kHaptic);
-  AttemptRow row = Made(Ask(kBoard), Hand());
-  EXPECT_EQ(row.state, AttemptState::kQuarantined);
-}
-
-// Terms that an instructor changes meanwhile do not reach attempts that were begun before.
 TEST_F(HandTest, TermsAreThoseOfTheTicket) {
   Allow(HandsAllowed::kAny);
   wire::Reply ticket = Ask(kDentist);

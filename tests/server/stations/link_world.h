@@ -161,7 +161,7 @@ class ScriptedStation {
   wire::Reply Open(const Bytes& header, const protocol::AttemptFacts& facts) {
     wire::Request request;
     request.mutable_open_attempt()->set_header(protocol::ToField(header));
-    protocol::SetFacts(facts, *request.mutable_open_attempt());
+    *request.mutable_open_attempt()->mutable_facts() = facts;
     return Send(request);
   }
 
@@ -210,7 +210,7 @@ class ScriptedStation {
 // A recording made from a ticket: header and chunks, chained and signed.
 struct Recording {
   Recording(LinkWorld& world, const Bytes& encoded_ticket, const trace::KeyPair& keys,
-            uint32_t chunk_count, const Hand& hand = {}) {
+            uint32_t chunk_count, const Hand& hand = {.kind = HandKind::kProgram}) {
     header_fields.hand = hand;
     header_fields.ticket = *trace::DecodeTicket(encoded_ticket);
     header_fields.scene = world.scene.content;

@@ -74,7 +74,7 @@ class ChunkRefusalTest : public ::testing::Test {
     return bytes;
   }
 
-  static constexpr std::string_view kDomain = "enamel.chunk.v1";
+  static constexpr std::string_view kDomain = "enamel.trace-chunk.v1";
   LinkWorld world_;
   std::optional<Session> session_{std::in_place, world_.services, "127.0.0.1"};
   ScriptedStation station_{[this](const wire::Request& request) { return Carry(request); }};

@@ -29,6 +29,7 @@ Uuid RecordedSchool::RecordOf(const Uuid& person, uint32_t chunks) {
   header.scene = world.scene;
   header.params = test::ParamsFor({cutting::BurShape::kCylinder, 0.6e-3, 4e-3});
   header.station_software = "test";
+  header.hand.kind = HandKind::kProgram;
   Bytes encoded = trace::EncodeHeader(header);
   EXPECT_TRUE(store->tickets.OpenAttempt(row.id, encoded).ok());
   chains_[row.id].head = HashSha256(encoded);

@@ -855,7 +855,7 @@ TEST_P(TeachingTest, ErasingAPersonTakesTheWordsOutOfTheAuditTrailAndLeavesOther
 TEST_P(TeachingTest, PictureOfASceneIsKeptWithIt) {
   World world(*store_);
   EXPECT_TRUE(store_->scenes.Scenes()->front().surface.IsZero());
-  Sha256 surface = PutText(*store_, "ENSF");
+  Sha256 surface = PutText(*store_, "ENTM");
   ASSERT_TRUE(
       store_->scenes.PutSceneSurface(store_->scenes.Scenes()->front().volume, surface).ok());
   Reopen();

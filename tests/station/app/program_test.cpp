@@ -65,6 +65,7 @@ class ProgramTest : public testing::Test {
   Uuid KeptForDays(int days) {
     trace::Header header;
     header.ticket.attempt = Uuid::New();
+    header.hand.kind = HandKind::kProgram;
     auto spool = Spool::Open(folder_ / "data");
     EXPECT_TRUE(spool.ok()) << spool.status().message();
     EXPECT_TRUE((*spool)->BeginAttempt(header, "e", "p").ok());

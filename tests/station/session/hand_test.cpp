@@ -46,8 +46,6 @@ TEST(HandTest, ResumedAttemptGoesOnWithTheKindOfHandItWasBegunWith) {
   PreparedAttempt prepared;
   prepared.core = std::make_unique<core::Core>(block.params, block.volume);
   PointerDevice mouse(1e-6, 1e-3);
-  ASSERT_TRUE(UseHandOf(prepared, mouse).ok()) << "a header of before tells of none";
-  EXPECT_EQ(prepared.header.hand.kind, HandKind::kNotTold) << "and is recorded already";
   prepared.header.hand = MakeHand(HandKind::kHaptic, "omega.3", "hid");
   Status other = UseHandOf(prepared, mouse);
   EXPECT_EQ(other.code(), Code::kConflict);

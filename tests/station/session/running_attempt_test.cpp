@@ -56,6 +56,7 @@ class RunningAttemptTest : public testing::Test {
     prepared_.header.ticket.attempt = Uuid::New();
     prepared_.header.params = block.params;
     prepared_.header.station_software = "test";
+    prepared_.header.hand.kind = HandKind::kProgram;
     above_ = block.CountsAbove(300'000);
     prepared_.volume = std::move(block.volume);
     volume_ = prepared_.volume;

@@ -39,6 +39,7 @@ class TicketSafeTest : public testing::Test {
   trace::Header Header() const {
     trace::Header header;
     header.ticket = ticket_;
+    header.hand.kind = HandKind::kProgram;
     return header;
   }
   size_t HandedBack() const {

@@ -46,6 +46,7 @@ class SlowDiskTest : public testing::Test {
     header_.ticket.attempt = Uuid::New();
     header_.params = block.params;
     header_.station_software = "test";
+    header_.hand.kind = HandKind::kProgram;
     above_ = block.CountsAbove(300'000);
     volume_ = std::move(block.volume);
     spool_ = std::move(*Spool::Open(folder_));

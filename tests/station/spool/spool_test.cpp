@@ -33,6 +33,7 @@ class SpoolTest : public testing::Test {
     header_.params.peak_force_mn = 7900;
     header_.params.bur_radius_nm = 500'000;
     header_.station_software = "test";
+    header_.hand.kind = HandKind::kProgram;
   }
 
   std::unique_ptr<Spool> Open() {

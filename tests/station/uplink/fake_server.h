@@ -39,6 +39,7 @@ inline trace::Header HeaderOf(const Uuid& person) {
   header.params.resolution_nm = {10'000, 10'000, 10'000};
   header.params.peak_force_mn = 7900;
   header.params.bur_radius_nm = 500'000;
+  header.hand.kind = HandKind::kProgram;
   return header;
 }
 
@@ -211,7 +212,7 @@ class FakeServer {
         auto& chunks = chunks_[header->ticket.attempt];
         uint32_t next = 0;
         while (chunks.count(next) != 0) ++next;
-        resumed_ = protocol::FactsOf(request.open_attempt()).resumed();
+        resumed_ = request.open_attempt().facts().resumed();
         reply.mutable_attempt_opened()->set_next_seq(next);
         reply.mutable_attempt_opened()->set_watched(watched);
       }

@@ -27,6 +27,7 @@ class UploaderTest : public testing::Test {
     header_.params.resolution_nm = {10'000, 10'000, 10'000};
     header_.params.peak_force_mn = 7900;
     header_.params.bur_radius_nm = 500'000;
+    header_.hand.kind = HandKind::kProgram;
     EXPECT_TRUE(spool_->BeginAttempt(header_, "e", "p").ok());
     recorder_.emplace(*spool_, ring_, id(), HashSha256(trace::EncodeHeader(header_)),
                       keys_.secret_key);

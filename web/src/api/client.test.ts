@@ -63,7 +63,7 @@ test("no answer, a body that is no JSON and a surface that is none are each an e
   const { client } = clientThatGets([
     new Error("refused"),
     new Response("<html>"),
-    new Response("ENSF"),
+    new Response("ENTM"),
     new Response("proxy says no", { status: 502 }),
   ]);
   const unreachable = await client.teaching.exercises();

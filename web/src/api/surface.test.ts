@@ -17,7 +17,7 @@ function encode({ deviation = true, version = 1, vertices = 3, triangle = [0, 1,
   const pad = () => {
     while (bytes.length % 4 !== 0) bytes.push(0);
   };
-  bytes.push(...[..."ENSF"].map((letter) => letter.charCodeAt(0)));
+  bytes.push(...[..."ENTM"].map((letter) => letter.charCodeAt(0)));
   u16(version);
   u16(deviation ? 1 : 0);
   u32(vertices);
@@ -78,7 +78,7 @@ test("bytes after the end are refused", () => {
 test("another magic, another version and absurd counts are refused with what was found", () => {
   const other = encode();
   new DataView(other).setUint8(0, 0x58);
-  assert.match(error(other), /begins with ENSF/);
+  assert.match(error(other), /begins with ENTM/);
   assert.match(error(encode({ version: 2 })), /reads surface version 1, found version 2/);
   assert.match(error(encode({ vertices: 0xffffffff })), /larger than this page draws/);
 });

@@ -1,6 +1,6 @@
 import type { Result } from "../base/result";
 
-// A tooth surface as the server sends it: "ENSF" version 1, described in schemas/api/openapi.yaml
+// A tooth surface as the server sends it: "ENTM" version 1, described in schemas/api/openapi.yaml
 // at /attempts/{id}/surface. Loaded with the first one that is read (read_surface.ts), so it
 // imports nothing that others have.
 export interface Surface {
@@ -11,7 +11,7 @@ export interface Surface {
   readonly triangle: Uint32Array; // (m x 3), counter-clockwise seen from outside
 }
 
-const kMagic = 0x46534e45; // "ENSF" read as a little-endian u32
+const kMagic = 0x4d544e45; // "ENTM" read as a little-endian u32
 const kVersion = 1;
 const kHasDeviation = 1;
 const kHeaderBytes = 32;
@@ -26,7 +26,7 @@ export function decodeSurface(bytes: ArrayBuffer): Result<Surface, string> {
   if (bytes.byteLength < kHeaderBytes)
     return fail(`a surface has at least ${kHeaderBytes} bytes, found ${bytes.byteLength}`);
   const view = new DataView(bytes);
-  if (view.getUint32(0, true) !== kMagic) return fail("a surface begins with ENSF, found something else");
+  if (view.getUint32(0, true) !== kMagic) return fail("a surface begins with ENTM, found something else");
   const version = view.getUint16(4, true);
   if (version !== kVersion) return fail(`this page reads surface version ${kVersion}, found version ${version}`);
   const hasDeviation = (view.getUint16(6, true) & kHasDeviation) !== 0;

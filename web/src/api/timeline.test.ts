@@ -186,7 +186,7 @@ test("damaged and foreign files are refused with what is wrong", async () => {
     bytes[at] = byte;
     return bytes.buffer;
   };
-  await refused(changed(0, 0), /begins with ENTL/);
+  await refused(changed(0, 0), /begins with ENTT/);
   await refused(changed(4, 9), /version 9/);
   await refused(changed(6, 1), /flags/);
   await refused(changed(92, 0), /found/);

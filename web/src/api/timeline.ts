@@ -1,7 +1,7 @@
 import { fail, ok, type Result } from "../base/result";
 import { Broken, checkMagic, fromPlanes, type Grid, inflate, readGrid, reading, unzigzag } from "./packed";
 
-// Reads what plays an attempt back: a start tooth ("ENTB") and a surface timeline ("ENTL"), version
+// Reads what plays an attempt back: a start tooth ("ENTS") and a surface timeline ("ENTT"), version
 // 1, both described in schemas/surface_timeline.md. Nothing here draws or fetches; triangles are
 // made of the samples by tooth_mesh.ts.
 
@@ -112,7 +112,7 @@ async function bricksFromResiduals(samples: Int8Array): Promise<void> {
 export function decodeStartTooth(file: ArrayBuffer): Promise<Read<StartTooth>> {
   return reading(async () => {
     const view = new DataView(file);
-    checkMagic(view, "ENTB", "start tooth");
+    checkMagic(view, "ENTS", "start tooth");
     const grid = readGrid(view);
     let at = 48;
     const section = () => {
@@ -153,7 +153,7 @@ function between(what: string, value: number, least: number, most: number): numb
 export async function decodeHead(start: ArrayBuffer): Promise<Read<Head | undefined>> {
   return reading(() => {
     const view = new DataView(start);
-    checkMagic(view, "ENTL", "timeline");
+    checkMagic(view, "ENTT", "timeline");
     const grid = readGrid(view);
     if (start.byteLength < kHeadBytes) return undefined;
     const hash = Array.from(new Uint8Array(start, 48, 32), (byte) => byte.toString(16).padStart(2, "0")).join("");

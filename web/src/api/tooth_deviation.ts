@@ -1,7 +1,7 @@
 import type { Result } from "../base/result";
 import { Broken, checkMagic, fromPlanes, type Grid, inflate, readGrid, reading, unzigzag } from "./packed";
 
-// Reads how far the tooth at its end lies from the reference's: "ENDV", version 1
+// Reads how far the tooth at its end lies from the reference's: "ENTD", version 1
 // (schemas/surface_timeline.md).
 
 const kBrickCells = 512;
@@ -20,7 +20,7 @@ export interface ToothDeviation {
 export function decodeDeviation(file: ArrayBuffer): Promise<Result<ToothDeviation, string>> {
   return reading(async () => {
     const view = new DataView(file);
-    checkMagic(view, "ENDV", "deviation");
+    checkMagic(view, "ENTD", "deviation");
     const grid = readGrid(view);
     const [count, values] = [view.getUint32(48, true), view.getUint32(52, true)];
     const gridBricks = grid.bricks[0] * grid.bricks[1] * grid.bricks[2];
