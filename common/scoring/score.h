@@ -27,7 +27,7 @@ struct CriterionResult {
   // value; or there is nothing to measure yet (kNotMade), so it has no value and no points; or the
   // device was at its limit (MetricValue::limited), so it has a value and no points to be had.
   bool judged = true;
-  // What was found, then what to do; none in scores before version 4.
+  // What was found, then what to do.
   std::vector<Reason> reasons = {};
   std::string comment = {};  // the rubric's, where much was lost (kWorthCommentShare)
 
@@ -48,16 +48,9 @@ struct GateResult {
   bool operator==(const GateResult&) const = default;
 };
 
-// How scores are measured and computed: 1 before rubrics had gates and statistics a domain that the
-// reference fixes, 2 before forces at the device's limit were left unjudged and flakes were no walls,
-// 3 before reasons were stored as codes, 4 before advice was told once and comments only of what cost
-// much, 5 before walls far off in narrow cavities and deep finish lines were found and crowns had
-// eight sections, 7 before what stands in a wall counted in its waviness and a short wall was no slope
-// of the floor. Higher for every change that may move a score of the same
-// recording, or what a judgement is told by.
-inline constexpr int32_t kScoringVersion = 8;
-// Since when a metric of the same name is the same number.
-inline constexpr int32_t kSameNumbersSince = 8;
+// How scores are measured and computed. Only scores of one version compare: a change that may move
+// a score of the same recording, or what a judgement is told by, makes another one.
+inline constexpr int32_t kScoringVersion = 1;
 // Of a hundred. Whoever lost less needs no comment and no advice.
 inline constexpr double kWorthAdvice = 0.5;
 // A comment speaks of a fault: that is told of who lost such a share of the criterion's points, or so

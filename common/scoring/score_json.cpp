@@ -93,9 +93,11 @@ class ObjectReader {
     }
   }
   bool Has(const char* name) const { return object_ && object_->contains(name); }
-  // Null where it is not there.
-  const json::value* Optional(const char* name) const {
-    return object_ && status_.ok() ? object_->if_contains(name) : nullptr;
+  const json::value* Member(const char* name) {
+    if (!object_ || !status_.ok()) return nullptr;
+    const json::value* v = object_->if_contains(name);
+    if (!v) Fail(Path(name), "a member of this name");
+    return v;
   }
   const json::array* Array(const char* name, size_t max_size) {
     const json::value* v = Member(name);
@@ -107,12 +109,6 @@ class ObjectReader {
 
  private:
   std::string Path(const char* name) const { return path_.empty() ? name : path_ + "." + name; }
-  const json::value* Member(const char* name) {
-    if (!object_ || !status_.ok()) return nullptr;
-    const json::value* v = object_->if_contains(name);
-    if (!v) Fail(Path(name), "a member of this name");
-    return v;
-  }
   void Fail(const std::string& path, const std::string& expected) {
     if (status_.ok()) {
       status_ = Status(Code::kInvalidInput, "score, " + path + ": expected " + expected, path);
@@ -139,10 +135,8 @@ std::optional<NoValue> WhyOf(std::string_view name) {
   return std::nullopt;
 }
 
-// Scores before version 4 have none.
 void ReadReasons(ObjectReader& reader, Status& status, const std::string& at,
                  std::vector<Reason>& out, std::string& comment) {
-  if (!reader.Has("reasons")) return;
   const json::array* list = reader.Array("reasons", kMaxReasons);
   for (size_t i = 0; list != nullptr && i < list->size(); ++i) {
     ObjectReader item((*list)[i], at + ".reasons[" + std::to_string(i) + "]", status);
@@ -155,7 +149,6 @@ void ReadReasons(ObjectReader& reader, Status& status, const std::string& at,
 }
 
 void ReadGates(ObjectReader& reader, Status& status, ScoreResult& out) {
-  if (!reader.Has("gates")) return;
   const json::array* list = reader.Array("gates", kMaxGates);
   for (size_t i = 0; list != nullptr && i < list->size(); ++i) {
     ObjectReader item((*list)[i], "gates[" + std::to_string(i) + "]", status);
@@ -171,7 +164,6 @@ void ReadGates(ObjectReader& reader, Status& status, ScoreResult& out) {
 }
 
 void ReadMissing(ObjectReader& reader, Status& status, ScoreResult& out) {
-  if (!reader.Has("missing")) return;
   const json::array* list = reader.Array("missing", 1024);
   for (size_t i = 0; list != nullptr && i < list->size(); ++i) {
     const std::string at = "missing[" + std::to_string(i) + "]";
@@ -199,15 +191,14 @@ void ReadStrokes(ObjectReader& reader, Status& status, const std::string& at, De
     item.ReadInteger("number", stroke.number);
     item.ReadInteger("first_tick", stroke.first_tick);
     item.Read("first_s", stroke.first_s);
-    // Scores before version 7 have none.
-    if (item.Has("lasts_s")) item.Read("lasts_s", stroke.lasts_s);
+    item.Read("lasts_s", stroke.lasts_s);
     item.Read("volume_mm3", stroke.volume_m3);
     stroke.volume_m3 *= kM3PerMm3;
   }
 }
 
 void ReadEnvelope(ObjectReader& reader, Status& status, ScoreResult& out) {
-  const json::value* value = reader.Optional("envelope");
+  const json::value* value = reader.Member("envelope");
   if (value == nullptr || value->is_null()) return;
   Envelope& e = out.envelope.emplace();
   ObjectReader in(*value, "envelope", status);
@@ -238,14 +229,13 @@ void ReadEnvelope(ObjectReader& reader, Status& status, ScoreResult& out) {
     item.Read("most", p.most);
     item.Read("spread", p.spread);
     item.Read("percentile", p.percentile);
-    if (const json::value* z = item.Optional("z"); z != nullptr && !z->is_null()) {
+    if (const json::value* z = item.Member("z"); z != nullptr && !z->is_null()) {
       item.Read("z", p.z.emplace());
     }
   }
 }
 
 void ReadDeductions(ObjectReader& reader, Status& status, ScoreResult& out) {
-  if (!reader.Has("deductions")) return;
   const json::array* list = reader.Array("deductions", kMaxDeductions);
   for (size_t i = 0; list != nullptr && i < list->size(); ++i) {
     const std::string at = "deductions[" + std::to_string(i) + "]";
@@ -261,13 +251,11 @@ void ReadDeductions(ObjectReader& reader, Status& status, ScoreResult& out) {
     item.ReadInteger("first_tick", d.first_tick);
     item.Read("first_s", d.first_s);
     item.ReadInteger("stroke_count", d.stroke_count);
-    if (item.Has("here")) {  // since version 7
-      item.Read("here", d.here);
-      item.ReadInteger("half_tick", d.half_tick);
-      item.Read("half_s", d.half_s);
-      item.Read("strokes_mm3", d.strokes_m3);
-      d.strokes_m3 *= kM3PerMm3;
-    }
+    item.Read("here", d.here);
+    item.ReadInteger("half_tick", d.half_tick);
+    item.Read("half_s", d.half_s);
+    item.Read("strokes_mm3", d.strokes_m3);
+    d.strokes_m3 *= kM3PerMm3;
     ReadStrokes(item, status, at, d);
   }
 }
@@ -431,8 +419,7 @@ Result<ScoreResult> ScoreFromJson(std::string_view text) {
       item.Read("points", c.points);
       item.Read("max_points", c.max_points);
       item.Read("reason", c.reason);
-      // Scores of before have every criterion judged.
-      if (item.Has("judged")) item.Read("judged", c.judged);
+      item.Read("judged", c.judged);
       ReadReasons(item, status, "criteria[" + std::to_string(i) + "]", c.reasons, c.comment);
     }
   }
@@ -452,15 +439,13 @@ Result<ScoreResult> ScoreFromJson(std::string_view text) {
   ReadEnvelope(reader, status, out);
   reader.Read("reference_attempt", out.reference_attempt);
   reader.ReadInteger("rubric_version", out.rubric_version);
-  // Scores of version 1 do not say so, nor have they gates.
-  out.scoring_version = 1;
-  if (reader.Has("scoring_version")) reader.ReadInteger("scoring_version", out.scoring_version);
+  reader.ReadInteger("scoring_version", out.scoring_version);
   reader.ReadInteger("core_version", out.core_version);
   reader.ReadInteger("ticks", out.ticks);
   reader.ReadInteger("gap_ticks", out.gap_ticks);
   reader.ReadInteger("late_ticks", out.late_ticks);
   reader.ReadInteger("bounded_ticks", out.bounded_ticks);
-  if (const json::value* member = reader.Optional("disturbance")) {
+  if (const json::value* member = reader.Member("disturbance")) {
     ObjectReader item(*member, "disturbance", status);
     item.Read("late_percent", out.disturbance.late_percent);
     item.Read("gap_percent", out.disturbance.gap_percent);

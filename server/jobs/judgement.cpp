@@ -6,8 +6,6 @@ namespace enamel::server {
 
 namespace {
 
-constexpr int32_t kFirstWithCodes = 4;
-
 // By codes and values, so that a sentence may be worded better without a release being withdrawn.
 void WriteWhy(const std::vector<scoring::Reason>& reasons, const std::string& comment,
               ByteWriter& out) {
@@ -25,27 +23,20 @@ void WriteWhy(const std::vector<scoring::Reason>& reasons, const std::string& co
 
 Sha256 JudgementOf(const scoring::ScoreResult& score) {
   ByteWriter out;
-  auto why = [&](const auto& part) {
-    if (score.scoring_version < kFirstWithCodes) {
-      out.Text(part.reason);
-    } else {
-      WriteWhy(part.reasons, part.comment, out);
-    }
-  };
   auto number = [&](double value) { out.U64(std::bit_cast<uint64_t>(value)); };
   out.U32(static_cast<uint32_t>(score.criteria.size()));
   for (const scoring::CriterionResult& criterion : score.criteria) {
     out.Text(criterion.name);
     number(criterion.points);
     number(criterion.max_points);
-    why(criterion);
+    WriteWhy(criterion.reasons, criterion.comment, out);
     out.U8(criterion.judged ? 1 : 0);
   }
   out.U32(static_cast<uint32_t>(score.gates.size()));
   for (const scoring::GateResult& gate : score.gates) {
     out.Text(gate.name);
     number(gate.share);
-    why(gate);
+    WriteWhy(gate.reasons, gate.comment, out);
   }
   number(score.score);
   out.U8(score.critical_fail ? 1 : 0);

@@ -25,8 +25,7 @@ RegradedAttempt Regrade(StoredBlobs& blobs, ResultRows& results, const AttemptRo
   }
   out.earlier_reference = newest && before->reference_attempt != newest->attempt.Text();
   // A rubric judges numbers. Those of another version may mean something else under the same name.
-  if (before->scoring_version < scoring::kSameNumbersSince ||
-      before->scoring_version > scoring::kScoringVersion) {
+  if (before->scoring_version != scoring::kScoringVersion) {
     out.problem = "measured by version " + std::to_string(before->scoring_version) +
                   " of the metrics, this is version " + std::to_string(scoring::kScoringVersion) +
                   "; only scoring it again tells";

@@ -64,7 +64,6 @@ Exercise ClassTwoExercise(const Scene& scene, const Sha256& scene_hash) {
   // Less than elsewhere: on the mesial side the neighbour stands 0.05 mm away.
   e.target.leeway_side_um = 100;
   e.rubric.name = "class-2-mesial";
-  e.rubric.version = 6;
   // The mesial side is open: its points, and the outline's, are for the neighbour.
   auto& criteria = e.rubric.criteria;
   for (RubricCriterion& c : criteria) {
@@ -249,7 +248,6 @@ Exercise ClassFiveExercise(const Scene& scene, const Sha256& scene_hash) {
                    " deep in the middle, with upright walls and a flat axial wall. " + SidesText() +
                    " Do not expose the pulp.";
   e.rubric.name = "class-5-buccal";
-  e.rubric.version = 3;
   // What is down in this scene is the wall towards the pulp.
   const struct {
     const char *metric, *title, *comment;
@@ -413,7 +411,6 @@ Exercise ShapeExercise(const Scene& scene, const Sha256& scene_hash, const Prepa
   if (!e.target.parts.empty()) return e;
   // Of a box how its walls stand and how even they are is known, and not only how far off.
   e.rubric = ShapeRubric(rubric, 18, 7);
-  e.rubric.version = 6;
   const RubricCriterion of_a_box[] = {
       AtMost("wall_tilt_deg", "Walls upright", "deg", 7, 3, 12, "A wall is tilted."),
       AtMost("undercut_deg", "No undercut", "deg", 5, 4, 12, "A wall is undercut."),

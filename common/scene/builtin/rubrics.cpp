@@ -98,7 +98,6 @@ void AddHand(Rubric& r, double force, double time, double full_s, double none_s)
 Rubric ClassOneRubric(bool tooth) {
   Rubric r;
   r.name = "class-1-occlusal";
-  r.version = 5;
   r.gates = TaskGates();
   r.criteria = {
       AtLeast("task_done_percent", "Outline removed", "%", tooth ? 6 : 10, 70, 97,
@@ -138,7 +137,6 @@ Rubric ClassOneRubric(bool tooth) {
 Rubric ShapeRubric(std::string name, double closeness, double nowhere, TimeBand time) {
   Rubric r;
   r.name = std::move(name);
-  r.version = 5;
   r.gates = TaskGates();
   r.criteria = {
       AtLeast("task_done_percent", "Shape fully cut", "%", 4, 70, 97,
@@ -175,7 +173,6 @@ RubricCriterion NoCariesCriterion(double points) {
 Rubric CariesRubric() {
   Rubric r;
   r.name = "caries-excavation";
-  r.version = 4;
   r.gates = TaskGates();
   r.gates[0] = CariesGate();
   r.criteria = {
@@ -197,7 +194,6 @@ Rubric CariesRubric() {
 
 Rubric CrownRubric(bool anterior) {
   Rubric r = ShapeRubric("crown-preparation", 10, 4, {1'200, 2'400});
-  r.version = 7;
   auto& criteria = r.criteria;
   criteria.push_back(
       ConvergenceCriterion("convergence_mesiodistal_deg", "Convergence, mesial to distal", 22));
