@@ -15,6 +15,7 @@ namespace {
 namespace json = boost::json;
 
 constexpr int kFormat = 1;
+constexpr char kKind[] = "enamel_station";
 // The file has eight short members; a longer one is another file.
 constexpr size_t kMaxFile = 64 << 10;
 
@@ -49,7 +50,7 @@ trace::PublicKey Credentials::public_key() const {
 
 Status SaveCredentials(const std::filesystem::path& folder, const Credentials& c) {
   ENAMEL_RETURN_IF_ERROR(MakePrivateFolder(folder));
-  json::object object{{"format", kFormat},
+  json::object object{{kKind, kFormat},
                       {"server", c.server.Text()},
                       {"fingerprint", c.fingerprint.Hex()},
                       {"station", c.station.Text()},
@@ -89,11 +90,13 @@ Result<Credentials> LoadCredentials(const std::filesystem::path& folder) {
     const json::value* v = object.if_contains(member);
     return v != nullptr && v->is_string() ? std::string(v->get_string()) : std::string();
   };
-  if (const json::value* v = object.if_contains("format");
+  if (const json::value* v = object.if_contains(kKind);
       v == nullptr || !v->is_int64() || v->get_int64() != kFormat) {
+    const std::string whose = object.contains("format") ? "an earlier Enamel" : "another version";
     return Status(Code::kVersion,
-                  file.string() + ": expected format " + std::to_string(kFormat) +
-                      ": it is of another version of enamel-station",
+                  file.string() + " is of " + whose +
+                      ", which this program cannot read: upload what was recorded here with the "
+                      "program that wrote it, then enrol in another folder (--data)",
                   kEnrolment);
   }
   Credentials c;

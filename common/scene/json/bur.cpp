@@ -59,9 +59,4 @@ BurSpec ReadBur(ObjectReader& in) {
   return bur;
 }
 
-bool NeedsFormat2(const BurSpec& bur) {
-  bool plain = bur.shape == cutting::BurShape::kSphere || bur.shape == cutting::BurShape::kCylinder;
-  return !plain || bur.narrow_radius_um != 0 || bur.shank_radius_um != 0 || bur.neck_um != 0;
-}
-
 }  // namespace enamel::scene

@@ -14,7 +14,5 @@ boost::json::object BurJson(const BurSpec& bur);
 // Refuses unknown shapes (with the list), sizes out of range and proportions that are no bur's. The
 // caller reads further members and finishes.
 BurSpec ReadBur(ObjectReader& in);
-// Not a sphere or cylinder without a shank, which is all that format 1 of an exercise can say.
-bool NeedsFormat2(const BurSpec& bur);
 
 }  // namespace enamel::scene

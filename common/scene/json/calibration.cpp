@@ -3,6 +3,7 @@
 #include <array>
 #include <boost/json.hpp>
 
+#include "common/scene/json/kinds.h"
 #include "common/scene/json/read.h"
 #include "common/scene/json/text.h"
 
@@ -11,7 +12,6 @@ namespace {
 
 namespace json = boost::json;
 
-constexpr int64_t kFormat = 1;
 // Far above any device: a bound against nonsense.
 constexpr int64_t kMost = 1'000'000'000;
 constexpr int64_t kEndOfYear9999Ms = 253'402'300'799'999;
@@ -64,7 +64,7 @@ std::string ToJson(const Calibration& calibration) {
     measured[quantity.name] = json::object{
         {"value", found->value}, {"uncertainty", found->uncertainty}, {"samples", found->samples}};
   }
-  return CanonicalText(json::object{{"format", kFormat},
+  return CanonicalText(json::object{{kCalibrationKind, kFormat},
                                     {"device", calibration.device},
                                     {"profile", calibration.profile},
                                     {"station", calibration.station},
@@ -82,7 +82,7 @@ Result<Calibration> CalibrationFromJson(std::string_view text) {
   ObjectReader in(*document, "", status);
   Calibration out;
   // First: a newer format is told as such, and not by a member that this program does not know.
-  in.Format(kFormat, kFormat);
+  in.Format(kCalibrationKind);
   out.device = in.Text("device", 1, 200);
   out.profile = in.Name("profile");
   out.station = in.Text("station", 0, 200);

@@ -3,6 +3,7 @@
 
 #include "common/scene/json/bur.h"
 #include "common/scene/json/json.h"
+#include "common/scene/json/kinds.h"
 #include "common/scene/json/preparation.h"
 #include "common/scene/json/read.h"
 #include "common/scene/json/rubric.h"
@@ -14,16 +15,7 @@ namespace {
 
 namespace json = boost::json;
 
-// Written in the lowest format that can say it: documents of earlier programs keep their bytes, and
-// exercises that name them by hash keep finding them.
-constexpr int64_t kPlainFormat = 1, kBurFormat = 2, kCueFormat = 3, kGateFormat = 4,
-                  kShapeFormat = 5, kReliefFormat = 6, kPreparedFormat = 7;
 constexpr int32_t kMaxExtentUm = 100'000;
-
-bool HasRelief(const CavityTarget& t) {
-  return std::any_of(t.parts.begin(), t.parts.end(),
-                     [](const PreparationPart& part) { return part.relief.step_um != 0; });
-}
 
 json::object TargetJson(const CavityTarget& t) {
   json::object out{{"landmark", t.landmark},
@@ -136,14 +128,7 @@ std::string ToJson(const Exercise& e) {
   // Exercises come from documents or from here: an unknown law was refused long before.
   ENAMEL_CHECK(law != nullptr);
   const bool handpiece = e.handpiece != HandpieceSpec{}, cues = e.touch_cues != TouchCueSpec{};
-  const int64_t format = !e.target.prepared.IsZero()          ? kPreparedFormat
-                         : HasRelief(e.target)                ? kReliefFormat
-                         : !e.target.parts.empty()            ? kShapeFormat
-                         : !e.rubric.gates.empty()            ? kGateFormat
-                         : cues                               ? kCueFormat
-                         : handpiece || NeedsFormat2(e.bur()) ? kBurFormat
-                                                              : kPlainFormat;
-  json::object out{{"format", format},
+  json::object out{{kExerciseKind, kFormat},
                    {"name", e.name},
                    {"title", e.title},
                    {"instructions", e.instructions},
@@ -151,8 +136,6 @@ std::string ToJson(const Exercise& e) {
                    {"bur", BurJson(e.bur())}};
   if (handpiece) out["handpiece"] = HandpieceJson(e.handpiece);
   if (cues) out["touch_cues"] = TouchCuesJson(e.touch_cues);
-  // Members that are optional stand in the middle: the order is the document's, not the formats'
-  // history.
   out["law"] = law->name;
   out["rate_hz"] = e.rate_hz;
   out["time_limit_s"] = e.time_limit_s;
@@ -168,7 +151,7 @@ Result<Exercise> ExerciseFromJson(std::string_view text) {
   Status status;
   ObjectReader in(*document, "", status);
   Exercise e;
-  int64_t format = in.Format(kPlainFormat, kPreparedFormat);
+  in.Format(kExerciseKind);
   e.name = in.Name("name");
   e.title = in.Text("title", 1, 200);
   e.instructions = in.Text("instructions", 0, 4'000);
@@ -176,14 +159,6 @@ Result<Exercise> ExerciseFromJson(std::string_view text) {
   ReadExerciseBur(in, e);
   ReadHandpiece(in, e);
   ReadTouchCues(in, e);
-  if (format < kCueFormat && e.touch_cues != TouchCueSpec{}) {
-    // Or a document that says 2 would be read here, and refused by a program that knows 2 and no
-    // more.
-    in.Refuse("format", "3 with touch cues", std::to_string(format));
-  }
-  if (format < kBurFormat && (e.handpiece != HandpieceSpec{} || NeedsFormat2(e.bur()))) {
-    in.Refuse("format", "2 with this bur or a handpiece", std::to_string(format));
-  }
   ReadLaw(in, e);
   e.rate_hz = static_cast<int32_t>(in.Int("rate_hz", 100, 20'000));
   e.time_limit_s = static_cast<int32_t>(in.Int("time_limit_s", 0, 86'400));
@@ -192,18 +167,6 @@ Result<Exercise> ExerciseFromJson(std::string_view text) {
   ObjectReader rubric = in.Object("rubric");
   e.rubric = ReadRubric(rubric);
   rubric.Finish();
-  if (format < kGateFormat && !e.rubric.gates.empty()) {
-    in.Refuse("format", "4 with a rubric that has gates", std::to_string(format));
-  }
-  if (format < kShapeFormat && !e.target.parts.empty()) {
-    in.Refuse("format", "5 with a target that has parts", std::to_string(format));
-  }
-  if (format < kReliefFormat && HasRelief(e.target)) {
-    in.Refuse("format", "6 with a part that has a relief", std::to_string(format));
-  }
-  if (format < kPreparedFormat && !e.target.prepared.IsZero()) {
-    in.Refuse("format", "7 with a target that is a prepared tooth", std::to_string(format));
-  }
   in.Finish();
   if (!status.ok()) return status;
   return e;

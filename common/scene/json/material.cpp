@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
+#include "common/scene/json/kinds.h"
 #include "common/scene/json/read.h"
 
 namespace enamel::scene {
 namespace {
 
-constexpr int64_t kPlainFormat = 1, kFormat = 2;
 constexpr int64_t kMostDamping = 1'000'000'000, kMostForce = 100'000;
 constexpr int32_t kAny = 2'000'000'000;
 
@@ -17,7 +17,7 @@ void PassInterval(ObjectReader& in, const std::string& name, const std::string& 
   in.Int(name + "_high" + unit, -kAny, kAny);
 }
 
-Material::Fitted ReadFitted(ObjectReader& in, bool plain) {
+Material::Fitted ReadFitted(ObjectReader& in) {
   Material::Fitted out;
   out.name = in.Text("tissue", 1, 64);
   // A name that is no tissue of ours is kept: ApplyMaterial refuses it with the scene's own names
@@ -31,11 +31,6 @@ Material::Fitted ReadFitted(ObjectReader& in, bool plain) {
   in.Int("residual_rms_mn", 0, kAny);
   // A fit from fewer is not written (station/lab/tissue/cut_solve.h).
   in.Int("blocks", 8, kAny);
-  // Format 1 knows no more: Finish refuses a later member in it.
-  if (plain) {
-    in.Finish();
-    return out;
-  }
   if (in.Has("axial_damping_mn_s_per_mm")) {
     spec.axial_damping_mn_s_per_mm =
         static_cast<int32_t>(in.Int("axial_damping_mn_s_per_mm", 1, kMostDamping));
@@ -71,12 +66,12 @@ Result<Material> MaterialFromJson(std::string_view text) {
   Status status;
   ObjectReader in(*document, "", status);
   Material material;
-  bool plain = in.Format(kPlainFormat, kFormat) == kPlainFormat;
+  in.Format(kMaterialKind);
   material.source = in.Text("source", 1, 255);
   // Millihertz: recordings of a rate that is no whole number keep it.
   material.rate_mhz = in.Int("rate_mhz", 1, INT64_MAX);
   for (ObjectReader& item : in.Objects("tissues", 1, 64))
-    material.tissues.push_back(ReadFitted(item, plain));
+    material.tissues.push_back(ReadFitted(item));
   in.Finish();
   if (!status.ok()) return status;
   return material;

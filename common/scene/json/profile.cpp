@@ -5,6 +5,7 @@
 
 #include "common/core/params.h"
 #include "common/scene/json/json.h"
+#include "common/scene/json/kinds.h"
 #include "common/scene/json/read.h"
 #include "common/scene/json/text.h"
 
@@ -13,9 +14,6 @@ namespace {
 
 namespace json = boost::json;
 
-// Format 2 adds what may be unknown, format 3 whether the delay was measured, format 4 torque and
-// electrical damping; a document without any of it is written as format 1.
-constexpr int64_t kFormat = 1, kFormatOptional = 2, kFormatMeasured = 3, kFormatTorque = 4;
 constexpr std::string_view kDelay = "bus_delay_ticks", kMeasured = "measured", kTorque = "torque";
 constexpr int64_t kSixAxes = 6;
 
@@ -103,15 +101,7 @@ void ReadTorque(ObjectReader& in, DeviceProfile& profile) {
 
 std::string ToJson(const DeviceProfile& profile) {
   auto Known = [&](const Number& n) { return !(profile.*n.member).source.empty(); };
-  bool optional = std::any_of(kOptional.begin(), kOptional.end(), Known);
-  // The lowest format that can say it, as for exercises: earlier documents keep their bytes.
-  const bool newest = profile.torque || Known(kElectrical);
-  json::object out{{"format", newest                   ? kFormatTorque
-                              : profile.delay_measured ? kFormatMeasured
-                              : optional               ? kFormatOptional
-                                                       : kFormat},
-                   {"name", profile.name},
-                   {"title", profile.title}};
+  json::object out{{kProfileKind, kFormat}, {"name", profile.name}, {"title", profile.title}};
   for (const Number& n : kNumbers) {
     const Sourced& s = profile.*n.member;
     json::object item = Document(s);
@@ -138,21 +128,17 @@ Result<DeviceProfile> ProfileFromJson(std::string_view text) {
   Status status;
   ObjectReader in(*document, "", status);
   DeviceProfile profile;
-  int64_t format = in.Format(kFormat, kFormatTorque);
+  in.Format(kProfileKind);
   profile.name = in.Name("name");
   profile.title = in.Text("title", 1, 200);
   for (const Number& n : kNumbers) {
-    // What a format does not have is an unknown member in it, and Finish refuses it.
-    bool can_say = format >= kFormatMeasured && n.name == kDelay;
-    profile.*n.member = ReadSourced(in, n, can_say ? &profile.delay_measured : nullptr);
+    profile.*n.member = ReadSourced(in, n, n.name == kDelay ? &profile.delay_measured : nullptr);
   }
   for (const Number& n : kOptional) {
-    if (format >= kFormatOptional && in.Has(n.name)) profile.*n.member = ReadSourced(in, n);
+    if (in.Has(n.name)) profile.*n.member = ReadSourced(in, n);
   }
-  if (format >= kFormatTorque) {
-    if (in.Has(kElectrical.name)) profile.*kElectrical.member = ReadSourced(in, kElectrical);
-    ReadTorque(in, profile);
-  }
+  if (in.Has(kElectrical.name)) profile.*kElectrical.member = ReadSourced(in, kElectrical);
+  ReadTorque(in, profile);
   in.Finish();
   if (!status.ok()) return status;
   return profile;

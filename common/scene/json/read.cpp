@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "common/scene/json/kinds.h"
+
 namespace enamel::scene {
 namespace {
 
@@ -261,17 +263,21 @@ std::vector<ObjectReader> ObjectReader::Objects(std::string_view name, size_t mi
   return out;
 }
 
-int64_t ObjectReader::Format(int64_t oldest, int64_t newest) {
-  // Any larger number passes here: a newer format is no mistake, and gets its own refusal.
-  int64_t found = Int("format", oldest, std::numeric_limits<int32_t>::max());
-  if (status_->ok() && found > newest) {
-    *status_ =
-        Status(Code::kVersion,
-               PathOf("format") + ": this program reads format " + std::to_string(newest) +
-                   ", the document has format " + std::to_string(found) + ": use a newer program",
-               PathOf("format"));
+void ObjectReader::Format(std::string_view kind) {
+  auto refuse = [&](std::string_view member, const std::string& found) {
+    *status_ = Status(Code::kVersion,
+                      PathOf(member) + ": expected a document that begins with \"" +
+                          std::string(kind) + "\": " + std::to_string(kFormat) + ", found " + found,
+                      PathOf(member));
+  };
+  if (status_->ok() && Has("format") && !Has(kind)) {
+    return refuse("format", "one of an earlier Enamel: make it anew with this one");
   }
-  return found;
+  // Any larger number passes here: a newer format is no mistake, and gets its own refusal.
+  const int64_t found = Int(kind, kFormat, std::numeric_limits<int32_t>::max());
+  if (status_->ok() && found > kFormat) {
+    refuse(kind, std::to_string(found) + ": use a newer program");
+  }
 }
 
 void ObjectReader::Finish() {

@@ -44,8 +44,9 @@ class ObjectReader {
   // Names of all members, for objects that are maps.
   std::vector<std::string> Names() const;
 
-  // "format": from `oldest` to `newest`, which is returned; a larger one is kVersion.
-  int64_t Format(int64_t oldest, int64_t newest);
+  // Member `kind` ("enamel_scene") says what the document is and which format of it: 1. Another
+  // format is kVersion, and so is a document of an earlier Enamel, which has "format" instead.
+  void Format(std::string_view kind);
   // Refuses members nobody asked for. Call last.
   void Finish();
   // Records that member `name` is wrong, unless something was wrong before.

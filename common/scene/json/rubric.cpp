@@ -10,8 +10,6 @@ namespace {
 
 namespace json = boost::json;
 
-constexpr int64_t kFormat = 1;
-
 json::array MapJson(const std::vector<RubricPoint>& map) {
   json::array out;
   for (const RubricPoint& p : map) out.push_back(json::array{p.value, p.share});
@@ -50,7 +48,6 @@ boost::json::object RubricJson(const Rubric& r) {
                      {"comment", g.comment}});
   }
   json::object out{{"name", r.name}, {"version", r.version}, {"criteria", std::move(criteria)}};
-  // Left out where there are none: earlier documents keep their bytes.
   if (!gates.empty()) out["gates"] = std::move(gates);
   return out;
 }
@@ -87,7 +84,7 @@ Rubric ReadRubric(ObjectReader& rubric) {
 }
 
 std::string ToJson(const Rubric& rubric) {
-  json::object out{{"format", kFormat}};
+  json::object out{{kRubricKind, kFormat}};
   for (auto& member : RubricJson(rubric)) out.insert(member);
   return CanonicalText(out);
 }
@@ -97,7 +94,7 @@ Result<Rubric> RubricFromJson(std::string_view text) {
   if (!document.ok()) return document.status();
   Status status;
   ObjectReader in(*document, "", status);
-  in.Format(kFormat, kFormat);
+  in.Format(kRubricKind);
   Rubric rubric = ReadRubric(in);
   in.Finish();
   if (!status.ok()) return status;

@@ -2,6 +2,7 @@
 
 #include "common/scene/json/bur.h"
 #include "common/scene/json/json.h"
+#include "common/scene/json/kinds.h"
 #include "common/scene/json/preparation.h"
 #include "common/scene/json/read.h"
 #include "common/scene/json/text.h"
@@ -11,9 +12,7 @@ namespace {
 
 namespace json = boost::json;
 
-// A document is written in the lowest format that can say it: 1 has no burs and no preparations, 2
-// no Coulomb part and no threshold, 3 only teeth whose occlusal side is up.
-constexpr int64_t kPlainFormat = 1, kBursFormat = 2, kCutFormat = 3, kUpFormat = 4;
+constexpr std::string_view kOcclusal = "occlusal", kBuccal = "buccal";
 constexpr int32_t kMaxForce_mn = 100'000;
 constexpr int32_t kMaxExtentUm = 100'000;
 constexpr size_t kMaxBurs = 64, kMaxPreparations = 64;
@@ -27,7 +26,7 @@ cutting::Tissue ReadTissueName(ObjectReader& in) {
   return cutting::Tissue::kEnamel;
 }
 
-void ReadTissues(ObjectReader& in, Scene& scene, int64_t format) {
+void ReadTissues(ObjectReader& in, Scene& scene) {
   std::set<cutting::Tissue> seen;
   for (ObjectReader& item : in.Objects("tissues", 1, cutting::kTissueCount - 1)) {
     TissueSpec spec;
@@ -38,10 +37,9 @@ void ReadTissues(ObjectReader& in, Scene& scene, int64_t format) {
       spec.axial_damping_mn_s_per_mm =
           static_cast<int32_t>(item.Int("axial_damping_mn_s_per_mm", 1, 1'000'000'000));
     }
-    // In an older format the member is an unknown one, and Finish refuses it.
-    if (format >= kCutFormat && item.Has("coulomb_mn"))
+    if (item.Has("coulomb_mn"))
       spec.coulomb_mn = static_cast<int32_t>(item.Int("coulomb_mn", 1, kMaxForce_mn));
-    if (format >= kCutFormat && item.Has("threshold_mn")) {
+    if (item.Has("threshold_mn")) {
       spec.threshold_mn = static_cast<int32_t>(item.Int("threshold_mn", 1, kMaxForce_mn));
       if (spec.threshold_mn < spec.coulomb_mn) {
         item.Refuse("threshold_mn", "at least coulomb_mn, " + std::to_string(spec.coulomb_mn),
@@ -123,40 +121,31 @@ json::array PreparationsJson(const std::vector<Preparation>& preparations) {
 
 std::string ToJson(const Scene& scene) {
   json::array tissues;
-  bool axial = false, cut = false;
   for (const TissueSpec& t : scene.tissues) {
     json::object tissue{{"tissue", cutting::TissueName(t.tissue)},
                         {"damping_mn_s_per_mm", t.damping_mn_s_per_mm}};
     if (t.axial_damping_mn_s_per_mm != 0) {
       tissue["axial_damping_mn_s_per_mm"] = t.axial_damping_mn_s_per_mm;
-      axial = true;
     }
     if (t.coulomb_mn != 0) tissue["coulomb_mn"] = t.coulomb_mn;
     if (t.threshold_mn != 0) tissue["threshold_mn"] = t.threshold_mn;
-    cut = cut || t.coulomb_mn != 0 || t.threshold_mn != 0;
     tissue["provenance"] = t.provenance;
     tissues.push_back(std::move(tissue));
   }
   json::object landmarks;
   // A map, so in the order of their names: the text does not depend on who added which first.
   for (const auto& [name, p] : scene.landmarks) landmarks[name] = json::array{p[0], p[1], p[2]};
-  const bool turned = scene.up != Up::kOcclusal;
-  bool plain = scene.burs.empty() && scene.preparations.empty() && !axial && !cut && !turned;
-  int64_t format = turned ? kUpFormat : cut ? kCutFormat : kBursFormat;
-  if (plain) format = kPlainFormat;
-  json::object out{{"format", format},
+  json::object out{{kSceneKind, kFormat},
                    {"name", scene.name},
                    {"title", scene.title},
                    {"volume_sha256", scene.volume.Hex()},
                    {"voxel_nm", scene.voxel_nm},
                    {"tissues", std::move(tissues)},
-                   {"landmarks_um", std::move(landmarks)}};
-  if (!plain) {
-    out["burs"] = BursJson(scene.burs);
-    out["preparations"] = PreparationsJson(scene.preparations);
-  }
-  if (turned) out["up"] = "buccal";
-  out["provenance"] = scene.provenance;
+                   {"landmarks_um", std::move(landmarks)},
+                   {"burs", BursJson(scene.burs)},
+                   {"preparations", PreparationsJson(scene.preparations)},
+                   {"up", scene.up == Up::kBuccal ? kBuccal : kOcclusal},
+                   {"provenance", scene.provenance}};
   return CanonicalText(out);
 }
 
@@ -166,23 +155,20 @@ Result<Scene> SceneFromJson(std::string_view text) {
   Status status;
   ObjectReader in(*document, "", status);
   Scene scene;
-  int64_t format = in.Format(kPlainFormat, kUpFormat);
+  in.Format(kSceneKind);
   scene.name = in.Name("name");
   scene.title = in.Text("title", 1, 200);
   scene.volume = in.Hash("volume_sha256");
   scene.voxel_nm = static_cast<int32_t>(in.Int("voxel_nm", 5'000, 1'000'000));
-  ReadTissues(in, scene, format);
+  ReadTissues(in, scene);
   ReadLandmarks(in, scene);
-  // Both or neither: format 2 has them even where they are empty.
-  if (format != kPlainFormat) {
-    ReadBurs(in, scene);
-    ReadPreparations(in, scene);
+  ReadBurs(in, scene);
+  ReadPreparations(in, scene);
+  const std::string up = in.Name("up");
+  if (up != kOcclusal && up != kBuccal) {
+    in.Refuse("up", "occlusal or buccal", "\"" + up + "\"");
   }
-  if (format >= kUpFormat) {
-    const std::string up = in.Name("up");
-    if (up != "buccal") in.Refuse("up", "buccal, or format 3 and no up", "\"" + up + "\"");
-    scene.up = Up::kBuccal;
-  }
+  scene.up = up == kBuccal ? Up::kBuccal : Up::kOcclusal;
   scene.provenance = in.Text("provenance", 1, 2'000);
   in.Finish();
   if (!status.ok()) return status;

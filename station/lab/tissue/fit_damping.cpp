@@ -15,6 +15,7 @@
 #include "common/base/file.h"
 #include "common/math/vec.h"
 #include "common/program/log.h"
+#include "common/scene/json/kinds.h"
 #include "common/scene/json/text.h"
 #include "station/lab/report/draw.h"
 #include "station/lab/report/plot.h"
@@ -351,7 +352,6 @@ std::string MaterialText(const DampingReport& r, const std::string& source) {
   namespace json = boost::json;
   auto Milli = [](double v) { return std::llround(v * 1e3); };
   json::array tissues;
-  bool more = false;  // than format 1 can say
   for (const DampingFit& f : r.fits) {
     if (!f.refused.empty()) continue;
     const CutFit& c = f.cut;
@@ -369,7 +369,6 @@ std::string MaterialText(const DampingReport& r, const std::string& source) {
       tissue[name + unit] = Milli(e.value);
       tissue[name + "_low" + unit] = Milli(e.low);
       tissue[name + "_high" + unit] = Milli(e.high);
-      more = true;
     };
     if (c.model == CutModel::kAxialLateral) Put("axial_damping", c.axial, "_mn_s_per_mm");
     if (c.model == CutModel::kMatrix) {
@@ -382,13 +381,12 @@ std::string MaterialText(const DampingReport& r, const std::string& source) {
       tissue["damping_matrix_mn_s_per_mm"] = std::move(value);
       tissue["damping_matrix_low_mn_s_per_mm"] = std::move(low);
       tissue["damping_matrix_high_mn_s_per_mm"] = std::move(high);
-      more = true;
     }
     if (c.with_coulomb) Put("coulomb", c.coulomb_n, "_mn");
     if (c.with_coulomb && c.threshold_seen) Put("threshold", c.threshold_n, "_mn");
     tissues.push_back(std::move(tissue));
   }
-  return scene::CanonicalText(json::object{{"format", more ? 2 : 1},
+  return scene::CanonicalText(json::object{{scene::kMaterialKind, scene::kFormat},
                                            {"source", source},
                                            {"rate_mhz", Milli(r.rate_hz)},
                                            {"tissues", std::move(tissues)}});

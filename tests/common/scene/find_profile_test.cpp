@@ -46,10 +46,7 @@ TEST_F(FindProfileTest, SaysWhatThereIsAndWhereADocumentIsWrong) {
   EXPECT_FALSE(FindProfile("/nowhere/at/all.json").ok());
   DeviceProfile six = BuiltinProfiles()[0];
   six.axes = {6, "the maker"};
-  std::string text = ToJson(six);
-  const size_t from = text.find("\"format\"");
-  ASSERT_NE(from, std::string::npos);
-  Write(text.replace(from, text.find(',', from) - from, "\"format\":4"));
+  Write(ToJson(six));
   auto refused = FindProfile(file_.string());
   EXPECT_EQ(refused.status().field(), "/torque");
   EXPECT_EQ(refused.status().message().find(file_.string()), 0u) << refused.status().message();

@@ -116,7 +116,7 @@ TEST(SceneJsonTest, GoldenDocumentsReadBackToTheSameBytes) {
                                                               "The work was stopped early."}}));
 }
 
-TEST(SceneJsonTest, ATargetThatIsAPreparedToothNeedsFormatSevenAndHasNoParts) {
+TEST(SceneJsonTest, ATargetThatIsAPreparedToothHasNoParts) {
   const std::string text = ReadText("golden/scene_exercise_prepared.json");
   Result<Exercise> exercise = ExerciseFromJson(text);
   ASSERT_TRUE(exercise.ok()) << exercise.status().message();
@@ -127,8 +127,6 @@ TEST(SceneJsonTest, ATargetThatIsAPreparedToothNeedsFormatSevenAndHasNoParts) {
     Result<Exercise> e = ExerciseFromJson(Replaced(text, from, to));
     return e.ok() ? std::string("accepted") : e.status().field();
   };
-  EXPECT_EQ(field("\"format\": 7", "\"format\": 5"), "/format");
-  EXPECT_EQ(field("\"format\": 7", "\"format\": 8"), "/format");
   EXPECT_EQ(field("\"5e5e", "\"zz5e"), "/target/prepared_scene_sha256");
   EXPECT_EQ(field("\"container_um\": 500,",
                   "\"container_um\": 500, \"parts\": [{\"outline\": \"disc\", \"top_um\": [0, 0, "
@@ -136,7 +134,7 @@ TEST(SceneJsonTest, ATargetThatIsAPreparedToothNeedsFormatSevenAndHasNoParts) {
             "/target/prepared_scene_sha256");
 }
 
-TEST(SceneJsonTest, ATargetsPartsNeedFormatFiveAndFitIntoItsBox) {
+TEST(SceneJsonTest, ATargetsPartsFitIntoItsBox) {
   const std::string text = ReadText("golden/scene_exercise_target.json");
   Result<Exercise> exercise = ExerciseFromJson(text);
   ASSERT_TRUE(exercise.ok()) << exercise.status().message();
@@ -151,7 +149,6 @@ TEST(SceneJsonTest, ATargetsPartsNeedFormatFiveAndFitIntoItsBox) {
     Result<Exercise> e = ExerciseFromJson(Replaced(text, from, to));
     return e.ok() ? std::string("accepted") : e.status().field();
   };
-  EXPECT_EQ(field("\"format\": 5", "\"format\": 4"), "/format");
   EXPECT_EQ(field("\"outline\": \"disc\"", "\"outline\": \"star\""), "/target/parts/1/outline");
   EXPECT_EQ(field("\"top_um\": [-200, 100", "\"top_um\": [-5300, 100"), "/target/parts");
   EXPECT_EQ(field("\"table_below_um\": 1500", "\"table_below_um\": 6500"),
@@ -160,12 +157,11 @@ TEST(SceneJsonTest, ATargetsPartsNeedFormatFiveAndFitIntoItsBox) {
   EXPECT_EQ(field("[0, 700]", "[0, 0.5]"), "/target/parts/3/corners_um");
   EXPECT_EQ(field("[0, 700]", "[0, 700],\n          [600, 700],\n          [-600, 0]"),
             "/target/parts/3/corners_um");
-  // A document of a scene says what it always said.
   EXPECT_FALSE(
       SceneFromJson(Replaced(ReadText("golden/scene_block.json"), "\"disc\"", "\"polygon\"")).ok());
 }
 
-TEST(SceneJsonTest, ReliefsNeedFormatSixAndAsManyDepthsAsPoints) {
+TEST(SceneJsonTest, ReliefsHaveAsManyDepthsAsPoints) {
   const std::string text = ReadText("golden/scene_exercise_relief.json");
   Result<Exercise> exercise = ExerciseFromJson(text);
   ASSERT_TRUE(exercise.ok()) << exercise.status().message();
@@ -176,7 +172,6 @@ TEST(SceneJsonTest, ReliefsNeedFormatSixAndAsManyDepthsAsPoints) {
     Result<Exercise> e = ExerciseFromJson(Replaced(text, from, to));
     return e.ok() ? std::string("accepted") : e.status().field();
   };
-  EXPECT_EQ(field("\"format\": 6", "\"format\": 5"), "/format");
   EXPECT_EQ(field("[400, 300, 0]", "[400, 300]"), "/target/parts/2/relief/below_um");
   EXPECT_EQ(field("[400, 300, 0]", "[401, 300, 0]"), "/target/parts/2/relief/below_um");
   EXPECT_EQ(field("\"count\": [1, 3]", "\"count\": [1, 2]"), "/target/parts/2/relief/count");
@@ -184,25 +179,24 @@ TEST(SceneJsonTest, ReliefsNeedFormatSixAndAsManyDepthsAsPoints) {
   EXPECT_EQ(field("\"step_um\": 1000", "\"step_um\": 0"), "/target/parts/2/relief/step_um");
 }
 
-TEST(SceneJsonTest, AToothWhoseBuccalSideIsUpNeedsFormatFour) {
+TEST(SceneJsonTest, AToothsOcclusalOrBuccalSideIsUp) {
   const std::string text = ReadText("golden/scene_turned.json");
   Result<Scene> scene = SceneFromJson(text);
   ASSERT_TRUE(scene.ok()) << scene.status().message();
   EXPECT_EQ(scene->up, Up::kBuccal);
   EXPECT_EQ(ToJson(*scene), text);
-  scene = SceneFromJson(Replaced(text, "\"format\": 4", "\"format\": 3"));
-  ASSERT_FALSE(scene.ok()) << "format 3 has no such member";
-  EXPECT_EQ(scene.status().field(), "/up");
+  scene = SceneFromJson(Replaced(text, "\"buccal\"", "\"occlusal\""));
+  ASSERT_TRUE(scene.ok()) << scene.status().message();
+  EXPECT_EQ(scene->up, Up::kOcclusal);
   EXPECT_EQ(SceneFromJson(Replaced(text, "\"buccal\"", "\"lingual\"")).status().field(), "/up");
 }
 
-TEST(SceneJsonTest, GatesNeedFormatFourAndAMapOfShares) {
+TEST(SceneJsonTest, GatesHaveAMapOfShares) {
   const std::string text = ReadText("golden/scene_exercise_gates.json");
   auto field = [&](const char* from, const char* to) {
     Result<Exercise> e = ExerciseFromJson(Replaced(text, from, to));
     return e.ok() ? std::string("accepted") : e.status().field();
   };
-  EXPECT_EQ(field("\"format\": 4", "\"format\": 3"), "/format");
   EXPECT_EQ(field("[5, 0],\n          [90, 1]", "[90, 0],\n          [5, 1]"),
             "/rubric/gates/0/map");
   EXPECT_EQ(field("[90, 1]", "[90, 2]"), "/rubric/gates/0/map");
@@ -220,21 +214,17 @@ TEST(SceneJsonTest, ARubricByItselfSaysWhatItSaysInAnExercise) {
     Result<Rubric> r = RubricFromJson(Replaced(text, from, to));
     return r.ok() ? std::string("accepted") : r.status().field();
   };
-  EXPECT_EQ(RubricFromJson(Replaced(text, "\"format\": 1", "\"format\": 2")).status().code(),
-            Code::kVersion);
   EXPECT_EQ(field("\"version\": ", "\"verse\": "), "/version");
   EXPECT_EQ(field("[90, 1]", "[90, 2]"), "/gates/0/map");
   EXPECT_FALSE(RubricFromJson("").ok());
 }
 
-TEST(SceneJsonTest, TouchCuesNeedFormatThreeAndAForce) {
+TEST(SceneJsonTest, TouchCuesNeedAForce) {
   const std::string text = ReadText("golden/scene_exercise_cues.json");
   auto field = [&](const char* from, const char* to) {
     Result<Exercise> e = ExerciseFromJson(Replaced(text, from, to));
     return e.ok() ? std::string("accepted") : e.status().field();
   };
-  EXPECT_EQ(field("\"format\": 3", "\"format\": 2"), "/format");
-  EXPECT_EQ(field("\"format\": 3", "\"format\": 8"), "/format");
   EXPECT_EQ(field("\"contact_mn\": 300", "\"contact_mn\": 2001"), "/touch_cues/contact_mn");
   EXPECT_EQ(field("\"chatter_mn\": 120", "\"chatter_mn\": -1"), "/touch_cues/chatter_mn");
   EXPECT_EQ(field("\"energy_uj\": 250", "\"energy_uj\": 0"), "/touch_cues/energy_uj");
@@ -245,10 +235,8 @@ TEST(SceneJsonTest, TouchCuesNeedFormatThreeAndAForce) {
   EXPECT_TRUE(ExerciseFromJson(ToJson(e)).ok());
   e.touch_cues.contact_mn = 0;
   EXPECT_EQ(ExerciseFromJson(ToJson(e)).status().field(), "/touch_cues/contact_mn");
-  // Without them the document is what it was.
   e.touch_cues = {};
   EXPECT_EQ(ToJson(e).find("touch_cues"), std::string::npos);
-  EXPECT_NE(ToJson(e).find("\"format\": 2"), std::string::npos);
 }
 
 TEST(SceneJsonTest, BuiltinProfilesAreTheGoldenDocuments) {
@@ -261,18 +249,15 @@ TEST(SceneJsonTest, BuiltinProfilesAreTheGoldenDocuments) {
   }
 }
 
-TEST(SceneJsonTest, ProfilesCarryWhatIsKnownBeyondTheNecessaryInFormatTwo) {
+TEST(SceneJsonTest, ProfilesCarryWhatIsKnownBeyondTheNecessary) {
   std::string text = ReadText("golden/scene_profile_optional.json");
   Result<DeviceProfile> profile = ProfileFromJson(text);
   ASSERT_TRUE(profile.ok()) << profile.status().message();
   EXPECT_EQ(ToJson(*profile), text);
   EXPECT_EQ(profile->structural_mode_hz.value, 120);
-  profile = ProfileFromJson(Replaced(text, "\"format\": 2", "\"format\": 1"));
-  ASSERT_FALSE(profile.ok()) << "format 1 has no such members";
-  EXPECT_EQ(profile.status().field(), "/axes");
 }
 
-TEST(SceneJsonTest, ProfilesSayInFormatThreeThatTheirDelayWasMeasuredAndOldOnesDoNot) {
+TEST(SceneJsonTest, ProfilesSayWhetherTheirDelayWasMeasured) {
   std::string text = ReadText("golden/scene_profile_measured.json");
   Result<DeviceProfile> profile = ProfileFromJson(text);
   ASSERT_TRUE(profile.ok()) << profile.status().message();
@@ -282,35 +267,26 @@ TEST(SceneJsonTest, ProfilesSayInFormatThreeThatTheirDelayWasMeasuredAndOldOnesD
   Result<DeviceProfile> unsaid = ProfileFromJson(ToJson(*profile));
   ASSERT_TRUE(unsaid.ok()) << unsaid.status().message();
   EXPECT_FALSE(unsaid->delay_measured);
-  EXPECT_NE(ToJson(*profile).find("\"format\": 2"), std::string::npos);
-
-  profile = ProfileFromJson(Replaced(text, "\"format\": 3", "\"format\": 2"));
-  ASSERT_FALSE(profile.ok()) << "format 2 has no such member";
-  EXPECT_EQ(profile.status().field(), "/bus_delay_ticks/measured");
   profile = ProfileFromJson(Replaced(text, "\"measured\": true", "\"measured\": false"));
   ASSERT_FALSE(profile.ok()) << "what was not measured is not said";
   EXPECT_EQ(profile.status().field(), "/bus_delay_ticks/measured");
 }
 
-TEST(SceneJsonTest, TissuesCarryCoulombsPartAndAThresholdInFormatThree) {
+TEST(SceneJsonTest, TissuesCarryCoulombsPartAndAThreshold) {
   std::string text = ReadText("golden/scene_threshold.json");
   Result<Scene> scene = SceneFromJson(text);
   ASSERT_TRUE(scene.ok()) << scene.status().message();
   EXPECT_EQ(scene->tissues[0].coulomb_mn, 300);
   EXPECT_EQ(scene->tissues[0].threshold_mn, 500);
   EXPECT_EQ(ToJson(*scene), text);
-  // Without them the text, and so the scene's name, is what it was.
   scene->tissues[0].coulomb_mn = scene->tissues[0].threshold_mn = 0;
   EXPECT_EQ(ToJson(*scene), ReadText("golden/scene_block.json"));
-  scene = SceneFromJson(Replaced(text, "\"format\": 3", "\"format\": 2"));
-  ASSERT_FALSE(scene.ok()) << "format 2 has no such members";
-  EXPECT_EQ(scene.status().field(), "/tissues/0/coulomb_mn");
   scene = SceneFromJson(Replaced(text, "\"threshold_mn\": 500", "\"threshold_mn\": 299"));
   ASSERT_FALSE(scene.ok()) << "a threshold below Coulomb's part";
   EXPECT_EQ(scene.status().field(), "/tissues/0/threshold_mn");
 }
 
-TEST(SceneJsonTest, ProfilesOfSixAxesSayInFormatFourWhatTheirTorqueIs) {
+TEST(SceneJsonTest, ProfilesOfSixAxesSayWhatTheirTorqueIs) {
   const std::string text = ReadText("golden/scene_profile_torque.json");
   Result<DeviceProfile> profile = ProfileFromJson(text);
   ASSERT_TRUE(profile.ok()) << profile.status().message();
@@ -322,8 +298,6 @@ TEST(SceneJsonTest, ProfilesOfSixAxesSayInFormatFourWhatTheirTorqueIs) {
     Result<DeviceProfile> p = ProfileFromJson(Replaced(text, from, to));
     return p.ok() ? std::string("accepted") : p.status().field();
   };
-  EXPECT_EQ(FieldOf("\"format\": 4", "\"format\": 3"), "/electrical_damping_mn_s_per_m");
-  EXPECT_EQ(FieldOf("\"format\": 4", "\"format\": 5"), "/format");
   EXPECT_EQ(FieldOf("\"value\": 6,", "\"value\": 3,"), "/torque");
   EXPECT_EQ(FieldOf("\"value\": 350,", "\"value\": 61,"), "/torque/orientation_cell_urad/value");
   EXPECT_EQ(FieldOf("\"friction_un_m\"", "\"friction_mn_m\""), "/torque/friction_un_m");
@@ -333,12 +307,6 @@ TEST(SceneJsonTest, ProfilesOfSixAxesSayInFormatFourWhatTheirTorqueIs) {
   EXPECT_EQ(missing.status().field(), "/torque");
   EXPECT_NE(missing.status().message().find("axes is 6"), std::string::npos)
       << missing.status().message();
-  // Older documents of six axes read, and send no torque.
-  Result<DeviceProfile> older = ProfileFromJson(
-      Replaced(ReadText("golden/scene_profile_measured.json"), "\"value\": 3,", "\"value\": 6,"));
-  ASSERT_TRUE(older.ok()) << older.status().message();
-  EXPECT_EQ(older->axes.value, 6);
-  EXPECT_FALSE(older->torque);
 }
 
 TEST(MaterialTest, ProfilesReadAndGiveAScenesTissuesWhatWasMeasured) {
@@ -368,7 +336,7 @@ TEST(MaterialTest, ProfilesReadAndGiveAScenesTissuesWhatWasMeasured) {
   EXPECT_EQ(ToJson(*block), before);
 }
 
-TEST(MaterialTest, OlderProfilesReadAndWhatIsWrongIsRefusedWithItsPath) {
+TEST(MaterialTest, WhatWasNotMeasuredIsLeftOutAndWhatIsWrongIsRefusedWithItsPath) {
   Result<Material> plain = MaterialFromJson(ReadText("golden/material.json"));
   ASSERT_TRUE(plain.ok()) << plain.status().message();
   EXPECT_EQ(plain->tissues[0].spec.coulomb_mn, 0);
@@ -377,8 +345,6 @@ TEST(MaterialTest, OlderProfilesReadAndWhatIsWrongIsRefusedWithItsPath) {
     Result<Material> m = MaterialFromJson(Replaced(text, from, to));
     return m.ok() ? std::string("accepted") : m.status().field();
   };
-  EXPECT_EQ(FieldOf("\"format\": 2", "\"format\": 1"), "/tissues/0/axial_damping_mn_s_per_mm");
-  EXPECT_EQ(FieldOf("\"format\": 2", "\"format\": 3"), "/format");
   EXPECT_EQ(FieldOf("\"threshold_mn\": 900", "\"threshold_mn\": 400"), "/tissues/0/threshold_mn");
   EXPECT_EQ(FieldOf("\"coulomb_low_mn\": 470,", ""), "/tissues/0/coulomb_low_mn");
 }
@@ -464,10 +430,48 @@ TEST(SceneJsonTest, ColonsAndQuotesInTextAreNoMembers) {
   EXPECT_EQ(SceneFromJson(ToJson(*s))->provenance, s->provenance);
 }
 
-TEST(SceneJsonTest, NewerFormatIsAVersionError) {
-  std::string text =
-      Replaced(ReadText("golden/scene_molar.json"), "\"format\": 1,", "\"format\": 5, \"new\": 1,");
-  EXPECT_EQ(SceneFromJson(text).status().code(), Code::kVersion);
+// A document, what it calls itself, and what reads it.
+struct Kind {
+  const char* file;
+  std::string name;
+  Status (*read)(std::string_view text);
+};
+const Kind kKinds[] = {
+    {"golden/scene_molar.json", "enamel_scene",
+     [](std::string_view text) { return SceneFromJson(text).status(); }},
+    {"golden/scene_exercise.json", "enamel_exercise",
+     [](std::string_view text) { return ExerciseFromJson(text).status(); }},
+    {"golden/scene_profile_torque.json", "enamel_device_profile",
+     [](std::string_view text) { return ProfileFromJson(text).status(); }},
+    {"golden/scene_rubric.json", "enamel_rubric",
+     [](std::string_view text) { return RubricFromJson(text).status(); }},
+    {"golden/scene_calibration.json", "enamel_calibration",
+     [](std::string_view text) { return CalibrationFromJson(text).status(); }},
+    {"golden/material_cut.json", "enamel_material",
+     [](std::string_view text) { return MaterialFromJson(text).status(); }},
+};
+
+TEST(SceneJsonTest, EveryDocumentSaysWhatItIsAndANewerFormatIsAVersionError) {
+  for (const Kind& kind : kKinds) {
+    const std::string text = ReadText(kind.file), member = "\"" + kind.name + "\": ";
+    ASSERT_TRUE(kind.read(text).ok()) << kind.file;
+    Status newer = kind.read(Replaced(text, member + "1", member + "2, \"new\": 1"));
+    EXPECT_EQ(newer.code(), Code::kVersion) << kind.file;
+    EXPECT_EQ(newer.field(), "/" + kind.name);
+    Status other = kind.read(Replaced(text, member, "\"enamel_bur\": "));
+    EXPECT_EQ(other.code(), Code::kInvalidInput) << kind.file;
+    EXPECT_EQ(other.field(), "/" + kind.name);
+  }
+}
+
+TEST(SceneJsonTest, DocumentsOfAnEarlierEnamelAreRefusedByName) {
+  for (const Kind& kind : kKinds) {
+    Status refused =
+        kind.read(Replaced(ReadText(kind.file), "\"" + kind.name + "\"", "\"format\""));
+    EXPECT_EQ(refused.code(), Code::kVersion) << kind.file;
+    EXPECT_EQ(refused.field(), "/format");
+    EXPECT_NE(refused.message().find("an earlier Enamel"), std::string::npos) << refused.message();
+  }
 }
 
 TEST(SceneJsonTest, TextOverAMegabyteAndDeepNestingAreRefused) {
@@ -504,23 +508,22 @@ TEST_P(BadSceneTest, IsRefusedWithItsPath) {
 
 INSTANTIATE_TEST_SUITE_P(
     Values, BadSceneTest,
-    testing::Values(BadValue{"\"gypsum\"", "\"plaster\"", "/tissues/0/tissue"},
-                    BadValue{"\"damping_mn_s_per_mm\": 4000", "\"damping_mn_s_per_mm\": 0",
-                             "/tissues/0/damping_mn_s_per_mm"},
-                    BadValue{"\"voxel_nm\": 200000", "\"voxel_nm\": 100", "/voxel_nm"},
-                    BadValue{"\"sphere\"", "\"egg\"", "/burs/5/shape"},
-                    BadValue{"\"radius_um\": 500", "\"radius_um\": 0", "/burs/0/radius_um"},
-                    BadValue{"\"round-16\"", "\"fissure-10\"", "/burs/5/name"},
-                    BadValue{"\"narrow_radius_um\": 300", "\"narrow_radius_um\": 600",
-                             "/burs/2/narrow_radius_um"},
-                    BadValue{"\"outline\": \"disc\"", "\"outline\": \"star\"",
-                             "/preparations/0/parts/0/outline"},
-                    BadValue{"\"radius_um\": 2500", "\"half_size_um\": [2500, 2500]",
-                             "/preparations/0/parts/0/radius_um"},
-                    BadValue{"\"depth_um\": 1500", "\"depth_um\": 0",
-                             "/preparations/0/parts/0/depth_um"},
-                    BadValue{"\"name\": \"cross\"", "\"name\": \"circle\"", "/preparations/1/name"},
-                    BadValue{"\"format\": 2", "\"format\": 1", "/burs"}),
+    testing::Values(
+        BadValue{"\"gypsum\"", "\"plaster\"", "/tissues/0/tissue"},
+        BadValue{"\"damping_mn_s_per_mm\": 4000", "\"damping_mn_s_per_mm\": 0",
+                 "/tissues/0/damping_mn_s_per_mm"},
+        BadValue{"\"voxel_nm\": 200000", "\"voxel_nm\": 100", "/voxel_nm"},
+        BadValue{"\"sphere\"", "\"egg\"", "/burs/5/shape"},
+        BadValue{"\"radius_um\": 500", "\"radius_um\": 0", "/burs/0/radius_um"},
+        BadValue{"\"round-16\"", "\"fissure-10\"", "/burs/5/name"},
+        BadValue{"\"narrow_radius_um\": 300", "\"narrow_radius_um\": 600",
+                 "/burs/2/narrow_radius_um"},
+        BadValue{"\"outline\": \"disc\"", "\"outline\": \"star\"",
+                 "/preparations/0/parts/0/outline"},
+        BadValue{"\"radius_um\": 2500", "\"half_size_um\": [2500, 2500]",
+                 "/preparations/0/parts/0/radius_um"},
+        BadValue{"\"depth_um\": 1500", "\"depth_um\": 0", "/preparations/0/parts/0/depth_um"},
+        BadValue{"\"name\": \"cross\"", "\"name\": \"circle\"", "/preparations/1/name"}),
     NameOf);
 
 class BadExerciseTest : public testing::TestWithParam<BadValue> {};

@@ -304,7 +304,7 @@ class Template {
     bodies["SAM"] = school.sam.Text();
     bodies["PROFILE"] = scene::ToJson(scene::BuiltinProfiles().front());
     bodies["CALIBRATION"] =
-        R"({"format":1,"device":"d","profile":"phantom_desktop","station":"","software":"s",)"
+        R"({"enamel_calibration":1,"device":"d","profile":"phantom_desktop","station":"","software":"s",)"
         R"("measured_ms":1,"rate_hz":1000,"method":"m",)"
         R"("measured":{"noise_nm":{"value":1,"uncertainty":1,"samples":1}}})";
     AddTeaching();

@@ -324,7 +324,7 @@ TEST_F(PeopleTest, ProfileIsJudgedWithFiguresBeforeItIsStored) {
   EXPECT_GT(judgement.at("criteria").at(0).at("value").as_double(),
             judgement.at("criteria").at(0).at("limit").as_double());
   EXPECT_EQ(school_.store->profiles.ProfileVersions(profile.name)->size(), 1u);
-  EXPECT_EQ(Send(root_, "POST", "/api/v1/profiles", R"({"format":9})").status, 400);
+  EXPECT_EQ(Send(root_, "POST", "/api/v1/profiles", R"({"enamel_device_profile":9})").status, 400);
   profile.coupling_mn_per_mm.value /= 10;
   profile.title = "Second";
   EXPECT_EQ(Parsed(post("")).at("version"), 2);
@@ -379,7 +379,7 @@ TEST_F(PeopleTest, ReportIsServedAsAnAttachmentOnlyAndCalibrationsAreKept) {
   EXPECT_EQ(Send(root_, "POST", target + "/reports", "x", "", "image/svg+xml").status, 415);
 
   const std::string calibration =
-      R"({"format":1,"device":"hid:1","profile":"phantom_desktop","station":"","software":"s",)"
+      R"({"enamel_calibration":1,"device":"hid:1","profile":"phantom_desktop","station":"","software":"s",)"
       R"("measured_ms":1000,"rate_hz":1000,"method":"m",)"
       R"("measured":{"friction_mn":{"value":25,"uncertainty":2,"samples":9}}})";
   EXPECT_EQ(Send(root_, "POST", target + "/calibrations", calibration).status, 201);

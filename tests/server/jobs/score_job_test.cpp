@@ -264,9 +264,9 @@ TEST_F(ScoreJobTest, APreviewSaysWhatElseScoringAgainWouldChange) {
 
 TEST_F(ScoreJobTest, APreviewSaysOfWhichAttemptsItCannotTell) {
   const Uuid attempt = Scored({});
-  scoring::ScoreResult older = ScoreOf(attempt);
-  other.scoring_version = scoring::kSameNumbersSince - 1;
+  scoring::ScoreResult other = ScoreOf(attempt);
   other.scoring_version = scoring::kScoringVersion + 1;
+  school_->SetScore(attempt, other);
   school_->Set(school_->reference, "score_json = " + JobSchool::Sql(HashSha256(AsBytes("lost"))));
   auto preview = Preview(world_.exercise.rubric);
   ASSERT_TRUE(preview.ok());

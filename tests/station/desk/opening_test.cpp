@@ -140,7 +140,7 @@ TEST_F(OpeningTest, WhatIsWrongWithTheEnrolmentIsNotSaidOfTheRecordings) {
   fs::permissions(enrolment, fs::perms(0644));
   EXPECT_NE(Opening({.data = data()}).explained(kEnglish).what.find("enrolment data"),
             std::string::npos);
-  std::ofstream(enrolment) << "{\"format\": 99}";
+  std::ofstream(enrolment) << "{\"enamel_station\": 99}";
   fs::permissions(enrolment, fs::perms(0600));
   EXPECT_NE(Opening({.data = data()}).explained(kEnglish).what.find("enrolled by another version"),
             std::string::npos);

@@ -109,7 +109,7 @@ TEST_F(DeviceDelayTest, AProfileThatSaysItWasMeasuredIsBelieved) {
 
 TEST_F(DeviceDelayTest, ABrokenMeasurementCountsAsNoneAndIsSaid) {
   fs::create_directories(CalibrationsFolder(folder_));
-  std::ofstream(CalibrationFile(folder_, "hid:1209:0001:SN7")) << "{\"format\": 1";
+  std::ofstream(CalibrationFile(folder_, "hid:1209:0001:SN7")) << "{\"enamel_calibration\": 1";
   LogLines log;
   ASSERT_TRUE(UseDelayOf(prepared_, Attached(true), folder_).ok());
   EXPECT_EQ(Kc(), 875);

@@ -74,10 +74,19 @@ TEST_F(CredentialsTest, StationThatIsNotEnrolledIsToldHow) {
 }
 
 TEST_F(CredentialsTest, DamagedFileIsRefused) {
-  for (const char* text : {"", "{", "[]", "{\"format\":1}", "{\"format\":2}"}) {
+  for (const char* text : {"", "{", "[]", "{\"enamel_station\":1}", "{\"enamel_station\":2}"}) {
     ASSERT_TRUE(WriteFileDurably(folder_ / "station.json", AsBytes(text), 0600).ok());
     EXPECT_FALSE(LoadCredentials(folder_).ok()) << text;
   }
+}
+
+TEST_F(CredentialsTest, FileOfAnEarlierEnamelIsRefusedByName) {
+  ASSERT_TRUE(WriteFileDurably(folder_ / "station.json", AsBytes("{\"format\":1}"), 0600).ok());
+  const Status refused = LoadCredentials(folder_).status();
+  EXPECT_EQ(refused.code(), Code::kVersion);
+  EXPECT_EQ(refused.field(), kEnrolment);
+  EXPECT_NE(refused.message().find("an earlier Enamel"), std::string::npos) << refused.message();
+  EXPECT_NE(refused.message().find("enrol"), std::string::npos) << refused.message();
 }
 
 TEST(EnrolCodeTest, FingerprintMayBeWrittenWithColons) {

@@ -68,7 +68,7 @@ TEST(FitDampingTest, StoresAMaterialProfileOfWhatWasFittedAndNothingOfWhatWasNot
   std::stringstream text;
   text << std::ifstream(options.material_path).rdbuf();
   auto document = boost::json::parse(text.str()).as_object();
-  EXPECT_EQ(document.at("format"), 2) << "Coulomb's part is format 2";
+  EXPECT_EQ(document.at("enamel_material"), 1);
   auto tissue = document.at("tissues").at(0).as_object();
   EXPECT_NEAR(tissue.at("damping_mn_s_per_mm").to_number<double>(), 6500, 130);
   EXPECT_LT(tissue.at("damping_low_mn_s_per_mm").to_number<double>(), 6500);
