@@ -20,6 +20,7 @@
 #include "common/mesh/units.h"
 #include "common/scene/builder.h"
 #include "common/scene/builtin/builtin.h"
+#include "common/scene/tooth_number.h"
 #include "common/scene/volume_blob.h"
 
 namespace enamel::import {
@@ -136,6 +137,11 @@ std::string Words(const std::array<double, cutting::kTissueCount>& volumes) {
 }
 
 Status CheckOptions(const ImportOptions& options) {
+  if (!scene::IsToothNumber(options.tooth)) {
+    return Invalid("expected the tooth's FDI number (ISO 3950), 11 to 48 or 51 to 85, found " +
+                       (options.tooth == 0 ? "none" : std::to_string(options.tooth)),
+                   "tooth");
+  }
   if (options.voxel_nm < kFinestVoxel_nm || options.voxel_nm > kCoarsestVoxel_nm) {
     return Invalid(
         "expected a voxel from 10000 to 500000 nm, found " + std::to_string(options.voxel_nm),
@@ -170,14 +176,12 @@ Status Fill(const mesh::Box& box, const MakeField& field, const ImportOptions& o
   return Status::Ok();
 }
 
-void ReportPlace(const mesh::Box& box, const std::string& words, const Fossa& fossa,
+void ReportPlace(const mesh::Box& box, const std::vector<std::string>& words, const Fossa& fossa,
                  ImportedScene& out) {
   const dvec3 size = box.size();
   out.report.push_back("size " + mesh::Fixed(size.x) + " x " + mesh::Fixed(size.y) + " x " +
                        mesh::Fixed(size.z) + " mm");
-  out.report.push_back(words);
-  out.report.push_back(
-      "the longer side lies along x; what is mesial and buccal is not known from a mesh");
+  out.report.insert(out.report.end(), words.begin(), words.end());
   out.report.push_back(std::string("occlusal centre: ") + Words(fossa.kind));
 }
 
@@ -191,6 +195,7 @@ void Finish(const Fossa& fossa, const std::string& source, const ImportOptions& 
     out.report.push_back("volume " + mesh::Fixed(out.mesh_volume_mm3, 1) + " mm3 by the mesh");
   out.scene.name = PlainName(options.name.empty() ? "imported" : options.name);
   out.scene.title = options.name.empty() ? "Imported tooth" : Printable(options.name);
+  out.scene.tooth = options.tooth;
   out.scene.voxel_nm = options.voxel_nm;
   out.scene.tissues = scene::DefaultTissues(TissuesIn(volumes));
   out.scene.landmarks["occlusal_centre"] = ToUm(fossa.point);
@@ -214,7 +219,8 @@ Result<ImportedScene> ImportTriangles(const mesh::Triangles& mesh, const std::st
   Result<mesh::Solid> solid = mesh::MakeSolid(mesh_mm, repair);
   if (!solid.ok()) return solid.status();
   Enter(options, "placing");
-  Result<PlacedSolid> placed = Place(std::move(*solid), options.up);
+  Result<PlacedSolid> placed =
+      Place(std::move(*solid), {options.tooth, options.up, options.buccal});
   if (!placed.ok()) return placed.status();
   const mesh::Box box = mesh::BoxOf(placed->solid.mesh);
   const mesh::TriangleTree boundary(placed->solid.boundary), whole(placed->solid.mesh);
@@ -255,7 +261,8 @@ Result<ImportedScene> ImportLayers(
   Result<LayerSolids> solids = RepairLayers(surfaces_mm, layer_options);
   if (!solids.ok()) return solids.status();
   Enter(options, "placing");
-  Result<PlacedLayers> placed = Place(std::move(*solids), options.up);
+  Result<PlacedLayers> placed =
+      Place(std::move(*solids), {options.tooth, options.up, options.buccal});
   if (!placed.ok()) return placed.status();
   Enter(options, "tissues");
   Result<LayeredTooth> tooth = LayeredTooth::Make(std::move(placed->layers), layer_options);

@@ -20,19 +20,20 @@
 namespace enamel::import {
 
 struct ImportOptions {
+  int tooth = 0;              // its FDI number (common/scene/tooth_number.h); needed
   std::string unit = "mm";    // of the files' coordinates: mm, um, cm, m, inch
   int32_t voxel_nm = 50'000;  // 10'000 to 500'000
-  // Occlusal direction in the file: "+x" ... "-z", or "auto" (place.h).
-  std::string up = "auto";
+  // Occlusal and buccal direction in the file: "+x" ... "-z", or "auto" (place.h).
+  std::string up = "auto", buccal = "auto";
   // With one surface per tissue: gaps and crossings that are mended (layers.h), 0 to 0.5.
   double bridge_mm = 0.1;
-  std::string name;                      // of the scene; empty: made from the file's name
-  int threads = 0;                       // 0: as many as the machine has
-  std::filesystem::path child;           // empty: enamel-import-child beside the running program
-  std::function<void(double)> progress;  // 0..1 while the volume is filled; may be empty
+  std::string name = {};             // of the scene; empty: made from the file's name
+  int threads = 0;                   // 0: as many as the machine has
+  std::filesystem::path child = {};  // empty: enamel-import-child beside the running program
+  std::function<void(double)> progress = {};  // 0..1 while the volume is filled; may be empty
   // Called as each phase begins, in this order: reading, repairing, placing, tissues, filling,
   // storing; may be empty.
-  std::function<void(std::string_view)> phase;
+  std::function<void(std::string_view)> phase = {};
 };
 
 struct ImportedScene {

@@ -69,32 +69,65 @@ std::optional<mesh::Stance> StanceByRise(const LayerSolids& layers, double exten
   return stance;
 }
 
+// Whether a mean tooth of this number is wider from mesial to distal than from buccal to lingual:
+// Nelson & Ash, "Wheeler's Dental Anatomy, Physiology and Occlusion", 10th ed. 2015, the tables of
+// measurements in the chapters on each tooth.
+bool IsWiderMesiodistally(int tooth) {
+  const int quadrant = tooth / 10, place = tooth % 10;
+  const bool upper = quadrant % 4 == 1 || quadrant % 4 == 2;
+  if (quadrant > 4) return !upper || place <= 2;
+  return upper ? place <= 2 : place >= 6;
+}
+
+struct Turned {
+  dmat3 turn{1};
+  std::string words;
+};
+Result<Turned> TurnOf(const mesh::Triangles& crown, const dvec3& up, const Facing& facing) {
+  if (facing.buccal == "auto") {
+    return Turned{mesh::SceneFromFile(crown, up, IsWiderMesiodistally(facing.tooth)),
+                  "buccal is taken to be at +y: a mesh does not say it (give its direction in the "
+                  "file with --buccal)"};
+  }
+  Result<dvec3> axis = mesh::ParseAxis(facing.buccal);
+  if (!axis.ok()) return Status(axis.status().code(), axis.status().message(), "buccal");
+  if (std::abs(Dot(*axis, up)) > kOnAxis) {
+    return Status(Code::kInvalidInput,
+                  "expected a buccal direction across the occlusal one, " + AxisName(up) +
+                      "; found " + facing.buccal,
+                  "buccal");
+  }
+  return Turned{mesh::SceneFacing(up, *axis),
+                "buccal direction " + AxisName(*axis) + " (as given)"};
+}
+
 }  // namespace
 
-Result<PlacedSolid> Place(mesh::Solid solid, const std::string& up) {
+Result<PlacedSolid> Place(mesh::Solid solid, const Facing& facing) {
   mesh::Stance stance;
-  if (up == "auto") {
+  if (facing.up == "auto") {
     stance = mesh::FindStance(solid.mesh);
   } else {
-    Result<dvec3> axis = mesh::ParseAxis(up);
+    Result<dvec3> axis = mesh::ParseAxis(facing.up);
     if (!axis.ok()) return axis.status();
     stance = mesh::StanceWithUp(solid.mesh, *axis);
   }
-  const dmat3 turn = mesh::SceneFromFile(solid.mesh, stance.up);
-  Move(solid, turn, MiddleOf(solid.mesh, turn));
-  PlacedSolid placed{std::move(solid), std::nullopt, Explain(stance, up, "its hollows")};
-  if (stance.gum) placed.gum = turn * *stance.gum;
+  ENAMEL_ASSIGN_OR_RETURN(const Turned turned, TurnOf(solid.mesh, stance.up, facing));
+  Move(solid, turned.turn, MiddleOf(solid.mesh, turned.turn));
+  PlacedSolid placed{
+      std::move(solid), std::nullopt, {Explain(stance, facing.up, "its hollows"), turned.words}};
+  if (stance.gum) placed.gum = turned.turn * *stance.gum;
   return placed;
 }
 
-Result<PlacedLayers> Place(LayerSolids layers, const std::string& up) {
+Result<PlacedLayers> Place(LayerSolids layers, const Facing& facing) {
   const auto& enamel = layers.solids[static_cast<size_t>(Layer::kEnamel)];
   const auto& dentin = layers.solids[static_cast<size_t>(Layer::kDentin)];
   const mesh::Triangles crown = enamel ? enamel->mesh : dentin->mesh;
   mesh::Stance stance;
   std::string how = "the enamel's place on the dentin";
-  if (up != "auto") {
-    Result<dvec3> axis = mesh::ParseAxis(up);
+  if (facing.up != "auto") {
+    Result<dvec3> axis = mesh::ParseAxis(facing.up);
     if (!axis.ok()) return axis.status();
     stance.up = *axis;
   } else if (auto by_rise = StanceByRise(layers, mesh::BoxOf(crown).extent())) {
@@ -103,12 +136,12 @@ Result<PlacedLayers> Place(LayerSolids layers, const std::string& up) {
     stance = mesh::FindStance(crown);
     how = "its hollows";
   }
-  const dmat3 turn = mesh::SceneFromFile(crown, stance.up);
-  const dvec3 middle = MiddleOf(crown, turn);
+  ENAMEL_ASSIGN_OR_RETURN(const Turned turned, TurnOf(crown, stance.up, facing));
+  const dvec3 middle = MiddleOf(crown, turned.turn);
   for (auto& solid : layers.solids) {
-    if (solid) Move(*solid, turn, middle);
+    if (solid) Move(*solid, turned.turn, middle);
   }
-  return PlacedLayers{std::move(layers), Explain(stance, up, how)};
+  return PlacedLayers{std::move(layers), {Explain(stance, facing.up, how), turned.words}};
 }
 
 }  // namespace enamel::import

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/import/layers.h"
 #include "common/mesh/mesh_repair.h"
@@ -12,20 +13,26 @@ namespace enamel::import {
 // origin, millimetres.
 struct PlacedSolid {
   mesh::Solid solid;
-  std::optional<dvec3> gum;  // as in mesh::Stance, scene frame
-  std::string words;         // how it was turned, for people
+  std::optional<dvec3> gum;        // as in mesh::Stance, scene frame
+  std::vector<std::string> words;  // how it was turned, for people
 };
 struct PlacedLayers {
   LayerSolids layers;
-  std::string words;
+  std::vector<std::string> words;
 };
 
-// `up`: the occlusal direction in the file, "+x" ... "-z", or "auto": found by the hollows of the
-// shape. Errors: kInvalidInput, field "up".
-Result<PlacedSolid> Place(mesh::Solid solid, const std::string& up);
-// The same for surfaces per tissue, where "auto" goes from the middle of the dentin to that of the
-// enamel (to the file's axis where one is within 30 degrees), and by hollows where these coincide.
-// The crown is the enamel, or all where there is none.
-Result<PlacedLayers> Place(LayerSolids layers, const std::string& up);
+// Which tooth it is, and which way it stands in the file: "+x" ... "-z", or "auto".
+struct Facing {
+  int tooth = 0;       // FDI number
+  std::string up;      // occlusal; auto: found by the hollows of the shape
+  std::string buccal;  // auto: along the tooth's width or across it, as such teeth are; either end
+};
+
+// Errors: kInvalidInput, field "up" or "buccal".
+Result<PlacedSolid> Place(mesh::Solid solid, const Facing& facing);
+// The same for surfaces per tissue, where "auto" for `up` goes from the middle of the dentin to
+// that of the enamel (to the file's axis where one is within 30 degrees), and by hollows where
+// these coincide. The crown is the enamel, or all where there is none.
+Result<PlacedLayers> Place(LayerSolids layers, const Facing& facing);
 
 }  // namespace enamel::import

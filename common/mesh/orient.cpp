@@ -224,7 +224,7 @@ Stance StanceWithUp(const Triangles& mesh, const dvec3& up) {
           1};
 }
 
-dmat3 SceneFromFile(const Triangles& mesh, const dvec3& up) {
+dmat3 SceneFromFile(const Triangles& mesh, const dvec3& up, bool longer_along_x) {
   dvec3 a = std::abs(up.x) < 0.7 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
   a -= Dot(a, up) * up;
   a /= std::sqrt(Dot(a, a));
@@ -239,9 +239,15 @@ dmat3 SceneFromFile(const Triangles& mesh, const dvec3& up) {
     }
     return hi - lo;
   };
-  dvec3 x = extent(a) >= extent(b) ? a : b;
-  dvec3 y = glm::cross(up, x);
-  return glm::transpose(dmat3(x, y, up));
+  const bool first_is_longer = extent(a) >= extent(b);
+  const dvec3 x = first_is_longer == longer_along_x ? a : b;
+  return glm::transpose(dmat3(x, glm::cross(up, x), up));
+}
+
+dmat3 SceneFacing(const dvec3& up, const dvec3& buccal) {
+  dvec3 y = buccal - Dot(buccal, up) * up;
+  y /= std::sqrt(Dot(y, y));
+  return glm::transpose(dmat3(glm::cross(y, up), y, up));
 }
 
 }  // namespace enamel::mesh

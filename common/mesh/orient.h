@@ -33,9 +33,11 @@ Stance FindStance(const Triangles& mesh);
 // With the up axis given: only the gum patch is looked for.
 Stance StanceWithUp(const Triangles& mesh, const dvec3& up);
 
-// Rows are the scene's axes in the file's frame: z = up, x = the longer of two
-// directions square to it that lean least against the file's axes (what is mesial is not known from
-// a mesh), right-handed.
-dmat3 SceneFromFile(const Triangles& mesh, const dvec3& up);
+// Rows are the scene's axes in the file's frame, right-handed: z = up; x and y are the two
+// directions square to it that lean least against the file's axes, the longer one x or y. Which
+// ends are mesial and buccal is not known from a mesh.
+dmat3 SceneFromFile(const Triangles& mesh, const dvec3& up, bool longer_along_x);
+// The same with y as near to `buccal` as can be. Requires: it is not along `up`.
+dmat3 SceneFacing(const dvec3& up, const dvec3& buccal);
 
 }  // namespace enamel::mesh

@@ -16,7 +16,7 @@ double LesionDistance_mm(const Lesion& lesion, const dvec3& p_mm) {
 }
 
 FieldSample PlacedField(const PlacedTooth& tooth, const dvec3& point_m) {
-  dvec3 own_m = point_m - dvec3(tooth.mesial_mm * 1e-3, 0, 0);
+  dvec3 own_m = point_m - dvec3(tooth.x_mm * 1e-3, 0, 0);
   FieldSample out = ToothField(*tooth.shape, own_m);
   if (tooth.neighbour) {
     out.tissue = Tissue::kNeighbour;
@@ -60,19 +60,20 @@ FieldSample ArrangementField(const Arrangement& arrangement, const dvec3& point_
 Box BoundsOf(const Arrangement& arrangement) {
   Box box{dvec3(1), dvec3(-1)};
   for (const PlacedTooth& t : arrangement.teeth) {
-    dvec3 shift(t.mesial_mm, 0, 0);
-    box.lo_m = glm::min(box.lo_m, (t.shape->lo + shift) * 1e-3);
-    box.hi_m = glm::max(box.hi_m, (t.shape->hi + shift) * 1e-3);
+    const dvec3 shift(t.x_mm * 1e-3, 0, 0);
+    const auto [lo, hi] = BoundsOf_m(*t.shape);
+    box.lo_m = glm::min(box.lo_m, lo + shift);
+    box.hi_m = glm::max(box.hi_m, hi + shift);
   }
   return box;
 }
 
 double NextToMesially_mm(const ToothShape& tooth, const ToothShape& neighbour, double gap_mm) {
-  return WidestOf(tooth).mesial_mm + WidestOf(neighbour).distal_mm + gap_mm;
+  return tooth.Along(WidestOf(tooth).mesial_mm + WidestOf(neighbour).distal_mm + gap_mm);
 }
 
 double NextToDistally_mm(const ToothShape& tooth, const ToothShape& neighbour, double gap_mm) {
-  return -(WidestOf(tooth).distal_mm + WidestOf(neighbour).mesial_mm + gap_mm);
+  return -tooth.Along(WidestOf(tooth).distal_mm + WidestOf(neighbour).mesial_mm + gap_mm);
 }
 
 std::vector<Lesion> FissureCaries(const ToothShape& tooth) {
@@ -83,8 +84,8 @@ std::vector<Lesion> FissureCaries(const ToothShape& tooth) {
 std::vector<Lesion> MesialCaries(const ToothShape& tooth) {
   // Just below the height at which the molar's mesial face is widest, 0.4.
   constexpr double kContact_z = 0.2;
-  dvec3 face(SectionAt_mm(tooth, kContact_z)[0], 0, kContact_z);
-  return {{face, {1.5, 0.7, 0.5}}, {face - dvec3(1.7, 0, 0.1), {0.7, 1.1, 0.9}}};
+  dvec3 face(tooth.Along(SectionAt_mm(tooth, kContact_z)[0]), 0, kContact_z);
+  return {{face, {1.5, 0.7, 0.5}}, {face - dvec3(tooth.Along(1.7), 0, 0.1), {0.7, 1.1, 0.9}}};
 }
 
 }  // namespace enamel::scene

@@ -10,14 +10,14 @@ namespace enamel::scene {
 
 // Soft tissue in a tooth: an ellipsoid. Where it reaches, enamel and dentin are caries; the pulp
 // stays. Several that overlap make the mushroom of a lesion that is narrow in enamel and spreads
-// under it. Millimetres, in the tooth's frame.
+// under it. Millimetres, in the scene's frame about the tooth.
 struct Lesion {
   dvec3 middle{0}, half{1};
 };
 
 struct PlacedTooth {
   const ToothShape* shape = nullptr;
-  double mesial_mm = 0;    // shift along x
+  double x_mm = 0;         // shift along x
   bool neighbour = false;  // all of it is kNeighbour
   std::vector<Lesion> lesions;
 };

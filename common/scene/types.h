@@ -20,8 +20,9 @@
 // Lengths in the JSON are integers in micrometres or nanometres, forces in millinewtons.
 namespace enamel::scene {
 
-// Scene frame: millimetre-scale, right-handed; +z towards whoever works, +x mesial; origin in the
-// middle of the crown's bounding box. Which of the tooth's sides is up: Up. JSON: integers in um.
+// Scene frame: millimetre-scale, right-handed; +z towards whoever works; origin in the middle of
+// the crown's bounding box. Which of the tooth's sides is up: Up. +x is mesial or distal, by the
+// tooth's quadrant: MesialX (tooth_number.h). JSON: integers in um.
 using PointUm = std::array<int32_t, 3>;
 
 struct TissueSpec {
@@ -131,7 +132,8 @@ enum class Up : uint8_t { kOcclusal, kBuccal };
 struct Scene {
   std::string name;  // "molar-46"
   std::string title;
-  Sha256 volume;  // content address of the volume blob (volume_blob.h)
+  int32_t tooth = 0;  // its FDI number (tooth_number.h); 0: no tooth
+  Sha256 volume;      // content address of the volume blob (volume_blob.h)
   int32_t voxel_nm = 0;
   std::vector<TissueSpec> tissues;
   std::map<std::string, PointUm> landmarks;  // always has "occlusal_centre"

@@ -352,7 +352,7 @@ bool IsCrown(const scene::CavityTarget& target) {
 }
 
 CrownFigures MeasureCrown(const Volume& initial, const CutSide& attempt, const CutSide& reference,
-                          const dvec3& landmark_m, double bottom_z_m) {
+                          const dvec3& landmark_m, double bottom_z_m, int mesial_x) {
   CrownFigures out;
   const std::optional<dvec3> axis = AxisOf(*reference.volume, landmark_m, bottom_z_m + 1e-3);
   if (!axis) return out;
@@ -397,12 +397,12 @@ CrownFigures MeasureCrown(const Volume& initial, const CutSide& attempt, const C
     if (const auto r = asked.Radius_m(d, hi)) top_radius = std::min(top_radius, *r);
   }
   out.made = true;
-  // Quarters of a turn.
-  constexpr size_t kToMesial = 0, kToBuccal = kHalfPlanes / 4, kToDistal = 2 * kToBuccal,
-                   kToLingual = 3 * kToBuccal;
+  // Quarters of a turn, from +x to +y.
+  constexpr size_t kQuarter = kHalfPlanes / 4, kToBuccal = kQuarter, kToLingual = 3 * kQuarter;
+  const size_t to_mesial = mesial_x > 0 ? 0 : 2 * kQuarter, to_distal = 2 * kQuarter - to_mesial;
   std::array<double, kSections> section;
   for (size_t k = 0; k < section.size(); ++k) section[k] = lean_deg[k] + lean_deg[k + kSections];
-  out.mesiodistal_deg = section[kToMesial];
+  out.mesiodistal_deg = section[0];
   out.buccolingual_deg = section[kToBuccal];
   const auto least = std::min_element(section.begin(), section.end());
   const auto most = std::max_element(section.begin(), section.end());
@@ -410,15 +410,15 @@ CrownFigures MeasureCrown(const Volume& initial, const CutSide& attempt, const C
   out.most_deg = *most;
   auto worse = [&](auto a, auto b) { return off_deg[size_t(a)] >= off_deg[size_t(b)] ? a : b; };
   auto spot = [&](auto s) { return wall_at[size_t(worse(s, s + std::ptrdiff_t{kSections}))]; };
-  out.mesiodistal_at = spot(std::ptrdiff_t{kToMesial});
+  out.mesiodistal_at = spot(std::ptrdiff_t{0});
   out.buccolingual_at = spot(std::ptrdiff_t{kToBuccal});
   out.least_at = spot(least - section.begin());
   out.most_at = spot(most - section.begin());
   out.axis_at = wall_at[size_t(std::max_element(off_deg.begin(), off_deg.end()) - off_deg.begin())];
-  const double along = 0.5 * (lean_deg[kToMesial] - lean_deg[kToDistal]);
+  const double along = 0.5 * (lean_deg[to_mesial] - lean_deg[to_distal]);
   const double across = 0.5 * (lean_deg[kToBuccal] - lean_deg[kToLingual]);
   out.axis_deg = std::sqrt(along * along + across * across);
-  out.wall_m = {taken[kToMesial], taken[kToDistal], taken[kToBuccal], taken[kToLingual]};
+  out.wall_m = {taken[to_mesial], taken[to_distal], taken[kToBuccal], taken[kToLingual]};
   out.undercut_m2 =
       Undercut_m2(attempt, *axis, line_z + kWallMargin_m, *top - kWallMargin_m, out.undercut_at);
   MeasureTop(initial, *attempt.volume, *reference.volume, *axis, *top, top_radius - kWallMargin_m,

@@ -55,9 +55,11 @@ struct CrownFigures {
   Spot depth_at, waviness_at, width_at;
 };
 
-// `bottom_z_m`: where the exercise says that the shoulder is, within 1.5 mm.
+// `bottom_z_m`: where the exercise says that the shoulder is, within 1.5 mm. `mesial_x`:
+// scene::MesialX.
 CrownFigures MeasureCrown(const cutting::Volume& initial, const CutSide& attempt,
-                          const CutSide& reference, const dvec3& landmark_m, double bottom_z_m);
+                          const CutSide& reference, const dvec3& landmark_m, double bottom_z_m,
+                          int mesial_x);
 
 // The exercise may ask for a crown: its target is a stump, or hangs from a crown's top, or is a
 // prepared tooth, of which CrownFigures::in_task says whether it is one.

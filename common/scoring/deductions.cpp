@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "common/scoring/deviation.h"
 #include "common/scoring/task.h"
@@ -115,8 +116,9 @@ struct Fault {
 
 // The face of the target's box that a point is farthest beyond, or, inside, nearest to.
 Part PartNear(const OpenBox& box, const dvec3& p) {
-  const std::array<double, kPartCount> beyond = {
-      p.x - box.hi_m.x, box.lo_m.x - p.x, p.y - box.hi_m.y, box.lo_m.y - p.y, box.lo_m.z - p.z};
+  std::array<double, kPartCount> beyond = {p.x - box.hi_m.x, box.lo_m.x - p.x, p.y - box.hi_m.y,
+                                           box.lo_m.y - p.y, box.lo_m.z - p.z};
+  if (box.mesial_x < 0) std::swap(beyond[kMesial], beyond[kDistal]);
   auto most = std::max_element(beyond.begin(), beyond.end());
   return *most > kWallReach_m ? kNoPart : static_cast<Part>(most - beyond.begin());
 }

@@ -138,8 +138,9 @@ Part PartOf(const OpenBox& target, double depth_m, const dvec3& point_m, const d
     return low && in_length && in_width ? kFloor : kNoPart;
   }
   // A normal points into the air, so the wall at +x faces -x.
-  if (in_width && normal.x <= -kFacing && out.x > 0.5 * half.x) return kMesial;
-  if (in_width && normal.x >= kFacing && out.x < -0.5 * half.x) return kDistal;
+  const double faces = target.mesial_x * normal.x, mesially = target.mesial_x * out.x;
+  if (in_width && faces <= -kFacing && mesially > 0.5 * half.x) return kMesial;
+  if (in_width && faces >= kFacing && mesially < -0.5 * half.x) return kDistal;
   if (in_length && normal.y <= -kFacing && out.y > 0.5 * half.y) return kBuccal;
   if (in_length && normal.y >= kFacing && out.y < -0.5 * half.y) return kLingual;
   return kNoPart;

@@ -47,7 +47,8 @@ std::vector<double> VertexAreas_m2(const surface::Mesh& mesh);
 double SurfaceAlong_m(const cutting::Volume& volume, const dvec3& point_m, const dvec3& direction,
                       double limit_m);
 
-// Parts of a cavity, in the scene frame's directions: +x mesial, +y buccal, +z occlusal.
+// Parts of a cavity. In the scene's frame buccal is +y and occlusal +z; mesial is at the end of x
+// that OpenBox::mesial_x says.
 enum Part : uint8_t {
   kMesial,
   kDistal,

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/scene/preparation.h"
+#include "common/scene/tooth_number.h"
 #include "common/scoring/deviation.h"
 #include "common/scoring/measured.h"
 #include "common/scoring/path_align.h"
@@ -200,8 +201,9 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
   if (plan.Has(MetricGroup::kCrown) && IsCrown(exercise.target)) {
     ENAMEL_ASSIGN_OR_RETURN(const scene::PointUm at, scene::TargetPoint(scene, exercise.target));
     const dvec3 landmark_m = dvec3(at[0], at[1], at[2]) * 1e-6;
-    m.crown = MeasureCrown(initial, a.cut_side, r.cut_side, landmark_m,
-                           landmark_m.z - exercise.target.depth_um * 1e-6);
+    m.crown =
+        MeasureCrown(initial, a.cut_side, r.cut_side, landmark_m,
+                     landmark_m.z - exercise.target.depth_um * 1e-6, scene::MesialX(scene.tooth));
   }
   if (plan.Has(MetricGroup::kOutline)) m.outline = MeasureOutline(initial, a.cut_side, r.cut_side);
   tell(0.7);

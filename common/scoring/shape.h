@@ -49,8 +49,8 @@ struct Facet {
 // the reference wall's mean normal, + where the attempt goes deeper, at the reference's vertices,
 // and a plane d = a + b s + c t is fitted to them by least squares, weighted by area, between 15
 // and 90 % of the wall's height: below is the bur's radius, above the rim. s runs up the wall
-// (mesial on a floor), t along it. What lies more than four median residuals off the plane belongs
-// to another face or a gouge, and is left out of plane and waviness.
+// (along +x on a floor), t along it. What lies more than four median residuals off the plane
+// belongs to another face or a gouge, and is left out of plane and waviness.
 struct WallFigures {
   bool in_task = false;  // the reference has 0.05 mm^2 and a tenth of the face
   bool begun = false;    // of 30 % of the area what stands before it is cut, or gone

@@ -10,6 +10,7 @@
 
 #include "common/base/check.h"
 #include "common/scene/builder.h"
+#include "common/scene/tooth_number.h"
 #include "common/scoring/brick_samples.h"
 #include "common/scoring/changed.h"
 #include "common/scoring/hollow.h"
@@ -26,7 +27,7 @@ constexpr int kSubCells = 2;  // along each axis of a voxel that a box face and 
 
 OpenBox Grown(const OpenBox& box, int32_t side_um, int32_t bottom_um) {
   dvec3 side(side_um * 1e-6, side_um * 1e-6, 0);
-  return {box.lo_m - side - dvec3(0, 0, bottom_um * 1e-6), box.hi_m + side};
+  return {box.lo_m - side - dvec3(0, 0, bottom_um * 1e-6), box.hi_m + side, box.mesial_x};
 }
 
 // Share of [middle - half, middle + half] that lies in [lo, hi].
@@ -263,12 +264,13 @@ Result<ZoneBoxes> BoxesOf(const scene::Scene& scene, const scene::CavityTarget& 
           "the target's prepared tooth (scene " + target.prepared.Hex() + ") was not loaded",
           "target.prepared_scene_sha256");
     }
-    boxes.target = {boxes.prepared->lo_m, boxes.prepared->hi_m};
+    boxes.target = {boxes.prepared->lo_m, boxes.prepared->hi_m, scene::MesialX(scene.tooth)};
     boxes.leeway = Grown(boxes.target, target.leeway_side_um, target.leeway_bottom_um);
     boxes.container = Grown(boxes.leeway, target.container_um, target.container_um);
     return boxes;
   }
-  boxes.target = {top - half - dvec3(0, 0, target.depth_um * 1e-6), top + half};
+  boxes.target = {top - half - dvec3(0, 0, target.depth_um * 1e-6), top + half,
+                  scene::MesialX(scene.tooth)};
   boxes.leeway = Grown(boxes.target, target.leeway_side_um, target.leeway_bottom_um);
   boxes.container = Grown(boxes.leeway, target.container_um, target.container_um);
   if (target.parts.empty()) return boxes;

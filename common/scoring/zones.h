@@ -15,7 +15,8 @@ namespace enamel::scoring {
 // Axis-aligned in the scene frame, open at the top (+z), metres.
 struct OpenBox {
   dvec3 lo_m{0};
-  dvec3 hi_m{0};  // z unused
+  dvec3 hi_m{0};     // z unused
+  int mesial_x = 1;  // scene::MesialX: at which end of x its mesial side is
 };
 
 // The target, and the target grown by the leeway, and that grown by the container; each contains

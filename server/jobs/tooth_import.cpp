@@ -10,6 +10,7 @@
 #include "common/import/import_tooth.h"
 #include "common/mesh/units.h"
 #include "common/scene/builtin/builtin.h"
+#include "common/scene/tooth_number.h"
 #include "common/scene/volume_blob.h"
 #include "server/jobs/builtin_content.h"
 #include "server/training/names.h"
@@ -26,12 +27,6 @@ Status Invalid(const std::string& message, const char* field) {
   return Status(Code::kInvalidInput, message, field);
 }
 
-// ISO 3950: quadrants 1 to 4 of adults, teeth 1 to 8.
-bool IsTooth(int number) {
-  const int quadrant = number / 10, tooth = number % 10;
-  return quadrant >= 1 && quadrant <= 4 && tooth >= 1 && tooth <= 8;
-}
-
 Status CheckWanted(const ToothImport::Wanted& wanted) {
   if (std::ranges::find(kKinds, wanted.kind) == kKinds.end()) {
     return Invalid("expected a file named .stl, .ply, .obj or .off, found ." + wanted.kind +
@@ -40,12 +35,10 @@ Status CheckWanted(const ToothImport::Wanted& wanted) {
   }
   ENAMEL_RETURN_IF_ERROR(mesh::UnitInMm(wanted.unit).status());
   ENAMEL_RETURN_IF_ERROR(CheckedName(wanted.title, "title").status());
-  if (wanted.tooth != 0 && !IsTooth(wanted.tooth)) {
-    return Invalid(
-        "expected a tooth's number by ISO 3950, 11 to 18, 21 to 28, 31 to 38 or 41 to "
-        "48, or none; found " +
-            std::to_string(wanted.tooth),
-        "tooth");
+  if (!scene::IsToothNumber(wanted.tooth)) {
+    return Invalid("expected the tooth's FDI number (ISO 3950), 11 to 48 or 51 to 85, found " +
+                       (wanted.tooth == 0 ? "none" : std::to_string(wanted.tooth)),
+                   "tooth");
   }
   if (wanted.bytes == 0)
     return Invalid("expected a file with something in it, found 0 bytes", "bytes");
@@ -71,7 +64,7 @@ std::string PlainName(std::string_view title, int tooth) {
   while (out.ends_with('-')) out.pop_back();
   const std::string number = std::to_string(tooth);
   if (out.empty()) out = "tooth";
-  if (tooth != 0 && !out.ends_with(number)) out += "-" + number;
+  if (!out.ends_with(number)) out += "-" + number;
   return out;
 }
 
@@ -227,6 +220,7 @@ Result<ToothImport::Made> ToothImport::Make(const Wanted& wanted, const Bytes& f
   ENAMEL_ASSIGN_OR_RETURN(const std::string title, CheckedName(wanted.title, "title"));
   const std::string plain = PlainName(title, wanted.tooth);
   import::ImportOptions options;
+  options.tooth = wanted.tooth;
   options.unit = wanted.unit;
   options.voxel_nm = kVoxelNm;
   options.name = plain;
@@ -246,9 +240,6 @@ Result<ToothImport::Made> ToothImport::Make(const Wanted& wanted, const Bytes& f
   ENAMEL_ASSIGN_OR_RETURN(auto imported, import::ImportTooth(stored.path(), options));
   ENAMEL_ASSIGN_OR_RETURN(imported.scene.name, FreeName(store_.scenes, plain));
   imported.scene.title = title;
-  if (wanted.tooth != 0) {
-    imported.scene.provenance += "; tooth " + std::to_string(wanted.tooth) + " (ISO 3950)";
-  }
   Made made;
   ENAMEL_RETURN_IF_ERROR(PutFirstProfiles(store_));
   ENAMEL_ASSIGN_OR_RETURN(made.scene, StoreScene(store_.blobs, store_.scenes, imported.scene,

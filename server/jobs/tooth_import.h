@@ -33,7 +33,7 @@ class ToothImport {
     uint64_t bytes = 0;
     std::string unit;  // of the coordinates: mm, um, cm, m, inch
     std::string title;
-    int tooth = 0;  // FDI number (ISO 3950), 11 to 48; 0: not told
+    int tooth = 0;  // FDI number (common/scene/tooth_number.h)
   };
   enum class State { kReceiving, kWorking, kDone, kRefused };
   struct About {

@@ -12,6 +12,7 @@
 #include "common/base/file.h"
 #include "common/base/utf8.h"
 #include "common/program/output.h"
+#include "common/scene/tooth_number.h"
 #include "station/app/simulate.h"
 #include "station/desk/tick_feed.h"
 #include "station/devices/operators.h"
@@ -80,6 +81,7 @@ Result<std::unique_ptr<render::Window>> OpenWindow(const RunOptions& options,
   w.heading = job.exercise.title + ", " + job.scene.title;
   w.screen.visible = options.window;
   w.view.bur = job.exercise.bur().metric();
+  w.view.mesial_x = scene::MesialX(job.scene.tooth);
   // The bar is full at the device's peak force, so that it means the same in every exercise.
   w.view.force_full_scale_n = static_cast<double>(job.profile.peak_force_mn.value) * 1e-3;
   w.time_limit_s = job.exercise.time_limit_s;

@@ -15,12 +15,12 @@ namespace {
 
 constexpr char kFooter[] =
     R"(One surface, the outside of a crown or tooth; tissues are assumed by depth:
-  enamel-station import crown.stl --unit mm --out crown46
+  enamel-station import crown.stl --tooth 46 --unit mm --out crown46
 One surface per tissue, from files or from named parts of one (OBJ objects, groups
 or materials, STL solids):
-  enamel-station import --enamel e.ply --dentin d.ply --pulp p.ply --unit mm --out t46
-  enamel-station import tooth.obj --enamel Enamel --dentin Dentin --unit mm --out t46
-  enamel-station import crown.stl --dentin inner.obj#Dentin --unit mm --out t46
+  enamel-station import --tooth 46 --enamel e.ply --dentin d.ply --pulp p.ply --unit mm --out t46
+  enamel-station import tooth.obj --tooth 46 --enamel Enamel --dentin Dentin --unit mm --out t46
+  enamel-station import crown.stl --tooth 46 --dentin inner.obj#Dentin --unit mm --out t46
 A file whose parts are called enamel, dentin (root, cement) and pulp needs none of these.
 Enamel may be an open dome, a shell with an inside or the outside of the whole crown;
 dentin may be open below, and a hollow in it is the pulp where none is given. Surfaces
@@ -36,7 +36,9 @@ Status ImportMesh(const ImportCommand& options) {
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFolder(options.out, "--out"));
   import::ImportOptions import_options;
   import_options.unit = options.unit;
+  import_options.tooth = options.tooth;
   import_options.up = options.up;
+  import_options.buccal = options.buccal;
   import_options.voxel_nm = options.voxel_um * 1000;
   import_options.bridge_mm = options.bridge_um * 1e-3;
   const bool shows = ::isatty(STDERR_FILENO) != 0 && !program::LogIsJson();
@@ -73,6 +75,11 @@ CLI::App* AddImportCommand(CLI::App& app, ImportCommand& options) {
                       "Its surface: FILE, FILE#PART, or PART of 'file'");
   command->add_option("--dentin", options.dentin, "The same");
   command->add_option("--pulp", options.pulp, "The same");
+  command
+      ->add_option("--tooth", options.tooth,
+                   "Its FDI number (ISO 3950), 46 for a lower right first molar: says which side "
+                   "is mesial")
+      ->required();
   command->add_option("--unit", options.unit, "Of the coordinates: mm, um, cm, m, inch")
       ->required();
   command->add_option("--out", options.out, "Folder for the scene")->required();
@@ -80,6 +87,10 @@ CLI::App* AddImportCommand(CLI::App& app, ImportCommand& options) {
       ->check(CLI::Range(10, 500))
       ->capture_default_str();
   command->add_option("--up", options.up, "Occlusal direction in the file: +x … -z, or auto")
+      ->capture_default_str();
+  command
+      ->add_option("--buccal", options.buccal,
+                   "Buccal (labial) direction in the file: +x … -z, or auto")
       ->capture_default_str();
   command
       ->add_option("--bridge-um", options.bridge_um,

@@ -7,6 +7,7 @@
 
 #include "common/core/core.h"
 #include "common/scene/plan.h"
+#include "common/scene/tooth_number.h"
 #include "station/devices/operators.h"
 #include "station/loop/tick_loop.h"
 
@@ -90,8 +91,9 @@ std::vector<PlaneError> MeasureBox(const cutting::Volume& volume, const scene::S
     return Plane{name, centre + out * distance + dvec3(0, 0, middle_z), out, across,
                  dvec3(0, 0, half_z)};
   };
-  const Plane planes[] = {wall("mesial", dvec3(1, 0, 0), hx, hy - r),
-                          wall("distal", dvec3(-1, 0, 0), hx, hy - r),
+  const dvec3 mesial(scene::MesialX(scene.tooth), 0, 0);
+  const Plane planes[] = {wall("mesial", mesial, hx, hy - r),
+                          wall("distal", -mesial, hx, hy - r),
                           wall("buccal", dvec3(0, 1, 0), hy, hx - r),
                           wall("lingual", dvec3(0, -1, 0), hy, hx - r),
                           {"floor", centre - dvec3(0, 0, depth), dvec3(0, 0, -1),

@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "common/scene/tooth_number.h"
 #include "station/devices/operators.h"
 
 namespace enamel::station::desk {
@@ -17,6 +18,7 @@ render::ViewOptions ViewOf(const PreparedAttempt& prepared) {
   render::ViewOptions view;
   view.bur = prepared.exercise.bur().metric();
   view.aside = kAside;
+  view.mesial_x = scene::MesialX(prepared.scene.tooth);
   view.force_full_scale_n = static_cast<double>(prepared.profile.peak_force_mn.value) * 1e-3;
   return view;
 }

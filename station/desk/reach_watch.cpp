@@ -116,11 +116,13 @@ ReachWatch::ReachWatch(const scene::Scene& scene, const scene::CavityTarget& tar
   }
   const scoring::OpenBox& box = boxes->target;
   double beside = target.leeway_side_um * 1e-6, below = target.leeway_bottom_um * 1e-6;
-  sides_ = {{"place.mesial_wall", {1, 0, 0}, box.hi_m.x, beside, 0},
-            {"place.distal_wall", {-1, 0, 0}, -box.lo_m.x, beside, 0},
-            {"place.buccal_wall", {0, 1, 0}, box.hi_m.y, beside, 0},
-            {"place.lingual_wall", {0, -1, 0}, -box.lo_m.y, beside, 0},
-            {"place.floor", {0, 0, -1}, -box.lo_m.z, below, 0}};
+  const bool to_right = box.mesial_x > 0;
+  sides_ = {
+      {to_right ? "place.mesial_wall" : "place.distal_wall", {1, 0, 0}, box.hi_m.x, beside, 0},
+      {to_right ? "place.distal_wall" : "place.mesial_wall", {-1, 0, 0}, -box.lo_m.x, beside, 0},
+      {"place.buccal_wall", {0, 1, 0}, box.hi_m.y, beside, 0},
+      {"place.lingual_wall", {0, -1, 0}, -box.lo_m.y, beside, 0},
+      {"place.floor", {0, 0, -1}, -box.lo_m.z, below, 0}};
   Publish();
 }
 

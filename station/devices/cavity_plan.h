@@ -10,8 +10,8 @@
 #include "common/math/vec.h"
 #include "station/devices/outline.h"
 
-// A simulated dentist's plan to cut a cavity: strokes of the bur's tip in the scene frame (m; +z
-// out of the tooth, +x mesial, +y buccal).
+// A simulated dentist's plan to cut a cavity: strokes of the bur's tip in the scene frame (m;
+// common/scene/types.h).
 namespace enamel::station {
 
 // An upright hollow to cut, open at the top.

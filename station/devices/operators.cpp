@@ -7,6 +7,7 @@
 #include "common/math/trig.h"
 #include "common/scene/preparation.h"
 #include "common/scene/prepared_target.h"
+#include "common/scene/tooth_number.h"
 #include "station/devices/cavity_plan.h"
 #include "station/devices/path_operator.h"
 #include "station/devices/prepared_plan.h"
@@ -108,8 +109,9 @@ constexpr OperatorPreset kPresets[] = {
 };
 
 // How much too far a wall that faces `outward` is cut.
-double ExtraAt_m(const Extra& e, const glm::dvec2& outward) {
-  return std::max(outward.x, 0.0) * e.mesial_m + std::max(-outward.x, 0.0) * e.distal_m +
+double ExtraAt_m(const Extra& e, int mesial_x, const glm::dvec2& outward) {
+  const double mesially = mesial_x * outward.x;
+  return std::max(mesially, 0.0) * e.mesial_m + std::max(-mesially, 0.0) * e.distal_m +
          std::max(outward.y, 0.0) * e.buccal_m + std::max(-outward.y, 0.0) * e.lingual_m;
 }
 
@@ -140,12 +142,13 @@ Bounds ExtentOf(const scene::CavityTarget& target, const dvec3& landmark_m) {
 
 // A slip: from above the surface distal to the target a millimetre into it, and out. If the tooth
 // is prepared all around, or to its distal side, into the middle.
-Stroke SlipBeside(const Bounds& extent, double out_m, bool all_around, const cutting::Bur& bur,
-                  const cutting::Volume& volume) {
+Stroke SlipBeside(const Bounds& extent, int mesial_x, double out_m, bool all_around,
+                  const cutting::Bur& bur, const cutting::Volume& volume) {
   constexpr double kDeep_m = 1e-3, kBeyondLeeway_m = 0.5e-3, kClear_m = 1e-3;
   const double y = 0.5 * (extent.y0 + extent.y1), middle = 0.5 * (extent.x0 + extent.x1),
                r = bur.radius_m;
-  dvec3 at(all_around ? middle : extent.x0 - out_m - 2 * r - kBeyondLeeway_m, y, 0);
+  const double beside = 0.5 * (extent.x1 - extent.x0) + out_m + 2 * r + kBeyondLeeway_m;
+  dvec3 at(all_around ? middle : middle - mesial_x * beside, y, 0);
   auto highest = [&] { return HighestSolid_m(volume, {at.x - r, at.x + r, at.y - r, at.y + r}); };
   at.z = highest();
   constexpr double kSide_m = 3e-3;  // lower than this beside it there is no face of the tooth
@@ -163,7 +166,7 @@ Stroke SlipBeside(const Bounds& extent, double out_m, bool all_around, const cut
 
 // Where a neighbour is nearest on the mesial side between the target's floor and its top: down
 // along its face, `deep_m` in, and up again.
-Stroke NickOf(const Bounds& extent, double floor_m, double top_m, double deep_m,
+Stroke NickOf(const Bounds& extent, int mesial_x, double floor_m, double top_m, double deep_m,
               const cutting::Bur& bur, const cutting::Volume& volume) {
   constexpr double kClear_m = 1e-3, kDown_m = 0.8e-3;
   const cutting::GridSpec& spec = volume.spec();
@@ -171,22 +174,22 @@ Stroke NickOf(const Bounds& extent, double floor_m, double top_m, double deep_m,
   const double h = spec.voxel_m(), y = 0.5 * (extent.y0 + extent.y1);
   const ivec3 n = spec.voxels();
   const int j = static_cast<int>((y - origin.y) / h);
-  dvec3 nearest(1, y, top_m);
+  const int middle = static_cast<int>((0.5 * (extent.x0 + extent.x1) - origin.x) / h);
+  dvec3 nearest(mesial_x, y, top_m);
   for (int k = std::max(0, static_cast<int>((floor_m - origin.z) / h)); k < n.z; ++k) {
     const double z = origin.z + h * k;
-    for (int i = std::max(0, static_cast<int>((0.5 * (extent.x0 + extent.x1) - origin.x) / h));
-         z < top_m && i < n.x; ++i) {
+    for (int i = std::clamp(middle, 0, n.x - 1); z < top_m && i >= 0 && i < n.x; i += mesial_x) {
       if (volume.PhiAt({i, j, k}) >= 0) continue;
       if (volume.TissueAt({i, j, k}) != cutting::Tissue::kNeighbour) continue;
       const double x = origin.x + h * i;
-      if (x < nearest.x) nearest = dvec3(x, y, z);
+      if (mesial_x * x < mesial_x * nearest.x) nearest = dvec3(x, y, z);
       break;
     }
   }
   const double clear =
       HighestSolid_m(volume, {extent.x0, extent.x1, extent.y0, extent.y1}) + kClear_m;
-  const dvec3 in(nearest.x - bur.radius_m + deep_m, y, nearest.z - kDown_m);
-  const dvec3 before = in - dvec3(deep_m + 0.1e-3, 0, 0);
+  const dvec3 in(nearest.x - mesial_x * (bur.radius_m - deep_m), y, nearest.z - kDown_m);
+  const dvec3 before = in - dvec3(mesial_x * (deep_m + 0.1e-3), 0, 0);
   Stroke nick;
   nick.points = {dvec3(before.x, y, clear), before, in, before, dvec3(before.x, y, clear)};
   nick.feed_m_per_s = 1e-3;
@@ -248,8 +251,9 @@ double AskewIn_deg(const scene::Preparation& shape, double askew_deg) {
 
 // Part after part of the exercise's target, each in the volume left by the previous ones.
 Result<std::vector<Move>> PlanTarget(const scene::Preparation& shape, const OperatorPreset& preset,
-                                     const Extra& wrong, const scene::Exercise& exercise,
-                                     double top_m, const cutting::Volume& volume) {
+                                     const Extra& wrong, int mesial_x,
+                                     const scene::Exercise& exercise, double top_m,
+                                     const cutting::Volume& volume) {
   using PartOutline = scene::PreparationPart::Outline;
   const cutting::Bur bur = exercise.bur().metric();
   CavityPlanOptions options;
@@ -257,7 +261,7 @@ Result<std::vector<Move>> PlanTarget(const scene::Preparation& shape, const Oper
   options.rough_push_n = preset.rough_push_n;
   options.speed_ratio = preset.speed_ratio;
   options.clockwise = preset.clockwise;
-  const auto extra = [&](const glm::dvec2& outward) { return ExtraAt_m(wrong, outward); };
+  const auto extra = [&](const glm::dvec2& outward) { return ExtraAt_m(wrong, mesial_x, outward); };
   if (!exercise.target.prepared.IsZero()) {
     const auto& tooth = exercise.target.prepared_tooth;
     if (!tooth) return CannotCut(exercise, "its prepared tooth was not loaded");
@@ -361,22 +365,23 @@ Result<std::unique_ptr<SimulatedDevice>> MakeSimulatedDevice(
                           scene::TargetShape(scene, exercise.target));
   const scene::PointUm& at = scene.landmarks.at(exercise.target.landmark);
   const dvec3 landmark = dvec3(at[0], at[1], at[2]) * 1e-6;
+  const int mesial_x = scene::MesialX(scene.tooth);
   const uint64_t used_seed = seed != 0 ? seed : preset.seed;
   const Extra wrong = preset.misjudges_m > 0
                           ? Misjudged(preset.extra, preset.misjudges_m, used_seed)
                           : preset.extra;
   ENAMEL_ASSIGN_OR_RETURN(std::vector<Move> plan,
-                          PlanTarget(shape, preset, wrong, exercise, landmark.z, volume));
+                          PlanTarget(shape, preset, wrong, mesial_x, exercise, landmark.z, volume));
   plan.resize(static_cast<size_t>(preset.plan_share * static_cast<double>(plan.size())));
   const Bounds extent = ExtentOf(exercise.target, landmark);
   if (preset.slips) {
     const bool all_around = shape.parts[0].outline == scene::PreparationPart::Outline::kStump;
-    plan.emplace_back(
-        SlipBeside(extent, preset.extra.distal_m, all_around, exercise.bur().metric(), volume));
+    plan.emplace_back(SlipBeside(extent, mesial_x, preset.extra.distal_m, all_around,
+                                 exercise.bur().metric(), volume));
   }
   if (preset.nicks_neighbour) {
-    plan.emplace_back(NickOf(extent, landmark.z - exercise.target.depth_um * 1e-6, landmark.z,
-                             0.3e-3, exercise.bur().metric(), volume));
+    plan.emplace_back(NickOf(extent, mesial_x, landmark.z - exercise.target.depth_um * 1e-6,
+                             landmark.z, 0.3e-3, exercise.bur().metric(), volume));
   }
   const double top = HighestSolid_m(volume, extent);
   const dvec3 start(0.5 * (extent.x0 + extent.x1), 0.5 * (extent.y0 + extent.y1),

@@ -44,7 +44,7 @@ Surroundings LookAround(const cutting::Volume& volume, const scene::PreparationP
         if (volume.TissueAt({i, j, k}) != cutting::Tissue::kNeighbour) {
           Bounds& b = out.tooth;
           b = {std::min(b.x0, p.x), std::max(b.x1, p.x), std::min(b.y0, p.y), std::max(b.y1, p.y)};
-        } else if (p.x > x) {  // neighbours stand mesially and distally
+        } else if (p.x > x) {  // neighbours stand along x
           out.room.x1 = std::min(out.room.x1, p.x);
         } else {
           out.room.x0 = std::max(out.room.x0, p.x);

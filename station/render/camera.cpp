@@ -17,32 +17,33 @@ glm::vec3 Direction(float yaw, float pitch) {
 
 }  // namespace
 
-Camera::Camera(const glm::vec3& focus_mm, float radius_mm, float aside)
+Camera::Camera(const glm::vec3& focus_mm, float radius_mm, float aside, int mesial_x)
     : home_mm_(focus_mm),
       focus_mm_(focus_mm),
       home_radius_mm_(radius_mm),
       radius_mm_(radius_mm),
-      aside_(aside) {
+      aside_(aside),
+      mesial_x_(mesial_x) {
   SetView(View::kOblique);
 }
 
 void Camera::SetView(View view) {
   focus_mm_ = home_mm_;
   radius_mm_ = home_radius_mm_;
-  // Yaw 0 looks from +x (mesial), 90 from +y (buccal).
+  // Yaw 0 looks from +x, 90 from +y (buccal).
   auto place = [&](float yaw_deg, float pitch_deg) {
     yaw_ = glm::radians(yaw_deg);
     pitch_ = std::clamp(glm::radians(pitch_deg), -kMaxPitch, kMaxPitch);
   };
   switch (view) {
     case View::kOblique:
-      return place(-64, 55);
+      return place(mesial_x_ > 0 ? -64 : -116, 55);
     case View::kOcclusal:
       return place(-90, 90);
     case View::kBuccal:
       return place(90, 8);
     case View::kMesial:
-      return place(0, 8);
+      return place(mesial_x_ > 0 ? 0 : 180, 8);
   }
 }
 

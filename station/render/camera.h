@@ -7,12 +7,12 @@
 
 namespace enamel::station::render {
 
-// Orbits a focus; millimetres, scene frame (+z occlusal, +x mesial, +y buccal). Not thread-safe.
+// Orbits a focus; millimetres, scene frame (common/scene/types.h). Not thread-safe.
 class Camera {
  public:
   // `radius_mm`: half the height of the view at the focus. `aside`: distance of the focus to the
-  // right of the picture's middle, in picture heights.
-  Camera(const glm::vec3& focus_mm, float radius_mm, float aside = 0);
+  // right of the picture's middle, in picture heights. `mesial_x`: scene::MesialX.
+  Camera(const glm::vec3& focus_mm, float radius_mm, float aside = 0, int mesial_x = 1);
 
   void SetView(View view);
   // Turns by a drag of the mouse, as fractions of the window's height.
@@ -37,6 +37,7 @@ class Camera {
   glm::vec3 home_mm_, focus_mm_;
   float home_radius_mm_, radius_mm_;
   float aside_;
+  int mesial_x_;
   float yaw_ = 0, pitch_ = 0;  // rad; where the camera is, seen from the focus
 };
 

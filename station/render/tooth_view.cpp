@@ -42,7 +42,7 @@ ToothView::ToothView(const ViewOptions& options, const cutting::Volume& initial,
       camera_(glm::vec3(options.focus_m * 1000.0),
               options.view_radius_m > 0 ? static_cast<float>(options.view_radius_m * 1000)
                                         : RadiusOf(initial),
-              options.aside),
+              options.aside, options.mesial_x),
       feed_(initial.spec().brick_count(), kRingBricks),
       mesher_(initial, feed_, std::move(watch)),
       picture_(options.bur, mesher_.group_count()) {

@@ -18,6 +18,7 @@ struct ViewOptions {
   double view_radius_m = 0;
   // Its distance right of the picture's middle, in picture heights: a panel is on the left.
   float aside = 0;
+  int mesial_x = 1;  // scene::MesialX, for the view from there
 };
 
 }  // namespace enamel::station::render

@@ -20,7 +20,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     for (uint32_t& i : t) i %= static_cast<uint32_t>(mesh.vertices.size());
     mesh.indices.push_back(t);
   }
-  import::ImportOptions options;
+  import::ImportOptions options{.tooth = 46};
   options.voxel_nm = 500'000;
   options.threads = 1;
   auto tooth = import::ImportTriangles(mesh, "fuzz", options);

@@ -29,7 +29,7 @@ if may_run "$enamel_server" && may_run "$enamel_station"; then
   expect_failure "station folder that may not be written" "choose another with --data" \
     "${as_user[@]}" "$enamel_station" enrol --data "$work/locked/station" --server "127.0.0.1:$((port + 1))" --code "c@$(printf 'a%.0s' $(seq 64))"
   expect_failure "scene folder that may not be written" "name a place that this user may write" \
-    "${as_user[@]}" "$enamel_station" import "$work/none.stl" --unit mm --out "$work/locked/scene"
+    "${as_user[@]}" "$enamel_station" import "$work/none.stl" --tooth 46 --unit mm --out "$work/locked/scene"
 else
   echo "skipped: folders that may not be written: user 65534 cannot run the programs in $bin"
 fi
@@ -66,11 +66,11 @@ expect_failure "attempt whose facts go nowhere" "name a place that this user may
 [ "$(stat -c %a "$station/blobs")" = 700 ] || fail "the station's cache is open to others"
 
 printf 'solid nothing\nendsolid nothing\n' >"$work/empty.stl"
-expect_failure "mesh without triangles" "no triangles" "$enamel_station" import "$work/empty.stl" --unit mm --out "$work/scene"
+expect_failure "mesh without triangles" "no triangles" "$enamel_station" import "$work/empty.stl" --tooth 46 --unit mm --out "$work/scene"
 printf 'solid one\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 9 0 0\nvertex 0 9 0\nendloop\nendfacet\nendsolid one\n' >"$work/open.stl"
-expect_failure "mesh that is no solid" "this mesh is no solid" "$enamel_station" import "$work/open.stl" --unit mm --out "$work/scene"
+expect_failure "mesh that is no solid" "this mesh is no solid" "$enamel_station" import "$work/open.stl" --tooth 46 --unit mm --out "$work/scene"
 [ ! -e "$work/scene/scene.json" ] || fail "a refused mesh left a scene behind"
-expect_failure "mesh that is not there" "there is no mesh file" "$enamel_station" import "$work/none.stl" --unit mm --out "$work/scene"
+expect_failure "mesh that is not there" "there is no mesh file" "$enamel_station" import "$work/none.stl" --tooth 46 --unit mm --out "$work/scene"
 
 # The server goes away in the middle: the station keeps recording, says so, and uploads later.
 # cut_without_server: false when the attempt was over before the server was gone.

@@ -5,12 +5,13 @@ crowns=$1/crowns
 [ -r "$crowns/fdi_46.obj" ] || { echo "skipped: no shared data"; exit 77; }
 cd "$root"
 port=$(free_ports)
-./run --once --tooth "$crowns/fdi_46.obj" --data "$work/data" --port "$port" --json "$work/1.json"
+./run --once --tooth "$crowns/fdi_46.obj" --fdi 46 --data "$work/data" --port "$port" --json "$work/1.json"
 node tests/integration/check_facts.mjs "$work/1.json"
 
 # 35 um, what the simulated hand may be off beside a narrow crown: a wall that breaks out of the tooth is off by far more.
 for crown in "$crowns"/*.obj; do
-  "$bin/enamel-station" import "$crown" --unit mm --out "$work/scene" >"$work/import.log" || { cat "$work/import.log"; fail "$crown"; }
+  fdi=$(basename "$crown" .obj)
+  "$bin/enamel-station" import "$crown" --tooth "${fdi#fdi_}" --unit mm --out "$work/scene" >"$work/import.log" || { cat "$work/import.log"; fail "$crown"; }
   "$bin/enamel-station" simulate --scene "$work/scene" --operator student-deep-mesial --json "$work/simulated.json" >"$work/simulate.log"
   node -e '
     const { plane_median_um: found } = JSON.parse(require("fs").readFileSync(process.argv[1], "utf8"));
@@ -21,5 +22,6 @@ for crown in "$crowns"/*.obj; do
     { cat "$work/import.log" "$work/simulate.log"; fail "the cavity leaves $(basename "$crown"): expected the mesial wall 300 um too deep, the others within 35 um"; }
 done
 
+expect_failure "--tooth without its number" "needs the crown's FDI number" ./run --once --tooth "$crowns/fdi_46.obj" </dev/null
 expect_failure "--up without --tooth" "goes with --tooth" ./run --once --up -y
-expect_failure "--up that is no axis" "expects \+x, -x" ./run --once --tooth "$crowns/fdi_46.obj" --up north
+expect_failure "--up that is no axis" "expects \+x, -x" ./run --once --tooth "$crowns/fdi_46.obj" --fdi 46 --up north

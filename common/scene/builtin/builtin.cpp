@@ -58,6 +58,7 @@ Draft DraftOf(std::string name, std::string title, Arrangement arrangement,
   Draft out;
   out.scene.name = std::move(name);
   out.scene.title = std::move(title);
+  out.scene.tooth = arrangement.teeth.at(0).shape->fdi;
   out.scene.tissues = DefaultTissues(tissues);
   out.scene.burs = StandardBurs();
   out.scene.provenance =
@@ -127,9 +128,19 @@ Draft MolarCaries() {
   return out;
 }
 
+// What stands mesially of the molar: an upper premolar's shape, as there is no lower one.
+const ToothShape& NeighbouringPremolar() {
+  static const ToothShape shape = [] {
+    ToothShape out = UpperFirstPremolar();
+    out.fdi = 45;
+    return out;
+  }();
+  return shape;
+}
+
 Draft MolarClassTwo() {
   const ToothShape& tooth = LowerFirstMolar();
-  const ToothShape& premolar = UpperFirstPremolar();
+  const ToothShape& premolar = NeighbouringPremolar();
   Arrangement a;
   a.teeth = {{&tooth, 0, false, MesialCaries(tooth)},
              {&premolar, NextToMesially_mm(tooth, premolar, kContactGap_mm), true, {}},
@@ -142,8 +153,9 @@ Draft MolarClassTwo() {
   // With its half width of 0.99 (ClassTwoExercise) the box ends at 5.81; the face is widest with
   // 5.80, and the neighbour begins kContactGap_mm beyond.
   constexpr double kBoxMiddle_mm = 4.82;
-  double ridge_z = SurfaceBelow_m(tooth, tooth.ridges.at(0).x, 0).value_or(dvec3(0)).z;
-  out.scene.landmarks["mesial_box"] = ToUm(dvec3(kBoxMiddle_mm * 1e-3, 0, ridge_z));
+  const double ridge_x = tooth.Along(tooth.ridges.at(0).x);
+  double ridge_z = SurfaceBelow_m(tooth, ridge_x, 0).value_or(dvec3(0)).z;
+  out.scene.landmarks["mesial_box"] = ToUm(dvec3(tooth.Along(kBoxMiddle_mm * 1e-3), 0, ridge_z));
   return out;
 }
 

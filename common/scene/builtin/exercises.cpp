@@ -12,6 +12,7 @@
 #include "common/scene/builtin/rubrics.h"
 #include "common/scene/builtin/teeth.h"
 #include "common/scene/preparation.h"
+#include "common/scene/tooth_number.h"
 
 namespace enamel::scene {
 namespace {
@@ -23,8 +24,6 @@ using cutting::Tissue;
 constexpr TouchCueSpec kPracticeCues{250, 100, 200, 1'000};
 
 constexpr char kNeighbourDepth[] = "neighbour_depth_mm";
-
-bool IsAnterior(const Scene& scene) { return scene.name.starts_with("incisor"); }
 
 bool Has(const Scene& scene, cutting::Tissue tissue) {
   return std::any_of(scene.tissues.begin(), scene.tissues.end(),
@@ -121,7 +120,7 @@ Exercise CariesExercise(const Scene& scene, const Sha256& scene_hash) {
 // What a crown's preparation leaves of a tooth that is built in: as much off its walls and top as
 // textbooks ask for (1 mm and 1.5 mm), less where the pulp would keep less than 0.9 mm of cover; the
 // stump that the tooth's own sections give with that, its walls opened to 7 to 14 degrees where the
-// sections would give less or more. Heights are below the landmark crown_top.
+// sections would give less or more. Heights are below the landmark crown_top; x is mesial here.
 struct CrownTask {
   const char* tooth;  // the beginning of a scene's name
   int32_t depth_um;   // of the shoulder: above the cervical line
@@ -201,7 +200,7 @@ Exercise CrownExercise(const Scene& scene, const Sha256& scene_hash) {
   e.target.half_size_um = {6'000, 6'000, 0};
   e.target.depth_um = kUnknownCrownDepth_um;
   const CrownTask* crown = CrownOf(scene);
-  const bool anterior = IsAnterior(scene);
+  const bool anterior = IsAnterior(scene.tooth);
   const std::string top = anterior ? "incisal edge" : "occlusal surface";
   const std::string highest = anterior ? "the incisal edge" : "the highest cusp";
   if (crown == nullptr) {
@@ -215,6 +214,8 @@ Exercise CrownExercise(const Scene& scene, const Sha256& scene_hash) {
     part.half_size_um = {e.target.half_size_um[0], e.target.half_size_um[1]};
     part.depth_um = crown->depth_um;
     part.stump = {crown->foot, crown->table, crown->off_top_um, crown->corner_um};
+    part.stump.foot.middle_um[0] *= MesialX(scene.tooth);
+    part.stump.table.middle_um[0] *= MesialX(scene.tooth);
     if (const auto at = scene.landmarks.find(e.target.landmark); at != scene.landmarks.end()) {
       AddOcclusalRelief(scene, at->second, crown->off_top_um, e.bur_narrow_radius_um, part);
     }
@@ -430,8 +431,8 @@ std::vector<Exercise> ExercisesOf(const Scene& scene, const Sha256& scene_hash) 
     if (has("labial_face") && tooth) out.push_back(VeneerExercise(scene, *tooth, scene_hash));
     return out;
   }
-  // An incisor has no fossa to cut into.
-  if (has("occlusal_centre") && !IsAnterior(scene)) {
+  // A front tooth has no fossa to cut into; of an imported one nothing else is known.
+  if (has("occlusal_centre") && !(IsAnterior(scene.tooth) && has("crown_top"))) {
     out.push_back(ClassOneExercise(scene, scene_hash));
   }
   if (has("occlusal_centre") && HasKnownChamber(scene)) {

@@ -7,6 +7,7 @@ namespace {
 
 ToothShape MakeMolar() {
   ToothShape t;
+  t.fdi = 46;
   t.name = "molar-46";
   t.title = "Lower right first molar (FDI 46)";
   t.cervical_z = -3.75;
@@ -24,7 +25,11 @@ ToothShape MakeMolar() {
              {-2.30, -2.90, 3.85, 0.84}};  // distolingual
   t.ridges = {{4.40, 0, 2.60, 1, 0, 1.0}, {-4.40, 0, 2.45, 1, 0, 1.0}};
   t.fossa_x = -0.10, t.fossa_y = 0.05;
-  t.grooves = {{0.75, 1, 0.42, 0.42}, {-2.55, 1, 0.34, 0.42}, {0.15, -1, 0.36, 0.42}};
+  t.sections.lingual_taper = 0.10;
+  t.sections.distal_taper = 0.08;
+  t.grooves = {{Face::kBuccal, 0.75, 0.42, 0.42, -1.2},        // mesiobuccal
+               {Face::kBuccal, -2.55, 0.34, 0.42, -3.0, 1.0},  // distobuccal, the longer one
+               {Face::kLingual, 0.15, 0.36, 0.42}};
   t.trunk_z = -6.9;
   Root mesial, distal;
   mesial.x = {2.35, 2.75, 2.95, 2.75, 2.25};
@@ -49,6 +54,7 @@ ToothShape MakeMolar() {
 
 ToothShape MakePremolar() {
   ToothShape t;
+  t.fdi = 14;
   t.name = "premolar-14";
   t.title = "Upper right first premolar (FDI 14)";
   t.cervical_z = -4.25;
@@ -60,11 +66,13 @@ ToothShape MakePremolar() {
   t.sections.buccal = {3.05, 3.45, 3.90, 4.25, 4.50, 4.40, 4.05, 3.50, 2.80};
   t.sections.lingual = {3.05, 3.45, 3.85, 4.15, 4.40, 4.50, 4.30, 3.60, 2.40};
   t.sections.round = 1.3;
-  t.cusps = {{-0.10, 2.70, 4.25, 1.00}, {0.35, -2.45, 3.30, 0.95}};
-  t.ridges = {{2.60, 0, 2.20, 1, 0.02, 1.0}, {-2.60, 0, 2.15, 1, 0.02, 1.0}};
+  t.cusps = {{-0.30, 2.70, 4.25, 1.00}, {0.35, -2.45, 3.30, 0.95}};
+  t.ridges = {{2.60, 0, 2.20, 1, 0, 1.0}, {-2.60, 0, 2.15, 1, 0.02, 1.0}};
   t.fossa_x = 0.05, t.fossa_y = -0.15;
   t.edge_blend = 0.9;
-  t.grooves = {};
+  // The mesial developmental depression, and the groove that crosses the mesial marginal ridge.
+  t.grooves = {{Face::kMesial, 0, 0.45, 1.3, -9.0, -6.5, -2.6, -0.4}};
+  t.fissures = {{1.2, -0.1, 3.6, 0, 0.35, 0.3}};
   t.trunk_z = -7.6;
   Root buccal, lingual;
   buccal.x = {0.00, 0.00, -0.05, -0.15, -0.30};
@@ -77,7 +85,7 @@ ToothShape MakePremolar() {
   lingual.half_y = {2.30, 2.00, 1.55, 1.20, 0.80};
   lingual.length = 13.2;
   t.roots = {buccal, lingual};
-  t.enamel = {2.2, 2.4, 0.52, 0.30, 0.9};
+  t.enamel = {2.2, 2.4, 0.52, 0.30};
   t.pulp.middle = {0, 0, -4.0};
   t.pulp.half = {0.65, 2.0, 1.5};
   t.pulp.lean_x = 0.7, t.pulp.lean_y = 0.72, t.pulp.depth = 5.4;
@@ -90,6 +98,7 @@ ToothShape MakePremolar() {
 
 ToothShape MakeIncisor() {
   ToothShape t;
+  t.fdi = 11;
   t.name = "incisor-11";
   t.title = "Upper right central incisor (FDI 11)";
   t.cervical_z = -5.25;
@@ -105,7 +114,7 @@ ToothShape MakeIncisor() {
   t.ridges = {{0.1, 0, 5.3, 0.006, 0.05, 1.0}};
   t.fossa_x = 0, t.fossa_y = 0;
   t.edge_blend = 0.7;
-  t.grooves = {{0, -1, 0.55, 1.9, -3.0, -0.8, 2.5, 4.8}};  // the lingual fossa
+  t.grooves = {{Face::kLingual, 0, 0.55, 1.9, -3.0, -0.8, 2.5, 4.8}};  // the lingual fossa
   t.trunk_z = -9.2;
   t.trunk_blend = 1.2;
   Root root;
@@ -115,7 +124,7 @@ ToothShape MakeIncisor() {
   root.half_y = {3.00, 2.75, 2.35, 1.80, 1.10};
   root.length = 13;
   t.roots = {root};
-  t.enamel = {1.35, 1.9, 1.0, 2.0, 2.2};
+  t.enamel = {1.35, 1.9, 1.0, 2.0, 3.5, 2.5};
   t.pulp.middle = {0, 0, -4.4};
   t.pulp.half = {1.05, 0.52, 3.2};
   t.pulp.canals = {{0, 0, 0, 0, 0.43, 0.16}};

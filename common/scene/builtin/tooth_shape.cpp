@@ -54,9 +54,28 @@ double RidgeHeight(const Ridge& r, double x, double y) {
 }
 
 double GrooveDepth(const SideGroove& g, double x, double y, double z) {
-  double fade = Ramp(z, g.fade_from_z, g.fade_to_z) * (1 - Ramp(z, g.end_from_z, g.end_to_z));
-  if (fade == 0 || y * g.side <= 0) return 0;
-  return fade * g.depth * std::exp(-Square((x - g.x) / g.width)) * Ramp(y * g.side, 0.3, 2.0);
+  const double fade = Ramp(z, g.fade_from_z, g.fade_to_z) * (1 - Ramp(z, g.end_from_z, g.end_to_z));
+  const double out = g.face == Face::kMesial ? x : g.face == Face::kBuccal ? y : -y;
+  if (fade == 0 || out <= 0) return 0;
+  const double along = g.face == Face::kMesial ? y : x;
+  return fade * g.depth * std::exp(-Square((along - g.at) / g.width)) * Ramp(out, 0.3, 2.0);
+}
+
+double FissureDepth(const Fissure& f, double x, double y) {
+  const double dx = f.to_x - f.from_x, dy = f.to_y - f.from_y;
+  const double t =
+      std::clamp(((x - f.from_x) * dx + (y - f.from_y) * dy) / (dx * dx + dy * dy), 0.0, 1.0);
+  const double away2 = Square(x - f.from_x - t * dx) + Square(y - f.from_y - t * dy);
+  return f.depth * std::exp(-away2 / Square(f.width));
+}
+
+// Of a half extent, at `place` between the narrow end (-1) and the wide one (1). Scaled so that the
+// section is nowhere wider than without a taper: near the middle its outline falls by round/4
+// place^2.
+double Tapered(double taper, double round, double place) {
+  if (taper == 0) return 1;
+  const double slope = 0.5 * taper;
+  return (1 + slope * place) / (1 + slope * slope / round);
 }
 
 double SideDistance(const ToothShape& shape, double x, double y, double z) {
@@ -65,6 +84,9 @@ double SideDistance(const ToothShape& shape, double x, double y, double z) {
   double a = Curve(x > 0 ? s.mesial : s.distal, u);
   double dy = y - Curve(s.middle_y, u);
   double b = Curve(dy > 0 ? s.buccal : s.lingual, u);
+  const double v = std::clamp(dy / b, -1.0, 1.0), w = std::clamp(x / a, -1.0, 1.0);
+  a *= Tapered(s.lingual_taper, s.round, v);
+  b *= Tapered(s.distal_taper, s.round, w);
   double p = Square(x / a), q = Square(dy / b);
   double r = std::sqrt(std::sqrt(p * p + q * q + s.round * p * q));
   // No distance, but of the right sign; TrueDistance makes one of it near the surface.
@@ -89,23 +111,33 @@ double RootDistance(const ToothShape& shape, const Root& root, double x, double 
   return SmoothMax(side, z - (shape.cervical_z - 0.5), 1.5);
 }
 
+double ReliefHeight(const ToothShape& shape, double x, double y) {
+  double h = -10;
+  for (const Cusp& c : shape.cusps)
+    h = SmoothMax(h, CuspHeight(shape, c, x, y), shape.relief_blend);
+  for (const Ridge& r : shape.ridges) h = SmoothMax(h, RidgeHeight(r, x, y), 0.7);
+  for (const Fissure& f : shape.fissures) h -= FissureDepth(f, x, y);
+  return h;
+}
+
 double OuterDistance(const ToothShape& shape, double x, double y, double z) {
   double body = SmoothMax(SideDistance(shape, x, y, z), shape.trunk_z - z, shape.trunk_blend);
   // Above the cervical line's neighbourhood crown and roots do not meet, nor does the relief below.
   if (z > shape.cervical_z + 1.75) {
     // 0.78: a height over a slope of 0.8 per mm as a distance.
-    return SmoothMax(body, (z - OcclusalHeight_mm(shape, x, y)) * 0.78, shape.edge_blend);
+    return SmoothMax(body, (z - ReliefHeight(shape, x, y)) * 0.78, shape.edge_blend);
   }
   double roots = 1e3;
   for (const Root& r : shape.roots) roots = std::min(roots, RootDistance(shape, r, x, y, z));
   return SmoothMin(body, roots, 1.1);
 }
 
-// The cervical line curves toward the crown on the mesial and distal faces, away on the others.
+// The cervical line curves toward the crown on the mesial and distal faces.
 double CervicalHeight(const ToothShape& shape, double x) {
   double half = Curve(x > 0 ? shape.sections.mesial : shape.sections.distal,
                       SectionPlace(shape.sections, shape.cervical_z));
-  return shape.cervical_z + shape.enamel.cervical_rise * Square(x / half);
+  double rise = x > 0 ? shape.enamel.mesial_rise : shape.enamel.distal_rise;
+  return shape.cervical_z + rise * std::min(Square(x / half), 1.0);
 }
 
 // Positive in enamel: distance to the dentin-enamel junction, about mm.
@@ -114,7 +146,7 @@ double EnamelDistance(const ToothShape& shape, double x, double y, double z) {
   double above = z - CervicalHeight(shape, x);
   if (above <= 0) return std::max(above, -3.0);
   double side = SideDistance(shape, x, y, z) + cap.side * above / (above + cap.rise);
-  double top = (z - (cap.relief * OcclusalHeight_mm(shape, x, y) - cap.drop)) * 0.85;
+  double top = (z - (cap.relief * ReliefHeight(shape, x, y) - cap.drop)) * 0.85;
   return std::min(SmoothMax(side, top, 1.0), above);
 }
 
@@ -171,10 +203,49 @@ double TrueDistance(const ToothShape& shape, double x, double y, double z, doubl
   return std::abs(d) <= kNear ? d : std::copysign(kNear + 0.5 * (std::abs(d) - kNear), d);
 }
 
+// First solid below (x, y) from above.
+std::optional<dvec3> SurfaceBelow(const ToothShape& shape, double x, double y) {
+  double z = shape.hi.z + 0.5;
+  while (OuterDistance(shape, x, y, z) > 0) {
+    if ((z -= 0.05) < shape.lo.z) return std::nullopt;
+  }
+  double lo = z, hi = z + 0.05;
+  for (int i = 0; i < 30; ++i) {
+    double mid = 0.5 * (lo + hi);
+    (OuterDistance(shape, x, y, mid) < 0 ? lo : hi) = mid;
+  }
+  return dvec3(x, y, lo);
+}
+
+// The lowest point of the relief near the fossa, on the surface.
+dvec3 FossaBottom(const ToothShape& shape) {
+  // Descent on a shrinking pattern.
+  constexpr double kAround[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+  double x = shape.fossa_x, y = shape.fossa_y;
+  if (shape.cusps.empty()) return SurfaceBelow(shape, x, y).value_or(dvec3(0));
+  for (double step = 0.2; step > 1e-4; step *= 0.5) {
+    for (bool moved = true; moved;) {
+      moved = false;
+      for (const auto& d : kAround) {
+        double nx = x + step * d[0], ny = y + step * d[1];
+        // Within a millimetre of where it was drawn, or the descent would run out over a marginal
+        // ridge.
+        if (std::abs(nx - shape.fossa_x) > 1 || std::abs(ny - shape.fossa_y) > 1) continue;
+        if (ReliefHeight(shape, nx, ny) >= ReliefHeight(shape, x, y)) continue;
+        x = nx, y = ny, moved = true;
+      }
+    }
+  }
+  return SurfaceBelow(shape, x, y).value_or(dvec3(0));
+}
+
+// From the frame of a description to the scene's, and back.
+dvec3 Mirrored(const ToothShape& shape, const dvec3& p) { return {shape.Along(p.x), p.y, p.z}; }
+
 }  // namespace
 
 FieldSample ToothField(const ToothShape& shape, const dvec3& point_m) {
-  const double x = point_m.x * 1e3, y = point_m.y * 1e3, z = point_m.z * 1e3;
+  const double x = shape.Along(point_m.x) * 1e3, y = point_m.y * 1e3, z = point_m.z * 1e3;
   double value = OuterDistance(shape, x, y, z);
   FieldSample out{TrueDistance(shape, x, y, z, value) * 1e-3, Tissue::kDentin, 0};
   if (value > 1) return out;
@@ -190,45 +261,20 @@ FieldSample ToothField(const ToothShape& shape, const dvec3& point_m) {
 }
 
 double OcclusalHeight_mm(const ToothShape& shape, double x, double y) {
-  double h = -10;
-  for (const Cusp& c : shape.cusps)
-    h = SmoothMax(h, CuspHeight(shape, c, x, y), shape.relief_blend);
-  for (const Ridge& r : shape.ridges) h = SmoothMax(h, RidgeHeight(r, x, y), 0.7);
-  return h;
+  return ReliefHeight(shape, shape.Along(x), y);
 }
 
 std::optional<dvec3> SurfaceBelow_m(const ToothShape& shape, double x, double y) {
-  double z = shape.hi.z + 0.5;
-  while (OuterDistance(shape, x, y, z) > 0) {
-    if ((z -= 0.05) < shape.lo.z) return std::nullopt;
-  }
-  double lo = z, hi = z + 0.05;
-  for (int i = 0; i < 30; ++i) {
-    double mid = 0.5 * (lo + hi);
-    (OuterDistance(shape, x, y, mid) < 0 ? lo : hi) = mid;
-  }
-  return dvec3(x, y, lo) * 1e-3;
+  const auto found = SurfaceBelow(shape, shape.Along(x), y);
+  if (!found) return std::nullopt;
+  return Mirrored(shape, *found) * 1e-3;
 }
 
-dvec3 FossaBottom_m(const ToothShape& shape) {
-  // Descent on a shrinking pattern.
-  constexpr double kAround[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
-  double x = shape.fossa_x, y = shape.fossa_y;
-  if (shape.cusps.empty()) return SurfaceBelow_m(shape, x, y).value_or(dvec3(0));
-  for (double step = 0.2; step > 1e-4; step *= 0.5) {
-    for (bool moved = true; moved;) {
-      moved = false;
-      for (const auto& d : kAround) {
-        double nx = x + step * d[0], ny = y + step * d[1];
-        // Within a millimetre of where it was drawn, or the descent would run out over a marginal
-        // ridge.
-        if (std::abs(nx - shape.fossa_x) > 1 || std::abs(ny - shape.fossa_y) > 1) continue;
-        if (OcclusalHeight_mm(shape, nx, ny) >= OcclusalHeight_mm(shape, x, y)) continue;
-        x = nx, y = ny, moved = true;
-      }
-    }
-  }
-  return SurfaceBelow_m(shape, x, y).value_or(dvec3(0));
+dvec3 FossaBottom_m(const ToothShape& shape) { return Mirrored(shape, FossaBottom(shape)) * 1e-3; }
+
+std::array<dvec3, 2> BoundsOf_m(const ToothShape& shape) {
+  const dvec3 a = Mirrored(shape, shape.lo) * 1e-3, b = Mirrored(shape, shape.hi) * 1e-3;
+  return {glm::min(a, b), glm::max(a, b)};
 }
 
 std::array<double, 4> SectionAt_mm(const ToothShape& shape, double z) {

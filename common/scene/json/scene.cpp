@@ -6,6 +6,7 @@
 #include "common/scene/json/preparation.h"
 #include "common/scene/json/read.h"
 #include "common/scene/json/text.h"
+#include "common/scene/tooth_number.h"
 
 namespace enamel::scene {
 namespace {
@@ -135,17 +136,17 @@ std::string ToJson(const Scene& scene) {
   json::object landmarks;
   // A map, so in the order of their names: the text does not depend on who added which first.
   for (const auto& [name, p] : scene.landmarks) landmarks[name] = json::array{p[0], p[1], p[2]};
-  json::object out{{kSceneKind, kFormat},
-                   {"name", scene.name},
-                   {"title", scene.title},
-                   {"volume_sha256", scene.volume.Hex()},
-                   {"voxel_nm", scene.voxel_nm},
-                   {"tissues", std::move(tissues)},
-                   {"landmarks_um", std::move(landmarks)},
-                   {"burs", BursJson(scene.burs)},
-                   {"preparations", PreparationsJson(scene.preparations)},
-                   {"up", scene.up == Up::kBuccal ? kBuccal : kOcclusal},
-                   {"provenance", scene.provenance}};
+  json::object out{{kSceneKind, kFormat}, {"name", scene.name}, {"title", scene.title}};
+  if (scene.tooth != 0) out["tooth"] = scene.tooth;
+  const json::object rest{{"volume_sha256", scene.volume.Hex()},
+                          {"voxel_nm", scene.voxel_nm},
+                          {"tissues", std::move(tissues)},
+                          {"landmarks_um", std::move(landmarks)},
+                          {"burs", BursJson(scene.burs)},
+                          {"preparations", PreparationsJson(scene.preparations)},
+                          {"up", scene.up == Up::kBuccal ? kBuccal : kOcclusal},
+                          {"provenance", scene.provenance}};
+  for (const auto& member : rest) out.insert(member);
   return CanonicalText(out);
 }
 
@@ -158,6 +159,12 @@ Result<Scene> SceneFromJson(std::string_view text) {
   in.Format(kSceneKind);
   scene.name = in.Name("name");
   scene.title = in.Text("title", 1, 200);
+  if (in.Has("tooth")) {
+    scene.tooth = static_cast<int32_t>(in.Int("tooth", 11, 85));
+    if (!IsToothNumber(scene.tooth)) {
+      in.Refuse("tooth", "an FDI number, 11 to 48 or 51 to 85", std::to_string(scene.tooth));
+    }
+  }
   scene.volume = in.Hash("volume_sha256");
   scene.voxel_nm = static_cast<int32_t>(in.Int("voxel_nm", 5'000, 1'000'000));
   ReadTissues(in, scene);

@@ -115,16 +115,20 @@ Result<json::object> SummaryJson(const Person& viewer, ReferenceRows& references
   return out;
 }
 
-// Where a target hangs, in the scene's frame; null where the scene cannot be read or has no such point.
-json::value LandmarkJson(StoredBlobs& blobs, const Sha256& scene, const std::string& landmark) {
+// Which tooth a target is in, and where it hangs, in the scene's frame; null where the scene cannot
+// be read, is no tooth or has no such point.
+void AddPlace(StoredBlobs& blobs, const Sha256& scene, json::object& target) {
+  target.emplace("tooth", nullptr);
+  target.emplace("landmark_um", nullptr);
   const auto text = blobs.GetBlob(scene);
-  if (!text.ok()) return nullptr;
+  if (!text.ok()) return;
   const auto document = scene::SceneFromJson(AsText(*text));
-  if (!document.ok()) return nullptr;
-  const auto found = document->landmarks.find(landmark);
-  if (found == document->landmarks.end()) return nullptr;
+  if (!document.ok()) return;
+  if (document->tooth != 0) target["tooth"] = document->tooth;
+  const auto found = document->landmarks.find(std::string(target.at("landmark").as_string()));
+  if (found == document->landmarks.end()) return;
   const scene::PointUm& at = found->second;
-  return json::array{at[0], at[1], at[2]};
+  target["landmark_um"] = json::array{at[0], at[1], at[2]};
 }
 
 json::object TargetJson(const scene::CavityTarget& target) {
@@ -256,7 +260,7 @@ Result<json::object> WholeJson(const Call& call, Store& store, const ExerciseRow
   out->emplace("scene_sha256", row.scene.Hex());
   out->emplace("document_sha256", row.content.Hex());
   json::object target = TargetJson(exercise->target);
-  target.emplace("landmark_um", LandmarkJson(store.blobs, row.scene, exercise->target.landmark));
+  AddPlace(store.blobs, row.scene, target);
   out->emplace("target", std::move(target));
   Result<scene::Rubric> rubric =
       CountingRubric(store.blobs, store.rubrics, row.id, exercise->rubric);

@@ -189,7 +189,7 @@ Response BeginToothImport(const Call& call) {
   wanted.bytes = static_cast<uint64_t>(body.Integer("bytes", 0, int64_t{1} << 40));
   wanted.unit = body.Text("unit", 1, kMaxToothName);
   wanted.title = body.Text("title", 1, kMaxNameBytes);
-  wanted.tooth = static_cast<int>(body.Integer("tooth", 0, 99, 0));
+  wanted.tooth = static_cast<int>(body.Integer("tooth", 11, 85));
   if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
   return ImportResponse(call.teeth->Begin(wanted, ActorOf(call), enamel::UnixMs()), 201);
 }

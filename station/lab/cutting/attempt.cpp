@@ -5,6 +5,7 @@
 
 #include "common/scene/json/json.h"
 #include "common/scene/plan.h"
+#include "common/scene/tooth_number.h"
 #include "common/scene/volume_blob.h"
 #include "station/lab/cutting/cutting_ticks.h"
 
@@ -37,6 +38,7 @@ class Hand {
     // The bur's axis stays its radius inside the box.
     half_x_ = std::max(0.1e-3, exercise.target.half_size_um[0] * 1e-6 - radius);
     half_y_ = std::max(0.1e-3, exercise.target.half_size_um[1] * 1e-6 - radius);
+    mesial_x_ = scene::MesialX(scene.tooth);
     depth_ = exercise.target.depth_um * 1e-6 + options.floor_extra_m;
     double stroke_s = 2 * half_x_ / kStroke_m_s;
     // Lift, pause and descent belong to every stroke.
@@ -91,8 +93,8 @@ class Hand {
     double z = landmark_.z + kAbove_m - share * (kAbove_m + depth_);
     auto row = static_cast<int>(stroke_) % kRows;
     double y = landmark_.y + half_y_ * (2.0 * row / (kRows - 1) - 1), way = row % 2 == 0 ? 1 : -1;
-    // +x is mesial.
-    double distal = landmark_.x - half_x_, mesial = landmark_.x + half_x_ + options_.mesial_extra_m;
+    double distal = landmark_.x - mesial_x_ * half_x_,
+           mesial = landmark_.x + mesial_x_ * (half_x_ + options_.mesial_extra_m);
     dvec3 from(way > 0 ? distal : mesial, y, z), to(way > 0 ? mesial : distal, y, z);
     dvec3 up(0, 0, kLift_m);
     Go(from + up, kMove_m_s, false);
@@ -108,6 +110,7 @@ class Hand {
   double tick_s_;
   dvec3 landmark_{0}, at_{0};
   double half_x_ = 0, half_y_ = 0, depth_ = 0, strokes_ = 1, stroke_ = 0;
+  int mesial_x_ = 1;
   std::vector<Point> queue_;
   size_t queue_at_ = 0;
   uint64_t made_ = 0;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "common/scene/preparation.h"
+#include "common/scene/tooth_number.h"
 #include "station/lab/grades/fault_maker.h"
 #include "station/lab/grades/outline_by_mesh.h"
 
@@ -249,21 +250,24 @@ void FaultMaker::AddNeighbour() {
   // Where a neighbour comes nearest above the middle of the target's height: a nick of 1 x 1 mm.
   const cutting::GridSpec& spec = volume_.spec();
   const double h = spec.voxel_m();
+  const int mesial_x = task_.box.mesial_x;
   dvec3 nearest(0);
   double best = std::numeric_limits<double>::infinity();
   const double z = landmark_m_.z - 0.5e-3 * exercise_.target.depth_um * 1e-3;
   VolumeWhere_m3(
       volume_, {grid_lo_m_.x, -1e-3, z - h}, {grid_hi_m_.x, 1e-3, z + h},
       [&](const dvec3& p, Tissue t) {
-        if (t == Tissue::kNeighbour && p.x > 0 && p.x < best && volume_.DistanceAt_m(p) < 0) {
-          best = p.x, nearest = p;
+        const double away = mesial_x * p.x;
+        if (t == Tissue::kNeighbour && away > 0 && away < best && volume_.DistanceAt_m(p) < 0) {
+          best = away, nearest = p;
         }
         return false;
       });
   if (!(best < 1)) return;
   for (const Size s : Sizes({0.1, 0.3, 0.5}, 0.3)) {
-    const dvec3 lo = nearest - dvec3(0.05e-3, 0.5e-3, 0.5e-3);
-    const dvec3 hi = nearest + dvec3(s.m(), 0.5e-3, 0.5e-3);
+    const dvec3 before = nearest - dvec3(mesial_x * 0.05e-3, 0.5e-3, 0.5e-3);
+    const dvec3 beyond = nearest + dvec3(mesial_x * s.m(), 0.5e-3, 0.5e-3);
+    const dvec3 lo = glm::min(before, beyond), hi = glm::max(before, beyond);
     auto nick = [=](const dvec3& p) { return BoxDistance_m(p, lo, hi); };
     const double size = VolumeWhere_m3(volume_, lo, hi, [&](const dvec3& p, Tissue t) {
       return t == Tissue::kNeighbour && nick(p) < 0;
@@ -314,7 +318,8 @@ Result<Task> TaskOf(const scene::BuiltScene& built, const scene::Exercise& exerc
     return out;
   }
   out.box = {
-      at, target.half_size_um[0] * 1e-6, target.half_size_um[1] * 1e-6, target.depth_um * 1e-6, {}};
+      at, target.half_size_um[0] * 1e-6,    target.half_size_um[1] * 1e-6, target.depth_um * 1e-6,
+      {}, scene::MesialX(built.scene.tooth)};
   // There is no wall where the box ends in the open.
   out.open_mesial = target.landmark == "mesial_box";
   return out;

@@ -100,7 +100,8 @@ double FaultMaker::RoomBehind_m(size_t wall) const {
   constexpr double kFarthest_m = 2e-3;
   const BoxCavity& b = task_.box;
   const bool along_y = wall < 2;
-  const double sign = wall % 2 == 0 ? 1 : -1, step = volume_.spec().voxel_m() / 2;
+  const double sign = (wall % 2 == 0 ? 1 : -1) * (along_y ? b.mesial_x : 1);
+  const double step = volume_.spec().voxel_m() / 2;
   double least = kFarthest_m;
   for (double along : {-0.5, 0.0, 0.5}) {
     dvec3 at = b.centre_m;
@@ -137,11 +138,12 @@ void FaultMaker::MakeLeaningWalls(size_t wall) {
 void FaultMaker::MakeMargins() {
   constexpr double kRim_m = 0.6e-3, kOfWall = 0.4;
   const BoxCavity& b = task_.box;
-  const double top = TopNear(b.centre_m - dvec3(b.half_x_m, 0, 0));
+  const double top = TopNear(b.centre_m - dvec3(b.mesial_x * b.half_x_m, 0, 0));
   const double rim = std::min(kRim_m, kOfWall * (top - b.centre_m.z + b.depth_m));
   for (const Size s : Sizes({0.2, 0.3, 0.5}, 0.3)) {
-    const dvec3 lo(b.centre_m.x - b.half_x_m - s.m(), b.centre_m.y - b.half_y_m, top - rim);
-    const dvec3 hi(b.centre_m.x, b.centre_m.y + b.half_y_m, grid_hi_m_.z + 1);
+    const double rim_x = b.centre_m.x - b.mesial_x * (b.half_x_m + s.m());
+    const dvec3 lo(std::min(rim_x, b.centre_m.x), b.centre_m.y - b.half_y_m, top - rim);
+    const dvec3 hi(std::max(rim_x, b.centre_m.x), b.centre_m.y + b.half_y_m, grid_hi_m_.z + 1);
     AddMargin(s, Both(Wanted(), [=](const dvec3& p) { return BoxDistance_m(p, lo, hi); }));
   }
 }

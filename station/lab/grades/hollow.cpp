@@ -95,8 +95,9 @@ double BoxCavity::Distance_m(const dvec3& point_m) const {
   const dvec3 p = point_m - centre_m;
   const double height = p.z + 0.5 * depth_m;
   const auto& f = faces;
-  const double x = std::max(WallDistance_m(f[0], p.x - half_x_m, p.y, 2 * half_y_m, height),
-                            WallDistance_m(f[1], -p.x - half_x_m, p.y, 2 * half_y_m, height));
+  const double mesially = mesial_x * p.x;
+  const double x = std::max(WallDistance_m(f[0], mesially - half_x_m, p.y, 2 * half_y_m, height),
+                            WallDistance_m(f[1], -mesially - half_x_m, p.y, 2 * half_y_m, height));
   const double y = std::max(WallDistance_m(f[2], p.y - half_y_m, p.x, 2 * half_x_m, height),
                             WallDistance_m(f[3], -p.y - half_y_m, p.x, 2 * half_x_m, height));
   const double below = WallDistance_m(f[4], -p.z - depth_m, p.x, 2 * half_x_m, p.x);

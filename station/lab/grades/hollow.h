@@ -34,11 +34,12 @@ struct Face {
 };
 
 // A cavity between five faces, open at the top. `centre_m` is the middle of its opening; faces in
-// the order of scoring::Part: mesial (+x), distal, buccal (+y), lingual, floor.
+// the order of scoring::Part: mesial, distal, buccal (+y), lingual, floor.
 struct BoxCavity {
   dvec3 centre_m{0};
   double half_x_m = 0, half_y_m = 0, depth_m = 0;
   std::array<Face, 5> faces{};
+  int mesial_x = 1;  // scene::MesialX
 
   double Distance_m(const dvec3& point_m) const;
 };

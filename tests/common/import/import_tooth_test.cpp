@@ -59,7 +59,7 @@ struct TempFolder {
 };
 
 TEST(ImportTest, SphereHasTheVolumeOfASphere) {
-  ImportOptions options;
+  ImportOptions options{.tooth = 46};
   options.voxel_nm = 100'000;
   auto s = ImportTriangles(SphereMesh(5, 60), "test", options);
   ASSERT_TRUE(s.ok()) << s.status().message();
@@ -69,7 +69,7 @@ TEST(ImportTest, SphereHasTheVolumeOfASphere) {
 }
 
 TEST(ImportTest, DistanceInTheVolumeIsTheSpheresDistance) {
-  ImportOptions options;
+  ImportOptions options{.tooth = 46};
   options.voxel_nm = 100'000;
   auto s = ImportTriangles(SphereMesh(5, 90), "test", options);
   ASSERT_TRUE(s.ok());
@@ -80,7 +80,7 @@ TEST(ImportTest, DistanceInTheVolumeIsTheSpheresDistance) {
 }
 
 TEST(ImportTest, OverlappingPartsBecomeOneSolidWithoutInnerWalls) {
-  ImportOptions options;
+  ImportOptions options{.tooth = 46};
   options.voxel_nm = 200'000;
   auto s = ImportTriangles(
       Joined(BoxMesh({-5, -3, -3}, {2, 3, 3}), BoxMesh({-2, -2.9, -2.9}, {5, 2.9, 2.9})), "test",
@@ -91,7 +91,7 @@ TEST(ImportTest, OverlappingPartsBecomeOneSolidWithoutInnerWalls) {
 }
 
 TEST(ImportTest, WrongUnitIsRefusedWithTheOneThatFits) {
-  ImportOptions options;
+  ImportOptions options{.tooth = 46};
   options.unit = "m";
   Status refused = ImportTriangles(SphereMesh(6, 10), "test", options).status();
   EXPECT_EQ(refused.code(), Code::kInvalidInput);
@@ -103,7 +103,7 @@ TEST(ImportTest, EveryUnitGivesTheSameTooth) {
   const std::pair<const char*, double> units[] = {
       {"um", 1e3}, {"cm", 0.1}, {"m", 1e-3}, {"inch", 1 / 25.4}};
   for (auto [name, factor] : units) {
-    ImportOptions options;
+    ImportOptions options{.tooth = 46};
     options.unit = name;
     options.voxel_nm = 400'000;
     auto s = ImportTriangles(SphereMesh(5 * factor, 20), "test", options);
@@ -113,19 +113,29 @@ TEST(ImportTest, EveryUnitGivesTheSameTooth) {
 }
 
 TEST(ImportTest, BadOptionsAreRefusedByName) {
-  ImportOptions options;
+  ImportOptions options{.tooth = 46};
   options.unit = "furlong";
   EXPECT_EQ(ImportTriangles(SphereMesh(5, 8), "test", options).status().field(), "unit");
-  options = {};
+  options = {.tooth = 46};
   options.up = "north";
   EXPECT_EQ(ImportTriangles(SphereMesh(5, 8), "test", options).status().field(), "up");
-  options = {};
+  options = {.tooth = 46};
   options.voxel_nm = 1;
   EXPECT_EQ(ImportTriangles(SphereMesh(5, 8), "test", options).status().field(), "voxel_nm");
+  options = {.tooth = 46};
+  options.buccal = "outwards";
+  EXPECT_EQ(ImportTriangles(SphereMesh(5, 8), "test", options).status().field(), "buccal");
+  options.up = "+z", options.buccal = "-z";
+  EXPECT_EQ(ImportTriangles(SphereMesh(5, 8), "test", options).status().field(), "buccal");
+  for (int tooth : {0, 10, 19, 50, 56, 91}) {
+    const Status refused = ImportTriangles(SphereMesh(5, 8), "test", {.tooth = tooth}).status();
+    EXPECT_EQ(refused.field(), "tooth") << tooth;
+    EXPECT_NE(refused.message().find("FDI number"), std::string::npos) << refused.message();
+  }
 }
 
 TEST(ImportTest, GivenUpBecomesTheScenesZ) {
-  ImportOptions options;
+  ImportOptions options{.tooth = 46};
   options.voxel_nm = 200'000;
   options.up = "-x";
   auto s = ImportTriangles(BoxMesh({0, 0, 0}, {4, 6, 8}), "test", options);
@@ -137,9 +147,44 @@ TEST(ImportTest, GivenUpBecomesTheScenesZ) {
   EXPECT_NEAR(s->scene.landmarks.at("occlusal_centre")[2], 2000, 2);
 }
 
+// A box of 4 x 6 x 8 mm, 4 mm high: a lower molar is longer from mesial to distal, a premolar
+// across.
+TEST(ImportTest, TheToothsNumberSaysWhichWayItsLongerSideLies) {
+  for (int tooth : {11, 36, 46, 52, 74, 14, 16, 23, 34, 55}) {
+    ImportOptions options{.tooth = tooth, .voxel_nm = 200'000, .up = "-x"};
+    auto s = ImportTriangles(BoxMesh({0, 0, 0}, {4, 6, 8}), "test", options);
+    ASSERT_TRUE(s.ok()) << s.status().message();
+    EXPECT_EQ(s->scene.tooth, tooth);
+    const bool along_x = tooth == 11 || tooth == 36 || tooth == 46 || tooth == 52 || tooth == 74;
+    EXPECT_EQ(s->volume.DistanceAt_m({3.7e-3, 0, 0}) < 0, along_x) << tooth;
+    EXPECT_EQ(s->volume.DistanceAt_m({0, 3.7e-3, 0}) < 0, !along_x) << tooth;
+    EXPECT_NE(Lines(*s).find("give its direction in the file with --buccal"), std::string::npos);
+  }
+}
+
+// A wedge whose tall end is at +y of the file: it stands where it is said to.
+TEST(ImportTest, AGivenBuccalDirectionBecomesTheScenesY) {
+  mesh::Triangles wedge = BoxMesh({0, 0, 0}, {6, 8, 4});
+  for (dvec3& v : wedge.vertices) {
+    if (v.y < 4 && v.z > 2) v.z = 2;
+  }
+  for (const char* buccal : {"+y", "-y", "+x"}) {
+    ImportOptions options{.tooth = 46, .voxel_nm = 200'000, .up = "+z", .buccal = buccal};
+    auto s = ImportTriangles(wedge, "test", options);
+    ASSERT_TRUE(s.ok()) << s.status().message();
+    const double near_top = 1.2e-3, end = 3.5e-3;
+    auto solid = [&](const dvec3& p) { return s->volume.DistanceAt_m(p) < 0; };
+    EXPECT_EQ(solid({0, end, near_top}), std::string(buccal) == "+y") << buccal;
+    EXPECT_EQ(solid({0, -end, near_top}), std::string(buccal) == "-y") << buccal;
+    // +x of the file is buccal, so that its +y is at the scene's -x.
+    EXPECT_EQ(solid({-end, 0, near_top}), std::string(buccal) == "+x") << buccal;
+    EXPECT_NE(Lines(*s).find("buccal direction"), std::string::npos) << Lines(*s);
+  }
+}
+
 TEST(ImportTest, SceneFolderReadsBackAndASwappedVolumeIsFound) {
   TempFolder folder;
-  ImportOptions options;
+  ImportOptions options{.tooth = 46};
   options.voxel_nm = 400'000;
   auto a = ImportTriangles(SphereMesh(5, 10), "test", options),
        b = ImportTriangles(SphereMesh(4, 10), "test", options);
@@ -169,7 +214,7 @@ TEST(ImportChildTest, AsciiStlOfACubeInCentimetresIsRead) {
     }
     text += "endloop\nendfacet\n";
   }
-  ImportOptions options;
+  ImportOptions options{.tooth = 46};
   options.unit = "cm";
   options.voxel_nm = 200'000;
   auto s = ImportTooth(folder.Write("Cube \xff\n1.STL", text + "endsolid cube\n"), options);
@@ -194,7 +239,7 @@ TEST(ImportChildTest, ReaderOpensNoOtherFile) {
     text += "f " + std::to_string(t[0] + 1) + " " + std::to_string(t[1] + 1) + " " +
             std::to_string(t[2] + 1) + "\n";
   }
-  ImportOptions options;
+  ImportOptions options{.tooth = 46};
   options.voxel_nm = 400'000;
   auto s = ImportTooth(folder.Write("cube.obj", text), options);
   ASSERT_TRUE(s.ok()) << s.status().message();
@@ -237,7 +282,7 @@ class PartsTest : public testing::Test {
     EXPECT_NEAR(TissueVolume(*s, Tissue::kPulp), 24.389, 1);
   }
   TempFolder folder_;
-  ImportOptions options_;
+  ImportOptions options_{.tooth = 46};
   const std::array<mesh::Triangles, 3> boxes_ = {BoxMesh(dvec3(-5), dvec3(5)),
                                                  BoxMesh(dvec3(-3.45), dvec3(3.45)),
                                                  BoxMesh(dvec3(-1.45), dvec3(1.45))};
@@ -278,9 +323,10 @@ TEST_F(PartsTest, WholeCrownBesideFilesOfWhatIsInItIsTheEnamel) {
 
 TEST(ImportChildTest, MissingFileUnknownKindAndEmptyFileAreRefused) {
   TempFolder folder;
-  EXPECT_EQ(ImportTooth(folder.path / "none.stl").status().code(), Code::kNotFound);
-  EXPECT_EQ(ImportTooth(folder.Write("tooth.doc", "x")).status().code(), Code::kInvalidInput);
-  Status empty = ImportTooth(folder.Write("tooth.stl", "")).status();
+  EXPECT_EQ(ImportTooth(folder.path / "none.stl", {.tooth = 46}).status().code(), Code::kNotFound);
+  EXPECT_EQ(ImportTooth(folder.Write("tooth.doc", "x"), {.tooth = 46}).status().code(),
+            Code::kInvalidInput);
+  Status empty = ImportTooth(folder.Write("tooth.stl", ""), {.tooth = 46}).status();
   EXPECT_NE(empty.message().find("empty"), std::string::npos) << empty.message();
 }
 
@@ -367,19 +413,20 @@ TEST(ImportChildTest, FileOfHundredsOfMegabytesIsRefusedBeforeItIsRead) {
   TempFolder folder;
   const fs::path file = folder.Write("huge.stl", "x");
   fs::resize_file(file, 500'000'084);  // ten million triangles; takes no room on the disk
-  const Status refused = ImportTooth(file).status();
+  const Status refused = ImportTooth(file, {.tooth = 46}).status();
   EXPECT_NE(refused.message().find("at most 256 MiB, found one of 476 MiB"), std::string::npos)
       << refused.message();
 }
 
 TEST(ImportTest, ToothFarFromItsOriginIsRefusedWithTheStepOfItsCoordinates) {
-  const Status refused = ImportTriangles(SphereMesh(5, 20, {1e6, 0, 0}), "test", {}).status();
+  const Status refused =
+      ImportTriangles(SphereMesh(5, 20, {1e6, 0, 0}), "test", {.tooth = 46}).status();
   EXPECT_NE(refused.message().find("steps of 119.2 um"), std::string::npos) << refused.message();
 }
 
 TEST(ImportChildTest, MissingReaderIsSaid) {
   TempFolder folder;
-  ImportOptions options;
+  ImportOptions options{.tooth = 46};
   options.child = folder.path / "no-such-program";
   EXPECT_EQ(ImportTooth(folder.Write("tooth.stl", "solid"), options).status().code(),
             Code::kNotFound);
@@ -390,7 +437,7 @@ TEST(ImportChildTest, ReaderThatFloodsItsOutputIsNoCrash) {
   fs::path fake =
       folder.Write("fake", "#!/bin/sh\nhead -c 300000 /dev/zero\nhead -c 100000 /dev/zero >&2\n");
   fs::permissions(fake, fs::perms::owner_all);
-  ImportOptions options;
+  ImportOptions options{.tooth = 46};
   options.child = fake;
   EXPECT_FALSE(ImportTooth(folder.Write("tooth.stl", "solid"), options).ok());
 }
@@ -415,7 +462,7 @@ TEST(RealCrownTest, EveryCrownImportsWithItsMeshsVolume) {
   if (files.empty()) GTEST_SKIP() << "skipped: no shared data";
   for (const fs::path& file : files) {
     if (file.extension() != ".obj") continue;
-    ImportOptions options;
+    ImportOptions options{.tooth = 46};
     options.voxel_nm = 100'000;
     auto s = ImportTooth(file, options);
     ASSERT_TRUE(s.ok()) << s.status().message();
@@ -535,7 +582,7 @@ mesh::Triangles Around(const mesh::Triangles& mesh, double scale, double noise_m
 TEST(RealCrownTest, NoisySurfacesPerTissueLeaveNoAirInside) {
   if (!fs::exists(kShared / "crowns")) GTEST_SKIP() << "skipped: no shared data";
   const mesh::Triangles crown = SolidOf(kShared / "crowns/fdi_46.obj");
-  ImportOptions options;
+  ImportOptions options{.tooth = 46};
   options.up = "+y";
   options.voxel_nm = 50'000;
   auto whole = ImportTriangles(crown, "test", options);
@@ -561,7 +608,7 @@ TEST(RealCrownTest, NoisySurfacesPerTissueLeaveNoAirInside) {
 }
 
 TEST(ImportTest, ReportNamesTheDirectionWhetherItIsAGuessAndHowToOverrideIt) {
-  ImportOptions options;
+  ImportOptions options{.tooth = 46};
   options.voxel_nm = 400'000;
   auto guess = ImportTriangles(SphereMesh(5, 20), "test", options);
   ASSERT_TRUE(guess.ok());
@@ -592,7 +639,7 @@ TEST(ImportTest, HollowSideIsTheOcclusalSideAlongEveryAxis) {
 
 TEST(RealCrownTest, ClassOneCavityOnAMolarKeepsClearOfThePulpAndMeetsEnamelFirst) {
   if (!fs::exists(kShared / "crowns")) GTEST_SKIP() << "skipped: no shared data";
-  ImportOptions options;
+  ImportOptions options{.tooth = 46};
   options.voxel_nm = 100'000;
   auto s = ImportTooth(kShared / "crowns/fdi_46.obj", options);
   ASSERT_TRUE(s.ok()) << s.status().message();
@@ -687,7 +734,7 @@ TEST_P(OddMeshTest, HasItsVolumeOrIsRefusedWithTheReason) {
   const Outcome& expected = GetParam();
   const fs::path file = kShared / "meshes_odd/models" / expected.file;
   if (!fs::exists(file)) GTEST_SKIP() << "skipped: no shared data";
-  ImportOptions options;
+  ImportOptions options{.tooth = 46};
   options.unit = expected.unit;
   // About a ten-thousandth of the volume in a voxel, so that thin ones are met too.
   options.voxel_nm =

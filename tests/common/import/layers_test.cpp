@@ -31,7 +31,7 @@ double Of(const ImportedScene& s, Tissue t) {
 bool Full() { return std::getenv("ENAMEL_FULL") != nullptr; }
 
 ImportOptions Coarse(int32_t voxel_nm = 100'000) {
-  ImportOptions options;
+  ImportOptions options{.tooth = 46};
   options.voxel_nm = voxel_nm;
   options.up = "+z";
   return options;

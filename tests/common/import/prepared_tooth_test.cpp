@@ -140,7 +140,7 @@ INSTANTIATE_TEST_SUITE_P(Scans, KnownPreparationTest,
                                          Known{"class_1_rootless", "class-1", 0.02, -4, 10, 1.1},
                                          Known{"crown", "crown", 0.02, -99, 10, 3.0},
                                          Known{"crown_rootless", "crown", 0.02, -9, 20, 4.0}),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& test) { return std::string(test.param.name); });
 
 std::string WhyNot(const mesh::Triangles& scan, const PreparedOptions& options = {},
                    const scene::BuiltScene& tooth = Molar()) {
@@ -236,7 +236,7 @@ TEST(PreparedToothTest, EveryScannedCrownIsFoundAndNoOtherTakenForIt) {
   std::vector<mesh::Triangles> scans;
   std::vector<std::string> names;
   for (const char* name : {"fdi_36", "fdi_46", "fdi_47"}) {
-    ImportOptions options;
+    ImportOptions options{.tooth = 46};
     options.voxel_nm = 100'000;
     auto tooth = ImportTooth(folder / (std::string(name) + ".obj"), options);
     ASSERT_TRUE(tooth.ok()) << tooth.status().message();
@@ -261,7 +261,9 @@ TEST(PreparedToothTest, EveryScannedCrownIsFoundAndNoOtherTakenForIt) {
                   fits.front().inside_share, fits.front().outside_share, fits.front().rms_mm,
                   fits.front().p95_mm);
       EXPECT_EQ(status.ok(), s == t) << status.message();
-      if (s == t) EXPECT_LT(Off_um(fits.front(), Somewhere(11)), 15);
+      if (s == t) {
+        EXPECT_LT(Off_um(fits.front(), Somewhere(11)), 15);
+      }
     }
   }
 }

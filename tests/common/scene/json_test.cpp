@@ -191,6 +191,19 @@ TEST(SceneJsonTest, AToothsOcclusalOrBuccalSideIsUp) {
   EXPECT_EQ(SceneFromJson(Replaced(text, "\"buccal\"", "\"lingual\"")).status().field(), "/up");
 }
 
+TEST(SceneJsonTest, ASceneSaysItsToothsFdiNumberOrThatItIsNone) {
+  const std::string text = ReadText("golden/scene_molar.json");
+  EXPECT_EQ(SceneFromJson(text)->tooth, 46);
+  EXPECT_EQ(SceneFromJson(ReadText("golden/scene_block.json"))->tooth, 0);
+  for (const char* number : {"0", "9", "19", "49", "56", "86", "146"}) {
+    const Status refused =
+        SceneFromJson(Replaced(text, "\"tooth\": 46", std::string("\"tooth\": ") + number))
+            .status();
+    EXPECT_EQ(refused.field(), "/tooth") << number;
+  }
+  EXPECT_EQ(SceneFromJson(Replaced(text, "\"tooth\": 46", "\"tooth\": 85"))->tooth, 85);
+}
+
 TEST(SceneJsonTest, GatesHaveAMapOfShares) {
   const std::string text = ReadText("golden/scene_exercise_gates.json");
   auto field = [&](const char* from, const char* to) {

@@ -76,9 +76,10 @@ Tooth Make(const StumpShape& shape, const cutting::Volume& initial) {
 
 class CrownTest : public testing::TestWithParam<int32_t> {
  protected:
-  CrownFigures Measure(const StumpShape& attempt) {
+  CrownFigures Measure(const StumpShape& attempt, int mesial_x = 1) {
     const Tooth made = Make(attempt, initial_);
-    return MeasureCrown(initial_, made.side(), reference_.side(), dvec3(0, 0, 5e-3), 0.2e-3);
+    return MeasureCrown(initial_, made.side(), reference_.side(), dvec3(0, 0, 5e-3), 0.2e-3,
+                        mesial_x);
   }
   double quarter_m() const { return GetParam() * 1e-9 / 4; }
 
@@ -133,7 +134,7 @@ TEST_P(CrownTest, ADeeperFinishLineIsFoundWhereTheToothIsNarrower) {
   for (double mm : {0.3, 0.6, 1.0}) {
     const Tooth made = Make({.shoulder_mm = -mm, .narrows = 0.6}, tooth);
     const CrownFigures f =
-        MeasureCrown(tooth, made.side(), asked.side(), dvec3(0, 0, 5e-3), 0.2e-3);
+        MeasureCrown(tooth, made.side(), asked.side(), dvec3(0, 0, 5e-3), 0.2e-3, 1);
     ASSERT_TRUE(f.made) << mm;
     EXPECT_NEAR(f.depth_m, mm * 1e-3, quarter_m()) << mm;
     EXPECT_NEAR(f.waviness_m, 0, quarter_m()) << mm;
@@ -146,6 +147,13 @@ TEST_P(CrownTest, LeaningStumpHasALeanAndHardlyAnotherConvergence) {
   const double mesial = Degrees(Slope(8) - Slope(5)), distal = Degrees(Slope(8) + Slope(5));
   EXPECT_NEAR(f.mesiodistal_deg, mesial + distal, 0.5);
   EXPECT_NEAR(f.axis_deg, (distal - mesial) / 2, 0.5);
+  // Of a tooth whose mesial side is at -x it leans distally.
+  const CrownFigures other = Measure({.taper_deg = 8, .lean_deg = 5}, -1);
+  EXPECT_EQ(other.wall_m[kMesial], f.wall_m[kDistal]);
+  EXPECT_EQ(other.wall_m[kDistal], f.wall_m[kMesial]);
+  EXPECT_NE(f.wall_m[kMesial], f.wall_m[kDistal]);
+  EXPECT_EQ(other.mesiodistal_deg, f.mesiodistal_deg);
+  EXPECT_EQ(other.axis_deg, f.axis_deg);
 }
 
 TEST_P(CrownTest, UndercutIsTheAreaThatLeansOut) {
@@ -196,7 +204,7 @@ TEST_P(CrownTest, BevelIsAsWideAsItWasCut) {
   for (double bevel : {0.5, 1.0}) {
     const Tooth made = Make({.bevel_mm = bevel}, initial_);
     const CrownFigures f =
-        MeasureCrown(initial_, made.side(), reference_.side(), dvec3(0, 0, 5e-3), 0.2e-3);
+        MeasureCrown(initial_, made.side(), reference_.side(), dvec3(0, 0, 5e-3), 0.2e-3, 1);
     ASSERT_TRUE(f.bevel_buccal.made && f.bevel_lingual.made);
     const double width = std::sqrt(2.0) * bevel / (1 - Slope(6));
     EXPECT_NEAR(f.bevel_buccal.width_m * 1e3, width, 4 * quarter_m() * 1e3);
@@ -248,7 +256,7 @@ TEST(CrownTargetTest, ReferenceWithoutAFinishLineIsNoCrown) {
   const cutting::Volume tooth = MakeTooth({.cut = false}, 100'000);
   const Tooth untouched = Make({.cut = false}, tooth);
   EXPECT_FALSE(
-      MeasureCrown(tooth, untouched.side(), untouched.side(), dvec3(0, 0, 5e-3), 0).in_task);
+      MeasureCrown(tooth, untouched.side(), untouched.side(), dvec3(0, 0, 5e-3), 0, 1).in_task);
 }
 
 }  // namespace

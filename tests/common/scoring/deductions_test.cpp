@@ -43,13 +43,15 @@ class Strokes {
 
   std::vector<Deduction> Find(const cutting::Volume& initial, const cutting::Volume& reference,
                               const std::vector<std::string>& criteria,
-                              const std::vector<WorstPlace>& places = {}) const {
+                              const std::vector<WorstPlace>& places = {}, int tooth = 0) const {
     const Provenance provenance = moments_.Take();
     const surface::Mesh surface = surface::ExtractSurface(reference);
     const surface::Mesh cut = CutPart(surface, CutVertices(surface, initial, reference));
     const scene::Exercise exercise = BlockExercise();
+    scene::Scene scene = BlockScene();
+    scene.tooth = tooth;
     return FindDeductions(
-        BlockScene(), exercise.target, criteria,
+        scene, exercise.target, criteria,
         {&initial, &volume_, &reference, &cut, NearOf_m(exercise.target, initial.spec()),
          &provenance, &strokes_, &places});
   }
@@ -122,6 +124,11 @@ TEST_F(DeductionsTest, AWallTooDeepNamesTheStrokesThatCutIt) {
   EXPECT_LT(d.position_m.x, 2e-3);
   // The mesial wall looks to distal.
   EXPECT_LT(d.facing.x, -0.8);
+}
+
+TEST_F(DeductionsTest, TheStrokesOfAWallAreFoundByTheToothsNumber) {
+  EXPECT_EQ(hand.Find(initial, reference, {"wall_distal_mm"}, {}, 46).size(), 1u);
+  EXPECT_EQ(hand.Find(initial, reference, {"wall_mesial_mm"}, {}, 46).size(), 0u);
 }
 
 TEST_F(DeductionsTest, WhatIsCutElsewhereIsThePlaceOfDamageAndOfNoWall) {

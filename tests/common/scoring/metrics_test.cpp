@@ -16,9 +16,10 @@ namespace {
 
 using cutting::Volume;
 
-MetricSet Compare(const Volume& block, const Cut& attempt, const Cut& reference) {
-  auto metrics =
-      ComputeMetrics(BlockScene(), BlockExercise(), attempt.Data(block), reference.Data(block));
+MetricSet Compare(const Volume& block, const Cut& attempt, const Cut& reference, int tooth = 0) {
+  scene::Scene scene = BlockScene();
+  scene.tooth = tooth;
+  auto metrics = ComputeMetrics(scene, BlockExercise(), attempt.Data(block), reference.Data(block));
   EXPECT_TRUE(metrics.ok()) << metrics.status().message();
   return metrics.ok() ? *metrics : MetricSet{};
 }
@@ -107,6 +108,21 @@ TEST(MetricsTest, ARoughReferenceDoesNotMakeADeepWallShallower) {
   // A nearest point would be in a groove for most of the wall.
   surface::DistanceQuery nearest(reference.mesh);
   EXPECT_LT(nearest.Distance_m(dvec3(1.8, 0.1, -1) * 1e-3, 1e-3), 0.27e-3);
+}
+
+// The wall at +x is the mesial one of a lower left molar and the distal one of a lower right one.
+TEST(MetricsTest, TheWallThatIsTooDeepIsNamedByTheToothsNumber) {
+  const Volume block = MakeBlock(100'000);
+  Cavity deep;
+  deep.mesial_mm += 0.3;
+  const Cut reference(block, {}), attempt(block, deep);
+  const auto of_36 = Compare(block, attempt, reference, 36);
+  const auto of_46 = Compare(block, attempt, reference, 46);
+  EXPECT_NEAR(ValueOf(of_36, "wall_mesial_mm"), 0.3, 0.025);
+  EXPECT_NEAR(ValueOf(of_36, "wall_distal_mm"), 0, 0.025);
+  EXPECT_EQ(ValueOf(of_46, "wall_distal_mm"), ValueOf(of_36, "wall_mesial_mm"));
+  EXPECT_EQ(ValueOf(of_46, "wall_mesial_mm"), ValueOf(of_36, "wall_distal_mm"));
+  EXPECT_EQ(ValueOf(of_46, "wall_buccal_mm"), ValueOf(of_36, "wall_buccal_mm"));
 }
 
 TEST(MetricsTest, TheReferenceAgainstItselfHasNoDeviationAtAll) {

@@ -57,7 +57,7 @@ const Line kLines[] = {
                                                                                                          "403 403 403 403 403 403 403 403 403 403"},
     {"GET /api/v1/builtin-teeth",               "",               "",                                    "401 403 403 403 403 403 200 200 401 403"},
     {"POST /api/v1/builtin-teeth",              "",               R"({"name":"no such tooth"})",         "401 403 403 403 403 403 400 400 401 403"},
-    {"POST /api/v1/tooth-imports",              "",               R"({"file_name":"a.stl","bytes":9,"unit":"mm","title":"t"})",
+    {"POST /api/v1/tooth-imports",              "",               R"({"file_name":"a.stl","bytes":9,"unit":"mm","title":"t","tooth":46})",
                                                                                                          "401 403 403 403 403 403 201 201 401 403"},
     {"GET /api/v1/tooth-imports/{id}",          "attempt",        "",                                    "401 403 403 403 403 403 404 404 401 403"},
     {"PUT /api/v1/tooth-imports/{id}/bytes",    "attempt",        "bytes x",                             "401 403 403 403 403 403 404 404 401 403"},

@@ -309,6 +309,7 @@ TEST_F(DraftTest, WholeDocumentIsShown) {
   EXPECT_EQ(shown.at("rate_hz"), document_.rate_hz);
   EXPECT_EQ(shown.at("target").at("landmark"), document_.target.landmark.c_str());
   EXPECT_EQ(json::serialize(shown.at("target").at("landmark_um")), "[0,0,5000]");
+  EXPECT_TRUE(shown.at("target").at("tooth").is_null()) << "a block";
   EXPECT_EQ(shown.at("rubric").at("name"), document_.rubric.name.c_str());
 }
 

@@ -398,7 +398,7 @@ TEST_F(ProgramTest, PlaceThatCannotBeWrittenIsRefusedBeforeTheWork) {
   for (const std::string& arguments :
        {"simulate --json " + nowhere, "simulate --json " + folder_.string(),
         kRun + data() + " --json " + nowhere, kRun + data() + " --screenshot " + nowhere,
-        "import nothing.stl --unit mm --out " + file + "/scene"}) {
+        "import nothing.stl --tooth 46 --unit mm --out " + file + "/scene"}) {
     Outcome out = RunProgram(arguments);
     EXPECT_EQ(out.code, 1) << arguments;
     EXPECT_NE(out.text.find("name a place that this user may write"), std::string::npos)

@@ -76,8 +76,9 @@ Volume Cut(const Volume& block, dvec3 half_m, double depth_m, dvec3 off_m = dvec
   return now;
 }
 
-render::Reach After(const Volume& block, const Volume& now) {
+render::Reach After(const Volume& block, const Volume& now, int tooth = 0) {
   scene::Scene scene = SceneWithTop();
+  scene.tooth = tooth;
   ReachWatch watch(scene, Target(), block);
   watch.Look(now);
   return watch.reach();
@@ -122,6 +123,9 @@ TEST(ReachWatchTest, TheWallThatIsNearestToItsLimitIsNamed) {
     EXPECT_EQ(reach.leeway->where, std::string("place.") + c.where);
     EXPECT_NEAR(reach.leeway->left_mm, 0.25 - 0.18, 0.01);
   }
+  const Volume to_right = Cut(block, {1.4e-3, 0.9e-3, 0}, 1e-3, {0.28e-3, 0, 0});
+  EXPECT_EQ(After(block, to_right, 36).leeway->where, "place.mesial_wall");
+  EXPECT_EQ(After(block, to_right, 46).leeway->where, "place.distal_wall");
 }
 
 TEST(ReachWatchTest, BeyondTheLeewayWhatIsLeftIsBelowZero) {

@@ -5,6 +5,8 @@ import { outlinePaths, outlineViewBox } from "./target_outline";
 
 const kBox = {
   landmark: "occlusal_centre",
+  tooth: 46,
+  landmark_um: [0, 0, 0],
   half_size_um: [2000, 1200, 0] as [number, number, number],
   depth_um: 2000,
   leeway_side_um: 250,

@@ -39,8 +39,10 @@ const kUnits: ReadonlyArray<{ readonly value: ToothImportUnit; readonly title: s
     },
   },
 ];
-// ISO 3950, quadrant by quadrant.
-const kTeeth = [1, 2, 3, 4].flatMap((quadrant) => [1, 2, 3, 4, 5, 6, 7, 8].map((tooth) => `${quadrant}${tooth}`));
+// ISO 3950, quadrant by quadrant: permanent teeth, then deciduous ones.
+const kTeeth = [1, 2, 3, 4, 5, 6, 7, 8].flatMap((quadrant) =>
+  [1, 2, 3, 4, 5, 6, 7, 8].slice(0, quadrant <= 4 ? 8 : 5).map((tooth) => `${quadrant}${tooth}`),
+);
 const kPhases: Readonly<Record<string, string>> = {
   get reading() {
     return say("import_phase.reading");
@@ -73,7 +75,7 @@ export function ToothImportForm({ client, onDone, onClose }: Props) {
   const [file, setFile] = useState<File>();
   const [title, setTitle] = useState("");
   const [unit, setUnit] = useState<ToothImportUnit>("mm");
-  const [tooth, setTooth] = useState("0");
+  const [tooth, setTooth] = useState("");
   const [now, setNow] = useState<ToothImport>();
   const [refused, setRefused] = useState<string>();
   const leaving = useRef(new AbortController());
@@ -143,7 +145,7 @@ export function ToothImportForm({ client, onDone, onClose }: Props) {
         value={tooth}
         onValue={setTooth}
         options={[
-          { value: "0", title: say("tooth_import.not_told") },
+          { value: "", title: say("tooth_import.choose") },
           ...kTeeth.map((number) => ({ value: number, title: number })),
         ]}
         hint={say("tooth_import.tooth_hint")}
@@ -157,7 +159,11 @@ export function ToothImportForm({ client, onDone, onClose }: Props) {
         <button type="button" class="button" onClick={onClose}>
           {say("common.cancel")}
         </button>
-        <button type="submit" class="button primary" disabled={busy || file === undefined || title.trim() === ""}>
+        <button
+          type="submit"
+          class="button primary"
+          disabled={busy || file === undefined || title.trim() === "" || tooth === ""}
+        >
           {say("tooth_import.import")}
         </button>
       </div>
