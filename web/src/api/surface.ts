@@ -4,7 +4,7 @@ import type { Result } from "../base/result";
 // at /attempts/{id}/surface. Loaded with the first one that is read (read_surface.ts), so it
 // imports nothing that others have.
 export interface Surface {
-  readonly positionMm: Float32Array; // (n x 3), scene frame: +x mesial, +y buccal, +z occlusal
+  readonly positionMm: Float32Array; // (n x 3), scene frame: +y buccal, +z occlusal, mesial as tooth_number.ts says
   readonly normal: Int8Array; // (n x 4), x y z 0, /127, outward
   readonly tissue: Uint8Array; // (n)
   readonly deviationMm: Float32Array | undefined; // (n), + = more removed than the reference, NaN = untouched

@@ -164,7 +164,7 @@ function EditRemark({
 }
 
 function NewRemark({ review, series }: Props) {
-  const { client, attempt, personId, momentS, cursor, point, setPoint, remarks } = review;
+  const { client, attempt, personId, mesial, momentS, cursor, point, setPoint, remarks } = review;
   const [text, setText] = useState("");
   const [kept, setKept] = useState(() => commentsOf(personId));
   const change = useChange();
@@ -198,7 +198,9 @@ function NewRemark({ review, series }: Props) {
         hint={
           point === undefined
             ? say("remarks.click")
-            : say("remarks.at_point", { point: point.map((mm) => formatNumber(mm, 1)).join(" / ") })
+            : say("remarks.at_point", {
+                point: [point[0] * (mesial ?? 1), point[1], point[2]].map((mm) => formatNumber(mm, 1)).join(" / "),
+              })
         }
       />
       {change.error !== undefined && <ErrorNotice title={say("common.not_saved")} message={change.error.message} />}

@@ -1,5 +1,6 @@
 import { useMemo, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
+import type { MesialX } from "../../api/tooth_number";
 import type { Attempt, AttemptDetail } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime, formatMoment, formatScore } from "../../base/format";
@@ -132,15 +133,19 @@ function OtherMissing({
 
 interface Props {
   readonly other: Other;
+  readonly mesial: MesialX | undefined; // of the same exercise
   readonly choices: ToothChoices;
   readonly look: LookHandle; // follows how that one is looked at
 }
 
 // Another attempt, at the moment that belongs to this one's.
-export function OtherTooth({ other, choices, look }: Props) {
+export function OtherTooth({ other, mesial, choices, look }: Props) {
   const { playback } = other;
   const compared = playback.deviation.state === "ready" ? playback.deviation.compared : undefined;
-  const angled = useMemo(() => ({ ...outlook(compared, undefined), cavity: playback.cut }), [compared, playback.cut]);
+  const angled = useMemo(
+    () => ({ ...outlook(compared, undefined, mesial), cavity: playback.cut }),
+    [compared, mesial, playback.cut],
+  );
   const model = useMemo(() => ({ film: playback }), [playback]);
   if (!isReady(other)) return <OtherMissing other={other} />;
   return (
@@ -148,6 +153,7 @@ export function OtherTooth({ other, choices, look }: Props) {
       <ToothView
         led
         model={model}
+        mesial={mesial}
         busy={!playback.drawn}
         mode={compared === undefined || playback.showing ? "tissue" : choices.mode}
         label={say("compare.other")}

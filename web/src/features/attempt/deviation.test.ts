@@ -25,10 +25,40 @@ test("a mesial wall that is 0.3 mm too deep is named first, with its sign", () =
       [[0, 1, 0], 0],
     ]),
     0.1,
+    1,
   );
   assert.equal(summary?.sides[0]?.side, "mesial_wall");
   assert.ok(Math.abs(summary.sides[0].meanMm - 0.29) < 1e-6);
   assert.ok(Math.abs(summary.sides[0].mostMm - 0.3) < 1e-6);
+});
+
+test("of a lower right molar the wall at +x is the distal one, and is looked at from mesial", () => {
+  const surface = surfaceOf([
+    [[-1, 0, 0], 0.3],
+    [[1, 0, 0], 0.1],
+  ]);
+  const summary = summariseDeviation(surface, 0.1, -1);
+  assert.deepEqual(
+    summary?.sides.map(({ side }) => side),
+    ["distal_wall", "mesial_wall"],
+  );
+  assert.ok(outlook(surface, summary?.sides[0]?.side, -1).direction[0] < 0);
+});
+
+test("which wall is mesial is not said before it is known which tooth it is", () => {
+  const summary = summariseDeviation(
+    surfaceOf([
+      [[-1, 0, 0], 0.3],
+      [[0, 0, 1], 0.1],
+    ]),
+    0.1,
+    undefined,
+  );
+  assert.deepEqual(
+    summary?.sides.map(({ side }) => side),
+    ["floor"],
+  );
+  assert.equal(summary?.vertices, 2);
 });
 
 test("shares of more, less and within tolerance add up to the whole", () => {
@@ -40,6 +70,7 @@ test("shares of more, less and within tolerance add up to the whole", () => {
       [[0, 0, 1], 0],
     ]),
     0.1,
+    1,
   );
   assert.equal(summary?.overShare, 0.25);
   assert.equal(summary?.underShare, 0.25);
@@ -54,11 +85,12 @@ test("untouched vertices do not count, and nothing compared is no summary", () =
         [[0, 0, 1], 0.4],
       ]),
       0.1,
+      1,
     )?.vertices,
     1,
   );
-  assert.equal(summariseDeviation(surfaceOf([[[0, 0, 1], Number.NaN]]), 0.1), undefined);
-  assert.equal(summariseDeviation({ ...surfaceOf([]), deviationMm: undefined }, 0.1), undefined);
+  assert.equal(summariseDeviation(surfaceOf([[[0, 0, 1], Number.NaN]]), 0.1, 1), undefined);
+  assert.equal(summariseDeviation({ ...surfaceOf([]), deviationMm: undefined }, 0.1, 1), undefined);
 });
 
 test("the view begins opposite the wall that deviates most, at the middle of what was cut", () => {
@@ -68,8 +100,8 @@ test("the view begins opposite the wall that deviates most, at the middle of wha
     [[0, 1, 0], Number.NaN],
   ]);
   surface.positionMm.set([2, 0, 1, 0, 0, -1, 90, 90, 90]);
-  const { direction, centre } = outlook(surface, summariseDeviation(surface, 0.1)?.sides[0]?.side);
+  const { direction, centre } = outlook(surface, summariseDeviation(surface, 0.1, 1)?.sides[0]?.side, 1);
   assert.ok(direction[0] < 0 && direction[2] > 0);
   assert.deepEqual(centre, [1, 0, 0]);
-  assert.equal(outlook(surface, undefined).centre, undefined);
+  assert.equal(outlook(surface, undefined, 1).centre, undefined);
 });

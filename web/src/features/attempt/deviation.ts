@@ -1,4 +1,5 @@
 import type { Surface } from "../../api/surface";
+import type { MesialX } from "../../api/tooth_number";
 
 export type Compared = Pick<Surface, "positionMm" | "normal" | "deviationMm">;
 
@@ -33,7 +34,8 @@ export interface DeviationSummary {
 
 const kFacing = 0.7; // a normal's component along a side's direction, about 45 degrees
 
-// A wall of the cavity faces inward: the mesial wall's outward normal points distally, to -x.
+// A wall of the cavity faces inward: the mesial wall's outward normal points distally. The first two
+// are along x, with mesial at +x.
 const kSides: ReadonlyArray<readonly [CavitySide, number, number]> = [
   ["mesial_wall", 0, -1],
   ["distal_wall", 0, 1],
@@ -42,7 +44,8 @@ const kSides: ReadonlyArray<readonly [CavitySide, number, number]> = [
   ["floor", 2, 1],
 ];
 
-const kDefaultOutlook: Outlook = { direction: [0.5, -0.6, 0.9], centre: undefined };
+// With mesial at +x.
+const kDefaultDirection: Point = [0.5, -0.6, 0.9];
 const kOutlooks: Readonly<Record<string, Point>> = {
   mesial_wall: [-0.75, -0.45, 1],
   distal_wall: [0.75, -0.45, 1],
@@ -50,9 +53,14 @@ const kOutlooks: Readonly<Record<string, Point>> = {
   lingual_wall: [-0.4, 0.75, 1],
 };
 
-export function outlook(surface: Compared | undefined, worst: CavitySide | undefined): Outlook {
-  if (worst === undefined || surface === undefined) return kDefaultOutlook;
-  return { direction: kOutlooks[worst] ?? kDefaultOutlook.direction, centre: comparedCentre(surface) };
+export function outlook(
+  surface: Compared | undefined,
+  worst: CavitySide | undefined,
+  mesial: MesialX | undefined,
+): Outlook {
+  const known = worst !== undefined && surface !== undefined;
+  const [x, y, z] = (known ? kOutlooks[worst] : undefined) ?? kDefaultDirection;
+  return { direction: [x * (mesial ?? 1), y, z], centre: known ? comparedCentre(surface) : undefined };
 }
 
 function comparedCentre({ positionMm, deviationMm }: Compared): Point | undefined {
@@ -66,7 +74,12 @@ function comparedCentre({ positionMm, deviationMm }: Compared): Point | undefine
   return count === 0 ? undefined : [sum[0]! / count, sum[1]! / count, sum[2]! / count];
 }
 
-export function summariseDeviation(surface: Compared, toleranceMm: number): DeviationSummary | undefined {
+// While it is not known where mesial is, the walls along x are left out of the sides.
+export function summariseDeviation(
+  surface: Compared,
+  toleranceMm: number,
+  mesial: MesialX | undefined,
+): DeviationSummary | undefined {
   const { deviationMm } = surface;
   if (deviationMm === undefined) return undefined;
   const sizes: number[] = [];
@@ -78,7 +91,7 @@ export function summariseDeviation(surface: Compared, toleranceMm: number): Devi
     sizes.push(Math.abs(value));
     if (value > toleranceMm) ++over;
     if (value < -toleranceMm) ++under;
-    const side = sides[sideOf(surface, vertex)];
+    const side = sides[sideOf(surface, vertex, mesial)];
     if (side === undefined) return;
     ++side.vertices;
     side.sum += value;
@@ -106,8 +119,10 @@ export function summariseDeviation(surface: Compared, toleranceMm: number): Devi
   };
 }
 
-function sideOf(surface: Compared, vertex: number): number {
-  return kSides.findIndex(([, axis, sign]) => (sign * surface.normal[4 * vertex + axis]!) / 127 > kFacing);
+function sideOf(surface: Compared, vertex: number, mesial: MesialX | undefined): number {
+  return kSides.findIndex(
+    ([, axis, sign]) => (sign * (axis === 0 ? (mesial ?? 0) : 1) * surface.normal[4 * vertex + axis]!) / 127 > kFacing,
+  );
 }
 
 function percentile(values: number[], share: number): number {

@@ -97,15 +97,18 @@ interface Loaded3d extends Shown {
 }
 
 function LoadedTooth({ model, compared, tissues, missing, busy, review, control }: Loaded3d) {
-  const { client, attempt, toleranceMm, recorded: series, marks, chosen, point, look } = review;
+  const { client, attempt, mesial, toleranceMm, recorded: series, marks, chosen, point, look } = review;
   const cursor = series !== undefined && review.moved ? review.cursor : undefined; // undefined: no tool is drawn
   const summary = useMemo(
-    () => (compared === undefined ? undefined : summariseDeviation(compared, toleranceMm)),
-    [compared, toleranceMm],
+    () => (compared === undefined ? undefined : summariseDeviation(compared, toleranceMm, mesial)),
+    [compared, toleranceMm, mesial],
   );
   const { cut } = control.playback;
   const worst = summary?.sides[0]?.side;
-  const angled = useMemo((): AngledView => ({ ...outlook(compared, worst), cavity: cut }), [compared, worst, cut]);
+  const angled = useMemo(
+    (): AngledView => ({ ...outlook(compared, worst, mesial), cavity: cut }),
+    [compared, worst, mesial, cut],
+  );
   const [compareWith, setCompareWith] = useState<string>(); // id of another attempt
   const [placement, setPlacement] = useState<Placement>("side");
   const otherLook = useMemo(
@@ -149,6 +152,7 @@ function LoadedTooth({ model, compared, tissues, missing, busy, review, control 
       <div class={other === undefined ? "teeth" : beside === undefined ? "teeth compared" : "teeth compared two"}>
         <ToothView
           model={model}
+          mesial={mesial}
           busy={busy}
           mode={mode}
           label={label}
@@ -185,7 +189,9 @@ function LoadedTooth({ model, compared, tissues, missing, busy, review, control 
             )}
           </ToothTools>
         </ToothView>
-        {beside !== undefined && <OtherTooth key={compareWith} other={beside} choices={choices} look={otherLook} />}
+        {beside !== undefined && (
+          <OtherTooth key={compareWith} other={beside} mesial={mesial} choices={choices} look={otherLook} />
+        )}
       </div>
       {other !== undefined && <CompareBar other={other} placement={placement} onPlacement={setPlacement} />}
       {mode === "deviation" ? <DeviationLegend /> : <TissueLegend tissues={tissues} />}

@@ -1,5 +1,6 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
+import type { MesialX } from "../../api/tooth_number";
 import type { Annotation, AttemptDetail, Deduction, Series } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { scoreOf } from "../../api/worded";
@@ -21,6 +22,7 @@ export interface Reviewed {
   readonly attempt: AttemptDetail;
   readonly personId: string; // the reviewer
   readonly teacher: boolean;
+  readonly mesial: MesialX | undefined; // undefined: not known yet
   readonly toleranceMm: number; // of the rubric
 }
 

@@ -106,7 +106,7 @@ export function ExercisePage({ client, id, personId, teacher, onOpen }: Props) {
   );
 }
 
-// From above, mesial to the right and buccal up, with the leeway around it.
+// From above, the scene's x to the right and buccal up, with the leeway around it.
 function TargetOutline({ exercise }: { readonly exercise: Exercise }) {
   const { target } = exercise;
   return (

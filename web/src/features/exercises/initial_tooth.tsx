@@ -1,6 +1,7 @@
 import { useMemo } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { Surface } from "../../api/surface";
+import { type MesialX, mesialX } from "../../api/tooth_number";
 import type { Exercise } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { say } from "../../base/words";
@@ -10,7 +11,7 @@ import type { AngledView, PointMm } from "../../widgets/tooth/scene";
 import { tissuesPresent, tissueTitle, workpiece } from "../../widgets/tooth/tissue";
 import { ToothView } from "../../widgets/tooth/tooth_view";
 
-const kDirection = [0.5, -0.6, 0.9] as const;
+const kDirection = [0.5, -0.6, 0.9] as const; // with mesial at +x
 const kFromTop = 0.35; // of the tooth's height: the work is at the crown, not in the middle of the roots
 
 // What one will find at the station: the tooth or block before anything is cut.
@@ -24,18 +25,22 @@ export function InitialTooth({ client, exercise }: { readonly client: Client; re
       {loaded.state === "failed" && (
         <ErrorNotice title={say("exercise_page.picture_failed")} message={loaded.error.message} onRetry={reload} />
       )}
-      {loaded.state === "ready" && <Tooth surface={loaded.value} />}
+      {loaded.state === "ready" && <Tooth surface={loaded.value} mesial={mesialX(exercise.target.tooth)} />}
     </Card>
   );
 }
 
-function Tooth({ surface }: { readonly surface: Surface }) {
+function Tooth({ surface, mesial }: { readonly surface: Surface; readonly mesial: MesialX }) {
   const tissues = useMemo(() => tissuesPresent(surface.tissue), [surface]);
-  const angled = useMemo((): AngledView => ({ direction: kDirection, centre: lookAt(surface) }), [surface]);
+  const angled = useMemo(
+    (): AngledView => ({ direction: [kDirection[0] * mesial, kDirection[1], kDirection[2]], centre: lookAt(surface) }),
+    [surface, mesial],
+  );
   return (
     <>
       <ToothView
         model={{ surface }}
+        mesial={mesial}
         mode="tissue"
         angled={angled}
         label={say(`exercise_page.shows_${workpiece(tissues)}`, { tissues: tissues.map(tissueTitle).join(", ") })}

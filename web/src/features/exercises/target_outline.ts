@@ -1,7 +1,7 @@
 import type { StumpSection, Target, TargetPart } from "../../api/types";
 
-// What an exercise asks for, seen from above, as paths of a drawing: x to mesial, y to buccal (up
-// in the picture), um.
+// What an exercise asks for, seen from above, as paths of a drawing: x to the right,
+// y (buccal) up, um.
 
 export interface OutlinePath {
   readonly d: string;

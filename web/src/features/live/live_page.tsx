@@ -1,6 +1,7 @@
 import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import { forceSize } from "../../api/live";
+import { mesialX } from "../../api/tooth_number";
 import type { Attempt, Exercise } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { useRefresh } from "../../api/use_refresh";
@@ -116,7 +117,12 @@ function LiveCard({
       ) : (
         <>
           <div class="live-pictures">
-            <AnchorView rows={track.rows} rateHz={rateHz} plane={kFromAbove} />
+            <AnchorView
+              rows={track.rows}
+              rateHz={rateHz}
+              plane={kFromAbove}
+              mesial={exercise === undefined ? undefined : mesialX(exercise.target.tooth)}
+            />
             <ForceStrip rows={track.rows} rateHz={rateHz} />
           </div>
           <ForceNow track={track} />

@@ -1,3 +1,4 @@
+import type { MesialX } from "../../api/tooth_number";
 import { forceSize, type LiveRow } from "../../api/live";
 import { formatNumber } from "../../base/format";
 import { say } from "../../base/words";
@@ -56,17 +57,22 @@ export interface Plane {
 }
 
 export const kFromAbove: Plane = { name: "above", right: 0, up: 1, upName: "buccal" };
-export const kFromBuccal: Plane = { name: "side", right: 0, up: 2, upName: "occlusal" };
+export const kFromLingual: Plane = { name: "side", right: 0, up: 2, upName: "occlusal" };
 
 // Where the tool is and was, seen along one axis, with the force at the tip as an arrow.
-export function AnchorView({ rows, rateHz, plane }: Props & { readonly plane: Plane }) {
+export function AnchorView({
+  rows,
+  rateHz,
+  plane,
+  mesial,
+}: Props & { readonly plane: Plane; readonly mesial: MesialX | undefined }) {
   const last = rows.at(-1);
-  const draw = (drawing: Drawing) => drawAnchor(drawing, rows, rateHz, plane);
+  const draw = (drawing: Drawing) => drawAnchor(drawing, rows, rateHz, plane, mesial);
   const at =
     last === undefined
       ? say(`live.tool_${plane.name}_none`)
       : say(`live.tool_${plane.name}`, {
-          right: formatNumber(last.anchorMm[plane.right], 1),
+          right: formatNumber(last.anchorMm[plane.right] * (mesial ?? 1), 1),
           up: formatNumber(last.anchorMm[plane.up], 1),
         });
   return <Canvas className="live-anchor" stamp={rows} draw={draw} label={at} />;
@@ -77,6 +83,7 @@ function drawAnchor(
   rows: readonly LiveRow[],
   rateHz: number,
   { right, up, upName }: Plane,
+  mesial: MesialX | undefined,
 ): void {
   const last = rows.at(-1);
   const extent = extentOf(rows);
@@ -111,8 +118,13 @@ function drawAnchor(
   context.fillStyle = color("--text-soft");
   context.font = "11px system-ui, sans-serif";
   context.fillText(`${say(`axis.${upName}`)} ↑`, 6, 14);
-  context.textAlign = "right";
-  context.fillText(`${say("axis.mesial")} →`, width - 6, height - 6);
+  if (mesial === undefined) return;
+  context.textAlign = mesial > 0 ? "right" : "left";
+  context.fillText(
+    mesial > 0 ? `${say("axis.mesial")} →` : `← ${say("axis.mesial")}`,
+    mesial > 0 ? width - 6 : 6,
+    height - 6,
+  );
 }
 
 // A line each millimetre would crowd a wide view: every one, two, five or ten.

@@ -1,5 +1,6 @@
 import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
+import { mesialX } from "../../api/tooth_number";
 import type { AttemptDetail } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { useRefresh } from "../../api/use_refresh";
@@ -8,7 +9,7 @@ import { say } from "../../base/words";
 import { Card, Empty, ErrorNotice, Loading, Notice, PageTitle } from "../../widgets/basics";
 import { ForceNow, LiveState } from "./live_page";
 import { ChairRemarks } from "./chair_remarks";
-import { AnchorView, ForceStrip, kFromAbove, kFromBuccal } from "./live_pictures";
+import { AnchorView, ForceStrip, kFromAbove, kFromLingual } from "./live_pictures";
 import { emptyTrack, kDefaultRateHz, kTrackSeconds, largestForce } from "./track";
 import { useTracks } from "./use_tracks";
 
@@ -60,6 +61,10 @@ function Watched({
   readonly onEnd: () => void;
 }) {
   const rateHz = rateOf(attempt);
+  const { loaded: exercise } = useRequest(attempt.exercise.id, (signal) =>
+    client.teaching.exercise(attempt.exercise.id, signal),
+  );
+  const mesial = exercise.state === "ready" ? mesialX(exercise.value.value.target.tooth) : undefined;
   const track = useTracks([{ id: attempt.id, rateHz }], onEnd).get(attempt.id) ?? emptyTrack;
   const last = track.rows.at(-1);
   return (
@@ -92,9 +97,9 @@ function Watched({
             </div>
           </dl>
           <div class="columns">
-            {[kFromAbove, kFromBuccal].map((plane) => (
+            {[kFromAbove, kFromLingual].map((plane) => (
               <Card key={plane.name} title={say(`live.from_${plane.name}`)}>
-                <AnchorView rows={track.rows} rateHz={rateHz} plane={plane} />
+                <AnchorView rows={track.rows} rateHz={rateHz} plane={plane} mesial={mesial} />
               </Card>
             ))}
           </div>

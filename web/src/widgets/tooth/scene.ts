@@ -16,6 +16,7 @@ import {
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Surface } from "../../api/surface";
+import type { MesialX } from "../../api/tooth_number";
 import type { BlockMesh } from "../../api/tooth_mesh";
 import type { Extent } from "../../api/tooth_work";
 import { Disposables } from "../../base/disposables";
@@ -51,7 +52,7 @@ export interface SurfacePoint {
   readonly pointMm: PointMm; // where exactly
 }
 
-// From the target towards the camera; scene frame. The caller gives "angled".
+// From the target towards the camera; scene frame with mesial at +x. The caller gives "angled".
 const kDirections: Readonly<Record<Exclude<CameraPreset, "angled" | "cavity">, PointMm>> = {
   occlusal: [0, -0.001, 1],
   buccal: [0, 1, 0.25],
@@ -336,7 +337,7 @@ export class ToothScene implements FilmScreen {
     this.untouched = untouched;
   }
 
-  view(preset: CameraPreset): void {
+  view(preset: CameraPreset, mesial: MesialX = 1): void {
     this.untouched = false;
     const { direction, centre, cavity } = this.angled;
     if (preset === "cavity" && cavity !== undefined) {
@@ -352,7 +353,8 @@ export class ToothScene implements FilmScreen {
         new Vector3(...direction),
         this.fitDistance() * kAngledCloser,
       );
-    this.lookAt(this.centre, new Vector3(...kDirections[preset]), this.fitDistance());
+    const [x, y, z] = kDirections[preset];
+    this.lookAt(this.centre, new Vector3(x * mesial, y, z), this.fitDistance());
   }
 
   private lookAt(target: Vector3, direction: Vector3, distance: number): void {

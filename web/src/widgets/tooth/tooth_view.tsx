@@ -1,6 +1,7 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useId, useMemo, useRef, useState } from "preact/hooks";
 import type { Surface } from "../../api/surface";
+import type { MesialX } from "../../api/tooth_number";
 import { Disposables } from "../../base/disposables";
 import { FrameScheduler } from "../../base/frame";
 import { formatQuantity } from "../../base/format";
@@ -34,6 +35,7 @@ export type ToothSource = { readonly surface: Surface } | { readonly film: Film 
 
 interface Props {
   readonly model: ToothSource;
+  readonly mesial: MesialX | undefined; // undefined: not known yet, and its sides are not named
   readonly mode: ColorMode;
   readonly label: string; // what the picture shows, for who cannot see it
   readonly angled: AngledView; // what the view begins with
@@ -66,6 +68,7 @@ const kPresets: ReadonlyArray<readonly [CameraPreset, number]> = [
   ["distal", 4],
   ["apical", 4],
 ];
+// With mesial at +x.
 const kDirections: ReadonlyArray<readonly [Side, PointMm]> = [
   ["mesial", [1, 0, 0]],
   ["distal", [-1, 0, 0]],
@@ -90,6 +93,7 @@ export function prepareTooth(): void {
 // A tooth to turn: by mouse, finger, arrow keys, + and −, and the preset buttons.
 export function ToothView({
   model,
+  mesial,
   mode,
   label,
   angled,
@@ -115,6 +119,8 @@ export function ToothView({
   const keys = useId();
   const frame = useRef<HTMLDivElement>(null);
   const scene = useRef<ToothScene | undefined>(undefined);
+  const shownMesial = useRef(mesial); // read as it is drawn
+  shownMesial.current = mesial;
   const [problem, setProblem] = useState("");
   const [ready, setReady] = useState(false);
   const [under, setUnder] = useState<SurfacePoint>();
@@ -139,6 +145,7 @@ export function ToothView({
           "film" in model ? { extent: model.film.extent } : model,
           angled,
           look,
+          shownMesial,
           cleanup,
           setProblem,
         );
@@ -170,7 +177,7 @@ export function ToothView({
   useEffect(() => scene.current?.setSection(section), [section, ready]);
   useEffect(() => scene.current?.setGhost(ghost), [ghost, ready]);
   useEffect(() => scene.current?.setFollow(follow), [follow, ready]);
-  useEffect(() => scene.current?.redraw(), [pins, ready]);
+  useEffect(() => scene.current?.redraw(), [pins, mesial, ready]);
   // Looked up once a frame, however often the pointer moves.
   const over = useRef<Place | undefined>(undefined);
   const looking = useMemo(
@@ -256,9 +263,9 @@ export function ToothView({
                   key={preset}
                   type="button"
                   class="button small"
-                  disabled={!ready}
+                  disabled={!ready || (mesial === undefined && (preset === "mesial" || preset === "distal"))}
                   title={title}
-                  onClick={() => scene.current?.view(preset)}
+                  onClick={() => scene.current?.view(preset, mesial)}
                 >
                   {title.slice(0, short)}
                   <span class="preset-rest">{title.slice(short)}</span>
@@ -282,6 +289,7 @@ function openScene(
   model: ToothModel,
   angled: AngledView,
   look: LookHandle | undefined,
+  mesial: { readonly current: MesialX | undefined },
   cleanup: Disposables,
   report: (problem: string) => void,
 ): ToothScene {
@@ -289,7 +297,7 @@ function openScene(
   canvas.setAttribute("aria-hidden", "true");
   const labels = [...element.querySelectorAll<HTMLElement>(".tooth-direction")];
   const scene = new Scene(canvas, model, angled, (project, centre, radius) => {
-    placeLabels(labels, element, project, centre, radius);
+    placeLabels(labels, element, mesial.current, project, centre, radius);
     placePins(element, project);
     if (look?.now !== undefined) look.moved?.(look.now());
   });
@@ -308,6 +316,7 @@ function openScene(
 function placeLabels(
   labels: readonly HTMLElement[],
   frame: HTMLElement,
+  mesial: MesialX | undefined,
   project: (point: PointMm) => PointMm,
   centre: PointMm,
   radius: number,
@@ -316,7 +325,11 @@ function placeLabels(
   kDirections.forEach(([, direction], i) => {
     const label = labels[i];
     if (label === undefined) return;
-    const at = project([centre[0] + direction[0] * radius, centre[1] + direction[1] * radius, centre[2]]);
+    const at = project([
+      centre[0] + direction[0] * (mesial ?? 0) * radius,
+      centre[1] + direction[1] * radius,
+      centre[2],
+    ]);
     const [dx, dy] = [at[0] - cx, at[1] - cy];
     const half = [frame.clientWidth / 2, frame.clientHeight / 2] as const;
     // At the edge of the picture, or beside the tooth where that is nearer.
