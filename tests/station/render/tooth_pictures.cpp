@@ -60,6 +60,7 @@ struct Shot {
   View view = View::kOblique;
   dvec3 focus_m{0};
   double radius_m = 6.5e-3;
+  int mesial_x = 1;
 };
 
 Image Draw(const cutting::Volume& volume, const Shot& shot, const std::string& scratch) {
@@ -69,6 +70,7 @@ Image Draw(const cutting::Volume& volume, const Shot& shot, const std::string& s
   options.view.view = shot.view;
   options.view.focus_m = shot.focus_m;
   options.view.view_radius_m = shot.radius_m;
+  options.view.mesial_x = shot.mesial_x;
   options.view.bur = {cutting::BurShape::kCylinder, 0.5e-3, 4e-3};
   auto window = station::render::Window::Create(options, volume);
   Status status = window.ok() ? (*window)->WriteScreenshot(scratch) : window.status();
@@ -130,17 +132,20 @@ void CutClassTwo(const scene::Scene& scene, cutting::Volume& volume) {
   Hand hand(volume, {cutting::BurShape::kCylinder, kRadius_m, 5e-3});
   dvec3 fossa = Landmark_m(scene, "occlusal_centre"), ridge = Landmark_m(scene, "mesial_box");
   double floor_z = fossa.z - 2.0e-3;
-  ClearBox(hand, kRadius_m, {0.5 * (fossa.x + ridge.x) - 0.4e-3, 0, floor_z}, 2.9e-3, 1.0e-3,
+  const int mesial_x = scene::MesialX(scene.tooth);
+  ClearBox(hand, kRadius_m, {0.5 * (fossa.x + ridge.x) - mesial_x * 0.4e-3, 0, floor_z}, 2.9e-3,
+           1.0e-3, 4.5e-3);
+  ClearBox(hand, kRadius_m, {fossa.x - mesial_x * 1.2e-3, fossa.y, floor_z}, 0.9e-3, 1.5e-3,
            4.5e-3);
-  ClearBox(hand, kRadius_m, {fossa.x - 1.2e-3, fossa.y, floor_z}, 0.9e-3, 1.5e-3, 4.5e-3);
   ClearBox(hand, kRadius_m, ridge - dvec3(0, 0, 3.5e-3), 0.99e-3, 1.7e-3, 4.5e-3);
 }
 
-// Point of the crown's outline at height z and angle t, mm, moved outward by `out`.
+// Point of the crown's outline at height z and angle t, mm, moved outward by `out`; the scene's
+// frame.
 dvec3 Outline_mm(const scene::ToothShape& tooth, double z, double t, double out) {
   auto half = scene::SectionAt_mm(tooth, z);
   double c = std::cos(t), s = std::sin(t);
-  double a = c > 0 ? half[0] : half[1], b = s > 0 ? half[2] : half[3];
+  double a = tooth.Along(c) > 0 ? half[0] : half[1], b = s > 0 ? half[2] : half[3];
   double k =
       1 /
       std::sqrt(std::sqrt(c * c * c * c + s * s * s * s + tooth.sections.round * c * c * s * s));
@@ -175,15 +180,17 @@ void CutCrown(const scene::ToothShape& tooth, cutting::Volume& volume) {
   }
 }
 
-// The tooth cut open along a plane x = const or y = const, to show the tissues.
-cutting::Volume CutOpen(const cutting::Volume& volume, bool along_x) {
+// The tooth cut open along a plane x = const or y = const, to show the tissues: without its mesial
+// or its lingual half.
+cutting::Volume CutOpen(const scene::BuiltScene& built, bool along_x) {
   scene::Preparation half;
   int32_t far = 30'000;
   half.parts.push_back({scene::PreparationPart::Outline::kBox,
-                        along_x ? scene::PointUm{0, -far, 0} : scene::PointUm{far, 0, 0},
+                        along_x ? scene::PointUm{0, -far, 0}
+                                : scene::PointUm{scene::MesialX(built.scene.tooth) * far, 0, 0},
                         {far, far},
                         far});
-  return scene::Prepared(volume, half);
+  return scene::Prepared(built.volume, half);
 }
 
 class Album {
@@ -234,27 +241,30 @@ int main(int argc, char** argv) {
   }
   station::render::VirtualDisplay display;
   Album album(argv[1], argc > 2 ? std::atoi(argv[2]) * 1000 : 50'000);
-  const Shot whole_molar{View::kBuccal, {0, 0, -6.9e-3}, 12.2e-3};
   {
     auto built = album.Build("molar");
-    album.BeforeAfter("tooth_class_1.png", built.volume, {},
+    const int mesial_x = scene::MesialX(built.scene.tooth);
+    album.BeforeAfter("tooth_class_1.png", built.volume, {.mesial_x = mesial_x},
                       [&](cutting::Volume& v) { CutClassOne(built.scene, v); });
-    album.BeforeAfter("tooth_crown.png", built.volume, {View::kOblique, {0, 0, -1e-3}, 7e-3},
+    album.BeforeAfter("tooth_crown.png", built.volume,
+                      {View::kOblique, {0, 0, -1e-3}, 7e-3, mesial_x},
                       [&](cutting::Volume& v) { CutCrown(scene::LowerFirstMolar(), v); });
-    album.Pair("tooth_molar.png", built.volume, whole_molar, CutOpen(built.volume, false),
-               {View::kMesial, {0, 0, -6.9e-3}, 12.2e-3});
+    album.Pair("tooth_molar.png", built.volume, {View::kBuccal, {0, 0, -6.9e-3}, 12.2e-3, mesial_x},
+               CutOpen(built, false), {View::kMesial, {0, 0, -6.9e-3}, 12.2e-3, mesial_x});
   }
   {
     auto built = album.Build("molar-class-2");
+    const int mesial_x = scene::MesialX(built.scene.tooth);
     album.BeforeAfter("tooth_class_2.png", built.volume,
-                      {View::kOblique, {3.5e-3, 0, 1e-3}, 7.5e-3},
+                      {View::kOblique, {mesial_x * 3.5e-3, 0, 1e-3}, 7.5e-3, mesial_x},
                       [&](cutting::Volume& v) { CutClassTwo(built.scene, v); });
   }
   for (const char* name : {"premolar", "incisor"}) {
     auto built = album.Build(name);
+    const int mesial_x = scene::MesialX(built.scene.tooth);
     album.Pair((std::string("tooth_") + name + ".png").c_str(), built.volume,
-               {View::kBuccal, {0, 0, -6.5e-3}, 12.8e-3}, CutOpen(built.volume, false),
-               {View::kMesial, {0, 0, -6.5e-3}, 12.8e-3});
+               {View::kBuccal, {0, 0, -6.5e-3}, 12.8e-3, mesial_x}, CutOpen(built, false),
+               {View::kMesial, {0, 0, -6.5e-3}, 12.8e-3, mesial_x});
   }
   {
     auto built = album.Build("block");
@@ -262,6 +272,7 @@ int main(int argc, char** argv) {
     for (const auto& p : built.scene.preparations) shaped = scene::Prepared(shaped, p);
     auto caries = album.Build("molar-caries");
     album.Pair("tooth_block_caries.png", shaped, {View::kOblique, {0, 0, 4e-3}, 12e-3},
-               CutOpen(caries.volume, true), {View::kOblique, {0, 0, 0}, 7e-3});
+               CutOpen(caries, true),
+               {View::kOblique, {0, 0, 0}, 7e-3, scene::MesialX(caries.scene.tooth)});
   }
 }
