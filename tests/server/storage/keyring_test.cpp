@@ -76,7 +76,7 @@ TEST_F(KeyringTest, EveryChangedBitIsNoticed) {
 }
 
 TEST_F(KeyringTest, WhatIsNoEnvelopeIsReadAsItIs) {
-  for (const char* text : {"", "ENPD", "{\"score\": 1}", "ENTV and more of it, a whole document"}) {
+  for (const char* text : {"", "ENEV", "{\"score\": 1}", "ENTV and more of it, a whole document"}) {
     Bytes bytes(AsBytes(text).begin(), AsBytes(text).end());
     EXPECT_EQ(*OpenPersonal(ring_, bytes), bytes);
   }
