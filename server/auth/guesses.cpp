@@ -23,14 +23,14 @@ constexpr double kYears = 120;
 
 // What is at hand here and in German-speaking schools, whose words the list of leaked ones lacks.
 constexpr std::string_view kWordsAtHand[] = {
-    "passwort",    "kennwort",      "willkommen", "geheim",     "hallo",      "schatz",
-    "enamel",      "dentin",        "dental",     "dentist",    "dentistry",  "tooth",
-    "teeth",       "molar",         "incisor",    "cavity",     "zahn",       "zahnarzt",
-    "zahnmedizin", "schule",        "student",    "instructor", "teacher",    "university",
-    "universität", "klinik",        "clinic",     "station",    "bench",      "demo",
-    "sommer",      "herbst",        "frühling",   "winter",     "spring",     "summer",
-    "autumn",      "administrator", "changeme",   "default",    "contrasena", "motdepasse",
-    "bonjour",     "soleil"};
+    "passwort", "kennwort", "willkommen", "geheim", "hallo", "schatz", "enamel", "dentin", "dental",
+    "dentist", "dentistry", "tooth", "teeth", "molar", "incisor", "cavity", "zahn", "zahnarzt",
+    "zahnmedizin", "schule", "student", "instructor", "teacher", "university", "universität",
+    "klinik", "clinic", "station", "bench", "demo", "sommer", "herbst", "frühling", "winter",
+    "spring", "summer", "autumn", "administrator", "changeme", "default", "contrasena",
+    "motdepasse", "bonjour", "soleil",
+    // The example that everybody has read (xkcd 936).
+    "correcthorsebatterystaple"};
 constexpr int kRankAtHand = 200;
 
 struct Piece {
@@ -46,6 +46,23 @@ bool IsLower(char c) { return c >= 'a' && c <= 'z'; }
 std::string LowerText(std::string_view text) {
   std::string out(text);
   std::ranges::transform(out, out.begin(), LowerOf);
+  return out;
+}
+
+// The letters U+00C0 to U+00FF without their marks: "Zürich" as "Zurich".
+std::string WithoutMarks(std::string_view utf8) {
+  constexpr std::string_view kBase =
+      "AAAAAAACEEEEIIIIDNOOOOOxOUUUUYTsaaaaaaaceeeeiiiidnooooo/ouuuuyty";
+  std::string out;
+  for (size_t i = 0; i < utf8.size(); ++i) {
+    const auto next = i + 1 < utf8.size() ? static_cast<unsigned char>(utf8[i + 1]) : 0u;
+    if (utf8[i] == '\xC3' && next >= 0x80 && next < 0xC0) {
+      out += kBase[next - 0x80];
+      ++i;
+    } else {
+      out += utf8[i];
+    }
+  }
   return out;
 }
 
@@ -372,8 +389,19 @@ std::vector<std::string> PartsOf(const std::vector<std::string_view>& known) {
 }  // namespace
 
 double Log10Guesses(std::string_view password, const std::vector<std::string_view>& known) {
-  const std::vector<std::string> parts = PartsOf(known);
-  return Reading(password.substr(0, kLongestLookedAt), parts).Log10();
+  std::vector<std::string> parts = PartsOf(known);
+  for (size_t i = 0, n = parts.size(); i < n; ++i) {
+    if (std::string part = WithoutMarks(parts[i]); part != parts[i]) parts.push_back(part);
+  }
+  const std::string text(password.substr(0, kLongestLookedAt)), plain = WithoutMarks(text);
+  double out = Reading(text, parts).Log10();
+  if (plain != text) out = std::min(out, Reading(plain, parts).Log10());
+  // A known phrase, whatever is between its words.
+  std::string joined = LowerText(plain);
+  std::erase_if(joined, [](char c) { return !IsLower(c); });
+  if (const int rank = UndressedRank(Undressed(joined)); rank > 0 && joined.size() < plain.size())
+    out = std::min(out, std::log10(rank) + static_cast<double>(plain.size() - joined.size()));
+  return out;
 }
 
 }  // namespace enamel::server::auth

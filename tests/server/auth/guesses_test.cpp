@@ -46,20 +46,45 @@ TEST(GuessesTest, OfTheCommonestPasswordsNoneIsTakenHoweverItIsDressed) {
 }
 
 TEST(GuessesTest, RowsSequencesDatesRepeatsAndWhatIsKnownOfTheOwnerAreRefused) {
-  for (const char* guess :
-       {"1qaz2wsx3edc", "yxcvbnm,",     "azertyuiop",   "zaq1xsw2",    "poiuytrewq", "ijklmnopqr",
-        "2468101214",   "zyxwvuts",     "03.11.1984",   "1984-11-03",  "031119841",  "19841103",
-        "k7k7k7k7k7k7", "ada.lovelace", "lovelace2026", "AugustaKing", "ecalevol1",  "L0velace!",
-        "kingnoel12",   "Zahnarzt2026", "M0lar!!!!",    "monkeydragon"}) {
+  for (const char* guess : {"1qaz2wsx3edc",
+                            "yxcvbnm,",
+                            "azertyuiop",
+                            "zaq1xsw2",
+                            "poiuytrewq",
+                            "ijklmnopqr",
+                            "2468101214",
+                            "zyxwvuts",
+                            "03.11.1984",
+                            "1984-11-03",
+                            "031119841",
+                            "19841103",
+                            "k7k7k7k7k7k7",
+                            "ada.lovelace",
+                            "lovelace2026",
+                            "AugustaKing",
+                            "ecalevol1",
+                            "L0velace!",
+                            "kingnoel12",
+                            "Zahnarzt2026",
+                            "M0lar!!!!",
+                            "monkeydragon",
+                            "Zürich2026",
+                            "correct horse battery staple",
+                            "Correct-Horse-Battery-Staple1!"}) {
     EXPECT_FALSE(Taken(guess)) << guess << " " << Log10Guesses(guess, {});
   }
 }
 
+TEST(GuessesTest, DemoPasswordOfItsOwnerIsRefused) {
+  EXPECT_FALSE(CheckPasswordPolicy("enamel-demo-user4", "user4", "User Four").ok());
+  EXPECT_FALSE(CheckPasswordPolicy("enamel-demo-student1", "student1", "Student One").ok());
+}
+
 TEST(GuessesTest, OrdinaryPassphrasesAreTaken) {
   for (const char* password :
-       {"correct horse battery staple", "monkey dragon spoon", "the old brown tooth",
-        "Der Zahn tut gar nicht weh", "correct-horse-3x", "three wet socks on a line",
-        "my tooth fell out in 2019", "Schraube Lampe Regen Kamel"}) {
+       {"monkey dragon spoon", "the old brown tooth", "Der Zahn tut gar nicht weh",
+        "correct-horse-3x", "three wet socks on a line", "my tooth fell out in 2019",
+        "Schraube Lampe Regen Kamel"}) {
     EXPECT_TRUE(Taken(password)) << password << " " << Log10Guesses(password, {});
   }
 }
