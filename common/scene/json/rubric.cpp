@@ -3,6 +3,7 @@
 #include <boost/json.hpp>
 
 #include "common/scene/json/json.h"
+#include "common/scene/json/kinds.h"
 #include "common/scene/json/text.h"
 
 namespace enamel::scene {
