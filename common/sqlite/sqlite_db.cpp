@@ -79,6 +79,35 @@ Result<std::unique_ptr<SqliteDb>> SqliteDb::Open(const std::filesystem::path& pa
   return db;
 }
 
+std::optional<int64_t> SqliteDb::ApplicationIdIn(const std::filesystem::path& path,
+                                                 const std::string& vfs) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) return std::nullopt;
+  // Signs that mean something in a URI are written by number.
+  std::string uri = "file:";
+  for (char c : std::filesystem::absolute(path).string()) {
+    if (c == '?' || c == '#' || c == '%') {
+      uri += c == '?' ? "%3f" : c == '#' ? "%23" : "%25";
+    } else {
+      uri += c;
+    }
+  }
+  uri += "?immutable=1";
+  sqlite3* handle = nullptr;
+  sqlite3_stmt* statement = nullptr;
+  std::optional<int64_t> id;
+  if (sqlite3_open_v2(uri.c_str(), &handle,
+                      SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX,
+                      vfs.empty() ? nullptr : vfs.c_str()) == SQLITE_OK &&
+      sqlite3_prepare_v2(handle, "PRAGMA application_id", -1, &statement, nullptr) == SQLITE_OK &&
+      sqlite3_step(statement) == SQLITE_ROW) {
+    id = sqlite3_column_int64(statement, 0);
+  }
+  sqlite3_finalize(statement);
+  sqlite3_close(handle);
+  return id;
+}
+
 Status SqliteDb::SetUp() {
   sqlite3_extended_result_codes(handle_, 1);
   sqlite3_busy_handler(

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -73,6 +74,15 @@ class SqliteDb final : public Db {
 
   static Result<std::unique_ptr<SqliteDb>> Open(const std::filesystem::path& path,
                                                 SqliteDbOptions options);
+
+  // The mark in a file's header (https://www.sqlite.org/fileformat.html), as it was when the file
+  // was last checkpointed; none where there is no file or it is no database. Changes nothing, takes
+  // no lock, makes no file beside it.
+  //
+  // Asked through SQLite and not by opening the file: POSIX drops every lock that a process has on a
+  // file as soon as it closes any descriptor of it (https://www.sqlite.org/howtocorrupt.html, 2.2).
+  static std::optional<int64_t> ApplicationIdIn(const std::filesystem::path& path,
+                                                const std::string& vfs);
   ~SqliteDb() override;
   SqliteDb(const SqliteDb&) = delete;
   SqliteDb& operator=(const SqliteDb&) = delete;

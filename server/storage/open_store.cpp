@@ -122,7 +122,7 @@ Result<std::unique_ptr<Store>> OpenStoreOn(
 Result<std::unique_ptr<Store>> OpenSqliteStore(const StoreOptions& options) {
   const auto path = options.folder / "enamel.db";
   // Before anything is made in a folder that is not ours.
-  ENAMEL_RETURN_IF_ERROR(MustBeOurs(path));
+  ENAMEL_RETURN_IF_ERROR(MustBeOurs(path, options.vfs));
   return OpenStoreOn(
       options, SqliteMigrations(), /*many=*/false, [&]() -> Result<Transactions::Connections> {
         ENAMEL_ASSIGN_OR_RETURN(

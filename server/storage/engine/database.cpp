@@ -2,8 +2,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include <array>
-#include <fstream>
 #include <string_view>
 #include <utility>
 
@@ -94,25 +92,16 @@ Status NotOurs(const std::filesystem::path& path) {
 
 }  // namespace
 
-// https://www.sqlite.org/fileformat.html: the application's id is at byte 68, big-endian. Of a file whose first page
-// is still in its log it is 0; SchemaVersion decides then.
-Status MustBeOurs(const std::filesystem::path& path) {
-  constexpr std::string_view kMagic("SQLite format 3\0", 16);
-  constexpr size_t kAt = 68;
-  std::ifstream file(path, std::ios::binary);
-  std::array<char, kAt + 4> head{};
-  if (!file.read(head.data(), head.size()) ||
-      !std::string_view(head.data(), 16).starts_with(kMagic))
-    return Status::Ok();
-  uint32_t id = 0;
-  for (size_t i = kAt; i < head.size(); ++i) id = id << 8 | static_cast<uint8_t>(head[i]);
-  return id == 0 || id == kApplicationId ? Status::Ok() : NotOurs(path);
+// Of a file whose first page is still in its log the mark is 0; SchemaVersion decides then.
+Status MustBeOurs(const std::filesystem::path& path, const std::string& vfs) {
+  const auto id = SqliteDb::ApplicationIdIn(path, vfs);
+  return !id || *id == 0 || *id == kApplicationId ? Status::Ok() : NotOurs(path);
 }
 
 Result<std::unique_ptr<SqliteDb>> OpenDatabase(const std::filesystem::path& path, DbMode mode,
                                                const std::string& vfs,
                                                std::function<bool()> fail_next) {
-  ENAMEL_RETURN_IF_ERROR(MustBeOurs(path));
+  ENAMEL_RETURN_IF_ERROR(MustBeOurs(path, vfs));
   sql::SqliteDbOptions options;
   options.mode = mode;
   options.setup = kSetup;

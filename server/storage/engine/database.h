@@ -28,9 +28,9 @@ Result<std::unique_ptr<SqliteDb>> OpenDatabase(const std::filesystem::path& path
                                                const std::string& vfs = {},
                                                std::function<bool()> fail_next = {});
 
-// Ok too where there is no file, and where it has not said yet whose it is. Looks at the file's first
-// bytes and changes nothing. Errors: kVersion (another program's, or a development version's).
-Status MustBeOurs(const std::filesystem::path& path);
+// Ok too where there is no file, and where the file has no mark yet. Changes nothing and drops no lock
+// of this process. Errors: kVersion (another program's, or a development version's).
+Status MustBeOurs(const std::filesystem::path& path, const std::string& vfs);
 
 // Schema version of an open database, 0 when empty. Errors: kVersion when newer than this program
 // or not ours at all.

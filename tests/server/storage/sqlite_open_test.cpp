@@ -1,5 +1,8 @@
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sqlite3.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <thread>
@@ -112,6 +115,27 @@ TEST(SqliteOpenTest, SecondServerOnTheFolderIsRefusedAndTheCommandLineIsNot) {
   ASSERT_TRUE(command_line.ok()) << command_line.status().message();
   AddPerson(**command_line, "ada", Role::kAdmin);
   EXPECT_TRUE((*server)->people.PersonByLogin("ada").ok());
+}
+
+// Locks are a process's, not a connection's: a child asks whether its parent still has some. Without
+// them another program deletes the log under a running server.
+TEST(SqliteOpenTest, EveryConnectionThatIsOpenedLeavesTheLocksOfTheOthers) {
+  TempFolder folder;
+  auto server = OpenSqliteStore({folder.path(), true});
+  ASSERT_TRUE(server.ok()) << server.status().message();
+  AddPerson(**server, "ada", Role::kAdmin);
+  ASSERT_TRUE(OpenDatabase(folder.path() / "enamel.db", DbMode::kReadOnly).ok());
+  const std::string path = (folder.path() / "enamel.db").string();
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const int fd = ::open(path.c_str(), O_RDWR);
+    struct flock lock {};
+    lock.l_type = F_WRLCK;
+    ::_exit(fd >= 0 && ::fcntl(fd, F_GETLK, &lock) == 0 && lock.l_type != F_UNLCK ? 0 : 1);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_EQ(WEXITSTATUS(status), 0) << "no lock is left on " << path;
 }
 
 TEST(SqliteOpenTest, JobOfAKilledServerIsTakenAgainAtOnce) {
