@@ -279,7 +279,7 @@ TEST_F(ProgramTest, WhereTheLogIsJsonSoIsAllOfStandardError) {
         Case{"qualify --suite nonsense", "nonsense", 1},
         Case{"fit-damping " + (folder_ / "none.csv").string(), "none.csv", 1},
         Case{"run '--\xff'", "--\xef\xbf\xbd", 2},
-        Case{"calibrate --device spacemouse", "only what has motors", 1}}) {
+        Case{"calibrate --device spacemouse", "only devices with motors", 1}}) {
     Outcome out = RunProgram("--log-format json " + c.arguments, kErrors);
     EXPECT_EQ(out.code, c.code) << c.arguments << ": " << out.text;
     std::istringstream lines(out.text);
@@ -460,7 +460,7 @@ TEST_F(ProgramTest, CalibratesASimulatedDeviceIntoAProfileThatCalibratesToItself
 TEST_F(ProgramTest, CalibrateRefusesWhatHasNoMotorsAndWhatIsNotThere) {
   Outcome mouse = RunProgram("calibrate --device spacemouse");
   EXPECT_EQ(mouse.code, 1);
-  EXPECT_NE(mouse.text.find("only what has motors"), std::string::npos) << mouse.text;
+  EXPECT_NE(mouse.text.find("only devices with motors"), std::string::npos) << mouse.text;
   Outcome nothing = RunProgram("calibrate --device simulated:nothing");
   EXPECT_EQ(nothing.code, 1);
   EXPECT_NE(nothing.text.find("omega3"), std::string::npos) << nothing.text;

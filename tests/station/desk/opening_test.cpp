@@ -123,7 +123,7 @@ TEST_F(OpeningTest, WithoutItsEnrolmentItsRecordingsAreNotSaidToBeNone) {
   const OpeningProblem shown = opening.explained(kEnglish);
   EXPECT_EQ(shown.safe.find("Nothing has been recorded"), std::string::npos) << shown.safe;
   EXPECT_NE(shown.safe.find("still here"), std::string::npos) << shown.safe;
-  EXPECT_NE(shown.operators.find("station.json: put a copy of that file back"), std::string::npos)
+  EXPECT_NE(shown.operators.find("station.json: restore a copy of that file"), std::string::npos)
       << shown.operators;
   EXPECT_NE(shown.operators.find("spool export"), std::string::npos) << shown.operators;
   fs::rename(folder_ / "kept.json", data() / "station.json");
