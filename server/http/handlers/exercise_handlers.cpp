@@ -14,6 +14,7 @@
 #include "server/http/error_response.h"
 #include "server/http/etag.h"
 #include "server/http/handlers/attempt_view.h"
+#include "server/http/handlers/exercise_view.h"
 #include "server/http/handlers/handlers.h"
 #include "server/http/handlers/seen_exercise.h"
 #include "server/http/json_body.h"
@@ -34,12 +35,6 @@ namespace {
 // limits are counted by the store.
 constexpr uint32_t kCountedAttempts = 200;
 
-Result<scene::Exercise> Document(StoredBlobs& blobs, const ExerciseRow& row) {
-  Result<Bytes> bytes = blobs.GetBlob(row.content);
-  if (!bytes.ok()) return bytes.status();
-  return scene::ExerciseFromJson(AsText(*bytes));
-}
-
 Result<std::map<Uuid, int>> OwnAttempts(const Call& call, AttemptRows& attempts_rows) {
   AttemptFilter filter;
   filter.person = call.caller->person.id;
@@ -49,133 +44,6 @@ Result<std::map<Uuid, int>> OwnAttempts(const Call& call, AttemptRows& attempts_
   std::map<Uuid, int> count;
   for (const AttemptRow& attempt : *attempts) ++count[attempt.exercise];
   return count;
-}
-
-json::object BurJson(const scene::BurSpec& bur) {
-  return {{"shape", cutting::BurShapeName(bur.shape)},
-          {"radius_um", bur.radius_um},
-          {"length_um", bur.length_um},
-          {"narrow_radius_um", bur.narrow_radius_um},
-          {"shank_radius_um", bur.shank_radius_um},
-          {"neck_um", bur.neck_um}};
-}
-
-json::value HandpieceJson(const scene::HandpieceSpec& handpiece) {
-  // null: the exercise uses no such model. Zeros would read as a handpiece that never turns.
-  if (handpiece == scene::HandpieceSpec{}) return {};
-  return {{"stall_un_m", handpiece.stall_un_m},
-          {"tangential_permille", handpiece.tangential_permille},
-          {"lag_us", handpiece.lag_us}};
-}
-
-json::value TouchCuesJson(const scene::TouchCueSpec& cues) {
-  if (cues == scene::TouchCueSpec{}) return {};
-  return {{"contact_mn", cues.contact_mn},
-          {"chatter_mn", cues.chatter_mn},
-          {"energy_uj", cues.energy_uj},
-          {"power_uw", cues.power_uw}};
-}
-
-// Whose it is, for who teaches, and what the viewer may do with it, so that a page need not know the
-// rules.
-void AddSharing(const Person& viewer, const ExerciseRow& row, json::object& out) {
-  json::value owner;
-  if (!row.owner.IsZero() && CanEditExercises(viewer)) {
-    owner = {{"id", row.owner.Text()}, {"display_name", row.owner_name}};
-  }
-  json::array may;
-  if (CanChangeExercise(viewer, row)) may.emplace_back("change");
-  if (CanUseExercise(viewer, row) && row.state == ExerciseState::kPublished) {
-    may.emplace_back("assign");
-  }
-  out.emplace("owner", std::move(owner));
-  out.emplace("shared", row.shared);
-  out.emplace("may", std::move(may));
-}
-
-Result<json::object> SummaryJson(const Person& viewer, ReferenceRows& references,
-                                 const ExerciseRow& row, const scene::Exercise& exercise,
-                                 std::map<Uuid, int>& attempts) {
-  Result<std::optional<ReferenceRow>> reference = references.ReferenceFor(row.id);
-  if (!reference.ok()) return reference.status();
-  json::object out{{"id", row.id.Text()},
-                   {"name", row.name},
-                   {"title", row.title},
-                   {"version", row.version},
-                   {"graded", row.graded},
-                   {"instructions", exercise.instructions},
-                   {"state", ExerciseStateName(row.state)},
-                   {"revision", row.revision},
-                   {"published_ms", row.published_ms},
-                   {"time_limit_s", exercise.time_limit_s},
-                   {"bur", BurJson(exercise.bur())},
-                   {"has_reference", reference->has_value() || !exercise.target.prepared.IsZero()},
-                   {"my_attempts", attempts[row.id]}};
-  AddSharing(viewer, row, out);
-  return out;
-}
-
-// Which tooth a target is in, and where it hangs, in the scene's frame; null where the scene cannot
-// be read, is no tooth or has no such point.
-void AddPlace(StoredBlobs& blobs, const Sha256& scene, json::object& target) {
-  target.emplace("tooth", nullptr);
-  target.emplace("landmark_um", nullptr);
-  const auto text = blobs.GetBlob(scene);
-  if (!text.ok()) return;
-  const auto document = scene::SceneFromJson(AsText(*text));
-  if (!document.ok()) return;
-  if (document->tooth != 0) target["tooth"] = document->tooth;
-  const auto found = document->landmarks.find(std::string(target.at("landmark").as_string()));
-  if (found == document->landmarks.end()) return;
-  const scene::PointUm& at = found->second;
-  target["landmark_um"] = json::array{at[0], at[1], at[2]};
-}
-
-json::object TargetJson(const scene::CavityTarget& target) {
-  const auto& half = target.half_size_um;
-  json::array parts;
-  for (const scene::PreparationPart& part : target.parts) parts.push_back(scene::PartJson(part));
-  return {{"landmark", target.landmark},
-          {"half_size_um", json::array{half[0], half[1], half[2]}},
-          {"depth_um", target.depth_um},
-          {"leeway_side_um", target.leeway_side_um},
-          {"leeway_bottom_um", target.leeway_bottom_um},
-          {"container_um", target.container_um},
-          {"parts", std::move(parts)}};
-}
-
-json::array MapJson(const std::vector<scene::RubricPoint>& map) {
-  json::array out;
-  for (const scene::RubricPoint& point : map) {
-    out.push_back({{"value", point.value}, {"share", point.share}});
-  }
-  return out;
-}
-
-json::object RubricJson(const scene::Rubric& rubric) {
-  json::array criteria, gates;
-  for (const scene::RubricGate& gate : rubric.gates) {
-    gates.push_back({{"metric", gate.metric},
-                     {"title", gate.title},
-                     {"unit", gate.unit},
-                     {"map", MapJson(gate.map)},
-                     {"comment", gate.comment}});
-  }
-  for (const scene::RubricCriterion& criterion : rubric.criteria) {
-    json::value fails_above;
-    if (criterion.fails_above) fails_above = *criterion.fails_above;
-    criteria.push_back({{"metric", criterion.metric},
-                        {"title", criterion.title},
-                        {"unit", criterion.unit},
-                        {"points", criterion.points},
-                        {"map", MapJson(criterion.map)},
-                        {"fails_above", std::move(fails_above)},
-                        {"comment", criterion.comment}});
-  }
-  return {{"name", rubric.name},
-          {"version", rubric.version},
-          {"criteria", std::move(criteria)},
-          {"gates", std::move(gates)}};
 }
 
 // Some device profile carries it on its scene; else why the last one does not.
@@ -248,24 +116,17 @@ Result<std::vector<ExerciseRow>> ListedExercises(const Call& call, ExerciseRows&
 Result<json::object> WholeJson(const Call& call, Store& store, const ExerciseRow& row) {
   Result<std::map<Uuid, int>> attempts = OwnAttempts(call, store.attempts);
   if (!attempts.ok()) return attempts.status();
-  Result<scene::Exercise> exercise = Document(store.blobs, row);
+  Result<ExerciseDocument> exercise = DocumentOf(store.blobs, row);
   if (!exercise.ok()) return Status{Code::kInternal, exercise.status().message()};
-  Result<json::object> out =
-      SummaryJson(call.caller->person, store.references, row, *exercise, *attempts);
-  if (!out.ok()) return out;
-  out->emplace("law", haptics::FindLaw(exercise->law)->name);
-  out->emplace("rate_hz", exercise->rate_hz);
-  out->emplace("handpiece", HandpieceJson(exercise->handpiece));
-  out->emplace("touch_cues", TouchCuesJson(exercise->touch_cues));
-  out->emplace("scene_sha256", row.scene.Hex());
-  out->emplace("document_sha256", row.content.Hex());
-  json::object target = TargetJson(exercise->target);
-  AddPlace(store.blobs, row.scene, target);
-  out->emplace("target", std::move(target));
+  Result<std::optional<ReferenceRow>> reference = store.references.ReferenceFor(row.id);
+  if (!reference.ok()) return reference.status();
+  json::object out = SummaryJson(call.caller->person, row, **exercise, reference->has_value(),
+                                 (*attempts)[row.id]);
+  AddWhole(store.blobs, row, **exercise, out);
   Result<scene::Rubric> rubric =
-      CountingRubric(store.blobs, store.rubrics, row.id, exercise->rubric);
+      CountingRubric(store.blobs, store.rubrics, row.id, (*exercise)->rubric);
   if (!rubric.ok()) return Status{Code::kInternal, rubric.status().message()};
-  out->emplace("rubric", RubricJson(*rubric));
+  out.emplace("rubric", RubricJson(*rubric));
   return out;
 }
 
@@ -413,14 +274,14 @@ Response ListExercises(const Call& call, Store& store) {
   json::value next = CutPage(*rows, *page, [](const ExerciseRow& row) { return row.name; });
   Result<std::map<Uuid, int>> attempts = OwnAttempts(call, store.attempts);
   if (!attempts.ok()) return ErrorResponse(attempts.status());
+  Result<std::set<Uuid>> with_reference = store.references.ExercisesWithReference();
+  if (!with_reference.ok()) return ErrorResponse(with_reference.status());
   json::array exercises;
   for (const ExerciseRow& row : *rows) {
-    Result<scene::Exercise> exercise = Document(store.blobs, row);
+    Result<ExerciseDocument> exercise = DocumentOf(store.blobs, row);
     if (!exercise.ok()) return ErrorResponse(Status{Code::kInternal, exercise.status().message()});
-    Result<json::object> summary =
-        SummaryJson(call.caller->person, store.references, row, *exercise, *attempts);
-    if (!summary.ok()) return ErrorResponse(summary.status());
-    exercises.push_back(std::move(*summary));
+    exercises.push_back(SummaryJson(call.caller->person, row, **exercise,
+                                    with_reference->contains(row.id), (*attempts)[row.id]));
   }
   return JsonResponse({{"exercises", std::move(exercises)}, {"next", std::move(next)}});
 }

@@ -140,6 +140,17 @@ Result<std::optional<ReferenceRow>> ReferenceRows::ReferenceFor(const Uuid& exer
   });
 }
 
+Result<std::set<Uuid>> ReferenceRows::ExercisesWithReference() {
+  return rows_.Read([&](Db& db) -> Result<std::set<Uuid>> {
+    Query q(db,
+            "SELECT DISTINCT exercise FROM reference_cuts WHERE tenant = ?1 AND withdrawn_ms = 0");
+    std::set<Uuid> out;
+    while (q.Next()) out.insert(q.Id(0));
+    if (!q.status().ok()) return q.status();
+    return out;
+  });
+}
+
 Result<ReferenceRow> ReferenceRows::ReferenceById(const Uuid& id) {
   return rows_.Read([&](Db& db) { return FindReference(db, id); });
 }

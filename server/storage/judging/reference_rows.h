@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,8 @@ class ReferenceRows {
   // Scores made with it stay until they are made again.
   Status WithdrawReference(const Uuid& id, const Actor& by);
   Result<std::optional<ReferenceRow>> ReferenceFor(const Uuid& exercise);
+  // Those for which ReferenceFor finds one, in one question.
+  Result<std::set<Uuid>> ExercisesWithReference();
 
  private:
   Transactions& rows_;
