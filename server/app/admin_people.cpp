@@ -23,7 +23,7 @@ namespace {
 
 using Change = RosterStep::Change;
 
-// The most that the store gives at once (PeopleStore::FindPeople).
+// The most that the store gives at once (PeopleRows::FindPeople).
 constexpr uint32_t kPage = 1000;
 constexpr size_t kMaxShown = 200;
 

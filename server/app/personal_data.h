@@ -13,7 +13,7 @@ namespace enamel::server::app {
 Status ExportPerson(const std::filesystem::path& data, const std::string& login,
                     const std::filesystem::path& target);
 
-// `confirm` must repeat the login. Errors: those of Store::ErasePerson; kInvalidInput.
+// `confirm` must repeat the login. Errors: those of Erasures::ErasePerson; kInvalidInput.
 Status ErasePerson(const std::filesystem::path& data, const std::string& login,
                    const std::string& confirm, bool with_references);
 

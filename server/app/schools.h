@@ -51,7 +51,7 @@ class Schools final : public stations::OtherSchools {
   std::optional<http::OtherSchool> AtHost(const std::string& host);
   Result<std::shared_ptr<stations::Services>> ServicesOf(const wire::Request& first) override;
   std::vector<std::shared_ptr<stations::Services>> All() override;
-  // Nobody waits for another process's work from now on (UpkeepStore::StopWaiting).
+  // Nobody waits for another process's work from now on (Store::StopWaiting).
   void StopWaiting();
 
  private:

@@ -134,7 +134,7 @@ class Authenticator {
   const DoorCounts& counts() const { return counts_; }
   RefusalTrail& refusals() { return refusals_; }
 
-  // Policy, then a verifier for Store::CreatePerson and SetPassword. Blocks.
+  // Policy, then a verifier for PeopleRows::CreatePerson and SetPassword. Blocks.
   Result<std::string> NewVerifier(std::string_view password, std::string_view login,
                                   std::string_view name = {}) const;
 

@@ -44,7 +44,7 @@ inline constexpr double kLeastDone_percent = 80, kMostBeside_percent = 5;
 Status CheckReferenceCut(StoredBlobs& blobs, ResultRows& results, const AttemptRow& attempt);
 
 // Makes it the reference: CheckReferenceCut, unless `anyway` says why not, then
-// ReferenceStore::AddReference. Errors: of both.
+// ReferenceRows::AddReference. Errors: of both.
 Result<ReferenceRow> MakeReference(Store& store, const Uuid& attempt, const std::string& dentist,
                                    bool consent, const std::string& anyway, const Actor& by);
 

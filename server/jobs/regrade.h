@@ -18,7 +18,7 @@
 
 // What a corrected rubric would change. Scores keep what was measured, so that points can be given
 // anew without replaying anything, as long as the correction asks for nothing that was not; whether
-// it is then done is for BatchStore, whose jobs replay.
+// it is then done is for BatchRows, whose jobs replay.
 // Thread safety: functions, any thread; they block for the store.
 namespace enamel::server {
 
@@ -76,7 +76,7 @@ Result<RubricPreview> PreviewRubric(Store& store, const AttemptFilter& which,
 // Checks and stores `rubric` as the next version of the one that counts; its own version is not
 // read. `seen`: the version that was corrected. `anyway`: why, although Objections (rubric_check.h)
 // speak against it; it stays beside the reason. Errors: those of scoring::ValidateRubric, of
-// CheckRubricWords and of RubricStore::PublishRubric; kConflict with field kStale when `seen` is not
+// CheckRubricWords and of RubricRows::PublishRubric; kConflict with field kStale when `seen` is not
 // the one that counts, with field kAnyway and the objections.
 Result<RubricRow> PublishCorrection(Store& store, const Uuid& exercise, scene::Rubric rubric,
                                     int32_t seen, const std::string& reason,

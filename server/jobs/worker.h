@@ -39,7 +39,7 @@ struct WorkerOptions {
 // Runs queued jobs on threads of its own, which yield to others: lease, run, finish. A thread that
 // finds none makes the newest timeline that is missing, one thread at a time, and puts it off as
 // soon as a job is queued: who waits for a score goes first. Progress goes
-// to Store::SetProgress at every twentieth. An interrupted job returns to the queue. Thread safety:
+// to ResultRows::SetProgress at every twentieth. An interrupted job returns to the queue. Thread safety:
 // Notify from any thread; Start and Stop from the owner's. `store` must outlive it.
 class Worker {
  public:

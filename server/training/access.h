@@ -6,7 +6,7 @@
 // Who may do what: the one place that decides. Pure functions; callers fetch the facts first.
 //   student: own attempts, assigned exercises. instructor: attempts and references of own cohorts.
 //   admin: all. A disabled person may nothing.
-// `shares_cohort` is Store::ShareCohort(viewer, owner of the attempt).
+// `shares_cohort` is CohortRows::ShareCohort(viewer, owner of the attempt).
 namespace enamel::server {
 
 bool CanSeeAttempt(const Person& viewer, const AttemptRow& attempt, bool shares_cohort);

@@ -11,7 +11,7 @@
 #include "server/training/types.h"
 
 // Bringing the people of a school in line with a roster (schemas/roster.md): what would change, and
-// what stands against it. Pure; Store::ImportRoster makes the plan and carries it out in one
+// what stands against it. Pure; RosterRows::ImportRoster makes the plan and carries it out in one
 // transaction.
 namespace enamel::server {
 

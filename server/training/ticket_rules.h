@@ -9,7 +9,7 @@
 
 // When a person may begin an attempt: the rules of assignments, as pure functions. Reference cuts
 // and instructors' own tries are outside them. What two stations could both pass at once (attempt
-// limit, one exam at a time) is looked at again where the attempt is made (Store::CreateAttempt).
+// limit, one exam at a time) is looked at again where the attempt is made (TicketRows::CreateAttempt).
 namespace enamel::server {
 
 // How long after its ticket an attempt may begin, at most; the station checks it. An exam begins
@@ -47,7 +47,7 @@ HandsAllowed HandsFor(const AssignedRow& assigned);
 
 // The assignment a ticket for this exercise version counts for: `wanted`, or the first that allows
 // an attempt now, or else the first; null: none is for this exercise. `rows` as
-// Store::AssignmentsFor sorts them, exams first, so that an exam is not dodged by saying nothing.
+// AssignmentRows::AssignmentsFor sorts them, exams first, so that an exam is not dodged by saying nothing.
 const AssignedRow* PickAssignment(const std::vector<AssignedRow>& rows, const Sha256& content,
                                   const std::optional<Uuid>& wanted, UnixMs now_ms,
                                   const std::optional<Uuid>& station);

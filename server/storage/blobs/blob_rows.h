@@ -9,7 +9,7 @@
 #include "common/base/sha256.h"
 #include "common/sql/db.h"
 
-// Rows of the table `blobs` (schemas/sql/0018_blobs.sql), for S3Blobs. Each function is part of a
+// Rows of the table `blobs` (schemas/sql/0001_initial.sql), for S3Blobs. Each function is part of a
 // transaction of the caller's. Private to server/storage.
 namespace enamel::server {
 

@@ -17,7 +17,7 @@ namespace enamel::server {
 
 // Blobs as objects of an S3 store that several servers share. The object of a blob is
 //   PREFIX<sha256>-<generation, 16 hexadecimal digits>
-// and the table `blobs` says which generation counts (schemas/sql/0018_blobs.sql). Of S3 no more is
+// and the table `blobs` says which generation counts (schemas/sql/0001_initial.sql). Of S3 no more is
 // asked than every store does: no conditional PUT, nothing of lists but that an object is in one some
 // day. An object is written once and never replaced.
 //

@@ -20,7 +20,7 @@ namespace enamel::server {
 // The key ring of several servers: objects of a bucket of its own (key_bucket.h),
 //   PREFIX<uuid>-<generation, 16 hexadecimal digits>       a person's key, wrapped (master_key.h)
 //   PREFIXgone/<sha256>                                    an erased person (Tombstone); empty
-// and the table `person_keys` says which generation counts (schemas/sql/0020_keys.sql). Of S3 no more is
+// and the table `person_keys` says which generation counts (schemas/sql/0001_initial.sql). Of S3 no more is
 // asked than every store does.
 //
 // * FindOrMake uploads a key of a new generation first and adds its row then, in one serial transaction
