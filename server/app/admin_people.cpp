@@ -140,7 +140,8 @@ Status Import(RosterRows& roster_rows, std::string_view csv, const RosterCommand
   }
   if (file && !result.passwords.empty()) {
     file->Keep();
-    // Nearly always what is in it already: only where somebody else added people meanwhile it is not.
+    // Nearly always what is in it already: only where somebody else added people meanwhile it is
+    // not.
     ENAMEL_RETURN_IF_ERROR(file->Write(result.passwords));
   }
   ShowOutcome(result);

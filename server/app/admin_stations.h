@@ -21,8 +21,8 @@ Status ListAwaited(const std::filesystem::path& data);
 // `station`: its id, or its name when only one admitted station has it. For good.
 Status RevokeStation(const std::filesystem::path& data, const std::string& station);
 
-// Haptic devices that graded work is done with: `name` is its unit as `enamel-station devices` shows
-// it, or its model where that shows none; `title` is for people.
+// Haptic devices that graded work is done with: `name` is its unit as `enamel-station devices`
+// shows it, or its model where that shows none; `title` is for people.
 Status ListDevice(const std::filesystem::path& data, const std::string& name,
                   const std::string& title);
 Status UnlistDevice(const std::filesystem::path& data, const std::string& name);

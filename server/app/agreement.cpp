@@ -47,8 +47,8 @@ std::vector<Mark> Computed(const std::vector<Scored>& attempts) {
   std::vector<Mark> out;
   const std::string marker(kComputed);
   for (const Scored& a : attempts) {
-    // Who marks a criterion does not know the gates: before them. With a gate that is closed nothing
-    // is left to tell it from.
+    // Who marks a criterion does not know the gates: before them. With a gate that is closed
+    // nothing is left to tell it from.
     double share = 1;
     for (const auto& gate : a.score.gates) share *= gate.share;
     for (const auto& c : a.score.criteria) {
@@ -60,8 +60,8 @@ std::vector<Mark> Computed(const std::vector<Scored>& attempts) {
   return out;
 }
 
-// By id and without names, points or pictures: who marks looks at the attempt's page, which shows an
-// instructor the computed points as well, so that looking away is left to them.
+// By id and without names, points or pictures: who marks looks at the attempt's page, which shows
+// an instructor the computed points as well, so that looking away is left to them.
 Status WriteBlank(const std::filesystem::path& file, const std::vector<Scored>& attempts) {
   if (std::filesystem::exists(file)) {
     return Status(Code::kConflict, file.string() + " is there already; name a new file");

@@ -20,7 +20,8 @@ void Caretaker::Run(const std::stop_token& stop) {
     LookAtHealth();
     const auto now = std::chrono::steady_clock::now();
     if (now >= erasures) {
-      // What fails is in the log. A lease may be that of a server that died, or of this one before it did.
+      // What fails is in the log. A lease may be that of a server that died, or of this one before
+      // it did.
       const bool held = store_.erasures.FinishErasures().field() == kLeaseHeld;
       erasures = now + (held ? intervals_.held : intervals_.retention);
     }

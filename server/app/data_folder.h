@@ -27,16 +27,16 @@ struct ServerIdentity {
   trace::KeyPair ticket_key;          // ticket.key, mode 0600: signs tickets, results, audit rows
 };
 
-// Takes the files of another server's identity (station.crt, station.key, ticket.key) from the folder `from`
-// into a data folder that has none, before anything makes them. `moving`: the folder has the mark of a move
-// (storage/move/move.h). Errors: kConflict (it has others),
-// kNotFound (`from` has not all three), kStorage.
+// Takes the files of another server's identity (station.crt, station.key, ticket.key) from the
+// folder `from` into a data folder that has none, before anything makes them. `moving`: the folder
+// has the mark of a move (storage/move/move.h). Errors: kConflict (it has others), kNotFound
+// (`from` has not all three), kStorage.
 Status TakeIdentity(const std::filesystem::path& folder, const std::filesystem::path& from,
                     bool moving = false);
 // Makes what is missing. Errors: kStorage, kInvalidInput (a file is not what it should be).
 Result<ServerIdentity> EnsureIdentity(const std::filesystem::path& folder);
-// The same, and compares it with what the other servers of the store's database are known by. Errors also:
-// kConflict (another), kNotFound (there is none here, and the others have one).
+// The same, and compares it with what the other servers of the store's database are known by.
+// Errors also: kConflict (another), kNotFound (there is none here, and the others have one).
 Result<ServerIdentity> EnsureMatchingIdentity(const std::filesystem::path& folder,
                                               ServerIdentityRows& identity_rows);
 

@@ -11,7 +11,8 @@ DatabaseWatch::DatabaseWatch(Store& store, std::chrono::milliseconds every)
 
 void DatabaseWatch::Run(const std::stop_token& stop) {
   do {
-    // The log says already when the database cannot be reached; meanwhile the clock goes on as it was told.
+    // The log says already when the database cannot be reached; meanwhile the clock goes on as it
+    // was told.
     if (store_.look.Look().ok()) Tell(store_.health.Health());
   } while (!SleepUntilStopped(stop, every_));
 }

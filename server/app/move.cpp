@@ -53,7 +53,8 @@ Status Move(const MoveCommand& command) {
       std::filesystem::weakly_canonical(command.to, error)) {
     return Status(Code::kInvalidInput, "expected another folder with --to than with --data", "to");
   }
-  // That there is a school; brings an older database up to date. One with a mark of this move was looked at before.
+  // That there is a school; brings an older database up to date. One with a mark of this move was
+  // looked at before.
   if (!std::filesystem::exists(command.data / kMovedMark, error)) {
     ENAMEL_RETURN_IF_ERROR(OpenForCommand(command.data).status());
   }

@@ -9,7 +9,8 @@
 #include "server/storage/folder/database_file.h"
 #include "server/storage/open_store.h"
 
-// Where a school's rows, blobs and keys are to be, as the command line says it: for `init` and `move`.
+// Where a school's rows, blobs and keys are to be, as the command line says it: for `init` and
+// `move`.
 namespace enamel::server::app {
 
 struct Places {
@@ -25,12 +26,12 @@ void AddPlaces(CLI::App* cmd, Places& places);
 // None: all of it in the folder. Errors: kInvalidInput (an S3 store without a database).
 Result<std::optional<DatabaseFile>> FileOf(const Places& places);
 
-// Whether the stores can be used as the file says. Errors: those of S3Client, and of a key bucket that does not
-// forget what is deleted.
+// Whether the stores can be used as the file says. Errors: those of S3Client, and of a key bucket
+// that does not forget what is deleted.
 Status TryStores(const std::filesystem::path& folder, const DatabaseFile& file);
 
-// What a folder is opened with that has no database.json yet. The master key is made for a school's first
-// server alone: another's mistyped path is not to become a key.
+// What a folder is opened with that has no database.json yet. The master key is made for a school's
+// first server alone: another's mistyped path is not to become a key.
 Result<PostgresOptions> FirstOptions(const std::filesystem::path& folder, const DatabaseFile& file);
 
 }  // namespace enamel::server::app

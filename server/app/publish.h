@@ -26,8 +26,8 @@ Result<ExerciseRow> PublishDocument(StoredBlobs& blobs, ExerciseRows& exercises,
                                     const scene::Exercise& exercise,
                                     const std::optional<Uuid>& cohort);
 
-// The exercises the project makes for a stored scene (common/scene/builtin/builtin.h): all, or those of
-// this name or kind ("class-2"). Errors also: kNotFound with the names there are.
+// The exercises the project makes for a stored scene (common/scene/builtin/builtin.h): all, or
+// those of this name or kind ("class-2"). Errors also: kNotFound with the names there are.
 Result<std::vector<ExerciseRow>> PublishBuiltins(StoredBlobs& blobs, ExerciseRows& exercises,
                                                  const SceneRow& scene, const std::string& name,
                                                  const std::optional<Uuid>& cohort);
@@ -35,8 +35,8 @@ Result<std::vector<ExerciseRow>> PublishBuiltins(StoredBlobs& blobs, ExerciseRow
 Result<ExerciseRow> PublishClassOne(StoredBlobs& blobs, ExerciseRows& exercises,
                                     const SceneRow& scene, const Uuid& cohort);
 
-// The profiles of the program: each that is not there, and a newer form of each whose newest version
-// an earlier program left. What somebody at the school has put since stays the newest.
+// The profiles of the program: each that is not there, and a newer form of each whose newest
+// version an earlier program left. What somebody at the school has put since stays the newest.
 Status PublishProfiles(Store& store);
 
 }  // namespace enamel::server::app

@@ -25,10 +25,10 @@ struct SchoolOptions {
   int job_threads = 1;  // 0: no attempt is scored here
 };
 
-// One school as a server serves it, all but the doors: its store, who may come in, what is going on, and the threads
-// that score its attempts and look after it.
-// Thread safety: Start and StopJobs once each, from one thread; what it gives is used from any thread. Destruction waits
-// for the threads.
+// One school as a server serves it, all but the doors: its store, who may come in, what is going
+// on, and the threads that score its attempts and look after it.
+// Thread safety: Start and StopJobs once each, from one thread; what it gives is used from any
+// thread. Destruction waits for the threads.
 class School {
  public:
   // `store`: of its data folder.
@@ -41,8 +41,8 @@ class School {
   void Start();
   // What is cut off here is begun again after the next start.
   void StopJobs() { worker_.Stop(); }
-  // It is no longer served: streams end, nothing is scored, and nobody waits for another process's work. Who is at it
-  // finishes. The threads that look after it end with it.
+  // It is no longer served: streams end, nothing is scored, and nobody waits for another process's
+  // work. Who is at it finishes. The threads that look after it end with it.
   void End();
   // Request::school_ended.
   const std::atomic<bool>& ended() const { return ended_; }

@@ -18,8 +18,8 @@
 namespace enamel::server::app {
 namespace {
 
-// A server looks at the list every two seconds, and somebody may take a minute to read a large answer; one that died holds a
-// school's rows for 20 s.
+// A server looks at the list every two seconds, and somebody may take a minute to read a large
+// answer; one that died holds a school's rows for 20 s.
 constexpr std::chrono::seconds kLetGo{90};
 
 Result<std::unique_ptr<Store>> OpenInstallation(const std::filesystem::path& data) {
@@ -86,7 +86,8 @@ Status AddSchool(const SchoolCommand& command) {
   row.name = command.name;
   row.id = Uuid::New();
   row.hosts = command.hosts;
-  // Listed first: a folder that no list names would be in the way of the next try. No server opens one that is half made.
+  // Listed first: a folder that no list names would be in the way of the next try. No server opens
+  // one that is half made.
   row.state = SchoolState::kBeingMade;
   ENAMEL_RETURN_IF_ERROR(store->schools.AddSchool(row, kCommandLine));
   if (Status made = MakeData(command, row); !made.ok()) {

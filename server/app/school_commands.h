@@ -7,9 +7,10 @@
 
 #include "common/base/result.h"
 
-// The commands with which whoever runs an installation looks after its other schools (school_folder.h). Each takes the
-// installation's data folder, prints its outcome to standard output, and leaves a row in the installation's audit trail;
-// servers that run follow within seconds.
+// The commands with which whoever runs an installation looks after its other schools
+// (school_folder.h). Each takes the installation's data folder, prints its outcome to standard
+// output, and leaves a row in the installation's audit trail; servers that run follow within
+// seconds.
 namespace enamel::server::app {
 
 struct SchoolCommand {
@@ -28,7 +29,8 @@ Status SuspendSchool(const SchoolCommand& command);
 Status ResumeSchool(const SchoolCommand& command);
 // A backup, which `restore` makes an installation of its own of.
 Status ExportSchool(const SchoolCommand& command);
-// Errors: kConflict (it is not suspended, or `confirm` is not its name), kUnavailable (a server has not let go of it).
+// Errors: kConflict (it is not suspended, or `confirm` is not its name), kUnavailable (a server has
+// not let go of it).
 Status RemoveSchool(const SchoolCommand& command);
 
 struct CommandGroup;

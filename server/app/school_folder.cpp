@@ -16,9 +16,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of the school's ticket key: BLAKE2b of what is told of here and the school's id, under the secret seed of the
-// installation's. Each server makes the same, none can make the installation's of it, and a school that is made again
-// under an old name has another.
+// Of the school's ticket key: BLAKE2b of what is told of here and the school's id, under the secret
+// seed of the installation's. Each server makes the same, none can make the installation's of it,
+// and a school that is made again under an old name has another.
 Result<trace::KeyPair> SchoolKey(const fs::path& installation, const Uuid& id) {
   constexpr std::string_view kLabel = "enamel.school-key.v1";
   ENAMEL_ASSIGN_OR_RETURN(const auto own, ReadTicketKey(installation));
@@ -76,7 +76,8 @@ Status KeepDatabaseFile(const fs::path& folder, const DatabaseFile& wanted) {
   const auto kept = ReadDatabaseFile(folder);
   const bool same = kept.ok() && *kept && **kept == wanted;
   if (same) return Status::Ok();
-  // The installation's has changed, or this one is damaged. It has nothing that is not made of the other.
+  // The installation's has changed, or this one is damaged. It has nothing that is not made of the
+  // other.
   ENAMEL_RETURN_IF_ERROR(disk.Remove(folder / kDatabaseFile));
   return WriteDatabaseFile(folder, wanted, disk);
 }
@@ -122,8 +123,8 @@ Result<ServerIdentity> EnsureSchoolFolder(const fs::path& installation, const Sc
   }
   ENAMEL_ASSIGN_OR_RETURN(const auto key, SchoolKey(installation, row.id));
   const auto kept = ReadTicketKey(folder);
-  // One that another school of this name had: with PostgreSQL there is nothing of it left here, and what is made has none
-  // yet.
+  // One that another school of this name had: with PostgreSQL there is nothing of it left here, and
+  // what is made has none yet.
   const bool others = kept.ok() && kept->secret_key != key.secret_key &&
                       (database.has_value() || data == SchoolData::kMake);
   if (others || kept.status().code() == Code::kNotFound) {

@@ -13,10 +13,10 @@
 #include "server/storage/people/school_list.h"
 #include "server/storage/store.h"
 
-// Where an installation's other schools are: INSTALLATION/schools/NAME, each a data folder of its own. With PostgreSQL its
-// tables are in a schema of their own, its blobs and keys have a prefix of their own. All its stations know the server by
-// the installation's certificate; its tickets, results and audit trail are signed with a key of its own.
-// Source: schemas/schools.md.
+// Where an installation's other schools are: INSTALLATION/schools/NAME, each a data folder of its
+// own. With PostgreSQL its tables are in a schema of their own, its blobs and keys have a prefix of
+// their own. All its stations know the server by the installation's certificate; its tickets,
+// results and audit trail are signed with a key of its own. Source: schemas/schools.md.
 namespace enamel::server::app {
 
 inline constexpr char kSchoolFile[] = "school.json";
@@ -30,16 +30,17 @@ std::optional<std::filesystem::path> InstallationOf(const std::filesystem::path&
 DatabaseFile SchoolDatabase(const std::filesystem::path& installation, const DatabaseFile& its,
                             const std::string& name);
 
-// Makes the school's folder on this machine, as far as it is missing, and says what the school is known by. With PostgreSQL
-// it is the same on each server of the installation, and follows the installation's database.json. With SQLite the
-// folder is all there is of a school: `make` it, or expect it with its rows. Errors: kNotFound (it is not where it should
-// be, with what to do), kConflict (`make`, and somebody's rows are there), kStorage, those of ReadDatabaseFile.
+// Makes the school's folder on this machine, as far as it is missing, and says what the school is
+// known by. With PostgreSQL it is the same on each server of the installation, and follows the
+// installation's database.json. With SQLite the folder is all there is of a school: `make` it, or
+// expect it with its rows. Errors: kNotFound (it is not where it should be, with what to do),
+// kConflict (`make`, and somebody's rows are there), kStorage, those of ReadDatabaseFile.
 enum class SchoolData : uint8_t { kMake, kExpect };
 Result<ServerIdentity> EnsureSchoolFolder(const std::filesystem::path& installation,
                                           const SchoolRow& row, SchoolData data);
 
-// The store of a school that is there. Errors: those of EnsureSchoolFolder and OpenStore; kNotFound (PostgreSQL has no such
-// school).
+// The store of a school that is there. Errors: those of EnsureSchoolFolder and OpenStore; kNotFound
+// (PostgreSQL has no such school).
 struct OpenedSchool {
   ServerIdentity identity;
   std::unique_ptr<Store> store;
@@ -49,8 +50,8 @@ Result<OpenedSchool> OpenSchool(const std::filesystem::path& installation, const
 
 // Deletes all that is a school's, with its folder here. Errors: those of DeleteStore.
 Status DeleteSchool(const std::filesystem::path& installation, const SchoolRow& row);
-// On a machine where another deleted it. Only where all that is in the folder is elsewhere too: with rows in PostgreSQL,
-// blobs and keys in S3 stores.
+// On a machine where another deleted it. Only where all that is in the folder is elsewhere too:
+// with rows in PostgreSQL, blobs and keys in S3 stores.
 Status ForgetSchool(const std::filesystem::path& installation, const std::string& name);
 
 }  // namespace enamel::server::app

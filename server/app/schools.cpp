@@ -16,7 +16,8 @@
 
 namespace enamel::server::app {
 
-// Filled by whoever lets go of a school last, on whatever thread that is. Of each the Api goes first.
+// Filled by whoever lets go of a school last, on whatever thread that is. Of each the Api goes
+// first.
 struct Schools::Ended {
   Mutex mutex;
   std::vector<std::unique_ptr<std::pair<std::shared_ptr<School>, std::shared_ptr<http::Api>>>> all

@@ -19,12 +19,13 @@ namespace enamel::server::app {
 
 class School;
 
-// The other schools of an installation, as one of its servers serves them: it looks at the installation's list now and
-// then, and opens and closes what has changed. A school whose store cannot be opened is tried again, and the others go on.
+// The other schools of an installation, as one of its servers serves them: it looks at the
+// installation's list now and then, and opens and closes what has changed. A school whose store
+// cannot be opened is tried again, and the others go on.
 //
 // A school that is closed goes when nobody is at it any more: whoever answers for it holds it.
-// Thread safety: any thread. Lifetime: the store outlives this; this outlives doors that ask it. Destruction waits until
-// all schools have ended, so nobody may hold one then.
+// Thread safety: any thread. Lifetime: the store outlives this; this outlives doors that ask it.
+// Destruction waits until all schools have ended, so nobody may hold one then.
 class Schools final : public stations::OtherSchools {
  public:
   static constexpr std::chrono::milliseconds kLookEvery{2000};
@@ -42,7 +43,8 @@ class Schools final : public stations::OtherSchools {
   Schools(Store& store, Open open, Forget forget);
   ~Schools() override;
 
-  // Reads the list, and then opens them one after the other on a thread of its own, which looks for what has changed. Once.
+  // Reads the list, and then opens them one after the other on a thread of its own, which looks for
+  // what has changed. Once.
   void Begin();
   // As HttpServer::Drain, of all of them.
   void Drain();
@@ -83,7 +85,8 @@ class Schools final : public stations::OtherSchools {
   std::map<std::string, Served> served_ ENAMEL_GUARDED_BY(mutex_);  // what is listed
   // No longer listed, and forgotten once nobody is at them.
   std::map<std::string, std::weak_ptr<School>> gone_ ENAMEL_GUARDED_BY(mutex_);
-  // Closed, and held by nobody any more: a school's end waits for its threads, so it is this object's thread that waits.
+  // Closed, and held by nobody any more: a school's end waits for its threads, so it is this
+  // object's thread that waits.
   struct Ended;
   const std::shared_ptr<Ended> ended_;
   std::jthread thread_;  // last: ends first

@@ -17,7 +17,8 @@ struct ServeOptions {
   std::filesystem::path http_certificate, http_key;  // both or none; TLS for the page
   bool http_self_signed = false;          // page.crt, page.key in the data folder, made when absent
   std::vector<std::string> http_proxies;  // numeric addresses; no one else is answered
-  // Numeric addresses whose connections to the station link begin with the PROXY protocol (ListenerOptions::proxies).
+  // Numeric addresses whose connections to the station link begin with the PROXY protocol
+  // (ListenerOptions::proxies).
   std::vector<std::string> station_proxies;
   std::vector<std::string> host_names;  // the page may be asked for under; needed beyond loopback
   // Where people open the page, which stations tell them (protocol::IsPageUrl). Empty: made of the
@@ -32,8 +33,9 @@ struct ServeOptions {
 };
 
 // Runs until SIGINT or SIGTERM. Prints one line "ready …" to standard output when page and station
-// link listen. A first signal lets requests finish (drain_s, then at most some seconds); further ones within 2 s
-// of it change nothing, later ones end it at once. Nothing that was acknowledged is lost.
+// link listen. A first signal lets requests finish (drain_s, then at most some seconds); further
+// ones within 2 s of it change nothing, later ones end it at once. Nothing that was acknowledged is
+// lost.
 Status Serve(const ServeOptions& options);
 
 struct CommandGroup;

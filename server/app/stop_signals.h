@@ -11,8 +11,8 @@ namespace enamel::server::app {
 // within two seconds of it change nothing (a terminal's Ctrl-C reaches a whole process group, whose
 // leader then asks once more: that is one wish, not two), later ones have their usual effect.
 //
-// Outlives what is stopped, so that a late one does not cut that short. Thread safety: OnFirst once,
-// from the owner's thread; what it is given is called on a thread of `io`.
+// Outlives what is stopped, so that a late one does not cut that short. Thread safety: OnFirst
+// once, from the owner's thread; what it is given is called on a thread of `io`.
 class StopSignals {
  public:
   explicit StopSignals(boost::asio::io_context& io);

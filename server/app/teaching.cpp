@@ -103,7 +103,8 @@ Status MustHaveReference(StoredBlobs& blobs, ReferenceRows& references, const Ex
   return CheckReference(exam, version, comparable);
 }
 
-// What the publisher has to know: others' work does not change, and graded work waits for a reference.
+// What the publisher has to know: others' work does not change, and graded work waits for a
+// reference.
 Status SayWhatFollows(Store& store, const ExerciseRow& row) {
   ENAMEL_ASSIGN_OR_RETURN(const auto assignments, store.assignments.Assignments({}));
   for (const AssignmentRow& each : assignments) {

@@ -15,8 +15,8 @@ struct BackupCommand {
   std::filesystem::path data, target, keyring, json;
   bool copy = false;
 };
-// Errors: those of BackUp (storage/backup/backup.h); kStorage also when blobs were missing or damaged and
-// all else was backed up.
+// Errors: those of BackUp (storage/backup/backup.h); kStorage also when blobs were missing or
+// damaged and all else was backed up.
 Status Backup(const BackupCommand& command);
 
 struct RestoreCommand {

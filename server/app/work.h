@@ -18,9 +18,9 @@ struct WorkOptions {
 };
 
 // Scores what waits, beside the server or beside several with their rows in one database, until
-// SIGINT or SIGTERM. Prints one line "ready …". What it was at goes back to the queue; what it leaves
-// when it is killed is taken by another after its lease (WorkerOptions::lease_ms). Errors: kNotFound
-// (the folder has no ticket key: no server has used it yet), those of OpenStore.
+// SIGINT or SIGTERM. Prints one line "ready …". What it was at goes back to the queue; what it
+// leaves when it is killed is taken by another after its lease (WorkerOptions::lease_ms). Errors:
+// kNotFound (the folder has no ticket key: no server has used it yet), those of OpenStore.
 Status Work(const WorkOptions& options);
 
 struct CommandGroup;

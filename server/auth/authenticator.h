@@ -24,8 +24,8 @@ struct AuthOptions {
   UnixMs absolute_ms = 12 * 60 * 60 * 1000;
   PasswordCost cost;
   size_t hash_threads = 2;  // 64 MiB each while hashing
-  // Instead of threads of its own: those of all schools of a process, of hash_threads. Whoever waits for one of them keeps
-  // the authenticator.
+  // Instead of threads of its own: those of all schools of a process, of hash_threads. Whoever
+  // waits for one of them keeps the authenticator.
   std::shared_ptr<StorePool> hashing{};
   // Sign-ins beyond these are refused with kUnavailable; half of them may come from one address.
   size_t max_waiting = 16;
@@ -35,9 +35,9 @@ struct AuthOptions {
   std::function<int64_t()> elapsed;
   // How long after the password was given the session may do what asks for it again.
   UnixMs confirmed_ms = 5 * 60 * 1000;
-  // How long a password that was made up here can be signed in with. Not a day: a roster is imported
-  // some days before the first lesson, and a weekend lies between. Not longer: nobody guesses it,
-  // but it lies about on paper.
+  // How long a password that was made up here can be signed in with. Not a day: a roster is
+  // imported some days before the first lesson, and a weekend lies between. Not longer: nobody
+  // guesses it, but it lies about on paper.
   UnixMs one_time_ms = UnixMs{7} * 24 * 60 * 60 * 1000;
   // Compares a password with a verifier; empty: VerifyPassword. Tests count its calls.
   std::function<bool(std::string_view, const std::string&)> verify;

@@ -25,12 +25,13 @@ class FailureCounters {
  public:
   using Change = std::function<void(OfTry<SignInCounter>&)>;
   virtual ~FailureCounters() = default;
-  // Hands the counters of these names to `change` and keeps what it makes of them; no other change comes between.
-  // `change` may be called again with newer ones. Errors: the store's.
+  // Hands the counters of these names to `change` and keeps what it makes of them; no other change
+  // comes between. `change` may be called again with newer ones. Errors: the store's.
   virtual Status Apply(const OfTry<std::string>& names, UnixMs now_ms, const Change& change) = 0;
 };
 
-// This server's memory: 20 000 counters and as many known places; those that would be forgotten first go.
+// This server's memory: 20 000 counters and as many known places; those that would be forgotten
+// first go.
 class MemoryCounters final : public FailureCounters {
  public:
   Status Apply(const OfTry<std::string>& names, UnixMs now_ms, const Change& change) override;

@@ -12,11 +12,12 @@
 
 namespace enamel::server::auth {
 
-// A link with which the first admin of a new server makes the own account. Kept in memory alone, and as a
-// hash: a server that starts again without an admin offers another, and none is in a backup.
+// A link with which the first admin of a new server makes the own account. Kept in memory alone,
+// and as a hash: a server that starts again without an admin offers another, and none is in a
+// backup.
 //
-// Good once, for kGoodMs, and no longer after kMostWrong wrong tokens (256 random bits are not guessed;
-// who tries is noticed). Thread safety: any thread.
+// Good once, for kGoodMs, and no longer after kMostWrong wrong tokens (256 random bits are not
+// guessed; who tries is noticed). Thread safety: any thread.
 class FirstAdmin {
  public:
   static constexpr UnixMs kGoodMs = 24ll * 60 * 60 * 1000;
@@ -24,8 +25,8 @@ class FirstAdmin {
 
   // The token, 64 hexadecimal digits; one that was offered before is void.
   std::string Offer(UnixMs now_ms);
-  // From now on nobody else can use it. Errors: kForbidden, field "token" (none is offered, it ran out,
-  // was used, or is another).
+  // From now on nobody else can use it. Errors: kForbidden, field "token" (none is offered, it ran
+  // out, was used, or is another).
   Status Take(std::string_view token, UnixMs now_ms);
   // What was taken made no account: it is good again.
   void GiveBack();

@@ -14,7 +14,8 @@
 namespace enamel::server::auth {
 namespace {
 
-// What comes after it is not counted: whoever gets as far has a sentence, or one character 64 times.
+// What comes after it is not counted: whoever gets as far has a sentence, or one character 64
+// times.
 constexpr size_t kLongestLookedAt = 64;
 // Of more pieces the rest counts as characters that nothing explains.
 constexpr size_t kMostPieces = 12;

@@ -15,12 +15,12 @@
 //
 // | piece | guesses |
 // |---|---|
-// | one of CommonPasswords, or of words at hand here (`guesses.cpp`) | its rank; twice for capitals, for "p@ssw0rd", for backwards |
-// | a part of what is known of its owner | 1, and the same |
-// | neighbours on a keyboard | 47 keys, its length, 5 for each turn |
-// | neighbours in the alphabet, digits in a row | 4 from a usual beginning (a, z, 0, 1, 9), else 26 or 10; its length; twice backwards |
-// | a piece again and again | of that piece, times how often |
-// | a year, a date | 120 years; 366 days, twice for the order, 4 times for what stands between |
+// | one of CommonPasswords, or of words at hand here (`guesses.cpp`) | its rank; twice for
+// capitals, for "p@ssw0rd", for backwards | | a part of what is known of its owner | 1, and the
+// same | | neighbours on a keyboard | 47 keys, its length, 5 for each turn | | neighbours in the
+// alphabet, digits in a row | 4 from a usual beginning (a, z, 0, 1, 9), else 26 or 10; its length;
+// twice backwards | | a piece again and again | of that piece, times how often | | a year, a date |
+// 120 years; 366 days, twice for the order, 4 times for what stands between |
 namespace enamel::server::auth {
 
 // log10 of the guesses. `known`: what is known of the owner, login and name, each as a whole; a

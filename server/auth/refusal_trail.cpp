@@ -29,7 +29,8 @@ void RefusalTrail::Note(TurnedAway refused) {
     --waiting_;
     return;
   }
-  // The clock is the caller's: it may not be read on another thread. Nor is the request known there.
+  // The clock is the caller's: it may not be read on another thread. Nor is the request known
+  // there.
   boost::asio::post(pool_, [this, refused = std::move(refused), now_ms = elapsed_ms_(),
                             request = std::string(LogRequest::Current())] {
     const LogRequest logged(request);

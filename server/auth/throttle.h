@@ -32,8 +32,9 @@ namespace enamel::server::auth {
 //
 // What this leaves a guesser from one address, of N logins: N + some 250 tries in 15 minutes. Who
 // shares an address with a guesser who keeps all its tries taken has to try again, unless it is
-// known. Servers that count in one store (SharedCounters) leave as much, however many they are. Times
-// are of one clock; what is counted a minute later than now is forgotten, as by a clock that was set back. Thread safety: any thread. Blocks where the counters do.
+// known. Servers that count in one store (SharedCounters) leave as much, however many they are.
+// Times are of one clock; what is counted a minute later than now is forgotten, as by a clock that
+// was set back. Thread safety: any thread. Blocks where the counters do.
 class Throttle {
  public:
   static constexpr int64_t kLongestHoldMs = 2000;

@@ -64,8 +64,8 @@ struct HttpOptions {
   // Names the page may be asked for under, lower case, without port. Empty: 127.0.0.1, localhost
   // and [::1]; required when `address` is not loopback, and behind a proxy.
   std::vector<std::string> host_names;
-  // Whose a host name is (lower case, without port) that is none of `host_names`; none: nobody's. From any thread; must
-  // not block.
+  // Whose a host name is (lower case, without port) that is none of `host_names`; none: nobody's.
+  // From any thread; must not block.
   std::function<std::optional<OtherSchool>(const std::string& host)> other_schools;
   // For one more, the one of those that wait for a request, or do not take an answer, is closed
   // that came first from the address that has the most of them; when there is none, the one more is
@@ -108,8 +108,8 @@ class HttpServer {
   // Where stations reach this server: an enrolment code is given out with it. From any thread.
   void StationsListenAt(uint16_t port);
 
-  // GET /healthz is 503 from now on, so that whoever shares out the requests sends no more; those that come are
-  // answered. From any thread.
+  // GET /healthz is 503 from now on, so that whoever shares out the requests sends no more; those
+  // that come are answered. From any thread.
   void Drain();
 
   // Returns at once. First no new connections and requests, and idle ones are closed; after

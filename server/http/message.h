@@ -28,7 +28,8 @@ struct Request {
   std::string peer;  // IP address
   bool tls = false;
   std::string id;  // what the log calls it (LogRequest); the answer's X-Request-Id
-  // Its school, which lives as long as anybody holds this: true once it is no longer served. Null: the server's own.
+  // Its school, which lives as long as anybody holds this: true once it is no longer served. Null:
+  // the server's own.
   std::shared_ptr<const std::atomic<bool>> school_ended;
   // Nobody waits for the answer after it.
   std::chrono::steady_clock::time_point answer_by = std::chrono::steady_clock::time_point::max();

@@ -34,7 +34,8 @@ namespace {
 
 constexpr const char* kRequestIdHeader = "X-Request-Id";
 
-// The proxy's, so that its log and ours name it alike; others' own would let them choose what our log says.
+// The proxy's, so that its log and ours name it alike; others' own would let them choose what our
+// log says.
 std::string IdOf(const Request& request, bool from_proxy) {
   const std::string_view given = request.Header("x-request-id");
   return from_proxy && LogRequest::IsId(given) ? std::string(given) : LogRequest::NewId();

@@ -17,7 +17,8 @@ namespace enamel::server::http {
 //
 // `x.js.br` and `x.js.gz` are the compressed forms of `x.js`, chosen by Accept-Encoding. A hashed
 // name (`main-4XKQ7B2D.js`) may be cached for ever; index.html never; anything else is asked about
-// again (ETag). Paths that look like no file (`/attempts/…`) are index.html: the page's own addresses.
+// again (ETag). Paths that look like no file (`/attempts/…`) are index.html: the page's own
+// addresses.
 //
 // Thread safety: const after Load. No I/O in Serve.
 class StaticFiles {

@@ -11,20 +11,21 @@
 #include "server/storage/teaching/exercise_rows.h"
 #include "server/storage/teaching/scene_rows.h"
 
-// Teeth, exercises and device profiles into the store, for whoever asks for them: the command line, and
-// the page of a new server. Thread safety: functions, any thread; they block.
+// Teeth, exercises and device profiles into the store, for whoever asks for them: the command line,
+// and the page of a new server. Thread safety: functions, any thread; they block.
 namespace enamel::server {
 
 // Volume, document, and the row that names both.
 Result<SceneRow> StoreScene(StoredBlobs& blobs, SceneRows& scenes, const scene::Scene& scene,
                             ByteView volume, const Actor& by);
 
-// One that the project makes itself (common/scene/builtin). Takes seconds for a fine tooth. Errors: those
-// of scene::BuildBuiltinScene and of the store.
+// One that the project makes itself (common/scene/builtin). Takes seconds for a fine tooth. Errors:
+// those of scene::BuildBuiltinScene and of the store.
 Result<SceneRow> StoreBuiltinScene(StoredBlobs& blobs, SceneRows& scenes, std::string_view name,
                                    int32_t voxel_nm, const Actor& by);
 
-// The document into the store, and the row that names it: without a version, published by nobody yet.
+// The document into the store, and the row that names it: without a version, published by nobody
+// yet.
 Result<ExerciseRow> StoreExercise(StoredBlobs& blobs, const scene::Exercise& exercise);
 
 // The next version of its name, assigned to nobody; the newest one where that says the same and is

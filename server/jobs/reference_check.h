@@ -10,9 +10,9 @@
 #include "server/storage/recordings/stored_blobs.h"
 #include "server/storage/store.h"
 
-// What others are compared with has to do what its exercise asks for. The exercise says so itself: by
-// its target, which no attempt has a part in. A first reference is compared with nothing else, so a
-// cut that did a twentieth of the task would be marked 100 for it.
+// What others are compared with has to do what its exercise asks for. The exercise says so itself:
+// by its target, which no attempt has a part in. A first reference is compared with nothing else,
+// so a cut that did a twentieth of the task would be marked 100 for it.
 // Thread safety: functions, any thread; they block for the store.
 namespace enamel::server {
 
@@ -28,14 +28,15 @@ Result<TargetWork> WorkOnTarget(const scene::Scene& scene, const scene::Exercise
                                 const cutting::Volume& initial,
                                 const cutting::Volume& final_volume);
 
-// The same of an attempt that is scored, read from the store. Errors: the store's and the documents'.
+// The same of an attempt that is scored, read from the store. Errors: the store's and the
+// documents'.
 Result<TargetWork> WorkOfAttempt(StoredBlobs& blobs, ResultRows& results,
                                  const AttemptRow& attempt);
 
 // Limits of a cut that others are compared with, chosen: the simulated dentist does more than nine
 // tenths of every tooth's target and cuts nothing beside its leeway (`admin mark-reference` prints
-// both), whoever stops early or goes beside the task does far less or far more. What is left is room
-// for other hands and coarser voxels.
+// both), whoever stops early or goes beside the task does far less or far more. What is left is
+// room for other hands and coarser voxels.
 inline constexpr double kLeastDone_percent = 80, kMostBeside_percent = 5;
 
 // Whether an attempt that is scored may be what others are compared with: it did the task, and no

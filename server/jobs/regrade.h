@@ -26,7 +26,8 @@ namespace enamel::server {
 Result<scene::Rubric> CountingRubric(StoredBlobs& blobs, RubricRows& rubrics, const Uuid& exercise,
                                      const scene::Rubric& own);
 
-// The score document of an attempt's newest run. Errors: the store's; those of scoring::ScoreFromJson.
+// The score document of an attempt's newest run. Errors: the store's; those of
+// scoring::ScoreFromJson.
 Result<scoring::ScoreResult> StoredScore(StoredBlobs& blobs, ResultRows& results,
                                          const Uuid& attempt);
 
@@ -35,8 +36,8 @@ struct RegradedAttempt {
   double before = 0, after = 0;  // computed scores, 0..100; what people set instead is in `row`
   bool failed_before = false, failed_after = false;  // critically
   std::string problem;                               // why there is no `after`; empty: there is one
-  // It was measured against a reference that is not the newest any more: scored again, it is measured
-  // against that, and may change by more than the rubric.
+  // It was measured against a reference that is not the newest any more: scored again, it is
+  // measured against that, and may change by more than the rubric.
   bool earlier_reference = false;
   // 0 for what is not shown: scores have one decimal, and a document's numbers twelve digits.
   double change() const { return std::abs(after - before) < 0.05 ? 0 : after - before; }
@@ -55,9 +56,10 @@ struct RubricPreview {
   double mean_before = 0, mean_after = 0;
 };
 
-// What of a rubric is finer than its exercise's score can tell (scoring::FineBands), what it asks for
-// twice, and what publishing it would be refused for unless somebody insists (rubric_check.h), for
-// people. What cannot be read is left out: a preview does without. `quick`: while somebody types.
+// What of a rubric is finer than its exercise's score can tell (scoring::FineBands), what it asks
+// for twice, and what publishing it would be refused for unless somebody insists (rubric_check.h),
+// for people. What cannot be read is left out: a preview does without. `quick`: while somebody
+// types.
 std::vector<std::string> RubricWarnings(Store& store, const ExerciseRow& exercise,
                                         const scene::Rubric& rubric, bool quick);
 
@@ -67,8 +69,8 @@ inline constexpr size_t kMaxPreviewed = 2000;
 // kMaxPreviewed.
 Result<std::vector<AttemptRow>> ScoredAttempts(AttemptRows& attempts, AttemptFilter which);
 
-// `rubric` on the metrics of those attempts, which are of one exercise version; `newest`: its reference
-// row that counts, if any. Errors: those of scoring::ValidateRubric.
+// `rubric` on the metrics of those attempts, which are of one exercise version; `newest`: its
+// reference row that counts, if any. Errors: those of scoring::ValidateRubric.
 Result<RubricPreview> PreviewRubric(Store& store, const AttemptFilter& which,
                                     const scene::Rubric& rubric,
                                     const std::optional<ReferenceRow>& newest);

@@ -13,12 +13,12 @@
 // Thread safety: functions, any thread; they block for the store.
 namespace enamel::server {
 
-// Titles and comments are shown in terminals and tables as they are. Errors: kInvalidInput naming the
-// member.
+// Titles and comments are shown in terminals and tables as they are. Errors: kInvalidInput naming
+// the member.
 Status CheckRubricWords(const scene::Rubric& rubric);
 
-// A metric that more than one criterion, or more than one gate, asks for: what it costs is then taken
-// twice. A warning.
+// A metric that more than one criterion, or more than one gate, asks for: what it costs is then
+// taken twice. A warning.
 std::vector<std::string> RepeatedMetrics(const scene::Rubric& rubric);
 
 // The exercise whose rubric has this name where `exercise`'s does not; none: no other has it.
@@ -26,8 +26,8 @@ Result<std::optional<std::string>> OtherOwnerOfRubric(Store& store, const Exerci
                                                       const scene::Rubric& counting,
                                                       const std::string& name);
 
-// What the newest reference itself would get under `rubric`, measured against itself; none without a
-// reference. Of a rubric that asks for what was not measured yet the reference is measured again,
+// What the newest reference itself would get under `rubric`, measured against itself; none without
+// a reference. Of a rubric that asks for what was not measured yet the reference is measured again,
 // which takes seconds, unless `stored_only`. Errors: the store's, kInvalidInput where it cannot be
 // told.
 Result<std::optional<scoring::ScoreResult>> ReferenceUnder(Store& store,

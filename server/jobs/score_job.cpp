@@ -272,8 +272,8 @@ class ScoreJob {
     return store_.results.FinishAttempt(attempt_, result, lease_);
   }
 
-  // The motion, and where it lies among those before it at the same exercise and the reference's. One
-  // that cannot be read any more is left out.
+  // The motion, and where it lies among those before it at the same exercise and the reference's.
+  // One that cannot be read any more is left out.
   Status FillMotion(const scoring::ProcessRecorder& process, AttemptResult& result) {
     const auto motion = scoring::MotionOf(process.samples());
     if (!motion) return Status::Ok();

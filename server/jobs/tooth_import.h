@@ -18,10 +18,11 @@ namespace enamel::server {
 // make one (common/import/import_tooth.h reads it in the limited child): scene, volume and its
 // exercises, assigned to nobody.
 //
-// The file comes in parts, in order; with its last byte a thread of its own begins to work. One at a
-// time: it takes some hundred megabytes and a processor for up to some minutes. An upload that nothing
-// came for in kForgottenMs gives way to another. What is done or refused stays to be read until the
-// next one begins, or the server ends. Thread safety: any thread. The destructor waits for the thread.
+// The file comes in parts, in order; with its last byte a thread of its own begins to work. One at
+// a time: it takes some hundred megabytes and a processor for up to some minutes. An upload that
+// nothing came for in kForgottenMs gives way to another. What is done or refused stays to be read
+// until the next one begins, or the server ends. Thread safety: any thread. The destructor waits
+// for the thread.
 class ToothImport {
  public:
   static constexpr size_t kMaxFileBytes = size_t{32} << 20;
@@ -63,7 +64,8 @@ class ToothImport {
   Result<About> Append(const Uuid& id, uint64_t offset, ByteView bytes, UnixMs now_ms);
   // Errors: kNotFound.
   Result<About> Get(const Uuid& id) const;
-  // Forgets an upload that is not complete. Errors: kNotFound, kConflict once it is being worked on.
+  // Forgets an upload that is not complete. Errors: kNotFound, kConflict once it is being worked
+  // on.
   Status GiveUp(const Uuid& id);
 
  private:

@@ -21,9 +21,9 @@ struct WorkerOptions {
   int threads = 1;
   // How often the queue is looked at when nobody calls Notify.
   std::chrono::milliseconds poll{200};
-  // A job whose worker has said nothing for so long may be taken by another, of this server or of one
-  // beside it; a worker says so every `heartbeat`. A clock that is set forward by more has a job done
-  // twice, of which one counts.
+  // A job whose worker has said nothing for so long may be taken by another, of this server or of
+  // one beside it; a worker says so every `heartbeat`. A clock that is set forward by more has a
+  // job done twice, of which one counts.
   UnixMs lease_ms = 30'000;
   std::chrono::milliseconds heartbeat{10'000};
   // Signs results (schemas/result.md); none: they stay unsigned.
@@ -39,8 +39,8 @@ struct WorkerOptions {
 // Runs queued jobs on threads of its own, which yield to others: lease, run, finish. A thread that
 // finds none makes the newest timeline that is missing, one thread at a time, and puts it off as
 // soon as a job is queued: who waits for a score goes first. Progress goes
-// to ResultRows::SetProgress at every twentieth. An interrupted job returns to the queue. Thread safety:
-// Notify from any thread; Start and Stop from the owner's. `store` must outlive it.
+// to ResultRows::SetProgress at every twentieth. An interrupted job returns to the queue. Thread
+// safety: Notify from any thread; Start and Stop from the owner's. `store` must outlive it.
 class Worker {
  public:
   explicit Worker(Store& store, WorkerOptions options = {});

@@ -11,12 +11,13 @@
 
 namespace enamel::server {
 
-// Keeps a server's board and the store in step. How far a remark to a chair has come is written, so that one
-// that waits is not lost when the server ends. Where the school has more servers, what was said at the
-// others and which stations are connected to them is read: a remark reaches the server that its station is connected
-// to within kLookEvery.
+// Keeps a server's board and the store in step. How far a remark to a chair has come is written, so
+// that one that waits is not lost when the server ends. Where the school has more servers, what was
+// said at the others and which stations are connected to them is read: a remark reaches the server
+// that its station is connected to within kLookEvery.
 //
-// A thread of its own until destroyed, which waits for the store; the board and the store outlive it.
+// A thread of its own until destroyed, which waits for the store; the board and the store outlive
+// it.
 class BoardKeeper {
  public:
   static constexpr std::chrono::milliseconds kLookEvery{500};

@@ -11,11 +11,12 @@
 
 namespace enamel::server {
 
-// Shows on this server's board the attempts that are watched here while their stations upload to another
-// server: every kLookEvery it reads the chunks that were committed since. Who watches sees a moment at most so
-// much later than its chunk was committed. Nobody watches: nothing is read.
+// Shows on this server's board the attempts that are watched here while their stations upload to
+// another server: every kLookEvery it reads the chunks that were committed since. Who watches sees
+// a moment at most so much later than its chunk was committed. Nobody watches: nothing is read.
 //
-// A thread of its own until destroyed, which waits for the store; the board and the store outlive it.
+// A thread of its own until destroyed, which waits for the store; the board and the store outlive
+// it.
 class LiveFollower {
  public:
   static constexpr std::chrono::milliseconds kLookEvery{500};

@@ -28,8 +28,8 @@ class RemarkBoard {
   // Whether one more may be sent to this attempt now. Errors: kConflict (kMostWaiting are not shown
   // yet), kUnavailable with field "throttled" (kMostAMinute).
   Status Admit(const Uuid& attempt, UnixMs now_ms) const;
-  // As the store has it; one that is here and has come further stays as it is. Whatever Admit says: several
-  // senders may have been admitted at once.
+  // As the store has it; one that is here and has come further stays as it is. Whatever Admit says:
+  // several senders may have been admitted at once.
   void Put(const ChairRemark& remark);
   // Those not known to be shown, oldest first, at most kMostWaiting: they are on their way now.
   std::vector<protocol::Remark> Take(const Uuid& attempt);
@@ -52,7 +52,8 @@ class RemarkBoard {
     RemarkState stored = RemarkState::kWaiting;
   };
 
-  // Most of the time nobody says anything: then a chunk is not worth a lock that all stations share.
+  // Most of the time nobody says anything: then a chunk is not worth a lock that all stations
+  // share.
   std::atomic<size_t> attempts_{0};  // changed under mutex_
   mutable Mutex mutex_;
   std::map<Uuid, std::deque<Known>> sent_ ENAMEL_GUARDED_BY(mutex_);  // none is empty; by id

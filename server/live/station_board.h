@@ -11,8 +11,8 @@
 
 namespace enamel::server {
 
-// Which stations are connected now, when each was heard last, and what is said to their chairs. Of those that are
-// connected to another server BoardKeeper says so.
+// Which stations are connected now, when each was heard last, and what is said to their chairs. Of
+// those that are connected to another server BoardKeeper says so.
 // Bounded by the number of enrolled stations. Thread safety: any thread.
 class StationBoard {
   struct About {
@@ -27,8 +27,8 @@ class StationBoard {
   };
 
  public:
-  // A connection of a station, from its Welcome until this goes. A station has two for a while when it
-  // comes back before the server has noticed that the old one is dead. May outlive the board.
+  // A connection of a station, from its Welcome until this goes. A station has two for a while when
+  // it comes back before the server has noticed that the old one is dead. May outlive the board.
   class Connection {
    public:
     Connection(std::shared_ptr<State> state, const Uuid& station, bool shows_remarks);

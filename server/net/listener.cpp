@@ -35,7 +35,8 @@ constexpr std::chrono::milliseconds kAcceptPause{100};
 
 auto Into(error_code& error) { return asio::redirect_error(asio::use_awaitable, error); }
 
-// Reads the PROXY header, then hands the socket on. A header that is wrong or late ends the connection.
+// Reads the PROXY header, then hands the socket on. A header that is wrong or late ends the
+// connection.
 class Introduction : public AcceptedConnection, public std::enable_shared_from_this<Introduction> {
  public:
   using Then = std::function<void(tcp::socket socket, Strand strand, const std::string& peer)>;

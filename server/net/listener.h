@@ -44,8 +44,8 @@ struct ListenerOptions {
   // none, the one more is turned away.
   size_t max_connections = 1024;
   std::chrono::milliseconds stop{5'000};  // what a request gets to finish in when stopping
-  // Numeric addresses of proxies that say whom they were asked by (proxy_header.h): each of their connections begins
-  // with it. From others nothing of the kind is read.
+  // Numeric addresses of proxies that say whom they were asked by (proxy_header.h): each of their
+  // connections begins with it. From others nothing of the kind is read.
   std::vector<std::string> proxies = {};
   std::chrono::milliseconds introduction{10'000};  // what a proxy gets to say it in
 };
@@ -68,7 +68,8 @@ class Listener {
 
   Listener(boost::asio::io_context& io, ListenerOptions options, Make make, TurnAway turn_away);
 
-  // Listens; returns the port. Errors: kInvalidInput (address, proxies), kUnavailable (port in use).
+  // Listens; returns the port. Errors: kInvalidInput (address, proxies), kUnavailable (port in
+  // use).
   Result<uint16_t> Start();
 
   // Returns at once; again changes nothing. First no new connections, and BeginStop for those there
@@ -77,7 +78,8 @@ class Listener {
 
   // Connections that have not ended, those that are told to close among them.
   size_t open() const;
-  // Calls `visit` later, from a strand, for each connection that `make` made and that has not ended by then.
+  // Calls `visit` later, from a strand, for each connection that `make` made and that has not ended
+  // by then.
   void ForEach(std::function<void(AcceptedConnection&)> visit);
 
  private:

@@ -7,14 +7,15 @@
 
 #include "common/base/result.h"
 
-// The PROXY protocol, version 2: what a proxy that passes bytes on, without looking at them, says first of whom it was
-// asked by. Read only from peers that are listed as proxies: anybody else could claim any address. Source: W. Tarreau,
-// "The PROXY protocol, versions 1 & 2", HAProxy, section 2.2. Pure, any thread.
+// The PROXY protocol, version 2: what a proxy that passes bytes on, without looking at them, says
+// first of whom it was asked by. Read only from peers that are listed as proxies: anybody else
+// could claim any address. Source: W. Tarreau, "The PROXY protocol, versions 1 & 2", HAProxy,
+// section 2.2. Pure, any thread.
 namespace enamel::server {
 
 inline constexpr size_t kProxyStartBytes = 16;
-// What follows the start: addresses and whatever else the proxy says, which is not looked at. The protocol allows
-// 65 535; HAProxy with every option it has stays below this.
+// What follows the start: addresses and whatever else the proxy says, which is not looked at. The
+// protocol allows 65 535; HAProxy with every option it has stays below this.
 inline constexpr size_t kMaxProxyRestBytes = 2'048;
 
 struct ProxyStart {
@@ -27,8 +28,9 @@ struct ProxyStart {
 // Errors: kInvalidInput saying what was found instead, such as version 1, or TLS without a header.
 Result<ProxyStart> ReadProxyStart(std::span<const uint8_t, kProxyStartBytes> bytes);
 
-// The numeric address that the proxy was asked from; empty where it speaks for itself or does not know it.
-// Errors: kInvalidInput for a family that no station link comes by, or fewer bytes than its addresses take.
+// The numeric address that the proxy was asked from; empty where it speaks for itself or does not
+// know it. Errors: kInvalidInput for a family that no station link comes by, or fewer bytes than
+// its addresses take.
 Result<std::string> ReadProxyPeer(const ProxyStart& start, std::span<const uint8_t> rest);
 
 }  // namespace enamel::server

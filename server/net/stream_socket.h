@@ -23,7 +23,8 @@ namespace enamel::server {
 // Thread safety: the socket's strand.
 class StreamSocket {
  public:
-  // kDone: something was done. kEnded: the connection is over, for whatever reason. The others: wait.
+  // kDone: something was done. kEnded: the connection is over, for whatever reason. The others:
+  // wait.
   enum class Io { kDone, kEnded, kWantRead, kWantWrite };
 
   // `tls` outlives it; null: plain TCP.

@@ -21,8 +21,8 @@ struct ImportOptions {
   RosterOptions file;
   bool dry_run = false;
   // Given the passwords of who is going to be new, before anybody is: what it cannot keep is not
-  // made. None: they are in the result only. Who is new may change until it is done; then the result
-  // has other passwords than it was given.
+  // made. None: they are in the result only. Who is new may change until it is done; then the
+  // result has other passwords than it was given.
   std::function<Status(const std::vector<NewPassword>&)> keep{};
 };
 

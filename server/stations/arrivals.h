@@ -10,10 +10,12 @@
 
 namespace enamel::server::stations {
 
-// Recordings as they come in here: how many, which of them are late, and how long a chunk takes from its last byte until
-// it is committed and answered. A station cuts a chunk about twice a second and sends it at once.
+// Recordings as they come in here: how many, which of them are late, and how long a chunk takes
+// from its last byte until it is committed and answered. A station cuts a chunk about twice a
+// second and sends it at once.
 //
-// Bounded: the attempts whose newest chunk is no older than kGoneMs, or kMost of them. Thread safety: any thread.
+// Bounded: the attempts whose newest chunk is no older than kGoneMs, or kMost of them. Thread
+// safety: any thread.
 class Arrivals {
  public:
   // Silent for longer: late. Silent for longer still: broken off, or paused, and no longer counted.

@@ -19,8 +19,8 @@
 namespace enamel::server::stations {
 
 // One station's connection. Two coroutines on its strand: one serves, one closes the socket when
-// the deadline of what the first waits for has passed. Private parts are touched on the strand only;
-// what is public may be called from any thread, and posts to it.
+// the deadline of what the first waits for has passed. Private parts are touched on the strand
+// only; what is public may be called from any thread, and posts to it.
 class Connection : public AcceptedConnection, public std::enable_shared_from_this<Connection> {
  public:
   // Requires: the socket runs on `strand`. `tls`, `deadlines` and what follows outlive it.

@@ -261,8 +261,8 @@ Result<Person> Session::PersonOf(const std::string& session_token) {
   return identity.person;
 }
 
-// What is assigned, and for who teaches the newest version of whatever they could assign: graded work
-// needs a reference first, which they cut here.
+// What is assigned, and for who teaches the newest version of whatever they could assign: graded
+// work needs a reference first, which they cut here.
 Result<std::vector<ExerciseRow>> Session::ExercisesOf(const Person& person) {
   if (person.role == Role::kAdmin) return services_.store.exercises.AllExercises();
   ENAMEL_ASSIGN_OR_RETURN(auto out, services_.store.exercises.ExercisesFor(person.id));

@@ -101,7 +101,8 @@ class Session {
   Result<wire::Reply> Do(const wire::ReturnTicket& request);
   Result<wire::Reply> Do(const wire::Ping& ping);
   void Take(const wire::LiveState& live);
-  // What is to be said at the chair of an attempt of this station's, which has shown it up to there.
+  // What is to be said at the chair of an attempt of this station's, which has shown it up to
+  // there.
   void AddRemarks(const Uuid& attempt, uint64_t shown,
                   google::protobuf::RepeatedPtrField<wire::Remark>& out);
   Status KeepFacts(const AttemptRow& row, const protocol::AttemptFacts& facts);

@@ -74,8 +74,8 @@ Result<std::optional<AssignedRow>> Session::AssignmentFor(const Person& person,
   return std::optional(*assigned);
 }
 
-// What will hold the tool may not be known yet of a ticket for later; it is looked at when its attempt
-// is opened, as that of every attempt is.
+// What will hold the tool may not be known yet of a ticket for later; it is looked at when its
+// attempt is opened, as that of every attempt is.
 Status Session::HandMayTake(const AssignedRow& assigned, const wire::RequestTicket& request) {
   if (request.for_later() && !request.has_hand()) return Status::Ok();
   const Hand hand = protocol::ReadHand(request.hand());

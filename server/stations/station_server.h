@@ -27,7 +27,8 @@ struct StationServerOptions {
   std::string address = "127.0.0.1";               // numeric
   uint16_t port = 8443;                            // 0: any free one
   std::filesystem::path certificate, private_key;  // PEM
-  // Proxies that pass the bytes on and say for whom (ListenerOptions): the station's TLS ends here all the same.
+  // Proxies that pass the bytes on and say for whom (ListenerOptions): the station's TLS ends here
+  // all the same.
   std::vector<std::string> proxies;
   // For one more, one that has not said Hello yet is closed: the first of the address that has the
   // most of them. When there is none, the one more is closed.
@@ -39,8 +40,8 @@ struct StationServerOptions {
 class OtherSchools {
  public:
   virtual ~OtherSchools() = default;
-  // Whose the station is that says this first, or whose enrolment code it has; null: no other school's. May block.
-  // Errors: kUnavailable (it may be one that is suspended).
+  // Whose the station is that says this first, or whose enrolment code it has; null: no other
+  // school's. May block. Errors: kUnavailable (it may be one that is suspended).
   virtual Result<std::shared_ptr<Services>> ServicesOf(const wire::Request& first) = 0;
   // Of all that are served now. A connection to one that is no longer among them ends.
   virtual std::vector<std::shared_ptr<Services>> All() = 0;
@@ -51,9 +52,9 @@ class OtherSchools {
 // answered before the next is read, so that at most one frame in and one frame out are held per
 // connection.
 //
-// Lifetime: services, pool and other schools outlive the server, the server outlives the running of `io`.
-// Thread safety: Start once; Stop from any thread, any number of times; `io` may run on any number
-// of threads.
+// Lifetime: services, pool and other schools outlive the server, the server outlives the running of
+// `io`. Thread safety: Start once; Stop from any thread, any number of times; `io` may run on any
+// number of threads.
 class StationServer {
  public:
   // `others`: null: it is one school's.

@@ -17,15 +17,16 @@ namespace enamel::server {
 // Chunks of an unsealed attempt are rows; SealAttempt moves them into one write-once blob.
 //
 // Errors: kStorage (folder not writable, disk full, database damaged), kUnavailable (another server
-// holds the folder), kVersion (database made by a newer enamel-server), kInvalidInput (ticket.key is
-// no key).
+// holds the folder), kVersion (database made by a newer enamel-server), kInvalidInput (ticket.key
+// is no key).
 Result<std::unique_ptr<Store>> OpenSqliteStore(const StoreOptions& options);
 
 struct PostgresOptions {
-  // libpq's: "postgresql://user@host1,host2/name" or "host=… user=… dbname=…". Several hosts: the one
-  // that takes writes is found.
+  // libpq's: "postgresql://user@host1,host2/name" or "host=… user=… dbname=…". Several hosts: the
+  // one that takes writes is found.
   std::string server;
-  // PostgreSQL's name of the place for the tables; made where it is not there. Empty: the user's own.
+  // PostgreSQL's name of the place for the tables; made where it is not there. Empty: the user's
+  // own.
   std::string schema{};
   // Blobs, key ring and keys; what is SQLite's of these options does not count here.
   StoreOptions folder{};
@@ -37,10 +38,10 @@ Result<std::unique_ptr<Store>> OpenPostgresStore(const PostgresOptions& options)
 // Whether a server has its rows there already. Nothing is made. Errors: those of OpenPostgresStore.
 Result<bool> HasServers(const PostgresOptions& options);
 
-// The store of a data folder: its rows are in PostgreSQL, its blobs and keys in S3 stores, where the
-// folder's database.json says so (folder/database_file.h), else in enamel.db, blobs/ and keyring/. The
-// store of blobs is not asked yet. That of keys is, with `hold_lock`: whether it forgets what is deleted,
-// and who was erased. Either may be away while a server starts.
+// The store of a data folder: its rows are in PostgreSQL, its blobs and keys in S3 stores, where
+// the folder's database.json says so (folder/database_file.h), else in enamel.db, blobs/ and
+// keyring/. The store of blobs is not asked yet. That of keys is, with `hold_lock`: whether it
+// forgets what is deleted, and who was erased. Either may be away while a server starts.
 Result<std::unique_ptr<Store>> OpenStore(const StoreOptions& options);
 
 }  // namespace enamel::server

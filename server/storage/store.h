@@ -38,15 +38,16 @@
 #include "server/storage/upkeep/retention_rows.h"
 #include "server/storage/upkeep/store_health.h"
 
-// Everything durable of a school, by subject: rows in SQLite or PostgreSQL, blobs and keys in a folder or
-// in S3 stores (open_store.h). Both engines pass the same suite (tests/server/storage/backends.h). Every
-// change is one transaction and leaves an audit row in the same transaction.
+// Everything durable of a school, by subject: rows in SQLite or PostgreSQL, blobs and keys in a
+// folder or in S3 stores (open_store.h). Both engines pass the same suite
+// (tests/server/storage/backends.h). Every change is one transaction and leaves an audit row in the
+// same transaction.
 //
 // Who needs one or two subjects takes references to those; who needs more takes the Store.
 //
 // Thread safety: any thread; calls block (one connection writes, with group commit, and a pool of
-// them reads). Coroutines call it through StorePool (store_pool.h), never directly. Errors: kNotFound,
-// kConflict, kStorage with what to do.
+// them reads). Coroutines call it through StorePool (store_pool.h), never directly. Errors:
+// kNotFound, kConflict, kStorage with what to do.
 namespace enamel::server {
 
 struct StoreEngine;  // store_engine.h

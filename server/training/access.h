@@ -33,11 +33,11 @@ Status CheckConsent(bool consent);
 bool CanSeeDentist(const Person& viewer, const ReferenceRow& reference);
 // Making exercises of one's own: instructors and admins, whatever their cohorts.
 bool CanEditExercises(const Person& viewer);
-// Reading an exercise, its drafts too, and assigning it: who owns it, instructors when it is shared,
-// admins. What is assigned to a person is seen by that person besides.
+// Reading an exercise, its drafts too, and assigning it: who owns it, instructors when it is
+// shared, admins. What is assigned to a person is seen by that person besides.
 bool CanUseExercise(const Person& viewer, const ExerciseRow& exercise);
-// Drafts and versions of its name, its rubric, retiring and sharing it: who owns it, and admins. What
-// belongs to nobody is the school's, hence the admins'.
+// Drafts and versions of its name, its rubric, retiring and sharing it: who owns it, and admins.
+// What belongs to nobody is the school's, hence the admins'.
 bool CanChangeExercise(const Person& viewer, const ExerciseRow& exercise);
 // `in_cohort`: whether the viewer is in the assignment's cohort. For everybody (zero cohort):
 // admin.

@@ -33,9 +33,9 @@ struct Grade {
   bool regrading = false;
 };
 
-// `best`: the highest, of equal ones the earlier. `last`: of the attempt that was begun last among the
-// scored ones. `mean`: sum / n, added up in the order in which they were begun. `median`: the middle
-// one; of an even number the mean of the two in the middle.
+// `best`: the highest, of equal ones the earlier. `last`: of the attempt that was begun last among
+// the scored ones. `mean`: sum / n, added up in the order in which they were begun. `median`: the
+// middle one; of an even number the mean of the two in the middle.
 //   70, 85, 90: best 90, last 90, mean 81.666…, median 85.   70, 85: median 77.5.
 Grade GradeOver(Counting counting, std::vector<GradedAttempt> attempts);
 

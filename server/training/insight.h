@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-// How a class did under one assignment: who has not begun, what was lost where, what stands out. Pure
-// functions over plain values; what they say is for people and enters no score.
+// How a class did under one assignment: who has not begun, what was lost where, what stands out.
+// Pure functions over plain values; what they say is for people and enters no score.
 namespace enamel::server {
 
 // A criterion of one score, as schemas/score.md stores it.
@@ -41,8 +41,9 @@ struct StudentWork {
   std::vector<GateTaken> gates;
 };
 
-// The least, the quartiles and the most of some numbers. A quartile that falls between two of them is
-// linear in between (type 7 of Hyndman and Fan, "Sample Quantiles in Statistical Packages", 1996).
+// The least, the quartiles and the most of some numbers. A quartile that falls between two of them
+// is linear in between (type 7 of Hyndman and Fan, "Sample Quantiles in Statistical Packages",
+// 1996).
 struct Spread {
   uint32_t count = 0;
   double least = 0, lower = 0, median = 0, upper = 0, most = 0;
@@ -92,9 +93,9 @@ struct Insight {
   std::vector<Outlier> outliers;           // by student, the farthest first
 };
 
-// A value is told as an outlier where |z| > 3.5 with z = 0.6745 (x - median) / MAD, MAD the median of
-// |x - median| (Iglewicz and Hoaglin, "How to Detect and Handle Outliers", 1993): neither median nor
-// MAD is moved by what stands out. With fewer than 8 values, or a MAD of 0, none is told.
+// A value is told as an outlier where |z| > 3.5 with z = 0.6745 (x - median) / MAD, MAD the median
+// of |x - median| (Iglewicz and Hoaglin, "How to Detect and Handle Outliers", 1993): neither median
+// nor MAD is moved by what stands out. With fewer than 8 values, or a MAD of 0, none is told.
 // Times are of students who began. Of equally common errors the one that cost more points is told.
 Insight InsightOf(const std::vector<StudentWork>& students);
 

@@ -9,7 +9,8 @@
 
 // When a person may begin an attempt: the rules of assignments, as pure functions. Reference cuts
 // and instructors' own tries are outside them. What two stations could both pass at once (attempt
-// limit, one exam at a time) is looked at again where the attempt is made (TicketRows::CreateAttempt).
+// limit, one exam at a time) is looked at again where the attempt is made
+// (TicketRows::CreateAttempt).
 namespace enamel::server {
 
 // How long after its ticket an attempt may begin, at most; the station checks it. An exam begins
@@ -29,8 +30,8 @@ std::string WordsOf(const AssignmentRow& row);
 // Terms that contradict themselves. Errors: kInvalidInput, field "due_ms" or "station_ids".
 Status CheckTerms(const AssignmentRow& assignment);
 
-// Graded work and exams are judged against a reference: a version without one is assigned as practice
-// only. Errors: kConflict, field "reference".
+// Graded work and exams are judged against a reference: a version without one is assigned as
+// practice only. Errors: kConflict, field "reference".
 Status CheckReference(bool exam, const ExerciseRow& version, bool has_reference);
 
 bool IsLate(const AssignmentRow& assignment, UnixMs now_ms);
@@ -41,13 +42,14 @@ bool IsLate(const AssignmentRow& assignment, UnixMs now_ms);
 Status MayBegin(const AssignedRow& assigned, UnixMs now_ms, const std::optional<Uuid>& station,
                 const std::string& stations_text);
 
-// What may hold the tool in an attempt under these terms: practice is free, as are reference cuts and
-// instructors' own tries.
+// What may hold the tool in an attempt under these terms: practice is free, as are reference cuts
+// and instructors' own tries.
 HandsAllowed HandsFor(const AssignedRow& assigned);
 
 // The assignment a ticket for this exercise version counts for: `wanted`, or the first that allows
 // an attempt now, or else the first; null: none is for this exercise. `rows` as
-// AssignmentRows::AssignmentsFor sorts them, exams first, so that an exam is not dodged by saying nothing.
+// AssignmentRows::AssignmentsFor sorts them, exams first, so that an exam is not dodged by saying
+// nothing.
 const AssignedRow* PickAssignment(const std::vector<AssignedRow>& rows, const Sha256& content,
                                   const std::optional<Uuid>& wanted, UnixMs now_ms,
                                   const std::optional<Uuid>& station);

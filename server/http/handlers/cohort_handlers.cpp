@@ -89,8 +89,8 @@ Response GetCohort(const Call& call, CohortRows& cohorts) {
   return cohort.ok() ? CohortResponse(cohorts, *cohort) : ErrorResponse(cohort.status());
 }
 
-// A row for each student, a grade for each assignment of the cohort and for everybody. Not in pages: a
-// cohort is a class, and a result of it is a result of all of it.
+// A row for each student, a grade for each assignment of the cohort and for everybody. Not in
+// pages: a cohort is a class, and a result of it is a result of all of it.
 Response GetCohortGrades(const Call& call, Store& store) {
   Result<Cohort> cohort = VisibleCohort(call, store.cohorts);
   if (!cohort.ok()) return ErrorResponse(cohort.status());

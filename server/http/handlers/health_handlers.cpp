@@ -15,8 +15,8 @@ namespace {
 constexpr uint32_t kMostJobs = 200;      // that the store lists of a state
 constexpr uint32_t kMostAttempts = 200;  // likewise
 constexpr UnixMs kMinuteMs = 60'000;
-// While an attempt is made a chunk comes every second; a connection that is silent for a minute has ended
-// (schemas/wire/README.md).
+// While an attempt is made a chunk comes every second; a connection that is silent for a minute has
+// ended (schemas/wire/README.md).
 constexpr UnixMs kLateMs = 2 * kMinuteMs;
 // Somebody who went home without ending an attempt is no fault that could still be mended.
 constexpr UnixMs kGivenUpMs = 24 * 60 * kMinuteMs;
@@ -44,8 +44,8 @@ Result<json::object> StationsJson(StationRows& stations, const StationBoard* boa
   return json::object{{"enrolled", enrolled}, {"online", online}};
 }
 
-// Attempts that are being made, and those of which nothing has come for longer than a station with a
-// connection would wait.
+// Attempts that are being made, and those of which nothing has come for longer than a station with
+// a connection would wait.
 Result<json::object> RecordingsJson(AttemptRows& attempts, UnixMs now_ms) {
   AttemptFilter filter;
   filter.state = AttemptState::kRecording;

@@ -26,7 +26,8 @@ struct Class {
   uint32_t left_out = 0;                // students beyond kMaxStudents
 };
 
-// Students of the assignment's cohort, of one cohort that was asked for, or of all that the caller sees.
+// Students of the assignment's cohort, of one cohort that was asked for, or of all that the caller
+// sees.
 Result<Class> ClassOf(const Call& call, CohortRows& cohorts_rows, const AssignmentRow& row,
                       const std::optional<Uuid>& asked) {
   const std::optional<Uuid> one = row.cohort.IsZero() ? asked : std::optional(row.cohort);
@@ -67,8 +68,8 @@ double ScoreOf(const AttemptRow& row) {
   return row.overridden ? row.overridden->score : row.score.value_or(0);
 }
 
-// The attempt that the criteria are told of: whose score the result is; where that is a mean or a median,
-// the newest scored one.
+// The attempt that the criteria are told of: whose score the result is; where that is a mean or a
+// median, the newest scored one.
 std::optional<Uuid> LookedAt(const GradeView::Work& work) {
   if (work.grade.attempt) return work.grade.attempt;
   for (const AttemptRow& row : work.attempts) {
@@ -167,8 +168,8 @@ json::object InsightJson(const Insight& insight, const Class& people) {
           {"outliers", std::move(outliers)}};
 }
 
-// What those who teach the class tried of the exercise version themselves: beside the class, in none of
-// its figures.
+// What those who teach the class tried of the exercise version themselves: beside the class, in
+// none of its figures.
 Result<json::array> StaffJson(AttemptRows& attempts_rows, const AssignmentRow& row,
                               const Class& people) {
   json::array out;

@@ -100,9 +100,9 @@ Status LockAttempt(Db& db, const Uuid& attempt) {
   return q.status();
 }
 
-// One run of an attempt at a time: two would end in any order. Two jobs of one attempt are two rows,
-// which two workers may have locked at the same moment; with the attempt locked the second sees what the
-// first has taken.
+// One run of an attempt at a time: two would end in any order. Two jobs of one attempt are two
+// rows, which two workers may have locked at the same moment; with the attempt locked the second
+// sees what the first has taken.
 Result<std::optional<JobRow>> NextJobToTake(Db& db, UnixMs now_ms) {
   for (;;) {
     auto next = NextJob(db, now_ms, db.RowLockOrSkip());
@@ -119,7 +119,8 @@ Result<std::optional<JobRow>> NextJobToTake(Db& db, UnixMs now_ms) {
 Status TakeJob(Db& db, UnixMs now_ms, UnixMs lease_ms, const Uuid& owner,
                std::optional<JobRow>& taken) {
   taken.reset();
-  // A worker that has had the school open since before it was moved would score what goes on elsewhere.
+  // A worker that has had the school open since before it was moved would score what goes on
+  // elsewhere.
   ENAMEL_ASSIGN_OR_RETURN(const bool moved, HasMoveRow(db, MoveRow::kAway));
   if (moved) return Status::Ok();
   for (;;) {
@@ -153,7 +154,8 @@ Result<JobRow> FindJob(Db& db, const Uuid& job) {
   return Status(Code::kNotFound, "no job " + job.Text());
 }
 
-// The job whose run has this lease, locked; none: that run is over, and nothing of it counts any more.
+// The job whose run has this lease, locked; none: that run is over, and nothing of it counts any
+// more.
 Result<std::optional<JobRow>> FindRun(Db& db, const Uuid& lease) {
   Query q(db, std::string(kSelect) + " AND lease = ?2 AND state = 'running'" + db.RowLock());
   std::optional<JobRow> out;

@@ -37,8 +37,8 @@ struct JobFilter {
   uint32_t limit = 50;           // at most 200
 };
 
-// Field of the kUnavailable that says a run is over: it was cancelled, or another worker has its job.
-// Without it the database cannot be asked now, and the run may go on.
+// Field of the kUnavailable that says a run is over: it was cancelled, or another worker has its
+// job. Without it the database cannot be asked now, and the run may go on.
 inline constexpr char kLeaseOver[] = "lease";
 
 // The queue of jobs.
@@ -79,8 +79,8 @@ Result<std::vector<JobRow>> OpenJobsOf(Db& db, const Uuid& batch);
 Result<std::vector<JobRow>> OpenRunsOf(Db& db, const Uuid& attempt);
 // kUnavailable unless the run with this lease is under way; locks its job. Zero: no run is meant.
 Status MustBeRunning(Db& db, const Uuid& lease);
-// The job of this run is done. In the transaction that keeps its result: a worker that died in between would be
-// followed by another, with a second result. Zero: no run is meant.
+// The job of this run is done. In the transaction that keeps its result: a worker that died in
+// between would be followed by another, with a second result. Zero: no run is meant.
 Status FinishRun(Db& db, const Uuid& lease);
 
 }  // namespace enamel::server

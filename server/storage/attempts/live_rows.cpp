@@ -40,8 +40,8 @@ Status DeleteSilentServers(Db& db, UnixMs before_ms) {
   return Status::Ok();
 }
 
-// Also finds out whether others have deleted what this server said, and keeps them from it until the end of the
-// transaction.
+// Also finds out whether others have deleted what this server said, and keeps them from it until
+// the end of the transaction.
 Status BeHeard(Db& db, const Uuid& server, UnixMs now_ms, bool anew) {
   if (anew) {
     ENAMEL_RETURN_IF_ERROR(DeleteSilentServers(db, now_ms - LiveRows::kServerSilentMs));

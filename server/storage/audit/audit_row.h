@@ -57,13 +57,14 @@ Bytes EncodeAuditHead(const AuditHead& head);
 trace::Signature SignAuditHead(const AuditHead& head, const trace::SecretKey& key);
 bool VerifyAuditHead(const AuditHead& head, const trace::PublicKey& key);
 
-// Goes with every connection that writes rows (sql::Db::companion). Thread safety: the connection's.
+// Goes with every connection that writes rows (sql::Db::companion). Thread safety: the
+// connection's.
 struct AuditSigner final : sql::Db::Companion {
   explicit AuditSigner(const trace::SecretKey& secret_key, const Uuid& own_chain = {});
   const trace::SecretKey key;
   const trace::PublicKey public_key;
-  // The rows of this writer. All who write to one SQLite file take turns, so they share one; servers
-  // that write at the same time need one each.
+  // The rows of this writer. All who write to one SQLite file take turns, so they share one;
+  // servers that write at the same time need one each.
   const Uuid chain;
   // Signed here last: what is still there needs no look at its signature.
   mutable AuditHead known;

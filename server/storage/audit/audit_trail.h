@@ -12,8 +12,8 @@
 #include "server/storage/audit/actor.h"
 #include "server/storage/audit/audit_row.h"
 
-// The audit trail inside a transaction (schemas/audit.md): whoever changes something adds a row about it in the
-// same transaction. The connection is the writer's, which has the signer with it.
+// The audit trail inside a transaction (schemas/audit.md): whoever changes something adds a row
+// about it in the same transaction. The connection is the writer's, which has the signer with it.
 namespace enamel::server {
 
 // {"name":value,…} of text values.

@@ -10,8 +10,9 @@
 #include "server/storage/verify/verify.h"
 #include "server/training/types.h"
 
-// Copies of a school and the way back (schemas/backup.md), from a data folder, or from PostgreSQL and S3 stores where the
-// folder's database.json says so; back always into a folder (move.h leads on from there).
+// Copies of a school and the way back (schemas/backup.md), from a data folder, or from PostgreSQL
+// and S3 stores where the folder's database.json says so; back always into a folder (move.h leads
+// on from there).
 namespace enamel::server {
 
 struct BackupOptions {

@@ -21,15 +21,15 @@ struct BlobRow {
 
 Result<std::optional<BlobRow>> FindBlobRow(sql::Db& db, const Sha256& hash);
 Result<std::vector<BlobRow>> AllBlobRows(sql::Db& db);
-// Somebody puts or names what is there already: `put_ms` is now. The row is written in any case, so that
-// a transaction that deletes it meets this one. The row as it is then; none: there is none.
+// Somebody puts or names what is there already: `put_ms` is now. The row is written in any case, so
+// that a transaction that deletes it meets this one. The row as it is then; none: there is none.
 Result<std::optional<BlobRow>> TouchBlobRow(sql::Db& db, const Sha256& hash, int64_t now_ms);
 // The object of this generation is there. The row as it is then: of another generation when another
 // server was faster. A row of the generation `lost`, whose object is not there, is replaced.
 Result<BlobRow> ClaimBlobRow(sql::Db& db, const Sha256& hash, int64_t generation, int64_t lost,
                              int64_t now_ms);
-// Deletes the rows of those of `hashes` that no row names and that were put before `before_ms`. Those
-// that are deleted. Of a transaction of Isolation::kSerial.
+// Deletes the rows of those of `hashes` that no row names and that were put before `before_ms`.
+// Those that are deleted. Of a transaction of Isolation::kSerial.
 Result<std::vector<BlobRow>> DeleteUnnamedBlobRows(sql::Db& db, const std::set<Sha256>& hashes,
                                                    int64_t before_ms);
 

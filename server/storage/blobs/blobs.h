@@ -25,16 +25,16 @@ class Blobs {
 
   // Whoever puts a blob names it in a row within the age that Sweep is called with.
   virtual Result<Sha256> Put(ByteView data) = 0;
-  // Errors: kNotFound; kStorage when the content no longer has its name's hash; kUnavailable when it
-  // may be read later.
+  // Errors: kNotFound; kStorage when the content no longer has its name's hash; kUnavailable when
+  // it may be read later.
   virtual Result<Bytes> Get(const Sha256& hash) const = 0;
   virtual bool Has(const Sha256& hash) const = 0;
 
-  // In the transaction that names these, of what goes with an attempt (Free): they are there, and stay
-  // until it ends. Errors: kUnavailable (one was removed since it was put: put it again).
+  // In the transaction that names these, of what goes with an attempt (Free): they are there, and
+  // stay until it ends. Errors: kUnavailable (one was removed since it was put: put it again).
   virtual Status Hold(sql::Db& db, std::initializer_list<Sha256> hashes) = 0;
-  // What goes when its names do, in two steps. In the transaction (Isolation::kSerial) that has taken
-  // names of these away, after that: those which no row names any more.
+  // What goes when its names do, in two steps. In the transaction (Isolation::kSerial) that has
+  // taken names of these away, after that: those which no row names any more.
   struct Freed {
     Sha256 hash;
     int64_t generation = 0;  // of an S3 store's object (s3_blobs.h)

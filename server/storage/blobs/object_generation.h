@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-// Of an object that several servers may write at once: a number at random in its key, so that no two
-// servers write the same object, and a row that says which one counts.
+// Of an object that several servers may write at once: a number at random in its key, so that no
+// two servers write the same object, and a row that says which one counts.
 namespace enamel::server {
 
 // 63 bits, so that it is a number of SQL's; never 0.

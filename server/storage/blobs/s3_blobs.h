@@ -24,22 +24,22 @@ namespace enamel::server {
 // Why no server deletes what another names, or is about to name:
 // * Put uploads an object of a new generation first and adds its row then; when a row is there, it
 //   writes `put_ms` into it instead and uploads nothing.
-// * Whoever deletes a blob deletes its row, in one serial transaction with the look that nothing names
-//   it; the object goes after that transaction is kept. It is of the generation that the row had:
-//   never one that a Put uploads meanwhile.
+// * Whoever deletes a blob deletes its row, in one serial transaction with the look that nothing
+//   names it; the object goes after that transaction is kept. It is of the generation that the row
+//   had: never one that a Put uploads meanwhile.
 // * Put and Hold write the row. A serial transaction that deletes a row which was written since it
-//   began is repeated by the database, and then sees the name, or `put_ms`. The other way round, Put and
-//   Hold wait for it and find no row: Put uploads another generation, Hold refuses the name, and whoever
-//   wanted it puts the blob again. So it does not matter in which order they come, and it holds for
-//   Isolation::kRowLocks too.
-// * What goes with an attempt, at once (Free), is named with Hold. All else goes by Sweep alone, when
-//   the last Put is a day ago: a name follows its Put within minutes, or never.
-// * An object without a row is what a crash between upload and row left, or between row and deleting.
-//   Sweep removes it a day after it was uploaded; a row is not added any more for an upload that began
-//   an hour ago (kClaimWithin). Clocks of servers and store may differ by hours.
+//   began is repeated by the database, and then sees the name, or `put_ms`. The other way round,
+//   Put and Hold wait for it and find no row: Put uploads another generation, Hold refuses the
+//   name, and whoever wanted it puts the blob again. So it does not matter in which order they
+//   come, and it holds for Isolation::kRowLocks too.
+// * What goes with an attempt, at once (Free), is named with Hold. All else goes by Sweep alone,
+//   when the last Put is a day ago: a name follows its Put within minutes, or never.
+// * An object without a row is what a crash between upload and row left, or between row and
+//   deleting. Sweep removes it a day after it was uploaded; a row is not added any more for an
+//   upload that began an hour ago (kClaimWithin). Clocks of servers and store may differ by hours.
 //
-// What fails of the store is told as S3Trouble does. A row whose object is lost is found by Put, which
-// uploads the bytes again.
+// What fails of the store is told as S3Trouble does. A row whose object is lost is found by Put,
+// which uploads the bytes again.
 //
 // Thread safety: any thread. Put, Get and Remove wait for the store, at most about two of its calls
 // (S3Limits).

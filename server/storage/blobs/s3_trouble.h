@@ -9,8 +9,8 @@
 
 namespace enamel::server {
 
-// How an S3 store does, by what its calls return. What fails is in the log in full, at most once a minute
-// of a kind; whoever asked is told without host and bucket.
+// How an S3 store does, by what its calls return. What fails is in the log in full, at most once a
+// minute of a kind; whoever asked is told without host and bucket.
 // Thread safety: any thread.
 class S3Trouble {
  public:

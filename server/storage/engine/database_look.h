@@ -13,9 +13,9 @@
 namespace enamel::server {
 
 // Where the engine has a clock of its own: from now on this process's times are that one's
-// (FollowClock, common/base/unix_time.h), within half the time that the quickest of three questions took.
-// Gives how many ms this machine's clock is ahead of it; none: the engine's clock is this machine's. Blocks.
-// Errors: the database's.
+// (FollowClock, common/base/unix_time.h), within half the time that the quickest of three questions
+// took. Gives how many ms this machine's clock is ahead of it; none: the engine's clock is this
+// machine's. Blocks. Errors: the database's.
 Result<std::optional<int64_t>> FollowClockOf(sql::Db& db);
 
 // What a database on another machine says of itself. Thread safety: any thread.
@@ -23,16 +23,17 @@ class DatabaseLook {
  public:
   DatabaseLook(Transactions& rows, const Rewriter& rewriter) : rows_(rows), rewriter_(rewriter) {}
 
-  // Where the database is another machine's: its clock becomes this process's, and the figures below are
-  // of now. Elsewhere: nothing. Opening the store has done it once; a program that runs for long calls it every kEvery.
+  // Where the database is another machine's: its clock becomes this process's, and the figures
+  // below are of now. Elsewhere: nothing. Opening the store has done it once; a program that runs
+  // for long calls it every kEvery.
   static constexpr std::chrono::seconds kEvery{10};
   Status Look();
 
   // How far this machine's clock is ahead of the database's; 0 where they are one.
   int64_t clock_ahead_ms() const { return clock_ahead_ms_; }
   sql::Standby standby() const { return standby_; }
-  // Changes take long at the moment: the database is being rewritten, by this process or another, or
-  // waits for a standby that is not there.
+  // Changes take long at the moment: the database is being rewritten, by this process or another,
+  // or waits for a standby that is not there.
   bool ChangesWait() const;
 
  private:

@@ -13,7 +13,8 @@
 
 namespace enamel::server {
 
-// Field of a refusal (kUnavailable): another server of this database erases or applies retention just now.
+// Field of a refusal (kUnavailable): another server of this database erases or applies retention
+// just now.
 inline constexpr char kLeaseHeld[] = "lease";
 
 struct LeaseTimes {
@@ -21,12 +22,13 @@ struct LeaseTimes {
   std::function<void()> on_renewed{};  // on the lease's thread; for tests
 };
 
-// A row of the table `leases`, held until this is destroyed: what only one of the servers of a database does
-// at a time. A server that dies keeps it for LeaseTimes::good, by the database's clock. On a connection of
-// its own, as the writer's is busy for as long as a rewrite takes; a thread renews it.
+// A row of the table `leases`, held until this is destroyed: what only one of the servers of a
+// database does at a time. A server that dies keeps it for LeaseTimes::good, by the database's
+// clock. On a connection of its own, as the writer's is busy for as long as a rewrite takes; a
+// thread renews it.
 //
-// Who could not renew it in time goes on with what it began, beside whoever has taken it: what is done under
-// a lease must do no harm done twice.
+// Who could not renew it in time goes on with what it began, beside whoever has taken it: what is
+// done under a lease must do no harm done twice.
 class Lease {
  public:
   // Errors: kUnavailable, field kLeaseHeld (another has it); the database's.

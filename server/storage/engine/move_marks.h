@@ -3,9 +3,9 @@
 #include "common/base/result.h"
 #include "common/sql/db.h"
 
-// What a move (move.h) says in a database that several servers share, so that no other server's folder opens the school
-// there: marks in a folder are seen from that folder alone. Rows of the table `move_marks`. Private to
-// server/storage.
+// What a move (move.h) says in a database that several servers share, so that no other server's
+// folder opens the school there: marks in a folder are seen from that folder alone. Rows of the
+// table `move_marks`. Private to server/storage.
 namespace enamel::server {
 
 enum class MoveRow {

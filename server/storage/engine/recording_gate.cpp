@@ -2,7 +2,8 @@
 
 namespace enamel::server {
 
-// Stations delete in time what was acknowledged: a file that cannot be trusted takes nothing more in.
+// Stations delete in time what was acknowledged: a file that cannot be trusted takes nothing more
+// in.
 Status RecordingGate::Check() {
   if (!rows_.damaged()) return space_.Check();
   return Status(Code::kUnavailable,

@@ -16,14 +16,14 @@
 
 namespace enamel::server {
 
-// In the data folder while an erasure may have left copies in the database; the row of rewrite_due says
-// the same to several servers.
+// In the data folder while an erasure may have left copies in the database; the row of rewrite_due
+// says the same to several servers.
 inline constexpr char kRewriteMark[] = "REWRITE";
 
 // Writes the database anew after an erasure: SQLite overwrites what is deleted, but not the copies
-// that moving rows about has left in free pages and gaps; PostgreSQL overwrites nothing. A mark says
-// that this is still to be done, also after a crash: a file in the data folder, or a row where several
-// servers have theirs in the database, so that any of them does it.
+// that moving rows about has left in free pages and gaps; PostgreSQL overwrites nothing. A mark
+// says that this is still to be done, also after a crash: a file in the data folder, or a row where
+// several servers have theirs in the database, so that any of them does it.
 // Thread safety: any thread.
 class Rewriter {
  public:
@@ -51,14 +51,16 @@ class Rewriter {
     std::unique_ptr<Lease> lease_;
     std::atomic<int>* count_;
   };
-  // Errors: kUnavailable (somebody makes a backup, or has it alone; field kLeaseHeld: on another server).
+  // Errors: kUnavailable (somebody makes a backup, or has it alone; field kLeaseHeld: on another
+  // server).
   Result<Upkeep> TakeUpkeep();
 
   Status Mark();
   Result<bool> IsMarked() const;
   // Where the mark is, writes the database anew without what was freed in it, empties the log and
   // removes the mark. Writers wait meanwhile: this store's in the writer's queue, other processes'
-  // because of OthersErase. What fails is in the log; the mark stays then. Requires: Upkeep is held.
+  // because of OthersErase. What fails is in the log; the mark stays then. Requires: Upkeep is
+  // held.
   Status RunIfMarked();
   bool running() const { return running_; }
   // Another process finishes an erasure: its write is worth waiting for.

@@ -12,8 +12,8 @@ namespace enamel::server {
 // What a server is known by: to stations, in what it signs, and to its key ring.
 enum class ServerPart { kStationCertificate, kTicketKey, kKeyRing };
 
-// The table `server_identity`: keeps the fingerprint unless there is one, and compares it. In a transaction of either
-// isolation. Errors: those of ServerIdentityRows.
+// The table `server_identity`: keeps the fingerprint unless there is one, and compares it. In a
+// transaction of either isolation. Errors: those of ServerIdentityRows.
 Status MatchIdentityRow(sql::Db& db, ServerPart part, const std::optional<Sha256>& fingerprint);
 
 // What all servers of one database have in common.
@@ -21,9 +21,10 @@ class ServerIdentityRows {
  public:
   explicit ServerIdentityRows(Transactions& rows) : rows_(rows) {}
 
-  // Where several servers have their rows in one database, all are known by the same: the first one's
-  // fingerprint is kept, and another is refused. Without one: a server that has none yet asks whether it
-  // may make its own. Elsewhere nothing is compared. Errors: kConflict (another), kNotFound (it may not).
+  // Where several servers have their rows in one database, all are known by the same: the first
+  // one's fingerprint is kept, and another is refused. Without one: a server that has none yet asks
+  // whether it may make its own. Elsewhere nothing is compared. Errors: kConflict (another),
+  // kNotFound (it may not).
   Status MatchIdentity(ServerPart part, const std::optional<Sha256>& fingerprint);
 
  private:

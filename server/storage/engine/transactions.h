@@ -46,8 +46,8 @@ class Transactions {
   Status Write(const std::function<Status(sql::Db&)>& work) {
     return writer_.Run([&](sql::Db& db, bool&) { return work(db); });
   }
-  // For what comes with every chunk and every job: `work` first locks (Dialect::row_lock) the attempt or job
-  // that it decides on. Servers that work on others do not meet.
+  // For what comes with every chunk and every job: `work` first locks (Dialect::row_lock) the
+  // attempt or job that it decides on. Servers that work on others do not meet.
   Status WriteRow(const Writer::Work& work) { return writer_.Run(work, sql::Isolation::kRowLocks); }
   Status WriteRow(const std::function<Status(sql::Db&)>& work) {
     return WriteRow(Writer::Work([&](sql::Db& db, bool&) { return work(db); }));
@@ -59,8 +59,8 @@ class Transactions {
   const Writer& writer() const { return writer_; }
   // The engine has found the database damaged.
   bool damaged() const { return reader_found_damage_ || writer_.damaged(); }
-  // Whether other servers may have their rows in the same database, and a connection of its own to it
-  // for whoever must not wait for the writer. Requires of the second: the first.
+  // Whether other servers may have their rows in the same database, and a connection of its own to
+  // it for whoever must not wait for the writer. Requires of the second: the first.
   bool shared() const { return open_writer_ != nullptr; }
   Result<std::unique_ptr<sql::Db>> OpenWriter() const { return open_writer_(); }
 

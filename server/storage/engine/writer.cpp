@@ -37,10 +37,10 @@ Status Writer::Queue(Pending& mine) {
   std::unique_lock lock(mutex_);
   queue_.push_back(&mine);
   if (queue_.size() == 1) wake_.notify_one();
-  // Without a bound: a work that the thread is at cannot be taken back. What the thread itself waits
-  // for is bounded (SqliteDb::SetBusyWait, SqliteDb::kMostWait; PgDb::kStatementTimeout), but for a COMMIT
-  // that PostgreSQL keeps until a standby has it too: it may already be on the primary's disk, and must not be
-  // told otherwise. Health says so then (Standby::kMissing).
+  // Without a bound: a work that the thread is at cannot be taken back. What the thread itself
+  // waits for is bounded (SqliteDb::SetBusyWait, SqliteDb::kMostWait; PgDb::kStatementTimeout), but
+  // for a COMMIT that PostgreSQL keeps until a standby has it too: it may already be on the
+  // primary's disk, and must not be told otherwise. Health says so then (Standby::kMissing).
   mine.turn.wait(lock, [&] { return mine.done; });
   return mine.status;
 }
@@ -53,8 +53,8 @@ void Writer::Loop() {
     wake_.wait(lock, [&] { return stopping_ || !queue_.empty(); });
     if (queue_.empty()) return;
     lock.unlock();
-    // Under load, a commit of many costs as much as a commit of one: waiting up to kPace gives fewer
-    // and fuller ones.
+    // Under load, a commit of many costs as much as a commit of one: waiting up to kPace gives
+    // fewer and fuller ones.
     std::this_thread::sleep_until(next_commit_);
     lock.lock();
     std::vector<Pending*> batch = TakeBatch();
@@ -73,8 +73,8 @@ void Writer::Loop() {
   }
 }
 
-// What came first, and all that may go with it: in the order they came, up to what is to run alone. That
-// makes a batch of its own.
+// What came first, and all that may go with it: in the order they came, up to what is to run alone.
+// That makes a batch of its own.
 std::vector<Writer::Pending*> Writer::TakeBatch() {
   std::vector<Pending*> batch;
   if (queue_.front()->alone != nullptr) {

@@ -14,12 +14,13 @@
 
 namespace enamel::server {
 
-// This process's one write connection, with group commit: callers queue their work; a thread of its own runs
-// up to kMaxBatch queued works in one transaction and one fsync, and wakes their owners. A work that fails is
-// rolled back alone: then the batch is run again, each in a savepoint of its own. Not from the start: to a server
-// far away two messages more of each work are most of what a chunk costs. A COMMIT that fails fails the whole batch.
-// Why a thread of its own: commits keep their pace when a caller runs at a low priority. Thread
-// safety: any thread. Destruction waits for what is queued.
+// This process's one write connection, with group commit: callers queue their work; a thread of its
+// own runs up to kMaxBatch queued works in one transaction and one fsync, and wakes their owners. A
+// work that fails is rolled back alone: then the batch is run again, each in a savepoint of its
+// own. Not from the start: to a server far away two messages more of each work are most of what a
+// chunk costs. A COMMIT that fails fails the whole batch. Why a thread of its own: commits keep
+// their pace when a caller runs at a low priority. Thread safety: any thread. Destruction waits for
+// what is queued.
 class Writer {
  public:
   // `twice`: runs every work, takes back what it did, and runs it again. For tests.
@@ -28,11 +29,12 @@ class Writer {
 
   // What the work did is kept when it returns Ok, or sets `keep_anyway` (a refusal that leaves
   // evidence). Durable when Run returns. A work may be run again after what it did was taken back
-  // (another of its batch failed, or a server's database ended transactions that met): what it sets outside the
-  // database, it sets anew from its start.
+  // (another of its batch failed, or a server's database ended transactions that met): what it sets
+  // outside the database, it sets anew from its start.
   //
-  // `isolation`: kRowLocks for what comes with every chunk and job, and locks the rows it decides on;
-  // those run in transactions of their own, so that one that has to be repeated never repeats them.
+  // `isolation`: kRowLocks for what comes with every chunk and job, and locks the rows it decides
+  // on; those run in transactions of their own, so that one that has to be repeated never repeats
+  // them.
   using Work = std::function<Status(Db& db, bool& keep_anyway)>;
   Status Run(const Work& work, sql::Isolation isolation = sql::Isolation::kSerial);
   // One statement, kRowLocks. With a server all of a batch are sent before the first answer.
@@ -48,8 +50,8 @@ class Writer {
   };
   Counters counters() const;
   size_t queued() const;  // works that wait for the thread
-  // How long the newest commits took, from BEGIN to the end of COMMIT: at most kTimed of them, in no
-  // order.
+  // How long the newest commits took, from BEGIN to the end of COMMIT: at most kTimed of them, in
+  // no order.
   static constexpr size_t kTimed = 1000;
   std::vector<double> newest_commits_s() const;
   // The database was found damaged; stays so.
@@ -69,8 +71,8 @@ class Writer {
   static constexpr size_t kBusyBatch = 4;
   static constexpr std::chrono::milliseconds kPace{10};
   // So often a batch is run before those whose transactions met with others' are told to try again,
-  // with a pause before each that doubles up to kLongestPause, less a part at random: two that met would
-  // meet again.
+  // with a pause before each that doubles up to kLongestPause, less a part at random: two that met
+  // would meet again.
   static constexpr int kTries = 10;
   static constexpr std::chrono::microseconds kFirstPause{2000}, kLongestPause{100'000};
   struct Pending {

@@ -8,9 +8,9 @@
 #include "server/storage/folder/disk.h"
 #include "server/storage/folder/store_options.h"
 
-// database.json in a data folder (schemas/database.md): which PostgreSQL database holds the folder's
-// rows, and which S3 stores its blobs and its keys. Without it rows are in enamel.db, blobs in blobs/ and
-// keys in keyring/.
+// database.json in a data folder (schemas/database.md): which PostgreSQL database holds the
+// folder's rows, and which S3 stores its blobs and its keys. Without it rows are in enamel.db,
+// blobs in blobs/ and keys in keyring/.
 namespace enamel::server {
 
 inline constexpr char kDatabaseFile[] = "database.json";
@@ -50,8 +50,8 @@ Result<StoreOptions::KeyBucket> ReadKeyBucket(const std::filesystem::path& folde
 // Puts an object there, gets it and deletes it. Errors: those of S3Client.
 Status TryS3Place(const S3Place& place);
 
-// For what looks at the rows in enamel.db itself. Errors: kConflict (they are in PostgreSQL, with what
-// to do instead of `command`).
+// For what looks at the rows in enamel.db itself. Errors: kConflict (they are in PostgreSQL, with
+// what to do instead of `command`).
 Status MustHaveRowsInFolder(const std::filesystem::path& folder, const std::string& command);
 
 // Errors: kInvalidInput (one bucket for blobs and keys), kConflict (the folder has rows already, in

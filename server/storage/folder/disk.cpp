@@ -124,8 +124,8 @@ class PosixDisk final : public Disk {
   Result<Copied> Copy(const fs::path& from, const fs::path& to, bool link) override {
     Copied out;
     std::error_code error;
-    // Where that fails (another file system) it is copied. A link to a blob is safe: blobs are never
-    // changed in their place.
+    // Where that fails (another file system) it is copied. A link to a blob is safe: blobs are
+    // never changed in their place.
     if (link) fs::create_hard_link(from, to, error);
     out.linked = link && !error;
     std::optional<Fd> target;

@@ -46,7 +46,8 @@ struct StoreOptions {
   // Where blobs are instead of in FOLDER/blobs. With rows in enamel.db for tests alone: two servers
   // with a database each would delete each other's blobs (ReadDatabaseFile refuses it).
   std::optional<S3Place> s3_blobs{};
-  // Where keys are instead of in FOLDER/keyring, and the file of the key that they are wrapped with.
+  // Where keys are instead of in FOLDER/keyring, and the file of the key that they are wrapped
+  // with.
   struct KeyBucket {
     S3Place place;
     std::filesystem::path master_key;

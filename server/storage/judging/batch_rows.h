@@ -32,8 +32,8 @@ class BatchRows {
 
   // Scores these attempts again, after runs that were asked for one by one: somebody waits for
   // those. Left out, and counted in `left_out`: of which a run is waiting already, which have no
-  // recording, and which failed or are held back. Title, cause and cohort of `row` count. Errors: kConflict
-  // when none is left.
+  // recording, and which failed or are held back. Title, cause and cohort of `row` count. Errors:
+  // kConflict when none is left.
   Result<BatchRow> RescoreTogether(const BatchRow& row, const std::vector<Uuid>& attempts,
                                    uint32_t& left_out, const Actor& by);
   // Newest first, at most 100.

@@ -14,9 +14,9 @@
 
 namespace enamel::server {
 
-// What people decide about an attempt: release, grade, flags. Each of these, and another score, raises
-// AttemptRow::revision when it changes something. `revision`: the one that was seen; none: whatever it is. Errors also:
-// kConflict with field kStale.
+// What people decide about an attempt: release, grade, flags. Each of these, and another score,
+// raises AttemptRow::revision when it changes something. `revision`: the one that was seen; none:
+// whatever it is. Errors also: kConflict with field kStale.
 class JudgingRows {
  public:
   JudgingRows(Transactions& rows, SealRows& seals) : rows_(rows), seals_(seals) {}

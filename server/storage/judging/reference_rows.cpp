@@ -115,8 +115,8 @@ Result<ReferenceRow> ReferenceRows::AddReference(const Uuid& attempt, const std:
     ENAMEL_RETURN_IF_ERROR(MustDoTheTask(found));
     ENAMEL_RETURN_IF_ERROR(WithdrawEarlier(db, attempt));
     ENAMEL_RETURN_IF_ERROR(InsertReference(db, row));
-    // What was scored without a reference is scored again with it; what was compared with an earlier
-    // one keeps its score until somebody asks.
+    // What was scored without a reference is scored again with it; what was compared with an
+    // earlier one keeps its score until somebody asks.
     ENAMEL_RETURN_IF_ERROR(QueueUnreferenced(db, row.exercise));
     const std::string exercise = row.exercise.Text(), version = std::to_string(row.version);
     return WriteAudit(

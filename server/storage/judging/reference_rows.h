@@ -20,10 +20,10 @@ class ReferenceRows {
 
   // A sealed and scored attempt becomes the exercise's reference (newest that is not withdrawn
   // wins); attempts of that exercise which were sealed without a reference are queued for scoring,
-  // itself included (it then reads deviation 0). `consent`: students may see the name. Marked again,
-  // it counts once, under its new name. `anyway`: why it is one although a check speaks against it
-  // (jobs/reference_check.h); it goes to the audit trail. Errors also: kConflict, field "score", of
-  // one that scored 0.
+  // itself included (it then reads deviation 0). `consent`: students may see the name. Marked
+  // again, it counts once, under its new name. `anyway`: why it is one although a check speaks
+  // against it (jobs/reference_check.h); it goes to the audit trail. Errors also: kConflict, field
+  // "score", of one that scored 0.
   Result<ReferenceRow> AddReference(const Uuid& attempt, const std::string& dentist, bool consent,
                                     const Actor& by, const std::string& anyway = {});
   Result<ReferenceRow> ReferenceById(const Uuid& id);

@@ -26,8 +26,8 @@ Status MustExist(Db& db, const Uuid& attempt) {
 }
 
 // Whether the row has another score than the run's, unless it is the one that the run found to have
-// the same points and reasons: that it still is, is seen in the transaction, as another run may have
-// ended meanwhile.
+// the same points and reasons: that it still is, is seen in the transaction, as another run may
+// have ended meanwhile.
 constexpr char kIsAnother[] =
     "(score IS DISTINCT FROM ?3 OR critical_fail IS DISTINCT FROM ?4 OR score_json IS DISTINCT "
     "FROM ?5) AND score_json IS DISTINCT FROM ?6";

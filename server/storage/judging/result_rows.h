@@ -42,8 +42,8 @@ class ResultRows {
  public:
   ResultRows(Transactions& rows, Blobs& blobs) : rows_(rows), blobs_(blobs) {}
 
-  // `lease`: of the run that made it, whose cause is kept with it and whose job is done with it; zero: none did, the cause is
-  // "seal". Errors also: kUnavailable with kLeaseOver.
+  // `lease`: of the run that made it, whose cause is kept with it and whose job is done with it;
+  // zero: none did, the cause is "seal". Errors also: kUnavailable with kLeaseOver.
   Status FinishAttempt(const Uuid& attempt, const AttemptResult& result, const Uuid& lease);
   Status FailAttempt(const Uuid& attempt, const std::string& problem, const Uuid& lease);
   // Of a run's attempt. Errors: kUnavailable with kLeaseOver: stop.
@@ -53,8 +53,8 @@ class ResultRows {
   Result<std::vector<ResultRow>> ResultsOf(const Uuid& attempt);
   // The score of an earlier run (ResultsOf) counts again, as a run of its own with the
   // cause "restore"; runs that wait or are under way are cancelled. The newest run's: only that. A
-  // release of another score is withdrawn as after a run. Errors: kNotFound (no such run), kConflict
-  // (all of it is kept only of the newest run and the one before; recording removed).
+  // release of another score is withdrawn as after a run. Errors: kNotFound (no such run),
+  // kConflict (all of it is kept only of the newest run and the one before; recording removed).
   Status RestoreResult(const Uuid& attempt, int32_t run, const Actor& by,
                        std::optional<int32_t> revision = {});
 

@@ -35,8 +35,8 @@ class TimelineRows {
   Status KeepTimeline(const Uuid& attempt);
   // Stopped before its end through no fault of its own: the try does not count.
   Status ReturnTimeline(const Uuid& attempt);
-  // Made. `content`: kept with StoredBlobs::PutAttemptBlob. Errors: kConflict when the recording was
-  // removed meanwhile.
+  // Made. `content`: kept with StoredBlobs::PutAttemptBlob. Errors: kConflict when the recording
+  // was removed meanwhile.
   Status PutTimeline(const Uuid& attempt, const Sha256& content);
   // `again`: another try may help.
   Status FailTimeline(const Uuid& attempt, const std::string& problem, bool again);

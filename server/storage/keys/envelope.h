@@ -11,9 +11,9 @@
 
 namespace enamel::server {
 
-// The layout that personal data and wrapped keys have in common (schemas/personal_data.md): a head of magic,
-// version, 0 and person, a nonce, and XChaCha20-Poly1305 of the content with the head as additional data.
-// Pure functions, any thread.
+// The layout that personal data and wrapped keys have in common (schemas/personal_data.md): a head
+// of magic, version, 0 and person, a nonce, and XChaCha20-Poly1305 of the content with the head as
+// additional data. Pure functions, any thread.
 inline constexpr size_t kEnvelopeHead = 4 + 2 + 2 + 16, kEnvelopeNonce = 24, kEnvelopeTag = 16;
 inline constexpr size_t kEnvelopeBytes =
     kEnvelopeHead + kEnvelopeNonce + kEnvelopeTag;  // when empty

@@ -10,8 +10,8 @@
 #include "common/sql/db.h"
 #include "server/storage/keys/keyring.h"
 
-// Rows of the tables `person_keys` (schemas/sql/0001_initial.sql) and `erasures`, for S3Keyring. Each function
-// is part of a transaction of the caller's. Private to server/storage.
+// Rows of the tables `person_keys` (schemas/sql/0001_initial.sql) and `erasures`, for S3Keyring.
+// Each function is part of a transaction of the caller's. Private to server/storage.
 namespace enamel::server {
 
 struct KeyRow {

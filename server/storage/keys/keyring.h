@@ -22,8 +22,8 @@ struct Tombstone {
   int64_t erased_ms = 0;
 };
 
-// The keys of people, and who was erased (schemas/personal_data.md). Apart from the database and the blobs,
-// so that destroying a key takes what it opens out of every copy of those.
+// The keys of people, and who was erased (schemas/personal_data.md). Apart from the database and
+// the blobs, so that destroying a key takes what it opens out of every copy of those.
 // Thread safety: any thread.
 class Keyring {
  public:
@@ -33,9 +33,10 @@ class Keyring {
   virtual Result<DataKey> Find(const Uuid& person) = 0;
   // Made, and durable, when there is none. Errors: kConflict (erased), kStorage.
   virtual Result<DataKey> FindOrMake(const Uuid& person) = 0;
-  // A key that this process has in memory, without a look whether it still counts. Of a key ring of several servers it
-  // does while the person's row of `person_keys` is of this generation; who writes with it asks that in the same
-  // statement (AppendChunk), which saves the look. None: none in memory, or a key ring that others do not change.
+  // A key that this process has in memory, without a look whether it still counts. Of a key ring of
+  // several servers it does while the person's row of `person_keys` is of this generation; who
+  // writes with it asks that in the same statement (AppendChunk), which saves the look. None: none
+  // in memory, or a key ring that others do not change.
   struct Remembered {
     DataKey key;
     int64_t generation = 0;
@@ -47,7 +48,8 @@ class Keyring {
   virtual Result<std::vector<Tombstone>> Gone() = 0;
   // Whose keys are here, in order.
   virtual Result<std::vector<Uuid>> People() = 0;
-  // Another key ring's key, durable on return. One that is here already stays. Errors: kConflict (erased).
+  // Another key ring's key, durable on return. One that is here already stays. Errors: kConflict
+  // (erased).
   virtual Status Put(const Uuid& person, const DataKey& key) = 0;
   // These people are erased here too, from now on.
   virtual Status Bury(const std::vector<Tombstone>& tombstones) = 0;
@@ -55,7 +57,8 @@ class Keyring {
   virtual Status Problem() const { return Status::Ok(); }
 };
 
-// Takes the other's keys and erasures besides those in `keyring`. `progress` hears of so many keys of so many.
+// Takes the other's keys and erasures besides those in `keyring`. `progress` hears of so many keys
+// of so many.
 Status Join(Keyring& keyring, Keyring& other,
             const std::function<void(uint64_t, uint64_t)>& progress = {});
 
@@ -64,7 +67,8 @@ Status Join(Keyring& keyring, Keyring& other,
 Bytes SealPersonal(const Uuid& person, const DataKey& key, const Uuid& attempt, ByteView data);
 // None: these bytes are no envelope.
 std::optional<Uuid> PersonOfSealed(ByteView bytes);
-// Envelopes are opened; everything else is nobody's and returned as it is. Errors: kNotFound (key destroyed), kStorage (damaged), kVersion.
+// Envelopes are opened; everything else is nobody's and returned as it is. Errors: kNotFound (key
+// destroyed), kStorage (damaged), kVersion.
 Result<Bytes> OpenPersonal(Keyring& keyring, Bytes bytes);
 // The same for many in a row, mostly of one person, whose key is asked for once. One thread.
 class PersonalReader {

@@ -7,9 +7,9 @@
 
 namespace enamel::server {
 
-// What keys of people are wrapped with where they lie in a bucket (schemas/personal_data.md, "Keys in a
-// bucket"): whoever has the bucket alone has nothing. 256 bits in a file that is not in the bucket, the
-// same on all servers of a school.
+// What keys of people are wrapped with where they lie in a bucket (schemas/personal_data.md, "Keys
+// in a bucket"): whoever has the bucket alone has nothing. 256 bits in a file that is not in the
+// bucket, the same on all servers of a school.
 // Thread safety: const after construction.
 class MasterKey {
  public:
@@ -26,8 +26,9 @@ class MasterKey {
   DataKey key_;
 };
 
-// A file of 64 hexadecimal digits and a newline that nobody but its owner may read. Errors: kNotFound,
-// kForbidden (others may read it), kInvalidInput (it is no key), kStorage. No message has the key in it.
+// A file of 64 hexadecimal digits and a newline that nobody but its owner may read. Errors:
+// kNotFound, kForbidden (others may read it), kInvalidInput (it is no key), kStorage. No message
+// has the key in it.
 Result<MasterKey> ReadMasterKey(const std::filesystem::path& path);
 // Made at random when absent.
 Result<MasterKey> EnsureMasterKey(const std::filesystem::path& path, Disk& disk);

@@ -192,7 +192,8 @@ Status S3Keyring::DestroyKeys(const Uuid& person, const std::vector<std::string>
 Status S3Keyring::Destroy(const Uuid& person, int64_t now_ms) {
   const Tombstone tombstone{TombstoneOf(person), now_ms};
   std::optional<KeyRow> row;
-  // In one transaction: it and another server's that makes a key at the same time cannot both be kept.
+  // In one transaction: it and another server's that makes a key at the same time cannot both be
+  // kept.
   const Status marked = rows_.Write([&](sql::Db& db) -> Status {
     ENAMEL_RETURN_IF_ERROR(AddErasure(db, tombstone));
     ENAMEL_ASSIGN_OR_RETURN(row, FindKeyRow(db, person));

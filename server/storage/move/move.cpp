@@ -66,14 +66,15 @@ class Mover {
     // Its lock first: of two that move the same, the second must not touch the first one's mark.
     ENAMEL_RETURN_IF_ERROR(OpenSource());
     ENAMEL_RETURN_IF_ERROR(MustNotBeMovedElsewhere(options_.from, options_.to));
-    // From now on no command opens the old place; one that has it open is noticed (MustBeUnchanged).
+    // From now on no command opens the old place; one that has it open is noticed
+    // (MustBeUnchanged).
     ENAMEL_RETURN_IF_ERROR(
         disk_.Replace(options_.from / kMovedMark, AsBytes(PathText(options_.to) + "\n")));
     Status moved = CloseToOthers(true);
     if (moved.ok()) moved = MoveAll();
     if (!moved.ok()) {
-      // The school goes on where it was, unless the new place may be open already; a crash leaves that to who reads
-      // the mark.
+      // The school goes on where it was, unless the new place may be open already; a crash leaves
+      // that to who reads the mark.
       if (!opens_) {
         (void)CloseToOthers(false);
         (void)disk_.Remove(options_.from / kMovedMark);
@@ -130,7 +131,8 @@ class Mover {
   }
 
   Status OpenSource() {
-    // The mark of an earlier try of this move does not close it for us; anything else that does, does.
+    // The mark of an earlier try of this move does not close it for us; anything else that does,
+    // does.
     std::error_code error;
     const bool again = fs::exists(options_.from / kMovedMark, error) &&
                        !fs::exists(options_.from / kRestoreMark, error) &&
@@ -180,7 +182,8 @@ class Mover {
       }));
     }
     ENAMEL_ASSIGN_OR_RETURN(const bool there, HasRows(*db));
-    // In the old place, before it is read: a row in the new one would make the two differ for a try that is repeated.
+    // In the old place, before it is read: a row in the new one would make the two differ for a try
+    // that is repeated.
     if (!there) {
       ENAMEL_RETURN_IF_ERROR(
           source_->audit.NoteAudit(Actor{{}, "command line"}, "store.move", "", "{}"));
@@ -198,8 +201,8 @@ class Mover {
                       "left before the old place changed, drop that schema");
   }
 
-  // All of the old place's rows, as of one moment, which is over as soon as they are read: an engine may end one that
-  // waits for long.
+  // All of the old place's rows, as of one moment, which is over as soon as they are read: an
+  // engine may end one that waits for long.
   Status InOneMoment(const std::function<Status(Db&)>& read) {
     return source_->engine->rows.Read([&](Db& from) -> Status {
       sql::Transaction moment(from, sql::Isolation::kSnapshot);

@@ -10,13 +10,14 @@
 #include "server/storage/school/school_tables.h"
 #include "server/storage/verify/verify.h"
 
-// A school's way from one place to another: from rows, blobs and keys in a data folder to PostgreSQL and S3
-// stores, back, or to another folder.
+// A school's way from one place to another: from rows, blobs and keys in a data folder to
+// PostgreSQL and S3 stores, back, or to another folder.
 namespace enamel::server {
 
-// Makes the new folder, with the mark MOVE-UNFINISHED, on which no server starts; again after a try that was broken off. What says where its rows, blobs and keys are
-// (database_file.h) comes after it, then the files of the identity, then MoveSchool. Errors: kConflict (there
-// is something else, or a move from another folder), kStorage.
+// Makes the new folder, with the mark MOVE-UNFINISHED, on which no server starts; again after a try
+// that was broken off. What says where its rows, blobs and keys are (database_file.h) comes after
+// it, then the files of the identity, then MoveSchool. Errors: kConflict (there is something else,
+// or a move from another folder), kStorage.
 Status BeginMove(const std::filesystem::path& from, const std::filesystem::path& to, Disk& disk);
 
 struct MoveOptions {
@@ -35,12 +36,13 @@ struct MoveReport {
   std::vector<Sha256> missing;    // blobs that are missing or damaged in the old place
 };
 
-// Rows first, in one transaction, then blobs, then keys. Each row is compared by the hash of its table, each blob is read back
-// by its hash, each key is read back, and at the end the old place has to be what it was. Nothing is deleted there; it has the
-// mark MOVED meanwhile and afterwards, on which no server starts either, and no command. After an error, or a
-// crash, the same call goes on: what is there stays. Errors: kConflict (a server runs, or the new
-// place has other rows), kUnavailable (a store is away: try again), kStorage (`missing`, and not accepted; or what
-// was read back is not what was put), kInvalidInput (both in PostgreSQL, which has tools of its own).
+// Rows first, in one transaction, then blobs, then keys. Each row is compared by the hash of its
+// table, each blob is read back by its hash, each key is read back, and at the end the old place
+// has to be what it was. Nothing is deleted there; it has the mark MOVED meanwhile and afterwards,
+// on which no server starts either, and no command. After an error, or a crash, the same call goes
+// on: what is there stays. Errors: kConflict (a server runs, or the new place has other rows),
+// kUnavailable (a store is away: try again), kStorage (`missing`, and not accepted; or what was
+// read back is not what was put), kInvalidInput (both in PostgreSQL, which has tools of its own).
 Result<MoveReport> MoveSchool(const MoveOptions& options);
 
 }  // namespace enamel::server

@@ -12,10 +12,11 @@
 
 namespace enamel::server {
 
-// A school that an installation's servers serve beside the installation's own. All that is the school's is in a store of
-// its own (server/app/school_folder.h): with PostgreSQL in a schema of its own, so that no statement of one school can
-// name a row of another.
-// kBeingMade, kBeingDeleted: the command that does it was broken off, or is at it; the same command goes on.
+// A school that an installation's servers serve beside the installation's own. All that is the
+// school's is in a store of its own (server/app/school_folder.h): with PostgreSQL in a schema of
+// its own, so that no statement of one school can name a row of another.
+// kBeingMade, kBeingDeleted: the command that does it was broken off, or is at it; the same command
+// goes on.
 enum class SchoolState : uint8_t { kBeingMade, kServed, kSuspended, kBeingDeleted };
 const char* SchoolStateName(SchoolState state);  // "being_made", …
 
@@ -30,24 +31,27 @@ struct SchoolRow {
 
 // 1 to 32 of a-z 0-9 -, a letter first.
 bool IsSchoolName(std::string_view name);
-// A DNS name in lower case, without port and without a dot at its end: at most 253 bytes, labels of 1 to 63 of a-z 0-9 -, no
-// hyphen first or last.
+// A DNS name in lower case, without port and without a dot at its end: at most 253 bytes, labels of
+// 1 to 63 of a-z 0-9 -, no hyphen first or last.
 bool IsHostName(std::string_view host);
 
-// The schools of an installation, in the store of the installation's own. Only the command line changes them: an admin
-// of that school is no admin of the others.
+// The schools of an installation, in the store of the installation's own. Only the command line
+// changes them: an admin of that school is no admin of the others.
 class SchoolRows {
  public:
   explicit SchoolRows(Transactions& rows) : rows_(rows) {}
 
   // By name.
   Result<std::vector<SchoolRow>> Schools();
-  // Errors: kInvalidInput (name, hosts), kConflict (the name is taken, or a host is another school's).
+  // Errors: kInvalidInput (name, hosts), kConflict (the name is taken, or a host is another
+  // school's).
   Status AddSchool(const SchoolRow& row, const Actor& by);
-  // Its hosts and its state. One that is being made is served next or deleted, one that is served is suspended before it is
-  // deleted, and one that is being deleted stays so. Errors: those of AddSchool, kNotFound, kConflict (of these steps).
+  // Its hosts and its state. One that is being made is served next or deleted, one that is served
+  // is suspended before it is deleted, and one that is being deleted stays so. Errors: those of
+  // AddSchool, kNotFound, kConflict (of these steps).
   Status ChangeSchool(const SchoolRow& row, const Actor& by);
-  // Forgets it; what is the school's has to be gone already. Errors: kNotFound, kConflict (it is not being deleted).
+  // Forgets it; what is the school's has to be gone already. Errors: kNotFound, kConflict (it is
+  // not being deleted).
   Status RemoveSchool(const std::string& name, const Actor& by);
 
  private:

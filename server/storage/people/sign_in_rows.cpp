@@ -75,8 +75,8 @@ Status Delete(Db& db, const std::string& which, int64_t value) {
   return q.Bind(value).Bind(kSweptAtOnce).Run();
 }
 
-// Those with failures and those without are bounded apart, so that nobody who signs in often makes failures
-// forgotten.
+// Those with failures and those without are bounded apart, so that nobody who signs in often makes
+// failures forgotten.
 Status DeleteBeyondMost(Db& db, const std::string& kind) {
   Query most(db, "SELECT until_ms FROM sign_in_counters WHERE tenant = ?1 AND " + kind +
                      " ORDER BY until_ms DESC LIMIT 1 OFFSET ?2");

@@ -23,23 +23,23 @@ struct SignInCounter {
   auto operator<=>(const SignInCounter&) const = default;
 };
 
-// Failures to sign in that the servers of a school count together; the rules are auth::Throttle's. A server that is
-// the only one (Transactions::shared) counts in its own memory.
+// Failures to sign in that the servers of a school count together; the rules are auth::Throttle's.
+// A server that is the only one (Transactions::shared) counts in its own memory.
 //
 // Where several servers count, each change is a transaction of its own on a
-// connection of its own: in one with others, servers would lock the same rows in any order, and what strangers
-// type would hold up the writer that recordings wait for.
+// connection of its own: in one with others, servers would lock the same rows in any order, and
+// what strangers type would hold up the writer that recordings wait for.
 //
-// A key becomes a BLAKE2b of it under a key that the servers of a school have in common: what is typed as a login
-// may be a password. Thread safety: any thread; one change at a time.
+// A key becomes a BLAKE2b of it under a key that the servers of a school have in common: what is
+// typed as a login may be a password. Thread safety: any thread; one change at a time.
 class SignInRows {
  public:
   SignInRows(Transactions& rows, const trace::SecretKey& shared);
 
-  // Hands the counters of these keys, each its own, to `change` and keeps what it makes of them; nobody
-  // else's change comes between. `change` may be called again with newer ones. What it leaves as it was costs no
-  // write. At most kMostSignInCounters with failures are kept, and as many without: those that would be forgotten
-  // first go.
+  // Hands the counters of these keys, each its own, to `change` and keeps what it makes of them;
+  // nobody else's change comes between. `change` may be called again with newer ones. What it
+  // leaves as it was costs no write. At most kMostSignInCounters with failures are kept, and as
+  // many without: those that would be forgotten first go.
   static constexpr int64_t kMostSignInCounters = 100'000;
   using SignInChange = std::function<void(std::vector<SignInCounter>&)>;
   Status Change(const std::vector<Sha256>& keys, const SignInChange& change);

@@ -77,10 +77,11 @@ Status MustContinue(const Ingest& ingest, const trace::ChunkHead& head) {
   return Status::Ok();
 }
 
-// Counts the chunk that an attempt goes on with; changes nothing where it does not. What it has to fit (MustContinue says
-// it in words) is asked in the statement; `in_one`: so is the chunk inserted: with a server every statement is a
-// message, which costs more than the rows. The counts go with the chunk, so that no look at an attempt reads its chunks.
-// `generation`: what the person's key has to be of, 0: of any (Keyring::Remember). `chunk` and `sealed` stay where they
+// Counts the chunk that an attempt goes on with; changes nothing where it does not. What it has to
+// fit (MustContinue says it in words) is asked in the statement; `in_one`: so is the chunk
+// inserted: with a server every statement is a message, which costs more than the rows. The counts
+// go with the chunk, so that no look at an attempt reads its chunks. `generation`: what the
+// person's key has to be of, 0: of any (Keyring::Remember). `chunk` and `sealed` stay where they
 // are until it has run.
 sql::Change NextChunk(const ChunkPut& chunk, ByteView sealed, int64_t generation, bool in_one) {
   sql::Change next;
@@ -119,8 +120,8 @@ sql::Change NextChunk(const ChunkPut& chunk, ByteView sealed, int64_t generation
   return next;
 }
 
-// False: the attempt does not go on with it. Encrypted before (AppendWith), outside the writer's thread, which all wait
-// for.
+// False: the attempt does not go on with it. Encrypted before (AppendWith), outside the writer's
+// thread, which all wait for.
 Result<bool> TryAppend(Db& db, const ChunkPut& chunk, ByteView sealed, int64_t generation) {
   const bool in_one = db.GoesOnWithChanges();
   sql::Change next = NextChunk(chunk, sealed, generation, in_one);

@@ -22,8 +22,8 @@ class RecordingRows {
 
   Result<Bytes> AttemptHeader(const Uuid& attempt);
   Result<std::vector<Bytes>> AttemptChunks(const Uuid& attempt);
-  // Of an attempt being made: the chunks that are committed from number `from` on, in order; of more than
-  // `most` the newest. None once it is sealed.
+  // Of an attempt being made: the chunks that are committed from number `from` on, in order; of
+  // more than `most` the newest. None once it is sealed.
   Result<std::vector<Bytes>> NewestChunks(const Uuid& attempt, uint32_t from, uint32_t most);
   Result<trace::Seal> AttemptSeal(const Uuid& attempt);
   // The chunks that contradict committed ones, as far as they were kept; by number.

@@ -74,8 +74,8 @@ Status SealRows::MoveTraceToBlob(const trace::Seal& seal, Sha256& blob) {
   return Status::Ok();
 }
 
-// A seal that names fewer chunks than are committed, or as many with another last one, or that comes
-// after another was taken, is of another recording. One that names more waits for them.
+// A seal that names fewer chunks than are committed, or as many with another last one, or that
+// comes after another was taken, is of another recording. One that names more waits for them.
 Status SealRows::NoteOtherSeal(const trace::Seal& seal) {
   return rows_.WriteRow([&](Db& db) -> Status {
     auto ingest = FindIngest(db, seal.attempt, Look::kToDecide);
@@ -125,9 +125,9 @@ Status SealRows::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
     fresh = true;
     ENAMEL_RETURN_IF_ERROR(blobs_.Hold(db, {blob}));
     ENAMEL_RETURN_IF_ERROR(MarkSealed(db, seal.attempt, ingest, blob, now_ms, sealed_ != nullptr));
-    // Of other work it is a flag that an instructor sees; of an exam nothing is scored before one has
-    // looked. Nor is graded work with a hand that was not admitted, which a ticket was refused for or
-    // would have been.
+    // Of other work it is a flag that an instructor sees; of an exam nothing is scored before one
+    // has looked. Nor is graded work with a hand that was not admitted, which a ticket was refused
+    // for or would have been.
     if ((ingest.flags & kOtherHand) != 0) {
       ENAMEL_RETURN_IF_ERROR(
           Quarantine(db, seal.attempt,

@@ -11,8 +11,8 @@
 
 namespace enamel::server {
 
-// Content-addressed blobs as everybody outside the store sees them: documents, volumes, sealed results. Write-once,
-// durable on return.
+// Content-addressed blobs as everybody outside the store sees them: documents, volumes, sealed
+// results. Write-once, durable on return.
 class StoredBlobs {
  public:
   StoredBlobs(RecordingGate& gate, Blobs& blobs, Keyring& keyring, AttemptKeys& keys)

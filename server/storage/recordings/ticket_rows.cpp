@@ -43,8 +43,8 @@ Status MustBeHere(Db& db, const AttemptRow& row) {
   return Status::Ok();
 }
 
-// What held the tool goes from the header into columns, for lists. A hand that the terms do not admit
-// is flagged and not refused: what was recorded is kept, and looked at once it is sealed.
+// What held the tool goes from the header into columns, for lists. A hand that the terms do not
+// admit is flagged and not refused: what was recorded is kept, and looked at once it is sealed.
 Status KeepHand(Db& db, const Uuid& attempt, ByteView header) {
   auto decoded = trace::DecodeHeader(header);
   // Whoever calls OpenAttempt has read the header; a header of another version tells of no hand.

@@ -12,7 +12,8 @@
 #include "server/storage/recordings/ingest_rows.h"
 #include "server/training/types.h"
 
-// Private to server/storage/attempts: a recording inside a transaction, while it comes in and after.
+// Private to server/storage/attempts: a recording inside a transaction, while it comes in and
+// after.
 namespace enamel::server {
 
 // The part of an attempt's row that a recording changes.
@@ -47,9 +48,9 @@ Status Expired(const Uuid& attempt);
 // A chunk that contradicts what is committed is kept beside it. `sealed`: under the person's key.
 Status KeepEvidence(Db& db, const ChunkPut& chunk, ByteView sealed);
 Status Quarantine(Db& db, const Uuid& attempt, const std::string& problem);
-// What a second recording made with the same ticket leaves: a copy of a station's folder can use its
-// tickets once more. Which of the two came first says nothing, so neither is taken for the right one:
-// the attempt is flagged, what is committed stays, and the reason names the other.
+// What a second recording made with the same ticket leaves: a copy of a station's folder can use
+// its tickets once more. Which of the two came first says nothing, so neither is taken for the
+// right one: the attempt is flagged, what is committed stays, and the reason names the other.
 Status Contradicted(Db& db, const Uuid& attempt, const std::string& problem);
 
 }  // namespace enamel::server

@@ -22,7 +22,8 @@ constexpr std::array<std::string_view, 11>
                        "running_servers", "station_links", "write_probe", "move_marks",
                        "schools"};  // the others, which are no part of this one
 
-// Rows that are read, and put, at once. A row is at most some hundred kilobytes: a chunk of a recording.
+// Rows that are read, and put, at once. A row is at most some hundred kilobytes: a chunk of a
+// recording.
 constexpr size_t kRowsAtOnce = 64;
 
 using Value = std::variant<std::monostate, int64_t, double, std::string, Bytes>;
@@ -94,8 +95,8 @@ void Append(Bytes& out, uint64_t number) {
   for (int shift = 0; shift < 64; shift += 8) out.push_back(static_cast<uint8_t>(number >> shift));
 }
 
-// A byte for the kind of value, then an integer or the bits of a double as eight bytes, the least significant first,
-// or the length of text or a blob in the same way and its bytes.
+// A byte for the kind of value, then an integer or the bits of a double as eight bytes, the least
+// significant first, or the length of text or a blob in the same way and its bytes.
 void Append(Bytes& out, const Value& value) {
   out.push_back(static_cast<uint8_t>(value.index()));
   if (const auto* whole = std::get_if<int64_t>(&value)) {
@@ -113,8 +114,8 @@ void Append(Bytes& out, const Value& value) {
   }
 }
 
-// Those after `last` in the order of the key; none: from the beginning. Empty: that was all. Pages, because an engine may
-// hold all that a statement gives in memory.
+// Those after `last` in the order of the key; none: from the beginning. Empty: that was all. Pages,
+// because an engine may hold all that a statement gives in memory.
 Result<std::vector<Row>> NextRows(sql::Db& db, const Table& table, const Row* last) {
   int next = 1;
   std::string sql = "SELECT " + Names(table, All(table)) + " FROM " + table.name;

@@ -9,7 +9,8 @@
 #include "common/base/sha256.h"
 #include "common/sql/db.h"
 
-// A school's rows as a whole, whichever engine has them: copied from one to the other, and compared.
+// A school's rows as a whole, whichever engine has them: copied from one to the other, and
+// compared.
 namespace enamel::server {
 
 struct Table {
@@ -28,7 +29,8 @@ struct Table {
 // (tests/server/storage/pg_schema_test.cpp).
 Result<std::vector<Table>> TablesOfSchool(sql::Db& sqlite);
 
-// All rows of a table in the order of its key, as bytes that do not depend on the engine (school_tables.cpp).
+// All rows of a table in the order of its key, as bytes that do not depend on the engine
+// (school_tables.cpp).
 struct TableDigest {
   std::string table;
   uint64_t rows = 0;
@@ -42,8 +44,8 @@ using RowProgress = std::function<void(const std::string& table, uint64_t rows)>
 // Part of a transaction of the caller's, in which both see one moment. Errors: the database's.
 Result<std::vector<TableDigest>> DigestRows(sql::Db& db, const std::vector<Table>& tables,
                                             const RowProgress& progress = {});
-// The same of what is read from `from`, and puts it into `to`, whose tables have no rows but those that a migration
-// makes: these go first. Part of a transaction of the caller's in each.
+// The same of what is read from `from`, and puts it into `to`, whose tables have no rows but those
+// that a migration makes: these go first. Part of a transaction of the caller's in each.
 Result<std::vector<TableDigest>> CopyRows(sql::Db& from, sql::Db& to,
                                           const std::vector<Table>& tables,
                                           const RowProgress& progress = {});

@@ -29,10 +29,10 @@ class AssignmentRows {
   // stays with it: `version_id` of the row does not count.
   Result<AssignmentRow> AddAssignment(const AssignmentRow& row, const Actor& by);
   Result<AssignmentRow> ReplaceAssignment(const AssignmentRow& row, const Actor& by);
-  // To another version of its exercise; tickets and attempts that are there keep theirs. `look_only`:
-  // nothing changes, and the revision is not compared. Errors also: kInvalidInput with field
-  // "exercise_id" (no published version of this exercise), kConflict with field "assignment" (an
-  // exam that is open or being taken).
+  // To another version of its exercise; tickets and attempts that are there keep theirs.
+  // `look_only`: nothing changes, and the revision is not compared. Errors also: kInvalidInput with
+  // field "exercise_id" (no published version of this exercise), kConflict with field "assignment"
+  // (an exam that is open or being taken).
   Result<AssignmentMove> MoveAssignment(const Uuid& id, const Uuid& version, int32_t revision,
                                         bool look_only, const Actor& by);
   // Errors also: kConflict with field "attempts" (some were made under it, which are released

@@ -141,8 +141,8 @@ Status OfferAgain(Db& db, ExerciseRow& row, const Actor& by) {
   return WriteAudit(db, by, "exercise.publish", row.id.Text(), before, VersionJson(row));
 }
 
-// Publishing again must not give a cohort its work twice. What is offered without terms is offered to
-// every hand, simulated ones too: the demo, a load test, a school's first look.
+// Publishing again must not give a cohort its work twice. What is offered without terms is offered
+// to every hand, simulated ones too: the demo, a load test, a school's first look.
 Status AssignOnce(Db& db, const ExerciseRow& version, const Uuid& cohort, const Actor& by) {
   Query q(
       db,
@@ -365,8 +365,8 @@ Result<ExerciseRow> ExerciseRows::ExerciseByContent(const Sha256& content) {
   });
 }
 
-// Assigned to a cohort of the person's that is not archived, or to everybody (the zero id); of what is
-// retired, what can still be done.
+// Assigned to a cohort of the person's that is not archived, or to everybody (the zero id); of what
+// is retired, what can still be done.
 Result<std::vector<ExerciseRow>> ExerciseRows::ExercisesFor(const Uuid& person) {
   return rows_.Read([&](Db& db) -> Result<std::vector<ExerciseRow>> {
     Query q(db, "SELECT " ENAMEL_EXERCISE_COLUMNS " FROM exercises e " ENAMEL_EXERCISE_OWNERS

@@ -22,13 +22,13 @@ class ExerciseRows {
 
   // A new version of the exercise of this name when the content differs from the newest one;
   // returns the row as stored. Assigned to `cohort` from then on unless a version of it is already,
-  // which stays; a zero cohort: open to everybody; with any hand (HandsAllowed::kAny). A draft of that
-  // name stays.
+  // which stays; a zero cohort: open to everybody; with any hand (HandsAllowed::kAny). A draft of
+  // that name stays.
   Result<ExerciseRow> PublishExercise(ExerciseRow row, const Uuid& cohort, const Actor& by);
   Result<ExerciseRow> ExerciseById(const Uuid& id);
   Result<ExerciseRow> ExerciseByContent(const Sha256& content);
-  // The versions assigned to everybody or to a cohort of the person's that is in use, of each name the
-  // newest first.
+  // The versions assigned to everybody or to a cohort of the person's that is in use, of each name
+  // the newest first.
   Result<std::vector<ExerciseRow>> ExercisesFor(const Uuid& person);
   Result<std::vector<ExerciseRow>> AllExercises();
   // The newest version in this state of each name.
@@ -48,9 +48,9 @@ class ExerciseRows {
   Status DeleteDraft(const Uuid& id, int32_t revision, const Actor& by);
   // The draft becomes the next version; kConflict when it says what the newest one says.
   Result<ExerciseRow> PublishDraft(const Uuid& id, int32_t revision, const Actor& by);
-  // No version of the name can be assigned any more, until one is published or offered again. What is
-  // assigned stays so and can be finished: retiring ends no assignment. `reason`, for the audit trail.
-  // Errors also: kConflict, field "assignment", while an exam is open or being taken.
+  // No version of the name can be assigned any more, until one is published or offered again. What
+  // is assigned stays so and can be finished: retiring ends no assignment. `reason`, for the audit
+  // trail. Errors also: kConflict, field "assignment", while an exam is open or being taken.
   Status RetireExercise(const Uuid& id, const Actor& by, const std::string& reason = {});
   // What was retired is as it was before. Errors: kConflict where nothing of the name is retired.
   Status OfferExerciseAgain(const Uuid& id, const Actor& by);

@@ -145,7 +145,8 @@ Result<std::vector<Tombstone>> Erasures::AllErased() {
   const Status buried = !theirs.ok()  ? theirs.status()
                         : all.empty() ? Status::Ok()
                                       : keyring_.Bury(all);
-  // A bucket may be away while a server starts: those that the database knows of are erased all the same.
+  // A bucket may be away while a server starts: those that the database knows of are erased all the
+  // same.
   due_ = buried.code() == Code::kUnavailable;
   if (!buried.ok() && !due_) return buried;
   if (due_) {

@@ -320,7 +320,8 @@ class Verifier {
     while (q.Next()) {
       Bytes key = q.Blob(1);
       trace::PublicKey& into = stations_[q.Id(0)];
-      // A key of another length stays zero, and then no signature fits: that is found at its chunks.
+      // A key of another length stays zero, and then no signature fits: that is found at its
+      // chunks.
       if (key.size() == into.size()) std::ranges::copy(key, into.begin());
     }
     return q.status();

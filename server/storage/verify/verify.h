@@ -57,8 +57,8 @@ struct VerifyReport {
 //   erased; a backup's files with its manifest.
 // What is found in a data folder is looked at once more while nothing may be removed from it, so
 // that a person who is being erased meanwhile is no damage. Changes nothing. Errors: kNotFound
-// (nothing there), kInvalidInput (`since` is no backup), kVersion (a newer database); everything that was looked at and disagrees is a
-// finding.
+// (nothing there), kInvalidInput (`since` is no backup), kVersion (a newer database); everything
+// that was looked at and disagrees is a finding.
 Result<VerifyReport> Verify(const VerifyOptions& options);
 
 }  // namespace enamel::server

@@ -72,8 +72,8 @@ TEST(AgreementTest, IntervalsHoldTheTruthAsOftenAsTheySay) {
   EXPECT_NEAR(limits_held, 950, 25);
 }
 
-// Cohen 1968, table 1: shares of 200 patients in three classes, weights 0, 1, 3 / 1, 0, 6 / 3, 6, 0:
-// kappa .492, weighted .348.
+// Cohen 1968, table 1: shares of 200 patients in three classes, weights 0, 1, 3 / 1, 0, 6 / 3, 6,
+// 0: kappa .492, weighted .348.
 TEST(AgreementTest, CohensExampleIsFound) {
   const std::vector<std::vector<double>> counts = {{88, 10, 2}, {14, 40, 6}, {18, 10, 12}};
   auto plain = WeightedKappa(counts, KappaWeights::kNone);

@@ -257,7 +257,8 @@ class CommonCounters final : public FailureCounters {
   Common& common_;
 };
 
-// Tries in a quarter of an hour at `logins` logins, from one address, thirty in a second, with each server in turn.
+// Tries in a quarter of an hour at `logins` logins, from one address, thirty in a second, with each
+// server in turn.
 int GuessesAt(std::vector<Throttle>& servers, int logins) {
   int guesses = 0, tries = 0;
   for (UnixMs now = 1000; now < 15 * 60 * 1000; now += 100) {

@@ -91,7 +91,8 @@ const Line kLines[] = {
     {"GET /api/v1/cohorts/{id}/grades",         "cohort A",       "",                                    "401 403 403 403 200 404 200 200 401 403"},
     {"PATCH /api/v1/cohorts/{id}",              "cohort A",       R"({"archived":true})",                "401 403 403 403 403 403 200 200 401 403"},
     {"POST /api/v1/cohorts/{id}/members",       "cohort B",       R"({"add":["SAM"]})",                  "401 403 403 403 403 403 200 200 401 403"},
-    // 409: may, and has nothing that could be scored again: the one scored attempt has a run waiting.
+    // 409: may, and has nothing that could be scored again: the one scored attempt has a run
+    // waiting.
     {"POST /api/v1/cohorts/{id}/rescore",       "cohort A",       R"({})",                               "401 403 403 403 409 404 409 409 401 403"},
     {"GET /api/v1/batches",                     "",               "",                                    "401 403 403 403 200 200 200 200 401 403"},
     {"GET /api/v1/batches/{id}",                "batch",          "",                                    "401 403 403 403 200 404 200 200 401 403"},
@@ -118,8 +119,8 @@ const Line kLines[] = {
     {"GET /api/v1/profile-reports/{id}",        "report",         "",                                    "401 403 403 403 200 200 200 200 401 403"},
     {"GET /api/v1/profiles/{name}/calibrations", "profile",       "",                                    "401 403 403 403 200 200 200 200 401 403"},
     {"POST /api/v1/profiles/{name}/calibrations", "profile",      "CALIBRATION",                         "401 403 403 403 403 403 201 201 401 403"},
-    // Exercises: the school's, shared with instructors, and seen by whoever has an attempt of it (tom has).
-    // 400: may, and sends nothing useful; 409: may, and it is no draft.
+    // Exercises: the school's, shared with instructors, and seen by whoever has an attempt of it
+    // (tom has). 400: may, and sends nothing useful; 409: may, and it is no draft.
     {"GET /api/v1/exercises",                      "",               "",                                    "401 200 200 200 200 200 200 200 401 403"},
     {"POST /api/v1/exercises",                     "",               R"({})",                               "401 403 403 403 400 400 400 400 401 403"},
     {"GET /api/v1/exercises/{id}",                 "exercise",       "",                                    "401 200 200 200 200 200 200 200 401 403"},

@@ -29,7 +29,8 @@ class GradesTest : public testing::Test {
     if (!etag.empty()) headers += "If-Match: " + etag + "\r\n";
     return By(login).Send(method, target, headers, json::serialize(body));
   }
-  // An assignment of this exercise to cohort A, under which sam has made attempts with these scores.
+  // An assignment of this exercise to cohort A, under which sam has made attempts with these
+  // scores.
   Uuid Worked(const std::string& exercise, const Uuid& version, const char* counting,
               const std::vector<double>& scores) {
     RawResponse made = Send("ada", "POST", "/api/v1/assignments",

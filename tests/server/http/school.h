@@ -24,8 +24,8 @@ struct School {
   // `root_role`: another than an admin's leaves the school without one.
   explicit School(Role root_role = Role::kAdmin);
 
-  // A sealed and scored attempt of the person; its blobs are `{...}` score, a surface of one point, `{}`
-  // series.
+  // A sealed and scored attempt of the person; its blobs are `{...}` score, a surface of one point,
+  // `{}` series.
   // `change` may give its row other terms.
   using Change = std::function<void(AttemptRow&)>;
   // `judge` may give its score criteria.

@@ -10,7 +10,8 @@
 #include "server/jobs/rubric_check.h"
 #include "tests/server/storage/store_world.h"
 
-// Exercises that nobody can do, or that cannot be judged, are refused with what was expected and found.
+// Exercises that nobody can do, or that cannot be judged, are refused with what was expected and
+// found.
 namespace enamel::server {
 namespace {
 

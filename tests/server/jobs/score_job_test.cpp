@@ -324,11 +324,11 @@ TEST_F(ScoreJobTest, AWallThreeTenthsTooFarOutIsFoundAndExplained) {
   EXPECT_LT(wall->facing.x, -0.7);
 }
 
-// One motion, recorded, replayed to its witness and scored at several loop rates: what is measured in
-// seconds, millimetres and newtons does not count ticks. The hand's way is the same to a count; the
-// poses that are cut are not, so lengths agree to a quarter of a voxel (0.1 mm) and not to the bit.
-// Tough tissue (2.4 N) with the law without a memory; the default law in soft tissue, where the bur
-// keeps up: what it remembers of the hand is not the same at another rate.
+// One motion, recorded, replayed to its witness and scored at several loop rates: what is measured
+// in seconds, millimetres and newtons does not count ticks. The hand's way is the same to a count;
+// the poses that are cut are not, so lengths agree to a quarter of a voxel (0.1 mm) and not to the
+// bit. Tough tissue (2.4 N) with the law without a memory; the default law in soft tissue, where
+// the bur keeps up: what it remembers of the hand is not the same at another rate.
 struct AtRates {
   const char* name;
   haptics::LawKind law;

@@ -38,8 +38,8 @@ struct Backend {
 };
 const std::vector<Backend>& Backends();
 
-// `store_` is open on an empty place; Reopen closes it and opens it again. What every test leaves is
-// compared with its audit trail.
+// `store_` is open on an empty place; Reopen closes it and opens it again. What every test leaves
+// is compared with its audit trail.
 class StoreSuite : public ::testing::TestWithParam<Backend> {
  protected:
   void Reopen() {

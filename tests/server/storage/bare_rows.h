@@ -18,8 +18,8 @@ inline std::unique_ptr<SqliteDb> OpenMigrated(const std::filesystem::path& path)
   return db;
 }
 
-// How rows of a database are reached without a store around them. `before_write` is called once, before the next
-// transaction.
+// How rows of a database are reached without a store around them. `before_write` is called once,
+// before the next transaction.
 inline Transactions::Connections ConnectionsTo(const std::filesystem::path& path,
                                                std::function<void()>& before_write) {
   auto writer = OpenDatabase(path, DbMode::kExisting, {}, [&before_write] {

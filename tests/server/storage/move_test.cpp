@@ -181,7 +181,8 @@ TEST_F(MoveTest, AMoveThatIsBrokenOffAnywhereGoesOn) {
 
 TEST_F(MoveTest, RowsThatASealLeftBehindGoFirstAndAreNoChange) {
   {
-    // As a server leaves them that is killed after a seal: the blob is there, and the rows still are.
+    // As a server leaves them that is killed after a seal: the blob is there, and the rows still
+    // are.
     auto db = OpenDatabase(Path("data") / "enamel.db", DbMode::kExisting);
     sql::Query q(**db,
                  "WITH RECURSIVE n(i) AS (SELECT 0 UNION ALL SELECT i + 1 FROM n WHERE i < 4999) "

@@ -78,7 +78,8 @@ class PgSchemaTest : public ::testing::Test {
   std::unique_ptr<sql::Db> pg_;
 };
 
-// A schema's statements in the words of SQLite, without comments and without what only one engine has.
+// A schema's statements in the words of SQLite, without comments and without what only one engine
+// has.
 std::set<std::string> Statements(const std::string& sql) {
   const std::pair<std::regex, const char*> same[] = {
       {std::regex("--[^\n]*"), ""},
@@ -123,8 +124,9 @@ TEST(SchemaTest, IsTheSameInBothEngines) {
   }
 }
 
-// Servers of the version before go on while the others are replaced (server/README.md, "A new version"): whatever
-// their statements name stays, and rows that they write need nothing that they do not know.
+// Servers of the version before go on while the others are replaced (server/README.md, "A new
+// version"): whatever their statements name stays, and rows that they write need nothing that they
+// do not know.
 TEST(SchemaTest, AMigrationTakesNothingAwayFromServersOfTheVersionBefore) {
   const std::regex adds(
       "(CREATE (UNLOGGED )?TABLE|CREATE INDEX|ALTER TABLE [a-z_]+ ADD COLUMN) .*");

@@ -92,8 +92,8 @@ Status Again(const std::function<Status()>& send) {
   return status;
 }
 
-// Every message to PostgreSQL of an attempt's whole life is where the connection breaks, once for each
-// way it can: with ENAMEL_FULL=1; every ninth otherwise.
+// Every message to PostgreSQL of an attempt's whole life is where the connection breaks, once for
+// each way it can: with ENAMEL_FULL=1; every ninth otherwise.
 TEST_F(PgServersTest, AnAttemptIsThereOnceWhereverTheConnectionBreaks) {
   const TempFolder folder;
   PostgresProxy proxy(server_);
@@ -404,8 +404,8 @@ TEST_F(PgServersTest, ALeaseLastsAsLongAsItsHolder) {
     if (++renewals == 1) until_read.acquire();
     if (renewals != 2) return;
     until_renewed = Count("SELECT until_ms FROM leases");
-    // Another takes it, as after an outage in which it could not be renewed: that one's is left alone. Here, as a
-    // renewal at the same moment would refuse it.
+    // Another takes it, as after an outage in which it could not be renewed: that one's is left
+    // alone. Here, as a renewal at the same moment would refuse it.
     EXPECT_TRUE(open()->Exec("UPDATE leases SET lease = decode(repeat('ab', 16), 'hex')").ok());
     renewed.release();
   };
@@ -614,7 +614,8 @@ TEST_F(PgServersTest, AServerThatIsKnownByAnotherThanTheOthersIsRefused) {
             Code::kConflict);
   EXPECT_EQ(bucket.complaints(), std::vector<std::string>{});
 
-  // All servers are stopped and its row is deleted: the first that comes says anew what they are known by.
+  // All servers are stopped and its row is deleted: the first that comes says anew what they are
+  // known by.
   first->reset();
   second->reset();
   auto db = OpenPgDatabase(server_, schema_, /*read_only=*/false, {});

@@ -154,7 +154,8 @@ TEST_F(S3KeyringTest, KeyIsAskedOfTheBucketOnce) {
   const int asked = s3_.requests();
   for (int i = 0; i < 100; ++i) ASSERT_TRUE(one_->Find(person_).ok());
   EXPECT_EQ(s3_.requests(), asked);
-  // A class that begins at once: all chunks of a moment want a key that the server has not read yet.
+  // A class that begins at once: all chunks of a moment want a key that the server has not read
+  // yet.
   std::atomic<int> found{0};
   {
     std::vector<std::jthread> all;
@@ -209,8 +210,8 @@ TEST_F(S3KeyringTest, DestroyedKeyIsGoneForEveryServerAtOnce) {
   EXPECT_EQ(Keys().size(), 2u);
 }
 
-// At each of its calls to the store, the erasure breaks off: the person is erased all the same, and the next
-// start finishes it.
+// At each of its calls to the store, the erasure breaks off: the person is erased all the same, and
+// the next start finishes it.
 TEST_F(S3KeyringTest, ErasureThatBreaksOffIsFinished) {
   for (const char* method : {"PUT", "GET", "DELETE"}) {
     SCOPED_TRACE(method);
@@ -304,8 +305,8 @@ TEST_F(S3KeyringTest, StoreThatIsAwayIsSaidAndCalledAgain) {
   EXPECT_TRUE(one_->Problem().ok());
 }
 
-// The database is restored to before an erasure while the bucket is away: the server starts, and the hourly
-// upkeep erases again.
+// The database is restored to before an erasure while the bucket is away: the server starts, and
+// the hourly upkeep erases again.
 TEST(S3KeyringStoreTest, ErasureThatTheDatabaseForgotIsMadeAgainWhenTheBucketIsBack) {
   test::S3StandIn s3;
   const TempFolder folder, keys;

@@ -5,8 +5,8 @@
 #include "server/training/revision.h"
 #include "tests/server/storage/backends.h"
 
-// What every backend of Store must do when a decision about an attempt is taken back: an excuse, and
-// a score that was made again.
+// What every backend of Store must do when a decision about an attempt is taken back: an excuse,
+// and a score that was made again.
 namespace enamel::server {
 namespace {
 

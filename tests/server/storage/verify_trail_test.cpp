@@ -10,7 +10,8 @@
 #include "server/storage/verify/manifest.h"
 #include "tests/server/storage/decided_school.h"
 
-// Rows of the audit trail that are taken away, put in, moved or cut off are found (schemas/audit.md).
+// Rows of the audit trail that are taken away, put in, moved or cut off are found
+// (schemas/audit.md).
 namespace enamel::server {
 namespace {
 

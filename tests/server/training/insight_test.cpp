@@ -21,7 +21,8 @@ CriterionPoints Floor(double value, double points, double max_points = 10) {
   return {"floor_mm", "Floor", "mm", value, points, max_points, max_points > 0};
 }
 
-// Quartiles of 1 to 5 and of 1 to 4 by linear interpolation, as R's quantile() gives them by default.
+// Quartiles of 1 to 5 and of 1 to 4 by linear interpolation, as R's quantile() gives them by
+// default.
 TEST(InsightTest, QuartilesLieLinearlyBetweenTheValues) {
   const Spread odd = *SpreadOf({5, 1, 4, 2, 3});
   EXPECT_EQ(odd.least, 1);
@@ -77,7 +78,8 @@ TEST(InsightTest, WhatWasNotJudgedIsNobodysError) {
   EXPECT_FALSE(insight.commonest.has_value());
 }
 
-// An attempt that cut nothing has no floor: it has lost the floor's points like one that cut it badly.
+// An attempt that cut nothing has no floor: it has lost the floor's points like one that cut it
+// badly.
 TEST(InsightTest, WhatWasNotMadeIsLostAndHasNoValue) {
   CriterionPoints none = Floor(0, 0);
   none.judged = false;
