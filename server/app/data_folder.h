@@ -57,7 +57,7 @@ struct CommandGroup;
 // On the command line (command_line.h).
 void DeclareInit(CommandGroup root);
 
-// The store of a folder that is made where there is none: for demo data and what measures servers.
+// The store of a folder; creates the folder if it is missing. For demo data and benchmarks.
 Result<std::unique_ptr<Store>> OpenOrMake(const std::filesystem::path& folder);
 
 // The store for a command that runs beside a server, or without one. Makes none: a folder that is

@@ -30,8 +30,8 @@ Result<std::optional<DatabaseFile>> FileOf(const Places& places);
 // that does not forget what is deleted.
 Status TryStores(const std::filesystem::path& folder, const DatabaseFile& file);
 
-// What a folder is opened with that has no database.json yet. The master key is made for a school's
-// first server alone: another's mistyped path is not to become a key.
+// Options to open a folder that has no database.json yet. Only a school's first server creates the
+// master key: on another server a mistyped path must not create one.
 Result<PostgresOptions> FirstOptions(const std::filesystem::path& folder, const DatabaseFile& file);
 
 }  // namespace enamel::server::app

@@ -35,8 +35,8 @@ Result<std::vector<ExerciseRow>> PublishBuiltins(StoredBlobs& blobs, ExerciseRow
 Result<ExerciseRow> PublishClassOne(StoredBlobs& blobs, ExerciseRows& exercises,
                                     const SceneRow& scene, const Uuid& cohort);
 
-// The profiles of the program: each that is not there, and a newer form of each whose newest
-// version an earlier program left. What somebody at the school has put since stays the newest.
+// Publishes the program's profiles: each missing one, and a newer form of each whose newest version
+// came from an earlier program. A version that the school has added since stays the newest.
 Status PublishProfiles(Store& store);
 
 }  // namespace enamel::server::app

@@ -8,8 +8,8 @@
 // Commands about rubrics that are corrected and cohorts that are scored again. As those of admin.h.
 namespace enamel::server::app {
 
-// The rubric that counts for the newest published version, as a document to be edited. `out`: a
-// file that is not there yet; empty: standard output.
+// The rubric that counts for the newest published version, as a document to edit. `out`: a new
+// file; empty: standard output.
 Status ShowRubric(const std::filesystem::path& data, const std::string& exercise,
                   const std::filesystem::path& out);
 

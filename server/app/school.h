@@ -57,7 +57,7 @@ class School {
 
  private:
   std::atomic<bool> ended_{false};
-  // In this order: what is further down uses what is above it.
+  // In this order: later members use earlier ones.
   const std::unique_ptr<Store> store_;
   auth::Authenticator authenticator_;
   LiveBoard live_;

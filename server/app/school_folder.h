@@ -30,11 +30,11 @@ std::optional<std::filesystem::path> InstallationOf(const std::filesystem::path&
 DatabaseFile SchoolDatabase(const std::filesystem::path& installation, const DatabaseFile& its,
                             const std::string& name);
 
-// Makes the school's folder on this machine, as far as it is missing, and says what the school is
-// known by. With PostgreSQL it is the same on each server of the installation, and follows the
-// installation's database.json. With SQLite the folder is all there is of a school: `make` it, or
-// expect it with its rows. Errors: kNotFound (it is not where it should be, with what to do),
-// kConflict (`make`, and somebody's rows are there), kStorage, those of ReadDatabaseFile.
+// Creates the missing parts of the school's folder on this machine, and returns the school's
+// identity. With PostgreSQL the folder is the same on each server of the installation, and follows
+// the installation's database.json. With SQLite the folder is the whole school: `make` it, or
+// expect it with its rows. Errors: kNotFound (it is missing; says what to do), kConflict (`make`,
+// and somebody's rows exist), kStorage, those of ReadDatabaseFile.
 enum class SchoolData : uint8_t { kMake, kExpect };
 Result<ServerIdentity> EnsureSchoolFolder(const std::filesystem::path& installation,
                                           const SchoolRow& row, SchoolData data);

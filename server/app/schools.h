@@ -19,13 +19,13 @@ namespace enamel::server::app {
 
 class School;
 
-// The other schools of an installation, as one of its servers serves them: it looks at the
-// installation's list now and then, and opens and closes what has changed. A school whose store
-// cannot be opened is tried again, and the others go on.
+// The other schools of an installation, as one of its servers serves them. Reads the installation's
+// list now and then, and opens and closes changed schools. If a school's store cannot be opened, it
+// tries again; the other schools are not affected.
 //
-// A school that is closed goes when nobody is at it any more: whoever answers for it holds it.
-// Thread safety: any thread. Lifetime: the store outlives this; this outlives doors that ask it.
-// Destruction waits until all schools have ended, so nobody may hold one then.
+// A closed school is destroyed once nobody uses it: whoever answers for it holds it. Thread safety:
+// any thread. Lifetime: the store outlives this; this outlives doors that ask it. Destruction waits
+// until all schools have ended, so nobody may hold one then.
 class Schools final : public stations::OtherSchools {
  public:
   static constexpr std::chrono::milliseconds kLookEvery{2000};
@@ -85,8 +85,8 @@ class Schools final : public stations::OtherSchools {
   std::map<std::string, Served> served_ ENAMEL_GUARDED_BY(mutex_);  // what is listed
   // No longer listed, and forgotten once nobody is at them.
   std::map<std::string, std::weak_ptr<School>> gone_ ENAMEL_GUARDED_BY(mutex_);
-  // Closed, and held by nobody any more: a school's end waits for its threads, so it is this
-  // object's thread that waits.
+  // Closed, and no longer held by anybody: the end of a school waits for its threads, so this
+  // object's thread does that waiting.
   struct Ended;
   const std::shared_ptr<Ended> ended_;
   std::jthread thread_;  // last: ends first

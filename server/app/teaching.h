@@ -46,8 +46,8 @@ struct NewAssignment {
   std::string counting = "best";      // CountingFromName
 };
 Status AssignExercise(const std::filesystem::path& data, const NewAssignment& assignment);
-// To another version of its exercise (0: the newest); says what moves and what stays. `dry_run`:
-// only says it.
+// Moves an assignment to another version of its exercise (0: the newest); prints what moves and
+// what stays. `dry_run`: only prints.
 Status MoveAssignment(const std::filesystem::path& data, const std::string& id, int32_t version,
                       bool dry_run);
 Status EndAssignment(const std::filesystem::path& data, const std::string& id);

@@ -17,10 +17,10 @@ struct WorkOptions {
   int threads = 1;
 };
 
-// Scores what waits, beside the server or beside several with their rows in one database, until
-// SIGINT or SIGTERM. Prints one line "ready …". What it was at goes back to the queue; what it
-// leaves when it is killed is taken by another after its lease (WorkerOptions::lease_ms). Errors:
-// kNotFound (the folder has no ticket key: no server has used it yet), those of OpenStore.
+// Scores queued attempts until SIGINT or SIGTERM, beside one server or several that share a
+// database. Prints one line "ready …". An unfinished job goes back to the queue; after a kill,
+// another worker takes it once its lease has ended (WorkerOptions::lease_ms). Errors: kNotFound
+// (the folder has no ticket key: no server has used it yet), those of OpenStore.
 Status Work(const WorkOptions& options);
 
 struct CommandGroup;

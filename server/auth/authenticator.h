@@ -72,7 +72,7 @@ struct SignInRequest {
   std::string log_id{};  // what the log calls the request (LogRequest)
 };
 
-// What happened at the door since the start. Wrong passwords count wherever one is asked for.
+// Counts since the start. Wrong passwords count wherever the server asks for one.
 struct DoorCounts {
   std::atomic<uint64_t> signed_in{0}, refused{0}, throttled{0}, busy{0}, signed_out{0};
 };
@@ -80,14 +80,13 @@ struct DoorCounts {
 // Sign-in, sessions, sign-out. Refusals are counted and go into RefusalTrail. Thread safety: any
 // thread.
 //
-// A wrong password, an unknown login and a disabled person give the same answer after the same work
-// (that of one argon2id at `cost`, whatever the stored verifier cost)
-// (kUnauthenticated). Too many failures: kUnavailable, field "throttled" (HTTP 429). Too many
-// sign-ins at once: kUnavailable.
+// A wrong password, an unknown login and a disabled person get the same answer (kUnauthenticated)
+// after the same work: one argon2id at `cost`, whatever the stored verifier cost. Too many
+// failures: kUnavailable, field "throttled" (HTTP 429). Too many sign-ins at once: kUnavailable.
 //
-// A password that was made up here opens one session of the page, and that within
-// AuthOptions::one_time_ms; whoever gives the right one too late is told so (kUnauthenticated,
-// field "one_time_password"). At a station it opens nothing that could be used, and is not used up.
+// A generated password opens one session of the page, within AuthOptions::one_time_ms. The right
+// password given too late gets an explanation (kUnauthenticated, field "one_time_password"). At a
+// station it opens nothing usable, and is not used up.
 class Authenticator {
  public:
   explicit Authenticator(Store& store, AuthOptions options = {});
@@ -119,13 +118,14 @@ class Authenticator {
   // Whether the password was given lately enough.
   bool IsConfirmed(const Identity& identity) const { return Now() < identity.confirmed_until_ms; }
 
-  // Who holds this token (32 bytes) now; renews the idle time. Blocks (store): call it through a
-  // StorePool. Errors: kUnauthenticated.
+  // The current holder of this token (32 bytes); renews the idle time. Blocks (store): call it
+  // through a StorePool. Errors: kUnauthenticated.
   Result<Identity> Authenticate(ByteView token);
   // `cookie` is the token as 64 hex digits, of a session of the page: those of the station link are
   // good on their connection and nowhere else.
   Result<Identity> AuthenticateHex(std::string_view cookie);
-  // Who this session is of, as Authenticate, without renewing anything: for what goes on by itself.
+  // The person of this session, as Authenticate, without renewing it: for work that continues by
+  // itself.
   Result<Person> StillSignedIn(const Sha256& token_hash);
   Status SignOut(const Sha256& token_hash);
   // Of the page: with the address in the log and the audit trail (`session.end`).
@@ -160,7 +160,7 @@ class Authenticator {
   Result<SessionRow> OpenSession(const Sha256& token_hash);
   Result<Identity> IdentityOf(ByteView token, const SessionRow& session);
   Result<SignedIn> ChangePasswordHere(const Identity& identity, const PasswordChange& change);
-  // Whether this try may go on, once it may.
+  // Whether this try may proceed; resumes once it may.
   boost::asio::awaitable<Status> Admitted(std::string login, std::string address, std::string via);
   Status NotAdmitted(const std::string& login, const std::string& address, const std::string& via,
                      const Status& why);

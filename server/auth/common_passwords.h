@@ -7,7 +7,7 @@
 // it travels inside the program). Thread safety: functions, any thread.
 namespace enamel::server::auth {
 
-// The file as it is.
+// The file, unchanged.
 std::string_view CommonPasswordsFile();
 // In lower case, the commonest first.
 const std::vector<std::string_view>& CommonPasswords();

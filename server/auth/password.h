@@ -18,9 +18,9 @@ struct PasswordCost {
 inline constexpr size_t kMinPasswordLength = 8;
 inline constexpr size_t kMaxPasswordLength = 256;
 
-// A password has to take this many guesses (guesses.h). Through the door that is years: a login
-// gets at most some 650 000 tries a month, wherever they come from (throttle.h). Whoever has stolen
-// the verifiers and does 1000 argon2id a second needs a day for one person.
+// A password has to withstand this many guesses (guesses.h). At the sign-in that is years: a login
+// gets at most some 650 000 tries a month from all addresses together (throttle.h). Somebody who
+// has stolen the verifiers and does 1000 argon2id a second needs a day for one person.
 inline constexpr double kLeastLog10Guesses = 8;
 
 // Refuses what is too short or too long, or takes too few guesses of somebody who knows the owner's

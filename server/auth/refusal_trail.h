@@ -22,19 +22,19 @@ struct TurnedAway {
   std::string what;     // which request, of a signed-in person's; else empty
 };
 
-// Refusals at the door, in the log and in the audit trail: `session.refused` for sign-ins and
-// passwords, `request.refused` for what somebody asks for without the right to it. The object is
-// the person, or "nobody": a login that names nobody is not kept, because it may be a password that
-// was typed into the wrong field, and a hash of it could be guessed like one.
+// Writes refusals to the log and the audit trail: `session.refused` for sign-ins and passwords,
+// `request.refused` for requests without the right to them. The object is the person, or "nobody".
+// A login that names nobody is not kept: it may be a password typed into the wrong field, and a
+// hash of it could be guessed like one.
 //
-// Rows of the audit trail are for ever, so there are few: the 1st, 10th, 100th, … refusal of one
-// person at one address block for one reason within 15 minutes makes a row with the count, and at
-// most kMaxRows are made in 15 minutes; the last of them says ("many") that the rest is only in the
-// figures. That is 10 000 rows, 3 MB, a day at most. Each row is a line of the log too.
+// Rows of the audit trail are permanent, so there are few. Of one person's refusals at one address
+// block for one reason within 15 minutes, the 1st, 10th, 100th, … makes a row with the count. At
+// most kMaxRows are made in 15 minutes; the last of them says ("many") that only the metrics have
+// the rest. That is 10 000 rows, 3 MB, a day at most. Each row is also a log line.
 //
-// Everything happens on a thread of its own: who is turned away neither waits for the disk nor
-// learns from the time whether a login is somebody's. What comes while kMaxWaiting wait is left
-// out. Thread safety: any thread. Destruction writes what was noted before.
+// All work happens on a thread of its own: the refused caller neither waits for the disk nor learns
+// from the time whether a login exists. While kMaxWaiting wait, more are dropped. Thread safety:
+// any thread. Destruction writes everything noted before.
 class RefusalTrail {
  public:
   static constexpr int64_t kWindowMs = 15 * 60 * 1000;

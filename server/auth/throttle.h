@@ -43,8 +43,8 @@ class Throttle {
   Throttle() : Throttle(std::make_unique<MemoryCounters>()) {}
   explicit Throttle(std::unique_ptr<FailureCounters> counters) : counters_(std::move(counters)) {}
 
-  // How many ms to hold this try before its password is looked at, 0 to kLongestHoldMs; what was
-  // promised to others counts. Errors: Throttled, and those of the counters.
+  // Milliseconds to hold this try before checking its password, 0 to kLongestHoldMs; times promised
+  // to others count. Errors: Throttled, and those of the counters.
   Result<int64_t> Admit(const std::string& login, const std::string& address, UnixMs now_ms);
   // Errors: those of the counters. A failure that was not counted must not be answered as one.
   Status Failed(const std::string& login, const std::string& address, UnixMs now_ms);

@@ -26,8 +26,8 @@ namespace enamel::server::http {
 // threads, so no I/O thread ever blocks. At most `max_in_flight` requests wait for those threads;
 // more get 503. Health has a thread of its own: it answers while those wait.
 //
-// Whoever waits for longer than `work` gets 503 and is free. What a thread has begun by then goes
-// on, keeps its place among `max_in_flight` and is answered to nobody; what none has begun is not
+// A request that waits for longer than `work` gets 503. If a thread has begun it by then, the work
+// finishes, keeps its place among `max_in_flight` and its answer is dropped; otherwise it is not
 // done. Held by shared_ptr: such work keeps the Api.
 class Api : public std::enable_shared_from_this<Api> {
  public:
@@ -44,7 +44,7 @@ class Api : public std::enable_shared_from_this<Api> {
   void Enrol(std::string station_fingerprint) {
     station_fingerprint_ = std::move(station_fingerprint);
   }
-  // Where, as soon as it is known.
+  // The stations' port, once it is known.
   void StationsListenAt(uint16_t port) { station_port_ = port; }
   // GET /healthz says from now on that others shall be asked. From any thread.
   void Drain() { draining_ = true; }

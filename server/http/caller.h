@@ -3,7 +3,7 @@
 #include "common/base/result.h"
 #include "server/http/routes.h"
 
-// Who asks, as handlers need it. Pure functions of the call; any thread.
+// The caller of a request, as handlers need it. Pure functions of the call; any thread.
 namespace enamel::server::http {
 
 Actor ActorOf(const Call& call);

@@ -38,8 +38,8 @@ struct Request {
   std::string_view Header(std::string_view lower_case_name) const;
 };
 
-// What an answer goes on with after its head: server-sent events (WHATWG HTML, "Server-sent
-// events"), fetched as often as the connection likes. Thread safety: one thread at a time.
+// The stream that follows an answer's head: server-sent events (WHATWG HTML, "Server-sent events"),
+// fetched as often as the connection likes. Thread safety: one thread at a time.
 class EventSource {
  public:
   virtual ~EventSource() = default;

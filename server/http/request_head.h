@@ -25,18 +25,18 @@ size_t FindHeadEnd(std::string_view bytes, size_t from = 0);
 //   is "chunked", never both, neither with GET, HEAD (a length of 0 is accepted), no
 //   Transfer-Encoding with HTTP/1.0; nothing that resembles those two names without being one.
 //
-// What the suite calls acceptable:
+// The suite calls these acceptable:
 //   GetHeadZeroContentLength   accepted: some clients send it, and both readings are the same
 //   NonCompliantHeader         refused: spaces and control characters in names and values
 //   NonCompliantVersion        refused: HTTP/0.9 and none, spaces after the version; 1.2: see below
 //   SpaceInUri                 refused: where the target ends is a guess
-// What it calls compliant and is refused all the same: an empty target, which shifts the version
-// into its place, and parameters of a transfer coding, which RFC 9112 section 7.1 calls an error.
+// It calls two more compliant that are refused here: an empty target, which shifts the version into
+// its place, and parameters of a transfer coding, which RFC 9112 section 7.1 calls an error.
 //
-// Errors: kInvalidInput, field() is the header's name or "request line"; kVersion for what is well
-// formed and not spoken here: other versions ("request line"), codings of the message besides
-// chunked ("transfer-encoding"), of its content ("content-encoding": nothing here unpacks what a
-// stranger packed).
+// Errors: kInvalidInput, field() is the header's name or "request line". kVersion for well-formed
+// requests that are not spoken here: other versions ("request line"), codings of the message
+// besides chunked ("transfer-encoding"), of its content ("content-encoding": nothing here
+// decompresses a stranger's data).
 Status CheckRequestHead(std::string_view head);
 
 }  // namespace enamel::server::http

@@ -11,13 +11,12 @@
 
 namespace enamel::server::http {
 
-// The page: every regular file under a folder, read into memory once. A request is a look-up among
-// the names that were found there, so no path can lead outside; a page that was built anew is seen
-// after a restart.
+// The page: every regular file under a folder, read into memory once. A request looks up one of the
+// names found then, so no path can lead outside. A rebuilt page is served after a restart.
 //
 // `x.js.br` and `x.js.gz` are the compressed forms of `x.js`, chosen by Accept-Encoding. A hashed
-// name (`main-4XKQ7B2D.js`) may be cached for ever; index.html never; anything else is asked about
-// again (ETag). Paths that look like no file (`/attempts/…`) are index.html: the page's own
+// name (`main-4XKQ7B2D.js`) may be cached forever; index.html never; browsers ask again for
+// anything else (ETag). Paths that look like no file (`/attempts/…`) are index.html: the page's own
 // addresses.
 //
 // Thread safety: const after Load. No I/O in Serve.

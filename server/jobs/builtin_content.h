@@ -40,7 +40,7 @@ Result<std::vector<ExerciseRow>> PublishExercisesOf(StoredBlobs& blobs,
                                                     const scene::Scene& scene,
                                                     const Sha256& content, const Actor& by);
 
-// The profiles of the program. One that an admin put, or put anew, stays.
+// The program's profiles. A profile that an admin has put stays.
 Status PutBuiltinProfiles(Store& store);
 // The same where there are none yet: without one no exercise can be begun.
 Status PutFirstProfiles(Store& store);

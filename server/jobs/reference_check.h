@@ -10,10 +10,9 @@
 #include "server/storage/recordings/stored_blobs.h"
 #include "server/storage/store.h"
 
-// What others are compared with has to do what its exercise asks for. The exercise says so itself:
-// by its target, which no attempt has a part in. A first reference is compared with nothing else,
-// so a cut that did a twentieth of the task would be marked 100 for it.
-// Thread safety: functions, any thread; they block for the store.
+// Checks that a reference meets the target of its exercise, which is independent of any attempt. A
+// first reference is compared with nothing else: a cut that did a twentieth of the task would be
+// marked 100 for it. Thread safety: functions, any thread; they block for the store.
 namespace enamel::server {
 
 // A cut beside its exercise's own target (schemas/score.md, "Zones").

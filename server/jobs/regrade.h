@@ -16,10 +16,9 @@
 #include "server/storage/store.h"
 #include "server/storage/teaching/rubric_rows.h"
 
-// What a corrected rubric would change. Scores keep what was measured, so that points can be given
-// anew without replaying anything, as long as the correction asks for nothing that was not; whether
-// it is then done is for BatchRows, whose jobs replay.
-// Thread safety: functions, any thread; they block for the store.
+// What a corrected rubric would change. Scores keep their metrics, so new points need no replay, as
+// long as the correction uses no metric that was not measured. BatchRows queues the jobs that then
+// replay. Thread safety: functions, any thread; they block for the store.
 namespace enamel::server {
 
 // The rubric that counts for an exercise: its newest correction, or the document's own.

@@ -7,9 +7,8 @@
 #include "common/base/bytes.h"
 #include "common/base/result.h"
 
-// What a recording says of each tick in a short span, for who looks closer than the series shows
-// (series.h): as it was recorded, without cutting anything again.
-// Thread safety: function, any thread. Not real-time.
+// The recorded values of each tick in a short span, for a closer look than the series gives
+// (series.h). Nothing is replayed. Thread safety: function, any thread. Not real-time.
 namespace enamel::server {
 
 inline constexpr uint64_t kMostWindowTicks = 4000;

@@ -19,11 +19,11 @@ namespace enamel::server {
 
 struct WorkerOptions {
   int threads = 1;
-  // How often the queue is looked at when nobody calls Notify.
+  // How often the worker checks the queue when nobody calls Notify.
   std::chrono::milliseconds poll{200};
-  // A job whose worker has said nothing for so long may be taken by another, of this server or of
-  // one beside it; a worker says so every `heartbeat`. A clock that is set forward by more has a
-  // job done twice, of which one counts.
+  // If a worker is silent for so long, another may take its job, on this server or another one. A
+  // worker reports every `heartbeat`. A clock that is set forward by more has a job done twice, of
+  // which one counts.
   UnixMs lease_ms = 30'000;
   std::chrono::milliseconds heartbeat{10'000};
   // Signs results (schemas/result.md); none: they stay unsigned.

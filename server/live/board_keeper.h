@@ -28,7 +28,7 @@ class BoardKeeper {
 
   // `shared`: the school has more servers.
   BoardKeeper(StationBoard& board, Store& store, bool shared);
-  // For tests: no thread, looks when it is told to.
+  // For tests: no thread; the test calls it.
   struct ByHand {};
   BoardKeeper(StationBoard& board, Store& store, bool shared, ByHand)
       : board_(board), store_(store), shared_(shared) {}

@@ -7,8 +7,8 @@
 
 namespace enamel::server {
 
-// What a chunk shows to who watches: LiveBoard::kRowsPerSecond moments for each second, the chunk's
-// newest among them. Pure function, any thread.
+// A chunk as viewers see it: LiveBoard::kRowsPerSecond moments for each second, the chunk's newest
+// among them. Pure function, any thread.
 std::vector<LiveSample> MomentsOf(const trace::Chunk& chunk, const Uuid& station,
                                   UnixMs received_ms);
 

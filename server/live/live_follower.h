@@ -12,8 +12,8 @@
 namespace enamel::server {
 
 // Shows on this server's board the attempts that are watched here while their stations upload to
-// another server: every kLookEvery it reads the chunks that were committed since. Who watches sees
-// a moment at most so much later than its chunk was committed. Nobody watches: nothing is read.
+// another server. Every kLookEvery it reads the chunks committed since. A viewer sees a moment at
+// most that much after its chunk was committed. Without viewers it reads nothing.
 //
 // A thread of its own until destroyed, which waits for the store; the board and the store outlive
 // it.
@@ -26,7 +26,7 @@ class LiveFollower {
   static constexpr uint32_t kMostChunks = 3;
 
   LiveFollower(LiveBoard& board, Store& store);
-  // For tests: no thread, looks when it is told to.
+  // For tests: no thread; the test calls it.
   struct ByHand {};
   LiveFollower(LiveBoard& board, Store& store, ByHand) : board_(board), store_(store) {}
 

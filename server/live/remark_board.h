@@ -12,12 +12,12 @@
 
 namespace enamel::server {
 
-// What is said to the chairs while attempts are made, until their stations have shown it
+// Remarks to the chairs of attempts in progress, until their stations have shown them
 // (schemas/wire/README.md, "Remarks"). In memory; BoardKeeper keeps it in step with the store.
 //
-// Bounded: at most kMostWaiting remarks of an attempt wait, kMostKept are known, and
-// kMostAMinute sent within a minute; of kMostAttempts attempts (the one silent longest goes first).
-// Thread safety: any thread.
+// Bounded: at most kMostWaiting remarks of an attempt wait, kMostKept are known, and kMostAMinute
+// sent within a minute; of kMostAttempts attempts (the one silent longest is dropped first). Thread
+// safety: any thread.
 class RemarkBoard {
  public:
   static constexpr size_t kMostWaiting = protocol::kMaxRemarks;
@@ -28,8 +28,8 @@ class RemarkBoard {
   // Whether one more may be sent to this attempt now. Errors: kConflict (kMostWaiting are not shown
   // yet), kUnavailable with field "throttled" (kMostAMinute).
   Status Admit(const Uuid& attempt, UnixMs now_ms) const;
-  // As the store has it; one that is here and has come further stays as it is. Whatever Admit says:
-  // several senders may have been admitted at once.
+  // Takes the store's row, unless this board's has come further. Ignores Admit's limits: several
+  // senders may have been admitted at once.
   void Put(const ChairRemark& remark);
   // Those not known to be shown, oldest first, at most kMostWaiting: they are on their way now.
   std::vector<protocol::Remark> Take(const Uuid& attempt);

@@ -11,9 +11,9 @@
 
 namespace enamel::server {
 
-// Which stations are connected now, when each was heard last, and what is said to their chairs. Of
-// those that are connected to another server BoardKeeper says so.
-// Bounded by the number of enrolled stations. Thread safety: any thread.
+// The connected stations, when each was last heard, and the remarks to their chairs. BoardKeeper
+// adds the stations that are connected to another server. Bounded by the number of enrolled
+// stations. Thread safety: any thread.
 class StationBoard {
   struct About {
     size_t connections = 0;

@@ -50,12 +50,12 @@ struct ListenerOptions {
   std::chrono::milliseconds introduction{10'000};  // what a proxy gets to say it in
 };
 
-// Accepts connections, each on a strand of its own, keeps their number within bounds, and stops
-// them in two phases. Knows nothing of what is said on them.
+// Accepts connections, each on a strand of its own, bounds their number, and stops them in two
+// phases. Knows nothing of their content.
 //
-// Bounded: max_connections, and at most kMaxClosing more that are told to close and are not gone
-// yet. Lifetime: what `make` and `turn_away` use outlives the running of `io`. Thread safety: Start
-// once; everything else from any thread; `io` may run on any number of threads.
+// Bounded: max_connections, and at most kMaxClosing more that are closing. Lifetime: what `make`
+// and `turn_away` use outlives the running of `io`. Thread safety: Start once; everything else from
+// any thread; `io` may run on any number of threads.
 class Listener {
  public:
   static constexpr size_t kMaxClosing = 64;
@@ -76,7 +76,7 @@ class Listener {
   // are; after options.stop what is left is closed. `io` then has no work of this listener.
   void Stop();
 
-  // Connections that have not ended, those that are told to close among them.
+  // Connections that have not ended, including those that are closing.
   size_t open() const;
   // Calls `visit` later, from a strand, for each connection that `make` made and that has not ended
   // by then.
@@ -87,7 +87,7 @@ class Listener {
   std::shared_ptr<State> state_;  // shared with what waits in `io`
 };
 
-// Numeric; "unknown" when the peer is gone already.
+// Numeric; "unknown" when the peer has already left.
 std::string PeerAddress(const boost::asio::ip::tcp::socket& socket);
 
 }  // namespace enamel::server

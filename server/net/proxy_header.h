@@ -19,7 +19,7 @@ inline constexpr size_t kProxyStartBytes = 16;
 inline constexpr size_t kMaxProxyRestBytes = 2'048;
 
 struct ProxyStart {
-  // The proxy speaks for itself, to see whether the server is there.
+  // The proxy itself connects, to see whether the server is up.
   bool is_own = false;
   uint8_t family = 0;     // of the addresses, and their transport, as in the bytes
   size_t rest_bytes = 0;  // that follow, at most kMaxProxyRestBytes
@@ -28,8 +28,8 @@ struct ProxyStart {
 // Errors: kInvalidInput saying what was found instead, such as version 1, or TLS without a header.
 Result<ProxyStart> ReadProxyStart(std::span<const uint8_t, kProxyStartBytes> bytes);
 
-// The numeric address that the proxy was asked from; empty where it speaks for itself or does not
-// know it. Errors: kInvalidInput for a family that no station link comes by, or fewer bytes than
+// The numeric address that the proxy was asked from; empty if the proxy itself connects or does not
+// know it. Errors: kInvalidInput for a family that station links do not use, or fewer bytes than
 // its addresses take.
 Result<std::string> ReadProxyPeer(const ProxyStart& start, std::span<const uint8_t> rest);
 

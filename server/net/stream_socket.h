@@ -12,15 +12,16 @@
 namespace enamel::server {
 
 // The server's end of a TCP connection, with TLS or without. It has no buffers of its own: OpenSSL
-// reads and writes the socket, and what cannot be done at once says what to wait for. An idle
-// connection therefore holds neither a record buffer nor a BIO pair (boost::asio::ssl::stream keeps
-// 68 KiB of them), and bytes that have arrived are read without a turn through the scheduler.
+// reads and writes the socket, and an operation that cannot finish at once returns the event to
+// wait for. An idle connection therefore holds neither a record buffer nor a BIO pair
+// (boost::asio::ssl::stream keeps 68 KiB of them), and bytes that have arrived are read without a
+// turn through the scheduler.
 //
 //   size_t n; Io io;
 //   while ((io = socket.Read(space, n)) > Io::kEnded) co_await socket.Wait(io);
 //
-// Both links use this one type, so Asio's stream templates are compiled for neither.
-// Thread safety: the socket's strand.
+// Both links use this one type, so Asio's stream templates are compiled for neither. Thread safety:
+// the socket's strand.
 class StreamSocket {
  public:
   // kDone: something was done. kEnded: the connection is over, for whatever reason. The others:

@@ -53,7 +53,7 @@ class MetricsText {
   std::string text_, last_name_;
 };
 
-// Who has figures adds a source; asking calls them all. Thread safety: any thread.
+// Anything with metrics adds a source; a request calls them all. Thread safety: any thread.
 class Metrics {
  public:
   // May block. Must outlive this, or be captured by value.

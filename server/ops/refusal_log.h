@@ -9,18 +9,17 @@
 
 namespace enamel::server::ops {
 
-// Who was refused and why. `kind` is what counts as the same refusal again: a code and a field,
-// say; `reason` is for the log's reader and may hold what a peer wrote.
+// A refused peer and the reason. `kind` decides which refusals count as the same: a code and a
+// field, say. `reason` is for the log's reader and may hold what a peer wrote.
 struct Refusal {
   std::string who;
   std::string kind;
   std::string reason;
 };
 
-// What was refused at one of the server's doors, said once: the first refusal of a peer for a
-// reason makes a line, the same again within the next minute is only counted, and told with the
-// next line. Bounded: beyond kMaxPeers peers and reasons the one longest silent is forgotten.
-// Thread safety: any thread.
+// Logs refusals without repeating them: the first refusal of a peer for a reason makes a line.
+// Repeats within the next minute are only counted; the next line has the count. Bounded: beyond
+// kMaxPeers peers and reasons the one longest silent is forgotten. Thread safety: any thread.
 class RefusalLog {
  public:
   using Clock = std::function<std::chrono::steady_clock::time_point()>;

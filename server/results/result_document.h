@@ -5,7 +5,7 @@
 #include "common/trace/trace.h"
 #include "server/training/types.h"
 
-// What a scoring run found and what it was found from, signed by the server: schemas/result.md.
+// The findings and inputs of a scoring run, signed by the server: schemas/result.md.
 namespace enamel::server {
 
 struct ResultDocument {

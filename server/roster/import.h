@@ -20,9 +20,9 @@ struct NewPassword {
 struct ImportOptions {
   RosterOptions file;
   bool dry_run = false;
-  // Given the passwords of who is going to be new, before anybody is: what it cannot keep is not
-  // made. None: they are in the result only. Who is new may change until it is done; then the
-  // result has other passwords than it was given.
+  // Gets the passwords of the people to be added, before anybody is added; if it cannot keep them,
+  // nobody is. None: only the result has the passwords. The set of new people may change until the
+  // import is done; the result then has other passwords than this got.
   std::function<Status(const std::vector<NewPassword>&)> keep{};
 };
 

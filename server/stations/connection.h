@@ -29,13 +29,13 @@ class Connection : public AcceptedConnection, public std::enable_shared_from_thi
              StorePool& pool, ops::RefusalLog& refusals);
 
   void Run(std::function<void()> on_end) override;
-  // The peer is told that the server stops.
+  // Sends the peer word that the server stops.
   void BeginStop() override;
   void Close() override;
-  // Who has said Hello with success stays.
+  // A station whose Hello succeeded stays.
   GivesWay gives_way() const override { return welcomed_ ? GivesWay::kNever : GivesWay::kFirst; }
   const std::string& block() const override { return block_; }
-  // As BeginStop, for a station that is one of these: it is told that it was revoked.
+  // As BeginStop, if the station is one of these: it learns that it was revoked.
   void EndIfRevoked(std::shared_ptr<const std::set<Uuid>> revoked);
   // As BeginStop, where another school serves it than these.
   void EndUnlessServed(std::shared_ptr<const std::set<const Services*>> served);

@@ -55,9 +55,9 @@ struct Answer {
 };
 
 // The server's end of the station protocol (schemas/wire/README.md) without any I/O of its own: a
-// request in, an answer out. One per connection. A chunk's ChunkAck is made only once the store has
-// it durably. Thread safety: one call at a time. Calls block on the store and decode chunks: run
-// them in StorePool.
+// request in, an answer out. One per connection. It returns a chunk's ChunkAck only once the store
+// has the chunk durably. Thread safety: one call at a time. Calls block on the store and decode
+// chunks: run them in StorePool.
 class Session {
  public:
   Session(Services& services, std::string peer_address)
@@ -114,8 +114,8 @@ class Session {
   // It has said something.
   void NoteHeard();
   Result<Person> PersonOf(const std::string& session_token);
-  // An attempt that the person of this session may see. Errors: as if it were not here (kNotFound)
-  // when not, so that nobody is told of attempts of others; PersonOf's.
+  // An attempt that the person of this session may see. Errors: kNotFound for others' attempts, as
+  // if they did not exist, so that nobody learns of them; PersonOf's.
   struct Seen {
     Person person;
     AttemptRow row;
@@ -149,7 +149,7 @@ class Session {
   Result<bool> Revoked(const Uuid& attempt);
   // Errors: kConflict when the ticket ran out longer than kLateUploadMs ago.
   Status MayStillBegin(const trace::Ticket& ticket) const;
-  // What the recording of a ticket was told to wait for last, as in the audit trail; empty: never.
+  // The thing that this ticket's recording last waited for, as in the audit trail; empty: never.
   Result<std::string> ToldToAwait(const Uuid& attempt);
   // Tells it to wait: kUnavailable with field protocol::kAwaited. Audited when it is news.
   Status Await(const trace::Ticket& ticket, const std::string& what, const std::string& which);

@@ -27,8 +27,8 @@ struct StationServerOptions {
   std::string address = "127.0.0.1";               // numeric
   uint16_t port = 8443;                            // 0: any free one
   std::filesystem::path certificate, private_key;  // PEM
-  // Proxies that pass the bytes on and say for whom (ListenerOptions): the station's TLS ends here
-  // all the same.
+  // Proxies that pass the bytes on and name the peer (ListenerOptions): the station's TLS still
+  // ends here.
   std::vector<std::string> proxies;
   // For one more, one that has not said Hello yet is closed: the first of the address that has the
   // most of them. When there is none, the one more is closed.
@@ -67,8 +67,8 @@ class StationServer {
   // of the certificate.
   Result<uint16_t> Start();
 
-  // Returns at once. First no new connections and requests, idle ones are told and closed; after
-  // deadlines.stop what is left is closed too. `io` then has no work of this server.
+  // Returns at once. Refuses new connections and requests, then notifies and closes idle ones;
+  // after deadlines.stop it closes the rest. `io` then has no work of this server.
   void Stop();
 
  private:

@@ -7,7 +7,7 @@
 #include "server/storage/folder/store_options.h"
 #include "server/storage/store.h"
 
-// Where a store is put together: which engine has its rows, and where its blobs and keys are.
+// Opens a store: chooses the engine of its rows, and the places of its blobs and keys.
 namespace enamel::server {
 
 // The embedded store: DIR/enamel.db (SQLite, WAL, synchronous=FULL), DIR/blobs/xx/<sha256> and
@@ -25,23 +25,23 @@ struct PostgresOptions {
   // libpq's: "postgresql://user@host1,host2/name" or "host=… user=… dbname=…". Several hosts: the
   // one that takes writes is found.
   std::string server;
-  // PostgreSQL's name of the place for the tables; made where it is not there. Empty: the user's
-  // own.
+  // The PostgreSQL schema for the tables; created if it is missing. Empty: the user's own.
   std::string schema{};
   // Blobs, key ring and keys; what is SQLite's of these options does not count here.
   StoreOptions folder{};
 };
 
 // The same store with its rows in PostgreSQL 15 (schemas/sql/pg) instead of enamel.db. Errors also:
-// kUnavailable (the server, or the library for it, is not there).
+// kUnavailable (the server or its client library is missing).
 Result<std::unique_ptr<Store>> OpenPostgresStore(const PostgresOptions& options);
-// Whether a server has its rows there already. Nothing is made. Errors: those of OpenPostgresStore.
+// Whether a server already has its rows there. Creates nothing. Errors: those of OpenPostgresStore.
 Result<bool> HasServers(const PostgresOptions& options);
 
-// The store of a data folder: its rows are in PostgreSQL, its blobs and keys in S3 stores, where
-// the folder's database.json says so (folder/database_file.h), else in enamel.db, blobs/ and
-// keyring/. The store of blobs is not asked yet. That of keys is, with `hold_lock`: whether it
-// forgets what is deleted, and who was erased. Either may be away while a server starts.
+// The store of a data folder. Its rows are in PostgreSQL, its blobs and keys in S3 stores, if the
+// folder's database.json names them (folder/database_file.h); otherwise in enamel.db, blobs/ and
+// keyring/. Does not connect to the store of blobs yet. With `hold_lock` it asks the store of keys
+// whether it forgets deleted objects, and who was erased. Either may be unreachable while a server
+// starts.
 Result<std::unique_ptr<Store>> OpenStore(const StoreOptions& options);
 
 }  // namespace enamel::server

@@ -43,7 +43,8 @@
 // (tests/server/storage/backends.h). Every change is one transaction and leaves an audit row in the
 // same transaction.
 //
-// Who needs one or two subjects takes references to those; who needs more takes the Store.
+// Code that needs one or two subjects takes references to those; code that needs more takes the
+// Store.
 //
 // Thread safety: any thread; calls block (one connection writes, with group commit, and a pool of
 // them reads). Coroutines call it through StorePool (store_pool.h), never directly. Errors:
@@ -56,7 +57,7 @@ struct Store {
   explicit Store(std::unique_ptr<StoreEngine> on);
   ~Store();
 
-  // What the rest stands on, for what copies or moves all of a school.
+  // Everything that the rows below use, also for code that copies or moves a whole school.
   const std::unique_ptr<StoreEngine> engine;
   // Other servers may have their rows in the same database.
   const bool shared;
@@ -100,8 +101,8 @@ struct Store {
   DatabaseLook& look;
   ServerIdentityRows identity;
 
-  // The program is about to end: from now on no other process is waited for, and FinishErasures,
-  // also as the end of ErasePerson, leaves the rest to the next start. Any thread.
+  // The program is about to end: no longer waits for other processes. FinishErasures, also at the
+  // end of ErasePerson, leaves the rest to the next start. Any thread.
   void StopWaiting();
 };
 

@@ -25,9 +25,9 @@
 
 namespace enamel::server {
 
-// What the rows of a store stand on, in the order in which it is made.
+// The objects under a store's rows, in the order of their construction.
 struct StoreEngine {
-  // What is in S3 stores: clients, and what keys are wrapped with; none: in the folder.
+  // S3 clients and the key that wraps keys; none: blobs and keys are in the folder.
   struct Buckets {
     std::unique_ptr<s3::S3Client> blobs, keys;
     std::optional<MasterKey> master;

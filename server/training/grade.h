@@ -28,8 +28,8 @@ struct Grade {
   std::optional<double> score{};  // none: nothing counts yet
   std::optional<Uuid> attempt{};  // whose score it is, of best and last
   bool shown = false;             // the student may see every score that counts
-  // One of them is `again`. Then there is no result for who does not see its score meanwhile: what
-  // the others come to may not be it.
+  // One of them is `again`. A viewer who may not see its score then gets no result, because the
+  // others alone may give a different one.
   bool regrading = false;
 };
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-// How a class did under one assignment: who has not begun, what was lost where, what stands out.
-// Pure functions over plain values; what they say is for people and enters no score.
+// A class's results under one assignment: students who have not begun, points lost, outliers. Pure
+// functions over plain values; the output is for people and enters no score.
 namespace enamel::server {
 
 // A criterion of one score, as schemas/score.md stores it.
@@ -36,7 +36,7 @@ struct StudentWork {
   std::optional<double> score;  // the result (grade.h); none: nothing counts yet
   double time_s = 0;            // recorded in all those attempts
   bool failed = false;          // of the attempt below: critically
-  // Of the attempt that the criteria are told of; empty: none is scored.
+  // Of the attempt that counts; empty: none is scored.
   std::vector<CriterionPoints> criteria;
   std::vector<GateTaken> gates;
 };
@@ -51,7 +51,7 @@ struct Spread {
 // None where there are no numbers. Requires: finite.
 std::optional<Spread> SpreadOf(std::vector<double> values);
 
-// How many lie in [0, 10), [10, 20), ... [90, 100] percent.
+// Counts in [0, 10), [10, 20), ... [90, 100] percent.
 using Tenths = std::array<uint32_t, 10>;
 
 struct CriterionInsight {
@@ -93,10 +93,10 @@ struct Insight {
   std::vector<Outlier> outliers;           // by student, the farthest first
 };
 
-// A value is told as an outlier where |z| > 3.5 with z = 0.6745 (x - median) / MAD, MAD the median
-// of |x - median| (Iglewicz and Hoaglin, "How to Detect and Handle Outliers", 1993): neither median
-// nor MAD is moved by what stands out. With fewer than 8 values, or a MAD of 0, none is told.
-// Times are of students who began. Of equally common errors the one that cost more points is told.
+// A value is an outlier if |z| > 3.5 with z = 0.6745 (x - median) / MAD, MAD the median of |x -
+// median| (Iglewicz and Hoaglin, "How to Detect and Handle Outliers", 1993): outliers move neither
+// median nor MAD. With fewer than 8 values, or a MAD of 0, there are none. Times are of students
+// who began. Of equally common errors the one that cost more points is listed.
 Insight InsightOf(const std::vector<StudentWork>& students);
 
 }  // namespace enamel::server

@@ -27,8 +27,8 @@ Result<std::string> CheckedName(std::string_view text, std::string_view field);
 // kInvalidInput with `field`.
 Result<std::string> CheckedReason(std::string_view text, std::string_view field);
 
-// No control character, line break or mark that turns the direction of what follows: a terminal and
-// a table show such text as it is. Errors: kInvalidInput with `field`.
+// No control character, line break or mark that changes the writing direction: a terminal or table
+// shows such text unchanged. Errors: kInvalidInput with `field`.
 Status CheckOneLine(std::string_view text, std::string_view field);
 
 // Equal for names that people take for one: case (of ASCII) and the number of spaces do not count.

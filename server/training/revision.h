@@ -2,8 +2,8 @@
 
 #include <string_view>
 
-// Things that are edited carry a revision: 1 at first, one more with every change. Who changes one
-// says which revision was read.
+// Editable things carry a revision: 1 at first, one more with every change. A change names the
+// revision that its author read.
 namespace enamel::server {
 
 // Field of kConflict when somebody else changed the thing since then: read it again.

@@ -7,10 +7,9 @@
 #include "common/base/result.h"
 #include "server/training/types.h"
 
-// When a person may begin an attempt: the rules of assignments, as pure functions. Reference cuts
-// and instructors' own tries are outside them. What two stations could both pass at once (attempt
-// limit, one exam at a time) is looked at again where the attempt is made
-// (TicketRows::CreateAttempt).
+// When a person may begin an attempt: the rules of assignments, as pure functions. They do not
+// apply to reference cuts and instructors' trials. Two stations could both pass the attempt limit
+// or the limit of one exam at a time, so TicketRows::CreateAttempt checks both again.
 namespace enamel::server {
 
 // How long after its ticket an attempt may begin, at most; the station checks it. An exam begins
@@ -36,9 +35,9 @@ Status CheckReference(bool exam, const ExerciseRow& version, bool has_reference)
 
 bool IsLate(const AssignmentRow& assignment, UnixMs now_ms);
 
-// Errors: kForbidden with what is in the way, when it will not be, and what to do; field() is
-// "opens", "due", "attempt_limit" or "stations". `station`: where; none: anywhere. `stations_text`:
-// the named stations, for people.
+// Errors: kForbidden with the obstacle, when it ends, and what to do; field() is "opens", "due",
+// "attempt_limit" or "stations". `station`: where; none: anywhere. `stations_text`: the named
+// stations, for people.
 Status MayBegin(const AssignedRow& assigned, UnixMs now_ms, const std::optional<Uuid>& station,
                 const std::string& stations_text);
 

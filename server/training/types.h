@@ -234,7 +234,7 @@ enum AttemptFlag : uint32_t {
   kOtherHand = 512,     // held by what its assignment does not allow
   kNearAnother = 1024,  // its motion lies near an earlier attempt's; who reviews it alone is told
 };
-// What only who reviews the attempt is told: it points at others.
+// Flags that only reviewers of the attempt see: they point at other people.
 inline constexpr uint32_t kReviewFlags = kNearAnother;
 // {"late", "over_time"}.
 std::vector<const char*> AttemptFlagNames(uint32_t flags);
@@ -326,7 +326,7 @@ struct AnnotationRow {
 // How far a remark to the chair has come.
 enum class RemarkState { kWaiting, kSent, kShown };
 
-// What is said at the chair of an attempt while it is made; an annotation keeps it.
+// A remark to the chair of an attempt in progress; an annotation keeps it.
 struct ChairRemark {
   Uuid attempt;
   uint64_t id = 0;   // what its station knows it by: grows with each of the attempt's

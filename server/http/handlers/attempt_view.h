@@ -57,7 +57,7 @@ class AttemptView {
 // 412 with the attempt as it is now.
 Response JudgedMeanwhile(const Call& call, Store& store, const Status& status);
 
-// Schema Reference: without the dentist's name for who may not see it.
+// Schema Reference: without the dentist's name if the viewer may not see it.
 boost::json::object ReferenceJson(const Person& viewer, const ReferenceRow& row);
 
 }  // namespace enamel::server::http

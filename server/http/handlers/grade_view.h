@@ -10,9 +10,9 @@
 
 namespace enamel::server::http {
 
-// Results over several attempts (server/training/grade.h) as one viewer may see them: a student's
-// are made of the scores that the student may see and of no other, so that nothing is told before
-// its release. Lives for one request; blocks. Thread safety: none.
+// Results over several attempts (server/training/grade.h) as one viewer may see them. Only scores
+// that a student may see count in the student's results, so nothing is revealed before its release.
+// Lives for one request; blocks. Thread safety: none.
 class GradeView {
  public:
   GradeView(Store& store, const Person& viewer) : store_(store), viewer_(viewer) {}

@@ -12,9 +12,9 @@ struct SeenAttempt {
   bool shares_cohort = false;
   bool graded = true;
 };
-// Errors: kNotFound, the same for what is not there and what the caller may not see.
+// Errors: kNotFound, the same for a missing attempt and one that the caller may not see.
 Result<SeenAttempt> SeeAttempt(const Call& call, Store& store, const Uuid& attempt);
-// The same for who may also review it (CanReviewAttempt); kForbidden for others.
+// The same for callers who may also review it (CanReviewAttempt); kForbidden for others.
 Result<SeenAttempt> ReviewAttempt(const Call& call, Store& store, const Uuid& attempt);
 
 // kConflict, with what it is instead.

@@ -12,8 +12,8 @@ namespace enamel::server::http {
 
 // Those assigned to the caller; an admin's are all.
 Result<std::vector<ExerciseRow>> VisibleExercises(const Call& call, ExerciseRows& exercises);
-// The exercise {id}: the caller's own, shared ones and all of an admin's (CanUseExercise); else any
-// version of what is assigned to the caller, and what the caller has worked on. Errors: kNotFound.
+// The exercise {id}, if the caller may use it (own, shared, or any for an admin: CanUseExercise),
+// is assigned a version of it, or has worked on it. Errors: kNotFound.
 Result<ExerciseRow> VisibleExercise(const Call& call, AttemptRows& attempts_rows,
                                     ExerciseRows& exercises);
 // One that is the caller's to change. Errors also: kForbidden with whose it is.

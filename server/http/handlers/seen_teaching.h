@@ -11,8 +11,8 @@ namespace enamel::server::http {
 
 // An instructor's own; an admin's are all. Archived ones too.
 Result<std::vector<Cohort>> VisibleCohorts(const Call& call, CohortRows& cohorts);
-// The cohort {id}. Errors: kNotFound, the same for what is not there and what is not the caller's
-// to see.
+// The cohort {id}. Errors: kNotFound, the same for a missing cohort and one that the caller may not
+// see.
 Result<Cohort> VisibleCohort(const Call& call, CohortRows& cohorts);
 // Whether the caller is a member, in whatever role.
 Result<bool> IsInCohort(const Call& call, CohortRows& cohorts, const Uuid& cohort);

@@ -25,8 +25,8 @@ struct JobRow {
   std::string cause = "seal";  // "seal" | "reference" | "rescore" | "appeal" | "rubric"
   double progress = 0;         // 0..1 while running
   std::optional<Uuid> batch{};
-  // Of the run that LeaseJob has begun: whoever has it may say how the run goes on and ends. Zero
-  // where the row was only looked at.
+  // The lease of the run that LeaseJob began: its holder may report progress and the end. Zero if
+  // the row was only read.
   Uuid lease{};
 };
 
@@ -37,8 +37,8 @@ struct JobFilter {
   uint32_t limit = 50;           // at most 200
 };
 
-// Field of the kUnavailable that says a run is over: it was cancelled, or another worker has its
-// job. Without it the database cannot be asked now, and the run may go on.
+// Field of the kUnavailable that ends a run: somebody cancelled it, or another worker has its job.
+// Without this field the database is unreachable at the moment, and the run may continue.
 inline constexpr char kLeaseOver[] = "lease";
 
 // The queue of jobs.

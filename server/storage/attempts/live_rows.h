@@ -10,8 +10,8 @@
 
 namespace enamel::server {
 
-// What goes on now and has to be known at all servers of a school: remarks on their way to chairs,
-// and which stations are connected where.
+// The present state that all servers of a school share: remarks on their way to chairs, and which
+// stations are connected to which server.
 class LiveRows {
  public:
   LiveRows(Transactions& rows, const LeaseOwner& owner) : rows_(rows), owner_(owner) {}
@@ -23,9 +23,10 @@ class LiveRows {
   Status MoveRemarks(const std::vector<ChairRemark>& moved);
   // A server that has not called KeepLinks for so long has none.
   static constexpr UnixMs kServerSilentMs = 20'000;
-  // Of this server: these have come, or their `shows_remarks` is another now, and these are gone.
-  // Also with nothing new, to be heard. Errors: kNotFound (it was silent for so long that others
-  // deleted what it had said, and nothing is kept of this call: say all of it again with `anew`).
+  // Stations of this server: those that connected or changed `shows_remarks`, and those that left.
+  // Call it even without changes, as a sign of life. Errors: kNotFound (this server was silent for
+  // so long that others deleted its rows, and nothing of this call is kept: send everything again
+  // with `anew`).
   Status KeepLinks(const std::vector<StationLink>& come, const std::vector<Uuid>& gone, bool anew);
   // Those of the other servers. A station may be connected to two for a while.
   Result<std::vector<StationLink>> LinksElsewhere();

@@ -16,8 +16,8 @@ namespace enamel::server {
 using AuditSalt = std::array<uint8_t, 32>;
 AuditSalt NewAuditSalt();  // from the system's random source
 
-// Stands in the signed text for what may have to be erased; without the salt it tells nothing of
-// it.
+// The signed text has this hash instead of the words that may have to be erased. Without the salt
+// it reveals nothing about them.
 Sha256 AuditContentHash(const AuditSalt& salt, const std::string& before_json,
                         const std::string& after_json, const std::string& state);
 

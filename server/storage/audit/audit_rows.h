@@ -40,7 +40,7 @@ class AuditRows {
   // Newest first.
   Result<std::vector<AuditRow>> Audit(uint32_t limit);
   Result<std::vector<AuditRow>> FindAudit(const AuditFilter& filter);
-  // What the person did and what was done to the person and the person's attempts, oldest first.
+  // Actions by the person, and on the person and the person's attempts, oldest first.
   Result<std::vector<AuditRow>> AuditAbout(const Uuid& person);
   // Something that changed nothing here but is to be known: a backup, an export.
   Status NoteAudit(const Actor& by, const std::string& action, const std::string& object,

@@ -6,17 +6,17 @@
 
 #include "server/storage/engine/query.h"
 
-// What people decide about and what scores are made from, as the audit trail states it and `verify`
-// compares it (schemas/audit.md). A subject is a kind and a key, "attempt <id>"; its state is one
-// JSON object with all columns that are decided on.
+// The decisions of people and the inputs of scores, as the audit trail states them and `verify`
+// compares them (schemas/audit.md). A subject is a kind and a key, "attempt <id>"; its state is one
+// JSON object with all decided columns.
 namespace enamel::server {
 
 std::string SubjectOf(const std::string& kind, const std::string& key);
 // What a row with this action and object decides about; empty: nothing that is compared.
 std::string SubjectOfAction(const std::string& action, const std::string& object);
 
-// Now, as of this transaction; empty: the subject is not there. What is words is in it as their
-// SHA-256. Errors: kInternal (no such kind).
+// The present state, as of this transaction; empty: the subject does not exist. Words are in it as
+// their SHA-256. Errors: kInternal (no such kind).
 Result<std::string> StateOf(Db& db, const std::string& subject);
 // Column to value. What has no value is left out. Empty too when it is no state.
 std::map<std::string, std::string> ColumnsOf(const std::string& state);

@@ -10,9 +10,9 @@
 #include "server/storage/verify/verify.h"
 #include "server/training/types.h"
 
-// Copies of a school and the way back (schemas/backup.md), from a data folder, or from PostgreSQL
-// and S3 stores where the folder's database.json says so; back always into a folder (move.h leads
-// on from there).
+// Backup and restore of a school (schemas/backup.md). A backup reads a data folder, or the
+// PostgreSQL database and S3 stores that its database.json names. A restore always writes a folder
+// (from there, use move.h).
 namespace enamel::server {
 
 struct BackupOptions {

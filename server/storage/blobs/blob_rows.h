@@ -21,11 +21,13 @@ struct BlobRow {
 
 Result<std::optional<BlobRow>> FindBlobRow(sql::Db& db, const Sha256& hash);
 Result<std::vector<BlobRow>> AllBlobRows(sql::Db& db);
-// Somebody puts or names what is there already: `put_ms` is now. The row is written in any case, so
-// that a transaction that deletes it meets this one. The row as it is then; none: there is none.
+// For a blob that is already stored, when somebody puts or names it again: `put_ms` is now. Writes
+// the row in any case, so that a transaction that deletes it conflicts with this one. Returns the
+// row afterwards; none: there is none.
 Result<std::optional<BlobRow>> TouchBlobRow(sql::Db& db, const Sha256& hash, int64_t now_ms);
-// The object of this generation is there. The row as it is then: of another generation when another
-// server was faster. A row of the generation `lost`, whose object is not there, is replaced.
+// Records that the object of this generation exists. Returns the row afterwards: of another
+// generation if another server was faster. Replaces a row of the generation `lost`, whose object is
+// missing.
 Result<BlobRow> ClaimBlobRow(sql::Db& db, const Sha256& hash, int64_t generation, int64_t lost,
                              int64_t now_ms);
 // Deletes the rows of those of `hashes` that no row names and that were put before `before_ms`.

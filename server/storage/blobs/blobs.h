@@ -23,7 +23,7 @@ class Blobs {
  public:
   virtual ~Blobs() = default;
 
-  // Whoever puts a blob names it in a row within the age that Sweep is called with.
+  // The caller names the blob in a row within the age that Sweep is called with.
   virtual Result<Sha256> Put(ByteView data) = 0;
   // Errors: kNotFound; kStorage when the content no longer has its name's hash; kUnavailable when
   // it may be read later.
@@ -51,7 +51,7 @@ class Blobs {
   virtual Status Problem() const { return Status::Ok(); }
 };
 
-// Files: FOLDER/ab/ab12….  What is put at the same time is synced at the same time.
+// Files: FOLDER/ab/ab12….  Concurrent puts share one sync.
 class FolderBlobs final : public Blobs {
  public:
   // `named`: every blob that a row names now; for Remove and Sweep.
@@ -82,7 +82,7 @@ class FolderBlobs final : public Blobs {
   std::filesystem::path PathOf(const Sha256& hash) const;
 
  private:
-  // Unless it was put within the last `age`; tells whether it is gone.
+  // Unless it was put within the last `age`; returns whether it was removed.
   Result<bool> RemoveIfOlder(const Sha256& hash, std::chrono::seconds age);
 
   const std::filesystem::path folder_;

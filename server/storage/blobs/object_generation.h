@@ -11,7 +11,7 @@ namespace enamel::server {
 
 // 63 bits, so that it is a number of SQL's; never 0.
 int64_t NewGeneration();
-// As it is in an object's key: 16 hexadecimal digits.
+// The text in an object's key: 16 hexadecimal digits.
 std::string GenerationText(int64_t generation);
 // None: it is not what GenerationText writes.
 std::optional<int64_t> ReadGeneration(std::string_view text);

@@ -17,29 +17,29 @@ namespace enamel::server {
 
 // Blobs as objects of an S3 store that several servers share. The object of a blob is
 //   PREFIX<sha256>-<generation, 16 hexadecimal digits>
-// and the table `blobs` says which generation counts (schemas/sql/0001_initial.sql). Of S3 no more is
-// asked than every store does: no conditional PUT, nothing of lists but that an object is in one some
-// day. An object is written once and never replaced.
+// The table `blobs` says which generation counts (schemas/sql/0001_initial.sql). Any S3 store will
+// do: this needs no conditional PUT, and of lists only that an object appears in one some day. An
+// object is written once and never replaced.
 //
-// Why no server deletes what another names, or is about to name:
-// * Put uploads an object of a new generation first and adds its row then; when a row is there, it
+// Why no server deletes a blob that another server names, or is about to name:
+// * Put uploads an object of a new generation first and then adds its row. If a row exists, it
 //   writes `put_ms` into it instead and uploads nothing.
-// * Whoever deletes a blob deletes its row, in one serial transaction with the look that nothing
-//   names it; the object goes after that transaction is kept. It is of the generation that the row
-//   had: never one that a Put uploads meanwhile.
-// * Put and Hold write the row. A serial transaction that deletes a row which was written since it
-//   began is repeated by the database, and then sees the name, or `put_ms`. The other way round,
-//   Put and Hold wait for it and find no row: Put uploads another generation, Hold refuses the
-//   name, and whoever wanted it puts the blob again. So it does not matter in which order they
-//   come, and it holds for Isolation::kRowLocks too.
-// * What goes with an attempt, at once (Free), is named with Hold. All else goes by Sweep alone,
-//   when the last Put is a day ago: a name follows its Put within minutes, or never.
-// * An object without a row is what a crash between upload and row left, or between row and
-//   deleting. Sweep removes it a day after it was uploaded; a row is not added any more for an
-//   upload that began an hour ago (kClaimWithin). Clocks of servers and store may differ by hours.
+// * A deletion removes the row, in one serial transaction with the check that nothing names the
+//   blob. The object is deleted after that transaction commits. It has the row's generation: never
+//   one that a Put uploads meanwhile.
+// * Put and Hold write the row. The database repeats a serial transaction that deletes a row
+//   written since it began, and the repetition sees the name, or `put_ms`. The other way round, Put
+//   and Hold wait for it and find no row: Put uploads another generation, Hold refuses the name,
+//   and the caller puts the blob again. So the order does not matter, and this holds for
+//   Isolation::kRowLocks too.
+// * Blobs that are deleted at once with an attempt (Free) are named with Hold. Sweep deletes all
+//   others, a day after the last Put: a name follows its Put within minutes, or never.
+// * A crash between upload and row, or between row and deletion, leaves an object without a row.
+//   Sweep removes it a day after its upload. No row is added for an upload that began an hour ago
+//   (kClaimWithin). Clocks of servers and store may differ by hours.
 //
-// What fails of the store is told as S3Trouble does. A row whose object is lost is found by Put,
-// which uploads the bytes again.
+// Failures of the store are reported as S3Trouble says. Put finds a row whose object is lost, and
+// uploads the bytes again.
 //
 // Thread safety: any thread. Put, Get and Remove wait for the store, at most about two of its calls
 // (S3Limits).

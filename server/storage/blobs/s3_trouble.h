@@ -9,9 +9,8 @@
 
 namespace enamel::server {
 
-// How an S3 store does, by what its calls return. What fails is in the log in full, at most once a
-// minute of a kind; whoever asked is told without host and bucket.
-// Thread safety: any thread.
+// The health of an S3 store, from the results of its calls. The log has each failure in full, at
+// most once a minute of a kind; callers get it without host and bucket. Thread safety: any thread.
 class S3Trouble {
  public:
   // `what` it is the store of, in messages: "blobs".

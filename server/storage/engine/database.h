@@ -20,9 +20,9 @@ const std::vector<sql::Migration>& SqliteMigrations();
 // The newest that this program knows; the same for every engine.
 int LatestSchemaVersion();
 
-// A failure tells whoever asked what to do, without path or SQLite's words: those go to the log.
-// While it is opened they are told too, to who started the program. `vfs`: SQLite's name of the
-// file layer to use; empty: its own. `fail_next`: SqliteDbOptions.
+// A failure gives the caller the remedy, without path or SQLite's words: those go to the log. While
+// opening, whoever started the program sees them too. `vfs`: SQLite's name of the file layer to
+// use; empty: its own. `fail_next`: SqliteDbOptions.
 using DbMode = sql::SqliteDbOptions::Mode;
 Result<std::unique_ptr<SqliteDb>> OpenDatabase(const std::filesystem::path& path, DbMode mode,
                                                const std::string& vfs = {},

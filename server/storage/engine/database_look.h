@@ -23,8 +23,8 @@ class DatabaseLook {
  public:
   DatabaseLook(Transactions& rows, const Rewriter& rewriter) : rows_(rows), rewriter_(rewriter) {}
 
-  // Where the database is another machine's: its clock becomes this process's, and the figures
-  // below are of now. Elsewhere: nothing. Opening the store has done it once; a program that runs
+  // If the database is on another machine: sets this process's clock to the database's, and updates
+  // the values below. Otherwise: nothing. Opening the store has done it once; a program that runs
   // for long calls it every kEvery.
   static constexpr std::chrono::seconds kEvery{10};
   Status Look();
@@ -32,8 +32,8 @@ class DatabaseLook {
   // How far this machine's clock is ahead of the database's; 0 where they are one.
   int64_t clock_ahead_ms() const { return clock_ahead_ms_; }
   sql::Standby standby() const { return standby_; }
-  // Changes take long at the moment: the database is being rewritten, by this process or another,
-  // or waits for a standby that is not there.
+  // Changes take long at the moment: this process or another rewrites the database, or it waits for
+  // a missing standby.
   bool ChangesWait() const;
 
  private:

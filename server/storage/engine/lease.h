@@ -22,13 +22,13 @@ struct LeaseTimes {
   std::function<void()> on_renewed{};  // on the lease's thread; for tests
 };
 
-// A row of the table `leases`, held until this is destroyed: what only one of the servers of a
-// database does at a time. A server that dies keeps it for LeaseTimes::good, by the database's
-// clock. On a connection of its own, as the writer's is busy for as long as a rewrite takes; a
-// thread renews it.
+// A row of the table `leases`, held until this is destroyed, for work that only one of a database's
+// servers does at a time. A server that dies keeps it for LeaseTimes::good, by the database's
+// clock. It uses a connection of its own, because a rewrite keeps the writer busy; a thread renews
+// it.
 //
-// Who could not renew it in time goes on with what it began, beside whoever has taken it: what is
-// done under a lease must do no harm done twice.
+// A holder that could not renew it in time continues its work beside the next holder. Work under a
+// lease must therefore do no harm when done twice.
 class Lease {
  public:
   // Errors: kUnavailable, field kLeaseHeld (another has it); the database's.

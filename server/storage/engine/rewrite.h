@@ -20,11 +20,10 @@ namespace enamel::server {
 // says the same to several servers.
 inline constexpr char kRewriteMark[] = "REWRITE";
 
-// Writes the database anew after an erasure: SQLite overwrites what is deleted, but not the copies
-// that moving rows about has left in free pages and gaps; PostgreSQL overwrites nothing. A mark
-// says that this is still to be done, also after a crash: a file in the data folder, or a row where
-// several servers have theirs in the database, so that any of them does it.
-// Thread safety: any thread.
+// Rewrites the database after an erasure. SQLite overwrites a deleted row, but not the copies that
+// moving rows has left in free pages and gaps; PostgreSQL overwrites nothing. A mark records that a
+// rewrite is due, even after a crash: a file in the data folder, or a row if several servers share
+// the database, so that any of them does it. Thread safety: any thread.
 class Rewriter {
  public:
   Rewriter(std::filesystem::path folder, SpaceGuard& space, Transactions& rows)
@@ -57,9 +56,9 @@ class Rewriter {
 
   Status Mark();
   Result<bool> IsMarked() const;
-  // Where the mark is, writes the database anew without what was freed in it, empties the log and
+  // If the mark exists, rewrites the database without its freed content, empties the log and
   // removes the mark. Writers wait meanwhile: this store's in the writer's queue, other processes'
-  // because of OthersErase. What fails is in the log; the mark stays then. Requires: Upkeep is
+  // because of OthersErase. After a failure, which the log has, the mark stays. Requires: Upkeep is
   // held.
   Status RunIfMarked();
   bool running() const { return running_; }

@@ -9,7 +9,7 @@
 
 namespace enamel::server {
 
-// What a server is known by: to stations, in what it signs, and to its key ring.
+// The parts of a server's identity: for stations, in signatures, and for its key ring.
 enum class ServerPart { kStationCertificate, kTicketKey, kKeyRing };
 
 // The table `server_identity`: keeps the fingerprint unless there is one, and compares it. In a

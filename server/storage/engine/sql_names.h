@@ -5,7 +5,7 @@
 
 #include "server/training/types.h"
 
-// How our enums stand in SQL, so that a statement names what it means:
+// Names of our enums in SQL, so that a statement names its values:
 //   "… WHERE state = " + Sql(AttemptState::kScored) + " AND flags & " + Sql(kExcused) + " = 0"
 namespace enamel::server {
 

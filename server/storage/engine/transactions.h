@@ -40,8 +40,9 @@ class Transactions {
     return result;
   }
 
-  // What `work` did is kept when it returns Ok, and durable then. It may be run again after what it
-  // did was taken back (writer.h): what it sets outside the database, it sets anew from its start.
+  // Commits the changes of `work` if it returns Ok; they are then durable. `work` may be rolled
+  // back and run again (writer.h), so it must reset anything it sets outside the database when it
+  // starts.
   Status Write(const Writer::Work& work) { return writer_.Run(work); }
   Status Write(const std::function<Status(sql::Db&)>& work) {
     return writer_.Run([&](sql::Db& db, bool&) { return work(db); });

@@ -27,13 +27,13 @@ class Writer {
   explicit Writer(std::unique_ptr<Db> db, bool twice = false);
   ~Writer();
 
-  // What the work did is kept when it returns Ok, or sets `keep_anyway` (a refusal that leaves
-  // evidence). Durable when Run returns. A work may be run again after what it did was taken back
-  // (another of its batch failed, or a server's database ended transactions that met): what it sets
-  // outside the database, it sets anew from its start.
+  // Commits the changes of `work` if it returns Ok or sets `keep_anyway` (a refusal that leaves
+  // evidence). They are durable when Run returns. A work may be rolled back and run again: another
+  // of its batch failed, or a server's database ended conflicting transactions. So it must reset
+  // anything it sets outside the database when it starts.
   //
-  // `isolation`: kRowLocks for what comes with every chunk and job, and locks the rows it decides
-  // on; those run in transactions of their own, so that one that has to be repeated never repeats
+  // `isolation`: kRowLocks for work that comes with every chunk and job, and locks the rows it
+  // decides on. Such works have transactions of their own, so that repeating another never repeats
   // them.
   using Work = std::function<Status(Db& db, bool& keep_anyway)>;
   Status Run(const Work& work, sql::Isolation isolation = sql::Isolation::kSerial);
@@ -66,13 +66,13 @@ class Writer {
 
  private:
   static constexpr size_t kMaxBatch = 256;
-  // A batch of so many says that many write at once: the next commit then waits until more have
-  // come together. Who writes alone never waits.
+  // A batch of this size shows that many write at once: the next commit then waits until more works
+  // have gathered. A lone writer never waits.
   static constexpr size_t kBusyBatch = 4;
   static constexpr std::chrono::milliseconds kPace{10};
-  // So often a batch is run before those whose transactions met with others' are told to try again,
-  // with a pause before each that doubles up to kLongestPause, less a part at random: two that met
-  // would meet again.
+  // Number of runs of a batch before owners of conflicting transactions get "try again". The pause
+  // before each run doubles up to kLongestPause, less a random part: two that conflicted would
+  // conflict again.
   static constexpr int kTries = 10;
   static constexpr std::chrono::microseconds kFirstPause{2000}, kLongestPause{100'000};
   struct Pending {

@@ -24,8 +24,8 @@ class Disk {
   virtual Status SyncFolder(const std::filesystem::path& path) = 0;
   // Absent: nothing to do.
   virtual Status Remove(const std::filesystem::path& path) = 0;
-  // Overwrites the content in its place before removing it. A drive may keep an older copy of a
-  // block all the same: that is the drive's promise to make.
+  // Overwrites the content in place before removing it. A drive may still keep an older copy of a
+  // block: only the drive can rule that out.
   virtual Status Shred(const std::filesystem::path& path) = 0;
   // A file's content, read piece by piece. Errors: kNotFound (absent, or cannot be read).
   struct Content {

@@ -12,8 +12,8 @@ inline constexpr char kServerLock[] = "LOCK";    // held by the running server
 inline constexpr char kUpkeepLock[] = "UPKEEP";  // held by a backup, or by what removes blobs
 inline constexpr char kRestoreMark[] = "RESTORE-UNFINISHED";
 inline constexpr char kMoveMark[] = "MOVE-UNFINISHED";  // in a folder that a school is moved to
-// In one that a school was moved from, with where to: two servers that both go on would be two
-// schools.
+// In a folder that a school was moved from, with its new place: if both continued, there would be
+// two schools.
 inline constexpr char kMovedMark[] = "MOVED";
 // What makes it this server and no other; equal on all servers of a school. The certificate last:
 // where it is, its key is.

@@ -8,10 +8,10 @@
 
 namespace enamel::server {
 
-// A file of a secret, which nobody but its owner may read. In messages, `what` it is ("the master
-// key") and what to do where there is none ("write it").
-// Errors: kNotFound (no such file), kForbidden (others may read it), kStorage (it cannot be read,
-// or is a link that leads nowhere: what it leads to may be on a disk that is not there yet).
+// A file with a secret, which only its owner may read. In messages, `what` it is ("the master key")
+// and what to do if it is missing ("write it"). Errors: kNotFound (no such file), kForbidden
+// (others may read it), kStorage (it cannot be read, or is a link that leads nowhere: its target
+// may be on a disk that is not mounted yet).
 Result<Bytes> ReadPrivateFile(const std::filesystem::path& path, size_t max_bytes,
                               const std::string& what, const std::string& remedy);
 

@@ -19,8 +19,8 @@ struct S3Place {
 };
 
 struct StoreOptions {
-  // Made when absent, mode 0700. One that is there and lets others in is put right when it is empty
-  // or a data folder already, and refused when it holds other things (kForbidden).
+  // Created if absent, mode 0700. An empty folder or a data folder that lets others in gets that
+  // mode; one with anything else in it is refused (kForbidden).
   std::filesystem::path folder;
   // The server holds the folder's lock (LOCK, flock) as long as it runs. The command line opens the
   // same folder beside it without: SQLite's own locks are enough for that, except to migrate.
@@ -29,8 +29,8 @@ struct StoreOptions {
   // Asked before every statement that writes, every COMMIT and every blob; true makes that one
   // fail. For tests (fail the Nth operation). Empty: never.
   std::function<bool()> fail_next{};
-  // Below this no recording is taken (StoreHealth); signing in, reading, erasing go on. 0: no
-  // limit.
+  // With less free space no recording is taken (StoreHealth); signing in, reading and erasing still
+  // work. 0: no limit.
   uint64_t min_free_bytes = 0;
   std::chrono::milliseconds free_space_check{1000};  // how often the disk is asked
   bool restoring = false;  // opened by Restore (backup.h), under its own mark
@@ -41,7 +41,8 @@ struct StoreOptions {
   // How long a write waits for another process's before it is refused. The time in which that
   // process finishes an erasure does not count.
   std::chrono::milliseconds busy_wait{10'000};
-  // Every change is made, taken back and made again, as a server's database may ask for. For tests.
+  // Runs each change, rolls it back and runs it again, as a server's database may require. For
+  // tests.
   bool change_twice = false;
   // Where blobs are instead of in FOLDER/blobs. With rows in enamel.db for tests alone: two servers
   // with a database each would delete each other's blobs (ReadDatabaseFile refuses it).

@@ -15,9 +15,9 @@ std::filesystem::path TicketKeyPath(const std::filesystem::path& folder);
 // Reads it. Errors: kNotFound, kInvalidInput (it is no key).
 Result<trace::KeyPair> ReadTicketKey(const std::filesystem::path& folder);
 
-// Reads it, or makes it where it is not there. One process at a time. Errors: kStorage,
-// kInvalidInput (what is there is no key; it is not made anew, for stations hold tickets that only
-// the old key can have signed).
+// Reads it, or creates a missing one. One process at a time. Errors: kStorage, kInvalidInput (the
+// file is no key; it is not replaced, because stations hold tickets that only the old key can have
+// signed).
 Result<trace::KeyPair> EnsureTicketKey(const std::filesystem::path& folder, Disk& disk);
 
 }  // namespace enamel::server

@@ -39,7 +39,7 @@ class MotionRows {
   // The motions at the same exercise, any version of it on the same scene, that were sealed before
   // this attempt's; the newest `limit`. Anybody's.
   Result<std::vector<MotionRow>> MotionsBefore(const Uuid& attempt, uint32_t limit);
-  // None when there was none before, or the recording is gone.
+  // None if there was no earlier one, or the recording was removed.
   Result<std::optional<NearAttempt>> NearestTo(const Uuid& attempt);
 
  private:

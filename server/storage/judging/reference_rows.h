@@ -29,7 +29,7 @@ class ReferenceRows {
   Result<ReferenceRow> ReferenceById(const Uuid& id);
   // Newest first, withdrawn ones too.
   Result<std::vector<ReferenceRow>> References(const Uuid& exercise);
-  // Scores made with it stay until they are made again.
+  // Scores made with it stay until a rescore.
   Status WithdrawReference(const Uuid& id, const Actor& by);
   Result<std::optional<ReferenceRow>> ReferenceFor(const Uuid& exercise);
   // Those for which ReferenceFor finds one, in one question.

@@ -31,7 +31,7 @@ class TimelineRows {
   // The newest attempt that waits for its timeline and that nobody else makes one of; the try is
   // counted. After 3 tries it no longer waits, until it is scored again.
   Result<std::optional<Uuid>> TakeTimeline();
-  // It is still being made. Who does not say so for a minute is taken for dead.
+  // A sign of life of the worker. One that is silent for a minute counts as dead.
   Status KeepTimeline(const Uuid& attempt);
   // Stopped before its end through no fault of its own: the try does not count.
   Status ReturnTimeline(const Uuid& attempt);

@@ -67,10 +67,10 @@ Status Join(Keyring& keyring, Keyring& other,
 Bytes SealPersonal(const Uuid& person, const DataKey& key, const Uuid& attempt, ByteView data);
 // None: these bytes are no envelope.
 std::optional<Uuid> PersonOfSealed(ByteView bytes);
-// Envelopes are opened; everything else is nobody's and returned as it is. Errors: kNotFound (key
-// destroyed), kStorage (damaged), kVersion.
+// Opens envelopes; returns all other content unchanged, because it belongs to nobody. Errors:
+// kNotFound (key destroyed), kStorage (damaged), kVersion.
 Result<Bytes> OpenPersonal(Keyring& keyring, Bytes bytes);
-// The same for many in a row, mostly of one person, whose key is asked for once. One thread.
+// The same for many in a row, mostly of one person; it fetches that key once. One thread.
 class PersonalReader {
  public:
   explicit PersonalReader(Keyring& keyring) : keyring_(keyring) {}

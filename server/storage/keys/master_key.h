@@ -7,10 +7,9 @@
 
 namespace enamel::server {
 
-// What keys of people are wrapped with where they lie in a bucket (schemas/personal_data.md, "Keys
-// in a bucket"): whoever has the bucket alone has nothing. 256 bits in a file that is not in the
-// bucket, the same on all servers of a school.
-// Thread safety: const after construction.
+// Wraps the keys of people that are kept in a bucket (schemas/personal_data.md, "Keys in a
+// bucket"): the bucket alone opens nothing. 256 bits in a file outside the bucket, the same on all
+// servers of a school. Thread safety: const after construction.
 class MasterKey {
  public:
   explicit MasterKey(const DataKey& key) : key_(key) {}

@@ -20,26 +20,26 @@ namespace enamel::server {
 // The key ring of several servers: objects of a bucket of its own (key_bucket.h),
 //   PREFIX<uuid>-<generation, 16 hexadecimal digits>       a person's key, wrapped (master_key.h)
 //   PREFIXgone/<sha256>                                    an erased person (Tombstone); empty
-// and the table `person_keys` says which generation counts (schemas/sql/0001_initial.sql). Of S3 no more is
-// asked than every store does.
+// and the table `person_keys` says which generation counts (schemas/sql/0001_initial.sql). Any S3
+// store will do.
 //
-// * FindOrMake uploads a key of a new generation first and adds its row then, in one serial
-//   transaction with the look whether another server was faster or the person is erased; then its
-//   own object goes. A key is used once its row is kept, so an object that a crash leaves without a
-//   row opens nothing.
-// * Find asks the database each time and the bucket once, also where many ask for one person's key
-//   at the same moment: another server's erasure counts at once.
+// * FindOrMake uploads a key of a new generation first. Then it adds the key's row, in one serial
+//   transaction that checks whether another server was faster or the person is erased; if so, it
+//   deletes its own object. A key is used only once its row is committed, so an object that a crash
+//   leaves without a row opens nothing.
+// * Find asks the database each time and the bucket once, even if many ask for one person's key at
+//   the same moment: another server's erasure takes effect at once.
 // * Destroy: the tombstone's row first (`erasures`), after which no server makes or finds the key;
 //   then the tombstone's object, which a restored database is compared with; then every object of
-//   the person's keys, also those that count no longer or never did; their row last. What a failure
-//   leaves is for Bury, which a server does when it starts, or within an hour where the bucket is
-//   away then.
-// * A key that a server has in memory stays there until it is asked for again, or the server ends.
-//   A chunk is written with it where the statement that writes finds its generation to count still
+//   the person's keys, including those that never counted or no longer do; their row last. After a
+//   failure Bury finishes it, when a server starts, or within an hour if the bucket was unreachable
+//   then.
+// * A server keeps a key in memory until it is requested again, or the server ends. A chunk is
+//   written with it only if the writing statement finds that its generation still counts
 //   (Keyring::Remember).
 //
-// Errors also: kUnavailable (bucket or database is away). What fails of the store is told as
-// S3Trouble does. Thread safety: any thread.
+// Errors also: kUnavailable (bucket or database unreachable). Failures of the store are reported as
+// S3Trouble says. Thread safety: any thread.
 class S3Keyring final : public Keyring {
  public:
   S3Keyring(std::unique_ptr<s3::S3Client> client, std::string prefix, MasterKey master,
@@ -88,8 +88,8 @@ class S3Keyring final : public Keyring {
   const MasterKey master_;
   Transactions& rows_;
   S3Trouble trouble_;
-  // Held by who gets a key from the bucket or makes one, so that others who want the same wait for
-  // it. One for each of a few groups of people.
+  // Held while getting a key from the bucket or making one, so that others who want the same key
+  // wait. One for each of a few groups of people.
   std::array<Mutex, 64> getting_;
   Mutex mutex_;
   std::map<Uuid, Remembered> found_ ENAMEL_GUARDED_BY(mutex_);  // by person

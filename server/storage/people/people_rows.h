@@ -41,7 +41,7 @@ class PeopleRows {
   Result<std::vector<Person>> People();
   // By login.
   Result<std::vector<Person>> FindPeople(const PeopleFilter& filter);
-  // Another role and disabling end the person's sessions. Returns the person as it is then. Errors:
+  // A new role or disabling ends the person's sessions. Returns the edited person. Errors:
   // kConflict with field kStale (`revision` is not the stored one), without one (the last admin who
   // may sign in).
   Result<Person> EditPerson(const Uuid& id, const PersonEdit& edit, int32_t revision,

@@ -43,7 +43,7 @@ class SignInRows {
   static constexpr int64_t kMostSignInCounters = 100'000;
   using SignInChange = std::function<void(std::vector<SignInCounter>&)>;
   Status Change(const std::vector<Sha256>& keys, const SignInChange& change);
-  // Deletes what is over, and the oldest of what is more than kMostSignInCounters of a kind.
+  // Deletes expired counters, and the oldest of a kind that has more than kMostSignInCounters.
   Status Sweep();
 
  private:

@@ -38,7 +38,7 @@ class StationRows {
   // Errors: kConflict with field kStale.
   Result<StationRow> RenameStation(const Uuid& id, const std::string& name, int32_t revision,
                                    const Actor& by);
-  // For good: a station that is to come back enrols anew.
+  // Permanent: a station that is to come back enrols again.
   Status RevokeStation(const Uuid& id, const Actor& by);
   Result<std::vector<StationRow>> Stations();
   // Ids of those that were revoked; cheap, however many stations there are.

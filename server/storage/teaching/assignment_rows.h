@@ -23,10 +23,10 @@ class AssignmentRows {
  public:
   explicit AssignmentRows(Transactions& rows) : rows_(rows) {}
 
-  // Assignments; `revision` as for drafts (exercise_rows.h). Errors: kNotFound (cohort,
-  // station, assignment), kInvalidInput (no published exercise of that name). An assignment is of
-  // the version that is the newest published one when it is made, or gets another exercise, and
-  // stays with it: `version_id` of the row does not count.
+  // Assignments; `revision` as for drafts (exercise_rows.h). Errors: kNotFound (cohort, station,
+  // assignment), kInvalidInput (no published exercise of that name). A new assignment, or one that
+  // gets another exercise, takes the newest published version and keeps it: `version_id` of the row
+  // does not count.
   Result<AssignmentRow> AddAssignment(const AssignmentRow& row, const Actor& by);
   Result<AssignmentRow> ReplaceAssignment(const AssignmentRow& row, const Actor& by);
   // To another version of its exercise; tickets and attempts that are there keep theirs.

@@ -59,7 +59,7 @@ class ExerciseRows {
   Transactions& rows_;
 };
 
-// Exercises with who owns them, for statements that read ExerciseRow (ExerciseOf below):
+// Exercises with their owners, for statements that read ExerciseRow (ExerciseOf below):
 //   "SELECT " ENAMEL_EXERCISE_COLUMNS " FROM exercises e " ENAMEL_EXERCISE_OWNERS " WHERE …"
 #define ENAMEL_EXERCISE_COLUMNS                                                               \
   "e.id, e.name, e.version, e.title, e.content, e.scene, e.graded, e.published_ms, e.state, " \

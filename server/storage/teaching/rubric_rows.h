@@ -12,8 +12,8 @@
 
 namespace enamel::server {
 
-// Corrections of the rubric of an exercise that is published. The exercise's document, and with it
-// every recording that names it, stays as it is; scores name the rubric's version.
+// Corrections of a published exercise's rubric. The exercise's document, and with it every
+// recording that names it, is unchanged; scores name the rubric's version.
 class RubricRows {
  public:
   RubricRows(Transactions& rows, Blobs& blobs) : rows_(rows), blobs_(blobs) {}
@@ -21,10 +21,10 @@ class RubricRows {
   // What counts now. None: the rubric in the exercise's document.
   Result<std::optional<RubricRow>> RubricFor(const Uuid& exercise);
   Result<std::vector<RubricRow>> Rubrics(const Uuid& exercise);  // newest first
-  // Exercise, version, content (a stored blob) and reason of `row` count. Scores that are there
-  // stay until they are made again. Errors: kNotFound (exercise, blob), kConflict with field kStale
-  // (version is not one more than the newest correction's: somebody else was first), without one (a
-  // draft, which is edited instead; the newest correction says the same).
+  // Uses exercise, version, content (a stored blob) and reason of `row`. Existing scores stay until
+  // a rescore. Errors: kNotFound (exercise, blob), kConflict with field kStale (version is not one
+  // more than the newest correction's: somebody else was first), without one (a draft, which is
+  // edited instead; the newest correction is identical).
   Result<RubricRow> PublishRubric(const RubricRow& row, const Actor& by);
 
  private:

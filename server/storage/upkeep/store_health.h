@@ -37,8 +37,8 @@ struct StoreHealth {
   sql::Standby standby = sql::Standby::kNotKept;
 };
 
-// So far a server's clock may be off before it asks load balancers to leave it alone. Its times are
-// the database's all the same; certificates, logs and the requests to an S3 store go by its own.
+// A server whose clock is off by more asks load balancers not to use it. Its times are still the
+// database's; certificates, logs and S3 requests use its own clock.
 inline constexpr int64_t kMostClockOffMs = 5000;
 
 // Says how the store does. Thread safety: any thread.

@@ -28,7 +28,7 @@ struct VerifyOptions {
   std::filesystem::path folder;   // data folder, in use or not, or backup
   std::filesystem::path keyring;  // empty: the folder's own
   UpkeepProgress progress{};
-  // An earlier backup, which the audit trail must go on from; empty: none.
+  // An earlier backup, which the audit trail must continue; empty: none.
   std::filesystem::path since{};
 };
 
@@ -45,20 +45,23 @@ struct VerifyReport {
   std::vector<std::string> notes;  // what could not be looked at, and why; what is odd and harmless
 };
 
-// Reads everything there is and compares what must agree:
-//   the database with itself (integrity_check, foreign keys) and with the schema's version;
-//   every blob with its name; every blob that a row names with what is there;
-//   every attempt: header with its ticket, the ticket with the server's key, each chunk with the
-//   one before, its signature with the station's key, the row's counts and head with the chain, the
-//   seal; each result with its signed document, and that with recording, exercise and reference
-//   (schemas/result.md); each row of the audit trail with its signature and its place, the trail
-//   with where an earlier backup's ended, what people decide about with the trail, how far each
-//   attempt is with what is there of it (schemas/audit.md); the key ring with the people: a key for everything that is kept under one, none for the
-//   erased; a backup's files with its manifest.
-// What is found in a data folder is looked at once more while nothing may be removed from it, so
-// that a person who is being erased meanwhile is no damage. Changes nothing. Errors: kNotFound
-// (nothing there), kInvalidInput (`since` is no backup), kVersion (a newer database); everything
-// that was looked at and disagrees is a finding.
+// Reads everything and compares:
+// * the database with itself (integrity_check, foreign keys) and with the schema's version
+// * every blob with its name; every blob that a row names with the stored ones
+// * every attempt: header with its ticket, the ticket with the server's key, each chunk with the
+//   previous one, its signature with the station's key, the row's counts and head with the chain,
+//   the seal
+// * each result with its signed document, and that with recording, exercise and reference
+//   (schemas/result.md)
+// * each row of the audit trail with its signature and its place, the trail with the end in an
+//   earlier backup, decisions with the trail, the state of each attempt with its stored parts
+//   (schemas/audit.md)
+// * the key ring with the people: a key for all data encrypted under one, none for the erased
+// * a backup's files with its manifest
+// Findings in a data folder are checked again while nothing may be removed from it, so that a
+// person who is being erased meanwhile is no damage. Changes nothing. Errors: kNotFound (the folder
+// is empty), kInvalidInput (`since` is no backup), kVersion (a newer database). Every disagreement
+// is a finding.
 Result<VerifyReport> Verify(const VerifyOptions& options);
 
 }  // namespace enamel::server
