@@ -27,7 +27,7 @@ Status Wrong(uint32_t row, const std::string& expected, const std::string& found
                 "row " + std::to_string(row));
 }
 
-// Where each column stands; -1: it is not there.
+// The index of each column; -1: missing.
 Result<std::array<int, kColumns>> Columns(const CsvRow& header) {
   std::array<int, kColumns> places;
   places.fill(-1);

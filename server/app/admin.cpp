@@ -121,7 +121,7 @@ Result<Person> PersonNamed(PeopleRows& people, const std::string& login) {
 Status AddPerson(const std::filesystem::path& data, const NewPerson& person) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
   ENAMEL_ASSIGN_OR_RETURN(auto login, CheckedLogin(person.login));
-  // What the arguments alone show to be wrong is refused before a password is asked for.
+  // Checks the arguments before asking for a password.
   auto role = RoleFromName(person.role);
   if (!role) {
     return Status(Code::kInvalidInput,

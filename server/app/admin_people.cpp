@@ -130,8 +130,8 @@ Status Import(RosterRows& roster_rows, std::string_view csv, const RosterCommand
       return file->Write(passwords);
     };
   }
-  // Somebody may have changed people since the dry run. The plan is made again inside, and may find
-  // problems that the first one did not.
+  // Somebody may have changed people since the dry run. The import plans again, and may find
+  // problems that the dry run did not.
   ENAMEL_ASSIGN_OR_RETURN(auto result,
                           roster::ImportRoster(roster_rows, csv, options, kCommandLine));
   if (!result.plan.problems.empty()) {

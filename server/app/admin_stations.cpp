@@ -39,15 +39,15 @@ std::string MeasuredText(const std::optional<scene::Measured>& measured) {
 }  // namespace
 
 Result<StationRow> StationNamed(StationRows& stations_rows, const std::string& text) {
-  // An id names one station whatever the stations are called, so it is tried first.
+  // An id identifies one station whatever the names are, so it is tried first.
   if (auto id = Uuid::Parse(text); id.ok()) {
     auto station = stations_rows.StationById(*id);
     if (!station.ok() || !station->revoked) return station;
     return Status(Code::kNotFound, "station " + text + " is no longer admitted", "station");
   }
   ENAMEL_ASSIGN_OR_RETURN(auto stations, stations_rows.Stations());
-  // Revoked ones do not count: a bench that was enrolled anew has its name twice, and the old row
-  // is not meant.
+  // Revoked ones do not count: a bench that enrolled again has its name twice, and the old row is
+  // not the one meant.
   std::erase_if(stations, [&](const StationRow& row) { return row.revoked || row.name != text; });
   if (stations.size() == 1) return stations.front();
   return Status(Code::kNotFound,
@@ -153,8 +153,7 @@ Status PutProfile(const std::filesystem::path& data, const std::filesystem::path
   // Before the data folder is opened, so that a profile can be checked where there is none.
   if (check_only) return Status::Ok();
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
-  // Written anew by our own writer: the same profile has the same hash, however the file was laid
-  // out.
+  // Our own writer formats it: the same profile has the same hash, whatever the layout of the file.
   ENAMEL_ASSIGN_OR_RETURN(auto content, store->blobs.PutBlob(AsBytes(scene::ToJson(*profile))));
   ENAMEL_RETURN_IF_ERROR(
       store->profiles.PutProfile({profile->name, profile->title, content}, kCommandLine));

@@ -47,8 +47,8 @@ std::vector<Mark> Computed(const std::vector<Scored>& attempts) {
   std::vector<Mark> out;
   const std::string marker(kComputed);
   for (const Scored& a : attempts) {
-    // Who marks a criterion does not know the gates: before them. With a gate that is closed
-    // nothing is left to tell it from.
+    // Examiners mark a criterion without knowing the gates, so the gates are divided out. With a
+    // closed gate the points before it are unknown.
     double share = 1;
     for (const auto& gate : a.score.gates) share *= gate.share;
     for (const auto& c : a.score.criteria) {

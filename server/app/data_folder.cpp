@@ -38,8 +38,8 @@ Status Init(const InitCommand& command) {
   }
   if (file) {
     ENAMEL_ASSIGN_OR_RETURN(const auto options, FirstOptions(command.data, *file));
-    // Before the file says so: a folder must not be bound to a server that cannot be reached, nor
-    // one that holds other things be taken for ours.
+    // Before writing the file: a folder must not be bound to an unreachable server, and one with
+    // other content must not be taken for ours.
     if (auto opened = OpenPostgresStore(options); !opened.ok()) return opened.status();
     ENAMEL_RETURN_IF_ERROR(WriteDatabaseFile(command.data, *file, SystemDisk()));
   }
@@ -125,7 +125,7 @@ Result<ServerIdentity> EnsureMatchingIdentity(const std::filesystem::path& folde
                                               ServerIdentityRows& identity_rows) {
   std::error_code error;
   if (!std::filesystem::exists(folder / "station.crt", error)) {
-    // Before one is made that would be refused then.
+    // Before making one that the check would refuse.
     ENAMEL_RETURN_IF_ERROR(identity_rows.MatchIdentity(ServerPart::kStationCertificate, {}));
   }
   ENAMEL_ASSIGN_OR_RETURN(auto identity, EnsureIdentity(folder));

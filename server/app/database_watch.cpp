@@ -11,8 +11,7 @@ DatabaseWatch::DatabaseWatch(Store& store, std::chrono::milliseconds every)
 
 void DatabaseWatch::Run(const std::stop_token& stop) {
   do {
-    // The log says already when the database cannot be reached; meanwhile the clock goes on as it
-    // was told.
+    // The log already reports an unreachable database; meanwhile the clock keeps its last offset.
     if (store_.look.Look().ok()) Tell(store_.health.Health());
   } while (!SleepUntilStopped(stop, every_));
 }

@@ -23,7 +23,7 @@ namespace json = boost::json;
 Status Prepare(const MoveCommand& command) {
   ENAMEL_ASSIGN_OR_RETURN(const auto file, FileOf(command.places));
   if (file) {
-    // Whether it can be reached, before a folder is made.
+    // Whether it can be reached, before creating a folder.
     ENAMEL_RETURN_IF_ERROR(HasServers({file->server, file->schema, {command.to}}).status());
     ENAMEL_RETURN_IF_ERROR(TryStores(command.to, *file));
   }

@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 namespace json = boost::json;
 
-// Collects an export's files and what stands in export.json about them.
+// Collects an export's files and their entries in export.json.
 class Exporter {
  public:
   Exporter(Store& store, fs::path target) : store_(store), target_(std::move(target)) {}
@@ -85,7 +85,7 @@ class Exporter {
   }
 
   Status AddAudit(const Person& person, json::object& root) {
-    // What the person did and what was done to them: both are data about them.
+    // Actions by the person and on the person: both are data about them.
     ENAMEL_ASSIGN_OR_RETURN(auto rows, store_.audit.AuditAbout(person.id));
     json::array audit;
     for (const AuditRow& row : rows) audit.push_back(http::AuditJson(row));
@@ -245,8 +245,8 @@ class Exporter {
   Result<Bytes> TraceOf(const AttemptRow& row) {
     ENAMEL_ASSIGN_OR_RETURN(auto header, store_.recordings.AttemptHeader(row.id));
     ENAMEL_ASSIGN_OR_RETURN(auto chunks, store_.recordings.AttemptChunks(row.id));
-    // Header, chunks and seal are asked for one by one because an attempt that was never ended is
-    // still rows and no blob; the file is put together the same way for both.
+    // Reads header, chunks and seal one by one because an unfinished attempt is still rows and no
+    // blob; this puts the file together the same way for both.
     trace::TraceFile file{std::move(header), std::move(chunks), std::nullopt, false};
     if (auto seal = store_.recordings.AttemptSeal(row.id); seal.ok()) file.seal = *seal;
     return trace::EncodeTraceFile(file);

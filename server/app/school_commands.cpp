@@ -78,9 +78,9 @@ Status MakeData(const SchoolCommand& command, const SchoolRow& row) {
 
 Status AddSchool(const SchoolCommand& command) {
   ENAMEL_ASSIGN_OR_RETURN(const auto store, OpenInstallation(command.data));
-  // What schools are known by is made of the installation's.
+  // A school's identity is derived from the installation's.
   ENAMEL_RETURN_IF_ERROR(EnsureMatchingIdentity(command.data, store->identity).status());
-  // What is wrong with the words alone is said before anything is made.
+  // Checks the arguments before creating anything.
   if (!command.admin.empty()) ENAMEL_RETURN_IF_ERROR(CheckedLogin(command.admin).status());
   SchoolRow row;
   row.name = command.name;

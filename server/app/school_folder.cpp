@@ -16,9 +16,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of the school's ticket key: BLAKE2b of what is told of here and the school's id, under the secret
-// seed of the installation's. Each server makes the same, none can make the installation's of it,
-// and a school that is made again under an old name has another.
+// The school's ticket key: BLAKE2b of this text and the school's id, under the secret seed of the
+// installation's. Each server derives the same key. No school can derive the installation's from
+// it, and a school added again under an old name gets another.
 Result<trace::KeyPair> SchoolKey(const fs::path& installation, const Uuid& id) {
   constexpr std::string_view kLabel = "enamel.school-key.v1";
   ENAMEL_ASSIGN_OR_RETURN(const auto own, ReadTicketKey(installation));
@@ -123,8 +123,8 @@ Result<ServerIdentity> EnsureSchoolFolder(const fs::path& installation, const Sc
   }
   ENAMEL_ASSIGN_OR_RETURN(const auto key, SchoolKey(installation, row.id));
   const auto kept = ReadTicketKey(folder);
-  // One that another school of this name had: with PostgreSQL there is nothing of it left here, and
-  // what is made has none yet.
+  // The key of an earlier school of this name: with PostgreSQL nothing else of it is left here, and
+  // a new school has no key yet.
   const bool others = kept.ok() && kept->secret_key != key.secret_key &&
                       (database.has_value() || data == SchoolData::kMake);
   if (others || kept.status().code() == Code::kNotFound) {

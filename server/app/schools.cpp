@@ -110,7 +110,7 @@ void Schools::Read() {
     for (const SchoolRow& row : *rows) {
       names.insert(row.name);
       Served& served = served_[row.name];
-      // Stations are told the first host name when they come.
+      // Stations get the first host name when they connect.
       const bool same = served.row.id == row.id && row.state == SchoolState::kServed &&
                         served.row.hosts.front() == row.hosts.front();
       if (served.school && !same) closed.push_back(LetGo(served));
@@ -238,7 +238,7 @@ Result<std::shared_ptr<stations::Services>> Schools::ServicesOf(const wire::Requ
   const std::shared_ptr<stations::Services> own;
   const std::vector<Served> all = Listed();
   if (all.empty() || !(first.has_hello() || first.has_enrol())) return own;
-  // Where the own store fails, who answers will say so.
+  // If the own store fails, the answer to the request reports it.
   const auto here = Knows(store_.stations, first);
   if (!here.ok() || *here == Acquaintance::kKnows) return own;
   bool missing = false;

@@ -59,7 +59,7 @@ Result<Uuid> EnsureCohort(CohortRows& cohorts_rows) {
   return cohorts_rows.CreateCohort(kCohortName, kCommandLine);
 }
 
-// Building takes seconds: a molar that is there is taken as it is.
+// Building takes seconds, so an existing molar is used unchanged.
 Result<SceneRow> EnsureMolar(StoredBlobs& blobs, SceneRows& scenes_rows, int32_t voxel_nm) {
   ENAMEL_ASSIGN_OR_RETURN(auto scenes, scenes_rows.Scenes());
   auto found = std::ranges::find(scenes, kMolarName, &SceneRow::name);
@@ -68,7 +68,7 @@ Result<SceneRow> EnsureMolar(StoredBlobs& blobs, SceneRows& scenes_rows, int32_t
   return PublishScene(blobs, scenes_rows, kMolarSource, voxel_nm);
 }
 
-// A demo's class follows its exercise; a real one is moved by who teaches it.
+// A demo's class follows its exercise; a real class is moved by its instructors.
 Status FollowNewest(AssignmentRows& assignments, const ExerciseRow& exercise, const Uuid& cohort) {
   ENAMEL_ASSIGN_OR_RETURN(const auto rows, assignments.Assignments({.cohort = cohort}));
   for (const AssignmentRow& row : rows) {

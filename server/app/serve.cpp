@@ -41,7 +41,7 @@ namespace asio = boost::asio;
 
 // Longer than either server's own deadline for stopping.
 constexpr auto kStopWait = std::chrono::seconds(10);
-// Chunks whose commit is waited for at once: they share one sync.
+// Chunks that wait for their commit at the same time: they share one sync.
 constexpr size_t kStationThreads = 256;
 
 // Where to listen. Unlike where to connect to, the port may be 0: any free one.
@@ -280,8 +280,8 @@ Status Serve(const ServeOptions& options) {
   http::HttpServer page(io, http_options, store, school.authenticator());
   stations::StationServer link(io, link_options, school.services(), pool, &schools);
 
-  // The page first: with port 0 its address is known only now, and stations are told it with their
-  // first answer.
+  // The page first: with port 0 its address is known only now, and stations get it with their first
+  // answer.
   ENAMEL_ASSIGN_OR_RETURN(page_port, page.Start());
   const std::string page_url = options.page_url.empty() && !options.host_names.empty()
                                    ? PageUrlOf(options.host_names.front(), http_options, page_port)

@@ -6,7 +6,7 @@
 #include "server/app/command_line.h"
 #include "server/app/serve.h"
 
-// The command line of `serve`, and what else it may be told by.
+// The command line of `serve`, and its other settings.
 namespace enamel::server::app {
 namespace {
 

@@ -29,8 +29,7 @@ void StopSignals::OnFirst(std::function<void()> stop) {
 
 void StopSignals::EndPatience(const std::stop_token& ended) {
   const bool is_over = SleepUntilStopped(ended, kFurtherSignalsIgnored);
-  // Without a handler SIGINT and SIGTERM end the process, which is what somebody asks for who
-  // presses again.
+  // Without a handler SIGINT and SIGTERM end the process, as somebody who presses again wants.
   if (!is_over) signals_.clear();
 }
 

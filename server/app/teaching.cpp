@@ -239,7 +239,7 @@ Status AssignExercise(const std::filesystem::path& data, const NewAssignment& as
   ENAMEL_RETURN_IF_ERROR(MustHaveReference(store->blobs, store->references, version, row.exam));
   ENAMEL_ASSIGN_OR_RETURN(auto added, store->assignments.AddAssignment(row, kCommandLine));
   Show(added);
-  // Not refused: whoever brings in what was done elsewhere assigns what is over.
+  // Not refused: somebody who imports work from elsewhere assigns exercises that are over.
   if (added.due_ms != 0 && added.due_ms <= enamel::UnixMs()) {
     Say("this due time has passed: {}. Assign again with a later --due.\n",
         added.late_allowed ? "every attempt will be late" : "nobody can begin any more");

@@ -31,7 +31,7 @@ std::string AddressBlock(const std::string& address) {
 
 std::string AddressText(const std::string& address) {
   std::string text = AddressBlock(address);
-  // What is left can stand in a line of the log and inside JSON quotes, whatever a proxy passed on.
+  // The result is safe in a log line and inside JSON quotes, whatever a proxy passed on.
   std::erase_if(text, [](unsigned char c) {
     return std::isalnum(c) == 0 && c != '.' && c != ':' && c != '/' && c != '%';
   });

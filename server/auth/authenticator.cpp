@@ -297,7 +297,7 @@ Result<SignedIn> Authenticator::ChangePasswordHere(const Identity& identity,
                                                    const PasswordChange& change) {
   const Person& person = identity.person;
   ENAMEL_RETURN_IF_ERROR(CheckOwnPassword(person, change.old_password, change.address, change.via));
-  // After the old one was found right, so that this says nothing to who does not know it.
+  // After checking the old password, so that this reveals nothing to somebody who does not know it.
   if (change.new_password == change.old_password) {
     return Status(Code::kInvalidInput, "expected another password than the old one",
                   "new_password");

@@ -188,8 +188,8 @@ class Reading {
   // A year or a date.
   void AddDates();
 
-  // Units that begin here and stand at least twice (a character: three times), without those that
-  // are a shorter one again and again: what is left is a handful.
+  // Units that begin here and occur at least twice (a character: three times), without those that
+  // repeat a shorter one: a handful are left.
   void AddRepeats() {
     const size_t n = lower_.size();
     for (size_t i = 0; i < n; ++i) {

@@ -40,7 +40,8 @@ Result<std::string> HashPassword(std::string_view password, const PasswordCost& 
 }
 
 OneTimePassword MakeOneTimePassword() {
-  // 31 signs that are told apart on paper: no 0 and o, no 1, i and l. 16 of them are 79 bits.
+  // 31 characters that are easy to distinguish on paper: no 0 and o, no 1, i and l. 16 of them are
+  // 79 bits.
   constexpr std::string_view kAlphabet = "23456789abcdefghjkmnpqrstuvwxyz";
   constexpr size_t kLetters = 16, kGroup = 4;
   OneTimePassword out;

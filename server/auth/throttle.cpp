@@ -66,8 +66,8 @@ int64_t WaitOfStranger(OfTry<SignInCounter>& counters, UnixMs now_ms) {
 int64_t HoldAt(SignInCounter& place, UnixMs now_ms, int64_t& hold_ms) {
   if (IsForgotten(place, now_ms) || place.failures <= kPlaceFree) return 0;
   const int64_t turn_ms = std::max<int64_t>(0, place.next_try_ms - now_ms);
-  // The queue of this place is as long as it may be; who came too late is told when to come back
-  // instead of being kept.
+  // The queue of this place is full: a late caller gets the time to come back instead of being
+  // held.
   if (turn_ms > Throttle::kLongestHoldMs) return turn_ms - Throttle::kLongestHoldMs;
   hold_ms = turn_ms;
   place.next_try_ms = now_ms + turn_ms + kTryEveryMs;

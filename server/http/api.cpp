@@ -61,7 +61,7 @@ Status CheckCsrf(const Request& request, const auth::Identity& caller) {
           "x-enamel-csrf"};
 }
 
-// A password for one use is good for changing it (and for signing out), and for nothing else.
+// A one-time password only lets its owner change it (and sign out).
 Status CheckPasswordIsOwn(const Route& route, const Person& person) {
   bool own_session = route.pattern == "/api/v1/session" ||  // and not /api/v1/sessions
                      route.pattern.starts_with("/api/v1/session/");
@@ -84,7 +84,7 @@ bool IsName(std::string_view text) {
          });
 }
 
-// What stands in the place of the pattern's `{id}` or `{name}`.
+// The text at the place of the pattern's `{id}` or `{name}`.
 Status FillPlace(const RouteMatch& match, Call& call) {
   if (match.id.empty()) return {};
   if (match.route->pattern.find("{name}") != std::string_view::npos) {
@@ -184,7 +184,8 @@ asio::awaitable<Response> Api::Handle(Request request) {
   co_return response;
 }
 
-// A request and its answer, shared by who does it and who waits for it. On the connection's strand.
+// A request and its answer, shared by the worker and the waiting connection. On the connection's
+// strand.
 struct Api::Work {
   Work(const asio::any_io_executor& executor, Request r)
       : request(std::move(r)), deadline(executor, request.answer_by) {}
@@ -278,7 +279,7 @@ asio::awaitable<Response> Api::Asynchronous(Call& call, const Route& route) {
   // Not in one expression: g++ 12 destroys what a co_await in ?: gave twice.
   if (allowed.ok()) co_return co_await handler(call, store_);
   Response refused = ErrorResponse(allowed);
-  // A wrong password has been noted by who looked at it.
+  // The check of a wrong password has already noted it.
   const LogRequest logged(call.request.id);
   NoteForbidden(call, route, refused);
   co_return refused;
@@ -295,7 +296,7 @@ void Api::NoteForbidden(const Call& call, const Route& route, const Response& re
 
 Response Api::Blocking(Call& call, const Route& route) {
   const LogRequest logged(call.request.id);
-  // Whoever asked was told that it was not done, and may have asked again.
+  // The caller already got 503 ("not done") and may have sent the request again.
   if (std::chrono::steady_clock::now() >= call.request.answer_by) return NotInTime(call.request);
   try {
     auto handler = std::get<BlockingHandler>(route.handler);

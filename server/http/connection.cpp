@@ -160,7 +160,7 @@ asio::awaitable<bool> HttpConnection::ServeOne() {
   if (step == Step::kRequest) {
     Request request = std::move(reader.request());
     // Before the request leaves the strand: address and TLS are facts of the connection, and
-    // nothing the peer wrote may stand in for them.
+    // nothing from the peer may replace them.
     request.peer = peer_;
     request.tls = context_->options.tls.has_value();
     // How long an answer may take is Api's to say.

@@ -14,7 +14,7 @@ namespace {
 // Where the refusal knows no time of its own.
 constexpr int64_t kRetryAfterSeconds = 5;
 
-// Refusals that are finer than a Code, told by their field.
+// Refusals that are finer than a Code, identified by their field.
 struct Finer {
   Code code;
   std::string_view field;

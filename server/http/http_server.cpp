@@ -47,7 +47,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
 
 void HttpServer::State::TurnAway(ServerContext& context, tcp::socket& socket) {
   boost::system::error_code ignored;
-  // One write and no waiting for it: what is turned away must cost less than what is let in.
+  // One write without waiting: a refused connection must cost less than an accepted one.
   socket.non_blocking(true, ignored);
   socket.write_some(asio::buffer(kTooManyConnections), ignored);
   context.NoteRefusal(PeerAddress(socket), "503 as many connections are open as there may be");
@@ -55,7 +55,7 @@ void HttpServer::State::TurnAway(ServerContext& context, tcp::socket& socket) {
 
 void HttpServer::State::AddFigures() {
   if (context->options.metrics == nullptr) return;
-  // Weakly: the figures live longer than this server, and ask it as long as it is there.
+  // Weakly: the metrics outlive this server, and ask it while it exists.
   context->options.metrics->Add([weak = weak_from_this()](ops::MetricsText& text) {
     auto self = weak.lock();
     if (!self) return;

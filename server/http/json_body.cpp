@@ -156,7 +156,7 @@ BodyReader::BodyReader(const Request& request, size_t max_depth) {
 }
 
 void BodyReader::Refuse(std::string_view name, const std::string& expected) {
-  // The first fault is told: those after it are often its consequences.
+  // Reports the first fault: later ones are often its consequences.
   if (!status_.ok()) return;
   status_ = Status{Code::kInvalidInput,
                    "expected " + std::string(name) + " as " + expected + ", found " +

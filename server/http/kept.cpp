@@ -67,7 +67,7 @@ Response KeptResponse(const Request& request, const Kept& kept,
     return response;
   }
   Result<Bytes> bytes = read();
-  // The row names a blob that is not there: damage of ours, not a wrong address.
+  // The row names a missing blob: damage of ours, not a wrong address.
   if (!bytes.ok()) return ErrorResponse(Status{Code::kInternal, bytes.status().message()});
   const std::string_view all = AsText(*bytes);
   response.content_type = kept.content_type;

@@ -161,8 +161,8 @@ Response StaticFiles::Serve(const Request& request) const {
     response.headers.emplace_back("Content-Encoding", "gzip");
     tag += "-gz";
   }
-  // Also with the plain one: a cache in between must not give a packed file to who cannot unpack
-  // it.
+  // Also with the uncompressed file: a cache in between must not give a compressed one to a client
+  // that cannot unpack it.
   if (file->br || file->gz) response.headers.emplace_back("Vary", "Accept-Encoding");
   response.headers.emplace_back("Cache-Control", file->cache_control);
   if (file->cache_control == "no-store") return response;

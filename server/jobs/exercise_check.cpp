@@ -37,7 +37,7 @@ bool Has(const scene::Scene& scene, Tissue tissue) {
          scene.tissues.end();
 }
 
-// A bur enters where its width does. Stumps are gone around, polygons are narrow somewhere.
+// A bur enters where its width fits. It passes around stumps; polygons are narrow somewhere.
 Status CheckBur(const scene::Exercise& exercise) {
   std::vector<std::array<int32_t, 2>> halves;
   const scene::CavityTarget& target = exercise.target;

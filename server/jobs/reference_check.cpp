@@ -107,7 +107,7 @@ Status CheckReferenceCut(StoredBlobs& blobs, ResultRows& results, const AttemptR
 Result<ReferenceRow> MakeReference(Store& store, const Uuid& attempt, const std::string& dentist,
                                    bool consent, const std::string& anyway, const Actor& by) {
   ENAMEL_ASSIGN_OR_RETURN(const auto row, store.attempts.AttemptById(attempt));
-  // What is not scored yet has nothing to look at; the store says so.
+  // An unscored attempt has nothing to check; the store reports that.
   if (anyway.empty() && row.state == AttemptState::kScored && row.expired_ms == 0) {
     ENAMEL_RETURN_IF_ERROR(CheckReferenceCut(store.blobs, store.results, row));
   }

@@ -100,8 +100,7 @@ class ScoreJob {
       return Status(Code::kInvalidInput, "station " + station.name + " has no valid public key");
     }
     std::copy(station.public_key.begin(), station.public_key.end(), key.begin());
-    // All of it was checked as it came in. Once more, because what is scored is what the disk gives
-    // now.
+    // Checked on arrival already. Checked again because the score uses what the disk returns now.
     trace::ChainVerifier chain(attempt_, header_hash_);
     for (size_t i = 0; i < chunks_.size(); ++i) {
       if (!trace::VerifyChunk(chunks_[i], key)) {
@@ -194,7 +193,7 @@ class ScoreJob {
     auto report = trace::Replay(
         core, header_, chunks_,
         [&](const trace::Tick& tick, const core::TickOutput& output) {
-          // After an exam's limit the replay goes on, to compare every witness to the end, and
+          // After an exam's limit the replay continues, to compare every witness to the end, and
           // nothing counts.
           if (at_limit_) return;
           process.Add(tick, output);
@@ -285,7 +284,7 @@ class ScoreJob {
       whose.push_back(attempt);
       others.push_back(other);
     };
-    // Measured anew: it may have been scored before motions were kept.
+    // From the reference's samples, which are in memory already.
     if (reference_) {
       if (auto of = scoring::MotionOf(reference_->process.samples())) add(*reference_attempt_, *of);
     }

@@ -58,9 +58,9 @@ void WritePositions(const surface::Mesh& mesh, const Frame& frame, ByteWriter& o
   Pad(out);
 }
 
-// Which cell a vertex was made in, along one axis. It lies on its cell's border only where a sample
-// is exactly on the surface; such a sample counts as air, so the cell is on the solid's side. Of
-// what lies nearer to a border than positions are rounded by some are put beside their cell.
+// The cell a vertex was made in, along one axis. It is on its cell's border only if a sample is
+// exactly on the surface; such a sample counts as air, so the cell is on the solid's side. Vertices
+// nearer to a border than the rounding of positions may get a neighbouring cell.
 int CellAlong(double voxels, int normal, double rounding) {
   const double border = std::round(voxels);
   if (std::abs(voxels - border) > rounding) return static_cast<int>(std::floor(voxels));

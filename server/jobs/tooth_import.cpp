@@ -68,7 +68,8 @@ std::string PlainName(std::string_view title, int tooth) {
   return out;
 }
 
-// That no tooth has: exercises are named by it, and another tooth is not a version of theirs.
+// A name that no tooth has: exercises are named by it, and another tooth is not a version of
+// theirs.
 Result<std::string> FreeName(SceneRows& scenes_rows, const std::string& wanted) {
   ENAMEL_ASSIGN_OR_RETURN(const auto scenes, scenes_rows.Scenes());
   std::string name = wanted;
@@ -235,7 +236,7 @@ Result<ToothImport::Made> ToothImport::Make(const Wanted& wanted, const Bytes& f
     MutexLock lock(mutex_);
     about_->share = share;
   };
-  // Named by us and not by whoever sends it: the name stands in messages and in the provenance.
+  // Named by us and not by the sender: the name appears in messages and in the provenance.
   ENAMEL_ASSIGN_OR_RETURN(const auto stored, PrivateFile::Write(plain + "." + wanted.kind, file));
   ENAMEL_ASSIGN_OR_RETURN(auto imported, import::ImportTooth(stored.path(), options));
   ENAMEL_ASSIGN_OR_RETURN(imported.scene.name, FreeName(store_.scenes, plain));

@@ -104,7 +104,7 @@ bool Worker::RunOne(const std::stop_token& stop) {
   bool report_queue = false;
   {
     MutexLock lock(mutex_);
-    // Said once when the queue becomes unreadable: it is asked every few seconds.
+    // Logged once when the queue becomes unreadable, because it is read every few seconds.
     report_queue = !job.ok() && queue_ok_;
     queue_ok_ = job.ok();
   }

@@ -43,7 +43,7 @@ void BoardKeeper::LookAtRemarks(UnixMs now_ms) {
     remarks.Put(remark);
     attempts.insert(remark.attempt);
   }
-  // What was sealed at another server; not what was said while this was read.
+  // Drops remarks of attempts sealed at another server, but none that came during this read.
   remarks.KeepOnly(attempts, now_ms - kFreshMs);
   remarks_read_ = true;
 }

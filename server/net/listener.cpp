@@ -239,8 +239,8 @@ std::shared_ptr<AcceptedConnection> Listener::State::PickToGiveWay(GivesWay when
   return candidates[*picked].second;
 }
 
-// Those that are told to close are counted out at once: who comes now need not wait until they are
-// gone. kMaxClosing keeps a flood from opening sockets faster than they close.
+// Closing connections no longer count, so a new one need not wait for their end. kMaxClosing keeps
+// a flood from opening sockets faster than they close.
 bool Listener::State::MakeRoom() {
   if (connections.size() - closing < options.max_connections) return true;
   if (closing >= kMaxClosing) return false;
@@ -298,7 +298,7 @@ void Listener::State::Introduced(uint64_t id, tcp::socket socket, Strand its,
                                  const std::string& peer) {
   ENAMEL_CHECK(strand.running_in_this_thread());
   Entry& entry = connections.at(id);
-  // It was told to go before it was there.
+  // Asked to stop before it existed.
   if (stopping || entry.closing) return Forget(id);
   auto connection = make(std::move(socket), std::move(its), peer);
   entry.connection = connection;
@@ -343,7 +343,8 @@ Listener::Listener(asio::io_context& io, ListenerOptions options, Make make, Tur
           std::make_shared<State>(io, std::move(options), std::move(make), std::move(turn_away))) {}
 
 Result<uint16_t> Listener::Start() {
-  // A peer that is gone shall be an error of the write, not a signal: OpenSSL writes with write(2).
+  // A peer that has left shall be an error of the write, not a signal: OpenSSL writes with
+  // write(2).
   std::signal(SIGPIPE, SIG_IGN);
   ENAMEL_RETURN_IF_ERROR(CheckProxies(state_->options.proxies));
   ENAMEL_RETURN_IF_ERROR(state_->Listen());

@@ -54,8 +54,8 @@ json::object StepJson(const RosterStep& step) {
 Result<ImportResult> ImportRoster(RosterRows& roster, std::string_view csv,
                                   const ImportOptions& options, const Actor& by) {
   RosterFile file = ReadRoster(csv, options.file);
-  // With a bad row nothing is written, and the rows that could be read are still compared with who
-  // is there: all problems are told at once.
+  // With a bad row nothing is written. The readable rows are still compared with the existing
+  // people, to report all problems at once.
   bool dry_run = options.dry_run || !file.problems.empty();
   std::map<std::string, std::string> passwords;
   // Before the transaction and not in it: hashing for a year's students would hold the writer.

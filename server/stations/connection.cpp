@@ -120,7 +120,7 @@ asio::awaitable<void> Connection::ServeRequests() {
       co_return;
     }
     if (!frame.ok()) {
-      // Any other failure means that nobody is there to be told.
+      // After any other failure no peer is left to answer.
       if (frame.status().code() == Code::kTooLarge) co_await Refuse(frame.status());
       co_return;
     }

@@ -53,8 +53,8 @@ Answer Session::Handle(const wire::Request& request) {
     return AnswerOf(request, Status(Code::kInvalidInput, "this connection has said hello already"),
                     true);
   }
-  // A request of a newer station parses with an empty body: it is told so and may go on with what
-  // both know.
+  // A request of a newer station parses with an empty body: the station gets `unsupported` and may
+  // continue with what both know.
   if (request.body_case() == wire::Request::BODY_NOT_SET) {
     wire::Reply reply;
     *reply.mutable_error() = protocol::UnsupportedError();
@@ -78,7 +78,7 @@ Answer Session::Handle(const wire::Request& request) {
 
 bool Session::KnownAdmitted() const {
   UnixMs now = services_.clock();
-  // A clock that was set back would otherwise let a revoked station go on for as long.
+  // A clock that was set back would otherwise let a revoked station continue for as long.
   return !station_ || (now >= admitted_ms_ && now - admitted_ms_ < kAdmittedEveryMs);
 }
 
@@ -261,8 +261,8 @@ Result<Person> Session::PersonOf(const std::string& session_token) {
   return identity.person;
 }
 
-// What is assigned, and for who teaches the newest version of whatever they could assign: graded
-// work needs a reference first, which they cut here.
+// Assigned exercises; for people who teach also the newest version of whatever they could assign:
+// graded work needs a reference first, which they cut here.
 Result<std::vector<ExerciseRow>> Session::ExercisesOf(const Person& person) {
   if (person.role == Role::kAdmin) return services_.store.exercises.AllExercises();
   ENAMEL_ASSIGN_OR_RETURN(auto out, services_.store.exercises.ExercisesFor(person.id));
@@ -272,7 +272,7 @@ Result<std::vector<ExerciseRow>> Session::ExercisesOf(const Person& person) {
     const bool listed = std::ranges::find(out, row.id, &ExerciseRow::id) != out.end();
     if (CanUseExercise(person, row) && !listed) out.push_back(row);
   }
-  // Of each name the newest first, which is what a station takes that is told a name only.
+  // Of each name the newest first: a station that only knows a name takes the first.
   std::ranges::sort(out, [](const ExerciseRow& a, const ExerciseRow& b) {
     return a.name != b.name ? a.name < b.name : a.version > b.version;
   });
@@ -288,7 +288,7 @@ Result<std::string> Session::StationsText(const AssignmentRow& assignment) {
   return out;
 }
 
-// One whose scene is not there cannot be made: it is left out.
+// An exercise without its scene cannot be made: it is left out.
 Status Session::AddExercise(const ExerciseRow& row, const std::vector<SceneRow>& scenes,
                             wire::Exercises& out) {
   auto scene = std::ranges::find(scenes, row.scene, &SceneRow::content);

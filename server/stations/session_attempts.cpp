@@ -74,8 +74,7 @@ Result<std::optional<AssignedRow>> Session::AssignmentFor(const Person& person,
   return std::optional(*assigned);
 }
 
-// What will hold the tool may not be known yet of a ticket for later; it is looked at when its
-// attempt is opened, as that of every attempt is.
+// A ticket for later may not name a hand yet; OpenAttempt checks the hand of every attempt again.
 Status Session::HandMayTake(const AssignedRow& assigned, const wire::RequestTicket& request) {
   if (request.for_later() && !request.has_hand()) return Status::Ok();
   const Hand hand = protocol::ReadHand(request.hand());
@@ -172,11 +171,11 @@ Status Session::MayStillBegin(const trace::Ticket& ticket) const {
   return Status(Code::kConflict, "the ticket ran out too long ago; ask for a new one", "ticket");
 }
 
-// A ticket does not name its assignment: it is the one that would be picked again of those under
-// which it would run out when it does. Neither its limit nor another exam is held against what has
-// been made already. With none the attempt counts as graded (CanSeeScore). Nor does a
-// ticket say what was meant as a reference cut: what may be one is scored without a reference too,
-// as it has to be before it becomes one.
+// A ticket does not name its assignment. Takes the assignments under which the ticket would have
+// the same end, and picks among them as for a new ticket. Neither its limit nor another exam is
+// held against existing attempts. With none the attempt counts as graded (CanSeeScore). A ticket
+// does not mark a reference cut either: any attempt that may be one is scored without a reference
+// too, as it has to be before it becomes one.
 Status Session::GuessTerms(const trace::Ticket& ticket, AttemptRow& row) {
   auto person = services_.store.people.PersonById(row.person);
   if (person.status().code() == Code::kNotFound) return Status::Ok();
@@ -225,7 +224,7 @@ Status Session::Await(const trace::Ticket& ticket, const std::string& what,
 
 Result<AttemptRow> Session::Readmit(const trace::Ticket& ticket) {
   ENAMEL_ASSIGN_OR_RETURN(auto told, ToldToAwait(ticket.attempt));
-  // Who was told to wait may come as late as it takes an admin to bring back what was missing.
+  // A recording that had to wait may come as late as an admin takes to restore the missing thing.
   if (told.empty()) ENAMEL_RETURN_IF_ERROR(MayStillBegin(ticket));
   auto exercise = services_.store.exercises.ExerciseByContent(ticket.exercise);
   if (exercise.status().code() == Code::kNotFound) {
@@ -255,7 +254,7 @@ Result<AttemptRow> Session::Readmit(const trace::Ticket& ticket) {
   return services_.store.attempts.AttemptById(ticket.attempt);
 }
 
-// Most open an attempt that they said the same of before: that costs no write.
+// Most facts are the same as the last ones: that costs no write.
 Status Session::KeepFacts(const AttemptRow& row, const protocol::AttemptFacts& facts) {
   std::string told = protocol::FactsJson(facts);
   if (told == row.facts) return Status::Ok();
@@ -288,7 +287,7 @@ Result<wire::Reply> Session::Do(const wire::OpenAttempt& request) {
 
   wire::Reply reply;
   reply.mutable_attempt_opened()->set_attempt(protocol::ToField(attempt.view()));
-  // Where the server stands: after a break the station goes on from here.
+  // The server's position: after a break the station continues from here.
   reply.mutable_attempt_opened()->set_next_seq(row->chunks);
   reply.mutable_attempt_opened()->set_watched(services_.live.Watched(attempt));
   return reply;

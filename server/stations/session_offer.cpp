@@ -34,7 +34,7 @@ Result<bool> Session::Lacks(const wire::HeldAttempt& held) {
   auto row = services_.store.attempts.AttemptById(attempt);
   if (row.status().code() == Code::kNotFound) return true;
   if (!row.ok()) return row.status();
-  // Another's is told as had already: the station keeps it and learns nothing.
+  // Another station's counts as complete: the offering station keeps it and learns nothing.
   if (row->station != station_->id) return false;
   return row->state == AttemptState::kTicketed || row->state == AttemptState::kRecording;
 }

@@ -44,7 +44,7 @@ bool CanReviewAttempt(const Person& viewer, const AttemptRow&, bool shares_cohor
 }
 
 bool CanEditAnnotation(const Person& viewer, const AnnotationRow& annotation, bool can_review) {
-  // The author alone: a remark stands under its author's name.
+  // The author alone: a remark is shown under its author's name.
   return can_review && !viewer.disabled && viewer.id == annotation.author;
 }
 

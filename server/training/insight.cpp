@@ -40,7 +40,7 @@ void FindOutliers(const std::string& what, const std::vector<Of>& all, std::vect
   }
 }
 
-// What a criterion is while the students are gone through.
+// A criterion's figures while reading the students.
 struct Gathered {
   CriterionInsight insight;
   double points = 0;

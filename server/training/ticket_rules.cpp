@@ -24,8 +24,8 @@ Result<UnixMs> TimeFromText(const std::string& text) {
   char between = 0;
   int found = std::sscanf(text.c_str(), "%4d-%2u-%2u%c%2u:%2u%n", &year, &month, &day, &between,
                           &hour, &minute, &used);
-  // sscanf stops at what it does not know; what is left over is looked at, so that "09:05 CET" is
-  // not taken for UTC.
+  // sscanf stops at what it does not know. The rest is checked, so that "09:05 CET" is not taken
+  // for UTC.
   std::string rest = found == 6 ? text.substr(static_cast<size_t>(used)) : "?";
   year_month_day date{std::chrono::year(year), std::chrono::month(month), std::chrono::day(day)};
   bool fits = (between == ' ' || between == 'T') && date.ok() && year >= 2000 && year < 2100 &&

@@ -58,7 +58,7 @@ class AssignmentView {
     if (!row.cohort.IsZero()) {
       cohort = {{"id", row.cohort.Text()}, {"name", row.cohort_name}};
     }
-    // A retired exercise can be finished, so it is told what to do.
+    // A retired exercise can be finished, so the student gets its instructions.
     if (!row.version_id.IsZero()) {
       exercise_id = row.version_id.Text();
       title = row.title;
@@ -146,7 +146,7 @@ Result<ExerciseRow> OfferedVersion(const Call& call, ExerciseRows& exercises,
   Result<std::vector<ExerciseRow>> offered = exercises.AllExercises();
   if (!offered.ok()) return offered.status();
   auto found = std::ranges::find(*offered, name, &ExerciseRow::name);
-  // The same for what is not there and what is another's: names tell nothing.
+  // The same answer for a missing exercise and another's: names reveal nothing.
   if (found == offered->end() || !CanUseExercise(call.caller->person, *found)) {
     return Status{
         Code::kInvalidInput,
@@ -257,7 +257,7 @@ Response ListAssignments(const Call& call, Store& store) {
   if (!cohort.ok()) return ErrorResponse(cohort.status());
   Result<AssignmentView> view = AssignmentView::Make(store);
   if (!view.ok()) return ErrorResponse(view.status());
-  // All at once where no page is asked for: a student's list is short and shown whole.
+  // All at once if the request asks for no page: a student's list is short and shown whole.
   Result<Page> page = PageOf(call.request, kMaxPage, kMaxPage);
   if (!page.ok()) return ErrorResponse(page.status());
   json::array assignments;

@@ -90,7 +90,7 @@ Result<AttemptResult> SeeResult(const Call& call, Store& store, bool needs_recor
     return Status{Code::kForbidden,
                   "this work is graded: the result shows after the instructor has released it"};
   }
-  // After the right to see it: "not scored yet" is told to nobody who may not know.
+  // After the right to see it: "not scored yet" is for people who may see the attempt.
   ENAMEL_RETURN_IF_ERROR(RequireScored(seen->row));
   if (needs_recording && seen->row.expired_ms != 0) {
     return Status{Code::kConflict, "the recording was removed on " +
@@ -105,7 +105,7 @@ Response BlobResponse(const Call& call, Store& store, Sha256 AttemptResult::*mem
   Result<AttemptResult> result = SeeResult(call, store, member != &AttemptResult::score_json);
   if (!result.ok()) return ErrorResponse(result.status());
   Result<Bytes> bytes = store.blobs.GetBlob((*result).*member);
-  // The row names a blob that is not there: damage of ours, not a wrong address.
+  // The row names a missing blob: damage of ours, not a wrong address.
   if (!bytes.ok()) return ErrorResponse(Status{Code::kInternal, bytes.status().message()});
   Response response;
   response.content_type = std::move(content_type);
@@ -133,7 +133,7 @@ class LiveEvents final : public EventSource {
   LiveEvents(const Call& call, Store& store, std::unique_ptr<LiveWatch> watch)
       : store_(store),
         authenticator_(call.authenticator),
-        // Not the caller, who is gone with the request: a stream goes on, and signing out ends it.
+        // Not the caller, who ends with the request: a stream continues, and signing out ends it.
         token_hash_(call.caller->token_hash),
         attempt_(call.id),
         watch_(std::move(watch)) {}
@@ -235,12 +235,12 @@ Response GetDeviation(const Call& call, Store& store) {
   return response;
 }
 
-// Anybody who is signed in: it is nobody's, and its name is told with what begins with it.
+// Anybody who is signed in: it belongs to nobody, and the timelines that begin with it name it.
 Response GetStartTooth(const Call& call, StoredBlobs& blobs, TimelineRows& timelines) {
   const Status none{Code::kNotFound, "there is no such start tooth", "name"};
   Result<Sha256> content = Sha256::FromHex(call.name);
   if (!content.ok()) return ErrorResponse(none);
-  // Before any blob is looked at: others are named by their hash too.
+  // Before reading any blob: other blobs are named by their hash too.
   Result<bool> known = timelines.IsStartTooth(*content);
   if (!known.ok()) return ErrorResponse(known.status());
   if (!*known) return ErrorResponse(none);
@@ -322,7 +322,7 @@ Response MakeReference(const Call& call, Store& store) {
 Response GetLive(const Call& call, Store& store) {
   if (Status same = CheckSameSite(call.request); !same.ok()) return ErrorResponse(same);
   if (!call.live) return ErrorResponse({Code::kNotFound, "this server shows nothing live"});
-  // Watched before its state is looked at: an end in between is not missed.
+  // Watches before reading its state, so that no end in between is missed.
   auto watch = call.live->Watch(call.id);
   Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());

@@ -199,8 +199,8 @@ Result<json::value> AttemptView::AppealJson(const AttemptRow& row) {
                      {"answered_ms", (*appeal)->answered_ms}};
 }
 
-// Which earlier motion lies nearest, for who decides about it. Whose it is only for who may review
-// that one too.
+// The nearest earlier motion, for reviewers. Its owner only for viewers who may review that attempt
+// too.
 Result<json::value> AttemptView::NearnessJson(const AttemptRow& row) {
   Result<bool> shares = SharesCohort(row);
   if (!shares.ok()) return shares.status();
@@ -229,7 +229,7 @@ Result<json::value> AttemptView::NearnessJson(const AttemptRow& row) {
                      {"worth_a_look", (*near)->worth_a_look}};
 }
 
-// Of contradicting chunks, for who decides about them.
+// Contradicting chunks, for reviewers.
 Result<json::array> AttemptView::ContradictionsJson(const AttemptRow& row) {
   json::array out;
   if ((row.flags & kContradicted) == 0) return out;

@@ -50,7 +50,7 @@ Response CohortResponse(CohortRows& cohorts, const Cohort& cohort, int status = 
 Result<CohortEdit> EditOf(const Call& call) {
   CohortEdit edit;
   BodyReader body(call.request);
-  // A member that is left out stays as it is; `Has` tells that apart from an empty one.
+  // An absent member stays unchanged; `Has` distinguishes it from an empty one.
   if (body.Has("name")) edit.name = body.Text("name", 1, kMaxNameBytes);
   if (body.Has("archived")) edit.archived = body.Flag("archived", false);
   ENAMEL_RETURN_IF_ERROR(body.Finish());
@@ -71,7 +71,7 @@ Response ListCohorts(const Call& call, CohortRows& cohorts_rows) {
   Result<std::vector<Cohort>> rows = VisibleCohorts(call, cohorts_rows);
   if (!rows.ok()) return ErrorResponse(rows.status());
   std::erase_if(*rows, [&](const Cohort& cohort) {
-    // Those in use unless the archive is asked for.
+    // Active cohorts, unless the request asks for the archive.
     return (cohort.archived_ms != 0) != archived->value_or(false);
   });
   json::value next = CutPage(*rows, *page, [](const Cohort& cohort) { return cohort.name; });

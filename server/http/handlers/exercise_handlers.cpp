@@ -31,8 +31,8 @@ namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
 
-// One page of attempts. Who has made more sees a count that is too low, which no rule depends on:
-// limits are counted by the store.
+// One page of attempts. A person with more gets a count that is too low. No rule depends on it: the
+// store counts for limits.
 constexpr uint32_t kCountedAttempts = 200;
 
 Result<std::map<Uuid, int>> OwnAttempts(const Call& call, AttemptRows& attempts_rows) {
@@ -50,7 +50,7 @@ Result<std::map<Uuid, int>> OwnAttempts(const Call& call, AttemptRows& attempts_
 Status MustBeMakeable(Store& store, const scene::Exercise& exercise) {
   Result<std::vector<SceneRow>> scenes = store.scenes.Scenes();
   if (!scenes.ok()) return scenes.status();
-  // By content and not by name: an exercise is made for one tooth, bit by bit.
+  // By content and not by name: an exercise fits one tooth, bit by bit.
   if (std::ranges::find(*scenes, exercise.scene, &SceneRow::content) == scenes->end()) {
     return {Code::kInvalidInput,
             "expected the hash of a scene that this server has, found " + exercise.scene.Hex() +
@@ -88,7 +88,7 @@ Status MustBeMakeable(Store& store, const scene::Exercise& exercise) {
   return refusal;
 }
 
-// What a list of exercises holds: the caller's own, or for who edits them, all in a state.
+// The exercises of a list: the caller's own, or for editors all in a state.
 Result<std::vector<ExerciseRow>> ListedExercises(const Call& call, ExerciseRows& exercises) {
   auto wanted = call.request.query.find("state");
   if (wanted == call.request.query.end()) return VisibleExercises(call, exercises);
@@ -232,8 +232,8 @@ Result<Sha256> MakeSurface(StoredBlobs& blobs, SceneRows& scenes, const Sha256& 
   return surface;
 }
 
-// Made once per scene and kept. Who comes while it is being made is told to come again and does not
-// hold a thread that others' requests wait for.
+// Made once per scene and kept. A request that comes meanwhile is asked to come again, so that it
+// does not hold a thread that others' requests wait for.
 Result<Sha256> InitialSurface(StoredBlobs& blobs, SceneRows& scenes, const ExerciseRow& row) {
   Result<SceneRow> scene = SceneOf(scenes, row);
   if (!scene.ok()) return scene.status();

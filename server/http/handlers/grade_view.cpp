@@ -55,13 +55,13 @@ Result<std::map<Uuid, GradeView::Work>> GradeView::WorkOf(const AssignmentRow& a
       if (!graded.ok()) return graded.status();
       GradedAttempt each{row.id, row.ticketed_ms, {}, false, false};
       each.shown = !IsReleasedFirst(row, *graded) || row.released;
-      // A student's own are asked for as those of somebody who shares no cohort with anybody.
+      // Checks a student's own attempts as for a viewer who shares no cohort with anybody.
       const bool seen = viewer_.role != Role::kStudent || CanSeeScore(viewer_, row, *graded, false);
       if (row.score && seen) each.score = row.overridden ? row.overridden->score : *row.score;
       Result<bool> again = IsScoredAgain(row, seen);
       if (!again.ok()) return again.status();
       each.again = *again;
-      // What they see now may not be what counts in a minute.
+      // The present score may not be the one that counts in a minute.
       if (each.again && viewer_.role == Role::kStudent) each.score.reset();
       attempts[row.person].push_back(each);
       out[row.person].attempts.push_back(std::move(row));

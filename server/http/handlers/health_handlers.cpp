@@ -15,8 +15,8 @@ namespace {
 constexpr uint32_t kMostJobs = 200;      // that the store lists of a state
 constexpr uint32_t kMostAttempts = 200;  // likewise
 constexpr UnixMs kMinuteMs = 60'000;
-// While an attempt is made a chunk comes every second; a connection that is silent for a minute has
-// ended (schemas/wire/README.md).
+// During an attempt a chunk comes every second; a connection that is silent for a minute has ended
+// (schemas/wire/README.md).
 constexpr UnixMs kLateMs = 2 * kMinuteMs;
 // Somebody who went home without ending an attempt is no fault that could still be mended.
 constexpr UnixMs kGivenUpMs = 24 * 60 * kMinuteMs;
@@ -65,7 +65,7 @@ Result<json::object> RecordingsJson(AttemptRows& attempts, UnixMs now_ms) {
   return json::object{{"open", open}, {"late", std::move(late)}};
 }
 
-// As the backup command noted it, which is told nothing of what becomes of the copy.
+// From the backup command's note; the command cannot know what becomes of the copy.
 Result<json::value> LastBackup(Store& store) {
   AuditFilter filter;
   filter.action = "store.backup";

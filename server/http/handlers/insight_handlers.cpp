@@ -68,8 +68,8 @@ double ScoreOf(const AttemptRow& row) {
   return row.overridden ? row.overridden->score : row.score.value_or(0);
 }
 
-// The attempt that the criteria are told of: whose score the result is; where that is a mean or a
-// median, the newest scored one.
+// The attempt whose criteria count: the one whose score is the result; for a mean or a median, the
+// newest scored one.
 std::optional<Uuid> LookedAt(const GradeView::Work& work) {
   if (work.grade.attempt) return work.grade.attempt;
   for (const AttemptRow& row : work.attempts) {
@@ -78,7 +78,7 @@ std::optional<Uuid> LookedAt(const GradeView::Work& work) {
   return std::nullopt;
 }
 
-// False: its score document cannot be read, so that nothing is told of its criteria.
+// False: its score document cannot be read, so its criteria are left out.
 bool AddScore(StoredBlobs& blobs, ResultRows& results, const Uuid& attempt, StudentWork& out) {
   const Result<scoring::ScoreResult> score = StoredScore(blobs, results, attempt);
   if (!score.ok()) return false;

@@ -9,7 +9,7 @@
 #include "server/http/handlers/seen_attempt.h"
 #include "server/http/json_body.h"
 
-// What is said to the chair while an attempt is made.
+// Remarks to the chair of an attempt in progress.
 namespace enamel::server::http {
 namespace json = boost::json;
 namespace {

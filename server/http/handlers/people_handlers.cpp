@@ -61,8 +61,8 @@ Response PersonResponse(const Person& person, int status = 200) {
 Response WithPassword(const Call& call, const Person& person, const std::string& password,
                       int status) {
   json::object out = PersonJson(person);
-  // The one time that it is told: the store has its verifier alone, and no log has the body of an
-  // answer.
+  // The only time that the password appears: the store has only its verifier, and no log has the
+  // body of an answer.
   out["password"] = password;
   out["password_until_ms"] = call.authenticator.OneTimeUntil(person);
   return WithETag(JsonResponse(out, status), person.revision);
@@ -173,7 +173,7 @@ Response EditPerson(const Call& call, PeopleRows& people) {
   if (!edit.ok()) return ErrorResponse(edit.status());
   Result<int32_t> seen = IfMatch(call.request);
   if (!seen.ok()) return ErrorResponse(seen.status());
-  // A role is power; a name or a disabled account is put right again by whoever looks.
+  // A role is power; anybody who notices can restore a name or a disabled account.
   if (edit->role) {
     if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
   }
@@ -210,7 +210,7 @@ Response ErasePerson(const Call& call, Erasures& erasures, PeopleRows& people) {
     return ErrorResponse({Code::kInvalidInput,
                           "expected the person's login, because this cannot be undone", "login"});
   }
-  // Who erases an admin is another admin, who is then still there to let others in.
+  // Only another admin can erase an admin, and can then still let others in.
   if (person->id == call.caller->person.id) {
     return ErrorResponse(
         {Code::kConflict, "expected another person: you cannot erase yourself; ask another admin"});

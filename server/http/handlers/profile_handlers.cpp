@@ -90,8 +90,7 @@ json::object ReportJson(const ProfileReportRow& row) {
 
 json::object CalibrationJson(const CalibrationRow& row) {
   json::error_code error;
-  // It was checked when it came in. Should it be unreadable all the same, the row is shown without
-  // it.
+  // It was checked on arrival. If it is unreadable anyway, the row is shown without it.
   json::value document = json::parse(row.document, error);
   return {{"id", row.id.Text()},
           {"device", row.device},

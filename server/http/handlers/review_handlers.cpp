@@ -29,7 +29,7 @@ Response Done() {
 
 Response DoneOr(const Status& status) { return status.ok() ? Done() : ErrorResponse(status); }
 
-// The attempt as it is after a change.
+// The changed attempt.
 Response AttemptResponse(const Call& call, Store& store, const Uuid& attempt) {
   Result<AttemptRow> row = store.attempts.AttemptById(attempt);
   if (!row.ok()) return ErrorResponse(row.status());

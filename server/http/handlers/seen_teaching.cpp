@@ -29,7 +29,8 @@ Result<bool> IsInCohort(const Call& call, CohortRows& cohorts, const Uuid& cohor
 
 Result<AssignmentRow> SeeAssignment(const Call& call, AssignmentRows& assignments,
                                     CohortRows& cohorts) {
-  // The same answer for what is not there and what is not the caller's to see: ids tell nothing.
+  // The same answer for a missing assignment and one that the caller may not see: ids reveal
+  // nothing.
   Status none{Code::kNotFound, "there is no such assignment", "id"};
   Result<AssignmentRow> row = assignments.AssignmentById(call.id);
   if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();

@@ -57,7 +57,7 @@ boost::asio::awaitable<Response> SignIn(Call call) {
   request.address = call.request.peer;
   request.via = auth::kViaPage;
   request.device = auth::DeviceName(call.request.Header("user-agent"));
-  // Signing in ends it: a session that somebody else planted in this browser is gone with it.
+  // Signing in ends it, and with it a session that somebody else planted in this browser.
   request.earlier = SessionCookie(call.request).value_or("");
   request.log_id = call.request.id;
   Result<auth::SignedIn> signed_in = co_await call.authenticator.SignIn(std::move(request));
@@ -134,7 +134,7 @@ Response EndSession(const Call& call, SessionRows& sessions) {
   if (!session.ok() && session.status().code() != Code::kNotFound) {
     return ErrorResponse(session.status());
   }
-  // Somebody else's session and none at all are told alike.
+  // Somebody else's session and none at all get the same answer.
   if (!session.ok() || (!own && call.caller->person.role != Role::kAdmin)) {
     return ErrorResponse({Code::kNotFound, "there is no such session", "id"});
   }

@@ -175,7 +175,7 @@ Response PutBuiltinTooth(const Call& call, Store& store) {
   if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
   Result<json::object> put = PutTooth(call, store, name);
   if (put.ok()) return JsonResponse(*put, 201);
-  // A name that is not there is a mistake in the body and no missing page.
+  // An unknown name is a mistake in the body and no missing page.
   const Status& why = put.status();
   if (why.code() != Code::kNotFound) return ErrorResponse(why);
   return ErrorResponse({Code::kInvalidInput, why.message(), "name"});

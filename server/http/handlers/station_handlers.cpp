@@ -23,7 +23,7 @@ constexpr int64_t kMaxMinutes = 7 * 24 * 60;
 // 128 bits: nobody guesses it within the week that it may be good for.
 constexpr size_t kCodeBytes = 16;
 
-// What was heard since is newer than what is stored, which follows once a minute.
+// The time in memory is newer than the stored one, which follows once a minute.
 UnixMs LastSeenMs(const Call& call, const StationRow& row) {
   return call.stations == nullptr ? row.last_seen_ms
                                   : std::max(row.last_seen_ms, call.stations->HeardMs(row.id));

@@ -103,7 +103,7 @@ Result<std::vector<AttemptRow>> AttemptRows::Attempts(const AttemptFilter& filte
         ")");
   where(filter.exercise, "a.exercise = ", "");
   where(filter.assignment, "a.assignment = ", "");
-  // Ids rise with time: a list goes on where the last one ended, whatever came in meanwhile.
+  // Ids rise with time: a list continues where the last page ended, whatever came in meanwhile.
   where(filter.before, "a.id < ", "");
   if (filter.state) sql += " AND a.state = " + number(static_cast<int64_t>(*filter.state));
   if (filter.flags != 0) {

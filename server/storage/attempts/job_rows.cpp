@@ -119,7 +119,7 @@ Result<std::optional<JobRow>> NextJobToTake(Db& db, UnixMs now_ms) {
 Status TakeJob(Db& db, UnixMs now_ms, UnixMs lease_ms, const Uuid& owner,
                std::optional<JobRow>& taken) {
   taken.reset();
-  // A worker that has had the school open since before it was moved would score what goes on
+  // A worker that opened the school before it was moved would score attempts that now belong
   // elsewhere.
   ENAMEL_ASSIGN_OR_RETURN(const bool moved, HasMoveRow(db, MoveRow::kAway));
   if (moved) return Status::Ok();
@@ -127,7 +127,7 @@ Status TakeJob(Db& db, UnixMs now_ms, UnixMs lease_ms, const Uuid& owner,
     ENAMEL_ASSIGN_OR_RETURN(auto next, NextJobToTake(db, now_ms));
     if (!next) return Status::Ok();
     JobRow job = *next;
-    // A worker that failed said so (FinishJob); one that died did not, and its lease ran out.
+    // A worker that failed called FinishJob; one that died did not, and its lease ran out.
     if (job.tries >= kMaxTries) {
       ENAMEL_RETURN_IF_ERROR(GiveUp(db, job,
                                     "the worker died " + std::to_string(kMaxTries) +

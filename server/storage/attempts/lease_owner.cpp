@@ -5,7 +5,7 @@
 namespace enamel::server {
 namespace {
 
-// The process that held them is gone: waiting for the leases to run out would only delay the
+// The process that held them has ended: waiting for the leases to run out would only delay the
 // scores.
 Status EndLeases(Db& db, const Uuid& owner) {
   Query q(db,

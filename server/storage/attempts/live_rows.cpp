@@ -8,7 +8,7 @@
 #include "server/storage/engine/query.h"
 #include "server/storage/engine/sql_names.h"
 
-// What goes on now: remarks on their way to chairs, and stations that are connected.
+// Remarks on their way to chairs, and connected stations.
 namespace enamel::server {
 namespace {
 

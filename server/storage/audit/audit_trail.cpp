@@ -67,9 +67,9 @@ struct NextPlace {
   Uuid after;
 };
 
-// From the chain's signed end. An end that is gone or was not signed here leaves a place that
-// follows on nothing, which `verify` finds for good: whoever cuts the trail's end off does not have
-// it mended by the next row.
+// Continues from the chain's signed end. A missing end, or one not signed here, leaves a row that
+// follows no other, and `verify` reports it from then on: the next row does not mend a trail whose
+// end somebody cut off.
 Result<NextPlace> NextInChain(Db& db, const AuditSigner& signer) {
   // Locked: another process of this server (a command beside it) extends the same chain.
   ENAMEL_ASSIGN_OR_RETURN(const auto head, FindHead(db, signer.chain, db.RowLock()));
@@ -80,8 +80,8 @@ Result<NextPlace> NextInChain(Db& db, const AuditSigner& signer) {
   return NextPlace{{signer.chain, before + 1, {}}, last.second};
 }
 
-// Only rows about the same thing are looked at: servers that write about others at the same time
-// must not meet here.
+// Reads only rows about the same subject: servers that write about others at the same time must not
+// conflict here.
 Result<Uuid> NewestAbout(Db& db, const std::string& subject) {
   Uuid newest;
   if (subject.empty()) return newest;
@@ -121,7 +121,7 @@ Result<std::vector<AuditHead>> AuditHeads(Db& db) {
   return out;
 }
 
-// In the transaction of what it tells of: neither is there without the other.
+// In the transaction of the change: neither exists without the other.
 Status WriteAuditAbout(Db& db, const std::string& subject, const Actor& by, const char* action,
                        const std::string& object, const std::string& before,
                        const std::string& after) {

@@ -302,7 +302,7 @@ class Restorer {
     ENAMEL_RETURN_IF_ERROR(EndSessions());
     // After the keys: the newest list of erasures decides who comes back.
     ENAMEL_RETURN_IF_ERROR(EraseAgain());
-    // What it finds is told and not judged: a school may have to live with what is left.
+    // Reports the findings without judging: a school may have to live with what is left.
     ENAMEL_ASSIGN_OR_RETURN(auto verified, Verify({options_.data, {}, options_.progress}));
     report_.verified = std::move(verified);
     ENAMEL_RETURN_IF_ERROR(disk_.Remove(options_.data / kRestoreMark));
@@ -379,7 +379,7 @@ class Restorer {
     return Status::Ok();
   }
 
-  // Who was signed in then, and which codes were open, may have been ended since.
+  // Sessions and codes of that time may have been ended since.
   Status EndSessions() {
     ENAMEL_ASSIGN_OR_RETURN(auto db, OpenDatabase(options_.data / "enamel.db", DbMode::kExisting));
     return db->Exec("DELETE FROM sessions; DELETE FROM enrol_codes WHERE used_ms IS NULL");

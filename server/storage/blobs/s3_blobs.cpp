@@ -83,7 +83,7 @@ Result<Sha256> S3Blobs::Put(ByteView data) {
   const int64_t generation = NewGeneration();
   ENAMEL_RETURN_IF_ERROR(trouble_.Told(client_->Put(KeyOf(hash, generation), data)));
   BlobRow row;
-  // When this fails, the row may have been added all the same: the object stays for Sweep to judge.
+  // Even if this fails, the row may have been added: the object stays for Sweep to judge.
   ENAMEL_RETURN_IF_ERROR(rows_.Write([&](sql::Db& db) -> Status {
     const int64_t now_ms = now_ms_();
     if (now_ms - begun_ms >= Ms(kClaimWithin)) {
@@ -153,8 +153,8 @@ Result<std::vector<Blobs::Freed>> S3Blobs::Free(sql::Db& db, const std::set<Sha2
 Result<size_t> S3Blobs::Remove(const std::vector<Freed>& freed) {
   size_t removed = 0;
   for (const auto& [hash, generation] : freed) {
-    // Nothing names it any more, and what it was encrypted under is gone with its person: that an
-    // object is left is no reason to have the erasure fail.
+    // Nothing names it any more, and its person's key is destroyed: a leftover object is no reason
+    // to fail the erasure.
     if (!trouble_.Told(client_->Delete(KeyOf(hash, generation))).ok()) break;
     ++removed;
   }

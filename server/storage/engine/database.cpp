@@ -21,7 +21,7 @@ constexpr char kSetup[] =
 
 using Kind = sql::SqliteFailure::Kind;
 
-// For who may see paths: the log, and whoever starts the program.
+// For readers who may see paths: the log, and whoever starts the program.
 Status InFull(const sql::SqliteFailure& failure) {
   const std::string what = failure.path + ": " + failure.words;
   switch (failure.kind) {

@@ -56,7 +56,7 @@ Result<std::optional<Uuid>> Rewriter::FindMark() const {
 }
 
 Status Rewriter::RemoveMark(const Uuid& mark) {
-  // One that was set while the tables were written anew stays.
+  // A mark set during the rewrite stays.
   if (rows_.shared()) {
     ENAMEL_RETURN_IF_ERROR(rows_.Write([&](sql::Db& db) {
       return Query(db, "DELETE FROM rewrite_due WHERE tenant = ?1 AND mark = ?2").Bind(mark).Run();

@@ -37,10 +37,10 @@ Status Writer::Queue(Pending& mine) {
   std::unique_lock lock(mutex_);
   queue_.push_back(&mine);
   if (queue_.size() == 1) wake_.notify_one();
-  // Without a bound: a work that the thread is at cannot be taken back. What the thread itself
-  // waits for is bounded (SqliteDb::SetBusyWait, SqliteDb::kMostWait; PgDb::kStatementTimeout), but
-  // for a COMMIT that PostgreSQL keeps until a standby has it too: it may already be on the
-  // primary's disk, and must not be told otherwise. Health says so then (Standby::kMissing).
+  // Without a bound: a work that the thread has begun cannot be taken back. The thread's own waits
+  // are bounded (SqliteDb::SetBusyWait, SqliteDb::kMostWait; PgDb::kStatementTimeout), except a
+  // COMMIT that PostgreSQL holds until a standby has it too. That one may already be on the
+  // primary's disk, and must not be reported as failed. Health reports it (Standby::kMissing).
   mine.turn.wait(lock, [&] { return mine.done; });
   return mine.status;
 }

@@ -29,8 +29,8 @@ Status MustNotBeRootForAnother(const std::filesystem::path& folder) {
                     "-u USER -- enamel-server …");
 }
 
-// Who reads the folder has everything. A folder of other things is not ours to close: it may be a
-// home, or /tmp.
+// Anybody who can read the folder has everything. A folder with other content is not ours to close:
+// it may be a home, or /tmp.
 Status KeepOthersOut(const std::filesystem::path& folder) {
   struct stat info {};
   constexpr mode_t kOthers = 077, kOwnerOnly = 0700;

@@ -16,7 +16,7 @@ uint64_t SpaceGuard::FreeBytes() {
   return free_;
 }
 
-// Asks the disk anew: for something this large a figure of a second ago is too old.
+// Asks the disk again: for something this large a second-old value is too old.
 Status SpaceGuard::RoomFor(uint64_t bytes) {
   auto free = disk_.FreeBytes(folder_);
   if (!free.ok() || *free >= bytes + min_free_) return Status::Ok();

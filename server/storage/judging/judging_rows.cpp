@@ -59,7 +59,7 @@ Status JudgingRows::OverrideScore(const Uuid& attempt, const std::optional<Score
                                   const Actor& by, std::optional<int32_t> revision) {
   return rows_.Write([&](Db& db) -> Status {
     ENAMEL_ASSIGN_OR_RETURN(auto row, FindSeen(db, attempt, revision));
-    // An override stands beside the score and its reasons, it does not take their place.
+    // An override is kept beside the score and its reasons and does not replace them.
     if (score && !row.score) {
       return Status(Code::kConflict, "attempt " + attempt.Text() + " is " +
                                          AttemptStateName(row.state) +

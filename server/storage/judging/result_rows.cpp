@@ -41,8 +41,7 @@ void BindAnother(Query& q, const AttemptResult& result) {
   }
 }
 
-// A released score that turns out otherwise is not yet one that an instructor has seen: of graded
-// work and exams it is released anew.
+// No instructor has seen a released score that changes: graded work and exams need a new release.
 Status WithdrawReleaseOfAnotherScore(Db& db, const Uuid& attempt, const AttemptResult& result) {
   Query q(db,
           "SELECT 1 FROM attempts a JOIN exercises e ON e.tenant = a.tenant AND e.id = a.exercise "

@@ -12,7 +12,7 @@ namespace {
 
 // A recording that ends the process each time must not do so for ever.
 constexpr int64_t kMaxTries = 3;
-// A process that died keeps it for so long; one that works says so more often (KeepTimeline).
+// A process that died keeps it for this long; a working one renews it more often (KeepTimeline).
 constexpr int64_t kLeaseMs = 60'000;
 
 }  // namespace

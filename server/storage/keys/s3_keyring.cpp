@@ -130,7 +130,7 @@ Status S3Keyring::Put(const Uuid& person, const DataKey& key) {
   const auto found = Find(person);
   if (found.ok() || found.status().code() != Code::kNotFound) return found.status();
   ENAMEL_RETURN_IF_ERROR(Add(person, key));
-  // Whoever puts a key here reads it back from the bucket.
+  // A key put here is read back from the bucket.
   MutexLock lock(mutex_);
   found_.erase(person);
   return Status::Ok();

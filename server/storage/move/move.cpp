@@ -73,8 +73,8 @@ class Mover {
     Status moved = CloseToOthers(true);
     if (moved.ok()) moved = MoveAll();
     if (!moved.ok()) {
-      // The school goes on where it was, unless the new place may be open already; a crash leaves
-      // that to who reads the mark.
+      // The school continues in the old place, unless the new place may be open already; after a
+      // crash, that is up to the person who reads the mark.
       if (!opens_) {
         (void)CloseToOthers(false);
         (void)disk_.Remove(options_.from / kMovedMark);
@@ -151,7 +151,7 @@ class Mover {
                                        " or did within the last 20 s; stop them all, then move");
   }
 
-  // They would be made anew beside the new place, and be empty there.
+  // They would be created again beside the new place, and be empty there.
   Status MustHaveNoSchools() {
     ENAMEL_ASSIGN_OR_RETURN(const auto schools, source_->schools.Schools());
     if (schools.empty()) return Status::Ok();

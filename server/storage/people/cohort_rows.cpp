@@ -78,7 +78,7 @@ Status InsertMember(Db& db, const Uuid& cohort, const Uuid& person, const Actor&
           "INSERT INTO cohort_members (tenant, cohort, person) VALUES (?1, ?2, ?3) "
           "ON CONFLICT DO NOTHING");
   Status status = q.Bind(cohort).Bind(person).Run();
-  // The foreign keys say that one of the two is not there, and not which.
+  // The foreign keys show that one of the two is missing, but not which.
   if (status.code() == Code::kConflict) {
     return Status(Code::kNotFound, "no cohort " + cohort.Text() + " or no person " + person.Text());
   }

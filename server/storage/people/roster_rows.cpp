@@ -109,8 +109,8 @@ Result<RosterPlan> RosterRows::ImportRoster(const std::vector<RosterRow>& rows, 
   }
   Status status = rows_.Write([&](Db& db) -> Status {
     auto facts = make(db);
-    // Planned anew from what is stored now: the dry run before may be out of date. A plan with
-    // problems changes nothing and is handed back.
+    // Plans again from the stored rows: the earlier dry run may be out of date. A plan with
+    // problems changes nothing and is returned.
     if (!facts.ok() || !plan.problems.empty()) return facts.status();
     return CarryOut(db, plan, *facts, by);
   });

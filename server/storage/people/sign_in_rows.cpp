@@ -40,7 +40,7 @@ Result<bool> ReadCounter(Db& db, const Sha256& key, const char* lock, SignInCoun
   return found;
 }
 
-// A row that is not there cannot be locked: it is made first, with nothing counted.
+// A missing row cannot be locked: it is inserted first, with nothing counted.
 Status LockCounter(Db& db, const Sha256& key, SignInCounter& out) {
   for (;;) {
     Query q(
@@ -88,7 +88,7 @@ Status DeleteBeyondMost(Db& db, const std::string& kind) {
 Status TransactOnce(Db& db, const std::function<Status(Db&)>& work) {
   sql::Transaction transaction(db, sql::Isolation::kRowLocks);
   ENAMEL_RETURN_IF_ERROR(transaction.begun());
-  // Who signs in waits for another server at most so long.
+  // A sign-in waits for another server at most this long.
   ENAMEL_RETURN_IF_ERROR(db.Exec("SET LOCAL lock_timeout = '2s'"));
   ENAMEL_RETURN_IF_ERROR(work(db));
   return transaction.Commit();
@@ -135,7 +135,7 @@ Status SignInRows::Change(const std::vector<Sha256>& given, const SignInChange& 
   std::vector<Sha256> keys;
   for (const Sha256& key : given) keys.push_back(Keyed(key));
   const std::vector<size_t> order = InOrder(keys);
-  // Most tries change nothing before their password is looked at, and are to cost no write.
+  // Most tries change nothing before the password check, and must cost no write.
   std::vector<SignInCounter> before(keys.size());
   const Status read = rows_.Read([&](Db& db) -> Status {
     for (size_t i : order) {

@@ -47,8 +47,8 @@ Status MayComeBack(Db& db, const StationRow& station) {
   auto stored = FindStation(db, station.id);
   if (stored.status().code() == Code::kNotFound) return Status::Ok();
   if (!stored.ok()) return stored.status();
-  // Recordings are signed with the key: under another one the station's earlier recordings could no
-  // longer be told from forged ones.
+  // Recordings are signed with the key: under another one, the station's earlier recordings could
+  // no longer be distinguished from forged ones.
   if (stored->public_key != station.public_key) {
     return Status(Code::kConflict,
                   "station " + station.id.Text() + " has another key; enrol as a new station",
@@ -158,8 +158,7 @@ Result<StationRow> StationRows::EnrolStation(const Sha256& code_hash, StationRow
   return station;
 }
 
-// Compared by the database: how long that takes tells of a hash only, and nothing of the
-// credential.
+// The database compares: the time it takes reveals a hash at most, and nothing of the credential.
 Result<StationRow> StationRows::StationByCredential(const Uuid& id, const Sha256& credential_hash) {
   return rows_.Read([&](Db& db) -> Result<StationRow> {
     static const std::string kSql =

@@ -12,7 +12,7 @@ Result<Uuid> AttemptKeys::PersonOf(const Uuid& attempt) {
   ENAMEL_ASSIGN_OR_RETURN(const AttemptRow row,
                           rows_.Read([&](Db& db) { return FindAttempt(db, attempt); }));
   MutexLock lock(mutex_);
-  // All at once and not the oldest, which is simple: each is found again when it is asked for.
+  // All at once and not the oldest, which is simple: each is found again when needed.
   if (person_of_.size() >= kMaxRemembered) person_of_.clear();
   person_of_[attempt] = row.person;
   return row.person;

@@ -38,7 +38,7 @@ Status Repeated(Db& db, const Ingest& ingest, const ChunkPut& chunk, ByteView se
                         " came twice with different content: " + stored->Hex() + " is committed, " +
                         chunk.hash.Hex() + " was refused";
   ENAMEL_RETURN_IF_ERROR(KeepEvidence(db, chunk, sealed));
-  // Told once, however often it comes. The flag first: the row that is written last tells of it.
+  // Reported once, however often it comes. The flag first: the row that is written last states it.
   if (ingest.state != AttemptState::kQuarantined) {
     Query q(db, "UPDATE attempts SET flags = flags | ?3 WHERE tenant = ?1 AND id = ?2");
     ENAMEL_RETURN_IF_ERROR(q.Bind(chunk.attempt).Bind(int64_t{kContradicted}).Run());
@@ -52,8 +52,8 @@ Status Repeated(Db& db, const Ingest& ingest, const ChunkPut& chunk, ByteView se
                 "seq");
 }
 
-// Asked in the writing transaction: what two connections of one station send is put in order
-// here. The station answers a refusal by asking where the server stands.
+// Checked in the writing transaction, which orders the chunks of two connections of one station.
+// After a refusal the station asks for the server's position.
 Status MustContinue(const Ingest& ingest, const trace::ChunkHead& head) {
   if (head.seq != ingest.chunks) {
     return Status(Code::kConflict,
@@ -77,12 +77,11 @@ Status MustContinue(const Ingest& ingest, const trace::ChunkHead& head) {
   return Status::Ok();
 }
 
-// Counts the chunk that an attempt goes on with; changes nothing where it does not. What it has to
-// fit (MustContinue says it in words) is asked in the statement; `in_one`: so is the chunk
-// inserted: with a server every statement is a message, which costs more than the rows. The counts
-// go with the chunk, so that no look at an attempt reads its chunks. `generation`: what the
-// person's key has to be of, 0: of any (Keyring::Remember). `chunk` and `sealed` stay where they
-// are until it has run.
+// Counts the next chunk of an attempt; changes nothing if it does not fit. The statement itself
+// checks that it fits (MustContinue puts it in words). `in_one`: it also inserts the chunk, because
+// with a server every statement is a message, which costs more than the rows. The counts go with
+// the chunk, so that reading an attempt never reads its chunks. `generation`: of the person's key,
+// 0: any (Keyring::Remember). `chunk` and `sealed` must outlive the statement.
 sql::Change NextChunk(const ChunkPut& chunk, ByteView sealed, int64_t generation, bool in_one) {
   sql::Change next;
   next.sql =
@@ -120,8 +119,8 @@ sql::Change NextChunk(const ChunkPut& chunk, ByteView sealed, int64_t generation
   return next;
 }
 
-// False: the attempt does not go on with it. Encrypted before (AppendWith), outside the writer's
-// thread, which all wait for.
+// False: the chunk does not fit. Encrypted before queuing (AppendWith): the writer thread is
+// shared.
 Result<bool> TryAppend(Db& db, const ChunkPut& chunk, ByteView sealed, int64_t generation) {
   const bool in_one = db.GoesOnWithChanges();
   sql::Change next = NextChunk(chunk, sealed, generation, in_one);

@@ -47,7 +47,7 @@ Status MustBeHere(Db& db, const AttemptRow& row) {
 // admit is flagged and not refused: what was recorded is kept, and looked at once it is sealed.
 Status KeepHand(Db& db, const Uuid& attempt, ByteView header) {
   auto decoded = trace::DecodeHeader(header);
-  // Whoever calls OpenAttempt has read the header; a header of another version tells of no hand.
+  // The caller of OpenAttempt has read the header; a header of another version names no hand.
   if (!decoded.ok()) return Status::Ok();
   const Hand& hand = decoded->hand;
   {
@@ -93,8 +93,8 @@ Status TicketRows::CreateAttempt(const AttemptRow& row, ByteView ticket, const A
                               {"assignment", row.assignment ? row.assignment->Text() : ""},
                               {"exam", row.exam ? "yes" : "no"}}));
   });
-  // Erased or never here: only the key ring knows, as the row is gone in both cases. A station that
-  // was away may still offer what such a person recorded.
+  // Erased or never here: only the key ring knows, because both have no row. A station that was
+  // away may still offer such a person's recordings.
   bool nobody = status.code() == Code::kNotFound && status.field() == "person";
   if (!nobody) return status;
   ENAMEL_ASSIGN_OR_RETURN(const bool gone, keyring_.IsGone(row.person));

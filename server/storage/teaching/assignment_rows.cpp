@@ -343,8 +343,8 @@ Result<std::vector<AssignedRow>> AssignmentRows::AssignmentsFor(const Uuid& pers
   });
 }
 
-// A limit or another exam is looked at where the attempt is made: two stations at once cannot both
-// have the last one. A ticket that ran out with nothing begun is no exam under way.
+// Checks the limit and other exams while making the attempt: two stations at once cannot both have
+// the last one. A ticket that ran out with nothing begun is no exam under way.
 Status MayBeIssued(Db& db, const AttemptRow& row) {
   if (!row.assignment || (row.flags & kReadmitted) != 0) return Status::Ok();
   Query q(

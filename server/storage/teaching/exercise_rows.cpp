@@ -157,7 +157,7 @@ Status AssignOnce(Db& db, const ExerciseRow& version, const Uuid& cohort, const 
 
 }  // namespace
 
-// What an exam is about stays as it is while the exam is open, and while somebody takes it.
+// An exam's exercise must not change while the exam is open or somebody takes it.
 Status NoExamMustBeOpen(Db& db, const std::string& name, const std::optional<Uuid>& assignment) {
   Query q(db,
           "SELECT a.id, coalesce(c.name, ''), a.due_ms FROM assignments a LEFT JOIN cohorts c ON "

@@ -113,8 +113,8 @@ Result<std::vector<ProfileRow>> ProfileRows::ProfileVersions(const std::string& 
 
 Result<ProfileReportRow> ProfileRows::AddProfileReport(const ProfileReportRow& row,
                                                        const Actor& by) {
-  // The blob is put before its row, never after: what a row names must be there. A crash in between
-  // leaves a blob that no row names, which retention sweeps away.
+  // Puts the blob before its row, never after: a row must name an existing blob. A crash in between
+  // leaves a blob that no row names; retention sweeps it away.
   if (!blobs_.Has(row.content)) {
     return Status(Code::kNotFound, "the report is not stored; put its blob first");
   }

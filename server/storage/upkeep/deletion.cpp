@@ -10,8 +10,8 @@
 namespace enamel::server {
 Status DeleteAttempts(Db& db, const std::vector<Uuid>& attempts, std::set<Sha256>& blobs) {
   for (const Uuid& attempt : attempts) {
-    // Which blobs it named is read before the row goes; the files are removed after the commit, so
-    // that no row ever names one that is gone.
+    // Reads which blobs it named before deleting the row; the files are removed after the commit,
+    // so that no row ever names a missing one.
     Query named(db,
                 "SELECT trace_blob, score_json, final_volume, surface, series FROM attempts "
                 "WHERE tenant = ?1 AND id = ?2");

@@ -54,9 +54,9 @@ Status WithOverwriting(Db& db, const std::function<Status()>& work) {
   return status.ok() ? off : status;
 }
 
-// What the audit trail tells about a person who is gone, and about that person's attempts, those
-// too that a retention rule removed before; who did it and when stays, and stays signed. The only
-// change of audit rows that the database admits (schemas/sql/0001_initial.sql).
+// Redacts the audit trail's words about an erased person and that person's attempts, including
+// attempts that a retention rule removed before. Who did it and when stays, and stays signed. The
+// database admits no other change of audit rows (schemas/sql/0001_initial.sql).
 Status RedactAudit(Db& db, const Uuid& person) {
   static constexpr char kErased[] = R"('{"erased":true}')";
   const std::string sql =
@@ -87,7 +87,7 @@ Status DeletePerson(Db& db, const Uuid& person, const Tombstone& tombstone, cons
                           "DELETE FROM people WHERE tenant = ?1 AND id = ?2"}) {
     ENAMEL_RETURN_IF_ERROR(Query(db, sql).Bind(person).Run());
   }
-  // After the rows: the database admits it only of a person who is not there (0001_initial.sql).
+  // After the rows: the database admits it only for a person without a row (0001_initial.sql).
   ENAMEL_RETURN_IF_ERROR(RedactAudit(db, person));
   ENAMEL_RETURN_IF_ERROR(AddErasure(db, tombstone));
   return WriteAudit(db, by, "person.erase", tombstone.person.Hex(),

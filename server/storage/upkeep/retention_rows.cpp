@@ -25,7 +25,7 @@ constexpr std::chrono::hours kUnnamedFor{24};
 constexpr int64_t kDayMs = 24ll * 60 * 60 * 1000;
 constexpr int32_t kMaxDays = 36'500;
 constexpr int32_t kMinUnfinishedDays = 14;
-// A station may offer what it recorded for a week: what was removed before that would be taken in
+// A station may offer its recordings for a week. If one were removed earlier, it would be taken in
 // again as if a restore had forgotten it.
 constexpr int32_t kMinAttemptsDays = 8;
 
@@ -158,8 +158,7 @@ Status Expire(Db& db, const std::vector<Uuid>& attempts, UnixMs now_ms, std::set
   return Status::Ok();
 }
 
-// Found anew in the writing transaction: an appeal may have come in since the look that was
-// shown.
+// Found again in the writing transaction: an appeal may have come in since the list was shown.
 Status Remove(Db& db, UnixMs now_ms, const Actor& by, RetentionReport& report,
               std::set<Sha256>& blobs) {
   report = {};
@@ -198,7 +197,7 @@ Status RetentionRows::SetRetention(const RetentionRule& rule, const Actor& by) {
                       ", or 0 for no rule, found " + std::to_string(rule.days),
                   "days");
   }
-  // 0 days is no rule, and a rule that is not there has no row.
+  // 0 days is no rule, and a missing rule has no row.
   return rows_.Write([&](Db& db) -> Status {
     ENAMEL_ASSIGN_OR_RETURN(auto rules, RulesIn(db));
     auto old = std::ranges::find(rules, rule.what, &RetentionRule::what);
@@ -247,8 +246,7 @@ Result<RetentionReport> RetentionRows::ApplyRetention(UnixMs now_ms, bool dry_ru
   ENAMEL_ASSIGN_OR_RETURN(auto swept, blobs_.Sweep(kUnnamedFor));
   report.blobs = removed + swept;
   if (rows_.shared()) ENAMEL_RETURN_IF_ERROR(sign_ins_.Sweep());
-  // Last, for what the rules remove makes room; what fails is in the log and left for the next
-  // time.
+  // Last, because the rules free space; a failure is in the log and left for the next time.
   (void)rewriter_.RunIfMarked();
   return report;
 }

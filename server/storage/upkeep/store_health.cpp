@@ -91,8 +91,8 @@ StoreHealth StoreHealthCheck::Health() {
 }
 
 Status StoreHealthCheck::TryWrite() {
-  // Only after a failure, to find out whether its cause is gone: otherwise the writes that are made
-  // anyway tell.
+  // Only after a failure, to find out whether its cause has ended: otherwise ordinary writes show
+  // it.
   const Writer& writer = parts_.rows.writer();
   if (writer.last_failure().ok() || writer.damaged()) return Status::Ok();
   return parts_.rows.Write([](Db& db) -> Status {

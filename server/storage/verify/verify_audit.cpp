@@ -127,7 +127,7 @@ class AuditCheck {
       FindRow(row, "place " + std::to_string(expected) + " in the trail",
               "place " + std::to_string(link.number));
     } else if (end.is_ours && is_ours && link.previous != end.hash) {
-      // Not where one of the two was changed, which is told of it.
+      // Not if one of the two was changed: that has its own finding.
       FindRow(row, "the row before it to be the one that it was signed after",
               link.previous.IsZero()
                   ? "nothing before it: the end of the trail was taken away, or cut off, before it "
@@ -336,7 +336,7 @@ class AuditCheck {
     }
   }
 
-  // What is there without a row that tells of it was put there by hand.
+  // A subject without a row in the trail was put there by hand.
   Status CheckUntold() {
     ENAMEL_ASSIGN_OR_RETURN(const auto present, PresentSubjects(db_));
     for (const auto& [subject, object] : present) {

@@ -177,7 +177,7 @@ class RunCheck {
   VerifyReport& report_;
 };
 
-// What the audit trail says was scored last is what is there: who takes a run away, or its
+// The stored run is the one that the audit trail names last: somebody who removes a run, or its
 // document, leaves a row that names it.
 Status CheckTrail(Db& db, const Run& run, VerifyReport& report) {
   Query q(db,
