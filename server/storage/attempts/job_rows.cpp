@@ -172,7 +172,7 @@ Status Requeue(Db& db, JobRow job) {
 
 }  // namespace
 
-// The worker notices at its next step (MustBeRunning in attempts.cpp).
+// The worker notices at its next step (MustBeRunning below).
 Status CancelRun(Db& db, JobRow row, const Actor& by) {
   std::string before = JsonOf({{"state", row.state}});
   row.state = "cancelled";

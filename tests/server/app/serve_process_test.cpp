@@ -102,7 +102,7 @@ TEST_F(ServeProcessTest, SeveralSignalsAtOnceEndItCleanlyToo) {
   EXPECT_EQ(server.ExitCode(), 0);
 }
 
-// As while `admin erase-person` writes a large database anew beside it.
+// As while `admin erase-person` rewrites a large database beside it.
 TEST_F(ServeProcessTest, BeginsAndEndsWhileAnotherProcessErasesAndKeepsTheDatabase) {
   OpenStore(Data());
   std::ofstream(Data() + "/REWRITE").close();

@@ -200,7 +200,7 @@ TEST(PgCaretakerTest, AnErasureThatALeaseHoldsUpIsTriedUntilItIsFinished) {
   EXPECT_FALSE(*store->engine->rewriter.IsMarked());
 }
 
-// The log says once that recordings stop and once that they go on.
+// The log reports once that recordings stop and once that they resume.
 TEST(CaretakerTest, FullDiskIsLoggedOnceAndSoIsItsEnd) {
   auto said = std::make_shared<spdlog::sinks::ringbuffer_sink_mt>(16);
   auto before = spdlog::default_logger();

@@ -6,7 +6,7 @@
 #include "common/timeline/timeline.h"
 #include "tests/server/http/running_server.h"
 
-// Who gets what: person × route, over the wire.
+// Access rights: person × route, over the wire.
 namespace enamel::server::http {
 namespace {
 
@@ -230,7 +230,7 @@ TEST_F(AccessTest, ASpanOfTicksIsGivenOrRefusedWithTheFieldAtFault) {
 }
 
 TEST_F(AccessTest, ReferenceShowsAtTheExerciseAndTheAttempt) {
-  // Its tooth is none, so whether it did the task cannot be told.
+  // Its tooth is not one, so nobody can judge whether it did the task.
   RawResponse refused =
       By("ada").Post(Scored("/reference"), R"({"dentist":"Dr. Vega","consent":true})");
   EXPECT_EQ(refused.status, 409) << refused.body;

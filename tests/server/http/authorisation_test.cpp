@@ -19,8 +19,8 @@
 #include "server/storage/open_store.h"
 #include "tests/server/http/school.h"
 
-// Who gets what of every route: the whole matrix, in one table. A route without a line here fails
-// the test, and so does a line without a route.
+// The access rights of every route, in one table. A route without a line here fails the test, and
+// so does a line without a route.
 namespace enamel::server::http {
 namespace {
 
@@ -139,7 +139,7 @@ const Line kLines[] = {
     {"POST /api/v1/exercises/{id}/rubrics/preview", "exercise",      R"({})",                               "401 403 403 403 400 400 400 400 401 403"},
     {"GET /api/v1/scoring-metrics",                "",               "",                                    "401 403 403 403 200 200 200 200 401 403"},
     {"POST /api/v1/references/{id}/withdraw",      "reference",      "",                                    "401 403 403 403 204 403 204 204 401 403"},
-    // Ada's own, private, assigned to nobody: for others it is not there.
+    // Ada's own, private, assigned to nobody: invisible to others.
     {"GET /api/v1/exercises/{id}",                 "adas",           "",                                    "401 404 404 404 200 404 200 200 401 403"},
     {"PUT /api/v1/exercises/{id}",                 "adas",           R"({})",                               "401 403 403 403 400 404 400 400 401 403"},
     {"DELETE /api/v1/exercises/{id}",              "adas",           "",                                    "401 403 403 403 409 404 409 409 401 403"},
@@ -231,7 +231,7 @@ struct Pass {
   std::string cookie, csrf;
 };
 
-// A school on disk with everybody signed in, from which each case starts anew.
+// A school on disk with everybody signed in; each case starts from a copy.
 class Template {
  public:
   Template() {
@@ -336,7 +336,7 @@ class Template {
     const ExerciseRow draft = school.OwnExercise(Actor{school.ben, "page"}, "bens", false);
     EXPECT_TRUE(store.exercises.ShareExercise(draft.id, {true, {}}, kBy).ok());
     things["bens draft"] = draft.id.Text();
-    // Sue's is scored and waits for nothing, until it is asked for with others of cohort A.
+    // Sue's is scored and waits for nothing, until a request includes it with others of cohort A.
     const Uuid again = school.ScoredAttempt(school.sue);
     JobFilter newest;
     newest.limit = 1;

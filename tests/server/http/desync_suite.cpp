@@ -112,7 +112,7 @@ std::vector<DesyncCase> ReadDesyncCases(std::string_view yaml) {
     if (first == std::string_view::npos || text[first] == '#') continue;
     Line line = Split(text);
     if (line.item && line.indent == 0) out.emplace_back();
-    // `tier` of a header stands beside its name, `tier` of the verdict under "expected".
+    // `tier` of a header is next to its name, `tier` of the verdict is under "expected".
     if (!out.empty()) Take(line, out.back());
   }
   return out;

@@ -3,7 +3,7 @@
 #include "server/live/station_board.h"
 #include "tests/server/http/running_server.h"
 
-// What those who run the server are told of it.
+// The health figures that operators get.
 namespace enamel::server::http {
 namespace {
 

@@ -102,7 +102,7 @@ TEST_F(LiveTest, StreamEndsSoonForWhomWatchingIsNoLongerAllowed) {
     Stream stream(server.port(), Path(school_.sams_recording), ada.cookie);
     WaitUntilWatched(board_, school_.sams_recording);
     ASSERT_TRUE(way().ok());
-    // Without this it would go on for five minutes.
+    // Otherwise it would continue for five minutes.
     std::string text = stream.ReadUntilClosed();
     EXPECT_TRUE(text.starts_with("HTTP/1.1 200")) << text;
     EXPECT_EQ(text.find("event: end"), std::string::npos) << text;

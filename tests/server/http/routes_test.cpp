@@ -11,7 +11,7 @@
 namespace enamel::server::http {
 namespace {
 
-// "GET /path" for every operation in the contract: its paths stand at indent 2, methods at 4.
+// "GET /path" for every operation in the contract: its paths have indent 2, methods 4.
 std::set<std::string> ContractOperations() {
   Result<Bytes> bytes = ReadFile(ENAMEL_SOURCE_DIR "/schemas/api/openapi.yaml");
   std::set<std::string> out;

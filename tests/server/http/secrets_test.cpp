@@ -120,7 +120,7 @@ TEST_F(SecretsTest, AreNotInLogAuditMetricsOrRefusals) {
   spdlog::default_logger()->flush();
   Holds("the log", log_.str());
   ASSERT_GE(secrets_.size(), 14u);
-  // What is looked for can be found: the answer to the reset has it.
+  // The search can find it: the answer to the reset has it.
   EXPECT_NE(json::serialize(reset).find(once), std::string::npos);
 }
 

@@ -11,7 +11,7 @@
 #include "server/training/revision.h"
 #include "tests/server/jobs/job_school.h"
 
-// What others are compared with did what its exercise's own target asks for.
+// A reference must meet its exercise's own target.
 namespace enamel::server {
 namespace {
 

@@ -338,7 +338,7 @@ struct AtRates {
 class ScoreAtRates : public ::testing::TestWithParam<AtRates> {};
 
 TEST_P(ScoreAtRates, OneMotionScoresTheSameAtEveryLoopRate) {
-  // Five voxels of volume; two of the 50 ms in which a cut counts as going on.
+  // Five voxels of volume; two of the 50 ms in which a cut counts as continuing.
   constexpr double kLength_mm = 0.025, kVolume_mm3 = 0.005, kTime_s = 0.1, kShare = 0.03;
   constexpr double kAngle_deg = 0.1, kOfFew_mm = 0.05, kRateShare = 0.1;
   constexpr double kPoints = 0.5;
@@ -360,8 +360,8 @@ TEST_P(ScoreAtRates, OneMotionScoresTheSameAtEveryLoopRate) {
         slow[m.name] = m.value;
         continue;
       }
-      // The outline is made of the mesh's edges, and the deepest place of a few of its triangles:
-      // they are known to half a voxel.
+      // The outline consists of the mesh's edges, and the deepest place of a few of its triangles:
+      // both are known to half a voxel.
       const bool of_few =
           m.name.starts_with("outline_") || m.name == "most_left_mm" || m.name == "deepest_over_mm";
       const double length = of_few ? kOfFew_mm : kLength_mm;

@@ -12,7 +12,7 @@
 namespace enamel::server {
 namespace {
 
-// Who records: another loop, another law.
+// The recording station: another loop, another law.
 struct Recorder {
   const char* name;
   int32_t rate_hz, damping_mn_s_per_mm;

@@ -33,8 +33,8 @@ TEST(LiveBoardTest, WatcherGetsEachMomentOnce) {
   EXPECT_EQ(*watch->Next(), "{\"tick\":3,\"rows\":[[3,1,-2,3,-4,5,-6,7]]}");
 }
 
-// Who fetches ten times a second sees all of a stream of sixty; who stays away for long misses the
-// older ones.
+// A viewer that fetches ten times a second sees all of a stream of sixty; one that stays away for
+// long misses the older ones.
 TEST(LiveBoardTest, SlowWatcherMissesTheOldestOnly) {
   LiveBoard board;
   Uuid attempt = Uuid::New();

@@ -41,7 +41,7 @@ TEST(ProxyHeaderTest, SaysWhoAskedOverIp4) {
 TEST(ProxyHeaderTest, SaysWhoAskedOverIp6AndMayAddMore) {
   Bytes rest = {0x20, 0x01, 0x0D, 0xB8, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 7};
   rest.resize(36);
-  // A checksum over the header, as HAProxy adds where it is told to: not looked at.
+  // A checksum over the header, as HAProxy adds on request: ignored.
   rest.insert(rest.end(), {0x03, 0, 4, 1, 2, 3, 4});
   auto start = ReadProxyStart(Start(0x21, 0x21, rest.size()));
   ASSERT_TRUE(start.ok()) << start.status().message();

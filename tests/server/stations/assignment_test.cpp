@@ -204,7 +204,7 @@ TEST_F(AssignmentTest, ExamShowsNoScoreAtTheStationBeforeItsRelease) {
   EXPECT_EQ(state.result_json(), "{}");
 }
 
-// Each time anew; what the server does not know is not shown, and too much is refused.
+// Sent each time; unknown facts are not shown, and too much is refused.
 TEST_F(AssignmentTest, FactsAreKeptAsTheStationSaidThemLast) {
   Recording recording(world_, TicketOf(Ask()), station_.keys, 1);
   const Uuid attempt = recording.seal.attempt;

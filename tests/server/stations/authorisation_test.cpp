@@ -7,7 +7,7 @@
 #include "tests/server/stations/link_world.h"
 #include "tests/support/wire_seal.h"
 
-// Who gets what over the station link: every message of the protocol has a line here.
+// The access rights of the station link: every message of the protocol has a line here.
 namespace enamel::server::stations {
 namespace {
 

@@ -322,7 +322,7 @@ TEST_F(SessionTest, OnlyAnInstructorWithConsentMarksAScoredAttemptAsReference) {
   EXPECT_EQ(station_.MarkReference(attempt, std::string(201, 'a'), true).error().field(),
             "dentist");
   EXPECT_FALSE(world_.store->references.ReferenceFor(world_.exercise.id)->has_value());
-  // Its tooth is none, so whether it did the task cannot be told.
+  // Its tooth is not one, so nobody can judge whether it did the task.
   EXPECT_EQ(station_.MarkReference(attempt, "Dr A", true).error().field(), "anyway");
   EXPECT_EQ(station_.MarkReference(attempt, "Dr A", true, "a\nb").error().code(), "invalid_input");
   auto marked = station_.MarkReference(attempt, "Dr A", true, "seen by two");
@@ -380,7 +380,8 @@ TEST_F(SessionTest, OnlyWhatIsNotThereAsAWholeIsWantedOfWhatIsOffered) {
   EXPECT_EQ(station_.Send(request).error().code(), "too_large");
 }
 
-// A ticket that a restore forgot was issued all the same; one that was used is none for later.
+// A ticket that a restored server forgot was issued nevertheless; a used one is no ticket for
+// later.
 TEST_F(SessionTest, TicketThatWasUsedIsRevokedAndOneThatIsUnknownIsNot) {
   Welcome();
   Recording unused = Ticketed(1), used = Ticketed(1);

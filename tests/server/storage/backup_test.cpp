@@ -257,7 +257,7 @@ TEST_F(BackupTest, ErasedPersonStaysErasedWhenAnOlderBackupIsRestoredWithTheNewe
   EXPECT_TRUE(store->recordings.AttemptChunks(kept).ok());
   EXPECT_FALSE(FolderKeyring(Path("new") / "keyring", SystemDisk()).Find(other).ok());
 
-  // Keys inside: the newest ring still says who is gone.
+  // Keys inside: the newest ring still lists the erased people.
   auto again = Bring("inside", "new2", {Path("data") / "keyring"});
   ASSERT_TRUE(again.ok()) << again.status().message();
   EXPECT_EQ(again->erased_again, 1u);

@@ -9,7 +9,7 @@
 #include "tests/server/storage/simulated_disk.h"
 #include "tests/server/storage/store_world.h"
 
-// enamel.db as the server opens it: how much it keeps, and what it tells of failures.
+// enamel.db as the server opens it: how much it keeps, and how it reports failures.
 namespace enamel::server {
 namespace {
 
@@ -25,7 +25,7 @@ class DatabaseTest : public ::testing::Test {
   TempFolder folder_;
 };
 
-// Everybody may ask for a list; what is asked for must not stay in memory.
+// Everybody may request lists; their statements must not stay in memory.
 TEST_F(DatabaseTest, ListsAskedForInThousandsOfWaysTakeNoMoreMemory) {
   auto store = OpenStore(folder_.path());
   World world(*store);

@@ -3,8 +3,8 @@
 #include "tests/server/storage/simulated_disk.h"
 #include "tests/server/storage/store_world.h"
 
-// A disk without room: nothing is acknowledged that is not there, the store says so, and goes on by
-// itself when there is room again.
+// A full disk: the store acknowledges only what it has written, reports the full disk, and resumes
+// by itself when there is room again.
 namespace enamel::server {
 namespace {
 

@@ -128,7 +128,7 @@ TEST_F(ErasedWordsTest, AreNeitherInTheDatabaseNorInABackup) {
 TEST_F(ErasedWordsTest, WhatACrashLeftInTheDatabaseIsGoneOnceTheNextServerRuns) {
   SayAll(Scored(gone_), gone_, "Sancho Panza");
   ASSERT_TRUE(store_->erasures.ErasePerson(gone_, true, kSystem).ok());
-  // As if the power had failed between deleting and writing anew.
+  // As if the power had failed between deletion and rewrite.
   std::ofstream(folder_.path() / "data" / "REWRITE").close();
   store_.reset();
   StoreOptions server;

@@ -5,7 +5,7 @@
 
 #include "tests/server/storage/backends.h"
 
-// Traces: what is committed, what is refused, what survives.
+// Traces: commits, refusals, survival of a restart.
 namespace enamel::server {
 namespace {
 
@@ -156,7 +156,7 @@ TEST_P(IngestTest, TicketThatWasClonedIsFoundHoweverLongTheSecondRecordingIs) {
       Uuid attempt = world_.OpenedAttempt();
       auto first = world_.Append(attempt, 3);
       if (sealed) ASSERT_TRUE(store_->seals.SealAttempt(World::SealOf(first), 200).ok());
-      // The station of the copy sends what it is asked for: what comes after the committed ones.
+      // The station of the copy sends the requested chunks: those after the committed ones.
       ASSERT_TRUE(store_->tickets.OpenAttempt(attempt, AsBytes("header")).ok())
           << "the same ticket";
       std::vector<ChunkPut> second;

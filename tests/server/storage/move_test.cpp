@@ -353,7 +353,7 @@ TEST_F(PgMoveTest, ThereAndBackIsIdentical) {
             *ReadFile(Path("data") / "keyring" / (school_.world.student.Text() + ".key"), 64));
   ExpectWhole(Path("back"));
   ExpectSchoolIn(Path("back"));
-  // The trail goes on from where it was.
+  // The trail continues from the backup's end.
   auto since = Verify({Path("back"), {}, {}, Path("backup")});
   ASSERT_TRUE(since.ok()) << since.status().message();
   EXPECT_TRUE(since->findings.empty()) << since->findings[0].kind;

@@ -124,9 +124,9 @@ TEST(SchemaTest, IsTheSameInBothEngines) {
   }
 }
 
-// Servers of the version before go on while the others are replaced (server/README.md, "A new
-// version"): whatever their statements name stays, and rows that they write need nothing that they
-// do not know.
+// Servers of the previous version keep working while the others are replaced (server/README.md, "A
+// new version"): everything their statements name stays, and the rows they write need no column
+// that they do not know.
 TEST(SchemaTest, AMigrationTakesNothingAwayFromServersOfTheVersionBefore) {
   const std::regex adds(
       "(CREATE (UNLOGGED )?TABLE|CREATE INDEX|ALTER TABLE [a-z_]+ ADD COLUMN) .*");

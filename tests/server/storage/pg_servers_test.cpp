@@ -474,8 +474,7 @@ TEST_F(PgServersTest, TimesAreTheDatabases) {
   FollowSystemClock();
 }
 
-// A rolling upgrade: the first server of the next version migrates while the others still run.
-// Who only reads waits for nothing, and is told why changes wait.
+// A request that only reads waits for nothing, and health says why changes wait.
 TEST_F(PgServersTest, WhileEveryChangeWaitsForAStandbySessionsAreReadAndHealthSaysSo) {
   const TempFolder folder;
   auto store = Open(folder, server_);
@@ -497,6 +496,7 @@ TEST_F(PgServersTest, WhileEveryChangeWaitsForAStandbySessionsAreReadAndHealthSa
               touched.get());
 }
 
+// A rolling upgrade: the first server of the next version migrates while the others still run.
 TEST_F(PgServersTest, ServersGoOnWhenANewerVersionMigratesAndNoneOfTheOldVersionStarts) {
   const TempFolder folder, other;
   auto store = Open(folder, server_);
@@ -614,8 +614,8 @@ TEST_F(PgServersTest, AServerThatIsKnownByAnotherThanTheOthersIsRefused) {
             Code::kConflict);
   EXPECT_EQ(bucket.complaints(), std::vector<std::string>{});
 
-  // All servers are stopped and its row is deleted: the first that comes says anew what they are
-  // known by.
+  // All servers are stopped and the row is deleted: the first to start records the shared identity
+  // again.
   first->reset();
   second->reset();
   auto db = OpenPgDatabase(server_, schema_, /*read_only=*/false, {});

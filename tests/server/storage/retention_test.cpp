@@ -132,7 +132,7 @@ TEST_P(RetentionTest, GradedWorkIsKeptUntilItIsReleasedOrExcused) {
   EXPECT_TRUE(store_->recordings.AttemptChunks(waiting).ok());
 }
 
-// The same rule stands in access.h and, for the database, in retention.cpp.
+// The same rule is in access.h and, for the database, in retention_rows.cpp.
 TEST_P(RetentionTest, StudentsWorkIsHeldExactlyWhereAccessReleasesItFirst) {
   ExerciseRow practice = world_.Exercise("practice", "p1");
   practice.graded = false;

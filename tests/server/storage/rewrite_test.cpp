@@ -11,8 +11,8 @@
 #include "tests/server/storage/simulated_disk.h"
 #include "tests/server/storage/store_world.h"
 
-// After an erasure the database is written anew, which takes as long as the database is large: who
-// writes meanwhile waits and is not refused, in this process and beside it.
+// After an erasure the database is rewritten, which takes longer for a larger database. Meanwhile
+// changes wait and are not refused, in this process and beside it.
 namespace enamel::server {
 namespace {
 
@@ -81,7 +81,7 @@ class RewriteTest : public ::testing::Test {
   }
   Result<ErasureReport> Erase() { return server_->erasures.ErasePerson(gone_, false, kSystem); }
   using Erasure = std::future<Result<ErasureReport>>;
-  // Returns in the middle of the rewrite, which goes on after release_.
+  // Returns in the middle of the rewrite, which continues after release_.
   Erasure EraseAndHold() {
     server_.reset();
     // It empties the log while others write: that may take as long as it likes.

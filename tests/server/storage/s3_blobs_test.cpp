@@ -13,7 +13,7 @@
 #include "tests/server/storage/store_world.h"
 #include "tests/support/s3_stand_in.h"
 
-// Blobs in an S3 store that fails as it is told, with two servers beside each other.
+// Blobs in an S3 store that fails on command, with two servers beside each other.
 namespace enamel::server {
 namespace {
 
@@ -259,7 +259,7 @@ TEST_F(S3BlobsTest, ErasureIsNotKeptUpByAStoreThatIsAway) {
   EXPECT_TRUE(Keys().empty());
 }
 
-// Minutes without the store: what arrives is kept, what ends waits at its station.
+// Minutes without the store: arriving chunks are kept, ended attempts wait at their station.
 TEST(S3OutageTest, RecordingsGoOnAndSealsComeAgain) {
   test::S3StandIn s3;
   TempFolder folder;

@@ -14,7 +14,7 @@
 #include "tests/server/storage/store_world.h"
 #include "tests/support/s3_stand_in.h"
 
-// The key ring in a bucket that fails as it is told, with two servers beside each other.
+// The key ring in a bucket that fails on command, with two servers beside each other.
 namespace enamel::server {
 namespace {
 
@@ -210,7 +210,7 @@ TEST_F(S3KeyringTest, DestroyedKeyIsGoneForEveryServerAtOnce) {
   EXPECT_EQ(Keys().size(), 2u);
 }
 
-// At each of its calls to the store, the erasure breaks off: the person is erased all the same, and
+// The erasure breaks off at each of its calls to the store: the person is erased nevertheless, and
 // the next start finishes it.
 TEST_F(S3KeyringTest, ErasureThatBreaksOffIsFinished) {
   for (const char* method : {"PUT", "GET", "DELETE"}) {

@@ -185,7 +185,7 @@ struct SimulatedVfs {
   }
 };
 
-// Goes through the log and keeps what is there and what is durable.
+// Replays the log, tracking the visible and the durable content.
 class SimulatedDisk::Replay {
  public:
   Replay(Unsynced unsynced, uint32_t seed) : torn_(unsynced == Unsynced::kTorn), random_(seed) {}

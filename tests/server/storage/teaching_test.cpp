@@ -744,7 +744,7 @@ TEST_P(TeachingTest, ScoreWithTheSamePointsAndReasonsWithdrawsNoRelease) {
   EXPECT_EQ(store_->results.ResultOf(attempt)->score_json, result.score_json)
       << "the newest is kept";
 
-  // The score that it was found equal to is not there any more.
+  // The score that it was found equal to has been replaced.
   result.score_json = PutText(*store_, "another");
   ASSERT_TRUE(store_->results.FinishAttempt(attempt, result, {}).ok());
   EXPECT_FALSE(store_->attempts.AttemptById(attempt)->released);

@@ -3,8 +3,8 @@
 #include "server/storage/engine/database.h"
 #include "tests/server/storage/decided_school.h"
 
-// What people decided, and what scores are made from, is found where somebody changed it in the
-// database (schemas/audit.md).
+// `verify` finds edits of decisions, and of the inputs of scores, in the database
+// (schemas/audit.md).
 namespace enamel::server {
 namespace {
 

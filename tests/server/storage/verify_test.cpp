@@ -252,7 +252,7 @@ TEST_F(EditsTest, OfARecordingsBytesAreFound) {
       Sql("UPDATE trace_chunks SET bytes = " + Hex(changed) + where);
       EXPECT_FALSE(Look().findings.empty()) << "byte " << i << " of chunk " << seq;
     }
-    // A tick moved by one count and the chunk signed anew, by a key that is not the station's.
+    // A tick moved by one count and the chunk signed again, by a key that is not the station's.
     trace::Chunk chunk = *trace::DecodeChunk(kept);
     for (size_t tick = 0; tick < chunk.ticks.size(); tick += 50) {
       trace::Chunk moved = chunk;

@@ -52,7 +52,7 @@ class VerifyTrailTest : public DecidedSchoolTest {
     return std::ranges::any_of(report.findings,
                                [](const Finding& finding) { return finding.kind == "audit"; });
   }
-  // In the trail, whatever else is found; the database is put back.
+  // In the trail, besides any other findings; restores the database.
   void ExpectTrailEditFound(const std::string& edit) {
     SCOPED_TRACE(edit);
     Sql(without_triggers_ + edit);
