@@ -33,10 +33,10 @@ struct ServerIdentity {
 // (`from` has not all three), kStorage.
 Status TakeIdentity(const std::filesystem::path& folder, const std::filesystem::path& from,
                     bool moving = false);
-// Makes what is missing. Errors: kStorage, kInvalidInput (a file is not what it should be).
+// Creates missing files. Errors: kStorage, kInvalidInput (a file has unexpected content).
 Result<ServerIdentity> EnsureIdentity(const std::filesystem::path& folder);
-// The same, and compares it with what the other servers of the store's database are known by.
-// Errors also: kConflict (another), kNotFound (there is none here, and the others have one).
+// The same, and compares it with the identity of the other servers of the store's database. Errors
+// also: kConflict (another), kNotFound (none here, and the others have one).
 Result<ServerIdentity> EnsureMatchingIdentity(const std::filesystem::path& folder,
                                               ServerIdentityRows& identity_rows);
 
@@ -50,8 +50,8 @@ struct PageCertificate {
 Result<PageCertificate> EnsurePageCertificate(const std::filesystem::path& folder,
                                               const std::vector<std::string>& host_names);
 
-// Makes the folder (mode 0700), its database and its identity, as far as they are missing, and says
-// what it is. For `init`; `serve` makes what is missing by itself.
+// Creates the missing parts of the folder (mode 0700), its database and its identity, and prints
+// the result. For `init`; `serve` does the same by itself.
 Status InitData(const std::filesystem::path& folder);
 struct CommandGroup;
 // On the command line (command_line.h).

@@ -10,9 +10,9 @@
 
 namespace enamel::server::app {
 
-// Looks at the database now and then, where it is another machine's (DatabaseLook::Look): this
-// process's times stay those of its clock, and the log says when something about it is wrong and
-// when it is right again. A thread of its own until destroyed.
+// Checks a database on another machine now and then (DatabaseLook::Look): this process's times stay
+// those of its clock, and the log reports the start and end of a problem with it. A thread of its
+// own until destroyed.
 class DatabaseWatch {
  public:
   explicit DatabaseWatch(Store& store, std::chrono::milliseconds every = DatabaseLook::kEvery);

@@ -15,7 +15,7 @@ struct MoveCommand {
   std::filesystem::path json;  // empty: none
 };
 
-// Moves a school to another place (storage/move/move.h) and says what is there now.
+// Moves a school to another place (storage/move/move.h) and prints the contents of the new place.
 Status Move(const MoveCommand& command);
 struct CommandGroup;
 // On the command line (command_line.h).

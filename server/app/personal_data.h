@@ -5,10 +5,10 @@
 
 #include "common/base/result.h"
 
-// What a person may ask for: a copy of everything kept about them, and its end.
+// Requests that a person may make: a copy of all data about them, and its erasure.
 namespace enamel::server::app {
 
-// Writes what is kept about a person into a new folder (schemas/person_export.md). Audited. Errors:
+// Writes all data about a person into a new folder (schemas/person_export.md). Audited. Errors:
 // kNotFound, kConflict (the folder is not empty), kStorage.
 Status ExportPerson(const std::filesystem::path& data, const std::string& login,
                     const std::filesystem::path& target);

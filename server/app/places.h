@@ -26,8 +26,8 @@ void AddPlaces(CLI::App* cmd, Places& places);
 // None: all of it in the folder. Errors: kInvalidInput (an S3 store without a database).
 Result<std::optional<DatabaseFile>> FileOf(const Places& places);
 
-// Whether the stores can be used as the file says. Errors: those of S3Client, and of a key bucket
-// that does not forget what is deleted.
+// Tries the stores that the file names. Errors: those of S3Client, and of a key bucket that does
+// not forget deleted objects.
 Status TryStores(const std::filesystem::path& folder, const DatabaseFile& file);
 
 // Options to open a folder that has no database.json yet. Only a school's first server creates the

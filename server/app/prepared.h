@@ -26,8 +26,8 @@ Result<ExerciseRow> PublishPrepared(Store& store, const SceneRow& scene,
 // here.
 Status CheckPrepared(StoredBlobs& blobs, SceneRows& scenes_rows, const scene::Exercise& exercise);
 
-// The tooth that the newest reference of the newest published version left becomes the target of
-// the next version. `tolerance_um`: leeway; none: as it was.
+// Makes the tooth that the newest reference of the newest published version left the target of the
+// next version. `tolerance_um`: leeway; none: unchanged.
 struct FromReference {
   std::string exercise;  // name
   std::optional<int32_t> tolerance_um;

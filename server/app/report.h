@@ -15,9 +15,9 @@ struct ReportOptions {
   std::filesystem::path json;  // the same facts as JSON; empty: none
 };
 
-// Prints a short table about a scored attempt: score and reasons, volumes, forces, trace, what was
-// lost. Errors: kNotFound; kUnavailable (not scored in time); kConflict (failed or quarantined,
-// with why).
+// Prints a short table about a scored attempt: score and reasons, volumes, forces, trace, lost
+// points. Errors: kNotFound; kUnavailable (not scored in time); kConflict (failed or quarantined,
+// with the reason).
 Status Report(const ReportOptions& options);
 
 struct CommandGroup;

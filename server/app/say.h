@@ -35,7 +35,7 @@ void Say(fmt::format_string<Shown<Values>...> format, const Values&... values) {
   std::cout << fmt::format(format, ShownAs(values)...);
 }
 
-// A refusal; of what may be insisted on (kAnyway) with the option that insists.
+// A refusal; if the caller may insist (kAnyway), with the option that insists.
 inline Status InsistWith(const Status& refused, const std::string& option) {
   if (refused.field() != kAnyway) return refused;
   return {refused.code(), refused.message() + " with " + option, refused.field()};

@@ -25,10 +25,11 @@ struct SchoolOptions {
   int job_threads = 1;  // 0: no attempt is scored here
 };
 
-// One school as a server serves it, all but the doors: its store, who may come in, what is going
-// on, and the threads that score its attempts and look after it.
-// Thread safety: Start and StopJobs once each, from one thread; what it gives is used from any
-// thread. Destruction waits for the threads.
+// One school as a server serves it, without its ports: its store, access rights, live state, and
+// the threads that score its attempts and maintain it.
+//
+// Thread safety: Start and StopJobs once each, from one thread; the objects it returns may be used
+// from any thread. Destruction waits for the threads.
 class School {
  public:
   // `store`: of its data folder.
@@ -37,12 +38,12 @@ class School {
   School(const School&) = delete;
   School& operator=(const School&) = delete;
 
-  // When people and stations can come in.
+  // From now on people and stations may connect.
   void Start();
-  // What is cut off here is begun again after the next start.
+  // An interrupted job begins again after the next start.
   void StopJobs() { worker_.Stop(); }
-  // It is no longer served: streams end, nothing is scored, and nobody waits for another process's
-  // work. Who is at it finishes. The threads that look after it end with it.
+  // Stops serving it: streams end, nothing is scored, and nobody waits for another process's work.
+  // Running requests finish. The maintenance threads end with it.
   void End();
   // Request::school_ended.
   const std::atomic<bool>& ended() const { return ended_; }

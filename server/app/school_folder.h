@@ -39,7 +39,7 @@ enum class SchoolData : uint8_t { kMake, kExpect };
 Result<ServerIdentity> EnsureSchoolFolder(const std::filesystem::path& installation,
                                           const SchoolRow& row, SchoolData data);
 
-// The store of a school that is there. Errors: those of EnsureSchoolFolder and OpenStore; kNotFound
+// The store of an existing school. Errors: those of EnsureSchoolFolder and OpenStore; kNotFound
 // (PostgreSQL has no such school).
 struct OpenedSchool {
   ServerIdentity identity;

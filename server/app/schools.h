@@ -43,8 +43,8 @@ class Schools final : public stations::OtherSchools {
   Schools(Store& store, Open open, Forget forget);
   ~Schools() override;
 
-  // Reads the list, and then opens them one after the other on a thread of its own, which looks for
-  // what has changed. Once.
+  // Reads the list, then opens the schools one after another on a thread of its own, which keeps
+  // watching for changes. Once.
   void Begin();
   // As HttpServer::Drain, of all of them.
   void Drain();
@@ -66,9 +66,9 @@ class Schools final : public stations::OtherSchools {
   };
   void Run(const std::stop_token& stop);
   void Look(const std::stop_token& stop);
-  // All that is listed is known from then on; what is no longer served has ended.
+  // Afterwards every listed school is known, and removed ones have ended.
   void Read();
-  // Gives what was served, to be ended.
+  // Returns the school that was served, for the caller to end.
   static std::shared_ptr<School> LetGo(Served& served);
   // Opens it, where it is to be served and is not.
   void OpenOne(const std::string& name);

@@ -16,10 +16,10 @@ struct SeedOptions {
   std::filesystem::path json;  // facts as JSON; empty: none
 };
 
-// People admin, instructor, student1, student2 with the public passwords enamel-demo-<login>; a
-// cohort of the last three; the three device profiles; the built-in molar; its class I exercise for
-// the cohort. Idempotent: what is there stays (also changed passwords). Only for servers on
-// loopback.
+// Creates people admin, instructor, student1, student2 with the public passwords
+// enamel-demo-<login>; a cohort of the last three; the three device profiles; the built-in molar;
+// its class I exercise for the cohort. Idempotent: existing data stays (also changed passwords).
+// Only for servers on loopback.
 Status SeedDemo(const SeedOptions& options);
 
 // Those of them that may sign in with their public password. Blocks: one argon2id each.

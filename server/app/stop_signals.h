@@ -7,12 +7,13 @@
 
 namespace enamel::server::app {
 
-// SIGINT and SIGTERM of a program that runs until it is asked to stop. The first one asks, those
-// within two seconds of it change nothing (a terminal's Ctrl-C reaches a whole process group, whose
-// leader then asks once more: that is one wish, not two), later ones have their usual effect.
+// SIGINT and SIGTERM for a program that runs until it is asked to stop. The first signal asks.
+// Further ones within two seconds change nothing: a terminal's Ctrl-C reaches a whole process
+// group, whose leader then asks once more, and that is one wish, not two. Later ones have their
+// usual effect.
 //
-// Outlives what is stopped, so that a late one does not cut that short. Thread safety: OnFirst
-// once, from the owner's thread; what it is given is called on a thread of `io`.
+// Outlives the parts it stops, so that a late signal does not cut that short. Thread safety:
+// OnFirst once, from the owner's thread; its callback runs on a thread of `io`.
 class StopSignals {
  public:
   explicit StopSignals(boost::asio::io_context& io);

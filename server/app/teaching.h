@@ -6,7 +6,7 @@
 
 #include "common/base/result.h"
 
-// The `admin` commands about exercises and who is to do them. As those of admin.h.
+// The `admin` commands about exercises and assignments. As those of admin.h.
 namespace enamel::server::app {
 
 struct NewExercise {
@@ -27,7 +27,7 @@ Status OfferExercise(const std::filesystem::path& data, const std::string& name)
 // `state`: "draft", "published", "retired"; empty: all.
 Status ListExercises(const std::filesystem::path& data, const std::string& state);
 
-// Whose it is, and whether other instructors may use it. What is empty stays.
+// The owner, and whether other instructors may use it. Empty members stay unchanged.
 struct Sharing {
   std::string exercise;  // name
   std::string owner;     // login of an instructor

@@ -33,7 +33,7 @@ struct VerifyCommand {
 // Errors: those of Verify; kStorage when anything disagrees, after all of it was printed.
 Status VerifyFolder(const VerifyCommand& command);
 
-// No `what`: shows the rules and what they apply to now.
+// No `what`: shows the rules and the data they apply to now.
 struct RetentionCommand {
   std::filesystem::path data;
   std::string what;         // sets the rule for this …

@@ -111,7 +111,7 @@ class Authenticator {
     std::string address, via, device{};
   };
   boost::asio::awaitable<Result<SignedIn>> ChangePassword(Identity identity, PasswordChange change);
-  // Until when the password of a person whose one has to be changed can be signed in with.
+  // When the person's one-time password expires.
   UnixMs OneTimeUntil(const Person& person) const {
     return person.password_ms + options_.one_time_ms;
   }

@@ -11,7 +11,7 @@ namespace enamel::server::auth {
 std::string_view CommonPasswordsFile();
 // In lower case, the commonest first.
 const std::vector<std::string_view>& CommonPasswords();
-// 1 for the commonest, 0 for what is none of them. `lower` is in lower case.
+// 1 for the commonest, 0 for a word that is not on the list. `lower` is in lower case.
 int CommonRank(std::string_view lower);
 
 }  // namespace enamel::server::auth

@@ -25,8 +25,8 @@ class FailureCounters {
  public:
   using Change = std::function<void(OfTry<SignInCounter>&)>;
   virtual ~FailureCounters() = default;
-  // Hands the counters of these names to `change` and keeps what it makes of them; no other change
-  // comes between. `change` may be called again with newer ones. Errors: the store's.
+  // Passes the counters of these names to `change` and stores its result, without another change in
+  // between. `change` may be called again with newer ones. Errors: the store's.
   virtual Status Apply(const OfTry<std::string>& names, UnixMs now_ms, const Change& change) = 0;
 };
 

@@ -28,7 +28,7 @@ class FirstAdmin {
   // From now on nobody else can use it. Errors: kForbidden, field "token" (none is offered, it ran
   // out, was used, or is another).
   Status Take(std::string_view token, UnixMs now_ms);
-  // What was taken made no account: it is good again.
+  // The taken offer made no account: it is valid again.
   void GiveBack();
 
  private:

@@ -23,11 +23,11 @@ inline constexpr size_t kMaxPasswordLength = 256;
 // has stolen the verifiers and does 1000 argon2id a second needs a day for one person.
 inline constexpr double kLeastLog10Guesses = 8;
 
-// Refuses what is too short or too long, or takes too few guesses of somebody who knows the owner's
-// login and name. No composition rules. For new passwords; those that were taken before stay good.
+// Refuses passwords that are too short or too long, or that somebody who knows the owner's login
+// and name guesses too soon. No composition rules. For new passwords; accepted ones stay valid.
 Status CheckPasswordPolicy(std::string_view password, std::string_view login,
                            std::string_view name = {});
-// A verifier string in libsodium's form. Errors: kUnavailable when the memory cannot be had.
+// A verifier string in libsodium's form. Errors: kUnavailable (not enough memory).
 Result<std::string> HashPassword(std::string_view password, const PasswordCost& cost = {});
 // A password made up here, to be changed by whoever signs in with it first: 79 random bits as four
 // groups of four, without letters that look like others ("k7mq-2xhd-9rtp-w4nc"). Its verifier is

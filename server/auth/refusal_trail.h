@@ -12,7 +12,7 @@
 
 namespace enamel::server::auth {
 
-// Somebody who was turned away. `why` and `what` are our words, never what a peer wrote.
+// A refused caller. `why` and `what` are our words, never a peer's.
 struct TurnedAway {
   std::string why;      // "password", "disabled", "one-time", "throttled", "busy", "forbidden"
   std::string address;  // of the peer
@@ -46,7 +46,7 @@ class RefusalTrail {
   ~RefusalTrail();
 
   void Note(TurnedAway refused);
-  // Waits until what was noted is written: for tests.
+  // Waits until everything noted is written: for tests.
   void Settle();
 
  private:

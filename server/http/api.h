@@ -40,7 +40,8 @@ class Api : public std::enable_shared_from_this<Api> {
   void Show(auth::FirstAdmin& first_admin) { first_admin_ = &first_admin; }
   // Which stations are connected is known from now on. Before the first Handle.
   void Show(StationBoard& stations) { stations_ = &stations; }
-  // Stations can be enrolled from now on: what they know the server by. Before the first Handle.
+  // Allows stations to enrol from now on, with the fingerprint that they check. Before the first
+  // Handle.
   void Enrol(std::string station_fingerprint) {
     station_fingerprint_ = std::move(station_fingerprint);
   }
@@ -57,8 +58,8 @@ class Api : public std::enable_shared_from_this<Api> {
   // Requires: what runs it is a strand, or one thread.
   boost::asio::awaitable<Response> Handle(Request request);
 
-  // Until the store's threads have done what they had begun: nothing of ours touches the store
-  // afterwards. Requires: no Handle runs any more.
+  // Waits until the store's threads have finished their work: afterwards nothing of ours uses the
+  // store. Requires: no Handle runs any more.
   void EndWork();
 
   // Answers, sign-ins and reads.

@@ -8,8 +8,8 @@ namespace enamel::server::http {
 
 Actor ActorOf(const Call& call);
 
-// For what is not to be done by whoever finds a page left open: the password must have been given
-// within the last five minutes (by signing in, or POST /api/v1/session/confirm). Errors:
+// For changes that somebody who finds a page left open must not make: the password must have been
+// given within the last five minutes (by signing in, or POST /api/v1/session/confirm). Errors:
 // kForbidden, field kConfirmPassword (HTTP 403 "confirm_password").
 Status RequireConfirmed(const Call& call);
 

@@ -13,10 +13,10 @@ namespace enamel::server::http {
 inline constexpr std::string_view kConfirmPassword = "confirm-password";
 inline constexpr std::string_view kChangePassword = "change-password";
 
-// 400, 401, 403, 404, 409, 412, 413, 428, 429, 503 say what the Status says. Everything that is our
-// fault (kStorage, kVersion, kInternal) becomes a 500 without detail; the detail goes to the log,
-// here. Retry-After is what a throttled sign-in has to wait; 5 s otherwise. What the peer wrote and
-// a message repeats may be any bytes: those that are no UTF-8 are replaced.
+// 400, 401, 403, 404, 409, 412, 413, 428, 429, 503 carry the Status's message. Every fault of ours
+// (kStorage, kVersion, kInternal) becomes a 500 without detail, which goes to the log here.
+// Retry-After is the wait of a throttled sign-in; 5 s otherwise. A message may repeat any bytes of
+// the peer: invalid UTF-8 is replaced.
 Response ErrorResponse(const Status& status);
 
 // Refusals that only exist in HTTP: 405 "method_not_allowed", 415 "unsupported_media_type",

@@ -35,15 +35,15 @@ struct TlsFiles {
   std::filesystem::path private_key;        // PEM
 };
 
-// Deadlines of a connection; each covers the whole of what it names, so a byte now and then does
-// not extend it.
+// Deadlines of a connection; each covers the whole of its phase, so a byte now and then does not
+// extend it.
 struct HttpDeadlines {
   std::chrono::milliseconds idle{30'000};       // between requests
   std::chrono::milliseconds handshake{10'000};  // TLS
   std::chrono::milliseconds head{10'000};       // from a head's first byte to its last
   std::chrono::milliseconds body{30'000};
-  // An API request, from its last byte to its answer: then it is answered 503, and what was not
-  // begun is not done.
+  // An API request, from its last byte to its answer: afterwards it gets 503, and work not yet
+  // begun is dropped.
   std::chrono::milliseconds work{60'000};
   std::chrono::milliseconds write{60'000};
   std::chrono::milliseconds event{5'000};     // one event to a viewer: who is slower is dropped
@@ -64,8 +64,8 @@ struct HttpOptions {
   // Names the page may be asked for under, lower case, without port. Empty: 127.0.0.1, localhost
   // and [::1]; required when `address` is not loopback, and behind a proxy.
   std::vector<std::string> host_names;
-  // Whose a host name is (lower case, without port) that is none of `host_names`; none: nobody's.
-  // From any thread; must not block.
+  // The school of a host name (lower case, without port) that is none of `host_names`; none:
+  // unknown. From any thread; must not block.
   std::function<std::optional<OtherSchool>(const std::string& host)> other_schools;
   // For one more, the one of those that wait for a request, or do not take an answer, is closed
   // that came first from the address that has the most of them; when there is none, the one more is
@@ -78,7 +78,7 @@ struct HttpOptions {
   // given out with. Empty: none are given out.
   std::string station_fingerprint;
   auth::FirstAdmin* first_admin = nullptr;  // of a server that has no admin
-  // Which are connected, and what is said to their chairs; none: it takes none.
+  // Connected stations and remarks to their chairs; none: it takes none.
   StationBoard* stations = nullptr;
   LiveBoard* live = nullptr;  // what /attempts/{id}/live shows; none: there is no such path
   // GET /metrics is for this machine, or with a token for whoever has it. No metrics: no such path.
@@ -112,8 +112,8 @@ class HttpServer {
   // that come are answered. From any thread.
   void Drain();
 
-  // Returns at once. First no new connections and requests, and idle ones are closed; after
-  // deadlines.stop what is left is closed too. `io` then has no work of this server.
+  // Returns at once. Refuses new connections and requests, and closes idle ones; after
+  // deadlines.stop it closes the rest. `io` then has no work of this server.
   void Stop();
 
  private:

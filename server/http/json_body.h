@@ -41,7 +41,7 @@ class BodyReader {
   // `max_depth`: more with a document inside (Document), as far as its format goes.
   explicit BodyReader(const Request& request, size_t max_depth = kPlainDepth);
 
-  // Whether it is there at all; one that only may be is read when it is.
+  // Whether the member exists; optional members are read only then.
   bool Has(std::string_view name) const { return object_.if_contains(name) != nullptr; }
   // UTF-8 bytes; control characters other than line feed and tab are refused.
   std::string Text(std::string_view name, size_t at_least, size_t at_most);

@@ -7,8 +7,8 @@
 #include "common/base/sha256.h"
 #include "server/http/message.h"
 
-// Answers with what never changes under its hash: whole, in parts, or not at all where the caller
-// has it (RFC 9110, sections 13 and 14). Pure functions.
+// Answers with content that never changes under its hash: whole, in parts, or not at all if the
+// caller has it (RFC 9110, sections 13 and 14). Pure functions.
 namespace enamel::server::http {
 
 struct Kept {
@@ -17,10 +17,10 @@ struct Kept {
   std::string cache_control;  // empty: the site's, which is not to keep it
 };
 
-// 200 with all of it; 206 with the one range that was asked for; 416 for a range beyond its end;
-// 304 when If-None-Match names it. Several ranges, what is no range, and one under an If-Range that
-// names something else give all of it, as RFC 9110 allows. `read` is not called for a 304; its
-// failure is damage of ours, a 500.
+// 200 with all of it; 206 with the one requested range; 416 for a range beyond its end; 304 when
+// If-None-Match names it. Several ranges, an invalid range, and one under an If-Range that names
+// something else give all of it, as RFC 9110 allows. `read` is not called for a 304; its failure is
+// damage of ours, a 500.
 Response KeptResponse(const Request& request, const Kept& kept,
                       const std::function<Result<Bytes>()>& read);
 

@@ -25,7 +25,7 @@ namespace enamel::server::http {
 
 class FeelMaps;
 
-// Who may call a route at all. Whose data the answer holds is decided by server/training/access.h.
+// Who may call a route at all. server/training/access.h decides whose data the answer may hold.
 enum class Need : uint8_t {
   kNobody,      // no session asked for
   kPerson,      // any signed-in person
@@ -33,14 +33,13 @@ enum class Need : uint8_t {
   kAdmin,
 };
 
-// What GET /metrics answers, and to whom besides this machine: whoever sends `token` as bearer
-// token.
+// The metrics of GET /metrics. Besides this machine, callers with `token` as bearer token get them.
 struct Monitoring {
   const ops::Metrics* metrics = nullptr;  // none: there is no such path
   std::string token;                      // none when empty
 };
 
-// What a handler works on. References outlive the call.
+// The input of a handler. References outlive the call.
 struct Call {
   const Request& request;
   auth::Authenticator& authenticator;

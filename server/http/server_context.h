@@ -21,8 +21,8 @@ namespace enamel::server::http {
 struct ServerContext {
   ServerContext(HttpOptions given, Store& store, auth::Authenticator& authenticator);
 
-  // Looks at the options, fills in those that were left out, and loads certificate and page.
-  // Errors: kInvalidInput, kNotFound.
+  // Checks the options, sets the defaults, and loads certificate and page. Errors: kInvalidInput,
+  // kNotFound.
   Status Prepare();
 
   // The answer to a request as it came from a connection: of the proxy's rules and the host names,

@@ -25,10 +25,10 @@ bool HostAllowed(std::string_view host_header, const std::vector<std::string>& a
 // accepted.
 Status CheckSameSite(const Request& request);
 
-// For a server that only a proxy in front of it talks to: checks that the peer is one of `proxies`
-// (numeric addresses), and puts what it says of its own peer into the request: the last address of
-// X-Forwarded-For, and TLS, which X-Forwarded-Proto must confirm. Errors: kForbidden; a proxy that
-// is not set up for this would make everybody one peer, and the machine's own at that.
+// For a server that only a proxy talks to: checks that the peer is one of `proxies` (numeric
+// addresses), and puts the proxy's peer into the request: the last address of X-Forwarded-For, and
+// TLS, which X-Forwarded-Proto must confirm. Errors: kForbidden. A proxy that is not set up for
+// this would make everybody one peer, with the machine's own address.
 Status TakeFromProxy(const std::vector<std::string>& proxies, Request& request);
 
 // "enamel_session"; over TLS "__Host-enamel_session", which no other host or plain page can set.

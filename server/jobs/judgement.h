@@ -5,8 +5,8 @@
 
 namespace enamel::server {
 
-// Of points and reasons alone, as schemas/result.md writes them: equal for two scores that differ
-// in what was measured besides, or by which version of the metrics.
+// The hash of points and reasons alone, as schemas/result.md defines it: equal for two scores that
+// differ only in other measurements, or in the version of the metrics.
 Sha256 JudgementOf(const scoring::ScoreResult& score);
 
 }  // namespace enamel::server

@@ -34,8 +34,8 @@ Result<TargetWork> WorkOfAttempt(StoredBlobs& blobs, ResultRows& results,
 
 // Limits of a cut that others are compared with, chosen: the simulated dentist does more than nine
 // tenths of every tooth's target and cuts nothing beside its leeway (`admin mark-reference` prints
-// both), whoever stops early or goes beside the task does far less or far more. What is left is
-// room for other hands and coarser voxels.
+// both). Somebody who stops early or cuts elsewhere does far less or far more. The margin is for
+// other hands and coarser voxels.
 inline constexpr double kLeastDone_percent = 80, kMostBeside_percent = 5;
 
 // Whether an attempt that is scored may be what others are compared with: it did the task, and no

@@ -55,9 +55,9 @@ struct RubricPreview {
   double mean_before = 0, mean_after = 0;
 };
 
-// What of a rubric is finer than its exercise's score can tell (scoring::FineBands), what it asks
-// for twice, and what publishing it would be refused for unless somebody insists (rubric_check.h),
-// for people. What cannot be read is left out: a preview does without. `quick`: while somebody
+// Warnings for people: bands finer than the exercise's score can resolve (scoring::FineBands),
+// metrics used twice, and objections that refuse publication unless somebody insists
+// (rubric_check.h). Unreadable parts are left out: a preview does without. `quick`: while somebody
 // types.
 std::vector<std::string> RubricWarnings(Store& store, const ExerciseRow& exercise,
                                         const scene::Rubric& rubric, bool quick);

@@ -14,15 +14,14 @@
 
 namespace enamel::server {
 
-// A tooth made of a mesh that an admin sends, as `enamel-station import` and `admin publish-scene`
-// make one (common/import/import_tooth.h reads it in the limited child): scene, volume and its
-// exercises, assigned to nobody.
+// Makes a tooth from an uploaded mesh, as `enamel-station import` and `admin publish-scene` do
+// (common/import/import_tooth.h reads it in the limited child): scene, volume and its exercises,
+// assigned to nobody.
 //
 // The file comes in parts, in order; with its last byte a thread of its own begins to work. One at
-// a time: it takes some hundred megabytes and a processor for up to some minutes. An upload that
-// nothing came for in kForgottenMs gives way to another. What is done or refused stays to be read
-// until the next one begins, or the server ends. Thread safety: any thread. The destructor waits
-// for the thread.
+// a time: it takes some hundred megabytes and a processor for up to some minutes. An upload without
+// new bytes for kForgottenMs gives way to another. The outcome can be read until the next one
+// begins, or the server ends. Thread safety: any thread. The destructor waits for the thread.
 class ToothImport {
  public:
   static constexpr size_t kMaxFileBytes = size_t{32} << 20;

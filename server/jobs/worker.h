@@ -30,9 +30,9 @@ struct WorkerOptions {
   std::optional<trace::KeyPair> key{};
   // Makes surface timelines when the queue is empty (timeline_job.h).
   bool timelines = false;
-  // Called on a worker's thread after every job, with what RunScoreJob returned, and after every
-  // timeline, as a job of kind "timeline" without an id; and with an empty
-  // job when the queue itself cannot be read (once, until it can be again). Must not call Stop.
+  // Called on a worker's thread after every job, with RunScoreJob's status, and after every
+  // timeline, as a job of kind "timeline" without an id. Also with an empty job when the queue
+  // cannot be read (once, until it can be again). Must not call Stop.
   std::function<void(const JobRow& job, const Status& status)> on_done;
 };
 

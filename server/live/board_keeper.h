@@ -11,10 +11,10 @@
 
 namespace enamel::server {
 
-// Keeps a server's board and the store in step. How far a remark to a chair has come is written, so
-// that one that waits is not lost when the server ends. Where the school has more servers, what was
-// said at the others and which stations are connected to them is read: a remark reaches the server
-// that its station is connected to within kLookEvery.
+// Keeps a server's board and the store in step. It writes how far each remark to a chair has come,
+// so that a waiting one survives the end of the server. If the school has more servers, it reads
+// their remarks and connected stations: a remark reaches the server of its station within
+// kLookEvery.
 //
 // A thread of its own until destroyed, which waits for the store; the board and the store outlive
 // it.
@@ -23,7 +23,7 @@ class BoardKeeper {
   static constexpr std::chrono::milliseconds kLookEvery{500};
   // Connections come and go slower than remarks.
   static constexpr int kLinksEvery = 4;  // looks
-  // What was said longer ago is of no attempt that is being made.
+  // Older remarks belong to no attempt in progress.
   static constexpr UnixMs kRemarksForMs = 24 * 3'600'000;
 
   // `shared`: the school has more servers.

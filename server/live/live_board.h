@@ -28,20 +28,20 @@ struct LiveSample {
 
 class LiveWatch;
 
-// Attempts as they are being made: latest wins, nothing is stored. Of a watched attempt the newest
-// kMaxRows moments are kept; a watcher fetches those it has not seen when it can, so that a slow
+// Attempts in progress: the latest state wins, nothing is stored. It keeps the newest kMaxRows
+// moments of a watched attempt. A watcher fetches those it has not seen when it can, so that a slow
 // one misses some and slows nobody down. Watchers that have seen the same share an event's bytes.
 //
-// Bounded: the latest sample of at most 1024 attempts (the one longest silent goes first), kMaxRows
-// and one event for each watched attempt, at most kMaxWatches watches. Thread safety: any thread;
-// nothing waits for a watcher.
+// Bounded: the latest sample of at most 1024 attempts (the one longest silent is dropped first),
+// kMaxRows and one event for each watched attempt, at most kMaxWatches watches. Thread safety: any
+// thread; nothing waits for a watcher.
 class LiveBoard {
  public:
   static constexpr size_t kMaxWatches = 512;
   static constexpr uint32_t kRowsPerSecond = 60;
   static constexpr size_t kMaxRows = 60;
 
-  // Moments of one attempt in order. Ignored when they do not end later than what is there already.
+  // Moments of one attempt in order. Ignored unless they end later than the stored ones.
   void Put(std::span<const LiveSample> samples);
   void Put(const LiveSample& sample) { Put(std::span(&sample, 1)); }
   // The attempt is over: its watches end.

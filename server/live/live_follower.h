@@ -30,7 +30,7 @@ class LiveFollower {
   struct ByHand {};
   LiveFollower(LiveBoard& board, Store& store, ByHand) : board_(board), store_(store) {}
 
-  // One look at all that is watched; ends early when the store fails, or when it is to stop.
+  // Reads once for all watched attempts; ends early when the store fails, or on a stop.
   void Look(UnixMs now_ms, const std::stop_token& stop = {});
 
  private:

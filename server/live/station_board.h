@@ -55,7 +55,7 @@ class StationBoard {
 
   // Those that are connected here, by id.
   std::vector<StationLink> Here() const;
-  // Those that are connected to other servers, in the place of what was said before.
+  // Replaces the stations connected to other servers.
   void SetElsewhere(const std::vector<StationLink>& elsewhere);
 
   RemarkBoard& remarks() { return remarks_; }

@@ -22,7 +22,7 @@ class Deadline {
 
   explicit Deadline(const Strand& strand) : timer_(strand) {}
 
-  // From now on, instead of what was allowed before.
+  // From now on, instead of the previous deadline.
   void Allow(std::chrono::milliseconds time);
   // What follows has a deadline elsewhere.
   void AllowAnyTime() { at_ = Clock::time_point::max(); }

@@ -44,8 +44,8 @@ struct ListenerOptions {
   // none, the one more is turned away.
   size_t max_connections = 1024;
   std::chrono::milliseconds stop{5'000};  // what a request gets to finish in when stopping
-  // Numeric addresses of proxies that say whom they were asked by (proxy_header.h): each of their
-  // connections begins with it. From others nothing of the kind is read.
+  // Numeric addresses of proxies that name their own peer (proxy_header.h): each of their
+  // connections begins with that header. It is not read from other peers.
   std::vector<std::string> proxies = {};
   std::chrono::milliseconds introduction{10'000};  // what a proxy gets to say it in
 };
@@ -60,7 +60,7 @@ class Listener {
  public:
   static constexpr size_t kMaxClosing = 64;
 
-  // `socket` runs on `strand`; `peer`: numeric, behind a proxy what it says.
+  // `socket` runs on `strand`; `peer`: numeric, behind a proxy the proxy's peer.
   using Make = std::function<std::shared_ptr<AcceptedConnection>(
       boost::asio::ip::tcp::socket socket, Strand strand, const std::string& peer)>;
   // For a socket that finds no room; `open` connections are open. Must not block.
@@ -72,8 +72,9 @@ class Listener {
   // use).
   Result<uint16_t> Start();
 
-  // Returns at once; again changes nothing. First no new connections, and BeginStop for those there
-  // are; after options.stop what is left is closed. `io` then has no work of this listener.
+  // Returns at once; a repeated call changes nothing. Refuses new connections and calls BeginStop
+  // for the open ones; after options.stop it closes the rest. `io` then has no work of this
+  // listener.
   void Stop();
 
   // Connections that have not ended, including those that are closing.

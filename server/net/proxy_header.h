@@ -7,10 +7,9 @@
 
 #include "common/base/result.h"
 
-// The PROXY protocol, version 2: what a proxy that passes bytes on, without looking at them, says
-// first of whom it was asked by. Read only from peers that are listed as proxies: anybody else
-// could claim any address. Source: W. Tarreau, "The PROXY protocol, versions 1 & 2", HAProxy,
-// section 2.2. Pure, any thread.
+// The PROXY protocol, version 2: a proxy that passes bytes on unread first names its own peer. Read
+// only from listed proxies: anybody else could claim any address. Source: W. Tarreau, "The PROXY
+// protocol, versions 1 & 2", HAProxy, section 2.2. Pure, any thread.
 namespace enamel::server {
 
 inline constexpr size_t kProxyStartBytes = 16;
@@ -25,7 +24,7 @@ struct ProxyStart {
   size_t rest_bytes = 0;  // that follow, at most kMaxProxyRestBytes
 };
 
-// Errors: kInvalidInput saying what was found instead, such as version 1, or TLS without a header.
+// Errors: kInvalidInput naming the bytes found, such as version 1, or TLS without a header.
 Result<ProxyStart> ReadProxyStart(std::span<const uint8_t, kProxyStartBytes> bytes);
 
 // The numeric address that the proxy was asked from; empty if the proxy itself connects or does not

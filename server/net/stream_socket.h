@@ -45,7 +45,7 @@ class StreamSocket {
   // Writes all of `bytes`, which must stay as they are until then. False: the connection ended.
   boost::asio::awaitable<bool> WriteAll(ByteView bytes);
 
-  // Reads what the peer still sends and drops it, without TLS: what it means no longer matters.
+  // Reads and drops the peer's remaining bytes, without TLS: their meaning no longer matters.
   Io Discard(size_t& n);
 
   boost::asio::ip::tcp::socket& socket() { return socket_; }

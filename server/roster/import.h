@@ -34,7 +34,7 @@ struct ImportResult {
 };
 
 // Reads the roster and brings the store in line with it, all or nothing. Blocks. Errors: those of
-// the store, those of `keep`; what is wrong with the roster is in the result.
+// the store, those of `keep`; problems of the roster are in the result.
 Result<ImportResult> ImportRoster(RosterRows& roster, std::string_view csv,
                                   const ImportOptions& options, const Actor& by);
 

@@ -10,9 +10,9 @@
 
 namespace enamel::server::stations {
 
-// Recordings as they come in here: how many, which of them are late, and how long a chunk takes
-// from its last byte until it is committed and answered. A station cuts a chunk about twice a
-// second and sends it at once.
+// Recordings that arrive here: how many, which of them are late, and how long a chunk takes from
+// its last byte until it is committed and answered. A station cuts a chunk about twice a second and
+// sends it at once.
 //
 // Bounded: the attempts whose newest chunk is no older than kGoneMs, or kMost of them. Thread
 // safety: any thread.

@@ -18,9 +18,9 @@
 
 namespace enamel::server::stations {
 
-// One station's connection. Two coroutines on its strand: one serves, one closes the socket when
-// the deadline of what the first waits for has passed. Private parts are touched on the strand
-// only; what is public may be called from any thread, and posts to it.
+// One station's connection. Two coroutines on its strand: one serves, the other closes the socket
+// when the first one's deadline has passed. Private members belong to the strand; public functions
+// may be called from any thread, and post to it.
 class Connection : public AcceptedConnection, public std::enable_shared_from_this<Connection> {
  public:
   // Requires: the socket runs on `strand`. `tls`, `deadlines` and what follows outlive it.
@@ -52,7 +52,7 @@ class Connection : public AcceptedConnection, public std::enable_shared_from_thi
   boost::asio::awaitable<Status> FindSchool(const wire::Request& first);
   boost::asio::awaitable<Answer> Carry(const wire::Request& request);
   boost::asio::awaitable<void> Refuse(Status status);
-  // Says it in the log, and takes out of it what is for the log alone.
+  // Logs it, and removes the parts that are for the log alone.
   void NoteRefusal(wire::Error& error);
   void End(Status why);
 

@@ -20,7 +20,7 @@ class Content {
   using Blob = std::shared_ptr<const Bytes>;
 
   explicit Content(Store& store) : store_(store) {}
-  // Errors: kNotFound also for what is stored but no content.
+  // Errors: kNotFound also for stored blobs that are no content.
   Result<Blob> Get(const Sha256& hash);
 
  private:

@@ -45,7 +45,7 @@ struct Services {
   Arrivals arrivals{};
 };
 
-// kUnauthenticated: what a station hears whose connection ends because it was revoked.
+// kUnauthenticated: the answer to a station whose connection ends because it was revoked.
 Status RevokedStation();
 
 // What to send back and whether the connection ends after it. No reply: to LiveState.
@@ -101,8 +101,7 @@ class Session {
   Result<wire::Reply> Do(const wire::ReturnTicket& request);
   Result<wire::Reply> Do(const wire::Ping& ping);
   void Take(const wire::LiveState& live);
-  // What is to be said at the chair of an attempt of this station's, which has shown it up to
-  // there.
+  // Adds the remarks for the chair of this station's attempt, which has shown those up to `shown`.
   void AddRemarks(const Uuid& attempt, uint64_t shown,
                   google::protobuf::RepeatedPtrField<wire::Remark>& out);
   Status KeepFacts(const AttemptRow& row, const protocol::AttemptFacts& facts);
@@ -129,9 +128,9 @@ class Session {
                      wire::Exercises& out);
   Status AddAssigned(const AssignedRow& row, const std::vector<SceneRow>& scenes,
                      wire::Exercises& out);
-  // What a ticket of this person for this exercise counts for; none: reference cuts, and what
-  // instructors and admins try out. Errors: kForbidden (not assigned, or not now); field() says
-  // which rule.
+  // The assignment that a ticket of this person for this exercise counts under; none: reference
+  // cuts, and trials of instructors and admins. Errors: kForbidden (not assigned, or not now);
+  // field() names the rule.
   Result<std::optional<AssignedRow>> AssignmentFor(const Person& person,
                                                    const ExerciseRow& exercise,
                                                    const wire::RequestTicket& request);

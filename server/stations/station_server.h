@@ -36,12 +36,12 @@ struct StationServerOptions {
   LinkDeadlines deadlines;
 };
 
-// The other schools whose stations come to the same link. Thread safety: any thread.
+// The other schools whose stations use the same link. Thread safety: any thread.
 class OtherSchools {
  public:
   virtual ~OtherSchools() = default;
-  // Whose the station is that says this first, or whose enrolment code it has; null: no other
-  // school's. May block. Errors: kUnavailable (it may be one that is suspended).
+  // The school of a station with this first message, or whose enrolment code it has; null: no other
+  // school's. May block. Errors: kUnavailable (it may belong to a suspended one).
   virtual Result<std::shared_ptr<Services>> ServicesOf(const wire::Request& first) = 0;
   // Of all that are served now. A connection to one that is no longer among them ends.
   virtual std::vector<std::shared_ptr<Services>> All() = 0;

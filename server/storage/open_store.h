@@ -27,7 +27,7 @@ struct PostgresOptions {
   std::string server;
   // The PostgreSQL schema for the tables; created if it is missing. Empty: the user's own.
   std::string schema{};
-  // Blobs, key ring and keys; what is SQLite's of these options does not count here.
+  // Blobs, key ring and keys; SQLite's options do not count here.
   StoreOptions folder{};
 };
 

@@ -5,13 +5,13 @@
 
 // Who may do what: the one place that decides. Pure functions; callers fetch the facts first.
 //   student: own attempts, assigned exercises. instructor: attempts and references of own cohorts.
-//   admin: all. A disabled person may nothing.
+//   admin: all. A disabled person: nothing.
 // `shares_cohort` is CohortRows::ShareCohort(viewer, owner of the attempt).
 namespace enamel::server {
 
 bool CanSeeAttempt(const Person& viewer, const AttemptRow& attempt, bool shares_cohort);
-// Whether its score is for the student only after release: graded work, exams, and what was made
-// under terms that a restore forgot. `graded`: its exercise is.
+// Whether the student sees the score only after release: graded work, exams, and attempts whose
+// terms a restore forgot. `graded`: its exercise is.
 bool IsReleasedFirst(const AttemptRow& attempt, bool graded);
 // Score, surface, series, annotations: a student sees them at once, or after release.
 bool CanSeeScore(const Person& viewer, const AttemptRow& attempt, bool graded, bool shares_cohort);
@@ -20,7 +20,7 @@ bool CanReleaseAttempt(const Person& viewer, const AttemptRow& attempt, bool sha
 bool CanReviewAttempt(const Person& viewer, const AttemptRow& attempt, bool shares_cohort);
 // Own remarks only; who wrote one and may no longer review cannot.
 bool CanEditAnnotation(const Person& viewer, const AnnotationRow& annotation, bool can_review);
-// The person whose work it is, once the score is released.
+// The attempt's person, once the score is released.
 bool CanAppeal(const Person& viewer, const AttemptRow& attempt);
 // Making an attempt the exercise's reference, and withdrawing it.
 bool CanMarkReference(const Person& viewer, const AttemptRow& attempt, bool shares_cohort);
@@ -33,8 +33,8 @@ Status CheckConsent(bool consent);
 bool CanSeeDentist(const Person& viewer, const ReferenceRow& reference);
 // Making exercises of one's own: instructors and admins, whatever their cohorts.
 bool CanEditExercises(const Person& viewer);
-// Reading an exercise, its drafts too, and assigning it: who owns it, instructors when it is
-// shared, admins. What is assigned to a person is seen by that person besides.
+// Reading an exercise, its drafts too, and assigning it: its owner, instructors when it is shared,
+// admins. A person also sees exercises assigned to them.
 bool CanUseExercise(const Person& viewer, const ExerciseRow& exercise);
 // Drafts and versions of its name, its rubric, retiring and sharing it: who owns it, and admins.
 // What belongs to nobody is the school's, hence the admins'.

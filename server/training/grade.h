@@ -18,7 +18,7 @@ struct GradedAttempt {
       score{};         // 0..100, the overriding one where there is one; none: not scored yet, or
                        // not to be seen
   bool shown = false;  // the student may see the score
-  // It was scored, and is being scored again, or waits for the release of what came of that.
+  // It was scored, and is being scored again, or the new score waits for its release.
   bool again = false;
 };
 

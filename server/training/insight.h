@@ -69,7 +69,7 @@ struct GateInsight {
   uint32_t taken = 0;  // students from whom it took points
 };
 
-// Far from what the others of the class have.
+// Far from the rest of the class.
 struct Outlier {
   size_t student = 0;  // place in what was given
   // "score", "time_all_attempts_s" or a criterion's metric, of which time_s is one

@@ -5,8 +5,8 @@
 
 #include "common/base/result.h"
 
-// What people, cohorts and stations may be called. Pure functions, any thread.
-// Errors: kInvalidInput with what was expected and found.
+// Names of people, cohorts and stations. Pure functions, any thread. Errors: kInvalidInput with the
+// expected and found text.
 namespace enamel::server {
 
 inline constexpr size_t kMaxLoginBytes = 64;
@@ -18,8 +18,8 @@ inline constexpr size_t kMaxReasonBytes = 1000;
 Result<std::string> CheckedLogin(std::string_view text);
 
 // A name as people read it, without the spaces around it: valid UTF-8, 1 to 200 bytes, no control
-// characters, nothing that turns the direction of what follows, something that can be seen, and not
-// beginning with = + - @, which a spreadsheet that opens our tables would take for a formula
+// characters, no character that changes the writing direction, at least one visible character. It
+// may not begin with = + - @, which a spreadsheet that opens our tables would take for a formula
 // (OWASP, "CSV Injection"). `field`: as named in the error.
 Result<std::string> CheckedName(std::string_view text, std::string_view field);
 

@@ -9,8 +9,8 @@ namespace enamel::server {
 // Field of kConflict when somebody else changed the thing since then: read it again.
 inline constexpr std::string_view kStale = "revision";
 
-// Field of kConflict for what is refused unless whoever asks says why it is to be done all the
-// same; the reason goes to the audit trail.
+// Field of kConflict for a request that is refused unless the caller insists with a reason; the
+// reason goes to the audit trail.
 inline constexpr std::string_view kAnyway = "anyway";
 
 }  // namespace enamel::server

@@ -58,11 +58,10 @@ struct RosterPlan {
   size_t Count(RosterStep::Change change) const;
 };
 
-// Who is new is created. Who is there keeps role and password, takes the roster's name when it has
-// one and joins the roster's cohort beside those the person is in already. Nobody is removed.
-// Somebody in several cohorts has a row for each: the first makes the person.
-// Against it stand: another role, a cohort that is archived, a person twice in one cohort, and rows
-// of one person that differ in name or role.
+// Creates new people. Existing people keep role and password, take the roster's name if it has one
+// and join the roster's cohort beside their present ones. Nobody is removed. Somebody in several
+// cohorts has a row for each: the first makes the person. Problems: another role, an archived
+// cohort, a person twice in one cohort, and rows of one person that differ in name or role.
 RosterPlan PlanRoster(const std::vector<RosterRow>& rows, const RosterFacts& facts);
 
 const char* RosterChangeName(RosterStep::Change change);  // "create", "update", "unchanged"

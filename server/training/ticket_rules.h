@@ -12,8 +12,8 @@
 // or the limit of one exam at a time, so TicketRows::CreateAttempt checks both again.
 namespace enamel::server {
 
-// How long after its ticket an attempt may begin, at most; the station checks it. An exam begins
-// while the server is there, so its ticket is for now.
+// An attempt must begin within this time of its ticket; the station checks it. An exam begins while
+// the server is connected, so its ticket is for now.
 inline constexpr UnixMs kTicketValidMs = 12 * 60 * 60 * 1000;
 inline constexpr UnixMs kExamTicketValidMs = 10 * 60 * 1000;
 

@@ -48,7 +48,7 @@ struct PeopleFilter {
   uint32_t limit = 50;        // at most 1000
 };
 
-// What is set is changed.
+// Set members are changed.
 struct PersonEdit {
   std::optional<std::string> display_name{};
   std::optional<Role> role{};
@@ -106,7 +106,7 @@ struct ProfileReportRow {
   UnixMs created_ms = 0;
 };
 
-// A device as it was measured once.
+// A measurement of a device.
 struct CalibrationRow {
   Uuid id;
   std::string profile;
@@ -131,9 +131,9 @@ struct SceneRow {
   Sha256 surface{};  // ENTM blob of the volume before it is cut; zero: not made yet
 };
 
-// A draft can be replaced and is seen by instructors and admins only. A published version never
-// changes; the newest published one of a name is offered. Retired: no longer offered, kept for what
-// was done with it. Stable names: "draft", "published", "retired".
+// A draft can be replaced; only instructors and admins see it. A published version never changes;
+// the newest published one of a name is offered. Retired: no longer offered, kept for its attempts.
+// Stable names: "draft", "published", "retired".
 enum class ExerciseState : uint8_t { kDraft = 1, kPublished = 2, kRetired = 3 };
 const char* ExerciseStateName(ExerciseState state);
 std::optional<ExerciseState> ExerciseStateFromName(std::string_view name);
@@ -155,7 +155,7 @@ struct ExerciseRow {
   bool shared = true;        // other instructors may read and assign it
 };
 
-// What is set is changed.
+// Set members are changed.
 struct SharingEdit {
   std::optional<bool> shared{};
   std::optional<Uuid> owner{};  // zero: the school
@@ -219,8 +219,8 @@ enum class AttemptState : uint8_t {
 const char* AttemptStateName(AttemptState state);
 std::optional<AttemptState> AttemptStateFromName(std::string_view name);
 
-// What is to be known about an attempt before it is judged: bits of AttemptRow::flags. Stable names
-// as below, without the k.
+// Facts that a reviewer must know about an attempt: bits of AttemptRow::flags. Stable names as
+// below, without the k.
 enum AttemptFlag : uint32_t {
   kLate = 1,            // begun, or for certain still being made, after its due time
   kLateUpload = 2,      // arrived after its due time; may have been made before

@@ -6,8 +6,8 @@
 #include "server/http/routes.h"
 
 // The handlers of the route table, by subject: *_handlers.cpp. They trust the table for session,
-// role and CSRF, and decide themselves whose data the caller may see. A signature says what of the
-// store its handler may touch.
+// role and CSRF, and decide themselves whose data the caller may see. A signature names the row
+// classes its handler may touch.
 namespace enamel::server::http {
 
 boost::asio::awaitable<Response> GetHealth(Call call, Store& store);

@@ -6,7 +6,7 @@
 
 namespace enamel::server::http {
 
-// An attempt the caller may see, with what access.h asks about it.
+// An attempt the caller may see, with the facts that access.h needs.
 struct SeenAttempt {
   AttemptRow row;
   bool shares_cohort = false;
@@ -17,7 +17,7 @@ Result<SeenAttempt> SeeAttempt(const Call& call, Store& store, const Uuid& attem
 // The same for callers who may also review it (CanReviewAttempt); kForbidden for others.
 Result<SeenAttempt> ReviewAttempt(const Call& call, Store& store, const Uuid& attempt);
 
-// kConflict, with what it is instead.
+// kConflict, with its state.
 Status RequireScored(const AttemptRow& row);
 
 }  // namespace enamel::server::http

@@ -16,7 +16,7 @@ Result<std::vector<ExerciseRow>> VisibleExercises(const Call& call, ExerciseRows
 // is assigned a version of it, or has worked on it. Errors: kNotFound.
 Result<ExerciseRow> VisibleExercise(const Call& call, AttemptRows& attempts_rows,
                                     ExerciseRows& exercises);
-// One that is the caller's to change. Errors also: kForbidden with whose it is.
+// One that the caller may change. Errors also: kForbidden with its owner.
 Result<ExerciseRow> ChangeableExercise(const Call& call, AttemptRows& attempts,
                                        ExerciseRows& exercises);
 // Whether the caller may put an exercise of this name. Errors: kForbidden, field "name".

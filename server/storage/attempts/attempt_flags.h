@@ -8,7 +8,7 @@
 #include "common/sql/db.h"
 #include "server/storage/audit/actor.h"
 
-// What is noted on an attempt's row, inside a transaction.
+// Flags on an attempt's row, inside a transaction.
 namespace enamel::server {
 
 // Scores and flags change in several places and each raises it, so that no edit overwrites what its

@@ -46,11 +46,11 @@ class JobRows {
  public:
   JobRows(Transactions& rows, LeaseOwner& owner) : rows_(rows), owner_(owner) {}
 
-  // Jobs as leases: a job whose lease ran out is taken again; after 3 tries it is "failed" and
-  // shown. Taking a "score" job turns its attempt to "scoring"; its last failure to "failed", or
-  // back to "scored" with `problem` set where an earlier run left a score. Any number of workers of
-  // any number of servers may ask at once: each gets another job, and never one of an attempt that
-  // has a run. A job without a batch goes first, as somebody waits for it.
+  // Takes a job under a lease. A job whose lease ran out is taken again; after 3 tries it is
+  // "failed" and shown. Taking a "score" job turns its attempt to "scoring"; its last failure to
+  // "failed", or back to "scored" with `problem` set if an earlier run left a score. Any number of
+  // workers of any number of servers may ask at once: each gets another job, and never one of an
+  // attempt that has a run. A job without a batch is first, because somebody waits for it.
   Result<std::optional<JobRow>> LeaseJob(UnixMs now_ms, UnixMs lease_ms);
   // Still at it. Errors: kUnavailable with kLeaseOver.
   Status KeepLease(const Uuid& lease, UnixMs until_ms);

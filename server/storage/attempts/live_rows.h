@@ -16,10 +16,10 @@ class LiveRows {
  public:
   LiveRows(Transactions& rows, const LeaseOwner& owner) : rows_(rows), owner_(owner) {}
 
-  // Of the attempts that are being made: what was said at their chairs since then, oldest first
+  // Remarks to the chairs of attempts in progress since then, oldest first
   // (RemarkRows::AddAnnotation).
   Result<std::vector<ChairRemark>> ChairRemarks(UnixMs since_ms);
-  // How far these have come. What is further already stays so; one that was deleted stays deleted.
+  // Stores how far these have come. Never moves one back; a deleted one stays deleted.
   Status MoveRemarks(const std::vector<ChairRemark>& moved);
   // A server that has not called KeepLinks for so long has none.
   static constexpr UnixMs kServerSilentMs = 20'000;

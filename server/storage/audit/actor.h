@@ -6,7 +6,7 @@
 
 namespace enamel::server {
 
-// Who does something, for the audit trail. Zero id: the system or the command line.
+// The author of an action, for the audit trail. Zero id: the system or the command line.
 struct Actor {
   Uuid person;
   std::string via;  // "page", "station <name>", "command line", "job"

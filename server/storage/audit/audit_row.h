@@ -28,7 +28,7 @@ struct AuditLink {
   Sha256 previous;      // AuditSealHash of the row before; zero: there is none, or it is not known
 };
 
-// What is signed.
+// The signed content.
 struct AuditSeal {
   Uuid id;
   UnixMs at_ms = 0;
@@ -66,7 +66,7 @@ struct AuditSigner final : sql::Db::Companion {
   // The rows of this writer. All who write to one SQLite file take turns, so they share one;
   // servers that write at the same time need one each.
   const Uuid chain;
-  // Signed here last: what is still there needs no look at its signature.
+  // Last signed here: an unchanged end needs no check of its signature.
   mutable AuditHead known;
 };
 

@@ -18,8 +18,8 @@ namespace enamel::server {
 
 // {"name":value,…} of text values.
 std::string JsonOf(std::initializer_list<std::pair<const char*, std::string>> members);
-// Adds a row, signed, with the state of what the action decides about (decisions.h) as it is now:
-// called after the change.
+// Adds a signed row with the present state of the action's subject (decisions.h): call it after the
+// change.
 Status WriteAudit(sql::Db& db, const Actor& by, const char* action, const std::string& object,
                   const std::string& before, const std::string& after);
 // The same about a subject that action and object do not tell.

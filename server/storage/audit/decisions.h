@@ -12,7 +12,7 @@
 namespace enamel::server {
 
 std::string SubjectOf(const std::string& kind, const std::string& key);
-// What a row with this action and object decides about; empty: nothing that is compared.
+// The subject of a row with this action and object; empty: nothing is compared.
 std::string SubjectOfAction(const std::string& action, const std::string& object);
 
 // The present state, as of this transaction; empty: the subject does not exist. Words are in it as
@@ -24,7 +24,7 @@ struct PresentSubject {
   std::string subject;
   std::string object;  // of the row that tells of it
 };
-// Every subject that is there.
+// Every existing subject.
 Result<std::vector<PresentSubject>> PresentSubjects(Db& db);
 
 }  // namespace enamel::server

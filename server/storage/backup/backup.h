@@ -34,10 +34,10 @@ struct BackupReport {
   std::vector<Sha256> missing;
 };
 
-// Consistent as of one moment, while a server writes. Ok with `missing` not empty is for the caller
-// to make known. Errors: kConflict (target not empty), kNotFound (no data folder), kUnavailable
-// (recordings are being removed), kStorage; what is in the target then has no manifest and is
-// refused by Restore.
+// Consistent as of one moment, while a server writes. Ok with `missing` not empty: the caller must
+// report it. Errors: kConflict (target not empty), kNotFound (no data folder), kUnavailable
+// (recordings are being removed), kStorage; after an error the target has no manifest and Restore
+// refuses it.
 Result<BackupReport> BackUp(const BackupOptions& options);
 
 struct RestoreOptions {

@@ -30,7 +30,7 @@ class Blobs {
   virtual Result<Bytes> Get(const Sha256& hash) const = 0;
   virtual bool Has(const Sha256& hash) const = 0;
 
-  // In the transaction that names these, of what goes with an attempt (Free): they are there, and
+  // In the transaction that names these, for blobs deleted with an attempt (Free): they exist, and
   // stay until it ends. Errors: kUnavailable (one was removed since it was put: put it again).
   virtual Status Hold(sql::Db& db, std::initializer_list<Sha256> hashes) = 0;
   // What goes when its names do, in two steps. In the transaction (Isolation::kSerial) that has
@@ -89,7 +89,7 @@ class FolderBlobs final : public Blobs {
   Disk& disk_;
   const std::function<bool()> fail_next_;
   const Named named_;
-  // Against removing what is just being put again, and against counting on a folder that another
+  // So that no blob is removed while it is put again, and nobody relies on a folder that another
   // thread has made and not yet synced.
   std::mutex mutex_;
 };

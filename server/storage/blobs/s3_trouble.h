@@ -16,7 +16,7 @@ class S3Trouble {
   // `what` it is the store of, in messages: "blobs".
   S3Trouble(std::string what, std::function<int64_t()> now_ms)
       : what_(std::move(what)), now_ms_(std::move(now_ms)) {}
-  // Notes what a call returned; the status as whoever asked may read it.
+  // Notes a call's status; returns it as callers may read it.
   Status Told(const Status& status);
   // Since the last call that was done.
   Status Problem() const;

@@ -18,7 +18,7 @@ namespace enamel::server {
 // machine's. Blocks. Errors: the database's.
 Result<std::optional<int64_t>> FollowClockOf(sql::Db& db);
 
-// What a database on another machine says of itself. Thread safety: any thread.
+// The state of a database on another machine. Thread safety: any thread.
 class DatabaseLook {
  public:
   DatabaseLook(Transactions& rows, const Rewriter& rewriter) : rows_(rows), rewriter_(rewriter) {}

@@ -3,8 +3,8 @@
 #include "common/base/result.h"
 #include "common/sql/db.h"
 
-// What a move (move.h) says in a database that several servers share, so that no other server's
-// folder opens the school there: marks in a folder are seen from that folder alone. Rows of the
+// Marks of a move (move.h) in a database that several servers share, so that no other server's
+// folder opens the school there: a mark in a folder is visible only in that folder. Rows of the
 // table `move_marks`. Private to server/storage.
 namespace enamel::server {
 

@@ -17,8 +17,8 @@ using sql::Db;
 //   Query q(db, "SELECT name FROM people WHERE tenant = ?1 AND id = ?2");
 //   q.Bind(id);
 //   if (q.Next()) … q.Text(0) …
-// The type of what is bound is that of its column, and nothing converts on the way: ids and hashes
-// are BLOB, times and states INTEGER, scores REAL. What else there is in C++ has no Bind.
+// A bound value has its column's type, without conversion: ids and hashes are BLOB, times and
+// states INTEGER, scores REAL. Other C++ types have no Bind.
 class Query : public sql::Query {
  public:
   Query(Db& db, const char* sql) : sql::Query(db, sql) { BindInt(kTenant); }

@@ -6,12 +6,12 @@
 
 namespace enamel::server {
 
-// Whether recordings may come in now. Thread safety: any thread.
+// Whether the server takes recordings now. Thread safety: any thread.
 class RecordingGate {
  public:
   RecordingGate(const Transactions& rows, SpaceGuard& space) : rows_(rows), space_(space) {}
 
-  // Errors: kUnavailable, so that a station keeps what it has and comes back.
+  // Errors: kUnavailable, so that a station keeps its recordings and comes back.
   Status Check();
 
  private:

@@ -47,8 +47,8 @@ class Transactions {
   Status Write(const std::function<Status(sql::Db&)>& work) {
     return writer_.Run([&](sql::Db& db, bool&) { return work(db); });
   }
-  // For what comes with every chunk and every job: `work` first locks (Dialect::row_lock) the
-  // attempt or job that it decides on. Servers that work on others do not meet.
+  // For every chunk and every job: `work` first locks (Dialect::row_lock) the attempt or job that
+  // it decides on. Servers that work on others do not conflict.
   Status WriteRow(const Writer::Work& work) { return writer_.Run(work, sql::Isolation::kRowLocks); }
   Status WriteRow(const std::function<Status(sql::Db&)>& work) {
     return WriteRow(Writer::Work([&](sql::Db& db, bool&) { return work(db); }));

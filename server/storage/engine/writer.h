@@ -14,16 +14,16 @@
 
 namespace enamel::server {
 
-// This process's one write connection, with group commit: callers queue their work; a thread of its
-// own runs up to kMaxBatch queued works in one transaction and one fsync, and wakes their owners. A
-// work that fails is rolled back alone: then the batch is run again, each in a savepoint of its
-// own. Not from the start: to a server far away two messages more of each work are most of what a
-// chunk costs. A COMMIT that fails fails the whole batch. Why a thread of its own: commits keep
-// their pace when a caller runs at a low priority. Thread safety: any thread. Destruction waits for
-// what is queued.
+// This process's one write connection, with group commit. Callers queue their work; a thread of its
+// own runs up to kMaxBatch works in one transaction and one fsync, and wakes their owners. If a
+// work fails, the batch runs again with a savepoint for each work, and only the failed one is
+// rolled back. Not with savepoints from the start: to a remote server the two extra messages of
+// each work are most of a chunk's cost. A COMMIT that fails fails the whole batch. Why a thread of
+// its own: commits keep their pace when a caller runs at a low priority. Thread safety: any thread.
+// Destruction waits for the queue.
 class Writer {
  public:
-  // `twice`: runs every work, takes back what it did, and runs it again. For tests.
+  // `twice`: runs every work, rolls it back, and runs it again. For tests.
   explicit Writer(std::unique_ptr<Db> db, bool twice = false);
   ~Writer();
 
@@ -39,8 +39,8 @@ class Writer {
   Status Run(const Work& work, sql::Isolation isolation = sql::Isolation::kSerial);
   // One statement, kRowLocks. With a server all of a batch are sent before the first answer.
   Status Run(sql::Change& change);
-  // Runs `work` on the thread and outside any transaction, for what engines refuse inside one
-  // (VACUUM); what is queued after it waits.
+  // Runs `work` on the thread and outside any transaction, for statements that engines refuse
+  // inside one (VACUUM); the queue waits meanwhile.
   Status RunAlone(const std::function<Status(Db& db)>& work);
 
   // Since the start.
@@ -93,7 +93,7 @@ class Writer {
   void DoAlone(Pending& pending);
   Status Transact(const std::vector<Pending*>& batch);
   Status TransactOnce(const std::vector<Pending*>& batch);
-  // Ok: it is kept, or what it refused has changed nothing.
+  // Ok: committed, or refused without a change.
   Status TransactTogether(const std::vector<Pending*>& batch, bool& has_failed);
   Status TransactApart(const std::vector<Pending*>& batch);
   Status RunApart(Pending& pending);

@@ -14,7 +14,7 @@ namespace enamel::server {
 // user's), kConflict (an unfinished restore), kStorage.
 Status MakeDataFolder(const std::filesystem::path& folder, Disk& disk, bool restoring);
 
-// What a mark in a data folder says (folder_lock.h), without its line end. Errors: kNotFound,
+// The text of a mark in a data folder (folder_lock.h), without its line end. Errors: kNotFound,
 // kStorage.
 Result<std::string> ReadMark(const std::filesystem::path& file);
 

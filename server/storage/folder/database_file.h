@@ -50,8 +50,8 @@ Result<StoreOptions::KeyBucket> ReadKeyBucket(const std::filesystem::path& folde
 // Puts an object there, gets it and deletes it. Errors: those of S3Client.
 Status TryS3Place(const S3Place& place);
 
-// For what looks at the rows in enamel.db itself. Errors: kConflict (they are in PostgreSQL, with
-// what to do instead of `command`).
+// For code that reads the rows in enamel.db itself. Errors: kConflict (they are in PostgreSQL;
+// names the alternative to `command`).
 Status MustHaveRowsInFolder(const std::filesystem::path& folder, const std::string& command);
 
 // Errors: kInvalidInput (one bucket for blobs and keys), kConflict (the folder has rows already, in

@@ -9,16 +9,16 @@
 
 namespace enamel::server {
 
-// What the store asks of the disk for everything but the database, whose own file operations go
-// through SQLite's VFS (StoreOptions::vfs). The two are the seams at which tests cut the power and
-// fill the disk. Each call but Copy is durable when it returns Ok. Errors: kStorage, with what to
-// do where that is known. Thread safety: any thread.
+// The store's disk operations, except the database's own, which use SQLite's VFS
+// (StoreOptions::vfs). At these two seams tests cut the power and fill the disk. Each call but Copy
+// is durable when it returns Ok. Errors: kStorage, with the remedy if known. Thread safety: any
+// thread.
 class Disk {
  public:
   virtual ~Disk() = default;
   // As WriteFileDurably (common/base/file.h), mode 0600: old content or new, never a mixture.
   virtual Status Replace(const std::filesystem::path& path, ByteView data) = 0;
-  // The folder and those above it, as far as they are missing; mode 0700.
+  // Creates the folder and missing parents; mode 0700.
   virtual Status MakeFolder(const std::filesystem::path& path) = 0;
   // Entries of the folder survive a power cut from now on.
   virtual Status SyncFolder(const std::filesystem::path& path) = 0;

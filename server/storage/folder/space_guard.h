@@ -18,8 +18,8 @@ class SpaceGuard {
              std::chrono::milliseconds interval)
       : folder_(std::move(folder)), disk_(disk), min_free_(min_free_bytes), interval_(interval) {}
 
-  // Ok when there is room, or when the disk does not tell. Errors: kUnavailable, so that a station
-  // keeps what it has and comes back.
+  // Ok when there is room, or when the disk does not report it. Errors: kUnavailable, so that a
+  // station keeps its recordings and comes back.
   Status Check();
   // Whether there is room for `bytes` now and min_free_bytes() stay. Errors: kStorage.
   Status RoomFor(uint64_t bytes);

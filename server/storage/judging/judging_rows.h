@@ -38,9 +38,9 @@ class JudgingRows {
                      const Actor& by, std::optional<int32_t> revision = {});
   // Takes kExcused back: the attempt counts as it did before; nothing changes where it is not set.
   Status ClearExcuse(const Uuid& attempt, const Actor& by, std::optional<int32_t> revision = {});
-  // Queues a scoring run with the exercise's newest reference. Of a quarantined attempt this
-  // accepts what is committed: one that was not sealed is sealed with that. Errors: kConflict (not
-  // sealed, a run is queued, recording removed).
+  // Queues a scoring run with the exercise's newest reference. For a quarantined attempt this
+  // accepts the committed part: an unsealed one is sealed with it. Errors: kConflict (not sealed, a
+  // run is queued, recording removed).
   Status Rescore(const Uuid& attempt, const std::string& cause, const Actor& by);
 
  private:

@@ -48,7 +48,7 @@ class MotionRows {
 
 // Inside a transaction, for other rows.
 //
-// What a run says of the motion, with its flag.
+// Stores a run's result about the motion, with its flag.
 Status KeepMotion(Db& db, const Uuid& attempt, const AttemptResult& result);
 // It goes, its blob into `blobs`.
 Status DropMotion(Db& db, const Uuid& attempt, std::set<Sha256>& blobs);

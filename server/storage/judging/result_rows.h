@@ -31,8 +31,8 @@ struct AttemptResult {
   // The score document of the run before, when it gives the same points for the same reasons:
   // then this is no other score, whatever else was measured.
   std::optional<Sha256> same_judgement_as;
-  // The motion and what lies nearest to it: told to FinishAttempt, which sets or takes kNearAnother
-  // by it, and not told back (NearestTo). Zero: none was measured, and what was found stays.
+  // The motion and its nearest neighbour: input of FinishAttempt, which sets or clears
+  // kNearAnother, and not returned again (NearestTo). Zero: not measured; earlier findings stay.
   Sha256 motion{};
   std::optional<NearAttempt> near{};  // none: there was none before it
 };
@@ -42,8 +42,8 @@ class ResultRows {
  public:
   ResultRows(Transactions& rows, Blobs& blobs) : rows_(rows), blobs_(blobs) {}
 
-  // `lease`: of the run that made it, whose cause is kept with it and whose job is done with it;
-  // zero: none did, the cause is "seal". Errors also: kUnavailable with kLeaseOver.
+  // `lease`: of the run that made the result; stores the run's cause and finishes its job. Zero: no
+  // run, the cause is "seal". Errors also: kUnavailable with kLeaseOver.
   Status FinishAttempt(const Uuid& attempt, const AttemptResult& result, const Uuid& lease);
   Status FailAttempt(const Uuid& attempt, const std::string& problem, const Uuid& lease);
   // Of a run's attempt. Errors: kUnavailable with kLeaseOver: stop.

@@ -30,7 +30,7 @@ Status DeleteKeyRow(sql::Db& db, const Uuid& person);
 
 Result<std::vector<Tombstone>> ErasuresIn(sql::Db& db);
 Result<bool> IsErased(sql::Db& db, const Sha256& person);
-// Unless it is there.
+// Adds it unless it exists.
 Status AddErasure(sql::Db& db, const Tombstone& tombstone);
 
 }  // namespace enamel::server

@@ -22,9 +22,9 @@ struct Tombstone {
   int64_t erased_ms = 0;
 };
 
-// The keys of people, and who was erased (schemas/personal_data.md). Apart from the database and
-// the blobs, so that destroying a key takes what it opens out of every copy of those.
-// Thread safety: any thread.
+// The keys of people, and the list of the erased (schemas/personal_data.md). Kept apart from the
+// database and the blobs, so that destroying a key makes its data unreadable in every copy of
+// those. Thread safety: any thread.
 class Keyring {
  public:
   virtual ~Keyring() = default;
@@ -46,7 +46,7 @@ class Keyring {
   virtual Status Destroy(const Uuid& person, int64_t now_ms) = 0;
   virtual Result<bool> IsGone(const Uuid& person) = 0;
   virtual Result<std::vector<Tombstone>> Gone() = 0;
-  // Whose keys are here, in order.
+  // The people with a key here, in order.
   virtual Result<std::vector<Uuid>> People() = 0;
   // Another key ring's key, durable on return. One that is here already stays. Errors: kConflict
   // (erased).
@@ -62,8 +62,8 @@ class Keyring {
 Status Join(Keyring& keyring, Keyring& other,
             const std::function<void(uint64_t, uint64_t)>& progress = {});
 
-// What is kept under a person's key (schemas/personal_data.md, "Envelope"). The same data of the
-// same attempt gives the same bytes, so that writing it again after a crash changes nothing.
+// The envelope of data under a person's key (schemas/personal_data.md, "Envelope"). The same data
+// of the same attempt gives the same bytes, so that writing it again after a crash changes nothing.
 Bytes SealPersonal(const Uuid& person, const DataKey& key, const Uuid& attempt, ByteView data);
 // None: these bytes are no envelope.
 std::optional<Uuid> PersonOfSealed(ByteView bytes);

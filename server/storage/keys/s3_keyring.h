@@ -72,9 +72,9 @@ class S3Keyring final : public Keyring {
   Result<DataKey> Get(const KeyRow& row);
   void Hold(const Uuid& person, const Remembered& held);
   Mutex& GettingOf(const Uuid& person) { return getting_[person.bytes.back() % getting_.size()]; }
-  // All objects whose key begins so.
+  // All objects whose key begins with `prefix`.
   Result<std::vector<s3::ListedObject>> ListAll(const std::string& prefix);
-  // Whose key an object is; none: it is something else.
+  // The person of an object's key; none: it is something else.
   std::optional<Uuid> PersonOf(const std::string& object) const;
   Result<Tombstone> TombstoneIn(const s3::ListedObject& object) const;
   Status Mark(const Sha256& person);

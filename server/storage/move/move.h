@@ -36,13 +36,15 @@ struct MoveReport {
   std::vector<Sha256> missing;    // blobs that are missing or damaged in the old place
 };
 
-// Rows first, in one transaction, then blobs, then keys. Each row is compared by the hash of its
-// table, each blob is read back by its hash, each key is read back, and at the end the old place
-// has to be what it was. Nothing is deleted there; it has the mark MOVED meanwhile and afterwards,
-// on which no server starts either, and no command. After an error, or a crash, the same call goes
-// on: what is there stays. Errors: kConflict (a server runs, or the new place has other rows),
-// kUnavailable (a store is away: try again), kStorage (`missing`, and not accepted; or what was
-// read back is not what was put), kInvalidInput (both in PostgreSQL, which has tools of its own).
+// Moves rows first, in one transaction, then blobs, then keys. It compares the rows of each table
+// by hash, reads back each blob by its hash and each key, and checks at the end that the old place
+// has not changed. Nothing is deleted there; it gets the mark MOVED, with which no server and no
+// command starts there. After an error or a crash, the same call continues and keeps the moved
+// data.
+//
+// Errors: kConflict (a server runs, or the new place has other rows), kUnavailable (a store is
+// unreachable: try again), kStorage (`missing`, and not accepted; or data read back differs),
+// kInvalidInput (both in PostgreSQL: use its own tools).
 Result<MoveReport> MoveSchool(const MoveOptions& options);
 
 }  // namespace enamel::server

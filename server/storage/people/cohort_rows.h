@@ -13,7 +13,7 @@
 
 namespace enamel::server {
 
-// Cohorts and who is in them.
+// Cohorts and their members.
 class CohortRows {
  public:
   explicit CohortRows(Transactions& rows) : rows_(rows) {}
@@ -23,8 +23,8 @@ class CohortRows {
   // Errors: kConflict with field kStale, without one (the name is taken).
   Result<Cohort> EditCohort(const Uuid& id, const CohortEdit& edit, int32_t revision,
                             const Actor& by);
-  // All or nothing; who is in already, or is not, stays so. Errors: kNotFound with the id that is
-  // unknown.
+  // All or nothing; existing members may be added and others removed without effect. Errors:
+  // kNotFound with the unknown id.
   Status ChangeMembers(const Uuid& cohort, const std::vector<Uuid>& add,
                        const std::vector<Uuid>& remove, const Actor& by);
   Status AddToCohort(const Uuid& cohort, const Uuid& person, const Actor& by);

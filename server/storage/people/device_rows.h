@@ -16,9 +16,9 @@ class DeviceRows {
  public:
   explicit DeviceRows(Transactions& rows) : rows_(rows) {}
 
-  // By name. What a listed device admits: HandsAllowed::kListed.
+  // By name. HandsAllowed::kListed admits these.
   Result<std::vector<ListedDevice>> ListedDevices();
-  // One that is there gets the new title. Errors: kInvalidInput (name or title).
+  // A listed device gets the new title. Errors: kInvalidInput (name or title).
   Status ListDevice(const std::string& name, const std::string& title, const Actor& by);
   // Errors: kNotFound.
   Status UnlistDevice(const std::string& name, const Actor& by);

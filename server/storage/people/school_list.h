@@ -12,11 +12,10 @@
 
 namespace enamel::server {
 
-// A school that an installation's servers serve beside the installation's own. All that is the
-// school's is in a store of its own (server/app/school_folder.h): with PostgreSQL in a schema of
-// its own, so that no statement of one school can name a row of another.
-// kBeingMade, kBeingDeleted: the command that does it was broken off, or is at it; the same command
-// goes on.
+// A school that an installation's servers serve beside the installation's own. All its data is in a
+// store of its own (server/app/school_folder.h): with PostgreSQL in a schema of its own, so that no
+// statement of one school can name a row of another. kBeingMade, kBeingDeleted: the command runs or
+// was interrupted; the same command finishes.
 enum class SchoolState : uint8_t { kBeingMade, kServed, kSuspended, kBeingDeleted };
 const char* SchoolStateName(SchoolState state);  // "being_made", …
 
@@ -50,8 +49,8 @@ class SchoolRows {
   // is suspended before it is deleted, and one that is being deleted stays so. Errors: those of
   // AddSchool, kNotFound, kConflict (of these steps).
   Status ChangeSchool(const SchoolRow& row, const Actor& by);
-  // Forgets it; what is the school's has to be gone already. Errors: kNotFound, kConflict (it is
-  // not being deleted).
+  // Forgets it; its data must be deleted already. Errors: kNotFound, kConflict (it is not being
+  // deleted).
   Status RemoveSchool(const std::string& name, const Actor& by);
 
  private:

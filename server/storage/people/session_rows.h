@@ -22,7 +22,7 @@ struct SessionRow {
   std::string via;          // "page" | "station"
   Uuid id{};                // what it is called where the token must not be; zero: made up
   UnixMs confirmed_ms = 0;  // when the password was given last; 0: when it was created
-  // From where and with what; both empty where that is not known.
+  // The address and program; both empty if unknown.
   std::string address{};  // IPv4, or the /64 of an IPv6 address
   std::string device{};   // "Firefox on Linux", or the station's name
 };

@@ -13,7 +13,7 @@
 
 namespace enamel::server {
 
-// What is counted under one key. As it begins: nothing is.
+// The counts under one key. Initially zero.
 struct SignInCounter {
   uint32_t failures = 0;
   uint32_t first_tries = 0;
@@ -23,23 +23,23 @@ struct SignInCounter {
   auto operator<=>(const SignInCounter&) const = default;
 };
 
-// Failures to sign in that the servers of a school count together; the rules are auth::Throttle's.
-// A server that is the only one (Transactions::shared) counts in its own memory.
+// Failed sign-ins that the servers of a school count together; the rules are auth::Throttle's. A
+// lone server (Transactions::shared) counts in its own memory.
 //
-// Where several servers count, each change is a transaction of its own on a
-// connection of its own: in one with others, servers would lock the same rows in any order, and
-// what strangers type would hold up the writer that recordings wait for.
+// With several servers, each change is a transaction of its own on a connection of its own:
+// combined with others, servers would lock the same rows in any order, and strangers' input would
+// delay the writer that recordings wait for.
 //
-// A key becomes a BLAKE2b of it under a key that the servers of a school have in common: what is
-// typed as a login may be a password. Thread safety: any thread; one change at a time.
+// Stores a BLAKE2b of each key, under a key that the servers of a school share: text typed as a
+// login may be a password. Thread safety: any thread; one change at a time.
 class SignInRows {
  public:
   SignInRows(Transactions& rows, const trace::SecretKey& shared);
 
-  // Hands the counters of these keys, each its own, to `change` and keeps what it makes of them;
-  // nobody else's change comes between. `change` may be called again with newer ones. What it
-  // leaves as it was costs no write. At most kMostSignInCounters with failures are kept, and as
-  // many without: those that would be forgotten first go.
+  // Passes the counters of these distinct keys to `change` and stores its result, without another
+  // change in between. `change` may be called again with newer ones. Unchanged counters cost no
+  // write. At most kMostSignInCounters with failures are kept, and as many without: those that
+  // expire first are dropped first.
   static constexpr int64_t kMostSignInCounters = 100'000;
   using SignInChange = std::function<void(std::vector<SignInCounter>&)>;
   Status Change(const std::vector<Sha256>& keys, const SignInChange& change);

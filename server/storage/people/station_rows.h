@@ -26,7 +26,7 @@ class StationRows {
   Status WithdrawEnrolCode(const Uuid& id, const Actor& by);
   // Whether such a code was ever given out here.
   Result<bool> IsEnrolCode(const Sha256& code_hash);
-  // With an id: the station as it was enrolled before, under its old id, also where a restore has
+  // With an id: the station that was enrolled before, under its old id, even if a restore has
   // forgotten it. Errors also: kConflict (that id has another key, or was revoked).
   Result<StationRow> EnrolStation(const Sha256& code_hash, StationRow station,
                                   const Sha256& credential_hash, UnixMs now_ms);

@@ -12,12 +12,12 @@
 
 namespace enamel::server {
 
-// Under whose key an attempt's recording is kept. Thread safety: any thread.
+// The key of each attempt's recording. Thread safety: any thread.
 class AttemptKeys {
  public:
   AttemptKeys(Transactions& rows, Keyring& keyring) : rows_(rows), keyring_(keyring) {}
 
-  // Whose attempt it is, from memory where it was asked for before. Errors: kNotFound.
+  // The attempt's person, from memory if known. Errors: kNotFound.
   Result<Uuid> PersonOf(const Uuid& attempt);
   struct PersonKey {
     Uuid person;

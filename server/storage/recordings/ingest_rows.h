@@ -38,12 +38,12 @@ class IngestRows {
         recordings_(recordings),
         counters_(counters) {}
 
-  // Durable on return, kept under the person's key. Idempotent by (attempt, seq, hash). Same seq
-  // with another hash: kConflict, the attempt is quarantined and both are kept. Out of order, or
-  // not continuing the stored chain (first tick, previous hash): kInvalidInput naming what was
-  // expected. Concurrent callers share one fsync. Sets kFasterThanTime when the attempt then has
-  // more ticks and gaps than fit between its ticket and received_ms (2 s and 1 % more are granted,
-  // for clocks), kOverTime beyond its limit.
+  // Durable on return, encrypted under the person's key. Idempotent by (attempt, seq, hash). Same
+  // seq with another hash: kConflict, the attempt is quarantined and both are kept. Out of order,
+  // or not continuing the stored chain (first tick, previous hash): kInvalidInput naming the
+  // expected value. Concurrent callers share one fsync. Sets kFasterThanTime when the attempt then
+  // has more ticks and gaps than fit between its ticket and received_ms (2 s and 1 % more are
+  // granted, for clocks), kOverTime beyond its limit.
   Status AppendChunk(const ChunkPut& chunk);
 
  private:

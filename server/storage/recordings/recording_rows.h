@@ -14,7 +14,7 @@
 
 namespace enamel::server {
 
-// Reads what was recorded of an attempt.
+// Reads the recording of an attempt.
 class RecordingRows {
  public:
   RecordingRows(Transactions& rows, Keyring& keyring, StoredBlobs& blobs)

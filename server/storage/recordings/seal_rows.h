@@ -29,7 +29,7 @@ class SealRows {
         sealed_(sealed),
         counters_(counters) {}
 
-  // Seals a quarantined attempt that was not, with what is committed. Of another: nothing.
+  // Seals an unsealed quarantined attempt with its committed part. Any other attempt: nothing.
   Status AcceptCommitted(const Uuid& attempt, const Actor& by);
   // Refuses a seal that does not match the committed chunks (kConflict). Moves the trace from rows
   // into one write-once blob (a trace file, schemas/trace_format.md) and queues a "score" job; an
@@ -40,7 +40,7 @@ class SealRows {
 
  private:
   Status MoveTraceToBlob(const trace::Seal& seal, Sha256& blob);
-  // Flags the attempt when the seal is of another recording than what is committed.
+  // Flags the attempt when the seal is of a recording other than the committed one.
   Status NoteOtherSeal(const trace::Seal& seal);
 
   Transactions& rows_;

@@ -12,11 +12,11 @@
 
 namespace enamel::server {
 
-// Chunk rows of sealed recordings, which nobody reads any more: their blob has them. They go in
-// portions between the commits of others, on a thread of its own. Why not with the seal: the rows
-// of stations that streamed at the same time lie between each other, each on a page that must be
-// written; a class that seals together held up everybody's commits for seconds. What a killed
-// process left is found by the next that runs Find. Thread safety: any thread.
+// Chunk rows of sealed recordings, which nobody reads any more: their blob has them. A thread of
+// its own deletes them in portions between the commits of others. Why not with the seal: the rows
+// of stations that streamed at the same time are interleaved, each on a page that must be written;
+// a class that seals together held up everybody's commits for seconds. The next process that runs
+// Find deletes the leftovers of a killed one. Thread safety: any thread.
 class SealedRows {
  public:
   // `rows` outlives it.

@@ -12,8 +12,8 @@
 #include "server/storage/recordings/ingest_rows.h"
 #include "server/training/types.h"
 
-// Private to server/storage/attempts: a recording inside a transaction, while it comes in and
-// after.
+// Private to server/storage/attempts: a recording inside a transaction, during and after its
+// upload.
 namespace enamel::server {
 
 // The part of an attempt's row that a recording changes.
@@ -33,24 +33,24 @@ struct Ingest {
   bool exam = false;
 };
 
-// To look at, or to decide on: then nobody else changes it before the transaction's end.
+// To read, or to decide: then nobody else changes it before the transaction's end.
 enum class Look { kOnly, kToDecide };
 // Errors: kNotFound.
 Result<Ingest> FindIngest(Db& db, const Uuid& attempt, Look look);
 
 // Errors: kNotFound (nothing was recorded).
 Result<Bytes> HeaderOf(Db& db, const Uuid& attempt);
-// In order, as they are kept under the person's key; none once the attempt's blob has them.
+// In order, still encrypted under the person's key; none once the attempt's blob has them.
 Result<std::vector<Bytes>> ChunksOf(Db& db, const Uuid& attempt);
 // kNotFound: a retention rule removed it.
 Status Expired(const Uuid& attempt);
 
-// A chunk that contradicts what is committed is kept beside it. `sealed`: under the person's key.
+// Keeps a chunk that contradicts the committed one. `sealed`: under the person's key.
 Status KeepEvidence(Db& db, const ChunkPut& chunk, ByteView sealed);
 Status Quarantine(Db& db, const Uuid& attempt, const std::string& problem);
-// What a second recording made with the same ticket leaves: a copy of a station's folder can use
-// its tickets once more. Which of the two came first says nothing, so neither is taken for the
-// right one: the attempt is flagged, what is committed stays, and the reason names the other.
+// Records a second recording made with the same ticket: a copy of a station's folder can use its
+// tickets once more. The order of arrival proves nothing, so neither counts as the right one: the
+// attempt is flagged, the committed part stays, and the reason names the other.
 Status Contradicted(Db& db, const Uuid& attempt, const std::string& problem);
 
 }  // namespace enamel::server

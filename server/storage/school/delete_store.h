@@ -8,12 +8,11 @@
 
 namespace enamel::server {
 
-// Deletes all that a school has, wherever it is: the keys first, so that no recording can be read
-// from then on, then rows, blobs and the folder; also what is damaged. There is no way back but a
-// backup. `database`: where it is; none: in the folder. What is in S3 stores has to have a prefix
-// of its own. After a failure again.
-// Errors: kUnavailable, field kServerHasIt (a server has not let go of it); kConflict (no prefix of
-// its own); those of the stores.
+// Deletes all data of a school, wherever it is, even if damaged: the keys first, so that no
+// recording can be read from then on, then rows, blobs and the folder. Only a backup brings it
+// back. `database`: its place; none: in the folder. Data in S3 stores must have a prefix of its
+// own. After a failure, call it again. Errors: kUnavailable, field kServerHasIt (a server still
+// serves it); kConflict (no prefix of its own); those of the stores.
 Status DeleteStore(const std::filesystem::path& folder,
                    const std::optional<DatabaseFile>& database);
 

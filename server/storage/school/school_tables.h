@@ -23,9 +23,9 @@ struct Table {
   std::vector<size_t> key;  // which of them are the primary key, in its order
 };
 
-// Every table of the newest schema, each after those that it refers to, but for what is one
-// installation's and no school's: where blobs and keys are, what servers tell each other while they
-// run. Read from a SQLite database that has the schema; PostgreSQL has the same tables and columns
+// Every table of the newest schema, each after those that it refers to, without those of the
+// installation: places of blobs and keys, and messages between running servers. Read from a SQLite
+// database that has the schema; PostgreSQL has the same tables and columns
 // (tests/server/storage/pg_schema_test.cpp).
 Result<std::vector<Table>> TablesOfSchool(sql::Db& sqlite);
 
@@ -44,8 +44,8 @@ using RowProgress = std::function<void(const std::string& table, uint64_t rows)>
 // Part of a transaction of the caller's, in which both see one moment. Errors: the database's.
 Result<std::vector<TableDigest>> DigestRows(sql::Db& db, const std::vector<Table>& tables,
                                             const RowProgress& progress = {});
-// The same of what is read from `from`, and puts it into `to`, whose tables have no rows but those
-// that a migration makes: these go first. Part of a transaction of the caller's in each.
+// Copies the rows of `from` into `to` and returns their digests. `to` has no rows but those that a
+// migration makes: these are deleted first. Part of a transaction of the caller's in each.
 Result<std::vector<TableDigest>> CopyRows(sql::Db& from, sql::Db& to,
                                           const std::vector<Table>& tables,
                                           const RowProgress& progress = {});

@@ -18,7 +18,7 @@ struct AssignmentFilter {
   std::optional<Uuid> of_instructor{};  // of this person's cohorts, and those for everybody
 };
 
-// What is assigned to whom, and on which terms.
+// Assignments: the exercise, the cohort and the terms.
 class AssignmentRows {
  public:
   explicit AssignmentRows(Transactions& rows) : rows_(rows) {}

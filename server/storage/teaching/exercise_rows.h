@@ -35,24 +35,24 @@ class ExerciseRows {
   Result<std::vector<ExerciseRow>> ExercisesIn(ExerciseState state);
   // All of a name, the draft first, then newest first.
   Result<std::vector<ExerciseRow>> ExerciseVersions(const std::string& name);
-  // Whoever first puts or publishes an exercise of a name owns the name: an instructor, whose
-  // exercises are private until they are shared; of anybody else it is the school's, and shared.
-  // Changes that for all versions of the exercise's name. Errors: kNotFound, kInvalidInput with
-  // field "owner_id" (not an instructor who may sign in).
+  // The first person to put or publish an exercise of a name owns the name: an instructor, whose
+  // exercises are private until they are shared; otherwise the school owns it, and it is shared.
+  // Changes owner and sharing for all versions of the exercise's name. Errors: kNotFound,
+  // kInvalidInput with field "owner_id" (not an instructor who may sign in).
   Result<ExerciseRow> ShareExercise(const Uuid& id, const SharingEdit& edit, const Actor& by);
-  // Drafts: name, title, content, scene and graded of `row` count. A `revision` that is not the
+  // Drafts: uses name, title, content, scene and graded of `row`. A `revision` that is not the
   // stored one: kConflict with field "revision", somebody else was first. Errors also: kConflict (a
-  // draft of that name is there; not a draft), kNotFound (exercise, scene).
+  // draft of that name exists; not a draft), kNotFound (exercise, scene).
   Result<ExerciseRow> PutDraft(const ExerciseRow& row, const Actor& by);
   Result<ExerciseRow> ReplaceDraft(const ExerciseRow& row, const Actor& by);
   Status DeleteDraft(const Uuid& id, int32_t revision, const Actor& by);
   // The draft becomes the next version; kConflict when it says what the newest one says.
   Result<ExerciseRow> PublishDraft(const Uuid& id, int32_t revision, const Actor& by);
-  // No version of the name can be assigned any more, until one is published or offered again. What
-  // is assigned stays so and can be finished: retiring ends no assignment. `reason`, for the audit
+  // No version of the name can be assigned any more, until one is published or offered again.
+  // Existing assignments stay and can be finished: retiring ends none. `reason`, for the audit
   // trail. Errors also: kConflict, field "assignment", while an exam is open or being taken.
   Status RetireExercise(const Uuid& id, const Actor& by, const std::string& reason = {});
-  // What was retired is as it was before. Errors: kConflict where nothing of the name is retired.
+  // Restores the retired versions. Errors: kConflict if no version of the name is retired.
   Status OfferExerciseAgain(const Uuid& id, const Actor& by);
 
  private:

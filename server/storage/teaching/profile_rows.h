@@ -23,12 +23,12 @@ class ProfileRows {
   Result<std::vector<ProfileRow>> Profiles();  // newest versions, by name
   // Newest first; empty when there is no such profile.
   Result<std::vector<ProfileRow>> ProfileVersions(const std::string& name);
-  // About the newest version. The same content again: the row that is there. Errors: kNotFound (the
-  // profile, the blob).
+  // About the newest version. The same content again returns the existing row. Errors: kNotFound
+  // (the profile, the blob).
   Result<ProfileReportRow> AddProfileReport(const ProfileReportRow& row, const Actor& by);
   Result<std::vector<ProfileReportRow>> ProfileReports(const std::string& profile);
   Result<ProfileReportRow> ProfileReportById(const Uuid& id);
-  // The same document again: the row that is there. Errors: kNotFound (the profile).
+  // The same document again returns the existing row. Errors: kNotFound (the profile).
   Result<CalibrationRow> AddCalibration(const CalibrationRow& row, const Actor& by);
   // Newest measurement first.
   Result<std::vector<CalibrationRow>> Calibrations(const std::string& profile);

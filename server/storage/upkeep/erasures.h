@@ -15,10 +15,10 @@
 
 namespace enamel::server {
 
-// What was removed with a person.
+// The data removed with a person.
 struct ErasureReport {
   size_t attempts = 0, references = 0, blobs = 0;
-  // False: copies of what was erased may be in unused parts of the database until FinishErasures.
+  // False: copies of erased data may be in unused parts of the database until FinishErasures.
   bool finished = true;
 };
 
@@ -29,8 +29,8 @@ class Erasures {
            SealedRows* sealed)
       : rows_(rows), rewriter_(rewriter), keyring_(keyring), blobs_(blobs), sealed_(sealed) {}
 
-  // What is erased here, in the key ring or in the database, is erased in both: after a restore of
-  // either, and after a crash in between. Leaves the rest to FinishErasures.
+  // Brings key ring and database in line: people erased in one are erased in both, after a restore
+  // of either and after a crash in between. Leaves the rest to FinishErasures.
   Status Reconcile();
   // Erases a person: key, attempts with everything made from them, sessions, memberships, name. The
   // audit trail keeps the id, which nothing leads to any more, and a tombstone stays, so that the
@@ -45,10 +45,10 @@ class Erasures {
   Status FinishErasures();
 
  private:
-  // By the key ring or the database, and from now on by both, unless the key ring is away: then
-  // FinishErasures asks again. Errors: those of Keyring but kUnavailable.
+  // People erased in the key ring or the database, and from now on in both. If the key ring is
+  // unreachable, FinishErasures asks again. Errors: those of Keyring but kUnavailable.
   Result<std::vector<Tombstone>> AllErased();
-  // Who is among them and in the database: it was restored, or an erasure broke off.
+  // Erases those of them that are in the database: it was restored, or an erasure broke off.
   Status EraseAgain();
 
   std::atomic<bool> due_{false};  // the key ring was away

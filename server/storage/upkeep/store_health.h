@@ -44,7 +44,7 @@ inline constexpr int64_t kMostClockOffMs = 5000;
 // Says how the store does. Thread safety: any thread.
 class StoreHealthCheck {
  public:
-  // What it looks at.
+  // The parts it checks.
   struct Parts {
     std::filesystem::path folder;
     SpaceGuard& space;
@@ -58,7 +58,7 @@ class StoreHealthCheck {
   };
   explicit StoreHealthCheck(Parts parts) : parts_(std::move(parts)) {}
 
-  // Never fails: trouble is what it tells.
+  // Never fails: it reports trouble.
   StoreHealth Health();
   // After a write that failed: writes something small, so that Health knows whether writing works
   // again. Else nothing.

@@ -11,8 +11,8 @@
 
 namespace enamel::server {
 
-// Called now and then on the calling thread: what is being done ("blobs"), how much of how much.
-// `all` is 0 where nobody knows.
+// Called now and then on the calling thread: the current step ("blobs"), how much of how much.
+// `all` is 0 if unknown.
 using UpkeepProgress = std::function<void(const std::string& what, uint64_t done, uint64_t all)>;
 
 // One disagreement.

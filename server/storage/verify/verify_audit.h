@@ -9,10 +9,9 @@
 
 namespace enamel::server {
 
-// Compares the audit trail with its signatures, and everything that people decide about with what
-// the trail's last row about it states (schemas/audit.md). `key`: this server's ticket key; none:
-// signatures are not looked at. `earlier`: where the trail ended in a backup. Adds to the report's
-// findings and counts.
+// Checks the audit trail's signatures, and compares every decision with the trail's last row about
+// it (schemas/audit.md). `key`: this server's ticket key; none: signatures are not checked.
+// `earlier`: the end of the trail in a backup. Adds to the report's findings and counts.
 Status CheckAudit(sql::Db& db, const std::optional<trace::PublicKey>& key,
                   const std::vector<AuditHead>& earlier, VerifyReport& report,
                   const UpkeepProgress& progress);

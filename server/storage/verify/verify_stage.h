@@ -5,9 +5,9 @@
 
 namespace enamel::server {
 
-// Compares how far each attempt is with what has to be there for it: header, recording, score, runs
-// (schemas/audit.md, "How far an attempt is"). That one is quarantined is a decision, which
-// CheckAudit compares. Adds to the report's findings.
+// Compares the state of each attempt with its stored parts: header, recording, score, runs
+// (schemas/audit.md, "How far an attempt is"). Quarantine is a decision, which CheckAudit compares.
+// Adds to the report's findings.
 Status CheckStages(sql::Db& db, VerifyReport& report);
 
 }  // namespace enamel::server
