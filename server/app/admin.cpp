@@ -113,7 +113,7 @@ Result<Uuid> CohortByName(CohortRows& cohorts_rows, const std::string& name) {
 }
 
 Result<Person> PersonNamed(PeopleRows& people, const std::string& login) {
-  // Logins are stored in lower case, so that what is typed here finds its person in any case.
+  // Logins are stored in lower case, so that a login typed in any case finds its person.
   ENAMEL_ASSIGN_OR_RETURN(auto checked, CheckedLogin(login));
   return people.PersonByLogin(checked);
 }

@@ -60,7 +60,7 @@ class PasswordFile {
     written_ = text;
     return Status::Ok();
   }
-  // Nobody else knows what is in it from now on.
+  // Keeps the file: from now on it is the only copy of its content.
   void Keep() { kept_ = true; }
 
  private:
@@ -111,7 +111,7 @@ Status Refusal(const roster::ImportResult& result) {
                                    ", listed above; nothing was changed"};
 }
 
-// What is new gets its passwords into a file that was made before.
+// New people's passwords go into a file that was created before.
 Status Import(RosterRows& roster_rows, std::string_view csv, const RosterCommand& command,
               roster::ImportOptions options, size_t fresh) {
   std::optional<PasswordFile> file;
@@ -140,8 +140,7 @@ Status Import(RosterRows& roster_rows, std::string_view csv, const RosterCommand
   }
   if (file && !result.passwords.empty()) {
     file->Keep();
-    // Nearly always what is in it already: only where somebody else added people meanwhile it is
-    // not.
+    // Nearly always the same content: it differs only if somebody else added people meanwhile.
     ENAMEL_RETURN_IF_ERROR(file->Write(result.passwords));
   }
   ShowOutcome(result);

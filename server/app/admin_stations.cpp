@@ -76,8 +76,8 @@ Status ListStations(const std::filesystem::path& data) {
 Status ListAwaited(const std::filesystem::path& data) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
   AuditFilter filter;
-  // What waits is at the stations and in no table here. The audit trail is the one place where each
-  // refusal left what it was about.
+  // Waiting recordings are at the stations and in no table here. Only the audit trail has the
+  // missing thing of each refusal.
   filter.action = "attempt.awaits";
   filter.limit = 1000;
   ENAMEL_ASSIGN_OR_RETURN(auto rows, store->audit.FindAudit(filter));
@@ -87,7 +87,7 @@ Status ListAwaited(const std::filesystem::path& data) {
     auto attempt = Uuid::Parse(row.object);
     if (!attempt.ok() || !seen.insert(row.object).second) continue;
     auto known = store->attempts.AttemptById(*attempt);
-    // Taken since: what it waited for has come back.
+    // Taken since: the missing thing has come back.
     if (known.ok()) continue;
     if (known.status().code() != Code::kNotFound) return known.status();
     ++waiting;

@@ -60,8 +60,8 @@ std::vector<Mark> Computed(const std::vector<Scored>& attempts) {
   return out;
 }
 
-// By id and without names, points or pictures: who marks looks at the attempt's page, which shows
-// an instructor the computed points as well, so that looking away is left to them.
+// By id and without names, points or pictures. Examiners look at the attempt's page, which shows an
+// instructor the computed points as well: they must look away themselves.
 Status WriteBlank(const std::filesystem::path& file, const std::vector<Scored>& attempts) {
   if (std::filesystem::exists(file)) {
     return Status(Code::kConflict, file.string() + " is there already; name a new file");

@@ -46,7 +46,7 @@ Status Init(const InitCommand& command) {
   return InitData(command.data);
 }
 
-// Makes the certificate unless it is there; its fingerprint.
+// Creates a missing certificate; returns its fingerprint.
 Result<Sha256> EnsureCertificate(const std::filesystem::path& certificate,
                                  const std::filesystem::path& private_key,
                                  const std::string& name) {
@@ -89,7 +89,7 @@ Status TakeIdentity(const std::filesystem::path& folder, const std::filesystem::
                       "that has the same, or a new data folder",
                   "identity");
   }
-  // First what it is: no key is written where others may look in.
+  // Checks the folder first: no key is written where others may read it.
   if (!missing.empty()) {
     ENAMEL_RETURN_IF_ERROR(MakeDataFolder(folder, SystemDisk(), /*restoring=*/moving));
   }

@@ -41,8 +41,7 @@ int main(int argc, char** argv) {
   root.set_version_flag("--version", std::string(app::kSoftware));
   std::function<Status()> command;
   const app::CommandGroup top{root, command};
-  // Each declares itself and says what is to run; nothing runs until the whole line has been
-  // parsed.
+  // Each command declares itself and its action; nothing runs until the whole line has been parsed.
   app::DeclareServe(top);
   app::DeclareWork(top);
   app::DeclareInit(top);

@@ -38,7 +38,7 @@ class Exporter {
                         {"disabled", person.disabled},
                         {"created_ms", person.created_ms},
                         {"language", person.language}}}};
-    // export.json last: when it is there, the files it names are.
+    // export.json last: if it exists, so do the files it names.
     ENAMEL_RETURN_IF_ERROR(AddCohorts(person, root));
     ENAMEL_RETURN_IF_ERROR(AddSessions(person, root));
     ENAMEL_RETURN_IF_ERROR(AddAttempts(person, root));
@@ -190,7 +190,7 @@ class Exporter {
     return Write(path, *content);
   }
 
-  // What was said about it.
+  // Remarks, appeals and reasons about it.
   Status AddWords(const AttemptRow& row, json::object& facts) {
     ENAMEL_ASSIGN_OR_RETURN(auto remarks, store_.remarks.AnnotationsOf(row.id));
     json::array annotations;

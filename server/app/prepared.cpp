@@ -32,8 +32,8 @@ Result<cutting::Volume> VolumeOf(StoredBlobs& blobs, const Sha256& blob) {
   return scene::DecodeVolume(bytes);
 }
 
-// The scene of the tooth that a reference left. Whose cut it was is not in it: documents go to
-// every station.
+// The scene of the tooth that a reference left. It does not name the reference's author: documents
+// go to every station.
 scene::Scene PreparedScene(const scene::Scene& from, const ExerciseRow& exercise,
                            const Sha256& volume) {
   scene::Scene out = from;

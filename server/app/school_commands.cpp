@@ -18,8 +18,8 @@
 namespace enamel::server::app {
 namespace {
 
-// A server looks at the list every two seconds, and somebody may take a minute to read a large
-// answer; one that died holds a school's rows for 20 s.
+// A server reads the list every two seconds, and somebody may take a minute to read a large answer;
+// a server that died holds a school's rows for 20 s.
 constexpr std::chrono::seconds kLetGo{90};
 
 Result<std::unique_ptr<Store>> OpenInstallation(const std::filesystem::path& data) {

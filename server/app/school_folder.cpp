@@ -42,7 +42,7 @@ fs::path SchoolFolder(const fs::path& installation, const std::string& name) {
 std::optional<fs::path> InstallationOf(const fs::path& folder) {
   std::error_code error;
   if (!fs::exists(folder / kSchoolFile, error)) return std::nullopt;
-  // As it was named: schools/NAME may be a link to another disk.
+  // The given path: schools/NAME may be a link to another disk.
   fs::path path = fs::absolute(folder, error).lexically_normal();
   if (!path.has_filename()) path = path.parent_path();  // a slash at the end
   return path.parent_path().parent_path();
@@ -50,7 +50,7 @@ std::optional<fs::path> InstallationOf(const fs::path& folder) {
 
 DatabaseFile SchoolDatabase(const fs::path& installation, const DatabaseFile& its,
                             const std::string& name) {
-  // What a file names without a leading slash is beside that file.
+  // A relative name in the file is relative to that file.
   const auto from_there = [&](std::string& path) {
     if (!path.empty()) path = fs::absolute(installation / path).lexically_normal().string();
   };

@@ -41,7 +41,7 @@ Result<Acquaintance> Knows(StationRows& stations, const wire::Request& first) {
                             stations.IsEnrolCode(HashSha256(AsBytes(first.enrol().code()))));
     return its ? Acquaintance::kKnows : Acquaintance::kNone;
   }
-  // What is no id is refused by whoever answers.
+  // The chosen school's session refuses an invalid id.
   const auto id = protocol::ReadUuid(first.hello().station_id(), "station_id");
   if (!id.ok()) return Acquaintance::kNone;
   // The credential, not the id, which is no secret: another school may have enrolled the same id.
@@ -100,7 +100,7 @@ void Schools::Look(const std::stop_token& stop) {
 
 void Schools::Read() {
   const auto rows = store_.schools.Schools();
-  // What fails is in the store's log; they stay as they are.
+  // A failure is in the store's log; the schools stay as before.
   if (!rows.ok()) return;
   std::vector<std::shared_ptr<School>> closed;
   {
@@ -167,7 +167,7 @@ void Schools::OpenOne(const std::string& name) {
     const auto at = served_.find(name);
     if (at == served_.end() || at->second.school) return;
     if (at->second.row.state != SchoolState::kServed) return;
-    // Somebody is at it still from before: its end comes first.
+    // An earlier use of it has not ended yet: that comes first.
     if (!at->second.before.expired()) return;
     row = at->second.row;
   }
@@ -255,7 +255,7 @@ Result<std::shared_ptr<stations::Services>> Schools::ServicesOf(const wire::Requ
     }
   }
   if (missing) {
-    // It may be that one's. What it has recorded stays where it is until it is.
+    // The station may belong to that school. It keeps its recordings until the school is back.
     return Status(Code::kUnavailable,
                   "no school that can be asked now admits this station, and one is suspended or "
                   "cannot be reached, so that it may be one of its: nothing is lost, come back "

@@ -39,7 +39,7 @@ constexpr char kMolarSource[] = "builtin:molar";
 std::string DemoPassword(const char* login) { return std::string("enamel-demo-") + login; }
 
 Result<Uuid> EnsurePerson(PeopleRows& people, const DemoPerson& demo) {
-  // Who is there stays as they are, also with another password or role: a second seeding undoes
+  // Existing people stay unchanged, also with another password or role: a second seeding undoes
   // nothing.
   auto found = people.PersonByLogin(demo.login);
   if (found.ok()) return found->id;

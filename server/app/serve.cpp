@@ -103,7 +103,7 @@ Result<http::HttpOptions> HttpOptionsOf(const ServeOptions& options) {
   out.web_root = options.web;
   out.host_names = LowerCase(options.host_names);
   out.trusted_proxies = options.http_proxies;
-  // Said with its fingerprint: somebody who is careful compares it with what the browser shows.
+  // Logged with its fingerprint: a careful person compares it with the browser's.
   if (options.http_self_signed) {
     ENAMEL_ASSIGN_OR_RETURN(auto made, EnsurePageCertificate(options.data, options.host_names));
     spdlog::info("page: self-signed certificate {}, SHA-256 {}; browsers ask before they trust it",
@@ -215,8 +215,7 @@ Status Serve(const ServeOptions& options) {
   ENAMEL_ASSIGN_OR_RETURN(auto link_options, LinkOptionsOf(options, identity));
   // Before anything listens.
   ENAMEL_RETURN_IF_ERROR(RefuseDemoBeyondLoopback(store.people, http_options, link_options));
-  // It travels to stations and is shown there; they refuse what is no such address, which nobody
-  // would notice here.
+  // Stations get it and show it; they refuse an invalid address, which nobody would notice here.
   if (!options.page_url.empty() && !protocol::IsPageUrl(options.page_url)) {
     return Status(Code::kInvalidInput,
                   "--page-url expects https:// or http:// and what follows, at most 200 characters "
@@ -325,8 +324,8 @@ Status Serve(const ServeOptions& options) {
   }
 
   RunUntilStopped(io, options.io_threads, stop_asked.get_future());
-  // After the connections, since a seal that was just acknowledged may still queue a job. What is
-  // cut off here is begun again after the next start.
+  // After the connections, since a seal that was just acknowledged may still queue a job. An
+  // interrupted job begins again after the next start.
   school.StopJobs();
   spdlog::info("stopped");
   return Status::Ok();

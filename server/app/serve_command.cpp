@@ -68,9 +68,9 @@ void AddOperations(CLI::App* cmd, ServeCommand& o) {
       ->capture_default_str();
 }
 
-// After the command line: the environment, the file, and what is needed from either.
+// After the command line: the environment, the file, and required settings.
 Status FinishServe(CLI::App& cmd, ServeCommand& o) {
-  // Each fills only what is not set yet, so the order is the order of precedence.
+  // Each sets only options not set yet, so the order is the order of precedence.
   ENAMEL_RETURN_IF_ERROR(program::ReadEnvironment(cmd));
   if (!o.config.empty()) ENAMEL_RETURN_IF_ERROR(program::ReadSettingsFile(o.config, cmd));
   // Not the parser's `required()`: it asks before environment and file have been read.
@@ -86,8 +86,8 @@ Status FinishServe(CLI::App& cmd, ServeCommand& o) {
     return Status(Code::kInvalidInput,
                   "--http-self-signed makes the certificate that --http-cert gives; choose one");
   }
-  // Last: format and level may have come from the file. What was refused above was said in the
-  // format that `main` chose.
+  // Last: format and level may have come from the file. Earlier refusals used the format that
+  // `main` chose.
   return program::SetUpLog(o.log);
 }
 
@@ -112,7 +112,7 @@ void DeclareServe(CommandGroup root) {
       "  enamel-server serve --config /etc/enamel/server.toml     as a service (server/ops)\n\n"
       "Watch it with GET /healthz (503 when no recordings are taken) and GET /metrics "
       "(Prometheus).");
-  // Not by Declare: what it runs wants the command itself, for the other places settings come from.
+  // Not by Declare: the action needs the command itself, for the other sources of settings.
   cmd->callback([options, cmd, &chosen = root.chosen] {
     chosen = [options, cmd]() -> Status {
       ENAMEL_RETURN_IF_ERROR(FinishServe(*cmd, *options));

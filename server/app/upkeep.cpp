@@ -124,8 +124,8 @@ Status Backup(const BackupCommand& command) {
     Say("the keys are in {}: without them no recording of this backup can be read\n",
         command.keyring.string());
   }
-  // Not a failure of the backup: what is whole is safe in it, and an older backup may have the
-  // rest. The exit code says that somebody has to look.
+  // Not a failure of the backup: it has everything undamaged, and an older backup may have the
+  // rest. The exit code shows that somebody has to look.
   json::array missing;
   for (const Sha256& hash : report->missing) missing.emplace_back(hash.Hex());
   size_t lost = missing.size();

@@ -23,8 +23,7 @@ std::string AddressBlock(const std::string& address) {
   if (inet_pton(AF_INET6, address.c_str(), &v6) != 1) return address.substr(0, 64);
   // A listener on [::] sees IPv4 peers so; they are the same peers.
   if (IN6_IS_ADDR_V4MAPPED(&v6)) return Text(AF_INET, std::begin(v6.s6_addr) + 12);
-  // A /64 is what one household or computer is given: within it an address can be had for each
-  // guess.
+  // One household or computer gets a /64: it can use another address of it for each guess.
   std::fill(std::begin(v6.s6_addr) + 8, std::end(v6.s6_addr), uint8_t{0});
   return Text(AF_INET6, &v6) + "/64";
 }

@@ -19,7 +19,7 @@
 namespace enamel::server::auth {
 namespace {
 
-// Idle time is renewed in the store at most this often: requests of a page come in bursts.
+// The store renews the idle time at most this often: requests of a page come in bursts.
 constexpr UnixMs kTouchEveryMs = 60'000;
 // A clock that is set back by more than this ends the sessions made before: they would last longer
 // than they may, by as much.
@@ -159,7 +159,7 @@ boost::asio::awaitable<Status> Authenticator::Admitted(std::string login, std::s
     hold = throttle_.Admit(login, address, CountedAt());
   }
   if (!hold.ok()) co_return NotAdmitted(login, address, via, hold.status());
-  // Held on a timer: no thread waits, and the connection is answered when its turn has come.
+  // Held on a timer: no thread waits, and the connection gets its answer when its turn comes.
   if (*hold > 0) {
     boost::asio::steady_timer turn(co_await boost::asio::this_coro::executor,
                                    std::chrono::milliseconds(*hold));
@@ -244,7 +244,7 @@ Status Authenticator::TakeOneTimePassword(const Person& person, const std::strin
   return taken.code() == Code::kNotFound ? used : taken;
 }
 
-// Of whomever it was: the browser has no way back to it.
+// Whichever person's it was: the browser has no way back to it.
 void Authenticator::EndEarlier(const SignInRequest& request) {
   auto token = FromHex(request.earlier);
   if (!token.ok() || token->size() != kTokenBytes) return;

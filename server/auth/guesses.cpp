@@ -22,7 +22,7 @@ constexpr size_t kMostPieces = 12;
 constexpr size_t kShortestWord = 3;
 constexpr double kYears = 120;
 
-// What is at hand here and in German-speaking schools, whose words the list of leaked ones lacks.
+// Words of dentistry and of German-speaking schools, which the list of leaked ones lacks.
 constexpr std::string_view kWordsAtHand[] = {
     "passwort", "kennwort", "willkommen", "geheim", "hallo", "schatz", "enamel", "dentin", "dental",
     "dentist", "dentistry", "tooth", "teeth", "molar", "incisor", "cavity", "zahn", "zahnarzt",
@@ -106,7 +106,7 @@ double LogOfCapitals(std::string_view text) {
   return static_cast<double>(std::min(upper, lower)) * std::log10(static_cast<double>(text.size()));
 }
 
-// A password, read in every way that matters, and what was found in it.
+// A password, read in every way that matters, and the pieces found in it.
 class Reading {
  public:
   Reading(std::string_view text, const std::vector<std::string>& known)
@@ -365,7 +365,7 @@ void Reading::AddDates() {
 // A letter of any script: names are not of ASCII alone.
 bool IsLetter(char c) { return IsLower(c) || IsDigit(c) || static_cast<unsigned char>(c) >= 0x80; }
 
-// What is known as a whole, its words, and those written together.
+// The known texts as a whole, their words, and those joined.
 std::vector<std::string> PartsOf(const std::vector<std::string_view>& known) {
   std::vector<std::string> out;
   for (std::string_view one : known) {

@@ -34,7 +34,7 @@ struct Rule {
   int64_t max_ms;  // longest delay
 };
 
-// Also what was counted later than now: a clock that was set back must keep nobody out.
+// Also counters of a later time than now: a clock that was set back must keep nobody out.
 bool IsForgotten(const SignInCounter& counter, UnixMs now_ms) {
   return counter.until_ms == 0 || now_ms > counter.until_ms ||
          counter.last_ms > now_ms + kClockSlackMs;

@@ -20,7 +20,7 @@ std::string CsrfFor(ByteView token) {
   static constexpr std::string_view kPurpose = "enamel csrf 1";
   Bytes out(32);
   // BLAKE2b keyed with the token, over a purpose: the page may show this value, and it leads back
-  // neither to the token nor to what the store keeps of it.
+  // neither to the token nor to the store's copy.
   crypto_generichash(out.data(), out.size(), AsBytes(kPurpose).data(), kPurpose.size(),
                      token.data(), std::min<size_t>(token.size(), crypto_generichash_KEYBYTES_MAX));
   return ToHex(out);

@@ -49,8 +49,8 @@ Status CheckRole(Need need, const Person& person) {
 }
 
 Status CheckCsrf(const Request& request, const auth::Identity& caller) {
-  // A read changes nothing, and what it answers another site's page cannot see: no session cookie
-  // goes along from there (SameSite=Strict), and no header here lets it read.
+  // A read changes nothing, and another site's page cannot see its answer: no session cookie goes
+  // along from there (SameSite=Strict), and no header here lets it read.
   if (IsSafe(request.method)) return {};
   // In constant time: how long a comparison takes would otherwise tell how much of a guess is
   // right.
@@ -160,8 +160,8 @@ void Api::AddFigures(ops::MetricsText& text) const {
 }
 
 void Api::EndWork() {
-  // A pool's destructor waits for what its threads are doing. Nobody posts any more: the
-  // connections have ended.
+  // A pool's destructor waits for its running work. Nobody posts any more: the connections have
+  // ended.
   pool_.reset();
   apart_.reset();
   teeth_.reset();
@@ -267,8 +267,8 @@ asio::awaitable<Response> Api::Answer(const Request& request) {
 
 asio::awaitable<Response> Api::Asynchronous(Call& call, const Route& route) {
   AsyncHandler handler = std::get<AsyncHandler>(route.handler);
-  // The session is looked up in the database, hence on a store's thread; the handler then waits on
-  // its own for whatever it needs.
+  // The session is in the database, hence a store's thread looks it up; the handler then does its
+  // own waiting.
   Result<auth::Identity> caller = co_await pool_->Run([&] {
     const LogRequest logged(call.request.id);
     return Identify(call.request);
@@ -276,7 +276,7 @@ asio::awaitable<Response> Api::Asynchronous(Call& call, const Route& route) {
   if (!caller.ok()) co_return ErrorResponse(caller.status());
   call.caller = &*caller;
   Status allowed = CheckAllowed(call.request, route, *caller);
-  // Not in one expression: g++ 12 destroys what a co_await in ?: gave twice.
+  // Not in one expression: g++ 12 destroys the result of a co_await in ?: twice.
   if (allowed.ok()) co_return co_await handler(call, store_);
   Response refused = ErrorResponse(allowed);
   // The check of a wrong password has already noted it.
@@ -285,7 +285,7 @@ asio::awaitable<Response> Api::Asynchronous(Call& call, const Route& route) {
   co_return refused;
 }
 
-// What a page of ours asks on the way (confirm_password, change_password) is no refusal.
+// Answers that our page expects on the way (confirm_password, change_password) are no refusals.
 void Api::NoteForbidden(const Call& call, const Route& route, const Response& response) {
   if (response.refusal != CodeName(Code::kForbidden)) return;
   ++forbidden_;

@@ -37,8 +37,8 @@ constexpr size_t kJoinedBytes = 16 * 1024;
 // A refused upload is read on for this much and this long, and no further.
 constexpr size_t kMaxDrainBytes = 4 * kMaxBodyBytes;
 constexpr std::chrono::milliseconds kDrain{1000};
-// How often a viewer is shown what is new (all viewers at the same moments), and how long nothing
-// may be sent. The system keeps little for a viewer who does not read.
+// How often viewers get new events (all at the same moments), and how long nothing may be sent. The
+// system buffers little for a viewer who does not read.
 constexpr std::chrono::milliseconds kEventPeriod{100};
 constexpr std::chrono::seconds kEventSilence{15};
 constexpr int kEventSendBuffer = 64 * 1024;
@@ -56,8 +56,8 @@ std::string TextOf(const EventSource::Event& event, bool silent_for_long) {
   return text.empty() && silent_for_long ? ":\n\n" : text;
 }
 
-// The next moment at which viewers are shown what is new: the same for all of them, so that fifty
-// viewers wake the server ten times a second and not five hundred times.
+// The next moment at which viewers get new events: the same for all of them, so that fifty viewers
+// wake the server ten times a second and not five hundred times.
 std::chrono::steady_clock::time_point NextEventMoment() {
   auto since = std::chrono::steady_clock::now().time_since_epoch();
   return std::chrono::steady_clock::time_point((since / kEventPeriod + 1) * kEventPeriod);
@@ -93,8 +93,8 @@ class HttpConnection : public AcceptedConnection,
   void BeginStop() override {
     asio::post(strand_, [self = shared_from_this()] {
       self->stopping_ = true;
-      // One that is doing a request ends by itself after its answer (`keep_alive` looks at
-      // `stopping_`).
+      // A connection with a request in progress ends by itself after its answer (`keep_alive`
+      // checks `stopping_`).
       if (self->idle_) self->stream_.Close();
     });
   }
@@ -175,8 +175,8 @@ asio::awaitable<bool> HttpConnection::ServeOne() {
     co_await WriteEvents(std::move(response));
     co_return false;
   }
-  // A peer who does not take its answer holds a place; it goes when others need one, but after
-  // those who have not even asked.
+  // A peer that does not read its answer holds a place. It gives way when others need one, but
+  // after peers that have not even sent a request.
   gives_way_ = GivesWay::kAfterOthers;
   bool written = co_await Write(response, head_only, keep_alive);
   if (written && !keep_alive) co_await Drain();
@@ -267,7 +267,7 @@ asio::awaitable<void> HttpConnection::Drain() {
 asio::awaitable<void> HttpConnection::WriteEvents(Response response) {
   using Clock = std::chrono::steady_clock;
   error_code ignored;
-  // What a viewer has not read is stale: little of it is kept, and the newest event is taken when
+  // Unread events are stale: the socket buffers few of them, and the newest event is sent when
   // there is room again.
   stream_.socket().set_option(asio::socket_base::send_buffer_size(kEventSendBuffer), ignored);
   AddCommonHeaders(response, context_->secure());

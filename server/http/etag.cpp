@@ -29,7 +29,7 @@ Result<int32_t> IfMatch(const Request& request) {
   std::string_view digits = quoted ? text.substr(1, text.size() - 2) : std::string_view();
   auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), revision);
   bool whole = error == std::errc() && end == digits.data() + digits.size();
-  // One spelling for each revision, so that "07" is not taken for what was given out as "7".
+  // One spelling for each revision, so that "07" does not match an issued "7".
   if (quoted && whole && revision > 0 && digits.front() != '0') return revision;
   return Status{
       Code::kInvalidInput,

@@ -91,11 +91,11 @@ bool IsReadable(std::string_view text) {
       text, [](unsigned char c) { return (c < 0x20 && c != '\n' && c != '\t') || c == 0x7f; });
 }
 
-// What was found where something else was expected, cut short.
+// The unexpected value, cut short.
 std::string Shown(const json::value* found) {
   constexpr size_t kMost = 80;
   if (!found) return "none";
-  // Before it is quoted: a refusal must not be as long as what it refuses.
+  // Before quoting it: a refusal must not be as long as the refused value.
   if (found->is_string() && found->get_string().size() > kMost) {
     return "text of " + std::to_string(found->get_string().size()) + " bytes";
   }
@@ -165,7 +165,7 @@ void BodyReader::Refuse(std::string_view name, const std::string& expected) {
 }
 
 const json::value* BodyReader::Find(std::string_view name) {
-  // Finish compares the body's members with what was asked for. So a misspelt optional member is
+  // Finish compares the body's members with the requested ones. So a misspelt optional member is
   // refused, and does not count as left out.
   asked_.emplace_back(name);
   return object_.if_contains(name);

@@ -216,8 +216,8 @@ RouteMatch FindRoute(Method method, std::string_view path) {
   // HEAD is GET without the body, which the connection leaves out.
   Method wanted = method == Method::kHead ? Method::kGet : method;
   RouteMatch out;
-  // One after another: some eighty comparisons of short texts, next to a question to the database.
-  // The whole table is walked because a 405 has to name what is allowed.
+  // One after another: some eighty comparisons of short texts, next to a query to the database. The
+  // loop reads the whole table because a 405 has to name the allowed methods.
   for (const Route& route : kRoutes) {
     std::optional<std::string_view> id = Match(route.pattern, path);
     if (!id) continue;

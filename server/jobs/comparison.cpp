@@ -9,7 +9,7 @@ Result<bool> HasComparison(StoredBlobs& blobs, ReferenceRows& references,
   ENAMEL_ASSIGN_OR_RETURN(const auto reference, references.ReferenceFor(version.id));
   if (reference) return true;
   const auto text = blobs.GetBlob(version.content);
-  // A document that cannot be read names nothing; who needs it for more says what is wrong with it.
+  // An unreadable document names nothing; code that needs more of it reports the error.
   if (!text.ok()) return false;
   const auto exercise = scene::ExerciseFromJson(AsText(*text));
   return exercise.ok() && !exercise->target.prepared.IsZero();

@@ -165,7 +165,7 @@ Status CheckExercise(StoredBlobs& blobs, const scene::Exercise& exercise) {
   }
   ENAMEL_RETURN_IF_ERROR(CheckBur(exercise));
   const auto text = blobs.GetBlob(exercise.scene);
-  // Whether it is stored is asked elsewhere.
+  // Another check finds out whether it is stored.
   if (!text.ok()) return Status::Ok();
   const auto scene = scene::SceneFromJson(AsText(*text));
   if (!scene.ok()) return Status::Ok();

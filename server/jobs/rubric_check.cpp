@@ -49,7 +49,7 @@ Result<cutting::Volume> ToothOf(StoredBlobs& blobs, const Sha256& hash) {
   return scene::DecodeVolume(blob);
 }
 
-// What it measures against itself, of the groups that `rubric` asks for.
+// The reference's metrics against itself, of the groups that `rubric` uses.
 Result<scoring::MetricSet> MeasuredAgainstItself(Store& store, const ExerciseRow& row,
                                                  const Uuid& reference,
                                                  const scene::Rubric& rubric) {

@@ -133,8 +133,8 @@ class ScoreJob {
     return LoadVolume();
   }
 
-  // The recording names the exercise's document, which never changes; what is corrected is how it
-  // is judged.
+  // The recording names the exercise's document, which never changes; a correction changes only how
+  // it is judged.
   Status LoadRubric() {
     ENAMEL_ASSIGN_OR_RETURN(
         auto rubric, CountingRubric(store_.blobs, store_.rubrics, row_.exercise, exercise_.rubric));
@@ -466,8 +466,7 @@ Status RunScoreJob(Store& store, const Uuid& attempt, const JobProgress& progres
                    ReferenceCache* cache, const Uuid& lease, const trace::KeyPair* key) {
   ReferenceCache own;
   Status status = ScoreJob(store, attempt, lease, progress, cache ? *cache : own, key).Run();
-  // Anything else will be the same next time: the attempt says why, instead of the queue trying for
-  // ever.
+  // Any other error would come again: the attempt states it, instead of the queue trying forever.
   if (status.ok() || WorthAnotherTry(status)) return status;
   return store.results.FailAttempt(attempt, status.message(), lease);
 }

@@ -12,7 +12,7 @@ namespace {
 
 namespace json = boost::json;
 
-// Newton, rounded as it was recorded: 0.1 mN.
+// Newton, rounded as in the recording: 0.1 mN.
 double SizeOf_n(const std::array<int32_t, 3>& force_100un) {
   double squares = 0;
   for (int32_t part : force_100un) squares += static_cast<double>(part) * part;

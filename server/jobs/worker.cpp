@@ -143,7 +143,7 @@ bool Worker::MakeTimeline(const std::stop_token& stop) {
 
 bool Worker::MakeNextTimeline(const std::stop_token& stop) {
   auto attempt = store_.timelines.TakeTimeline();
-  // What is wrong with the database is said when the queue is asked.
+  // An error of the database is reported when the worker reads the queue.
   if (!attempt.ok() || !*attempt) return false;
   auto asked = std::chrono::steady_clock::now(), kept = asked;
   const auto nobody_waits = [&](double) {

@@ -136,8 +136,8 @@ Status CheckProxies(const std::vector<std::string>& proxies) {
 
 }  // namespace
 
-// Connections are held weakly: each lives as long as its own coroutine, so that what is waiting in
-// `io` when that is destroyed takes its connection with it, and no circle keeps either.
+// Connections are held weakly: each lives as long as its own coroutine. So destroying `io` destroys
+// the connections that wait in it, and no circle keeps either.
 struct Listener::State : std::enable_shared_from_this<State> {
   State(asio::io_context& context, ListenerOptions o, Make m, TurnAway t)
       : io(context),
@@ -293,7 +293,7 @@ std::shared_ptr<AcceptedConnection> Listener::State::AskProxy(uint64_t id, tcp::
                                         options.introduction, std::move(then));
 }
 
-// The place in `connections` stays what it was, with another in it.
+// The place in `connections` stays, with another connection in it.
 void Listener::State::Introduced(uint64_t id, tcp::socket socket, Strand its,
                                  const std::string& peer) {
   ENAMEL_CHECK(strand.running_in_this_thread());

@@ -136,8 +136,7 @@ std::string Metrics::Text() const {
 }
 
 int64_t ProcessStartedMs() {
-  // Once, so that it stays what it is: by the clock that other times are by
-  // (common/base/unix_time.h).
+  // Once, so that it stays constant: by the same clock as other times (common/base/unix_time.h).
   static const int64_t started_ms =
       UnixMs() - std::chrono::duration_cast<std::chrono::milliseconds>(
                      std::chrono::steady_clock::now() - kStarted)

@@ -35,7 +35,7 @@ void RefusalLog::Note(const Refusal& refusal) {
     // A peer that was forgotten is said again at once: a line too many and never one too few.
     if (seen_.size() > kMaxPeers) ForgetOne();
   }
-  // Names and reasons hold what a peer wrote; a line of the log stays one line.
+  // Names and reasons may hold a peer's text; a line of the log stays one line.
   if (line.size() > kMaxLineBytes) line.resize(kMaxLineBytes);
   say_(Printable(line));
 }

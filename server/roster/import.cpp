@@ -14,7 +14,7 @@ namespace {
 // Somebody mends a roster from the top; the count beside it says how many there are.
 constexpr size_t kMaxListed = 200;
 
-// A password for everybody who might be new: who is, is known inside the transaction only.
+// A password for everybody who might be new: only the transaction knows who is.
 Result<std::map<std::string, std::string>> MakePasswords(std::vector<RosterRow>& rows) {
   std::map<std::string, std::string> out;
   for (RosterRow& row : rows) {

@@ -91,8 +91,7 @@ class Reader {
                     std::to_string(columns_.size()) +
                         " as in the first row; is a comma inside a name without quotes around it?");
     }
-    // A row with a problem in any cell is left out of the plan, which compares only what was
-    // understood.
+    // A row with a problem in any cell is left out of the plan, which compares only readable rows.
     size_t before = out_.problems.size();
     RosterRow person;
     person.row = row.row;

@@ -7,7 +7,7 @@
 #include "server/training/access.h"
 #include "server/training/names.h"
 
-// Identity: hello, enrolment, sign-in; and what a station may fetch.
+// Identity: hello, enrolment, sign-in; and downloads of stations.
 namespace enamel::server::stations {
 namespace {
 
@@ -319,7 +319,7 @@ Status Session::AddAssigned(const AssignedRow& row, const std::vector<SceneRow>&
   ref.set_hands(HandsAllowedName(HandsFor(row)));
   ENAMEL_ASSIGN_OR_RETURN(auto stations, StationsText(terms));
   Status may = MayBegin(row, services_.clock(), station_->id, stations);
-  // Listed with the reason, so that a student sees what is there and why it cannot begin now.
+  // Listed with the reason, so that a student sees the exercise and why it cannot begin now.
   if (!may.ok()) ref.set_refusal(may.message());
   return Status::Ok();
 }

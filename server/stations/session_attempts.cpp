@@ -351,7 +351,7 @@ Result<wire::Reply> Session::Do(const wire::Ping& ping) {
   reply.mutable_pong()->set_nonce(ping.nonce());
   if (ping.attempt().empty()) return reply;
   ENAMEL_ASSIGN_OR_RETURN(const auto attempt, protocol::ReadUuid(ping.attempt(), "attempt"));
-  // Only what is known to be its own without the store, which a ping does not wait for (IsQuick).
+  // Only attempts known to be its own without the store, which a ping does not wait for (IsQuick).
   if (ours_.contains(attempt))
     AddRemarks(attempt, ping.shown_remark(), *reply.mutable_pong()->mutable_remarks());
   return reply;

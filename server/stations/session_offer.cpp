@@ -1,6 +1,6 @@
 #include "server/stations/session.h"
 
-// What a station still has that this server may have lost, and what it gives back.
+// Recordings that a station still has and this server may have lost, and returned tickets.
 namespace enamel::server::stations {
 namespace {
 

@@ -112,7 +112,7 @@ Result<std::set<Uuid>> StationServer::State::Revoked(const Served& served) {
   ENAMEL_ASSIGN_OR_RETURN(const auto own, services.store.stations.RevokedStations());
   std::set<Uuid> out(own.begin(), own.end());
   for (const auto& other : served) {
-    // One that fails keeps no other school's from being told; what it says is in its log.
+    // A failing school does not keep the others' stations from being ended; its log has the reason.
     const auto theirs = other->store.stations.RevokedStations();
     if (theirs.ok()) out.insert(theirs->begin(), theirs->end());
   }

@@ -18,8 +18,8 @@ bool Owns(const Person& viewer, const AttemptRow& attempt) {
 }  // namespace
 
 bool IsReleasedFirst(const AttemptRow& attempt, bool graded) {
-  // After a restore nobody knows what it was made under. Held back wrongly it can be released;
-  // shown wrongly it cannot be taken back.
+  // After a restore nobody knows its terms. A score held back wrongly can be released; one shown
+  // wrongly cannot be taken back.
   bool unknown_terms = (attempt.flags & kReadmitted) != 0 && !attempt.assignment;
   return graded || attempt.exam || unknown_terms;
 }
@@ -82,7 +82,7 @@ bool CanUseExercise(const Person& viewer, const ExerciseRow& exercise) {
 
 bool CanChangeExercise(const Person& viewer, const ExerciseRow& exercise) {
   return Is(viewer, Role::kAdmin) ||
-         // A person of no id must not own what is the school's.
+         // A person of no id must not own the school's exercises.
          (Is(viewer, Role::kInstructor) && !exercise.owner.IsZero() && exercise.owner == viewer.id);
 }
 

@@ -62,8 +62,8 @@ Gathered& Named(std::vector<Gathered>& all, const CriterionPoints& criterion) {
 void Gather(const StudentWork& work, size_t student, std::vector<Gathered>& all) {
   for (const CriterionPoints& criterion : work.criteria) {
     Gathered& to = Named(all, criterion);
-    // What is worth nothing was nobody's to lose. What was not made has no value, and its points
-    // are lost.
+    // A criterion worth nothing has no points to lose. A metric that was not measured has no value,
+    // and its points are lost.
     if (criterion.max_points <= 0) continue;
     CriterionInsight& insight = to.insight;
     ++insight.judged;

@@ -7,7 +7,7 @@
 namespace enamel::server {
 namespace {
 
-// How a cohort is written: where it was read first, or that it is there already.
+// The spelling of a cohort: as first read, or as it exists already.
 struct Spelling {
   std::string name, where;
 };

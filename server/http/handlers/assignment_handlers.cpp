@@ -215,12 +215,14 @@ Result<AssignmentRow> BeginEdit(const Call& call, AssignmentRows& assignments,
   ENAMEL_RETURN_IF_ERROR(MustBeAssignable(call, cohorts, row->cohort));
   Result<int32_t> seen = IfMatch(call.request);
   if (!seen.ok()) return seen.status();
-  // What the caller has seen, which the store compares with what is there inside its transaction.
+  // The revision that the caller has seen; the store compares it with the stored one inside its
+  // transaction.
   row->revision = *seen;
   return row;
 }
 
-// What makes other work of an assignment has to be fit for it; what was assigned stays assigned.
+// Another exercise, or a change to an exam, must fit the exercise. Otherwise the assignment stays
+// valid, even if it could not be made now.
 Status MustBeFitForTerms(const Call& call, Store& store, const AssignmentRow& now,
                          const AssignmentRow& terms) {
   if (terms.exercise != now.exercise) return MustBeAssignableNow(call, store, terms);

@@ -81,8 +81,8 @@ Result<AttemptFilter> FilterFor(const Call& call) {
   return filter;
 }
 
-// What the scoring job left, for a caller who may see it now. Once a retention rule has removed the
-// recording, of what was made from it only the score is there.
+// The results of the scoring job, for a caller who may see them now. Once a retention rule has
+// removed the recording, only the score is left.
 Result<AttemptResult> SeeResult(const Call& call, Store& store, bool needs_recording) {
   Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
   if (!seen.ok()) return seen.status();
@@ -267,7 +267,7 @@ Response GetTicks(const Call& call, Store& store) {
   if (!chunks.ok()) return ErrorResponse(chunks.status());
   Result<std::string> ticks = TickWindowJson(*chunks, *from, *to);
   if (!ticks.ok()) {
-    // What is stored is checked when it comes: that it cannot be read is damage of ours.
+    // Recordings are checked on arrival: an unreadable one is damage of ours.
     return ErrorResponse(ticks.status().field() == "to"
                              ? ticks.status()
                              : Status{Code::kInternal, ticks.status().message()});

@@ -158,8 +158,8 @@ Result<json::value> AttemptView::ComparedWithJson(const AttemptRow& row, const E
   if (!result.ok()) return result.status();
   Result<std::string> text = BlobText(store_.blobs, result->score_json);
   if (!text.ok()) return text.status();
-  // From the score document and not from the exercise's reference of today: what it was compared
-  // with then is what the score means.
+  // From the score document and not from the exercise's present reference: the score refers to the
+  // reference it was compared with then.
   Result<scoring::ScoreResult> score = scoring::ScoreFromJson(*text);
   if (!score.ok() || score->reference_attempt.empty()) return json::value();
   json::value dentist;
@@ -255,7 +255,7 @@ Result<json::array> AttemptView::MayDo(const AttemptRow& row) {
   bool scored = row.state == AttemptState::kScored;
   // A recording that is whole and still here, which a new score or a reference needs.
   bool sealed = row.sealed_ms != 0 && row.expired_ms == 0;
-  // Never sealed, and set aside: Rescore takes what was committed for the whole of it.
+  // Unsealed and quarantined: Rescore takes the committed part as the whole attempt.
   bool acceptable = row.state == AttemptState::kQuarantined && row.sealed_ms == 0 && row.chunks > 0;
   const struct {
     const char* name;

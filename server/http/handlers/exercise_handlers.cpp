@@ -103,7 +103,7 @@ Result<std::vector<ExerciseRow>> ListedExercises(const Call& call, ExerciseRows&
   if (!rows.ok()) return rows;
   Result<std::vector<ExerciseRow>> assigned = VisibleExercises(call, exercises);
   if (!assigned.ok()) return assigned;
-  // Others' that are private are not there, but for what the caller's cohorts work on.
+  // Hides others' private exercises, except those that the caller's cohorts work on.
   std::erase_if(*rows, [&](const ExerciseRow& row) {
     return !CanUseExercise(call.caller->person, row) &&
            (row.state == ExerciseState::kDraft ||
@@ -167,7 +167,7 @@ Result<ExerciseRow> UploadedExercise(const Call& call, Store& store) {
   return row;
 }
 
-// Who may edit it and what they have seen of it.
+// Checks that the caller may edit it, and returns the revision the caller has seen.
 Result<int32_t> SeenRevision(const Call& call, AttemptRows& attempts, ExerciseRows& exercises) {
   Result<ExerciseRow> row = ChangeableExercise(call, attempts, exercises);
   if (!row.ok()) return row.status();
@@ -184,7 +184,7 @@ Response Refused(const Call& call, Store& store, const Status& status) {
   return Stale(status, *current, now->revision);
 }
 
-// The volumes whose surface is being made now, over all threads.
+// The volumes whose surface is being computed now, over all threads.
 class Making {
  public:
   explicit Making(const Sha256& volume) : volume_(volume) {

@@ -14,7 +14,7 @@
 #include "server/http/handlers/handlers.h"
 #include "server/http/json_body.h"
 
-// What a hand can feel of the tissues here on one device.
+// The forces that a hand can feel of these tissues on one device.
 namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
@@ -152,7 +152,7 @@ Response Answer(const Call& call, Store& store) {
   Result<Tissues> tissues = TissuesHere(store.blobs, store.scenes);
   if (!tissues.ok()) return ErrorResponse(tissues.status());
   Result<fidelity::AttachedDevice> attached = fidelity::Attached(*profile);
-  // Nothing is wrong with the request: what is stored cannot be worked with.
+  // The request is valid, but the stored data cannot be used.
   if (!attached.ok()) {
     return ErrorResponse(
         Status{Code::kConflict, attached.status().message(), attached.status().field()});

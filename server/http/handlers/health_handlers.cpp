@@ -44,8 +44,8 @@ Result<json::object> StationsJson(StationRows& stations, const StationBoard* boa
   return json::object{{"enrolled", enrolled}, {"online", online}};
 }
 
-// Attempts that are being made, and those of which nothing has come for longer than a station with
-// a connection would wait.
+// Attempts in progress, and those that have been silent for longer than a connected station would
+// wait.
 Result<json::object> RecordingsJson(AttemptRows& attempts, UnixMs now_ms) {
   AttemptFilter filter;
   filter.state = AttemptState::kRecording;

@@ -109,7 +109,7 @@ const char* StateOf(const StudentWork& work) {
   return work.score ? "scored" : "waiting";
 }
 
-// Points by criterion, in the order of the answer's criteria; null where there are none to be had.
+// Points by criterion, in the order of the answer's criteria; null if there are none.
 json::array PointsJson(const Insight& insight, const StudentWork& work) {
   json::array out;
   for (const CriterionInsight& criterion : insight.criteria) {

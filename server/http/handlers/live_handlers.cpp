@@ -14,7 +14,7 @@ namespace enamel::server::http {
 namespace json = boost::json;
 namespace {
 
-// Four bytes to a character; what is longer is refused by its characters.
+// Four bytes to a character; a longer text is refused by its characters.
 constexpr size_t kMaxBytes = 4 * protocol::kMaxRemarkCharacters;
 
 const char* NameOf(RemarkState state) {
@@ -39,7 +39,7 @@ json::object SentJson(const ChairRemark& sent) {
           {"shown_ms", sent.shown_ms == 0 ? json::value() : json::value(sent.shown_ms)}};
 }
 
-// Who may watch an attempt may speak to its chair; in an exam only who teaches its person.
+// Anybody who may watch an attempt may send a remark; in an exam only an instructor of its person.
 bool MaySpeak(const Call& call, const SeenAttempt& seen) {
   return !seen.row.exam || (call.caller->person.role == Role::kInstructor && seen.shares_cohort);
 }
@@ -67,7 +67,7 @@ Status MustShow(const StationBoard& stations, const Uuid& station) {
                 "station");
 }
 
-// Where the attempt is now: by the live picture, else by what is committed.
+// The attempt's present tick: from the live state, else from the committed chunks.
 uint64_t TickOf(const Call& call, const AttemptRow& row) {
   const uint64_t committed = row.ticks + row.gap_ticks;
   const std::optional<LiveSample> newest =

@@ -78,7 +78,7 @@ Result<PersonEdit> EditOf(const Call& call) {
   PersonEdit edit;
   BodyReader body(call.request);
   if (body.Has("display_name")) edit.display_name = body.Text("display_name", 1, kMaxNameBytes);
-  // Longer than any role: what is wrong is then shown as it was written.
+  // Longer than any role: an error message then shows the text as sent.
   std::string role = body.Has("role") ? body.Text("role", 1, 16) : "";
   if (body.Has("disabled")) edit.disabled = body.Flag("disabled", false);
   ENAMEL_RETURN_IF_ERROR(body.Finish());

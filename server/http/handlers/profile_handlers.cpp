@@ -252,8 +252,7 @@ Response AddProfileReport(const Call& call, StoredBlobs& blobs, ProfileRows& pro
   json::error_code error;
   if (row.media_type == kMediaTypes[0]) {
     json::parse_options options;
-    // A report is shown by the page's own components, which check it again; this keeps out what is
-    // no JSON at all.
+    // The page's own components show a report and check it again; this only refuses invalid JSON.
     options.max_depth = 32;
     (void)json::parse(call.request.body, error, {}, options);
   }
@@ -299,8 +298,8 @@ Response AddCalibration(const Call& call, ProfileRows& profiles) {
     const Status& why = calibration.status();
     return ErrorResponse(Status{Code::kInvalidInput, why.message(), why.field()});
   }
-  // The address says whose it is and so does the document; a file that was put under the wrong
-  // profile is found here.
+  // The address names the profile and so does the document; this finds a file sent to the wrong
+  // profile.
   if (calibration->profile != call.name) {
     return ErrorResponse({Code::kInvalidInput,
                           "expected a calibration of \"" + std::string(call.name) +

@@ -40,7 +40,7 @@ Response AttemptResponse(const Call& call, Store& store, const Uuid& attempt) {
 }
 
 Response JudgedOr(const Call& call, Store& store, const Status& status) {
-  // With the attempt as it is now: the page needs its new revision for whatever comes next.
+  // With the changed attempt: the page needs its new revision for the next change.
   return status.ok() ? AttemptResponse(call, store, call.id) : JudgedMeanwhile(call, store, status);
 }
 
@@ -78,7 +78,7 @@ Result<AnnotationRow> OwnAnnotation(const Call& call, Store& store) {
   Result<AnnotationRow> row = store.remarks.AnnotationById(call.id);
   if (!row.ok()) return row.status().code() == Code::kNotFound ? none : row.status();
   Result<SeenAttempt> seen = SeeAttempt(call, store, row->attempt);
-  // Of an attempt that the caller may not see: the remark is then as good as not there.
+  // Of an attempt that the caller may not see: the remark counts as missing.
   if (!seen.ok()) return seen.status().code() == Code::kNotFound ? none : seen.status();
   const Person& viewer = call.caller->person;
   bool reviews = CanReviewAttempt(viewer, seen->row, seen->shares_cohort);
@@ -138,7 +138,7 @@ Response Rescore(const Call& call, Store& store) {
   Status done = store.judging.Rescore(call.id, "rescore", ActorOf(call));
   if (!done.ok()) return ErrorResponse(done);
   Response response = AttemptResponse(call, store, call.id);
-  // Accepted: the job is in the queue and the score as it was.
+  // Accepted: the job is in the queue and the score unchanged.
   if (response.status == 200) response.status = 202;
   return response;
 }
@@ -312,7 +312,7 @@ Response WithdrawReference(const Call& call, Store& store) {
   if (!row.ok()) {
     return ErrorResponse(row.status().code() == Code::kNotFound ? none : row.status());
   }
-  // The right depends on whose cut it is, which the attempt knows.
+  // The right depends on the cut's author, whom the attempt names.
   Result<AttemptRow> attempt = store.attempts.AttemptById(row->attempt);
   if (!attempt.ok()) return ErrorResponse(attempt.status());
   const Person& viewer = call.caller->person;

@@ -145,7 +145,7 @@ Response ListRubrics(const Call& call, Store& store) {
   Result<ExerciseRow> row = VisibleExercise(call, store.attempts, store.exercises);
   if (!row.ok()) return ErrorResponse(row.status());
   Result<json::array> versions = Versions(store.blobs, store.rubrics, *row);
-  // What is stored was checked when it came in: unreadable now is damage of ours.
+  // Stored rubrics were checked on arrival: an unreadable one is damage of ours.
   if (!versions.ok()) return ErrorResponse({Code::kInternal, versions.status().message()});
   const auto newest = static_cast<int32_t>(versions->front().at("version").as_int64());
   return WithETag(JsonResponse({{"rubrics", std::move(*versions)}}), newest);

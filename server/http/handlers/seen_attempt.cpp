@@ -11,7 +11,7 @@ Result<SeenAttempt> SeeAttempt(const Call& call, Store& store, const Uuid& attem
   const Person& viewer = call.caller->person;
   Result<bool> shares = store.cohorts.ShareCohort(viewer.id, row->person);
   if (!shares.ok()) return shares.status();
-  // As if it were not there: an id must not tell whether somebody has made an attempt.
+  // As if it did not exist: an id must not reveal whether somebody has made an attempt.
   if (!CanSeeAttempt(viewer, *row, *shares)) return none;
   // Whether it counts is the exercise version's to say that the attempt was made of.
   Result<ExerciseRow> exercise = store.exercises.ExerciseById(row->exercise);

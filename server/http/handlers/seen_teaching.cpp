@@ -12,7 +12,7 @@ Result<std::vector<Cohort>> VisibleCohorts(const Call& call, CohortRows& cohorts
 }
 
 Result<Cohort> VisibleCohort(const Call& call, CohortRows& cohorts) {
-  // By way of the list, so that one rule says what is visible.
+  // Through the list, so that one rule decides visibility.
   Result<std::vector<Cohort>> visible = VisibleCohorts(call, cohorts);
   if (!visible.ok()) return visible.status();
   for (const Cohort& cohort : *visible) {

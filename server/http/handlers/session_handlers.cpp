@@ -14,7 +14,7 @@ namespace json = boost::json;
 namespace {
 
 constexpr size_t kMaxLogin = 64;
-// Hashing takes as long for any length; this bounds what is kept in memory while others are hashed.
+// Hashing takes as long for any length; this bounds the memory of waiting passwords.
 constexpr size_t kMaxPassword = 1024;
 constexpr size_t kMaxLanguage = 16;
 

@@ -14,7 +14,7 @@
 namespace enamel::server {
 namespace {
 
-// A recording that ends the process each time must not do so for ever.
+// A recording that ends the process each time must not do so forever.
 constexpr int kMaxTries = 3;
 constexpr char kSelect[] =
     "SELECT id, kind, attempt, state, tries, error, cause, batch FROM jobs j WHERE tenant = ?1";
@@ -38,8 +38,8 @@ constexpr char kMayBeTaken[] =
     "r.attempt = j.attempt AND r.state = 'running')) OR (j.state = 'running' AND "
     "j.lease_until_ms < ?2))";
 
-// A quarantined attempt stays what it is: its run, where somebody asked for one, has made it
-// sealed before.
+// A quarantined attempt stays quarantined: if somebody asked for its run, that has sealed it
+// before.
 Status BeginRun(Db& db, const Uuid& attempt) {
   Query q(db,
           "UPDATE attempts SET state = ?3, problem = '', progress = 0 WHERE tenant = ?1 AND id = "
@@ -76,7 +76,7 @@ Status EndRun(Db& db, const Uuid& attempt, AttemptState without_score, const std
   return q.Bind(attempt).Bind(problem).Run();
 }
 
-// The attempt says why, not only the job: it is the attempt that people look at.
+// The attempt states the reason, not only the job: people look at the attempt.
 Status GiveUp(Db& db, JobRow job, const std::string& error) {
   job.state = "failed";
   job.error = error;
@@ -154,8 +154,7 @@ Result<JobRow> FindJob(Db& db, const Uuid& job) {
   return Status(Code::kNotFound, "no job " + job.Text());
 }
 
-// The job whose run has this lease, locked; none: that run is over, and nothing of it counts any
-// more.
+// The job whose run has this lease, locked; none: that run is over and no longer counts.
 Result<std::optional<JobRow>> FindRun(Db& db, const Uuid& lease) {
   Query q(db, std::string(kSelect) + " AND lease = ?2 AND state = 'running'" + db.RowLock());
   std::optional<JobRow> out;

@@ -63,8 +63,8 @@ Result<std::vector<AuditRow>> AuditRows::FindAudit(const AuditFilter& filter) {
   });
 }
 
-// Rows name an attempt by its id and not by its person, so the person's attempts are looked up
-// first. All rows are read: this is asked once in a while, for one person's data.
+// Rows name an attempt by its id and not by its person, so this looks up the person's attempts
+// first. It reads all rows, which is rare: for one person's data.
 Result<std::vector<AuditRow>> AuditRows::AuditAbout(const Uuid& person) {
   return rows_.Read([&](Db& db) -> Result<std::vector<AuditRow>> {
     std::set<std::string> objects{person.Text()};

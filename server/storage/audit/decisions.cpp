@@ -32,9 +32,9 @@ struct SubjectKind {
   std::vector<StatePart> of;  // the first says whether it is there
 };
 
-// While it is recorded, chunks set two of the flags without a row of their own; the seal's row has
-// them. Of how far it is, what people and rules decide; the rest follows from what is there
-// (verify/verify_stage.h).
+// During a recording, chunks set two of the flags without a row of their own; the seal's row has
+// them. Of an attempt's state, only decisions of people and rules; the rest follows from the stored
+// parts (verify/verify_stage.h).
 std::string AttemptColumns() {
   return "SELECT person, station, exercise, assignment, exam, due_ms, rate_hz, limit_ticks, hands, "
          "ticketed_ms, sealed_ms, as_reference, expired_ms, released, CASE WHEN sealed_ms = 0 THEN "
@@ -133,7 +133,7 @@ const std::vector<SubjectKind>& Kinds() {
   return kKinds;
 }
 
-// Not repeated: words may be long, and the trail names nobody who is not named in it already.
+// Not repeated: words may be long, and the trail must not name further people.
 constexpr const char* kWords[] = {"override_reason", "text",  "answer",   "dentist",
                                   "reason",          "login", "verifier", "display_name"};
 

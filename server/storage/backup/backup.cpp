@@ -66,8 +66,8 @@ class BackupMaker {
     }
     ENAMEL_RETURN_IF_ERROR(disk_.MakeFolder(options_.target));
     std::set<Sha256> named;
-    // The database first: blobs are written before the rows that name them, so whatever the copy
-    // names is there by now. Blobs that come later are in no row of it.
+    // The database first: blobs are written before the rows that name them, so every blob that the
+    // copy names exists by now. No row of the copy names later blobs.
     ENAMEL_RETURN_IF_ERROR(CopyDatabase(named));
     ENAMEL_RETURN_IF_ERROR(CopyBlobs(named));
     ENAMEL_RETURN_IF_ERROR(CopyKeys());
@@ -257,7 +257,7 @@ class BackupMaker {
     uint64_t done = 0;
     for (const Uuid& person : people) {
       Tell("keys", ++done, people.size());
-      // A copy, never a link: a key that is destroyed is overwritten in its place.
+      // A copy, never a link: destroying a key overwrites it in place.
       ENAMEL_RETURN_IF_ERROR(Add("keyring/" + person.Text() + ".key", false));
     }
     for (const Tombstone& tombstone : gone) {

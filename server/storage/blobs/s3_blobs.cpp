@@ -119,7 +119,7 @@ Result<Bytes> S3Blobs::Get(const Sha256& hash) const {
       (void)trouble_.Told(Status::Ok());
       return body;
     }
-    // Another server may have written it again under another generation since the look at the row.
+    // Another server may have written it again under another generation since this read the row.
     if (body.status().code() != Code::kNotFound) return trouble_.Told(body.status());
   }
 }
@@ -179,7 +179,7 @@ Result<size_t> S3Blobs::Sweep(std::chrono::seconds age) {
 
 Result<size_t> S3Blobs::SweepRows(std::chrono::seconds age) {
   const int64_t before_ms = now_ms_() - Ms(age);
-  // What is worth a look, without keeping anybody from writing.
+  // Candidates, without keeping anybody from writing.
   std::vector<Sha256> candidates;
   ENAMEL_RETURN_IF_ERROR(rows_.Read([&](sql::Db& db) -> Status {
     candidates.clear();
@@ -216,7 +216,7 @@ Result<size_t> S3Blobs::SweepOrphans() {
     if (object.modified_ms < before_ms && ReadKey(object.key, blob)) orphans.push_back(blob);
   });
   if (!listed.ok()) return trouble_.Told(listed);
-  // Read after the list: the row of an object that is a day old is there by now, or never.
+  // Read after the list: the row of a day-old object exists by now, or never will.
   std::map<Sha256, int64_t> counts;
   ENAMEL_RETURN_IF_ERROR(rows_.Read([&](sql::Db& db) -> Status {
     auto rows = AllBlobRows(db);

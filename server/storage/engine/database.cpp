@@ -45,7 +45,7 @@ Status InFull(const sql::SqliteFailure& failure) {
   return Status(Code::kStorage, what);
 }
 
-// The same for whoever asked, who may be anybody.
+// The same for callers, who may be anybody.
 Status WithoutDetail(Kind kind) {
   switch (kind) {
     case Kind::kBusy:

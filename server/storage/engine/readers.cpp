@@ -7,8 +7,9 @@ namespace enamel::server {
 Result<std::unique_ptr<Db>> Readers::Take() {
   {
     std::unique_lock lock(mutex_);
-    // Without a bound of its own: who has one keeps it for one read, and who must not wait so long
-    // asks on a thread that others do not need (StorePool; an HTTP request ends after 60 s).
+    // Without a bound of its own: each holder keeps a connection for one read, and callers that
+    // must not wait so long use a thread that others do not need (StorePool; an HTTP request ends
+    // after 60 s).
     returned_.wait(lock, [&] { return !idle_.empty() || open_ < most_; });
     if (!idle_.empty()) {
       auto db = std::move(idle_.back());

@@ -2,8 +2,7 @@
 
 namespace enamel::server {
 
-// Stations delete in time what was acknowledged: a file that cannot be trusted takes nothing more
-// in.
+// In time stations delete acknowledged recordings, so a damaged file takes no more of them.
 Status RecordingGate::Check() {
   if (!rows_.damaged()) return space_.Check();
   return Status(Code::kUnavailable,

@@ -68,7 +68,7 @@ Status Rewriter::RemoveMark(const Uuid& mark) {
                 "cannot remove " + (folder_ / kRewriteMark).string() + ": " + error.message());
 }
 
-// The lock is asked last: it opens a file, and this runs between two looks at a busy database.
+// The lock last: checking it opens a file, and this runs between two looks at a busy database.
 bool Rewriter::OthersErase() const {
   return upkeep_ == 0 && HasMarkFile() && IsUpkeepAlone(folder_);
 }

@@ -73,8 +73,8 @@ void Writer::Loop() {
   }
 }
 
-// What came first, and all that may go with it: in the order they came, up to what is to run alone.
-// That makes a batch of its own.
+// The oldest work and all that may run with it, in order, up to one that runs alone. That one makes
+// a batch of its own.
 std::vector<Writer::Pending*> Writer::TakeBatch() {
   std::vector<Pending*> batch;
   if (queue_.front()->alone != nullptr) {
@@ -142,7 +142,7 @@ Status Writer::TransactOnce(const std::vector<Pending*>& batch) {
   // One alone that failed has nobody beside it.
   if (twice_ || (has_failed && batch.size() > 1)) failure = TransactApart(batch);
   if (failure.ok()) return failure;
-  // What a work said of itself no longer holds: the commit that was to keep it has failed.
+  // The works' own statuses no longer hold: their commit has failed.
   for (Pending* pending : batch) pending->status = failure;
   return failure;
 }
@@ -225,8 +225,8 @@ Status Writer::RunIn(const Pending& pending, bool& keep_anyway) {
 
 Status Writer::RunApart(Pending& pending) {
   ENAMEL_RETURN_IF_ERROR(db_->Exec("SAVEPOINT one"));
-  // For tests: what a work leaves in its captured variables by a first run must not show in its
-  // second (a database that serves many may end and repeat transactions).
+  // For tests: captured variables of a first run must not show in the second (a database that
+  // serves many may end and repeat transactions).
   if (twice_) {
     bool ignored = false;
     (void)RunIn(pending, ignored);

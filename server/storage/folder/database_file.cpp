@@ -121,7 +121,7 @@ Result<s3::Credentials> CredentialsOfEnvironment() {
                 "credentials");
 }
 
-// Who may read the one is to have nothing of the other.
+// Anybody who can read the one must have nothing of the other.
 Status MustHaveKeysApart(const DatabaseFile& file) {
   if (!file.blobs || !file.keys || file.blobs->endpoint != file.keys->bucket.endpoint ||
       file.blobs->bucket != file.keys->bucket.bucket) {

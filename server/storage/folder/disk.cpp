@@ -27,7 +27,7 @@ Status Failed(const char* what, const fs::path& path, int error) {
   return Status(Code::kStorage, message);
 }
 
-// Zeros once: what is on the medium below the file system is the drive's to promise.
+// Zeros once: only the drive can promise more for the medium below the file system.
 Status Overwrite(int fd, const fs::path& path) {
   struct stat info {};
   if (::fstat(fd, &info) != 0) return Failed("cannot stat", path, errno);

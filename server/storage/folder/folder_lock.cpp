@@ -21,7 +21,7 @@ Result<FolderLock> FolderLock::Take(const std::filesystem::path& file, Mode mode
                                       "; name a folder this user may write");
   }
   FolderLock lock(fd);
-  // flock and not a file that is there: the system lets go of it when the process dies, however it
+  // flock instead of a file's existence: the system releases it when the process dies, however it
   // dies.
   if (::flock(fd, (mode == Mode::kShared ? LOCK_SH : LOCK_EX) | LOCK_NB) != 0) {
     return Status(Code::kUnavailable, busy);

@@ -72,7 +72,7 @@ Result<BatchRow> BatchRows::RescoreTogether(const BatchRow& row, const std::vect
       ENAMEL_RETURN_IF_ERROR(WriteAudit(db, by, "attempt.rescore", attempt.Text(), "{}",
                                         JsonOf({{"cause", row.cause}, {"batch", id.Text()}})));
     }
-    // An empty batch would stay in the list for ever, with nothing to wait for.
+    // An empty batch would stay in the list forever, with nothing to wait for.
     if (left_out == attempts.size()) {
       return Status(Code::kConflict,
                     "none of " + Counted(attempts.size(), "attempt") +

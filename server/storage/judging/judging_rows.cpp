@@ -162,7 +162,7 @@ Status QueueAgain(Db& db, const Uuid& attempt, const std::string& cause) {
                       : std::string("the attempt is ") + AttemptStateName(row.state) +
                             "; only a sealed one can be scored");
   }
-  // It will see what was changed; a second one would only repeat it.
+  // That run will see the change; a second one would only repeat it.
   if (q.Int(1) != 0) {
     return Status(Code::kConflict, "a scoring run of this attempt is waiting or under way already");
   }

@@ -10,7 +10,7 @@
 // Motions of attempts, and what lies nearest to them.
 namespace enamel::server {
 Status KeepMotion(Db& db, const Uuid& attempt, const AttemptResult& result) {
-  // A run that measured none says nothing about what was found before.
+  // A run without a motion does not change earlier findings.
   if (result.motion.IsZero()) return Status::Ok();
   {
     Query q(db, "DELETE FROM motions WHERE tenant = ?1 AND attempt = ?2");

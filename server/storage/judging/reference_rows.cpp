@@ -14,7 +14,8 @@
 namespace enamel::server {
 namespace {
 
-// Those too whose run is under way: it may have looked for a reference before this one was there.
+// Including attempts whose run is under way: it may have looked for a reference before this one was
+// added.
 Status QueueUnreferenced(Db& db, const Uuid& exercise) {
   std::vector<Uuid> waiting;
   {
@@ -72,7 +73,7 @@ Status MustDoTheTask(const AttemptRow& attempt) {
       "score");
 }
 
-// Said again, by another dentist's name perhaps: it counts once, as it was said last.
+// Marked again, perhaps under another dentist's name: it counts once, with the newest data.
 Status WithdrawEarlier(Db& db, const Uuid& attempt) {
   Query q(db,
           "UPDATE reference_cuts SET withdrawn_ms = ?3 WHERE tenant = ?1 AND attempt = ?2 AND "
@@ -115,8 +116,8 @@ Result<ReferenceRow> ReferenceRows::AddReference(const Uuid& attempt, const std:
     ENAMEL_RETURN_IF_ERROR(MustDoTheTask(found));
     ENAMEL_RETURN_IF_ERROR(WithdrawEarlier(db, attempt));
     ENAMEL_RETURN_IF_ERROR(InsertReference(db, row));
-    // What was scored without a reference is scored again with it; what was compared with an
-    // earlier one keeps its score until somebody asks.
+    // Attempts scored without a reference are scored again with it; those compared with an earlier
+    // one keep their score until somebody asks.
     ENAMEL_RETURN_IF_ERROR(QueueUnreferenced(db, row.exercise));
     const std::string exercise = row.exercise.Text(), version = std::to_string(row.version);
     return WriteAudit(

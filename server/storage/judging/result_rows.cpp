@@ -162,7 +162,7 @@ Status CancelRunsOf(Db& db, const Uuid& attempt, const Actor& by) {
   return Status::Ok();
 }
 
-// Another score than the one that was there.
+// A score that differs from the previous one.
 Status RaiseRevisionForAnother(Db& db, const Uuid& attempt, const AttemptResult& result) {
   Query q(db,
           std::string(
@@ -231,7 +231,7 @@ Status ResultRows::RestoreResult(const Uuid& attempt, int32_t run, const Actor& 
     }
     ENAMEL_ASSIGN_OR_RETURN(const auto kept, FindKept(db, attempt, run));
     ENAMEL_RETURN_IF_ERROR(CancelRunsOf(db, attempt, by));
-    // It counts already; what was to take its place is cancelled.
+    // It counts already; its planned replacement is cancelled.
     if (run == kept.newest) return Status::Ok();
     ENAMEL_RETURN_IF_ERROR(WithdrawReleaseOfAnotherScore(db, attempt, kept.result));
     ENAMEL_RETURN_IF_ERROR(RaiseRevisionForAnother(db, attempt, kept.result));

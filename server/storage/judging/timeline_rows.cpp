@@ -6,11 +6,11 @@
 
 #include "server/storage/engine/query.h"
 
-// Surface timelines, and what they begin with.
+// Surface timelines, and the teeth they begin with.
 namespace enamel::server {
 namespace {
 
-// A recording that ends the process each time must not do so for ever.
+// A recording that ends the process each time must not do so forever.
 constexpr int64_t kMaxTries = 3;
 // A process that died keeps it for this long; a working one renews it more often (KeepTimeline).
 constexpr int64_t kLeaseMs = 60'000;
@@ -18,7 +18,7 @@ constexpr int64_t kLeaseMs = 60'000;
 }  // namespace
 
 Status WaitForTimeline(Db& db, const Uuid& attempt) {
-  // Scored again after it was given up: what was in the way may be gone.
+  // Scored again after it was given up: the obstacle may be gone.
   Query q(
       db,
       "INSERT INTO timelines (tenant, attempt) VALUES (?1, ?2) ON CONFLICT (tenant, attempt) DO "

@@ -39,7 +39,7 @@ Result<std::vector<fs::path>> FilesOf(const fs::path& folder) {
   return out;
 }
 
-// What a crash in WriteFileDurably leaves behind.
+// The leftover of a crash in WriteFileDurably.
 bool IsLeftover(const fs::path& path) {
   return path.filename().string().find(".tmp") != std::string::npos;
 }

@@ -40,7 +40,7 @@ std::array<uint8_t, kEnvelopeNonce> NonceOf(const DataKey& key, const Uuid& atte
 Status Join(Keyring& keyring, Keyring& other,
             const std::function<void(uint64_t, uint64_t)>& progress) {
   ENAMEL_ASSIGN_OR_RETURN(const auto gone, other.Gone());
-  // First, so that no key comes in that was destroyed elsewhere.
+  // First, so that no key destroyed elsewhere is added.
   ENAMEL_RETURN_IF_ERROR(keyring.Bury(gone));
   ENAMEL_ASSIGN_OR_RETURN(const auto people, other.People());
   uint64_t done = 0;

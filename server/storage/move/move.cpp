@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What a mark says: where from, or where to.
+// The text of a mark: the old place, or the new one.
 std::string PathText(const fs::path& folder) {
   std::error_code error;
   return fs::weakly_canonical(fs::absolute(folder, error), error).string();
@@ -201,7 +201,7 @@ class Mover {
                       "left before the old place changed, drop that schema");
   }
 
-  // All of the old place's rows, as of one moment, which is over as soon as they are read: an
+  // All rows of the old place, as of one moment. The transaction ends as soon as they are read: an
   // engine may end one that waits for long.
   Status InOneMoment(const std::function<Status(Db&)>& read) {
     return source_->engine->rows.Read([&](Db& from) -> Status {
@@ -261,7 +261,7 @@ class Mover {
       ENAMEL_RETURN_IF_ERROR(db->Migrate(PgMigrations()));
       return db;
     }
-    // What an earlier try left; quicker than to find out what it is.
+    // Leftovers of an earlier try: deleting them is quicker than examining them.
     for (const char* name : {"enamel.db", "enamel.db-wal", "enamel.db-shm"}) {
       ENAMEL_RETURN_IF_ERROR(disk_.Remove(options_.to / name));
     }

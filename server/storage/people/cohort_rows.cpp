@@ -9,7 +9,7 @@
 #include "server/storage/engine/row_checks.h"
 #include "server/storage/people/people_rows.h"
 
-// Cohorts and who is in them.
+// Cohorts and their members.
 namespace enamel::server {
 namespace {
 
@@ -48,7 +48,7 @@ std::string MemberSubject(const Uuid& cohort, const Uuid& person) {
   return SubjectOf("member", cohort.Text() + " " + person.Text());
 }
 
-// Removing who is not in it leaves no audit row: nothing was done.
+// Removing somebody who is no member leaves no audit row: nothing was done.
 Status DeleteMember(Db& db, const Uuid& cohort, const Uuid& person, const Actor& by) {
   Query q(db, "DELETE FROM cohort_members WHERE tenant = ?1 AND cohort = ?2 AND person = ?3");
   ENAMEL_RETURN_IF_ERROR(q.Bind(cohort).Bind(person).Run());
@@ -110,7 +110,7 @@ Result<Cohort> CohortRows::EditCohort(const Uuid& id, const CohortEdit& edit, in
     ENAMEL_RETURN_IF_ERROR(MustBeRevision(before.revision, revision));
     after = before;
     if (edit.name) after.name = *edit.name;
-    // Archiving what is archived keeps the time of the first.
+    // Archiving an archived cohort keeps the first time.
     if (edit.archived && *edit.archived != (before.archived_ms != 0)) {
       after.archived_ms = *edit.archived ? NowMs() : 0;
     }
@@ -164,7 +164,7 @@ Result<std::vector<Cohort>> CohortRows::Cohorts() {
   });
 }
 
-// An archived cohort counts too: what was made in it is still looked at.
+// An archived cohort counts too: people still look at its attempts.
 Result<bool> CohortRows::ShareCohort(const Uuid& a, const Uuid& b) {
   return rows_.Read([&](Db& db) -> Result<bool> {
     Query q(db,

@@ -40,8 +40,8 @@ std::string EditJson(const Person& person, const Person& other) {
 // Writes `after` over `before`. Nothing changed: nothing is written.
 Status UpdatePerson(Db& db, const Person& before, Person& after, const char* action,
                     const Actor& by) {
-  // A session was given to the role that the person had: with another, or with none, it must not go
-  // on. A new name changes nothing of what may be done.
+  // A session belongs to the person's role at its start: with another role, or with none, it must
+  // end. A new name does not change rights.
   bool ends_sessions = after.role != before.role || (after.disabled && !before.disabled);
   if (!ends_sessions && after.display_name == before.display_name &&
       after.disabled == before.disabled) {
@@ -244,7 +244,7 @@ Result<std::vector<Person>> PeopleRows::People() {
 }
 
 Result<std::vector<Person>> PeopleRows::FindPeople(const PeopleFilter& filter) {
-  // Only ASCII, as lower() of SQLite does it; other letters are compared as they are.
+  // Only ASCII, like lower() of SQLite; other letters are compared unchanged.
   std::string text = filter.text;
   std::ranges::transform(text, text.begin(), [](char c) {
     return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;

@@ -11,7 +11,8 @@
 namespace enamel::server {
 namespace {
 
-// The token itself is never stored: who reads the database cannot sign in with what is there.
+// The token itself is never stored: somebody who reads the database cannot sign in with its
+// content.
 constexpr char kSessionSelect[] =
     "SELECT token_hash, person, created_ms, last_used_ms, expires_ms, via, id, confirmed_ms, "
     "address, device FROM sessions WHERE tenant = ?1 AND ";

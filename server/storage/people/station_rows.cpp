@@ -60,8 +60,8 @@ Status MayComeBack(Db& db, const StationRow& station) {
                 "station_id");
 }
 
-// The same id with a new name and credential: what it recorded before stays its own. The revision
-// rises, so that an edit that was begun before is refused.
+// The same id with a new name and credential: its earlier recordings stay its own. The revision
+// rises, so that an edit begun before is refused.
 Status PutStation(Db& db, const StationRow& station, const Sha256& credential_hash) {
   Query q(db,
           "INSERT INTO stations (tenant, id, name, public_key, credential_hash, enrolled_ms, "

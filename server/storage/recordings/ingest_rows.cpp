@@ -14,8 +14,8 @@
 namespace enamel::server {
 namespace {
 
-// What a station's clock may be off, and the server's may have been set, before ticks are more than
-// time: 2 s and 1 %.
+// Tolerance for an inaccurate station clock and a changed server clock before ticks count as more
+// than time: 2 s and 1 %.
 constexpr int64_t kClockSlackMs = 2000, kClockPercent = 101;
 
 constexpr char kInsertChunk[] =

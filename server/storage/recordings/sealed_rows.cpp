@@ -7,7 +7,7 @@
 namespace enamel::server {
 namespace {
 
-// A chunk that comes in waits for one portion at most.
+// An arriving chunk waits for one portion at most.
 constexpr int64_t kPortion = 128;
 constexpr std::chrono::milliseconds kAfterFailure{1000};
 // Of the time that portions take, to others.

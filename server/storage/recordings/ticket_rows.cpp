@@ -23,7 +23,7 @@ Result<bool> Is(Db& db, const char* sql, const Uuid& id) {
   return there;
 }
 
-// Names what is not here: after a restore it may come back.
+// Names the missing thing: after a restore it may come back.
 Status MustBeHere(Db& db, const AttemptRow& row) {
   const struct {
     const char* what;
@@ -43,8 +43,8 @@ Status MustBeHere(Db& db, const AttemptRow& row) {
   return Status::Ok();
 }
 
-// What held the tool goes from the header into columns, for lists. A hand that the terms do not
-// admit is flagged and not refused: what was recorded is kept, and looked at once it is sealed.
+// Copies the header's hand into columns, for lists. A hand that the terms do not admit is flagged
+// and not refused: the recording is kept, and quarantined at its seal.
 Status KeepHand(Db& db, const Uuid& attempt, ByteView header) {
   auto decoded = trace::DecodeHeader(header);
   // The caller of OpenAttempt has read the header; a header of another version names no hand.

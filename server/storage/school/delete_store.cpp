@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 namespace {
 
 Status DeleteUnder(const S3Place& place) {
-  // An empty prefix would be the whole bucket, with what is others'.
+  // An empty prefix would be the whole bucket, including others' objects.
   if (place.prefix.empty()) {
     return {Code::kConflict, "expected a prefix of the school's own in bucket " +
                                  place.store.bucket + ", found none; nothing of it is deleted"};
@@ -34,7 +34,7 @@ Status DeleteUnder(const S3Place& place) {
 
 Status RemoveFolder(const fs::path& folder) {
   std::error_code error;
-  // A link to another disk is followed: what is there is the school's.
+  // Follows a link to another disk: its content is the school's.
   const fs::path real = fs::weakly_canonical(folder, error);
   if (!error) fs::remove_all(real, error);
   if (!error) fs::remove(folder, error);
@@ -42,7 +42,7 @@ Status RemoveFolder(const fs::path& folder) {
   return {Code::kStorage, "cannot delete " + folder.string() + ": " + error.message()};
 }
 
-// Other than this folder's, whose lock we hold.
+// Servers other than this folder's, whose lock we hold.
 Status NoServerMayHave(sql::Db& db, const fs::path& folder) {
   const auto version = SchemaVersion(db);
   if (!version.ok() || *version == 0) return version.status();  // deleted already
@@ -68,7 +68,7 @@ Status DeleteRows(const DatabaseFile& database) {
 }  // namespace
 
 Status DeleteStore(const fs::path& folder, const std::optional<DatabaseFile>& database) {
-  // Until the end: nobody opens what is half gone.
+  // Until the end: nobody may open a half-deleted school.
   const auto lock = FolderLock::Take(folder / kServerLock, FolderLock::Mode::kExclusive,
                                      "a server has not let go of " + folder.string() + " yet");
   if (lock.status().code() == Code::kUnavailable) {

@@ -73,7 +73,7 @@ void Bind(sql::Query& q, const Value& value, sql::Type type) {
   }
 }
 
-// By the type that the schema gives, not by what an engine says that it has.
+// By the schema's type, not by the engine's type of the value.
 Value ValueOf(const sql::Query& q, int column, sql::Type type) {
   if (q.IsNull(column)) return {};
   switch (type) {

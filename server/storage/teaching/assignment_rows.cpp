@@ -101,7 +101,7 @@ Result<bool> Exists(Query& q) {
   return found;
 }
 
-// The row becomes one of what is offered now.
+// Sets the row to the version offered now.
 Status TakeNewestVersion(Db& db, AssignmentRow& row) {
   ENAMEL_ASSIGN_OR_RETURN(const auto offered, OfferedVersion(db, row.exercise));
   if (!offered) {

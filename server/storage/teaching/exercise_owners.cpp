@@ -10,7 +10,7 @@
 #include "server/storage/engine/sql_names.h"
 #include "server/storage/teaching/exercise_rows.h"
 
-// Whose an exercise is, by its name, and whether others may use it.
+// The owner of an exercise, by its name, and whether others may use it.
 namespace enamel::server {
 namespace {
 

@@ -51,7 +51,7 @@ Result<ExerciseRow> FindExercise(Db& db, const Uuid& id) {
 
 namespace {
 
-// What is published never changes: attempts name it, and their scores were made by it.
+// A published version never changes: attempts name it, and their scores depend on it.
 Result<ExerciseRow> FindDraft(Db& db, const Uuid& id, int32_t revision) {
   auto row = FindExercise(db, id);
   if (!row.ok()) return row;
@@ -131,7 +131,7 @@ Result<std::vector<Uuid>> VersionsIn(Db& db, const std::string& name, ExerciseSt
   return out;
 }
 
-// Publishing what was retired offers it again.
+// Publishing a retired exercise offers it again.
 Status OfferAgain(Db& db, ExerciseRow& row, const Actor& by) {
   if (row.state == ExerciseState::kPublished) return Status::Ok();
   ENAMEL_RETURN_IF_ERROR(SetState(db, row.id, ExerciseState::kPublished));
@@ -141,8 +141,8 @@ Status OfferAgain(Db& db, ExerciseRow& row, const Actor& by) {
   return WriteAudit(db, by, "exercise.publish", row.id.Text(), before, VersionJson(row));
 }
 
-// Publishing again must not give a cohort its work twice. What is offered without terms is offered
-// to every hand, simulated ones too: the demo, a load test, a school's first look.
+// Publishing again must not give a cohort its work twice. An exercise offered without terms admits
+// every hand, simulated ones too: the demo, a load test, a school's first look.
 Status AssignOnce(Db& db, const ExerciseRow& version, const Uuid& cohort, const Actor& by) {
   Query q(
       db,
@@ -365,8 +365,8 @@ Result<ExerciseRow> ExerciseRows::ExerciseByContent(const Sha256& content) {
   });
 }
 
-// Assigned to a cohort of the person's that is not archived, or to everybody (the zero id); of what
-// is retired, what can still be done.
+// Assigned to an active cohort of the person's, or to everybody (the zero id); of retired
+// exercises, those that can still be done.
 Result<std::vector<ExerciseRow>> ExerciseRows::ExercisesFor(const Uuid& person) {
   return rows_.Read([&](Db& db) -> Result<std::vector<ExerciseRow>> {
     Query q(db, "SELECT " ENAMEL_EXERCISE_COLUMNS " FROM exercises e " ENAMEL_EXERCISE_OWNERS

@@ -47,7 +47,7 @@ Result<std::optional<ProfileRow>> Newest(Db& db, const std::string& name) {
   return rows.empty() ? std::optional<ProfileRow>() : rows.front();
 }
 
-// What is added is about the version that is the newest now.
+// An addition is about the version that is the newest now.
 Result<ProfileRow> MustBeThere(Db& db, const std::string& name) {
   ENAMEL_ASSIGN_OR_RETURN(auto found, Newest(db, name));
   if (found) return *found;
@@ -121,7 +121,7 @@ Result<ProfileReportRow> ProfileRows::AddProfileReport(const ProfileReportRow& r
   ProfileReportRow added;
   Status status = rows_.Write([&](Db& db) -> Status {
     added = row;
-    // The same report of the same version is the one that is there: it may be sent twice.
+    // The same report of the same version returns the existing row: it may be sent twice.
     ENAMEL_ASSIGN_OR_RETURN(auto profile, MustBeThere(db, row.profile));
     {
       static const std::string kSql =

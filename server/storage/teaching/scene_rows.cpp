@@ -8,7 +8,7 @@
 // Scenes.
 namespace enamel::server {
 Status SceneRows::PutScene(const SceneRow& row, const Actor& by) {
-  // What a row names must be there; see profiles.cpp.
+  // A row must name existing blobs; see profile_rows.cpp.
   if (!blobs_.Has(row.content) || !blobs_.Has(row.volume)) {
     return Status(Code::kNotFound,
                   "the scene's document or volume is not stored; put both blobs first");
@@ -19,7 +19,7 @@ Status SceneRows::PutScene(const SceneRow& row, const Actor& by) {
             "ON CONFLICT DO NOTHING");
     ENAMEL_RETURN_IF_ERROR(
         q.Bind(row.name).Bind(row.title).Bind(row.content).Bind(row.volume).Run());
-    // A scene is named by its content: the same again is the one that is there.
+    // A scene is named by its content: the same content is the existing scene.
     if (db.Changes() == 0) return Status::Ok();
     return WriteAudit(db, by, "scene.put", row.name, "{}",
                       JsonOf({{"content", row.content.Hex()}}));

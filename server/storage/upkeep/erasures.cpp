@@ -46,7 +46,7 @@ Result<std::vector<Uuid>> PeopleIn(Db& db) {
   return Ids(q);
 }
 
-// Runs with overwriting of what is deleted, which costs too much to have it always on.
+// Runs `work` with overwriting of deleted content, which costs too much to have it always on.
 Status WithOverwriting(Db& db, const std::function<Status()>& work) {
   ENAMEL_RETURN_IF_ERROR(db.OverwriteDeleted(true));
   Status status = work();

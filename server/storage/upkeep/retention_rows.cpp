@@ -19,8 +19,8 @@
 namespace enamel::server {
 namespace {
 
-// A blob that no row names is what a crash or a repeated scoring left; younger ones may be about to
-// be named.
+// A blob that no row names is a leftover of a crash or a repeated scoring; a younger one may be
+// about to be named.
 constexpr std::chrono::hours kUnnamedFor{24};
 constexpr int64_t kDayMs = 24ll * 60 * 60 * 1000;
 constexpr int32_t kMaxDays = 36'500;
@@ -34,7 +34,7 @@ struct Rule {
   int32_t min_days;
   std::string condition;  // ?2: before when
 };
-// A sealed one without a job is what a cancelled run left.
+// A sealed one without a job is a leftover of a cancelled run.
 std::string IsComplete() {
   return "a.state IN (" + Sql(AttemptState::kSealed) + ", " + Sql(AttemptState::kScored) + ", " +
          Sql(AttemptState::kFailed) + ")";
@@ -52,7 +52,7 @@ const std::array<Rule, 3>& Rules() {
   }};
   return kRules;
 }
-// Never touched: references, and what a job may be reading.
+// Never removed: references, and recordings that a job may be reading.
 constexpr const char* kNotInUse =
     " AND NOT EXISTS (SELECT 1 FROM reference_cuts r WHERE r.tenant = a.tenant AND r.attempt = "
     "a.id) AND NOT EXISTS (SELECT 1 FROM jobs j WHERE j.tenant = a.tenant AND j.attempt = a.id AND "
@@ -72,8 +72,7 @@ std::string Held() {
          Sql(Role::kStudent) + ")))";
 }
 
-// By name, as they are stored: a rule that this program does not know has no row, because
-// SetRetention refuses it.
+// By stored name: a rule unknown to this program has no row, because SetRetention refuses it.
 const Rule* FindRule(const std::string& what) {
   auto found = std::ranges::find(Rules(), what, &Rule::what);
   return found == Rules().end() ? nullptr : &*found;

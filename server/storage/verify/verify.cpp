@@ -167,7 +167,7 @@ class Verifier {
            "make a new backup");
       return;
     }
-    // With what its own database says, the manifest has to agree as well.
+    // The manifest has to agree with the backup's own database as well.
     earlier_.insert(earlier_.end(), manifest->trail.begin(), manifest->trail.end());
     if (!manifest->keyring_inside && options_.keyring.empty()) {
       report_.notes.push_back(

@@ -45,7 +45,7 @@ TrailRow TrailRowOf(const Query& q) {
   out.after = q.Text(9);
   out.state = q.Text(10);
   const Bytes salt = q.Blob(11), signature = q.Blob(12);
-  // Of another length: as if it were not there, which is found.
+  // Of another length: counts as missing, which is a finding.
   out.has_salt = salt.size() == out.salt.size();
   if (out.has_salt) std::ranges::copy(salt, out.salt.begin());
   if (signature.size() == out.signature.size()) {
@@ -145,7 +145,7 @@ class AuditCheck {
     }
   }
 
-  // What a backup said was the end at its time.
+  // The end at the time of a backup.
   void CheckAgainstEarlier(const TrailRow& row, const Sha256& hash) {
     for (AuditHead& head : earlier_) {
       if (head.chain != row.seal.link.chain || head.number != row.seal.link.number) continue;
@@ -254,7 +254,7 @@ class AuditCheck {
     return gone;
   }
 
-  // What the last row about each subject states is what is there.
+  // The last row about each subject states the present state.
   Status CheckStates() {
     std::vector<std::string> subjects;
     {

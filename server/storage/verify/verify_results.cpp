@@ -14,7 +14,7 @@ constexpr char kScoreAgain[] =
     "have the attempt scored again, which computes it from the recording and signs it; look in the "
     "audit trail and in a backup for who changed it";
 
-// A run with what the attempt's row says now.
+// A run with the present columns of the attempt's row.
 struct Run {
   Uuid attempt;
   int64_t run = 0, newest = 0;

@@ -13,7 +13,7 @@ struct Stage {
   bool run_is_under_way = false, run_failed = false, run_waits = false;  // waits, or was cancelled
 };
 
-// A recording that a retention rule removed was there.
+// A recording that a retention rule removed counts as present.
 constexpr char kStages[] =
     "SELECT a.id, a.state, a.header IS NOT NULL, (a.trace_blob IS NOT NULL OR a.expired_ms <> 0), "
     "a.score IS NOT NULL, EXISTS (SELECT 1 FROM jobs j WHERE j.tenant = a.tenant AND j.attempt = "
