@@ -221,8 +221,8 @@ Result<AssignmentRow> BeginEdit(const Call& call, AssignmentRows& assignments,
   return row;
 }
 
-// Another exercise, or a change to an exam, must fit the exercise. Otherwise the assignment stays
-// valid, even if it could not be made now.
+// A new exercise must be assignable now, and a new exam needs a reference. Other changes need
+// neither.
 Status MustBeFitForTerms(const Call& call, Store& store, const AssignmentRow& now,
                          const AssignmentRow& terms) {
   if (terms.exercise != now.exercise) return MustBeAssignableNow(call, store, terms);

@@ -83,7 +83,7 @@ TEST(AgreementTest, CohensExampleIsFound) {
   ASSERT_TRUE(weighted.ok());
   EXPECT_NEAR(weighted->value, 0.348, 0.0005);
   EXPECT_LT(weighted->interval.low, weighted->value);
-  // Who is called the first marker does not count.
+  // The order of the markers does not matter.
   EXPECT_NEAR(
       WeightedKappa(counts, KappaWeights::kQuadratic)->value,
       WeightedKappa({{88, 14, 18}, {10, 40, 10}, {2, 6, 12}}, KappaWeights::kQuadratic)->value,

@@ -13,7 +13,7 @@
 #include "server/storage/open_store.h"
 #include "tests/server/storage/store_world.h"
 
-// The program itself: what it says and how it ends.
+// The program itself: its output and its end.
 namespace enamel::server {
 namespace {
 
@@ -48,7 +48,7 @@ class Program {
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
 
-  // Reads until `text` or the end; what was read so far.
+  // Reads until `text` or the end; returns everything read so far.
   std::string ReadUntil(const std::string& text) {
     char byte = 0;
     while (said_.find(text) == std::string::npos && ::read(out_, &byte, 1) == 1)

@@ -17,7 +17,7 @@
 #include "tests/server/storage/recorded_attempt.h"
 #include "tests/server/storage/simulated_disk.h"
 
-// The commands that keep data, copy it, give it out and end it; what they print and refuse.
+// The commands that keep, copy, export and erase data: their output and refusals.
 namespace enamel::server::app {
 namespace {
 
@@ -28,7 +28,7 @@ namespace json = boost::json;
 class UpkeepTest : public ::testing::Test {
  protected:
   fs::path Path(const char* name) const { return folder_.path() / name; }
-  // Runs the command and returns what it printed.
+  // Runs the command and returns its output.
   template <typename Command>
   std::string Said(const Command& command, Status& status) {
     ::testing::internal::CaptureStdout();

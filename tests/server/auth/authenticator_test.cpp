@@ -52,7 +52,7 @@ TEST_F(AuthenticatorTest, RightPasswordOpensASessionThatIsRecognised) {
   EXPECT_EQ(identity->csrf, signed_in->identity.csrf);
 }
 
-// Counts argon2id calls by what they cost: the time an answer takes is theirs.
+// Counts argon2id calls by their cost, which determines the time of an answer.
 TEST_F(AuthenticatorTest, EverySignInDoesTheSameWorkWhoeverItIs) {
   constexpr PasswordCost kUsual{2, 16384};
   std::map<std::string, std::string> passwords = {{"nobody", "x"}, {"usual", kPassword}};

@@ -89,7 +89,7 @@ TEST(GuessesTest, OrdinaryPassphrasesAreTaken) {
   }
 }
 
-// What a piece counts is a small sum that can be done by hand.
+// The count of a piece is a small sum that can be done by hand.
 TEST(GuessesTest, CountsAreTheOnesOfTheTable) {
   EXPECT_DOUBLE_EQ(Log10Guesses("", {}), 0);
   EXPECT_DOUBLE_EQ(Log10Guesses("123456", {}), 0);                      // the first of the list

@@ -163,7 +163,7 @@ TEST_F(AccessTest, WhoseMotionIsNearIsToldToWhoReviewsBothAlone) {
   EXPECT_TRUE(ada.at("nearness").at("attempt_id").is_null());
   EXPECT_TRUE(ada.at("nearness").at("person").is_null());
   EXPECT_EQ(ada.at("nearness").at("median_mm").to_number<double>(), 0.9);
-  // Whose work it is learns of nothing, not by asking for it either.
+  // The attempt's own student learns nothing, even on request.
   ASSERT_EQ(By("ada").Judge("POST", Scored(), "/release").status, 204);
   EXPECT_TRUE(sam.at("nearness").is_null());
   EXPECT_TRUE(seen("sam").at("nearness").is_null());

@@ -213,7 +213,7 @@ std::vector<int> Statuses(const char* text) {
   return out;
 }
 
-// What a session with a password for one use reaches, of the whole table.
+// The routes of the whole table that a session with a one-time password reaches.
 TEST(OneTimePasswordTest, ReachesItsOwnSessionAndNothingElse) {
   std::set<std::string> reached;
   for (const Line& line : kLines) {
@@ -514,7 +514,7 @@ TEST_F(AuthorisationTest, NoChangeIsMadeForAnotherSitesPageOrWithoutTheCsrfValue
   EXPECT_EQ(done(), before) << "nothing was done";
 }
 
-// Two schools of one installation: the same table, asked at one about what is the other's.
+// Two schools of one installation: the same table, with requests at one about the other's things.
 TEST_F(AuthorisationTest, OfAnotherSchoolNothingIsThere) {
   Template other;
   Case shared(other, false);
@@ -535,7 +535,7 @@ TEST_F(AuthorisationTest, OfAnotherSchoolNothingIsThere) {
             << line.route << " about " << line.what << " by " << kColumns[i] << ": " << status;
         ++cells;
       }
-      // The other's path, this school's ids in what is sent. Fails before anything is changed.
+      // The other school's path, this school's ids in the body. Fails before any change.
       if (Filled(line.body, made_->bodies) != Filled(line.body, other.bodies) &&
           expected[i] / 100 == 2) {
         Request request = RequestOf(other, line);

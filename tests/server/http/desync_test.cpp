@@ -87,7 +87,7 @@ TEST_F(DesyncTest, NothingThatTheSuiteCallsAmbiguousOrSevereIsAcceptedNorWhatCom
   EXPECT_EQ(log_.Lines("page: refused a peer at 127.0.0.1: 400"), 1u);  // once, not each time
 }
 
-// What is well formed is served, unless this server does not speak it (request_head.h).
+// Well-formed requests are served, unless this server does not speak them (request_head.h).
 TEST_F(DesyncTest, WhatTheSuiteCallsCompliantIsServedOrAnsweredWithWhyNot) {
   std::vector<DesyncCase> cases = SharedDesyncCases();
   if (cases.empty()) GTEST_SKIP() << "skipped: no shared data";

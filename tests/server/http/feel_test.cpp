@@ -7,7 +7,7 @@
 #include "server/http/handlers/feel_maps.h"
 #include "tests/server/http/running_server.h"
 
-// What a hand can feel on a device, over the wire.
+// The forces that a hand can feel on a device, over the wire.
 namespace enamel::server::http {
 namespace {
 

@@ -5,7 +5,7 @@
 
 #include "tests/server/http/running_server.h"
 
-// One result over several attempts, over the wire: to whom it is shown, and when.
+// One result over several attempts, over the wire: who sees it, and when.
 namespace enamel::server::http {
 namespace {
 

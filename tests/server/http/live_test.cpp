@@ -7,7 +7,7 @@
 
 #include "tests/server/http/running_server.h"
 
-// Attempts watched as they are being made, as a browser's EventSource would.
+// Viewers of attempts in progress, as a browser's EventSource would be.
 namespace enamel::server::http {
 namespace {
 
@@ -31,7 +31,7 @@ class LiveTest : public testing::Test {
   HttpOptions options_;
 };
 
-// A viewer's connection; what it is sent, up to its end.
+// A viewer's connection; the text it receives, up to its end.
 class Stream {
  public:
   Stream(uint16_t port, const std::string& target, const std::string& cookie,

@@ -13,7 +13,7 @@ const std::string kChunkedPost =
     "POST /a%20b?c=d&e=%C3%A4 HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n"
     "Cookie: a=b\r\nCookie: c=d\r\nX: 1\r\nX: 2\r\n\r\n5;x=y\r\nhello\r\n6\r\n world\r\n0\r\n\r\n";
 
-// In pieces of `piece` bytes, keeping what was not used; how many bytes were used in the end.
+// In pieces of `piece` bytes, keeping unused ones; returns how many were used in the end.
 Step FeedIn(RequestReader& reader, const std::string& bytes, size_t piece, size_t& total) {
   std::string unused;
   total = 0;

@@ -40,7 +40,7 @@ class Visitor {
 
   RawResponse Get(const std::string& target);
   RawResponse Post(const std::string& target, const std::string& json = "");
-  // What is said about an attempt, as it is now: `rest` is "/release", "/override", "/excuse".
+  // Judges an attempt at its present revision: `rest` is "/release", "/override", "/excuse".
   RawResponse Judge(const std::string& method, const std::string& attempt, const std::string& rest,
                     const std::string& json = "");
   // A request with exactly these extra header lines ("Name: value\r\n…").

@@ -8,8 +8,8 @@
 #include "server/ops/metrics.h"
 #include "tests/server/http/running_server.h"
 
-// What is secret is nowhere but where it was asked for: not in the log at its most talkative, the
-// audit trail, the metrics, or any refusal.
+// A secret appears only in the answer that gives it out: not in the most verbose log, the audit
+// trail, the metrics, or any refusal.
 namespace enamel::server::http {
 namespace {
 

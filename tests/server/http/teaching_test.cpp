@@ -203,7 +203,7 @@ TEST_F(TeachingTest, WhatHasNoReferenceIsAssignedAsPracticeOnly) {
   refused(Send("ada", "PUT", path, terms, practice.headers["etag"]));
   refused(Send("ada", "PUT", path, Terms(school_.cohort_a), practice.headers["etag"]));
 
-  // What is assigned already can still be ended.
+  // Existing assignments can still be ended.
   const AssignmentRow offered =
       school_.store->assignments.Assignments({.cohort = school_.cohort_a})->front();
   ASSERT_EQ(offered.exercise, "class-1-occlusal");

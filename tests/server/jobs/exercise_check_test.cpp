@@ -10,14 +10,14 @@
 #include "server/jobs/rubric_check.h"
 #include "tests/server/storage/store_world.h"
 
-// Exercises that nobody can do, or that cannot be judged, are refused with what was expected and
-// found.
+// Exercises that nobody can do, or that cannot be judged, are refused with the expected and found
+// value.
 namespace enamel::server {
 namespace {
 
 class ExerciseCheckTest : public ::testing::Test {
  protected:
-  // Coarse: what is checked are sizes of millimetres.
+  // Coarse: the checks are about sizes of millimetres.
   static constexpr int32_t kVoxel_nm = 300'000;
 
   std::vector<scene::Exercise> ExercisesOf(const std::string& name) {

@@ -12,7 +12,7 @@
 
 namespace enamel::test {
 
-// A school in a temporary folder, with the exercise of a World, for what scores and plays back.
+// A school in a temporary folder, with the exercise of a World, for tests that score and play back.
 // Thread safety: as the store's, once a test has arranged it.
 class JobSchool {
  public:

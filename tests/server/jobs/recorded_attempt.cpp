@@ -79,7 +79,7 @@ std::vector<dvec3> PathOf(const scene::CavityTarget& target, const PathOptions& 
   return path.points;
 }
 
-// A link or a loop that is not what it should be, now and then.
+// A bad link or loop, now and then.
 void Disturb(std::mt19937_64& random, core::TickInput& input) {
   const uint64_t chance = random() % 1000;
   if (chance < 5) input.flags |= core::kLateTick;

@@ -25,7 +25,8 @@ struct Recording {
   trace::Seal seal;
 };
 
-// What a store must hold before an attempt, and what a station records of one; built once.
+// The documents that a store must hold before an attempt, and a station's recording of one; built
+// once.
 class World {
  public:
   static const World& Get();

@@ -171,7 +171,7 @@ TEST_F(ScoreJobTest, AnotherScoreWithdrawsTheReleaseAndTheSamePointsAndReasonsDo
     return school_->Row(attempt).released;
   };
 
-  // What was kept is a score of fewer metrics, and worded in another way.
+  // The stored score has fewer metrics, and other words.
   scoring::ScoreResult fewer = score;
   fewer.metrics.pop_back();
   fewer.criteria[0].reason = "The same, in other words.";
@@ -207,8 +207,8 @@ TEST_F(ScoreJobTest, TheReferenceAgainstItselfHasNoDeviationAndFullMarksForShape
   EXPECT_TRUE(score.witness_ok);
 }
 
-// A rubric is corrected: the preview says what a new run then finds, and the recording stays as it
-// was.
+// A rubric is corrected: the preview predicts the score of a new run, and the recording is
+// unchanged.
 TEST_F(ScoreJobTest, ACorrectedRubricCountsInTheNextRunAsItsPreviewSaid) {
   const Uuid attempt = Scored({.mesial_extra_mm = 0.3});
   const scoring::ScoreResult before = ScoreOf(attempt);
@@ -324,11 +324,11 @@ TEST_F(ScoreJobTest, AWallThreeTenthsTooFarOutIsFoundAndExplained) {
   EXPECT_LT(wall->facing.x, -0.7);
 }
 
-// One motion, recorded, replayed to its witness and scored at several loop rates: what is measured
-// in seconds, millimetres and newtons does not count ticks. The hand's way is the same to a count;
-// the poses that are cut are not, so lengths agree to a quarter of a voxel (0.1 mm) and not to the
-// bit. Tough tissue (2.4 N) with the law without a memory; the default law in soft tissue, where
-// the bur keeps up: what it remembers of the hand is not the same at another rate.
+// One motion, recorded, replayed to its witness and scored at several loop rates: metrics in
+// seconds, millimetres and newtons do not count ticks. The hand's way is the same to a count. The
+// poses that cut are not, so lengths agree to a quarter of a voxel (0.1 mm) and not to the bit.
+// Tough tissue (2.4 N) with the law without a memory; the default law in soft tissue, where the bur
+// keeps up: its memory of the hand differs at another rate.
 struct AtRates {
   const char* name;
   haptics::LawKind law;
@@ -402,8 +402,8 @@ TEST_F(ScoreJobTest, TicksGapsAndLateTicksAreOnTheScore) {
   EXPECT_EQ(score.core_version, core::kCoreVersion);
 }
 
-// The same recording as an exam with a limit, and as what a station would have sealed had its
-// student stopped there.
+// The same recording as an exam with a limit, and as if the student had stopped at the limit and
+// the station had sealed it there.
 TEST_F(ScoreJobTest, AnExamCountsUpToItsTimeLimitAndPracticeToItsEnd) {
   const Uuid attempt = school_->Record({.mesial_extra_mm = 0.3, .gap_ticks = 40});
   const uint64_t all = school_->Row(attempt).ticks + 40, limit = all / 2;

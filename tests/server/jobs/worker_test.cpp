@@ -129,7 +129,7 @@ TEST_F(WorkerTest, KeepsTheLeaseOfWhatItIsAt) {
   const auto kept_until = [&] { return Numbers("SELECT lease_until_ms FROM jobs")[0]; };
   std::optional<double> at_first;
   std::atomic<bool> kept{false};
-  // The run waits with what it leaves.
+  // The run waits before storing its results.
   school_.disk.before_change = [&] {
     if (!at_first) at_first = kept_until();
     const auto until = std::chrono::steady_clock::now() + kPatience;

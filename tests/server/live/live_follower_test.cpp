@@ -11,7 +11,7 @@
 namespace enamel::server {
 namespace {
 
-// A server whose stations are elsewhere, and the store that it has in common with them.
+// A server whose stations are elsewhere, and the store that they share.
 class LiveFollowerTest : public ::testing::Test {
  protected:
   // So many seconds of ticks, as its station commits them elsewhere.
@@ -45,7 +45,7 @@ class LiveFollowerTest : public ::testing::Test {
   const Uuid attempt_ = world_.OpenedAttempt();
   LiveBoard board_;
   LiveFollower follower_{board_, *store_, LiveFollower::ByHand()};
-  // Of what is committed.
+  // Of the committed chunks.
   trace::Seal seal_{attempt_, 0, 0, server::testing::World::HeaderHash(), 0};
   UnixMs now_ms_ = 1'000'000;
   uint64_t newest_ = 0;

@@ -85,7 +85,7 @@ TEST(ProxyHeaderTest, AddressesThatAreCutOffOrOfAnotherKindAreNone) {
   }
 }
 
-// Each byte of the start with each value: it is read, or refused with what was found.
+// Each byte of the start with each value: it is read, or refused with the bytes found.
 TEST(ProxyHeaderTest, NoByteOfTheStartIsTakenForAnother) {
   const auto good = Start(0x21, 0x11, 12);
   for (size_t at = 0; at < good.size(); ++at) {

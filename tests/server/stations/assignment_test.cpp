@@ -386,7 +386,8 @@ TEST_F(AssignmentTest, RecordingOfAnExerciseThatARestoreForgotWaitsForIt) {
   EXPECT_NE(error.message().find("exercise"), std::string::npos);
 }
 
-// The station is newer than the backup: it comes back as itself, and what it holds is taken.
+// The station is newer than the backup: it comes back as itself, and the server takes its
+// recordings.
 TEST_F(AssignmentTest, StationThatARestoreForgotComesBackWithWhatItHolds) {
   ScriptedStation forgotten(Asking());
   trace::Ticket ticket = *trace::DecodeTicket(TicketOf(Ask()));

@@ -355,8 +355,7 @@ TEST_F(SessionTest, LatestLiveStateIsKeptUntilTheAttemptIsSealed) {
   EXPECT_FALSE(world_.live.Latest(recording.seal.attempt).has_value());
 }
 
-// A restore brings back a time before some tickets; stations still hold what was recorded with
-// them.
+// A restore goes back to before some tickets; stations still hold the recordings made with them.
 TEST_F(SessionTest, OnlyWhatIsNotThereAsAWholeIsWantedOfWhatIsOffered) {
   Welcome();
   Recording whole = Ticketed(2), begun = Ticketed(2);

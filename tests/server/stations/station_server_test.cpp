@@ -193,7 +193,7 @@ class RawPeer {
     boost::asio::write(socket_, boost::asio::buffer(bytes.data(), bytes.size()), error);
     return !error;
   }
-  // Closes without reading what was answered: the system answers the rest with a reset.
+  // Closes without reading the answers: the system answers the rest with a reset.
   void Vanish() {
     boost::system::error_code ignored;
     socket_.next_layer().set_option(boost::asio::socket_base::linger(true, 0), ignored);

@@ -54,7 +54,7 @@ class SqliteOnSimulatedDisk final : public SqlitePlace {
   SimulatedDisk disk_{folder_.path()};
 };
 
-// Every change made twice: what it says and leaves is of the second time alone.
+// Every change runs twice: its status and its effect are those of the second run alone.
 class SqliteTwice final : public SqlitePlace {
  public:
   Result<std::unique_ptr<Store>> Try() override {
@@ -72,7 +72,7 @@ S3Place PlaceIn(const test::S3StandIn& stand_in) {
   return out;
 }
 
-// What a school has in S3 stores: blobs in one bucket, keys in another.
+// A school's S3 stores: blobs in one bucket, keys in another.
 class Buckets {
  public:
   void Use(StoreOptions& options) const {

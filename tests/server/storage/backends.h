@@ -27,8 +27,7 @@ class Place {
   // To the rows themselves, past the store.
   virtual std::unique_ptr<sql::Db> Connect() const = 0;
   virtual const std::vector<sql::Migration>& migrations() const = 0;
-  // Compares what is stored there with its audit trail: nothing that a store does may look like an
-  // edit.
+  // Compares the stored rows with their audit trail: no action of a store may look like an edit.
   virtual void ExpectTrailAgrees() const = 0;
 };
 

@@ -147,8 +147,8 @@ TEST_P(IngestTest, ContradictionAfterTheSealIsFlaggedOnceAndChangesNothing) {
   EXPECT_EQ(store_->recordings.AttemptChunks(attempt)->at(1), chunks[1].bytes);
 }
 
-// A copy of a station's folder uses a reserved ticket once more. Whatever the second recording is
-// like, its upload is found, the first one stays as it was, and an instructor sees why.
+// A copy of a station's folder uses a reserved ticket once more. Whatever the second recording is,
+// its upload is found, the first recording is unchanged, and an instructor sees why.
 TEST_P(IngestTest, TicketThatWasClonedIsFoundHoweverLongTheSecondRecordingIs) {
   for (bool sealed : {true, false}) {
     for (uint32_t others : {1u, 2u, 3u, 4u}) {

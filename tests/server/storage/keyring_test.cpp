@@ -7,7 +7,7 @@
 #include "server/storage/keys/folder_keyring.h"
 #include "tests/server/storage/store_world.h"
 
-// Keys of people, and what is kept under them.
+// Keys of people, and data encrypted under them.
 namespace enamel::server {
 namespace {
 

@@ -1,8 +1,8 @@
 #include "tests/server/storage/backends.h"
 #include "tests/server/storage/store_world.h"
 
-// Motions of attempts, which of them lie before an attempt's, and where they go; the same for every
-// backend.
+// Motions of attempts, which earlier ones an attempt is compared with, and their deletion; the same
+// for every backend.
 namespace enamel::server {
 namespace {
 

@@ -65,7 +65,7 @@ class MoveTest : public ::testing::Test {
     auto db = OpenDatabase(folder / "enamel.db", DbMode::kReadOnly);
     return *DigestRows(**db, *TablesOfSchool(**db));
   }
-  // But for what each move adds to the audit trail.
+  // Without the rows that each move adds to the audit trail.
   static std::vector<TableDigest> ButAudit(std::vector<TableDigest> tables) {
     std::erase_if(tables,
                   [](const TableDigest& table) { return table.table.starts_with("audit"); });
@@ -99,7 +99,7 @@ TEST_F(MoveTest, EveryTableIsOneOfTheSchoolOrKnownToBeOneOfTheInstallation) {
   std::set<std::string> names;
   for (const auto& table : *tables) {
     EXPECT_TRUE(names.insert(table.name).second);
-    // What it refers to comes first.
+    // Referenced tables come first.
     sql::Query q(**db, "SELECT \"table\" FROM pragma_foreign_key_list(?1)");
     for (q.BindText(table.name); q.Next();) EXPECT_TRUE(names.contains(q.Text(0))) << table.name;
   }
@@ -181,8 +181,7 @@ TEST_F(MoveTest, AMoveThatIsBrokenOffAnywhereGoesOn) {
 
 TEST_F(MoveTest, RowsThatASealLeftBehindGoFirstAndAreNoChange) {
   {
-    // As a server leaves them that is killed after a seal: the blob is there, and the rows still
-    // are.
+    // As after a server was killed following a seal: the blob exists, and so do the rows.
     auto db = OpenDatabase(Path("data") / "enamel.db", DbMode::kExisting);
     sql::Query q(**db,
                  "WITH RECURSIVE n(i) AS (SELECT 0 UNION ALL SELECT i + 1 FROM n WHERE i < 4999) "

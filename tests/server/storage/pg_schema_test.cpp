@@ -96,7 +96,7 @@ std::set<std::string> Statements(const std::string& sql) {
   for (std::string statement; std::getline(lines, statement, ';');) {
     statement.erase(0, statement.find_first_not_of(' '));
     while (statement.ends_with(' ')) statement.pop_back();
-    // What a trigger does is each engine's own, and tested on both.
+    // Triggers are specific to each engine, and tested on both.
     if (statement.starts_with("CREATE TRIGGER")) {
       statement.resize(statement.find(' ', std::strlen("CREATE TRIGGER ")));
     }
@@ -180,8 +180,8 @@ TEST_F(PgSchemaTest, LeavesRoomBesideAnAttemptForItsNextVersion) {
   EXPECT_EQ(q.Text(0), "fillfactor=50 toast_tuple_target=128");
 }
 
-// Both extend the same audit trail, so that their transactions meet all the time: each is run again
-// until it is kept, and what it did counts once.
+// Both extend the same audit trail, so their transactions conflict all the time: each is repeated
+// until it commits, and counts once.
 TEST_F(PgSchemaTest, TwoServersThatWriteAtOnceLoseAndDoubleNothing) {
   const test::TempFolder folder;
   PostgresOptions options;

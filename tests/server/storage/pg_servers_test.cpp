@@ -38,8 +38,8 @@
 #include "tests/support/postgres_proxy.h"
 #include "tests/support/s3_stand_in.h"
 
-// Several servers with their rows in one PostgreSQL database: what they write at the same time, and
-// what is left when one's connection breaks anywhere, is kept once.
+// Several servers with their rows in one PostgreSQL database: simultaneous writes, and those whose
+// connection breaks anywhere, are kept once.
 namespace enamel::server {
 namespace {
 
@@ -432,7 +432,7 @@ TEST_F(PgServersTest, StationsOfOneServerAreElsewhereForTheOthersUntilItIsGone) 
   std::ranges::sort(elsewhere, {}, &StationLink::shows_remarks);
   EXPECT_EQ(elsewhere, (std::vector<StationLink>{{both, false}, {station, true}}));
   EXPECT_EQ(*one->live.LinksElsewhere(), (std::vector<StationLink>{{both, true}}));
-  // What is said at one server is there for the other, whose station says how far it has come.
+  // A remark at one server reaches the other, whose station reports how far it has come.
   const Uuid attempt = world.OpenedAttempt();
   AnnotationRow row;
   row.attempt = attempt;
@@ -480,7 +480,7 @@ TEST_F(PgServersTest, WhileEveryChangeWaitsForAStandbySessionsAreReadAndHealthSa
   auto store = Open(folder, server_);
   auto db = OpenPgDatabase(server_, {}, /*read_only=*/false, {});
   ASSERT_TRUE(db.ok());
-  // After `missing`: it may wait for what that ends.
+  // After `missing`, whose end it may wait for.
   std::future<bool> touched;
   test::MissingStandbys missing(**db);
   missing.Name("nobody");

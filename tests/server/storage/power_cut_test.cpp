@@ -7,8 +7,8 @@
 #include "tests/server/storage/simulated_disk.h"
 #include "tests/server/storage/store_world.h"
 
-// The power fails after every single operation on the disk. Whatever was acknowledged before is
-// there afterwards, and what was not can be sent again.
+// The power fails after every single operation on the disk. Everything acknowledged before
+// survives, and everything else can be sent again.
 namespace enamel::server {
 namespace {
 
@@ -211,7 +211,7 @@ INSTANTIATE_TEST_SUITE_P(UnsyncedWrites, PowerCutTest,
                                                                                : "AreTorn";
                          });
 
-// The test can fail: a drive that only says it synced loses what was acknowledged.
+// Shows that the test can fail: a drive that only claims to sync loses acknowledged data.
 TEST(SimulatedDiskTest, DriveThatLiesAboutSyncsLosesWhatWasAcknowledged) {
   TempFolder folder, left;
   Day day(folder.path());

@@ -8,7 +8,7 @@
 
 namespace enamel::server::testing {
 
-// A data folder as a server leaves it: people, a station, documents, and recordings whose headers,
+// A data folder as left by a server: people, a station, documents, and recordings whose headers,
 // tickets, signatures and chains are genuine, so that `verify` has everything to compare.
 struct RecordedSchool {
   explicit RecordedSchool(const std::filesystem::path& data);

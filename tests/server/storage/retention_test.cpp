@@ -9,7 +9,7 @@
 #include "tests/server/storage/backends.h"
 #include "tests/server/storage/store_world.h"
 
-// Rules that say how long things are kept; the same for every backend.
+// Retention rules; the same for every backend.
 namespace enamel::server {
 namespace {
 

@@ -101,7 +101,7 @@ class RewriteTest : public ::testing::Test {
     EXPECT_EQ(server_->health.Health().waiting + beside_->health.Health().waiting, "");
     EXPECT_FALSE(std::filesystem::exists(Mark()));
   }
-  // What a crash leaves, or an erasure that could not be finished.
+  // The mark of a crash, or of an unfinished erasure.
   void LeaveMark() const { std::ofstream(Mark()).close(); }
   static bool IsWaitedFor(Store& store) {
     auto until = std::chrono::steady_clock::now() + kEnough;
@@ -227,7 +227,7 @@ TEST_F(RewriteTest, IsLeftForLaterWhereThereIsNoRoomForTwoMoreDatabases) {
 }
 
 TEST_F(RewriteTest, DiskThatFillsUpAllTheSameHasItsRoomBack) {
-  // The last one that closes it empties the log: what is in it from now on is the rewrite's.
+  // The last connection to close empties the log: from now on it has only the rewrite.
   beside_.reset();
   server_.reset();
   server_ = Open(true, kBusyWait);

@@ -230,7 +230,7 @@ TEST_F(S3KeyringTest, ErasureThatBreaksOffIsFinished) {
   }
 }
 
-// Of an earlier generation, which no row names any more: what was kept under it is in older dumps.
+// Of an earlier generation, which no row names any more: older dumps have data under it.
 TEST_F(S3KeyringTest, ErasureDestroysKeysThatNoRowNames) {
   ASSERT_TRUE(one_->FindOrMake(person_).ok());
   ASSERT_TRUE(one_.db->Exec("DELETE FROM person_keys").ok()) << "as after a restore";
@@ -305,8 +305,8 @@ TEST_F(S3KeyringTest, StoreThatIsAwayIsSaidAndCalledAgain) {
   EXPECT_TRUE(one_->Problem().ok());
 }
 
-// The database is restored to before an erasure while the bucket is away: the server starts, and
-// the hourly upkeep erases again.
+// The database is restored to before an erasure while the bucket is unreachable: the server starts,
+// and the hourly upkeep erases again.
 TEST(S3KeyringStoreTest, ErasureThatTheDatabaseForgotIsMadeAgainWhenTheBucketIsBack) {
   test::S3StandIn s3;
   const TempFolder folder, keys;

@@ -1,7 +1,7 @@
 #include "tests/server/storage/backends.h"
 #include "tests/server/storage/store_world.h"
 
-// Counters of failures to sign in, the same for every backend.
+// Counters of failed sign-ins, the same for every backend.
 namespace enamel::server {
 namespace {
 

@@ -17,14 +17,14 @@ struct sqlite3_vfs;
 
 namespace enamel::server::testing {
 
-// A disk that remembers every operation on a folder, so that a test can ask what would be on it had
-// the power failed after any one of them; and that can be full.
+// A disk that remembers every operation on a folder, so that a test can ask for its content if the
+// power had failed after any one of them. It can also be full.
 //
 // The files are real. SQLite reaches them through a VFS of its own (vfs()), the store's other files
-// go through the Disk interface. What is durable follows POSIX taken strictly: content when its
-// file was synced, a name when its folder was synced after it was made, renamed or removed. Source
-// of when SQLite syncs folders: sqlite.org/src, os_unix.c (a new journal's or log's first sync also
-// syncs its folder; a new database file's does not).
+// use the Disk interface. Durability follows POSIX taken strictly: content when its file was
+// synced, a name when its folder was synced after it was made, renamed or removed. Source of when
+// SQLite syncs folders: sqlite.org/src, os_unix.c (a new journal's or log's first sync also syncs
+// its folder; a new database file's does not).
 //
 // Thread safety: any thread, as far as SQLite's own rules allow.
 class SimulatedDisk final : public Disk {
@@ -41,7 +41,7 @@ class SimulatedDisk final : public Disk {
   // What becomes of writes and names that were not synced: all lost, or each kept or lost by the
   // throw of a coin, writes in pieces of 512 bytes.
   enum class Unsynced { kLost, kTorn };
-  // Fills `target`, which must be empty, with what is on the disk after a power cut.
+  // Fills `target`, which must be empty, with the disk's content after a power cut.
   void CutAfter(size_t operations, Unsynced unsynced, uint32_t seed,
                 const std::filesystem::path& target) const;
 

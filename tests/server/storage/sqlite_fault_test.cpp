@@ -5,8 +5,8 @@
 
 #include "tests/server/storage/store_world.h"
 
-// Fails the Nth write for every N until a whole attempt goes through: what was acknowledged is
-// there afterwards, what was refused can simply be sent again.
+// Fails the Nth write for every N until a whole attempt succeeds: everything acknowledged survives,
+// and everything refused can simply be sent again.
 namespace enamel::server {
 namespace {
 
@@ -71,8 +71,8 @@ TEST(SqliteFaultTest, NothingAcknowledgedIsLostWhicheverWriteFails) {
   FAIL() << "the attempt never went through without a failure";
 }
 
-// `act` with write n failing, for every n until none does: `look` is shown whether it said that it
-// did it, in a store opened afresh as a server opens it.
+// Runs `act` with write n failing, for every n until none does. `look` gets whether `act` reported
+// success, and a store opened again as a server opens it.
 void WhicheverWriteFails(const std::function<void(World&)>& prepare,
                          const std::function<bool(Store&, const World&)>& act,
                          const std::function<void(Store&, const World&, bool done)>& look) {

@@ -19,7 +19,7 @@
 #include "server/storage/verify/verify.h"
 #include "tests/server/storage/store_world.h"
 
-// Opening a data folder: what is refused, and in which words.
+// Opening a data folder: refusals, and their messages.
 namespace enamel::server {
 namespace {
 

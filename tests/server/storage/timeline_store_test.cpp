@@ -1,7 +1,7 @@
 #include "tests/server/storage/backends.h"
 #include "tests/server/storage/store_world.h"
 
-// Which attempts wait for their timeline, and where timelines go; the same for every backend.
+// Attempts that wait for their timeline, and storage of timelines; the same for every backend.
 namespace enamel::server {
 namespace {
 

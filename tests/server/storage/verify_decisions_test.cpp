@@ -14,8 +14,8 @@ class VerifyDecisionsTest : public DecidedSchoolTest {
  protected:
   VerifyDecisionsTest() { ExpectWhole("before anything is changed"); }
 
-  // The edit is found, as one of this kind and object whose texts name `column`; put back,
-  // everything agrees again.
+  // `verify` reports the edit with this kind and object and a text naming `column`. After undoing
+  // the edit, everything agrees again.
   void ExpectEditFound(const std::string& table, const std::string& edit, const std::string& kind,
                        const std::string& object, const std::string& column) {
     SCOPED_TRACE(edit);

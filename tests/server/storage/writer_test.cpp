@@ -130,7 +130,7 @@ TEST_F(WriterTest, StatementsAndWorksShareACommitAndFailAlone) {
     EXPECT_EQ(first.rows, 1);
     EXPECT_EQ(out[2].ok(), !one_fails);
     EXPECT_EQ(second.rows, one_fails ? 0 : 1);
-    // What is done apart is counted once, as its batch.
+    // Works that run apart are counted once, as their batch.
     EXPECT_EQ(writer_->counters().commits, before.commits + 1);
   }
   EXPECT_EQ(Rows(), (std::vector<int64_t>{1, 2, 3, 11, 13}));
