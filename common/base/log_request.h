@@ -5,9 +5,9 @@
 
 namespace enamel {
 
-// Names what this thread is doing until this goes: every line that it logs meanwhile carries the name
-// (common/program/log.h), so that all that was logged of one request can be found. One inside another
-// counts in its place. Must not live across a co_await, which may go on in another thread.
+// Names what this thread is doing, as long as this object lives: every line that the thread logs
+// carries the name (common/program/log.h), so that all lines of one request can be found. A nested
+// one replaces the outer name. Must not live across a co_await, which may resume in another thread.
 class LogRequest {
  public:
   // `id` outlives this.

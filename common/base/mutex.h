@@ -2,19 +2,20 @@
 
 #include <mutex>
 
-// A mutex whose data is checked when it is compiled: clang's -Wthread-safety refuses to touch what
-// is ENAMEL_GUARDED_BY a mutex that is not held (https://clang.llvm.org/docs/ThreadSafetyAnalysis.html).
-// ./check has it do so for every source that uses this (.ci/thread_safety). To g++ the words below
-// mean nothing. std::mutex itself cannot be used for it: libstdc++'s carries no annotations.
+// A mutex whose data the compiler checks: clang's -Wthread-safety refuses access to data that is
+// ENAMEL_GUARDED_BY a mutex that is not held
+// (https://clang.llvm.org/docs/ThreadSafetyAnalysis.html). ./check has it do so for every source
+// that uses this (.ci/thread_safety). g++ ignores the words below. std::mutex itself cannot be
+// used: libstdc++'s carries no annotations.
 //
-//   Mutex mutex_;
-//   int count_ ENAMEL_GUARDED_BY(mutex_) = 0;
-//   void Add() ENAMEL_REQUIRES(mutex_);  // call with mutex_ held
-//   …
-//   MutexLock lock(mutex_);
+//    Mutex mutex_;
+//    int count_ ENAMEL_GUARDED_BY(mutex_) = 0;
+//    void Add() ENAMEL_REQUIRES(mutex_);  // call with mutex_ held
+//    …
+//    MutexLock lock(mutex_);
 //
-// To wait, a std::condition_variable_any takes the Mutex itself, held, and what it waits for says so:
-//   changed_.wait(mutex_, [this]() ENAMEL_REQUIRES(mutex_) { return count_ > 0; });
+// To wait, a std::condition_variable_any takes the Mutex itself, held. Annotate the condition:
+//    changed_.wait(mutex_, [this]() ENAMEL_REQUIRES(mutex_) { return count_ > 0; });
 #if defined(__clang__)
 #define ENAMEL_THREAD_SAFETY(attribute) __attribute__((attribute))
 #else

@@ -54,8 +54,8 @@ constexpr const char* CodeName(Code code) {
   return "internal";
 }
 
-// An outcome that depends on input, peer, file or learner. The message says what was expected,
-// what was found and what to do; `field` names the offending field or offset where there is one.
+// An outcome that depends on input, peer, file or learner. The message gives the expected value,
+// the value found, and what to do; `field` names the offending field or offset where there is one.
 // Thread safety: a value. Real-time: not safe (owns strings).
 class [[nodiscard]] Status {
  public:

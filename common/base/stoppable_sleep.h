@@ -7,7 +7,8 @@
 
 namespace enamel {
 
-// Sleeps so long, or until `stop` is asked for. Whether it was. Thread safety: any thread.
+// Sleeps for `time`, or until `stop` is requested. Returns whether it was. Thread safety: any
+// thread.
 inline bool SleepUntilStopped(const std::stop_token& stop, std::chrono::nanoseconds time) {
   std::mutex mutex;
   std::unique_lock lock(mutex);

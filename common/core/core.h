@@ -91,33 +91,34 @@ struct TickOutput {
 // to the last bit, on every compiler and machine this builds on. No clock, no randomness, no libm.
 //
 // Force and cutting are switched on in free air only. At the start, after a fault and after a gap
-// in which the hand moved by more than half a voxel, nothing is known of how the tip came to where
-// it is: putting the anchor there would cut a hole of the bur's size at no force, and leaving it
-// behind would hand out energy that nobody put in. So the anchor stays at the tip, without force or
-// cut, until the bur has touched nothing for soft_start_ticks (kSuspended). After a shorter gap the
-// cut goes on from where it was (Coupling::Resume). A gap over which the force was held (kHeldGap)
-// is a late tick's: the tick after it is stepped like any other, and the gap is only time.
+// in which the hand moved by more than half a voxel, the tip's way is unknown. Putting the anchor
+// at the tip would cut a hole of the bur's size at no force. Leaving it behind would hand out
+// energy that nobody put in. So the anchor stays at the tip, without force or cut, until the bur
+// has touched nothing for soft_start_ticks (kSuspended). After a shorter gap the cut continues from
+// where it was (Coupling::Resume). A gap over which the force was held (kHeldGap) belongs to a late
+// tick: the next tick is stepped like any other, and the gap is only time.
 //
 // Order in a tick: read p; engagement at the anchor; law moves the anchor (through contact, in
 // steps of at most half a voxel) and cuts along it; bounds; hash. A step through open air stops at
-// the first contact and the rest of the tick is spent in what was found there (haptics/coupling.h).
-// A tick's last cut is done in two halves, the second at the beginning of the next tick. Touch cues
-// (haptics/touch_cues.h) are added last, to the force sent alone: nothing else feels them.
+// the first contact, and the rest of the tick is spent in the tissue found there
+// (haptics/coupling.h). A tick's last cut is done in two halves, the second at the beginning of the
+// next tick. Touch cues (haptics/touch_cues.h) are added last, to the force sent alone: nothing
+// else feels them.
 //
 // Torque (CoreParams::peak_torque_un_m above 0): a spring between the device's orientation and the
 // bur's, whose every turn is a guarded one (haptics/turning.h). Its resistance comes from the same
-// engagement as the force's: only what the turn brings into solid resists; a still bur, and the
-// shank, do not turn into solid. Torque is 0 wherever force is switched off. After a short gap it
-// stays off until the hand has turned back to where the bur is; if the bur's far end would have to
-// move by more than half a voxel to follow, the core is suspended as after a jump. The state hash
-// covers it; the witness has no field for it.
+// engagement as the force's: only a turn into solid resists. A still bur and the shank do not turn
+// into solid. Torque is 0 wherever force is switched off. After a short gap it stays off until the
+// hand has turned back to the bur. If the bur's far end would have to move by more than half a
+// voxel to follow, the core is suspended as after a jump. The state hash covers torque; the witness
+// has no field for it.
 //
 // Work in a tick is bounded: at most kMaxMovesPerTick moves of the anchor, each with one engagement
 // sample, and kMaxCutsPerTick cuts of at most Cutter::MaxBricks bricks. The laws that take the bur
-// to the tip do so in one move of at most kMaxPosesPerMove poses: a longer one (6.4 mm a tick at
+// to the tip do so in one move of at most kMaxPosesPerMove poses. A longer move (6.4 mm a tick at
 // 0.05 mm) cuts nothing, is flagged kStepTooLong and suspends. Ordinary motion cuts half a pose a
 // tick; a tick near the bound takes milliseconds, and is then late. The hole lags behind a moving
-// bur by at most Sweep::SpanOf (cutting/sweep.h) and a tick; what lags is cut when the bur stops,
+// bur by at most Sweep::SpanOf (cutting/sweep.h) and a tick. The rest is cut when the bur stops,
 // turns, is switched off or suspended.
 //
 // Thread safety: none. Real-time: Step is safe (no allocation, bounded work); construction is not.
@@ -208,9 +209,9 @@ class Core {
   StateHash hash_;
   uint64_t ticks_ = 0;
 
-  // Pose of the last engagement sample, which is renewed when the anchor has moved by an eighth of
-  // a voxel. A cut alone does not change it: it takes away what lies within the bur, and what lies
-  // there weighs no more than what lies on its surface.
+  // Pose of the last engagement sample, renewed when the anchor has moved by an eighth of a voxel.
+  // A cut alone does not change it: it removes tissue inside the bur, which weighs no more than
+  // tissue at the bur's surface.
   cutting::Pose sampled_;
   bool sample_valid_ = false;
   cutting::Pose half_cut_;  // the pose whose upper half waits for the next tick

@@ -10,9 +10,9 @@
 // tests/common/cutting compares the two.
 namespace enamel::cutting {
 
-// What a cut leaves alone and what it leaves behind: samples over kSolidBandVoxels outside the bur
-// stay as they are, and over kAirBandVoxels inside it become plain air. Two voxels to either side
-// of the new surface are enough for its gradient, its mesh and the engagement reading.
+// Samples more than kSolidBandVoxels outside the bur stay unchanged by a cut; samples more than
+// kAirBandVoxels inside it become plain air. Two voxels to either side of the new surface are
+// enough for its gradient, its mesh and the engagement reading.
 inline constexpr float kSolidBandVoxels = 2.0f;
 inline constexpr float kAirBandVoxels = 2.5f;
 

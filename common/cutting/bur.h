@@ -59,8 +59,8 @@ struct Bur {
   double shank_radius_m = 0;
   double neck_m = 0;
 
-  // Signed distance to the cutting part, negative inside; exact. Real-time: safe, but it builds the
-  // outline anew: keep a Profile where there are many points.
+  // Signed distance to the cutting part, negative inside; exact. Real-time: safe, but each call
+  // builds the outline: keep a Profile where there are many points.
   double Distance(const dvec3& point_in_bur_m) const noexcept;
   double height_m() const noexcept { return shape == BurShape::kSphere ? 2 * radius_m : length_m; }
   bool operator==(const Bur&) const = default;

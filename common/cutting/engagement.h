@@ -36,39 +36,39 @@ struct TissueDamping {
   std::array<double, kTissueCount> coulomb_n{}, threshold_n{};
 };
 
-// Reads engagement: M = integral of u u^T dA over the part of the bur's surface that lies within
-// half a voxel of solid and that travel brings into solid; B = sum beta_tissue M. The weight of a
-// surface point falls linearly from 1 at the surface to 0 half a voxel away, so B has no steps; and
-// no two points lie at one height (SampleSurface), so that B grows evenly where a bur enters a
-// wall.
+// Reads engagement: M = integral of u u^T dA over the part of the bur's surface that is within half
+// a voxel of solid and that travel brings into solid; B = sum beta_tissue M. The weight of a
+// surface point falls linearly from 1 at the surface to 0 half a voxel away, so B has no steps. No
+// two points are at one height (SampleSurface), so that B grows evenly where a bur enters a wall.
 //
-// Resistance comes only from tissue ahead. Let n be a point's outward normal, m the way
-// into the solid there (minus the gradient of the distance field, by differences over one voxel:
-// the interpolation's own error has that period and drops out), phi its distance to the solid in
-// voxels.
+// Resistance comes only from tissue ahead. Let n be a point's outward normal, phi its distance to
+// the solid in voxels, and m the way into the solid there. m is minus the gradient of the distance
+// field, by differences over one voxel: the interpolation's own error has that period and drops
+// out.
 //  * Travel d (unit) brings the point into solid at the rate s = min(n . d, m . d). The bur's own
-//    normal alone is the wrong judge at a wall that the bur runs along: an arc of it lies in the
-//    half-voxel band, and half of that faces the way back. The field alone is, at a wall behind it.
+//    normal alone is wrong at a wall that the bur runs along: an arc of it is in the half-voxel
+//    band, and half of that faces the way back. The field alone is wrong at a wall behind the bur.
 //  * The point counts from s = kGrazing + 2 max(phi, 0) on (half a voxel of travel brings it in)
 //    and fully at kRamp more. Three hundredths of a voxel inside solid it counts from s = 0 on:
 //    grazing travel creeps no deeper than that.
-//  * There must be solid where the field says it begins, a quarter of a voxel behind the surface:
-//    max(phi_tooth, -phi_bur) leaves a film of small distances where a face of the bur lay near the
+//  * There must be solid a quarter of a voxel behind the surface that the field shows:
+//    max(phi_tooth, -phi_bur) leaves a film of small distances where a face of the bur was near the
 //    tooth's surface, as under a bur sunk to its top.
 //  * u = n where n and m agree (cosine above 0.75), m where they do not (below 0.5), such as at the
 //    rim of a face that runs along a wall: no press against a wall then resists the way along it.
 // In steady cutting the front is the bur's own print, m = n, and travel, which is the coupling's
-// stretch, stands along B v, so that the dead zone costs little.
+// stretch, is along B v, so that the dead zone costs little.
 //
 // beta (N s / m^3) is chosen so that a cylinder of radius 0.6 mm and length 4 mm that moves
 // sideways with its front half engaged meets the tissue's lateral B: its integral of (n.d)^2 over
 // the half cylinder is r L pi/2 = 3.77 mm^2 (kReferenceArea_m2). Where a bur cuts less well with
 // its end than with its side, a point's beta is lateral (1 - n_z^2) + axial n_z^2, n_z being its
-// normal's share along the bur's axis: still symmetric and positive semi-definite, whatever the
-// travel.
+// normal's share along the bur's axis. This is still symmetric and positive semi-definite, whatever
+// the travel.
 //
-// The Coulomb part and the threshold are read as B along travel is, sum over tissues of
-// value / kReferenceArea_m2 times the integral of (u . d)^2 dA: the tissue's own at the reference.
+// The Coulomb part and the threshold are read like B along travel: sum over tissues of value /
+// kReferenceArea_m2 times the integral of (u . d)^2 dA. At the reference this gives the tissue's
+// own.
 //
 // The shank does not cut: its points in contact only have a normal, the wall's.
 //

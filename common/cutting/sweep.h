@@ -45,7 +45,7 @@ class Sweep {
   ENAMEL_REALTIME std::span<const Pose> Move(const Pose& to) noexcept;
   // What was passed over and is not within the tolerance of the last cut.
   ENAMEL_REALTIME std::span<const Pose> Flush() noexcept;
-  // Begins anew: the next pose is cut. Drops what waits: Flush first.
+  // Starts again: the next pose is cut. Drops the waiting poses: Flush first.
   void Clear() noexcept;
   void VisitState(StateArchive& archive) { archive(cut_, has_cut_, waiting_, count_, age_); }
 

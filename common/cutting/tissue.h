@@ -7,7 +7,7 @@
 
 namespace enamel::cutting {
 
-// What a voxel is made of. Stable numbers: they are stored in volume blobs and traces.
+// The material of a voxel. Stable numbers: they are stored in volume blobs and traces.
 enum class Tissue : uint8_t {
   kAir = 0,
   kEnamel = 1,

@@ -85,8 +85,8 @@ struct BrickLabels {
   std::array<uint8_t, kBrickVoxels> tissue;
 };
 
-// Sparse volume. Bricks without a surface are one word: air, or deep inside one tissue. A label
-// is kept when its voxel turns to air, so that what was removed can be told per tissue.
+// Sparse volume. Bricks without a surface are one word: air, or deep inside one tissue. A label is
+// kept when its voxel turns to air, so that removal can be reported per tissue.
 // Thread safety: const methods from any thread while nobody writes. Real-time: all methods below
 // "real-time" are safe once Reserve was called; the rest allocate.
 class Volume {

@@ -27,10 +27,10 @@
 // ticks of about 0.4 us. Thread safety: functions, any thread. Real-time: not safe.
 namespace enamel::fidelity {
 
-// What a hand can tell, as shares of what is right and as a time. What was published holds for
-// trained hands in a laboratory that look for the difference: where these hold nobody feels one.
-// Force: Jones 1989 (Perception 18:681), 7 %; Pang, Tan and Durlach 1991 (Perception &
-// Psychophysics 49:531), 5 to 10 %.
+// The smallest differences that a hand feels, as shares of the right value and as a time. The
+// published figures are for trained hands in a laboratory that look for the difference: within them
+// nobody feels one. Force: Jones 1989 (Perception 18:681), 7 %; Pang, Tan and Durlach 1991
+// (Perception & Psychophysics 49:531), 5 to 10 %.
 inline constexpr double kForceShare = 0.07;
 // Viscosity: Jones, Hunter and Lafontaine 1997 (Perception 26:1571), 19 % between 4 and 512 N s/m.
 // Tooth tissue lies up to 22 times above that range; taken to hold there as well.

@@ -5,8 +5,7 @@
 
 #include "common/hands/hand.h"
 
-// How an assignment is told to people, wherever it is told: one exercise may be assigned more than
-// once.
+// An assignment in words, the same everywhere: one exercise may be assigned more than once.
 namespace enamel {
 
 struct AssignmentWords {
@@ -18,8 +17,8 @@ struct AssignmentWords {
 // "Class I cavity (exam, due 2026-12-01 12:00 UTC, with a haptic device)".
 std::string AssignmentText(const AssignmentWords& assignment);
 
-// "2026-11-20 09:05 UTC", of milliseconds since 1970-01-01 UTC. In UTC and saying so: server, station
-// and page may stand in different time zones.
+// "2026-11-20 09:05 UTC", of milliseconds since 1970-01-01 UTC. The text names UTC because server,
+// station and page may be in different time zones.
 std::string TimeInWords(int64_t unix_ms);
 
 }  // namespace enamel

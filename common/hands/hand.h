@@ -11,8 +11,8 @@
 // What holds the tool, and which of it graded work admits. Pure functions, any thread.
 namespace enamel {
 
-// As the station found it when the attempt began. It stands in the recording's header, whose hash
-// the first signed chunk names. What it cannot say: schemas/trace_format.md, "Hand".
+// As the station found it when the attempt began. It is in the recording's header, whose hash the
+// first signed chunk names. What it cannot prove: schemas/trace_format.md, "Hand".
 enum class HandKind : uint8_t {
   kNotTold = 0,  // of a ticket for later, which was asked for without a hand
   kHaptic = 1,   // a person at a device with motors
@@ -55,8 +55,8 @@ std::optional<HandsAllowed> HandsAllowedFromName(std::string_view name);
 // For people: "a haptic device on the school's list".
 const char* HandsAllowedText(HandsAllowed allowed);
 
-// `listed`: the hand is on the school's list; asked about for kListed only. Errors: kForbidden, field
-// "hand", with what was expected, what was found and what to do.
+// `listed`: the hand is on the school's list; used for kListed only. Errors: kForbidden, field
+// "hand". The message gives the expected and the found hand, and what to do.
 Status MayHold(HandsAllowed allowed, const Hand& hand, bool listed);
 
 }  // namespace enamel

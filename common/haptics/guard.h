@@ -94,10 +94,10 @@ ENAMEL_REALTIME double StiffnessShare(const GuardParams& params, const dvec3& e_
                                       double share_before, Tank& tank) noexcept;
 
 // After ticks in which no force was sent: share s in [0, 1] of the stretch with which the spring
-// may go on, rest point at p - s e, so that it costs no more than a reset (which starts a new count
-// with V_0 <= Kc/2 Radius()^2). It is a reset and a guarded step back that the tank pays. kept_j
-// pays first: what surely was in the spring when the force stopped, 0 when the tip moved under it
-// unseen, as it does between the last reading and the stop: it may have taken all. With delay: only
+// may continue, rest point at p - s e, so that it costs no more than a reset (which starts a new
+// count with V_0 <= Kc/2 Radius()^2). It is a reset and a guarded step back that the tank pays.
+// kept_j pays first: what surely was in the spring when the force stopped. It is 0 when the tip
+// moved unseen, as between the last reading and the stop: it may have taken all. With delay: only
 // once the forces under way have ended, after BeginTick and in the same tick as the steps that
 // follow.
 ENAMEL_REALTIME double ResumedShare(const GuardParams& params, const dvec3& e_m, double kept_j,

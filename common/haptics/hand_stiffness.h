@@ -5,17 +5,18 @@
 
 // How stiff the hand on the tool is beside the coupling's spring, judged while it works.
 //
-// Why it matters. A hand that prescribes its motion wants the force set to B v at once: it cannot
-// swing. A hand that prescribes its force has its speed made by the rest point, so a law that sets
-// the force from the speed it sees closes a loop through its own delay, and cycles. In between lie
-// real hands (0.2 to 1 N/mm beside a Kc of 2.5 to 10). The two can be told apart: move the rest
-// point, and a stiff hand shows it in the stretch, a soft one in the tip.
+// Why it matters. A hand that prescribes its motion needs the force set to B v at once: it cannot
+// swing. For a hand that prescribes its force the rest point makes the speed. A law that sets the
+// force from the speed it sees then closes a loop through its own delay, and cycles. Real hands are
+// in between (0.2 to 1 N/mm beside a Kc of 2.5 to 10). To distinguish the two, move the rest point:
+// a stiff hand shows it in the stretch, a soft one in the tip.
 //
-// Trust runs from 0 (soft, or not known) to 1 (stiff). Lost at once, for a hold that doubles with
-// each loss (0.5 to 30 s), when the tip follows what the law did to the rest point (more than 0.4 of
-// it, over 30 ms, once that is beyond 4 cells) or swings (TurningAxis::TakeSwing). Given where the
-// stretch has long been off what the speed calls for (0.12 s and 4 counts on the same side, longer
-// after losses): in a soft hand it is not, because there the force makes the speed.
+// Trust runs from 0 (soft, or not known) to 1 (stiff). It is lost at once, for a hold that doubles
+// with each loss (0.5 to 30 s), in two cases: the tip follows what the law did to the rest point
+// (more than 0.4 of it, over 30 ms, once that is beyond 4 cells), or it swings
+// (TurningAxis::TakeSwing). It is given where the stretch has long been off what the speed calls
+// for (0.12 s and 4 counts on the same side, longer after losses). In a soft hand it is never off,
+// because there the force makes the speed.
 //
 // Thread safety: none. Real-time: safe. Deterministic: + - * / sqrt.
 namespace enamel::haptics {

@@ -7,7 +7,7 @@
 #include "common/math/trig.h"
 #include "common/math/vec.h"
 
-// Touch cues: small forces beside the coupling's that tell of contact and of the turning bur.
+// Touch cues: small forces beside the coupling's that signal contact and the turning bur.
 //  * A knock when the bur meets tissue: one damped oscillation against the way it came,
 //      c = -u A r^n sin(2 pi f n T), n = 1, 2, ... ticks, r = D / (D + T).
 //    On real surfaces the tool rings like this, stronger the faster it came (Okamura, Cutkosky and
@@ -52,7 +52,7 @@ class CueAccount {
   explicit CueAccount(const CueAccountParams& params);
 
   // The tip's way since the last call is that of the tick in between. The result is `wanted_n`
-  // times a share in [0, 1] and must be sent as it is, in this tick. 0 in the first: the tip's
+  // times a share in [0, 1]; send exactly this result, in this tick. 0 in the first tick: the tip's
   // speed is not known.
   ENAMEL_REALTIME dvec3 Afford(const dvec3& tip_m, const dvec3& wanted_n) noexcept;
   // Instead of the tick's booking, before Afford: force stopped unseen since the last call (lost

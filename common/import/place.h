@@ -21,7 +21,7 @@ struct PlacedLayers {
   std::vector<std::string> words;
 };
 
-// Which tooth it is, and which way it stands in the file: "+x" ... "-z", or "auto".
+// Which tooth it is, and its orientation in the file: "+x" ... "-z", or "auto".
 struct Facing {
   int tooth = 0;       // FDI number
   std::string up;      // occlusal; auto: found by the hollows of the shape

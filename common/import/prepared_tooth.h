@@ -6,9 +6,9 @@
 #include "common/import/import_tooth.h"
 #include "common/mesh/registration.h"
 
-// A tooth that a dentist prepared, as a scan, becomes a target: the scan is laid on the exercise's
-// tooth, and what it lacks of that tooth is what has to go. Not real-time; by hand, never in the
-// server.
+// Turns the scan of a tooth that a dentist prepared into a target. The scan is laid on the
+// exercise's tooth; the target is the part of the tooth that the scan lacks. Not real-time; run by
+// hand, never in the server.
 namespace enamel::import {
 
 struct PreparedOptions {

@@ -19,8 +19,8 @@ struct ReadSources {
   std::vector<std::string> report;  // which part is which tissue, what was left out
 };
 
-// Each file is read once. Errors as ReadMeshInChild; kInvalidInput, field = the tissue, where a
-// part is not there or not the only one of that name (the message lists those there are).
+// Reads each file once. Errors as ReadMeshInChild; kInvalidInput, field = the tissue, where a part
+// is missing or its name is not unique (the message lists the parts of the file).
 Result<ReadSources> Read(const ImportSources& sources, const std::filesystem::path& child);
 
 }  // namespace enamel::import

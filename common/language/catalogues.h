@@ -5,7 +5,7 @@
 
 namespace enamel::language {
 
-// A file of schemas/words/, as it is.
+// A file of schemas/words/, unchanged.
 struct Catalogue {
   std::string_view language;  // its folder: "de"
   std::string_view part;      // its name: "window"

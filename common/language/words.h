@@ -44,8 +44,8 @@ class Words {
 
   Language language() const;
 
-  // The message of this key ("sign_in.login"), its places filled. A key that no catalogue has comes back as it is:
-  // a test finds it (tests/common/language), and a person can report it.
+  // The message of this key ("sign_in.login"), its places filled. A key that no catalogue has is
+  // returned unchanged: a test finds it (tests/common/language), and a person can report it.
   std::string Say(std::string_view key, std::initializer_list<Value> values = {}) const {
     return Say(key, std::span<const Value>(values.begin(), values.size()));
   }
@@ -61,7 +61,8 @@ class Words {
   std::unique_ptr<Impl> impl_;
 };
 
-// A key and its message, for tests and for who shows letters: all that can be said is made of these.
+// A key and its message, for tests and for programs that draw letters: every text consists of
+// these.
 struct Message {
   std::string key, pattern;
 };

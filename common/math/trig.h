@@ -7,7 +7,8 @@ struct SinCos {
 };
 
 // Sine and cosine of `turns` full turns, 0 <= turns <= 1, from + - * alone, so the last bit is the
-// same on every machine (libm's is not). Error below 1e-15. For tables built when a core is made.
+// same on every machine (libm's is not). Error below 1e-15. For tables that a core builds at its
+// start.
 SinCos SinCosOfTurns(double turns) noexcept;
 
 // Angle of a slope, radians, from + - * / sqrt alone, for the same reason. Error below 1e-15.

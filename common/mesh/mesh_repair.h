@@ -7,7 +7,7 @@
 
 namespace enamel::mesh {
 
-// What was found in a mesh and what was done about it.
+// The defects of a mesh and how they were repaired.
 struct MeshReport {
   size_t vertices = 0, triangles = 0;    // after welding
   size_t degenerate = 0, duplicate = 0;  // triangles left out

@@ -8,7 +8,7 @@
 
 namespace enamel::mesh {
 
-// Which way a crown stands in its file.
+// The orientation of a crown in its file.
 struct Stance {
   dvec3 up{0, 0, 1};  // occlusal, unit
   // Direction of the gum side's middle normal (away from the tooth), where one was recognised:
@@ -30,7 +30,7 @@ Result<dvec3> ParseAxis(std::string_view text);
 // own direction taken: the crown stands askew. Without hollows (spheres) the rougher end of y is
 // up. `certain` from a margin of 0.2. Requires: a closed mesh oriented outward, millimetres.
 Stance FindStance(const Triangles& mesh);
-// With the up axis given: only the gum patch is looked for.
+// With the up axis given: searches for the gum patch only.
 Stance StanceWithUp(const Triangles& mesh, const dvec3& up);
 
 // Rows are the scene's axes in the file's frame, right-handed: z = up; x and y are the two

@@ -4,9 +4,9 @@
 
 #include "common/mesh/triangles.h"
 
-// Where one scan of a tooth lies on another: of the same tooth, cut meanwhile, from any side, with
-// or without its root. Millimetres. Any libm: what comes of it is stored and never found anew.
-// Thread safety: functions, any thread.
+// Where one scan of a tooth is on another scan of the same tooth, which may have been cut in
+// between, from any side, with or without its root. Millimetres. Any libm: the result is stored and
+// never computed again. Thread safety: functions, any thread.
 namespace enamel::mesh {
 
 // p -> rotation p + shift.

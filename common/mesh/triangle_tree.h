@@ -55,8 +55,8 @@ class TriangleTree {
 };
 
 // Signed distance to `surface` of points visited one near the other: each search starts from the
-// triangle found last, and the side (winding number of `solid`) is found anew only when a surface
-// may lie between. One per thread.
+// triangle found last. The side (winding number of `solid`) is computed again only when a surface
+// may be in between. One per thread.
 class SignedProbe {
  public:
   SignedProbe(const TriangleTree& surface, const TriangleTree& solid)

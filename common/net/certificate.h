@@ -8,7 +8,7 @@
 #include "common/base/sha256.h"
 
 // Identity of a server on the station link: a self-signed certificate known by its fingerprint,
-// which a station is told when it is enrolled. No certificate authority is needed or consulted.
+// which a station gets when it enrols. No certificate authority is needed or consulted.
 namespace enamel::net {
 
 struct CertificatePem {

@@ -50,10 +50,10 @@ class FrameClient {
   // open).
   Status Send(ByteView message, Duration timeout = std::chrono::seconds(10));
 
-  // The next message. Zero: what is already here, else what can be read without waiting. A timeout
-  // leaves the connection usable, also in the middle of a message: the next Receive goes on there.
-  // Errors: kUnavailable "timeout" (field() == "timeout"), kUnavailable (closed or broken),
-  // kTooLarge (then closed).
+  // The next message. With a timeout of zero: a message already received, else one that can be read
+  // without waiting. A timeout leaves the connection usable, even in the middle of a message: the
+  // next Receive continues there. Errors: kUnavailable "timeout" (field() == "timeout"),
+  // kUnavailable (closed or broken), kTooLarge (then closed).
   Result<Bytes> Receive(Duration timeout);
 
   // Ends the connection: TLS close_notify if it can be sent at once, then the socket. Idempotent.
