@@ -48,7 +48,8 @@ PgFailure::Kind PgKindOf(const std::string& state);
 struct PgDbOptions {
   // libpq's: "postgresql://user@host1,host2/name?target_session_attrs=read-write" or keywords.
   std::string server{};
-  // Where the tables are; made by Migrate where it is not there. Empty: the user's own, "public".
+  // The schema of the tables; Migrate creates it if it does not exist. Empty: the user's own,
+  // "public".
   std::string schema{};
   bool read_only = false;
   // Whose tables these are; another program's database is refused (kVersion).
@@ -57,31 +58,31 @@ struct PgDbOptions {
   std::function<bool()> fail_next{};
   // So long it is tried to ask whether a COMMIT was kept; a standby is promoted within it or not.
   std::chrono::milliseconds in_doubt{30'000};
-  // What a failure is told as; by default PostgreSQL's words with a code.
+  // Makes the status of a failure; by default PostgreSQL's words with a code.
   std::function<Status(const PgFailure&)> explain{};
 };
 
 // One connection. What is committed is on the server's disk, and on its synchronous standby's where
-// there is one (synchronous_commit is never below "on"). Transactions of a connection that may write
-// are SERIALIZABLE unless they begin with kRowLocks, then READ COMMITTED. A statement ends after
-// kStatementTimeout, waiting for a lock after kLockTimeout. A connection that was lost is made anew
-// by the next Begin, or by the next statement outside of a transaction; what was not committed is
-// gone then, and must_repeat() says so. One that may write and finds its server read-only counts as lost: another
-// server has taken over, or will.
+// there is one (synchronous_commit is never below "on"). Transactions of a connection that may
+// write are SERIALIZABLE unless they begin with kRowLocks, then READ COMMITTED. A statement ends
+// after kStatementTimeout, waiting for a lock after kLockTimeout. The next Begin, or the next
+// statement outside of a transaction, replaces a lost connection. Uncommitted work is then lost,
+// and must_repeat() is true. A connection that may write and finds its server read-only counts as
+// lost: another server has taken over, or will.
 //
-// A connection that is lost during COMMIT leaves the question whether it was kept. So each
-// transaction counts itself in a row of its connection's own (table enamel_commits, made by Migrate);
-// a new connection waits for that row, which the old transaction holds until it has ended, and reads
-// whether the count is there. That holds on a standby that was promoted meanwhile too, where the
-// number of a transaction (pg_xact_status) may have been given away once more.
+// A connection that is lost during COMMIT leaves open whether the transaction was kept. So each
+// transaction counts itself in a row of its connection's own (table enamel_commits, made by
+// Migrate). A new connection waits for that row, which the old transaction holds until it has
+// ended, and reads whether the count is there. That also holds on a standby that was promoted in
+// between, where the number of a transaction (pg_xact_status) may have been given away once more.
 //
-// Differences to SQLite that callers may meet: a statement that fails ends the work of its
-// transaction, up to the savepoint before it; a query's rows are all in memory from its first Next,
-// and its columns are known from there; of a text that is asked for as a number, and the other way
-// round, nothing is converted.
+// Differences to SQLite that callers may meet:
+//  * A statement that fails ends the work of its transaction, up to the savepoint before it.
+//  * A query's rows are all in memory from its first Next, and its columns are known from there.
+//  * A text read as a number, or a number read as text, is not converted.
 //
 // Thread safety: one thread at a time. Statements are prepared once and kept, up to kMaxStatements;
-// beyond that the one that was not used for longest goes.
+// above that the least recently used one is dropped.
 class PgDb final : public Db {
  public:
   static constexpr size_t kMaxStatements = 256;
@@ -129,14 +130,15 @@ class PgDb final : public Db {
   Status Connect();
   Status SetUp();
   Status PrepareCount();
-  // On the connection as it is.
+  // On the current connection, without replacing it.
   Status Run(const char* sql);
   // Whether it can be asked: it is not lost, and all of SetUp was done on it.
   bool IsThere() const;
-  // Connects anew where the connection is lost, or was not set up to the end, and no transaction is open.
+  // Connects again where the connection is lost, or was not fully set up, and no transaction is
+  // open.
   Status BeThere();
-  // Whether a statement that has failed is to be asked once more, on a connection made anew: this one had ended since
-  // it was used last, as after a failover, and nothing but that statement is lost with it.
+  // Whether to repeat a failed statement on a new connection: the old one had ended since its last
+  // use, as after a failover, and only that statement is lost with it.
   bool IsThereAgain();
   // A COMMIT that was sent, and how it was answered.
   Status Ended(Status done);

@@ -6,7 +6,7 @@
 // The store's SQL in PostgreSQL's words. Private to common/postgres.
 namespace enamel::sql {
 
-// Parameters: "?1" becomes "$1". What is inside '…' and "…" stays as it is.
+// Parameters: "?1" becomes "$1". Text inside '…' and "…" is unchanged.
 std::string WithDollars(std::string_view sql);
 
 }  // namespace enamel::sql

@@ -8,8 +8,8 @@
 
 #include "common/base/result.h"
 
-// How a program's command is declared beside what it does: its name, its options and what to run.
-// Used once, at start, by one thread.
+// Declares a program's command: its name, its options and its function. Used once, at start, by one
+// thread.
 namespace enamel::program {
 
 // A new command `cmd`; `options`, a value that its options write into and that lives as long as it,

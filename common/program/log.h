@@ -28,8 +28,8 @@ bool LogIsJson();
 // for JSON: asked before it is parsed, so that what is wrong with it is said in JSON too.
 bool AsksForJson(int argc, const char* const* argv, const std::string& prefix);
 
-// What a program has to say to who runs it, on standard error: "NAME: message", and where the log
-// is JSON a line of it, at level "error" or "warning", whatever level was asked for.
+// Reports to the person who runs the program, on standard error: "NAME: message". Where the log is
+// JSON, a line of it, at level "error" or "warning", whatever the log level.
 void SayError(const std::string& message);
 void SayWarning(const std::string& message);
 

@@ -5,7 +5,7 @@
 
 #include "common/base/result.h"
 
-// Where the program is told to write: looked at before the work whose outcome goes there.
+// The place where a program writes its result, checked before the work begins.
 namespace enamel::program {
 
 // Ok when `file` could be written now, or is empty (not asked for). `option` is what named it.

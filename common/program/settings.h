@@ -37,7 +37,7 @@ Status ReadSettingsFile(const std::filesystem::path& file, CLI::App& command,
 Status ReadSettings(std::string_view text, const std::string& file, CLI::App& command,
                     const std::set<std::string>& of_others = {});
 
-// The names of all options of `app` and its commands that may stand in a file.
+// The names of all options of `app` and its commands that a settings file may have.
 std::set<std::string> SettingNames(const CLI::App& app);
 
 // The options of `command` with their values as a TOML file that ReadSettingsFile takes.

@@ -8,12 +8,11 @@
 
 namespace enamel::protocol {
 
-// What a station says of an attempt beside its recording: not signed, not an input of the core, and
-// true whether the server believes it or not. It is kept in the spool with the attempt, told with
-// OpenAttempt, each time anew, and never changed by the server. Its members stand in
-// schemas/wire/station.proto and nowhere else; what lists, stores or shows facts goes by FactsJson.
-// CONTRIBUTING.md, "Where a fact of an attempt belongs", says what is to stand there, and what
-// every new one touches.
+// What a station reports of an attempt beside its recording: not signed, not an input of the core,
+// and true whether the server believes it or not. The spool keeps it with the attempt, every
+// OpenAttempt sends it, and the server never changes it. schemas/wire/station.proto alone defines
+// its members; code that lists, stores or shows facts uses FactsJson. CONTRIBUTING.md, "Where a
+// fact of an attempt belongs", says which facts belong here and which places a new one touches.
 using AttemptFacts = wire::AttemptFacts;
 
 // Of encoded facts, unknown ones included: what is kept with each attempt must not grow on a

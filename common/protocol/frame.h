@@ -18,10 +18,10 @@ inline constexpr size_t kMaxFrameBytesBeforeHello = size_t{16} << 10;
 // Length and message as one byte string. Errors: kTooLarge over kMaxFrameBytes.
 Result<Bytes> EncodeFrame(ByteView message);
 
-// Takes a stream apart into messages, whatever pieces it arrives in:
-//   while (!reader.done()) { n = read(reader.Prepare()); status = reader.Resume(n); }
-//   message = reader.Take();
-// Memory is bounded by what has arrived plus 64 KiB, not by what a length promises. A length over
+// Splits a stream into messages, whatever pieces it arrives in:
+//    while (!reader.done()) { n = read(reader.Prepare()); status = reader.Resume(n); }
+//    message = reader.Take();
+// Memory is bounded by the bytes received plus 64 KiB, not by the announced length. A length over
 // the limit is refused when its last byte arrives; the connection cannot be used after that. Thread
 // safety: none.
 class FrameReader {

@@ -7,8 +7,8 @@
 #include "common/base/result.h"
 #include "common/protocol/station.pb.h"
 
-// What an instructor says to whoever makes an attempt, while it is made (schemas/wire/README.md,
-// "Remarks"). Pure functions, any thread.
+// What an instructor writes to the person who makes an attempt, during the attempt
+// (schemas/wire/README.md, "Remarks"). Pure functions, any thread.
 namespace enamel::protocol {
 
 inline constexpr size_t kMaxRemarkCharacters = 500;

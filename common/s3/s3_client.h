@@ -13,9 +13,9 @@
 #include "common/s3/sigv4.h"
 #include "common/s3/xml.h"
 
-// Asks an S3 store (S3 API Reference; also OpenStack Swift with s3api, Ceph, MinIO) for the objects of
-// one bucket. Only this folder includes libcurl's header, and the library is opened when the first
-// client is made.
+// Reads and writes the objects of one bucket of an S3 store (S3 API Reference; also OpenStack Swift
+// with s3api, Ceph, MinIO). Only this folder includes libcurl's header, and the first client opens
+// the library.
 namespace enamel::s3 {
 
 struct Libcurl;
@@ -78,7 +78,7 @@ class S3Client {
 
   // The store compares what it got with the hash that is signed. An object of that key is replaced.
   Status Put(const std::string& key, ByteView body);
-  // Other bytes than the hash says are asked for once more, then kStorage.
+  // Bytes that do not match the hash are requested once more, then kStorage.
   Result<Bytes> Get(const std::string& key, const Sha256& hash);
   Status Head(const std::string& key);
   // Absent: nothing to do.

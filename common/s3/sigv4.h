@@ -23,7 +23,8 @@
 // Pure functions. Thread safety: any thread. Real-time: not safe (allocates).
 namespace enamel::s3 {
 
-// Who asks. The secret stays with whoever signs; it is in no request and in no message.
+// The account that signs requests. The secret stays with the signer; it is in no request and in no
+// message.
 struct Credentials {
   std::string access_key;
   std::string secret_key;
@@ -47,8 +48,8 @@ struct Scope {
   std::string service = "s3";
 };
 
-// All but A-Z a-z 0-9 - . _ ~ become %XX, upper-case; '/' only where `slash` says so. Bytes of UTF-8
-// are encoded one by one.
+// All but A-Z a-z 0-9 - . _ ~ become %XX, upper-case; '/' only with `slash`. Bytes of UTF-8 are
+// encoded one by one.
 std::string UriEncode(std::string_view text, bool slash);
 // "name=value&…", encoded and sorted by the encoded names, then values: also what is sent after '?'.
 std::string CanonicalQuery(const Pairs& query);

@@ -7,10 +7,10 @@
 
 #include "common/base/result.h"
 
-// What an S3 store answers, as far as it is XML and we ask for it (S3 API Reference: ListObjectsV2,
-// Error Responses, GetBucketVersioning, GetObjectLockConfiguration). A store is a stranger: what it
-// sends is bounded and read strictly, and members that are not named here are passed over.
-// Pure functions, any thread. Errors: kStorage, with what was expected and found.
+// The XML answers of an S3 store that the client uses (S3 API Reference: ListObjectsV2, Error
+// Responses, GetBucketVersioning, GetObjectLockConfiguration). A store is not trusted: its answers
+// are bounded and read strictly, and members that are not named here are ignored. Pure functions,
+// any thread. Errors: kStorage, with what was expected and found.
 namespace enamel::s3 {
 
 // A page of a thousand keys of a thousand bytes is 1.5 MB.

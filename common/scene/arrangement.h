@@ -5,7 +5,7 @@
 
 #include "common/scene/builtin/tooth_shape.h"
 
-// Teeth side by side, with caries: what a built-in scene is made of.
+// Teeth side by side, with caries: the parts of a built-in scene.
 namespace enamel::scene {
 
 // Soft tissue in a tooth: an ellipsoid. Where it reaches, enamel and dentin are caries; the pulp

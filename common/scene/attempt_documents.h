@@ -7,8 +7,8 @@
 #include "common/core/params.h"
 #include "common/scene/types.h"
 
-// The documents that an attempt is made of, for whoever prepares one or checks a recording.
-// Thread safety: functions, any thread. Real-time: not safe.
+// The documents of an attempt, for code that prepares one or checks a recording. Thread safety:
+// functions, any thread. Real-time: not safe.
 namespace enamel::scene {
 
 struct AttemptDocuments {

@@ -31,8 +31,8 @@ using Field = std::function<FieldSample(const dvec3& point_m)>;
 // ValidateGrid(spec).ok(). Thread safety: `field` is called from `threads` at once.
 cutting::Volume BuildVolume(const cutting::GridSpec& spec, const Field& field, int threads = 1,
                             const std::function<void(double)>& progress = {});
-// A field that is asked for whole bricks: for those that are costly far from the surface, or that
-// save work on samples next to each other. Magnitudes above `reach_m` may be cut off there.
+// A field that computes whole bricks: for fields that are costly far from the surface, or that save
+// work on samples next to each other. Magnitudes above `reach_m` may be cut off there.
 class BrickField {
  public:
   using Samples = std::array<FieldSample, cutting::kBrickVoxels>;  // (z, y, x), x fastest

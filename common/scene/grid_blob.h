@@ -15,8 +15,9 @@ namespace enamel::scene {
 
 // Four letters, version and flags: 8 bytes.
 void WriteBlobStart(std::string_view letters, uint16_t version, uint16_t flags, ByteWriter& out);
-// The flags. `known_flags`: one bit, or 0. Errors: kInvalidInput for other letters or flags; kVersion;
-// the message begins with `blob`, what is read. What ends within the 8 bytes is left for who reads on.
+// The flags. `known_flags`: one bit, or 0. Errors: kInvalidInput for other letters or flags;
+// kVersion; the message begins with `blob`, the name of the format. Bytes after these 8 are left
+// for the caller.
 Result<uint16_t> ReadBlobStart(ByteReader& in, std::string_view letters, uint16_t version,
                                uint16_t known_flags, std::string_view blob);
 
@@ -35,8 +36,8 @@ void AppendPlanes(std::span<const uint32_t> values, Bytes& out);
 uint32_t FromPlanes(ByteView planes, size_t count, size_t i);
 
 Bytes PackSection(ByteView raw);
-// The `size` bytes that a section must hold. Errors: kInvalidInput when it holds another number, by
-// its own claim, which is looked at before any memory is taken, or is damaged.
+// The `size` bytes that a section must hold. Errors: kInvalidInput when it is damaged or claims
+// another size; the claim is checked before any memory is taken.
 Result<Bytes> UnpackSection(ByteView packed, size_t size, std::string_view blob,
                             std::string_view section);
 

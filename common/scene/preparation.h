@@ -13,11 +13,11 @@ struct Growth {
 };
 
 // Signed distance (m) to the hollow, negative inside it: the union of its parts. A part is an
-// upright prism that begins at its opening and goes on upward without end. Exact on its faces and
-// outside one part, but for edges of grown polygons, which are round, for a stump, whose sloped walls
-// are met to second order in the slope, and for a relief, whose distance is that to the plane that
-// touches it above or below the point. A relief is grown straight down. Only + - * / sqrt, so equal on every machine.
-// Requires: at least one part.
+// upright prism that begins at its opening and has no upper end. The distance is exact on its faces
+// and outside one part, with three exceptions: edges of grown polygons are round; a stump's sloped
+// walls are met to second order in the slope; and for a relief it is the distance to the plane that
+// touches it above or below the point. A relief is grown straight down. Only + - * / sqrt, so equal
+// on every machine. Requires: at least one part.
 double PreparationDistance_m(const Preparation& preparation, const dvec3& point_m,
                              const Growth& grown = {});
 

@@ -31,9 +31,9 @@ struct LargestCoupling {
 LargestCoupling LargestCouplingAt(const DeviceProfile& profile, int64_t rate_hz,
                                   int64_t delay_ticks);
 
-// The profile at `rate_hz`: Kc raised or lowered to the largest, the torque's K lowered where it has
-// to be, the delay kept as a time and rounded up to whole ticks; the source of each number that
-// changed says so. Whether the device's bus carries the rate is not known here. Errors:
+// The profile at `rate_hz`: Kc raised or lowered to the largest, the torque's K lowered where it
+// has to be, the delay kept as a time and rounded up to whole ticks. The source of each changed
+// number names the change. Whether the device's bus carries the rate is not known here. Errors:
 // kInvalidInput (field "rate_hz") outside 100..20000 Hz; ("coupling_mn_per_mm",
 // "coupling_un_m_per_rad") when less than 1 unit is left.
 Result<DeviceProfile> AtRate(const DeviceProfile& profile, int64_t rate_hz);

@@ -14,10 +14,10 @@
 #include "common/haptics/force_law.h"
 #include "common/math/vec.h"
 
-// The documents a graded attempt is made from. Each has a JSON form with a schema
-// (schemas/{scene,exercise,device_profile}.schema.json), a format number, and the rule that unknown
-// members are refused in what we author (a misspelt limit must not be silently ignored).
-// Lengths in the JSON are integers in micrometres or nanometres, forces in millinewtons.
+// The documents of a graded attempt. Each has a JSON form with a schema
+// (schemas/{scene,exercise,device_profile}.schema.json) and a format number. Readers refuse unknown
+// members in documents that we author: a misspelt limit must not be silently ignored. Lengths in
+// the JSON are integers in micrometres or nanometres, forces in millinewtons.
 namespace enamel::scene {
 
 // Scene frame: millimetre-scale, right-handed; +z towards whoever works; origin in the middle of
@@ -192,8 +192,8 @@ struct DeviceProfile {
 
 struct PreparedTooth;  // prepared_target.h
 
-// What is to be cut: what a prepared tooth lacks, or the union of its parts, or a box, axis-aligned
-// in the scene frame, its top open. preparation.h has parts and box as geometry.
+// The part of a tooth to cut: all that a prepared tooth lacks, or the union of its parts, or a box,
+// axis-aligned in the scene frame, its top open. preparation.h has parts and box as geometry.
 struct CavityTarget {
   std::string landmark = "occlusal_centre";  // the point the box hangs from
   PointUm half_size_um{};                    // half length x (mesio-distal), half width y; z unused

@@ -21,7 +21,7 @@ struct FaultStroke {
   uint64_t first_tick = 0;
   double first_s = 0;  // since the start, gaps included
   double lasts_s = 0;  // the whole stroke
-  // Of the fault's voxels whose centre went in it, and stands in the reference.
+  // Of the fault's voxels whose centre went in it and is solid in the reference.
   double volume_m3 = 0;
 
   bool operator==(const FaultStroke&) const = default;
@@ -61,7 +61,7 @@ struct DeductionInputs {
   const cutting::Volume* initial = nullptr;
   const cutting::Volume* attempt = nullptr;
   const cutting::Volume* reference = nullptr;
-  // The reference's cut surface (CutPart in task.h); only where far and near are told apart.
+  // The reference's cut surface (CutPart in task.h); only where near and far are distinguished.
   const surface::Mesh* reference_cut = nullptr;
   double near_m = 0;  // farther than this from it is elsewhere
   const Provenance* provenance = nullptr;
@@ -71,10 +71,10 @@ struct DeductionInputs {
 // A fault of a line or a section is what lies no farther than this from where it is at its worst.
 inline constexpr double kNearPlace_m = 1e-3;
 
-// Of each of `criteria`, metrics that cost points: what was taken too much and what was left, in
-// their order, where the metric is about a place and there is any of it; metrics of force, time and
-// path have none. One that has a place of its own (`places`) lies there, and has a deduction also where
-// nothing near it differs by a voxel's hundredth. Requires: equal grids.
+// The deductions of `criteria`, metrics that cost points, in their order: one for too much taken
+// and one for too much left, where the metric has a place and there is any of it. Metrics of force,
+// time and path have none. A metric with its own place (`places`) has a deduction at that place,
+// even where nothing near it differs by a voxel's hundredth. Requires: equal grids.
 std::vector<Deduction> FindDeductions(const scene::Scene& scene, const scene::CavityTarget& target,
                                       const std::vector<std::string>& criteria,
                                       const DeductionInputs& inputs);

@@ -10,8 +10,8 @@
 // Between measuring (metrics.cpp) and the list of metrics (registry.cpp).
 namespace enamel::scoring {
 
-// Everything measured about one attempt. What its plan leaves out stays as it is here; the registry
-// (registry.cpp) picks from the rest.
+// Everything measured about one attempt. Members that the plan leaves out keep their defaults; the
+// registry (registry.cpp) picks from the rest.
 struct Measured {
   BoxVolume target, leeway, container;  // each box whole, the inner ones included
   TissueVolumes_m3 removed{};

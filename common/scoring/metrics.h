@@ -107,7 +107,7 @@ class MetricPlan {
 
   static MetricPlan All();
   // The base and the groups of the rubric's criteria and gates. Metrics that do not exist are
-  // ignored (ValidateRubric says so).
+  // ignored (ValidateRubric reports them).
   static MetricPlan For(const scene::Rubric& rubric);
 
   void Add(MetricGroup group) { groups_.set(static_cast<size_t>(group)); }

@@ -5,9 +5,9 @@
 #include "common/scoring/align.h"
 #include "common/scoring/metrics.h"
 
-// Two recordings laid beside each other: which moment or place of the one is which of the other.
-// What the alignment metrics are means of, and what a side-by-side view follows.
-// Deterministic. Thread safety: functions, any thread.
+// Aligns two recordings: which moment or place of one matches which of the other. The alignment
+// metrics are means over it, and the side-by-side view follows it. Deterministic. Thread safety:
+// functions, any thread.
 namespace enamel::scoring {
 
 // By time, pauses and speeds count; by the bur's way, only where it went.

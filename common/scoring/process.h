@@ -8,8 +8,8 @@
 #include "common/scoring/strokes.h"
 #include "common/trace/trace.h"
 
-// What the hand did, from a recording; schemas/score.md, "Process", says of every figure how it is
-// made. Deterministic. Thread safety: one owner. Real-time: not safe (allocates).
+// What the hand did, from a recording; schemas/score.md, "Process", has the formula of every
+// figure. Deterministic. Thread safety: one owner. Real-time: not safe (allocates).
 namespace enamel::scoring {
 
 // A stretch of the recording reduced to what the alignment needs.
@@ -51,8 +51,8 @@ class ProcessRecorder {
   // At most 50 Hz.
   const std::vector<PathSample>& samples() const { return samples_; }
   double impulse_n_s() const { return impulse_n_s_; }
-  // What the hand gave to the tool, less what it got back: - the sum of F (p_next - p), F as sent and
-  // held over the tick, p what the device read. Not over gaps and faults.
+  // Work of the hand on the tool, less the work it got back: - the sum of F (p_next - p), F as sent
+  // and held over the tick, p as the device read it. Not over gaps and faults.
   double work_j() const { return work_j_; }
   // |F - F before| / 10 ms of the means of 10 ms, over those with any force; 0.1 N/s steps.
   double force_rate_p95_n_per_s() const;

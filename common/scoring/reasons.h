@@ -43,14 +43,14 @@ Reason KeepsReason(double share);
 std::optional<Reason> Advice(const MetricInfo& info, double value,
                              const std::vector<Deduction>& deductions);
 
-// How a value and its limits are told, in any language. As fine as anybody acts on, 0.01 mm, a tenth of a degree or of
-// a second; and for a reason all its values with so many decimals that a limit is shown as it is, 0.025 mm and not 0.03,
-// and that a value that misses it does not read like it.
+// Decimals of a value and its limits, in any language. As fine as anybody acts on: 0.01 mm, a tenth
+// of a degree or of a second. A reason gives all its values enough decimals to show a limit exactly
+// (0.025 mm, not 0.03), and to tell a value that misses the limit from the limit.
 int UsualDigits(std::string_view unit);
 int ReasonDigits(const Reason& reason, std::string_view unit);
 // "0.30 mm", "12°", "3" of a count.
 std::string WithUnit(std::string number, std::string_view unit);
-// Of a signed metric in its unit: less is shown as 0.00, so it is neither too deep nor short.
+// Of a signed metric, in its unit: a smaller value shows as 0.00, neither too deep nor short.
 inline constexpr double kNeitherWay = 0.005;
 
 // The sentences, each with its full stop: "Mesial wall: 0.30 mm too deep (full marks within 0.03 mm,

@@ -27,7 +27,7 @@ struct CriterionResult {
   // value; or there is nothing to measure yet (kNotMade), so it has no value and no points; or the
   // device was at its limit (MetricValue::limited), so it has a value and no points to be had.
   bool judged = true;
-  // What was found, then what to do.
+  // The finding, then what to do.
   std::vector<Reason> reasons = {};
   std::string comment = {};  // the rubric's, where much was lost (kWorthCommentShare)
 
@@ -49,12 +49,12 @@ struct GateResult {
 };
 
 // How scores are measured and computed. Only scores of one version compare: a change that may move
-// a score of the same recording, or what a judgement is told by, makes another one.
+// a score of the same recording, or change the words of a judgement, needs a new version.
 inline constexpr int32_t kScoringVersion = 1;
 // Of a hundred. Whoever lost less needs no comment and no advice.
 inline constexpr double kWorthAdvice = 0.5;
-// A comment speaks of a fault: that is told of who lost such a share of the criterion's points, or so
-// many of a hundred.
+// A comment describes a fault. It is shown where this share of the criterion's points was lost, or
+// this many of a hundred.
 inline constexpr double kWorthCommentShare = 0.25, kWorthCommentPoints = 5;
 
 // A score is metrics + rubric version + reference + core version; recomputed bit-identically.

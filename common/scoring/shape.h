@@ -31,7 +31,7 @@ struct DeviationFigures {
 // `deviation_m`: DeviationPerVertex of the reference's mesh against the attempt (so + is left).
 DeviationFigures MeasureDeviation(const CutSide& reference, const std::vector<float>& deviation_m);
 
-// How deep 0.02 mm^2 of the attempt's surface lies under the reference's, at least, and where it is
+// How deep at least 0.02 mm^2 of the attempt's surface is under the reference's, and where it is
 // deepest. `deviation_m`: of the attempt's mesh against the reference (so + is too deep).
 struct Deepest {
   double depth_m = 0;
@@ -83,8 +83,8 @@ OutlineFigures MeasureOutline(const cutting::Volume& initial, const CutSide& att
 // The pulp's own surface, known to half a voxel; empty where there is none.
 surface::Mesh PulpSurface(const cutting::Volume& initial);
 
-// Least distance from the attempt's cut surface to pulp that is still covered; 0 where it lies
-// open. Labels are whole voxels, so it is known to half a voxel. At most `limit_m`.
+// Least distance from the attempt's cut surface to pulp that is still covered; 0 where pulp is
+// open. Known to half a voxel, as labels are whole voxels. At most `limit_m`.
 double RemainingDentin_m(const cutting::Volume& initial, const CutSide& attempt, double limit_m);
 
 }  // namespace enamel::scoring

@@ -5,9 +5,9 @@
 #include "common/cutting/volume.h"
 #include "common/surface/surface.h"
 
-// The task is what the reference took away. Here an attempt's removal is divided by it: what was
-// done, what was missed, what went beyond, near the reference's cut and far from it.
-// Deterministic. Thread safety: functions, any thread.
+// The task is what the reference took away. It divides an attempt's removal into done, missed and
+// beyond, near the reference's cut and far from it. Deterministic. Thread safety: functions, any
+// thread.
 namespace enamel::scoring {
 
 using TissueVolumes_m3 = std::array<double, cutting::kTissueCount>;  // by cutting::Tissue

@@ -16,9 +16,8 @@
 // (common/sqlite is one); who asks uses Query (common/sql/query.h) and sees no more of a Statement.
 namespace enamel::sql {
 
-// What a parameter or a column holds: in SQLite INTEGER, REAL, TEXT, BLOB; in PostgreSQL bigint,
-// double precision, text, bytea. Stated for every parameter, also one that is NULL: an engine that
-// does not type its values has to be told nothing else, one that does cannot guess.
+// The type of a parameter or a column: in SQLite INTEGER, REAL, TEXT, BLOB; in PostgreSQL bigint,
+// double precision, text, bytea. Give the type even for NULL: PostgreSQL cannot infer it.
 enum class Type { kNull, kInt, kReal, kText, kBlob };
 
 // A prepared statement in the use of one Query. Parameters are numbered from 1, columns from 0.
@@ -42,8 +41,8 @@ class Statement {
   // Known from the first Next on.
   virtual int columns() const = 0;
   virtual std::string NameOf(int column) const = 0;
-  // Of the row that Next stepped to. A value of another type than asked for reads as the engine
-  // converts it; NULL, and a column that is not there, as 0 or nothing.
+  // Of the row that Next stepped to. The engine converts a value of another type than requested.
+  // NULL and a missing column read as 0 or nothing.
   virtual Type TypeOf(int column) const = 0;
   virtual int64_t Int(int column) const = 0;
   virtual double Real(int column) const = 0;
@@ -76,7 +75,7 @@ struct Migration {
 
 // How a transaction meets others, where several may write at once.
 enum class Isolation {
-  // What it does is what it would do if all ran one after the other, or it ends with must_repeat().
+  // The outcome is that of all transactions run one after the other, or it ends with must_repeat().
   kSerial,
   // Each statement sees what is committed by then. For work that decides on rows it has locked first
   // (RowLock): those who work on other rows do not meet it, and nothing has to be repeated for it.
@@ -124,13 +123,13 @@ class Db {
   // lost before the end: the whole of this one is to be taken back and run again, and may succeed
   // then. Where only one can write there is no such thing.
   virtual bool must_repeat() const { return false; }
-  // What is put after a SELECT of rows that this transaction decides on, so that nobody else changes
-  // them before its end; empty where nobody else can.
+  // Suffix for a SELECT of rows that this transaction decides on: nobody else can change them
+  // before its end. Empty where nobody else can anyway.
   virtual const char* RowLock() const { return ""; }
   // The same for a SELECT that leaves out what others have locked, instead of waiting for them.
   virtual const char* RowLockOrSkip() const { return ""; }
-  // Whether a statement can go on with the rows that it changes:
-  // WITH a AS (UPDATE … RETURNING …) INSERT … SELECT … FROM a.
+  // Whether a statement can use the rows that it changes:
+  //    WITH a AS (UPDATE … RETURNING …) INSERT … SELECT … FROM a.
   virtual bool GoesOnWithChanges() const { return false; }
 
   // That of the last migration that ran; 0: an empty database. Errors also: kVersion (of another program).
@@ -156,10 +155,10 @@ class Db {
   // Whether what is deleted from now on is overwritten too, so that free space does not tell it. An
   // engine that cannot leaves it to Rewrite.
   virtual Status OverwriteDeleted(bool on) = 0;
-  // Writes the tables anew, outside of a transaction, so that nothing that was deleted is left in the
-  // database's files or in the log beside them. Others may be kept waiting meanwhile.
+  // Rewrites the tables, outside of a transaction, so that no deleted data is left in the
+  // database's files or in the log beside them. May block others.
   virtual Status Rewrite() = 0;
-  // How many bytes that takes on the disk of who asks; 0: it is another machine's.
+  // Bytes that a rewrite takes on the caller's disk; 0: the database is on another machine.
   virtual Result<uint64_t> RewriteBytes() = 0;
   // The clock of the machine that the engine runs on, milliseconds since 1970; none: it is who asks's.
   virtual Result<std::optional<int64_t>> ClockMs() = 0;
@@ -170,7 +169,7 @@ class Db {
   virtual void SetBusyWait(std::chrono::milliseconds, std::function<bool()> /*worth_it*/ = {}) {}
   // Waits for what `worth_it` says is worth it. Any thread.
   virtual bool waits() const { return false; }
-  // From now on no other process is waited for. Any thread.
+  // From now on, waits for no other process. Any thread.
   virtual void StopWaiting() {}
 
  private:

@@ -47,7 +47,7 @@ class Query {
   // By position; -1: there is none of that name.
   int ColumnNamed(std::string_view name) const;
 
-  // Of the row. A column that is not there (-1) reads as NULL, and NULL as 0 or empty.
+  // Of the row. A missing column (-1) reads as NULL, and NULL as 0 or empty.
   Type TypeOf(int column) const { return Has(column) ? statement_->TypeOf(column) : Type::kNull; }
   bool IsNull(int column) const { return TypeOf(column) == Type::kNull; }
   int64_t Int(int column) const { return Has(column) ? statement_->Int(column) : 0; }

@@ -59,14 +59,14 @@ struct SqliteDbOptions {
   std::string vfs{};
   // Asked before each write; true: it fails. For tests.
   std::function<bool()> fail_next{};
-  // What a failure is told as; by default "PATH: SQLite's words" with a code.
+  // Makes the status of a failure; by default "PATH: SQLite's words" with a code.
   std::function<Status(const SqliteFailure&)> explain{};
 };
 
 // One connection: WAL, synchronous=FULL (what is committed survives a power cut), foreign keys on;
-// waits up to 10 s for another connection's write. Thread safety: one thread at a time, but for
-// what says so. Statements are prepared once and kept, up to kMaxStatements; beyond that the one
-// that was not used for longest goes.
+// waits up to 10 s for another connection's write. Thread safety: one thread at a time, except
+// where a method says otherwise. Statements are prepared once and kept, up to kMaxStatements; above
+// that the least recently used one is dropped.
 class SqliteDb final : public Db {
  public:
   static constexpr size_t kMaxStatements = 256;
@@ -108,7 +108,7 @@ class SqliteDb final : public Db {
   const std::string& path() const { return path_; }
   size_t kept_statements() const { return statements_.size(); }
 
-  // While `worth_it` says so, up to kMostWait, a wait does not count.
+  // While `worth_it` returns true, up to kMostWait, a wait does not count.
   void SetBusyWait(std::chrono::milliseconds wait, std::function<bool()> worth_it = {}) override;
   bool waits() const override { return waits_; }
   // What Rewrite is at ends with kInterrupted or kUnavailable: at once, but for the last step of
@@ -121,14 +121,14 @@ class SqliteDb final : public Db {
   Result<uint64_t> RewriteBytes() override;
   Result<std::optional<int64_t>> ClockMs() override { return std::optional<int64_t>(); }
   Result<Standby> StandbyOf() override { return Standby::kNotKept; }
-  // Empties the log into the database; waits for who reads what is in it, and for who empties it
-  // already. Errors also: kUnavailable (they took longer).
+  // Empties the log into the database; waits for connections that read the log or are emptying it.
+  // Errors also: kUnavailable (they took longer).
   Status EmptyLog();
   // How many bytes the database takes, without its log.
   Result<uint64_t> Bytes();
-  // Copies the whole database as it is at this moment into the new file `target`, while others go
-  // on writing (SQLite's backup interface, inside one read transaction, so that no write restarts
-  // it). `done`: pages copied and in all. The copy is one file, synced.
+  // Copies the whole database at this moment into the new file `target`, while others continue to
+  // write (SQLite's backup interface, inside one read transaction, so that no write restarts it).
+  // `done`: pages copied and in all. The copy is one file, synced.
   using CopyProgress = std::function<void(int done, int all)>;
   Status CopyTo(const std::filesystem::path& target, const CopyProgress& progress);
 

@@ -31,7 +31,8 @@ struct Block {
 // Requires: 0 <= brick < brick_count.
 bool Gather(const cutting::Volume& volume, int brick, Block& block);
 
-// Of all that a gathered block's mesh is made from: sides, and samples at corners of crossed cells.
+// Over everything that shapes a gathered block's mesh: sides, and samples at corners of crossed
+// cells.
 uint64_t Fingerprint(const Block& block);
 // What stands for "no surface here" beside fingerprints.
 inline constexpr uint64_t kNoSurface = 0;

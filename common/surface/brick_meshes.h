@@ -9,22 +9,22 @@
 
 namespace enamel::surface {
 
-// The surface in one mesh per brick, kept up to date with a volume that is cut: the meshes are
-// those of ExtractBrick at all times, but only where a corner of a crossed cell has changed is one
-// made anew. Off the tick's thread: allocates. Thread safety: none.
+// The surface in one mesh per brick, kept up to date with a volume that is cut. The meshes always
+// equal ExtractBrick's, but one is rebuilt only where a corner of a crossed cell has changed. Off
+// the tick's thread: allocates. Thread safety: none.
 class BrickMeshes {
  public:
   // All empty: as if the volume were air.
   explicit BrickMeshes(const cutting::GridSpec& spec);
 
-  // Makes these bricks' meshes, each named once, where they are not what they should be. Returns
-  // those that were made anew, until the next call.
+  // Rebuilds the meshes of these bricks, each named once, where they are out of date. Returns the
+  // rebuilt ones; valid until the next call.
   std::span<const int32_t> Renew(const cutting::Volume& volume, std::span<const int32_t> bricks);
   // The same for all bricks.
   void ExtractAll(const cutting::Volume& volume);
-  // After the samples of `changed` bricks changed (in any order, repeats allowed): looks at them
-  // and their 26 neighbours. Returns the bricks whose mesh was made anew, each once, until the next
-  // call. Requires: the volume's grid is the one given at the start.
+  // Call after the samples of `changed` bricks changed (in any order, repeats allowed): checks them
+  // and their 26 neighbours. Returns the bricks whose mesh was rebuilt, each once; valid until the
+  // next call. Requires: the volume's grid is the one given at the start.
   std::span<const int32_t> Update(const cutting::Volume& volume, std::span<const int32_t> changed);
 
   const Mesh& at(int brick) const { return meshes_[static_cast<size_t>(brick)]; }

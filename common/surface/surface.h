@@ -54,8 +54,8 @@ class DistanceQuery {
   // Distance in metres to the nearest triangle, at most `limit_m`; `limit_m` for an empty mesh or a
   // point that is not finite. Exact. Time grows with the distance found, in cells.
   double Distance_m(const dvec3& point_m, double limit_m) const;
-  // Whether Distance_m is at most `distance_m`, quicker: the first triangle near enough says so.
-  // False for an empty mesh or a point that is not finite.
+  // Whether Distance_m is at most `distance_m`, quicker: it stops at the first triangle near
+  // enough. False for an empty mesh or a point that is not finite.
   bool IsWithin(const dvec3& point_m, double distance_m) const;
 
  private:

@@ -45,8 +45,9 @@ class Keyframes {
   // Forgets keyframe i and those after it.
   void Truncate(size_t i) { frames_.resize(std::min(i, frames_.size())); }
 
-  // Saves `core`, which stands at `place`, after the last keyframe. `changed`: bricks that changed
-  // since that one (since the start for the first). Requires: place.chunks above the last one's.
+  // Saves `core`, whose state is at `place`, after the last keyframe. `changed`: bricks that
+  // changed since that one (since the start for the first). Requires: place.chunks above the last
+  // one's.
   void Add(core::Core& core, const KeyframePlace& place, std::span<const int32_t> changed);
   // Puts keyframe i into a core that has not stepped yet, made with the recording's parameters and
   // volume. Errors: kInvalidInput; the core is then of no use.

@@ -16,8 +16,8 @@ struct MomentOptions {
   uint64_t to_tick = UINT64_MAX;
   // False: from the first tick, as for verification; keyframes are then only made.
   bool start_from_keyframe = true;
-  // A keyframe is made at the end of the first chunk after this much computing, so that any moment
-  // is at most about this far from one, whatever the voxel size. 0: after every chunk.
+  // The replay saves a keyframe at the end of the first chunk after this much computing, so that
+  // any moment is at most about this far from one, whatever the voxel size. 0: after every chunk.
   double keyframe_every_s = 0.25;
 };
 

@@ -13,7 +13,7 @@ using TickObserver = std::function<void(const Tick&, const core::TickOutput&)>;
 // ReplayToMoment (moment.h) share.
 class ReplayRun {
  public:
-  // `core` has the header's parameters and has not stepped, or is put in place with StartAt.
+  // `core` has the header's parameters. It has not stepped, or StartAt gives its state.
   ReplayRun(core::Core& core, const Header& header);
   // The core is not one to replay this recording with.
   Status CheckCore() const;

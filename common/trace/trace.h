@@ -130,7 +130,7 @@ struct Seal {
 Bytes EncodeSeal(const Seal& seal);
 Result<Seal> DecodeSeal(ByteView bytes);
 
-// Where a chain stands after the chunks accepted so far: what a server stores per attempt to go on
+// The state of a chain after the chunks accepted so far. A server stores it per attempt to continue
 // after a restart.
 struct ChainState {
   Sha256 head;  // hash of the last chunk, or of the header

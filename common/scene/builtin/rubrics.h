@@ -4,7 +4,7 @@
 
 #include "common/scene/types.h"
 
-// The rubrics of the built-in exercises and what they are made of.
+// The rubrics of the built-in exercises and their parts.
 namespace enamel::scene {
 
 // How far a side of a cavity may go beyond the line: what the text says, where the rubric's points
@@ -39,8 +39,8 @@ struct TimeBand {
 };
 Rubric ShapeRubric(std::string name, double closeness = 30, double nowhere = 15,
                    TimeBand time = {});
-// Caries goes, sound tissue stays, the pulp is kept covered. What has to go is what the reference
-// took: the share of it that is left is judged, not how much was taken.
+// Caries goes, sound tissue stays, the pulp is kept covered. The task is what the reference took:
+// the share of it that is left is judged, not how much was taken.
 Rubric CariesRubric();
 Rubric CrownRubric(bool anterior);
 
