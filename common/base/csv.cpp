@@ -6,8 +6,7 @@
 namespace enamel {
 namespace {
 
-// Excel begins a file with it when it is asked for UTF-8; it would be part of the first column's
-// name.
+// Excel begins a UTF-8 file with this mark; it would be part of the first column's name.
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 // A cell that begins with one of these is a formula to a spreadsheet: a quote in front keeps a
 // person's name from being computed on whoever opens the list (OWASP, "CSV Injection").

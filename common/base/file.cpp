@@ -30,7 +30,7 @@ Result<Bytes> ReadFile(const std::filesystem::path& path, size_t max_bytes) {
     return Status(Code::kInvalidInput, path.string() + " is a folder, expected a file");
   }
   Bytes out;
-  // A hint only: /proc says 0, and a file may grow while it is read. The end is where read says so.
+  // A hint only: /proc gives 0, and a file may grow while it is read. Only read finds the end.
   out.reserve(static_cast<size_t>(info.st_size > 0 ? info.st_size : 0));
   uint8_t buffer[65536];
   for (;;) {

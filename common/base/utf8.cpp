@@ -19,8 +19,8 @@ std::string Escaped(uint32_t c) {
 std::optional<uint32_t> NextCodePoint(std::string_view& text) {
   auto byte = [&](size_t i) { return static_cast<uint8_t>(text[i]); };
   uint8_t first = byte(0);
-  // 0x80 to 0xbf only go on with a code point, and 0xc0 and 0xc1 could begin overlong forms alone.
-  // Above 0xf4 lies nothing: the last code point is U+10FFFF.
+  // 0x80 to 0xbf only continue a code point, and 0xc0 and 0xc1 could only begin overlong forms.
+  // Nothing is above 0xf4: the last code point is U+10FFFF.
   size_t size = first < 0x80 ? 1 : first < 0xc2 ? 0 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : 4;
   if (size == 0 || first > 0xf4 || text.size() < size) return std::nullopt;
   uint32_t code = size == 1 ? first : first & (0x7fu >> size);

@@ -382,7 +382,7 @@ void Core::CutRest() noexcept {
   Booked(cutter_.CutUpper(half_cut_, removed_));
 }
 
-// What the bur has passed and not yet cut, before it goes on somewhere else or stops turning.
+// Cuts what the bur has passed and not yet cut, before it moves elsewhere or stops turning.
 void Core::FinishCut() noexcept {
   CutPoses(sweep_.Flush());
   CutRest();

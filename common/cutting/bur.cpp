@@ -59,8 +59,8 @@ class PointSpreader {
   template <typename At>
   void Band(double area, At at) {
     for (; each_ > 0; ++placed_) {
-      // Every point stands in the middle of its share of the whole area, counted from the tip on;
-      // this is how far into the band that middle lies.
+      // Every point is in the middle of its share of the whole area, counted from the tip on; this
+      // is how far into the band that middle is.
       double within = (static_cast<double>(placed_) + 0.5) * each_ - area_;
       if (!(within < area)) break;
       at(within > 0 ? within : 0);
@@ -82,7 +82,7 @@ class PointSpreader {
 template <typename Walk>
 std::vector<SurfacePoint> Spread(double spacing_m, size_t max_points, Walk walk) {
   std::vector<SurfacePoint> out;
-  // The walk is made twice: the first only measures, so that the second knows each point's share.
+  // Two walks: the first only measures, so that the second knows each point's share.
   PointSpreader measure(0, out);
   walk(measure);
   double wanted = measure.area() / (spacing_m * spacing_m) + 1,

@@ -215,8 +215,7 @@ bool Cutter::CutLayers(const Pose& pose, bool lower, bool upper, RemovedUnits& r
           if (pass.pieces[i] == 0) continue;
           const int brick = row + i;
           if (!volume_.Materialise(brick)) {
-            // The other bricks are cut all the same; has_last_ makes sure that this one is tried
-            // again.
+            // The other bricks are cut anyway; has_last_ makes sure that this one is tried again.
             complete = false;
             continue;
           }

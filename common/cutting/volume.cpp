@@ -185,10 +185,10 @@ dvec3 Volume::SlopeAtSample(const dvec3& g) const noexcept {
   ivec3 n = spec_.voxels();
   if (!(g.x > 2 && g.y > 2 && g.z > 2 && g.x < n.x - 2 && g.y < n.y - 2 && g.z < n.z - 2))
     return dvec3(0);
-  // Of three samples along each axis: weights of the value at g, and of the difference.
-  // 27 samples, each read once, where six interpolations read 48: a tick at 0.05 mm took 10.2 us in
-  // place of 14.9 (cylinder r 0.6 x 4 mm, half sunk). Both g - 1/2 and g + 1/2 fall on the same
-  // three samples of an axis, u beyond the first and u beyond the second.
+  // Of three samples along each axis: weights of the value at g, and of the difference. 27 samples,
+  // each read once, where six interpolations read 48: a tick at 0.05 mm takes 10.2 us instead of
+  // 14.9 (cylinder r 0.6 x 4 mm, half sunk). Both g - 1/2 and g + 1/2 fall on the same three
+  // samples of an axis: u past the first and u past the second.
   double value[3][3], change[3][3];
   int brick[3][3], in[3][3];
   const int stride[3] = {1, spec_.bricks.x, spec_.bricks.x * spec_.bricks.y};

@@ -157,8 +157,8 @@ CouplingOutput Coupling::Tick(const dvec3& tip_m, double bound_ratio, Material& 
 }
 
 // Spends the tick's time T moving the anchor toward the tip. Contact is read again after every
-// max_step, so an air step stops at the first contact and the rest of the tick is spent in the
-// material found there; a layer boundary likewise.
+// max_step. So an air step stops at the first contact, or a step at a layer boundary, and the rest
+// of the tick is spent in the material found there.
 void Coupling::RelaxAnchor(const dvec3& tip_m, Material& material, CouplingOutput& out) noexcept {
   double left_s = params_.law.tick_s;
   for (int i = 0; i < params_.max_substeps; ++i) {

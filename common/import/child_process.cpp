@@ -157,8 +157,8 @@ Result<ReadFileMesh> ReadMeshInChild(const std::filesystem::path& file,
                                      const std::filesystem::path& child) {
   ENAMEL_RETURN_IF_ERROR(CheckFile(file));
   const auto program = child.empty() ? OwnFolder() / "enamel-import-child" : child;
-  // Read once, here: what is hashed is what the reader gets, also when somebody writes the file
-  // meanwhile.
+  // Read once, here: the hash is of the bytes that the reader gets, even when somebody changes the
+  // file in between.
   ENAMEL_ASSIGN_OR_RETURN(auto bytes, ReadFile(file, mesh::kMaxMeshFile));
   const Fd input(memfd_create("mesh", MFD_CLOEXEC));
   if (input.get() < 0 || !Fill(input.get(), bytes)) {

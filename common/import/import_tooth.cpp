@@ -36,7 +36,7 @@ constexpr double kPulpBelowFossa_mm =
 // Farther than any point of a tooth is from its surface (units.h: 40 mm at most).
 constexpr double kFar_mm = 100;
 constexpr double kWidestBridge_mm = 0.5;
-// A fifth of a voxel: what is left uncut there is finer than what the voxels show.
+// A fifth of a voxel: crossings left uncut at this size are finer than the voxels show.
 constexpr double kFinestOfVoxel = 0.2;  // pieces where surfaces cross
 
 Status Invalid(std::string message, std::string field = {}) {

@@ -48,8 +48,8 @@ bool AreOpposite(const dvec3& l, const dvec3& r, double cosine) {
   return product < kTouching_mm * kTouching_mm || Dot(l, r) < cosine * product;
 }
 
-// Going on from p, away from a surface that lies `way` behind it, is the solid entered before
-// `bridge` from that surface?
+// Whether a step from p, away from a surface that is `way` behind it, enters the solid before
+// `bridge` from that surface.
 bool Enters(const LayeredTooth::Surface& solid, const dvec3& p, const dvec3& way, double bridge) {
   const double size = std::sqrt(Dot(way, way));
   if (size < kTouching_mm) return true;
@@ -252,7 +252,7 @@ double LayeredTooth::SharedVolume(size_t outer, size_t inner) const {
   for (int i = 0; i < n * n * n; ++i) {
     const dvec3 cell(i % n, i / n % n, i / (n * n));
     const dvec3 p = box.lo + box.size() * (cell + 0.5) / static_cast<double>(n);
-    // 4096 samples: a share of a tenth is told from none, which is all that is asked.
+    // 4096 samples: enough to distinguish a share of a tenth from none.
     both += r.whole.Inside(p) && l.whole.Inside(p);
   }
   const dvec3 size = box.size() / static_cast<double>(n);

@@ -76,9 +76,9 @@ std::string MaterialName(const aiScene& scene, const aiMesh& mesh) {
   return name == AI_DEFAULT_MATERIAL_NAME ? std::string() : name;
 }
 
-// An OBJ file without its mention of a material library: the library would look for one, and for
-// want of it parse the OBJ file itself as materials. Names of materials in the faces stay. Names of
-// objects are made one word, of which the library would keep the first only.
+// An OBJ file without its mention of a material library: the library would look for one, and
+// without one parse the OBJ file itself as materials. Names of materials in the faces stay. Names
+// of objects become one word: the library keeps only the first.
 Bytes PreparedObj(ByteView file) {
   constexpr std::string_view kWord = "mtllib";
   Bytes out(file.begin(), file.end());

@@ -181,7 +181,7 @@ struct Part {
   bool faced_inward() const { return 2 * turned > own; }
 };
 
-// A part within another that faced the other way; caps of both may lie in one plane.
+// A part within another that faced the other way; caps of both may be in one plane.
 bool IsHollowOf(const Part& inner, const Part& outer, const std::vector<dvec3>& vertices) {
   if (inner.faced_inward() == outer.faced_inward() || inner.volume >= outer.volume) return false;
   for (int k = 0; k < 3; ++k) {

@@ -167,7 +167,7 @@ class Cutter {
   double smallest_mm_;
 };
 
-// A few parts that lie in each other may cross with most of their triangles; a scan has more than these.
+// A few nested parts may cross with most of their triangles; a scan has more than these.
 constexpr size_t kRoughFrom = 2000;
 
 // Patches of triangles that hang together over edges and that nothing crosses.

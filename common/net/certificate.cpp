@@ -38,7 +38,7 @@ constexpr size_t kMaxCommonName = 64;
 Status OpenSslFailed(const char* what) {
   char text[256] = "no detail";
   if (unsigned long code = ERR_get_error()) ERR_error_string_n(code, text, sizeof text);
-  // The queue is the thread's: what stays in it would be told with the next failure.
+  // The queue is the thread's: the next failure would report what stays in it.
   ERR_clear_error();
   return Status(Code::kInternal, std::string("OpenSSL could not ") + what + ": " + text);
 }

@@ -28,8 +28,8 @@ struct Pin {
   std::optional<Sha256> found;
 };
 
-// Replaces OpenSSL's whole verification: the leaf's fingerprint decides alone.
-// It is of the whole certificate and not of its key, so a renewed one has to be told to the stations anew
+// Replaces OpenSSL's whole verification: the leaf's fingerprint decides alone. It is of the whole
+// certificate and not of its key, so stations must get the fingerprint of a renewed certificate
 // (schemas/wire/README.md, "Transport").
 int CheckPin(X509_STORE_CTX* store, void* arg) {
   Pin& pin = *static_cast<Pin*>(arg);
@@ -126,7 +126,7 @@ struct FrameClient::Impl {
   // Runs the I/O until `ready`, the deadline, or Cancel. False: not ready.
   template <typename Ready>
   bool RunUntil(Ready ready, std::chrono::steady_clock::time_point deadline) {
-    // A context that ran out of work is stopped, and stays so until it is told.
+    // A context that ran out of work stays stopped until it is restarted.
     io.restart();
     // What can be done at once is done even when the deadline has passed.
     while (!cancelled && !ready() && io.poll_one() > 0) {
@@ -216,7 +216,7 @@ struct FrameClient::Impl {
 FrameClient::FrameClient() : impl_(std::make_unique<Impl>()) {
   SSL_CTX* context = impl_->context.native_handle();
   ENAMEL_CHECK(SSL_CTX_set_min_proto_version(context, TLS1_3_VERSION) == 1);
-  // Without it OpenSSL goes on with the handshake whatever CheckPin says.
+  // Without it OpenSSL continues the handshake whatever CheckPin returns.
   SSL_CTX_set_verify(context, SSL_VERIFY_PEER, nullptr);
   SSL_CTX_set_cert_verify_callback(context, CheckPin, &impl_->pin);
 }

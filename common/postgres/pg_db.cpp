@@ -47,8 +47,8 @@ std::string FirstLine(const char* words) {
   return all.substr(0, all.find('\n'));
 }
 
-// How many standbys a commit waits for, by synchronous_standby_names: "FIRST 2 (a, b)", "ANY 2 (a, b)",
-// "2 (a, b)", or names alone, of which one is waited for (PostgreSQL 15, 20.6.2).
+// How many standbys a commit waits for, by synchronous_standby_names: "FIRST 2 (a, b)", "ANY 2 (a,
+// b)", "2 (a, b)", or names alone, which wait for one (PostgreSQL 15, 20.6.2).
 int64_t StandbysNeeded(const std::string& names) {
   if (names.find_first_not_of(" \t\n") == std::string::npos) return 0;
   static const std::regex kNumber(R"(^\s*(?:(?:first|any)\s*)?(\d{1,9})\s*\()", std::regex::icase);
@@ -144,7 +144,7 @@ Status PgDb::SetUp() {
   std::string sql = "SET statement_timeout = '" + std::string(kStatementTimeout) +
                     "'; SET lock_timeout = '" + kLockTimeout +
                     "'; SET idle_in_transaction_session_timeout = '60s'; SET TimeZone = 'UTC'; "
-                    // "off" and "local" could lose what a station was told is kept.
+                    // "off" and "local" could lose what the server has confirmed to a station.
                     "SELECT set_config('synchronous_commit', 'on', false) WHERE "
                     "current_setting('synchronous_commit') IN ('off', 'local'); ";
   // Who only reads, reads statement by statement, as in SQLite; there is nothing to repeat for it.
@@ -181,7 +181,7 @@ bool PgDb::IsThere() const { return pq_.status(handle_) == CONNECTION_OK && set_
 Status PgDb::BeThere() {
   failure_ = {};
   if (IsThere() && !(demoted_ && !in_transaction_)) return Status::Ok();
-  // Not in the middle of a transaction: its first half is gone.
+  // Not in the middle of a transaction: its first half is lost.
   return in_transaction_ ? Fail(nullptr) : Connect();
 }
 
@@ -237,8 +237,9 @@ Status PgDb::Begin(Isolation isolation) {
   must_repeat_ = false;
   std::string sql = BeginningOf(isolation);
   if (counts_ && isolation != Isolation::kSnapshot) {
-    // With the first statement: a COMMIT that the server has received and not begun yet would not be waited
-    // for by who looks whether it was kept, if only the COMMIT itself took the row.
+    // With the first statement. If only the COMMIT took the row, a connection that checks whether
+    // the transaction was kept would not wait for a COMMIT that the server has received and not
+    // begun.
     sql += "; EXECUTE enamel_count (" + std::to_string(++commits_) + ")";
   }
   Status begun = Exec(sql.c_str());
@@ -310,7 +311,7 @@ Status PgDb::RunAndCommit(std::span<Change* const> changes, bool& ran) {
   if (sent) LeavePipeline();
   if (!failure.ok()) {
     for (Change* change : changes) change->rows = 0;
-    // The end of a connection may come behind the words that tell of it.
+    // The end of a connection may arrive after its error message.
     if (!refused || !set_up_ || pq_.status(handle_) != CONNECTION_OK) {
       // What was sent may have been done to its end, whoever hears it.
       ran = true;
@@ -369,8 +370,8 @@ Result<bool> PgDb::WasKept(uint64_t number) {
   }
 }
 
-// The old transaction may still be at its COMMIT, or have it in front of it, whoever asks for its
-// answer: it holds the row, or the key of a row that is not there yet, and is waited for.
+// The old transaction may still be at its COMMIT, or have it ahead, whatever connection asks. It
+// holds the row, or the key of a row that does not exist yet, so this waits for it.
 Result<uint64_t> PgDb::CountKept() {
   ENAMEL_RETURN_IF_ERROR(BeThere());
   // What is left of a connection that was not lost after all.
@@ -379,8 +380,8 @@ Result<uint64_t> PgDb::CountKept() {
   ENAMEL_RETURN_IF_ERROR(Exec("BEGIN ISOLATION LEVEL READ COMMITTED"));
   in_transaction_ = true;
   auto count = ReadCount();
-  // A primary that started anew has what it had not yet sent to its standby, and waits no longer with it: this does,
-  // as the row's lock is a change, and lies behind it.
+  // A restarted primary has commits that it had not yet sent to its standby, and does not wait for
+  // the standby with them. This COMMIT does: the row's lock is a change, and follows them.
   if (Status kept = count.ok() ? Run("COMMIT") : Status::Ok(); !kept.ok()) count = kept;
   Rollback();
   return count;
@@ -422,8 +423,8 @@ Result<int> PgDb::SchemaVersion() {
 }
 
 Status PgDb::Migrate(const std::vector<Migration>& migrations) {
-  // Who comes second must see what the first has committed: a serializable transaction would go on
-  // seeing what was there when it began to wait.
+  // The second process must see what the first has committed: a serializable transaction would keep
+  // the view from before it began to wait.
   Transaction transaction(*this, Isolation::kRowLocks);
   ENAMEL_RETURN_IF_ERROR(transaction.begun());
   ENAMEL_RETURN_IF_ERROR(Exec(kMigrationLock));
@@ -500,7 +501,7 @@ Status PgDb::Rewrite() {
   for (size_t i = 0; status.ok() && i < tables.size(); ++i) {
     status = Exec(("VACUUM (FULL, ANALYZE) " + tables[i]).c_str());
   }
-  // Refused to who is no superuser: the server's own comes within minutes.
+  // Refused to users without superuser rights: the server does both itself within minutes.
   for (const char* sql : {"CHECKPOINT", "SELECT pg_switch_wal()"}) {
     if (!status.ok()) break;
     status = Exec(sql);

@@ -343,7 +343,8 @@ Status S3Client::Judge(const Call& call, const Answer& answer, bool& again) cons
     return Status(Code::kStorage, "the store has no bucket for " + what + " (" + found +
                                       "); create the bucket, or name another one");
   }
-  // A store says what is missing. A page without that is of a proxy, and proves nothing is gone.
+  // A store names what is missing. A page that does not is a proxy's, and does not prove that it is
+  // gone.
   if (answer.status == 404) {
     again = true;
     return Status(Code::kUnavailable, "something other than an S3 store answered " + what + " (" +

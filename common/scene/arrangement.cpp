@@ -20,7 +20,7 @@ FieldSample PlacedField(const PlacedTooth& tooth, const dvec3& point_m) {
   FieldSample out = ToothField(*tooth.shape, own_m);
   if (tooth.neighbour) {
     out.tissue = Tissue::kNeighbour;
-    // One tissue throughout: any margin up to the tooth's size says so.
+    // One tissue throughout: any margin up to the tooth's size is valid.
     out.tissue_margin_m = 1;
     return out;
   }

@@ -83,9 +83,9 @@ class BrickBuilder {
 
   Brick Build(const ivec3& b) {
     dvec3 corner = spec_.origin_m() + h_ * kBrickSide * dvec3(b);
-    // No sample of a brick is farther from its middle than half the diagonal. The one sample is
-    // asked for 1 % more, so that a field that cuts off at what it is asked for still says
-    // "beyond".
+    // No sample of a brick is farther from its middle than half the diagonal. The middle is
+    // requested with 1 % more, so that a field that cuts off at the requested reach still returns
+    // more than that.
     double reach = (kBandVoxels + kBrickHalfDiagonalVoxels) * h_;
     FieldSample middle = field_->At(corner + 3.5 * h_, 1.01 * reach);
     if (middle.distance_m > reach) return {};

@@ -56,7 +56,7 @@ Status CheckDamping(const Exercise& exercise, const DeviceProfile& profile) {
 // c >= Kc delta / 2: the friction that pays for the encoder's cell.
 Status CheckFriction(const DeviceProfile& profile) {
   // All of these limits in integers, rounded to the safe side: station and server must agree on
-  // every profile, also on one that lies at the limit.
+  // every profile, even at the limit.
   int64_t allowed = 2 * profile.friction_mn.value * 1'000'000 / profile.resolution_nm.value;
   if (profile.coupling_mn_per_mm.value <= allowed) return Status::Ok();
   int64_t needed =

@@ -47,7 +47,7 @@ double PolygonDistance_m(const std::vector<std::array<int32_t, 2>>& corners_um, 
 double StumpWallDistance_m(const PreparationPart& part, const dvec3& d, double thinner_m) {
   const Stump& s = part.stump;
   const double height = (part.depth_um - s.table_below_um) * 1e-6;
-  // The walls go on above the table and under the foot as they are between.
+  // Above the table and under the foot the walls continue as between them.
   const double t = (d.z + part.depth_um * 1e-6) / height;
   auto mix = [&](int32_t foot_um, int32_t table_um) {
     return foot_um * 1e-6 + (table_um - foot_um) * 1e-6 * t;
@@ -70,7 +70,7 @@ double PartDistance_m(const PreparationPart& part, const dvec3& p, const Growth&
   dvec3 d = p - dvec3(part.top_um[0], part.top_um[1], part.top_um[2]) * 1e-6;
   double hx = part.half_size_um[0] * 1e-6 + grown.side_m;
   double hy = part.half_size_um[1] * 1e-6 + grown.side_m;
-  // There is no upper end: the part goes on upward, so that nothing of the tooth is left above it.
+  // There is no upper end, so that nothing of the tooth is left above the part.
   const bool relief = part.relief.step_um != 0, stump = part.outline == Outline::kStump;
   double below = -d.z - (part.depth_um * 1e-6 + grown.bottom_m);
   if (relief && !stump) below = -HeightOverRelief_m(part, p + dvec3(0, 0, grown.bottom_m));

@@ -12,7 +12,7 @@ constexpr double kUnreachable = std::numeric_limits<double>::infinity();
 
 enum Step : uint8_t { kDiagonal, kAlongI, kAlongJ };
 
-// The rows of each column that lie in the band.
+// The rows of each column that are in the band.
 struct Band {
   size_t n, m, half_width;
 

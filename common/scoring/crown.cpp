@@ -22,8 +22,8 @@ constexpr double kCosBetween = 0.92387953251128674, kSinBetween = 0.382683432365
 constexpr double kReach_m = 9e-3;        // a molar's half diagonal and room
 constexpr double kSearch_m = 1.5e-3;     // about where the shoulder should be
 constexpr double kLeastStep_m = 0.1e-3;  // a wall stands so far in from the tooth's side, at least
-// Walls are looked at from so far above the finish line, where a shoulder's inner edge is round, to
-// so far below the top, whose edge is.
+// Walls are measured from this far above the finish line, where a shoulder's inner edge is round,
+// to this far below the top, whose edge is round.
 constexpr double kWallMargin_m = 0.5e-3, kLeastWall_m = 1e-3;
 constexpr double kMostMissing = 0.3;
 constexpr double kFinishInside_m = 0.15e-3;  // the finish line's height is taken so far in
@@ -154,7 +154,7 @@ std::optional<dvec3> AxisOf(const Volume& reference, const dvec3& landmark_m, do
   return sum / count;
 }
 
-// The lowest height from which the reference's wall stands in from the tooth's side.
+// The lowest height from which the reference's wall is inside the tooth's side.
 std::optional<Place> FinishLine(const Profile& initial, const Profile& reference,
                                 const Direction& d, double bottom_z_m) {
   const double step = reference.step_m();
@@ -213,7 +213,7 @@ void MeasureLine(const Profile& initial, const Profile& attempt, const Profile& 
       return std::min(at.outer_m, outer) - kFinishInside_m;
     };
     const double from = at.line_z_m + 2 * kSearch_m, to = at.line_z_m - kSearch_m;
-    // Where the air begins higher, the tooth's side was left, and the line is not there.
+    // Where the air begins higher, the tooth's side was left, and there is no line at this height.
     const bool left = attempt.IsSolid(d, inside(from), from);
     const double is = left ? from : attempt.HeightWhere_m(d, inside, from, to).value_or(to);
     const double asked = reference.HeightWhere_m(d, inside, from, to).value_or(at.line_z_m);

@@ -23,10 +23,11 @@ constexpr int32_t kLeastFraction = 655;
 // Farther than this beyond the target's box a place belongs to no wall: a bur's width.
 constexpr double kWallReach_m = 1e-3;
 
-// Where a fault began is where a stroke took so much of it that it counts: most graze what is beyond by
-// a micrometre. A share of what the largest took, and of what must not be touched at most this much.
+// A fault begins where a stroke took enough of it to count: most strokes graze the tissue beyond by
+// a micrometre. A share of the largest stroke's volume, and at most this much of tissue that must
+// not be touched.
 constexpr double kCountsOfLargest = 0.1, kCountsOfUntouchable_m3 = 5e-12;
-// Moments are told apart by this.
+// The resolution of moments.
 constexpr double kBin_s = 0.25;
 
 constexpr uint32_t Bit(Part part) { return 1u << part; }
@@ -138,7 +139,7 @@ class Gatherer {
   bool MustNotBeTouched() const {
     return subject_.tissues == Bit(Tissue::kNeighbour) || subject_.tissues == Bit(Tissue::kPulp);
   }
-  // Whether it may be about a fault, where near and elsewhere are not told apart.
+  // Whether it may be about a fault, near or elsewhere.
   bool May(const Fault& f) const {
     if (own_ != nullptr) {
       const dvec3 d = f.at_m - own_->at_m;
@@ -180,7 +181,7 @@ class Gatherer {
   }
 
   bool empty() const { return !(volume_m3_ > 0); }
-  // This is of what was taken, and the other of what was left at the same place.
+  // This gathers too much taken, and the other too much left at the same place.
   bool IsPairOf(const Gatherer& left) const {
     return own_ != nullptr && own_ == left.own_ && !left_ && left.left_;
   }
@@ -194,7 +195,7 @@ class Gatherer {
     const cutting::GridSpec& grid = attempt.spec();
     const dvec3 slope = attempt.SlopeAtSample((out.position_m - grid.origin_m()) / grid.voxel_m());
     const double length = std::sqrt(Dot(slope, slope));
-    // Flat where the distance saturates: then from above, as a tooth is looked at.
+    // Flat where the distance saturates: then from above.
     if (length > 0.1) out.facing = slope / length;
     if (own_ != nullptr && own_->facing) out.facing = *own_->facing;
     out.here = !MustNotBeTouched();

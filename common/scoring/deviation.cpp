@@ -19,7 +19,7 @@ constexpr double kLineStepVoxels = 0.5;
 // Positions are single precision: 0.5 nm at 5 mm. Less than this is none.
 constexpr double kPositionResolution_m = 1e-9;
 
-// Nearly all that is asked for is nearer than this.
+// Nearly all distances are smaller than this.
 constexpr double kUsual_m = 0.6e-3;
 
 // Distances of given points to a surface. A cut is a small part of a tooth, and so is the surface

@@ -171,7 +171,7 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
   m.removed = RemovedPerTissue_m3(initial, *attempt.final_volume);
   tell(0.15);
 
-  // Once for each side: cut vertices and areas are asked for by half a dozen metrics.
+  // Once for each side: half a dozen metrics need cut vertices and areas.
   const Side a(attempt), r(reference);
   m.task = MeasureTask(initial, *attempt.final_volume, *reference.final_volume,
                        CutPart(*reference.final_surface, r.cut),

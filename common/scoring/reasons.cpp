@@ -90,7 +90,7 @@ std::string Clock(double s) {
   return text;
 }
 
-// What stands behind what was found, as the code says it: where full marks end, where none begin.
+// What follows the finding, by code: where full marks end, where none begin.
 struct Wording {
   std::string_view code, full, none;
 };
@@ -234,8 +234,8 @@ std::optional<Reason> Advice(const MetricInfo& info, double value,
   if (most->strokes.empty()) return std::nullopt;
   const FaultStroke& stroke = most->strokes.front();
   const std::string code = most->here ? "stop_earlier_here" : "stop_earlier";
-  // Who has cut for long without lifting, or a little in each of many strokes, is told a moment: no one
-  // stroke could have been left out.
+  // After one long stroke without lifting, or a little in each of many strokes, the advice names a
+  // moment: no one stroke could have been left out.
   if (stroke.lasts_s > kLongStroke_s || stroke.volume_m3 < 0.5 * most->strokes_m3)
     return Reason{code + "_by", {most->first_s, most->half_s}, {"s", "s"}};
   return Reason{code, {most->first_s, static_cast<double>(stroke.number)}, {"s", "count"}};

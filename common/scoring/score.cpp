@@ -213,7 +213,7 @@ std::vector<std::string> CostlyCriteria(const Rubric& rubric, const ScoreResult&
 }
 
 void Advise(const Rubric& rubric, std::vector<Deduction> deductions, ScoreResult& result) {
-  // In whose words it is told: where it cost most, of equal ones the first.
+  // The words are given where they cost most, of equal costs at the first.
   struct Told {
     std::string words;
     Reason reason;

@@ -21,8 +21,8 @@ constexpr double kOtherSurface = 2;
 // Of a wall and of the floor this much has to be there before it is begun, and before it has a lean: a cavity
 // that is too small all round meets two thirds of each.
 constexpr double kBegunShare = 0.3, kMadeShare = 0.5;
-// Whatever stands out of a wall or is sunk into it counts at most so much in its waviness: how deep a gouge is, is told
-// elsewhere.
+// A place on a wall counts at most this much in its waviness: deepest_over_mm measures the depth of
+// a gouge.
 constexpr double kMostWave_m = 0.3e-3;
 constexpr double kDeepest_m = 8e-3;  // no floor of a cavity lies deeper
 constexpr double kFitFrom = 0.15, kFitTo = 0.9;

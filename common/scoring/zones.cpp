@@ -30,7 +30,7 @@ OpenBox Grown(const OpenBox& box, int32_t side_um, int32_t bottom_um) {
   return {box.lo_m - side - dvec3(0, 0, bottom_um * 1e-6), box.hi_m + side, box.mesial_x};
 }
 
-// Share of [middle - half, middle + half] that lies in [lo, hi].
+// Share of [middle - half, middle + half] within [lo, hi].
 double Overlap(double middle, double half, double lo, double hi) {
   double from = std::max(middle - half, lo), to = std::min(middle + half, hi);
   return to > from ? (to - from) / (2 * half) : 0;
@@ -167,7 +167,7 @@ BoxVolume MeasureShape(const Volume& initial, const Volume& final_volume,
   return {solid * voxel_m3, removed * voxel_m3};
 }
 
-// What of the solid that `wanted` lacks is gone.
+// The solid that `wanted` lacks, and how much of it was removed.
 BoxVolume MeasureLacking(const Volume& initial, const Volume& final_volume, const Volume& wanted) {
   const GridSpec& spec = initial.spec();
   const ChangedBricks lacking(initial, wanted);

@@ -14,7 +14,7 @@ namespace {
 
 // Between two looks whether another process still keeps the database.
 constexpr std::chrono::milliseconds kFirstLook{1}, kNextLook{20};
-// Steps of SQLite's machine between two questions whether to go on.
+// Steps of SQLite's machine between two checks whether to continue.
 constexpr int kStepsAtOnce = 10'000;
 
 // https://www.sqlite.org/rescode.html: the low byte is the primary code.
@@ -53,7 +53,7 @@ SqliteFailure FailureOf(sqlite3* handle, const std::string& path, bool opening) 
 Code CodeOf(SqliteFailure::Kind kind) {
   using Kind = SqliteFailure::Kind;
   if (kind == Kind::kBusy || kind == Kind::kInterrupted) return Code::kUnavailable;
-  // Neither is broken: what was asked contradicts what is stored.
+  // Nothing is broken: the request contradicts the stored data.
   return kind == Kind::kConstraint || kind == Kind::kTaken ? Code::kConflict : Code::kStorage;
 }
 
@@ -184,7 +184,7 @@ Status SqliteDb::Rewrite() {
   Status rewritten = Exec("VACUUM");
   interruptible_ = false;
   sqlite3_progress_handler(handle_, 0, nullptr, nullptr);
-  // Also after a failure: what was written anew must not stay in the log.
+  // Also after a failure: rewritten data must not stay in the log.
   Status emptied = EmptyLog();
   return rewritten.ok() ? emptied : rewritten;
 }
@@ -319,7 +319,7 @@ Status SqliteDb::Fail() {
   return Told(failure_);
 }
 
-// Lists are asked for in as many ways as there are filters: without a bound, their statements
+// There are as many queries of lists as combinations of filters: without a bound, their statements
 // would fill the memory.
 void SqliteDb::DropOldest() {
   auto oldest = statements_.end();

@@ -29,7 +29,7 @@ struct Neighbourhood {
   std::array<bool, 27> solid;
 };
 
-// Three bricks side by side that a block's row lies in, and the row's first sample in them.
+// The three bricks side by side that hold a block's row, and the row's first sample in them.
 struct RowSource {
   size_t left, sample;
 };

@@ -128,7 +128,7 @@ double DistanceQuery::Distance_m(const dvec3& point_m, double limit_m) const {
 }
 
 bool DistanceQuery::IsWithin(const dvec3& point_m, double distance_m) const {
-  // Farther by a hair: what lies at the distance itself is found, and is within.
+  // A little farther, so that a triangle at exactly this distance is found and counts as within.
   const double limit = distance_m * kRoundUp + 1e-12;
   return std::sqrt(Nearest2(point_m, limit * limit, distance_m)) <= distance_m;
 }

@@ -31,7 +31,7 @@ Result<Bytes> Inflate(ByteView packed, size_t size, std::string_view blob,
   if (size / kMaxRatio > packed.size()) {
     return damaged("cannot hold the " + std::to_string(size) + " bytes its header asks for");
   }
-  // One more than is asked for, so that a longer stream is seen.
+  // One byte more than expected, so that a longer stream is noticed.
   Bytes out(size + 1);
   uLongf found = out.size();
   uLong used = packed.size();

@@ -56,7 +56,7 @@ StartTooth StartToothOf(const cutting::Volume& volume) {
     auto flags = static_cast<uint8_t>(volume.UniformTissue(brick));
     if (volume.IsStored(brick)) {
       const Samples samples = QuantiseBrick(volume, brick);
-      // What is air stays air: nothing is put back.
+      // Air stays air: nothing grows back.
       if (IsAll(samples, kFarOut)) continue;
       if (volume.HasLabels(brick)) {
         flags = StartTooth::kLabelled;

@@ -23,7 +23,8 @@ ChainVerifier::ChainVerifier(const Uuid& attempt, const ChainState& state)
 Status ChainVerifier::Accept(const Chunk& chunk) {
   const ChunkHead& head = chunk.head;
   std::string what = "chunk " + std::to_string(head.seq);
-  // The plainest mistake first, for who reads the refusal: another attempt's chunk fails all four.
+  // The plainest mistake first, for the reader of the refusal: another attempt's chunk fails all
+  // four.
   if (head.attempt != attempt_) {
     return Conflict(what, "attempt", attempt_.Text(), head.attempt.Text());
   }

@@ -8,7 +8,7 @@
 namespace enamel::trace {
 namespace {
 
-// As it is, its change, the change of that, and once more. Part of the format: more is refused.
+// The values, their first, second and third differences. Part of the format: more is refused.
 constexpr int kMaxOrder = 3;
 
 using Values = std::array<uint64_t, kMaxTicksPerChunk>;
@@ -40,8 +40,8 @@ constexpr Column Scalar(const char* name) {
           [](Tick& t, int64_t v) { return Assign(t.*kGroup.*kField, v); }};
 }
 
-// Computed force as its difference to the sent one, which stands in an earlier column.
-// 0 except where a bound or a touch cue has changed the force: a column of zeros.
+// Computed force as its difference to the sent one, which is in an earlier column. 0 except where a
+// bound or a touch cue has changed the force: a column of zeros.
 template <size_t kAxis>
 constexpr Column ComputedForce(const char* name) {
   return {

@@ -45,7 +45,7 @@ void WriteHand(const Hand& hand, ByteWriter& out) {
   }
 }
 
-// The kind as it stands there, which may be none that is known.
+// The kind as recorded, which may be unknown.
 uint8_t ReadHand(ByteReader& in, Hand& out) {
   const uint8_t kind = in.U8();
   out.kind = static_cast<HandKind>(kind);
@@ -193,7 +193,7 @@ Result<Seal> DecodeSeal(ByteView bytes) {
 KeyPair NewKeyPair() {
   std::array<uint8_t, 32> seed;
   randombytes_buf(seed.data(), seed.size());
-  // By way of a seed, so that both kinds of pair are made by the same code.
+  // By way of a seed, so that the same code makes both kinds of pair.
   KeyPair pair = KeyPairFromSeed(seed);
   sodium_memzero(seed.data(), seed.size());
   return pair;

@@ -143,7 +143,7 @@ Bytes Keyframes::Encode() const {
 void Keyframes::Add(core::Core& core, const KeyframePlace& place,
                     std::span<const int32_t> changed) {
   ENAMEL_CHECK(frames_.empty() || place.chunks > frames_.back().place.chunks);
-  // More than a reader takes: the replay goes on without.
+  // More than a reader takes: the replay continues without keyframes.
   if (frames_.size() == kMaxKeyframes || changed.size() > kMaxBricks) return;
   Frame frame;
   frame.place = place;

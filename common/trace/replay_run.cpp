@@ -71,8 +71,7 @@ Status ReplayRun::Run(const Bytes& bytes, uint64_t until_tick, const TickObserve
   for (const Tick& tick : chunk->ticks) {
     if (report_.ticks == until_tick) break;
     core::TickOutput out = core_.Step(tick.input);
-    // Goes on all the same: only the first disagreement is told, but the counts are the
-    // recording's.
+    // Continues: only the first disagreement is reported, but the counts are the recording's.
     if (const char* what = Difference(tick.witness, out.witness)) NoteFirst(report_.ticks, what);
     if (observe) observe(tick, out);
     ++report_.ticks;

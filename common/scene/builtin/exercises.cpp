@@ -183,8 +183,7 @@ void AddOcclusalRelief(const Scene& scene, const PointUm& at, int32_t off_um, in
   part.relief = ReliefOf(layer, part, at, kStep_um);
 }
 
-// Of a crown that is not built in nothing is known but its height: what has to go is what the
-// reference took.
+// Only the height of a crown that is not built in is known: the task is what the reference took.
 constexpr int32_t kUnknownCrownDepth_um = 6'500;
 
 Exercise CrownExercise(const Scene& scene, const Sha256& scene_hash) {
@@ -341,7 +340,7 @@ Exercise VeneerExercise(const Scene& scene, const ToothShape& tooth, const Sha25
       "contacts.";
   e.rubric = ShapeRubric("veneer-labial", 20, 10, {600, 1'200});
   // All of it is floor: a hand that is off by less than a tenth of a millimetre is off everywhere.
-  // Where it ends is judged by itself, as hardly any of its area lies there.
+  // Its end is judged separately, because hardly any of its area is there.
   e.rubric.criteria[1].map = {{0.08, 1}, {0.3, 0}};
   e.rubric.criteria.push_back(AtMost("outline_over_mm", "Outline on the face", "mm", 15, 0.1, 0.35,
                                      "The reduction is wider than it should be."));
@@ -505,7 +504,7 @@ Exercise ClassOneExercise(const Scene& scene, const Sha256& scene_hash) {
   e.bur_length_um = 4'000;
   e.time_limit_s = 900;
   e.target.half_size_um = {2'000, 1'200, 0};
-  // Or its ends would stand in the marginal ridges, 5.2 mm apart.
+  // Otherwise its ends would be in the marginal ridges, 5.2 mm apart.
   if (scene.name.starts_with("premolar")) e.target.half_size_um = {1'600, 1'100, 0};
   e.target.depth_um = 2'000;
   e.target.leeway_side_um = kLeeway_um;

@@ -12,9 +12,9 @@ namespace {
 constexpr double kRight_mm = kRight_um * 1e-3, kSeen_mm = 0.1, kWrong_mm = kLeeway_um * 1e-3,
                  kSeenShare = 0.8;
 
-// The angles that are accepted between opposite walls are those of the literature, 10 to 22 degrees
-// (schemas/score.md, "Crown"), and less where the stump is tall enough to hold anyway. From buccal to
-// lingual an incisor's edge is so thin that its walls stand at 27 degrees.
+// The accepted angles between opposite walls are those of the literature, 10 to 22 degrees
+// (schemas/score.md, "Crown"), and less where the stump is tall enough to hold anyway. From buccal
+// to lingual an incisor's edge is so thin that its walls are at 27 degrees.
 RubricCriterion ConvergenceCriterion(const char* metric, const char* title, double most_deg) {
   return {metric,
           title,
@@ -120,7 +120,7 @@ Rubric ClassOneRubric(bool tooth) {
       AtMost("tilt_floor_deg", "Floor level", "deg", 3, 2, 10, "The floor slopes."),
       AtMost("wall_waviness_mm", "Walls smooth", "mm", 4, 0.025, 0.1, "A wall is wavy."),
       AtMost("floor_waviness_mm", "Floor flat", "mm", 3, 0.025, 0.1, "The floor is uneven."),
-      // A gouge of 0.3 mm is gone through as far as a wall may not go at all.
+      // None from 0.3 mm: no wall may be that far off.
       AtMost("deepest_over_mm", "No gouge", "mm", 8, 0.1, 0.3,
              "At one spot, the bur cut deep beyond the outline: see the heat map."),
       AtMost("outline_over_mm", "Outline on the surface", "mm", 4, 0.1, 0.4,

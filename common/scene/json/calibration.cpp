@@ -42,7 +42,7 @@ Measured ReadMeasured(ObjectReader& in, const char* name) {
 }
 
 void ReadQuantities(ObjectReader& in, Calibration& into) {
-  // What was not measured is not there: a 0 would be a claim.
+  // Values that were not measured are left out: a 0 would be a claim.
   ObjectReader measured = in.Object("measured");
   bool any = false;
   for (const Quantity& quantity : kQuantities) {
@@ -81,7 +81,7 @@ Result<Calibration> CalibrationFromJson(std::string_view text) {
   Status status;
   ObjectReader in(*document, "", status);
   Calibration out;
-  // First: a newer format is told as such, and not by a member that this program does not know.
+  // First: so that a newer format is reported as one, not as an unknown member.
   in.Format(kCalibrationKind);
   out.device = in.Text("device", 1, 200);
   out.profile = in.Name("profile");

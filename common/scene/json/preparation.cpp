@@ -70,7 +70,7 @@ void ReadCorners(ObjectReader& in, PreparationPart& part) {
     in.Refuse("corners_um",
               "at least 3 corners in whole um, counter-clockwise, with sides that do not cross",
               "another outline");
-    // Whoever reads on has a polygon.
+    // Callers always get a polygon.
     part.corners_um = {{0, 0}, {1, 0}, {0, 1}};
   }
 }

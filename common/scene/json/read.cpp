@@ -26,9 +26,9 @@ size_t CountMembers(const json::value& v) {
   return n;
 }
 
-// In valid JSON there is one colon outside strings per member written.
-// Boost.JSON keeps the last of two members of one name without a word, and another reader may keep
-// the first. So what was kept is compared with what was written.
+// In valid JSON there is one colon outside strings per member written. Boost.JSON keeps the last of
+// two members of one name without an error, and another reader may keep the first. So the members
+// kept are compared with the members written.
 size_t CountColons(std::string_view text) {
   size_t n = 0;
   bool in_string = false;
@@ -50,7 +50,8 @@ std::string Describe(const json::value& v) {
   // A refusal quotes what it found, and must not be as long as a document.
   if (text.size() <= 60) return text;
   size_t end = 57;
-  // Not within a character: a byte 10xxxxxx goes on what the one before began (RFC 3629).
+  // Not within a character: a byte 10xxxxxx continues the character that an earlier byte began (RFC
+  // 3629).
   while (end > 0 && (static_cast<uint8_t>(text[end]) & 0xc0) == 0x80) --end;
   return text.substr(0, end) + "...";
 }
