@@ -277,8 +277,8 @@ TickInput AtCells(const CoreParams& p, double x_m, double y_m, double z_m) {
   return in;
 }
 
-// The rest point follows a hand that has stopped; a bur that stays where it was would leave solid
-// tissue between what is felt and what is seen, and meet the next feed there.
+// The rest point follows a hand that has stopped. A bur that stayed behind would leave solid tissue
+// between the force and the picture, and meet the next feed there.
 TEST(CoreTest, ABurThatHoldsNoForceComesUpToAHandThatHasStopped) {
   for (int32_t kc : {1000, 2000, 2500}) {
     CoreParams p = test::ParamsFor({cutting::BurShape::kCylinder, 0.6e-3, 4e-3});

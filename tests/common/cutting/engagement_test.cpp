@@ -149,9 +149,9 @@ TEST(EngagementTest, EveryBurInItsSeatMeetsTheIntegralOverItsFront) {
   std::printf("B of a bur in its seat: at most %.1f %% from the integral\n", 100 * worst);
 }
 
-// Cut in along the axis to every depth about the one at which the bur's top lies at the surface,
-// then drawn back along it: at every place on the way nothing is ahead, neither a
-// rim nor a film (engagement.h).
+// The bur cuts in along its axis to every depth around the one at which its top is level with the
+// surface, then is drawn back along it. Nothing is ahead anywhere on the way back: no rim and no
+// film (engagement.h).
 TEST(EngagementTest, BurDrawnUpItsAxisMeetsNothingAtAnyDepth) {
   const Volume block = test::Block(50'000, 2e-3, 6e-3);
   // Off the axes.

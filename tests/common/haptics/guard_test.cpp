@@ -102,7 +102,7 @@ TEST(GuardTest, ATankPaysForARiseFromRestByTheRootOfItsEnergy) {
     double s = GuardedStep(params, dvec3(0), dvec3(0, 0.01, 0), 0, tank);
     EXPECT_NEAR(s, std::sqrt((delay ? 1 : 2) * 1e-4 / 50) / 0.01, 1e-12);
     EXPECT_NEAR(tank.energy_j, 0, 1e-18);
-    // And there is no more.
+    // The tank is empty now.
     tank.BeginTick();
     EXPECT_LT(GuardedStep(params, dvec3(0, -0.01 * s, 0), dvec3(0, 0.01, 0), 0, tank), 1e-6);
   }
@@ -164,7 +164,7 @@ TEST(GuardTest, StepsOfOneTickTogetherLetInTheShareOfItsWork) {
 }
 
 // Forces under way see the tick's whole move, so what they may give back grows with its square, not
-// with the sum of the squares of the steps it is made of.
+// with the sum of the squares of its steps.
 TEST(GuardTest, WithDelayManySmallStepsMayNotGoFartherThanOneLong) {
   GuardParams params{.kc_n_per_m = 1, .delay_ticks = 1};
   Tank one, many;

@@ -58,8 +58,8 @@ TEST(PaperTest, OneOmegaCountAtEnamelIsAStepOfFiftyEightNewton) {
   EXPECT_NEAR(law->TipForce(Sym3::Isotropic(6500)).x, 58.5, 1e-9);
 }
 
-// Equation 17 as printed, held where it is 0/0: every count adds Kc delta, nothing is ever given
-// back, so it is a spring Kc.
+// Equation 17 as printed, held where it is 0/0: every count adds Kc delta, and nothing is ever
+// given back. It is a spring Kc.
 TEST(PaperTest, LimiterHeldAtRestIsASpring) {
   auto law = MakePaperLimited(Omega());
   law->Reset(dvec3(0));

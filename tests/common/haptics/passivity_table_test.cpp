@@ -9,11 +9,10 @@
 #include "common/haptics/coupling.h"
 #include "tests/support/dice.h"
 
-// What the proof in coupling.h covers and what it does not, hunted for with a bare spring and
-// anchor that share only GuardFactor with the coupling: Kc = 1, delta = 1, b/T = Kc/2, so that
-// friction c is in units of Kc delta and energy in units of Kc delta^2. A strategy is a periodic
-// motion of the tip and what the anchor does in each tick of the period; it is bred to draw energy
-// from every further period.
+// The limits of the proof in coupling.h, searched for with a bare spring and anchor that share only
+// GuardFactor with the coupling: Kc = 1, delta = 1, b/T = Kc/2, so that friction c is in units of
+// Kc delta and energy in units of Kc delta^2. A strategy is a periodic motion of the tip and the
+// anchor's move in each tick of the period; it is bred to draw energy from every further period.
 namespace enamel::haptics {
 namespace {
 

@@ -269,9 +269,9 @@ TEST(TouchCues, GoesOnFromSavedStateToTheBit) {
   EXPECT_TRUE(any);
 }
 
-// The account against a bookkeeping of its own: a true tip, an encoder and the force that is felt,
-// with nothing taken from the account but the cue. Whoever attacks chooses the cue wanted, the
-// motion, and the delay of every tick and axis.
+// Checks the account by separate bookkeeping: a true tip, an encoder and the force that is felt;
+// only the cue comes from the account. The attacker chooses the cue wanted, the motion, and the
+// delay of every tick and axis.
 struct Attack {
   double energy_j = 1e-4, power_w = 0;
   int delay = 0;
@@ -568,7 +568,7 @@ TEST(CueAccount, EvolvedHandsStayUnderTheBound) {
         }
         g.late[n] = static_cast<int>((delay + 1) * dice.Uniform());
       }
-      // Back to where it began, so that it can go on for ever.
+      // Back to the start, so that it can repeat for ever.
       dvec3 drift(0);
       for (const dvec3& w : g.way) drift += w;
       for (dvec3& w : g.way) w -= drift / double(kPeriod);

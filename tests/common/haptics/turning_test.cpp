@@ -266,7 +266,7 @@ TEST(TurningTest, AfterAGapTheTorqueWaitsUntilTheHandIsBackAtTheBur) {
 }
 
 // A device, its reading and the spring, T = 1. b/T and c are the least that K = 1 may have,
-// whatever the guard is told. The balance counts the torques as the device feels them.
+// whatever parameters the guard gets. The balance counts the torques as the device feels them.
 struct Bench {
   struct Is {  // what is true of the device, and what the guard is told otherwise
     int delay = 0;
@@ -357,8 +357,8 @@ struct Play {
   int felt = 0;
 };
 
-// One hostile hand: dithers, thefts, swings, strokes, half turns, gaps. One trick a game, since
-// what one has lost would hide what another draws; a tenth of the games mixes them.
+// One hostile hand: dithers, thefts, swings, strokes, half turns, gaps. One trick a game, since the
+// loss of one would hide the gain of another; a tenth of the games mixes them.
 Play PlayGame(const Bench::Is& is, unsigned seed, int ticks) {
   Bench bench(is);
   Dice dice(seed);

@@ -130,7 +130,7 @@ TEST_P(KnownPreparationTest, IsFoundWhereverTheScanLies) {
   EXPECT_LT(off_um, known.most_um);
   EXPECT_LT(differs_mm3, known.most_differs_mm3);
   EXPECT_NEAR(taken->removed_mm3, removed_mm3, known.most_differs_mm3);
-  // Nothing grew, and what is not named is not there.
+  // The scene's JSON is readable: nothing grew, and nothing that the scene names is missing.
   EXPECT_TRUE(scene::SceneFromJson(scene::ToJson(taken->prepared.scene)).ok());
 }
 

@@ -46,8 +46,8 @@ TEST(SolidBoundaryTest, AreaOfTwoSpheresThatOverlapIsThatOfTheirUnion) {
 }
 
 TEST(SolidBoundaryTest, LargeTrianglesAreCutWhereBoxesPassThroughEachOther) {
-  // 6 x 2 x 2 bars crossed at right angles: 2 x 56 - 8 (walls within the other) - two 2 x 2 squares
-  // of each that lie in one plane count once, and are there twice.
+  // 6 x 2 x 2 bars crossed at right angles: 2 x 56 - 8 (walls within the other). Two 2 x 2 squares
+  // of each in one plane count once and exist twice.
   const mesh::Triangles mesh =
       Joined(BoxMesh({-3, -1, -1}, {3, 1, 1}), BoxMesh({-1, -3, -1}, {1, 3, 1}));
   const double doubled = 2 * 4, ideal = 2 * 56 - 4 * 4 - doubled;

@@ -174,7 +174,7 @@ TEST_F(FrameClientTest, ServerWithoutTls13IsRefusedAsAVersion) {
 }
 
 TEST_F(FrameClientTest, ServerThatNeverAnswersIsATimeout) {
-  // Connections stand in the queue of a socket that nobody accepts from.
+  // Connections wait in the queue of a socket that nobody accepts from.
   asio::io_context io;
   tcp::acceptor silent(io, tcp::endpoint(asio::ip::address_v4::loopback(), 0));
   Status status = client_.Connect({"127.0.0.1", silent.local_endpoint().port()}, fingerprint_,

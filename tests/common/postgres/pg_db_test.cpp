@@ -13,8 +13,8 @@
 #include "tests/support/missing_standbys.h"
 #include "tests/support/postgres_proxy.h"
 
-// The driver for PostgreSQL: what it keeps, converts and tells, and what it does when the server or
-// another transaction comes between. with_postgres.sh starts the server and names it.
+// The driver for PostgreSQL: what it keeps and converts, its errors, and how it recovers when the
+// server or another transaction interferes. with_postgres.sh starts the server and names it.
 namespace enamel::sql {
 namespace {
 
@@ -315,8 +315,8 @@ TEST_F(PgDbTest, ATransactionBeginsOnANewConnectionWhereTheOldOneHasEnded) {
   EXPECT_EQ(q.Int(0), 3);
 }
 
-// Settings are made and a statement is prepared on each new connection. Where one of these fails the connection stays,
-// and must not be taken for one that can be used.
+// Each new connection gets its settings and a prepared statement. Where one of these fails the
+// connection stays open, but must not count as usable.
 TEST_F(PgDbTest, AConnectionThatWasNotSetUpToTheEndIsMadeAnew) {
   ASSERT_TRUE(db_->Migrate({{1, "table", "CREATE TABLE t (n bigint)"}}).ok());
   int fails_at = -1;
@@ -396,8 +396,9 @@ TEST_F(PgDbTest, ALostConnectionEndsTheTransactionAndIsMadeAnewForTheNext) {
   EXPECT_EQ(q.Int(0), 1);
 }
 
-// The connection breaks at each message of a transaction in turn, before it, right after it and when it is
-// answered. Whoever repeats what he is told to repeat has it kept once, and who is told that it is kept has it.
+// The connection breaks at each message of a transaction in turn: before it, right after it and at
+// its answer. A caller that repeats what must be repeated has it kept once, and a commit reported
+// as kept is kept.
 TEST_F(PgDbTest, ATransactionThatLosesItsConnectionAnywhereIsKeptOnceOrToBeRepeated) {
   ASSERT_TRUE(db_->Migrate({{1, "0001_a.sql", "CREATE TABLE t (n bigint)"}}).ok());
   test::PostgresProxy proxy(server_);
@@ -538,7 +539,7 @@ TEST_F(PgDbTest, OfStatementsThatAreSentTogetherOneThatFailsTakesBackAll) {
   EXPECT_EQ(giving.rows, 1);
 }
 
-// As a deadlock ends: told to begin anew, not that one of them is wrong.
+// Ends like a deadlock: with the request to repeat, not with an error of one statement.
 TEST_F(PgDbTest, StatementsThatAreSentTogetherAndMeetOthersAreToBeRepeated) {
   ASSERT_TRUE(db_->Exec("CREATE TABLE t (n bigint); INSERT INTO t VALUES (1)").ok());
   auto other = Open();
@@ -557,7 +558,8 @@ TEST_F(PgDbTest, StatementsThatAreSentTogetherAndMeetOthersAreToBeRepeated) {
   EXPECT_EQ(change.rows, 1);
 }
 
-// Nobody can say whether it was kept: who repeats it may do it twice, so nobody is told to.
+// Nobody can know whether it was kept. Repeating it could do it twice, so the error does not ask
+// for that.
 TEST_F(PgDbTest, ACommitThatNobodyCanTellAboutIsSaidToBeInDoubtAndNotToBeRepeated) {
   ASSERT_TRUE(db_->Migrate({{1, "0001_a.sql", "CREATE TABLE t (n bigint)"}}).ok());
   test::PostgresProxy proxy(server_);
@@ -621,7 +623,8 @@ TEST_F(PgDbTest, ACommitThatIsStillUnderWayIsWaitedFor) {
   EXPECT_EQ(q.Int(0), 1);
 }
 
-// A primary that starts anew has what its standby has not: whoever asks whether a COMMIT was kept waits with it.
+// A restarted primary has commits that its standby lacks: the check whether a COMMIT was kept waits
+// for the standby.
 TEST_F(PgDbTest, ACommitWhoseAnswerWasLostIsToldOnceAStandbyHasIt) {
   ASSERT_TRUE(db_->Migrate({{1, "0001_a.sql", "CREATE TABLE t (n bigint)"}}).ok());
   auto other = Open();

@@ -106,8 +106,8 @@ TEST(AttemptFactsTest, RefusesBytesThatAreNoFactsAndMoreThanFits) {
   EXPECT_EQ(CheckFacts(facts).field(), "facts");
 }
 
-// What lists and the API show is made from the descriptor; a kind that JSON tells otherwise (text
-// for 64 bits, base64 for bytes) would reach people as that.
+// Lists and the API show facts from the descriptor. A kind with another form in JSON (text for 64
+// bits, base64 for bytes) would reach people in that form.
 TEST(AttemptFactsTest, MembersAreOfKindsThatJsonShowsAsTheyAre) {
   using Field = google::protobuf::FieldDescriptor;
   const auto* description = AttemptFacts::descriptor();

@@ -6,7 +6,7 @@
 
 #include "tests/support/s3_stand_in.h"
 
-// Against a store on loopback that fails as it is told. Pauses are counted instead of made.
+// Against a store on loopback that fails on request. Pauses are counted instead of waited.
 namespace enamel::s3 {
 namespace {
 
@@ -162,7 +162,7 @@ TEST_P(WhatPasses, IsTriedAgainWithLongerPausesAndSurvived) {
       EXPECT_TRUE(got.ok() && *got == kBody) << got.status().message();
     }
     EXPECT_EQ(store_.requests() - before, 4);
-    // A connection that was kept and is lost libcurl makes anew at once.
+    // libcurl replaces a lost kept connection at once.
     ASSERT_GE(pauses_.size(), 2u);
     ASSERT_LE(pauses_.size(), 3u);
     for (size_t n = 0; n < pauses_.size(); ++n) {

@@ -7,10 +7,10 @@
 
 #include "common/scene/builtin/teeth.h"
 
-// What the built-in teeth have to show of what textbooks say of theirs, in a scene's frame: which
-// side is mesial follows from the FDI number alone. Sources: Nelson & Ash, "Wheeler's Dental
-// Anatomy, Physiology and Occlusion", 10th ed., Elsevier 2015 (W, with its chapter); Scheid &
-// Weiss, "Woelfel's Dental Anatomy", 8th ed., Lippincott 2012 (S).
+// The built-in teeth against the textbooks, in a scene's frame: which side is mesial follows from
+// the FDI number alone. Sources: Nelson & Ash, "Wheeler's Dental Anatomy, Physiology and
+// Occlusion", 10th ed., Elsevier 2015 (W, with its chapter); Scheid & Weiss, "Woelfel's Dental
+// Anatomy", 8th ed., Lippincott 2012 (S).
 namespace enamel::scene {
 namespace {
 
@@ -216,7 +216,7 @@ TEST(Tooth46Test, HasFiveCuspsOfWhichTheMesiolingualIsTheHighestAndTheDistalTheL
   EXPECT_GT(lingual[1].height, mesiobuccal.height);
   EXPECT_GT(mesiobuccal.height, distobuccal.height);
   EXPECT_GT(distobuccal.height, distal.height);
-  // The distal cusp stands at the distobuccal corner, further in than the other two.
+  // The distal cusp is at the distobuccal corner, further in than the other two.
   EXPECT_LT(distal.buccally, distobuccal.buccally - 0.5);
   EXPECT_LT(distal.mesially, lingual[1].mesially - 0.5);
 }
@@ -371,7 +371,7 @@ TEST(Tooth14Test, HasABuccalAndALingualRoot) {
   EXPECT_LT(roots.middles[1].buccally, -1);
 }
 
-// W 6: the mesioincisal angle is the sharper one; the mesial contact lies in the incisal third, the
+// W 6: the mesioincisal angle is the sharper one; the mesial contact is in the incisal third, the
 // distal one further from the edge. One root. The lingual face is hollow, the labial one is not.
 TEST(Tooth11Test, HasASharpMesioincisalAngleARoundedDistoincisalOneAndALingualFossa) {
   const ToothShape& t = UpperCentralIncisor();

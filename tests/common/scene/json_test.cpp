@@ -443,7 +443,7 @@ TEST(SceneJsonTest, ColonsAndQuotesInTextAreNoMembers) {
   EXPECT_EQ(SceneFromJson(ToJson(*s))->provenance, s->provenance);
 }
 
-// A document, what it calls itself, and what reads it.
+// A document, its own name for its kind, and its reader.
 struct Kind {
   const char* file;
   std::string name;

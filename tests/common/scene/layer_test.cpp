@@ -46,8 +46,8 @@ TEST(LayerTest, AFlatEndCannotGoIntoAFissureThatIsNarrowerThanItself) {
   auto valley = [](double x, double) { return std::fabs(x); };
   part.relief = ReliefOf({valley, 0.5e-3, 0.5e-3, false, {3e-3, 3e-3}}, part, {0, 0, 2'000}, 250);
   part.top_um = {0, 0, 2'000};
-  // What stays begins half a millimetre across the slopes and is round in the middle. The end, of
-  // 0.5 mm to each side, stands with its rim on the slopes.
+  // The floor begins half a millimetre across the slopes and is round in the middle. The rim of the
+  // end, 0.5 mm to each side, is on the slopes.
   const double floor_mm = ReliefAt(part, 0, 0).z_m * 1e3;
   EXPECT_NEAR(floor_mm, 0.5 - 0.5 * std::sqrt(2.0), 0.02);
   EXPECT_NEAR(ReliefAt(part, 0.3e-3, 0).z_m * 1e3, floor_mm, 0.01);

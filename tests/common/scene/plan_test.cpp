@@ -73,7 +73,7 @@ TEST_F(PlanTest, FrictionBelowHalfACellOfCouplingIsRefusedWithWhatIsNeeded) {
       << refused.message();
 }
 
-// None unless the exercise says so, graded or not.
+// No cues unless the exercise asks for them, graded or not.
 TEST_F(PlanTest, TouchCuesAreThoseOfTheExercise) {
   for (bool graded : {true, false}) {
     exercise.graded = graded;

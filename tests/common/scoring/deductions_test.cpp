@@ -22,7 +22,7 @@ class Strokes {
     volume_.Reserve();
     cutter_.emplace(volume_,
                     cutting::Bur{cutting::BurShape::kCylinder, kBurRadius_mm * 1e-3, 4e-3});
-    // What was there before the strokes that are looked at: all in the first tick.
+    // Removal before the tested strokes: all in the first tick.
     std::vector<int32_t> all;
     for (int b = 0; b < initial.spec().brick_count(); ++b) all.push_back(b);
     Tick(true, all);
@@ -180,8 +180,8 @@ TEST(DeductionsOfLittleTest, ItBeganWithTheFirstStrokeThatCounts) {
   EXPECT_EQ(found[0].first_tick, 151u + 101 + 150);
 }
 
-// A fault that spreads over a surface is told where it is worst: what another stroke did far from there is not
-// its moment.
+// A fault that spreads over a surface is placed where it is worst: another stroke's work far from
+// there does not set its moment.
 TEST(DeductionsOfLittleTest, StrokesAndMomentsAreOfTheMarkedPlace) {
   const cutting::Volume initial = MakeBlock(100'000), reference = CutCavity(initial, {});
   Strokes hand(initial, reference);

@@ -83,7 +83,7 @@ INSTANTIATE_TEST_SUITE_P(Voxels, EvenDeviation,
                          testing::Combine(testing::Values(100'000, 50'000),
                                           testing::Values(0.05, 0.3, 0.777)));
 
-// What is not looked at must be what would have been found equal.
+// Skipped vertices must be those that would have been found equal.
 TEST(ChangedBricksTest, WhereNothingMayDifferTheDistancesAreTheSame) {
   const Volume block = MakeBlock(100'000);
   const Volume after = CutCavity(block, {});

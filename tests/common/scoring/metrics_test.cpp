@@ -319,7 +319,7 @@ scene::Rubric RubricFor(std::initializer_list<const char*> names) {
   return rubric;
 }
 
-// What is left out says so; what is measured has the bits that it has with all of them.
+// Metrics left out are reported as such; measured ones have the same bits as with all metrics.
 TEST(MetricsTest, AnExerciseMeasuresWhatItsRubricUsesAndWhatEveryPageShows) {
   Volume block = MakeBlock(100'000);
   Cavity wrong;

@@ -10,7 +10,7 @@ namespace enamel::scoring {
 namespace {
 
 // A straight way along x, then along y, each 2 mm; `slow` takes twice the time on the second leg.
-// `aside_mm`: how far off it lies in z.
+// `aside_mm`: its offset in z.
 ProcessRecorder Corner(double aside_mm, bool slow) {
   ProcessRecorder recorder(SomeParams());
   auto put = [&](double x_mm, double y_mm) {

@@ -30,7 +30,7 @@ struct Task {
   }
 };
 
-// Only + - * / sqrt is asked of it elsewhere; here it is looked at from outside.
+// Volume of a zone inside the block, or of what was removed of it.
 double Inside_mm3(const Volume& block, const Volume& cut, const ZoneBoxes& zones, Zone zone,
                   bool removed) {
   const BoxVolume volume = MeasureZone(block, cut, zones, zone);

@@ -36,7 +36,7 @@ TEST(ProcessRecorderTest, PathIsTheLengthOfTheAnchorsWayWithoutJumpsAfterGaps) {
   EXPECT_DOUBLE_EQ(recorder.duration_s(), 0.109);
 }
 
-// What the hand pressed with is what a cue was added to, and that is the force computed.
+// The hand pressed with the force computed, before a cue was added to it.
 TEST(ProcessRecorderTest, TouchCuesAreNotTheStudentsForce) {
   ProcessRecorder with(SomeParams()), without(SomeParams());
   for (int i = 1; i <= 400; ++i) {

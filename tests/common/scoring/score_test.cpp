@@ -357,7 +357,7 @@ TEST(ValidateRubricTest, RefusesWhatCannotBeScoredAndNamesIt) {
   EXPECT_TRUE(ValidateRubric(Three()).ok());
 }
 
-// A later rubric may ask for what was not measured: that is said, and no points are made up.
+// A later rubric may need an unmeasured metric: the error names it, and no points are made up.
 TEST(ApplyRubricTest, AMetricThatWasNotMeasuredIsRefusedByName) {
   MetricSet metrics = Values(0, 99, 0);
   const std::string name = Three().criteria[0].metric;

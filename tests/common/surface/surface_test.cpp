@@ -371,7 +371,7 @@ TEST(BrickMeshesTest, KeptUpToDateTheyEqualThoseMadeAnew) {
         ExpectSameMesh(meshes.at(b), ExtractBrick(volume, b), b);
       }
     }
-    // It would be no news if all were made anew.
+    // The claim means nothing if every mesh was rebuilt.
     EXPECT_GT(renewed, 100u);
     EXPECT_LT(2 * renewed, looked_at);
   }

@@ -4,8 +4,8 @@
 #include "common/core/core.h"
 #include "tests/common/trace/sample.h"
 
-// A core that was saved and restored goes on as if nothing had happened: what keyframes rest on. A
-// member of core, cutter, engagement, coupling or law that VisitState forgets shows here.
+// A saved and restored core continues as if nothing had happened: keyframes rely on this. A member
+// of core, cutter, engagement, coupling or law that VisitState forgets shows here.
 namespace enamel::core {
 namespace {
 

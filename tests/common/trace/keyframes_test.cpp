@@ -178,7 +178,7 @@ TEST(KeyframesTest, AnotherCoresAreRefused) {
   EXPECT_EQ(Keyframes::Decode(bytes, HeaderHash(Attempt())).status().code(), Code::kVersion);
 }
 
-// Memory is taken for what the tooth can have, not for what a file says: a million bricks are 1 GiB.
+// Memory is bounded by the tooth's bricks, not by the file's claim: a million bricks are 1 GiB.
 TEST(KeyframesTest, MoreBricksThanTheToothHasAreRefused) {
   const Bytes bytes = KeyframesOf(Attempt()).Encode();
   // Magic, reserved, build and header's hash; then kind and size of the record. In it,
