@@ -11,9 +11,9 @@
 
 // Comma-separated values (RFC 4180), bounded. Pure functions, any thread.
 //
-// Not libcsv: in its strict mode it refuses a quote inside a bare cell (37.8"N), which spreadsheets
-// write and everybody reads; otherwise it also takes text after a closing quote and quotes that are
-// never closed, where somebody's name would swallow the rows behind it.
+// Why not libcsv: its strict mode refuses a quote inside a bare cell (37.8"N), which spreadsheets
+// write and everybody reads. Its other mode accepts text after a closing quote and quotes that are
+// never closed: a name could then swallow the rows behind it.
 namespace enamel {
 
 struct CsvRow {
@@ -27,7 +27,7 @@ struct CsvLimits {
   size_t cell_bytes = 1000;
 };
 
-// What was read, up to the first thing that is no CSV; rows without any text are left out.
+// The rows up to the first error in the CSV, without rows that have no text.
 struct CsvTable {
   std::vector<CsvRow> rows;
   // Nothing wrong: empty. Otherwise where (a row, as above), and what was found and expected.

@@ -9,8 +9,8 @@
 
 namespace enamel {
 
-// What kind of refusal a Status is. Boundaries translate it exactly once: to an exit code in a
-// program's main, to an HTTP status in server/http, to a wire error in server/stations.
+// The kind of refusal. Boundaries translate it exactly once: to an exit code in a program's main,
+// to an HTTP status in server/http, to a wire error in server/stations.
 enum class Code {
   kOk = 0,
   kInvalidInput,     // malformed or out of range: the caller must change what was sent
@@ -75,8 +75,8 @@ class [[nodiscard]] Status {
   std::string field_;
 };
 
-// A value or the Status that says why there is none; shaped like std::expected (C++23) so that it
-// can be replaced. Requires: `value()` only when `ok()`.
+// A value, or the Status that explains why there is none; shaped like std::expected (C++23) so that
+// it can be replaced. Requires: `value()` only when `ok()`.
 template <typename T>
 class [[nodiscard]] Result {
  public:

@@ -20,7 +20,7 @@ class StateArchive {
   explicit StateArchive(ByteView saved) : in_(saved), saving_(false) {}
 
   bool saving() const { return saving_; }
-  // Restoring: nothing was missing. What was visited after the first miss keeps its value.
+  // Restoring: nothing was missing. Members visited after the first miss keep their values.
   bool ok() const { return in_.ok(); }
   // Restoring: nothing is left over either.
   bool Complete() const { return in_.ok() && in_.AtEnd(); }

@@ -5,7 +5,8 @@
 
 namespace enamel {
 
-// Now: by the system's clock, which somebody may set, until FollowClock. Thread safety: any thread.
+// The current time, by the system's clock, which a person may set, until FollowClock. Thread
+// safety: any thread.
 std::chrono::system_clock::time_point WallClock();
 
 // From now on WallClock is `at` and what goes by from here on the steady clock, whatever becomes of the

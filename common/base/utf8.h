@@ -8,8 +8,8 @@
 // UTF-8 (RFC 3629) of texts that others wrote. Pure functions, any thread.
 namespace enamel {
 
-// The next code point, taken off `text`, which is not empty; none, and nothing taken, when it does
-// not begin with one (overlong forms and surrogates are none).
+// Takes the next code point off `text`, which is not empty. None, and nothing taken, when `text`
+// does not begin with one (overlong forms and surrogates do not count).
 std::optional<uint32_t> NextCodePoint(std::string_view& text);
 
 bool IsUtf8(std::string_view text);
@@ -24,8 +24,8 @@ bool IsControl(uint32_t code);
 // embeds or isolates a direction; byte order mark.
 bool IsInvisibleTrick(uint32_t code);
 
-// What a terminal shows and does not obey: AsUtf8, and control characters as "\x1b", invisible
-// tricks as "\u202e".
+// Text that a terminal shows and does not obey: AsUtf8, with control characters as "\x1b" and
+// invisible tricks as "\u202e".
 std::string Printable(std::string_view text);
 
 // The first bytes of `text`, at most `most`, ending where a character ends: what a program says of

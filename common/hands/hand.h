@@ -8,7 +8,7 @@
 
 #include "common/base/result.h"
 
-// What holds the tool, and which of it graded work admits. Pure functions, any thread.
+// The hand that holds the tool, and which hands graded work admits. Pure functions, any thread.
 namespace enamel {
 
 // As the station found it when the attempt began. It is in the recording's header, whose hash the

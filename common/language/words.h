@@ -11,8 +11,8 @@
 #include <variant>
 #include <vector>
 
-// What people read, in their language. The texts are ICU messages in catalogues, one file for each language and part
-// of the program, which travel inside it: schemas/words.md, schemas/words/.
+// Texts for people, in their language: ICU messages in catalogues, one file for each language and
+// part of the program, built into it: schemas/words.md, schemas/words/.
 namespace enamel::language {
 
 enum class Language { kEnglish, kGerman, kChinese };
@@ -23,11 +23,12 @@ std::string_view CodeOf(Language language);  // "en", "de", "zh"
 std::string_view NameOf(
     Language language);  // as its speakers write it: "English", "Deutsch", "中文"
 
-// Of a code (BCP 47) or a locale's name, by its first part: "de", "de-CH", "zh_CN.UTF-8". None: no such language here.
+// The language of a code (BCP 47) or a locale's name, by its first part: "de", "de-CH",
+// "zh_CN.UTF-8". None: no such language here.
 std::optional<Language> LanguageOf(std::string_view code);
 
-// What a message has a place for: {name}. Numbers decide on plurals; those with decimals are written by Decimal first,
-// since how many digits a value deserves is known where it was measured.
+// The value of a place {name} in a message. Numbers decide on plurals. Use Decimal for numbers with
+// decimals: only the code that measured a value knows how many digits it deserves.
 struct Value {
   std::string_view name;
   std::variant<int64_t, std::string> value;
@@ -51,9 +52,9 @@ class Words {
   }
   // Where how many places a message has is known only when it is said.
   std::string Say(std::string_view key, std::span<const Value> values) const;
-  // False: no catalogue has this key, which a text of somebody else's named.
+  // False: no catalogue has this key, which may come from somebody else's text.
   bool Has(std::string_view key) const;
-  // With exactly so many digits after the point, or the comma: 0.30, 0,30.
+  // With exactly `digits` digits after the point, or the comma: 0.30, 0,30.
   std::string Decimal(double value, int digits) const;
 
  private:

@@ -20,7 +20,7 @@ namespace enamel::sql {
 class PgStatement;
 struct Libpq;
 
-// Why PostgreSQL refused, for whoever words it.
+// Why PostgreSQL refused, for the code that words it.
 struct PgFailure {
   enum class Kind {
     kOther,
@@ -56,7 +56,8 @@ struct PgDbOptions {
   std::string application{};
   // Asked before each statement that may write; true: it fails. For tests.
   std::function<bool()> fail_next{};
-  // So long it is tried to ask whether a COMMIT was kept; a standby is promoted within it or not.
+  // How long to try to learn whether a COMMIT was kept. A standby is promoted within this time or
+  // not.
   std::chrono::milliseconds in_doubt{30'000};
   // Makes the status of a failure; by default PostgreSQL's words with a code.
   std::function<Status(const PgFailure&)> explain{};
@@ -111,9 +112,9 @@ class PgDb final : public Db {
   std::string JsonMember(const std::string& column, const std::string& member) const override;
   // Nothing: what is deleted stays in PostgreSQL's files until Rewrite.
   Status OverwriteDeleted(bool) override { return Status::Ok(); }
-  // VACUUM FULL, which keeps others from each table while it is written; then a checkpoint and a new
-  // file of the log, as far as the user may ask for them. What was archived of the log elsewhere,
-  // and a standby's, is older than that and not touched.
+  // VACUUM FULL, which locks each table while it is written; then a checkpoint and a new file of
+  // the log, as far as the user may request them. Archived logs, and a standby's, are older than
+  // that and not touched.
   Status Rewrite() override;
   Result<uint64_t> RewriteBytes() override { return uint64_t{0}; }
   Result<std::optional<int64_t>> ClockMs() override;
@@ -166,7 +167,7 @@ class PgDb final : public Db {
   bool must_repeat_ = false;  // since Begin
   bool damaged_ = false;
   int64_t changes_ = 0;
-  // Of enamel_commits: this object's row, "'\\x0123…'" in SQL, and what its last transaction counted.
+  // From enamel_commits: this object's row, "'\\x0123…'" in SQL, and its last transaction's count.
   std::string writer_;
   uint64_t commits_ = 0;
   bool counts_ = false;      // the table is there

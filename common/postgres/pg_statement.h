@@ -51,7 +51,8 @@ class PgStatement final : public Statement {
     bool null = true;
     std::string bytes{};
   };
-  // Prepared on the server, with what it was bound to, to be sent later. It can be bound again meanwhile.
+  // A prepared statement and its bound values, to be sent later. The statement can be bound again
+  // before that.
   struct Call {
     std::string name;
     std::vector<Parameter> parameters;

@@ -22,7 +22,7 @@ class CommandSettings {
     std::string program;                // its name in the log
     std::string prefix;                 // of its environment variables
     std::filesystem::path system_file;  // read where no other is named and it is there
-    // The file is another program's too: keys that no command has here are passed over.
+    // The file is another program's too: keys that no command here has are ignored.
     bool shared = false;
   };
   // `app` outlives this, and this the parsing.
@@ -30,7 +30,7 @@ class CommandSettings {
 
   // Adds --config, --log-format and --log-level. When every command is there.
   void Add();
-  // What Add lets every command do; for a program that runs without one. Errors: kInvalidInput.
+  // Does for a program without commands what Add does for each command. Errors: kInvalidInput.
   Status Apply(CLI::App& command);
 
   const LogOptions& log() const { return log_; }

@@ -4,7 +4,7 @@
 
 #include "common/base/result.h"
 
-// What a program says while it runs, on standard error.
+// A program's messages while it runs, on standard error.
 namespace enamel::program {
 
 struct LogOptions {

@@ -23,12 +23,13 @@ std::string EnvironmentName(const std::string& option, const std::string& prefix
 Status ReadEnvironment(CLI::App& command, const std::string& prefix = "ENAMEL_");
 
 // Gives the options of `command` that neither command line nor environment gave the values of a
-// TOML file (https://toml.io, 1.0): its keys are the options' long names without dashes in front,
-// "job-threads" or "job_threads"; texts, integers, booleans, and lists of texts for options that
-// may be repeated. After the command line was parsed. Errors: kNotFound; kInvalidInput with line
-// and column, also for a key that is no option (it names those there are) and for a value that the
-// option refuses. A file may serve several commands: keys in `of_others` are passed over, and where
-// it holds kAnyKey, all that the command does not have: the file is another program's too.
+// TOML file (https://toml.io, 1.0). Its keys are the options' long names without dashes in front,
+// "job-threads" or "job_threads"; its values are texts, integers, booleans, and lists of texts for
+// options that may be repeated. Call it after the command line was parsed. Errors: kNotFound;
+// kInvalidInput with line and column, also for a key that is no option (the message lists the
+// options) and for a value that the option refuses. A file may serve several commands: keys in
+// `of_others` are ignored, and if it holds kAnyKey, all keys that the command does not have are
+// ignored: the file is another program's too.
 inline constexpr char kAnyKey[] = "*";
 Status ReadSettingsFile(const std::filesystem::path& file, CLI::App& command,
                         const std::set<std::string>& of_others = {});

@@ -15,7 +15,7 @@ namespace enamel::protocol {
 // fact of an attempt belongs", says which facts belong here and which places a new one touches.
 using AttemptFacts = wire::AttemptFacts;
 
-// Of encoded facts, unknown ones included: what is kept with each attempt must not grow on a
+// Of encoded facts, unknown ones included: the data kept with each attempt must not grow on a
 // station's word.
 inline constexpr size_t kMaxFactsBytes = 4096;
 
@@ -24,14 +24,14 @@ Bytes EncodeFacts(const AttemptFacts& facts);
 // Errors: kInvalidInput.
 Result<AttemptFacts> DecodeFacts(ByteView bytes);
 
-// What another side said is to be no longer than kMaxFactsBytes: kTooLarge, field "facts".
+// Facts from a peer may not be longer than kMaxFactsBytes: kTooLarge, field "facts".
 Status CheckFacts(const AttemptFacts& facts);
 
 // A JSON object, {"resumed":0}: every known member by its name in station.proto, also one that was
 // not said.
 std::string FactsJson(const AttemptFacts& facts);
-// One line for a person, "resumed: 1": the known members that were said; empty: none was. What is
-// not ASCII is escaped.
+// One line for a person, "resumed: 1": the known members that are set; empty: none is. Characters
+// that are not ASCII are escaped.
 std::string FactsText(const AttemptFacts& facts);
 
 }  // namespace enamel::protocol

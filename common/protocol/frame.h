@@ -12,7 +12,7 @@
 namespace enamel::protocol {
 
 inline constexpr size_t kMaxFrameBytes = size_t{4} << 20;
-// What a server reads from a peer that has not identified itself yet.
+// The limit for a peer that has not identified itself yet.
 inline constexpr size_t kMaxFrameBytesBeforeHello = size_t{16} << 10;
 
 // Length and message as one byte string. Errors: kTooLarge over kMaxFrameBytes.

@@ -38,7 +38,7 @@ Status ToStatus(const wire::Error& error);
 // Answer to a request whose body this program does not know.
 wire::Error UnsupportedError();
 
-// What a station shows people as the address of the page: `https://` or `http://` and what follows,
+// An address of the page that a station may show to people: `https://` or `http://` and the rest,
 // at most 200 printable ASCII characters without spaces.
 bool IsPageUrl(std::string_view text);
 
@@ -46,7 +46,7 @@ bool IsPageUrl(std::string_view text);
 Result<Uuid> ReadUuid(const std::string& bytes, const char* field);
 Result<Sha256> ReadSha256(const std::string& bytes, const char* field);
 Result<std::array<uint8_t, 32>> ReadKey(const std::string& bytes, const char* field);
-// What holds the tool. A kind that this program does not know reads as not told.
+// The hand that holds the tool. A kind that this program does not know reads as not reported.
 Hand ReadHand(const wire::Hand& message);
 void SetHand(const Hand& hand, wire::Hand& message);
 // Any of our byte types as a Protobuf bytes field: message.set_attempt(ToField(id.view())).

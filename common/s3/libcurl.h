@@ -13,8 +13,8 @@ struct Libcurl {
   decltype(&curl_easy_init) easy_init;
   decltype(&curl_easy_cleanup) easy_cleanup;
   decltype(&curl_easy_reset) easy_reset;
-  // What follows the option is a long, a curl_off_t or a pointer, as the option's page says: nothing
-  // converts on the way.
+  // The value after the option is a long, a curl_off_t or a pointer, as the option's page says:
+  // nothing converts it.
   decltype(&curl_easy_setopt) easy_setopt;
   decltype(&curl_easy_getinfo) easy_getinfo;
   decltype(&curl_easy_perform) easy_perform;

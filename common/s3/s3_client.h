@@ -22,12 +22,12 @@ struct Libcurl;
 
 struct S3Limits {
   std::chrono::milliseconds connect{3'000};
-  // So long without a byte in either direction ends a try. Whole seconds.
+  // A try ends after this time without a byte in either direction. Whole seconds.
   std::chrono::seconds stall{10};
   // A call with all its tries and pauses ends after it: a station's request waits 60 s.
   std::chrono::milliseconds call{40'000};
-  // Of the pause before the n-th try a random half to whole of min(first_pause · 2^(n-2),
-  // longest_pause): those that were refused together do not come back together.
+  // The pause before the n-th try is a random half to whole of min(first_pause · 2^(n-2),
+  // longest_pause): clients that were refused together do not return together.
   int tries = 5;
   std::chrono::milliseconds first_pause{100};
   std::chrono::milliseconds longest_pause{2'000};
@@ -54,17 +54,18 @@ struct S3Options {
 };
 
 // Buckets are addressed by path (ENDPOINT/BUCKET/KEY), which every store knows. Proxies of the
-// environment are not used, redirects not followed. HTTP/1.1; connections are kept and used again, at
-// most kMaxIdle.
+// environment are not used, redirects not followed. HTTP/1.1; connections are kept and used again,
+// at most kMaxIdle.
 //
-// What may pass by itself is tried again: no connection, a connection that was lost or is silent, 429,
-// 500, 502, 503 (SlowDown), 504, and a 404 that is not the store's own. What will not pass is
-// reported at once: 400, 403, a missing object or bucket, a full store. A call that failed may still
-// have been carried out.
+// The client retries failures that may pass: no connection, a connection that was lost or is
+// silent, 429, 500, 502, 503 (SlowDown), 504, and a 404 that is not the store's own. It reports at
+// once those that will not pass: 400, 403, a missing object or bucket, a full store. A call that
+// failed may still have been carried out.
 //
-// Errors: kNotFound (no such object); kUnavailable (not there, or overloaded, after all tries: it may
-// be later); kTooLarge (more than object_bytes); kStorage (it refuses, is full, or answers with what an
-// S3 store does not). Messages name host, bucket and key, never the credentials.
+// Errors: kNotFound (no such object); kUnavailable (not reachable, or overloaded, after all tries:
+// it may be later); kTooLarge (more than object_bytes); kStorage (it refuses, is full, or gives an
+// answer that an S3 store does not give). Messages name host, bucket and key, never the
+// credentials.
 //
 // Thread safety: any thread; each call in progress has a connection of its own.
 class S3Client {

@@ -35,8 +35,8 @@ struct Box {
 };
 Box BoundsOf(const Arrangement& arrangement);
 
-// Where the tooth mesial (or distal) of `tooth` has to stand so that their crowns come within
-// `gap_mm` of each other at the widest heights of both: shift along x, mm.
+// Shift along x, in mm, of the tooth mesial (or distal) of `tooth`, so that their crowns come
+// within `gap_mm` of each other at the widest heights of both.
 double NextToMesially_mm(const ToothShape& tooth, const ToothShape& neighbour, double gap_mm);
 double NextToDistally_mm(const ToothShape& tooth, const ToothShape& neighbour, double gap_mm);
 

@@ -7,9 +7,9 @@
 
 #include "common/base/result.h"
 
-// What one haptic device was measured to be (schemas/calibration.schema.json): written by
-// `enamel-station calibrate`, kept by the server beside the device profile it is compared with.
-// Thread safety: functions, any thread. Real-time: not safe.
+// Measurements of one haptic device (schemas/calibration.schema.json): written by `enamel-station
+// calibrate`, kept by the server beside the device profile it is compared with. Thread safety:
+// functions, any thread. Real-time: not safe.
 namespace enamel::scene {
 
 struct Measured {

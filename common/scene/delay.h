@@ -7,10 +7,10 @@
 #include "common/scene/calibration.h"
 #include "common/scene/types.h"
 
-// How many ticks of delay an attempt is computed with, and what its coupling may be then: a bus, a
-// thread hop and an amplifier lie between a force and its effect, and a coupling that is passive
-// without delay pumps with a tick of it (common/haptics/README.md, "With delay").
-// Thread safety: functions, any thread. Real-time: not safe.
+// How many ticks of delay an attempt is computed with, and what its coupling may be then. A bus, a
+// thread hop and an amplifier are between a force and its effect, and a coupling that is passive
+// without delay pumps with a tick of it (common/haptics/README.md, "With delay"). Thread safety:
+// functions, any thread. Real-time: not safe.
 namespace enamel::scene {
 
 // A device whose delay nobody measured is taken to have this many ticks.
@@ -54,9 +54,9 @@ int64_t PassiveTorque_un_m_per_rad(const DeviceProfile& profile, int64_t rate_hz
 // left, with what to do.
 Result<DeviceProfile> WithDelay(const DeviceProfile& profile, int64_t rate_hz, int64_t delay_ticks);
 
-// Whether these are the parameters that CompilePlan gives for the profile as it stands (a simulated
-// device, a mouse), or for WithDelay of it at their delay (an attached device): for whoever checks a
-// recording. Errors: CompilePlan's for the profile as it stands; kConflict (field "params").
+// Checks the parameters of a recording: they must be those that CompilePlan gives for the unchanged
+// profile (a simulated device, a mouse), or for WithDelay of it at their delay (an attached
+// device). Errors: CompilePlan's for the unchanged profile; kConflict (field "params").
 Status CheckParams(const Scene& scene, const Exercise& exercise, const DeviceProfile& profile,
                    const core::CoreParams& params);
 

@@ -7,10 +7,9 @@
 #include "common/base/result.h"
 #include "common/cutting/volume.h"
 
-// What the blobs that belong to a voxel grid have in common (schemas/volume_blob.md,
-// schemas/provenance.md, schemas/surface_timeline.md): how they begin, the grid, and sections packed
-// with zstd. Bounded, deterministic.
-// Thread safety: functions, any thread.
+// The shared parts of blobs that belong to a voxel grid (schemas/volume_blob.md,
+// schemas/provenance.md, schemas/surface_timeline.md): their beginning, the grid, and sections
+// packed with zstd. Bounded, deterministic. Thread safety: functions, any thread.
 namespace enamel::scene {
 
 // Four letters, version and flags: 8 bytes.
@@ -27,7 +26,7 @@ void WriteGrid(const cutting::GridSpec& spec, ByteWriter& out);
 // message begins with `blob`, what is read.
 Result<cutting::GridSpec> ReadGrid(ByteReader& in, std::string_view blob);
 
-// Of small differences of either sign small numbers, modulo 2^32.
+// Turns small differences of either sign into small numbers, modulo 2^32.
 constexpr uint32_t Zigzag(uint32_t v) { return v << 1 ^ (0 - (v >> 31)); }
 constexpr uint32_t Unzigzag(uint32_t v) { return v >> 1 ^ (0 - (v & 1)); }
 // Numbers as four planes, their bytes by significance: the high ones pack to almost nothing.

@@ -6,8 +6,8 @@
 
 #include "common/scene/types.h"
 
-// What of a scene an attempt carries: the compiler's decisions. 'enamel-lab explain' measures
-// what each is worth.
+// Which parts of a scene an attempt carries: the compiler's decisions. 'enamel-lab explain'
+// measures the worth of each.
 namespace enamel::scene {
 
 enum class PartId {
@@ -32,7 +32,7 @@ struct Part {
   std::string why;
 };
 
-// What the plan is for.
+// The purpose of the plan.
 struct Use {
   bool window = false;
   bool replay = false;  // a recording is re-run: no device

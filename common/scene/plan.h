@@ -8,16 +8,16 @@
 namespace enamel::scene {
 
 // Compiles scene, exercise and device profile into the core's parameters: the only way an attempt
-// gets them, on the station; the server re-derives them and compares with the attempt's header.
-// The device's counts are centred above the exercise's landmark: count (0, 0, 0) is the bur's tip 8
-// mm above it (scene frame, +z), clear of every cusp; the axes of device and scene agree. Force and
-// cutting come on after half a second in free air. A turn of the bur is resisted with the
-// coupling's stiffness at half its height, felt or not: a device that cannot push back must not cut
-// by turning. Touch cues are the exercise's, whether it is graded or not: without them there are
-// none. An exercise whose scene hash is not zero is compiled with that scene only (kConflict).
-// Errors: kInvalidInput when the profile cannot carry the exercise (rate, touch cues under 300 Hz,
-// Kc above the passive limit 2 b f/(d + 1)^2 or above 2 c/delta, a missing landmark or tissue, a
-// bur that is not among those the scene offers), with what would be allowed.
+// gets them, on the station; the server re-derives them and compares with the attempt's header. The
+// device's counts are centred above the exercise's landmark: count (0, 0, 0) is the bur's tip 8 mm
+// above it (scene frame, +z), clear of every cusp; the axes of device and scene agree. Force and
+// cutting begin after half a second in free air. The coupling's stiffness at half its height
+// resists a turn of the bur, felt or not: a device that cannot push back must not cut by turning.
+// Touch cues are the exercise's, whether it is graded or not; an exercise that names none has none.
+// An exercise whose scene hash is not zero is compiled with that scene only (kConflict). Errors:
+// kInvalidInput when the profile cannot carry the exercise (rate, touch cues under 300 Hz, Kc above
+// the passive limit 2 b f/(d + 1)^2 or above 2 c/delta, a missing landmark or tissue, a bur that
+// the scene does not offer), with the allowed value.
 Result<core::CoreParams> CompilePlan(const Scene& scene, const Exercise& exercise,
                                      const DeviceProfile& profile);
 

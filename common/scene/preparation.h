@@ -21,8 +21,8 @@ struct Growth {
 double PreparationDistance_m(const Preparation& preparation, const dvec3& point_m,
                              const Growth& grown = {});
 
-// How many times nearer its surface may be than PreparationDistance_m says: 1, or 2 with a relief
-// whose slopes are no steeper than 60 degrees.
+// How many times nearer its surface may be than PreparationDistance_m returns: 1, or 2 with a
+// relief whose slopes are no steeper than 60 degrees.
 double DistanceErrs(const Preparation& preparation);
 
 // Height (m) of a point over the relief of a part, across it: negative in what stays.
@@ -37,8 +37,8 @@ ReliefPoint ReliefAt(const PreparationPart& part, double x_m, double y_m);
 // The landmark that a target hangs from. Errors: kInvalidInput when the scene does not have it.
 Result<PointUm> TargetPoint(const Scene& scene, const CavityTarget& target);
 
-// What a target asks for: its parts, or its box, where they are in the scene. Named as the landmark.
-// Errors: TargetPoint's.
+// The shape of a target in the scene: its parts, or its box. Named as the landmark. Errors:
+// TargetPoint's.
 Result<Preparation> TargetShape(const Scene& scene, const CavityTarget& target);
 
 // The volume after a perfect preparation: phi := max(phi, -distance), as a bur would leave it that

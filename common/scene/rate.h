@@ -25,8 +25,8 @@ struct LargestCoupling {
 };
 
 // min(2 b f/(d + 1)^2, 2 c/delta, K), rounded down; of equal limits the first in that order. All
-// three are proved or published for the profile as it stands; K is taken as the structure's,
-// whatever the rate. Requires: rate_hz > 0, resolution above 0, delay_ticks in 0..kMostDelay_ticks
+// three are proved or published for the unchanged profile; K is taken as the structure's, whatever
+// the rate. Requires: rate_hz > 0, resolution above 0, delay_ticks in 0..kMostDelay_ticks
 // (delay.h).
 LargestCoupling LargestCouplingAt(const DeviceProfile& profile, int64_t rate_hz,
                                   int64_t delay_ticks);

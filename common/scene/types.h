@@ -34,7 +34,7 @@ struct TissueSpec {
   int32_t threshold_mn = 0;  // nothing is cut below; 0: Coulomb's part, else at least it
 };
 
-// A bur as documents name it. What a shape does not use is 0 (cutting/bur.h).
+// A bur as documents name it. Members that a shape does not use are 0 (cutting/bur.h).
 struct BurSpec {
   std::string name;  // of the offer in a scene: "fissure-10"; not in exercises
   cutting::BurShape shape = cutting::BurShape::kCylinder;
@@ -72,7 +72,7 @@ struct TouchCueSpec {
   bool operator==(const TouchCueSpec&) const = default;
 };
 
-// What a part of outline kStump leaves standing in its middle: a rectangle with rounded corners
+// The stump that a part of outline kStump leaves in its middle: a rectangle with rounded corners
 // whose middle and half sizes change evenly from the foot, on the part's floor, to the table.
 struct Stump {
   struct Section {
@@ -149,7 +149,7 @@ struct Sourced {
   std::string source;  // "paper, table 3", "assumption", "datasheet", "measured 2026-…"
 };
 
-// What a device of six driven axes shows about its axes of rotation (common/haptics/turning.h).
+// The axes of rotation of a device that drives six axes (common/haptics/turning.h).
 struct TorqueSpec {
   Sourced peak_un_m;
   Sourced coupling_un_m_per_rad;   // K used by the coupling
@@ -203,8 +203,8 @@ struct CavityTarget {
   int32_t container_um = 0;  // must stay, beyond the leeway
   // Their top_um is from the landmark. The box above holds them all.
   std::vector<PreparationPart> parts;
-  // Content address of a scene: the tooth as it should be in the end, on the same voxels. Zero: there
-  // is none. With it there are no parts; the box holds what has to go.
+  // Content address of a scene: the finished tooth, on the same voxels. Zero: there is none. With
+  // it there are no parts; the box holds the solid to remove.
   Sha256 prepared{};
   // That tooth, once LoadPreparedTarget has read it.
   std::shared_ptr<const PreparedTooth> prepared_tooth = {};
@@ -230,8 +230,8 @@ struct RubricCriterion {
   bool operator==(const RubricCriterion&) const = default;
 };
 
-// What every criterion's points are multiplied by: how far the task was done, or how much was
-// destroyed beside it.
+// Multiplies every criterion's points: by how far the task was done, or how much was destroyed
+// beside it.
 struct RubricGate {
   std::string metric;
   std::string title;

@@ -8,7 +8,7 @@
 
 namespace enamel::scoring {
 
-// What a pairing costs: the sum of its pairs (dynamic time warping), or the worst of them (the
+// The cost of a pairing: the sum of its pairs (dynamic time warping), or the worst of them (the
 // discrete Frechet distance; Eiter and Mannila, TU Wien, report CD-TR 94/64, 1994).
 enum class Pairing { kSum, kWorst };
 

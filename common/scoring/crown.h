@@ -25,8 +25,8 @@ struct BevelFigures {
   double angle_deg = 0;  // to the level: median
 };
 
-// Measured in half planes about an upright axis through the middle of the reference's stump. Where
-// the finish line, the walls and the top are is the reference's; how they lie is the attempt's.
+// Measured in half planes about an upright axis through the middle of the reference's stump. The
+// reference fixes where finish line, walls and top are; the figures are the attempt's.
 struct CrownFigures {
   bool in_task = false;  // the reference has a finish line and walls of a millimetre all around
   bool made = false;     // the attempt has walls there, in every half plane
@@ -40,7 +40,7 @@ struct CrownFigures {
   std::array<double, 4> wall_m{};  // taken off: mesial, distal, buccal, lingual; median over height
   double top_m = 0, top_least_m = 0;  // off the top, straight down: median, and what 95 % exceed
 
-  // Of the finish line at 72 places.
+  // The finish line's, at 72 places.
   double width_m = 0, width_least_m = 0;  // median, and what 95 % exceed
   double depth_m = 0;                     // median below the reference's; - above
   double waviness_m = 0;                  // RMS of that about its median
@@ -48,15 +48,14 @@ struct CrownFigures {
 
   BevelFigures bevel_buccal, bevel_lingual;
 
-  // Of a section: the wall that leans most from the reference's, half way up.
+  // Where a section is worst: half way up the wall that leans most from the reference's.
   Spot mesiodistal_at, buccolingual_at, least_at, most_at, axis_at;
   Spot undercut_at;  // where it leans out most
-  // Of the line: farthest from its height, farthest from the median, and narrowest.
+  // Where the line is farthest from its height, farthest from its median, and narrowest.
   Spot depth_at, waviness_at, width_at;
 };
 
-// `bottom_z_m`: where the exercise says that the shoulder is, within 1.5 mm. `mesial_x`:
-// scene::MesialX.
+// `bottom_z_m`: where the exercise puts the shoulder, within 1.5 mm. `mesial_x`: scene::MesialX.
 CrownFigures MeasureCrown(const cutting::Volume& initial, const CutSide& attempt,
                           const CutSide& reference, const dvec3& landmark_m, double bottom_z_m,
                           int mesial_x);

@@ -15,13 +15,13 @@
 // Deterministic. Thread safety: functions, any thread.
 namespace enamel::scoring {
 
-// What one stroke did of a fault.
+// One stroke's part in a fault.
 struct FaultStroke {
   uint32_t number = 0;  // from 1 (strokes.h)
   uint64_t first_tick = 0;
   double first_s = 0;  // since the start, gaps included
   double lasts_s = 0;  // the whole stroke
-  // Of the fault's voxels whose centre went in it and is solid in the reference.
+  // Volume of the fault's voxels whose centre went in it and is solid in the reference.
   double volume_m3 = 0;
 
   bool operator==(const FaultStroke&) const = default;
@@ -32,16 +32,16 @@ struct Deduction {
   std::string criterion;  // metric
   bool left = false;      // true: left standing, so there is no moment; false: taken too much
   double volume_m3 = 0;   // all of it
-  // The middle of the fault where most of it lies within a brick of 8 voxels, scene frame.
+  // The middle of the fault in the brick of 8 voxels that holds most of it, scene frame.
   dvec3 position_m{0};
   // Unit vector out of the tooth there: where to look at it from.
   dvec3 facing{0, 0, 1};
-  // Strokes and moments are of the fault within kNearPlace_m of position_m where it spreads over a
-  // surface: then `here`. Of what must not be touched at all (a neighbour, the pulp) they are of all
-  // of it.
+  // True: strokes and moments are of the fault within kNearPlace_m of position_m, because it
+  // spreads over a surface. False for tissue that must not be touched at all (a neighbour, the
+  // pulp): they are of the whole fault.
   bool here = false;
   // How many strokes took of it; 0 where `left`, and where it is thinner than half a voxel
-  // everywhere, so that nobody can say when it went.
+  // everywhere, so that its moment is unknown.
   uint32_t stroke_count = 0;
   // The first crossing that counts; 0 without strokes.
   uint64_t first_tick = 0;
@@ -68,7 +68,7 @@ struct DeductionInputs {
   const StrokeRecorder* strokes = nullptr;
   const std::vector<WorstPlace>* places = nullptr;  // ComputeMetrics'; may be null
 };
-// A fault of a line or a section is what lies no farther than this from where it is at its worst.
+// A fault of a line or a section includes everything within this distance of its worst place.
 inline constexpr double kNearPlace_m = 1e-3;
 
 // The deductions of `criteria`, metrics that cost points, in their order: one for too much taken

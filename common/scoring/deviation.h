@@ -15,7 +15,7 @@ struct WeightedValue {
   double value;
   double weight;
 };
-// The smallest value below or at which `share` (0..1) of the weight lies; 0 when there is none.
+// The smallest value that `share` (0..1) of the weight does not exceed; 0 when there is none.
 double WeightedQuantile(std::vector<WeightedValue> values, double share);
 
 // Whether something went at a point: phi there exceeds the initial one by more than a tenth of a
@@ -37,7 +37,7 @@ class CutTest {
   const ChangedBricks changed_;
 };
 
-// A third of the triangles around each vertex, m^2: what a vertex stands for.
+// A third of the triangles around each vertex, m^2: the area that a vertex represents.
 std::vector<double> VertexAreas_m2(const surface::Mesh& mesh);
 
 // Where the line point + s direction meets the volume's surface nearest on the side on which it must

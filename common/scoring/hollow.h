@@ -5,8 +5,8 @@
 
 namespace enamel::scoring {
 
-// How far points of a tooth lie from what a preparation takes of it, where a volume says what that
-// is. Deterministic. Thread safety: const after construction.
+// Distance of points of a tooth from the solid that a preparation takes, where a volume gives the
+// prepared tooth. Deterministic. Thread safety: const after construction.
 class Hollow {
  public:
   // Both are kept, not copied. Requires: equal grids.

@@ -20,9 +20,9 @@ LineAngleFigures MeasureLineAngles(const CutSide& attempt, const Walls& walls,
                                    const OpenBox& target);
 
 // The angle through the tooth between its surface and the wall that was cut, at each point of the
-// outline (OutlineOf in shape.h): 180 degrees less the angle between the tooth's outward direction at
-// the point and the wall's so far under it: three voxels, and at least 0.1 mm. 90: upright; more: the
-// wall opens outwards.
+// outline (OutlineOf in shape.h). It is 180 degrees less the angle between the tooth's outward
+// direction at the point and the wall's direction three voxels (at least 0.1 mm) under it. 90:
+// upright; more: the wall opens outwards.
 struct MarginFigures {
   bool in_task = false;  // the reference has an outline
   bool made = false;     // and the attempt has one

@@ -14,8 +14,8 @@
 #include "common/scoring/process.h"
 #include "common/surface/surface.h"
 
-// What is measured about an attempt: schemas/score.md says of every metric the formula, unit and
-// source; the tests have a worked example of each against a closed form.
+// The metrics of an attempt. schemas/score.md has the formula, unit and source of each; the tests
+// have a worked example of each against a closed form.
 //
 // Deterministic: equal inputs give equal bits; only + - * / sqrt, fixed orders, no threads.
 // Thread safety: functions, any thread. Real-time: nothing here is.
@@ -30,7 +30,8 @@ struct MetricInfo {
   // Signed metrics only: what a value above and below zero means ("too deep", "too shallow").
   std::string_view above_zero = {};
   std::string_view below_zero = {};
-  // What is known where the device was at its limit: a force that is at least the value, or nothing.
+  // What a value means where the device was at its limit: a force of at least the value, or
+  // nothing.
   enum class AtLimit { kSame, kAtLeast, kUnknown } at_limit = AtLimit::kSame;
 };
 std::span<const MetricInfo> Metrics();

@@ -10,9 +10,8 @@
 #include "common/base/result.h"
 #include "common/scoring/process.h"
 
-// How near one attempt's motion lies to another's: schemas/motion.md. It betrays a motion that was
-// copied, and proves none: it costs no points.
-// Deterministic. Thread safety: functions, any thread.
+// How near one attempt's motion is to another's: schemas/motion.md. It finds copied motions and
+// proves none: it costs no points. Deterministic. Thread safety: functions, any thread.
 namespace enamel::scoring {
 
 // The bur's way while it pressed, in equal parts of that time: where it was on the mean in each.
@@ -38,7 +37,7 @@ Motion MotionAlong(std::span<const dvec3> way_m);
 // but for the last digits.
 double MotionDistance_m(const Motion& a, const Motion& b);
 
-// Where a motion lies among others of the same exercise.
+// A motion's distance to others of the same exercise.
 struct Nearness {
   size_t others = 0;
   size_t nearest = 0;    // index of it
@@ -51,9 +50,9 @@ struct Nearness {
 // Nothing without others.
 std::optional<Nearness> NearnessTo(const Motion& motion, std::span<const Motion> others);
 
-// Whether somebody should look at both: nearer than a twentieth of the motion's own size, or, among
-// at least kEnoughOthers, than a quarter of what the middle one of them is. How many people this
-// finds without cause nobody has measured on teeth: `enamel-lab hand-signs` says what is known.
+// Whether a person should look at both: nearer than a twentieth of the motion's own size, or, among
+// at least kEnoughOthers, nearer than a quarter of the median. Nobody has measured on teeth how
+// many people this finds without cause: `enamel-lab hand-signs` prints what is known.
 inline constexpr double kNearOfSize = 0.05, kNearOfOthers = 0.25;
 inline constexpr size_t kEnoughOthers = 5;
 bool IsWorthALook(const Nearness& nearness);

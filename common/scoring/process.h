@@ -59,7 +59,7 @@ class ProcessRecorder {
   // Ticks with any force: of these the bounds' share is what a force figure suffers from.
   uint64_t force_ticks() const { return force_ticks_; }
 
-  // Of a replay only; nothing from the recording alone.
+  // From a replay only; a recording alone has none.
   const StrokeRecorder& strokes() const { return strokes_; }
   double idle_s() const;  // outside contacts, without gaps
   // Angle of the bur's axis, as the device holds it, against +z of the scene, read 50 times a second
@@ -74,7 +74,7 @@ class ProcessRecorder {
     std::optional<double> log_dimensionless_jerk, spectral_arc_length;
   };
   Smoothness MeasureSmoothness() const;  // takes a while
-  // Of what the device read, in contact (smoothness.h).
+  // Of the device's readings, in contact (smoothness.h).
   std::optional<double> tremor_m() const { return tremor_.Rms_m(); }
 
  private:

@@ -36,7 +36,8 @@ struct Provenance {
   std::vector<Brick> bricks;   // by rising index
   std::vector<uint32_t> tick;  // of each voxel that went, brick by brick: the recording's, from 0
 
-  // The tick at which a voxel went; none for what stands, was air before, or lies outside the grid.
+  // The tick at which a voxel went; none for one that is still solid, was air before, or is outside
+  // the grid.
   std::optional<uint32_t> TickOf(const ivec3& voxel) const;
 
   // fn(const ivec3& voxel, uint32_t tick), in the order of `tick`.
@@ -58,7 +59,7 @@ class ProvenanceRecorder {
   // (core::Core::touched).
   void Add(const cutting::Volume& volume, std::span<const int32_t> touched);
 
-  // What was noted so far.
+  // The provenance recorded so far.
   Provenance Take() const;
 
  private:

@@ -23,8 +23,8 @@ struct Reason {
 inline constexpr double kLongStroke_s = 10;
 inline constexpr size_t kMaxReasons = 4, kMaxReasonValues = 8;
 
-// What was found, beside where the map gives full marks, and where it gives none if any were lost:
-// "at_most", "at_least", "within", "between" or "any".
+// The value found, with the values where the map gives full marks, and where it gives none if marks
+// were lost: "at_most", "at_least", "within", "between" or "any".
 Reason FoundReason(const MetricInfo& info, double value,
                    const std::vector<scene::RubricPoint>& map);
 // A critical criterion that was failed: "fails_above".
@@ -33,13 +33,16 @@ Reason FailsReason(const MetricInfo& info, double value, double limit);
 Reason MissingReason(NoValue why);
 // A force that the device could not render: "device_limit".
 Reason LimitReason(const MetricInfo& info, double value);
-// What every criterion keeps by a gate that took points: "keeps".
+// The share that every criterion keeps by a gate that took points: "keeps".
 Reason KeepsReason(double share);
-// What to do about it, by where the most was lost: "stop_earlier" with the first moment and the
-// stroke that took most, "stop_earlier_by" with the first moment and the one by which half was gone where
-// no stroke took half, or that one lasted longer than kLongStroke_s, either with "_here" where that is of the
-// worst place only (Deduction::here); or "cut_further" with what was left. `value`: of the metric; its sign says
-// which of the two where the metric has one. None where no place or moment is known.
+// Advice for the place where the most was lost:
+//  * "stop_earlier" with the first moment and the stroke that took most.
+//  * "stop_earlier_by" with the first moment and the moment by which half was gone, where no stroke
+//    took half, or that stroke lasted longer than kLongStroke_s.
+//  * Either with "_here" where it is of the worst place only (Deduction::here).
+//  * "cut_further" with the volume that was left.
+// `value`: of the metric; its sign chooses between too much and too little where the metric has
+// one. None where no place or moment is known.
 std::optional<Reason> Advice(const MetricInfo& info, double value,
                              const std::vector<Deduction>& deductions);
 

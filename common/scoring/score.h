@@ -34,7 +34,7 @@ struct CriterionResult {
   bool operator==(const CriterionResult&) const = default;
 };
 
-// What multiplied the points of every criterion.
+// A factor of every criterion's points.
 struct GateResult {
   std::string name;  // metric
   std::string title;
@@ -51,7 +51,7 @@ struct GateResult {
 // How scores are measured and computed. Only scores of one version compare: a change that may move
 // a score of the same recording, or change the words of a judgement, needs a new version.
 inline constexpr int32_t kScoringVersion = 1;
-// Of a hundred. Whoever lost less needs no comment and no advice.
+// Points of a hundred. A smaller loss gets no comment and no advice.
 inline constexpr double kWorthAdvice = 0.5;
 // A comment describes a fault. It is shown where this share of the criterion's points was lost, or
 // this many of a hundred.
@@ -67,7 +67,7 @@ struct ScoreResult {
   std::vector<MissingMetric> missing;  // those without a value here
   // Where and when the criteria lost points; by the caller (CostlyCriteria, FindDeductions, Advise).
   std::vector<Deduction> deductions;
-  // Where it lies among several references; filled by the caller (PlaceInEnvelope).
+  // The attempt's place among several references; filled by the caller (PlaceInEnvelope).
   std::optional<Envelope> envelope;
   std::string reference_attempt;  // UUID text
   int32_t rubric_version = 1;

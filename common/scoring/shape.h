@@ -6,10 +6,10 @@
 #include "common/scoring/deviation.h"
 #include "common/scoring/zones.h"
 
-// The shape of a cut against the reference's. What a statistic is taken over is fixed by the
-// reference, never by the attempt: the reference's cut surface, its walls and floor, its outline on
-// the tooth. So nothing that is cut or left elsewhere can dilute a figure.
-// Deterministic. Thread safety: functions, any thread.
+// The shape of a cut against the reference's. Statistics are taken over the reference's cut
+// surface, its walls and floor, and its outline on the tooth: the reference fixes them, never the
+// attempt. So nothing that is cut or left elsewhere can dilute a figure. Deterministic. Thread
+// safety: functions, any thread.
 namespace enamel::scoring {
 
 // One side of a comparison.
@@ -46,11 +46,11 @@ struct Facet {
 };
 
 // One wall or the floor. Heights d of the attempt's surface over the reference's are taken along
-// the reference wall's mean normal, + where the attempt goes deeper, at the reference's vertices,
-// and a plane d = a + b s + c t is fitted to them by least squares, weighted by area, between 15
-// and 90 % of the wall's height: below is the bur's radius, above the rim. s runs up the wall
-// (along +x on a floor), t along it. What lies more than four median residuals off the plane
-// belongs to another face or a gouge, and is left out of plane and waviness.
+// the reference wall's mean normal, + where the attempt goes deeper, at the reference's vertices. A
+// plane d = a + b s + c t is fitted to them by least squares, weighted by area, between 15 and 90 %
+// of the wall's height: below is the bur's radius, above the rim. s runs up the wall (along +x on a
+// floor), t along it. Heights more than four median residuals off the plane belong to another face
+// or a gouge; the plane leaves them out.
 struct WallFigures {
   bool in_task = false;  // the reference has 0.05 mm^2 and a tenth of the face
   bool begun = false;    // of 30 % of the area what stands before it is cut, or gone

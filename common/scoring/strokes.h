@@ -38,7 +38,7 @@ class StrokeRecorder {
   // Every tick, in order.
   void Add(const trace::Tick& tick, const core::TickOutput& output);
 
-  // The strokes so far, also the one that lasts.
+  // The strokes so far, including the current one.
   std::vector<Stroke> Strokes() const;
   bool in_contact() const { return open_; }        // after the last Add
   uint64_t contacts() const { return contacts_; }  // strokes and those without a cut

@@ -16,8 +16,8 @@ double Sum_m3(const TissueVolumes_m3& volumes);
 struct TaskVolumes {
   TissueVolumes_m3 task{};    // what the reference took
   TissueVolumes_m3 missed{};  // of it, what the attempt left
-  // Of that, what stands farther than kStanding_m from the reference's cut: a pillar, a septum, a lid, and no wall or
-  // floor that is short.
+  // The part of it that is farther than kStanding_m from the reference's cut: a pillar, a septum, a
+  // lid; not a wall or floor that is short.
   TissueVolumes_m3 standing{};
   TissueVolumes_m3 near{};     // what the attempt took beyond it, within `near_m` of its cut
   TissueVolumes_m3 outside{};  // and farther away

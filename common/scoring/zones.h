@@ -23,13 +23,13 @@ struct OpenBox {
 // the one before.
 struct ZoneBoxes {
   OpenBox target, leeway, container;
-  // Of a target that has parts, which the boxes then only hold; how far its leeway and container go
+  // For a target with parts, which the boxes only bound: how far its leeway and container extend
   // beyond it.
   std::optional<scene::Preparation> shape;
   scene::Growth leeway_growth, container_growth;
-  // Of a target that is a prepared tooth, around whose hollow the target's box lies. Leeway and
-  // container are teeth with the hollow grown by the leeway's side and the container, once GrowZones
-  // has made them.
+  // For a target that is a prepared tooth; the target's box is around its hollow. Leeway and
+  // container are teeth with the hollow grown by the leeway's side and the container, once
+  // GrowZones has made them.
   std::shared_ptr<const scene::PreparedTooth> prepared;
   std::shared_ptr<const cutting::Volume> leeway_gone, container_gone;
 };
@@ -37,8 +37,8 @@ struct ZoneBoxes {
 // prepared tooth that was not loaded (LoadPreparedTarget).
 Result<ZoneBoxes> BoxesOf(const scene::Scene& scene, const scene::CavityTarget& target);
 
-// What goes beyond the reference no farther than this is near its cut: the exercise's leeway, and no
-// less than what voxels can tell apart.
+// Removal beyond the reference counts as near up to this distance from its cut: the exercise's
+// leeway, and at least what voxels can resolve.
 double NearOf_m(const scene::CavityTarget& target, const cutting::GridSpec& grid);
 
 // Solid inside a box before, and how much of it went, m^3. Voxels that a box face and a surface
@@ -52,10 +52,10 @@ struct BoxVolume {
 BoxVolume MeasureBox(const cutting::Volume& initial, const cutting::Volume& final_volume,
                      const OpenBox& box);
 
-// The target, the target with its leeway, and that with its container: the boxes, or the shapes they
-// hold. Of a prepared tooth: what went of the solid that it lacks; needs GrowZones for the two around
-// it. At a shape's face a voxel counts by the share of it that lies inside a plane at the face's
-// distance, evenly filled, and what went of it went from the inside. Requires: equal grids.
+// The target, the target with its leeway, and that with its container: the boxes, or the shapes in
+// them. For a prepared tooth: the removed part of the solid that it lacks; leeway and container
+// need GrowZones. At a shape's face a voxel counts by the share of it inside a plane at the face's
+// distance, evenly filled, and removal counts from the inside. Requires: equal grids.
 enum class Zone { kTarget, kLeeway, kContainer };
 BoxVolume MeasureZone(const cutting::Volume& initial, const cutting::Volume& final_volume,
                       const ZoneBoxes& zones, Zone zone);

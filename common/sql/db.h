@@ -12,8 +12,8 @@
 #include "common/base/bytes.h"
 #include "common/base/result.h"
 
-// What SQL is asked through, whichever engine answers. A driver implements Db and Statement
-// (common/sqlite is one); who asks uses Query (common/sql/query.h) and sees no more of a Statement.
+// One interface to SQL for every engine. A driver implements Db and Statement (common/sqlite is
+// one). Callers use Query (common/sql/query.h), which hides Statement.
 namespace enamel::sql {
 
 // The type of a parameter or a column: in SQLite INTEGER, REAL, TEXT, BLOB; in PostgreSQL bigint,
@@ -35,7 +35,7 @@ class Statement {
 
   enum class Step { kRow, kEnd, kFailed };
   virtual Step Next() = 0;
-  // Of the last call that failed.
+  // The error of the last call that failed.
   virtual Status Failure() const = 0;
 
   // Known from the first Next on.
@@ -59,8 +59,8 @@ class Query;
 struct Change {
   std::string sql;
   std::function<void(Query&)> bind;
-  // How many rows it changed, once the transaction is kept. 0 also where nobody heard: the connection broke, and it
-  // was found out later that the transaction was kept.
+  // How many rows it changed, once the transaction is kept. Also 0 where the count was lost: the
+  // connection broke, and a later check found that the transaction was kept.
   int64_t rows = 0;
 
   Status Run(Db& db);
@@ -73,7 +73,7 @@ struct Migration {
   std::string sql;
 };
 
-// How a transaction meets others, where several may write at once.
+// How a transaction interacts with others, where several may write at once.
 enum class Isolation {
   // The outcome is that of all transactions run one after the other, or it ends with must_repeat().
   kSerial,
@@ -132,7 +132,8 @@ class Db {
   //    WITH a AS (UPDATE … RETURNING …) INSERT … SELECT … FROM a.
   virtual bool GoesOnWithChanges() const { return false; }
 
-  // That of the last migration that ran; 0: an empty database. Errors also: kVersion (of another program).
+  // The version of the last migration that ran; 0: an empty database. Errors also: kVersion (of
+  // another program).
   virtual Result<int> SchemaVersion() = 0;
   // Runs those that have not run yet, in one transaction: what fails leaves the database as it was.
   // Several processes may call it at once.
@@ -140,15 +141,15 @@ class Db {
   // The engine has found the database itself damaged since it was opened.
   virtual bool damaged() const = 0;
 
-  // What goes along with the connection to whoever is handed it; the connection does not look at
-  // it. Not owned; null at first.
+  // Travels with the connection to its next user; the connection does not use it. Not owned; null
+  // at first.
   struct Companion {
     virtual ~Companion() = default;
   };
   void SetCompanion(const Companion* companion) { companion_ = companion; }
   const Companion* companion() const { return companion_; }
 
-  // What every engine can and says in its own words.
+  // Features that every engine has, each in its own SQL.
   //
   // SQL for the text of a member of the JSON object in `column`.
   virtual std::string JsonMember(const std::string& column, const std::string& member) const = 0;
@@ -163,9 +164,9 @@ class Db {
   // The clock of the machine that the engine runs on, milliseconds since 1970; none: it is who asks's.
   virtual Result<std::optional<int64_t>> ClockMs() = 0;
   virtual Result<Standby> StandbyOf() = 0;
-  // How long from now on a statement waits for another process's write, where one keeps out all
-  // others. `worth_it` is asked while it waits, on the connection's thread: as long as it says true,
-  // the time does not count.
+  // How long from now on a statement waits for another process's write, where one writer keeps out
+  // all others. While it waits, it calls `worth_it` on the connection's thread: as long as that
+  // returns true, the time does not count.
   virtual void SetBusyWait(std::chrono::milliseconds, std::function<bool()> /*worth_it*/ = {}) {}
   // Waits for what `worth_it` says is worth it. Any thread.
   virtual bool waits() const { return false; }

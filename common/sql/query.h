@@ -33,7 +33,7 @@ class Query {
   Query& BindText(std::string_view value);
   Query& BindBlob(ByteView value);
   Query& BindNull(Type type);
-  // What `row` has in that column, of whatever type it is there.
+  // Binds the value that `row` has in that column, with its type.
   Query& BindSame(const Query& row, int column);
 
   // Steps to the next row; false at the end or on failure.
@@ -44,7 +44,7 @@ class Query {
 
   int columns() const { return statement_ == nullptr ? 0 : statement_->columns(); }
   std::string NameOf(int column) const { return statement_->NameOf(column); }
-  // By position; -1: there is none of that name.
+  // The column's position; -1: no column has that name.
   int ColumnNamed(std::string_view name) const;
 
   // Of the row. A missing column (-1) reads as NULL, and NULL as 0 or empty.

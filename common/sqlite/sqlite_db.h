@@ -20,7 +20,7 @@ namespace enamel::sql {
 
 class SqliteStatement;
 
-// Why SQLite refused, for whoever words it.
+// Why SQLite refused, for the code that words it.
 struct SqliteFailure {
   enum class Kind {
     kOther,
@@ -111,7 +111,7 @@ class SqliteDb final : public Db {
   // While `worth_it` returns true, up to kMostWait, a wait does not count.
   void SetBusyWait(std::chrono::milliseconds wait, std::function<bool()> worth_it = {}) override;
   bool waits() const override { return waits_; }
-  // What Rewrite is at ends with kInterrupted or kUnavailable: at once, but for the last step of
+  // A running Rewrite ends with kInterrupted or kUnavailable: at once, except in the last step of
   // VACUUM, which copies the new database into the log.
   void StopWaiting() override;
   // VACUUM, then EmptyLog, also where that failed.

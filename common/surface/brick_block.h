@@ -34,7 +34,7 @@ bool Gather(const cutting::Volume& volume, int brick, Block& block);
 // Over everything that shapes a gathered block's mesh: sides, and samples at corners of crossed
 // cells.
 uint64_t Fingerprint(const Block& block);
-// What stands for "no surface here" beside fingerprints.
+// The value for "no surface here" among fingerprints.
 inline constexpr uint64_t kNoSurface = 0;
 
 // The mesh of a gathered block, as ExtractBrick gives it.

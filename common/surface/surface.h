@@ -49,7 +49,7 @@ double EnclosedVolume_m3(const Mesh& mesh);
 class DistanceQuery {
  public:
   explicit DistanceQuery(const Mesh& mesh);
-  // Of the triangles whose bounding boxes meet the box alone.
+  // Of the triangles whose bounding boxes meet the box only.
   DistanceQuery(const Mesh& mesh, const dvec3& lo_m, const dvec3& hi_m);
   // Distance in metres to the nearest triangle, at most `limit_m`; `limit_m` for an empty mesh or a
   // point that is not finite. Exact. Time grows with the distance found, in cells.

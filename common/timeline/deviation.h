@@ -7,8 +7,8 @@
 #include "common/base/result.h"
 #include "common/cutting/volume.h"
 
-// How far the surface of a tooth lies from the reference's, cell by cell: format "ENTD", version 1
-// (schemas/surface_timeline.md). Bounded, deterministic with one version of the library that packs.
+// How far the surface of a tooth is from the reference's, cell by cell: format "ENTD", version 1
+// (schemas/surface_timeline.md). Bounded, deterministic with one version of the packing library.
 // Thread safety: functions, any thread.
 namespace enamel::timeline {
 
@@ -26,8 +26,8 @@ struct Deviation {
   std::vector<CellDeviation> cells;  // by brick, and within a brick as its samples are
 };
 
-// `cells`: in any order. One outside the grid is left out: the surface there is the border's. Of
-// those that name a cell twice the last counts.
+// `cells`: in any order. One outside the grid is left out: the surface there is the border's. If
+// several name one cell, the last counts.
 Bytes EncodeDeviation(const Deviation& deviation);
 // Errors: kVersion; kInvalidInput for everything that the document does not allow.
 Result<Deviation> DecodeDeviation(ByteView blob);

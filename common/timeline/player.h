@@ -10,8 +10,8 @@
 namespace enamel::timeline {
 
 // Reads a surface timeline: the tooth as it was after any frame. Memory and work are bounded by the
-// sizes of the two files (a packed byte gives at most 1032). What the page's reader
-// (web/src/api/timeline.ts) does, in C++. Thread safety: none. Not real-time.
+// sizes of the two files (a packed byte gives at most 1032). The same as the page's reader
+// (web/src/api/timeline.ts), in C++. Thread safety: none. Not real-time.
 class Player {
  public:
   // Both files whole; what they hold is copied. Errors: kVersion, kInvalidInput; kConflict when the
@@ -34,7 +34,7 @@ class Player {
 
  private:
   Player() = default;
-  // What a segment's changes are read from, frame by frame.
+  // The source of a segment's changes, frame by frame.
   struct Changes {
     Bytes raw;
     size_t head = 0, head_end = 0, mask = 0, mask_end = 0, value = 0;

@@ -26,7 +26,7 @@ constexpr int16_t PhiOf(int8_t q) { return static_cast<int16_t>((2 * q + 1) * 64
 
 Samples QuantiseBrick(const cutting::Volume& volume, int brick);
 
-// What a sample would be if the field were flat here, from those before it in the brick.
+// The value of a sample if the field were flat here, from the samples before it in the brick.
 int Predicted(const Samples& samples, size_t i);
 
 // 512 bytes: each sample less its prediction, modulo 256.

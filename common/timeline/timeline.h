@@ -9,9 +9,9 @@
 #include "common/base/sha256.h"
 #include "common/cutting/volume.h"
 
-// What a surface timeline says about itself: format "ENTT", version 1
-// (schemas/surface_timeline.md). How the tooth became what it is, in frames of equally many ticks,
-// beside the tooth before (start_tooth.h). Made by recorder.h, read by player.h.
+// The head of a surface timeline: format "ENTT", version 1 (schemas/surface_timeline.md). A
+// timeline holds the changes of a tooth in frames of equally many ticks; start_tooth.h holds the
+// tooth before. recorder.h writes it, player.h reads it.
 namespace enamel::timeline {
 
 // One frame's bur, and how long the frame took.
@@ -30,7 +30,7 @@ struct OutlinePoint {
   bool operator==(const OutlinePoint&) const = default;
 };
 
-// Where a part of the file lies that can be read by itself.
+// Where a part of the file is that can be read by itself.
 struct Segment {
   uint64_t offset = 0;                                       // from the start of the file
   uint32_t pose_bytes = 0, key_bytes = 0, change_bytes = 0;  // packed, one after the other
@@ -61,8 +61,8 @@ struct Head {
 };
 
 Bytes EncodeHead(const Head& head);
-// Of a file that begins with `bytes`. Bounded. Errors: kVersion; kInvalidInput for everything that
-// the document does not allow, also when the head is not all there.
+// The head of a file that begins with `bytes`. Bounded. Errors: kVersion; kInvalidInput for
+// everything that the document does not allow, also when the head is incomplete.
 Result<Head> DecodeHead(ByteView bytes);
 
 }  // namespace enamel::timeline

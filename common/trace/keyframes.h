@@ -18,7 +18,7 @@ namespace enamel::trace {
 inline constexpr size_t kMaxKeyframeBytes = size_t{64} << 20;
 inline constexpr size_t kMaxKeyframes = 4096;
 
-// Where a keyframe stands.
+// The place of a keyframe in its recording.
 struct KeyframePlace {
   uint64_t ticks = 0;  // stepped so far
   uint32_t chunks = 0;

@@ -33,11 +33,11 @@ struct Moment {
 };
 
 // Re-runs a recording up to a moment, from the last keyframe that leaves at least one whole chunk
-// before it to be compared, and adds keyframes on the way while the witness agrees. Keyframes that
-// do not lie on the chain, cannot be restored, or are followed by a disagreement are dropped from
-// `keyframes`, and the replay starts at tick 0. The chain is checked over the chunks that are not
-// re-run too. `make_core` gives a core with the header's parameters that has not stepped; it may be
-// called twice. Errors and `keep_going` as Replay (replay.h).
+// to compare, and adds keyframes on the way while the witness agrees. Keyframes that are not on the
+// chain, cannot be restored, or are followed by a disagreement are dropped from `keyframes`, and
+// the replay starts at tick 0. The chain is also checked over the chunks that are not re-run.
+// `make_core` gives a core with the header's parameters that has not stepped; it may be called
+// twice. Errors and `keep_going` as Replay (replay.h).
 Result<Moment> ReplayToMoment(const std::function<std::unique_ptr<core::Core>()>& make_core,
                               const Header& header, std::span<const Bytes> chunks,
                               const MomentOptions& options, Keyframes& keyframes,

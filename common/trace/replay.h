@@ -9,7 +9,7 @@
 
 namespace enamel::trace {
 
-// What re-running the core on a recording found.
+// The findings of a re-run of the core on a recording.
 struct ReplayReport {
   uint64_t ticks = 0;
   uint32_t chunks = 0;

@@ -9,8 +9,8 @@ namespace enamel::trace {
 
 using TickObserver = std::function<void(const Tick&, const core::TickOutput&)>;
 
-// One pass over a recording's chunks: chain, witness, state hashes. What Replay (replay.h) and
-// ReplayToMoment (moment.h) share.
+// One pass over a recording's chunks: chain, witness, state hashes. Replay (replay.h) and
+// ReplayToMoment (moment.h) share it.
 class ReplayRun {
  public:
   // `core` has the header's parameters. It has not stepped, or StartAt gives its state.
@@ -21,7 +21,7 @@ class ReplayRun {
   // Takes a chunk's place in the chain without re-running it. Errors: undecodable head, broken
   // chain.
   Status Skip(const Bytes& bytes);
-  // After Skip: the core was restored to where the chain stands now.
+  // After Skip: the core was restored to the chain's current place.
   void StartAt(uint64_t gap_ticks);
   // Re-runs a chunk, but no further than `until_tick` ticks in all. Errors: undecodable, broken
   // chain.

@@ -16,9 +16,9 @@
 #include "common/hands/hand.h"
 
 // Recordings: header, chain of chunks, seal. Normative text: schemas/trace_format.md.
-//   header -> chunk 0 -> chunk 1 -> … -> seal
-// Each chunk carries the SHA-256 of what stands before it (chunk 0: of the header, which contains
-// the server's ticket) and an Ed25519 signature of the station. Everything is little-endian.
+//    header -> chunk 0 -> chunk 1 -> … -> seal
+// Each chunk carries the SHA-256 of what precedes it (chunk 0: of the header, which contains the
+// server's ticket) and an Ed25519 signature of the station. Everything is little-endian.
 namespace enamel::trace {
 
 inline constexpr uint16_t kTraceVersion = 1;
@@ -31,8 +31,8 @@ using PublicKey = std::array<uint8_t, 32>;  // Ed25519
 using SecretKey = std::array<uint8_t, 64>;  // Ed25519, libsodium's form (seed, public key)
 using Signature = std::array<uint8_t, 64>;
 
-// Ed25519 over `domain` and then `content`. The domain says what kind of thing is signed, so that a
-// key that signs several never has one pass for another ("enamel.attempt-ticket.v1").
+// Ed25519 over `domain` and then `content`. The domain names the kind of message, so that a key
+// that signs several kinds never has one pass for another ("enamel.attempt-ticket.v1").
 Signature SignText(std::string_view domain, ByteView content, const SecretKey& key);
 bool VerifyText(std::string_view domain, ByteView content, const Signature& signature,
                 const PublicKey& key);
@@ -58,8 +58,7 @@ Result<Ticket> DecodeTicket(ByteView bytes);
 void SignTicket(Ticket& ticket, const SecretKey& server_key);
 bool VerifyTicket(const Ticket& ticket, const PublicKey& server_key);
 
-// What the core was started with. The server re-runs from this, the volume blob and the chunks
-// alone.
+// The core's start. The server re-runs from this, the volume blob and the chunks alone.
 struct Header {
   Ticket ticket;
   Sha256 scene;   // content address of the scene's JSON
@@ -85,7 +84,7 @@ struct Tick {
   bool operator==(const Tick&) const = default;
 };
 
-// What a chunk says about itself, readable without decoding its columns.
+// The head of a chunk, readable without decoding its columns.
 struct ChunkHead {
   Uuid attempt;
   uint32_t seq = 0;

@@ -24,8 +24,7 @@ struct BuiltinScene {
 std::span<const BuiltinScene> BuiltinScenes();
 std::vector<std::string> BuiltinSceneNames();
 
-// What a volume may take in memory with every brick stored; what BuildBuiltinScene allows unless
-// told otherwise.
+// The memory that a volume may take with every brick stored; BuildBuiltinScene's default limit.
 inline constexpr size_t kDefaultSceneBytes = size_t{2} << 30;
 
 // Errors: kNotFound with the names there are; kInvalidInput outside 5 to 500 um; kTooLarge with the

@@ -7,9 +7,9 @@
 // The floor that is left when a layer is taken off a tooth's surface with an upright bur.
 namespace enamel::scene {
 
-// Everything in the scene frame. A point stays when it lies deeper than the layer under every point
-// of the surface; of what lies above, that goes which the bur's end can reach from above with its
-// axis in the region.
+// Everything in the scene frame. A point stays when it is deeper than the layer under every point
+// of the surface. Above that, the points go that the bur's end can reach from above with its axis
+// in the region.
 struct Layer {
   // Height (m) of the surface over a point (m). Asked at whole lattice steps from the middle.
   std::function<double(double x_m, double y_m)> surface_m;

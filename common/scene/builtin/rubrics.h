@@ -7,8 +7,8 @@
 // The rubrics of the built-in exercises and their parts.
 namespace enamel::scene {
 
-// How far a side of a cavity may go beyond the line: what the text says, where the rubric's points
-// for it end, and the zone that the page and the window show.
+// How far a side of a cavity may go beyond the line. The exercise's text states it, the rubric's
+// points for the side end there, and page and window show it as a zone.
 inline constexpr int32_t kLeeway_um = 250;
 // And how far off it may be with full marks.
 inline constexpr int32_t kRight_um = 30;
@@ -21,7 +21,7 @@ RubricCriterion AtLeast(const char* metric, const char* title, const char* unit,
 RubricCriterion WallCriterion(const char* metric, const char* title, double points,
                               const char* comment);
 RubricCriterion PulpCriterion(double points);
-// Of the caries that the reference took, at least 99.5 % for full marks.
+// Full marks from 99.5 % of the caries that the reference took.
 RubricCriterion NoCariesCriterion(double points);
 RubricGate CariesGate();
 // Less than 0.5 mm of dentin is taken as too little to protect the pulp (schemas/score.md).
