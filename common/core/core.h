@@ -22,7 +22,7 @@
 // The deterministic core: quantised pose in; force, anchor, tooth and state hash out.
 namespace enamel::core {
 
-// What the device and its loop said about a tick. Recorded, so that replay sees the same.
+// The report of device and loop about a tick. Recorded, so that a replay gets the same.
 enum InputFlags : uint8_t {
   kBurOn = 1 << 0,        // pedal down: the bur turns
   kLateTick = 1 << 1,     // this tick ran late (recorded; the maths does not read the clock)
@@ -46,7 +46,7 @@ struct TickInput {
   bool operator==(const TickInput&) const = default;
 };
 
-// What the core computed, at the resolution it is recorded with: the witness of a tick.
+// The core's output at the resolution of the recording: the witness of a tick.
 struct TickWitness {
   std::array<int32_t, 3> force_sent_100un{};      // on the operator, 0.1 mN
   std::array<int32_t, 3> force_computed_100un{};  // before the bounds
@@ -194,7 +194,7 @@ class Core {
   haptics::Turning turning_;
   Handpiece handpiece_;
   haptics::TouchCues cues_;
-  // What the material was asked for in this tick, for the cues: B is the touched tissue's own.
+  // The material's answers in this tick, for the cues: B is the touched tissue's own.
   struct Touched {
     bool read = false, engaged = false;
     double b_n_s_per_m = 0;

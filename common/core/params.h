@@ -15,8 +15,8 @@ namespace enamel::core {
 // only stations of its own core version begin an attempt.
 inline constexpr uint32_t kCoreVersion = 1;
 
-// What rounding an orientation to four 16-bit numbers alone costs: |dq| <= 1/32767, and an angle is
-// twice that.
+// The error of rounding an orientation to four 16-bit numbers alone: |dq| <= 1/32767, and an angle
+// is twice that.
 inline constexpr int32_t kLeastRotationCell_urad = 62;
 
 // Everything the core's result depends on besides the initial volume and the recorded inputs.
@@ -48,7 +48,7 @@ struct CoreParams {
   // Rotational coupling: stiffness about each axis, uN m per rad. 0: orientation is not followed at
   // all, the bur keeps the one it was switched on with.
   int32_t rotational_kc_un_m_per_rad = 0;
-  // Handpiece (handpiece.h). Torque at which the bur stands still; 0: its speed does not fall.
+  // Handpiece (handpiece.h). Torque that stalls the bur; 0: its speed does not fall.
   int32_t handpiece_stall_un_m = 0;
   int32_t handpiece_tangential_permille =
       0;  // tangential force at the bur's radius per resisting force

@@ -68,7 +68,7 @@ struct Bur {
 
 inline constexpr double kShankLength_m = 6e-3;  // as much of it as can reach a tooth
 
-// What is wrong with a bur's proportions, or nothing: "a pear's length at least twice its radius".
+// The error in a bur's proportions, if any: "a pear's length at least twice its radius".
 std::optional<std::string_view> WhyImpossible(const Bur& bur) noexcept;
 
 // Where the bur is. Real-time: safe.
@@ -77,8 +77,7 @@ struct Pose {
   Quat orientation;  // scene_from_bur
 };
 
-// Sample of the bur's surface for engagement: where, outward normal, and how much area it stands
-// for.
+// Sample of the bur's surface for engagement: position, outward normal, and the area it represents.
 struct SurfacePoint {
   dvec3 position_m;  // bur frame
   dvec3 normal;

@@ -12,7 +12,7 @@
 
 namespace enamel::cutting {
 
-// What the bur's surface touches, for travel along one direction.
+// The tissue that the bur's surface touches, for travel along one direction.
 struct Engagement {
   Sym3 damping_n_s_per_m;  // sum over tissues of beta_t * integral of n n^T dA; cutting part only
   dvec3 mean_normal{0};    // area-weighted outward normal of the engaged surface, unit or 0
@@ -25,7 +25,7 @@ struct Engagement {
 struct RotationalEngagement {
   Sym3 damping_n_m_s;
   bool shank = false;  // the turn brings the shank into solid
-  // Of the surface that the turn brings into solid, weighted, m^2; of it, the shank's.
+  // Weighted area of the surface that the turn brings into solid, m^2, and the shank's part of it.
   double area_m2 = 0, shank_area_m2 = 0;
 };
 

@@ -14,13 +14,13 @@ namespace enamel::cutting {
 // Real-time: safe.
 double Motion(const Pose& a, const Pose& b, double reach_m) noexcept;
 
-// Which poses of a path have to be cut, so that the hole is that of all of them: a pose between two
-// that are cut adds at most the ridge between them (cutter.h), (span/2)^2 / 8r, when it lies on the
-// straight way from one to the other. Poses are therefore passed over as long as every one since
-// the last cut is within the tolerance of the straight way to the newest, which is at most a span
-// away. Where the path turns, its corner is cut before the bur leaves it; what is passed over is
-// cut when the bur has stayed kPatience moves, or on Flush. So the hole lags behind a moving bur by
-// up to a span, and never lacks more than the tolerance.
+// Which poses of a path have to be cut, so that the hole is that of all of them. A pose between two
+// that are cut adds at most the ridge between them (cutter.h), (span/2)^2 / 8r, when it is on the
+// straight way from one to the other. Poses are therefore skipped as long as every one since the
+// last cut is within the tolerance of the straight way to the newest, which is at most a span away.
+// Where the path turns, its corner is cut before the bur leaves it. Skipped poses are cut when the
+// bur has stayed kPatience moves, or on Flush. So the hole lags behind a moving bur by up to a
+// span, and never lacks more than the tolerance.
 //
 // Tolerance: 1/32 voxel. Span: SpanOf; for r = 0.25 mm its ridge is 0.3 um at h <= 0.05 mm, below 2
 // % of a voxel. At h = 0.05 mm or less, 5 mm/s and 1 kHz every fifth tick cuts, at 0.5 mm/s one of
@@ -43,7 +43,7 @@ class Sweep {
   // The bur is at `to`, at most half a voxel from where it was. The poses to be cut now, in order,
   // at most kMaxDue; one as a rule. Valid until the next call.
   ENAMEL_REALTIME std::span<const Pose> Move(const Pose& to) noexcept;
-  // What was passed over and is not within the tolerance of the last cut.
+  // The skipped poses that are not within the tolerance of the last cut.
   ENAMEL_REALTIME std::span<const Pose> Flush() noexcept;
   // Starts again: the next pose is cut. Drops the waiting poses: Flush first.
   void Clear() noexcept;

@@ -33,7 +33,7 @@ namespace enamel::fidelity {
 // (Perception & Psychophysics 49:531), 5 to 10 %.
 inline constexpr double kForceShare = 0.07;
 // Viscosity: Jones, Hunter and Lafontaine 1997 (Perception 26:1571), 19 % between 4 and 512 N s/m.
-// Tooth tissue lies up to 22 times above that range; taken to hold there as well.
+// Tooth tissue is up to 22 times above that range; the figure is taken to hold there as well.
 inline constexpr double kViscosityShare = 0.19;
 // Delay of a damper's force: Rank, Shi, Mueller and Hirche 2010 (EuroHaptics, LNCS 6191), noticed
 // from 15 ms.
@@ -70,7 +70,7 @@ struct AttachedDevice {
   scene::DelayUsed delay;
 };
 Result<AttachedDevice> Attached(const scene::DeviceProfile& profile);
-// The profile's numbers as they stand: a simulated device. Errors as above.
+// With the profile's unchanged numbers: a simulated device. Errors as above.
 Result<Device> AsItStands(const scene::DeviceProfile& profile);
 
 // False for the built-in profile of what has no motors ("pointer"): its force is shown, not felt.
@@ -82,7 +82,7 @@ struct Tissue {
   double coulomb_n = 0, threshold_n = 0;
 };
 Tissue TissueOf(const scene::TissueSpec& spec);
-// What is right at a speed along the motion, N.
+// The right force at a speed along the motion, N.
 double RightForce_n(const Tissue& tissue, double speed_m_per_s);
 
 enum class Motion : uint8_t {
@@ -91,7 +91,7 @@ enum class Motion : uint8_t {
 };
 inline constexpr Motion kMotions[] = {Motion::kSteady, Motion::kStrokes};
 
-// How close a force came to what is right. Shares are of what is right.
+// How close a force came to the right one. Shares are of the right force.
 struct Figures {
   // Steady: mean of |F - right| after the rise, over at most the last 40 % of the cut. Strokes: RMS
   // over RMS, of the last two strokes to and two fro.
@@ -132,7 +132,7 @@ struct Cell {
 
 // Within 7 % and 15 ms: the delay is the rise of a steady cut and the lag of strokes.
 bool Holds(Motion motion, const Figures& figures);
-// What follows from a cell's figures, `verdict` aside.
+// The verdict on a cell's figures; ignores its `verdict`.
 Verdict VerdictOf(const Device& device, const Cell& cell);
 
 // One cell, its verdict included. Requires: the device's numbers above 0, a B above 0, a speed

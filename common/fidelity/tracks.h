@@ -2,8 +2,8 @@
 
 #include "common/math/vec.h"
 
-// What the human-motion suite of `enamel-lab qualify` and the map of feel.h have in common: how
-// a hand strokes, what an encoder makes of it, and the track that force is measured against. SI
+// The shared parts of the human-motion suite of `enamel-lab qualify` and the map of feel.h: how a
+// hand strokes, what an encoder makes of it, and the track that force is measured against. SI
 // units. Thread safety: pure functions, any thread. Real-time: safe.
 namespace enamel::fidelity {
 

@@ -29,10 +29,10 @@ enum class LawKind : uint8_t {
       9,  // gated Maxwell that may also lengthen its spring, paid for by an energy tank (default)
 };
 
-// What new exercises, suites and benchmarks use unless they say otherwise.
+// The default law of new exercises, suites and benchmarks.
 inline constexpr LawKind kDefaultLaw = LawKind::kTankMaxwell;
 
-// What every law of one device is built from. SI units.
+// The parameters of every law of one device. SI units.
 struct LawParams {
   LawKind kind = LawKind::kMaxwell;
   double kc_n_per_m = 0;  // stiffness the renderer may use, <= the device's passive limit

@@ -41,8 +41,9 @@ struct CueAccountParams {
   int delay_ticks = 0;   // whole ticks from reading to force, at most
 };
 
-// What cues may cost. Once per tick, with the tip just read and the cue that is wanted: gives the
-// share of it that is paid for in the worst case, and books what the last tick may have cost.
+// Bounds the energy of cues. Once per tick, with the tip just read and the cue wanted: returns the
+// share of the cue that the account can pay in the worst case, and books what the last tick may
+// have cost.
 class CueAccount {
  public:
   static constexpr double kFastest_m_per_s2 = 100;

@@ -27,11 +27,11 @@ dvec3 ChordOfTurn(const Quat& to, const Quat& from) noexcept;
 // Turned on by `turn`, small: really by 2 atan(|turn|/2), which is never more than |turn|.
 Quat TurnedBy(const dvec3& turn_rad, const Quat& from) noexcept;
 
-// What resists a turn of the bur about its tip.
+// The resistance to a turn of the bur about its tip.
 struct TurnContact {
   // Of what the turn brings the bur into, N m s. Zero: nothing is ahead. A wall: very large.
   Sym3 damping_n_m_s;
-  // So far the bur may turn before it has to look again. 0: not known.
+  // The bur may turn by this before contact must be read again. 0: not known.
   double clear_rad = 0;
 };
 

@@ -29,9 +29,9 @@ class BandSampler {
   std::vector<uint32_t> near_;
 };
 
-// Which samples of a brick are inside, given each one's distance to the surface: two samples lie on
-// one side when no surface fits between them (the sum of their distances exceeds their own), and
-// `inside` is asked once for each group that hangs together so.
+// Which samples of a brick are inside, given each one's distance to the surface. Two samples are on
+// one side when no surface fits between them (the sum of their distances exceeds their own).
+// `inside` is called once for each group that is connected in this way.
 template <typename Inside>
 void SidesOf(const dvec3& corner, double h, const BandSampler::Samples& distance,
              const Inside& inside, std::array<bool, cutting::kBrickVoxels>& out) {

@@ -40,16 +40,15 @@ struct ImportedScene {
   scene::Scene scene;  // volume hash filled in
   cutting::Volume volume;
   std::vector<std::string> report;  // for people: what was found, repaired, assumed
-  // Of the closed mesh, by the divergence theorem; what parts share counts twice. 0 with one
-  // surface per tissue.
+  // Volume of the closed mesh, by the divergence theorem; solid that parts share counts twice. 0
+  // with one surface per tissue.
   double mesh_volume_mm3 = 0;
 };
 
-// Where surfaces come from. `file`: one file of everything; may be empty when all tissues name
+// The sources of the surfaces. `file`: one file of everything; may be empty when all tissues name
 // files; where tissues name other files only, it is the enamel. Each tissue: FILE, FILE#PART, or a
-// PART of `file`; empty where there is none. A part is an
-// OBJ object, group or material, or an STL solid, by its name in capitals or small letters, or a
-// piece of the name that only one has.
+// PART of `file`; empty where there is none. A part is an OBJ object, group or material, or an STL
+// solid, by its name in capitals or small letters, or by a piece of the name that only one has.
 struct ImportSources {
   std::filesystem::path file;
   std::array<std::string, kLayers> tissues;  // by Layer

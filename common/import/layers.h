@@ -60,8 +60,8 @@ dvec3 RiseOf(const LayerSolids& layers);
 // Thread safety: const after construction.
 class LayeredTooth {
  public:
-  // Errors: kInvalidInput when two surfaces that lie side by side do not meet, or more than 2 % of
-  // where they meet gapes or crosses by more than the bridge; the message gives the figure.
+  // Errors: kInvalidInput when two surfaces that should be side by side do not meet, or more than 2
+  // % of where they meet gapes or crosses by more than the bridge; the message gives the figure.
   static Result<LayeredTooth> Make(LayerSolids layers, const LayerOptions& options);
 
   // Signed distances to each tissue's own surface, cut off at +-reach; +reach where there is none.
@@ -88,7 +88,7 @@ class LayeredTooth {
   const std::vector<std::string>& report() const { return report_; }
 
  private:
-  // Where surfaces lie face to face: gaps positive, crossings negative.
+  // Where surfaces are face to face: gaps positive, crossings negative.
   struct Meeting {
     double own_mm2 = 0, area_mm2 = 0, beyond_mm2 = 0, gap_mm = 0, crossing_mm = 0;
   };

@@ -30,9 +30,9 @@ struct Facing {
 
 // Errors: kInvalidInput, field "up" or "buccal".
 Result<PlacedSolid> Place(mesh::Solid solid, const Facing& facing);
-// The same for surfaces per tissue, where "auto" for `up` goes from the middle of the dentin to
-// that of the enamel (to the file's axis where one is within 30 degrees), and by hollows where
-// these coincide. The crown is the enamel, or all where there is none.
+// The same for surfaces per tissue. "auto" for `up` goes from the middle of the dentin to that of
+// the enamel (to the file's axis where one is within 30 degrees), or by hollows where these middles
+// coincide. The crown is the enamel, or everything where there is none.
 Result<PlacedLayers> Place(LayerSolids layers, const Facing& facing);
 
 }  // namespace enamel::import

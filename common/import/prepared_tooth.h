@@ -13,13 +13,13 @@ namespace enamel::import {
 
 struct PreparedOptions {
   std::string unit = "mm";  // of the scan's coordinates
-  // The scan lies nearly right already, within 0.5 mm and 5 degrees: for blocks and other shapes that
-  // fit themselves in several ways.
+  // The scan is already placed within 0.5 mm and 5 degrees: for blocks and other shapes that fit
+  // themselves in several ways.
   bool placed = false;
 };
 
-// What is asked of a fit. A scanner errs by 0.02 mm, and a model by as much; surfaces that have
-// nothing to do with each other but cross within kAgree_mm have an RMS of 0.087 mm.
+// The limits of a fit. A scanner errs by 0.02 mm, and a model by as much; unrelated surfaces that
+// cross within kAgree_mm have an RMS of 0.087 mm.
 inline constexpr double kMostRms_mm = 0.07, kMostP95_mm = 0.14;
 inline constexpr double kMostOutside = 0.05, kLeastAgree = 0.15;
 
@@ -38,12 +38,13 @@ mesh::Triangles ToothSurface_mm(const cutting::Volume& tooth);
 // with the figures that are too bad; where two poses are equally good; where nothing agrees.
 Status CheckFit(const std::vector<mesh::Fit>& fits);
 
-// The scan, closed where it is open, on `tooth`. Of the tooth goes what lies outside of the scan: near
-// the prepared surface, where that lies deeper than the fit's own error. Elsewhere the tooth stays as
-// it was, so that a scanner's noise takes nothing. Beyond the edge of a scan (a root that it does not
-// have) nothing goes.
-// Errors: kInvalidInput when the scan is no solid, of no tooth's size, does not fit (CheckFit; said
-// so where its mirror image would), has no preparation, or one that a hole or the scan's edge crosses.
+// Lays the scan, closed where it is open, on `tooth`, and takes off the part of the tooth outside
+// the scan: near the prepared surface, where that is deeper than the fit's own error. Elsewhere the
+// tooth is unchanged, so that a scanner's noise takes nothing. Nothing is taken outside the edge of
+// a scan (a root that it does not have).
+// Errors: kInvalidInput when the scan is no solid, is not of a tooth's size, does not fit
+// (CheckFit; the message mentions a mirror image that would), has no preparation, or one that a
+// hole or the scan's edge crosses.
 Result<PreparedTooth> TakePrepared(const scene::Scene& scene, const cutting::Volume& tooth,
                                    const mesh::Triangles& scan, const std::string& source,
                                    const PreparedOptions& options = {});

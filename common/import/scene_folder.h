@@ -24,8 +24,8 @@ Result<SceneFolder> LoadSceneFolder(const std::filesystem::path& folder);
 
 inline constexpr std::string_view kBuiltin = "builtin:";
 
-// What a command line names: "builtin:NAME", made with this voxel in at most `max_bytes`, or such a
-// folder. Errors: the same, and the builder's.
+// The scene that a command line names: "builtin:NAME", made with this voxel in at most `max_bytes`,
+// or such a folder. Errors: the same, and the builder's.
 Result<scene::BuiltScene> LoadScene(std::string_view source, int32_t voxel_nm,
                                     size_t max_bytes = scene::kDefaultSceneBytes);
 

@@ -9,7 +9,7 @@
 
 namespace enamel::import {
 
-// What ImportSources name, read from their files.
+// The files that ImportSources names, read.
 struct ReadSources {
   // Either the whole of one file, or surfaces by tissue.
   std::optional<mesh::Triangles> whole;

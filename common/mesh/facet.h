@@ -17,7 +17,7 @@ struct Facet {
   }
   dvec3 Middle() const { return (a + b + c) / 3.0; }
   dvec3 AreaNormal() const { return 0.5 * glm::cross(b - a, c - a); }
-  // Of the smallest sphere around its middle.
+  // Radius of the smallest sphere around its middle.
   double Radius() const {
     const dvec3 m = Middle();
     return std::sqrt(std::max({Dot(a - m, a - m), Dot(b - m, b - m), Dot(c - m, c - m)}));

@@ -41,11 +41,11 @@ struct Solid {
   MeshReport report;
 };
 
-// Makes a closed, outward mesh of triangles in millimetres, or says why it cannot be one: vertices
-// nearer than a micrometre are welded, faces turned to agree, holes closed by flat fans.
-// Parts that overlap or lie within each other become one solid, and so does a surface that crosses
-// itself: what it surrounds at least once, whichever way around, is inside.
-// Time: n log n for n triangles, and more for those that cross others (solid_boundary.h).
+// Makes a closed, outward mesh of triangles in millimetres, or reports why it cannot be one. It
+// welds vertices nearer than a micrometre, turns faces to agree and closes holes by flat fans.
+// Parts that overlap or are nested become one solid, and so does a surface that crosses itself:
+// everything it surrounds at least once, whichever way around, is inside. Time: n log n for n
+// triangles, and more for those that cross others (solid_boundary.h).
 Result<Solid> MakeSolid(const Triangles& mesh_mm, const RepairOptions& options = {});
 
 // The report for people, one line each.

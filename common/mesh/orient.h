@@ -21,14 +21,14 @@ struct Stance {
 // "+x", "-x", ... as typed by a person. Errors: kInvalidInput.
 Result<dvec3> ParseAxis(std::string_view text);
 
-// Finds the occlusal direction. The evidence is hollows: how deep the surface lies within its
-// convex hull, and which way those places face. Fossae face occlusally, a front tooth's lingual
-// hollow about half-way; the gum patch and the labial face of a front tooth are equally smooth, so
-// smoothness alone does not tell them apart. `up` is a file axis, since a gum line's plane leans up
-// to 40 degrees against the long axis; y is favoured by 0.3 of the whole evidence. Only where a
-// smooth patch lies right across from the hollows and more than 28 degrees from every axis is its
-// own direction taken: the crown stands askew. Without hollows (spheres) the rougher end of y is
-// up. `certain` from a margin of 0.2. Requires: a closed mesh oriented outward, millimetres.
+// Finds the occlusal direction. The evidence is hollows: how deep the surface is within its convex
+// hull, and which way those places face. Fossae face occlusally, a front tooth's lingual hollow
+// about half-way. Smoothness alone does not suffice: the gum patch and the labial face of a front
+// tooth are equally smooth. `up` is a file axis, since a gum line's plane leans up to 40 degrees
+// against the long axis; y is favoured by 0.3 of the whole evidence. The patch's own direction is
+// taken only where a smooth patch is right across from the hollows and more than 28 degrees from
+// every axis: the crown is then askew in its file. Without hollows (spheres) the rougher end of y
+// is up. `certain` from a margin of 0.2. Requires: a closed mesh oriented outward, millimetres.
 Stance FindStance(const Triangles& mesh);
 // With the up axis given: searches for the gum patch only.
 Stance StanceWithUp(const Triangles& mesh, const dvec3& up);

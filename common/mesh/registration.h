@@ -32,7 +32,7 @@ std::vector<SurfacePoint> SpreadOver(const Triangles& mesh, size_t count);
 // Surfaces nearer than this agree: a scanner's error and a model's, and much less than a cut.
 inline constexpr double kAgree_mm = 0.15;
 
-// How a surface lies on a closed one. Shares are of the moved surface's area.
+// How well a surface fits a closed one. Shares are of the moved surface's area.
 struct Fit {
   Rigid fixed_from_moving;
   double agree_share = 0;    // within kAgree_mm, facing the same way
@@ -44,13 +44,13 @@ struct Fit {
   std::vector<double> distance_mm;  // signed, + outside, of points of equal area; within 2 mm
 };
 
-// The poses in which `moving` lies best on the closed mesh `fixed`, best first, at most six that
+// The poses in which `moving` fits the closed mesh `fixed` best, best first, at most six that
 // differ by over half a millimetre somewhere; none where nothing agrees.
 //
 // 600 even turns (Alexa, CVPR 2022: super-Fibonacci spirals) in seven places each are improved by
-// Gauss-Newton steps on a grid of signed distances, then the best on the surface itself. What lies
-// deep inside has no weight (Tukey's biweight), as it was cut; what lies outside keeps Huber's, as
-// nothing grows on a tooth. So neither the cut nor a missing root pulls the pose.
+// Gauss-Newton steps on a grid of signed distances, then the best on the surface itself. Points
+// deep inside have no weight (Tukey's biweight), because they were cut. Points outside keep Huber's
+// weight, because nothing grows on a tooth. So neither the cut nor a missing root pulls the pose.
 // Point-to-plane steps: Chen and Medioni, Image and Vision Computing 10(3), 1992.
 std::vector<Fit> FitOnto(const Triangles& fixed, const Triangles& moving);
 // From one pose that is nearly right: within some 0.5 mm and 5 degrees.

@@ -34,9 +34,9 @@ inline constexpr size_t kMaxMeshFile = size_t{256} << 20;
 
 inline constexpr size_t kMaxParts = 1000, kMaxPartName = 100;
 
-// What the import child writes: "ENTR", u32 vertices, u32 triangles, u32 parts, f32 x 3 per vertex,
-// u32 x 3 per triangle; per part u32 first, u32 count, and twice u8 length and text. Little-endian.
-// Lives only on a pipe between two programs of one build.
+// The format in which the import child writes a mesh: "ENTR", u32 vertices, u32 triangles, u32
+// parts, f32 x 3 per vertex, u32 x 3 per triangle; per part u32 first, u32 count, and twice u8
+// length and text. Little-endian. Lives only on a pipe between two programs of one build.
 Bytes EncodeMesh(const NamedMesh& mesh);
 // Bounded; refuses indices out of range and coordinates that are not finite.
 Result<NamedMesh> DecodeMesh(ByteView bytes);

@@ -11,10 +11,10 @@ struct Box {
   dvec3 size() const { return hi - lo; }
   double extent() const { return glm::max(size().x, glm::max(size().y, size().z)); }
 };
-// Of what the triangles use. Requires: at least one.
+// The box of the vertices that the triangles use. Requires: at least one.
 Box BoxOf(const Triangles& mesh);
 
-// How many millimetres one of mm, um, cm, m, inch is. Errors: kInvalidInput, field "unit".
+// Millimetres in one mm, um, cm, m, inch. Errors: kInvalidInput, field "unit".
 Result<double> UnitInMm(const std::string& name);
 
 // Is this a tooth, of 3 to 40 mm, whose coordinates a mesh file carries finely enough? Files keep
