@@ -41,8 +41,8 @@ struct CsvTable {
 CsvTable ReadCsv(std::string_view text, const CsvLimits& limits = {});
 
 // One line with its end, CR LF. A cell that a spreadsheet would compute, because it begins with
-// = + - @, tab or CR, gets an apostrophe in front (OWASP, "CSV Injection"); a number, -0.5, is one and
-// stays one.
+// = + - @, tab or CR, gets an apostrophe in front (OWASP, "CSV Injection"). A number such as -0.5
+// stays a number.
 std::string CsvLine(std::initializer_list<std::string_view> cells);
 
 }  // namespace enamel

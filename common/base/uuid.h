@@ -24,9 +24,9 @@ struct Uuid {
   std::string Text() const;
   static Result<Uuid> Parse(std::string_view text);
   static Uuid FromBytes(ByteView view);  // Requires: view.size() == 16.
-  // Fresh, from the operating system's random source. Ids one process makes within a millisecond keep
-  // their order (a 12-bit counter, RFC 9562 section 6.2 method 1), so sorting by id tells what came
-  // first. Thread safety: any thread.
+  // Fresh, from the operating system's random source. Ids one process makes within a millisecond
+  // keep their order (a 12-bit counter, RFC 9562 section 6.2 method 1), so sorting by id tells what
+  // came first. Thread safety: any thread.
   static Uuid New(std::chrono::system_clock::time_point now = WallClock());
 };
 

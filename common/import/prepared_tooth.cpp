@@ -125,8 +125,8 @@ class PreparedPlaces {
   double deep_points_ = 0;    // each for a quarter of a cell's face
 };
 
-// Length of the scan's edges and holes that lies deep in the tooth: where the preparation is, and not
-// where the scan ends on the tooth's surface.
+// Length of the scan's edges and holes that lies deep in the tooth: where the preparation is, and
+// not where the scan ends on the tooth's surface.
 double EdgeInPreparation_mm(const Scan& scan, const cutting::Volume& tooth, double deep_mm) {
   auto deep = [&](const dvec3& p) { return tooth.DistanceAt_m(p * 1e-3) < -1e-3 * deep_mm; };
   double out = 0;

@@ -34,8 +34,9 @@ struct PreparedTooth {
 // The outer surface of a scene's tooth, without neighbours, millimetres.
 mesh::Triangles ToothSurface_mm(const cutting::Volume& tooth);
 
-// Whether a fit is good enough to take a target from. `fits`: mesh::FitOnto's. Errors: kInvalidInput
-// with the figures that are too bad; where two poses are equally good; where nothing agrees.
+// Whether a fit is good enough to take a target from. `fits`: mesh::FitOnto's. Errors:
+// kInvalidInput with the figures that are too bad; where two poses are equally good; where nothing
+// agrees.
 Status CheckFit(const std::vector<mesh::Fit>& fits);
 
 // Lays the scan, closed where it is open, on `tooth`, and takes off the part of the tooth outside

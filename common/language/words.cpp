@@ -20,7 +20,8 @@ struct Spoken {
   const char* locale;
   char point;  // between a number and its decimals
 };
-// In the order of Language. Digits are not grouped: nothing here reaches ten thousand but counts of parts.
+// In the order of Language. Digits are not grouped: nothing here reaches ten thousand but counts of
+// parts.
 constexpr std::array<Spoken, kLanguages.size()> kSpoken = {
     Spoken{"en", "English", "en", '.'},
     Spoken{"de", "Deutsch", "de", ','},
@@ -36,7 +37,8 @@ std::vector<Message> Read(Language language) {
   std::vector<Message> out;
   for (const Catalogue& file : Catalogues()) {
     if (file.language != CodeOf(language)) continue;
-    // Part of the program, not from outside: a file that is no catalogue fails every test here, and the first use.
+    // Part of the program, not from outside: a file that is no catalogue fails every test here, and
+    // the first use.
     const boost::json::value document = boost::json::parse(file.text);
     for (const auto& [key, pattern] : document.at("messages").as_object()) {
       out.push_back({std::string(key), std::string(pattern.as_string())});

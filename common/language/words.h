@@ -34,8 +34,8 @@ struct Value {
   std::variant<int64_t, std::string> value;
 };
 
-// The messages of one language. Thread safety: an object belongs to one thread at a time. Not for the haptic loop: the
-// first use of a message parses it.
+// The messages of one language. Thread safety: an object belongs to one thread at a time. Not for
+// the haptic loop: the first use of a message parses it.
 class Words {
  public:
   explicit Words(Language language);

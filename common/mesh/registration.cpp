@@ -83,9 +83,9 @@ class DistanceGrid {
   std::vector<float> values_;  // (z, y, x), x fastest
 };
 
-// The same from the triangles. The side is that of the nearest triangle, which a winding number would
-// tell at its sharp edges too, at forty times the cost; what an edge misjudges is a few points of a
-// thousand.
+// The same from the triangles. The side is that of the nearest triangle, which a winding number
+// would tell at its sharp edges too, at forty times the cost; what an edge misjudges is a few
+// points of a thousand.
 class SurfaceDistance {
  public:
   explicit SurfaceDistance(const TriangleTree& tree) : tree_(&tree) {}

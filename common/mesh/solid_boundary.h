@@ -19,9 +19,9 @@ struct SolidBoundary {
 // between such lines is judged by one of its triangles; triangles on a line are halved down to
 // `finest_mm` (coarser where that would be over a million pieces) and judged piece by piece. Parts
 // that nothing crosses are judged whole. Errors: kInvalidInput when triangles overlap everywhere (a
-// soup: on average more than 40 crossings or 400 overlapping boxes each; or more than half of over 2000
-// triangles cross others). Requires: closed parts,
-// no triangle that names a vertex twice; `tree` holds the same mesh, millimetres.
+// soup: on average more than 40 crossings or 400 overlapping boxes each; or more than half of over
+// 2000 triangles cross others). Requires: closed parts, no triangle that names a vertex twice;
+// `tree` holds the same mesh, millimetres.
 Result<SolidBoundary> BoundaryOf(const Triangles& mesh, const TriangleTree& tree,
                                  double finest_mm = 0.01);
 

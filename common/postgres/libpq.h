@@ -30,7 +30,8 @@ struct Libpq {
   decltype(&PQgetvalue) getvalue;
   decltype(&PQgetlength) getlength;
   decltype(&PQcmdTuples) cmd_tuples;
-  // Several statements before the first answer (https://www.postgresql.org/docs/15/libpq-pipeline-mode.html).
+  // Several statements before the first answer
+  // (https://www.postgresql.org/docs/15/libpq-pipeline-mode.html).
   decltype(&PQenterPipelineMode) enter_pipeline_mode;
   decltype(&PQexitPipelineMode) exit_pipeline_mode;
   decltype(&PQpipelineSync) pipeline_sync;
@@ -39,7 +40,8 @@ struct Libpq {
   decltype(&PQgetResult) get_result;
 };
 
-// Once; the same for everybody. Errors: kUnavailable (not installed, or too old). Thread safety: any.
+// Once; the same for everybody. Errors: kUnavailable (not installed, or too old). Thread safety:
+// any.
 Result<const Libpq*> LoadLibpq();
 
 }  // namespace enamel::sql

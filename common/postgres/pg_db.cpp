@@ -115,7 +115,8 @@ Status PgDb::Connect() {
   if (handle_ == nullptr) {
     // What stands before dbname is a default, which the server's own words replace; what stands
     // after it is not. A host that does not answer is found within seconds, not when TCP gives up.
-    // Who only reads does so at the primary too: a standby may not have yet what was just committed.
+    // Who only reads does so at the primary too: a standby may not have yet what was just
+    // committed.
     const char* const names[] = {
         "connect_timeout", "tcp_user_timeout", "keepalives_idle",           "target_session_attrs",
         "dbname",          "client_encoding",  "fallback_application_name", nullptr};
@@ -159,8 +160,8 @@ Status PgDb::SetUp() {
   counts_ = looked.ok() && pq_.ntuples(there) == 1;
   pq_.clear(there);
   ENAMEL_RETURN_IF_ERROR(looked);
-  // What a program that was killed has left is nobody's after a day. That another removes it at the same
-  // moment is no failure.
+  // What a program that was killed has left is nobody's after a day. That another removes it at the
+  // same moment is no failure.
   if (counts_) {
     pq_.clear(pq_.exec(handle_, "DELETE FROM enamel_commits WHERE at < now() - interval '1 day'"));
     ENAMEL_RETURN_IF_ERROR(PrepareCount());
@@ -243,8 +244,8 @@ Status PgDb::Begin(Isolation isolation) {
     sql += "; EXECUTE enamel_count (" + std::to_string(++commits_) + ")";
   }
   Status begun = Exec(sql.c_str());
-  // Nothing is begun yet: on another connection, to another server perhaps. One that had ended since it was used last
-  // is found out only now.
+  // Nothing is begun yet: on another connection, to another server perhaps. One that had ended
+  // since it was used last is found out only now.
   if (!begun.ok() && (demoted_ || !IsThere())) begun = Exec(sql.c_str());
   in_transaction_ = begun.ok();
   if (!begun.ok()) Rollback();
@@ -306,7 +307,8 @@ Status PgDb::RunAndCommit(std::span<Change* const> changes, bool& ran) {
     if (end != nullptr) failure = Fail(end);
     pq_.clear(end);
   }
-  // Where not all was sent the server may wait for the rest, and what it has to say is not waited for.
+  // Where not all was sent the server may wait for the rest, and what it has to say is not waited
+  // for.
   set_up_ = false;
   if (sent) LeavePipeline();
   if (!failure.ok()) {
@@ -325,7 +327,8 @@ Status PgDb::RunAndCommit(std::span<Change* const> changes, bool& ran) {
 }
 
 void PgDb::LeavePipeline() {
-  // After the answers to each statement comes a null, and after all of them what tells that it was all.
+  // After the answers to each statement comes a null, and after all of them what tells that it was
+  // all.
   bool at_end = false;
   for (int nulls = 0; !at_end && nulls < 2;) {
     PGresult* const answer = pq_.get_result(handle_);
@@ -435,8 +438,8 @@ Status PgDb::Migrate(const std::vector<Migration>& migrations) {
   ENAMEL_RETURN_IF_ERROR(
       Exec("CREATE TABLE IF NOT EXISTS enamel_schema (application TEXT COLLATE \"C\" NOT NULL, "
            "version BIGINT NOT NULL)"));
-  // One row for each connection that writes, changed with every transaction: most of a page stays free
-  // for that.
+  // One row for each connection that writes, changed with every transaction: most of a page stays
+  // free for that.
   ENAMEL_RETURN_IF_ERROR(
       Exec("CREATE TABLE IF NOT EXISTS enamel_commits (writer BYTEA PRIMARY KEY, count BIGINT NOT "
            "NULL, at TIMESTAMPTZ NOT NULL DEFAULT now()) WITH (fillfactor = 10)"));

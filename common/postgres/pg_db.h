@@ -12,8 +12,8 @@
 struct pg_conn;
 struct pg_result;
 
-// The driver for PostgreSQL 15 (https://www.postgresql.org/docs/15): server/storage connects with it.
-// Nothing else in the tree includes libpq's header, and the library is opened when the first
+// The driver for PostgreSQL 15 (https://www.postgresql.org/docs/15): server/storage connects with
+// it. Nothing else in the tree includes libpq's header, and the library is opened when the first
 // connection is.
 namespace enamel::sql {
 

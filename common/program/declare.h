@@ -20,8 +20,9 @@ struct DeclaredCommand {
   Options& options;
 };
 
-// When the command is the one that was asked for, `chosen` gets `run` with the options as parsed: to
-// run it, or to keep it until the parsing is done. `run` takes `const Options&` and returns Status.
+// When the command is the one that was asked for, `chosen` gets `run` with the options as parsed:
+// to run it, or to keep it until the parsing is done. `run` takes `const Options&` and returns
+// Status.
 template <typename Options, typename Run, typename Chosen>
 DeclaredCommand<Options> Declare(CLI::App& parent, const std::string& name, const std::string& help,
                                  Run run, Chosen chosen) {

@@ -17,8 +17,8 @@ struct LogOptions {
 // Sets spdlog's default logger; at start, before other threads. JSON lines are for collectors
 // (systemd's journal, a log shipper): time is UTC with milliseconds (RFC 3339), the message is
 // escaped, so that nothing a client sends can begin a line of its own, and what is not UTF-8 in it
-// is replaced (AsUtf8). A line that was logged while a LogRequest named a request says its id, in text as
-// "[request ID]" before the message. Errors: kInvalidInput.
+// is replaced (AsUtf8). A line that was logged while a LogRequest named a request says its id, in
+// text as "[request ID]" before the message. Errors: kInvalidInput.
 Status SetUpLog(const LogOptions& options);
 
 // As set up: standard error is for lines of JSON, and progress and advice are left out.

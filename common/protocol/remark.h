@@ -22,9 +22,9 @@ struct Remark {
   int64_t sent_unix_ms = 0;
 };
 
-// One line of 1 to kMaxRemarkCharacters characters, as it may be sent: without the spaces around it,
-// line breaks and tabs made spaces. Errors: kInvalidInput, field "text": nothing to read, too long,
-// no UTF-8, control characters, what turns the direction of writing.
+// One line of 1 to kMaxRemarkCharacters characters, as it may be sent: without the spaces around
+// it, line breaks and tabs made spaces. Errors: kInvalidInput, field "text": nothing to read, too
+// long, no UTF-8, control characters, what turns the direction of writing.
 Result<std::string> CheckedRemark(std::string_view text);
 
 void SetRemark(const Remark& remark, wire::Remark& message);

@@ -4,8 +4,8 @@
 
 #include "common/base/result.h"
 
-// libcurl (https://curl.se/libcurl/c), opened when the first S3 store is asked: who keeps blobs in a
-// folder needs no libcurl on the machine. Private to common/s3.
+// libcurl (https://curl.se/libcurl/c), opened when the first S3 store is asked: who keeps blobs in
+// a folder needs no libcurl on the machine. Private to common/s3.
 namespace enamel::s3 {
 
 struct Libcurl {
@@ -23,7 +23,8 @@ struct Libcurl {
   decltype(&curl_slist_free_all) slist_free_all;
 };
 
-// Once; the same for everybody. Errors: kUnavailable (not installed, or too old). Thread safety: any.
+// Once; the same for everybody. Errors: kUnavailable (not installed, or too old). Thread safety:
+// any.
 Result<const Libcurl*> LoadLibcurl();
 
 }  // namespace enamel::s3

@@ -144,7 +144,8 @@ struct S3Client::Answer {
   }
 };
 
-// A handle for one try. One that failed is not used again: what is left of its connection is unknown.
+// A handle for one try. One that failed is not used again: what is left of its connection is
+// unknown.
 class S3Client::Lease {
  public:
   explicit Lease(S3Client& client) : client_(client) {
@@ -412,7 +413,8 @@ Status S3Client::Head(const std::string& key) {
   Answer answer;
   Status status = Run(Call{"HEAD", key}, begun, answer);
   if (answer.status != 404) return status;
-  // The answer to HEAD has no body, so a proxy's 404 looks like the store's. The answer to GET has one.
+  // The answer to HEAD has no body, so a proxy's 404 looks like the store's. The answer to GET has
+  // one.
   Call get{"GET", key};
   get.most = 0;
   status = Run(get, begun, answer);

@@ -43,7 +43,8 @@ struct S3Time {
 };
 
 struct S3Options {
-  // "https://HOST[:PORT]". "http://…" on this machine only: who reads on the way would read the blobs.
+  // "https://HOST[:PORT]". "http://…" on this machine only: who reads on the way would read the
+  // blobs.
   std::string endpoint;
   std::string region = "us-east-1";
   std::string bucket;
@@ -70,8 +71,8 @@ struct S3Options {
 // Thread safety: any thread; each call in progress has a connection of its own.
 class S3Client {
  public:
-  // Asks nothing yet. Errors: kInvalidInput (endpoint, region, bucket or credentials cannot be used),
-  // kUnavailable (no libcurl).
+  // Asks nothing yet. Errors: kInvalidInput (endpoint, region, bucket or credentials cannot be
+  // used), kUnavailable (no libcurl).
   static Result<std::unique_ptr<S3Client>> Make(S3Options options);
   ~S3Client();
   S3Client(const S3Client&) = delete;
@@ -109,8 +110,8 @@ class S3Client {
   class Lease;
   S3Client(const Libcurl& curl, S3Options options);
 
-  // With all its tries. `begun`: since when the call is counted. `answer`: the last one, also when it is
-  // a refusal.
+  // With all its tries. `begun`: since when the call is counted. `answer`: the last one, also when
+  // it is a refusal.
   Status Run(const Call& call, std::chrono::steady_clock::time_point begun, Answer& answer);
   Status Run(const Call& call);
   // One try; `again`: another may succeed.

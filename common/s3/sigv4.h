@@ -8,10 +8,10 @@
 
 #include "common/base/sha256.h"
 
-// AWS Signature Version 4, by which a request to an S3 store proves who sent it. Source: AWS, "Create a
-// signed AWS API request" (IAM User Guide, reference_sigv-create-signed-request) and, for what S3 does
-// in its own way, "Signature Calculations for the Authorization Header" (S3 API Reference,
-// sig-v4-header-based-auth). With HMAC for HMAC-SHA-256, hex for lower-case hexadecimal:
+// AWS Signature Version 4, by which a request to an S3 store proves who sent it. Source: AWS,
+// "Create a signed AWS API request" (IAM User Guide, reference_sigv-create-signed-request) and, for
+// what S3 does in its own way, "Signature Calculations for the Authorization Header" (S3 API
+// Reference, sig-v4-header-based-auth). With HMAC for HMAC-SHA-256, hex for lower-case hexadecimal:
 //
 //   canonical = METHOD \n path \n query \n header:value \n … \n \n names;… \n hex(SHA256(body))
 //   scope     = YYYYMMDD/region/service/aws4_request
@@ -36,8 +36,8 @@ struct Request {
   std::string method = "GET";
   std::string path = "/";  // as it is meant, not encoded; begins with '/'
   Pairs query{};  // as it is meant, in any order; no value: "lifecycle" is {"lifecycle", ""}
-  // All that are signed, "host" and "x-amz-date" among them, and for S3 "x-amz-content-sha256". Names in
-  // any case and order; several of one name keep theirs.
+  // All that are signed, "host" and "x-amz-date" among them, and for S3 "x-amz-content-sha256".
+  // Names in any case and order; several of one name keep theirs.
   Pairs headers{};
   Sha256 body{};  // the hash of what is sent; of nothing it is HashSha256({})
 };
@@ -51,7 +51,8 @@ struct Scope {
 // All but A-Z a-z 0-9 - . _ ~ become %XX, upper-case; '/' only with `slash`. Bytes of UTF-8 are
 // encoded one by one.
 std::string UriEncode(std::string_view text, bool slash);
-// "name=value&…", encoded and sorted by the encoded names, then values: also what is sent after '?'.
+// "name=value&…", encoded and sorted by the encoded names, then values: also what is sent after
+// '?'.
 std::string CanonicalQuery(const Pairs& query);
 std::string CanonicalRequest(const Request& request);
 // "20130524T000000Z", UTC.

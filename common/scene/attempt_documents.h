@@ -24,8 +24,8 @@ using FetchContent = std::function<Result<Bytes>(const Sha256&)>;
 Result<AttemptDocuments> ReadDocuments(const Sha256& exercise, const Sha256& profile,
                                        const FetchContent& fetch);
 
-// Whether a recording that names this scene and volume, and was made with these parameters, was made
-// of the documents. Errors: kConflict (field "scene", "volume" or "params"); CompilePlan's for
+// Whether a recording that names this scene and volume, and was made with these parameters, was
+// made of the documents. Errors: kConflict (field "scene", "volume" or "params"); CompilePlan's for
 // documents that no longer give a plan.
 Status CheckMadeOf(const AttemptDocuments& documents, const Sha256& scene, const Sha256& volume,
                    const core::CoreParams& params);

@@ -49,7 +49,8 @@ cutting::Volume BuildVolume(const cutting::GridSpec& spec,
 // The smallest grid whose samples cover lo..hi (m) with a band of 5 voxels around.
 cutting::GridSpec GridAround(const dvec3& lo_m, const dvec3& hi_m, int32_t voxel_nm);
 
-// Gives brick `brick` of `to` what it is in `from`. Requires: equal grids; the brick of `to` is air.
+// Gives brick `brick` of `to` what it is in `from`. Requires: equal grids; the brick of `to` is
+// air.
 void CopyBrick(const cutting::Volume& from, int brick, cutting::Volume& to);
 
 // Cores to build with: what the machine has, at most 8.

@@ -41,8 +41,8 @@ struct Calibration {
 
 // Canonical text (common/scene/json/json.h). Requires: at least one quantity.
 std::string ToJson(const Calibration& calibration);
-// Strict and bounded as common/scene/json/json.h says. Errors: kInvalidInput with the member's path in
-// field(), kVersion, kTooLarge.
+// Strict and bounded as common/scene/json/json.h says. Errors: kInvalidInput with the member's path
+// in field(), kVersion, kTooLarge.
 Result<Calibration> CalibrationFromJson(std::string_view json);
 
 }  // namespace enamel::scene

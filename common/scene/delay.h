@@ -30,7 +30,8 @@ struct DelayUsed {
   bool operator==(const DelayUsed&) const = default;
 };
 
-// A delay in ticks of one rate as ticks of another: the same time, rounded up, at most kMostDelay_ticks.
+// A delay in ticks of one rate as ticks of another: the same time, rounded up, at most
+// kMostDelay_ticks.
 int64_t DelayTicksAt(int64_t ticks, int64_t from_hz, int64_t to_hz);
 
 // The delay of a device that is attached, at `rate_hz`. A calibration of it, if there is one that
@@ -39,8 +40,8 @@ int64_t DelayTicksAt(int64_t ticks, int64_t from_hz, int64_t to_hz);
 DelayUsed DelayOfAttached(const DeviceProfile& profile, const Calibration* calibration,
                           int64_t rate_hz);
 
-// Largest Kc with this delay: 2 b f/(d + 1)^2, mN/mm, rounded down; b with the electrical damping. Requires: rate_hz > 0,
-// delay_ticks in 0..kMostDelay_ticks.
+// Largest Kc with this delay: 2 b f/(d + 1)^2, mN/mm, rounded down; b with the electrical damping.
+// Requires: rate_hz > 0, delay_ticks in 0..kMostDelay_ticks.
 int64_t PassiveCoupling_mn_per_mm(const DeviceProfile& profile, int64_t rate_hz,
                                   int64_t delay_ticks);
 
@@ -49,9 +50,9 @@ int64_t PassiveCoupling_mn_per_mm(const DeviceProfile& profile, int64_t rate_hz,
 int64_t PassiveTorque_un_m_per_rad(const DeviceProfile& profile, int64_t rate_hz,
                                    int64_t delay_ticks);
 
-// The profile with this delay, and with Kc and the torque's K lowered to what is passive then; never
-// raised. Its other numbers stay. Errors: kInvalidInput when less than 1 mN/mm or 1 uN m/rad is
-// left, with what to do.
+// The profile with this delay, and with Kc and the torque's K lowered to what is passive then;
+// never raised. Its other numbers stay. Errors: kInvalidInput when less than 1 mN/mm or 1 uN m/rad
+// is left, with what to do.
 Result<DeviceProfile> WithDelay(const DeviceProfile& profile, int64_t rate_hz, int64_t delay_ticks);
 
 // Checks the parameters of a recording: they must be those that CompilePlan gives for the unchanged

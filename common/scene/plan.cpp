@@ -186,7 +186,8 @@ core::CoreParams Compile(const Scene& scene, const Exercise& exercise,
   p.handpiece_stall_un_m = exercise.handpiece.stall_un_m;
   p.handpiece_tangential_permille = exercise.handpiece.tangential_permille;
   p.handpiece_lag_us = exercise.handpiece.lag_us;
-  // The coupling's stiffness at half the bur's height, as an angle: Kc (h/2)^2; 1 N/m (1 m)^2 = 1 N m/rad.
+  // The coupling's stiffness at half the bur's height, as an angle: Kc (h/2)^2; 1 N/m (1 m)^2 = 1 N
+  // m/rad.
   double arm_m = 0.5e-9 * (p.bur_shape == cutting::BurShape::kSphere ? 2.0 * p.bur_radius_nm
                                                                      : p.bur_length_nm);
   // Fits: the stiffest Kc on the longest bur that ValidateParams lets pass gives 1e8.

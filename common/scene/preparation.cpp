@@ -25,8 +25,8 @@ double RectangleDistance(double x, double y, double hx, double hy) {
   return std::sqrt(ox * ox + oy * oy) + std::min(std::max(x, y), 0.0);
 }
 
-// To a simple polygon: to its nearest side, negative where a line to the right crosses an odd number
-// of sides.
+// To a simple polygon: to its nearest side, negative where a line to the right crosses an odd
+// number of sides.
 double PolygonDistance_m(const std::vector<std::array<int32_t, 2>>& corners_um, double x,
                          double y) {
   double nearest = 1e30;

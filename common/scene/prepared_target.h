@@ -5,9 +5,8 @@
 
 // Targets that a volume gives: the tooth as it should be in the end, from a dentist's scan or a
 // reference's cut. It is stored as a scene of its own on the same voxels, which the target names
-// (CavityTarget::prepared): documents and blobs as every scene's, so that whatever keeps, fetches and
-// shows scenes has it too.
-// Thread safety: functions, any thread. Not real-time.
+// (CavityTarget::prepared): documents and blobs as every scene's, so that whatever keeps, fetches
+// and shows scenes has it too. Thread safety: functions, any thread. Not real-time.
 namespace enamel::scene {
 
 // A target that is a tooth: the tooth, and the box around the solid to remove.

@@ -272,8 +272,8 @@ std::optional<Stretch> BevelOf(const Profile& profile, const Direction& d, doubl
   }
   if (!(run > 0)) return std::nullopt;
   const double slope = rise / run;
-  // What begins on the bevel and ends on the table counts to about half, what begins on the wall does
-  // not at all.
+  // What begins on the bevel and ends on the table counts to about half, what begins on the wall
+  // does not at all.
   const double width = (run + 0.5 * kBase * step) * std::sqrt(1 + slope * slope);
   if (width < kLeastBevel_m) return std::nullopt;
   return Stretch{width, slope};
@@ -299,8 +299,8 @@ BevelFigures MeasureBevel(const Profile& attempt, const std::array<Direction, kP
   return out;
 }
 
-// Straight down, within the stump's top as the reference has it, on rings of as many places each: the
-// middle counts more than its area.
+// Straight down, within the stump's top as the reference has it, on rings of as many places each:
+// the middle counts more than its area.
 void MeasureTop(const Volume& initial, const Volume& attempt, const Volume& reference,
                 const dvec3& axis_m, double top_z_m, double radius_m,
                 const std::array<Direction, kPlaces>& directions, CrownFigures& out) {

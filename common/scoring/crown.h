@@ -6,9 +6,9 @@
 #include "common/scene/types.h"
 #include "common/scoring/shape.h"
 
-// A crown's preparation: the walls that converge towards the top, what was taken off, and the finish
-// line all around. Formulas and sources: schemas/score.md, "Crown".
-// Deterministic. Thread safety: functions, any thread.
+// A crown's preparation: the walls that converge towards the top, what was taken off, and the
+// finish line all around. Formulas and sources: schemas/score.md, "Crown". Deterministic. Thread
+// safety: functions, any thread.
 namespace enamel::scoring {
 
 // Where a figure is at its worst, and the direction from which to look at it.

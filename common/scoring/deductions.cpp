@@ -110,7 +110,8 @@ struct Fault {
   bool left = false;
   Tissue tissue = Tissue::kAir;
   Part part = kNoPart;
-  // Within the leeway of the reference's cut, and farther than TaskVolumes::kStanding_m: where somebody asks.
+  // Within the leeway of the reference's cut, and farther than TaskVolumes::kStanding_m: where
+  // somebody asks.
   std::optional<bool> near, standing;
   std::optional<uint32_t> tick;
 };
@@ -135,7 +136,8 @@ class Gatherer {
     return subject_.where == Where::kNear || subject_.where == Where::kElsewhere;
   }
   bool AsksStanding() const { return subject_.where == Where::kStanding; }
-  // Healthy or not, nothing of it is to be taken: its first touch is where it began, wherever it is.
+  // Healthy or not, nothing of it is to be taken: its first touch is where it began, wherever it
+  // is.
   bool MustNotBeTouched() const {
     return subject_.tissues == Bit(Tissue::kNeighbour) || subject_.tissues == Bit(Tissue::kPulp);
   }

@@ -40,10 +40,10 @@ class CutTest {
 // A third of the triangles around each vertex, m^2: the area that a vertex represents.
 std::vector<double> VertexAreas_m2(const surface::Mesh& mesh);
 
-// Where the line point + s direction meets the volume's surface nearest on the side on which it must
-// be: s >= 0 from a point in the solid, s <= 0 from one in the air, so that along a wall's outward
-// normal s is how far the wall must still be moved to that point. +-limit_m when it is not met.
-// Steps by half a voxel: a wall thinner than that may be missed.
+// Where the line point + s direction meets the volume's surface nearest on the side on which it
+// must be: s >= 0 from a point in the solid, s <= 0 from one in the air, so that along a wall's
+// outward normal s is how far the wall must still be moved to that point. +-limit_m when it is not
+// met. Steps by half a voxel: a wall thinner than that may be missed.
 double SurfaceAlong_m(const cutting::Volume& volume, const dvec3& point_m, const dvec3& direction,
                       double limit_m);
 

@@ -107,8 +107,8 @@ class VoxelCount {
     }
   }
 
-  // f0, fa: solid before and after the attempt. Within a voxel all cut from the same side: what took
-  // less took a part of what took more.
+  // f0, fa: solid before and after the attempt. Within a voxel all cut from the same side: what
+  // took less took a part of what took more.
   void AddVoxel(int32_t f0, int32_t fa, const std::vector<BrickSamples>& cuts, int i) {
     const int32_t own = f0 - fa;
     taken_ += own;

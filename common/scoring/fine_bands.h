@@ -17,11 +17,12 @@ struct FineBand {
   bool operator==(const FineBand&) const = default;
 };
 
-// Of criteria whose metric is a length or an angle; volumes are known as their area is, which a rubric
-// does not tell. Voxel edge in nm.
+// Of criteria whose metric is a length or an angle; volumes are known as their area is, which a
+// rubric does not tell. Voxel edge in nm.
 std::vector<FineBand> FineBands(const scene::Rubric& rubric, int32_t voxel_nm);
 
-// "wall_mesial_mm: points change within 0.02 mm, and it is known to 0.025 mm at voxels of 0.1 mm; …".
+// "wall_mesial_mm: points change within 0.02 mm, and it is known to 0.025 mm at voxels of 0.1 mm;
+// …".
 std::string FineBandText(const FineBand& band, int32_t voxel_nm);
 
 }  // namespace enamel::scoring

@@ -8,9 +8,9 @@
 namespace enamel::scoring {
 
 // The round between the floor and each wall. On the bisector from the corner in which the planes of
-// attempt's wall and floor meet, its surface begins at a gap g: a round of radius r that touches both
-// has g = r (1 / sin(a/2) - 1), where a is the angle between the planes on the cavity's side. Looked
-// at in 21 places of each wall's middle half, where the upright edges' rounds do not reach.
+// attempt's wall and floor meet, its surface begins at a gap g: a round of radius r that touches
+// both has g = r (1 / sin(a/2) - 1), where a is the angle between the planes on the cavity's side.
+// Looked at in 21 places of each wall's middle half, where the upright edges' rounds do not reach.
 struct LineAngleFigures {
   bool in_task = false;  // the reference has a floor and a wall
   bool made = false;     // the attempt has them, and a corner at half of the places

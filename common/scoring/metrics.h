@@ -101,8 +101,8 @@ inline constexpr size_t kMetricGroups = 13;
 // one, so all of a group's are reported.
 class MetricPlan {
  public:
-  // Page, report and class lists show these of every attempt, whatever its rubric asks for: closeness
-  // and its heat map, task, tissues, time and force.
+  // Page, report and class lists show these of every attempt, whatever its rubric asks for:
+  // closeness and its heat map, task, tissues, time and force.
   static constexpr std::array kBaseGroups = {MetricGroup::kTask, MetricGroup::kDeviation,
                                              MetricGroup::kRecording};
 
@@ -166,8 +166,8 @@ std::vector<float> DeviationPerVertex(const surface::Mesh& mesh, const cutting::
                                       const surface::Mesh& reference_surface);
 
 // The plan's metrics of an attempt against a reference. `progress` (0..1) may be empty. Errors:
-// kInvalidInput when grids differ, the exercise's landmark is missing, its target holds no solid, or
-// a recording is empty.
+// kInvalidInput when grids differ, the exercise's landmark is missing, its target holds no solid,
+// or a recording is empty.
 Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercise& exercise,
                                  const AttemptData& attempt, const AttemptData& reference,
                                  const std::function<void(double)>& progress = {},

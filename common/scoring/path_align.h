@@ -13,7 +13,8 @@ namespace enamel::scoring {
 // By time, pauses and speeds count; by the bur's way, only where it went.
 enum class PathBy { kTime, kArcLength };
 
-// Both series with one step, or a slow attempt would be compared at another step than its reference.
+// Both series with one step, or a slow attempt would be compared at another step than its
+// reference.
 //  * By time: at most 25 Hz; the pose of a step's first tick and its mean force.
 //  * By way: at least 20 um apart; pose and force between the two samples around, linearly.
 // At most kMostSamples each.

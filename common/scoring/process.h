@@ -31,7 +31,8 @@ class ProcessRecorder {
 
   void Add(const trace::Tick& tick, const core::TickOutput& output);
   // The same from the recording alone, for a reference whose replay was verified before: everything
-  // but what needs the removal (cutting_s, force_sent_mean_cutting_n stay 0, and what is said below).
+  // but what needs the removal (cutting_s, force_sent_mean_cutting_n stay 0, and what is said
+  // below).
   void AddRecorded(const trace::Tick& tick);
 
   // After the last Add:
@@ -39,8 +40,8 @@ class ProcessRecorder {
   uint64_t gap_ticks() const { return gap_ticks_; }
   double duration_s() const;  // gaps included
   // Time less than 50 ms after something was removed: a cut is renewed when it would leave a mark,
-  // after some way or some ticks, so that most ticks of a stroke remove nothing themselves, the more
-  // of them the faster the loop.
+  // after some way or some ticks, so that most ticks of a stroke remove nothing themselves, the
+  // more of them the faster the loop.
   double cutting_s() const;
   double anchor_path_m() const { return path_m_; }  // without the jumps after gaps and faults
   double force_sent_p95_n() const;                  // over ticks with any force; 1 mN steps
@@ -62,8 +63,8 @@ class ProcessRecorder {
   // From a replay only; a recording alone has none.
   const StrokeRecorder& strokes() const { return strokes_; }
   double idle_s() const;  // outside contacts, without gaps
-  // Angle of the bur's axis, as the device holds it, against +z of the scene, read 50 times a second
-  // while cutting_s counts; steps of 0.1 degrees. Nothing where nothing was cut.
+  // Angle of the bur's axis, as the device holds it, against +z of the scene, read 50 times a
+  // second while cutting_s counts; steps of 0.1 degrees. Nothing where nothing was cut.
   std::optional<double> angulation_mean_deg() const;
   std::optional<double> angulation_p95_deg() const;
   // By when half of what was removed of a tissue was: s since the start, gaps included; steps of

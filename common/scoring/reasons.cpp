@@ -14,7 +14,8 @@ constexpr double kMm3 = 1e9;
 // Less is read as 0.00 mm3.
 constexpr double kLeastLeft_mm3 = 0.005;
 
-// The values that earn the most points, and those around them that earn none, as far as the map says.
+// The values that earn the most points, and those around them that earn none, as far as the map
+// says.
 struct Asked {
   double from, to;
   std::optional<double> none_below, none_above;

@@ -9,8 +9,9 @@
 #include "common/scoring/deductions.h"
 #include "common/scoring/metrics.h"
 
-// Why points were earned or lost, as data that any language can be made of, and the English sentence
-// made of it: schemas/score.md, "Reasons". Thread safety: functions, any thread. Deterministic.
+// Why points were earned or lost, as data that any language can be made of, and the English
+// sentence made of it: schemas/score.md, "Reasons". Thread safety: functions, any thread.
+// Deterministic.
 namespace enamel::scoring {
 
 struct Reason {
@@ -56,9 +57,10 @@ std::string WithUnit(std::string number, std::string_view unit);
 // Of a signed metric, in its unit: a smaller value shows as 0.00, neither too deep nor short.
 inline constexpr double kNeitherWay = 0.005;
 
-// The sentences, each with its full stop: "Mesial wall: 0.30 mm too deep (full marks within 0.03 mm,
-// none beyond 0.25 mm). At the worst spot, it began at 1:12, and stroke 14 removed most of it. Stop earlier there." A code
-// that is not known, of a newer server, is left out. `comment`: the rubric's, told last; may be empty.
+// The sentences, each with its full stop: "Mesial wall: 0.30 mm too deep (full marks within 0.03
+// mm, none beyond 0.25 mm). At the worst spot, it began at 1:12, and stroke 14 removed most of it.
+// Stop earlier there." A code that is not known, of a newer server, is left out. `comment`: the
+// rubric's, told last; may be empty.
 std::string Sentence(std::string_view title, const MetricInfo& info,
                      const std::vector<Reason>& reasons, std::string_view comment);
 

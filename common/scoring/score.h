@@ -65,7 +65,8 @@ struct ScoreResult {
   std::vector<GateResult> gates;
   std::vector<MetricValue> metrics;    // all that was measured, also what the rubric does not use
   std::vector<MissingMetric> missing;  // those without a value here
-  // Where and when the criteria lost points; by the caller (CostlyCriteria, FindDeductions, Advise).
+  // Where and when the criteria lost points; by the caller (CostlyCriteria, FindDeductions,
+  // Advise).
   std::vector<Deduction> deductions;
   // The attempt's place among several references; filled by the caller (PlaceInEnvelope).
   std::optional<Envelope> envelope;
@@ -93,11 +94,11 @@ Status ValidateRubric(const scene::Rubric& rubric);
 
 // Points by the piecewise linear map, constant beyond its ends; the score is the share of all
 // points in percent, times every gate's share, or 0 when any criterion is critically failed. A
-// criterion whose metric is not in the task is left out of both sums, and so is one of a force at the
-// device's limit, unless the force that is known already costs all that it can. Fills score, critical_fail,
-// criteria, gates, metrics, missing and rubric_version; the caller fills the rest. Errors: those of
-// ValidateRubric; kInvalidInput when a metric is in neither list or not finite, a gate's metric has
-// no value, or no criterion with points is in the task.
+// criterion whose metric is not in the task is left out of both sums, and so is one of a force at
+// the device's limit, unless the force that is known already costs all that it can. Fills score,
+// critical_fail, criteria, gates, metrics, missing and rubric_version; the caller fills the rest.
+// Errors: those of ValidateRubric; kInvalidInput when a metric is in neither list or not finite, a
+// gate's metric has no value, or no criterion with points is in the task.
 Result<ScoreResult> ApplyRubric(const scene::Rubric& rubric, const MetricSet& metrics);
 
 // The metrics that cost points: of criteria that earned less than their points before the gates or
@@ -105,9 +106,9 @@ Result<ScoreResult> ApplyRubric(const scene::Rubric& rubric, const MetricSet& me
 // last. `result`: ApplyRubric's with this rubric.
 std::vector<std::string> CostlyCriteria(const scene::Rubric& rubric, const ScoreResult& result);
 
-// Takes the deductions into the result, and with them what to do into the reasons of the criteria and
-// gates that lost at least kWorthAdvice points: the same words once, where most was lost. `result`:
-// ApplyRubric's with this rubric.
+// Takes the deductions into the result, and with them what to do into the reasons of the criteria
+// and gates that lost at least kWorthAdvice points: the same words once, where most was lost.
+// `result`: ApplyRubric's with this rubric.
 void Advise(const scene::Rubric& rubric, std::vector<Deduction> deductions, ScoreResult& result);
 
 // Canonical: members in a fixed order, numbers to 12 significant digits, so that equal scores have

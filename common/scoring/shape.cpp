@@ -18,8 +18,8 @@ constexpr double kLeastWall_m2 = 0.05e-6;  // smaller faces belong to edges
 constexpr double kLeastOfFace = 0.1;
 // A line may be so many times the largest nearest distance of the wall.
 constexpr double kOtherSurface = 2;
-// Of a wall and of the floor this much has to be there before it is begun, and before it has a lean: a cavity
-// that is too small all round meets two thirds of each.
+// Of a wall and of the floor this much has to be there before it is begun, and before it has a
+// lean: a cavity that is too small all round meets two thirds of each.
 constexpr double kBegunShare = 0.3, kMadeShare = 0.5;
 // A place on a wall counts at most this much in its waviness: deepest_over_mm measures the depth of
 // a gouge.
@@ -76,10 +76,11 @@ Plane FitPlane(const std::vector<Height>& heights) {
   return p;
 }
 
-// A plane through most of it, which are left: the foot of another wall that leans in, a gouge or a lip is not the lean
-// of this one. First without what lies far from the median, which a ditch at one side does not move as it does a plane,
-// then again without what lies more than four median residuals off. What leans as a whole stays, as the farthest of it
-// is twice the median away; a wave stays whole, since its crest is 1.4 of them.
+// A plane through most of it, which are left: the foot of another wall that leans in, a gouge or a
+// lip is not the lean of this one. First without what lies far from the median, which a ditch at
+// one side does not move as it does a plane, then again without what lies more than four median
+// residuals off. What leans as a whole stays, as the farthest of it is twice the median away; a
+// wave stays whole, since its crest is 1.4 of them.
 Plane FitPlaneToMost(std::vector<Height>& heights, double least_m) {
   if (heights.empty()) return {};
   std::vector<WeightedValue> all;
@@ -143,8 +144,8 @@ Facet FacetOf(const Plane& plane, const dvec3& normal, const dvec3& up, const dv
   return {n / length, (plane.b * plane.s0 + plane.c * plane.t0 - plane.d0) / length};
 }
 
-// Without a tenth of the floor at each side: what rounds off the foot of a wall that is wavy, or a little short, is
-// none of the floor's waves.
+// Without a tenth of the floor at each side: what rounds off the foot of a wall that is wavy, or a
+// little short, is none of the floor's waves.
 void KeepInner(std::vector<Height>& heights) {
   constexpr double kMargin = 0.1;
   for (double Height::*way : {&Height::s, &Height::t}) {
@@ -157,8 +158,8 @@ void KeepInner(std::vector<Height>& heights) {
   }
 }
 
-// The surface there stands upright on the wall, or nearly: it is another's, no part of this one. A wave as steep as
-// voxels can show still faces as its wall does.
+// The surface there stands upright on the wall, or nearly: it is another's, no part of this one. A
+// wave as steep as voxels can show still faces as its wall does.
 bool IsBeside(const Volume& volume, const dvec3& at_m, const dvec3& normal) {
   constexpr double kLeastFacing = 0.3;
   const dvec3 slope =
@@ -190,16 +191,17 @@ WallFigures MeasureWall(const Volume& initial, const CutSide& attempt, const Cut
   std::vector<Height> heights, own_heights, made_heights;
   double met_m2 = 0, untouched_m2 = 0, pit_m2 = 0, lowest = std::numeric_limits<double>::infinity(),
          highest = -lowest;
-  // Nearest distances to a rough wall end at whatever stands out of it; along one direction they are
-  // the two walls' heights. What a line meets much farther off is another surface. How far is asked
-  // of the whole wall: beside an edge the next wall is near, however far this one has moved.
+  // Nearest distances to a rough wall end at whatever stands out of it; along one direction they
+  // are the two walls' heights. What a line meets much farther off is another surface. How far is
+  // asked of the whole wall: beside an edge the next wall is near, however far this one has moved.
   double most = 0;
   for (size_t i : patch.vertices) most = std::max(most, std::fabs(double{deviation_m[i]}));
   const double reach = kOtherSurface * most + h;
   for (size_t i : patch.vertices) {
     const dvec3 p(reference.mesh->position_m[i]);
     const double area = (*reference.areas_m2)[i], nearest = deviation_m[i];
-    // Over and under a floor there is one surface, however far; the nearest may be a side that is open, or of a pit.
+    // Over and under a floor there is one surface, however far; the nearest may be a side that is
+    // open, or of a pit.
     const bool left = attempt.volume->DistanceAt_m(p) < 0;
     const double limit = floor ? std::max(reach, kDeepest_m) : reach;
     const double there = SurfaceAlong_m(*attempt.volume, p, patch.normal, limit);

@@ -16,8 +16,8 @@ constexpr double kCutoff_hz = 10, kLeastAmplitude = 0.05;
 constexpr size_t kPadding = 16, kMostPadded = size_t{1} << 17;
 constexpr size_t kFirstBin = 8, kLastBin = 12;
 
-// The discrete Fourier transform in place, by halves (Cooley and Tukey 1965). Its size is a power of
-// two.
+// The discrete Fourier transform in place, by halves (Cooley and Tukey 1965). Its size is a power
+// of two.
 void Transform(std::vector<double>& re, std::vector<double>& im) {
   const size_t n = re.size();
   for (size_t i = 1, j = 0; i < n; ++i) {

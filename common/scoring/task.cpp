@@ -62,7 +62,8 @@ class TaskMeter {
     }
   }
 
-  // Which voxels of a brick lie within a distance of the reference's cut: looked for when somebody asks.
+  // Which voxels of a brick lie within a distance of the reference's cut: looked for when somebody
+  // asks.
   class Whereabouts {
    public:
     Whereabouts(const TaskMeter& meter, int brick, double within_m)

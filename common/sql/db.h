@@ -77,8 +77,9 @@ struct Migration {
 enum class Isolation {
   // The outcome is that of all transactions run one after the other, or it ends with must_repeat().
   kSerial,
-  // Each statement sees what is committed by then. For work that decides on rows it has locked first
-  // (RowLock): those who work on other rows do not meet it, and nothing has to be repeated for it.
+  // Each statement sees what is committed by then. For work that decides on rows it has locked
+  // first (RowLock): those who work on other rows do not meet it, and nothing has to be repeated
+  // for it.
   kRowLocks,
   // It only reads, and all its statements see the moment of the first.
   kSnapshot,
@@ -107,14 +108,15 @@ class Db {
   // Rows changed by the last statement.
   virtual int64_t Changes() const = 0;
 
-  // A transaction that will write, but for kSnapshot; where only one can write, nobody else does from its beginning.
-  // Transaction (below) ends it in any case.
+  // A transaction that will write, but for kSnapshot; where only one can write, nobody else does
+  // from its beginning. Transaction (below) ends it in any case.
   virtual Status Begin(Isolation isolation) = 0;
   // Ok: it is kept. Any failure: nothing of it is, but for kUnavailable with the field "in_doubt",
   // when the connection broke at this moment and the engine could not be asked in time.
   virtual Status Commit() = 0;
-  // The changes in this order, then Commit. `ran`: all of them were done, and a failure is Commit's; else nothing is
-  // committed, and the transaction is to be rolled back. A server is sent all of it before its first answer.
+  // The changes in this order, then Commit. `ran`: all of them were done, and a failure is
+  // Commit's; else nothing is committed, and the transaction is to be rolled back. A server is sent
+  // all of it before its first answer.
   virtual Status RunAndCommit(std::span<Change* const> changes, bool& ran);
   // Nothing to do where none is open.
   virtual void Rollback() = 0;
@@ -161,7 +163,8 @@ class Db {
   virtual Status Rewrite() = 0;
   // Bytes that a rewrite takes on the caller's disk; 0: the database is on another machine.
   virtual Result<uint64_t> RewriteBytes() = 0;
-  // The clock of the machine that the engine runs on, milliseconds since 1970; none: it is who asks's.
+  // The clock of the machine that the engine runs on, milliseconds since 1970; none: it is who
+  // asks's.
   virtual Result<std::optional<int64_t>> ClockMs() = 0;
   virtual Result<Standby> StandbyOf() = 0;
   // How long from now on a statement waits for another process's write, where one writer keeps out

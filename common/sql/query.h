@@ -26,8 +26,8 @@ class Query {
   Query(const Query&) = delete;
   Query& operator=(const Query&) = delete;
 
-  // The next parameter, of the type of the column that it is stored in or compared with. Text that is
-  // no UTF-8, or has a zero byte in it, is refused (kInvalidInput).
+  // The next parameter, of the type of the column that it is stored in or compared with. Text that
+  // is no UTF-8, or has a zero byte in it, is refused (kInvalidInput).
   Query& BindInt(int64_t value);
   Query& BindReal(double value);
   Query& BindText(std::string_view value);

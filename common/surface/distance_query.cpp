@@ -88,8 +88,8 @@ DistanceQuery::DistanceQuery(const Mesh& mesh, const dvec3& lo_m, const dvec3& h
   if (triangles_.empty()) return;
   dvec3 extent = glm::max(hi - lo, dvec3(1e-9));
   origin_ = lo;
-  // Three mean edges: a few triangles in a cell, most of them ruled out by their balls. Larger where
-  // that would be too many cells.
+  // Three mean edges: a few triangles in a cell, most of them ruled out by their balls. Larger
+  // where that would be too many cells.
   cell_m_ = std::max(3 * edges / static_cast<double>(triangles_.size()),
                      std::cbrt(extent.x * extent.y * extent.z / kMaxCells));
   cell_m_ = std::max(cell_m_, std::max({extent.x, extent.y, extent.z}) / 2048);

@@ -15,8 +15,8 @@ Samples QuantiseBrick(const cutting::Volume& volume, int brick) {
   return out;
 }
 
-// The Lorenzo predictor (Ibarria et al. 2003): exact where the field is a sum of functions of two of
-// the three coordinates, as a plane's distance is.
+// The Lorenzo predictor (Ibarria et al. 2003): exact where the field is a sum of functions of two
+// of the three coordinates, as a plane's distance is.
 int Predicted(const Samples& s, size_t i) {
   const bool x = (i & 7) != 0, y = (i >> 3 & 7) != 0, z = (i >> 6) != 0;
   int p = 0;

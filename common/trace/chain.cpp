@@ -48,8 +48,9 @@ Status ChainVerifier::Accept(const Chunk& chunk) {
 }
 
 Status ChainVerifier::AcceptSeal(const Seal& seal) const {
-  // A seal says nothing that the chain does not say: it may only agree. It is not signed itself, and
-  // proves nothing about an end that was cut off together with its chunks (schemas/trace_format.md).
+  // A seal says nothing that the chain does not say: it may only agree. It is not signed itself,
+  // and proves nothing about an end that was cut off together with its chunks
+  // (schemas/trace_format.md).
   const Seal fits = MakeSeal();
   if (seal.attempt != fits.attempt) {
     return Conflict("seal", "attempt", fits.attempt.Text(), seal.attempt.Text());

@@ -72,8 +72,8 @@ struct Header {
 // HashSha256 of the encoded header is the first link: chunk 0's `previous`. Requires: a hand.
 Bytes EncodeHeader(const Header& header);
 // Accepts only what EncodeHeader writes, so that the hash of a decoded header encoded again is the
-// hash of the original. Headers of other core versions are read, to be listed; whoever runs a core on one
-// calls core::ValidateParams first. Errors: kInvalidInput, kVersion, kTooLarge.
+// hash of the original. Headers of other core versions are read, to be listed; whoever runs a core
+// on one calls core::ValidateParams first. Errors: kInvalidInput, kVersion, kTooLarge.
 Result<Header> DecodeHeader(ByteView bytes);
 
 // One recorded tick: the input that is the truth, and the witness beside it.

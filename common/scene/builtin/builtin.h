@@ -47,8 +47,9 @@ Exercise ClassOneExercise(const Scene& scene, const Sha256& scene_hash);
 //   class_5          class-5: a box in the gingival third of a face that is up
 //   labial_face      veneer: half a millimetre off an incisor's face, which is up
 //   a preparation    its name: the shape on the practice block
-// Crown and shapes are judged by their closeness to the reference cut; the parts of their target say
-// what has to go. The crown of a tooth that is not built in has no parts: only the reference says it.
+// Crown and shapes are judged by their closeness to the reference cut; the parts of their target
+// say what has to go. The crown of a tooth that is not built in has no parts: only the reference
+// says it.
 std::vector<Exercise> BuiltinExercises(const Scene& scene, const Sha256& scene_hash);
 
 // The exercise that asks for a prepared tooth (prepared_target.h), judged by closeness to it, its

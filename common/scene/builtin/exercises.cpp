@@ -118,9 +118,9 @@ Exercise CariesExercise(const Scene& scene, const Sha256& scene_hash) {
 }
 
 // What a crown's preparation leaves of a tooth that is built in: as much off its walls and top as
-// textbooks ask for (1 mm and 1.5 mm), less where the pulp would keep less than 0.9 mm of cover; the
-// stump that the tooth's own sections give with that, its walls opened to 7 to 14 degrees where the
-// sections would give less or more. Heights are below the landmark crown_top; x is mesial here.
+// textbooks ask for (1 mm and 1.5 mm), less where the pulp would keep less than 0.9 mm of cover;
+// the stump that the tooth's own sections give with that, its walls opened to 7 to 14 degrees where
+// the sections would give less or more. Heights are below the landmark crown_top; x is mesial here.
 struct CrownTask {
   const char* tooth;  // the beginning of a scene's name
   int32_t depth_um;   // of the shoulder: above the cervical line
@@ -232,8 +232,8 @@ Exercise CrownExercise(const Scene& scene, const Sha256& scene_hash) {
   return e;
 }
 
-// The gingival third of the buccal face of a tooth that is turned: 4 mm wide and 2 mm high, its lower
-// edge 1 mm above the cervical line.
+// The gingival third of the buccal face of a tooth that is turned: 4 mm wide and 2 mm high, its
+// lower edge 1 mm above the cervical line.
 Exercise ClassFiveExercise(const Scene& scene, const Sha256& scene_hash) {
   Exercise e = ClassOneExercise(scene, scene_hash);
   e.name = NameFor("class-5", scene);
@@ -276,9 +276,9 @@ double FaceHeight_m(const ToothShape& tooth, double x_m, double y_m, double lo_m
   return lo_m;
 }
 
-// Half a millimetre off the labial face of an incisor, with a ball of 1.6 mm that leaves a chamfer all
-// around: 5.6 mm wide, from 0.95 mm above the cervical line to 0.8 mm short of the edge. Source of the
-// depth: textbooks ask for 0.3 mm near the gum to 0.7 mm near the edge.
+// Half a millimetre off the labial face of an incisor, with a ball of 1.6 mm that leaves a chamfer
+// all around: 5.6 mm wide, from 0.95 mm above the cervical line to 0.8 mm short of the edge. Source
+// of the depth: textbooks ask for 0.3 mm near the gum to 0.7 mm near the edge.
 constexpr std::array<int32_t, 2> kVeneerHalf_um = {2'800, 4'400};
 constexpr int32_t kVeneerDepth_um = 500, kVeneerBur_um = 800, kVeneerChamfer_um = 750;
 
@@ -483,7 +483,8 @@ std::vector<Exercise> BuiltinExercises(const Scene& scene, const Sha256& scene_h
                     [](const RubricCriterion& c) { return c.metric == kNeighbourDepth; })) {
       continue;
     }
-    // Where it is not what the exercise is about, it has no points of its own, and takes all others'.
+    // Where it is not what the exercise is about, it has no points of its own, and takes all
+    // others'.
     e.rubric.gates.push_back({kNeighbourDepth,
                               "Adjacent tooth untouched",
                               "mm",

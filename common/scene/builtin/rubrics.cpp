@@ -81,8 +81,8 @@ RubricCriterion ElsewhereCriterion(double points) {
                 "Sound tissue was cut away beyond the tolerance.");
 }
 
-// A wall that is 0.4 mm short leaves nothing of the kind; a pillar of 0.4 mm in a cavity 2 mm deep leaves 0.26 mm3, a
-// lid of 0.1 mm over 3 mm2 of it 0.3.
+// A wall that is 0.4 mm short leaves nothing of the kind; a pillar of 0.4 mm in a cavity 2 mm deep
+// leaves 0.26 mm3, a lid of 0.1 mm over 3 mm2 of it 0.3.
 RubricCriterion StandingCriterion(double points) {
   return AtMost("left_standing_mm3", "Nothing left inside", "mm3", points, 0.02, 0.3,
                 "Part of what had to be removed was left uncut.");

@@ -43,7 +43,8 @@ TEST(WordsTest, EveryMessageHasTheSamePlacesInEveryLanguage) {
   }
 }
 
-// An apostrophe begins what ICU leaves alone, and a translator does not see it; two spaces come from joined lines.
+// An apostrophe begins what ICU leaves alone, and a translator does not see it; two spaces come
+// from joined lines.
 TEST(WordsTest, NoMessageHasWhatATranslatorCannotSee) {
   for (Language each : kLanguages) {
     for (const Message& m : MessagesOf(each)) {

@@ -260,7 +260,8 @@ TEST_F(PgDbTest, ATransactionIsAllOrNothing) {
   EXPECT_EQ(q.Int(0), 3);
 }
 
-// Each reads what the other changes: one after the other is the only way, so that one must go again.
+// Each reads what the other changes: one after the other is the only way, so that one must go
+// again.
 TEST_F(PgDbTest, TransactionsThatMeetEndWithOneToRepeat) {
   ASSERT_TRUE(db_->Exec("CREATE TABLE t (id bigint PRIMARY KEY, n bigint);"
                         "INSERT INTO t VALUES (1, 0), (2, 0)")

@@ -58,7 +58,8 @@ TEST(MessagesTest, CodesOfALaterServerStayErrors) {
   EXPECT_EQ(ToStatus(UnsupportedError()).code(), Code::kVersion);
 }
 
-// What a server says is printed on a terminal: it may not clear it, colour it or write over other lines.
+// What a server says is printed on a terminal: it may not clear it, colour it or write over other
+// lines.
 TEST(MessagesTest, AnErrorsTextIsShownAndNotObeyed) {
   wire::Error error;
   error.set_code("conflict");

@@ -4,9 +4,10 @@
 
 #include <chrono>
 
-// Compared with what AWS publishes: the examples of the S3 API Reference ("Signature Calculations for
-// the Authorization Header: Transferring Payload in a Single Chunk") and the suite of test vectors that
-// AWS's own signers are tested with (aws-c-auth, tests/aws-signing-test-suite/v4, headers).
+// Compared with what AWS publishes: the examples of the S3 API Reference ("Signature Calculations
+// for the Authorization Header: Transferring Payload in a Single Chunk") and the suite of test
+// vectors that AWS's own signers are tested with (aws-c-auth, tests/aws-signing-test-suite/v4,
+// headers).
 namespace enamel::s3 {
 namespace {
 

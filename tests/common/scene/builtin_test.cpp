@@ -72,8 +72,8 @@ TEST_P(BuiltinSceneTest, ExercisesReadBackAndCompileForAPapersDevice) {
   }
 }
 
-// What a tooth has that can be harmed, its rubrics ask for, whatever the exercise; and no exercise has
-// a second hole beside its task for little. An access cavity is there to open the pulp.
+// What a tooth has that can be harmed, its rubrics ask for, whatever the exercise; and no exercise
+// has a second hole beside its task for little. An access cavity is there to open the pulp.
 TEST_P(BuiltinSceneTest, EveryRubricAsksForWhatTheToothCanLose) {
   const Scene& scene = built_.scene;
   const auto has = [&](Tissue tissue) {
@@ -214,7 +214,8 @@ TEST(BuiltinTest, MemoryThatHoldsNoVoxelAtAllIsSaidSo) {
   EXPECT_NE(refused.status().message().find("no voxel"), std::string::npos);
 }
 
-// Practice has gentle touch cues; graded work has none unless somebody writes an exercise that does.
+// Practice has gentle touch cues; graded work has none unless somebody writes an exercise that
+// does.
 TEST(BuiltinExercisesTest, PracticeHasTouchCuesAndGradedWorkHasNone) {
   bool practice = false, graded = false;
   for (const char* name : {"block", "molar-class-2"}) {

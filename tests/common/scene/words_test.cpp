@@ -114,8 +114,8 @@ TEST(WordsTest, OfACrownAreItsStumpsNumbers) {
   }
 }
 
-// Of every tooth that is built in, of the same teeth as somebody's scans, where only the landmarks are
-// known, and of a prepared tooth.
+// Of every tooth that is built in, of the same teeth as somebody's scans, where only the landmarks
+// are known, and of a prepared tooth.
 std::vector<Exercise> EveryKindOfExercise() {
   std::vector<Exercise> out;
   for (const std::string& name : BuiltinSceneNames()) {

@@ -79,9 +79,9 @@ const Deduction* Of(const std::vector<Deduction>& all, std::string_view criterio
   return nullptr;
 }
 
-// Stroke 1 is all that was cut as asked for. Stroke 2 takes 0.3 mm too much of the mesial wall, over
-// 1.4 mm from the floor up; stroke 3 goes along it 0.1 mm deeper still; stroke 4 drills a hole where
-// nothing was asked for.
+// Stroke 1 is all that was cut as asked for. Stroke 2 takes 0.3 mm too much of the mesial wall,
+// over 1.4 mm from the floor up; stroke 3 goes along it 0.1 mm deeper still; stroke 4 drills a hole
+// where nothing was asked for.
 class DeductionsTest : public testing::Test {
  protected:
   DeductionsTest()

@@ -11,8 +11,8 @@
 #include "common/scoring/task.h"
 #include "tests/common/scoring/synthetic_cavity.h"
 
-// A box of 3 x 2.4 mm and 2 mm depth in a flat block, its line angles round and its walls leaning, in
-// closed form.
+// A box of 3 x 2.4 mm and 2 mm depth in a flat block, its line angles round and its walls leaning,
+// in closed form.
 namespace enamel::scoring {
 namespace {
 
@@ -95,7 +95,8 @@ double Solid_mm3(const cutting::Volume& volume) {
   return cutting::SolidVolume_m3(volume)[static_cast<size_t>(cutting::Tissue::kDentin)] * 1e9;
 }
 
-// What rounds of this radius leave of the box: at every height a rectangle that is smaller all around.
+// What rounds of this radius leave of the box: at every height a rectangle that is smaller all
+// around.
 double LeftByRounds_mm3(double radius_mm) {
   double sum = 0;
   constexpr int kSteps = 2000;

@@ -52,7 +52,8 @@ TEST(PathAlignTest, InTimeThePathSaysWhichMomentIsWhich) {
   EXPECT_EQ(mean.path.back(), std::make_pair(static_cast<uint32_t>(paths.attempt.size() - 1),
                                              static_cast<uint32_t>(paths.reference.size() - 1)));
   EXPECT_NEAR(AlignForces(paths).mean_cost, 0, 1e-12);
-  // The band ends at a tenth: the middle of the slow leg meets the reference's at most that far off.
+  // The band ends at a tenth: the middle of the slow leg meets the reference's at most that far
+  // off.
   EXPECT_GT(mean.mean_cost, 0);
   EXPECT_LE(AlignPoses(paths, Pairing::kWorst).worst_cost, mean.worst_cost);
 }

@@ -128,8 +128,8 @@ TEST(ProcessRecorderTest, ARecordingAloneGivesTheSamplesOfTheReplay) {
   EXPECT_EQ(replayed.anchor_path_m(), recorded.anchor_path_m());
 }
 
-// Pressing from 0.1 to 0.3 s, from 0.5 to 0.7 s with a hop of 5 ms, and from 0.9 to 0.95 s; the first
-// and the last cut.
+// Pressing from 0.1 to 0.3 s, from 0.5 to 0.7 s with a hop of 5 ms, and from 0.9 to 0.95 s; the
+// first and the last cut.
 TEST(ProcessRecorderTest, ContactsStrokesAndIdleTimeAreCountedAsPeopleCountThem) {
   ProcessRecorder recorder(SomeParams());
   for (int i = 0; i < 1200; ++i) {
@@ -162,7 +162,8 @@ TEST(ProcessRecorderTest, AngulationIsTheBursAxisAgainstTheTooths) {
   EXPECT_NEAR(*recorder.angulation_mean_deg(), 0.6 * 10 + 0.4 * 130, 0.3) << "50 ms run on";
 }
 
-// 2 N against a hand that moves 3 mm on, then none as it comes back, then 1 N that pushes it 1.5 mm.
+// 2 N against a hand that moves 3 mm on, then none as it comes back, then 1 N that pushes it 1.5
+// mm.
 TEST(ProcessRecorderTest, ImpulseAndWorkAreThoseOfAKnownPush) {
   ProcessRecorder recorder(SomeParams());
   int count = 0;
@@ -195,7 +196,8 @@ TEST(ProcessRecorderTest, TheForcesRateIsThatOfARamp) {
     core::CoreParams params = SomeParams();
     params.rate_hz = rate;
     ProcessRecorder recorder(params);
-    // Up by 1 N in 0.1 s and down in 0.2 s, over and over: 10 N/s, and 5 N/s two thirds of the time.
+    // Up by 1 N in 0.1 s and down in 0.2 s, over and over: 10 N/s, and 5 N/s two thirds of the
+    // time.
     const auto period = static_cast<int>(rate * 3 / 10);
     for (int i = 0; i < 20 * period; ++i) {
       const double t = i % period / static_cast<double>(rate);

@@ -122,7 +122,8 @@ TEST(ApplyRubricTest, AdviceNamesTheMomentAndTheStrokeThatTookMost) {
   EXPECT_EQ(r.deductions.size(), 1u);
 }
 
-// No stroke could have been left out where none took half, or where one lasts for a third of the attempt.
+// No stroke could have been left out where none took half, or where one lasts for a third of the
+// attempt.
 TEST(ApplyRubricTest, AdviceNamesAMomentWhereNoOneStrokeIsToBlame) {
   Deduction shared = WallTooDeep(), lasting = WallTooDeep();
   shared.strokes_m3 = 2e-9;
