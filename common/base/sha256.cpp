@@ -6,7 +6,7 @@
 
 namespace enamel {
 
-// Behind a pointer, so that who hashes need not see libsodium's header.
+// Behind a pointer, so that users of the header need not see libsodium's.
 struct Sha256Stream::State {
   crypto_hash_sha256_state sodium;
 };

@@ -10,8 +10,8 @@ using std::chrono::nanoseconds;
 using std::chrono::steady_clock;
 using std::chrono::system_clock;
 
-// What the followed clock is before the steady one; kNone: the system's is asked. One number, so
-// that who reads it never meets half of a change.
+// The followed clock less the steady one; kNone: use the system's. One number, so that a reader
+// never meets half of a change.
 constexpr int64_t kNone = std::numeric_limits<int64_t>::min();
 std::atomic<int64_t> before_steady_ns{kNone};
 

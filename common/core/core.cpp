@@ -11,8 +11,8 @@ using cutting::kTissueCount;
 using cutting::Pose;
 
 // A point's share of area falls from 1 to 0 over half a voxel (engagement.h): a reading this old is
-// off by a quarter of it at most. What reading in every tick cost: cutting/README.md. Another value
-// moves forces, and so the golden recordings (tests/common/trace/golden_test.cpp).
+// off by a quarter of it at most. cutting/README.md has the cost of reading in every tick. Another
+// value moves forces, and so the golden recordings (tests/common/trace/golden_test.cpp).
 constexpr double kSampleVoxels = 1.0 / 8;
 // 8 KiB a tick. More would show a difference sooner and cost each tick more; it is part of what the
 // hash means, so another number is another core version.
@@ -175,7 +175,7 @@ class Core::TurnedMaterial final : public haptics::TurnMaterial {
     const double turn = std::sqrt(Dot(turn_rad, turn_rad));
     const double voxel = core_.volume_.spec().voxel_m();
     haptics::TurnContact contact;
-    // What a turn sweeps lies within the bur's own reach.
+    // The turn's sweep is within the bur's own reach.
     if (!core_.cutter_.AnySolidNear(pose, turn * core_.reach_m_ + voxel)) {
       contact.clear_rad = turn;
       core_.sample_valid_ = false;

@@ -15,8 +15,8 @@ bool Core::VisitState(StateArchive& archive) {
   if (torque_) turning_.VisitState(archive);
   cutter_.VisitState(archive);
   engagement_.VisitState(archive);
-  // Of the ring only the bricks that wait, from the front.
-  // Their order is state: it says which eight the next tick hashes.
+  // Of the ring, only the waiting bricks, from the front. Their order is state: it decides which
+  // eight the next tick hashes.
   const size_t capacity = dirty_ring_.size();
   std::vector<int32_t> waiting(dirty_count_);
   for (size_t i = 0; i < dirty_count_; ++i) {

@@ -91,8 +91,9 @@ Cutter::Cutter(Volume& volume, const Bur& bur)
         : volume.UniformTissue(b) == Tissue::kAir ? kPhiLimit
                                                   : static_cast<int16_t>(-kPhiLimit);
   }
-  // What meets a cut's box at most, for any orientation: the box is no longer than the diagonal of
-  // the body plus the band, and a length of L brick sides meets at most floor(L) + 2 bricks.
+  // The most bricks that a cut's box meets, for any orientation: the box is no longer than the
+  // diagonal of the body plus the band, and a length of L brick sides meets at most floor(L) + 2
+  // bricks.
   double reach =
       2 * std::sqrt(bur.radius_m * bur.radius_m + 0.25 * bur.height_m() * bur.height_m()) +
       2 * kSolidBandVoxels * voxel_m_;

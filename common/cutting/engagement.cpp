@@ -10,8 +10,8 @@ dvec3 Unit(const dvec3& v) noexcept {
   return length > 0 ? v / length : dvec3(0);
 }
 
-// No source is recorded for these numbers. What they have to hold together: a bur that is drawn
-// back meets nothing (EngagementTest.BurDrawnUpItsAxisMeetsNothingAtAnyDepth,
+// No source is recorded for these numbers. They must satisfy two tests: a bur that is drawn back
+// meets nothing (EngagementTest.BurDrawnUpItsAxisMeetsNothingAtAnyDepth,
 // qualify/withdrawal_test.cpp), and a bur in its seat meets the integral over its front within some
 // per cent (EngagementTest). Change one, and run these; the golden recordings move as well.
 constexpr double kReach = 0.5;  // voxels

@@ -85,7 +85,7 @@ haptics::CouplingParams CouplingOf(const Device& d) {
   return p;
 }
 
-// What is felt during tick k was computed `delay_ticks` earlier.
+// The force felt during tick k was computed `delay_ticks` earlier.
 Run RunOf(const Device& d, const Tissue& tissue, const Way& way, size_t ticks) {
   haptics::Coupling coupling(CouplingOf(d));
   haptics::UniformMaterial material(Sym3::Isotropic(tissue.b_n_s_per_m));

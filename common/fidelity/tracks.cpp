@@ -21,7 +21,7 @@ double MinimumJerkRate(double u) {
 }
 
 dvec3 OracleStep(const dvec3& before, const dvec3& wanted, double rise, double peak) {
-  // Of the length alone: the spring's energy F^2 / 2 Kc does not care which way it points.
+  // Bounds the length alone: the spring's energy F^2 / 2 Kc does not depend on its direction.
   double most = std::min(glm::length(before) + rise, peak), length = glm::length(wanted);
   return length > most ? wanted * (most / length) : wanted;
 }

@@ -24,7 +24,7 @@ void Limit(__rlimit_resource what, rlim_t value) {
   setrlimit(what, &limit);
 }
 
-// What is not named here is allowed.
+// Calls that are not named here are allowed.
 const std::vector<unsigned> kForbidden = {
 #ifdef SYS_open
     SYS_open,

@@ -29,7 +29,7 @@ namespace {
 using cutting::Tissue;
 
 constexpr int32_t kFinestVoxel_nm = 10'000, kCoarsestVoxel_nm = 500'000;
-// Of a grid with every brick stored; a tooth stores only those at its surface or between tissues.
+// For a grid with every brick stored; a tooth stores only those at its surface or between tissues.
 constexpr size_t kMaxGridBytes = size_t{3} << 30;
 constexpr double kPulpBelowFossa_mm =
     2.9;  // roof of the chamber below the central fossa, assumption

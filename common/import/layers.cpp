@@ -18,7 +18,7 @@ constexpr double kLargestCapShare = 0.47;  // the caps of a dome lie within the 
 // centimetre for a millimetre it does not.
 constexpr double kMostTimesLarger = 30;
 constexpr int kNestingSamples = 16;  // along an axis
-// What holds the lengths and cosines from here on: shells with known gaps and crossings
+// Tests hold the lengths and cosines from here on: shells with known gaps and crossings
 // (layers_test.cpp), and a scanned crown with 0.02 mm of noise, which folds its surfaces
 // (RealCrownTest.NoisySurfaces...).
 constexpr double kLook_mm = 0.5;      // how far apart surfaces are still measured

@@ -8,8 +8,8 @@ namespace {
 
 using cutting::Tissue;
 
-// Assumptions (tissues.h). What has to come of them: a class I cavity meets enamel first and keeps
-// clear of the pulp (RealCrownTest.ClassOneCavityOnAMolar...).
+// Assumptions (tissues.h). They must give a class I cavity that meets enamel first and keeps clear
+// of the pulp (RealCrownTest.ClassOneCavityOnAMolar...).
 constexpr double kCell_mm = 0.25;
 constexpr int kMaxCells = 96;        // along an axis
 constexpr double kOutside_mm = 1.0;  // depths beyond this above the surface are cut off

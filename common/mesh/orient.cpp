@@ -21,8 +21,8 @@ constexpr double kHollowFrom_mm = 0.1;  // the hull of kDirections is no finer
 constexpr double kShallow_mm = 0.01;    // mean depth at which hollows count by half
 constexpr double kWeak = 0.1;
 constexpr double kFavourY = 0.3;
-// Of the seven real crowns six come out at 0.40 or more; the canine, a guess, at 0.17. The other
-// numbers here are held by the same crowns (RealCrownTest: all within 10 degrees).
+// Six of the seven real crowns come out at 0.40 or more; the canine, a guess, at 0.17. The same
+// crowns hold the other numbers here (RealCrownTest: all within 10 degrees).
 constexpr double kCertainMargin = 0.2;
 constexpr double kAcross = 0.85;
 constexpr double kAskew = 0.88;  // 28 degrees from the nearest axis

@@ -69,7 +69,7 @@ bool EdgesMeet(const Facet& f, const Facet& other, unsigned edges) {
 
 bool Cross(const Facet& l, const Facet& r) { return EdgesMeet(l, r, 7) || EdgesMeet(r, l, 7); }
 
-// Of triangles with one common corner only the edges across from it can pass through the other;
+// Of triangles with one common corner, only the edges across from it can pass through the other;
 // neighbours over an edge do not cross.
 bool Cross(const Triangles& mesh, uint32_t l, uint32_t r) {
   const auto &s = mesh.indices[l], &t = mesh.indices[r];

@@ -9,7 +9,7 @@ namespace enamel::mesh {
 namespace {
 
 constexpr double kSmallest_mm = 3, kLargest_mm = 40;
-// What a file has rounded must not make 40.0000 mm too large.
+// A file's rounding must not make 40.0000 mm too large.
 constexpr double kRounding = 1e-5;  // of coordinates in a file
 constexpr double kCoarsest_mm = 5e-3;
 

@@ -22,7 +22,7 @@ namespace ssl = asio::ssl;
 using asio::ip::tcp;
 using boost::system::error_code;
 
-// What the certificate check saw, for the message.
+// The findings of the certificate check, for the message.
 struct Pin {
   Sha256 expected;
   std::optional<Sha256> found;
@@ -128,7 +128,7 @@ struct FrameClient::Impl {
   bool RunUntil(Ready ready, std::chrono::steady_clock::time_point deadline) {
     // A context that ran out of work stays stopped until it is restarted.
     io.restart();
-    // What can be done at once is done even when the deadline has passed.
+    // Work that can be done at once is done even after the deadline.
     while (!cancelled && !ready() && io.poll_one() > 0) {
     }
     while (!cancelled && !ready()) {
@@ -263,7 +263,7 @@ Result<Bytes> FrameClient::Receive(Duration timeout) {
   i.StartRead();
   auto settled = [&] { return i.reader.done() || i.read_error || !i.refusal.ok(); };
   bool in_time = i.RunUntil(settled, std::chrono::steady_clock::now() + timeout);
-  // Also when time ran out or Cancel came meanwhile: a whole message is not thrown away.
+  // Even after the deadline or Cancel: a whole message is not thrown away.
   if (i.reader.done()) return i.reader.Take();
   if (!in_time) {
     if (i.cancelled) return Cancelled();

@@ -7,7 +7,7 @@
 namespace enamel::sql {
 namespace {
 
-// Of every 5.x since PostgreSQL 8.2; what is asked of it here is in all since 14.
+// The name of every 5.x since PostgreSQL 8.2; all since 14 have the functions used here.
 constexpr char kLibrary[] = "libpq.so.5";
 
 Result<Libpq> Load() {

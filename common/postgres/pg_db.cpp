@@ -62,7 +62,7 @@ PgFailure::Kind PgKindOf(const std::string& state) {
   const std::string family = state.substr(0, 2);
   if (state == "23505") return Kind::kTaken;
   if (family == "23") return Kind::kConstraint;
-  // What a trigger of ours refuses.
+  // The refusal of one of our triggers.
   if (state == "P0001") return Kind::kConstraint;
   if (state == "40001" || state == "40P01") return Kind::kRepeat;
   if (state == "25006") return Kind::kReadOnly;
@@ -113,10 +113,9 @@ Status PgDb::Connect() {
   set_up_ = false;
   failure_ = {};
   if (handle_ == nullptr) {
-    // What stands before dbname is a default, which the server's own words replace; what stands
-    // after it is not. A host that does not answer is found within seconds, not when TCP gives up.
-    // Who only reads does so at the primary too: a standby may not have yet what was just
-    // committed.
+    // Keywords before dbname are defaults, which the server's own words replace; keywords after it
+    // are not. A host that does not answer is found within seconds, not when TCP gives up. A
+    // read-only connection also goes to the primary: a standby may lack the newest commits.
     const char* const names[] = {
         "connect_timeout", "tcp_user_timeout", "keepalives_idle",           "target_session_attrs",
         "dbname",          "client_encoding",  "fallback_application_name", nullptr};
@@ -148,7 +147,7 @@ Status PgDb::SetUp() {
                     // "off" and "local" could lose what the server has confirmed to a station.
                     "SELECT set_config('synchronous_commit', 'on', false) WHERE "
                     "current_setting('synchronous_commit') IN ('off', 'local'); ";
-  // Who only reads, reads statement by statement, as in SQLite; there is nothing to repeat for it.
+  // A reader reads statement by statement, as in SQLite; it never has to repeat.
   sql += options_.read_only ? "SET default_transaction_read_only = on; "
                             : "SET default_transaction_isolation = 'serializable'; ";
   if (!options_.schema.empty()) sql += "SET search_path = " + Quoted(options_.schema) + "; ";
@@ -160,8 +159,8 @@ Status PgDb::SetUp() {
   counts_ = looked.ok() && pq_.ntuples(there) == 1;
   pq_.clear(there);
   ENAMEL_RETURN_IF_ERROR(looked);
-  // What a program that was killed has left is nobody's after a day. That another removes it at the
-  // same moment is no failure.
+  // After a day, the row of a killed program belongs to nobody. If another connection removes it at
+  // the same moment, that is no failure.
   if (counts_) {
     pq_.clear(pq_.exec(handle_, "DELETE FROM enamel_commits WHERE at < now() - interval '1 day'"));
     ENAMEL_RETURN_IF_ERROR(PrepareCount());
@@ -315,7 +314,7 @@ Status PgDb::RunAndCommit(std::span<Change* const> changes, bool& ran) {
     for (Change* change : changes) change->rows = 0;
     // The end of a connection may arrive after its error message.
     if (!refused || !set_up_ || pq_.status(handle_) != CONNECTION_OK) {
-      // What was sent may have been done to its end, whoever hears it.
+      // The server may have done all that was sent, even if its answer is lost.
       ran = true;
       failure_.kind = Kind::kNotThere;
       must_repeat_ = true;
@@ -377,7 +376,7 @@ Result<bool> PgDb::WasKept(uint64_t number) {
 // holds the row, or the key of a row that does not exist yet, so this waits for it.
 Result<uint64_t> PgDb::CountKept() {
   ENAMEL_RETURN_IF_ERROR(BeThere());
-  // What is left of a connection that was not lost after all.
+  // Ends the transaction of a connection that was not lost after all.
   Rollback();
   // Not Begin, which counts.
   ENAMEL_RETURN_IF_ERROR(Exec("BEGIN ISOLATION LEVEL READ COMMITTED"));
@@ -476,7 +475,7 @@ Result<std::optional<int64_t>> PgDb::ClockMs() {
 }
 
 Result<Standby> PgDb::StandbyOf() {
-  // Who may not see the details sees that there is a row, without them.
+  // A user without rights to the details sees the row without them.
   Query q(*this,
           "SELECT count(*), count(sync_state), count(*) FILTER (WHERE sync_state IN ('sync', "
           "'quorum')), current_setting('synchronous_standby_names') FROM pg_stat_replication");

@@ -13,8 +13,7 @@ struct pg_conn;
 struct pg_result;
 
 // The driver for PostgreSQL 15 (https://www.postgresql.org/docs/15): server/storage connects with
-// it. Nothing else in the tree includes libpq's header, and the library is opened when the first
-// connection is.
+// it. Nothing else in the tree includes libpq's header, and the first connection opens the library.
 namespace enamel::sql {
 
 class PgStatement;
@@ -52,9 +51,9 @@ struct PgDbOptions {
   // "public".
   std::string schema{};
   bool read_only = false;
-  // Whose tables these are; another program's database is refused (kVersion).
+  // The program that owns these tables; another program's database is refused (kVersion).
   std::string application{};
-  // Asked before each statement that may write; true: it fails. For tests.
+  // Called before each statement that may write; true: the statement fails. For tests.
   std::function<bool()> fail_next{};
   // How long to try to learn whether a COMMIT was kept. A standby is promoted within this time or
   // not.
@@ -110,7 +109,7 @@ class PgDb final : public Db {
   Status Migrate(const std::vector<Migration>& migrations) override;
   bool damaged() const override { return damaged_; }
   std::string JsonMember(const std::string& column, const std::string& member) const override;
-  // Nothing: what is deleted stays in PostgreSQL's files until Rewrite.
+  // Does nothing: deleted data stays in PostgreSQL's files until Rewrite.
   Status OverwriteDeleted(bool) override { return Status::Ok(); }
   // VACUUM FULL, which locks each table while it is written; then a checkpoint and a new file of
   // the log, as far as the user may request them. Archived logs, and a standby's, are older than
@@ -133,7 +132,7 @@ class PgDb final : public Db {
   Status PrepareCount();
   // On the current connection, without replacing it.
   Status Run(const char* sql);
-  // Whether it can be asked: it is not lost, and all of SetUp was done on it.
+  // Whether the connection can be used: it is not lost, and all of SetUp was done on it.
   bool IsThere() const;
   // Connects again where the connection is lost, or was not fully set up, and no transaction is
   // open.
@@ -141,9 +140,9 @@ class PgDb final : public Db {
   // Whether to repeat a failed statement on a new connection: the old one had ended since its last
   // use, as after a failover, and only that statement is lost with it.
   bool IsThereAgain();
-  // A COMMIT that was sent, and how it was answered.
+  // A COMMIT that was sent, and its answer.
   Status Ended(Status done);
-  // Up to the end of what was sent; afterwards one statement at a time again.
+  // Reads to the end of what was sent; then one statement at a time again.
   void LeavePipeline();
   int64_t RowsOf(const pg_result* result) const;  // that a statement changed
   // Whether the transaction that counted itself `number` was kept. Errors: kUnavailable (the server

@@ -51,8 +51,8 @@ uint64_t Unsigned(ByteView bytes) {
   return out;
 }
 
-// What sum and avg over integers give: digits to the base of 10 000 (numeric_send in PostgreSQL's
-// numeric.c): how many, weight of the first, sign, decimal places, digits.
+// The result of sum and avg over integers: digits to the base of 10 000 (numeric_send in
+// PostgreSQL's numeric.c): their number, weight of the first, sign, decimal places, digits.
 double NumericValue(ByteView bytes) {
   auto word = [&](size_t i) { return static_cast<int16_t>(Unsigned(bytes.subspan(2 * i, 2))); };
   if (bytes.size() < 8) return 0;
@@ -171,7 +171,7 @@ Status PgStatement::Execute() {
     Forget();
     return failed;
   }
-  // Of a SELECT it is the number of its rows, which are no changes.
+  // For a SELECT this is the number of its rows, which are no changes.
   if (status == PGRES_COMMAND_OK) db_.changes_ = db_.RowsOf(result_);
   return Status::Ok();
 }

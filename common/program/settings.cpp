@@ -105,7 +105,7 @@ size_t EndOfQuotes(std::string_view text, size_t at) {
 }
 
 // The first character beyond ASCII outside of quotes and comments, where TOML has none; npos: there
-// is none. Asked before the parser, whose behaviour with some of them is undefined (toml++ 3.1).
+// is none. Called before the parser, whose behaviour with some of them is undefined (toml++ 3.1).
 size_t StrayCharacter(std::string_view text) {
   for (size_t at = text.starts_with("\xef\xbb\xbf") ? 3 : 0; at < text.size();) {
     const char c = text[at];

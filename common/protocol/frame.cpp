@@ -6,7 +6,7 @@
 namespace enamel::protocol {
 namespace {
 
-// What may be asked for before it has arrived: a length that lies costs 64 KiB and no more.
+// The most memory taken before the bytes arrive: a false length costs 64 KiB and no more.
 constexpr size_t kStep = size_t{64} << 10;
 
 Status TooLong(size_t size, size_t limit) {
@@ -44,7 +44,7 @@ Status FrameReader::Resume(size_t n) {
     ENAMEL_CHECK(n <= message_.size() - have_);
     have_ += n;
   }
-  // Of an empty message with its header's last byte.
+  // An empty message is done with its header's last byte.
   done_ = have_ == size_;
   return Status::Ok();
 }

@@ -20,7 +20,7 @@ std::string OneLine(std::string_view text) {
   return line.substr(from, line.find_last_not_of(' ') - from + 1);
 }
 
-// The first `most` characters; a byte that is none counts as one.
+// The first `most` characters; an invalid byte counts as one.
 std::string_view FirstCharacters(std::string_view text, size_t most) {
   std::string_view rest = text;
   for (size_t i = 0; i < most && !rest.empty(); ++i) {

@@ -7,7 +7,8 @@
 namespace enamel::s3 {
 namespace {
 
-// Of every 7.x and 8.x; what is asked of it here is in all since 7.85 (CURLOPT_PROTOCOLS_STR).
+// The name of every 7.x and 8.x; all since 7.85 have the functions used here
+// (CURLOPT_PROTOCOLS_STR).
 constexpr char kLibrary[] = "libcurl.so.4";
 
 Result<Libcurl> Load() {

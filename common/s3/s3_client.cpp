@@ -126,7 +126,7 @@ struct S3Client::Answer {
     auto& answer = *static_cast<Answer*>(to);
     const size_t size = one * count;
     answer.curl->easy_getinfo(answer.handle, CURLINFO_RESPONSE_CODE, &answer.status);
-    // Of a refusal its beginning is enough.
+    // The beginning of a refusal is enough.
     const bool refusal = answer.status >= 300;
     const size_t most = refusal ? kMaxRefusalBytes : answer.most;
     const size_t taken = std::min(size, most - std::min(most, answer.body.size()));

@@ -32,7 +32,7 @@ Result<pugi::xml_node> ReadRoot(std::string_view document, pugi::xml_document& t
   if (document.size() > kMaxXmlBytes) return Bad("more than 4 MiB");
   if (!IsUtf8(document)) return Bad("bytes that are no UTF-8");
   if (std::ranges::any_of(document, IsControl)) return Bad("a control character");
-  // A key may be one space. A document type is passed over, so it defines no entities.
+  // A key may be one space. Document types are ignored, so they define no entities.
   const auto parsed =
       tree.load_buffer(document.data(), document.size(),
                        pugi::parse_default | pugi::parse_ws_pcdata_single, pugi::encoding_utf8);
@@ -42,7 +42,7 @@ Result<pugi::xml_node> ReadRoot(std::string_view document, pugi::xml_document& t
   return tree.document_element();
 }
 
-// The text of a child, empty where there is none. A number may stand for half a character.
+// The text of a child, empty where there is none. A character reference may be half a character.
 Result<std::string> TextOf(pugi::xml_node node, const char* child) {
   std::string text = node.child_value(child);
   if (text.size() > kMaxXmlText) return Bad(std::string(child) + " of more than 8192 bytes");

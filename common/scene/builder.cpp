@@ -39,7 +39,7 @@ size_t InBrick(int x, int y, int z) {
 
 int16_t ToPhi(double distance_m, double voxel_m) {
   double phi = distance_m / voxel_m * cutting::kPhiPerVoxel;
-  // What is not a number is air.
+  // NaN counts as air.
   if (!(phi < kPhiLimit)) return kPhiLimit;
   if (!(phi > -kPhiLimit)) return -kPhiLimit;
   return static_cast<int16_t>(std::lround(phi));

@@ -15,7 +15,7 @@ using cutting::Volume;
 constexpr double kDegrees = 180 / 3.14159265358979323846;
 constexpr int kPlaces = 72;
 constexpr int kSections = 8, kHalfPlanes = 2 * kSections;
-// Of 5 degrees: a turn is 72 of them, so that no libm decides where is looked.
+// Of 5 degrees: a turn is 72 of them, so that the directions do not depend on libm.
 constexpr double kCosStep = 0.99619469809174553, kSinStep = 0.08715574274765817;
 // And of 22.5: between every other half plane and the one before, which is one of the places.
 constexpr double kCosBetween = 0.92387953251128674, kSinBetween = 0.38268343236508977;
@@ -115,7 +115,7 @@ class Profile {
   const double step_m_;
 };
 
-// What the reference fixes at one place around the axis.
+// The reference's finish line at one place around the axis.
 struct Place {
   double line_z_m = 0;  // of the finish line
   double outer_m = 0;   // the tooth's side there, from the axis
@@ -128,7 +128,7 @@ double Median(std::vector<double> values) {
                    values.end());
   return values[middle];
 }
-// What 95 % of the values exceed.
+// The value that 95 % of the values exceed.
 double LeastOfMost(std::vector<double> values) {
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());
@@ -272,8 +272,8 @@ std::optional<Stretch> BevelOf(const Profile& profile, const Direction& d, doubl
   }
   if (!(run > 0)) return std::nullopt;
   const double slope = rise / run;
-  // What begins on the bevel and ends on the table counts to about half, what begins on the wall
-  // does not at all.
+  // Steps that begin on the bevel and end on the table count to about half; steps that begin on the
+  // wall do not count.
   const double width = (run + 0.5 * kBase * step) * std::sqrt(1 + slope * slope);
   if (width < kLeastBevel_m) return std::nullopt;
   return Stretch{width, slope};

@@ -37,7 +37,7 @@ constexpr uint32_t kWalls = Bit(kMesial) | Bit(kDistal) | Bit(kBuccal) | Bit(kLi
 constexpr uint32_t kSound = Bit(Tissue::kEnamel) | Bit(Tissue::kDentin);
 
 enum Side : uint8_t { kOver = 1, kLeft = 2, kBoth = 3 };
-// Of what was left: farther from the reference's cut than a wall is short.
+// kStanding, of tissue left: farther from the reference's cut than a wall is short.
 enum class Where : uint8_t { kAnywhere, kNear, kElsewhere, kStanding };
 
 // The faults that a metric is about.
@@ -110,8 +110,8 @@ struct Fault {
   bool left = false;
   Tissue tissue = Tissue::kAir;
   Part part = kNoPart;
-  // Within the leeway of the reference's cut, and farther than TaskVolumes::kStanding_m: where
-  // somebody asks.
+  // Within the leeway of the reference's cut, and farther than TaskVolumes::kStanding_m: computed
+  // on demand.
   std::optional<bool> near, standing;
   std::optional<uint32_t> tick;
 };
@@ -211,7 +211,7 @@ class Gatherer {
   const std::vector<Stroke>& strokes_;
   const uint64_t bin_ticks_;
   const WorstPlace* own_;
-  // What a stroke took within kBin_s and within a brick.
+  // The part of a stroke within kBin_s and within a brick.
   struct StrokePart {
     uint32_t number = 0;
     uint64_t first_tick = UINT64_MAX;
@@ -372,7 +372,7 @@ std::vector<Deduction> FindDeductions(const scene::Scene& scene, const scene::Ca
   std::vector<Deduction> out;
   for (size_t i = 0; i < gatherers.size(); ++i) {
     const Gatherer& g = gatherers[i];
-    // Of the two of a place, the one for what was taken is there where both are empty.
+    // Where both deductions of a place are empty, the one for too much taken is kept.
     const bool bare =
         i + 1 < gatherers.size() && g.IsPairOf(gatherers[i + 1]) && gatherers[i + 1].empty();
     if (!g.empty() || bare) out.push_back(g.Finish(*inputs.attempt, *inputs.strokes));

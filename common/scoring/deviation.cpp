@@ -16,7 +16,7 @@ using cutting::Volume;
 constexpr double kCutVoxels = 0.1;
 constexpr double kFacing = 0.9;
 constexpr double kLineStepVoxels = 0.5;
-// Positions are single precision: 0.5 nm at 5 mm. Less than this is none.
+// Positions are single precision: 0.5 nm at 5 mm. A smaller distance counts as 0.
 constexpr double kPositionResolution_m = 1e-9;
 
 // Nearly all distances are smaller than this.
@@ -31,7 +31,7 @@ class DistanceFrom {
   // Requires: a point between lo_m and hi_m.
   double Distance_m(const dvec3& point_m, double limit_m) {
     const double usual = around_.Distance_m(point_m, std::min(limit_m, kUsual_m));
-    // What lies nearer than kUsual_m meets the box.
+    // A triangle nearer than kUsual_m meets the box.
     if (usual < kUsual_m || limit_m <= kUsual_m) return usual;
     if (!all_) all_.emplace(mesh_);
     return all_->Distance_m(point_m, limit_m);

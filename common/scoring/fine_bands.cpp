@@ -15,7 +15,7 @@ constexpr std::pair<const char*, double> kInVoxels[] = {{"neighbour_depth_mm", 0
                                                         {"outline_over_mm", 1},
                                                         {"outline_short_mm", 1}};
 
-// Of the way of the tool, which no voxel moves.
+// Metrics of the tool's way, which do not depend on voxels.
 bool IsOfTheMotion(const std::string& metric) {
   return metric.starts_with("path_") || metric.starts_with("dtw_") ||
          metric.starts_with("frechet_");

@@ -93,8 +93,8 @@ bool Has(const Volume& volume, Tissue tissue) {
   return false;
 }
 
-// What depends on the tissues that the tooth has; `cover`: also how near to pulp and how deep into
-// a neighbour, which takes longer.
+// The metrics of the tooth's tissues; `cover`: also the distance to pulp and the depth in a
+// neighbour, which take longer.
 void MeasureTissues(const AttemptData& attempt, const Side& side, bool cover, Measured& m) {
   m.has_pulp = Has(*attempt.initial, Tissue::kPulp);
   m.has_neighbour = Has(*attempt.initial, Tissue::kNeighbour);

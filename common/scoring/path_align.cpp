@@ -36,7 +36,7 @@ PathPair ByTime(const std::vector<PathSample>& attempt, const std::vector<PathSa
   return {Resample(attempt, stride), Resample(reference, stride)};
 }
 
-// At 0, step, 2 step, ... of the way. A jump after a gap has no way and is passed over.
+// At 0, step, 2 step, ... of the way. A jump after a gap has no way and is left out.
 std::vector<PathSample> EveryWay(const std::vector<PathSample>& samples, double step_m) {
   std::vector<PathSample> out;
   size_t next = 1;

@@ -112,7 +112,7 @@ void ProcessRecorder::AddWitness(const core::TickInput& input, const core::TickW
 
   const bool broken = ticks_ == 0 || (witness.flags & core::kAnchorReset) != 0;
   impulse_n_s_ += magnitude / rate_hz_;
-  // Of what the device read: the hand's way, which the force was sent against.
+  // From the device's reading: the hand's way, against which the force was sent.
   const dvec3 tip(input.counts[0] * resolution_m_.x, input.counts[1] * resolution_m_.y,
                   input.counts[2] * resolution_m_.z);
   if (!broken) work_j_ -= Dot(last_force_n_, tip - last_tip_m_);

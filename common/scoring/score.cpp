@@ -82,7 +82,7 @@ bool Fails(const RubricCriterion& criterion, double value) {
   return criterion.fails_above && value > *criterion.fails_above;
 }
 
-// What a criterion or gate took, of its own and of a hundred points.
+// The points that a criterion or gate took, of its own and of a hundred.
 struct Loss {
   double share, points;
 };
@@ -145,8 +145,9 @@ bool CannotGetWorse(const RubricCriterion& criterion, double value) {
   return true;
 }
 
-// What the device could not render is not held against a hand, nor is it taken as light: the points
-// are nobody's. What the hand did at least is known, and where that costs all it stays judged.
+// A force that the device could not render is neither held against a hand nor taken as light: its
+// points go to nobody. The hand's least force is known; where that alone costs all the points, it
+// stays judged.
 bool IsHidden(const RubricCriterion& criterion, const MetricValue& found) {
   if (!found.limited) return false;
   const bool at_least = FindMetric(found.name)->at_limit == MetricInfo::AtLimit::kAtLeast;
@@ -311,7 +312,7 @@ Result<ScoreResult> ApplyRubric(const Rubric& rubric, const MetricSet& metrics) 
     return Status(Code::kInvalidInput,
                   "rubric: no criterion with points can be judged in this exercise", "criteria");
   }
-  // Of what can be judged, so that exercises with fewer walls have 100 points too.
+  // Of the criteria that can be judged, so that exercises with fewer walls have 100 points too.
   out.score = out.critical_fail ? 0 : 100 * (points / max_points);
   return out;
 }

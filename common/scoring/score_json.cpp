@@ -398,7 +398,7 @@ Result<ScoreResult> ScoreFromJson(std::string_view text) {
   }
   boost::system::error_code error;
   json::parse_options options;
-  // A score has four levels; what is deeper is none of ours.
+  // A score has four levels; a deeper document is not a score.
   options.max_depth = 8;
   json::value value = json::parse(text, error, {}, options);
   if (error) return Status(Code::kInvalidInput, "score: not JSON: " + error.message());

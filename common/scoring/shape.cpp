@@ -16,10 +16,10 @@ constexpr double kPatch_m2 = 0.02e-6;      // what a bur's tip leaves at the lea
 constexpr double kLeastWall_m2 = 0.05e-6;  // smaller faces belong to edges
 // And of the target's face: what stands where a box ends in the open is a flake, no wall.
 constexpr double kLeastOfFace = 0.1;
-// A line may be so many times the largest nearest distance of the wall.
+// The longest line, in units of the largest nearest distance of the wall.
 constexpr double kOtherSurface = 2;
-// Of a wall and of the floor this much has to be there before it is begun, and before it has a
-// lean: a cavity that is too small all round meets two thirds of each.
+// The shares of a wall or floor that must be there before it is begun, and before it has a lean: a
+// cavity that is too small all round meets two thirds of each.
 constexpr double kBegunShare = 0.3, kMadeShare = 0.5;
 // A place on a wall counts at most this much in its waviness: deepest_over_mm measures the depth of
 // a gouge.
@@ -76,11 +76,11 @@ Plane FitPlane(const std::vector<Height>& heights) {
   return p;
 }
 
-// A plane through most of it, which are left: the foot of another wall that leans in, a gouge or a
-// lip is not the lean of this one. First without what lies far from the median, which a ditch at
-// one side does not move as it does a plane, then again without what lies more than four median
-// residuals off. What leans as a whole stays, as the farthest of it is twice the median away; a
-// wave stays whole, since its crest is 1.4 of them.
+// A plane through most of the heights, which are left: the foot of another wall that leans in, a
+// gouge or a lip is not the lean of this one. First drops heights far from the median, which a
+// ditch at one side moves less than a plane; then heights more than four median residuals off. A
+// wall that leans as a whole stays, as its farthest height is twice the median away. A wave stays
+// whole, since its crest is 1.4 of them.
 Plane FitPlaneToMost(std::vector<Height>& heights, double least_m) {
   if (heights.empty()) return {};
   std::vector<WeightedValue> all;
@@ -144,8 +144,8 @@ Facet FacetOf(const Plane& plane, const dvec3& normal, const dvec3& up, const dv
   return {n / length, (plane.b * plane.s0 + plane.c * plane.t0 - plane.d0) / length};
 }
 
-// Without a tenth of the floor at each side: what rounds off the foot of a wall that is wavy, or a
-// little short, is none of the floor's waves.
+// Drops a tenth of the floor at each side: the rounding at the foot of a wall that is wavy, or a
+// little short, is not a wave of the floor.
 void KeepInner(std::vector<Height>& heights) {
   constexpr double kMargin = 0.1;
   for (double Height::*way : {&Height::s, &Height::t}) {
@@ -187,13 +187,13 @@ WallFigures MeasureWall(const Volume& initial, const CutSide& attempt, const Cut
   const dvec3 along = glm::cross(up, patch.normal);
 
   std::vector<WeightedValue> offsets;
-  // Of the attempt over the reference; of the latter's and of the attempt's surface by themselves.
+  // The attempt over the reference; the reference's surface; the attempt's surface.
   std::vector<Height> heights, own_heights, made_heights;
   double met_m2 = 0, untouched_m2 = 0, pit_m2 = 0, lowest = std::numeric_limits<double>::infinity(),
          highest = -lowest;
-  // Nearest distances to a rough wall end at whatever stands out of it; along one direction they
-  // are the two walls' heights. What a line meets much farther off is another surface. How far is
-  // asked of the whole wall: beside an edge the next wall is near, however far this one has moved.
+  // Nearest distances to a rough wall end at whatever sticks out of it; along one direction they
+  // are the two walls' heights. A surface much farther along the line is another one. The limit is
+  // the whole wall's: beside an edge the next wall is near, however far this one has moved.
   double most = 0;
   for (size_t i : patch.vertices) most = std::max(most, std::fabs(double{deviation_m[i]}));
   const double reach = kOtherSurface * most + h;
@@ -386,7 +386,7 @@ double RemainingDentin_m(const Volume& initial, const CutSide& attempt, double l
   for (size_t i = 0; i < attempt.mesh->position_m.size() && least > 0; ++i) {
     if (!(*attempt.cut)[i]) continue;
     if (attempt.mesh->tissue[i] == static_cast<uint8_t>(Tissue::kPulp)) return 0;
-    // Never farther than the least so far, so that most questions end in a few cells.
+    // Limited to the least so far, so that most queries end in a few cells.
     least = std::min(least, query.Distance_m(dvec3(attempt.mesh->position_m[i]), least));
   }
   return least;

@@ -62,8 +62,7 @@ class TaskMeter {
     }
   }
 
-  // Which voxels of a brick lie within a distance of the reference's cut: looked for when somebody
-  // asks.
+  // Which voxels of a brick are within a distance of the reference's cut; computed on demand.
   class Whereabouts {
    public:
     Whereabouts(const TaskMeter& meter, int brick, double within_m)

@@ -159,7 +159,7 @@ BoxVolume MeasureShape(const Volume& initial, const Volume& final_volume,
       // Nothing grows back.
       const int32_t after = std::min(before, SolidFraction(final_volume.PhiAt(first + in_brick)));
       solid += share * before / 65536;
-      // What went of a voxel that the face divides went from the zone's side, where cuts come from.
+      // Removal in a voxel that the face divides counts from the zone's side, where cuts come from.
       removed += std::min<double>(share * before, before - after) / 65536;
     }
   }

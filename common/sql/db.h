@@ -48,14 +48,14 @@ class Statement {
   virtual double Real(int column) const = 0;
   virtual ByteView View(int column) const = 0;  // text or blob; until the next Next
 
-  // The end of its use: forgets its row and what was bound. Nothing is called after it.
+  // Ends its use: forgets its row and its bound values. Nothing is called after it.
   virtual void GiveBack() = 0;
 };
 
 class Db;
 class Query;
 
-// A statement that writes, in a transaction that decides nothing by its answer.
+// A statement that writes, in a transaction that decides nothing by the statement's answer.
 struct Change {
   std::string sql;
   std::function<void(Query&)> bind;
@@ -66,7 +66,7 @@ struct Change {
   Status Run(Db& db);
 };
 
-// One step to a version of a schema, from the one before it in a list, or from nothing.
+// A step to one version of a schema, from the previous one in a list, or from nothing.
 struct Migration {
   int version;       // the number that its name begins with
   std::string name;  // "0001_initial.sql"
@@ -78,14 +78,14 @@ enum class Isolation {
   // The outcome is that of all transactions run one after the other, or it ends with must_repeat().
   kSerial,
   // Each statement sees what is committed by then. For work that decides on rows it has locked
-  // first (RowLock): those who work on other rows do not meet it, and nothing has to be repeated
-  // for it.
+  // first (RowLock): transactions on other rows do not conflict with it, and it never has to be
+  // repeated because of them.
   kRowLocks,
-  // It only reads, and all its statements see the moment of the first.
+  // Only reads; all statements see the moment of the first.
   kSnapshot,
 };
 
-// Whether what is committed is kept elsewhere too.
+// Whether committed data is also kept elsewhere.
 enum class Standby {
   kNotKept,      // the engine has none: a file
   kNone,         // a server without a standby
@@ -95,7 +95,7 @@ enum class Standby {
   kUnknown,      // not told to this user
 };
 
-// One connection. Thread safety: one thread at a time. Errors: as the driver words them, with the
+// One connection. Thread safety: one thread at a time. Errors: in the driver's words, with the
 // codes kConflict (a constraint), kUnavailable (try again), kStorage (all else).
 class Db {
  public:
@@ -108,27 +108,27 @@ class Db {
   // Rows changed by the last statement.
   virtual int64_t Changes() const = 0;
 
-  // A transaction that will write, but for kSnapshot; where only one can write, nobody else does
-  // from its beginning. Transaction (below) ends it in any case.
+  // Begins a transaction that will write, except with kSnapshot. Where only one connection can
+  // write, it keeps out all others from its beginning. Transaction (below) ends it in any case.
   virtual Status Begin(Isolation isolation) = 0;
-  // Ok: it is kept. Any failure: nothing of it is, but for kUnavailable with the field "in_doubt",
-  // when the connection broke at this moment and the engine could not be asked in time.
+  // Ok: it is kept. Any failure: nothing of it is kept, except for kUnavailable with the field
+  // "in_doubt": the connection broke at this moment and the engine did not answer in time.
   virtual Status Commit() = 0;
   // The changes in this order, then Commit. `ran`: all of them were done, and a failure is
-  // Commit's; else nothing is committed, and the transaction is to be rolled back. A server is sent
+  // Commit's. Else nothing is committed, and the caller rolls the transaction back. A server gets
   // all of it before its first answer.
   virtual Status RunAndCommit(std::span<Change* const> changes, bool& ran);
-  // Nothing to do where none is open.
+  // Does nothing where no transaction is open.
   virtual void Rollback() = 0;
 
-  // Whether, since Begin, something failed because transactions met, or because the connection was
-  // lost before the end: the whole of this one is to be taken back and run again, and may succeed
-  // then. Where only one can write there is no such thing.
+  // Whether, since Begin, something failed because transactions conflicted, or because the
+  // connection was lost before the end. Roll the whole transaction back and run it again: it may
+  // then succeed. Always false where only one connection can write.
   virtual bool must_repeat() const { return false; }
   // Suffix for a SELECT of rows that this transaction decides on: nobody else can change them
   // before its end. Empty where nobody else can anyway.
   virtual const char* RowLock() const { return ""; }
-  // The same for a SELECT that leaves out what others have locked, instead of waiting for them.
+  // The same for a SELECT that skips rows locked by others, instead of waiting for them.
   virtual const char* RowLockOrSkip() const { return ""; }
   // Whether a statement can use the rows that it changes:
   //    WITH a AS (UPDATE … RETURNING …) INSERT … SELECT … FROM a.
@@ -137,8 +137,8 @@ class Db {
   // The version of the last migration that ran; 0: an empty database. Errors also: kVersion (of
   // another program).
   virtual Result<int> SchemaVersion() = 0;
-  // Runs those that have not run yet, in one transaction: what fails leaves the database as it was.
-  // Several processes may call it at once.
+  // Runs the migrations that have not run yet, in one transaction: a failure leaves the database
+  // unchanged. Several processes may call it at once.
   virtual Status Migrate(const std::vector<Migration>& migrations) = 0;
   // The engine has found the database itself damaged since it was opened.
   virtual bool damaged() const = 0;
@@ -155,23 +155,22 @@ class Db {
   //
   // SQL for the text of a member of the JSON object in `column`.
   virtual std::string JsonMember(const std::string& column, const std::string& member) const = 0;
-  // Whether what is deleted from now on is overwritten too, so that free space does not tell it. An
-  // engine that cannot leaves it to Rewrite.
+  // Whether data deleted from now on is also overwritten, so that free space does not show it. An
+  // engine that cannot do this leaves it to Rewrite.
   virtual Status OverwriteDeleted(bool on) = 0;
   // Rewrites the tables, outside of a transaction, so that no deleted data is left in the
   // database's files or in the log beside them. May block others.
   virtual Status Rewrite() = 0;
   // Bytes that a rewrite takes on the caller's disk; 0: the database is on another machine.
   virtual Result<uint64_t> RewriteBytes() = 0;
-  // The clock of the machine that the engine runs on, milliseconds since 1970; none: it is who
-  // asks's.
+  // The clock of the engine's machine, milliseconds since 1970; none: it is the caller's own.
   virtual Result<std::optional<int64_t>> ClockMs() = 0;
   virtual Result<Standby> StandbyOf() = 0;
   // How long from now on a statement waits for another process's write, where one writer keeps out
   // all others. While it waits, it calls `worth_it` on the connection's thread: as long as that
   // returns true, the time does not count.
   virtual void SetBusyWait(std::chrono::milliseconds, std::function<bool()> /*worth_it*/ = {}) {}
-  // Waits for what `worth_it` says is worth it. Any thread.
+  // Whether a statement is waiting now because `worth_it` returned true. Any thread.
   virtual bool waits() const { return false; }
   // From now on, waits for no other process. Any thread.
   virtual void StopWaiting() {}
@@ -180,7 +179,7 @@ class Db {
   const Companion* companion_ = nullptr;
 };
 
-// All of a transaction or nothing: what is not committed is rolled back.
+// All of a transaction or nothing: without Commit it is rolled back.
 class Transaction {
  public:
   explicit Transaction(Db& db, Isolation isolation = Isolation::kSerial)

@@ -163,7 +163,7 @@ bool SqliteDb::WaitOn(bool first) {
   if (first) busy_since_ = counted_since_ = now;
   const bool waited = waits_;
   waits_ = worth_it_ && now - busy_since_ < kMostWait && worth_it_();
-  // Whoever waited for what was worth it then still has all of the usual patience.
+  // After a wait that was worth it, a statement still has its full usual time.
   if (waits_ || waited) counted_since_ = now;
   if (stopped_ || now - counted_since_ >= busy_wait_) return false;
   std::this_thread::sleep_for(first ? kFirstLook : kNextLook);
@@ -282,7 +282,7 @@ Status SqliteDb::Migrate(const std::vector<Migration>& migrations) {
   Transaction transaction(*this);
   // BEGIN IMMEDIATE, so a second process waits here until the first is done.
   ENAMEL_RETURN_IF_ERROR(transaction.begun());
-  // Inside the transaction: another process may have brought it up to date meanwhile.
+  // Inside the transaction: another process may have migrated in between.
   ENAMEL_ASSIGN_OR_RETURN(const int version, SchemaVersion());
   for (const Migration& next : migrations) {
     if (next.version <= version) continue;

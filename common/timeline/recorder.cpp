@@ -111,7 +111,7 @@ void Recorder::Add(const cutting::Volume& volume, std::span<const int32_t> touch
   const uint32_t gaps = pose_.gap_ticks + tick.gap_ticks;
   ++head_.ticks;
   ++ticks_in_frame_;
-  // Of every tick, as each may be the last.
+  // Every tick's, as each may be the last.
   pose_ = PoseOf(tick);
   pose_.gap_ticks = gaps;
   if (ticks_in_frame_ == head_.frame_ticks) EndFrame(volume);

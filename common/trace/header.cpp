@@ -55,7 +55,7 @@ uint8_t ReadHand(ByteReader& in, Hand& out) {
   return kind;
 }
 
-// What is signed: never valid as another kind of message.
+// The signed bytes: never valid as another kind of message.
 std::string Message(std::string_view domain, ByteView content) {
   std::string message(domain);
   message += AsText(content);

@@ -16,10 +16,11 @@ constexpr char kWhat[] = "keyframes";
 constexpr uint8_t kKeyframeRecord = 1;
 constexpr size_t kMaxBricks = 1 << 20;
 constexpr size_t kBrickBytes = 4 + 2 * cutting::kBrickVoxels;
-// A cache: made while somebody waits, read on the same machine, thrown away without loss.
+// A cache: a person waits while it is made, the same machine reads it, and deleting it loses
+// nothing.
 constexpr int kZstdLevel = 1;
 
-// What the state's layout depends on.
+// Everything that the state's layout depends on.
 uint64_t Build() {
   StateHash hash;
   for (char c : std::string_view(__VERSION__)) hash.U64(static_cast<uint8_t>(c));

@@ -54,7 +54,7 @@ uint64_t EndOf(std::span<const Bytes> chunks, size_t index) {
   return head.ok() ? head->head.first_tick + head->head.count : 0;
 }
 
-// Those up to the moment.
+// The chunks up to the moment.
 std::span<const Bytes> ChunksUpTo(std::span<const Bytes> chunks, uint64_t tick) {
   if (tick == UINT64_MAX) return chunks;
   size_t count = 0;

@@ -21,14 +21,14 @@ PointUm ToUm(const dvec3& p_m) {
 
 dvec3 Metres(const PointUm& p) { return dvec3(p[0], p[1], p[2]) * 1e-6; }
 
-// What a scene is before its volume is sampled.
+// A scene before its volume is sampled.
 struct Draft {
   Scene scene;
   Box box;
   Field field;
 };
 
-// What a dental unit has at hand; diameters in tenths of a millimetre in the names.
+// The burs of a dental unit; diameters in tenths of a millimetre in the names.
 std::vector<BurSpec> StandardBurs() {
   using Shape = cutting::BurShape;
   return {{"fissure-10", Shape::kCylinder, 500, 4'000},
@@ -128,7 +128,7 @@ Draft MolarCaries() {
   return out;
 }
 
-// What stands mesially of the molar: an upper premolar's shape, as there is no lower one.
+// The neighbour mesial of the molar: an upper premolar's shape, as there is no lower one.
 const ToothShape& NeighbouringPremolar() {
   static const ToothShape shape = [] {
     ToothShape out = UpperFirstPremolar();

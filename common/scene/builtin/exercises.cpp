@@ -248,7 +248,7 @@ Exercise ClassFiveExercise(const Scene& scene, const Sha256& scene_hash) {
                    " deep in the middle, with upright walls and a flat axial wall. " + SidesText() +
                    " Do not expose the pulp.";
   e.rubric.name = "class-5-buccal";
-  // What is down in this scene is the wall towards the pulp.
+  // The wall towards the pulp is down in this scene.
   const struct {
     const char *metric, *title, *comment;
   } named[] = {{"wall_buccal_mm", "Gingival wall", "The gingival wall is not where it should be."},
@@ -409,7 +409,7 @@ Exercise ShapeExercise(const Scene& scene, const Sha256& scene_hash, const Prepa
   const std::string rubric = "practice-" + shape.name;
   e.rubric = ShapeRubric(rubric);
   if (!e.target.parts.empty()) return e;
-  // Of a box how its walls stand and how even they are is known, and not only how far off.
+  // A box's rubric also judges how upright and even its walls are, not only how far off.
   e.rubric = ShapeRubric(rubric, 18, 7);
   const RubricCriterion of_a_box[] = {
       AtMost("wall_tilt_deg", "Walls upright", "deg", 7, 3, 12, "A wall is tilted."),
@@ -420,7 +420,7 @@ Exercise ShapeExercise(const Scene& scene, const Sha256& scene_hash, const Prepa
   return e;
 }
 
-// Those that the scene's landmarks and preparations give.
+// The exercises that the scene's landmarks and preparations give.
 std::vector<Exercise> ExercisesOf(const Scene& scene, const Sha256& scene_hash) {
   std::vector<Exercise> out;
   auto has = [&](const char* landmark) { return scene.landmarks.count(landmark) != 0; };

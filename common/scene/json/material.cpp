@@ -11,7 +11,7 @@ namespace {
 constexpr int64_t kMostDamping = 1'000'000'000, kMostForce = 100'000;
 constexpr int32_t kAny = 2'000'000'000;
 
-// What only a person reads: it has to be there and to be a number.
+// For people only: it has to be there and to be a number.
 void PassInterval(ObjectReader& in, const std::string& name, const std::string& unit) {
   in.Int(name + "_low" + unit, -kAny, kAny);
   in.Int(name + "_high" + unit, -kAny, kAny);

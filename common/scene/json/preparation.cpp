@@ -106,7 +106,7 @@ void ReadRelief(ObjectReader& in, PreparationPart& part) {
     object.Refuse("count", "odd numbers, so that one point is the part's middle",
                   std::to_string(r.count[0]) + " and " + std::to_string(r.count[1]));
   }
-  // Of what was refused there is as much as there should be, so that whoever reads on may.
+  // A refused relief gets the expected size, so that callers can read it.
   r.below_um.assign(static_cast<size_t>(r.count[0]) * static_cast<size_t>(r.count[1]), 0);
   const auto below = object.Ints("below_um", r.below_um.size(), 0, part.depth_um);
   std::copy(below.begin(), below.end(), r.below_um.begin());

@@ -33,7 +33,7 @@ size_t CountColons(std::string_view text) {
   size_t n = 0;
   bool in_string = false;
   for (size_t i = 0; i < text.size(); ++i) {
-    // What is escaped ends no string.
+    // An escaped quote ends no string.
     if (in_string && text[i] == '\\') {
       ++i;
     } else if (text[i] == '"') {
