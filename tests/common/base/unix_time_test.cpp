@@ -30,7 +30,7 @@ TEST_F(UnixTimeTest, FollowedClockGoesOnFromWhereItWas) {
   const auto second = WallClock();
   EXPECT_LE(theirs, first);
   EXPECT_LE(first, second);
-  // A day before, and since then as much as on this machine, or this one's clock was set meanwhile.
+  // A day before, plus the time that passed on this machine, or this machine's clock was set.
   EXPECT_LE(first - theirs, system_clock::now() - asked + hours(1));
   EXPECT_LT(UnixMs(), UnixMs(system_clock::now()) - 23 * 3600 * 1000);
   EXPECT_LT(Uuid::New(), Uuid::New(system_clock::now() - hours(1))) << "ids sort by the same times";

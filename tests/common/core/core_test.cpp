@@ -128,7 +128,7 @@ TEST(CoreTest, ShortGapGoesOnWithTheCutWithoutAForceInTheTickAfterIt) {
   EXPECT_NEAR(glm::length(after.force_sent_n), glm::length(before.force_sent_n), 0.3);
 }
 
-// What a late tick skips is time and nothing else: the same forces, anchors and cut as without.
+// A late tick skips time and nothing else: the same forces, anchors and cut as without.
 TEST(CoreTest, HeldGapIsOnlyTime) {
   Core whole(Params(), test::Block(50'000, 3e-3, 3e-3));
   Core late(Params(), test::Block(50'000, 3e-3, 3e-3));
@@ -155,7 +155,7 @@ TEST(CoreTest, LongGapInTheToothCutsNothingUntilTheBurHasBeenInFreeAir) {
   for (int tick = 0; tick < 2500; ++tick) core.Step(Stroke(tick));
   TickInput deep = At(0.25e-3, 0, -1.8e-3);
   deep.gap_ticks = 100;
-  // What the bur had passed before the gap may still be booked, half a voxel of its front at most.
+  // Removal from before the gap may still be booked: half a voxel of the bur's front at most.
   int64_t lagging = core.removed()[1];
   TickOutput out = core.Step(deep);
   EXPECT_TRUE(out.flags & kAnchorReset);

@@ -10,7 +10,7 @@
 #include "tests/support/allocation_guard.h"
 #include "tests/support/analytic_volume.h"
 
-// What a tick may cost: no memory, and no more work than is stated.
+// The cost of a tick: no memory, and no more work than is stated.
 namespace enamel::core {
 namespace {
 

@@ -20,7 +20,7 @@ TissueDamping Enamel(double axial = 6500) {
   return b;
 }
 
-// A bur that has just cut itself a seat, so that its surface lies on the tooth's.
+// A bur that has just cut itself a seat: its surface is on the tooth's.
 struct Seat {
   Seat(const Bur& bur, double depth_m, int32_t voxel_nm, const TissueDamping& damping = Enamel())
       : volume(test::Block(voxel_nm, 4e-3, 6e-3)), reader(bur, voxel_nm * 1e-9, damping) {
@@ -35,7 +35,7 @@ struct Seat {
   EngagementReader reader;
 };
 
-// What beta is defined by: a fully sunk cylinder 0.6 x 4 mm moving sideways meets the tissue's B,
+// The definition of beta: a fully sunk cylinder 0.6 x 4 mm moving sideways meets the tissue's B,
 // whatever the direction.
 TEST(EngagementTest, ReferenceCylinderMovingSidewaysMeetsTheTissuesDamping) {
   Seat seat({BurShape::kCylinder, 0.6e-3, 4e-3}, 4e-3, 50'000);

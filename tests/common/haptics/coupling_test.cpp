@@ -251,8 +251,8 @@ TEST(CouplingTest, OperatorNeverExtractsEnergyAtWallsUnderChangingBoundsAndGaps)
   }
 }
 
-// What a rising bound would give away: pushed 2 mm into a wall while the bound was small, let out
-// slowly when it is large.
+// A rising bound would give energy away: the spring is pushed 2 mm into a wall while the bound is
+// small, and let out slowly when it is large.
 TEST(CouplingTest, BoundDoesNotRiseWhileTheOutputIsClippedAtAWall) {
   CouplingParams params = Phantom();
   Coupling coupling(params);

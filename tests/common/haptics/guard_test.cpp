@@ -357,8 +357,8 @@ TEST(GuardTest, TheBalanceStaysAboveItsFloorForEveryDelayNoiseAndLattice) {
   }
 }
 
-// And the games above can tell: with less friction than the cell asks for, with a cell whose noise
-// nobody declared, with less damping than the delay asks for, they end under the floor.
+// The games above find such faults: with less friction than the cell needs, with a cell whose noise
+// is not declared, with less damping than the delay needs, they end under the floor.
 TEST(GuardTest, WithoutOneOfItsClausesTheBalanceEndsUnderItsFloor) {
   Dice dice(8);
   std::vector<Encoder> encoders = Encoders(dice);

@@ -79,7 +79,7 @@ Outcome Play(const Strategy& s, const Rules& rules) {
   constexpr int kPeriods = 30, kSettled = 15;
   Vec x{}, anchor{}, force{};
   double balance = 0, settled = 0, floor = 0, loose = 0;
-  // What the spring still holds counts as not drawn.
+  // Energy left in the spring counts as not drawn.
   auto Owed = [&] {
     double v = 0;
     for (size_t k = 0; k < static_cast<size_t>(rules.dimensions); ++k)

@@ -301,7 +301,7 @@ class Hand {
     for (int j = 0; j <= attack_.delay; ++j) {
       for (int i = 0; i < 3; ++i) most[i] = std::max(most[i], std::fabs(under_way_[j][i]));
     }
-    // What the cell hides where a stretch of time begins.
+    // The cell's error where a stretch of time begins.
     if (hidden_ < 0) hidden_ = 0.5 * kCell_m * (most.x + most.y + most.z);
     if (cue != dvec3(0)) {
       excess_ = 0;

@@ -77,7 +77,7 @@ TEST(TurningTest, TheTorqueIsThePotentialsGradientInBothOrientations) {
   }
 }
 
-// What the proof needs of the spring in place of linearity: no second derivative along a turn is
+// The proof needs this of the spring in place of linearity: no second derivative along a turn is
 // above K, and the torque changes by at most K times the angle, wherever and with whatever bound.
 TEST(TurningTest, NoSlopeOfTheTorqueIsAboveItsStiffness) {
   Dice dice(2);

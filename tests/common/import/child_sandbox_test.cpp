@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-// What the mesh reader cannot do once it is confined, tried in a child of this test's own.
+// The limits of the confined mesh reader, tried in a child of this test's own.
 namespace enamel::import {
 namespace {
 

@@ -162,7 +162,7 @@ TEST(ImportTest, TheToothsNumberSaysWhichWayItsLongerSideLies) {
   }
 }
 
-// A wedge whose tall end is at +y of the file: it stands where it is said to.
+// A wedge whose tall end is at +y of the file: it gets the given orientation.
 TEST(ImportTest, AGivenBuccalDirectionBecomesTheScenesY) {
   mesh::Triangles wedge = BoxMesh({0, 0, 0}, {6, 8, 4});
   for (dvec3& v : wedge.vertices) {
@@ -659,9 +659,9 @@ TEST(RealCrownTest, ClassOneCavityOnAMolarKeepsClearOfThePulpAndMeetsEnamelFirst
   EXPECT_TRUE(dentin);
 }
 
-// What becomes of each file in one unit: the tooth's volume, computed apart from this project by
-// the divergence theorem over the file's own triangles (not_convex, two_objects and
-// joined_tetrahedra: of the union), or a piece of the refusal.
+// The outcome of each file in one unit: the tooth's volume, computed apart from this project by the
+// divergence theorem over the file's own triangles (not_convex, two_objects and joined_tetrahedra:
+// of the union), or a piece of the refusal.
 struct Outcome {
   const char* file;
   const char* unit;
@@ -757,7 +757,7 @@ INSTANTIATE_TEST_SUITE_P(Files, OddMeshTest, testing::ValuesIn(kOutcomes), [](co
 TEST(OddMeshFolderTest, EveryFileHasAnExpectedOutcome) {
   auto files = FilesIn(kShared / "meshes_odd/models");
   if (files.empty()) GTEST_SKIP() << "skipped: no shared data";
-  // Of parts that overlap or are turned, with no volume to compare with.
+  // Files with parts that overlap or are turned, with no volume to compare with.
   const std::vector<std::string> others = {"multibody.stl", "wallhole.obj"};
   for (const fs::path& file : files) {
     const std::string name = file.lexically_relative(kShared / "meshes_odd/models").string();

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// As a scanner's file lies: turned by any angle, far from the tooth's frame.
+// Like a scanner's file: turned by any angle, far from the tooth's frame.
 mesh::Rigid Somewhere(unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
@@ -56,7 +56,7 @@ const scene::BuiltScene& Molar() {
   return molar;
 }
 
-// Of another grid than the tooth's, so that no vertex of the scan is one of the tooth's surface.
+// On another grid than the tooth's, so that no vertex of the scan is one of the tooth's surface.
 mesh::Triangles ScanOfMolar(const char* exercise) {
   static const scene::BuiltScene fine = *scene::BuildBuiltinScene("molar", 120'000);
   return ToothSurface_mm(scene::Prepared(fine.volume, ShapeOf(fine, exercise)));

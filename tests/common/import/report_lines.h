@@ -6,7 +6,7 @@
 
 namespace enamel::import {
 
-// What an import says about itself, for messages.
+// An import's report, for messages.
 inline std::string Lines(const ImportedScene& s) {
   std::string out;
   for (const std::string& line : s.report) out += line + "\n";

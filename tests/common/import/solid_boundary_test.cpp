@@ -26,7 +26,7 @@ TEST(SolidBoundaryTest, SurfaceThatCrossesNothingIsKeptAsItIs) {
   EXPECT_EQ(b->pieces.indices, sphere.indices);
 }
 
-// Noise that is larger than the triangles: nobody can tell where the surface was.
+// Noise larger than the triangles: the surface cannot be found.
 TEST(SolidBoundaryTest, AScanThatCrossesItselfNearlyEverywhereIsRefused) {
   mesh::Triangles rough = SphereMesh(5, 40);
   std::mt19937 random(7);

@@ -1,4 +1,5 @@
-// What the programs' sources say is in the catalogues, and what is in the catalogues is said.
+// Every text of the programs' sources is in the catalogues, and every text of the catalogues is
+// used.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -22,7 +23,7 @@ std::string ReadAll(const fs::path& path) {
   return out.str();
 }
 
-// Of the programs that speak.
+// The sources of all programs that show texts.
 const std::string& Sources() {
   static const std::string kAll = [] {
     std::string all;

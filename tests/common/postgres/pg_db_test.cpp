@@ -533,7 +533,7 @@ TEST_F(PgDbTest, OfStatementsThatAreSentTogetherOneThatFailsTakesBackAll) {
   Change good = Insert(7);
   EXPECT_TRUE(Commit(*db_, {&good}, ran).ok());
   EXPECT_EQ(good.rows, 1);
-  // One that gives rows is none that fails.
+  // A change that returns rows does not fail.
   Change giving{"INSERT INTO t SELECT ?1 RETURNING n", [](Query& q) { q.BindInt(8); }};
   ASSERT_TRUE(db_->Begin(Isolation::kRowLocks).ok());
   EXPECT_TRUE(Commit(*db_, {&giving}, ran).ok());

@@ -58,7 +58,7 @@ TEST(MessagesTest, CodesOfALaterServerStayErrors) {
   EXPECT_EQ(ToStatus(UnsupportedError()).code(), Code::kVersion);
 }
 
-// What a server says is printed on a terminal: it may not clear it, colour it or write over other
+// A server's text is printed on a terminal: it may not clear it, colour it or write over other
 // lines.
 TEST(MessagesTest, AnErrorsTextIsShownAndNotObeyed) {
   wire::Error error;
@@ -82,7 +82,7 @@ TEST(MessagesTest, FieldsOfAnotherSizeAreRefusedByName) {
   EXPECT_EQ(ReadKey(std::string(33, 'k'), "public_key").status().field(), "public_key");
 }
 
-// Field 1000 stands for one that comes later.
+// Field 1000 represents a future one.
 TEST(AttemptFactsTest, KeepsFactsThatItDoesNotKnowAndNamesThoseItKnows) {
   const Bytes later{0x08, 0x02, 0xc2, 0x3e, 0x05, 'l', 'a', 't', 'e', 'r'};
   auto facts = DecodeFacts(later);

@@ -325,8 +325,8 @@ TEST(Tooth46Test, HasAMesialAndADistalRoot) {
   EXPECT_LT(low.middles[1].mesially, high.middles[1].mesially);
 }
 
-// W 9, S: the buccal cusp is about 1 mm the higher, and its tip stands distally of the middle, the
-// lingual cusp's mesially.
+// W 9, S: the buccal cusp is about 1 mm the higher, and its tip is distal of the middle, the
+// lingual cusp's mesial.
 TEST(Tooth14Test, HasABuccalCuspDistallyAndAShorterLingualOneMesially) {
   const ToothShape& t = UpperFirstPremolar();
   ASSERT_EQ(t.fdi, 14);

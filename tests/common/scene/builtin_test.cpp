@@ -72,7 +72,7 @@ TEST_P(BuiltinSceneTest, ExercisesReadBackAndCompileForAPapersDevice) {
   }
 }
 
-// What a tooth has that can be harmed, its rubrics ask for, whatever the exercise; and no exercise
+// Every rubric asks for whatever of its tooth can be harmed, whatever the exercise; and no exercise
 // has a second hole beside its task for little. An access cavity is there to open the pulp.
 TEST_P(BuiltinSceneTest, EveryRubricAsksForWhatTheToothCanLose) {
   const Scene& scene = built_.scene;

@@ -6,11 +6,11 @@
 #include "common/math/vec.h"
 #include "common/scene/builder.h"
 
-// How far a scanned crown lies from a tooth of ours after the best rigid alignment (rotation and
+// Distance of a scanned crown from a tooth of ours after the best rigid alignment (rotation and
 // translation, no scaling, no mirroring).
 namespace enamel::scene {
 
-// Points on a scan's surface with what area each stands for, metres.
+// A point on a scan's surface and the area it represents, metres.
 struct ScanPoint {
   dvec3 position_m, normal;
   double area_m2;

@@ -17,7 +17,7 @@ constexpr double kPi = 3.14159265358979323846;
 
 Preparation One(PreparationPart part) { return {"one", "One", {std::move(part)}}; }
 
-// Share of random points of a box that lie inside, times its volume.
+// Share of random points of a box that are inside, times the box's volume.
 double VolumeInside_mm3(const Preparation& p, const dvec3& lo_mm, const dvec3& hi_mm) {
   std::mt19937 random(5);
   constexpr int kPoints = 200'000;

@@ -24,7 +24,7 @@ Field FieldOf(const ToothShape& t) {
 
 FieldSample At_mm(const ToothShape& t, const dvec3& p_mm) { return ToothField(t, p_mm * 1e-3); }
 
-// What a tooth measures, mm, read from its field on a grid of 0.1 mm.
+// The size of a tooth, mm, read from its field on a grid of 0.1 mm.
 struct Size {
   double crown_length, root_length, mesiodistal, buccolingual;
 };
@@ -312,7 +312,8 @@ TEST_P(CrownTest, ScannedCrownOfTheTypeLiesWithinOneMillimetreAfterRigidAlignmen
   auto file = std::filesystem::path(ENAMEL_SHARED_DATA) / "crowns" /
               ("fdi_" + std::to_string(GetParam().fdi) + ".obj");
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "skipped: no shared data";
-  // y is the long axis of these files: upper teeth hang, lower ones stand.
+  // y is the long axis of these files: the crowns of upper teeth point down, those of lower ones
+  // up.
   dvec3 occlusal(0, GetParam().fdi < 30 ? -1 : 1, 0);
   ToothShape t = GetParam().tooth();
   t.fdi = GetParam().fdi;

@@ -12,7 +12,7 @@ namespace {
 
 using cutting::Tissue;
 
-// What schemas/volume_blob.md says the golden blob holds.
+// The golden blob's content by schemas/volume_blob.md.
 cutting::Volume GoldenVolume() {
   cutting::GridSpec spec;
   spec.voxel_nm = 100'000;

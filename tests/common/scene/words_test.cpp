@@ -12,7 +12,7 @@
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/profile_criteria.h"
 
-// What an exercise says fits the tooth it is about, and its numbers are its target's.
+// An exercise's text fits its tooth, and its numbers are its target's.
 namespace enamel::scene {
 namespace {
 
@@ -114,8 +114,8 @@ TEST(WordsTest, OfACrownAreItsStumpsNumbers) {
   }
 }
 
-// Of every tooth that is built in, of the same teeth as somebody's scans, where only the landmarks
-// are known, and of a prepared tooth.
+// For every built-in tooth, for scans of the same teeth with known landmarks only, and for a
+// prepared tooth.
 std::vector<Exercise> EveryKindOfExercise() {
   std::vector<Exercise> out;
   for (const std::string& name : BuiltinSceneNames()) {

@@ -118,7 +118,7 @@ TEST_P(CrownTest, ConvergenceFollowsTheWalls) {
   }
 }
 
-// Every 45 degrees its walls stand alike, and steeper half way between.
+// Every 45 degrees its walls are alike, and steeper half way between.
 TEST_P(CrownTest, SectionsAreLookedAtEvery22Degrees) {
   const CrownFigures f = Measure({.taper_deg = 6, .eightfold_deg = 4});
   ASSERT_TRUE(f.made);
@@ -147,7 +147,7 @@ TEST_P(CrownTest, LeaningStumpHasALeanAndHardlyAnotherConvergence) {
   const double mesial = Degrees(Slope(8) - Slope(5)), distal = Degrees(Slope(8) + Slope(5));
   EXPECT_NEAR(f.mesiodistal_deg, mesial + distal, 0.5);
   EXPECT_NEAR(f.axis_deg, (distal - mesial) / 2, 0.5);
-  // Of a tooth whose mesial side is at -x it leans distally.
+  // In a tooth whose mesial side is at -x it leans distally.
   const CrownFigures other = Measure({.taper_deg = 8, .lean_deg = 5}, -1);
   EXPECT_EQ(other.wall_m[kMesial], f.wall_m[kDistal]);
   EXPECT_EQ(other.wall_m[kDistal], f.wall_m[kMesial]);
@@ -217,7 +217,7 @@ TEST_P(CrownTest, BevelIsAsWideAsItWasCut) {
 
 TEST_P(CrownTest, WorstPlacesLieWhereTheFaultIs) {
   const CrownFigures leaning = Measure({.taper_deg = 8, .lean_deg = 5});
-  // Leaning mesially, the distal wall lies flatter than the reference's, the mesial one steeper.
+  // Leaning mesially, the distal wall is flatter than the reference's, the mesial one steeper.
   EXPECT_LT(leaning.mesiodistal_at.at_m.x, -2e-3);
   EXPECT_LT(leaning.mesiodistal_at.facing.x, -0.99);
   EXPECT_NEAR(leaning.mesiodistal_at.at_m.z, kStumpTop_mm / 2 * 1e-3, 0.3e-3);

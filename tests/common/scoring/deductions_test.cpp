@@ -106,7 +106,7 @@ TEST_F(DeductionsTest, AWallTooDeepNamesTheStrokesThatCutIt) {
   ASSERT_EQ(d.stroke_count, 2u);
   EXPECT_EQ(d.strokes[0].number, 2u);
   EXPECT_EQ(d.strokes[1].number, 3u);
-  // Of what lies within 1 mm of its worst place: 0.3 mm of the wall went first, 0.1 mm after it.
+  // Within 1 mm of its worst place: 0.3 mm of the wall went first, 0.1 mm after it.
   EXPECT_TRUE(d.here);
   EXPECT_DOUBLE_EQ(d.strokes[0].volume_m3 + d.strokes[1].volume_m3, d.strokes_m3);
   EXPECT_GT(d.strokes_m3, 0.4 * d.volume_m3);
@@ -135,7 +135,7 @@ TEST_F(DeductionsTest, WhatIsCutElsewhereIsThePlaceOfDamageAndOfNoWall) {
   const auto found = hand.Find(initial, reference, {"outside_removed_mm3", "wall_distal_mm"});
   const Deduction* hole = Of(found, "outside_removed_mm3", false);
   ASSERT_TRUE(hole);
-  // Of the hole and of what of the wall lies beyond the leeway, the hole is a stroke of its own.
+  // Two faults: the hole, and the wall beyond the leeway. The hole is a stroke of its own.
   auto of_hole = std::find_if(hole->strokes.begin(), hole->strokes.end(),
                               [](const FaultStroke& s) { return s.number == 4; });
   ASSERT_NE(of_hole, hole->strokes.end());

@@ -60,7 +60,7 @@ TEST_F(EnvelopeTest, VolumesAreThoseOfTheLayersBetweenTheWalls) {
   const double near = WallArea_mm2() * kVoxel_mm / 4;
   EXPECT_NEAR(placed->disputed_m3 * kMm3, 0.3 * WallArea_mm2(), near);
   EXPECT_LT(placed->left_of_all_m3 * kMm3, kScallops_mm3);
-  // What it took: of nobody, of the widest, of two, of all three.
+  // Its removal shared with nobody, with the widest, with two, with all three.
   ASSERT_EQ(placed->taken_by_m3.size(), 4u);
   EXPECT_NEAR(placed->taken_by_m3[0] * kMm3, 0.2 * WallArea_mm2(), near);
   EXPECT_NEAR(placed->taken_by_m3[1] * kMm3, 0.2 * WallArea_mm2(), near);

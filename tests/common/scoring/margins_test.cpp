@@ -36,7 +36,8 @@ double Distance_mm(const Box& box, const dvec3& p) {
                                 wall(-p.x - kHalfX_mm, box.opens_deg),
                                 wall(std::fabs(p.y) - kHalfY_mm, box.opens_deg)});
   const double floor = -p.z - kDepth_mm, r = box.round_mm;
-  // The round touches both planes, whose outward directions are so far from upright to each other.
+  // The round touches both planes, whose outward directions are this far from upright to each
+  // other.
   const double c = std::sin(box.opens_deg * std::numbers::pi / 180);
   const double a = side + r, b = floor + r;
   double hollow = std::max(side, floor);
@@ -95,8 +96,8 @@ double Solid_mm3(const cutting::Volume& volume) {
   return cutting::SolidVolume_m3(volume)[static_cast<size_t>(cutting::Tissue::kDentin)] * 1e9;
 }
 
-// What rounds of this radius leave of the box: at every height a rectangle that is smaller all
-// around.
+// Solid that rounds of this radius leave along the edges of the box: at every height the cut is a
+// rectangle that is smaller all around.
 double LeftByRounds_mm3(double radius_mm) {
   double sum = 0;
   constexpr int kSteps = 2000;

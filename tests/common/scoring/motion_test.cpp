@@ -58,7 +58,7 @@ std::vector<Motion> Class() {
   return out;
 }
 
-// Of `copy` among a class that has the original in it too.
+// The nearness of `copy` in a class that includes the original.
 Nearness Beside(const Hand& copy) {
   std::vector<Motion> others = Class();
   others.insert(others.begin() + 4, Of({1}));

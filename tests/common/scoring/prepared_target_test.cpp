@@ -79,7 +79,7 @@ TEST(PreparedTargetZonesTest, OfTheWantedToothAllOfTheTargetIsGoneAndNothingBeyo
   EXPECT_GT(container.solid_m3, leeway.solid_m3);
 }
 
-// What a target's own tooth scores: full marks wherever the shape is judged, in a work that was
+// The score of a target's own tooth: full marks wherever the shape is judged, for work that was
 // neither slow nor hard; and no path, as nobody cut it.
 TEST(PreparedTargetScoreTest, ThePerfectCutScoresAHundredAndDeviatesByNothing) {
   const Task task;

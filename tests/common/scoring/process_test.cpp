@@ -276,7 +276,7 @@ TEST(ProcessRecorderTest, TremorIsTheHandsWhileItTouches) {
   EXPECT_NEAR(*recorder.tremor_m(), 300e-6 / std::sqrt(2), 5e-6);
 }
 
-// Of a thousand ticks, half with force: late, missing and bounded ones in known shares.
+// A thousand ticks, half with force: late, missing and bounded ones in known shares.
 TEST(DisturbanceTest, SharesAreOfTicksOfTimeAndOfTicksWithForce) {
   auto of = [](int late, uint32_t gap, int bounded) {
     ProcessRecorder recorder(SomeParams());

@@ -12,7 +12,7 @@
 namespace enamel::scoring {
 namespace {
 
-// What schemas/provenance.md says the golden blob holds.
+// The golden blob's content by schemas/provenance.md.
 Provenance Golden() {
   Provenance out;
   out.spec.voxel_nm = 100'000;

@@ -63,7 +63,7 @@ TEST(ZonesTest, ADiscsZonesAreDiscs) {
   EXPECT_NEAR(disc_zone.solid_m3 * 1e9, kPi, 0.02);
   EXPECT_NEAR(disc_zone.removed_m3, disc_zone.solid_m3, 0.01e-9);
   EXPECT_NEAR(leeway.solid_m3 * 1e9, kPi * 1.25 * 1.25 * 1.1, 0.04);
-  // A square of 2 mm lies within a disc of 1.25 mm but for its corners.
+  // A square of 2 mm is within a disc of 1.25 mm but for its corners.
   EXPECT_GT((leeway.removed_m3 - disc_zone.removed_m3) * 1e9, 0.6);
   EXPECT_LT(leeway.removed_m3 * 1e9, 4);
   EXPECT_NEAR(measure(Zone::kContainer).solid_m3 * 1e9, kPi * 1.35 * 1.35 * 1.2, 0.05);

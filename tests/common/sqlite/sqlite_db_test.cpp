@@ -10,7 +10,7 @@
 #include "common/sql/query.h"
 #include "tests/support/temp_folder.h"
 
-// The driver for SQLite: what it opens, keeps, converts and tells.
+// The driver for SQLite: what it opens, keeps and converts, and its errors.
 namespace enamel::sql {
 namespace {
 

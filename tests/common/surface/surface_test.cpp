@@ -141,7 +141,7 @@ TEST(SurfaceTest, SphereVerticesAreWithinATwentiethOfAVoxel) {
   EXPECT_LE(worst, 0.05);
 }
 
-// The mesh lies inside by about 0.02 voxel on average: 0.1 % of the radius, 0.3 % of the volume.
+// The mesh is inside by about 0.02 voxel on average: 0.1 % of the radius, 0.3 % of the volume.
 TEST(SurfaceTest, SphereVolumeAndAreaMeetTheClosedForm) {
   Mesh mesh = ExtractSurface(Ball());
   double r = kRadius * kVoxel_m;

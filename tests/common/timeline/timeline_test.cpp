@@ -25,7 +25,7 @@ Bytes Golden(const char* name) {
   return *bytes;
 }
 
-// What schemas/surface_timeline.md says of the golden tooth, after `frames` frames.
+// The golden tooth of schemas/surface_timeline.md after `frames` frames.
 int8_t GoldenSample(const ivec3& v, uint32_t frames) {
   const dvec3 p(v), middle(19.5);
   const auto length = [](const dvec3& d) { return std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z); };

@@ -11,7 +11,7 @@ namespace {
 
 namespace sample = trace::sample;
 
-// What replay does: a fresh core, the bricks that are stored now, the rest of the state.
+// Like a replay: a fresh core, the bricks that are stored now, the rest of the state.
 void CopyInto(Core& from, Core& to) {
   const cutting::Volume& volume = from.volume();
   for (int b = 0; b < volume.spec().brick_count(); ++b) {
