@@ -2,9 +2,8 @@
 
 #include <sodium.h>
 
-#include <mutex>
-
 #include "common/base/hex.h"
+#include "common/base/mutex.h"
 
 namespace enamel {
 
@@ -42,12 +41,12 @@ Uuid Uuid::New(std::chrono::system_clock::time_point now) {
   randombytes_buf(out.bytes.data(), out.bytes.size());
   auto ms = static_cast<uint64_t>(
       std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()).count());
-  static std::mutex mutex;
-  static uint64_t last_ms = 0;
-  static uint32_t counter = 0;
+  static Mutex mutex;
+  static uint64_t last_ms ENAMEL_GUARDED_BY(mutex) = 0;
+  static uint32_t counter ENAMEL_GUARDED_BY(mutex) = 0;
   uint32_t order;
   {
-    std::lock_guard lock(mutex);
+    MutexLock lock(mutex);
     if (ms == last_ms && counter < 0xfff) {
       ++counter;
     } else {

@@ -167,7 +167,7 @@ bool HapticBoard::OnAttached(const HidInfo& info) {
   // After plugging in, its count may start anywhere.
   order_.Forget();
   {
-    std::lock_guard lock(port_mutex_);
+    MutexLock lock(port_mutex_);
     new_port_ = std::move(*port);
   }
   attached_ = true;
@@ -262,7 +262,7 @@ void HapticBoard::PublishPose(bool fresh) {
 }
 
 void HapticBoard::TakePort(std::unique_ptr<HidPort>& port) {
-  std::lock_guard lock(port_mutex_);
+  MutexLock lock(port_mutex_);
   if (new_port_ != nullptr) {
     port = std::move(new_port_);
   } else if (!attached_) {

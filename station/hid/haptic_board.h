@@ -4,9 +4,9 @@
 
 #include <atomic>
 #include <functional>
-#include <mutex>
 #include <thread>
 
+#include "common/base/mutex.h"
 #include "common/base/triple_buffer.h"
 #include "common/scene/types.h"
 #include "station/devices/device.h"
@@ -137,8 +137,8 @@ class HapticBoard final : public MotorDevice, private ReportSink {
 
   std::atomic<bool> force_waits_{false};
   sem_t force_posted_;
-  std::mutex port_mutex_;
-  std::unique_ptr<HidPort> new_port_;  // guarded by port_mutex_: for the writer to take
+  Mutex port_mutex_;
+  std::unique_ptr<HidPort> new_port_ ENAMEL_GUARDED_BY(port_mutex_);  // for the writer to take
   std::thread writer_;
   std::unique_ptr<HidReader> reader_;  // made last, ended first
 };

@@ -5,16 +5,14 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
-#include <mutex>
+
+#include "common/base/mutex.h"
 
 namespace enamel::station::hid {
 namespace {
 
 // hidapi lists and opens through a library context that is not thread-safe.
-std::mutex& ContextMutex() {
-  static std::mutex mutex;
-  return mutex;
-}
+Mutex context;
 
 std::string Utf8(const wchar_t* text) {
   std::string out;
@@ -47,7 +45,7 @@ bool ParseHex16(std::string_view text, uint16_t& out) {
 }  // namespace
 
 std::vector<HidInfo> ListHid() {
-  std::lock_guard lock(ContextMutex());
+  MutexLock lock(context);
   std::vector<HidInfo> out;
   hid_device_info* all = hid_enumerate(0, 0);
   for (hid_device_info* d = all; d != nullptr; d = d->next) {
@@ -93,7 +91,7 @@ Result<HidMatch> ParseHidMatch(std::string_view text) {
 }
 
 Result<std::unique_ptr<HidPort>> HidPort::Open(const std::string& path) {
-  std::lock_guard lock(ContextMutex());
+  MutexLock lock(context);
   hid_device* handle = hid_open_path(path.c_str());
   if (handle == nullptr) {
     return Status(Code::kUnavailable,

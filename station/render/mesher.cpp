@@ -109,14 +109,15 @@ size_t Mesher::GroupOf(const ivec3& brick) const {
 }
 
 std::vector<GroupMesh> Mesher::TakeReady() {
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   return std::exchange(ready_, {});
 }
 
 bool Mesher::WaitIdle(std::chrono::milliseconds limit) {
   size_t target = feed_.sent();
-  std::unique_lock lock(mutex_);
-  return idle_.wait_for(lock, limit, [&] { return initial_done_ && meshed_ >= target; });
+  MutexLock lock(mutex_);
+  return idle_.wait_for(
+      mutex_, limit, [&]() ENAMEL_REQUIRES(mutex_) { return initial_done_ && meshed_ >= target; });
 }
 
 void Mesher::Run() {
@@ -129,7 +130,7 @@ void Mesher::Run() {
     }
     RemeshChanged();
     {
-      std::lock_guard lock(mutex_);
+      MutexLock lock(mutex_);
       // After the meshes were delivered: a thread that waits for this number finds them.
       meshed_ = applied_;
     }
@@ -155,7 +156,7 @@ void Mesher::MeshInitial() {
     if (!mesh.indices.empty()) Deliver(std::move(mesh));
   }
   {
-    std::lock_guard lock(mutex_);
+    MutexLock lock(mutex_);
     initial_done_ = true;
   }
   idle_.notify_all();
@@ -219,7 +220,7 @@ GroupMesh Mesher::Assemble(size_t group) const {
 }
 
 void Mesher::Deliver(GroupMesh mesh) {
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   for (GroupMesh& waiting : ready_) {
     if (waiting.group == mesh.group) {
       // The waiting mesh was never drawn: if its surface was new, it still is.

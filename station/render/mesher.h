@@ -5,11 +5,11 @@
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
-#include <mutex>
 #include <span>
 #include <thread>
 #include <vector>
 
+#include "common/base/mutex.h"
 #include "common/cutting/volume.h"
 #include "common/surface/brick_meshes.h"
 #include "station/render/brick_feed.h"
@@ -94,12 +94,11 @@ class Mesher {
   size_t applied_ = 0, watched_ = 0;
   std::chrono::steady_clock::time_point watched_at_{}, changed_at_{};
   std::vector<size_t> without_coarse_;  // groups, each once
-  // Guarded by mutex_.
-  std::mutex mutex_;
-  std::condition_variable idle_;
-  std::vector<GroupMesh> ready_;
-  size_t meshed_ = 0;  // updates included in the picture
-  bool initial_done_ = false;
+  Mutex mutex_;
+  std::condition_variable_any idle_;
+  std::vector<GroupMesh> ready_ ENAMEL_GUARDED_BY(mutex_);
+  size_t meshed_ ENAMEL_GUARDED_BY(mutex_) = 0;  // updates included in the picture
+  bool initial_done_ ENAMEL_GUARDED_BY(mutex_) = false;
 
   std::atomic<bool> stop_{false};
   std::thread thread_;

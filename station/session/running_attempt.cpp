@@ -189,7 +189,7 @@ void RunningAttempt::LogEnd(const Status& status) const {
 // Ticks that cannot be recorded are not felt.
 void RunningAttempt::Note(const Status& problem) {
   loop_.Hold(!problem.ok());
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   if (problem_.ok() && !problem.ok()) {
     spdlog::error(
         "{}. Until then there is no force and no cut; the last {:.2f} s are kept in memory and "
@@ -222,7 +222,7 @@ Status RunningAttempt::Lost(const Status& why) const {
 }
 
 RunningAttempt::Recording RunningAttempt::recording() const {
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   return {recorder_.chunks(), recorder_.ticks(), recorder_.waiting_ticks(), problem_};
 }
 

@@ -3,10 +3,10 @@
 #include <atomic>
 #include <boost/json/fwd.hpp>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <thread>
 
+#include "common/base/mutex.h"
 #include "station/loop/tick_loop.h"
 #include "station/session/prepared_attempt.h"
 #include "station/spool/recorder.h"
@@ -109,8 +109,8 @@ class RunningAttempt : private TickObserver {
   TickLoop loop_;
   std::atomic<bool> give_up_{false}, done_{false};
   Fault logged_ = Fault::kNone;  // of the recorder's thread
-  mutable std::mutex mutex_;
-  Status problem_;                               // guarded by mutex_
+  mutable Mutex mutex_;
+  Status problem_ ENAMEL_GUARDED_BY(mutex_);
   std::optional<Result<trace::Seal>> recorded_;  // the recorder's, then Join's
   std::thread recorder_thread_, loop_thread_;
 };

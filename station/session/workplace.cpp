@@ -85,7 +85,7 @@ Workplace::Workplace(const WorkplaceOptions& options, Credentials credentials,
 
 Workplace::~Workplace() {
   {
-    std::lock_guard lock(mutex_);
+    MutexLock lock(mutex_);
     stop_ = true;
     link_->Cancel();
     ForgetPerson(kSignedOut);
@@ -97,19 +97,20 @@ Workplace::~Workplace() {
 }
 
 void Workplace::KeepAlive() {
-  std::unique_lock lock(mutex_);
-  while (!changed_.wait_for(lock, kPingEvery, [&] { return stop_; })) {
-    if (!person_) continue;
-    lock.unlock();
+  for (;;) {
     {
-      auto link = UseLink();
-      // Without mutex_: a step that only asks for the person must not wait for the network.
-      if (link->connected() && !link->Ping().ok()) link->Close();
-      bool lost = !link->connected();
-      lock.lock();
-      // If one person signed out and another in meanwhile, the link is a different one.
-      if (lost && link.link == link_) ForgetPerson(kLost);
+      MutexLock lock(mutex_);
+      const auto stopped = [&]() ENAMEL_REQUIRES(mutex_) { return stop_; };
+      if (changed_.wait_for(mutex_, kPingEvery, stopped)) return;
+      if (!person_) continue;
     }
+    auto link = UseLink();
+    // Without mutex_: a step that only asks for the person must not wait for the network.
+    if (link->connected() && !link->Ping().ok()) link->Close();
+    const bool lost = !link->connected();
+    MutexLock lock(mutex_);
+    // If one person signed out and another in meanwhile, the link is a different one.
+    if (lost && link.link == link_) ForgetPerson(kLost);
   }
 }
 
@@ -164,7 +165,7 @@ Result<Person> Workplace::SignInAtServer(const std::string& login, const std::st
                       "again",
                   "password");
   }
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   // Signed out during the request: the next person must not find this one signed in.
   if (link.link != link_)
     return Status(Code::kUnavailable, "signed out meanwhile", net::kCancelled);
@@ -181,7 +182,7 @@ void Workplace::ForgetPerson(const char* how) {
 // connection.
 void Workplace::SignOut() {
   std::shared_ptr<ServerLink> left;  // closed once nothing is locked any more
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   left = std::exchange(link_, std::make_shared<ServerLink>());
   left->Cancel();
   ForgetPerson(kSignedOut);
@@ -189,17 +190,17 @@ void Workplace::SignOut() {
 
 Workplace::LinkInUse Workplace::UseLink() {
   std::unique_lock alone(link_mutex_);
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   return {std::move(alone), link_};
 }
 
 std::optional<Person> Workplace::person() const {
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   return person_;
 }
 
 Result<Person> Workplace::SignedIn(const ServerLink& link) {
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   const bool current = link_.get() == &link;
   if (current && !link.connected()) ForgetPerson(kLost);
   if (current && person_) return *person_;
@@ -255,7 +256,7 @@ Status Workplace::AskForTicket(PreparedAttempt& prepared, bool as_reference) {
   // ticket's expiry frees it.
   prepared.header.ticket = issued.ticket;
   prepared.hands = issued.hands;
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   unused_ = issued.ticket.attempt;
   return Status::Ok();
 }
@@ -267,7 +268,7 @@ Status Workplace::TellReturned(ServerLink& link) {
 
 void Workplace::HandBackUnused() {
   const Uuid unused = [this] {
-    std::lock_guard lock(mutex_);  // not during disk access: the window reads under it
+    MutexLock lock(mutex_);  // not during disk access: the window reads under it
     return std::exchange(unused_, {});
   }();
   if (unused.IsZero() || spool_->Get(unused).ok()) return;
@@ -302,7 +303,7 @@ Result<std::unique_ptr<RunningAttempt>> Workplace::Begin(PreparedAttempt& prepar
                                                 prepared.profile.name, prepared.facts));
   }
   {
-    std::lock_guard lock(mutex_);
+    MutexLock lock(mutex_);
     if (unused_ == prepared.attempt()) unused_ = {};
   }
   spdlog::info("attempt {} {}: exercise '{}', person {}, {} at {} Hz, profile '{}'",

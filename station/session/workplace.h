@@ -9,6 +9,7 @@
 #include <string>
 #include <thread>
 
+#include "common/base/mutex.h"
 #include "station/session/prepared_attempt.h"
 #include "station/session/running_attempt.h"
 #include "station/session/ticket_safe.h"
@@ -149,13 +150,13 @@ class Workplace {
   Status MeasureGap(PreparedAttempt& prepared);
   // Exclusive use of the connection for this object's lifetime.
   struct LinkInUse {
-    std::unique_lock<std::mutex> alone;
+    std::unique_lock<Mutex> alone;
     std::shared_ptr<ServerLink> link;
     ServerLink& operator*() const { return *link; }
     ServerLink* operator->() const { return link.get(); }
   };
   LinkInUse UseLink();
-  void ForgetPerson(const char* how);  // requires: mutex_ is held
+  void ForgetPerson(const char* how) ENAMEL_REQUIRES(mutex_);
   // The person on this connection. Errors: kUnauthenticated.
   Result<Person> SignedIn(const ServerLink& link);
   Status TellReturned(ServerLink& link);
@@ -171,14 +172,14 @@ class Workplace {
   const std::unique_ptr<Spool> spool_;
   TicketSafe safe_;
   Uploader uploader_;
-  mutable std::mutex link_mutex_;  // held while a request is under way
-  mutable std::mutex mutex_;
-  // The pointer is guarded by mutex_; its target, except for Cancel, by link_mutex_.
-  std::shared_ptr<ServerLink> link_ = std::make_shared<ServerLink>();
-  std::condition_variable changed_;
-  std::optional<Person> person_;  // guarded by mutex_
-  Uuid unused_;                   // taken by TakeTicket and not used; guarded by mutex_
-  bool stop_ = false;             // guarded by mutex_
+  mutable Mutex link_mutex_;  // held while a request is under way
+  mutable Mutex mutex_;
+  // Its target, except for Cancel, is guarded by link_mutex_.
+  std::shared_ptr<ServerLink> link_ ENAMEL_GUARDED_BY(mutex_) = std::make_shared<ServerLink>();
+  std::condition_variable_any changed_;
+  std::optional<Person> person_ ENAMEL_GUARDED_BY(mutex_);
+  Uuid unused_ ENAMEL_GUARDED_BY(mutex_);  // taken by TakeTicket and not used
+  bool stop_ ENAMEL_GUARDED_BY(mutex_) = false;
   std::thread keep_alive_;
 };
 

@@ -183,7 +183,7 @@ Status Written(sql::Query& q, SpoolFile& to, const char* doing) {
 }
 
 Status TakeOverColumns(const sql::Query& row, const Uuid& id, SpoolFile& to) {
-  std::lock_guard lock(to.mutex());
+  MutexLock lock(to.mutex());
   std::string set;
   std::vector<int> values;
   for (const SharedColumn& column : SharedColumns(row, to.db(), "attempts")) {
@@ -198,7 +198,7 @@ Status TakeOverColumns(const sql::Query& row, const Uuid& id, SpoolFile& to) {
 
 // Copies the columns that both tables have. Returns whether the row was inserted.
 Result<bool> TakeOverRow(const sql::Query& row, SpoolFile& to, const std::string& table) {
-  std::lock_guard lock(to.mutex());
+  MutexLock lock(to.mutex());
   std::string names, places;
   const auto shared = SharedColumns(row, to.db(), table);
   for (const SharedColumn& column : shared) {
@@ -213,7 +213,7 @@ Result<bool> TakeOverRow(const sql::Query& row, SpoolFile& to, const std::string
 }
 
 Status KeepTime(const Uuid& id, uint32_t seq, int64_t spooled_unix_ms, SpoolFile& to) {
-  std::lock_guard lock(to.mutex());
+  MutexLock lock(to.mutex());
   sql::Query s(to.db(), "UPDATE chunks SET spooled_unix_ms = ?3 WHERE attempt = ?1 AND seq = ?2");
   s.BindBlob(id.view()).BindInt(seq).BindInt(spooled_unix_ms);
   return Written(s, to, "saving a chunk's time");

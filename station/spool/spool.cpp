@@ -98,7 +98,7 @@ const fs::path& Spool::file() const { return file_->path(); }
 
 Status Spool::BeginAttempt(const trace::Header& header, const std::string& exercise,
                            const std::string& profile, const protocol::AttemptFacts& facts) {
-  std::lock_guard lock(file_->mutex());
+  MutexLock lock(file_->mutex());
   Bytes bytes = trace::EncodeHeader(header);
   Sha256 hash = HashSha256(bytes);
   ByteView id = header.ticket.attempt.view();
@@ -135,7 +135,7 @@ Status Spool::PutChunk(const Uuid& attempt, ByteView chunk) {
     return Status(Code::kConflict, "the chunk belongs to attempt " + head.head.attempt.Text() +
                                        ", not to " + attempt.Text());
   }
-  std::lock_guard lock(file_->mutex());
+  MutexLock lock(file_->mutex());
   {
     sql::Query s(file_->db(), "SELECT sha256 FROM chunks WHERE attempt = ? AND seq = ?");
     if (s.BindBlob(attempt.view()).BindInt(head.head.seq).Next()) {
@@ -182,7 +182,7 @@ Status Spool::PutChunk(const Uuid& attempt, ByteView chunk) {
 }
 
 Status Spool::MarkResumed(const Uuid& attempt) {
-  std::lock_guard lock(file_->mutex());
+  MutexLock lock(file_->mutex());
   sql::Query s(file_->db(),
                // In the database, not in memory, so that a crash during the resumption counts too.
                "UPDATE attempts SET resumed = resumed + 1 WHERE id = ? AND seal_chunks IS NULL");
@@ -220,7 +220,7 @@ Status Spool::PutSeal(const trace::Seal& seal) {
     return Status(Code::kConflict,
                   "attempt " + seal.attempt.Text() + " is sealed otherwise already");
   }
-  std::lock_guard lock(file_->mutex());
+  MutexLock lock(file_->mutex());
   sql::Query s(file_->db(),
                "UPDATE attempts SET seal_chunks = ?, seal_ticks = ?, seal_last_sha256 = ?,"
                " seal_state_hash = ? WHERE id = ?");
@@ -233,7 +233,7 @@ Status Spool::PutSeal(const trace::Seal& seal) {
 }
 
 Status Spool::SetCommittedBelow(const Uuid& attempt, uint32_t next_seq) {
-  std::lock_guard lock(file_->mutex());
+  MutexLock lock(file_->mutex());
   sql::Query s(
       file_->db(),
       // Writes only changes: each write waits for the disk, and delays a chunk being recorded.
@@ -244,7 +244,7 @@ Status Spool::SetCommittedBelow(const Uuid& attempt, uint32_t next_seq) {
 }
 
 Status Spool::MarkCommitted(const Uuid& attempt, uint32_t seq) {
-  std::lock_guard lock(file_->mutex());
+  MutexLock lock(file_->mutex());
   sql::Query s(file_->db(),
                "UPDATE attempts SET committed = ?1, committed_unix_ms = ?2"
                " WHERE id = ?3 AND committed < ?1");
@@ -254,14 +254,14 @@ Status Spool::MarkCommitted(const Uuid& attempt, uint32_t seq) {
 }
 
 Status Spool::MarkWanted(const Uuid& attempt) {
-  std::lock_guard lock(file_->mutex());
+  MutexLock lock(file_->mutex());
   // Its chunks stay counted as committed until OpenAttempt says where to start.
   sql::Query s(file_->db(), "UPDATE attempts SET sealed_at_server = 0 WHERE id = ?");
   return file_->Run(s.BindBlob(attempt.view()), "marking an attempt");
 }
 
 Status Spool::MarkSealedAtServer(const Uuid& attempt) {
-  std::lock_guard lock(file_->mutex());
+  MutexLock lock(file_->mutex());
   sql::Query s(file_->db(),
                "UPDATE attempts SET sealed_at_server = 1, committed_unix_ms = ? WHERE id = ?");
   s.BindInt(UnixMs());
@@ -271,7 +271,7 @@ Status Spool::MarkSealedAtServer(const Uuid& attempt) {
 // Success writes only if an earlier failure is to be cleared.
 Status Spool::MarkTried(const Uuid& attempt, const std::string& problem) {
   if (!problem.empty()) return MarkTriedWhere("id = ?3", attempt, problem);
-  std::lock_guard lock(file_->mutex());
+  MutexLock lock(file_->mutex());
   sql::Query s(file_->db(),
                "UPDATE attempts SET waits_because = NULL, waits_since_unix_ms = NULL,"
                " tried_unix_ms = NULL WHERE id = ? AND waits_because IS NOT NULL");
@@ -287,7 +287,7 @@ Status Spool::MarkAllTried(const std::string& problem) {
 }
 
 Status Spool::MarkTriedWhere(const char* where, const Uuid& attempt, const std::string& problem) {
-  std::lock_guard lock(file_->mutex());
+  MutexLock lock(file_->mutex());
   const std::string sql =
       "UPDATE attempts SET waits_because = ?1, tried_unix_ms = ?2,"
       " waits_since_unix_ms = coalesce(waits_since_unix_ms, ?2) WHERE " +
@@ -299,7 +299,7 @@ Status Spool::MarkTriedWhere(const char* where, const Uuid& attempt, const std::
 
 // A refusal outweighs failed tries: why it waits no longer matters.
 Status Spool::MarkRefused(const Uuid& attempt, const std::string& why) {
-  std::lock_guard lock(file_->mutex());
+  MutexLock lock(file_->mutex());
   sql::Query s(file_->db(),
                "UPDATE attempts SET refused = ?, refused_unix_ms = ?, waits_because = NULL,"
                " waits_since_unix_ms = NULL, tried_unix_ms = NULL WHERE id = ?");
@@ -308,14 +308,14 @@ Status Spool::MarkRefused(const Uuid& attempt, const std::string& why) {
 }
 
 Status Spool::ClearRefusal(const Uuid& attempt) {
-  std::lock_guard lock(file_->mutex());
+  MutexLock lock(file_->mutex());
   sql::Query s(file_->db(),
                "UPDATE attempts SET refused = NULL, refused_unix_ms = NULL WHERE id = ?");
   return file_->Run(s.BindBlob(attempt.view()), "marking an attempt");
 }
 
 Result<std::vector<SpooledAttempt>> Spool::List() {
-  std::lock_guard lock(file_->mutex());
+  MutexLock lock(file_->mutex());
   sql::Query s(file_->db(), kSelectAttempts);
   s.BindNull(sql::Type::kBlob);  // all of them
   std::vector<SpooledAttempt> out;
@@ -325,7 +325,7 @@ Result<std::vector<SpooledAttempt>> Spool::List() {
 }
 
 Result<SpooledAttempt> Spool::Get(const Uuid& attempt) {
-  std::lock_guard lock(file_->mutex());
+  MutexLock lock(file_->mutex());
   sql::Query s(file_->db(), kSelectAttempts);
   const bool there = s.BindBlob(attempt.view()).Next();
   if (!s.status().ok()) return file_->Fail("reading an attempt");
@@ -334,7 +334,7 @@ Result<SpooledAttempt> Spool::Get(const Uuid& attempt) {
 }
 
 Result<Bytes> Spool::HeaderOf(const Uuid& attempt) {
-  std::lock_guard lock(file_->mutex());
+  MutexLock lock(file_->mutex());
   sql::Query s(file_->db(), "SELECT header FROM attempts WHERE id = ?");
   const bool there = s.BindBlob(attempt.view()).Next();
   if (!s.status().ok()) return file_->Fail("reading a header");
@@ -344,7 +344,7 @@ Result<Bytes> Spool::HeaderOf(const Uuid& attempt) {
 
 Result<std::vector<SpooledChunk>> Spool::ChunksFrom(const Uuid& attempt, uint32_t seq,
                                                     size_t limit) {
-  std::lock_guard lock(file_->mutex());
+  MutexLock lock(file_->mutex());
   sql::Query s(file_->db(),
                "SELECT seq, bytes FROM chunks WHERE attempt = ? AND seq >= ? ORDER BY seq LIMIT ?");
   s.BindBlob(attempt.view()).BindInt(seq).BindInt(static_cast<int64_t>(limit));
@@ -369,7 +369,7 @@ Result<trace::TraceFile> Spool::Export(const Uuid& attempt) {
 }
 
 Result<Silence> Spool::SilenceOf(const Uuid& attempt) {
-  std::lock_guard lock(file_->mutex());
+  MutexLock lock(file_->mutex());
   sql::Query s(file_->db(),
                "SELECT coalesce((SELECT spooled_unix_ms FROM chunks WHERE attempt = ?1"
                " ORDER BY seq DESC LIMIT 1), created_unix_ms), boot_id, boot_ms"
@@ -392,7 +392,7 @@ Result<Silence> Spool::SilenceOf(const Uuid& attempt) {
 }
 
 Result<std::optional<int64_t>> Spool::LastSpooledUnixMs(const Uuid& attempt) {
-  std::lock_guard lock(file_->mutex());
+  MutexLock lock(file_->mutex());
   sql::Query s(file_->db(),
                "SELECT spooled_unix_ms FROM chunks WHERE attempt = ? ORDER BY seq DESC LIMIT 1");
   const bool there = s.BindBlob(attempt.view()).Next();
@@ -414,7 +414,7 @@ std::string PrunedText(const Pruned& pruned, const Retention& retention) {
 Result<Pruned> Spool::Prune(const Retention& retention, std::chrono::system_clock::time_point now) {
   const int64_t old_ms =
       UnixMs(now) - std::chrono::duration_cast<std::chrono::milliseconds>(retention.age).count();
-  std::lock_guard lock(file_->mutex());
+  MutexLock lock(file_->mutex());
   std::vector<std::pair<Bytes, bool>> going;  // id, early
   {
     // Newest first: those that fit stay.
@@ -466,7 +466,7 @@ Status Spool::ProveWritable(uint64_t room_bytes) {
                                       " free, and a recording needs " + mb(room_bytes) +
                                       ": free space there, then begin again");
   }
-  std::lock_guard lock(file_->mutex());
+  MutexLock lock(file_->mutex());
   return file_->TestWrite();
 }
 

@@ -2,10 +2,10 @@
 
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
+#include "common/base/mutex.h"
 #include "common/base/result.h"
 #include "common/sql/query.h"
 #include "common/sqlite/sqlite_db.h"
@@ -41,7 +41,7 @@ class SpoolFile {
   SpoolFile& operator=(const SpoolFile&) = delete;
 
   sql::Db& db() { return *db_; }
-  std::mutex& mutex() { return mutex_; }
+  Mutex& mutex() ENAMEL_THREAD_SAFETY(lock_returned(mutex_)) { return mutex_; }
   const std::filesystem::path& path() const { return path_; }
 
   // The error of the last statement, described as failing at `doing`.
@@ -65,7 +65,7 @@ class SpoolFile {
   std::filesystem::path copy_;  // folder of the copy being read; empty: the original is read
   std::unique_ptr<sql::SqliteDb> db_;
   SpoolTrouble opening_ = SpoolTrouble::kOther;  // why it could not be opened
-  std::mutex mutex_;
+  Mutex mutex_;
 };
 
 }  // namespace enamel::station

@@ -6,7 +6,7 @@
 namespace enamel::station {
 
 Status SpooledLoopFacts::Put(const Uuid& attempt, const KeptLoopFacts& facts) {
-  std::lock_guard lock(file_.mutex());
+  MutexLock lock(file_.mutex());
   sql::Query s(
       file_.db(),
       // From the attempt's own row, so that facts of a missing attempt are not kept. Replaces: for
@@ -19,7 +19,7 @@ Status SpooledLoopFacts::Put(const Uuid& attempt, const KeptLoopFacts& facts) {
 }
 
 Result<std::vector<KeptLoopFacts>> SpooledLoopFacts::Of(const Uuid& attempt) {
-  std::lock_guard lock(file_.mutex());
+  MutexLock lock(file_.mutex());
   sql::Query s(file_.db(),
                "SELECT run, ended_unix_ms, facts FROM loop_facts WHERE attempt = ? ORDER BY run");
   s.BindBlob(attempt.view());

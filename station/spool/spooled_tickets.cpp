@@ -8,7 +8,7 @@ namespace enamel::station {
 
 // Never replaced: each ticket is for a different attempt.
 Status SpooledTickets::Put(const LockedTicket& ticket) {
-  std::lock_guard lock(file_.mutex());
+  MutexLock lock(file_.mutex());
   sql::Query s(
       file_.db(),
       "INSERT INTO tickets (attempt, person, exercise, title, profile, expires_unix_ms, salt,"
@@ -26,7 +26,7 @@ Status SpooledTickets::Put(const LockedTicket& ticket) {
 }
 
 Result<std::vector<LockedTicket>> SpooledTickets::List() {
-  std::lock_guard lock(file_.mutex());
+  MutexLock lock(file_.mutex());
   sql::Query s(file_.db(),
                "SELECT attempt, person, exercise, title, profile, expires_unix_ms, salt, locked,"
                " wrong_pins, wait_unix_ms, hands FROM tickets ORDER BY attempt");
@@ -53,7 +53,7 @@ Result<std::vector<LockedTicket>> SpooledTickets::List() {
 }
 
 Status SpooledTickets::HandBack(const Uuid& attempt) {
-  std::lock_guard lock(file_.mutex());
+  MutexLock lock(file_.mutex());
   sql::Query s(file_.db(),
                // Overwritten instead of deleted: the server still has to learn which ticket it was.
                "UPDATE tickets SET locked = x'', salt = zeroblob(16) WHERE attempt = ?");
@@ -63,7 +63,7 @@ Status SpooledTickets::HandBack(const Uuid& attempt) {
 Result<std::optional<int>> SpooledTickets::CountPinTry(const Uuid& attempt, int64_t now_unix_ms,
                                                        int free_tries, int most,
                                                        int64_t first_wait_ms) {
-  std::lock_guard lock(file_.mutex());
+  MutexLock lock(file_.mutex());
   sql::Query s(
       file_.db(),
       // One statement checks, counts and sets the wait: of two simultaneous tries the second is
@@ -88,13 +88,13 @@ Result<std::optional<int>> SpooledTickets::CountPinTry(const Uuid& attempt, int6
 
 // The right PIN proves its person: earlier tries were slips.
 Status SpooledTickets::ForgetPinTries(const Uuid& attempt) {
-  std::lock_guard lock(file_.mutex());
+  MutexLock lock(file_.mutex());
   sql::Query s(file_.db(), "UPDATE tickets SET wrong_pins = 0, wait_unix_ms = 0 WHERE attempt = ?");
   return file_.Run(s.BindBlob(attempt.view()), "forgetting tries of a PIN");
 }
 
 Status SpooledTickets::Remove(const Uuid& attempt) {
-  std::lock_guard lock(file_.mutex());
+  MutexLock lock(file_.mutex());
   sql::Query s(file_.db(), "DELETE FROM tickets WHERE attempt = ?");
   return file_.Run(s.BindBlob(attempt.view()), "removing a ticket");
 }

@@ -51,7 +51,7 @@ Status VerifyRecording(const SpooledAttempt& attempt, ByteView header,
 }
 
 Status VerifyPages(SpoolFile& file) {
-  std::lock_guard lock(file.mutex());
+  MutexLock lock(file.mutex());
   {
     // The first finding is enough: all faults of a page are salvaged in the same way.
     sql::Query s(file.db(), "PRAGMA integrity_check(1)");
@@ -78,7 +78,7 @@ Status VerifyAttempt(Spool& spool, const SpooledAttempt& attempt,
   ENAMEL_ASSIGN_OR_RETURN(auto header, spool.HeaderOf(attempt.id));
   {
     SpoolFile& file = spool.spool_file();
-    std::lock_guard lock(file.mutex());
+    MutexLock lock(file.mutex());
     sql::Query s(file.db(), "SELECT header_sha256 FROM attempts WHERE id = ?");
     if (!s.BindBlob(attempt.id.view()).Next()) return file.Fail("reading a header's hash");
     const Sha256 hash = HashSha256(header);

@@ -20,7 +20,7 @@ Result<Sha256> FolderBlobs::Put(ByteView data) {
   bool there = false;
   {
     // Against RemoveIfOlder, which must not remove between the look and the touch.
-    std::lock_guard lock(mutex_);
+    MutexLock lock(mutex_);
     std::error_code error;
     there = fs::exists(path, error);
     // Fresh again, for RemoveIfOlder.
@@ -63,7 +63,7 @@ Result<size_t> FolderBlobs::Remove(const std::vector<Freed>& freed) {
   size_t removed = 0;
   for (const auto& [hash, generation] : freed) {
     if (named.contains(hash) || !Has(hash)) continue;
-    std::lock_guard lock(mutex_);
+    MutexLock lock(mutex_);
     ENAMEL_RETURN_IF_ERROR(disk_.Remove(PathOf(hash)));
     ++removed;
   }
@@ -84,7 +84,7 @@ Result<size_t> FolderBlobs::Sweep(std::chrono::seconds age) {
 }
 
 Result<bool> FolderBlobs::RemoveIfOlder(const Sha256& hash, std::chrono::seconds age) {
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   std::error_code error;
   auto put = fs::last_write_time(PathOf(hash), error);
   if (error || fs::file_time_type::clock::now() - put < age) return false;

@@ -5,11 +5,11 @@
 #include <filesystem>
 #include <functional>
 #include <initializer_list>
-#include <mutex>
 #include <set>
 #include <vector>
 
 #include "common/base/bytes.h"
+#include "common/base/mutex.h"
 #include "common/base/result.h"
 #include "common/base/sha256.h"
 #include "common/sql/db.h"
@@ -91,7 +91,7 @@ class FolderBlobs final : public Blobs {
   const Named named_;
   // So that no blob is removed while it is put again, and nobody relies on a folder that another
   // thread has made and not yet synced.
-  std::mutex mutex_;
+  Mutex mutex_;
 };
 
 }  // namespace enamel::server

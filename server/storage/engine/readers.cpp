@@ -6,11 +6,12 @@ namespace enamel::server {
 
 Result<std::unique_ptr<Db>> Readers::Take() {
   {
-    std::unique_lock lock(mutex_);
+    MutexLock lock(mutex_);
     // Without a bound of its own: each holder keeps a connection for one read, and callers that
     // must not wait so long use a thread that others do not need (StorePool; an HTTP request ends
     // after 60 s).
-    returned_.wait(lock, [&] { return !idle_.empty() || open_ < most_; });
+    returned_.wait(mutex_,
+                   [&]() ENAMEL_REQUIRES(mutex_) { return !idle_.empty() || open_ < most_; });
     if (!idle_.empty()) {
       auto db = std::move(idle_.back());
       idle_.pop_back();
@@ -21,7 +22,7 @@ Result<std::unique_ptr<Db>> Readers::Take() {
   auto db = open_one_();
   if (db.ok()) return db;
   {
-    std::lock_guard lock(mutex_);
+    MutexLock lock(mutex_);
     --open_;
     returned_.notify_one();
   }
@@ -30,7 +31,7 @@ Result<std::unique_ptr<Db>> Readers::Take() {
 }
 
 void Readers::Return(std::unique_ptr<Db> db) {
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   idle_.push_back(std::move(db));
   returned_.notify_one();
 }

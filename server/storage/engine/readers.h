@@ -3,11 +3,11 @@
 #include <condition_variable>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "common/base/mutex.h"
 #include "server/storage/engine/database.h"
 
 namespace enamel::server {
@@ -39,10 +39,10 @@ class Readers {
 
   const std::function<Result<std::unique_ptr<Db>>()> open_one_;
   const int most_;
-  std::mutex mutex_;
-  std::condition_variable returned_;
-  std::vector<std::unique_ptr<Db>> idle_;  // guarded by mutex_
-  int open_ = 0;                           // guarded by mutex_
+  Mutex mutex_;
+  std::condition_variable_any returned_;
+  std::vector<std::unique_ptr<Db>> idle_ ENAMEL_GUARDED_BY(mutex_);
+  int open_ ENAMEL_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace enamel::server

@@ -11,7 +11,7 @@ Writer::Writer(std::unique_ptr<Db> db, bool twice)
 
 Writer::~Writer() {
   {
-    std::lock_guard lock(mutex_);
+    MutexLock lock(mutex_);
     stopping_ = true;
   }
   wake_.notify_one();
@@ -34,38 +34,41 @@ Status Writer::Run(sql::Change& change) {
 }
 
 Status Writer::Queue(Pending& mine) {
-  std::unique_lock lock(mutex_);
+  MutexLock lock(mutex_);
   queue_.push_back(&mine);
   if (queue_.size() == 1) wake_.notify_one();
   // Without a bound: a work that the thread has begun cannot be taken back. The thread's own waits
   // are bounded (SqliteDb::SetBusyWait, SqliteDb::kMostWait; PgDb::kStatementTimeout), except a
   // COMMIT that PostgreSQL holds until a standby has it too. That one may already be on the
   // primary's disk, and must not be reported as failed. Health reports it (Standby::kMissing).
-  mine.turn.wait(lock, [&] { return mine.done; });
+  mine.turn.wait(mutex_, [&] { return mine.done; });
   return mine.status;
 }
 
 // Commits what waits, in the order it came.
 void Writer::Loop() {
-  std::unique_lock lock(mutex_);
   for (;;) {
-    // Idle until there is work, or no more to come.
-    wake_.wait(lock, [&] { return stopping_ || !queue_.empty(); });
-    if (queue_.empty()) return;
-    lock.unlock();
+    {
+      MutexLock lock(mutex_);
+      // Idle until there is work, or no more to come.
+      wake_.wait(mutex_, [&]() ENAMEL_REQUIRES(mutex_) { return stopping_ || !queue_.empty(); });
+      if (queue_.empty()) return;
+    }
     // Under load, a commit of many costs as much as a commit of one: waiting up to kPace gives
     // fewer and fuller ones.
     std::this_thread::sleep_until(next_commit_);
-    lock.lock();
-    std::vector<Pending*> batch = TakeBatch();
-    lock.unlock();
+    std::vector<Pending*> batch;
+    {
+      MutexLock lock(mutex_);
+      batch = TakeBatch();
+    }
     if (batch.size() >= kBusyBatch) next_commit_ = std::chrono::steady_clock::now() + kPace;
     if (batch.front()->alone != nullptr) {
       DoAlone(*batch.front());
     } else {
       Commit(batch);
     }
-    lock.lock();
+    MutexLock lock(mutex_);
     for (Pending* pending : batch) {
       pending->done = true;
       pending->turn.notify_one();
@@ -98,7 +101,7 @@ std::vector<Writer::Pending*> Writer::TakeBatch() {
 void Writer::DoAlone(Pending& pending) {
   pending.status = (*pending.alone)(*db_);
   db_->Rollback();
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   damaged_ = db_->damaged();
 }
 
@@ -106,7 +109,7 @@ void Writer::Commit(const std::vector<Pending*>& batch) {
   auto begin = std::chrono::steady_clock::now();
   Status failure = Transact(batch);
   std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   // Busy is not broken: nothing was tried.
   if (failure.code() != Code::kUnavailable) last_failure_ = failure;
   damaged_ = db_->damaged();
@@ -195,27 +198,27 @@ Status Writer::Met() const {
 }
 
 std::vector<double> Writer::newest_commits_s() const {
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   return timed_s_;
 }
 
 Writer::Counters Writer::counters() const {
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   return counters_;
 }
 
 size_t Writer::queued() const {
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   return queue_.size();
 }
 
 Status Writer::last_failure() const {
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   return last_failure_;
 }
 
 bool Writer::damaged() const {
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   return damaged_;
 }
 

@@ -5,11 +5,11 @@
 #include <deque>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <random>
 #include <thread>
 #include <vector>
 
+#include "common/base/mutex.h"
 #include "server/storage/engine/database.h"
 
 namespace enamel::server {
@@ -83,12 +83,12 @@ class Writer {
     sql::Isolation isolation = sql::Isolation::kSerial;
     Status status{};
     bool done = false;
-    std::condition_variable turn{};  // done
+    std::condition_variable_any turn{};  // done
   };
   Status Queue(Pending& mine);  // returns when it is done
   // The rest of it on the thread.
   void Loop();
-  std::vector<Pending*> TakeBatch();  // requires: mutex_ is held
+  std::vector<Pending*> TakeBatch() ENAMEL_REQUIRES(mutex_);
   void Commit(const std::vector<Pending*>& batch);
   void DoAlone(Pending& pending);
   Status Transact(const std::vector<Pending*>& batch);
@@ -104,15 +104,15 @@ class Writer {
   const bool twice_;
   std::chrono::steady_clock::time_point next_commit_{};  // the thread's
   std::minstd_rand random_{std::random_device{}()};      // the thread's
-  mutable std::mutex mutex_;
-  std::condition_variable wake_;  // something is queued, or stopping_
-  std::deque<Pending*> queue_;    // guarded by mutex_
-  bool stopping_ = false;         // guarded by mutex_
-  Status last_failure_;           // guarded by mutex_
-  bool damaged_ = false;          // guarded by mutex_
-  Counters counters_;             // guarded by mutex_
-  std::vector<double>
-      timed_s_;         // guarded by mutex_; a ring, whose next place is the commits' count
+  mutable Mutex mutex_;
+  std::condition_variable_any wake_;  // something is queued, or stopping_
+  std::deque<Pending*> queue_ ENAMEL_GUARDED_BY(mutex_);
+  bool stopping_ ENAMEL_GUARDED_BY(mutex_) = false;
+  Status last_failure_ ENAMEL_GUARDED_BY(mutex_);
+  bool damaged_ ENAMEL_GUARDED_BY(mutex_) = false;
+  Counters counters_ ENAMEL_GUARDED_BY(mutex_);
+  // A ring, whose next place is the commits' count.
+  std::vector<double> timed_s_ ENAMEL_GUARDED_BY(mutex_);
   std::thread thread_;  // last: uses the rest
 };
 

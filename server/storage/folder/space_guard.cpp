@@ -5,7 +5,7 @@
 namespace enamel::server {
 
 uint64_t SpaceGuard::FreeBytes() {
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   auto now = std::chrono::steady_clock::now();
   // Every chunk asks; the disk is read about once a second.
   if (looked_ != decltype(looked_){} && now - looked_ < interval_) return free_;

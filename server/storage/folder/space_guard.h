@@ -2,8 +2,8 @@
 
 #include <chrono>
 #include <filesystem>
-#include <mutex>
 
+#include "common/base/mutex.h"
 #include "common/base/result.h"
 #include "server/storage/folder/disk.h"
 
@@ -32,9 +32,9 @@ class SpaceGuard {
   Disk& disk_;
   const uint64_t min_free_;
   const std::chrono::milliseconds interval_;
-  std::mutex mutex_;
-  std::chrono::steady_clock::time_point looked_{};  // guarded by mutex_
-  uint64_t free_ = UINT64_MAX;                      // guarded by mutex_
+  Mutex mutex_;
+  std::chrono::steady_clock::time_point looked_ ENAMEL_GUARDED_BY(mutex_){};
+  uint64_t free_ ENAMEL_GUARDED_BY(mutex_) = UINT64_MAX;
 };
 
 }  // namespace enamel::server

@@ -78,7 +78,7 @@ Result<DataKey> FolderKeyring::Read(const Uuid& person) const {
 }
 
 Result<DataKey> FolderKeyring::Find(const Uuid& person) {
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   auto held = found_.find(MapKey(person));
   if (held != found_.end()) {
     // Another process may have erased the person meanwhile.
@@ -95,7 +95,7 @@ Result<DataKey> FolderKeyring::Find(const Uuid& person) {
 Result<DataKey> FolderKeyring::FindOrMake(const Uuid& person) {
   auto key = Find(person);
   if (key.ok() || key.status().code() != Code::kNotFound) return key;
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   key = Read(person);  // another thread may have been faster
   if (!key.ok() && key.status().code() == Code::kNotFound) {
     // A new key for somebody who was erased would let recordings in again.
@@ -111,7 +111,7 @@ Result<DataKey> FolderKeyring::FindOrMake(const Uuid& person) {
 }
 
 Status FolderKeyring::Put(const Uuid& person, const DataKey& key) {
-  std::lock_guard lock(mutex_);
+  MutexLock lock(mutex_);
   if (HasTombstone(person)) {
     return Status(Code::kConflict, "person " + person.Text() + " was erased");
   }

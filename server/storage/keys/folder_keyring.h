@@ -1,10 +1,10 @@
 #pragma once
 
 #include <filesystem>
-#include <mutex>
 #include <unordered_map>
 #include <vector>
 
+#include "common/base/mutex.h"
 #include "server/storage/folder/disk.h"
 #include "server/storage/keys/keyring.h"
 
@@ -44,8 +44,8 @@ class FolderKeyring final : public Keyring {
 
   const std::filesystem::path folder_;
   Disk& disk_;
-  std::mutex mutex_;
-  std::unordered_map<std::string, DataKey> found_;  // guarded by mutex_; by id bytes
+  Mutex mutex_;
+  std::unordered_map<std::string, DataKey> found_ ENAMEL_GUARDED_BY(mutex_);  // by id bytes
 };
 
 }  // namespace enamel::server

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <chrono>
 #include <fstream>
-#include <mutex>
 
 #include "common/base/in_document.h"
+#include "common/base/mutex.h"
 #include "common/program/output.h"
 #include "common/scene/find_profile.h"
 #include "common/scene/profile_criteria.h"
@@ -112,13 +112,13 @@ Status CheckRecordings(const QualifyOptions& options) {
 Progress ProgressTo(std::FILE* out) {
   if (out == nullptr) return [](const char*, size_t, size_t) {};
   struct Shown {
-    std::mutex guard;
-    std::chrono::steady_clock::time_point last{};
+    Mutex guard;
+    std::chrono::steady_clock::time_point last ENAMEL_GUARDED_BY(guard){};
   };
   auto shown = std::make_shared<Shown>();
   return [out, shown](const char* what, size_t done, size_t all) {
     // Suites report from several threads; lines must not run into each other.
-    std::lock_guard lock(shown->guard);
+    MutexLock lock(shown->guard);
     auto now = std::chrono::steady_clock::now();
     if (done < all && now - shown->last < std::chrono::milliseconds(100)) return;
     shown->last = now;
