@@ -195,12 +195,12 @@ function Editor({
 const kRubricFormat = 1;
 const kDocuments = new WeakMap<object, Json>();
 
-// A rubric by itself says its own format (schemas/rubric.schema.json). The same one for the same
+// A rubric by itself names its kind and format (schemas/rubric.schema.json). The same one for the same
 // rubric, so that the two differ.
 function rubricDocument(rubric: { readonly [name: string]: Json }): Json {
   const known = kDocuments.get(rubric);
   if (known !== undefined) return known;
-  const document = { format: kRubricFormat, ...rubric };
+  const document = { enamel_rubric: kRubricFormat, ...rubric };
   kDocuments.set(rubric, document);
   return document;
 }
