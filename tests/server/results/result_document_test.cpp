@@ -100,7 +100,8 @@ TEST(ResultDocumentTest, ASignatureOverATicketIsNoneOverAResult) {
     seed.fill(1);
     return seed;
   }());
-  d.signature = trace::SignText("enamel.attempt-ticket.v1", ByteView(encoded).first(552), key.secret_key);
+  d.signature =
+      trace::SignText("enamel.attempt-ticket.v1", ByteView(encoded).first(552), key.secret_key);
   EXPECT_FALSE(VerifyResult(d));
 }
 
