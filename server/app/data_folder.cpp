@@ -2,14 +2,10 @@
 
 #include "common/base/file.h"
 #include "common/net/certificate.h"
-#include "server/app/command_line.h"
-#include "server/app/places.h"
-#include "server/app/say.h"
 #include "server/app/school_folder.h"
 #include "server/storage/engine/server_identity.h"
 #include "server/storage/folder/data_folder.h"
 #include "server/storage/folder/database_file.h"
-#include "server/storage/folder/disk.h"
 #include "server/storage/folder/folder_lock.h"
 #include "server/storage/folder/store_options.h"
 #include "server/storage/folder/ticket_key.h"
@@ -20,31 +16,6 @@ namespace enamel::server::app {
 namespace {
 
 constexpr size_t kMaxIdentityBytes = 1 << 20;
-
-struct InitCommand {
-  std::filesystem::path data;
-  Places places;
-  std::filesystem::path identity;  // of another server; empty: its own
-};
-
-Status Init(const InitCommand& command) {
-  ENAMEL_ASSIGN_OR_RETURN(const auto file, FileOf(command.places));
-  if (file) {
-    ENAMEL_RETURN_IF_ERROR(MayKeepRowsIn(command.data, *file));
-    ENAMEL_RETURN_IF_ERROR(TryStores(command.data, *file));
-  }
-  if (!command.identity.empty()) {
-    ENAMEL_RETURN_IF_ERROR(TakeIdentity(command.data, command.identity));
-  }
-  if (file) {
-    ENAMEL_ASSIGN_OR_RETURN(const auto options, FirstOptions(command.data, *file));
-    // Before writing the file: a folder must not be bound to an unreachable server, and one with
-    // other content must not be taken for ours.
-    if (auto opened = OpenPostgresStore(options); !opened.ok()) return opened.status();
-    ENAMEL_RETURN_IF_ERROR(WriteDatabaseFile(command.data, *file, SystemDisk()));
-  }
-  return InitData(command.data);
-}
 
 // Creates a missing certificate; returns its fingerprint.
 Result<Sha256> EnsureCertificate(const std::filesystem::path& certificate,
@@ -144,28 +115,6 @@ Result<PageCertificate> EnsurePageCertificate(const std::filesystem::path& folde
                                             host_names.empty() ? "localhost" : host_names.front()));
   page.fingerprint = fingerprint;
   return page;
-}
-
-Status InitData(const std::filesystem::path& folder) {
-  ENAMEL_ASSIGN_OR_RETURN(auto store, OpenStore({folder}));
-  ENAMEL_ASSIGN_OR_RETURN(auto identity, EnsureMatchingIdentity(folder, store->identity));
-  Say("data folder {}, fingerprint {}\n", folder.string(), identity.fingerprint.Hex());
-  return Status::Ok();
-}
-
-void DeclareInit(CommandGroup root) {
-  auto [cmd, options] = Declare<InitCommand>(
-      root, "init", "Make a data folder, for commands that come before the first serve", Init);
-  AddData(cmd, options.data);
-  AddPlaces(cmd, options.places);
-  AddIdentity(cmd, options.identity);
-  cmd->footer(
-      "Several servers of one school: the first is made with --database, --s3-endpoint,\n"
-      "--s3-bucket, --key-bucket and --master-key. Copy station.crt, station.key and ticket.key\n"
-      "of its data folder and the master key to the next machine, and name them there:\n\n"
-      "  enamel-server init --data /srv/enamel --database postgresql://enamel@db/school \\\n"
-      "    --s3-endpoint https://s3.example.org --s3-bucket school --key-bucket school-keys \\\n"
-      "    --master-key /etc/enamel/master.key --identity /etc/enamel/identity");
 }
 
 Result<std::unique_ptr<Store>> OpenOrMake(const std::filesystem::path& folder) {

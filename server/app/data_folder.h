@@ -50,13 +50,6 @@ struct PageCertificate {
 Result<PageCertificate> EnsurePageCertificate(const std::filesystem::path& folder,
                                               const std::vector<std::string>& host_names);
 
-// Creates the missing parts of the folder (mode 0700), its database and its identity, and prints
-// the result. For `init`; `serve` does the same by itself.
-Status InitData(const std::filesystem::path& folder);
-struct CommandGroup;
-// On the command line (command_line.h).
-void DeclareInit(CommandGroup root);
-
 // The store of a folder; creates the folder if it is missing. For demo data and benchmarks.
 Result<std::unique_ptr<Store>> OpenOrMake(const std::filesystem::path& folder);
 

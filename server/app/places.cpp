@@ -18,46 +18,6 @@ std::string Absolute(const std::string& path) {
 
 }  // namespace
 
-void AddPlaces(CLI::App* cmd, Places& places) {
-  auto* database = cmd->add_option("--database", places.database,
-                                   "Keep the rows in this PostgreSQL 15 database instead of "
-                                   "enamel.db: postgresql://USER@HOST/NAME");
-  cmd->add_option("--schema", places.schema, "Name of the tables' place in that database")
-      ->needs(database)
-      ->capture_default_str();
-  auto* endpoint = cmd->add_option("--s3-endpoint", places.blobs.endpoint,
-                                   "Keep the blobs in this S3 store instead of the folder: "
-                                   "https://HOST[:PORT]");
-  auto* bucket = cmd->add_option("--s3-bucket", places.blobs.bucket, "Its bucket")->needs(endpoint);
-  endpoint->needs(bucket);
-  cmd->add_option("--s3-region", places.blobs.region,
-                  "Region that requests are signed for; without: us-east-1")
-      ->needs(endpoint);
-  cmd->add_option("--s3-prefix", places.blobs.prefix, "Of every key in the bucket: school/")
-      ->needs(endpoint);
-  cmd->add_option("--s3-ca-file", places.blobs.ca_file,
-                  "PEM file of who signed the store's certificate")
-      ->needs(endpoint);
-  cmd->add_option("--s3-credentials", places.blobs.credentials_file,
-                  "File of its access key (schemas/database.md); without: AWS_ACCESS_KEY_ID and "
-                  "AWS_SECRET_ACCESS_KEY, for every command")
-      ->needs(endpoint);
-  auto* keys = cmd->add_option("--key-bucket", places.keys.bucket.bucket,
-                               "Keep the keys of people's recordings in this bucket of the store, "
-                               "for several servers: one that keeps no versions and locks nothing")
-                   ->needs(endpoint);
-  auto* master = cmd->add_option("--master-key", places.keys.master_key_file,
-                                 "File of the key that they are wrapped with, the same on all "
-                                 "servers; made by the first")
-                     ->needs(keys);
-  keys->needs(master);
-  cmd->add_option("--key-prefix", places.keys.bucket.prefix, "Of every key in that bucket")
-      ->needs(keys);
-  cmd->add_option("--key-credentials", places.keys.bucket.credentials_file,
-                  "File of that bucket's access key; without: that of the blobs")
-      ->needs(keys);
-}
-
 Result<std::optional<DatabaseFile>> FileOf(const Places& places) {
   if (!places.blobs.endpoint.empty() && places.database.empty()) {
     return Status(Code::kInvalidInput,

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -19,9 +18,6 @@ struct Places {
   PlaceInS3 blobs;  // without an endpoint: in the folder
   KeysInS3 keys;    // without a bucket: in the folder
 };
-
-// --database, --schema, --s3-… and --key-….
-void AddPlaces(CLI::App* cmd, Places& places);
 
 // None: all of it in the folder. Errors: kInvalidInput (an S3 store without a database).
 Result<std::optional<DatabaseFile>> FileOf(const Places& places);

@@ -57,12 +57,6 @@ void AddStoreFigures(StoreHealthCheck& health_rows, JobRows& jobs_rows, ops::Met
   }
 }
 
-WorkerOptions JobsOf(Store& store, const ServerIdentity& identity, int threads) {
-  WorkerOptions out = LoggedJobs(identity.ticket_key, threads);
-  out.timelines = true;
-  return out;
-}
-
 }  // namespace
 
 School::School(std::unique_ptr<Store> store, const ServerIdentity& identity,
@@ -77,7 +71,7 @@ School::School(std::unique_ptr<Store> store, const ServerIdentity& identity,
                 identity.ticket_key,
                 kSoftware,
                 [] { return enamel::UnixMs(); }},
-      worker_(*store_, JobsOf(*store_, identity, options.job_threads)) {
+      worker_(*store_, LoggedJobs(identity.ticket_key, options.job_threads)) {
   services_.board = &stations_;
   metrics_.Add(ops::AddProcess);
   metrics_.Add(

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "common/base/mutex.h"
-#include "server/http/http_server.h"
+#include "server/http/wire/http_server.h"
 #include "server/stations/station_server.h"
 #include "server/storage/people/school_list.h"
 #include "server/storage/store.h"

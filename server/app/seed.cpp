@@ -7,7 +7,6 @@
 #include <iostream>
 
 #include "common/base/file.h"
-#include "server/app/command_line.h"
 #include "server/app/data_folder.h"
 #include "server/app/publish.h"
 #include "server/auth/password.h"
@@ -144,18 +143,6 @@ Status SeedDemo(const SeedOptions& options) {
   if (options.json.empty()) return Status::Ok();
   std::string text = json::serialize(Facts(*exercise, reference.has_value())) + "\n";
   return WriteFileDurably(options.json, AsBytes(text));
-}
-
-void DeclareSeed(CommandGroup root) {
-  auto [cmd, o] = Declare<SeedOptions>(
-      root, "seed-demo", "Add demo people, profiles, molar and exercise; changes nothing twice",
-      SeedDemo);
-  AddData(cmd, o.data);
-  cmd->add_option("--scene", o.scene, "Folder of an imported scene to offer as well");
-  cmd->add_option("--voxel-um", o.voxel_um, "Voxel size of the built-in molar")
-      ->check(CLI::Range(20, 500))
-      ->capture_default_str();
-  cmd->add_option("--json", o.json, "Write the facts to this file");
 }
 
 }  // namespace enamel::server::app

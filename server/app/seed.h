@@ -25,8 +25,4 @@ Status SeedDemo(const SeedOptions& options);
 // Those of them that may sign in with their public password. Blocks: one argon2id each.
 Result<std::vector<std::string>> LoginsWithDemoPassword(PeopleRows& people);
 
-struct CommandGroup;
-// On the command line (command_line.h).
-void DeclareSeed(CommandGroup root);
-
 }  // namespace enamel::server::app

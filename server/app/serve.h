@@ -38,8 +38,4 @@ struct ServeOptions {
 // lost.
 Status Serve(const ServeOptions& options);
 
-struct CommandGroup;
-// On the command line (command_line.h).
-void DeclareServe(CommandGroup root);
-
 }  // namespace enamel::server::app

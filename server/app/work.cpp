@@ -10,7 +10,6 @@
 #include <map>
 #include <memory>
 
-#include "server/app/command_line.h"
 #include "server/app/data_folder.h"
 #include "server/app/database_watch.h"
 #include "server/app/school_folder.h"
@@ -28,6 +27,7 @@ WorkerOptions LoggedJobs(const trace::KeyPair& key, int threads) {
   WorkerOptions out;
   out.key = key;
   out.threads = threads;
+  out.timelines = true;
   out.on_done = [](const JobRow& job, const Status& status) {
     if (status.ok()) {
       spdlog::info("job {} of attempt {} done", job.kind, job.attempt.Text());
@@ -45,13 +45,8 @@ constexpr std::chrono::seconds kLookAtSchools{2};
 // Scores one school's attempts, from its beginning to its end.
 struct AtWork {
   AtWork(std::unique_ptr<Store> its, const trace::KeyPair& key, int threads)
-      : store(std::move(its)), worker(*store, Jobs(*store, key, threads)) {
+      : store(std::move(its)), worker(*store, LoggedJobs(key, threads)) {
     worker.Start();
-  }
-  static WorkerOptions Jobs(Store& store, const trace::KeyPair& key, int threads) {
-    WorkerOptions out = LoggedJobs(key, threads);
-    out.timelines = true;
-    return out;
   }
   static Result<std::unique_ptr<AtWork>> Open(const std::filesystem::path& folder, int threads) {
     StoreOptions options;
@@ -150,24 +145,6 @@ Status Work(const WorkOptions& options) {
   own->worker.Stop();
   spdlog::info("stopped");
   return Status::Ok();
-}
-
-void DeclareWork(CommandGroup root) {
-  auto [cmd, o] = Declare<WorkOptions>(
-      root, "work", "Score attempts beside a server, on this machine or another, until Ctrl-C",
-      Work);
-  AddData(cmd, o.data);
-  AddIdentity(cmd, o.identity);
-  cmd->add_option("--threads", o.threads, "Attempts scored at once")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
-  cmd->footer(
-      "A class that hands in at the same time is scored sooner the more of these run. Each job is\n"
-      "done by one of them. Start as many as there are processors to spare; stop them whenever "
-      "you\n"
-      "like: what one was at goes back to the queue, and is taken by another within half a minute\n"
-      "when it was killed.\n\n"
-      "  enamel-server work --data /srv/enamel --threads 4");
 }
 
 }  // namespace enamel::server::app

@@ -23,8 +23,4 @@ struct WorkOptions {
 // (the folder has no ticket key: no server has used it yet), those of OpenStore.
 Status Work(const WorkOptions& options);
 
-struct CommandGroup;
-// On the command line (command_line.h).
-void DeclareWork(CommandGroup root);
-
 }  // namespace enamel::server::app

@@ -1,4 +1,4 @@
-#include "server/app/upkeep.h"
+#include "server/commands/upkeep.h"
 
 #include <gtest/gtest.h>
 #include <spdlog/sinks/ringbuffer_sink.h>
@@ -10,7 +10,7 @@
 
 #include "common/base/file.h"
 #include "server/app/caretaker.h"
-#include "server/app/personal_data.h"
+#include "server/commands/personal_data.h"
 #include "server/storage/engine/lease.h"
 #include "server/storage/open_store.h"
 #include "server/storage/store_engine.h"

@@ -1,4 +1,4 @@
-#include "server/app/admin.h"
+#include "server/commands/admin.h"
 
 #include <sodium.h>
 #include <spdlog/fmt/fmt.h>
@@ -9,11 +9,11 @@
 
 #include "common/base/hex.h"
 #include "common/base/unix_time.h"
-#include "server/app/command_line.h"
 #include "server/app/data_folder.h"
-#include "server/app/say.h"
-#include "server/app/teaching.h"
 #include "server/auth/password.h"
+#include "server/commands/command_line.h"
+#include "server/commands/say.h"
+#include "server/commands/teaching.h"
 #include "server/jobs/reference_check.h"
 #include "server/training/access.h"
 #include "server/training/names.h"

@@ -1,13 +1,13 @@
-#include "server/app/move.h"
+#include "server/commands/move.h"
 
 #include <boost/json.hpp>
 
 #include "common/base/counted.h"
 #include "common/base/file.h"
-#include "server/app/command_line.h"
-#include "server/app/console_progress.h"
 #include "server/app/data_folder.h"
-#include "server/app/say.h"
+#include "server/commands/command_line.h"
+#include "server/commands/console_progress.h"
+#include "server/commands/say.h"
 #include "server/storage/audit/audit_trail.h"
 #include "server/storage/folder/disk.h"
 #include "server/storage/folder/folder_lock.h"

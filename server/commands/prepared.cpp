@@ -1,4 +1,4 @@
-#include "server/app/prepared.h"
+#include "server/commands/prepared.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -8,10 +8,10 @@
 #include "common/scene/json/json.h"
 #include "common/scene/prepared_target.h"
 #include "common/scene/volume_blob.h"
-#include "server/app/command_line.h"
 #include "server/app/data_folder.h"
 #include "server/app/publish.h"
-#include "server/app/say.h"
+#include "server/commands/command_line.h"
+#include "server/commands/say.h"
 #include "server/jobs/reference_check.h"
 #include "server/training/names.h"
 

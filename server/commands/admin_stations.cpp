@@ -1,4 +1,4 @@
-#include "server/app/admin_stations.h"
+#include "server/commands/admin_stations.h"
 
 #include <set>
 
@@ -8,10 +8,9 @@
 #include "common/scene/calibration.h"
 #include "common/scene/json/json.h"
 #include "common/scene/profile_criteria.h"
-#include "server/app/command_line.h"
 #include "server/app/data_folder.h"
-#include "server/app/say.h"
-#include "server/app/utc_text.h"
+#include "server/commands/command_line.h"
+#include "server/commands/say.h"
 
 namespace enamel::server::app {
 namespace {

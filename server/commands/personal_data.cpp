@@ -1,15 +1,15 @@
-#include "server/app/personal_data.h"
+#include "server/commands/personal_data.h"
 
 #include <boost/json.hpp>
 
 #include "common/base/counted.h"
 #include "common/base/file.h"
-#include "server/app/admin.h"
-#include "server/app/command_line.h"
 #include "server/app/data_folder.h"
-#include "server/app/say.h"
-#include "server/http/handlers/attempt_view.h"
-#include "server/http/handlers/audit_view.h"
+#include "server/commands/admin.h"
+#include "server/commands/command_line.h"
+#include "server/commands/say.h"
+#include "server/http/views/attempt_view.h"
+#include "server/http/views/audit_view.h"
 #include "server/storage/attempts/attempt_rows.h"
 #include "server/storage/audit/audit_rows.h"
 #include "server/storage/people/session_rows.h"

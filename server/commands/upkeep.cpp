@@ -1,16 +1,15 @@
-#include "server/app/upkeep.h"
+#include "server/commands/upkeep.h"
 
 #include <boost/json.hpp>
 
 #include "common/base/counted.h"
 #include "common/base/file.h"
 #include "common/base/unix_time.h"
-#include "server/app/command_line.h"
-#include "server/app/console_progress.h"
 #include "server/app/data_folder.h"
-#include "server/app/say.h"
 #include "server/app/school_folder.h"
-#include "server/app/utc_text.h"
+#include "server/commands/command_line.h"
+#include "server/commands/console_progress.h"
+#include "server/commands/say.h"
 #include "server/storage/backup/backup.h"
 
 namespace enamel::server::app {

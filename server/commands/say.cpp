@@ -1,7 +1,6 @@
-#include "server/app/utc_text.h"
+#include "server/commands/say.h"
 
 #include <spdlog/fmt/chrono.h>
-#include <spdlog/fmt/fmt.h>
 
 #include <ctime>
 

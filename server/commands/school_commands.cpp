@@ -1,17 +1,17 @@
-#include "server/app/school_commands.h"
+#include "server/commands/school_commands.h"
 
 #include <algorithm>
 #include <chrono>
 #include <thread>
 
 #include "common/base/uuid.h"
-#include "server/app/admin.h"
-#include "server/app/command_line.h"
-#include "server/app/console_progress.h"
 #include "server/app/data_folder.h"
-#include "server/app/say.h"
 #include "server/app/school_folder.h"
-#include "server/app/upkeep.h"
+#include "server/commands/admin.h"
+#include "server/commands/command_line.h"
+#include "server/commands/console_progress.h"
+#include "server/commands/say.h"
+#include "server/commands/upkeep.h"
 #include "server/storage/school/delete_store.h"
 #include "server/training/names.h"
 

@@ -8,6 +8,7 @@
 
 #include "common/base/result.h"
 #include "common/program/declare.h"
+#include "server/app/places.h"
 
 // Where the commands of enamel-server go. Used once, at start, by one thread.
 namespace enamel::server::app {
@@ -36,5 +37,8 @@ CLI::Option* AddData(CLI::App* cmd, std::filesystem::path& data);
 
 // --identity, for TakeIdentity (data_folder.h).
 void AddIdentity(CLI::App* cmd, std::filesystem::path& identity);
+
+// --database, --schema, --s3-… and --key-…, for `init` and `move`.
+void AddPlaces(CLI::App* cmd, Places& places);
 
 }  // namespace enamel::server::app

@@ -10,6 +10,7 @@
 #include "common/base/result.h"
 #include "common/base/utf8.h"
 #include "server/training/revision.h"
+#include "server/training/types.h"
 
 // What commands tell on standard output.
 namespace enamel::server::app {
@@ -34,6 +35,9 @@ template <typename... Values>
 void Say(fmt::format_string<Shown<Values>...> format, const Values&... values) {
   std::cout << fmt::format(format, ShownAs(values)...);
 }
+
+// "2026-09-01 08:30", UTC; "-" for 0.
+std::string UtcText(UnixMs ms);
 
 // A refusal; if the caller may insist (kAnyway), with the option that insists.
 inline Status InsistWith(const Status& refused, const std::string& option) {

@@ -1,4 +1,4 @@
-#include "server/app/regrade.h"
+#include "server/commands/regrade.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -11,10 +11,10 @@
 #include "common/base/file.h"
 #include "common/base/in_document.h"
 #include "common/scene/json/json.h"
-#include "server/app/admin.h"
-#include "server/app/command_line.h"
 #include "server/app/data_folder.h"
-#include "server/app/say.h"
+#include "server/commands/admin.h"
+#include "server/commands/command_line.h"
+#include "server/commands/say.h"
 #include "server/jobs/regrade.h"
 
 namespace enamel::server::app {

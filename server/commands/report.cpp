@@ -1,4 +1,4 @@
-#include "server/app/report.h"
+#include "server/commands/report.h"
 
 #include <unistd.h>
 
@@ -15,9 +15,9 @@
 #include "common/base/hex.h"
 #include "common/base/utf8.h"
 #include "common/scoring/score.h"
-#include "server/app/command_line.h"
 #include "server/app/data_folder.h"
-#include "server/app/say.h"
+#include "server/commands/command_line.h"
+#include "server/commands/say.h"
 #include "server/results/result_document.h"
 #include "server/storage/attempts/attempt_rows.h"
 #include "server/storage/attempts/job_rows.h"

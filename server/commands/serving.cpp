@@ -1,12 +1,15 @@
+#include "server/commands/serving.h"
+
 #include <iostream>
 #include <memory>
 
 #include "common/program/log.h"
 #include "common/program/settings.h"
-#include "server/app/command_line.h"
+#include "server/app/seed.h"
 #include "server/app/serve.h"
+#include "server/app/work.h"
+#include "server/commands/command_line.h"
 
-// The command line of `serve`, and its other settings.
 namespace enamel::server::app {
 namespace {
 
@@ -123,6 +126,36 @@ void DeclareServe(CommandGroup root) {
       return Serve(options->serve);
     };
   });
+}
+
+void DeclareWork(CommandGroup root) {
+  auto [cmd, o] = Declare<WorkOptions>(
+      root, "work", "Score attempts beside a server, on this machine or another, until Ctrl-C",
+      Work);
+  AddData(cmd, o.data);
+  AddIdentity(cmd, o.identity);
+  cmd->add_option("--threads", o.threads, "Attempts scored at once")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  cmd->footer(
+      "A class that hands in at the same time is scored sooner the more of these run. Each job is\n"
+      "done by one of them. Start as many as there are processors to spare; stop them whenever "
+      "you\n"
+      "like: what one was at goes back to the queue, and is taken by another within half a minute\n"
+      "when it was killed.\n\n"
+      "  enamel-server work --data /srv/enamel --threads 4");
+}
+
+void DeclareSeed(CommandGroup root) {
+  auto [cmd, o] = Declare<SeedOptions>(
+      root, "seed-demo", "Add demo people, profiles, molar and exercise; changes nothing twice",
+      SeedDemo);
+  AddData(cmd, o.data);
+  cmd->add_option("--scene", o.scene, "Folder of an imported scene to offer as well");
+  cmd->add_option("--voxel-um", o.voxel_um, "Voxel size of the built-in molar")
+      ->check(CLI::Range(20, 500))
+      ->capture_default_str();
+  cmd->add_option("--json", o.json, "Write the facts to this file");
 }
 
 }  // namespace enamel::server::app

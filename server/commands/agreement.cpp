@@ -1,4 +1,4 @@
-#include "server/app/agreement.h"
+#include "server/commands/agreement.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -9,9 +9,9 @@
 #include "common/base/file.h"
 #include "common/scoring/score.h"
 #include "server/agreement/marks.h"
-#include "server/app/command_line.h"
 #include "server/app/data_folder.h"
-#include "server/app/say.h"
+#include "server/commands/command_line.h"
+#include "server/commands/say.h"
 #include "server/jobs/regrade.h"
 
 namespace enamel::server::app {

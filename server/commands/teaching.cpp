@@ -1,4 +1,4 @@
-#include "server/app/teaching.h"
+#include "server/commands/teaching.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -11,13 +11,13 @@
 #include "common/base/in_document.h"
 #include "common/base/unix_time.h"
 #include "common/scene/json/json.h"
-#include "server/app/admin.h"
-#include "server/app/admin_stations.h"
-#include "server/app/command_line.h"
 #include "server/app/data_folder.h"
-#include "server/app/prepared.h"
 #include "server/app/publish.h"
-#include "server/app/say.h"
+#include "server/commands/admin.h"
+#include "server/commands/admin_stations.h"
+#include "server/commands/command_line.h"
+#include "server/commands/prepared.h"
+#include "server/commands/say.h"
 #include "server/jobs/comparison.h"
 #include "server/training/names.h"
 #include "server/training/ticket_rules.h"

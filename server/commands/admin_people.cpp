@@ -1,4 +1,4 @@
-#include "server/app/admin_people.h"
+#include "server/commands/admin_people.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -10,11 +10,10 @@
 
 #include "common/base/counted.h"
 #include "common/base/file.h"
-#include "server/app/admin.h"
-#include "server/app/command_line.h"
 #include "server/app/data_folder.h"
-#include "server/app/say.h"
-#include "server/app/utc_text.h"
+#include "server/commands/admin.h"
+#include "server/commands/command_line.h"
+#include "server/commands/say.h"
 #include "server/roster/import.h"
 #include "server/training/names.h"
 
