@@ -7,8 +7,8 @@
 #include "common/cutting/volume.h"
 #include "common/scene/types.h"
 #include "common/scoring/metrics.h"
-#include "common/scoring/provenance.h"
-#include "common/scoring/strokes.h"
+#include "common/scoring/movement/provenance.h"
+#include "common/scoring/movement/strokes.h"
 #include "common/surface/surface.h"
 
 // Where and when points were lost: schemas/score.md, "Deductions".

@@ -9,7 +9,7 @@
 #include "common/scene/tooth_number.h"
 #include "common/scoring/deviation.h"
 #include "common/scoring/measured.h"
-#include "common/scoring/path_align.h"
+#include "common/scoring/movement/path_align.h"
 
 namespace enamel::scoring {
 namespace {

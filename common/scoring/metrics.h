@@ -11,7 +11,7 @@
 
 #include "common/base/result.h"
 #include "common/scene/types.h"
-#include "common/scoring/process.h"
+#include "common/scoring/movement/process.h"
 #include "common/surface/surface.h"
 
 // The metrics of an attempt. schemas/score.md has the formula, unit and source of each; the tests

@@ -7,9 +7,9 @@
 
 #include "common/base/result.h"
 #include "server/http/api.h"
-#include "server/http/http_server.h"
 #include "server/http/message.h"
 #include "server/http/static_files.h"
+#include "server/http/wire/http_server.h"
 #include "server/ops/refusal_log.h"
 
 struct ssl_ctx_st;

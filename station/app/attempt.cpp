@@ -14,7 +14,7 @@
 #include "common/program/output.h"
 #include "common/scene/tooth_number.h"
 #include "station/app/simulate.h"
-#include "station/desk/tick_feed.h"
+#include "station/desk/watch/tick_feed.h"
 #include "station/devices/operators.h"
 #include "station/loop/realtime.h"
 #include "station/render/window.h"

@@ -6,10 +6,10 @@
 
 #include "station/desk/device_offers.h"
 #include "station/desk/held_device.h"
-#include "station/desk/reach_watch.h"
 #include "station/desk/target_outline.h"
-#include "station/desk/tick_feed.h"
-#include "station/desk/zone_watch.h"
+#include "station/desk/watch/reach_watch.h"
+#include "station/desk/watch/tick_feed.h"
+#include "station/desk/watch/zone_watch.h"
 #include "station/devices/pointer_device.h"
 #include "station/devices/simulated_device.h"
 #include "station/render/window.h"

@@ -11,7 +11,7 @@
 #include "common/scoring/score.h"
 #include "station/desk/background_task.h"
 #include "station/desk/desk_attempt.h"
-#include "station/desk/stillness.h"
+#include "station/desk/watch/stillness.h"
 
 namespace enamel::station::desk {
 

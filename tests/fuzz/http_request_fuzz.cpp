@@ -2,7 +2,7 @@
 #include <string>
 
 #include "common/base/check.h"
-#include "server/http/request_reader.h"
+#include "server/http/wire/request_reader.h"
 
 namespace {
 

@@ -1,5 +1,5 @@
 #include "common/base/check.h"
-#include "common/scoring/provenance.h"
+#include "common/scoring/movement/provenance.h"
 
 // Any bytes as a provenance blob: refused, or unchanged by encoding and decoding.
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

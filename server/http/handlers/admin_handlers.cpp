@@ -2,11 +2,11 @@
 #include <charconv>
 
 #include "server/http/error_response.h"
-#include "server/http/handlers/audit_view.h"
 #include "server/http/handlers/handlers.h"
 #include "server/http/json_body.h"
 #include "server/http/paging.h"
 #include "server/http/query.h"
+#include "server/http/views/audit_view.h"
 
 namespace enamel::server::http {
 namespace json = boost::json;

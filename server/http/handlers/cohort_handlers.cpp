@@ -4,12 +4,12 @@
 #include "server/http/caller.h"
 #include "server/http/error_response.h"
 #include "server/http/etag.h"
-#include "server/http/handlers/grade_view.h"
 #include "server/http/handlers/handlers.h"
 #include "server/http/handlers/seen_teaching.h"
 #include "server/http/json_body.h"
 #include "server/http/paging.h"
 #include "server/http/query.h"
+#include "server/http/views/grade_view.h"
 #include "server/training/names.h"
 #include "server/training/revision.h"
 

@@ -2,8 +2,8 @@
 
 #include <boost/asio/awaitable.hpp>
 
-#include "server/http/handlers/attempt_view.h"
 #include "server/http/routes.h"
+#include "server/http/views/attempt_view.h"
 
 // The handlers of the route table, by subject: *_handlers.cpp. They trust the table for session,
 // role and CSRF, and decide themselves whose data the caller may see. A signature names the row

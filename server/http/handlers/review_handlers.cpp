@@ -2,11 +2,11 @@
 
 #include "server/http/error_response.h"
 #include "server/http/etag.h"
-#include "server/http/handlers/attempt_view.h"
 #include "server/http/handlers/handlers.h"
 #include "server/http/handlers/seen_attempt.h"
 #include "server/http/json_body.h"
 #include "server/http/paging.h"
+#include "server/http/views/attempt_view.h"
 #include "server/training/access.h"
 #include "server/training/names.h"
 #include "server/training/revision.h"

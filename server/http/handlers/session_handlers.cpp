@@ -5,9 +5,9 @@
 #include "server/http/caller.h"
 #include "server/http/error_response.h"
 #include "server/http/handlers/handlers.h"
-#include "server/http/handlers/person_view.h"
 #include "server/http/json_body.h"
 #include "server/http/site.h"
+#include "server/http/views/person_view.h"
 
 namespace enamel::server::http {
 namespace json = boost::json;

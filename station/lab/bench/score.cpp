@@ -10,7 +10,7 @@
 
 #include "common/program/log.h"
 #include "common/scoring/metrics.h"
-#include "common/scoring/provenance.h"
+#include "common/scoring/movement/provenance.h"
 #include "common/scoring/task.h"
 #include "common/scoring/zones.h"
 #include "common/trace/replay.h"

@@ -10,8 +10,8 @@
 
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"
-#include "common/scoring/motion.h"
-#include "common/scoring/smoothness.h"
+#include "common/scoring/movement/motion.h"
+#include "common/scoring/movement/smoothness.h"
 #include "station/devices/operators.h"
 #include "station/lab/grades/operator_run.h"
 #include "station/lab/laws/motions.h"

@@ -1,4 +1,4 @@
-#include "common/scoring/path_align.h"
+#include "common/scoring/movement/path_align.h"
 
 #include <gtest/gtest.h>
 

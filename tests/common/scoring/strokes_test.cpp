@@ -1,4 +1,4 @@
-#include "common/scoring/strokes.h"
+#include "common/scoring/movement/strokes.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <map>
 #include <sstream>
 
-#include "server/http/request_reader.h"
+#include "server/http/wire/request_reader.h"
 #include "tests/server/http/desync_suite.h"
 #include "tests/server/http/running_server.h"
 

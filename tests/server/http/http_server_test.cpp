@@ -1,4 +1,4 @@
-#include "server/http/http_server.h"
+#include "server/http/wire/http_server.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <list>
 #include <vector>
 
-#include "server/http/request_reader.h"
 #include "server/http/site.h"
+#include "server/http/wire/request_reader.h"
 #include "server/storage/folder/disk.h"
 #include "server/storage/folder/store_options.h"
 #include "server/storage/open_store.h"

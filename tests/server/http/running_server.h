@@ -7,7 +7,7 @@
 #include <string>
 #include <thread>
 
-#include "server/http/http_server.h"
+#include "server/http/wire/http_server.h"
 #include "tests/server/http/raw_client.h"
 #include "tests/server/http/school.h"
 

@@ -1,4 +1,4 @@
-#include "station/app/replay.h"
+#include "station/app/recordings/replay.h"
 
 #include <gtest/gtest.h>
 

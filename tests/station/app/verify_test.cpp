@@ -1,4 +1,4 @@
-#include "station/app/verify.h"
+#include "station/app/recordings/verify.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "station/desk/tick_feed.h"
+#include "station/desk/watch/tick_feed.h"
 
 namespace enamel::station::desk {
 namespace {

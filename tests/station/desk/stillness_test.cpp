@@ -1,4 +1,4 @@
-#include "station/desk/stillness.h"
+#include "station/desk/watch/stillness.h"
 
 #include <gtest/gtest.h>
 

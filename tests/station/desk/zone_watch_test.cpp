@@ -1,4 +1,4 @@
-#include "station/desk/zone_watch.h"
+#include "station/desk/watch/zone_watch.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "server/http/handlers/audit_view.h"
+#include "server/http/views/audit_view.h"
 
 #include <boost/json.hpp>
 

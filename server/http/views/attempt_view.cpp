@@ -1,4 +1,4 @@
-#include "server/http/handlers/attempt_view.h"
+#include "server/http/views/attempt_view.h"
 
 #include <boost/json.hpp>
 

@@ -1,4 +1,4 @@
-#include "server/http/http_server.h"
+#include "server/http/wire/http_server.h"
 
 #include <atomic>
 #include <boost/asio/buffer.hpp>
@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "server/http/api.h"
-#include "server/http/connection.h"
 #include "server/http/server_context.h"
+#include "server/http/wire/connection.h"
 #include "server/net/listener.h"
 
 namespace enamel::server::http {

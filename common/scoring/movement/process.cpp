@@ -1,4 +1,4 @@
-#include "common/scoring/process.h"
+#include "common/scoring/movement/process.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "station/app/recording_file.h"
+#include "station/app/recordings/recording_file.h"
 
 #include <optional>
 

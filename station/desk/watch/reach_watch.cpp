@@ -1,4 +1,4 @@
-#include "station/desk/reach_watch.h"
+#include "station/desk/watch/reach_watch.h"
 
 #include <algorithm>
 #include <cmath>

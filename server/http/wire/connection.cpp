@@ -1,4 +1,4 @@
-#include "server/http/connection.h"
+#include "server/http/wire/connection.h"
 
 #include <spdlog/spdlog.h>
 
@@ -16,9 +16,9 @@
 
 #include "common/base/check.h"
 #include "server/auth/address_block.h"
-#include "server/http/request_reader.h"
-#include "server/http/response_head.h"
 #include "server/http/site.h"
+#include "server/http/wire/request_reader.h"
+#include "server/http/wire/response_head.h"
 #include "server/net/deadline.h"
 #include "server/net/stream_socket.h"
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "common/core/core.h"
-#include "common/scoring/smoothness.h"
-#include "common/scoring/strokes.h"
+#include "common/scoring/movement/smoothness.h"
+#include "common/scoring/movement/strokes.h"
 #include "common/trace/trace.h"
 
 // What the hand did, from a recording; schemas/score.md, "Process", has the formula of every

@@ -1,4 +1,4 @@
-#include "station/desk/tick_feed.h"
+#include "station/desk/watch/tick_feed.h"
 
 namespace enamel::station::desk {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/http/request_reader.h"
+#include "server/http/wire/request_reader.h"
 
 #include <algorithm>
 #include <boost/asio/buffer.hpp>
@@ -12,7 +12,7 @@
 #include <string>
 
 #include "server/http/error_response.h"
-#include "server/http/request_head.h"
+#include "server/http/wire/request_head.h"
 
 namespace enamel::server::http {
 namespace asio = boost::asio;

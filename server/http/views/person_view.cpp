@@ -1,4 +1,4 @@
-#include "server/http/handlers/person_view.h"
+#include "server/http/views/person_view.h"
 
 #include <boost/json.hpp>
 

@@ -1,4 +1,4 @@
-#include "station/desk/zone_watch.h"
+#include "station/desk/watch/zone_watch.h"
 
 #include <algorithm>
 
@@ -24,8 +24,8 @@ void ZoneWatch::Look(const cutting::Volume& now) {
   const scoring::BoxVolume target = measure(scoring::Zone::kTarget);
   const scoring::BoxVolume leeway = measure(scoring::Zone::kLeeway);
   const auto removed = scoring::RemovedPerTissue_m3(initial_, now);
-  auto percent = [](double removed, double solid) {
-    return solid > 0 ? std::clamp(100 * removed / solid, 0.0, 100.0) : 0;
+  auto percent = [](double part, double whole) {
+    return whole > 0 ? std::clamp(100 * part / whole, 0.0, 100.0) : 0;
   };
   render::ZoneShares shares;
   shares.target_percent = percent(target.removed_m3, target.solid_m3);

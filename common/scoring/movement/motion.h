@@ -8,7 +8,7 @@
 
 #include "common/base/bytes.h"
 #include "common/base/result.h"
-#include "common/scoring/process.h"
+#include "common/scoring/movement/process.h"
 
 // How near one attempt's motion is to another's: schemas/motion.md. It finds copied motions and
 // proves none: it costs no points. Deterministic. Thread safety: functions, any thread.

@@ -1,4 +1,4 @@
-#include "common/scoring/smoothness.h"
+#include "common/scoring/movement/smoothness.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "common/scoring/motion.h"
+#include "common/scoring/movement/motion.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "server/http/handlers/exercise_view.h"
+#include "server/http/views/exercise_view.h"
 
 #include <map>
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "common/scene/grid_blob.h"
-#include "common/scoring/provenance.h"
+#include "common/scoring/movement/provenance.h"
 
 namespace enamel::scoring {
 namespace {

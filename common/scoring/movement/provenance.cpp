@@ -1,4 +1,4 @@
-#include "common/scoring/provenance.h"
+#include "common/scoring/movement/provenance.h"
 
 #include <algorithm>
 #include <bit>

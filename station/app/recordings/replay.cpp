@@ -1,4 +1,4 @@
-#include "station/app/replay.h"
+#include "station/app/recordings/replay.h"
 
 #include <unistd.h>
 
@@ -11,7 +11,7 @@
 #include "common/surface/ply.h"
 #include "common/trace/moment.h"
 #include "station/app/command_line.h"
-#include "station/app/recording_file.h"
+#include "station/app/recordings/recording_file.h"
 #include "station/app/simulate.h"
 
 namespace enamel::station {

@@ -1,4 +1,4 @@
-#include "station/app/verify.h"
+#include "station/app/recordings/verify.h"
 
 #include <boost/json.hpp>
 #include <cstdio>
@@ -8,7 +8,7 @@
 #include "common/program/output.h"
 #include "common/trace/replay.h"
 #include "station/app/command_line.h"
-#include "station/app/recording_file.h"
+#include "station/app/recordings/recording_file.h"
 #include "station/uplink/credentials.h"
 
 namespace enamel::station {

@@ -1,4 +1,4 @@
-#include "server/http/handlers/grade_view.h"
+#include "server/http/views/grade_view.h"
 
 #include "server/training/access.h"
 
