@@ -56,4 +56,20 @@ void ReferenceCache::KeepMetrics(const std::string& key, const scoring::MetricSe
   if (metrics_.size() > kMostMetrics) metrics_.pop_back();
 }
 
+Result<scoring::Motion> ReferenceCache::MotionIn(StoredBlobs& blobs, const Sha256& content) {
+  {
+    MutexLock lock(mutex_);
+    if (const auto known = motions_.find(content); known != motions_.end()) return known->second;
+  }
+  ENAMEL_ASSIGN_OR_RETURN(const auto bytes, blobs.GetBlob(content));
+  ENAMEL_ASSIGN_OR_RETURN(const auto motion, scoring::DecodeMotion(bytes));
+  MutexLock lock(mutex_);
+  if (motions_.emplace(content, motion).second) motions_read_.push_front(content);
+  if (motions_.size() > kMostMotions) {
+    motions_.erase(motions_read_.back());
+    motions_read_.pop_back();
+  }
+  return motion;
+}
+
 }  // namespace enamel::server

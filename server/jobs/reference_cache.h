@@ -1,6 +1,7 @@
 #pragma once
 
 #include <deque>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,6 +11,7 @@
 #include "common/base/result.h"
 #include "common/scoring/envelope.h"
 #include "common/scoring/metrics.h"
+#include "common/scoring/movement/motion.h"
 #include "server/storage/store.h"
 
 namespace enamel::server {
@@ -23,8 +25,8 @@ struct ReferenceCut {
   scoring::ProcessRecorder process;  // from the witness: its replay was verified when it was scored
 };
 
-// Reads references from the store and keeps the last few, so that grading a cohort reads each once.
-// Scored attempts never change their final volume, so nothing goes stale.
+// What other attempts are compared with, read from the store once for a cohort: the last few
+// references, and motions. Scored attempts never change either, so nothing goes stale.
 // Thread safety: any thread; two that miss at once both read.
 class ReferenceCache {
  public:
@@ -40,14 +42,21 @@ class ReferenceCache {
   std::optional<scoring::MetricSet> Metrics(const std::string& key);
   void KeepMetrics(const std::string& key, const scoring::MetricSet& metrics);
 
+  // The motion in a blob. Errors: those of the store, of DecodeMotion.
+  Result<scoring::Motion> MotionIn(StoredBlobs& blobs, const Sha256& content);
+
  private:
   static constexpr size_t kMostMetrics = 64;
+  // Of 3 kB each: eight exercises at once, of as many as a score looks at (score_job.cpp).
+  static constexpr size_t kMostMotions = 4000;
 
   const size_t capacity_;
   Mutex mutex_;
   // Newest first.
   std::deque<std::pair<Uuid, std::shared_ptr<const ReferenceCut>>> kept_ ENAMEL_GUARDED_BY(mutex_);
   std::deque<std::pair<std::string, scoring::MetricSet>> metrics_ ENAMEL_GUARDED_BY(mutex_);
+  std::map<Sha256, scoring::Motion> motions_ ENAMEL_GUARDED_BY(mutex_);
+  std::deque<Sha256> motions_read_ ENAMEL_GUARDED_BY(mutex_);  // newest first
 };
 
 }  // namespace enamel::server

@@ -32,7 +32,7 @@ RegradedAttempt Regrade(StoredBlobs& blobs, ResultRows& results, const AttemptRo
     return out;
   }
   Result<scoring::ScoreResult> after =
-      scoring::ApplyRubric(rubric, {before->metrics, before->missing});
+      scoring::ApplyRubric(rubric, {before->metrics, before->missing, {}});
   if (!after.ok()) {
     out.problem = after.status().message();
     return out;

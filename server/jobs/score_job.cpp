@@ -8,7 +8,7 @@
 #include "common/scene/json/json.h"
 #include "common/scene/prepared_target.h"
 #include "common/scene/volume_blob.h"
-#include "common/scoring/motion.h"
+#include "common/scoring/movement/motion.h"
 #include "common/scoring/score.h"
 #include "common/scoring/shape.h"
 #include "common/scoring/task.h"
@@ -290,9 +290,7 @@ class ScoreJob {
     }
     for (const MotionRow& row : rows) {
       if (reference_attempt_ && row.attempt == *reference_attempt_) continue;
-      auto bytes = store_.blobs.GetBlob(row.content);
-      if (!bytes.ok()) continue;
-      if (auto of = scoring::DecodeMotion(*bytes); of.ok()) add(row.attempt, *of);
+      if (auto of = cache_.MotionIn(store_.blobs, row.content); of.ok()) add(row.attempt, *of);
     }
     const auto near = scoring::NearnessTo(*motion, others);
     if (!near) return Status::Ok();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <numeric>
 
@@ -159,6 +160,28 @@ TEST_F(ScoreJobTest, AReferenceWhoseMotionIsNotKeptIsComparedWithAllTheSame) {
   ASSERT_TRUE(school_->Near(attempt));
   EXPECT_EQ(school_->Near(attempt)->attempt, reference);
   EXPECT_EQ(school_->Near(attempt)->others, 1u);
+}
+
+TEST_F(ScoreJobTest, AMotionIsReadOnceForAllThatAreComparedWithIt) {
+  school_ = std::make_unique<JobSchool>();
+  school_->RecordReference({.pace = kCalm});
+  const Uuid first = Scored({.mesial_extra_mm = 1.4, .pace = kCalm});
+  ReferenceCache cache;
+  const Uuid second = school_->Record({.mesial_extra_mm = 0.3, .pace = kCalm});
+  ASSERT_TRUE(Run(second, &cache).ok());
+  ASSERT_EQ(school_->Near(second)->others, 2u);
+
+  const auto rows = *school_->store->motions.MotionsBefore(second, 10);
+  const auto row = std::ranges::find(rows, first, &MotionRow::attempt);
+  ASSERT_NE(row, rows.end());
+  const std::string name = row->content.Hex();
+  ASSERT_TRUE(
+      std::filesystem::remove(school_->folder.path() / "data/blobs" / name.substr(0, 2) / name));
+  const Uuid third = school_->Record({.mesial_extra_mm = 1.4, .pace = 1.2 * kCalm});
+  ASSERT_TRUE(Run(third, &cache).ok());
+  EXPECT_EQ(school_->Near(third)->attempt, first) << "from the blob that is lost now";
+  ASSERT_TRUE(Run(third).ok());
+  EXPECT_NE(school_->Near(third)->attempt, first) << "nobody remembers it";
 }
 
 TEST_F(ScoreJobTest, AnotherScoreWithdrawsTheReleaseAndTheSamePointsAndReasonsDoNot) {
