@@ -25,7 +25,7 @@
 #include "server/app/stop_signals.h"
 #include "server/auth/first_admin.h"
 #include "server/http/api.h"
-#include "server/http/http_server.h"
+#include "server/http/wire/http_server.h"
 #include "server/ops/metrics.h"
 #include "server/stations/station_server.h"
 #include "server/storage/folder/store_options.h"
@@ -189,12 +189,16 @@ void RunUntilStopped(asio::io_context& io, int threads, std::future<void> stoppi
   ended.wait();
 }
 
-}  // namespace
+// What must be in order before anything listens.
+struct Prepared {
+  StoreOptions store_options;
+  std::unique_ptr<Store> store;
+  ServerIdentity identity;
+  http::HttpOptions page;
+  stations::StationServerOptions link;
+};
 
-Status Serve(const ServeOptions& options) {
-  // First, so that they go last: work still in a pool when the wait was cut short posts back to it.
-  asio::io_context io;
-  StopSignals signals(io);
+Result<Prepared> Prepare(const ServeOptions& options) {
   if (!options.identity.empty()) {
     ENAMEL_RETURN_IF_ERROR(TakeIdentity(options.data, options.identity));
   }
@@ -203,18 +207,16 @@ Status Serve(const ServeOptions& options) {
                   "expected an installation's data folder, found a school's of " +
                       installation->string() + "; serve that one, which serves its schools");
   }
-  StoreOptions store_options;
-  store_options.folder = options.data;
+  Prepared out;
+  out.store_options.folder = options.data;
   // Two servers on one folder would both hand out jobs and both believe in their own caches.
-  store_options.hold_lock = true;
-  store_options.min_free_bytes = uint64_t(options.min_free_mib) << 20;
-  ENAMEL_ASSIGN_OR_RETURN(auto opened, OpenStore(store_options));
-  Store& store = *opened;
-  ENAMEL_ASSIGN_OR_RETURN(auto identity, EnsureMatchingIdentity(options.data, store.identity));
-  ENAMEL_ASSIGN_OR_RETURN(auto http_options, HttpOptionsOf(options));
-  ENAMEL_ASSIGN_OR_RETURN(auto link_options, LinkOptionsOf(options, identity));
-  // Before anything listens.
-  ENAMEL_RETURN_IF_ERROR(RefuseDemoBeyondLoopback(store.people, http_options, link_options));
+  out.store_options.hold_lock = true;
+  out.store_options.min_free_bytes = uint64_t(options.min_free_mib) << 20;
+  ENAMEL_ASSIGN_OR_RETURN(out.store, OpenStore(out.store_options));
+  ENAMEL_ASSIGN_OR_RETURN(out.identity, EnsureMatchingIdentity(options.data, out.store->identity));
+  ENAMEL_ASSIGN_OR_RETURN(out.page, HttpOptionsOf(options));
+  ENAMEL_ASSIGN_OR_RETURN(out.link, LinkOptionsOf(options, out.identity));
+  ENAMEL_RETURN_IF_ERROR(RefuseDemoBeyondLoopback(out.store->people, out.page, out.link));
   // Stations get it and show it; they refuse an invalid address, which nobody would notice here.
   if (!options.page_url.empty() && !protocol::IsPageUrl(options.page_url)) {
     return Status(Code::kInvalidInput,
@@ -223,41 +225,42 @@ Status Serve(const ServeOptions& options) {
                       options.page_url + "\"",
                   "page-url");
   }
-  SchoolOptions school_options;
-  school_options.auth.one_time_ms = UnixMs{options.one_time_password_days} * 24 * 60 * 60 * 1000;
-  school_options.auth.hashing =
-      std::make_shared<StorePool>(school_options.auth.hash_threads);  // one bound for all schools
-  school_options.job_threads = options.job_threads;
-  School school(std::move(opened), identity, school_options);
-  ENAMEL_RETURN_IF_ERROR(ReadToken(options.metrics_token_file, http_options.metrics_token));
-  ENAMEL_ASSIGN_OR_RETURN(const bool has_admin, HasAdmin(store.people));
-  auth::FirstAdmin first_admin;
-  const bool gives_link = !has_admin && IsPrivate(http_options);
-  if (gives_link) http_options.first_admin = &first_admin;
-  http_options.metrics = &school.metrics();
-  http_options.live = &school.live();
-  http_options.stations = &school.stations();
-  http_options.station_fingerprint = identity.fingerprint.Hex();
-  uint16_t page_port = 0, link_port = 0;  // known before Schools begins
-  const auto open_school = [&](const SchoolRow& row) -> Result<Schools::Opened> {
+  ENAMEL_RETURN_IF_ERROR(ReadToken(options.metrics_token_file, out.page.metrics_token));
+  return out;
+}
+
+// Opens the other schools of the installation, once the ports are known.
+struct OpenOther {
+  const ServeOptions& options;
+  const StoreOptions& store_options;
+  const SchoolOptions& school_options;
+  const http::HttpOptions& page;
+  const stations::StationServerOptions& link;
+  uint16_t page_port = 0, link_port = 0;
+
+  void WarnOfOwnHosts(const SchoolRow& row) const {
+    const std::vector<std::string> local{"127.0.0.1", "localhost"};
+    const auto& own = page.host_names.empty() ? local : page.host_names;
     for (const std::string& host : row.hosts) {
-      const std::vector<std::string> local{"127.0.0.1", "localhost"};
-      const auto& own = http_options.host_names.empty() ? local : http_options.host_names;
       if (std::ranges::count(own, host) == 0) continue;
       spdlog::warn(
           "school {} is listed as {}, which is this installation's own school's; give it "
           "another host name: school set-hosts",
           row.name, host);
     }
+  }
+
+  Result<Schools::Opened> Open(const SchoolRow& row) const {
+    WarnOfOwnHosts(row);
     ENAMEL_ASSIGN_OR_RETURN(auto its, OpenSchool(options.data, row, store_options));
-    ENAMEL_RETURN_IF_ERROR(RefuseDemoBeyondLoopback(its.store->people, http_options, link_options));
+    ENAMEL_RETURN_IF_ERROR(RefuseDemoBeyondLoopback(its.store->people, page, link));
     Schools::Opened out;
     out.school = std::make_shared<School>(std::move(its.store), its.identity, school_options);
-    out.school->services().page_url = PageUrlOf(row.hosts.front(), http_options, page_port);
-    out.api = std::make_shared<http::Api>(
-        out.school->store(), out.school->authenticator(),
-        http::Monitoring{&out.school->metrics(), http_options.metrics_token},
-        http_options.store_threads, http_options.max_in_flight, http_options.deadlines.work);
+    out.school->services().page_url = PageUrlOf(row.hosts.front(), page, page_port);
+    out.api =
+        std::make_shared<http::Api>(out.school->store(), out.school->authenticator(),
+                                    http::Monitoring{&out.school->metrics(), page.metrics_token},
+                                    page.store_threads, page.max_in_flight, page.deadlines.work);
     out.api->Show(out.school->live());
     out.api->Show(out.school->stations());
     out.api->Enrol(its.identity.fingerprint.Hex());
@@ -267,27 +270,56 @@ Status Serve(const ServeOptions& options) {
       if (const auto api = weak.lock()) api->AddFigures(text);
     });
     return out;
-  };
+  }
+};
+
+}  // namespace
+
+Status Serve(const ServeOptions& options) {
+  // First, so that they go last: work still in a pool when the wait was cut short posts back to it.
+  asio::io_context io;
+  StopSignals signals(io);
+  ENAMEL_ASSIGN_OR_RETURN(Prepared prepared, Prepare(options));
+  Store& store = *prepared.store;
+  const ServerIdentity& identity = prepared.identity;
+  http::HttpOptions& http_options = prepared.page;
+  SchoolOptions school_options;
+  school_options.auth.one_time_ms = UnixMs{options.one_time_password_days} * 24 * 60 * 60 * 1000;
+  school_options.auth.hashing =
+      std::make_shared<StorePool>(school_options.auth.hash_threads);  // one bound for all schools
+  school_options.job_threads = options.job_threads;
+  School school(std::move(prepared.store), identity, school_options);
+  ENAMEL_ASSIGN_OR_RETURN(const bool has_admin, HasAdmin(store.people));
+  auth::FirstAdmin first_admin;
+  const bool gives_link = !has_admin && IsPrivate(http_options);
+  if (gives_link) http_options.first_admin = &first_admin;
+  http_options.metrics = &school.metrics();
+  http_options.live = &school.live();
+  http_options.stations = &school.stations();
+  http_options.station_fingerprint = identity.fingerprint.Hex();
+  OpenOther other{options, prepared.store_options, school_options, http_options, prepared.link};
   const auto forget_school = [&](const std::string& name) {
     if (Status gone = ForgetSchool(options.data, name); !gone.ok())
       spdlog::warn("{}", gone.message());
   };
-  Schools schools(store, open_school, forget_school);
+  Schools schools(
+      store, [&](const SchoolRow& row) { return other.Open(row); }, forget_school);
   // Declared before what posts to it, hence destroyed after it; and what runs on it asks `schools`.
   StorePool pool(kStationThreads);
   http_options.other_schools = [&schools](const std::string& host) { return schools.AtHost(host); };
   http::HttpServer page(io, http_options, store, school.authenticator());
-  stations::StationServer link(io, link_options, school.services(), pool, &schools);
+  stations::StationServer link(io, prepared.link, school.services(), pool, &schools);
 
   // The page first: with port 0 its address is known only now, and stations get it with their first
   // answer.
-  ENAMEL_ASSIGN_OR_RETURN(page_port, page.Start());
-  const std::string page_url = options.page_url.empty() && !options.host_names.empty()
-                                   ? PageUrlOf(options.host_names.front(), http_options, page_port)
-                                   : options.page_url;
+  ENAMEL_ASSIGN_OR_RETURN(other.page_port, page.Start());
+  const std::string page_url =
+      options.page_url.empty() && !options.host_names.empty()
+          ? PageUrlOf(options.host_names.front(), http_options, other.page_port)
+          : options.page_url;
   school.services().page_url = page_url;
-  ENAMEL_ASSIGN_OR_RETURN(link_port, link.Start());
-  page.StationsListenAt(link_port);
+  ENAMEL_ASSIGN_OR_RETURN(other.link_port, link.Start());
+  page.StationsListenAt(other.link_port);
   school.Start();
   DatabaseWatch watch(store);
   schools.Begin();
@@ -306,11 +338,12 @@ Status Serve(const ServeOptions& options) {
     if (options.drain_s == 0) return stop();
     page.Drain();
     schools.Drain();
-    spdlog::info("asks to be asked no more, and stops in {} s", options.drain_s);
+    spdlog::info("draining: /healthz answers 503; stopping in {} s", options.drain_s);
     drained.expires_after(std::chrono::seconds(options.drain_s));
     drained.async_wait([&](const boost::system::error_code&) { stop(); });
   });
-  net::Endpoint page_at{http_options.address, page_port}, link_at{link_options.address, link_port};
+  const net::Endpoint page_at{http_options.address, other.page_port};
+  const net::Endpoint link_at{prepared.link.address, other.link_port};
   std::cout << "ready: page " << (http_options.tls ? "https://" : "http://") << page_at.Text()
             << ", stations " << link_at.Text() << ", fingerprint " << identity.fingerprint.Hex()
             << std::endl;
