@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "common/scoring/brick_samples.h"
 #include "common/scoring/deviation.h"
@@ -15,7 +14,7 @@ using cutting::kBrickVoxels;
 using cutting::Volume;
 
 // Where a brick lies relative to the reference's cut: within some distance of it, or not.
-enum class Place { kNear, kOutside, kMixed };
+enum class Place { kUnknown, kNear, kOutside, kMixed };
 
 class TaskMeter {
  public:
@@ -68,8 +67,8 @@ class TaskMeter {
     Whereabouts(const TaskMeter& meter, int brick, double within_m)
         : meter_(meter), brick_(brick), within_m_(within_m) {}
     bool IsNear(int i) {
-      if (!place_) place_ = meter_.PlaceOf(brick_, within_m_);
-      if (*place_ != Place::kMixed) return *place_ == Place::kNear;
+      if (place_ == Place::kUnknown) place_ = meter_.PlaceOf(brick_, within_m_);
+      if (place_ != Place::kMixed) return place_ == Place::kNear;
       return meter_.query_.IsWithin(meter_.VoxelPoint(brick_, i), within_m_);
     }
 
@@ -77,7 +76,7 @@ class TaskMeter {
     const TaskMeter& meter_;
     const int brick_;
     const double within_m_;
-    std::optional<Place> place_;
+    Place place_ = Place::kUnknown;
   };
 
   ivec3 FirstVoxel(int b) const {

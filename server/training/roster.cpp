@@ -87,7 +87,8 @@ std::vector<RosterProblem> ProblemsOf(const RosterRow& row, const RosterFacts& f
 }
 
 RosterStep StepFor(const RosterRow& row, const RosterFacts& facts, bool again) {
-  RosterStep step{row};
+  RosterStep step;
+  step.row = row;
   step.again = again;
   auto person = facts.people.find(row.login);
   auto cohort = facts.cohorts.find(row.cohort);

@@ -219,10 +219,11 @@ Status IngestRows::RepeatedAfterSeal(const ChunkPut& chunk) {
                         chunk.attempt.Text() + " is committed with other content";
   ENAMEL_ASSIGN_OR_RETURN(auto key, keys_.KeyOf(chunk.attempt));
   Bytes sealed = SealPersonal(key.person, key.key, chunk.attempt, chunk.bytes);
-  ENAMEL_RETURN_IF_ERROR(rows_.Write([&](Db& db) -> Status {
+  const Status flagged = rows_.Write([&](Db& db) -> Status {
     ENAMEL_RETURN_IF_ERROR(KeepEvidence(db, chunk, sealed));
     return SetFlags(db, chunk.attempt, kContradicted, problem, Actor{{}, "station link"});
-  }));
+  });
+  ENAMEL_RETURN_IF_ERROR(flagged);
   return Status(Code::kConflict, problem, "hash");
 }
 

@@ -93,7 +93,7 @@ TEST_F(LabProgramTest, OlderNamesSayWhatTheLabSays) {
   }
   EXPECT_EQ(Station("frame-bench --frames 0"), Lab("bench frames --frames 0"));
   EXPECT_EQ(Station("frame-bench --frames 0").code, 1);
-  for (const std::string& arguments : {"--help", "tick --help", "tick --replays 1", ""}) {
+  for (const char* arguments : {"--help", "tick --help", "tick --replays 1", ""}) {
     EXPECT_EQ(Bench(arguments), Lab("bench " + std::string(arguments))) << arguments;
   }
   EXPECT_EQ(Bench("error --help"), Lab("error --help"));
