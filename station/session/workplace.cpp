@@ -3,15 +3,12 @@
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
 #include <utility>
 
-#include "common/base/unix_time.h"
 #include "common/scene/attempt_documents.h"
 #include "common/scene/plan.h"
 #include "common/scene/prepared_target.h"
 #include "common/scene/volume_blob.h"
-#include "common/trace/replay_run.h"
 #include "station/uplink/attempt_sender.h"
 
 namespace enamel::station {
@@ -19,8 +16,6 @@ namespace {
 
 // The server closes a connection that is silent for a minute.
 constexpr std::chrono::seconds kPingEvery{20};
-// Half a minute of ticks: few enough for memory, many enough to read quickly.
-constexpr size_t kChunksAtOnce = 64;
 constexpr char kSignedOut[] = "has signed out",
                kLost[] = "is signed out: the connection to the server was lost";
 
@@ -57,12 +52,6 @@ uint64_t RoomFor(const PreparedAttempt& prepared) {
       prepared.exercise.time_limit_s > 0 ? prepared.exercise.time_limit_s : kUsual_s;
   return static_cast<uint64_t>(kLog_bytes +
                                kBytesPerTick * time_s * prepared.header.params.rate_hz);
-}
-
-// At least one, so that the gap shows.
-uint32_t GapTicks(const Silence& silence, uint32_t rate_hz) {
-  double ticks = static_cast<double>(silence.ms) * 1e-3 * rate_hz;
-  return static_cast<uint32_t>(std::clamp(ticks, 1.0, 4294967295.0));
 }
 
 }  // namespace
@@ -317,97 +306,6 @@ Result<std::unique_ptr<RunningAttempt>> Workplace::Begin(PreparedAttempt& prepar
                                           device, options, std::move(*recording));
 }
 
-Status Workplace::Reserve(const PreparedAttempt& prepared, const std::string& pin) {
-  ENAMEL_RETURN_IF_ERROR(TicketSafe::CheckPin(pin));
-  auto link = UseLink();
-  ENAMEL_ASSIGN_OR_RETURN(auto who, SignedIn(*link));
-  ENAMEL_ASSIGN_OR_RETURN(
-      auto issued,
-      link->RequestTicket(
-          credentials_, who,
-          {prepared.exercise_hash, prepared.profile_hash, prepared.assignment, false, true, {}}));
-  LockedTicket names;
-  names.person = who.display_name;
-  names.exercise = prepared.exercise.name;
-  names.title = prepared.exercise.title;
-  names.profile = prepared.profile.name;
-  names.hands = issued.hands;
-  return safe_.Put(issued.ticket, names, pin);
-}
-
-Result<std::vector<ReservedAttempt>> Workplace::Reserved() {
-  ENAMEL_ASSIGN_OR_RETURN(auto tickets, safe_.List());
-  std::vector<ReservedAttempt> out;
-  for (LockedTicket& t : tickets) {
-    auto begun = spool_->Get(t.attempt);
-    if (begun.ok() && begun->seal) {
-      ENAMEL_RETURN_IF_ERROR(safe_.Remove(t.attempt));
-    } else {
-      out.push_back({std::move(t), begun.ok()});
-    }
-  }
-  return out;
-}
-
-Result<HandedBack> Workplace::HandBackNow(const Uuid& attempt) {
-  ENAMEL_RETURN_IF_ERROR(safe_.HandBack(attempt));
-  auto link = UseLink();
-  const bool connected = link->connected();
-  // Giving back needs no sign-in, so it may have to connect first. That connection is not kept: a
-  // person who signs in makes a new one.
-  Status told = connected ? Status::Ok() : link->Connect(credentials_);
-  if (told.ok()) told = TellReturned(*link);
-  if (!connected) link->Close();
-  if (told.ok()) return HandedBack::kAtServer;
-  uploader_.Wake();
-  return HandedBack::kLater;
-}
-
-Result<HandedBack> Workplace::GiveBack(const Uuid& attempt, const std::string& pin) {
-  auto ticket = safe_.Open(attempt, pin);
-  if (!ticket.ok()) return ticket.status();
-  return HandBackNow(attempt);
-}
-
-// The server gives information on an attempt only to people who may see it.
-Result<HandedBack> Workplace::GiveBack(const Uuid& attempt) {
-  auto progress = Progress(attempt);
-  if (!progress.ok()) return progress.status();
-  return HandBackNow(attempt);
-}
-
-// The server's later checks of the recording: better now than after the attempt.
-Status Workplace::CheckTicket(const trace::Ticket& ticket) const {
-  const std::string name = "the ticket of attempt " + ticket.attempt.Text();
-  if (ticket.station != credentials_.station) {
-    return Status(Code::kForbidden, name + " is for station " + ticket.station.Text() +
-                                        ", this one is " + credentials_.station.Text() +
-                                        ": make the attempt there, or take another ticket");
-  }
-  if (!trace::VerifyTicket(ticket, credentials_.ticket_key)) {
-    return Status(Code::kForbidden,
-                  name +
-                      " was not signed by this station's server, or was changed since: take "
-                      "another one");
-  }
-  if (ticket.expires_unix_ms > UnixMs()) return Status::Ok();
-  return Status(Code::kForbidden, name + " has expired: take another one (they last 12 hours)");
-}
-
-Result<PreparedAttempt> Workplace::PrepareReserved(const Uuid& attempt, const std::string& pin) {
-  if (spool_->Get(attempt).ok()) {
-    return Status(Code::kConflict, "attempt " + attempt.Text() + " was begun already: resume it");
-  }
-  ENAMEL_ASSIGN_OR_RETURN(auto ticket, safe_.Open(attempt, pin));
-  ENAMEL_RETURN_IF_ERROR(CheckTicket(ticket));
-  ENAMEL_ASSIGN_OR_RETURN(auto prepared, FromCache(ticket));
-  prepared.header.ticket = ticket;
-  ENAMEL_ASSIGN_OR_RETURN(const auto locked, safe_.List());
-  auto found = std::ranges::find(locked, attempt, &LockedTicket::attempt);
-  if (found != locked.end()) prepared.hands = found->hands;
-  return prepared;
-}
-
 Result<PreparedAttempt> Workplace::FromCache(const trace::Ticket& ticket) {
   BlobCache cache(data_ / "blobs");
   return Assemble(ticket.exercise, ticket.profile, [&](const Sha256& name) -> Result<Bytes> {
@@ -419,126 +317,6 @@ Result<PreparedAttempt> Workplace::FromCache(const trace::Ticket& ticket) {
                                        (data_ / "blobs").string() +
                                        "): prepare the exercise once with the server at hand");
   });
-}
-
-Result<std::vector<SpooledAttempt>> Workplace::Unfinished() {
-  auto all = spool_->List();
-  if (all.ok()) {
-    std::erase_if(*all, [](const SpooledAttempt& a) { return a.seal || !a.refused.empty(); });
-  }
-  return all;
-}
-
-Result<std::vector<SpooledAttempt>> Workplace::UnfinishedOf(const Uuid& person) {
-  auto all = Unfinished();
-  if (!all.ok()) return all;
-  std::vector<SpooledAttempt> out;
-  for (SpooledAttempt& a : *all) {
-    ENAMEL_ASSIGN_OR_RETURN(auto header, HeaderOf(a.id));
-    if (header.ticket.person == person) out.push_back(std::move(a));
-  }
-  return out;
-}
-
-Result<std::vector<SpooledAttempt>> Workplace::HandedInOf(const Uuid& person, size_t most) {
-  auto all = spool_->List();
-  if (!all.ok()) return all;
-  std::ranges::reverse(*all);
-  std::vector<SpooledAttempt> out;
-  for (SpooledAttempt& a : *all) {
-    if (out.size() == most) break;
-    if (!a.seal || !a.refused.empty()) continue;
-    ENAMEL_ASSIGN_OR_RETURN(auto header, HeaderOf(a.id));
-    if (header.ticket.person == person) out.push_back(std::move(a));
-  }
-  return out;
-}
-
-Result<trace::Header> Workplace::HeaderOf(const Uuid& attempt) {
-  ENAMEL_ASSIGN_OR_RETURN(auto bytes, spool_->HeaderOf(attempt));
-  return trace::DecodeHeader(bytes);
-}
-
-Result<PreparedAttempt> Workplace::PrepareResume(const Uuid& attempt, const KeepGoing& keep_going) {
-  ENAMEL_ASSIGN_OR_RETURN(auto header, HeaderOf(attempt));
-  ENAMEL_ASSIGN_OR_RETURN(auto who, SignedIn(*UseLink()));
-  if (who.id != header.ticket.person) {
-    return Status(Code::kForbidden,
-                  "attempt " + attempt.Text() +
-                      " is somebody else's: only the person who began it can resume it");
-  }
-  return Replayed(header, keep_going);
-}
-
-Result<PreparedAttempt> Workplace::PrepareResume(const Uuid& attempt, const std::string& pin,
-                                                 const KeepGoing& keep_going) {
-  ENAMEL_ASSIGN_OR_RETURN(auto header, HeaderOf(attempt));
-  auto ticket = safe_.Open(attempt, pin);
-  if (!ticket.ok()) return ticket.status();
-  return Replayed(header, keep_going);
-}
-
-Result<PreparedAttempt> Workplace::Replayed(const trace::Header& header,
-                                            const KeepGoing& keep_going) {
-  const Uuid& attempt = header.ticket.attempt;
-  ENAMEL_ASSIGN_OR_RETURN(auto stored, spool_->Get(attempt));
-  if (stored.seal) {
-    return Status(Code::kConflict,
-                  "attempt " + attempt.Text() + " has ended: it cannot be resumed");
-  }
-  auto prepared = FromCache(header.ticket);
-  if (!prepared.ok()) return prepared.status();
-  // Parameters with another delay than the profile's belong to this version too.
-  Status params =
-      scene::CheckParams(prepared->scene, prepared->exercise, prepared->profile, header.params);
-  if (params.code() == Code::kConflict && params.field() == "params") {
-    return Status(Code::kVersion,
-                  "attempt " + attempt.Text() +
-                      " was begun by another version of this program and cannot be resumed by this "
-                      "one; 'enamel-station spool close' ends it where it stopped");
-  }
-  if (!params.ok()) return params;
-  prepared->header = header;
-  prepared->core = std::make_unique<core::Core>(header.params, prepared->volume);
-  // The tooth's state is computed, not stored: this proves that the attempt continues as recorded,
-  // and the spool needs no room for it.
-  trace::ReplayRun run(*prepared->core, prepared->header);
-  ENAMEL_RETURN_IF_ERROR(run.CheckCore());
-  while (run.chain().next_seq < stored.chunks) {
-    ENAMEL_ASSIGN_OR_RETURN(auto chunks,
-                            spool_->ChunksFrom(attempt, run.chain().next_seq, kChunksAtOnce));
-    for (const SpooledChunk& chunk : chunks) {
-      ENAMEL_RETURN_IF_ERROR(run.CheckKeepGoing(keep_going, stored.chunks));
-      ENAMEL_RETURN_IF_ERROR(run.Run(chunk.bytes, UINT64_MAX));
-    }
-    if (chunks.empty() || !run.report().witness_ok) break;
-  }
-  if (!run.report().witness_ok || run.chain().next_seq != stored.chunks) {
-    return Status(
-        Code::kConflict,
-        "attempt " + attempt.Text() + " does not replay to what was recorded (tick " +
-            std::to_string(run.report().first_bad_tick) +
-            "): it cannot be resumed; 'enamel-station spool close' ends it where it stopped");
-  }
-  prepared->place = run.chain();
-  ENAMEL_RETURN_IF_ERROR(MeasureGap(*prepared));
-  return prepared;
-}
-
-Status Workplace::MeasureGap(PreparedAttempt& prepared) {
-  ENAMEL_ASSIGN_OR_RETURN(auto silence, spool_->SilenceOf(prepared.attempt()));
-  prepared.gap_ticks = GapTicks(silence, prepared.header.params.rate_hz);
-  prepared.clock_stepped = silence.clock_stepped;
-  return Status::Ok();
-}
-
-Result<trace::Seal> Workplace::Close(const Uuid& attempt) {
-  auto lock = spool_->LockForRecording();
-  if (!lock.ok()) return lock.status();
-  auto seal = spool_->CloseAttempt(attempt);
-  // In every case: an existing seal may be waiting to be sent.
-  uploader_.Wake();
-  return seal;
 }
 
 Result<AttemptProgress> Workplace::Progress(const Uuid& attempt) {

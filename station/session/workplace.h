@@ -93,6 +93,8 @@ class Workplace {
   // so that it does not count. Does not wait for the server. Without such a ticket it does nothing.
   void HandBackUnused();
 
+  // Tickets taken in advance: workplace_reserved.cpp.
+
   // Takes a ticket now and locks it with a PIN, for an attempt within 12 hours with or without the
   // server. The cache holds its documents once it was prepared. Errors also: the PIN's
   // (TicketSafe::CheckPin); kForbidden for an exam.
@@ -111,6 +113,8 @@ class Workplace {
   // kForbidden when the server would refuse the recording: another station's, not signed by it,
   // expired.
   Result<PreparedAttempt> PrepareReserved(const Uuid& attempt, const std::string& pin);
+
+  // Attempts that the spool has: workplace_resume.cpp.
 
   // Interrupted attempts without an end. Attempts still being made are among them.
   Result<std::vector<SpooledAttempt>> Unfinished();
