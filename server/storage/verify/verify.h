@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/result.h"
@@ -24,6 +25,8 @@ struct Finding {
   std::string remedy;
 };
 
+inline constexpr char kFromBackup[] = "restore a backup that has it";  // most findings' remedy
+
 struct VerifyOptions {
   std::filesystem::path folder;   // data folder, in use or not, or backup
   std::filesystem::path keyring;  // empty: the folder's own
@@ -43,6 +46,12 @@ struct VerifyReport {
   uint64_t decisions = 0;        // compared with the trail
   std::vector<Finding> findings;
   std::vector<std::string> notes;  // what could not be looked at, and why; what is odd and harmless
+
+  void Find(std::string kind, std::string object, std::string expected, std::string found,
+            std::string remedy) {
+    findings.push_back({std::move(kind), std::move(object), std::move(expected), std::move(found),
+                        std::move(remedy)});
+  }
 };
 
 // Reads everything and compares:

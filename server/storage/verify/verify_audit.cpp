@@ -74,15 +74,11 @@ class AuditCheck {
   }
 
  private:
-  void Find(const std::string& kind, const std::string& object, const std::string& expected,
-            const std::string& found, const char* remedy) {
-    report_.findings.push_back({kind, object, expected, found, remedy});
-  }
   void FindRow(const TrailRow& row, const std::string& expected, const std::string& found) {
-    Find("audit", row.seal.id.Text(),
-         "row " + row.seal.action + " of " + TimeText(row.seal.at_ms) + " about " +
-             (row.seal.object.empty() ? "the server" : row.seal.object) + ": " + expected,
-         found, kCompareTrail);
+    report_.Find("audit", row.seal.id.Text(),
+                 "row " + row.seal.action + " of " + TimeText(row.seal.at_ms) + " about " +
+                     (row.seal.object.empty() ? "the server" : row.seal.object) + ": " + expected,
+                 found, kCompareTrail);
   }
 
   Result<uint64_t> Count(const char* sql) {
@@ -140,8 +136,9 @@ class AuditCheck {
   void CheckEarlier() {
     for (const AuditHead& head : earlier_) {
       if (!key_ || VerifyAuditHead(head, *key_)) continue;
-      Find("audit", kManifestName, "ends of the audit trail that this server's ticket.key signed",
-           "another signature, or a changed end", "use another backup");
+      report_.Find("audit", kManifestName,
+                   "ends of the audit trail that this server's ticket.key signed",
+                   "another signature, or a changed end", "use another backup");
     }
   }
 
@@ -162,37 +159,40 @@ class AuditCheck {
         "compare the trail with that of the newest backup; somebody has written to the database";
     for (const AuditHead& head : report_.trail) {
       if (key_ && forged_ < report_.audit_rows && !VerifyAuditHead(head, *key_)) {
-        Find("audit", "enamel.db",
-             "the end of the audit trail as this server's ticket.key signed it",
-             "another signature, or a changed end", kLookForEnd);
+        report_.Find("audit", "enamel.db",
+                     "the end of the audit trail as this server's ticket.key signed it",
+                     "another signature, or a changed end", kLookForEnd);
       }
       const End end = ends_[head.chain];
       if (head.number > end.number) {
-        Find("audit", "enamel.db",
-             "the audit trail up to row " + std::to_string(head.number) + ", its signed end",
-             "row " + std::to_string(end.number) + " is the last one, " +
-                 Rows(head.number - end.number) + " taken away",
-             kLookForEnd);
+        report_.Find(
+            "audit", "enamel.db",
+            "the audit trail up to row " + std::to_string(head.number) + ", its signed end",
+            "row " + std::to_string(end.number) + " is the last one, " +
+                Rows(head.number - end.number) + " taken away",
+            kLookForEnd);
       } else if (head.number < end.number || head.hash != end.hash || head.last_id != end.id) {
-        Find("audit", "enamel.db",
-             "row " + std::to_string(head.number) +
-                 " as the end of the audit trail, as it is signed",
-             "row " + std::to_string(end.number) + ", or another one in its place", kLookForEnd);
+        report_.Find("audit", "enamel.db",
+                     "row " + std::to_string(head.number) +
+                         " as the end of the audit trail, as it is signed",
+                     "row " + std::to_string(end.number) + ", or another one in its place",
+                     kLookForEnd);
       }
     }
     for (const auto& [chain, end] : ends_) {
       if (std::ranges::find(report_.trail, chain, &AuditHead::chain) != report_.trail.end())
         continue;
-      Find("audit", "enamel.db", "a signed end of the audit trail", "none", kLookForEnd);
+      report_.Find("audit", "enamel.db", "a signed end of the audit trail", "none", kLookForEnd);
     }
     for (const AuditHead& head : earlier_) {
       if (head.number == 0) continue;
-      Find("audit", "enamel.db",
-           "the audit trail up to row " + std::to_string(head.number) + ", which the backup has",
-           "row " + std::to_string(ends_[head.chain].number) +
-               " is the last one: rows were taken away, or an older state was put back",
-           "look in the backup for what is missing; after a restore of an older one this is "
-           "expected");
+      report_.Find(
+          "audit", "enamel.db",
+          "the audit trail up to row " + std::to_string(head.number) + ", which the backup has",
+          "row " + std::to_string(ends_[head.chain].number) +
+              " is the last one: rows were taken away, or an older state was put back",
+          "look in the backup for what is missing; after a restore of an older one this is "
+          "expected");
     }
   }
 
@@ -200,16 +200,16 @@ class AuditCheck {
   void FindForged(const std::vector<TrailRow>& some) {
     constexpr char kCompareKey[] = "compare ticket.key and the rows with those of a backup";
     if (forged_ == report_.audit_rows && forged_ > 1) {
-      Find("audit", "enamel.db",
-           Rows(forged_) + " of the audit trail signed by this server's ticket.key",
-           "all signed by another key", kCompareKey);
+      report_.Find("audit", "enamel.db",
+                   Rows(forged_) + " of the audit trail signed by this server's ticket.key",
+                   "all signed by another key", kCompareKey);
       return;
     }
     for (const TrailRow& row : some)
       FindRow(row, "as this server's ticket.key signed it", "another signature, or a changed row");
     if (forged_ > some.size()) {
-      Find("audit", "enamel.db", "rows as this server's ticket.key signed them",
-           Rows(forged_ - some.size()) + " more with another signature", kCompareKey);
+      report_.Find("audit", "enamel.db", "rows as this server's ticket.key signed them",
+                   Rows(forged_ - some.size()) + " more with another signature", kCompareKey);
     }
   }
 
@@ -291,8 +291,8 @@ class AuditCheck {
     const std::string kind = subject.substr(0, space), key = subject.substr(space + 1);
     if (now->empty()) return CheckGone(kind, key, object, row);
     if (state.empty()) {
-      Find("decision", key, "no " + kind + ", as the audit trail says (" + row + ")", "one",
-           kLookIntoBackup);
+      report_.Find("decision", key, "no " + kind + ", as the audit trail says (" + row + ")", "one",
+                   kLookIntoBackup);
       return Status::Ok();
     }
     FindColumns(kind, key, row, ColumnsOf(state), ColumnsOf(*now));
@@ -314,8 +314,8 @@ class AuditCheck {
       ENAMEL_ASSIGN_OR_RETURN(const auto attempt, StateOf(db_, SubjectOf("attempt", object)));
       if (attempt.empty()) return Status::Ok();
     }
-    Find("decision", key, "the " + kind + " that the audit trail tells of (" + row + ")", "none",
-         kLookIntoBackup);
+    report_.Find("decision", key, "the " + kind + " that the audit trail tells of (" + row + ")",
+                 "none", kLookIntoBackup);
     return Status::Ok();
   }
 
@@ -329,7 +329,7 @@ class AuditCheck {
     auto text = [](const std::string& value) { return value.empty() ? "nothing" : value; };
     for (const std::string& name : names) {
       if (stated[name] == present[name]) continue;
-      Find(
+      report_.Find(
           "decision", key,
           kind + ": " + name + " " + text(stated[name]) + ", as the audit trail says (" + row + ")",
           name + " " + text(present[name]), kLookIntoBackup);
@@ -342,9 +342,9 @@ class AuditCheck {
     for (const auto& [subject, object] : present) {
       if (told_.contains(subject)) continue;
       const size_t space = subject.find(' ');
-      Find("decision", subject.substr(space + 1),
-           "a row of the audit trail that tells of this " + subject.substr(0, space), "none",
-           kLookIntoBackup);
+      report_.Find("decision", subject.substr(space + 1),
+                   "a row of the audit trail that tells of this " + subject.substr(0, space),
+                   "none", kLookIntoBackup);
     }
     return Status::Ok();
   }

@@ -1,0 +1,253 @@
+#include "server/storage/verify/verify_attempts.h"
+
+#include <algorithm>
+#include <bit>
+#include <map>
+
+#include "server/storage/engine/query.h"
+#include "server/training/types.h"
+
+namespace enamel::server {
+namespace {
+
+constexpr char kAskStation[] =
+    "restore a backup, or have the station send it again within seven days";
+
+// What an attempt's row says.
+struct AttemptFacts {
+  Uuid id, person, station;
+  AttemptState state = AttemptState::kTicketed;
+  Bytes header;
+  bool has_header = false, expired = false;
+  Hand hand;
+  Sha256 head, trace_blob;
+  uint64_t head_state_hash = 0, chunks = 0, ticks = 0, gap_ticks = 0, trace_bytes = 0;
+};
+
+AttemptFacts FactsOf(const Query& q) {
+  AttemptFacts out;
+  out.id = q.Id(0);
+  out.person = q.Id(1);
+  out.station = q.Id(2);
+  out.state = static_cast<AttemptState>(q.Int(3));
+  out.has_header = !q.IsNull(4);
+  out.header = q.Blob(4);
+  out.head = q.Hash(5);
+  out.head_state_hash = std::bit_cast<uint64_t>(q.Int(6));
+  out.chunks = static_cast<uint64_t>(q.Int(7));
+  out.ticks = static_cast<uint64_t>(q.Int(8));
+  out.gap_ticks = static_cast<uint64_t>(q.Int(9));
+  out.trace_bytes = static_cast<uint64_t>(q.Int(10));
+  out.trace_blob = q.Hash(11);
+  out.expired = q.Int(12) != 0;
+  out.hand = {static_cast<HandKind>(q.Int(13)), q.Text(14), q.Text(15), q.Text(16)};
+  return out;
+}
+
+class AttemptCheck {
+ public:
+  AttemptCheck(Db& db, StoredBlobs& stored, const std::optional<trace::PublicKey>& key,
+               VerifyReport& report, const UpkeepProgress& progress)
+      : db_(db), stored_(stored), key_(key), report_(report), progress_(progress) {}
+
+  Status Check() {
+    ENAMEL_RETURN_IF_ERROR(LoadStations());
+    Query count(db_, "SELECT count(*), coalesce(sum(ticks), 0) FROM attempts WHERE tenant = ?1");
+    uint64_t all = count.Next() ? static_cast<uint64_t>(count.Int(0)) : 0;
+    ENAMEL_RETURN_IF_ERROR(count.status());
+    Query q(db_,
+            "SELECT id, person, station, state, header, head_hash, head_state_hash, chunks, ticks, "
+            "gap_ticks, trace_bytes, trace_blob, expired_ms, hand_kind, hand_device, hand_driver, "
+            "hand_unit FROM attempts WHERE tenant = ?1");
+    while (q.Next()) {
+      AttemptFacts facts = FactsOf(q);
+      ++report_.attempts;
+      ENAMEL_RETURN_IF_ERROR(CheckAttempt(facts));
+      if (progress_) progress_("attempts", report_.attempts, all);
+    }
+    return q.status();
+  }
+
+ private:
+  Status LoadStations() {
+    Query q(db_, "SELECT id, public_key FROM stations WHERE tenant = ?1");
+    while (q.Next()) {
+      Bytes key = q.Blob(1);
+      trace::PublicKey& into = stations_[q.Id(0)];
+      // A key of another length stays zero, and then no signature fits: that is found at its
+      // chunks.
+      if (key.size() == into.size()) std::ranges::copy(key, into.begin());
+    }
+    return q.status();
+  }
+
+  Status CheckAttempt(const AttemptFacts& facts) {
+    if (!facts.has_header) return Status::Ok();
+    CheckHeader(facts);
+    // A retention rule has removed the recording; the header stays with the score.
+    if (facts.expired) return Status::Ok();
+    if (!facts.trace_blob.IsZero()) {
+      ++report_.sealed;
+      CheckSealed(facts);
+      return Status::Ok();
+    }
+    // Only those two may still have their chunks as rows.
+    if (facts.state != AttemptState::kRecording && facts.state != AttemptState::kQuarantined) {
+      report_.Find("seal", facts.id.Text(),
+                   "a trace, as the attempt is " + std::string(AttemptStateName(facts.state)),
+                   "none named", kFromBackup);
+      return Status::Ok();
+    }
+    std::vector<Bytes> chunks;
+    Query q(db_, "SELECT bytes FROM trace_chunks WHERE tenant = ?1 AND attempt = ?2 ORDER BY seq");
+    q.Bind(facts.id);
+    while (q.Next()) chunks.push_back(q.Blob(0));
+    ENAMEL_RETURN_IF_ERROR(q.status());
+    if (OpenChunks(facts, chunks)) CheckChain(facts, chunks, std::nullopt);
+    return Status::Ok();
+  }
+
+  void CheckHeader(const AttemptFacts& facts) {
+    auto header = trace::DecodeHeader(facts.header);
+    if (!header.ok()) {
+      report_.Find("ticket", facts.id.Text(), "a header with the server's ticket",
+                   header.status().message(), kAskStation);
+      return;
+    }
+    const trace::Ticket& ticket = header->ticket;
+    if (ticket.attempt != facts.id || ticket.person != facts.person ||
+        ticket.station != facts.station) {
+      report_.Find("ticket", facts.id.Text(), "a ticket of this attempt, person and station",
+                   "one of attempt " + ticket.attempt.Text() + ", person " + ticket.person.Text() +
+                       ", station " + ticket.station.Text(),
+                   kFromBackup);
+    }
+    if (header->hand != facts.hand) {
+      report_.Find("hand", facts.id.Text(),
+                   "in the attempt's row the hand of its header, " + HandText(header->hand),
+                   HandText(facts.hand), kFromBackup);
+    }
+    if (key_ && !trace::VerifyTicket(ticket, *key_)) {
+      report_.Find("ticket", facts.id.Text(), "a ticket signed by this server", "another signature",
+                   "compare ticket.key with the one of a backup");
+    }
+  }
+
+  bool OpenChunks(const AttemptFacts& facts, std::vector<Bytes>& chunks) {
+    if (!stored_.has_keys &&
+        std::ranges::any_of(chunks, [](const Bytes& c) { return PersonOfSealed(c).has_value(); })) {
+      return false;  // noted: the keys are apart
+    }
+    for (Bytes& chunk : chunks) {
+      auto opened = OpenPersonal(stored_.keyring, std::move(chunk));
+      if (!opened.ok()) {
+        report_.Find("key", facts.id.Text(), "chunks that the person's key opens",
+                     opened.status().message(), "restore the key ring");
+        return false;
+      }
+      chunk = std::move(opened).value();
+    }
+    return true;
+  }
+
+  void CheckSealed(const AttemptFacts& facts) {
+    if (stored_.bad.contains(facts.trace_blob)) return;  // found already
+    auto bytes = stored_.blobs.Get(facts.trace_blob);
+    if (!bytes.ok()) return;
+    // Kept apart, and noted so: what cannot be opened cannot be checked.
+    if (!stored_.has_keys && PersonOfSealed(*bytes)) return;
+    auto opened = OpenPersonal(stored_.keyring, std::move(bytes).value());
+    if (!opened.ok()) return;
+    auto file = trace::DecodeTraceFile(*opened);
+    if (!file.ok() || file->truncated || !file->seal) {
+      report_.Find("seal", facts.id.Text(), "a whole trace with its seal",
+                   file.ok() ? "one that ends early" : file.status().message(), kAskStation);
+      return;
+    }
+    if (file->header != facts.header) {
+      report_.Find("chain", facts.id.Text(),
+                   "the header of the attempt's row at the head of its trace", "another one",
+                   kFromBackup);
+    }
+    CheckChain(facts, file->chunks, file->seal);
+  }
+
+  void CheckChain(const AttemptFacts& facts, const std::vector<Bytes>& chunks,
+                  const std::optional<trace::Seal>& seal) {
+    trace::ChainVerifier chain(facts.id, HashSha256(facts.header));
+    const std::string id = facts.id.Text();
+    uint64_t bytes = facts.header.size(), gaps = 0, unsigned_chunks = 0, first_unsigned = 0;
+    for (const Bytes& encoded : chunks) {
+      auto chunk = trace::DecodeChunk(encoded);
+      if (!chunk.ok())
+        return report_.Find("chain", id,
+                            "chunk " + std::to_string(chain.next_seq()) + " to be whole",
+                            chunk.status().message(), kAskStation);
+      if (Status linked = chain.Accept(*chunk); !linked.ok())
+        return report_.Find("chain", id, "each chunk to continue the one before", linked.message(),
+                            kAskStation);
+      if (!IsSigned(facts, encoded) && unsigned_chunks++ == 0) first_unsigned = chunk->head.seq;
+      bytes += encoded.size();
+      gaps += chunk->head.gap_ticks;
+      ++report_.chunks;
+      report_.ticks += chunk->head.count;
+    }
+    if (unsigned_chunks > 0) FindUnsigned(facts, unsigned_chunks, first_unsigned, chunks.size());
+    if (chain.next_seq() != facts.chunks || chain.next_tick() != facts.ticks ||
+        chain.head() != facts.head || chain.state_hash() != facts.head_state_hash) {
+      report_.Find("chain", id, RowText(facts),
+                   "the chunks say " + std::to_string(chain.next_seq()) + " chunks, " +
+                       std::to_string(chain.next_tick()) + " ticks, head " + chain.head().Hex(),
+                   kAskStation);
+    }
+    // The counts are beside the chain and prove nothing; a difference still says that a row was
+    // changed by hand.
+    if (bytes != facts.trace_bytes || gaps != facts.gap_ticks) {
+      report_.Find("chain", id,
+                   std::to_string(facts.trace_bytes) + " bytes and " +
+                       std::to_string(facts.gap_ticks) + " ticks of gaps, as the row says",
+                   std::to_string(bytes) + " and " + std::to_string(gaps), kFromBackup);
+    }
+    if (!seal) return;
+    if (Status sealed = chain.AcceptSeal(*seal); !sealed.ok())
+      report_.Find("seal", id, "a seal that fits the chunks", sealed.message(), kFromBackup);
+  }
+
+  static std::string RowText(const AttemptFacts& facts) {
+    return "the row's " + std::to_string(facts.chunks) + " chunks, " + std::to_string(facts.ticks) +
+           " ticks, head " + facts.head.Hex();
+  }
+
+  bool IsSigned(const AttemptFacts& facts, const Bytes& chunk) const {
+    auto key = stations_.find(facts.station);
+    return key != stations_.end() && trace::VerifyChunk(chunk, key->second);
+  }
+
+  // One for the attempt: a station's changed key would be thousands.
+  void FindUnsigned(const AttemptFacts& facts, uint64_t count, uint64_t first, size_t of) {
+    const std::string which = count == of && count > 1 ? "all " + std::to_string(of) + " chunks"
+                              : count == 1
+                                  ? "chunk " + std::to_string(first)
+                                  : std::to_string(count) + " of " + std::to_string(of) +
+                                        " chunks, from chunk " + std::to_string(first) + " on,";
+    report_.Find("signature", facts.id.Text(), which + " signed by station " + facts.station.Text(),
+                 stations_.contains(facts.station) ? "another signature" : "no such station",
+                 kAskStation);
+  }
+
+  Db& db_;
+  StoredBlobs& stored_;
+  const std::optional<trace::PublicKey>& key_;
+  VerifyReport& report_;
+  const UpkeepProgress& progress_;
+  std::map<Uuid, trace::PublicKey> stations_;
+};
+
+}  // namespace
+
+Status CheckAttempts(Db& db, StoredBlobs& stored, const std::optional<trace::PublicKey>& key,
+                     VerifyReport& report, const UpkeepProgress& progress) {
+  return AttemptCheck(db, stored, key, report, progress).Check();
+}
+
+}  // namespace enamel::server
