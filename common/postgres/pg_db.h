@@ -81,6 +81,9 @@ struct PgDbOptions {
 //  * A query's rows are all in memory from its first Next, and its columns are known from there.
 //  * A text read as a number, or a number read as text, is not converted.
 //
+// Sources: pg_db.cpp (connection, statements), pg_transaction.cpp, pg_upkeep.cpp (schema, server's
+// clock and standbys, Rewrite).
+//
 // Thread safety: one thread at a time. Statements are prepared once and kept, up to kMaxStatements;
 // above that the least recently used one is dropped.
 class PgDb final : public Db {

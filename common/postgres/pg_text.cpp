@@ -22,4 +22,13 @@ std::string WithDollars(std::string_view sql) {
   return out;
 }
 
+std::string Quoted(const std::string& name) {
+  std::string out = "\"";
+  for (const char c : name) {
+    if (c == '"') out += '"';
+    out += c;
+  }
+  return out + "\"";
+}
+
 }  // namespace enamel::sql

@@ -9,4 +9,7 @@ namespace enamel::sql {
 // Parameters: "?1" becomes "$1". Text inside '…' and "…" is unchanged.
 std::string WithDollars(std::string_view sql);
 
+// As an SQL name: between double quotes, those inside doubled.
+std::string Quoted(const std::string& name);
+
 }  // namespace enamel::sql
