@@ -1,16 +1,12 @@
+#include "common/scene/builtin/exercises.h"
+
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <iterator>
-#include <map>
 #include <string>
 #include <utility>
 
-#include "common/base/mutex.h"
 #include "common/scene/builtin/builtin.h"
-#include "common/scene/builtin/layer.h"
 #include "common/scene/builtin/rubrics.h"
-#include "common/scene/builtin/teeth.h"
 #include "common/scene/preparation.h"
 #include "common/scene/tooth_number.h"
 
@@ -25,27 +21,10 @@ constexpr TouchCueSpec kPracticeCues{250, 100, 200, 1'000};
 
 constexpr char kNeighbourDepth[] = "neighbour_depth_mm";
 
-bool Has(const Scene& scene, cutting::Tissue tissue) {
-  return std::any_of(scene.tissues.begin(), scene.tissues.end(),
-                     [&](const TissueSpec& t) { return t.tissue == tissue; });
-}
-
-// A length as a student reads it: "1.5 mm".
-std::string Mm(int32_t um) {
-  std::string text = std::to_string(um / 1000) + "." + std::to_string(um / 100 % 10);
-  if (um % 100 != 0) text += std::to_string(um / 10 % 10);
-  return text + " mm";
-}
-
 // How far a side may be off, as a student reads it.
 std::string SidesText() {
   return "A side that is off by at most " + Mm(kRight_um) +
          " gets full marks, one that is off by " + Mm(kLeeway_um) + " gets none.";
-}
-
-std::string NameFor(const char* kind, const Scene& scene) {
-  // 64 is all that a document takes as a name (json/read.h).
-  return (std::string(kind) + "-" + scene.name).substr(0, 64);
 }
 
 Exercise ClassTwoExercise(const Scene& scene, const Sha256& scene_hash) {
@@ -117,121 +96,6 @@ Exercise CariesExercise(const Scene& scene, const Sha256& scene_hash) {
   return e;
 }
 
-// What a crown's preparation leaves of a tooth that is built in: as much off its walls and top as
-// textbooks ask for (1 mm and 1.5 mm), less where the pulp would keep less than 0.9 mm of cover;
-// the stump that the tooth's own sections give with that, its walls opened to 7 to 14 degrees where
-// the sections would give less or more. Heights are below the landmark crown_top; x is mesial here.
-struct CrownTask {
-  const char* tooth;  // the beginning of a scene's name
-  int32_t depth_um;   // of the shoulder: above the cervical line
-  int32_t off_top_um, off_walls_um;
-  Stump::Section foot, table;
-  int32_t corner_um;
-};
-constexpr CrownTask kCrowns[] = {{"molar-46",
-                                  6'500,
-                                  1'200,
-                                  800,
-                                  {{0, 250}, {4'100, 4'050}},
-                                  {{50, -350}, {3'350, 3'050}},
-                                  1'800},
-                                 {"premolar-14",
-                                  6'500,
-                                  1'500,
-                                  1'000,
-                                  {{0, 50}, {1'900, 3'350}},
-                                  {{-50, 150}, {1'150, 2'450}},
-                                  700},
-                                 {"incisor-11",
-                                  9'000,
-                                  1'500,
-                                  1'000,
-                                  {{0, 100}, {2'500, 2'300}},
-                                  {{50, 400}, {2'100, 500}},
-                                  450}};
-
-const CrownTask* CrownOf(const Scene& scene) {
-  const auto* it = std::find_if(std::begin(kCrowns), std::end(kCrowns), [&](const CrownTask& c) {
-    return scene.name.starts_with(c.tooth);
-  });
-  return it == std::end(kCrowns) ? nullptr : it;
-}
-
-const ToothShape* ShapeOf(const Scene& scene) {
-  for (const ToothShape* tooth : BuiltinTeeth()) {
-    if (scene.name.starts_with(tooth->name)) return tooth;
-  }
-  return nullptr;
-}
-
-// The table of a crown's stump: the tooth's own relief, so deep below it.
-void AddOcclusalRelief(const Scene& scene, const PointUm& at, int32_t off_um, int32_t tip_um,
-                       PreparationPart& part) {
-  const ToothShape* tooth = ShapeOf(scene);
-  if (tooth == nullptr) return;
-  Layer layer;
-  // On over the tooth's sides, which are the walls' to reduce.
-  layer.surface_m = [=](double x_m, double y_m) {
-    return OcclusalHeight_mm(*tooth, x_m * 1e3, y_m * 1e3) * 1e-3;
-  };
-  layer.thick_m = off_um * 1e-6;
-  layer.end_radius_m = tip_um * 1e-6;
-  for (size_t i = 0; i < 2; ++i) {
-    layer.axis_half_m[i] = (part.stump.foot.half_um[i] + 1'000) * 1e-6;
-  }
-  constexpr int32_t kStep_um = 500;
-  part.relief = ReliefOf(layer, part, at, kStep_um);
-}
-
-// Only the height of a crown that is not built in is known: the task is what the reference took.
-constexpr int32_t kUnknownCrownDepth_um = 6'500;
-
-Exercise CrownExercise(const Scene& scene, const Sha256& scene_hash) {
-  Exercise e = ClassOneExercise(scene, scene_hash);
-  e.name = NameFor("crown", scene);
-  e.title = "Crown preparation";
-  e.bur_shape = cutting::BurShape::kCone;  // "taper-16"
-  e.bur_radius_um = 800;
-  e.bur_length_um = 8'000;
-  e.bur_narrow_radius_um = 500;
-  e.target.landmark = "crown_top";
-  // Wider than the widest built-in crown, 11 x 10.5 mm.
-  e.target.half_size_um = {6'000, 6'000, 0};
-  e.target.depth_um = kUnknownCrownDepth_um;
-  const CrownTask* crown = CrownOf(scene);
-  const bool anterior = IsAnterior(scene.tooth);
-  const std::string top = anterior ? "incisal edge" : "occlusal surface";
-  const std::string highest = anterior ? "the incisal edge" : "the highest cusp";
-  if (crown == nullptr) {
-    e.instructions = "Reduce the " + top +
-                     " and all walls as in the reference, down to a shoulder " +
-                     Mm(e.target.depth_um) + " below " + highest + ".";
-  } else {
-    e.target.depth_um = crown->depth_um;
-    PreparationPart part;
-    part.outline = PreparationPart::Outline::kStump;
-    part.half_size_um = {e.target.half_size_um[0], e.target.half_size_um[1]};
-    part.depth_um = crown->depth_um;
-    part.stump = {crown->foot, crown->table, crown->off_top_um, crown->corner_um};
-    part.stump.foot.middle_um[0] *= MesialX(scene.tooth);
-    part.stump.table.middle_um[0] *= MesialX(scene.tooth);
-    if (const auto at = scene.landmarks.find(e.target.landmark); at != scene.landmarks.end()) {
-      AddOcclusalRelief(scene, at->second, crown->off_top_um, e.bur_narrow_radius_um, part);
-    }
-    e.target.parts = {part};
-    const std::string take_top = "Take " + Mm(crown->off_top_um) + " off the " + top +
-                                 (anterior ? "" : " and keep the form of its cusps and fossa");
-    e.instructions = take_top + ". Reduce all walls by at least " + Mm(crown->off_walls_um) +
-                     ", down to a shoulder " + Mm(crown->depth_um) + " below " + highest + ".";
-  }
-  e.instructions += Has(scene, Tissue::kNeighbour) ? " Do not touch the adjacent teeth or the root."
-                                                   : " Do not touch the root.";
-  e.time_limit_s = 1'800;
-  // A simulated good hand takes a quarter of an hour.
-  e.rubric = CrownRubric(anterior);
-  return e;
-}
-
 // The gingival third of the buccal face of a tooth that is turned: 4 mm wide and 2 mm high, its
 // lower edge 1 mm above the cervical line.
 Exercise ClassFiveExercise(const Scene& scene, const Sha256& scene_hash) {
@@ -260,99 +124,6 @@ Exercise ClassFiveExercise(const Scene& scene, const Sha256& scene_hash) {
     for (const auto& n : named) {
       if (c.metric == n.metric) c.title = n.title, c.comment = n.comment;
     }
-  return e;
-}
-
-// Height of a turned tooth's face over a point of the scene, m; `lo_m` beside the tooth.
-double FaceHeight_m(const ToothShape& tooth, double x_m, double y_m, double lo_m) {
-  double z = tooth.hi.y * 1e-3;
-  // The field says no more than the distance, and never less than nothing.
-  constexpr double kNear_m = 1e-7, kLeast_m = 1e-6;
-  while (z > lo_m) {
-    const double d = ToothField(tooth, FromBuccalUp({x_m, y_m, z})).distance_m;
-    if (d < kNear_m) return z;
-    z -= std::max(d, kLeast_m);
-  }
-  return lo_m;
-}
-
-// Half a millimetre off the labial face of an incisor, with a ball of 1.6 mm that leaves a chamfer
-// all around: 5.6 mm wide, from 0.95 mm above the cervical line to 0.8 mm short of the edge. Source
-// of the depth: textbooks ask for 0.3 mm near the gum to 0.7 mm near the edge.
-constexpr std::array<int32_t, 2> kVeneerHalf_um = {2'800, 4'400};
-constexpr int32_t kVeneerDepth_um = 500, kVeneerBur_um = 800, kVeneerChamfer_um = 750;
-
-PreparationPart MakeVeneerPart(const ToothShape& tooth, const PointUm& at) {
-  PreparationPart part;
-  part.half_size_um = {kVeneerHalf_um[0] + 100, kVeneerHalf_um[1] + 100};
-  part.top_um = {0, 0, static_cast<int32_t>(std::ceil(tooth.hi.y * 1e3)) - at[2]};
-  part.depth_um = 6'000;
-  std::map<std::pair<int64_t, int64_t>, double> known;
-  Layer layer;
-  layer.surface_m = [&](double x_m, double y_m) {
-    auto [height, unknown] = known.try_emplace({std::lround(x_m * 1e6), std::lround(y_m * 1e6)});
-    if (unknown) height->second = FaceHeight_m(tooth, x_m, y_m, tooth.hi.y * 1e-3 - 6e-3);
-    return height->second;
-  };
-  layer.thick_m = kVeneerDepth_um * 1e-6;
-  layer.end_radius_m = kVeneerBur_um * 1e-6;
-  layer.round_end = true;
-  for (size_t i = 0; i < 2; ++i) {
-    layer.axis_half_m[i] = (kVeneerHalf_um[i] - kVeneerChamfer_um) * 1e-6;
-  }
-  constexpr int32_t kStep_um = 250;
-  part.relief = ReliefOf(layer, part, at, kStep_um);
-  part.depth_um = *std::max_element(part.relief.below_um.begin(), part.relief.below_um.end());
-  return part;
-}
-
-// It takes thousands of questions to the tooth's field: the last one is kept.
-PreparationPart VeneerPart(const ToothShape& tooth, const PointUm& at) {
-  static Mutex mutex;
-  static std::string name;
-  static PointUm place;
-  static PreparationPart part;
-  MutexLock lock(mutex);
-  if (name != tooth.name || place != at) {
-    part = MakeVeneerPart(tooth, at);
-    name = tooth.name, place = at;
-  }
-  return part;
-}
-
-Exercise VeneerExercise(const Scene& scene, const ToothShape& tooth, const Sha256& scene_hash) {
-  Exercise e = ClassOneExercise(scene, scene_hash);
-  e.name = NameFor("veneer", scene);
-  e.title = "Veneer, reduction of the labial face";
-  e.bur_shape = cutting::BurShape::kSphere;  // "round-16"
-  e.bur_radius_um = kVeneerBur_um;
-  e.bur_length_um = 0;
-  e.target.landmark = "labial_face";
-  const PreparationPart part = VeneerPart(tooth, scene.landmarks.at(e.target.landmark));
-  e.target.half_size_um = {part.half_size_um[0], part.half_size_um[1], 0};
-  e.target.depth_um = part.depth_um - part.top_um[2];
-  e.target.parts = {part};
-  e.instructions =
-      "The labial face is up, and the root points away from you. Take " + Mm(kVeneerDepth_um) +
-      " off the face, following its curve, over " + Mm(2 * kVeneerHalf_um[0]) +
-      " from mesial to distal and " + Mm(2 * kVeneerHalf_um[1]) +
-      " from gingival to incisal, with a chamfer all around. Keep the incisal edge and the "
-      "contacts.";
-  e.rubric = ShapeRubric("veneer-labial", 20, 10, {600, 1'200});
-  // All of it is floor: a hand that is off by less than a tenth of a millimetre is off everywhere.
-  // Its end is judged separately, because hardly any of its area is there.
-  e.rubric.criteria[1].map = {{0.08, 1}, {0.3, 0}};
-  e.rubric.criteria.push_back(AtMost("outline_over_mm", "Outline on the face", "mm", 15, 0.1, 0.35,
-                                     "The reduction is wider than it should be."));
-  // Half a millimetre is all that stands between the face and trouble.
-  e.rubric.criteria.push_back(PulpCriterion(3));
-  e.rubric.criteria.push_back(CoverCriterion(2));
-  for (RubricCriterion& c : e.rubric.criteria) {
-    if (c.metric == "force_sent_p95_n") c.points = 8;
-    if (c.metric == "time_s") c.points = 2;
-  }
-  e.rubric.criteria[0].title = "Face fully reduced";
-  e.rubric.criteria[0].comment = "Part of the face was not reduced.";
   return e;
 }
 
@@ -448,6 +219,29 @@ std::vector<Exercise> ExercisesOf(const Scene& scene, const Sha256& scene_hash) 
 
 }  // namespace
 
+bool Has(const Scene& scene, Tissue tissue) {
+  return std::any_of(scene.tissues.begin(), scene.tissues.end(),
+                     [&](const TissueSpec& t) { return t.tissue == tissue; });
+}
+
+std::string Mm(int32_t um) {
+  std::string text = std::to_string(um / 1000) + "." + std::to_string(um / 100 % 10);
+  if (um % 100 != 0) text += std::to_string(um / 10 % 10);
+  return text + " mm";
+}
+
+std::string NameFor(const char* kind, const Scene& scene) {
+  // 64 is all that a document takes as a name (json/read.h).
+  return (std::string(kind) + "-" + scene.name).substr(0, 64);
+}
+
+const ToothShape* ShapeOf(const Scene& scene) {
+  for (const ToothShape* tooth : BuiltinTeeth()) {
+    if (scene.name.starts_with(tooth->name)) return tooth;
+  }
+  return nullptr;
+}
+
 Exercise PreparedExercise(const Scene& scene, const Sha256& scene_hash,
                           const CavityTarget& target) {
   Exercise e = ClassOneExercise(scene, scene_hash);
@@ -497,7 +291,7 @@ std::vector<Exercise> BuiltinExercises(const Scene& scene, const Sha256& scene_h
 Exercise ClassOneExercise(const Scene& scene, const Sha256& scene_hash) {
   const bool tooth = Has(scene, Tissue::kPulp);
   Exercise e;
-  e.name = ("class-1-" + scene.name).substr(0, 64);
+  e.name = NameFor("class-1", scene);
   e.title = tooth ? "Class I occlusal cavity" : "Central box, as in a class I cavity";
   e.scene = scene_hash;
   e.bur_shape = cutting::BurShape::kCylinder;
