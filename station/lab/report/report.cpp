@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <boost/json.hpp>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "station/lab/report/cutting_report.h"
@@ -14,12 +13,6 @@ namespace enamel::station::lab {
 namespace {
 
 namespace json = boost::json;
-
-std::string F(double v, const char* format = "%.3f") {
-  char text[64];
-  std::snprintf(text, sizeof text, format, v);
-  return text;
-}
 
 size_t Width(const std::string& s) {
   return static_cast<size_t>(

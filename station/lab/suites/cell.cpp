@@ -2,6 +2,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <thread>
 
 #include "common/haptics/criteria.h"
@@ -28,6 +29,12 @@ Verdict VerdictOf(const TrialSpec& spec, const Measurement& m) {
 }
 
 }  // namespace
+
+std::string F(double v, const char* format) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, v);
+  return text;
+}
 
 const char* VerdictName(Verdict v) {
   switch (v) {

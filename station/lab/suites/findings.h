@@ -30,6 +30,9 @@ struct Row {
   bool pareto = false, is_default = false;
 };
 
+// A number as tables show it. `format`: printf's, of one number.
+std::string F(double v, const char* format = "%.3f");
+
 struct Table {
   std::string title, note;
   std::vector<std::string> head;

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstdio>
 
 #include "station/lab/suites/suites.h"
 
@@ -8,12 +7,6 @@ namespace {
 
 // A minute at 1 kHz, over which the hand spreads its strokes (cutting/attempt.cpp).
 constexpr uint64_t kScoreTicks = 60'000;
-
-std::string F(double v, const char* format = "%.3f") {
-  char text[48];
-  std::snprintf(text, sizeof text, format, v);
-  return text;
-}
 
 bool SameCut(const CuttingFigures& a, const CuttingFigures& b) {
   return a.c.bur == b.c.bur && a.c.speed_m_s == b.c.speed_m_s;

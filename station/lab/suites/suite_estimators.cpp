@@ -1,18 +1,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 
 #include "station/lab/suites/suites.h"
 
 namespace enamel::station::lab {
 namespace {
-
-std::string F(double v, const char* format = "%.3f") {
-  char text[48];
-  std::snprintf(text, sizeof text, format, v);
-  return text;
-}
 
 struct Figures {
   double rms = 0, worst = 0, settle_s = -1, stop_s = -1, ns = 0;

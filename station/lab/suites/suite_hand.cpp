@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstdio>
 
 #include "station/lab/laws/hand_trial.h"
 #include "station/lab/laws/withdrawal.h"
@@ -194,12 +193,6 @@ void AddWithdrawals(SuiteContext& c, const DeviceModel& m, const cutting::Volume
   for (HandRow& row : rows) c.findings.hands.push_back(std::move(row));
 }
 
-std::string Text(const char* format, double v) {
-  char out[40];
-  std::snprintf(out, sizeof out, format, v);
-  return out;
-}
-
 // The goals' figures, a line per device: the worst of the rows.
 void AddTable(SuiteContext& c, size_t from) {
   Table t;
@@ -268,11 +261,10 @@ void AddTable(SuiteContext& c, size_t from) {
     over = o2 > 0 ? std::sqrt(e2 / o2) : 0;
     one = i1 > 0 ? std::sqrt(e1 / i1) : 0;
     third = i3 > 0 ? std::sqrt(e3 / i3) : 0;
-    t.rows.push_back({m.title, Text("%.2f", over), Text("%.0f", humans ? 1e3 * lag / humans : 0),
-                      Text("%.0f", 100 * one), Text("%.0f", 100 * third), Text("%.2f", help),
-                      Text("%.0f", 100 * stroke), Text("%.0f", circle), Text("%.2f", shoot),
-                      Text("%.3f", pull),
-                      Text("%.2f", straight2 > 0 ? std::sqrt(turned2 / straight2) : 0)});
+    t.rows.push_back({m.title, F(over, "%.2f"), F(humans ? 1e3 * lag / humans : 0, "%.0f"),
+                      F(100 * one, "%.0f"), F(100 * third, "%.0f"), F(help, "%.2f"),
+                      F(100 * stroke, "%.0f"), F(circle, "%.0f"), F(shoot, "%.2f"), F(pull),
+                      F(straight2 > 0 ? std::sqrt(turned2 / straight2) : 0, "%.2f")});
   }
   c.findings.tables.push_back(std::move(t));
 }

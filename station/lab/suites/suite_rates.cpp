@@ -1,6 +1,5 @@
 #include <atomic>
 #include <cmath>
-#include <cstdio>
 
 #include "common/scene/delay.h"
 #include "common/scene/rate.h"
@@ -12,12 +11,6 @@ namespace {
 
 constexpr double kB_n_s_per_m = 6500, kSpeed_m_per_s = 0.2e-3;
 constexpr uint64_t kMotions = 5;
-
-std::string Text(const char* format, double v) {
-  char out[40];
-  std::snprintf(out, sizeof out, format, v);
-  return out;
-}
 
 struct Job {
   DeviceModel model;
@@ -87,10 +80,10 @@ void RunRatesSuite(SuiteContext& c) {
       c.progress("rates", ++done, jobs.size());
     });
     for (const RateRow& r : rows) {
-      t.rows.push_back({m.title, Text("%.0f", r.rate_hz), Text("%.0f", r.delay_ticks),
-                        Text("%.2f", r.kc_n_per_mm), r.limit, Text("%.3f", r.kc_delta_half_n),
-                        Text("%.0f", 1e3 * r.lag_s), Text("%.0f", 100 * r.error_rms),
-                        Text("%.2f", r.error_over_oracle)});
+      t.rows.push_back({m.title, F(r.rate_hz, "%.0f"), F(r.delay_ticks, "%.0f"),
+                        F(r.kc_n_per_mm, "%.2f"), r.limit, F(r.kc_delta_half_n),
+                        F(1e3 * r.lag_s, "%.0f"), F(100 * r.error_rms, "%.0f"),
+                        F(r.error_over_oracle, "%.2f")});
       c.findings.rates.push_back(r);
     }
   }

@@ -1,5 +1,4 @@
 #include <atomic>
-#include <cstdio>
 
 #include "station/lab/laws/strokes.h"
 #include "station/lab/laws/withdrawal.h"
@@ -11,19 +10,13 @@ namespace {
 constexpr haptics::LawKind kLaws[] = {haptics::kDefaultLaw, haptics::LawKind::kGatedMaxwell,
                                       haptics::LawKind::kMaxwell};
 
-std::string Text(const char* format, double v) {
-  char out[40];
-  std::snprintf(out, sizeof out, format, v);
-  return out;
-}
-
 // A figure beside its bound; a star marks a miss.
 std::string FigureText(const StrokeTrack& track, const char* name, double factor,
                        const char* format) {
   for (const StrokeFigure& f : track.figures) {
     if (f.name != name) continue;
-    std::string out = Text(format, f.value * factor);
-    if (f.bound) out += " (" + Text(format, *f.bound * factor) + (f.held() ? ")" : ") *");
+    std::string out = F(f.value * factor, format);
+    if (f.bound) out += " (" + F(*f.bound * factor, format) + (f.held() ? ")" : ") *");
     return out;
   }
   return "";
