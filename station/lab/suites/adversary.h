@@ -52,7 +52,7 @@ class Subject {
   virtual double tank_j() const { return 0; }
 };
 
-// nullopt: the bare spring, with `energy_j` in its tank at the start.
+// subjects.cpp. nullopt: the bare spring, with `energy_j` in its tank at the start.
 std::unique_ptr<Subject> MakeSubject(const DeviceModel& model, const GameRules& rules,
                                      std::optional<haptics::LawKind> law, double energy_j);
 // Largest stiffness the rules' clause lets this device use, at most the profile's, N/m.
@@ -113,6 +113,9 @@ class Game {
   bool held_ = false;
   double balance_ = 0, floor_ = 0, lowest_ = 0, handed_ = 0, taken_ = 0, paid_ = 0;
 };
+
+// A balance below minus this is a violation, J: rounding stays far below (README, "Rounding").
+inline constexpr double kRounding_j = 1e-12;
 
 // The games. `length`: ticks, or rounds of a search (of about 360 ticks each).
 enum class GameKind : uint8_t { kWalk, kDither, kPress, kBred, kPopulation };

@@ -95,8 +95,6 @@ void RandomB(Random& r, haptics::Contact* contact) {
   contact->wall_normal = r.Below(16) == 0 ? r.Direction() : dvec3(0);
 }
 
-constexpr double kRounding_j = 1e-12;
-
 // A periodic motion and a material that follows its phase: 3 axes x 2 harmonics x (sine, cosine),
 // length of the period, and B per eighth of it (logarithm, and whether it is a normal only).
 struct Motion {
