@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/import/band_sampler.h"
 #include "common/mesh/facet.h"
 #include "common/mesh/units.h"
 
@@ -18,19 +17,16 @@ constexpr double kLargestCapShare = 0.47;  // the caps of a dome lie within the 
 // centimetre for a millimetre it does not.
 constexpr double kMostTimesLarger = 30;
 constexpr int kNestingSamples = 16;  // along an axis
-// Tests hold the lengths and cosines from here on: shells with known gaps and crossings
-// (layers_test.cpp), and a scanned crown with 0.02 mm of noise, which folds its surfaces
-// (RealCrownTest.NoisySurfaces...).
+// Tests hold the lengths and cosines from here on, and those of the boundary (layer_boundary.cpp):
+// shells with known gaps and crossings (layers_test.cpp), and a scanned crown with 0.02 mm of noise,
+// which folds its surfaces (RealCrownTest.NoisySurfaces...).
 constexpr double kLook_mm = 0.5;      // how far apart surfaces are still measured
 constexpr double kFaceToFace = -0.5;  // cosine of their normals
-constexpr double kOpposite = -0.1;    // cosine between the ways to both sides of a cleft
-constexpr double kAcrossCap = -0.5;   // and to a cap and the dentin across from it
+constexpr double kAcrossCap = -0.5;   // between the ways to a cap and to the dentin across it
 constexpr double kTouching_mm = 1e-4;
 constexpr double kMostBeyond = 0.02;
 constexpr double kLeastMeeting = 0.1;  // of the smaller surface
 constexpr double kLeastShared = 0.1;   // of the smaller volume
-constexpr double kStep_mm = 2e-3;
-constexpr double kUniform_mm = 0.1;  // smaller triangles are judged by four of their points
 constexpr double kBehind_mm = 1.0;
 
 std::string Name(size_t layer) { return std::string(cutting::TissueName(kLayerTissues[layer])); }
@@ -154,25 +150,6 @@ dvec3 RiseOf(const LayerSolids& layers) {
   if (!layers.solids[kEnamel] || !layers.solids[kDentin]) return dvec3(0);
   return MiddleOfSurface(Select(*layers.solids[kEnamel], false)) -
          MiddleOfSurface(Select(*layers.solids[kDentin], false));
-}
-
-LayerProbe::LayerProbe(const LayeredTooth& tooth) : tooth_(&tooth) {
-  for (size_t i = 0; i < kLayers; ++i) {
-    if (const auto* s = tooth.surface(i)) probes_[i].emplace(s->boundary, s->whole);
-  }
-}
-
-LayeredTooth::Distances LayerProbe::At(const dvec3& p, double reach) {
-  LayeredTooth::Distances d{{reach, reach, reach}, reach};
-  for (size_t i = 0; i < kLayers; ++i) {
-    if (probes_[i]) d.to[i] = probes_[i]->Distance(p, reach);
-  }
-  return d;
-}
-
-double LayerProbe::Distance(const dvec3& p, double limit) {
-  const double outside = tooth_->boundary().Distance(p, limit, &nearest_);
-  return tooth_->Inside(p, At(p, tooth_->bridge())) ? -outside : outside;
 }
 
 // The side of a cleft that is nearer; nothing when p is in none.
@@ -333,173 +310,6 @@ void LayeredTooth::ReportPulpOutside() {
     report_.push_back("pulp reaches out of the dentin by up to " + mesh::Fixed(deepest, 3) +
                       " mm, over " + mesh::Fixed(100 * outside / area, 1) + " % of its surface");
   }
-}
-
-namespace {
-
-// Halves triangles until each piece is of one kind, and keeps those with air before them.
-class BoundaryPieces {
- public:
-  BoundaryPieces(const LayeredTooth& tooth, size_t own, double finest_mm)
-      : own_(tooth.surface(own)->boundary, tooth.surface(own)->whole),
-        bridge_(tooth.bridge()),
-        finest_(finest_mm) {
-    for (size_t i = 0; i < kLayers; ++i) {
-      const auto* s = tooth.surface(i);
-      if (s == nullptr || i == own) continue;
-      others_.push_back({&s->boundary, mesh::SignedProbe(s->boundary, s->whole)});
-    }
-  }
-
-  void Add(const mesh::Facet& f, mesh::Triangles& out) {
-    const double radius = f.Radius();
-    const dvec3 middle = f.Middle();
-    dvec3 normal = Unit(f.AreaNormal());
-    if (Dot(normal, normal) < 0.5) return;
-    // Slivers along a line where a surface crosses itself may face either way.
-    if (own_.Distance(middle + 2 * kStep_mm * normal, 1) < 0) normal = -normal;
-    bool near = false;
-    const bool bare = HasAirBefore(middle, normal, radius + bridge_, near);
-    if (near && radius > finest_ && (radius > kUniform_mm || !IsOfOneKind(f, normal, bare))) {
-      for (const mesh::Facet& half : f.Halves()) Add(half, out);
-      return;
-    }
-    if (!bare) return;
-    const auto first = static_cast<uint32_t>(out.vertices.size());
-    out.vertices.insert(out.vertices.end(), {f.a, f.b, f.c});
-    out.indices.push_back({first, first + 1, first + 2});
-  }
-
- private:
-  struct Other {
-    const mesh::TriangleTree* surface;
-    mesh::SignedProbe probe;
-  };
-
-  // Half and all of the bridge before p.
-  bool IsOutside(mesh::SignedProbe& probe, const dvec3& p, const dvec3& normal) const {
-    return probe.Distance(p + 0.5 * bridge_ * normal, 1) >= 0 &&
-           probe.Distance(p + bridge_ * normal, 1) >= 0;
-  }
-
-  bool IsOfOneKind(const mesh::Facet& f, const dvec3& normal, bool bare) {
-    bool near = false;
-    const dvec3 middle = f.Middle();
-    for (const dvec3& corner : {f.a, f.b, f.c}) {
-      if (HasAirBefore(corner + 0.05 * (middle - corner), normal, 2 * bridge_, near) != bare)
-        return false;
-    }
-    return true;
-  }
-
-  // Neither inside another solid nor at a cleft to one. `near` is set when another surface is
-  // within `look`.
-  bool HasAirBefore(const dvec3& p, const dvec3& normal, double look, bool& near) {
-    bool bare = true;
-    const dvec3 before = p + kStep_mm * normal;
-    for (Other& other : others_) {
-      const double s = other.probe.Distance(before, look + kStep_mm);
-      near |= std::abs(s) < look;
-      if (s < 0) {
-        bare = false;
-      } else if (s < bridge_) {
-        const dvec3 way = other.surface->NearestOn(other.probe.nearest(), before) - before;
-        // The cleft test once more, from the surface: the other side lies ahead, not beside.
-        if (Dot(way, normal) > -kOpposite * s) bare = false;
-        bare = bare && IsOutside(other.probe, p, normal);
-      }
-      // A fold of the own surface, if it is at an interface.
-      if (bare && std::abs(s) < bridge_) bare = IsOutside(own_, p, normal);
-    }
-    return bare;
-  }
-
-  mesh::SignedProbe own_;
-  double bridge_, finest_;
-  std::vector<Other> others_;
-};
-
-}  // namespace
-
-void LayeredTooth::FindBoundary(double finest_mm) {
-  mesh::Triangles pieces;
-  for (size_t i = 0; i < kLayers; ++i) {
-    if (!surfaces_[i]) continue;
-    const mesh::Triangles& own = surfaces_[i]->solid.boundary;
-    BoundaryPieces cutter(*this, i, finest_mm);
-    for (const auto& t : own.indices) cutter.Add(mesh::Facet::Of(own, t), pieces);
-  }
-  boundary_ = std::make_unique<mesh::TriangleTree>(pieces);
-}
-
-namespace {
-
-class LayerField : public scene::BrickField {
- public:
-  explicit LayerField(const LayeredTooth& tooth)
-      : tooth_(tooth), probe_(tooth), outer_(tooth.boundary()) {
-    for (size_t i = 0; i < kLayers; ++i) {
-      if (const auto* s = tooth.surface(i)) bands_[i].emplace(s->boundary);
-    }
-  }
-
-  scene::FieldSample At(const dvec3& point_m, double reach_m) override {
-    const dvec3 p = point_m * 1e3;
-    const double reach = std::max(reach_m * 1e3, tooth_.bridge());
-    const LayeredTooth::Distances d = probe_.At(p, reach);
-    // Within the bridge of any surface a cleft may change the tissue, so that much is taken off.
-    double margin = reach;
-    for (double s : d.to) margin = std::min(margin, std::abs(s));
-    const double outside = tooth_.boundary().Distance(p, reach, &nearest_);
-    return Sample(p, d, outside, margin - tooth_.bridge());
-  }
-
-  void Brick(const dvec3& corner_m, double voxel_m, double reach_m, Samples& out) override {
-    const dvec3 corner = corner_m * 1e3;
-    // TissueAt needs the bridge, SidesOf neighbours whose distances together exceed a voxel. More
-    // would only cost time: the far distances come from outer_.
-    const double h = voxel_m * 1e3, reach = std::max(tooth_.bridge(), 1.5 * h) * 1.01;
-    for (size_t layer = 0; layer < kLayers; ++layer) {
-      if (!bands_[layer]) continue;
-      bands_[layer]->Distances(corner, h, reach, to_[layer]);
-      SidesOf(
-          corner, h, to_[layer],
-          [&](const dvec3& p) { return tooth_.surface(layer)->whole.Inside(p); }, inside_[layer]);
-    }
-    outer_.Distances(corner, h, reach_m * 1e3, outside_);
-    for (size_t i = 0; i < cutting::kBrickVoxels; ++i) {
-      LayeredTooth::Distances d{{reach, reach, reach}, reach};
-      for (size_t layer = 0; layer < kLayers; ++layer) {
-        if (!bands_[layer]) continue;
-        const double s = static_cast<double>(to_[layer][i]);
-        d.to[layer] = inside_[layer][i] ? -s : s;
-      }
-      out[i] = Sample(corner + h * dvec3(i % 8, i / 8 % 8, i / 64), d,
-                      static_cast<double>(outside_[i]), 0);
-    }
-  }
-
- private:
-  scene::FieldSample Sample(const dvec3& p, const LayeredTooth::Distances& d, double outside,
-                            double margin) const {
-    const double distance = tooth_.Inside(p, d) ? -outside : outside;
-    return {distance * 1e-3, tooth_.TissueAt(p, d), std::max(margin, 0.0) * 1e-3};
-  }
-
-  const LayeredTooth& tooth_;
-  LayerProbe probe_;
-  uint32_t nearest_ = 0;
-  BandSampler outer_;
-  std::array<std::optional<BandSampler>, kLayers> bands_;
-  std::array<BandSampler::Samples, kLayers> to_;
-  std::array<std::array<bool, cutting::kBrickVoxels>, kLayers> inside_;
-  BandSampler::Samples outside_;
-};
-
-}  // namespace
-
-std::unique_ptr<scene::BrickField> MakeLayerField(const LayeredTooth& tooth) {
-  return std::make_unique<LayerField>(tooth);
 }
 
 }  // namespace enamel::import

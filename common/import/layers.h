@@ -60,6 +60,9 @@ dvec3 RiseOf(const LayerSolids& layers);
 // Thread safety: const after construction.
 class LayeredTooth {
  public:
+  // Cosine between the ways to both sides of a cleft, at most.
+  static constexpr double kOpposite = -0.1;
+
   // Errors: kInvalidInput when two surfaces that should be side by side do not meet, or more than 2
   // % of where they meet gapes or crosses by more than the bridge; the message gives the figure.
   static Result<LayeredTooth> Make(LayerSolids layers, const LayerOptions& options);
@@ -95,7 +98,7 @@ class LayeredTooth {
   double SharedVolume(size_t outer, size_t inner) const;
   Meeting Measure(size_t outer, size_t inner) const;
   Status FindRelation(Layer outer, Layer inner);
-  void FindBoundary(double finest_mm);
+  void FindBoundary(double finest_mm);  // layer_boundary.cpp
   void ReportPulpOutside();
   std::optional<size_t> NearerOfCleft(const dvec3& p, const Distances& d) const;
   bool IsBehindCap(const dvec3& p) const;
@@ -106,6 +109,8 @@ class LayeredTooth {
   double bridge_ = 0;
   std::vector<std::string> report_;
 };
+
+// The probe and the field are in layer_field.cpp.
 
 // Distances at points visited one near the other. One per thread.
 class LayerProbe {
