@@ -7,11 +7,11 @@
 #include "common/scoring/task.h"
 #include "common/scoring/zones.h"
 
-// Between measuring (metrics.cpp) and the list of metrics (registry.cpp).
+// Between measuring (metrics.cpp) and the list of metrics (registry/registry.cpp).
 namespace enamel::scoring {
 
 // Everything measured about one attempt. Members that the plan leaves out keep their defaults; the
-// registry (registry.cpp) picks from the rest.
+// registry (registry/registry.cpp) picks from the rest.
 struct Measured {
   BoxVolume target, leeway, container;  // each box whole, the inner ones included
   TissueVolumes_m3 removed{};

@@ -21,7 +21,7 @@
 // Thread safety: functions, any thread. Real-time: nothing here is.
 namespace enamel::scoring {
 
-// A metric's registry entry. A new metric is one entry in a registry_*.cpp.
+// A metric's registry entry. A new metric is one entry in registry/.
 struct MetricInfo {
   std::string_view name;  // "wall_mesial_mm"
   std::string_view unit;  // "mm", "mm2", "mm3", "%", "N", "s"

@@ -65,7 +65,7 @@ export function reasonText({ name, title, unit, reason, reasons = [], comment = 
 }
 
 // What lies above and below zero of a measurement whose sign says which way: MetricInfo in
-// common/scoring/registry_*.cpp.
+// common/scoring/registry.
 export function directionsOf(metric: string): readonly [above: string, below: string] | undefined {
   const [, kind] = /^(wall|tilt)_(?:mesial|distal|buccal|lingual)_/.exec(metric) ?? [];
   if (kind === "tilt") return ["more_open_at_the_top", "undercut"];

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/scoring/registry.h"
+#include "common/scoring/registry/registry.h"
 
 namespace enamel::scoring {
 namespace {

@@ -1,4 +1,4 @@
-#include "common/scoring/registry.h"
+#include "common/scoring/registry/registry.h"
 
 #include <string>
 
