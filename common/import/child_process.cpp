@@ -184,9 +184,9 @@ Result<ReadFileMesh> ReadMeshInChild(const std::filesystem::path& file,
   const std::string name = file.filename().string();
   if (!in_time || WIFSIGNALED(status)) {
     return Status(Code::kUnavailable, name +
-                                          ": the mesh reader was stopped, the file takes too much "
-                                          "time or memory, or breaks it: " +
-                                          "export it anew from another program");
+                                          ": the mesh reader was stopped because the file takes "
+                                          "too much time or memory, or breaks it: " +
+                                          "export it again, from another program");
   }
   if (WEXITSTATUS(status) != 0) return Status(Code::kInvalidInput, name + ": " + Clean(message));
   ENAMEL_ASSIGN_OR_RETURN(auto mesh, mesh::DecodeMesh(output));

@@ -11,7 +11,7 @@
 namespace enamel::import {
 namespace {
 
-constexpr std::string_view kAgain = "export it anew";
+constexpr std::string_view kAgain = "export it again";
 constexpr size_t kStlHeader = 84, kStlTriangle = 50;
 
 Status Invalid(const std::string& what) { return Status(Code::kInvalidInput, what); }

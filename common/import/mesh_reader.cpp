@@ -30,14 +30,14 @@ Status CheckMeshes(const aiScene& scene) {
       }
       if (std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}) > kFarthest) {
         return Invalid("vertex " + std::to_string(i) +
-                       " has a coordinate beyond 1000000000: the file is damaged, export it anew");
+                       " has a coordinate beyond 1000000000: the file is damaged, export it again");
       }
     }
     for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
       const aiFace& f = mesh.mFaces[i];
       for (unsigned k = 0; k < f.mNumIndices; ++k) {
         if (f.mIndices[k] >= mesh.mNumVertices)
-          return Invalid("a face names a vertex that is not there: export the file anew");
+          return Invalid("a face names a vertex that does not exist: export the file again");
       }
     }
   }

@@ -366,11 +366,12 @@ Result<PreparedTooth> TakePrepared(const scene::Scene& scene, const cutting::Vol
   const PreparedPlaces places(tooth, scan.own, deep_mm);
   if (places.area_mm2() < kLeastDeep_mm2) {
     return Invalid("the scan shows no preparation: " + Fixed(places.area_mm2()) +
-                   " mm2 of it lie deeper than " + Fixed(deep_mm) + " mm in the tooth");
+                   " mm2 of it are deeper than " + Fixed(deep_mm) + " mm in the tooth");
   }
   if (const double edge = EdgeInPreparation_mm(scan, tooth, deep_mm); edge > kMostEdgeInside_mm) {
-    return Invalid("the preparation is not whole: " + Fixed(edge, 1) +
-                   " mm of the scan's edge or of a hole lie in it; scan it again, all around it");
+    return Invalid(
+        "the preparation is not whole: " + Fixed(edge, 1) +
+        " mm of the scan's edge or of a hole are inside it; scan the whole preparation again");
   }
   out.prepared.volume = Carver(tooth, scan, places).Carve();
   const auto before = cutting::SolidVolume_m3(tooth),

@@ -143,8 +143,8 @@ Status PgDb::Ended(Status done) {
     // It may be kept: whoever repeats it unseen may do it twice.
     must_repeat_ = false;
     return Status(Code::kUnavailable,
-                  "the database's server went away as a change was to be kept, and "
-                  "has not come back to tell whether it was; look before you repeat it",
+                  "the connection to the database server was lost during a commit, so it is "
+                  "unknown whether the change was kept; check before you repeat it",
                   "in_doubt");
   }
   must_repeat_ = !*kept;

@@ -57,7 +57,7 @@ Result<Place> PlaceOf(const std::string& endpoint) {
   if (!out.secure && !here) {
     return Status(Code::kInvalidInput,
                   "expected an endpoint with https://, found \"" + Printable(endpoint) +
-                      "\"; without TLS only a store on this machine is asked",
+                      "\"; only a store on this machine may be used without TLS",
                   "endpoint");
   }
   return out;
@@ -98,8 +98,8 @@ const char* Remedy(const std::string& code) {
   if (code == "RequestTimeTooSkewed" || code == "RequestExpired")
     return "set this machine's clock, or the store's";
   if (code == "SignatureDoesNotMatch" || code == "InvalidAccessKeyId")
-    return "see that access key and secret are those of the store, and that the region is";
-  return "see that the access key may read, write, list and delete in this bucket";
+    return "check that access key and secret are those of the store, and that the region is";
+  return "check that the access key may read, write, list and delete in this bucket";
 }
 
 }  // namespace
@@ -299,20 +299,20 @@ Status S3Client::Try(const Call& call, milliseconds left, Answer& answer, bool& 
   const std::string what = call.method + " " + call.key + " at " + Where();
   if (answer.too_large) {
     return Status(Code::kTooLarge, "expected at most " + std::to_string(call.most) + " bytes of " +
-                                       what + ", found more; see who put it there");
+                                       what + ", found more; find out what put it there");
   }
   again = MayPass(code);
   const std::string found = words[0] != '\0' ? words : curl_.easy_strerror(code);
   if (again) {
     return Status(Code::kUnavailable, "expected an answer to " + what + ", found: " + found +
-                                          "; see that the store runs and can be reached");
+                                          "; check that the store runs and can be reached");
   }
   const bool certificate =
       code == CURLE_PEER_FAILED_VERIFICATION || code == CURLE_SSL_CACERT_BADFILE;
-  return Status(Code::kStorage,
-                "expected an answer to " + what + ", found: " + found + "; " +
-                    (certificate ? "see that the CA file is of who signed the store's certificate"
-                                 : "see that the endpoint is that of an S3 store"));
+  return Status(Code::kStorage, "expected an answer to " + what + ", found: " + found + "; " +
+                                    (certificate ? "check that the CA file belongs to the "
+                                                   "authority that signed the store's certificate"
+                                                 : "check that the endpoint is an S3 store"));
 }
 
 Status S3Client::Judge(const Call& call, const Answer& answer, bool& again) const {
@@ -334,7 +334,7 @@ Status S3Client::Judge(const Call& call, const Answer& answer, bool& again) cons
   if (MayPass(answer.status, code)) {
     again = true;
     return Status(Code::kUnavailable, "the store cannot do " + what + " now (" + found +
-                                          "); see how it does, and try again");
+                                          "); check the store, and try again");
   }
   if (answer.status == 403) {
     return Status(Code::kStorage,
@@ -451,8 +451,7 @@ Status S3Client::ListEach(const std::string& prefix,
     }
     if (!advances || (!page.next.empty() && page.next == next)) {
       return Status(Code::kStorage, "the list of objects at " + Where() +
-                                        " repeats itself; check that the endpoint is that of an "
-                                        "S3 store");
+                                        " repeats itself; check that the endpoint is an S3 store");
     }
     next = page.next;
   } while (!next.empty());

@@ -18,13 +18,13 @@ bool IsControl(char c) {
 
 Status Bad(const std::string& found) {
   return Status(Code::kStorage, "expected an S3 store's XML, found " + found +
-                                    "; check that the endpoint is that of an S3 store");
+                                    "; check that the endpoint is an S3 store");
 }
 
 Status BadMember(const std::string& expected, const std::string& found) {
   return Status(Code::kStorage, "expected " + expected + " of an S3 store, found \"" +
                                     Printable(ShortenedText(found, 100)) +
-                                    "\"; check that the endpoint is that of an S3 store");
+                                    "\"; check that the endpoint is an S3 store");
 }
 
 // The document's one element, kept by `tree`.

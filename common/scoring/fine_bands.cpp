@@ -54,12 +54,11 @@ std::vector<FineBand> FineBands(const scene::Rubric& rubric, int32_t voxel_nm) {
 
 std::string FineBandText(const FineBand& band, int32_t voxel_nm) {
   char text[200];
-  std::snprintf(
-      text, sizeof text,
-      "%s: points change within %.3g %s, and it is known to %.3g %s at voxels of %.3g mm; "
-      "what lies in between gets points by chance. Make the band wider",
-      band.metric.c_str(), band.band, band.unit.c_str(), band.error, band.unit.c_str(),
-      voxel_nm * 1e-6);
+  std::snprintf(text, sizeof text,
+                "%s: points change within %.3g %s, and it is known to %.3g %s at voxels of %.3g "
+                "mm; differences in between score by chance. Make the band wider",
+                band.metric.c_str(), band.band, band.unit.c_str(), band.error, band.unit.c_str(),
+                voxel_nm * 1e-6);
   return text;
 }
 

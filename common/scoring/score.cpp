@@ -190,7 +190,7 @@ Result<Looked> LookUp(const MetricSet& metrics, const std::string& name) {
   for (const MissingMetric& m : metrics.missing) {
     if (m.name == name && m.why != NoValue::kNotUsed) return Looked{{}, m.why};
   }
-  return NotMeasured(name, ", which was not measured; only scoring the recording again tells");
+  return NotMeasured(name, ", which was not measured; score the recording again");
 }
 
 }  // namespace

@@ -60,7 +60,8 @@ Result<Bytes> Unpack(ByteView packed, size_t size) {
 }
 
 Status Unusable(const std::string& why) {
-  return Status(Code::kInvalidInput, "keyframes: " + why + "; delete the file, it is made anew");
+  return Status(Code::kInvalidInput,
+                "keyframes: " + why + "; delete the file, and it is made again");
 }
 
 }  // namespace

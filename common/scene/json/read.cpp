@@ -272,7 +272,7 @@ void ObjectReader::Format(std::string_view kind) {
                       PathOf(member));
   };
   if (status_->ok() && Has("format") && !Has(kind)) {
-    return refuse("format", "one of an earlier Enamel: make it anew with this one");
+    return refuse("format", "one made by an earlier Enamel: make it again with this one");
   }
   // Any larger number passes here: a newer format is no mistake, and gets its own refusal.
   const int64_t found = Int(kind, kFormat, std::numeric_limits<int32_t>::max());

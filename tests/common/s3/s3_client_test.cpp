@@ -238,8 +238,8 @@ TEST_F(S3ClientTest, OutageIsToldAndItsEndIsFound) {
   auto client = Make();
   ASSERT_TRUE(client->Put("a", kBody).ok());
   store_.Stop();
-  ExpectTold(client->Put("b", kBody), Code::kUnavailable, "see that the store runs");
-  ExpectTold(client->Get("a", kHash).status(), Code::kUnavailable, "see that the store runs");
+  ExpectTold(client->Put("b", kBody), Code::kUnavailable, "check that the store runs");
+  ExpectTold(client->Get("a", kHash).status(), Code::kUnavailable, "check that the store runs");
   EXPECT_EQ(pauses_.size(), 8u);
   store_.Start();
   EXPECT_EQ(*client->Get("a", kHash), kBody);
@@ -275,7 +275,7 @@ TEST_F(S3ClientTest, SilentStoreIsLeftAfterItsTime) {
   options.limits.call = milliseconds(300);
   auto client = Make(options);
   store_.FailNext(Fault::kSilence, -1);
-  ExpectTold(client->Put("a", kBody), Code::kUnavailable, "see that the store runs");
+  ExpectTold(client->Put("a", kBody), Code::kUnavailable, "check that the store runs");
   EXPECT_EQ(store_.requests(), 1);
 }
 

@@ -45,10 +45,9 @@ TEST(FineBandsTest, VolumesForcesAndWaysAreLeftOut) {
 }
 
 TEST(FineBandsTest, TextSaysBothFiguresAndWhatToDo) {
-  EXPECT_EQ(
-      FineBandText({"wall_mesial_mm", "mm", 0.02, 0.025}, 100'000),
-      "wall_mesial_mm: points change within 0.02 mm, and it is known to 0.025 mm at voxels of "
-      "0.1 mm; what lies in between gets points by chance. Make the band wider");
+  EXPECT_EQ(FineBandText({"wall_mesial_mm", "mm", 0.02, 0.025}, 100'000),
+            "wall_mesial_mm: points change within 0.02 mm, and it is known to 0.025 mm at voxels "
+            "of 0.1 mm; differences in between score by chance. Make the band wider");
 }
 
 TEST(FineBandsTest, BuiltInRubricsAskForNothingFinerThanTheirOwnVoxels) {
