@@ -23,21 +23,21 @@ void DatabaseWatch::Tell(const StoreHealth& health) {
   clock_right_ = right;
   if (health.standby == standby_) return;
   if (health.standby == sql::Standby::kSynchronous) {
-    spdlog::info("what is committed is on a standby of the database server too");
+    spdlog::info("commits are on a standby of the database server too");
   } else if (health.standby == sql::Standby::kMissing) {
     spdlog::error(
         "every change waits: the database server acknowledges none until a synchronous standby has "
-        "it, and too few are there. See that the standbys that synchronous_standby_names names run "
-        "and reach it; or take the setting back, and what was committed last is lost if its disk "
-        "is");
+        "it, and too few are connected. Check that the standbys in synchronous_standby_names run "
+        "and can reach it. Or remove the setting: the last commits are then lost if its disk "
+        "fails");
   } else if (health.standby == sql::Standby::kUnknown) {
     spdlog::info(
-        "this user of the database server is no longer told whether a standby is synchronous; make "
-        "it a member of pg_monitor");
+        "the database server no longer shows this user whether a standby is synchronous; make the "
+        "user a member of pg_monitor");
   } else if (standby_ == sql::Standby::kSynchronous || standby_ == sql::Standby::kMissing) {
     spdlog::warn(
-        "no standby of the database server is synchronous any more: what was committed last is "
-        "lost if its disk is");
+        "no standby of the database server is synchronous any more: the last commits are lost if "
+        "its disk fails");
   }
   standby_ = health.standby;
 }

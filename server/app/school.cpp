@@ -25,10 +25,10 @@ void AddStoreFigures(StoreHealthCheck& health_rows, JobRows& jobs_rows, ops::Met
   }
   if (health.standby != sql::Standby::kNotKept && health.standby != sql::Standby::kUnknown) {
     text.Gauge("enamel_database_synchronous_standby",
-               "1 while what is committed is on a standby of the database server too.",
+               "1 while commits are on a standby of the database server too.",
                health.standby == sql::Standby::kSynchronous ? 1 : 0);
     text.Gauge("enamel_database_standby_missing",
-               "1 while every change waits for a standby that is not there.",
+               "1 while every change waits because no standby is connected.",
                health.standby == sql::Standby::kMissing ? 1 : 0);
   }
   text.Gauge("enamel_disk_free_bytes", "Free where the data folder is.", number(health.free_bytes));

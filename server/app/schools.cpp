@@ -257,9 +257,8 @@ Result<std::shared_ptr<stations::Services>> Schools::ServicesOf(const wire::Requ
   if (missing) {
     // The station may belong to that school. It keeps its recordings until the school is back.
     return Status(Code::kUnavailable,
-                  "no school that can be asked now admits this station, and one is suspended or "
-                  "cannot be reached, so that it may be one of its: nothing is lost, come back "
-                  "later");
+                  "no school that can be reached admits this station; it may belong to a school "
+                  "that is suspended or cannot be reached. Nothing is lost; try again later");
   }
   if (*here == Acquaintance::kNone && knows_of) {
     return PartOf(knows_of, &knows_of->services());

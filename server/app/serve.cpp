@@ -352,8 +352,8 @@ Status Serve(const ServeOptions& options) {
     SayFirstAdmin(page_url.empty() ? local : page_url, first_admin.Offer(enamel::UnixMs()));
   } else if (!has_admin) {
     spdlog::warn(
-        "there is no admin, and the page is reached without TLS: make one here with admin "
-        "add-person --role admin");
+        "there is no admin, and the page has no TLS: add one on this machine with admin add-person "
+        "--role admin");
   }
 
   RunUntilStopped(io, options.io_threads, stop_asked.get_future());

@@ -50,8 +50,8 @@ Result<Password> ReadOrMakePassword(bool from_stdin, const std::string& login,
 
 void ShowIfMadeUp(const Password& password) {
   if (!password.made_up) return;
-  Say("password (shown only now; good for one sign-in to the page, within 7 days unless serve was "
-      "given other --one-time-password-days): {}\n",
+  Say("password (shown only now; valid for one sign-in to the page, within 7 days unless serve has "
+      "another --one-time-password-days): {}\n",
       password.text);
 }
 
@@ -227,7 +227,7 @@ Status MarkReference(const std::filesystem::path& data, const std::string& attem
     }
   }
   if (row.version > 1) {
-    Say("points come from this cut from now on. Scores that are there stay; rescore makes them "
+    Say("points come from this cut from now on. Existing scores stay; rescore computes them "
         "again\n");
   }
   return Status::Ok();
@@ -264,7 +264,7 @@ Status WithdrawReference(const std::filesystem::path& data, const std::string& r
   }
   ENAMEL_RETURN_IF_ERROR(store->references.WithdrawReference(row.id, kCommandLine));
   ENAMEL_ASSIGN_OR_RETURN(const auto left, store->references.ReferenceFor(row.exercise));
-  Say("reference version {} by {} is withdrawn; scores made with it stay, rescore makes them "
+  Say("reference version {} by {} is withdrawn; scores made with it stay, rescore computes them "
       "again\n",
       row.version, row.dentist);
   Say("{}\n", left ? fmt::format("points come from reference version {} now", left->version)
@@ -311,7 +311,7 @@ void DeclarePeople(CommandGroup admin) {
   add->add_option("--id", a.person.id,
                   "The old id of a person that a restore has lost; list-awaited shows it");
   add->add_flag("--password-stdin", a.person.password_from_stdin,
-                "Read the password; else one is made up");
+                "Read the password from standard input; without this the server makes one up");
 
   struct Login {
     std::filesystem::path data;
@@ -324,7 +324,7 @@ void DeclarePeople(CommandGroup admin) {
   AddData(password, p.data);
   password->add_option("--login", p.login)->required();
   password->add_flag("--password-stdin", p.password_from_stdin,
-                     "Read the password; else one is made up");
+                     "Read the password from standard input; without this the server makes one up");
 
   // Two commands, one implementation: the captured value tells them apart.
   for (bool disabled : {true, false}) {
@@ -358,9 +358,9 @@ void DeclareAttempts(CommandGroup admin) {
     std::filesystem::path data;
     int valid_minutes = 60;
   };
-  auto [code, e] =
-      Declare<Enrolment>(admin, "enrol-code", "One-time code for a station: CODE@FINGERPRINT",
-                         [](const Enrolment& o) { return EnrolCode(o.data, o.valid_minutes); });
+  auto [code, e] = Declare<Enrolment>(
+      admin, "enrol-code", "Make a one-time code for a station: CODE@FINGERPRINT",
+      [](const Enrolment& o) { return EnrolCode(o.data, o.valid_minutes); });
   AddData(code, e.data);
   code->add_option("--minutes", e.valid_minutes, "How long it can be used")
       ->check(CLI::Range(1, 7 * 24 * 60))
@@ -379,8 +379,9 @@ void DeclareAttempts(CommandGroup admin) {
   AddData(mark, r.data);
   mark->add_option("--attempt", r.attempt)->required();
   mark->add_option("--dentist", r.dentist, "Name to be shown to students")->required();
-  mark->add_flag("--consent", r.consent,
-                 "The dentist agrees to being named and to the cut being used; needed");
+  mark->add_flag(
+      "--consent", r.consent,
+      "Confirms that the dentist agrees to being named and to the use of the cut; required");
   mark->add_option(
       "--anyway", r.anyway,
       "Why it is the reference although it does not do what the exercise's target asks "

@@ -37,9 +37,9 @@ class PasswordFile {
       ::close(file);
       return PasswordFile(path);
     }
-    return Status(Code::kStorage,
-                  "cannot make " + path.string() + " for the passwords: " + std::strerror(errno) +
-                      (errno == EEXIST ? "; name a file that is not there yet" : ""));
+    return Status(Code::kStorage, "cannot make " + path.string() +
+                                      " for the passwords: " + std::strerror(errno) +
+                                      (errno == EEXIST ? "; name a new file" : ""));
   }
   ~PasswordFile() {
     std::error_code ignored;
@@ -117,10 +117,9 @@ Status Import(RosterRows& roster_rows, std::string_view csv, const RosterCommand
   // Nobody new, nothing to write down: a repeated import leaves no empty file behind.
   if (fresh > 0) {
     if (command.passwords.empty()) {
-      return {Code::kInvalidInput,
-              Counted(fresh, "person is", "people are") +
-                  " new: say with --passwords FILE.csv where their one-time passwords go; they are "
-                  "kept nowhere else"};
+      return {Code::kInvalidInput, Counted(fresh, "person is", "people are") +
+                                       " new: name a file for their one-time passwords with "
+                                       "--passwords FILE.csv; they are stored nowhere else"};
     }
     ENAMEL_ASSIGN_OR_RETURN(auto made, PasswordFile::Make(command.passwords));
     file.emplace(std::move(made));
@@ -249,16 +248,16 @@ void DeclareRoster(CommandGroup admin) {
       ->required()
       ->check(CLI::ExistingFile);
   AddData(roster, r.data);
-  roster->add_flag("--dry-run", r.dry_run, "Tell what would happen; change nothing");
+  roster->add_flag("--dry-run", r.dry_run, "Show what would change; change nothing");
   roster->add_option("--cohort", r.cohort, "Cohort of rows that name none");
   roster->add_option("--passwords", r.passwords,
-                     "File to make (mode 0600) with the one-time passwords of new people");
+                     "New file (mode 0600) for the one-time passwords of new people");
   roster->add_flag("--ignore-unknown-columns", r.ignore_unknown_columns,
                    "Leave out columns of other names instead of refusing them");
   roster->add_option("--json", r.json, "Write the outcome to this file, without passwords");
   roster->footer(
       "All or nothing: with a problem in any row nothing is changed, and all problems are listed.\n"
-      "People who are there already keep role and password; they get the name of the file and\n"
+      "People who already exist keep role and password; they take the name in the file and\n"
       "join the cohort. Nobody is removed. Importing the same file again changes nothing.\n\n"
       "  enamel-server admin import-roster year3.csv --data /srv/enamel --dry-run\n"
       "  enamel-server admin import-roster year3.csv --data /srv/enamel --passwords year3-new.csv");

@@ -115,7 +115,7 @@ Status ListDevice(const std::filesystem::path& data, const std::string& name,
                   const std::string& title) {
   ENAMEL_ASSIGN_OR_RETURN(auto store, OpenForCommand(data));
   ENAMEL_RETURN_IF_ERROR(store->devices.ListDevice(name, title, kCommandLine));
-  Say("graded work may be done with the haptic device that calls itself {} ({})\n", name, title);
+  Say("graded work may now be done with the haptic device {} ({})\n", name, title);
   return Status::Ok();
 }
 
@@ -238,9 +238,9 @@ void DeclareStations(CommandGroup admin) {
     std::filesystem::path data;
     std::string name, title;
   };
-  auto [put, p] = Declare<Listing>(
-      admin, "list-device", "Put a haptic device on the list that graded work is done with",
-      [](const Listing& o) { return ListDevice(o.data, o.name, o.title); });
+  auto [put, p] =
+      Declare<Listing>(admin, "list-device", "Allow a haptic device for graded work",
+                       [](const Listing& o) { return ListDevice(o.data, o.name, o.title); });
   put->add_option("NAME", p.name,
                   "Its unit, as `enamel-station devices` shows it; its model where it has none")
       ->required();
@@ -252,9 +252,9 @@ void DeclareStations(CommandGroup admin) {
   take->add_option("NAME", t.name, "As list-listed-devices shows it")->required();
   AddData(take, t.data);
 
-  auto [show, s] =
-      Declare<Listing>(admin, "list-listed-devices", "Haptic devices that graded work is done with",
-                       [](const Listing& o) { return ListListedDevices(o.data); });
+  auto [show, s] = Declare<Listing>(admin, "list-listed-devices",
+                                    "Haptic devices that are allowed for graded work",
+                                    [](const Listing& o) { return ListListedDevices(o.data); });
   AddData(show, s.data);
 }
 

@@ -155,11 +155,12 @@ Status CompareAgreement(const AgreementOptions& options) {
 
 void DeclareAgreement(CommandGroup program) {
   auto [cmd, o] = Declare<AgreementOptions>(
-      program, "agreement", "How well people who marked the same attempts agree", CompareAgreement);
+      program, "agreement", "How well the marks of several people agree on the same attempts",
+      CompareAgreement);
   cmd->add_option("marks", o.marks, "CSV files (schemas/marks.md)");
   AddData(cmd, o.data)->required(false);
   cmd->add_option("--assignment", o.assignment,
-                  "Compare with the computed points of its scored attempts as well");
+                  "Also compare with the computed points of its scored attempts");
   cmd->add_option("--blank", o.blank, "Write a file to be filled in, and compare nothing");
   cmd->add_option("--json", o.json, "Write the figures to this file");
   cmd->add_option("--csv", o.csv, "Write the table to this file");

@@ -37,7 +37,7 @@ void AddPlaces(CLI::App* cmd, Places& places) {
   cmd->add_option("--s3-prefix", places.blobs.prefix, "Of every key in the bucket: school/")
       ->needs(endpoint);
   cmd->add_option("--s3-ca-file", places.blobs.ca_file,
-                  "PEM file of who signed the store's certificate")
+                  "PEM file of the authority that signed the store's certificate")
       ->needs(endpoint);
   cmd->add_option("--s3-credentials", places.blobs.credentials_file,
                   "File of its access key (schemas/database.md); without: AWS_ACCESS_KEY_ID and "

@@ -50,14 +50,14 @@ Status InitData(const std::filesystem::path& folder) {
 
 void DeclareInit(CommandGroup root) {
   auto [cmd, options] = Declare<InitCommand>(
-      root, "init", "Make a data folder, for commands that come before the first serve", Init);
+      root, "init", "Make a data folder, to run commands on it before the first serve", Init);
   AddData(cmd, options.data);
   AddPlaces(cmd, options.places);
   AddIdentity(cmd, options.identity);
   cmd->footer(
-      "Several servers of one school: the first is made with --database, --s3-endpoint,\n"
+      "To run several servers of one school, make the first with --database, --s3-endpoint,\n"
       "--s3-bucket, --key-bucket and --master-key. Copy station.crt, station.key and ticket.key\n"
-      "of its data folder and the master key to the next machine, and name them there:\n\n"
+      "from its data folder, and the master key, to the next machine, and name them there:\n\n"
       "  enamel-server init --data /srv/enamel --database postgresql://enamel@db/school \\\n"
       "    --s3-endpoint https://s3.example.org --s3-bucket school --key-bucket school-keys \\\n"
       "    --master-key /etc/enamel/master.key --identity /etc/enamel/identity");

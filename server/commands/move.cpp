@@ -87,11 +87,12 @@ void DeclareMove(CommandGroup root) {
   cmd->add_option("--to", options.to, "New data folder: absent or empty")->required();
   AddPlaces(cmd, options.places);
   cmd->add_flag("--accept-damage", options.accept_damage,
-                "Go on without blobs that are missing or damaged, and say which");
+                "Leave out blobs that are missing or damaged, and list them");
   cmd->add_option("--json", options.json, "Write the outcome to this file");
   cmd->footer(
-      "Stop every server of the school first. All is read back and compared by its hash. A move\n"
-      "that is broken off goes on with the same command. Nothing is deleted in the old place.\n\n"
+      "Stop every server of the school first. Everything is read back and compared by its hash.\n"
+      "To continue an interrupted move, repeat the command. Nothing is deleted in the old "
+      "place.\n\n"
       "  enamel-server move --data /srv/enamel --to /srv/enamel-cluster \\\n"
       "    --database postgresql://enamel@db/school --s3-endpoint https://s3.example.org \\\n"
       "    --s3-bucket school --key-bucket school-keys --master-key /etc/enamel/master.key\n"

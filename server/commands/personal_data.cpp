@@ -300,8 +300,8 @@ Status ErasePerson(const fs::path& data, const std::string& login, const std::st
       login, Counted(report.attempts, "attempt"), Counted(report.blobs, "blob"),
       Counted(report.references, "reference cut"));
   if (!report.finished) {
-    Say("copies of what was erased may stay in unused parts of the database for now; the running "
-        "server writes it anew within the hour, one that does not run after its next start\n");
+    Say("copies of the erased data may remain in unused parts of the database until the server "
+        "rewrites it: within an hour, or, if no server is running, after the next start\n");
   }
   return Status::Ok();
 }

@@ -159,7 +159,7 @@ void DeclareTargets(CommandGroup admin) {
         return TargetFromReference(w.data, wanted);
       });
   AddData(target, o.data);
-  target->add_option("--exercise", o.exercise, "Its name; the newest version counts")->required();
+  target->add_option("--exercise", o.exercise, "Its name; the newest version is used")->required();
   target
       ->add_option("--tolerance-um", o.tolerance_um,
                    "How far a cut may go beyond it; without: as it was")

@@ -62,12 +62,12 @@ void ShowHistogram(const RubricPreview& preview) {
     Say("{:4}-{:<4} {:<{}}  {}\n", i * 10, i == 9 ? 100 : i * 10 + 10, bar(preview.before[i]),
         kWidth, bar(preview.after[i]));
   }
-  if (each > 1) Say("One # stands for {}.\n", Counted(each, "attempt"));
+  if (each > 1) Say("Each # shows {}.\n", Counted(each, "attempt"));
 }
 
 void ShowPreview(const RubricPreview& preview) {
   if (preview.attempts.empty()) {
-    Say("No attempt of it is scored yet, so there is nothing to compare. Nothing was changed.\n");
+    Say("No attempt at it is scored yet, so there is nothing to compare. Nothing was changed.\n");
     return;
   }
   for (const RegradedAttempt& a : preview.attempts) {
@@ -86,16 +86,15 @@ void ShowPreview(const RubricPreview& preview) {
   Say("\n{}: {} would gain, {} would lose, {} stay; mean {:.1f} before, {:.1f} after",
       Counted(told, "attempt"), preview.raised, preview.lowered,
       told - preview.raised - preview.lowered, preview.mean_before, preview.mean_after);
-  if (preview.problems > 0) Say("; of {} it cannot be told", preview.problems);
+  if (preview.problems > 0) Say("; {} cannot be compared", preview.problems);
   Say(".\n");
   if (preview.earlier_references > 0) {
-    Say("{} measured against a reference that has been replaced since: scored again, measured "
-        "against "
-        "the newest, and the change may be more than this.\n",
+    Say("{} measured against a reference that has been replaced since. Scoring again measures "
+        "against the newest one, so the change may be larger.\n",
         Counted(preview.earlier_references, "of them was", "of them were"));
   }
   if (preview.withdrawn > 0) {
-    Say("{} released: scored again, to be released again.\n",
+    Say("{} released: after scoring again it must be released again.\n",
         Counted(preview.withdrawn, "of those that change is", "of those that change are"));
   }
   Say("Nothing was changed.\n");
@@ -155,15 +154,16 @@ Status CorrectRubric(const std::filesystem::path& data, const Correction& correc
     return Status::Ok();
   }
   if (correction.reason.find_first_not_of(" \t\r\n") == std::string::npos) {
-    return Status(Code::kInvalidInput, "expected --reason: it stays beside the correction");
+    return Status(Code::kInvalidInput, "expected --reason: it is kept with the correction");
   }
   ENAMEL_ASSIGN_OR_RETURN(auto counting, RubricOf(store->blobs, store->rubrics, row));
   auto made = PublishCorrection(*store, row.id, rubric, counting.version, correction.reason,
                                 correction.anyway, kCommandLine);
   if (!made.ok()) return InsistWith(made.status(), "--anyway REASON");
   const RubricRow& published = *made;
-  Say("The rubric of {} version {} has version {} now. Scores that are there stay; to make them "
-      "again:\n  enamel-server rescore --data {} --cohort NAME --exercise {}\n",
+  Say("The rubric of {} version {} now has version {}. Existing scores stay; to compute them "
+      "again:\n"
+      "  enamel-server rescore --data {} --cohort NAME --exercise {}\n",
       row.name, row.version, published.version, data.string(), row.name);
   return Status::Ok();
 }
@@ -199,10 +199,10 @@ Status RescoreCohort(const std::filesystem::path& data, const Regrading& regradi
   uint32_t left_out = 0;
   ENAMEL_ASSIGN_OR_RETURN(auto queued,
                           store->batches.RescoreTogether(batch, all, left_out, kCommandLine));
-  Say("{} queued; the server makes them and keeps the scores of before.\n",
+  Say("{} queued; the server computes them and keeps the earlier scores.\n",
       Counted(queued.queued, "run is", "runs are"));
   if (left_out > 0) {
-    Say("{} left out: a run is waiting already, or the recording was removed.\n",
+    Say("{} left out: a run is already waiting, or the recording was removed.\n",
         Counted(left_out, "attempt was", "attempts were"));
   }
   return Status::Ok();
@@ -214,10 +214,10 @@ void DeclareRubrics(CommandGroup admin) {
     std::string exercise;
   };
   auto [show, s] =
-      Declare<Showing>(admin, "show-rubric", "The rubric that counts, as a document to be edited",
+      Declare<Showing>(admin, "show-rubric", "Print the current rubric as a document to edit",
                        [](const Showing& o) { return ShowRubric(o.data, o.exercise, o.out); });
   AddData(show, s.data);
-  show->add_option("--exercise", s.exercise, "Its name; the newest version counts")->required();
+  show->add_option("--exercise", s.exercise, "Its name; the newest version is used")->required();
   show->add_option("--out", s.out, "A new file; without: standard output");
 
   struct Correcting {
@@ -228,22 +228,20 @@ void DeclareRubrics(CommandGroup admin) {
       Declare<Correcting>(admin, "publish-rubric", "Correct the rubric of a published exercise",
                           [](const Correcting& o) { return CorrectRubric(o.data, o.correction); });
   AddData(correct, c.data);
-  correct->add_option("--exercise", c.correction.exercise, "Its name; the newest version counts")
+  correct->add_option("--exercise", c.correction.exercise, "Its name; the newest version is used")
       ->required();
   correct
       ->add_option("--document", c.correction.document,
                    "File with a rubric (schemas/rubric.schema.json)")
       ->required();
-  correct->add_option("--reason", c.correction.reason, "Why; it stays beside the correction");
+  correct->add_option("--reason", c.correction.reason, "Why; kept with the correction");
   correct->add_option("--anyway", c.correction.anyway,
                       "Why, although it is another exercise's rubric or takes points from the "
-                      "reference itself; stays beside the reason");
-  correct->add_flag(
-      "--preview", c.correction.preview,
-      "Say what it would change for the attempts that are scored, and change nothing");
+                      "reference itself; kept with the reason");
+  correct->add_flag("--preview", c.correction.preview,
+                    "Show what it would change for the scored attempts; change nothing");
   correct->footer(
-      "A published exercise never changes, and neither do its recordings; only how they are "
-      "judged.\n\n"
+      "A published exercise and its recordings never change; only how they are judged does.\n\n"
       "  enamel-server admin show-rubric --data DIR --exercise class-1-molar --out rubric.json\n"
       "  enamel-server admin publish-rubric --data DIR --exercise class-1-molar --document "
       "rubric.json --preview\n"
@@ -259,15 +257,14 @@ void DeclareRescore(CommandGroup program) {
     Regrading regrading;
   };
   auto [rescore, r] = Declare<Rescoring>(
-      program, "rescore", "Score a cohort's attempts again, with the rubric and reference of now",
+      program, "rescore", "Score a cohort's attempts again, with the current rubric and reference",
       [](const Rescoring& o) { return RescoreCohort(o.data, o.regrading); });
   AddData(rescore, r.data);
   rescore->add_option("--cohort", r.regrading.cohort, "Its name")->required();
   rescore->add_option("--exercise", r.regrading.exercise,
                       "Only this one, all its versions; without: all");
-  rescore->add_flag(
-      "--preview", r.regrading.preview,
-      "Say what today's rubric would make of the measured figures, and change nothing");
+  rescore->add_flag("--preview", r.regrading.preview,
+                    "Show the points that the current rubric would give; change nothing");
   rescore->footer(
       "Earlier scores are kept. A released score that changes is withdrawn until it is released "
       "again.");

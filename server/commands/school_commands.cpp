@@ -56,8 +56,8 @@ Status SetState(const SchoolCommand& command, SchoolState state) {
   row.state = state;
   ENAMEL_RETURN_IF_ERROR(store->schools.ChangeSchool(row, kCommandLine));
   if (suspended) {
-    Say("{} is suspended: within seconds nobody gets in; all is kept, and stations keep what they "
-        "record\n",
+    Say("{} is suspended: within seconds nobody can sign in; all data is kept, and stations keep "
+        "what they record\n",
         row.name);
   } else {
     Say("{} is served again within seconds\n", row.name);
@@ -139,8 +139,8 @@ Status ExportSchool(const SchoolCommand& command) {
   backup.target = command.target;
   backup.json = command.json;
   ENAMEL_RETURN_IF_ERROR(Backup(backup));
-  Say("enamel-server restore {} --data FOLDER makes an installation of its own of it, which its "
-      "stations enrol with anew\n",
+  Say("enamel-server restore {} --data FOLDER makes a separate installation of it; its stations "
+      "must enrol again\n",
       command.target.string());
   return Status::Ok();
 }
@@ -149,8 +149,9 @@ Status RemoveSchool(const SchoolCommand& command) {
   ENAMEL_ASSIGN_OR_RETURN(const auto store, OpenInstallation(command.data));
   ENAMEL_ASSIGN_OR_RETURN(SchoolRow row, SchoolNamed(store->schools, command.name));
   if (command.confirm != row.name) {
-    return {Code::kConflict, "this deletes all that is " + row.name +
-                                 "'s, and only a backup brings it back; say --confirm " + row.name};
+    return {Code::kConflict, "this deletes all data of " + row.name +
+                                 ", and only a backup brings it back; to go ahead, add --confirm " +
+                                 row.name};
   }
   if (row.state == SchoolState::kServed) {
     return {Code::kConflict,
@@ -182,10 +183,8 @@ void DeclareSchools(CommandGroup root) {
   auto* school = root.parent.add_subcommand("school", "Other schools that an installation serves");
   school->require_subcommand(1);
   school->footer(
-      "An installation serves one school, its own, and as many others beside it as it is told. "
-      "Each\n"
-      "has its own host name, people, stations and data; nobody of one sees anything of "
-      "another.\n\n"
+      "An installation serves its own school and any others that you add. Each has its\n"
+      "own host name, people, stations and data; nobody in one school sees anything of another.\n\n"
       "  enamel-server school add north --host north.example.edu --admin anna --data DIR\n"
       "  enamel-server admin enrol-code --data DIR/schools/north     for its stations\n"
       "  enamel-server school export north --to BACKUP --data DIR\n"
@@ -211,11 +210,11 @@ void DeclareSchools(CommandGroup root) {
   auto [rename, r] = declare("set-hosts", "Give one other host names", SetSchoolHosts);
   named(rename, r);
   hosts(rename, r);
-  auto [suspend, s] = declare("suspend", "Let nobody in; all is kept", SuspendSchool);
+  auto [suspend, s] = declare("suspend", "Let nobody in; keep all data", SuspendSchool);
   named(suspend, s);
   auto [resume, u] = declare("resume", "Serve one again", ResumeSchool);
   named(resume, u);
-  auto [exported, e] = declare("export", "Write all that is one's as a backup", ExportSchool);
+  auto [exported, e] = declare("export", "Write a school's data as a backup", ExportSchool);
   named(exported, e);
   exported->add_option("--to", e.target, "Folder for it: absent or empty")->required();
   exported->add_option("--json", e.json, "Write the outcome to this file");

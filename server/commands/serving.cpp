@@ -32,38 +32,39 @@ void AddAddresses(CLI::App* cmd, ServeOptions& serve) {
   cmd->add_flag("--http-self-signed", serve.http_self_signed,
                 "Make a certificate for the first --host-name, to start with");
   cmd->add_option("--http-behind-proxy", serve.http_proxies,
-                  "Numeric address of the proxy that speaks TLS to the browsers and sets\n"
-                  "X-Forwarded-For and X-Forwarded-Proto; nobody else is answered (repeatable)");
+                  "Numeric address of the proxy that ends the browsers' TLS and sets\n"
+                  "X-Forwarded-For and X-Forwarded-Proto; only it is answered (repeatable)");
   cmd->add_option("--stations-behind-proxy", serve.station_proxies,
-                  "Numeric address of a proxy that passes stations' bytes on and says for whom\n"
-                  "(send-proxy-v2); others may still connect themselves (repeatable)");
-  cmd->add_option("--host-name", serve.host_names, "Name the page is reached under (repeatable)");
+                  "Numeric address of a proxy that forwards stations' connections and sends their\n"
+                  "addresses (send-proxy-v2); stations may still connect directly (repeatable)");
+  cmd->add_option("--host-name", serve.host_names, "Host name of the page (repeatable)");
   cmd->add_option("--page-url", serve.page_url,
-                  "Address under which people open the page; stations show it to people they send\n"
-                  "there. Without it: made from the first --host-name");
+                  "Address under which people open the page; stations show it to people.\n"
+                  "Without it: made from the first --host-name");
 }
 
 void AddOperations(CLI::App* cmd, ServeCommand& o) {
-  cmd->add_option("--job-threads", o.serve.job_threads, "Attempts scored at once; 0: scoring waits")
+  cmd->add_option("--job-threads", o.serve.job_threads,
+                  "Attempts scored at the same time; 0: none, scoring waits")
       ->check(CLI::Range(0, 64))
       ->capture_default_str();
   cmd->add_option(
          "--drain-seconds", o.serve.drain_s,
-         "From being asked to stop until it does: /healthz is 503, so that a load balancer\n"
-         "sends no more, and what comes is still answered")
+         "Time between the request to stop and stopping. Meanwhile requests are still answered,\n"
+         "and /healthz is 503, so that a load balancer sends no more")
       ->check(CLI::Range(0, 3600))
       ->capture_default_str();
   cmd->add_option("--min-free-mib", o.serve.min_free_mib,
-                  "With less free, recordings are refused and wait at the stations; 0: never")
+                  "With less free space, recordings are refused and wait at the stations; 0: never")
       ->check(CLI::Range(0, 1 << 20))
       ->capture_default_str();
   cmd->add_option("--one-time-password-days", o.serve.one_time_password_days,
-                  "How long a password that the server made up can be used, for one sign-in")
+                  "How long a one-time password made by the server is valid")
       ->check(CLI::Range(1, 90))
       ->capture_default_str();
   cmd->add_option("--metrics-token-file", o.serve.metrics_token_file,
-                  "File with the token that GET /metrics asks for; without it, only this machine\n"
-                  "may ask")
+                  "File with the token that GET /metrics requires; without it, only this machine\n"
+                  "may read them")
       ->check(CLI::ExistingFile);
   cmd->add_option("--log-format", o.log.format, "text, or json: one object a line")
       ->capture_default_str();
@@ -107,10 +108,10 @@ void DeclareServe(CommandGroup root) {
   cmd->add_option("--config", o.config, "TOML file with any of these settings")
       ->check(CLI::ExistingFile);
   cmd->add_flag("--print-settings", o.print_settings,
-                "Print all settings as such a file, wherever they came from, and end");
+                "Print the settings in use as such a file, and exit");
   cmd->footer(
       "Every setting can come from the command line, from the environment (--job-threads is\n"
-      "ENAMEL_JOB_THREADS) or from the file; the nearer one wins, in this order.\n\n"
+      "ENAMEL_JOB_THREADS) or from the file; the first of these wins.\n\n"
       "  enamel-server serve --data /srv/enamel                   try it, on this machine only\n"
       "  enamel-server serve --config /etc/enamel/server.toml     as a service (server/ops)\n\n"
       "Watch it with GET /healthz (503 when no recordings are taken) and GET /metrics "
@@ -138,11 +139,9 @@ void DeclareWork(CommandGroup root) {
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   cmd->footer(
-      "A class that hands in at the same time is scored sooner the more of these run. Each job is\n"
-      "done by one of them. Start as many as there are processors to spare; stop them whenever "
-      "you\n"
-      "like: what one was at goes back to the queue, and is taken by another within half a minute\n"
-      "when it was killed.\n\n"
+      "Run more of these to score a whole class sooner; each job is done by one of them. Start as\n"
+      "many as there are spare processors, and stop them at any time: an unfinished job goes back\n"
+      "to the queue, within half a minute if its worker was killed.\n\n"
       "  enamel-server work --data /srv/enamel --threads 4");
 }
 

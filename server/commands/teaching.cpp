@@ -343,17 +343,18 @@ void DeclareExercises(CommandGroup admin) {
                       "Instead: file with an exercise (schemas/exercise.schema.json)");
   publish->add_option("--prepared", p.exercise.prepared,
                       "On the scene: the target that 'enamel-station target' wrote to this folder");
-  auto* cohort = publish->add_option("--cohort", p.exercise.cohort, "For whom; without: everybody");
+  auto* cohort =
+      publish->add_option("--cohort", p.exercise.cohort, "Cohort it is for; without: everybody");
   publish
       ->add_flag("--unassigned", p.exercise.unassigned,
-                 "For nobody yet: assign-exercise says for whom and when")
+                 "Publish without assigning it; use assign-exercise for cohorts and dates")
       ->excludes(cohort);
   publish->add_option("--voxel-um", p.exercise.voxel_um, "Voxel size of a built-in scene")
       ->check(CLI::Range(20, 500))
       ->capture_default_str();
   publish->footer(
       "A document that differs from the newest version of its name becomes the next version;\n"
-      "a published version never changes. Those it is offered to may use any device, even a\n"
+      "a published version never changes. It is offered for any device, even a\n"
       "simulated hand. For dates, limits, exams and allowed devices: --unassigned, then\n"
       "assign-exercise.\n\n"
       "  enamel-server admin publish-exercise --data DIR --scene builtin:molar --name class-1");
@@ -393,7 +394,7 @@ void DeclareExercises(CommandGroup admin) {
   });
 
   auto [list, l] =
-      Declare<Named>(admin, "list-exercises", "Drafts, what is offered, what was retired",
+      Declare<Named>(admin, "list-exercises", "Drafts, published and retired exercises",
                      [](const Named& o) { return ListExercises(o.data, o.state); });
   AddData(list, l.data);
   list->add_option("--state", l.state, "Only these")
@@ -406,7 +407,7 @@ void DeclareAssignments(CommandGroup admin) {
     NewAssignment assignment;
   };
   auto [assign, a] =
-      Declare<Assigning>(admin, "assign-exercise", "Have a cohort do an exercise",
+      Declare<Assigning>(admin, "assign-exercise", "Assign an exercise to a cohort",
                          [](const Assigning& o) { return AssignExercise(o.data, o.assignment); });
   AddData(assign, a.data);
   NewAssignment& row = a.assignment;
@@ -414,9 +415,10 @@ void DeclareAssignments(CommandGroup admin) {
       ->add_option("--exercise", row.exercise,
                    "Its name; its newest version is assigned, and stays")
       ->required();
-  assign->add_option("--cohort", row.cohort, "For whom; without: everybody");
+  assign->add_option("--cohort", row.cohort, "Cohort it is for; without: everybody");
   assign->add_option("--opens", row.opens, "Not before: \"2026-11-20 09:00\", UTC");
-  assign->add_option("--due", row.due, "Not after; an attempt begun before may end after, flagged");
+  assign->add_option("--due", row.due,
+                     "Not after; an attempt begun in time may end later, flagged as late");
   assign->add_option("--attempts", row.attempt_limit, "Attempts each; 0: no limit")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
@@ -450,16 +452,16 @@ void DeclareAssignments(CommandGroup admin) {
     bool dry_run = false;
   };
   auto [move, m] = Declare<Moving>(
-      admin, "move-assignment", "Have another version of its exercise done from now on",
+      admin, "move-assignment", "Move an assignment to another version of its exercise",
       [](const Moving& o) { return MoveAssignment(o.data, o.id, o.version, o.dry_run); });
   AddData(move, m.data);
   move->add_option("--assignment", m.id)->required();
   move->add_option("--version", m.version, "Without: the newest")->check(CLI::PositiveNumber);
-  move->add_flag("--dry-run", m.dry_run, "Only say what would move");
+  move->add_flag("--dry-run", m.dry_run, "Show what would move; change nothing");
 
   auto [end, e] = Declare<Named>(
       admin, "end-assignment",
-      "Take an assignment away; one with attempts is due now instead, and stays for their release",
+      "Remove an assignment; one with attempts is due now instead, and stays for their release",
       [](const Named& o) { return EndAssignment(o.data, o.id); });
   AddData(end, e.data);
   end->add_option("--assignment", e.id)->required();

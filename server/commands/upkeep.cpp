@@ -70,9 +70,8 @@ void Print(const VerifyReport& report) {
         head.number, head.hash.Hex());
   }
   if (report.unnamed_blobs > 0) {
-    Say("{} named by nothing ({}): a crash or a repeated scoring left that; retention --apply "
-        "removes "
-        "what is older than a day\n",
+    Say("{} unused ({}), left by a crash or a repeated scoring; retention --apply removes those "
+        "older than a day\n",
         Counted(report.unnamed_blobs, "blob is", "blobs are"), Mib(report.unnamed_bytes));
   }
   for (const std::string& note : report.notes) Say("note: {}\n", note);
@@ -182,13 +181,13 @@ Status RestoreBackup(const RestoreCommand& command) {
       Counted(report->files, "file"), Mib(report->bytes));
   Say("{} erased again; all sessions have ended\n",
       Counted(report->erased_again, "person erased since was", "people erased since were"));
-  Say("what changed after the backup is gone: people who were disabled and stations that were "
-      "revoked since have to be again. Stations send what they still hold; where that needs "
-      "something newer than the backup, admin list-awaited says what. A station that is newer "
-      "comes back with enamel-station enrol --again\n");
+  Say("changes made after the backup are lost: disable people and revoke stations again where that "
+      "was done since. Stations send what they still hold; where that needs something newer than "
+      "the backup, admin list-awaited shows what. A station that is newer comes back with "
+      "enamel-station enrol --again\n");
   if (command.keyrings.empty()) {
-    Say("erasures made after the backup are not known here; name the newest key ring with "
-        "--keyring to apply them\n");
+    Say("erasures made after the backup are unknown here; to apply them, name the newest key ring "
+        "with --keyring\n");
   }
   ENAMEL_RETURN_IF_ERROR(SuspendListedSchools(command.data));
   json::array left_out;
@@ -233,7 +232,7 @@ Status Retention(const RetentionCommand& command) {
         store->retention.SetRetention({command.what, *command.days}, kCommandLine));
   }
   ENAMEL_ASSIGN_OR_RETURN(auto rules, store->retention.RetentionRules());
-  if (rules.empty()) Say("no rules: everything is kept for good\n");
+  if (rules.empty()) Say("no rules: everything is kept indefinitely\n");
   for (const RetentionRule& rule : rules) {
     Say("{:<10} kept for {}\n", rule.what, Counted(rule.days, "day"));
   }
@@ -261,13 +260,13 @@ void DeclareBackup(CommandGroup root) {
   AddData(backup, b.data);
   backup->add_option(
       "--keyring", b.keyring,
-      "Keep keys and erasures in this folder instead of inside the backup. Use the "
-      "same one every time, and copy it nowhere: an erasure would not reach the copy");
-  backup->add_flag("--copy", b.copy, "Copy every file, where links to the same disk would do");
+      "Keep keys and erasures in this folder instead of inside the backup. Use the same folder "
+      "every time, and do not copy it: erasures would not reach the copy");
+  backup->add_flag("--copy", b.copy, "Copy every file, even where a hard link would do");
   backup->add_option("--json", b.json, "Write the outcome to this file");
   backup->footer(
       "A backup is consistent as of one moment and has a manifest with the hash of every file.\n"
-      "Links save space and share the disk's fate: back up to another disk.\n\n"
+      "Hard links save space but are lost with the disk: back up to another disk.\n\n"
       "  enamel-server backup /mnt/backup/2026-09-01 --data /srv/enamel\n"
       "  enamel-server verify /mnt/backup/2026-09-01\n"
       "  enamel-server restore /mnt/backup/2026-09-01 --data /srv/enamel-new");
@@ -276,11 +275,12 @@ void DeclareBackup(CommandGroup root) {
       root, "restore", "Make a data folder from a backup, and verify it", RestoreBackup);
   restore->add_option("BACKUP", r.backup, "What `backup` made")->required();
   AddData(restore, r.data)->description("Folder to make; absent or empty");
-  restore->add_option("--keyring", r.keyrings,
-                      "Newer key ring (repeatable): the keyring folder of the lost data folder, or "
-                      "what backup --keyring kept. People erased there are erased here too");
+  restore->add_option(
+      "--keyring", r.keyrings,
+      "Newer key ring (repeatable): the keyring folder of the lost data folder, or the one that "
+      "backup --keyring wrote. People erased there are erased here too");
   restore->add_flag("--accept-damage", r.accept_damage,
-                    "Leave out files that are missing or damaged, and say which");
+                    "Leave out files that are missing or damaged, and list them");
   restore->add_option("--json", r.json, "Write the outcome to this file");
 
   struct Asked {
@@ -299,7 +299,7 @@ void DeclareBackup(CommandGroup root) {
   AddData(verify, v.data)->required(false)->description("Data folder, in use or not");
   verify->add_option("--keyring", v.verify.keyring, "Key ring of a backup that has none inside");
   verify->add_option("--since", v.verify.since,
-                     "An earlier backup, which the audit trail must go on from");
+                     "An earlier backup that the audit trail must continue");
   verify->add_option("--json", v.verify.json, "Write everything that was found to this file");
   verify->footer(
       "Changes nothing. Exit code 1 when anything disagrees; all of it is listed first.");

@@ -31,7 +31,7 @@ exercise=$(json_of "$work/seed" exercise)
 start_server "$data" "$port"
 standby() { curl -s "http://127.0.0.1:$port/metrics" | sed -n 's/^enamel_database_synchronous_standby //p'; }
 standby_missing() { curl -s "http://127.0.0.1:$port/metrics" | sed -n 's/^enamel_database_standby_missing //p'; }
-wait_for_log "$work/server.log" 'is on a standby of the database server too'
+wait_for_log "$work/server.log" 'commits are on a standby of the database server too'
 [ "$(standby)" = 1 ] || fail "the figures do not tell of the standby"
 "$bin/enamel-station" enrol --data "$station" --server "127.0.0.1:$((port + 1))" \
   --code "$("$bin/enamel-server" admin enrol-code --data "$data")" --name failover >/dev/null
@@ -87,7 +87,7 @@ kill -0 "$code" 2>/dev/null || fail "a change was kept without a standby"
 rm -f "$pg"/one.socket/.s.*
 postgres_standby "$pg" two one
 wait "$code" || { cat "$work/code"; fail "a change that had waited for the standby failed"; }
-until [ "$(grep -c 'is on a standby of the database server too' "$work/server.log")" -ge 2 ]; do
+until [ "$(grep -c 'commits are on a standby of the database server too' "$work/server.log")" -ge 2 ]; do
   [ $SECONDS -lt $((deadline + 60)) ] || fail "the log does not say that the standby is there"
   sleep 0.2
 done

@@ -75,7 +75,7 @@ both="host=127.0.0.1,127.0.0.1 port=${port_of[one]},${port_of[two]} user=postgre
 "$bin/enamel-server" init --data "$data" --database "$both" --schema school >/dev/null
 "$bin/enamel-server" seed-demo --data "$data" --voxel-um 200 --json "$work/seed" >/dev/null
 start_server "$data" "$port"
-wait_for_log "$work/server.log" 'is on a standby of the database server too'
+wait_for_log "$work/server.log" 'commits are on a standby of the database server too'
 "$bin/enamel-station" enrol --data "$station" --server "127.0.0.1:$((port + 1))" \
   --code "$("$bin/enamel-server" admin enrol-code --data "$data")" --name patroni >/dev/null
 "$bin/enamel-station" run --data "$station" --profile phantom_desktop --lockstep --quiet --exercise "$(json_of "$work/seed" exercise)" \

@@ -68,7 +68,7 @@ expect_failure "a roster with semicolons" "list separator to a comma" \
 admin import-roster "$work/year3.csv" --dry-run --json "$work/dry.json"
 [ "$(json_of "$work/dry.json" created)" = 148 ] || fail "the dry run does not say 148"
 [ "$(admin list-people | wc -l)" = 1 ] || fail "refused and dry runs made people"
-expect_failure "passwords nowhere to go" "say with --passwords" \
+expect_failure "passwords nowhere to go" "--passwords FILE.csv" \
   "$bin/enamel-server" admin import-roster "$work/year3.csv" --data "$data"
 admin import-roster "$work/year3.csv" --passwords "$work/new.csv" --json "$work/import.json"
 [ "$(stat -c %a "$work/new.csv")" = 600 ] || fail "the passwords are not for their owner only"

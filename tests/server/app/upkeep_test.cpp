@@ -164,7 +164,7 @@ TEST_F(UpkeepTest, RetentionTellsBeforeItDoes) {
   school_.Score(scored);
   Status status;
   std::string said = Said([&] { return Retention({Path("data"), "", {}, false}); }, status);
-  EXPECT_NE(said.find("kept for good"), std::string::npos);
+  EXPECT_NE(said.find("kept indefinitely"), std::string::npos);
   said = Said([&] { return Retention({Path("data"), "recordings", 30, false}); }, status);
   EXPECT_NE(said.find("0 recordings"), std::string::npos) << said;
   EXPECT_NE(said.find("1 more is due and kept"), std::string::npos) << "not released: " << said;
