@@ -223,17 +223,16 @@ Result<SignedIn> Authenticator::SignInAdmitted(const std::string& login,
 
 Status Authenticator::TakeOneTimePassword(const Person& person, const std::string& via) {
   if (!person.must_change_password) return Status::Ok();
-  const Status used(
-      Code::kUnauthenticated,
-      "this password was good for signing in once, and was used; ask an administrator "
-      "for another. If it was not you who used it, say so",
-      kOneTimePassword);
+  const Status used(Code::kUnauthenticated,
+                    "this one-time password was used already; ask an administrator for another, "
+                    "and report it if you did not use it",
+                    kOneTimePassword);
   if (person.password_used) return used;
   if (Now() >= OneTimeUntil(person)) {
     return Status(Code::kUnauthenticated,
-                  "this password was to be used within " +
+                  "this one-time password was valid for " +
                       std::to_string(options_.one_time_ms / kDayMs) +
-                      " days of being made; ask an administrator for another",
+                      " days; ask an administrator for another",
                   kOneTimePassword);
   }
   // At a station the password is not used up: there it cannot be changed, and the station sends its
@@ -279,7 +278,7 @@ Status Authenticator::CheckOwnPassword(const Person& person, const std::string& 
   }
   ENAMEL_RETURN_IF_ERROR(throttle_.Failed(person.login, address, CountedAt()));
   return TurnAway("password", person.login, address, via,
-                  Status(Code::kForbidden, "expected your password, found another", "password"));
+                  Status(Code::kForbidden, "that is not your password; try again", "password"));
 }
 
 boost::asio::awaitable<Status> Authenticator::Confirm(Identity identity, std::string password,
@@ -299,7 +298,7 @@ Result<SignedIn> Authenticator::ChangePasswordHere(const Identity& identity,
   ENAMEL_RETURN_IF_ERROR(CheckOwnPassword(person, change.old_password, change.address, change.via));
   // After checking the old password, so that this reveals nothing to somebody who does not know it.
   if (change.new_password == change.old_password) {
-    return Status(Code::kInvalidInput, "expected another password than the old one",
+    return Status(Code::kInvalidInput, "that is already your password; choose another",
                   "new_password");
   }
   auto verifier = NewVerifier(change.new_password, person.login, person.display_name);

@@ -15,8 +15,8 @@ std::string FirstAdmin::Offer(UnixMs now_ms) {
 Status FirstAdmin::Take(std::string_view token, UnixMs now_ms) {
   // The same for every reason: a stranger does not learn whether there is a link.
   const Status refused(Code::kForbidden,
-                       "this link is not good any more; start the server again for another, or add "
-                       "an admin on the server (enamel-server admin add-person --role admin)",
+                       "this link has expired or was used; start the server again for another, or "
+                       "add an admin on the server (enamel-server admin add-person --role admin)",
                        "token");
   const Sha256 hash = TokenHash(AsBytes(token));
   MutexLock lock(mutex_);

@@ -67,7 +67,7 @@ Status CheckPasswordIsOwn(const Route& route, const Person& person) {
                      route.pattern.starts_with("/api/v1/session/");
   if (!person.must_change_password || own_session) return {};
   return {Code::kForbidden,
-          "this password was for signing in once; choose your own first (POST "
+          "this password is for one sign-in only; choose your own first (POST "
           "/api/v1/session/password)",
           std::string(kChangePassword)};
 }
@@ -100,8 +100,8 @@ Status FillPlace(const RouteMatch& match, Call& call) {
 
 Response NotInTime(const Request& request) {
   std::string what =
-      IsSafe(request.method) ? "" : "; it may still be done: look before you try again";
-  return ErrorResponse({Code::kUnavailable, "the server did not get to this in time" + what});
+      IsSafe(request.method) ? "" : "; it may still happen: check before you try again";
+  return ErrorResponse({Code::kUnavailable, "the server was too busy to do this in time" + what});
 }
 
 // Counts a request in for as long as it lives.
@@ -317,7 +317,7 @@ Response Api::Blocking(Call& call, const Route& route) {
 
 Result<auth::Identity> Api::Identify(const Request& request) {
   std::optional<std::string> cookie = SessionCookie(request);
-  if (!cookie) return Status{Code::kUnauthenticated, "expected a session; sign in first"};
+  if (!cookie) return Status{Code::kUnauthenticated, "sign in first"};
   return authenticator_.AuthenticateHex(*cookie);
 }
 

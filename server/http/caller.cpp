@@ -8,7 +8,7 @@ Actor ActorOf(const Call& call) { return {call.caller->person.id, "page"}; }
 
 Status RequireConfirmed(const Call& call) {
   if (call.authenticator.IsConfirmed(*call.caller)) return {};
-  return {Code::kForbidden, "expected your password once more; give it and try again",
+  return {Code::kForbidden, "enter your password again to make this change",
           std::string(kConfirmPassword)};
 }
 

@@ -90,7 +90,7 @@ asio::awaitable<Response> ServerContext::AnswerKnown(Request request) {
   if (Api::Owns(request.path) && !asked) {
     co_return ErrorResponse(
         {Code::kUnavailable, other->suspended
-                                 ? "this school is suspended; ask who runs the server"
+                                 ? "this school is suspended; ask the person who runs the server"
                                  : "this school cannot be reached at the moment; try again later"});
   }
   if (Api::Owns(request.path)) co_return co_await asked->Handle(std::move(request));

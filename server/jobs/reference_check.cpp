@@ -19,8 +19,8 @@ constexpr double kMm3PerM3 = 1e9;
 
 Status RefusedCut(const std::string& why) {
   return Status(Code::kConflict,
-                "this attempt cannot be what others are compared with: " + why +
-                    "; take another attempt, or say why this one is right all the same",
+                "this attempt cannot be the reference: " + why +
+                    "; choose another attempt, or give a reason why this one is right",
                 std::string(kAnyway));
 }
 

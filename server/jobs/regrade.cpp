@@ -27,8 +27,8 @@ RegradedAttempt Regrade(StoredBlobs& blobs, ResultRows& results, const AttemptRo
   // A rubric judges numbers. Those of another version may mean something else under the same name.
   if (before->scoring_version != scoring::kScoringVersion) {
     out.problem = "measured by version " + std::to_string(before->scoring_version) +
-                  " of the metrics, this is version " + std::to_string(scoring::kScoringVersion) +
-                  "; only scoring it again tells";
+                  " of the metrics, not by the current " +
+                  std::to_string(scoring::kScoringVersion) + "; score it again";
     return out;
   }
   Result<scoring::ScoreResult> after =
@@ -145,20 +145,20 @@ Result<RubricRow> PublishCorrection(Store& store, const Uuid& exercise, scene::R
   // Two corrections at once: the second has not seen the first, and would undo it.
   if (counting.version != seen) {
     return Status(Code::kConflict,
-                  "the rubric that counts has version " + std::to_string(counting.version) +
-                      ", the correction is of version " + std::to_string(seen) +
+                  "the current rubric has version " + std::to_string(counting.version) +
+                      ", the correction is based on version " + std::to_string(seen) +
                       "; look at it and try again",
                   std::string(kStale));
   }
   rubric.version = counting.version;
   if (rubric == counting) {
-    return Status(Code::kConflict, "the rubric that counts says the same already");
+    return Status(Code::kConflict, "the current rubric is already the same");
   }
   if (anyway.empty()) {
     ENAMEL_ASSIGN_OR_RETURN(const auto objections, Objections(store, row, counting, rubric, false));
     if (!objections.empty()) {
       return Status(Code::kConflict,
-                    objections + "; correct the rubric, or say why it is right all the same",
+                    objections + "; correct the rubric, or give a reason why it is right",
                     std::string(kAnyway));
     }
   } else {

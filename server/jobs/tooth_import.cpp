@@ -129,7 +129,7 @@ ToothImport::~ToothImport() {
 
 Status ToothImport::MustBe(const Uuid& id) const {
   if (about_ && about_->id == id) return Status::Ok();
-  return Status(Code::kNotFound, "there is no such import; begin it again");
+  return Status(Code::kNotFound, "this import does not exist; begin again");
 }
 
 Result<ToothImport::About> ToothImport::Begin(const Wanted& wanted, const Actor& by,
@@ -170,7 +170,7 @@ Result<ToothImport::About> ToothImport::Append(const Uuid& id, uint64_t offset, 
   if (bytes.size() > about_->bytes - about_->received) {
     return Status(Code::kTooLarge,
                   "expected the " + std::to_string(about_->bytes) +
-                      " bytes that were told, found more; begin again",
+                      " announced bytes, found more; begin again",
                   "bytes");
   }
   file_.insert(file_.end(), bytes.begin(), bytes.end());

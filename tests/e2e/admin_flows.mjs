@@ -168,7 +168,7 @@ async function erase(world) {
   await page.getByRole("button", { name: "Erase this person…" }).click();
   await page.getByLabel(/^Type the login/).fill("somebody else");
   await page.getByRole("button", { name: "Erase permanently" }).click();
-  await page.getByText("expected the person's login").waitFor();
+  await page.getByText("that is not the person's login").waitFor();
   await accessible(page, "the question before erasing");
   await page.getByLabel(/^Type the login/).fill("student5");
   await page.getByRole("button", { name: "Erase permanently" }).click();

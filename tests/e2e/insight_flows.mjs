@@ -249,7 +249,7 @@ async function firstAdmin(world) {
   await page.getByLabel("Login").fill("head");
   await page.getByLabel("Password").fill("short one");
   await page.getByRole("button", { name: "Create the account" }).click();
-  await page.getByText("This link is not good any more.").waitFor();
+  await page.getByText("This link has expired or was used.").waitFor();
   await page.goto("/");
   await page.goto(`/first#${"ab".repeat(32)}`);
   await page.getByLabel("Name", { exact: true }).fill("Head of School");

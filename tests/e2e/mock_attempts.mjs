@@ -166,7 +166,7 @@ function looked({ row }) {
 function makeReference({ world, row, body }) {
   if (row.gap_ticks > 0 && body.anyway === undefined) {
     return conflict(
-      "this attempt cannot be what others are compared with: 4.1 % of its time is missing; take another attempt, or say why this one is right anyway",
+      "this attempt cannot be the reference: 4.1 % of its time is missing; choose another attempt, or give a reason why this one is right",
       "anyway",
     );
   }

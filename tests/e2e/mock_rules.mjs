@@ -129,7 +129,7 @@ function addPerson(call) {
 }
 
 function makeFirstAdmin({ world, rows = world.people, body }) {
-  if (body.token !== world.firstAdminToken) return forbidden("This link is not good any more.", "token");
+  if (body.token !== world.firstAdminToken) return forbidden("This link has expired or was used.", "token");
   if (body.password.length < 12) return invalid("password", "this password is easy to guess");
   world.firstAdminToken = undefined;
   return added(world, rows, { ...body, role: "admin", disabled: false, must_change_password: false });
@@ -174,7 +174,8 @@ function importRoster({ world, query, bytes }) {
 }
 
 function erase({ world, row, body, rows }) {
-  if (body.login !== row.login) return invalid("login", "expected the person's login, because this cannot be undone");
+  if (body.login !== row.login)
+    return invalid("login", "that is not the person's login; type it to confirm, because this cannot be undone");
   rows.splice(rows.indexOf(row), 1);
   for (const cohort of world.cohorts) cohort.members = cohort.members.filter((member) => member !== row);
   return { attempts: 2, blobs: 4 };

@@ -160,7 +160,7 @@ function correctRubric(call) {
     body: { rubric: document, reason },
   } = call;
   if (JSON.stringify(document) === JSON.stringify(rubrics[0].document))
-    return conflict("the rubric that counts says the same already");
+    return conflict("the current rubric is already the same");
   rubrics.unshift({ version: rubrics[0].version + 1, reason, published_ms: world.nowMs, document });
   return new Reply(rubrics[0], { tag: rubrics[0].version });
 }

@@ -432,7 +432,7 @@ async function markReference(world) {
   await page.getByLabel("Dentist who made this cut").fill("Dentist Two");
   await page.getByLabel("The dentist agrees").check();
   await mark.click();
-  await page.getByText("cannot be what others are compared with", { exact: false }).waitFor();
+  await page.getByText("cannot be the reference", { exact: false }).waitFor();
   const anyway = page.getByRole("button", { name: "Mark as reference anyway" });
   assert.equal(await anyway.isDisabled(), true, "not without a reason");
   await page.getByLabel("Reason for going ahead").fill("The gap is before the first stroke");

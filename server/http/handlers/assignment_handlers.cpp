@@ -129,8 +129,8 @@ Status MustBeAssignable(const Call& call, CohortRows& cohorts, const Uuid& cohor
   if (!in_cohort.ok()) return in_cohort.status();
   if (CanAssign(call.caller->person, cohort, *in_cohort)) return {};
   return {Code::kForbidden,
-          cohort.IsZero() ? "expected an admin, to assign to everybody; name a cohort"
-                          : "expected an instructor of this cohort, or an admin",
+          cohort.IsZero() ? "only admins assign to everybody; name a cohort"
+                          : "only instructors of this cohort and admins can do this",
           "cohort_id"};
 }
 

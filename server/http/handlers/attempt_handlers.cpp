@@ -69,7 +69,8 @@ Result<AttemptFilter> FilterFor(const Call& call) {
   // filtered out afterwards.
   if (viewer.role == Role::kStudent) {
     if ((filter.flags & kReviewFlags) != 0) {
-      return Status{Code::kForbidden, "this flag is for who reviews attempts", "flag"};
+      return Status{Code::kForbidden, "only people who review attempts can filter by this flag",
+                    "flag"};
     }
     filter.person = viewer.id;
     // Their own attempts need no cohort, and one that they are not in would show them none.
@@ -282,7 +283,8 @@ Response ReleaseAttempt(const Call& call, Store& store) {
   Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   if (!CanReleaseAttempt(call.caller->person, seen->row, seen->shares_cohort)) {
-    return ErrorResponse({Code::kForbidden, "expected an instructor of the student's cohort"});
+    return ErrorResponse(
+        {Code::kForbidden, "only instructors of this student's cohort can do this"});
   }
   if (Status scored = RequireScored(seen->row); !scored.ok()) return ErrorResponse(scored);
   // Nobody releases what has been scored again or overridden since they looked at it.
@@ -309,7 +311,8 @@ Response MakeReference(const Call& call, Store& store) {
   Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   if (!CanMarkReference(call.caller->person, seen->row, seen->shares_cohort)) {
-    return ErrorResponse({Code::kForbidden, "expected an instructor of the person's cohort"});
+    return ErrorResponse(
+        {Code::kForbidden, "only instructors of this person's cohort can do this"});
   }
   if (Status scored = RequireScored(seen->row); !scored.ok()) return ErrorResponse(scored);
   Result<ReferenceRow> row =
@@ -330,7 +333,7 @@ Response GetLive(const Call& call, Store& store) {
   if (state != AttemptState::kTicketed && state != AttemptState::kRecording) {
     return ErrorResponse(
         {Code::kConflict,
-         std::string("expected an attempt being made, this one is ") + AttemptStateName(state)});
+         std::string("this attempt is not being made now, it is ") + AttemptStateName(state)});
   }
   // Told last: whoever may not see it hears that and not how busy the server is.
   if (!watch) {

@@ -97,7 +97,8 @@ Result<std::vector<ExerciseRow>> ListedExercises(const Call& call, ExerciseRows&
     return Status{Code::kInvalidInput, "expected draft, published or retired", "state"};
   }
   if (!CanEditExercises(call.caller->person)) {
-    return Status{Code::kForbidden, "expected an instructor or admin; leave out state", "state"};
+    return Status{Code::kForbidden, "only instructors and admins see other states; leave out state",
+                  "state"};
   }
   Result<std::vector<ExerciseRow>> rows = exercises.ExercisesIn(*state);
   if (!rows.ok()) return rows;

@@ -34,8 +34,7 @@ Result<Class> ClassOf(const Call& call, CohortRows& cohorts_rows, const Assignme
   ENAMEL_ASSIGN_OR_RETURN(auto cohorts, VisibleCohorts(call, cohorts_rows));
   const bool known = !one || std::ranges::find(cohorts, *one, &Cohort::id) != cohorts.end();
   if (!known || (asked && asked != one)) {
-    return Status(Code::kInvalidInput, "expected a cohort of yours that this is assigned to",
-                  "cohort");
+    return Status(Code::kInvalidInput, "this is not assigned to a cohort of yours", "cohort");
   }
   std::map<Uuid, Person> people;
   for (const Cohort& cohort : cohorts) {

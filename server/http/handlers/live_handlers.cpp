@@ -48,7 +48,7 @@ Status MustBeMade(const AttemptRow& row) {
   if (row.state == AttemptState::kTicketed || row.state == AttemptState::kRecording) {
     return Status::Ok();
   }
-  return Status(Code::kConflict, std::string("expected an attempt being made, this one is ") +
+  return Status(Code::kConflict, std::string("this attempt is not being made now, it is ") +
                                      AttemptStateName(row.state) +
                                      "; write a remark on the attempt instead");
 }
@@ -79,7 +79,7 @@ Result<ChairRemark> Speak(const Call& call, Store& store, const std::string& giv
   ENAMEL_ASSIGN_OR_RETURN(const auto seen, SeeAttempt(call, store, call.id));
   if (!MaySpeak(call, seen)) {
     return Status(Code::kForbidden,
-                  "this is an exam: expected an instructor of the person's cohort");
+                  "this is an exam: only instructors of this person's cohort can do this");
   }
   ENAMEL_ASSIGN_OR_RETURN(const std::string text, protocol::CheckedRemark(given));
   ENAMEL_RETURN_IF_ERROR(MustBeMade(seen.row));
@@ -102,7 +102,9 @@ Result<ChairRemark> Speak(const Call& call, Store& store, const std::string& giv
   return sent;
 }
 
-Response NoStations() { return ErrorResponse({Code::kNotFound, "this server takes no stations"}); }
+Response NoStations() {
+  return ErrorResponse({Code::kNotFound, "this server accepts no stations"});
+}
 
 }  // namespace
 

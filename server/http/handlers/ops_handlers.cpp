@@ -38,7 +38,7 @@ boost::asio::awaitable<Response> GetHealth(Call call, Store& store) {
 Response GetMetrics(const Call& call) {
   if (call.monitoring->metrics == nullptr || !MaySeeMetrics(call)) {
     // Not 403: strangers need not know that the figures exist.
-    return ErrorResponse(Status{Code::kNotFound, "there is nothing to see here for this caller"});
+    return ErrorResponse(Status{Code::kNotFound, "you are not allowed to see this"});
   }
   Response response;
   response.content_type = kPrometheusText;

@@ -207,13 +207,14 @@ Response ErasePerson(const Call& call, Erasures& erasures, PeopleRows& people) {
   if (!person.ok()) return ErrorResponse(person.status());
   // Typed by hand: the page's button alone erases nobody.
   if (person->login != login) {
-    return ErrorResponse({Code::kInvalidInput,
-                          "expected the person's login, because this cannot be undone", "login"});
+    return ErrorResponse(
+        {Code::kInvalidInput,
+         "that is not the person's login; type it to confirm, because this cannot be undone",
+         "login"});
   }
   // Only another admin can erase an admin, and can then still let others in.
   if (person->id == call.caller->person.id) {
-    return ErrorResponse(
-        {Code::kConflict, "expected another person: you cannot erase yourself; ask another admin"});
+    return ErrorResponse({Code::kConflict, "you cannot erase yourself; ask another admin"});
   }
   Result<ErasureReport> erased = erasures.ErasePerson(call.id, with_references, ActorOf(call));
   if (!erased.ok()) return ErrorResponse(erased.status());

@@ -274,11 +274,11 @@ Response FileAppeal(const Call& call, Store& store) {
   Result<SeenAttempt> seen = SeeAttempt(call, store, call.id);
   if (!seen.ok()) return ErrorResponse(seen.status());
   if (seen->row.person != call.caller->person.id) {
-    return ErrorResponse({Code::kForbidden, "expected the person whose attempt it is"});
+    return ErrorResponse({Code::kForbidden, "only the person who made the attempt can do this"});
   }
   if (!CanAppeal(call.caller->person, seen->row)) {
     return ErrorResponse(
-        {Code::kConflict, "expected a released score; there is nothing to appeal against yet"});
+        {Code::kConflict, "the score is not released yet, so there is nothing to appeal against"});
   }
   BodyReader body(call.request);
   std::string text = body.Text("text", 1, kMaxRemark);
@@ -319,7 +319,8 @@ Response WithdrawReference(const Call& call, Store& store) {
   Result<bool> shares = store.cohorts.ShareCohort(viewer.id, attempt->person);
   if (!shares.ok()) return ErrorResponse(shares.status());
   if (!CanMarkReference(viewer, *attempt, *shares)) {
-    return ErrorResponse({Code::kForbidden, "expected an instructor of the dentist's cohort"});
+    return ErrorResponse(
+        {Code::kForbidden, "only instructors of this dentist's cohort can do this"});
   }
   return DoneOr(store.references.WithdrawReference(call.id, ActorOf(call)));
 }

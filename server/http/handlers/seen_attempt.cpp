@@ -23,7 +23,7 @@ Result<SeenAttempt> ReviewAttempt(const Call& call, Store& store, const Uuid& at
   Result<SeenAttempt> seen = SeeAttempt(call, store, attempt);
   if (!seen.ok()) return seen;
   if (CanReviewAttempt(call.caller->person, seen->row, seen->shares_cohort)) return seen;
-  return Status{Code::kForbidden, "expected an instructor of the student's cohort"};
+  return Status{Code::kForbidden, "only instructors of this student's cohort can do this"};
 }
 
 Status RequireScored(const AttemptRow& row) {

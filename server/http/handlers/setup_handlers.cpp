@@ -53,7 +53,8 @@ Result<Person> MakeAdmin(const Call& call, PeopleRows& people, const Newcomer& n
   admins.limit = 1;
   ENAMEL_ASSIGN_OR_RETURN(const auto there, people.FindPeople(admins));
   if (!there.empty()) {
-    return Status(Code::kConflict, "there is an admin already; ask that person for an account");
+    return Status(Code::kConflict,
+                  "this server has an admin already; ask that person for an account");
   }
   ENAMEL_ASSIGN_OR_RETURN(const auto verifier,
                           call.authenticator.NewVerifier(newcomer.password, newcomer.person.login,
@@ -149,7 +150,7 @@ Response MakeFirstAdmin(const Call& call, PeopleRows& people) {
   if (!newcomer.ok()) return ErrorResponse(newcomer.status());
   if (call.first_admin == nullptr) {
     return ErrorResponse(
-        {Code::kForbidden, "there is an admin already, or this server gives no link", "token"});
+        {Code::kForbidden, "this server has an admin already, or gives no link", "token"});
   }
   // Before the password is hashed, which costs memory and time: a stranger gets none of either.
   Status taken = call.first_admin->Take(newcomer->token, enamel::UnixMs());

@@ -134,7 +134,7 @@ Response AddEnrolCode(const Call& call, StationRows& stations_rows) {
   if (Status fits = body.Finish(); !fits.ok()) return ErrorResponse(fits);
   if (Status confirmed = RequireConfirmed(call); !confirmed.ok()) return ErrorResponse(confirmed);
   if (call.station_fingerprint.empty()) {
-    return ErrorResponse({Code::kNotFound, "this server takes no stations"});
+    return ErrorResponse({Code::kNotFound, "this server accepts no stations"});
   }
   Bytes random = auth::NewToken();
   random.resize(kCodeBytes);

@@ -121,7 +121,7 @@ Status TakeHeader(std::string_view line, Framing& framing) {
   if (name == "content-length") return TakeLength(value, framing);
   if (name == "transfer-encoding") return TakeCodings(value, framing);
   if (Imitates(name, "contentlength") || Imitates(name, "transferencoding")) {
-    return Refuse(name, "expected Content-Length or Transfer-Encoding, found an imitation");
+    return Refuse(name, "expected Content-Length or Transfer-Encoding, found a misspelt one");
   }
   if (name == "host") {
     if (framing.has_host) return Refuse(name, "expected one Host, found a second");
@@ -197,7 +197,8 @@ Status CheckFraming(const Framing& framing) {
   if (framing.other_coding) {
     return Unspoken("transfer-encoding", "expected chunked as the only Transfer-Encoding");
   }
-  if (framing.packed) return Unspoken("content-encoding", "expected a body as it is, not packed");
+  if (framing.packed)
+    return Unspoken("content-encoding", "expected a body without Content-Encoding");
   return {};
 }
 

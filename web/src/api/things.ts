@@ -54,7 +54,7 @@ export class StationsApi {
   withdrawCode(id: string) {
     return this.http.empty("DELETE", `/enrolment-codes/${segment(id)}`);
   }
-  // Haptic devices that graded work is done with. Each change answers with all of them.
+  // Haptic devices that are allowed for graded work. Each change answers with all of them.
   devices(signal?: AbortSignal) {
     return this.http.json<ListedDevices>("GET", "/listed-devices", { signal });
   }
