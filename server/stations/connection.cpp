@@ -59,7 +59,7 @@ void Connection::Run(std::function<void()> on_end) {
 
 void Connection::BeginStop() {
   asio::post(strand_, [self = shared_from_this()] {
-    self->End(Status(Code::kUnavailable, "the server is shutting down; come back later"));
+    self->End(Status(Code::kUnavailable, "the server is shutting down; try again later"));
   });
 }
 
@@ -73,7 +73,7 @@ void Connection::EndUnlessServed(std::shared_ptr<const std::set<const Services*>
   asio::post(strand_, [self = shared_from_this(), served] {
     if (!self->services_ || served->contains(self->services_.get())) return;
     self->End(
-        Status(Code::kUnavailable, "this school is suspended; nothing is lost, come back later"));
+        Status(Code::kUnavailable, "this school is suspended; nothing is lost, try again later"));
   });
 }
 

@@ -50,7 +50,7 @@ Answer Session::Handle(const wire::Request& request) {
     return AnswerOf(request, Status(Code::kUnauthenticated, "send Hello or Enrol first"), true);
   }
   if (introduces && station_) {
-    return AnswerOf(request, Status(Code::kInvalidInput, "this connection has said hello already"),
+    return AnswerOf(request, Status(Code::kInvalidInput, "this connection has sent Hello already"),
                     true);
   }
   // A request of a newer station parses with an empty body: the station gets `unsupported` and may
@@ -149,7 +149,7 @@ Result<wire::Reply> Session::Do(const wire::Hello& hello) {
     return Status(Code::kUnauthenticated,
                   "this server does not know the station or no longer admits it; enrol it with a "
                   "new code (if the server was restored from an older backup: with enrol --again, "
-                  "so that what is recorded here stays good)");
+                  "so that recordings made here stay valid)");
   }
   ENAMEL_RETURN_IF_ERROR(
       services_.store.stations.TouchStation(id, software, hello.core_version(), services_.clock()));
@@ -253,7 +253,7 @@ Result<Person> Session::PersonOf(const std::string& session_token) {
                           services_.authenticator.Authenticate(AsBytes(session_token)));
   if (identity.person.must_change_password) {
     return Status(Code::kForbidden,
-                  "your password was for signing in once: open the page" +
+                  "this password was for one sign-in: open the page" +
                       (services_.page_url.empty() ? "" : ", " + services_.page_url) +
                       ", choose your own, and sign in here again",
                   "password");

@@ -279,9 +279,9 @@ Result<wire::Reply> Session::Do(const wire::OpenAttempt& request) {
   const protocol::AttemptFacts facts = request.facts();
   ENAMEL_RETURN_IF_ERROR(KeepFacts(*row, facts));
   if (facts.resumed() > 0) {
-    ENAMEL_RETURN_IF_ERROR(
-        services_.store.judging.FlagAttempt(attempt, kResumed, "the station went on from its spool",
-                                            Actor{row->person, "station " + station_->name}));
+    ENAMEL_RETURN_IF_ERROR(services_.store.judging.FlagAttempt(
+        attempt, kResumed, "the station continued from its spool",
+        Actor{row->person, "station " + station_->name}));
   }
   ours_.insert(attempt);
 

@@ -88,7 +88,7 @@ Result<Sha256> S3Blobs::Put(ByteView data) {
     const int64_t now_ms = now_ms_();
     if (now_ms - begun_ms >= Ms(kClaimWithin)) {
       return Status(Code::kUnavailable,
-                    "writing a blob took more than an hour; look at the store, and try again");
+                    "writing a blob took more than an hour; check the store, and try again");
     }
     auto claimed = ClaimBlobRow(db, hash, generation, there ? there->generation : 0, now_ms);
     if (claimed.ok()) row = *claimed;
@@ -159,7 +159,7 @@ Result<size_t> S3Blobs::Remove(const std::vector<Freed>& freed) {
     ++removed;
   }
   if (removed < freed.size()) {
-    spdlog::warn("blobs: {} of {} objects could not be deleted; they go within two days",
+    spdlog::warn("blobs: {} of {} objects could not be deleted; they are removed within two days",
                  freed.size() - removed, freed.size());
   }
   return removed;

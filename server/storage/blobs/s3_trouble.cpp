@@ -21,9 +21,8 @@ Status S3Trouble::Told(const Status& status) {
   }
   if (works || status.code() == Code::kTooLarge) return status;
   if (status.code() == Code::kUnavailable) {
-    return Status(
-        Code::kUnavailable,
-        "the store of " + what_ + " cannot be reached or has too much to do; try again later");
+    return Status(Code::kUnavailable,
+                  "the store of " + what_ + " cannot be reached or is overloaded; try again later");
   }
   return Status(Code::kStorage,
                 "the store of " + what_ + " refuses, is full or fails; the server's log says why");

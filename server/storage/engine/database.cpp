@@ -64,8 +64,8 @@ Status WithoutDetail(Kind kind) {
     case Kind::kConstraint:
     case Kind::kTaken:
       return Status(Code::kConflict,
-                    "this does not go with what is stored: something is there already, or what it "
-                    "names is not there; read it again, then try again");
+                    "this conflicts with what is stored: it exists already, or something it names "
+                    "does not exist; load it again, then try again");
     case Kind::kOther:
       break;
   }

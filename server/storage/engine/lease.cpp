@@ -41,11 +41,10 @@ Status Lease::Acquire() {
   q.Bind(name_).Bind(lease_).Bind(now_ms + times_.good.count());
   ENAMEL_RETURN_IF_ERROR(q.Bind(now_ms).Run());
   if (db_->Changes() > 0) return Status::Ok();
-  return Status(
-      Code::kUnavailable,
-      "another server of this school removes what was erased or is due; try again when that is "
-      "done",
-      kLeaseHeld);
+  return Status(Code::kUnavailable,
+                "another server of this school is removing erased or expired data; try again when "
+                "that is done",
+                kLeaseHeld);
 }
 
 Status Lease::Renew() {

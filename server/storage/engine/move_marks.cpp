@@ -34,16 +34,15 @@ Status MustNotBeMoved(Db& db) {
   ENAMEL_ASSIGN_OR_RETURN(const bool away, HasMoveRow(db, MoveRow::kAway));
   if (away) {
     return {Code::kConflict,
-            "this school was moved out of this database (enamel-server move); go on in its new "
-            "place. To go on here instead, without what has come there since and with who was "
-            "erased there, delete the row \"moved\" of the table move_marks"};
+            "this school was moved out of this database (enamel-server move); use its new place. "
+            "To use this one again, delete the row \"moved\" of the table move_marks: changes made "
+            "in the new place are then missing here, and people erased there are not erased here"};
   }
   ENAMEL_ASSIGN_OR_RETURN(const bool coming, HasMoveRow(db, MoveRow::kComing));
   if (!coming) return Status::Ok();
-  return {
-      Code::kConflict,
-      "this school is being moved into this database, and is half here; repeat the command that "
-      "began it, which goes on where it stopped"};
+  return {Code::kConflict,
+          "this school's move into this database is not finished; repeat the move command, which "
+          "continues where it stopped"};
 }
 
 }  // namespace enamel::server

@@ -15,26 +15,25 @@ using PgKind = sql::PgFailure::Kind;
 const char* PgAdvice(PgKind kind) {
   switch (kind) {
     case PgKind::kNotThere:
-      return "the database server cannot be reached; see that PostgreSQL runs";
+      return "the database server cannot be reached; check that PostgreSQL runs";
     case PgKind::kReadOnly:
-      return "the database server takes no changes: it is a standby; try again when another has "
-             "taken over";
+      return "the database server accepts no changes: it is a standby; try again when another "
+             "server has taken over";
     case PgKind::kBusy:
       return "the database is busy; try again";
     case PgKind::kRepeat:
-      return "another server changes the same; try again";
+      return "another server is changing the same data; try again";
     case PgKind::kFull:
       return "the database server's disk is full; free some disk space there";
     case PgKind::kNotAllowed:
-      return "the database server refuses this user; see its pg_hba.conf, and that the user owns "
+      return "the database server refuses this user; check its pg_hba.conf, and that the user owns "
              "the database";
     case PgKind::kDamaged:
       return "the database is damaged, restore a backup";
     case PgKind::kConstraint:
     case PgKind::kTaken:
-      return "this does not go with what is stored: something is there already, or what it names "
-             "is "
-             "not there; read it again, then try again";
+      return "this conflicts with what is stored: it exists already, or something it names does "
+             "not exist; load it again, then try again";
     case PgKind::kOther:
       break;
   }

@@ -6,7 +6,7 @@ namespace enamel::server {
 Status RecordingGate::Check() {
   if (!rows_.damaged()) return space_.Check();
   return Status(Code::kUnavailable,
-                "the server's database is damaged: stop the server, see what verify says, and "
+                "the server's database is damaged: stop the server, run enamel-server verify, and "
                 "restore a backup; recordings wait at the stations");
 }
 

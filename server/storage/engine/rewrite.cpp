@@ -76,7 +76,7 @@ bool Rewriter::OthersErase() const {
 Status Rewriter::RunIfMarked() {
   ENAMEL_ASSIGN_OR_RETURN(const auto mark, FindMark());
   if (!mark) return Status::Ok();
-  spdlog::info("the database is being written anew after an erasure; changes wait until it is");
+  spdlog::info("the database is being rewritten after an erasure; changes wait until that is done");
   const auto begin = std::chrono::steady_clock::now();
   running_ = true;
   Status status = rows_.writer().RunAlone([&](Db& db) -> Status {
@@ -88,12 +88,11 @@ Status Rewriter::RunIfMarked() {
   if (status.ok()) status = RemoveMark(*mark);
   if (status.ok()) {
     std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
-    spdlog::info("the database is written anew, which took {:.1f} s", took.count());
+    spdlog::info("rewrote the database in {:.1f} s", took.count());
   } else {
     spdlog::warn(
-        "the database could not be written anew after an erasure: {}. Copies of what was erased "
-        "may stay in unused parts of it until the server does that, tried again every hour and "
-        "after its next start",
+        "the database could not be rewritten after an erasure: {}. Copies of the erased data may "
+        "remain in unused parts of it. The server tries again every hour and after its next start",
         status.message());
   }
   return status;

@@ -16,9 +16,10 @@ Status MustHaveChanged(sql::Db& db, const std::string& what) {
 
 Status MustBeRevision(int32_t stored, int32_t seen) {
   if (stored == seen) return Status::Ok();
-  return Status(Code::kConflict,
-                "somebody else has changed this meanwhile; look at it as it is now and try again",
-                std::string(kStale));
+  return Status(
+      Code::kConflict,
+      "somebody else has changed this since you loaded it; load it again and repeat your change",
+      std::string(kStale));
 }
 
 }  // namespace enamel::server

@@ -193,7 +193,7 @@ Status Writer::TransactApart(const std::vector<Pending*>& batch) {
 // A transaction that met another's has failed, whatever the work made of that.
 Status Writer::Met() const {
   return db_->must_repeat()
-             ? Status(Code::kUnavailable, "another server changes the same; try again")
+             ? Status(Code::kUnavailable, "another server is changing the same data; try again")
              : Status::Ok();
 }
 

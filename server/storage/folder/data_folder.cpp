@@ -76,20 +76,20 @@ Status MakeDataFolder(const std::filesystem::path& folder, Disk& disk, bool rest
   }
   if (!restoring && std::filesystem::exists(folder / kMoveMark)) {
     return Status(Code::kConflict, folder.string() +
-                                       " holds a move that did not finish; repeat the command that "
-                                       "began it, which goes on where it stopped");
+                                       " holds a move that did not finish; repeat the move "
+                                       "command, which continues where it stopped");
   }
   if (const auto to = ReadMark(folder / kMovedMark); to.ok() && !restoring) {
     if (std::filesystem::exists(std::filesystem::path(*to) / kMoveMark)) {
-      return Status(Code::kConflict, "this school is being moved to " + *to +
-                                         "; repeat the command that began it, or, to go on here, "
-                                         "delete " +
-                                         (folder / kMovedMark).string());
+      return Status(Code::kConflict,
+                    "this school is being moved to " + *to +
+                        "; repeat the move command, or, to use this folder again, delete " +
+                        (folder / kMovedMark).string());
     }
     return Status(Code::kConflict,
                   "this school was moved to " + *to +
-                      "; go on there. To go on here instead, without what has come there since and "
-                      "with who was erased there, delete " +
+                      "; use that place. To use this folder again, without changes made there and "
+                      "with people who were erased there, delete " +
                       (folder / kMovedMark).string());
   }
   if (::access(folder.c_str(), W_OK | X_OK) != 0) {

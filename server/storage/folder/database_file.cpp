@@ -22,7 +22,7 @@ constexpr size_t kMaxPrefix = 200;
 Status Bad(const std::filesystem::path& path, const std::string& found) {
   return Status(
       Code::kInvalidInput,
-      path.string() + ": expected what schemas/database.md says, found " + found + "; mend it");
+      path.string() + ": expected the form in schemas/database.md, found " + found + "; mend it");
 }
 
 // `format`: of the member of that name; empty: the file has none.

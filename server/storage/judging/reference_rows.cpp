@@ -68,8 +68,8 @@ Status MustDoTheTask(const AttemptRow& attempt) {
   return Status(
       Code::kConflict,
       "attempt " + attempt.id.Text() +
-          " scored 0: what does not do the task cannot be the reference for others; if the "
-          "reference it was compared with is wrong, withdraw that and score it again",
+          " scored 0: an attempt that fails the task cannot be the reference; if the reference it "
+          "was compared with is wrong, withdraw that one and score the attempt again",
       "score");
 }
 

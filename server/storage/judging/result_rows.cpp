@@ -120,8 +120,8 @@ Result<KeptRun> FindKept(Db& db, const Uuid& attempt, int32_t run) {
   if (run == out.newest || !q.IsNull(4)) return out;
   return Status(Code::kConflict,
                 "of run " + std::to_string(run) +
-                    " only points and reasons are kept, as it is neither the newest nor the one "
-                    "before; have the attempt scored again, or override its score",
+                    " only points and reasons are kept, because it is neither the newest nor the "
+                    "previous one; have the attempt scored again, or override its score",
                 "run");
 }
 
@@ -225,9 +225,8 @@ Status ResultRows::RestoreResult(const Uuid& attempt, int32_t run, const Actor& 
     ENAMEL_ASSIGN_OR_RETURN(const auto row, FindAttempt(db, attempt));
     if (revision) ENAMEL_RETURN_IF_ERROR(MustBeRevision(row.revision, *revision));
     if (row.expired_ms != 0) {
-      return Status(Code::kConflict,
-                    "the recording of attempt " + attempt.Text() +
-                        " was removed by a retention rule; its score stays as it is");
+      return Status(Code::kConflict, "the recording of attempt " + attempt.Text() +
+                                         " was removed by a retention rule; its score stays");
     }
     ENAMEL_ASSIGN_OR_RETURN(const auto kept, FindKept(db, attempt, run));
     ENAMEL_RETURN_IF_ERROR(CancelRunsOf(db, attempt, by));

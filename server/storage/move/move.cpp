@@ -48,8 +48,8 @@ Status MustNotBeMovedElsewhere(const fs::path& from, const fs::path& to) {
   if (moved.status().code() == Code::kNotFound) return Status::Ok();
   if (!moved.ok()) return moved.status();
   if (*moved == PathText(to) && fs::exists(to / kMoveMark, error)) return Status::Ok();
-  return Status(Code::kConflict, "this school was moved already, to " + *moved +
-                                     "; go on there, and move it from there");
+  return Status(Code::kConflict,
+                "this school was moved already, to " + *moved + "; move it from there");
 }
 
 class Mover {
@@ -293,8 +293,8 @@ class Mover {
                           "blobs that the rows name are") +
                       " missing or damaged in the old place, the first is " +
                       report_.missing.front().Hex() +
-                      "; restore them from a backup, or accept the loss with --accept-damage. The "
-                      "same command goes on from here");
+                      "; restore them from a backup, or accept the loss with --accept-damage. Then "
+                      "repeat the command: it continues from here");
   }
 
   Status MoveBlob(const Sha256& hash) {

@@ -129,16 +129,14 @@ Status SealRows::SealAttempt(const trace::Seal& seal, UnixMs now_ms) {
     // has looked. Nor is graded work with a hand that was not admitted, which a ticket was refused
     // for or would have been.
     if ((ingest.flags & kOtherHand) != 0) {
-      ENAMEL_RETURN_IF_ERROR(
-          Quarantine(db, seal.attempt,
-                     "what held the tool is not what the assignment admits. An instructor may have "
-                     "it scored all the same"));
+      ENAMEL_RETURN_IF_ERROR(Quarantine(db, seal.attempt,
+                                        "the assignment does not allow the device that held the "
+                                        "tool. An instructor can have the attempt scored anyway"));
     } else if (ingest.exam && (ingest.flags & kFasterThanTime) != 0) {
-      ENAMEL_RETURN_IF_ERROR(
-          Quarantine(db, seal.attempt,
-                     "this exam has more ticks than time between its ticket and their arrival: it "
-                     "was not made "
-                     "in real time. An instructor may have it scored all the same"));
+      ENAMEL_RETURN_IF_ERROR(Quarantine(
+          db, seal.attempt,
+          "this exam has more ticks than the time between its ticket and their arrival allows: it "
+          "was not made in real time. An instructor can have it scored anyway"));
     } else {
       ENAMEL_RETURN_IF_ERROR(QueueScoreJob(db, seal.attempt, "seal"));
     }

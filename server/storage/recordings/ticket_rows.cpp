@@ -99,8 +99,8 @@ Status TicketRows::CreateAttempt(const AttemptRow& row, ByteView ticket, const A
   if (!nobody) return status;
   ENAMEL_ASSIGN_OR_RETURN(const bool gone, keyring_.IsGone(row.person));
   if (!gone) return status;
-  return Status(Code::kConflict, "this person was erased; nothing of theirs is taken any more",
-                "person");
+  return Status(Code::kConflict,
+                "this person was erased; the server accepts nothing of theirs any more", "person");
 }
 
 // Twice is the same as once: the station tells it until it has an answer.
@@ -138,7 +138,7 @@ Status TicketRows::OpenAttempt(const Uuid& attempt, ByteView header) {
                                               HashSha256(header).Hex() + ", than the stored " +
                                               HashSha256(stored).Hex()));
       return Status(Code::kConflict, "the ticket of attempt " + attempt.Text() +
-                                         " was used for another recording; ask for a new ticket");
+                                         " was used for another recording; get a new ticket");
     }
     if ((ingest.flags & kReturned) != 0) {
       return Status(

@@ -299,7 +299,7 @@ Result<ExerciseRow> ExerciseRows::PublishDraft(const Uuid& id, int32_t revision,
     ENAMEL_ASSIGN_OR_RETURN(auto newest, NewestVersion(db, row.name));
     // A version that differs in nothing would split a class's results in two.
     if (newest && newest->content == row.content && newest->state == ExerciseState::kPublished) {
-      return Status(Code::kConflict, "the draft says what version " +
+      return Status(Code::kConflict, "the draft is the same as version " +
                                          std::to_string(newest->version) + " of \"" + row.name +
                                          "\" says; change it first, or discard it");
     }

@@ -59,11 +59,11 @@ Result<RubricRow> RubricRows::PublishRubric(const RubricRow& row, const Actor& b
     }
     ENAMEL_ASSIGN_OR_RETURN(auto earlier, FindRubrics(db, row.exercise));
     if (!earlier.empty() && earlier.front().content == row.content) {
-      return Status(Code::kConflict, "the rubric that counts says the same already");
+      return Status(Code::kConflict, "the current rubric is already the same");
     }
     if (!earlier.empty() && row.version != earlier.front().version + 1) {
       return Status(Code::kConflict,
-                    "somebody else corrected this rubric meanwhile (version " +
+                    "somebody else has corrected this rubric since (version " +
                         std::to_string(earlier.front().version) + "); look at it and try again",
                     std::string(kStale));
     }

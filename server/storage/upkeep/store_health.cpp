@@ -56,22 +56,22 @@ std::string StoreHealthCheck::Problem() {
 
 std::string StoreHealthCheck::Waiting() {
   if (parts_.rewriter.running() || parts_.rows.writer().waits()) {
-    return "a person was erased and the database is being written anew; changes and recordings "
-           "wait until that is done";
+    return "a person was erased and the database is being rewritten; changes and recordings wait "
+           "until that is done";
   }
   if (parts_.look.standby() == sql::Standby::kMissing) {
-    return "the database server waits for a synchronous standby, and none is there; every change "
-           "and every recording waits until one is";
+    return "the database server waits for a synchronous standby, and none is connected; every "
+           "change and recording waits until one is";
   }
   // What arrives is kept in rows meanwhile.
   if (!parts_.blobs.Problem().ok()) {
-    return "the store of blobs cannot be written or read; the server's log says why. Recordings "
-           "that end wait at the stations and scores at the server until it can";
+    return "the store of blobs cannot be written or read; the server's log says why. Until it can, "
+           "finished recordings wait at the stations, and scores at the server";
   }
   if (!parts_.keyring.Problem().ok()) {
-    return "the store of keys cannot be written or read; the server's log says why. Recordings of "
-           "people whose key is not in memory wait at the stations, and nobody can be erased, "
-           "until it can";
+    return "the store of keys cannot be written or read; the server's log says why. Until it can, "
+           "recordings of people whose key is not in memory wait at the stations, and nobody can "
+           "be erased";
   }
   return "";
 }

@@ -80,10 +80,10 @@ class Verifier {
     // Verifying changes nothing, so an older database is not migrated; the statements below are for
     // the newest.
     if (report_.schema < LatestSchemaVersion()) {
-      report_.notes.push_back("the database has schema " + std::to_string(report_.schema) +
-                              " and was not looked at further; start the server once, which "
-                              "brings it to schema " +
-                              std::to_string(LatestSchemaVersion()));
+      report_.notes.push_back(
+          "the database has schema " + std::to_string(report_.schema) +
+          " and was not checked further; start the server once, which brings it to schema " +
+          std::to_string(LatestSchemaVersion()));
       return Status::Ok();
     }
     ENAMEL_ASSIGN_OR_RETURN(auto named, NamedBlobs(db));
@@ -111,7 +111,7 @@ class Verifier {
       if (own.ok() && !*own) {
         report_.Find("timeline", q.Id(0).Text(), "the playback that was made of this attempt",
                      "one of another attempt",
-                     "have the attempt scored again, which makes it anew");
+             "have the attempt scored again, which makes the playback again");
       }
     }
     return q.status();
@@ -175,7 +175,7 @@ class Verifier {
     sql::Query keys(db, "PRAGMA foreign_key_check");
     while (keys.Next()) {
       report_.Find("database", keys.Text(0), "rows that name existing rows of " + keys.Text(2),
-                   "row " + keys.Text(1) + " names one that is not there", kFromBackup);
+                   "row " + keys.Text(1) + " names one that does not exist", kFromBackup);
     }
     Tell("database", 1, 1);
     return keys.status();

@@ -173,8 +173,7 @@ class AuditCheck {
             kLookForEnd);
       } else if (head.number < end.number || head.hash != end.hash || head.last_id != end.id) {
         report_.Find("audit", "enamel.db",
-                     "row " + std::to_string(head.number) +
-                         " as the end of the audit trail, as it is signed",
+                     "row " + std::to_string(head.number) + " as the signed end of the audit trail",
                      "row " + std::to_string(end.number) + ", or another one in its place",
                      kLookForEnd);
       }
@@ -225,7 +224,7 @@ class AuditCheck {
       return Status::Ok();
     }
     ENAMEL_ASSIGN_OR_RETURN(const bool gone, PersonIsErased(row.seal.object));
-    if (!gone) FindRow(row, "what it told, as its person was not erased", kErasedJson);
+    if (!gone) FindRow(row, "its content, as its person was not erased", kErasedJson);
     return Status::Ok();
   }
 
@@ -314,8 +313,7 @@ class AuditCheck {
       ENAMEL_ASSIGN_OR_RETURN(const auto attempt, StateOf(db_, SubjectOf("attempt", object)));
       if (attempt.empty()) return Status::Ok();
     }
-    report_.Find("decision", key, "the " + kind + " that the audit trail tells of (" + row + ")",
-                 "none", kLookIntoBackup);
+    report_.Find("decision", key, "the " + kind + " that the audit trail records (" + row + ")", "none", kLookIntoBackup);
     return Status::Ok();
   }
 
@@ -343,8 +341,7 @@ class AuditCheck {
       if (told_.contains(subject)) continue;
       const size_t space = subject.find(' ');
       report_.Find("decision", subject.substr(space + 1),
-                   "a row of the audit trail that tells of this " + subject.substr(0, space),
-                   "none", kLookIntoBackup);
+                   "a row of the audit trail that records this " + subject.substr(0, space), "none", kLookIntoBackup);
     }
     return Status::Ok();
   }

@@ -11,8 +11,8 @@ namespace enamel::server {
 namespace {
 
 constexpr char kScoreAgain[] =
-    "have the attempt scored again, which computes it from the recording and signs it; look in the "
-    "audit trail and in a backup for who changed it";
+    "have the attempt scored again, which computes it from the recording and signs it; find out "
+    "who changed it from the audit trail and a backup";
 
 // A run with the present columns of the attempt's row.
 struct Run {

@@ -123,7 +123,7 @@ class EditsTest : public VerifyTest {
   EditsTest() {
     graded_ = school_.Record(2);
     EXPECT_TRUE(school_.store->judging
-                    .FlagAttempt(graded_, kResumed, "the station went on", Actor{{}, "test"}, {})
+                    .FlagAttempt(graded_, kResumed, "the station continued", Actor{{}, "test"}, {})
                     .ok());
     school_.Score(graded_, scored_);
     ExerciseRow other = school_.world.Exercise("other", "v1 of another");
