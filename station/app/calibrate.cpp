@@ -151,11 +151,10 @@ Result<std::array<AxisFigures, 3>> Measure(Subject& subject, const CalibrateComm
 Status AwaitGoAhead(const CalibrateCommand& options, const Subject& subject) {
   if (!subject.real || options.yes) return Status::Ok();
   if (::isatty(STDIN_FILENO) == 0) {
-    return Status(
-        Code::kInvalidInput,
-        "the device will move by itself: run this on a terminal, or say --yes when nobody "
-        "is near it",
-        "yes");
+    return Status(Code::kInvalidInput,
+                  "the device will move by itself: run this on a terminal, or add --yes when "
+                  "nobody is near it",
+                  "yes");
   }
   std::printf(
       "%s will move by itself, about a centimetre each way, for a minute and a half.\n"

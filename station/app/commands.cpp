@@ -245,9 +245,11 @@ void DeclareReserve(CommandGroup group) {
                   "count.\nPIN in ENAMEL_PIN; forgotten: --user and ENAMEL_PASSWORD");
   cmd->footer(
       "Password in ENAMEL_PASSWORD, PIN (6 to 12 digits) in ENAMEL_PIN. Without --exercise it "
-      "lists what is reserved here.\n'run --reserved ID' with ENAMEL_PIN makes the attempt. The "
-      "PIN keeps others at this chair from using it;\nwho can read this station's disk is not kept "
-      "out by six digits. Exams cannot be reserved.");
+      "lists what is reserved here.\n"
+      "'run --reserved ID' with ENAMEL_PIN makes the attempt. The PIN keeps others at this chair "
+      "from using it;\n"
+      "six digits do not keep out anybody who can read this station's disk. Exams cannot be "
+      "reserved.");
 }
 
 void DeclareSimulate(CommandGroup group) {

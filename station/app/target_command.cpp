@@ -82,7 +82,7 @@ void DeclareTarget(CommandGroup group) {
       ->check(CLI::Range(0, 5'000))
       ->capture_default_str();
   command->add_option("--name", o->name, "Of the exercise; without: prepared-SCENE");
-  command->add_flag("--placed", o->placed, "The scan lies nearly right on the tooth already");
+  command->add_flag("--placed", o->placed, "The scan is nearly in place on the tooth already");
   command->callback([o, &exit_code = group.exit_code] { exit_code = Finish(MakeTarget(*o)); });
 }
 

@@ -57,10 +57,10 @@ Status TicketSafe::CheckPin(const std::string& pin) {
   }
   // Birthdays are not refused: ten tries are too few to exploit them.
   if (Steps(pin, 0) || Steps(pin, 1) || Steps(pin, -1)) {
-    return Status(Code::kInvalidInput,
-                  "this PIN is guessed first: choose one whose digits are not all the same and not "
-                  "in a row",
-                  "pin");
+    return Status(
+        Code::kInvalidInput,
+        "this PIN is easy to guess: choose digits that are not all the same and not in a row",
+        "pin");
   }
   return Status::Ok();
 }

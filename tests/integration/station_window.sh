@@ -355,7 +355,7 @@ type 123456
 key Enter
 type 123456
 key Enter
-see guessed first
+see easy to guess
 frames 2
 picture PICTURES/19-reserve.png
 click Cancel

@@ -125,8 +125,8 @@ Status Verdict(const trace::Moment& moment) {
   }
   if (moment.from_tick == 0) {
     std::printf(
-        "every tick agrees with the core; who signed it was not looked at (enamel-station verify "
-        "does)\n");
+        "every tick agrees with the core; signatures were not checked (enamel-station verify does "
+        "that)\n");
   } else {
     std::printf(
         "every tick from %llu on agrees with the core; without --to-tick all are compared\n",

@@ -172,7 +172,8 @@ void DeclareVerify(CommandGroup group) {
   cmd->add_option("--station-key", o.station_key,
                   "Public key of the station, 64 hexadecimal digits or a file; this station's own "
                   "if left out");
-  cmd->add_option("--server-key", o.server_key, "Public key of the server's tickets, likewise");
+  cmd->add_option("--server-key", o.server_key,
+                  "Public key of the server's tickets, 64 hexadecimal digits or a file");
   cmd->add_option("--volume", o.volume, "The tooth it began with, when it is not in the cache");
   cmd->add_option("--json", o.json, "Write what was found to this file");
 }

@@ -164,8 +164,7 @@ void RegisterOperators(CLI::App& app, int* exit_code) {
       ->add_option("--exercise", command->options.exercises,
                    "Names or their beginnings (class-1, caries); else all they can cut")
       ->delimiter(',');
-  operators
-      ->add_option("--seed", command->options.seeds, "Of the tremor; 0 stands for each one's own")
+  operators->add_option("--seed", command->options.seeds, "Of the tremor; 0: each person's own")
       ->delimiter(',')
       ->capture_default_str();
   operators->add_option("--json", command->json, "Write the rows to this file");
@@ -173,7 +172,7 @@ void RegisterOperators(CLI::App& app, int* exit_code) {
       "Each simulated person has a published rank of skill. All of them do each exercise with "
       "each\n"
       "device and are graded against the dentist among them. Spearman's correlation of rank and\n"
-      "score says how well the grade tells skill; who fails critically is left out of it.\n"
+      "score shows how well the grade reflects skill; people who fail critically are left out.\n"
       "The same hand should get the same grade with every device: the means over its seeds are\n"
       "compared.\n"
       "An exercise takes some minutes per device and seed.\n"
