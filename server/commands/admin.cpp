@@ -382,10 +382,9 @@ void DeclareAttempts(CommandGroup admin) {
   mark->add_flag(
       "--consent", r.consent,
       "Confirms that the dentist agrees to being named and to the use of the cut; required");
-  mark->add_option(
-      "--anyway", r.anyway,
-      "Why it is the reference although it does not do what the exercise's target asks "
-      "for; goes to the audit trail");
+  mark->add_option("--anyway", r.anyway,
+                   "Why it is the reference although it does not meet the exercise's target; "
+                   "recorded in the audit trail");
 
   struct References {
     std::filesystem::path data;
@@ -396,9 +395,10 @@ void DeclareAttempts(CommandGroup admin) {
                           [](const References& o) { return ListReferences(o.data, o.name); });
   AddData(references, f.data);
   references->add_option("--exercise", f.name, "Its name; without: of every exercise");
-  auto [withdraw, w] = Declare<References>(
-      admin, "withdraw-reference", "Compare nobody with this cut any more; scores stay",
-      [](const References& o) { return WithdrawReference(o.data, o.name); });
+  auto [withdraw, w] =
+      Declare<References>(admin, "withdraw-reference",
+                          "Withdraw a reference: nobody is compared with it any more; scores stay",
+                          [](const References& o) { return WithdrawReference(o.data, o.name); });
   AddData(withdraw, w.data);
   withdraw
       ->add_option("--reference", w.name,

@@ -242,8 +242,8 @@ Status EndSessions(const std::filesystem::path& data, const std::string& login) 
 }
 
 void DeclareRoster(CommandGroup admin) {
-  auto [roster, r] = Declare<RosterCommand>(admin, "import-roster",
-                                            "People and cohorts from a CSV file", ImportRoster);
+  auto [roster, r] = Declare<RosterCommand>(
+      admin, "import-roster", "Add or change people and cohorts from a CSV file", ImportRoster);
   roster->add_option("FILE", r.file, "login,display_name,role,cohort (schemas/roster.md)")
       ->required()
       ->check(CLI::ExistingFile);

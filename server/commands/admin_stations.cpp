@@ -229,7 +229,7 @@ void DeclareStations(CommandGroup admin) {
   AddData(awaited, a.data);
 
   auto [revoke, r] =
-      Declare<Folder>(admin, "revoke-station", "Stop admitting a station, for good",
+      Declare<Folder>(admin, "revoke-station", "Revoke a station permanently",
                       [](const Folder& o) { return RevokeStation(o.data, o.station); });
   AddData(revoke, r.data);
   revoke->add_option("--station", r.station, "Its name, or the id list-stations shows")->required();

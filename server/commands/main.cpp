@@ -52,7 +52,8 @@ int main(int argc, char** argv) {
   app::DeclareReport(top);
   app::DeclareRescore(top);
   app::DeclareAgreement(top);
-  auto* admin = root.add_subcommand("admin", "People, cohorts, stations, exercises, references");
+  auto* admin =
+      root.add_subcommand("admin", "Manage people, cohorts, stations, exercises, references");
   admin->require_subcommand(1);
   for (auto declare :
        {app::DeclarePeople, app::DeclareRoster, app::DeclareSessions, app::DeclareStations,

@@ -152,7 +152,7 @@ void DeclareTargets(CommandGroup admin) {
   };
   auto [target, o] = Declare<Wanted>(
       admin, "target-from-reference",
-      "Make what the newest reference left the target of the exercise's next version",
+      "Make the newest reference's result the target of the exercise's next version",
       [](const Wanted& w) {
         FromReference wanted{w.exercise, {}, w.anyway};
         if (w.tolerance_um >= 0) wanted.tolerance_um = w.tolerance_um;
@@ -165,7 +165,7 @@ void DeclareTargets(CommandGroup admin) {
                    "How far a cut may go beyond it; without: as it was")
       ->check(CLI::Range(0, 5'000));
   target->add_option("--anyway", o.anyway,
-                     "Why, although the reference does not do what the exercise's target asks for");
+                     "Why, although the reference does not meet the exercise's target");
   target->footer(
       "Attempts of the new version are compared with that tooth, so it needs no reference. It is "
       "assigned\nto nobody yet; assignments of earlier versions stay with theirs.\n\n"

@@ -180,7 +180,8 @@ Status RemoveSchool(const SchoolCommand& command) {
 }
 
 void DeclareSchools(CommandGroup root) {
-  auto* school = root.parent.add_subcommand("school", "Other schools that an installation serves");
+  auto* school =
+      root.parent.add_subcommand("school", "Add and manage other schools of an installation");
   school->require_subcommand(1);
   school->footer(
       "An installation serves its own school and any others that you add. Each has its\n"

@@ -379,9 +379,9 @@ void DeclareExercises(CommandGroup admin) {
     std::filesystem::path data;
     Sharing sharing;
   };
-  auto [share, s] = Declare<Share>(admin, "share-exercise",
-                                   "Whose an exercise is, and whether other instructors may use it",
-                                   [](const Share& o) { return ShareExercise(o.data, o.sharing); });
+  auto [share, s] = Declare<Share>(
+      admin, "share-exercise", "Set who owns an exercise, and whether other instructors may use it",
+      [](const Share& o) { return ShareExercise(o.data, o.sharing); });
   AddData(share, s.data);
   share->add_option("--exercise", s.sharing.exercise, "Its name")->required();
   auto* shared = share->add_flag("--shared", s.sharing.shared, "Others may read and assign it");

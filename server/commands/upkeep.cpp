@@ -255,7 +255,7 @@ Status Retention(const RetentionCommand& command) {
 
 void DeclareBackup(CommandGroup root) {
   auto [backup, b] = Declare<BackupCommand>(
-      root, "backup", "Copy the data folder, also while the server runs", Backup);
+      root, "backup", "Copy the data folder; the server may be running", Backup);
   backup->add_option("TARGET", b.target, "Folder to make; absent or empty")->required();
   AddData(backup, b.data);
   backup->add_option(
@@ -319,7 +319,7 @@ void DeclareRetention(CommandGroup root) {
       "  unfinished   attempts that were never ended, from their beginning (at least 14 days)\n"
       "  recordings   motion, forces and the cut tooth, from the end; the score stays\n"
       "  attempts     all of an attempt, from the end\n"
-      "Reference cuts are kept whatever the rules say.\n\n"
+      "Reference cuts are always kept.\n\n"
       "  enamel-server retention --data /srv/enamel --set recordings --days 730");
 }
 

@@ -222,8 +222,7 @@ void DeclareReserve(CommandGroup group) {
     std::string give_back;
   };
   auto [cmd, o] = Declare<Options>(
-      group, "reserve",
-      "Take a ticket now for an attempt within 12 hours, with or without the server",
+      group, "reserve", "Take a ticket now, for an attempt within 12 hours that needs no server",
       [&place = group.place](Options& options) {
         ReserveCommand& reserve = options.reserve;
         reserve.workplace = place.Options();
@@ -254,7 +253,8 @@ void DeclareReserve(CommandGroup group) {
 
 void DeclareSimulate(CommandGroup group) {
   auto [cmd, o] = Declare<SimulateCommand>(
-      group, "simulate", "An attempt without any server: walls, forces, ticks", SimulateAttempt);
+      group, "simulate", "Make an attempt without a server and print its walls, forces and ticks",
+      SimulateAttempt);
   cmd->add_option("--scene", o.scene, "builtin:molar, builtin:block, or an imported scene's folder")
       ->capture_default_str();
   cmd->add_option("--profile", o.profile, "Device profile, or its document (FILE.json)")
@@ -266,10 +266,10 @@ void DeclareSimulate(CommandGroup group) {
 }
 
 void DeclareLists(CommandGroup group) {
-  group.app.add_subcommand("scenes", "Built-in scenes and their exercises")->callback([] {
+  group.app.add_subcommand("scenes", "List the built-in scenes and their exercises")->callback([] {
     PrintScenes();
   });
-  group.app.add_subcommand("profiles", "Device profiles and where their numbers come from")
+  group.app.add_subcommand("profiles", "List device profiles and where their numbers come from")
       ->callback([] { PrintProfiles(); });
 }
 

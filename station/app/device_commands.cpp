@@ -16,8 +16,8 @@ void AddDevices(CLI::App& app, const std::string& default_data, const Finisher& 
                 int* exit_code) {
   auto options = std::make_shared<DevicesCommand>();
   options->data = default_data;
-  auto* command = app.add_subcommand(
-      "devices", "List the attached devices, and those that are always available");
+  auto* command =
+      app.add_subcommand("devices", "List attached devices, and those that are always available");
   command->add_flag("--all", options->all, "Also HID devices that are not known here");
   command->add_option("--json", options->json, "Write the list to this file");
   command->add_option("--data", options->data, "The station's folder, for what was measured here")
@@ -64,9 +64,10 @@ void AddDoctor(CLI::App& app, const std::string& default_data, const Finisher& f
   auto options = std::make_shared<DoctorCommand>();
   options->data = default_data;
   auto* command = app.add_subcommand(
-      "doctor", "Check all that an attempt needs, one line each, with what to do");
+      "doctor", "Check everything that an attempt needs and say what to do about it");
   command->add_option("--data", options->data, "The station's folder")->capture_default_str();
-  command->add_option("--server", options->server, "HOST:PORT when it has moved since enrolment");
+  command->add_option("--server", options->server,
+                      "HOST:PORT, if the server has moved since enrolment");
   command->add_flag("!--no-graphics", options->graphics, "For a station without a window");
   command->add_option("--json", options->json, "Write the findings to this file");
   command->callback([=] { *exit_code = finish(Doctor(*options)); });
@@ -75,7 +76,8 @@ void AddDoctor(CLI::App& app, const std::string& default_data, const Finisher& f
 void AddLoopTest(CLI::App& app, const Finisher& finish, int* exit_code) {
   auto options = std::make_shared<LoopTestCommand>();
   auto* command = app.add_subcommand(
-      "loop-test", "What a tick of the haptic loop costs and how punctual it is on this computer");
+      "loop-test",
+      "Measure what a tick of the haptic loop costs on this computer, and how punctual it is");
   command
       ->add_option(
           "--seconds", options->seconds,

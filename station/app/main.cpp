@@ -24,12 +24,12 @@ or without a window, with a simulated hand:
       --exercise NAME --profile phantom_desktop --operator student
 Without any server:
   enamel-station simulate --profile phantom_desktop --operator dentist
-What was recorded while the server was away is sent by:
+To send what was recorded while the server was away:
   enamel-station upload
-After a crash or a power cut, go on where the recording ends, or end it there:
+After a crash or a power cut, continue where the recording ends, or end it there:
   ENAMEL_PASSWORD=... enamel-station run --user LOGIN --resume last
   enamel-station spool close last
-For hours without the server, with a PIN of your own:
+To work for hours without the server, with a PIN of your own:
   ENAMEL_PASSWORD=... ENAMEL_PIN=... enamel-station reserve --user LOGIN --exercise NAME --profile NAME
   ENAMEL_PIN=... enamel-station run --reserved ID
   ENAMEL_PIN=... enamel-station reserve --give-back ID

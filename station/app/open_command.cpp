@@ -36,15 +36,15 @@ OpenCommand DeclareOpen(CommandGroup group) {
   cmd->add_option("--window", options->size,
                   "WIDTHxHEIGHT instead of the full screen, as 1280x720");
   cmd->add_option("--language", options->language,
-                  "en, de or zh: what the window speaks until somebody chooses another; else LANG")
+                  "en, de or zh: the window's language until somebody chooses another; else LANG")
       ->check(CLI::IsMember({"en", "de", "zh"}));
   cmd->add_option("--quality", o.quality,
-                  "best, good, fair or low; else by how long pictures take");
+                  "best, good, fair or low; else chosen by how long pictures take");
   cmd->add_option("--idle-minutes", o.idle_minutes,
-                  "Without key or mouse, outside an attempt, before it signs out")
+                  "Time without key or mouse, outside an attempt, before it signs out")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  cmd->add_flag("!--no-sound", o.sound, "No sound of the handpiece");
+  cmd->add_flag("!--no-sound", o.sound, "Play no handpiece sound");
   cmd->add_flag("--simulated", o.simulated, "Offer simulated hands as devices too");
   cmd->add_option("--pedal", o.device.pedal,
                   "Foot pedal of attached devices when it is none that is known, as "

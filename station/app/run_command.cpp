@@ -103,7 +103,7 @@ void DeclareRun(CommandGroup group) {
       "'devices' lists attached devices; 'profiles' and the server's page list profiles.");
   auto* exercise = cmd->add_option("--exercise", run.exercise, "Name of the exercise");
   cmd->add_option("--assignment", run.assignment,
-                  "Id of the assignment, where the exercise is assigned more than once")
+                  "Id of the assignment, if the exercise is assigned more than once")
       ->needs(exercise);
   cmd->add_option("--profile", run.profile, "Name of the device profile");
   cmd->add_option("--user", run.login, "Login of the person at this station");
@@ -130,7 +130,7 @@ void DeclareRun(CommandGroup group) {
       ->capture_default_str();
   cmd->add_option("--seed", run.seed, "Of the operator's tremor; 0: the operator's own")
       ->capture_default_str();
-  cmd->add_flag("--lockstep", run.lockstep, "As fast as the machine can instead of 1 kHz");
+  cmd->add_flag("--lockstep", run.lockstep, "Run as fast as the computer can, not at 1 kHz");
   cmd->add_flag("--window", run.window, "Show the tooth being cut");
   cmd->add_option("--screenshot", run.screenshot, "Write the last picture as PNG");
   cmd->add_option("--json", run.json, "Write the facts of the attempt to this file");

@@ -470,7 +470,7 @@ void AddSpoolCommands(CLI::App& app, SpoolCommand& options, WorkplaceSettings& s
     });
     return added;
   };
-  constexpr char kUpload[] = "Send what the server does not have, or has lost";
+  constexpr char kUpload[] = "Send recordings that the server does not have, or has lost";
   add(app, "upload", kUpload, UploadSpool);
   CLI::App* spool = app.add_subcommand("spool", "Recordings on this station");
   spool->require_subcommand(1);
@@ -491,9 +491,10 @@ void AddSpoolCommands(CLI::App& app, SpoolCommand& options, WorkplaceSettings& s
       ->add_option("--out", options.out, "File to write")
       ->required();
   with_attempt(add(*spool, "loops",
-                   "How punctual the haptic loop of an attempt was, and its faults", ShowLoops));
+                   "Show how punctual the haptic loop of an attempt was, and its faults",
+                   ShowLoops));
   with_attempt(add(*spool, "close",
-                   "End an attempt that was cut off, as far as it goes, so that it is scored",
+                   "End an attempt that was cut off, so that it is scored as far as it goes",
                    CloseInSpool));
 }
 

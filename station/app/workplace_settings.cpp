@@ -27,21 +27,22 @@ void AddDataOption(CLI::App& command, WorkplaceSettings& settings) {
 
 void AddWorkplaceSettings(CLI::App& command, WorkplaceSettings& settings) {
   AddDataOption(command, settings);
-  command.add_option("--server", settings.server, "HOST:PORT when it has moved since enrolment");
+  command.add_option("--server", settings.server,
+                     "HOST:PORT, if the server has moved since enrolment");
   command
-      .add_option("--uplink-kbit", settings.uplink_kbit, "Send no faster than this; 0: no bound")
+      .add_option("--uplink-kbit", settings.uplink_kbit, "Send no faster than this; 0: no limit")
       ->check(CLI::Range(int64_t{0}, kMostKbit))
       ->capture_default_str();
   command
       .add_option("--keep-days", settings.keep_days,
-                  "Keep recordings this long after the server has them")
+                  "Keep recordings this long after the server has received them")
       // At least a week: a server's backup that asks for its recordings again may be that old.
       ->check(CLI::Range(7, 3650))
       ->capture_default_str();
   command
       .add_option("--keep-mib", settings.keep_mib,
-                  "Beyond this the recordings that the server has had longest are removed earlier; "
-                  "0: no bound")
+                  "Above this size, recordings that the server has had longest are removed "
+                  "earlier; 0: no limit")
       ->check(CLI::Range(int64_t{0}, kMostMib))
       ->capture_default_str();
 }
