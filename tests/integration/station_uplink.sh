@@ -106,7 +106,7 @@ server_cli report --data "$data" --attempt "$attempt" --wait 600 --json "$work/r
 station_cli upload --data "$station" | grep -q "nothing to upload" || fail "there is still something to send"
 
 echo "== an attempt without the server"
-expect_failure "a PIN that is easy to guess" "guessed first" \
+expect_failure "a PIN that is easy to guess" "easy to guess" \
   env ENAMEL_PIN=123456 "$bin/enamel-station" reserve --data "$station" --user student1 --exercise "$exercise" --profile phantom_desktop
 export ENAMEL_PIN=804217
 station_cli reserve --data "$station" --user student1 --exercise "$exercise" --profile phantom_desktop | tee "$work/reserve.log"
