@@ -111,7 +111,7 @@ class Verifier {
       if (own.ok() && !*own) {
         report_.Find("timeline", q.Id(0).Text(), "the playback that was made of this attempt",
                      "one of another attempt",
-             "have the attempt scored again, which makes the playback again");
+                     "have the attempt scored again, which makes the playback again");
       }
     }
     return q.status();

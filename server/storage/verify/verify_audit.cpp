@@ -313,7 +313,8 @@ class AuditCheck {
       ENAMEL_ASSIGN_OR_RETURN(const auto attempt, StateOf(db_, SubjectOf("attempt", object)));
       if (attempt.empty()) return Status::Ok();
     }
-    report_.Find("decision", key, "the " + kind + " that the audit trail records (" + row + ")", "none", kLookIntoBackup);
+    report_.Find("decision", key, "the " + kind + " that the audit trail records (" + row + ")",
+                 "none", kLookIntoBackup);
     return Status::Ok();
   }
 
@@ -341,7 +342,8 @@ class AuditCheck {
       if (told_.contains(subject)) continue;
       const size_t space = subject.find(' ');
       report_.Find("decision", subject.substr(space + 1),
-                   "a row of the audit trail that records this " + subject.substr(0, space), "none", kLookIntoBackup);
+                   "a row of the audit trail that records this " + subject.substr(0, space), "none",
+                   kLookIntoBackup);
     }
     return Status::Ok();
   }

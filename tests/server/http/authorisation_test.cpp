@@ -472,8 +472,10 @@ TEST_F(AuthorisationTest, EverybodyGetsWhatTheTableSays) {
       if (auto pass = made_->passes.find(kColumns[i]); pass != made_->passes.end()) {
         GiveOf(request, pass->second);
       }
-      Response response =
-          IsUnsafe(request) ? Case(*made_, true).Handle(request) : shared.Handle(request);
+      // What is refused changes nothing, or a later line would be answered in another way; but a
+      // refused sign-in counts against the next.
+      const bool changes = IsUnsafe(request) && (expected[i] < 400 || expected[i] == 401);
+      Response response = changes ? Case(*made_, true).Handle(request) : shared.Handle(request);
       EXPECT_EQ(response.status, expected[i])
           << line.route << " about " << line.what << " by " << kColumns[i] << ": "
           << response.body.substr(0, 300);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -18,7 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kSeeds = 200;
+// Recordings a claim is made of: fewer than `./check --full` takes.
+const int kSeeds = std::getenv("ENAMEL_FULL") != nullptr ? 200 : 50;
 constexpr double kSeconds = 20;
 
 dmat3 Along(const dvec3& u, double s) { return dmat3(u * (u.x * s), u * (u.y * s), u * (u.z * s)); }
@@ -63,7 +65,7 @@ struct Score {
   }
 };
 
-// The interval says 95 %; of 200, 186 or more.
+// The interval says 95 %; of 200, 186 or more, and of 50, 47.
 void ExpectRecovered(const char* name, const Score& s, double truth, double rms_bound) {
   s.Print(name, truth);
   EXPECT_GE(s.coverage(), 0.93) << name;
@@ -91,7 +93,7 @@ TEST(CutFitTest, RecoversAnIsotropicTissueWithCoulombAndThreshold) {
   TrueCut truth{dmat3(6.5), 0.5, 0.9, 0};
   Score b, fc;
   ThresholdScore fth;
-  for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
+  for (uint64_t seed = 1; seed <= static_cast<uint64_t>(kSeeds); ++seed) {
     CutFit f = FitCut(CutByForce(truth, Sensor{}, kSeconds, seed, Presses(seed)), 1e-3, false, 3);
     ASSERT_EQ(f.refused, "");
     ASSERT_EQ(f.model, CutModel::kMatrix);
@@ -108,7 +110,7 @@ TEST(CutFitTest, RecoversDampingAlongAndAcrossTheBurFromItsAxis) {
   TrueCut truth{Along(kAxis, 9) + (dmat3(1) - Along(kAxis, 1)) * 5.0, 0.4, 0.8, 0};
   Score b, axial, fc;
   ThresholdScore fth;
-  for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
+  for (uint64_t seed = 1; seed <= static_cast<uint64_t>(kSeeds); ++seed) {
     auto cut = CutByForce(truth, Sensor{}, kSeconds, seed, Presses(seed));
     for (CutSample& s : cut) s.axis = kAxis;
     CutFit f = FitCut(cut, 1e-3, false, 3);
@@ -135,7 +137,7 @@ TEST(CutFitTest, RecoversATurnedMatrixThroughNoiseSpikesAndMissingRows) {
   constexpr const char* kEntry[] = {"B xx", "B yy", "B zz", "B xy", "B xz", "B yz"};
   Score entry[6], fc;
   ThresholdScore fth;
-  for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
+  for (uint64_t seed = 1; seed <= static_cast<uint64_t>(kSeeds); ++seed) {
     CutFit f = FitCut(CutByForce(truth, sensor, kSeconds, seed, Presses(seed)), 1e-3, false, 3);
     ASSERT_EQ(f.model, CutModel::kMatrix);
     for (int j = 0; j < 6; ++j) entry[j].Add(f.matrix[j], truth.b[kRow[j]][kColumn[j]]);
