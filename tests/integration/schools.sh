@@ -155,7 +155,7 @@ pids+=($!)
 
 expect_failure "a school that is served" "suspend" "$bin/enamel-server" school delete north --confirm north --data "$data"
 cli school suspend north --data "$data" >/dev/null
-expect_failure "without its name" "say .*north" "$bin/enamel-server" school delete north --data "$data"
+expect_failure "without its name" "--confirm north" "$bin/enamel-server" school delete north --data "$data"
 cli school delete north --confirm north --data "$data" >/dev/null
 [ ! -e "$north" ] || fail "its folder is still there"
 until_answer north.test 421

@@ -42,8 +42,8 @@ expect_failure() {
   [ $rc -ne 124 ] || fail "$name: did not end within $((120 * patience)) s"
   [ $rc -lt 128 ] || { cat "$work/out"; fail "$name: crashed with signal $((rc - 128))"; }
   ! grep -qE 'Sanitizer: |runtime error: ' "$work/out" || { cat "$work/out"; fail "$name: found by a sanitizer"; }
-  grep -qiE "$pattern" "$work/out" || { cat "$work/out"; fail "$name: message does not say /$pattern/"; }
-  echo "ok: $name (exit code $rc): $(grep -iE -m1 "$pattern" "$work/out" | cut -c1-160)"
+  grep -qiE -- "$pattern" "$work/out" || { cat "$work/out"; fail "$name: message does not say /$pattern/"; }
+  echo "ok: $name (exit code $rc): $(grep -iE -m1 -- "$pattern" "$work/out" | cut -c1-160)"
 }
 
 # A screen that nobody sees, for windows: DISPLAY names it. Skips the test where there is no Xvfb.

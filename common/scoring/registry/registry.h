@@ -39,9 +39,9 @@ struct Entry {
 };
 
 // In the order of Metrics(). Formulas in full, with sources: schemas/score.md.
-std::span<const Entry> SurfaceMetrics();  // registry_surface.cpp: boxes, distances, walls, outline
-std::span<const Entry> CrownMetrics();    // registry_crown.cpp: crown, line angles, margin
-std::span<const Entry> TaskMetrics();     // registry_task.cpp: what went and what is covered
-std::span<const Entry> RecordingMetrics();  // registry_recording.cpp: time, force, way, motion
+std::span<const Entry> SurfaceMetrics();    // surface.cpp: boxes, distances, walls, outline
+std::span<const Entry> CrownMetrics();      // crown.cpp: crown, line angles, margin
+std::span<const Entry> TaskMetrics();       // task.cpp: what went and what is covered
+std::span<const Entry> RecordingMetrics();  // recording.cpp: time, force, way, motion
 
 }  // namespace enamel::scoring

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "station/lab/suites/front.h"
@@ -181,15 +180,10 @@ void AddGoalTable(SuiteContext& c) {
         deviation = std::max(deviation, r.m.deviation_m / m.resolution_m);
       }
     }
-    auto F = [](double v, int digits) {
-      char text[40];
-      std::snprintf(text, sizeof text, "%.*f", digits, v);
-      return std::string(text);
-    };
-    t.rows.push_back({m.title, F(ErrorGoal(m, 0.05, 1.15), 3), F(error[0], 3), F(rise, 2),
-                      F(release, 2), F(ripple, 3), F(kick, 3), F(error[1], 3), F(error[2], 3),
-                      F(error[3], 3), F(deviation, 1), energy >= -1e-12 ? "never under" : "UNDER",
-                      F(NanosecondsPerTick(jobs[0].spec), 0)});
+    t.rows.push_back({m.title, F(ErrorGoal(m, 0.05, 1.15)), F(error[0]), F(rise, "%.2f"),
+                      F(release, "%.2f"), F(ripple), F(kick), F(error[1]), F(error[2]), F(error[3]),
+                      F(deviation, "%.1f"), energy >= -1e-12 ? "never under" : "UNDER",
+                      F(NanosecondsPerTick(jobs[0].spec), "%.0f")});
     for (Row& r : rows) {
       r.suite = "figures";
       c.findings.rows.push_back(std::move(r));
@@ -219,17 +213,15 @@ void AddFrontTable(const DeviceModel& m, Findings& findings) {
       "are left out; 'never': not reached in a hand.";
   for (const LawPoint& p : points) {
     if (!p.undominated && !p.is_default) continue;
-    auto F = [](double v, const char* format) {
-      char text[40];
-      std::snprintf(text, sizeof text, format, v);
-      return std::isfinite(v) ? std::string(text) : std::string("never");
+    auto OrNever = [](double v, const char* format) {
+      return std::isfinite(v) ? F(v, format) : std::string("never");
     };
     std::vector<std::string> row = {p.name + (p.is_default ? " (default)" : ""),
-                                    F(p.ns_per_tick, "%.0f")};
+                                    OrNever(p.ns_per_tick, "%.0f")};
     std::string fronts;
     for (size_t k = 0; k < metrics.size(); ++k) {
       if (!Any(k)) continue;
-      row.push_back(F(p.figures[k], "%.3f"));
+      row.push_back(OrNever(p.figures[k], "%.3f"));
       if (p.on_front[k]) fronts += std::string(fronts.empty() ? "" : ", ") + metrics[k].id;
     }
     row.push_back(fronts.empty() ? "-" : fronts);

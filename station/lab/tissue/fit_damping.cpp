@@ -5,7 +5,6 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -29,12 +28,6 @@ constexpr size_t kLargestFile = size_t{1} << 28;
 
 Status Refuse(const std::string& what, const std::string& field = {}) {
   return {Code::kInvalidInput, what, field};
-}
-
-std::string F(double v, const char* format = "%.3f") {
-  char text[64];
-  std::snprintf(text, sizeof text, format, v);
-  return text;
 }
 
 struct Sample3 {

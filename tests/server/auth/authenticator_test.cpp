@@ -135,7 +135,7 @@ TEST_F(AuthenticatorTest, AOneTimePasswordEndsAfterItsDaysAndAChosenOneDoesNot) 
   EXPECT_EQ(now_, person.password_ms + options.one_time_ms);
   Status late = authenticator.SignInHere(Request("ada", once.text)).status();
   EXPECT_EQ(late.code(), Code::kUnauthenticated);
-  EXPECT_NE(late.message().find("within 3 days"), std::string::npos) << late.message();
+  EXPECT_NE(late.message().find("for 3 days"), std::string::npos) << late.message();
   EXPECT_EQ(authenticator.SignInHere(Request("ada", "wrong one")).status().field(), "");
   EXPECT_TRUE(authenticator.SignInHere(Request("own", kPassword)).ok());
   --now_;
