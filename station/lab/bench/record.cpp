@@ -67,8 +67,9 @@ class NoisyDevice final : public Device {
     }
     ++ticks_;
     for (size_t i = 0; i < 3; ++i) {
-      double tremor =
-          waiting_ ? 2 * std::sin(0.063 * static_cast<double>(ticks_) * (1 + 0.1 * static_cast<double>(i))) : 0;
+      double tremor = waiting_ ? 2 * std::sin(0.063 * static_cast<double>(ticks_) *
+                                              (1 + 0.1 * static_cast<double>(i)))
+                               : 0;
       // Recordings of a noiseless encoder would pack far better than any real device's.
       sample.counts[i] += static_cast<int32_t>(std::lround(tremor + sigma_ * normal_(random_)));
     }
