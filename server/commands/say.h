@@ -12,7 +12,7 @@
 #include "server/training/revision.h"
 #include "server/training/types.h"
 
-// What commands tell on standard output.
+// What commands print on standard output.
 namespace enamel::server::app {
 
 template <typename T>

@@ -472,8 +472,8 @@ TEST_F(AuthorisationTest, EverybodyGetsWhatTheTableSays) {
       if (auto pass = made_->passes.find(kColumns[i]); pass != made_->passes.end()) {
         GiveOf(request, pass->second);
       }
-      // What is refused changes nothing, or a later line would be answered in another way; but a
-      // refused sign-in counts against the next.
+      // Refused requests share a school, since they must change nothing. A refused sign-in does: it
+      // counts against the next.
       const bool changes = IsUnsafe(request) && (expected[i] < 400 || expected[i] == 401);
       Response response = changes ? Case(*made_, true).Handle(request) : shared.Handle(request);
       EXPECT_EQ(response.status, expected[i])
