@@ -133,6 +133,8 @@ kill_at_once one
 before=$(committed)
 until_more_than "$before"
 [ "$(ask /api/v1/session)" = 200 ] || fail "who was signed in is not: $(cat "$work/answer")"
+# HAProxy's check must see that it is gone before it is back, or it never says "UP".
+wait_for_log "$work/haproxy.log" 'station_servers/one is DOWN'
 serve one 127.0.0.1
 wait_for_log "$work/haproxy.log" 'station_servers/one is UP'
 kill_at_once two

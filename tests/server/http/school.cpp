@@ -1,6 +1,7 @@
 #include "tests/server/http/school.h"
 
 #include <gtest/gtest.h>
+#include <spdlog/spdlog.h>
 
 #include <array>
 #include <chrono>
@@ -15,6 +16,10 @@ namespace enamel::server::http {
 namespace {
 
 const Actor kBy{{}, "test"};
+
+// Made before there are threads, as in the programs: ThreadSanitizer does not see the lock with which the library, which
+// is not built with it, makes its logger at the first line.
+const auto kLogger = spdlog::default_logger();
 
 template <typename T>
 T Must(Result<T> result) {
