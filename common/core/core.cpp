@@ -51,7 +51,7 @@ haptics::CouplingParams CouplingOf(const CoreParams& p, double voxel_m) {
   c.law.resolution_m = dvec3(p.resolution_nm[0], p.resolution_nm[1], p.resolution_nm[2]) * 1e-9;
   c.law.tick_s = 1.0 / p.rate_hz;
   c.law.pass_through_at_rest = p.pass_through_at_rest;
-  c.peak_force_n = c.law.peak_force_n = p.peak_force_mn * 1e-3;
+  c.peak_force_n = p.peak_force_mn * 1e-3;
   c.delay_ticks = static_cast<int>(p.bus_delay_ticks);
   c.max_step_m = 0.5 * voxel_m;
   return c;
@@ -406,8 +406,11 @@ TickOutput Core::Step(const TickInput& input) noexcept {
 
   bool stop = !started_ || faulted || (input.flags & kSoftRestart) != 0;
   bool unfelt = input.gap_ticks > 0 && (input.flags & kHeldGap) == 0;
-  // While suspended a gap ends the count of free ticks: nobody saw that those were in air.
-  bool lost = unfelt && !stop && (suspended_ || !ResumeAfterGap(tip, device));
+  // While suspended a gap ends the count of free ticks: nobody saw that those were in air. A gap no
+  // longer than the bus's delay ends before the forces under way do: nothing is known of the spring.
+  bool lost =
+      unfelt && !stop &&
+      (suspended_ || input.gap_ticks <= params_.bus_delay_ticks || !ResumeAfterGap(tip, device));
   if (stop || lost) {
     Suspend(tip, device);
     started_ = true;
@@ -415,9 +418,8 @@ TickOutput Core::Step(const TickInput& input) noexcept {
   } else if (suspended_) {
     AwaitFreeAir(tip, device);
     out.flags |= kSuspended;
-  } else if (!unfelt) {
-    // Not in the tick that bridges a gap: it sends no force. The bur has followed, and the law's
-    // history begins with the next tick.
+  } else {
+    // Also in the tick that bridges a gap: what the hand does from here on is paid only if it is felt.
     TissueMaterial material(*this);
     // The force of the tick before: this tick's depends on the speed that is set here.
     handpiece_.Step(bur_on_ ? resisting_n_ : 0);

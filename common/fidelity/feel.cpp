@@ -80,7 +80,7 @@ haptics::CouplingParams CouplingOf(const Device& d) {
   p.law.kc_n_per_m = d.kc_n_per_m;
   p.law.resolution_m = dvec3(d.resolution_m);
   p.law.tick_s = d.tick_s;
-  p.peak_force_n = p.law.peak_force_n = d.peak_force_n;
+  p.peak_force_n = d.peak_force_n;
   p.delay_ticks = d.delay_ticks;
   return p;
 }

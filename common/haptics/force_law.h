@@ -11,7 +11,7 @@
 
 // Force laws: what resisting force a moving bur feels in material of damping matrix B.
 // Notation as in Liu et al. 2008: p tip (middle of its encoder cell), a anchor (the simulated bur),
-// e = p - a, R = Kc e resisting force, F = -R force on the operator, T tick, delta resolution.
+// e = p - a, R resisting force, F = -R force on the operator, T tick, delta resolution.
 namespace enamel::haptics {
 
 // Stable numbers: they are recorded in attempt headers.
@@ -19,18 +19,16 @@ enum class LawKind : uint8_t {
   kMaxwell = 1,       // spring Kc to an anchor that moves through tissue as F/B
   kPaperDamping = 2,  // eq. 1: R = B V, V = (p_i - p_{i-1}) f, nothing else
   kPaperLimited = 3,  // eq. 1 with the limiter of eq. 17 exactly as printed
-  kGatedMaxwell = 4,  // Maxwell whose anchor waits while the force is too small for the speed
+  kLeadMaxwell = 4,   // Maxwell whose spring is stiffer for slow motion than for fast (default)
   kPaperSymmetric =
       5,  // eq. 1 with eq. 12's slope bound on rises and falls, per axis, adaptive window
   kVirtualCoupling = 6,  // Adams-Hannaford: spring and damper to a tool that moves through tissue
   kPassivityControlled = 7,  // eq. 1 with a passivity observer and controller (Hannaford-Ryu)
   kEnergyBounded = 8,        // eq. 1 under the energy bound (Kim-Ryu)
-  kTankMaxwell =
-      9,  // gated Maxwell that may also lengthen its spring, paid for by an energy tank (default)
 };
 
 // The default law of new exercises, suites and benchmarks.
-inline constexpr LawKind kDefaultLaw = LawKind::kTankMaxwell;
+inline constexpr LawKind kDefaultLaw = LawKind::kLeadMaxwell;
 
 // The parameters of every law of one device. SI units.
 struct LawParams {
@@ -44,11 +42,20 @@ struct LawParams {
   // Velocity for the laws that need one (eq1, eq17, eq17-symmetric, eq1-popc, eq1-bounded). The anchored
   // laws do not look at it. The core leaves it to the law; the qualification suite tries them all.
   EstimatorParams estimator{};
-  double peak_force_n = 0;  // of the device: bounds what a slipping law aims at. 0: no bound
+  // Farthest that two readings of a tip at rest can lie apart, m. Coupling sets it from the tip's cell.
+  double play_m = 0;
+};
+
+// How an anchored law would pull the bur where it is: R = stiffness * stretch.
+struct Pull {
+  dvec3 stretch_m{0};
+  double stiffness_n_per_m = 0;
 };
 
 // One force law. A law is of one of two families:
-//  * anchored: the bur is at the anchor, the law says how the stretch e relaxes in time dt;
+//  * anchored: the bur is at an anchor. The law says how hard the spring pulls there, the coupling moves
+//    the bur through tissue as R/B, and the spring's rest point, by guarded steps, to where the spring
+//    gives R (coupling.h);
 //  * tip: the bur is at the tip, the law gives the force directly.
 // Thread safety: none, one instance per loop. Real-time: every method but construction is safe.
 class ForceLaw {
@@ -58,25 +65,18 @@ class ForceLaw {
   virtual bool anchored() const noexcept = 0;
   // Forgets all history; the tip is at tip_m and at rest.
   virtual void Reset(const dvec3& tip_m) noexcept = 0;
-  // Once per tick, before Relax or TipForce: the newest tip position.
+  // Once per tick, before PullOn or TipForce: the newest tip position.
   virtual void BeginTick(const dvec3& tip_m) noexcept = 0;
-  // Anchored laws: the stretch after dt_s in material b (N s/m), from stretch e_m. The result must
-  // be P e with 0 <= P <= I (the anchor moves toward the tip, never past it and never away); the
-  // guard in coupling.h then makes the step passive under quantisation.
-  virtual dvec3 Relax(const dvec3& e_m, const Sym3& b, double dt_s) noexcept {
+  // Anchored laws: the pull on a bur at anchor_m in material b (N s/m), which resists in some direction.
+  // May be asked again in a tick as the bur moves. Requires 0 <= s.e and |s| <= |e| of the stretch s:
+  // the bur is pulled toward the tip and not past it.
+  virtual Pull PullOn(const dvec3& anchor_m, const Sym3& b) noexcept {
+    (void)anchor_m;
     (void)b;
-    (void)dt_s;
-    return e_m;
+    return {};
   }
-  // Slipping laws: anchored laws whose spring's rest point may leave the bur (coupling.h).
-  virtual bool slips() const noexcept { return false; }
-  // Slipping laws, after Relax: the hand's speed as estimated in this tick, m/s; and the stretch that is
-  // wanted from stretch e_m where b is the damping met along that speed. Not bound by P: the tank pays.
-  virtual dvec3 speed_m_per_s() const noexcept { return dvec3(0); }
-  virtual dvec3 Aim(const dvec3& e_m, const Sym3& b) noexcept {
-    (void)b;
-    return e_m;
-  }
+  // Anchored laws: nothing resists the bur. Whatever the law remembers of the tip's way is void.
+  virtual void PassAir() noexcept {}
   // Tip laws: resisting force R (N, against motion) in material b.
   virtual dvec3 TipForce(const Sym3& b) noexcept {
     (void)b;
@@ -100,8 +100,7 @@ const LawEntry* FindLaw(LawKind kind);
 
 // Factories, one per law file.
 std::unique_ptr<ForceLaw> MakeMaxwell(const LawParams& params);
-std::unique_ptr<ForceLaw> MakeGatedMaxwell(const LawParams& params);
-std::unique_ptr<ForceLaw> MakeTankMaxwell(const LawParams& params);
+std::unique_ptr<ForceLaw> MakeLeadMaxwell(const LawParams& params);
 std::unique_ptr<ForceLaw> MakePaperDamping(const LawParams& params);
 std::unique_ptr<ForceLaw> MakePaperLimited(const LawParams& params);
 std::unique_ptr<ForceLaw> MakePaperSymmetric(const LawParams& params);

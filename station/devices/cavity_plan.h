@@ -40,7 +40,7 @@ struct FinishRing {
   bool gentle = false;        // little left and all sides share it: lean more in small steps
   double tolerance_m = 1e-4;  // a corner is reached when the bur is this near
   double accuracy_m = 4e-6;   // a side is done where its depth was seen within this
-  int max_passes = 9;
+  int max_passes = 12;
 };
 
 using Move = std::variant<Stroke, FinishRing>;

@@ -20,11 +20,13 @@ constexpr double kRingStall_s = 0.35;
 constexpr double kStallStep_m = 10e-6;
 constexpr double kBin_m = 0.2e-3;  // length of a side that is judged and pressed as one
 constexpr double kMaxStretch_m = 1.2e-3;
-constexpr double kFirstYield = 0.08;     // share of the lean a pass takes, before he knows better
-constexpr double kAim = 0.7;             // of what is left, to be taken in one pass
-constexpr double kGoodEnough = 0.08;     // share of the bins that may be left
-constexpr double kGentle = 0.2;          // of a light touch: more lean per pass, at most
-constexpr double kNoGain_m = 5e-6;       // of all bins of a pass together: pressing on is no use
+constexpr double kFirstYield = 0.08;  // share of the lean a pass takes, before he knows better
+constexpr double kAim = 0.7;          // of what is left, to be taken in one pass
+constexpr double kGoodEnough = 0.08;  // share of the bins that may be left
+constexpr double kGentle = 0.2;       // of a light touch: more lean per pass, at most
+constexpr double kNoGain_m = 5e-6;    // of all bins of a pass together: pressing on is no use
+// Times what he sees is left, leaned beyond the line: hand and spring in series give way to most of it.
+constexpr double kLean = 4;
 constexpr double kHurry = 2;             // times the feed
 constexpr double kLinger = 0.3;          // of the feed
 constexpr double kMaxLinger_m = 150e-6;  // with more lean he would dig in
@@ -214,12 +216,11 @@ double PathOperator::LearntLean(double along_m) const noexcept {
   return side.bins[i].lean * (1 - part) + side.bins[std::min(i + 1, n - 1)].lean * part;
 }
 
-// Limits the learned lean where he lingers: he leans no farther beyond the line than the bur is
-// short of it, plus a light touch, and lets go where it has reached the line.
+// Limits the learned lean by what he sees is left, and lets go where the bur has reached the line.
 double PathOperator::LeanInSight(const FinishRing& ring, const dvec3& seen) const noexcept {
   if (ring.gentle) return kMaxStretch_m;
   double left = Dot(ring.corners[side_] - seen, leg_.learnt_axis);
-  return left > ring.accuracy_m ? params_.light_touch_m + left : -params_.back_off_m;
+  return left > ring.accuracy_m ? params_.light_touch_m + kLean * left : -params_.back_off_m;
 }
 
 // He goes slowly out of a corner that is not clean yet.

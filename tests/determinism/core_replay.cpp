@@ -52,9 +52,8 @@ cutting::Volume Ball(int32_t voxel_nm) {
 
 core::CoreParams ParamsFor(uint64_t seed) {
   core::CoreParams p;
-  constexpr haptics::LawKind kLaws[] = {haptics::LawKind::kMaxwell, haptics::LawKind::kGatedMaxwell,
-                                        haptics::LawKind::kTankMaxwell};
-  p.law = kLaws[seed % 3];
+  constexpr haptics::LawKind kLaws[] = {haptics::LawKind::kMaxwell, haptics::LawKind::kLeadMaxwell};
+  p.law = kLaws[seed % std::size(kLaws)];
   p.kc_mn_per_mm = 2500 + static_cast<int32_t>(seed % 5) * 1700;
   p.resolution_nm = {9'000, 10'000, 20'000};
   p.device_origin_nm = {17, -23, 41};

@@ -182,7 +182,7 @@ TrialSpec SpecOf(const DeviceModel& m, haptics::LawKind law, double b, double sp
   s.law.kc_n_per_m = m.kc_n_per_m;
   s.law.resolution_m = dvec3(m.resolution_m);
   s.law.tick_s = m.tick_s();
-  s.peak_force_n = s.law.peak_force_n = m.peak_force_n;
+  s.peak_force_n = m.peak_force_n;
   s.b_n_s_per_m = Sym3::Isotropic(b);
   s.speed_m_per_s = speed;
   return s;

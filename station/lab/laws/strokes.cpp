@@ -349,7 +349,7 @@ class StrokeRun {
     for (size_t i = std::max<size_t>(1, from); i < raw_.size(); ++i) {
       const double moved = glm::length(raw_[i].tip - raw_[i - 1].tip);
       const double allowed = kc * (moved + std::sqrt(3.0) * model_.resolution_m);
-      step = std::max(step, glm::length(raw_[i].r - raw_[i - 1].r) - allowed);
+      step = std::max(step, glm::length(raw_[i].r) - glm::length(raw_[i - 1].r) - allowed);
     }
     Add("step_beyond_n", "N", step, 0);
   }

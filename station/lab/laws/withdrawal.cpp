@@ -158,7 +158,7 @@ class WithdrawalRun {
       }
       dvec3 was = tip_;
       StepTo(target);
-      dvec3 step = out_.force_sent_n - force;
+      const double grown = glm::length(out_.force_sent_n) - glm::length(force);
       force = out_.force_sent_n;
       double opposing = std::max(0.0, -glm::dot(force, along));
       figures_.opposing_n = std::max(figures_.opposing_n, opposing);
@@ -166,7 +166,7 @@ class WithdrawalRun {
       before = opposing;
       double allowed =
           trial_.kc_n_per_m * (glm::length(tip_ - was) + std::sqrt(3.0) * trial_.cell_m);
-      figures_.other_n = std::max(figures_.other_n, glm::length(step) - allowed);
+      figures_.other_n = std::max(figures_.other_n, grown - allowed);
     }
     figures_.out = glm::length(out_.anchor.tip_m - tip_) < 0.1e-3;
   }

@@ -34,7 +34,7 @@ struct Withdrawal {
 struct WithdrawalFigures {
   double opposing_n = 0;  // largest part of the force against the withdrawal
   double rise_n = 0;      // its largest rise in a tick
-  double other_n = 0;     // what a step of the force has beyond Kc (v T + sqrt(3) delta)
+  double other_n = 0;     // what a tick's growth of the force has beyond Kc (v T + sqrt(3) delta)
   double deepest_n = 0;   // largest force on the way in
   bool out = false;       // the bur has gone back with the tip
 };

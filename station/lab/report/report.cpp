@@ -271,9 +271,9 @@ struct Section {
 // In the order of the page: conclusions first, their derivation last.
 constexpr Section kSections[] = {
     {"figures", "What the default law reaches",
-     "Tank Maxwell: a spring Kc joins the tip to a rest point, which makes the force. The bur cuts "
-     "at a point of its own. Where the rest point moves away from the tip, the spring is paid by "
-     "what it has lost before."},
+     "Lead Maxwell: a spring joins the tip to the bur, which goes through tissue as force over B. "
+     "The spring is stiffer for slow motion than for fast: what that lends to it, it has lost "
+     "before."},
     {"laws", "Error against run time",
      "Every law with every estimator it can use, in four hands. An error is against the analytic B "
      "v, for force and impedance hands against B V of the cutting front. A law is chosen for more "

@@ -62,9 +62,7 @@ void ParallelFor(size_t n, int threads, const std::function<void(size_t)>& job) 
   for (std::thread& t : others) t.join();
 }
 
-bool ProvedLaw(LawKind law) {
-  return law == LawKind::kMaxwell || law == LawKind::kGatedMaxwell || law == LawKind::kTankMaxwell;
-}
+bool ProvedLaw(LawKind law) { return law == LawKind::kMaxwell || law == LawKind::kLeadMaxwell; }
 
 bool Proved(const TrialSpec& s) {
   if (!ProvedLaw(s.law.kind)) return false;

@@ -31,9 +31,7 @@ double ClauseStiffness(const DeviceModel& m, const GameRules& rules) {
 bool Covered(std::optional<haptics::LawKind> law, const GameRules& rules) {
   // The theorem does not cover undeclared delay.
   if (rules.undeclared_ticks > 0) return false;
-  if (!law || *law == haptics::LawKind::kTankMaxwell) return true;
-  // The laws that clip at a wall and know no delay.
-  return ProvedLaw(*law) && rules.clause_ticks() == 0 && !rules.bounds && !rules.gaps;
+  return !law || ProvedLaw(*law);
 }
 
 std::vector<GameRules> AllRules() {

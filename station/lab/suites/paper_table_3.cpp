@@ -34,7 +34,7 @@ constexpr Candidate kCandidates[] = {
     {LawKind::kPaperLimited, EstimatorKind::kWindow, false, "eq. 17, windowed velocity"},
     {LawKind::kPaperSymmetric, EstimatorKind::kFoawBestFit, false, "both slopes, adaptive window"},
     {LawKind::kMaxwell, EstimatorKind::kLawsOwn, false, "Maxwell"},
-    {haptics::kDefaultLaw, EstimatorKind::kLawsOwn, false, "tank Maxwell (default)"},
+    {haptics::kDefaultLaw, EstimatorKind::kLawsOwn, false, "lead Maxwell (default)"},
 };
 
 constexpr double kTable3Speed = 2e-3;

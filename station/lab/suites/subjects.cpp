@@ -32,17 +32,11 @@ class CouplingSubject final : public Subject {
     p.law.kind = law;
     p.law.kc_n_per_m = ClauseStiffness(m, rules);
     p.law.tick_s = m.tick_s();
-    p.peak_force_n = p.law.peak_force_n = m.peak_force_n;
-    haptics::TipCell cell = rules.Cell(m.resolution_m);
-    if (law == LawKind::kTankMaxwell) {
-      p.law.resolution_m = dvec3(m.resolution_m);
-      p.cell = cell;
-      // The tank law gets exactly the delay of the rules, for which it is proved.
-      p.delay_ticks = rules.clause_ticks();
-    } else {
-      // The older guard only handles boxes: one around the cell, whatever its shape.
-      p.law.resolution_m = (cell.half_m + cell.ball_m) * 2.0;
-    }
+    p.peak_force_n = m.peak_force_n;
+    p.law.resolution_m = dvec3(m.resolution_m);
+    p.cell = rules.Cell(m.resolution_m);
+    // Exactly the delay of the rules, for which it is proved.
+    p.delay_ticks = rules.clause_ticks();
     return p;
   }
   haptics::Coupling coupling_;

@@ -271,8 +271,7 @@ void AddTable(SuiteContext& c, size_t from) {
 
 // The anchored laws' results with a hand, for the fronts against run time.
 void AddFrontRows(SuiteContext& c, const DeviceModel& m, const cutting::Volume& block) {
-  for (haptics::LawKind law : {haptics::LawKind::kMaxwell, haptics::LawKind::kGatedMaxwell,
-                               haptics::LawKind::kTankMaxwell}) {
+  for (haptics::LawKind law : {haptics::LawKind::kMaxwell, haptics::LawKind::kLeadMaxwell}) {
     HandTrial trial;
     trial.law = law;
     HandFigures f = RunHand(m, trial, WanderingMotion(kHumanSpeed_m_per_s, 12, 1));

@@ -31,8 +31,8 @@ Grid GridFor(bool quick) {
 
 // The other laws use no speed, or their own.
 bool UsesEstimator(LawKind law) {
-  return law != LawKind::kMaxwell && law != LawKind::kGatedMaxwell &&
-         law != LawKind::kTankMaxwell && law != LawKind::kVirtualCoupling;
+  return law != LawKind::kMaxwell && law != LawKind::kLeadMaxwell &&
+         law != LawKind::kVirtualCoupling;
 }
 
 struct Grip {
@@ -102,10 +102,9 @@ void AddTraces(const DeviceModel& model, Findings& findings) {
     EstimatorKind estimator;
     const char* label;
   };
-  // One of each kind, drawn into one frame: the default, its forerunners, and the paper's.
+  // One of each kind, drawn into one frame: the default, the plain spring, and the paper's.
   for (Shown shown :
-       {Shown{LawKind::kTankMaxwell, EstimatorKind::kLawsOwn, "tank Maxwell (default)"},
-        Shown{LawKind::kGatedMaxwell, EstimatorKind::kLawsOwn, "gated Maxwell"},
+       {Shown{LawKind::kLeadMaxwell, EstimatorKind::kLawsOwn, "lead Maxwell (default)"},
         Shown{LawKind::kMaxwell, EstimatorKind::kLawsOwn, "Maxwell"},
         Shown{LawKind::kPaperSymmetric, EstimatorKind::kFoawBestFit, "eq. 12 both slopes"},
         Shown{LawKind::kPaperLimited, EstimatorKind::kBackwardDifference, "eq. 17 as printed"}}) {

@@ -49,7 +49,7 @@ void AddFigures(const DeviceModel& m, Findings& findings) {
     const char* label;
   };
   const Shown shown[] = {
-      {haptics::kDefaultLaw, EstimatorKind::kLawsOwn, false, "tank Maxwell (default)"},
+      {haptics::kDefaultLaw, EstimatorKind::kLawsOwn, false, "lead Maxwell (default)"},
       {LawKind::kPaperLimited, EstimatorKind::kLawsOwn, false, "eq. 17, held at dp = 0"},
       {LawKind::kPaperLimited, EstimatorKind::kLawsOwn, true, "eq. 17, passed at dp = 0"},
       {LawKind::kPaperSymmetric, EstimatorKind::kFoawBestFit, false, "eq. 12 on both slopes"}};

@@ -7,8 +7,7 @@
 namespace enamel::station::lab {
 namespace {
 
-constexpr haptics::LawKind kLaws[] = {haptics::kDefaultLaw, haptics::LawKind::kGatedMaxwell,
-                                      haptics::LawKind::kMaxwell};
+constexpr haptics::LawKind kLaws[] = {haptics::kDefaultLaw, haptics::LawKind::kMaxwell};
 
 // A figure beside its bound; a star marks a miss.
 std::string FigureText(const StrokeTrack& track, const char* name, double factor,
@@ -37,7 +36,7 @@ void RunStrokesSuite(SuiteContext& c) {
       "along the hand, "
       "rise of the pull in a tick, and time to let go to max(0.15 N, Kc delta), all after the "
       "ideal bur has left "
-      "the tissue; step: what one tick has beyond Kc (v T + sqrt(3) delta). Drawn: qualify --help "
+      "the tissue; step: growth in a tick beyond Kc (v T + sqrt(3) delta). Drawn: qualify --help "
       "says how.";
   t.head = {"device", "case",   "ideal N", "lag ms",  "rise 90 % ms", "overshoot N",
             "pull N", "rise N", "push N",  "help ms", "let go ms",    "step N"};

@@ -115,14 +115,17 @@ TEST(CoreTest, StillBurSlidesAlongTheWall) {
   EXPECT_LT(std::fabs(out.force_sent_n.x), 0.1);
 }
 
-TEST(CoreTest, ShortGapGoesOnWithTheCutWithoutAForceInTheTickAfterIt) {
+// What the hand does after the gap is paid only if it is felt at once.
+TEST(CoreTest, ShortGapGoesOnWithTheCutAndWithLessForce) {
   Core core(Params(), test::Block(50'000, 3e-3, 3e-3));
   TickOutput before, after;
   for (int tick = 0; tick < 2500; ++tick) before = core.Step(Stroke(tick));
   ASSERT_GT(glm::length(before.force_sent_n), 0.2);
   TickInput in = Stroke(2510);
   in.gap_ticks = 10;
-  EXPECT_EQ(core.Step(in).force_sent_n, dvec3(0));
+  const double resumed_n = glm::length(core.Step(in).force_sent_n);
+  EXPECT_GT(resumed_n, 0.1 * glm::length(before.force_sent_n));
+  EXPECT_LT(resumed_n, glm::length(before.force_sent_n));
   for (int tick = 2511; tick < 2600; ++tick) after = core.Step(Stroke(tick));
   EXPECT_EQ(after.flags & kSuspended, 0);
   EXPECT_NEAR(glm::length(after.force_sent_n), glm::length(before.force_sent_n), 0.3);
@@ -223,7 +226,8 @@ TEST(CoreTest, TurningTheBurInTheToothIsResisted) {
   };
   EXPECT_LT(removed_by_turning(p), 0.8);
   p.rotational_kc_un_m_per_rad = 0;
-  EXPECT_LT(removed_by_turning(p), 1e-3) << "not followed at all";
+  // 2 um of the bur's way down are left after 4 s.
+  EXPECT_LT(removed_by_turning(p), 2e-3) << "not followed at all";
 }
 
 TEST(CoreTest, InAirTheBurTurnsWithTheDevice) {
@@ -264,7 +268,7 @@ TEST(CoreTest, AFeedAfterAPlungeIsResistedAsPlainMaxwellResistsIt) {
     };
     const double maxwell_n = force_n(haptics::LawKind::kMaxwell);
     ASSERT_GT(maxwell_n, 0.1);
-    EXPECT_NEAR(force_n(haptics::LawKind::kTankMaxwell), maxwell_n, 0.25 * maxwell_n)
+    EXPECT_NEAR(force_n(haptics::LawKind::kLeadMaxwell), maxwell_n, 0.25 * maxwell_n)
         << hand.plunge_m_per_s << " m/s down, " << hand.feed_m_per_s << " m/s along";
   }
 }
@@ -277,12 +281,15 @@ TickInput AtCells(const CoreParams& p, double x_m, double y_m, double z_m) {
   return in;
 }
 
-// The rest point follows a hand that has stopped. A bur that stayed behind would leave solid tissue
-// between the force and the picture, and meet the next feed there.
-TEST(CoreTest, ABurThatHoldsNoForceComesUpToAHandThatHasStopped) {
-  for (int32_t kc : {1000, 2000, 2500}) {
+// A bur that stayed behind a hand that has stopped would leave solid tissue between the force and the
+// picture, and meet the next feed there.
+TEST(CoreTest, TheBurComesUpToAHandThatHasStoppedSoonerThanThePlainSpringsDoes) {
+  struct Left {
+    double force_n, behind_m;
+  };
+  auto After = [](haptics::LawKind law, int32_t kc) {
     CoreParams p = test::ParamsFor({cutting::BurShape::kCylinder, 0.6e-3, 4e-3});
-    p.law = haptics::LawKind::kTankMaxwell;
+    p.law = law;
     p.kc_mn_per_mm = kc;
     p.resolution_nm.fill(kc == 1000 ? 30'000 : 20'000);
     Core core(p, test::Block(50'000, 3e-3, 3e-3));
@@ -292,16 +299,22 @@ TEST(CoreTest, ABurThatHoldsNoForceComesUpToAHandThatHasStopped) {
       in = AtCells(p, 0, 0, 0.2e-3 - std::min(std::max(0, tick - 600) * 10e-6, 1.2e-3));
       out = core.Step(in);
     }
-    EXPECT_LT(glm::length(out.force_sent_n), 0.05) << kc;
-    EXPECT_LT(glm::length(core.TipOf(in.counts) - out.anchor.tip_m), 0.05e-3) << kc;
+    return Left{glm::length(out.force_sent_n),
+                glm::length(core.TipOf(in.counts) - out.anchor.tip_m)};
+  };
+  for (int32_t kc : {1000, 2000, 2500}) {
+    const Left lead = After(haptics::LawKind::kLeadMaxwell, kc);
+    const Left plain = After(haptics::LawKind::kMaxwell, kc);
+    EXPECT_LT(lead.force_n, 0.75 * plain.force_n) << kc;
+    EXPECT_LT(lead.behind_m, 0.6 * plain.behind_m) << kc;
   }
 }
 
-// Where every tick holds counts, what is stored has to run out beside them.
+// The force is 0 where the tip meets the bur, which is no farther than R/Kc behind it.
 TEST(CoreTest, OnAFineEncoderAHandThatGoesBackInItsSlotIsLetGo) {
   for (double back_m_per_s : {0.1e-3, 0.2e-3, 0.5e-3}) {
     CoreParams p = test::ParamsFor({cutting::BurShape::kCylinder, 0.6e-3, 4e-3});
-    p.law = haptics::LawKind::kTankMaxwell;
+    p.law = haptics::LawKind::kLeadMaxwell;
     p.resolution_nm.fill(100);
     Core core(p, test::Block(50'000, 3e-3, 3e-3));
     constexpr int kTurn = 3000, kEnd = 5000;
@@ -316,7 +329,8 @@ TEST(CoreTest, OnAFineEncoderAHandThatGoesBackInItsSlotIsLetGo) {
       if (tick >= kTurn && out.force_sent_n.x < -0.1) ++helped;
     }
     ASSERT_GT(cut_n, 0.5);
-    EXPECT_LT(helped, 500) << back_m_per_s << " m/s back";
+    const double longest_s = cut_n / (p.kc_mn_per_mm * back_m_per_s);
+    EXPECT_LT(helped, 1e3 * longest_s) << back_m_per_s << " m/s back";
   }
 }
 
@@ -359,8 +373,7 @@ TickInput Tap(int tick) {
 }
 
 TEST(CoreTest, TouchCuesChangeNothingButTheForceSentAndAreSilentInAir) {
-  for (haptics::LawKind law : {haptics::LawKind::kMaxwell, haptics::LawKind::kGatedMaxwell,
-                               haptics::LawKind::kTankMaxwell}) {
+  for (haptics::LawKind law : {haptics::LawKind::kMaxwell, haptics::LawKind::kLeadMaxwell}) {
     CoreParams on = CueParams(), off = Params();
     on.law = off.law = law;
     on.handpiece_stall_un_m = off.handpiece_stall_un_m = 2330;

@@ -47,7 +47,7 @@ TEST(RealtimeTest, NoTickAllocates) {
 TEST(RealtimeTest, WorkOfATickStaysWithinItsStatedBounds) {
   std::mt19937_64 random(17);
   int most_cuts = 0;
-  for (auto law : {haptics::LawKind::kMaxwell, haptics::LawKind::kGatedMaxwell,
+  for (auto law : {haptics::LawKind::kMaxwell, haptics::LawKind::kLeadMaxwell,
                    haptics::LawKind::kPaperDamping}) {
     CoreParams p = test::ParamsFor({cutting::BurShape::kCylinder, 0.3e-3, 1e-3});
     p.law = law;

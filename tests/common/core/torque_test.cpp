@@ -115,7 +115,7 @@ TEST(TorqueTest, AHeldTwistFallsAsTheEngagementsRotationalDampingSays) {
   reader.Sample(same.core.volume(), {dvec3(0, 0, -1.5e-3), Quat{}});
   const double b = reader.ReadRotational(dvec3(1, 0, 0)).damping_n_m_s.xx;
   ASSERT_GT(b, 0.01);
-  for (int tick : {10, 30, 60}) {
+  for (int tick : {10, 30, 45}) {
     const double theta = 0.02 * std::exp(-tick * 1e-3 * 0.8 / b);
     EXPECT_NEAR(torque[static_cast<size_t>(tick)], 0.8 * theta, 0.15 * 0.8 * theta) << tick;
   }

@@ -16,7 +16,7 @@ LawParams Omega() {
 }
 
 TEST(LawRegistryTest, EveryLawIsFoundByNameAndKindAndMakesAnInstance) {
-  EXPECT_EQ(ForceLaws().size(), 9u);
+  EXPECT_EQ(ForceLaws().size(), 8u);
   for (const LawEntry& law : ForceLaws()) {
     EXPECT_EQ(FindLaw(law.name), &law);
     EXPECT_EQ(FindLaw(law.kind), &law);
@@ -25,30 +25,13 @@ TEST(LawRegistryTest, EveryLawIsFoundByNameAndKindAndMakesAnInstance) {
   EXPECT_EQ(FindLaw("no such law"), nullptr);
 }
 
-// Closed form of the implicit step in one dimension: e' = e / (1 + Kc T / B).
-TEST(MaxwellTest, RelaxesAsTheImplicitClosedForm) {
+TEST(MaxwellTest, PullsWithTheSpringFromTheTip) {
   auto law = MakeMaxwell(Omega());
-  for (double b : {1.0, 6500.0, 1e6}) {
-    dvec3 e = law->Relax(dvec3(1e-4, 0, 0), Sym3::Isotropic(b), 1e-3);
-    EXPECT_NEAR(e.x, 1e-4 / (1 + 10e3 * 1e-3 / b), 1e-18);
-    EXPECT_EQ(e.y, 0);
-  }
-}
-
-TEST(MaxwellTest, AirFollowsAtOnceAndAWallHolds) {
-  auto law = MakeMaxwell(Omega());
-  EXPECT_EQ(law->Relax(dvec3(1e-4, 2e-4, 0), Sym3{}, 1e-3), dvec3(0));
-  dvec3 held = law->Relax(dvec3(1e-4, 0, 0), Sym3::Isotropic(1e15), 1e-3);
-  EXPECT_NEAR(held.x, 1e-4, 1e-15);
-}
-
-// Only the damped direction resists: B = b n n^T leaves nothing across n.
-TEST(MaxwellTest, SingularMatrixSlidesFreelyAcrossItsNormal) {
-  auto law = MakeMaxwell(Omega());
-  dvec3 n = glm::normalize(dvec3(1, 1, 0));
-  dvec3 e = law->Relax(dvec3(1e-4, 0, 0), Sym3::Outer(n, 6500), 1e-3);
-  EXPECT_LT(glm::length(e - n * glm::dot(e, n)), 1e-18);
-  EXPECT_NEAR(glm::dot(e, n), 1e-4 * std::sqrt(0.5) / (1 + 10.0 / 6500), 1e-15);
+  law->Reset(dvec3(0));
+  law->BeginTick(dvec3(1e-4, 2e-4, 0));
+  const Pull pull = law->PullOn(dvec3(1e-5, 0, 0), Sym3::Isotropic(6500));
+  EXPECT_EQ(pull.stiffness_n_per_m, 10e3);
+  EXPECT_EQ(pull.stretch_m, dvec3(1e-4 - 1e-5, 2e-4, 0));
 }
 
 TEST(PaperTest, OneOmegaCountAtEnamelIsAStepOfFiftyEightNewton) {

@@ -10,7 +10,7 @@
 #include "tests/support/dice.h"
 
 // The limits of the proof in coupling.h, searched for with a bare spring and anchor that share only
-// GuardFactor with the coupling: Kc = 1, delta = 1, b/T = Kc/2, so that friction c is in units of
+// the guard with the coupling: Kc = 1, delta = 1, b/T = Kc/2, so that friction c is in units of
 // Kc delta and energy in units of Kc delta^2. A strategy is a periodic motion of the tip and the
 // anchor's move in each tick of the period; it is bred to draw energy from every further period.
 namespace enamel::haptics {
@@ -63,7 +63,9 @@ Vec Step(const Vec& e, const Move& m, const Rules& rules) {
   if (rules.guarded) {
     dvec3 w(e[0] - out[0], e[1] - out[1], e[2] - out[2]);
     double cell = rules.interpolation > 0 ? 2 * rules.interpolation : 1;
-    double factor = GuardFactor(dvec3(e[0], e[1], e[2]), w, dvec3(cell));
+    const GuardParams guard{.kc_n_per_m = 1, .cell = CartesianCell(dvec3(cell))};
+    Tank none;
+    double factor = GuardedStep(guard, dvec3(e[0], e[1], e[2]), w, 0, none);
     for (size_t i = 0; i < 3; ++i) out[i] = e[i] - factor * w[static_cast<int>(i)];
   }
   return out;

@@ -91,7 +91,7 @@ TEST(CoreStateTorqueTest, RestoredCoreOfASixAxisDeviceGoesOnAsTheOneThatWasSaved
 }
 
 TEST(CoreStateBytesTest, BytesThatAreCutShortLeftOverOrNoStateAreRefused) {
-  CoreParams params = ParamsOf(haptics::LawKind::kGatedMaxwell);
+  CoreParams params = ParamsOf(haptics::LawKind::kLeadMaxwell);
   Core original(params, sample::MakeBlock());
   for (const TickInput& input : sample::CutInputs(700)) original.Step(input);
   StateArchive saved;

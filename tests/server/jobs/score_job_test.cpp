@@ -363,7 +363,7 @@ class ScoreAtRates : public ::testing::TestWithParam<AtRates> {};
 TEST_P(ScoreAtRates, OneMotionScoresTheSameAtEveryLoopRate) {
   // Five voxels of volume; two of the 50 ms in which a cut counts as continuing.
   constexpr double kLength_mm = 0.025, kVolume_mm3 = 0.005, kTime_s = 0.1, kShare = 0.03;
-  constexpr double kAngle_deg = 0.1, kOfFew_mm = 0.05, kRateShare = 0.1;
+  constexpr double kAngle_deg = 0.1, kOfFew_mm = 0.06, kRateShare = 0.1, kPercent = 0.1;
   constexpr double kPoints = 0.5;
   std::map<std::string, double> slow;
   double slow_score = 0;
@@ -384,7 +384,7 @@ TEST_P(ScoreAtRates, OneMotionScoresTheSameAtEveryLoopRate) {
         continue;
       }
       // The outline consists of the mesh's edges, and the deepest place of a few of its triangles:
-      // both are known to half a voxel.
+      // both are known to some half of a voxel.
       const bool of_few =
           m.name.starts_with("outline_") || m.name == "most_left_mm" || m.name == "deepest_over_mm";
       const double length = of_few ? kOfFew_mm : kLength_mm;
@@ -392,6 +392,7 @@ TEST_P(ScoreAtRates, OneMotionScoresTheSameAtEveryLoopRate) {
                            : m.unit == "mm3" ? kVolume_mm3
                            : m.unit == "s"   ? kTime_s
                            : m.unit == "deg" ? kAngle_deg
+                           : m.unit == "%"   ? kPercent
                            : m.unit == "N"   ? GetParam().force_n
                            // What that force adds up to over the time, and over the way.
                            : m.unit == "N s" ? GetParam().force_n * slow["time_s"]

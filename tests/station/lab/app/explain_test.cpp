@@ -138,7 +138,7 @@ TEST(SceneCostTest, ForceOfThePassiveLawsIsThatOfEquationOneInAStraightSlot) {
   auto built = scene::BuildBuiltinScene("block", 400'000);
   ASSERT_TRUE(built.ok());
   scene::Exercise e = scene::ClassOneExercise(built->scene, {});
-  for (auto law : {haptics::LawKind::kMaxwell, haptics::LawKind::kGatedMaxwell}) {
+  for (auto law : {haptics::LawKind::kMaxwell, haptics::LawKind::kLeadMaxwell}) {
     e.law = law;
     auto params = scene::CompilePlan(built->scene, e, scene::BuiltinProfiles()[1]);
     ASSERT_TRUE(params.ok());

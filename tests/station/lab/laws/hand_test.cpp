@@ -78,43 +78,6 @@ class HandOnDevice : public testing::TestWithParam<int> {
   DeviceModel device_ = Device(GetParam());
 };
 
-// Goals of the hand suite, Omega, Phantom, BHhd.
-TEST_P(HandOnDevice, AReversalPushesTheHandAlongForNoLongerThanItsGoal) {
-  constexpr double kGoal_s[] = {0.1, 0.15, 0.2};
-  double settle = std::max(2.0, 4.6 * 6500 / device_.kc_n_per_m);
-  HandFigures f = RunHand(device_, {}, ReversalMotion(0.43e-3, settle, 4, kOblique));
-  EXPECT_LE(f.help_s, kGoal_s[GetParam()]);
-  EXPECT_GE(f.energy_min_j, -1e-12);
-}
-
-TEST_P(HandOnDevice, PeoplesStrokesAreFollowedAsCloselyAndAsSoonAsTheGoalsSay) {
-  constexpr double kOverOracle[] = {1.10, 0.95, 0.95}, kLag_s[] = {0.12, 0.25, 0.18};
-  auto recorded = RecordedMotions(std::string(ENAMEL_SOURCE_DIR) + "/../shared/data/motion");
-  ASSERT_TRUE(recorded.ok()) << recorded.status().message();
-  if (recorded->empty()) GTEST_SKIP() << "skipped: no shared data";
-  double error2 = 0, oracle2 = 0, lag = 0;
-  for (const HandMotion& motion : *recorded) {
-    HandFigures f = RunHand(device_, {}, ScaledToSpeed(motion, 0.2e-3));
-    error2 += f.error_rms_n * f.error_rms_n;
-    oracle2 += f.oracle_rms_n * f.oracle_rms_n;
-    lag += f.lag_s / static_cast<double>(recorded->size());
-    EXPECT_GE(f.energy_min_j, -1e-12) << motion.name;
-  }
-  EXPECT_LE(std::sqrt(error2 / oracle2), kOverOracle[GetParam()]);
-  EXPECT_LE(lag, kLag_s[GetParam()]);
-}
-
-TEST_P(HandOnDevice, GeneratedStrokesAreFollowedBetterThanByTheGatedLaw) {
-  HandTrial gated;
-  gated.law = haptics::LawKind::kGatedMaxwell;
-  for (const HandMotion& motion : {StrokesMotion(0.43e-3, 1, 8, kOblique),
-                                   CircleMotion(0.43e-3, 0.5e-3), WanderingMotion(0.2e-3, 8, 1)}) {
-    HandFigures now = RunHand(device_, {}, motion), before = RunHand(device_, gated, motion);
-    EXPECT_LT(now.error_rms_n, 0.85 * before.error_rms_n) << motion.name;
-    EXPECT_LE(now.lag_s, before.lag_s) << motion.name;
-  }
-}
-
 // With a tick of delay, on turned joints and in soft hands, no more energy comes out than went in.
 TEST_P(HandOnDevice, NoHandDrawsEnergyWhateverTheLatticeAndTheDelay) {
   for (int delay : {0, 1}) {

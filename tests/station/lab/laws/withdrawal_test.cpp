@@ -12,11 +12,7 @@ namespace {
 
 using haptics::LawKind;
 
-constexpr double kOpposing_n = 0.15, kRise_n = 0.1;  // or Kc delta where that is more
-// Values reached where the goals above are missed: README of common/haptics, "What falls short". No
-// case pulls harder than kWorst_n, and at most kBeyond of the 168 miss one of the goals.
-constexpr double kWorst_n = 0.17;
-constexpr int kBeyond = 8;
+constexpr double kOpposing_n = 0.15, kRise_n = 0.1;
 
 const cutting::Volume& Block() {
   static const cutting::Volume block = WithdrawalBlock();
@@ -33,7 +29,7 @@ class FreeWithdrawalTest : public testing::TestWithParam<LawKind> {};
 
 TEST_P(FreeWithdrawalTest, NothingHoldsABurThatGoesBackTheWayItCame) {
   double opposing = 0, rise = 0;
-  int cases = 0, beyond = 0;
+  int cases = 0;
   for (const NamedBur& b : WithdrawalBurs()) {
     for (Cut cut : kCuts) {
       for (bool turned : {false, true}) {
@@ -43,12 +39,10 @@ TEST_P(FreeWithdrawalTest, NothingHoldsABurThatGoesBackTheWayItCame) {
           Withdrawal s{b.bur, cut, speed, turned, GetParam()};
           WithdrawalFigures f = RunWithdrawal(s, Block());
           EXPECT_GT(f.deepest_n, 0.2) << What(b, s) << ": it did not cut on the way in";
-          EXPECT_LE(f.opposing_n, kWorst_n) << What(b, s);
-          EXPECT_LE(f.rise_n, kWorst_n) << What(b, s);
-          const double cell_n = s.kc_n_per_m * s.cell_m;
+          EXPECT_LE(f.opposing_n, kOpposing_n) << What(b, s);
+          EXPECT_LE(f.rise_n, kRise_n) << What(b, s);
+          EXPECT_LE(f.other_n, 1e-9) << What(b, s);
           ++cases;
-          beyond += f.opposing_n > std::max(kOpposing_n, cell_n) ||
-                    f.rise_n > std::max(kRise_n, cell_n) || f.other_n > 1e-9;
           EXPECT_TRUE(f.out) << What(b, s);
           opposing = std::max(opposing, f.opposing_n);
           rise = std::max(rise, f.rise_n);
@@ -56,15 +50,14 @@ TEST_P(FreeWithdrawalTest, NothingHoldsABurThatGoesBackTheWayItCame) {
       }
     }
   }
-  EXPECT_LE(beyond, GetParam() == LawKind::kMaxwell ? 0 : kBeyond);
-  std::printf("%d of %d cases hold every goal; ", cases - beyond, cases);
-  std::printf("opposing at most %.3f N, rising at most %.3f N a tick\n", opposing, rise);
+  std::printf("%d cases; opposing at most %.3f N, rising at most %.3f N a tick\n", cases, opposing,
+              rise);
 }
 
 INSTANTIATE_TEST_SUITE_P(Laws, FreeWithdrawalTest,
-                         testing::Values(LawKind::kMaxwell, LawKind::kTankMaxwell),
+                         testing::Values(LawKind::kMaxwell, LawKind::kLeadMaxwell),
                          [](const testing::TestParamInfo<LawKind>& i) {
-                           return i.param == LawKind::kMaxwell ? "Maxwell" : "TankMaxwell";
+                           return i.param == LawKind::kMaxwell ? "Maxwell" : "LeadMaxwell";
                          });
 
 // The claim above can fail: beside its way in the bur cuts again, and is held.
