@@ -40,8 +40,9 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
                       "draw a page to open in a browser: F.html, with F.json beside it; or a "
                       "folder, report.html and qualification.json in it");
   qualify
-      ->add_option("--recordings", options->recordings,
-                   "hand: folder of CSV files (t_s,px_m,py_m,pz_m at 1 kHz) of people's motions")
+      ->add_option("--motion", options->motion,
+                   "hand: CSV file of a person's motion (t_s,px_m,py_m,pz_m at 1 kHz), or a folder "
+                   "of them")
       ->capture_default_str();
   qualify->add_option("--cases", options->cases, "random: how many")->capture_default_str();
   qualify
@@ -55,8 +56,9 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
   qualify->footer(
       "Suites:\n"
       "  paper       the tables of Liu et al. 2008 beside what this law does in the same cases\n"
-      "  hand        a hand's motions: pulling out, first strokes, recorded strokes, reversals, "
-      "turned encoders\n"
+      "  hand        the law in hands that give: felt error against an ideal damper in the same "
+      "hand, rounded and\n"
+      "              noisy positions, lifts, hands that push, first strokes, withdrawals\n"
       "  map         what a hand can feel, by tissue and speed: error and delay of a steady cut "
       "and of strokes,\n"
       "              and in words whether that is right, late or too much for the device\n"
@@ -65,8 +67,8 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
       "              beside the ideal (schemas/strokes.schema.json)\n"
       "  rates       the device at 1, 2, 4 and 8 kHz with the largest coupling it may have there, "
       "without delay\n"
-      "              and with one tick: Kc and what limits it, Kc delta/2, lag and error of a "
-      "wandering hand\n"
+      "              and with one tick: Kc and what limits it, Kc delta/2, felt error in a hand "
+      "of 1 N/mm\n"
       "  laws        every force law on the same cuts: error against run time\n"
       "  estimators  every velocity estimator on the same cuts\n"
       "  extreme     stiff tissue, light hands, held ticks: where each law is passive, bounded or "

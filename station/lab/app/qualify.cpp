@@ -95,17 +95,17 @@ Status CheckSuites(const std::vector<std::string>& names) {
   return Status::Ok();
 }
 
-// Without recordings the hand suite gives different figures, so a named folder must exist.
+// Without recordings the hand suite gives different figures, so what is named must exist.
 Status CheckRecordings(const QualifyOptions& options) {
   // The default folder may be missing: the suite reports that and uses generated motions.
-  if (options.recordings == QualifyOptions().recordings) return Status::Ok();
-  Result<std::vector<HandMotion>> found = RecordedMotions(options.recordings);
+  if (options.motion == QualifyOptions().motion) return Status::Ok();
+  Result<std::vector<HandMotion>> found = RecordedMotions(options.motion);
   if (!found.ok()) return found.status();
   if (!found->empty()) return Status::Ok();
   return {Code::kInvalidInput,
-          "--recordings: expected a folder with CSV files of motions, found none in " +
-              options.recordings + "; leave the option out for generated motions",
-          "recordings"};
+          "--motion: expected a CSV file of a motion or a folder of them, found none in " +
+              options.motion + "; leave the option out for generated motions",
+          "motion"};
 }
 
 // One line, rewritten at most ten times a second.
@@ -133,10 +133,10 @@ void Print(std::FILE* out, const Findings& f) {
   for (const RandomSummary& r : f.random) {
     std::fprintf(
         out,
-        "Random cases, %s: %d of %d hold every bound (%.1f %%); error %d, rise %d, release "
-        "%d, cycle %d; seed %llu\n",
-        r.title.c_str(), r.held, r.cases, 100.0 * r.held / std::max(1, r.cases), r.error, r.rise,
-        r.release, r.cycle, static_cast<unsigned long long>(f.seed));
+        "Random cases, %s: %d of %d hold both bounds in four hands (%.1f %%); ripple %d, felt "
+        "error %d; seed %llu\n",
+        r.title.c_str(), r.held, r.cases, 100.0 * r.held / std::max(1, r.cases), r.ripple, r.error,
+        static_cast<unsigned long long>(f.seed));
   }
   for (const VerdictMap& m : f.maps) {
     size_t counts[4] = {};

@@ -145,6 +145,18 @@ DeviceModel AtRate(const DeviceModel& model, double rate_hz, bool scale_kc) {
   return m;
 }
 
+double ClauseKc(const DeviceModel& m, const haptics::TipCell& cell, int delay_ticks) {
+  const dvec3 per_kc = cell.Friction(1);
+  const double most = std::max({per_kc.x, per_kc.y, per_kc.z});
+  return std::min(haptics::CouplingStiffness(m.damping_n_s_per_m, m.tick_s(), delay_ticks),
+                  m.friction_n / most);
+}
+
+fidelity::FeltDevice FeltDeviceOf(const DeviceModel& m) {
+  return {m.mass_kg,    m.damping_n_s_per_m, m.friction_n, m.resolution_m,
+          m.kc_n_per_m, m.peak_force_n,      m.tick_s()};
+}
+
 std::vector<std::string> CannotRender(const DeviceModel& m, double b, double speed) {
   std::vector<std::string> out;
   double force = b * speed, tau = b / m.kc_n_per_m;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/base/result.h"
+#include "common/fidelity/felt.h"
 #include "common/scene/types.h"
 #include "station/lab/laws/trial.h"
 
@@ -45,6 +46,12 @@ Result<DeviceModel> ModelOf(const scene::DeviceProfile& profile);
 // The model at another loop rate: same b, c, mass; Kc kept or, with `scale_kc`, raised or lowered
 // with 2 b / T as far as friction allows.
 DeviceModel AtRate(const DeviceModel& model, double rate_hz, bool scale_kc);
+
+// The largest Kc that the theorem of common/haptics/README.md carries on this device: what damping pays at
+// this rate and delay, and friction for the cell.
+double ClauseKc(const DeviceModel& model, const haptics::TipCell& cell, int delay_ticks);
+// As the hand trials take it.
+fidelity::FeltDevice FeltDeviceOf(const DeviceModel& model);
 
 // Limits of the device in rendering material b at speed v, one sentence each; empty if none.
 std::vector<std::string> CannotRender(const DeviceModel& model, double b_n_s_per_m,

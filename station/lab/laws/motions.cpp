@@ -57,7 +57,7 @@ Result<HandMotion> Recorded(const std::filesystem::path& path) {
     return Status(Code::kInvalidInput,
                   path.string() + ":" + std::to_string(line) + ": " + what +
                       "; expected columns t_s,px_m,py_m,pz_m at 1 kHz",
-                  "recordings");
+                  "motion");
   };
   HandMotion motion;
   motion.name = "human-" + path.stem().string();
@@ -85,23 +85,6 @@ Result<HandMotion> Recorded(const std::filesystem::path& path) {
 }
 
 }  // namespace
-
-dvec3 WayReader::PositionAt(double t) const {
-  double at = std::clamp(t / kWayStep_s, 0.0, static_cast<double>(way_.size() - 1));
-  auto i = std::min(static_cast<size_t>(at), way_.size() - 2);
-  double u = at - static_cast<double>(i);
-  // Catmull-Rom: the speed has no steps.
-  const dvec3 &p1 = way_[i], &p2 = way_[i + 1], &p0 = i > 0 ? way_[i - 1] : p1,
-              &p3 = i + 2 < way_.size() ? way_[i + 2] : p2;
-  return p1 + 0.5 * u *
-                  ((p2 - p0) +
-                   u * ((2.0 * p0 - 5.0 * p1 + 4.0 * p2 - p3) + u * (3.0 * (p1 - p2) + p3 - p0)));
-}
-
-dvec3 WayReader::SpeedAt(double t) const {
-  double h = 0.5 * kWayStep_s;
-  return (PositionAt(t + h) - PositionAt(t - h)) / (2 * h);
-}
 
 double MeanSpeed(const HandMotion& m) {
   double length = 0;
@@ -202,13 +185,14 @@ Result<std::vector<HandMotion>> RecordedMotions(const std::string& folder) {
   namespace fs = std::filesystem;
   std::vector<fs::path> paths;
   std::error_code error;
+  if (fs::is_regular_file(folder, error)) paths.push_back(folder);
   for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end;
        it.increment(error)) {
     if (it->path().extension() == ".csv") paths.push_back(it->path());
     if (paths.size() > kMostFiles)
       return Status(Code::kInvalidInput,
                     folder + ": expected at most " + std::to_string(kMostFiles) + " recordings",
-                    "recordings");
+                    "motion");
   }
   // Folders have no order, and suites must print the same rows on every machine.
   std::sort(paths.begin(), paths.end());

@@ -4,7 +4,8 @@
 #include <vector>
 
 #include "common/base/result.h"
-#include "station/lab/laws/plant.h"
+#include "common/fidelity/random.h"
+#include "common/fidelity/way.h"
 
 // Hand motions while cutting: paths in space sampled once a millisecond. Recorded ones come from a
 // folder of CSV files; the others are generated, and identical on every machine for a seed.
@@ -19,7 +20,9 @@ struct HandMotion {
   bool human = false;        // recorded from a person
 };
 
-inline constexpr double kWayStep_s = 1e-3;
+using fidelity::kWayStep_s;
+using fidelity::Random;
+using fidelity::WayReader;
 
 // Length of the way over its duration.
 double MeanSpeed(const HandMotion& motion);
@@ -42,21 +45,9 @@ HandMotion TremorMotion(double speed_m_per_s, double amplitude_m, double duratio
 // tremor; as smooth and varied as a person's, but of known statistics.
 HandMotion WanderingMotion(double mean_m_per_s, double duration_s, uint64_t seed);
 
-// Every `*.csv` under `folder` (at most 64 files of 4 MiB) with columns t_s, px_m, py_m, pz_m at 1
+// The file `folder`, or every `*.csv` under it (at most 64 files of 4 MiB), with columns t_s, px_m, py_m, pz_m at 1
 // kHz. Positions are smoothed over 20 ms, since the force is compared with their differences. Empty
-// if there is no such folder. Errors: kInvalidInput with file and line.
+// if there is no such file or folder. Errors: kInvalidInput with file and line.
 Result<std::vector<HandMotion>> RecordedMotions(const std::string& folder);
-
-// Position and speed at any time, by cubic interpolation of the way; at rest beyond its end.
-class WayReader {
- public:
-  explicit WayReader(const std::vector<dvec3>& way_m) : way_(way_m) {}
-  dvec3 PositionAt(double t_s) const;
-  dvec3 SpeedAt(double t_s) const;
-  double duration_s() const { return static_cast<double>(way_.size() - 1) * kWayStep_s; }
-
- private:
-  const std::vector<dvec3>& way_;
-};
 
 }  // namespace enamel::station::lab

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <functional>
 
-#include "station/lab/laws/hands.h"
+#include "common/fidelity/hands.h"
 
 namespace enamel::station::lab {
 namespace {

@@ -1,6 +1,7 @@
 #pragma once
 
-#include "station/lab/laws/plant.h"
+#include "common/fidelity/hands.h"
+#include "common/fidelity/plant.h"
 
 // The stiffest spring and the strongest damper a simulated device can render, found by experiment:
 // bisection on the simulated device's behaviour, with its own damping b given. Uses no listed
@@ -11,6 +12,12 @@
 //  * stable: the device, alone or in a hand of given mass, stiffness and damping, comes to rest.
 // Deterministic. Thread safety: all functions may be called from any thread.
 namespace enamel::station::lab {
+
+using fidelity::ImpedanceHand;
+using fidelity::LineMotion;
+using fidelity::Plant;
+using fidelity::PlantSpec;
+using fidelity::ScriptedHand;
 
 enum class Rendered {
   kSpring,  // F = -K p, p the cell's middle

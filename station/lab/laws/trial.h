@@ -3,12 +3,24 @@
 #include <string>
 #include <vector>
 
+#include "common/fidelity/hands.h"
+#include "common/fidelity/plant.h"
 #include "common/haptics/coupling.h"
-#include "station/lab/laws/hands.h"
-#include "station/lab/laws/plant.h"
 
 // One simulated cut with one law on one device in one hand, and its measurements.
 namespace enamel::station::lab {
+
+using fidelity::CellMiddle;
+using fidelity::ForceHand;
+using fidelity::Grip;
+using fidelity::Hand;
+using fidelity::ImpedanceHand;
+using fidelity::Lattice;
+using fidelity::LineMotion;
+using fidelity::Plant;
+using fidelity::PlantSpec;
+using fidelity::Random;
+using fidelity::VelocityHand;
 
 enum class HandKind { kVelocity, kForce, kImpedance };
 

@@ -51,38 +51,35 @@ json::object RowJson(const Row& r) {
   return out;
 }
 
+// Every row has every member, null if it does not apply, so readers need not guess.
 json::object HandJson(const HandRow& r) {
-  const HandFigures& f = r.f;
-  // Every row has every member, null if it does not apply, so readers need not guess.
-  auto Of = [&](double v) { return r.has_track ? Number(v) : json::value(nullptr); };
-  auto Out = [&](double v) { return r.has_track ? json::value(nullptr) : Number(v); };
-  // Other motions turn too, but without a moment the figure could start from.
-  bool turns = r.motion == "reversal";
   return {{"suite", "hand"},
           {"device", r.device},
-          {"law", r.law},
           {"b_n_s_per_mm", Number(r.b_n_s_per_mm)},
           {"rate_hz", Number(r.rate_hz)},
           {"kc_n_per_mm", Number(r.kc_n_per_mm)},
-          {"delay_ticks", r.delay_ticks},
+          {"hand_n_per_mm", Number(r.hand_n_per_mm)},
+          {"hand_kg", Number(r.hand_kg)},
           {"motion", r.motion},
-          {"hand", r.hand},
           {"lattice", r.lattice},
-          {"error_rms", Of(f.ideal_rms_n > 0 ? f.error_rms_n / f.ideal_rms_n : 0)},
-          {"oracle_rms", Of(f.ideal_rms_n > 0 ? f.oracle_rms_n / f.ideal_rms_n : 0)},
-          {"error_over_oracle", Of(f.oracle_rms_n > 0 ? f.error_rms_n / f.oracle_rms_n : INFINITY)},
-          {"ideal_rms_n", Of(f.ideal_rms_n)},
-          {"lag_s", Of(f.lag_s)},
-          {"help_after_reversal_s", turns ? Of(f.help_s) : json::value(nullptr)},
-          {"overshoot", Of(f.overshoot)},
-          {"excess_n", Of(f.excess_n)},
-          {"direction_error_deg", Of(f.direction_deg)},
-          {"bur_to_tip_m", Of(f.trail_m)},
-          {"energy_min_j", Of(f.energy_min_j)},
-          {"opposing_n", Out(r.opposing_n)},
-          {"rise_n", Out(r.rise_n)},
-          {"pull_n", Out(r.pull_n)},
-          {"step_n", r.has_track ? Number(f.step_n) : Number(r.step_n)}};
+          {"delay_ticks", r.delay_ticks},
+          {"proved", r.proved},
+          {"felt_error", Number(r.felt_error)},
+          {"maxwell_error", Number(r.maxwell_error)},
+          {"ideal_rms_n", Number(r.ideal_rms_n)},
+          {"ripple_n", Number(r.ripple_n)},
+          {"maxwell_ripple_n", Number(r.maxwell_ripple_n)},
+          {"off_rms_n", Number(r.off_rms_n)},
+          {"least_share", Number(r.least_share)},
+          {"swing_n", Number(r.swing_n)},
+          {"maxwell_swing_n", Number(r.maxwell_swing_n)},
+          {"pull_n", Number(r.pull_n)},
+          {"cycles", r.cycles},
+          {"excess_n", Number(r.excess_n)},
+          {"way_m", Number(r.way_m)},
+          {"maxwell_way_m", Number(r.maxwell_way_m)},
+          {"behind_m", Number(r.behind_m)},
+          {"energy_min_j", Number(r.energy_min_j)}};
 }
 
 json::object FeelJson(const FeelRow& r) {
@@ -141,10 +138,8 @@ std::string JsonOf(const Findings& f) {
     random.push_back(json::object{{"draw", r.title},
                                   {"cases", r.cases},
                                   {"held", r.held},
-                                  {"error", r.error},
-                                  {"rise", r.rise},
-                                  {"release", r.release},
-                                  {"cycle", r.cycle}});
+                                  {"ripple", r.ripple},
+                                  {"error", r.error}});
   }
   json::object out{{"format", 1},
                    {"seed", f.seed},
@@ -164,9 +159,8 @@ std::string JsonOf(const Findings& f) {
                                    {"kc_n_per_mm", Number(r.kc_n_per_mm)},
                                    {"limit", r.limit},
                                    {"kc_delta_half_n", Number(r.kc_delta_half_n)},
-                                   {"lag_s", Number(r.lag_s)},
-                                   {"error_rms", Number(r.error_rms)},
-                                   {"error_over_oracle", Number(r.error_over_oracle)}});
+                                   {"felt_error", Number(r.felt_error)},
+                                   {"maxwell_error", Number(r.maxwell_error)}});
     }
     out["rates"] = std::move(rates);
   }

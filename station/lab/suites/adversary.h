@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "common/fidelity/plant.h"
 #include "common/haptics/coupling.h"
 #include "common/haptics/guard.h"
-#include "station/lab/laws/plant.h"
 #include "station/lab/suites/findings.h"
 
 // Games against the theorem of common/haptics/README.md ("Why it is passive"). The adversary is
@@ -15,6 +15,9 @@
 // is played at the least damping and friction that its own clause allows, so that no reserve of the
 // device can hide a mistake. SI units. Thread safety: one Game per thread.
 namespace enamel::station::lab {
+
+using fidelity::CellMiddle;
+using fidelity::Random;
 
 // The adversary's means besides moving the tip and choosing B every tick.
 struct GameRules {

@@ -1,12 +1,12 @@
 #pragma once
 
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "common/fidelity/feel.h"
 #include "station/lab/cutting/cutting_error.h"
-#include "station/lab/laws/hand_trial.h"
 #include "station/lab/laws/model.h"
 #include "station/lab/laws/strokes.h"
 
@@ -24,7 +24,7 @@ struct Row {
   double tau_s = 0, kc_delta_half_n = 0, ns_per_tick = 0;
   Measurement m;
   // Other measures of a suite, by name: written beside the other members in JSON and read by
-  // front.h. "error_over_oracle": human-motion error relative to the memoryless oracle's; "pull_n".
+  // front.h. "felt_error": of a wandering hand of 1 N/mm; "pull_n".
   std::vector<std::pair<std::string, double>> extra;
   Verdict verdict = Verdict::kStable;
   bool pareto = false, is_default = false;
@@ -74,26 +74,40 @@ struct Attack {
   bool proved = false;
 };
 
+// Random cases of one draw, each in four hands.
 struct RandomSummary {
-  std::string title;  // how speeds were drawn
-  int cases = 0, held = 0, error = 0, rise = 0, release = 0, cycle = 0;
-  std::vector<Row> failures;
-  std::vector<double> errors_n, rises,
-      releases;  // velocity-hand figures of every case, over their bounds
+  std::string title;  // how they were drawn
+  // Of the cases: ripple beyond the plain spring's + 0.05 N, felt error beyond its + 1 point.
+  int cases = 0, held = 0, ripple = 0, error = 0;
+  std::vector<std::string> misses;  // a line each: what, by how much, and what repeats it
+  // Of every hand of every case, beyond the plain spring's.
+  std::vector<double> ripples_n, errors;
 };
 
-// One motion of one hand on one device. Rows with a track compare R with B v tick by tick; the
-// others are withdrawals with the product's core.
+inline constexpr double kNotApplicable = std::numeric_limits<double>::quiet_NaN();
+
+// One motion of one hand on one device, the default law beside plain Maxwell. Every row has every
+// figure; what does not apply is kNotApplicable, and null in JSON.
 struct HandRow {
-  std::string device, motion, hand, lattice, law;
-  double b_n_s_per_mm = 0, rate_hz = 1000, kc_n_per_mm = 0;
+  std::string device, motion, lattice = "cartesian";
+  double b_n_s_per_mm = 6.5, rate_hz = 1000, kc_n_per_mm = 0;
+  double hand_n_per_mm = kNotApplicable;  // none: the hand prescribes the way; 0: it pushes
+  double hand_kg = kNotApplicable;
   int delay_ticks = 0;
-  bool has_track = false;
-  HandFigures f;
-  // Withdrawals: the opposing part, beyond Kc delta if that is larger than 0.15 N, else the part
-  // itself; its largest rise in a tick; the excess of a step of the force over Kc (v T + sqrt(3)
-  // delta).
-  double opposing_n = 0, pull_n = 0, rise_n = 0, step_n = 0;
+  bool proved = false;  // Kc, friction, cell and delay meet the clause of common/haptics/README.md
+  // RMS of force sent less that of an ideal damper in the same hand, over the latter's (fidelity/felt.h).
+  double felt_error = kNotApplicable, maxwell_error = kNotApplicable;
+  double ideal_rms_n = kNotApplicable;                                  // of the damper's force
+  double ripple_n = kNotApplicable, maxwell_ripple_n = kNotApplicable;  // RMS above 15 Hz
+  // Steady cuts: RMS off B v, and the least force as a share of it.
+  double off_rms_n = kNotApplicable, least_share = kNotApplicable;
+  double swing_n = kNotApplicable, maxwell_swing_n = kNotApplicable;  // peak to peak, settled
+  double pull_n = kNotApplicable;    // largest force against a lift or a withdrawal
+  int cycles = 0;                    // 1: the hand was thrown back and came again
+  double excess_n = kNotApplicable;  // first stroke after air
+  double way_m = kNotApplicable, maxwell_way_m = kNotApplicable;  // until 0.1 N are felt
+  double behind_m = kNotApplicable;                               // the bur behind the tip in air
+  double energy_min_j = kNotApplicable;                           // of the theorem's balance
 };
 
 // One cell of the map of what a hand can feel.
@@ -106,16 +120,15 @@ struct FeelRow {
 };
 
 // One device at one loop rate with the largest coupling possible there (scene/rate.h), in five
-// hands that wander over enamel of 6.5 N s/mm at 0.2 mm/s. JSON: member "rates", the names below.
+// hands of 1 N/mm that wander over enamel of 6.5 N s/mm at 0.2 mm/s. JSON: member "rates", the names
+// below.
 struct RateRow {
   std::string device,
       limit;  // limit: what keeps Kc from being larger: damping, friction, structure
   double rate_hz = 0, kc_n_per_mm = 0;
   int delay_ticks = 0;
-  double kc_delta_half_n = 0;    // what one encoder cell is worth: the least error per axis
-  double lag_s = 0;              // at which R and B v correlate best, mean
-  double error_rms = 0;          // RMS of R - B v over that of B v
-  double error_over_oracle = 0;  // the same over the oracle's at this Kc
+  double kc_delta_half_n = 0;  // what one encoder cell is worth: the least error per axis
+  double felt_error = 0, maxwell_error = 0;  // as of HandRow
 };
 
 // One bur at one voxel size and speed.

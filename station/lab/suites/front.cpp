@@ -31,7 +31,7 @@ double Release(const Row& r) {
   if (!HasTrial(r) || r.hand != "velocity" || r.tau_s <= 0) return kNotMeasured;
   return r.m.release10_s < 0 ? kNever : r.m.release10_s / r.tau_s;
 }
-double HumanError(const Row& r) { return Extra(r, "error_over_oracle"); }
+double FeltError(const Row& r) { return Extra(r, "felt_error"); }
 double Pull(const Row& r) { return Extra(r, "pull_n"); }
 
 // Whether a is as good as b in time and every metric, and better in one.
@@ -70,7 +70,7 @@ const std::vector<Metric>& FrontMetrics() {
       {"steady", "steady error, N", 1e-3, &SteadyError},
       {"rise", "rise to 90 % over its floor", 1e-2, &Rise},
       {"release", "release to 10 %, B/Kc", 1e-3, &Release},
-      {"human", "human-motion error over the oracle's", 1e-2, &HumanError},
+      {"felt", "felt error, wandering hand of 1 N/mm", 1e-2, &FeltError},
       {"pull", "pull against withdrawal, N", 1e-3, &Pull}};
   return kMetrics;
 }

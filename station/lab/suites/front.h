@@ -22,8 +22,8 @@ struct Metric {
   double (*of)(const Row&);
 };
 // Steady error; rise over its floor and release over B/Kc, of the hand that prescribes velocity;
-// human-motion error over the oracle's, pull. The last two are read from Row::extra
-// ("error_over_oracle", "pull_n"), which a suite of motions fills. While no row has them they have
+// felt error of a wandering hand of 1 N/mm, pull. The last two are read from Row::extra
+// ("felt_error", "pull_n"), which a suite of motions fills. While no row has them they have
 // no plot and do not count.
 const std::vector<Metric>& FrontMetrics();
 

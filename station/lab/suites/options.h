@@ -16,9 +16,10 @@ struct QualifyOptions {
   bool quick = false;     // under a minute on two cores; still B = 6.5 at 1 kHz
   std::string json_path;  // rows are written here when not empty
   std::string report;     // a page (….html) or a folder, when not empty: report/draw.h
-  std::string recordings = "../shared/data/motion";  // hand: CSV files of people's motions
-  int cases = 600;                                   // random
-  int64_t adversary_ticks = 0;                       // 0: 1e9, or 2e6 with quick
+  std::string motion =
+      "../shared/data/motion";  // hand: a CSV file of a motion, or a folder of them
+  int cases = 600;              // random
+  int64_t adversary_ticks = 0;  // 0: 1e9, or 2e6 with quick
   uint64_t seed = 1;
   int threads = 2;
   std::FILE* out = nullptr;       // tables; nullptr: nothing printed

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstdio>
 
+#include "station/lab/suites/hand_cases.h"
 #include "station/lab/suites/suites.h"
 
 namespace enamel::station::lab {
@@ -42,15 +42,6 @@ TrialSpec RandomCase(const DeviceModel& at_1khz, uint64_t seed, Draw draw) {
   // Anywhere in a cell: the place of the first count has much influence on a slow cut's beginning.
   s.start_offset_m = dvec3(r.Uniform(), r.Uniform(), r.Uniform()) * m.resolution_m;
   s.hand_mass_kg = r.LogBetween(0.02, 0.5);
-  // Half of the cases prescribe velocity; the rest a force or an impedance.
-  int hand = r.Below(6);
-  s.hand = hand < 3 ? HandKind::kVelocity : hand == 3 ? HandKind::kForce : HandKind::kImpedance;
-  s.hand_stiffness_n_per_m = hand == 4 ? 1000 : 200;
-  double ratio = r.Between(0.1, 0.8);
-  s.hand_damping_n_s_per_m =
-      s.hand == HandKind::kForce
-          ? r.Between(0, 3)
-          : 2 * ratio * std::sqrt(s.hand_stiffness_n_per_m * (s.hand_mass_kg + m.mass_kg));
   return s;
 }
 
@@ -64,7 +55,7 @@ constexpr const char* kNone =
 
 struct DrawName {
   Draw draw;
-  const char* suite;
+  const char* motion;
   const char* title;
 };
 constexpr DrawName kDraws[] = {
@@ -73,108 +64,105 @@ constexpr DrawName kDraws[] = {
     {Draw::kRates, "random-rates", "loop rates of 500 Hz, 2, 4 and 8 kHz"},
     {Draw::kMatrix, "random-matrix", "B a matrix, axes in any direction"}};
 
-// Every case is cut with each of these.
-struct RandomGrip {
-  HandKind kind;
-  double stiffness;
-};
-constexpr RandomGrip kGrips[] = {{HandKind::kVelocity, 0},
-                                 {HandKind::kForce, 0},
-                                 {HandKind::kImpedance, 1000},
-                                 {HandKind::kImpedance, 200}};
+// Every case is cut with each of these: prescribed, pushed, and grips of 1 and 0.2 N/mm.
+constexpr double kPrescribed = -1;
+constexpr double kGrips_n_per_m[] = {kPrescribed, 0, 1000, 200};
+constexpr double kMoreRipple_n = 0.05, kMoreError = 0.01;
 
-void Hold(const RandomGrip& grip, uint64_t seed, const DeviceModel& m, TrialSpec* s) {
-  // "hand": separate draws, so that the four grips of a case share everything else.
+// The hand of a case on this grip. "hand": separate draws, so that the four grips share all else.
+fidelity::HandOn HandOf(const TrialSpec& s, double grip, uint64_t seed) {
   Random r(seed ^ 0x68616e64);
-  s->hand = grip.kind;
-  s->hand_stiffness_n_per_m = grip.stiffness;
-  double ratio = r.Between(0.1, 0.8), free = r.Between(0, 3);
-  s->hand_damping_n_s_per_m =
-      grip.kind == HandKind::kForce
-          ? free
-          : 2 * ratio * std::sqrt(grip.stiffness * (s->hand_mass_kg + m.mass_kg));
+  const double ratio = r.Between(0.1, 0.8), free = r.Between(0, 3);
+  fidelity::HandOn hand;
+  if (grip == kPrescribed) return hand;
+  hand.stiffness_n_per_m = grip;
+  hand.mass_kg = s.hand_mass_kg;
+  hand.damping_n_s_per_m =
+      grip == 0 ? free : 2 * ratio * std::sqrt(grip * (s.hand_mass_kg + s.plant.mass_kg));
+  hand.push_n = grip == 0 ? s.b_n_s_per_m * s.direction * s.speed_m_per_s : dvec3(0);
+  return hand;
 }
 
-// The bounds of common/haptics/README.md, for all four hands of a case.
-constexpr double kRise = 1.15, kRelease = 0.55;
+struct HeldCase {
+  HandRow row;
+  std::string repeat;
+};
 
-void AddCase(const Row* rows, RandomSummary* sum) {
-  // A case holds if it holds in all four hands: a person has one of them, and nobody knows which.
-  bool error = false, late = false, held_on = false, cycle = false;
-  for (size_t h = 0; h < std::size(kGrips); ++h) {
-    const Row& r = rows[h];
-    bool velocity = r.hand == "velocity";
-    double bound = std::max(0.05, 1.15 * r.kc_delta_half_n);
-    double rise = velocity ? (r.m.rise90_s < 0 ? 99 : r.m.rise90_s / r.m.rise90_floor_s) : 0;
-    double release = velocity ? (r.m.release10_s < 0 ? 99 : r.m.release10_s / r.tau_s) : 0;
-    bool misses[] = {r.m.error_max_n > bound, rise > kRise, release > kRelease, r.m.cycle};
-    error |= misses[0];
-    late |= misses[1];
-    held_on |= misses[2];
-    cycle |= misses[3];
-    sum->errors_n.push_back(r.m.error_max_n / bound);
-    if (velocity) {
-      sum->rises.push_back(rise / kRise);
-      sum->releases.push_back(release / kRelease);
-    }
-    if (misses[0] || misses[1] || misses[2] || misses[3]) sum->failures.push_back(r);
+HeldCase RunCase(const DeviceModel& model, uint64_t seed, const DrawName& draw, double grip) {
+  const TrialSpec s = RandomCase(model, seed, draw.draw);
+  DeviceModel m = model;
+  m.rate_hz = 1 / s.plant.tick_s;
+  m.friction_n = s.plant.friction_n;
+  fidelity::FeltTrial trial;
+  trial.b_n_s_per_m = s.b_n_s_per_m;
+  trial.hand = HandOf(s, grip, seed);
+  const double b = s.b_n_s_per_m.Trace() / 3;
+  // Until the plain spring's transient in this hand is down to a tenth.
+  const double compliance = 1 / m.kc_n_per_m + (grip > 0 ? 1 / grip : 0);
+  const double for_s = std::min(20.0, 2 + 2.3 * b * compliance);
+  const std::vector<dvec3> way = ReversalMotion(s.speed_m_per_s, for_s, 0, s.direction).way_m;
+  HeldCase out;
+  out.row = RowFor(m, b, draw.motion, {}, 0);
+  if (grip >= 0) {
+    out.row.hand_n_per_mm = grip * 1e-3;
+    out.row.hand_kg = s.hand_mass_kg;
   }
-  ++sum->cases;
-  sum->error += error;
-  sum->rise += late;
-  sum->release += held_on;
-  sum->cycle += cycle;
-  sum->held += !error && !late && !held_on && !cycle;
+  const fidelity::FeltFigures law = Feel(FeltDeviceOf(m), trial, way);
+  trial.law = haptics::LawKind::kMaxwell;
+  const fidelity::FeltFigures plain = Feel(FeltDeviceOf(m), trial, way);
+  out.row.felt_error = law.felt_error();
+  out.row.maxwell_error = plain.felt_error();
+  out.row.ripple_n = law.ripple_n;
+  out.row.maxwell_ripple_n = plain.ripple_n;
+  out.row.energy_min_j = law.energy_min_j;
+  out.repeat = m.name + ", " +
+               (grip == kPrescribed
+                    ? std::string("prescribed")
+                    : F(grip * 1e-3, "%.1f") + " N/mm, " + F(s.hand_mass_kg, "%.2f") + " kg") +
+               ", B " + F(b * 1e-3, "%.1f") + ", " + F(s.speed_m_per_s * 1e3, "%.2f") +
+               " mm/s, seed " + std::to_string(seed);
+  return out;
 }
 
 bool RendersAny(const DeviceModel& m) { return kSoftest_n_s_per_m / m.kc_n_per_m <= kSlowest_s; }
 
-// Devices of the misses: a coarse encoder counts too rarely at 0.05 mm/s to notice a stop.
-void AddDeviceTable(Findings& findings, const RandomSummary& sum, const char* suite) {
-  Table t{"Random cases by device, " + sum.title,
-          "",
-          {"device", "cases x four hands", "hold every bound", "delta / (0.05 mm/s), s",
-           "B/Kc at 2.5 N s/mm, s"},
-          {}};
-  for (const DeviceModel& m : findings.models) {
-    auto Of = [&](const std::vector<Row>& rows) {
-      return std::count_if(rows.begin(), rows.end(),
-                           [&](const Row& r) { return r.profile == m.name && r.suite == suite; });
-    };
-    auto cases = Of(findings.rows), missed = Of(sum.failures);
-    char gap[32], tau[32];
-    std::snprintf(gap, sizeof gap, "%.2f", m.resolution_m / 0.05e-3);
-    std::snprintf(tau, sizeof tau, "%.2f", 2500 / m.kc_n_per_m);
-    t.rows.push_back({m.title, std::to_string(cases),
-                      RendersAny(m) ? std::to_string(cases - missed) : "none drawn: B/Kc > 3 s",
-                      gap, tau});
-  }
-  findings.tables.push_back(std::move(t));
-}
-
 void RunDraws(SuiteContext& c, const std::vector<DeviceModel>& models, const DrawName& draw) {
+  constexpr size_t kHands = std::size(kGrips_n_per_m);
   auto n = static_cast<size_t>(c.options.quick ? std::min(c.options.cases, 150) : c.options.cases);
-  std::vector<Row> rows(n * std::size(kGrips));
+  std::vector<HeldCase> held(n * kHands);
   Random draws(c.options.seed);
   std::vector<uint64_t> seeds(n);
   // Drawn before the threads begin, so that the cases do not depend on the threads' order.
   for (uint64_t& seed : seeds) seed = draws.Next();
   std::atomic<size_t> done{0};
-  ParallelFor(rows.size(), c.options.threads, [&](size_t i) {
-    const uint64_t seed = seeds[i / std::size(kGrips)];
-    const DeviceModel& m = models[seed % models.size()];
-    TrialSpec spec = RandomCase(m, seed, draw.draw);
-    Hold(kGrips[i % std::size(kGrips)], seed, m, &spec);
-    rows[i] = RunRow(m, spec);
-    rows[i].suite = draw.suite;
-    rows[i].title = "seed " + std::to_string(seed);
-    c.progress("random", ++done, rows.size());
+  ParallelFor(held.size(), c.options.threads, [&](size_t i) {
+    const uint64_t seed = seeds[i / kHands];
+    held[i] = RunCase(models[seed % models.size()], seed, draw, kGrips_n_per_m[i % kHands]);
+    c.progress("random", ++done, held.size());
   });
   RandomSummary sum;
   sum.title = draw.title;
-  for (size_t i = 0; i < n; ++i) AddCase(&rows[i * std::size(kGrips)], &sum);
-  for (Row& r : rows) c.findings.rows.push_back(std::move(r));
-  AddDeviceTable(c.findings, sum, draw.suite);
+  for (size_t i = 0; i < n; ++i) {
+    // A case holds if it holds in all four hands: a person has one of them, and nobody knows which.
+    bool ripples = false, errs = false;
+    for (size_t h = 0; h < kHands; ++h) {
+      const HeldCase& one = held[i * kHands + h];
+      const double ripple = one.row.ripple_n - one.row.maxwell_ripple_n;
+      const double error = one.row.felt_error - one.row.maxwell_error;
+      sum.ripples_n.push_back(ripple);
+      sum.errors.push_back(error);
+      if (ripple > kMoreRipple_n || error > kMoreError)
+        sum.misses.push_back(one.repeat + ": ripple " + F(ripple, "%+.3f") + " N, felt error " +
+                             F(100 * error, "%+.1f") + " points");
+      ripples |= ripple > kMoreRipple_n;
+      errs |= error > kMoreError;
+    }
+    ++sum.cases;
+    sum.ripple += ripples;
+    sum.error += errs;
+    sum.held += !ripples && !errs;
+  }
+  for (HeldCase& one : held) c.findings.hands.push_back(std::move(one.row));
   c.findings.random.push_back(std::move(sum));
 }
 

@@ -3,13 +3,13 @@
 
 #include "common/scene/delay.h"
 #include "common/scene/rate.h"
-#include "station/lab/laws/hand_trial.h"
+#include "station/lab/laws/motions.h"
 #include "station/lab/suites/suites.h"
 
 namespace enamel::station::lab {
 namespace {
 
-constexpr double kB_n_s_per_m = 6500, kSpeed_m_per_s = 0.2e-3;
+constexpr double kGrip_n_per_m = 1000, kSpeed_m_per_s = 0.2e-3;
 constexpr uint64_t kMotions = 5;
 
 struct Job {
@@ -45,45 +45,47 @@ void RunRatesSuite(SuiteContext& c) {
   t.title = "Loop rates: the largest coupling each device may have, and what a hand gets of it";
   t.note =
       "Kc = min(2 b f/(d + 1)^2, 2 c/delta, K); limit: which of them binds. B 6.5 N s/mm, five "
-      "generated hands that wander at "
-      "0.2 mm/s for 12 s each, default law. Error: RMS of R - B v over B v's; over the oracle's at "
-      "the same Kc. A delay of one "
-      "tick is shorter at a higher rate.";
-  t.head = {"device",       "rate Hz", "delay ticks", "Kc N/mm",       "limit",
-            "Kc delta/2 N", "lag ms",  "error %",     "error / oracle"};
+      "generated hands of 1 N/mm that wander at 0.2 mm/s for 12 s each. Felt error against an "
+      "ideal "
+      "damper in the same hand: default law, and plain Maxwell. A delay of one tick is shorter at "
+      "a "
+      "higher rate.";
+  t.head = {"device", "rate Hz",      "delay ticks",  "Kc N/mm",
+            "limit",  "Kc delta/2 N", "felt error %", "plain Maxwell %"};
   for (const DeviceModel& m : c.findings.models) {
     const std::vector<Job> jobs = JobsFor(m);
     std::vector<RateRow> rows(jobs.size());
     std::atomic<size_t> done{0};
     ParallelFor(jobs.size(), c.options.threads, [&](size_t i) {
       const DeviceModel& model = jobs[i].model;
-      HandTrial trial;
-      trial.b_n_s_per_m = kB_n_s_per_m;
+      fidelity::FeltTrial trial;
+      trial.hand.stiffness_n_per_m = kGrip_n_per_m;
       trial.delay_ticks = model.delay_ticks;
-      double error2 = 0, ideal2 = 0, oracle2 = 0, lag_s = 0;
-      for (uint64_t seed = 1; seed <= kMotions; ++seed) {
-        HandFigures f = RunHand(model, trial, WanderingMotion(kSpeed_m_per_s, 12, seed));
-        error2 += f.error_rms_n * f.error_rms_n;
-        ideal2 += f.ideal_rms_n * f.ideal_rms_n;
-        oracle2 += f.oracle_rms_n * f.oracle_rms_n;
-        lag_s += f.lag_s / static_cast<double>(kMotions);
-      }
+      auto Error = [&](haptics::LawKind law) {
+        trial.law = law;
+        double error2 = 0, ideal2 = 0;
+        for (uint64_t seed = 1; seed <= kMotions; ++seed) {
+          const fidelity::FeltFigures f =
+              Feel(FeltDeviceOf(model), trial, WanderingMotion(kSpeed_m_per_s, 12, seed).way_m);
+          error2 += f.error_rms_n * f.error_rms_n;
+          ideal2 += f.ideal_rms_n * f.ideal_rms_n;
+        }
+        return std::sqrt(error2 / ideal2);
+      };
       rows[i] = {m.name,
                  jobs[i].limit,
                  model.rate_hz,
                  model.kc_n_per_m * 1e-3,
                  model.delay_ticks,
                  model.kc_n_per_m * model.resolution_m / 2,
-                 lag_s,
-                 std::sqrt(error2 / ideal2),
-                 std::sqrt(error2 / oracle2)};
+                 Error(haptics::kDefaultLaw),
+                 Error(haptics::LawKind::kMaxwell)};
       c.progress("rates", ++done, jobs.size());
     });
     for (const RateRow& r : rows) {
       t.rows.push_back({m.title, F(r.rate_hz, "%.0f"), F(r.delay_ticks, "%.0f"),
                         F(r.kc_n_per_mm, "%.2f"), r.limit, F(r.kc_delta_half_n),
-                        F(1e3 * r.lag_s, "%.0f"), F(100 * r.error_rms, "%.0f"),
-                        F(r.error_over_oracle, "%.2f")});
+                        F(100 * r.felt_error, "%.0f"), F(100 * r.maxwell_error, "%.0f")});
       c.findings.rates.push_back(r);
     }
   }

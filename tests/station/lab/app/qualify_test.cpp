@@ -49,7 +49,7 @@ TEST(QualifyTest, RefusesUnknownProfilesAndSuitesWithWhatIsKnown) {
   EXPECT_NE(text.find("phantom_desktop"), std::string::npos);
   EXPECT_NE(text.find("estimators"), std::string::npos);
   o.suites = {"hand"};
-  o.recordings = "/nowhere/at/all";
+  o.motion = "/nowhere/at/all";
   EXPECT_EQ(RunQualify(o), 1)
       << "generated motions give other figures: nobody who names a folder wants them";
   EXPECT_NE(text.find("found none in /nowhere/at/all"), std::string::npos) << text;
@@ -123,28 +123,9 @@ TEST(QualifyTest, WritesRowsAndAReport) {
   auto json = boost::json::parse(ReadAll(o.json_path)).as_object();
   const auto& rows = json.at("rows").as_array();
   ASSERT_EQ(rows.size(), 96u);  // four draws of six, each in four hands
-  for (const char* name : {"profile",
-                           "law",
-                           "estimator",
-                           "rate_hz",
-                           "hand",
-                           "b_n_s_per_mm",
-                           "steady_error_max_n",
-                           "ripple_rms_n",
-                           "speed_mm_s",
-                           "rise90_s",
-                           "rise90_floor_s",
-                           "release10_s",
-                           "tau_s",
-                           "energy_min_j",
-                           "energy_floor_j",
-                           "violations",
-                           "kc_delta_half_n",
-                           "cycle",
-                           "ns_per_tick",
-                           "verdict",
-                           "pareto",
-                           "default"}) {
+  for (const char* name :
+       {"device", "b_n_s_per_mm", "rate_hz", "kc_n_per_mm", "hand_n_per_mm", "motion", "lattice",
+        "delay_ticks", "proved", "felt_error", "maxwell_error", "ripple_n", "pull_n", "cycles"}) {
     EXPECT_TRUE(rows[0].as_object().contains(name)) << name;
   }
   const auto document =
@@ -176,7 +157,7 @@ TEST(QualifyTest, GivesTheSameRowsForTheSameSeed) {
   EXPECT_EQ(seen[0], seen[1]);
 }
 
-// Kc at a rate is the least of the three limits, and the row says which.
+// Kc at a rate is the least of its limits, and the row says which. Joints: S = sqrt(3)/2 (20 + 0.5 um).
 TEST(QualifyTest, RatesTellTheLargestCouplingAndWhatLimitsIt) {
   Folder folder;
   QualifyOptions o;
@@ -192,14 +173,14 @@ TEST(QualifyTest, RatesTellTheLargestCouplingAndWhatLimitsIt) {
     const double f = row.at("rate_hz").to_number<double>(),
                  kc = row.at("kc_n_per_mm").to_number<double>();
     const double d = row.at("delay_ticks").to_number<double>();
-    EXPECT_LE(kc, std::min({2 * 2.5e-3 * f / ((d + 1) * (d + 1)), 2 * 0.08 / 0.02, 5.0}) + 1e-9);
-    EXPECT_GT(row.at("lag_s").to_number<double>(), 0);
-    EXPECT_GT(row.at("error_over_oracle").to_number<double>(), 0.5);
-    EXPECT_LT(row.at("error_rms").to_number<double>(), 1);
+    EXPECT_LE(kc, std::min({2 * 2.5e-3 * f / ((d + 1) * (d + 1)), 0.08 / 17.753e-6 * 1e-3}) + 1e-9);
+    EXPECT_GT(row.at("felt_error").to_number<double>(), 0);
+    EXPECT_LT(row.at("felt_error").to_number<double>(),
+              row.at("maxwell_error").to_number<double>());
   }
-  EXPECT_EQ(rows[1].at("limit").as_string(), "damping");
-  EXPECT_EQ(rows[2].at("limit").as_string(), "structure");
-  EXPECT_DOUBLE_EQ(rows[7].at("kc_n_per_mm").to_number<double>(), 5);  // 4 kHz and a tick of delay
+  EXPECT_EQ(rows[1].at("limit").as_string(), "friction");
+  EXPECT_EQ(rows[5].at("limit").as_string(), "damping");  // 1 kHz and a tick of delay
+  EXPECT_DOUBLE_EQ(rows[7].at("kc_n_per_mm").to_number<double>(), 4.505);  // 4 kHz and a tick
 }
 
 TEST(QualifyTest, SaysWhereItCannotWrite) {

@@ -50,8 +50,8 @@ Findings OneOfEach() {
   random.title = "speeds <uniform>";
   random.cases = 3;
   random.held = 2;
-  random.errors_n = {0.5, 1.25, 0.25};
-  random.rises = {1, 2, 0.5};
+  random.errors = {0.005, 0.0125, 0.0025};
+  random.ripples_n = {0.05, 0.1, 0.025};
   f.random.push_back(random);
   f.tables.push_back({"Adversary: games", "A note.", {"law", "floor"}, {{"law", "UNDER 1 nJ"}}});
   f.maps.push_back({"Map",

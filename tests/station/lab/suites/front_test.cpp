@@ -93,7 +93,7 @@ TEST(FrontTest, MetricsOfAnotherSuiteJoinWhenItsRowsCarryThem) {
     r.law = law;
     r.estimator = "own";
     r.b_n_s_per_mm = 6.5;
-    r.extra = {{"error_over_oracle", error}, {"pull_n", pull}};
+    r.extra = {{"felt_error", error}, {"pull_n", pull}};
     rows.push_back(r);
   }
   auto points = LawPointsOf(rows, "device");
@@ -117,7 +117,7 @@ TEST(FrontTest, MetricsOfAnotherSuiteJoinWhenItsRowsCarryThem) {
     });
     EXPECT_TRUE(drawn) << metric.id;
   }
-  EXPECT_NE(JsonOf(findings).find("\"error_over_oracle\":1.3"), std::string::npos);
+  EXPECT_NE(JsonOf(findings).find("\"felt_error\":1.3"), std::string::npos);
 }
 
 }  // namespace

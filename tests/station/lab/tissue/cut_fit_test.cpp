@@ -10,11 +10,13 @@
 #include <sstream>
 #include <string>
 
-#include "station/lab/laws/plant.h"
+#include "common/fidelity/plant.h"
 #include "station/lab/tissue/fit_damping.h"
 #include "tests/station/lab/tissue/recorded_cut.h"
 
 namespace enamel::station::lab {
+
+using fidelity::Random;
 namespace {
 
 namespace fs = std::filesystem;

@@ -11,9 +11,11 @@
 #include <sstream>
 #include <string>
 
-#include "station/lab/laws/plant.h"
+#include "common/fidelity/plant.h"
 
 namespace enamel::station::lab {
+
+using fidelity::Random;
 namespace {
 
 // A recorded cut of `seconds` at `rate`: speed swings between 0.1 and 0.4 mm/s, R = B v + noise.

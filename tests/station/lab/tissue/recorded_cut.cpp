@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "station/lab/laws/plant.h"
+#include "common/fidelity/plant.h"
 
 namespace enamel::station::lab {
+
+using fidelity::Random;
 namespace {
 
 constexpr int kSubsteps = 2;  // of a sample, midpoint rule

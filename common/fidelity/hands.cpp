@@ -1,9 +1,9 @@
-#include "station/lab/laws/hands.h"
+#include "common/fidelity/hands.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace enamel::station::lab {
+namespace enamel::fidelity {
 namespace {
 
 // How far a line motion has come, signed.
@@ -64,4 +64,4 @@ Grip ScriptedHand::At(double t_s) {
   return g;
 }
 
-}  // namespace enamel::station::lab
+}  // namespace enamel::fidelity

@@ -1,42 +1,11 @@
-#include "station/lab/laws/plant.h"
+#include "common/fidelity/plant.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "common/base/check.h"
 
-namespace enamel::station::lab {
-
-uint64_t Random::Next() {
-  // SplitMix64 (Steele, Lea and Flood 2014): 64 bits of state, identical on every machine, which no
-  // library's distribution promises.
-  uint64_t z = (state_ += 0x9e3779b97f4a7c15ull);
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-  return z ^ (z >> 31);
-}
-
-double Random::Uniform() { return static_cast<double>(Next() >> 11) * 0x1.0p-53; }
-
-double Random::LogBetween(double lo, double hi) {
-  return lo * std::exp(Uniform() * std::log(hi / lo));
-}
-
-// Marsaglia's polar method.
-double Random::Normal() {
-  for (;;) {
-    double a = Signed(), b = Signed(), r = a * a + b * b;
-    if (r > 0 && r < 1) return a * std::sqrt(-2 * std::log(r) / r);
-  }
-}
-
-dvec3 Random::Direction() {
-  for (;;) {
-    dvec3 d(Normal(), Normal(), Normal());
-    double n = glm::length(d);
-    if (n > 1e-6) return d / n;
-  }
-}
+namespace enamel::fidelity {
 
 Plant::Plant(const PlantSpec& spec, Hand& hand, const dvec3& start_m)
     : spec_(spec),
@@ -99,27 +68,70 @@ void Plant::Advance() {
   DrawNoise();
 }
 
+dvec3 Plant::StepDamped(const Sym3& b, double peak_n) {
+  ENAMEL_CHECK(spec_.mode_hz == 0 && spec_.jitter_ratio == 0);
+  sent_ = dvec3(0);
+  last_tick_s_ = spec_.tick_s;
+  const double dt = last_tick_s_ / spec_.substeps;
+  dvec3 resisted(0);
+  for (int i = 0; i < spec_.substeps; ++i)
+    resisted += DampedSubstep(hand_.At(time_s_ + (i + 1) * dt), b, peak_n, dt);
+  time_s_ += last_tick_s_;
+  DrawNoise();
+  return resisted / static_cast<double>(spec_.substeps);
+}
+
 // (m + dt (b + d) + dt^2 k) v' = m v + dt (F + k (q - x) + d q'), then the friction impulse.
+Plant::Push Plant::PushOf(const Grip& grip, double dt) const {
+  const double mass = spec_.mass_kg + hand_mass_;
+  Push out;
+  out.lead_kg = mass + dt * (spec_.damping_n_s_per_m + grip.damping_n_s_per_m) +
+                dt * dt * grip.stiffness_n_per_m;
+  const double rub = spec_.friction_n * dt;
+  for (int i = 0; i < 3; ++i) {
+    double push = sent_[i] + grip.force_n[i] +
+                  grip.stiffness_n_per_m * (grip.equilibrium_m[i] - tip_[i]) +
+                  grip.damping_n_s_per_m * grip.equilibrium_speed_m_per_s[i];
+    double impulse = mass * tip_speed_[i] + dt * push;
+    out.impulse[i] = impulse > rub ? impulse - rub : impulse < -rub ? impulse + rub : 0;
+  }
+  return out;
+}
+
 void Plant::RigidSubstep(const Grip& grip, double dt) {
   if (grip.prescribed) {
     tip_speed_ = (grip.equilibrium_m - tip_) / dt;
     tip_ = motor_ = grip.equilibrium_m;
     return;
   }
-  double mass = spec_.mass_kg + hand_mass_;
-  double lead = mass + dt * (spec_.damping_n_s_per_m + grip.damping_n_s_per_m) +
-                dt * dt * grip.stiffness_n_per_m;
-  double rub = spec_.friction_n * dt;
+  const Push push = PushOf(grip, dt);
   for (int i = 0; i < 3; ++i) {
-    double push = sent_[i] + grip.force_n[i] +
-                  grip.stiffness_n_per_m * (grip.equilibrium_m[i] - tip_[i]) +
-                  grip.damping_n_s_per_m * grip.equilibrium_speed_m_per_s[i];
-    double impulse = mass * tip_speed_[i] + dt * push;
-    impulse = impulse > rub ? impulse - rub : impulse < -rub ? impulse + rub : 0;
-    tip_speed_[i] = impulse / lead;
+    tip_speed_[i] = push.impulse[i] / push.lead_kg;
     tip_[i] += dt * tip_speed_[i];
   }
   motor_ = tip_;
+}
+
+dvec3 Plant::DampedSubstep(const Grip& grip, const Sym3& b, double peak, double dt) {
+  auto Within = [peak](dvec3 force) {
+    const double length = glm::length(force);
+    return length > peak ? force * (peak / length) : force;
+  };
+  dvec3 resisted;
+  if (grip.prescribed) {
+    tip_speed_ = (grip.equilibrium_m - tip_) / dt;
+    tip_ = grip.equilibrium_m;
+    resisted = Within(b * tip_speed_);
+  } else {
+    const Push push = PushOf(grip, dt);
+    tip_speed_ = SolveShifted(b * dt, push.lead_kg, push.impulse);
+    const dvec3 wanted = b * tip_speed_;
+    resisted = Within(wanted);
+    if (resisted != wanted) tip_speed_ = (push.impulse - resisted * dt) / push.lead_kg;
+    tip_ += tip_speed_ * dt;
+  }
+  motor_ = tip_;
+  return resisted;
 }
 
 // Motor mass with b and c, spring and damper of the mode, tip mass with the hand: 2 x 2 implicit
@@ -156,4 +168,4 @@ void Plant::FlexibleSubstep(const Grip& grip, double dt) {
   }
 }
 
-}  // namespace enamel::station::lab
+}  // namespace enamel::fidelity

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/fidelity/random.h"
 #include "common/fidelity/tracks.h"
+#include "common/math/sym3.h"
 #include "common/math/vec.h"
 
 // A simulated haptic device and the hand on it, to judge force laws. SI units.
@@ -18,7 +20,7 @@
 // Integration: sub-stepped, linearly implicit in b, the hand's stiffness and the hand's damping,
 // with friction as the impulse that can at most stop an axis. First order in the step;
 // IntegrationError in trial.h reports it against a finer step.
-namespace enamel::station::lab {
+namespace enamel::fidelity {
 
 // Position of the encoder's cells. Default: cells of edge delta along x, y and z, no noise. Joint
 // counts: row i of `joints` is the direction in which encoder i counts, q = joints * tip, in cells
@@ -71,25 +73,6 @@ class Hand {
   virtual Grip At(double t_s) = 0;
 };
 
-// Seeded numbers for the suites: splitmix64, the same on every machine. Uniform in [0, 1), signed
-// in [-1, 1), integers below n, and a standard normal (12 uniforms less 6 would lack tails:
-// Marsaglia).
-class Random {
- public:
-  explicit Random(uint64_t seed) : state_(seed) {}
-  uint64_t Next();
-  double Uniform();
-  double Signed() { return 2 * Uniform() - 1; }
-  double Between(double lo, double hi) { return lo + (hi - lo) * Uniform(); }
-  double LogBetween(double lo, double hi);
-  int Below(int n) { return static_cast<int>(Next() % static_cast<uint64_t>(n)); }
-  double Normal();
-  dvec3 Direction();
-
- private:
-  uint64_t state_;
-};
-
 // Thread safety: none; one per trial.
 class Plant {
  public:
@@ -105,6 +88,9 @@ class Plant {
   void Step(const dvec3& command_n);
   // The same when the controller did not run.
   void StepHeld();
+  // One tick with an ideal damper in place of the motors' force: R = b v of the tip (N s/m), within
+  // `peak_n`, solved with the motion. Returns the mean R of the tick. For a rigid device.
+  dvec3 StepDamped(const Sym3& b, double peak_n);
 
   double time_s() const { return time_s_; }
   const dvec3& tip_m() const { return tip_; }
@@ -116,7 +102,14 @@ class Plant {
  private:
   void Advance();
   void DrawNoise();
+  // The tip's next speed from the impulse it gets: friction, and b beside the device's own damping.
+  struct Push {
+    dvec3 impulse;       // N s, with friction taken off
+    double lead_kg = 0;  // mass and what is implicit
+  };
+  Push PushOf(const Grip& grip, double dt) const;
   void RigidSubstep(const Grip& grip, double dt);
+  dvec3 DampedSubstep(const Grip& grip, const Sym3& b, double peak_n, double dt);
   void FlexibleSubstep(const Grip& grip, double dt);
 
   PlantSpec spec_;
@@ -132,6 +125,4 @@ class Plant {
   double time_s_ = 0, last_tick_s_ = 0;
 };
 
-using fidelity::CellMiddle;
-
-}  // namespace enamel::station::lab
+}  // namespace enamel::fidelity

@@ -2,10 +2,10 @@
 
 #include <vector>
 
-#include "station/lab/laws/plant.h"
+#include "common/fidelity/plant.h"
 
 // The operators of the suites.
-namespace enamel::station::lab {
+namespace enamel::fidelity {
 
 // Moves at `speed` along `direction` (unit) from time 0 to stop_s, then holds still; with reverse_s
 // > 0 it turns back at that time. Prescribes the tip's position.
@@ -73,4 +73,4 @@ class ScriptedHand final : public Hand {
   double tick_s_;
 };
 
-}  // namespace enamel::station::lab
+}  // namespace enamel::fidelity

@@ -1,4 +1,4 @@
-#include "station/lab/laws/plant.h"
+#include "common/fidelity/plant.h"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@
 #include <array>
 #include <cmath>
 
-#include "station/lab/laws/hands.h"
+#include "common/fidelity/hands.h"
 
-namespace enamel::station::lab {
+namespace enamel::fidelity {
 namespace {
 
 PlantSpec Bare(int substeps) {
@@ -189,4 +189,4 @@ TEST(HandsTest, ReverseTurnsBackAtItsTime) {
 }
 
 }  // namespace
-}  // namespace enamel::station::lab
+}  // namespace enamel::fidelity

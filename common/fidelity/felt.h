@@ -1,0 +1,71 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "common/fidelity/plant.h"
+#include "common/haptics/force_law.h"
+#include "common/haptics/guard.h"
+#include "common/math/sym3.h"
+
+// How well a force law passes for an ideal damper in a hand.
+//
+// Two simulations of the same hand on the same device, with its mass, damping, friction and the ceiling of
+// its motors: one with the law behind encoder and delay, one with an ideal damper R = B v in place of the
+// motors' force. Felt error = rms(R - R_ideal)/rms(R_ideal) over the forces sent. A reference B times the
+// recorded speed would charge the law with what friction and a soft hand do to any force.
+//
+// Deterministic. SI units. Thread safety: functions, any thread. Real-time: not safe.
+namespace enamel::fidelity {
+
+// What carries the law: numbers of a device profile.
+struct FeltDevice {
+  double mass_kg = 0, damping_n_s_per_m = 0, friction_n = 0;
+  double resolution_m = 0, kc_n_per_m = 0, peak_force_n = 0;
+  double tick_s = 1e-3;
+};
+
+// What holds it.
+struct HandOn {
+  // Stiffness of the grip. 0: the hand pushes, and `push_n` is its force. None: it prescribes the way.
+  std::optional<double> stiffness_n_per_m;
+  double mass_kg = 0.1;  // moves with the tip
+  // Of the grip; without a value 0.6 of critical damping of hand and device, 1.2 sqrt(k m).
+  std::optional<double> damping_n_s_per_m;
+  dvec3 push_n{0};
+};
+
+struct FeltTrial {
+  haptics::LawKind law = haptics::kDefaultLaw;
+  Sym3 b_n_s_per_m = Sym3::Isotropic(6500);
+  HandOn hand;
+  Lattice lattice;
+  int delay_ticks = 0;
+  double from_s = 0;  // figures are taken from here on
+  bool ideal = true;  // false: without the second simulation; felt error and ideal stay 0
+};
+
+struct FeltFigures {
+  double ideal_rms_n = 0, error_rms_n = 0;
+  double ripple_n = 0;             // RMS of the force above 15 Hz (first order)
+  dvec3 mean_n{0};                 // R
+  double least_n = 0, most_n = 0;  // of R along `mean_n`
+  double energy_min_j =
+      0;  // of the theorem's balance, above its floor; never below 0 where it holds
+  double felt_error() const { return ideal_rms_n > 0 ? error_rms_n / ideal_rms_n : 0; }
+};
+
+// The equilibrium of the grip follows `way_m` (way.h). Requires: positive numbers of the device, a way of
+// at least 10 steps.
+FeltFigures Feel(const FeltDevice& device, const FeltTrial& trial, const std::vector<dvec3>& way_m);
+
+// The cell that the guard is told for this lattice (haptics/guard.h).
+haptics::TipCell CellOf(const Lattice& lattice, double resolution_m);
+
+// Closed form of the felt error of a Maxwell coupling of stiffness `k` in a grip `kh`, small motion of
+// frequency `omega`, without friction and cells: |H/H_ideal - 1| of the two grips' dampers,
+// H = kt s/(s + kt/B), kt = kh k/(kh + k), against kh s/(s + kh/B). SI units.
+double ClosedFormError(double hand_n_per_m, double k_n_per_m, double b_n_s_per_m,
+                       double omega_rad_per_s);
+
+}  // namespace enamel::fidelity

@@ -1,0 +1,98 @@
+#include "common/fidelity/felt.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/fidelity/tracks.h"
+#include "common/fidelity/way.h"
+
+namespace enamel::fidelity {
+namespace {
+
+// An Omega without friction, with cells so fine that only the spring is left.
+FeltDevice Smooth(double kc) { return {0.05, 6, 0, 10e-9, kc, 1e3, 1e-3}; }
+
+// To and fro at one frequency, from rest.
+std::vector<dvec3> Sine(double amplitude_m, double omega, double seconds) {
+  std::vector<dvec3> way;
+  for (int i = 0; i < static_cast<int>(seconds / kWayStep_s); ++i)
+    way.push_back(dvec3(1, 0, 0) * (amplitude_m * std::sin(omega * i * kWayStep_s)));
+  return way;
+}
+
+// H = kt s/(s + kt/B) of plain Maxwell against the ideal damper, both in a grip of kh.
+TEST(FeltTest, PlainMaxwellIsOffByTheClosedForm) {
+  constexpr double kOmega = 1.6, kB = 6500;
+  for (double grip : {300.0, 1000.0, 5000.0, 20'000.0}) {
+    FeltTrial trial;
+    trial.law = haptics::LawKind::kMaxwell;
+    trial.hand.stiffness_n_per_m = grip;
+    trial.from_s = 15;  // the transients of 1/(kt/B) are gone
+    const FeltFigures f = Feel(Smooth(10e3), trial, Sine(1e-3, kOmega, 40));
+    const double closed = ClosedFormError(grip, 10e3, kB, kOmega);
+    EXPECT_NEAR(f.felt_error(), closed, 0.03 * closed + 0.002) << grip;
+  }
+}
+
+// With n Kc in place of Kc: the default law is as good as a spring of its stiffness for slow motion, less
+// what its lag costs.
+TEST(FeltTest, TheDefaultLawIsFeltAsAStifferSpring) {
+  constexpr double kOmega = 1.6, kB = 6500;
+  for (double grip : {1000.0, 5000.0}) {
+    FeltTrial trial;
+    trial.hand.stiffness_n_per_m = grip;
+    trial.from_s = 15;
+    const double error = Feel(Smooth(10e3), trial, Sine(1e-3, kOmega, 40)).felt_error();
+    EXPECT_LT(error, 0.75 * ClosedFormError(grip, 10e3, kB, kOmega)) << grip;
+    EXPECT_GT(error, 0.9 * ClosedFormError(grip, 38e3, kB, kOmega)) << grip;
+  }
+}
+
+// An ideal damper as an infinitely stiff coupling would be it: no error against itself.
+TEST(FeltTest, AStiffSpringIsNoFartherFromTheIdealThanItsClosedForm) {
+  FeltTrial trial;
+  trial.law = haptics::LawKind::kMaxwell;
+  trial.hand.stiffness_n_per_m = 300;
+  FeltDevice stiff = Smooth(1e6);
+  stiff.damping_n_s_per_m = 600;                                          // Kc <= 2 b/T
+  EXPECT_LT(Feel(stiff, trial, Sine(1e-3, 1.6, 10)).felt_error(), 0.03);  // a cell is 10 mN
+}
+
+// Friction is in both simulations, and charged to neither.
+TEST(FeltTest, FrictionOfTheDeviceIsNotChargedToTheLaw) {
+  FeltDevice rubs = Smooth(10e3);
+  rubs.friction_n = 0.3;
+  FeltTrial trial;
+  trial.law = haptics::LawKind::kMaxwell;
+  trial.hand.stiffness_n_per_m = 1000;
+  const std::vector<dvec3> way = Sine(2e-3, 1.6, 20);
+  const FeltFigures with = Feel(rubs, trial, way);
+  const double without = Feel(Smooth(10e3), trial, way).felt_error();
+  EXPECT_LT(with.felt_error(), without + 0.1);
+  // Against B v without friction it would be more than twice as far off: 0.3 N of some 1.5.
+  EXPECT_LT(with.ideal_rms_n, 0.85 * Feel(Smooth(10e3), trial, way).ideal_rms_n);
+}
+
+TEST(FeltTest, ADamperInAPrescribedHandIsBTimesItsSpeedUpToTheCeiling) {
+  FeltDevice d = Smooth(10e3);
+  d.peak_force_n = 2;
+  FeltTrial trial;
+  trial.from_s = 1;
+  // 0.2 mm/s is 1.3 N; 0.43 mm/s would be 2.8 N.
+  for (double speed : {0.2e-3, 0.43e-3}) {
+    std::vector<dvec3> way;
+    for (int i = 0; i < 3000; ++i) way.push_back(dvec3(1, 0, 0) * (speed * i * kWayStep_s));
+    EXPECT_NEAR(Feel(d, trial, way).ideal_rms_n, std::min(6500 * speed, 2.0), 1e-3) << speed;
+  }
+}
+
+TEST(FeltTest, RepeatsToTheBit) {
+  FeltTrial trial;
+  trial.hand.stiffness_n_per_m = 700;
+  const std::vector<dvec3> way = Sine(1e-3, 1.6, 4);
+  EXPECT_EQ(Feel(Smooth(10e3), trial, way).error_rms_n, Feel(Smooth(10e3), trial, way).error_rms_n);
+}
+
+}  // namespace
+}  // namespace enamel::fidelity
