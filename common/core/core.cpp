@@ -54,6 +54,7 @@ haptics::CouplingParams CouplingOf(const CoreParams& p, double voxel_m) {
   c.peak_force_n = p.peak_force_mn * 1e-3;
   c.delay_ticks = static_cast<int>(p.bus_delay_ticks);
   c.max_step_m = 0.5 * voxel_m;
+  c.cell = TipCellOf(p);
   return c;
 }
 
@@ -65,8 +66,8 @@ haptics::TouchCueParams CuesOf(const CoreParams& p) {
   c.account.energy_j = p.cue_energy_nj * 1e-9;
   c.account.power_w = p.cue_power_nw * 1e-9;
   c.account.tick_s = 1.0 / p.rate_hz;
-  c.account.cell_half_m =
-      dvec3(p.resolution_nm[0], p.resolution_nm[1], p.resolution_nm[2]) * 0.5e-9;
+  const haptics::TipCell cell = TipCellOf(p);
+  c.account.cell_half_m = cell.half_m + dvec3(cell.ball_m);
   c.account.delay_ticks = static_cast<int>(p.bus_delay_ticks);
   return c;
 }

@@ -10,6 +10,8 @@ constexpr uint16_t kParamsFormat = 1;
 // (common/scene/builtin/profiles.cpp).
 constexpr int32_t kMaxCue_mn = 2'000;
 constexpr int32_t kMaxForce_mn = 100'000;
+// Of the coarsest cell that a profile may have, with its noise (scene/cell.h): no coupling is left long before.
+constexpr int32_t kMaxCell_nm = 30'000'000;
 
 Status OutOfRange(const char* field, const std::string& expected, int64_t found) {
   return Status(Code::kInvalidInput,
@@ -75,6 +77,9 @@ Status CheckValues(const CoreParams& p) {
   ENAMEL_RETURN_IF_ERROR(CheckRange("kc_mn_per_mm", p.kc_mn_per_mm, 1, 1'000'000));
   for (int32_t r : p.resolution_nm)
     ENAMEL_RETURN_IF_ERROR(CheckRange("resolution_nm", r, 1, 1'000'000));
+  for (int32_t h : p.cell_half_nm)
+    ENAMEL_RETURN_IF_ERROR(CheckRange("cell_half_nm", h, 0, kMaxCell_nm));
+  ENAMEL_RETURN_IF_ERROR(CheckRange("cell_ball_nm", p.cell_ball_nm, 0, kMaxCell_nm));
   for (int64_t o : p.device_origin_nm) {
     ENAMEL_RETURN_IF_ERROR(CheckRange("device_origin_nm", o, -1'000'000'000, 1'000'000'000));
   }
@@ -114,6 +119,18 @@ cutting::Bur BurOf(const CoreParams& p) noexcept {
   bur.shank_radius_m = p.shank_radius_nm * 1e-9;
   bur.neck_m = p.neck_nm * 1e-9;
   return bur;
+}
+
+haptics::TipCell TipCellOf(const CoreParams& p) noexcept {
+  const dvec3 half(p.cell_half_nm[0], p.cell_half_nm[1], p.cell_half_nm[2]);
+  if (half == dvec3(0) && p.cell_ball_nm == 0) {
+    return haptics::CartesianCell(
+        dvec3(p.resolution_nm[0], p.resolution_nm[1], p.resolution_nm[2]) * 1e-9);
+  }
+  haptics::TipCell cell;
+  cell.half_m = half * 1e-9;
+  cell.ball_m = p.cell_ball_nm * 1e-9;
+  return cell;
 }
 
 Status ValidateParams(const CoreParams& p) {
@@ -160,6 +177,8 @@ void WriteParams(const CoreParams& p, ByteWriter& out) {
   out.I32(p.chatter_cue_mn);
   out.I32(p.cue_energy_nj);
   out.I32(p.cue_power_nw);
+  for (int32_t h : p.cell_half_nm) out.I32(h);
+  out.I32(p.cell_ball_nm);
 }
 
 Result<CoreParams> ReadParams(ByteReader& in) {
@@ -207,6 +226,8 @@ Result<CoreParams> ReadParams(ByteReader& in) {
   p.chatter_cue_mn = in.I32();
   p.cue_energy_nj = in.I32();
   p.cue_power_nw = in.I32();
+  for (int32_t& h : p.cell_half_nm) h = in.I32();
+  p.cell_ball_nm = in.I32();
   if (!in.ok()) return Status(Code::kInvalidInput, "core parameters end early");
   // Values, but not the version: a recording that cannot be run can still be listed.
   ENAMEL_RETURN_IF_ERROR(CheckValues(p));

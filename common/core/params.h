@@ -8,6 +8,7 @@
 #include "common/cutting/bur.h"
 #include "common/cutting/tissue.h"
 #include "common/haptics/force_law.h"
+#include "common/haptics/guard.h"
 
 namespace enamel::core {
 
@@ -28,7 +29,7 @@ struct CoreParams {
   haptics::LawKind law = haptics::LawKind::kMaxwell;
   bool pass_through_at_rest = false;       // eq. 17's rule for dp = 0 (force_law.h)
   int32_t kc_mn_per_mm = 0;                // coupling stiffness, 1 mN/mm = 1 N/m
-  std::array<int32_t, 3> resolution_nm{};  // encoder cell per axis
+  std::array<int32_t, 3> resolution_nm{};  // edge of a recorded count per axis
   // Tip in the scene = device_origin + counts * resolution (counts are cell middles).
   std::array<int64_t, 3> device_origin_nm{};
   int32_t peak_force_mn = 0;
@@ -65,11 +66,16 @@ struct CoreParams {
   // Touch cues: the largest force of the knock on contact and of the bur's chatter, and the energy
   // they may give the hand: at once, and refilled with time. 0: none.
   int32_t contact_cue_mn = 0, chatter_cue_mn = 0, cue_energy_nj = 0, cue_power_nw = 0;
+  // Where the true tip can be around a recorded position (haptics::TipCell): half edges of a box and radius of
+  // a ball, added up. All 0: half a count on each axis, a device that records what it counts.
+  std::array<int32_t, 3> cell_half_nm{};
+  int32_t cell_ball_nm = 0;
 
   bool operator==(const CoreParams&) const = default;
 };
 
 cutting::Bur BurOf(const CoreParams& params) noexcept;
+haptics::TipCell TipCellOf(const CoreParams& params) noexcept;
 
 // Refuses what the core cannot run with, naming the field: kVersion for a recording of a core that
 // this program does not run, kInvalidInput for a value out of range. Also the passivity premise on
@@ -77,7 +83,7 @@ cutting::Bur BurOf(const CoreParams& params) noexcept;
 Status ValidateParams(const CoreParams& params);
 
 // Canonical little-endian form, versioned (first u16); see schemas/trace_format.md.
-inline constexpr size_t kParamsBytes = 254;
+inline constexpr size_t kParamsBytes = 270;
 void WriteParams(const CoreParams& params, ByteWriter& out);
 // Reads any core version, so that another version's recording can be listed; whoever runs a core
 // calls ValidateParams. Errors: kInvalidInput (cut short, or a value out of range), kVersion

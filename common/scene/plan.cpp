@@ -4,8 +4,10 @@
 #include <array>
 #include <string>
 
+#include "common/scene/cell.h"
 #include "common/scene/delay.h"
 #include "common/scene/json/json.h"
+#include "common/scene/rate.h"
 
 namespace enamel::scene {
 namespace {
@@ -15,12 +17,6 @@ constexpr int64_t kStartHeight_nm = 8'000'000;  // plan.h: where count 0 is
 
 Status Refuse(std::string message, std::string field) {
   return Status(Code::kInvalidInput, std::move(message), std::move(field));
-}
-
-std::string Newtons(int64_t mn) {
-  // 1000 more, and without it: three digits with the zeros in front.
-  std::string text = std::to_string(mn / 1000) + "." + std::to_string(1000 + mn % 1000).substr(1);
-  return text;
 }
 
 Status CheckRate(const Exercise& exercise, const DeviceProfile& profile) {
@@ -38,35 +34,6 @@ Status CheckTouchCues(const Exercise& exercise) {
                     std::to_string(exercise.rate_hz) + " Hz: they need at least " +
                     std::to_string(kLeastCueRate_hz) + " Hz; raise rate_hz or leave touch_cues out",
                 "touch_cues");
-}
-
-Status CheckDamping(const Exercise& exercise, const DeviceProfile& profile) {
-  const int64_t allowed =
-      PassiveCoupling_mn_per_mm(profile, exercise.rate_hz, profile.bus_delay_ticks.value);
-  if (profile.coupling_mn_per_mm.value <= allowed) return Status::Ok();
-  return Refuse("device profile '" + profile.name +
-                    "': coupling stiffness Kc = " + Newtons(profile.coupling_mn_per_mm.value) +
-                    " N/mm is above the passive limit 2 b f/(d + 1)^2 = " + Newtons(allowed) +
-                    " N/mm at " + std::to_string(exercise.rate_hz) + " Hz and " +
-                    std::to_string(profile.bus_delay_ticks.value) +
-                    " ticks of delay: set at most " + std::to_string(allowed) + " mN/mm",
-                "coupling_mn_per_mm");
-}
-
-// c >= Kc delta / 2: the friction that pays for the encoder's cell.
-Status CheckFriction(const DeviceProfile& profile) {
-  // All of these limits in integers, rounded to the safe side: station and server must agree on
-  // every profile, even at the limit.
-  int64_t allowed = 2 * profile.friction_mn.value * 1'000'000 / profile.resolution_nm.value;
-  if (profile.coupling_mn_per_mm.value <= allowed) return Status::Ok();
-  int64_t needed =
-      (profile.coupling_mn_per_mm.value * profile.resolution_nm.value + 1'999'999) / 2'000'000;
-  return Refuse("device profile '" + profile.name +
-                    "': friction c = " + Newtons(profile.friction_mn.value) +
-                    " N is below Kc delta/2 = " + Newtons(needed) + " N: set Kc to at most " +
-                    std::to_string(allowed) + " mN/mm, or c to at least " + std::to_string(needed) +
-                    " mN if the device has it",
-                "friction_mn");
 }
 
 // K <= 2 b_rot f/(d + 1)^2 and c_rot >= K rho: the same for turning (haptics/README.md, "Torque").
@@ -171,7 +138,10 @@ core::CoreParams Compile(const Scene& scene, const Exercise& exercise,
   p.rate_hz = static_cast<uint32_t>(exercise.rate_hz);
   p.law = exercise.law;
   p.kc_mn_per_mm = static_cast<int32_t>(profile.coupling_mn_per_mm.value);
-  p.resolution_nm.fill(static_cast<int32_t>(profile.resolution_nm.value));
+  p.resolution_nm.fill(CountNm(profile));
+  const TipCellNm cell = TipCellOf(profile);
+  p.cell_half_nm.fill(cell.half_nm);
+  p.cell_ball_nm = cell.ball_nm;
   const PointUm& landmark = scene.landmarks.at(exercise.target.landmark);
   for (size_t i = 0; i < 3; ++i) p.device_origin_nm[i] = int64_t{landmark[i]} * 1000;
   p.device_origin_nm[2] += kStartHeight_nm;
@@ -220,8 +190,7 @@ Result<core::CoreParams> CompilePlan(const Scene& scene, const Exercise& exercis
                                      const DeviceProfile& profile) {
   ENAMEL_RETURN_IF_ERROR(CheckRate(exercise, profile));
   ENAMEL_RETURN_IF_ERROR(CheckTouchCues(exercise));
-  ENAMEL_RETURN_IF_ERROR(CheckDamping(exercise, profile));
-  ENAMEL_RETURN_IF_ERROR(CheckFriction(profile));
+  ENAMEL_RETURN_IF_ERROR(CheckCoupling(profile, exercise.rate_hz, profile.bus_delay_ticks.value));
   ENAMEL_RETURN_IF_ERROR(CheckTorque(exercise, profile));
   ENAMEL_RETURN_IF_ERROR(CheckScene(scene, exercise));
   ENAMEL_RETURN_IF_ERROR(CheckBur(scene, exercise));

@@ -16,8 +16,8 @@ namespace enamel::scene {
 // Touch cues are the exercise's, whether it is graded or not; an exercise that names none has none.
 // An exercise whose scene hash is not zero is compiled with that scene only (kConflict). Errors:
 // kInvalidInput when the profile cannot carry the exercise (rate, touch cues under 300 Hz, Kc above
-// the passive limit 2 b f/(d + 1)^2 or above 2 c/delta, a missing landmark or tissue, a bur that
-// the scene does not offer), with the allowed value.
+// what its damping, friction, structure or first resonance carries (rate.h), a missing landmark or tissue,
+// a bur that the scene does not offer), with the allowed value.
 Result<core::CoreParams> CompilePlan(const Scene& scene, const Exercise& exercise,
                                      const DeviceProfile& profile);
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "common/haptics/criteria.h"
+#include "common/scene/cell.h"
+#include "common/scene/rate.h"
 
 namespace enamel::scene {
 namespace {
@@ -14,10 +16,9 @@ struct Si {
         k(static_cast<double>(profile.max_stiffness_mn_per_mm.value)),
         b(static_cast<double>(profile.viscous_mn_s_per_m()) * 1e-3),
         c(static_cast<double>(profile.friction_mn.value) * 1e-3),
-        delta(static_cast<double>(profile.resolution_nm.value) * 1e-9),
         tick(1.0 / static_cast<double>(profile.rate_hz.value)),
         delay(static_cast<int>(profile.bus_delay_ticks.value)) {}
-  double kc, k, b, c, delta, tick;
+  double kc, k, b, c, tick;
   int delay;
 };
 
@@ -55,14 +56,19 @@ std::vector<ProfileCriterion> CheckProfile(const DeviceProfile& profile) {
   std::vector<ProfileCriterion> out = {
       Judged({"coupling_damping", "Passivity limit of the coupling", "Kc <= 2 b/(T (d + 1)^2)",
               "N/m", "coupling_mn_per_mm", si.kc, passive}),
-      Judged({"coupling_friction", "Friction that covers one encoder step", "c >= Kc delta/2", "N",
-              "friction_mn", si.c, haptics::CouplingFriction(si.kc, si.delta), true}),
+      Judged({"coupling_friction", "Friction that covers the cell of the tip", "c >= Kc S", "N",
+              "friction_mn", si.c, si.kc * CellSupportNm(profile) * 1e-9, true}),
       Judged({"coupling_stiffness", "Largest stiffness the device shows", "Kc <= K", "N/m",
               "coupling_mn_per_mm", si.kc, si.k}),
       Judged({"continuous_force", "Continuous force within the peak", "Fcont <= Fpeak", "N",
               "continuous_force_mn", static_cast<double>(profile.continuous_force_mn.value) * 1e-3,
               static_cast<double>(profile.peak_force_mn.value) * 1e-3}),
   };
+  if (!profile.structural_mode_hz.source.empty()) {
+    out.push_back(Judged({"coupling_mode", "Distance from the first resonance",
+                          "Kc <= m (2 pi f1/4)^2", "N/m", "coupling_mn_per_mm", si.kc,
+                          static_cast<double>(ModeStiffness_mn_per_mm(profile))}));
+  }
   if (profile.torque) AddTorque(*profile.torque, si, out);
   return out;
 }

@@ -2,12 +2,13 @@
 
 #include <string>
 
+#include "common/scene/cell.h"
 #include "common/scene/delay.h"
 
 namespace enamel::scene {
 
 const char* CouplingLimitName(CouplingLimit limit) {
-  constexpr const char* kNames[] = {"damping", "friction", "structure"};
+  constexpr const char* kNames[] = {"damping", "friction", "structure", "mode"};
   return kNames[static_cast<int>(limit)];
 }
 
@@ -19,10 +20,52 @@ LargestCoupling LargestCouplingAt(const DeviceProfile& profile, int64_t rate_hz,
     if (most < out.coupling_mn_per_mm) out = {most, limit};
   };
   // Does not depend on the rate, and is why a faster loop does not always get a stiffer coupling.
-  bounded(2 * profile.friction_mn.value * 1'000'000 / profile.resolution_nm.value,
-          CouplingLimit::kFriction);
+  bounded(profile.friction_mn.value * 1'000'000 / CellSupportNm(profile), CouplingLimit::kFriction);
   bounded(profile.max_stiffness_mn_per_mm.value, CouplingLimit::kStructure);
+  if (!profile.structural_mode_hz.source.empty())
+    bounded(ModeStiffness_mn_per_mm(profile), CouplingLimit::kMode);
   return out;
+}
+
+int64_t ModeStiffness_mn_per_mm(const DeviceProfile& profile) {
+  // (2 pi/4)^2 = 2.4674 in integers; g Hz^2 = 1e-3 N/m.
+  const int64_t f1 = profile.structural_mode_hz.value;
+  return profile.mass_g.value * f1 * f1 / 1000 * 24'674 / 10'000;
+}
+
+Status CheckCoupling(const DeviceProfile& profile, int64_t rate_hz, int64_t delay_ticks) {
+  const LargestCoupling largest = LargestCouplingAt(profile, rate_hz, delay_ticks);
+  const int64_t kc = profile.coupling_mn_per_mm.value;
+  if (kc <= largest.coupling_mn_per_mm) return Status::Ok();
+  const std::string at = " at " + std::to_string(rate_hz) + " Hz and " +
+                         std::to_string(delay_ticks) + " ticks of delay";
+  std::string clause, instead;
+  switch (largest.limit) {
+    case CouplingLimit::kDamping:
+      clause = "its damping carries, 2 b f/(d + 1)^2" + at;
+      break;
+    case CouplingLimit::kFriction: {
+      const int64_t support = CellSupportNm(profile);
+      clause =
+          "its friction carries, c/S with S = " + std::to_string(support) + " nm of the tip's cell";
+      instead = ", or c to at least " + std::to_string((kc * support + 999'999) / 1'000'000) +
+                " mN if the device has it";
+      break;
+    }
+    case CouplingLimit::kStructure:
+      clause = "the device shows stably";
+      break;
+    case CouplingLimit::kMode:
+      clause = "its first resonance carries, m (2 pi f1/4)^2";
+      break;
+  }
+  return Status(Code::kInvalidInput,
+                "device profile '" + profile.name +
+                    "': coupling stiffness Kc = " + std::to_string(kc) + " mN/mm is above " +
+                    std::to_string(largest.coupling_mn_per_mm) + " mN/mm, the largest that " +
+                    clause + ": set Kc to at most " + std::to_string(largest.coupling_mn_per_mm) +
+                    " mN/mm" + instead,
+                largest.limit == CouplingLimit::kFriction ? "friction_mn" : "coupling_mn_per_mm");
 }
 
 Result<DeviceProfile> AtRate(const DeviceProfile& profile, int64_t rate_hz) {

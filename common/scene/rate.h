@@ -13,23 +13,29 @@ namespace enamel::scene {
 // What keeps Kc from being larger.
 enum class CouplingLimit {
   kDamping,    // 2 b f/(d + 1)^2: the device's damping pays for the spring's ticks
-  kFriction,   // 2 c/delta: its friction pays for the encoder's cell
+  kFriction,   // c/S: its friction pays for the tip's cell (cell.h)
   kStructure,  // K, the largest stiffness it shows stably
+  kMode,  // m (2 pi f1/4)^2: hand and spring stay two octaves below its first resonance, where known
 };
-// "damping", "friction", "structure".
+// "damping", "friction", "structure", "mode".
 const char* CouplingLimitName(CouplingLimit limit);
+
+// m (2 pi f1/4)^2, rounded down. Requires: profile.structural_mode_hz above 0.
+int64_t ModeStiffness_mn_per_mm(const DeviceProfile& profile);
 
 struct LargestCoupling {
   int64_t coupling_mn_per_mm = 0;
   CouplingLimit limit = CouplingLimit::kDamping;
 };
 
-// min(2 b f/(d + 1)^2, 2 c/delta, K), rounded down; of equal limits the first in that order. All
-// three are proved or published for the unchanged profile; K is taken as the structure's, whatever
-// the rate. Requires: rate_hz > 0, resolution above 0, delay_ticks in 0..kMostDelay_ticks
+// min(2 b f/(d + 1)^2, c/S, K, m (2 pi f1/4)^2), rounded down; of equal limits the first in that order.
+// K is taken as the structure's, whatever the rate. Requires: rate_hz > 0, resolution above 0, delay_ticks in 0..kMostDelay_ticks
 // (delay.h).
 LargestCoupling LargestCouplingAt(const DeviceProfile& profile, int64_t rate_hz,
                                   int64_t delay_ticks);
+// Refuses a profile whose Kc is above that: names the clause, the largest Kc that would do, and what to
+// change. Errors: kInvalidInput (field "coupling_mn_per_mm", or "friction_mn").
+Status CheckCoupling(const DeviceProfile& profile, int64_t rate_hz, int64_t delay_ticks);
 
 // The profile at `rate_hz`: Kc raised or lowered to the largest, the torque's K lowered where it
 // has to be, the delay kept as a time and rounded up to whole ticks. The source of each changed

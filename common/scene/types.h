@@ -160,10 +160,19 @@ struct TorqueSpec {
   Sourced orientation_cell_urad;
 };
 
+// How a device's positions come about (cell.h has what follows from it).
+struct CellSpec {
+  // Encoders count at the joints, so that the cells of space are a turned lattice; else along the axes.
+  bool joints = false;
+  int32_t count_nm = 0;      // edge of a recorded count: what the driver rounds the position to
+  int32_t noise_counts = 0;  // an encoder's count may be off by so many
+  std::string source;
+};
+
 struct DeviceProfile {
   std::string name;  // "phantom_desktop"
   std::string title;
-  Sourced resolution_nm;            // delta, of the coarsest axis
+  Sourced resolution_nm;            // delta: edge of the encoder's cell, of the coarsest axis
   Sourced max_stiffness_mn_per_mm;  // K at the stated rate
   Sourced coupling_mn_per_mm;       // Kc used by the coupling
   Sourced damping_mn_s_per_m;       // b of the device itself
@@ -175,6 +184,8 @@ struct DeviceProfile {
   Sourced bus_delay_ticks;
   bool delay_measured = false;  // bus_delay_ticks was, on a unit; false: delay.h assumes a tick
   Sourced workspace_radius_um;
+  // None: cells along the axes, recorded as they are counted, without noise.
+  std::optional<CellSpec> cell;
   // May be unknown: then the source is empty.
   Sourced axes{3, ""};               // that are driven: 3, or 6 with torque
   Sourced structural_mode_hz;        // lowest resonance between motor and tip

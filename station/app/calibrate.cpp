@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <iostream>
+#include <limits>
 
 #include "common/base/file.h"
 #include "common/base/unix_time.h"
@@ -15,8 +16,10 @@
 #include "common/program/log.h"
 #include "common/program/output.h"
 #include "common/scene/builtin/builtin.h"
+#include "common/scene/cell.h"
 #include "common/scene/find_profile.h"
 #include "common/scene/json/json.h"
+#include "common/scene/rate.h"
 #include "station/devices/operators.h"
 #include "station/hid/haptic_board.h"
 #include "station/hid/open_device.h"
@@ -51,7 +54,7 @@ Result<Subject> OpenSimulated(const CalibrateCommand& options) {
                           options.profile.empty() ? truth : scene::FindProfile(options.profile));
   core::CoreParams params;
   params.rate_hz = static_cast<uint32_t>(options.rate_hz);
-  params.resolution_nm.fill(static_cast<int32_t>(truth->resolution_nm.value));
+  params.resolution_nm.fill(scene::CountNm(*truth));
   params.peak_force_mn = static_cast<int32_t>(truth->peak_force_mn.value);
   PlantParams plant = PlantOf(*truth, params);
   // Nobody holds it, as with a real device.
@@ -59,7 +62,7 @@ Result<Subject> OpenSimulated(const CalibrateCommand& options) {
   plant.noise_m = options.simulated_noise_um * 1e-6;
   plant.delay_ticks =
       static_cast<int>(std::min<int64_t>(truth->bus_delay_ticks.value, SimulatedDevice::kMaxDelay));
-  out.count_m.fill(plant.resolution_m);
+  out.count_m.fill(plant.count_m);
   out.device = std::make_unique<SimulatedDevice>(plant, std::make_unique<NobodyHolding>());
   out.profile = std::move(profile);
   out.address = options.device;
@@ -195,6 +198,8 @@ void Print(const AxisFigures& worst, const std::array<AxisFigures, 3>& axes,
        1e-3);
   line("mass", "g", 1e-3, &AxisFigures::mass_kg, profile.mass_g.value, 1e-3);
   line("bus delay", "ticks", 1, &AxisFigures::delay_ticks, profile.bus_delay_ticks.value, 1);
+  if (worst.mode_hz.value > 0) line("first mode", "Hz", 1, &AxisFigures::mode_hz, 0, 0);
+  std::printf("encoders count %s\n", worst.joints ? "at the joints" : "along the axes");
 }
 
 // Where attempts on this unit find its delay (device_delay.h).
@@ -245,6 +250,12 @@ AxisFigures WorstOf(const std::array<AxisFigures, 3>& axes) {
   take(&AxisFigures::damping_n_s_per_m, false);
   take(&AxisFigures::mass_kg, true);
   take(&AxisFigures::delay_ticks, true);
+  for (const AxisFigures& a : axes) out.count_m = std::max(out.count_m, a.count_m);
+  // Of the axes that have one.
+  for (const AxisFigures& a : axes) {
+    const bool lower = out.mode_hz.value == 0 || a.mode_hz.value < out.mode_hz.value;
+    if (a.mode_hz.value > 0 && lower) out.mode_hz = a.mode_hz;
+  }
   return out;
 }
 
@@ -257,12 +268,27 @@ Result<scene::DeviceProfile> ProposeProfile(const AxisFigures& worst, int rate_h
   double passive = PassiveStiffness(b, 1.0 / rate_hz, worst.delay_ticks);
   // The core uses whole ticks, and its clause must hold for those too.
   const int64_t ticks = WholeTicks(worst.delay_ticks);
+  scene::DeviceProfile p = base;
+  p.resolution_nm = {Rounded(worst.resolution_m.value * 1e9), source};
+  p.mass_g = {std::max<int64_t>(1, Rounded(worst.mass_kg.value * 1e3)), source};
+  p.cell.reset();
+  const auto count_nm = static_cast<int32_t>(Rounded(worst.count_m * 1e9));
+  if (worst.joints || count_nm != p.resolution_nm.value) {
+    // An encoder at rest is off by a count where its noise is wider than its cell.
+    const int noise = worst.noise_m.value > 0.5 * worst.resolution_m.value ? 1 : 0;
+    p.cell = scene::CellSpec{worst.joints, count_nm, noise, source};
+  }
+  p.structural_mode_hz = {};
+  double structure = std::numeric_limits<double>::infinity();
+  if (worst.mode_hz.value > 0) {
+    p.structural_mode_hz = {std::max<int64_t>(1, static_cast<int64_t>(low(worst.mode_hz))),
+                            source + ", lower end of its interval"};
+    structure = static_cast<double>(scene::ModeStiffness_mn_per_mm(p));
+  }
   double kc =
       kMargin *
-      // 2 c/delta: friction must absorb the energy that the coupling's spring can gain within one
-      // cell of the sensor (Abbott and Okamura 2005).
       std::min({passive, haptics::CouplingStiffness(b, 1.0 / rate_hz, static_cast<int>(ticks)),
-                2 * c / worst.resolution_m.value});
+                c / (scene::CellSupportNm(p) * 1e-9), structure});
   // Not `kc < 1`: this also refuses a NaN among the figures.
   if (!(kc >= 1)) {
     return Status(
@@ -273,19 +299,17 @@ Result<scene::DeviceProfile> ProposeProfile(const AxisFigures& worst, int rate_h
             " N s/m at the lower ends of their intervals",
         "coupling_mn_per_mm");
   }
-  scene::DeviceProfile p = base;
   p.name = name;
   p.title = base.title + ", measured";
-  p.resolution_nm = {Rounded(worst.resolution_m.value * 1e9), source};
   p.damping_mn_s_per_m = {Rounded(b * 1e3), source + ", lower end of its interval"};
   p.friction_mn = {Rounded(c * 1e3), source + ", lower end of its interval"};
-  p.mass_g = {std::max<int64_t>(1, Rounded(worst.mass_kg.value * 1e3)), source};
   p.bus_delay_ticks = {ticks, source + ", rounded up"};
   p.max_stiffness_mn_per_mm = {std::max<int64_t>(1, Rounded(passive)),
                                "2 b f/(d + 1)^2 of the measured b and d, d with its fraction and "
                                "at the upper end of its interval"};
-  p.coupling_mn_per_mm = {static_cast<int64_t>(kc),
-                          "nine tenths of the smaller of 2 b f/(d + 1)^2 and 2 c/delta, measured"};
+  p.coupling_mn_per_mm = {
+      static_cast<int64_t>(kc),
+      "nine tenths of the least of 2 b f/(d + 1)^2, c/S and m (2 pi f1/4)^2, measured"};
   p.rate_hz = {rate_hz, source};
   p.electrical_damping_mn_s_per_m = {};  // included in the measured b
   // Rotation is not measured; its stiffness is only lowered to the limit of the measured delay.
@@ -315,6 +339,7 @@ scene::Calibration CalibrationOf(const AxisFigures& worst, int rate_hz) {
   out.bus_delay_ticks =
       scene::Measured{WholeTicks(worst.delay_ticks), Rounded(worst.delay_ticks.uncertainty),
                       std::max<int64_t>(1, worst.delay_ticks.samples)};
+  if (worst.mode_hz.value > 0) out.structural_mode_hz = Document(worst.mode_hz, 1);
   return out;
 }
 

@@ -36,8 +36,8 @@ Status CalibrateDevice(const CalibrateCommand& options);
 AxisFigures WorstOf(const std::array<AxisFigures, 3>& axes);
 
 // A profile with the measured numbers, and the rest of `base`: K = 2 b f/(d + 1)^2, and Kc nine
-// tenths of what haptics/criteria.h allows at the lower ends of the intervals of b and c. Errors:
-// kInvalidInput when that is less than 1 mN/mm.
+// tenths of the least of 2 b f/(d + 1)^2, c/S and m (2 pi f1/4)^2 (scene/rate.h) at the lower ends of the
+// intervals of b, c and f1. Errors: kInvalidInput when that is less than 1 mN/mm.
 Result<scene::DeviceProfile> ProposeProfile(const AxisFigures& worst, int rate_hz,
                                             const scene::DeviceProfile& base,
                                             const std::string& name, const std::string& source);

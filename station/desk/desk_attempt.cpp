@@ -40,8 +40,8 @@ Result<std::unique_ptr<DeskAttempt>> DeskAttempt::Create(PreparedAttempt prepare
     attempt->attached_ = std::move(attached);
     device = attempt->attached_.get();
   } else if (offer.operator_name.empty()) {
-    attempt->pointer_ = std::make_unique<PointerDevice>(
-        static_cast<double>(p.profile.resolution_nm.value) * 1e-9, 1.0 / params.rate_hz);
+    attempt->pointer_ =
+        std::make_unique<PointerDevice>(params.resolution_nm[0] * 1e-9, 1.0 / params.rate_hz);
     device = attempt->pointer_.get();
   } else {
     const OperatorPreset* preset = FindOperator(offer.operator_name);

@@ -18,7 +18,8 @@
 // Pushes (per axis): switches a force on and fits the motion of a damped mass to the motion that
 // follows. The fitted start t0 gives the bus delay. Where a rigid mass does not explain the motion,
 // the model has a structural mode: its motor's side runs ahead at first, which a rigid fit mistakes
-// for up to 1.5 ticks less of delay. The interval is from leaving out a push at a time.
+// for up to 1.5 ticks less of delay. The intervals of delay and mode are from leaving out a push at a
+// time.
 //
 // Swings (per axis): sinusoidal targets at four speeds, held by a weak spring and damper. In the
 // periodic motion that follows, the fundamentals obey exactly
@@ -56,6 +57,9 @@ struct Estimate {
 // One axis. SI units; delay in ticks, with its fraction.
 struct AxisFigures {
   Estimate resolution_m, noise_m, friction_n, damping_n_s_per_m, mass_kg, delay_ticks;
+  Estimate mode_hz;  // first structural mode; 0 without samples: a rigid device explains the pushes
+  double count_m = 0;   // way per reported count
+  bool joints = false;  // the cell is that of encoders at the joints
 };
 
 // Passive limit of Kc with this delay and its fraction: 2 b / ((d + 1)^2 T), as
@@ -110,8 +114,10 @@ class Calibrator {
   int64_t TicksOf(const Swing& swing) const noexcept;
   int64_t SettleTicks() const noexcept;
 
-  double Delay(size_t axis, double cell_m, double noise_m, double g, Estimate& out) const;
+  double Delay(size_t axis, double cell_m, double noise_m, double g, AxisFigures& out) const;
   double PushResidual(size_t axis, const Push& push, double t0_ticks, double g, double w) const;
+  double NearestMode(size_t axis, const std::vector<Push>& pushes, size_t without, double g,
+                     double t0_ticks, double w) const;
   double Beginning(size_t axis, const std::vector<Push>& pushes, size_t without, double g,
                    double variance_m2, double& w) const;
   Estimate StepOf(size_t axis) const;

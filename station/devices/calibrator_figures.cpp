@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
 #include <set>
 
@@ -24,6 +25,11 @@ constexpr double kExplained = 1.2, kUm2 = 1e12;  // um^2 in a m^2
 // Range of a first structural mode (above, it is no slower than the push's first ticks), and the
 // share of the residual that a fit with it must stay below to be believed.
 constexpr double kLowestMode_hz = 25, kHighestMode_hz = 250, kModeEarns = 0.8;
+// The search's steps, and those in which the best mode is refined.
+constexpr double kModeStep = 1.15, kModeFineStep = 1.01;
+// What damping and the tip's share of the mass, which the fit does not know, may move the mode's frequency by.
+constexpr double kModeShare = 0.1;
+constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kTwo95 = 1.96;
 constexpr double kNotRoundedUp_ticks = 0.25;
 // Possible errors of the swings' model: a share of each figure, more for friction (when noise hides
@@ -92,6 +98,17 @@ struct LeastSquares {
 };
 
 // Way of a mass with damping g = b/m under a constant push, for a unit acceleration:
+// Jackknife: figures with one reading left out each.
+struct LeftOut {
+  double sum = 0, squares = 0, n = 0;
+  void Add(double value) {
+    sum += value;
+    squares += value * value;
+    ++n;
+  }
+  double Variance() const { return std::max(0.0, squares - sum * sum / n) * (n - 1) / n; }
+};
+
 // (g t - 1 + exp(-g t)) / g^2.
 double PushedWay(double t_s, double g) {
   if (t_s <= 0) return 0;
@@ -170,21 +187,40 @@ double Calibrator::Beginning(size_t axis, const std::vector<Push>& pushes, size_
   double samples = 0;
   for (const Push& p : pushes) samples += static_cast<double>(p.ticks);
   if (rigid < kExplained * samples * variance_m2 * kUm2) return best;
-  for (double hz = kLowestMode_hz; hz < 0.25 / setup_.tick_s && hz <= kHighestMode_hz; hz *= 1.15) {
-    double l = 0, at = best_at(2 * std::numbers::pi * hz, l);
+  for (double hz = kLowestMode_hz; hz < 0.25 / setup_.tick_s && hz <= kHighestMode_hz;
+       hz *= kModeStep) {
+    double l = 0, at = best_at(kTurn * hz, l);
     if (l < least && l < kModeEarns * rigid) {
       least = l;
       best = at;
-      w = 2 * std::numbers::pi * hz;
+      w = kTurn * hz;
     }
   }
   return best;
 }
 
-// Leaves out pushes with too little motion. The interval is from leaving out one push at a time.
+// The mode within a step of the search above that leaves the least residual, at this start.
+double Calibrator::NearestMode(size_t axis, const std::vector<Push>& pushes, size_t without,
+                               double g, double t0, double w) const {
+  double best = w, least = std::numeric_limits<double>::infinity();
+  for (double at = w / kModeStep; at <= w * kModeStep; at *= kModeFineStep) {
+    double sum = 0;
+    for (size_t i = 0; i < pushes.size(); ++i) {
+      if (i != without) sum += PushResidual(axis, pushes[i], t0, g, at);
+    }
+    if (sum < least) {
+      least = sum;
+      best = at;
+    }
+  }
+  return best;
+}
+
+// Leaves out pushes with too little motion. The intervals are from leaving out one push at a time.
 double Calibrator::Delay(size_t axis, double cell_m, double noise_m, double g,
-                         Estimate& out) const {
-  out = {};
+                         AxisFigures& figures) const {
+  Estimate& out = figures.delay_ticks;
+  out = figures.mode_hz = {};
   const double variance_m2 = cell_m * cell_m / 12 + noise_m * noise_m;
   std::vector<Push> pushes;
   for (int pulse = 0; pulse < kPulses; ++pulse) {
@@ -199,17 +235,21 @@ double Calibrator::Delay(size_t axis, double cell_m, double noise_m, double g,
   if (pushes.empty()) return -1;
   double w = -1;
   const double value = Beginning(axis, pushes, pushes.size(), g, variance_m2, w);
-  double sum = 0, squares = 0;
+  LeftOut delay, mode;
   for (size_t i = 0; pushes.size() > 1 && i < pushes.size(); ++i) {
-    double without = Beginning(axis, pushes, i, g, variance_m2, w);
-    sum += without;
-    squares += without * without;
+    delay.Add(Beginning(axis, pushes, i, g, variance_m2, w));
+    if (w > 0) mode.Add(NearestMode(axis, pushes, i, g, value, w));
   }
-  auto n = static_cast<double>(pushes.size());
-  double variance = n > 1 ? std::max(0.0, squares - sum * sum / n) * (n - 1) / n : 0.25;
   out.value = std::max(0.0, value);
-  out.uncertainty =
-      kFewPushes95 * std::sqrt(variance) + (w > 0 ? kModeDelay_ticks : kModelDelay_ticks);
+  out.uncertainty = kFewPushes95 * std::sqrt(delay.n > 1 ? delay.Variance() : 0.25) +
+                    (w > 0 ? kModeDelay_ticks : kModelDelay_ticks);
+  if (w > 0) {
+    const double hz = NearestMode(axis, pushes, pushes.size(), g, value, w) / kTurn;
+    figures.mode_hz = {
+        hz,
+        kFewPushes95 * std::sqrt(mode.n > 1 ? mode.Variance() : hz * hz) / kTurn + kModeShare * hz,
+        out.samples};
+  }
   return out.value;
 }
 
@@ -454,7 +494,10 @@ Result<std::array<AxisFigures, 3>> Calibrator::Figures() const {
   ENAMEL_CHECK(done());
   if (failed()) return Status(Code::kUnavailable, why_, "device");
   std::array<AxisFigures, 3> out;
+  const bool joints = JointCell().samples > 0;
   for (size_t i = 0; i < 3; ++i) {
+    out[i].joints = joints;
+    out[i].count_m = setup_.count_m[i];
     out[i].resolution_m = Cell(i);
     double cell_m = out[i].resolution_m.value;
     out[i].noise_m = Noise(i, cell_m);
@@ -462,7 +505,7 @@ Result<std::array<AxisFigures, 3>> Calibrator::Figures() const {
     bool moved = cell_m > 0;
     for (int round = 0; moved && round < 3; ++round) {
       double g = round == 0 ? 0 : out[i].damping_n_s_per_m.value / out[i].mass_kg.value;
-      double delay = Delay(i, cell_m, out[i].noise_m.value, g, out[i].delay_ticks);
+      double delay = Delay(i, cell_m, out[i].noise_m.value, g, out[i]);
       moved = delay >= 0 && Dynamics(i, delay, cell_m, out[i]) && out[i].mass_kg.value > 0;
     }
     if (!moved) {

@@ -300,6 +300,9 @@ Result<std::vector<Move>> PlanTarget(const scene::Preparation& shape, const Oper
   return plan;
 }
 
+// Joints that no axis of the scene is along, as an arm's are in most of its poses: a rotation in whole sevenths.
+const dmat3 kArm = glm::transpose(dmat3(dvec3(2, 3, 6), dvec3(6, 2, -3), dvec3(-3, 6, -2)) / 7.0);
+
 // He is used to the device in his hand: its stiffness and its friction.
 HandParams HandFor(const PlantParams& plant, const core::CoreParams& params,
                    const OperatorPreset& preset, double askew_deg, uint64_t seed) {
@@ -307,7 +310,8 @@ HandParams HandFor(const PlantParams& plant, const core::CoreParams& params,
   hand.tremor_m *= preset.tremor_ratio;
   hand.coupling_n_per_m = params.kc_mn_per_mm;
   double spring = 1 / (1 / hand.stiffness_n_per_m + 1 / hand.coupling_n_per_m);
-  double held_back_n = plant.friction_n + 0.5 * hand.coupling_n_per_m * plant.resolution_m;
+  double held_back_n =
+      plant.friction_n + hand.coupling_n_per_m * core::TipCellOf(params).Support(dvec3(0, 0, 1));
   hand.light_touch_m = 0.8 * held_back_n / spring;
   hand.back_off_m = 0.5 * hand.light_touch_m;
   hand.seed = seed;
@@ -339,7 +343,9 @@ PlantParams PlantOf(const scene::DeviceProfile& profile, const core::CoreParams&
   plant.mass_kg = static_cast<double>(profile.mass_g.value) * 1e-3;
   plant.damping_n_s_per_m = static_cast<double>(profile.viscous_mn_s_per_m()) * 1e-3;
   plant.friction_n = static_cast<double>(profile.friction_mn.value) * 1e-3;
-  plant.resolution_m = params.resolution_nm[0] * 1e-9;
+  plant.resolution_m = static_cast<double>(profile.resolution_nm.value) * 1e-9;
+  plant.count_m = params.resolution_nm[0] * 1e-9;
+  if (profile.cell && profile.cell->joints) plant.joints = kArm;
   plant.peak_force_n = params.peak_force_mn * 1e-3;
   plant.tick_s = 1.0 / params.rate_hz;
   if (profile.torque) {

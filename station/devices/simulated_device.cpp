@@ -21,7 +21,10 @@ double Pushed(double v, double push, double mass, double damping, double frictio
 }  // namespace
 
 SimulatedDevice::SimulatedDevice(const PlantParams& params, std::unique_ptr<SimulatedOperator> op)
-    : params_(params), operator_(std::move(op)), random_(params.seed) {
+    : params_(params),
+      count_m_(params.count_m > 0 ? params.count_m : params.resolution_m),
+      operator_(std::move(op)),
+      random_(params.seed) {
   ENAMEL_CHECK(operator_ != nullptr);
   ENAMEL_CHECK(params_.mass_kg > 0 && params_.resolution_m > 0 && params_.substeps > 0);
   ENAMEL_CHECK(params_.delay_ticks >= 0 && params_.delay_ticks <= kMaxDelay);
@@ -53,10 +56,10 @@ DeviceSample SimulatedDevice::ReadSample() noexcept {
     if (params_.inertia_kg_m2 > 0) Turn(hand, dt);
   }
   DeviceSample sample;
-  for (int i = 0; i < 3; ++i) {
-    sample.counts[static_cast<size_t>(i)] = static_cast<int32_t>(
-        std::lround((x_[i] + Noise() - params_.origin_m[i]) / params_.resolution_m));
-  }
+  const dvec3 reading = ReadTip();
+  for (int i = 0; i < 3; ++i)
+    sample.counts[static_cast<size_t>(i)] =
+        static_cast<int32_t>(std::lround(reading[i] / count_m_));
   // A gimbal without motors follows the hand.
   sample.orientation = ToQuantised(params_.inertia_kg_m2 > 0 ? Read(turned_) : hand.orientation);
   if (hand.pedal) {
@@ -66,6 +69,14 @@ DeviceSample SimulatedDevice::ReadSample() noexcept {
   progress_.store(operator_->Progress(), std::memory_order_relaxed);
   if (hand.finished) sample.buttons |= kFinish;
   return sample;
+}
+
+// The middle of the encoders' cell, from the place of counts 0, 0, 0.
+dvec3 SimulatedDevice::ReadTip() noexcept {
+  const dvec3 noise{Noise(), Noise(), Noise()};
+  const dvec3 cells = params_.joints * (x_ + noise - params_.origin_m) / params_.resolution_m;
+  const dvec3 read(std::round(cells.x), std::round(cells.y), std::round(cells.z));
+  return glm::transpose(params_.joints) * read * params_.resolution_m;
 }
 
 void SimulatedDevice::SendForceAndTorque(const dvec3& force_n, const dvec3& torque_n_m) noexcept {

@@ -16,6 +16,8 @@ struct PlantParams {
   double damping_n_s_per_m = 0;  // b
   double friction_n = 0;         // c, Coulomb, per axis
   double resolution_m = 0;       // delta: edge of an encoder cell
+  dmat3 joints{1};               // rows: directions in which the encoders count; orthonormal
+  double count_m = 0;            // edge of a reported count, to which a driver rounds; 0: delta
   double peak_force_n = 0;       // the motors saturate here
   // Rotation, for a device that drives six axes: device and hand are lumped, and the hand holds its
   // orientation by a spring and a damper. Inertia 0: the device does not drive rotation, and its
@@ -72,9 +74,11 @@ class SimulatedDevice final : public Device {
   Quat Read(const Quat& orientation) const noexcept;
 
   const PlantParams params_;
+  const double count_m_;
   std::unique_ptr<SimulatedOperator> operator_;
   std::atomic<double> progress_{0};
   double Noise() noexcept;
+  dvec3 ReadTip() noexcept;
 
   dvec3 x_{0}, v_{0}, sent_n_{0}, motor_n_{0}, bur_m_{0};
   Quat turned_;

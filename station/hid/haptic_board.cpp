@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/scene/cell.h"
+
 namespace enamel::station::hid {
 namespace {
 
@@ -339,10 +341,10 @@ Status CheckBoard(const FeatureReport& board, const scene::DeviceProfile& profil
   const std::string says = "device profile '" + profile.name + "' says ";
   for (size_t i = 0; i < 3; ++i) {
     const std::string axis = " on axis " + std::to_string(i + 1);
-    if (board.resolution_nm[i] != static_cast<uint64_t>(profile.resolution_nm.value)) {
+    if (board.resolution_nm[i] != static_cast<uint64_t>(scene::CountNm(profile))) {
       return NotAsNeeded(
-          board.name + " has cells of " + std::to_string(board.resolution_nm[i]) + " nm" + axis,
-          says + std::to_string(profile.resolution_nm.value),
+          board.name + " has counts of " + std::to_string(board.resolution_nm[i]) + " nm" + axis,
+          says + std::to_string(scene::CountNm(profile)),
           "choose its own profile" + own + ", or let 'enamel-station calibrate' propose one",
           "resolution_nm");
     }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "common/scene/cell.h"
 #include "station/hid/axis_map.h"
 #include "station/hid/foot_pedal.h"
 #include "station/hid/haptic_board.h"
@@ -48,7 +49,7 @@ Result<std::unique_ptr<Device>> OpenMouse(const DeviceChoice& choice,
   settings.match.usage_page = kMultiAxisPage;
   settings.match.usage = kMultiAxisUsage;
   settings.reach_m = static_cast<double>(profile.workspace_radius_um.value) * 1e-6;
-  double resolution_m = static_cast<double>(profile.resolution_nm.value) * 1e-9;
+  const double resolution_m = scene::CountNm(profile) * 1e-9;
   ENAMEL_ASSIGN_OR_RETURN(auto mouse, SpaceMouse::Open(settings, resolution_m, tick_s));
   return std::unique_ptr<Device>(std::move(mouse));
 }

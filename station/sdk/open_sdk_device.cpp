@@ -4,6 +4,7 @@
 #include <cctype>
 #include <optional>
 
+#include "common/scene/cell.h"
 #include "station/sdk/buses.h"
 
 namespace enamel::station::sdk {
@@ -49,7 +50,7 @@ Result<std::unique_ptr<Device>> Open(const Library& library, const hid::DeviceCh
                   "device");
   }
   ENAMEL_ASSIGN_OR_RETURN(auto bus, library.open());
-  double resolution_m = static_cast<double>(profile.resolution_nm.value) * 1e-9;
+  const double resolution_m = scene::CountNm(profile) * 1e-9;
   return std::unique_ptr<Device>(
       // A maker's calls may wait for the bus: a thread polls, the tick takes the latest.
       std::make_unique<PolledDevice>(std::move(bus), resolution_m, choice.thread_setup));

@@ -42,7 +42,7 @@ async function drawnReport(world) {
   await press.getByText("Figures, and positions of tip and bur").click();
   assert.ok((await press.getByRole("group", { name: "Press: figures" }).locator("tbody tr").count()) >= 4);
   // What else was found is drawn below: a share of cases, a map of verdicts, a table.
-  for (const name of [/^Share of cases below a multiple of the bound/, /^Map\. delay, ticks against B/]) {
+  for (const name of [/^Share of hands below a difference from plain Maxwell/, /^Map\. delay, ticks against B/]) {
     await page.getByRole("img", { name }).locator("canvas").waitFor();
   }
   await page.getByRole("group", { name: "Adversary: games" }).getByText("UNDER 1 nJ").waitFor();

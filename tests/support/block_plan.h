@@ -9,8 +9,14 @@
 
 namespace enamel::test {
 
-// The practice block with its class I exercise, held by the second built-in profile: a core's
-// inputs for cutting.
+// The second built-in profile with cells along the axes, recorded as they are counted: one count is one cell.
+inline scene::DeviceProfile PlainProfile() {
+  scene::DeviceProfile profile = scene::BuiltinProfiles()[1];
+  profile.cell.reset();
+  return profile;
+}
+
+// The practice block with its class I exercise, held by that profile: a core's inputs for cutting.
 struct BlockPlan {
   core::CoreParams params;  // force from the first tick on
   cutting::Volume volume;
@@ -26,8 +32,8 @@ struct BlockPlan {
 inline BlockPlan MakeBlockPlan(int32_t voxel_nm = 200'000) {
   auto built = scene::BuildBuiltinScene("block", voxel_nm);
   ENAMEL_CHECK(built.ok());
-  auto params = scene::CompilePlan(built->scene, scene::ClassOneExercise(built->scene, {}),
-                                   scene::BuiltinProfiles()[1]);
+  auto params =
+      scene::CompilePlan(built->scene, scene::ClassOneExercise(built->scene, {}), PlainProfile());
   ENAMEL_CHECK(params.ok());
   params->soft_start_ticks = 1;
   const int64_t top_um = built->scene.landmarks.at("occlusal_centre")[2];

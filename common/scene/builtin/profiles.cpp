@@ -14,6 +14,11 @@ constexpr const char* kDelaySource = "assumption: force is out before the next t
 constexpr const char* kSheetSource =
     "published by the manufacturer; not measured, not checked against this unit";
 
+// Every device here counts at its joints, and drivers give metres: the station rounds them to this.
+CellSpec JointCells(int32_t count_nm) {
+  return {true, count_nm, 0, "encoders count at the joints; their noise was not measured"};
+}
+
 DeviceProfile Omega3() {
   DeviceProfile p;
   p.name = "omega3";
@@ -29,6 +34,7 @@ DeviceProfile Omega3() {
   p.rate_hz = {1'000, "paper, device table"};
   p.bus_delay_ticks = {0, kDelaySource};
   p.workspace_radius_um = {75'000, "CHAI3D's device list (omega.3, 75 mm)"};
+  p.cell = JointCells(500);
   return p;
 }
 
@@ -47,6 +53,7 @@ DeviceProfile PhantomDesktop() {
   p.rate_hz = {1'000, "paper, device table"};
   p.bus_delay_ticks = {0, kDelaySource};
   p.workspace_radius_um = {100'000, "CHAI3D's device list (Phantom Desktop, 100 mm)"};
+  p.cell = JointCells(500);
   return p;
 }
 
@@ -67,6 +74,7 @@ DeviceProfile Bhhd3() {
   p.rate_hz = {1'000, "paper, device table"};
   p.bus_delay_ticks = {0, kDelaySource};
   p.workspace_radius_um = {75'000, "assumption: no published figure"};
+  p.cell = JointCells(500);
   return p;
 }
 
@@ -97,6 +105,7 @@ DeviceProfile Sigma7() {
   p.torque->friction_un_m = {1'000, "assumption: Coulomb friction of the wrist, not measured"};
   p.torque->orientation_cell_urad = {
       300, "assumption: half the diagonal of cells of 0.013 degrees, and the recording's rounding"};
+  p.cell = JointCells(50);
   return p;
 }
 

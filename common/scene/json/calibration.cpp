@@ -22,13 +22,14 @@ struct Quantity {
 };
 
 // The order is that of the canonical document.
-constexpr std::array<Quantity, 6> kQuantities = {{
+constexpr std::array<Quantity, 7> kQuantities = {{
     {"resolution_nm", &Calibration::resolution_nm},
     {"noise_nm", &Calibration::noise_nm},
     {"friction_mn", &Calibration::friction_mn},
     {"damping_mn_s_per_m", &Calibration::damping_mn_s_per_m},
     {"mass_g", &Calibration::mass_g},
     {"bus_delay_ticks", &Calibration::bus_delay_ticks},
+    {"structural_mode_hz", &Calibration::structural_mode_hz},
 }};
 
 Measured ReadMeasured(ObjectReader& in, const char* name) {

@@ -14,7 +14,8 @@ namespace {
 
 namespace json = boost::json;
 
-constexpr std::string_view kDelay = "bus_delay_ticks", kMeasured = "measured", kTorque = "torque";
+constexpr std::string_view kDelay = "bus_delay_ticks", kMeasured = "measured", kTorque = "torque",
+                           kCell = "cell";
 constexpr int64_t kSixAxes = 6;
 
 template <typename Owner>
@@ -75,6 +76,27 @@ Sourced ReadSourced(ObjectReader& in, const NumberOf<Owner>& n, bool* measured =
 
 json::object Document(const Sourced& s) { return {{"value", s.value}, {"source", s.source}}; }
 
+json::object Document(const CellSpec& cell) {
+  return {{"lattice", cell.joints ? "joints" : "axes"},
+          {"count_nm", cell.count_nm},
+          {"noise_counts", cell.noise_counts},
+          {"source", cell.source}};
+}
+
+void ReadCell(ObjectReader& in, DeviceProfile& profile) {
+  if (!in.Has(kCell)) return;
+  ObjectReader item = in.Object(kCell);
+  CellSpec& cell = profile.cell.emplace();
+  const std::string lattice = item.Text("lattice", 1, 16);
+  cell.joints = lattice == "joints";
+  if (!cell.joints && lattice != "axes")
+    item.Refuse("lattice", "\"axes\" or \"joints\"", "\"" + lattice + "\"");
+  cell.count_nm = static_cast<int32_t>(item.Int("count_nm", 1, profile.resolution_nm.value));
+  cell.noise_counts = static_cast<int32_t>(item.Int("noise_counts", 0, 16));
+  cell.source = item.Text("source", 1, 500);
+  item.Finish();
+}
+
 void ReadTorque(ObjectReader& in, DeviceProfile& profile) {
   // Axes and torque must say the same, or a device would be driven by half a profile.
   const bool six = profile.axes.value == kSixAxes;
@@ -108,6 +130,7 @@ std::string ToJson(const DeviceProfile& profile) {
     if (profile.delay_measured && n.name == kDelay) item[kMeasured] = true;
     out[n.name] = std::move(item);
   }
+  if (profile.cell) out[kCell] = Document(*profile.cell);
   for (const Number& n : kOptional) {
     // Known by its source: every number has one, and 0 may be a value.
     if (Known(n)) out[n.name] = Document(profile.*n.member);
@@ -134,6 +157,7 @@ Result<DeviceProfile> ProfileFromJson(std::string_view text) {
   for (const Number& n : kNumbers) {
     profile.*n.member = ReadSourced(in, n, n.name == kDelay ? &profile.delay_measured : nullptr);
   }
+  ReadCell(in, profile);
   for (const Number& n : kOptional) {
     if (in.Has(n.name)) profile.*n.member = ReadSourced(in, n);
   }

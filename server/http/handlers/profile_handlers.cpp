@@ -1,6 +1,7 @@
 #include <boost/json.hpp>
 
 #include "common/scene/calibration.h"
+#include "common/scene/cell.h"
 #include "common/scene/json/json.h"
 #include "common/scene/profile_criteria.h"
 #include "server/http/caller.h"
@@ -39,6 +40,13 @@ json::array NumbersJson(const scene::DeviceProfile& profile) {
   if (!profile.electrical_damping_mn_s_per_m.source.empty()) {
     numbers.push_back({"electrical_damping", "mN s/m", profile.electrical_damping_mn_s_per_m});
   }
+  if (!profile.structural_mode_hz.source.empty())
+    numbers.push_back({"structural_mode", "Hz", profile.structural_mode_hz});
+  const std::string& of_cell = profile.cell ? profile.cell->source : profile.resolution_nm.source;
+  const scene::Sourced count{scene::CountNm(profile), of_cell},
+      support{scene::CellSupportNm(profile), of_cell};
+  numbers.push_back({"count", "nm", count});
+  numbers.push_back({"cell_support", "nm", support});
   if (profile.torque) {
     const scene::TorqueSpec& torque = *profile.torque;
     numbers.push_back({"axes", "driven", profile.axes});

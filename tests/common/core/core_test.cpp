@@ -700,5 +700,18 @@ TEST(CoreParamsTest, AnotherFormatIsRefusedByNumber) {
       << read.status().message();
 }
 
+// Half a count unless the parameters say more.
+TEST(ParamsTest, TheTipsCellIsHalfACountOrWhatTheParametersSay) {
+  CoreParams p;
+  p.resolution_nm = {9'000, 10'000, 20'001};
+  EXPECT_EQ(TipCellOf(p).half_m, dvec3(9'000, 10'000, 20'001) * 1e-9 * 0.5);
+  EXPECT_EQ(TipCellOf(p).ball_m, 0);
+  p.cell_ball_nm = 7'795;
+  EXPECT_EQ(TipCellOf(p).half_m, dvec3(0));
+  EXPECT_EQ(TipCellOf(p).ball_m, 7'795 * 1e-9);
+  p.cell_half_nm = {250, 251, 252};
+  EXPECT_EQ(TipCellOf(p).half_m, dvec3(250, 251, 252) * 1e-9);
+}
+
 }  // namespace
 }  // namespace enamel::core

@@ -48,6 +48,7 @@ TEST_F(PlanTest, CountZeroIsEightMillimetresAboveTheLandmark) {
 }
 
 TEST_F(PlanTest, StiffnessAtThePassiveLimitIsAllowedAndAboveItRefusedWithTheLimit) {
+  profile.friction_mn.value = 100;
   profile.coupling_mn_per_mm.value = 3'500;  // 2 b f = K, as b = K T/2
   EXPECT_TRUE(CompilePlan(scene, exercise, profile).ok());
   profile.coupling_mn_per_mm.value = 3'501;
@@ -65,12 +66,42 @@ TEST_F(PlanTest, BusDelayLowersThePassiveLimit) {
 }
 
 TEST_F(PlanTest, FrictionBelowHalfACellOfCouplingIsRefusedWithWhatIsNeeded) {
+  profile.cell.reset();
   profile.friction_mn.value = 12;  // 2500 * 0.010 / 2 = 12.5
   Status refused = CompilePlan(scene, exercise, profile).status();
   EXPECT_EQ(refused.field(), "friction_mn");
   EXPECT_NE(refused.message().find("c to at least 13 mN"), std::string::npos) << refused.message();
   EXPECT_NE(refused.message().find("Kc to at most 2400 mN/mm"), std::string::npos)
       << refused.message();
+}
+
+// sqrt(3)/2 of a cell, and as much of a count: 2500 * (8.66 + 0.43 um) = 22.7 mN; with a count of noise three
+// times the cell.
+TEST_F(PlanTest, CellsOfJointsAndNoiseCostMoreFriction) {
+  auto params = CompilePlan(scene, exercise, profile);
+  ASSERT_TRUE(params.ok()) << params.status().message();
+  EXPECT_EQ(params->resolution_nm[0], 500);
+  EXPECT_EQ(params->cell_half_nm, (std::array<int32_t, 3>{250, 250, 250}));
+  EXPECT_EQ(params->cell_ball_nm, 8'661);
+  profile.friction_mn.value = 22;
+  Status refused = CompilePlan(scene, exercise, profile).status();
+  EXPECT_EQ(refused.field(), "friction_mn");
+  EXPECT_NE(refused.message().find("Kc to at most 2418 mN/mm"), std::string::npos)
+      << refused.message();
+  profile.friction_mn.value = 25;
+  profile.cell->noise_counts = 1;
+  EXPECT_NE(CompilePlan(scene, exercise, profile).status().message().find("at most 946 mN/mm"),
+            std::string::npos);
+}
+
+// m (2 pi f1/4)^2 = 45 g * 100 Hz^2 * 2.4674 = 1110 N/m.
+TEST_F(PlanTest, AFirstResonanceNearTheCouplingsIsRefusedWithTheLargestKc) {
+  profile.structural_mode_hz = {160, "test"};
+  EXPECT_TRUE(CompilePlan(scene, exercise, profile).ok());
+  profile.structural_mode_hz.value = 100;
+  Status refused = CompilePlan(scene, exercise, profile).status();
+  EXPECT_NE(refused.message().find("first resonance"), std::string::npos) << refused.message();
+  EXPECT_NE(refused.message().find("at most 1110 mN/mm"), std::string::npos) << refused.message();
 }
 
 // No cues unless the exercise asks for them, graded or not.
@@ -109,6 +140,8 @@ TEST_F(PlanTest, TouchCuesInALoopTooSlowForThemAreRefused) {
 
 // b = 1.75 N s/m of its own; 0.25 more by its current loop: 2 b f = 4000.
 TEST_F(PlanTest, ElectricalDampingCountsAsTheDevicesOwn) {
+  profile.friction_mn.value = 100;
+  profile.max_stiffness_mn_per_mm.value = 10'000;
   profile.electrical_damping_mn_s_per_m = {250, "measured"};
   profile.coupling_mn_per_mm.value = 4'000;
   EXPECT_TRUE(CompilePlan(scene, exercise, profile).ok());

@@ -23,6 +23,9 @@ TEST(RateTest, TheSmallestOfDampingFrictionAndStructureBinds) {
   DeviceProfile p = Device("omega3");  // b 6 N s/m, c 90 mN, delta 9 um, K 12 N/mm
   EXPECT_EQ(LargestCouplingAt(p, 500, 0).coupling_mn_per_mm, 6'000);
   EXPECT_EQ(LargestCouplingAt(p, 500, 0).limit, CouplingLimit::kDamping);
+  EXPECT_EQ(LargestCouplingAt(p, 4000, 0).coupling_mn_per_mm, 10'936);  // cells of joints
+  EXPECT_EQ(LargestCouplingAt(p, 4000, 0).limit, CouplingLimit::kFriction);
+  p.cell.reset();
   EXPECT_EQ(LargestCouplingAt(p, 4000, 1).coupling_mn_per_mm, 12'000);
   EXPECT_EQ(LargestCouplingAt(p, 4000, 0).limit, CouplingLimit::kStructure);
   p.friction_mn.value = 45;
@@ -43,12 +46,17 @@ TEST(RateTest, IsWhatTheCriteriaAllowAtEveryRateAndMeetsThem) {
         EXPECT_GE(d / f, static_cast<double>(delay) / static_cast<double>(p.rate_hz.value) - 1e-12);
         const double b = static_cast<double>(p.damping_mn_s_per_m.value) * 1e-3;
         const double c = static_cast<double>(p.friction_mn.value) * 1e-3;
+        // Half a cell; at joints half the diagonal of cell and count.
         const double delta = static_cast<double>(p.resolution_nm.value) * 1e-9;
+        const double support =
+            p.cell ? std::sqrt(0.75) * (delta + p.cell->count_nm * 1e-9) : delta / 2;
         const double allowed =
-            std::min({haptics::CouplingStiffness(b, 1 / f, static_cast<int>(d)), 2 * c / delta,
+            std::min({haptics::CouplingStiffness(b, 1 / f, static_cast<int>(d)), c / support,
                       static_cast<double>(p.max_stiffness_mn_per_mm.value)});
-        EXPECT_NEAR(static_cast<double>(at->coupling_mn_per_mm.value), allowed, 1.001)
-            << p.name << rate;
+        // Whole mN/mm, and a cell in whole nanometres, both to the safe side.
+        const auto kc = static_cast<double>(at->coupling_mn_per_mm.value);
+        EXPECT_LE(kc, allowed + 1e-6) << p.name << rate;
+        EXPECT_GE(kc, allowed * (1 - 2e-9 / support) - 1.001) << p.name << rate;
         EXPECT_EQ(at->rate_hz.value, rate);
         EXPECT_TRUE(IsAcceptable(CheckProfile(*at))) << p.name << " " << rate;
       }

@@ -145,7 +145,8 @@ TEST(WordsTest, ThatAreBuiltInAreThoseOfTheGoldenFile) {
       lines.insert({"title " + g.title, "text " + g.comment});
     }
   }
-  for (const DeviceProfile& profile : BuiltinProfiles()) {
+  for (DeviceProfile profile : BuiltinProfiles()) {
+    profile.structural_mode_hz = {100, "test"};  // has a criterion of its own
     for (const ProfileCriterion& c : CheckProfile(profile)) lines.insert("title " + c.title);
   }
   for (const BuiltinScene& scene : BuiltinScenes()) {

@@ -54,7 +54,9 @@ json::object Describe(const core::CoreParams& p) {
           {"contact_cue_mn", Number(p.contact_cue_mn)},
           {"chatter_cue_mn", Number(p.chatter_cue_mn)},
           {"cue_energy_nj", Number(p.cue_energy_nj)},
-          {"cue_power_nw", Number(p.cue_power_nw)}};
+          {"cue_power_nw", Number(p.cue_power_nw)},
+          {"cell_half_nm", Numbers(p.cell_half_nm)},
+          {"cell_ball_nm", Number(p.cell_ball_nm)}};
 }
 
 json::object Describe(const ChunkHead& head) {

@@ -345,7 +345,7 @@ TEST_F(AccessTest, AStartToothIsKeptForEverAndNoOtherBlobIsOne) {
 TEST_F(AccessTest, ProfilesNameTheSourceOfEveryNumber) {
   boost::json::value body = Parsed(By("sam").Get("/api/v1/profiles"));
   const auto& profile = body.at("profiles").as_array().at(0);
-  ASSERT_EQ(profile.at("numbers").as_array().size(), 11u);
+  ASSERT_EQ(profile.at("numbers").as_array().size(), 13u);
   for (const auto& number : profile.at("numbers").as_array()) {
     EXPECT_EQ(number.at("source"), "assumption");
   }

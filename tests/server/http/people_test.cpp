@@ -353,7 +353,7 @@ TEST_F(PeopleTest, AProfileOfSixAxesShowsItsTorqueAndIsJudgedByIt) {
     EXPECT_FALSE(number.at("source").as_string().empty());
     names.insert(std::string(number.at("name").as_string()));
   }
-  EXPECT_EQ(names.size(), 18u);
+  EXPECT_EQ(names.size(), 20u);
   for (const char* name : {"electrical_damping", "axes", "peak_torque", "torque_coupling",
                            "torque_damping", "torque_friction", "orientation_cell"}) {
     EXPECT_TRUE(names.contains(name)) << name;

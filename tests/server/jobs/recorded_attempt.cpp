@@ -121,6 +121,8 @@ World::World(int32_t rate_hz, int32_t damping_mn_s_per_mm, haptics::LawKind law)
   for (const auto& p : scene::BuiltinProfiles()) {
     if (p.name == "phantom_desktop") profile = p;
   }
+  // Whole cells: a scripted way along a wall that was cut before would touch it by the nanometre.
+  profile.cell.reset();
   profile.rate_hz.value = rate_hz;
   auto plan = scene::CompilePlan(scene, exercise, profile);
   ENAMEL_CHECK(plan.ok());

@@ -14,6 +14,7 @@ namespace {
 AxisFigures Axis(double cell_um, double c, double b, double delay) {
   AxisFigures a;
   a.resolution_m = {cell_um * 1e-6, 0, 1000};
+  a.count_m = a.resolution_m.value;
   a.noise_m = {2e-6, 1e-6, 2000};
   a.friction_n = {c, 0.1 * c, 21};
   a.damping_n_s_per_m = {b, 0.1 * b, 21};

@@ -66,7 +66,7 @@ TEST(SimulateTest, DentistIsWithinHalfAVoxelOnTheOtherDevices) {
 TEST(SimulateTest, StudentsMesialWallIsThreeTenthsTooFarAndNothingElse) {
   SimulationReport report = Cut("student-deep-mesial");
   EXPECT_TRUE(report.finished);
-  EXPECT_NEAR(Median(report, "mesial"), 300, 50.0 / 8);
+  EXPECT_NEAR(Median(report, "mesial"), 300, 50.0 / 4);
   for (const char* other : {"distal", "buccal", "lingual", "floor"}) {
     EXPECT_LE(std::abs(Median(report, other)), 20) << other;
   }

@@ -7,6 +7,7 @@
 #include <optional>
 #include <thread>
 
+#include "common/scene/cell.h"
 #include "station/desk/pages.h"
 #include "station/desk/workflow.h"
 #include "station/hid/haptic_report.h"
@@ -39,7 +40,7 @@ class PlayedBoard {
     hid::FeatureReport f;
     for (const scene::DeviceProfile& p : scene::BuiltinProfiles()) {
       if (p.name != profile_name) continue;
-      f.resolution_nm.fill(static_cast<uint32_t>(p.resolution_nm.value));
+      f.resolution_nm.fill(static_cast<uint32_t>(scene::CountNm(p)));
       f.peak_force_mn.fill(static_cast<uint32_t>(p.peak_force_mn.value));
     }
     f.rate_hz = 1000;

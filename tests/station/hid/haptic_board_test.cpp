@@ -490,7 +490,7 @@ TEST_F(HapticBoardTest, SilentBoardIsRefused) {
 }
 
 TEST_F(HapticBoardTest, BoardThatIsTooSlowOrTooWeakForTheExerciseIsRefusedWithBothFigures) {
-  const scene::DeviceProfile profile = scene::BuiltinProfiles()[1];
+  const scene::DeviceProfile profile = test::PlainProfile();
   FeatureReport board = Feature();
   for (auto [has, needs] :
        {std::pair{100, 500}, {250, 1000}, {499, 500}, {999, 1000}, {4000, 8000}}) {
@@ -520,7 +520,7 @@ TEST_F(HapticBoardTest, ABoardThatReportsTooSeldomForTheExerciseIsNotOpenedForIt
   });
   DeviceChoice choice;
   choice.device = "hid";
-  auto device = OpenDevice(choice, scene::BuiltinProfiles()[1], 1e-3);
+  auto device = OpenDevice(choice, test::PlainProfile(), 1e-3);
   first.join();
   ASSERT_FALSE(device.ok());
   EXPECT_NE(device.status().message().find("250 times"), std::string::npos);
@@ -589,16 +589,21 @@ TEST_F(HapticBoardTest, MotorsThatGoOffByThemselvesAreASwitchOffWhileItLasts) {
 }
 
 TEST_F(HapticBoardTest, ProfileMustHaveTheBoardsCells) {
-  auto profiles = scene::BuiltinProfiles();
-  EXPECT_TRUE(CheckBoard(Feature(10'000), profiles[1], 1000).ok());
-  Status s = CheckBoard(Feature(20'000), profiles[1], 1000);
+  const scene::DeviceProfile profile = test::PlainProfile();
+  EXPECT_TRUE(CheckBoard(Feature(10'000), profile, 1000).ok());
+  Status s = CheckBoard(Feature(20'000), profile, 1000);
   EXPECT_EQ(s.code(), Code::kConflict);
   EXPECT_NE(s.message().find("20000"), std::string::npos);
   EXPECT_NE(s.message().find("10000"), std::string::npos);
+  // An arm that counts at its joints is recorded finer than it counts.
+  scene::DeviceProfile arm = profile;
+  arm.cell = scene::CellSpec{true, 500, 0, "test"};
+  EXPECT_TRUE(CheckBoard(Feature(500), arm, 1000).ok());
+  EXPECT_EQ(CheckBoard(Feature(10'000), arm, 1000).code(), Code::kConflict);
 }
 
 TEST_F(HapticBoardTest, AProfileWithTorqueNeedsABoardThatDrivesSixAxesAndSaysHowItIsTurned) {
-  scene::DeviceProfile profile = scene::BuiltinProfiles()[1];
+  scene::DeviceProfile profile = test::PlainProfile();
   profile.torque.emplace();
   FeatureReport board = Feature(10'000);
   board.axes = 3;

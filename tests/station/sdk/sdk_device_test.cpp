@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "common/scene/builtin/builtin.h"
+#include "common/scene/cell.h"
 #include "station/desk/device_offers.h"
 #include "station/sdk/open_sdk_device.h"
 #include "tests/station/hid/hid_double.h"
@@ -109,9 +110,9 @@ TEST_F(SdkDeviceTest, ForceDimensionsAxesAreTurnedToTheSceneAndBack) {
   Attach(sdk, "omega.3");
   Open("dhd");
   EXPECT_EQ(device_->Name(), "omega.3");
-  const double cell = static_cast<double>(scene::BuiltinProfiles()[0].resolution_nm.value) * 1e-9;
-  // Toward the user 100 cells, right 200, up 300.
-  sdk.With([&](FakeSdk::State& s) { s.position = {100 * cell, 200 * cell, 300 * cell}; });
+  const double count = scene::CountNm(scene::BuiltinProfiles()[0]) * 1e-9;
+  // Toward the user 100 counts, right 200, up 300.
+  sdk.With([&](FakeSdk::State& s) { s.position = {100 * count, 200 * count, 300 * count}; });
   DeviceSample at = Until([](const DeviceSample& s) { return s.counts[2] == 300; });
   EXPECT_EQ(at.counts, (std::array<int32_t, 3>{200, -100, 300}));
   // Right 1 N, away 2, up 3 of the scene: toward the user -2, right 1, up 3.
@@ -152,11 +153,10 @@ TEST_F(SdkDeviceTest, OpenHapticsMillimetresAndAxesAreTurnedToTheSceneAndBack) {
   FakeSdk& sdk = FakeSdk::OpenHaptics();
   Attach(sdk, "PHANTOM Desktop");
   Open("openhaptics");
-  const double cell_mm =
-      static_cast<double>(scene::BuiltinProfiles()[0].resolution_nm.value) * 1e-6;
-  // Right 100 cells, up 200, toward the user 300.
+  const double count_mm = scene::CountNm(scene::BuiltinProfiles()[0]) * 1e-6;
+  // Right 100 counts, up 200, toward the user 300.
   sdk.With([&](FakeSdk::State& s) {
-    s.position = {100 * cell_mm, 200 * cell_mm, 300 * cell_mm};
+    s.position = {100 * count_mm, 200 * count_mm, 300 * count_mm};
     s.button = true;
   });
   DeviceSample at = Until([](const DeviceSample& s) { return s.counts[2] == 200; });
