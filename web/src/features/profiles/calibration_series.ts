@@ -5,7 +5,14 @@ import type { TrendPoint } from "../../widgets/trend";
 // The quantities of a calibration document (schemas/calibration.schema.json), as the page draws
 // them: in units people read, next to what the profile says.
 interface Quantity {
-  readonly name: "resolution_nm" | "noise_nm" | "friction_mn" | "damping_mn_s_per_m" | "mass_g" | "bus_delay_ticks" | "structural_mode_hz"; // in the document
+  readonly name:
+    | "resolution_nm"
+    | "noise_nm"
+    | "friction_mn"
+    | "damping_mn_s_per_m"
+    | "mass_g"
+    | "bus_delay_ticks"
+    | "structural_mode_hz"; // in the document
   readonly unit: string;
   readonly factor: number; // from the document's unit to `unit`
   readonly profile: string | undefined; // the profile's number that claims it
