@@ -114,8 +114,8 @@ class Core::TissueMaterial final : public haptics::Material {
       return contact;
     }
     core_.ReadContact(pose);
-    if (!core_.engagement_.AnyContact()) return contact;
-    cutting::Engagement engagement = core_.engagement_.Read(stretch_m);
+    if (!core_.engagement_.MayTouch()) return contact;
+    cutting::Engagement engagement = core_.engagement_.Read(core_.volume_, stretch_m);
     contact.engaged = engagement.area_m2 > 0;
     if (contact.engaged && core_.cues_.enabled()) {
       core_.tissue_.engaged = true;
@@ -186,8 +186,9 @@ class Core::TurnedMaterial final : public haptics::TurnMaterial {
     // once.
     if (!core_.cutter_.AnySolidNear(pose, voxel)) return contact;
     core_.ReadContact(pose);
-    if (!core_.engagement_.AnyContact()) return contact;
-    const cutting::RotationalEngagement ahead = core_.engagement_.ReadRotational(turn_rad);
+    if (!core_.engagement_.MayTouch()) return contact;
+    const cutting::RotationalEngagement ahead =
+        core_.engagement_.ReadRotational(core_.volume_, turn_rad);
     const double blocked_m2 = core_.bur_on_ ? ahead.shank_area_m2 : ahead.area_m2;
     if (blocked_m2 > kWallArea_m2) {
       contact.damping_n_m_s = Sym3::Isotropic(kWallRotational_n_m_s);
@@ -267,7 +268,7 @@ void Core::AwaitFreeAir(const dvec3& tip_m, const Quat& orientation) noexcept {
   bool touches = false;
   if (cutter_.AnySolidNear(pose, volume_.spec().voxel_m())) {
     engagement_.Sample(volume_, pose);
-    touches = engagement_.AnyContact();
+    touches = engagement_.Touches(volume_);
   }
   free_ticks_ = touches ? 0 : free_ticks_ + 1;
   // With soft_start_ticks = 0 too it takes one tick that touches nothing.
@@ -321,9 +322,9 @@ dvec3 Core::RotationalStretch(const dvec3& e, double dt_s) noexcept {
   Pose pose{coupling_.anchor_m(), orientation_};
   if (!cutter_.AnySolidNear(pose, volume_.spec().voxel_m())) return dvec3(0);
   ReadContact(pose);
-  if (!engagement_.AnyContact()) return dvec3(0);
+  if (!engagement_.MayTouch()) return dvec3(0);
   // A still bur, or a shank at a wall, does not turn.
-  const cutting::RotationalEngagement turning = engagement_.ReadRotational(e);
+  const cutting::RotationalEngagement turning = engagement_.ReadRotational(volume_, e);
   // B e' = -K e by implicit Euler: (B + K T) e1 = B e0. Stable for any B, 0 among them, and never
   // past the device's orientation.
   Sym3 b = bur_on_ && !turning.shank ? turning.damping_n_m_s * (1 / handpiece_.speed_ratio())

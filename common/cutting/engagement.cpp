@@ -1,6 +1,10 @@
 #include "common/cutting/engagement.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include "common/cutting/sweep.h"
+#include "common/math/order.h"
 
 namespace enamel::cutting {
 namespace {
@@ -15,6 +19,14 @@ dvec3 Unit(const dvec3& v) noexcept {
 // qualify/withdrawal_test.cpp), and a bur in its seat meets the integral over its front within some
 // per cent (EngagementTest). Change one, and run these; the golden recordings move as well.
 constexpr double kReach = 0.5;  // voxels
+// Of a single-precision number that stands for a distance, over some hundred subtractions, voxels.
+constexpr double kRounding = 1e-4;
+// Of a distance that is not known: below any that there is; and one so long ago that a look at the nearest
+// sample pays before all samples are read.
+constexpr double kUnknown = -100, kLongAgo = -1;
+// A trilinear distance between samples that differ by no more than their way changes by at most this much of a
+// way: by 1 along each axis.
+constexpr double kSteepest = 1.7321;
 // Voxels inside solid at which a point counts for any travel into it.
 constexpr double kInside = 0.03;
 // Cosines between a point's own normal and the way into the solid.
@@ -75,65 +87,105 @@ EngagementReader::EngagementReader(const Bur& bur, double voxel_m, const TissueD
     per_area_.coulomb_n[t] = damping.coulomb_n[t] / kReferenceArea_m2;
     per_area_.threshold_n[t] = damping.threshold_n[t] / kReferenceArea_m2;
   }
-  active_.resize(points_.size());
+  candidates_.resize(points_.size());
+  contacts_.resize(points_.size());
+  clear_.resize(points_.size(), static_cast<float>(kUnknown));
+  for (const Point& p : points_)
+    reach_m_ = HigherOf(reach_m_, voxel_m * std::sqrt(Dot(p.position, p.position)));
+}
+
+void EngagementReader::Forget() noexcept {
+  std::fill(clear_.begin(), clear_.end(), static_cast<float>(kUnknown));
+}
+
+// From the tip to a point, scene frame, voxels.
+dvec3 EngagementReader::ArmOf(uint32_t point) const noexcept {
+  const dvec3& p = points_[point].position;
+  return axes_[0] * p.x + axes_[1] * p.y + axes_[2] * p.z;
 }
 
 void EngagementReader::Sample(const Volume& volume, const Pose& pose) noexcept {
-  active_count_ = 0;
-  const dmat3 m = pose.orientation.Matrix();
-  const dvec3 tip = (pose.tip_m - volume.spec().origin_m()) / voxel_m_;
-  for (const Point& p : points_) {
-    dvec3 arm = m[0] * p.position.x + m[1] * p.position.y + m[2] * p.position.z, at = tip + arm;
-    // Most points are far from solid: one sample tells, instead of eight.
-    if (!volume.MayBeNearer(at, kReach)) continue;
-    double distance = volume.DistanceAtSample(at);
-    if (distance >= kReach) continue;
-    Active a;
-    a.normal = m[0] * p.normal.x + m[1] * p.normal.y + m[2] * p.normal.z;
-    a.into = a.normal;
-    a.area_m2 = p.area_m2 * (distance <= 0 ? 1 : 1 - distance / kReach);
-    dvec3 out = volume.SlopeAtSample(at);
-    double slope = std::sqrt(Dot(out, out));
-    // Else the bur's own normal is the best that is known.
-    if (slope >= kSlope) a.into = out * (-1 / slope);
-    if (slope < kPlainWall) a.area_m2 *= SolidShare(volume, at, distance, a.into);
-    if (!(a.area_m2 > 0)) continue;
-    a.press = Press(a.normal, a.into);
-    a.arm = arm * voxel_m_;
-    a.beta = a.coulomb = a.threshold = 0;
-    a.grazing = Grazing(distance);
-    a.shank = p.shank;
-    if (!p.shank) {
-      // Half a voxel ahead: at the point itself there may be what was cut already.
-      auto t = static_cast<size_t>(volume.TissueAtSample(at + a.normal * kReach));
-      double lateral = per_area_.lateral[t];
-      a.beta = lateral + p.axial_share * (per_area_.axial[t] - lateral);
-      a.coulomb = per_area_.coulomb_n[t];
-      a.threshold = per_area_.threshold_n[t];
+  axes_ = pose.orientation.Matrix();
+  tip_ = (pose.tip_m - volume.spec().origin_m()) / voxel_m_;
+  // Most points are far from solid, and stay so for a while: cutting only makes distances larger.
+  const auto closer = static_cast<float>(kSteepest * Motion(pose, last_, reach_m_) / voxel_m_);
+  last_ = pose;
+  for (float& clear : clear_) clear -= closer;
+  count_ = 0;
+  for (size_t i = 0; i < points_.size(); ++i) {
+    float& clear = clear_[i];
+    if (clear >= kReach) continue;
+    const auto point = static_cast<uint32_t>(i);
+    if (clear < kLongAgo) {
+      clear = static_cast<float>(volume.ClearanceAtSample(tip_ + ArmOf(point)) - kRounding);
+      if (clear >= kReach) continue;
     }
-    active_[active_count_++] = a;
+    const dvec3& n = points_[i].normal;
+    candidates_[count_++] = {axes_[0] * n.x + axes_[1] * n.y + axes_[2] * n.z, point, false};
   }
 }
 
-double EngagementReader::WeightAhead(const Active& a, const dvec3& direction) noexcept {
-  // The cheaper of the two first: most points of a bur face away from its travel.
-  double own = Dot(a.normal, direction);
-  if (!(own > a.grazing)) return 0;
-  double field = Dot(a.into, direction), rate = own < field ? own : field;
-  if (!(rate > a.grazing)) return 0;
-  double weight = (rate - a.grazing) / kRamp;
-  return weight < 1 ? weight : 1;
+const EngagementReader::Contact& EngagementReader::See(const Volume& volume,
+                                                       size_t candidate) noexcept {
+  Candidate& who = candidates_[candidate];
+  Contact& c = contacts_[candidate];
+  if (who.seen) return c;
+  who.seen = true;
+  const Point& p = points_[who.point];
+  const dvec3 at = tip_ + ArmOf(who.point);
+  dvec3 slope;
+  const double distance = volume.DistanceAndSlope(at, kReach, slope);
+  clear_[who.point] = static_cast<float>(distance - kRounding);
+  c.area_m2 = 0;
+  if (distance >= kReach) return c;
+  c.grazing = Grazing(distance);
+  c.area_m2 = p.area_m2 * (distance <= 0 ? 1 : 1 - distance / kReach);
+  const double steepness = std::sqrt(Dot(slope, slope));
+  // Else the bur's own normal is the best that is known.
+  c.into = steepness >= kSlope ? slope * (-1 / steepness) : who.normal;
+  if (steepness < kPlainWall) c.area_m2 *= SolidShare(volume, at, distance, c.into);
+  if (!(c.area_m2 > 0)) return c;
+  c.press = Press(who.normal, c.into);
+  c.beta = c.coulomb = c.threshold = 0;
+  if (p.shank) return c;
+  // Half a voxel ahead: at the point itself there may be what was cut already.
+  const auto t = static_cast<size_t>(volume.TissueAtSample(at + who.normal * kReach));
+  const double lateral = per_area_.lateral[t];
+  c.beta = lateral + p.axial_share * (per_area_.axial[t] - lateral);
+  c.coulomb = per_area_.coulomb_n[t];
+  c.threshold = per_area_.threshold_n[t];
+  return c;
 }
 
-Engagement EngagementReader::Read(const dvec3& travel) const noexcept {
+// Its area, by how far that direction brings it into solid, m^2.
+double EngagementReader::AreaAhead(const Volume& volume, const dvec3& direction,
+                                   size_t candidate) noexcept {
+  // The cheapest first: half of a bur's points face away from its travel.
+  const double own = Dot(candidates_[candidate].normal, direction);
+  if (!(own > 0)) return 0;
+  const Contact& c = See(volume, candidate);
+  if (!(c.area_m2 > 0) || !(own > c.grazing)) return 0;
+  const double field = Dot(c.into, direction), rate = own < field ? own : field;
+  if (!(rate > c.grazing)) return 0;
+  const double weight = (rate - c.grazing) / kRamp;
+  return c.area_m2 * (weight < 1 ? weight : 1);
+}
+
+bool EngagementReader::Touches(const Volume& volume) noexcept {
+  for (size_t i = 0; i < count_; ++i)
+    if (See(volume, i).area_m2 > 0) return true;
+  return false;
+}
+
+Engagement EngagementReader::Read(const Volume& volume, const dvec3& travel) noexcept {
   Engagement out;
   const dvec3 direction = Unit(travel);
   dvec3 cutting(0), shank(0);
-  for (size_t i = 0; i < active_count_; ++i) {
-    const Active& a = active_[i];
-    double area = a.area_m2 * WeightAhead(a, direction);
+  for (size_t i = 0; i < count_; ++i) {
+    const double area = AreaAhead(volume, direction, i);
     if (!(area > 0)) continue;
-    if (a.shank) {
+    const Contact& a = contacts_[i];
+    if (points_[candidates_[i].point].shank) {
       shank += a.press * area;
       continue;
     }
@@ -149,17 +201,20 @@ Engagement EngagementReader::Read(const dvec3& travel) const noexcept {
   return out;
 }
 
-RotationalEngagement EngagementReader::ReadRotational(const dvec3& turn) const noexcept {
+RotationalEngagement EngagementReader::ReadRotational(const Volume& volume,
+                                                      const dvec3& turn) noexcept {
   RotationalEngagement out;
-  for (size_t i = 0; i < active_count_; ++i) {
-    const Active& a = active_[i];
+  for (size_t i = 0; i < count_; ++i) {
+    const dvec3 arm_m = ArmOf(candidates_[i].point) * voxel_m_;
     // A point moves as turn x arm; one on the axis of the turn does not move, and weighs 0.
-    double area = a.area_m2 * WeightAhead(a, Unit(glm::cross(turn, a.arm)));
+    const double area = AreaAhead(volume, Unit(glm::cross(turn, arm_m)), i);
     if (!(area > 0)) continue;
-    out.shank = out.shank || a.shank;
+    const Contact& a = contacts_[i];
+    const bool shank = points_[candidates_[i].point].shank;
+    out.shank = out.shank || shank;
     out.area_m2 += area;
-    if (a.shank) out.shank_area_m2 += area;
-    out.damping_n_m_s += Sym3::Outer(glm::cross(a.arm, a.press), a.beta * area);
+    if (shank) out.shank_area_m2 += area;
+    out.damping_n_m_s += Sym3::Outer(glm::cross(arm_m, a.press), a.beta * area);
   }
   return out;
 }

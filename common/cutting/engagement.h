@@ -72,8 +72,8 @@ struct TissueDamping {
 //
 // The shank does not cut: its points in contact only have a normal, the wall's.
 //
-// Sampling (where the surface meets solid) and summing (for one direction) are apart: the samples
-// only change when the bur has moved or cut.
+// Sampling (which points may be near solid) and summing (for one direction) are apart: the samples only change
+// when the bur has moved. A point is read when travel towards it is asked for, once.
 // Thread safety: none. Real-time: Sample and Read are safe; the constructor allocates.
 class EngagementReader {
  public:
@@ -83,17 +83,27 @@ class EngagementReader {
 
   EngagementReader(const Bur& bur, double voxel_m, const TissueDamping& damping);
 
-  // Finds the surface points in contact at `pose`. Work: at most kMaxPoints + kMaxShankPoints
-  // trilinear reads, and seven more for each that is near solid.
+  // Finds the surface points that may be near solid at `pose`. A point that was far from solid is left out until
+  // the bur could have brought it there.
+  // Requires, here and below: the same volume as in the last call, with nothing added to it since; else Forget
+  // first.
+  // Work of a call, here and below: at most kMaxPoints + kMaxShankPoints reads of 27 samples; none twice.
   ENAMEL_REALTIME void Sample(const Volume& volume, const Pose& pose) noexcept;
   // For travel along `travel` (any length), from the last Sample.
-  ENAMEL_REALTIME Engagement Read(const dvec3& travel) const noexcept;
+  ENAMEL_REALTIME Engagement Read(const Volume& volume, const dvec3& travel) noexcept;
   // Rotational damping of the sampled contact about the bur's tip, N m s: sum beta (r x u)(r x
   // u)^T, for a turn about `turn` (any length).
-  ENAMEL_REALTIME RotationalEngagement ReadRotational(const dvec3& turn) const noexcept;
-  bool AnyContact() const noexcept { return active_count_ != 0; }
+  ENAMEL_REALTIME RotationalEngagement ReadRotational(const Volume& volume,
+                                                      const dvec3& turn) noexcept;
+  // False only where nothing is in contact, whatever the travel.
+  bool MayTouch() const noexcept { return count_ != 0; }
+  ENAMEL_REALTIME bool Touches(const Volume& volume) noexcept;
+  // Reads every point next time.
+  void Forget() noexcept;
   // Saves or restores the last Sample. Not real-time.
-  void VisitState(StateArchive& archive) { archive(active_, active_count_); }
+  void VisitState(StateArchive& archive) {
+    archive(candidates_, contacts_, count_, clear_, last_, tip_, axes_);
+  }
   size_t point_count() const noexcept { return points_.size(); }
 
  private:
@@ -104,25 +114,38 @@ class EngagementReader {
     double axial_share;  // n_z^2
     bool shank;
   };
-  struct Active {
-    dvec3 normal;    // scene frame
+  // A point that may be near solid.
+  struct Candidate {
+    dvec3 normal;  // scene frame
+    uint32_t point;
+    bool seen;  // its Contact was read
+  };
+  // What is there.
+  struct Contact {
     dvec3 into;      // m, scene frame
     dvec3 press;     // u, scene frame
-    dvec3 arm;       // from the tip, scene frame, m
-    double area_m2;  // weighted
+    double grazing;  // rate from which it counts
+    double area_m2;  // weighted; 0: not in contact
     double beta;
     double coulomb, threshold;  // N/m^2
-    double grazing;             // rate from which it counts
-    bool shank;
   };
 
-  static double WeightAhead(const Active& a, const dvec3& direction) noexcept;
+  dvec3 ArmOf(uint32_t point) const noexcept;
+  const Contact& See(const Volume& volume, size_t candidate) noexcept;
+  double AreaAhead(const Volume& volume, const dvec3& direction, size_t candidate) noexcept;
 
   std::vector<Point> points_;
   TissueDamping per_area_;
-  std::vector<Active> active_;
-  size_t active_count_ = 0;
-  double voxel_m_;
+  // The first `count_` are of the last Sample.
+  std::vector<Candidate> candidates_;
+  std::vector<Contact> contacts_;
+  size_t count_ = 0;
+  // Of each point: a distance that it surely had at the last Sample, voxels; far below 0: nothing is known.
+  std::vector<float> clear_;
+  Pose last_;      // of the last Sample
+  dvec3 tip_{0};   // there, sample coordinates
+  dmat3 axes_{1};  // there: the bur's, in the scene
+  double reach_m_ = 0, voxel_m_;
 };
 
 }  // namespace enamel::cutting

@@ -48,6 +48,13 @@ struct GridSpec {
 struct alignas(64) BrickPhi {
   std::array<int16_t, kBrickVoxels> phi;
 };
+// Samples of bricks that are one word.
+struct UniformPhi {
+  std::array<int16_t, kBrickVoxels> air, solid;
+  UniformPhi() noexcept;
+};
+extern const UniformPhi kUniformPhi;
+
 // A growing row of bricks whose room is reserved at once and made resident piece by piece: a first
 // touch of fresh memory costs a page fault, too much for a tick, and all of a tooth's room at once
 // too much memory.
@@ -120,6 +127,12 @@ class Volume {
     int32_t s = slot_[static_cast<size_t>(brick)];
     return s >= 0 && label_slot_[static_cast<size_t>(s)] >= 0;
   }
+  // A brick's samples, x fastest, also of a uniform one.
+  const int16_t* Samples(int brick) const noexcept {
+    const int32_t s = slot_[static_cast<size_t>(brick)];
+    if (s >= 0) return phi_[static_cast<size_t>(s)].phi.data();
+    return s == -1 ? kUniformPhi.air.data() : kUniformPhi.solid.data();
+  }
   // Requires: IsStored.
   const BrickPhi& Phi(int brick) const noexcept {
     return phi_[static_cast<size_t>(slot_[static_cast<size_t>(brick)])];
@@ -152,10 +165,15 @@ class Volume {
   // of a curved wall errs by bumps of one voxel's period, which are the same at both ends. 0 less
   // than two voxels from the grid's edge.
   dvec3 SlopeAtSample(const dvec3& sample) const noexcept;
+  // Both at once, in single precision: good to 1e-6 voxels. Samples count as at most kAirBandVoxels
+  // away, beyond which a cut knows no distance, so that the result changes by no more than 1 voxel
+  // per voxel along each axis. The slope is 0 where the distance is `within` or more.
+  double DistanceAndSlope(const dvec3& sample, double within, dvec3& slope) const noexcept;
   Tissue TissueAtSample(const dvec3& sample) const noexcept;
-  // False only where the distance is at least `distance` voxels, from the nearest sample alone: a
-  // point is within half a diagonal of it and a distance changes by no more than the way. Quick.
-  bool MayBeNearer(const dvec3& sample, double distance) const noexcept;
+  // A distance that the point surely has, at most 1.6 voxels, from the nearest sample alone: the point is
+  // within half a diagonal of it, and a distance changes by no more than the way. 0 where nothing is known.
+  // Quick.
+  double ClearanceAtSample(const dvec3& sample) const noexcept;
 
   bool operator==(const Volume& other) const;  // Same grid, same samples, same labels.
 

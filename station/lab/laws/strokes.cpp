@@ -193,8 +193,8 @@ class IdealBur {
     for (int i = 1; i <= moves; ++i) {
       reader_.Sample(volume_, {tip_, {}});
       if (length > 0)
-        felt.force_n += reader_.Read(way).damping_n_s_per_m * way * (1 / (tick_s * moves));
-      const dvec3 press = reader_.Read(direction).damping_n_s_per_m * direction;
+        felt.force_n += reader_.Read(volume_, way).damping_n_s_per_m * way * (1 / (tick_s * moves));
+      const dvec3 press = reader_.Read(volume_, direction).damping_n_s_per_m * direction;
       felt.ahead_n_s_per_m = std::max(felt.ahead_n_s_per_m, Dot(press, direction));
       tip_ = from + way * (static_cast<double>(i) / moves);
       cutter_.Cut({tip_, {}}, removed_);

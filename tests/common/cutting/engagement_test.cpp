@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <random>
 #include <vector>
 
 #include "common/cutting/cutter.h"
@@ -31,6 +32,7 @@ struct Seat {
     cutter.Cut(pose, removed);
     reader.Sample(volume, pose);
   }
+  Engagement Read(const dvec3& travel) { return reader.Read(volume, travel); }
   Volume volume;
   EngagementReader reader;
 };
@@ -41,7 +43,7 @@ TEST(EngagementTest, ReferenceCylinderMovingSidewaysMeetsTheTissuesDamping) {
   Seat seat({BurShape::kCylinder, 0.6e-3, 4e-3}, 4e-3, 50'000);
   for (double turn : {0.0, 0.13, 0.4}) {
     dvec3 d(std::cos(2 * M_PI * turn), std::sin(2 * M_PI * turn), 0);
-    Engagement e = seat.reader.Read(d);
+    Engagement e = seat.Read(d);
     EXPECT_NEAR(glm::dot(d, e.damping_n_s_per_m * d), 6500, 0.03 * 6500);
   }
 }
@@ -51,8 +53,7 @@ TEST(EngagementTest, PlungeIsResistedByTheEndFaceOnly) {
   Seat seat({BurShape::kCylinder, 0.6e-3, 4e-3}, 2e-3, 50'000);
   dvec3 down(0, 0, -1);
   double expected = 6500 * (M_PI * 0.36e-6) / EngagementReader::kReferenceArea_m2;
-  EXPECT_NEAR(glm::dot(down, seat.reader.Read(down).damping_n_s_per_m * down), expected,
-              0.03 * expected);
+  EXPECT_NEAR(glm::dot(down, seat.Read(down).damping_n_s_per_m * down), expected, 0.03 * expected);
 }
 
 // A bur that cuts with its end half as well as with its side is resisted twice as much when it
@@ -61,8 +62,8 @@ TEST(EngagementTest, AxialDampingCountsForTheEndFaceOnly) {
   Bur bur{BurShape::kCylinder, 0.6e-3, 4e-3};
   Seat same(bur, 2e-3, 50'000), twice(bur, 2e-3, 50'000, Enamel(13000));
   dvec3 down(0, 0, -1), side(1, 0, 0);
-  auto along = [](const Seat& seat, const dvec3& d) {
-    return glm::dot(d, seat.reader.Read(d).damping_n_s_per_m * d);
+  auto along = [](Seat& seat, const dvec3& d) {
+    return glm::dot(d, seat.Read(d).damping_n_s_per_m * d);
   };
   EXPECT_NEAR(along(twice, down) / along(same, down), 2, 1e-9);
   EXPECT_NEAR(along(twice, side) / along(same, side), 1, 1e-9);
@@ -73,7 +74,7 @@ TEST(EngagementTest, DampingGrowsEvenlyWithDepth) {
   double before = 0;
   for (int i = 1; i <= 12; ++i) {
     Seat seat({BurShape::kCylinder, 0.6e-3, 4e-3}, i * 0.25e-3, 50'000);
-    double b = seat.reader.Read(dvec3(1, 0, 0)).damping_n_s_per_m.xx;
+    double b = seat.Read(dvec3(1, 0, 0)).damping_n_s_per_m.xx;
     EXPECT_NEAR(b - before, 6500 * 0.25 / 4, 0.25 * 6500 * 0.25 / 4) << i;
     before = b;
   }
@@ -88,17 +89,17 @@ TEST(EngagementTest, ShankAtAWallHasANormalAndNoDamping) {
   bur.neck_m = 0.5e-3;
   EngagementReader reader(bur, 50e-6, Enamel());
   reader.Sample(block, {dvec3(2e-3 + 0.79e-3, 0, -4e-3), Quat{}});
-  EXPECT_TRUE(reader.AnyContact());
-  Engagement e = reader.Read(dvec3(-1, 0, 0));
+  EXPECT_TRUE(reader.Touches(block));
+  Engagement e = reader.Read(block, dvec3(-1, 0, 0));
   EXPECT_TRUE(e.damping_n_s_per_m.IsZero());
   EXPECT_NEAR(e.shank_normal.x, -1, 0.05);
-  EXPECT_EQ(reader.Read(dvec3(1, 0, 0)).shank_normal, dvec3(0)) << "withdrawal is free";
+  EXPECT_EQ(reader.Read(block, dvec3(1, 0, 0)).shank_normal, dvec3(0)) << "withdrawal is free";
 }
 
 TEST(EngagementTest, WithdrawalMeetsNoResistance) {
   Seat seat({BurShape::kSphere, 0.5e-3, 0}, 0.5e-3, 50'000);
   dvec3 up(0, 0, 1);
-  Engagement e = seat.reader.Read(up);
+  Engagement e = seat.Read(up);
   EXPECT_LT(glm::dot(up, e.damping_n_s_per_m * up), 0.02 * 6500);
 }
 
@@ -107,8 +108,7 @@ TEST(EngagementTest, HalfSunkBallMatchesTheSphereIntegral) {
   Seat seat({BurShape::kSphere, 0.5e-3, 0}, 0.5e-3, 50'000);
   dvec3 down(0, 0, -1);
   double expected = 6500 * (2 * M_PI * 0.25e-6 / 3) / EngagementReader::kReferenceArea_m2;
-  EXPECT_NEAR(glm::dot(down, seat.reader.Read(down).damping_n_s_per_m * down), expected,
-              0.04 * expected);
+  EXPECT_NEAR(glm::dot(down, seat.Read(down).damping_n_s_per_m * down), expected, 0.04 * expected);
 }
 
 // The integral of (n . d)^2 over the part of the surface that is below the block's top and faces d,
@@ -141,7 +141,7 @@ TEST(EngagementTest, EveryBurInItsSeatMeetsTheIntegralOverItsFront) {
     for (const dvec3& d : {dvec3(1, 0, 0), dvec3(0.8, 0, -0.6), dvec3(0, 0.6, -0.8)}) {
       double expected =
           6500 * FrontIntegral_m2(bur, depth, d) / EngagementReader::kReferenceArea_m2;
-      double found = glm::dot(d, seat.reader.Read(d).damping_n_s_per_m * d);
+      double found = glm::dot(d, seat.Read(d).damping_n_s_per_m * d);
       EXPECT_NEAR(found, expected, 0.05 * expected) << BurShapeName(bur.shape) << " " << d.x;
       worst = std::max(worst, std::fabs(found / expected - 1));
     }
@@ -172,7 +172,7 @@ TEST(EngagementTest, BurDrawnUpItsAxisMeetsNothingAtAnyDepth) {
         EngagementReader reader(bur, 50e-6, Enamel());
         for (double up = 0; up < bur.height_m(); up += 60e-6) {
           reader.Sample(volume, at(up));
-          double b = glm::dot(axis, reader.Read(axis).damping_n_s_per_m * axis);
+          double b = glm::dot(axis, reader.Read(volume, axis).damping_n_s_per_m * axis);
           // At 50 mm/s 0.15 N.
           ASSERT_LT(b, 3) << BurShapeName(bur.shape) << ", top at " << above << ", drawn up by "
                           << up << (q.x != 0 ? ", tilted" : "");
@@ -190,18 +190,53 @@ TEST(EngagementTest, ReferenceCylinderMeetsTheTissuesCoulombPartAndThreshold) {
   b.coulomb_n[1] = 0.4;
   b.threshold_n[1] = 0.1;
   Seat whole({BurShape::kCylinder, 0.6e-3, 4e-3}, 4e-3, 50'000, b);
-  Engagement e = whole.reader.Read(dvec3(0, 1, 0));
+  Engagement e = whole.Read(dvec3(0, 1, 0));
   EXPECT_NEAR(e.coulomb_n, 0.4, 0.03 * 0.4);
   EXPECT_NEAR(e.threshold_n, 0.1, 0.03 * 0.1);
   Seat half({BurShape::kCylinder, 0.6e-3, 4e-3}, 2e-3, 50'000, b);
-  EXPECT_NEAR(half.reader.Read(dvec3(0, 1, 0)).coulomb_n, 0.2, 0.03 * 0.4);
+  EXPECT_NEAR(half.Read(dvec3(0, 1, 0)).coulomb_n, 0.2, 0.03 * 0.4);
 }
 
 TEST(EngagementTest, InAirThereIsNothing) {
   Seat seat({BurShape::kSphere, 0.5e-3, 0}, 0.5e-3, 50'000);
   seat.reader.Sample(seat.volume, {dvec3(0, 0, 1e-3), Quat{}});
-  EXPECT_FALSE(seat.reader.AnyContact());
-  EXPECT_TRUE(seat.reader.Read(dvec3(1, 0, 0)).damping_n_s_per_m.IsZero());
+  EXPECT_FALSE(seat.reader.Touches(seat.volume));
+  EXPECT_TRUE(seat.Read(dvec3(1, 0, 0)).damping_n_s_per_m.IsZero());
+}
+
+// What was read on the way to a pose saves time and changes nothing: a bur is moved and turned into a block by small and large steps, and cuts as it goes.
+TEST(EngagementTest, WhatIsLeftOutOfASampleChangesNothing) {
+  for (const Bur& bur : BuiltinBurs()) {
+    Volume volume = test::Block(100'000, 2e-3, 6e-3);
+    volume.Reserve();
+    Cutter cutter(volume, bur);
+    RemovedUnits removed{};
+    EngagementReader along(bur, 100e-6, Enamel());
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> any(-1, 1);
+    dvec3 tip(0, 0, 0.2e-3);
+    Quat turn;
+    int touched = 0;
+    for (int i = 0; i < 300; ++i) {
+      const double step = i % 20 == 0 ? 200e-6 : 15e-6;
+      tip += dvec3(any(random), any(random), any(random) - 0.3) * step;
+      turn = (Quat{0.02 * any(random), 0.02 * any(random), 0, 1} * turn).Normalised();
+      const dvec3 travel(any(random), any(random), any(random));
+      along.Sample(volume, {tip, turn});
+      EngagementReader fresh(bur, 100e-6, Enamel());
+      fresh.Sample(volume, {tip, turn});
+      for (const dvec3& d : {travel, dvec3(-travel.y, travel.x, travel.z)}) {
+        const Engagement a = along.Read(volume, d), b = fresh.Read(volume, d);
+        ASSERT_EQ(a.damping_n_s_per_m.Trace(), b.damping_n_s_per_m.Trace()) << i;
+        ASSERT_EQ(a.area_m2, b.area_m2) << i;
+        ASSERT_EQ(a.mean_normal, b.mean_normal) << i;
+        touched += a.area_m2 > 0;
+      }
+      ASSERT_EQ(along.Touches(volume), fresh.Touches(volume)) << i;
+      cutter.Cut({tip, turn}, removed);
+    }
+    EXPECT_GT(touched, 100) << BurShapeName(bur.shape);
+  }
 }
 
 }  // namespace
