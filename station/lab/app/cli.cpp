@@ -8,6 +8,7 @@
 #include "common/program/log.h"
 #include "station/lab/app/explain.h"
 #include "station/lab/app/grades_command.h"
+#include "station/lab/app/paper_command.h"
 #include "station/lab/app/qualify.h"
 #include "station/lab/bench/bench.h"
 #include "station/lab/tissue/fit_damping.h"
@@ -190,6 +191,7 @@ void RegisterError(CLI::App& app, int* exit_code) {
 // In the order of `--help`: the most common first.
 void RegisterLab(CLI::App& app, int* exit_code) {
   RegisterQualify(app, exit_code);
+  RegisterPaper(app, exit_code);
   RegisterError(app, exit_code);
   bench::RegisterBench(app, exit_code);
   RegisterExplain(app, exit_code);

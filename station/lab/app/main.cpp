@@ -17,6 +17,7 @@ constexpr int kFailed = 1, kUsage = 2;
 constexpr char kFooter[] = R"(Which question is answered by which command:
   does a force law hold on this device?           enamel-lab qualify --profile omega3 --quick
   ... in numbers and pictures                     enamel-lab qualify --profile omega3 --report omega3.html
+  what became of the paper this began with?       enamel-lab paper
   what does more accuracy cost?                   enamel-lab error --quick
   is this computer fast enough for a tick?        enamel-lab bench tick --quick
   ... for a picture                               enamel-lab bench frames --frames 60

@@ -103,14 +103,6 @@ double LargestPassive(const PlantSpec& plant, Rendered what) {
   return Bisect(1e-3, 1e7, [&](double gain) { return GainsNothing(plant, what, gain); });
 }
 
-double LeastDamping(const PlantSpec& plant, double k_n_per_m) {
-  PlantSpec s = plant;
-  return 1 / Bisect(1e-4, 1e4, [&](double inverse) {
-           s.damping_n_s_per_m = 1 / inverse;
-           return GainsNothing(s, Rendered::kSpring, k_n_per_m);
-         });
-}
-
 double LargestStable(const PlantSpec& plant, Rendered what, const Hold& hold) {
   return Bisect(1e-3, 1e7, [&](double gain) { return ComesToRest(plant, what, gain, hold); });
 }

@@ -35,10 +35,6 @@ struct Hold {
 // none does: min(2 b / T, 2 c / delta) and min(b, c T / delta) without delay.
 double LargestPassive(const PlantSpec& plant, Rendered what);
 
-// Least b (N s/m) of the device at which a spring of K passes the same test; plant.damping is not
-// used. 1e4 if friction is too small for any.
-double LeastDamping(const PlantSpec& plant, double k_n_per_m);
-
 // Largest K or B at which the tip's swings decrease: released 1 mm from the spring's rest, or after
 // one false reading of 1 mm that jolts the damper. Bisection assumes one boundary; the search ends
 // at 1e7. The plant's sub-steps shift it: with n sub-steps K is too high by 1/n.

@@ -203,7 +203,7 @@ std::vector<Placed> AllPlots(const Findings& f) {
       order.push_back(t.title);
       p.title = t.title;
       p.x_label = "time, s";
-      p.y_label = "resisting force, N";
+      p.y_label = "force, N";
     }
     Series s{t.label, ColourOf(p.series.size()), Style::kLine, {}};
     // Laws that oscillate would fill the frame; the paper's figures are drawn whole.
@@ -248,7 +248,7 @@ const char* SectionOf(const Table& t) {
   // Titles are ours (suites/*.cpp). An unknown one appears under "extreme", where it is noticed.
   if (Starts("Figures of") || Starts("Strokes") || Starts("Loop rates")) return "figures";
   if (Starts("Fronts")) return "laws";
-  if (Starts("Table") || Starts("Device profiles")) return "paper";
+  if (Starts("The paper") || Starts("Table") || Starts("Device profiles")) return "paper";
   if (Starts("Velocity est")) return "estimators";
   if (Starts("Adversary")) return "adversary";
   if (Starts("Random")) return "random";
@@ -287,8 +287,10 @@ constexpr Section kSections[] = {
      "score "
      "of one hand at every voxel size."},
     {"estimators", "Velocity estimators", ""},
-    {"paper", "The paper's tables beside ours",
-     "Liu, Zhang, Wang, Townsend, Virtual Reality 12:99-106 (2008)."},
+    {"paper", "The paper beside ours",
+     "Liu, Zhang, Wang, Townsend, \"Stable haptic interaction using a damping model to implement a "
+     "realistic tooth-cutting simulation for dental training\", Virtual Reality 12 (2008) 99-106, "
+     "doi:10.1007/s10055-008-0094-x."},
 };
 
 }  // namespace

@@ -31,8 +31,8 @@ Verdict VerdictOf(const TrialSpec& spec, const Measurement& m) {
 }  // namespace
 
 std::string F(double v, const char* format) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, v);
+  std::string text(static_cast<size_t>(std::snprintf(nullptr, 0, format, v)), '\0');
+  std::snprintf(text.data(), text.size() + 1, format, v);
   return text;
 }
 

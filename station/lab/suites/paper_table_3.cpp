@@ -45,7 +45,7 @@ void AddProportion(Table* t, const std::string& what, const std::vector<Both>& d
   std::vector<std::string> row = {what};
   std::vector<double> printed;
   for (size_t i = 0; i < devices.size(); ++i) {
-    printed.push_back(devices[i].printed->table3_n);
+    printed.push_back(devices[i].printed->table3_force_n);
     row.push_back(F(value[i], format));
     row.push_back(F(printed[i] / value[i], "%.3g"));
   }
@@ -77,7 +77,7 @@ Table SustainedTable(SuiteContext& c) {
       "by Kc.";
   size_t done = 0;
   for (const DeviceModel& m : c.findings.models) {
-    const Printed* p = FindPrinted(m.name);
+    const PrintedDevice* p = FindPrinted(m.name);
     for (const Candidate& k : kCandidates) {
       std::vector<Row> rows;
       // The speeds of figures 7 and 8, and table 3's.
@@ -87,7 +87,7 @@ Table SustainedTable(SuiteContext& c) {
       auto Mean = [](const Row& r) {
         return r.m.unstable ? std::string("unstable") : F(r.m.mean_n, "%.2f");
       };
-      t.rows.push_back({m.title, k.label, p ? F(p->table3_n, "%.1f") : "-", Mean(rows[0]),
+      t.rows.push_back({m.title, k.label, p ? F(p->table3_force_n, "%.1f") : "-", Mean(rows[0]),
                         Mean(rows[1]), Mean(rows[2]), Mean(rows[3]), F(rows[1].m.error_max_n),
                         F(rows[4].m.anchor_error_n)});
       for (Row& r : rows) {
@@ -126,10 +126,11 @@ Table ArithmeticTable(const std::vector<Both>& devices) {
       "table 3 and figures 7-8 cannot be one setting, and table 3's force is not a property of the "
       "device: a way of 0.28-0.37 mm in 0.14-0.19 s.";
   for (const auto& [m, p] : devices) {
-    Table3Says says = ArithmeticOfTable3(p->table3_n, m->kc_n_per_m, m->resolution_m, m->tick_s());
+    Table3Says says =
+        ArithmeticOfTable3(p->table3_force_n, m->kc_n_per_m, m->resolution_m, m->tick_s());
     t.rows.push_back(
-        {m->title, F(p->table3_n, "%.1f"), F(says.way_m * 1e3, "%.3f"), F(says.time_s, "%.3f"),
-         F(LimiterForceAfter(*m, says.way_m), "%.2f"),
+        {m->title, F(p->table3_force_n, "%.1f"), F(says.way_m * 1e3, "%.3f"),
+         F(says.time_s, "%.3f"), F(LimiterForceAfter(*m, says.way_m), "%.2f"),
          F(LimiterForceAfter(*m, 2 * says.way_m), "%.2f"), F(kEnamel * kTable3Speed, "%.1f"),
          F(m->peak_force_n, "%.1f"), F(says.largest_b_n_s_per_m * 1e-3, "%.2f"),
          F(says.largest_b_of_count_n_s_per_m * 1e-3, "%.3f"), F(says.force_at_figure_8_n, "%.2f"),
@@ -162,7 +163,8 @@ Table ProportionTable(SuiteContext& c, const std::vector<Both>& devices) {
   Quantity(
       "K, N/mm", [](const auto& m, const auto&) { return m.max_stiffness_n_per_m * 1e-3; }, "%.1f");
   Quantity(
-      "table 1's own force, N", [](const auto&, const auto& p) { return p.table1_n; }, "%.2f");
+      "table 1's own force, N", [](const auto&, const auto& p) { return p.table1_force_n; },
+      "%.2f");
   Quantity(
       "one count, Kc delta, N",
       [](const auto& m, const auto&) { return m.kc_n_per_m * m.resolution_m; }, "%.3f");

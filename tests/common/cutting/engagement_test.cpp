@@ -204,7 +204,8 @@ TEST(EngagementTest, InAirThereIsNothing) {
   EXPECT_TRUE(seat.Read(dvec3(1, 0, 0)).damping_n_s_per_m.IsZero());
 }
 
-// What was read on the way to a pose saves time and changes nothing: a bur is moved and turned into a block by small and large steps, and cuts as it goes.
+// What was read on the way to a pose saves time and changes nothing: a bur is moved and turned into
+// a block by small and large steps, and cuts as it goes.
 TEST(EngagementTest, WhatIsLeftOutOfASampleChangesNothing) {
   for (const Bur& bur : BuiltinBurs()) {
     Volume volume = test::Block(100'000, 2e-3, 6e-3);

@@ -96,13 +96,5 @@ TEST(StabilityTest, AHandMakesASpringBearable) {
             2 * LargestStable(device, Rendered::kSpring, {}));
 }
 
-TEST(StabilityTest, TheLeastDampingOfAStiffnessIsTheInverseOfItsLargestStiffness) {
-  PlantSpec device = Device(0.1, 0, 1, 10e-6, 1);
-  for (double k : {800.0, 12'000.0}) {
-    device.damping_n_s_per_m = LeastDamping(device, k);
-    EXPECT_NEAR(LargestPassive(device, Rendered::kSpring), k, 1e-3 * k);
-  }
-}
-
 }  // namespace
 }  // namespace enamel::station::lab
