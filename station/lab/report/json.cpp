@@ -44,7 +44,7 @@ json::object RowJson(const Row& r) {
                    {"kc_delta_half_n", Number(r.kc_delta_half_n)},
                    {"cycle", m.cycle},
                    {"ns_per_tick", Number(r.ns_per_tick)},
-                   {"verdict", VerdictName(r.verdict)},
+                   {"stability", VerdictName(r.verdict)},
                    {"pareto", r.pareto},
                    {"default", r.is_default}};
   for (const auto& [what, value] : r.extra) out[what] = Number(value);
@@ -80,6 +80,22 @@ json::object HandJson(const HandRow& r) {
           {"maxwell_way_m", Number(r.maxwell_way_m)},
           {"behind_m", Number(r.behind_m)},
           {"energy_min_j", Number(r.energy_min_j)}};
+}
+
+json::object ExtremeJson(const ExtremeRow& r) {
+  return {{"suite", "extreme"},
+          {"case", r.name},
+          {"device", r.device},
+          {"hand", r.hand},
+          {"quantity", r.quantity},
+          {"unit", r.unit},
+          {"expected", r.Expected()},
+          {"least", Number(r.least)},
+          {"most", Number(r.most)},
+          {"found", Number(r.found)},
+          {"within_peak", r.within_peak},
+          {"stability", VerdictName(r.stability)},
+          {"verdict", r.Passed() ? "passed" : "failed"}};
 }
 
 json::object FeelJson(const FeelRow& r) {
@@ -121,6 +137,7 @@ std::string JsonOf(const Findings& f) {
   for (const Row& r : f.rows) (r.suite == "hand-front" ? fronts : rows).push_back(RowJson(r));
   AppendCuttingRows(f, rows);
   for (const HandRow& r : f.hands) rows.push_back(HandJson(r));
+  for (const ExtremeRow& r : f.extremes) rows.push_back(ExtremeJson(r));
   for (const FeelRow& r : f.feel) rows.push_back(FeelJson(r));
   for (const Attack& a : f.attacks) {
     attacks.push_back(json::object{{"law", a.law},

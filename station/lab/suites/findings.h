@@ -33,6 +33,22 @@ struct Row {
 // A number as tables show it. `format`: printf's, of one number.
 std::string F(double v, const char* format = "%.3f");
 
+// One extreme case, and what must come out of it: a figure between two bounds. Every force must also be finite and
+// within the motors' peak.
+struct ExtremeRow {
+  std::string name, device, hand;  // hand: empty where the motion is given tick by tick
+  std::string quantity, unit;      // what is bounded
+  double least = -std::numeric_limits<double>::infinity(),
+         most = std::numeric_limits<double>::infinity();
+  double found = 0;
+  bool within_peak = false;
+  Verdict stability = Verdict::kBounded;
+
+  bool Passed() const { return within_peak && found >= least && found <= most; }
+  std::string Expected() const;  // "0 N", "at most 12 N", "11.9 to 12 N"
+  std::string Found() const;
+};
+
 struct Table {
   std::string title, note;
   std::vector<std::string> head;
@@ -147,6 +163,7 @@ struct Findings {
   std::vector<RandomSummary> random;
   std::vector<CuttingRow> cutting;
   std::vector<HandRow> hands;
+  std::vector<ExtremeRow> extremes;
   std::vector<FeelRow> feel;
   std::vector<StrokeDevice> strokes;
   std::vector<RateRow> rates;

@@ -1,10 +1,9 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstdio>
-#include <limits>
 
 #include "common/haptics/criteria.h"
+#include "station/lab/suites/extreme_cases.h"
 #include "station/lab/suites/suites.h"
 
 // Stiff and extreme cases, laws driven directly, past profile validation: each cell is cut for a
@@ -144,156 +143,19 @@ void AddResolutionMass(SuiteContext& c, const DeviceModel& m) {
   c.findings.maps.push_back(std::move(map));
 }
 
-class StepMaterial final : public haptics::Material {
- public:
-  haptics::Contact ContactAt(const dvec3&, const dvec3&) noexcept override {
-    haptics::Contact c;
-    c.damping_n_s_per_m = b;
-    c.engaged = !b.IsZero();
-    c.clearance_m = 1;
-    return c;
-  }
-  void AnchorMoved(const dvec3&, const dvec3&) noexcept override {}
-  Sym3 b = Sym3::Isotropic(6500);
-};
-
-std::string N(double v) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.3f", v);
-  return text;
-}
-
-// Drives the coupling with the positions of `tip` and reports the largest force and whether every
-// force was finite and within the peak.
-std::vector<std::string> Event(const DeviceModel& m, const char* name, const char* expected,
-                               int ticks, const std::function<dvec3(int, StepMaterial&)>& tip) {
-  haptics::CouplingParams p;
-  p.law = SpecOf(m, haptics::kDefaultLaw, 6500, kSpeed).law;
-  p.peak_force_n = m.peak_force_n;
-  haptics::Coupling coupling(p);
-  StepMaterial material;
-  coupling.Reset(dvec3(0));
-  double most = 0, last = 0, jump = 0;
-  bool finite = true, flagged = false;
-  for (int k = 0; k < ticks; ++k) {
-    dvec3 at = tip(k, material);
-    haptics::CouplingOutput out = coupling.Tick(at, 1, material);
-    double f = glm::length(out.force_sent_n);
-    finite = finite && std::isfinite(f);
-    flagged = flagged || (out.flags & haptics::kNonFiniteInput);
-    most = std::max(most, f);
-    jump = std::max(jump, std::fabs(f - last));
-    last = f;
-  }
-  bool bounded = finite && most <= m.peak_force_n * (1 + 1e-9);
-  return {name,
-          m.title,
-          expected,
-          N(most),
-          N(jump),
-          N(last),
-          flagged ? "yes" : "no",
-          bounded ? "bounded" : "NOT BOUNDED"};
-}
-
-void AddEvents(const DeviceModel& m, Table* t) {
-  double v = kSpeed * m.tick_s(), delta = m.resolution_m;
-  // Two axes at different speeds, so that counts do not coincide.
-  auto Steady = [=](int k) { return CellMiddle(dvec3(v * k, 0.3 * v * k, 0), delta); };
-  double nan = std::numeric_limits<double>::quiet_NaN(),
-         inf = std::numeric_limits<double>::infinity();
-  t->rows.push_back(
-      Event(m, "position NaN for 5 ticks", "no force from then on", 8000,
-            [&](int k, StepMaterial&) { return k > 4000 && k <= 4005 ? dvec3(nan) : Steady(k); }));
-  t->rows.push_back(Event(
-      m, "position infinite for 5 ticks", "no force from then on", 8000,
-      [&](int k, StepMaterial&) { return k > 4000 && k <= 4005 ? dvec3(inf, 0, 0) : Steady(k); }));
-  t->rows.push_back(Event(
-      m, "material NaN for 100 ticks", "no force from then on", 8000, [&](int k, StepMaterial& s) {
-        s.b = k > 4000 && k <= 4100 ? Sym3::Isotropic(nan) : Sym3::Isotropic(6500);
-        return Steady(k);
-      }));
-  t->rows.push_back(Event(m, "position jumps by 5 mm for one tick", "at most the peak", 8000,
-                          [&](int k, StepMaterial&) {
-                            return Steady(k) + (k == 4000 ? dvec3(5e-3, 0, 0) : dvec3(0));
-                          }));
-  t->rows.push_back(
-      Event(m, "counts wrap at 16 bit", "at most the peak", 8000, [&](int k, StepMaterial&) {
-        return Steady(k) - (k > 4000 ? dvec3(65536 * delta, 0, 0) : dvec3(0));
-      }));
-  t->rows.push_back(Event(m, "clock stands still: no counts", "lets go", 12000,
-                          [&](int k, StepMaterial&) { return Steady(std::min(k, 4000)); }));
-  t->rows.push_back(Event(m, "air, enamel, dentin, pulp in turn", "at most the peak", 12000,
-                          [&](int k, StepMaterial& s) {
-                            constexpr double kLayers[] = {0, 8700, 5200, 300};
-                            s.b = Sym3::Isotropic(kLayers[(k / 1000) % 4]);
-                            return Steady(k);
-                          }));
-  t->rows.push_back(Event(m, "pushed 20 mm into stone (B = 1e6 N s/mm)", "the peak", 8000,
-                          [&](int k, StepMaterial& s) {
-                            s.b = Sym3::Isotropic(1e9);
-                            return CellMiddle(dvec3(5e-6 * std::min(k, 4000), 0, 0), delta);
-                          }));
-  t->rows.push_back(Event(m, "B = 0", "no force", 4000, [&](int k, StepMaterial& s) {
-    s.b = Sym3{};
-    return Steady(k);
-  }));
-}
-
-void AddTiming(SuiteContext& c, const DeviceModel& m, Table* t) {
-  struct Case {
-    const char* name;
-    double jitter, drop, mode_hz;
-  };
-  for (Case k :
-       {Case{"jitter 10 %", 0.1, 0, 0}, Case{"jitter 50 %", 0.5, 0, 0},
-        Case{"1 % of ticks lost", 0, 0.01, 0}, Case{"10 % of ticks lost", 0, 0.1, 0},
-        Case{"30 % of ticks lost", 0, 0.3, 0}, Case{"structural mode at 300 Hz", 0, 0, 300},
-        Case{"structural mode at 80 Hz", 0, 0, 80}}) {
-    TrialSpec s = SpecOf(m, haptics::kDefaultLaw, 6500, kSpeed);
-    s.plant.jitter_ratio = k.jitter;
-    s.plant.drop_ratio = k.drop;
-    s.plant.mode_hz = k.mode_hz;
-    s.plant.substeps = 16;
-    s.hand = HandKind::kImpedance;
-    s.hand_damping_n_s_per_m = 4;
-    s.direction = glm::normalize(dvec3(1, 2, 3));
-    Row r = RunRow(m, s);
-    r.suite = "extreme";
-    r.title = k.name;
-    t->rows.push_back({k.name, m.title, N(r.m.error_max_n), N(r.m.ripple_rms_n),
-                       N(r.m.deviation_m / m.resolution_m), N(r.m.energy_min_j * 1e6),
-                       r.m.unstable ? "unstable"
-                       : r.m.cycle  ? "bounded"
-                                    : "stable with these grips"});
-    c.findings.rows.push_back(std::move(r));
-  }
-}
-
 }  // namespace
 
 void RunExtremeSuite(SuiteContext& c) {
-  Table events{"Bad input and sudden change (default law)",
-               "",
-               {"event", "device", "expected", "largest force N", "largest change in a tick N",
-                "force at the end N", "flagged", "verdict"},
-               {}};
-  Table timing{
-      "Time out of joint and a soft structure (default law, 1 N/mm grip)",
-      "Not covered by the theorem; the leak of a late tick is max(0, Kc/2 - b/T_hold) dx^2.",
-      {"case", "device", "error N", "ripple N", "deviation / delta", "lowest balance uJ",
-       "verdict"},
-      {}};
   for (const DeviceModel& m : c.findings.models) {
     AddZWidth(c, m, haptics::kDefaultLaw);
     AddZWidth(c, m, LawKind::kPaperLimited);
     AddRateDelay(c, m);
     AddResolutionMass(c, m);
-    AddEvents(m, &events);
-    AddTiming(c, m, &timing);
+    AddEvents(m, &c.findings.extremes);
   }
-  c.findings.tables.push_back(std::move(events));
-  c.findings.tables.push_back(std::move(timing));
+  AddTiming(c);
+  AddMargins(c);
+  c.findings.tables.push_back(ExtremeTable(c.findings));
 }
 
 }  // namespace enamel::station::lab
