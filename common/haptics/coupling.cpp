@@ -21,29 +21,30 @@ dvec3 BeyondCoulomb(const Pull& pull, const Contact& contact) noexcept {
 }  // namespace
 
 Coupling::Coupling(const CouplingParams& params) : params_(params) {
-  guard_.kc_n_per_m = params.law.kc_n_per_m;
-  guard_.cell = params.cell.Radius() > 0 ? params.cell : CartesianCell(params.law.resolution_m);
-  guard_.delay_ticks = params.delay_ticks;
-  params_.law.play_m = 2 * guard_.cell.Radius();
+  const TipCell cell =
+      params.cell.Radius() > 0 ? params.cell : CartesianCell(params.law.resolution_m);
+  params_.law.play_m = 2 * cell.Radius();
   const LawEntry* entry = FindLaw(params.law.kind);
   ENAMEL_CHECK(entry != nullptr);
   law_ = entry->make(params_.law);
   // Enough to turn half of the peak force around; empty at the start, so that the floor is -V_0.
   double half = 0.5 * params.peak_force_n;
-  tank_.cap_j = params.law.kc_n_per_m > 0 ? 0.5 * half * half / params.law.kc_n_per_m : 0;
-  tank_.inflow_share = 1;
+  spring_.tank.cap_j = params.law.kc_n_per_m > 0 ? 0.5 * half * half / params.law.kc_n_per_m : 0;
+  spring_.tank.inflow_share = 1;
+  spring_.share = 1;
+  spring_.guard = GuardParams{params.law.kc_n_per_m, cell, params.delay_ticks}.board();
 }
 
 void Coupling::Reset(const dvec3& tip_m) noexcept {
-  anchor_ = rest_ = tip_m;
-  share_ = 1;
+  anchor_ = tip_m;
+  EnSpringReset(&spring_, ToBoard(tip_m));
   stretch_ = 0;
   resumed_ = latched_ = false;
   law_->Reset(tip_m);
 }
 
 void Coupling::VisitState(StateArchive& archive) {
-  archive(anchor_, rest_, tank_, share_, stretch_, resumed_, latched_);
+  archive(anchor_, spring_, stretch_, resumed_, latched_);
   law_->VisitState(archive);
 }
 
@@ -54,11 +55,8 @@ bool Coupling::Resume(const dvec3& tip_m, Material& material) noexcept {
   if (grown > params_.max_step_m) return false;
   law_->Reset(tip_m);
   if (law_->anchored()) {
-    tank_.BeginTick();
+    EnSpringResume(&spring_, ToBoard(tip_m));
     resumed_ = true;
-    const dvec3 stretch = tip_m - rest_;
-    guard_.kc_n_per_m = params_.law.kc_n_per_m * share_;
-    rest_ = tip_m - stretch * ResumedShare(guard_, stretch, 0, tank_);
     if (grown > 0) MoveBur(anchor_ + e * (grown / length), material);
   } else if (grown > 0) {
     MoveBur(tip_m, material);
@@ -83,7 +81,7 @@ CouplingOutput Coupling::Tick(const dvec3& tip_m, double bound_ratio, Material& 
   law_->BeginTick(tip_m);
   if (law_->anchored()) {
     // A tick's first one is Resume where there was a gap: its move counts with the tick's.
-    if (!resumed_) tank_.BeginTick();
+    if (!resumed_) EnBeginTick(&spring_.tank);
     resumed_ = false;
     const dvec3 pull_n = RelaxAnchor(tip_m, material, out);
     if ((out.flags & kNonFiniteInput) == 0) SendThroughSpring(tip_m, pull_n, bound_n, out);
@@ -166,19 +164,13 @@ void Coupling::SendThroughSpring(const dvec3& tip_m, const dvec3& pull_n, double
     out.flags |= kPeakBounded;
     keep = bound_n / magnitude;
   }
-  if (kc > 0) MoveRest(tip_m, tip_m - pull_n * (keep / kc) - rest_, out);
-  dvec3 e = tip_m - rest_;
-  out.force_computed_n = e * -kc;
-  const double held = kc * std::sqrt(Dot(e, e));
-  if (held > bound_n) {
-    out.flags |= kPeakBounded;
-    MoveRest(tip_m, e * (1 - bound_n / held), out);
-    e = tip_m - rest_;
-  }
-  guard_.kc_n_per_m = kc;
-  share_ = StiffnessShare(guard_, e, bound_n, share_, tank_);
-  out.force_sent_n = e * (-kc * share_);
-  out.tank_j = tank_.energy_j;
+  const EnVec wish = kc > 0 ? ToBoard(tip_m - pull_n * (keep / kc)) : spring_.rest_m;
+  const EnForce force = EnSpringPull(&spring_, ToBoard(tip_m), wish, bound_n, 1);
+  if (force.flags & kEnGuarded) out.flags |= kGuardEngaged;
+  if (force.flags & kEnBounded) out.flags |= kPeakBounded;
+  out.force_computed_n = FromBoard(force.whole_n);
+  out.force_sent_n = FromBoard(force.felt_n);
+  out.tank_j = spring_.tank.energy_j;
 }
 
 // The laws without an anchor: the bur is at the tip, and the output is clipped.
@@ -198,16 +190,6 @@ void Coupling::TickTip(const dvec3& tip_m, double bound_n, Material& material,
 void Coupling::MoveBur(const dvec3& to_m, Material& material) noexcept {
   material.AnchorMoved(anchor_, to_m);
   anchor_ = to_m;
-}
-
-void Coupling::MoveRest(const dvec3& tip_m, const dvec3& w, CouplingOutput& out) noexcept {
-  if (Dot(w, w) == 0) return;
-  guard_.kc_n_per_m = params_.law.kc_n_per_m * share_;
-  // All that the spring surely loses flows into the tank; the work of the tick does not bound it.
-  constexpr double kNoBound_j = 1e9;
-  const double s = GuardedStep(guard_, tip_m - rest_, w, kNoBound_j, tank_);
-  if (s < 1) out.flags |= kGuardEngaged;
-  rest_ += w * s;
 }
 
 }  // namespace enamel::haptics

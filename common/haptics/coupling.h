@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "common/base/check.h"
+#include "common/board/spring.h"
 #include "common/haptics/force_law.h"
 #include "common/haptics/guard.h"
 
@@ -105,8 +106,8 @@ class Coupling {
   // The bur.
   const dvec3& anchor_m() const noexcept { return anchor_; }
   // Where the spring is at rest, and what is in the tank: V + E of the proof.
-  const dvec3& rest_m() const noexcept { return law_->anchored() ? rest_ : anchor_; }
-  double tank_j() const noexcept { return tank_.energy_j; }
+  dvec3 rest_m() const noexcept { return law_->anchored() ? FromBoard(spring_.rest_m) : anchor_; }
+  double tank_j() const noexcept { return spring_.tank.energy_j; }
   const CouplingParams& params() const noexcept { return params_; }
 
  private:
@@ -116,16 +117,11 @@ class Coupling {
   void TickTip(const dvec3& tip_m, double bound_n, Material& material,
                CouplingOutput& out) noexcept;
   void MoveBur(const dvec3& to_m, Material& material) noexcept;
-  // The only place but Reset and Resume where the rest point moves. `w` is scaled by the guard.
-  void MoveRest(const dvec3& tip_m, const dvec3& w, CouplingOutput& out) noexcept;
 
   CouplingParams params_;
   std::unique_ptr<ForceLaw> law_;
   dvec3 anchor_{0};  // the bur
-  dvec3 rest_{0};    // where the spring is at rest
-  Tank tank_;
-  GuardParams guard_;
-  double share_ = 1;    // of the stiffness that is felt (StiffnessShare)
+  EnSpring spring_{};
   double stretch_ = 0;  // |tip - anchor| after the last tick
   bool resumed_ = false;
   bool latched_ = false;
