@@ -1,11 +1,13 @@
 #include "station/hid/haptic_report.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace enamel::station::hid {
 namespace {
 
 constexpr size_t kTextBytes = 32;
+constexpr uint8_t kTellsOrientation = 1, kRunsSpring = 2;  // flags of the feature report
 
 // Little-endian into a fixed report: ByteWriter allocates, and this runs beside the tick.
 template <size_t N>
@@ -20,7 +22,7 @@ class FixedWriter {
     for (size_t i = 0; i < kTextBytes; ++i) U8(i < text.size() ? static_cast<uint8_t>(text[i]) : 0);
   }
   std::array<uint8_t, N> WithChecksum() noexcept {
-    U16(Crc16({bytes_.data(), at_}));
+    U16(EnCrc16(bytes_.data(), at_));
     return bytes_;
   }
 
@@ -33,15 +35,17 @@ class FixedWriter {
 };
 
 ReportError Check(ByteView bytes, uint8_t id, size_t size) noexcept {
-  if (bytes.empty()) return ReportError::kShort;
-  if (bytes[0] != id) return ReportError::kWrongId;
-  if (bytes.size() < 2) return ReportError::kShort;
-  // Before the length: another version may have another one, and must not be called short.
-  if (bytes[1] != kReportVersion) return ReportError::kVersion;
-  if (bytes.size() < size) return ReportError::kShort;
-  // At the layout's end, not the report's: the rest is padding of the bus.
-  uint16_t crc = static_cast<uint16_t>(bytes[size - 2] | bytes[size - 1] << 8);
-  return Crc16(bytes.first(size - 2)) == crc ? ReportError::kNone : ReportError::kChecksum;
+  return static_cast<ReportError>(EnCheckReport(bytes.data(), bytes.size(), id, size));
+}
+
+// As the board's firmware reads it.
+template <typename Raw, typename Report>
+ReportError ReadAsBoard(EnReportError (*read)(const uint8_t*, size_t, Raw*), ByteView bytes,
+                        Report& out) noexcept {
+  Raw raw{};
+  const EnReportError error = read(bytes.data(), bytes.size(), &raw);
+  if (error == kEnWhole) out = std::bit_cast<Report>(raw);
+  return static_cast<ReportError>(error);
 }
 
 std::string ReadText(ByteReader& in) {
@@ -57,7 +61,9 @@ bool InRange(const FeatureReport& f) {
       Within(f.axes, 3, 6) && Within(f.max_watchdog_ms, 1, 1000) && Within(f.rate_hz, 100, 20'000);
   for (uint32_t r : f.resolution_nm) ok = ok && Within(r, 1, 1'000'000);
   for (uint32_t p : f.peak_force_mn) ok = ok && Within(p, 1, 100'000);
-  return ok;
+  if (!f.runs_spring()) return ok;
+  return ok && Within(f.spring_kc_mn_per_mm, 1, 1'000'000) &&
+         Within(f.spring_rate_hz, f.rate_hz, 65'535) && Within(f.spring_delay_ticks, 0, 16);
 }
 
 }  // namespace
@@ -80,17 +86,6 @@ const char* ReportErrorText(ReportError error) noexcept {
   return "";
 }
 
-uint16_t Crc16(ByteView bytes) noexcept {
-  // Bit by bit: two reports of some 40 bytes a millisecond need no table.
-  uint32_t crc = 0xFFFF;
-  for (uint8_t byte : bytes) {
-    crc ^= static_cast<uint32_t>(byte) << 8;
-    for (int bit = 0; bit < 8; ++bit) crc = (crc & 0x8000) ? (crc << 1) ^ 0x1021 : crc << 1;
-    crc &= 0xFFFF;
-  }
-  return static_cast<uint16_t>(crc);
-}
-
 ReportError DecodeInput(ByteView bytes, InputReport& out) noexcept {
   if (ReportError e = Check(bytes, kInputId, kInputBytes); e != ReportError::kNone) return e;
   ByteReader in(bytes.subspan(2));
@@ -101,19 +96,19 @@ ReportError DecodeInput(ByteView bytes, InputReport& out) noexcept {
   for (int32_t& c : out.counts) c = in.I32();
   for (int16_t& q : out.orientation) q = in.I16();
   out.bur_speed_krpm = in.U16();
+  for (int32_t& r : out.rest_nm) r = in.I32();
+  out.share = in.U16();
+  out.energy_nj = in.U32();
+  out.work_nj = in.U32();
   return ReportError::kNone;
 }
 
 ReportError DecodeOutput(ByteView bytes, OutputReport& out) noexcept {
-  if (ReportError e = Check(bytes, kOutputId, kOutputBytes); e != ReportError::kNone) return e;
-  ByteReader in(bytes.subspan(2));
-  out.motors_on = (in.U8() & 1) != 0;
-  in.U8();
-  out.sequence = in.U32();
-  for (int32_t& f : out.force_100un) f = in.I32();
-  for (int32_t& t : out.torque_un_m) t = in.I32();
-  out.watchdog_ms = in.U16();
-  return ReportError::kNone;
+  return ReadAsBoard(EnReadForce, bytes, out);
+}
+
+ReportError DecodeSpring(ByteView bytes, SpringReport& out) noexcept {
+  return ReadAsBoard(EnReadSpring, bytes, out);
 }
 
 ReportError DecodeFeature(ByteView bytes, FeatureReport& out) {
@@ -122,30 +117,31 @@ ReportError DecodeFeature(ByteView bytes, FeatureReport& out) {
   // Into a temporary: `out` does not change if a value is out of range.
   FeatureReport f;
   f.axes = in.U8();
-  f.tells_orientation = (in.U8() & 1) != 0;
+  const uint8_t flags = in.U8();
+  f.tells_orientation = (flags & kTellsOrientation) != 0;
   for (uint32_t& r : f.resolution_nm) r = in.U32();
   for (uint32_t& p : f.peak_force_mn) p = in.U32();
   f.max_watchdog_ms = in.U16();
   f.rate_hz = in.U16();
   f.name = ReadText(in);
   f.profile = ReadText(in);
+  if (flags & kRunsSpring) {
+    f.spring_kc_mn_per_mm = in.U32();
+    f.spring_rate_hz = in.U16();
+    f.spring_delay_ticks = in.U8();
+    // Said to run, of no stiffness.
+    if (!f.runs_spring()) return ReportError::kRange;
+  }
   if (!InRange(f)) return ReportError::kRange;
   out = std::move(f);
   return ReportError::kNone;
 }
 
 std::array<uint8_t, kInputBytes> EncodeInput(const InputReport& report) noexcept {
-  FixedWriter<kInputBytes> out;
-  out.U8(kInputId);
-  out.U8(kReportVersion);
-  out.U8(report.status);
-  out.U8(report.buttons);
-  out.U32(report.sequence);
-  out.U32(report.time_us);
-  for (int32_t c : report.counts) out.I32(c);
-  for (int16_t q : report.orientation) out.I16(q);
-  out.U16(report.bur_speed_krpm);
-  return out.WithChecksum();
+  const auto raw = std::bit_cast<EnPoseReport>(report);
+  std::array<uint8_t, kInputBytes> out;
+  EnWritePose(&raw, out.data());
+  return out;
 }
 
 std::array<uint8_t, kOutputBytes> EncodeOutput(const OutputReport& report) noexcept {
@@ -161,18 +157,39 @@ std::array<uint8_t, kOutputBytes> EncodeOutput(const OutputReport& report) noexc
   return out.WithChecksum();
 }
 
+std::array<uint8_t, kSpringBytes> EncodeSpring(const SpringReport& report) noexcept {
+  FixedWriter<kSpringBytes> out;
+  out.U8(kSpringId);
+  out.U8(kReportVersion);
+  out.U8(static_cast<uint8_t>(report.motors_on | report.spring_on << 1 | report.follow << 2));
+  out.U8(0);
+  out.U32(report.sequence);
+  for (int32_t r : report.rest_nm) out.I32(r);
+  for (int16_t f : report.force_100un) out.I16(f);
+  for (int16_t t : report.torque_20un_m) out.I16(t);
+  out.U16(report.share);
+  out.U16(report.bound_mn);
+  for (int16_t c : report.cell_nm) out.I16(c);
+  return out.WithChecksum();
+}
+
 std::array<uint8_t, kFeatureBytes> EncodeFeature(const FeatureReport& report) noexcept {
   FixedWriter<kFeatureBytes> out;
   out.U8(kFeatureId);
   out.U8(kReportVersion);
   out.U8(report.axes);
-  out.U8(report.tells_orientation ? 1 : 0);
+  out.U8(static_cast<uint8_t>((report.tells_orientation ? kTellsOrientation : 0) |
+                              (report.runs_spring() ? kRunsSpring : 0)));
   for (uint32_t r : report.resolution_nm) out.U32(r);
   for (uint32_t p : report.peak_force_mn) out.U32(p);
   out.U16(report.max_watchdog_ms);
   out.U16(report.rate_hz);
   out.Text(report.name);
   out.Text(report.profile);
+  out.U32(report.spring_kc_mn_per_mm);
+  out.U16(report.spring_rate_hz);
+  out.U8(report.spring_delay_ticks);
+  out.U8(0);
   return out.WithChecksum();
 }
 

@@ -49,7 +49,7 @@ const std::map<std::string, Names>& Allowed() {
         {"common/net", {"common/protocol"}},
         {"common/program", {"common/base"}},
         {"station/devices", {"common/core", "common/hands", "common/scene"}},
-        {"station/hid", {"station/devices", "common/scene"}},
+        {"station/hid", {"common/board", "station/devices", "common/scene"}},
         {"station/sdk", {"station/hid", "station/devices", "common/scene"}},
         {"station/loop", {"station/devices", "common/trace"}},
         {"station/render", {"common/core", "common/language", "common/surface"}},

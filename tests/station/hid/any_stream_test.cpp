@@ -124,8 +124,8 @@ class Expected {
     return crc;
   }
   static bool Whole(const Bytes& b) {
-    return b.size() >= 48 && b[0] == 0x48 && b[1] == 1 &&
-           Crc(b, 46) == static_cast<uint16_t>(b[46] | b[47] << 8);
+    return b.size() >= 58 && b[0] == 0x48 && b[1] == 1 &&
+           Crc(b, 56) == static_cast<uint16_t>(b[56] | b[57] << 8);
   }
   bool known_ = false;
   uint32_t last_ = 0;
@@ -189,16 +189,17 @@ class AnyStreamTest : public testing::TestWithParam<uint32_t> {
     InputReport r;
     r.sequence = ++sequence_;
     r.time_us = time_us_;
-    r.counts = {static_cast<int32_t>(dice_.Below(5)), 0, hand_z_, 0, 0, 0};
+    r.counts = {static_cast<int32_t>(dice_.Below(5)), 0, hand_z_};
     r.buttons = pedal_ ? 1 : 0;
     r.status = kMotorsOn;
     auto bytes = EncodeInput(r);
     return {bytes.begin(), bytes.end()};
   }
   static Bytes Sealed(Bytes b) {
-    uint16_t crc = Crc16({b.data(), 46});
-    b[46] = static_cast<uint8_t>(crc);
-    b[47] = static_cast<uint8_t>(crc >> 8);
+    const size_t end = kInputBytes - 2;
+    const uint16_t crc = EnCrc16(b.data(), end);
+    b[end] = static_cast<uint8_t>(crc);
+    b[end + 1] = static_cast<uint8_t>(crc >> 8);
     return b;
   }
   static Bytes WithSequence(Bytes b, uint32_t sequence) {
@@ -220,7 +221,7 @@ class AnyStreamTest : public testing::TestWithParam<uint32_t> {
         b[1] = static_cast<uint8_t>(dice_.Any());
         return Sealed(std::move(b));
       case 3:
-        b[dice_.Below(48)] ^= static_cast<uint8_t>(1u << dice_.Below(8));
+        b[dice_.Below(kInputBytes)] ^= static_cast<uint8_t>(1u << dice_.Below(8));
         return b;
       case 4:  // late, doubled, or back by more
         return WithSequence(std::move(b), sequence_ - dice_.Below(1300));
@@ -247,10 +248,10 @@ class AnyStreamTest : public testing::TestWithParam<uint32_t> {
         b[2] |= kOrientationValid;
         return Sealed(std::move(b));
       case 10:  // padded by the bus
-        b.resize(48 + dice_.Below(16), 0xEE);
+        b.resize(kInputBytes + static_cast<size_t>(dice_.Below(16)), 0xEE);
         return b;
       case 11: {  // all of it nonsense, its seal right
-        Bytes any = dice_.Some(48);
+        Bytes any = dice_.Some(kInputBytes);
         any[0] = 0x48;
         any[1] = 1;
         return Sealed(std::move(any));

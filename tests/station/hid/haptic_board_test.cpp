@@ -112,7 +112,7 @@ class HapticBoardTest : public testing::Test {
   InputReport At(uint32_t sequence, int32_t z) {
     InputReport r;
     r.sequence = sequence;
-    r.counts = {first_.counts[0], first_.counts[1], z, 0, 0, 0};
+    r.counts = {first_.counts[0], first_.counts[1], z};
     return r;
   }
   DeviceSample Until(const std::function<bool(const DeviceSample&)>& wanted) {
@@ -150,7 +150,7 @@ class HapticBoardTest : public testing::Test {
     InputReport r;
     r.sequence = 100;
     r.time_us = UINT32_MAX - 500;
-    r.counts = {1000, -2000, 3000, 0, 0, 0};
+    r.counts = {1000, -2000, 3000};
     return r;
   }();
   std::unique_ptr<HapticBoard> board_;
@@ -624,7 +624,7 @@ TEST_F(HapticBoardTest, UnpluggedMidCutIsCommandedZeroWithinTwoTicksOfBeingSeen)
   bus_.Plug(Plugged());
   HapticBoardSettings settings;
   settings.centre_on_first_report = false;
-  first_.counts = {0, 0, start, 0, 0, 0};
+  first_.counts = {0, 0, start};
   ASSERT_TRUE(Open(settings).ok());
   core::Core core(block.params, block.volume);
   SampleRing ring(4);
@@ -634,7 +634,7 @@ TEST_F(HapticBoardTest, UnpluggedMidCutIsCommandedZeroWithinTwoTicksOfBeingSeen)
   auto tick = [&](int32_t z) {
     InputReport r;
     r.sequence = ++sequence;
-    r.counts = {0, 0, z, 0, 0, 0};
+    r.counts = {0, 0, z};
     r.buttons = 1;
     uint64_t before = board_->counters().samples;
     Send(r);
@@ -664,7 +664,7 @@ TEST_F(HapticBoardTest, AfterItsWatchdogTrippedInContactThereIsNoForceUntilThePe
   bus_.Plug(Plugged());
   HapticBoardSettings settings;
   settings.centre_on_first_report = false;
-  first_.counts = {0, 0, block.CountsAbove(300'000), 0, 0, 0};
+  first_.counts = {0, 0, block.CountsAbove(300'000)};
   ASSERT_TRUE(Open(settings).ok());
   core::Core core(block.params, block.volume);
   SampleRing ring(4);
@@ -674,7 +674,7 @@ TEST_F(HapticBoardTest, AfterItsWatchdogTrippedInContactThereIsNoForceUntilThePe
   auto tick = [&](int32_t z, uint8_t status, uint8_t buttons = 0) {
     InputReport r;
     r.sequence = ++sequence;
-    r.counts = {0, 0, z, 0, 0, 0};
+    r.counts = {0, 0, z};
     r.status = status;
     r.buttons = buttons;
     uint64_t before = board_->counters().samples, written = board_->counters().writes;

@@ -39,9 +39,13 @@ InputReport GoldenInput() {
   r.buttons = v.at("buttons").to_number<uint8_t>();
   r.sequence = v.at("sequence").to_number<uint32_t>();
   r.time_us = v.at("time_us").to_number<uint32_t>();
-  r.counts = Numbers<int32_t, 6>(v, "counts");
+  r.counts = Numbers<int32_t, 3>(v, "counts");
   r.orientation = Numbers<int16_t, 4>(v, "orientation");
   r.bur_speed_krpm = v.at("bur_speed_krpm").to_number<uint16_t>();
+  r.rest_nm = Numbers<int32_t, 3>(v, "rest_nm");
+  r.share = v.at("share").to_number<uint16_t>();
+  r.energy_nj = v.at("energy_nj").to_number<uint32_t>();
+  r.work_nj = v.at("work_nj").to_number<uint32_t>();
   return r;
 }
 
@@ -56,17 +60,36 @@ OutputReport GoldenOutput() {
   return r;
 }
 
+SpringReport GoldenSpring() {
+  json::object v = Values("spring");
+  SpringReport r;
+  r.motors_on = v.at("motors_on").as_bool();
+  r.spring_on = v.at("spring_on").as_bool();
+  r.follow = v.at("follow").as_bool();
+  r.sequence = v.at("sequence").to_number<uint32_t>();
+  r.rest_nm = Numbers<int32_t, 3>(v, "rest_nm");
+  r.force_100un = Numbers<int16_t, 3>(v, "force_100un");
+  r.torque_20un_m = Numbers<int16_t, 3>(v, "torque_20un_m");
+  r.share = v.at("share").to_number<uint16_t>();
+  r.bound_mn = v.at("bound_mn").to_number<uint16_t>();
+  r.cell_nm = Numbers<int16_t, 9>(v, "cell_nm");
+  return r;
+}
+
 FeatureReport GoldenFeature() {
   json::object v = Values("feature");
   FeatureReport r;
   r.axes = v.at("axes").to_number<uint8_t>();
-  r.tells_orientation = v.at("flags").to_number<int>() == 1;
+  r.tells_orientation = (v.at("flags").to_number<int>() & 1) != 0;
   r.resolution_nm = Numbers<uint32_t, 3>(v, "resolution_nm");
   r.peak_force_mn = Numbers<uint32_t, 3>(v, "peak_force_mn");
   r.max_watchdog_ms = v.at("max_watchdog_ms").to_number<uint16_t>();
   r.rate_hz = v.at("rate_hz").to_number<uint16_t>();
   r.name = std::string(v.at("name").as_string());
   r.profile = std::string(v.at("profile").as_string());
+  r.spring_kc_mn_per_mm = v.at("spring_kc_mn_per_mm").to_number<uint32_t>();
+  r.spring_rate_hz = v.at("spring_rate_hz").to_number<uint16_t>();
+  r.spring_delay_ticks = v.at("spring_delay_ticks").to_number<uint8_t>();
   return r;
 }
 
@@ -78,6 +101,7 @@ std::string Text(const std::array<uint8_t, N>& bytes) {
 TEST(HapticReportTest, EncodesTheGoldenBytes) {
   EXPECT_EQ(Text(EncodeInput(GoldenInput())), Golden("input.bin"));
   EXPECT_EQ(Text(EncodeOutput(GoldenOutput())), Golden("output.bin"));
+  EXPECT_EQ(Text(EncodeSpring(GoldenSpring())), Golden("spring.bin"));
   EXPECT_EQ(Text(EncodeFeature(GoldenFeature())), Golden("feature.bin"));
 }
 
@@ -88,6 +112,9 @@ TEST(HapticReportTest, DecodesTheGoldenBytes) {
   OutputReport output;
   ASSERT_EQ(DecodeOutput(AsBytes(Golden("output.bin")), output), ReportError::kNone);
   EXPECT_EQ(output, GoldenOutput());
+  SpringReport spring;
+  ASSERT_EQ(DecodeSpring(AsBytes(Golden("spring.bin")), spring), ReportError::kNone);
+  EXPECT_EQ(spring, GoldenSpring());
   FeatureReport feature;
   ASSERT_EQ(DecodeFeature(AsBytes(Golden("feature.bin")), feature), ReportError::kNone);
   EXPECT_EQ(feature, GoldenFeature());
@@ -95,8 +122,9 @@ TEST(HapticReportTest, DecodesTheGoldenBytes) {
 
 // The published check value of CRC-16/CCITT-FALSE.
 TEST(HapticReportTest, ChecksumIsThePublishedOne) {
-  EXPECT_EQ(Crc16(AsBytes("123456789")), 0x29B1);
-  EXPECT_EQ(Crc16({}), 0xFFFF);
+  const ByteView bytes = AsBytes("123456789");
+  EXPECT_EQ(EnCrc16(bytes.data(), bytes.size()), 0x29B1);
+  EXPECT_EQ(EnCrc16(nullptr, 0), 0xFFFF);
 }
 
 TEST(HapticReportTest, EveryShorterReportIsRefusedAndLongerOnesAreTaken) {
@@ -200,6 +228,7 @@ TEST(HapticReportTest, GoldenDescriptorDeclaresTheReportsAsLongAsTheyAre) {
   const std::map<std::pair<int, uint32_t>, size_t> expected = {
       {{0x80, kInputId}, 8 * (kInputBytes - 1)},
       {{0x90, kOutputId}, 8 * (kOutputBytes - 1)},
+      {{0x90, kSpringId}, 8 * (kSpringBytes - 1)},
       {{0xB0, kFeatureId}, 8 * (kFeatureBytes - 1)}};
   EXPECT_EQ(bits, expected);
 }

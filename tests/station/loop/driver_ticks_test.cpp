@@ -77,7 +77,7 @@ void SendPose(uint32_t sequence) {
   hid::InputReport r;
   r.sequence = sequence;
   r.time_us = sequence * 1000;
-  r.counts = {static_cast<int32_t>(sequence % 7), 0, 100, 0, 0, 0};
+  r.counts = {static_cast<int32_t>(sequence % 7), 0, 100};
   r.buttons = 1;
   HidBus::Get().Send(kBoardPath, hid::EncodeInput(r));
 }
