@@ -56,10 +56,10 @@ PlantSpec SpecOf(const FeltDevice& d, const FeltTrial& trial) {
   s.friction_n = d.friction_n;
   s.resolution_m = d.resolution_m;
   s.lattice = trial.lattice;
-  s.tick_s = d.tick_s;
+  s.tick_s = d.inner_tick_s();
   s.peak_force_n = d.peak_force_n;
-  s.delay_ticks = trial.delay_ticks;
-  s.substeps = d.tick_s > 0.5e-3 ? kSubsteps : 4;
+  s.delay_ticks = d.board.ticks > 0 ? d.board.delay_ticks : trial.delay_ticks;
+  s.substeps = s.tick_s > 0.5e-3 ? kSubsteps : 4;
   return s;
 }
 
@@ -72,12 +72,35 @@ haptics::CouplingParams CouplingOf(const FeltDevice& d, const FeltTrial& trial) 
   return p;
 }
 
+// The law and its spring, wherever that runs.
+class Renderer {
+ public:
+  Renderer(const FeltDevice& d, const FeltTrial& trial)
+      : material_(trial.b_n_s_per_m), coupling_(CouplingOf(d, trial)) {
+    if (d.board.ticks > 0) board_.emplace(CouplingOf(d, trial), d.board, d.damping_n_s_per_m);
+  }
+  void Reset(const dvec3& reading) {
+    coupling_.Reset(reading);
+    if (board_) board_->Reset(reading);
+  }
+  // On the operator.
+  dvec3 Tick(const dvec3& reading) {
+    if (board_) return board_->Tick(reading, material_);
+    return coupling_.Tick(reading, 1, material_).force_sent_n;
+  }
+
+ private:
+  haptics::UniformMaterial material_;
+  haptics::Coupling coupling_;
+  std::optional<BoardLoop> board_;
+};
+
 // The balance of the theorem (common/haptics/README.md), over the true motion.
 class Balance {
  public:
   // `off_m`: of the reading where the spring begins at rest; what is in it then is the floor.
   Balance(const FeltDevice& d, const dvec3& off_m)
-      : b_over_t_(d.damping_n_s_per_m / d.tick_s),
+      : b_over_t_(d.damping_n_s_per_m / d.inner_tick_s()),
         friction_(d.friction_n),
         sum_(0.5 * d.kc_n_per_m * Dot(off_m, off_m)) {}
   void Add(const dvec3& resisted_n, const dvec3& moved) {
@@ -105,21 +128,20 @@ FeltFigures Feel(const FeltDevice& d, const FeltTrial& trial, const std::vector<
   const PlantSpec spec = SpecOf(d, trial);
   WayHand hand(way, start, trial.hand, d.mass_kg), same(way, start, trial.hand, d.mass_kg);
   Plant plant(spec, hand, start), damped(spec, same, start);
-  haptics::Coupling coupling(CouplingOf(d, trial));
-  haptics::UniformMaterial material(trial.b_n_s_per_m);
-  coupling.Reset(plant.Read());
+  Renderer renderer(d, trial);
+  renderer.Reset(plant.Read());
 
   // Without the last ticks, in which the path and with it the speed ends.
-  const auto ticks = static_cast<size_t>(WayReader(way).duration_s() / d.tick_s) - 5;
-  const auto from = static_cast<size_t>(trial.from_s / d.tick_s);
-  const double low_pass = 2 * M_PI * kRipple_hz * d.tick_s;
+  const auto ticks = static_cast<size_t>(WayReader(way).duration_s() / spec.tick_s) - 5;
+  const auto from = static_cast<size_t>(trial.from_s / spec.tick_s);
+  const double low_pass = 2 * M_PI * kRipple_hz * spec.tick_s;
   Balance balance(d, plant.Read() - start);
   FeltFigures out;
   dvec3 smooth(0);
   std::vector<dvec3> judged;
   double error2 = 0, ideal2 = 0, ripple2 = 0;
   for (size_t k = 0; k < ticks; ++k) {
-    const dvec3 r = -coupling.Tick(plant.Read(), 1, material).force_sent_n, was = plant.tip_m();
+    const dvec3 r = -renderer.Tick(plant.Read()), was = plant.tip_m();
     plant.Step(-r);
     balance.Add(-plant.sent_n(), plant.tip_m() - was);
     const dvec3 ideal =

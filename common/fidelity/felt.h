@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/fidelity/board_loop.h"
 #include "common/fidelity/plant.h"
 #include "common/haptics/force_law.h"
 #include "common/haptics/guard.h"
@@ -22,7 +23,10 @@ namespace enamel::fidelity {
 struct FeltDevice {
   double mass_kg = 0, damping_n_s_per_m = 0, friction_n = 0;
   double resolution_m = 0, kc_n_per_m = 0, peak_force_n = 0;
-  double tick_s = 1e-3;
+  double tick_s = 1e-3;  // of the law; the spring's too, unless it is on the board
+  BoardSpec board{};
+  // Of the loop that reads the encoders and drives the motors.
+  double inner_tick_s() const { return board.ticks > 0 ? tick_s / board.ticks : tick_s; }
 };
 
 // What holds it.
@@ -40,9 +44,9 @@ struct FeltTrial {
   Sym3 b_n_s_per_m = Sym3::Isotropic(6500);
   HandOn hand;
   Lattice lattice;
-  int delay_ticks = 0;
-  double from_s = 0;  // figures are taken from here on
-  bool ideal = true;  // false: without the second simulation; felt error and ideal stay 0
+  int delay_ticks = 0;  // of the law's loop, where the host runs the spring
+  double from_s = 0;    // figures are taken from here on
+  bool ideal = true;    // false: without the second simulation; felt error and ideal stay 0
 };
 
 struct FeltFigures {

@@ -39,13 +39,18 @@ void Coupling::Reset(const dvec3& tip_m) noexcept {
   anchor_ = tip_m;
   EnSpringReset(&spring_, ToBoard(tip_m));
   stretch_ = 0;
-  resumed_ = latched_ = false;
+  clear_ = resumed_ = latched_ = false;
   law_->Reset(tip_m);
 }
 
 void Coupling::VisitState(StateArchive& archive) {
-  archive(anchor_, spring_, stretch_, resumed_, latched_);
+  archive(anchor_, spring_, stretch_, clear_, resumed_, latched_);
   law_->VisitState(archive);
+}
+
+void Coupling::TakeSpring(const dvec3& rest_m, double share) noexcept {
+  spring_.rest_m = ToBoard(rest_m);
+  spring_.share = share;
 }
 
 bool Coupling::Resume(const dvec3& tip_m, Material& material) noexcept {
@@ -55,7 +60,8 @@ bool Coupling::Resume(const dvec3& tip_m, Material& material) noexcept {
   if (grown > params_.max_step_m) return false;
   law_->Reset(tip_m);
   if (law_->anchored()) {
-    EnSpringResume(&spring_, ToBoard(tip_m));
+    // A board's spring has gone on by itself.
+    if (!params_.spring_on_board) EnSpringResume(&spring_, ToBoard(tip_m));
     resumed_ = true;
     if (grown > 0) MoveBur(anchor_ + e * (grown / length), material);
   } else if (grown > 0) {
@@ -118,6 +124,7 @@ dvec3 Coupling::RelaxAnchor(const dvec3& tip_m, Material& material, CouplingOutp
       out.flags |= kNonFiniteInput;
       return dvec3(0);
     }
+    clear_ = !contact.engaged && contact.clearance_m > 0;
     Pull pull{e, params_.law.kc_n_per_m};
     dvec3 step = e;
     if (b.Trace() > 0) {
@@ -164,8 +171,17 @@ void Coupling::SendThroughSpring(const dvec3& tip_m, const dvec3& pull_n, double
     out.flags |= kPeakBounded;
     keep = bound_n / magnitude;
   }
-  const EnVec wish = kc > 0 ? ToBoard(tip_m - pull_n * (keep / kc)) : spring_.rest_m;
-  const EnForce force = EnSpringPull(&spring_, ToBoard(tip_m), wish, bound_n, 1);
+  out.wish_m = kc > 0 ? tip_m - pull_n * (keep / kc) : rest_m();
+  out.follow = clear_;
+  if (!params_.spring_on_board) return PullSpring(tip_m, out.wish_m, bound_n, out);
+  out.force_computed_n = (tip_m - rest_m()) * -kc;
+  out.force_sent_n = out.force_computed_n * spring_.share;
+  if (spring_.share < 1) out.flags |= kPeakBounded;
+}
+
+void Coupling::PullSpring(const dvec3& tip_m, const dvec3& wish_m, double bound_n,
+                          CouplingOutput& out) noexcept {
+  const EnForce force = EnSpringPull(&spring_, ToBoard(tip_m), ToBoard(wish_m), bound_n, 1);
   if (force.flags & kEnGuarded) out.flags |= kGuardEngaged;
   if (force.flags & kEnBounded) out.flags |= kPeakBounded;
   out.force_computed_n = FromBoard(force.whole_n);

@@ -69,6 +69,9 @@ struct CouplingParams {
   int delay_ticks = 0;        // whole ticks from reading to force, as the guard is to count with
   // Where the true tip can be around the measured one; of no size: the law's resolution per axis.
   TipCell cell{};
+  // The device's board runs spring and guard (common/board/board.h). The coupling says where the rest
+  // point should be, and feels the spring that the board reports.
+  bool spring_on_board = false;
 };
 
 struct CouplingOutput {
@@ -78,6 +81,10 @@ struct CouplingOutput {
   uint16_t flags = 0;  // CouplingFlags
   uint16_t substeps = 0;
   double tank_j = 0;  // energy in the tank after the tick, J (anchored laws)
+  // Where the law wants the rest point, and whether nothing solid is near, so that a board may keep
+  // it at the tip by itself (anchored laws).
+  dvec3 wish_m{0};
+  bool follow = false;
 };
 
 // Thread safety: none, one loop owns it. Real-time: Tick and Reset are safe (no allocation).
@@ -95,6 +102,8 @@ class Coupling {
   // The next Tick may follow in the same tick of the device. False, and nothing done, when the way has
   // grown by more or a fault is latched: Reset is all that is left.
   [[nodiscard]] bool Resume(const dvec3& tip_m, Material& material) noexcept;
+  // Before Tick, if the spring is on the board: its rest point and share at the reading.
+  ENAMEL_REALTIME void TakeSpring(const dvec3& rest_m, double share) noexcept;
   // One tick. `bound_ratio` in [0, 1] scales the peak bound (fault fade). What is not finite, in or
   // out, gives no force, and none until Reset: a fault latches until somebody acts.
   ENAMEL_REALTIME CouplingOutput Tick(const dvec3& tip_m, double bound_ratio,
@@ -114,6 +123,8 @@ class Coupling {
   dvec3 RelaxAnchor(const dvec3& tip_m, Material& material, CouplingOutput& out) noexcept;
   void SendThroughSpring(const dvec3& tip_m, const dvec3& pull_n, double bound_n,
                          CouplingOutput& out) noexcept;
+  void PullSpring(const dvec3& tip_m, const dvec3& wish_m, double bound_n,
+                  CouplingOutput& out) noexcept;
   void TickTip(const dvec3& tip_m, double bound_n, Material& material,
                CouplingOutput& out) noexcept;
   void MoveBur(const dvec3& to_m, Material& material) noexcept;
@@ -123,6 +134,7 @@ class Coupling {
   dvec3 anchor_{0};  // the bur
   EnSpring spring_{};
   double stretch_ = 0;  // |tip - anchor| after the last tick
+  bool clear_ = false;  // nothing solid is near the bur
   bool resumed_ = false;
   bool latched_ = false;
 };

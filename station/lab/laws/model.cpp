@@ -145,16 +145,24 @@ DeviceModel AtRate(const DeviceModel& model, double rate_hz, bool scale_kc) {
   return m;
 }
 
+DeviceModel OnBoard(const DeviceModel& model, double spring_hz) {
+  DeviceModel m = model;
+  m.board = {static_cast<int>(spring_hz / model.rate_hz + 0.5), 1, 1};
+  m.kc_n_per_m = ClauseKc(m, haptics::CartesianCell(dvec3(m.resolution_m)), 0);
+  return m;
+}
+
 double ClauseKc(const DeviceModel& m, const haptics::TipCell& cell, int delay_ticks) {
   const dvec3 per_kc = cell.Friction(1);
   const double most = std::max({per_kc.x, per_kc.y, per_kc.z});
-  return std::min(haptics::CouplingStiffness(m.damping_n_s_per_m, m.tick_s(), delay_ticks),
+  return std::min(haptics::CouplingStiffness(m.damping_n_s_per_m, 1 / m.spring_hz(),
+                                             m.SpringDelay(delay_ticks)),
                   m.friction_n / most);
 }
 
 fidelity::FeltDevice FeltDeviceOf(const DeviceModel& m) {
   return {m.mass_kg,    m.damping_n_s_per_m, m.friction_n, m.resolution_m,
-          m.kc_n_per_m, m.peak_force_n,      m.tick_s()};
+          m.kc_n_per_m, m.peak_force_n,      m.tick_s(),   m.board};
 }
 
 std::vector<std::string> CannotRender(const DeviceModel& m, double b, double speed) {

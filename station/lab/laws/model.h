@@ -28,7 +28,12 @@ struct DeviceModel {
   std::vector<std::pair<std::string, std::string>> provenance;  // number -> where it is from
   scene::DeviceProfile profile;                                 // what it was made from
 
+  fidelity::BoardSpec board;  // ticks above 0: the device's board runs the spring
+
   double tick_s() const { return 1 / rate_hz; }
+  // Ticks of the spring a second, and how many of them pass from reading to force.
+  double spring_hz() const { return board.ticks > 0 ? rate_hz * board.ticks : rate_hz; }
+  int SpringDelay(int host_ticks) const { return board.ticks > 0 ? board.delay_ticks : host_ticks; }
   // Kc at which the theorem of coupling.h stops holding at this rate: min(2 b / (T (d + 1)^2), 2 c
   // / delta).
   double PassiveKc(double rate_hz) const;
@@ -46,6 +51,11 @@ Result<DeviceModel> ModelOf(const scene::DeviceProfile& profile);
 // The model at another loop rate: same b, c, mass; Kc kept or, with `scale_kc`, raised or lowered
 // with 2 b / T as far as friction allows.
 DeviceModel AtRate(const DeviceModel& model, double rate_hz, bool scale_kc);
+
+// The model with its spring on the board at `spring_hz`, a multiple of the loop's rate: one inner tick
+// of delay, reports a tick of the host late, and the largest Kc that damping and friction pay for with
+// cells along the axes.
+DeviceModel OnBoard(const DeviceModel& model, double spring_hz);
 
 // The largest Kc that the theorem of common/haptics/README.md carries on this device: what damping pays at
 // this rate and delay, and friction for the cell.

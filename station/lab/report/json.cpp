@@ -57,6 +57,7 @@ json::object HandJson(const HandRow& r) {
           {"device", r.device},
           {"b_n_s_per_mm", Number(r.b_n_s_per_mm)},
           {"rate_hz", Number(r.rate_hz)},
+          {"on_board", r.on_board},
           {"kc_n_per_mm", Number(r.kc_n_per_mm)},
           {"hand_n_per_mm", Number(r.hand_n_per_mm)},
           {"hand_kg", Number(r.hand_kg)},

@@ -110,6 +110,8 @@ struct HandRow {
   double hand_n_per_mm = kNotApplicable;  // none: the hand prescribes the way; 0: it pushes
   double hand_kg = kNotApplicable;
   int delay_ticks = 0;
+  bool on_board =
+      false;  // the board runs the spring, at rate_hz; the host runs the law a thousand times a second
   bool proved = false;  // Kc, friction, cell and delay meet the clause of common/haptics/README.md
   // RMS of force sent less that of an ideal damper in the same hand, over the latter's (fidelity/felt.h).
   double felt_error = kNotApplicable, maxwell_error = kNotApplicable;

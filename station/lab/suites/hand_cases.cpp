@@ -81,7 +81,8 @@ HandRow RowFor(const DeviceModel& m, double b, const std::string& motion, const 
   row.motion = motion;
   row.lattice = NameOf(lattice);
   row.b_n_s_per_mm = b * 1e-3;
-  row.rate_hz = m.rate_hz;
+  row.rate_hz = m.spring_hz();
+  row.on_board = m.board.ticks > 0;
   row.kc_n_per_mm = m.kc_n_per_m * 1e-3;
   row.delay_ticks = delay_ticks;
   const double most = ClauseKc(m, fidelity::CellOf(lattice, m.resolution_m), delay_ticks);

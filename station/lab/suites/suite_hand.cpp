@@ -205,8 +205,10 @@ HandCases CasesFor(const DeviceModel& m, const std::vector<HandMotion>& recorded
   const std::vector<HandMotion> few = Motions(recorded, true);
   AddFeltCases(m, motions, {6500, 1000, 300}, &cases);
   if (!quick) {
-    // Spring and law four and eight times as often, with the Kc of their own clause.
-    for (double rate : {4000.0, 8000.0}) AddFeltCases(AtRate(m, rate, true), few, {6500}, &cases);
+    // Spring and law four times as often; and the spring eight times as often, by the board's firmware.
+    // Each with the Kc of its own clause.
+    AddFeltCases(AtRate(m, 4000, true), few, {6500}, &cases);
+    AddFeltCases(OnBoard(m, 8000), few, {6500}, &cases);
   }
   AddReadingCases(m, few, &cases);
   AddSteadyCases(m, &cases);

@@ -94,5 +94,41 @@ TEST(FeltTest, RepeatsToTheBit) {
   EXPECT_EQ(Feel(Smooth(10e3), trial, way).error_rms_n, Feel(Smooth(10e3), trial, way).error_rms_n);
 }
 
+// An Omega with its cells and friction, its spring on the board at 8 kHz; Kc by friction, 2c/delta.
+FeltDevice OnBoard(int late) {
+  FeltDevice d{0.2, 6, 0.09, 9e-6, 20e3, 12, 1e-3};
+  d.board = {8, 1, late};
+  return d;
+}
+
+// Twice the Kc that a tick of a millisecond allows: a quarter less error at least, though reports are late.
+TEST(FeltTest, ASpringOnTheBoardIsFeltBetterHoweverLateItsReports) {
+  FeltTrial trial;
+  trial.hand.stiffness_n_per_m = 5000;
+  const std::vector<dvec3> way = Sine(0.4e-3, 1.6, 8);
+  FeltDevice host = OnBoard(0);
+  host.kc_n_per_m = 10e3;
+  host.board = {};
+  const double at_host = Feel(host, trial, way).felt_error();
+  for (int late : {0, 1, 2}) {
+    const FeltFigures f = Feel(OnBoard(late), trial, way);
+    EXPECT_LT(f.felt_error(), 0.75 * at_host) << late;
+    EXPECT_GE(f.energy_min_j, -1e-12) << late;
+  }
+}
+
+// Within the friction that its cell needs a tip sticks, and the spring keeps what force it has: a hand that
+// gives feels up to Kc delta/2 of it. Half of Kc halves that.
+TEST(FeltTest, InALightHandTheCellDecides) {
+  FeltTrial trial;
+  trial.hand.stiffness_n_per_m = 300;
+  const std::vector<dvec3> way = Sine(0.4e-3, 1.6, 8);
+  FeltDevice half = OnBoard(1);
+  half.kc_n_per_m /= 2;
+  const double whole_n = Feel(OnBoard(1), trial, way).error_rms_n;
+  EXPECT_LE(whole_n, 20e3 * 9e-6 / 2);
+  EXPECT_NEAR(Feel(half, trial, way).error_rms_n, whole_n / 2, 0.25 * whole_n);
+}
+
 }  // namespace
 }  // namespace enamel::fidelity
