@@ -95,8 +95,7 @@ TEST(PaperSuiteTest, DrawsTheFiguresOfTheOmegaWithThePapersLevelsInThePapersSect
   const boost::json::object report = ReportOf(findings);
   const boost::json::object* paper = nullptr;
   for (const auto& section : report.at("sections").as_array()) {
-    if (section.at("title").as_string().starts_with("The paper"))
-      paper = &section.as_object();
+    if (section.at("title").as_string().starts_with("The paper")) paper = &section.as_object();
   }
   ASSERT_NE(paper, nullptr);
   std::set<std::string> plots;
