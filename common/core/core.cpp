@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "common/core/quantise.h"
+
 namespace enamel::core {
 namespace {
 
@@ -55,6 +57,7 @@ haptics::CouplingParams CouplingOf(const CoreParams& p, double voxel_m) {
   c.delay_ticks = static_cast<int>(p.bus_delay_ticks);
   c.max_step_m = 0.5 * voxel_m;
   c.cell = TipCellOf(p);
+  c.spring_on_board = p.spring_on_board;
   return c;
 }
 
@@ -81,17 +84,6 @@ haptics::TurningParams TurningOf(const CoreParams& p, double voxel_m) {
   t.delay_ticks = static_cast<int>(p.bus_delay_ticks);
   t.max_turn_rad = 0.5 * voxel_m / ReachOf(p);
   return t;
-}
-
-// Rounds half away from zero and saturates.
-int32_t Quantise(double v) noexcept {
-  if (!(v > -2147483647.0)) return -2147483647;
-  if (!(v < 2147483647.0)) return 2147483647;
-  return static_cast<int32_t>(v < 0 ? v - 0.5 : v + 0.5);
-}
-
-std::array<int32_t, 3> Quantise(const dvec3& v, double unit) noexcept {
-  return {Quantise(v.x / unit), Quantise(v.y / unit), Quantise(v.z / unit)};
 }
 
 }  // namespace
@@ -234,19 +226,6 @@ Core::Core(const CoreParams& params, cutting::Volume initial)
 }
 
 Core::~Core() = default;
-
-dvec3 Core::TipOf(const std::array<int32_t, 3>& counts) const noexcept {
-  dvec3 out;
-  for (int i = 0; i < 3; ++i) {
-    auto n = static_cast<size_t>(i);
-    // Whole nanometres stay below 2^53 for any 32-bit count (ValidateParams bounds cell and
-    // origin), so the product below is the only rounding.
-    int64_t nm =
-        params_.device_origin_nm[n] + static_cast<int64_t>(counts[n]) * params_.resolution_nm[n];
-    out[i] = static_cast<double>(nm) * 1e-9;
-  }
-  return out;
-}
 
 void Core::Suspend(const dvec3& tip_m, const Quat& orientation) noexcept {
   suspended_ = true;
@@ -431,6 +410,7 @@ TickOutput Core::Step(const TickInput& input) noexcept {
     } else {
       FollowOrientation(device, material);
     }
+    if (params_.spring_on_board) TakeSpring(input, out);
     haptics::CouplingOutput tick = coupling_.Tick(tip, 1, material);
     // A turn without a move; and a bur that stays lets what it has passed be cut in time.
     material.AnchorMoved(coupling_.anchor_m(), coupling_.anchor_m());
@@ -443,6 +423,9 @@ TickOutput Core::Step(const TickInput& input) noexcept {
       out.force_computed_n = tick.force_computed_n;
       out.force_sent_n = tick.force_sent_n;
       out.torque_sent_n_m = torque;
+      if (params_.spring_on_board && (tick.flags & haptics::kLatched) == 0) {
+        out.spring = {true, tick.follow, Quantise(tick.wish_m - TipOf({0, 0, 0}), 1e-9)};
+      }
     }
   }
   resisting_n_ = std::sqrt(Dot(out.force_sent_n, out.force_sent_n));
@@ -458,6 +441,7 @@ TickOutput Core::Step(const TickInput& input) noexcept {
   out.witness.force_computed_100un = Quantise(out.force_computed_n, 1e-4);
   out.witness.anchor_10nm = Quantise(out.anchor.tip_m - origin, 1e-8);
   out.witness.flags = out.flags;
+  wishes_[ticks_ % kWishes] = out.spring;
   ++ticks_;
   FoldHash(input, out);
   return out;
@@ -479,6 +463,11 @@ void Core::MarkTouched(int32_t brick) noexcept {
 void Core::FoldHash(const TickInput& input, const TickOutput& out) noexcept {
   hash_.I32x2(input.counts[0], input.counts[1]);
   hash_.I32x2(input.counts[2], static_cast<int32_t>(input.gap_ticks));
+  // Only where there is one, like the torque below.
+  if (params_.spring_on_board) {
+    hash_.I32x2(input.rest_off_nm[0], input.rest_off_nm[1]);
+    hash_.I32x2(input.rest_off_nm[2], input.share_lost);
+  }
   for (int i = 0; i < 3; ++i) {
     hash_.F64(out.anchor.tip_m[i]);
     hash_.F64(out.force_sent_n[i]);

@@ -42,8 +42,22 @@ struct TickInput {
   uint16_t bur_speed_krpm = 0;
   // Ticks that passed without being recorded, and so without being stepped, before this one.
   uint32_t gap_ticks = 0;
+  // What the board's spring reports (CoreParams::spring_on_board): how far its rest point lies from
+  // where the core expects it (Core::RestOff_nm), and what is missing of the share of the stiffness
+  // that is felt, 1/65535. 0 in nearly every tick: the guard lets the rest point go where it should.
+  std::array<int32_t, 3> rest_off_nm{};
+  uint16_t share_lost = 0;
 
   bool operator==(const TickInput&) const = default;
+};
+
+// What the board's spring is to do next.
+struct SpringWish {
+  bool on = false;  // off: at rest at the tip, no force
+  bool follow =
+      false;  // nothing solid is near: the board keeps the rest point at the tip by itself
+  // From where the counts are 0, scene axes; rounded to the nearest, halves away from 0.
+  std::array<int32_t, 3> rest_nm{};
 };
 
 // The core's output at the resolution of the recording: the witness of a tick.
@@ -82,6 +96,7 @@ struct TickOutput {
   dvec3 torque_sent_n_m{0};         // on the operator, scene frame; 0 without peak_torque_un_m
   cutting::Pose anchor;             // the bur as drawn and as it cuts
   cutting::RemovedUnits removed{};  // by this tick, per tissue, 1/65536 voxel
+  SpringWish spring;                // if the spring is on the board; else off
   double bur_speed_ratio = 1;       // the handpiece's speed, as a share of its free speed
   uint16_t flags = 0;
   TickWitness witness;
@@ -155,6 +170,12 @@ class Core {
   // Tip position of device counts, scene frame, metres.
   dvec3 TipOf(const std::array<int32_t, 3>& counts) const noexcept;
 
+  // TickInput::rest_off_nm of the next Step, for a rest point that the board reports with `counts`, nm from
+  // where the counts are 0, scene axes. The core expects it where the wish wanted it that was sent 1 +
+  // bus_delay_ticks ticks before; at the tip, if that was off or to follow. Real-time: safe.
+  ENAMEL_REALTIME std::array<int32_t, 3> RestOff_nm(
+      const std::array<int32_t, 3>& counts, const std::array<int32_t, 3>& rest_nm) const noexcept;
+
   // Keyframes of a replay (trace/keyframes.h). VisitState saves or restores all that the next Step
   // depends on but the tooth's samples; RestoreBrick puts those back, brick by brick, into a core
   // made with the same parameters and initial volume. Saved bytes are this build's own. Restoring:
@@ -167,6 +188,9 @@ class Core {
   class TissueMaterial;
   class TurnedMaterial;
 
+  std::array<int64_t, 3> ExpectedRest_nm(const std::array<int32_t, 3>& counts) const noexcept;
+  dvec3 PlaceOf(const std::array<int64_t, 3>& nm) const noexcept;
+  void TakeSpring(const TickInput& input, TickOutput& out) noexcept;
   void Suspend(const dvec3& tip_m, const Quat& orientation) noexcept;
   void FollowTip(const dvec3& tip_m, const Quat& orientation) noexcept;
   void AwaitFreeAir(const dvec3& tip_m, const Quat& orientation) noexcept;
@@ -192,6 +216,9 @@ class Core {
   haptics::Coupling coupling_;
   const bool torque_;  // on this device
   haptics::Turning turning_;
+  // The newest wishes, by tick: as many as the longest bus_delay_ticks needs.
+  static constexpr size_t kWishes = 17;
+  std::array<SpringWish, kWishes> wishes_{};
   Handpiece handpiece_;
   haptics::TouchCues cues_;
   // The material's answers in this tick, for the cues: B is the touched tissue's own.

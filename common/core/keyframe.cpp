@@ -6,7 +6,8 @@
 namespace enamel::core {
 
 bool Core::VisitState(StateArchive& archive) {
-  archive(orientation_, started_, bur_on_, suspended_, free_ticks_, removed_, hash_, ticks_);
+  archive(orientation_, started_, bur_on_, suspended_, free_ticks_, removed_, hash_, ticks_,
+          wishes_);
   archive(half_cut_, has_half_cut_, sampled_, sample_valid_, reserve_exhausted_, resisting_n_);
   handpiece_.VisitState(archive);
   sweep_.VisitState(archive);

@@ -179,6 +179,7 @@ void WriteParams(const CoreParams& p, ByteWriter& out) {
   out.I32(p.cue_power_nw);
   for (int32_t h : p.cell_half_nm) out.I32(h);
   out.I32(p.cell_ball_nm);
+  out.U8(p.spring_on_board ? 1 : 0);
 }
 
 Result<CoreParams> ReadParams(ByteReader& in) {
@@ -228,6 +229,7 @@ Result<CoreParams> ReadParams(ByteReader& in) {
   p.cue_power_nw = in.I32();
   for (int32_t& h : p.cell_half_nm) h = in.I32();
   p.cell_ball_nm = in.I32();
+  p.spring_on_board = in.U8() != 0;
   if (!in.ok()) return Status(Code::kInvalidInput, "core parameters end early");
   // Values, but not the version: a recording that cannot be run can still be listed.
   ENAMEL_RETURN_IF_ERROR(CheckValues(p));

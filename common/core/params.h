@@ -70,6 +70,10 @@ struct CoreParams {
   // a ball, added up. All 0: half a count on each axis, a device that records what it counts.
   std::array<int32_t, 3> cell_half_nm{};
   int32_t cell_ball_nm = 0;
+  // The device's board runs the coupling's spring (common/board/board.h): the core says where its rest
+  // point should be, and TickInput says where it is. bus_delay_ticks is then that of the reports: a wish
+  // sent in answer to a reading holds in the reading 1 + bus_delay_ticks later.
+  bool spring_on_board = false;
 
   bool operator==(const CoreParams&) const = default;
 };
@@ -83,7 +87,7 @@ haptics::TipCell TipCellOf(const CoreParams& params) noexcept;
 Status ValidateParams(const CoreParams& params);
 
 // Canonical little-endian form, versioned (first u16); see schemas/trace_format.md.
-inline constexpr size_t kParamsBytes = 270;
+inline constexpr size_t kParamsBytes = 271;
 void WriteParams(const CoreParams& params, ByteWriter& out);
 // Reads any core version, so that another version's recording can be listed; whoever runs a core
 // calls ValidateParams. Errors: kInvalidInput (cut short, or a value out of range), kVersion

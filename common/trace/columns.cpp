@@ -81,6 +81,10 @@ constexpr std::array<Column, kColumnCount> kColumns = {{
     ComputedForce<1>("force computed y"),
     ComputedForce<2>("force computed z"),
     Scalar<&Tick::witness, &TickWitness::flags>("witness flags"),
+    Axis<&Tick::input, &TickInput::rest_off_nm, 0>("rest point off x"),
+    Axis<&Tick::input, &TickInput::rest_off_nm, 1>("rest point off y"),
+    Axis<&Tick::input, &TickInput::rest_off_nm, 2>("rest point off z"),
+    Scalar<&Tick::input, &TickInput::share_lost>("share lost"),
 }};
 
 // In place; values before the first are 0. Unsigned, so that wrapping is defined.

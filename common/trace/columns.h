@@ -12,7 +12,7 @@
 // each as differences of the order that takes the fewest bytes. Pure functions; allocate.
 namespace enamel::trace {
 
-inline constexpr size_t kColumnCount = 20;
+inline constexpr size_t kColumnCount = 24;
 
 // Most bytes that `count` ticks can take.
 constexpr size_t MaxPayloadBytes(size_t count) { return kColumnCount * (1 + 10 * count); }

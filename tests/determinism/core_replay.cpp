@@ -80,7 +80,7 @@ core::CoreParams ParamsFor(uint64_t seed) {
   p.damping_mn_s_per_mm[1] = 1500;
   p.damping_mn_s_per_mm[2] = 900;
   p.rotational_kc_un_m_per_rad = seed % 4 ? 0 : 20'000;
-  // Every second recording is of a six-axis device, with touch cues.
+  // Every second recording is of a six-axis device, with touch cues and its spring on the board.
   if (seed % 2 == 0) {
     p.rotational_kc_un_m_per_rad = 800'000;
     p.peak_torque_un_m = 100'000;
@@ -90,6 +90,7 @@ core::CoreParams ParamsFor(uint64_t seed) {
     p.cue_energy_nj = 200'000;
     p.cue_power_nw = 1'000'000;
     p.bus_delay_ticks = static_cast<uint32_t>(seed / 2 % 3);
+    p.spring_on_board = true;
   }
   return p;
 }
@@ -134,6 +135,12 @@ int Record(uint64_t seed, const char* trace_path, const char* volume_path) {
     tick.input.bur_speed_krpm = static_cast<uint16_t>(150 + i % 4000 / 16);
     if (random() % 1000 == 0) tick.input.gap_ticks = 1 + static_cast<uint32_t>(random() % 40);
     if (tick.input.gap_ticks % 2 == 1) tick.input.flags |= core::kLateTick | core::kHeldGap;
+    // A board whose guard holds the rest point back now and then.
+    if (header.params.spring_on_board && i % 7 == 0) {
+      for (int32_t& off : tick.input.rest_off_nm)
+        off = static_cast<int32_t>(random() % 4001) - 2000;
+      tick.input.share_lost = static_cast<uint16_t>(random() % 3000);
+    }
     tick.witness = core.Step(tick.input).witness;
     ticks.push_back(tick);
     if (ticks.size() == 400 || i == 11'399) {

@@ -40,6 +40,8 @@ Tick AnyTick(std::mt19937_64& random) {
   for (auto& v : t.witness.force_computed_100un) v = Any<int32_t>(random);
   for (auto& v : t.witness.anchor_10nm) v = Any<int32_t>(random);
   t.witness.flags = Any<uint16_t>(random);
+  for (auto& v : t.input.rest_off_nm) v = Any<int32_t>(random);
+  t.input.share_lost = Any<uint16_t>(random);
   return t;
 }
 
@@ -200,7 +202,7 @@ TEST(ChunkTest, PayloadMatchesTheSpecificationByHand) {
   std::string expected = "000a08";  // order 0: zigzag 5, 4
   for (int i = 0; i < 5; ++i) expected += "000000";
   expected += "01feff0300";  // order 1: zigzag 65534, 0
-  for (int i = 0; i < 13; ++i) expected += "000000";
+  for (int i = 0; i < 17; ++i) expected += "000000";
   EXPECT_EQ(ToHex(EncodeColumns(ticks)), expected);
 }
 

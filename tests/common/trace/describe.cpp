@@ -56,7 +56,8 @@ json::object Describe(const core::CoreParams& p) {
           {"cue_energy_nj", Number(p.cue_energy_nj)},
           {"cue_power_nw", Number(p.cue_power_nw)},
           {"cell_half_nm", Numbers(p.cell_half_nm)},
-          {"cell_ball_nm", Number(p.cell_ball_nm)}};
+          {"cell_ball_nm", Number(p.cell_ball_nm)},
+          {"spring_on_board", p.spring_on_board}};
 }
 
 json::object Describe(const ChunkHead& head) {
@@ -75,7 +76,9 @@ json::object Describe(const Tick& tick) {
           {"anchor_10nm", Numbers(tick.witness.anchor_10nm)},
           {"force_sent_100un", Numbers(tick.witness.force_sent_100un)},
           {"force_computed_100un", Numbers(tick.witness.force_computed_100un)},
-          {"witness_flags", Number(tick.witness.flags)}};
+          {"witness_flags", Number(tick.witness.flags)},
+          {"rest_off_nm", Numbers(tick.input.rest_off_nm)},
+          {"share_lost", Number(tick.input.share_lost)}};
 }
 
 }  // namespace

@@ -119,6 +119,8 @@ std::vector<Tick> OddTicks() {
     t.witness.force_sent_100un = {-28'000 - 150 * i, 90 * i, 2'147'483'647};
     t.witness.force_computed_100un = {-28'000 - 150 * i, 95 * i, -2'147'483'647};
     t.witness.flags = static_cast<uint16_t>(i);
+    t.input.rest_off_nm = {-i, i > 4 ? 2'147'483'647 : 0, 300 * i};
+    t.input.share_lost = static_cast<uint16_t>(i < 2 ? 65'535 : 0);
   }
   ticks[0].witness.flags = core::kAnchorReset;
   ticks[4].input.gap_ticks = 12;
