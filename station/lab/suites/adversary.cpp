@@ -2,50 +2,46 @@
 
 #include <algorithm>
 
+#include "common/scene/cell.h"
 #include "station/lab/suites/attacks.h"
 
 namespace enamel::station::lab {
-namespace {
 
-using haptics::LawKind;
-
-}  // namespace
-
-Game::Game(const DeviceModel& m, const GameRules& rules, std::optional<LawKind> law, double energy)
+Game::Game(const DeviceModel& m, const GameRules& rules, const Target& target, double energy)
     : rules_(rules),
-      law_(law),
-      model_(m),
+      target_(target),
+      model_(AtRate(m, rules.rate_hz, rules.rate_hz != m.rate_hz)),
       delta_(m.resolution_m),
       kc_(ClauseStiffness(m, rules)),
       energy_(energy) {
-  // b/T at equality in the clause, Kc = 2 b/((d + 1)^2 T): the device may have more, which would
-  // only help.
-  double ticks = rules.clause_ticks() + 1;
-  b_over_t_ = 0.5 * kc_ * ticks * ticks;
-  haptics::TipCell cell = rules.Cell(delta_);
-  friction_ = cell.Friction(kc_);
-  radius_ = cell.Radius();
-  pipe_.assign(static_cast<size_t>(rules.delay_ticks + rules.undeclared_ticks) + 1, dvec3(0));
+  const scene::DeviceProfile profile = rules.ProfileOf(m);
+  recorded_ = profile.cell->count_nm * 1e-9;
+  // b/T at equality in the clause, Kc = 2 b/((d + 1)^2 T), and c = Kc S: the device may have more, which
+  // would only help.
+  const double ticks = rules.clause_ticks() + 1, clause_kc = kc_ / rules.over_clause;
+  b_over_t_ = 0.5 * clause_kc * ticks * ticks;
+  friction_ = clause_kc * scene::CellSupportNm(profile) * 1e-9;
+  radius_ = CellUnder(m, rules).Radius();
+  pipe_.assign(static_cast<size_t>(rules.delay_ticks + rules.untold_ticks) + 1, dvec3(0));
   Start(dvec3(0), dmat3(1.0));
 }
 
 dvec3 Game::Read(const ivec3& noise) const {
   dvec3 shift = dvec3(noise) * delta_;
   if (!rules_.lattice) return CellMiddle(x_, delta_) + shift;
-  // Rounded in the joints' axes, noise in their counts, then turned back.
-  dvec3 p = frame_ * (CellMiddle(glm::transpose(frame_) * x_, delta_) + shift);
-  return rules_.driver_rounds ? CellMiddle(p, delta_) : p;
+  // Rounded in the joints' axes, noise in their counts, then turned back and recorded.
+  return CellMiddle(frame_ * (CellMiddle(glm::transpose(frame_) * x_, delta_) + shift), recorded_);
 }
 
 void Game::Start(const dvec3& tip, const dmat3& frame) {
-  subject_ = MakeSubject(model_, rules_, law_, energy_);
+  subject_ = MakeSubject(model_, rules_, target_, energy_);
   frame_ = frame;
   x_ = tip;
   p_ = Read(ivec3(0));
-  subject_->Reset(p_);
+  subject_->Start(p_);
   std::fill(pipe_.begin(), pipe_.end(), dvec3(0));
   newest_ = held_way_ = dvec3(0);
-  since_late_ = 0;
+  since_late_ = restarts_ = 0;
   held_ = false;
   Rebase();
 }
@@ -57,55 +53,68 @@ double Game::Stored() const {
 }
 
 void Game::Rebase() {
-  floor_ = -Stored() - subject_->tank_j();
+  const std::optional<double> tank = subject_->tank_j();
+  floor_ = tank ? -Stored() - *tank : 0;
   balance_ = lowest_ = handed_ = taken_ = paid_ = 0;
 }
 
-double Game::owed() const { return balance_ - Stored() - subject_->tank_j(); }
+double Game::owed() const { return balance_ - Stored() - subject_->tank_j().value_or(0); }
 
-double Game::Play(const Turn& turn) {
-  const dvec3& dx = turn.way_m;
-  // The force felt during this motion was computed delay ticks ago.
-  double work = Dot(pipe_.front(), dx);
-  double paid = b_over_t_ * Dot(dx, dx) + Dot(friction_, glm::abs(dx));
+// The force felt during this motion was computed delay ticks ago. Joints rub along their own axes.
+void Game::Move(const dvec3& dx) {
+  const dvec3 rubbed = glm::abs(rules_.lattice ? glm::transpose(frame_) * dx : dx);
+  const double work = Dot(pipe_.front(), dx);
+  const double paid = b_over_t_ * Dot(dx, dx) + friction_ * (rubbed.x + rubbed.y + rubbed.z);
   balance_ += work + paid;
   paid_ += paid;
   handed_ += work;
   // Larger than the energy stored at the start: `floor_` is minus that.
   taken_ = std::max(taken_, -handed_ + floor_);
   x_ += dx;
+  lowest_ = std::min(lowest_, above());
+}
+
+void Game::Send(const dvec3& force) {
+  pipe_.erase(pipe_.begin());
+  pipe_.push_back(force);
+}
+
+// The loop sends 0 in every tick that it does not step; forces under way are still felt.
+void Game::PassGap(const Turn& turn) {
+  for (int i = 0; i < turn.gap_ticks; ++i) {
+    Send(dvec3(0));
+    Move(turn.gap_way_m / static_cast<double>(turn.gap_ticks));
+  }
+}
+
+double Game::Play(const Turn& turn) {
+  Move(turn.way_m);
   if (held_) {
     double leak = 0.5 * kc_ - 0.5 * b_over_t_;  // Kc/2 - b/T_hold, T_hold = 2 T
-    dvec3 way = held_way_ + dx;
+    dvec3 way = held_way_ + turn.way_m;
     if (rules_.late == GameRules::Late::kLeak && leak > 0) balance_ += leak * Dot(way, way);
   }
+  const bool gap = turn.gap_ticks > 0 && rules_.gaps;
+  if (gap) PassGap(turn);
   lowest_ = std::min(lowest_, above());
   // A late tick must be over before the next one.
   ++since_late_;
-  bool late =
-      turn.late && rules_.late != GameRules::Late::kNone && since_late_ > rules_.delay_ticks + 3;
-  bool lost = late && (turn.late_is_lost_tick || rules_.late == GameRules::Late::kLeak);
+  const bool late = !gap && turn.late && rules_.late != GameRules::Late::kNone &&
+                    since_late_ > rules_.delay_ticks + 3;
+  const bool lost = late && (turn.late_is_lost_tick || rules_.late == GameRules::Late::kLeak);
   if (late) since_late_ = 0;
   held_ = lost;
-  held_way_ = dx;
-  if (turn.gap && rules_.gaps) {
-    // The force stops, the tip moves on; then the spring starts again.
-    std::fill(pipe_.begin(), pipe_.end(), dvec3(0));
-    newest_ = dvec3(0);
-    x_ += turn.gap_way_m;
-    p_ = Read(turn.noise);
-    subject_->Resume(p_);
-    // A new start may hold unpaid energy of Kc/2 (radius of the cell)^2 (README, "After a gap").
-    floor_ -= 0.5 * kc_ * radius_ * radius_;
-    lost = held_ = false;
-  }
-  dvec3 felt = pipe_.front();
+  held_way_ = turn.way_m;
+  const dvec3 felt = pipe_.front();
   if (!lost) {
     p_ = Read(turn.noise);
-    newest_ = subject_->Tick(p_, turn.bound_ratio, turn.contact, turn.push_m);
+    newest_ =
+        subject_->Step({p_, gap ? turn.gap_ticks : 0, turn.bound_ratio, turn.contact, turn.push_m});
+    // Each may hold unpaid energy of the cell's size (README, "After a gap").
+    floor_ -= Unread_j() * (subject_->restarts() - restarts_);
+    restarts_ = subject_->restarts();
   }
-  pipe_.erase(pipe_.begin());
-  pipe_.push_back(newest_);
+  Send(newest_);
   // The coupling has stepped; the device missed the new force and holds the last one.
   if (late && !lost) pipe_.front() = felt;
   return above();
@@ -127,20 +136,20 @@ const char* GameKindName(GameKind kind) {
   return "";
 }
 
-Attack PlayGame(const DeviceModel& m, const GameRules& rules, std::optional<LawKind> law,
-                GameKind kind, uint64_t seed, int64_t length) {
+Attack PlayGame(const DeviceModel& m, const GameRules& rules, const Target& target, GameKind kind,
+                uint64_t seed, int64_t length) {
   Attack a;
-  a.law = law ? haptics::FindLaw(*law)->name : "guard alone";
+  a.law = target.Name();
   a.kind = rules.Name();
   a.made = GameKindName(kind);
   a.profile = m.name;
   a.seed = seed;
   a.length = length;
-  a.proved = Covered(law, rules);
+  a.proved = Covered(target, rules);
   Random r(seed);
   // An empty tank, or one as full as a declared start may make it.
   double full = 0.125 * m.peak_force_n * m.peak_force_n / ClauseStiffness(m, rules);
-  Game game(m, rules, law, r.Below(2) ? full * r.LogBetween(1e-6, 1) : 0);
+  Game game(m, rules, target, r.Below(2) ? full * r.LogBetween(1e-6, 1) : 0);
   switch (kind) {
     case GameKind::kWalk:
       PlayWalk(game, rules, r, length, &a);

@@ -47,12 +47,14 @@ class Strategy {
     if (q[8] > 0) t.push_m = dvec3(q[5], q[6], q[7]) * scale;
     if (rules.bounds) t.bound_ratio = q[9] > 1 ? 0 : q[9] > 0 ? 1 : std::exp(3 * q[9]);
     for (int i = 0; i < 3; ++i) {
-      double counts = std::clamp(q[10 + i], -1.0, 1.0) * (rules.noise_counts + 0.49);
+      double counts = std::clamp(q[10 + i], -1.0, 1.0) * (rules.counts_off() + 0.49);
       t.noise[i] = static_cast<int>(std::lround(counts));
     }
     t.late = q[13] > 1;
     t.late_is_lost_tick = q[14] > 0;
-    t.gap = rules.gaps && q[15] > 1.5;
+    // One time in fifteen; most gaps are longer than a bus's delay.
+    if (rules.gaps && q[15] > 1.5)
+      t.gap_ticks = 1 + std::min(static_cast<int>(8 * (q[15] - 1.5)), 8);
     t.gap_way_m = dvec3(q[10], q[11], q[12]) * scale;
     return t;
   }

@@ -53,7 +53,8 @@ void PlayWalk(Game& game, const GameRules& rules, Random& r, int64_t ticks, Atta
       turn = Turn{};
       game.Start(dvec3(r.Signed(), r.Signed(), r.Signed()) * 1e-4, RandomFrame(r));
       // The floor of a loaded start is known only if no force is still on its way.
-      if (rules.delay_ticks == 0 && rules.late == GameRules::Late::kNone && r.Below(2)) {
+      if (rules.delay_ticks == 0 && rules.late == GameRules::Late::kNone && r.Below(2) &&
+          game.can_rebase()) {
         turn.contact.damping_n_s_per_m = Sym3::Isotropic(1e8);
         turn.contact.engaged = true;
         for (int i = 0; i < 20; ++i) {
@@ -86,10 +87,10 @@ void PlayWalk(Game& game, const GameRules& rules, Random& r, int64_t ticks, Atta
       turn.bound_ratio = draw == 0 ? 0 : draw == 1 ? 1 : r.LogBetween(1e-4, 1);
     }
     for (int i = 0; i < 3; ++i)
-      turn.noise[i] = r.Below(2 * rules.noise_counts + 1) - rules.noise_counts;
+      turn.noise[i] = r.Below(2 * rules.counts_off() + 1) - rules.counts_off();
     turn.late = r.Below(6) == 0;
     turn.late_is_lost_tick = r.Below(2);
-    turn.gap = r.Below(40) == 0;
+    turn.gap_ticks = r.Below(40) == 0 ? 1 + r.Below(2 * rules.delay_ticks + 3) : 0;
     turn.gap_way_m = r.Direction() * (pace * r.LogBetween(0.1, 100));
     PlayCounted(game, turn, attack);
   }
@@ -122,13 +123,13 @@ void PlayDither(Game& game, const GameRules& rules, Random& r, int64_t ticks, At
       turn.contact.clearance_m = free ? 1 : 0;
       turn.way_m =
           way * (k % period < half ? reach : -reach) + shake * double(k % 3 - 1) - game.tip_m();
-      if (rules.noise_counts > 0 && !known) {
+      if (rules.counts_off() > 0 && !known) {
         for (int i = 0; i < 3; ++i)
-          turn.noise[i] = r.Below(2 * rules.noise_counts + 1) - rules.noise_counts;
+          turn.noise[i] = r.Below(2 * rules.counts_off() + 1) - rules.counts_off();
       }
       if (rules.bounds) turn.bound_ratio = (air >> (16 + k % period)) & 1 ? 1 : 0;
       turn.late = turn.late_is_lost_tick = (air >> (32 + k % period)) & 1;
-      turn.gap = rules.gaps && k % period == 0 && (air >> 48 & 3) == 0;
+      turn.gap_ticks = k % period == 0 && (air >> 48 & 3) == 0 ? 1 + rules.delay_ticks : 0;
       turn.gap_way_m = way * reach;
       PlayCounted(game, turn, attack);
     }
@@ -156,17 +157,17 @@ void PlayPress(Game& game, const GameRules& rules, Random& r, int64_t ticks, Att
       turn.late = r.Below(6) == 0;
       turn.late_is_lost_tick = r.Below(2);
       for (int i = 0; i < 3; ++i)
-        turn.noise[i] = r.Below(2 * rules.noise_counts + 1) - rules.noise_counts;
+        turn.noise[i] = r.Below(2 * rules.counts_off() + 1) - rules.counts_off();
       PlayCounted(game, turn, attack);
       ++played;
     };
     for (int cycle = 0; cycle < 4; ++cycle) {
       for (int k = 0; k < press; ++k) Play(in, bound_in ? 1 : 0, false);
       for (int k = 0; k < jerks; ++k) {
-        turn.gap = rules.gaps;
+        turn.gap_ticks = 1 + rules.delay_ticks;
         turn.gap_way_m = in * back;
         Play(-in * jerk, 1, false);
-        turn.gap = false;
+        turn.gap_ticks = 0;
       }
       for (int k = 0; k < press; ++k) Play(-in, 1, soft_out);
     }

@@ -76,10 +76,10 @@ struct TimeTrace {
 
 // One game of the adversary; of games merged into one line, the worst, with the ticks of all.
 struct Attack {
-  std::string law, kind;  // kind: how the motion was made, or the rules of a game of adversary.h
-  std::string made;       // of such a game, how the worst was made
-  // Arguments that repeat the worst: PlayRandom, PlaySearch or PlayGame with this profile, law,
-  // seed and length (ticks, or rounds of the search).
+  std::string law, kind;  // target and rules of adversary.h
+  std::string made;       // how the worst was made
+  // Arguments that repeat the worst: PlayGame with this profile, target, seed and length (ticks, or
+  // rounds of the search).
   std::string profile;
   uint64_t seed = 0;
   int64_t length = 0;

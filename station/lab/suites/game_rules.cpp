@@ -1,37 +1,68 @@
 #include <algorithm>
+#include <cmath>
 
+#include "common/core/params.h"
+#include "common/scene/cell.h"
 #include "station/lab/suites/adversary.h"
 #include "station/lab/suites/suites.h"
 
 namespace enamel::station::lab {
 
-haptics::TipCell GameRules::Cell(double delta) const {
-  if (!lattice) return haptics::CartesianCell(dvec3(delta), noise_counts);
-  return haptics::LatticeCell(delta, driver_rounds ? delta : 0, noise_counts);
+scene::DeviceProfile GameRules::ProfileOf(const DeviceModel& m) const {
+  scene::DeviceProfile profile = m.profile;
+  const auto cell_nm = static_cast<int32_t>(profile.resolution_nm.value);
+  profile.cell = {lattice, lattice && !driver_rounds ? kRecorded_nm : cell_nm, noise_counts, ""};
+  return profile;
+}
+
+haptics::TipCell CellUnder(const DeviceModel& m, const GameRules& rules) {
+  const scene::TipCellNm cell = scene::TipCellOf(rules.ProfileOf(m));
+  core::CoreParams p;
+  p.cell_half_nm.fill(cell.half_nm);
+  p.cell_ball_nm = cell.ball_nm;
+  return core::TipCellOf(p);
 }
 
 std::string GameRules::Name() const {
   std::string name = "delay " + std::to_string(delay_ticks);
-  if (undeclared_ticks > 0) name += " and " + std::to_string(undeclared_ticks) + " undeclared";
+  if (untold_ticks > 0) name += " and " + std::to_string(untold_ticks) + " untold";
+  if (rate_hz != 1000) name += ", " + F(rate_hz, "%.0f") + " Hz";
   if (noise_counts > 0) name += ", noise " + std::to_string(noise_counts);
+  if (untold_counts > 0) name += ", untold noise " + std::to_string(untold_counts);
   if (lattice) name += driver_rounds ? ", turned lattice rounded again" : ", turned lattice";
   if (bounds) name += ", bounds jump";
   if (gaps) name += ", gaps";
   if (late == Late::kCovered) name += ", late ticks (clause of one more)";
   if (late == Late::kLeak) name += ", lost ticks (leak)";
+  if (over_clause != 1) name += ", Kc " + F(over_clause, "%.1f") + " times the clause's";
   return name;
 }
 
 double ClauseStiffness(const DeviceModel& m, const GameRules& rules) {
-  double ticks = rules.clause_ticks() + 1;
+  const DeviceModel at = AtRate(m, rules.rate_hz, rules.rate_hz != m.rate_hz);
+  const double ticks = rules.clause_ticks() + 1;
   // Kc <= 2 b/((d + 1)^2 T), the clause of README.md.
-  return std::min(m.kc_n_per_m, 2 * m.damping_n_s_per_m / (ticks * ticks * m.tick_s()));
+  const double most = 2 * at.damping_n_s_per_m / (ticks * ticks * at.tick_s());
+  return std::floor(rules.over_clause * std::min(at.kc_n_per_m, most));
 }
 
-bool Covered(std::optional<haptics::LawKind> law, const GameRules& rules) {
-  // The theorem does not cover undeclared delay.
-  if (rules.undeclared_ticks > 0) return false;
-  return !law || ProvedLaw(*law);
+std::string Target::Name() const {
+  const std::string name = law ? std::string(haptics::FindLaw(*law)->name) : "guard alone";
+  return core ? name + ", whole core" : name;
+}
+
+bool Covered(const Target& target, const GameRules& rules) {
+  if (rules.untold_ticks > 0 || rules.untold_counts > 0 || rules.over_clause > 1) return false;
+  return !target.law || ProvedLaw(*target.law);
+}
+
+std::vector<GameRules> ExcludedRules() {
+  return {
+      {.untold_ticks = 1},
+      {.untold_counts = 1},
+      {.over_clause = 2},
+      {.delay_ticks = 1, .over_clause = 2},
+      {.noise_counts = 1, .lattice = true, .driver_rounds = true, .gaps = true, .over_clause = 2}};
 }
 
 std::vector<GameRules> AllRules() {
@@ -47,6 +78,14 @@ std::vector<GameRules> AllRules() {
                    .noise_counts = 2,
                    .lattice = true,
                    .driver_rounds = true,
+                   .gaps = true,
+                   .late = Late::kCovered});
+  }
+  for (double rate_hz : {4000.0, 8000.0}) {
+    all.push_back({.rate_hz = rate_hz});
+    all.push_back({.rate_hz = rate_hz,
+                   .delay_ticks = 1,
+                   .lattice = true,
                    .gaps = true,
                    .late = Late::kCovered});
   }

@@ -44,12 +44,6 @@ double NanosecondsPerTick(const TrialSpec& spec);
 // Goals of a velocity hand's cut, per axis: max(floor, factor Kc delta / 2).
 double ErrorGoal(const DeviceModel& model, double floor_n, double factor);
 
-// The adversary's games, also used by tests: `ticks` ticks of a random motion in random material
-// that changes every tick, from a loaded or unloaded start.
-Attack PlayRandom(const DeviceModel& model, haptics::LawKind law, uint64_t seed, int64_t ticks);
-// The same with a search: (1+1) evolution of a periodic 3-D motion and of a material that follows
-// its phase, `rounds` tries of 400 ticks.
-Attack PlaySearch(const DeviceModel& model, haptics::LawKind law, uint64_t seed, int rounds);
 // How the random suite draws: speeds uniformly; speeds logarithmically, which favours slow cuts;
 // also the loop rate, 500 Hz to 8 kHz with Kc as at 1 kHz where that is passive; B as a matrix with
 // axes of its own in any direction.

@@ -166,64 +166,6 @@ TEST(PaperLawTest, EquationTwelveOnBothSidesNeverLetsGo) {
   EXPECT_EQ(r.release10_s, -1);
 }
 
-TEST(AdversaryTest, NeverGetsUnderTheFloorOfWhatIsProved) {
-  for (size_t i : {0u, 1u, 2u}) {
-    DeviceModel m = Model(i);
-    for (LawKind law : {LawKind::kMaxwell, LawKind::kLeadMaxwell}) {
-      Attack walk = PlayRandom(m, law, 1000 + i, 150'000),
-             evolved = PlaySearch(m, law, 2000 + i, 200);
-      EXPECT_EQ(walk.violations, 0) << "seed " << walk.seed << " lowest " << walk.worst_j;
-      EXPECT_EQ(evolved.violations, 0) << "seed " << evolved.seed << " lowest " << evolved.worst_j;
-    }
-  }
-}
-
-// The search works: without a proof it finds energy at once. The worst games of a search of 1e9
-// ticks over every profile (`qualify --profile all --suite adversary`) are still won against the
-// laws they were found on, and lost against proved ones.
-struct KnownAttack {
-  LawKind law;
-  const char* profile;
-  uint64_t seed;
-  bool bred;
-  int length;
-};
-constexpr KnownAttack kKnownAttacks[] = {
-    {LawKind::kPaperDamping, "falcon", 860, false, 111'606},
-    {LawKind::kPaperDamping, "inverse3", 1002, true, 372},
-    {LawKind::kPaperLimited, "touch", 710, false, 111'606},
-    {LawKind::kPaperLimited, "touch", 712, true, 372},
-    {LawKind::kPaperSymmetric, "falcon", 883, false, 111'606},
-    {LawKind::kPaperSymmetric, "falcon", 897, true, 372},
-    {LawKind::kVirtualCoupling, "falcon", 916, false, 111'606},
-    {LawKind::kPassivityControlled, "touch", 765, false, 111'606},
-    {LawKind::kPassivityControlled, "inverse3", 1092, true, 372},
-    {LawKind::kEnergyBounded, "falcon", 959, false, 111'606},
-};
-
-Attack PlayAgain(const KnownAttack& known, LawKind law) {
-  for (const auto& profile : QualifyProfiles()) {
-    if (profile.name != known.profile) continue;
-    DeviceModel model = *ModelOf(profile);
-    return known.bred ? PlaySearch(model, law, known.seed, known.length)
-                      : PlayRandom(model, law, known.seed, known.length);
-  }
-  ADD_FAILURE() << "no profile " << known.profile;
-  return {};
-}
-
-TEST(AdversaryTest, KnownAttacksStillDrawEnergyFromTheLawsTheyWereFoundOn) {
-  for (const KnownAttack& known : kKnownAttacks)
-    EXPECT_GT(PlayAgain(known, known.law).violations, 0) << known.profile << " " << known.seed;
-}
-
-TEST(AdversaryTest, KnownAttacksDrawNothingFromWhatIsProved) {
-  for (const KnownAttack& known : kKnownAttacks) {
-    for (LawKind law : {LawKind::kMaxwell, LawKind::kLeadMaxwell})
-      EXPECT_EQ(PlayAgain(known, law).violations, 0) << known.profile << " " << known.seed;
-  }
-}
-
 TEST(RandomCaseTest, DrawsWithinTheStatedRanges) {
   DeviceModel m = Model(2);
   for (uint64_t seed = 0; seed < 500; ++seed) {
