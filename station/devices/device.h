@@ -35,6 +35,18 @@ struct DeviceSample {
   // is away or restarts. 0 if the device has none.
   uint32_t sequence = 0;
   uint64_t device_time_us = 0;
+  // Of a spring that the device's board runs: its rest point, nm from where the counts are 0, scene
+  // axes, and the share of its stiffness that is felt, 65 535 = all.
+  std::array<int32_t, 3> rest_nm{};
+  uint16_t share = 65'535;
+};
+
+// To a board that runs the spring (schemas/hid_haptic_report.md, report 0x47), scene axes.
+struct SpringCommand {
+  bool on = false, follow = false;
+  std::array<int32_t, 3> rest_nm{};
+  dvec3 added_n{0}, torque_n_m{0};
+  double bound_n = 0;
 };
 
 // An adapter's counts for its bus since construction. All zero for a device without one.
@@ -74,6 +86,9 @@ class Device {
     (void)torque_n_m;
     SendForce(force_n);
   }
+  // In place of the Sends above where the board runs the spring (core::CoreParams::spring_on_board).
+  // Other devices have none.
+  ENAMEL_REALTIME virtual void SendSpring(const SpringCommand& command) noexcept { (void)command; }
   // The bur as the picture shows it now. Only a simulated operator uses it.
   ENAMEL_REALTIME virtual void ShowBur(const dvec3& tip_m) noexcept { (void)tip_m; }
 

@@ -111,12 +111,27 @@ bool TickLoop::Tick(double late_s) noexcept {
   }
   core::TickInput input = InputOf(sample);
   core::TickOutput out = core_.Step(input);  // finite check, law, bound, finite check (coupling.h)
-  device_.SendForceAndTorque(out.force_sent_n, out.torque_sent_n_m);
+  Send(out);
   ring_.Push({{input, out.witness}, core_.state_hash()});
   Remember(sample, input, out.force_sent_n, late_s);
   Publish(input, out);
   device_.ShowBur(out.anchor.tip_m);
   return (sample.buttons & kFinish) != 0;
+}
+
+void TickLoop::Send(const core::TickOutput& out) noexcept {
+  if (!core_.params().spring_on_board) {
+    device_.SendForceAndTorque(out.force_sent_n, out.torque_sent_n_m);
+    return;
+  }
+  SpringCommand command;
+  command.on = out.spring.on;
+  command.follow = out.spring.follow;
+  command.rest_nm = out.spring.rest_nm;
+  command.added_n = out.force_sent_n - out.pressed_n();
+  command.torque_n_m = out.torque_sent_n_m;
+  command.bound_n = core_.params().peak_force_mn * 1e-3;
+  device_.SendSpring(command);
 }
 
 core::TickInput TickLoop::InputOf(const DeviceSample& sample) noexcept {
@@ -135,6 +150,10 @@ core::TickInput TickLoop::InputOf(const DeviceSample& sample) noexcept {
   input.orientation = sample.orientation;
   input.bur_speed_krpm = sample.bur_speed_krpm;
   input.gap_ticks = gap_;
+  if (core_.params().spring_on_board) {
+    input.rest_off_nm = core_.RestOff_nm(sample.counts, sample.rest_nm);
+    input.share_lost = static_cast<uint16_t>(65'535 - sample.share);
+  }
   if (gap_ > 0 && gap_held_) input.flags |= core::kHeldGap;
   gap_ = 0;
   gap_held_ = true;

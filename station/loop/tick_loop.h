@@ -170,6 +170,7 @@ class TickLoop {
     return held_.load(std::memory_order_relaxed) || ring_.Full();
   }
   core::TickInput InputOf(const DeviceSample& sample) noexcept;
+  void Send(const core::TickOutput& out) noexcept;
   void WatchTime(const DeviceSample& sample, double late_s) noexcept;
   void WatchLateness(double late_s) noexcept;
   void WatchHolder(const DeviceSample& sample) noexcept;
