@@ -25,6 +25,12 @@ class WayHand final : public Hand {
     damping_ = on.damping_n_s_per_m.value_or(1.2 * std::sqrt(k * (on.mass_kg + device_kg)));
   }
   double mass_kg() const override { return on_.stiffness_n_per_m ? on_.mass_kg : 0; }
+  // Of the grip on this plant now.
+  dvec3 Force(const Plant& plant) {
+    const Grip grip = At(plant.time_s());
+    return grip.force_n + (grip.equilibrium_m - plant.tip_m()) * grip.stiffness_n_per_m +
+           (grip.equilibrium_speed_m_per_s - plant.speed_m_per_s()) * grip.damping_n_s_per_m;
+  }
   Grip At(double t_s) override {
     Grip grip;
     if (!on_.stiffness_n_per_m) {
@@ -126,8 +132,10 @@ FeltFigures Feel(const FeltDevice& d, const FeltTrial& trial, const std::vector<
   // Off the middle of a cell on every axis, differently.
   const dvec3 start(3.3e-6, 2.1e-6, 1.1e-6);
   const PlantSpec spec = SpecOf(d, trial);
+  PlantSpec reference = spec;
+  if (trial.friction_counts) reference.friction_n = 0;
   WayHand hand(way, start, trial.hand, d.mass_kg), same(way, start, trial.hand, d.mass_kg);
-  Plant plant(spec, hand, start), damped(spec, same, start);
+  Plant plant(spec, hand, start), damped(reference, same, start);
   Renderer renderer(d, trial);
   renderer.Reset(plant.Read());
 
@@ -144,12 +152,13 @@ FeltFigures Feel(const FeltDevice& d, const FeltTrial& trial, const std::vector<
     const dvec3 r = -renderer.Tick(plant.Read()), was = plant.tip_m();
     plant.Step(-r);
     balance.Add(-plant.sent_n(), plant.tip_m() - was);
-    const dvec3 ideal =
-        trial.ideal ? damped.StepDamped(trial.b_n_s_per_m, d.peak_force_n) : dvec3(0);
+    dvec3 ideal = trial.ideal ? damped.StepDamped(trial.b_n_s_per_m, d.peak_force_n) : dvec3(0);
+    const dvec3 off = trial.friction_counts ? hand.Force(plant) - same.Force(damped) : r - ideal;
+    if (trial.friction_counts) ideal = same.Force(damped);
     smooth += (r - smooth) * (low_pass / (1 + low_pass));
     if (k < from) continue;
     judged.push_back(r);
-    error2 += Dot(r - ideal, r - ideal);
+    error2 += Dot(off, off);
     ideal2 += Dot(ideal, ideal);
     ripple2 += Dot(r - smooth, r - smooth);
     out.mean_n += r;

@@ -47,6 +47,9 @@ struct FeltTrial {
   int delay_ticks = 0;  // of the law's loop, where the host runs the spring
   double from_s = 0;    // figures are taken from here on
   bool ideal = true;    // false: without the second simulation; felt error and ideal stay 0
+  // True: the ideal damper is on a device without friction, and the forces compared are the grip's. Requires
+  // a grip.
+  bool friction_counts = false;
 };
 
 struct FeltFigures {

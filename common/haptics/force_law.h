@@ -98,6 +98,9 @@ std::span<const LawEntry> ForceLaws();
 const LawEntry* FindLaw(std::string_view name);
 const LawEntry* FindLaw(LawKind kind);
 
+// n Kc of lead Maxwell in tissue b (N s/m): what slow and wide motion meets there.
+double LeadStiffness(double kc_n_per_m, double b_n_s_per_m) noexcept;
+
 // Factories, one per law file.
 std::unique_ptr<ForceLaw> MakeMaxwell(const LawParams& params);
 std::unique_ptr<ForceLaw> MakeLeadMaxwell(const LawParams& params);

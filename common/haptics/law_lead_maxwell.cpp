@@ -26,6 +26,16 @@ constexpr double kWall_n_s_per_m = 34e3;
 // Share of B that counts as none, in B (B + share tr B I)^-1: what is left of a way where B resists.
 constexpr double kFree = 1e-9;
 
+double UnitOf(double kc) noexcept { return kc > 0 ? std::sqrt(kHeaviest_kg / kc) : 0; }
+
+// n of tissue that resists with b; `from` is kGain sqrt(kHeaviest Kc), the b where it begins.
+double GainIn(double b, double from) noexcept {
+  if (!(b > from)) return 1;
+  const double wall = b / kWall_n_s_per_m;
+  const double gain = LowerOf(std::sqrt(b / from), kMostGain);
+  return 1 + (gain - 1) / (1 + wall * wall);
+}
+
 // Lead Maxwell: R = (1-alpha) Kc (p - f) + alpha Kc (p - x) + n Kc (x - a), and the bur a goes as R/B.
 //
 // x follows the tip slowly, f quickly. Fast motion meets Kc, which is all that the device can hold stably.
@@ -43,7 +53,7 @@ class LeadMaxwell final : public ForceLaw {
       : kc_(params.kc_n_per_m), tick_s_(params.tick_s), play_m_(params.play_m) {
     // The edge of a cube that the play is the diagonal of.
     cell_m_ = play_m_ / std::sqrt(3.0);
-    unit_s_ = kc_ > 0 ? std::sqrt(kHeaviest_kg / kc_) : 0;
+    unit_s_ = UnitOf(kc_);
     gain_from_ = kGain * kc_ * unit_s_;
     Reset(dvec3(0));
   }
@@ -99,9 +109,7 @@ class LeadMaxwell final : public ForceLaw {
     Spring out;
     out.damping_n_s_per_m = e2 > 0 ? Dot(e, b * e) / e2 : b.Trace() / 3;
     if (!(out.damping_n_s_per_m > gain_from_)) return out;
-    const double wall = out.damping_n_s_per_m / kWall_n_s_per_m;
-    double gain = LowerOf(std::sqrt(out.damping_n_s_per_m / gain_from_), kMostGain);
-    gain = 1 + (gain - 1) / (1 + wall * wall);
+    const double gain = GainIn(out.damping_n_s_per_m, gain_from_);
     out.shock = kShare * LowerOf(gain - 1, 1) * Beyond(z2, kShockFrom_cells);
     out.gain = 1 + (gain - 1) * Beyond(z2, kLeadFrom_cells);
     return out;
@@ -175,6 +183,10 @@ class LeadMaxwell final : public ForceLaw {
 };
 
 }  // namespace
+
+double LeadStiffness(double kc, double b) noexcept {
+  return kc * GainIn(b, kGain * kc * UnitOf(kc));
+}
 
 std::unique_ptr<ForceLaw> MakeLeadMaxwell(const LawParams& params) {
   return std::make_unique<LeadMaxwell>(params);

@@ -237,7 +237,6 @@ asio::awaitable<Response> Api::Answer(const Request& request) {
             station_fingerprint_,
             station_port_,
             &*apart_,
-            &feel_,
             first_admin_,
             stations_,
             &*teeth_,

@@ -13,7 +13,6 @@
 
 #include "server/auth/authenticator.h"
 #include "server/auth/first_admin.h"
-#include "server/http/handlers/feel_maps.h"
 #include "server/http/message.h"
 #include "server/http/routes.h"
 #include "server/storage/store.h"
@@ -92,7 +91,6 @@ class Api : public std::enable_shared_from_this<Api> {
   ops::Histogram reads_;
   std::optional<StorePool> pool_;                     // until EndWork
   std::optional<StorePool> apart_{std::in_place, 1};  // likewise
-  FeelMaps feel_;
   std::optional<ToothImport> teeth_;  // until EndWork
 };
 

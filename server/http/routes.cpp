@@ -163,7 +163,6 @@ const std::array kRoutes = {
     Route{Method::kGet, "/api/v1/profiles/{name}", Need::kPerson, Given<&GetProfile>()},
     Route{Method::kGet, "/api/v1/profiles/{name}/versions", Need::kInstructor,
           Given<&ListProfileVersions>()},
-    Route{Method::kGet, "/api/v1/profiles/{name}/feel", Need::kPerson, Given<&GetProfileFeel>()},
     Route{Method::kGet, "/api/v1/profiles/{name}/reports", Need::kInstructor,
           Given<&ListProfileReports>()},
     Route{Method::kPost, "/api/v1/profiles/{name}/reports", Need::kAdmin,

@@ -23,8 +23,6 @@
 // test compares the two both ways.
 namespace enamel::server::http {
 
-class FeelMaps;
-
 // Who may call a route at all. server/training/access.h decides whose data the answer may hold.
 enum class Need : uint8_t {
   kNobody,      // no session asked for
@@ -53,7 +51,6 @@ struct Call {
   uint16_t station_port = 0;  // where they reach it; 0: not known
   StorePool* apart =
       nullptr;               // always set: for what asks a disk and must not wait for the database
-  FeelMaps* feel = nullptr;  // always set
   auth::FirstAdmin* first_admin = nullptr;  // none: no link was given
   StationBoard* stations = nullptr;         // none: it takes none
   ToothImport* teeth = nullptr;             // always set

@@ -96,7 +96,7 @@ const std::map<std::string, Names>& Allowed() {
           "common/timeline"}},
         {"server/http",
          {"server/auth", "server/roster", "server/live", "server/net", "server/ops",
-          "server/storage", "server/jobs", "common/fidelity", "common/scene", "common/net"}},
+          "server/storage", "server/jobs", "common/scene", "common/net"}},
         {"server/app",
          {"server/http", "server/ops", "server/stations", "server/jobs", "common/import"}},
         {"server/commands", {"server/app", "common/program", "server/agreement", "common/scoring"}},

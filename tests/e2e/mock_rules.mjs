@@ -285,49 +285,6 @@ function putProfile({ world, body, query }) {
   return new Reply(judgement, { status: stored ? 201 : 200 });
 }
 
-// The slower device feels less of what is hard.
-function feelOf({ row }) {
-  const verdicts =
-    row.coupling > 10_000 ? ["felt", "felt", "felt", "felt"] : ["beyond_force", "late", "device_cannot", "felt"];
-  const figures = { error: 0.05, gain: row.coupling > 10_000 ? 1 : 0.6, lag_s: 0.02, rise_s: 0.02 };
-  return {
-    ...row,
-    has_motors: true,
-    coupling_mn_per_mm: row.coupling,
-    tissues_of_scenes: true,
-    thresholds: [
-      { name: "force", value: 0.07, unit: "share", source: "Jones 1989" },
-      { name: "viscosity", value: 0.19, unit: "share", source: "Jones 1997" },
-      {
-        name: "delay",
-        value: 0.015,
-        unit: "s",
-        source: "Rank, Shi, Mueller and Hirche 2010, EuroHaptics, LNCS 6191, chapter 30",
-      },
-    ],
-    tissues: [
-      [["enamel", "neighbour"], 8700],
-      [["dentin"], 5200],
-      [["caries"], 1000],
-      [["pulp"], 300],
-    ].map(([names, damping]) => ({ names, damping_mn_s_per_mm: damping, scenes: ["Lower first molar"] })),
-    cells: verdicts.flatMap((verdict, tissue) =>
-      [0.1, 0.43, 1].flatMap((speed) =>
-        ["steady", "strokes"].map((motion) => ({
-          tissue,
-          speed_mm_per_s: speed,
-          motion,
-          force_rms_n: 2.1,
-          force_largest_n: 3.3,
-          law: figures,
-          oracle: figures,
-          verdict,
-        })),
-      ),
-    ),
-  };
-}
-
 // Everything is well but for `world.trouble`, which a flow makes.
 const health = ({ world }) => ({
   now_ms: Date.now(),
@@ -358,7 +315,6 @@ const operationRules = {
     station_port: 8600,
   }),
   "POST /profiles": putProfile,
-  "GET /profiles/{name}/feel": feelOf,
   "POST /profiles/{name}/reports": ({ world, row, request, bytes }) => {
     row.reports.unshift({
       id: newId(world),

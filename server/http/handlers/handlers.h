@@ -77,7 +77,6 @@ Response GetInsight(const Call& call, Store& store);
 Response ListProfiles(const Call& call, StoredBlobs& blobs, ProfileRows& profiles_rows);
 Response PutProfile(const Call& call, StoredBlobs& blobs, ProfileRows& profiles);
 Response GetProfile(const Call& call, StoredBlobs& blobs, ProfileRows& profiles);
-boost::asio::awaitable<Response> GetProfileFeel(Call call, Store& store);
 Response ListProfileVersions(const Call& call, ProfileRows& profiles);
 Response ListProfileReports(const Call& call, ProfileRows& profiles);
 Response AddProfileReport(const Call& call, StoredBlobs& blobs, ProfileRows& profiles);

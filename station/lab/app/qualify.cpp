@@ -21,17 +21,11 @@ struct Suite {
   const char* name;
   void (*run)(SuiteContext&);
 };
-constexpr Suite kSuites[] = {{"paper", &RunPaperSuite},
-                             {"hand", &RunHandSuite},
-                             {"map", &RunMapSuite},
-                             {"strokes", &RunStrokesSuite},
-                             {"rates", &RunRatesSuite},
-                             {"laws", &RunLawsSuite},
-                             {"estimators", &RunEstimatorsSuite},
-                             {"extreme", &RunExtremeSuite},
-                             {"adversary", &RunAdversarySuite},
-                             {"random", &RunRandomSuite},
-                             {"cutting", &RunCuttingSuite}};
+constexpr Suite kSuites[] = {{"paper", &RunPaperSuite},     {"hand", &RunHandSuite},
+                             {"map", &RunMapSuite},         {"strokes", &RunStrokesSuite},
+                             {"laws", &RunLawsSuite},       {"estimators", &RunEstimatorsSuite},
+                             {"extreme", &RunExtremeSuite}, {"adversary", &RunAdversarySuite},
+                             {"random", &RunRandomSuite},   {"cutting", &RunCuttingSuite}};
 
 // The suites measure the three axes of force. A torque that is not passive would shake the hand.
 Status CheckTorque(const scene::DeviceProfile& profile) {
@@ -88,7 +82,7 @@ Status CheckSuites(const std::vector<std::string>& names) {
     if (!known)
       return {Code::kInvalidInput,
               "unknown suite '" + name +
-                  "': expected paper, hand, map, strokes, rates, laws, estimators, extreme, "
+                  "': expected paper, hand, map, strokes, laws, estimators, extreme, "
                   "adversary, random, cutting or all",
               "suite"};
   }
@@ -144,8 +138,7 @@ void Print(std::FILE* out, const Findings& f) {
     std::fprintf(out, "%s: %zu passive, %zu stable with these grips, %zu bounded, %zu unstable\n",
                  m.title.c_str(), counts[0], counts[1], counts[2], counts[3]);
   }
-  const size_t rows =
-      f.rows.size() + f.cutting.size() + f.hands.size() + f.feel.size() + f.rates.size();
+  const size_t rows = f.rows.size() + f.cutting.size() + f.hands.size() + f.feel.size();
   if (!f.strokes.empty()) std::fprintf(out, "%zu devices' strokes, ", f.strokes.size());
   std::fprintf(out, "%zu rows in %.1f s\n", rows, f.seconds);
 }

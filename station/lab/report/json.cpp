@@ -99,38 +99,34 @@ json::object ExtremeJson(const ExtremeRow& r) {
           {"verdict", r.Passed() ? "passed" : "failed"}};
 }
 
-json::object FeelJson(const FeelRow& r) {
-  const fidelity::Cell& c = r.cell;
-  bool strokes = c.motion == fidelity::Motion::kStrokes;
-  auto Lag = [&](const fidelity::Figures& f) {
-    return strokes ? Number(f.lag_s) : json::value(nullptr);
-  };
-  auto Rise = [&](const fidelity::Figures& f) {
-    return strokes ? json::value(nullptr) : Time(f.rise_s);
-  };
-  return {{"suite", "map"},
-          {"device", r.device},
-          {"attached", r.attached},
-          {"kc_n_per_mm", Number(r.kc_n_per_mm)},
-          {"delay_ticks", r.delay_ticks},
-          {"tissue", r.tissue},
-          {"b_n_s_per_mm", Number(r.b_n_s_per_mm)},
-          {"speed_mm_per_s", Number(c.speed_m_per_s * 1e3)},
-          {"motion", fidelity::MotionName(c.motion)},
-          {"right_rms_n", Number(c.rms_n)},
-          {"right_largest_n", Number(c.largest_n)},
-          {"error", Number(c.law.error)},
-          {"gain", Number(c.law.gain)},
-          {"lag_s", Lag(c.law)},
-          {"rise_s", Rise(c.law)},
-          {"oracle_error", Number(c.oracle.error)},
-          {"oracle_gain", Number(c.oracle.gain)},
-          {"oracle_lag_s", Lag(c.oracle)},
-          {"oracle_rise_s", Rise(c.oracle)},
-          {"verdict", fidelity::VerdictName(c.verdict)}};
+json::object CurveJson(const FeelCurve& c) {
+  return {{"device", c.device},
+          {"title", c.title},
+          {"tissue", c.tissue},
+          {"b_n_s_per_mm", Number(c.b_n_s_per_mm)},
+          {"law", c.law},
+          {"rate_hz", Number(c.rate_hz)},
+          {"delay_ticks", c.delay_ticks},
+          {"kc_n_per_mm", Number(c.kc_n_per_mm)},
+          {"limit", c.limit},
+          {"friction_n", Number(c.friction_n)},
+          {"error", json::array(c.error.begin(), c.error.end())},
+          {"closed_form", json::array(c.closed_form.begin(), c.closed_form.end())}};
 }
 
 }  // namespace
+
+json::object FeelJson(const std::vector<FeelCurve>& curves) {
+  json::array grips, shares, all;
+  for (double grip : fidelity::kGrips_n_per_m) grips.push_back(Number(grip * 1e-3));
+  for (double share : fidelity::kShares) shares.push_back(Number(share));
+  for (const FeelCurve& c : curves) all.push_back(CurveJson(c));
+  return {{"enamel_feel", 1},
+          {"grips_n_per_mm", std::move(grips)},
+          {"shares", std::move(shares)},
+          {"hand_rad_per_s", fidelity::kHand_rad_per_s},
+          {"curves", std::move(all)}};
+}
 
 std::string JsonOf(const Findings& f) {
   json::array rows, fronts, attacks, random;
@@ -139,7 +135,6 @@ std::string JsonOf(const Findings& f) {
   AppendCuttingRows(f, rows);
   for (const HandRow& r : f.hands) rows.push_back(HandJson(r));
   for (const ExtremeRow& r : f.extremes) rows.push_back(ExtremeJson(r));
-  for (const FeelRow& r : f.feel) rows.push_back(FeelJson(r));
   for (const Attack& a : f.attacks) {
     attacks.push_back(json::object{{"law", a.law},
                                    {"game", a.kind},
@@ -168,20 +163,7 @@ std::string JsonOf(const Findings& f) {
                    {"random", std::move(random)}};
   // Left out if no such suite ran; the same for the members below.
   if (!fronts.empty()) out["fronts"] = std::move(fronts);
-  if (!f.rates.empty()) {
-    json::array rates;
-    for (const RateRow& r : f.rates) {
-      rates.push_back(json::object{{"device", r.device},
-                                   {"rate_hz", Number(r.rate_hz)},
-                                   {"delay_ticks", r.delay_ticks},
-                                   {"kc_n_per_mm", Number(r.kc_n_per_mm)},
-                                   {"limit", r.limit},
-                                   {"kc_delta_half_n", Number(r.kc_delta_half_n)},
-                                   {"felt_error", Number(r.felt_error)},
-                                   {"maxwell_error", Number(r.maxwell_error)}});
-    }
-    out["rates"] = std::move(rates);
-  }
+  if (!f.feel.empty()) out["feel"] = FeelJson(f.feel);
   out["report"] = ReportOf(f);
   std::string text = json::serialize(out);
   if (!f.strokes.empty()) {

@@ -91,6 +91,43 @@ Plot RatePlot(const Findings& f, const DeviceModel& m) {
   return p;
 }
 
+// One for each tissue: felt error over the grip's stiffness, the default law solid with its closed form
+// dashed, plain Maxwell dotted, a colour for each rate and delay; the shares that a hand can tell.
+std::vector<Plot> FeelPlots(const std::vector<FeelCurve>& curves, const DeviceModel& m) {
+  std::vector<Plot> out;
+  std::map<std::string, size_t> colours;
+  for (const FeelCurve& c : curves) {
+    if (c.device != m.name) continue;
+    const std::string title = "What a hand can feel on " + m.title + ": " + c.tissue;
+    if (out.empty() || out.back().title != title) {
+      out.push_back({title, "stiffness of the grip, N/mm", "felt error", true, false, {}});
+      const auto& grips = fidelity::kGrips_n_per_m;
+      for (double share : fidelity::kShares)
+        out.back().series.push_back(
+            {F(100 * share, "%.0f") + " %",
+             "reference",
+             Style::kDashes,
+             {{grips[0] * 1e-3, share}, {*std::prev(std::end(grips)) * 1e-3, share}},
+             true});
+    }
+    const std::string name = F(c.rate_hz, "%.0f") + " Hz, " + F(c.kc_n_per_mm, "%.1f") + " N/mm" +
+                             (c.delay_ticks > 0 ? ", a tick late" : "");
+    const std::string colour = ColourOf(colours.try_emplace(name, colours.size()).first->second);
+    const bool chosen = c.law == haptics::FindLaw(haptics::kDefaultLaw)->name;
+    Series law{chosen ? name : "", colour, chosen ? Style::kLine : Style::kDots, {}}, closed = law;
+    closed.label = "";
+    closed.style = Style::kDashes;
+    for (size_t i = 0; i < c.error.size(); ++i) {
+      const double grip = fidelity::kGrips_n_per_m[i] * 1e-3;
+      law.points.push_back({grip, c.error[i]});
+      closed.points.push_back({grip, c.closed_form[i]});
+    }
+    out.back().series.push_back(std::move(law));
+    if (chosen) out.back().series.push_back(std::move(closed));
+  }
+  return out;
+}
+
 Plot RandomPlot(const RandomSummary& r) {
   Plot p;
   p.title = "Share of hands below a difference from plain Maxwell: " + r.title;
@@ -237,6 +274,9 @@ std::vector<Placed> AllPlots(const Findings& f) {
     // With `quick` there is one rate, which makes no line.
     if (!f.quick) out.push_back({"laws", RatePlot(f, m)});
   }
+  for (const DeviceModel& m : f.models) {
+    for (Plot& p : FeelPlots(f.feel, m)) out.push_back({"figures", std::move(p)});
+  }
   for (const RandomSummary& r : f.random) out.push_back({"random", RandomPlot(r)});
   for (Plot& p : CuttingPlots(f)) out.push_back({"cutting", std::move(p)});
   return out;
@@ -246,7 +286,7 @@ std::vector<Placed> AllPlots(const Findings& f) {
 const char* SectionOf(const Table& t) {
   auto Starts = [&](const char* with) { return t.title.rfind(with, 0) == 0; };
   // Titles are ours (suites/*.cpp). An unknown one appears under "extreme", where it is noticed.
-  if (Starts("Figures of") || Starts("Strokes") || Starts("Loop rates")) return "figures";
+  if (Starts("Figures of") || Starts("Strokes") || Starts("What a hand can feel")) return "figures";
   if (Starts("Fronts")) return "laws";
   if (Starts("The paper") || Starts("Table") || Starts("Device profiles")) return "paper";
   if (Starts("Velocity est")) return "estimators";

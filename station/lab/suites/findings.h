@@ -128,25 +128,15 @@ struct HandRow {
   double energy_min_j = kNotApplicable;                           // of the theorem's balance
 };
 
-// One cell of the map of what a hand can feel.
-struct FeelRow {
-  std::string device, tissue;
-  double b_n_s_per_mm = 0, kc_n_per_mm = 0;
+// One curve of the map of what a hand can feel: an error for each grip of fidelity::kGrips_n_per_m.
+// JSON: schemas/feel.schema.json.
+struct FeelCurve {
+  std::string device, title, tissue, law;
+  double b_n_s_per_mm = 0, rate_hz = 0, kc_n_per_mm = 0, friction_n = 0;
   int delay_ticks = 0;
-  bool attached = false;  // delay and Kc as an attached unit has them, else as the profile says
-  fidelity::Cell cell;
-};
-
-// One device at one loop rate with the largest coupling possible there (scene/rate.h), in five
-// hands of 1 N/mm that wander over enamel of 6.5 N s/mm at 0.2 mm/s. JSON: member "rates", the names
-// below.
-struct RateRow {
-  std::string device,
-      limit;  // limit: what keeps Kc from being larger: damping, friction, structure
-  double rate_hz = 0, kc_n_per_mm = 0;
-  int delay_ticks = 0;
-  double kc_delta_half_n = 0;  // what one encoder cell is worth: the least error per axis
-  double felt_error = 0, maxwell_error = 0;  // as of HandRow
+  std::string limit;  // what keeps Kc from being larger (scene/rate.h); empty: the profile's own Kc
+  std::vector<double> error;
+  std::vector<double> closed_form;  // of the law's spring for slow motion, without friction
 };
 
 // One bur at one voxel size and speed.
@@ -166,9 +156,8 @@ struct Findings {
   std::vector<CuttingRow> cutting;
   std::vector<HandRow> hands;
   std::vector<ExtremeRow> extremes;
-  std::vector<FeelRow> feel;
+  std::vector<FeelCurve> feel;
   std::vector<StrokeDevice> strokes;
-  std::vector<RateRow> rates;
   std::vector<ScoreFigures> scores;  // coarse to fine
   double integration_error_m = 0;    // the simulator's own, worst of the trials asked
   double seconds = 0;

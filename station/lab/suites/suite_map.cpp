@@ -1,107 +1,107 @@
 #include <atomic>
 #include <cmath>
-#include <cstdio>
 
 #include "common/fidelity/feel.h"
 #include "common/scene/builtin/builtin.h"
+#include "common/scene/rate.h"
+#include "station/lab/laws/motions.h"
 #include "station/lab/suites/suites.h"
 
-// Where a hand feels F = B V, per device and tissue, and where no law could achieve it
-// (common/fidelity).
+// Up to which grip a hand feels F = B v, per device, loop rate and tissue (common/fidelity/feel.h).
 namespace enamel::station::lab {
 namespace {
 
-using fidelity::Motion;
+using haptics::LawKind;
 
-constexpr double kShownSpeed_m_per_s = 0.43e-3;
+constexpr double kSpeed_m_per_s = 0.2e-3, kDuration_s = 12;
 
-// Hard to soft; one of each B: a neighbour cuts like enamel.
-std::vector<fidelity::Tissue> BuiltinTissues() {
-  using cutting::Tissue;
-  std::vector<fidelity::Tissue> out;
-  for (const scene::TissueSpec& spec :
-       scene::DefaultTissues({Tissue::kEnamel, Tissue::kFilling, Tissue::kDentin, Tissue::kGypsum,
-                              Tissue::kCaries, Tissue::kPulp}))
-    out.push_back(fidelity::TissueOf(spec));
+struct Condition {
+  DeviceModel model;
+  std::string limit;
+};
+
+// The unchanged profile first; then the rates with the largest Kc there, without delay and with a tick.
+std::vector<Condition> ConditionsOf(const DeviceModel& m, bool quick) {
+  std::vector<Condition> out{{m, ""}};
+  for (int64_t delay : {0, 1}) {
+    for (int64_t rate : {1000, 4000, 8000}) {
+      if (quick && (delay != 0 || rate != 8000)) continue;
+      scene::DeviceProfile profile = m.profile;
+      // The profile's own delay belongs to its own rate; here 0 and 1 are compared at every rate.
+      profile.bus_delay_ticks.value = 0;
+      Result<scene::DeviceProfile> at = scene::AtRate(profile, rate);
+      // A rate that is impossible for the profile has no curve.
+      if (!at.ok()) continue;
+      at->bus_delay_ticks.value = delay;
+      const scene::LargestCoupling largest = scene::LargestCouplingAt(*at, rate, delay);
+      at->coupling_mn_per_mm.value = largest.coupling_mn_per_mm;
+      Result<DeviceModel> model = ModelOf(*at);
+      if (model.ok()) out.push_back({*model, scene::CouplingLimitName(largest.limit)});
+    }
+  }
   return out;
 }
 
-struct Job {
-  fidelity::Device device;
-  bool attached;
-  const fidelity::Tissue* tissue;
-  double speed;
-  Motion motion;
-};
-
-FeelRow RowOf(const Job& job) {
-  FeelRow row;
-  row.device = job.device.name;
-  row.tissue = job.tissue->name;
-  row.b_n_s_per_mm = job.tissue->b_n_s_per_m / 1000;
-  row.kc_n_per_mm = job.device.kc_n_per_m / 1000;
-  row.delay_ticks = job.device.delay_ticks;
-  row.attached = job.attached;
-  row.cell = fidelity::Simulate(job.device, *job.tissue, job.speed, job.motion);
-  return row;
+std::vector<scene::TissueSpec> Tissues(bool quick) {
+  using cutting::Tissue;
+  if (quick) return scene::DefaultTissues({Tissue::kEnamel, Tissue::kCaries});
+  return scene::DefaultTissues({Tissue::kEnamel, Tissue::kDentin, Tissue::kCaries, Tissue::kPulp});
 }
 
-std::string Text(const fidelity::Cell& cell) {
-  char figures[80];
-  if (cell.verdict == fidelity::Verdict::kBeyondForce) {
-    std::snprintf(figures, sizeof figures, ": %.2f N", cell.rms_n);
-  } else if (cell.motion == Motion::kStrokes) {
-    std::snprintf(figures, sizeof figures, ": %.0f %%, %.0f ms (%.0f %%)", 100 * cell.law.error,
-                  1e3 * cell.law.lag_s, 100 * cell.oracle.error);
-  } else if (cell.law.rise_s < 0) {
-    std::snprintf(figures, sizeof figures, ": %.0f %%, never", 100 * cell.law.error);
-  } else {
-    std::snprintf(figures, sizeof figures, ": %.0f %%, %.2f s (%.2f)", 100 * cell.law.error,
-                  cell.law.rise_s, cell.oracle.rise_s);
+FeelCurve CurveOf(const Condition& condition, const scene::TissueSpec& tissue, LawKind law) {
+  const DeviceModel& m = condition.model;
+  FeelCurve c;
+  c.device = m.name;
+  c.title = m.title;
+  c.tissue = cutting::TissueName(tissue.tissue);
+  c.law = haptics::FindLaw(law)->name;
+  c.b_n_s_per_mm = tissue.damping_mn_s_per_mm * 1e-3;
+  c.rate_hz = m.rate_hz;
+  c.kc_n_per_mm = m.kc_n_per_m * 1e-3;
+  c.friction_n = m.friction_n;
+  c.delay_ticks = m.delay_ticks;
+  c.limit = condition.limit;
+  const double b = tissue.damping_mn_s_per_mm;  // mN s/mm = N s/m
+  const double spring =
+      law == LawKind::kLeadMaxwell ? haptics::LeadStiffness(m.kc_n_per_m, b) : m.kc_n_per_m;
+  for (double grip : fidelity::kGrips_n_per_m)
+    c.closed_form.push_back(fidelity::ClosedFormError(grip, spring, b, fidelity::kHand_rad_per_s));
+  c.error.resize(std::size(fidelity::kGrips_n_per_m));
+  return c;
+}
+
+// "7 %: 1.2, 15 %: 3.4": three grips of a column, N/mm.
+std::string Grips(const std::vector<double>& errors) {
+  std::string text;
+  for (double share : fidelity::kShares) {
+    const double grip = fidelity::StiffestGrip(fidelity::kGrips_n_per_m, errors, share) * 1e-3;
+    text += (text.empty() ? "" : " / ") + (grip > 0 ? F(grip, "%.1f") : std::string("-"));
   }
-  return std::string(fidelity::VerdictWords(cell.verdict)) + figures;
+  return text;
 }
 
-void AddTable(SuiteContext& c, const std::vector<fidelity::Tissue>& tissues, Motion motion,
-              bool attached) {
+void AddTable(SuiteContext& c, size_t from) {
   Table t;
-  t.title = std::string("What a hand can feel: ") +
-            (motion == Motion::kSteady ? "a steady cut at 0.43 mm/s"
-                                       : "strokes to and fro of 1 s, mean 0.43 mm/s") +
-            (attached ? ", delay and Kc as an attached unit has them"
-                      : ", delay and Kc as the profile says");
-  t.note = motion == Motion::kSteady ? "Mean error over B V after the rise; time until within 7 % "
-                                       "(the oracle's: from rest no passive law is faster)."
-                                     : "RMS error over B V; lag (the oracle's error: of force that "
-                                       "rises by at most Kc |v|; a law with an energy "
-                                       "tank may beat it).";
-  t.note +=
-      " As it is: within 7 % and 15 ms. Late: within 7 %. Nearly: within 19 %. Device cannot: "
-      "worse, and the oracle is not "
-      "within 7 % and 15 ms either. Law falls short: worse, though the oracle is. Too weak: RMS "
-      "above the continuous "
-      "force, or largest above the peak. All speeds: --json.";
-  t.head = {"device", "Kc N/mm", "delay ticks"};
-  for (const fidelity::Tissue& tissue : tissues) {
-    char head[60];
-    std::snprintf(head, sizeof head, "%s %.1f", tissue.name.c_str(), tissue.b_n_s_per_m * 1e-3);
-    t.head.emplace_back(head);
-  }
-  for (const DeviceModel& m : c.findings.models) {
-    std::vector<std::string> line;
-    for (const FeelRow& r : c.findings.feel) {
-      if (r.device != m.name || r.attached != attached || r.cell.motion != motion ||
-          r.cell.speed_m_per_s != kShownSpeed_m_per_s)
-        continue;
-      // From the first cell: an attached unit's Kc and delay are not the model's.
-      if (line.empty()) {
-        char kc[24];
-        std::snprintf(kc, sizeof kc, "%.2f", r.kc_n_per_mm);
-        line = {m.title, kc, std::to_string(r.delay_ticks)};
-      }
-      line.push_back(Text(r.cell));
-    }
-    if (!line.empty()) t.rows.push_back(std::move(line));
+  t.title =
+      "What a hand can feel: stiffest grip, N/mm, in which cutting feels right within 7 / 15 / 19 "
+      "%";
+  t.note =
+      "A hand's grip is 0.3 (loose) to 2 N/mm (firm). Felt: the grip's force, friction in, against "
+      "that on "
+      "a device without friction that is an ideal damper. Closed form: |H/H_ideal - 1| of a spring "
+      "K = Kc "
+      "(plain Maxwell) or n Kc (lead Maxwell) at 1.6 rad/s, about kh/(kh + K). -: not even at 0.3; "
+      "20.0: at "
+      "least. Kc: the profile's (limit empty), else the largest at that rate and delay. Generated "
+      "hands "
+      "that work a surface at 0.2 mm/s.";
+  t.head = {"device",  "tissue", "B N s/mm", "rate Hz", "delay",
+            "Kc N/mm", "limit",  "law",      "felt",    "closed form"};
+  for (size_t i = from; i < c.findings.feel.size(); ++i) {
+    const FeelCurve& r = c.findings.feel[i];
+    t.rows.push_back({r.title, r.tissue, F(r.b_n_s_per_mm, "%.1f"), F(r.rate_hz, "%.0f"),
+                      std::to_string(r.delay_ticks), F(r.kc_n_per_mm, "%.2f"), r.limit, r.law,
+                      Grips(r.error), Grips(r.closed_form)});
   }
   c.findings.tables.push_back(std::move(t));
 }
@@ -109,37 +109,39 @@ void AddTable(SuiteContext& c, const std::vector<fidelity::Tissue>& tissues, Mot
 }  // namespace
 
 void RunMapSuite(SuiteContext& c) {
-  const std::vector<fidelity::Tissue> tissues = BuiltinTissues();
+  std::vector<std::vector<dvec3>> ways;
+  for (uint64_t seed = 1; seed <= (c.options.quick ? 1 : 2); ++seed)
+    ways.push_back(WanderingMotion(kSpeed_m_per_s, kDuration_s, seed).way_m);
+  struct Job {
+    fidelity::FeltDevice device;
+    fidelity::FeltTrial trial;
+    size_t curve, grip;
+  };
   std::vector<Job> jobs;
+  const size_t from = c.findings.feel.size();
   for (const DeviceModel& m : c.findings.models) {
-    Result<fidelity::Device> plain = fidelity::AsItStands(m.profile);
-    Result<fidelity::AttachedDevice> attached = fidelity::Attached(m.profile);
-    for (const Status& status : {plain.status(), attached.status()}) {
-      // A profile usable only with its own delay still has its half of the map.
-      if (!status.ok() && c.options.errors) c.options.errors("map: " + status.message());
-    }
-    for (bool is_attached : {false, true}) {
-      if (is_attached ? !attached.ok() : !plain.ok()) continue;
-      for (const fidelity::Tissue& tissue : tissues) {
-        for (double speed : fidelity::kSpeeds_m_per_s) {
-          for (Motion motion : fidelity::kMotions)
-            jobs.push_back(
-                {is_attached ? attached->device : *plain, is_attached, &tissue, speed, motion});
+    for (const Condition& condition : ConditionsOf(m, c.options.quick)) {
+      for (const scene::TissueSpec& tissue : Tissues(c.options.quick)) {
+        for (LawKind law : {haptics::kDefaultLaw, LawKind::kMaxwell}) {
+          fidelity::FeltTrial trial;
+          trial.law = law;
+          trial.b_n_s_per_m = Sym3::Isotropic(tissue.damping_mn_s_per_mm);
+          trial.delay_ticks = condition.model.delay_ticks;
+          for (size_t grip = 0; grip < std::size(fidelity::kGrips_n_per_m); ++grip)
+            jobs.push_back({FeltDeviceOf(condition.model), trial, c.findings.feel.size(), grip});
+          c.findings.feel.push_back(CurveOf(condition, tissue, law));
         }
       }
     }
   }
-  std::vector<FeelRow> rows(jobs.size());
   std::atomic<size_t> done{0};
   ParallelFor(jobs.size(), c.options.threads, [&](size_t i) {
-    rows[i] = RowOf(jobs[i]);
-    c.progress("map: cells", ++done, jobs.size());
+    const Job& job = jobs[i];
+    c.findings.feel[job.curve].error[job.grip] =
+        fidelity::FeltIn(job.device, job.trial, fidelity::kGrips_n_per_m[job.grip], ways);
+    c.progress("map: grips", ++done, jobs.size());
   });
-  for (FeelRow& row : rows) c.findings.feel.push_back(std::move(row));
-  // Four tables instead of one with eight columns a tissue.
-  for (bool attached : {false, true}) {
-    for (Motion motion : fidelity::kMotions) AddTable(c, tissues, motion, attached);
-  }
+  AddTable(c, from);
 }
 
 }  // namespace enamel::station::lab

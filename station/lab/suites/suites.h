@@ -26,7 +26,6 @@ void RunRandomSuite(SuiteContext& context);
 void RunHandSuite(SuiteContext& context);
 void RunMapSuite(SuiteContext& context);
 void RunStrokesSuite(SuiteContext& context);
-void RunRatesSuite(SuiteContext& context);
 void RunCuttingSuite(SuiteContext& context);
 
 // Calls job(i) for i < n on `threads` threads, lowest first. `job` must not throw.

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "common/fidelity/feel.h"
 #include "common/fidelity/tracks.h"
 #include "common/fidelity/way.h"
 
@@ -128,6 +129,31 @@ TEST(FeltTest, InALightHandTheCellDecides) {
   const double whole_n = Feel(OnBoard(1), trial, way).error_rms_n;
   EXPECT_LE(whole_n, 20e3 * 9e-6 / 2);
   EXPECT_NEAR(Feel(half, trial, way).error_rms_n, whole_n / 2, 0.25 * whole_n);
+}
+
+// What the map asks (feel.h): the error of the grip's force. Without friction it is the closed form's; hand and
+// device have mass and damping of their own, which take a little of that force.
+TEST(FeelTest, WithoutFrictionTheGripFeelsTheClosedForm) {
+  FeltTrial trial;
+  trial.law = haptics::LawKind::kMaxwell;
+  trial.from_s = 15;
+  const std::vector<dvec3> ways[] = {Sine(1e-3, kHand_rad_per_s, 40)};
+  const double closed = ClosedFormError(1000, 10e3, 6500, kHand_rad_per_s);
+  EXPECT_NEAR(FeltIn(Smooth(10e3), trial, 1000, ways), closed, 0.1 * closed);
+}
+
+// Where the spring is too stiff to be felt, friction is all of the error. (In a soft spring's lag it can be of
+// help: it is there at once.)
+TEST(FeelTest, FrictionOfTheDeviceIsFelt) {
+  FeltTrial trial;
+  trial.law = haptics::LawKind::kMaxwell;
+  trial.from_s = 15;
+  FeltDevice rubs = Smooth(1e6);
+  rubs.damping_n_s_per_m = 600;  // Kc <= 2 b/T
+  const std::vector<dvec3> ways[] = {Sine(0.3e-3, kHand_rad_per_s, 30)};
+  const double without = FeltIn(rubs, trial, 5000, ways);
+  rubs.friction_n = 0.5;
+  EXPECT_GT(FeltIn(rubs, trial, 5000, ways), without + 0.03);
 }
 
 }  // namespace

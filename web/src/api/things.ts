@@ -9,7 +9,6 @@ import type {
   MadeEnrolCode,
   Profile,
   ProfileDetail,
-  ProfileFeel,
   ProfileJudgement,
   ProfileReport,
   ProfileVersion,
@@ -78,10 +77,6 @@ export class ProfilesApi {
   }
   all(signal?: AbortSignal) {
     return this.http.all<Profile>("/profiles", "profiles", {}, signal);
-  }
-  // What a hand can feel on the device. The first answer for a device takes up to a second.
-  feel(name: string, signal?: AbortSignal) {
-    return this.http.json<ProfileFeel>("GET", `${profilePath(name)}/feel`, { signal });
   }
   // `text`: a device profile (schemas/device_profile.schema.json), sent unchanged. One that its
   // criteria refuse is not saved; the judgement then says why. `check`: only checks it, without

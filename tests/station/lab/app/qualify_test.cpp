@@ -157,32 +157,6 @@ TEST(QualifyTest, GivesTheSameRowsForTheSameSeed) {
   EXPECT_EQ(seen[0], seen[1]);
 }
 
-// Kc at a rate is the least of its limits, and the row says which. Joints: S = sqrt(3)/2 (20 + 0.5 um).
-TEST(QualifyTest, RatesTellTheLargestCouplingAndWhatLimitsIt) {
-  Folder folder;
-  QualifyOptions o;
-  o.profile = "bhhd3";  // b 2.5 N s/m, c 80 mN, delta 20 um, K 5 N/mm
-  o.suites = {"rates"};
-  o.json_path = folder.path() / "rates.json";
-  ASSERT_EQ(RunQualify(o), 0);
-  auto json = boost::json::parse(ReadAll(o.json_path));
-  const auto& rows = json.at("rates").as_array();
-  ASSERT_EQ(rows.size(),
-            9u);  // the profile's own, then four rates without and with a tick of delay
-  for (const auto& row : rows) {
-    const double f = row.at("rate_hz").to_number<double>(),
-                 kc = row.at("kc_n_per_mm").to_number<double>();
-    const double d = row.at("delay_ticks").to_number<double>();
-    EXPECT_LE(kc, std::min({2 * 2.5e-3 * f / ((d + 1) * (d + 1)), 0.08 / 17.753e-6 * 1e-3}) + 1e-9);
-    EXPECT_GT(row.at("felt_error").to_number<double>(), 0);
-    EXPECT_LT(row.at("felt_error").to_number<double>(),
-              row.at("maxwell_error").to_number<double>());
-  }
-  EXPECT_EQ(rows[1].at("limit").as_string(), "friction");
-  EXPECT_EQ(rows[5].at("limit").as_string(), "damping");  // 1 kHz and a tick of delay
-  EXPECT_DOUBLE_EQ(rows[7].at("kc_n_per_mm").to_number<double>(), 4.505);  // 4 kHz and a tick
-}
-
 TEST(QualifyTest, SaysWhereItCannotWrite) {
   QualifyOptions o;
   o.suites = {"estimators"};

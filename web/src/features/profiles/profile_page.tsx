@@ -76,7 +76,7 @@ function LoadedProfile({
       <Card title={say("profile.criteria")}>
         <CriteriaPanel criteria={profile.criteria} />
       </Card>
-      <FeelCard client={client} profile={profile} />
+      <FeelCard profile={profile} />
       <Card title={say("profile.numbers")}>
         <Numbers profile={profile} />
       </Card>
