@@ -45,6 +45,8 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
                    "hand: CSV file of a person's motion (t_s,px_m,py_m,pz_m at 1 kHz), or a folder "
                    "of them")
       ->capture_default_str();
+  qualify->add_option("--calibration", options->calibration,
+                      "calibration: what `enamel-station calibrate` wrote of the device");
   qualify->add_option("--cases", options->cases, "random: how many")->capture_default_str();
   qualify
       ->add_option("--ticks", options->adversary_ticks,
@@ -67,6 +69,8 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
       "  strokes     press, stroke, reverse, lift, nick, slip-out with the product's core: force "
       "against time\n"
       "              beside the ideal (schemas/strokes.schema.json)\n"
+      "  calibration what stays safe if a calibration is wrong: Kc at the bad end of each interval "
+      "(--calibration)\n"
       "  laws        every force law on the same cuts: error against run time\n"
       "  estimators  every velocity estimator on the same cuts\n"
       "  extreme     stiff tissue, light hands, held ticks: where each law is passive, bounded or "

@@ -21,11 +21,17 @@ struct Suite {
   const char* name;
   void (*run)(SuiteContext&);
 };
-constexpr Suite kSuites[] = {{"paper", &RunPaperSuite},     {"hand", &RunHandSuite},
-                             {"map", &RunMapSuite},         {"strokes", &RunStrokesSuite},
-                             {"laws", &RunLawsSuite},       {"estimators", &RunEstimatorsSuite},
-                             {"extreme", &RunExtremeSuite}, {"adversary", &RunAdversarySuite},
-                             {"random", &RunRandomSuite},   {"cutting", &RunCuttingSuite}};
+constexpr Suite kSuites[] = {{"paper", &RunPaperSuite},
+                             {"hand", &RunHandSuite},
+                             {"map", &RunMapSuite},
+                             {"strokes", &RunStrokesSuite},
+                             {"calibration", &RunCalibrationSuite},
+                             {"laws", &RunLawsSuite},
+                             {"estimators", &RunEstimatorsSuite},
+                             {"extreme", &RunExtremeSuite},
+                             {"adversary", &RunAdversarySuite},
+                             {"random", &RunRandomSuite},
+                             {"cutting", &RunCuttingSuite}};
 
 // The suites measure the three axes of force. A torque that is not passive would shake the hand.
 Status CheckTorque(const scene::DeviceProfile& profile) {
@@ -82,7 +88,7 @@ Status CheckSuites(const std::vector<std::string>& names) {
     if (!known)
       return {Code::kInvalidInput,
               "unknown suite '" + name +
-                  "': expected paper, hand, map, strokes, laws, estimators, extreme, "
+                  "': expected paper, hand, map, strokes, calibration, laws, estimators, extreme, "
                   "adversary, random, cutting or all",
               "suite"};
   }
@@ -100,6 +106,19 @@ Status CheckRecordings(const QualifyOptions& options) {
           "--motion: expected a CSV file of a motion or a folder of them, found none in " +
               options.motion + "; leave the option out for generated motions",
           "motion"};
+}
+
+// Nothing would be said of a calibration that belongs to another device.
+Status CheckCalibration(const QualifyOptions& options, const std::vector<DeviceModel>& models) {
+  if (options.calibration.empty()) return Status::Ok();
+  Result<scene::Calibration> found = CalibrationIn(options.calibration);
+  if (!found.ok()) return found.status();
+  for (const DeviceModel& m : models) {
+    if (m.name == found->profile) return Status::Ok();
+  }
+  return {Code::kInvalidInput,
+          "--calibration: it is of profile '" + found->profile + "'; choose that with --profile",
+          "calibration"};
 }
 
 // One line, rewritten at most ten times a second.
@@ -162,6 +181,7 @@ int RunQualify(const QualifyOptions& options) {
   }
   Result<std::vector<DeviceModel>> models = ModelsFor(options.profile);
   if (!models.ok()) return Fail(models.status());
+  if (Status status = CheckCalibration(options, *models); !status.ok()) return Fail(status);
   auto from = std::chrono::steady_clock::now();
   Findings findings;
   findings.models = *models;

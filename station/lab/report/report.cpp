@@ -286,7 +286,9 @@ std::vector<Placed> AllPlots(const Findings& f) {
 const char* SectionOf(const Table& t) {
   auto Starts = [&](const char* with) { return t.title.rfind(with, 0) == 0; };
   // Titles are ours (suites/*.cpp). An unknown one appears under "extreme", where it is noticed.
-  if (Starts("Figures of") || Starts("Strokes") || Starts("What a hand can feel")) return "figures";
+  if (Starts("Figures of") || Starts("Strokes") || Starts("What a hand can feel") ||
+      Starts("What stays safe"))
+    return "figures";
   if (Starts("Fronts")) return "laws";
   if (Starts("The paper") || Starts("Table") || Starts("Device profiles")) return "paper";
   if (Starts("Velocity est")) return "estimators";

@@ -12,13 +12,14 @@ namespace enamel::station::lab {
 struct QualifyOptions {
   std::string profile = "phantom_desktop";  // of QualifyProfiles, a file, or "all"
   std::vector<std::string> suites = {
-      "all"};  // paper | hand | map | strokes | laws | estimators | extreme | adversary | random | cutting | all
+      "all"};  // paper | hand | map | strokes | calibration | laws | estimators | extreme | adversary | random | cutting | all
   bool quick = false;     // under a minute on two cores; still B = 6.5 at 1 kHz
   std::string json_path;  // rows are written here when not empty
   std::string report;     // a page (….html) or a folder, when not empty: report/draw.h
   std::string motion =
       "../shared/data/motion";  // hand: a CSV file of a motion, or a folder of them
-  int cases = 600;              // random
+  std::string calibration;  // calibration: a document of `enamel-station calibrate`; empty: none
+  int cases = 600;          // random
   int64_t adversary_ticks = 0;  // 0: 1e9, or 2e6 with quick
   uint64_t seed = 1;
   int threads = 2;

@@ -2,6 +2,7 @@
 
 #include <functional>
 
+#include "common/scene/calibration.h"
 #include "station/lab/suites/findings.h"
 #include "station/lab/suites/options.h"
 
@@ -26,6 +27,7 @@ void RunRandomSuite(SuiteContext& context);
 void RunHandSuite(SuiteContext& context);
 void RunMapSuite(SuiteContext& context);
 void RunStrokesSuite(SuiteContext& context);
+void RunCalibrationSuite(SuiteContext& context);
 void RunCuttingSuite(SuiteContext& context);
 
 // Calls job(i) for i < n on `threads` threads, lowest first. `job` must not throw.
@@ -43,6 +45,10 @@ double NanosecondsPerTick(const TrialSpec& spec);
 // Goals of a velocity hand's cut, per axis: max(floor, factor Kc delta / 2).
 double ErrorGoal(const DeviceModel& model, double floor_n, double factor);
 
+// A calibration document, with the path in its errors.
+Result<scene::Calibration> CalibrationIn(const std::string& path);
+// The largest Kc that the clauses allow at the bad end of each interval (scene/rate.h).
+Table BadEnds(const scene::DeviceProfile& profile, const scene::Calibration& calibration);
 // How the random suite draws: speeds uniformly; speeds logarithmically, which favours slow cuts;
 // also the loop rate, 500 Hz to 8 kHz with Kc as at 1 kHz where that is passive; B as a matrix with
 // axes of its own in any direction.

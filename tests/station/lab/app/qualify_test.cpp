@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <boost/json.hpp>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -12,6 +13,7 @@
 
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"
+#include "station/lab/suites/suites.h"
 
 namespace enamel::station::lab {
 namespace {
@@ -155,6 +157,39 @@ TEST(QualifyTest, GivesTheSameRowsForTheSameSeed) {
     seen[i] = ReadAll(o.json_path);
   }
   EXPECT_EQ(seen[0], seen[1]);
+}
+
+// One quantity at the bad end of its interval, the others as measured.
+TEST(CalibrationSuiteTest, TellsTheKcThatIsSafeAtTheBadEndOfEachInterval) {
+  const std::string path =
+      std::string(ENAMEL_SOURCE_DIR) + "/schemas/golden/scene_calibration.json";
+  Result<scene::Calibration> calibration = CalibrationIn(path);
+  ASSERT_TRUE(calibration.ok());
+  const scene::DeviceProfile phantom = scene::BuiltinProfiles()[1];
+  ASSERT_EQ(phantom.name, calibration->profile);
+  const Table t = BadEnds(phantom, *calibration);
+  // b 1750 +- 60, c 25 +- 2, m 45 +- 2, delta 10000, delay 0, f1 96 +- 12: and Kc 2.5 N/mm.
+  ASSERT_EQ(t.rows.size(), 8u);
+  auto Kc = [&](size_t row) { return std::stod(t.rows[row][3]); };
+  // m (2 pi f1/4)^2 = 0.045 (151)^2 = 1.02 N/mm limits all of them: f1 is what to measure better.
+  const double mode = 0.045 * std::pow(M_PI / 2 * 96, 2) * 1e-3;
+  EXPECT_NEAR(Kc(0), mode, 0.01);
+  EXPECT_EQ(t.rows[0][4], "mode");
+  EXPECT_NEAR(Kc(3), mode * 43 / 45, 0.01);
+  EXPECT_NEAR(Kc(6), mode * std::pow(84.0 / 96, 2), 0.01);
+  EXPECT_LE(Kc(7), Kc(6));
+  EXPECT_EQ(t.rows[7][5], "NOT SAFE");
+}
+
+TEST(CalibrationSuiteTest, RefusesTheCalibrationOfAnotherDevice) {
+  QualifyOptions o;
+  std::string text;
+  o.errors = [&](const std::string& why) { text += why; };
+  o.profile = "omega3";
+  o.suites = {"calibration"};
+  o.calibration = std::string(ENAMEL_SOURCE_DIR) + "/schemas/golden/scene_calibration.json";
+  EXPECT_EQ(RunQualify(o), 1);
+  EXPECT_NE(text.find("phantom_desktop"), std::string::npos) << text;
 }
 
 TEST(QualifyTest, SaysWhereItCannotWrite) {
