@@ -91,7 +91,7 @@ class Api : public std::enable_shared_from_this<Api> {
   ops::Histogram reads_;
   std::optional<StorePool> pool_;                     // until EndWork
   std::optional<StorePool> apart_{std::in_place, 1};  // likewise
-  std::optional<ToothImport> teeth_;  // until EndWork
+  std::optional<ToothImport> teeth_;                  // until EndWork
 };
 
 }  // namespace enamel::server::http

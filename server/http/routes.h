@@ -50,7 +50,7 @@ struct Call {
   std::string_view station_fingerprint = {};
   uint16_t station_port = 0;  // where they reach it; 0: not known
   StorePool* apart =
-      nullptr;               // always set: for what asks a disk and must not wait for the database
+      nullptr;  // always set: for what asks a disk and must not wait for the database
   auth::FirstAdmin* first_admin = nullptr;  // none: no link was given
   StationBoard* stations = nullptr;         // none: it takes none
   ToothImport* teeth = nullptr;             // always set

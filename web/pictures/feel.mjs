@@ -93,7 +93,7 @@ function legend() {
   return `<g transform="${place(devices.length)}">${rows.join("")}${notes.join("")}</g>`;
 }
 
-process.stdout.write(`<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ${width} ${height}" font-family="system-ui, sans-serif" font-size="10">
+process.stdout.write(`<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ${width} ${height}" font-family="system-ui, sans-serif" font-size="10"><title>How far a hand’s enamel is from F = B·v</title>
 <rect width="${width}" height="${height}" fill="#fafafa"/>
 ${text(panel.gap, 24, "How far a hand’s enamel is from F = B·v, in %, over the stiffness of its grip, in N/mm", 'font-size="15" font-weight="600"')}
 ${text(panel.gap, 43, "Yellow: grips of a hand. The softer the grip, the less a device’s own spring is felt: a device is good up to where its curve crosses a red line.", 'font-size="11" fill="#444"')}
