@@ -253,25 +253,11 @@ struct RubricGate {
   bool operator==(const RubricGate&) const = default;
 };
 
-// An error that no examiner would pass: the attempt is not acceptable, whatever else is right.
-struct RubricCritical {
-  std::string error;   // of scoring::CriticalErrors(): "contact_left"
-  std::string metric;  // that shows it
-  std::string unit;    // must equal the metric's
-  // Committed beyond it: above where `above`, else below.
-  double limit = 0;
-  bool above = true;
-  std::string source;  // of the limit
-
-  bool operator==(const RubricCritical&) const = default;
-};
-
 struct Rubric {
   std::string name;
   int32_t version = 1;
   std::vector<RubricCriterion> criteria;
   std::vector<RubricGate> gates;
-  std::vector<RubricCritical> critical = {};
 
   bool operator==(const Rubric&) const = default;
 };

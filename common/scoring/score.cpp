@@ -59,27 +59,6 @@ Status ValidateCriterion(const std::string& item, const RubricCriterion& criteri
   return ValidateMap(item, criterion.map);
 }
 
-Status ValidateCritical(const Rubric& rubric) {
-  if (rubric.critical.size() > kMaxCritical) {
-    return Status(Code::kInvalidInput,
-                  "rubric: expected at most " + std::to_string(kMaxCritical) +
-                      " critical errors, found " + std::to_string(rubric.critical.size()),
-                  "critical");
-  }
-  for (size_t i = 0; i < rubric.critical.size(); ++i) {
-    const scene::RubricCritical& c = rubric.critical[i];
-    const std::string item = "critical[" + std::to_string(i) + "]";
-    if (FindCriticalError(c.error) == nullptr) {
-      return BadItem(
-          item, "error",
-          "no critical error is called \"" + c.error + "\": schemas/critical_errors.json has them");
-    }
-    ENAMEL_RETURN_IF_ERROR(ValidateMetric(item, c.metric, c.unit));
-    if (!std::isfinite(c.limit)) return BadItem(item, "above", "expected a finite number");
-  }
-  return Status::Ok();
-}
-
 double ShareAt(const std::vector<scene::RubricPoint>& map, double value) {
   // Constant beyond both ends: a map says all there is to say about a value.
   if (value <= map.front().value) return map.front().share;
@@ -292,7 +271,6 @@ Status ValidateRubric(const Rubric& rubric) {
     ENAMEL_RETURN_IF_ERROR(ValidateMetric(item, gate.metric, gate.unit));
     ENAMEL_RETURN_IF_ERROR(ValidateMap(item, gate.map));
   }
-  ENAMEL_RETURN_IF_ERROR(ValidateCritical(rubric));
   // Or a score would be 0 of 0.
   if (!(total > 0)) {
     return Status(Code::kInvalidInput, "rubric: no criterion gives points, so there is no score",
@@ -335,17 +313,7 @@ Result<ScoreResult> ApplyRubric(const Rubric& rubric, const MetricSet& metrics) 
                   "rubric: no criterion with points can be judged in this exercise", "criteria");
   }
   // Of the criteria that can be judged, so that exercises with fewer walls have 100 points too.
-  out.points = 100 * (points / max_points);
-  ENAMEL_ASSIGN_OR_RETURN(out.critical, FindCritical(rubric, metrics));
-  out.critical_fail = out.critical_fail || !out.critical.empty();
-  out.score = out.critical_fail ? 0 : out.points;
-  auto remarked = [](const auto& part) { return !part.comment.empty(); };
-  if (out.critical_fail) {
-    out.acceptance = Acceptance::kNotAcceptable;
-  } else if (std::ranges::any_of(out.criteria, remarked) ||
-             std::ranges::any_of(out.gates, remarked)) {
-    out.acceptance = Acceptance::kWithRemarks;
-  }
+  out.score = out.critical_fail ? 0 : 100 * (points / max_points);
   return out;
 }
 

@@ -228,20 +228,6 @@ std::string ReasonText(const Words& words, const scoring::GateResult& gate) {
   return ReasonTextOf(words, gate);
 }
 
-std::string ReasonText(const Words& words, const scoring::CriticalResult& critical) {
-  const std::string key = "critical_error." + critical.error;
-  if (!words.Has(key)) return critical.reason;
-  const std::string code = critical.above ? "at_most" : "at_least";
-  const int digits =
-      scoring::ReasonDigits({code, {critical.value, critical.limit}, {}}, critical.unit);
-  auto quantity = [&](double value) {
-    return scoring::WithUnit(words.Decimal(value, digits), critical.unit);
-  };
-  return words.Say("critical." + code, {{"error", words.Say(key)},
-                                        {"found", quantity(critical.value)},
-                                        {"limit", quantity(critical.limit)}});
-}
-
 std::string NumberText(const Words& words, double value, int most_digits) {
   std::string out = words.Decimal(value, most_digits);
   if (most_digits == 0) return out;

@@ -61,15 +61,12 @@ Exercise ClassTwoExercise(const Scene& scene, const Sha256& scene_hash) {
   // 0.05 mm moves its surface by less than a voxel of 0.1 mm: as deep as that says nothing yet.
   criteria.push_back(AtMost("neighbour_removed_mm3", "Adjacent tooth untouched", "mm3", 4, 0.001,
                             0.1, "The adjacent tooth was cut."));
-  criteria.push_back(AtMost(kNeighbourDepth, "Adjacent tooth not grooved", "mm", 4, 0.1, 0.2,
-                            "The adjacent tooth has a groove."));
+  RubricCriterion depth = AtMost(kNeighbourDepth, "Adjacent tooth not grooved", "mm", 4, 0.1, 0.2,
+                                 "The adjacent tooth has a groove.");
+  depth.fails_above = 0.2;
+  criteria.push_back(std::move(depth));
   criteria.push_back(NoCariesCriterion(10));
   e.rubric.gates.push_back(CariesGate());
-  e.rubric.critical = CriticalOfAny();
-  for (const auto& critical : {CriticalOfPulp(), CriticalOfCavity(), CriticalOfWidth(true),
-                               CriticalOfContact(), CriticalOfCaries()}) {
-    AddCritical(e.rubric, critical);
-  }
   for (const auto& [metric, points] : {std::pair{"task_done_percent", 2},
                                        {"left_standing_mm3", 10},
                                        {"outside_removed_mm3", 5},
@@ -115,8 +112,6 @@ Exercise ClassFiveExercise(const Scene& scene, const Sha256& scene_hash) {
                    " deep in the middle, with upright walls and a flat axial wall. " + SidesText() +
                    " Do not expose the pulp.";
   e.rubric.name = "class-5-buccal";
-  std::erase_if(e.rubric.critical,
-                [](const RubricCritical& c) { return c.error == "gross_overextension"; });
   // The wall towards the pulp is down in this scene.
   const struct {
     const char *metric, *title, *comment;
@@ -289,7 +284,6 @@ std::vector<Exercise> BuiltinExercises(const Scene& scene, const Sha256& scene_h
                               "mm",
                               {{0.1, 1}, {0.3, 0}},
                               "The adjacent tooth was cut."});
-    if (e.name.starts_with("crown")) AddCritical(e.rubric, {CriticalOfContact().back()});
   }
   return out;
 }

@@ -65,8 +65,10 @@ std::vector<RubricGate> TaskGates() {
 }
 
 RubricCriterion PulpCriterion(double points) {
-  return AtMost("pulp_exposed_mm2", "Pulp not exposed", "mm2", points, 0, 0.05,
-                "The pulp was exposed: the whole attempt fails.");
+  RubricCriterion c = AtMost("pulp_exposed_mm2", "Pulp not exposed", "mm2", points, 0, 0.05,
+                             "The pulp was exposed: the whole attempt fails.");
+  c.fails_above = 0.0;
+  return c;
 }
 
 RubricCriterion CoverCriterion(double points) {
@@ -129,12 +131,6 @@ Rubric ClassOneRubric(bool tooth) {
     r.criteria.push_back(CoverCriterion(3));
   }
   AddHand(r, 4, 3, 240, 600);
-  r.critical = CriticalOfAny();
-  if (tooth) {
-    AddCritical(r, CriticalOfPulp());
-    AddCritical(r, CriticalOfCavity());
-    AddCritical(r, CriticalOfWidth(false));
-  }
   return r;
 }
 
@@ -158,7 +154,6 @@ Rubric ShapeRubric(std::string name, double closeness, double nowhere, TimeBand 
              "Material beyond the tolerance was cut away."),
   };
   AddHand(r, 10, 5, time.full_s, time.none_s);
-  r.critical = CriticalOfAny();
   return r;
 }
 
@@ -194,9 +189,6 @@ Rubric CariesRubric() {
       CoverCriterion(5),
   };
   AddHand(r, 5, 5, 300, 900);
-  r.critical = CriticalOfAny();
-  AddCritical(r, CriticalOfPulp());
-  AddCritical(r, CriticalOfCaries());
   return r;
 }
 
@@ -225,8 +217,6 @@ Rubric CrownRubric(bool anterior) {
                             "The height of the finish line varies around the tooth."));
   criteria.push_back(PulpCriterion(3));
   criteria.push_back(CoverCriterion(3));
-  AddCritical(r, CriticalOfPulp());
-  AddCritical(r, CriticalOfCrown());
   return r;
 }
 

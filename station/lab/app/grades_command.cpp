@@ -28,12 +28,10 @@ Status WriteRows(const std::string& path, const boost::json::object& document) {
 void PrintRow(const GradeRow& r) {
   char found[24] = "-";
   if (r.found) std::snprintf(found, sizeof found, "%.4f", *r.found);
-  const bool as_expected = r.critical.empty() == r.critical_expected.empty();
-  std::printf(
-      "%-26s %-20s %9.3f %-4s %6.3f  %-24s %9s %-3s %7.2f %7.2f%s%s%s\n", r.exercise.c_str(),
-      r.fault.c_str(), r.size, r.unit.c_str(), r.voxel_mm, r.metric.c_str(), found,
-      r.AsKnown() ? "" : "off", r.points_lost, r.score, r.CostsEnough() ? "" : "  too little",
-      r.critical.empty() ? "" : ("  " + r.critical).c_str(), as_expected ? "" : "  UNEXPECTED");
+  std::printf("%-26s %-20s %9.3f %-4s %6.3f  %-24s %9s %-3s %7.2f %7.2f%s\n", r.exercise.c_str(),
+              r.fault.c_str(), r.size, r.unit.c_str(), r.voxel_mm, r.metric.c_str(), found,
+              r.AsKnown() ? "" : "off", r.points_lost, r.score,
+              r.CostsEnough() ? "" : "  too little");
 }
 
 Status RunGrades(const GradesCommand& command) {

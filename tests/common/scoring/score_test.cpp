@@ -331,15 +331,6 @@ TEST(ValidateRubricTest, RefusesWhatCannotBeScoredAndNamesIt) {
          for (auto& c : r.criteria) c.points = 0;
        }},
       {"criteria", [](Rubric& r) { r.criteria.resize(kMaxCriteria + 1, Wall()); }},
-      {"critical[0].error",
-       [](Rubric& r) {
-         r.critical = {{"ugly", "time_s", "s", 1, true, "x"}};
-       }},
-      {"critical[0].unit",
-       [](Rubric& r) {
-         r.critical = {{"all_cut", "time_s", "mm", 1, true, "x"}};
-       }},
-      {"critical", [](Rubric& r) { r.critical.resize(kMaxCritical + 1); }},
       {"gates[0].metric",
        [](Rubric& r) {
          r.gates = {Done()};
@@ -422,48 +413,8 @@ TEST(ApplyRubricTest, AForceThatCostsAllAtLeastStaysJudgedAtTheLimit) {
   EXPECT_FALSE(ApplyRubric(critical, WithForceOf(6.5, true))->criteria.back().judged);
 }
 
-scene::RubricCritical ShortWall() {
-  return {"contact_left", "wall_mesial_mm", "mm", -0.2, false, "a textbook"};
-}
-
-TEST(ApplyRubricTest, ACriticalErrorIsNotAcceptableAndThePointsWithoutItStandBeside) {
-  Rubric rubric = Three();
-  rubric.critical = {ShortWall()};
-  const ScoreResult at_limit = *ApplyRubric(rubric, Values(-0.2, 99, 0));
-  EXPECT_FALSE(at_limit.critical_fail);
-  EXPECT_EQ(at_limit.acceptance, Acceptance::kWithRemarks);
-  EXPECT_EQ(at_limit.score, at_limit.points);
-  const ScoreResult beyond = *ApplyRubric(rubric, Values(-0.201, 99, 0));
-  EXPECT_TRUE(beyond.critical_fail);
-  EXPECT_EQ(beyond.acceptance, Acceptance::kNotAcceptable);
-  EXPECT_EQ(beyond.score, 0);
-  EXPECT_NEAR(beyond.points, at_limit.points, 1);
-  ASSERT_EQ(beyond.critical.size(), 1U);
-  EXPECT_EQ(beyond.critical[0].reason,
-            "The contact with the adjacent tooth is not broken (-0.201 mm, at least -0.200 mm).");
-  EXPECT_EQ(ApplyRubric(rubric, Values(0, 99, 0))->acceptance, Acceptance::kAcceptable);
-}
-
-TEST(ApplyRubricTest, ACriticalErrorThatTheExerciseCannotShowIsRefusedWithTheReason) {
-  Rubric rubric = Three();
-  rubric.critical = {ShortWall()};
-  MetricSet metrics = Values(0, 99, 0);
-  EXPECT_TRUE(CheckCriticalIsMeasured(rubric, metrics).ok());
-  metrics.values.erase(metrics.values.begin());
-  EXPECT_FALSE(FindCritical(rubric, metrics).ok());
-  metrics.missing = {{"wall_mesial_mm", NoValue::kNotMade}};
-  EXPECT_TRUE(CheckCriticalIsMeasured(rubric, metrics).ok());
-  EXPECT_TRUE(FindCritical(rubric, metrics)->empty());
-  metrics.missing[0].why = NoValue::kNotInTask;
-  const Status refused = CheckCriticalIsMeasured(rubric, metrics);
-  EXPECT_EQ(refused.field(), "critical[0].metric");
-  EXPECT_NE(refused.message().find("contact_left could never be found"), std::string::npos);
-}
-
 ScoreResult Filled() {
   Rubric rubric = Three();
-  rubric.critical = {ShortWall()};
-  rubric.critical[0].limit = 1;
   rubric.gates = {Done()};
   MetricSet metrics = Values(0.1 + 0.2, 91.234567890123456, 0);
   metrics.values.push_back({"task_done_percent", 66.6, "%"});
@@ -534,10 +485,10 @@ TEST(ScoreJsonTest, EveryTruncationAndEveryMissingMemberIsRefused) {
   std::string text = ToJson(Filled());
   for (size_t n = 0; n < text.size(); ++n) EXPECT_FALSE(ScoreFromJson(text.substr(0, n)).ok());
   for (const char* member :
-       {"score",          "critical_fail",   "critical", "points",      "acceptance", "above",
-        "criteria",       "gates",           "metrics",  "missing",     "deductions", "envelope",
-        "rubric_version", "scoring_version", "ticks",    "disturbance", "witness_ok", "max_points",
-        "reason",         "judged",          "reasons",  "comment",     "lasts_s",    "here"}) {
+       {"score",   "critical_fail", "criteria",   "gates",          "metrics",
+        "missing", "deductions",    "envelope",   "rubric_version", "scoring_version",
+        "ticks",   "disturbance",   "witness_ok", "max_points",     "reason",
+        "judged",  "reasons",       "comment",    "lasts_s",        "here"}) {
     std::string spoiled = text;
     spoiled.replace(spoiled.find("\"" + std::string(member) + "\""), std::strlen(member) + 2,
                     "\"x\"");
