@@ -324,12 +324,8 @@ async function profiles(world) {
 
 async function whatAHandCanFeel(page) {
   const card = page.getByRole("region", { name: "What a hand can feel" });
-  await card
-    .getByRole("table")
-    .getByRole("row", { name: /Enamel/ })
-    .getByText("N/mm")
-    .first()
-    .waitFor();
+  // With 1 N/mm enamel passes in no grip: the row says so.
+  await card.getByRole("table").getByRole("row", { name: /Enamel/ }).waitFor();
   await accessible(page, "what a hand can feel");
 }
 
