@@ -325,7 +325,10 @@ async function profiles(world) {
 async function whatAHandCanFeel(page) {
   const card = page.getByRole("region", { name: "What a hand can feel" });
   // With 1 N/mm enamel passes in no grip: the row says so.
-  await card.getByRole("table").getByRole("row", { name: /Enamel/ }).waitFor();
+  await card
+    .getByRole("table")
+    .getByRole("row", { name: /Enamel/ })
+    .waitFor();
   await accessible(page, "what a hand can feel");
 }
 
