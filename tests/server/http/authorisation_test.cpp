@@ -112,7 +112,6 @@ const Line kLines[] = {
     {"GET /api/v1/profiles",                    "",               "",                                    "401 200 200 200 200 200 200 200 401 403"},
     {"POST /api/v1/profiles",                   "",               "PROFILE",                             "401 403 403 403 403 403 201 201 401 403"},
     {"GET /api/v1/profiles/{name}",             "profile",        "",                                    "401 200 200 200 200 200 200 200 401 403"},
-    {"GET /api/v1/profiles/{name}/feel",        "profile",        "",                                    "401 200 200 200 200 200 200 200 401 403"},
     {"GET /api/v1/profiles/{name}/versions",    "profile",        "",                                    "401 403 403 403 200 200 200 200 401 403"},
     {"GET /api/v1/profiles/{name}/reports",     "profile",        "",                                    "401 403 403 403 200 200 200 200 401 403"},
     {"POST /api/v1/profiles/{name}/reports",    "profile",        "{}",                                  "401 403 403 403 403 403 201 201 401 403"},
