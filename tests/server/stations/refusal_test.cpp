@@ -135,8 +135,8 @@ TEST_F(ChunkRefusalTest, PayloadThatUnpacksToMoreThanItSaysOrMay) {
   Bytes packed(ZSTD_compressBound(zeros.size()));
   packed.resize(ZSTD_compress(packed.data(), packed.size(), zeros.data(), zeros.size(), 19));
   ASSERT_LT(packed.size(), 1000u);
-  // 100 ticks may take 20 (1 + 10 · 100) bytes (schemas/trace_format.md, "Limits").
-  constexpr uint32_t kMost = 20 * (1 + 10 * Recording::kTicks);
+  // 100 ticks may take 24 (1 + 10 · 100) bytes (schemas/trace_format.md, "Limits").
+  constexpr uint32_t kMost = 24 * (1 + 10 * Recording::kTicks);
   ExpectRefused(WithPayload(packed, kMost), "invalid_input");
   ExpectRefused(WithPayload(packed, kMost + 1), "too_large");
   ExpectRefused(WithPayload(packed, 0xffffffff), "too_large");
