@@ -120,7 +120,7 @@ TEST_F(LabProgramTest, WithoutTheLabTheOlderNamesSayWhatToDo) {
 TEST_F(LabProgramTest, KeysOfTheStationsSettingsArePassedOverAndItsOwnAreTaken) {
   const std::string settings = (folder_ / "station.toml").string();
   std::ofstream(settings) << "keep-days = 30\nprofile = \"no_such_device\"\n";
-  const Outcome out = Lab("qualify --suite rates --config " + settings);
+  const Outcome out = Lab("qualify --suite strokes --config " + settings);
   EXPECT_EQ(out.code, 1);
   EXPECT_NE(out.text.find("no_such_device"), std::string::npos) << out.text;
   EXPECT_EQ(out.text.find("keep-days"), std::string::npos) << out.text;
