@@ -24,8 +24,7 @@ constexpr double kHandAndWrist_kg_m2 = 1e-4;
 
 using Extra = OperatorPreset::Extra;
 constexpr OperatorPreset kPresets[] = {
-    {"dentist", "cuts what the exercise asks for to about 0.02 mm", 9, 1, 1.0, 0.55e-3,
-     2.2, false},
+    {"dentist", "cuts what the exercise asks for to about 0.02 mm", 9, 1, 1.0, 0.55e-3, 2.2, false},
     {"student", "the same, another hand: slower, other layers, other way round", 9, 7, 0.85},
     {"student-deep-mesial", "like student, and cuts the mesial wall 0.3 mm too far", 6, 7, 0.85,
      0.5e-3, 1.8, true, Extra{.mesial_m = 0.3e-3}},
