@@ -75,6 +75,12 @@ Status CheckValues(const CoreParams& p) {
     return OutOfRange("law", "a known force law", static_cast<int>(p.law));
   }
   ENAMEL_RETURN_IF_ERROR(CheckRange("kc_mn_per_mm", p.kc_mn_per_mm, 1, 1'000'000));
+  if (p.spring_on_board && p.law != haptics::LawKind::kMaxwell &&
+      p.law != haptics::LawKind::kLeadMaxwell) {
+    // The others either have no rest point to send, or a damper beside the spring.
+    return OutOfRange("law", "maxwell or lead-maxwell, with the spring on the device's board",
+                      static_cast<int>(p.law));
+  }
   for (int32_t r : p.resolution_nm)
     ENAMEL_RETURN_IF_ERROR(CheckRange("resolution_nm", r, 1, 1'000'000));
   for (int32_t h : p.cell_half_nm)

@@ -24,11 +24,17 @@ DelayUsed DelayOfAttached(const DeviceProfile& profile, const Calibration* calib
   return {std::max(said, kAssumedDelay_ticks), DelayUsed::From::kAssumed};
 }
 
+SpringTime SpringTimeOf(const DeviceProfile& profile, int64_t rate_hz, int64_t delay_ticks) {
+  if (!profile.board_spring) return {rate_hz, delay_ticks};
+  return {profile.board_spring->rate_hz, profile.board_spring->delay_ticks};
+}
+
 int64_t PassiveCoupling_mn_per_mm(const DeviceProfile& profile, int64_t rate_hz,
                                   int64_t delay_ticks) {
+  const SpringTime time = SpringTimeOf(profile, rate_hz, delay_ticks);
   // In integers: mN/mm = N/m, b in mN s/m.
-  const int64_t held = delay_ticks + 1;
-  return 2 * profile.viscous_mn_s_per_m() * rate_hz / (1000 * held * held);
+  const int64_t held = time.delay_ticks + 1;
+  return 2 * profile.viscous_mn_s_per_m() * time.rate_hz / (1000 * held * held);
 }
 
 int64_t PassiveTorque_un_m_per_rad(const DeviceProfile& profile, int64_t rate_hz,

@@ -40,7 +40,14 @@ int64_t DelayTicksAt(int64_t ticks, int64_t from_hz, int64_t to_hz);
 DelayUsed DelayOfAttached(const DeviceProfile& profile, const Calibration* calibration,
                           int64_t rate_hz);
 
-// Largest Kc with this delay: 2 b f/(d + 1)^2, mN/mm, rounded down; b with the electrical damping.
+// The rate and the delay that the coupling's spring runs with: the board's where that runs it, else
+// these of the loop and its bus.
+struct SpringTime {
+  int64_t rate_hz = 0, delay_ticks = 0;
+};
+SpringTime SpringTimeOf(const DeviceProfile& profile, int64_t rate_hz, int64_t delay_ticks);
+
+// Largest Kc at the spring's time: 2 b f/(d + 1)^2, mN/mm, rounded down; b with the electrical damping.
 // Requires: rate_hz > 0, delay_ticks in 0..kMostDelay_ticks.
 int64_t PassiveCoupling_mn_per_mm(const DeviceProfile& profile, int64_t rate_hz,
                                   int64_t delay_ticks);

@@ -142,6 +142,7 @@ core::CoreParams Compile(const Scene& scene, const Exercise& exercise,
   const TipCellNm cell = TipCellOf(profile);
   p.cell_half_nm.fill(cell.half_nm);
   p.cell_ball_nm = cell.ball_nm;
+  p.spring_on_board = profile.board_spring.has_value();
   const PointUm& landmark = scene.landmarks.at(exercise.target.landmark);
   for (size_t i = 0; i < 3; ++i) p.device_origin_nm[i] = int64_t{landmark[i]} * 1000;
   p.device_origin_nm[2] += kStartHeight_nm;

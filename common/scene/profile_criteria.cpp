@@ -4,6 +4,7 @@
 
 #include "common/haptics/criteria.h"
 #include "common/scene/cell.h"
+#include "common/scene/delay.h"
 #include "common/scene/rate.h"
 
 namespace enamel::scene {
@@ -17,9 +18,14 @@ struct Si {
         b(static_cast<double>(profile.viscous_mn_s_per_m()) * 1e-3),
         c(static_cast<double>(profile.friction_mn.value) * 1e-3),
         tick(1.0 / static_cast<double>(profile.rate_hz.value)),
-        delay(static_cast<int>(profile.bus_delay_ticks.value)) {}
-  double kc, k, b, c, tick;
-  int delay;
+        delay(static_cast<int>(profile.bus_delay_ticks.value)) {
+    const SpringTime time =
+        SpringTimeOf(profile, profile.rate_hz.value, profile.bus_delay_ticks.value);
+    spring_tick = 1.0 / static_cast<double>(time.rate_hz);
+    spring_delay = static_cast<int>(time.delay_ticks);
+  }
+  double kc, k, b, c, tick, spring_tick;
+  int delay, spring_delay;
 };
 
 // Profiles are whole numbers: what is equal on paper is not to be refused for a rounding.
@@ -52,7 +58,7 @@ void AddTorque(const TorqueSpec& torque, const Si& si, std::vector<ProfileCriter
 
 std::vector<ProfileCriterion> CheckProfile(const DeviceProfile& profile) {
   Si si(profile);
-  double passive = haptics::CouplingStiffness(si.b, si.tick, si.delay);
+  double passive = haptics::CouplingStiffness(si.b, si.spring_tick, si.spring_delay);
   std::vector<ProfileCriterion> out = {
       Judged({"coupling_damping", "Passivity limit of the coupling", "Kc <= 2 b/(T (d + 1)^2)",
               "N/m", "coupling_mn_per_mm", si.kc, passive}),

@@ -37,8 +37,10 @@ Status CheckCoupling(const DeviceProfile& profile, int64_t rate_hz, int64_t dela
   const LargestCoupling largest = LargestCouplingAt(profile, rate_hz, delay_ticks);
   const int64_t kc = profile.coupling_mn_per_mm.value;
   if (kc <= largest.coupling_mn_per_mm) return Status::Ok();
-  const std::string at = " at " + std::to_string(rate_hz) + " Hz and " +
-                         std::to_string(delay_ticks) + " ticks of delay";
+  const SpringTime time = SpringTimeOf(profile, rate_hz, delay_ticks);
+  const std::string at = " at " + std::to_string(time.rate_hz) + " Hz and " +
+                         std::to_string(time.delay_ticks) + " ticks of delay" +
+                         (profile.board_spring ? " of the board's spring" : "");
   std::string clause, instead;
   switch (largest.limit) {
     case CouplingLimit::kDamping:
@@ -92,9 +94,12 @@ Result<DeviceProfile> AtRate(const DeviceProfile& profile, int64_t rate_hz) {
                       " allows none",
                   "coupling_mn_per_mm");
   }
-  out.coupling_mn_per_mm = {
-      largest.coupling_mn_per_mm,
-      why + ", the largest that its " + CouplingLimitName(largest.limit) + " allows"};
+  // A board's spring has its own rate and its own Kc.
+  if (!out.board_spring) {
+    out.coupling_mn_per_mm = {
+        largest.coupling_mn_per_mm,
+        why + ", the largest that its " + CouplingLimitName(largest.limit) + " allows"};
+  }
   if (out.torque) {
     // Nothing is known of the wrist's structure: never stiffer than the profile says.
     const int64_t turning = PassiveTorque_un_m_per_rad(out, rate_hz, out.bus_delay_ticks.value);

@@ -169,6 +169,14 @@ struct CellSpec {
   std::string source;
 };
 
+// The coupling's spring where the device's own board runs it (common/board/board.h): at T = 1/rate_hz,
+// d whole inner ticks from reading the encoders to the force that answers. These two, not the loop's
+// rate and the bus's delay, bound Kc.
+struct BoardSpringSpec {
+  int32_t rate_hz = 0, delay_ticks = 0;
+  std::string source;
+};
+
 struct DeviceProfile {
   std::string name;  // "phantom_desktop"
   std::string title;
@@ -186,6 +194,7 @@ struct DeviceProfile {
   Sourced workspace_radius_um;
   // None: cells along the axes, recorded as they are counted, without noise.
   std::optional<CellSpec> cell;
+  std::optional<BoardSpringSpec> board_spring;  // none: the station runs the spring
   // May be unknown: then the source is empty.
   Sourced axes{3, ""};               // that are driven: 3, or 6 with torque
   Sourced structural_mode_hz;        // lowest resonance between motor and tip
@@ -253,11 +262,25 @@ struct RubricGate {
   bool operator==(const RubricGate&) const = default;
 };
 
+// An error that no examiner would pass: the attempt is not acceptable, whatever else is right.
+struct RubricCritical {
+  std::string error;   // of scoring::CriticalErrors(): "contact_left"
+  std::string metric;  // that shows it
+  std::string unit;    // must equal the metric's
+  // Committed beyond it: above where `above`, else below.
+  double limit = 0;
+  bool above = true;
+  std::string source;  // of the limit
+
+  bool operator==(const RubricCritical&) const = default;
+};
+
 struct Rubric {
   std::string name;
   int32_t version = 1;
   std::vector<RubricCriterion> criteria;
   std::vector<RubricGate> gates;
+  std::vector<RubricCritical> critical = {};
 
   bool operator==(const Rubric&) const = default;
 };

@@ -34,6 +34,7 @@ namespace {
 // Share of the smallest bound: the measured numbers have intervals, and a device changes with
 // warmth and wear.
 constexpr double kMargin = 0.9;
+constexpr const char* kOfBoard = "the device's own (HID feature report)";
 constexpr int64_t kSecond_ns = 1'000'000'000;
 constexpr std::string_view kSimulated = "simulated:";
 
@@ -96,9 +97,14 @@ Result<Subject> OpenAttached(const CalibrateCommand& options) {
   for (size_t i = 0; i < 3; ++i) out.count_m[i] = feature.resolution_nm[i] * 1e-9;
   // The board's own peak force replaces the profile's: its motors are limited to that.
   out.profile.peak_force_mn = {
-      *std::min_element(feature.peak_force_mn.begin(), feature.peak_force_mn.end()),
-      "the device's own (HID feature report)"};
-  out.profile.axes = {feature.axes, "the device's own (HID feature report)"};
+      *std::min_element(feature.peak_force_mn.begin(), feature.peak_force_mn.end()), kOfBoard};
+  out.profile.axes = {feature.axes, kOfBoard};
+  out.profile.board_spring.reset();
+  if (feature.runs_spring()) {
+    out.profile.board_spring =
+        scene::BoardSpringSpec{feature.spring_rate_hz, feature.spring_delay_ticks, kOfBoard};
+    out.profile.coupling_mn_per_mm = {feature.spring_kc_mn_per_mm, kOfBoard};
+  }
   out.address = options.device + " " + board->Name();
   out.device = std::move(board);
   out.real = true;
@@ -285,10 +291,27 @@ Result<scene::DeviceProfile> ProposeProfile(const AxisFigures& worst, int rate_h
                             source + ", lower end of its interval"};
     structure = static_cast<double>(scene::ModeStiffness_mn_per_mm(p));
   }
+  const double beside_damping = std::min(c / (scene::CellSupportNm(p) * 1e-9), structure);
   double kc =
       kMargin *
       std::min({passive, haptics::CouplingStiffness(b, 1.0 / rate_hz, static_cast<int>(ticks)),
-                c / (scene::CellSupportNm(p) * 1e-9), structure});
+                beside_damping});
+  std::string kc_source =
+      "nine tenths of the least of 2 b f/(d + 1)^2, c/S and m (2 pi f1/4)^2, measured";
+  if (p.board_spring) {
+    const double carried =
+        haptics::CouplingStiffness(b, 1.0 / p.board_spring->rate_hz, p.board_spring->delay_ticks);
+    const auto on_board = static_cast<double>(base.coupling_mn_per_mm.value);
+    if (on_board <= std::min(carried, beside_damping)) {
+      kc = on_board;
+      kc_source = base.coupling_mn_per_mm.source;
+      passive = carried;
+    } else {
+      p.board_spring.reset();
+      kc_source += ": the station runs the spring, as the board's own of " +
+                   std::to_string(base.coupling_mn_per_mm.value) + " mN/mm is above it";
+    }
+  }
   // Not `kc < 1`: this also refuses a NaN among the figures.
   if (!(kc >= 1)) {
     return Status(
@@ -307,9 +330,7 @@ Result<scene::DeviceProfile> ProposeProfile(const AxisFigures& worst, int rate_h
   p.max_stiffness_mn_per_mm = {std::max<int64_t>(1, Rounded(passive)),
                                "2 b f/(d + 1)^2 of the measured b and d, d with its fraction and "
                                "at the upper end of its interval"};
-  p.coupling_mn_per_mm = {
-      static_cast<int64_t>(kc),
-      "nine tenths of the least of 2 b f/(d + 1)^2, c/S and m (2 pi f1/4)^2, measured"};
+  p.coupling_mn_per_mm = {static_cast<int64_t>(kc), std::move(kc_source)};
   p.rate_hz = {rate_hz, source};
   p.electrical_damping_mn_s_per_m = {};  // included in the measured b
   // Rotation is not measured; its stiffness is only lowered to the limit of the measured delay.

@@ -31,7 +31,15 @@ std::string BoardText(const HidInfo& info, boost::json::object& out) {
                 board->name.c_str(),
                 board->profile.empty() ? "none ('calibrate' proposes one)" : board->profile.c_str(),
                 board->axes, board->resolution_nm[0] * 1e-6, board->peak_force_mn[0] * 1e-3);
-  return text;
+  std::string all = text;
+  if (board->runs_spring()) {
+    out["spring_kc_mn_per_mm"] = board->spring_kc_mn_per_mm;
+    out["spring_rate_hz"] = board->spring_rate_hz;
+    std::snprintf(text, sizeof text, ", runs a spring of %.2f N/mm at %d Hz",
+                  board->spring_kc_mn_per_mm * 1e-3, board->spring_rate_hz);
+    all += text;
+  }
+  return all;
 }
 
 boost::json::object Show(const HidInfo& info, const std::filesystem::path& data) {

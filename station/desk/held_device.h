@@ -38,6 +38,10 @@ class HeldDevice final : public Device {
                                           const dvec3& torque_n_m) noexcept override {
     inner_.SendForceAndTorque(force_n, torque_n_m);
   }
+  bool runs_spring() const noexcept override { return inner_.runs_spring(); }
+  ENAMEL_REALTIME void SendSpring(const SpringCommand& command) noexcept override {
+    inner_.SendSpring(command);
+  }
   ENAMEL_REALTIME void ShowBur(const dvec3& tip_m) noexcept override { inner_.ShowBur(tip_m); }
   bool has_motors() const noexcept override { return inner_.has_motors(); }
   double still_before_force_s() const noexcept override { return inner_.still_before_force_s(); }

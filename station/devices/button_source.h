@@ -44,6 +44,10 @@ class PedalledDevice final : public Device {
                                           const dvec3& torque_n_m) noexcept override {
     device_->SendForceAndTorque(force_n, torque_n_m);
   }
+  bool runs_spring() const noexcept override { return device_->runs_spring(); }
+  ENAMEL_REALTIME void SendSpring(const SpringCommand& command) noexcept override {
+    device_->SendSpring(command);
+  }
   ENAMEL_REALTIME void ShowBur(const dvec3& tip_m) noexcept override { device_->ShowBur(tip_m); }
   bool has_motors() const noexcept override { return device_->has_motors(); }
   double still_before_force_s() const noexcept override { return device_->still_before_force_s(); }

@@ -86,8 +86,10 @@ class Device {
     (void)torque_n_m;
     SendForce(force_n);
   }
-  // In place of the Sends above where the board runs the spring (core::CoreParams::spring_on_board).
-  // Other devices have none.
+  // Its board runs the coupling's spring. Then SendSpring, in place of the Sends above, drives it in an
+  // attempt whose core leaves the spring to the board (core::CoreParams::spring_on_board); a Send above
+  // turns the spring off.
+  virtual bool runs_spring() const noexcept { return false; }
   ENAMEL_REALTIME virtual void SendSpring(const SpringCommand& command) noexcept { (void)command; }
   // The bur as the picture shows it now. Only a simulated operator uses it.
   ENAMEL_REALTIME virtual void ShowBur(const dvec3& tip_m) noexcept { (void)tip_m; }

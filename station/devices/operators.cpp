@@ -366,6 +366,13 @@ Result<std::unique_ptr<SimulatedDevice>> MakeSimulatedDevice(
     const OperatorPreset& preset, const scene::Scene& scene, const scene::Exercise& exercise,
     const scene::DeviceProfile& profile, const core::CoreParams& params,
     const cutting::Volume& volume, uint64_t seed) {
+  if (params.spring_on_board) {
+    return Status(Code::kConflict,
+                  "device profile '" + profile.name +
+                      "' leaves the spring to the device's board (board_spring), which a simulated "
+                      "device does not have: choose another profile",
+                  "board_spring");
+  }
   ENAMEL_ASSIGN_OR_RETURN(const scene::Preparation shape,
                           scene::TargetShape(scene, exercise.target));
   const scene::PointUm& at = scene.landmarks.at(exercise.target.landmark);

@@ -1,6 +1,5 @@
 #include "station/hid/emulated_board.h"
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -8,14 +7,6 @@
 #include "common/scene/rate.h"
 
 namespace enamel::station::hid {
-namespace {
-
-// Of a report's field, saturated.
-int16_t Field(double value) {
-  return static_cast<int16_t>(std::lround(std::clamp(value, -32767.0, 32767.0)));
-}
-
-}  // namespace
 
 Result<std::unique_ptr<EmulatedBoard>> EmulatedBoard::Make(const EmulatedBoardSettings& s) {
   const int64_t inner_hz = int64_t{s.rate_hz} * s.inner_ticks;
@@ -104,18 +95,7 @@ void EmulatedBoard::SendForceAndTorque(const dvec3& force_n, const dvec3&) noexc
 }
 
 void EmulatedBoard::SendSpring(const SpringCommand& command) noexcept {
-  SpringReport report;
-  report.motors_on = true;
-  report.spring_on = command.on;
-  report.follow = command.follow;
-  report.sequence = ++sequence_;
-  report.rest_nm = command.rest_nm;
-  for (int i = 0; i < 3; ++i) {
-    report.force_100un[static_cast<size_t>(i)] = Field(command.added_n[i] * 1e4);
-    report.torque_20un_m[static_cast<size_t>(i)] = Field(command.torque_n_m[i] / 20e-6);
-  }
-  report.bound_mn = static_cast<uint16_t>(std::clamp(command.bound_n * 1e3, 0.0, 65535.0));
-  const auto bytes = EncodeSpring(report);
+  const auto bytes = EncodeSpring(ReportOf(command, ++sequence_));
   if (heard_) EnBoardReceive(&board_, bytes.data(), bytes.size());
 }
 

@@ -36,6 +36,7 @@ class EmulatedBoard final : public MotorDevice {
   Hand hand() const override { return MakeHand(HandKind::kProgram, Name(), "hid", {}); }
   DeviceSample ReadSample() noexcept override;
   void SendForceAndTorque(const dvec3& force_n, const dvec3& torque_n_m) noexcept override;
+  bool runs_spring() const noexcept override { return true; }
   void SendSpring(const SpringCommand& command) noexcept override;
 
   // False: reports to it are lost on the way.

@@ -13,6 +13,8 @@ namespace {
 constexpr uint32_t kLateReports = 1000;  // up to this far back is late, farther is a restart
 constexpr std::chrono::milliseconds kFirstReport{1000}, kStep{1};
 constexpr int64_t kSecond_ns = 1'000'000'000;
+// How soon an unplugged board's port is closed while no command to its spring comes.
+constexpr int64_t kIdle_us = 100'000;
 // After this time a board's reports must confirm that it drives its motors.
 constexpr int64_t kTakesEffect_us = 20'000;
 constexpr uint8_t kSixAxes = 6;
@@ -147,9 +149,17 @@ DeviceSample HapticBoard::ReadSample() noexcept {
 }
 
 void HapticBoard::SendForceAndTorque(const dvec3& force_n, const dvec3& torque_n_m) noexcept {
+  Post({force_n, torque_n_m, ++sent_, false, {}});
+}
+
+void HapticBoard::SendSpring(const SpringCommand& command) noexcept {
+  Post({dvec3(0), dvec3(0), ++sent_, true, command});
+}
+
+void HapticBoard::Post(const Force& force) noexcept {
   // The newest force replaces an unwritten one, and the semaphore is posted at most once: a bus
   // that blocks leaves no queue behind.
-  forces_.Write({force_n, torque_n_m, ++sent_});
+  forces_.Write(force);
   if (!force_waits_.exchange(true, std::memory_order_acq_rel)) sem_post(&force_posted_);
 }
 
@@ -212,12 +222,17 @@ void HapticBoard::OnReport(ByteView bytes) {
 }
 
 void HapticBoard::TakeReport(const InputReport& report) {
-  auto scene = settings_.axes.ToScene(
-      std::array<int32_t, 3>{report.counts[0], report.counts[1], report.counts[2]});
   // Once: a board plugged in again keeps its middle, or the scene would move.
-  if (!centred_ && settings_.centre_on_first_report) centre_ = scene;
+  if (!centred_ && settings_.centre_on_first_report) centre_ = report.counts;
   centred_ = true;
-  for (size_t i = 0; i < 3; ++i) sample_.counts[i] = Saturated(int64_t{scene[i]} - centre_[i]);
+  std::array<int32_t, 3> counts, rest_nm;
+  for (size_t i = 0; i < 3; ++i) {
+    counts[i] = Saturated(int64_t{report.counts[i]} - centre_[i]);
+    rest_nm[i] = Saturated(report.rest_nm[i] - MiddleNm(i));
+  }
+  sample_.counts = settings_.axes.ToScene(counts);
+  sample_.rest_nm = settings_.axes.ToScene(rest_nm);
+  sample_.share = report.share;
   if ((report.status & kOrientationValid) && IsTurn(report.orientation)) {
     sample_.orientation = ToQuantised(settings_.axes.ToScene(FromQuantised(report.orientation)));
   }
@@ -289,18 +304,25 @@ void HapticBoard::Write() {
   ForceKeeper keeper(watchdog_ms_);
   std::unique_ptr<HidPort> port;
   uint32_t sequence = 0;
+  uint64_t spring_sent = 0;
   while (!stop_) {
     // At least 0.1 ms, or a keeper with a due repeat would spin on a detached board.
-    WaitForForce(std::max<int64_t>(keeper.WaitFor_us(Now_us()), 100));
+    const bool to_spring = forces_.Read().to_spring;
+    WaitForForce(to_spring ? kIdle_us : std::max<int64_t>(keeper.WaitFor_us(Now_us()), 100));
     TakePort(port);
     Force newest = forces_.Read();
     int64_t now = Now_us();
+    if (newest.to_spring) {
+      if (newest.number != spring_sent && port != nullptr) Send(*port, newest.spring, ++sequence);
+      spring_sent = newest.number;
+      continue;
+    }
     keeper.Take(newest.newtons, newest.number, now, newest.newton_metres);
     auto command = keeper.Next(now);
     if (command && port != nullptr) Send(*port, *command, ++sequence);
   }
   TakePort(port);
-  if (port != nullptr) Send(*port, {}, ++sequence);
+  if (port != nullptr) Send(*port, ForceKeeper::Command{}, ++sequence);
 }
 
 bool HapticBoard::Send(HidPort& port, const ForceKeeper::Command& command, uint32_t sequence) {
@@ -317,11 +339,29 @@ bool HapticBoard::Send(HidPort& port, const ForceKeeper::Command& command, uint3
           Saturated(std::llround(std::clamp(torque_un_m[i], -kMostTorque, kMostTorque)));
     }
   }
-  auto bytes = EncodeOutput(report);
+  return Put(port, EncodeOutput(report), command.motors_on);
+}
+
+bool HapticBoard::Send(HidPort& port, SpringCommand command, uint32_t sequence) {
+  const dvec3 rest =
+      settings_.axes.ToBoard(dvec3(command.rest_nm[0], command.rest_nm[1], command.rest_nm[2]));
+  for (size_t i = 0; i < 3; ++i)
+    command.rest_nm[i] = Saturated(std::llround(rest[static_cast<int>(i)]) + MiddleNm(i));
+  command.added_n = settings_.axes.ToBoard(command.added_n);
+  command.torque_n_m =
+      feature_.axes == kSixAxes ? settings_.axes.ToBoard(command.torque_n_m) : dvec3(0);
+  return Put(port, EncodeSpring(ReportOf(command, sequence)), true);
+}
+
+int64_t HapticBoard::MiddleNm(size_t board_axis) const noexcept {
+  return int64_t{centre_[board_axis]} * feature_.resolution_nm[board_axis];
+}
+
+bool HapticBoard::Put(HidPort& port, ByteView report, bool motors_on) {
   // Before the write, so that the board's answer finds the new state.
-  if (command.motors_on != (turns_ % 2 == 1)) ++turns_;
-  if (command.motors_on && first_driven_us_ == 0) first_driven_us_ = Now_us();
-  bool written = port.Write(bytes);
+  if (motors_on != (turns_ % 2 == 1)) ++turns_;
+  if (motors_on && first_driven_us_ == 0) first_driven_us_ = Now_us();
+  bool written = port.Write(report);
   ++(written ? writes_ : write_errors_);
   return written;
 }
@@ -331,6 +371,31 @@ namespace {
 Status NotAsNeeded(const std::string& found, const std::string& expected, const std::string& todo,
                    const char* field) {
   return Status(Code::kConflict, found + ", " + expected + ": " + todo, field);
+}
+
+std::string SpringText(int64_t kc_mn_per_mm, int64_t rate_hz, int64_t delay_ticks) {
+  return "a spring of " + std::to_string(kc_mn_per_mm) + " mN/mm at " + std::to_string(rate_hz) +
+         " Hz with " + std::to_string(delay_ticks) + " ticks of delay";
+}
+
+// What the profile's clause was computed with is what the board runs.
+Status CheckSpring(const FeatureReport& board, const scene::DeviceProfile& profile) {
+  if (!profile.board_spring) return Status::Ok();
+  const std::string needed =
+      "device profile '" + profile.name + "' says " +
+      SpringText(profile.coupling_mn_per_mm.value, profile.board_spring->rate_hz,
+                 profile.board_spring->delay_ticks);
+  if (!board.runs_spring()) {
+    return NotAsNeeded(board.name + " runs no spring", needed,
+                       "choose a profile without board_spring", "board_spring");
+  }
+  const std::string found =
+      SpringText(board.spring_kc_mn_per_mm, board.spring_rate_hz, board.spring_delay_ticks);
+  if (needed.ends_with(found)) return Status::Ok();
+  return NotAsNeeded(board.name + " runs " + found, needed,
+                     "set coupling_mn_per_mm and board_spring to the board's, if its damping and "
+                     "friction carry them",
+                     "board_spring");
 }
 
 }  // namespace
@@ -356,6 +421,7 @@ Status CheckBoard(const FeatureReport& board, const scene::DeviceProfile& profil
           "peak_force_mn");
     }
   }
+  ENAMEL_RETURN_IF_ERROR(CheckSpring(board, profile));
   if (profile.torque && (board.axes != kSixAxes || !board.tells_orientation)) {
     return NotAsNeeded(
         board.name + " drives " + std::to_string(board.axes) + " axes and " +

@@ -81,6 +81,10 @@ class HapticBoard final : public MotorDevice, private ReportSink {
   // Torque goes to a board that reports six driven axes, and is dropped otherwise.
   ENAMEL_REALTIME void SendForceAndTorque(const dvec3& force_n,
                                           const dvec3& torque_n_m) noexcept override;
+  bool runs_spring() const noexcept override { return feature_.runs_spring(); }
+  // Written once. A board without news lets the force fall by its own rule (the schema's "Lost host"),
+  // so that no keeper repeats it.
+  ENAMEL_REALTIME void SendSpring(const SpringCommand& command) noexcept override;
   DeviceCounters counters() const noexcept override;
 
  private:
@@ -90,9 +94,12 @@ class HapticBoard final : public MotorDevice, private ReportSink {
     uint64_t breaks = 0;       // times its poses became untrustworthy
     uint64_t switch_offs = 0;  // reports in which it had switched its force off by itself
   };
+  // What the tick sent last: a force with its torque, or a command to the board's spring.
   struct Force {
     dvec3 newtons{0}, newton_metres{0};  // scene axes
     uint64_t number = 0;
+    bool to_spring = false;
+    SpringCommand spring;
   };
 
   HapticBoard(const HapticBoardSettings& settings, const HidInfo& info, FeatureReport feature);
@@ -104,7 +111,11 @@ class HapticBoard final : public MotorDevice, private ReportSink {
   bool SwitchedOff(uint8_t status);
 
   void Write();
+  void Post(const Force& force) noexcept;
   bool Send(HidPort& port, const ForceKeeper::Command& command, uint32_t sequence);
+  bool Send(HidPort& port, SpringCommand command, uint32_t sequence);
+  bool Put(HidPort& port, ByteView report, bool motors_on);
+  int64_t MiddleNm(size_t board_axis) const noexcept;  // centre_, from where its counts are 0
   void TakePort(std::unique_ptr<HidPort>& port);
   bool WaitForForce(int64_t timeout_us);
 
@@ -128,6 +139,8 @@ class HapticBoard final : public MotorDevice, private ReportSink {
   bool said_fed_ = false;  // since they were first requested: its watchdog is content
   ReportOrder order_;
   bool centred_ = false;
+  // The board's counts at the scene's middle. Constant from the first report on, which Open awaits: the
+  // other threads may read it.
   std::array<int32_t, 3> centre_{};
   uint32_t last_time_us_ = 0;
   bool new_clock_ = false;  // the next report's time is unrelated to the last one's

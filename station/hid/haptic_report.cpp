@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 namespace enamel::station::hid {
 namespace {
@@ -33,6 +34,18 @@ class FixedWriter {
   std::array<uint8_t, N> bytes_{};
   size_t at_ = 0;
 };
+
+// In counts of `unit`, shortened to what 16 bits hold.
+std::array<int16_t, 3> InUnits(const dvec3& v, double unit) noexcept {
+  constexpr double kMost = 32767;
+  const double largest = std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}) / unit;
+  if (!std::isfinite(largest)) return {};
+  const double share = largest > kMost ? kMost / largest : 1;
+  std::array<int16_t, 3> out{};
+  for (int i = 0; i < 3; ++i)
+    out[static_cast<size_t>(i)] = static_cast<int16_t>(std::lround(v[i] / unit * share));
+  return out;
+}
 
 ReportError Check(ByteView bytes, uint8_t id, size_t size) noexcept {
   return static_cast<ReportError>(EnCheckReport(bytes.data(), bytes.size(), id, size));
@@ -155,6 +168,20 @@ std::array<uint8_t, kOutputBytes> EncodeOutput(const OutputReport& report) noexc
   for (int32_t t : report.torque_un_m) out.I32(t);
   out.U16(report.watchdog_ms);
   return out.WithChecksum();
+}
+
+SpringReport ReportOf(const SpringCommand& command, uint32_t sequence) noexcept {
+  constexpr double kMostBound_mn = 65'535;
+  SpringReport report;
+  report.motors_on = true;
+  report.spring_on = command.on;
+  report.follow = command.follow;
+  report.sequence = sequence;
+  report.rest_nm = command.rest_nm;
+  report.force_100un = InUnits(command.added_n, 1e-4);
+  report.torque_20un_m = InUnits(command.torque_n_m, 20e-6);
+  report.bound_mn = static_cast<uint16_t>(std::clamp(command.bound_n * 1e3, 0.0, kMostBound_mn));
+  return report;
 }
 
 std::array<uint8_t, kSpringBytes> EncodeSpring(const SpringReport& report) noexcept {

@@ -6,6 +6,7 @@
 
 #include "common/base/bytes.h"
 #include "common/board/report.h"
+#include "station/devices/device.h"
 
 // The reports of a haptic board as bytes: schemas/hid_haptic_report.md. The station's half is here; the
 // board's half is the reference firmware's (common/board/report.h), for emulators and tests. Pure
@@ -64,6 +65,10 @@ struct SpringReport {
 
   bool operator==(const SpringReport&) const = default;
 };
+
+// `command` in board axes, zero as of the counts: motors on, all of the share, and the board's own cell.
+// Added force and torque beyond what the report holds keep their direction.
+SpringReport ReportOf(const SpringCommand& command, uint32_t sequence) noexcept;
 
 struct FeatureReport {
   uint8_t axes = 3;

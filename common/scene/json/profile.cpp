@@ -15,7 +15,7 @@ namespace {
 namespace json = boost::json;
 
 constexpr std::string_view kDelay = "bus_delay_ticks", kMeasured = "measured", kTorque = "torque",
-                           kCell = "cell";
+                           kCell = "cell", kBoardSpring = "board_spring";
 constexpr int64_t kSixAxes = 6;
 
 template <typename Owner>
@@ -83,6 +83,22 @@ json::object Document(const CellSpec& cell) {
           {"source", cell.source}};
 }
 
+json::object Document(const BoardSpringSpec& spring) {
+  return {
+      {"rate_hz", spring.rate_hz}, {"delay_ticks", spring.delay_ticks}, {"source", spring.source}};
+}
+
+void ReadBoardSpring(ObjectReader& in, DeviceProfile& profile) {
+  if (!in.Has(kBoardSpring)) return;
+  ObjectReader item = in.Object(kBoardSpring);
+  BoardSpringSpec& spring = profile.board_spring.emplace();
+  // As in the board's feature report (schemas/hid_haptic_report.md).
+  spring.rate_hz = static_cast<int32_t>(item.Int("rate_hz", 100, 65'535));
+  spring.delay_ticks = static_cast<int32_t>(item.Int("delay_ticks", 0, 16));
+  spring.source = item.Text("source", 1, 500);
+  item.Finish();
+}
+
 void ReadCell(ObjectReader& in, DeviceProfile& profile) {
   if (!in.Has(kCell)) return;
   ObjectReader item = in.Object(kCell);
@@ -131,6 +147,7 @@ std::string ToJson(const DeviceProfile& profile) {
     out[n.name] = std::move(item);
   }
   if (profile.cell) out[kCell] = Document(*profile.cell);
+  if (profile.board_spring) out[kBoardSpring] = Document(*profile.board_spring);
   for (const Number& n : kOptional) {
     // Known by its source: every number has one, and 0 may be a value.
     if (Known(n)) out[n.name] = Document(profile.*n.member);
@@ -158,6 +175,7 @@ Result<DeviceProfile> ProfileFromJson(std::string_view text) {
     profile.*n.member = ReadSourced(in, n, n.name == kDelay ? &profile.delay_measured : nullptr);
   }
   ReadCell(in, profile);
+  ReadBoardSpring(in, profile);
   for (const Number& n : kOptional) {
     if (in.Has(n.name)) profile.*n.member = ReadSourced(in, n);
   }

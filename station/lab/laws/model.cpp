@@ -92,6 +92,11 @@ Result<DeviceModel> ModelOf(const DeviceProfile& p) {
   if (p.peak_force_mn.value <= 0)
     return Refuse("peak_force_mn", "expected a peak force above 0 mN");
   if (p.bus_delay_ticks.value < 0) return Refuse("bus_delay_ticks", "expected 0 ticks or more");
+  if (p.board_spring) {
+    return Refuse("board_spring",
+                  "the laws are compared with the spring on the station: leave it out, or read the "
+                  "rows 'on_board' of 'enamel-lab qualify --suite hand'");
+  }
   DeviceModel m;
   m.profile = p;
   m.name = p.name;

@@ -307,12 +307,15 @@ TEST(SceneJsonTest, ProfilesOfSixAxesSayWhatTheirTorqueIs) {
   ASSERT_TRUE(profile->torque);
   EXPECT_EQ(profile->torque->coupling_un_m_per_rad.value, 90'000);
   EXPECT_EQ(profile->viscous_mn_s_per_m(), 2'000);
+  ASSERT_TRUE(profile->board_spring);
+  EXPECT_EQ(profile->board_spring->rate_hz, 8'000);
   auto FieldOf = [&](const std::string& from, const std::string& to) {
     Result<DeviceProfile> p = ProfileFromJson(Replaced(text, from, to));
     return p.ok() ? std::string("accepted") : p.status().field();
   };
   EXPECT_EQ(FieldOf("\"value\": 6,", "\"value\": 3,"), "/torque");
   EXPECT_EQ(FieldOf("\"value\": 350,", "\"value\": 61,"), "/torque/orientation_cell_urad/value");
+  EXPECT_EQ(FieldOf("\"delay_ticks\": 1,", "\"delay_ticks\": 17,"), "/board_spring/delay_ticks");
   EXPECT_EQ(FieldOf("\"friction_un_m\"", "\"friction_mn_m\""), "/torque/friction_un_m");
   const std::string without = text.substr(0, text.find(",\n  \"torque\"")) + "\n}\n";
   Result<DeviceProfile> missing = ProfileFromJson(without);

@@ -65,6 +65,36 @@ TEST_F(PlanTest, BusDelayLowersThePassiveLimit) {
   EXPECT_TRUE(CompilePlan(scene, exercise, profile).ok());
 }
 
+// 2 b f/(d + 1)^2 with the board's f and d: 3500 * 8/4. What the loop and its bus take does not count.
+TEST_F(PlanTest, ASpringOnTheBoardIsBoundedByTheBoardsTimeAndNotByTheLoops) {
+  profile.friction_mn.value = 200;
+  profile.max_stiffness_mn_per_mm.value = 20'000;
+  profile.coupling_mn_per_mm.value = 7'000;
+  EXPECT_FALSE(CompilePlan(scene, exercise, profile).ok());
+  profile.board_spring = BoardSpringSpec{8'000, 1, "test"};
+  profile.bus_delay_ticks.value = 2;
+  const auto params = CompilePlan(scene, exercise, profile);
+  ASSERT_TRUE(params.ok()) << params.status().message();
+  EXPECT_TRUE(params->spring_on_board);
+  EXPECT_EQ(params->kc_mn_per_mm, 7'000);
+  EXPECT_EQ(params->bus_delay_ticks, 2u);
+  profile.coupling_mn_per_mm.value = 7'001;
+  const Status refused = CompilePlan(scene, exercise, profile).status();
+  EXPECT_NE(refused.message().find("at most 7000 mN/mm"), std::string::npos) << refused.message();
+  EXPECT_NE(refused.message().find("at 8000 Hz and 1 ticks of delay of the board's spring"),
+            std::string::npos)
+      << refused.message();
+}
+
+TEST_F(PlanTest, ASpringOnTheBoardNeedsALawThatHasARestPoint) {
+  profile.board_spring = BoardSpringSpec{8'000, 1, "test"};
+  exercise.law = haptics::LawKind::kPaperLimited;
+  const Status refused = CompilePlan(scene, exercise, profile).status();
+  EXPECT_EQ(refused.field(), "law");
+  exercise.law = haptics::LawKind::kMaxwell;
+  EXPECT_TRUE(CompilePlan(scene, exercise, profile).ok());
+}
+
 TEST_F(PlanTest, FrictionBelowHalfACellOfCouplingIsRefusedWithWhatIsNeeded) {
   profile.cell.reset();
   profile.friction_mn.value = 12;  // 2500 * 0.010 / 2 = 12.5

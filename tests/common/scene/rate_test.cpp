@@ -64,6 +64,19 @@ TEST(RateTest, IsWhatTheCriteriaAllowAtEveryRateAndMeetsThem) {
   }
 }
 
+TEST(RateTest, ASpringOnTheBoardKeepsItsKcAtEveryRateOfTheLoop) {
+  DeviceProfile p = Device("omega3");
+  p.board_spring = BoardSpringSpec{8'000, 1, "test"};
+  p.coupling_mn_per_mm.value = 9'000;
+  for (int64_t rate : {500, 1000, 4000}) {
+    Result<DeviceProfile> at = AtRate(p, rate);
+    ASSERT_TRUE(at.ok()) << at.status().message();
+    EXPECT_EQ(at->coupling_mn_per_mm.value, 9'000);
+    EXPECT_TRUE(CheckCoupling(*at, rate, 2).ok());
+    EXPECT_TRUE(IsAcceptable(CheckProfile(*at)));
+  }
+}
+
 TEST(RateTest, ADelayIsKeptAsATimeAndARateThatNoCoreRunsIsRefused) {
   DeviceProfile p = Device("bhhd3");
   p.bus_delay_ticks.value = 1;

@@ -7,6 +7,7 @@
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"
 #include "common/scene/plan.h"
+#include "common/scene/profile_criteria.h"
 
 namespace enamel::station {
 namespace {
@@ -58,6 +59,25 @@ TEST(CalibrateTest, ProposedProfileIsStableByTheMeasuredNumbersAndCarriesTheExer
     EXPECT_EQ(back->name, "mine");
     EXPECT_EQ(back->peak_force_mn.value, scene::BuiltinProfiles()[0].peak_force_mn.value);
   }
+}
+
+// 2 b f/(d + 1)^2 at 8 kHz and a tick is 7200; c/S is 4500.
+TEST(CalibrateTest, ABoardsSpringIsProposedWhereTheMeasuredFiguresCarryIt) {
+  scene::DeviceProfile base = scene::BuiltinProfiles()[0];
+  base.cell.reset();
+  base.board_spring = scene::BoardSpringSpec{8000, 1, "the device's own"};
+  base.coupling_mn_per_mm = {4499, "the device's own"};
+  auto p = ProposeProfile(Axis(20, 0.05, 2, 1), 1000, base, "mine", "measured");
+  ASSERT_TRUE(p.ok()) << p.status().message();
+  ASSERT_TRUE(p->board_spring);
+  EXPECT_EQ(p->coupling_mn_per_mm.value, 4499);
+  EXPECT_TRUE(scene::IsAcceptable(scene::CheckProfile(*p)));
+  base.coupling_mn_per_mm.value = 4501;
+  p = ProposeProfile(Axis(20, 0.05, 2, 1), 1000, base, "mine", "measured");
+  ASSERT_TRUE(p.ok()) << p.status().message();
+  EXPECT_FALSE(p->board_spring) << "the station runs a softer one";
+  EXPECT_LT(p->coupling_mn_per_mm.value, 4500);
+  EXPECT_TRUE(scene::IsAcceptable(scene::CheckProfile(*p)));
 }
 
 TEST(CalibrateTest, DeviceThatNothingCouldBeStableOnIsRefused) {

@@ -180,6 +180,86 @@ TEST_F(HapticBoardTest, CentresOnTheFirstReportAndFollowsTheNext) {
   EXPECT_FALSE(board_->ReadSample().fresh);  // nothing new: the loop counts it as silence
 }
 
+FeatureReport WithSpring() {
+  FeatureReport f = Feature();
+  f.spring_kc_mn_per_mm = 7'000;
+  f.spring_rate_hz = 8'000;
+  f.spring_delay_ticks = 1;
+  return f;
+}
+
+// Scene x is the board's -y, scene y its x; counts of 10 um; the middle is the first report's place.
+TEST_F(HapticBoardTest, TheSpringsRestPointIsTurnedAndCentredBothWays) {
+  bus_.Plug(Plugged(WithSpring()));
+  HapticBoardSettings settings;
+  settings.axes = *ParseAxisMap("-y+x+z");
+  ASSERT_TRUE(Open(settings).ok());
+  EXPECT_TRUE(board_->runs_spring());
+  InputReport next = At(101, 3007);
+  next.rest_nm = {10'000'300, -20'000'200, 30'000'100};
+  next.share = 60'000;
+  Send(next);
+  const DeviceSample s = Until([](const DeviceSample& d) { return d.sequence == 101; });
+  EXPECT_EQ(s.counts, (std::array<int32_t, 3>{0, 0, 7}));
+  EXPECT_EQ(s.rest_nm, (std::array<int32_t, 3>{200, 300, 100}));
+  EXPECT_EQ(s.share, 60'000);
+  SpringCommand command;
+  command.on = true;
+  command.rest_nm = s.rest_nm;
+  command.added_n = dvec3(0.1, 0.2, 0.3);
+  command.torque_n_m = dvec3(1e-3);
+  command.bound_n = 7.9;
+  board_->SendSpring(command);
+  SpringReport out;
+  ASSERT_TRUE(bus_.Await([&](HidBus& b) {
+    return !b.written().empty() && DecodeSpring(b.written().back(), out) == ReportError::kNone;
+  }));
+  EXPECT_EQ(out.rest_nm, next.rest_nm);
+  EXPECT_EQ(out.force_100un, (std::array<int16_t, 3>{2000, -1000, 3000}));
+  EXPECT_EQ(out.torque_20un_m, (std::array<int16_t, 3>{0, 0, 0})) << "it drives three axes";
+  EXPECT_EQ(out.bound_mn, 7'900);
+  EXPECT_TRUE(out.motors_on && out.spring_on && !out.follow);
+}
+
+TEST_F(HapticBoardTest, ACommandToTheSpringIsWrittenOnceAndAForceTurnsItOff) {
+  bus_.Plug(Plugged(WithSpring()));
+  ASSERT_TRUE(Open().ok());
+  SpringCommand command;
+  command.on = true;
+  board_->SendSpring(command);
+  const auto written = [](HidBus& b) {
+    SpringReport out;
+    return !b.written().empty() && DecodeSpring(b.written().back(), out) == ReportError::kNone &&
+           out.spring_on;
+  };
+  ASSERT_TRUE(bus_.Await(written));
+  const uint64_t writes = board_->counters().writes;
+  // Ten repeats of a force; a slow machine can only let this pass.
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_LE(board_->counters().writes, writes + 1);
+  board_->SendForce(dvec3(0));
+  EXPECT_TRUE(bus_.Await([](HidBus& b) {
+    OutputReport out;
+    return DecodeOutput(b.written().back(), out) == ReportError::kNone && out.motors_on;
+  }));
+  board_.reset();
+  EXPECT_FALSE(LastWritten().motors_on);
+}
+
+TEST_F(HapticBoardTest, AProfileThatLeavesTheSpringToTheBoardNeedsThatSpring) {
+  scene::DeviceProfile profile = test::PlainProfile();
+  EXPECT_TRUE(CheckBoard(WithSpring(), profile, 1000).ok()) << "the station runs its own";
+  profile.board_spring = scene::BoardSpringSpec{8'000, 1, "test"};
+  profile.coupling_mn_per_mm.value = 7'000;
+  EXPECT_TRUE(CheckBoard(WithSpring(), profile, 1000).ok());
+  EXPECT_EQ(CheckBoard(Feature(), profile, 1000).field(), "board_spring");
+  profile.coupling_mn_per_mm.value = 6'999;
+  const Status s = CheckBoard(WithSpring(), profile, 1000);
+  EXPECT_EQ(s.code(), Code::kConflict);
+  for (const char* said : {"7000 mN/mm at 8000 Hz", "6999 mN/mm at 8000 Hz"})
+    EXPECT_NE(s.message().find(said), std::string::npos) << s.message();
+}
+
 TEST_F(HapticBoardTest, ShortWrongAndDamagedReportsAreCountedAndChangeNothing) {
   bus_.Plug(Plugged());
   ASSERT_TRUE(Open().ok());
