@@ -43,8 +43,8 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
   qualify
       ->add_option("--motion", options->motion,
                    "hand: CSV file of a person's motion (t_s,px_m,py_m,pz_m at 1 kHz), or a folder "
-                   "of them")
-      ->capture_default_str();
+                   "of them, in place of the generated hands")
+      ->type_name("PATH");
   qualify->add_option("--calibration", options->calibration,
                       "calibration: what `enamel-station calibrate` wrote of the device");
   qualify->add_option("--cases", options->cases, "random: how many")->capture_default_str();

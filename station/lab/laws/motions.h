@@ -42,7 +42,10 @@ HandMotion CornerMotion(double speed_m_per_s, double leg_s);
 // Straight at constant speed, with tremor of the amplitude across and along, 8 to 12 Hz.
 HandMotion TremorMotion(double speed_m_per_s, double amplitude_m, double duration_s, uint64_t seed);
 // A hand that works a surface: minimum-jerk strokes of random length, direction and pause, with
-// tremor; as smooth and varied as a person's, but of known statistics.
+// tremor; as smooth and varied as a person's, but of known statistics. The recipe: strokes of 0.3 to
+// 2 s, evenly in the logarithm, each at 0.3 to 2 of a unit speed; a third are followed by a pause of
+// 0.05 to 0.5 s; half lead back near the start; tremor of 9, 10 and 11 Hz along x, y and z with an
+// amplitude of 1/500 of a stroke of a second at unit speed; all scaled to the mean speed.
 HandMotion WanderingMotion(double mean_m_per_s, double duration_s, uint64_t seed);
 
 // The file `folder`, or every `*.csv` under it (at most 64 files of 4 MiB), with columns t_s, px_m, py_m, pz_m at 1
