@@ -29,10 +29,12 @@ constexpr double kMostMissing = 0.3;
 constexpr double kFinishInside_m = 0.15e-3;  // the finish line's height is taken so far in
 constexpr double kWidthAbove_m = 0.3e-3;     // and its width so far above it
 constexpr double kCompleteWidth_m = 0.3e-3;
+constexpr double kNoLine_m = 0.75e-3;  // a ledge so far above it is not the finish line
 // A bevel: between a table's inclines, which fall inwards or are flatter, and the wall.
 constexpr double kBevelLeast = 0.57735026918962573, kBevelMost = 2.1445069205095586;  // tan 30, 65
 constexpr double kLeastBevel_m = 0.2e-3;
 constexpr int kBevelPlaces = 5;                  // to either side
+constexpr double kLeastReduction_m = 0.5e-3;     // of a wall that the task reduces
 constexpr double kLeans = 0.034899496702500969;  // sin of 2 degrees
 
 struct Direction {
@@ -230,6 +232,15 @@ void MeasureLine(const Profile& initial, const Profile& attempt, const Profile& 
   for (double d : depths) sum += (d - out.depth_m) * (d - out.depth_m);
   out.waviness_m = std::sqrt(sum / kPlaces);
   out.complete = complete / kPlaces;
+  // Twice around, so that a stretch may run over the first place.
+  size_t stretch = 0, longest = 0;
+  for (size_t k = 0; k < 2 * widths.size(); ++k) {
+    const size_t at = k % widths.size();
+    const bool none = widths[at] < kLeastStep_m || depths[at] < -kNoLine_m;
+    stretch = none ? stretch + 1 : 0;
+    longest = std::max(longest, std::min(stretch, widths.size()));
+  }
+  out.missing_deg = 360.0 * static_cast<double>(longest) / kPlaces;
   auto spot = [&](auto&& badness) {
     size_t worst = 0;
     for (size_t k = 1; k < depths.size(); ++k) {
@@ -384,12 +395,15 @@ CrownFigures MeasureCrown(const Volume& initial, const CutSide& attempt, const C
   std::array<double, kHalfPlanes> lean_deg{}, taken{}, off_deg{};
   std::array<Spot, kHalfPlanes> wall_at;
   double top_radius = kReach_m;
+  std::array<double, kHalfPlanes> slope{}, asked_off{};
   for (size_t k = 0; k < kHalfPlanes; ++k) {
     const Direction& d = half_planes[k];
     const double lo = lines_z[k] + kWallMargin_m, hi = *top - kWallMargin_m;
     const std::optional<Line> wall = WallLine(is, d, lo, hi), tooth = WallLine(before, d, lo, hi);
     const std::optional<Line> wanted = WallLine(asked, d, lo, hi);
     if (!wall || !tooth || !wanted) return out;
+    slope[k] = wall->slope;
+    asked_off[k] = tooth->median_radius_m - wanted->median_radius_m;
     lean_deg[k] = -kDegrees * ArcTan(wall->slope);
     off_deg[k] = std::fabs(lean_deg[k] + kDegrees * ArcTan(wanted->slope));
     wall_at[k] = {PointAt(*axis, d, wall->median_radius_m, 0.5 * (lo + hi)), {d.x, d.y, 0}};
@@ -402,6 +416,17 @@ CrownFigures MeasureCrown(const Volume& initial, const CutSide& attempt, const C
   const size_t to_mesial = mesial_x > 0 ? 0 : 2 * kQuarter, to_distal = 2 * kQuarter - to_mesial;
   std::array<double, kSections> section;
   for (size_t k = 0; k < section.size(); ++k) section[k] = lean_deg[k] + lean_deg[k + kSections];
+  out.least_wall = 1;
+  for (size_t side : {size_t{0}, kToBuccal, 2 * kQuarter, kToLingual}) {
+    if (asked_off[side] >= kLeastReduction_m) {
+      out.least_wall = std::min(out.least_wall, taken[side] / asked_off[side]);
+    }
+  }
+  for (size_t k = 0; k < section.size(); ++k) {
+    const double lo = std::max(lines_z[k], lines_z[k + kSections]) + kWallMargin_m;
+    const double apart = (slope[k] + slope[k + kSections]) * (*top - kWallMargin_m - lo);
+    out.overhang_m = std::max(out.overhang_m, apart);
+  }
   out.mesiodistal_deg = section[0];
   out.buccolingual_deg = section[kToBuccal];
   const auto least = std::min_element(section.begin(), section.end());

@@ -37,6 +37,11 @@ struct CrownFigures {
   double axis_deg = 0;  // how far the middle line between the walls leans from +z
   double undercut_m2 =
       0;  // area of the walls that leans out over the finish line by over 2 degrees
+  // The most by which the straight lines through the two walls of a section come nearer to each
+  // other downwards: no crown seats over it, however it is turned.
+  double overhang_m = 0;
+  // The least share of the reference's reduction, of the walls that it reduced by 0.5 mm.
+  double least_wall = 0;
   std::array<double, 4> wall_m{};  // taken off: mesial, distal, buccal, lingual; median over height
   double top_m = 0, top_least_m = 0;  // off the top, straight down: median, and what 95 % exceed
 
@@ -44,7 +49,8 @@ struct CrownFigures {
   double width_m = 0, width_least_m = 0;  // median, and what 95 % exceed
   double depth_m = 0;                     // median below the reference's; - above
   double waviness_m = 0;                  // RMS of that about its median
-  double complete = 0;                    // share of the places with a width of at least 0.3 mm
+  double missing_deg = 0;  // longest stretch narrower than 0.1 mm or 0.75 mm too high
+  double complete = 0;     // share of the places with a width of at least 0.3 mm
 
   BevelFigures bevel_buccal, bevel_lingual;
 

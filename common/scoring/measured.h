@@ -5,6 +5,7 @@
 #include "common/scoring/metrics.h"
 #include "common/scoring/shape.h"
 #include "common/scoring/task.h"
+#include "common/scoring/untouched.h"
 #include "common/scoring/zones.h"
 
 // Between measuring (metrics.cpp) and the list of metrics (registry/registry.cpp).
@@ -23,6 +24,9 @@ struct Measured {
   LineAngleFigures line_angles;
   MarginFigures margin;
   CrownFigures crown;
+  ContactFigures contact;
+  StumpFigures stump;
+  std::array<double, 4> sides_done{1, 1, 1, 1};
   bool has_pulp = false, has_neighbour = false;
   double neighbour_depth_m = 0;
   double remaining_dentin_m = 0;

@@ -176,6 +176,7 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
   m.task = MeasureTask(initial, *attempt.final_volume, *reference.final_volume,
                        CutPart(*reference.final_surface, r.cut),
                        NearOf_m(exercise.target, initial.spec()));
+  m.sides_done = SidesDone(initial, *attempt.final_volume, *reference.final_volume, boxes.target);
   tell(0.3);
   std::vector<float> own;
   if (!attempt.deviation_m) {
@@ -204,10 +205,18 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
     m.crown =
         MeasureCrown(initial, a.cut_side, r.cut_side, landmark_m,
                      landmark_m.z - exercise.target.depth_um * 1e-6, scene::MesialX(scene.tooth));
+    if (m.crown.in_task) {
+      m.stump = MeasureStump(initial, *attempt.final_volume, *reference.final_volume, boxes.target,
+                             landmark_m.z - exercise.target.depth_um * 1e-6);
+    }
   }
   if (plan.Has(MetricGroup::kOutline)) m.outline = MeasureOutline(initial, a.cut_side, r.cut_side);
   tell(0.7);
   MeasureTissues(attempt, a, plan.Has(MetricGroup::kCover), m);
+  if (m.has_neighbour && plan.Has(MetricGroup::kCover)) {
+    m.contact =
+        MeasureContact(initial, *attempt.final_volume, *reference.final_volume, boxes.target);
+  }
   tell(0.8);
   if (plan.Has(MetricGroup::kPathInTime) && reference.process) {
     const PathPair paths = ResampleAlike(*attempt.process, *reference.process, PathBy::kTime);

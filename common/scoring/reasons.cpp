@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <limits>
 
+#include "common/scoring/remedies.h"
+
 namespace enamel::scoring {
 namespace {
 
@@ -39,6 +41,14 @@ Asked AskedFor(const std::vector<scene::RubricPoint>& map) {
     if (map[i].share == 0) out.none_above = map[i].value;
   }
   return out;
+}
+
+// nullptr where the value earns full marks, or is no fault.
+const Remedy* RemedyOf(const MetricInfo& info, double value,
+                       const std::vector<scene::RubricPoint>& map) {
+  const Asked asked = AskedFor(map);
+  if (value >= asked.from && value <= asked.to) return nullptr;
+  return FindRemedy(info.name, value > asked.to);
 }
 
 std::string Digits(double value, int digits) {
@@ -157,7 +167,7 @@ std::string Clause(const MetricInfo& info, const Reason& reason) {
   if (reason.code == "cut_further" && v.size() == 1) {
     return Number(v[0], "mm3") + " was left uncut. Cut further there";
   }
-  return "";
+  return std::string(RemedyText(reason.code));
 }
 
 }  // namespace
@@ -218,12 +228,22 @@ Reason LimitReason(const MetricInfo& info, double value) {
 
 Reason KeepsReason(double share) { return {"keeps", {100 * share}, {"%"}}; }
 
+std::string_view FaultOf(const MetricInfo& info, double value,
+                         const std::vector<scene::RubricPoint>& map) {
+  const Remedy* remedy = RemedyOf(info, value, map);
+  return remedy != nullptr ? remedy->fault : std::string_view();
+}
+
 std::optional<Reason> Advice(const MetricInfo& info, double value,
+                             const std::vector<scene::RubricPoint>& map,
                              const std::vector<Deduction>& deductions) {
+  const Remedy* remedy = RemedyOf(info, value, map);
+  if (remedy == nullptr) return std::nullopt;
+  const bool left = remedy->code == kCutFurther;
+  if (!left && remedy->code != kStopEarlier) return Reason{std::string(remedy->code), {}, {}};
   const Deduction* most = nullptr;
   for (const Deduction& d : deductions) {
-    if (d.criterion != info.name) continue;
-    if (!info.above_zero.empty() && d.left != (value < 0)) continue;
+    if (d.criterion != info.name || d.left != left) continue;
     if (most == nullptr || d.volume_m3 > most->volume_m3) most = &d;
   }
   if (most == nullptr) return std::nullopt;

@@ -36,16 +36,20 @@ Reason MissingReason(NoValue why);
 Reason LimitReason(const MetricInfo& info, double value);
 // The share that every criterion keeps by a gate that took points: "keeps".
 Reason KeepsReason(double share);
-// Advice for the place where the most was lost:
+// What would mend it: the remedy (remedies.h) of the metric on the side where the map gives less. A
+// remedy for a cut that ends in the wrong place is said of the place where the most was lost:
 //  * "stop_earlier" with the first moment and the stroke that took most.
 //  * "stop_earlier_by" with the first moment and the moment by which half was gone, where no stroke
 //    took half, or that stroke lasted longer than kLongStroke_s.
 //  * Either with "_here" where it is of the worst place only (Deduction::here).
 //  * "cut_further" with the volume that was left.
-// `value`: of the metric; its sign chooses between too much and too little where the metric has
-// one. None where no place or moment is known.
+// None where no place or moment is known, and for metrics that have no remedy.
 std::optional<Reason> Advice(const MetricInfo& info, double value,
+                             const std::vector<scene::RubricPoint>& map,
                              const std::vector<Deduction>& deductions);
+// The fault's code (remedies.h) of a value that earns less than full marks; empty for none.
+std::string_view FaultOf(const MetricInfo& info, double value,
+                         const std::vector<scene::RubricPoint>& map);
 
 // Decimals of a value and its limits, in any language. As fine as anybody acts on: 0.01 mm, a tenth
 // of a degree or of a second. A reason gives all its values enough decimals to show a limit exactly

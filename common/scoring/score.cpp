@@ -59,6 +59,27 @@ Status ValidateCriterion(const std::string& item, const RubricCriterion& criteri
   return ValidateMap(item, criterion.map);
 }
 
+Status ValidateCritical(const Rubric& rubric) {
+  if (rubric.critical.size() > kMaxCritical) {
+    return Status(Code::kInvalidInput,
+                  "rubric: expected at most " + std::to_string(kMaxCritical) +
+                      " critical errors, found " + std::to_string(rubric.critical.size()),
+                  "critical");
+  }
+  for (size_t i = 0; i < rubric.critical.size(); ++i) {
+    const scene::RubricCritical& c = rubric.critical[i];
+    const std::string item = "critical[" + std::to_string(i) + "]";
+    if (FindCriticalError(c.error) == nullptr) {
+      return BadItem(
+          item, "error",
+          "no critical error is called \"" + c.error + "\": schemas/critical_errors.json has them");
+    }
+    ENAMEL_RETURN_IF_ERROR(ValidateMetric(item, c.metric, c.unit));
+    if (!std::isfinite(c.limit)) return BadItem(item, "above", "expected a finite number");
+  }
+  return Status::Ok();
+}
+
 double ShareAt(const std::vector<scene::RubricPoint>& map, double value) {
   // Constant beyond both ends: a map says all there is to say about a value.
   if (value <= map.front().value) return map.front().share;
@@ -222,10 +243,10 @@ void Advise(const Rubric& rubric, std::vector<Deduction> deductions, ScoreResult
     std::vector<Reason>* reasons;
   };
   std::vector<Told> all;
-  auto advise = [&](auto& part, const Loss& loss) {
+  auto advise = [&](auto& part, const Loss& loss, const std::vector<scene::RubricPoint>& map) {
     if (!IsWorthAdvice(loss)) return;
     const MetricInfo& info = *FindMetric(part.name);
-    std::optional<Reason> advice = Advice(info, part.value, deductions);
+    std::optional<Reason> advice = Advice(info, part.value, map, deductions);
     if (!advice) return;
     Told told{Sentence("", info, {*advice}, ""), *advice, loss.points, &part.reasons};
     const auto same = std::ranges::find(all, told.words, &Told::words);
@@ -235,10 +256,12 @@ void Advise(const Rubric& rubric, std::vector<Deduction> deductions, ScoreResult
       *same = std::move(told);
     }
   };
-  for (GateResult& gate : result.gates) advise(gate, LossOf(gate));
+  for (size_t i = 0; i < rubric.gates.size() && i < result.gates.size(); ++i)
+    advise(result.gates[i], LossOf(result.gates[i]), rubric.gates[i].map);
   for (size_t i = 0; i < rubric.criteria.size() && i < result.criteria.size(); ++i) {
     CriterionResult& found = result.criteria[i];
-    if (found.judged) advise(found, LossOf(rubric, rubric.criteria[i], found.value));
+    if (found.judged)
+      advise(found, LossOf(rubric, rubric.criteria[i], found.value), rubric.criteria[i].map);
   }
   for (Told& told : all) told.reasons->push_back(std::move(told.reason));
   for (GateResult& gate : result.gates) Write(gate);
@@ -271,6 +294,7 @@ Status ValidateRubric(const Rubric& rubric) {
     ENAMEL_RETURN_IF_ERROR(ValidateMetric(item, gate.metric, gate.unit));
     ENAMEL_RETURN_IF_ERROR(ValidateMap(item, gate.map));
   }
+  ENAMEL_RETURN_IF_ERROR(ValidateCritical(rubric));
   // Or a score would be 0 of 0.
   if (!(total > 0)) {
     return Status(Code::kInvalidInput, "rubric: no criterion gives points, so there is no score",
@@ -313,7 +337,17 @@ Result<ScoreResult> ApplyRubric(const Rubric& rubric, const MetricSet& metrics) 
                   "rubric: no criterion with points can be judged in this exercise", "criteria");
   }
   // Of the criteria that can be judged, so that exercises with fewer walls have 100 points too.
-  out.score = out.critical_fail ? 0 : 100 * (points / max_points);
+  out.points = 100 * (points / max_points);
+  ENAMEL_ASSIGN_OR_RETURN(out.critical, FindCritical(rubric, metrics));
+  out.critical_fail = out.critical_fail || !out.critical.empty();
+  out.score = out.critical_fail ? 0 : out.points;
+  auto remarked = [](const auto& part) { return !part.comment.empty(); };
+  if (out.critical_fail) {
+    out.acceptance = Acceptance::kNotAcceptable;
+  } else if (std::ranges::any_of(out.criteria, remarked) ||
+             std::ranges::any_of(out.gates, remarked)) {
+    out.acceptance = Acceptance::kWithRemarks;
+  }
   return out;
 }
 

@@ -6,6 +6,7 @@
 
 #include "common/base/result.h"
 #include "common/scene/types.h"
+#include "common/scoring/critical.h"
 #include "common/scoring/deductions.h"
 #include "common/scoring/envelope.h"
 #include "common/scoring/metrics.h"
@@ -57,10 +58,17 @@ inline constexpr double kWorthAdvice = 0.5;
 // this many of a hundred.
 inline constexpr double kWorthCommentShare = 0.25, kWorthCommentPoints = 5;
 
+// What an examiner says of the whole, beside the points. With remarks: a criterion or a gate lost so
+// much that its comment is shown. Not acceptable: a critical error.
+enum class Acceptance : uint8_t { kAcceptable, kWithRemarks, kNotAcceptable };
+
 // A score is metrics + rubric version + reference + core version; recomputed bit-identically.
 struct ScoreResult {
-  double score = 0;  // 0..100
-  bool critical_fail = false;
+  double score = 0;            // 0..100
+  bool critical_fail = false;  // by `critical`, or by a criterion's fails_above
+  std::vector<CriticalResult> critical;
+  double points = 0;  // the score as if no error were critical
+  Acceptance acceptance = Acceptance::kAcceptable;
   std::vector<CriterionResult> criteria;  // points after the gates
   std::vector<GateResult> gates;
   std::vector<MetricValue> metrics;    // all that was measured, also what the rubric does not use
@@ -88,15 +96,16 @@ inline constexpr size_t kMaxDeductions = 2 * (kMaxCriteria + kMaxGates);
 inline constexpr size_t kMaxScoreJsonBytes = 1 << 20;
 
 // Errors: kInvalidInput naming the criterion ("criteria[2].map") when the rubric names an unknown
-// metric or another unit, has an empty or unsorted map, a share outside 0..1, no points at all, or
-// more than kMaxCriteria criteria.
+// metric, critical error or another unit, has an empty or unsorted map, a share outside 0..1, no
+// points at all, or more than kMaxCriteria criteria, kMaxGates gates or kMaxCritical errors.
 Status ValidateRubric(const scene::Rubric& rubric);
 
 // Points by the piecewise linear map, constant beyond its ends; the score is the share of all
-// points in percent, times every gate's share, or 0 when any criterion is critically failed. A
+// points in percent, times every gate's share, or 0 after a critical error. A
 // criterion whose metric is not in the task is left out of both sums, and so is one of a force at
 // the device's limit, unless the force that is known already costs all that it can. Fills score,
-// critical_fail, criteria, gates, metrics, missing and rubric_version; the caller fills the rest.
+// critical_fail, critical, points, acceptance, criteria, gates, metrics, missing and
+// rubric_version; the caller fills the rest.
 // Errors: those of ValidateRubric; kInvalidInput when a metric is in neither list or not finite, a
 // gate's metric has no value, or no criterion with points is in the task.
 Result<ScoreResult> ApplyRubric(const scene::Rubric& rubric, const MetricSet& metrics);

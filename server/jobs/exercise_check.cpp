@@ -123,10 +123,9 @@ Status CheckVolume(const scene::Scene& scene, const scene::Exercise& exercise,
                      fmt::format("{:.1f} mm", width_m * 1e3));
     }
   }
-  const bool opening_fails =
-      std::ranges::any_of(exercise.rubric.criteria, [](const scene::RubricCriterion& criterion) {
-        return criterion.metric == "pulp_exposed_mm2" && criterion.fails_above;
-      });
+  const bool opening_fails = std::ranges::any_of(
+      exercise.rubric.critical,
+      [](const scene::RubricCritical& critical) { return critical.metric == "pulp_exposed_mm2"; });
   if (!opening_fails) return Status::Ok();
   ENAMEL_ASSIGN_OR_RETURN(const auto shape, scene::TargetShape(scene, target));
   const auto gone = scoring::RemovedPerTissue_m3(volume, scene::Prepared(volume, shape));

@@ -113,6 +113,7 @@ Result<std::optional<scoring::ScoreResult>> ReferenceUnder(Store& store,
   if (stored_only) return none;
   ENAMEL_ASSIGN_OR_RETURN(const auto metrics,
                           MeasuredAgainstItself(store, exercise, reference->attempt, rubric));
+  ENAMEL_RETURN_IF_ERROR(scoring::CheckCriticalIsMeasured(rubric, metrics));
   ENAMEL_ASSIGN_OR_RETURN(auto score, scoring::ApplyRubric(rubric, metrics));
   return std::optional(std::move(score));
 }

@@ -152,6 +152,9 @@ void Pages::HandIn() {
 void Pages::Score(const scoring::ScoreResult& score) {
   ui_.Score(flow_.words().Decimal(score.score, 0), Say("result.of"));
   if (score.critical_fail) ui_.Problem(Say("result.failed"));
+  for (const scoring::CriticalResult& c : score.critical) {
+    ui_.Problem(ReasonText(flow_.words(), c));
+  }
   for (const scoring::GateResult& g : score.gates) {
     if (g.share < 1) ui_.Problem(ReasonText(flow_.words(), g));
   }

@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "common/scoring/remedies.h"
+
 namespace enamel::station::desk {
 namespace {
 
@@ -185,7 +187,8 @@ std::optional<std::string> SentenceOf(const Words& words, std::string_view metri
   if ((code == "stop_earlier_by" || code == "stop_earlier_here_by") && v.size() == 2) {
     return words.Say(key, {{"moment", MomentText(words, v[0])}, {"half", MomentText(words, v[1])}});
   }
-  if (code == "not_in_task" || code == "not_made") return words.Say(key);
+  const bool bare = code == "not_in_task" || code == "not_made";
+  if (bare || !scoring::RemedyText(code).empty()) return words.Say(key);
   return std::nullopt;
 }
 
@@ -226,6 +229,20 @@ std::string ReasonText(const Words& words, const scoring::CriterionResult& crite
 }
 std::string ReasonText(const Words& words, const scoring::GateResult& gate) {
   return ReasonTextOf(words, gate);
+}
+
+std::string ReasonText(const Words& words, const scoring::CriticalResult& critical) {
+  const std::string key = "critical_error." + critical.error;
+  if (!words.Has(key)) return critical.reason;
+  const std::string code = critical.above ? "at_most" : "at_least";
+  const int digits =
+      scoring::ReasonDigits({code, {critical.value, critical.limit}, {}}, critical.unit);
+  auto quantity = [&](double value) {
+    return scoring::WithUnit(words.Decimal(value, digits), critical.unit);
+  };
+  return words.Say("critical." + code, {{"error", words.Say(key)},
+                                        {"found", quantity(critical.value)},
+                                        {"limit", quantity(critical.limit)}});
 }
 
 std::string NumberText(const Words& words, double value, int most_digits) {

@@ -24,6 +24,7 @@ std::string WordedText(const Words& words, std::string_view text);
 // unknown (a newer server) or missing (scores before version 4).
 std::string ReasonText(const Words& words, const scoring::CriterionResult& criterion);
 std::string ReasonText(const Words& words, const scoring::GateResult& gate);
+std::string ReasonText(const Words& words, const scoring::CriticalResult& critical);
 
 // With at most so many decimals: 10, 9.5.
 std::string NumberText(const Words& words, double value, int most_digits);

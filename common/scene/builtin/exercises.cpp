@@ -50,7 +50,9 @@ Exercise ClassTwoExercise(const Scene& scene, const Sha256& scene_hash) {
       c.comment = "The axial wall is not where it should be.";
     } else if (c.metric == "floor_mm") {
       c.title = "Gingival floor";
-      c.comment = "The gingival floor is too deep or too shallow.";
+      c.comment =
+          "A deep gingival floor comes near the gingiva. A shallow one may leave the contact "
+          "closed.";
     }
   }
   std::erase_if(criteria, [](const RubricCriterion& c) {
@@ -61,12 +63,15 @@ Exercise ClassTwoExercise(const Scene& scene, const Sha256& scene_hash) {
   // 0.05 mm moves its surface by less than a voxel of 0.1 mm: as deep as that says nothing yet.
   criteria.push_back(AtMost("neighbour_removed_mm3", "Adjacent tooth untouched", "mm3", 4, 0.001,
                             0.1, "The adjacent tooth was cut."));
-  RubricCriterion depth = AtMost(kNeighbourDepth, "Adjacent tooth not grooved", "mm", 4, 0.1, 0.2,
-                                 "The adjacent tooth has a groove.");
-  depth.fails_above = 0.2;
-  criteria.push_back(std::move(depth));
+  criteria.push_back(AtMost(kNeighbourDepth, "Adjacent tooth not grooved", "mm", 4, 0.1, 0.2,
+                            "The adjacent tooth has a groove."));
   criteria.push_back(NoCariesCriterion(10));
   e.rubric.gates.push_back(CariesGate());
+  e.rubric.critical = CriticalOfAny();
+  for (const auto& critical : {CriticalOfPulp(), CriticalOfCavity(), CriticalOfWidth(true),
+                               CriticalOfContact(), CriticalOfCaries()}) {
+    AddCritical(e.rubric, critical);
+  }
   for (const auto& [metric, points] : {std::pair{"task_done_percent", 2},
                                        {"left_standing_mm3", 10},
                                        {"outside_removed_mm3", 5},
@@ -112,12 +117,15 @@ Exercise ClassFiveExercise(const Scene& scene, const Sha256& scene_hash) {
                    " deep in the middle, with upright walls and a flat axial wall. " + SidesText() +
                    " Do not expose the pulp.";
   e.rubric.name = "class-5-buccal";
+  std::erase_if(e.rubric.critical,
+                [](const RubricCritical& c) { return c.error == "gross_overextension"; });
   // The wall towards the pulp is down in this scene.
   const struct {
     const char *metric, *title, *comment;
   } named[] = {{"wall_buccal_mm", "Gingival wall", "The gingival wall is not where it should be."},
                {"wall_lingual_mm", "Occlusal wall", "The occlusal wall is not where it should be."},
-               {"floor_mm", "Axial wall", "The axial wall is too deep or too shallow."},
+               {"floor_mm", "Axial wall",
+                "A deep axial wall endangers the pulp. A shallow one leaves the filling too thin."},
                {"tilt_floor_deg", "Axial wall parallel to the face", "The axial wall slopes."},
                {"floor_waviness_mm", "Axial wall flat", "The axial wall is uneven."}};
   for (RubricCriterion& c : e.rubric.criteria)
@@ -284,6 +292,7 @@ std::vector<Exercise> BuiltinExercises(const Scene& scene, const Sha256& scene_h
                               "mm",
                               {{0.1, 1}, {0.3, 0}},
                               "The adjacent tooth was cut."});
+    if (e.name.starts_with("crown")) AddCritical(e.rubric, {CriticalOfContact().back()});
   }
   return out;
 }

@@ -21,7 +21,8 @@ RubricCriterion ConvergenceCriterion(const char* metric, const char* title, doub
           "deg",
           4,
           {{0, 0}, {5, 1}, {most_deg, 1}, {most_deg + 14, 0}},
-          "Opposite walls converge too little or too much.",
+          "Walls that taper too much do not hold the crown. Walls that are parallel or undercut do "
+          "not let it seat.",
           {}};
 }
 
@@ -46,29 +47,24 @@ RubricCriterion AtLeast(const char* metric, const char* title, const char* unit,
 }
 
 std::vector<RubricGate> TaskGates() {
-  return {{"task_done_percent",
-           "Task done",
-           "%",
-           {{5, 0}, {90, 1}},
-           "The work was stopped early: part of the task is not done."},
-          {"damage_percent",
-           "Cut outside the task",
-           "%",
-           {{20, 1}, {120, 0}},
-           "Much was cut away that is not part of the task."},
-          // Beside a large task a second hole is a small share of it.
-          {"deepest_over_mm",
-           "No second hole",
-           "mm",
-           {{0.6, 1}, {1.6, 0}},
-           "At one spot, the bur cut its own width into what had to stay."}};
+  return {
+      {"task_done_percent", "Task done", "%", {{5, 0}, {90, 1}}, "Part of the task is not done."},
+      {"damage_percent",
+       "Cut outside the task",
+       "%",
+       {{20, 1}, {120, 0}},
+       "Much was cut away that is not part of the task."},
+      // Beside a large task a second hole is a small share of it.
+      {"deepest_over_mm",
+       "No second hole",
+       "mm",
+       {{0.6, 1}, {1.6, 0}},
+       "At one spot, the bur cut its own width into what had to stay."}};
 }
 
 RubricCriterion PulpCriterion(double points) {
-  RubricCriterion c = AtMost("pulp_exposed_mm2", "Pulp not exposed", "mm2", points, 0, 0.05,
-                             "The pulp was exposed: the whole attempt fails.");
-  c.fails_above = 0.0;
-  return c;
+  return AtMost("pulp_exposed_mm2", "Pulp not exposed", "mm2", points, 0, 0.05,
+                "The pulp was exposed: the whole attempt fails.");
 }
 
 RubricCriterion CoverCriterion(double points) {
@@ -112,8 +108,9 @@ Rubric ClassOneRubric(bool tooth) {
                     "The buccal wall is not where it should be."),
       WallCriterion("wall_lingual_mm", "Lingual wall", 6,
                     "The lingual wall is not where it should be."),
-      WallCriterion("floor_mm", tooth ? "Pulpal floor" : "Floor", tooth ? 8 : 11,
-                    "The floor is too deep or too shallow."),
+      WallCriterion(
+          "floor_mm", tooth ? "Pulpal floor" : "Floor", tooth ? 8 : 11,
+          "A deep floor weakens what is below it. A shallow one leaves the filling too thin."),
       AtMost("wall_tilt_deg", "Walls upright", "deg", 6, 2, 10, "A wall is tilted."),
       AtMost("undercut_deg", "No undercut", "deg", 6, 2, 8,
              "A wall is undercut: the filling could not be condensed beneath it."),
@@ -131,6 +128,12 @@ Rubric ClassOneRubric(bool tooth) {
     r.criteria.push_back(CoverCriterion(3));
   }
   AddHand(r, 4, 3, 240, 600);
+  r.critical = CriticalOfAny();
+  if (tooth) {
+    AddCritical(r, CriticalOfPulp());
+    AddCritical(r, CriticalOfCavity());
+    AddCritical(r, CriticalOfWidth(false));
+  }
   return r;
 }
 
@@ -154,6 +157,7 @@ Rubric ShapeRubric(std::string name, double closeness, double nowhere, TimeBand 
              "Material beyond the tolerance was cut away."),
   };
   AddHand(r, 10, 5, time.full_s, time.none_s);
+  r.critical = CriticalOfAny();
   return r;
 }
 
@@ -189,6 +193,9 @@ Rubric CariesRubric() {
       CoverCriterion(5),
   };
   AddHand(r, 5, 5, 300, 900);
+  r.critical = CriticalOfAny();
+  AddCritical(r, CriticalOfPulp());
+  AddCritical(r, CriticalOfCaries());
   return r;
 }
 
@@ -217,6 +224,8 @@ Rubric CrownRubric(bool anterior) {
                             "The height of the finish line varies around the tooth."));
   criteria.push_back(PulpCriterion(3));
   criteria.push_back(CoverCriterion(3));
+  AddCritical(r, CriticalOfPulp());
+  AddCritical(r, CriticalOfCrown());
   return r;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "common/scene/types.h"
 
@@ -43,5 +44,16 @@ Rubric ShapeRubric(std::string name, double closeness = 30, double nowhere = 15,
 // the share of it that is left is judged, not how much was taken.
 Rubric CariesRubric();
 Rubric CrownRubric(bool anterior);
+
+// Critical errors, each with the source of its limit (critical.cpp). OfAny is in every rubric.
+std::vector<RubricCritical> CriticalOfAny();
+std::vector<RubricCritical> CriticalOfPulp();
+std::vector<RubricCritical> CriticalOfCavity();
+std::vector<RubricCritical> CriticalOfWidth(bool open_mesial);
+std::vector<RubricCritical> CriticalOfContact();
+std::vector<RubricCritical> CriticalOfCaries();
+std::vector<RubricCritical> CriticalOfCrown();
+std::vector<RubricCritical> CriticalOfFace();
+void AddCritical(Rubric& rubric, const std::vector<RubricCritical>& critical);
 
 }  // namespace enamel::scene

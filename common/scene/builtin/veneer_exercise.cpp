@@ -99,6 +99,8 @@ Exercise VeneerExercise(const Scene& scene, const ToothShape& tooth, const Sha25
   // Half a millimetre is all that stands between the face and trouble.
   e.rubric.criteria.push_back(PulpCriterion(3));
   e.rubric.criteria.push_back(CoverCriterion(2));
+  AddCritical(e.rubric, CriticalOfPulp());
+  AddCritical(e.rubric, CriticalOfFace());
   for (RubricCriterion& c : e.rubric.criteria) {
     if (c.metric == "force_sent_p95_n") c.points = 8;
     if (c.metric == "time_s") c.points = 2;

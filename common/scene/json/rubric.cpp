@@ -24,6 +24,26 @@ json::object CriterionJson(const RubricCriterion& c) {
   return out;
 }
 
+json::object CriticalJson(const RubricCritical& c) {
+  return {{"error", c.error},
+          {"metric", c.metric},
+          {"unit", c.unit},
+          {c.above ? "above" : "below", c.limit},
+          {"source", c.source}};
+}
+
+RubricCritical ReadCritical(ObjectReader& item) {
+  RubricCritical c;
+  c.error = item.Name("error");
+  c.metric = item.Name("metric");
+  c.unit = item.Text("unit", 1, 16);
+  c.above = !item.Has("below");
+  c.limit = item.Number(c.above ? "above" : "below", -1e9, 1e9);
+  c.source = item.Text("source", 1, 500);
+  item.Finish();
+  return c;
+}
+
 void ReadMap(ObjectReader& in, std::vector<RubricPoint>& map) {
   for (const auto& row : in.Rows("map", 2, 64)) {
     if (row[1] < 0 || row[1] > 1) in.Refuse("map", "shares from 0 to 1", std::to_string(row[1]));
@@ -50,6 +70,9 @@ boost::json::object RubricJson(const Rubric& r) {
   }
   json::object out{{"name", r.name}, {"version", r.version}, {"criteria", std::move(criteria)}};
   if (!gates.empty()) out["gates"] = std::move(gates);
+  json::array critical;
+  for (const RubricCritical& c : r.critical) critical.push_back(CriticalJson(c));
+  if (!critical.empty()) out["critical"] = std::move(critical);
   return out;
 }
 
@@ -79,6 +102,11 @@ Rubric ReadRubric(ObjectReader& rubric) {
       g.comment = item.Text("comment", 0, 1'000);
       item.Finish();
       r.gates.push_back(std::move(g));
+    }
+  }
+  if (rubric.Has("critical")) {
+    for (ObjectReader& item : rubric.Objects("critical", 1, 32)) {
+      r.critical.push_back(ReadCritical(item));
     }
   }
   return r;

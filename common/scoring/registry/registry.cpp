@@ -50,6 +50,7 @@ MetricPlan MetricPlan::For(const scene::Rubric& rubric) {
   };
   for (const scene::RubricCriterion& criterion : rubric.criteria) use(criterion.metric);
   for (const scene::RubricGate& gate : rubric.gates) use(gate.metric);
+  for (const scene::RubricCritical& critical : rubric.critical) use(critical.metric);
   return plan;
 }
 

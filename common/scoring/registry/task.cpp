@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "common/scoring/registry/registry.h"
 
 namespace enamel::scoring {
@@ -15,10 +17,21 @@ constexpr Entry kEntries[] = {
       "Share of what the reference took away that the attempt took away too."},
      [](const Measured& m) { return Percent(m.task.done_m3(), m.task.task_m3()); }},
     {kTask,
+     {"side_done_least_percent", "%", "Least done on one side",
+      "Of the task's four sides, divided along its diagonals, the least share that went."},
+     [](const Measured& m) { return 100 * *std::ranges::min_element(m.sides_done); }},
+    {kTask,
      {"overlap_percent", "%", "Overlap with the reference",
       "Dice coefficient of the volumes that attempt and reference took away."},
      [](const Measured& m) {
        return Percent(2 * m.task.done_m3(), m.task.task_m3() + Sum_m3(m.removed));
+     }},
+    {kTask,
+     {"in_task_percent", "%", "Cut in the task",
+      "Share of what the attempt took away that lies in the reference's cut or within its leeway."},
+     [](const Measured& m) {
+       const double removed = Sum_m3(m.removed);
+       return removed > 0 ? Percent(removed - Sum_m3(m.task.outside), removed) : 100;
      }},
     {kTask,
      {"missed_mm3", "mm3", "Left of the task",
@@ -52,6 +65,11 @@ constexpr Entry kEntries[] = {
       "Deepest place in a neighbouring tooth under its own surface."},
      [](const Measured& m) { return m.neighbour_depth_m * kMm; },
      WithNeighbour},
+    {kCover,
+     {"contact_left_percent", "%", "Contact left",
+      "Share of the contact area that the reference opened on which the attempt left tooth."},
+     [](const Measured& m) { return 100 * m.contact.left; },
+     [](const Measured& m) { return Unless(m.contact.in_task); }},
     {kTask,
      {"caries_left_mm3", "mm3", "Caries left",
       "Volume of caries that the reference took away and the attempt left."},

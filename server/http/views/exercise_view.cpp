@@ -156,7 +156,7 @@ void AddWhole(StoredBlobs& blobs, const ExerciseRow& row, const scene::Exercise&
 }
 
 json::object RubricJson(const scene::Rubric& rubric) {
-  json::array criteria, gates;
+  json::array criteria, gates, critical;
   for (const scene::RubricGate& gate : rubric.gates) {
     gates.push_back({{"metric", gate.metric},
                      {"title", gate.title},
@@ -175,8 +175,17 @@ json::object RubricJson(const scene::Rubric& rubric) {
                         {"fails_above", std::move(fails_above)},
                         {"comment", criterion.comment}});
   }
+  for (const scene::RubricCritical& c : rubric.critical) {
+    critical.push_back({{"error", c.error},
+                        {"metric", c.metric},
+                        {"unit", c.unit},
+                        {"limit", c.limit},
+                        {"above", c.above},
+                        {"source", c.source}});
+  }
   return {{"name", rubric.name},
           {"version", rubric.version},
+          {"critical", std::move(critical)},
           {"criteria", std::move(criteria)},
           {"gates", std::move(gates)}};
 }

@@ -75,6 +75,18 @@ class FaultMaker {
   double AreaWhere_m2(const std::function<bool(const dvec3&)>& counts);
   bool FarFromCut(const dvec3& p) const;
   void AddNeighbour();
+  std::optional<dvec3> NearestNeighbour();
+  void AddNick(const dvec3& nearest, Size size);
+  // Errors that no examiner passes: faults_critical.cpp.
+  void AddCriticalPairs();
+  void AddCritical(const char* error, Hollow taken, Neighbours neighbours = Neighbours::kSpared);
+  bool Is(std::initializer_list<const char*> kinds) const;
+  void LookAtTissues();
+  void AddPulpExposed();
+  void AddCriticalOfBox();
+  void AddCriticalOfCrown();
+  void AddSideUntouched();
+  std::string CommittedBy(const Fault& fault) const;
   bool HasCaries() const { return exercise_.target.landmark == "caries"; }
 
   const cutting::Volume& volume_;
@@ -83,8 +95,10 @@ class FaultMaker {
   const bool few_;
   double quarter_m_ = 0, near_m_ = 0;
   dvec3 landmark_m_{0}, grid_lo_m_{0}, grid_hi_m_{0};
-  surface::Mesh surface_;       // of the tooth, computed on first use
-  std::vector<float> heights_;  // of points of the task
+  surface::Mesh surface_;                 // of the tooth, computed on first use
+  std::vector<float> heights_;            // of points of the task
+  std::vector<dvec3> pulp_m_, caries_m_;  // voxels; caries: of the task
+  double highest_m_ = 0;
   std::vector<Fault> out_;
 };
 

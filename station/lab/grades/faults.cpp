@@ -55,6 +55,7 @@ std::vector<Fault> FaultMaker::Make() {
   AddShaving();
   AddNeighbour();
   AddCaries();
+  AddCriticalPairs();
   return std::move(out_);
 }
 
@@ -246,7 +247,7 @@ bool FaultMaker::FarFromCut(const dvec3& p) const {
                        b.centre_m + half + dvec3(0, 0, 1)) > near_m_;
 }
 
-void FaultMaker::AddNeighbour() {
+std::optional<dvec3> FaultMaker::NearestNeighbour() {
   // Where a neighbour comes nearest above the middle of the target's height: a nick of 1 x 1 mm.
   const cutting::GridSpec& spec = volume_.spec();
   const double h = spec.voxel_m();
@@ -263,24 +264,34 @@ void FaultMaker::AddNeighbour() {
         }
         return false;
       });
-  if (!(best < 1)) return;
-  for (const Size s : Sizes({0.1, 0.3, 0.5}, 0.3)) {
-    const dvec3 before = nearest - dvec3(mesial_x * 0.05e-3, 0.5e-3, 0.5e-3);
-    const dvec3 beyond = nearest + dvec3(mesial_x * s.m(), 0.5e-3, 0.5e-3);
-    const dvec3 lo = glm::min(before, beyond), hi = glm::max(before, beyond);
-    auto nick = [=](const dvec3& p) { return BoxDistance_m(p, lo, hi); };
-    const double size = VolumeWhere_m3(volume_, lo, hi, [&](const dvec3& p, Tissue t) {
-      return t == Tissue::kNeighbour && nick(p) < 0;
-    });
-    const double area_m2 = 2 * 1e-6 + 4 * 1e-3 * s.m();
-    // The task's own cut spares the neighbour, the nick does not.
-    auto taken = [=, tooth = &volume_, wanted = Wanted()](const dvec3& p) {
-      const bool spared = tooth->TissueAtPoint(p) == Tissue::kNeighbour;
-      return std::min(spared ? 1.0 : wanted(p), nick(p));
-    };
-    Add("neighbour cut", {size * kMm3, s.must_cost}, "mm3", "neighbour_removed_mm3",
-        area_m2 * quarter_m_ * kMm3, taken, Neighbours::kCut);
-  }
+  if (!(best < 1)) return std::nullopt;
+  return nearest;
+}
+
+void FaultMaker::AddNeighbour() {
+  const auto nearest = NearestNeighbour();
+  if (!nearest) return;
+  for (const Size s : Sizes({0.1, 0.3, 0.5}, 0.3)) AddNick(*nearest, s);
+}
+
+void FaultMaker::AddNick(const dvec3& nearest, Size s) {
+  const int mesial_x = task_.box.mesial_x;
+  const dvec3 before = nearest - dvec3(mesial_x * 0.05e-3, 0.5e-3, 0.5e-3);
+  const dvec3 beyond = nearest + dvec3(mesial_x * s.m(), 0.5e-3, 0.5e-3);
+  const dvec3 lo = glm::min(before, beyond), hi = glm::max(before, beyond);
+  auto nick = [=](const dvec3& p) { return BoxDistance_m(p, lo, hi); };
+  const double size = VolumeWhere_m3(volume_, lo, hi, [&](const dvec3& p, Tissue t) {
+    return t == Tissue::kNeighbour && nick(p) < 0;
+  });
+  const double area_m2 = 2 * 1e-6 + 4 * 1e-3 * s.m();
+  // The task's own cut spares the neighbour, the nick does not.
+  auto taken = [=, tooth = &volume_, wanted = Wanted()](const dvec3& p) {
+    const bool spared = tooth->TissueAtPoint(p) == Tissue::kNeighbour;
+    return std::min(spared ? 1.0 : wanted(p), nick(p));
+  };
+  Add("neighbour cut", {size * kMm3, s.must_cost}, "mm3", "neighbour_removed_mm3",
+      area_m2 * quarter_m_ * kMm3, taken, Neighbours::kCut);
+  out_.back().nick_mm = s.value;
 }
 
 double Task::Distance_m(const dvec3& p) const {

@@ -39,6 +39,8 @@ struct Fault {
   bool must_cost = true;
   Hollow taken;
   Neighbours neighbours = Neighbours::kSpared;
+  std::string critical = {};  // the error of schemas/critical_errors.json that it commits, if any
+  double nick_mm = 0;         // of a neighbour that is cut: how deep
 };
 
 // Every fault for this exercise. `few`: one size of each kind, its threshold. `built` outlives the

@@ -13,10 +13,6 @@ constexpr double kPi = 3.14159265358979323846;
 
 double Slope(double degrees) { return std::tan(degrees * kPi / 180); }
 
-Hollow Cut(const CrownCut& as) {
-  return [as](const dvec3& p) { return as.Distance_m(p); };
-}
-
 Hollow GrownBy(const scene::Preparation& shape, double side_m, double floor_m) {
   return [shape, by = scene::Growth{side_m, floor_m}](const dvec3& p) {
     return scene::PreparationDistance_m(shape, p, by);

@@ -101,6 +101,10 @@ Result<GradeRow> GradedExercise::Grade(const Fault& fault) const {
   }
   row.score = score.score;
   row.points_lost = 100 - score.score;
+  row.critical_expected = fault.critical;
+  for (const scoring::CriticalResult& c : score.critical) {
+    if (row.critical.empty() || c.error == fault.critical) row.critical = c.error;
+  }
   return row;
 }
 
@@ -157,6 +161,8 @@ json::object GradesJson(const std::vector<GradeRow>& rows) {
                                {"tolerance", r.tolerance},
                                {"points_lost", r.points_lost},
                                {"must_cost", r.must_cost},
+                               {"critical_expected", !r.critical_expected.empty()},
+                               {"critical", !r.critical.empty()},
                                {"score", r.score}});
   }
   return {{"format", 1}, {"rows", std::move(out)}};

@@ -29,7 +29,8 @@ struct GradeRow {
   std::optional<double> found;  // empty: the attempt has nothing to measure
   double tolerance = 0;         // limit of |found - size|
   double points_lost = 0, score = 0;
-  bool must_cost = true;  // at or over its threshold: must cost at least a point
+  std::string critical_expected, critical;  // the error that was made and the first found, or none
+  bool must_cost = true;                    // at or over its threshold: must cost at least a point
 
   bool AsKnown() const;
   bool CostsEnough() const;

@@ -189,6 +189,10 @@ double CrownCut::Distance_m(const dvec3& p) const {
   return std::max(-outside_stump, shoulder - p.z);
 }
 
+Hollow Cut(const CrownCut& as) {
+  return [as](const dvec3& p) { return as.Distance_m(p); };
+}
+
 CrownCut CrownCutOf(const scene::PreparationPart& part) {
   const scene::Stump& s = part.stump;
   auto section = [&](const scene::Stump::Section& at) -> CrownCut::Section {

@@ -77,6 +77,7 @@ struct CrownCut {
   double OverTop_m(const dvec3& point_m) const;
   double Distance_m(const dvec3& point_m) const;
 };
+Hollow Cut(const CrownCut& as);
 // An exercise's target as a stump.
 CrownCut CrownCutOf(const scene::PreparationPart& part);
 

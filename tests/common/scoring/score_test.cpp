@@ -131,7 +131,7 @@ TEST(ApplyRubricTest, AdviceNamesAMomentWhereNoOneStrokeIsToBlame) {
   lasting.strokes[0].lasts_s = 70;
   const MetricInfo& wall = *FindMetric("wall_mesial_mm");
   const auto sentence = [&](const Deduction& d) {
-    return Sentence("Wall", wall, {*Advice(wall, 0.2, {d})}, "");
+    return Sentence("Wall", wall, {*Advice(wall, 0.2, Three().criteria[0].map, {d})}, "");
   };
   EXPECT_EQ(sentence(shared),
             "Wall: At the worst spot, it began at 1:12, and half of it was gone by 1:21. Stop "
@@ -331,6 +331,15 @@ TEST(ValidateRubricTest, RefusesWhatCannotBeScoredAndNamesIt) {
          for (auto& c : r.criteria) c.points = 0;
        }},
       {"criteria", [](Rubric& r) { r.criteria.resize(kMaxCriteria + 1, Wall()); }},
+      {"critical[0].error",
+       [](Rubric& r) {
+         r.critical = {{"ugly", "time_s", "s", 1, true, "x"}};
+       }},
+      {"critical[0].unit",
+       [](Rubric& r) {
+         r.critical = {{"all_cut", "time_s", "mm", 1, true, "x"}};
+       }},
+      {"critical", [](Rubric& r) { r.critical.resize(kMaxCritical + 1); }},
       {"gates[0].metric",
        [](Rubric& r) {
          r.gates = {Done()};
@@ -413,8 +422,14 @@ TEST(ApplyRubricTest, AForceThatCostsAllAtLeastStaysJudgedAtTheLimit) {
   EXPECT_FALSE(ApplyRubric(critical, WithForceOf(6.5, true))->criteria.back().judged);
 }
 
+scene::RubricCritical ShortWall() {
+  return {"contact_left", "wall_mesial_mm", "mm", -0.2, false, "a textbook"};
+}
+
 ScoreResult Filled() {
   Rubric rubric = Three();
+  rubric.critical = {ShortWall()};
+  rubric.critical[0].limit = 1;
   rubric.gates = {Done()};
   MetricSet metrics = Values(0.1 + 0.2, 91.234567890123456, 0);
   metrics.values.push_back({"task_done_percent", 66.6, "%"});
@@ -485,10 +500,10 @@ TEST(ScoreJsonTest, EveryTruncationAndEveryMissingMemberIsRefused) {
   std::string text = ToJson(Filled());
   for (size_t n = 0; n < text.size(); ++n) EXPECT_FALSE(ScoreFromJson(text.substr(0, n)).ok());
   for (const char* member :
-       {"score",   "critical_fail", "criteria",   "gates",          "metrics",
-        "missing", "deductions",    "envelope",   "rubric_version", "scoring_version",
-        "ticks",   "disturbance",   "witness_ok", "max_points",     "reason",
-        "judged",  "reasons",       "comment",    "lasts_s",        "here"}) {
+       {"score",          "critical_fail",   "critical", "points",      "acceptance", "above",
+        "criteria",       "gates",           "metrics",  "missing",     "deductions", "envelope",
+        "rubric_version", "scoring_version", "ticks",    "disturbance", "witness_ok", "max_points",
+        "reason",         "judged",          "reasons",  "comment",     "lasts_s",    "here"}) {
     std::string spoiled = text;
     spoiled.replace(spoiled.find("\"" + std::string(member) + "\""), std::strlen(member) + 2,
                     "\"x\"");

@@ -116,8 +116,7 @@ TEST_P(Grades, AReferenceScoresAHundredAgainstItselfAndAnUntouchedToothNothing) 
     EXPECT_EQ(nothing.score, 0);
     // An operator who stopped early may have left caries too.
     const auto& gate = nothing.gates.at(0);
-    const char* why =
-        gate.name == "caries_left_percent" ? "caries was not removed" : "stopped early";
+    const char* why = gate.name == "caries_left_percent" ? "caries was not removed" : "is not done";
     EXPECT_NE(gate.reason.find(why), std::string::npos) << gate.reason;
   }
 }

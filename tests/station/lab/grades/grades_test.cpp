@@ -9,6 +9,8 @@
 #include <fstream>
 #include <iterator>
 #include <random>
+#include <set>
+#include <string>
 
 // The cost of known faults in the built-in exercises, on coarse grids; the lab measures on fine
 // ones (enamel-lab grades).
@@ -21,8 +23,8 @@ struct Made {
   scene::BuiltScene built;
   std::vector<scene::Exercise> exercises;
 };
-Made Build(const char* scene) {
-  auto built = scene::BuildBuiltinScene(scene, kVoxel_nm);
+Made Build(const char* scene, int32_t voxel_nm = kVoxel_nm) {
+  auto built = scene::BuildBuiltinScene(scene, voxel_nm);
   ENAMEL_CHECK(built.ok());
   auto exercises = scene::BuiltinExercises(built->scene, {});
   return {std::move(*built), std::move(exercises)};
@@ -55,6 +57,8 @@ TEST_P(Grades, EveryFaultIsFoundAndCostsAndOnlyTheReferenceIsPerfect) {
       EXPECT_TRUE(row->AsKnown()) << fault.name << ", " << row->metric << ": "
                                   << row->found.value_or(std::nan("")) << " for " << row->size
                                   << " +- " << row->tolerance;
+      EXPECT_EQ(row->critical.empty(), fault.critical.empty())
+          << fault.name << ": " << row->critical << " for " << fault.critical;
       if (fault.name == "none") {
         EXPECT_NEAR(row->score, 100, 1e-9);
       } else if (fault.name == "nothing" || fault.name == "everything removed") {
@@ -78,6 +82,46 @@ INSTANTIATE_TEST_SUITE_P(
       std::replace(name.begin(), name.end(), '-', '_');
       return name;
     });
+
+// schemas/critical_errors.json names the exercises of each error.
+TEST(GradesTest, EveryCriticalErrorOfAnExerciseIsMadeAndFound) {
+  std::ifstream file(ENAMEL_SOURCE_DIR "/schemas/critical_errors.json");
+  const std::string text(std::istreambuf_iterator<char>(file), {});
+  const auto errors = boost::json::parse(text).at("errors").as_array();
+  ASSERT_EQ(errors.size(), scoring::CriticalErrors().size());
+  struct Of {
+    const char *scene, *name;
+    int32_t voxel_nm;  // a gap of 0.05 mm between teeth needs the finer one
+  };
+  for (const auto& [scene, name, voxel_nm] :
+       {Of{"molar-class-2", "class-2", kVoxel_nm}, Of{"premolar", "crown", 2 * kVoxel_nm}}) {
+    const Made made = Build(scene, voxel_nm);
+    const auto exercise = std::ranges::find_if(
+        made.exercises, [&](const scene::Exercise& e) { return e.name.starts_with(name); });
+    ASSERT_NE(exercise, made.exercises.end());
+    const auto graded = GradedExercise::Make(made.built, *exercise);
+    ASSERT_TRUE(graded.ok());
+    std::set<std::string> found;
+    for (const Fault& fault : FaultsOf(made.built, *exercise, graded->task(), true)) {
+      const bool other = fault.name == "undercut" || fault.name == "stopped early";
+      if (fault.critical.empty() || other) continue;
+      const auto row = graded->Grade(fault);
+      ASSERT_TRUE(row.ok());
+      EXPECT_EQ(row->critical, fault.critical) << fault.name;
+      EXPECT_EQ(row->score, 0) << fault.name;
+      found.insert(row->critical);
+    }
+    for (const auto& error : errors) {
+      const std::string code(error.at("code").as_string());
+      EXPECT_NE(scoring::FindCriticalError(code), nullptr) << code;
+      for (const auto& of : error.at("exercises").as_array()) {
+        if (of != "all" && of != name) continue;
+        if (code == "neighbour_damaged" && std::string_view(scene) == "premolar") continue;
+        EXPECT_TRUE(found.contains(code)) << name << ", " << code;
+      }
+    }
+  }
+}
 
 // Each fault of a kind costs at least as much as a smaller one, for any sizes.
 TEST(GradesTest, TheLargerOfTwoFaultsNeverCostsLess) {
@@ -112,8 +156,9 @@ TEST(GradesTest, TheLargerOfTwoFaultsNeverCostsLess) {
 TEST(GradesTest, ARowSaysWhatItWasAndWhatWasFoundAsTheSchemaHasIt) {
   GradeRow row{"class-1-x", "floor", 0.3, "mm", 0.05, "floor_mm", 0.31, 0.0125, 4, 96};
   EXPECT_TRUE(row.AsKnown());
-  const GradeRow unseen{"class-1-x",    "nothing",    10,  "deg", 0.05,
-                        "undercut_deg", std::nullopt, 0.5, 100,   0};
+  GradeRow unseen{"class-1-x",    "nothing",    10,  "deg", 0.05,
+                  "undercut_deg", std::nullopt, 0.5, 100,   0};
+  unseen.critical_expected = unseen.critical = "nothing_cut";
   EXPECT_FALSE(unseen.AsKnown());
   std::ifstream file(ENAMEL_SOURCE_DIR "/schemas/golden/lab_grades.json");
   const std::string golden(std::istreambuf_iterator<char>(file), {});

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+
+#include "common/cutting/volume.h"
+#include "common/scoring/zones.h"
+
+// What an attempt left as it was: a side or the top of the task, the contact with the next tooth; and
+// what it left of a stump.
+// Formulas: schemas/score.md. Deterministic. Thread safety: functions, any thread.
+namespace enamel::scoring {
+
+// The task's volume by the four sides of its box, divided along the diagonals as seen from above:
+// +x, -x, +y, -y. Shares of each that went, 0..1; 1 where a side has less than a tenth of the task.
+// Requires: equal grids.
+std::array<double, 4> SidesDone(const cutting::Volume& initial, const cutting::Volume& attempt,
+                                const cutting::Volume& reference, const OpenBox& target);
+
+// The stump of a crown's reference: what stands above `bottom_z_m` under its top. The top is what faces
+// up above the middle between that height and its highest point, neighbours apart.
+struct StumpFigures {
+  // Height that went over it, summed, as a share of what the reference took there; more than 1 where
+  // more went, 1 where it took nothing.
+  double top_done = 1;
+  double left = 1;  // share of its height that still stands, summed likewise; 0..1
+};
+// Requires: equal grids.
+StumpFigures MeasureStump(const cutting::Volume& initial, const cutting::Volume& attempt,
+                          const cutting::Volume& reference, const OpenBox& target,
+                          double bottom_z_m);
+
+// The contact area: lines along x from the middle of the target's box to a neighbouring tooth at
+// most kContactGap_m beyond the tooth's own end, of which the reference took everything. It is
+// broken along a line where the attempt left none of it either.
+struct ContactFigures {
+  bool in_task = false;  // the reference broke 0.1 mm^2 of it
+  double left = 0;       // share of the lines on which some of the tooth stands
+};
+// Over the whole face of a molar's contact: its curves are 0.3 mm apart 1.5 mm beside its middle.
+inline constexpr double kContactGap_m = 0.3e-3;
+// Requires: equal grids.
+ContactFigures MeasureContact(const cutting::Volume& initial, const cutting::Volume& attempt,
+                              const cutting::Volume& reference, const OpenBox& target);
+
+}  // namespace enamel::scoring
