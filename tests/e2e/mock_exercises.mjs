@@ -100,6 +100,10 @@ export function makeExercises() {
       fails_above: metric === "container_removed_mm3" ? 8 : null,
       map: map.map(([value, share]) => ({ value, share })),
     })),
+    critical: [
+      { error: "nothing_cut", metric: "task_done_percent", unit: "%", limit: 5, above: false, source: "chosen" },
+      { error: "pulp_exposed", metric: "pulp_exposed_mm2", unit: "mm2", limit: 0, above: true, source: "ADEX" },
+    ],
     gates: [
       {
         metric: "task_done_percent",
@@ -198,6 +202,21 @@ export function scoreOf(row) {
   return {
     score: row.critical_fail ? 0 : perfect ? 100 : (row.computed_score ?? 80),
     critical_fail: row.critical_fail === true,
+    points: perfect ? 100 : (row.computed_score ?? 80),
+    acceptance: row.critical_fail ? "not_acceptable" : perfect ? "acceptable" : "with_remarks",
+    critical: row.critical_fail
+      ? [
+          {
+            error: "pulp_exposed",
+            name: "pulp_exposed_mm2",
+            value: 0.42,
+            unit: "mm2",
+            limit: 0,
+            above: true,
+            reason: "The pulp is exposed (0.42 mm2, at most 0.00 mm2).",
+          },
+        ]
+      : [],
     criteria: kRubric.map(([name, title, unit, most, , value, points, reason]) => ({
       name,
       title,

@@ -283,7 +283,7 @@ async function appeal(world) {
 async function stoppedEarly(world) {
   const page = await signedIn(world, "instructor", `/attempts/${id(605)}`);
   await page.locator(".byline", { hasText: "Stopped early: 46 % done" }).waitFor();
-  await page.getByText("The work was stopped early, with 46 % done").waitFor();
+  await page.getByText("Only 46 % of the task was done").waitFor();
 }
 
 async function live(world) {

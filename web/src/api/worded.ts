@@ -8,7 +8,7 @@ import {
   usualDigits,
 } from "../base/format";
 import { spokenLanguage } from "../base/language";
-import { sayIf } from "../base/words";
+import { say, sayIf } from "../base/words";
 import { ok } from "../base/result";
 import { wordedText, wordedTitle } from "./builtin_words";
 import type { Client } from "./client";
@@ -21,6 +21,7 @@ import type { AssignmentInsight, Score } from "./types";
 
 type Criterion = Score["criteria"][number];
 type Gate = NonNullable<Score["gates"]>[number];
+type Critical = Score["critical"][number];
 type Reason = NonNullable<Criterion["reasons"]>[number];
 
 // Of an attempt, in the page's words.
@@ -36,6 +37,7 @@ export async function scoreOf(
 export function wordedScore(score: Score): Score {
   return {
     ...score,
+    critical: score.critical.map((critical) => ({ ...critical, reason: criticalText(critical) })),
     criteria: score.criteria.map((criterion) => ({
       ...criterion,
       title: wordedTitle(criterion.title),
@@ -45,6 +47,19 @@ export function wordedScore(score: Score): Score {
       ? {}
       : { gates: score.gates.map((gate) => ({ ...gate, title: wordedTitle(gate.title), reason: reasonText(gate) })) }),
   };
+}
+
+// "The pulp is exposed (0.4 mm², at most 0 mm²)."
+export function criticalText({ error, name, value, unit, limit, above, reason }: Critical): string {
+  const said = sayIf(`critical_error.${error}`);
+  if (said === undefined) return reason;
+  const digits = digitsBeside(value, [limit], true, unit);
+  const form = (each: number) => (digits === undefined ? formatQuantity(each, unit) : formatWith(each, unit, digits));
+  return say(above ? "critical.at_most" : "critical.at_least", {
+    error: said,
+    found: measuredText(name, value, unit, form),
+    limit: form(limit),
+  });
 }
 
 export function wordedInsight(insight: AssignmentInsight): AssignmentInsight {
@@ -164,6 +179,7 @@ function sentence(metric: string, { code, values }: Reason, unit: string): strin
     case "not_made":
       return sayIf(`reason.${code}`);
     default:
-      return undefined;
+      // What hand or bur does otherwise next time has no values.
+      return code.startsWith("do_") ? sayIf(`reason.${code}`) : undefined;
   }
 }

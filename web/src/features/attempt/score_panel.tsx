@@ -25,7 +25,7 @@ export function ScorePanel({ score, reference, override, onPlace }: Props) {
           <p class="summary">
             {override !== null ? say("score.computed", { text: summarySentence(score) }) : summarySentence(score)}
           </p>
-          {score.critical_fail && <Badge tone="bad">{say("score.critical")}</Badge>}
+          <Badge tone={kTones[score.acceptance]}>{say(`acceptance.${score.acceptance}`)}</Badge>
           <p class="hint">
             {reference === undefined
               ? say("score.no_reference", { version: String(score.rubric_version) })
@@ -33,9 +33,27 @@ export function ScorePanel({ score, reference, override, onPlace }: Props) {
           </p>
         </div>
       </div>
+      <Critical score={score} />
       <Gates gates={score.gates ?? []} />
       <CriteriaTable criteria={byLostPoints(score.criteria)} deductions={score.deductions} onPlace={onPlace} />
     </Card>
+  );
+}
+
+const kTones = { acceptable: "good", with_remarks: "warning", not_acceptable: "bad" } as const;
+
+// What no examiner passes comes before the points.
+function Critical({ score: { critical, points } }: { readonly score: Score }) {
+  if (critical.length === 0) return null;
+  return (
+    <Notice tone="bad" title={say("score.not_acceptable")}>
+      <ul>
+        {critical.map(({ error, name, reason }) => (
+          <li key={`${error} ${name}`}>{reason}</li>
+        ))}
+      </ul>
+      <p class="hint">{say("score.without_critical", { points: formatScore(points) })}</p>
+    </Notice>
   );
 }
 

@@ -12,7 +12,7 @@ import {
   formatScore,
   micrometresAsMm,
 } from "../../base/format";
-import { say } from "../../base/words";
+import { say, sayIf } from "../../base/words";
 import { Flags, StateBadge } from "../../widgets/attempt_state";
 import { Badge, Card, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
 import { DataTable } from "../../widgets/table";
@@ -179,7 +179,7 @@ function Target({ exercise }: { readonly exercise: Exercise }) {
 }
 
 function Rubric({ exercise }: { readonly exercise: Exercise }) {
-  const { criteria, gates } = exercise.rubric;
+  const { criteria, gates, critical } = exercise.rubric;
   const total = criteria.reduce((sum, criterion) => sum + criterion.points, 0);
   return (
     <>
@@ -207,6 +207,22 @@ function Rubric({ exercise }: { readonly exercise: Exercise }) {
           { title: say("common.points"), number: true, cell: (criterion) => formatPoints(criterion.points) },
         ]}
       />
+      {critical.length > 0 && (
+        <>
+          <h3>{say("exercise_page.not_acceptable")}</h3>
+          <ul>
+            {critical.map(({ error, metric, unit, limit, above }) => (
+              <li key={`${error} ${metric}`}>
+                {say(above ? "exercise_page.critical_above" : "exercise_page.critical_below", {
+                  error: sayIf(`critical_error.${error}`) ?? error,
+                  metric: sayIf(`metric.${metric}`) ?? metric,
+                  limit: formatLimit(limit, unit),
+                })}
+              </li>
+            ))}
+          </ul>
+        </>
+      )}
       <p class="hint">{say("exercise_page.total", { points: formatPoints(total) })}</p>
       {gates.map((gate) => (
         <p class="hint" key={gate.metric}>
