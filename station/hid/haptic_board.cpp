@@ -381,17 +381,20 @@ std::string SpringText(int64_t kc_mn_per_mm, int64_t rate_hz, int64_t delay_tick
 // What the profile's clause was computed with is what the board runs.
 Status CheckSpring(const FeatureReport& board, const scene::DeviceProfile& profile) {
   if (!profile.board_spring) return Status::Ok();
+  const scene::BoardSpringSpec& spring = *profile.board_spring;
+  if (board.spring_kc_mn_per_mm == profile.coupling_mn_per_mm.value &&
+      board.spring_rate_hz == spring.rate_hz && board.spring_delay_ticks == spring.delay_ticks) {
+    return Status::Ok();
+  }
   const std::string needed =
       "device profile '" + profile.name + "' says " +
-      SpringText(profile.coupling_mn_per_mm.value, profile.board_spring->rate_hz,
-                 profile.board_spring->delay_ticks);
+      SpringText(profile.coupling_mn_per_mm.value, spring.rate_hz, spring.delay_ticks);
   if (!board.runs_spring()) {
     return NotAsNeeded(board.name + " runs no spring", needed,
                        "choose a profile without board_spring", "board_spring");
   }
   const std::string found =
       SpringText(board.spring_kc_mn_per_mm, board.spring_rate_hz, board.spring_delay_ticks);
-  if (needed.ends_with(found)) return Status::Ok();
   return NotAsNeeded(board.name + " runs " + found, needed,
                      "set coupling_mn_per_mm and board_spring to the board's, if its damping and "
                      "friction carry them",
