@@ -209,7 +209,7 @@ function Rubric({ exercise }: { readonly exercise: Exercise }) {
       />
       {critical.length > 0 && (
         <>
-          <h3>{say("exercise_page.not_acceptable")}</h3>
+          <h3>{say("score.not_acceptable")}</h3>
           <ul>
             {critical.map(({ error, metric, unit, limit, above }) => (
               <li key={`${error} ${metric}`}>
