@@ -228,22 +228,17 @@ Reason LimitReason(const MetricInfo& info, double value) {
 
 Reason KeepsReason(double share) { return {"keeps", {100 * share}, {"%"}}; }
 
-std::string_view FaultOf(const MetricInfo& info, double value,
-                         const std::vector<scene::RubricPoint>& map) {
-  const Remedy* remedy = RemedyOf(info, value, map);
-  return remedy != nullptr ? remedy->fault : std::string_view();
-}
-
 std::optional<Reason> Advice(const MetricInfo& info, double value,
                              const std::vector<scene::RubricPoint>& map,
                              const std::vector<Deduction>& deductions) {
   const Remedy* remedy = RemedyOf(info, value, map);
   if (remedy == nullptr) return std::nullopt;
-  const bool left = remedy->code == kCutFurther;
-  if (!left && remedy->code != kStopEarlier) return Reason{std::string(remedy->code), {}, {}};
+  const bool either = remedy->code == kWhereMost, left = remedy->code == kCutFurther;
+  if (!either && !left && remedy->code != kStopEarlier)
+    return Reason{std::string(remedy->code), {}, {}};
   const Deduction* most = nullptr;
   for (const Deduction& d : deductions) {
-    if (d.criterion != info.name || d.left != left) continue;
+    if (d.criterion != info.name || (!either && d.left != left)) continue;
     if (most == nullptr || d.volume_m3 > most->volume_m3) most = &d;
   }
   if (most == nullptr) return std::nullopt;

@@ -37,7 +37,8 @@ Reason LimitReason(const MetricInfo& info, double value);
 // The share that every criterion keeps by a gate that took points: "keeps".
 Reason KeepsReason(double share);
 // What would mend it: the remedy (remedies.h) of the metric on the side where the map gives less. A
-// remedy for a cut that ends in the wrong place is said of the place where the most was lost:
+// remedy for a cut that ends in the wrong place is said of the place where the most was lost, on the
+// remedy's side or on the larger one:
 //  * "stop_earlier" with the first moment and the stroke that took most.
 //  * "stop_earlier_by" with the first moment and the moment by which half was gone, where no stroke
 //    took half, or that stroke lasted longer than kLongStroke_s.
@@ -47,10 +48,6 @@ Reason KeepsReason(double share);
 std::optional<Reason> Advice(const MetricInfo& info, double value,
                              const std::vector<scene::RubricPoint>& map,
                              const std::vector<Deduction>& deductions);
-// The fault's code (remedies.h) of a value that earns less than full marks; empty for none.
-std::string_view FaultOf(const MetricInfo& info, double value,
-                         const std::vector<scene::RubricPoint>& map);
-
 // Decimals of a value and its limits, in any language. As fine as anybody acts on: 0.01 mm, a tenth
 // of a degree or of a second. A reason gives all its values enough decimals to show a limit exactly
 // (0.025 mm, not 0.03), and to tell a value that misses the limit from the limit.

@@ -17,6 +17,7 @@ constexpr Remedy kWide = {"over_extended", kStopEarlier}, kNarrow = {"under_exte
 constexpr Remedy kOpen = {"over_tapered", "do_parallel"}, kLeansIn = {"undercut", "do_upright"};
 constexpr Remedy kOverReduced = {"over_reduced", kStopEarlier},
                  kUnderReduced = {"under_reduced", kCutFurther};
+constexpr Remedy kOff = {"off_target", kWhereMost};
 constexpr Remedy kBlunt = {"over_tapered", "do_taper_less"}, kSteep = {"undercut", "do_taper_more"};
 
 constexpr Row kRows[] = {
@@ -67,8 +68,13 @@ constexpr Row kRows[] = {
     {"neighbour_depth_mm", {"neighbour_cut", "do_guard"}, kNone},
     {"force_sent_p95_n", {"heavy_hand", "do_lighter"}, kNone},
     {"force_sent_max_n", {"heavy_hand", "do_lighter"}, kNone},
-    {"deviation_rms_mm", {"off_target", kStopEarlier}, kNone},
-    {"deviation_p95_mm", {"off_target", kStopEarlier}, kNone},
+    {"deviation_rms_mm", kOff, kNone},
+    {"deviation_p95_mm", kOff, kNone},
+    {"within_100um_percent", kNone, kOff},
+    {"within_200um_percent", kNone, kOff},
+    {"within_300um_percent", kNone, kOff},
+    {"within_500um_percent", kNone, kOff},
+    {"overlap_percent", kNone, kOff},
     {"deepest_over_mm", {"gouge", kStopEarlier}, kNone},
     {"most_left_mm", {"left_standing", kCutFurther}, kNone},
     {"task_done_percent", kNone, {"unfinished", kCutFurther}},

@@ -28,7 +28,7 @@ constexpr Entry kEntries[] = {
      }},
     {kTask,
      {"in_task_percent", "%", "Cut in the task",
-      "Share of what the attempt took away that lies in the reference's cut or within its leeway."},
+      "Of what the attempt took away, the share within the reference's cut or its leeway."},
      [](const Measured& m) {
        const double removed = Sum_m3(m.removed);
        return removed > 0 ? Percent(removed - Sum_m3(m.task.outside), removed) : 100;
