@@ -7,6 +7,7 @@
 
 #include "common/scene/preparation.h"
 #include "common/scene/tooth_number.h"
+#include "common/scoring/causes/causes.h"
 #include "common/scoring/deviation.h"
 #include "common/scoring/measured.h"
 #include "common/scoring/movement/path_align.h"
@@ -234,6 +235,15 @@ Result<MetricSet> ComputeMetrics(const scene::Scene& scene, const scene::Exercis
 
   MetricSet out = Collect(m, plan);
   AddPlaces(m, plan, out);
+  const auto charges =
+      FindCharges(m, {a.cut_side, r.cut_side, deviation, back, boxes.target,
+                      exercise.target.depth_um * 1e-6, NearOf_m(exercise.target, initial.spec())});
+  for (const Charge& charge : charges) {
+    const auto metric = std::ranges::find(out.values, charge.name, &MetricValue::name);
+    if (metric == out.values.end()) continue;
+    metric->charged = charge.value;
+    metric->under.assign(charge.under.begin(), charge.under.end());
+  }
   return out;
 }
 

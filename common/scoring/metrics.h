@@ -50,6 +50,7 @@ struct AttemptData {
   const std::vector<float>* deviation_m = nullptr;
 };
 
+inline constexpr size_t kMaxUnder = 4;
 struct MetricValue {
   std::string name;
   double value = 0;
@@ -57,6 +58,10 @@ struct MetricValue {
   // A metric of force, and the device was at its limit for more than kMostLimited_percent of the
   // ticks with any force: the hand may have done more than could be rendered.
   bool limited = false;
+  // What a criterion is charged for, where something else explains a part of the value, and the
+  // metrics that the part is charged under: causes/causes.h, Charge.
+  std::optional<double> charged = {};
+  std::vector<std::string> under = {};
 
   bool operator==(const MetricValue&) const = default;
 };

@@ -6,8 +6,6 @@
 #include <cstdio>
 #include <limits>
 
-#include "common/scoring/remedies.h"
-
 namespace enamel::scoring {
 namespace {
 
@@ -41,14 +39,6 @@ Asked AskedFor(const std::vector<scene::RubricPoint>& map) {
     if (map[i].share == 0) out.none_above = map[i].value;
   }
   return out;
-}
-
-// nullptr where the value earns full marks, or is no fault.
-const Remedy* RemedyOf(const MetricInfo& info, double value,
-                       const std::vector<scene::RubricPoint>& map) {
-  const Asked asked = AskedFor(map);
-  if (value >= asked.from && value <= asked.to) return nullptr;
-  return FindRemedy(info.name, value > asked.to);
 }
 
 std::string Digits(double value, int digits) {
@@ -227,6 +217,13 @@ Reason LimitReason(const MetricInfo& info, double value) {
 }
 
 Reason KeepsReason(double share) { return {"keeps", {100 * share}, {"%"}}; }
+
+const Remedy* RemedyOf(const MetricInfo& info, double value,
+                       const std::vector<scene::RubricPoint>& map) {
+  const Asked asked = AskedFor(map);
+  if (value >= asked.from && value <= asked.to) return nullptr;
+  return FindRemedy(info.name, value > asked.to);
+}
 
 std::optional<Reason> Advice(const MetricInfo& info, double value,
                              const std::vector<scene::RubricPoint>& map,

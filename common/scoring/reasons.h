@@ -8,6 +8,7 @@
 #include "common/scene/types.h"
 #include "common/scoring/deductions.h"
 #include "common/scoring/metrics.h"
+#include "common/scoring/remedies.h"
 
 // Why points were earned or lost, as data that any language can be made of, and the English
 // sentence made of it: schemas/score.md, "Reasons". Thread safety: functions, any thread.
@@ -36,6 +37,10 @@ Reason MissingReason(NoValue why);
 Reason LimitReason(const MetricInfo& info, double value);
 // The share that every criterion keeps by a gate that took points: "keeps".
 Reason KeepsReason(double share);
+// The metric's fault and remedy on the side where the map gives less; nullptr where the value earns
+// full marks, or is no fault.
+const Remedy* RemedyOf(const MetricInfo& info, double value,
+                       const std::vector<scene::RubricPoint>& map);
 // What would mend it: the remedy (remedies.h) of the metric on the side where the map gives less. A
 // remedy for a cut that ends in the wrong place is said of the place where the most was lost, on the
 // remedy's side or on the larger one:

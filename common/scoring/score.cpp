@@ -123,24 +123,53 @@ bool IsWorthAComment(const Loss& loss) {
 
 void Write(CriterionResult& out) {
   out.reason = Sentence(out.title, *FindMetric(out.name), out.reasons, out.comment);
+  if (out.under.empty()) return;
+  out.reason +=
+      " The same mistake lost points under \"" + out.under + "\" and is not counted twice.";
 }
 void Write(GateResult& out) {
   out.reason = Sentence(out.title, *FindMetric(out.name), out.reasons, out.comment);
 }
 
-CriterionResult Judge(const Rubric& rubric, const RubricCriterion& criterion, double value,
-                      bool& critical_fail) {
+// What the criterion is charged for, and under which other one the rest is. Never worse than the
+// value, but where the value says less than there is (a turned wall's median).
+struct Charged {
+  double value;
+  std::string under;
+};
+Charged ChargedOf(const Rubric& rubric, const RubricCriterion& criterion,
+                  const MetricValue& found) {
+  const double share = ShareAt(criterion.map, found.value);
+  if (!found.charged || Fails(criterion, found.value)) return {found.value, ""};
+  if (found.under.empty()) return {*found.charged, ""};
+  // Where it makes no difference, nothing is said of it.
+  if (!(ShareAt(criterion.map, *found.charged) > share)) return {found.value, ""};
+  for (const std::string& under : found.under) {
+    for (const RubricCriterion& c : rubric.criteria) {
+      if (c.metric == under && c.points > 0) return {*found.charged, c.title};
+    }
+  }
+  return {found.value, ""};
+}
+
+CriterionResult Judge(const Rubric& rubric, const RubricCriterion& criterion,
+                      const MetricValue& found, bool& critical_fail) {
   const MetricInfo& info = *FindMetric(criterion.metric);
   CriterionResult out{
-      criterion.metric, criterion.title, value, criterion.unit, 0, criterion.points, ""};
-  if (Fails(criterion, value)) {
+      criterion.metric, criterion.title, found.value, criterion.unit, 0, criterion.points, ""};
+  const Charged charged = ChargedOf(rubric, criterion, found);
+  out.charged = charged.value;
+  out.under = charged.under;
+  if (Fails(criterion, found.value)) {
     critical_fail = true;
-    out.reasons = {FailsReason(info, value, *criterion.fails_above)};
+    out.reasons = {FailsReason(info, found.value, *criterion.fails_above)};
   } else {
-    out.points = criterion.points * ShareAt(criterion.map, value);
-    out.reasons = {FoundReason(info, value, criterion.map)};
+    out.points = criterion.points * ShareAt(criterion.map, charged.value);
+    // What was measured; more is charged only where the measure says less than there is.
+    out.reasons = {
+        FoundReason(info, out.under.empty() ? charged.value : found.value, criterion.map)};
   }
-  if (IsWorthAComment(LossOf(rubric, criterion, value))) out.comment = criterion.comment;
+  if (IsWorthAComment(LossOf(rubric, criterion, charged.value))) out.comment = criterion.comment;
   Write(out);
   return out;
 }
@@ -178,6 +207,7 @@ bool IsHidden(const RubricCriterion& criterion, const MetricValue& found) {
 
 CriterionResult Hidden(const RubricCriterion& criterion, double value) {
   CriterionResult out{criterion.metric, criterion.title, value, criterion.unit, 0, 0, "", false};
+  out.charged = value;
   out.reasons = {LimitReason(*FindMetric(criterion.metric), value)};
   Write(out);
   return out;
@@ -225,7 +255,7 @@ std::vector<std::string> CostlyCriteria(const Rubric& rubric, const ScoreResult&
     const RubricCriterion& asked = rubric.criteria[i];
     const CriterionResult& found = result.criteria[i];
     const bool lost =
-        found.max_points > 0 && (!found.judged || ShareAt(asked.map, found.value) < 1);
+        found.max_points > 0 && (!found.judged || ShareAt(asked.map, found.charged) < 1);
     if (lost || (found.judged && Fails(asked, found.value))) add(found.name);
   }
   for (const GateResult& gate : result.gates) {
@@ -243,10 +273,11 @@ void Advise(const Rubric& rubric, std::vector<Deduction> deductions, ScoreResult
     std::vector<Reason>* reasons;
   };
   std::vector<Told> all;
-  auto advise = [&](auto& part, const Loss& loss, const std::vector<scene::RubricPoint>& map) {
+  auto advise = [&](auto& part, const Loss& loss, double value,
+                    const std::vector<scene::RubricPoint>& map) {
     if (!IsWorthAdvice(loss)) return;
     const MetricInfo& info = *FindMetric(part.name);
-    std::optional<Reason> advice = Advice(info, part.value, map, deductions);
+    std::optional<Reason> advice = Advice(info, value, map, deductions);
     if (!advice) return;
     Told told{Sentence("", info, {*advice}, ""), *advice, loss.points, &part.reasons};
     const auto same = std::ranges::find(all, told.words, &Told::words);
@@ -257,11 +288,12 @@ void Advise(const Rubric& rubric, std::vector<Deduction> deductions, ScoreResult
     }
   };
   for (size_t i = 0; i < rubric.gates.size() && i < result.gates.size(); ++i)
-    advise(result.gates[i], LossOf(result.gates[i]), rubric.gates[i].map);
+    advise(result.gates[i], LossOf(result.gates[i]), result.gates[i].value, rubric.gates[i].map);
   for (size_t i = 0; i < rubric.criteria.size() && i < result.criteria.size(); ++i) {
     CriterionResult& found = result.criteria[i];
     if (found.judged)
-      advise(found, LossOf(rubric, rubric.criteria[i], found.value), rubric.criteria[i].map);
+      advise(found, LossOf(rubric, rubric.criteria[i], found.charged), found.charged,
+             rubric.criteria[i].map);
   }
   for (Told& told : all) told.reasons->push_back(std::move(told.reason));
   for (GateResult& gate : result.gates) Write(gate);
@@ -324,7 +356,7 @@ Result<ScoreResult> ApplyRubric(const Rubric& rubric, const MetricSet& metrics) 
     } else if (IsHidden(criterion, *found.value)) {
       out.criteria.push_back(Hidden(criterion, found.value->value));
     } else {
-      out.criteria.push_back(Judge(rubric, criterion, found.value->value, out.critical_fail));
+      out.criteria.push_back(Judge(rubric, criterion, *found.value, out.critical_fail));
     }
     CriterionResult& result = out.criteria.back();
     // After the reasons: they are about this criterion, a gate about the whole.

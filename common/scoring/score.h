@@ -31,6 +31,10 @@ struct CriterionResult {
   // The finding, then what to do.
   std::vector<Reason> reasons = {};
   std::string comment = {};  // the rubric's, where much was lost (kWorthCommentShare)
+  // The value that points are for: `value`, but for what the criterion with the title `under` is
+  // charged for already.
+  double charged = 0;
+  std::string under = {};
 
   bool operator==(const CriterionResult&) const = default;
 };

@@ -105,7 +105,9 @@ std::string ToJson(const ScoreResult& result) {
                         {"reason", c.reason},
                         {"judged", c.judged},
                         {"reasons", ReasonsJson(c.reasons)},
-                        {"comment", c.comment}});
+                        {"comment", c.comment},
+                        {"charged", Rounded(c.charged)},
+                        {"under", c.under}});
   }
   json::array gates;
   for (const GateResult& g : result.gates) {
@@ -122,6 +124,10 @@ std::string ToJson(const ScoreResult& result) {
   for (const MetricValue& m : result.metrics) {
     json::object metric{{"name", m.name}, {"value", Rounded(m.value)}, {"unit", m.unit}};
     if (m.limited) metric["limited"] = true;
+    if (m.charged) {
+      metric["charged"] = Rounded(*m.charged);
+      metric["under"] = json::value_from(m.under);
+    }
     metrics.push_back(std::move(metric));
   }
   json::array missing;

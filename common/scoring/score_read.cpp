@@ -286,6 +286,8 @@ Result<ScoreResult> ScoreFromJson(std::string_view text) {
       item.Read("max_points", c.max_points);
       item.Read("reason", c.reason);
       item.Read("judged", c.judged);
+      item.Read("charged", c.charged);
+      item.Read("under", c.under);
       ReadReasons(item, status, "criteria[" + std::to_string(i) + "]", c.reasons, c.comment);
     }
   }
@@ -298,6 +300,10 @@ Result<ScoreResult> ScoreFromJson(std::string_view text) {
       item.Read("value", m.value);
       item.Read("unit", m.unit);
       if (item.Has("limited")) item.Read("limited", m.limited);
+      if (item.Has("charged")) {
+        item.Read("charged", m.charged.emplace());
+        item.Read("under", m.under, kMaxUnder);
+      }
     }
   }
   ReadMissing(reader, status, out);

@@ -41,66 +41,6 @@ double ReachedBy(std::vector<WeightedValue> values, double area_m2) {
   return 0;
 }
 
-struct Height {
-  double d = 0, area = 0, s = 0, t = 0;
-};
-
-// Least squares for d = a + b s + c t, by area. Normal equations about the means, so that the two
-// slopes are a 2 x 2 system. A wall without extent one way has no slope that way.
-struct Plane {
-  double s0 = 0, t0 = 0, d0 = 0, b = 0, c = 0;
-  double At(const Height& h) const { return d0 + b * (h.s - s0) + c * (h.t - t0); }
-};
-Plane FitPlane(const std::vector<Height>& heights) {
-  Plane p;
-  double area = 0;
-  for (const Height& h : heights) {
-    area += h.area;
-    p.s0 += h.area * h.s, p.t0 += h.area * h.t, p.d0 += h.area * h.d;
-  }
-  if (!(area > 0)) return p;
-  p.s0 /= area, p.t0 /= area, p.d0 /= area;
-  double ss = 0, tt = 0, st = 0, sd = 0, td = 0;
-  for (const Height& h : heights) {
-    const double s = h.s - p.s0, t = h.t - p.t0, d = h.d - p.d0;
-    ss += h.area * s * s, tt += h.area * t * t, st += h.area * s * t;
-    sd += h.area * s * d, td += h.area * t * d;
-  }
-  const double determinant = ss * tt - st * st;
-  if (determinant > 1e-6 * ss * tt) {
-    p.b = (sd * tt - td * st) / determinant;
-    p.c = (td * ss - sd * st) / determinant;
-  } else if (ss > 0) {
-    p.b = sd / ss;
-  }
-  return p;
-}
-
-// A plane through most of the heights, which are left: the foot of another wall that leans in, a
-// gouge or a lip is not the lean of this one. First drops heights far from the median, which a
-// ditch at one side moves less than a plane; then heights more than four median residuals off. A
-// wall that leans as a whole stays, as its farthest height is twice the median away. A wave stays
-// whole, since its crest is 1.4 of them.
-Plane FitPlaneToMost(std::vector<Height>& heights, double least_m) {
-  if (heights.empty()) return {};
-  std::vector<WeightedValue> all;
-  for (const Height& h : heights) all.push_back({h.d, h.area});
-  Plane plane;
-  plane.d0 = WeightedQuantile(std::move(all), 0.5);
-  for (int i = 0; i < 4; ++i) {
-    std::vector<WeightedValue> rests;
-    for (const Height& h : heights) rests.push_back({std::fabs(h.d - plane.At(h)), h.area});
-    const double most = std::max(least_m, 4 * WeightedQuantile(std::move(rests), 0.5));
-    if (std::erase_if(heights,
-                      [&](const Height& h) { return std::fabs(h.d - plane.At(h)) > most; }) == 0 &&
-        i > 0) {
-      break;
-    }
-    plane = FitPlane(heights);
-  }
-  return plane;
-}
-
 double Length(const dvec3& v) { return std::sqrt(Dot(v, v)); }
 
 // Part by part: its vertices on the reference and their mean normal.
@@ -144,11 +84,11 @@ Facet FacetOf(const Plane& plane, const dvec3& normal, const dvec3& up, const dv
   return {n / length, (plane.b * plane.s0 + plane.c * plane.t0 - plane.d0) / length};
 }
 
-// Drops a tenth of the floor at each side: the rounding at the foot of a wall that is wavy, or a
-// little short, is not a wave of the floor.
-void KeepInner(std::vector<Height>& heights) {
+// Drops a tenth at each side: the round edge beside a wall that is wavy, or a little short, is not
+// a wave of this one.
+void KeepInner(std::vector<Height>& heights, std::initializer_list<double Height::*> ways) {
   constexpr double kMargin = 0.1;
-  for (double Height::*way : {&Height::s, &Height::t}) {
+  for (double Height::*way : ways) {
     if (heights.empty()) return;
     double from = heights.front().*way, to = from;
     for (const Height& h : heights) from = std::min(from, h.*way), to = std::max(to, h.*way);
@@ -248,13 +188,16 @@ WallFigures MeasureWall(const Volume& initial, const CutSide& attempt, const Cut
   const Plane plane = FitPlaneToMost(most_heights, 0.25 * h);
   out.facet = FacetOf(FitPlaneToMost(made_heights, 0.25 * h), patch.normal, up, along);
   double squares = pit_m2 * kMostWave_m * kMostWave_m, area = pit_m2;
-  if (floor) KeepInner(heights);
+  // A wall's foot and rim were dropped before.
+  floor ? KeepInner(heights, {&Height::s, &Height::t}) : KeepInner(heights, {&Height::t});
   for (const Height& q : heights) {
     const double rest = std::clamp(q.d - plane.At(q), -kMostWave_m, kMostWave_m);
     squares += q.area * rest * rest;
     area += q.area;
   }
   out.waviness_m = area > 0 ? std::sqrt(squares / area) : 0;
+  out.over = {
+      patch.normal, up, along, plane, lowest, highest, WavesAbout(plane, heights, 0.25 * h)};
   out.tilt_deg =
       kDegrees * ArcTan(floor ? std::sqrt(plane.b * plane.b + plane.c * plane.c) : plane.b);
   out.opens_deg = out.tilt_deg + (floor ? 0 : OpensDegrees(patch.normal, std::move(own_heights)));
@@ -262,6 +205,10 @@ WallFigures MeasureWall(const Volume& initial, const CutSide& attempt, const Cut
 }
 
 }  // namespace
+
+double Sheet::At_m(const dvec3& point_m) const {
+  return plane.At({0, 0, std::clamp(Dot(point_m, up), s_least_m, s_most_m), Dot(point_m, along)});
+}
 
 std::vector<dvec3> OutlineOf(const CutSide& side) {
   std::vector<dvec3> out;
@@ -334,6 +281,7 @@ OutlineFigures MeasureOutline(const Volume& initial, const CutSide& attempt,
   OutlineFigures out;
   const std::vector<dvec3> wanted = OutlineOf(reference), made = OutlineOf(attempt);
   out.in_task = !wanted.empty();
+  out.points = wanted.size();
   if (!out.in_task || made.empty()) return out;
   std::vector<WeightedValue> over, back;
   for (const dvec3& p : wanted) {
@@ -342,6 +290,7 @@ OutlineFigures MeasureOutline(const Volume& initial, const CutSide& attempt,
     const double distance = std::sqrt(nearest);
     const bool cut = IsCut(initial, *attempt.volume, p);
     over.push_back({cut ? distance : 0, 1});
+    if (cut) out.over_at.push_back({p, distance});
     back.push_back({cut ? 0 : distance, 1});
   }
   out.over_m = WeightedQuantile(std::move(over), 0.95);

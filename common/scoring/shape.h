@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include "common/scoring/causes/planes.h"
 #include "common/scoring/deviation.h"
 #include "common/scoring/zones.h"
 
@@ -45,6 +46,19 @@ struct Facet {
   double reach_m = 0;
 };
 
+// How far the attempt lies over the reference along a wall, + deeper: a plane, and waves about it.
+struct Sheet {
+  dvec3 normal{0, 0, 1}, up{1, 0, 0}, along{0, 1, 0};
+  Plane plane;                         // s: metres along `up`; t: along `along`
+  double s_least_m = 0, s_most_m = 0;  // as far as the wall goes
+  double waves_m = 0;                  // root mean square, of gouges only as much as of a wave
+
+  // Held constant beyond the wall's foot and rim.
+  double At_m(const dvec3& point_m) const;
+  // In the middle of the wall's length.
+  double AtHeight_m(double s_m) const { return plane.At({0, 0, s_m, plane.t0}); }
+};
+
 // One wall or the floor. Heights d of the attempt's surface over the reference's are taken along
 // the reference wall's mean normal, + where the attempt goes deeper, at the reference's vertices. A
 // plane d = a + b s + c t is fitted to them by least squares, weighted by area, between 15 and 90 %
@@ -62,6 +76,7 @@ struct WallFigures {
   double opens_deg = 0;   // the attempt's wall against +z: the reference's own and tilt_deg
   double waviness_m = 0;  // RMS of d about the plane
   Facet facet;            // of the attempt's surface, fitted in the same way
+  Sheet over;             // of d
 };
 using Walls = std::array<WallFigures, kPartCount>;
 Walls MeasureWalls(const cutting::Volume& initial, const CutSide& attempt, const CutSide& reference,
@@ -76,6 +91,13 @@ struct OutlineFigures {
   bool in_task = false;  // the reference has one
   double over_m = 0;     // 95 % of the outline goes no farther out
   double short_m = 0;    // 95 % of it stays back no farther
+  // Of the reference's outline, where the attempt went farther.
+  struct Over {
+    dvec3 at_m;
+    double by_m;
+  };
+  std::vector<Over> over_at;
+  size_t points = 0;  // of all the reference's
 };
 OutlineFigures MeasureOutline(const cutting::Volume& initial, const CutSide& attempt,
                               const CutSide& reference);

@@ -225,7 +225,11 @@ std::string WordedText(const Words& words, std::string_view text) {
 }
 
 std::string ReasonText(const Words& words, const scoring::CriterionResult& criterion) {
-  return ReasonTextOf(words, criterion);
+  std::string out = ReasonTextOf(words, criterion);
+  if (criterion.under.empty() || out == criterion.reason) return out;
+  return out.append(Between(words))
+      .append(
+          words.Say("reason.one_mistake", {{"criterion", WordedTitle(words, criterion.under)}}));
 }
 std::string ReasonText(const Words& words, const scoring::GateResult& gate) {
   return ReasonTextOf(words, gate);

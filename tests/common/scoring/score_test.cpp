@@ -265,6 +265,31 @@ TEST(ApplyRubricTest, AGateTakesItsShareOfEveryCriterion) {
   EXPECT_EQ(whole->gates[0].reason, "Task done: 97.0 % (full marks from 90.0 %).");
 }
 
+// A wall that is too far out made a place deep: the place is charged for what the wall leaves over.
+TEST(ApplyRubricTest, OneMistakeIsChargedUnderOneCriterion) {
+  Rubric rubric{"class-1", 3, {Wall()}, {}};
+  rubric.criteria.push_back(
+      {"deepest_over_mm", "No gouge", "mm", 10, {{0.1, 1}, {0.3, 0}}, "", {}});
+  MetricSet metrics{{{"wall_mesial_mm", 0.3, "mm"}, {"deepest_over_mm", 0.3, "mm"}}, {}};
+  EXPECT_EQ(ApplyRubric(rubric, metrics)->criteria[1].points, 0);
+
+  metrics.values[1].charged = 0.05;
+  metrics.values[1].under = {"floor_mm", "wall_mesial_mm"};
+  const ScoreResult once = *ApplyRubric(rubric, metrics);
+  EXPECT_EQ(once.criteria[1].points, 10);
+  EXPECT_EQ(once.criteria[1].value, 0.3);
+  EXPECT_EQ(once.criteria[1].charged, 0.05);
+  EXPECT_EQ(once.criteria[1].under, rubric.criteria[0].title);
+  EXPECT_NE(once.criteria[1].reason.find("not counted twice"), std::string::npos);
+
+  // Nothing else in the rubric is about the wall.
+  metrics.values[1].under = {"floor_mm"};
+  const ScoreResult alone = *ApplyRubric(rubric, metrics);
+  EXPECT_EQ(alone.criteria[1].points, 0);
+  EXPECT_EQ(alone.criteria[1].charged, 0.3);
+  EXPECT_TRUE(alone.criteria[1].under.empty());
+}
+
 TEST(ApplyRubricTest, SeveralGatesMultiply) {
   Rubric rubric = Three();
   rubric.gates = {Done(), {"damage_percent", "Damage", "%", {{0, 1}, {100, 0}}, ""}};
@@ -432,7 +457,7 @@ ScoreResult Filled() {
   rubric.critical[0].limit = 1;
   rubric.gates = {Done()};
   MetricSet metrics = Values(0.1 + 0.2, 91.234567890123456, 0);
-  metrics.values.push_back({"task_done_percent", 66.6, "%"});
+  metrics.values.push_back({"task_done_percent", 66.6, "%", false, 70.5, {"floor_mm"}});
   metrics.missing = {{"caries_left_mm3", NoValue::kNotInTask},
                      {"tilt_mesial_deg", NoValue::kNotMade},
                      {"dtw_pose_mm", NoValue::kNotUsed}};

@@ -22,6 +22,7 @@ scoring::CriterionResult CriterionOf(const boost::json::object& told) {
   out.unit = text("unit");
   out.comment = text("comment");
   out.reason = "as the server says";
+  if (told.contains("under")) out.under = text("under");
   for (const auto& reason : told.at("reasons").as_array()) {
     out.reasons.push_back({std::string(reason.at("code").as_string()),
                            boost::json::value_to<std::vector<double>>(reason.at("values")),

@@ -2,6 +2,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { afterEach, test } from "node:test";
 import { speak } from "../base/language";
+import type { Score } from "./types";
 import { directionsOf, measuredText, reasonText } from "./worded";
 
 afterEach(() => speak("en"));
@@ -77,9 +78,9 @@ test("reasons read as the server's do: schemas/score.md", () => {
 // The station's test reads the same file (tests/station/desk/score_words_test.cpp), in all
 // languages; here English is there.
 test("the page and the station's window make the same sentences", () => {
-  type Told = Parameters<typeof reasonText>[0];
+  type Told = Score["criteria"][number];
   const { cases } = JSON.parse(readFileSync("../schemas/golden/reasons_said.json", "utf8")) as {
-    readonly cases: readonly (Pick<Told, "title" | "unit" | "reasons" | "comment"> & {
+    readonly cases: readonly (Pick<Told, "title" | "unit" | "reasons" | "comment" | "under"> & {
       readonly metric: string;
       readonly said: { readonly en: string };
     })[];

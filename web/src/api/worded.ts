@@ -69,12 +69,15 @@ export function wordedInsight(insight: AssignmentInsight): AssignmentInsight {
     : { ...insight, criteria: insight.criteria.map(worded), gates: insight.gates.map(worded) };
 }
 
-// Each code a sentence, then the rubric's comment. The server's own text where a code is not known
-// or there are none.
-export function reasonText({ name, title, unit, reason, reasons = [], comment = "" }: Criterion | Gate): string {
+// Each code a sentence, then the rubric's comment, then under which other criterion the same mistake
+// lost points. The server's own text where a code is not known or there are none.
+export function reasonText(judged: Criterion | Gate): string {
+  const { name, title, unit, reason, reasons = [], comment = "" } = judged;
   const told = reasons.map((each) => sentence(name, each, unit));
   if (told.length === 0 || told.includes(undefined)) return reason;
-  return [sayIf("reason.title", { title: wordedTitle(title) }) ?? "", ...told, wordedText(comment)]
+  const under = "under" in judged ? (judged.under ?? "") : "";
+  const once = under === "" ? "" : say("reason.one_mistake", { criterion: wordedTitle(under) });
+  return [sayIf("reason.title", { title: wordedTitle(title) }) ?? "", ...told, wordedText(comment), once]
     .filter((part) => part !== "")
     .join(spokenLanguage() === "zh" ? "" : " ");
 }
