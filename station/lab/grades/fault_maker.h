@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,7 +20,7 @@ class FaultMaker {
 
  private:
   static constexpr double kMm = 1e3, kMm3 = 1e9;
-  static constexpr double kAngleTolerance_deg = 0.5;
+  static constexpr double kAngleTolerance_deg = 0.5, kShareTolerance_percent = 1;
 
   // A fault's size, and whether it reaches its threshold, so that it must cost a point.
   struct Size {
@@ -36,6 +37,10 @@ class FaultMaker {
   void AddMm(std::string name, Size size, std::string metric, Hollow taken);
   void AddDegrees(std::string name, Size size, std::string metric, Hollow taken);
   Hollow Wanted() const;
+  bool Judges(std::string_view metric) const {
+    return std::ranges::any_of(exercise_.rubric.criteria,
+                               [&](const auto& c) { return c.metric == metric; });
+  }
 
   // A box: faults_of_cavity.cpp.
   void MakeBox();
@@ -44,6 +49,7 @@ class FaultMaker {
   std::vector<Size> WallSizes(size_t wall) const;
   double RoomBehind_m(size_t wall) const;
   void MakeLeaningWalls(size_t wall);
+  void MoveBox();
   void MakeMargins();
   void AddPillars();
   void AddCaries();

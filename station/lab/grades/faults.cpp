@@ -15,7 +15,6 @@ namespace {
 
 using cutting::Tissue;
 
-constexpr double kShareTolerance_percent = 1;
 constexpr double kShallow_m = 20e-6, kShave_m = 50e-6;
 
 }  // namespace

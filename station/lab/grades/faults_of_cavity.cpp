@@ -11,6 +11,7 @@ using cutting::Tissue;
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr std::array<const char*, 4> kWalls = {"mesial", "distal", "buccal", "lingual"};
+constexpr double kLeft_m = 0.3e-3;              // of tooth behind a wall, at the least
 constexpr size_t kAnyWall = 1, kFloorFace = 4;  // every box has a distal wall
 
 double Slope(double degrees) { return std::tan(degrees * kPi / 180); }
@@ -30,11 +31,14 @@ void FaultMaker::MakeBox() {
     for (const Size s : WallSizes(w)) {
       AddMm("wall_" + name, s, "wall_" + name + "_mm", BoxWith(w, {.moved_m = s.m()}));
     }
-    for (const Size s : Sizes({1, 5, 10, 20}, 10)) {
+    for (Size s : Sizes({1, 5, 10, 20}, 10)) {
+      // Where no criterion is about it, it costs what it takes.
+      s.must_cost = s.must_cost && Judges("wall_tilt_deg");
       AddDegrees("tilt_" + name, s, "tilt_" + name + "_deg", BoxWith(w, {.slope = Slope(s.value)}));
     }
   }
   MakeLeaningWalls(kAnyWall);
+  MoveBox();
   // The longest wall has the waves: three of them on a short one are steeper than voxels can show.
   const BoxCavity& b = task_.box;
   const size_t long_wall = b.half_x_m > b.half_y_m ? 2 : kAnyWall;
@@ -85,7 +89,6 @@ void FaultMaker::AddPillars() {
 // A wall moved out of the tooth's side is none: moves only so far that some tooth is left behind
 // it.
 std::vector<FaultMaker::Size> FaultMaker::WallSizes(size_t wall) const {
-  constexpr double kLeft_m = 0.3e-3;
   std::vector<Size> out = Sizes({-1, -0.5, -0.3, -0.1, -0.05, 0.05, 0.1, 0.3, 0.5, 1}, 0.3);
   const double most_mm = std::floor(10 * kMm * (RoomBehind_m(wall) - kLeft_m)) / 10;
   if (out.back().value <= most_mm) return out;
@@ -130,6 +133,45 @@ void FaultMaker::MakeLeaningWalls(size_t wall) {
       if (HasWall(w)) box.faces[w].slope = Slope(s.value);
     }
     AddDegrees("taper", s, "wall_tilt_deg", [box](const dvec3& p) { return box.Distance_m(p); });
+  }
+}
+
+// The whole cut is elsewhere: towards the buccal wall, away from the mesial one, or turned.
+void FaultMaker::MoveBox() {
+  for (const Size s : Sizes({0.1, 0.2, 0.3, 0.5}, 0.3)) {
+    for (const size_t wall : {size_t{2}, size_t{1}}) {
+      const size_t opposite = wall == 2 ? 3 : 0;
+      if (!HasWall(opposite) || RoomBehind_m(wall) < s.m() + kLeft_m) continue;
+      BoxCavity box = task_.box;
+      box.faces[wall].moved_m = s.m();
+      box.faces[opposite].moved_m = -s.m();
+      AddMm(std::string("shift_") + kWalls[wall], s, std::string("wall_") + kWalls[wall] + "_mm",
+            [box](const dvec3& p) { return box.Distance_m(p); });
+    }
+  }
+  const dvec3 about = task_.box.centre_m;
+  const double all = TakenAbove(grid_lo_m_.z);
+  for (const Size s : Sizes({5, 10, 15}, 10)) {
+    if (!HasWall(0) || !(all > 0)) break;
+    const Hollow centred = [box = task_.box, about](const dvec3& p) {
+      return box.Distance_m(p + about);
+    };
+    const Hollow taken = [turned = Turned(centred, s.value), about](const dvec3& p) {
+      return turned(p - about);
+    };
+    double both = 0;
+    VolumeWhere_m3(
+        volume_, grid_lo_m_, grid_hi_m_,
+        [&](const dvec3& p, Tissue t) {
+          both += t != Tissue::kNeighbour && task_.Distance_m(p) < 0 &&
+                          volume_.DistanceAt_m(p) < 0 && taken(p) < 0
+                      ? 1
+                      : 0;
+          return false;
+        },
+        Wanted());
+    Add("turn", {100 * both / all, s.must_cost}, "%", "task_done_percent", kShareTolerance_percent,
+        taken);
   }
 }
 

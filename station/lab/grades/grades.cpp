@@ -105,6 +105,7 @@ Result<GradeRow> GradedExercise::Grade(const Fault& fault) const {
   for (const scoring::CriticalResult& c : score.critical) {
     if (row.critical.empty() || c.error == fault.critical) row.critical = c.error;
   }
+  row.judged = JudgedOf(fault, exercise_.rubric, score);
   return row;
 }
 
@@ -151,19 +152,26 @@ Result<std::vector<GradeRow>> MeasureGrades(
 json::object GradesJson(const std::vector<GradeRow>& rows) {
   json::array out;
   for (const GradeRow& r : rows) {
-    out.push_back(json::object{{"exercise", r.exercise},
-                               {"fault", r.fault},
-                               {"size", r.size},
-                               {"unit", r.unit},
-                               {"voxel_mm", r.voxel_mm},
-                               {"metric", r.metric},
-                               {"found", r.found ? json::value(*r.found) : json::value(nullptr)},
-                               {"tolerance", r.tolerance},
-                               {"points_lost", r.points_lost},
-                               {"must_cost", r.must_cost},
-                               {"critical_expected", !r.critical_expected.empty()},
-                               {"critical", !r.critical.empty()},
-                               {"score", r.score}});
+    out.push_back(
+        json::object{{"exercise", r.exercise},
+                     {"fault", r.fault},
+                     {"size", r.size},
+                     {"unit", r.unit},
+                     {"voxel_mm", r.voxel_mm},
+                     {"metric", r.metric},
+                     {"found", r.found ? json::value(*r.found) : json::value(nullptr)},
+                     {"tolerance", r.tolerance},
+                     {"points_lost", r.points_lost},
+                     {"must_cost", r.must_cost},
+                     {"critical_expected", !r.critical_expected.empty()},
+                     {"critical", !r.critical.empty()},
+                     {"cause", r.judged.cause},
+                     {"own_cause_share",
+                      r.judged.own_share ? json::value(*r.judged.own_share) : json::value(nullptr)},
+                     {"lost_for", json::value_from(r.judged.lost_for)},
+                     {"said_fault", r.judged.said_fault},
+                     {"said_remedy", r.judged.said_remedy},
+                     {"score", r.score}});
   }
   return {{"format", 1}, {"rows", std::move(out)}};
 }

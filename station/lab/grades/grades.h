@@ -8,6 +8,7 @@
 
 #include "common/scoring/score.h"
 #include "station/lab/grades/faults.h"
+#include "station/lab/grades/judged.h"
 
 // The cost of a known fault: attempts made by formula (faults.h), measured and graded by the
 // exercise's own rubric against the task itself. Document: schemas/lab_grades.schema.json. Thread
@@ -31,6 +32,7 @@ struct GradeRow {
   double points_lost = 0, score = 0;
   std::string critical_expected, critical;  // the error that was made and the first found, or none
   bool must_cost = true;                    // at or over its threshold: must cost at least a point
+  Judged judged;
 
   bool AsKnown() const;
   bool CostsEnough() const;

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/scoring/score.h"
+#include "station/lab/grades/faults.h"
+
+// Whether a grade names the mistake that was made, and charges it as one mistake. Thread safety:
+// functions, any thread.
+namespace enamel::station::lab {
+
+struct Judged {
+  // "wall", "floor", "tilt", "shift", "turn", "taper", "gouge" or "wave": one mistake whose points
+  // should all be lost for itself; else empty.
+  std::string cause;
+  // Of the points lost, the share lost for the cause: by criteria that are about it, and by gates,
+  // which no other mistake can have closed. Empty without a cause, for a critical error, and where
+  // less than a point was lost.
+  std::optional<double> own_share;
+  // Where most points were lost: codes of remedies.h, of a critical error its own. Empty where less
+  // than half a point was lost.
+  std::string said_fault, said_remedy;
+  std::vector<std::string> lost_for;  // "wall_mesial_mm 6.0": what cost points, the most first
+};
+
+Judged JudgedOf(const Fault& fault, const scene::Rubric& rubric, const scoring::ScoreResult& score);
+
+}  // namespace enamel::station::lab
