@@ -50,7 +50,7 @@ class Charges {
   Charges(const Measured& measured, const CauseInputs& inputs)
       : m_(measured),
         in_(inputs),
-        // A stump stands where a cavity's floor is looked for: its patches are found by themselves.
+        // A stump has a top and a shoulder where a cavity has a floor: no walls and no floor here.
         walls_(measured.crown.in_task ? Walls{} : measured.walls),
         explained_(walls_, inputs) {}
 

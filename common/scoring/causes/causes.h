@@ -8,7 +8,7 @@
 
 // One mistake, one deduction. A wall that is too far out is a wide outline, a deep place and tissue
 // lost too. What a wall, a floor or the whole cut explains of another metric is charged once, where
-// it is measured as itself: schemas/score.md, "Charged once". Thread safety: functions, any thread.
+// it is measured as itself: schemas/score.md, "One mistake, one deduction". Thread safety: functions, any thread.
 // Deterministic.
 namespace enamel::scoring {
 

@@ -12,8 +12,8 @@
 namespace enamel::station::lab {
 
 struct Judged {
-  // "wall", "floor", "tilt", "shift", "turn", "taper", "gouge" or "wave": one mistake whose points
-  // should all be lost for itself; else empty.
+  // "wall", "floor", "tilt", "shift", "turn", "taper", "gouge" or "wave": one mistake, which
+  // should lose points for itself alone. Empty: none of them.
   std::string cause;
   // Of the points lost, the share lost for the cause: by criteria that are about it, and by gates,
   // which no other mistake can have closed. Empty without a cause, for a critical error, and where
