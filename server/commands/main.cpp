@@ -5,7 +5,7 @@
 
 #include "common/base/utf8.h"
 #include "common/program/log.h"
-#include "server/app/data_folder.h"
+#include "common/program/version.h"
 #include "server/commands/admin.h"
 #include "server/commands/admin_people.h"
 #include "server/commands/admin_stations.h"
@@ -37,7 +37,7 @@ int main(int argc, char** argv) {
   }
   CLI::App root("Enamel server: station link, storage, scoring, API and page");
   root.require_subcommand(1);
-  root.set_version_flag("--version", std::string(app::kSoftware));
+  root.set_version_flag("--version", program::VersionText("enamel-server"));
   std::function<Status()> command;
   const app::CommandGroup top{root, command};
   // Each command declares itself and its action; nothing runs until the whole line has been parsed.

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "common/program/log.h"
+#include "common/program/version.h"
 #include "station/app/command_line.h"
 #include "station/app/device_commands.h"
 #include "station/app/lab_command.h"
@@ -57,7 +58,7 @@ int main(int argc, char** argv) {
   CLI::App app("enamel-station: cut virtual teeth; every tick is recorded and sent to the server.");
   app.footer("'enamel-station --help' shows a first attempt, and what exit codes mean.");
   app.require_subcommand(0, 1);
-  app.set_version_flag("--version", "enamel-station " ENAMEL_VERSION);
+  app.set_version_flag("--version", program::VersionText(kName));
   int exit_code = 0;
   program::CommandSettings settings(
       app, {.program = kName, .prefix = kPrefix, .system_file = "/etc/enamel/station.toml"});

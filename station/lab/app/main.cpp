@@ -4,6 +4,7 @@
 
 #include "common/program/command_settings.h"
 #include "common/program/log.h"
+#include "common/program/version.h"
 #include "station/lab/app/cli.h"
 
 namespace {
@@ -37,7 +38,7 @@ int main(int argc, char** argv) {
   CLI::App app("enamel-lab: measures force laws, cutting and this computer.");
   app.footer("'enamel-lab --help' shows which command answers which question.");  // of commands
   app.require_subcommand(1);
-  app.set_version_flag("--version", "enamel-lab " ENAMEL_VERSION);
+  app.set_version_flag("--version", program::VersionText(kName));
   // Before parsing, so that a wrong command line is refused in the requested format.
   const bool json = program::AsksForJson(argc, argv, kPrefix);
   (void)program::SetUpLog({.format = json ? "json" : "text", .name = kName});
