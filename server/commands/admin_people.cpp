@@ -259,8 +259,9 @@ void DeclareRoster(CommandGroup admin) {
       "All or nothing: with a problem in any row nothing is changed, and all problems are listed.\n"
       "People who already exist keep role and password; they take the name in the file and\n"
       "join the cohort. Nobody is removed. Importing the same file again changes nothing.\n\n"
-      "  enamel-server admin import-roster year3.csv --data /srv/enamel --dry-run\n"
-      "  enamel-server admin import-roster year3.csv --data /srv/enamel --passwords year3-new.csv");
+      "  enamel-server admin import-roster year3.csv --data /var/lib/enamel --dry-run\n"
+      "  enamel-server admin import-roster year3.csv --data /var/lib/enamel --passwords "
+      "year3-new.csv");
 
   auto [people, p] = Declare<PeopleList>(admin, "list-people", "People by login", ListPeople);
   AddData(people, p.data);

@@ -6,6 +6,7 @@
 #include "common/base/hex.h"
 #include "common/base/in_document.h"
 #include "common/scene/calibration.h"
+#include "common/scene/find_profile.h"
 #include "common/scene/json/json.h"
 #include "common/scene/profile_criteria.h"
 #include "server/app/data_folder.h"
@@ -136,11 +137,10 @@ Status ListListedDevices(const std::filesystem::path& data) {
   return Status::Ok();
 }
 
-Status PutProfile(const std::filesystem::path& data, const std::filesystem::path& file,
+Status PutProfile(const std::filesystem::path& data, const std::string& name_or_path,
                   bool check_only) {
-  ENAMEL_ASSIGN_OR_RETURN(auto text, ReadText(file));
-  auto profile = scene::ProfileFromJson(text);
-  if (!profile.ok()) return InDocument(file.string(), profile.status());
+  auto profile = scene::FindProfile(name_or_path);
+  if (!profile.ok()) return profile.status();
   auto criteria = scene::CheckProfile(*profile);
   // Also when all is well: an admin who lets a device into a course sees by how much each criterion
   // is met.
@@ -264,12 +264,13 @@ void DeclareProfiles(CommandGroup admin) {
     std::string profile;
     bool check_only = false;
   };
-  auto [put, p] =
-      Declare<Document>(admin, "put-profile", "Check a device profile and store it",
-                        [](const Document& o) { return PutProfile(o.data, o.file, o.check_only); });
-  put->add_option("FILE", p.file, "schemas/device_profile.schema.json")
-      ->required()
-      ->check(CLI::ExistingFile);
+  auto [put, p] = Declare<Document>(
+      admin, "put-profile", "Check a device profile and store it",
+      [](const Document& o) { return PutProfile(o.data, o.profile, o.check_only); });
+  put->add_option("PROFILE", p.profile,
+                  "A built-in profile's name, as phantom_desktop, or a document: FILE.json "
+                  "(schemas/device_profile.schema.json)")
+      ->required();
   AddData(put, p.data);
   put->add_flag("--check", p.check_only, "Only show the criteria with their figures");
 

@@ -30,7 +30,7 @@ Status ListListedDevices(const std::filesystem::path& data);
 
 // Prints every criterion with its figures (common/scene/profile_criteria.h); stores the profile as
 // the newest version of its name when all are met, unless it is only to be checked.
-Status PutProfile(const std::filesystem::path& data, const std::filesystem::path& file,
+Status PutProfile(const std::filesystem::path& data, const std::string& name_or_path,
                   bool check_only);
 // What `enamel-lab qualify --report` wrote: JSON or HTML by the file's name, at most 1 MiB.
 Status AddProfileReport(const std::filesystem::path& data, const std::string& profile,

@@ -93,10 +93,10 @@ void DeclareMove(CommandGroup root) {
       "Stop every server of the school first. Everything is read back and compared by its hash.\n"
       "To continue an interrupted move, repeat the command. Nothing is deleted in the old "
       "place.\n\n"
-      "  enamel-server move --data /srv/enamel --to /srv/enamel-cluster \\\n"
+      "  enamel-server move --data /var/lib/enamel --to /var/lib/enamel-cluster \\\n"
       "    --database postgresql://enamel@db/school --s3-endpoint https://s3.example.org \\\n"
       "    --s3-bucket school --key-bucket school-keys --master-key /etc/enamel/master.key\n"
-      "  enamel-server move --data /srv/enamel-cluster --to /srv/enamel-back");
+      "  enamel-server move --data /var/lib/enamel-cluster --to /var/lib/enamel-back");
 }
 
 }  // namespace enamel::server::app

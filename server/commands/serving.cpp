@@ -112,7 +112,7 @@ void DeclareServe(CommandGroup root) {
   cmd->footer(
       "Every setting can come from the command line, from the environment (--job-threads is\n"
       "ENAMEL_JOB_THREADS) or from the file; the first of these wins.\n\n"
-      "  enamel-server serve --data /srv/enamel                   try it, on this machine only\n"
+      "  enamel-server serve --data ~/enamel                      try it, on this machine only\n"
       "  enamel-server serve --config /etc/enamel/server.toml     as a service (server/ops)\n\n"
       "Watch it with GET /healthz (503 when no recordings are taken) and GET /metrics "
       "(Prometheus).");
@@ -142,7 +142,7 @@ void DeclareWork(CommandGroup root) {
       "Run more of these to score a whole class sooner; each job is done by one of them. Start as\n"
       "many as there are spare processors, and stop them at any time: an unfinished job goes back\n"
       "to the queue, within half a minute if its worker was killed.\n\n"
-      "  enamel-server work --data /srv/enamel --threads 4");
+      "  enamel-server work --data /var/lib/enamel --threads 4");
 }
 
 void DeclareSeed(CommandGroup root) {

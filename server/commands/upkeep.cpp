@@ -267,9 +267,9 @@ void DeclareBackup(CommandGroup root) {
   backup->footer(
       "A backup is consistent as of one moment and has a manifest with the hash of every file.\n"
       "Hard links save space but are lost with the disk: back up to another disk.\n\n"
-      "  enamel-server backup /mnt/backup/2026-09-01 --data /srv/enamel\n"
+      "  enamel-server backup /mnt/backup/2026-09-01 --data /var/lib/enamel\n"
       "  enamel-server verify /mnt/backup/2026-09-01\n"
-      "  enamel-server restore /mnt/backup/2026-09-01 --data /srv/enamel-new");
+      "  enamel-server restore /mnt/backup/2026-09-01 --data /var/lib/enamel-new");
 
   auto [restore, r] = Declare<RestoreCommand>(
       root, "restore", "Make a data folder from a backup, and verify it", RestoreBackup);
@@ -320,7 +320,7 @@ void DeclareRetention(CommandGroup root) {
       "  recordings   motion, forces and the cut tooth, from the end; the score stays\n"
       "  attempts     all of an attempt, from the end\n"
       "Reference cuts are always kept.\n\n"
-      "  enamel-server retention --data /srv/enamel --set recordings --days 730");
+      "  enamel-server retention --data /var/lib/enamel --set recordings --days 730");
 }
 
 }  // namespace enamel::server::app

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# As an admin would (server/README.md, "From first start to a cohort"): first start, first admin, a cohort of 144 from
+# As an admin would (docs/for_it.md): first start, first admin, a cohort of 144 from
 # CSV, stations enrolled, a device profile checked, an exercise assigned and done, backup, restore into an empty
 # folder, verify; and nothing that is secret in the server's log at its most talkative.
 . "$(dirname "$0")/support.sh"
@@ -114,6 +114,9 @@ sed 's/"value": 2500/"value": 25000/' "$root/schemas/golden/scene_profile_phanto
 expect_failure "a profile that is not passive" "FAIL Passivity limit" \
   "$bin/enamel-server" admin put-profile "$work/stiff.json" --data "$data"
 admin put-profile "$root/schemas/golden/scene_profile_phantom_desktop.json"
+admin put-profile omega3
+expect_failure "a profile that nobody made" "there are omega3, phantom_desktop" \
+  "$bin/enamel-server" admin put-profile omega4 --data "$data"
 admin add-calibration "$root/schemas/golden/scene_calibration.json"
 admin list-calibrations --profile phantom_desktop
 
