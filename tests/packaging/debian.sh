@@ -1,0 +1,141 @@
+#!/usr/bin/env bash
+# The Debian packages in a bare Debian 12: every command of the first two sections of docs/for_it.md as it is written there, each unit
+# with its user and folders, an attempt, and what remove, upgrade and purge leave. Needs root, debootstrap and a Debian archive.
+# ENAMEL_DEBIAN=FOLDER names a Debian that debootstrap has made before, to start from a copy of it.
+set -euo pipefail
+root=$(cd "$(dirname "$0")/../.." && pwd)
+build=${ENAMEL_BUILD:-$root/build/release}
+skip() { echo "skipped: $*"; exit 77; }
+fail() { echo "FAILED: $*" >&2; exit 1; }
+step() { printf '\n==> %s (%d s)\n' "$*" $SECONDS; }
+[ "${ENAMEL_FULL:-}" = 1 ] || skip "ENAMEL_FULL=1 runs it"
+[ "$(id -u)" = 0 ] || skip "needs root, for a chroot"
+for program in debootstrap cpack dpkg-shlibdeps ip; do
+  command -v $program >/dev/null || skip "$program is not installed"
+done
+grep -q '^VERSION_ID="12"' /etc/os-release || skip "packages for Debian 12 are built on Debian 12"
+
+work=$(mktemp -d)
+debian=$work/debian
+# A network of its own, with nothing but loopback, and processes that end with it.
+inside() {
+  unshare -m -p -n --fork --kill-child bash -c '
+    debian=$1; shift
+    ip link set lo up
+    mount -t proc proc "$debian/proc"; mount --rbind /dev "$debian/dev"; mount -t tmpfs tmpfs "$debian/run"
+    exec chroot "$debian" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root DEBIAN_FRONTEND=noninteractive "$@"
+  ' _ "$debian" "$@"
+}
+online() { # the same with the archive at hand
+  unshare -m -p --fork --kill-child bash -c '
+    debian=$1; shift
+    mount -t proc proc "$debian/proc"; mount --bind /dev "$debian/dev"
+    exec chroot "$debian" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root DEBIAN_FRONTEND=noninteractive "$@"
+  ' _ "$debian" "$@"
+}
+trap 'rm -rf --one-file-system "$work"' EXIT
+
+step "packages"
+cmake --build "$build" --target enamel_manuals enamel-import-child >"$work/log" 2>&1 || { tail "$work/log"; fail "building"; }
+commit_time=$(git -C "$root" log -1 --format=%ct 2>/dev/null || echo 0)
+SOURCE_DATE_EPOCH=$commit_time cpack --config "$build/CPackConfig.cmake" -B "$work/packages" >"$work/cpack.log" 2>&1 ||
+  { cat "$work/cpack.log"; fail "cpack"; }
+if command -v lintian >/dev/null; then
+  lintian --allow-root --fail-on error "$work"/packages/*.deb || fail "lintian found an error"
+fi
+
+step "a bare Debian"
+if [ -n "${ENAMEL_DEBIAN:-}" ]; then cp -a "$ENAMEL_DEBIAN" "$debian"
+else debootstrap --variant=minbase bookworm "$debian" >"$work/log" 2>&1 || { tail "$work/log"; fail "debootstrap"; }
+fi
+mkdir "$debian/packages"
+cp "$work"/packages/*.deb "$debian/packages"
+online apt-get update -qq
+# apt fetches now what the guide's two installs need; they then run without the archive.
+online sh -c 'cd /packages && apt-get install -y -qq --download-only ./*.deb >/dev/null'
+printf '127.0.0.1 localhost enamel.example.edu\n' >"$debian/etc/hosts"
+
+# The guide's commands, with what a person would type in. "apt" asks.
+awk '/^## Sizes/ { exit } /^```sh$/ { on = 1; next } /^```$/ { on = 0 } on' "$root/docs/for_it.md" |
+  sed 's/^apt install/apt-get install -y -qq/; s/CODE@FINGERPRINT/"$(cat \/tmp\/code)"/; s/ admin enrol-code .*/& | tee \/tmp\/code/' >"$work/guide"
+commands=$(awk '/^## Backup/ { exit } /^```sh$/ { on = 1; next } /^```$/ { on = 0 } on' "$root/docs/for_it.md" | wc -l)
+[ "$commands" -le 10 ] || fail "the guide takes $commands commands to a class; at most 10"
+printf 'login,display_name,role,cohort\nanna,Anna,student,Year 3\nbob,Bob,student,Year 3\nvera,Vera,instructor,Year 3\n' >"$debian/tmp/year3.csv"
+install -m 755 "$root/tests/packaging/systemctl" "$debian/root/systemctl"
+cat >"$debian/root/trial" <<'TRIAL'
+set -eu
+fail() { echo "FAILED: $*" >&2; exit 1; }
+until_log() { # until_log FILE TEXT
+  for _ in $(seq 300); do grep -q "$2" "$1" && return 0; sleep 0.1; done
+  cat "$1"; fail "$1 does not have \"$2\" within 30 s"
+}
+systemctl() {
+  echo "# systemctl $*"
+  /root/systemctl "$@" || exit 1
+  case "$*" in *"--now enamel-server"*) until_log /var/log/enamel-server.service.log '^ready' ;; esac
+}
+cd /packages
+TRIAL
+# Each command is shown before it runs.
+while IFS= read -r line; do
+  printf 'echo %q\n%s\n' "\$ $line" "$line"
+done <"$work/guide" >>"$debian/root/trial"
+cat >>"$debian/root/trial" <<'TRIAL'
+echo "# what is there now"
+[ "$(stat -c '%a %U' /var/lib/enamel)" = "700 enamel" ] || fail "/var/lib/enamel is open to others"
+[ "$(stat -c '%a %U' /var/lib/enamel-station)" = "700 enamel-station" ] || fail "/var/lib/enamel-station is open to others"
+grep -q '^anna,' /tmp/passwords.csv || fail "no password for anna"
+# The one-time password is for the page; here the student has chosen one.
+runuser -u enamel -- sh -c 'echo "what anna chose" | enamel-server admin set-password --login anna --password-stdin --data /var/lib/enamel'
+as_station() { runuser -u enamel-station -- "$@"; }
+ENAMEL_PASSWORD="what anna chose" as_station enamel-station run --user anna --exercise class-1-molar-46 --profile phantom_desktop \
+  --operator student --lockstep --quiet || fail "the first attempt"
+runuser -u enamel -- enamel-server admin list-attempts --data /var/lib/enamel | grep -qi anna || fail "the server does not have the attempt"
+as_station enamel-station doctor --no-graphics || true
+echo "# commands of the other guides"
+as_server() { runuser -u enamel -- enamel-server "$@" --data /var/lib/enamel; }
+as_station enamel-station spool export last --out /tmp/attempt.trace
+as_station enamel-station replay /tmp/attempt.trace --surface /tmp/tooth.ply
+as_station enamel-station spool loops last >/dev/null
+as_station enamel-station profiles >/dev/null
+ENAMEL_PASSWORD="what anna chose" ENAMEL_PIN=271828 as_station enamel-station reserve --user anna --exercise class-1-molar-46 --profile phantom_desktop
+attempt=$(as_server admin list-attempts | grep -i anna | grep -oE '[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}' | tail -n 1)
+as_server report --attempt "$attempt" --wait 120
+assignment=$(as_server admin list-assignments | grep -oE '[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}' | head -n 1)
+as_server agreement --assignment "$assignment" --blank /tmp/to_mark.csv
+as_server admin put-profile omega3
+as_server retention --set recordings --days 730
+as_server admin export-person /tmp/anna --login anna >/dev/null
+as_server admin erase-person --login bob --confirm bob
+echo "# every other unit"
+systemd-analyze verify /usr/lib/systemd/system/enamel-*.service /usr/lib/systemd/system/enamel-*.timer
+systemctl start enamel-work.service
+systemctl start enamel-backup.service
+sleep 2
+for unit in enamel-server enamel-work enamel-station; do
+  if ! kill -0 "$(cat /run/stand-in/$unit.service.pid)" 2>/dev/null; then
+    cat /var/log/$unit.service.log
+    [ $unit = enamel-station ] && ! command -v cage >/dev/null || fail "$unit ended"
+  fi
+done
+echo "# an upgrade restarts nothing"
+before=$(cat /run/stand-in/enamel-server.service.pid)
+apt-get install -y -qq --reinstall ./enamel-server_*.deb >/dev/null
+kill -0 "$before" || fail "the upgrade ended the server"
+for unit in enamel-station enamel-work enamel-server; do /root/systemctl stop $unit; done
+runuser -u enamel -- enamel-server verify --data /var/lib/enamel
+echo "# remove, purge"
+echo '# changed' >>/etc/enamel/server.toml
+apt-get remove -y -qq enamel-server enamel-station >/dev/null
+[ -f /etc/enamel/server.toml ] || fail "remove took the settings"
+[ -f /var/lib/enamel/enamel.db ] || fail "remove took the data"
+apt-get purge -y -qq enamel-server enamel-station
+[ ! -e /etc/enamel ] || fail "purge left /etc/enamel"
+[ -f /var/lib/enamel/enamel.db ] || fail "purge took the data"
+apt-get install -y -qq ./enamel-server_*.deb >/dev/null
+ENAMEL_PURGE_RECORDINGS=yes apt-get purge -y -qq enamel-server
+[ ! -e /var/lib/enamel ] || fail "purge kept the data although it was asked to delete it"
+TRIAL
+step "the guide: $commands commands to a class"
+inside sh -c 'exec bash /root/trial'
+step "done"
