@@ -9,7 +9,7 @@
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"
 
-// The pictures of a score in README.md and station/README.md show the rubric of today.
+// The pictures of a score in README.md and the guides show the rubric of today.
 namespace enamel::scene {
 namespace {
 
