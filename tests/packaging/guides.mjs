@@ -20,7 +20,7 @@ const slug = (heading) => heading.replace(/[`*]/g, '').trim().toLowerCase().repl
 const anchors = new Map();
 function anchorsOf(path) {
   if (!anchors.has(path)) {
-    const text = readFileSync(path, 'utf8').replace(/^```[\s\S]*?^```/gm, '');
+    const text = readFileSync(path, 'utf8').replace(/^ *```[\s\S]*?^ *```/gm, '');
     anchors.set(path, new Set([...text.matchAll(/^#+ +(.*)$/gm)].map((m) => slug(m[1]))));
   }
   return anchors.get(path);
@@ -87,11 +87,11 @@ function checkCommand(file, line) {
 
 for (const file of files) {
   const text = readFileSync(join(root, file), 'utf8');
-  checkLinks(file, text.replace(/^```[\s\S]*?^```/gm, ''));
-  for (const [, block] of text.matchAll(/^```\w*\n([\s\S]*?)^```/gm)) {
+  checkLinks(file, text.replace(/^ *```[\s\S]*?^ *```/gm, ''));
+  for (const [, block] of text.matchAll(/^ *```\w*\n([\s\S]*?)^ *```/gm)) {
     for (const line of block.replace(/\\\n/g, ' ').split('\n')) checkCommand(file, line);
   }
-  for (const [, span] of text.replace(/^```[\s\S]*?^```/gm, '').matchAll(/`([^`]*enamel-(?:server|station|lab) [^`]*)`/g)) {
+  for (const [, span] of text.replace(/^ *```[\s\S]*?^ *```/gm, '').matchAll(/`([^`]*enamel-(?:server|station|lab) [^`]*)`/g)) {
     checkCommand(file, span.replace(/\n/g, ' '));
   }
 }
