@@ -55,6 +55,21 @@ online apt-get update -qq
 online sh -c 'cd /packages && apt-get install -y -qq --download-only ./*.deb >/dev/null'
 printf '127.0.0.1 localhost enamel.example.edu\n' >"$debian/etc/hosts"
 
+if command -v gpg >/dev/null; then
+  step "a signed repository"
+  export GNUPGHOME=$work/gpg
+  mkdir -m 700 "$GNUPGHOME"
+  gpg --batch --quiet --passphrase '' --quick-gen-key test@enamel.example ed25519 sign never
+  ENAMEL_PACKAGES=$work/packages "$root/packaging/repository" "$debian/srv/apt" test@enamel.example
+  gpgconf --kill all
+  mkdir -p "$debian/etc/apt/keyrings"
+  cp "$debian/srv/apt/enamel.asc" "$debian/etc/apt/keyrings/"
+  echo 'deb [signed-by=/etc/apt/keyrings/enamel.asc] file:/srv/apt ./' >"$debian/etc/apt/sources.list.d/enamel.list"
+  online apt-get update -qq
+  online apt-get install -qq --simulate enamel-server enamel-station enamel-lab enamel-doc >"$work/log" || fail "apt does not take the repository"
+  rm "$debian/etc/apt/sources.list.d/enamel.list"
+fi
+
 # The guide's commands, with what a person would type in. "apt" asks.
 awk '/^## Sizes/ { exit } /^```sh$/ { on = 1; next } /^```$/ { on = 0 } on' "$root/docs/for_it.md" |
   sed 's/^apt install/apt-get install -y -qq/; s/CODE@FINGERPRINT/"$(cat \/tmp\/code)"/; s/ admin enrol-code .*/& | tee \/tmp\/code/' >"$work/guide"
