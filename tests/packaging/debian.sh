@@ -114,10 +114,6 @@ as_station enamel-station replay /tmp/attempt.trace --surface /tmp/tooth.ply
 as_station enamel-station spool loops last >/dev/null
 as_station enamel-station profiles >/dev/null
 ENAMEL_PASSWORD="what anna chose" ENAMEL_PIN=271828 as_station enamel-station reserve --user anna --exercise class-1-molar-46 --profile phantom_desktop
-attempt=$(as_server admin list-attempts | grep -i anna | grep -oE '[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}' | tail -n 1)
-as_server report --attempt "$attempt" --wait 120
-assignment=$(as_server admin list-assignments | grep -oE '[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}' | head -n 1)
-as_server agreement --assignment "$assignment" --blank /tmp/to_mark.csv
 as_server admin put-profile omega3
 as_server retention --set recordings --days 730
 as_server admin export-person /tmp/anna --login anna >/dev/null
@@ -125,8 +121,7 @@ as_server admin erase-person --login bob --confirm bob
 echo "# every other unit"
 systemd-analyze verify /usr/lib/systemd/system/enamel-*.service /usr/lib/systemd/system/enamel-*.timer
 systemctl start enamel-work.service
-systemctl start enamel-backup.service
-sleep 2
+systemctl start enamel-station-upload.service
 for unit in enamel-server enamel-work enamel-station; do
   if ! kill -0 "$(cat /run/stand-in/$unit.service.pid)" 2>/dev/null; then
     cat /var/log/$unit.service.log

@@ -18,7 +18,7 @@ sort "$work/all" | uniq -d | while read -r path; do echo "in two packages, which
 has() { grep -qxF "$1" "$work/all"; }
 
 # Paths of ours that units, settings and guides name. What an admin makes is not installed.
-made='/etc/enamel/(page\.(crt|key)|master\.key|server\.env)|/etc/enamel/?$|/usr/share/doc/enamel-server/examples$'
+made='/etc/udev/rules.d/61-enamel.rules|/etc/enamel/(page\.(crt|key)|master\.key|server\.env)|/etc/enamel/?$|/usr/share/doc/enamel-server/examples$'
 grep -hoE '/(usr/[a-z]+|etc)/[A-Za-z0-9/_.-]*enamel[A-Za-z0-9/_.-]*' "$root"/docs/for_it.md "$root"/docs/at_the_chair.md \
   "$root"/{server,station}/ops/*.{service,timer,toml} | sed 's/[.:]*$//' | sort -u | grep -vE "^($made)" >"$work/named"
 while read -r path; do
