@@ -1,5 +1,6 @@
 // Guides and READMEs do not promise what is not there: guides.mjs BIN. Every link leads to a file, and to a heading in it. Every
-// enamel-… command that is written in them has these subcommands and options, as the program's own --help lists them.
+// enamel-… command that is written in them has these subcommands and options, as the program's own --help lists them. What the
+// guides set in italics is shown by the page or the window.
 import { execFileSync } from 'node:child_process';
 import { existsSync, readFileSync, readdirSync } from 'node:fs';
 import { dirname, join, normalize } from 'node:path';
@@ -85,12 +86,24 @@ function checkCommand(file, line) {
   }
 }
 
+// What people see, up to where a figure or a name is filled in; "Delete…" is also found as "Delete".
+const shown = ['page', 'window', 'exercise'].flatMap((name) =>
+  Object.values(JSON.parse(readFileSync(join(root, `schemas/words/en/${name}.json`), 'utf8')).messages),
+);
+function checkWords(file, text) {
+  for (const [, phrase] of text.replace(/^ *\* /gm, '').matchAll(/(?<![*\w])\*(?![ *])([^*]+?)(?<! )\*(?![*\w])/g)) {
+    const words = phrase.replace(/\s+/g, ' ');
+    if (!shown.some((message) => message.startsWith(words))) wrong(file, `neither page nor window shows "${words}"`);
+  }
+}
+
 for (const file of files) {
   const text = readFileSync(join(root, file), 'utf8');
   checkLinks(file, text.replace(/^ *```[\s\S]*?^ *```/gm, ''));
   for (const [, block] of text.matchAll(/^ *```\w*\n([\s\S]*?)^ *```/gm)) {
     for (const line of block.replace(/\\\n/g, ' ').split('\n')) checkCommand(file, line);
   }
+  if (/^docs\/(for_|at_)/.test(file)) checkWords(file, text.replace(/^ *```[\s\S]*?^ *```/gm, ''));
   for (const [, span] of text.replace(/^ *```[\s\S]*?^ *```/gm, '').matchAll(/`([^`]*enamel-(?:server|station|lab) [^`]*)`/g)) {
     checkCommand(file, span.replace(/\n/g, ' '));
   }
