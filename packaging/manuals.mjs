@@ -1,4 +1,5 @@
-// Makes manual pages and bash completions of the programs' own --help: manuals.mjs BIN OUT VERSION DATE. Nothing in them is
+// Makes manual pages, bash completions and the list of the server's settings of what the programs themselves print:
+// manuals.mjs BIN OUT VERSION DATE. Nothing in them is
 // written by hand, so none of them can be older than the program.
 import { execFileSync } from 'node:child_process';
 import { mkdirSync, writeFileSync } from 'node:fs';
@@ -65,6 +66,10 @@ for (const program of Object.keys(files)) {
     return help;
   };
   const help = walk([], 0);
+  if (program === 'enamel-server') {
+    const all = execFileSync(join(bin, program), ['serve', '--data', '/var/lib/enamel', '--print-settings'], { encoding: 'utf8', env: {} });
+    writeFileSync(join(out, 'all_settings.toml'), all);
+  }
   const page = `.TH ${program.toUpperCase()} 1 "${date}" "Enamel ${version}"
 .SH NAME
 ${program} \\- ${escaped(help.about.replace(/^[Ee]namel[- ]\w+: /, ''))}

@@ -87,7 +87,7 @@ until_log() { # until_log FILE TEXT
 systemctl() {
   echo "# systemctl $*"
   /root/systemctl "$@" || exit 1
-  case "$*" in *"--now enamel-server"*) until_log /var/log/enamel-server.service.log '^ready' ;; esac
+  case "$*" in *"--now enamel-server"* | "start enamel-server") until_log /var/log/enamel-server.service.log '^ready' ;; esac
 }
 cd /packages
 TRIAL
@@ -97,6 +97,10 @@ while IFS= read -r line; do
 done <"$work/guide" >>"$debian/root/trial"
 cat >>"$debian/root/trial" <<'TRIAL'
 echo "# what is there now"
+for file in man/man1/enamel-server.1.gz man/man1/enamel-station.1.gz bash-completion/completions/enamel-server \
+  doc/enamel-server/all_settings.toml doc/enamel-server/changelog.gz doc/enamel-station/copyright; do
+  [ -s /usr/share/$file ] || fail "/usr/share/$file is missing"
+done
 [ "$(stat -c '%a %U' /var/lib/enamel)" = "700 enamel" ] || fail "/var/lib/enamel is open to others"
 [ "$(stat -c '%a %U' /var/lib/enamel-station)" = "700 enamel-station" ] || fail "/var/lib/enamel-station is open to others"
 grep -q '^anna,' /tmp/passwords.csv || fail "no password for anna"
