@@ -134,12 +134,13 @@ for unit in enamel-server enamel-work enamel-station; do
 done
 echo "# an upgrade restarts nothing"
 before=$(cat /run/stand-in/enamel-server.service.pid)
+echo '# changed' >>/etc/enamel/server.toml
 apt-get install -y -qq --reinstall ./enamel-server_*.deb >/dev/null
 kill -0 "$before" || fail "the upgrade ended the server"
+grep -q '^# changed' /etc/enamel/server.toml || fail "the upgrade took a changed setting"
 for unit in enamel-station enamel-work enamel-server; do /root/systemctl stop $unit; done
 runuser -u enamel -- enamel-server verify --data /var/lib/enamel
 echo "# remove, purge"
-echo '# changed' >>/etc/enamel/server.toml
 apt-get remove -y -qq enamel-server enamel-station >/dev/null
 [ -f /etc/enamel/server.toml ] || fail "remove took the settings"
 [ -f /var/lib/enamel/enamel.db ] || fail "remove took the data"
