@@ -16,9 +16,19 @@ struct Libpq {
   decltype(&PQtransactionStatus) transaction_status;
   decltype(&PQerrorMessage) error_message;
   decltype(&PQsetNoticeReceiver) set_notice_receiver;
-  decltype(&PQexec) exec;
-  decltype(&PQprepare) prepare;
-  decltype(&PQexecPrepared) exec_prepared;
+  // None of these waits for the server: PgDb::Await does, with a deadline
+  // (https://www.postgresql.org/docs/15/libpq-async.html).
+  decltype(&PQsetnonblocking) set_nonblocking;
+  decltype(&PQsendQuery) send_query;
+  decltype(&PQsendPrepare) send_prepare;
+  decltype(&PQflush) flush;
+  decltype(&PQsocket) socket;
+  decltype(&PQconsumeInput) consume_input;
+  decltype(&PQisBusy) is_busy;
+  decltype(&PQpingParams) ping_params;
+  decltype(&PQhost) host;
+  decltype(&PQhostaddr) hostaddr;
+  decltype(&PQport) port;
   decltype(&PQresultStatus) result_status;
   decltype(&PQresultErrorField) result_error_field;
   decltype(&PQclear) clear;

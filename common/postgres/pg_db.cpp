@@ -65,7 +65,7 @@ Result<std::unique_ptr<PgDb>> PgDb::Open(PgDbOptions options) {
 PgDb::~PgDb() {
   statements_.clear();
   if (counts_ && commits_ > 0 && pq_.status(handle_) == CONNECTION_OK)
-    pq_.clear(pq_.exec(handle_, ("DELETE FROM enamel_commits WHERE writer = " + writer_).c_str()));
+    pq_.clear(Ask("DELETE FROM enamel_commits WHERE writer = " + writer_));
   if (handle_ != nullptr) pq_.finish(handle_);
 }
 
@@ -73,17 +73,27 @@ Status PgDb::Connect() {
   ++connection_;
   demoted_ = false;
   set_up_ = false;
+  hangs_ = false;
   failure_ = {};
   if (handle_ == nullptr) {
     // Keywords before dbname are defaults, which the server's own words replace; keywords after it
     // are not. A host that does not answer is found within seconds, not when TCP gives up. A
     // read-only connection also goes to the primary: a standby may lack the newest commits.
-    const char* const names[] = {
-        "connect_timeout", "tcp_user_timeout", "keepalives_idle",           "target_session_attrs",
-        "dbname",          "client_encoding",  "fallback_application_name", nullptr};
-    const char* const values[] = {"5",
-                                  "10000",
+    const char* const names[] = {"connect_timeout",
+                                 "tcp_user_timeout",
+                                 "keepalives_idle",
+                                 "keepalives_interval",
+                                 "keepalives_count",
+                                 "target_session_attrs",
+                                 "dbname",
+                                 "client_encoding",
+                                 "fallback_application_name",
+                                 nullptr};
+    const char* const values[] = {"3",
+                                  "5000",
                                   "5",
+                                  "2",
+                                  "3",
                                   options_.read_only ? "primary" : "read-write",
                                   options_.server.c_str(),
                                   "UTF8",
@@ -97,6 +107,8 @@ Status PgDb::Connect() {
     pq_.reset(handle_);
   }
   if (pq_.status(handle_) != CONNECTION_OK) return Fail(nullptr);
+  // Connecting waits, at most as long as connect_timeout says, and needs it off.
+  if (pq_.set_nonblocking(handle_, 1) != 0) return Fail(nullptr);
   ENAMEL_RETURN_IF_ERROR(SetUp());
   set_up_ = true;
   return Status::Ok();
@@ -105,7 +117,7 @@ Status PgDb::Connect() {
 Status PgDb::SetUp() {
   std::string sql = "SET statement_timeout = '" + std::string(kStatementTimeout) +
                     "'; SET lock_timeout = '" + kLockTimeout +
-                    "'; SET idle_in_transaction_session_timeout = '60s'; SET TimeZone = 'UTC'; "
+                    "'; SET idle_in_transaction_session_timeout = '15s'; SET TimeZone = 'UTC'; "
                     // "off" and "local" could lose what the server has confirmed to a station.
                     "SELECT set_config('synchronous_commit', 'on', false) WHERE "
                     "current_setting('synchronous_commit') IN ('off', 'local'); ";
@@ -115,8 +127,7 @@ Status PgDb::SetUp() {
   if (!options_.schema.empty()) sql += "SET search_path = " + Quoted(options_.schema) + "; ";
   ENAMEL_RETURN_IF_ERROR(Run(sql.c_str()));
   if (options_.read_only) return Status::Ok();
-  PGresult* const there =
-      pq_.exec(handle_, "SELECT 1 WHERE to_regclass('enamel_commits') IS NOT NULL");
+  PGresult* const there = Ask("SELECT 1 WHERE to_regclass('enamel_commits') IS NOT NULL");
   const Status looked = pq_.result_status(there) == PGRES_TUPLES_OK ? Status::Ok() : Fail(there);
   counts_ = looked.ok() && pq_.ntuples(there) == 1;
   pq_.clear(there);
@@ -124,7 +135,7 @@ Status PgDb::SetUp() {
   // After a day, the row of a killed program belongs to nobody. If another connection removes it at
   // the same moment, that is no failure.
   if (counts_) {
-    pq_.clear(pq_.exec(handle_, "DELETE FROM enamel_commits WHERE at < now() - interval '1 day'"));
+    pq_.clear(Ask("DELETE FROM enamel_commits WHERE at < now() - interval '1 day'"));
     ENAMEL_RETURN_IF_ERROR(PrepareCount());
   }
   return Status::Ok();
@@ -161,7 +172,9 @@ Status PgDb::Fail(const PGresult* result) {
     failure.kind = PgKindOf(failure.state);
     failure.words = FirstLine(pq_.result_error_field(result, PG_DIAG_MESSAGE_PRIMARY));
   } else {
-    failure.words = FirstLine(pq_.error_message(handle_));
+    failure.words = hangs_
+                        ? "no answer for seconds, also not to a new connection; this one was closed"
+                        : FirstLine(pq_.error_message(handle_));
   }
   if (pq_.status(handle_) != CONNECTION_OK) failure.kind = Kind::kNotThere;
   failure_ = failure;
@@ -184,7 +197,7 @@ Status PgDb::Exec(const char* sql) {
 
 Status PgDb::Run(const char* sql) {
   if (InjectedFailure()) return Status(Code::kStorage, "injected failure");
-  PGresult* const result = pq_.exec(handle_, sql);
+  PGresult* const result = Ask(sql);
   const ExecStatusType status = pq_.result_status(result);
   Status done =
       status == PGRES_COMMAND_OK || status == PGRES_TUPLES_OK || status == PGRES_EMPTY_QUERY
@@ -204,8 +217,7 @@ void PgDb::DropOldest() {
   if (oldest == statements_.end()) return;
   const std::string name = oldest->second->name();
   statements_.erase(oldest);
-  if (!name.empty() && pq_.status(handle_) == CONNECTION_OK)
-    pq_.clear(pq_.exec(handle_, ("DEALLOCATE " + name).c_str()));
+  if (!name.empty() && pq_.status(handle_) == CONNECTION_OK) pq_.clear(Ask("DEALLOCATE " + name));
 }
 
 Statement* PgDb::Take(const char* sql, Status& status) {

@@ -55,6 +55,9 @@ struct PgDbOptions {
   std::string application{};
   // Called before each statement that may write; true: the statement fails. For tests.
   std::function<bool()> fail_next{};
+  // After this time without an answer, a new connection checks within two seconds whether the server
+  // still answers.
+  std::chrono::milliseconds patience{1000};
   // How long to try to learn whether a COMMIT was kept. A standby is promoted within this time or
   // not.
   std::chrono::milliseconds in_doubt{30'000};
@@ -62,7 +65,12 @@ struct PgDbOptions {
   std::function<Status(const PgFailure&)> explain{};
 };
 
-// One connection. What is committed is on the server's disk, and on its synchronous standby's where
+// One connection. A call that the server does not answer ends after three seconds (`patience`, then
+// two for the check): the connection is closed and counts as lost. While the server answers others,
+// a call waits on: a statement until kLongest, a COMMIT or Rewrite without end. Not bounded here:
+// looking up the name of a host.
+//
+// What is committed is on the server's disk, and on its synchronous standby's where
 // there is one (synchronous_commit is never below "on"). Transactions of a connection that may
 // write are SERIALIZABLE unless they begin with kRowLocks, then READ COMMITTED. A statement ends
 // after kStatementTimeout, waiting for a lock after kLockTimeout. The next Begin, or the next
@@ -81,7 +89,7 @@ struct PgDbOptions {
 //  * A query's rows are all in memory from its first Next, and its columns are known from there.
 //  * A text read as a number, or a number read as text, is not converted.
 //
-// Sources: pg_db.cpp (connection, statements), pg_transaction.cpp, pg_upkeep.cpp (schema, server's
+// Sources: pg_db.cpp (connection, statements), pg_wait.cpp (deadlines), pg_transaction.cpp, pg_upkeep.cpp (schema, server's
 // clock and standbys, Rewrite).
 //
 // Thread safety: one thread at a time. Statements are prepared once and kept, up to kMaxStatements;
@@ -91,6 +99,8 @@ class PgDb final : public Db {
   static constexpr size_t kMaxStatements = 256;
   static constexpr char kStatementTimeout[] = "60s";
   static constexpr char kLockTimeout[] = "10s";
+  // Longer than kStatementTimeout: then the server itself ends a statement, unless it hangs.
+  static constexpr std::chrono::seconds kLongest{65};
 
   static Result<std::unique_ptr<PgDb>> Open(PgDbOptions options);
   ~PgDb() override;
@@ -135,6 +145,16 @@ class PgDb final : public Db {
   Status PrepareCount();
   // On the current connection, without replacing it.
   Status Run(const char* sql);
+  // Sends what libpq still holds and reads until it has a result, or the connection is lost.
+  void Await();
+  bool IsWorthWaiting(std::chrono::steady_clock::time_point asked) const;
+  bool ServerAnswers() const;  // another connection
+  void GiveUp();
+  // The next result of what was sent; null: there is none.
+  pg_result* Answer();
+  // The last result of what was sent, once it is complete; null: it was not sent.
+  pg_result* LastAnswer(bool sent);
+  pg_result* Ask(const std::string& sql);
   // Whether the connection can be used: it is not lost, and all of SetUp was done on it.
   bool IsThere() const;
   // Connects again where the connection is lost, or was not fully set up, and no transaction is
@@ -164,6 +184,8 @@ class PgDb final : public Db {
   bool opening_ = true;
   bool set_up_ = false;   // this connection, and it can be used
   bool demoted_ = false;  // may write, and its server is read-only
+  bool hangs_ = false;    // this connection was closed because its server did not answer
+  bool bounded_ = true;   // by kLongest, what is being waited for
   bool in_transaction_ =
       false;                  // from Begin to Commit or Rollback, also when the connection is lost
   bool must_repeat_ = false;  // since Begin

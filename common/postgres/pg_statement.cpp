@@ -135,8 +135,9 @@ Status PgStatement::Prepare() {
   for (const Parameter& parameter : parameters_) types.push_back(parameter.type);
   if (prepared_in_ == db_.connection_ && types == prepared_types_) return Status::Ok();
   name_ = "s" + std::to_string(++db_.names_);
-  PGresult* const result = db_.pq_.prepare(db_.handle_, name_.c_str(), sql_.c_str(),
-                                           static_cast<int>(types.size()), types.data());
+  PGresult* const result =
+      db_.LastAnswer(db_.pq_.send_prepare(db_.handle_, name_.c_str(), sql_.c_str(),
+                                          static_cast<int>(types.size()), types.data()) == 1);
   Status done = db_.pq_.result_status(result) == PGRES_COMMAND_OK ? Status::Ok() : db_.Fail(result);
   db_.pq_.clear(result);
   if (!done.ok()) return done;
@@ -163,8 +164,9 @@ Status PgStatement::Execute() {
   if (db_.InjectedFailure()) return Status(Code::kStorage, "injected failure");
   ENAMEL_RETURN_IF_ERROR(Prepare());
   const PgArguments with(parameters_);
-  result_ = db_.pq_.exec_prepared(db_.handle_, name_.c_str(), with.count(), with.values.data(),
-                                  with.lengths.data(), with.formats.data(), /*binary*/ 1);
+  result_ = db_.LastAnswer(db_.pq_.send_query_prepared(db_.handle_, name_.c_str(), with.count(),
+                                                       with.values.data(), with.lengths.data(),
+                                                       with.formats.data(), /*binary*/ 1) == 1);
   const ExecStatusType status = db_.pq_.result_status(result_);
   if (status != PGRES_TUPLES_OK && status != PGRES_COMMAND_OK) {
     Status failed = db_.Fail(result_);

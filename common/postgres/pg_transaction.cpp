@@ -32,10 +32,12 @@ Status PgDb::Begin(Isolation isolation) {
     // begun.
     sql += "; EXECUTE enamel_count (" + std::to_string(++commits_) + ")";
   }
+  const uint64_t connection = connection_;
   Status begun = Exec(sql.c_str());
   // Nothing is begun yet: on another connection, to another server perhaps. One that had ended
   // since it was used last is found out only now.
-  if (!begun.ok() && (demoted_ || !IsThere())) begun = Exec(sql.c_str());
+  if (!begun.ok() && connection == connection_ && (demoted_ || !IsThere()))
+    begun = Exec(sql.c_str());
   in_transaction_ = begun.ok();
   if (!begun.ok()) Rollback();
   return begun;
@@ -48,7 +50,10 @@ Status PgDb::Commit() {
     Rollback();
     return Status(Code::kStorage, "a statement of this transaction has failed; nothing is kept");
   }
-  return Ended(Exec("COMMIT"));
+  bounded_ = false;
+  Status done = Exec("COMMIT");
+  bounded_ = true;
+  return Ended(std::move(done));
 }
 
 Status PgDb::RunAndCommit(std::span<Change* const> changes, bool& ran) {
@@ -80,8 +85,9 @@ Status PgDb::RunAndCommit(std::span<Change* const> changes, bool& ran) {
   Status failure = sent ? Status::Ok() : Fail(nullptr);
   // By the server: then nothing is committed.
   bool refused = false;
+  bounded_ = false;
   for (size_t i = 0; failure.ok() && i <= calls.size(); ++i) {
-    PGresult* const answer = pq_.get_result(handle_);
+    PGresult* const answer = Answer();
     const ExecStatusType status = pq_.result_status(answer);
     if (status != PGRES_COMMAND_OK && status != PGRES_TUPLES_OK) {
       refused = pq_.result_error_field(answer, PG_DIAG_SQLSTATE) != nullptr;
@@ -92,10 +98,11 @@ Status PgDb::RunAndCommit(std::span<Change* const> changes, bool& ran) {
     ran = i == calls.size();
     pq_.clear(answer);
     // An answer ends with a null.
-    PGresult* const end = failure.ok() ? pq_.get_result(handle_) : nullptr;
+    PGresult* const end = failure.ok() ? Answer() : nullptr;
     if (end != nullptr) failure = Fail(end);
     pq_.clear(end);
   }
+  bounded_ = true;
   // Where not all was sent the server may wait for the rest, and what it has to say is not waited
   // for.
   set_up_ = false;
@@ -120,7 +127,7 @@ void PgDb::LeavePipeline() {
   // all.
   bool at_end = false;
   for (int nulls = 0; !at_end && nulls < 2;) {
-    PGresult* const answer = pq_.get_result(handle_);
+    PGresult* const answer = Answer();
     at_end = answer != nullptr && pq_.result_status(answer) == PGRES_PIPELINE_SYNC;
     nulls = answer == nullptr ? nulls + 1 : 0;
     pq_.clear(answer);
@@ -174,7 +181,9 @@ Result<uint64_t> PgDb::CountKept() {
   auto count = ReadCount();
   // A restarted primary has commits that it had not yet sent to its standby, and does not wait for
   // the standby with them. This COMMIT does: the row's lock is a change, and follows them.
+  bounded_ = false;
   if (Status kept = count.ok() ? Run("COMMIT") : Status::Ok(); !kept.ok()) count = kept;
+  bounded_ = true;
   Rollback();
   return count;
 }
@@ -193,7 +202,7 @@ void PgDb::Rollback() {
   in_transaction_ = false;
   const bool open =
       pq_.status(handle_) == CONNECTION_OK && pq_.transaction_status(handle_) != PQTRANS_IDLE;
-  if (open) pq_.clear(pq_.exec(handle_, "ROLLBACK"));
+  if (open) pq_.clear(Ask("ROLLBACK"));
   failure_ = why;
 }
 

@@ -115,6 +115,7 @@ Status PgDb::Rewrite() {
   }
   ENAMEL_RETURN_IF_ERROR(Exec("SET statement_timeout = 0"));
   Status status;
+  bounded_ = false;
   for (size_t i = 0; status.ok() && i < tables.size(); ++i) {
     status = Exec(("VACUUM (FULL, ANALYZE) " + tables[i]).c_str());
   }
@@ -124,6 +125,7 @@ Status PgDb::Rewrite() {
     status = Exec(sql);
     if (failure_.kind == PgFailure::Kind::kNotAllowed) status = Status::Ok();
   }
+  bounded_ = true;
   const std::string again = "SET statement_timeout = '" + std::string(kStatementTimeout) + "'";
   Status back = Exec(again.c_str());
   return status.ok() ? back : status;

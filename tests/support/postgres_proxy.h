@@ -64,7 +64,11 @@ class PostgresProxy {
     cut_ = cut;
   }
   // From now on refuses new connections, as if the server were down; existing ones stay.
-  void Refuse() { refusing_ = true; }
+  void Refuse(bool on = true) { refusing_ = on; }
+  int refused() const { return refused_; }
+  // As a server whose processes are stopped: connections are open, also new ones, and nothing comes
+  // from them until it ends.
+  void Hang(bool on = true) { hanging_ = on; }
   // Number of requests for an answer so far: queries and ends of pipelines.
   int asked() const { return asked_; }
   // Whether a connection was broken; disables further breaks.
@@ -98,6 +102,7 @@ class PostgresProxy {
       if (client < 0) continue;
       if (refusing_) {
         ::close(client);
+        ++refused_;
         continue;
       }
       connections_.emplace_back([this, client] { Serve(client); });
@@ -169,6 +174,10 @@ class PostgresProxy {
     std::array<char, 65536> part;
     while (open && !stopping_) {
       std::array<pollfd, 2> ready{{{client, POLLIN, 0}, {server, POLLIN, 0}}};
+      if (hanging_) {
+        ::poll(nullptr, 0, kPoll_ms);
+        continue;
+      }
       if (::poll(ready.data(), ready.size(), kPoll_ms) < 1) continue;
       if (ready[1].revents != 0) {
         const ssize_t got = ::recv(server, part.data(), part.size(), 0);
@@ -203,9 +212,9 @@ class PostgresProxy {
   TempFolder folder_;
   std::string behind_, words_;
   int listener_ = -1;
-  std::atomic<bool> stopping_{false}, refusing_{false};
+  std::atomic<bool> stopping_{false}, refusing_{false}, hanging_{false};
   std::atomic<int> passed_{0};  // messages that went through
-  std::atomic<int> asked_{0};
+  std::atomic<int> asked_{0}, refused_{0};
   std::mutex mutex_;
   int left_ = kIdle;                      // messages to let pass; guarded by mutex_
   Cut cut_{};                             // guarded by mutex_

@@ -666,6 +666,69 @@ TEST_F(PgDbTest, ACommitWhoseAnswerWasLostIsToldOnceAStandbyHasIt) {
   EXPECT_EQ(q.Int(0), 1);
 }
 
+TEST_F(PgDbTest, AServerThatHangsIsLeftAndAskedAgainWhenItRuns) {
+  test::PostgresProxy proxy(server_);
+  PgDbOptions options = Options();
+  options.server = proxy.server();
+  options.patience = std::chrono::milliseconds(20);
+  auto opened = PgDb::Open(std::move(options));
+  ASSERT_TRUE(opened.ok());
+  PgDb& db = **opened;
+  ASSERT_TRUE(db.Exec("CREATE TABLE t (n bigint)").ok());
+  // A slow statement of a server that answers is waited for.
+  EXPECT_TRUE(Query(db, "SELECT pg_sleep(0.1)").Next());
+  proxy.Hang();
+  EXPECT_EQ(db.Exec("INSERT INTO t VALUES (1)").code(), Code::kUnavailable);
+  EXPECT_NE(db.failure().words.find("no answer"), std::string::npos) << db.failure().words;
+  proxy.Hang(false);
+  ASSERT_TRUE(db.Exec("INSERT INTO t VALUES (2)").ok()) << db.failure().words;
+}
+
+TEST_F(PgDbTest, ACommitThatHangsIsKeptOnceOrToBeRepeated) {
+  ASSERT_TRUE(db_->Migrate({}).ok());
+  ASSERT_TRUE(db_->Exec("CREATE TABLE t (n bigint)").ok());
+  for (const bool together : {false, true}) {
+    test::PostgresProxy proxy(server_);
+    PgDbOptions options = Options();
+    options.server = proxy.server();
+    options.patience = std::chrono::milliseconds(20);
+    auto opened = PgDb::Open(std::move(options));
+    ASSERT_TRUE(opened.ok());
+    PgDb& db = **opened;
+    // Refusing beside hanging: otherwise each check would take its two seconds.
+    std::jthread back([&] {
+      ASSERT_TRUE(test::Becomes([&] { return proxy.refused() > 0; }));
+      proxy.Hang(false);
+      proxy.Refuse(false);
+    });
+    Status kept;
+    int64_t before = 0;
+    {
+      Query q(*db_, "SELECT count(*) FROM t");
+      ASSERT_TRUE(q.Next());
+      before = q.Int(0);
+    }
+    bool begun = true;
+    do {
+      kept = db.Begin(Isolation::kRowLocks);
+      begun = kept.ok();
+      if (!begun) continue;
+      Change change = Insert(1);
+      bool ran = true;
+      if (!together && !change.Run(db).ok()) continue;
+      if (proxy.refused() == 0) {
+        proxy.Refuse();
+        proxy.Hang();
+      }
+      kept = together ? Commit(db, {&change}, ran) : db.Commit();
+    } while (!kept.ok() && (!begun || db.must_repeat()));
+    EXPECT_TRUE(kept.ok()) << kept.message();
+    Query q(*db_, "SELECT count(*) FROM t");
+    ASSERT_TRUE(q.Next());
+    EXPECT_EQ(q.Int(0), before + 1);
+  }
+}
+
 TEST_F(PgDbTest, MigrationsRunOnceAlsoWhenManyStartAtOnce) {
   const std::vector<Migration> steps = {{3, "0003_a.sql", "CREATE TABLE a (n bigint)"},
                                         {4, "0004_b.sql", "INSERT INTO a VALUES (1)"}};
