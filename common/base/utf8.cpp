@@ -9,8 +9,9 @@ constexpr std::string_view kReplacement = "\xef\xbf\xbd";  // U+FFFD
 
 std::string Escaped(uint32_t c) {
   constexpr std::string_view kDigits = "0123456789abcdef";
-  std::string out = c < 0x100 ? "\\x" : "\\u";
-  for (int shift = c < 0x100 ? 4 : 12; shift >= 0; shift -= 4) out += kDigits[c >> shift & 15];
+  std::string out = c < 0x100 ? "\\x" : c < 0x10000 ? "\\u" : "\\U";
+  for (int shift = c < 0x100 ? 4 : c < 0x10000 ? 12 : 28; shift >= 0; shift -= 4)
+    out += kDigits[c >> shift & 15];
   return out;
 }
 
@@ -62,9 +63,12 @@ std::string AsUtf8(std::string_view text) {
 bool IsControl(uint32_t code) { return code < 0x20 || (code >= 0x7f && code < 0xa0); }
 
 bool IsInvisibleTrick(uint32_t code) {
-  // The ranges: overrides, embeddings and isolates of the bidirectional algorithm (UAX #9).
-  return code == 0x2028 || code == 0x2029 || (code >= 0x202a && code <= 0x202e) ||
-         (code >= 0x2066 && code <= 0x2069) || code == 0xfeff;
+  // The ranges: overrides, embeddings and isolates of the bidirectional algorithm (UAX #9); marks of
+  // annotations; tags (which spell out a text that nobody sees). The zero-width joiners are not
+  // among them: Persian, and many pictures, are written with them.
+  return code == 0x200b || code == 0x2060 || (code >= 0xfff9 && code <= 0xfffb) ||
+         (code >= 0xe0000 && code <= 0xe0fff) || code == 0x2028 || code == 0x2029 ||
+         (code >= 0x202a && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069) || code == 0xfeff;
 }
 
 std::string Printable(std::string_view text) {

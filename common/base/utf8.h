@@ -21,7 +21,7 @@ std::string AsUtf8(std::string_view text);
 bool IsControl(uint32_t code);
 
 // Unseen, and changes how what follows is laid out: line and paragraph separators; what overrides,
-// embeds or isolates a direction; byte order mark.
+// embeds or isolates a direction; byte order mark; what has no width, and tags.
 bool IsInvisibleTrick(uint32_t code);
 
 // Text that a terminal shows and does not obey: AsUtf8, with control characters as "\x1b" and

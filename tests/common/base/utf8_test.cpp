@@ -27,6 +27,7 @@ TEST(Utf8Test, WhatIsNotUtf8IsToldAndReplaced) {
 
 TEST(Utf8Test, TerminalIsShownControlCharactersAndDoesNotObeyThem) {
   EXPECT_EQ(Printable("a\x1b[31mb\r\n\x7f\u009b2J"), "a\\x1b[31mb\\x0d\\x0a\\x7f\\x9b2J");
+  EXPECT_EQ(Printable("a\u200bb\U000e0041"), "a\\u200bb\\U000e0041");
   EXPECT_EQ(Printable("a\u202eb\u2066\u2028\ufeff"), "a\\u202eb\\u2066\\u2028\\ufeff");
   EXPECT_EQ(Printable("Zo\u00eb \xff"), "Zo\u00eb \ufffd");
 }

@@ -29,7 +29,7 @@ TEST(RemarkTest, LengthCountsCharactersAndNotBytes) {
 }
 
 TEST(RemarkTest, WhatCannotBeReadIsRefused) {
-  for (const char* text : {"", " \n\t ", "a\x1b[31m", "\xff",
+  for (const char* text : {"", " \n\t ", "a\x1b[31m", "\xff", "a\u200bb", "a\U000e0041",
                            "a\xe2\x80\xae"
                            "b"}) {
     EXPECT_FALSE(CheckedRemark(text).ok()) << text;
