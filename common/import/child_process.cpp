@@ -15,8 +15,6 @@
 #include <cstring>
 #include <string>
 
-extern char** environ;
-
 #include "common/base/fd.h"
 #include "common/base/file.h"
 #include "common/base/utf8.h"
@@ -72,9 +70,13 @@ int Spawn(const std::filesystem::path& child, std::string kind, int input, const
   // reading here would never end.
   posix_spawn_file_actions_adddup2(&actions, out.ends[1], STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, err.ends[1], STDERR_FILENO);
+  // Also what other code opened without O_CLOEXEC: listeners, and people's connections.
+  posix_spawn_file_actions_addclosefrom_np(&actions, STDERR_FILENO + 1);
   std::string program = child.string();
   char* argv[] = {program.data(), kind.data(), nullptr};
-  int error = posix_spawn(&pid, program.c_str(), &actions, nullptr, argv, environ);
+  // The environment may hold secrets, such as the S3 store's.
+  char* environment[] = {nullptr};
+  int error = posix_spawn(&pid, program.c_str(), &actions, nullptr, argv, environment);
   posix_spawn_file_actions_destroy(&actions);
   return error;
 }
