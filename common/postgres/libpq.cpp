@@ -26,6 +26,9 @@ Result<Libpq> Load() {
     function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(found);
   };
   find(out.connectdb_params, "PQconnectdbParams");
+  find(out.conninfo_parse, "PQconninfoParse");
+  find(out.conninfo_free, "PQconninfoFree");
+  find(out.freemem, "PQfreemem");
   find(out.reset, "PQreset");
   find(out.finish, "PQfinish");
   find(out.status, "PQstatus");

@@ -10,6 +10,9 @@ namespace enamel::sql {
 
 struct Libpq {
   decltype(&PQconnectdbParams) connectdb_params;
+  decltype(&PQconninfoParse) conninfo_parse;
+  decltype(&PQconninfoFree) conninfo_free;
+  decltype(&PQfreemem) freemem;
   decltype(&PQreset) reset;
   decltype(&PQfinish) finish;
   decltype(&PQstatus) status;

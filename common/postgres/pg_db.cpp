@@ -1,5 +1,6 @@
 #include "common/postgres/pg_db.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "common/base/hex.h"
@@ -51,11 +52,62 @@ Code CodeOf(PgFailure::Kind kind) {
   }
 }
 
+namespace {
+
+// A socket of this machine ("/run/…", "@…"), or an address that does not leave it.
+bool IsHere(const std::string& host) {
+  return host.empty() || host.front() == '/' || host.front() == '@' || host == "localhost" ||
+         host.starts_with("127.") || host == "::1";
+}
+
+// Of several hosts, separated by commas, one that is elsewhere; empty: none.
+std::string Elsewhere(const std::string& hosts) {
+  for (size_t begin = 0; begin <= hosts.size();) {
+    const size_t end = std::min(hosts.find(',', begin), hosts.size());
+    std::string host = hosts.substr(begin, end - begin);
+    if (!IsHere(host)) return host;
+    begin = end + 1;
+  }
+  return {};
+}
+
+// libpq goes on in plaintext where the server has no TLS, and by itself checks no certificate.
+Status MustBePrivate(const Libpq& pq, const std::string& server) {
+  char* why = nullptr;
+  PQconninfoOption* const words = pq.conninfo_parse(server.c_str(), &why);
+  if (words == nullptr) {
+    Status bad(Code::kInvalidInput, "expected a connection string of libpq, found another: " +
+                                        FirstLine(why) + "; mend it");
+    pq.freemem(why);
+    return bad;
+  }
+  std::string elsewhere, mode;
+  for (const PQconninfoOption* word = words; word->keyword != nullptr; ++word) {
+    const std::string name = word->keyword, value = word->val == nullptr ? "" : word->val;
+    if (name == "host" || name == "hostaddr") {
+      if (elsewhere.empty()) elsewhere = Elsewhere(value);
+    }
+    if (name == "service" && !value.empty()) elsewhere = "service " + value;
+    if (name == "sslmode") mode = value;
+  }
+  pq.conninfo_free(words);
+  if (elsewhere.empty() || mode == "verify-full") return Status::Ok();
+  return Status(Code::kInvalidInput,
+                "expected sslmode=verify-full for a PostgreSQL server on another machine, found " +
+                    (mode.empty() ? std::string("no sslmode") : "sslmode=" + mode) + " for " +
+                    elsewhere +
+                    ": passwords and recordings would travel in the clear, or to anybody; add "
+                    "sslmode=verify-full and sslrootcert=FILE to the connection string");
+}
+
+}  // namespace
+
 PgDb::PgDb(const Libpq& pq, PgDbOptions options)
     : pq_(pq), options_(std::move(options)), writer_("'\\x" + ToHex(Uuid::New().view()) + "'") {}
 
 Result<std::unique_ptr<PgDb>> PgDb::Open(PgDbOptions options) {
   ENAMEL_ASSIGN_OR_RETURN(const Libpq* pq, LoadLibpq());
+  ENAMEL_RETURN_IF_ERROR(MustBePrivate(*pq, options.server));
   std::unique_ptr<PgDb> db(new PgDb(*pq, std::move(options)));
   ENAMEL_RETURN_IF_ERROR(db->Connect());
   db->opening_ = false;

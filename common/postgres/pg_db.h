@@ -45,7 +45,8 @@ Code CodeOf(PgFailure::Kind kind);
 PgFailure::Kind PgKindOf(const std::string& state);
 
 struct PgDbOptions {
-  // libpq's: "postgresql://user@host1,host2/name?target_session_attrs=read-write" or keywords.
+  // libpq's: "postgresql://user@host1,host2/name?target_session_attrs=read-write" or keywords. A
+  // server beyond this machine needs sslmode=verify-full (kInvalidInput).
   std::string server{};
   // The schema of the tables; Migrate creates it if it does not exist. Empty: the user's own,
   // "public".

@@ -666,6 +666,22 @@ TEST_F(PgDbTest, ACommitWhoseAnswerWasLostIsToldOnceAStandbyHasIt) {
   EXPECT_EQ(q.Int(0), 1);
 }
 
+TEST_F(PgDbTest, AServerOnAnotherMachineNeedsTlsWithItsCertificateChecked) {
+  for (const char* server :
+       {"host=db.example dbname=x", "host=127.0.0.1,192.0.2.7 dbname=x sslmode=require",
+        "postgresql://enamel@db.example/x?sslmode=prefer", "hostaddr=192.0.2.7",
+        "service=school"}) {
+    PgDbOptions options = Options();
+    options.server = server;
+    const Status refused = PgDb::Open(std::move(options)).status();
+    EXPECT_EQ(refused.code(), Code::kInvalidInput) << server << ": " << refused.message();
+    EXPECT_NE(refused.message().find("verify-full"), std::string::npos) << refused.message();
+  }
+  PgDbOptions options = Options();
+  options.server = "host=localhost port=1 dbname=x";
+  EXPECT_EQ(PgDb::Open(std::move(options)).status().code(), Code::kUnavailable) << "nobody listens";
+}
+
 TEST_F(PgDbTest, AServerThatHangsIsLeftAndAskedAgainWhenItRuns) {
   test::PostgresProxy proxy(server_);
   PgDbOptions options = Options();
