@@ -121,6 +121,15 @@ Result<s3::Credentials> CredentialsOfEnvironment() {
                 "credentials");
 }
 
+// "password=…" among libpq's words, or "user:password@" in a URL.
+bool HoldsPassword(const std::string& server) {
+  if (server.find("password") != std::string::npos) return true;
+  const size_t begin = server.find("://");
+  const size_t at = server.find('@');
+  return begin != std::string::npos && at != std::string::npos &&
+         server.substr(begin + 3, at - begin - 3).find(':') != std::string::npos;
+}
+
 // Anybody who can read the one must have nothing of the other.
 Status MustHaveKeysApart(const DatabaseFile& file) {
   if (!file.blobs || !file.keys || file.blobs->endpoint != file.keys->bucket.endpoint ||
@@ -153,6 +162,10 @@ Result<std::optional<DatabaseFile>> ReadDatabaseFile(const std::filesystem::path
   }
   ENAMEL_RETURN_IF_ERROR(ReadText(path, all, "server", Need::kMust, out.server));
   ENAMEL_RETURN_IF_ERROR(ReadText(path, all, "schema", Need::kMust, out.schema));
+  if (HoldsPassword(out.server)) {
+    ENAMEL_RETURN_IF_ERROR(
+        ReadPrivateFile(path, kMaxDatabaseBytes, "the database's password", "").status());
+  }
   if (blobs != nullptr) {
     ENAMEL_ASSIGN_OR_RETURN(out.blobs, ReadPlace(path, *blobs, "blobs"));
   }

@@ -36,7 +36,8 @@ struct DatabaseFile {
   bool operator==(const DatabaseFile&) const = default;
 };
 
-// None: there is no such file. Errors: kStorage, kInvalidInput, kVersion.
+// None: there is no such file. Errors: kStorage, kInvalidInput, kVersion, kForbidden (it holds a
+// password, and others may read it).
 Result<std::optional<DatabaseFile>> ReadDatabaseFile(const std::filesystem::path& folder);
 
 // The store, with the credentials of the file or of the environment (AWS_ACCESS_KEY_ID,

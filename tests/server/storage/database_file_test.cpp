@@ -56,6 +56,23 @@ TEST_F(DatabaseFileTest, GoldenFileIsReadAndWrittenAgain) {
   }
 }
 
+TEST_F(DatabaseFileTest, APasswordThatOthersMayReadIsRefused) {
+  const auto with = [](const std::string& server) {
+    return kBegin + R"("server":")" + server + R"(","schema":"enamel"})";
+  };
+  for (const char* server :
+       {"host=localhost password=secret", "postgresql://a:secret@localhost/b"}) {
+    Write(with(server), kDatabaseFile, 0644);
+    const Status open = ReadDatabaseFile(folder_.path()).status();
+    EXPECT_EQ(open.code(), Code::kForbidden) << open.message();
+    EXPECT_EQ(open.message().find("secret"), std::string::npos);
+    std::filesystem::permissions(folder_.path() / kDatabaseFile, std::filesystem::perms(0600));
+    EXPECT_TRUE(ReadDatabaseFile(folder_.path()).ok());
+  }
+  Write(with("postgresql://a@localhost/b"), kDatabaseFile, 0644);
+  EXPECT_TRUE(ReadDatabaseFile(folder_.path()).ok()) << "nothing to hide";
+}
+
 TEST_F(DatabaseFileTest, KeysBesideTheBlobsOrWithoutAMasterKeyAreRefused) {
   const std::string begin =
       kBegin +
