@@ -40,7 +40,7 @@ namespace {
 namespace asio = boost::asio;
 
 // Longer than either server's own deadline for stopping.
-constexpr auto kStopWait = std::chrono::seconds(10);
+constexpr auto kStopWait = std::chrono::seconds(7);
 // Chunks that wait for their commit at the same time: they share one sync.
 constexpr size_t kStationThreads = 256;
 
@@ -326,6 +326,7 @@ Status Serve(const ServeOptions& options) {
 
   std::promise<void> stop_asked;
   const auto stop = [&] {
+    signals.EndSoon();
     // First: an erasure that waits for another process would hold up every request behind it.
     store.StopWaiting();
     schools.StopWaiting();
@@ -338,7 +339,7 @@ Status Serve(const ServeOptions& options) {
     if (options.drain_s == 0) return stop();
     page.Drain();
     schools.Drain();
-    spdlog::info("draining: /healthz answers 503; stopping in {} s", options.drain_s);
+    spdlog::info("draining: /readyz answers 404; stopping in {} s", options.drain_s);
     drained.expires_after(std::chrono::seconds(options.drain_s));
     drained.async_wait([&](const boost::system::error_code&) { stop(); });
   });

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <utility>
 
 #include "common/base/stoppable_sleep.h"
@@ -24,6 +25,17 @@ void StopSignals::OnFirst(std::function<void()> stop) {
     // through.
     patience_ = std::jthread([this](const std::stop_token& ended) { EndPatience(ended); });
     stop();
+  });
+}
+
+void StopSignals::EndSoon() {
+  last_ = std::jthread([](const std::stop_token& ended) {
+    if (SleepUntilStopped(ended, kLongestStop)) return;
+    spdlog::error(
+        "stopping without waiting longer: changes that were not answered are in doubt. Stations "
+        "send theirs again; check on the page before you repeat one");
+    spdlog::default_logger()->flush();
+    std::_Exit(1);
   });
 }
 

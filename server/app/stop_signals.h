@@ -2,6 +2,7 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
+#include <chrono>
 #include <functional>
 #include <thread>
 
@@ -18,12 +19,17 @@ class StopSignals {
  public:
   explicit StopSignals(boost::asio::io_context& io);
   void OnFirst(std::function<void()> stop);
+  // From now on the program ends within kLongestStop: whatever still runs then, such as a COMMIT
+  // that waits for a standby, is left, the log says so, and the exit status is 1. As after a crash,
+  // what was acknowledged is kept.
+  void EndSoon();
+  static constexpr std::chrono::seconds kLongestStop{9};
 
  private:
   void EndPatience(const std::stop_token& ended);
 
   boost::asio::signal_set signals_;
-  std::jthread patience_;
+  std::jthread patience_, last_;
 };
 
 }  // namespace enamel::server::app

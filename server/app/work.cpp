@@ -135,6 +135,7 @@ Status Work(const WorkOptions& options) {
   };
   look();
   signals.OnFirst([&] {
+    signals.EndSoon();
     store.StopWaiting();
     others.StopWaiting();
     next_look.cancel();

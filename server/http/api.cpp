@@ -128,10 +128,12 @@ Api::Api(Store& store, auth::Authenticator& authenticator, Monitoring monitoring
       max_in_flight_(max_in_flight),
       work_(work),
       pool_(std::in_place, threads),
+      changes_(std::in_place, threads),
       teeth_(std::in_place, store) {}
 
 bool Api::Owns(std::string_view path) {
-  return path == "/healthz" || path == "/metrics" || path == "/api" || path.starts_with("/api/");
+  return path == "/livez" || path == "/readyz" || path == "/healthz" || path == "/metrics" ||
+         path == "/api" || path.starts_with("/api/");
 }
 
 void Api::AddFigures(ops::MetricsText& text) const {
@@ -163,6 +165,7 @@ void Api::EndWork() {
   // A pool's destructor waits for its running work. Nobody posts any more: the connections have
   // ended.
   pool_.reset();
+  changes_.reset();
   apart_.reset();
   teeth_.reset();
 }
@@ -261,7 +264,8 @@ asio::awaitable<Response> Api::Answer(const Request& request) {
     co_return ErrorResponse({Code::kUnavailable, "the server is busy; try again in a few seconds"});
   }
   if (async) co_return co_await Asynchronous(call, route);
-  co_return co_await pool_->Run([&] { return Blocking(call, route); });
+  StorePool& pool = IsSafe(request.method) ? *pool_ : *changes_;
+  co_return co_await pool.Run([&] { return Blocking(call, route); });
 }
 
 asio::awaitable<Response> Api::Asynchronous(Call& call, const Route& route) {

@@ -23,7 +23,7 @@ namespace enamel::server::http {
 // From request to answer, without a socket: route, same-site check, session, role, CSRF, handler,
 // in this order. Thread safety: Handle from any strand; the work itself runs on the store's
 // threads, so no I/O thread ever blocks. At most `max_in_flight` requests wait for those threads;
-// more get 503. Health has a thread of its own: it answers while those wait.
+// more get 503. Changes have threads of their own, and so has health: reads go on while changes wait.
 //
 // A request that waits for longer than `work` gets 503. If a thread has begun it by then, the work
 // finishes, keeps its place among `max_in_flight` and its answer is dropped; otherwise it is not
@@ -46,7 +46,7 @@ class Api : public std::enable_shared_from_this<Api> {
   }
   // The stations' port, once it is known.
   void StationsListenAt(uint16_t port) { station_port_ = port; }
-  // GET /healthz says from now on that others shall be asked. From any thread.
+  // GET /readyz says from now on that others shall be asked. From any thread.
   void Drain() { draining_ = true; }
   // Whether whoever asked for the events may still see them; on the store's threads.
   boost::asio::awaitable<bool> StillAllowed(EventSource& events);
@@ -89,7 +89,9 @@ class Api : public std::enable_shared_from_this<Api> {
   std::array<std::atomic<uint64_t>, 6> answers_{};
   std::atomic<uint64_t> forbidden_{0};
   ops::Histogram reads_;
-  std::optional<StorePool> pool_;                     // until EndWork
+  std::optional<StorePool> pool_;  // until EndWork
+  // Likewise. Apart from reads: changes may wait for the database.
+  std::optional<StorePool> changes_;
   std::optional<StorePool> apart_{std::in_place, 1};  // likewise
   std::optional<ToothImport> teeth_;                  // until EndWork
 };

@@ -6,25 +6,40 @@
 #include <boost/asio/execution/outstanding_work.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/prefer.hpp>
-#include <boost/asio/thread_pool.hpp>
 #include <boost/asio/use_awaitable.hpp>
+#include <condition_variable>
 #include <cstddef>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <system_error>
+#include <thread>
 #include <type_traits>
 #include <utility>
+#include <vector>
+
+#include "common/base/mutex.h"
 
 namespace enamel::server {
 
 // Where blocking work of coroutines runs (Store calls, decoding): a few threads, away from the I/O
-// threads. The coroutine continues on its own executor, so a session's strand still owns its data.
+// threads, each made when all others are busy. The coroutine continues on its own executor, so a session's strand still owns its data.
 //
 //   Result<Person> person = co_await pool.Run([&] { return store.PersonById(id); });
 //
 // References captured by the work stay valid because the coroutine's frame waits for it. The work
-// must not throw. Thread safety: any thread. Destruction waits for work that has begun.
+// must not throw. Thread safety: any thread. Destruction waits for all work.
 class StorePool {
  public:
-  explicit StorePool(size_t threads = 4) : pool_(threads) {}
-  ~StorePool() { pool_.join(); }
+  explicit StorePool(size_t threads = 4) : most_(threads) {}
+  ~StorePool() {
+    {
+      MutexLock lock(mutex_);
+      stopping_ = true;
+    }
+    wake_.notify_all();
+    threads_.clear();  // joins
+  }
   StorePool(const StorePool&) = delete;
   StorePool& operator=(const StorePool&) = delete;
 
@@ -35,8 +50,10 @@ class StorePool {
       // Tracked: an io_context must not run out of work while only the pool is busy.
       auto back = asio::prefer(asio::get_associated_executor(handler),
                                asio::execution::outstanding_work.tracked);
-      asio::post(pool_, [&work, back, handler = std::move(handler)]() mutable {
-        auto finish = [handler = std::move(handler), value = work()]() mutable {
+      // std::function wants to copy it.
+      auto shared = std::make_shared<decltype(handler)>(std::move(handler));
+      Post([&work, back, shared] {
+        auto finish = [handler = std::move(*shared), value = work()]() mutable {
           std::move(handler)(std::move(value));
         };
         asio::post(back, std::move(finish));
@@ -47,7 +64,47 @@ class StorePool {
   }
 
  private:
-  boost::asio::thread_pool pool_;
+  using Task = std::function<void()>;
+
+  void Post(Task task) {
+    MutexLock lock(mutex_);
+    tasks_.push_back(std::move(task));
+    if (tasks_.size() <= idle_) {
+      wake_.notify_one();
+      return;
+    }
+    if (threads_.size() >= most_) return;
+    try {
+      threads_.emplace_back([this] { Loop(); });
+    } catch (const std::system_error&) {
+      // The machine has no more threads: those that there are do it.
+      if (threads_.empty()) throw;
+    }
+  }
+
+  void Loop() {
+    for (;;) {
+      Task task;
+      {
+        MutexLock lock(mutex_);
+        ++idle_;
+        wake_.wait(mutex_, [&]() ENAMEL_REQUIRES(mutex_) { return stopping_ || !tasks_.empty(); });
+        --idle_;
+        if (tasks_.empty()) return;
+        task = std::move(tasks_.front());
+        tasks_.pop_front();
+      }
+      task();
+    }
+  }
+
+  const size_t most_;
+  Mutex mutex_;
+  std::condition_variable_any wake_;
+  std::deque<Task> tasks_ ENAMEL_GUARDED_BY(mutex_);
+  size_t idle_ ENAMEL_GUARDED_BY(mutex_) = 0;
+  bool stopping_ ENAMEL_GUARDED_BY(mutex_) = false;
+  std::vector<std::jthread> threads_;  // grows under mutex_
 };
 
 }  // namespace enamel::server

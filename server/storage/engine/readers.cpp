@@ -7,11 +7,10 @@ namespace enamel::server {
 Result<std::unique_ptr<Db>> Readers::Take() {
   {
     MutexLock lock(mutex_);
-    // Without a bound of its own: each holder keeps a connection for one read, and callers that
-    // must not wait so long use a thread that others do not need (StorePool; an HTTP request ends
-    // after 60 s).
-    returned_.wait(mutex_,
-                   [&]() ENAMEL_REQUIRES(mutex_) { return !idle_.empty() || open_ < most_; });
+    const auto there = [&]() ENAMEL_REQUIRES(mutex_) { return !idle_.empty() || open_ < most_; };
+    if (!returned_.wait_for(mutex_, kLongestWait, there)) {
+      return Status(Code::kUnavailable, "the database is busy; try again in a few seconds");
+    }
     if (!idle_.empty()) {
       auto db = std::move(idle_.back());
       idle_.pop_back();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <functional>
 #include <memory>
@@ -16,6 +17,8 @@ namespace enamel::server {
 // Thread safety: any thread.
 class Readers {
  public:
+  // Each holder keeps a connection for one read.
+  static constexpr std::chrono::seconds kLongestWait{4};
   // `open` makes one.
   Readers(std::function<Result<std::unique_ptr<Db>>()> open, int most)
       : open_one_(std::move(open)), most_(most) {}
@@ -32,6 +35,7 @@ class Readers {
     Readers& readers_;
     std::unique_ptr<Db> db_;
   };
+  // Errors: kUnavailable (all are in use for kLongestWait, or none can be opened).
   Result<std::unique_ptr<Db>> Take();
 
  private:

@@ -6,8 +6,11 @@
 
 namespace enamel::server {
 
-Writer::Writer(std::unique_ptr<Db> db, bool twice)
-    : db_(std::move(db)), twice_(twice), thread_([this] { Loop(); }) {}
+Writer::Writer(std::unique_ptr<Db> db, bool twice, std::chrono::milliseconds longest_queued)
+    : db_(std::move(db)),
+      twice_(twice),
+      longest_queued_(longest_queued),
+      thread_([this] { Loop(); }) {}
 
 Writer::~Writer() {
   {
@@ -37,11 +40,21 @@ Status Writer::Queue(Pending& mine) {
   MutexLock lock(mutex_);
   queue_.push_back(&mine);
   if (queue_.size() == 1) wake_.notify_one();
-  // Without a bound: a work that the thread has begun cannot be taken back. The thread's own waits
-  // are bounded (SqliteDb::SetBusyWait, SqliteDb::kMostWait; PgDb::kStatementTimeout), except a
-  // COMMIT that PostgreSQL holds until a standby has it too. That one may already be on the
-  // primary's disk, and must not be reported as failed. Health reports it (Standby::kMissing).
-  mine.turn.wait(mutex_, [&] { return mine.done; });
+  while (!mine.turn.wait_for(mutex_, longest_queued_, [&] { return mine.done; })) {
+    const auto at = std::ranges::find(queue_, &mine);
+    // A work that the thread has begun cannot be taken back. The thread's own waits are bounded
+    // (SqliteDb::SetBusyWait, SqliteDb::kMostWait; PgDb::kLongest), except a COMMIT that PostgreSQL
+    // holds until a standby has it too. That one may already be on the primary's disk, and must not
+    // be reported as failed. Health reports it (Standby::kMissing).
+    if (at == queue_.end()) {
+      mine.turn.wait(mutex_, [&] { return mine.done; });
+      break;
+    }
+    if (alone_ || db_->waits()) continue;
+    queue_.erase(at);
+    return Status(Code::kUnavailable,
+                  "the database is busy; nothing was changed, try again in a few seconds");
+  }
   return mine.status;
 }
 
@@ -60,7 +73,11 @@ void Writer::Loop() {
     std::vector<Pending*> batch;
     {
       MutexLock lock(mutex_);
+      // Meanwhile all may have been taken back.
+      if (queue_.empty()) continue;
       batch = TakeBatch();
+      alone_ = batch.front()->alone != nullptr;
+      batch_since_ = batch.front()->since;
     }
     if (batch.size() >= kBusyBatch) next_commit_ = std::chrono::steady_clock::now() + kPace;
     if (batch.front()->alone != nullptr) {
@@ -69,6 +86,8 @@ void Writer::Loop() {
       Commit(batch);
     }
     MutexLock lock(mutex_);
+    alone_ = false;
+    batch_since_.reset();
     for (Pending* pending : batch) {
       pending->done = true;
       pending->turn.notify_one();
@@ -210,6 +229,16 @@ Writer::Counters Writer::counters() const {
 size_t Writer::queued() const {
   MutexLock lock(mutex_);
   return queue_.size();
+}
+
+std::chrono::steady_clock::duration Writer::oldest_wait() const {
+  MutexLock lock(mutex_);
+  auto oldest = std::chrono::steady_clock::now();
+  const auto now = oldest;
+  if (batch_since_) oldest = *batch_since_;
+  // A batch leaves out what has another isolation: that may be older.
+  if (!queue_.empty()) oldest = std::min(oldest, queue_.front()->since);
+  return now - oldest;
 }
 
 Status Writer::last_failure() const {

@@ -5,6 +5,7 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <random>
 #include <thread>
 #include <vector>
@@ -23,8 +24,13 @@ namespace enamel::server {
 // Destruction waits for the queue.
 class Writer {
  public:
+  // A work that was not begun after this time is taken out of the queue and refused, unless it
+  // waits for RunAlone or for another process that erases.
+  static constexpr std::chrono::milliseconds kLongestQueued{4000};
+
   // `twice`: runs every work, rolls it back, and runs it again. For tests.
-  explicit Writer(std::unique_ptr<Db> db, bool twice = false);
+  explicit Writer(std::unique_ptr<Db> db, bool twice = false,
+                  std::chrono::milliseconds longest_queued = kLongestQueued);
   ~Writer();
 
   // Commits the changes of `work` if it returns Ok or sets `keep_anyway` (a refusal that leaves
@@ -50,6 +56,8 @@ class Writer {
   };
   Counters counters() const;
   size_t queued() const;  // works that wait for the thread
+  // Since the oldest work that is not done was queued; 0: there is none.
+  std::chrono::steady_clock::duration oldest_wait() const;
   // How long the newest commits took, from BEGIN to the end of COMMIT: at most kTimed of them, in
   // no order.
   static constexpr size_t kTimed = 1000;
@@ -81,11 +89,12 @@ class Writer {
     sql::Change* change = nullptr;
     const std::function<Status(Db& db)>* alone = nullptr;
     sql::Isolation isolation = sql::Isolation::kSerial;
+    std::chrono::steady_clock::time_point since = std::chrono::steady_clock::now();
     Status status{};
     bool done = false;
     std::condition_variable_any turn{};  // done
   };
-  Status Queue(Pending& mine);  // returns when it is done
+  Status Queue(Pending& mine);  // returns when it is done, or refused
   // The rest of it on the thread.
   void Loop();
   std::vector<Pending*> TakeBatch() ENAMEL_REQUIRES(mutex_);
@@ -102,11 +111,15 @@ class Writer {
 
   std::unique_ptr<Db> db_;  // the thread's
   const bool twice_;
+  const std::chrono::milliseconds longest_queued_;
   std::chrono::steady_clock::time_point next_commit_{};  // the thread's
   std::minstd_rand random_{std::random_device{}()};      // the thread's
   mutable Mutex mutex_;
   std::condition_variable_any wake_;  // something is queued, or stopping_
   std::deque<Pending*> queue_ ENAMEL_GUARDED_BY(mutex_);
+  // When the oldest work of the batch under way was queued.
+  std::optional<std::chrono::steady_clock::time_point> batch_since_ ENAMEL_GUARDED_BY(mutex_);
+  bool alone_ ENAMEL_GUARDED_BY(mutex_) = false;  // RunAlone is under way
   bool stopping_ ENAMEL_GUARDED_BY(mutex_) = false;
   Status last_failure_ ENAMEL_GUARDED_BY(mutex_);
   bool damaged_ ENAMEL_GUARDED_BY(mutex_) = false;

@@ -153,5 +153,43 @@ TEST_F(WriterTest, AWorkThatFailsByItselfLeavesNothing) {
   EXPECT_EQ(Rows(), (std::vector<int64_t>{2}));
 }
 
+TEST_F(WriterTest, AWorkThatWaitsTooLongIsRefusedAndLeavesNothing) {
+  auto db = OpenDatabase(folder_.path() / "enamel.db", DbMode::kCreate);
+  ASSERT_TRUE(db.ok());
+  Writer writer(std::move(db).value(), false, std::chrono::milliseconds(5));
+  std::binary_semaphore begun(0), go_on(0);
+  const Writer::Work slow = [&](Db& at, bool&) {
+    begun.release();
+    go_on.acquire();
+    return Insert(at, 1);
+  };
+  std::jthread first([&] { EXPECT_TRUE(writer.Run(slow).ok()); });
+  begun.acquire();
+  EXPECT_GT(writer.oldest_wait(), std::chrono::nanoseconds(0));
+  const Status refused = writer.Run([&](Db& at, bool&) { return Insert(at, 2); });
+  EXPECT_EQ(refused.code(), Code::kUnavailable);
+  go_on.release();
+  first.join();
+  EXPECT_EQ(Rows(), std::vector<int64_t>{1});
+  EXPECT_EQ(writer.oldest_wait(), std::chrono::nanoseconds(0));
+  // What runs alone may take longer, and is waited for.
+  std::jthread second([&] {
+    EXPECT_TRUE(writer
+                    .RunAlone([&](Db&) {
+                      begun.release();
+                      go_on.acquire();
+                      return Status::Ok();
+                    })
+                    .ok());
+  });
+  begun.acquire();
+  std::jthread third(
+      [&] { EXPECT_TRUE(writer.Run([&](Db& at, bool&) { return Insert(at, 3); }).ok()); });
+  while (writer.oldest_wait() < std::chrono::milliseconds(10)) std::this_thread::yield();
+  go_on.release();
+  third.join();
+  EXPECT_EQ(Rows(), (std::vector<int64_t>{1, 3}));
+}
+
 }  // namespace
 }  // namespace enamel::server
