@@ -419,9 +419,12 @@ CREATE UNIQUE INDEX calibrations_once ON calibrations (tenant, profile, document
 CREATE INDEX calibrations_by_profile ON calibrations (tenant, profile, measured_ms);
 
 CREATE TABLE write_probe (
-  tenant INTEGER NOT NULL PRIMARY KEY,
-  at_ms  INTEGER NOT NULL
-) STRICT;
+  tenant   INTEGER NOT NULL,
+  server   BLOB NOT NULL CHECK (length(server) = 16),
+  at_ms    INTEGER NOT NULL,  -- the database's clock
+  ahead_ms INTEGER NOT NULL,  -- how far the server's own clock is ahead of it
+  PRIMARY KEY (tenant, server)
+) STRICT, WITHOUT ROWID;
 
 CREATE TABLE rubrics (
   tenant       INTEGER NOT NULL,

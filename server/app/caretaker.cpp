@@ -15,10 +15,15 @@ Caretaker::Caretaker(Store& store, Intervals intervals)
 
 void Caretaker::Run(const std::stop_token& stop) {
   auto erasures = std::chrono::steady_clock::now();
+  auto jobs = erasures;
   auto retention = erasures + intervals_.first_retention;
   do {
     LookAtHealth();
     const auto now = std::chrono::steady_clock::now();
+    if (now >= jobs) {
+      CountJobs();
+      jobs = now + intervals_.jobs;
+    }
     if (now >= erasures) {
       // What fails is in the log. A lease may be that of a server that died, or of this one before
       // it did.
@@ -43,6 +48,20 @@ void Caretaker::LookAtHealth() {
   } else {
     spdlog::error("no recordings are taken: {}", health.problem);
   }
+}
+
+// Lists at most 200 of a state. An operator has to know that they pile up, not how high.
+void Caretaker::CountJobs() {
+  for (size_t i = 0; i < kJobStates.size(); ++i) {
+    if (auto found = store_.jobs.Jobs(kJobStates[i]); found.ok()) {
+      jobs_[i] = static_cast<int>(found->size());
+    }
+  }
+}
+
+std::optional<size_t> Caretaker::jobs(size_t state) const {
+  const int count = jobs_[state];
+  return count < 0 ? std::nullopt : std::optional<size_t>(count);
 }
 
 void Caretaker::ApplyRetention() {

@@ -12,14 +12,15 @@ DatabaseWatch::DatabaseWatch(Store& store, std::chrono::milliseconds every)
 void DatabaseWatch::Run(const std::stop_token& stop) {
   do {
     // The log already reports an unreachable database; meanwhile the clock keeps its last offset.
-    if (store_.look.Look().ok()) Tell(store_.health.Health());
+    if (store_.look.Beat().ok()) Tell(store_.health.Health());
   } while (!SleepUntilStopped(stop, every_));
 }
 
 void DatabaseWatch::Tell(const StoreHealth& health) {
   const bool right = health.clock_problem.empty();
   if (clock_right_ && !right) spdlog::error("{}", health.clock_problem);
-  if (!clock_right_ && right) spdlog::info("this machine's clock is right again");
+  if (!clock_right_ && right)
+    spdlog::info("the clocks of this machine and the database agree again");
   clock_right_ = right;
   if (health.standby == standby_) return;
   if (health.standby == sql::Standby::kSynchronous) {

@@ -10,9 +10,9 @@
 
 namespace enamel::server::app {
 
-// Checks a database on another machine now and then (DatabaseLook::Look): this process's times stay
-// those of its clock, and the log reports the start and end of a problem with it. A thread of its
-// own until destroyed.
+// Checks a database on another machine all the time (DatabaseLook::Beat): health notices within
+// seconds that it hangs, this process's times stay those of its clock, and the log reports the start
+// and end of a problem with clock or standby. A thread of its own until destroyed.
 class DatabaseWatch {
  public:
   explicit DatabaseWatch(Store& store, std::chrono::milliseconds every = DatabaseLook::kEvery);

@@ -9,7 +9,7 @@ namespace enamel::server::app {
 namespace {
 
 // What the store knows, as figures.
-void AddStoreFigures(StoreHealthCheck& health_rows, JobRows& jobs_rows, ops::MetricsText& text) {
+void AddStoreFigures(StoreHealthCheck& health_rows, ops::MetricsText& text) {
   // Once for all figures: those of one answer then belong to one moment.
   StoreHealth health = health_rows.Health();
   auto number = [](auto value) { return static_cast<double>(value); };
@@ -48,11 +48,16 @@ void AddStoreFigures(StoreHealthCheck& health_rows, JobRows& jobs_rows, ops::Met
   text.Counter("enamel_chunk_bytes_committed_total", "Bytes of those chunks.",
                number(health.chunk_bytes));
   text.Counter("enamel_attempts_sealed_total", "Attempts sealed.", number(health.sealed));
-  // Jobs() lists at most 200 of a state. An operator has to know that they pile up, not how high.
-  for (const char* state : {"queued", "running", "failed"}) {
-    if (auto jobs = jobs_rows.Jobs(state); jobs.ok()) {
-      text.Gauge("enamel_jobs", "Scoring jobs by state, counted up to 200.", number(jobs->size()),
-                 {{"state", state}});
+  text.Gauge("enamel_store_oldest_wait_seconds", "How long the oldest change has waited.",
+             health.oldest_wait_s);
+}
+
+// As counted last: asking for them would wait for the database.
+void AddJobFigures(const Caretaker& caretaker, ops::MetricsText& text) {
+  for (size_t i = 0; i < Caretaker::kJobStates.size(); ++i) {
+    if (const auto count = caretaker.jobs(i)) {
+      text.Gauge("enamel_jobs", "Scoring jobs by state, counted up to 200.",
+                 static_cast<double>(*count), {{"state", Caretaker::kJobStates[i]}});
     }
   }
 }
@@ -74,8 +79,7 @@ School::School(std::unique_ptr<Store> store, const ServerIdentity& identity,
       worker_(*store_, LoggedJobs(identity.ticket_key, options.job_threads)) {
   services_.board = &stations_;
   metrics_.Add(ops::AddProcess);
-  metrics_.Add(
-      [this](ops::MetricsText& text) { AddStoreFigures(store_->health, store_->jobs, text); });
+  metrics_.Add([this](ops::MetricsText& text) { AddStoreFigures(store_->health, text); });
   metrics_.Add([this](ops::MetricsText& text) {
     text.Gauge("enamel_stations_connected", "Stations that are connected to this server.",
                static_cast<double>(stations_.Here().size()));
@@ -86,6 +90,7 @@ School::School(std::unique_ptr<Store> store, const ServerIdentity& identity,
 void School::Start() {
   worker_.Start();
   caretaker_.emplace(*store_);
+  metrics_.Add([this](ops::MetricsText& text) { AddJobFigures(*caretaker_, text); });
   keeper_.emplace(stations_, *store_, store_->shared);
   if (store_->shared) follower_.emplace(live_, *store_);
 }

@@ -51,7 +51,7 @@ void AddOperations(CLI::App* cmd, ServeCommand& o) {
   cmd->add_option(
          "--drain-seconds", o.serve.drain_s,
          "Time between the request to stop and stopping. Meanwhile requests are still answered,\n"
-         "and /healthz is 503, so that a load balancer sends no more")
+         "and /readyz is 404, so that a load balancer sends no more")
       ->check(CLI::Range(0, 3600))
       ->capture_default_str();
   cmd->add_option("--min-free-mib", o.serve.min_free_mib,
@@ -114,7 +114,7 @@ void DeclareServe(CommandGroup root) {
       "ENAMEL_JOB_THREADS) or from the file; the first of these wins.\n\n"
       "  enamel-server serve --data ~/enamel                      try it, on this machine only\n"
       "  enamel-server serve --config /etc/enamel/server.toml     as a service (server/ops)\n\n"
-      "Watch it with GET /healthz (503 when no recordings are taken) and GET /metrics "
+      "Watch it with GET /readyz (503 when no recordings are taken) and GET /metrics "
       "(Prometheus).");
   // Not by Declare: the action needs the command itself, for the other sources of settings.
   cmd->callback([options, cmd, &chosen = root.chosen] {

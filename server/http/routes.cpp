@@ -41,7 +41,9 @@ constexpr auto Given() {
 }
 
 const std::array kRoutes = {
-    Route{Method::kGet, "/healthz", Need::kNobody, Given<&GetHealth>()},
+    Route{Method::kGet, "/livez", Need::kNobody, Given<&GetAlive>()},
+    Route{Method::kGet, "/readyz", Need::kNobody, Given<&GetReady>()},
+    Route{Method::kGet, "/healthz", Need::kNobody, Given<&GetReady>()},
     Route{Method::kGet, "/metrics", Need::kNobody, Given<&GetMetrics>()},
     Route{Method::kPost, "/api/v1/first-admin", Need::kNobody, Given<&MakeFirstAdmin>()},
     Route{Method::kGet, "/api/v1/builtin-teeth", Need::kAdmin, Given<&ListBuiltinTeeth>()},

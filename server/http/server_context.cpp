@@ -15,7 +15,10 @@ using boost::system::error_code;
 
 namespace {
 
-constexpr std::string_view kHealthPath = "/healthz";  // also for the proxy itself
+// Also for the proxy itself.
+bool IsHealthPath(std::string_view path) {
+  return path == "/livez" || path == "/readyz" || path == "/healthz";
+}
 
 }  // namespace
 
@@ -50,7 +53,7 @@ void ServerContext::NoteRefusal(const std::string& peer, const std::string& reas
 asio::awaitable<Response> ServerContext::Answer(Request request) {
   Status known;
   const std::string peer = request.peer;
-  const bool proxied = !options.trusted_proxies.empty() && request.path != kHealthPath;
+  const bool proxied = !options.trusted_proxies.empty() && !IsHealthPath(request.path);
   if (proxied) known = TakeFromProxy(options.trusted_proxies, request);
   const std::string id = request.id = IdOf(request, proxied && known.ok());
   Response response;

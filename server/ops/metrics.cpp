@@ -127,7 +127,7 @@ std::string Metrics::Text() const {
   std::vector<Source> sources;
   {
     MutexLock lock(mutex_);
-    // A source may ask the database. Adding another one does not wait for that.
+    // Adding another one does not wait for these.
     sources = sources_;
   }
   MetricsText text;

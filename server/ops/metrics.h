@@ -56,7 +56,8 @@ class MetricsText {
 // Anything with metrics adds a source; a request calls them all. Thread safety: any thread.
 class Metrics {
  public:
-  // May block. Must outlive this, or be captured by value.
+  // Does not wait for the database: figures are asked for when it hangs. Must outlive this, or be
+  // captured by value.
   using Source = std::function<void(MetricsText&)>;
   void Add(Source source);
   std::string Text() const;

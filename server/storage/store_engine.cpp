@@ -51,7 +51,7 @@ StoreEngine::StoreEngine(const StoreOptions& options, Transactions::Connections 
       rows(Signing(std::move(connections), signer, options, rewriter), options.readers,
            options.change_twice),
       rewriter(options.folder, space, rows),
-      look(rows, rewriter),
+      look(rows, rewriter, id),
       gate(rows, space),
       blobs(MakeBlobs(options, std::move(buckets.blobs), rows)),
       keyring(MakeKeyring(options, buckets, rows)),

@@ -46,7 +46,7 @@ ask() {
 }
 # Said after its first look at both servers, so it listens.
 wait_for_log "$work/haproxy.log" 'page_servers/two is DOWN'
-[ "$(ask /healthz)" = 200 ] || fail "the server is not asked: $(cat "$work/answer")"
+[ "$(ask /readyz)" = 200 ] || fail "the server is not asked: $(cat "$work/answer")"
 grep -q '"ok"' "$work/answer" || fail "the server is not well: $(cat "$work/answer")"
 [ "$(ask /)" = 200 ] || fail "the page was not served"
 
@@ -78,11 +78,11 @@ server_cli report --data "$data" --attempt "$(json_of "$work/cut.json" attempt_i
 echo "ok: an attempt of $(json_of "$work/cut.json" ticks) ticks over the link"
 
 kill -TERM "$server"
-wait_for_log "$work/haproxy.log" 'page_servers/one is DOWN'
-[ "$(ask /healthz)" = 503 ] || fail "the proxy has somebody to ask: $(cat "$work/answer")"
+wait_for_log "$work/haproxy.log" 'page_servers/one is stopping'
+[ "$(ask /readyz)" = 503 ] || fail "the proxy has somebody to ask: $(cat "$work/answer")"
 kill -0 "$server" || fail "the server has stopped before its time to drain was over"
 # Who asks the server itself is still answered.
-[ "$(curl -s -o "$work/answer" -w '%{http_code}' -H 'Host: enamel.test' "http://127.0.0.1:$port/healthz")" = 503 ] || fail "it is not draining"
+[ "$(curl -s -o "$work/answer" -w '%{http_code}' -H 'Host: enamel.test' "http://127.0.0.1:$port/readyz")" = 404 ] || fail "it is not draining"
 grep -q '"draining"' "$work/answer" || fail "it does not say why: $(cat "$work/answer")"
 echo "ok: taken out of the round before it stops"
 # Its time to drain is longer than anybody waits here.

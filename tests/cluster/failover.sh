@@ -70,7 +70,7 @@ echo "ok: health says that nothing is kept twice any more"
 ask two "ALTER SYSTEM SET synchronous_standby_names = 'one'" >/dev/null
 ask two "SELECT pg_reload_conf()" >/dev/null
 wait_for_log "$work/server.log" 'every change waits'
-[ "$(curl -s "http://127.0.0.1:$port/healthz" | grep -c 'waits for a synchronous standby')" = 1 ] || fail "health does not say that changes wait"
+[ "$(curl -s "http://127.0.0.1:$port/readyz" | grep -c 'waits for a synchronous standby')" = 1 ] || fail "health does not say that changes wait"
 [ "$(standby_missing)" = 1 ] || fail "the figures do not tell that changes wait"
 began=$(ask two "SELECT clock_timestamp()")
 "$bin/enamel-server" admin enrol-code --data "$data" >"$work/code" 2>&1 &

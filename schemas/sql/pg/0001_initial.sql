@@ -415,8 +415,11 @@ CREATE UNIQUE INDEX calibrations_once ON calibrations (tenant, profile, md5(docu
 CREATE INDEX calibrations_by_profile ON calibrations (tenant, profile, measured_ms);
 
 CREATE TABLE write_probe (
-  tenant BIGINT NOT NULL PRIMARY KEY,
-  at_ms  BIGINT NOT NULL
+  tenant   BIGINT NOT NULL,
+  server   BYTEA NOT NULL CHECK (length(server) = 16),
+  at_ms    BIGINT NOT NULL,  -- the database's clock
+  ahead_ms BIGINT NOT NULL,  -- how far the server's own clock is ahead of it
+  PRIMARY KEY (tenant, server)
 );
 
 CREATE TABLE rubrics (

@@ -10,8 +10,9 @@
 // classes its handler may touch.
 namespace enamel::server::http {
 
-boost::asio::awaitable<Response> GetHealth(Call call, Store& store);
-Response GetMetrics(const Call& call);
+boost::asio::awaitable<Response> GetAlive(Call call);
+boost::asio::awaitable<Response> GetReady(Call call, Store& store);
+boost::asio::awaitable<Response> GetMetrics(Call call);
 
 boost::asio::awaitable<Response> SignIn(Call call);
 boost::asio::awaitable<Response> ConfirmSession(Call call);

@@ -23,27 +23,37 @@ bool MaySeeMetrics(const Call& call) {
 
 }  // namespace
 
+// On the thread of its connection: it answers as long as this process turns over.
+boost::asio::awaitable<Response> GetAlive(Call) { co_return JsonResponse({{"status", "ok"}}); }
+
 // Away from the store's threads: it has to answer when they all wait for the database.
-boost::asio::awaitable<Response> GetHealth(Call call, Store& store) {
+boost::asio::awaitable<Response> GetReady(Call call, Store& store) {
   StoreHealth health = co_await call.apart->Run([&store] { return store.health.Health(); });
-  const char* status = call.draining                   ? "draining"
-                       : !health.takes_recordings      ? "no_recordings"
-                       : !health.clock_problem.empty() ? "clock_off"
-                                                       : "ok";
+  const bool well = health.clock_problem.empty() && health.waiting.empty();
+  const char* status = call.draining              ? "draining"
+                       : !health.takes_recordings ? "no_recordings"
+                       : health.clock_is_off      ? "clock_off"
+                       : !well                    ? "degraded"
+                                                  : "ok";
+  // 404: HAProxy sends no more, and leaves what runs (disable-on-404).
+  const int answer = call.draining                                     ? 404
+                     : !health.takes_recordings || health.clock_is_off ? 503
+                                                                       : 200;
   const std::string& problem = health.problem.empty() ? health.clock_problem : health.problem;
   co_return JsonResponse({{"status", status}, {"problem", problem}, {"waiting", health.waiting}},
-                         status == std::string_view("ok") ? 200 : 503);
+                         answer);
 }
 
-Response GetMetrics(const Call& call) {
+boost::asio::awaitable<Response> GetMetrics(Call call) {
   if (call.monitoring->metrics == nullptr || !MaySeeMetrics(call)) {
     // Not 403: strangers need not know that the figures exist.
-    return ErrorResponse(Status{Code::kNotFound, "you are not allowed to see this"});
+    co_return ErrorResponse(Status{Code::kNotFound, "you are not allowed to see this"});
   }
   Response response;
   response.content_type = kPrometheusText;
-  response.body = call.monitoring->metrics->Text();
-  return response;
+  response.body =
+      co_await call.apart->Run([metrics = call.monitoring->metrics] { return metrics->Text(); });
+  co_return response;
 }
 
 }  // namespace enamel::server::http

@@ -108,7 +108,7 @@ class HttpServer {
   // Where stations reach this server: an enrolment code is given out with it. From any thread.
   void StationsListenAt(uint16_t port);
 
-  // GET /healthz is 503 from now on, so that whoever shares out the requests sends no more; those
+  // GET /readyz is 404 from now on, so that whoever shares out the requests sends no more; those
   // that come are answered. From any thread.
   void Drain();
 

@@ -8,6 +8,9 @@
 
 namespace enamel::server {
 
+// A change that waits longer shows that the database is stuck.
+constexpr std::chrono::seconds kLongestWait{4};
+
 void StoreHealthCheck::AddSizes(StoreHealth& out) {
   std::error_code error;
   auto size = [&](const char* name) -> uint64_t {
@@ -27,6 +30,7 @@ void StoreHealthCheck::AddCommits(StoreHealth& out) {
   out.writes = counters.works;
   out.failed_commits = counters.failed_commits;
   out.commit_s = counters.commit_s;
+  out.oldest_wait_s = std::chrono::duration<double>(writer.oldest_wait()).count();
   std::vector<double> took = writer.newest_commits_s();
   out.timed_commits = took.size();
   if (took.empty()) return;
@@ -39,16 +43,38 @@ void StoreHealthCheck::AddCommits(StoreHealth& out) {
 void StoreHealthCheck::AddClock(StoreHealth& out) {
   out.standby = parts_.look.standby();
   out.clock_ahead_ms = parts_.look.clock_ahead_ms();
-  if (std::abs(out.clock_ahead_ms) <= kMostClockOffMs) return;
-  out.clock_problem = "this machine's clock is " +
-                      std::to_string(std::abs(out.clock_ahead_ms) / 1000) + " s " +
-                      (out.clock_ahead_ms > 0 ? "ahead of" : "behind") +
-                      " the database server's; see that both machines set theirs from the same "
-                      "time servers";
+  const int64_t median_ms = parts_.look.median_ahead_ms();
+  const auto off = [](int64_t ms) {
+    return std::to_string(std::abs(ms) / 1000) + " s " + (ms > 0 ? "ahead of " : "behind ");
+  };
+  const int64_t own_ms = out.clock_ahead_ms - median_ms;
+  out.clock_is_off = std::abs(own_ms) > DatabaseLook::kMostClockOffMs &&
+                     parts_.look.clock_votes() >= DatabaseLook::kFewestVotes;
+  if (std::abs(own_ms) > DatabaseLook::kMostClockOffMs) {
+    out.clock_problem = "this machine's clock is " + off(own_ms) +
+                        (median_ms == 0 ? "the database server's" : "most servers'") +
+                        "; see that all machines set theirs from the same time servers";
+  } else if (median_ms != 0) {
+    out.clock_problem = "the database server's clock is " + off(-median_ms) +
+                        "the servers', whose time counts meanwhile; see that all machines set "
+                        "theirs from the same time servers";
+  }
 }
 
 std::string StoreHealthCheck::Problem() {
   if (Status able = parts_.gate.Check(); !able.ok()) return able.message();
+  if (parts_.look.hangs()) {
+    return "the database server does not answer; check that PostgreSQL runs and that this machine "
+           "reaches it. Recordings wait at the stations";
+  }
+  if (parts_.look.replaced()) {
+    return "the database server that answers is an earlier primary, which another has replaced; "
+           "stop it, and check the addresses in database.json. Recordings wait at the stations";
+  }
+  if (parts_.rows.writer().oldest_wait() > kLongestWait && Waiting().empty()) {
+    return "a change has waited for the database for seconds; check the disk that it is on. "
+           "Recordings wait at the stations";
+  }
   if (parts_.rows.writer().last_failure().ok()) return "";
   return "the last change could not be written to the database; the server's log says why. "
          "Recordings wait at the stations, the next write that succeeds ends this";
@@ -62,6 +88,12 @@ std::string StoreHealthCheck::Waiting() {
   if (parts_.look.standby() == sql::Standby::kMissing) {
     return "the database server waits for a synchronous standby, and none is connected; every "
            "change and recording waits until one is";
+  }
+  // The heartbeat's row needs no standby.
+  if (parts_.look.standby() == sql::Standby::kSynchronous && !parts_.look.hangs() &&
+      parts_.rows.writer().oldest_wait() > kLongestWait) {
+    return "the database server answers, and its synchronous standby does not confirm changes; "
+           "check the standby. Every change and recording waits until it does";
   }
   // What arrives is kept in rows meanwhile.
   if (!parts_.blobs.Problem().ok()) {
@@ -97,9 +129,9 @@ Status StoreHealthCheck::TryWrite() {
   if (writer.last_failure().ok() || writer.damaged()) return Status::Ok();
   return parts_.rows.Write([](Db& db) -> Status {
     Query q(db,
-            "INSERT INTO write_probe (tenant, at_ms) VALUES (?1, ?2) ON CONFLICT (tenant) DO "
-            "UPDATE SET at_ms = ?2");
-    return q.Bind(NowMs()).Run();
+            "INSERT INTO write_probe (tenant, server, at_ms, ahead_ms) VALUES (?1, ?2, 0, 0) ON "
+            "CONFLICT (tenant, server) DO UPDATE SET at_ms = 0");
+    return q.Bind(Uuid{}).Run();
   });
 }
 

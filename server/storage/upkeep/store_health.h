@@ -26,20 +26,18 @@ struct StoreHealth {
   std::string waiting;  // why changes take longer than usual at the moment; empty: they do not
   uint64_t free_bytes = 0, min_free_bytes = 0, database_bytes = 0, log_bytes = 0;
   uint64_t commits = 0, writes = 0, failed_commits = 0;
-  double commit_s = 0;  // time spent in commits
+  double commit_s = 0;       // time spent in commits
+  double oldest_wait_s = 0;  // of the oldest change that waits
   // Of the newest commits, at most 1000: 99 of 100 took at most so long; 0: none is timed.
   size_t timed_commits = 0;
   double commit_p99_s = 0;
   uint64_t chunks = 0, chunk_bytes = 0, sealed = 0;
   // How far this machine's clock is ahead of the database's; 0 where they are one.
   int64_t clock_ahead_ms = 0;
-  std::string clock_problem;  // it is too far off, and what to do; empty: it is not
+  std::string clock_problem;  // which clock is too far off, and what to do; empty: none is
+  bool clock_is_off = false;  // this machine's is, most others agree
   sql::Standby standby = sql::Standby::kNotKept;
 };
-
-// A server whose clock is off by more asks load balancers not to use it. Its times are still the
-// database's; certificates, logs and S3 requests use its own clock.
-inline constexpr int64_t kMostClockOffMs = 5000;
 
 // Says how the store does. Thread safety: any thread.
 class StoreHealthCheck {

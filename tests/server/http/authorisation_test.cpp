@@ -51,6 +51,8 @@ struct Line {
 const Line kLines[] = {
 //   route                                      about             body                                   nobody sam sue tom ada ben root late off fresh
     {"GET /healthz",                            "",               "",                                    "200 200 200 200 200 200 200 200 200 200"},
+    {"GET /livez",                              "",               "",                                    "200 200 200 200 200 200 200 200 200 200"},
+    {"GET /readyz",                             "",               "",                                    "200 200 200 200 200 200 200 200 200 200"},
     {"GET /metrics",                            "",               "",                                    "404 404 404 404 404 404 404 404 404 404"},
     // The first steps of a new server; this one gave no link.
     {"POST /api/v1/first-admin",                "",               R"({"token":"x","login":"new","display_name":"New","password":"quite a long phrase"})",
@@ -219,10 +221,10 @@ TEST(OneTimePasswordTest, ReachesItsOwnSessionAndNothingElse) {
     if (Statuses(line.expected).back() != 403) reached.insert(line.route);
   }
   EXPECT_EQ(reached,
-            (std::set<std::string>{"GET /healthz", "GET /metrics", "POST /api/v1/session",
-                                   "GET /api/v1/session", "DELETE /api/v1/session",
-                                   "POST /api/v1/session/confirm", "POST /api/v1/session/password",
-                                   "PUT /api/v1/session/language"}));
+            (std::set<std::string>{
+                "GET /healthz", "GET /livez", "GET /metrics", "GET /readyz", "POST /api/v1/session",
+                "GET /api/v1/session", "DELETE /api/v1/session", "POST /api/v1/session/confirm",
+                "POST /api/v1/session/password", "PUT /api/v1/session/language"}));
 }
 
 // Cookie and csrf of somebody signed in.

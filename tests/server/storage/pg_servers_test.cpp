@@ -474,6 +474,55 @@ TEST_F(PgServersTest, TimesAreTheDatabases) {
   FollowSystemClock();
 }
 
+TEST_F(PgServersTest, TheMajorityOfTheClocksCounts) {
+  constexpr int64_t kHourMs = 3'600'000;
+  const TempFolder folder;
+  auto store = Open(folder, server_);
+  ASSERT_TRUE(store->look.Beat().ok());
+  EXPECT_EQ(store->look.clock_votes(), 2) << "its own and the database's";
+  auto db = OpenPgDatabase(server_, schema_, /*read_only=*/false, {});
+  ASSERT_TRUE(db.ok());
+  // Other servers: a row each, an hour ahead of the database.
+  const auto add = [&](int first, int last) {
+    for (int i = first; i <= last; ++i) {
+      sql::Query q(**db,
+                   "INSERT INTO write_probe SELECT 1, ?1, at_ms, ?2 FROM write_probe LIMIT 1");
+      const Bytes id(16, static_cast<uint8_t>(i));
+      ASSERT_TRUE(q.BindBlob(id).BindInt(kHourMs).Run().ok());
+    }
+  };
+  add(1, 2);
+  ASSERT_TRUE(store->look.Beat().ok());
+  EXPECT_EQ(store->look.median_ahead_ms(), 0) << "two against two: the database's counts";
+  add(3, 3);
+  ASSERT_TRUE(store->look.Beat().ok());
+  EXPECT_EQ(store->look.median_ahead_ms(), kHourMs);
+  const int64_t here_ms = enamel::UnixMs(std::chrono::system_clock::now());
+  EXPECT_NEAR(static_cast<double>(enamel::UnixMs() - here_ms), kHourMs, 1000);
+  const StoreHealth health = store->health.Health();
+  EXPECT_TRUE(health.clock_is_off);
+  EXPECT_NE(health.clock_problem.find("behind most servers"), std::string::npos);
+  EXPECT_TRUE(health.takes_recordings);
+  FollowSystemClock();
+}
+
+TEST_F(PgServersTest, ADatabaseThatHangsIsNoticedAndOneThatRunsAgainToo) {
+  const TempFolder folder;
+  PostgresProxy proxy(server_);
+  auto store = Open(folder, proxy.server());
+  ASSERT_TRUE(store->look.Beat().ok());
+  EXPECT_LT(store->look.silence(), std::chrono::seconds(1));
+  // Refusing beside hanging: nobody waits for the check.
+  proxy.Refuse();
+  proxy.Hang();
+  EXPECT_FALSE(store->look.Beat().ok());
+  EXPECT_GT(store->look.silence(), std::chrono::seconds(1)) << "a second's patience";
+  proxy.Refuse(false);
+  proxy.Hang(false);
+  ASSERT_TRUE(store->look.Beat().ok());
+  EXPECT_LT(store->look.silence(), std::chrono::seconds(1));
+}
+
 // A request that only reads waits for nothing, and health says why changes wait.
 TEST_F(PgServersTest, WhileEveryChangeWaitsForAStandbySessionsAreReadAndHealthSaysSo) {
   const TempFolder folder;
