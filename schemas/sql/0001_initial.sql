@@ -23,7 +23,6 @@ CREATE TABLE people (
   revision             INTEGER NOT NULL DEFAULT 1,
   must_change_password INTEGER NOT NULL DEFAULT 0 CHECK (must_change_password IN (0, 1)),
   password_ms          INTEGER NOT NULL DEFAULT 0,
-  password_used        INTEGER NOT NULL DEFAULT 0 CHECK (password_used IN (0, 1)),
   -- A language of the page (schemas/words.md); empty: the browser's.
   language             TEXT NOT NULL DEFAULT '' CHECK (language IN ('', 'en', 'de', 'zh')),
   PRIMARY KEY (tenant, id),

@@ -209,10 +209,8 @@ Result<SignedIn> Authenticator::SignInAdmitted(const std::string& login,
                     Refused());
   }
   ENAMEL_RETURN_IF_ERROR(throttle_.Succeeded(login, request.address, CountedAt()));
-  if (Status taken = TakeOneTimePassword(*person, request.via); !taken.ok()) {
-    // The store failed. That is no refusal of this person.
-    if (taken.field() != kOneTimePassword) return taken;
-    return TurnAway("one-time", login, request.address, request.via, taken);
+  if (Status late = CheckOneTimePassword(*person); !late.ok()) {
+    return TurnAway("one-time", login, request.address, request.via, late);
   }
   auto signed_in = BeginSession(*person, request.via, request.address, request.device);
   if (!signed_in.ok()) return signed_in;
@@ -221,26 +219,13 @@ Result<SignedIn> Authenticator::SignInAdmitted(const std::string& login,
   return signed_in;
 }
 
-Status Authenticator::TakeOneTimePassword(const Person& person, const std::string& via) {
-  if (!person.must_change_password) return Status::Ok();
-  const Status used(Code::kUnauthenticated,
-                    "this one-time password was used already; ask an administrator for another, "
-                    "and report it if you did not use it",
-                    kOneTimePassword);
-  if (person.password_used) return used;
-  if (Now() >= OneTimeUntil(person)) {
-    return Status(Code::kUnauthenticated,
-                  "this one-time password was valid for " +
-                      std::to_string(options_.one_time_ms / kDayMs) +
-                      " days; ask an administrator for another",
-                  kOneTimePassword);
-  }
-  // At a station the password is not used up: there it cannot be changed, and the station sends its
-  // owner to the page.
-  if (via != kViaPage) return Status::Ok();
-  Status taken = store_.people.UseOneTimePassword(person.id);
-  // Somebody was quicker between the look and the use.
-  return taken.code() == Code::kNotFound ? used : taken;
+Status Authenticator::CheckOneTimePassword(const Person& person) const {
+  if (!person.must_change_password || Now() < OneTimeUntil(person)) return Status::Ok();
+  return Status(Code::kUnauthenticated,
+                "this one-time password was valid for " +
+                    std::to_string(options_.one_time_ms / kDayMs) +
+                    " days; ask an administrator for another",
+                kOneTimePassword);
 }
 
 // Whichever person's it was: the browser has no way back to it.

@@ -84,9 +84,10 @@ struct DoorCounts {
 // after the same work: one argon2id at `cost`, whatever the stored verifier cost. Too many
 // failures: kUnavailable, field "throttled" (HTTP 429). Too many sign-ins at once: kUnavailable.
 //
-// A generated password opens one session of the page, within AuthOptions::one_time_ms. The right
-// password given too late gets an explanation (kUnauthenticated, field "one_time_password"). At a
-// station it opens nothing usable, and is not used up.
+// A generated password opens sessions that can do nothing but replace it, within
+// AuthOptions::one_time_ms: whoever closes the page before choosing a password signs in again. The
+// new password ends all of them. The right password given too late gets an explanation
+// (kUnauthenticated, field "one_time_password"). At a station it opens nothing usable.
 class Authenticator {
  public:
   explicit Authenticator(Store& store, AuthOptions options = {});
@@ -150,8 +151,8 @@ class Authenticator {
   Result<SignedIn> SignInAdmitted(const std::string& login, const SignInRequest& request);
   Status CheckOwnPassword(const Person& person, const std::string& password,
                           const std::string& address, const std::string& via);
-  // Whether this one may sign in with a password for one use, which is used up then.
-  Status TakeOneTimePassword(const Person& person, const std::string& via);
+  // Whether a one-time password has not expired yet.
+  Status CheckOneTimePassword(const Person& person) const;
   // `via`, `address` and `device` of whoever begins it.
   Result<SignedIn> BeginSession(const Person& person, const std::string& via,
                                 const std::string& address, const std::string& device);

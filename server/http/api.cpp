@@ -67,7 +67,7 @@ Status CheckPasswordIsOwn(const Route& route, const Person& person) {
                      route.pattern.starts_with("/api/v1/session/");
   if (!person.must_change_password || own_session) return {};
   return {Code::kForbidden,
-          "this password is for one sign-in only; choose your own first (POST "
+          "this password is only good for choosing your own; do that first (POST "
           "/api/v1/session/password)",
           std::string(kChangePassword)};
 }

@@ -253,7 +253,7 @@ Result<Person> Session::PersonOf(const std::string& session_token) {
                           services_.authenticator.Authenticate(AsBytes(session_token)));
   if (identity.person.must_change_password) {
     return Status(Code::kForbidden,
-                  "this password is for one sign-in only: open the page" +
+                  "this password is only good for choosing your own: open the page" +
                       (services_.page_url.empty() ? "" : ", " + services_.page_url) +
                       ", choose your own, and sign in here again",
                   "password");

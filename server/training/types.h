@@ -33,7 +33,6 @@ struct Person {
   UnixMs created_ms = 0;
   bool must_change_password = false;  // it was made up here and is good for changing it only
   UnixMs password_ms = 0;             // when it was set
-  bool password_used = false;         // one for one use was signed in with
   int32_t revision = 1;               // server/training/revision.h
   std::string language;               // of the page, of kPageLanguages; empty: the browser's
 };

@@ -149,7 +149,7 @@ Result<Person> Workplace::SignInAtServer(const std::string& login, const std::st
         link->page_url().empty() ? "the page of " + credentials_.server.host : link->page_url();
     link->Close();
     return Status(Code::kForbidden,
-                  "this password is for one sign-in only. Open " + page +
+                  "this password is only good for choosing your own. Open " + page +
                       " on any computer, sign in there and choose your own; then sign in here "
                       "again",
                   "password");

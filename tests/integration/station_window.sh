@@ -187,7 +187,7 @@ type once
 key Tab
 type $once
 key Enter
-see for one sign-in only. Open https://school.example/enamel
+see choosing your own. Open https://school.example/enamel
 frames 2
 picture PICTURES/14-once.png
 quit

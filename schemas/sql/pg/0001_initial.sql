@@ -21,7 +21,6 @@ CREATE TABLE people (
   revision             BIGINT NOT NULL DEFAULT 1,
   must_change_password BIGINT NOT NULL DEFAULT 0 CHECK (must_change_password IN (0, 1)),
   password_ms          BIGINT NOT NULL DEFAULT 0,
-  password_used        BIGINT NOT NULL DEFAULT 0 CHECK (password_used IN (0, 1)),
   language             TEXT COLLATE "C" NOT NULL DEFAULT '' CHECK (language IN ('', 'en', 'de', 'zh')),
   PRIMARY KEY (tenant, id),
   UNIQUE (tenant, login)

@@ -75,8 +75,7 @@ Person PersonOf(const Query& q) {
   out.must_change_password = q.Int(6) != 0;
   out.revision = static_cast<int32_t>(q.Int(7));
   out.password_ms = q.Int(8);
-  out.password_used = q.Int(9) != 0;
-  out.language = q.Text(10);
+  out.language = q.Text(9);
   return out;
 }
 
@@ -178,8 +177,8 @@ Status PeopleRows::SetPassword(const Uuid& person, const std::string& verifier, 
                                const Actor& by) {
   return rows_.Write([&](Db& db) -> Status {
     Query q(db,
-            "UPDATE people SET verifier = ?3, must_change_password = ?4, password_ms = ?5, "
-            "password_used = 0 WHERE tenant = ?1 AND id = ?2");
+            "UPDATE people SET verifier = ?3, must_change_password = ?4, password_ms = ?5 "
+            "WHERE tenant = ?1 AND id = ?2");
     q.Bind(person).Bind(verifier).Bind(static_cast<int64_t>(for_one_use)).Bind(NowMs());
     ENAMEL_RETURN_IF_ERROR(q.Run());
     ENAMEL_RETURN_IF_ERROR(MustHaveChanged(db, "person " + person.Text()));
@@ -187,17 +186,6 @@ Status PeopleRows::SetPassword(const Uuid& person, const std::string& verifier, 
     ENAMEL_RETURN_IF_ERROR(DeleteSessions(db, person));
     return WriteAudit(db, by, "person.password", person.Text(), "{}",
                       JsonOf({{"for_one_use", for_one_use ? "yes" : "no"}}));
-  });
-}
-
-// Looked at and used up in one statement: of two who sign in at once, one is refused.
-Status PeopleRows::UseOneTimePassword(const Uuid& person) {
-  return rows_.Write([&](Db& db) -> Status {
-    Query q(db,
-            "UPDATE people SET password_used = 1 WHERE tenant = ?1 AND id = ?2 AND "
-            "must_change_password = 1 AND password_used = 0");
-    ENAMEL_RETURN_IF_ERROR(q.Bind(person).Run());
-    return MustHaveChanged(db, "password for one use that was not used yet");
   });
 }
 

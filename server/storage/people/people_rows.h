@@ -30,9 +30,6 @@ class PeopleRows {
   // Ends the person's sessions. `for_one_use`: it has to be changed before anything else is done.
   Status SetPassword(const Uuid& person, const std::string& verifier, bool for_one_use,
                      const Actor& by);
-  // Somebody signs in with a password for one use: the first of those who do at once. Errors:
-  // kNotFound (it was used, or was not for one use).
-  Status UseOneTimePassword(const Uuid& person);
   // One of kPageLanguages, or empty. No decision: it leaves no audit row. Errors: kNotFound.
   Status SetLanguage(const Uuid& person, const std::string& language);
   // Disabling ends the person's sessions in the same transaction. Errors also: kConflict (the last
@@ -57,7 +54,7 @@ class PeopleRows {
 // Of the table as `p`.
 inline constexpr char kPersonColumns[] =
     "p.id, p.login, p.display_name, p.role, p.disabled, p.created_ms, p.must_change_password, "
-    "p.revision, p.password_ms, p.password_used, p.language";
+    "p.revision, p.password_ms, p.language";
 Person PersonOf(const Query& q);
 Result<std::vector<Person>> PeopleIn(Query& q);
 Result<Person> FindPerson(Db& db, const Uuid& id);

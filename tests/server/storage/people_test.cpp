@@ -124,21 +124,6 @@ TEST_P(PeopleStoreTest, ALanguageStaysWithThePersonWhoChoseIt) {
   EXPECT_FALSE(store_->people.SetLanguage(ada, "xx").ok()) << "the database has no such language";
 }
 
-TEST_P(PeopleStoreTest, APasswordForOneUseIsUsedOnce) {
-  Uuid id = AddPerson(*store_, "ada", Role::kStudent);
-  EXPECT_GT(store_->people.PersonById(id)->password_ms, 0);
-  EXPECT_EQ(store_->people.UseOneTimePassword(id).code(), Code::kNotFound)
-      << "it is the person's own";
-  ASSERT_TRUE(store_->people.SetPassword(id, "v", true, kSystem).ok());
-  EXPECT_FALSE(store_->people.PersonById(id)->password_used);
-  EXPECT_TRUE(store_->people.UseOneTimePassword(id).ok());
-  EXPECT_EQ(store_->people.UseOneTimePassword(id).code(), Code::kNotFound);
-  Reopen();
-  EXPECT_TRUE(store_->people.PersonById(id)->password_used);
-  ASSERT_TRUE(store_->people.SetPassword(id, "w", true, kSystem).ok());
-  EXPECT_TRUE(store_->people.UseOneTimePassword(id).ok()) << "another one";
-}
-
 TEST_P(PeopleStoreTest, ASessionSaysFromWhereAndWithWhatUntilThePersonIsErased) {
   Uuid ada = AddPerson(*store_, "ada", Role::kStudent);
   SessionRow row{HashSha256(AsBytes("1")), ada, 10, 10, 1000, "page"};
