@@ -64,6 +64,7 @@ Authenticator::Authenticator(Store& store, AuthOptions options)
       options_(std::move(options)),
       decoy_verifier_(Decoy(options_.cost)),
       throttle_(CountersOf(store)),
+      places_(options_.max_waiting + options_.hash_threads),
       refusals_(store, [this] { return Elapsed(); }),
       hashing_(options_.hashing ? options_.hashing
                                 : std::make_shared<StorePool>(options_.hash_threads)) {
@@ -95,27 +96,6 @@ bool Authenticator::Verify(const std::string& password, const std::string& verif
   return matches;
 }
 
-bool Authenticator::TakePlace(const std::string& block) {
-  const size_t all = options_.max_waiting + options_.hash_threads;
-  MutexLock lock(waiting_mutex_);
-  // Half of the places at most for one address, so that a flood from there leaves the others a way
-  // in.
-  size_t& here = waiting_from_[block];
-  if (waiting_ < all && here < (all + 1) / 2) {
-    ++waiting_;
-    ++here;
-    return true;
-  }
-  if (here == 0) waiting_from_.erase(block);
-  return false;
-}
-
-void Authenticator::LeavePlace(const std::string& block) {
-  MutexLock lock(waiting_mutex_);
-  --waiting_;
-  if (--waiting_from_[block] == 0) waiting_from_.erase(block);
-}
-
 Status Authenticator::TurnAway(const char* why, std::string login, const std::string& address,
                                const std::string& via, Status status) {
   const std::string_view reason = why;
@@ -136,14 +116,14 @@ auto Authenticator::InPlace(std::string login, std::string address, std::string 
                             StorePool& pool, Work work)
     -> boost::asio::awaitable<decltype(work())> {
   const std::string block = AddressBlock(address);
-  if (!TakePlace(block)) {
+  if (!places_.Take(login, block)) {
     co_return TurnAway(
         "busy", std::move(login), address, via,
         Status(Code::kUnavailable, "too many sign-ins at once; try again in a few seconds"));
   }
   auto result = co_await pool.Run([&] {
     auto here = work();
-    LeavePlace(block);
+    places_.Leave(login, block);
     return here;
   });
   co_return result;
@@ -215,6 +195,7 @@ Result<SignedIn> Authenticator::SignInAdmitted(const std::string& login,
   auto signed_in = BeginSession(*person, request.via, request.address, request.device);
   if (!signed_in.ok()) return signed_in;
   ++counts_.signed_in;
+  places_.Know(login, AddressBlock(request.address));
   EndEarlier(request);
   return signed_in;
 }

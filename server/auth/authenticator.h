@@ -2,9 +2,7 @@
 
 #include <atomic>
 #include <boost/asio/awaitable.hpp>
-#include <boost/asio/thread_pool.hpp>
 #include <functional>
-#include <map>
 #include <string>
 #include <string_view>
 
@@ -12,6 +10,7 @@
 #include "common/base/result.h"
 #include "server/auth/password.h"
 #include "server/auth/refusal_trail.h"
+#include "server/auth/sign_in_places.h"
 #include "server/auth/throttle.h"
 #include "server/storage/people/session_rows.h"
 #include "server/storage/store.h"
@@ -27,7 +26,7 @@ struct AuthOptions {
   // Instead of threads of its own: those of all schools of a process, of hash_threads. Whoever
   // waits for one of them keeps the authenticator.
   std::shared_ptr<StorePool> hashing{};
-  // Sign-ins beyond these are refused with kUnavailable; half of them may come from one address.
+  // Sign-ins beyond these are refused with kUnavailable (SignInPlaces).
   size_t max_waiting = 16;
   std::function<UnixMs()> clock;  // empty: the system's, which may be set back and forth
   // Milliseconds of a clock that only goes forward, for slowing down. Empty: `clock` where that is
@@ -169,17 +168,11 @@ class Authenticator {
   template <typename Work>
   auto InPlace(std::string login, std::string address, std::string via, StorePool& pool, Work work)
       -> boost::asio::awaitable<decltype(work())>;
-  bool TakePlace(const std::string& block);
-  void LeavePlace(const std::string& block);
-
   Store& store_;
   const AuthOptions options_;
   const std::string decoy_verifier_;  // verified against when there is no such login
   Throttle throttle_;
-  Mutex waiting_mutex_;
-  size_t waiting_ ENAMEL_GUARDED_BY(waiting_mutex_) = 0;
-  // By address block.
-  std::map<std::string, size_t> waiting_from_ ENAMEL_GUARDED_BY(waiting_mutex_);
+  SignInPlaces places_;
   DoorCounts counts_;
   RefusalTrail refusals_;
   // Asks the store what other servers have counted; none: this one counts alone, in memory.
