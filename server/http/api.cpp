@@ -127,6 +127,7 @@ Api::Api(Store& store, auth::Authenticator& authenticator, Monitoring monitoring
       monitoring_(std::move(monitoring)),
       max_in_flight_(max_in_flight),
       work_(work),
+      places_(max_in_flight),
       pool_(std::in_place, threads),
       changes_(std::in_place, threads),
       teeth_(std::in_place, store) {}
@@ -257,15 +258,27 @@ asio::awaitable<Response> Api::Answer(const Request& request) {
   auto* async = std::get_if<AsyncHandler>(&route.handler);
   // Sign-in is bounded by its hashing.
   if (async && route.need == Need::kNobody) co_return co_await (*async)(call, store_);
+  std::shared_ptr<void> own = places_.Take(request);
+  if (own == nullptr) {
+    co_return ErrorResponse(
+        {Code::kUnavailable,
+         "too many of your requests are under way at once; try again in a few seconds"});
+  }
   // Lives as long as the work, also when the caller has been answered in its stead: the bound is on
   // what runs.
   InFlight place(in_flight_, max_in_flight_);
   if (!place.granted()) {
     co_return ErrorResponse({Code::kUnavailable, "the server is busy; try again in a few seconds"});
   }
-  if (async) co_return co_await Asynchronous(call, route);
-  StorePool& pool = IsSafe(request.method) ? *pool_ : *changes_;
-  co_return co_await pool.Run([&] { return Blocking(call, route); });
+  Response response;
+  if (async) {
+    response = co_await Asynchronous(call, route);
+  } else {
+    StorePool& pool = IsSafe(request.method) ? *pool_ : *changes_;
+    response = co_await pool.Run([&] { return Blocking(call, route); });
+  }
+  if (response.Body().size() >= RequestPlaces::kLargeBytes) response.place = std::move(own);
+  co_return response;
 }
 
 asio::awaitable<Response> Api::Asynchronous(Call& call, const Route& route) {
@@ -321,7 +334,9 @@ Response Api::Blocking(Call& call, const Route& route) {
 Result<auth::Identity> Api::Identify(const Request& request) {
   std::optional<std::string> cookie = SessionCookie(request);
   if (!cookie) return Status{Code::kUnauthenticated, "sign in first"};
-  return authenticator_.AuthenticateHex(*cookie);
+  Result<auth::Identity> caller = authenticator_.AuthenticateHex(*cookie);
+  if (caller.ok()) places_.Know(request, caller->person.id);
+  return caller;
 }
 
 asio::awaitable<bool> Api::StillAllowed(EventSource& events) {

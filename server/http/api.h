@@ -14,6 +14,7 @@
 #include "server/auth/authenticator.h"
 #include "server/auth/first_admin.h"
 #include "server/http/message.h"
+#include "server/http/request_places.h"
 #include "server/http/routes.h"
 #include "server/storage/store.h"
 #include "server/storage/store_pool.h"
@@ -86,6 +87,7 @@ class Api : public std::enable_shared_from_this<Api> {
   std::atomic<uint16_t> station_port_{0};
   std::atomic<bool> draining_{false};
   std::atomic<size_t> in_flight_{0};
+  RequestPlaces places_;
   std::array<std::atomic<uint64_t>, 6> answers_{};
   std::atomic<uint64_t> forbidden_{0};
   ops::Histogram reads_;

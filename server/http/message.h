@@ -62,6 +62,7 @@ struct Response {
   std::string refusal;                  // the error's code, when this is one; for the server itself
   std::shared_ptr<EventSource> events;  // instead of a body; the connection ends with them
   std::shared_ptr<const std::atomic<bool>> school_ended;  // the request's
+  std::shared_ptr<void> place;                            // RequestPlaces'
 
   std::string_view Body() const { return shared_body ? *shared_body : body; }
 };

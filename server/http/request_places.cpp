@@ -1,0 +1,45 @@
+#include "server/http/request_places.h"
+
+#include <optional>
+#include <utility>
+
+#include "common/base/bytes.h"
+#include "server/auth/address_block.h"
+#include "server/http/site.h"
+
+namespace enamel::server::http {
+
+std::shared_ptr<void> RequestPlaces::Take(const Request& request) {
+  std::string name;
+  if (const auto cookie = SessionCookie(request)) {
+    const std::string hash = HashSha256(AsBytes(*cookie)).Hex();
+    MutexLock lock(mutex_);
+    const auto at = people_.find(hash);
+    if (at != people_.end()) name = at->second;
+  }
+  const size_t most = name.empty() ? of_address_ : kOfPerson;
+  if (name.empty()) name = auth::AddressBlock(request.peer);
+  {
+    MutexLock lock(counts_->mutex);
+    size_t& taken = counts_->taken[name];
+    if (taken >= most) return nullptr;
+    ++taken;
+  }
+  // What it points to only says that it is not null.
+  return {counts_.get(), [counts = counts_, name](void*) {
+            MutexLock lock(counts->mutex);
+            const auto at = counts->taken.find(name);
+            if (--at->second == 0) counts->taken.erase(at);
+          }};
+}
+
+void RequestPlaces::Know(const Request& request, const Uuid& person) {
+  const auto cookie = SessionCookie(request);
+  if (!cookie) return;
+  MutexLock lock(mutex_);
+  // All at once: the next request of each is known again.
+  if (people_.size() >= kMostKnown) people_.clear();
+  people_[HashSha256(AsBytes(*cookie)).Hex()] = person.Text();
+}
+
+}  // namespace enamel::server::http
