@@ -185,6 +185,8 @@ void Pages::SignIn() {
   ui_.Note(Say("sign_in.keys"));
   Languages();
   if (go) {
+    // After a wrong password the next letters are another try.
+    if (!login_.empty()) ui_.Focus(Say("sign_in.password"));
     flow_.SignIn(login_, password_);
     // Not kept after sending, whatever the server answers.
     password_.clear();
@@ -447,9 +449,10 @@ bool Pages::AskClose() {
   ui_.BeginDialog("close", Say("close.title"));
   ui_.Text(Say("close.text"));
   ui_.Gap(12);
-  bool close = ui_.Button(Say("close.close"), Ui::Look::kDanger);
-  ui_.SameLine();
+  // First, so that Esc and Enter do not end the program.
   if (ui_.Button(Say("close.stay"), Ui::Look::kMain) || ui_.escape()) flow_.CloseDialog();
+  ui_.SameLine();
+  const bool close = ui_.Button(Say("close.close"), Ui::Look::kDanger);
   ui_.EndDialog();
   return close;
 }

@@ -107,8 +107,8 @@ bool Script::Take(const Line& line, Screen& screen, const Ui& ui, Workflow* flow
   if (line.verb == "click") return Click(line.rest, screen, ui);
   if (line.verb == "type") return Type(line.rest, screen);
   if (line.verb == "key") {
-    Hold(screen, line.rest, true);
-    Hold(screen, line.rest, false);
+    screen.Inject(
+        {InputEvent::Key(KeyOf(line.rest), true), InputEvent::Key(KeyOf(line.rest), false)});
     return true;
   }
   if (line.verb == "hold" || line.verb == "let") {

@@ -20,6 +20,7 @@ namespace enamel::station::desk {
 //                      LABEL #2: on the second of them
 //   type TEXT          writes it, letter by letter
 //   key NAME           Tab, Enter, Escape, Space, Up, Down, F1, or a letter; pressed and let go
+//                      within a frame, as a badge reader does
 //   hold NAME / let NAME      a key, or Left / Right for a mouse button
 //   move DX DY N       the mouse by so many pixels in each of N frames
 //   wheel N            notches, one a frame

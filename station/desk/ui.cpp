@@ -341,8 +341,9 @@ bool Ui::Field(const std::string& label, std::string& text, bool secret) {
   Say(label + ": " + (secret ? std::string(text.size(), '*') : text));
   ImGui::TextUnformatted(label.c_str());
   Focused focus = Next(label);
-  // Once, when reached: repeating it in each frame would select the text each time.
-  if (focus.moved) ImGui::SetKeyboardFocusHere();
+  // Enter and a click beside the field end its editing, but the ring stays. Not while it is edited:
+  // that would select the text each time.
+  if (focus.moved || (focus.has && ImGui::GetActiveID() == 0)) ImGui::SetKeyboardFocusHere();
   ImGui::PushFont(fonts().far);
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - 8 * px());
   bool entered =

@@ -71,7 +71,8 @@ class Ui {
   bool Row(const std::string& title, const std::string& detail, const std::string& right,
            bool chosen = false);
   bool Check(const std::string& label, bool& value);
-  // One line of text. True when Enter was pressed in it.
+  // One line of text, which takes letters whenever it has the focus. True when Enter was pressed in
+  // it.
   bool Field(const std::string& label, std::string& text, bool secret = false);
   void Bar(const std::string& label, double share);
   // A number as large as the page allows, and its maximum.

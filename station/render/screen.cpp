@@ -28,6 +28,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr auto kFrameTime = std::chrono::milliseconds(16);
 constexpr int kButtons = 3;
+// A field that Tab or Enter leads to takes letters from the third frame on.
+constexpr int kFocusFrames = 3;
 
 static_assert(kKeySpace == GLFW_KEY_SPACE && kKeyEscape == GLFW_KEY_ESCAPE &&
               kKeyEnter == GLFW_KEY_ENTER && kKeyTab == GLFW_KEY_TAB &&
@@ -146,11 +148,11 @@ class Screen::Impl {
     began_ = Clock::now();
     glfwPollEvents();
     if (!injected_.empty()) {
-      // One a frame: spreads a script's input over frames, like a hand's.
-      InputEvent event = injected_.front();
+      // One step a frame: spreads a script's input over frames, like a hand's.
+      pending_.insert(pending_.end(), injected_.front().begin(), injected_.front().end());
       injected_.pop_front();
-      Take(event);
     }
+    TakePending();
     Measure();
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
@@ -163,6 +165,9 @@ class Screen::Impl {
       io.MouseDown[i] = held_[static_cast<size_t>(i)] || clicked_[static_cast<size_t>(i)];
     }
     clicked_.reset();
+    // A key that came and went between two frames is down for one.
+    for (size_t key = 0; key < keys_.size(); ++key) io.KeysDown[key] = keys_[key] || tapped_[key];
+    tapped_.reset();
     ImGui::NewFrame();
     return !glfwWindowShouldClose(glfw_.get());
   }
@@ -216,7 +221,8 @@ class Screen::Impl {
   GLFWwindow* window() const { return glfw_.get(); }
 
   std::vector<InputEvent> events_;
-  std::deque<InputEvent> injected_;
+  std::deque<std::vector<InputEvent>> injected_;
+  std::deque<InputEvent> pending_;  // not taken yet
   double cursor_x_ = 0, cursor_y_ = 0, last_cursor_x_ = 0, last_cursor_y_ = 0;
   std::bitset<kButtons> held_;
   std::bitset<GLFW_KEY_LAST + 1> keys_;
@@ -238,18 +244,35 @@ class Screen::Impl {
     GLFWwindow* window = glfw_.get();
     glfwSetWindowUserPointer(window, this);
     glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int mods) {
-      Of(w).Take(InputEvent::Key(key, action != GLFW_RELEASE, mods, action == GLFW_REPEAT));
+      Of(w).pending_.push_back(
+          InputEvent::Key(key, action != GLFW_RELEASE, mods, action == GLFW_REPEAT));
     });
     glfwSetCharCallback(window, [](GLFWwindow* w, unsigned c) {
-      Of(w).Take(InputEvent::Character(static_cast<int>(c)));
+      Of(w).pending_.push_back(InputEvent::Character(static_cast<int>(c)));
     });
-    glfwSetScrollCallback(
-        window, [](GLFWwindow* w, double, double dy) { Of(w).Take(InputEvent::Wheel(dy)); });
+    glfwSetScrollCallback(window, [](GLFWwindow* w, double, double dy) {
+      Of(w).pending_.push_back(InputEvent::Wheel(dy));
+    });
     glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int) {
-      Of(w).Take(InputEvent::Button(button, action == GLFW_PRESS));
+      Of(w).pending_.push_back(InputEvent::Button(button, action == GLFW_PRESS));
     });
-    glfwSetCursorPosCallback(
-        window, [](GLFWwindow* w, double x, double y) { Of(w).Take(InputEvent::Cursor(x, y)); });
+    glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) {
+      Of(w).pending_.push_back(InputEvent::Cursor(x, y));
+    });
+  }
+
+  // A badge reader writes login, Tab, password and Enter within a frame. Input behind Tab or Enter
+  // waits until the field that has the focus then takes it.
+  void TakePending() {
+    if (settling_ > 0 && --settling_ > 0) return;
+    while (!pending_.empty() && settling_ == 0) {
+      const InputEvent event = pending_.front();
+      pending_.pop_front();
+      Take(event);
+      const bool moves =
+          event.code == kKeyTab || event.code == kKeyEnter || event.code == kKeyPadEnter;
+      if (event.kind == InputEvent::Kind::kKey && event.pressed && moves) settling_ = kFocusFrames;
+    }
   }
 
   void Take(const InputEvent& event) {
@@ -259,6 +282,7 @@ class Screen::Impl {
       case InputEvent::Kind::kKey:
         if (event.code < 0 || event.code > GLFW_KEY_LAST) return;
         keys_[static_cast<size_t>(event.code)] = event.pressed;
+        if (event.pressed) tapped_[static_cast<size_t>(event.code)] = true;
         return ImGui_ImplGlfw_KeyCallback(window, event.code, 0,
                                           event.pressed ? GLFW_PRESS : GLFW_RELEASE, event.mods);
       case InputEvent::Kind::kCharacter:
@@ -306,7 +330,10 @@ class Screen::Impl {
 
   const bool paced_;
   GlfwWindow glfw_;
-  std::bitset<kButtons> clicked_;  // pressed since the last frame, even if let go already
+  // Pressed since the last frame, even if let go already.
+  std::bitset<kButtons> clicked_;
+  std::bitset<GLFW_KEY_LAST + 1> tapped_;
+  int settling_ = 0;  // frames until input behind Tab or Enter is taken
   std::unique_ptr<Target> shown_;
   Clock::time_point began_{}, next_{};
 };
@@ -330,9 +357,11 @@ void Screen::Need(const std::string& text) {
 void Screen::CancelClose() { glfwSetWindowShouldClose(impl_->window(), GLFW_FALSE); }
 void Screen::Close() { glfwSetWindowShouldClose(impl_->window(), GLFW_TRUE); }
 std::span<const InputEvent> Screen::events() const { return impl_->events_; }
-void Screen::Inject(const InputEvent& event) { impl_->injected_.push_back(event); }
+void Screen::Inject(std::vector<InputEvent> events) {
+  impl_->injected_.push_back(std::move(events));
+}
 void Screen::CaptureCursor(bool capture) { impl_->Capture(capture); }
-bool Screen::injecting() const { return !impl_->injected_.empty(); }
+bool Screen::injecting() const { return !impl_->injected_.empty() || !impl_->pending_.empty(); }
 double Screen::cursor_x() const { return impl_->cursor_x_; }
 double Screen::cursor_y() const { return impl_->cursor_y_; }
 double Screen::last_cursor_x() const { return impl_->last_cursor_x_; }

@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "common/base/result.h"
 #include "station/render/fonts.h"
@@ -51,8 +52,10 @@ class Screen {
 
   // Of this frame, in order.
   std::span<const InputEvent> events() const;
-  // Acts as if the person had done it; at most one event per frame is taken.
-  void Inject(const InputEvent& event);
+  // Acts as if the person had done it. The events of one call come between two frames, those of
+  // the next call a frame later.
+  void Inject(std::vector<InputEvent> events);
+  void Inject(const InputEvent& event) { Inject(std::vector{event}); }
   bool injecting() const;  // some are still waiting
   // While captured the cursor is hidden and moves without limit: the mouse does not control
   // widgets.

@@ -55,7 +55,7 @@ type wrong
 key Enter
 see password
 picture PICTURES/2-wrong-password.png
-click Password
+# The password's field still has the focus.
 type enamel-demo-student1
 key Enter
 page exercises
@@ -119,7 +119,8 @@ key Escape
 page sign-in
 key Escape
 page close
-click Stay
+# Staying comes first.
+key Enter
 page sign-in
 quit
 EOF

@@ -163,6 +163,70 @@ TEST_F(UiTest, AKeyThatIsHeldGoesOnMovingTheFocus) {
   EXPECT_EQ(chosen, (std::vector<int>{0, 0, 0, 1}));
 }
 
+// What a badge reader types, and xdotool: a key is up again before the next frame.
+std::vector<InputEvent> Typed(std::string_view text) {
+  std::vector<InputEvent> events;
+  for (char c : text) {
+    const int key = c == '\t' ? int{render::kKeyTab} : c == '\n' ? int{render::kKeyEnter} : 0;
+    if (key == 0) {
+      events.push_back(InputEvent::Character(c));
+      continue;
+    }
+    events.push_back(InputEvent::Key(key, true));
+    events.push_back(InputEvent::Key(key, false));
+  }
+  return events;
+}
+
+struct SignInPage {
+  std::string login, password;
+  std::vector<std::string> tried;
+  void Draw(Ui& ui) {
+    ui.Begin("sign-in");
+    ui.Field("Login", login);
+    bool go = ui.Field("Password", password, true);
+    go |= ui.Button("Sign in");
+    ui.End();
+    if (!go) return;
+    tried.push_back(login + "/" + password);
+    password.clear();
+  }
+};
+
+TEST_F(UiTest, AfterEnterTheFieldTakesTheNextWord) {
+  SignInPage page;
+  auto draw = [&] { page.Draw(*ui_); };
+  Play(draw);
+  for (std::string_view word : {"ada", "\t", "wrong", "\n", "right", "\n"}) {
+    screen_->Inject(Typed(word));
+    Play(draw);
+    Play(draw);
+  }
+  EXPECT_EQ(page.tried, (std::vector<std::string>{"ada/wrong", "ada/right"}));
+}
+
+TEST_F(UiTest, AShortEnterCountsInAFieldThatWasClicked) {
+  SignInPage page;
+  auto draw = [&] { page.Draw(*ui_); };
+  Play(draw);
+  for (int i = 0; i < 3; ++i) {
+    ClickChoice(1);
+    screen_->Inject(Typed("secret\n"));
+    Play(draw);
+    Play(draw);
+  }
+  EXPECT_EQ(page.tried, (std::vector<std::string>{"/secret", "/secret", "/secret"}));
+}
+
+TEST_F(UiTest, ABadgeReaderSignsInWithinAFrame) {
+  SignInPage page;
+  auto draw = [&] { page.Draw(*ui_); };
+  Play(draw);
+  screen_->Inject(Typed("ada\tsecret\n"));
+  for (int i = 0; i < 4; ++i) Play(draw);
+  EXPECT_EQ(page.tried, (std::vector<std::string>{"ada/secret"}));
+}
+
 TEST_F(UiTest, ThePedalChoosesNothingInADialogOverAnAttempt) {
   int chosen = 0;
   Ui::Space space = Ui::Space::kIsThePedal;
