@@ -302,6 +302,32 @@ Status Session::AddExercise(const ExerciseRow& row, const std::vector<SceneRow>&
   return Status::Ok();
 }
 
+// Of each assignment, of the scores that the person may see.
+Result<std::map<Uuid, double>> Session::BestScores(const Person& person,
+                                                   const std::vector<AssignedRow>& assigned) {
+  constexpr uint32_t kPage = 200;
+  std::map<Uuid, double> best;
+  AttemptFilter filter;
+  filter.person = person.id;
+  filter.state = AttemptState::kScored;
+  filter.limit = kPage;
+  for (;;) {
+    ENAMEL_ASSIGN_OR_RETURN(const auto rows, services_.store.attempts.Attempts(filter));
+    for (const AttemptRow& row : rows) {
+      const std::optional<double> score =
+          row.overridden ? std::optional(row.overridden->score) : row.score;
+      const auto under = std::ranges::find_if(
+          assigned, [&](const AssignedRow& a) { return row.assignment == a.assignment.id; });
+      if (!score || (row.flags & (kExcused | kReturned)) != 0 || under == assigned.end()) continue;
+      if (!CanSeeScore(person, row, under->exercise.graded, false)) continue;
+      auto [at, first] = best.try_emplace(under->assignment.id, *score);
+      if (!first) at->second = std::max(at->second, *score);
+    }
+    if (rows.size() < kPage) return best;
+    filter.before = rows.back().id;
+  }
+}
+
 Status Session::AddAssigned(const AssignedRow& row, const std::vector<SceneRow>& scenes,
                             wire::Exercises& out) {
   const int before = out.exercises_size();
@@ -335,6 +361,11 @@ Result<wire::Reply> Session::Do(const wire::ListExercises& request) {
     ENAMEL_ASSIGN_OR_RETURN(auto assigned, services_.store.assignments.AssignmentsFor(person.id));
     for (const AssignedRow& row : assigned) {
       ENAMEL_RETURN_IF_ERROR(AddAssigned(row, scenes, out));
+    }
+    ENAMEL_ASSIGN_OR_RETURN(const auto best, BestScores(person, assigned));
+    for (wire::ExerciseRef& ref : *out.mutable_exercises()) {
+      ENAMEL_ASSIGN_OR_RETURN(const auto id, protocol::ReadUuid(ref.assignment(), "assignment"));
+      if (const auto score = best.find(id); score != best.end()) ref.set_best_score(score->second);
     }
   } else {
     ENAMEL_ASSIGN_OR_RETURN(auto exercises, ExercisesOf(person));

@@ -126,6 +126,8 @@ class Session {
   Result<std::string> StationsText(const AssignmentRow& assignment);
   Status AddExercise(const ExerciseRow& row, const std::vector<SceneRow>& scenes,
                      wire::Exercises& out);
+  Result<std::map<Uuid, double>> BestScores(const Person& person,
+                                            const std::vector<AssignedRow>& assigned);
   Status AddAssigned(const AssignedRow& row, const std::vector<SceneRow>& scenes,
                      wire::Exercises& out);
   // The assignment that a ticket of this person for this exercise counts under; none: reference

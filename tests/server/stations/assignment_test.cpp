@@ -191,17 +191,20 @@ TEST_F(AssignmentTest, ExamShowsNoScoreAtTheStationBeforeItsRelease) {
   ASSERT_TRUE(station_.Seal(recording.seal).has_sealed());
   AttemptResult result;
   result.score_json = PutText(*world_.store, "{}");
+  result.score = 84.5;
   ASSERT_TRUE(world_.store->results.FinishAttempt(recording.seal.attempt, result, {}).ok());
   wire::AttemptState state = station_.Status(recording.seal.attempt).attempt_state();
   EXPECT_EQ(state.state(), "scored");
   EXPECT_TRUE(state.exam());
   EXPECT_EQ(state.result_json(), "");
+  EXPECT_FALSE(Listed().has_best_score());
   ASSERT_EQ(state.flags_size(), 1);
   EXPECT_EQ(state.flags(0), "resumed");
   ASSERT_TRUE(world_.store->judging.ReleaseAttempt(recording.seal.attempt, kSystem).ok());
   state = station_.Status(recording.seal.attempt).attempt_state();
   EXPECT_TRUE(state.released());
   EXPECT_EQ(state.result_json(), "{}");
+  EXPECT_EQ(Listed().best_score(), 84.5);
 }
 
 // Sent each time; unknown facts are not shown, and too much is refused.
