@@ -4,61 +4,10 @@
 #include <utility>
 
 #include "common/base/unix_time.h"
+#include "station/desk/exercise_words.h"
 #include "station/desk/score_words.h"
 
 namespace enamel::station::desk {
-namespace {
-
-// "3 days", "5 hours", "1 minute".
-std::string SpanText(const Words& words, int64_t span_ms) {
-  int64_t minutes = std::max<int64_t>(span_ms, 0) / 60'000;
-  // From two on, so that nearly two days are not shown as one.
-  if (minutes >= 2 * 24 * 60) return words.Say("span.days", {{"count", minutes / (24 * 60)}});
-  if (minutes >= 2 * 60) return words.Say("span.hours", {{"count", minutes / 60}});
-  return words.Say("span.minutes", {{"count", minutes}});
-}
-
-}  // namespace
-
-std::string AssignmentText(const Words& words, const Catalogue::Exercise& exercise,
-                           int64_t now_unix_ms) {
-  if (!exercise.refusal.empty()) return exercise.refusal;
-  std::string due, left;
-  if (exercise.due_unix_ms > 0) {
-    const int64_t span_ms = exercise.due_unix_ms - now_unix_ms;
-    due = span_ms / 60'000 < 0 ? words.Say("assignment.late")
-                               : words.Say("assignment.due", {{"span", SpanText(words, span_ms)}});
-  }
-  if (exercise.attempt_limit > 0) {
-    left = words.Say("assignment.left", {{"count", int64_t{exercise.attempts_left}}});
-  }
-  if (!due.empty() && !left.empty()) {
-    return words.Say("assignment.due_and_left", {{"due", due}, {"left", left}});
-  }
-  if (due.empty() && left.empty()) return words.Say("assignment.free");
-  return due.empty() ? left : due;
-}
-
-std::string CutOffText(const Words& words, const SpooledAttempt& attempt, int64_t now_unix_ms) {
-  return words.Say("cut_off.text",
-                   {{"count", int64_t{attempt.chunks}},
-                    {"profile", attempt.profile},
-                    {"span", SpanText(words, now_unix_ms - attempt.created_unix_ms)}});
-}
-
-std::string HandedInText(const Words& words, const SpooledAttempt& attempt, int64_t now_unix_ms) {
-  return words.Say(attempt.complete() ? "handed_in.whole" : "handed_in.partly",
-                   {{"span", SpanText(words, now_unix_ms - attempt.created_unix_ms)},
-                    {"profile", attempt.profile}});
-}
-
-std::string ReservedText(const Words& words, const ReservedAttempt& reserved, int64_t now_unix_ms) {
-  return words.Say("reserved.row",
-                   {{"person", reserved.ticket.person},
-                    {"profile", reserved.ticket.profile},
-                    {"span", SpanText(words, reserved.ticket.expires_unix_ms - now_unix_ms)}});
-}
-
 const char* FaultKey(Fault fault) {
   switch (fault) {
     case Fault::kNone:
@@ -214,28 +163,34 @@ void Pages::Exercises() {
   ui_.Title(Say("exercises.hello", {{"name", flow_.person().display_name}}));
   ui_.Note(Say("exercises.choose"));
   ui_.Problem(flow_.problem());
-  ui_.BeginList("exercises", 180);
-  for (size_t i = 0; i < flow_.cut_off().size(); ++i) {
-    const SpooledAttempt& attempt = flow_.cut_off()[i];
-    if (ui_.Row(Say("exercises.cut_off",
-                    {{"title", WordedTitle(flow_.words(), flow_.TitleOf(attempt))}}),
-                CutOffText(flow_.words(), attempt, UnixMs()), Say("exercises.go_on"))) {
-      flow_.OpenCutOff(i);
-    }
+  ui_.BeginList("exercises");
+  std::vector<Card> cards;
+  for (const SpooledAttempt& attempt : flow_.cut_off()) {
+    const std::string title = WordedTitle(flow_.words(), flow_.TitleOf(attempt));
+    cards.push_back({Say("exercises.cut_off", {{"title", title}}),
+                     {CutOffText(flow_.words(), attempt, UnixMs())},
+                     Say("exercises.go_on"),
+                     {}});
   }
   const auto& all = flow_.exercises();
-  for (size_t i = 0; i < all.size(); ++i) {
-    std::string detail = AssignmentText(flow_.words(), all[i], UnixMs());
-    if (ui_.Row(WordedTitle(flow_.words(), all[i].title), detail,
-                all[i].exam ? Say("exercises.exam") : ""))
-      flow_.ChooseExercise(i);
+  for (const Catalogue::Exercise& exercise : all) {
+    cards.push_back(CardOf(flow_.words(), exercise, UnixMs()));
   }
-  for (size_t i = 0; i < flow_.handed_in().size(); ++i) {
-    const SpooledAttempt& attempt = flow_.handed_in()[i];
-    if (ui_.Row(Say("exercises.result",
-                    {{"title", WordedTitle(flow_.words(), flow_.TitleOf(attempt))}}),
-                HandedInText(flow_.words(), attempt, UnixMs()), Say("exercises.look"))) {
-      flow_.OpenHandedIn(i);
+  for (const SpooledAttempt& attempt : flow_.handed_in()) {
+    const std::string title = WordedTitle(flow_.words(), flow_.TitleOf(attempt));
+    cards.push_back({Say("exercises.result", {{"title", title}}),
+                     {HandedInText(flow_.words(), attempt, UnixMs())},
+                     Say("exercises.look"),
+                     {}});
+  }
+  if (const std::optional<size_t> chosen = ui_.Cards(cards)) {
+    const size_t first = flow_.cut_off().size(), last = first + all.size();
+    if (*chosen < first) {
+      flow_.OpenCutOff(*chosen);
+    } else if (*chosen < last) {
+      flow_.ChooseExercise(*chosen - first);
+    } else {
+      flow_.OpenHandedIn(*chosen - last);
     }
   }
   if (all.empty() && !flow_.busy()) {
@@ -270,7 +225,7 @@ void Pages::Exercise() {
   ui_.Problem(flow_.problem().empty() ? ref.refusal : flow_.problem());
   if (!flow_.notice().empty()) ui_.Text(flow_.notice());
   const PreparedAttempt* prepared = flow_.preview();
-  ui_.BeginList("facts", flow_.instructor() ? 190 : 130);
+  ui_.BeginList("facts");
   if (prepared != nullptr) {
     ExerciseFacts(*prepared);
     ui_.Gap(10);
@@ -331,7 +286,7 @@ void Pages::Reserved() {
   ui_.Note(Say("reserved.text"));
   ui_.Problem(flow_.problem());
   if (!flow_.notice().empty()) ui_.Text(flow_.notice());
-  ui_.BeginList("reserved", 110);
+  ui_.BeginList("reserved");
   const auto& all = flow_.reserved();
   for (size_t i = 0; i < all.size(); ++i) {
     if (ui_.Row(WordedTitle(flow_.words(), all[i].ticket.title),
@@ -431,7 +386,7 @@ bool DrawOpeningProblem(Ui& ui, const Words& words, Opening& opening) {
   ui.Problem(shown.what);
   ui.Text(shown.safe);
   ui.Text(shown.todo);
-  ui.BeginList("operators", 150);
+  ui.BeginList("operators");
   ui.Note(words.Say("trouble.operators"));
   ui.Note(shown.operators);
   ui.EndList();

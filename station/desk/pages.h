@@ -77,17 +77,6 @@ void DrawBur(const cutting::Bur& bur, float width_px, float height_px, float mm_
 // "Cylinder, 1.2 mm thick, 4.0 mm long".
 std::string BurText(const Words& words, const cutting::Bur& bur);
 
-// Status of an exercise before it is chosen: "due in 2 days, 3 attempts left".
-std::string AssignmentText(const Words& words, const Catalogue::Exercise& exercise,
-                           int64_t now_unix_ms);
-
-// An interrupted attempt: "12 parts recorded on omega3, begun 3 hours ago".
-std::string CutOffText(const Words& words, const SpooledAttempt& attempt, int64_t now_unix_ms);
-// An attempt handed in: "Handed in, made 5 minutes ago on pointer".
-std::string HandedInText(const Words& words, const SpooledAttempt& attempt, int64_t now_unix_ms);
-// A ticket taken in advance: "Ada on omega3, 11 hours left".
-std::string ReservedText(const Words& words, const ReservedAttempt& reserved, int64_t now_unix_ms);
-
 // Key of the message for a fault at the chair; its English is FaultText's. Empty for none.
 const char* FaultKey(Fault fault);
 

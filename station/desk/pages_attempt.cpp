@@ -160,7 +160,7 @@ void Pages::Score(const scoring::ScoreResult& score) {
   }
   if (std::string worst = WorstWall(flow_.words(), score); !worst.empty())
     ui_.Text(Say("result.worst", {{"reason", worst}}));
-  ui_.BeginList("reasons", 140);
+  ui_.BeginList("reasons");
   for (const scoring::CriterionResult& c : score.criteria) {
     if (c.max_points == 0) continue;  // not in this exercise
     ui_.Line(WordedTitle(flow_.words(), c.title),

@@ -139,8 +139,14 @@ bool Script::Click(const std::string& rest, Screen& screen, const Ui& ui) {
   for (const Choice& choice : ui.choices()) {
     // By its beginning: labels may end in changing text, such as a time.
     if (!choice.label.starts_with(label) || --nth > 0) continue;
-    screen.Inject(InputEvent::Cursor(0.5 * (choice.at.x0 + choice.at.x1),
-                                     0.5 * (choice.at.y0 + choice.at.y1)));
+    const double x = 0.5 * (choice.at.x0 + choice.at.x1), y = 0.5 * (choice.at.y0 + choice.at.y1);
+    if (!choice.visible) {
+      // Scrolls the list under the middle of the window, as a person does, and looks again.
+      screen.Inject(InputEvent::Cursor(x, 0.5 * screen.height()));
+      screen.Inject(InputEvent::Wheel(y > 0.5 * screen.height() ? -1 : 1));
+      return false;
+    }
+    screen.Inject(InputEvent::Cursor(x, y));
     Hold(screen, "Left", true);
     Hold(screen, "Left", false);
     return true;

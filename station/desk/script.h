@@ -17,7 +17,7 @@ namespace enamel::station::desk {
 //                      "trouble" where the station cannot be used)
 //   see WORDS          waits until the page shows these words
 //   click LABEL        the left button on the choice whose label begins so, once it is shown;
-//                      LABEL #2: on the second of them
+//                      LABEL #2: on the second of them. Turns the wheel until it is in view
 //   type TEXT          writes it, letter by letter
 //   key NAME           Tab, Enter, Escape, Space, Up, Down, F1, or a letter; pressed and let go
 //                      within a frame, as a badge reader does

@@ -5,6 +5,9 @@
 #include <imgui_stdlib.h>
 
 #include <algorithm>
+#include <cfloat>
+#include <cmath>
+#include <utility>
 
 namespace enamel::station::desk {
 namespace {
@@ -34,8 +37,31 @@ void PushButtonColours(ImU32 colour) {
 // The page's words as text, for scripts and tests.
 void Ui::Say(const std::string& text) { words_ += text + "\n"; }
 
+// Up (-1) and Down (1): the nearest choice on that side, of these the one most in line. The next in
+// the round where there is none.
+size_t Ui::Beside(size_t from, int down) const {
+  const size_t n = shown_.size();
+  if (from >= n) return 0;
+  const Rect& here = shown_[from].at;
+  size_t best = n;
+  float least = 0;
+  for (size_t i = 0; i < n; ++i) {
+    const Rect& at = shown_[i].at;
+    const float gap = down > 0 ? at.y0 - here.y1 : here.y0 - at.y1;
+    if (gap < -1) continue;  // rows may touch
+    const float aside =
+        std::max({0.0f, at.x0 - here.x1, here.x0 - at.x1}) + 0.01f * std::abs(at.x0 - here.x0);
+    const float distance = gap + 2 * aside;
+    if (best < n && distance >= least) continue;
+    best = i;
+    least = distance;
+  }
+  return best < n ? best : (from + n + static_cast<size_t>(down + static_cast<int>(n))) % n;
+}
+
 void Ui::ReadKeys() {
-  step_ = 0;
+  next_ = focus_;
+  const size_t n = std::max<size_t>(shown_.size(), 1);
   choose_ = escape_ = false;
   for (const InputEvent& event : screen_.events()) {
     if (event.kind != InputEvent::Kind::kKey || !event.pressed) continue;
@@ -44,19 +70,19 @@ void Ui::ReadKeys() {
     bool once = !event.repeat, writing = focus_ < shown_.size() && shown_[focus_].field;
     switch (event.code) {
       case render::kKeyTab:
-        step_ += event.mods & render::kModShift ? -1 : 1;
+        next_ = (next_ + (event.mods & render::kModShift ? n - 1 : 1)) % n;
         break;
       case render::kKeyDown:
-        ++step_;
+        next_ = Beside(next_, 1);
         break;
       case render::kKeyUp:
-        --step_;
+        next_ = Beside(next_, -1);
         break;
       case render::kKeyRight:
-        if (!writing) ++step_;
+        if (!writing) next_ = (next_ + 1) % n;
         break;
       case render::kKeyLeft:
-        if (!writing) --step_;
+        if (!writing) next_ = (next_ + n - 1) % n;
         break;
       case render::kKeyEnter:
       case render::kKeyPadEnter:
@@ -84,10 +110,9 @@ void Ui::Enter(const std::string& name) {
     focus_ = 0;
     moved_ = true;
     choose_ = false;  // the key that opened the page
-  } else if (count_before_ > 0 && step_ != 0) {
-    auto n = static_cast<int>(count_before_);
-    // Counts the last frame's choices: this frame's are only known at its end.
-    focus_ = static_cast<size_t>(((static_cast<int>(focus_) + step_) % n + n) % n);
+  } else if (next_ != focus_) {
+    // Among the last frame's choices: this frame's are only known at its end.
+    focus_ = next_;
     moved_ = true;
   }
   count_ = 0;
@@ -116,9 +141,15 @@ void Ui::Begin(const std::string& name, const Page& page) {
   ImGui::PopStyleColor();
   ImGui::BeginDisabled(blocked_);
   ImGui::PushFont(fonts().text);
+  list_.clear();
+  beside_ = false;
 }
 
 void Ui::End() {
+  if (!list_.empty()) {
+    below_[list_] = ImGui::GetCursorPosY() - list_end_;
+    list_.clear();
+  }
   ImGui::PopFont();
   ImGui::EndDisabled();
   ImGui::End();
@@ -140,7 +171,6 @@ void Ui::EndFrame() {
   shown_ = choices_;
   shown_page_ = page_;
   shown_words_ = words_;
-  count_before_ = count_;
 }
 
 void Ui::BeginDialog(const std::string& name, const std::string& title, Space space) {
@@ -150,7 +180,7 @@ void Ui::BeginDialog(const std::string& name, const std::string& title, Space sp
   blocked_ = false;
   by_keys_ = true;
   if (first) {
-    step_ = 0;
+    next_ = focus_;
     choose_ = escape_ = false;  // the key that opened it
   }
   Enter(name);
@@ -222,7 +252,9 @@ Ui::Focused Ui::Next(const std::string& label) {
 void Ui::Listed(const std::string& label, bool field) {
   if (blocked_) return;
   ImVec2 lo = ImGui::GetItemRectMin(), hi = ImGui::GetItemRectMax();
-  choices_.push_back({label, {lo.x, lo.y, hi.x, hi.y}, field});
+  const ImRect seen = ImGui::GetCurrentWindow()->ClipRect;
+  const bool visible = seen.Contains({0.5f * (lo.x + hi.x), 0.5f * (lo.y + hi.y)});
+  choices_.push_back({label, {lo.x, lo.y, hi.x, hi.y}, field, visible});
   // Mouse and keys share one focus: after a click, Tab continues from there.
   if (ImGui::IsItemClicked()) focus_ = count_ - 1;
 }
@@ -270,14 +302,19 @@ void Ui::Problem(const std::string& text) {
 }
 
 void Ui::Gap(float height) { ImGui::Dummy({1, height * px()}); }
-void Ui::SameLine() { ImGui::SameLine(0, 28 * px()); }
 
 bool Ui::Button(const std::string& label, Look look, bool enabled) {
   Say("[" + label + "]");
   const bool small = look == Look::kSmall;
   ImGui::PushFont(small ? fonts().text : fonts().far);
   PushButtonColours(look == Look::kMain ? kMain : look == Look::kDanger ? kDanger : kPlainButton);
-  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {(small ? 18 : 30) * px(), 12 * px()});
+  const float padding = (small ? 18 : 30) * px(), apart = 28 * px();
+  if (std::exchange(beside_, false)) {
+    const float width = ImGui::CalcTextSize(label.c_str()).x + 2 * padding;
+    const float end = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
+    if (ImGui::GetItemRectMax().x + apart + width <= end) ImGui::SameLine(0, apart);
+  }
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {padding, 12 * px()});
   ImGui::BeginDisabled(!enabled);
   bool chosen = ImGui::Button(label.c_str());
   ImGui::EndDisabled();
@@ -396,10 +433,17 @@ void Ui::Line(const std::string& name, const std::string& value, const std::stri
   }
 }
 
-void Ui::BeginList(const char* name, float below) {
-  ImGui::BeginChild(name, {0, -below * px()}, false);
+void Ui::BeginList(const char* name) {
+  constexpr float kButtons_px = 110;  // in its first frame
+  list_ = name;
+  const auto known = below_.find(list_);
+  const float below = known == below_.end() ? kButtons_px * px() : known->second;
+  ImGui::BeginChild(name, {0, -std::max(below, 1.0f)}, false);
   Gap(8);  // for the ring around the first
 }
-void Ui::EndList() { ImGui::EndChild(); }
+void Ui::EndList() {
+  ImGui::EndChild();
+  list_end_ = ImGui::GetCursorPosY();
+}
 
 }  // namespace enamel::station::desk

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <functional>
+#include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,6 +23,15 @@ struct Choice {
   std::string label;
   Rect at;  // window pixels
   bool field = false;
+  bool visible = true;  // false: scrolled out of its list
+};
+
+// One of several to choose from, with a picture at its left.
+struct Card {
+  std::string title;
+  std::vector<std::string> lines;               // below the title, quieter
+  std::string right;                            // a word at the title's end: "EXAM"; empty: none
+  std::function<void(const Rect& at)> picture;  // draws into the current ImGui window
 };
 
 // Draws one page after another on one screen. In a frame:
@@ -28,7 +40,8 @@ struct Choice {
 //   if (…) { ui.BeginDialog(…); …; ui.EndDialog(); }
 //   ui.EndFrame();
 //
-// Every choice takes part in one round of Tab (arrow keys too) and shows when it has the focus.
+// Every choice takes part in one round of Tab and shows when it has the focus. Up and Down move to
+// the nearest choice there, Left and Right as Tab does.
 // Enter or the space bar chooses it, once per key press. The focus starts at a page's first choice.
 // Sizes are in pixels of a picture 1080 high and scaled. Not thread-safe.
 class Ui {
@@ -63,13 +76,16 @@ class Ui {
   void Note(const std::string& text);     // the same, quieter
   void Problem(const std::string& text);  // an error; begins with a capital
   void Gap(float px = 24);
-  void SameLine();
+  // The next button begins beside the last, where the page has room for it.
+  void SameLine() { beside_ = true; }
   // True when chosen.
   bool Button(const std::string& label, Look look = Look::kPlain, bool enabled = true);
   // One line of a list: a title, words below it, words at the right. True when chosen. Rows may
   // have the same title.
   bool Row(const std::string& title, const std::string& detail, const std::string& right,
            bool chosen = false);
+  // Cards in two columns, as high as their words. The one chosen, or none.
+  std::optional<size_t> Cards(std::span<const Card> cards);
   bool Check(const std::string& label, bool& value);
   // One line of text, which takes letters whenever it has the focus. True when Enter was pressed in
   // it.
@@ -85,8 +101,8 @@ class Ui {
   // script that the station's fonts have.
   void Remark(const std::string& who, const std::string& text, const std::string& key);
 
-  // A part of the page that scrolls, down to `below` pixels above the page's end.
-  void BeginList(const char* name, float below);
+  // A part of the page that scrolls. What follows it up to the page's end keeps its height.
+  void BeginList(const char* name);
   void EndList();
 
   // Esc was pressed in this frame, for the page or dialog in use.
@@ -112,6 +128,9 @@ class Ui {
   // Registers a choice of the page in use.
   Focused Next(const std::string& label);
   void Listed(const std::string& label, bool field);
+  size_t Beside(size_t from, int down) const;
+  float HeightOf(const Card& card, float width) const;
+  bool DrawCard(const Card& card, float width, float height);
   void Ring();
   void ReadKeys();
   void Enter(const std::string& name);
@@ -122,10 +141,15 @@ class Ui {
   std::vector<Choice> choices_, shown_;
   bool dialog_ = false, dialog_before_ = false;  // a dialog is shown: in this frame, in the last
   bool blocked_ = false;                         // nothing can be chosen: it is under a dialog
-  size_t focus_ = 0, count_ = 0, count_before_ = 0;
-  int step_ = 0;  // of the focus, by keys
+  size_t focus_ = 0, count_ = 0;
+  size_t next_ = 0;  // the focus after this frame's keys
   bool choose_ = false, escape_ = false, moved_ = false, by_keys_ = true;
-  bool spaced_ = true;  // the space bar chooses
+  bool spaced_ = true;   // the space bar chooses
+  bool beside_ = false;  // SameLine was called
+  // Of a page's list: height of what follows it, as last drawn, and where the list ended.
+  std::map<std::string, float> below_;
+  float list_end_ = 0;
+  std::string list_;  // of the page being drawn; empty: none
 };
 
 }  // namespace enamel::station::desk

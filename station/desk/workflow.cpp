@@ -85,6 +85,7 @@ void Workflow::SignIn(const std::string& login, const std::string& password) {
     auto person = workplace_.SignIn(login, password);
     if (!person.ok()) return [this, s = person.status()] { Fail(s); };
     auto catalogue = workplace_.Exercises();
+    if (catalogue.ok()) workplace_.Describe(*catalogue);
     return [this, p = *person, c = std::move(catalogue), k = KeptOf(person->id)] {
       person_ = p;
       Go(Place::kExercises);
@@ -121,6 +122,7 @@ void Workflow::Refresh() {
   problem_.clear();
   task_.Start("task.exercises", [this, id = person_.id]() -> BackgroundTask::After {
     auto catalogue = workplace_.Exercises();
+    if (catalogue.ok()) workplace_.Describe(*catalogue);
     return [this, c = std::move(catalogue), k = KeptOf(id)] { TakeExercises(c, k); };
   });
 }

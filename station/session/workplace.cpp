@@ -3,9 +3,11 @@
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "common/scene/attempt_documents.h"
+#include "common/scene/json/json.h"
 #include "common/scene/plan.h"
 #include "common/scene/prepared_target.h"
 #include "common/scene/volume_blob.h"
@@ -42,6 +44,20 @@ UploaderOptions UploaderOf(const WorkplaceOptions& options) {
   UploaderOptions out = options.uploader;
   out.retention = options.retention;
   return out;
+}
+
+Result<Catalogue::Facts> FactsOf(const Catalogue::Exercise& listed,
+                                 const scene::FetchContent& fetch) {
+  ENAMEL_ASSIGN_OR_RETURN(auto exercise_text, fetch(listed.exercise));
+  ENAMEL_ASSIGN_OR_RETURN(auto exercise, scene::ExerciseFromJson(AsText(exercise_text)));
+  ENAMEL_ASSIGN_OR_RETURN(auto scene_text, fetch(exercise.scene));
+  ENAMEL_ASSIGN_OR_RETURN(auto scene, scene::SceneFromJson(AsText(scene_text)));
+  auto has = [&](cutting::Tissue tissue) {
+    return std::ranges::find(scene.tissues, tissue, &scene::TissueSpec::tissue) !=
+           scene.tissues.end();
+  };
+  return Catalogue::Facts{scene.tooth, exercise.target.landmark, has(cutting::Tissue::kCaries),
+                          has(cutting::Tissue::kNeighbour), exercise.graded};
 }
 
 // An attempt's size on disk until it ends: 3.7 bytes a tick, measured with simulated hands, plus
@@ -201,6 +217,16 @@ Result<Catalogue> Workplace::Exercises() {
   auto link = UseLink();
   ENAMEL_ASSIGN_OR_RETURN(auto who, SignedIn(*link));
   return link->ListExercises(who);
+}
+
+void Workplace::Describe(Catalogue& catalogue) {
+  auto link = UseLink();
+  BlobCache cache(data_ / "blobs");
+  for (Catalogue::Exercise& listed : catalogue.exercises) {
+    auto facts = FactsOf(listed, [&](const Sha256& name) { return link->FetchBlob(name, cache); });
+    if (facts.ok()) listed.facts = std::move(*facts);
+    if (!link->connected()) return;
+  }
 }
 
 Result<PreparedAttempt> Workplace::Prepare(const Catalogue::Exercise& exercise,

@@ -74,6 +74,9 @@ class Workplace {
   std::optional<Person> person() const;
 
   Result<Catalogue> Exercises();
+  // Adds the facts of every exercise, from its documents in the cache or at the server. Those of
+  // which they cannot be read stay without: what is wrong shows when one is prepared.
+  void Describe(Catalogue& catalogue);
   // Fetches the documents that are not in the cache yet.
   Result<PreparedAttempt> Prepare(const Catalogue::Exercise& exercise,
                                   const Catalogue::Profile& profile);

@@ -163,6 +163,7 @@ Result<Catalogue> ServerLink::ListExercises(const Person& person) {
     out.exercises.push_back({e.name(), e.title(), *exercise, *scene, *volume, assignment,
                              e.due_unix_ms(), e.late_allowed(), e.attempt_limit(),
                              e.attempts_left(), e.exam(), HandsIn(e.hands()), e.refusal()});
+    if (e.has_best_score()) out.exercises.back().best_score = e.best_score();
   }
   for (const auto& p : reply.exercises().profiles()) {
     ENAMEL_ASSIGN_OR_RETURN(auto profile, protocol::ReadSha256(p.profile(), "profile"));

@@ -32,6 +32,13 @@ struct Person {
 };
 
 struct Catalogue {
+  // Of an exercise's documents: what tells exercises of one title apart.
+  struct Facts {
+    int tooth = 0;         // FDI number; 0: none
+    std::string landmark;  // where to cut, by the scene's name for it: "mesial_box"
+    bool caries = false, neighbours = false;  // the scene has such tissue
+    bool graded = true;                       // scores are seen after their release
+  };
   struct Exercise {
     std::string name, title;
     Sha256 exercise, scene, volume;
@@ -42,7 +49,9 @@ struct Catalogue {
     uint32_t attempt_limit = 0, attempts_left = 0;
     bool exam = false;
     HandsAllowed hands = HandsAllowed::kAny;
-    std::string refusal;  // why an attempt cannot be begun now; empty: it can
+    std::string refusal;                    // why an attempt cannot be begun now; empty: it can
+    std::optional<double> best_score = {};  // of this person's that may be seen, 0..100
+    std::optional<Facts> facts = {};        // none: not read (Workplace::Describe)
   };
   struct Profile {
     std::string name, title;

@@ -59,6 +59,8 @@ picture PICTURES/2-wrong-password.png
 type enamel-demo-student1
 key Enter
 page exercises
+see Tooth 46, occlusal
+see Graded: any number of attempts
 frames 2
 picture PICTURES/3-exercises.png
 key Enter

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "station/desk/exercise_words.h"
 #include "station/desk/pages.h"
 #include "tests/station/desk/english.h"
 
@@ -39,22 +40,47 @@ TEST(ResultTextTest, WithoutALossThereIsNoWorstWall) {
 
 TEST(ResultTextTest, AnAssignmentSaysWhenItIsDueAndHowManyAttemptsAreLeft) {
   constexpr int64_t kMinute = 60'000, kNow = 1'000'000 * kMinute;
+  ASSERT_EQ(setenv("TZ", "UTC", 1), 0);
+  tzset();
   Catalogue::Exercise e;
   EXPECT_EQ(AssignmentText(kEnglish, e, kNow), "any number of attempts");
   e.due_unix_ms = kNow + 3 * 24 * 60 * kMinute + kMinute;
-  EXPECT_EQ(AssignmentText(kEnglish, e, kNow), "due in 3 days");
+  EXPECT_EQ(AssignmentText(kEnglish, e, kNow), "due 1971-11-29 10:41, in 3 days");
   e.due_unix_ms = kNow + 47 * 60 * kMinute;
   e.attempt_limit = 5;
   e.attempts_left = 1;
-  EXPECT_EQ(AssignmentText(kEnglish, e, kNow), "due in 47 hours, 1 attempt left");
+  EXPECT_EQ(AssignmentText(kEnglish, e, kNow), "due 1971-11-28 09:40, in 47 hours, 1 attempt left");
   e.due_unix_ms = kNow + 40 * kMinute;
   e.attempts_left = 2;
-  EXPECT_EQ(AssignmentText(kEnglish, e, kNow), "due in 40 minutes, 2 attempts left");
+  EXPECT_EQ(AssignmentText(kEnglish, e, kNow),
+            "due 1971-11-26 11:20, in 40 minutes, 2 attempts left");
   e.due_unix_ms = kNow - 2 * kMinute;
   e.attempt_limit = 0;
   EXPECT_EQ(AssignmentText(kEnglish, e, kNow), "past due: counts as late");
   e.refusal = "opens on Monday";
   EXPECT_EQ(AssignmentText(kEnglish, e, kNow), "opens on Monday");
+}
+
+TEST(ResultTextTest, ExercisesOfOneTitleAreToldApart) {
+  Catalogue::Exercise e;
+  e.title = "Crown preparation";
+  EXPECT_EQ(CardOf(kEnglish, e, 0).lines, (std::vector<std::string>{"any number of attempts"}))
+      << "without its documents";
+  e.facts = Catalogue::Facts{46, "crown_top", false, false, true};
+  e.attempt_limit = 3;
+  e.attempts_left = 2;
+  e.best_score = 86.6;
+  EXPECT_EQ(CardOf(kEnglish, e, 0).lines,
+            (std::vector<std::string>{"Tooth 46, whole crown", "Graded: 2 attempts left",
+                                      "Best score: 87 of 100"}));
+  e.facts = Catalogue::Facts{46, "crown_top", true, true, false};
+  EXPECT_EQ(CardOf(kEnglish, e, 0).lines[0],
+            "Tooth 46, whole crown, with caries, between neighbours");
+  EXPECT_EQ(CardOf(kEnglish, e, 0).lines[1], "Practice: 2 attempts left");
+  e.facts = Catalogue::Facts{0, "circle", false, false, false};
+  EXPECT_EQ(PlaceText(kEnglish, e), "") << "the practice block";
+  e.exam = true;
+  EXPECT_EQ(CardOf(kEnglish, e, 0).right, "EXAM");
 }
 
 TEST(ResultTextTest, WhatWasCutOffOrReservedSaysHowLongAgoAndHowLongStill) {

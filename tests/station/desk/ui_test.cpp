@@ -4,10 +4,13 @@
 #include <imgui.h>
 #include <imgui_internal.h>
 
+#include <fstream>
 #include <optional>
 
 #include "common/base/utf8.h"
+#include "station/desk/script.h"
 #include "tests/station/render/virtual_display.h"
+#include "tests/support/temp_folder.h"
 
 namespace enamel::station::desk {
 namespace {
@@ -225,6 +228,70 @@ TEST_F(UiTest, ABadgeReaderSignsInWithinAFrame) {
   screen_->Inject(Typed("ada\tsecret\n"));
   for (int i = 0; i < 4; ++i) Play(draw);
   EXPECT_EQ(page.tried, (std::vector<std::string>{"ada/secret"}));
+}
+
+TEST_F(UiTest, NoButtonLeavesThePage) {
+  auto page = [&] {
+    ui_->Begin("page");
+    for (const char* label :
+         {"Weiter schneiden", "Aufheben", "Ger\u00e4te suchen", "Zur\u00fcck"}) {
+      (void)ui_->Button(label);
+      ui_->SameLine();
+    }
+    ui_->End();
+  };
+  Play(page);
+  ASSERT_EQ(ui_->choices().size(), 4u);
+  EXPECT_EQ(ui_->choices()[0].at.y0, ui_->choices()[1].at.y0) << "there is room for two";
+  for (const Choice& choice : ui_->choices()) EXPECT_LE(choice.at.x1, 0.9f * 640) << choice.label;
+}
+
+TEST_F(UiTest, ArrowsMoveAmongCardsAsTheyAreSeen) {
+  const std::vector<Card> cards(5, {"Crown", {"of a tooth"}, "", {}});
+  std::vector<size_t> chosen;
+  auto page = [&] {
+    ui_->Begin("list");
+    if (const auto card = ui_->Cards(cards)) chosen.push_back(*card);
+    ui_->End();
+  };
+  Play(page);
+  for (int key : {render::kKeyDown, render::kKeyRight, render::kKeyUp}) {
+    Press(key);
+    Release(key);
+    Press(render::kKeyEnter);
+    Release(render::kKeyEnter);
+    Play(page);
+  }
+  EXPECT_EQ(chosen, (std::vector<size_t>{2, 3, 1}));
+}
+
+TEST_F(UiTest, AScriptClicksWhatIsBelowTheFold) {
+  test::TempFolder folder;
+  std::ofstream(folder.path() / "script") << "click Exercise 18\nclick Exercise 3\n";
+  Script script = *Script::Read(folder.path() / "script");
+  std::vector<Card> cards;
+  for (int i = 0; i < 19; ++i) {
+    cards.push_back({"Exercise " + std::to_string(i) + ".", {"any number of attempts"}, "", {}});
+  }
+  std::vector<size_t> chosen;
+  int after = 3;
+  for (int frame = 0; frame < 300 && after > 0; ++frame) {
+    (void)screen_->Begin();
+    ui_->Begin("exercises");
+    ui_->BeginList("exercises");
+    if (const auto card = ui_->Cards(cards)) chosen.push_back(*card);
+    ui_->EndList();
+    (void)ui_->Button("Sign out");
+    ui_->End();
+    ui_->EndFrame();
+    screen_->End(nullptr);
+    if (script.playing())
+      (void)script.Step(*screen_, *ui_, nullptr);
+    else if (!screen_->injecting())
+      --after;
+  }
+  EXPECT_EQ(chosen, (std::vector<size_t>{18, 3}));
+  EXPECT_LE(ui_->choices().back().at.y1, 0.93f * 360) << "what follows the list stays on the page";
 }
 
 TEST_F(UiTest, ThePedalChoosesNothingInADialogOverAnAttempt) {

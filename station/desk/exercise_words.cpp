@@ -1,0 +1,124 @@
+#include "station/desk/exercise_words.h"
+
+#include <algorithm>
+#include <array>
+#include <ctime>
+#include <string_view>
+#include <utility>
+
+#include "station/desk/score_words.h"
+
+namespace enamel::station::desk {
+namespace {
+
+// "3 days", "5 hours", "1 minute".
+std::string SpanText(const Words& words, int64_t span_ms) {
+  int64_t minutes = std::max<int64_t>(span_ms, 0) / 60'000;
+  // From two on, so that nearly two days are not shown as one.
+  if (minutes >= 2 * 24 * 60) return words.Say("span.days", {{"count", minutes / (24 * 60)}});
+  if (minutes >= 2 * 60) return words.Say("span.hours", {{"count", minutes / 60}});
+  return words.Say("span.minutes", {{"count", minutes}});
+}
+
+// In this computer's time zone, as ISO 8601 writes it: the same for every language.
+std::string DateText(int64_t unix_ms) {
+  const auto at = static_cast<std::time_t>(unix_ms / 1000);
+  std::tm local{};
+  localtime_r(&at, &local);
+  char text[32];
+  const size_t size = std::strftime(text, sizeof text, "%Y-%m-%d %H:%M", &local);
+  return {text, size};
+}
+
+// "occlusal", for the landmark that an exercise cuts at.
+std::string SurfaceKey(const Catalogue::Facts& facts) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kSurfaces = {{
+      {"occlusal_centre", "surface.occlusal"},
+      {"caries", "surface.occlusal"},
+      {"mesial_box", "surface.mesial"},
+      {"class_5", "surface.buccal"},
+      {"labial_face", "surface.labial"},
+      {"crown_top", "surface.crown"},
+  }};
+  for (const auto& [landmark, key] : kSurfaces) {
+    if (landmark == facts.landmark) return std::string(key);
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string PlaceText(const Words& words, const Catalogue::Exercise& exercise) {
+  if (!exercise.facts || exercise.facts->tooth == 0) return {};
+  const Catalogue::Facts& facts = *exercise.facts;
+  const std::string key = SurfaceKey(facts), tooth = std::to_string(facts.tooth);
+  std::string text = key.empty() ? words.Say("card.tooth", {{"tooth", tooth}})
+                                 : words.Say("card.tooth_surface",
+                                             {{"tooth", tooth}, {"surface", words.Say(key)}});
+  if (facts.caries) text = words.Say("card.with_caries", {{"place", text}});
+  if (facts.neighbours) text = words.Say("card.between_neighbours", {{"place", text}});
+  return text;
+}
+
+Card CardOf(const Words& words, const Catalogue::Exercise& exercise, int64_t now_unix_ms) {
+  Card card;
+  card.title = WordedTitle(words, exercise.title);
+  if (std::string place = PlaceText(words, exercise); !place.empty()) card.lines.push_back(place);
+  std::string terms = AssignmentText(words, exercise, now_unix_ms);
+  if (exercise.facts && exercise.refusal.empty()) {
+    terms = words.Say(exercise.facts->graded ? "card.graded" : "card.practice", {{"terms", terms}});
+  }
+  card.lines.push_back(terms);
+  if (exercise.best_score) {
+    card.lines.push_back(
+        words.Say("card.best", {{"score", words.Decimal(*exercise.best_score, 0)}}));
+  }
+  if (exercise.exam) card.right = words.Say("exercises.exam");
+  if (exercise.facts) {
+    card.picture = [facts = *exercise.facts](const Rect& at) { DrawToothSymbol(facts, at); };
+  }
+  return card;
+}
+
+std::string AssignmentText(const Words& words, const Catalogue::Exercise& exercise,
+                           int64_t now_unix_ms) {
+  if (!exercise.refusal.empty()) return exercise.refusal;
+  std::string due, left;
+  if (exercise.due_unix_ms > 0) {
+    const int64_t span_ms = exercise.due_unix_ms - now_unix_ms;
+    due = span_ms / 60'000 < 0
+              ? words.Say("assignment.late")
+              : words.Say("assignment.due", {{"date", DateText(exercise.due_unix_ms)},
+                                             {"span", SpanText(words, span_ms)}});
+  }
+  if (exercise.attempt_limit > 0) {
+    left = words.Say("assignment.left", {{"count", int64_t{exercise.attempts_left}}});
+  }
+  if (!due.empty() && !left.empty()) {
+    return words.Say("assignment.due_and_left", {{"due", due}, {"left", left}});
+  }
+  if (due.empty() && left.empty()) return words.Say("assignment.free");
+  return due.empty() ? left : due;
+}
+
+std::string CutOffText(const Words& words, const SpooledAttempt& attempt, int64_t now_unix_ms) {
+  return words.Say("cut_off.text",
+                   {{"count", int64_t{attempt.chunks}},
+                    {"profile", attempt.profile},
+                    {"span", SpanText(words, now_unix_ms - attempt.created_unix_ms)}});
+}
+
+std::string HandedInText(const Words& words, const SpooledAttempt& attempt, int64_t now_unix_ms) {
+  return words.Say(attempt.complete() ? "handed_in.whole" : "handed_in.partly",
+                   {{"span", SpanText(words, now_unix_ms - attempt.created_unix_ms)},
+                    {"profile", attempt.profile}});
+}
+
+std::string ReservedText(const Words& words, const ReservedAttempt& reserved, int64_t now_unix_ms) {
+  return words.Say("reserved.row",
+                   {{"person", reserved.ticket.person},
+                    {"profile", reserved.ticket.profile},
+                    {"span", SpanText(words, reserved.ticket.expires_unix_ms - now_unix_ms)}});
+}
+
+}  // namespace enamel::station::desk

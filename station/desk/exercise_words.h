@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+
+#include "common/language/words.h"
+#include "station/desk/ui.h"
+#include "station/session/workplace.h"
+
+// What the list of exercises shows of each of them. Functions, any thread.
+namespace enamel::station::desk {
+
+using language::Words;
+
+// Status of an exercise before it is chosen: "due in 2 days, 3 attempts left".
+std::string AssignmentText(const Words& words, const Catalogue::Exercise& exercise,
+                           int64_t now_unix_ms);
+
+// An interrupted attempt: "12 parts recorded on omega3, begun 3 hours ago".
+std::string CutOffText(const Words& words, const SpooledAttempt& attempt, int64_t now_unix_ms);
+// An attempt handed in: "Handed in, made 5 minutes ago on pointer".
+std::string HandedInText(const Words& words, const SpooledAttempt& attempt, int64_t now_unix_ms);
+// A ticket taken in advance: "Ada on omega3, 11 hours left".
+std::string ReservedText(const Words& words, const ReservedAttempt& reserved, int64_t now_unix_ms);
+
+// Which tooth and side it is: "Tooth 46, occlusal, with caries". Empty: no tooth, or not known.
+std::string PlaceText(const Words& words, const Catalogue::Exercise& exercise);
+// An exercise in the list: title, place, and in one line whether it counts, its status, and the
+// best score so far.
+Card CardOf(const Words& words, const Catalogue::Exercise& exercise, int64_t now_unix_ms);
+
+// The side to prepare, in the square that a dental chart has for a tooth, with the tooth's number:
+// the chart is seen from the dentist's place, so the patient's right is at the left, and the teeth
+// of the upper jaw have their buccal side up. Into the current ImGui window.
+void DrawToothSymbol(const Catalogue::Facts& facts, const Rect& at);
+
+}  // namespace enamel::station::desk

@@ -1,0 +1,92 @@
+// Cards to choose from; the other widgets are in ui.cpp.
+#include <imgui.h>
+
+#include <algorithm>
+#include <cfloat>
+
+#include "station/desk/ui.h"
+
+namespace enamel::station::desk {
+namespace {
+
+constexpr float kCardInset = 18, kCardPicture = 84, kCardGap = 16, kRightGap = 20;  // px
+constexpr ImU32 kCard = IM_COL32(36, 41, 48, 255), kCardBelowMouse = IM_COL32(54, 60, 68, 255);
+
+}  // namespace
+
+// The title in the text's size, its lines in the smallest; nothing is cut off: all of it wraps.
+float Ui::HeightOf(const Card& card, float width) const {
+  const ImFont *text = fonts().text, *near = fonts().near;
+  const float wrap = width - (2 * kCardInset + kCardPicture + kCardInset) * px();
+  const float right = card.right.empty()
+                          ? 0
+                          : near->CalcTextSizeA(near->FontSize, FLT_MAX, 0, card.right.c_str()).x +
+                                kRightGap * px();
+  float height = text->CalcTextSizeA(text->FontSize, FLT_MAX, wrap - right, card.title.c_str()).y;
+  for (const std::string& line : card.lines) {
+    height += near->CalcTextSizeA(near->FontSize, FLT_MAX, wrap, line.c_str()).y + 3 * px();
+  }
+  return std::max(height, kCardPicture * px()) + 2 * kCardInset * px();
+}
+
+bool Ui::DrawCard(const Card& card, float width, float height) {
+  std::string said = card.title;
+  for (const std::string& line : card.lines) said += " | " + line;
+  Say(said + " | " + card.right);
+  ImGui::PushStyleColor(ImGuiCol_Button, kCard);
+  ImGui::PushStyleColor(ImGuiCol_ButtonHovered, kCardBelowMouse);
+  ImGui::PushStyleColor(ImGuiCol_ButtonActive, kCardBelowMouse);
+  const bool chosen = ImGui::Button("##card", {width, height});
+  ImGui::PopStyleColor(3);
+  const ImVec2 lo = ImGui::GetItemRectMin(), hi = ImGui::GetItemRectMax();
+  const Focused focus = Next(card.title);
+  Listed(card.title, false);
+  if (focus.has) Ring();
+  const float inset = kCardInset * px(), side = kCardPicture * px();
+  if (card.picture) {
+    const float top = lo.y + 0.5f * (height - side);
+    card.picture({lo.x + inset, top, lo.x + inset + side, top + side});
+  }
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  const ImFont *text = fonts().text, *near = fonts().near;
+  const ImU32 plain = ImGui::GetColorU32(ImGuiCol_Text),
+              quiet = ImGui::GetColorU32(ImGuiCol_TextDisabled);
+  const float x = lo.x + 2 * inset + side;
+  float y = lo.y + inset, end = hi.x - inset;
+  if (!card.right.empty()) {
+    const ImVec2 size = near->CalcTextSizeA(near->FontSize, FLT_MAX, 0, card.right.c_str());
+    list->AddText(near, near->FontSize, {end - size.x, y}, plain, card.right.c_str());
+    end -= size.x + kRightGap * px();
+  }
+  list->AddText(text, text->FontSize, {x, y}, plain, card.title.c_str(), nullptr, end - x);
+  y += text->CalcTextSizeA(text->FontSize, FLT_MAX, end - x, card.title.c_str()).y;
+  const float wrap = hi.x - inset - x;
+  for (const std::string& line : card.lines) {
+    y += 3 * px();
+    list->AddText(near, near->FontSize, {x, y}, quiet, line.c_str(), nullptr, wrap);
+    y += near->CalcTextSizeA(near->FontSize, FLT_MAX, wrap, line.c_str()).y;
+  }
+  return chosen || focus.chosen;
+}
+
+std::optional<size_t> Ui::Cards(std::span<const Card> cards) {
+  const float inset = 8 * px(), gap = kCardGap * px();  // for the ring
+  const float width = 0.5f * (ImGui::GetContentRegionAvail().x - 2 * inset - gap);
+  std::optional<size_t> chosen;
+  for (size_t i = 0; i < cards.size(); ++i) {
+    float height = HeightOf(cards[i], width);
+    const size_t neighbour = i ^ 1;
+    if (neighbour < cards.size()) height = std::max(height, HeightOf(cards[neighbour], width));
+    if (i % 2 == 0) {
+      ImGui::SetCursorPosX(ImGui::GetCursorPosX() + inset);
+    } else {
+      ImGui::SameLine(0, gap);
+    }
+    ImGui::PushID(static_cast<int>(i));
+    if (DrawCard(cards[i], width, height)) chosen = i;
+    ImGui::PopID();
+  }
+  return chosen;
+}
+
+}  // namespace enamel::station::desk
