@@ -1,13 +1,16 @@
 #include "station/render/quality.h"
 
 #include <algorithm>
+#include <array>
 
 namespace enamel::station::render {
 namespace {
 
-// A level up costs up to four times as much, so there must be room for it, for some time.
-constexpr double kEasyShare = 0.2;
-constexpr size_t kEasyWindows = 4;
+// What the level above may cost, as a multiple: four times the pixels, or more samples a pixel. There
+// must be room for it, for some time.
+constexpr std::array<double, kQualities.size()> kDearer = {1, 5, 2.5, 5};
+// A level that was fast enough for so long has proved itself.
+constexpr size_t kProved = 8;
 
 }  // namespace
 
@@ -35,14 +38,20 @@ bool QualityGovernor::Note(double picture_s) {
   count_ = 0;
   std::nth_element(times_s_.begin(), times_s_.begin() + kWindow / 2, times_s_.end());
   double median = times_s_[kWindow / 2];
-  easy_windows_ = median < kEasyShare * budget_s_ ? easy_windows_ + 1 : 0;
+  if (since_rise_ > 0 && ++since_rise_ > kProved) {
+    since_rise_ = 0;
+    wait_ = kShortestWait;
+  }
+  easy_windows_ = median * kDearer[level_] < budget_s_ ? easy_windows_ + 1 : 0;
   if (median > budget_s_ && level_ + 1 < kQualities.size()) {
     ++level_;
+    if (since_rise_ > 0) wait_ = std::min(2 * wait_, kLongestWait);
+    since_rise_ = easy_windows_ = 0;
     return true;
   }
-  if (easy_windows_ >= kEasyWindows && level_ > 0 && rises_ < kMaxRises) {
+  if (easy_windows_ >= wait_ && level_ > 0) {
     --level_;
-    ++rises_;
+    since_rise_ = 1;
     easy_windows_ = 0;
     return true;
   }

@@ -31,13 +31,14 @@ Quality WhileTurning(const Quality& quality);
 const Quality* FindQuality(std::string_view name);
 
 // Steps down when pictures take longer than the budget, and up again when much time is left. Uses
-// the median over kWindow, so that one slow picture (a window being moved) changes nothing. Steps
-// up at most kMaxRises times: a level that was too slow twice is not used again. Pure: time comes
-// in, a level comes out. Not thread-safe.
+// the median over kWindow, so that one slow picture (a window being moved) changes nothing. After a
+// level up that was too slow it waits twice as long before the next, up to kLongestWait windows:
+// quality returns when there is time again, and does not swing. Pure: time comes in, a level comes
+// out. Not thread-safe.
 class QualityGovernor {
  public:
   static constexpr size_t kWindow = 30;
-  static constexpr int kMaxRises = 2;
+  static constexpr size_t kShortestWait = 4, kLongestWait = 128;  // windows
   // Levels are indices into kQualities.
   QualityGovernor(size_t first_level, double budget_s);
 
@@ -49,8 +50,8 @@ class QualityGovernor {
  private:
   const double budget_s_;
   size_t level_;
-  int rises_ = 0;
-  size_t easy_windows_ = 0;
+  size_t wait_ = kShortestWait, easy_windows_ = 0;
+  size_t since_rise_ = 0;  // windows; 0: no rise, or it has proved itself
   size_t count_ = 0;
   std::array<double, kWindow> times_s_{};
 };

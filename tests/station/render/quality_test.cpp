@@ -37,12 +37,24 @@ TEST(QualityGovernorTest, OneSlowPictureChangesNothing) {
   EXPECT_EQ(governor.level(), 1u);
 }
 
-TEST(QualityGovernorTest, DoesNotSwingBetweenTwoLevelsForEver) {
+TEST(QualityGovernorTest, DoesNotSwingBetweenTwoLevels) {
   QualityGovernor governor(1, 0.02);
-  int changes = 0;
-  for (int i = 0; i < 100'000; ++i) changes += governor.Note(governor.level() <= 1 ? 0.05 : 0.001);
-  EXPECT_LE(changes, 2 * QualityGovernor::kMaxRises + 1);
-  EXPECT_EQ(governor.level(), 2u);
+  constexpr size_t kWindows = 4000;
+  size_t changes = 0, low = 0;
+  for (size_t i = 0; i < kWindows * QualityGovernor::kWindow; ++i) {
+    changes += governor.Note(governor.level() <= 1 ? 0.05 : 0.001);
+    low += governor.level() == 2;
+  }
+  EXPECT_LE(changes, 2 * (6 + kWindows / QualityGovernor::kLongestWait));
+  EXPECT_GE(low, kWindows * QualityGovernor::kWindow * 98 / 100);
+}
+
+TEST(QualityGovernorTest, QualityReturnsHoweverOftenItHadToFall) {
+  QualityGovernor governor(0, 0.02);
+  for (int time = 0; time < 5; ++time) {
+    EXPECT_EQ(After(governor, 10, 0.1), 3u) << time;
+    EXPECT_EQ(After(governor, 200, 0.001), 0u) << time;
+  }
 }
 
 TEST(QualityTest, NamesAreFoundAndOthersAreNot) {
