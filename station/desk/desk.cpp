@@ -220,6 +220,7 @@ class Desk {
       content.zones = attempt.zones();
       content.reach = attempt.reach();
     }
+    content.bur_away = attempt.view().BurAway(screen_.width(), screen_.height());
     content.hint = words.Say(attempt.by_pointer() ? "hint.pointer" : "hint.camera");
     if (MayShowProgress(prepared)) content.hint += "   " + words.Say("hint.outline");
     render::DrawPanel(content, words, screen_.fonts(), screen_.width(), screen_.height());

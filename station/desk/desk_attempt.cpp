@@ -1,5 +1,6 @@
 #include "station/desk/desk_attempt.h"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "common/scene/tooth_number.h"
@@ -13,6 +14,7 @@ using render::Screen;
 
 constexpr float kAside = 0.16f;    // clear of the panel
 constexpr double kWheelInAir = 4;  // as fast, with the bur off
+constexpr double kStartAbove_m = 2e-3, kCavity_m = 3e-3;
 
 render::ViewOptions ViewOf(const PreparedAttempt& prepared) {
   render::ViewOptions view;
@@ -21,6 +23,25 @@ render::ViewOptions ViewOf(const PreparedAttempt& prepared) {
   view.mesial_x = scene::MesialX(prepared.scene.tooth);
   view.force_full_scale_n = static_cast<double>(prepared.profile.peak_force_mn.value) * 1e-3;
   return view;
+}
+
+// The mouse begins above the place to cut, where its bur is seen: the device's centre is 8 mm up.
+// `around_m`: above what is highest within this distance too, so that a resumed attempt does not
+// begin within its cavity.
+dvec3 StartOf(const core::CoreParams& params, const cutting::Volume& volume, double around_m) {
+  dvec3 centre(0);
+  for (int i = 0; i < 3; ++i) {
+    centre[i] = static_cast<double>(params.device_origin_nm[static_cast<size_t>(i)]) * 1e-9;
+  }
+  const double step_m = volume.spec().voxel_m(), deepest_m = PointerSettings().reach_m;
+  for (double down_m = 0; down_m < deepest_m; down_m += step_m) {
+    for (const dvec3& aside : {dvec3(0), dvec3(around_m, 0, 0), dvec3(-around_m, 0, 0),
+                               dvec3(0, around_m, 0), dvec3(0, -around_m, 0)}) {
+      if (volume.DistanceAt_m(centre + aside - dvec3(0, 0, down_m)) >= 0) continue;
+      return {0, 0, std::min(0.0, kStartAbove_m - down_m)};
+    }
+  }
+  return dvec3(0);
 }
 
 int Held(const Screen& screen, int more, int less) {
@@ -40,8 +61,12 @@ Result<std::unique_ptr<DeskAttempt>> DeskAttempt::Create(PreparedAttempt prepare
     attempt->attached_ = std::move(attached);
     device = attempt->attached_.get();
   } else if (offer.operator_name.empty()) {
-    attempt->pointer_ =
-        std::make_unique<PointerDevice>(params.resolution_nm[0] * 1e-9, 1.0 / params.rate_hz);
+    PointerSettings settings;
+    settings.start_m =
+        p.core ? StartOf(params, p.core->volume(), kCavity_m) : StartOf(params, p.volume, 0);
+    attempt->mapping_.emplace(settings);
+    attempt->pointer_ = std::make_unique<PointerDevice>(params.resolution_nm[0] * 1e-9,
+                                                        1.0 / params.rate_hz, settings.start_m);
     device = attempt->pointer_.get();
   } else {
     const OperatorPreset* preset = FindOperator(offer.operator_name);
@@ -94,30 +119,34 @@ Status DeskAttempt::Begin(Workplace& workplace, int cpu) {
 
 void DeskAttempt::Point(const Screen& screen, double dt_s, bool held) {
   if (!pointer_) return;
+  PointerMapping& mapping = *mapping_;
   if (held) {
     // Below a dialog: a key held down must stop tilting.
-    mapping_.ReleaseKeys();
+    mapping.ReleaseKeys();
   } else {
     render::Camera& camera = view_->camera();
-    mapping_.SetView(dvec3(camera.Right()), dvec3(camera.TowardViewer()),
-                     // Metres a pixel: the picture is two radii high.
-                     2e-3 * camera.radius_mm() / screen.height());
-    mapping_.SetFine(screen.key(render::kKeyLeftShift) || screen.key(render::kKeyRightShift));
-    mapping_.SetTilt(Held(screen, 'D', 'A'), Held(screen, 'W', 'S'));
+    mapping.SetView(dvec3(camera.Right()), dvec3(camera.TowardViewer()),
+                    // Metres a pixel: the picture is two radii high.
+                    2e-3 * camera.radius_mm() / screen.height());
+    mapping.SetFine(screen.key(render::kKeyLeftShift) || screen.key(render::kKeyRightShift));
+    mapping.SetTilt(Held(screen, 'D', 'A'), Held(screen, 'W', 'S'));
     bool pedal = screen.button(render::kMouseLeft) || screen.key(render::kKeySpace);
-    mapping_.SetPedal(pedal);
+    mapping.SetPedal(pedal);
     bool steering = screen.button(render::kMouseRight);
     if (!steering) {
-      mapping_.MoveBy(screen.cursor_x() - screen.last_cursor_x(),
-                      screen.cursor_y() - screen.last_cursor_y());
+      mapping.MoveBy(screen.cursor_x() - screen.last_cursor_x(),
+                     screen.cursor_y() - screen.last_cursor_y());
       for (const InputEvent& event : screen.events()) {
+        if (event.kind == InputEvent::Kind::kKey && event.code == 'B' && event.pressed) {
+          mapping.Recall();
+        }
         if (event.kind != InputEvent::Kind::kWheel) continue;
-        mapping_.Wheel(event.y * (pedal ? 1 : kWheelInAir));
+        mapping.Wheel(event.y * (pedal ? 1 : kWheelInAir));
       }
     }
-    mapping_.Advance(dt_s);
+    mapping.Advance(dt_s);
   }
-  pointer_->Publish(mapping_.pose());
+  pointer_->Publish(mapping.pose());
 }
 
 }  // namespace enamel::station::desk

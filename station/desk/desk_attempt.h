@@ -57,7 +57,7 @@ class DeskAttempt {
   std::unique_ptr<Device> attached_;
   std::unique_ptr<SimulatedDevice> simulated_;
   std::unique_ptr<PointerDevice> pointer_;
-  PointerMapping mapping_;
+  std::optional<PointerMapping> mapping_;  // none without a pointer
   std::unique_ptr<HeldDevice> held_;
   std::unique_ptr<ZoneWatch> zones_;
   std::unique_ptr<ReachWatch> reach_;

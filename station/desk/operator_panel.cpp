@@ -6,6 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "station/session/loop_facts.h"
+
 namespace enamel::station::desk {
 namespace {
 
@@ -43,10 +45,9 @@ void Loop(RunningAttempt& run, uint32_t rate_hz, float px) {
   const Snapshot& s = run.snapshot();
   auto n = [](uint64_t v) { return static_cast<unsigned long long>(v); };
   Head("Loop");
-  ImGui::Text("%u Hz   ticks %llu   gap %llu", rate_hz, n(s.counters.ticks),
-              n(s.counters.gap_ticks));
-  ImGui::Text("late %llu   stale %llu   bounded %llu   faults %llu", n(s.counters.late_ticks),
-              n(s.counters.stale_ticks), n(s.counters.bounded_ticks), n(s.counters.faults));
+  ImGui::TextUnformatted(CountsText(s.counters).c_str());
+  ImGui::Text("%u Hz   stale %llu   bounded %llu", rate_hz, n(s.counters.stale_ticks),
+              n(s.counters.bounded_ticks));
   ImGui::Text("tick      p50 %.1f   p99 %.1f us", Us(run.loop().durations().Quantile_ns(0.5)),
               Us(run.loop().durations().Quantile_ns(0.99)));
   Lateness(run.loop().lateness(), px);

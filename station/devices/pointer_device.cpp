@@ -44,7 +44,8 @@ Quat Toward(const Quat& from, const Quat& to, double share) noexcept {
 
 }  // namespace
 
-PointerMapping::PointerMapping(const PointerSettings& settings) : settings_(settings) {}
+PointerMapping::PointerMapping(const PointerSettings& settings)
+    : settings_(settings), offset_m_(settings.start_m) {}
 
 void PointerMapping::SetView(const dvec3& right, const dvec3& toward_viewer, double m_per_px) {
   if (!Usable(right) || !Usable(toward_viewer) || !(m_per_px > 0)) return;
@@ -84,10 +85,10 @@ void PointerMapping::ReleaseKeys() {
   fine_ = false;
 }
 
-void PointerMapping::Reset() {
-  ReleaseKeys();
+void PointerMapping::Recall() {
+  if (buttons_ & kPedal) return;
   Straighten();
-  offset_m_ = dvec3(0);
+  offset_m_ = settings_.start_m;
 }
 
 PointerPose PointerMapping::pose() const {
@@ -113,9 +114,14 @@ void PointerMapping::Shift(const dvec3& by_m) {
   offset_m_ = length > settings_.reach_m ? to * (settings_.reach_m / length) : to;
 }
 
-PointerDevice::PointerDevice(double resolution_m, double tick_s)
-    : resolution_m_(resolution_m), tick_s_(tick_s), share_(tick_s / (kLag_s + tick_s)) {
+PointerDevice::PointerDevice(double resolution_m, double tick_s, const dvec3& start_m)
+    : resolution_m_(resolution_m),
+      tick_s_(tick_s),
+      share_(tick_s / (kLag_s + tick_s)),
+      first_m_(start_m),
+      at_m_(start_m) {
   ENAMEL_CHECK(resolution_m > 0 && tick_s > 0);
+  mailbox_.Write({{start_m, {}, 0}, 0});
 }
 
 void PointerDevice::Publish(const PointerPose& pose) noexcept {

@@ -28,6 +28,7 @@ struct PointerSettings {
   double fine_ratio = 0.2;       // of all motion, while the fine key is held
   double tilt_rad_per_s = 0.8;
   double max_tilt_rad = 1.05;  // 60 degrees, about each axis
+  dvec3 start_m{0};            // tip at the start and after Recall, within reach
 };
 
 // Turns events into a pose. A pure function of its calls. The mouse moves in the plane of two scene
@@ -56,8 +57,8 @@ class PointerMapping {
   void Straighten() { lean_right_rad_ = lean_away_rad_ = 0; }
   // Releases all keys: a window without the focus does not see their release.
   void ReleaseKeys();
-  // Back at the centre, upright, keys up.
-  void Reset();
+  // Back at the start, upright. Not while the pedal is down: the bur would cut its way there.
+  void Recall();
 
   PointerPose pose() const;
 
@@ -68,7 +69,7 @@ class PointerMapping {
   const PointerSettings settings_;
   dvec3 right_{1, 0, 0}, up_{0, 1, 0}, toward_{0, 0, 1};  // of the plane, right-handed
   double m_per_px_ = 20e-6;
-  dvec3 offset_m_{0};
+  dvec3 offset_m_;
   double lean_right_rad_ = 0, lean_away_rad_ = 0;
   int tilt_right_ = 0, tilt_away_ = 0;
   bool fine_ = false;
@@ -81,13 +82,14 @@ class PointerMapping {
 // released, since nobody sees the cut.
 //
 // Thread safety: Publish by one thread, the rest by the tick's. Before the first Publish the tip is
-// at the centre, the pedal up.
+// at the start, the pedal up.
 class PointerDevice final : public Device {
  public:
   static constexpr double kLag_s = 0.015, kMaxSpeed_m_per_s = 0.1, kSilence_s = 0.5;
 
   // `resolution_m`: edge of a count, of the device profile. Requires: both > 0.
-  PointerDevice(double resolution_m, double tick_s);
+  // `start_m`: of the tip, from the centre.
+  PointerDevice(double resolution_m, double tick_s, const dvec3& start_m = dvec3(0));
 
   // Latest value wins. Wait-free.
   void Publish(const PointerPose& pose) noexcept;
@@ -110,7 +112,7 @@ class PointerDevice final : public Device {
   // Owned by the tick.
   uint64_t seen_ = 0;
   double silent_s_ = 0;
-  dvec3 first_m_{0}, at_m_{0};
+  dvec3 first_m_, at_m_;
   Quat first_, orientation_;
 };
 

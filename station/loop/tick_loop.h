@@ -35,7 +35,9 @@ struct LoopCounters {
   double leak_j = 0;
 
   // The attempt's ticks that passed, stepped or declared as a gap.
-  uint64_t passed_ticks() const noexcept { return ticks + gap_ticks + skipped_ticks; }
+  uint64_t passed_ticks() const noexcept { return ticks + missed_ticks(); }
+  // Of them, those in gaps, whatever made the gap.
+  uint64_t missed_ticks() const noexcept { return gap_ticks + skipped_ticks; }
 };
 
 // Why a fault was latched: force zero, no cutting, until the operator acts.

@@ -77,6 +77,15 @@ glm::mat4 Camera::ViewFromScene() const {
   return glm::translate(glm::mat4(1), glm::vec3(2 * radius_mm_ * aside_, 0, 0)) * straight;
 }
 
+std::optional<glm::vec2> Camera::Away(const glm::vec3& point_mm, float aspect) const {
+  const glm::vec4 clip = ClipFromView(aspect) * ViewFromScene() * glm::vec4(point_mm, 1);
+  if (clip.w > 0 && std::abs(clip.x) <= clip.w && std::abs(clip.y) <= clip.w) return std::nullopt;
+  // Behind the viewer the projection has the other sign; x and y before the division have not.
+  const glm::vec2 away(clip.x * aspect, -clip.y);
+  const float length = glm::length(away);
+  return length > 0 ? away / length : glm::vec2(0, 1);
+}
+
 glm::mat4 Camera::ClipFromView(float aspect) const {
   return glm::perspective(kFieldOfView, aspect, near_mm(), far_mm());
 }

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <optional>
 
 #include "station/render/view.h"
 
@@ -27,6 +29,9 @@ class Camera {
   // Unit vectors of the picture, in the scene frame.
   glm::vec3 Right() const;
   glm::vec3 TowardViewer() const;
+  // Where a point outside the picture lies, seen from its middle: a unit vector, y down. None: in the
+  // picture. `aspect`: its width over its height.
+  std::optional<glm::vec2> Away(const glm::vec3& point_mm, float aspect) const;
   float radius_mm() const { return radius_mm_; }
   float near_mm() const { return distance_mm() * 0.05f; }
   float far_mm() const { return distance_mm() + 60; }

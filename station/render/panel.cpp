@@ -188,17 +188,41 @@ void DrawScaleBar(double mm_per_pixel, const Fonts& fonts, float width, float he
                 {(left.x + right.x - text.x) / 2, left.y - 10 * px - text.y}, white, "1 mm");
 }
 
+// At the picture's edge, so large that it is found at a glance.
+void DrawBurAway(const glm::vec2& away, const Words& words, const Fonts& fonts, float width,
+                 float height, float px) {
+  const float inset = 70 * px, size = 34 * px;
+  const glm::vec2 middle(0.5f * width, 0.5f * height);
+  const float to_side = (middle.x - inset) / std::max(std::fabs(away.x), 1e-3f),
+              to_top = (middle.y - inset) / std::max(std::fabs(away.y), 1e-3f);
+  const glm::vec2 tip = middle + away * std::min(to_side, to_top), across(-away.y, away.x);
+  const glm::vec2 left = tip - away * (1.6f * size) + across * size,
+                  right = tip - away * (1.6f * size) - across * size;
+  const auto [r, g, b] = ColourOf(Bearing::kCareful);
+  ImDrawList* list = ImGui::GetForegroundDrawList();
+  list->AddTriangleFilled({tip.x, tip.y}, {left.x, left.y}, {right.x, right.y},
+                          ImGui::ColorConvertFloat4ToU32({r, g, b, 1}));
+  const std::string name = words.Say("panel.bur");
+  const ImVec2 text = fonts.far->CalcTextSizeA(fonts.far->FontSize, 1e6f, 0, name.c_str());
+  const glm::vec2 at =
+      tip - away * (2.2f * size + 0.5f * (std::fabs(away.x) * text.x + std::fabs(away.y) * text.y));
+  const ImVec2 lo{at.x - 0.5f * text.x, at.y - 0.5f * text.y};
+  list->AddRectFilled({lo.x - 10 * px, lo.y}, {lo.x + text.x + 10 * px, lo.y + text.y},
+                      IM_COL32(15, 17, 20, 200), 8 * px);
+  list->AddText(fonts.far, fonts.far->FontSize, lo, IM_COL32(255, 255, 255, 255), name.c_str());
+}
+
 // On its own background, because roots and a neighbour's crown reach down to it.
-void DrawHint(const std::string& hint, const Fonts& fonts, float height, float px) {
+void DrawHint(const std::string& hint, const Fonts& fonts, float width, float height, float px) {
   if (hint.empty()) return;
-  float size = fonts.near->FontSize;
-  ImVec2 text = fonts.near->CalcTextSizeA(size, 1e6f, 0, hint.c_str());
-  ImVec2 at{kMargin_px * px, height - kMargin_px * px - size};
+  const float size = fonts.near->FontSize, wrap = width - 2 * kMargin_px * px;
+  const ImVec2 text = fonts.near->CalcTextSizeA(size, 1e6f, wrap, hint.c_str());
+  const ImVec2 at{kMargin_px * px, height - kMargin_px * px - text.y};
   ImDrawList* list = ImGui::GetForegroundDrawList();
   list->AddRectFilled({at.x - 12 * px, at.y - 6 * px},
-                      {at.x + text.x + 12 * px, at.y + size + 6 * px}, IM_COL32(15, 17, 20, 200),
+                      {at.x + text.x + 12 * px, at.y + text.y + 6 * px}, IM_COL32(15, 17, 20, 200),
                       8 * px);
-  list->AddText(fonts.near, size, at, IM_COL32(214, 220, 228, 255), hint.c_str());
+  list->AddText(fonts.near, size, at, IM_COL32(214, 220, 228, 255), hint.c_str(), nullptr, wrap);
 }
 
 }  // namespace
@@ -264,7 +288,8 @@ void DrawPanel(const PanelContent& content, const Words& words, const Fonts& fon
   ImGui::End();
   DrawWarnings(content, words, fonts, w, fonts.scale);
   DrawScaleBar(content.mm_per_pixel, fonts, w, h, fonts.scale);
-  DrawHint(content.hint, fonts, h, fonts.scale);
+  DrawHint(content.hint, fonts, w, h, fonts.scale);
+  if (content.bur_away) DrawBurAway(*content.bur_away, words, fonts, w, h, fonts.scale);
 }
 
 }  // namespace enamel::station::render

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <glm/vec2.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -49,10 +50,11 @@ struct PanelContent {
   bool has_state = false;  // state is of a tick
   double force_full_scale_n = 3;
   double time_limit_s = 0;
-  double mm_per_pixel = 0;          // at the focus, for the scale bar; picture pixels; 0: no bar
-  std::optional<ZoneShares> zones;  // none: not to be shown (an exam), or not known
-  Reach reach;                      // empty: not to be shown, or not known
-  std::string hint;                 // what keys and mouse do, in one line
+  double mm_per_pixel = 0;            // at the focus, for the scale bar; picture pixels; 0: no bar
+  std::optional<ZoneShares> zones;    // none: not to be shown (an exam), or not known
+  Reach reach;                        // empty: not to be shown, or not known
+  std::optional<glm::vec2> bur_away;  // where it left the picture (Camera::Away)
+  std::string hint;                   // what keys and mouse do
   // Why the force is off and what to do, in one sentence: replaces kWarnFault and kWarnDevice,
   // which are less specific.
   std::string fault;

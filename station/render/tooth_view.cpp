@@ -14,12 +14,23 @@ constexpr double kGhostFrom_m = 50e-6;  // apart by less, hand and bur look the 
 constexpr float kArrowFullScale_mm = 5;
 constexpr float kSpinPerFrame = 0.37f;  // for the eye: not the true speed
 
-// Half the larger of length and width of the solid, with a margin.
+// Whether the brick has tissue of the tooth to work on.
+bool IsOwn(const cutting::Volume& volume, int brick) {
+  if (!volume.IsStored(brick)) return false;
+  const auto neighbour = cutting::Tissue::kNeighbour;
+  if (!volume.HasLabels(brick)) return volume.UniformTissue(brick) != neighbour;
+  return std::ranges::any_of(volume.Labels(brick).tissue, [&](uint8_t label) {
+    return label != static_cast<uint8_t>(cutting::Tissue::kAir) &&
+           label != static_cast<uint8_t>(neighbour);
+  });
+}
+
+// Half the larger of length and width of the solid without its neighbours, with a margin.
 float RadiusOf(const cutting::Volume& volume) {
   const cutting::GridSpec& spec = volume.spec();
   ivec3 lo = spec.bricks, hi(-1);
   for (int b = 0; b < spec.brick_count(); ++b) {
-    if (!volume.IsStored(b)) continue;
+    if (!IsOwn(volume, b)) continue;
     ivec3 at(b % spec.bricks.x, b / spec.bricks.x % spec.bricks.y,
              b / (spec.bricks.x * spec.bricks.y));
     lo = glm::min(lo, at);
@@ -82,6 +93,12 @@ PictureState ToothView::PictureNow(float aspect) {
   if (state_.bur_on) spin_ += kSpinPerFrame;
   picture.bur_spin = spin_;
   return picture;
+}
+
+std::optional<glm::vec2> ToothView::BurAway(int width, int height) const {
+  if (!has_state_) return std::nullopt;
+  return camera_.Away(glm::vec3(state_.anchor.tip_m * 1000.0),
+                      static_cast<float>(width) / static_cast<float>(height));
 }
 
 void ToothView::Draw(int width, int height, const Quality& quality) {

@@ -63,6 +63,8 @@ class ToothView {
   // The target's outline, drawn on the tooth while it is shown.
   void SetOutline(std::span<const surface::LineSegment> lines) { picture_.SetLines(lines); }
   void ShowOutline(bool shown) { outline_shown_ = shown; }
+  // Where the bur's tip left the picture (Camera::Away); none before the first tick.
+  std::optional<glm::vec2> BurAway(int width, int height) const;
   // Newest state drawn; none before the first tick.
   const FrameState& state() const { return state_; }
   bool has_state() const { return has_state_; }

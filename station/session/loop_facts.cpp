@@ -1,5 +1,7 @@
 #include "station/session/loop_facts.h"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <boost/json.hpp>
 
 namespace enamel::station {
@@ -49,6 +51,11 @@ json::object DurationFacts(const DurationHistogram& h) {
           {"p99_us", h.Quantile_ns(0.99) * 1e-3},
           {"max_us", static_cast<double>(h.max_ns()) * 1e-3},
           {"ns", doublings}};
+}
+
+std::string CountsText(const LoopCounters& counters) {
+  return fmt::format("{} ticks, {} late, {} in gaps, {} faults", counters.ticks,
+                     counters.late_ticks, counters.missed_ticks(), counters.faults);
 }
 
 json::object LoopFacts(const TickLoop& loop, const Device& device) {

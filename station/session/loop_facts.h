@@ -3,6 +3,7 @@
 #include <boost/json/fwd.hpp>
 #include <cstddef>
 #include <span>
+#include <string>
 
 #include "station/devices/device.h"
 #include "station/loop/tick_loop.h"
@@ -17,6 +18,9 @@ namespace enamel::station {
 inline constexpr int kLoopFactsVersion = 1;
 inline constexpr size_t kLoopFactsBytes = 150'000;
 boost::json::object LoopFacts(const TickLoop& loop, const Device& device);
+
+// "13844 ticks, 1 late, 3 in gaps, 0 faults": as the log and the operator's panel say it.
+std::string CountsText(const LoopCounters& counters);
 
 // Member `faults`: each fault with the ticks that led to it.
 boost::json::array FaultFacts(std::span<const FaultRecord> records);

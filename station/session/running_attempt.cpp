@@ -169,15 +169,11 @@ void RunningAttempt::LogFaults() {
 }
 
 void RunningAttempt::LogEnd(const Status& status) const {
-  const LoopCounters& counters = loop_.counters();
   const DurationHistogram& late = loop_.lateness();
   const std::string how = fmt::format(
-      "{} ticks, {} late, {} in gaps, {} faults; 99 of 100 ticks at most {:.0f} us late, the "
-      "latest "
-      "{:.0f} us; {} chunks stored here",
-      counters.ticks, counters.late_ticks, counters.gap_ticks + counters.skipped_ticks,
-      counters.faults, late.Quantile_ns(0.99) * 1e-3, static_cast<double>(late.max_ns()) * 1e-3,
-      recorder_.chunks());
+      "{}; 99 of 100 ticks at most {:.0f} us late, the latest {:.0f} us; {} chunks stored here",
+      CountsText(loop_.counters()), late.Quantile_ns(0.99) * 1e-3,
+      static_cast<double>(late.max_ns()) * 1e-3, recorder_.chunks());
   if (status.ok()) {
     spdlog::info("attempt {} has ended: {}", attempt_.Text(), how);
   } else {

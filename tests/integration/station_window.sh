@@ -72,7 +72,7 @@ click Start
 page running
 frames 10
 # Down to the tooth, then across it with the bur turning.
-wheel 17
+wheel 2
 frames 30
 picture PICTURES/5-running.png
 hold Space
@@ -141,7 +141,7 @@ frames 3
 picture PICTURES/10-instructor-exercise.png
 click Start
 page running
-wheel 17
+wheel 2
 frames 20
 hold Left
 wheel 20
@@ -232,7 +232,7 @@ page exercise
 see Bur:
 click Start
 page running
-wheel 17
+wheel 2
 hold Space
 wheel 20
 frames 20

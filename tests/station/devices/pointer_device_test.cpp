@@ -93,6 +93,33 @@ TEST(PointerMappingTest, LosingTheFocusReleasesThePedalAndTheTilt) {
   ExpectNear(Shank(m), {0, 0, 1}, 1e-12);
 }
 
+TEST(PointerMappingTest, TheBurIsCalledBackToItsStartUnlessItIsCutting) {
+  PointerSettings settings;
+  settings.start_m = {0, 0, -0.006};
+  PointerMapping mapping(settings);
+  EXPECT_EQ(mapping.pose().offset_m, settings.start_m);
+  mapping.MoveBy(500, -300);
+  mapping.SetTilt(1, 0);
+  mapping.Advance(0.1);
+  mapping.SetPedal(true);
+  const dvec3 cutting = mapping.pose().offset_m;
+  mapping.Recall();
+  EXPECT_EQ(mapping.pose().offset_m, cutting);
+  mapping.SetPedal(false);
+  mapping.SetTilt(0, 0);
+  mapping.Recall();
+  EXPECT_EQ(mapping.pose().offset_m, settings.start_m);
+  EXPECT_EQ(mapping.pose().orientation.w, 1);
+}
+
+TEST(PointerDeviceTest, BeginsAtItsStart) {
+  PointerDevice device(1e-6, 1e-3, {0, 0.001, -0.006});
+  for (int i = 0; i < 100; ++i) {
+    const DeviceSample sample = device.ReadSample();
+    EXPECT_EQ(sample.counts, (std::array<int32_t, 3>{0, 1000, -6000}));
+  }
+}
+
 TEST(PointerDeviceTest, StaysAtTheCentreUntilSomethingIsPublished) {
   PointerDevice device(kDelta, kTick);
   DeviceSample s = After(device, 100);

@@ -21,5 +21,19 @@ TEST(CameraTest, TheMesialAndTheObliqueViewAreFromWhereTheToothsNumberHasIt) {
   }
 }
 
+TEST(CameraTest, WhereTheBurLeftThePicture) {
+  Camera camera({0, 0, 0}, 8);
+  camera.SetView(View::kOcclusal);  // x to the right, y up
+  constexpr float kAspect = 1.5f;
+  EXPECT_FALSE(camera.Away({0, 0, 0}, kAspect));
+  EXPECT_FALSE(camera.Away({11, 0, 0}, kAspect)) << "wider than high";
+  ASSERT_TRUE(camera.Away({0, 11, 0}, kAspect));
+  EXPECT_LT(camera.Away({0, 11, 0}, kAspect)->y, -0.99f);
+  EXPECT_GT(camera.Away({20, 0, 0}, kAspect)->x, 0.99f);
+  const auto behind = camera.Away({-3, 0, 60}, kAspect);
+  ASSERT_TRUE(behind);
+  EXPECT_LT(behind->x, -0.99f);
+}
+
 }  // namespace
 }  // namespace enamel::station::render

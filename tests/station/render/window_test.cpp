@@ -195,6 +195,25 @@ TEST_F(WindowTest, ShowsAGhostWhereTheHandIsWhenItLeavesTheBur) {
   EXPECT_GT(Screenshot(window).Count(IsSteel), together + together / 4);
 }
 
+// Between its neighbours a tooth was a sixth of the picture's width.
+TEST_F(WindowTest, ThePictureIsAsWideAsTheToothWithoutItsNeighbours) {
+  const cutting::GridSpec spec{100'000, {12, 12, 6}, {-4'800'000, -4'800'000, -4'000'000}};
+  Volume volume(spec);
+  std::array<int16_t, kBrickVoxels> phi;
+  phi.fill(-1);
+  for (int x = 0; x < 12; ++x) {
+    const bool own = x >= 4 && x < 8;
+    volume.SetBrick(spec.BrickIndex({x, 5, 3}), phi, {},
+                    own ? Tissue::kEnamel : Tissue::kNeighbour);
+  }
+  volume.Reserve();
+  WindowOptions options = Options();
+  options.view.view_radius_m = 0;
+  auto created = Window::Create(options, volume);
+  ASSERT_TRUE(created.ok()) << created.status().message();
+  EXPECT_NEAR((*created)->tooth().camera().radius_mm(), 0.62 * 4 * 8 * 0.1, 1e-4);
+}
+
 // The tooth is redrawn only where it has changed: the picture must be identical.
 TEST_F(WindowTest, DrawnPieceByPieceIsDrawnAsAWhole) {
   Volume volume = Slab();
