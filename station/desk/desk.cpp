@@ -220,6 +220,7 @@ class Desk {
       content.zones = attempt.zones();
       content.reach = attempt.reach();
     }
+    if (content.state.warnings & render::kWarnDisk) render::HideProgress(content);
     content.bur_away = attempt.view().BurAway(screen_.width(), screen_.height());
     content.hint = words.Say(attempt.by_pointer() ? "hint.pointer" : "hint.camera");
     if (MayShowProgress(prepared)) content.hint += "   " + words.Say("hint.outline");

@@ -119,6 +119,10 @@ struct Panel {
   }
 
   void Removed() const {
+    if (!c.recorded) {
+      ImGui::TextUnformatted(words.Say("panel.not_recorded").c_str());
+      return;
+    }
     bool any = false;
     for (size_t t = 1; t < c.state.removed_mm3.size(); ++t) {
       double mm3 = c.state.removed_mm3[t];
@@ -275,6 +279,13 @@ std::string WarningText(const Words& words, const PanelContent& content) {
   // The fault's own text replaces these two and adds what to do.
   std::string rest = WarningText(words, content.state.warnings & ~(kWarnFault | kWarnDevice));
   return content.fault + (rest.empty() ? "" : "\n" + rest);
+}
+
+void HideProgress(PanelContent& content) {
+  content.recorded = false;
+  content.zones.reset();
+  content.reach = {};
+  content.state.removed_mm3 = {};
 }
 
 void DrawPanel(const PanelContent& content, const Words& words, const Fonts& fonts, int width,

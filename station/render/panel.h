@@ -48,6 +48,7 @@ struct PanelContent {
   std::string heading;
   FrameState state;
   bool has_state = false;  // state is of a tick
+  bool recorded = true;    // false: nothing is stored at the moment
   double force_full_scale_n = 3;
   double time_limit_s = 0;
   double mm_per_pixel = 0;            // at the focus, for the scale bar; picture pixels; 0: no bar
@@ -59,6 +60,9 @@ struct PanelContent {
   // which are less specific.
   std::string fault;
 };
+
+// Takes away what the recording does not have: while nothing is stored, no progress is shown.
+void HideProgress(PanelContent& content);
 
 // Text and bars over the picture: timer, force, zones, limits, removed volume, warnings, keys. Bars
 // can be read from two metres. Draws into the current ImGui frame of a picture of this size.

@@ -195,6 +195,20 @@ TEST_F(WindowTest, ShowsAGhostWhereTheHandIsWhenItLeavesTheBur) {
   EXPECT_GT(Screenshot(window).Count(IsSteel), together + together / 4);
 }
 
+TEST(PanelTest, WhileNothingIsStoredNoProgressIsShown) {
+  PanelContent content;
+  content.state.time_s = 12;
+  content.state.removed_mm3[1] = 3;
+  content.zones = ZoneShares{40, 10, 0, 0};
+  content.reach.pulp_mm = 1.2;
+  HideProgress(content);
+  EXPECT_FALSE(content.recorded);
+  EXPECT_FALSE(content.zones);
+  EXPECT_FALSE(content.reach.pulp_mm);
+  EXPECT_EQ(content.state.removed_mm3[1], 0);
+  EXPECT_EQ(content.state.time_s, 12) << "time goes on";
+}
+
 // Between its neighbours a tooth was a sixth of the picture's width.
 TEST_F(WindowTest, ThePictureIsAsWideAsTheToothWithoutItsNeighbours) {
   const cutting::GridSpec spec{100'000, {12, 12, 6}, {-4'800'000, -4'800'000, -4'000'000}};
