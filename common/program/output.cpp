@@ -53,6 +53,15 @@ Status CheckOutputFolder(const fs::path& folder, const char* option) {
   return CheckWritableFolder(option, folder, nearest);
 }
 
+Status CheckNewIn(const fs::path& folder, const char* file, const char* option) {
+  std::error_code error;
+  if (!fs::exists(folder / file, error)) return Status::Ok();
+  return Status(Code::kConflict,
+                std::string(option) + ": " + folder.string() + " has a " + file +
+                    " already, and nothing is overwritten: name another folder, or remove it first",
+                option);
+}
+
 Status WriteJsonFile(const fs::path& file, const boost::json::object& object) {
   if (file.empty()) return Status::Ok();
   return WriteFileDurably(file, AsBytes(boost::json::serialize(object) + "\n"));

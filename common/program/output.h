@@ -13,6 +13,9 @@ namespace enamel::program {
 Status CheckOutputFile(const std::filesystem::path& file, const char* option);
 // The same for a folder, which need not exist yet.
 Status CheckOutputFolder(const std::filesystem::path& folder, const char* option);
+// Before a command makes a folder's files: `folder` must not have `file` yet. kConflict: it has, and
+// nothing is overwritten.
+Status CheckNewIn(const std::filesystem::path& folder, const char* file, const char* option);
 // Writes an object as one line of JSON, or nothing where `file` is empty.
 Status WriteJsonFile(const std::filesystem::path& file, const boost::json::object& object);
 

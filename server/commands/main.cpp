@@ -5,6 +5,7 @@
 
 #include "common/base/utf8.h"
 #include "common/program/log.h"
+#include "common/program/suggestion.h"
 #include "common/program/version.h"
 #include "server/commands/admin.h"
 #include "server/commands/admin_people.h"
@@ -71,8 +72,13 @@ int main(int argc, char** argv) {
     root.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     const bool wrong = error.get_exit_code() != 0;
-    if (!wrong || !json) return root.exit(error) == 0 ? 0 : 2;
-    program::SayError(error.what());
+    const std::string suggestion = wrong ? program::Suggestion(root) : "";
+    if (!wrong || !json) {
+      const bool asked = root.exit(error) == 0;
+      if (!suggestion.empty()) program::SayError(suggestion);
+      return asked ? 0 : 2;
+    }
+    program::SayError(error.what() + (suggestion.empty() ? "" : "; " + suggestion));
     return 2;
   }
   Status status = command();

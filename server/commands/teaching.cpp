@@ -356,7 +356,8 @@ void DeclareExercises(CommandGroup admin) {
       "A document that differs from the newest version of its name becomes the next version;\n"
       "a published version never changes. It is offered for any device, even a\n"
       "simulated hand. For dates, limits, exams and allowed devices: --unassigned, then\n"
-      "assign-exercise.\n\n"
+      "assign-exercise. Of a scene each graded exercise also comes as practice, named\n"
+      "practice-NAME: students see target, progress and score at once.\n\n"
       "  enamel-server admin publish-exercise --data DIR --scene builtin:molar --name class-1");
 
   struct Named {
@@ -416,7 +417,9 @@ void DeclareAssignments(CommandGroup admin) {
                    "Its name; its newest version is assigned, and stays")
       ->required();
   assign->add_option("--cohort", row.cohort, "Cohort it is for; without: everybody");
-  assign->add_option("--opens", row.opens, "Not before: \"2026-11-20 09:00\", UTC");
+  assign->add_option("--opens", row.opens,
+                     "Not before: \"2026-11-20 09:00\", in this computer's time zone, or "
+                     "\"2026-11-20 09:00+01:00\"");
   assign->add_option("--due", row.due,
                      "Not after; an attempt begun in time may end later, flagged as late");
   assign->add_option("--attempts", row.attempt_limit, "Attempts each; 0: no limit")

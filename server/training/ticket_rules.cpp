@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <ctime>
+#include <optional>
 
 #include "common/base/counted.h"
 #include "common/hands/assignment_text.h"
@@ -17,6 +19,23 @@ std::string WordsOf(const AssignmentRow& row) {
                          counts ? row.hands : HandsAllowed::kAny});
 }
 
+namespace {
+
+// "Z", " UTC", "+01:00": minutes ahead of UTC. None: something else.
+std::optional<int> OffsetOf(const std::string& zone) {
+  if (zone == "Z" || zone == " UTC") return 0;
+  char sign = 0;
+  int used = 0;
+  unsigned hour = 0, minute = 0;
+  const int found = std::sscanf(zone.c_str(), "%c%2u:%2u%n", &sign, &hour, &minute, &used);
+  const bool whole = found == 3 && static_cast<size_t>(used) == zone.size();
+  if (!whole || (sign != '+' && sign != '-') || hour > 14 || minute > 59) return std::nullopt;
+  const int offset = static_cast<int>(60 * hour + minute);
+  return sign == '-' ? -offset : offset;
+}
+
+}  // namespace
+
 Result<UnixMs> TimeFromText(const std::string& text) {
   using namespace std::chrono;
   int year = 0, used = 0;
@@ -25,16 +44,31 @@ Result<UnixMs> TimeFromText(const std::string& text) {
   int found = std::sscanf(text.c_str(), "%4d-%2u-%2u%c%2u:%2u%n", &year, &month, &day, &between,
                           &hour, &minute, &used);
   // sscanf stops at what it does not know. The rest is checked, so that "09:05 CET" is not taken
-  // for UTC.
-  std::string rest = found == 6 ? text.substr(static_cast<size_t>(used)) : "?";
+  // for local time.
+  const std::string zone = found == 6 ? text.substr(static_cast<size_t>(used)) : "?";
+  const std::optional<int> offset = zone.empty() ? std::optional(0) : OffsetOf(zone);
   year_month_day date{std::chrono::year(year), std::chrono::month(month), std::chrono::day(day)};
   bool fits = (between == ' ' || between == 'T') && date.ok() && year >= 2000 && year < 2100 &&
-              hour < 24 && minute < 60 && (rest.empty() || rest == "Z" || rest == " UTC");
+              hour < 24 && minute < 60 && offset;
   if (!fits) {
-    return Status(Code::kInvalidInput,
-                  "expected a time like \"2026-11-20 09:05\" (UTC), found \"" + text + "\"");
+    return Status(
+        Code::kInvalidInput,
+        "expected a time like \"2026-11-20 09:05\", in this computer's time zone, or with "
+        "its own, as \"2026-11-20 09:05+01:00\" or \"2026-11-20 08:05Z\"; found \"" +
+            text + "\"");
   }
-  milliseconds time = sys_days(date).time_since_epoch() + hours(hour) + minutes(minute);
+  if (zone.empty()) {
+    std::tm local{};
+    local.tm_year = year - 1900;
+    local.tm_mon = static_cast<int>(month) - 1;
+    local.tm_mday = static_cast<int>(day);
+    local.tm_hour = static_cast<int>(hour);
+    local.tm_min = static_cast<int>(minute);
+    local.tm_isdst = -1;  // as the zone has it on that day
+    return UnixMs{1000 * static_cast<int64_t>(std::mktime(&local))};
+  }
+  milliseconds time =
+      sys_days(date).time_since_epoch() + hours(hour) + minutes(static_cast<int>(minute) - *offset);
   return UnixMs{time.count()};
 }
 

@@ -19,8 +19,8 @@ inline constexpr UnixMs kExamTicketValidMs = 10 * 60 * 1000;
 
 // "2026-11-20 09:05 UTC".
 std::string TimeText(UnixMs time_ms);
-// "2026-11-20 09:05" or "2026-11-20T09:05", with or without "Z" or " UTC" behind it: always UTC.
-// Errors: kInvalidInput.
+// "2026-11-20 09:05" or "2026-11-20T09:05", in this computer's time zone; with "Z", " UTC" or
+// "+01:00" behind it in that one. Errors: kInvalidInput.
 Result<UnixMs> TimeFromText(const std::string& text);
 
 // As AssignmentText says it.

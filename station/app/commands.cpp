@@ -17,6 +17,7 @@
 #include "common/scene/json/json.h"
 #include "station/app/command_line.h"
 #include "station/app/simulate.h"
+#include "station/devices/operators.h"
 #include "station/session/by_name.h"
 #include "station/uplink/private_folder.h"
 
@@ -251,6 +252,16 @@ void DeclareReserve(CommandGroup group) {
       "reserved.");
 }
 
+namespace {
+
+std::vector<std::string> OperatorNames() {
+  std::vector<std::string> names;
+  for (const OperatorPreset& preset : OperatorPresets()) names.emplace_back(preset.name);
+  return names;
+}
+
+}  // namespace
+
 void DeclareSimulate(CommandGroup group) {
   auto [cmd, o] = Declare<SimulateCommand>(
       group, "simulate", "Make an attempt without a server and print its walls, forces and ticks",
@@ -259,9 +270,13 @@ void DeclareSimulate(CommandGroup group) {
       ->capture_default_str();
   cmd->add_option("--profile", o.profile, "Device profile, or its document (FILE.json)")
       ->capture_default_str();
-  cmd->add_option("--operator", o.operator_name, "Who holds the device")->capture_default_str();
+  cmd->add_option("--operator", o.operator_name, "Who holds the device")
+      ->check(CLI::IsMember(OperatorNames()))
+      ->capture_default_str();
   cmd->add_option("--voxel-um", o.voxel_um, "Voxel of a built-in scene")->capture_default_str();
-  cmd->add_option("--seed", o.seed, "Of the tremor; 0: the operator's own")->capture_default_str();
+  cmd->add_option("--seed", o.seed, "Of the tremor; 0: the operator's own")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   cmd->add_option("--json", o.json, "Write the facts to this file");
 }
 

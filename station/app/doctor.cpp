@@ -52,10 +52,14 @@ Finding Enrolment(const DoctorCommand& options, Result<Credentials>& credentials
 }
 
 Finding ServersClock(int64_t ahead_ms) {
-  std::string found = "the server's is " + std::to_string(ahead_ms) + " ms ahead of this one";
   // In both directions: a clock ahead makes a valid ticket look expired, one behind an expired one
   // valid.
-  int64_t off = ahead_ms < 0 ? -ahead_ms : ahead_ms;
+  const int64_t off = ahead_ms < 0 ? -ahead_ms : ahead_ms;
+  // Milliseconds up to ten seconds, as far as the way to the server lets them be measured.
+  const std::string by =
+      off < 10'000 ? std::to_string(off) + " ms" : std::to_string(off / 1000) + " s";
+  const std::string found =
+      "the server's is " + by + (ahead_ms < 0 ? " behind" : " ahead of") + " this one";
   if (off <= kClockOff_ms) return {"clock", Verdict::kOk, found, ""};
   return {"clock", off <= kClockWrong_ms ? Verdict::kWarn : Verdict::kFail, found,
           "let the system keep time (systemd-timesyncd or chrony) on both: tickets are good for "

@@ -34,6 +34,7 @@ and assumed; 'enamel-station simulate --scene FOLDER' cuts it.)";
 Status ImportMesh(const ImportCommand& options) {
   // First: reading and filling take up to a minute.
   ENAMEL_RETURN_IF_ERROR(program::CheckOutputFolder(options.out, "--out"));
+  ENAMEL_RETURN_IF_ERROR(program::CheckNewIn(options.out, "scene.json", "--out"));
   import::ImportOptions import_options;
   import_options.unit = options.unit;
   import_options.tooth = options.tooth;

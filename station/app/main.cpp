@@ -3,6 +3,7 @@
 #include <string>
 
 #include "common/program/log.h"
+#include "common/program/suggestion.h"
 #include "common/program/version.h"
 #include "station/app/command_line.h"
 #include "station/app/device_commands.h"
@@ -87,8 +88,13 @@ int main(int argc, char** argv) {
     }
   } catch (const CLI::ParseError& error) {
     const bool wrong = error.get_exit_code() != 0;
-    if (!wrong || !json) return app.exit(error) == 0 ? 0 : kUsage;
-    program::SayError(error.what());
+    const std::string suggestion = wrong ? program::Suggestion(app) : "";
+    if (!wrong || !json) {
+      const bool asked = app.exit(error) == 0;
+      if (!suggestion.empty()) program::SayError(suggestion);
+      return asked ? 0 : kUsage;
+    }
+    program::SayError(error.what() + (suggestion.empty() ? "" : "; " + suggestion));
     return kUsage;
   } catch (const std::exception& error) {
     program::SayError(error.what());

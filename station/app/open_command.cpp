@@ -33,13 +33,17 @@ OpenCommand DeclareOpen(CommandGroup group) {
   AddWorkplaceSettings(*cmd, group.place);
   cmd->add_option("--profile", o.profile, "Device profile of this station's device: offered first");
   AddCpu(cmd, o.cpu);
-  cmd->add_option("--window", options->size,
-                  "WIDTHxHEIGHT instead of the full screen, as 1280x720");
+  cmd->add_option("--window", options->size, "WIDTHxHEIGHT instead of the full screen, as 1280x720")
+      ->check([](const std::string& text) {
+        desk::DeskOptions size;
+        return desk::SetWindowSize(text, size).message();
+      });
   cmd->add_option("--language", options->language,
                   "en, de or zh: the window's language until somebody chooses another; else LANG")
       ->check(CLI::IsMember({"en", "de", "zh"}));
   cmd->add_option("--quality", o.quality,
-                  "best, good, fair or low; else chosen by how long pictures take");
+                  "best, good, fair or low; else chosen by how long pictures take")
+      ->check(CLI::IsMember({"best", "good", "fair", "low"}));
   cmd->add_option("--idle-minutes", o.idle_minutes,
                   "Time without key or mouse, outside an attempt, before it signs out")
       ->check(CLI::PositiveNumber)

@@ -129,6 +129,7 @@ void DeclareRun(CommandGroup group) {
                   "Operator of the simulated device ('devices' lists them)")
       ->capture_default_str();
   cmd->add_option("--seed", run.seed, "Of the operator's tremor; 0: the operator's own")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   cmd->add_flag("--lockstep", run.lockstep, "Run as fast as the computer can, not at 1 kHz");
   cmd->add_flag("--window", run.window, "Show the tooth being cut");

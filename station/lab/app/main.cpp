@@ -4,6 +4,7 @@
 
 #include "common/program/command_settings.h"
 #include "common/program/log.h"
+#include "common/program/suggestion.h"
 #include "common/program/version.h"
 #include "station/lab/app/cli.h"
 
@@ -59,8 +60,13 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     const bool wrong = error.get_exit_code() != 0;
-    if (!wrong || !json) return app.exit(error) == 0 ? 0 : kUsage;
-    program::SayError(error.what());
+    const std::string suggestion = wrong ? program::Suggestion(app) : "";
+    if (!wrong || !json) {
+      const bool asked = app.exit(error) == 0;
+      if (!suggestion.empty()) program::SayError(suggestion);
+      return asked ? 0 : kUsage;
+    }
+    program::SayError(error.what() + (suggestion.empty() ? "" : "; " + suggestion));
     return kUsage;
     // Of a suite, such as no memory for its rows.
   } catch (const std::exception& error) {

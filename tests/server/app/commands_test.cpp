@@ -164,7 +164,7 @@ TEST_F(CommandsTest, ExercisesArePublishedAssignedAndRetiredFromTheCommandLine) 
   NewAssignment exam;
   exam.exercise = "cross-block";
   exam.cohort = "Year 2";
-  exam.due = "2026-12-01 12:00";
+  exam.due = "2026-12-01 12:00Z";
   exam.attempt_limit = 2;
   exam.exam = true;
   EXPECT_EQ(ListExercises(Data(), "").code(), Code::kOk);

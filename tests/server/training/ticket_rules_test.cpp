@@ -30,13 +30,29 @@ Status Ask(const AssignedRow& row, std::optional<Uuid> station = Id(9)) {
 TEST(TimeTextTest, IsReadBackToTheMinute) {
   EXPECT_EQ(TimeText(kNow), "2026-11-20 09:05 UTC");
   EXPECT_EQ(TimeText(1'709'164'740'000), "2024-02-28 23:59 UTC");
-  for (const char* text : {"2026-11-20 09:05", "2026-11-20T09:05Z", "2026-11-20 09:05 UTC"}) {
+  for (const char* text : {"2026-11-20T09:05Z", "2026-11-20 09:05 UTC"}) {
     EXPECT_EQ(*TimeFromText(text), kNow) << text;
   }
   for (const char* text : {"", "tomorrow", "2026-11-20", "2026-02-30 10:00", "2026-11-20 24:00",
                            "2026-11-20 09:60", "2026-11-20 09:05 CET", "2026-11-20x09:05"}) {
     EXPECT_EQ(TimeFromText(text).status().code(), Code::kInvalidInput) << text;
   }
+}
+
+TEST(TimeTextTest, IsLocalUnlessItNamesItsZone) {
+  ASSERT_EQ(setenv("TZ", "CET-1CEST,M3.5.0,M10.5.0/3", 1), 0);
+  tzset();
+  EXPECT_EQ(*TimeFromText("2026-11-20 10:05"), kNow) << "winter";
+  EXPECT_EQ(*TimeFromText("2026-07-20 11:05"), *TimeFromText("2026-07-20 09:05Z")) << "summer";
+  EXPECT_EQ(*TimeFromText("2026-11-20 10:05+01:00"), kNow);
+  EXPECT_EQ(*TimeFromText("2026-11-20T14:35+05:30"), kNow);
+  EXPECT_EQ(*TimeFromText("2026-11-20 04:05-05:00"), kNow);
+  for (const char* text : {"2026-11-20 09:05+1", "2026-11-20 09:05+15:00",
+                           "2026-11-20 09:05+01:00 CET", "2026-11-20 09:05 +01:00"}) {
+    EXPECT_EQ(TimeFromText(text).status().code(), Code::kInvalidInput) << text;
+  }
+  ASSERT_EQ(setenv("TZ", "UTC", 1), 0);
+  tzset();
 }
 
 TEST(TicketRulesTest, OpensAndIsDueToTheMillisecond) {

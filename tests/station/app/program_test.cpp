@@ -44,6 +44,23 @@ Outcome RunProgram(const std::string& arguments, const char* streams = kBoth) {
   return out;
 }
 
+TEST(CommandLineTest, WrongUsageEndsWithTwoAndNamesWhatIsNear) {
+  const struct {
+    const char *arguments, *said;
+  } wrong[] = {{"rnu", "did you mean 'run'?"},
+               {"simulate --sede 3", "did you mean '--seed'?"},
+               {"simulate --seed -3", "--seed"},
+               {"simulate --operator nobody", "--operator"},
+               {"open --quality finest", "--quality"},
+               {"open --window big", "WIDTHxHEIGHT"},
+               {"run --seed -3", "--seed"}};
+  for (const auto& each : wrong) {
+    const Outcome out = RunProgram(each.arguments);
+    EXPECT_EQ(out.code, 2) << each.arguments << ": " << out.text;
+    EXPECT_NE(out.text.find(each.said), std::string::npos) << out.text;
+  }
+}
+
 class ProgramTest : public testing::Test {
  protected:
   ProgramTest() {
