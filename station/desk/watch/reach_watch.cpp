@@ -163,9 +163,17 @@ void ReachWatch::LookAtBrick(const Volume& now, int brick) {
     for (Side& side : sides_) {
       side.beyond_m = std::max(side.beyond_m, Dot(p, side.outward) - side.at_m);
     }
-    if (FollowsShape()) beyond_shape_m_ = std::max(beyond_shape_m_, BeyondShape_m(p));
+    if (FollowsShape()) LookBeyondShape(p);
     if (nearer) pulp_m_ = IsPulp(initial_, voxel) ? 0 : pulp_->Distance_m(p, pulp_m_);
   });
+}
+
+// Below the floor the way up leads back to the shape; beside a wall it does not.
+void ReachWatch::LookBeyondShape(const dvec3& p_m) {
+  const double beyond = BeyondShape_m(p_m);
+  if (beyond <= beyond_shape_m_) return;
+  beyond_shape_m_ = beyond;
+  below_shape_ = BeyondShape_m(p_m + dvec3(0, 0, beyond)) < 0.5 * beyond;
 }
 
 void ReachWatch::Look(const Volume& now) {
@@ -194,7 +202,9 @@ void ReachWatch::Publish() {
   if (pulp_) out.pulp_mm = pulp_m_ * 1e3;
   if (FollowsShape()) {
     out.leeway = {{1e3 * (shape_leeway_m_ - beyond_shape_m_), 1e3 * shape_leeway_m_,
-                   beyond_shape_m_ > 0 ? "place.outline" : ""}};
+                   beyond_shape_m_ <= 0 ? ""
+                   : below_shape_       ? "place.floor"
+                                        : "place.outline"}};
   }
   if (!sides_.empty()) {
     // A leeway of nothing is used up by the least excess.

@@ -53,10 +53,12 @@ class ReachWatch {
   // outline or floor.
   bool FollowsShape() const { return shape_ || prepared_; }
   double BeyondShape_m(const dvec3& p_m) const;
+  void LookBeyondShape(const dvec3& p_m);
   std::optional<scene::Preparation> shape_;
   std::shared_ptr<const scene::PreparedTooth> prepared_;
   std::unique_ptr<scoring::Hollow> hollow_;  // of prepared_, made with the first look
   double shape_leeway_m_ = 0, beyond_shape_m_ = 0;
+  bool below_shape_ = false;                      // the farthest place is below the floor
   std::unique_ptr<surface::DistanceQuery> pulp_;  // null: there is none
   bool pulp_looked_for_ = false;
   std::vector<float> pulp_bound_m_;  // a brick's least distance to the pulp; negative: unknown

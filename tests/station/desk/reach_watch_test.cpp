@@ -170,6 +170,24 @@ TEST(ReachWatchTest, WithoutATargetOrPulpThereIsNothingToTell) {
   EXPECT_FALSE(watch.reach().pulp_mm.has_value());
 }
 
+// In the middle of a disc, far from its outline.
+TEST(ReachWatchTest, TooDeepInAShapeIsTheFloorsNotTheOutlines) {
+  const Volume initial = Block([](const dvec3&) { return false; });
+  scene::CavityTarget target = Target();
+  target.half_size_um = {2'500, 2'500, 0};
+  scene::PreparationPart disc;
+  disc.outline = scene::PreparationPart::Outline::kDisc;
+  disc.half_size_um = {2'500, 2'500};
+  disc.depth_um = 1'500;
+  target.parts = {disc};
+  ReachWatch watch(SceneWithTop(), target, initial);
+  watch.Look(Cut(initial, {0.7e-3, 0.7e-3, 0}, 1.8e-3));
+  const auto leeway = watch.reach().leeway;
+  ASSERT_TRUE(leeway.has_value());
+  EXPECT_NEAR(leeway->left_mm, 0.25 - 0.3, 0.05);
+  EXPECT_EQ(leeway->where, "place.floor");
+}
+
 // A disc's leeway ends around the disc: a box cut within the square around it may be far outside.
 TEST(ReachWatchTest, ADiscsLeewayIsMeasuredFromTheDisc) {
   const Volume initial = Block([](const dvec3&) { return false; });
