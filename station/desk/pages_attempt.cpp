@@ -64,7 +64,7 @@ void Pages::Running() {
   ui_.Begin("running", page);
   // The mouse is the handpiece, so it could not reach buttons.
   if (flow_.attempt()->by_pointer()) {
-    ui_.Large(Say("running.keys"));
+    ui_.OneLine(Say("running.keys"));
   } else {
     if (ui_.Button(Say("running.pause"))) flow_.Open(Dialog::kPaused);
     ui_.SameLine();

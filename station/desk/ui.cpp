@@ -278,6 +278,13 @@ void Ui::Large(const std::string& text) {
   ImGui::PopFont();
 }
 
+void Ui::OneLine(const std::string& text) {
+  const ImFont* far = fonts().far;
+  const float width = far->CalcTextSizeA(far->FontSize, FLT_MAX, 0, text.c_str()).x;
+  if (width <= ImGui::GetContentRegionAvail().x) return Large(text);
+  Text(text);
+}
+
 void Ui::Text(const std::string& text) {
   Say(text);
   ImGui::PushTextWrapPos(0);

@@ -78,6 +78,7 @@ class Ui {
   void Gap(float px = 24);
   // The next button begins beside the last, where the page has room for it.
   void SameLine() { beside_ = true; }
+  void OneLine(const std::string& text);  // the same, smaller where it would not fit
   // True when chosen.
   bool Button(const std::string& label, Look look = Look::kPlain, bool enabled = true);
   // One line of a list: a title, words below it, words at the right. True when chosen. Rows may

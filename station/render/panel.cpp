@@ -196,8 +196,10 @@ void DrawScaleBar(double mm_per_pixel, const Fonts& fonts, float width, float he
 void DrawBurAway(const glm::vec2& away, const Words& words, const Fonts& fonts, float width,
                  float height, float px) {
   const float inset = 70 * px, size = 34 * px;
-  const glm::vec2 middle(0.5f * width, 0.5f * height);
-  const float to_side = (middle.x - inset) / std::max(std::fabs(away.x), 1e-3f),
+  // Beside the panel, which is at the left.
+  const float left_px = (kPanelWidth_px + 4 * kMargin_px) * px;
+  const glm::vec2 middle(0.5f * (left_px + width), 0.5f * height);
+  const float to_side = (0.5f * (width - left_px) - inset) / std::max(std::fabs(away.x), 1e-3f),
               to_top = (middle.y - inset) / std::max(std::fabs(away.y), 1e-3f);
   const glm::vec2 tip = middle + away * std::min(to_side, to_top), across(-away.y, away.x);
   const glm::vec2 left = tip - away * (1.6f * size) + across * size,

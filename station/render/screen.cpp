@@ -30,6 +30,7 @@ constexpr auto kFrameTime = std::chrono::milliseconds(16);
 constexpr int kButtons = 3;
 // A field that Tab or Enter leads to takes letters from the third frame on.
 constexpr int kFocusFrames = 3;
+constexpr int kCaptureFrames = 3;
 
 static_assert(kKeySpace == GLFW_KEY_SPACE && kKeyEscape == GLFW_KEY_ESCAPE &&
               kKeyEnter == GLFW_KEY_ENTER && kKeyTab == GLFW_KEY_TAB &&
@@ -153,6 +154,12 @@ class Screen::Impl {
       injected_.pop_front();
     }
     TakePending();
+    if (just_captured_ > 0) {
+      // A pointer that was beside the window is reported where it entered: nobody moved it.
+      --just_captured_;
+      last_cursor_x_ = cursor_x_;
+      last_cursor_y_ = cursor_y_;
+    }
     Measure();
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
@@ -212,6 +219,7 @@ class Screen::Impl {
   void Capture(bool capture) {
     if (capture == captured_) return;
     captured_ = capture;
+    just_captured_ = kCaptureFrames;
     glfwSetInputMode(glfw_.get(), GLFW_CURSOR, capture ? GLFW_CURSOR_DISABLED : GLFW_CURSOR_NORMAL);
     glfwGetCursorPos(glfw_.get(), &cursor_x_, &cursor_y_);
     last_cursor_x_ = cursor_x_;
@@ -333,7 +341,8 @@ class Screen::Impl {
   // Pressed since the last frame, even if let go already.
   std::bitset<kButtons> clicked_;
   std::bitset<GLFW_KEY_LAST + 1> tapped_;
-  int settling_ = 0;  // frames until input behind Tab or Enter is taken
+  int just_captured_ = 0;  // frames in which the cursor may still jump
+  int settling_ = 0;       // frames until input behind Tab or Enter is taken
   std::unique_ptr<Target> shown_;
   Clock::time_point began_{}, next_{};
 };
