@@ -15,12 +15,21 @@ using render::Screen;
 constexpr float kAside = 0.16f;    // clear of the panel
 constexpr double kWheelInAir = 4;  // as fast, with the bur off
 constexpr double kStartAbove_m = 2e-3, kCavity_m = 3e-3;
+constexpr double kWork_m = 4e-3;
+constexpr int kStill_px = 640;  // of a side
 
 render::ViewOptions ViewOf(const PreparedAttempt& prepared) {
   render::ViewOptions view;
   view.bur = prepared.exercise.bur().metric();
   view.aside = kAside;
   view.mesial_x = scene::MesialX(prepared.scene.tooth);
+  const scene::CavityTarget& target = prepared.exercise.target;
+  if (const auto at = prepared.scene.landmarks.find(target.landmark);
+      at != prepared.scene.landmarks.end()) {
+    view.work_m = dvec3(at->second[0], at->second[1], at->second[2]) * 1e-6;
+    view.work_radius_m =
+        std::max(kWork_m, 2e-6 * std::max(target.half_size_um[0], target.half_size_um[1]));
+  }
   view.force_full_scale_n = static_cast<double>(prepared.profile.peak_force_mn.value) * 1e-3;
   return view;
 }
@@ -114,7 +123,16 @@ Status DeskAttempt::Begin(Workplace& workplace, int cpu) {
   options.observer = feed_.get();
   ENAMEL_ASSIGN_OR_RETURN(auto run, workplace.Begin(prepared_, *held_, options));
   run_ = std::move(run);
+  before_ = view_->Still(kStill_px);
   return Status::Ok();
+}
+
+const std::shared_ptr<const render::Target>& DeskAttempt::after() {
+  const bool ended = run_ != nullptr && !run_->ticking();
+  if (after_ == nullptr && ended && view_->WaitIdle(std::chrono::milliseconds(0))) {
+    after_ = view_->Still(kStill_px);
+  }
+  return after_;
 }
 
 void DeskAttempt::Point(const Screen& screen, double dt_s, bool held) {

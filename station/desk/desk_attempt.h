@@ -43,6 +43,9 @@ class DeskAttempt {
 
   // Starts with the first tick. The loop is bound to processor `cpu`; -1: to none.
   Status Begin(Workplace& workplace, int cpu);
+  // The tooth as the attempt began; and as it ended, once the picture has it: null until then.
+  const std::shared_ptr<const render::Target>& before() const { return before_; }
+  const std::shared_ptr<const render::Target>& after();
   // Null before Begin.
   RunningAttempt* run() { return run_.get(); }
 
@@ -62,6 +65,7 @@ class DeskAttempt {
   std::unique_ptr<ZoneWatch> zones_;
   std::unique_ptr<ReachWatch> reach_;
   std::unique_ptr<render::ToothView> view_;
+  std::shared_ptr<const render::Target> before_, after_;
   std::unique_ptr<TargetOutline> outline_;  // null: never shown
   std::unique_ptr<TickFeed> feed_;
   std::unique_ptr<RunningAttempt> run_;  // first to go

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "station/desk/opening.h"
 #include "station/desk/ui.h"
@@ -35,6 +36,7 @@ class Pages {
   void Remark(RunningAttempt& run);
   void HandIn();
   void Result();
+  std::vector<Picture> ResultPictures();
   void Score(const scoring::ScoreResult& score);
   void ResultChoices();
   void Paused();
@@ -80,8 +82,8 @@ std::string BurText(const Words& words, const cutting::Bur& bur);
 // Key of the message for a fault at the chair; its English is FaultText's. Empty for none.
 const char* FaultKey(Fault fault);
 
-// "Mesial wall: 0.30 mm too deep …": the wall or floor criterion that lost most points, or empty if
-// none did.
-std::string WorstWall(const Words& words, const scoring::ScoreResult& score);
+// The one thing to work on next: what takes points of every criterion, else the criterion that lost
+// most. Empty: nothing lost any.
+std::string NextStep(const Words& words, const scoring::ScoreResult& score);
 
 }  // namespace enamel::station::desk

@@ -6,15 +6,25 @@
 
 namespace enamel::station::desk {
 
-std::string WorstWall(const Words& words, const scoring::ScoreResult& score) {
-  const scoring::CriterionResult* worst = nullptr;
-  for (const scoring::CriterionResult& c : score.criteria) {
-    bool wall = c.name.starts_with("wall_") || c.name == "floor_mm";
-    double lost = c.max_points - c.points;
-    if (!wall || lost <= 0) continue;
-    if (worst == nullptr || lost > worst->max_points - worst->points) worst = &c;
+std::string NextStep(const Words& words, const scoring::ScoreResult& score) {
+  // What takes points of every criterion comes first.
+  const scoring::GateResult* gate = nullptr;
+  for (const scoring::GateResult& g : score.gates) {
+    if (g.share < 1 && (gate == nullptr || g.share < gate->share)) gate = &g;
   }
-  return worst != nullptr ? ReasonText(words, *worst) : "";
+  if (gate != nullptr) {
+    return words.Say("result.next_all", {{"title", WordedTitle(words, gate->title)}});
+  }
+  const scoring::CriterionResult* dearest = nullptr;
+  double most = 0.05;  // half of the tenth that is shown
+  for (const scoring::CriterionResult& c : score.criteria) {
+    if (c.max_points - c.points <= most) continue;
+    most = c.max_points - c.points;
+    dearest = &c;
+  }
+  if (dearest == nullptr) return {};
+  return words.Say("result.next", {{"title", WordedTitle(words, dearest->title)},
+                                   {"points", NumberText(words, most, 1)}});
 }
 
 void Pages::Ready() {
@@ -158,8 +168,7 @@ void Pages::Score(const scoring::ScoreResult& score) {
   for (const scoring::GateResult& g : score.gates) {
     if (g.share < 1) ui_.Problem(ReasonText(flow_.words(), g));
   }
-  if (std::string worst = WorstWall(flow_.words(), score); !worst.empty())
-    ui_.Text(Say("result.worst", {{"reason", worst}}));
+  if (std::string next = NextStep(flow_.words(), score); !next.empty()) ui_.Text(next);
   ui_.BeginList("reasons");
   for (const scoring::CriterionResult& c : score.criteria) {
     if (c.max_points == 0) continue;  // not in this exercise
@@ -167,14 +176,17 @@ void Pages::Score(const scoring::ScoreResult& score) {
              Say("result.points", {{"points", NumberText(flow_.words(), c.points, 1)},
                                    {"most", NumberText(flow_.words(), c.max_points, 1)}}),
              // Half of the tenth that is shown: "10 of 10" with a reason would be puzzling.
-             c.max_points - c.points > 0.05 ? ReasonText(flow_.words(), c) : "",
+             c.max_points - c.points > 0.05 ? DetailText(flow_.words(), c) : "",
              c.points + 0.05 < c.max_points);
   }
   ui_.EndList();
 }
 
 void Pages::Result() {
-  ui_.Begin("result", kWidePage);
+  const std::vector<Picture> pictures = ResultPictures();
+  Ui::Page page = kWidePage;
+  if (!pictures.empty()) page.width = 0.58f;
+  ui_.Begin("result", page);
   ui_.Title(WordedTitle(flow_.words(), flow_.result_title()));
   ui_.Problem(flow_.problem());
   const auto& progress = flow_.progress();
@@ -200,6 +212,21 @@ void Pages::Result() {
   ui_.Gap(8);
   ResultChoices();
   ui_.End();
+  ui_.Pictures(pictures, {0.67f, 0.08f, 0.27f, 0.86f});
+}
+
+// Only of an attempt that was made just now: others are not on the tooth any more.
+std::vector<Picture> Pages::ResultPictures() {
+  std::vector<Picture> out;
+  DeskAttempt* attempt = flow_.attempt();
+  if (attempt == nullptr) return out;
+  if (const auto& before = attempt->before()) {
+    out.push_back({render::TextureOf(*before), Say("result.before")});
+  }
+  if (const auto& after = attempt->after()) {
+    out.push_back({render::TextureOf(*after), Say("result.after")});
+  }
+  return out;
 }
 
 void Pages::ResultChoices() {

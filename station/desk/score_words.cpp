@@ -192,14 +192,19 @@ std::optional<std::string> SentenceOf(const Words& words, std::string_view metri
   return std::nullopt;
 }
 
+// `titled`: begins with the title. Below a title the measured value has a name instead.
 template <typename Judged>
-std::string ReasonTextOf(const Words& words, const Judged& judged) {
+std::string ReasonTextOf(const Words& words, const Judged& judged, bool titled = true) {
   if (judged.reasons.empty()) return judged.reason;
-  std::string out = words.Say("reason.title", {{"title", WordedTitle(words, judged.title)}});
+  std::string out;
+  if (titled) out = words.Say("reason.title", {{"title", WordedTitle(words, judged.title)}});
   for (const scoring::Reason& reason : judged.reasons) {
-    const auto said = SentenceOf(words, judged.name, reason, judged.unit);
+    auto said = SentenceOf(words, judged.name, reason, judged.unit);
     if (!said) return judged.reason;
-    out.append(Between(words)).append(*said);
+    const bool measured = out.empty() && !reason.values.empty();
+    if (measured) said = words.Say("reason.measured", {{"found", *said}});
+    if (!out.empty()) out.append(Between(words));
+    out.append(*said);
   }
   if (!judged.comment.empty()) {
     out.append(Between(words)).append(WordedText(words, judged.comment));
@@ -230,6 +235,9 @@ std::string ReasonText(const Words& words, const scoring::CriterionResult& crite
   return out.append(Between(words))
       .append(
           words.Say("reason.one_mistake", {{"criterion", WordedTitle(words, criterion.under)}}));
+}
+std::string DetailText(const Words& words, const scoring::CriterionResult& criterion) {
+  return ReasonTextOf(words, criterion, false);
 }
 std::string ReasonText(const Words& words, const scoring::GateResult& gate) {
   return ReasonTextOf(words, gate);

@@ -23,6 +23,8 @@ std::string WordedText(const Words& words, std::string_view text);
 // One sentence for each reason, then the rubric's comment. The server's own text if a code is
 // unknown (a newer server) or missing (scores before version 4).
 std::string ReasonText(const Words& words, const scoring::CriterionResult& criterion);
+// The same below the criterion's title: "Measured: 7.62 mm³ (full marks up to 0.02 mm³, …)".
+std::string DetailText(const Words& words, const scoring::CriterionResult& criterion);
 std::string ReasonText(const Words& words, const scoring::GateResult& gate);
 std::string ReasonText(const Words& words, const scoring::CriticalResult& critical);
 

@@ -34,6 +34,12 @@ struct Card {
   std::function<void(const Rect& at)> picture;  // draws into the current ImGui window
 };
 
+// A square picture with a line below it. `texture` is OpenGL's.
+struct Picture {
+  unsigned texture = 0;
+  std::string caption;
+};
+
 // Draws one page after another on one screen. In a frame:
 //
 //   ui.Begin("sign-in");  ui.Title(…); if (ui.Button("Sign in")) …; ui.End();
@@ -72,13 +78,13 @@ class Ui {
 
   void Title(const std::string& text);    // read from 2 m
   void Large(const std::string& text);    // the same letters in a line of its own
+  void OneLine(const std::string& text);  // the same, smaller where it would not fit
   void Text(const std::string& text);     // wrapped
   void Note(const std::string& text);     // the same, quieter
   void Problem(const std::string& text);  // an error; begins with a capital
   void Gap(float px = 24);
   // The next button begins beside the last, where the page has room for it.
   void SameLine() { beside_ = true; }
-  void OneLine(const std::string& text);  // the same, smaller where it would not fit
   // True when chosen.
   bool Button(const std::string& label, Look look = Look::kPlain, bool enabled = true);
   // One line of a list: a title, words below it, words at the right. True when chosen. Rows may
@@ -101,6 +107,10 @@ class Ui {
   // the key that dismisses it. As wide as the page allows; long texts in smaller letters. In any
   // script that the station's fonts have.
   void Remark(const std::string& who, const std::string& text, const std::string& key);
+
+  // Pictures below each other at the right of the window, beside a page that leaves room there:
+  // after the page's End.
+  void Pictures(std::span<const Picture> pictures, const Page& where);
 
   // A part of the page that scrolls. What follows it up to the page's end keeps its height.
   void BeginList(const char* name);

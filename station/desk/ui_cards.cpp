@@ -1,8 +1,9 @@
-// Cards to choose from; the other widgets are in ui.cpp.
+// Cards to choose from, and pictures; the other widgets are in ui.cpp.
 #include <imgui.h>
 
 #include <algorithm>
 #include <cfloat>
+#include <cstdint>
 
 #include "station/desk/ui.h"
 
@@ -87,6 +88,32 @@ std::optional<size_t> Ui::Cards(std::span<const Card> cards) {
     ImGui::PopID();
   }
   return chosen;
+}
+
+void Ui::Pictures(std::span<const Picture> pictures, const Page& where) {
+  if (pictures.empty()) return;
+  const auto w = static_cast<float>(screen_.width()), h = static_cast<float>(screen_.height());
+  const auto count = static_cast<float>(pictures.size());
+  ImGui::SetNextWindowPos({where.at_x * w, where.at_y * h});
+  ImGui::SetNextWindowSize({where.width * w, where.height * h});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
+  ImGui::Begin("pictures", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoBackground |
+                   ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoSavedSettings |
+                   ImGuiWindowFlags_NoBringToFrontOnFocus);
+  ImGui::PushFont(fonts().near);
+  const float line = ImGui::GetTextLineHeightWithSpacing() + ImGui::GetStyle().ItemSpacing.y;
+  const float side = std::min(where.width * w, where.height * h / count - line);
+  for (const Picture& picture : pictures) {
+    // The texture's first row is the lowest.
+    ImGui::Image(reinterpret_cast<ImTextureID>(static_cast<intptr_t>(picture.texture)),
+                 {side, side}, {0, 1}, {1, 0});
+    ImGui::TextUnformatted(picture.caption.c_str());
+    if (!blocked_) Say(picture.caption);
+  }
+  ImGui::PopFont();
+  ImGui::End();
+  ImGui::PopStyleVar();
 }
 
 }  // namespace enamel::station::desk

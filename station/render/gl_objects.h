@@ -78,6 +78,7 @@ class Target {
   // Requires: equal sizes, both with depth.
   void CopyDepthTo(const Target& other) const;
   GLuint name() const { return name_; }
+  GLuint colour() const { return colour_[0]; }
   int width() const { return width_; }
   int height() const { return height_; }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <thread>
 
+#include "station/render/gl_objects.h"
+
 namespace enamel::station::render {
 namespace {
 
@@ -54,6 +56,11 @@ ToothView::ToothView(const ViewOptions& options, const cutting::Volume& initial,
               options.view_radius_m > 0 ? static_cast<float>(options.view_radius_m * 1000)
                                         : RadiusOf(initial),
               options.aside, options.mesial_x),
+      still_(glm::vec3((options.work_radius_m > 0 ? options.work_m : options.focus_m) * 1000.0),
+             options.work_radius_m > 0
+                 ? std::min(static_cast<float>(options.work_radius_m * 1000), camera_.radius_mm())
+                 : camera_.radius_mm(),
+             0, options.mesial_x),
       feed_(initial.spec().brick_count(), kRingBricks),
       mesher_(initial, feed_, std::move(watch)),
       picture_(options.bur, mesher_.group_count()) {
@@ -100,6 +107,23 @@ std::optional<glm::vec2> ToothView::BurAway(int width, int height) const {
   return camera_.Away(glm::vec3(state_.anchor.tip_m * 1000.0),
                       static_cast<float>(width) / static_cast<float>(height));
 }
+
+std::shared_ptr<const Target> ToothView::Still(int side_px) {
+  for (const GroupMesh& mesh : mesher_.TakeReady()) picture_.Replace(mesh);
+  PictureState state;
+  state.view_from_scene = still_.ViewFromScene();
+  state.clip_from_view = still_.ClipFromView(1);
+  state.lines = outline_shown_;
+  Quality quality = kQualities[1];
+  quality.lighter_turning = false;
+  picture_.Draw(state, side_px, side_px, quality);
+  auto still = std::make_shared<Target>(side_px, side_px, std::initializer_list<GLenum>{GL_RGBA8},
+                                        false, GL_LINEAR);
+  picture_.result().CopyColourTo(*still);
+  return still;
+}
+
+unsigned TextureOf(const Target& picture) { return picture.colour(); }
 
 void ToothView::Draw(int width, int height, const Quality& quality) {
   for (const GroupMesh& mesh : mesher_.TakeReady()) picture_.Replace(mesh);

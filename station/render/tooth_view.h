@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <memory>
 #include <optional>
 #include <span>
 
@@ -58,6 +59,9 @@ class ToothView {
   // --- main thread ---
   void Draw(int width, int height, const Quality& quality);
   const Target& result() const { return picture_.result(); }
+  // The tooth alone as far as it is meshed, without the bur, near the place to cut: a square picture
+  // of its own. Destroy it while the context is current.
+  std::shared_ptr<const Target> Still(int side_px);
   const PictureWork& work() const { return picture_.work(); }
   Camera& camera() { return camera_; }
   // The target's outline, drawn on the tooth while it is shown.
@@ -76,6 +80,7 @@ class ToothView {
 
   const ViewOptions options_;
   Camera camera_;
+  Camera still_;  // never moved
   FrameState state_;
   bool has_state_ = false;
   float spin_ = 0;
@@ -85,5 +90,8 @@ class ToothView {
   Mesher mesher_;
   Picture picture_;
 };
+
+// OpenGL's name of the picture's texture, whose first row is the lowest.
+unsigned TextureOf(const Target& picture);
 
 }  // namespace enamel::station::render

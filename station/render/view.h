@@ -18,6 +18,9 @@ struct ViewOptions {
   double view_radius_m = 0;
   // Its distance right of the picture's middle, in picture heights: a panel is on the left.
   float aside = 0;
+  // The place to cut and how far around it to look, for ToothView::Still; radius 0: the whole view.
+  dvec3 work_m{0};
+  double work_radius_m = 0;
   int mesial_x = 1;  // scene::MesialX, for the view from there
 };
 

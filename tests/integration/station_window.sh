@@ -162,6 +162,9 @@ page finish
 click Hand in
 page result
 see of 100 points
+see Next step:
+see Before
+see After
 frames 3
 picture PICTURES/12-score.png
 click Reference

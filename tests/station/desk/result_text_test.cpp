@@ -2,6 +2,7 @@
 
 #include "station/desk/exercise_words.h"
 #include "station/desk/pages.h"
+#include "station/desk/score_words.h"
 #include "tests/station/desk/english.h"
 
 namespace enamel::station::desk {
@@ -10,18 +11,34 @@ namespace {
 scoring::CriterionResult Criterion(const char* name, double points, double most) {
   scoring::CriterionResult c;
   c.name = name;
+  c.title = name;
   c.points = points;
   c.max_points = most;
   c.reason = std::string(name) + " reason";
   return c;
 }
 
-TEST(ResultTextTest, TheWorstWallIsTheOneThatLostMostPoints) {
+TEST(ResultTextTest, TheNextStepIsWhatLostMostPoints) {
   scoring::ScoreResult score;
-  score.criteria = {Criterion("zone_target_removed_percent", 0, 40),
-                    Criterion("wall_mesial_mm", 5, 8), Criterion("wall_distal_mm", 1, 8),
-                    Criterion("floor_mm", 8, 8)};
-  EXPECT_EQ(WorstWall(kEnglish, score), "wall_distal_mm reason");
+  score.criteria = {Criterion("Nothing left inside", 5, 8), Criterion("Walls upright", 1, 8),
+                    Criterion("Time", 5, 5)};
+  EXPECT_EQ(NextStep(kEnglish, score),
+            "Next step: Walls upright. It cost 7 points, more than anything else.");
+  scoring::GateResult done;
+  done.title = "Task done";
+  done.share = 0.1;
+  score.gates = {done};
+  EXPECT_EQ(NextStep(kEnglish, score),
+            "Next step: Task done. It takes points from every criterion.");
+}
+
+TEST(ResultTextTest, BelowItsTitleAMeasuredValueIsCalledSo) {
+  scoring::CriterionResult c = Criterion("Nothing left inside", 0, 8);
+  c.name = "left_standing_mm3";
+  c.unit = "mm3";
+  c.reasons = {{"at_most", {7.62, 0.02, 0.3}, {}}};
+  EXPECT_EQ(DetailText(kEnglish, c),
+            "Measured: 7.62 mm\u00b3 (full marks up to 0.02 mm\u00b3, none from 0.30 mm\u00b3).");
 }
 
 TEST(ResultTextTest, AFaultIsSaidAtTheChairAsInTheLog) {
@@ -32,10 +49,10 @@ TEST(ResultTextTest, AFaultIsSaidAtTheChairAsInTheLog) {
   EXPECT_STREQ(FaultKey(Fault::kNone), "");
 }
 
-TEST(ResultTextTest, WithoutALossThereIsNoWorstWall) {
+TEST(ResultTextTest, WithoutALossThereIsNoNextStep) {
   scoring::ScoreResult score;
-  score.criteria = {Criterion("wall_mesial_mm", 8, 8), Criterion("time_s", 0, 5)};
-  EXPECT_EQ(WorstWall(kEnglish, score), "");
+  score.criteria = {Criterion("Walls upright", 8, 8), Criterion("Time", 4.96, 5)};
+  EXPECT_EQ(NextStep(kEnglish, score), "");
 }
 
 TEST(ResultTextTest, AnAssignmentSaysWhenItIsDueAndHowManyAttemptsAreLeft) {
