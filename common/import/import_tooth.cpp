@@ -5,7 +5,9 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <map>
 #include <memory>
+#include <numeric>
 #include <optional>
 
 #include "common/base/file.h"
@@ -159,6 +161,51 @@ double FinestPiece_mm(const ImportOptions& options) {
   return kFinestOfVoxel * options.voxel_nm * 1e-6;
 }
 
+// A scan of a jaw, or two teeth in one file, would be cut as one tooth. Crumbs beside the tooth are
+// none, and neither are parts that cross, whose boxes overlap.
+Status CheckOneBody(const mesh::Solid& solid) {
+  constexpr double kCrumb = 0.05;  // of the largest, by area
+  const mesh::Triangles& mesh = solid.mesh;
+  std::vector<uint32_t> first(mesh.vertices.size());
+  std::iota(first.begin(), first.end(), 0u);
+  auto root = [&](uint32_t v) {
+    while (first[v] != v) v = first[v] = first[first[v]];
+    return v;
+  };
+  for (const auto& t : mesh.indices) {
+    first[root(t[1])] = root(t[0]);
+    first[root(t[2])] = root(t[0]);
+  }
+  struct Body {
+    double area_mm2 = 0;
+    mesh::Box box{dvec3(1e300), dvec3(-1e300)};
+  };
+  std::map<uint32_t, Body> all;
+  double largest = 0;
+  for (const auto& t : mesh.indices) {
+    const dvec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+    Body& body = all[root(t[0])];
+    body.area_mm2 += glm::length(glm::cross(b - a, c - a)) / 2;
+    body.box.lo = glm::min(body.box.lo, glm::min(a, glm::min(b, c)));
+    body.box.hi = glm::max(body.box.hi, glm::max(a, glm::max(b, c)));
+    largest = std::max(largest, body.area_mm2);
+  }
+  const bool parts_cross = solid.report.crossing + solid.report.buried > 0;
+  std::vector<Body> apart;
+  for (const auto& [vertex, body] : all) {
+    const bool joins =
+        parts_cross && std::ranges::any_of(apart, [&](const Body& other) {
+          return body.box.lo.x <= other.box.hi.x && other.box.lo.x <= body.box.hi.x &&
+                 body.box.lo.y <= other.box.hi.y && other.box.lo.y <= body.box.hi.y &&
+                 body.box.lo.z <= other.box.hi.z && other.box.lo.z <= body.box.hi.z;
+        });
+    if (body.area_mm2 > kCrumb * largest && !joins) apart.push_back(body);
+  }
+  if (apart.size() <= 1) return Status::Ok();
+  return Invalid("expected one tooth, found " + std::to_string(apart.size()) +
+                 " bodies apart from each other: export the tooth alone, or join its parts");
+}
+
 void Enter(const ImportOptions& options, std::string_view phase) {
   if (options.phase) options.phase(phase);
 }
@@ -218,6 +265,7 @@ Result<ImportedScene> ImportTriangles(const mesh::Triangles& mesh, const std::st
   repair.finest_mm = FinestPiece_mm(options);
   Result<mesh::Solid> solid = mesh::MakeSolid(mesh_mm, repair);
   if (!solid.ok()) return solid.status();
+  ENAMEL_RETURN_IF_ERROR(CheckOneBody(*solid));
   Enter(options, "placing");
   Result<PlacedSolid> placed =
       Place(std::move(*solid), {options.tooth, options.up, options.buccal});

@@ -90,6 +90,19 @@ TEST(ImportTest, OverlappingPartsBecomeOneSolidWithoutInnerWalls) {
   EXPECT_NEAR(Solid_mm3(s->volume) / ideal, 1, 0.01);
 }
 
+TEST(ImportTest, TwoBodiesAreNoTooth) {
+  const mesh::Triangles tooth = SphereMesh(4, 12), beside = SphereMesh(3, 12, {9, 0, 0});
+  ImportOptions options{.tooth = 46};
+  options.voxel_nm = 200'000;
+  auto both = ImportTriangles(Joined(tooth, beside), "test", options);
+  ASSERT_FALSE(both.ok());
+  EXPECT_EQ(both.status().code(), Code::kInvalidInput);
+  EXPECT_NE(both.status().message().find("found 2 bodies"), std::string::npos)
+      << both.status().message();
+  auto crumb = ImportTriangles(Joined(tooth, SphereMesh(0.5, 6, {6, 0, 0})), "test", options);
+  EXPECT_TRUE(crumb.ok()) << crumb.status().message();
+}
+
 TEST(ImportTest, WrongUnitIsRefusedWithTheOneThatFits) {
   ImportOptions options{.tooth = 46};
   options.unit = "m";
