@@ -31,6 +31,14 @@ Result<scene::Scene> StoredScene(StoredBlobs& blobs, const SceneRow& row) {
   return scene::SceneFromJson(AsText(text));
 }
 
+// The same task to practise: target, progress and score are seen at once.
+scene::Exercise AsPractice(scene::Exercise exercise) {
+  constexpr size_t kLongestName = 64;  // json/read.h
+  exercise.name = ("practice-" + exercise.name).substr(0, kLongestName);
+  exercise.graded = false;
+  return exercise;
+}
+
 }  // namespace
 
 Result<SceneRow> PublishScene(StoredBlobs& blobs, SceneRows& scenes, const std::string& source,
@@ -63,6 +71,10 @@ Result<std::vector<ExerciseRow>> PublishBuiltins(StoredBlobs& blobs, ExerciseRow
     if (!name.empty() && exercise.name != name && !exercise.name.starts_with(name + "-")) continue;
     ENAMEL_ASSIGN_OR_RETURN(auto published, PublishDocument(blobs, exercises, exercise, cohort));
     out.push_back(published);
+    if (!exercise.graded) continue;
+    ENAMEL_ASSIGN_OR_RETURN(auto practice,
+                            PublishDocument(blobs, exercises, AsPractice(exercise), cohort));
+    out.push_back(practice);
   }
   if (!out.empty()) return out;
   return Status(Code::kNotFound,

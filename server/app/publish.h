@@ -27,7 +27,8 @@ Result<ExerciseRow> PublishDocument(StoredBlobs& blobs, ExerciseRows& exercises,
                                     const std::optional<Uuid>& cohort);
 
 // The exercises the project makes for a stored scene (common/scene/builtin/builtin.h): all, or
-// those of this name or kind ("class-2"). Errors also: kNotFound with the names there are.
+// those of this name or kind ("class-2"). Each graded one also comes as practice, named
+// "practice-…". Errors also: kNotFound with the names there are.
 Result<std::vector<ExerciseRow>> PublishBuiltins(StoredBlobs& blobs, ExerciseRows& exercises,
                                                  const SceneRow& scene, const std::string& name,
                                                  const std::optional<Uuid>& cohort);

@@ -206,6 +206,21 @@ TEST_F(CommandsTest, ExercisesArePublishedAssignedAndRetiredFromTheCommandLine) 
   EXPECT_EQ(PublishExercise(Data(), {"builtin:block", "", 500, "bridge"}).field(), "name");
 }
 
+TEST_F(CommandsTest, AGradedExerciseOfABuiltInSceneComesAsPracticeToo) {
+  NewExercise exercise{"builtin:block", "", 500, "class-1"};
+  ASSERT_TRUE(PublishExercise(Data(), exercise).ok());
+  exercise.name = "cross";
+  ASSERT_TRUE(PublishExercise(Data(), exercise).ok());
+  auto store = OpenData();
+  EXPECT_TRUE(store->exercises.ExerciseVersions("class-1-block")->front().graded);
+  const auto practice = store->exercises.ExerciseVersions("practice-class-1-block");
+  ASSERT_EQ(practice->size(), 1u);
+  EXPECT_FALSE(practice->front().graded);
+  EXPECT_EQ(practice->front().title, "Central box, as in a class I cavity");
+  EXPECT_FALSE(store->exercises.ExerciseVersions("cross-block")->front().graded);
+  EXPECT_TRUE(store->exercises.ExerciseVersions("practice-cross-block")->empty());
+}
+
 TEST_F(CommandsTest, ADueTimeThatHasPassedIsToldWhenItIsSet) {
   NewExercise exercise;
   exercise.scene = "builtin:block";
