@@ -70,6 +70,8 @@ expect_failure "mesh without triangles" "no triangles" "$enamel_station" import 
 printf 'solid one\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 9 0 0\nvertex 0 9 0\nendloop\nendfacet\nendsolid one\n' >"$work/open.stl"
 expect_failure "mesh that is no solid" "this mesh is no solid" "$enamel_station" import "$work/open.stl" --tooth 46 --unit mm --out "$work/scene"
 [ ! -e "$work/scene/scene.json" ] || fail "a refused mesh left a scene behind"
+mkdir "$work/made" && echo '{}' >"$work/made/scene.json"
+expect_failure "import over a scene" "nothing is overwritten" "$enamel_station" import "$work/open.stl" --tooth 46 --unit mm --out "$work/made"
 expect_failure "mesh that is not there" "there is no mesh file" "$enamel_station" import "$work/none.stl" --tooth 46 --unit mm --out "$work/scene"
 
 # The server goes away in the middle: the station keeps recording, says so, and uploads later.

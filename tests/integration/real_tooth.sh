@@ -11,6 +11,7 @@ node tests/integration/check_facts.mjs "$work/1.json"
 # 35 um, what the simulated hand may be off beside a narrow crown: a wall that breaks out of the tooth is off by far more.
 for crown in "$crowns"/*.obj; do
   fdi=$(basename "$crown" .obj)
+  rm -rf "$work/scene"
   "$bin/enamel-station" import "$crown" --tooth "${fdi#fdi_}" --unit mm --out "$work/scene" >"$work/import.log" || { cat "$work/import.log"; fail "$crown"; }
   "$bin/enamel-station" simulate --scene "$work/scene" --operator student-deep-mesial --json "$work/simulated.json" >"$work/simulate.log"
   node -e '
