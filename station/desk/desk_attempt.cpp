@@ -28,7 +28,7 @@ render::ViewOptions ViewOf(const PreparedAttempt& prepared) {
       at != prepared.scene.landmarks.end()) {
     view.work_m = dvec3(at->second[0], at->second[1], at->second[2]) * 1e-6;
     view.work_radius_m =
-        std::max(kWork_m, 2e-6 * std::max(target.half_size_um[0], target.half_size_um[1]));
+        std::max(kWork_m, 2.6e-6 * std::max(target.half_size_um[0], target.half_size_um[1]));
   }
   view.force_full_scale_n = static_cast<double>(prepared.profile.peak_force_mn.value) * 1e-3;
   return view;

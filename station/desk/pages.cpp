@@ -158,6 +158,21 @@ void Pages::Languages() {
   }
 }
 
+Card Pages::AttemptCard(const SpooledAttempt& attempt, std::string_view title,
+                        const std::string& text, std::string_view right) const {
+  Card card;
+  // Of its exercise: the tooth and the place.
+  if (const Catalogue::Exercise* exercise = flow_.ExerciseOf(attempt)) {
+    card = CardOf(flow_.words(), *exercise, UnixMs());
+    card.lines = {PlaceText(flow_.words(), *exercise)};
+    std::erase(card.lines, "");
+  }
+  card.title = Say(title, {{"title", WordedTitle(flow_.words(), flow_.TitleOf(attempt))}});
+  card.lines.push_back(text);
+  card.right = Say(right);
+  return card;
+}
+
 void Pages::Exercises() {
   ui_.Begin("exercises", kWidePage);
   ui_.Title(Say("exercises.hello", {{"name", flow_.person().display_name}}));
@@ -166,22 +181,16 @@ void Pages::Exercises() {
   ui_.BeginList("exercises");
   std::vector<Card> cards;
   for (const SpooledAttempt& attempt : flow_.cut_off()) {
-    const std::string title = WordedTitle(flow_.words(), flow_.TitleOf(attempt));
-    cards.push_back({Say("exercises.cut_off", {{"title", title}}),
-                     {CutOffText(flow_.words(), attempt, UnixMs())},
-                     Say("exercises.go_on"),
-                     {}});
+    cards.push_back(AttemptCard(attempt, "exercises.cut_off",
+                                CutOffText(flow_.words(), attempt, UnixMs()), "exercises.go_on"));
   }
   const auto& all = flow_.exercises();
   for (const Catalogue::Exercise& exercise : all) {
     cards.push_back(CardOf(flow_.words(), exercise, UnixMs()));
   }
   for (const SpooledAttempt& attempt : flow_.handed_in()) {
-    const std::string title = WordedTitle(flow_.words(), flow_.TitleOf(attempt));
-    cards.push_back({Say("exercises.result", {{"title", title}}),
-                     {HandedInText(flow_.words(), attempt, UnixMs())},
-                     Say("exercises.look"),
-                     {}});
+    cards.push_back(AttemptCard(attempt, "exercises.result",
+                                HandedInText(flow_.words(), attempt, UnixMs()), "exercises.look"));
   }
   if (const std::optional<size_t> chosen = ui_.Cards(cards)) {
     const size_t first = flow_.cut_off().size(), last = first + all.size();

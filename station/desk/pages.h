@@ -29,6 +29,8 @@ class Pages {
   void SignIn();
   void Languages();
   void Exercises();
+  Card AttemptCard(const SpooledAttempt& attempt, std::string_view title, const std::string& text,
+                   std::string_view right) const;
   void Exercise();
   void ExerciseFacts(const PreparedAttempt& prepared);
   void Ready();

@@ -81,6 +81,7 @@ class Workflow {
   const std::vector<SpooledAttempt>& cut_off() const { return cut_off_; }
   const SpooledAttempt& cut_off_chosen() const { return cut_off_[cut_off_index_]; }
   std::string TitleOf(const SpooledAttempt& attempt) const;
+  const Catalogue::Exercise* ExerciseOf(const SpooledAttempt& attempt) const;  // null: not listed
   // Tickets taken in advance, of all people here.
   const std::vector<ReservedAttempt>& reserved() const { return reserved_; }
   const ReservedAttempt& reserved_chosen() const { return reserved_[reserved_index_]; }
@@ -157,7 +158,6 @@ class Workflow {
   void FreeAgain();
   Kept KeptOf(const Uuid& person);
   void ShowResult(Shown shown);
-  const Catalogue::Exercise* ExerciseOf(const SpooledAttempt& attempt) const;  // null: not listed
   const Catalogue::Profile* ProfileFor(const DeviceOffer& offer) const;
   void Fetch();
   void TakeOffers(std::vector<DeviceOffer> offers);

@@ -22,14 +22,15 @@ TEST(ResultTextTest, TheNextStepIsWhatLostMostPoints) {
   scoring::ScoreResult score;
   score.criteria = {Criterion("Nothing left inside", 5, 8), Criterion("Walls upright", 1, 8),
                     Criterion("Time", 5, 5)};
-  EXPECT_EQ(NextStep(kEnglish, score),
-            "Next step: Walls upright. It cost 7 points, more than anything else.");
+  EXPECT_EQ(
+      NextStep(kEnglish, score),
+      "Next step: work on \u201cWalls upright\u201d. It cost 7 points, more than anything else.");
   scoring::GateResult done;
   done.title = "Task done";
   done.share = 0.1;
   score.gates = {done};
   EXPECT_EQ(NextStep(kEnglish, score),
-            "Next step: Task done. It takes points from every criterion.");
+            "Next step: work on \u201cTask done\u201d. It takes points from every criterion.");
 }
 
 TEST(ResultTextTest, BelowItsTitleAMeasuredValueIsCalledSo) {
