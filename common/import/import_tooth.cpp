@@ -192,7 +192,8 @@ Status CheckOneBody(const mesh::Solid& solid) {
   }
   const bool parts_cross = solid.report.crossing + solid.report.buried > 0;
   std::vector<Body> apart;
-  for (const auto& [vertex, body] : all) {
+  for (const auto& entry : all) {
+    const Body& body = entry.second;
     const bool joins =
         parts_cross && std::ranges::any_of(apart, [&](const Body& other) {
           return body.box.lo.x <= other.box.hi.x && other.box.lo.x <= body.box.hi.x &&
