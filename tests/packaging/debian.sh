@@ -37,7 +37,7 @@ trap 'rm -rf --one-file-system "$work"' EXIT
 
 step "packages"
 cmake --build "$build" --target enamel_manuals enamel-import-child >"$work/log" 2>&1 || { tail "$work/log"; fail "building"; }
-commit_time=$(git -C "$root" log -1 --format=%ct 2>/dev/null || echo 0)
+commit_time=$(git -C "$root" log -1 --format=%ct 2>/dev/null || date +%s)
 SOURCE_DATE_EPOCH=$commit_time cpack --config "$build/CPackConfig.cmake" -B "$work/packages" >"$work/cpack.log" 2>&1 ||
   { cat "$work/cpack.log"; fail "cpack"; }
 if command -v lintian >/dev/null; then
