@@ -42,6 +42,7 @@ bool Pages::Draw() {
     dentist_.clear();
     consent_ = false;
     said_.reset();
+    offered_ = false;
     // A login stays after a wrong password, and is cleared when its person leaves.
     if (flow_.place() == Place::kSignIn) login_.clear();
     before_ = flow_.place();
@@ -273,6 +274,10 @@ void Pages::ExerciseChoices(bool prepared) {
   bool has_device = flow_.offer_index() < flow_.offers().size();
   bool ready = prepared && has_device && !flow_.busy() && flow_.chosen().refusal.empty();
   bool resumed = flow_.way() == Way::kResumed;
+  // Once, as soon as it can begin: Enter chooses an exercise and Enter begins it.
+  if (ready && !std::exchange(offered_, true)) {
+    ui_.Focus(Say(resumed ? "exercise.go_on" : "exercise.start"));
+  }
   if (ui_.Button(Say(resumed ? "exercise.go_on" : "exercise.start"), Ui::Look::kMain, ready)) {
     // Only instructors have the box, and its state outlives a sign-out.
     flow_.Start(as_reference_ && flow_.instructor());

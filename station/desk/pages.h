@@ -68,6 +68,7 @@ class Pages {
     Workflow::Clock::time_point since;
   };
   std::optional<Said> said_;
+  bool offered_ = false;  // the focus was moved to the start of the exercise shown
   Place before_ = Place::kSignIn;
   Dialog dialog_before_ = Dialog::kNone;
 };

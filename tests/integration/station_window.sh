@@ -68,7 +68,8 @@ page exercise
 see Bur:
 frames 3
 picture PICTURES/4-exercise.png
-click Start
+# The focus is at Start.
+key Enter
 page running
 frames 10
 # Down to the tooth, then across it with the bur turning.
