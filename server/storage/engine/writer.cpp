@@ -40,6 +40,7 @@ Status Writer::Queue(Pending& mine) {
   MutexLock lock(mutex_);
   queue_.push_back(&mine);
   if (queue_.size() == 1) wake_.notify_one();
+  bool behind = false;
   while (!mine.turn.wait_for(mutex_, longest_queued_, [&] { return mine.done; })) {
     const auto at = std::ranges::find(queue_, &mine);
     // A work that the thread has begun cannot be taken back. The thread's own waits are bounded
@@ -50,7 +51,8 @@ Status Writer::Queue(Pending& mine) {
       mine.turn.wait(mutex_, [&] { return mine.done; });
       break;
     }
-    if (alone_ || db_->waits()) continue;
+    // Behind what may take long no time counts, nor the round in which that ended.
+    if (std::exchange(behind, alone_ || db_->waits()) || behind) continue;
     queue_.erase(at);
     return Status(Code::kUnavailable,
                   "the database is busy; nothing was changed, try again in a few seconds");
