@@ -29,6 +29,11 @@ std::unique_ptr<Blobs> MakeBlobs(const StoreOptions& options, std::unique_ptr<s3
       [&rows] { return rows.Read([](sql::Db& db) { return NamedBlobs(db); }); });
 }
 
+// Where rows and blobs are elsewhere a recording takes no room in the folder.
+uint64_t KeptFree(const StoreOptions& options, const Transactions::Connections& connections) {
+  return options.s3_blobs && connections.open_writer ? 0 : options.min_free_bytes;
+}
+
 std::unique_ptr<Keyring> MakeKeyring(const StoreOptions& options, StoreEngine::Buckets& buckets,
                                      Transactions& rows) {
   if (buckets.keys == nullptr) {
@@ -47,7 +52,8 @@ StoreEngine::StoreEngine(const StoreOptions& options, Transactions::Connections 
       lock(std::move(folder_lock)),
       ticket_key(key),
       signer(key, id),
-      space(options.folder, DiskOf(options), options.min_free_bytes, options.free_space_check),
+      space(options.folder, DiskOf(options), KeptFree(options, connections),
+            options.free_space_check),
       rows(Signing(std::move(connections), signer, options, rewriter), options.readers,
            options.change_twice),
       rewriter(options.folder, space, rows),

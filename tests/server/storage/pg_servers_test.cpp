@@ -461,6 +461,24 @@ TEST_F(PgServersTest, StationsOfOneServerAreElsewhereForTheOthersUntilItIsGone) 
   EXPECT_EQ(third->live.LinksElsewhere()->size(), 2u);
 }
 
+TEST_F(PgServersTest, AFullDiskStopsRecordingsOnlyWhereTheyGoToIt) {
+  const test::S3StandIn bucket;
+  for (const bool in_bucket : {false, true}) {
+    const TempFolder folder;
+    PostgresOptions options;
+    options.server = server_;
+    options.schema = schema_ + (in_bucket ? "" : " folder");
+    options.folder.folder = folder.path();
+    options.folder.min_free_bytes = uint64_t{1} << 62;
+    if (in_bucket) options.folder.s3_blobs.emplace().store = bucket.options();
+    auto store = OpenPostgresStore(options);
+    ASSERT_TRUE(store.ok()) << store.status().message();
+    EXPECT_EQ((*store)->health.Health().takes_recordings, in_bucket);
+  }
+  auto db = OpenPgDatabase(server_, {}, /*read_only=*/false, {});
+  EXPECT_TRUE((*db)->Exec(("DROP SCHEMA \"" + schema_ + " folder\" CASCADE").c_str()).ok());
+}
+
 TEST_F(PgServersTest, TimesAreTheDatabases) {
   const TempFolder folder;
   auto store = Open(folder, server_);
