@@ -71,7 +71,7 @@ std::string Elsewhere(const std::string& hosts) {
   return {};
 }
 
-// libpq goes on in plaintext where the server has no TLS, and by itself checks no certificate.
+// Without sslmode, libpq uses plaintext where the server has no TLS, and checks no certificate.
 Status MustBePrivate(const Libpq& pq, const std::string& server) {
   char* why = nullptr;
   PQconninfoOption* const words = pq.conninfo_parse(server.c_str(), &why);

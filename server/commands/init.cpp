@@ -58,7 +58,8 @@ void DeclareInit(CommandGroup root) {
       "To run several servers of one school, make the first with --database, --s3-endpoint,\n"
       "--s3-bucket, --key-bucket and --master-key. Copy station.crt, station.key and ticket.key\n"
       "from its data folder, and the master key, to the next machine, and name them there:\n\n"
-      "  enamel-server init --data /var/lib/enamel --database postgresql://enamel@db/school \\\n"
+      "  enamel-server init --data /var/lib/enamel \\\n"
+      "    --database \"postgresql://enamel@db/school?sslmode=verify-full\" \\\n"
       "    --s3-endpoint https://s3.example.org --s3-bucket school --key-bucket school-keys \\\n"
       "    --master-key /etc/enamel/master.key --identity /etc/enamel/identity");
 }

@@ -94,8 +94,9 @@ void DeclareMove(CommandGroup root) {
       "To continue an interrupted move, repeat the command. Nothing is deleted in the old "
       "place.\n\n"
       "  enamel-server move --data /var/lib/enamel --to /var/lib/enamel-cluster \\\n"
-      "    --database postgresql://enamel@db/school --s3-endpoint https://s3.example.org \\\n"
-      "    --s3-bucket school --key-bucket school-keys --master-key /etc/enamel/master.key\n"
+      "    --database \"postgresql://enamel@db/school?sslmode=verify-full\" \\\n"
+      "    --s3-endpoint https://s3.example.org --s3-bucket school --key-bucket school-keys \\\n"
+      "    --master-key /etc/enamel/master.key\n"
       "  enamel-server move --data /var/lib/enamel-cluster --to /var/lib/enamel-back");
 }
 

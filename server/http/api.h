@@ -24,7 +24,7 @@ namespace enamel::server::http {
 // From request to answer, without a socket: route, same-site check, session, role, CSRF, handler,
 // in this order. Thread safety: Handle from any strand; the work itself runs on the store's
 // threads, so no I/O thread ever blocks. At most `max_in_flight` requests wait for those threads;
-// more get 503. Changes have threads of their own, and so has health: reads go on while changes wait.
+// more get 503. Changes have threads of their own, and so has health: reads continue while changes wait.
 //
 // A request that waits for longer than `work` gets 503. If a thread has begun it by then, the work
 // finishes, keeps its place among `max_in_flight` and its answer is dropped; otherwise it is not

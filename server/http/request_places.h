@@ -25,7 +25,7 @@ class RequestPlaces {
 
   explicit RequestPlaces(size_t all) : of_address_(all - all / 4) {}
 
-  // The place, as long as it is kept; null: this person or address has all of its places.
+  // The request has its place until the last copy of this ends; null: this person or address has all of its places.
   std::shared_ptr<void> Take(const Request& request);
   // Whose session the request's cookie is.
   void Know(const Request& request, const Uuid& person);

@@ -56,7 +56,7 @@ class MetricsText {
 // Anything with metrics adds a source; a request calls them all. Thread safety: any thread.
 class Metrics {
  public:
-  // Does not wait for the database: figures are asked for when it hangs. Must outlive this, or be
+  // Does not wait for the database, which may hang. Must outlive this, or be
   // captured by value.
   using Source = std::function<void(MetricsText&)>;
   void Add(Source source);

@@ -13,7 +13,7 @@ namespace enamel::server {
 
 Result<Bytes> ReadPrivateFile(const std::filesystem::path& path, size_t max_bytes,
                               const std::string& what, const std::string& remedy) {
-  // Opened before it is looked at: what is looked at is what is read.
+  // Opened first: nobody can replace the file between the check and the reading.
   const Fd file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   struct stat info {};
   if (file.get() < 0 || ::fstat(file.get(), &info) != 0) {

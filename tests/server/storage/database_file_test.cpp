@@ -36,7 +36,7 @@ TEST_F(DatabaseFileTest, GoldenFileIsReadAndWrittenAgain) {
   CopyGolden("database.json", kDatabaseFile);
   const auto all = ReadDatabaseFile(folder_.path());
   ASSERT_TRUE(all.ok()) << all.status().message();
-  EXPECT_EQ((*all)->server, "postgresql://enamel@db1,db2/school");
+  EXPECT_EQ((*all)->server, "postgresql://enamel@db1,db2/school?sslmode=verify-full");
   EXPECT_EQ((*all)->schema, "enamel");
   const PlaceInS3 blobs{"https://s3.example.org:9000", "eu-central-1", "enamel-blobs", "school/",
                         "/etc/enamel/s3.crt",          "s3.json"};
