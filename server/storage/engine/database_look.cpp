@@ -78,8 +78,11 @@ Status DatabaseLook::LookOn(sql::Db& db, bool beat) {
   if (reading) {
     clock_ahead_ms_ = enamel::UnixMs(system_clock::now()) - enamel::UnixMs(reading->Now());
     if (beat) {
-      // For this connection's next commit, which is the row's; it may be a new connection.
-      ENAMEL_RETURN_IF_ERROR(db.Exec("SET synchronous_commit = local"));
+      // For this connection's next commit, which is the row's; it may be a new connection. A worker
+      // beside the server has the same row: serializable, one of the two could fail.
+      ENAMEL_RETURN_IF_ERROR(
+          db.Exec("SET synchronous_commit = local; SET default_transaction_isolation = 'read "
+                  "committed'"));
       Query q(db,
               "INSERT INTO write_probe (tenant, server, at_ms, ahead_ms) VALUES (?1, ?2, ?3, ?4) "
               "ON CONFLICT (tenant, server) DO UPDATE SET at_ms = ?3, ahead_ms = ?4");
