@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { id } from "./mock_exercises.mjs";
 import { countColors, differing } from "./pixels.mjs";
 import { decodePng } from "./png.mjs";
-import { accessible, looks, signedIn } from "./session.mjs";
+import { accessible, legibleWhenPressed, looks, signedIn } from "./session.mjs";
 
 export const reviewFlows = [
   { name: "an instructor sees score, deviation on the tooth, and forces", anywhere: true, run: instructorReviews },
@@ -250,6 +250,7 @@ async function section(world) {
   }
   await page.getByRole("button", { name: "Other side" }).click();
   await accessible(page, "a section");
+  await legibleWhenPressed(page, ":is(.tooth-choices, .playback-ab) .button[aria-pressed]:enabled");
   await page.getByLabel("Section", { exact: true }).selectOption("");
   assert.ok(differing(whole, await picture()) < 0.01, "and it is whole again");
 }

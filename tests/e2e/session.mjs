@@ -26,6 +26,48 @@ export async function accessible(page, where) {
   assert.deepEqual(await accessibilityViolations(page), [], `accessibility of ${where}`);
 }
 
+const kLeastContrast = 4.5; // WCAG 2.2 AA, for text of this size
+
+// Text and background of every button that can be pressed, in both themes: as it is, pressed or not, with the pointer
+// on it, with it gone again, and with the focus. axe knows none of these states, and cannot see what a canvas is under.
+export async function legibleWhenPressed(page, selector) {
+  for (const colorScheme of ["light", "dark"]) {
+    await page.emulateMedia({ colorScheme });
+    for (const button of await page.locator(selector).all()) {
+      for (const press of [1, 2]) {
+        await button.click();
+        await legible(button, `${colorScheme}, pressed ${press} times, under the pointer`);
+        await page.mouse.move(0, 0);
+        await legible(button, `${colorScheme}, pressed ${press} times`);
+        await button.focus();
+        await legible(button, `${colorScheme}, pressed ${press} times, with the focus`);
+      }
+    }
+  }
+  await page.emulateMedia({ colorScheme: "light" });
+}
+
+async function legible(button, where) {
+  const [name, contrast] = await button.evaluate((element) => {
+    const paint = new OffscreenCanvas(1, 1).getContext("2d", { willReadFrequently: true });
+    const luminance = (...colors) => {
+      for (const color of colors) {
+        paint.fillStyle = color;
+        paint.fillRect(0, 0, 1, 1);
+      }
+      const [r, g, b] = [...paint.getImageData(0, 0, 1, 1).data]
+        .map((value) => value / 255)
+        .map((value) => (value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4));
+      return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+    };
+    const { color, backgroundColor } = getComputedStyle(element);
+    const under = getComputedStyle(document.documentElement).getPropertyValue("--surface").trim();
+    const [text, ground] = [luminance(under, backgroundColor, color), luminance(under, backgroundColor)];
+    return [element.textContent, (Math.max(text, ground) + 0.05) / (Math.min(text, ground) + 0.05)];
+  });
+  assert.ok(contrast >= kLeastContrast, `${name}, ${where}: contrast ${contrast.toFixed(2)}`);
+}
+
 // Puts a file that exists only here into a file field.
 export async function chooseFile(page, label, name, text) {
   await page.getByLabel(label).setInputFiles({
