@@ -9,6 +9,7 @@ import { brotliCompressSync, constants, gzipSync } from "node:zlib";
 import { build } from "esbuild";
 import { bundleReport } from "./bundle_report.mjs";
 import { generate } from "./generate.mjs";
+import { threeParts } from "./three_parts.mjs";
 import { englishAtOnce, keysIn, pageKeys, shortKeys, wordsByPart } from "./words.mjs";
 
 const web = fileURLToPath(new URL("..", import.meta.url));
@@ -131,7 +132,7 @@ async function bundle(out) {
   return scripts(
     out,
     { app: "src/app/main.tsx", style: "src/app/style.css" },
-    { ...options, plugins: [wordsByPart(parts, shortKeys(pageSources()))] },
+    { ...options, plugins: [threeParts, wordsByPart(parts, shortKeys(pageSources()))] },
   );
 }
 
