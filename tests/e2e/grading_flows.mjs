@@ -1,7 +1,7 @@
 // How instructors grade a class, and narrow a list of attempts.
 import assert from "node:assert/strict";
 import { id } from "./mock_exercises.mjs";
-import { accessible, signedIn } from "./session.mjs";
+import { accessible, signedIn, signIn } from "./session.mjs";
 
 export const gradingFlows = [
   { name: "an assignment's attempts are graded one after the other", run: grading },
@@ -121,8 +121,39 @@ async function gradingByKeys(world) {
   await page.getByRole("heading", { name: "Remarks" }).waitFor();
   await page.keyboard.press("c");
   await page.keyboard.type("n p r b?");
-  assert.equal(await page.getByLabel(/New remark/).inputValue(), "n p r b?", "what is typed is text");
-  await page.getByRole("heading", { level: 1 }).click();
+  const typed = async (where) => {
+    await page.getByRole("heading", { name: "Remarks" }).waitFor();
+    assert.equal(await page.getByLabel(/New remark/).inputValue(), "n p r b?", where);
+  };
+  await typed("what is typed is text");
+  // What is not sent yet is there again: after the next attempt, a reload, and the end of the session.
+  await page.keyboard.press("Escape");
+  await page.keyboard.press("n");
+  await page.getByText(/^4 of \d+$/).waitFor();
+  await page.getByRole("heading", { name: "Remarks" }).waitFor();
+  assert.equal(await page.getByLabel(/New remark/).inputValue(), "", "another attempt has remarks of its own");
+  await page.keyboard.press("p");
+  await page.getByText(/^3 of \d+$/).waitFor();
+  await typed("after the next attempt");
+  await page.reload();
+  await typed("after a reload");
+  await page.waitForLoadState("networkidle"); // a request under way would end the session before the key does
+  await page.context().clearCookies();
+  await page.getByLabel(/New remark/).press("Control+Enter");
+  await page.getByText("Your session has ended").waitFor();
+  await signIn(page, world.logins.instructor);
+  await typed("after signing in again");
+  await page.getByLabel(/New remark/).press("Control+Enter");
+  await page.locator(".annotation", { hasText: "n p r b?" }).waitFor();
+  await page.getByLabel(/New remark/).fill("Not sent.");
+  await page.getByRole("button", { name: "Sign out" }).click();
+  await page.getByRole("button", { name: "Sign in" }).waitFor();
+  assert.deepEqual(await page.evaluate(() => Object.keys(localStorage).filter((key) => /draft/.test(key))), []);
+  await signIn(page, world.logins.instructor);
+  await page.goto(gradingPath);
+  await page.locator("table.grading .lost-much").first().waitFor();
+  await page.keyboard.press("o");
+  await page.getByRole("heading", { name: "Remarks" }).waitFor();
   await page.keyboard.press("b");
   await page.locator("table.grading").waitFor();
 }

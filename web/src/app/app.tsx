@@ -5,6 +5,7 @@ import { Client } from "../api/client";
 import { queryText } from "../api/http";
 import type { LanguageChoice, Person, Session } from "../api/types";
 import { unreachable } from "../base/assert";
+import { draftsOf, eraseDrafts } from "../base/drafts";
 import type { Language } from "../base/language";
 import { loadWords, say, sayWith } from "../base/words";
 import { AccountPage, ForcedPassword } from "../features/account/account_page";
@@ -69,6 +70,7 @@ async function signedIn(begun: Session, chosen?: Language): Promise<void> {
   // Without them built-in exercises are as the server has them, in English.
   await loadWords("builtin").catch(() => undefined);
   chosenBefore.value = undefined;
+  draftsOf(person.id);
   session.value = { state: "in", person, language: kept.language, mustChange };
 }
 
@@ -100,6 +102,7 @@ async function signOut(): Promise<void> {
     session.value = { state: "unreachable", message: say("session.maybe_signed_in", { reason: result.error.message }) };
     return;
   }
+  eraseDrafts();
   navigate("/");
   session.value = { state: "out" };
 }

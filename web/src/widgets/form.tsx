@@ -81,6 +81,15 @@ export function TextField({
   );
 }
 
+// In a text Enter makes a line: Ctrl+Enter sends the form, and Esc leaves the field, where a dialog does not close.
+function sendOrLeave(event: KeyboardEvent & { readonly currentTarget: HTMLTextAreaElement }): void {
+  const text = event.currentTarget;
+  if (event.key === "Enter" && (event.ctrlKey || event.metaKey)) {
+    event.preventDefault();
+    text.form?.querySelector<HTMLButtonElement>("[type=submit]")?.click();
+  } else if (event.key === "Escape" && text.closest("dialog") === null) text.blur();
+}
+
 export function LongTextField({
   label,
   hint,
@@ -106,6 +115,7 @@ export function LongTextField({
           required={required}
           maxLength={maxLength}
           onInput={(event) => onValue(event.currentTarget.value)}
+          onKeyDown={sendOrLeave}
           {...attributes}
         />
       )}

@@ -2,15 +2,17 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { Annotation, Series } from "../../api/types";
 import { useChange } from "../../api/use_change";
+import { keepDraft } from "../../base/drafts";
 import { formatDateTime, formatMoment, formatNumber } from "../../base/format";
 import { say } from "../../base/words";
 import { Brief, Card, Empty, ErrorNotice } from "../../widgets/basics";
 import { Confirm } from "../../widgets/dialog";
 import { LongTextField } from "../../widgets/form";
 import type { PointMm } from "../../widgets/tooth/scene";
+import { useDraft } from "../../widgets/use_draft";
 import { commentsOf, dropComment, keepComment } from "./comment_bank";
 import { type Mark, secondsOfTick, tickAt } from "./moments";
-import type { Review } from "./use_review";
+import { remarkTo, type Review } from "./use_review";
 
 const kMaxText = 4000;
 
@@ -129,7 +131,7 @@ function EditRemark({
   readonly onDone: () => void;
   readonly onCancel: () => void;
 }) {
-  const [text, setText] = useState(annotation.text);
+  const [text, setText, forget] = useDraft(`edit ${annotation.id}`, annotation.text);
   const change = useChange();
   const save = async (event: Event) => {
     event.preventDefault();
@@ -140,7 +142,9 @@ function EditRemark({
         text: text.trim(),
       }),
     );
-    if (result?.ok === true) onDone();
+    if (result?.ok !== true) return;
+    forget();
+    onDone();
   };
   return (
     <form class="form" onSubmit={(event) => void save(event)}>
@@ -155,7 +159,14 @@ function EditRemark({
         <button type="submit" class="button primary small" disabled={change.busy || text.trim() === ""}>
           {say("common.save")}
         </button>
-        <button type="button" class="button small" onClick={onCancel}>
+        <button
+          type="button"
+          class="button small"
+          onClick={() => {
+            forget();
+            onCancel();
+          }}
+        >
           {say("common.cancel")}
         </button>
       </div>
@@ -163,9 +174,20 @@ function EditRemark({
   );
 }
 
+// The remark that is being written to this attempt, with its point and moment: all of it is there again after
+// another attempt, a reload and a new session.
+function useRemarkDraft({ attempt, draft, point, moved, momentS }: Review) {
+  const what = remarkTo(attempt.id);
+  const [text, setText] = useState(draft?.text ?? "");
+  useEffect(() => {
+    keepDraft(what, { text, point, seconds: moved ? momentS : undefined });
+  }, [what, text, point, moved, momentS]);
+  return [text, setText] as const;
+}
+
 function NewRemark({ review, series }: Props) {
   const { client, attempt, personId, mesial, momentS, cursor, point, setPoint, remarks } = review;
-  const [text, setText] = useState("");
+  const [text, setText] = useRemarkDraft(review);
   const [kept, setKept] = useState(() => commentsOf(personId));
   const change = useChange();
   const form = useRef<HTMLFormElement>(null);
@@ -203,6 +225,7 @@ function NewRemark({ review, series }: Props) {
               })
         }
       />
+      <p class="hint">{say("remarks.keys")}</p>
       {change.error !== undefined && <ErrorNotice title={say("common.not_saved")} message={change.error.message} />}
       <div class="button-row">
         <button type="submit" class="button primary" disabled={change.busy || text.trim() === ""}>
@@ -238,7 +261,7 @@ function NewRemark({ review, series }: Props) {
                 <button
                   type="button"
                   class="button small quiet"
-                  onClick={() => setText((now) => (now.trim() === "" ? comment : `${now.trimEnd()} ${comment}`))}
+                  onClick={() => setText(text.trim() === "" ? comment : `${text.trimEnd()} ${comment}`)}
                 >
                   {comment}
                 </button>

@@ -7,6 +7,7 @@ import { formatDateTime } from "../../base/format";
 import { say } from "../../base/words";
 import { Badge, Card, ErrorNotice } from "../../widgets/basics";
 import { LongTextField } from "../../widgets/form";
+import { useDraft } from "../../widgets/use_draft";
 
 const kMaxText = 4000;
 
@@ -60,12 +61,14 @@ export function AppealBadge({ state }: { readonly state: Appeal["state"] }) {
 
 function FileAppeal({ client, attempt, onChanged }: Props) {
   const [open, setOpen] = useState(false);
-  const [text, setText] = useState("");
+  const [text, setText, forget] = useDraft(`appeal ${attempt.id}`);
   const change = useChange();
   const submit = async (event: Event) => {
     event.preventDefault();
     const result = await change.run(() => client.teaching.fileAppeal(attempt.id, text.trim()));
-    if (result?.ok === true) onChanged();
+    if (result?.ok !== true) return;
+    forget();
+    onChanged();
   };
   return (
     <Card title={say("appeal.wrong")} className="appeal-card no-print">
@@ -100,11 +103,13 @@ function FileAppeal({ client, attempt, onChanged }: Props) {
 }
 
 function AnswerAppeal({ client, attempt, onChanged }: Props) {
-  const [text, setText] = useState("");
+  const [text, setText, forget] = useDraft(`answer ${attempt.id}`);
   const change = useChange();
   const answer = async (outcome: "regrade" | "reject") => {
     const result = await change.run(() => client.teaching.answerAppeal(attempt.id, outcome, text.trim()));
-    if (result?.ok === true) onChanged();
+    if (result?.ok !== true) return;
+    forget();
+    onChanged();
   };
   return (
     <form class="form" onSubmit={(event) => event.preventDefault()}>

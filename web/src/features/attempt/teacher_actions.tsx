@@ -3,6 +3,7 @@ import type { Client } from "../../api/client";
 import type { ApiError, ApiResult } from "../../api/http";
 import type { AttemptDetail } from "../../api/types";
 import { useChange } from "../../api/use_change";
+import { keepDraft } from "../../base/drafts";
 import { formatScore, kScoreStep, scoreForField } from "../../base/format";
 import { say } from "../../base/words";
 import { AnywayField, useAnyway } from "../../widgets/anyway";
@@ -11,6 +12,7 @@ import { Badge, ErrorNotice, Notice } from "../../widgets/basics";
 import { Confirm } from "../../widgets/dialog";
 import { releaseMade } from "../../widgets/release_undo";
 import { CheckField, LongTextField, NumberField, TextField } from "../../widgets/form";
+import { useDraft } from "../../widgets/use_draft";
 
 interface Props {
   readonly client: Client;
@@ -31,8 +33,13 @@ export function TeacherActions({ client, attempt, graded, onChanged, onNext, rel
   const change = useChange();
   const { teaching } = client;
 
-  const finish = (text: string) => {
+  // Closes a form whose text was sent or given up.
+  const close = () => {
+    if (open === "excuse" || open === "override") keepDraft(`${open} ${attempt.id}`, { text: "" });
     setOpen(undefined);
+  };
+  const finish = (text: string) => {
+    close();
     setDone(text);
     onChanged();
   };
@@ -150,7 +157,7 @@ export function TeacherActions({ client, attempt, graded, onChanged, onNext, rel
         <OverrideForm
           attempt={attempt}
           busy={change.busy}
-          onCancel={() => setOpen(undefined)}
+          onCancel={close}
           onScore={(score, reason) =>
             void act(
               () => teaching.override(attempt, score, reason),
@@ -161,8 +168,9 @@ export function TeacherActions({ client, attempt, graded, onChanged, onNext, rel
       )}
       {open === "excuse" && (
         <ExcuseForm
+          id={attempt.id}
           busy={change.busy}
-          onCancel={() => setOpen(undefined)}
+          onCancel={close}
           onReason={(reason) => void act(() => teaching.excuse(attempt, reason), say("judge.excused"))}
         />
       )}
@@ -242,15 +250,17 @@ function ReferenceForm({ busy, error, onName, onCancel }: ReferenceFormProps) {
 }
 
 function ExcuseForm({
+  id,
   busy,
   onReason,
   onCancel,
 }: {
+  readonly id: string; // of the attempt
   readonly busy: boolean;
   readonly onReason: (reason: string) => void;
   readonly onCancel: () => void;
 }) {
-  const [reason, setReason] = useState("");
+  const [reason, setReason] = useDraft(`excuse ${id}`);
   const submit = (event: Event) => {
     event.preventDefault();
     if (reason.trim() !== "") onReason(reason.trim());
@@ -290,7 +300,7 @@ function OverrideForm({
   readonly onCancel: () => void;
 }) {
   const [score, setScore] = useState(scoreForField(attempt.override?.score ?? attempt.score ?? Number.NaN));
-  const [reason, setReason] = useState(attempt.override?.reason ?? "");
+  const [reason, setReason] = useDraft(`override ${attempt.id}`, attempt.override?.reason ?? "");
   const submit = (event: Event) => {
     event.preventDefault();
     if (Number.isFinite(score) && reason.trim() !== "") onScore(score, reason.trim());

@@ -4,9 +4,9 @@ import type { MesialX } from "../../api/tooth_number";
 import type { Annotation, AttemptDetail, Deduction, Series } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { scoreOf } from "../../api/worded";
+import { draftOf } from "../../base/drafts";
 import { momentOf, momentQuery } from "../../base/moment_link";
 import { stoppedEarly } from "../../widgets/attempt_state";
-import type { PointMm } from "../../widgets/tooth/scene";
 import type { LookHandle } from "../../widgets/tooth/tooth_view";
 import { seriesEndS, stepAt } from "./clock";
 import { type Mark, marksOf, stepOfTick } from "./moments";
@@ -32,6 +32,9 @@ interface PlotKeys {
   zoom?: (direction: -1 | 0 | 1) => void; // 0: all
 }
 
+// The draft's name of a remark to an attempt.
+export const remarkTo = (id: string) => `remark ${id}`;
+
 export type Review = ReturnType<typeof useReview>;
 
 // The review of a scored attempt: its data, and the one moment and place that picture, plots and
@@ -48,13 +51,14 @@ export function useReview(reviewed: Reviewed) {
   const scored = score.loaded.state === "ready" ? score.loaded.value : undefined;
   const recorded = series.loaded.state === "ready" ? series.loaded.value : undefined;
   const said = remarks.loaded.state === "ready" ? remarks.loaded.value : kNoRemarks;
-  const moment = useMoment(client, removed ? undefined : id, key, recorded);
+  const draft = useMemo(() => draftOf(remarkTo(id)), [id]);
+  const moment = useMoment(client, removed ? undefined : id, key, recorded, draft?.seconds);
   const { momentS, control, setTimeS, setCursor } = moment;
 
   const plots = useMemo((): PlotKeys => ({}), []);
   const [noMark, setNoMark] = useState(false);
   const [chosen, setChosen] = useState<string>();
-  const [point, setPoint] = useState<PointMm>();
+  const [point, setPoint] = useState(draft?.point);
   const picture = useRef<HTMLDivElement>(null);
   const marks = useMemo(() => (recorded === undefined ? [] : marksOf(recorded, said)), [recorded, said]);
   const clock = control?.playback.whole === true ? control.clock : undefined;
@@ -84,6 +88,7 @@ export function useReview(reviewed: Reviewed) {
     annotates: attempt.may.includes("annotate"),
     noMark, // somebody asked for the next one, and there is none
     chosen, // id of a remark
+    draft, // of a remark, as it was when the attempt was opened
     point,
     setPoint, // clicked on the tooth, for the next remark
     picture,
@@ -105,10 +110,19 @@ export function useReview(reviewed: Reviewed) {
 }
 
 // The moment, the playback that shows it, and the picture without one. `id` undefined: there is no
-// recording.
-function useMoment(client: Client, id: string | undefined, key: string, recorded: Series | undefined) {
+// recording. `beginS`: where to begin, unless the address names a moment.
+function useMoment(
+  client: Client,
+  id: string | undefined,
+  key: string,
+  recorded: Series | undefined,
+  beginS: number | undefined,
+) {
   const [timeS, setTimeS] = useState<number>(); // undefined until first moved: the end
-  const asked = useMemo(() => momentOf(new URLSearchParams(window.location.search)), []);
+  const asked = useMemo(() => {
+    const { seconds, look } = momentOf(new URLSearchParams(window.location.search));
+    return { seconds: seconds ?? beginS, look };
+  }, [beginS]);
   const askedDone = useRef(false); // later data no longer changes the moment
   const look = useMemo((): LookHandle => ({ begin: asked.look, now: undefined }), [asked]);
   const control = usePlayback(client, id, key, timeS, setTimeS);
