@@ -120,6 +120,7 @@ export function makeExercises() {
   const target = {
     landmark: "central_fossa",
     tooth: 36,
+    up: "occlusal",
     landmark_um: [0, 0, 0],
     half_size_um: [2100, 1350, 0],
     depth_um: 2000,

@@ -53,16 +53,18 @@ void AddSharing(const Person& viewer, const ExerciseRow& row, json::object& out)
   out.emplace("may", std::move(may));
 }
 
-// Which tooth a target is in, and where it hangs, in the scene's frame; null where the scene cannot
-// be read, is no tooth or has no such point.
+// Which tooth a target is in, which side is up, and where it hangs, in the scene's frame; null where
+// the scene cannot be read, is no tooth or has no such point.
 void AddPlace(StoredBlobs& blobs, const Sha256& scene, json::object& target) {
   target.emplace("tooth", nullptr);
+  target.emplace("up", "occlusal");
   target.emplace("landmark_um", nullptr);
   const auto text = blobs.GetBlob(scene);
   if (!text.ok()) return;
   const auto document = scene::SceneFromJson(AsText(*text));
   if (!document.ok()) return;
   if (document->tooth != 0) target["tooth"] = document->tooth;
+  if (document->up == scene::Up::kBuccal) target["up"] = "buccal";
   const auto found = document->landmarks.find(std::string(target.at("landmark").as_string()));
   if (found == document->landmarks.end()) return;
   const scene::PointUm& at = found->second;

@@ -310,7 +310,23 @@ TEST_F(DraftTest, WholeDocumentIsShown) {
   EXPECT_EQ(shown.at("target").at("landmark"), document_.target.landmark.c_str());
   EXPECT_EQ(json::serialize(shown.at("target").at("landmark_um")), "[0,0,5000]");
   EXPECT_TRUE(shown.at("target").at("tooth").is_null()) << "a block";
+  EXPECT_EQ(shown.at("target").at("up"), "occlusal");
   EXPECT_EQ(shown.at("rubric").at("name"), document_.rubric.name.c_str());
+
+  scene::Scene turned = *scene::SceneFromJson(AsText(*school_.store->blobs.GetBlob(row.scene)));
+  turned.tooth = 46;
+  turned.up = scene::Up::kBuccal;
+  row.id = {};
+  row.name = document_.name = "turned";
+  row.scene = document_.scene = *school_.store->blobs.PutBlob(AsBytes(scene::ToJson(turned)));
+  ASSERT_TRUE(
+      school_.store->scenes.PutScene({"turned", "Turned", row.scene, turned.volume}, {{}, "test"})
+          .ok());
+  row.content = *school_.store->blobs.PutBlob(AsBytes(scene::ToJson(document_)));
+  row = *school_.store->exercises.PublishExercise(row, school_.cohort_a, {{}, "test"});
+  shown = Parsed(By("sam").Get("/api/v1/exercises/" + row.id.Text()));
+  EXPECT_EQ(shown.at("target").at("tooth"), 46);
+  EXPECT_EQ(shown.at("target").at("up"), "buccal");
 }
 
 TEST_F(DraftTest, DocumentsThatCannotBeDoneAreRefusedWithTheField) {

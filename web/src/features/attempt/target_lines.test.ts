@@ -6,6 +6,7 @@ import { grown, linesOfTarget } from "./target_lines";
 const target: Exercise["target"] = {
   landmark: "fossa",
   tooth: 46,
+  up: "occlusal" as const,
   landmark_um: [1000, 2000, 5000],
   half_size_um: [2000, 1500, 0],
   depth_um: 2500,

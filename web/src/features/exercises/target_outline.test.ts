@@ -6,6 +6,7 @@ import { outlinePaths, outlineViewBox } from "./target_outline";
 const kBox = {
   landmark: "occlusal_centre",
   tooth: 46,
+  up: "occlusal" as const,
   landmark_um: [0, 0, 0],
   half_size_um: [2000, 1200, 0] as [number, number, number],
   depth_um: 2000,
