@@ -133,7 +133,7 @@ async function momentLink(world) {
   const before = await page.locator(".tooth-frame canvas").screenshot();
   await page.getByRole("button", { name: "Link to this moment" }).click();
   const link = await page.locator(".moment-link code").innerText();
-  assert.match(link, /\?t=16\.8&view=-?[\d.]+_[\d.]+_[\d.]+_0$/);
+  assert.match(link, /\?t=16\.8&view=-?[\d.]+(_-?[\d.]+){5}$/);
   await page.goto(link);
   await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
   await page.waitForFunction(() => document.querySelector("#timeline")?.value === "700");

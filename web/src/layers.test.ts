@@ -18,6 +18,7 @@ const kThree = [
   "widgets/tooth/quick_material",
   "widgets/tooth/tissue_colors",
   "widgets/tooth/section",
+  "widgets/tooth/sight",
 ];
 // Packages that only some places may know, so that list pages stay small and layers stay honest.
 const kPackageHomes: Readonly<Record<string, readonly string[]>> = {

@@ -1,11 +1,19 @@
 // The part of an address that names the open moment and the view of the tooth:
-// "?t=21.4&view=1.2_0.8_0.9_1".
+// "?t=21.4&view=1.2_0.8_4.5_0_0.1_2".
 
 export interface Look {
   readonly azimuthRad: number; // around the tooth's axis
   readonly polarRad: number; // from straight above
-  readonly distance: number; // from what is looked at; 1: the whole tooth just fits into the picture
-  readonly atCut: boolean; // looked at is the middle of what was cut; false: of the tooth
+  readonly fitsMm: number; // radius of the ball that just fits into the picture, whatever its size
+  readonly centreMm: readonly [number, number, number]; // what is looked at, scene frame
+}
+
+const kSame = 1e-4; // mm and rad: less is rounding
+
+export function sameLook(a: Look, b: Look): boolean {
+  const numbers = (look: Look) => [look.azimuthRad, look.polarRad, look.fitsMm, ...look.centreMm];
+  const theirs = numbers(b);
+  return numbers(a).every((value, i) => Math.abs(value - (theirs[i] ?? Number.NaN)) < kSame);
 }
 
 export interface MomentLink {
@@ -14,7 +22,7 @@ export interface MomentLink {
 }
 
 const kMostSeconds = 86_400;
-const kMostDistance = 20;
+const kMostMm = 500;
 
 export function momentQuery({ seconds, look }: MomentLink): string {
   const query = new URLSearchParams();
@@ -22,7 +30,7 @@ export function momentQuery({ seconds, look }: MomentLink): string {
   if (look !== undefined)
     query.set(
       "view",
-      [look.azimuthRad, look.polarRad, look.distance, look.atCut ? 1 : 0]
+      [look.azimuthRad, look.polarRad, look.fitsMm, ...look.centreMm]
         .map((value) => String(Number(value.toFixed(4))))
         .join("_"),
     );
@@ -34,16 +42,20 @@ export function momentQuery({ seconds, look }: MomentLink): string {
 export function momentOf(query: URLSearchParams): MomentLink {
   const seconds = number(query.get("t") ?? "", 0, kMostSeconds);
   const parts = (query.get("view") ?? "").split("_");
-  const [azimuthRad, polarRad, distance] = [
-    number(parts[0] ?? "", -7, 7),
-    number(parts[1] ?? "", 0, 3.15),
-    number(parts[2] ?? "", 0.01, kMostDistance),
-  ];
-  const at = parts.length === 4 ? number(parts[3] ?? "", 0, 1) : undefined;
+  const kRanges = [[-7, 7], [0, 3.15], [0.01, kMostMm], ...[0, 1, 2].map(() => [-kMostMm, kMostMm])] as const;
+  const [azimuthRad, polarRad, fitsMm, x, y, z] =
+    parts.length === kRanges.length
+      ? kRanges.map(([least = 0, most = 0], i) => number(parts[i] ?? "", least, most))
+      : [];
   const look =
-    azimuthRad === undefined || polarRad === undefined || distance === undefined || at === undefined
+    azimuthRad === undefined ||
+    polarRad === undefined ||
+    fitsMm === undefined ||
+    x === undefined ||
+    y === undefined ||
+    z === undefined
       ? undefined
-      : { azimuthRad, polarRad, distance, atCut: at === 1 };
+      : { azimuthRad, polarRad, fitsMm, centreMm: [x, y, z] as const };
   return { seconds, look };
 }
 

@@ -1,5 +1,6 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
+import { fromScene } from "../../api/tooth_number";
 import type { Annotation, Series } from "../../api/types";
 import { useChange } from "../../api/use_change";
 import { keepDraft } from "../../base/drafts";
@@ -186,7 +187,7 @@ function useRemarkDraft({ attempt, draft, point, moved, momentS }: Review) {
 }
 
 function NewRemark({ review, series }: Props) {
-  const { client, attempt, personId, mesial, momentS, cursor, point, setPoint, remarks } = review;
+  const { client, attempt, personId, anatomy, momentS, cursor, point, setPoint, remarks } = review;
   const [text, setText] = useRemarkDraft(review);
   const [kept, setKept] = useState(() => commentsOf(personId));
   const change = useChange();
@@ -221,7 +222,9 @@ function NewRemark({ review, series }: Props) {
           point === undefined
             ? say("remarks.click")
             : say("remarks.at_point", {
-                point: [point[0] * (mesial ?? 1), point[1], point[2]].map((mm) => formatNumber(mm, 1)).join(" / "),
+                point: (anatomy === undefined ? point : fromScene(anatomy, point))
+                  .map((mm) => formatNumber(mm, 1))
+                  .join(" / "),
               })
         }
       />

@@ -4,7 +4,7 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
 import type { ApiError } from "../../api/http";
-import { mesialX } from "../../api/tooth_number";
+import { anatomyOf } from "../../api/tooth_number";
 import type { AttemptDetail, Person } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { useRefresh } from "../../api/use_refresh";
@@ -49,7 +49,8 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
   );
   const graded = exercise.loaded.state !== "ready" || exercise.loaded.value.value.graded || attempt?.exam === true;
   const tolerance = toleranceMm(exercise.loaded.state === "ready" ? exercise.loaded.value.value.rubric.criteria : []);
-  const mesial = exercise.loaded.state === "ready" ? mesialX(exercise.loaded.value.value.target.tooth) : undefined;
+  const target = exercise.loaded.state === "ready" ? exercise.loaded.value.value.target : undefined;
+  const anatomy = useMemo(() => (target === undefined ? undefined : anatomyOf(target)), [target]);
   const [done, setDone] = useState<number>(); // of the work, where it was stopped early; the score says it
   const polling = attempt !== undefined && isUnderWay(attempt.state);
   useRefresh(polling, kPollMs, reload);
@@ -162,7 +163,7 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
         <WithheldAttempt attempt={attempt} />
       ) : attempt.state === "scored" ? (
         <ScoredAttempt
-          reviewed={{ client, attempt, personId: person.id, teacher, mesial, toleranceMm: tolerance }}
+          reviewed={{ client, attempt, personId: person.id, teacher, anatomy, toleranceMm: tolerance }}
           handle={review}
           onChanged={reload}
           onDone={setDone}

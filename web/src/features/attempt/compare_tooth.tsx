@@ -1,6 +1,6 @@
 import { useMemo, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
-import type { MesialX } from "../../api/tooth_number";
+import type { Anatomy } from "../../api/tooth_number";
 import type { Attempt, AttemptDetail } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime, formatMoment, formatScore } from "../../base/format";
@@ -133,18 +133,18 @@ function OtherMissing({
 
 interface Props {
   readonly other: Other;
-  readonly mesial: MesialX | undefined; // of the same exercise
+  readonly anatomy: Anatomy | undefined; // of the same exercise
   readonly choices: ToothChoices;
-  readonly look: LookHandle; // follows how that one is looked at
+  readonly look: LookHandle; // both are looked at alike
 }
 
 // Another attempt, at the moment that belongs to this one's.
-export function OtherTooth({ other, mesial, choices, look }: Props) {
+export function OtherTooth({ other, anatomy, choices, look }: Props) {
   const { playback } = other;
   const compared = playback.deviation.state === "ready" ? playback.deviation.compared : undefined;
   const angled = useMemo(
-    () => ({ ...outlook(compared, undefined, mesial), cavity: playback.cut }),
-    [compared, mesial, playback.cut],
+    () => ({ ...outlook(compared, undefined, anatomy?.mesial), cavity: playback.cut }),
+    [compared, anatomy, playback.cut],
   );
   const model = useMemo(() => ({ film: playback }), [playback]);
   if (!isReady(other)) return <OtherMissing other={other} />;
@@ -153,7 +153,7 @@ export function OtherTooth({ other, mesial, choices, look }: Props) {
       <ToothView
         led
         model={model}
-        mesial={mesial}
+        anatomy={anatomy}
         busy={!playback.drawn}
         mode={compared === undefined || playback.showing ? "tissue" : choices.mode}
         label={say("compare.other")}

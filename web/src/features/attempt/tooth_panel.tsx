@@ -97,8 +97,9 @@ interface Loaded3d extends Shown {
 }
 
 function LoadedTooth({ model, compared, tissues, missing, busy, review, control }: Loaded3d) {
-  const { client, attempt, mesial, toleranceMm, recorded: series, marks, chosen, point, look } = review;
+  const { client, attempt, anatomy, toleranceMm, recorded: series, marks, chosen, point, look } = review;
   const cursor = series !== undefined && review.moved ? review.cursor : undefined; // undefined: no tool is drawn
+  const mesial = anatomy?.mesial;
   const summary = useMemo(
     () => (compared === undefined ? undefined : summariseDeviation(compared, toleranceMm, mesial)),
     [compared, toleranceMm, mesial],
@@ -152,7 +153,7 @@ function LoadedTooth({ model, compared, tissues, missing, busy, review, control 
       <div class={other === undefined ? "teeth" : beside === undefined ? "teeth compared" : "teeth compared two"}>
         <ToothView
           model={model}
-          mesial={mesial}
+          anatomy={anatomy}
           busy={busy}
           mode={mode}
           label={label}
@@ -190,7 +191,7 @@ function LoadedTooth({ model, compared, tissues, missing, busy, review, control 
           </ToothTools>
         </ToothView>
         {beside !== undefined && (
-          <OtherTooth key={compareWith} other={beside} mesial={mesial} choices={choices} look={otherLook} />
+          <OtherTooth key={compareWith} other={beside} anatomy={anatomy} choices={choices} look={otherLook} />
         )}
       </div>
       {other !== undefined && <CompareBar other={other} placement={placement} onPlacement={setPlacement} />}

@@ -1,6 +1,6 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
-import type { MesialX } from "../../api/tooth_number";
+import type { Anatomy } from "../../api/tooth_number";
 import type { Annotation, AttemptDetail, Deduction, Series } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { scoreOf } from "../../api/worded";
@@ -22,7 +22,7 @@ export interface Reviewed {
   readonly attempt: AttemptDetail;
   readonly personId: string; // the reviewer
   readonly teacher: boolean;
-  readonly mesial: MesialX | undefined; // undefined: not known yet
+  readonly anatomy: Anatomy | undefined; // undefined: not known yet
   readonly toleranceMm: number; // of the rubric
 }
 
@@ -98,7 +98,9 @@ export function useReview(reviewed: Reviewed) {
     },
     showPlace: (deduction: Deduction) => {
       const [x, y, z] = deduction.position_mm;
-      if (x !== undefined && y !== undefined && z !== undefined) setPoint([x, y, z]);
+      if (x !== undefined && y !== undefined && z !== undefined) {
+        setPoint([x, y, z]);
+      }
       go(recorded !== undefined && deduction.stroke_count > 0 ? stepOfTick(recorded, deduction.first_tick) : undefined);
     },
     toMark: (direction: -1 | 1) => {

@@ -1,7 +1,7 @@
 import { useMemo } from "preact/hooks";
 import type { Client } from "../../api/client";
 import type { Surface } from "../../api/surface";
-import { type MesialX, mesialX } from "../../api/tooth_number";
+import { type Anatomy, anatomyOf, toScene } from "../../api/tooth_number";
 import type { Exercise } from "../../api/types";
 import { useRequest } from "../../api/use_request";
 import { say } from "../../base/words";
@@ -25,22 +25,26 @@ export function InitialTooth({ client, exercise }: { readonly client: Client; re
       {loaded.state === "failed" && (
         <ErrorNotice title={say("exercise_page.picture_failed")} message={loaded.error.message} onRetry={reload} />
       )}
-      {loaded.state === "ready" && <Tooth surface={loaded.value} mesial={mesialX(exercise.target.tooth)} />}
+      {loaded.state === "ready" && <Tooth surface={loaded.value} target={exercise.target} />}
     </Card>
   );
 }
 
-function Tooth({ surface, mesial }: { readonly surface: Surface; readonly mesial: MesialX }) {
+function Tooth({ surface, target }: { readonly surface: Surface; readonly target: Exercise["target"] }) {
   const tissues = useMemo(() => tissuesPresent(surface.tissue), [surface]);
+  const anatomy = useMemo((): Anatomy => anatomyOf(target), [target]);
   const angled = useMemo(
-    (): AngledView => ({ direction: [kDirection[0] * mesial, kDirection[1], kDirection[2]], centre: lookAt(surface) }),
-    [surface, mesial],
+    (): AngledView => ({
+      direction: [kDirection[0] * anatomy.mesial, kDirection[1], kDirection[2]],
+      centre: crownOf(surface, anatomy),
+    }),
+    [surface, anatomy],
   );
   return (
     <>
       <ToothView
         model={{ surface }}
-        mesial={mesial}
+        anatomy={anatomy}
         mode="tissue"
         angled={angled}
         label={say(`exercise_page.shows_${workpiece(tissues)}`, { tissues: tissues.map(tissueTitle).join(", ") })}
@@ -50,12 +54,15 @@ function Tooth({ surface, mesial }: { readonly surface: Surface; readonly mesial
   );
 }
 
-function lookAt({ positionMm }: Surface): PointMm {
+function crownOf({ positionMm }: Surface, anatomy: Anatomy): PointMm {
   const low = [Infinity, Infinity, Infinity];
   const high = [-Infinity, -Infinity, -Infinity];
   for (let i = 0; i < positionMm.length; ++i) {
     low[i % 3] = Math.min(low[i % 3]!, positionMm[i]!);
     high[i % 3] = Math.max(high[i % 3]!, positionMm[i]!);
   }
-  return [(low[0]! + high[0]!) / 2, (low[1]! + high[1]!) / 2, high[2]! - kFromTop * (high[2]! - low[2]!)];
+  const occlusal = toScene(anatomy, [0, 0, 1]);
+  const along = (axis: 0 | 1 | 2) =>
+    (low[axis]! + high[axis]!) / 2 + (0.5 - kFromTop) * (high[axis]! - low[axis]!) * occlusal[axis];
+  return [along(0), along(1), along(2)];
 }

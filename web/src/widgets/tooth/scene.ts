@@ -5,18 +5,15 @@ import {
   LineBasicMaterial,
   Mesh,
   type MeshStandardMaterial,
-  PerspectiveCamera,
   Raycaster,
   Scene,
-  Spherical,
   type ShaderMaterial,
   Vector2,
   Vector3,
   WebGLRenderer,
 } from "three";
-import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Surface } from "../../api/surface";
-import type { MesialX } from "../../api/tooth_number";
+import type { Anatomy } from "../../api/tooth_number";
 import type { BlockMesh } from "../../api/tooth_mesh";
 import type { Extent } from "../../api/tooth_work";
 import { Disposables } from "../../base/disposables";
@@ -33,18 +30,12 @@ import { cutBy, quickMaterial } from "./quick_material";
 import { DrawingPace, drawsSlowly, type Effort, setDrawing } from "./renderer";
 import { addLights, burMesh, kInsideColor, toolMarker, toothGeometry, toothMaterial, wholeOf } from "./scene_meshes";
 import { type Cuttable, Section, type SectionPlane } from "./section";
+import { type AngledView, type CameraPreset, Sight } from "./sight";
 import { TriangleGrid } from "./triangle_grid";
 
 export type ColorMode = "tissue" | "deviation";
-export type CameraPreset = "angled" | "cavity" | "occlusal" | "buccal" | "lingual" | "mesial" | "distal" | "apical";
+export type { AngledView, CameraPreset };
 export type { PointMm };
-
-// The view into the cavity: direction and target.
-export interface AngledView {
-  readonly direction: PointMm;
-  readonly centre: PointMm | undefined; // undefined: the middle of the tooth
-  readonly cavity?: Extent | undefined; // what "cavity" frames; undefined: as "angled"
-}
 
 export interface SurfacePoint {
   readonly tissue: number;
@@ -52,23 +43,7 @@ export interface SurfacePoint {
   readonly pointMm: PointMm; // where exactly
 }
 
-// From the target towards the camera; scene frame with mesial at +x. The caller gives "angled".
-const kDirections: Readonly<Record<Exclude<CameraPreset, "angled" | "cavity">, PointMm>> = {
-  occlusal: [0, -0.001, 1],
-  buccal: [0, 1, 0.25],
-  lingual: [0, -1, 0.25],
-  mesial: [1, 0, 0.25],
-  distal: [-1, 0, 0.25],
-  apical: [0, -0.001, -1],
-};
-const kFieldOfViewDeg = 28;
-const kMargin = 1.02; // of the bounding sphere, so that nothing touches the edge
-const kIntoCavity: PointMm = [0.12, -0.3, 1];
-const kCavityMargin = 1.25; // a little of what is around it
-const kAngledCloser = 0.8; // of the distance at which the whole tooth is in view
-const kSamePlaceMm = 1e-3;
 const kLeastRadiusMm = 0.5;
-const kMinPolar = 0.001; // Spherical turns over at the poles
 
 // The drawn tooth: a fixed surface, or blocks that come and change.
 export type ToothModel = { readonly surface: Surface } | { readonly extent: Extent };
@@ -78,8 +53,7 @@ export type ToothModel = { readonly surface: Surface } | { readonly extent: Exte
 export class ToothScene implements FilmScreen {
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
-  private readonly camera = new PerspectiveCamera(kFieldOfViewDeg, 1, 0.1, 500);
-  private readonly controls: OrbitControls;
+  private readonly sight: Sight;
   private readonly cleanup = new Disposables();
   private readonly frame = new FrameScheduler(() => this.draw());
   private readonly heat = { value: 0 };
@@ -101,13 +75,11 @@ export class ToothScene implements FilmScreen {
   private readonly parts: () => Iterable<Cuttable>;
   private ghost: { readonly drawn: Ghost; readonly end: () => void } | undefined;
   private follows = false; // the camera stays at the bur
-  private turning = false; // by the pointer
-  private untouched = true; // as it began: nobody has turned it
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
     model: ToothModel,
-    private angled: AngledView,
+    angled: AngledView,
     private readonly drawn: (project: (point: PointMm) => PointMm, centre: PointMm, radius: number) => void,
   ) {
     const slow = drawsSlowly();
@@ -149,24 +121,26 @@ export class ToothScene implements FilmScreen {
       this.marker,
       this.arrow.mesh,
       this.lines.group,
-      this.camera,
       new AmbientLight(0xffffff, 1.3),
     );
-    addLights(this.camera);
     this.whole = "surface" in model ? new Mesh(toothGeometry(model.surface), material) : undefined;
     this.radius = this.take(model, this.whole);
     this.parts = "extent" in model ? () => this.blocks.meshes() : wholeOf(model.surface);
     this.cleanup.add(() => this.section.dispose());
     this.cleanup.add(() => this.endGhost());
     this.surface = "surface" in model ? model.surface : undefined;
-    this.controls = this.orbit();
+    this.sight = new Sight(this.centre, this.radius, angled, (turning) =>
+      turning ? this.moved() : this.frame.request(),
+    );
+    this.sight.attach(canvas);
+    this.cleanup.add(() => this.sight.dispose());
+    this.scene.add(this.sight.camera);
+    addLights(this.sight.camera);
     this.cleanup.add(() => this.frame.cancel());
     this.cleanup.listen(window, "beforeprint", () => {
       this.pace.settle();
       this.draw();
     }); // paper gets what was drawn last
-    this.view("angled");
-    this.untouched = true;
   }
 
   // Returns the radius of the drawn tooth, and sets its centre.
@@ -188,22 +162,41 @@ export class ToothScene implements FilmScreen {
     this.cleanup.dispose();
   }
 
-  // Where "angled" looks from and at. A tooth that somebody has turned keeps its view.
+  // Where it looks from, how it looks from there, and what else moves it: see Sight.
   setAngled(angled: AngledView): void {
-    this.angled = angled;
-    if (!this.untouched) return;
-    this.view("angled");
-    this.untouched = true;
+    this.sight.setAngled(angled);
+    this.frame.request();
+  }
+  setAnatomy(anatomy: Anatomy): void {
+    this.sight.setAnatomy(anatomy);
+    this.frame.request();
+  }
+  setZoomEnabled(enabled: boolean): void {
+    this.sight.setZoomEnabled(enabled);
+  }
+  view(preset: CameraPreset): void {
+    this.sight.view(preset);
+    this.frame.request();
+  }
+  look(): Look {
+    return this.sight.look();
+  }
+  setLook(look: Look): void {
+    this.sight.setLook(look);
+    this.frame.request();
+  }
+  rotate(azimuthRad: number, polarRad: number): void {
+    this.sight.rotate(azimuthRad, polarRad);
+    this.frame.request();
+  }
+  zoom(factor: number): void {
+    this.sight.zoom(factor);
+    this.frame.request();
   }
 
   setMode(mode: ColorMode): void {
     this.heat.value = mode === "deviation" ? 1 : 0;
     this.frame.request();
-  }
-
-  // Wheel and pinch zoom take over the page's own scrolling, so only while the view has the focus.
-  setZoomEnabled(enabled: boolean): void {
-    this.controls.enableZoom = enabled;
   }
 
   setTool(point: PointMm | undefined, path: readonly PointMm[]): void {
@@ -307,11 +300,7 @@ export class ToothScene implements FilmScreen {
   }
   private follow(): void {
     if (this.bur?.visible !== true) return;
-    const moved = this.bur.position.clone().sub(this.controls.target);
-    this.controls.target.add(moved);
-    this.camera.position.add(moved);
-    this.controls.update();
-    this.untouched = false;
+    this.sight.follow(this.bur.position);
   }
 
   // What lies over the picture has moved without it.
@@ -327,82 +316,17 @@ export class ToothScene implements FilmScreen {
 
   resize(width: number, height: number): void {
     if (width < 1 || height < 1) return;
-    const previous = this.fitDistance();
     setDrawing(this.renderer, this.pace.effort);
     this.renderer.setSize(width, height, false);
-    this.camera.aspect = width / height;
-    this.camera.updateProjectionMatrix();
-    const { untouched } = this;
-    this.zoom(this.fitDistance() / previous);
-    this.untouched = untouched;
-  }
-
-  view(preset: CameraPreset, mesial: MesialX = 1): void {
-    this.untouched = false;
-    const { direction, centre, cavity } = this.angled;
-    if (preset === "cavity" && cavity !== undefined) {
-      return this.lookAt(
-        new Vector3(...cavity.centreMm),
-        new Vector3(...kIntoCavity),
-        this.fitDistance(Math.max(cavity.radiusMm * kCavityMargin, kLeastRadiusMm)),
-      );
-    }
-    if (preset === "angled" || preset === "cavity")
-      return this.lookAt(
-        centre === undefined ? this.centre : new Vector3(...centre),
-        new Vector3(...direction),
-        this.fitDistance() * kAngledCloser,
-      );
-    const [x, y, z] = kDirections[preset];
-    this.lookAt(this.centre, new Vector3(x * mesial, y, z), this.fitDistance());
-  }
-
-  private lookAt(target: Vector3, direction: Vector3, distance: number): void {
-    this.controls.target.copy(target);
-    this.camera.position.copy(target).addScaledVector(direction.normalize(), distance);
-    this.controls.update();
+    this.sight.resize(width, height);
     this.frame.request();
-  }
-
-  look(): Look {
-    const away = this.camera.position.clone().sub(this.controls.target);
-    const { theta, phi, radius } = new Spherical().setFromCartesianCoords(away.x, away.z, -away.y);
-    return {
-      azimuthRad: theta,
-      polarRad: phi,
-      distance: radius / this.fitDistance(),
-      atCut: this.controls.target.distanceTo(this.centre) > kSamePlaceMm,
-    };
-  }
-  setLook({ azimuthRad, polarRad, distance, atCut }: Look): void {
-    this.view(atCut ? "angled" : "occlusal"); // for what is looked at
-    this.moveCamera((offset) => {
-      offset.set(
-        distance * this.fitDistance(),
-        Math.min(Math.max(polarRad, kMinPolar), Math.PI - kMinPolar),
-        azimuthRad,
-      );
-    });
-  }
-
-  rotate(azimuthRad: number, polarRad: number): void {
-    this.moveCamera((offset) => {
-      offset.theta += azimuthRad;
-      offset.phi = Math.min(Math.max(offset.phi + polarRad, kMinPolar), Math.PI - kMinPolar);
-    });
-  }
-
-  zoom(factor: number): void {
-    this.moveCamera((offset) => {
-      offset.radius *= factor;
-    });
   }
 
   // What is under a point of the canvas, in CSS pixels from its top left corner.
   pick(x: number, y: number): SurfacePoint | undefined {
     const pointer = new Vector2((2 * x) / this.canvas.clientWidth - 1, 1 - (2 * y) / this.canvas.clientHeight);
     const ray = new Raycaster();
-    ray.setFromCamera(pointer, this.camera);
+    ray.setFromCamera(pointer, this.sight.camera);
     if (this.surface === undefined)
       return pointOf(this.blocks.firstHit(ray.ray.origin, ray.ray.direction, (at) => this.isShown(at)));
     this.grid ??= new TriangleGrid(this.surface.positionMm, this.surface.triangle);
@@ -429,55 +353,17 @@ export class ToothScene implements FilmScreen {
 
   private draw(): void {
     this.canvas.dataset["drawn"] = this.pace.effort;
-    const sight = this.camera.position.clone().sub(this.controls.target);
+    const sight = this.sight.away;
     this.section.update(this.centre, this.radius, sight, this.parts);
     this.ghost?.drawn.section.update(this.centre, this.radius, sight, this.ghost.drawn.parts);
-    this.renderer.render(this.scene, this.camera);
+    this.renderer.render(this.scene, this.sight.camera);
     this.drawn((point) => this.project(point), this.centre.toArray(), this.radius);
   }
 
   // CSS pixels from the canvas's top left corner, and depth.
   private project(point: PointMm): PointMm {
-    const at = new Vector3(...point).project(this.camera);
+    const at = new Vector3(...point).project(this.sight.camera);
     return [((at.x + 1) / 2) * this.canvas.clientWidth, ((1 - at.y) / 2) * this.canvas.clientHeight, at.z];
-  }
-
-  private fitDistance(radius = this.radius): number {
-    const half = (kFieldOfViewDeg * Math.PI) / 360;
-    const narrow = Math.min(1, this.camera.aspect);
-    return (radius * kMargin) / Math.sin(Math.atan(Math.tan(half) * narrow));
-  }
-
-  private moveCamera(change: (offset: Spherical) => void): void {
-    this.untouched = false;
-    // Spherical has y up, the scene z.
-    const away = this.camera.position.clone().sub(this.controls.target);
-    const offset = new Spherical().setFromCartesianCoords(away.x, away.z, -away.y);
-    change(offset);
-    const moved = new Vector3().setFromSpherical(offset);
-    this.camera.position.copy(this.controls.target).add(new Vector3(moved.x, -moved.z, moved.y));
-    this.controls.update();
-    this.frame.request();
-  }
-
-  private orbit(): OrbitControls {
-    const controls = new OrbitControls(this.camera, this.canvas);
-    controls.enablePan = false;
-    controls.enableZoom = false;
-    controls.minDistance = this.radius * 0.2;
-    controls.maxDistance = this.radius * 12;
-    // A finger may still scroll the page over the picture; sideways it turns the tooth.
-    this.canvas.style.touchAction = "pan-y";
-    controls.addEventListener("change", () => (this.turning ? this.moved() : this.frame.request()));
-    controls.addEventListener("start", () => {
-      this.untouched = false;
-      this.turning = true;
-    });
-    controls.addEventListener("end", () => {
-      this.turning = false;
-    });
-    this.cleanup.add(() => controls.dispose());
-    return controls;
   }
 }
 

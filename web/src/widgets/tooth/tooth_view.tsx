@@ -1,7 +1,7 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useId, useMemo, useRef, useState } from "preact/hooks";
 import type { Surface } from "../../api/surface";
-import type { MesialX } from "../../api/tooth_number";
+import { type Anatomy, toScene } from "../../api/tooth_number";
 import { Disposables } from "../../base/disposables";
 import { FrameScheduler } from "../../base/frame";
 import { formatQuantity } from "../../base/format";
@@ -35,7 +35,7 @@ export type ToothSource = { readonly surface: Surface } | { readonly film: Film 
 
 interface Props {
   readonly model: ToothSource;
-  readonly mesial: MesialX | undefined; // undefined: not known yet, and its sides are not named
+  readonly anatomy: Anatomy | undefined; // undefined: not known yet, and its sides are not named
   readonly mode: ColorMode;
   readonly label: string; // what the picture shows, for who cannot see it
   readonly angled: AngledView; // what the view begins with
@@ -68,7 +68,7 @@ const kPresets: ReadonlyArray<readonly [CameraPreset, number]> = [
   ["distal", 4],
   ["apical", 4],
 ];
-// With mesial at +x.
+// Mesial, buccal, occlusal.
 const kDirections: ReadonlyArray<readonly [Side, PointMm]> = [
   ["mesial", [1, 0, 0]],
   ["distal", [-1, 0, 0]],
@@ -93,7 +93,7 @@ export function prepareTooth(): void {
 // A tooth to turn: by mouse, finger, arrow keys, + and −, and the preset buttons.
 export function ToothView({
   model,
-  mesial,
+  anatomy,
   mode,
   label,
   angled,
@@ -119,8 +119,8 @@ export function ToothView({
   const keys = useId();
   const frame = useRef<HTMLDivElement>(null);
   const scene = useRef<ToothScene | undefined>(undefined);
-  const shownMesial = useRef(mesial); // read as it is drawn
-  shownMesial.current = mesial;
+  const shownAnatomy = useRef(anatomy); // read as it is drawn
+  shownAnatomy.current = anatomy;
   const [problem, setProblem] = useState("");
   const [ready, setReady] = useState(false);
   const [under, setUnder] = useState<SurfacePoint>();
@@ -145,7 +145,7 @@ export function ToothView({
           "film" in model ? { extent: model.film.extent } : model,
           angled,
           look,
-          shownMesial,
+          shownAnatomy,
           cleanup,
           setProblem,
         );
@@ -172,12 +172,15 @@ export function ToothView({
   useEffect(() => scene.current?.setTool(tool, path ?? []), [tool, path, ready]);
   useEffect(() => scene.current?.setForce(felt), [felt, ready]);
   useEffect(() => scene.current?.setLines(lines), [lines, ready]);
+  useEffect(() => {
+    if (anatomy !== undefined) scene.current?.setAnatomy(anatomy);
+  }, [anatomy, ready]);
   useEffect(() => scene.current?.setAngled(angled), [angled, ready]);
   useEffect(() => (ready && scene.current !== undefined ? film?.attach(scene.current) : undefined), [film, ready]);
   useEffect(() => scene.current?.setSection(section), [section, ready]);
   useEffect(() => scene.current?.setGhost(ghost), [ghost, ready]);
   useEffect(() => scene.current?.setFollow(follow), [follow, ready]);
-  useEffect(() => scene.current?.redraw(), [pins, mesial, ready]);
+  useEffect(() => scene.current?.redraw(), [pins, ready]);
   // Looked up once a frame, however often the pointer moves.
   const over = useRef<Place | undefined>(undefined);
   const looking = useMemo(
@@ -263,9 +266,9 @@ export function ToothView({
                   key={preset}
                   type="button"
                   class="button small"
-                  disabled={!ready || (mesial === undefined && (preset === "mesial" || preset === "distal"))}
+                  disabled={!ready || (anatomy === undefined && (preset === "mesial" || preset === "distal"))}
                   title={title}
-                  onClick={() => scene.current?.view(preset, mesial)}
+                  onClick={() => scene.current?.view(preset)}
                 >
                   {title.slice(0, short)}
                   <span class="preset-rest">{title.slice(short)}</span>
@@ -289,7 +292,7 @@ function openScene(
   model: ToothModel,
   angled: AngledView,
   look: LookHandle | undefined,
-  mesial: { readonly current: MesialX | undefined },
+  anatomy: { readonly current: Anatomy | undefined },
   cleanup: Disposables,
   report: (problem: string) => void,
 ): ToothScene {
@@ -297,7 +300,7 @@ function openScene(
   canvas.setAttribute("aria-hidden", "true");
   const labels = [...element.querySelectorAll<HTMLElement>(".tooth-direction")];
   const scene = new Scene(canvas, model, angled, (project, centre, radius) => {
-    placeLabels(labels, element, mesial.current, project, centre, radius);
+    placeLabels(labels, element, anatomy.current, project, centre, radius);
     placePins(element, project);
     if (look?.now !== undefined) look.moved?.(look.now());
   });
@@ -316,7 +319,7 @@ function openScene(
 function placeLabels(
   labels: readonly HTMLElement[],
   frame: HTMLElement,
-  mesial: MesialX | undefined,
+  anatomy: Anatomy | undefined,
   project: (point: PointMm) => PointMm,
   centre: PointMm,
   radius: number,
@@ -325,11 +328,8 @@ function placeLabels(
   kDirections.forEach(([, direction], i) => {
     const label = labels[i];
     if (label === undefined) return;
-    const at = project([
-      centre[0] + direction[0] * (mesial ?? 0) * radius,
-      centre[1] + direction[1] * radius,
-      centre[2],
-    ]);
+    const [x, y, z] = anatomy === undefined ? [0, 0, 0] : toScene(anatomy, direction);
+    const at = project([centre[0] + x * radius, centre[1] + y * radius, centre[2] + z * radius]);
     const [dx, dy] = [at[0] - cx, at[1] - cy];
     const half = [frame.clientWidth / 2, frame.clientHeight / 2] as const;
     // At the edge of the picture, or beside the tooth where that is nearer.
