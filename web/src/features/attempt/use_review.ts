@@ -100,6 +100,7 @@ export function useReview(reviewed: Reviewed) {
       const [x, y, z] = deduction.position_mm;
       if (x !== undefined && y !== undefined && z !== undefined) {
         setPoint([x, y, z]);
+        moment.look.near?.([x, y, z]);
       }
       go(recorded !== undefined && deduction.stroke_count > 0 ? stepOfTick(recorded, deduction.first_tick) : undefined);
     },

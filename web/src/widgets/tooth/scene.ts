@@ -178,6 +178,10 @@ export class ToothScene implements FilmScreen {
     this.sight.view(preset);
     this.frame.request();
   }
+  near(point: PointMm): void {
+    this.sight.near(point);
+    this.frame.request();
+  }
   look(): Look {
     return this.sight.look();
   }

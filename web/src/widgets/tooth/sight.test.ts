@@ -52,6 +52,26 @@ test("from above and below the buccal side is up, and a lower right tooth has me
   assert.ok(inPicture(seen, kLowerRight, [1, 0, 0]).right > 0.01);
 });
 
+test("the cavity is what one sees first, until somebody turns the tooth", () => {
+  const seen = sight(kLowerRight);
+  seen.setAngled({ ...kAngled, cavity: kCavity });
+  assert.deepEqual(seen.look().centreMm, [0.5, 0.5, 3]);
+  seen.view("buccal");
+  const chosen = seen.look();
+  seen.setAngled({ ...kAngled, cavity: kCavity });
+  assert.ok(sameLook(seen.look(), chosen));
+});
+
+test("a place is shown so near that a millimetre is a fifth of the picture's height", () => {
+  const seen = sight(kLowerRight, { ...kAngled, cavity: kCavity });
+  seen.near([2, 0.5, 2]);
+  assert.deepEqual(seen.look().centreMm, [2, 0.5, 2]);
+  const { right, up } = inPicture(seen, kLowerRight, [0, 1, 0]);
+  assert.ok(Math.hypot(right, up) / 2 > 0.2, `${right}, ${up}`);
+  // From where the place is met: its wall looks at the middle of the cavity.
+  assert.ok(seen.away.x < 0 && seen.away.z > 0);
+});
+
 test("another tooth of another size in another picture looks at the same place from the same side", () => {
   const [one, other] = [sight(kBuccalUp, { ...kAngled, cavity: kCavity }), sight(kBuccalUp, kAngled, 11)];
   other.resize(300, 480);

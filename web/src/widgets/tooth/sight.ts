@@ -31,6 +31,9 @@ const kIntoCavity: PointMm = [0.12, -0.3, 1]; // scene frame: the side that is w
 const kCavityMargin = 1.25; // a little of what is around it
 const kAngledCloser = 0.8; // of the distance at which the whole tooth is in view
 const kLeastRadiusMm = 0.5;
+const kNearShare = 0.45; // of the cavity, around a place in it
+const kNearLeastMm = 1;
+const kNearTilt = 0.7; // away from straight above, to face the wall that the place is on
 const kMinPolar = 0.001; // Spherical turns over at the poles
 const kSceneUp = new Vector3(0, 0, 1);
 
@@ -115,7 +118,7 @@ export class Sight {
   }
   private begin(): void {
     if (!this.untouched) return;
-    this.view("angled");
+    this.view("cavity");
     this.untouched = true;
   }
 
@@ -140,6 +143,15 @@ export class Sight {
         this.fitDistance() * kAngledCloser,
       );
     else this.lookAt(this.centre, toScene(this.anatomy, kDirections[preset]), this.fitDistance());
+  }
+
+  // A place in the cavity, so near that it fills the picture, facing the wall that it is on.
+  near(point: PointMm): void {
+    const { cavity } = this.angled;
+    const inwards = new Vector3(...(cavity?.centreMm ?? point)).sub(new Vector3(...point)).setZ(0);
+    if (inwards.lengthSq() > 0) inwards.setLength(kNearTilt);
+    const radius = Math.max((cavity?.radiusMm ?? this.radius) * kNearShare, kNearLeastMm);
+    this.lookAt(new Vector3(...point), inwards.setZ(1).toArray(), this.fitDistance(radius));
   }
 
   private lookAt(target: Vector3, direction: PointMm, distance: number): void {

@@ -27,6 +27,7 @@ export interface LookHandle {
   readonly begin: Look | undefined;
   now: (() => Look) | undefined; // set while the picture is there
   set?: ((look: Look) => void) | undefined; // the same
+  near?: ((point: PointMm) => void) | undefined; // the same: shows a place
   moved?: ((look: Look) => void) | undefined; // called after it was drawn
 }
 
@@ -153,11 +154,12 @@ export function ToothView({
         if (look !== undefined) {
           look.now = () => opened.look();
           look.set = (wanted) => opened.setLook(wanted);
+          look.near = (point) => opened.near(point);
           if (look.begin !== undefined) opened.setLook(look.begin);
         }
         cleanup.add(() => {
           scene.current = undefined;
-          if (look !== undefined) look.now = look.set = undefined;
+          if (look !== undefined) look.now = look.set = look.near = undefined;
         });
         setReady(true);
       })
