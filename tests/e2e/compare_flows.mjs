@@ -1,7 +1,7 @@
 // Two attempts, side by side and one over the other.
 import assert from "node:assert/strict";
 import { id } from "./mock_exercises.mjs";
-import { toothPixels, toothPixelsBecome } from "./pixels.mjs";
+import { differing, toothPixels, toothPixelsBecome } from "./pixels.mjs";
 import { accessible, looks, signedIn } from "./session.mjs";
 
 export const compareFlows = [
@@ -23,14 +23,38 @@ async function beside(world) {
   });
   await page.locator(".other-tooth .tooth-frame[aria-busy=false] canvas").waitFor();
   await page.locator(".other-time", { hasText: "0:30.0" }).waitFor();
-  await page.getByRole("button", { name: "Occlusal", exact: true }).click();
   // Both are the mock's one attempt: from the same side, at the same moment they look alike.
   await page.getByLabel("Moment of the other attempt").selectOption("removed");
   await page.locator(".other-time", { hasText: /0:(29|30)\.\d/ }).waitFor();
+  const names = await page.locator(".tooth-name").allInnerTexts();
+  assert.equal(names.length, 2);
+  assert.notEqual(names[0], names[1], "each picture says whose it is");
+  for (const preset of ["Occlusal", "Cavity"]) {
+    await page.getByRole("button", { name: preset, exact: true }).click();
+    await alike(page, preset);
+  }
+  // The other one may be turned too.
+  await page.locator(".other-tooth .tooth-frame").focus();
+  for (let i = 0; i < 4; ++i) await page.keyboard.press("ArrowRight");
+  await alike(page, "turned by the other one");
   await accessible(page, "two attempts");
   await world.picture(page, "beside");
   await choice.selectOption("");
   await page.locator(".other-tooth").waitFor({ state: "detached" });
+}
+
+// Two pictures of one tooth at one moment, but for names and tools over them.
+async function alike(page, where) {
+  await page.waitForFunction(() => document.querySelectorAll("canvas[data-drawn=full]").length === 2);
+  await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
+  const shown = [];
+  for (const { x, y, width, height } of await boxesOf(page, ".teeth canvas")) {
+    const clip = { x: Math.ceil(x), y: Math.ceil(y), width: Math.floor(width) - 1, height: Math.floor(height) - 1 };
+    shown.push(await page.screenshot({ clip }));
+  }
+  const [own, other] = shown;
+  const apart = differing(own, other);
+  assert.ok(apart < 0.12, `${where}: ${apart} of the two pictures differs`);
 }
 
 // Of the visible ones, in the window's pixels.
@@ -68,7 +92,7 @@ async function fitsBesideTheTeeth(page, height, where) {
     );
   }
   for (const tooth of teeth)
-    assert.ok(tooth.width >= 200 && tooth.height >= 180, `${where}: a tooth of ${tooth.width} x ${tooth.height}`);
+    assert.ok(tooth.width >= 300 && tooth.height >= 260, `${where}: a tooth of ${tooth.width} x ${tooth.height}`);
   assert.ok(plot.bottom <= height + 1, `${where}: the plot ends at ${plot.bottom} of ${height}`);
 }
 

@@ -49,7 +49,7 @@ export function usePlot(
       latest.current.created?.(made, cleanup);
       const observer = new ResizeObserver(() => {
         made.setSize({ width: element.clientWidth, height: options.height });
-        latest.current.resized?.();
+        queueMicrotask(() => latest.current.resized?.()); // uPlot lays itself out in one before
       });
       observer.observe(element);
       cleanup.add(() => observer.disconnect());

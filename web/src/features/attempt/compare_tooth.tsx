@@ -20,7 +20,7 @@ interface ChoiceProps {
   readonly attempt: AttemptDetail;
   readonly staff: boolean;
   readonly chosen: string | undefined;
-  readonly onChoose: (id: string | undefined) => void;
+  readonly onChoose: (id: string | undefined, name: string) => void;
 }
 
 // The attempt that this one is compared with: the reference, another one of the same person, or of
@@ -34,28 +34,26 @@ export function CompareChoice({ client, attempt, staff, chosen, onChoose }: Choi
   const own = others.filter((other) => other.person.id === attempt.person.id);
   const reference =
     staff && attempt.reference !== null && attempt.reference.attempt_id !== attempt.id ? attempt.reference : undefined;
-  const title = (other: Attempt) =>
-    `${formatDateTime(other.ticketed_ms)}${other.score === null ? "" : `, ${formatScore(other.score)}`}`;
   return (
     <select
       aria-label={say("compare.with")}
       value={chosen ?? ""}
       onFocus={() => setAsked(true)}
       onPointerDown={() => setAsked(true)}
-      onChange={(event) => onChoose(event.currentTarget.value || undefined)}
+      onChange={({ currentTarget: { value, selectedOptions } }) =>
+        onChoose(value || undefined, selectedOptions[0]?.title ?? "")
+      }
     >
       <option value="">{say("compare.nothing")}</option>
       {reference !== undefined && (
-        <option value={reference.attempt_id}>
-          {reference.dentist === null
-            ? say("compare.reference")
-            : say("compare.reference_of", { dentist: reference.dentist })}
+        <option value={reference.attempt_id} title={referenceName(reference)}>
+          {referenceName(reference)}
         </option>
       )}
       {own.length > 0 && (
         <optgroup label={say("compare.same_person")}>
           {own.map((other) => (
-            <option key={other.id} value={other.id}>
+            <option key={other.id} value={other.id} title={attemptName(other)}>
               {title(other)}
             </option>
           ))}
@@ -66,13 +64,27 @@ export function CompareChoice({ client, attempt, staff, chosen, onChoose }: Choi
           {others
             .filter((other) => !own.includes(other))
             .map((other) => (
-              <option key={other.id} value={other.id}>{`${other.person.display_name}, ${title(other)}`}</option>
+              <option key={other.id} value={other.id} title={attemptName(other)}>
+                {attemptName(other)}
+              </option>
             ))}
         </optgroup>
       )}
       {asked && loaded.state === "loading" && <option disabled>{say("loading.short")}</option>}
     </select>
   );
+}
+
+const title = (attempt: Attempt) =>
+  `${formatDateTime(attempt.ticketed_ms)}${attempt.score === null ? "" : `, ${formatScore(attempt.score)}`}`;
+
+// Whose it is, when, and its score.
+export function attemptName(attempt: Attempt): string {
+  return `${attempt.person.display_name}, ${title(attempt)}`;
+}
+
+function referenceName({ dentist }: NonNullable<AttemptDetail["reference"]>): string {
+  return dentist === null ? say("compare.reference") : say("compare.reference_of", { dentist });
 }
 
 interface BarProps {
@@ -132,6 +144,7 @@ function OtherMissing({
 }
 
 interface Props {
+  readonly name: string;
   readonly other: Other;
   readonly anatomy: Anatomy | undefined; // of the same exercise
   readonly choices: ToothChoices;
@@ -139,7 +152,7 @@ interface Props {
 }
 
 // Another attempt, at the moment that belongs to this one's.
-export function OtherTooth({ other, anatomy, choices, look }: Props) {
+export function OtherTooth({ name, other, anatomy, choices, look }: Props) {
   const { playback } = other;
   const compared = playback.deviation.state === "ready" ? playback.deviation.compared : undefined;
   const angled = useMemo(
@@ -156,7 +169,8 @@ export function OtherTooth({ other, anatomy, choices, look }: Props) {
         anatomy={anatomy}
         busy={!playback.drawn}
         mode={compared === undefined || playback.showing ? "tissue" : choices.mode}
-        label={say("compare.other")}
+        label={`${say("compare.other")} ${name}`}
+        name={name}
         angled={angled}
         section={choices.section}
         look={look}

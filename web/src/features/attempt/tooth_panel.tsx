@@ -2,6 +2,7 @@ import { useEffect, useMemo, useState } from "preact/hooks";
 import type { Surface } from "../../api/surface";
 import type { Series } from "../../api/types";
 import { useRequest } from "../../api/use_request";
+import { type Look, sameLook } from "../../base/moment_link";
 import { formatLimit, formatNumber, formatQuantity, formatSigned } from "../../base/format";
 import { say } from "../../base/words";
 import { Card, ErrorNotice, Loading } from "../../widgets/basics";
@@ -9,7 +10,7 @@ import { DeviationLegend, TissueLegend } from "../../widgets/tooth/legend";
 import type { AngledView, ColorMode, PointMm } from "../../widgets/tooth/scene";
 import { tissuesPresent, tissueTitle, workpiece } from "../../widgets/tooth/tissue";
 import { type LookHandle, type ToothPin, type ToothSource, ToothView } from "../../widgets/tooth/tooth_view";
-import { CompareBar, CompareChoice, isReady, OtherTooth } from "./compare_tooth";
+import { attemptName, CompareBar, CompareChoice, isReady, OtherTooth } from "./compare_tooth";
 import type { Placement } from "./compare";
 import { type Compared, type DeviationSummary, outlook, summariseDeviation } from "./deviation";
 import type { Mark } from "./moments";
@@ -111,12 +112,16 @@ function LoadedTooth({ model, compared, tissues, missing, busy, review, control 
     [compared, worst, mesial, cut],
   );
   const [compareWith, setCompareWith] = useState<string>(); // id of another attempt
+  const [otherName, setOtherName] = useState("");
   const [placement, setPlacement] = useState<Placement>("side");
   const otherLook = useMemo(
     (): LookHandle => ({ begin: look.now?.(), now: undefined }),
     [look, compareWith, placement],
   );
-  look.moved = compareWith === undefined ? undefined : (moved) => otherLook.set?.(moved);
+  useEffect(
+    () => (compareWith === undefined ? undefined : togetherFrom(look, otherLook)),
+    [look, otherLook, compareWith],
+  );
   const shownS = control.clock?.timeOf(control.playback.position) ?? review.momentS;
   const other = useOther(client, compareWith, series, shownS);
   const beside = placement === "side" ? other : undefined;
@@ -157,6 +162,7 @@ function LoadedTooth({ model, compared, tissues, missing, busy, review, control 
           busy={busy}
           mode={mode}
           label={label}
+          name={beside === undefined ? undefined : attemptName(attempt)}
           angled={angled}
           tool={during ? undefined : path.at(-1)}
           path={path}
@@ -185,13 +191,23 @@ function LoadedTooth({ model, compared, tissues, missing, busy, review, control 
                 attempt={attempt}
                 staff={review.teacher}
                 chosen={compareWith}
-                onChoose={setCompareWith}
+                onChoose={(id, name) => {
+                  setCompareWith(id);
+                  setOtherName(name);
+                }}
               />
             )}
           </ToothTools>
         </ToothView>
         {beside !== undefined && (
-          <OtherTooth key={compareWith} other={beside} anatomy={anatomy} choices={choices} look={otherLook} />
+          <OtherTooth
+            key={compareWith}
+            name={otherName}
+            other={beside}
+            anatomy={anatomy}
+            choices={choices}
+            look={otherLook}
+          />
         )}
       </div>
       {other !== undefined && <CompareBar other={other} placement={placement} onPlacement={setPlacement} />}
@@ -199,6 +215,21 @@ function LoadedTooth({ model, compared, tissues, missing, busy, review, control 
       {summary === undefined ? <p class="hint">{missing}</p> : <DeviationTable summary={summary} />}
     </>
   );
+}
+
+// Whichever of two pictures is turned, the other one follows.
+function togetherFrom(one: LookHandle, other: LookHandle): () => void {
+  let last: Look | undefined;
+  const lead = (to: LookHandle) => (moved: Look) => {
+    if (last !== undefined && sameLook(last, moved)) return;
+    last = moved;
+    to.set?.(moved);
+  };
+  one.moved = lead(other);
+  other.moved = lead(one);
+  return () => {
+    one.moved = other.moved = undefined;
+  };
 }
 
 const kNewPin = "new";

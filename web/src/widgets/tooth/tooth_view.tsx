@@ -39,6 +39,7 @@ interface Props {
   readonly anatomy: Anatomy | undefined; // undefined: not known yet, and its sides are not named
   readonly mode: ColorMode;
   readonly label: string; // what the picture shows, for who cannot see it
+  readonly name?: string | undefined; // in the picture, where there are two
   readonly angled: AngledView; // what the view begins with
   readonly tool?: PointMm | undefined;
   readonly path?: readonly PointMm[];
@@ -80,6 +81,8 @@ const kKeyStepRad = Math.PI / 24;
 const kKeyZoom = 1.15;
 const kSameMm = 0.005; // shown as no deviation: rounds to zero
 const kLabelMarginPx = [38, 18] as const; // half a label and a little air
+const kToolsPx = 66; // beside the tooth, where a wide picture has its buttons
+const kWidePx = 560;
 const kClickMovesPx = 4; // more is a turn of the tooth
 const kNoPins: readonly ToothPin[] = [];
 const kBesideTooth = 1.05; // of the radius of the ball around it
@@ -97,6 +100,7 @@ export function ToothView({
   anatomy,
   mode,
   label,
+  name,
   angled,
   busy = false,
   section,
@@ -245,6 +249,7 @@ export function ToothView({
             {pin.text}
           </button>
         ))}
+        {name !== undefined && <p class="tooth-name">{name}</p>}
         {problem !== "" && <p class="tooth-problem">{problem}</p>}
         {felt !== undefined && (
           <p class="tooth-force" title={say("tooth.force_arrow")}>
@@ -337,7 +342,7 @@ function placeLabels(
     // At the edge of the picture, or beside the tooth where that is nearer.
     const toEdge = Math.min(
       kBesideTooth,
-      (half[0] - kLabelMarginPx[0]) / Math.abs(dx),
+      (half[0] - kLabelMarginPx[0] - (frame.clientWidth > kWidePx ? kToolsPx : 0)) / Math.abs(dx),
       (half[1] - kLabelMarginPx[1]) / Math.abs(dy),
     );
     const visible = Math.hypot(dx, dy) > kLabelMinShare * frame.clientHeight && Number.isFinite(toEdge);
