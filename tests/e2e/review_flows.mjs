@@ -51,7 +51,7 @@ async function instructorReviews(world) {
   assert.ok(score > 0 && score <= 100, `score ${score}`);
   const lost = await page.locator(".criteria tbody tr").evaluateAll((rows) =>
     rows.map((row) => {
-      const [points, of] = row.querySelector(".points").innerText.split("/").map(Number.parseFloat);
+      const [points, of] = row.querySelector(".points").textContent.split("/").map(Number.parseFloat);
       return of - points;
     }),
   );
@@ -72,7 +72,7 @@ async function lostPointLeadsToItsMoment(world) {
   const page = await openScoredAttempt(world);
   const slider = page.getByRole("slider", { name: /moment|time/i }).first();
   const before = await slider.inputValue();
-  await page.getByRole("button", { name: /too much, from 0:21.4; mostly stroke 7 and 2 more/ }).click();
+  await page.getByRole("button", { name: /^Show me .*: .* too much, from 0:21.4; mostly stroke 7 and 2 more/ }).click();
   assert.notEqual(await slider.inputValue(), before, "the timeline moves");
   await page.getByRole("heading", { name: "Compared with 3 dentists" }).waitFor();
   await page.getByText(/The closest cut is by Dentist One/).waitFor();
@@ -264,12 +264,21 @@ async function oneViewport(world) {
       const box = await page.locator(part).boundingBox();
       assert.ok(box.y >= 0 && box.y + box.height <= height, `${part} ends at ${box.y + box.height} of ${height}`);
     }
-    assert.ok((await page.locator(".tooth-frame").boundingBox()).height >= 200);
+    const picture = await page.locator(".tooth-frame").boundingBox();
+    const card = await page.locator(".tooth-card").boundingBox();
+    assert.ok(picture.height >= Math.max(360, height / 2), `a picture ${picture.height} px high of ${height}`);
+    assert.ok(picture.width >= 0.6 * card.width);
+    for (const row of await page.locator(".criteria tbody tr:visible").all())
+      assert.ok((await row.boundingBox()).height < 36, `${await row.innerText()} is one line`);
     // What is said of them scrolls by; they stay.
     await page.mouse.move(200, height / 2);
     await page.mouse.wheel(0, 250);
     await page.waitForFunction(() => window.scrollY > 100);
-    await page.getByRole("button", { name: /too much, from/ }).click();
+    const far = await page.locator(".tooth-frame canvas").screenshot();
+    await page.getByRole("button", { name: /^Show me .*too much, from/ }).click();
+    await page.locator(".tooth-frame canvas[data-drawn=full]").waitFor();
+    const near = await page.locator(".tooth-frame canvas").screenshot();
+    assert.ok(differing(far, near) > 0.2, "the place comes near");
     const tooth = await page.locator(".tooth-frame").boundingBox();
     assert.ok(tooth.y >= 0 && tooth.y + tooth.height <= height, "the tooth is in view");
     await world.picture(page, `one_viewport_${width}`);

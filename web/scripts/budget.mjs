@@ -67,7 +67,7 @@ async function grade(page, most) {
     await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
     await page.locator(".plot canvas").waitFor();
   });
-  await click(page.locator(".criteria .place button").first());
+  await click(page.locator(".criteria button").first());
   const remark = page.getByLabel(/New remark/);
   await click(remark);
   await remark.fill("The wall was cut too far here.");

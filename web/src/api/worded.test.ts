@@ -3,7 +3,7 @@ import { readFileSync } from "node:fs";
 import { afterEach, test } from "node:test";
 import { speak } from "../base/language";
 import type { Score } from "./types";
-import { directionsOf, measuredText, reasonText } from "./worded";
+import { directionsOf, explanation, measuredText, reasonText } from "./worded";
 
 afterEach(() => speak("en"));
 
@@ -91,6 +91,30 @@ test("the page and the station's window make the same sentences", () => {
       spaced(reasonText({ ...rest, name: metric, value: 0, points: 1, max_points: 2, reason: "as the server says" })),
       said.en,
     );
+});
+
+test("beside a table that has title and value, a reason says neither", () => {
+  const explained = (code: string, ...values: number[]) =>
+    spaced(
+      explanation({
+        name: "wall_mesial_mm",
+        title: "It",
+        unit: "mm",
+        value: values[0] ?? 0,
+        points: 1,
+        max_points: 2,
+        reason: "as the server says",
+        reasons: [
+          { code, values, units: values.map(() => "mm") },
+          { code: "stop_earlier", values: [21.4, 7], units: ["s", ""] },
+        ],
+        comment: "Look at it.",
+      }),
+    );
+  const rest = "It began at 0:21.4, and stroke 7 removed most of it. Stop earlier there. Look at it.";
+  assert.equal(explained("within", 0.12, 0.03, 0.25), `Full marks within 0.03 mm, none beyond 0.25 mm. ${rest}`);
+  assert.equal(explained("any", 0.12), rest);
+  assert.equal(explained("something_new", 1), "as the server says");
 });
 
 test("a value that misses its limit does not read like it, and a limit is not rounded", () => {

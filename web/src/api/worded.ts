@@ -41,7 +41,7 @@ export function wordedScore(score: Score): Score {
     criteria: score.criteria.map((criterion) => ({
       ...criterion,
       title: wordedTitle(criterion.title),
-      reason: reasonText(criterion),
+      reason: explanation(criterion),
     })),
     ...(score.gates === undefined
       ? {}
@@ -80,6 +80,24 @@ export function reasonText(judged: Criterion | Gate): string {
   return [sayIf("reason.title", { title: wordedTitle(title) }) ?? "", ...told, wordedText(comment), once]
     .filter((part) => part !== "")
     .join(spokenLanguage() === "zh" ? "" : " ");
+}
+
+const kFound = "\u0001"; // where a sentence says what was found
+
+// The same beside a table that has title and value: "Full marks up to 0.10 mm, none from 0.30 mm. Stop earlier there."
+export function explanation({ name, unit, reason, reasons = [], comment = "" }: Criterion): string {
+  const told = reasons.map((each) => sentence(name, each, unit, kFound));
+  if (told.length === 0 || told.includes(undefined)) return reason;
+  return [...told.map((text = "") => withoutFound(text)), wordedText(comment)]
+    .filter((part) => part !== "")
+    .join(spokenLanguage() === "zh" ? "" : " ");
+}
+
+// In every language such a sentence is what was found, then its limits in brackets.
+function withoutFound(text: string): string {
+  const [, limits = "", end = ""] = new RegExp(`^${kFound} *(?:[(（](.*)[)）])?([.。])$`).exec(text) ?? [];
+  if (limits !== "") return limits.charAt(0).toLocaleUpperCase(spokenLanguage()) + limits.slice(1) + end;
+  return end === "" ? text : "";
 }
 
 // What lies above and below zero of a measurement whose sign says which way: MetricInfo in
@@ -128,14 +146,15 @@ function digitsBeside(value: number, limits: readonly number[], missed: boolean,
   return digits;
 }
 
-function sentence(metric: string, { code, values }: Reason, unit: string): string | undefined {
+// `shown`: what stands for the value that was found; undefined: the value.
+function sentence(metric: string, { code, values }: Reason, unit: string, shown?: string): string | undefined {
   const [first = Number.NaN, second = Number.NaN, third = Number.NaN] = values;
   // What was found and its limits, all with as many decimals.
   const told = (missed: boolean) => {
     const digits = digitsBeside(first, values.slice(1), missed, unit);
     const form = (value: number) =>
       digits === undefined ? formatQuantity(value, unit) : formatWith(value, unit, digits);
-    return { found: measuredText(metric, first, unit, form), second: form(second), third: form(third) };
+    return { found: shown ?? measuredText(metric, first, unit, form), second: form(second), third: form(third) };
   };
   const none = values.length > 2 ? "_none" : "";
   switch (code) {
@@ -177,7 +196,7 @@ function sentence(metric: string, { code, values }: Reason, unit: string): strin
     case "cut_further":
       return sayIf("reason.cut_further", { volume: formatQuantity(first, "mm3") });
     case "any":
-      return sayIf("reason.any", { found: measuredText(metric, first, unit) });
+      return sayIf("reason.any", { found: shown ?? measuredText(metric, first, unit) });
     case "not_in_task":
     case "not_made":
       return sayIf(`reason.${code}`);

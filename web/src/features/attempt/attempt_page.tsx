@@ -116,7 +116,7 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
   return (
     <>
       {undo.notice}
-      <div class="trail-row">
+      <div class="attempt-top">
         {place !== undefined ? (
           <QueueBar client={client} place={place} />
         ) : (
@@ -125,9 +125,7 @@ export function AttemptPage({ client, person, id, onOpen }: Props) {
           </nav>
         )}
         <KeysHelp keys={keys} />
-      </div>
-      <div class="attempt-head">
-        <div>
+        <div class="attempt-title">
           <PageTitle document={wordedTitle(attempt.exercise.title)}>{wordedTitle(attempt.exercise.title)}</PageTitle>
           <p class="byline">
             {attempt.person.display_name}, {formatDateTime(attempt.ticketed_ms)} <StateBadge attempt={attempt} />{" "}
@@ -193,14 +191,12 @@ function ScoredAttempt({ reviewed, handle, onChanged, onDone }: ScoredProps) {
         <Judgement review={review} onChanged={onChanged} />
         {review.removed ? <RemovedRecording removedMs={attempt.recording_removed_ms} /> : <Replay review={review} />}
       </div>
-      <div class="columns wide-right">
+      <div class="columns">
+        <RecordingPanel attempt={attempt} score={scored} />
         <div class="stack">
-          <RecordingPanel attempt={attempt} score={scored} />
           <Contradictions attempt={attempt} />
           <Nearness near={attempt.nearness} />
           {scored !== undefined && <RunsPanel client={review.client} requestKey={review.key} attemptId={attempt.id} />}
-        </div>
-        <div class="stack">
           {scored?.envelope != null && (
             <EnvelopePanel
               client={review.client}
@@ -210,9 +206,9 @@ function ScoredAttempt({ reviewed, handle, onChanged, onDone }: ScoredProps) {
               judged={scored.criteria.map((criterion) => criterion.name)}
             />
           )}
-          {scored !== undefined && <MetricsPanel metrics={scored.metrics} />}
         </div>
       </div>
+      {scored !== undefined && <MetricsPanel metrics={scored.metrics} />}
     </>
   );
 }

@@ -17,7 +17,7 @@ import { kZoomStep, panned, showing, type View, zoomed } from "./view";
 
 const kTableRows = 40;
 // Beside tooth and timeline there is little height on a small screen.
-const kHeightPx = window.innerHeight < 800 ? 131 : 178;
+const kHeightPx = window.innerHeight < 800 ? 112 : 178;
 
 export function ForcePanel({ review }: { readonly review: Review }) {
   const { loaded, reload } = review.series;

@@ -1,10 +1,12 @@
 import type { AttemptDetail, Criterion, Deduction, Gate, Score } from "../../api/types";
-import { formatDateTime, formatNumber, formatPoints, formatQuantity, formatScore } from "../../base/format";
+import { measuredText } from "../../api/worded";
+import { formatDateTime, formatNumber, formatPoints, formatScore } from "../../base/format";
 import { say } from "../../base/words";
-import { Badge, Bar, Card, Notice, type Tone } from "../../widgets/basics";
+import { Badge, Brief, Card, Notice, type Tone } from "../../widgets/basics";
 import { deductionsOf, deductionText } from "./deductions";
 import { byLostPoints, lostPoints, summarySentence } from "./summary";
 
+const kPointsShown = 0.05; // fewer lost points are full marks
 const kRingRadius = 52;
 const kRingLength = 2 * Math.PI * kRingRadius;
 
@@ -35,7 +37,7 @@ export function ScorePanel({ score, reference, override, onPlace }: Props) {
       </div>
       <Critical score={score} />
       <Gates gates={score.gates ?? []} />
-      <CriteriaTable criteria={byLostPoints(score.criteria)} deductions={score.deductions} onPlace={onPlace} />
+      <Criteria criteria={byLostPoints(score.criteria)} deductions={score.deductions} onPlace={onPlace} />
     </Card>
   );
 }
@@ -130,19 +132,39 @@ interface Placed {
   readonly onPlace: Props["onPlace"];
 }
 
-function CriteriaTable({ criteria, ...placed }: Placed & { readonly criteria: readonly Criterion[] }) {
+// Where points were lost, a line each; what has full marks is folded away.
+function Criteria({ criteria, ...placed }: Placed & { readonly criteria: readonly Criterion[] }) {
+  const isFull = (criterion: Criterion) => lostPoints(criterion) < kPointsShown;
+  const lost = criteria.filter((criterion) => !isFull(criterion));
+  const full = criteria.filter(isFull);
+  const judged = full.filter(({ max_points: most }) => most > 0).length;
+  return (
+    <>
+      {lost.length > 0 && <CriteriaTable label={say("score.criteria")} criteria={lost} {...placed} />}
+      {full.length > 0 && (
+        <details class="full-marks" open={lost.length === 0}>
+          <summary>{say("score.full", { count: judged })}</summary>
+          <CriteriaTable label={say("score.full", { count: judged })} criteria={full} {...placed} />
+        </details>
+      )}
+    </>
+  );
+}
+
+function CriteriaTable({
+  label,
+  criteria,
+  ...placed
+}: Placed & { readonly label: string; readonly criteria: readonly Criterion[] }) {
   return (
     <table class="criteria">
-      <caption class="hidden">{say("score.criteria")}</caption>
-      <thead>
+      <caption class="hidden">{label}</caption>
+      <thead class="hidden">
         <tr>
           <th scope="col">{say("common.criterion")}</th>
-          <th scope="col" class="number">
-            {say("score.measured")}
-          </th>
-          <th scope="col" class="number">
-            {say("common.points")}
-          </th>
+          <th scope="col">{say("score.measured")}</th>
+          <th scope="col">{say("common.points")}</th>
+          <th scope="col">{say("score.show_me")}</th>
         </tr>
       </thead>
       <tbody>
@@ -156,38 +178,52 @@ function CriteriaTable({ criteria, ...placed }: Placed & { readonly criteria: re
 
 function CriterionRow({ criterion, deductions, onPlace }: Placed & { readonly criterion: Criterion }) {
   const share = criterion.max_points > 0 ? criterion.points / criterion.max_points : 1;
-  const full = lostPoints(criterion) < 0.05;
+  const places = deductionsOf(deductions, criterion.name);
   return (
-    <tr class={full ? "full" : "lost"}>
+    <tr>
       <th scope="row">
-        {criterion.title}
-        {criterion.reason !== "" && <span class="reason">{criterion.reason}</span>}
-        {deductionsOf(deductions, criterion.name).map((deduction) => (
-          <span class="reason place" key={deduction.left ? "left" : "over"}>
-            {onPlace === undefined ? (
-              deductionText(deduction)
-            ) : (
-              <button type="button" class="link" title={say("score.show")} onClick={() => onPlace(deduction)}>
+        {criterion.reason === "" && places.length === 0 ? (
+          criterion.title
+        ) : (
+          <details>
+            <summary title={criterion.title}>{criterion.title}</summary>
+            <p class="reason">{criterion.reason}</p>
+            {places.map((deduction) => (
+              <p class="reason" key={deduction.left ? "left" : "over"}>
                 {deductionText(deduction)}
-              </button>
-            )}
-          </span>
-        ))}
+              </p>
+            ))}
+          </details>
+        )}
       </th>
-      <td class="number nowrap">
-        {criterion.judged === false ? "–" : formatQuantity(criterion.value, criterion.unit)}
+      <td class="number">
+        {criterion.judged === false ? "–" : measuredText(criterion.name, criterion.value, criterion.unit)}
       </td>
-      <td class="number points">
+      <td class={`number points ${toneOf(share, false)}`}>
         {criterion.max_points === 0 ? (
           say("insight.not_judged")
         ) : (
           <>
-            <span class="nowrap">
-              <b>{formatPoints(criterion.points)}</b> / {formatPoints(criterion.max_points)}
-            </span>
-            <Bar share={share} tone={full ? "good" : toneOf(share, false)} />
+            <b>{formatPoints(criterion.points)}</b> / {formatPoints(criterion.max_points)}
           </>
         )}
+      </td>
+      <td class="number">
+        {onPlace !== undefined &&
+          places.map((deduction) => (
+            <button
+              type="button"
+              class="button small quiet"
+              key={deduction.left ? "left" : "over"}
+              title={deductionText(deduction)}
+              onClick={() => onPlace(deduction)}
+            >
+              <Brief
+                shown={say("score.show_me")}
+                full={say("score.show_which", { criterion: criterion.title, what: deductionText(deduction) })}
+              />
+            </button>
+          ))}
       </td>
     </tr>
   );
