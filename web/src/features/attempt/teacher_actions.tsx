@@ -89,14 +89,29 @@ export function TeacherActions({ client, attempt, graded, onChanged, onNext, rel
           </button>
         )}
         {may("override") && (
-          <button
-            type="button"
-            class="button"
-            aria-expanded={open === "override"}
-            onClick={() => setOpen(open === "override" ? undefined : "override")}
-          >
-            {attempt.override === null ? say("judge.override_ask") : say("judge.override_change")}
-          </button>
+          <span class="opens">
+            <button
+              type="button"
+              class="button"
+              aria-expanded={open === "override"}
+              onClick={() => setOpen(open === "override" ? undefined : "override")}
+            >
+              {attempt.override === null ? say("judge.override_ask") : say("judge.override_change")}
+            </button>
+            {open === "override" && (
+              <OverrideForm
+                attempt={attempt}
+                busy={change.busy}
+                onCancel={close}
+                onScore={(score, reason) =>
+                  void act(
+                    () => teaching.override(attempt, score, reason),
+                    say("judge.score_counts", { score: formatScore(score) }),
+                  )
+                }
+              />
+            )}
+          </span>
         )}
         {may("override") && attempt.override !== null && (
           <button type="button" class="button" onClick={() => setOpen("dropOverride")}>
@@ -109,14 +124,24 @@ export function TeacherActions({ client, attempt, graded, onChanged, onNext, rel
           </button>
         )}
         {may("excuse") && (
-          <button
-            type="button"
-            class="button"
-            aria-expanded={open === "excuse"}
-            onClick={() => setOpen(open === "excuse" ? undefined : "excuse")}
-          >
-            {say("judge.excuse_ask")}
-          </button>
+          <span class="opens">
+            <button
+              type="button"
+              class="button"
+              aria-expanded={open === "excuse"}
+              onClick={() => setOpen(open === "excuse" ? undefined : "excuse")}
+            >
+              {say("judge.excuse_ask")}
+            </button>
+            {open === "excuse" && (
+              <ExcuseForm
+                id={attempt.id}
+                busy={change.busy}
+                onCancel={close}
+                onReason={(reason) => void act(() => teaching.excuse(attempt, reason), say("judge.excused"))}
+              />
+            )}
+          </span>
         )}
         {may("unexcuse") && (
           <button
@@ -132,48 +157,32 @@ export function TeacherActions({ client, attempt, graded, onChanged, onNext, rel
           <Badge tone="good">{say("judge.is_reference")}</Badge>
         ) : (
           may("mark_reference") && (
-            <button
-              type="button"
-              class="button"
-              aria-expanded={open === "reference"}
-              onClick={() => setOpen(open === "reference" ? undefined : "reference")}
-            >
-              {say("judge.reference_ask")}
-            </button>
+            <span class="opens">
+              <button
+                type="button"
+                class="button"
+                aria-expanded={open === "reference"}
+                onClick={() => setOpen(open === "reference" ? undefined : "reference")}
+              >
+                {say("judge.reference_ask")}
+              </button>
+              {open === "reference" && (
+                <ReferenceForm
+                  busy={change.busy}
+                  error={change.error}
+                  onCancel={() => setOpen(undefined)}
+                  onName={(dentist, consent, anyway) =>
+                    void act(
+                      () => teaching.makeReference(attempt.id, dentist, consent, anyway),
+                      say("judge.reference_done"),
+                    )
+                  }
+                />
+              )}
+            </span>
           )
         )}
       </div>
-      {open === "reference" && (
-        <ReferenceForm
-          busy={change.busy}
-          error={change.error}
-          onCancel={() => setOpen(undefined)}
-          onName={(dentist, consent, anyway) =>
-            void act(() => teaching.makeReference(attempt.id, dentist, consent, anyway), say("judge.reference_done"))
-          }
-        />
-      )}
-      {open === "override" && (
-        <OverrideForm
-          attempt={attempt}
-          busy={change.busy}
-          onCancel={close}
-          onScore={(score, reason) =>
-            void act(
-              () => teaching.override(attempt, score, reason),
-              say("judge.score_counts", { score: formatScore(score) }),
-            )
-          }
-        />
-      )}
-      {open === "excuse" && (
-        <ExcuseForm
-          id={attempt.id}
-          busy={change.busy}
-          onCancel={close}
-          onReason={(reason) => void act(() => teaching.excuse(attempt, reason), say("judge.excused"))}
-        />
-      )}
       {open === "withdraw" && (
         <Confirm
           title={say("judge.withdraw_title")}
