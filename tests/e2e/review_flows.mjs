@@ -400,6 +400,14 @@ async function narrowAndDark(world) {
   assert.ok(overflow <= 0, `the page is ${overflow} px wider than the screen`);
   await world.picture(page, "attempt_narrow_dark", { fullPage: true });
   await accessible(page, "an attempt, narrow and dark");
+  const tooth = await page.locator(".tooth-frame").boundingBox();
+  assert.ok(tooth.y + tooth.height < 844, `the tooth ends at ${tooth.y + tooth.height} px`);
+  // A place is shown there, and there is a way back to what one pressed.
+  const show = page.getByRole("button", { name: /^Show me / }).first();
+  await show.click();
+  await page.getByRole("button", { name: "Back to the score" }).click();
+  assert.equal(await show.evaluate((button) => button === document.activeElement), true);
+  assert.ok((await show.boundingBox()).y < 844);
 }
 
 async function scoringProgress(world) {

@@ -270,6 +270,11 @@ function Replay({ review }: { readonly review: Review }) {
         </p>
       )}
       <div class="review-tooth" ref={review.picture}>
+        {review.back !== undefined && (
+          <button type="button" class="button small way-back" onClick={review.back}>
+            {say("score.back")}
+          </button>
+        )}
         <ToothPanel review={review} />
       </div>
       <ForcePanel review={review} />

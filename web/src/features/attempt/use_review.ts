@@ -60,6 +60,7 @@ export function useReview(reviewed: Reviewed) {
   const [chosen, setChosen] = useState<string>();
   const [point, setPoint] = useState(draft?.point);
   const picture = useRef<HTMLDivElement>(null);
+  const [cameFrom, setCameFrom] = useState<HTMLElement>(); // what was pressed to see a place
   const marks = useMemo(() => (recorded === undefined ? [] : marksOf(recorded, said)), [recorded, said]);
   const clock = control?.playback.whole === true ? control.clock : undefined;
   const spans = useMemo(
@@ -96,7 +97,16 @@ export function useReview(reviewed: Reviewed) {
       setChosen(mark.annotation.id);
       go(mark.step);
     },
+    back:
+      cameFrom === undefined
+        ? undefined
+        : () => {
+            setCameFrom(undefined);
+            cameFrom.scrollIntoView({ block: "center" });
+            cameFrom.focus({ preventScroll: true });
+          },
     showPlace: (deduction: Deduction) => {
+      setCameFrom(document.activeElement instanceof HTMLElement ? document.activeElement : undefined);
       const [x, y, z] = deduction.position_mm;
       if (x !== undefined && y !== undefined && z !== undefined) {
         setPoint([x, y, z]);
