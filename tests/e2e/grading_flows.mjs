@@ -25,13 +25,30 @@ async function grading(world) {
   await page.locator("table.grading .lost-much").first().waitFor();
   await accessible(page, "grading");
   await world.picture(page, "grading", { fullPage: true });
-  assert.ok((await page.getByText("Stopped early: 46 % done").count()) === 1);
+  assert.equal(await page.getByLabel("Stopped early: 46 % done").count(), 1);
+  // Many rows are seen, and names stay in view.
+  const rows = await page.locator("table.grading tbody tr").evaluateAll((all) => all.map((row) => row.clientHeight));
+  assert.ok(
+    rows.every((height) => height < 48),
+    rows.join(),
+  );
+  await page.locator(".table-frame").evaluate((frame) => {
+    frame.scrollLeft = frame.scrollWidth;
+  });
+  const [frame, name] = [page.locator(".table-frame"), page.locator("table.grading tbody th").first()];
+  const [outer, inner] = [await frame.boundingBox(), await name.boundingBox()];
+  assert.ok(inner.x >= outer.x && inner.x < outer.x + 100, `the name is at ${inner.x}, the table at ${outer.x}`);
+  await page.getByLabel("Stopped early: 46 % done").focus();
+  await accessible(page, "a flag with its words");
   await page.getByRole("button", { name: "Score", exact: true }).click();
   await page.locator("th[aria-sort=ascending]", { hasText: "Score" }).waitFor();
   await page.getByLabel("Student", { exact: true }).fill("student 1");
   const names = await namesIn(page);
   assert.ok(names.length > 5 && names.every((name) => name.startsWith("Student 1")), names.join());
-  const waits = page.locator("table.grading tr", { hasText: "Not released" }).first().locator("th a");
+  const waits = page
+    .locator("table.grading tr", { has: page.getByLabel("Not released") })
+    .first()
+    .locator("th a");
   const at = names.indexOf(await waits.innerText());
   await waits.click();
   await page.getByText(`${at + 1} of ${names.length}`, { exact: true }).waitFor();
@@ -51,7 +68,10 @@ async function grading(world) {
   await page.getByRole("link", { name: "Previous", exact: true }).click();
   await page.getByText(`${at + 1} of ${names.length}`, { exact: true }).waitFor();
   await page.getByRole("link", { name: "Back to the list" }).click();
-  await page.locator("table.grading").waitFor();
+  await page.locator("th[aria-sort=ascending]", { hasText: "Score" }).waitFor();
+  assert.equal(await page.getByLabel("Student", { exact: true }).inputValue(), "student 1");
+  await page.waitForFunction(() => document.activeElement?.matches("table.grading tbody th a"));
+  assert.deepEqual(await namesIn(page), names, "the list is as it was");
 }
 
 async function bulkRelease(world) {

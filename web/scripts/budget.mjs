@@ -63,7 +63,7 @@ async function grade(page, most) {
   });
   await click(page.getByRole("button", { name: most, exact: true }));
   await timed("tooth_ms", async () => {
-    await click(page.locator("table.grading tr", { hasText: "Not released" }).first().locator("th a"));
+    await click(page.locator("table.grading tr", { has: page.getByLabel("Not released") }).first().locator("th a"));
     await page.locator(".tooth-frame[aria-busy=false] canvas").waitFor();
     await page.locator(".plot canvas").waitFor();
   });

@@ -41,7 +41,15 @@ export function staffScreen({ client, route, person, onQuery, onOpen }: ScreenPr
         />
       );
     case "grading":
-      return <GradingPage key={route.query.toString()} client={client} query={route.query} onOpen={onOpen} />;
+      return (
+        <GradingPage
+          key={`${route.query.get("assignment")} ${route.query.get("cohort")}`}
+          client={client}
+          query={route.query}
+          onQuery={onQuery}
+          onOpen={onOpen}
+        />
+      );
     case "cohorts":
       return <CohortsPage client={client} admin={admin} />;
     case "cohort":

@@ -155,39 +155,76 @@ export function handText(hand: Hand): StateText | undefined {
   return hand.kind === "pointer" ? { title: say("hand.pointer"), tone: "neutral" } : undefined;
 }
 
-// What somebody skimming a list must not miss.
-export function Flags({
-  attempt,
-  graded,
-  staff,
-  appealed = false,
-  done,
-}: {
+interface FlagsProps {
   readonly attempt: Attempt;
   readonly graded: boolean;
   readonly staff: boolean;
   readonly appealed?: boolean; // an appeal waits for its answer
-  readonly done?: number | undefined;
-}) {
-  // percent of the work, where it was stopped early
+  readonly done?: number | undefined; // percent of the work, where it was stopped early
+}
+
+interface Flag extends StateText {
+  readonly icon: string; // where there is no room for the text
+}
+
+// What somebody skimming a list must not miss.
+function flagsOf({ attempt, graded, staff, appealed = false, done }: FlagsProps): Flag[] {
   const hand = handText(attempt.hand);
+  const when = (on: boolean, icon: string, tone: Tone, title: string): Flag[] => (on ? [{ icon, tone, title }] : []);
+  return [
+    ...when(appealed, "?", "warning", say("attempt_flag.appeal")),
+    ...(done === undefined
+      ? []
+      : when(true, "◔", "warning", say("attempt_flag.stopped_early", { percent: formatNumber(done, 1) }))),
+    ...(hand === undefined ? [] : [{ ...hand, icon: "⌨" }]),
+    ...when(attempt.exam, "★", "neutral", say("attempt_flag.exam")),
+    ...when(attempt.critical_fail === true, "✕", "bad", say("attempt_flag.critical")),
+    ...when(attempt.gap_ticks > 0, "…", "warning", say("attempt_flag.gaps")),
+    ...shownFlags(attempt.flags, staff).map((flag) => ({ ...flagText(flag), icon: kFlagIcons[flag] ?? "•" })),
+    ...when(attempt.is_reference, "✓", "good", say("attempt_flag.reference")),
+    ...when(awaitsRelease(attempt, graded), "○", "neutral", say("attempt_flag.not_released")),
+  ];
+}
+
+const kFlagIcons: Readonly<Partial<Record<AttemptFlag, string>>> = {
+  late: "L",
+  late_upload: "↑",
+  faster_than_time: "»",
+  over_time: "T",
+  resumed: "↻",
+  readmitted: "←",
+  excused: "−",
+  returned: "↩",
+  other_hand: "H",
+  contradicted: "≠",
+  near_another: "≈",
+};
+
+export function Flags(props: FlagsProps) {
   return (
     <span class="flags">
-      {appealed && <Badge tone="warning">{say("attempt_flag.appeal")}</Badge>}
-      {done !== undefined && (
-        <Badge tone="warning">{say("attempt_flag.stopped_early", { percent: formatNumber(done, 1) })}</Badge>
-      )}
-      {hand !== undefined && <Badge tone={hand.tone}>{hand.title}</Badge>}
-      {attempt.exam && <Badge tone="neutral">{say("attempt_flag.exam")}</Badge>}
-      {attempt.critical_fail === true && <Badge tone="bad">{say("attempt_flag.critical")}</Badge>}
-      {attempt.gap_ticks > 0 && <Badge tone="warning">{say("attempt_flag.gaps")}</Badge>}
-      {shownFlags(attempt.flags, staff).map((flag) => (
-        <Badge key={flag} tone={flagText(flag).tone}>
-          {flagText(flag).title}
+      {flagsOf(props).map(({ title, tone }) => (
+        <Badge key={title} tone={tone}>
+          {title}
         </Badge>
       ))}
-      {attempt.is_reference && <Badge tone="good">{say("attempt_flag.reference")}</Badge>}
-      {awaitsRelease(attempt, graded) && <Badge tone="neutral">{say("attempt_flag.not_released")}</Badge>}
+    </span>
+  );
+}
+
+// A letter or sign for each, in one line; the words show with the pointer or the focus on them.
+export function FlagIcons(props: FlagsProps) {
+  const flags = flagsOf(props);
+  if (flags.length === 0) return null;
+  const text = flags.map(({ title }) => title).join(", ");
+  return (
+    // biome-ignore lint/a11y/noNoninteractiveTabindex: the focus shows the words
+    <span class="flag-icons" role="img" tabIndex={0} aria-label={text} data-text={text}>
+      {flags.map(({ title, tone, icon }) => (
+        <span key={title} class={`badge ${tone}`}>
+          {icon}
+        </span>
+      ))}
     </span>
   );
 }

@@ -1,7 +1,7 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { wordedTitle } from "../../api/builtin_words";
 import type { Client } from "../../api/client";
-import { type ApiResult, readAll } from "../../api/http";
+import { type ApiResult, queryText, readAll } from "../../api/http";
 import type { Attempt, Score } from "../../api/types";
 import { scoreOf } from "../../api/worded";
 import { useRequest } from "../../api/use_request";
@@ -9,7 +9,7 @@ import { formatDateTime, formatPoints, formatScore } from "../../base/format";
 import { keepQueue } from "../../base/queue";
 import { ok } from "../../base/result";
 import { say, sayWith } from "../../base/words";
-import { awaitsRelease, Flags, StateBadge, stoppedEarly } from "../../widgets/attempt_state";
+import { awaitsRelease, FlagIcons, StateBadge, stoppedEarly } from "../../widgets/attempt_state";
 import { Card, Empty, ErrorNotice, Loading, PageTitle, TableFrame } from "../../widgets/basics";
 import { TextField } from "../../widgets/form";
 import { KeysHelp, useKeys } from "../../widgets/keys";
@@ -23,13 +23,14 @@ const kAtOnce = 3; // of the scores that are read
 
 interface Props {
   readonly client: Client;
-  readonly query: URLSearchParams;
+  readonly query: URLSearchParams; // also keeps search, order and the row that was opened
+  readonly onQuery: (query: Readonly<Record<string, string>>) => void;
   readonly onOpen: (path: string) => void;
 }
 
 // Everything that was made under an assignment or in a cohort, criterion by criterion, to be judged
 // one after the other.
-export function GradingPage({ client, query, onOpen }: Props) {
+export function GradingPage({ client, query, onQuery, onOpen }: Props) {
   if ((query.get("assignment") ?? query.get("cohort") ?? "") === "") {
     return (
       <>
@@ -43,13 +44,12 @@ export function GradingPage({ client, query, onOpen }: Props) {
       </>
     );
   }
-  return <GradingTable client={client} query={query} onOpen={onOpen} />;
+  return <GradingTable client={client} query={query} onQuery={onQuery} onOpen={onOpen} />;
 }
 
-function GradingTable({ client, query, onOpen }: Props) {
+function GradingTable({ client, query, onQuery, onOpen }: Props) {
   const [assignment, cohort] = [query.get("assignment") ?? "", query.get("cohort") ?? ""];
   const key = `${assignment} ${cohort}`;
-  const back = `/grading?${new URLSearchParams(assignment !== "" ? { assignment } : { cohort }).toString()}`;
   const { loaded, reload } = useRequest(key, (signal) =>
     readAll((cursor) => client.attempts({ assignment, cohort, cursor, limit: kPageSize }, signal)),
   );
@@ -71,8 +71,18 @@ function GradingTable({ client, query, onOpen }: Props) {
   );
   const attempts = loaded.state === "ready" ? loaded.value : kNone;
   const scores = useScores(client, attempts);
-  const [text, setText] = useState("");
-  const [order, setOrder] = useState<Order>({ by: "name", down: false });
+  const text = query.get("name") ?? "";
+  const order = useMemo((): Order => ({ by: query.get("by") ?? "name", down: query.get("down") !== null }), [query]);
+  // As the address has it, so that Back finds the list as it was.
+  const shownAs = (now: Order, name: string, row = ""): Readonly<Record<string, string>> => ({
+    ...(assignment !== "" ? { assignment } : { cohort }),
+    name,
+    by: now.by === "name" ? "" : now.by,
+    down: now.down ? "1" : "",
+    row,
+  });
+  const setText = (next: string) => onQuery(shownAs(order, next));
+  const setOrder = (next: Order) => onQuery(shownAs(next, text));
   const [chosen, setChosen] = useState<ReadonlySet<string>>(new Set());
   const rows = useMemo(
     () => attempts.map((attempt): GradingRow => ({ attempt, score: scores.get(scoreKey(attempt)) })),
@@ -83,7 +93,9 @@ function GradingTable({ client, query, onOpen }: Props) {
   const graded = (attempt: Attempt) => attempt.exam || !practice.has(attempt.exercise.id);
   const open = (id: string | undefined) => {
     if (id === undefined) return;
-    keepQueue({ back, ids: shown.map(({ attempt }) => attempt.id) });
+    const here = shownAs(order, text, id);
+    onQuery(here);
+    keepQueue({ back: `/grading${queryText(here)}`, ids: shown.map(({ attempt }) => attempt.id) });
     onOpen(`/attempts/${id}`);
   };
   const toggle = (id: string, on = !chosen.has(id)) =>
@@ -96,6 +108,12 @@ function GradingTable({ client, query, onOpen }: Props) {
   const search = useRef<HTMLDivElement>(null);
   const body = useRef<HTMLTableSectionElement>(null);
   const focused = () => body.current?.querySelector<HTMLElement>("tr:focus-within")?.dataset["id"];
+  const opened = useRef(query.get("row")); // where one was when one left
+  useEffect(() => {
+    if (opened.current === null || shown.length === 0) return;
+    body.current?.querySelector<HTMLElement>(`tr[data-id="${CSS.escape(opened.current)}"] a`)?.focus();
+    opened.current = null;
+  }, [shown]);
   const move = (by: number) => {
     const ids = shown.map(({ attempt }) => attempt.id);
     const at = ids.indexOf(focused() ?? "");
@@ -216,6 +234,15 @@ function GradingTable({ client, query, onOpen }: Props) {
                           {row.attempt.person.display_name}
                         </a>
                       </th>
+                      <td class="nowrap">
+                        {row.attempt.state !== "scored" && <StateBadge attempt={row.attempt} />}{" "}
+                        <FlagIcons
+                          attempt={row.attempt}
+                          graded={graded(row.attempt)}
+                          staff={true}
+                          done={row.score === undefined ? undefined : stoppedEarly(row.score)}
+                        />
+                      </td>
                       <td class="nowrap">{formatDateTime(row.attempt.ticketed_ms)}</td>
                       <td class="number score-cell">{formatScore(row.attempt.score)}</td>
                       <td class="nowrap">
@@ -230,15 +257,6 @@ function GradingTable({ client, query, onOpen }: Props) {
                       {criteria.map((criterion) => (
                         <Lost key={criterion.name} row={row} criterion={criterion} />
                       ))}
-                      <td>
-                        {row.attempt.state !== "scored" && <StateBadge attempt={row.attempt} />}{" "}
-                        <Flags
-                          attempt={row.attempt}
-                          graded={graded(row.attempt)}
-                          staff={true}
-                          done={row.score === undefined ? undefined : stoppedEarly(row.score)}
-                        />
-                      </td>
                     </tr>
                   ))}
                 </tbody>
@@ -295,11 +313,11 @@ function Head({
           />
         </th>
         {column("name", say("common.student"), false)}
+        <th scope="col">{say("attempts.flags")}</th>
         {column("when", say("common.when"), true)}
         {column("score", say("common.score"), false, true)}
         <th scope="col">{say("grading.release")}</th>
         {criteria.map(({ name, title }) => column(name, title, true, true))}
-        <th scope="col">{say("common.state")}</th>
       </tr>
     </thead>
   );

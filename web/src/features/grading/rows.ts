@@ -1,5 +1,5 @@
 import type { Attempt, Score } from "../../api/types";
-import { spokenLocale } from "../../base/language";
+import { compareNames, nameHas } from "../../base/names";
 
 // What the table of attempts to be graded shows, and in which order.
 
@@ -49,12 +49,8 @@ export function sorted(rows: readonly GradingRow[], { by, down }: Order): Gradin
   });
 }
 
-// Those whose name has every word that was typed, whatever the case and accents.
 export function named(rows: readonly GradingRow[], text: string): GradingRow[] {
-  const words = plain(text)
-    .split(/\s+/)
-    .filter((word) => word !== "");
-  return rows.filter(({ attempt }) => words.every((word) => plain(attempt.person.display_name).includes(word)));
+  return rows.filter(({ attempt }) => nameHas(attempt.person.display_name, text));
 }
 
 function byName(a: GradingRow, b: GradingRow): number {
@@ -62,12 +58,4 @@ function byName(a: GradingRow, b: GradingRow): number {
     compareNames(a.attempt.person.display_name, b.attempt.person.display_name) ||
     a.attempt.ticketed_ms - b.attempt.ticketed_ms
   );
-}
-
-function compareNames(a: string, b: string): number {
-  return a.localeCompare(b, spokenLocale(), { numeric: true });
-}
-
-function plain(text: string): string {
-  return text.normalize("NFKD").replace(/\p{M}/gu, "").toLowerCase();
 }
