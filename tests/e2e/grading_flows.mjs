@@ -253,6 +253,22 @@ async function narrow(world) {
       document.querySelector("tbody tr") !== null,
   );
   await page.getByLabel("Only with").selectOption({ label: "–" });
+  await page.getByLabel("Student", { exact: true }).fill("student 1");
+  await page.waitForURL(/name=student\+1/);
+  await page.getByLabel("Order").selectOption({ label: "Lowest score first" });
+  await page.waitForFunction(() => {
+    const all = [...document.querySelectorAll("tbody tr")];
+    const scores = all
+      .map((row) => Number.parseFloat(row.querySelector(".score-cell").textContent))
+      .filter(Number.isFinite);
+    return (
+      scores.length > 3 &&
+      all.every((row) => row.textContent.startsWith("Student 1")) &&
+      scores.every((score, i) => i === 0 || score >= scores[i - 1])
+    );
+  });
+  await accessible(page, "attempts by name and score");
+  await page.getByLabel("Student", { exact: true }).fill("");
   await page.getByLabel("Cohort").selectOption({ label: "Preclinic, second term" });
   await page.getByText("0 students").waitFor();
 }

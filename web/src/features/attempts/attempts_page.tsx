@@ -1,19 +1,24 @@
 import { useMemo } from "preact/hooks";
 import { wordedTitle } from "../../api/builtin_words";
 import type { AttemptQuery, Client } from "../../api/client";
+import type { ApiResult, Page } from "../../api/http";
 import type { Attempt, AttemptFlag, AttemptState, Cohort, ExerciseSummary } from "../../api/types";
 import { usePages } from "../../api/use_pages";
 import { useRefresh } from "../../api/use_refresh";
 import { useRequest } from "../../api/use_request";
 import { formatDateTime, formatScore } from "../../base/format";
+import { compareNames, nameHas } from "../../base/names";
+import { ok } from "../../base/result";
 import { say } from "../../base/words";
 import { flagText, Flags, isUnderWay, kFlagTexts, StateBadge, stateText } from "../../widgets/attempt_state";
-import { Badge, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
-import { SelectField } from "../../widgets/form";
+import { Badge, Empty, ErrorNotice, Loading, PageTitle } from "../../widgets/basics";
+import { SelectField, TextField } from "../../widgets/form";
 import { PagedList } from "../../widgets/pages";
 import { type Column, DataTable } from "../../widgets/table";
 
 const kPageSize = 50;
+const kSearchPage = 200;
+const kSearchPages = 5;
 const kMostAppeals = 200; // that are told of at once
 const kNobody: ReadonlySet<string> = new Set();
 const kPollMs = 3000;
@@ -35,7 +40,9 @@ interface Props {
 }
 
 // What the list is narrowed to, as the address has it.
-type Filter = Readonly<Record<"cohort" | "exercise" | "state" | "special" | "assignment" | "person", string>>;
+type Filter = Readonly<
+  Record<"cohort" | "exercise" | "state" | "special" | "assignment" | "person" | "name" | "by", string>
+>;
 
 export function AttemptsPage({ client, mine, query, onQuery }: Props) {
   const filter: Filter = {
@@ -45,6 +52,8 @@ export function AttemptsPage({ client, mine, query, onQuery }: Props) {
     special: query.get("special") ?? "",
     assignment: query.get("assignment") ?? "",
     person: query.get("person") ?? "",
+    name: query.get("name") ?? "",
+    by: query.get("by") ?? "",
   };
   const exercises = useRequest("exercises", (signal) => client.teaching.exercises(undefined, signal));
   const known = exercises.loaded.state === "ready" ? exercises.loaded.value : [];
@@ -119,6 +128,12 @@ function Filters({
   const students = chosen?.members.filter((member) => member.role === "student").length;
   return (
     <div class="filters">
+      <TextField
+        label={say("common.student")}
+        value={filter.name}
+        onValue={(name) => onQuery({ ...filter, name })}
+        maxLength={100}
+      />
       <SelectField
         label={say("common.cohort")}
         value={filter.cohort}
@@ -156,6 +171,16 @@ function Filters({
           ...Object.keys(kFlagTexts).map((flag) => ({ value: flag, title: flagText(flag as AttemptFlag).title })),
         ]}
       />
+      <SelectField
+        label={say("attempts.order")}
+        value={filter.by}
+        onValue={(by) => onQuery({ ...filter, by })}
+        options={[
+          { value: "", title: say("attempts.newest") },
+          { value: "name", title: say("attempts.by_name") },
+          { value: "lowest", title: say("attempts.lowest") },
+        ]}
+      />
       {students !== undefined && <span class="hint">{say("count.students", { count: students })}</span>}
     </div>
   );
@@ -180,9 +205,15 @@ function AttemptList({
   named,
   appealed = kNobody,
 }: ListProps & { readonly named: boolean; readonly appealed?: ReadonlySet<string> }) {
-  const pages = usePages(JSON.stringify(filter), (cursor, signal) =>
-    client.attempts({ ...queryOf(filter), cursor, limit: kPageSize }, signal),
+  // The server lists the newest first and knows no names: what is searched or sorted is read in larger parts.
+  const { name, by } = filter;
+  const larger = name !== "" || by !== "";
+  const pages = usePages(JSON.stringify([queryOf(filter), larger]), (cursor, signal) =>
+    larger
+      ? readPart((from) => client.attempts({ ...queryOf(filter), cursor: from, limit: kSearchPage }, signal), cursor)
+      : client.attempts({ ...queryOf(filter), cursor, limit: kPageSize }, signal),
   );
+  const found = useMemo(() => sorted(pages.items, name, by), [pages.items, name, by]);
   const practice = new Set(exercises.filter((exercise) => !exercise.graded).map((exercise) => exercise.id));
   const polling = pages.onlyFirst && pages.items.some((attempt) => isUnderWay(attempt.state));
   useRefresh(polling, kPollMs, pages.reload);
@@ -216,13 +247,43 @@ function AttemptList({
   ];
   return (
     <PagedList pages={pages} list="attempts" empty={say("attempts.none")}>
-      {(attempts) => (
-        <div class="card flush">
-          <DataTable label={say("nav.attempts")} items={attempts} rowKey={(attempt) => attempt.id} columns={columns} />
-        </div>
+      {() => (
+        <>
+          {larger && pages.hasMore && <p class="hint">{say("attempts.searched", { count: pages.items.length })}</p>}
+          {found.length === 0 ? (
+            <Empty>{say("common.nobody_named")}</Empty>
+          ) : (
+            <div class="card flush">
+              <DataTable label={say("nav.attempts")} items={found} rowKey={({ id }) => id} columns={columns} />
+            </div>
+          )}
+        </>
       )}
     </PagedList>
   );
+}
+
+// Up to a thousand from there on.
+async function readPart(
+  ask: (cursor: string | undefined) => Promise<ApiResult<Page<Attempt>>>,
+  from: string | undefined,
+): Promise<ApiResult<Page<Attempt>>> {
+  const items: Attempt[] = [];
+  let next: string | null = from ?? null;
+  do {
+    const result: ApiResult<Page<Attempt>> = await ask(next ?? undefined);
+    if (!result.ok) return result;
+    items.push(...result.value.items);
+    ({ next } = result.value);
+  } while (next !== null && items.length < kSearchPage * kSearchPages);
+  return ok({ items, next });
+}
+
+// What has no score comes last.
+function sorted(attempts: readonly Attempt[], name: string, by: string): readonly Attempt[] {
+  const found = attempts.filter(({ person }) => nameHas(person.display_name, name));
+  if (by === "name") return found.sort((a, b) => compareNames(a.person.display_name, b.person.display_name));
+  return by === "lowest" ? found.sort((a, b) => (a.score ?? Infinity) - (b.score ?? Infinity)) : found;
 }
 
 function ScoreCell({ attempt }: { readonly attempt: Attempt }) {
