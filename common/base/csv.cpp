@@ -15,7 +15,8 @@ constexpr std::string_view kComputed = "=+-@\t\r";
 // One pass over the text, character by character.
 class Reader {
  public:
-  Reader(const CsvLimits& limits, CsvTable& table) : limits_(limits), table_(table) {}
+  Reader(const CsvLimits& limits, char separator, CsvTable& table)
+      : limits_(limits), separator_(separator), table_(table) {}
 
   void Read(std::string_view text) {
     for (size_t i = 0; i < text.size() && !failed(); ++i) {
@@ -49,7 +50,7 @@ class Reader {
       Append(c);
       return Go(Place::kQuoted);
     }
-    if (c == ',') return EndCell();
+    if (c == separator_) return EndCell();
     // A lone CR ends a row too: old spreadsheets for the Mac write it.
     if (c == '\n' || c == '\r') return EndRow();
     if (place_ == Place::kAfterQuote) return Fail("text after a closing quote", kQuoting);
@@ -94,12 +95,21 @@ class Reader {
   }
 
   const CsvLimits& limits_;
+  const char separator_;
   CsvTable& table_;
   Place place_ = Place::kBegin;
   std::string cell_;
   CsvRow current_{1, {}};
   bool has_text_ = false;
 };
+
+// Spreadsheets in countries with a decimal comma separate cells by semicolons. The first line names
+// the columns: it has the one or the other.
+char SeparatorOf(std::string_view text) {
+  const std::string_view first = text.substr(0, text.find_first_of("\r\n"));
+  const bool commas = first.find(',') != std::string_view::npos;
+  return !commas && first.find(';') != std::string_view::npos ? ';' : ',';
+}
 
 bool IsNumber(std::string_view text) {
   double value = 0;
@@ -123,7 +133,7 @@ std::string Cell(std::string_view text) {
 CsvTable ReadCsv(std::string_view text, const CsvLimits& limits) {
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   CsvTable table;
-  Reader(limits, table).Read(text);
+  Reader(limits, SeparatorOf(text), table).Read(text);
   return table;
 }
 

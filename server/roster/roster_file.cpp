@@ -76,8 +76,7 @@ class Reader {
   Reader(const RosterOptions& options, RosterFile& out) : options_(options), out_(out) {}
 
   bool ReadHeader(const CsvRow& header) {
-    // Spreadsheets in countries with a decimal comma write semicolons. It would otherwise be one
-    // column with a strange name.
+    // It would otherwise be one column with a strange name.
     if (MeansAnotherSeparator(header)) return false;
     for (size_t i = 0; i < header.cells.size(); ++i) TakeColumn(header, i);
     if (Place("login")) return out_.problems.empty();
@@ -113,8 +112,7 @@ class Reader {
 
   bool MeansAnotherSeparator(const CsvRow& header) {
     if (header.cells.size() != 1) return false;
-    for (const auto& [separator, name] :
-         {std::pair{';', "semicolons"}, {'\t', "tabs"}, {'|', "bars"}}) {
+    for (const auto& [separator, name] : {std::pair{'\t', "tabs"}, {'|', "bars"}}) {
       if (header.cells[0].find(separator) == std::string::npos) continue;
       Refuse(header.row, "", std::string("cells separated by ") + name,
              "cells separated by commas; in the spreadsheet, save as \"CSV UTF-8 (comma)\" or set "

@@ -35,6 +35,13 @@ TEST(CsvTest, RowsAreCountedAsASpreadsheetDoesWhateverEndsTheLines) {
   }
 }
 
+TEST(CsvTest, SemicolonsSeparateWhereTheFirstLineHasNoComma) {
+  EXPECT_EQ(CellsOf(ReadCsv("\xef\xbb\xbflogin;display_name\r\na;Vega, Bruno\r\nb;\"c;d\"\r\n")),
+            (std::vector<Cells>{{"login", "display_name"}, {"a", "Vega, Bruno"}, {"b", "c;d"}}));
+  EXPECT_EQ(CellsOf(ReadCsv("login,note\na,b;c\n")),
+            (std::vector<Cells>{{"login", "note"}, {"a", "b;c"}}));
+}
+
 TEST(CsvTest, ByteOrderMarkIsSkipped) {
   EXPECT_EQ(CellsOf(ReadCsv("\xef\xbb\xbf"
                             "a,b")),
