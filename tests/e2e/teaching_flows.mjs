@@ -80,7 +80,7 @@ async function assignmentLife(world) {
   await accessible(page, "a new assignment");
   await world.picture(page, "assign");
   await dialog.getByRole("button", { name: "Assign", exact: true }).click();
-  await dialog.getByText("expected due_ms after opens_ms").waitFor();
+  await dialog.getByText("Choose a time after the assignment opens.").waitFor();
   await dialog.getByLabel("Due").fill("2027-03-12T09:00");
   await dialog.getByRole("button", { name: "Assign", exact: true }).click();
   await page.getByRole("heading", { level: 1, name: "Class II cavity, mesial box" }).waitFor();

@@ -33,7 +33,7 @@ export function TermsFields({ terms, onTerms, stations, problemOf }: Props) {
           hint={say("terms.empty_never")}
           value={terms.due_ms}
           onValue={(dueMs) => onTerms({ due_ms: dueMs })}
-          problem={problemOf("due_ms") ?? dueWrong}
+          problem={dueWrong ?? problemOf("due_ms")}
         />
         <NumberField
           label={say("terms.attempts_each")}
