@@ -12,8 +12,11 @@ export interface Request<T> {
   readonly reload: () => void;
 }
 
+const kRetryMs = [2_000, 4_000, 8_000, 15_000, 30_000] as const; // the last one from then on
+
 // Loads on mount and whenever `key` changes; an answer to an older key is dropped. With `key`
-// undefined nothing is asked and the state stays "loading".
+// undefined nothing is asked and the state stays "loading". Where the server cannot be reached it
+// is asked again, less and less often, and as soon as the network is back.
 export function useRequest<T>(
   key: string | undefined,
   ask: (signal: AbortSignal) => Promise<ApiResult<T>>,
@@ -35,6 +38,27 @@ export function useRequest<T>(
     return () => abort.abort();
   }, [key, round]);
 
+  const away = loaded.state === "failed" && isAway(loaded.error);
+  const tries = useRef(0);
+  useEffect(() => {
+    if (!away) {
+      tries.current = 0;
+      return undefined;
+    }
+    const again = () => setRound((value) => value + 1);
+    const timer = setTimeout(again, kRetryMs[Math.min(tries.current++, kRetryMs.length - 1)]);
+    window.addEventListener("online", again);
+    return () => {
+      clearTimeout(timer);
+      window.removeEventListener("online", again);
+    };
+  }, [away, loaded]);
+
   const reload = useCallback(() => setRound((value) => value + 1), []);
   return { loaded: key !== undefined && loaded.key === key ? loaded : { state: "loading" }, reload };
+}
+
+// A server that starts again, or a proxy without one.
+function isAway({ code, status }: ApiError): boolean {
+  return code === "unreachable" || status === 502 || status === 503 || status === 504;
 }
