@@ -93,7 +93,15 @@ function Editor({
     onOpen(`/exercises/${exercise.id}`);
   };
   const compared = rubrics.value.find((rubric) => String(rubric.version) === against);
-  const may = exercise.may.includes("change");
+  const why = !exercise.may.includes("change")
+    ? say("rubric.may_not")
+    : check.error !== undefined || own.size > 0
+      ? say("rubric.mend_first")
+      : !edit.dirty
+        ? say("rubric.nothing_changed")
+        : reason.trim() === "" || anyway.missing
+          ? say("rubric.reason_first")
+          : undefined;
   return (
     <>
       <nav class="trail" aria-label={say("common.where")}>
@@ -106,20 +114,15 @@ function Editor({
         <button
           type="button"
           class="button primary"
-          disabled={
-            !may ||
-            change.busy ||
-            check.busy ||
-            check.error !== undefined ||
-            own.size > 0 ||
-            !edit.dirty ||
-            reason.trim() === "" ||
-            anyway.missing
-          }
+          disabled={change.busy || check.busy || why !== undefined}
+          aria-describedby="publish-why"
           onClick={() => void publish()}
         >
           {say(anyway.asked ? "rubric.publish_anyway" : "rubric.publish")}
         </button>
+        <span class="hint" id="publish-why">
+          {why}
+        </span>
       </EditBar>
       <Problem check={check} form={form} />
       {change.error !== undefined &&
