@@ -41,6 +41,11 @@ test("what to do next is the largest loss that comes again, with what the newest
   assert.deepEqual(step, { title: "Title wall", lost: 5, times: 3, of: 3, reason: "wall at 4" });
 });
 
+test("what the newest attempt got right is not what to do next", () => {
+  const attempts = [done(1, { wall: 0, floor: 9 }), done(2, { wall: 2, floor: 9 }), done(3, { wall: 10, floor: 9 })];
+  assert.equal(nextStep(attempts)?.title, "Title floor");
+});
+
 test("a loss that came once among several attempts is no habit; with one attempt it is all there is", () => {
   assert.equal(nextStep([done(1, { wall: 0 }), done(2, { wall: 10 })]), undefined);
   assert.equal(nextStep([done(1, { wall: 0 })])?.title, "Title wall");

@@ -43,23 +43,27 @@ export function progressOf(done: readonly Done[]): CriterionProgress[] {
 }
 
 // The criterion that lost most over the newest attempts, if it did so more than once, or there is
-// only one attempt.
+// only one attempt. What the newest attempt got right is learned.
 export function nextStep(done: readonly Done[]): NextStep | undefined {
   const newest = [...done].sort((a, b) => b.atMs - a.atMs).slice(0, kLookedAt);
   const steps = (newest[0]?.score.criteria ?? []).map(({ name, title }): NextStep => {
     const found = newest.flatMap(({ score }) =>
       score.criteria.filter((criterion) => criterion.name === name && criterion.max_points > 0),
     );
-    const losing = found.filter((criterion) => criterion.max_points - criterion.points >= kMeaningPoints);
+    const losing = found.filter(losesPoints);
     return {
       title,
       lost:
         losing.reduce((sum, criterion) => sum + criterion.max_points - criterion.points, 0) /
         Math.max(1, newest.length),
-      times: losing.length,
+      times: found[0] !== undefined && losesPoints(found[0]) ? losing.length : 0,
       of: newest.length,
       reason: losing[0]?.reason ?? "",
     };
   });
   return steps.filter((step) => step.times > (step.of > 1 ? 1 : 0)).sort((a, b) => b.lost - a.lost)[0];
+}
+
+function losesPoints({ max_points: most, points }: Score["criteria"][number]): boolean {
+  return most - points >= kMeaningPoints;
 }
