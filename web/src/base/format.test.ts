@@ -12,6 +12,7 @@ import {
   kScoreStep,
   scoreForField,
 } from "./format";
+import { speak } from "./language";
 
 test("angles have their sign without a blank", () => {
   assert.equal(formatQuantity(7.25, "deg"), "7.3°");
@@ -56,6 +57,9 @@ test("times, sizes and lengths use the unit people expect", () => {
   assert.equal(formatDuration(42.4), "42.4\u00a0s");
   assert.equal(formatDuration(59.97), "1\u00a0min\u00a000\u00a0s");
   assert.equal(formatDuration(125), "2\u00a0min\u00a005\u00a0s");
+  speak("zh");
+  assert.deepEqual([formatDuration(95), formatDuration(4.25)], ["1分钟35秒", "4.3秒"]);
+  speak("en");
   assert.equal(formatBytes(173_214), "173.2 kB");
   assert.equal(micrometresAsMm(600), "0.6\u00a0mm");
 });

@@ -1,4 +1,4 @@
-import { numberText, spokenLocale } from "./language";
+import { numberText, spokenLanguage, spokenLocale } from "./language";
 
 // Numbers, units and times as people read them. Values that are not finite are shown as a dash.
 
@@ -133,9 +133,15 @@ export function formatDate(unixMs: number): string {
 // How long something took. Below a minute a measured time keeps its tenths.
 export function formatDuration(seconds: number): string {
   if (!Number.isFinite(seconds) || seconds < 0) return kDash;
-  if (seconds < 59.95) return `${formatNumber(seconds, 1)}\u00a0s`;
+  const chinese = spokenLanguage() === "zh";
+  const inWords = (value: number, unit: "minute" | "second") =>
+    new Intl.NumberFormat(spokenLocale(), { style: "unit", unit, maximumFractionDigits: 1 }).format(value);
+  if (seconds < 59.95) return chinese ? inWords(seconds, "second") : `${formatNumber(seconds, 1)}\u00a0s`;
   const whole = Math.round(seconds);
-  return `${Math.floor(whole / 60)}\u00a0min\u00a0${String(whole % 60).padStart(2, "0")}\u00a0s`;
+  const [minutes, rest] = [Math.floor(whole / 60), whole % 60];
+  return chinese
+    ? inWords(minutes, "minute") + inWords(rest, "second")
+    : `${minutes}\u00a0min\u00a0${String(rest).padStart(2, "0")}\u00a0s`;
 }
 
 // A moment in an attempt: "2:07.4", minutes, seconds and tenths, or more decimals.
