@@ -99,6 +99,13 @@ function fresh(metrics: readonly ScoringMetric[], others: readonly Json[], point
       };
 }
 
+// By its steps: a limit above which the attempt fails says nothing there.
+function moreIsBetter(item: Json): boolean {
+  const map = valueAt(item, ["map"]);
+  const shares = Array.isArray(map) ? map.map((step: Json) => Number(valueAt(step, ["share"]))) : [];
+  return (shares.at(-1) ?? 0) > (shares[0] ?? 0);
+}
+
 interface ItemProps {
   readonly form: DocumentForm;
   readonly list: Path;
@@ -155,7 +162,7 @@ function Item({ form, list, place, count, metrics, item, what, points = false }:
         />
         <DocumentText form={form} path={[...path, "title"]} label={say("rubric.called")} maxLength={200} />
         {points && <DocumentNumber form={form} path={[...path, "points"]} label={say("common.points")} min={0} />}
-        {points && (
+        {points && (!moreIsBetter(item) || valueAt(item, ["fails_above"]) !== undefined) && (
           <DocumentNumber
             form={form}
             path={[...path, "fails_above"]}
