@@ -168,7 +168,7 @@ function SignedIn({ person }: { readonly person: Person }) {
         {say("app.skip")}
       </a>
       <Header person={person} path={url.pathname} />
-      <main id="content" key={url.pathname}>
+      <main id="content" key={url.pathname} data-route={route.name}>
         {screen(route, person)}
       </main>
       {confirming.value !== undefined && <ConfirmPassword client={client} onAnswer={confirming.value} />}
