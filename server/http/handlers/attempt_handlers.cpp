@@ -101,17 +101,17 @@ Result<AttemptResult> SeeResult(const Call& call, Store& store, bool needs_recor
   return store.results.ResultOf(call.id);
 }
 
+// What shows how a person moved: the browser may keep it until they sign out (SignOut), and asks each
+// time, so that whoever may no longer see it gets nothing.
+constexpr char kAskEachTime[] = "private, no-cache";
+
 Response BlobResponse(const Call& call, Store& store, Sha256 AttemptResult::*member,
                       std::string content_type) {
   Result<AttemptResult> result = SeeResult(call, store, member != &AttemptResult::score_json);
   if (!result.ok()) return ErrorResponse(result.status());
-  Result<Bytes> bytes = store.blobs.GetBlob((*result).*member);
-  // The row names a missing blob: damage of ours, not a wrong address.
-  if (!bytes.ok()) return ErrorResponse(Status{Code::kInternal, bytes.status().message()});
-  Response response;
-  response.content_type = std::move(content_type);
-  response.body = AsText(*bytes);
-  return response;
+  const Sha256 content = (*result).*member;
+  return KeptResponse(call.request, {content, std::move(content_type), kAskEachTime},
+                      [&] { return store.blobs.GetBlob(content); });
 }
 
 // Errors: kUnavailable while it is being made, kNotFound when it could not be.
@@ -205,8 +205,7 @@ Response GetTimeline(const Call& call, Store& store) {
   if (!result.ok()) return ErrorResponse(result.status());
   Result<Sha256> content = TimelineContent(call.id, store.timelines);
   if (!content.ok()) return ErrorResponse(content.status());
-  // Not to be kept by the browser: it shows how a person moved.
-  return KeptResponse(call.request, {*content, "application/octet-stream", ""},
+  return KeptResponse(call.request, {*content, "application/octet-stream", kAskEachTime},
                       [&] { return store.blobs.GetBlob(*content); });
 }
 

@@ -121,6 +121,8 @@ Response SignOut(const Call& call) {
   Response response = Done();
   // The session is over on the server already; this tidies up the browser.
   response.headers.emplace_back("Set-Cookie", SetSessionCookie("", call.request.tls));
+  // Recordings too: the next person at this computer is another one.
+  response.headers.emplace_back("Clear-Site-Data", "\"cache\"");
   return response;
 }
 

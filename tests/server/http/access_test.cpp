@@ -305,7 +305,19 @@ TEST_F(AccessTest, TimelineIsToldToBeInTheMakingAndThenServedInRanges) {
   RawResponse all = By("ada").Get(Scored("/timeline"));
   EXPECT_EQ(all.status, 200);
   EXPECT_EQ(all.body, "ENTT and more");
-  EXPECT_EQ(all.headers["cache-control"], "no-store") << "it shows how a person moved";
+  // Kept by the browser, and asked for each time: whoever has it gets nothing but that it is so.
+  EXPECT_EQ(all.headers["cache-control"], "private, no-cache");
+  const std::string same = "If-None-Match: " + all.headers["etag"] + "\r\n";
+  RawResponse again = By("ada").Send("GET", Scored("/timeline"), same);
+  EXPECT_EQ(again.status, 304);
+  EXPECT_EQ(again.body, "");
+  EXPECT_NE(By("sue").Send("GET", Scored("/timeline"), same).status, 304) << "may not see it";
+  RawResponse series = By("ada").Get(Scored("/series"));
+  EXPECT_EQ(series.headers["cache-control"], "private, no-cache");
+  EXPECT_EQ(By("ada")
+                .Send("GET", Scored("/series"), "If-None-Match: " + series.headers["etag"] + "\r\n")
+                .status,
+            304);
   RawResponse part = By("ada").Send("GET", Scored("/timeline"), "Range: bytes=5-7\r\n");
   EXPECT_EQ(part.status, 206);
   EXPECT_EQ(part.body, "and");

@@ -139,6 +139,7 @@ TEST_F(SessionTest, SignOutEndsTheSessionAndRemovesTheCookie) {
   RawResponse out = sam.Send("DELETE", "/api/v1/session", "X-Enamel-Csrf: " + sam.csrf + "\r\n");
   EXPECT_EQ(out.status, 204);
   EXPECT_NE(out.headers["set-cookie"].find("Max-Age=0"), std::string::npos);
+  EXPECT_EQ(out.headers["clear-site-data"], "\"cache\"") << "recordings that the browser kept";
   EXPECT_EQ(sam.Get("/api/v1/session").status, 401);
 }
 

@@ -98,7 +98,7 @@ export class Client {
   }
   // In the server's words: wordedScore (worded.ts) has those of the page.
   score(id: string, signal?: AbortSignal) {
-    return this.http.json<Score>("GET", `${attemptPath(id)}/score`, { signal });
+    return this.http.json<Score>("GET", `${attemptPath(id)}/score`, { signal, kept: true });
   }
   async series(id: string, signal?: AbortSignal): Promise<ApiResult<Series>> {
     const ahead = await this.takeAhead(id);
@@ -125,7 +125,7 @@ export class Client {
     return found;
   }
   private async askSeries(id: string, signal?: AbortSignal): Promise<ApiResult<Series>> {
-    const result = await this.http.json<unknown>("GET", `${attemptPath(id)}/series`, { signal });
+    const result = await this.http.json<unknown>("GET", `${attemptPath(id)}/series`, { signal, kept: true });
     return result.ok ? understood(checkSeries(result.value)) : result;
   }
   // A part of the attempt's timeline (timeline.ts): bytes from `from` to before `to`.

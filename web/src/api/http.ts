@@ -34,7 +34,7 @@ export interface RequestOptions {
   readonly tag?: string | undefined; // If-Match
   readonly signal?: AbortSignal | undefined;
   readonly range?: readonly [number, number]; // bytes: from, to before
-  readonly kept?: boolean; // may come from the browser's cache
+  readonly kept?: boolean; // may come from the browser's cache, as the server says
   readonly signingIn?: boolean; // a missing session is an answer here, not a loss
 }
 
@@ -110,9 +110,10 @@ export class Http {
   async kept(path: string, signal?: AbortSignal): Promise<ApiResult<ArrayBuffer>> {
     return this.read(path, { signal, kept: true });
   }
-  // Bytes from `from` to before `to`; fewer where there are no more.
+  // Bytes from `from` to before `to`; fewer where there are no more. The browser keeps them, and asks each time
+  // whether they are still the same.
   async range(path: string, from: number, to: number, signal?: AbortSignal): Promise<ApiResult<ArrayBuffer>> {
-    return this.read(path, { signal, range: [from, to] });
+    return this.read(path, { signal, range: [from, to], kept: true });
   }
 
   private async read(path: string, options: RequestOptions): Promise<ApiResult<ArrayBuffer>> {
