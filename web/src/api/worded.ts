@@ -75,9 +75,7 @@ export function reasonText(judged: Criterion | Gate): string {
   const { name, title, unit, reason, reasons = [], comment = "" } = judged;
   const told = reasons.map((each) => sentence(name, each, unit));
   if (told.length === 0 || told.includes(undefined)) return reason;
-  const under = "under" in judged ? (judged.under ?? "") : "";
-  const once = under === "" ? "" : say("reason.one_mistake", { criterion: wordedTitle(under) });
-  return [sayIf("reason.title", { title: wordedTitle(title) }) ?? "", ...told, wordedText(comment), once]
+  return [sayIf("reason.title", { title: wordedTitle(title) }) ?? "", ...told, wordedText(comment), underText(judged)]
     .filter((part) => part !== "")
     .join(spokenLanguage() === "zh" ? "" : " ");
 }
@@ -85,12 +83,19 @@ export function reasonText(judged: Criterion | Gate): string {
 const kFound = "\u0001"; // where a sentence says what was found
 
 // The same beside a table that has title and value: "Full marks up to 0.10 mm, none from 0.30 mm. Stop earlier there."
-export function explanation({ name, unit, reason, reasons = [], comment = "" }: Criterion): string {
+export function explanation(criterion: Criterion): string {
+  const { name, unit, reason, reasons = [], comment = "" } = criterion;
   const told = reasons.map((each) => sentence(name, each, unit, kFound));
   if (told.length === 0 || told.includes(undefined)) return reason;
-  return [...told.map((text = "") => withoutFound(text)), wordedText(comment)]
+  return [...told.map((text = "") => withoutFound(text)), wordedText(comment), underText(criterion)]
     .filter((part) => part !== "")
     .join(spokenLanguage() === "zh" ? "" : " ");
+}
+
+// Under which other criterion the same mistake lost points.
+function underText(judged: Criterion | Gate): string {
+  const under = "under" in judged ? (judged.under ?? "") : "";
+  return under === "" ? "" : say("reason.one_mistake", { criterion: wordedTitle(under) });
 }
 
 // In every language such a sentence is what was found, then its limits in brackets.
