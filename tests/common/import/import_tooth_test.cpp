@@ -733,7 +733,7 @@ constexpr Outcome kOutcomes[] = {
     {"tet.ply", "cm", 1333.333},
     {"tube.obj", "mm", 8.618539},
     {"two_objects.obj", "cm", 1000},
-    {"two_objects_mixed_case_names.stl", "mm", 2},
+    {"two_objects_mixed_case_names.stl", "mm", 0, "2 bodies apart"},
     {"unit_cube.STL", "cm", 1000},
     {"unit_sphere.STL", "cm", 4152.741},
     {"whitespace.off", "mm", 12.316808},
