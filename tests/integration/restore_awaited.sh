@@ -53,7 +53,7 @@ attempt late_person station1 "$latecomer" student
 attempt late_station station2 early student
 publish 250
 reference second_cut
-admin move-assignment --assignment "$(admin list-assignments | cut -d ' ' -f 1)" >/dev/null
+admin move-assignment --assignment "$(admin list-assignments | grep -v practice | cut -d ' ' -f 1)" >/dev/null
 attempt late_exercise station1 early student
 wait_scored late_person late_station late_exercise
 
