@@ -147,7 +147,7 @@ struct OneFault {
 constexpr OneFault kOneFaults[] = {
     {"undercutter", "undercut_deg"},
     {"too-shallow", "floor_mm", "class-1"},
-    {"over-extender", "outside_removed_mm3", "class-1"},
+    {"over-extender", "wall_buccal_mm", "class-1"},
     {"caries-leaver", "caries_left_percent", "caries-"},
     {"neighbour-nicker", "neighbour_removed_mm3", "class-2"},
 };
