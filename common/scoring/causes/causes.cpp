@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "common/scoring/causes/explained.h"
 
 namespace enamel::scoring {
 namespace {
 
-constexpr double kMm = 1e3, kMm3 = 1e9, kDegrees = 180 / 3.14159265358979323846;
+constexpr double kMm = 1e3, kMm3 = 1e9;
 // Charges that differ by less are left at the value.
 constexpr double kLeast_mm = 0.02, kLeast_deg = 0.5, kLeast_mm3 = 0.01, kLeast_percent = 0.2;
 
@@ -207,17 +206,17 @@ class Charges {
         {left.Most(), kCloseness, kDone});
     Add("deviation_p95_mm", p95_mm, std::min(p95_mm, spots.p95_m * kMm), kLeast_mm,
         {kCloseness, (over.sum() > left.sum() ? over : left).Most()});
-    Closeness(rest);
+    Closeness();
     most_over_ = over.Most(), most_left_ = left.Most();
   }
 
   // Of the root mean square, which is the whole, only what other metrics are about is left out:
   // slopes, or waves, whichever is more.
-  void Closeness(const std::vector<float>& rest) {
+  void Closeness() {
     enum Kind { kWallSlope, kFloorSlope, kWallWave, kFloorWave, kKinds };
     std::array<double, kKinds> squares{};
     double area = 0, all = 0;
-    for (size_t i = 0; i < rest.size(); ++i) {
+    for (size_t i = 0; i < in_.reference_m.size(); ++i) {
       if (!(*in_.reference.cut)[i]) continue;
       const double weight = (*in_.reference.areas_m2)[i], d = in_.reference_m[i];
       area += weight, all += weight * d * d;
