@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "common/program/log.h"
+
 namespace enamel::program {
 namespace {
 
@@ -55,6 +57,19 @@ std::string Suggestion(const CLI::App& app) {
     if (nearest.size() == 1) return "did you mean '" + nearest[0] + "'?";
   }
   return {};
+}
+
+int EndOfParse(const CLI::App& app, const CLI::ParseError& error, bool json) {
+  constexpr int kUsage = 2;
+  const bool wrong = error.get_exit_code() != 0;
+  const std::string suggestion = wrong ? Suggestion(app) : "";
+  if (wrong && json) {
+    SayError(error.what() + (suggestion.empty() ? "" : "; " + suggestion));
+    return kUsage;
+  }
+  app.exit(error);
+  if (!suggestion.empty()) SayError(suggestion);
+  return wrong ? kUsage : 0;
 }
 
 }  // namespace enamel::program

@@ -71,15 +71,7 @@ int main(int argc, char** argv) {
   try {
     root.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    const bool wrong = error.get_exit_code() != 0;
-    const std::string suggestion = wrong ? program::Suggestion(root) : "";
-    if (!wrong || !json) {
-      const bool asked = root.exit(error) == 0;
-      if (!suggestion.empty()) program::SayError(suggestion);
-      return asked ? 0 : 2;
-    }
-    program::SayError(error.what() + (suggestion.empty() ? "" : "; " + suggestion));
-    return 2;
+    return program::EndOfParse(root, error, json);
   }
   Status status = command();
   if (status.ok()) return 0;

@@ -87,15 +87,7 @@ int main(int argc, char** argv) {
       exit_code = Finish(set.ok() ? open.run() : set);
     }
   } catch (const CLI::ParseError& error) {
-    const bool wrong = error.get_exit_code() != 0;
-    const std::string suggestion = wrong ? program::Suggestion(app) : "";
-    if (!wrong || !json) {
-      const bool asked = app.exit(error) == 0;
-      if (!suggestion.empty()) program::SayError(suggestion);
-      return asked ? 0 : kUsage;
-    }
-    program::SayError(error.what() + (suggestion.empty() ? "" : "; " + suggestion));
-    return kUsage;
+    return program::EndOfParse(app, error, json);
   } catch (const std::exception& error) {
     program::SayError(error.what());
     return kFailed;

@@ -14,7 +14,7 @@ using namespace enamel;
 
 // Uses the station's settings, so that a machine's measurements have one place for them.
 constexpr char kName[] = "enamel-lab", kPrefix[] = "ENAMEL_STATION_";
-constexpr int kFailed = 1, kUsage = 2;
+constexpr int kFailed = 1;
 
 constexpr char kFooter[] = R"(Which question is answered by which command:
   does a force law hold on this device?           enamel-lab qualify --profile omega3 --quick
@@ -59,15 +59,7 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    const bool wrong = error.get_exit_code() != 0;
-    const std::string suggestion = wrong ? program::Suggestion(app) : "";
-    if (!wrong || !json) {
-      const bool asked = app.exit(error) == 0;
-      if (!suggestion.empty()) program::SayError(suggestion);
-      return asked ? 0 : kUsage;
-    }
-    program::SayError(error.what() + (suggestion.empty() ? "" : "; " + suggestion));
-    return kUsage;
+    return program::EndOfParse(app, error, json);
     // Of a suite, such as no memory for its rows.
   } catch (const std::exception& error) {
     program::SayError(error.what());
