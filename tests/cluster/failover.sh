@@ -3,6 +3,7 @@
 # the standby takes over: not a tick is lost or doubled, the recording is scored, and health says what is left.
 . "$(dirname "$0")/../integration/support.sh"
 . "$root/tests/support/postgres_server.sh"
+. "$root/tests/support/slow_cut.sh"
 command -v curl >/dev/null || { echo "skipped: curl is not installed"; exit 77; }
 pg=$work/pg
 mkdir "$pg"
@@ -33,21 +34,8 @@ standby() { curl -s "http://127.0.0.1:$port/metrics" | sed -n 's/^enamel_databas
 standby_missing() { curl -s "http://127.0.0.1:$port/metrics" | sed -n 's/^enamel_database_standby_missing //p'; }
 wait_for_log "$work/server.log" 'commits are on a standby of the database server too'
 [ "$(standby)" = 1 ] || fail "the figures do not tell of the standby"
-"$bin/enamel-station" enrol --data "$station" --server "127.0.0.1:$((port + 1))" \
-  --code "$("$bin/enamel-server" admin enrol-code --data "$data")" --name failover >/dev/null
-"$bin/enamel-station" run --data "$station" --profile phantom_desktop --lockstep --quiet --exercise "$exercise" \
-  --user instructor --operator dentist --as-reference --uplink-kbit 200 --json "$work/cut.json" >"$work/run.log" 2>&1 &
-cutting=$!
-pids+=("$cutting")
+start_slow_cut failover
 chunks() { ask "$1" "SELECT coalesce(max(chunks), 0) FROM school.attempts WHERE sealed_ms = 0"; }
-# until_more_than SERVER COUNT
-until_more_than() {
-  local deadline=$((SECONDS + 120))
-  until [ "$(chunks "$1")" -gt "$2" ]; do
-    kill -0 "$cutting" 2>/dev/null || { cat "$work/run.log"; fail "the attempt ended before the primary was killed"; }
-    [ $SECONDS -lt $deadline ] || { tail -n 20 "$work"/*.log; fail "nothing came in for 120 s"; }
-  done
-}
 until_more_than one 1
 kill -KILL "$(head -1 "$pg/one/postmaster.pid")"
 killed=$(date +%s%N)

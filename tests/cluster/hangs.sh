@@ -4,6 +4,7 @@
 # doubled. The old primary wakes up, and nothing moves back. While the new one hangs the server ends within 10 s.
 . "$(dirname "$0")/../integration/support.sh"
 . "$root/tests/support/postgres_server.sh"
+. "$root/tests/support/slow_cut.sh"
 command -v curl >/dev/null || { echo "skipped: curl is not installed"; exit 77; }
 pg=$work/pg
 mkdir "$pg"
@@ -47,22 +48,8 @@ until_ready() {
   echo $(($(now_ms) - $2))
 }
 [ "$(status /readyz)" = 200 ] || fail "not ready: $(cat "$work/answer")"
-"$bin/enamel-station" enrol --data "$station" --server "127.0.0.1:$((port + 1))" \
-  --code "$("$bin/enamel-server" admin enrol-code --data "$data")" --name hangs >/dev/null
-"$bin/enamel-station" run --data "$station" --profile phantom_desktop --lockstep --quiet --exercise "$(json_of "$work/seed" exercise)" \
-  --user instructor --operator dentist --as-reference --uplink-kbit 200 --json "$work/cut.json" >"$work/run.log" 2>&1 &
-cutting=$!
-pids+=("$cutting")
+start_slow_cut hangs
 chunks() { ask "$1" "SELECT coalesce(max(chunks), 0) FROM school.attempts"; }
-# until_more_than SERVER COUNT
-until_more_than() {
-  local deadline=$((SECONDS + 120))
-  until [ "$(chunks "$1")" -gt "$2" ]; do
-    kill -0 "$cutting" 2>/dev/null || { cat "$work/run.log"; fail "the attempt ended too early"; }
-    [ $SECONDS -lt $deadline ] || { tail -n 20 "$work"/*.log; fail "nothing came in for 120 s"; }
-    sleep 0.05
-  done
-}
 until_more_than one 1
 
 signal_all one STOP
