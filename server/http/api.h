@@ -92,9 +92,9 @@ class Api : public std::enable_shared_from_this<Api> {
   std::atomic<uint64_t> forbidden_{0};
   ops::Histogram reads_;
   std::optional<StorePool> pool_;  // until EndWork
-  // Likewise. Apart from reads: changes may wait for the database.
+  // Until EndWork. Apart from reads: changes may wait for the database.
   std::optional<StorePool> changes_;
-  std::optional<StorePool> apart_{std::in_place, 1};  // likewise
+  std::optional<StorePool> apart_{std::in_place, 1};  // until EndWork
   std::optional<ToothImport> teeth_;                  // until EndWork
 };
 

@@ -13,7 +13,7 @@ namespace enamel::station::lab {
 
 struct Judged {
   // "wall", "floor", "tilt", "shift", "turn", "taper", "gouge" or "wave": one mistake, which
-  // should lose points for itself alone. Empty: none of them.
+  // should lose points under its own criteria only. Empty: none of them.
   std::string cause;
   // Of the points lost, the share lost for the cause: by criteria that are about it, and by gates,
   // which no other mistake can have closed. Empty without a cause, for a critical error, and where
