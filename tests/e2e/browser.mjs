@@ -5,6 +5,7 @@ import { createRequire } from "node:module";
 const require = createRequire(new URL("../../web/package.json", import.meta.url));
 const kChromium = process.env.CHROMIUM ?? "/usr/bin/chromium";
 const kTimeoutMs = 60_000;
+const kBetweenMs = 150; // a picture of the page takes about as long
 
 export function chromiumIsThere() {
   return existsSync(kChromium);
@@ -33,6 +34,20 @@ export async function newPage(browser, baseURL) {
   const page = await context.newPage();
   page.setDefaultTimeout(kTimeoutMs);
   return page;
+}
+
+// Repeats `check` until it no longer throws: what the page draws follows what was pressed a little later, on a slow
+// machine much later. The last failure is the one reported.
+export async function eventually(check) {
+  const end = performance.now() + kTimeoutMs;
+  for (;;) {
+    try {
+      return await check();
+    } catch (error) {
+      if (performance.now() > end) throw error;
+      await new Promise((next) => setTimeout(next, kBetweenMs));
+    }
+  }
 }
 
 // Sets size and colours for a flow. Returns the list that collects every console error and policy

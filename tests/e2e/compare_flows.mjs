@@ -1,5 +1,6 @@
 // Two attempts, side by side and one over the other.
 import assert from "node:assert/strict";
+import { eventually } from "./browser.mjs";
 import { id } from "./mock_exercises.mjs";
 import { differing, toothPixels, toothPixelsBecome } from "./pixels.mjs";
 import { accessible, looks, signedIn } from "./session.mjs";
@@ -31,12 +32,12 @@ async function beside(world) {
   assert.notEqual(names[0], names[1], "each picture says whose it is");
   for (const preset of ["Occlusal", "Cavity"]) {
     await page.getByRole("button", { name: preset, exact: true }).click();
-    await alike(page, preset);
+    await eventually(() => alike(page, preset));
   }
   // The other one may be turned too.
   await page.locator(".other-tooth .tooth-frame").focus();
   for (let i = 0; i < 4; ++i) await page.keyboard.press("ArrowRight");
-  await alike(page, "turned by the other one");
+  await eventually(() => alike(page, "turned by the other one"));
   await accessible(page, "two attempts");
   await world.picture(page, "beside");
   await choice.selectOption("");

@@ -1,5 +1,6 @@
 // What colours a picture on the page has.
 import assert from "node:assert/strict";
+import { eventually } from "./browser.mjs";
 import { decodePng } from "./png.mjs";
 
 // How many pixels of an element each test holds for.
@@ -15,24 +16,18 @@ export async function countColors(page, selector, tests) {
   return counts;
 }
 
-const kLooks = 40,
-  kBetweenMs = 150;
-
 // Pixels of the tooth for which `test` holds, once it is drawn in full.
 export async function toothPixels(page, test) {
   await page.locator(".tooth-frame[aria-busy=false] canvas[data-drawn=full]").first().waitFor();
   return (await countColors(page, ".tooth-frame canvas", { found: test })).found;
 }
 
-// Repeats until `enough` accepts the count: the picture follows a request a little later.
+// Waits until `enough` accepts the count.
 export async function toothPixelsBecome(page, what, test, enough) {
-  let count = -1;
-  for (let look = 0; look < kLooks; ++look) {
-    count = await toothPixels(page, test);
-    if (enough(count)) return;
-    await page.waitForTimeout(kBetweenMs);
-  }
-  assert.fail(`${what}: ${count} pixels`);
+  await eventually(async () => {
+    const count = await toothPixels(page, test);
+    assert.ok(enough(count), `${what}: ${count} pixels`);
+  });
 }
 
 // The share of pixels that differ clearly.

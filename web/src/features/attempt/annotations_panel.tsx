@@ -1,4 +1,4 @@
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import type { Client } from "../../api/client";
 import { fromScene } from "../../api/tooth_number";
 import type { Annotation, Series } from "../../api/types";
@@ -176,11 +176,12 @@ function EditRemark({
 }
 
 // The remark that is being written to this attempt, with its point and moment: all of it is there again after
-// another attempt, a reload and a new session.
+// another attempt, a reload and a new session. Kept before the next key is taken: whoever types and leaves at once
+// keeps the last letter.
 function useRemarkDraft({ attempt, draft, point, moved, momentS }: Review) {
   const what = remarkTo(attempt.id);
   const [text, setText] = useState(draft?.text ?? "");
-  useEffect(() => {
+  useLayoutEffect(() => {
     keepDraft(what, { text, point, seconds: moved ? momentS : undefined });
   }, [what, text, point, moved, momentS]);
   return [text, setText] as const;
