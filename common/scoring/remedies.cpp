@@ -53,6 +53,7 @@ constexpr Row kRows[] = {
     {"reduction_lingual_mm", kOverReduced, kUnderReduced},
     {"reduction_top_mm", kOverReduced, kUnderReduced},
     {"reduction_top_least_mm", kOverReduced, kUnderReduced},
+    {"reduction_top_percent", kOverReduced, kUnderReduced},
     {"finish_width_mm",
      {"finish_line_wide", "do_finish_narrower"},
      {"finish_line_narrow", "do_finish_wider"}},

@@ -200,8 +200,17 @@ Rubric CariesRubric() {
 }
 
 Rubric CrownRubric(bool anterior) {
-  Rubric r = ShapeRubric("crown-preparation", 10, 4, {1'200, 2'400});
+  Rubric r = ShapeRubric("crown-preparation", 8, 2, {1'200, 2'400});
   auto& criteria = r.criteria;
+  // A fifth of the 1.5 to 2 mm that are asked for is 0.3 to 0.4 mm.
+  criteria.push_back({"reduction_top_percent",
+                      "Top reduced",
+                      "%",
+                      6,
+                      {{70, 0}, {95, 1}, {105, 1}, {130, 0}},
+                      "Too little taken off the top leaves the crown too thin. Too much leaves the "
+                      "stump too low to hold it.",
+                      {}});
   criteria.push_back(
       ConvergenceCriterion("convergence_mesiodistal_deg", "Convergence, mesial to distal", 22));
   criteria.push_back(ConvergenceCriterion("convergence_buccolingual_deg",
@@ -210,7 +219,7 @@ Rubric CrownRubric(bool anterior) {
   criteria.push_back(
       AtMost("crown_axis_deg", "Preparation upright", "deg", 3, 8, 18,
              "The preparation is tilted: the crown would have to seat at an angle."));
-  criteria.push_back(AtMost("crown_undercut_mm2", "No undercut", "mm2", 8, 0.5, 4,
+  criteria.push_back(AtMost("crown_undercut_mm2", "No undercut", "mm2", 6, 0.5, 4,
                             "A wall overhangs the finish line: the crown could not seat."));
   RubricCriterion line{"finish_depth_mm",
                        "Finish line at the right height",

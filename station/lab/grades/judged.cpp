@@ -37,7 +37,7 @@ const std::vector<Cause>& Causes() {
        {"deviation_rms_mm"}},
       {"floor",
        {"floor", "top_"},
-       {"floor_mm"},
+       {"floor_mm", "reduction_top_percent"},
        {"deviation_rms_mm", "sound_removed_mm3", "caries_left_percent"}},
       {"shift",
        {"shift_"},
