@@ -228,9 +228,14 @@ void MeasureLine(const Profile& initial, const Profile& attempt, const Profile& 
   out.width_m = Median(widths);
   out.width_least_m = LeastOfMost(widths);
   out.depth_m = Median(depths);
-  double sum = 0;
-  for (double d : depths) sum += (d - out.depth_m) * (d - out.depth_m);
+  double sum = 0, made = 0;
+  for (size_t k = 0; k < depths.size(); ++k) {
+    const double square = (depths[k] - out.depth_m) * (depths[k] - out.depth_m);
+    sum += square;
+    if (widths[k] >= kCompleteWidth_m) made += square;
+  }
   out.waviness_m = std::sqrt(sum / kPlaces);
+  out.waviness_made_m = 2 * complete >= kPlaces ? std::sqrt(made / complete) : out.waviness_m;
   out.complete = complete / kPlaces;
   // Twice around, so that a stretch may run over the first place.
   size_t stretch = 0, longest = 0;

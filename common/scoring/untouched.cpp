@@ -83,17 +83,19 @@ StumpFigures MeasureStump(const Volume& initial, const Volume& attempt, const Vo
       highest = std::max(highest, columns.back().asked_z_m);
     }
   }
-  double asked = 0, taken = 0, stump = 0, stands = 0;
+  double over_top = 0, asked = 0, taken = 0, stump = 0, stands = 0;
   for (const Column& c : columns) {
     if (c.asked_z_m < 0.5 * (bottom_z_m + highest)) continue;
     const double was = HighestAt(initial, c.x_m, c.y_m);
+    ++over_top;
     asked += was - c.asked_z_m;
     const double now = HighestAt(attempt, c.x_m, c.y_m);
     taken += was - now;
     stump += c.asked_z_m - bottom_z_m;
     stands += std::clamp(now, bottom_z_m, c.asked_z_m) - bottom_z_m;
   }
-  return {asked > 0 ? taken / asked : 1, stump > 0 ? stands / stump : 1};
+  return {asked > 0 ? taken / asked : 1, over_top > 0 ? asked / over_top : 0,
+          stump > 0 ? stands / stump : 1};
 }
 
 std::array<double, 4> SidesDone(const Volume& initial, const Volume& attempt,

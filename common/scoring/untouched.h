@@ -22,7 +22,8 @@ struct StumpFigures {
   // Height that went over it, summed, as a share of what the reference took there; more than 1 where
   // more went, 1 where it took nothing.
   double top_done = 1;
-  double left = 1;  // share of its height that still stands, summed likewise; 0..1
+  double top_asked_m = 0;  // height that the reference took there, mean
+  double left = 1;         // share of its height that still stands, summed likewise; 0..1
 };
 // Requires: equal grids.
 StumpFigures MeasureStump(const cutting::Volume& initial, const cutting::Volume& attempt,

@@ -15,7 +15,11 @@ constexpr double kLeast_mm = 0.02, kLeast_deg = 0.5, kLeast_mm3 = 0.01, kLeast_p
 constexpr std::array<std::string_view, kPartCount> kOffsets = {
     "wall_mesial_mm", "wall_distal_mm", "wall_buccal_mm", "wall_lingual_mm", "floor_mm"};
 constexpr std::string_view kCloseness = "deviation_rms_mm", kSound = "sound_removed_mm3",
-                           kDone = "task_done_percent";
+                           kDone = "task_done_percent", kTop = "reduction_top_percent",
+                           kWallTilt = "wall_tilt_deg", kFloorTilt = "tilt_floor_deg",
+                           kWallWaves = "wall_waviness_mm", kFloorWaves = "floor_waviness_mm";
+
+constexpr int kUp = 4;  // Patch::facing
 
 bool Made(const WallFigures& w) { return w.in_task && w.made; }
 
@@ -25,17 +29,14 @@ class Shares {
   explicit Shares(const Explained& explained) : explained_(explained) {
     of_.resize(explained.patches().size());
   }
-  void Add(const Patch* patch, double amount) {
-    if (patch == nullptr) return;
-    of_[static_cast<size_t>(patch - explained_.patches().data())] += amount;
+  void Add(const Patch& patch, double amount) {
+    of_[static_cast<size_t>(&patch - explained_.patches().data())] += amount;
     sum_ += amount;
   }
   double sum() const { return sum_; }
-  // The metric of the wall or floor; of another patch empty.
-  std::string_view Most() const {
+  const Patch& Most() const {
     const auto most = std::ranges::max_element(of_) - of_.begin();
-    const Part part = explained_.patches()[static_cast<size_t>(most)].part;
-    return part == kNoPart ? std::string_view() : kOffsets[part];
+    return explained_.patches()[static_cast<size_t>(most)];
   }
 
  private:
@@ -51,7 +52,18 @@ class Charges {
         in_(inputs),
         // A stump has a top and a shoulder where a cavity has a floor: no walls and no floor here.
         walls_(measured.crown.in_task ? Walls{} : measured.walls),
-        explained_(walls_, inputs) {}
+        explained_(walls_, inputs) {
+    if (!measured.crown.in_task) return;
+    double lo = 0, hi = 0;
+    bool any = false;
+    for (const Patch& patch : explained_.patches()) {
+      if (patch.vertices.empty()) continue;
+      lo = any ? std::min(lo, patch.middle_m.z) : patch.middle_m.z;
+      hi = any ? std::max(hi, patch.middle_m.z) : patch.middle_m.z;
+      any = true;
+    }
+    top_from_m_ = 0.5 * (lo + hi);
+  }
 
   std::vector<Charge> Find() {
     Offsets();
@@ -60,6 +72,8 @@ class Charges {
     Waves();
     Surfaces();
     Outline();
+    Top();
+    FinishLine();
     Volumes();
     Cover();
     return std::move(out_);
@@ -74,7 +88,8 @@ class Charges {
     if (!(std::fabs(value - charged) > least)) return;
     Charge charge{name, charged, {}};
     for (std::string_view metric : under) {
-      if (!metric.empty() && metric != name) charge.under.push_back(metric);
+      const bool known = std::ranges::find(charge.under, metric) != charge.under.end();
+      if (!metric.empty() && metric != name && !known) charge.under.push_back(metric);
     }
     if (!charge.under.empty()) out_.push_back(std::move(charge));
   }
@@ -86,14 +101,40 @@ class Charges {
     return std::fabs(foot) < std::fabs(rim) ? foot : rim;
   }
 
+  bool IsTop(const Patch& patch) const {
+    return m_.crown.in_task && patch.facing == kUp && patch.middle_m.z > top_from_m_;
+  }
+
+  // Where a wall or floor, or a stump's top, is itself measured; of another patch empty.
+  std::string_view OffsetName(const Patch& patch) const {
+    if (patch.part != kNoPart) return kOffsets[patch.part];
+    return IsTop(patch) ? kTop : std::string_view();
+  }
+  // The same for what of it explains the most: where it lies, how it leans, or its waves.
+  std::string_view CauseName(const Patch& patch) const {
+    const Sheet& s = patch.sheet;
+    if (patch.part == kNoPart && !(m_.crown.in_task && patch.upright())) return OffsetName(patch);
+    const double lean = 0.5 * std::fabs(s.AtHeight_m(s.s_most_m) - s.AtHeight_m(s.s_least_m));
+    const double waves = std::sqrt(2.0) * s.waves_m;
+    const bool floor = patch.part == kFloor;
+    if (std::max(lean, waves) < std::fabs(OffsetOf_m(s))) return OffsetName(patch);
+    if (patch.part == kNoPart) {
+      constexpr int kTowardsY = 2;  // Patch::facing
+      if (lean < waves) return {};
+      return patch.facing < kTowardsY ? "convergence_mesiodistal_deg"
+                                      : "convergence_buccolingual_deg";
+    }
+    if (lean > waves) return floor ? kFloorTilt : kWallTilt;
+    return floor ? kFloorWaves : kWallWaves;
+  }
+
   // Opposite walls that lie off the same way are one shift: charged where the cut went too far.
   void Offsets() {
     for (size_t p = 0; p < kFloor; ++p) {
       const double offset = walls_[p].offset_m, least = OffsetOf_m(walls_[p].over);
       if (Made(walls_[p]) && std::fabs(least) < std::fabs(offset))
         Add(kOffsets[p], offset * kMm, least * kMm, kLeast_mm,
-            {walls_[p].tilt_deg < 0 && walls_[p].opens_deg < 0 ? "undercut_deg" : "",
-             "wall_tilt_deg"});
+            {walls_[p].tilt_deg < 0 && walls_[p].opens_deg < 0 ? "undercut_deg" : "", kWallTilt});
     }
     for (const auto& [one, other] : {std::pair(kMesial, kDistal), std::pair(kBuccal, kLingual)}) {
       const WallFigures &a = walls_[one], &b = walls_[other];
@@ -150,11 +191,11 @@ class Charges {
       rest = std::max(
           rest, w.tilt_deg < 0 ? tilt - std::min(tilt, inwards) : std::max(0.0, tilt - whole));
     }
-    Add("wall_tilt_deg", most, rest, kLeast_deg, {leans_in > 0 ? "undercut_deg" : ""});
+    Add(kWallTilt, most, rest, kLeast_deg, {leans_in > 0 ? "undercut_deg" : ""});
     const WallFigures& floor = walls_[kFloor];
     if (Made(floor) && whole > 0) {
-      Add("tilt_floor_deg", floor.tilt_deg, std::max(0.0, floor.tilt_deg - whole), kLeast_deg,
-          {leans_in > 0 ? "undercut_deg" : "", "wall_tilt_deg"});
+      Add(kFloorTilt, floor.tilt_deg, std::max(0.0, floor.tilt_deg - whole), kLeast_deg,
+          {leans_in > 0 ? "undercut_deg" : "", kWallTilt});
     }
   }
 
@@ -166,12 +207,11 @@ class Charges {
       most = std::max(most, walls_[p].waviness_m);
       waves = std::max(waves, walls_[p].over.waves_m);
     }
-    Add("wall_waviness_mm", most * kMm, std::min(most, waves) * kMm, 0,
-        {"deepest_over_mm", kCloseness});
+    Add(kWallWaves, most * kMm, std::min(most, waves) * kMm, 0, {"deepest_over_mm", kCloseness});
     const WallFigures& floor = walls_[kFloor];
     if (Made(floor)) {
-      Add("floor_waviness_mm", floor.waviness_m * kMm,
-          std::min(floor.waviness_m, floor.over.waves_m) * kMm, 0, {"deepest_over_mm", kCloseness});
+      Add(kFloorWaves, floor.waviness_m * kMm, std::min(floor.waviness_m, floor.over.waves_m) * kMm,
+          0, {"deepest_over_mm", kCloseness});
     }
   }
 
@@ -182,7 +222,9 @@ class Charges {
     const surface::Mesh& made = *in_.attempt.mesh;
     for (size_t i = 0; i < deeper.size(); ++i) {
       if (!(deeper[i] > kLeast_mm / kMm)) continue;
-      const double d = deeper[i], by = explained_.At_m(dvec3(made.position_m[i]), d, false);
+      const double d = deeper[i];
+      const double by =
+          explained_.At(dvec3(made.position_m[i]), dvec3(made.normal[i]), d, false).by_m;
       deeper[i] = static_cast<float>(std::max(0.0, d - by));
     }
     std::vector<float> rest = in_.reference_m;
@@ -192,63 +234,108 @@ class Charges {
       if (!(*in_.reference.cut)[i] || !(std::fabs(rest[i]) > kLeast_mm / kMm)) continue;
       const bool is_left = rest[i] > 0;
       const double d = std::fabs(rest[i]);
-      const double by = std::min(d, explained_.At_m(dvec3(wanted.position_m[i]), d, is_left));
-      (is_left ? left : over).Add(explained_.PatchOf(i), by * (*in_.reference.areas_m2)[i]);
+      const dvec3 at(wanted.position_m[i]);
+      const Explanation found = explained_.At(at, dvec3(wanted.normal[i]), d, is_left);
+      const double by = std::min(d, found.by_m), weight = (*in_.reference.areas_m2)[i];
+      if (found.most != nullptr) {
+        (is_left ? left : over).Add(*found.most, by * weight);
+        TakeSquares(*found.most, at, d, weight);
+      }
       rest[i] = static_cast<float>(is_left ? d - by : by - d);
     }
     const double deepest_mm = m_.deepest_over.depth_m * kMm;
     Add("deepest_over_mm", deepest_mm,
         std::min(deepest_mm, DeepestOver(in_.attempt, deeper).depth_m * kMm), kLeast_mm,
-        {over.Most(), kCloseness, kSound});
+        {CauseName(over.Most()), OffsetName(over.Most()), kCloseness, kSound});
     const DeviationFigures spots = MeasureDeviation(in_.reference, rest);
     const double left_mm = m_.deviation.most_left_m * kMm, p95_mm = m_.deviation.p95_m * kMm;
     Add("most_left_mm", left_mm, std::min(left_mm, spots.most_left_m * kMm), kLeast_mm,
-        {left.Most(), kCloseness, kDone});
+        {CauseName(left.Most()), OffsetName(left.Most()), kCloseness, kDone});
+    const Patch& most = (over.sum() > left.sum() ? over : left).Most();
     Add("deviation_p95_mm", p95_mm, std::min(p95_mm, spots.p95_m * kMm), kLeast_mm,
-        {kCloseness, (over.sum() > left.sum() ? over : left).Most()});
+        {kCloseness, CauseName(most), OffsetName(most)});
     Closeness();
-    most_over_ = over.Most(), most_left_ = left.Most();
+    most_over_ = OffsetName(over.Most()), most_left_ = OffsetName(left.Most());
+    cause_over_ = CauseName(over.Most()), cause_left_ = CauseName(left.Most());
+  }
+
+  // Of the squares of the distances, the part that a patch takes away whose lean, waves or top is
+  // what another metric is about.
+  void TakeSquares(const Patch& patch, const dvec3& point_m, double d, double weight) {
+    const Sheet& sheet = patch.sheet;
+    auto without = [&](double part) {
+      const double rest = d - std::clamp(part, 0.0, d);
+      return weight * (d * d - rest * rest);
+    };
+    const double height = std::fabs(sheet.At_m(point_m));
+    if (IsTop(patch)) {
+      squares_[kTopOff] += without(height);
+      return;
+    }
+    squares_[patch.upright() ? kWallLean : kFloorLean] +=
+        without(height - std::fabs(OffsetOf_m(sheet)));
+    squares_[patch.upright() ? kWallWave : kFloorWave] += weight * sheet.waves_m * sheet.waves_m;
   }
 
   // Of the root mean square, which is the whole, only what other metrics are about is left out:
-  // slopes, or waves, whichever is more.
+  // leaning walls, or waves, or a stump's top, whichever is more.
   void Closeness() {
-    enum Kind { kWallSlope, kFloorSlope, kWallWave, kFloorWave, kKinds };
-    std::array<double, kKinds> squares{};
     double area = 0, all = 0;
     for (size_t i = 0; i < in_.reference_m.size(); ++i) {
       if (!(*in_.reference.cut)[i]) continue;
       const double weight = (*in_.reference.areas_m2)[i], d = in_.reference_m[i];
       area += weight, all += weight * d * d;
-      const Patch* patch = explained_.PatchOf(i);
-      if (patch == nullptr) continue;
-      const Sheet& sheet = patch->sheet;
-      const dvec3 p(in_.reference.mesh->position_m[i]);
-      const double slope = sheet.At_m(p) - OffsetOf_m(sheet);
-      squares[patch->upright() ? kWallSlope : kFloorSlope] += weight * slope * slope;
-      squares[patch->upright() ? kWallWave : kFloorWave] += weight * sheet.waves_m * sheet.waves_m;
     }
     if (!(area > 0)) return;
-    const auto most = std::ranges::max_element(squares) - squares.begin();
-    const double rms_mm = std::sqrt(std::max(0.0, all - squares[most]) / area) * kMm;
+    const auto most = std::ranges::max_element(squares_) - squares_.begin();
+    const double rms_mm = std::sqrt(std::max(0.0, all - squares_[most]) / area) * kMm;
     const double value = m_.deviation.rms_m * kMm;
     using Names = std::initializer_list<std::string_view>;
-    const std::array<Names, kKinds> under = {Names{"wall_tilt_deg", "convergence_mesiodistal_deg"},
-                                             {"tilt_floor_deg"},
-                                             {"wall_waviness_mm"},
-                                             {"floor_waviness_mm", "finish_waviness_mm"}};
+    const std::array<Names, kKinds> under = {
+        Names{kWallTilt, "convergence_mesiodistal_deg", "convergence_buccolingual_deg"},
+        {kFloorTilt},
+        {kWallWaves},
+        {kFloorWaves, "finish_waviness_mm"},
+        {kTop}};
     Add(kCloseness, value, std::min(value, rms_mm), kLeast_mm, under[most]);
+  }
+
+  // Over the columns of the reference's top a side that was cut too far takes height as well. The
+  // top itself lies off by what three quarters of it do at least.
+  void Top() {
+    if (!m_.crown.in_task || !(m_.stump.top_asked_m > 0)) return;
+    std::vector<WeightedValue> deeper;
+    for (const Patch& patch : explained_.patches()) {
+      if (!IsTop(patch)) continue;
+      for (size_t i : patch.vertices)
+        deeper.push_back({-double{in_.reference_m[i]}, (*in_.reference.areas_m2)[i]});
+    }
+    if (deeper.empty()) return;
+    const double most_m = WeightedQuantile(deeper, 0.75), least_m = WeightedQuantile(deeper, 0.25);
+    const double off_m = std::max(0.0, least_m) + std::min(0.0, most_m);
+    const double value = 100 * m_.stump.top_done;
+    const double charged = 100 * (1 + off_m / m_.stump.top_asked_m);
+    if (std::fabs(charged - 100) < std::fabs(value - 100))
+      Add(kTop, value, charged, kLeast_percent, {kCloseness});
+  }
+
+  // Where the wall leaves no room for a finish line, the line has no height.
+  void FinishLine() {
+    if (!m_.crown.in_task || !m_.crown.made) return;
+    Add("finish_waviness_mm", m_.crown.waviness_m * kMm, m_.crown.waviness_made_m * kMm, kLeast_mm,
+        {kCloseness});
   }
 
   void Outline() {
     if (!m_.outline.in_task || m_.outline.over_at.empty()) return;
     std::vector<WeightedValue> rest;
     for (const OutlineFigures::Over& o : m_.outline.over_at)
-      rest.push_back({std::max(0.0, o.by_m - explained_.At_m(o.at_m, o.by_m, false)), 1});
+      rest.push_back(
+          {std::max(0.0, o.by_m - explained_.At(o.at_m, dvec3(0), o.by_m, false).by_m), 1});
     for (size_t i = rest.size(); i < m_.outline.points; ++i) rest.push_back({0, 1});
     const double value = m_.outline.over_m * kMm;
     Add("outline_over_mm", value, std::min(value, WeightedQuantile(std::move(rest), 0.95) * kMm),
-        kLeast_mm, {most_over_, kCloseness});
+        kLeast_mm, {cause_over_, most_over_, kCloseness});
   }
 
   // What a wall or floor that lies elsewhere leaves or takes.
@@ -271,15 +358,23 @@ class Charges {
     if (const double task = t.task_m3(); task > 0) {
       const double done = 100 * t.done_m3() / task;
       Add(kDone, done, std::min(100.0, done + 100 * missed / task), kLeast_percent,
-          {most_left_, kCloseness});
+          {cause_left_, most_left_, kCloseness});
+      // Caries that a wall or floor in the wrong place leaves; elsewhere and under the rim it counts.
+      constexpr auto kCaries = static_cast<size_t>(cutting::Tissue::kCaries);
+      if (const double all_missed = Sum_m3(t.missed); all_missed > 0 && t.task[kCaries] > 0) {
+        const double share = std::min(1.0, missed / all_missed);
+        const double caries = 100 * t.missed[kCaries] / t.task[kCaries];
+        Add("caries_left_percent", caries, caries * (1 - share), kLeast_percent,
+            {cause_left_, most_left_});
+      }
     }
     const double left = Sum_m3(t.standing) * kMm3;
     const double beyond =
         (Sum_m3(t.outside) - t.outside[static_cast<size_t>(cutting::Tissue::kNeighbour)]) * kMm3;
     Add("left_standing_mm3", left, std::max(0.0, left - standing * kMm3), kLeast_mm3,
-        {most_left_, kCloseness, kDone});
+        {cause_left_, most_left_, kCloseness, kDone});
     Add("outside_removed_mm3", beyond, std::max(0.0, beyond - outside * kMm3), kLeast_mm3,
-        {most_over_, kCloseness, kSound});
+        {cause_over_, most_over_, kCloseness, kSound});
   }
 
   // A floor that is too deep is nearer to the pulp.
@@ -294,7 +389,10 @@ class Charges {
   const CauseInputs& in_;
   const Walls walls_;
   const Explained explained_;
-  std::string_view most_over_, most_left_;
+  double top_from_m_ = 0;
+  enum Kind { kWallLean, kFloorLean, kWallWave, kFloorWave, kTopOff, kKinds };
+  std::array<double, kKinds> squares_{};  // of the distances, area-weighted, m^4
+  std::string_view most_over_, most_left_, cause_over_, cause_left_;
   std::vector<Charge> out_;
 };
 

@@ -24,6 +24,10 @@ int FacingOf(const dvec3& n) {
   return 2 * axis + (n[axis] < 0 ? 1 : 0);
 }
 
+double HeightAt_m(const Patch& patch, const dvec3& point_m, bool left) {
+  return patch.sheet.At_m(point_m) * (left ? -1 : 1) + kCrest * patch.sheet.waves_m;
+}
+
 double Length(const dvec3& v) { return std::sqrt(Dot(v, v)); }
 
 }  // namespace
@@ -33,6 +37,7 @@ Explained::Explained(const Walls& walls, const CauseInputs& inputs)
   Assign(walls);
   for (Patch& patch : patches_) {
     if (patch.part == kNoPart) Fit(patch);
+    Measure(patch);
   }
   Sort();
 }
@@ -126,6 +131,18 @@ void Explained::Fit(Patch& patch) const {
   sheet.waves_m = WavesAbout(sheet.plane, heights, 0.25 * voxel_m_);
 }
 
+void Explained::Measure(Patch& patch) const {
+  bool first = true;
+  for (size_t i : patch.vertices) {
+    const dvec3 p(in_.reference.mesh->position_m[i]);
+    const double t = Dot(p, patch.sheet.along);
+    patch.middle_m += p / static_cast<double>(patch.vertices.size());
+    patch.t_least_m = first ? t : std::min(patch.t_least_m, t);
+    patch.t_most_m = first ? t : std::max(patch.t_most_m, t);
+    first = false;
+  }
+}
+
 void Explained::Sort() {
   const auto& at = in_.reference.mesh->position_m;
   dvec3 hi(0);
@@ -155,24 +172,41 @@ void Explained::Sort() {
   }
 }
 
-const Patch* Explained::PatchOf(size_t vertex) const {
-  const int patch = patch_of_[vertex];
-  return patch < 0 ? nullptr : &patches_[static_cast<size_t>(patch)];
-}
-
-double Explained::At_m(const dvec3& point_m, double distance_m, bool left) const {
-  if (items_.empty() || !(distance_m <= kFarthest_m)) return 0;
+Explanation Explained::At(const dvec3& point_m, const dvec3& normal, double distance_m,
+                          bool left) const {
+  if (items_.empty() || !(distance_m <= kFarthest_m)) return {};
   // At an edge the patch that lies elsewhere is farther than the nearest one. At the rim the nearest
   // is the tooth's own surface, which no patch is on.
   std::vector<double> most(patches_.size(), 0);
   for (double reach = 2 * (distance_m + voxel_m_); !Gather(point_m, reach, left, most);
        reach *= 1.5) {
-    if (reach > kFarthest_m) return 0;
+    if (reach > kFarthest_m) return {};
   }
+  Behind(point_m, normal, left, most);
   // Where two patches meet, each by itself.
   double squares = 0;
   for (double m : most) squares += m * m;
-  return std::sqrt(squares);
+  const auto largest = std::ranges::max_element(most);
+  if (!(*largest > 0)) return {};
+  return {std::sqrt(squares), &patches_[static_cast<size_t>(largest - most.begin())]};
+}
+
+// Where a patch moves by its height, a surface aslant to it moves by that times the cosine between.
+void Explained::Behind(const dvec3& point_m, const dvec3& normal, bool left,
+                       std::vector<double>& most) const {
+  constexpr double kLeastCosine = 0.5;
+  for (size_t k = 0; k < patches_.size(); ++k) {
+    const Patch& patch = patches_[k];
+    const Sheet& sheet = patch.sheet;
+    const double cosine = Dot(normal, sheet.normal);
+    if (patch.vertices.empty() || cosine < kLeastCosine) continue;
+    const double s = Dot(point_m, sheet.up), t = Dot(point_m, sheet.along);
+    if (s < sheet.s_least_m - kBesideWall_m || s > sheet.s_most_m + kBesideWall_m ||
+        t < patch.t_least_m - kBesideWall_m || t > patch.t_most_m + kBesideWall_m)
+      continue;
+    if (std::fabs(Dot(point_m - patch.middle_m, sheet.normal)) > kFarthest_m) continue;
+    most[k] = std::max(most[k], cosine * HeightAt_m(patch, point_m, left));
+  }
 }
 
 // The largest height of each patch within reach; whether any patch is.
@@ -196,9 +230,7 @@ bool Explained::Gather(const dvec3& point_m, double reach_m, bool left,
         if (Dot(p - point_m, p - point_m) > reach_m * reach_m) continue;
         any = true;
         const auto patch = static_cast<size_t>(patch_of_[items_[k]]);
-        const Sheet& sheet = patches_[patch].sheet;
-        const double height = sheet.At_m(p) * (left ? -1 : 1) + kCrest * sheet.waves_m;
-        most[patch] = std::max(most[patch], height);
+        most[patch] = std::max(most[patch], HeightAt_m(patches_[patch], p, left));
       }
     }
   }

@@ -18,8 +18,15 @@ struct Patch {
   int facing = 0;  // which of +x, -x, +y, -y, +z, -z
   std::vector<size_t> vertices;
   double area_m2 = 0;
+  dvec3 middle_m{0};
+  double t_least_m = 0, t_most_m = 0;  // as far as it goes along `sheet.along`
 
   bool upright() const { return facing < 4; }
+};
+
+struct Explanation {
+  double by_m = 0;
+  const Patch* most = nullptr;  // the patch that explains most of it
 };
 
 class Explained {
@@ -28,10 +35,10 @@ class Explained {
 
   const std::vector<Patch>& patches() const { return patches_; }
   // How much of `distance_m`, by which the attempt's surface is deeper (left: less deep) than the
-  // reference's at a point, patches within that distance explain. 0 beyond kFarthest_m.
-  double At_m(const dvec3& point_m, double distance_m, bool left) const;
-  // Of the reference's vertex: the patch that it is on; nullptr on none.
-  const Patch* PatchOf(size_t vertex) const;
+  // reference's at a point, patches within that distance explain, and the patches behind the point
+  // that face about as `normal` does (0: unknown). On a thin stump the side that was cut too far is not
+  // the nearest one. 0 beyond kFarthest_m.
+  Explanation At(const dvec3& point_m, const dvec3& normal, double distance_m, bool left) const;
 
   static constexpr double kFarthest_m = 1.5e-3;
 
@@ -39,7 +46,10 @@ class Explained {
   void Assign(const Walls& walls);
   void AddPatch(std::vector<size_t> vertices, int facing);
   void Fit(Patch& patch) const;
+  void Measure(Patch& patch) const;
   void Sort();
+  void Behind(const dvec3& point_m, const dvec3& normal, bool left,
+              std::vector<double>& most) const;
   bool Gather(const dvec3& point_m, double reach_m, bool left, std::vector<double>& most) const;
 
   const CauseInputs& in_;
