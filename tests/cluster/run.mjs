@@ -1,163 +1,17 @@
 // The work of run.sh: run.mjs SIZE SERVER_PORT PROXY_PORT PARTS JSON_FILE, with PostgreSQL in ENAMEL_PG and Swift running.
-import { execFile, execFileSync, spawn } from "node:child_process";
-import { createWriteStream, readFileSync, readdirSync, writeFileSync } from "node:fs";
+import { execFileSync } from "node:child_process";
+import { readFileSync, writeFileSync } from "node:fs";
 import http from "node:http";
-import net from "node:net";
-import { once } from "node:events";
-import { promisify } from "node:util";
+import { addLost, ask, bin, clusterPids, cpuOf, enamel, jsonFile, jsonOf, load, lostOrDoubled, missed, moveToCluster, now, partsOf, parts, password, port, postmaster, primary, promote,
+  proxy, quantile, rejoin, run, running, say, section, serve, serveOne, servers, setAway, shown, size, start, startProxy, stop, streams, tell, timesSaid, until,
+  untilSynchronous, work } from "./harness.mjs";
 
-const [size, portText, proxyText, parts, jsonFile] = process.argv.slice(2);
-const port = Number(portText), proxy = Number(proxyText);
-const { ENAMEL_PG: pg, ENAMEL_WORK: work, ENAMEL_ROOT: root, ENAMEL_BIN: bin } = process.env;
 const short = size === "short";
 const sizes = short
   ? { stations: 60, minutes: 0.2, faultStations: 40, faultMinutes: 0.5, faults: { server: 3, proxy: 1, blobs: 1, primary: 1 }, rollingStations: 40, rollingMinutes: 0.5, watchS: 5, attempts: 3, rounds: 1, workers: 2, kills: 2 }
   : { stations: 1000, minutes: 2, faultStations: 200, faultMinutes: 4, faults: { server: 200, frozen: 5, proxy: 20, blobs: 20, primary: 20 }, rollingStations: 200, rollingMinutes: 1, watchS: 30, attempts: 25, rounds: 8, workers: 4, kills: Infinity };
 const goals = { commit_p99_ratio: 4, cpu_ratio: 3, recovery_p95_s: 5, moments_per_s: 50, watch_lag_p95_s: 1.5 };
-const run = promisify(execFile);
-const now = () => performance.now() / 1000;
-const say = (text) => console.log(text);
-const section = (text) => say(`${text} (after ${Math.round(now())} s)`);
 const facts = { format: 1, size, goals };
-let lostOrDoubled = 0;
-
-const quantile = (values, p) => {
-  const sorted = [...values].sort((a, b) => a - b);
-  return sorted.length === 0 ? null : sorted[Math.min(sorted.length - 1, Math.ceil(p * sorted.length) - 1)];
-};
-const shown = (value) => (value === null ? "none" : Number(value.toPrecision(3)));
-// tell NAME VALUE [GOAL [UNIT]]
-const missed = [];
-function tell(name, value, goal, atLeast = false) {
-  const bad = goal !== undefined && (value === null || (atLeast ? value < goal : value > goal));
-  if (bad) missed.push(name);
-  say(`  ${name}: ${shown(value)}${goal === undefined ? "" : ` (${atLeast ? "at least" : "at most"} ${goal})${bad ? "  MISSED" : ""}`}`);
-}
-async function until(what, ask, withinS = 180) {
-  const end = now() + withinS;
-  for (;;) {
-    const found = await ask();
-    if (found) return found;
-    if (now() > end) throw new Error(`${what}: not within ${withinS} s`);
-    await new Promise((done) => setTimeout(done, 20));
-  }
-}
-
-// PostgreSQL: which of the two is the primary, and what is asked of it.
-let primary = "one";
-const shell = (script) => run("bash", ["-c", `. ${root}/tests/support/postgres_server.sh; postgres_user ${pg}; ${script}`]);
-const ask = async (sql, name = primary) => (await run("psql", ["-X", "-A", "-t", "-d", `host=${pg}/${name}.socket user=enamel dbname=enamel`, "-c", sql])).stdout.trim();
-const postmaster = (name) => Number(readFileSync(`${pg}/${name}/postmaster.pid`, "utf8").split("\n")[0]);
-
-// The S3 store behind a port of our own, so that it can be away.
-const s3 = new URL(process.env.ENAMEL_S3_ENDPOINT);
-const through = new Set();
-let away = false;
-const s3Port = net.createServer((from) => {
-  if (away) return from.destroy();
-  const to = net.connect(Number(s3.port), s3.hostname);
-  for (const [a, b] of [[from, to], [to, from]]) {
-    through.add(a);
-    a.on("error", () => {}).on("close", () => { through.delete(a); b.destroy(); });
-    a.pipe(b);
-  }
-});
-s3Port.listen(0, "127.0.0.1");
-await once(s3Port, "listening");
-const setAway = (is) => { away = is; if (is) for (const socket of through) socket.destroy(); };
-
-const database = ["--database", `host=${pg}/one.socket,${pg}/two.socket user=enamel dbname=enamel`, "--schema", "school",
-  "--s3-endpoint", `http://127.0.0.1:${s3Port.address().port}`, "--s3-bucket", "blobs", "--s3-region", "us-east-1",
-  "--key-bucket", "keys", "--master-key", `${work}/master.key`];
-const password = "a quite unlikely password 7";
-const enamel = (...args) => run(`${bin}/enamel-server`, args, { maxBuffer: 1 << 26 });
-const jsonOf = (file) => JSON.parse(readFileSync(file, "utf8"));
-
-// Programs that run, each ended at the end.
-const running = new Map();
-// Also where a part has failed.
-process.on("exit", () => { for (const child of running.values()) child.kill("SIGKILL"); });
-for (const signal of ["SIGINT", "SIGTERM"]) process.on(signal, () => process.exit(1));
-function start(name, program, args, env = {}) {
-  const log = createWriteStream(`${work}/${name}.log`, { flags: "a" });
-  const child = spawn(program, args, { stdio: ["ignore", "pipe", "pipe"], env: { ...process.env, ...env } });
-  child.stdout.pipe(log);
-  child.stderr.pipe(log);
-  child.ended = once(child, "exit");
-  running.set(name, child);
-  return child;
-}
-async function stop(name, signal = "SIGTERM") {
-  const child = running.get(name);
-  if (!child) return;
-  running.delete(name);
-  child.kill(signal);
-  await child.ended;
-}
-const servers = { one: "127.0.0.1", two: "127.0.0.2", three: "127.0.0.3" };
-async function serve(name, data, address, behind = []) {
-  const child = start(name, `${bin}/enamel-server`, ["serve", "--data", data, "--http", `${address}:${port}`, "--stations", `${address}:${port + 1}`,
-    "--web", `${root}/web/dist`, "--job-threads", "0", ...behind]);
-  let output = "";
-  child.stdout.on("data", (data) => (output += data));
-  await until(`server ${name}`, () => {
-    if (child.exitCode !== null) throw new Error(`server ${name} ended: ${readFileSync(`${work}/${name}.log`, "utf8").slice(-2000)}`);
-    return output.includes("ready:");
-  });
-  return child;
-}
-const behindProxy = ["--http-behind-proxy", "127.0.0.1", "--stations-behind-proxy", "127.0.0.1", "--host-name", "enamel.test", "--drain-seconds", "3"];
-const serveOne = (name) => serve(name, `${work}/${name}`, servers[name], behindProxy);
-async function startProxy() {
-  // The file that is shipped, with a third server.
-  const config = readFileSync(`${root}/server/ops/haproxy.cfg`, "utf8").replace(/^( *server) two (.*)\$\{ENAMEL_SERVER_TWO\}(.*)$/gm, "$&\n$1 three $2${ENAMEL_SERVER_THREE}$3");
-  writeFileSync(`${work}/haproxy.cfg`, config);
-  start("haproxy", "haproxy", ["-f", `${work}/haproxy.cfg`], {
-    ENAMEL_PAGE_ADDRESS: `127.0.0.1:${proxy}`, ENAMEL_STATIONS_ADDRESS: `127.0.0.1:${proxy + 1}`, ENAMEL_PAGE_CERTIFICATE: `${work}/page.pem`,
-    ENAMEL_HOST_NAME: "enamel.test", ENAMEL_SERVER_ONE: servers.one, ENAMEL_SERVER_TWO: servers.two, ENAMEL_SERVER_THREE: servers.three,
-    ENAMEL_SERVER_PAGE_PORT: String(port), ENAMEL_SERVER_STATION_PORT: String(port + 1) });
-  await until("HAProxy", () => new Promise((done) => net.connect(proxy + 1, "127.0.0.1").on("connect", function () { this.destroy(); done(true); }).on("error", () => done(false))));
-}
-// Every process of Swift.
-const swift = () => readdirSync("/proc").filter((pid) => /^\d+$/.test(pid)).filter((pid) => {
-  try { return readFileSync(`/proc/${pid}/cmdline`, "utf8").includes("swift-") && readFileSync(`/proc/${pid}/stat`, "utf8").includes("(swift-"); } catch { return false; }
-});
-
-// Stations that stream: `enamel-loadgen` compares what the store has with what was sent.
-function load(name, data, address, { stations, minutes }, pids) {
-  const file = `${work}/${name}.json`;
-  const child = start(name, `${bin}/enamel-loadgen`, ["--server", address, "--data", data, "--stations", String(stations), "--minutes", String(minutes),
-    "--loop-seconds", "2", "--json", file, ...pids.flatMap((pid) => ["--server-pid", String(pid)])]);
-  let output = "";
-  for (const stream of [child.stdout, child.stderr]) stream.on("data", (data) => (output += data));
-  child.streams = until(`load ${name}`, () => { if (child.exitCode !== null) throw new Error(`load ${name} ended: ${output.slice(-2000)}`); return output.includes("streaming"); }, 600);
-  child.facts = child.ended.then(() => {
-    let found;
-    try { found = jsonOf(file); } catch { throw new Error(`load ${name}: ${output.slice(-2000)}`); }
-    running.delete(name);
-    if (found.problem) say(`  ${name}: ${found.problem}`);
-    lostOrDoubled += found.ticks_lost + found.ticks_doubled + (found.ticks_sent - found.ticks_committed);
-    return found;
-  });
-  return child;
-}
-// CPU seconds of processes and those that they have started.
-const hertz = Number(execFileSync("getconf", ["CLK_TCK"], { encoding: "utf8" }));
-function cpuOf(roots) {
-  const all = new Map();
-  for (const name of readdirSync("/proc")) {
-    if (!/^\d+$/.test(name)) continue;
-    try {
-      const fields = readFileSync(`/proc/${name}/stat`, "utf8").replace(/^.*\) /, "").split(" ");
-      all.set(Number(name), { parent: Number(fields[1]), cpu: fields.slice(11, 15).reduce((sum, ticks) => sum + Number(ticks), 0) / hertz });
-    } catch {}
-  }
-  const isOurs = (pid) => { for (; pid > 1; pid = all.get(pid)?.parent ?? 0) if (roots.includes(pid)) return true; return false; };
-  return [...all].reduce((sum, [pid, { cpu }]) => sum + (isOurs(pid) ? cpu : 0), 0);
-}
-const partsOf = () => ({ servers: Object.keys(servers).map((name) => running.get(name).pid), haproxy: [running.get("haproxy").pid],
-  primary: [postmaster("one")], standby: [postmaster("two")], swift: swift().map(Number) });
-const clusterPids = () => [...Object.keys(servers).map((name) => running.get(name).pid), running.get("haproxy").pid, postmaster("one"), postmaster("two"), ...swift()];
 
 // --- one server with SQLite, and what is scored there
 section("one server, SQLite");
@@ -205,12 +59,7 @@ if (wants("load")) {
 await stop("sqlite");
 
 // --- the same school on three servers
-section("moved to three servers behind HAProxy, PostgreSQL with a synchronous standby, Swift");
-await enamel("move", "--data", folder, "--to", `${work}/one`, ...database);
-for (const name of ["two", "three"]) await enamel("init", "--data", `${work}/${name}`, ...database, "--identity", `${work}/one`);
-for (const name of Object.keys(servers)) await serveOne(name);
-await startProxy();
-const stationsAt = `127.0.0.1:${proxy + 1}`;
+const stationsAt = await moveToCluster(folder);
 if (wants("load")) {
   const stream = load("load-cluster", `${work}/one`, stationsAt, sizes, clusterPids());
   await stream.streams;
@@ -232,7 +81,6 @@ if (wants("load")) {
 }
 
 // --- faults, while stations stream
-const timesSaid = (name, word) => readFileSync(`${work}/haproxy.log`, "utf8").split(`station_servers/${name} is ${word}`).length;
 // Every attempt that is being made has had a chunk committed since: until then somebody waits.
 const databaseMs = async () => Number(await ask("SELECT (extract(epoch FROM clock_timestamp()) * 1000)::bigint"));
 const allSince = (ms) => async () => {
@@ -277,19 +125,14 @@ const faults = {
     return took;
   },
   primary: async () => {
-    const old = primary, next = old === "one" ? "two" : "one";
-    await until("a synchronous standby", async () => (await ask("SELECT count(*) FROM pg_stat_replication WHERE sync_state = 'sync'")) === "1");
-    process.kill(postmaster(old), "SIGKILL");
+    await untilSynchronous();
+    process.kill(postmaster(primary), "SIGKILL");
     const began = now();
-    await shell(`postgres pg_ctl -D ${pg}/${next} -w -t 60 promote`);
-    primary = next;
+    await promote();
     const ms = await databaseMs();
     await until("every station is taken again", allSince(ms));
     const took = now() - began;
-    await shell(`rm -f ${pg}/${old}.socket/.s.*; postgres_standby ${pg} ${next} ${old}`);
-    // Not before: the copy would name itself, and wait for itself once it has taken over.
-    await ask(`ALTER SYSTEM SET synchronous_standby_names = '${old}'`);
-    await ask("SELECT pg_reload_conf()");
+    await rejoin();
     return took;
   },
 };
@@ -297,20 +140,13 @@ if (wants("faults")) {
   const list = Object.entries(sizes.faults).flatMap(([kind, count]) => Array.from({ length: count }, (_, i) => [kind, i]));
   section(`faults while ${sizes.faultStations} stations stream: ${Object.entries(sizes.faults).map(([kind, count]) => `${count} of ${kind}`).join(", ")}`);
   const took = Object.fromEntries(Object.keys(sizes.faults).map((kind) => [kind, []]));
-  let lost = 0, doubled = 0, stream, left = 0;
-  const end = async () => { if (!stream) return; const found = await stream.facts; lost += found.ticks_lost; doubled += found.ticks_doubled; };
+  const stream = streams({ stations: sizes.faultStations, minutes: sizes.faultMinutes, data: `${work}/one`, at: stationsAt });
   for (const [n, [kind, i]] of list.entries()) {
-    if (now() > left) {
-      await end();
-      stream = load(`stream-${n}`, `${work}/one`, stationsAt, { stations: sizes.faultStations, minutes: sizes.faultMinutes }, []);
-      await stream.streams;
-      left = now() + sizes.faultMinutes * 60 - 15;
-      await until("all stations stream", async () => Number(await ask("SELECT count(*) FROM school.attempts WHERE state = 2 AND chunks > 0")) >= sizes.faultStations);
-    }
+    await stream.ready();
     took[kind].push(await faults[kind](i));
     if (n % 20 === 19) say(`  ${n + 1} of ${list.length} faults (after ${Math.round(now())} s)`);
   }
-  await end();
+  const { ticks_lost: lost, ticks_doubled: doubled } = await stream.end();
   facts.faults = { ticks_lost: lost, ticks_doubled: doubled };
   for (const [kind, seconds] of Object.entries(took)) {
     facts.faults[kind] = { count: seconds.length, recovery_s: seconds, recovery_p95_s: quantile(seconds, 0.95) };
@@ -338,7 +174,7 @@ async function rolling() {
   tell("chunks refused", found.refused_chunks, 0);
   tell("ticks lost", found.ticks_lost, 0);
   tell("ticks doubled", found.ticks_doubled, 0);
-  lostOrDoubled += found.refused_chunks;
+  addLost(found.refused_chunks);
 }
 
 // --- jobs, with workers that die
@@ -368,7 +204,7 @@ async function jobsThatDie() {
   tell("results doubled", Math.max(0, made - jobs), 0);
   tell("scores that are not SQLite's to the bit", different, 0);
   say(`  workers killed: ${kills}, in ${shown(facts.jobs.seconds)} s`);
-  lostOrDoubled += Math.abs(made - jobs) + different;
+  addLost(Math.abs(made - jobs) + different);
 }
 // Neither is timed: in one, they take less.
 const both = [wants("rolling") && [`each server replaced in turn while ${sizes.rollingStations} stations stream`, rolling],

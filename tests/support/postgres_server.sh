@@ -7,9 +7,11 @@
 #   postgres_pair FOLDER                    FOLDER/one, and its synchronous standby FOLDER/two, with sockets in
 #                                           FOLDER/one.socket and FOLDER/two.socket and a database enamel
 #   postgres_standby FOLDER FROM NAME       FOLDER/NAME as a new synchronous standby of FOLDER/FROM, which runs
+# With ENAMEL_LINKS a server runs in the network namespace of its folder's name (tests/cluster/links.sh), with these options.
 #   postgres_ask SOCKETS SQL [DATABASE [USER]]
 postgres_programs=$(ls -d /usr/lib/postgresql/*/bin 2>/dev/null | sort -V | tail -1)
 postgres_as=()
+postgres_at=()
 postgres_user() {
   if [ ! -x "$postgres_programs/initdb" ] || [ ! -x "$postgres_programs/psql" ]; then
     echo "SKIPPED: PostgreSQL's initdb and psql are not installed"
@@ -28,14 +30,16 @@ postgres_user() {
     exit 77
   fi
 }
-postgres() { (cd "$postgres_folder" && "${postgres_as[@]}" "$postgres_programs/$1" "${@:2}"); }
+postgres() { (cd "$postgres_folder" && "${postgres_at[@]}" "${postgres_as[@]}" "$postgres_programs/$1" "${@:2}"); }
 postgres_init() {
   postgres initdb -D "$1" -A trust -U enamel -E UTF8 --locale=C --no-sync >"$1.initdb.log" 2>&1 || { cat "$1.initdb.log"; exit 1; }
 }
 # What is kept is asked of fsync elsewhere; here it would only cost time. server/ops/patroni.yml says why the interval.
 postgres_start() {
+  local postgres_at=()
+  [ -z "${ENAMEL_LINKS:-}" ] || postgres_at=(nsenter "--net=/run/netns/$(basename "$1")")
   postgres pg_ctl -D "$1" -w -t 60 -l "$1.log" \
-    -o "-k $2 -c listen_addresses= -c fsync=off -c max_connections=200 -c wal_retrieve_retry_interval=500ms ${*:3}" start >/dev/null || { cat "$1.log"; exit 1; }
+    -o "-k $2 -c listen_addresses= -c fsync=off -c max_connections=200 -c wal_retrieve_retry_interval=500ms ${ENAMEL_LINKS:-} ${*:3}" start >/dev/null || { cat "$1.log"; exit 1; }
 }
 postgres_end() {
   [ ! -f "$1/postmaster.pid" ] || postgres pg_ctl -D "$1" -m immediate -t 30 stop >/dev/null 2>&1 || true
