@@ -129,8 +129,9 @@ Status PgDb::Connect() {
   failure_ = {};
   if (handle_ == nullptr) {
     // Keywords before dbname are defaults, which the server's own words replace; keywords after it
-    // are not. A host that does not answer is found within seconds, not when TCP gives up. A
-    // read-only connection also goes to the primary: a standby may lack the newest commits.
+    // are not. A host that does not answer is found within two seconds (libpq's least), not when
+    // TCP gives up: the next host may be the primary by now. A read-only connection also goes to
+    // the primary: a standby may lack the newest commits.
     const char* const names[] = {"connect_timeout",
                                  "tcp_user_timeout",
                                  "keepalives_idle",
@@ -141,7 +142,7 @@ Status PgDb::Connect() {
                                  "client_encoding",
                                  "fallback_application_name",
                                  nullptr};
-    const char* const values[] = {"3",
+    const char* const values[] = {"2",
                                   "5000",
                                   "5",
                                   "2",

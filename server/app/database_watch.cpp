@@ -2,18 +2,25 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+
 #include "common/base/stoppable_sleep.h"
 
 namespace enamel::server::app {
+
+// A database that has failed may be another's since: a standby takes over within a second.
+constexpr std::chrono::milliseconds kRepeat{250};
 
 DatabaseWatch::DatabaseWatch(Store& store, std::chrono::milliseconds every)
     : store_(store), every_(every), thread_([this](const std::stop_token& stop) { Run(stop); }) {}
 
 void DatabaseWatch::Run(const std::stop_token& stop) {
+  bool beaten = false;
   do {
     // The log already reports an unreachable database; meanwhile the clock keeps its last offset.
-    if (store_.look.Beat().ok()) Tell(store_.health.Health());
-  } while (!SleepUntilStopped(stop, every_));
+    beaten = store_.look.Beat().ok();
+    if (beaten) Tell(store_.health.Health());
+  } while (!SleepUntilStopped(stop, beaten ? every_ : std::min(every_, kRepeat)));
 }
 
 void DatabaseWatch::Tell(const StoreHealth& health) {
