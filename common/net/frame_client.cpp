@@ -1,5 +1,8 @@
 #include "common/net/frame_client.h"
 
+#include <linux/sockios.h>
+#include <sys/ioctl.h>
+
 #include <atomic>
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
@@ -156,6 +159,7 @@ struct FrameClient::Impl {
     stream->async_read_some(asio::buffer(space.data(), space.size()),
                             [this](error_code error, size_t n) {
                               reading = false;
+                              moved = std::chrono::steady_clock::now();
                               if (error) {
                                 read_error = error;
                                 return;
@@ -208,6 +212,9 @@ struct FrameClient::Impl {
   Endpoint server;
   protocol::FrameReader reader;
   bool reading = false;
+  std::chrono::steady_clock::time_point moved;  // the last byte
+  bool leaving = false;                         // what is answered has not left this machine yet
+  int unsent = 0;                               // when silence() looked last
   std::optional<error_code> read_error;
   Status refusal;
   std::atomic<bool> cancelled{false};
@@ -233,11 +240,12 @@ Status FrameClient::Connect(const Endpoint& server, const Sha256& fingerprint, D
   impl_->refusal = Status::Ok();
   impl_->stream.emplace(impl_->io, impl_->context);
   Status status = impl_->Open(server, timeout);
+  impl_->moved = std::chrono::steady_clock::now();
   if (!status.ok()) impl_->Drop();
   return status;
 }
 
-Status FrameClient::Send(ByteView message, Duration timeout) {
+Status FrameClient::Send(ByteView message, Duration timeout, bool answered) {
   if (impl_->cancelled) return Cancelled();
   if (!impl_->stream) return NotConnected();
   ENAMEL_ASSIGN_OR_RETURN(auto frame, protocol::EncodeFrame(message));
@@ -246,6 +254,10 @@ Status FrameClient::Send(ByteView message, Duration timeout) {
                     [sent](error_code error, size_t) { *sent = error; });
   auto deadline = std::chrono::steady_clock::now() + timeout;
   bool done = impl_->RunUntil([&] { return sent->has_value(); }, deadline);
+  if (answered) {
+    impl_->leaving = true;
+    impl_->moved = std::chrono::steady_clock::now();
+  }
   if (done && !**sent) return Status::Ok();
   // Ends the write, which refers to the frame here.
   impl_->Drop();
@@ -272,6 +284,17 @@ Result<Bytes> FrameClient::Receive(Duration timeout) {
   Status status = i.read_error ? Broken(i.server, *i.read_error) : i.refusal;
   i.Drop();
   return status;
+}
+
+FrameClient::Duration FrameClient::silence() {
+  Impl& i = *impl_;
+  const auto now = std::chrono::steady_clock::now();
+  int unsent = 0;
+  if (i.stream) ::ioctl(i.stream->next_layer().native_handle(), SIOCOUTQ, &unsent);
+  if (i.leaving && unsent < i.unsent) i.moved = now;
+  i.leaving = i.leaving && unsent > 0;
+  i.unsent = unsent;
+  return std::chrono::duration_cast<Duration>(now - i.moved);
 }
 
 void FrameClient::Close() {

@@ -48,13 +48,18 @@ class FrameClient {
   // Sends one message as a frame. When it could not be handed to the system within `timeout` the
   // connection is closed. Errors: kUnavailable, kTooLarge over protocol::kMaxFrameBytes (still
   // open).
-  Status Send(ByteView message, Duration timeout = std::chrono::seconds(10));
+  // `answered`: the server will answer it, and silence() begins anew.
+  Status Send(ByteView message, Duration timeout = std::chrono::seconds(10), bool answered = true);
 
   // The next message. With a timeout of zero: a message already received, else one that can be read
   // without waiting. A timeout leaves the connection usable, even in the middle of a message: the
   // next Receive continues there. Errors: kUnavailable "timeout" (field() == "timeout"),
   // kUnavailable (closed or broken), kTooLarge (then closed).
   Result<Bytes> Receive(Duration timeout);
+
+  // How long no byte has come since all that is answered has left this machine. On a slow line that
+  // is long after Send.
+  Duration silence();
 
   // Ends the connection: TLS close_notify if it can be sent at once, then the socket. Idempotent.
   void Close();

@@ -4,7 +4,10 @@
 
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/post.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
+#include <exception>
 
 #include "server/auth/address_block.h"
 
@@ -132,12 +135,21 @@ asio::awaitable<void> Connection::ServeRequests() {
     // From here on the idle and frame deadlines hold; until here one deadline covered everything.
     introduced_ = true;
     if (!session_) {
-      if (Status found = co_await FindSchool(*request); !found.ok()) {
+      auto search = FindSchool(*request);
+      const Status found = co_await Waited(request->id(), std::move(search));
+      if (!found.ok()) {
         co_await Refuse(found);
         co_return;
       }
     }
-    Answer answer = co_await Carry(*request);
+    Answer answer;
+    // Not in one expression: GCC 12 destroys an operand of ?: with co_await twice.
+    if (session_->IsQuick(*request)) {
+      answer = co_await Carry(*request);
+    } else {
+      auto work = Carry(*request);
+      answer = co_await Waited(request->id(), std::move(work));
+    }
     if (session_->welcomed() && !station_) {
       station_ = session_->station()->id;
       welcomed_ = true;
@@ -148,6 +160,34 @@ asio::awaitable<void> Connection::ServeRequests() {
     bool written = co_await Write(std::move(*answer.reply));
     if (!written || answer.close) co_return;
   }
+}
+
+// Only this coroutine writes to the stream, so that a reply never begins in the middle of another.
+template <typename T>
+asio::awaitable<T> Connection::Waited(uint32_t reply_to, asio::awaitable<T> work) {
+  const auto until = Clock::now() + deadlines_.work;
+  asio::steady_timer next(strand_);
+  std::optional<T> out;
+  std::exception_ptr failure;
+  asio::co_spawn(strand_, std::move(work), [&](std::exception_ptr failed, T value) {
+    failure = failed;
+    out = std::move(value);
+    next.cancel();
+  });
+  // The work refers to what is here: it is awaited also where the station is gone.
+  for (bool there = reply_to != 0; !out;) {
+    next.expires_after(deadlines_.still_waiting);
+    error_code ended;
+    co_await next.async_wait(asio::redirect_error(asio::use_awaitable, ended));
+    if (out || !there) continue;
+    wire::Reply reply;
+    reply.set_reply_to(reply_to);
+    reply.mutable_still_waiting();
+    there = co_await Write(std::move(reply));
+    deadline_.Allow(std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now()));
+  }
+  if (failure) std::rethrow_exception(failure);
+  co_return std::move(*out);
 }
 
 asio::awaitable<Status> Connection::FindSchool(const wire::Request& first) {

@@ -50,6 +50,9 @@ class Connection : public AcceptedConnection, public std::enable_shared_from_thi
   boost::asio::awaitable<bool> Write(wire::Reply reply);
   // Before the first request is carried out: which school's it is.
   boost::asio::awaitable<Status> FindSchool(const wire::Request& first);
+  // What `work` gives. Until then the station is sent StillWaiting to `reply_to`.
+  template <typename T>
+  boost::asio::awaitable<T> Waited(uint32_t reply_to, boost::asio::awaitable<T> work);
   boost::asio::awaitable<Answer> Carry(const wire::Request& request);
   boost::asio::awaitable<void> Refuse(Status status);
   // Logs it, and removes the parts that are for the log alone.

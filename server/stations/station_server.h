@@ -19,6 +19,7 @@ struct LinkDeadlines {
   std::chrono::milliseconds idle{60'000};          // between frames
   std::chrono::milliseconds frame{30'000};         // from a frame's first byte to its last
   std::chrono::milliseconds work{60'000};          // a request in the store
+  std::chrono::milliseconds still_waiting{1'000};  // between two StillWaiting meanwhile
   std::chrono::milliseconds write{30'000};
   std::chrono::milliseconds stop{5'000};  // what a request gets to finish in when stopping
 };

@@ -29,7 +29,7 @@ struct Finding {
 // Checks everything an attempt needs: enrolment, server with its certificate and clock, disk,
 // spool, real-time rights, timer, devices and their delay, graphics. Changes nothing, except that
 // it writes a file and removes it again. Waits are bounded: for a server that does not answer, by
-// ServerLink::kTimeout.
+// ServerLink::kTimeout to connect, then kSilence.
 std::vector<Finding> Examine(const DoctorCommand& options);
 
 // Prints Examine's findings, one a line. Errors: kUnavailable if one failed (warnings are no

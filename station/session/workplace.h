@@ -47,7 +47,7 @@ struct WorkplaceOptions {
 //
 // A step that fails changes nothing: try it again, or take another one. A sign-in lasts as long as
 // the connection, which is kept alive here; once it is lost the person signs in again. Every step
-// except Begin and SignOut may wait for the server for up to ServerLink::kTimeout, so the window
+// except Begin and SignOut waits for the server while that says that it works on it, so the window
 // calls them from a separate thread. Thread safety: any thread; steps wait for each other.
 //
 // Sign-ins, sign-outs and attempts are logged, with people's ids; never typed text.

@@ -178,8 +178,6 @@ Status AttemptSender::AwaitBandwidth(size_t bytes) {
 }
 
 Status AttemptSender::TakeAck() {
-  // A connection that is up but silent is useless: TCP alone would keep it for many minutes.
-  const auto deadline = Clock::now() + ServerLink::kTimeout;
   while (true) {
     ENAMEL_RETURN_IF_ERROR(Meanwhiles());
     ENAMEL_ASSIGN_OR_RETURN(auto ack, link_.PollAck(kSlice));
@@ -194,10 +192,6 @@ Status AttemptSender::TakeAck() {
       if (!mark) return Status::Ok();
       unmarked_ = 0;
       return spool_.MarkCommitted(ack->attempt, ack->seq);
-    }
-    if (Clock::now() > deadline) {
-      link_.Close();
-      return Status(Code::kUnavailable, "the server does not acknowledge what was sent to it");
     }
   }
 }

@@ -1,5 +1,7 @@
 #include "station/uplink/server_link.h"
 
+#include <algorithm>
+
 #include "common/base/unix_time.h"
 #include "common/core/params.h"
 
@@ -11,6 +13,8 @@ using net::IsTimeout;
 // A volume of a whole tooth takes some megabytes; this limit only keeps a wrong `total` from using
 // up memory.
 constexpr uint64_t kMaxBlob = uint64_t{2} << 30;
+
+constexpr std::chrono::milliseconds kLook{500};  // for silence
 
 Status Unexpected(const char* wanted) {
   return Status(Code::kVersion, std::string("the server answered with another message than ") +
@@ -40,13 +44,25 @@ Status ServerLink::Send(wire::Request& request) {
   return client_.Send(protocol::Serialize(request));
 }
 
+// Its answer would come later and be mistaken for another's.
+Status ServerLink::LeaveSilent() {
+  const auto silence = client_.silence();
+  if (silence <= silence_) return Status::Ok();
+  client_.Close();
+  return Status(Code::kUnavailable,
+                "the server has not answered for " + std::to_string(silence.count() / 1000) +
+                    " s, although it owes an answer; the station connects again");
+}
+
 // The reply to `reply_to`.
 Result<wire::Reply> ServerLink::Receive(uint32_t reply_to) {
   while (true) {
-    auto frame = client_.Receive(kTimeout);
+    auto frame = client_.Receive(std::min<std::chrono::milliseconds>(silence_, kLook));
+    if (IsTimeout(frame.status())) {
+      ENAMEL_RETURN_IF_ERROR(LeaveSilent());
+      continue;
+    }
     if (!frame.ok()) {
-      // A server that does not answer in time counts as gone: its answer would come later and be
-      // mistaken for another.
       client_.Close();
       return frame.status();
     }
@@ -57,6 +73,7 @@ Result<wire::Reply> ServerLink::Receive(uint32_t reply_to) {
     }
     // Acknowledgements of chunks may arrive before the reply. An error without a request (reply_to
     // 0) ends the connection and answers whatever was asked.
+    if (reply->has_still_waiting()) continue;
     if (reply->reply_to() != reply_to && reply->reply_to() != 0) continue;
     if (reply->has_error()) return protocol::ToStatus(reply->error());
     if (reply->reply_to() == reply_to) return reply;
@@ -313,13 +330,17 @@ Status ServerLink::SendChunk(ByteView chunk, uint64_t shown) {
 
 Result<std::optional<ServerLink::Ack>> ServerLink::PollAck(std::chrono::milliseconds patience) {
   auto frame = client_.Receive(patience);
-  if (IsTimeout(frame.status())) return std::optional<Ack>();
+  if (IsTimeout(frame.status())) {
+    ENAMEL_RETURN_IF_ERROR(LeaveSilent());
+    return std::optional<Ack>();
+  }
   auto reply = frame.ok() ? protocol::ParseReply(*frame) : Result<wire::Reply>(frame.status());
   if (!reply.ok()) {
     client_.Close();
     return reply.status();
   }
   if (reply->has_error()) return protocol::ToStatus(reply->error());
+  if (reply->has_still_waiting()) return std::optional<Ack>();
   if (!reply->has_chunk_ack()) return Unexpected("ChunkAck");
   const wire::ChunkAck& ack = reply->chunk_ack();
   ENAMEL_ASSIGN_OR_RETURN(auto attempt, protocol::ReadUuid(ack.attempt(), "attempt"));
@@ -335,7 +356,7 @@ Status ServerLink::SendLive(const Uuid& attempt, const LivePoint& point) {
   for (int32_t v : point.anchor_um) live.add_anchor_um(v);
   for (int32_t v : point.force_mn) live.add_force_mn(v);
   live.set_flags(point.flags);
-  return client_.Send(protocol::Serialize(request));
+  return client_.Send(protocol::Serialize(request), kTimeout, /*answered=*/false);
 }
 
 Status ServerLink::Seal(const trace::Seal& seal) {

@@ -98,7 +98,12 @@ struct AttemptProgress {
 // from any. Real-time: never.
 class ServerLink {
  public:
-  static constexpr std::chrono::seconds kTimeout{20};
+  static constexpr std::chrono::seconds kTimeout{20};  // to connect
+  // A server that is busy says so every second. One that owes an answer and is silent for so long
+  // hangs: another may be reached by connecting again.
+  static constexpr std::chrono::seconds kSilence{5};
+
+  explicit ServerLink(std::chrono::milliseconds silence = kSilence) : silence_(silence) {}
 
   // Connects and enrols with a fresh key pair; or, with `before`, as that station with its id and
   // key (name empty: its old one). The credentials are not yet saved.
@@ -163,7 +168,7 @@ class ServerLink {
     bool watched = false;                     // LiveState is wanted
     std::vector<protocol::Remark> remarks{};  // to the attempt's chair
   };
-  // The next acknowledgement, or nothing within `patience`.
+  // The next acknowledgement, or nothing within `patience`. Errors: kUnavailable, after kSilence too.
   Result<std::optional<Ack>> PollAck(std::chrono::milliseconds patience);
   // Has no answer.
   Status SendLive(const Uuid& attempt, const LivePoint& point);
@@ -177,6 +182,10 @@ class ServerLink {
   Result<wire::Reply> Receive(uint32_t reply_to);
   Result<wire::Reply> Call(wire::Request& request);
 
+  // Closes a connection on which nothing has moved for too long.
+  Status LeaveSilent();
+
+  const std::chrono::milliseconds silence_;
   net::FrameClient client_;
   uint32_t last_id_ = 0;
   bool may_begin_ = false;

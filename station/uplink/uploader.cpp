@@ -82,7 +82,7 @@ void Uploader::Stop() {
   {
     MutexLock lock(mutex_);
     stop_ = true;
-    // The thread may be waiting for the server for up to kTimeout: Cancel ends that wait at once.
+    // The thread may be waiting for the server for seconds: Cancel ends that wait at once.
     link_.Cancel();
     changed_.notify_all();
   }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kPing_s = 20;  // schemas/wire/README.md, "Deadlines"
-constexpr double kReplyWithin_s = 20;
+constexpr double kReplyWithin_s = 5;
 constexpr double kLongestPause_s = 2;
 constexpr size_t kWindow = 8;  // requests without an answer; the link allows 32
 
@@ -181,6 +181,7 @@ void Station::Read(double now) {
 }
 
 void Station::Take(const wire::Reply& reply, double now) {
+  if (reply.has_still_waiting()) return;
   if (!in_flight_.empty() && in_flight_.front().id == reply.reply_to()) {
     return TakeChunkReply(reply, now);
   }

@@ -139,6 +139,27 @@ TEST_F(StationServerTest, TroubleOfTheStoreIsToldWithoutThePathsInIt) {
   EXPECT_EQ(error.message().find("/"), std::string::npos) << error.message();
 }
 
+TEST_F(StationServerTest, StationIsToldThatItsRequestStillWaitsWhileTheDatabaseHoldsIt) {
+  LinkDeadlines deadlines;
+  deadlines.still_waiting = 5ms;
+  Start(deadlines);
+  sqlite3* handle = nullptr;
+  ASSERT_EQ(sqlite3_open((world_.folder.path() / "enamel.db").c_str(), &handle), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(handle, "BEGIN IMMEDIATE", nullptr, nullptr, nullptr), SQLITE_OK);
+  Connect(client_);
+  int waiting = 0;
+  ScriptedStation station([&](const wire::Request& request) {
+    wire::Reply reply = Exchange(client_, request);
+    for (; reply.has_still_waiting(); reply = Receive(client_)) {
+      EXPECT_EQ(reply.reply_to(), request.id());
+      if (++waiting == 2) sqlite3_close(handle);
+    }
+    return reply;
+  });
+  EXPECT_TRUE(station.Enrol().has_enrolled());
+  EXPECT_GE(waiting, 2);
+}
+
 TEST_F(StationServerTest, FrameThatIsNoMessageIsNamedAndEndsTheConnection) {
   Start();
   Connect(client_);

@@ -120,6 +120,9 @@ class FakeServer {
   std::atomic<bool> silent{false};
   std::atomic<int> unanswered{0};
 
+  // Says so many times that it still waits before it answers.
+  std::atomic<int> still_waiting{0};
+
   // The person who signs in, for any login.
   Uuid person = Uuid::New();
   // The password is for one use.
@@ -176,6 +179,12 @@ class FakeServer {
                        request->has_attempt_status())) {
           ++unanswered;
           continue;
+        }
+        for (int i = 0; i < still_waiting; ++i) {
+          wire::Reply reply;
+          reply.set_reply_to(request->id());
+          reply.mutable_still_waiting();
+          asio::write(stream, asio::buffer(*protocol::EncodeFrame(protocol::Serialize(reply))));
         }
         Answer(stream, *request);
       }

@@ -28,6 +28,28 @@ TEST_F(ServerLinkTest, SigningInTellsThatThePasswordWasForOneUse) {
   }
 }
 
+TEST_F(ServerLinkTest, ServerThatOwesAnAnswerAndIsSilentIsLeft) {
+  FakeServer server(folder_);
+  ServerLink link(std::chrono::milliseconds(50));
+  ASSERT_TRUE(link.Connect(server.NewStation()).ok());
+  server.silent = true;
+  auto person = link.SignIn("ada", "secret");
+  EXPECT_EQ(person.status().code(), Code::kUnavailable);
+  EXPECT_NE(person.status().message().find("owes an answer"), std::string::npos)
+      << person.status().message();
+  EXPECT_FALSE(link.connected());
+}
+
+TEST_F(ServerLinkTest, ServerThatSaysThatItStillWaitsIsWaitedFor) {
+  FakeServer server(folder_);
+  server.still_waiting = 3;
+  ServerLink link;
+  ASSERT_TRUE(link.Connect(server.NewStation()).ok());
+  auto person = link.SignIn("ada", "secret");
+  ASSERT_TRUE(person.ok()) << person.status().message();
+  EXPECT_EQ(person->role, "student");
+}
+
 TEST_F(ServerLinkTest, PageIsShownWhereTheServerSaysItAndTheTextIsAnAddress) {
   const std::string fits = "https://" + std::string(192, 'x');
   for (const std::string& url : {std::string("https://enamel.example.edu"),
