@@ -5,6 +5,7 @@
 
 #include "common/base/utf8.h"
 #include "common/program/log.h"
+#include "common/program/private_memory.h"
 #include "common/program/suggestion.h"
 #include "common/program/version.h"
 #include "server/commands/admin.h"
@@ -28,6 +29,7 @@ using namespace enamel;
 using namespace enamel::server;
 
 int main(int argc, char** argv) {
+  program::KeepMemoryPrivate();
   // Found out before the command line is parsed, so that a refusal of the command line itself is
   // already said in the format that the log's reader expects.
   const bool json = program::AsksForJson(argc, argv, "ENAMEL_");
