@@ -174,8 +174,9 @@ void RegisterError(CLI::App& app, int* exit_code) {
                     "folder");
   error->footer(
       "The same as 'qualify --suite cutting'. Every bur and voxel size, beside what a tick of it\n"
-      "costs here: removed volume against the swept body's closed form, surface against the body,\n"
-      "force against the finest voxel; and the score of one hand at every voxel size.\n"
+      "costs here: removed volume, surface and force against closed forms, in a groove and in a\n"
+      "plunge, on eight grids that lie differently; the order in which each error falls with the\n"
+      "voxel, or its floor; and the score of one hand at every voxel size.\n"
       "Examples:\n"
       "  enamel-lab error --quick\n"
       "  enamel-lab error --report cutting.html\n"

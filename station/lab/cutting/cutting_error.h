@@ -8,35 +8,38 @@
 #include "common/base/result.h"
 #include "station/lab/cutting/tick_cost.h"
 
-// The accuracy of cutting, compared with closed forms and with the finest voxel, and its cost.
+// The accuracy of cutting, compared with closed forms, and its cost.
 namespace enamel::station::lab {
 
-// One bur at one speed, cut at several voxel sizes.
+// One bur at one speed, cut at several voxel sizes, each with the grid at several places.
 struct CuttingPlan {
-  std::vector<CutCase> cases;      // their voxel size is not used
-  std::vector<int32_t> voxels_nm;  // coarse to fine
+  std::vector<CutCase> cases;      // their voxel size and grid are not used
+  std::vector<int32_t> voxels_nm;  // coarse to fine, each half of the one before
   size_t ticks = 1000;
   int replays = 5;
+  size_t grids = 8;
 };
-// All burs x speeds x voxel sizes, upright, and turned off the grid together with the block so that
-// no face is along voxels; `quick`: two burs, one speed, two sizes.
+// All burs x speeds x voxel sizes, in a groove and in a plunge, turned off the grid together with
+// the block so that no face is along voxels; `quick`: two burs, one speed, two sizes, the groove.
 CuttingPlan DefaultCuttingPlan(bool quick);
+
+// What a cut differs by from the body that its bur swept (swept_body.h), with the grid at one place.
+struct CutErrors {
+  double removed_mm3 = 0, analytic_mm3 = 0;
+  double volume = 0;  // removed / analytic - 1
+  // Distance of the hole's mesh from the body, over vertices more than 1.5 voxels inside the block;
+  // rims of the bur's own edges, which the mesh bevels, are included.
+  double surface_mean_um = 0, surface_p95_um = 0;
+  size_t vertices = 0;
+  double force_mean_n = 0;
+  // |mean F - reference| / |reference|, over the measured ticks: the bur's front is in the block.
+  double force = 0;
+};
 
 struct CuttingFigures {
   CutCase c;
-  TickCost cost;  // on the same path
-  // The slot cut by a body of revolution of profile r(z) whose axis moves from outside the block's
-  // side to X behind it: integral over the depth of 2 r X + pi r^2 / 2.
-  double analytic_mm3 = 0, removed_mm3 = 0;
-  double volume_error = 0;  // (removed - analytic) / analytic
-  // Distance of the slot's mesh from the swept body, over vertices more than 1.5 voxels inside the
-  // block; rims of the bur's own edges, which the mesh bevels, are included.
-  double deviation_mean_um = 0, deviation_p95_um = 0;
-  size_t vertices = 0;
-  double force_mean_n = 0;
-  // Mean of |F - F_finest| over the measured ticks, relative to the mean of |F_finest|; 0 for the
-  // finest.
-  double force_error = 0;
+  TickCost cost;                 // on the same path
+  std::vector<CutErrors> grids;  // the first with samples at whole voxels of the scene
 };
 
 // Case by case, coarse to fine. `progress` (what, done, all) may be empty. Blocks.

@@ -13,22 +13,24 @@ namespace {
 
 using cutting::Tissue;
 
-constexpr int32_t kCell_nm = 100;  // finer than any tick's travel here
+constexpr int32_t kCell_nm = 1;  // far finer than the spring's stretch here
 constexpr double kEntry_m_s = 20e-3, kTravel_m = 6e-3, kMargin_m = 1e-3;
 constexpr int kSettleTicks = 300;
 constexpr double kLow = -0.70710678118654752;
 constexpr int kNotEngaged = int{haptics::kFreeAir} | int{core::kSuspended};
 
-// The tip's position when the bur's axis is over x = 0.
+// The tip when the bur's axis is over x = 0; of a plunge, when the tip is in the block's top.
 dvec3 TipAtStart(const CutCase& c) {
   double height = c.bur.height_m();
+  if (c.plunge) return {c.bur.radius_m + kMargin_m, 0, 0};
   if (c.sunk == Sunk::kLying) return {0, -0.5 * height, 0};
   return {0, 0, c.sunk == Sunk::kHalf ? -0.5 * height : -height};
 }
 
-// Turned by about 33 degrees about an axis that is not a symmetry of the grid.
+// Turned by about 33 degrees about an axis that is not a symmetry of the grid; as an input to the
+// core has it, so that bur and block are turned alike.
 Quat TurnOf(const CutCase& c) {
-  return c.oblique ? Quat{0.17, 0.11, 0.23, 1}.Normalised() : Quat{};
+  return c.oblique ? FromQuantised(ToQuantised(Quat{0.17, 0.11, 0.23, 1}.Normalised())) : Quat{};
 }
 
 // Solid for x > 0 and z < 0, as large as the path needs.
@@ -38,6 +40,7 @@ cutting::Volume MakeBlock(const CutCase& c, double travel_m) {
   double half_y = (lying ? std::max(0.5 * height, radius) : radius) + kMargin_m;
   double deep = (lying ? radius : height) + kMargin_m;
   dvec3 lo(0, -half_y, -deep), hi(travel_m + radius + kMargin_m, half_y, 0);
+  if (c.plunge) lo.z = -(travel_m + kMargin_m), hi.x = 2 * (radius + kMargin_m);
   BlockFrame frame(TurnOf(c));
   auto field = [=](const dvec3& scene) {
     dvec3 p = frame.ToBlock(scene);
@@ -52,8 +55,10 @@ cutting::Volume MakeBlock(const CutCase& c, double travel_m) {
     least = glm::min(least, corner);
     most = glm::max(most, corner);
   }
-  return scene::BuildVolume(scene::GridAround(least, most, c.voxel_nm), scene::Field(field),
-                            scene::BuildThreads());
+  cutting::GridSpec grid = scene::GridAround(least, most, c.voxel_nm);
+  for (int i = 0; i < 3; ++i)
+    grid.origin_nm[static_cast<size_t>(i)] -= std::llround(c.grid_at[i] * c.voxel_nm);
+  return scene::BuildVolume(grid, scene::Field(field), scene::BuildThreads());
 }
 
 int32_t Nanometres(double m) { return static_cast<int32_t>(std::lround(m * 1e9)); }
@@ -62,9 +67,9 @@ core::CoreParams MakeParams(const CutCase& c) {
   core::CoreParams p;
   p.rate_hz = c.rate_hz;
   p.law = haptics::kDefaultLaw;
-  // A stiff spring in soft material: the bur stays within a few micrometres of the hand.
+  // A stiff spring in soft material: the bur stays within a micrometre of the hand.
   p.kc_mn_per_mm = 1'000'000;
-  p.damping_mn_s_per_mm.fill(500);
+  p.damping_mn_s_per_mm.fill(50);
   p.resolution_nm.fill(kCell_nm);
   p.peak_force_mn = 100'000;
   p.soft_start_ticks = 1;
@@ -161,14 +166,17 @@ std::vector<CutCase> BurCases() {
 CutPath MakeCutPath(const CutCase& c, size_t ticks) {
   const double step = c.speed_m_s / c.rate_hz, entry_step = kEntry_m_s / c.rate_hz;
   // From outside the block until the whole bur is in it: only then do all ticks cut the same.
-  const double start = -(c.bur.radius_m + 0.5e-3), inside = c.bur.radius_m + 0.5e-3;
+  const double front = c.plunge ? 0 : c.bur.radius_m;
+  const double start = -(front + 0.5e-3), inside = c.plunge ? c.bur.height_m() : front + 0.5e-3;
+  const dvec3 way = c.plunge ? dvec3(0, 0, -1) : dvec3(1, 0, 0);
   size_t measured = std::min(ticks, static_cast<size_t>(kTravel_m / step));
   CutPath path;
   path.params = MakeParams(c);
   path.bur = core::BurOf(path.params);
   path.turn = TurnOf(c);
-  path.tip_m = TipAtStart(c);
-  auto add = [&](double x) { path.inputs.push_back(InputAt(c, path.tip_m + dvec3(x, 0, 0))); };
+  path.plunge = c.plunge;
+  path.speed_m_s = c.speed_m_s;
+  auto add = [&](double x) { path.inputs.push_back(InputAt(c, TipAtStart(c) + way * x)); };
   double x = start;
   for (int i = 0; i < 4; ++i) add(x);
   for (; x < inside; x += entry_step) add(x);

@@ -27,6 +27,10 @@ struct CutCase {
   Sunk sunk = Sunk::kHalf;
   // Turns block, path and bur off the grid together, so that no face is along voxels.
   bool oblique = false;
+  // Moves along its own axis into the block's top, from above it. Its `sunk` is not used.
+  bool plunge = false;
+  // Where the grid's samples lie: moved by this share of a voxel along each axis.
+  dvec3 grid_at{0};
   uint32_t rate_hz = 1000;
 
   double voxel_mm() const { return voxel_nm * 1e-6; }
@@ -48,13 +52,14 @@ class BlockFrame {
 };
 
 // A path through a block, as input to the core. The block's frame: solid where x > 0 and z < 0, and
-// the bur moves along +x.
+// the bur moves along +x, or with `plunge` along -z.
 struct CutPath {
   core::CoreParams params;
   cutting::Bur bur;  // as the core has it
   cutting::Volume block;
-  Quat turn;       // scene from block
-  dvec3 tip_m{0};  // the tip when the bur's axis is over x = 0, block's frame
+  Quat turn;  // scene from block
+  bool plunge = false;
+  double speed_m_s = 0;
   std::vector<core::TickInput> inputs;
   size_t first_measured = 0;  // before it: soft start, entry at 20 mm/s, settling
 };

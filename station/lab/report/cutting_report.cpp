@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <boost/json.hpp>
 #include <cmath>
+#include <cstdio>
 
 namespace enamel::station::lab {
 namespace {
@@ -13,7 +14,7 @@ std::vector<std::pair<std::string, std::vector<const CuttingRow*>>> ByBur(const 
   double speed = CutCase().speed_m_s;
   for (const CuttingRow& row : f.cutting) {
     // One speed: three would make three lines a bur, too similar to distinguish.
-    if (row.figures.c.speed_m_s != speed) continue;
+    if (row.figures.c.speed_m_s != speed || row.figures.c.plunge) continue;
     std::string name = BurText(row.figures.c);
     if (out.empty() || out.back().first != name) out.push_back({name, {}});
     out.back().second.push_back(&row);
@@ -35,7 +36,8 @@ Plot FrontPlot(const Findings& f) {
     Series line{name, ColourOf(i), Style::kLine, {}};
     Series dots{"", ColourOf(i++), Style::kDots, {}};
     for (const CuttingRow* row : rows) {
-      std::pair<double, double> at{row->figures.cost.mean_us, row->figures.deviation_p95_um};
+      std::pair<double, double> at{row->figures.cost.mean_us,
+                                   row->RmsOf(&CutErrors::surface_p95_um)};
       // Not on the line: it would bend back, and the line shows the possible choices.
       if (!row->pareto) {
         lost.points.push_back(at);
@@ -51,35 +53,31 @@ Plot FrontPlot(const Findings& f) {
   return p;
 }
 
-Plot VolumePlot(const Findings& f) {
+// Error against voxel size in a groove at one speed, with the order of the last halving beside each
+// bur.
+Plot OrderPlot(const Findings& f, const char* quantity, const char* what) {
   Plot p;
-  p.title = "Cutting: volume error against voxel size at 5 mm/s";
+  p.title = std::string("Cutting: ") + what +
+            " against voxel size in a groove at 5 mm/s, with the order of the last halving";
   p.x_label = "voxel, mm";
-  p.y_label = "error of the removed volume, %";
   p.log_x = p.log_y = true;
   size_t i = 0;
-  double coarsest = 0, finest = 1, worst = 0;
-  for (const auto& [name, rows] : ByBur(f)) {
-    Series line{name, ColourOf(i++), Style::kLine, {}};
-    for (const CuttingRow* row : rows) {
-      // The axis is logarithmic: an error of exactly 0 is drawn at the bottom, not lost.
-      double percent = std::max(1e-4, 100 * std::fabs(row->figures.volume_error));
-      line.points.push_back({row->figures.c.voxel_mm(), percent});
-      coarsest = std::max(coarsest, row->figures.c.voxel_mm());
-      finest = std::min(finest, row->figures.c.voxel_mm());
-      if (row->figures.c.voxel_mm() == coarsest) worst = std::max(worst, percent);
-    }
+  for (const OrderRow& row : f.orders) {
+    if (row.quantity != quantity || row.c.plunge || row.c.speed_m_s != CutCase().speed_m_s)
+      continue;
+    p.y_label = std::string(what) + ", RMS over grids, " + row.unit;
+    char order[48];
+    std::snprintf(order, sizeof order, ", order %.1f", row.observed.order);
+    Series line{BurText(row.c) + order, ColourOf(i++), Style::kLine, {}};
+    for (size_t v = 0; v < row.rms.size(); ++v)
+      line.points.push_back({row.voxels_mm[v], row.rms[v]});
     p.series.push_back(std::move(line));
   }
-  if (coarsest > finest) {
-    // The slope of a second-order method, drawn through the worst bur.
-    double ratio = finest / coarsest;
-    p.series.push_back({"falling as h^2",
-                        "reference",
-                        Style::kDashes,
-                        {{finest, worst * ratio * ratio}, {coarsest, worst}}});
-  }
   return p;
+}
+
+boost::json::value Number(double v) {
+  return std::isfinite(v) ? boost::json::value(v) : boost::json::value(nullptr);
 }
 
 }  // namespace
@@ -87,23 +85,41 @@ Plot VolumePlot(const Findings& f) {
 void AppendCuttingRows(const Findings& f, boost::json::array& rows) {
   for (const CuttingRow& row : f.cutting) {
     const CuttingFigures& c = row.figures;
+    const CutErrors& first = c.grids[0];
     rows.push_back(boost::json::object{{"suite", "cutting"},
                                        {"bur", BurText(c.c)},
+                                       {"way", c.c.plunge ? "plunge" : "groove"},
                                        {"voxel_mm", c.c.voxel_mm()},
                                        {"speed_mm_s", c.c.speed_m_s * 1e3},
-                                       {"removed_mm3", c.removed_mm3},
-                                       {"analytic_mm3", c.analytic_mm3},
-                                       {"volume_error", c.volume_error},
-                                       {"surface_mean_um", c.deviation_mean_um},
-                                       {"surface_p95_um", c.deviation_p95_um},
-                                       {"surface_vertices", c.vertices},
-                                       {"force_mean_n", c.force_mean_n},
-                                       {"force_error", c.force_error},
+                                       {"grids", c.grids.size()},
+                                       {"removed_mm3", first.removed_mm3},
+                                       {"analytic_mm3", first.analytic_mm3},
+                                       {"volume_error", first.volume},
+                                       {"volume_rms", row.RmsOf(&CutErrors::volume)},
+                                       {"surface_mean_um", row.RmsOf(&CutErrors::surface_mean_um)},
+                                       {"surface_p95_um", row.RmsOf(&CutErrors::surface_p95_um)},
+                                       {"surface_vertices", first.vertices},
+                                       {"force_mean_n", first.force_mean_n},
+                                       {"force_error", row.RmsOf(&CutErrors::force)},
                                        {"mean_us", c.cost.mean_us},
                                        {"p99_us", c.cost.p99_us},
                                        {"raw_mean_us", c.cost.raw_mean_us},
                                        {"raw_p99_us", c.cost.raw_p99_us},
                                        {"pareto", row.pareto}});
+  }
+  for (const OrderRow& o : f.orders) {
+    rows.push_back(boost::json::object{
+        {"suite", "order"},
+        {"bur", BurText(o.c)},
+        {"way", o.c.plunge ? "plunge" : "groove"},
+        {"speed_mm_s", o.c.speed_m_s * 1e3},
+        {"quantity", o.quantity},
+        {"unit", o.unit},
+        {"voxels_mm", boost::json::value_from(o.voxels_mm)},
+        {"rms", boost::json::value_from(o.rms)},
+        {"order", Number(o.observed.order)},
+        {"interval", boost::json::array{Number(o.observed.low), Number(o.observed.high)}},
+        {"floor", Number(o.floor)}});
   }
   for (const ScoreFigures& s : f.scores) {
     for (const CriterionFigures& criterion : s.criteria) {
@@ -122,7 +138,9 @@ void AppendCuttingRows(const Findings& f, boost::json::array& rows) {
 
 std::vector<Plot> CuttingPlots(const Findings& f) {
   if (f.cutting.empty()) return {};
-  return {FrontPlot(f), VolumePlot(f)};
+  return {FrontPlot(f), OrderPlot(f, "volume", "error of the removed volume"),
+          OrderPlot(f, "surface_p95", "95th percentile distance from the swept body"),
+          OrderPlot(f, "force", "error of the force")};
 }
 
 }  // namespace enamel::station::lab

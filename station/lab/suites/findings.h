@@ -7,6 +7,7 @@
 
 #include "common/fidelity/feel.h"
 #include "station/lab/cutting/cutting_error.h"
+#include "station/lab/cutting/order.h"
 #include "station/lab/laws/model.h"
 #include "station/lab/laws/strokes.h"
 
@@ -143,6 +144,22 @@ struct FeelCurve {
 struct CuttingRow {
   CuttingFigures figures;
   bool pareto = false;
+
+  // Over its grids.
+  double RmsOf(double CutErrors::*error) const {
+    std::vector<double> all;
+    for (const CutErrors& e : figures.grids) all.push_back(e.*error);
+    return Rms(all);
+  }
+};
+
+// How one figure of one bur's cuts falls with the voxel.
+struct OrderRow {
+  CutCase c;                           // its voxel and grid are not used
+  std::string quantity, unit;          // volume, surface_p95, force
+  std::vector<double> voxels_mm, rms;  // coarse to fine, over the grids
+  ObservedOrder observed;              // of the last halving
+  double floor = kNotApplicable;       // the RMS at the finest voxel, where it no longer falls
 };
 
 struct Findings {
@@ -154,6 +171,7 @@ struct Findings {
   std::vector<Attack> attacks;
   std::vector<RandomSummary> random;
   std::vector<CuttingRow> cutting;
+  std::vector<OrderRow> orders;
   std::vector<HandRow> hands;
   std::vector<ExtremeRow> extremes;
   std::vector<FeelCurve> feel;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <boost/json.hpp>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -34,7 +35,9 @@ class CuttingSuiteTest : public testing::Test {
     o.json_path = folder_ / "rows.json";
     o.report = folder_ / "report";
     exit_code_ = RunQualify(o);
-    rows_ = boost::json::parse(ReadAll(o.json_path)).at("rows").as_array();
+    const auto document = boost::json::parse(ReadAll(o.json_path));
+    for (const auto& row : document.at("rows").as_array())
+      (row.at("suite").as_string() == "order" ? orders_ : rows_).push_back(row);
   }
   static void TearDownTestSuite() { fs::remove_all(folder_); }
 
@@ -44,7 +47,7 @@ class CuttingSuiteTest : public testing::Test {
 
   static inline fs::path folder_;
   static inline int exit_code_ = -1;
-  static inline boost::json::array rows_;
+  static inline boost::json::array rows_, orders_;
 };
 
 TEST_F(CuttingSuiteTest, RowsCarryErrorAndRunTimeOfEveryVoxelSize) {
@@ -61,6 +64,20 @@ TEST_F(CuttingSuiteTest, RowsCarryErrorAndRunTimeOfEveryVoxelSize) {
   }
 }
 
+TEST_F(CuttingSuiteTest, OrderOfEveryQuantityHasAnIntervalAndAFloorWhereItDoesNotFall) {
+  ASSERT_EQ(orders_.size(), 6u);  // two burs, three quantities
+  for (const auto& row : orders_) {
+    EXPECT_EQ(row.at("way").as_string(), "groove");
+    const auto& rms = row.at("rms").as_array();
+    ASSERT_EQ(rms.size(), 2u);
+    const double coarse = rms[0].to_number<double>(), fine = rms[1].to_number<double>();
+    EXPECT_NEAR(Number(row, "order"), std::log2(coarse / fine), 1e-9);
+    EXPECT_LE(row.at("interval").at(0).to_number<double>(), Number(row, "order"));
+    EXPECT_GE(row.at("interval").at(1).to_number<double>(), Number(row, "order"));
+    EXPECT_EQ(row.at("floor").is_null(), Number(row, "order") >= 0.9);
+  }
+}
+
 TEST_F(CuttingSuiteTest, EveryBurHasAFrontAndItsMostExactRowIsOnIt) {
   std::map<std::string, const boost::json::value*> best;
   for (const auto& row : rows_) {
@@ -71,17 +88,17 @@ TEST_F(CuttingSuiteTest, EveryBurHasAFrontAndItsMostExactRowIsOnIt) {
   for (const auto& [bur, row] : best) EXPECT_TRUE(row->at("pareto").as_bool()) << bur;
 }
 
-TEST_F(CuttingSuiteTest, ReportHasTheFrontAndTheVolumeErrorOfEveryBur) {
+TEST_F(CuttingSuiteTest, ReportHasTheFrontAndTheErrorsOfEveryBurWithTheirOrder) {
   const auto document = boost::json::parse(ReadAll(folder_ / "report/qualification.json"));
   const auto& sections = document.at("report").at("sections").as_array();
   ASSERT_EQ(sections.size(), 1u);
   EXPECT_EQ(sections[0].at("title").as_string(), "Cutting: error against run time");
   const auto& plots = sections[0].at("plots").as_array();
-  ASSERT_EQ(plots.size(), 2u);  // the front, the volume error
+  ASSERT_EQ(plots.size(), 4u);  // the front; volume, surface, force
   for (const auto& plot : plots) {
     const auto& series = plot.at("series").as_array();
     const auto named = std::find_if(series.begin(), series.end(), [](const auto& one) {
-      return one.at("label").as_string() == "cylinder r 0.6 x 4 mm";
+      return one.at("label").as_string().starts_with("cylinder r 0.6 x 4 mm");
     });
     ASSERT_NE(named, series.end()) << plot.at("title");
     EXPECT_FALSE(named->at("x").as_array().empty());

@@ -5,6 +5,7 @@
 #include "common/trace/replay.h"
 #include "station/lab/cutting/attempt.h"
 #include "station/lab/cutting/cutting_error.h"
+#include "station/lab/cutting/order.h"
 
 // The benchmarks measure what they name. No test here depends on a time.
 namespace enamel::station::lab {
@@ -18,6 +19,7 @@ CuttingPlan Plan(std::vector<CutCase> cases, std::vector<int32_t> voxels_nm) {
   plan.voxels_nm = std::move(voxels_nm);
   plan.ticks = 100;
   plan.replays = 1;
+  plan.grids = 1;
   return plan;
 }
 
@@ -61,11 +63,24 @@ TEST(CuttingErrorTest, SweptVolumeMeetsTheClosedForms) {
   ASSERT_EQ(figures.size(), 2u);
   // The anchor ends at X: 0.3 s of settling and 0.1 s measured at 5 mm/s after the entry.
   double x = 1.1 + 0.4 * 5, r = 0.6, depth = 2;
-  EXPECT_NEAR(figures[0].analytic_mm3, (2 * r * x + 0.5 * kPi * r * r) * depth, 0.02);
+  EXPECT_NEAR(figures[0].grids[0].analytic_mm3, (2 * r * x + 0.5 * kPi * r * r) * depth, 0.02);
   // Half a ball of radius R: 2 X times its half disc, and half of half its volume.
   x = 1.0 + 0.4 * 5;
   r = 0.5;
-  EXPECT_NEAR(figures[1].analytic_mm3, 2 * x * 0.25 * kPi * r * r + kPi * r * r * r / 3, 0.02);
+  EXPECT_NEAR(figures[1].grids[0].analytic_mm3, 2 * x * 0.25 * kPi * r * r + kPi * r * r * r / 3,
+              0.02);
+}
+
+// A cylinder and a ball that plunge: pi r^2 of depth, the ball's end a half ball.
+TEST(CuttingErrorTest, PlungedVolumeMeetsTheClosedForms) {
+  CutCase cylinder, ball;
+  ball.bur = {cutting::BurShape::kSphere, 0.5e-3, 0};
+  for (CutCase* c : {&cylinder, &ball}) c->oblique = c->plunge = true;
+  auto figures = MeasureCutting(Plan({cylinder, ball}, {100'000}));
+  double r = 0.6, depth = 4 + 0.4 * 5;
+  EXPECT_NEAR(figures[0].grids[0].analytic_mm3, kPi * r * r * depth, 0.03);
+  r = 0.5, depth = 1 + 0.4 * 5;
+  EXPECT_NEAR(figures[1].grids[0].analytic_mm3, kPi * r * r * (depth - r / 3), 0.03);
 }
 
 TEST(CuttingErrorTest, EveryBurIsWithinAPercentOfItsSweptVolumeAndAVoxelOfItsSurface) {
@@ -74,22 +89,54 @@ TEST(CuttingErrorTest, EveryBurIsWithinAPercentOfItsSweptVolumeAndAVoxelOfItsSur
   auto figures = MeasureCutting(plan);
   ASSERT_EQ(figures.size(), 7u);
   for (const CuttingFigures& f : figures) {
-    EXPECT_LT(std::fabs(f.volume_error), 0.02) << BurText(f.c);
-    EXPECT_GT(f.vertices, 100u) << BurText(f.c);
-    EXPECT_LT(f.deviation_p95_um, 100) << BurText(f.c);
-    EXPECT_LT(f.deviation_mean_um, f.deviation_p95_um) << BurText(f.c);
-    EXPECT_GT(f.force_mean_n, 0) << BurText(f.c);
+    const CutErrors& e = f.grids[0];
+    EXPECT_LT(std::fabs(e.volume), 0.01) << BurText(f.c);
+    EXPECT_GT(e.vertices, 100u) << BurText(f.c);
+    EXPECT_LT(e.surface_p95_um, 100) << BurText(f.c);
+    EXPECT_LT(e.surface_mean_um, e.surface_p95_um) << BurText(f.c);
+    EXPECT_LT(e.force, 0.15) << BurText(f.c);
   }
 }
 
-TEST(CuttingErrorTest, FinerVoxelIsCloserToTheBody) {
-  CutCase c;
-  c.oblique = true;
-  auto figures = MeasureCutting(Plan({c}, {100'000, 50'000}));
+// Tissue pushes the ball up by a micrometre; the reference goes where the ball was.
+TEST(CuttingErrorTest, HalfTheVoxelHalvesTheErrorsOfABall) {
+  CutCase ball;
+  ball.bur = {cutting::BurShape::kSphere, 0.5e-3, 0};
+  ball.oblique = true;
+  auto plan = Plan({ball}, {100'000, 50'000});
+  plan.grids = 8;
+  auto figures = MeasureCutting(plan);
   ASSERT_EQ(figures.size(), 2u);
-  EXPECT_LT(figures[1].deviation_mean_um, 0.6 * figures[0].deviation_mean_um);
-  EXPECT_EQ(figures[1].force_error, 0);
-  EXPECT_GT(figures[0].force_error, 0);
+  std::vector<double> volume[2], surface[2];
+  for (size_t i = 0; i < 2; ++i) {
+    for (const CutErrors& e : figures[i].grids) {
+      volume[i].push_back(e.volume);
+      surface[i].push_back(e.surface_p95_um);
+    }
+  }
+  EXPECT_GT(OrderOf(volume[0], volume[1]).low, kFalls);
+  EXPECT_GT(OrderOf(surface[0], surface[1]).low, kFalls);
+}
+
+TEST(OrderTest, IsTheExponentOfAnErrorThatChangesItsSign) {
+  const double coarse[] = {4, -4, 3, -5}, fine[] = {-1, 1, 0.75, 1.25};
+  ObservedOrder o = OrderOf(coarse, fine);
+  EXPECT_DOUBLE_EQ(o.order, 2);
+  EXPECT_LT(o.low, 2);
+  EXPECT_GT(o.high, 2);
+}
+
+TEST(OrderTest, IndexIsNoNumberOutsideItsAsymptoticRange) {
+  auto second = IndexOf({1 + 0.64, 1 + 0.16, 1 + 0.04, 1 + 0.01});
+  EXPECT_TRUE(second.asymptotic);
+  EXPECT_NEAR(second.order, 2, 1e-9);
+  EXPECT_NEAR(second.index, 1.25 * 0.01, 1e-9);  // 0.01 is what is left
+  for (auto values : {std::array{1.0, 2.0, 1.5, 1.6}, std::array{1.0, 1.1, 1.2, 1.21},
+                      std::array{1.0, 1.0, 1.0, 1.0}}) {
+    auto none = IndexOf(values);
+    EXPECT_FALSE(none.asymptotic);
+    EXPECT_TRUE(std::isnan(none.index));
+  }
 }
 
 AttemptOptions ShortAttempt() {
