@@ -5,7 +5,9 @@
 #include <optional>
 #include <string_view>
 
+#include "common/timeline/deflate.h"
 #include "server/http/error_response.h"
+#include "server/http/static_files.h"
 
 namespace enamel::server::http {
 namespace {
@@ -51,7 +53,21 @@ Response BeyondTheEnd(size_t size) {
   return response;
 }
 
+constexpr size_t kWorthPacking = 1000;
+
 }  // namespace
+
+Response Packed(const Request& request, Response response) {
+  if (response.content_type != "application/json") return response;
+  response.headers.emplace_back("Vary", "Accept-Encoding");
+  const std::string_view body = response.Body();
+  if (body.size() < kWorthPacking || !Accepts(request.Header("accept-encoding"), "deflate")) {
+    return response;
+  }
+  response.body = AsText(timeline::Deflate(AsBytes(body)));
+  response.headers.emplace_back("Content-Encoding", "deflate");
+  return response;
+}
 
 Response KeptResponse(const Request& request, const Kept& kept,
                       const std::function<Result<Bytes>()>& read) {
@@ -77,7 +93,7 @@ Response KeptResponse(const Request& request, const Kept& kept,
   if (same.empty() || same == tag) range = RangeOf(request.Header("range"), all.size());
   if (!range) {
     response.body = all;
-    return response;
+    return Packed(request, std::move(response));
   }
   if (range->from >= range->to) return BeyondTheEnd(all.size());
   response.status = 206;

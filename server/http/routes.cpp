@@ -128,6 +128,8 @@ const std::array kRoutes = {
     Route{Method::kGet, "/api/v1/attempts/{id}/surface", Need::kPerson, Given<&GetSurface>()},
     Route{Method::kGet, "/api/v1/attempts/{id}/timeline", Need::kPerson, Given<&GetTimeline>()},
     Route{Method::kGet, "/api/v1/attempts/{id}/deviation", Need::kPerson, Given<&GetDeviation>()},
+    Route{Method::kGet, "/api/v1/attempts/{id}/coarse-tooth", Need::kPerson,
+          Given<&GetCoarseTooth>()},
     Route{Method::kGet, "/api/v1/start-teeth/{name}", Need::kPerson, Given<&GetStartTooth>()},
     Route{Method::kGet, "/api/v1/attempts/{id}/series", Need::kPerson, Given<&GetSeries>()},
     Route{Method::kGet, "/api/v1/attempts/{id}/ticks", Need::kPerson, Given<&GetTicks>()},

@@ -66,7 +66,14 @@ bool LooksLikePageAddress(std::string_view path) {
   });
 }
 
-// Whether an Accept-Encoding list names the coding, and not with q=0.
+bool StripSuffix(std::string& text, std::string_view suffix) {
+  if (!text.ends_with(suffix)) return false;
+  text.resize(text.size() - suffix.size());
+  return true;
+}
+
+}  // namespace
+
 bool Accepts(std::string_view list, std::string_view coding) {
   while (!list.empty()) {
     size_t end = std::min(list.find(','), list.size());
@@ -79,14 +86,6 @@ bool Accepts(std::string_view list, std::string_view coding) {
   }
   return false;
 }
-
-bool StripSuffix(std::string& text, std::string_view suffix) {
-  if (!text.ends_with(suffix)) return false;
-  text.resize(text.size() - suffix.size());
-  return true;
-}
-
-}  // namespace
 
 Result<StaticFiles> StaticFiles::Load(const fs::path& folder) {
   StaticFiles out;

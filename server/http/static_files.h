@@ -11,6 +11,9 @@
 
 namespace enamel::server::http {
 
+// Whether an Accept-Encoding list names the coding, and not with q=0.
+bool Accepts(std::string_view list, std::string_view coding);
+
 // The page: every regular file under a folder, read into memory once. A request looks up one of the
 // names found then, so no path can lead outside. A rebuilt page is served after a restart.
 //

@@ -1,6 +1,9 @@
 #include <boost/json.hpp>
+#include <functional>
+#include <span>
 
 #include "common/scene/json/json.h"
+#include "common/timeline/coarse.h"
 #include "common/timeline/timeline.h"
 #include "server/http/error_response.h"
 #include "server/http/etag.h"
@@ -129,6 +132,34 @@ Result<Sha256> TimelineContent(const Uuid& attempt, TimelineRows& timelines) {
   return row.content;
 }
 
+// What is computed on request of blobs that never change.
+struct Made {
+  std::string_view what;
+  std::vector<Sha256> of;
+};
+
+// The browser keeps it under a name of its own, and nothing is computed for whoever has it. A
+// kNotFound of `make` is an answer, all else damage of ours.
+Response MadeResponse(const Call& call, Store& store, const Made& made,
+                      const std::function<Result<Bytes>(std::span<const Bytes>)>& make) {
+  std::string name(made.what);
+  for (const Sha256& blob : made.of) name += blob.Hex();
+  Status none;
+  Response response = KeptResponse(
+      call.request, {HashSha256(AsBytes(name)), "application/octet-stream", kAskEachTime},
+      [&]() -> Result<Bytes> {
+        std::vector<Bytes> blobs;
+        for (const Sha256& blob : made.of) {
+          ENAMEL_ASSIGN_OR_RETURN(Bytes bytes, store.blobs.GetBlob(blob));
+          blobs.push_back(std::move(bytes));
+        }
+        Result<Bytes> bytes = make(blobs);
+        if (bytes.status().code() == Code::kNotFound) none = bytes.status();
+        return bytes;
+      });
+  return none.ok() ? response : ErrorResponse(none);
+}
+
 class LiveEvents final : public EventSource {
  public:
   LiveEvents(const Call& call, Store& store, std::unique_ptr<LiveWatch> watch)
@@ -215,24 +246,30 @@ Response GetDeviation(const Call& call, Store& store) {
   if (!result.ok()) return ErrorResponse(result.status());
   Result<Sha256> content = TimelineContent(call.id, store.timelines);
   if (!content.ok()) return ErrorResponse(content.status());
-  Result<Bytes> timeline = store.blobs.GetBlob(*content);
-  Result<Bytes> surface = store.blobs.GetBlob(result->surface);
-  const auto damage = [](const Status& status) {
-    return ErrorResponse(Status{Code::kInternal, status.message()});
-  };
-  if (!timeline.ok()) return damage(timeline.status());
-  if (!surface.ok()) return damage(surface.status());
-  Result<timeline::Head> head = timeline::DecodeHead(*timeline);
-  if (!head.ok()) return damage(head.status());
-  Result<Bytes> deviation = DeviationOfSurface(*surface, head->spec);
-  if (!deviation.ok()) {
-    return deviation.status().code() == Code::kNotFound ? ErrorResponse(deviation.status())
-                                                        : damage(deviation.status());
-  }
-  Response response;
-  response.content_type = "application/octet-stream";
-  response.body = AsText(*deviation);
-  return response;
+  const Made made{"deviation", {*content, result->surface}};
+  return MadeResponse(call, store, made, [](std::span<const Bytes> blobs) -> Result<Bytes> {
+    ENAMEL_ASSIGN_OR_RETURN(const timeline::Head head, timeline::DecodeHead(blobs[0]));
+    return DeviationOfSurface(blobs[1], head.spec);
+  });
+}
+
+// Under the same conditions as the timeline, whose end it shows.
+Response GetCoarseTooth(const Call& call, Store& store) {
+  Result<AttemptResult> result = SeeResult(call, store, true);
+  if (!result.ok()) return ErrorResponse(result.status());
+  Result<Sha256> content = TimelineContent(call.id, store.timelines);
+  if (!content.ok()) return ErrorResponse(content.status());
+  const Made made{"coarse tooth", {*content}};
+  return MadeResponse(call, store, made, [&](std::span<const Bytes> blobs) -> Result<Bytes> {
+    ENAMEL_ASSIGN_OR_RETURN(const timeline::Head head, timeline::DecodeHead(blobs[0]));
+    const Result<Bytes> start = store.blobs.GetBlob(head.start);
+    if (!start.ok()) return Status{Code::kInternal, start.status().message()};
+    ENAMEL_ASSIGN_OR_RETURN(timeline::Player player, timeline::Player::Open(*start, blobs[0]));
+    ENAMEL_RETURN_IF_ERROR(player.Seek(player.head().frames()));
+    Result<timeline::StartTooth> coarse = timeline::CoarseTooth(player);
+    if (!coarse.ok()) return Status{Code::kNotFound, "this tooth is coarse already"};
+    return timeline::EncodeStartTooth(*coarse);
+  });
 }
 
 // Anybody who is signed in: it belongs to nobody, and the timelines that begin with it name it.

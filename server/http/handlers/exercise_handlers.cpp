@@ -16,6 +16,7 @@
 #include "server/http/handlers/handlers.h"
 #include "server/http/handlers/seen_exercise.h"
 #include "server/http/json_body.h"
+#include "server/http/kept.h"
 #include "server/http/paging.h"
 #include "server/http/query.h"
 #include "server/http/views/attempt_view.h"
@@ -290,7 +291,7 @@ Response ListExercises(const Call& call, Store& store) {
 Response GetExercise(const Call& call, Store& store) {
   Result<ExerciseRow> row = VisibleExercise(call, store.attempts, store.exercises);
   if (!row.ok()) return ErrorResponse(row.status());
-  return WholeResponse(call, store, *row);
+  return Packed(call.request, WholeResponse(call, store, *row));
 }
 
 Response GetExerciseDocument(const Call& call, Store& store) {

@@ -91,6 +91,7 @@ Response GetScore(const Call& call, Store& store);
 Response GetSurface(const Call& call, Store& store);
 Response GetTimeline(const Call& call, Store& store);
 Response GetDeviation(const Call& call, Store& store);
+Response GetCoarseTooth(const Call& call, Store& store);
 Response GetStartTooth(const Call& call, StoredBlobs& blobs, TimelineRows& timelines);
 Response GetSeries(const Call& call, Store& store);
 Response GetTicks(const Call& call, Store& store);

@@ -5,6 +5,7 @@
 #include "server/http/handlers/handlers.h"
 #include "server/http/handlers/seen_attempt.h"
 #include "server/http/json_body.h"
+#include "server/http/kept.h"
 #include "server/http/paging.h"
 #include "server/http/views/attempt_view.h"
 #include "server/training/access.h"
@@ -211,7 +212,8 @@ Response ListResults(const Call& call, Store& store) {
          {"replay_realtime_factor", row.replay_realtime_factor},
          {"score", std::move(score)}});
   }
-  return JsonResponse({{"results", std::move(results)}, {"next", std::move(next)}});
+  return Packed(call.request,
+                JsonResponse({{"results", std::move(results)}, {"next", std::move(next)}}));
 }
 
 Response ListAnnotations(const Call& call, Store& store) {

@@ -9,6 +9,7 @@
 #include "common/cutting/cutter.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/surface/surface.h"
+#include "common/timeline/coarse.h"
 #include "common/timeline/deviation.h"
 #include "common/timeline/player.h"
 #include "common/timeline/recorder.h"
@@ -172,6 +173,38 @@ TEST(SurfaceTimelineTest, EveryFrameHasTheVolumesSamplesAsTheyAreQuantised) {
           << frames << " frames, brick " << b;
     }
   }
+}
+
+TEST(SurfaceTimelineTest, ACoarseToothHasTheSameSurfaceWithinASeventhOfItsVoxel) {
+  RecorderOptions options;
+  CutBall cut(options);
+  const Bytes file = cut.Record(0, [](int, const cutting::Volume&) {});
+  auto player = Player::Open(cut.start(), file);
+  ASSERT_TRUE(player.ok()) << player.status().message();
+  const auto coarse = CoarseTooth(*player);
+  ASSERT_TRUE(coarse.ok()) << coarse.status().message();
+  EXPECT_EQ(coarse->spec.voxel_nm, 200'000);
+  auto read = DecodeStartTooth(EncodeStartTooth(*coarse));
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  // A ball of 24 voxels about the origin: 6 of the coarse ones.
+  size_t slot = 0, near = 0;
+  for (int b = 0; b < static_cast<int>(read->bricks.size()); ++b) {
+    if (!(read->bricks[static_cast<size_t>(b)] & StartTooth::kSampled)) continue;
+    const Samples& samples = read->samples[slot++];
+    const ivec3 n = read->spec.bricks;
+    const ivec3 corner = ivec3(b % n.x, b / n.x % n.y, b / n.x / n.y) * 8;
+    for (int i = 0; i < kBrickVoxels; ++i) {
+      const int8_t q = samples[static_cast<size_t>(i)];
+      const dvec3 at = read->spec.origin_m() +
+                       dvec3(corner + ivec3(i % 8, i / 8 % 8, i / 64)) * read->spec.voxel_m();
+      const double expected = std::sqrt(Dot(at, at)) / 200e-6 - 6;
+      if (std::abs(expected) > 1.0 / 7) EXPECT_EQ(q < 0, expected < 0);
+      if (std::abs(expected) > 0.3) continue;
+      ++near;
+      EXPECT_NEAR((2 * q + 1) / 128.0, expected, 1.0 / 7) << "sample " << i << " of brick " << b;
+    }
+  }
+  EXPECT_GT(near, 100u);
 }
 
 TEST(SurfaceTimelineTest, SamplesKeepTheirSideAndAreOffByAtMostAHundredAndTwentyEighthOfAVoxel) {

@@ -284,7 +284,12 @@ TEST_F(AccessTest, DeviationIsOfTheSurfaceOnTheTimelinesGrid) {
   ASSERT_TRUE(store.timelines.PutTimeline(school_.sams_scored, content).ok());
   RawResponse found = By("ada").Get(Scored("/deviation"));
   ASSERT_EQ(found.status, 200) << found.body;
-  EXPECT_EQ(found.headers["cache-control"], "no-store");
+  EXPECT_EQ(found.headers["cache-control"], "private, no-cache");
+  EXPECT_EQ(
+      By("ada")
+          .Send("GET", Scored("/deviation"), "If-None-Match: " + found.headers["etag"] + "\r\n")
+          .status,
+      304);
   auto deviation = timeline::DecodeDeviation(AsBytes(found.body));
   ASSERT_TRUE(deviation.ok()) << deviation.status().message();
   EXPECT_EQ(deviation->spec.bricks, head.spec.bricks);

@@ -12,6 +12,7 @@
 #include "common/base/hex.h"
 #include "common/scene/builtin/builtin.h"
 #include "common/scene/json/json.h"
+#include "common/timeline/start_tooth.h"
 #include "common/timeline/timeline.h"
 #include "server/http/api.h"
 #include "server/http/etag.h"
@@ -176,6 +177,7 @@ const Line kLines[] = {
     {"GET /api/v1/attempts/{id}/score",         "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
     {"GET /api/v1/attempts/{id}/surface",       "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
     {"GET /api/v1/attempts/{id}/deviation",     "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
+    {"GET /api/v1/attempts/{id}/coarse-tooth",  "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
     {"GET /api/v1/attempts/{id}/timeline",      "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
     {"GET /api/v1/start-teeth/{name}",          "start tooth",    "",                                    "401 200 200 200 200 200 200 200 401 403"},
     {"GET /api/v1/attempts/{id}/series",        "attempt",        "",                                    "401 403 404 404 200 404 200 200 401 403"},
@@ -290,13 +292,17 @@ class Template {
     things["report"] = store.profiles.AddProfileReport(report, kBy)->id.Text();
     things["exercise"] = school.exercise.Text();
     things["attempt"] = school.sams_scored.Text();
-    const Sha256 tooth = *store.blobs.PutBlob(AsBytes("ENTS"));
-    EXPECT_TRUE(store.timelines.PutStartTooth(*store.blobs.PutBlob(AsBytes("volume")), tooth).ok());
-    things["start tooth"] = tooth.Hex();
     timeline::Head head;
     head.spec.bricks = ivec3(1);
     head.spec.voxel_nm = 100'000;
     head.rate_hz = head.frame_ticks = head.segment_frames = 1;
+    timeline::StartTooth air;
+    air.spec = head.spec;
+    air.bricks = {0};
+    const Sha256 tooth = *store.blobs.PutBlob(timeline::EncodeStartTooth(air));
+    head.start = tooth;
+    EXPECT_TRUE(store.timelines.PutStartTooth(*store.blobs.PutBlob(AsBytes("volume")), tooth).ok());
+    things["start tooth"] = tooth.Hex();
     const Sha256 timeline =
         *store.blobs.PutAttemptBlob(school.sams_scored, timeline::EncodeHead(head));
     EXPECT_TRUE(store.timelines.PutTimeline(school.sams_scored, timeline).ok());

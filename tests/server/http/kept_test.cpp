@@ -4,6 +4,8 @@
 
 #include <map>
 
+#include "common/timeline/deflate.h"
+
 namespace enamel::server::http {
 namespace {
 
@@ -28,6 +30,28 @@ Answer Ask(std::map<std::string, std::string> headers, int* reads = nullptr,
   return {response.status,
           std::string(response.Body()),
           {response.headers.begin(), response.headers.end()}};
+}
+
+TEST(KeptTest, JsonIsPackedForWhoTakesItAndWhereThatIsWorthIt) {
+  const auto pack = [](std::string type, size_t size, const char* accepted) {
+    Request request;
+    request.headers["accept-encoding"] = accepted;
+    Response response;
+    response.content_type = std::move(type);
+    response.body = std::string(size, 'x');
+    Response packed = Packed(request, std::move(response));
+    const std::map<std::string, std::string> headers(packed.headers.begin(), packed.headers.end());
+    return std::pair(headers.contains("Content-Encoding"), std::string(packed.Body()));
+  };
+  const auto [is_packed, body] = pack("application/json", 5000, "gzip, deflate");
+  EXPECT_TRUE(is_packed);
+  EXPECT_LT(body.size(), 100u);
+  auto back = timeline::Inflate(AsBytes(body), 5000, "answer", "body");
+  ASSERT_TRUE(back.ok()) << back.status().message();
+  EXPECT_EQ(AsText(*back), std::string(5000, 'x'));
+  EXPECT_FALSE(pack("application/json", 5000, "gzip, br").first);
+  EXPECT_FALSE(pack("application/json", 100, "deflate").first);
+  EXPECT_FALSE(pack("application/octet-stream", 5000, "deflate").first);
 }
 
 TEST(KeptTest, WithoutARangeItIsAllThere) {
