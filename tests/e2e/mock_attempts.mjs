@@ -265,6 +265,7 @@ export const attemptRules = {
   "GET /attempts/{id}/surface": scored(() => new Reply(toothSurface())),
   "GET /attempts/{id}/timeline": scored((call) => bytesOf(call, playbackOf(paceOf(call.row)).timeline)),
   "GET /attempts/{id}/deviation": scored((call) => bytesOf(call, playbackOf().deviation)),
+  "GET /attempts/{id}/coarse-tooth": scored((call) => bytesOf(call, playbackOf().start)),
   "GET /start-teeth/{name}": (call) => bytesOf(call, playbackOf().start, true),
   "GET /attempts/{id}/results": scored(runs),
   "GET /attempts/{id}/live": live,

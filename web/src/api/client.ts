@@ -135,7 +135,11 @@ export class Client {
   // Of the tooth at the timeline's end from the reference (tooth_deviation.ts). Not found: there is
   // none to compare with.
   deviation(id: string, signal?: AbortSignal): Promise<ApiResult<ArrayBuffer>> {
-    return this.http.bytes(`${attemptPath(id)}/deviation`, signal);
+    return this.http.kept(`${attemptPath(id)}/deviation`, signal);
+  }
+  // The same tooth, coarse, to be seen first. Not found: there is none.
+  coarseTooth(id: string, signal?: AbortSignal): Promise<ApiResult<ArrayBuffer>> {
+    return this.http.kept(`${attemptPath(id)}/coarse-tooth`, signal);
   }
   // What was said to the chair of an attempt that is being made, and saying something.
   liveRemarks(id: string, signal?: AbortSignal) {

@@ -106,7 +106,7 @@ export class Http {
   async bytes(path: string, signal?: AbortSignal): Promise<ApiResult<ArrayBuffer>> {
     return this.read(path, { signal });
   }
-  // What never changes under its address: from the browser's own cache where it is there.
+  // From the browser's own cache where the server says that it may be kept.
   async kept(path: string, signal?: AbortSignal): Promise<ApiResult<ArrayBuffer>> {
     return this.read(path, { signal, kept: true });
   }

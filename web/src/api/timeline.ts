@@ -269,8 +269,27 @@ function readPoses(raw: Uint8Array, n: number): FramePose[] {
   });
 }
 
+// A tooth that stays as it is.
+export class StillTooth {
+  constructor(readonly start: StartTooth) {}
+
+  // Samples of a brick, or what all of them are.
+  samples(brick: number): Int8Array | number {
+    return this.startSamples(brick);
+  }
+  startSamples(brick: number): Int8Array | number {
+    const slot = this.start.slot[brick]!;
+    if (slot >= 0) return this.start.samples.subarray(slot * kBrickSamples, (slot + 1) * kBrickSamples);
+    return this.start.bricks[brick] === 0 ? kFarOut : kDeep;
+  }
+  tissue(brick: number, sample: number): number {
+    const slot = this.start.labelSlot[brick]!;
+    return slot >= 0 ? this.start.labels[slot * kBrickSamples + sample]! : this.start.bricks[brick]! & kTissue;
+  }
+}
+
 // The tooth at any frame. Segments are given as they come; seek says which it needs.
-export class TimelinePlayer {
+export class TimelinePlayer extends StillTooth {
   private readonly segments = new Map<number, OpenSegment>();
   private readonly count: number;
   private current = new Map<number, Int8Array>(); // bricks that are not the start's
@@ -284,8 +303,9 @@ export class TimelinePlayer {
 
   constructor(
     readonly head: Head,
-    readonly start: StartTooth,
+    start: StartTooth,
   ) {
+    super(start);
     this.count = start.bricks.length;
   }
 
@@ -341,17 +361,8 @@ export class TimelinePlayer {
     return this.current;
   }
 
-  // Samples of a brick, or what all of them are.
-  samples(brick: number): Int8Array | number {
-    const own = this.current.get(brick);
-    if (own !== undefined) return own;
-    const slot = this.start.slot[brick]!;
-    if (slot >= 0) return this.start.samples.subarray(slot * kBrickSamples, (slot + 1) * kBrickSamples);
-    return this.start.bricks[brick] === 0 ? kFarOut : kDeep;
-  }
-  tissue(brick: number, sample: number): number {
-    const slot = this.start.labelSlot[brick]!;
-    return slot >= 0 ? this.start.labels[slot * kBrickSamples + sample]! : this.start.bricks[brick]! & kTissue;
+  override samples(brick: number): Int8Array | number {
+    return this.current.get(brick) ?? this.startSamples(brick);
   }
 
   private differing(before: Map<number, Int8Array>): Set<number> {
@@ -368,11 +379,6 @@ export class TimelinePlayer {
     for (const [brick, was] of before) look(brick, was);
     for (const brick of this.current.keys()) if (!before.has(brick)) look(brick, undefined);
     return out;
-  }
-  startSamples(brick: number): Int8Array | number {
-    const slot = this.start.slot[brick]!;
-    if (slot >= 0) return this.start.samples.subarray(slot * kBrickSamples, (slot + 1) * kBrickSamples);
-    return this.start.bricks[brick] === 0 ? kFarOut : kDeep;
   }
 
   private enter(index: number, segment: OpenSegment): void {

@@ -23,6 +23,7 @@ export interface ToothWatcher {
 // Requests that have an answer, which comes back under the same name.
 type Answers = {
   head: Result<Head, string>;
+  coarse: Result<Extent, string>;
   start: Result<Extent, string>;
   segment: Result<readonly FramePose[], string>;
   deviation: Result<Compared, string>;
@@ -50,6 +51,10 @@ export class ToothLink {
   // The bytes are handed over: whoever gave them has them no longer.
   head(bytes: ArrayBuffer): Promise<Answers["head"]> {
     return this.ask((id) => ({ ask: "head", id, bytes }), bytes);
+  }
+  // Shown until the first fine picture.
+  coarse(bytes: ArrayBuffer): Promise<Answers["coarse"]> {
+    return this.ask((id) => ({ ask: "coarse", id, bytes }), bytes);
   }
   start(bytes: ArrayBuffer): Promise<Answers["start"]> {
     return this.ask((id) => ({ ask: "start", id, bytes }), bytes);
@@ -84,6 +89,7 @@ export class ToothLink {
         return this.watcher.failed(told.message);
       case "head":
         return this.answer(told.id, told.head);
+      case "coarse":
       case "start":
         return this.answer(told.id, told.extent);
       case "segment":

@@ -1,4 +1,4 @@
-import { kBrickSide, kDeep, kFarOut, type TimelinePlayer } from "./timeline";
+import { kBrickSide, kDeep, kFarOut, type StillTooth } from "./timeline";
 import { kNotCompared, type ToothDeviation } from "./tooth_deviation";
 
 // Triangles of a tooth's samples, by surface nets, as common/surface/surface.cpp makes them: a
@@ -28,7 +28,7 @@ const kCellStep = Int32Array.of(1, kCells, kCells * kCells);
 const kNextTo = 1 / 16; // of a cell
 const kFlat = 0.05 * -kDeep; // of a gradient: below it the direction is rounding, not shape
 
-// Makes the meshes of a player's tooth as it is now. Owns buffers that it uses again, one mesh at a
+// Makes the meshes of a tooth as it is now. Owns buffers that it uses again, one mesh at a
 // time: a whole tooth is hundreds of thousands of vertices, and an object for each would be most of
 // the time.
 export class ToothMesher {
@@ -49,7 +49,7 @@ export class ToothMesher {
   private readonly first = new Int32Array(3); // voxel of local sample (0, 0, 0)
   private readonly blocks: readonly [number, number, number];
 
-  constructor(private readonly player: TimelinePlayer) {
+  constructor(private readonly player: StillTooth) {
     const across = (bricks: number) => Math.ceil(bricks / kBlockBricks);
     const [x, y, z] = player.start.grid.bricks;
     this.blocks = [across(x), across(y), across(z)];

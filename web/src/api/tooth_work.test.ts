@@ -112,6 +112,24 @@ test("a wish gives the blocks of that moment, and only then says that it is show
   assert.deepEqual(made.shown, [5, 2, 0, 4]);
 });
 
+test("a coarse tooth is shown at once and until all of the fine one is there", async () => {
+  const made = linked({ sliceMs: 0 });
+  value(await made.link.coarse(golden("entb")));
+  assert.equal(made.blocks.size, 1);
+  const [number] = [...made.blocks.keys()];
+  await opened(made);
+  assert.deepEqual([...made.blocks.keys()], [number], "nothing of the fine one before a moment is wished for");
+  made.told.length = 0;
+  made.link.seek(5);
+  await settled();
+  const first = made.told.find(({ told }) => told === "blocks");
+  assert.ok(first?.told === "blocks" && first.blocks.length > 1 && first.blocks[0]?.[1] === undefined);
+  assert.deepEqual(made.blocks, await expected(5));
+  // One that comes late changes nothing.
+  value(await made.link.coarse(golden("entb")));
+  assert.deepEqual(made.blocks, await expected(5));
+});
+
 test("the position of the tooth is reported with the start tooth", async () => {
   const made = linked();
   value(await made.link.head(golden("entl")));

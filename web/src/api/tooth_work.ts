@@ -10,6 +10,7 @@ import {
   kBrickSide,
   type OpenSegment,
   type StartTooth,
+  StillTooth,
   TimelinePlayer,
 } from "./timeline";
 import { decodeDeviation } from "./tooth_deviation";
@@ -35,6 +36,7 @@ export interface Compared {
 
 export type ToothAsk =
   | { readonly ask: "head"; readonly id: number; readonly bytes: ArrayBuffer } // the file's beginning
+  | { readonly ask: "coarse"; readonly id: number; readonly bytes: ArrayBuffer } // the tooth at its end, until it is there
   | { readonly ask: "start"; readonly id: number; readonly bytes: ArrayBuffer }
   | { readonly ask: "segment"; readonly id: number; readonly index: number; readonly bytes: ArrayBuffer }
   | { readonly ask: "deviation"; readonly id: number; readonly bytes: ArrayBuffer } // after start and last segment
@@ -42,6 +44,7 @@ export type ToothAsk =
 
 export type ToothTold =
   | { readonly told: "head"; readonly id: number; readonly head: Result<Head, string> }
+  | { readonly told: "coarse"; readonly id: number; readonly extent: Result<Extent, string> }
   | { readonly told: "start"; readonly id: number; readonly extent: Result<Extent, string> }
   | { readonly told: "segment"; readonly id: number; readonly poses: Result<readonly FramePose[], string> }
   | { readonly told: "deviation"; readonly id: number; readonly compared: Result<Compared, string> }
@@ -59,6 +62,7 @@ interface Still {
 }
 
 const kSliceMs = 12; // until a later wish is looked for
+const kCoarse = -(2 ** 31); // the number of what stands for all blocks
 const kTellMs = 100; // until what was made is told; each time is a picture to be drawn
 
 export class ToothWork {
@@ -68,6 +72,7 @@ export class ToothWork {
   private readonly early = new Map<number, OpenSegment>(); // segments that came before the start tooth
   private readonly dirty = new Set<number>();
   private fine: Set<number> | undefined; // blocks in all detail; undefined: all, until the end is known
+  private coarse = false; // a coarse tooth stands for all of it
   private readonly stills: number[][] = []; // the blocks of each mesh of several; its index is −1 less its place here
   private wanted: number | undefined;
   private working = false;
@@ -84,6 +89,8 @@ export class ToothWork {
     switch (asked.ask) {
       case "head":
         return this.tell({ told: "head", id: asked.id, head: await this.readHead(asked.bytes) }, []);
+      case "coarse":
+        return this.tell({ told: "coarse", id: asked.id, extent: await this.showCoarse(asked.bytes) }, []);
       case "start": {
         const extent = await this.readStart(asked.bytes);
         this.tell({ told: "start", id: asked.id, extent }, []);
@@ -116,6 +123,18 @@ export class ToothWork {
     if (head.value === undefined) return fail("its head is longer than this page reads");
     this.head = head.value;
     return ok(head.value);
+  }
+
+  private async showCoarse(bytes: ArrayBuffer): Promise<Result<Extent, string>> {
+    const tooth = await decodeStartTooth(bytes);
+    if (!tooth.ok) return tooth;
+    // The fine one was faster.
+    if (this.player !== undefined) return ok(extentOf(tooth.value));
+    const mesher = new ToothMesher(new StillTooth(tooth.value));
+    const meshes = mesher.allBlocks().flatMap((block) => mesher.mesh(block) ?? []);
+    this.coarse = true;
+    this.tellBlocks([[kCoarse, merged(meshes)]]);
+    return ok(extentOf(tooth.value));
   }
 
   private async readStart(bytes: ArrayBuffer): Promise<Result<Extent, string>> {
@@ -209,7 +228,9 @@ export class ToothWork {
     let made: [number, BlockMesh | undefined][] = [];
     let still: Still = { blocks: [], meshes: [] };
     const tell = () => {
-      this.tellBlocks([...made, ...this.keepStill(still)]);
+      const coarse: [number, BlockMesh | undefined][] = this.coarse ? [[kCoarse, undefined]] : [];
+      this.coarse = false;
+      this.tellBlocks([...coarse, ...made, ...this.keepStill(still)]);
       made = [];
       still = { blocks: [], meshes: [] };
     };
@@ -222,7 +243,8 @@ export class ToothWork {
       if (this.nowMs() < until) continue;
       await this.pause();
       const overtaken = this.wanted !== undefined;
-      if (overtaken || this.nowMs() >= tellAt) {
+      // The coarse tooth stays until all of the fine one is there.
+      if (overtaken || (!this.coarse && this.nowMs() >= tellAt)) {
         tell();
         tellAt = this.nowMs() + kTellMs;
       }

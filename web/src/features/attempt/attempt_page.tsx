@@ -16,6 +16,7 @@ import { Flags, isUnderWay, StateBadge } from "../../widgets/attempt_state";
 import { Card, ErrorNotice, Loading, Notice, PageTitle, Progress } from "../../widgets/basics";
 import { KeysHelp, useKeys } from "../../widgets/keys";
 import { useReleaseUndo } from "../../widgets/release_undo";
+import { prepareTooth } from "../../widgets/tooth/tooth_view";
 import { AnnotationsPanel } from "./annotations_panel";
 import { AppealPanel } from "./appeal_panel";
 import { MetricsPanel, RecordingPanel, RunsPanel } from "./detail_panels";
@@ -42,6 +43,7 @@ interface Props {
 // One attempt. While it is recorded or scored, the page polls its state, so that the score appears
 // by itself.
 export function AttemptPage({ client, person, id, onOpen }: Props) {
+  useEffect(prepareTooth, []);
   const { loaded, reload } = useRequest(id, (signal) => client.attempt(id, signal));
   const attempt = loaded.state === "ready" ? loaded.value : undefined;
   const exercise = useRequest(attempt?.exercise.id, (signal) =>

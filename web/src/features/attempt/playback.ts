@@ -6,7 +6,7 @@ import type { Compared, Extent } from "../../api/tooth_work";
 import { segmentBytes } from "../../api/timeline";
 import { startToothWorker, ToothLink } from "../../api/tooth_link";
 import { say } from "../../base/words";
-import type { Film, FilmScreen } from "../../widgets/tooth/film";
+import type { Detail, Film, FilmScreen } from "../../widgets/tooth/film";
 
 // An attempt with the tooth being cut. Loads its timeline: first what the tooth at the end needs,
 // then the rest. What is loaded goes to a worker, which answers with triangles.
@@ -29,7 +29,12 @@ export type DeviationState =
 export class Playback implements Film {
   state: PlaybackState = { state: "loading" };
   deviation: DeviationState = { state: "loading" };
-  drawn = false; // the first picture was told
+  drawn = false; // the first fine picture was told
+  private coarse = false; // a coarse one was
+  private tellDrawn = (): void => undefined;
+  private readonly firstDrawn = new Promise<void>((resolve) => {
+    this.tellDrawn = resolve;
+  });
   readonly tissues = new Set<number>(); // that were seen at the surface
   whole = false; // all segments are here
   position = 0; // frames of the tooth that is shown or being made
@@ -56,6 +61,9 @@ export class Playback implements Film {
     this.screens.clear();
   }
 
+  get detail(): Detail {
+    return this.drawn ? "fine" : this.coarse ? "coarse" : "none";
+  }
   get frames(): number {
     return this.head?.frames ?? 0;
   }
@@ -78,6 +86,7 @@ export class Playback implements Film {
     this.link?.seek(this.frames);
     this.changed();
     void this.loadDeviation();
+    await this.firstDrawn;
     const rest = await this.loadRest();
     if (this.abort.signal.aborted) return;
     if (rest !== undefined) this.state = { state: "failed", error: rest };
@@ -108,6 +117,7 @@ export class Playback implements Film {
     } catch {
       return { code: "unreachable", status: 0, field: "", message: say("playback.no_worker") };
     }
+    const coarse = this.loadCoarse(link);
     const first = await this.part(0, kFirstBytes);
     if (!first.ok) return first.error;
     const head = await link.head(first.value);
@@ -115,17 +125,26 @@ export class Playback implements Film {
     this.head = head.value;
     const last = head.value.segments.length - 1;
     const [start, segment] = await Promise.all([
-      this.loadStart(link, head.value),
+      coarse.then(() => this.loadStart(link, head.value)),
       last < 0 ? undefined : this.loadLast(link, head.value, last),
     ]);
     return start ?? segment;
+  }
+  // Something to look at, before hundreds of kB more. Without it nothing is lost.
+  private async loadCoarse(link: ToothLink): Promise<void> {
+    const bytes = await this.client.coarseTooth(this.attempt, this.abort.signal);
+    const extent = bytes.ok ? await link.coarse(bytes.value) : undefined;
+    if (extent?.ok !== true || this.drawn) return;
+    this.extent = extent.value;
+    this.coarse = true;
+    this.changed();
   }
   private async loadStart(link: ToothLink, head: Head): Promise<ApiError | undefined> {
     const bytes = await this.client.startTooth(head.start, this.abort.signal);
     if (!bytes.ok) return bytes.error;
     const extent = await link.start(bytes.value);
     if (!extent.ok) return this.malformed(extent.error);
-    this.extent = extent.value;
+    if (!this.coarse) this.extent = extent.value;
     return undefined;
   }
   private async loadLast(link: ToothLink, head: Head, index: number): Promise<ApiError | undefined> {
@@ -196,6 +215,7 @@ export class Playback implements Film {
     this.cut ??= cut;
     if (frames === this.position && this.drawn) return;
     this.drawn = true;
+    this.tellDrawn();
     this.position = frames;
     for (const screen of this.screens) this.tell(screen);
     this.changed();
@@ -211,6 +231,7 @@ export class Playback implements Film {
     const wanted = Math.max(0, Math.min(Math.round(frames), this.frames));
     if (wanted === this.wanted) return;
     this.wanted = wanted;
+    this.tellDrawn(); // it may need the rest
     for (const screen of this.screens) screen.expect();
     this.link?.seek(wanted);
   }

@@ -27,8 +27,9 @@ export function ToothPanel({ review }: { readonly review: Review }) {
   if (control === undefined) return null;
   const { playback } = control;
   const still = surface.loaded;
-  const played = playback.state.state === "ready";
-  const waits = playback.state.state === "loading" || (!played && still.state === "loading");
+  const { state } = playback.state;
+  const played = state === "ready" || (state === "loading" && playback.detail !== "none");
+  const waits = !played && (state === "loading" || still.state === "loading");
   return (
     <Card className="tooth-card" title={playback.showing ? say("tooth_card.during") : say("tooth_card.after")}>
       {waits && <Loading what={say("loading.picture")} />}

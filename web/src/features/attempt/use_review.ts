@@ -46,7 +46,8 @@ export function useReview(reviewed: Reviewed) {
   // A release changes the answers that a student gets, a new score those for everybody.
   const key = `${id} ${teacher || attempt.released} ${attempt.computed_score} ${attempt.reference?.attempt_id}`;
   const score = useRequest(key, (signal) => scoreOf(client, id, signal));
-  const series = useRequest(removed ? undefined : key, (signal) => client.series(id, signal));
+  const [begun, setBegun] = useState(false); // something of the tooth is there: it comes first
+  const series = useRequest(removed || !begun ? undefined : key, (signal) => client.series(id, signal));
   const remarks = useRequest(key, (signal) => client.teaching.annotations(id, signal));
   const scored = score.loaded.state === "ready" ? score.loaded.value : undefined;
   const recorded = series.loaded.state === "ready" ? series.loaded.value : undefined;
@@ -54,6 +55,11 @@ export function useReview(reviewed: Reviewed) {
   const draft = useMemo(() => draftOf(remarkTo(id)), [id]);
   const moment = useMoment(client, removed ? undefined : id, key, recorded, draft?.seconds);
   const { momentS, control, setTimeS, setCursor } = moment;
+  const there =
+    control !== undefined && (control.playback.detail !== "none" || control.playback.state.state !== "loading");
+  useEffect(() => {
+    if (there) setBegun(true);
+  }, [there]);
 
   const plots = useMemo((): PlotKeys => ({}), []);
   const [noMark, setNoMark] = useState(false);

@@ -18,8 +18,12 @@ export interface FilmScreen {
   setBur(outline: readonly (readonly [number, number])[], pose: FilmPose | undefined): void;
 }
 
+// How much of the tooth the screens were given.
+export type Detail = "none" | "coarse" | "fine";
+
 export interface Film {
   readonly extent: Extent;
+  readonly detail: Detail;
   // Gives the screen all there is, and what changes from then on. Returns what ends that.
   attach(screen: FilmScreen): () => void;
 }

@@ -8,7 +8,7 @@ import { formatQuantity } from "../../base/format";
 import type { Look } from "../../base/moment_link";
 import { say } from "../../base/words";
 import type { AngledView, CameraPreset, ColorMode, PointMm, SurfacePoint, ToothModel, ToothScene } from "./scene";
-import type { Film } from "./film";
+import type { Detail, Film } from "./film";
 import type { ToothLines } from "./lines";
 import type { SectionPlane } from "./section";
 import { tissueTitle } from "./tissue";
@@ -151,6 +151,7 @@ export function ToothView({
           angled,
           look,
           shownAnatomy,
+          () => ("film" in model ? model.film.detail : "fine"),
           cleanup,
           setProblem,
         );
@@ -186,7 +187,8 @@ export function ToothView({
   useEffect(() => scene.current?.setSection(section), [section, ready]);
   useEffect(() => scene.current?.setGhost(ghost), [ghost, ready]);
   useEffect(() => scene.current?.setFollow(follow), [follow, ready]);
-  useEffect(() => scene.current?.redraw(), [pins, ready]);
+  const detail = film?.detail;
+  useEffect(() => scene.current?.redraw(), [pins, detail, ready]);
   // Looked up once a frame, however often the pointer moves.
   const over = useRef<Place | undefined>(undefined);
   const looking = useMemo(
@@ -300,6 +302,7 @@ function openScene(
   angled: AngledView,
   look: LookHandle | undefined,
   anatomy: { readonly current: Anatomy | undefined },
+  detail: () => Detail,
   cleanup: Disposables,
   report: (problem: string) => void,
 ): ToothScene {
@@ -309,6 +312,7 @@ function openScene(
   const scene = new Scene(canvas, model, angled, (project, centre, radius) => {
     placeLabels(labels, element, anatomy.current, project, centre, radius);
     placePins(element, project);
+    element.dataset["tooth"] = detail();
     if (look?.now !== undefined) look.moved?.(look.now());
   });
   element.prepend(canvas);
