@@ -122,11 +122,11 @@ TEST(GradesTest, EveryCriticalErrorOfAnExerciseIsMadeAndFound) {
     const char *scene, *name;
     int32_t voxel_nm;  // a gap of 0.05 mm between teeth needs the finer one
   };
-  for (const auto& [scene, name, voxel_nm] :
+  for (const Of& asked :
        {Of{"molar-class-2", "class-2", kVoxel_nm}, Of{"premolar", "crown", 2 * kVoxel_nm}}) {
-    const Made made = Build(scene, voxel_nm);
+    const Made made = Build(asked.scene, asked.voxel_nm);
     const auto exercise = std::ranges::find_if(
-        made.exercises, [&](const scene::Exercise& e) { return e.name.starts_with(name); });
+        made.exercises, [&](const scene::Exercise& e) { return e.name.starts_with(asked.name); });
     ASSERT_NE(exercise, made.exercises.end());
     const auto graded = GradedExercise::Make(made.built, *exercise);
     ASSERT_TRUE(graded.ok());
@@ -144,9 +144,9 @@ TEST(GradesTest, EveryCriticalErrorOfAnExerciseIsMadeAndFound) {
       const std::string code(error.at("code").as_string());
       EXPECT_NE(scoring::FindCriticalError(code), nullptr) << code;
       for (const auto& of : error.at("exercises").as_array()) {
-        if (of != "all" && of != name) continue;
-        if (code == "neighbour_damaged" && std::string_view(scene) == "premolar") continue;
-        EXPECT_TRUE(found.contains(code)) << name << ", " << code;
+        if (of != "all" && of != asked.name) continue;
+        if (code == "neighbour_damaged" && std::string_view(asked.scene) == "premolar") continue;
+        EXPECT_TRUE(found.contains(code)) << asked.name << ", " << code;
       }
     }
   }
