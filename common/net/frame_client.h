@@ -48,7 +48,7 @@ class FrameClient {
   // Sends one message as a frame. When it could not be handed to the system within `timeout` the
   // connection is closed. Errors: kUnavailable, kTooLarge over protocol::kMaxFrameBytes (still
   // open).
-  // `answered`: the server will answer it, and silence() begins anew.
+  // `answered`: the server owes an answer to it, so silence() counts from zero again.
   Status Send(ByteView message, Duration timeout = std::chrono::seconds(10), bool answered = true);
 
   // The next message. With a timeout of zero: a message already received, else one that can be read

@@ -20,8 +20,8 @@ class StopSignals {
   explicit StopSignals(boost::asio::io_context& io);
   void OnFirst(std::function<void()> stop);
   // From now on the program ends within kLongestStop: whatever still runs then, such as a COMMIT
-  // that waits for a standby, is left, the log reports it, and the exit status is 1. As after a crash,
-  // what was acknowledged is kept.
+  // that waits for a standby, is left, the log reports it, and the exit status is 1. As after a
+  // crash, what was acknowledged is kept.
   void EndSoon();
   static constexpr std::chrono::seconds kLongestStop{9};
 

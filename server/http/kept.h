@@ -18,11 +18,11 @@ struct Kept {
 };
 
 // JSON, packed by the coding "deflate" where the caller takes it and that is worth it. Not for an
-// answer that holds a secret beside what somebody else may write: its length would tell of it.
+// answer that holds a secret beside what somebody else may write: its length would give it away.
 Response Packed(const Request& request, Response response);
 
-// Packed where it is JSON. 200 with all of it; 206 with the one requested range; 416 for a range beyond its end; 304 when
-// If-None-Match names it. Several ranges, an invalid range, and one under an If-Range that names
+// Packed where it is JSON. 200 with all of it; 206 with the one requested range; 416 for a range
+// beyond its end; 304 when If-None-Match names it. Several ranges, an invalid range, and one under an If-Range that names
 // something else give all of it, as RFC 9110 allows. `read` is not called for a 304; its failure is
 // damage of ours, a 500.
 Response KeptResponse(const Request& request, const Kept& kept,

@@ -174,7 +174,7 @@ asio::awaitable<T> Connection::Waited(uint32_t reply_to, asio::awaitable<T> work
     out = std::move(value);
     next.cancel();
   });
-  // The work refers to what is here: it is awaited also where the station is gone.
+  // The work refers to what is here, so this waits for it even if the station has gone.
   for (bool there = reply_to != 0; !out;) {
     next.expires_after(deadlines_.still_waiting);
     error_code ended;

@@ -99,8 +99,8 @@ struct AttemptProgress {
 class ServerLink {
  public:
   static constexpr std::chrono::seconds kTimeout{20};  // to connect
-  // A server that is busy says so every second. One that owes an answer and is silent for so long
-  // hangs: another may be reached by connecting again.
+  // A server that is busy sends StillWaiting every second. One that owes an answer and sends nothing
+  // for this long hangs: connecting again may reach another.
   static constexpr std::chrono::seconds kSilence{5};
 
   explicit ServerLink(std::chrono::milliseconds silence = kSilence) : silence_(silence) {}

@@ -202,7 +202,7 @@ Rubric CariesRubric() {
 Rubric CrownRubric(bool anterior) {
   Rubric r = ShapeRubric("crown-preparation", 8, 2, {1'200, 2'400});
   auto& criteria = r.criteria;
-  // A fifth of the 1.5 to 2 mm that are asked for is 0.3 to 0.4 mm.
+  // Exercises ask for 1.5 to 2 mm off the top, of which a fifth is 0.3 to 0.4 mm.
   criteria.push_back({"reduction_top_percent",
                       "Top reduced",
                       "%",

@@ -301,7 +301,8 @@ class Charges {
   }
 
   // Over the columns of the reference's top a side that was cut too far takes height as well. The
-  // top itself lies off by what three quarters of it do at least.
+  // top itself lies off by what three quarters of it do at least: its round edge lies off by less, and
+  // of a thin edge half is gone where both sides are 0.3 mm too far in.
   void Top() {
     if (!m_.crown.in_task || !(m_.stump.top_asked_m > 0)) return;
     std::vector<WeightedValue> deeper;
@@ -359,7 +360,7 @@ class Charges {
       const double done = 100 * t.done_m3() / task;
       Add(kDone, done, std::min(100.0, done + 100 * missed / task), kLeast_percent,
           {cause_left_, most_left_, kCloseness});
-      // Caries that a wall or floor in the wrong place leaves; elsewhere and under the rim it counts.
+      // Caries that a wall or floor in the wrong place leaves. Elsewhere it counts.
       constexpr auto kCaries = static_cast<size_t>(cutting::Tissue::kCaries);
       if (const double all_missed = Sum_m3(t.missed); all_missed > 0 && t.task[kCaries] > 0) {
         const double share = std::min(1.0, missed / all_missed);

@@ -194,6 +194,7 @@ Explanation Explained::At(const dvec3& point_m, const dvec3& normal, double dist
 // Where a patch moves by its height, a surface aslant to it moves by that times the cosine between.
 void Explained::Behind(const dvec3& point_m, const dvec3& normal, bool left,
                        std::vector<double>& most) const {
+  // 60 degrees: on an upright corner, 45 degrees from either side, both sides count.
   constexpr double kLeastCosine = 0.5;
   for (size_t k = 0; k < patches_.size(); ++k) {
     const Patch& patch = patches_[k];

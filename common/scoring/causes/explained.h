@@ -35,9 +35,9 @@ class Explained {
 
   const std::vector<Patch>& patches() const { return patches_; }
   // How much of `distance_m`, by which the attempt's surface is deeper (left: less deep) than the
-  // reference's at a point, patches within that distance explain, and the patches behind the point
-  // that face about as `normal` does (0: unknown). On a thin stump the side that was cut too far is not
-  // the nearest one. 0 beyond kFarthest_m.
+  // reference's at a point, patches within that distance explain, and the patches behind the
+  // point that face about as `normal` does (0: unknown). On a thin stump the side that was cut too
+  // far is not the nearest one. 0 beyond kFarthest_m.
   Explanation At(const dvec3& point_m, const dvec3& normal, double distance_m, bool left) const;
 
   static constexpr double kFarthest_m = 1.5e-3;

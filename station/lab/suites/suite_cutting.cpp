@@ -71,7 +71,7 @@ std::vector<double> ErrorsOf(const CuttingRow& row, const Quantity& q) {
   return out;
 }
 
-// Rows of one cut lie beside each other, coarse to fine.
+// Expects the rows of one cut one after the other, coarse to fine.
 std::vector<OrderRow> OrdersOf(const std::vector<CuttingRow>& rows) {
   std::vector<OrderRow> out;
   for (size_t from = 0, to = 0; from < rows.size(); from = to) {
@@ -101,8 +101,10 @@ Table OrderTable(const std::vector<OrderRow>& orders) {
       "RMS over grids that lie differently, coarse to fine. Order: log2 of the ratio of the last "
       "two, with the 95 % interval of a bootstrap over the grids. Where it is below 0.9 the error "
       "has a floor, at most the last RMS. Causes: volume and surface, poses that are passed over "
-      "(common/cutting/sweep.h); force, 256 points that stand for the bur's surface "
-      "(common/cutting/engagement.h).";
+      "(common/cutting/sweep.h), and of a sharp edge that moves along its own slope "
+      "(common/cutting/cutter.h). The reference follows the bur's tip as the core reports it: how "
+      "far the tip is from the hand is not in these errors. What makes the force's floor is not "
+      "known.";
   t.head = {"bur", "way", "mm/s", "quantity", "RMS", "order", "interval", "floor"};
   for (const OrderRow& o : orders) {
     std::string rms;

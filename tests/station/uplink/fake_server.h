@@ -120,7 +120,7 @@ class FakeServer {
   std::atomic<bool> silent{false};
   std::atomic<int> unanswered{0};
 
-  // Says so many times that it still waits before it answers.
+  // How many StillWaiting it sends before it answers.
   std::atomic<int> still_waiting{0};
 
   // The person who signs in, for any login.
