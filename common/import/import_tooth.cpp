@@ -16,6 +16,7 @@
 #include "common/import/place.h"
 #include "common/import/printable.h"
 #include "common/import/sources.h"
+#include "common/import/thin_walls.h"
 #include "common/import/tissues.h"
 #include "common/mesh/mesh_repair.h"
 #include "common/mesh/triangle_tree.h"
@@ -211,6 +212,14 @@ void Enter(const ImportOptions& options, std::string_view phase) {
   if (options.phase) options.phase(phase);
 }
 
+void WarnOfThinWalls(const mesh::TriangleTree& surface,
+                     const std::function<bool(const dvec3&)>& inside, const ImportOptions& options,
+                     ImportedScene& out) {
+  const double limit_mm = kThinnestWall_voxels * options.voxel_nm * 1e-6;
+  if (const auto thin = FindThinWalls(surface, inside, limit_mm))
+    out.report.push_back(Words(*thin, options.voxel_nm));
+}
+
 using MakeField = std::function<std::unique_ptr<scene::BrickField>()>;
 
 // The grid, filled; refused before that where it would be too large.
@@ -286,6 +295,8 @@ Result<ImportedScene> ImportTriangles(const mesh::Triangles& mesh, const std::st
   out.report.push_back("tissues assumed by depth from the surface: enamel up to " +
                        mesh::Fixed(tissues.enamel_max_mm(), 1) +
                        " mm, none at the gum; pulp low in the middle");
+  WarnOfThinWalls(
+      boundary, [&](const dvec3& p) { return whole.Inside(p); }, options, out);
   ENAMEL_RETURN_IF_ERROR(Fill(
       box, [&] { return std::make_unique<DepthField>(boundary, whole, tissues); }, options, out));
   Finish(fossa, source + "; tissues by depth from the surface are an assumption", options, out);
@@ -335,6 +346,9 @@ Result<ImportedScene> ImportLayers(
   out.report = tooth->report();
   ReportPlace(box, placed->words, fossa, out);
   out.report.push_back("volume of each surface alone: " + alone + " mm3");
+  WarnOfThinWalls(
+      tooth->boundary(), [&](const dvec3& p) { return probe.Distance(p, kFar_mm) < 0; }, options,
+      out);
   ENAMEL_RETURN_IF_ERROR(Fill(
       box, [&] { return MakeLayerField(*tooth); }, options, out));
   Finish(fossa, source + "; one surface per tissue", options, out);

@@ -21,6 +21,7 @@ constexpr double kReach_mm = 2;        // of distances to the surface itself
 constexpr double kSameFacing = 0.5;    // cosine
 constexpr double kOtherPose_mm = 0.5;  // poses nearer than this are one
 constexpr double kOutsideCost = 4;
+constexpr double kStill_mm = 1e-4;  // a step that moves less is the last; a scan is off by 0.01
 constexpr double kLeastScale_mm = 0.03;  // of Tukey's weight: no scan is better
 
 // Where the surface is from a point: signed distance, and the direction away from it.
@@ -149,19 +150,29 @@ dmat3 TurnBy(const dvec3& axis_rad) {
   return {turned({1, 0, 0}), turned({0, 1, 0}), turned({0, 0, 1})};
 }
 
-// One Gauss-Newton step towards the surface. Returns how far it moved what it weighed, about.
+// Of each point in this pose: most of what a step costs.
 template <typename Distances>
-double Step(Distances& distances, const std::vector<SurfacePoint>& points, double scale_mm,
-            bool facing, Rigid& pose) {
+std::vector<Away> AwayFrom(Distances& distances, const std::vector<SurfacePoint>& points,
+                           const Rigid& pose) {
+  std::vector<Away> out;
+  out.reserve(points.size());
+  for (const SurfacePoint& point : points) out.push_back(distances.At(pose.At(point.at)));
+  return out;
+}
+
+// One Gauss-Newton step towards the surface, which is `aways` from the points in this pose. Returns
+// how far it moved what it weighed, about.
+double Step(const std::vector<Away>& aways, const std::vector<SurfacePoint>& points,
+            double scale_mm, bool facing, Rigid& pose) {
   std::array<std::array<double, 6>, 6> m{};
   std::array<double, 6> b{};
   dvec3 middle(0);
   for (const SurfacePoint& point : points) middle += pose.At(point.at);
   middle /= static_cast<double>(points.size());
   double weights = 0, arm2 = 0;
-  for (const SurfacePoint& point : points) {
-    const dvec3 p = pose.At(point.at);
-    const Away away = distances.At(p);
+  for (size_t i = 0; i < points.size(); ++i) {
+    const SurfacePoint& point = points[i];
+    const Away& away = aways[i];
     double weight = away.distance > scale_mm ? 0.5 * scale_mm / away.distance
                     : away.distance > 0      ? 0.5 + 0.5 * Biweight(away.distance, scale_mm)
                                              : Biweight(away.distance, scale_mm);
@@ -170,12 +181,12 @@ double Step(Distances& distances, const std::vector<SurfacePoint>& points, doubl
       if (Dot(pose.rotation * point.normal, away.normal) < kSameFacing) weight = 0;
     }
     if (weight == 0) continue;
-    const dvec3 arm = p - middle, turn = glm::cross(arm, away.normal);
+    const dvec3 arm = pose.At(point.at) - middle, turn = glm::cross(arm, away.normal);
     const std::array<double, 6> row = {away.normal.x, away.normal.y, away.normal.z,
                                        turn.x,        turn.y,        turn.z};
-    for (size_t i = 0; i < 6; ++i) {
-      b[i] -= weight * away.distance * row[i];
-      for (size_t j = 0; j <= i; ++j) m[i][j] += weight * row[i] * row[j];
+    for (size_t k = 0; k < 6; ++k) {
+      b[k] -= weight * away.distance * row[k];
+      for (size_t j = 0; j <= k; ++j) m[k][j] += weight * row[k] * row[j];
     }
     weights += weight;
     arm2 += weight * Dot(arm, arm);
@@ -282,13 +293,14 @@ std::vector<Candidate> FindCoarse(const DistanceGrid& grid, const Triangles& mov
   const auto first = SpreadOver(moving, kFirstPoints), more = SpreadOver(moving, kGridPoints);
   std::vector<Candidate> all = Starts(first, fixed);
   for (Candidate& c : all) {
-    for (double scale : {3.0, 3.0, 2.0, 2.0, 1.5, 1.0}) Step(grid, first, scale, false, c.pose);
+    for (double scale : {3.0, 3.0, 2.0, 2.0, 1.5, 1.0})
+      Step(AwayFrom(grid, first, c.pose), first, scale, false, c.pose);
     c.cost = Cost(grid, first, c.pose, 0.8, false);
   }
   KeepBest(all, kAfterFirst, 2 * kOtherPose_mm, box);
   for (Candidate& c : all) {
     for (double scale : {1.5, 1.2, 1.0, 0.8, 0.6, 0.5}) {
-      for (int i = 0; i < 4; ++i) Step(grid, more, scale, false, c.pose);
+      for (int i = 0; i < 4; ++i) Step(AwayFrom(grid, more, c.pose), more, scale, false, c.pose);
     }
     c.cost = Cost(grid, more, c.pose, 0.4, false);
   }
@@ -298,11 +310,10 @@ std::vector<Candidate> FindCoarse(const DistanceGrid& grid, const Triangles& mov
 
 // Scale of Tukey's weight for the spread of what agrees: 95 % efficient for normal errors (Holland
 // and Welsch, Communications in Statistics A6, 1977).
-double ScaleFor_mm(SurfaceDistance& distances, const std::vector<SurfacePoint>& points,
-                   const Rigid& pose) {
+double ScaleFor_mm(const std::vector<Away>& aways) {
   std::vector<double> sizes;
-  for (const SurfacePoint& point : points) {
-    const double d = std::abs(distances.At(pose.At(point.at)).distance);
+  for (const Away& away : aways) {
+    const double d = std::abs(away.distance);
     if (d < kAgree_mm) sizes.push_back(d);
   }
   if (sizes.empty()) return kAgree_mm;
@@ -315,11 +326,11 @@ void Refine(SurfaceDistance& distances, const std::vector<SurfacePoint>& points,
             bool wide) {
   if (wide) {
     for (double scale : {0.8, 0.8, 0.6, 0.4, 0.4, 0.3, 0.2, 0.2})
-      Step(distances, points, scale, true, pose);
+      Step(AwayFrom(distances, points, pose), points, scale, true, pose);
   }
   for (int i = 0; i < 30; ++i) {
-    const double scale = ScaleFor_mm(distances, points, pose);
-    if (Step(distances, points, scale, true, pose) < 1e-6) return;
+    const std::vector<Away> aways = AwayFrom(distances, points, pose);
+    if (Step(aways, points, ScaleFor_mm(aways), true, pose) < kStill_mm) return;
   }
 }
 

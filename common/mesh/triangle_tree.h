@@ -17,6 +17,7 @@ class TriangleTree {
   explicit TriangleTree(const Triangles& mesh);
 
   bool empty() const { return triangles_.empty(); }
+  uint32_t size() const { return static_cast<uint32_t>(triangles_.size()); }
   // Distance to the nearest triangle, or `limit` when none is nearer. `nearest` (may be null) is a
   // guess, in the tree's own numbering, that shortens the search, and becomes the triangle found.
   double Distance(const dvec3& p, double limit, uint32_t* nearest = nullptr) const;

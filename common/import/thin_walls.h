@@ -1,0 +1,36 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "common/mesh/triangle_tree.h"
+
+// Walls that a voxel grid does not carry. A surface is where the distance changes its sign between two samples. It
+// lies right if the inner one is nearer to it than to the wall's other side, and so everywhere in walls of two
+// voxels and more. A wall of one voxel measures 100, 75 or 0 % of its thickness as the grid moves by quarters of a
+// voxel, and one of half a voxel is left out in most places (tests/common/import/thin_walls_test.cpp).
+namespace enamel::import {
+
+inline constexpr double kThinnestWall_voxels = 2;
+
+struct ThinWalls {
+  double area_mm2 = 0,
+         percent = 0;   // of the surface: where the solid behind it is thinner than the limit
+  double least_mm = 0;  // the thinnest that was met
+  dvec3 at_mm{0};       // and where
+};
+
+// `surface`: triangles outward; `inside`: of the solid it bounds. Looks inward along the normal at places
+// spread over the surface, 2 a square millimetre and at least 4000. Nothing where all walls are thicker, or
+// thinner ones cover less than kLeastThin_percent. Deterministic.
+std::optional<ThinWalls> FindThinWalls(const mesh::TriangleTree& surface,
+                                       const std::function<bool(const dvec3&)>& inside,
+                                       double limit_mm);
+// Less is the feather edge of a scan's margin, which cuts the surface at an acute angle.
+inline constexpr double kLeastThin_percent = 0.2;
+
+// For the report, with the voxel that would carry the thinnest.
+std::string Words(const ThinWalls& walls, int32_t voxel_nm);
+
+}  // namespace enamel::import
