@@ -11,7 +11,7 @@ namespace {
 
 dvec3 Unit(const dvec3& v) noexcept {
   double length = std::sqrt(Dot(v, v));
-  return length > 0 ? v / length : dvec3(0);
+  return length > 0 ? v * (1 / length) : dvec3(0);
 }
 
 // No source is recorded for these numbers. They must satisfy two tests: a bur that is drawn back
@@ -23,7 +23,7 @@ constexpr double kReach = 0.5;  // voxels
 constexpr double kRounding = 1e-4;
 // Of a distance that is not known: below any that there is; and one so long ago that a look at the nearest
 // sample pays before all samples are read.
-constexpr double kUnknown = -100, kLongAgo = -1;
+constexpr double kUnknown = -100, kLongAgo = -3;
 // A trilinear distance between samples that differ by no more than their way changes by at most this much of a
 // way: by 1 along each axis.
 constexpr double kSteepest = 1.7321;
@@ -44,14 +44,14 @@ constexpr double kPlainWall = 0.97;
 
 // The rate from which a point at that distance counts.
 double Grazing(double distance) noexcept {
-  if (distance >= 0) return EngagementReader::kGrazing + distance / kLookAhead;
-  double outside = 1 + distance / kInside;
+  if (distance >= 0) return EngagementReader::kGrazing + distance * (1 / kLookAhead);
+  double outside = 1 + distance * (1 / kInside);
   return outside > 0 ? EngagementReader::kGrazing * outside : 0;
 }
 
 // The direction a point presses in.
 dvec3 Press(const dvec3& normal, const dvec3& into) noexcept {
-  double own = (Dot(normal, into) - kFieldBelow) / (kOwnFrom - kFieldBelow);
+  double own = (Dot(normal, into) - kFieldBelow) * (1 / (kOwnFrom - kFieldBelow));
   if (own >= 1) return normal;
   if (!(own > 0)) return into;
   return Unit(into + (normal - into) * own);
@@ -98,10 +98,12 @@ void EngagementReader::Forget() noexcept {
   std::fill(clear_.begin(), clear_.end(), static_cast<float>(kUnknown));
 }
 
-// From the tip to a point, scene frame, voxels.
-dvec3 EngagementReader::ArmOf(uint32_t point) const noexcept {
-  const dvec3& p = points_[point].position;
-  return axes_[0] * p.x + axes_[1] * p.y + axes_[2] * p.z;
+dvec3 EngagementReader::InScene(const dvec3& bur) const noexcept {
+  return axes_[0] * bur.x + axes_[1] * bur.y + axes_[2] * bur.z;
+}
+
+dvec3 EngagementReader::InBur(const dvec3& scene) const noexcept {
+  return {Dot(axes_[0], scene), Dot(axes_[1], scene), Dot(axes_[2], scene)};
 }
 
 void EngagementReader::Sample(const Volume& volume, const Pose& pose) noexcept {
@@ -115,13 +117,12 @@ void EngagementReader::Sample(const Volume& volume, const Pose& pose) noexcept {
   for (size_t i = 0; i < points_.size(); ++i) {
     float& clear = clear_[i];
     if (clear >= kReach) continue;
-    const auto point = static_cast<uint32_t>(i);
     if (clear < kLongAgo) {
-      clear = static_cast<float>(volume.ClearanceAtSample(tip_ + ArmOf(point)) - kRounding);
+      const dvec3 at = tip_ + InScene(points_[i].position);
+      clear = static_cast<float>(volume.ClearanceAtSample(at) - kRounding);
       if (clear >= kReach) continue;
     }
-    const dvec3& n = points_[i].normal;
-    candidates_[count_++] = {axes_[0] * n.x + axes_[1] * n.y + axes_[2] * n.z, point, false};
+    candidates_[count_++] = {static_cast<uint32_t>(i), false};
   }
 }
 
@@ -132,24 +133,25 @@ const EngagementReader::Contact& EngagementReader::See(const Volume& volume,
   if (who.seen) return c;
   who.seen = true;
   const Point& p = points_[who.point];
-  const dvec3 at = tip_ + ArmOf(who.point);
+  const dvec3 at = tip_ + InScene(p.position);
   dvec3 slope;
   const double distance = volume.DistanceAndSlope(at, kReach, slope);
   clear_[who.point] = static_cast<float>(distance - kRounding);
   c.area_m2 = 0;
   if (distance >= kReach) return c;
+  const dvec3 normal = InScene(p.normal);
   c.grazing = Grazing(distance);
-  c.area_m2 = p.area_m2 * (distance <= 0 ? 1 : 1 - distance / kReach);
+  c.area_m2 = p.area_m2 * (distance <= 0 ? 1 : 1 - distance * (1 / kReach));
   const double steepness = std::sqrt(Dot(slope, slope));
   // Else the bur's own normal is the best that is known.
-  c.into = steepness >= kSlope ? slope * (-1 / steepness) : who.normal;
+  c.into = steepness >= kSlope ? slope * (-1 / steepness) : normal;
   if (steepness < kPlainWall) c.area_m2 *= SolidShare(volume, at, distance, c.into);
   if (!(c.area_m2 > 0)) return c;
-  c.press = Press(who.normal, c.into);
+  c.press = Press(normal, c.into);
   c.beta = c.coulomb = c.threshold = 0;
   if (p.shank) return c;
   // Half a voxel ahead: at the point itself there may be what was cut already.
-  const auto t = static_cast<size_t>(volume.TissueAtSample(at + who.normal * kReach));
+  const auto t = static_cast<size_t>(volume.TissueAtSample(at + normal * kReach));
   const double lateral = per_area_.lateral[t];
   c.beta = lateral + p.axial_share * (per_area_.axial[t] - lateral);
   c.coulomb = per_area_.coulomb_n[t];
@@ -159,15 +161,15 @@ const EngagementReader::Contact& EngagementReader::See(const Volume& volume,
 
 // Its area, by how far that direction brings it into solid, m^2.
 double EngagementReader::AreaAhead(const Volume& volume, const dvec3& direction,
-                                   size_t candidate) noexcept {
+                                   const dvec3& in_bur, size_t candidate) noexcept {
   // The cheapest first: half of a bur's points face away from its travel.
-  const double own = Dot(candidates_[candidate].normal, direction);
+  const double own = Dot(points_[candidates_[candidate].point].normal, in_bur);
   if (!(own > 0)) return 0;
   const Contact& c = See(volume, candidate);
   if (!(c.area_m2 > 0) || !(own > c.grazing)) return 0;
   const double field = Dot(c.into, direction), rate = own < field ? own : field;
   if (!(rate > c.grazing)) return 0;
-  const double weight = (rate - c.grazing) / kRamp;
+  const double weight = (rate - c.grazing) * (1 / kRamp);
   return c.area_m2 * (weight < 1 ? weight : 1);
 }
 
@@ -179,10 +181,10 @@ bool EngagementReader::Touches(const Volume& volume) noexcept {
 
 Engagement EngagementReader::Read(const Volume& volume, const dvec3& travel) noexcept {
   Engagement out;
-  const dvec3 direction = Unit(travel);
+  const dvec3 direction = Unit(travel), in_bur = InBur(direction);
   dvec3 cutting(0), shank(0);
   for (size_t i = 0; i < count_; ++i) {
-    const double area = AreaAhead(volume, direction, i);
+    const double area = AreaAhead(volume, direction, in_bur, i);
     if (!(area > 0)) continue;
     const Contact& a = contacts_[i];
     if (points_[candidates_[i].point].shank) {
@@ -205,9 +207,10 @@ RotationalEngagement EngagementReader::ReadRotational(const Volume& volume,
                                                       const dvec3& turn) noexcept {
   RotationalEngagement out;
   for (size_t i = 0; i < count_; ++i) {
-    const dvec3 arm_m = ArmOf(candidates_[i].point) * voxel_m_;
+    const dvec3 arm_m = InScene(points_[candidates_[i].point].position) * voxel_m_;
     // A point moves as turn x arm; one on the axis of the turn does not move, and weighs 0.
-    const double area = AreaAhead(volume, Unit(glm::cross(turn, arm_m)), i);
+    const dvec3 direction = Unit(glm::cross(turn, arm_m));
+    const double area = AreaAhead(volume, direction, InBur(direction), i);
     if (!(area > 0)) continue;
     const Contact& a = contacts_[i];
     const bool shank = points_[candidates_[i].point].shank;

@@ -116,7 +116,6 @@ class EngagementReader {
   };
   // A point that may be near solid.
   struct Candidate {
-    dvec3 normal;  // scene frame
     uint32_t point;
     bool seen;  // its Contact was read
   };
@@ -130,9 +129,13 @@ class EngagementReader {
     double coulomb, threshold;  // N/m^2
   };
 
-  dvec3 ArmOf(uint32_t point) const noexcept;
+  // Of a vector: from the bur's frame into the scene's, and back.
+  dvec3 InScene(const dvec3& bur) const noexcept;
+  dvec3 InBur(const dvec3& scene) const noexcept;
   const Contact& See(const Volume& volume, size_t candidate) noexcept;
-  double AreaAhead(const Volume& volume, const dvec3& direction, size_t candidate) noexcept;
+  // `in_bur`: the direction in the bur's frame.
+  double AreaAhead(const Volume& volume, const dvec3& direction, const dvec3& in_bur,
+                   size_t candidate) noexcept;
 
   std::vector<Point> points_;
   TissueDamping per_area_;

@@ -10,12 +10,12 @@ double FeltIn(const FeltDevice& device, const FeltTrial& trial, double grip,
               std::span<const std::vector<dvec3>> ways) {
   FeltTrial in_grip = trial;
   in_grip.hand.stiffness_n_per_m = grip;
-  in_grip.friction_counts = true;
+  in_grip.ideal = false;
   double error2 = 0, ideal2 = 0;
   for (const std::vector<dvec3>& way : ways) {
     const FeltFigures f = Feel(device, in_grip, way);
-    error2 += f.error_rms_n * f.error_rms_n;
-    ideal2 += f.ideal_rms_n * f.ideal_rms_n;
+    error2 += f.felt_error_rms_n * f.felt_error_rms_n;
+    ideal2 += f.tool_rms_n * f.tool_rms_n;
   }
   return std::sqrt(error2 / ideal2);
 }

@@ -12,9 +12,9 @@
 //
 // A hand gives. The spring Kc between tip and bur is in series with it, so a soft grip hides a soft device.
 // Each point of the map is simulated (felt.h): a hand that works a surface, in uniform tissue, with the
-// device's mass, damping, friction, cells, delay and the ceiling of its motors. The error is of the grip's
-// force, against that on a device without friction that has an ideal damper: what a hand gets of F = B v.
-// Friction of a device is force too, and no law takes it away. Beside it the closed form of the spring alone.
+// device's mass, damping, friction, cells, delay and the ceiling of its motors. The error is of the force in
+// the hand, against that on an ideal tool: what a hand gets of F = B v. Friction and inertia of a device are
+// force too, and no law takes them away. Beside it the closed form of the spring alone.
 // Not in it: the shape of a cut, the bur's axial B, the motors' heating.
 //
 // Deterministic. SI units. Thread safety: functions, any thread. Real-time: not safe.

@@ -1,9 +1,12 @@
 #include "common/fidelity/felt.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
+#include <limits>
 
+#include "common/fidelity/series.h"
 #include "common/fidelity/way.h"
 #include "common/haptics/coupling.h"
 #include "common/haptics/uniform_material.h"
@@ -13,6 +16,27 @@ namespace {
 
 // Above this a force is felt as vibration, and no longer follows the hand.
 constexpr double kRipple_hz = 15;
+
+// The part of a signal above it, by two stages of first order: one alone would let a fifteenth of a motion at
+// 1 Hz through.
+class AboveRipple {
+ public:
+  explicit AboveRipple(double tick_s) {
+    const double low_pass = 2 * M_PI * kRipple_hz * tick_s;
+    share_ = low_pass / (1 + low_pass);
+  }
+  dvec3 Add(dvec3 value) {
+    for (dvec3& smooth : smooth_) {
+      smooth += (value - smooth) * share_;
+      value -= smooth;
+    }
+    return value;
+  }
+
+ private:
+  double share_;
+  std::array<dvec3, 2> smooth_{dvec3(0), dvec3(0)};
+};
 // Shorter steps than T/8 change no figure here; a fast loop's tick is short already.
 constexpr int kSubsteps = 8;
 
@@ -20,17 +44,8 @@ constexpr int kSubsteps = 8;
 class WayHand final : public Hand {
  public:
   WayHand(const std::vector<dvec3>& way, const dvec3& start, const HandOn& on, double device_kg)
-      : reader_(way), start_(start), on_(on) {
-    const double k = on.stiffness_n_per_m.value_or(0);
-    damping_ = on.damping_n_s_per_m.value_or(1.2 * std::sqrt(k * (on.mass_kg + device_kg)));
-  }
+      : reader_(way), start_(start), on_(SameHand(on, device_kg)) {}
   double mass_kg() const override { return on_.stiffness_n_per_m ? on_.mass_kg : 0; }
-  // Of the grip on this plant now.
-  dvec3 Force(const Plant& plant) {
-    const Grip grip = At(plant.time_s());
-    return grip.force_n + (grip.equilibrium_m - plant.tip_m()) * grip.stiffness_n_per_m +
-           (grip.equilibrium_speed_m_per_s - plant.speed_m_per_s()) * grip.damping_n_s_per_m;
-  }
   Grip At(double t_s) override {
     Grip grip;
     if (!on_.stiffness_n_per_m) {
@@ -39,7 +54,7 @@ class WayHand final : public Hand {
       return grip;
     }
     grip.force_n = on_.push_n;
-    grip.damping_n_s_per_m = damping_;
+    grip.damping_n_s_per_m = *on_.damping_n_s_per_m;
     grip.stiffness_n_per_m = *on_.stiffness_n_per_m;
     if (grip.stiffness_n_per_m > 0) {
       grip.equilibrium_m = start_ + reader_.PositionAt(t_s);
@@ -52,7 +67,6 @@ class WayHand final : public Hand {
   WayReader reader_;
   dvec3 start_;
   HandOn on_;
-  double damping_ = 0;
 };
 
 PlantSpec SpecOf(const FeltDevice& d, const FeltTrial& trial) {
@@ -72,6 +86,7 @@ PlantSpec SpecOf(const FeltDevice& d, const FeltTrial& trial) {
 haptics::CouplingParams CouplingOf(const FeltDevice& d, const FeltTrial& trial) {
   haptics::CouplingParams p;
   p.law = {trial.law, d.kc_n_per_m, dvec3(d.resolution_m), d.tick_s};
+  p.law.estimator = trial.estimator;
   p.peak_force_n = d.peak_force_n;
   p.delay_ticks = trial.delay_ticks;
   p.cell = CellOf(trial.lattice, d.resolution_m);
@@ -120,6 +135,47 @@ class Balance {
   double b_over_t_, friction_, sum_, least_ = 0;
 };
 
+// Off the middle of a cell on every axis, differently.
+const dvec3 kStart_m(3.3e-6, 2.1e-6, 1.1e-6);
+
+// Without the last ticks, in which the path and with it the speed ends.
+size_t TicksOf(const std::vector<dvec3>& way, const PlantSpec& spec) {
+  return static_cast<size_t>(WayReader(way).duration_s() / spec.tick_s) - 5;
+}
+
+// Ripple, mean, and the ends of the force along its mean.
+void JudgeForce(const std::vector<dvec3>& r, size_t from, double tick_s, FeltFigures* out) {
+  AboveRipple above(tick_s);
+  double ripple2 = 0;
+  for (size_t i = 0; i < r.size(); ++i) {
+    const dvec3 ripple = above.Add(r[i]);
+    if (i < from) continue;
+    ripple2 += Dot(ripple, ripple);
+    out->mean_n += r[i];
+  }
+  const auto n = static_cast<double>(r.size() - from);
+  out->ripple_n = std::sqrt(ripple2 / n);
+  out->mean_n /= n;
+  const double length = glm::length(out->mean_n);
+  const dvec3 along = length > 0 ? out->mean_n / length : dvec3(1, 0, 0);
+  out->least_n = 1e300;
+  out->most_n = -1e300;
+  for (size_t i = from; i < r.size(); ++i) {
+    out->least_n = std::min(out->least_n, Dot(r[i], along));
+    out->most_n = std::max(out->most_n, Dot(r[i], along));
+  }
+}
+
+void JudgeHand(const Series& in_hand, const Series& tool, double tick_s, FeltFigures* out) {
+  const Series off = Difference(in_hand, tool);
+  const size_t n = off.size(), second = static_cast<size_t>(1 / tick_s + 0.5);
+  out->felt_error_rms_n = RmsOf(off);
+  out->felt_error_p95_n = WithinOf(off, 0.95);
+  out->tool_rms_n = RmsOf(tool);
+  for (size_t i = 0; i + second <= n; i += second)
+    out->seconds.push_back({RmsOf(tool, i, i + second), RmsOf(off, i, i + second)});
+}
+
 }  // namespace
 
 haptics::TipCell CellOf(const Lattice& lattice, double resolution_m) {
@@ -128,57 +184,77 @@ haptics::TipCell CellOf(const Lattice& lattice, double resolution_m) {
   return haptics::LatticeCell(resolution_m, lattice.driver_cell_m, lattice.noise_counts);
 }
 
-FeltFigures Feel(const FeltDevice& d, const FeltTrial& trial, const std::vector<dvec3>& way) {
-  // Off the middle of a cell on every axis, differently.
-  const dvec3 start(3.3e-6, 2.1e-6, 1.1e-6);
+HandOn SameHand(HandOn hand, double device_kg) {
+  if (!hand.damping_n_s_per_m)
+    hand.damping_n_s_per_m =
+        1.2 * std::sqrt(hand.stiffness_n_per_m.value_or(0) * (hand.mass_kg + device_kg));
+  return hand;
+}
+
+FeltDevice ToolOf(const FeltDevice& device) {
+  FeltDevice tool = device;
+  tool.mass_kg = tool.damping_n_s_per_m = tool.friction_n = 0;
+  tool.peak_force_n = std::numeric_limits<double>::max();
+  return tool;
+}
+
+std::vector<dvec3> ForceInHand(const FeltDevice& d, const FeltTrial& trial,
+                               const std::vector<dvec3>& way, bool damper) {
   const PlantSpec spec = SpecOf(d, trial);
-  PlantSpec reference = spec;
-  if (trial.friction_counts) reference.friction_n = 0;
-  WayHand hand(way, start, trial.hand, d.mass_kg), same(way, start, trial.hand, d.mass_kg);
-  Plant plant(spec, hand, start), damped(reference, same, start);
+  WayHand hand(way, kStart_m, trial.hand, d.mass_kg);
+  Plant plant(spec, hand, kStart_m);
+  std::optional<Renderer> renderer;
+  if (!damper) {
+    renderer.emplace(d, trial);
+    renderer->Reset(plant.Read());
+  }
+  std::vector<dvec3> out;
+  for (size_t k = 0, ticks = TicksOf(way, spec); k < ticks; ++k) {
+    if (damper)
+      plant.StepDamped(trial.b_n_s_per_m, d.peak_force_n);
+    else
+      plant.Step(renderer->Tick(plant.Read()));
+    out.push_back(plant.in_hand_n());
+  }
+  return out;
+}
+
+FeltFigures Feel(const FeltDevice& d, const FeltTrial& trial, const std::vector<dvec3>& way) {
+  const PlantSpec spec = SpecOf(d, trial);
+  WayHand hand(way, kStart_m, trial.hand, d.mass_kg), same(way, kStart_m, trial.hand, d.mass_kg);
+  Plant plant(spec, hand, kStart_m), damped(spec, same, kStart_m);
   Renderer renderer(d, trial);
   renderer.Reset(plant.Read());
 
-  // Without the last ticks, in which the path and with it the speed ends.
-  const auto ticks = static_cast<size_t>(WayReader(way).duration_s() / spec.tick_s) - 5;
   const auto from = static_cast<size_t>(trial.from_s / spec.tick_s);
-  const double low_pass = 2 * M_PI * kRipple_hz * spec.tick_s;
-  Balance balance(d, plant.Read() - start);
-  FeltFigures out;
-  dvec3 smooth(0);
-  std::vector<dvec3> judged;
-  double error2 = 0, ideal2 = 0, ripple2 = 0;
-  for (size_t k = 0; k < ticks; ++k) {
+  Balance balance(d, plant.Read() - kStart_m);
+  Series sent, ideal, in_hand;  // but for `sent` only what is judged
+  for (size_t k = 0, ticks = TicksOf(way, spec); k < ticks; ++k) {
     const dvec3 r = -renderer.Tick(plant.Read()), was = plant.tip_m();
     plant.Step(-r);
     balance.Add(-plant.sent_n(), plant.tip_m() - was);
-    dvec3 ideal = trial.ideal ? damped.StepDamped(trial.b_n_s_per_m, d.peak_force_n) : dvec3(0);
-    const dvec3 off = trial.friction_counts ? hand.Force(plant) - same.Force(damped) : r - ideal;
-    if (trial.friction_counts) ideal = same.Force(damped);
-    smooth += (r - smooth) * (low_pass / (1 + low_pass));
-    if (k < from) continue;
-    judged.push_back(r);
-    error2 += Dot(off, off);
-    ideal2 += Dot(ideal, ideal);
-    ripple2 += Dot(r - smooth, r - smooth);
-    out.mean_n += r;
+    if (trial.ideal) {
+      const dvec3 right = damped.StepDamped(trial.b_n_s_per_m, d.peak_force_n);
+      if (k >= from) ideal.push_back(right);
+    }
+    sent.push_back(r);
+    if (trial.tool && k >= from) in_hand.push_back(plant.in_hand_n());
   }
-  const auto n = static_cast<double>(judged.size());
-  if (trial.ideal) {
-    out.error_rms_n = std::sqrt(error2 / n);
-    out.ideal_rms_n = std::sqrt(ideal2 / n);
-  }
-  out.ripple_n = std::sqrt(ripple2 / n);
-  out.mean_n /= n;
-  const double length = glm::length(out.mean_n);
-  const dvec3 along = length > 0 ? out.mean_n / length : dvec3(1, 0, 0);
-  out.least_n = 1e300;
-  out.most_n = -1e300;
-  for (const dvec3& r : judged) {
-    out.least_n = std::min(out.least_n, Dot(r, along));
-    out.most_n = std::max(out.most_n, Dot(r, along));
-  }
+  FeltFigures out;
   out.energy_min_j = balance.least_j();
+  JudgeForce(sent, from, spec.tick_s, &out);
+  if (trial.ideal) {
+    sent.erase(sent.begin(), sent.begin() + static_cast<long>(from));
+    out.error_rms_n = RmsOf(Difference(sent, ideal));
+    out.ideal_rms_n = RmsOf(ideal);
+  }
+  if (trial.tool) {
+    FeltTrial same_hand = trial;
+    same_hand.hand = SameHand(trial.hand, d.mass_kg);
+    Series tool = ForceInHand(ToolOf(d), same_hand, way, true);
+    tool.erase(tool.begin(), tool.begin() + static_cast<long>(from));
+    JudgeHand(in_hand, tool, spec.tick_s, &out);
+  }
   return out;
 }
 

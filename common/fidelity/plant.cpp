@@ -57,6 +57,8 @@ void Plant::Advance() {
   last_tick_s_ = spec_.tick_s;
   if (spec_.jitter_ratio > 0) last_tick_s_ *= 1 + spec_.jitter_ratio * random_.Signed();
   double dt = last_tick_s_ / spec_.substeps;
+  device_ = {};
+  resisted_ = -sent_;
   for (int i = 0; i < spec_.substeps; ++i) {
     Grip grip = hand_.At(time_s_ + (i + 1) * dt);
     if (spec_.mode_hz > 0)
@@ -73,12 +75,29 @@ dvec3 Plant::StepDamped(const Sym3& b, double peak_n) {
   sent_ = dvec3(0);
   last_tick_s_ = spec_.tick_s;
   const double dt = last_tick_s_ / spec_.substeps;
-  dvec3 resisted(0);
+  device_ = {};
+  resisted_ = dvec3(0);
   for (int i = 0; i < spec_.substeps; ++i)
-    resisted += DampedSubstep(hand_.At(time_s_ + (i + 1) * dt), b, peak_n, dt);
+    resisted_ += DampedSubstep(hand_.At(time_s_ + (i + 1) * dt), b, peak_n, dt);
+  resisted_ /= static_cast<double>(spec_.substeps);
   time_s_ += last_tick_s_;
   DrawNoise();
-  return resisted / static_cast<double>(spec_.substeps);
+  return resisted_;
+}
+
+void Plant::Account(const dvec3& friction, const dvec3& damping, const dvec3& inertia) {
+  const double share = 1.0 / spec_.substeps;
+  device_.friction_n += friction * share;
+  device_.damping_n += damping * share;
+  device_.inertia_n += inertia * share;
+}
+
+dvec3 Plant::PrescribedFriction(const dvec3& speed, const dvec3& resisted) const {
+  const double c = spec_.friction_n;
+  dvec3 out;
+  for (int i = 0; i < 3; ++i)
+    out[i] = speed[i] > 0 ? c : speed[i] < 0 ? -c : -std::clamp(resisted[i], -c, c);
+  return out;
 }
 
 // (m + dt (b + d) + dt^2 k) v' = m v + dt (F + k (q - x) + d q'), then the friction impulse.
@@ -94,22 +113,29 @@ Plant::Push Plant::PushOf(const Grip& grip, double dt) const {
                   grip.damping_n_s_per_m * grip.equilibrium_speed_m_per_s[i];
     double impulse = mass * tip_speed_[i] + dt * push;
     out.impulse[i] = impulse > rub ? impulse - rub : impulse < -rub ? impulse + rub : 0;
+    out.friction_n[i] = (impulse - out.impulse[i]) / dt;
   }
   return out;
 }
 
 void Plant::RigidSubstep(const Grip& grip, double dt) {
+  const dvec3 was = tip_speed_;
+  dvec3 friction;
   if (grip.prescribed) {
     tip_speed_ = (grip.equilibrium_m - tip_) / dt;
-    tip_ = motor_ = grip.equilibrium_m;
-    return;
-  }
-  const Push push = PushOf(grip, dt);
-  for (int i = 0; i < 3; ++i) {
-    tip_speed_[i] = push.impulse[i] / push.lead_kg;
-    tip_[i] += dt * tip_speed_[i];
+    tip_ = grip.equilibrium_m;
+    friction = PrescribedFriction(tip_speed_, -sent_);
+  } else {
+    const Push push = PushOf(grip, dt);
+    friction = push.friction_n;
+    for (int i = 0; i < 3; ++i) {
+      tip_speed_[i] = push.impulse[i] / push.lead_kg;
+      tip_[i] += dt * tip_speed_[i];
+    }
   }
   motor_ = tip_;
+  Account(friction, tip_speed_ * spec_.damping_n_s_per_m,
+          (tip_speed_ - was) * (spec_.mass_kg / dt));
 }
 
 dvec3 Plant::DampedSubstep(const Grip& grip, const Sym3& b, double peak, double dt) {
@@ -117,13 +143,16 @@ dvec3 Plant::DampedSubstep(const Grip& grip, const Sym3& b, double peak, double 
     const double length = glm::length(force);
     return length > peak ? force * (peak / length) : force;
   };
-  dvec3 resisted;
+  const dvec3 was = tip_speed_;
+  dvec3 resisted, friction;
   if (grip.prescribed) {
     tip_speed_ = (grip.equilibrium_m - tip_) / dt;
     tip_ = grip.equilibrium_m;
     resisted = Within(b * tip_speed_);
+    friction = PrescribedFriction(tip_speed_, resisted);
   } else {
     const Push push = PushOf(grip, dt);
+    friction = push.friction_n;
     tip_speed_ = SolveShifted(b * dt, push.lead_kg, push.impulse);
     const dvec3 wanted = b * tip_speed_;
     resisted = Within(wanted);
@@ -131,6 +160,8 @@ dvec3 Plant::DampedSubstep(const Grip& grip, const Sym3& b, double peak, double 
     tip_ += tip_speed_ * dt;
   }
   motor_ = tip_;
+  Account(friction, tip_speed_ * spec_.damping_n_s_per_m,
+          (tip_speed_ - was) * (spec_.mass_kg / dt));
   return resisted;
 }
 
@@ -143,6 +174,12 @@ void Plant::FlexibleSubstep(const Grip& grip, double dt) {
   tip_mass += hand_mass_;
   double link = dt * ds + dt * dt * ks, rub = spec_.friction_n * dt;
   double kh = grip.stiffness_n_per_m, dh = grip.damping_n_s_per_m;
+  const double device_tip_kg = spec_.mass_kg * spec_.mode_tip_share;
+  const dvec3 tip_was = tip_speed_, motor_was = motor_speed_;
+  dvec3 friction;
+  auto left_of = [rub](double impulse) {
+    return impulse > rub ? impulse - rub : impulse < -rub ? impulse + rub : 0;
+  };
   double m11 = motor_mass + dt * spec_.damping_n_s_per_m + link;
   double m22 = tip_mass + dt * dh + dt * dt * kh + link;
   for (int i = 0; i < 3; ++i) {
@@ -153,19 +190,23 @@ void Plant::FlexibleSubstep(const Grip& grip, double dt) {
                       dh * grip.equilibrium_speed_m_per_s[i]);
     if (grip.prescribed) {
       tip_speed_[i] = (grip.equilibrium_m[i] - tip_[i]) / dt;
-      double impulse = r1 + link * tip_speed_[i];
-      impulse = impulse > rub ? impulse - rub : impulse < -rub ? impulse + rub : 0;
-      motor_speed_[i] = impulse / m11;
+      const double impulse = r1 + link * tip_speed_[i], left = left_of(impulse);
+      friction[i] = (impulse - left) / dt;
+      motor_speed_[i] = left / m11;
     } else {
       // Eliminate the tip, then friction on the motor side.
-      double lead = m11 - link * link / m22, impulse = r1 + link * r2 / m22;
-      impulse = impulse > rub ? impulse - rub : impulse < -rub ? impulse + rub : 0;
-      motor_speed_[i] = impulse / lead;
+      const double lead = m11 - link * link / m22, impulse = r1 + link * r2 / m22,
+                   left = left_of(impulse);
+      friction[i] = (impulse - left) / dt;
+      motor_speed_[i] = left / lead;
       tip_speed_[i] = (r2 + link * motor_speed_[i]) / m22;
     }
     motor_[i] += dt * motor_speed_[i];
     tip_[i] = grip.prescribed ? grip.equilibrium_m[i] : tip_[i] + dt * tip_speed_[i];
   }
+  Account(friction, motor_speed_ * spec_.damping_n_s_per_m,
+          ((motor_speed_ - motor_was) * motor_mass + (tip_speed_ - tip_was) * device_tip_kg) *
+              (1 / dt));
 }
 
 }  // namespace enamel::fidelity

@@ -20,6 +20,8 @@
 // Integration: sub-stepped, linearly implicit in b, the hand's stiffness and the hand's damping,
 // with friction as the impulse that can at most stop an axis. First order in the step;
 // IntegrationError in trial.h reports it against a finer step.
+//
+// Signs and frames: common/haptics/README.md, "Conventions", has the drawing.
 namespace enamel::fidelity {
 
 // Position of the encoder's cells. Default: cells of edge delta along x, y and z, no noise. Joint
@@ -73,6 +75,15 @@ class Hand {
   virtual Grip At(double t_s) = 0;
 };
 
+// Between motors and hand: what the device itself adds to the resisting force. Means over the last tick; each
+// resists the motion. A device that rests takes up to c of the motors' force with its friction, and the hand
+// the rest; of a prescribed tip that rests nobody can say which.
+struct DeviceForces {
+  dvec3 friction_n{0};
+  dvec3 damping_n{0};
+  dvec3 inertia_n{0};  // of the device's mass; the hand's own is the hand's
+};
+
 // Thread safety: none; one per trial.
 class Plant {
  public:
@@ -97,6 +108,12 @@ class Plant {
   const dvec3& motor_m() const { return motor_; }
   const dvec3& speed_m_per_s() const { return tip_speed_; }
   const dvec3& sent_n() const { return sent_; }
+  const DeviceForces& device_forces() const { return device_; }
+  // The force in the hand: the motors' resistance (of StepDamped, the damper's) and the device's own forces.
+  // Mean over the last tick.
+  dvec3 in_hand_n() const {
+    return resisted_ + device_.friction_n + device_.damping_n + device_.inertia_n;
+  }
   double last_tick_s() const { return last_tick_s_; }
 
  private:
@@ -105,9 +122,14 @@ class Plant {
   // The tip's next speed from the impulse it gets: friction, and b beside the device's own damping.
   struct Push {
     dvec3 impulse;       // N s, with friction taken off
+    dvec3 friction_n;    // that was
     double lead_kg = 0;  // mass and what is implicit
   };
   Push PushOf(const Grip& grip, double dt) const;
+  // Adds a sub-step to the tick's means.
+  void Account(const dvec3& friction_n, const dvec3& damping_n, const dvec3& inertia_n);
+  // The friction of a prescribed tip.
+  dvec3 PrescribedFriction(const dvec3& speed, const dvec3& resisted_n) const;
   void RigidSubstep(const Grip& grip, double dt);
   dvec3 DampedSubstep(const Grip& grip, const Sym3& b, double peak_n, double dt);
   void FlexibleSubstep(const Grip& grip, double dt);
@@ -119,7 +141,8 @@ class Plant {
   glm::dmat3 from_joints_{1};
   bool joint_cells_ = false;
   dvec3 noise_counts_{0};
-  dvec3 tip_, tip_speed_{0}, motor_, motor_speed_{0}, sent_{0};
+  dvec3 tip_, tip_speed_{0}, motor_, motor_speed_{0}, sent_{0}, resisted_{0};
+  DeviceForces device_;
   std::vector<dvec3> pipe_;
   size_t pipe_at_ = 0;
   double time_s_ = 0, last_tick_s_ = 0;

@@ -30,9 +30,10 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
                    "device profile, a profile document (….json), or all")
       ->capture_default_str();
   qualify
-      ->add_option("--suite", options->suites,
-                   "paper, hand, map, strokes, rates, laws, estimators, extreme, adversary, "
-                   "random, cutting or all")
+      ->add_option(
+          "--suite", options->suites,
+          "paper, hand, map, strokes, calibration, laws, front, estimators, extreme, adversary, "
+          "random, cutting or all")
       ->delimiter(',')
       ->capture_default_str();
   qualify->add_flag("--quick", options->quick, "under a minute on two cores");
@@ -59,9 +60,12 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
   qualify->footer(
       "Suites:\n"
       "  paper       the tables of Liu et al. 2008 beside what this law does in the same cases\n"
-      "  hand        the law in hands that give: felt error against an ideal damper in the same "
+      "  hand        the law in hands that give: the command against an ideal damper in the same "
       "hand, rounded and\n"
-      "              noisy positions, lifts, hands that push, first strokes, withdrawals\n"
+      "              noisy positions, lifts, hands that push, first strokes, withdrawals; the "
+      "force "
+      "in the hand, with\n"
+      "              the device's friction and inertia, and what its error is made of\n"
       "  map         up to which grip cutting feels right, by device, loop rate, tissue and law, "
       "beside "
       "the closed\n"
@@ -72,6 +76,10 @@ void RegisterQualify(CLI::App& app, int* exit_code) {
       "  calibration what stays safe if a calibration is wrong: Kc at the bad end of each interval "
       "(--calibration)\n"
       "  laws        every force law on the same cuts: error against run time\n"
+      "  front       voxel, loop rate, law and estimator together: what a whole tick costs, and "
+      "what "
+      "a hand gets\n"
+      "              for it; what the next halving costs and buys\n"
       "  estimators  every velocity estimator on the same cuts\n"
       "  extreme     stiff tissue, light hands, held ticks: where each law is passive, bounded or "
       "unstable\n"
@@ -147,7 +155,8 @@ void RegisterExplain(CLI::App& app, int* exit_code) {
   command->add_flag("--replay", explain->replay, "For re-running a recording");
   command
       ->add_option("--budget-us", explain->budget_us,
-                   "Of a tick: practice picks voxel, law and rate that fit; a graded exercise is "
+                   "Of a tick: practice picks the voxel, law and rate that fit and are felt best "
+                   "(the joint front of 'qualify --suite front'); a graded exercise is "
                    "checked against it")
       ->check(CLI::PositiveNumber);
   command->add_option("--json", explain->json, "Write the facts to this file");

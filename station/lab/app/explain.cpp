@@ -12,6 +12,7 @@
 #include "common/scene/json/json.h"
 #include "common/scene/plan.h"
 #include "station/lab/app/explain_steps.h"
+#include "station/lab/cutting/voxel_limit.h"
 
 namespace enamel::station::lab {
 namespace {
@@ -46,21 +47,62 @@ Result<Explained> Prepare(const ExplainCommand& options) {
   s.params = params;
   return s;
 }
+// "+240 to +300", "in noise", "-".
+std::string NsText(const Worth& worth) {
+  if (!worth.ns_per_tick) return "-";
+  if (worth.within_noise()) return "in noise";
+  char text[64];
+  std::snprintf(text, sizeof text, "%+.0f to %+.0f", worth.ns_per_tick->low,
+                worth.ns_per_tick->high);
+  return text;
+}
+
 void PrintPart(const Part& part, const Worth& worth) {
-  char ns[24] = "-", mb[24] = "-";
-  if (worth.ns_per_tick) std::snprintf(ns, sizeof ns, "%+.0f", *worth.ns_per_tick);
+  char mb[24] = "-";
   if (worth.mb) std::snprintf(mb, sizeof mb, "%+.2f", *worth.mb);
-  std::printf("%-15s %-9s %9s %9s  %s; %s\n", std::string(part.name).c_str(),
-              part.kept ? "kept" : "left out", ns, mb, part.why.c_str(), worth.note.c_str());
+  std::printf("%-15s %-9s %18s %9s  %s; %s\n", std::string(part.name).c_str(),
+              part.kept ? "kept" : "left out", NsText(worth).c_str(), mb, part.why.c_str(),
+              worth.note.c_str());
+}
+
+json::value IntervalJson(const Interval& i) {
+  return json::object{{"value", i.value}, {"low", i.low}, {"high", i.high}};
 }
 
 json::object PartJson(const Part& part, const Worth& worth) {
   json::object out{{"part", part.name}, {"kept", part.kept}, {"why", part.why}};
-  out["ns_per_tick"] = worth.ns_per_tick ? json::value(*worth.ns_per_tick) : json::value(nullptr);
+  out["ns_per_tick"] = worth.ns_per_tick && !worth.within_noise() ? IntervalJson(*worth.ns_per_tick)
+                                                                  : json::value(nullptr);
+  out["within_noise"] = worth.within_noise();
   out["mb"] = worth.mb ? json::value(*worth.mb) : json::value(nullptr);
   out["measured"] = worth.note;
   return out;
 }
+// Whether the voxel is fine enough for the exercise's bur: printed, and a refusal of graded work.
+Status CheckVoxel(const Explained& s, json::object& out) {
+  const cutting::Bur bur = core::BurOf(s.params);
+  const int32_t voxel_nm = s.built.scene.voxel_nm;
+  ShowProgress("force of the bur at this voxel");
+  const double off = VoxelForceError(bur, voxel_nm);
+  const VoxelVerdict verdict = JudgeVoxel(off, s.exercise.graded);
+  out["voxel_force_error"] = off;
+  out["voxel_verdict"] = VoxelVerdictName(verdict);
+  if (verdict == VoxelVerdict::kFine) {
+    EndProgress();
+    std::printf("\nforce of this bur at this voxel: off by %.1f %% in a groove, as the grid lies\n",
+                100 * off);
+    return Status::Ok();
+  }
+  const std::string text =
+      VoxelText(bur, voxel_nm, off, s.exercise.graded, FinerVoxel_nm(bur, voxel_nm));
+  EndProgress();
+  if (verdict == VoxelVerdict::kRefused)
+    return Status(Code::kInvalidInput, "exercise '" + s.exercise.name + "' is graded: " + text,
+                  "voxel_um");
+  program::SayWarning(text);
+  return Status::Ok();
+}
+
 Status WriteJson(const std::filesystem::path& file, const json::object& object) {
   if (file.empty()) return Status::Ok();
   return WriteFileDurably(file, AsBytes(json::serialize(object) + "\n"));
@@ -94,11 +136,15 @@ Status ExplainScene(const ExplainCommand& options) {
               subject.exercise.rate_hz);
   std::printf(
       "as planned: tick %.2f us mean, %.2f us p99; volume %.1f MB. Per tick the least of %d runs\n"
-      "over %zu ticks, bur engaged in %.0f %%; the same measured twice differs by %.0f ns.\n"
-      "ns a tick and MB: the cost of a kept part, or of a left out part if it were kept.\n\n",
+      "over %zu ticks, bur engaged in %.0f %%.\n"
+      "ns a tick and MB: the cost of a kept part, or of a left out part if it were kept. Runs "
+      "with\n"
+      "and without take turns, %d each; 96 %% interval of the median. In noise: 0 is in it. The "
+      "plan\n"
+      "against itself: %+.0f to %+.0f ns.\n\n",
       base.mean_us, base.p99_us, found.volume_mb, kReplays, kTicks, 100 * base.engaged_share,
-      found.noise_ns);
-  std::printf("part            plan        ns/tick        MB  why; how measured\n");
+      kRounds, found.noise_ns.low, found.noise_ns.high);
+  std::printf("part            plan                 ns/tick        MB  why; how measured\n");
   json::array parts;
   for (const auto& [part, worth] : found.rows) {
     PrintPart(part, worth);
@@ -110,15 +156,16 @@ Status ExplainScene(const ExplainCommand& options) {
                    {"voxel_nm", subject.built.scene.voxel_nm},
                    {"mean_us", base.mean_us},
                    {"p99_us", base.p99_us},
-                   {"noise_ns", found.noise_ns},
+                   {"noise_ns", IntervalJson(found.noise_ns)},
                    {"volume_mb", found.volume_mb},
                    {"engaged_share", base.engaged_share},
                    {"parts", std::move(parts)}};
+  Status fine = CheckVoxel(subject, out);
   Status decided;
   if (options.budget_us) decided = DecideBudget(options, subject, base, out);
   // Before the verdict: the figures matter most if nothing fits.
   ENAMEL_RETURN_IF_ERROR(WriteJson(options.json, out));
-  return decided;
+  return decided.ok() ? fine : decided;
 }
 
 }  // namespace enamel::station::lab

@@ -1,28 +1,21 @@
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <memory>
 
-#include "common/haptics/force_law.h"
 #include "common/import/scene_folder.h"
 #include "common/scene/plan.h"
 #include "station/lab/app/explain_steps.h"
+#include "station/lab/cutting/voxel_limit.h"
+#include "station/lab/report/report.h"
+#include "station/lab/suites/joint_front.h"
 
 namespace enamel::station::lab {
 namespace {
 
 namespace json = boost::json;
 
-struct VoxelPoint {
-  int32_t voxel_nm;
-  StepCost cost;
-  double mb;
-};
-struct LawPoint {
-  const haptics::LawEntry* law;
-  int32_t rate_hz;
-  double force_error_n;
-  double more_us;  // a tick's mean against the exercise's own law
-  bool passive;    // anchored laws are, by the coupling's proof; only they are picked
-};
+constexpr double kHuman_m_per_s = 0.2e-3, kDuration_s = 12;  // as `qualify --suite front`
 
 class Budget {
  public:
@@ -32,8 +25,7 @@ class Budget {
   Status Decide(json::object& out) {
     out["budget_us"] = budget_us_;
     if (s_.exercise.graded) return DecideGraded(out);
-    MeasureVoxels();
-    MeasureLaws();
+    ENAMEL_RETURN_IF_ERROR(MeasureFront());
     EndProgress();
     Print(out);
     return Pick(out);
@@ -65,97 +57,96 @@ class Budget {
     return Status::Ok();
   }
 
-  void MeasureVoxels() {
+  // The scene at each voxel, coarse to fine, as long as it has room and its ticks are not hopeless.
+  std::vector<std::pair<int32_t, std::shared_ptr<cutting::Volume>>> Volumes() {
     std::vector<int32_t> sizes = {s_.built.scene.voxel_nm};
     // An imported scene has one size; a built-in one can be made in any.
     if (options_.scene.starts_with(import::kBuiltin)) sizes = {200'000, 100'000, 50'000, 25'000};
+    std::vector<std::pair<int32_t, std::shared_ptr<cutting::Volume>>> out;
     for (int32_t nm : sizes) {
       ShowProgress("voxels of " + std::to_string(nm / 1000) + " um");
       auto built = LoadAt(options_, nm);
       if (!built.ok()) continue;  // more memory than allowed
-      double mb = static_cast<double>(built->volume.MemoryBytes()) * 1e-6;
-      CutWay way = MakeCutWay(s_.params, s_.exercise.target, kTicks);
-      voxels_.push_back({nm, MeasureSteps(s_.params, built->volume, way, kReplays), mb});
+      const CutWay way = MakeCutWay(s_.params, s_.exercise.target, kTicks);
       // Finer ones cost more, so the search ends here.
-      if (voxels_.back().cost.p99_us > 4 * budget_us_) break;
+      const bool last = MeasureSteps(s_.params, built->volume, way, 1).mean_us > 4 * budget_us_;
+      out.emplace_back(nm, std::make_shared<cutting::Volume>(std::move(built->volume)));
+      if (last) break;
     }
+    return out;
   }
 
-  void MeasureLaws() {
+  Status MeasureFront() {
+    JointAxes axes;
+    ENAMEL_ASSIGN_OR_RETURN(auto model, ModelOf(s_.profile));
+    const auto volumes = Volumes();
     for (int32_t rate : {1'000, 2'000, 4'000}) {
       // The profile's rate is the device's own: nothing reads it faster.
       if (rate > s_.profile.rate_hz.value) continue;
-      for (const haptics::LawEntry& law : haptics::ForceLaws()) {
-        ShowProgress(std::string(law.name) + " at " + std::to_string(rate) + " Hz");
-        scene::Exercise e = s_.exercise;
-        e.law = law.kind;
-        e.rate_hz = rate;
-        auto params = scene::CompilePlan(s_.built.scene, e, s_.profile);
-        if (!params.ok()) continue;
-        CutWay way = MakeCutWay(*params, e.target, kTicks);
-        // Fewer replays than for a voxel: there are many laws and rates, and somebody waits.
-        double mean = MeasureSteps(*params, s_.built.volume, way, 3).mean_us;
-        laws_.push_back({&law, rate, ForceError_n(*params), mean - base_.mean_us,
-                         law.make({law.kind, 1000, dvec3(1e-5)})->anchored()});
-      }
+      scene::Exercise e = s_.exercise;
+      e.law = haptics::kDefaultLaw;
+      e.rate_hz = rate;
+      auto params = scene::CompilePlan(s_.built.scene, e, s_.profile);
+      if (!params.ok()) continue;
+      DeviceModel at = AtRate(model, rate, false);
+      at.kc_n_per_m = params->kc_mn_per_mm;
+      axes.at_rates.push_back(at);
+      auto way = std::make_shared<CutWay>(MakeCutWay(*params, e.target, kTicks));
+      for (const auto& [nm, volume] : volumes)
+        axes.ticks.push_back({nm, at.rate_hz, {[p = *params, volume = volume, way] {
+                                const StepCost c = MeasureSteps(p, *volume, *way, kRunsOfRound);
+                                return Spread{c.mean_us, c.p99_us};
+                              }}});
     }
+    const cutting::Bur bur = core::BurOf(s_.params);
+    for (const auto& volume : volumes)
+      axes.force_errors.emplace_back(volume.first, VoxelForceError(bur, volume.first));
+    axes.laws = LawChoices({});  // the core leaves the estimator to the law
+    axes.default_voxel_nm = s_.built.scene.voxel_nm;
+    axes.ways_m = {WanderingMotion(kHuman_m_per_s, kDuration_s, 1).way_m};
+    points_ = MeasureJointFront(axes, [](const char* what, size_t done, size_t all) {
+      if (done == all) ShowProgress(what);
+    });
+    return Status::Ok();
   }
 
   void Print(json::object& out) const {
-    std::printf("\nvoxel um   tick mean us   p99 us      MB   removed mm3 (against the finest)\n");
-    json::array voxels, laws;
-    double finest = voxels_.empty() ? 0 : voxels_.back().cost.removed_mm3;
-    for (const VoxelPoint& v : voxels_) {
-      double error = finest > 0 ? 100 * (v.cost.removed_mm3 / finest - 1) : 0;
-      std::printf("%8.0f %14.1f %8.1f %7.1f   %.4f (%+.2f %%)\n", v.voxel_nm * 1e-3, v.cost.mean_us,
-                  v.cost.p99_us, v.mb, v.cost.removed_mm3, error);
-      voxels.push_back(json::object{{"voxel_nm", v.voxel_nm},
-                                    {"mean_us", v.cost.mean_us},
-                                    {"p99_us", v.cost.p99_us},
-                                    {"mb", v.mb},
-                                    {"removed_mm3", v.cost.removed_mm3},
-                                    {"removed_error_percent", error}});
+    const JointPoint* planned = nullptr;
+    std::printf(
+        "\nvoxel um  rate Hz  law                   tick us, mean and p99      felt error %%\n");
+    json::array all;
+    for (const JointPoint& p : points_) {
+      all.push_back(JointPointJson(p));
+      if (p.is_default) planned = &p;
+      if (!p.on_front && !p.is_default) continue;
+      std::printf("%8.0f %8.0f  %-20s %12.1f %12.1f %17.2f%s\n", p.voxel_nm * 1e-3, p.rate_hz,
+                  p.law.Name().c_str(), p.tick.mean_us.value, p.tick.p99_us.value,
+                  100 * p.felt_error, p.is_default ? "  as planned" : "");
     }
     std::printf(
-        "\nlaw                  rate Hz   force error N   tick us against the exercise's   "
-        "passive\n");
-    for (const LawPoint& l : laws_) {
-      std::printf("%-20s %7d %15.4f %+30.2f   %s\n", std::string(l.law->name).c_str(), l.rate_hz,
-                  l.force_error_n, l.more_us, l.passive ? "yes" : "not proved");
-      laws.push_back(json::object{{"law", l.law->name},
-                                  {"rate_hz", l.rate_hz},
-                                  {"force_error_n", l.force_error_n},
-                                  {"more_us", l.more_us},
-                                  {"passive", l.passive}});
-    }
-    out["voxels"] = std::move(voxels);
-    out["laws"] = std::move(laws);
+        "%zu combinations, the front of those with a proof shown. Felt: a hand of 1 N/mm that "
+        "works\n"
+        "a surface, B 6.5 N s/mm, against an ideal tool (qualify --suite front).\n",
+        points_.size());
+    if (planned != nullptr) std::printf("%s\n", NextHalvings(points_, *planned).c_str());
+    out["points"] = std::move(all);
   }
 
-  // The finest voxel first, then the smallest force error of a law that cannot release energy.
   Status Pick(json::object& out) const {
-    for (auto v = voxels_.rbegin(); v != voxels_.rend(); ++v) {
-      const LawPoint* best = nullptr;
-      for (const LawPoint& l : laws_) {
-        // Adds a law's cost to the voxel's: measuring each pair would take minutes.
-        bool fits =
-            v->cost.p99_us + std::max(l.more_us, 0.0) <= std::min(budget_us_, 1e6 / l.rate_hz);
-        if (fits && l.passive && (best == nullptr || l.force_error_n < best->force_error_n))
-          best = &l;
-      }
-      if (best == nullptr) continue;
+    const JointPoint* best = BestWithin(points_, budget_us_);
+    if (best != nullptr) {
       std::printf(
-          "\nfor practice within %.1f us: voxels of %.0f um, law %s, %d Hz. The finest voxel whose "
-          "slowest\nhundredth of ticks fits, then the law and rate with the smallest force "
-          "error.\n",
-          budget_us_, v->voxel_nm * 1e-3, std::string(best->law->name).c_str(), best->rate_hz);
-      out["picked"] = json::object{
-          {"voxel_nm", v->voxel_nm}, {"law", best->law->name}, {"rate_hz", best->rate_hz}};
+          "\nfor practice within %.1f us: voxels of %.0f um, law %s, %.0f Hz: of what fits with "
+          "its\n"
+          "slowest hundredth of ticks and has a proof, it is felt best (%.2f %% off).\n",
+          budget_us_, best->voxel_nm * 1e-3, best->law.Name().c_str(), best->rate_hz,
+          100 * best->felt_error);
+      out["picked"] = JointPointJson(*best);
       return Status::Ok();
     }
     out["picked"] = nullptr;
     double least = 1e12;
-    for (const VoxelPoint& v : voxels_) least = std::min(least, v.cost.p99_us);
+    for (const JointPoint& p : points_) least = std::min(least, p.tick.p99_us.value);
     return Status(Code::kUnavailable,
                   "no voxel size, law and rate fits a tick of " + std::to_string(budget_us_) +
                       " us on this machine: the least measured is " + std::to_string(least) + " us",
@@ -166,8 +157,7 @@ class Budget {
   const Explained& s_;
   const StepCost& base_;
   const double budget_us_;
-  std::vector<VoxelPoint> voxels_;  // coarse to fine
-  std::vector<LawPoint> laws_;
+  std::vector<JointPoint> points_;
 };
 
 }  // namespace

@@ -2,8 +2,8 @@
 
 #include <array>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
+#include <memory>
 
 #include "common/cutting/cutter.h"
 #include "common/scene/pruning.h"
@@ -21,18 +21,53 @@ class Appraiser {
   explicit Appraiser(const Explained& subject)
       : s_(subject), way_(MakeCutWay(s_.params, s_.exercise.target, kTicks)) {
     ShowProgress("the tick as planned");
-    // Twice: the difference between two runs of the same measurement is printed, so that nobody
-    // mistakes noise for a cost.
-    base_ = Steps(s_.built.volume);
-    again_ = Steps(s_.built.volume);
+    base_ = MeasureSteps(s_.params, s_.built.volume, way_, kReplays);
+    // Twice: what the same thing differs by from itself is printed, so that nobody mistakes noise for a cost.
+    for (int i = 0; i < 2; ++i) Timed(s_.params, s_.built.volume);
   }
 
-  Appraisal Measured() const {
-    return {base_, std::abs(base_.mean_us - again_.mean_us) * 1e3, volume_mb()};
+  Appraisal Measure(std::vector<Part> parts) {
+    Appraisal out;
+    for (Part& part : parts) {
+      Worth worth = Of(part);
+      out.rows.emplace_back(std::move(part), std::move(worth));
+    }
+    ShowProgress("with and without, in turns");
+    const std::vector<Interval> more = MoreThanFirst_us(cases_);
+    out.base = base_;
+    out.volume_mb = volume_mb();
+    out.noise_ns = Ns(more[1], 1);
+    for (const Asked& a : asked_) out.rows[a.row].second.ns_per_tick = Ns(more[a.timed], a.sign);
+    return out;
   }
+
+ private:
+  // A row whose cost is how much longer a timed case takes than the plan, or with the sign -1 how much less.
+  struct Asked {
+    size_t row, timed;
+    int sign;
+  };
+
+  static Interval Ns(const Interval& us, int sign) {
+    if (sign < 0) return {-1e3 * us.value, -1e3 * us.high, -1e3 * us.low};
+    return {1e3 * us.value, 1e3 * us.low, 1e3 * us.high};
+  }
+
+  // Will be timed in turns with the others; its hash after a run now.
+  uint64_t Timed(const core::CoreParams& params, cutting::Volume volume) {
+    auto kept = std::make_shared<cutting::Volume>(std::move(volume));
+    cases_.push_back({[this, params, kept] {
+      const StepCost c = MeasureSteps(params, *kept, way_, kRunsOfRound);
+      return Spread{c.mean_us, c.p99_us};
+    }});
+    return MeasureSteps(params, *kept, way_, 1).state_hash;
+  }
+  // The row that is being appraised costs what the last timed case takes longer or less.
+  void Ask(int sign) { asked_.push_back({row_, cases_.size() - 1, sign}); }
 
   Worth Of(const Part& part) {
     ShowProgress(std::string(part.name));
+    row_ = part_++;
     switch (part.id) {
       case PartId::kLabels:
         return part.kept ? LabelsKept() : LabelsLeftOut();
@@ -52,7 +87,8 @@ class Appraiser {
         return OtherBurs();
       case PartId::kSurface: {
         SurfaceCost c = MeasureSurface(s_.params, s_.built.volume, way_);
-        return {c.us_per_tick * 1e3, c.mb, "triangles of the touched bricks, on another thread"};
+        return {Exactly(c.us_per_tick * 1e3), c.mb,
+                "triangles of the touched bricks, on another thread"};
       }
       case PartId::kBusWrite:
         return BusWrite();
@@ -64,38 +100,34 @@ class Appraiser {
     return {};
   }
 
- private:
+  // Measured by itself, without a plan beside it.
+  static Interval Exactly(double ns) { return {ns, ns, ns}; }
   static double HeapMb() {
     struct mallinfo2 m = ::mallinfo2();
     return 1e-6 * static_cast<double>(m.uordblks + m.hblkhd);
   }
   static double Mb(const cutting::Volume& v) { return static_cast<double>(v.MemoryBytes()) * 1e-6; }
   double volume_mb() const { return Mb(s_.built.volume); }
-  StepCost Steps(const cutting::Volume& v) const {
-    return MeasureSteps(s_.params, v, way_, kReplays);
-  }
-  double MoreThanBase_ns(const StepCost& other) const {
-    return (other.mean_us - base_.mean_us) * 1e3;
-  }
 
   // The same with `other` for the volume; its hash must be equal.
-  Worth Instead(const cutting::Volume& other, const char* what) const {
-    StepCost c = Steps(other);
-    Worth w{MoreThanBase_ns(c), Mb(other) - volume_mb(), what};
+  Worth Instead(cutting::Volume other, const char* what) {
+    Worth w{{}, Mb(other) - volume_mb(), what};
     // Leaving out must not change a hash. This measurement also checks it.
-    if (c.state_hash != base_.state_hash) w.note += "; THE HASH DIFFERS: do not trust this plan";
+    if (Timed(s_.params, std::move(other)) != base_.state_hash)
+      w.note += "; THE HASH DIFFERS: do not trust this plan";
+    Ask(1);
     return w;
   }
 
   // Labels on every stored brick, compared with the existing ones.
-  Worth LabelsLeftOut() const {
+  Worth LabelsLeftOut() {
     double labelled = 0;
     for (int b = 0; b < s_.built.volume.spec().brick_count(); ++b) {
       labelled += s_.built.volume.IsStored(b) && !s_.built.volume.HasLabels(b);
     }
     cutting::Volume all(s_.built.volume.spec());
     for (int b = 0; b < s_.built.volume.spec().brick_count(); ++b) LabelBrick(b, all);
-    Worth w = Instead(all, "labels on every stored brick");
+    Worth w = Instead(std::move(all), "labels on every stored brick");
     w.note += " (" + std::to_string(static_cast<int>(labelled)) + ")";
     return w;
   }
@@ -119,44 +151,50 @@ class Appraiser {
             std::to_string(bricks) + " bricks hold two tissues; without labels B would be wrong"};
   }
 
-  Worth Neighbour(bool kept) const {
-    if (!kept) return {0.0, 0.0, "there is none"};
+  Worth Neighbour(bool kept) {
+    if (!kept) return {{}, 0.0, "there is none"};
     cutting::Volume without = scene::Without(s_.built.volume, cutting::Tissue::kNeighbour);
-    StepCost c = Steps(without);
-    // Negative: this one leaves out a part that the plan keeps.
-    return {-MoreThanBase_ns(c), volume_mb() - Mb(without), "against the tooth alone"};
+    const double mb = volume_mb() - Mb(without);
+    Timed(s_.params, std::move(without));
+    Ask(-1);  // this one leaves out a part that the plan keeps
+    return {{}, mb, "against the tooth alone"};
   }
 
-  Worth BeyondReach() const {
-    scene::Reach reach = scene::ReachOf(s_.built.scene, s_.exercise);
-    cutting::Volume inside = scene::Pruned(s_.built.volume, reach);
-    StepCost c = Steps(inside);
-    Worth w{-MoreThanBase_ns(c), volume_mb() - Mb(inside), "the hash stays the same"};
-    if (c.state_hash != base_.state_hash) w.note = "THE HASH DIFFERS: do not trust this plan";
+  Worth BeyondReach() {
+    cutting::Volume inside =
+        scene::Pruned(s_.built.volume, scene::ReachOf(s_.built.scene, s_.exercise));
+    Worth w{{}, volume_mb() - Mb(inside), "the hash stays the same"};
+    if (Timed(s_.params, std::move(inside)) != base_.state_hash)
+      w.note = "THE HASH DIFFERS: do not trust this plan";
+    Ask(-1);
     return w;
   }
 
-  Worth Turning() const {
-    core::CoreParams rigid = s_.params;
-    rigid.rotational_kc_un_m_per_rad = rigid.peak_torque_un_m = rigid.rotation_cell_urad = 0;
-    StepCost c = MeasureSteps(rigid, s_.built.volume, way_, kReplays);
-    return {-MoreThanBase_ns(c), 0.0, "against a bur that never turns"};
+  // Against the same plan with other parameters of the core.
+  Worth Against(const core::CoreParams& without, const char* what) {
+    Timed(without, s_.built.volume);
+    Ask(-1);
+    return {{}, 0.0, what};
   }
 
-  Worth TouchCues(bool kept) const {
+  Worth Turning() {
+    core::CoreParams rigid = s_.params;
+    rigid.rotational_kc_un_m_per_rad = rigid.peak_torque_un_m = rigid.rotation_cell_urad = 0;
+    return Against(rigid, "against a bur that never turns");
+  }
+
+  Worth TouchCues(bool kept) {
     if (!kept) return {{}, {}, "nothing computes them"};
     core::CoreParams silent = s_.params;
     silent.contact_cue_mn = silent.chatter_cue_mn = silent.cue_energy_nj = silent.cue_power_nw = 0;
-    StepCost c = MeasureSteps(silent, s_.built.volume, way_, kReplays);
-    return {-MoreThanBase_ns(c), 0.0, "against a tick without them"};
+    return Against(silent, "against a tick without them");
   }
 
   // Compared with a device of three axes, whose bur turns as softly as its coupling permits.
-  Worth Torque() const {
+  Worth Torque() {
     core::CoreParams without = s_.params;
     without.peak_torque_un_m = without.rotation_cell_urad = 0;
-    StepCost c = MeasureSteps(without, s_.built.volume, way_, kReplays);
-    return {-MoreThanBase_ns(c), 0.0, "against the same bur without torque"};
+    return Against(without, "against the same bur without torque");
   }
 
   // A second bur's cutter on the same volume: time to make it, and growth of the heap.
@@ -175,7 +213,7 @@ class Appraiser {
     char note[96];
     std::snprintf(note, sizeof note, "a %s's cutter beside it, made in %.1f ms",
                   std::string(cutting::BurShapeName(other.shape)).c_str(), took.count());
-    return {0.0, HeapMb() - before_mb, note};
+    return {{}, HeapMb() - before_mb, note};
   }
 
   Worth BusWrite() const {
@@ -189,23 +227,21 @@ class Appraiser {
     for (int i = 0; i < kCalls; ++i) (*device)->SendForce(dvec3(0, 0, 1e-3 * (i & 7)));
     double ns =
         std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - from).count();
-    return {ns / kCalls, 0.0, "the simulated device's; a bus takes longer"};
+    return {Exactly(ns / kCalls), 0.0, "the simulated device's; a bus takes longer"};
   }
 
   const Explained& s_;
   CutWay way_;
-  StepCost base_, again_;
+  StepCost base_;
+  std::vector<TimedCase> cases_;  // the plan twice, then what is compared with it
+  std::vector<Asked> asked_;
+  size_t row_ = 0, part_ = 0;
 };
 
 }  // namespace
 
 Appraisal Appraise(const Explained& subject, std::vector<Part> parts) {
-  Appraiser appraiser(subject);
-  Appraisal out = appraiser.Measured();
-  for (Part& part : parts) {
-    Worth worth = appraiser.Of(part);
-    out.rows.emplace_back(std::move(part), std::move(worth));
-  }
+  Appraisal out = Appraiser(subject).Measure(std::move(parts));
   EndProgress();
   return out;
 }

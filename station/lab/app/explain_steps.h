@@ -10,6 +10,7 @@
 #include "common/scene/parts.h"
 #include "station/lab/app/explain.h"
 #include "station/lab/cutting/scene_cost.h"
+#include "station/lab/suites/joint_front.h"
 
 // The steps of ExplainScene. Private to explain*.cpp.
 namespace enamel::station::lab {
@@ -17,6 +18,8 @@ namespace enamel::station::lab {
 // Enough for a p99 of six ticks; parts are measured a dozen times while somebody waits.
 inline constexpr size_t kTicks = 600;
 inline constexpr int kReplays = 5;
+// In each round of cases that take turns: of each tick the shorter, or another program's turn would be in it.
+inline constexpr int kRunsOfRound = 2;
 
 // The subject of the explanation.
 struct Explained {
@@ -34,14 +37,17 @@ void EndProgress();
 
 // Cost of a part: where it is kept, its cost; where it is left out, the cost it would have.
 struct Worth {
-  std::optional<double> ns_per_tick, mb;
+  std::optional<Interval> ns_per_tick;
+  std::optional<double> mb;
   std::string note;
+  // Nobody can tell the cost from none here: its interval has 0 in it.
+  bool within_noise() const { return ns_per_tick && !ns_per_tick->apart(); }
 };
 
 // Every part with its worth (explain_parts.cpp).
 struct Appraisal {
   StepCost base;
-  double noise_ns = 0;  // difference between two measurements of the same thing
+  Interval noise_ns;  // the plan against itself, measured as a part is
   double volume_mb = 0;
   std::vector<std::pair<scene::Part, Worth>> rows{};
 };

@@ -27,6 +27,7 @@ constexpr Suite kSuites[] = {{"paper", &RunPaperSuite},
                              {"strokes", &RunStrokesSuite},
                              {"calibration", &RunCalibrationSuite},
                              {"laws", &RunLawsSuite},
+                             {"front", &RunFrontSuite},
                              {"estimators", &RunEstimatorsSuite},
                              {"extreme", &RunExtremeSuite},
                              {"adversary", &RunAdversarySuite},
@@ -88,7 +89,8 @@ Status CheckSuites(const std::vector<std::string>& names) {
     if (!known)
       return {Code::kInvalidInput,
               "unknown suite '" + name +
-                  "': expected paper, hand, map, strokes, calibration, laws, estimators, extreme, "
+                  "': expected paper, hand, map, strokes, calibration, laws, front, estimators, "
+                  "extreme, "
                   "adversary, random, cutting or all",
               "suite"};
   }
@@ -156,7 +158,9 @@ void Print(std::FILE* out, const Findings& f) {
     std::fprintf(out, "%s: %zu passive, %zu stable with these grips, %zu bounded, %zu unstable\n",
                  m.title.c_str(), counts[0], counts[1], counts[2], counts[3]);
   }
-  const size_t rows = f.rows.size() + f.cutting.size() + f.hands.size() + f.feel.size();
+  size_t rows = f.rows.size() + f.cutting.size() + f.hands.size() + f.feel.size() +
+                f.budgets.size() + f.seconds_felt.size() + f.extremes.size();
+  for (const JointFront& front : f.fronts) rows += front.points.size();
   if (!f.strokes.empty()) std::fprintf(out, "%zu devices' strokes, ", f.strokes.size());
   std::fprintf(out, "%zu rows in %.1f s\n", rows, f.seconds);
 }

@@ -89,37 +89,6 @@ StepCost MeasureSteps(const core::CoreParams& params, const cutting::Volume& vol
   return cost;
 }
 
-double ForceError_n(const core::CoreParams& params) {
-  constexpr double kSpeed_m_s = 0.43e-3, kDamping_n_s_m = 6'500;
-  // Force settles with B/Kc: seconds on a soft device, so the path is long.
-  constexpr double kTravel_m = 7e-3, kLast_m = 1e-3;
-  CutCase slot;
-  slot.voxel_nm = 100'000;
-  slot.speed_m_s = kSpeed_m_s;
-  slot.sunk = Sunk::kWhole;
-  slot.rate_hz = params.rate_hz;
-  CutPath block = MakeCutPath(slot, static_cast<size_t>(kTravel_m / kSpeed_m_s * params.rate_hz));
-  core::CoreParams p = block.params;
-  p.law = params.law;
-  p.kc_mn_per_mm = params.kc_mn_per_mm;
-  p.resolution_nm = params.resolution_nm;
-  p.peak_force_mn = params.peak_force_mn;
-  p.damping_mn_s_per_mm.fill(static_cast<int32_t>(kDamping_n_s_m));
-  InputsOf inputs(p);
-  core::Core core(p, block.block);
-  double squares = 0, step = kSpeed_m_s / p.rate_hz;
-  size_t n = 0;
-  for (double x = -slot.bur.radius_m - 0.1e-3; x < kTravel_m - slot.bur.radius_m; x += step) {
-    core::TickOutput out = core.Step(inputs.At({x, 0, -slot.bur.length_m}));
-    // Only the last millimetre, where the force has settled.
-    if (x < kTravel_m - slot.bur.radius_m - kLast_m) continue;
-    double error = -out.force_sent_n.x - kDamping_n_s_m * kSpeed_m_s;
-    squares += error * error;
-    ++n;
-  }
-  return std::sqrt(squares / static_cast<double>(std::max<size_t>(n, 1)));
-}
-
 SurfaceCost MeasureSurface(const core::CoreParams& params, const cutting::Volume& volume,
                            const CutWay& way) {
   SurfaceCost cost;

@@ -31,12 +31,6 @@ struct StepCost {
 StepCost MeasureSteps(const core::CoreParams& params, const cutting::Volume& volume,
                       const CutWay& way, int replays);
 
-// Error of the force from R = B v (Liu et al. 2008, eq. 1) in a case with a closed form: a cylinder
-// of 0.6 x 4 mm in a slot, moved at the paper's 0.43 mm/s in material of B = 6.5 N s/mm, for which
-// engagement.h is normalised. Rms over the last millimetre of the sent force along the path against
-// B v, N. Takes device, law and rate from `params`.
-double ForceError_n(const core::CoreParams& params);
-
 // Triangles of the region a tick's cut touched: mean time to renew them (off the tick's thread),
 // and the memory of the whole surface.
 struct SurfaceCost {

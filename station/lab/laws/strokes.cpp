@@ -5,6 +5,7 @@
 
 #include "common/core/core.h"
 #include "common/fidelity/feel.h"
+#include "station/lab/laws/stroke_way.h"
 #include "station/lab/laws/withdrawal.h"
 
 namespace enamel::station::lab {
@@ -13,171 +14,17 @@ namespace {
 using cutting::Pose;
 
 constexpr double kB_n_s_per_m = 6500;
-constexpr double kDepth_m = 2e-3;  // of the bur in the block
-constexpr double kLead_s = 0.5;    // recorded before what a case is about
-constexpr double kHandMass_kg = 0.2, kHandDamping_n_s_per_m = 10, kAcross_n_per_m = 500;
 constexpr double kLongest_s = 12;
 // Below a four-hundredth of B nothing is ahead: 0.03 N at 2 mm/s.
 constexpr double kNothing_n_s_per_m = kB_n_s_per_m / 400;
-constexpr double kRamp_s = 0.4;  // in which a hand begins to push
-
-const cutting::Bur kBur{cutting::BurShape::kCylinder, 0.6e-3, 4e-3};
-
-struct Leg {
-  dvec3 to{0};
-  double speed_m_per_s = 0;  // 0: stays where it is for hold_s
-  double hold_s = 0;
-};
-
-// The hand's path for the tip. A force at the end: the hand then pushes along `push`.
-struct Way {
-  dvec3 start{0};
-  std::vector<Leg> legs;
-  size_t record_from = 0;  // leg before whose begin kLead_s are recorded
-  dvec3 along{1, 0, 0};    // positions are drawn along this
-  dvec3 push{0};           // newtons; 0: the hand prescribes all of its way
-  double push_end_m = 0;   // the record ends when the tip is so far along
-  bool leaves = false;     // ends with nothing ahead
-  bool withdraws = false;  // by going back or up
-};
-
-constexpr double kFeed_m_per_s = 0.43e-3;  // of the paper's cuts
-// Off the grid's planes.
-const dvec3 kOff(13e-6, -9e-6, 3e-6);
-
-Way WayOf(StrokeCase c, const DeviceModel& m) {
-  const double r = kBur.radius_m, side = -1.5e-3;
-  const dvec3 outside = kOff + dvec3(side - r - 0.1e-3, 0, -kDepth_m);
-  const dvec3 inside = kOff + dvec3(side + 0.5e-3, 0, -kDepth_m);
-  const double diagonal = std::sqrt(0.5);
-  const dvec3 d(diagonal, -diagonal, 0), n(diagonal, diagonal, 0);
-  const dvec3 corner = kOff + dvec3(side, side, -kDepth_m);
-  Way w;
-  switch (c) {
-    case StrokeCase::kPress:
-      w.start = kOff + dvec3(0, 0, 0.1e-3);
-      w.legs = {{kOff + dvec3(0, 0, -0.5e-3), 0.5e-3}, {{}, 0, 0.4}};
-      w.along = dvec3(0, 0, -1);
-      break;
-    case StrokeCase::kStroke:
-      w.start = outside;
-      w.legs = {{inside + dvec3(0.5e-3, 0, 0), kFeed_m_per_s}, {{}, 0, 0.4}};
-      break;
-    case StrokeCase::kReverse:
-      w.start = outside;
-      w.legs = {{inside, kFeed_m_per_s}, {outside, kFeed_m_per_s}};
-      w.record_from = 1;
-      w.leaves = w.withdraws = true;
-      break;
-    case StrokeCase::kLift:
-      w.start = outside;
-      w.legs = {{inside, kFeed_m_per_s}, {inside + dvec3(0, 0, 3e-3), 20e-3}};
-      w.record_from = 1;
-      w.along = dvec3(0, 0, 1);
-      w.leaves = w.withdraws = true;
-      break;
-    case StrokeCase::kNick:
-      // Past the upright edge, catching a quarter of a millimetre of it.
-      w.start = corner - n * (r - 0.25e-3) - d * 1.2e-3;
-      w.legs = {{corner - n * (r - 0.25e-3) + d * 1.2e-3, 2e-3}, {{}, 0, 0.2}};
-      w.along = d;
-      w.leaves = true;
-      break;
-    case StrokeCase::kSlipOut: {
-      // Through the corner; the hand is led into it, then pushes.
-      const dvec3 line = corner + n * 0.3e-3;
-      w.start = line - d * 1.4e-3;
-      w.legs = {{line - d * 0.9e-3, kFeed_m_per_s}};
-      w.along = d;
-      w.push = d * std::min(1.2, 0.8 * m.continuous_force_n);
-      w.push_end_m = 2.5e-3;
-      w.leaves = true;
-      break;
-    }
-  }
-  return w;
-}
-
-// Follows the legs, then pushes if the case has a push, kept on its line by a soft spring across.
-class LegHand final : public Hand {
- public:
-  explicit LegHand(const Way& way) : way_(way) {
-    double t = 0;
-    dvec3 from = way.start;
-    for (const Leg& leg : way.legs) {
-      const bool moves = leg.speed_m_per_s > 0;
-      const double length = moves ? glm::length(leg.to - from) : 0;
-      Part part{t, moves ? length / leg.speed_m_per_s : leg.hold_s, from, moves ? leg.to : from};
-      if (moves)
-        part.direction = (leg.to - from) / length;
-      else if (!parts_.empty())
-        part.direction = parts_.back().direction;
-      parts_.push_back(part);
-      t += part.lasts_s;
-      from = part.to;
-    }
-    end_s_ = t;
-  }
-  double mass_kg() const override { return kHandMass_kg; }
-  Grip At(double t_s) override {
-    Grip grip;
-    if (pushing(t_s)) {
-      const dvec3 d = glm::normalize(way_.push);
-      dvec3 off = tip_ - parts_.back().to;
-      off -= d * Dot(off, d);
-      const double share = std::min(1.0, (t_s - end_s_) / kRamp_s);
-      grip.force_n = d * led_with_n_ * (1 - share) + way_.push * share - off * kAcross_n_per_m;
-      grip.damping_n_s_per_m = kHandDamping_n_s_per_m;
-      return grip;
-    }
-    grip.prescribed = true;
-    const Part& p = PartAt(t_s);
-    const double share = p.lasts_s > 0 ? std::clamp((t_s - p.from_s) / p.lasts_s, 0.0, 1.0) : 1;
-    grip.equilibrium_m = p.from + (p.to - p.from) * share;
-    return grip;
-  }
-  // Direction of the intended motion, unit.
-  dvec3 DirectionAt(double t_s) const {
-    return pushing(t_s) ? glm::normalize(way_.push) : PartAt(t_s).direction;
-  }
-  bool pushing(double t_s) const { return Dot(way_.push, way_.push) > 0 && t_s > end_s_; }
-  double end_s() const { return end_s_; }
-  double record_from_s() const {
-    return way_.record_from == 0 ? 0 : parts_[way_.record_from].from_s - kLead_s;
-  }
-  // Start of the leg before the recorded one; for a path that turns, its turn.
-  double turn_s() const { return parts_.size() > 1 ? parts_[1].from_s : end_s_; }
-  // Once a tick: the tip's position, and the resistance to the hand. Starts the push.
-  void Feels(const dvec3& tip_m, const dvec3& r_n, double t_s) {
-    tip_ = tip_m;
-    if (!pushing(t_s)) led_with_n_ = std::max(0.0, Dot(r_n, DirectionAt(t_s)));
-  }
-
- private:
-  struct Part {
-    double from_s = 0, lasts_s = 0;
-    dvec3 from{0}, to{0}, direction{1, 0, 0};
-  };
-  const Part& PartAt(double t_s) const {
-    for (const Part& p : parts_) {
-      if (t_s <= p.from_s + p.lasts_s + 1e-12) return p;
-    }
-    return parts_.back();
-  }
-
-  const Way& way_;
-  std::vector<Part> parts_;
-  double end_s_ = 0, led_with_n_ = 0;
-  dvec3 tip_{0};
-};
 
 // The ideal: a bur at the tip.
 class IdealBur {
  public:
   IdealBur(const cutting::Volume& block, const dvec3& tip_m)
       : volume_(block),
-        cutter_((volume_.Reserve(), volume_), kBur),
-        reader_(kBur, block.spec().voxel_m(), Damping()),
+        cutter_((volume_.Reserve(), volume_), StrokeBur()),
+        reader_(StrokeBur(), block.spec().voxel_m(), Damping()),
         tip_(tip_m) {}
 
   struct Felt {
@@ -226,9 +73,9 @@ core::CoreParams ParamsOf(const DeviceModel& m, haptics::LawKind law) {
   p.resolution_nm.fill(nm(m.resolution_m));
   p.peak_force_mn = static_cast<int32_t>(std::lround(m.peak_force_n * 1e3));
   p.soft_start_ticks = 0;
-  p.bur_shape = kBur.shape;
-  p.bur_radius_nm = nm(kBur.radius_m);
-  p.bur_length_nm = nm(kBur.length_m);
+  p.bur_shape = StrokeBur().shape;
+  p.bur_radius_nm = nm(StrokeBur().radius_m);
+  p.bur_length_nm = nm(StrokeBur().length_m);
   p.damping_mn_s_per_mm[static_cast<size_t>(cutting::Tissue::kEnamel)] =
       static_cast<int32_t>(kB_n_s_per_m);
   p.bus_delay_ticks = static_cast<uint32_t>(m.delay_ticks);
@@ -238,7 +85,7 @@ core::CoreParams ParamsOf(const DeviceModel& m, haptics::LawKind law) {
 // A tick before evaluation.
 struct Raw {
   double t_s = 0, ahead_n_s_per_m = 0;
-  dvec3 r{0}, ideal{0}, oracle{0}, tip{0}, bur{0}, direction{0};
+  dvec3 r{0}, in_hand{0}, ideal{0}, oracle{0}, tip{0}, bur{0}, direction{0};
 };
 
 class StrokeRun {
@@ -289,8 +136,9 @@ class StrokeRun {
     const dvec3 was = plant_.tip_m();
     const double tick_s = model_.tick_s();
     plant_.Step(out_.force_sent_n);
-    StepCore();
     Raw raw;
+    raw.in_hand = plant_.in_hand_n();
+    StepCore();
     raw.t_s = plant_.time_s();
     raw.tip = plant_.tip_m();
     raw.bur = out_.anchor.tip_m;
@@ -409,7 +257,7 @@ class StrokeRun {
       peak = std::max(peak, ideal);
     }
     if (first >= last) return;
-    double plateau = 0, error2 = 0, oracle2 = 0, beyond = 0, running = 0;
+    double plateau = 0, error2 = 0, felt2 = 0, oracle2 = 0, beyond = 0, running = 0;
     const size_t quarter = std::max<size_t>(1, (last - first) / 4);
     for (size_t i = last + 1 - quarter; i <= last; ++i)
       plateau += Dot(raw_[i].ideal, raw_[i].direction) / static_cast<double>(quarter);
@@ -418,6 +266,7 @@ class StrokeRun {
       running = std::max(running, Dot(k.ideal, k.direction));
       beyond = std::max(beyond, Dot(k.r, k.direction) - running);
       error2 += Dot(k.r - k.ideal, k.r - k.ideal);
+      felt2 += Dot(k.in_hand - k.ideal, k.in_hand - k.ideal);
       oracle2 += Dot(k.oracle - k.ideal, k.oracle - k.ideal);
     }
     if (case_ == StrokeCase::kPress || case_ == StrokeCase::kStroke) {
@@ -438,13 +287,16 @@ class StrokeRun {
       add("overshoot_n", "N", beyond, bound);
       if (oracle2 > 0) add("error_over_oracle", "", std::sqrt(error2 / oracle2));
     }
+    const auto ticks = static_cast<double>(last - first + 1);
+    add("command_error_rms_n", "N", std::sqrt(error2 / ticks));
+    add("felt_error_rms_n", "N", std::sqrt(felt2 / ticks));
     add("ideal_peak_n", "N", peak);
   }
 
   const DeviceModel model_;
   const StrokeCase case_;
   const haptics::LawKind law_;
-  const Way way_;
+  const StrokeWay way_;
   LegHand hand_;
   Plant plant_;
   core::Core core_;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <memory>
 
+#include "common/fidelity/series.h"
+
 namespace enamel::station::lab {
 namespace {
 
@@ -112,7 +114,7 @@ class TrialRun {
     target_ = spec.b_n_s_per_m * spec.direction * spec.speed_m_per_s;
     m_.target_n = glm::length(target_);
     along_ = m_.target_n > 0 ? target_ / m_.target_n : spec.direction;
-    for (auto* list : {&positions_, &anchors_})
+    for (auto* list : {&positions_, &anchors_, &in_hand_})
       list->reserve(static_cast<size_t>(spec.window_s / spec.plant.tick_s) + 2);
     double kc = spec.law.kc_n_per_m;
     m_.rise90_floor_s = spec.speed_m_per_s > 0 ? 0.9 * m_.target_n / (kc * spec.speed_m_per_s) : 0;
@@ -150,6 +152,7 @@ class TrialRun {
     Measure(-out.force_sent_n, out.anchor_m);
     dvec3 before = plant_.tip_m();
     plant_.Step(out.force_sent_n);
+    if (positions_.size() > in_hand_.size()) in_hand_.push_back(plant_.in_hand_n());
     balance_.Add(-plant_.sent_n(), plant_.tip_m() - before,
                  spec_.plant.damping_n_s_per_m / plant_.last_tick_s(), spec_.plant.friction_n);
     ++m_.ticks;
@@ -219,6 +222,7 @@ class TrialRun {
     m_.ripple_rms_n = std::sqrt(ripple_.variance());
     m_.ripple_fast_rms_n = std::sqrt(fast_.variance());
     m_.deviation_m = DeviationFromLine(positions_);
+    FinishFelt();
     if (anchors_.size() > 2) {
       dvec3 speed = SlopePerSample(anchors_) / spec_.plant.tick_s;
       dvec3 mean(mean_[0].mean(), mean_[1].mean(), mean_[2].mean());
@@ -240,6 +244,14 @@ class TrialRun {
       m_.unstable = true;
   }
 
+  void FinishFelt() {
+    if (positions_.size() < 3) return;
+    const dvec3 felt = material_.now() * (SlopePerSample(positions_) / spec_.plant.tick_s);
+    for (dvec3& r : in_hand_) r -= felt;
+    m_.felt_error_rms_n = fidelity::RmsOf(in_hand_);
+    m_.felt_error_p95_n = fidelity::WithinOf(in_hand_, 0.95);
+  }
+
   const TrialSpec& spec_;
   double settle_, stop_;
   std::unique_ptr<Hand> hand_;
@@ -250,7 +262,7 @@ class TrialRun {
   dvec3 target_{0}, along_{1, 0, 0};
   EnergyBalance balance_;
   Moments mean_[3], error2_, ripple_, fast_;
-  std::vector<dvec3> positions_, anchors_;
+  std::vector<dvec3> positions_, anchors_, in_hand_;
   double next_trace_ = 0, smooth_ = 0, low_ = 1e300, high_ = -1e300;
   bool stopped_ = false, released_ = false;
 };

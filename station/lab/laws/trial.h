@@ -60,6 +60,9 @@ struct Measurement {
   double mean_n = 0;       // resisting force along the direction, in the window
   double error_max_n = 0;  // largest per axis |R_i - (B v)_i| in the window (velocity hand)
   double error_rms_n = 0;  // of the vector R - B v
+  // In the hand: of the vector R_hand - B V, R_hand with the device's friction, damping and inertia, V the
+  // slope of the line fitted through the tip's way in the window: RMS, and what 95 % of the ticks are within.
+  double felt_error_rms_n = 0, felt_error_p95_n = 0;
   // Force and impedance hands: largest per axis |B V_anchor - R|, V_anchor the slope fitted through
   // the anchor's way and R the mean over the window; it is their error_max.
   double anchor_error_n = 0;

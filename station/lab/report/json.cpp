@@ -27,6 +27,8 @@ json::object RowJson(const Row& r) {
                    {"kc_n_per_mm", Number(r.kc_n_per_mm)},
                    {"steady_error_max_n", Number(m.error_max_n)},
                    {"steady_error_rms_n", Number(m.error_rms_n)},
+                   {"felt_error_rms", Number(m.felt_error_rms_n)},
+                   {"felt_error_95", Number(m.felt_error_p95_n)},
                    {"ripple_rms_n", Number(m.ripple_rms_n)},
                    {"ripple_above_20_hz_rms_n", Number(m.ripple_fast_rms_n)},
                    {"deviation_m", Number(m.deviation_m)},
@@ -68,6 +70,9 @@ json::object HandJson(const HandRow& r) {
           {"felt_error", Number(r.felt_error)},
           {"maxwell_error", Number(r.maxwell_error)},
           {"ideal_rms_n", Number(r.ideal_rms_n)},
+          {"felt_error_rms", Number(r.felt_error_rms_n)},
+          {"felt_error_95", Number(r.felt_error_p95_n)},
+          {"tool_rms_n", Number(r.tool_rms_n)},
           {"ripple_n", Number(r.ripple_n)},
           {"maxwell_ripple_n", Number(r.maxwell_ripple_n)},
           {"off_rms_n", Number(r.off_rms_n)},
@@ -94,9 +99,45 @@ json::object ExtremeJson(const ExtremeRow& r) {
           {"least", Number(r.least)},
           {"most", Number(r.most)},
           {"found", Number(r.found)},
+          {"command_error_rms_n", Number(r.command_error_rms_n)},
+          {"felt_error_rms", Number(r.felt_error_rms_n)},
           {"within_peak", r.within_peak},
           {"stability", VerdictName(r.stability)},
           {"verdict", r.Passed() ? "passed" : "failed"}};
+}
+
+json::object BudgetJson(const BudgetRow& r) {
+  json::array parts;
+  for (const fidelity::FeltPart& p : r.budget.parts)
+    parts.push_back(json::object{{"cause", p.cause},
+                                 {"rms_n", Number(p.rms_n)},
+                                 {"n_95", Number(p.p95_n)},
+                                 {"share", Number(p.share)}});
+  return {{"suite", "felt-budget"},
+          {"device", r.device},
+          {"hand", r.hand},
+          {"b_n_s_per_mm", Number(r.b_n_s_per_mm)},
+          {"speed_mm_s", Number(r.speed_mm_s)},
+          {"felt_error_rms", Number(r.budget.rms_n)},
+          {"felt_error_95", Number(r.budget.p95_n)},
+          {"tool_rms_n", Number(r.budget.tool_rms_n)},
+          {"parts", std::move(parts)}};
+}
+
+json::object SecondsJson(const SecondsRow& r) {
+  return {{"suite", "felt-seconds"},
+          {"device", r.device},
+          {"b_n_s_per_mm", Number(r.b_n_s_per_mm)},
+          {"speed_mm_s", Number(r.speed_mm_s)},
+          {"seconds", r.seconds},
+          {"within", r.within}};
+}
+
+json::value JointJson(const std::string& device, const JointPoint& p) {
+  json::object out = JointPointJson(p);
+  out["suite"] = "joint-front";
+  out["device"] = device;
+  return out;
 }
 
 json::object CurveJson(const FeelCurve& c) {
@@ -116,6 +157,23 @@ json::object CurveJson(const FeelCurve& c) {
 
 }  // namespace
 
+json::object JointPointJson(const JointPoint& p) {
+  return {{"law", haptics::FindLaw(p.law.law)->name},
+          {"choice", p.law.Name()},
+          {"voxel_nm", p.voxel_nm},
+          {"rate_hz", Number(p.rate_hz)},
+          {"mean_us", Number(p.tick.mean_us.value)},
+          {"mean_us_95", json::array{p.tick.mean_us.low, p.tick.mean_us.high}},
+          {"p99_us", Number(p.tick.p99_us.value)},
+          {"p99_us_95", json::array{p.tick.p99_us.low, p.tick.p99_us.high}},
+          {"load", Number(p.load())},
+          {"felt_error", Number(p.felt_error)},
+          {"felt_error_rms", Number(p.felt_error_rms_n)},
+          {"passive", p.proved},
+          {"on_front", p.on_front},
+          {"default", p.is_default}};
+}
+
 json::object FeelJson(const std::vector<FeelCurve>& curves) {
   json::array grips, shares, all;
   for (double grip : fidelity::kGrips_n_per_m) grips.push_back(Number(grip * 1e-3));
@@ -134,6 +192,10 @@ std::string JsonOf(const Findings& f) {
   for (const Row& r : f.rows) (r.suite == "hand-front" ? fronts : rows).push_back(RowJson(r));
   AppendCuttingRows(f, rows);
   for (const HandRow& r : f.hands) rows.push_back(HandJson(r));
+  for (const JointFront& front : f.fronts)
+    for (const JointPoint& p : front.points) rows.push_back(JointJson(front.device, p));
+  for (const BudgetRow& r : f.budgets) rows.push_back(BudgetJson(r));
+  for (const SecondsRow& r : f.seconds_felt) rows.push_back(SecondsJson(r));
   for (const ExtremeRow& r : f.extremes) rows.push_back(ExtremeJson(r));
   for (const Attack& a : f.attacks) {
     attacks.push_back(json::object{{"law", a.law},

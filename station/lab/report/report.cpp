@@ -70,6 +70,25 @@ Plot ParetoPlot(const std::vector<LawPoint>& points, size_t metric, const Device
   return p;
 }
 
+// Every combination: what a tick costs, and how far off its force is in the hand.
+Plot JointPlot(const JointFront& f) {
+  Plot p;
+  p.title = "Joint front on " + f.title + ": voxel, rate, law and estimator";
+  p.x_label = "whole tick, us, mean";
+  p.y_label = "felt error, share";
+  p.log_x = p.log_y = true;
+  Series dominated{"dominated, or without a proof", "muted", Style::kDots, {}},
+      front{"front", "1", Style::kDots, {}}, tails{"its p99", "1", Style::kRings, {}},
+      chosen{"default", "chosen", Style::kDots, {}};
+  for (const JointPoint& q : f.points) {
+    const std::pair<double, double> at{q.tick.mean_us.value, std::min(q.felt_error, kDrawn)};
+    (q.is_default ? chosen : q.on_front ? front : dominated).points.push_back(at);
+    if (q.on_front) tails.points.push_back({q.tick.p99_us.value, at.second});
+  }
+  p.series = {dominated, tails, front, chosen};
+  return p;
+}
+
 Plot RatePlot(const Findings& f, const DeviceModel& m) {
   Plot p;
   p.title = "Default law against loop rate on " + m.title;
@@ -155,7 +174,7 @@ json::array Cards(const Findings& f) {
   auto Add = [&](const std::string& figure, const std::string& text, bool good) {
     cards.push_back(json::object{{"figure", figure}, {"text", text}, {"good", good}});
   };
-  double error = 0, force = 0;
+  double error = 0, force = 0, felt = 0;
   bool any = false;
   for (const Row& r : f.rows) {
     if (r.suite != "figures") continue;
@@ -163,10 +182,16 @@ json::array Cards(const Findings& f) {
     // A prescribed motion and a held one are different promises, hence two cards.
     (r.hand == "velocity" ? error : force) =
         std::max(r.hand == "velocity" ? error : force, r.m.error_max_n);
+    if (r.hand == "velocity") felt = std::max(felt, r.m.felt_error_rms_n);
   }
   if (any) {
+    Add(F(felt) + " N",
+        "RMS off B v of the force in the hand, the device's friction, damping and inertia in, "
+        "velocity "
+        "hand, 2.8 N in enamel (bound: what a hand can tell, 7 %)",
+        felt < fidelity::kForceShare * 6500 * 0.43e-3);
     Add(F(error) + " N",
-        "steady error per axis, velocity hand, 2.8 N in enamel (bound: encoder's Kc delta/2)",
+        "steady error per axis of the force sent, same cut (bound: encoder's Kc delta/2)",
         error < 0.1);
     Add(F(force) + " N", "worst error with force and impedance hands", force < 0.1);
   }
@@ -274,6 +299,7 @@ std::vector<Placed> AllPlots(const Findings& f) {
     // With `quick` there is one rate, which makes no line.
     if (!f.quick) out.push_back({"laws", RatePlot(f, m)});
   }
+  for (const JointFront& front : f.fronts) out.push_back({"laws", JointPlot(front)});
   for (const DeviceModel& m : f.models) {
     for (Plot& p : FeelPlots(f.feel, m)) out.push_back({"figures", std::move(p)});
   }
@@ -287,9 +313,10 @@ const char* SectionOf(const Table& t) {
   auto Starts = [&](const char* with) { return t.title.rfind(with, 0) == 0; };
   // Titles are ours (suites/*.cpp). An unknown one appears under "extreme", where it is noticed.
   if (Starts("Figures of") || Starts("Strokes") || Starts("What a hand can feel") ||
+      Starts("Felt") || Starts("Error of the force sent") || Starts("What may not happen") ||
       Starts("What stays safe"))
     return "figures";
-  if (Starts("Fronts")) return "laws";
+  if (Starts("Fronts") || Starts("Joint front")) return "laws";
   if (Starts("The paper") || Starts("Table") || Starts("Device profiles")) return "paper";
   if (Starts("Velocity est")) return "estimators";
   if (Starts("Adversary")) return "adversary";

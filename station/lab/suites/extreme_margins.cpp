@@ -68,6 +68,8 @@ ExtremeRow RowOf(const DeviceModel& m, const std::string& name, double grip, con
   row.hand = NameOfGrip(grip);
   row.within_peak = WithinPeak(m, o.m);
   row.stability = o.stability;
+  row.command_error_rms_n = o.m.error_rms_n;
+  row.felt_error_rms_n = o.m.felt_error_rms_n;
   return row;
 }
 

@@ -5,11 +5,13 @@
 #include <utility>
 #include <vector>
 
+#include "common/fidelity/budget.h"
 #include "common/fidelity/feel.h"
 #include "station/lab/cutting/cutting_error.h"
 #include "station/lab/cutting/order.h"
 #include "station/lab/laws/model.h"
 #include "station/lab/laws/strokes.h"
+#include "station/lab/suites/joint_front.h"
 
 // The suites' findings as data, the source of tables, JSON and report.
 namespace enamel::station::lab {
@@ -25,7 +27,7 @@ struct Row {
   double tau_s = 0, kc_delta_half_n = 0, ns_per_tick = 0;
   Measurement m;
   // Other measures of a suite, by name: written beside the other members in JSON and read by
-  // front.h. "felt_error": of a wandering hand of 1 N/mm; "pull_n".
+  // front.h. "felt_error": of the force in a wandering hand of 1 N/mm, a share; "pull_n".
   std::vector<std::pair<std::string, double>> extra;
   Verdict verdict = Verdict::kStable;
   bool pareto = false, is_default = false;
@@ -42,6 +44,9 @@ struct ExtremeRow {
   double least = -std::numeric_limits<double>::infinity(),
          most = std::numeric_limits<double>::infinity();
   double found = 0;
+  // Where a hand was simulated: RMS off B V of the force sent and of the force in the hand (laws/trial.h).
+  double command_error_rms_n = std::numeric_limits<double>::quiet_NaN(),
+         felt_error_rms_n = std::numeric_limits<double>::quiet_NaN();
   bool within_peak = false;
   Verdict stability = Verdict::kBounded;
 
@@ -114,9 +119,13 @@ struct HandRow {
   bool on_board =
       false;  // the board runs the spring, at rate_hz; the host runs the law a thousand times a second
   bool proved = false;  // Kc, friction, cell and delay meet the clause of common/haptics/README.md
-  // RMS of force sent less that of an ideal damper in the same hand, over the latter's (fidelity/felt.h).
+  // RMS of force sent less that of an ideal damper in the same hand on the same device, over the latter's.
   double felt_error = kNotApplicable, maxwell_error = kNotApplicable;
-  double ideal_rms_n = kNotApplicable;                                  // of the damper's force
+  double ideal_rms_n = kNotApplicable;  // of the damper's force
+  // The force in the hand, friction, damping and inertia in, against an ideal tool (fidelity/felt.h): RMS of the
+  // error, what 95 % of the ticks are within, RMS of the tool's force.
+  double felt_error_rms_n = kNotApplicable, felt_error_p95_n = kNotApplicable,
+         tool_rms_n = kNotApplicable;
   double ripple_n = kNotApplicable, maxwell_ripple_n = kNotApplicable;  // RMS above 15 Hz
   // Steady cuts: RMS off B v, and the least force as a share of it.
   double off_rms_n = kNotApplicable, least_share = kNotApplicable;
@@ -127,6 +136,22 @@ struct HandRow {
   double way_m = kNotApplicable, maxwell_way_m = kNotApplicable;  // until 0.1 N are felt
   double behind_m = kNotApplicable;                               // the bur behind the tip in air
   double energy_min_j = kNotApplicable;                           // of the theorem's balance
+};
+
+// What the error of the force in one hand is made of (fidelity/budget.h).
+struct BudgetRow {
+  std::string device, hand;
+  double b_n_s_per_mm = 0, speed_mm_s = 0;
+  fidelity::FeltBudget budget;
+};
+
+// How many seconds of strokes in a grip of 1 N/mm are felt right: error of the force in the hand within
+// fidelity::kShares[1] of the ideal tool's, both RMS over the second.
+struct SecondsRow {
+  std::string device;
+  double b_n_s_per_mm = 0, speed_mm_s = 0;
+  int seconds = 0, within = 0;
+  double share() const { return seconds > 0 ? static_cast<double>(within) / seconds : 0; }
 };
 
 // One curve of the map of what a hand can feel: an error for each grip of fidelity::kGrips_n_per_m.
@@ -162,6 +187,12 @@ struct OrderRow {
   double floor = kNotApplicable;       // the RMS at the finest voxel, where it no longer falls
 };
 
+// Of one device (joint_front.h).
+struct JointFront {
+  std::string device, title;
+  std::vector<JointPoint> points;
+};
+
 struct Findings {
   std::vector<DeviceModel> models;
   std::vector<Row> rows;
@@ -173,6 +204,9 @@ struct Findings {
   std::vector<CuttingRow> cutting;
   std::vector<OrderRow> orders;
   std::vector<HandRow> hands;
+  std::vector<BudgetRow> budgets;
+  std::vector<SecondsRow> seconds_felt;
+  std::vector<JointFront> fronts;
   std::vector<ExtremeRow> extremes;
   std::vector<FeelCurve> feel;
   std::vector<StrokeDevice> strokes;

@@ -59,13 +59,15 @@ void AddTrial(const DeviceModel& m, HandRow row, const FeltTrial& trial,
   out->push_back({std::move(row), [m, trial, way](HandRow& r) {
                     FeltTrial plain = trial;
                     plain.law = LawKind::kMaxwell;
+                    plain.tool = false;
                     const FeltFigures a = Feel(FeltDeviceOf(m), trial, way);
                     const FeltFigures b = Feel(FeltDeviceOf(m), plain, way);
                     if (a.ideal_rms_n > kLeastFelt_n) {
-                      r.felt_error = a.felt_error();
-                      r.maxwell_error = b.felt_error();
+                      r.felt_error = a.command_error();
+                      r.maxwell_error = b.command_error();
                       r.ideal_rms_n = a.ideal_rms_n;
                     }
+                    SetFelt(a, &r);
                     r.ripple_n = a.ripple_n;
                     r.maxwell_ripple_n = b.ripple_n;
                     r.energy_min_j = a.energy_min_j;
@@ -73,6 +75,12 @@ void AddTrial(const DeviceModel& m, HandRow row, const FeltTrial& trial,
 }
 
 }  // namespace
+
+void SetFelt(const FeltFigures& f, HandRow* row) {
+  row->felt_error_rms_n = f.felt_error_rms_n;
+  row->felt_error_p95_n = f.felt_error_p95_n;
+  row->tool_rms_n = f.tool_rms_n;
+}
 
 HandRow RowFor(const DeviceModel& m, double b, const std::string& motion, const Lattice& lattice,
                int delay_ticks) {
@@ -158,7 +166,8 @@ void AddSteadyCases(const DeviceModel& m, HandCases* out) {
                         const FeltFigures f = Feel(FeltDeviceOf(m), trial, way.way_m);
                         r.off_rms_n = f.error_rms_n;
                         r.least_share = f.least_n / (kEnamel * kCut_m_per_s);
-                        r.felt_error = f.felt_error();
+                        r.felt_error = f.command_error();
+                        SetFelt(f, &r);
                         r.ripple_n = f.ripple_n;
                         r.energy_min_j = f.energy_min_j;
                       }});
@@ -173,7 +182,7 @@ void AddPushCases(const DeviceModel& m, HandCases* out) {
       for (double b : {6500.0, 1000.0, 300.0}) {
         for (double speed : {0.1e-3, 0.2e-3, 0.43e-3, 0.8e-3}) {
           FeltTrial trial;
-          trial.ideal = false;
+          trial.ideal = trial.tool = false;
           trial.b_n_s_per_m = Sym3::Isotropic(b);
           trial.hand = {.stiffness_n_per_m = 0, .mass_kg = mass, .damping_n_s_per_m = damping};
           const bool oblique = speed == 0.2e-3 || speed == 0.8e-3;

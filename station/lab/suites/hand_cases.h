@@ -6,6 +6,7 @@
 
 #include "station/lab/laws/motions.h"
 #include "station/lab/suites/findings.h"
+#include "station/lab/suites/suites.h"
 
 // The cases of the hand suite, one kind a function. Each case is a device with all of its conditions and
 // what fills in a row's figures, so that cases of all kinds run on the same threads. SI units.
@@ -20,6 +21,9 @@ using HandCases = std::vector<HandCase>;
 // Device, rate, Kc and delay of the row, and whether the clause covers them in this lattice.
 HandRow RowFor(const DeviceModel& model, double b_n_s_per_m, const std::string& motion,
                const Lattice& lattice, int delay_ticks);
+
+// The figures of the force in the hand.
+void SetFelt(const fidelity::FeltFigures& figures, HandRow* row);
 
 // Recorded and generated motions in every grip and tissue, along the axes of space, without delay.
 void AddFeltCases(const DeviceModel& model, const std::vector<HandMotion>& motions,
@@ -39,5 +43,9 @@ void AddApproachCases(const DeviceModel& model, HandCases* out);
 // Withdrawals with the product's core (laws/withdrawal.h). `block` outlives the cases.
 void AddWithdrawalCases(const DeviceModel& model, const cutting::Volume& block, bool quick,
                         HandCases* out);
+
+// Of the force in the hand: what its error is made of, and in how many seconds of strokes it is felt right.
+// Adds rows and their tables. `recorded`: people's motions, at any pace; empty: generated ones.
+void AddFeltInHand(SuiteContext& context, const std::vector<HandMotion>& recorded);
 
 }  // namespace enamel::station::lab

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "station/lab/cutting/voxel_limit.h"
 #include "station/lab/suites/suites.h"
 
 namespace enamel::station::lab {
@@ -117,6 +118,25 @@ Table OrderTable(const std::vector<OrderRow>& orders) {
   return t;
 }
 
+// Which voxel is fine enough for which bur.
+Table LimitTable() {
+  Table t;
+  t.title = "Cutting: error of the force by bur and voxel, %, and what that allows";
+  t.note =
+      "RMS over grids that lie differently, in a groove turned off the grid. *: beyond 10 %, where "
+      "graded work is refused and practice is warned ('explain').";
+  t.head = {"bur", "0.2 mm", "0.1 mm", "0.05 mm"};
+  for (const CutCase& c : BurCases()) {
+    std::vector<std::string> row = {BurText(c)};
+    for (int32_t voxel_nm : {200'000, 100'000, 50'000}) {
+      const double off = VoxelForceError(c.bur, voxel_nm);
+      row.push_back(F(100 * off, "%.1f") + (off > kMostVoxelForceError ? " *" : ""));
+    }
+    t.rows.push_back(std::move(row));
+  }
+  return t;
+}
+
 Table ScoreTable(const std::vector<ScoreFigures>& scores) {
   Table t;
   t.title =
@@ -166,6 +186,7 @@ void RunCuttingSuite(SuiteContext& c) {
   c.findings.orders = OrdersOf(c.findings.cutting);
   c.findings.tables.push_back(CuttingTable(c.findings));
   c.findings.tables.push_back(OrderTable(c.findings.orders));
+  c.findings.tables.push_back(LimitTable());
   // Scores are of a molar at each voxel size: too long for --quick.
   if (c.options.quick) return;
   // A voxel more than the cuts have: an index needs three halvings.

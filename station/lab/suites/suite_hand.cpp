@@ -73,7 +73,7 @@ std::string FeltText(const std::vector<HandRow>& rows, const std::string& device
 
 void AddFeltTable(SuiteContext& c, const std::vector<HandRow>& rows) {
   Table t;
-  t.title = "Felt error in the hand, %: default law (plain Maxwell)";
+  t.title = "Error of the force sent in hands that give, %: default law (plain Maxwell)";
   t.note =
       "RMS of the force sent less that of an ideal damper in the same hand on the same device, "
       "over the latter's. Mean over " +
@@ -187,6 +187,7 @@ void AddFrontRows(SuiteContext& c, const DeviceModel& m, const cutting::Volume& 
     fidelity::FeltTrial trial;
     trial.law = law;
     trial.hand.stiffness_n_per_m = 1000;
+    trial.ideal = false;
     const fidelity::FeltFigures f =
         Feel(FeltDeviceOf(m), trial, WanderingMotion(kHuman_m_per_s, 12, 1).way_m);
     double pull = 0;
@@ -254,6 +255,7 @@ void RunHandSuite(SuiteContext& c) {
                                   c.findings.hands.end());
   AddFeltTable(c, rows);
   AddBoundsTable(c, rows);
+  AddFeltInHand(c, recorded);
 }
 
 }  // namespace enamel::station::lab

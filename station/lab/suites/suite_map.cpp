@@ -86,9 +86,10 @@ void AddTable(SuiteContext& c, size_t from) {
       "What a hand can feel: stiffest grip, N/mm, in which cutting feels right within 7 / 15 / 19 "
       "%";
   t.note =
-      "A hand's grip is 0.3 (loose) to 2 N/mm (firm). Felt: the grip's force, friction in, against "
-      "that on "
-      "a device without friction that is an ideal damper. Closed form: |H/H_ideal - 1| of a spring "
+      "A hand's grip is 0.3 (loose) to 2 N/mm (firm). Felt: the force in the hand, friction, "
+      "damping "
+      "and inertia in, against that on an ideal tool, which is a damper and weighs nothing. Closed "
+      "form: |H/H_ideal - 1| of a spring "
       "K = Kc "
       "(plain Maxwell) or n Kc (lead Maxwell) at 1.6 rad/s, about kh/(kh + K). -: not even at 0.3; "
       "20.0: at "

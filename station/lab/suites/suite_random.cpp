@@ -109,9 +109,11 @@ HeldCase RunCase(const DeviceModel& model, uint64_t seed, const DrawName& draw, 
   }
   const fidelity::FeltFigures law = Feel(FeltDeviceOf(m), trial, way);
   trial.law = haptics::LawKind::kMaxwell;
+  trial.tool = false;
   const fidelity::FeltFigures plain = Feel(FeltDeviceOf(m), trial, way);
-  out.row.felt_error = law.felt_error();
-  out.row.maxwell_error = plain.felt_error();
+  out.row.felt_error = law.command_error();
+  out.row.maxwell_error = plain.command_error();
+  SetFelt(law, &out.row);
   out.row.ripple_n = law.ripple_n;
   out.row.maxwell_ripple_n = plain.ripple_n;
   out.row.energy_min_j = law.energy_min_j;

@@ -30,7 +30,10 @@ void RunStrokesSuite(SuiteContext& c) {
   t.title =
       "Strokes with the product's core: the default law, and in brackets what each figure may be";
   t.note =
-      "B 6.5 N s/mm, cylinder r 0.6 x 4 mm. *: not held. Lag at half of the plateau; rise to 90 % "
+      "Error: force sent less the ideal while something is ahead; felt: force in the hand, with "
+      "the device's "
+      "friction, damping and inertia. B 6.5 N s/mm, cylinder r 0.6 x 4 mm. *: not held. Lag at "
+      "half of the plateau; rise to 90 % "
       "against 1.15 of "
       "the oracle's; overshoot where B v is within the continuous force; pull against and push "
       "along the hand, "
@@ -38,8 +41,9 @@ void RunStrokesSuite(SuiteContext& c) {
       "ideal bur has left "
       "the tissue; step: growth in a tick beyond Kc (v T + sqrt(3) delta). Drawn: qualify --help "
       "says how.";
-  t.head = {"device", "case",   "ideal N", "lag ms",  "rise 90 % ms", "overshoot N",
-            "pull N", "rise N", "push N",  "help ms", "let go ms",    "step N"};
+  t.head = {"device",      "case",        "ideal N",    "lag ms", "rise 90 % ms",
+            "overshoot N", "error RMS N", "felt RMS N", "pull N", "rise N",
+            "push N",      "help ms",     "let go ms",  "step N"};
   for (const DeviceModel& m : c.findings.models) {
     StrokeDevice device{m, {}};
     const size_t laws = std::size(kLaws);
@@ -52,13 +56,14 @@ void RunStrokesSuite(SuiteContext& c) {
     });
     for (size_t i = 0; i < device.tracks.size(); i += laws) {
       const StrokeTrack& s = device.tracks[i];
-      t.rows.push_back({m.title, StrokeName(s.which), FigureText(s, "ideal_peak_n", 1, "%.2f"),
-                        FigureText(s, "lag_s", 1e3, "%.0f"), FigureText(s, "rise90_s", 1e3, "%.0f"),
-                        FigureText(s, "overshoot_n", 1, "%.3f"), FigureText(s, "pull_n", 1, "%.3f"),
-                        FigureText(s, "rise_n", 1, "%.3f"), FigureText(s, "push_n", 1, "%.2f"),
-                        FigureText(s, "help_s", 1e3, "%.0f"),
-                        FigureText(s, "let_go_s", 1e3, "%.0f"),
-                        FigureText(s, "step_beyond_n", 1, "%.3f")});
+      t.rows.push_back(
+          {m.title, StrokeName(s.which), FigureText(s, "ideal_peak_n", 1, "%.2f"),
+           FigureText(s, "lag_s", 1e3, "%.0f"), FigureText(s, "rise90_s", 1e3, "%.0f"),
+           FigureText(s, "overshoot_n", 1, "%.3f"), FigureText(s, "command_error_rms_n", 1, "%.3f"),
+           FigureText(s, "felt_error_rms_n", 1, "%.3f"), FigureText(s, "pull_n", 1, "%.3f"),
+           FigureText(s, "rise_n", 1, "%.3f"), FigureText(s, "push_n", 1, "%.2f"),
+           FigureText(s, "help_s", 1e3, "%.0f"), FigureText(s, "let_go_s", 1e3, "%.0f"),
+           FigureText(s, "step_beyond_n", 1, "%.3f")});
     }
     c.findings.strokes.push_back(std::move(device));
   }

@@ -29,6 +29,7 @@ void RunMapSuite(SuiteContext& context);
 void RunStrokesSuite(SuiteContext& context);
 void RunCalibrationSuite(SuiteContext& context);
 void RunCuttingSuite(SuiteContext& context);
+void RunFrontSuite(SuiteContext& context);
 
 // Calls job(i) for i < n on `threads` threads, lowest first. `job` must not throw.
 void ParallelFor(size_t n, int threads, const std::function<void(size_t)>& job);

@@ -188,5 +188,65 @@ TEST(HandsTest, ReverseTurnsBackAtItsTime) {
   EXPECT_LT(m.SpeedAt(3).x, 0);
 }
 
+// The hand's own balance, apart from the plant's: what a grip pushes with less what it takes to move the hand's mass.
+class Recorder final : public Hand {
+ public:
+  explicit Recorder(Hand& hand) : hand_(hand) {}
+  double mass_kg() const override { return hand_.mass_kg(); }
+  Grip At(double t_s) override { return last_ = hand_.At(t_s); }
+  Grip last_;
+
+ private:
+  Hand& hand_;
+};
+
+TEST(PlantTest, TheForceInTheHandIsWhatTheHandPushesWith) {
+  for (double mode_hz : {0.0, 60.0}) {
+    PlantSpec s = Bare(1);  // one sub-step a tick: the tick's mean is the sub-step's
+    s.mass_kg = 0.2;
+    s.damping_n_s_per_m = 6;
+    s.friction_n = 0.09;
+    s.mode_hz = mode_hz;
+    s.tick_s = 0.1e-3;
+    ImpedanceHand hand({.direction = glm::normalize(dvec3(1, 2, 3)),
+                        .speed_m_per_s = 20e-3,
+                        .reverse_s = 0.05,
+                        .tremor_m = 1e-3,
+                        .tremor_hz = 9},
+                       1000, 0.1, 8);
+    Recorder recorder(hand);
+    Plant plant(s, recorder, dvec3(0));
+    double most = 0, moved = 0;
+    for (int k = 0; k < 1500; ++k) {
+      const dvec3 was = plant.speed_m_per_s(), from = plant.tip_m();
+      plant.Step(dvec3(-0.3, 0.2, 0.1 * (k % 7)));
+      const Grip& g = recorder.last_;
+      // The integrator's implicit step takes spring and damper at the step's end.
+      const dvec3 pushed = (g.equilibrium_m - plant.tip_m()) * 1000.0 +
+                           (g.equilibrium_speed_m_per_s - plant.speed_m_per_s()) * 8.0 -
+                           (plant.speed_m_per_s() - was) * (0.1 / s.tick_s);
+      most = std::max(most, glm::length(plant.in_hand_n() - pushed));
+      moved = std::max(moved, glm::length(plant.tip_m() - from));
+    }
+    EXPECT_GT(moved, 1e-6);
+    EXPECT_LT(most, 1e-9) << mode_hz;
+  }
+}
+
+TEST(PlantTest, APrescribedHandFeelsDampingAndFrictionOfEachAxisBesideTheMotors) {
+  PlantSpec s = Bare(8);
+  s.damping_n_s_per_m = 5;
+  s.friction_n = 0.1;
+  VelocityHand hand(
+      {.direction = glm::normalize(dvec3(3, -4, 0)), .speed_m_per_s = 0.1, .stop_s = 0.5});
+  Plant plant(s, hand, dvec3(0));
+  for (int k = 0; k < 100; ++k) plant.Step(dvec3(-1, 0, 0.05));
+  EXPECT_NEAR(plant.in_hand_n().x, 1 + 5 * 0.06 + 0.1, 1e-9);
+  EXPECT_NEAR(plant.in_hand_n().y, 0 - 5 * 0.08 - 0.1, 1e-9);
+  EXPECT_NEAR(plant.in_hand_n().z, 0, 1e-9) << "0.05 N of the motors, which friction takes";
+  for (int k = 0; k < 500; ++k) plant.Step(dvec3(-1, 0, 0));
+  EXPECT_NEAR(plant.in_hand_n().x, 0.9, 1e-9) << "at rest";
+}
+
 }  // namespace
 }  // namespace enamel::fidelity

@@ -125,9 +125,10 @@ TEST(QualifyTest, WritesRowsAndAReport) {
   auto json = boost::json::parse(ReadAll(o.json_path)).as_object();
   const auto& rows = json.at("rows").as_array();
   ASSERT_EQ(rows.size(), 96u);  // four draws of six, each in four hands
-  for (const char* name : {"device", "b_n_s_per_mm", "rate_hz", "on_board", "kc_n_per_mm",
-                           "hand_n_per_mm", "motion", "lattice", "delay_ticks", "proved",
-                           "felt_error", "maxwell_error", "ripple_n", "pull_n", "cycles"}) {
+  for (const char* name :
+       {"device", "b_n_s_per_mm", "rate_hz", "on_board", "kc_n_per_mm", "hand_n_per_mm", "motion",
+        "lattice", "delay_ticks", "proved", "felt_error", "felt_error_rms", "felt_error_95",
+        "maxwell_error", "ripple_n", "pull_n", "cycles"}) {
     EXPECT_TRUE(rows[0].as_object().contains(name)) << name;
   }
   const auto document =

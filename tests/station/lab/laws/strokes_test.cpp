@@ -66,6 +66,21 @@ TEST(StrokesTest, TheIdealIsTheClosedFormOfWhatIsEngaged) {
   EXPECT_NEAR(Figure(stroke, "ideal_peak_n")->value, wanted, 0.03 * wanted);
 }
 
+// Straight down, friction c and b v add along the way, in part against what the command lacks.
+TEST(StrokesTest, TheForceInTheHandDiffersFromTheCommandByWhatTheDeviceAdds) {
+  for (int i : {0, 1, 2}) {
+    const DeviceModel m = Device(i);
+    const StrokeTrack press = RunStroke(m, StrokeCase::kPress, haptics::kDefaultLaw, Block());
+    const StrokeFigure *felt = Figure(press, "felt_error_rms_n"),
+                       *command = Figure(press, "command_error_rms_n");
+    ASSERT_TRUE(felt != nullptr && command != nullptr);
+    const double adds = m.friction_n + m.damping_n_s_per_m * 0.5e-3;
+    EXPECT_LE(felt->value, command->value + adds + 0.02) << i;
+    EXPECT_GE(felt->value, std::abs(command->value - adds) - 0.02) << i;
+    EXPECT_NE(felt->value, command->value) << i;
+  }
+}
+
 // The oracle of a press: rises by Kc v, so it needs at least F/(Kc v).
 TEST(StrokesTest, TheOracleRisesNoFasterThanTheSpringIsStretched) {
   const DeviceModel m = Device(1);

@@ -47,6 +47,25 @@ TEST(TrialTest, IntegratesFarBelowAnEncoderCell) {
   }
 }
 
+// Friction acts per axis, so an oblique cut feels sqrt(3) c of it; damping adds b v, and the command is off by its ripple.
+TEST(TrialTest, TheForceInTheHandIsOffByFrictionAndDamping) {
+  for (size_t i : {0u, 1u, 2u}) {
+    const DeviceModel m = Model(i);
+    TrialSpec s = SpecOf(m, LawKind::kMaxwell, kEnamel, kSpeed);
+    s.direction = glm::normalize(dvec3(1, 1, 1));
+    const Measurement r = RunTrial(s);
+    const double adds = std::sqrt(3.0) * m.friction_n + m.damping_n_s_per_m * kSpeed;
+    EXPECT_NEAR(r.felt_error_rms_n, adds, r.error_rms_n + 1e-3) << i;
+    EXPECT_NEAR(r.felt_error_p95_n, adds, 2 * r.error_rms_n + 1e-3) << i;
+    EXPECT_GT(r.felt_error_rms_n, r.error_rms_n) << i;
+    // Without them it is the command's own.
+    s.plant.friction_n = s.plant.damping_n_s_per_m = 0;
+    const Measurement bare = RunTrial(s);
+    EXPECT_NEAR(bare.felt_error_rms_n, bare.error_rms_n, 1e-4)
+        << i;  // a tick's mean beside its command
+  }
+}
+
 class PaperDevice : public testing::TestWithParam<size_t> {};
 
 // A hand that prescribes its way is not what the law is made for. Still: the force of the paper's cut to

@@ -106,6 +106,38 @@ TEST_P(HandOnDevice, AGripFeelsTheDamperBetterThanThroughAPlainSpring) {
   EXPECT_LT(law, 0.9 * plain);
 }
 
+TEST_P(HandOnDevice, TheBudgetSaysWhatASteadyCutAndStrokesAreMadeOf) {
+  QualifyOptions options;
+  options.quick = true;
+  Findings findings;
+  findings.models = {device_};
+  SuiteContext context{options, findings, [](const char*, size_t, size_t) {}};
+  AddFeltInHand(context, {});
+  ASSERT_EQ(findings.budgets.size(), 2u);
+  for (const BudgetRow& row : findings.budgets) {
+    double sum = 0, friction = 0;
+    for (const fidelity::FeltPart& p : row.budget.parts) {
+      sum += p.share;
+      if (p.cause == std::string("friction")) friction = p.rms_n;
+    }
+    EXPECT_NEAR(sum, 1, 1e-9) << row.hand;
+    // A prescribed cut meets c on each of three axes; a hand that gives yields to a part of it.
+    EXPECT_LE(friction, std::sqrt(3.0) * device_.friction_n * 1.001) << row.hand;
+    EXPECT_GE(row.budget.p95_n, row.budget.rms_n * 0.9) << row.hand;
+  }
+  EXPECT_NEAR(findings.budgets[0].budget.parts[3].rms_n, std::sqrt(3.0) * device_.friction_n, 1e-6);
+  EXPECT_NEAR(findings.budgets[0].budget.tool_rms_n, 6500 * 0.43e-3, 1e-6);
+  ASSERT_EQ(findings.seconds_felt.size(), 20u);
+  for (const SecondsRow& row : findings.seconds_felt) {
+    EXPECT_GE(row.seconds, 15) << row.b_n_s_per_mm;
+    EXPECT_LE(row.within, row.seconds);
+  }
+  // Where friction is the error, harder tissue and faster strokes are felt better: it is a smaller share of them.
+  if (device_.name == "omega3") {
+    EXPECT_GT(findings.seconds_felt.back().share(), findings.seconds_felt.front().share());
+  }
+}
+
 TEST_P(HandOnDevice, RecordedStrokesAreFeltAsTheReadmeSays) {
   auto recorded = RecordedMotions(std::string(ENAMEL_SOURCE_DIR) + "/../shared/data/motion");
   ASSERT_TRUE(recorded.ok()) << recorded.status().message();

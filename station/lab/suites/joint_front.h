@@ -1,0 +1,97 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/core/core.h"
+#include "station/lab/cutting/tick_cost.h"
+#include "station/lab/laws/model.h"
+#include "station/lab/laws/motions.h"
+
+// One front over all that a practice may choose: voxel, loop rate, law and estimator. What a choice costs is the
+// whole tick; what it is worth is the force in the hand of somebody who works a surface, against an ideal tool in
+// the same hand (fidelity/felt.h), and with it, in squares, what the voxel makes of the bur's force: where the grid
+// lies and what the hand does are independent. A hand that gives would hide most of the second.
+//
+// Costs are measured when called, and repeated in turns: every case once, then every case again. What else the
+// computer does meanwhile is spread over all of them. A figure is the median of kRounds, its interval from the second
+// to the last but one: the median of what is measured lies in it with 96.1 %, whatever its distribution.
+namespace enamel::station::lab {
+
+inline constexpr int kRounds = 9;
+
+struct Interval {
+  double value = 0, low = 0, high = 0;
+  // Differs from 0 for certain.
+  bool apart() const { return low > 0 || high < 0; }
+};
+// Median, second, last but one. Requires: kRounds values.
+Interval IntervalOf(std::vector<double> rounds);
+Interval operator+(const Interval& a, const Interval& b);  // of independent figures
+
+struct TickTime {
+  Interval mean_us, p99_us;  // over a run's ticks
+};
+// What is timed, in turns: each call of `run` is one run, and gives mean and p99 of its ticks in microseconds.
+struct TimedCase {
+  std::function<Spread()> run;
+};
+std::vector<TickTime> TimeInTurns(const std::vector<TimedCase>& cases,
+                                  const std::function<void(size_t, size_t)>& progress = {});
+// Of each case, how much longer its ticks take than those of the first, taken round by round.
+std::vector<Interval> MoreThanFirst_us(const std::vector<TimedCase>& cases,
+                                       const std::function<void(size_t, size_t)>& progress = {});
+
+struct LawChoice {
+  haptics::LawKind law = haptics::kDefaultLaw;
+  haptics::EstimatorKind estimator = haptics::EstimatorKind::kLawsOwn;
+  std::string Name() const;  // "eq17 / foaw-best-fit"
+};
+// Every law; those that need a speed with each of `estimators`.
+std::vector<LawChoice> LawChoices(const std::vector<haptics::EstimatorKind>& estimators);
+
+struct JointPoint {
+  int32_t voxel_nm = 0;
+  double rate_hz = 0;
+  LawChoice law;
+  TickTime tick;
+  double load() const { return tick.mean_us.value * 1e-6 * rate_hz; }  // share of a core
+  double felt_error = 0, felt_error_rms_n = 0;  // share of the tool's force, and newtons
+  bool proved = false;                          // the theorem covers law and Kc
+  bool is_default = false;
+  bool on_front = false;
+};
+
+// Cost of the default law's tick at one voxel and rate.
+struct VoxelCase {
+  int32_t voxel_nm = 0;
+  double rate_hz = 0;
+  TimedCase tick;
+};
+struct JointAxes {
+  std::vector<DeviceModel> at_rates;  // the device at each rate, with its Kc there
+  std::vector<VoxelCase> ticks;       // every voxel at every rate of `at_rates`
+  std::vector<std::pair<int32_t, double>> force_errors;  // of each voxel, a share (cutting_error.h)
+  std::vector<LawChoice> laws;
+  int32_t default_voxel_nm = 50'000;
+  double b_n_s_per_m = 6500, grip_n_per_m = 1000;
+  std::vector<std::vector<dvec3>> ways_m;  // of the hand
+  int threads = 2;
+};
+// Every combination, marked. The tick of a law is the default law's plus the difference of the two, measured apart
+// from the cut, on which it does not depend.
+std::vector<JointPoint> MeasureJointFront(
+    const JointAxes& axes, const std::function<void(const char*, size_t, size_t)>& progress = {});
+
+// On the front: no other proved point has no larger error, tick and load, and one of them smaller. A law without
+// proof is on no front.
+void MarkJointFront(std::vector<JointPoint>* points);
+// The proved point of the smallest felt error whose 99 % of ticks fit `budget_us` and its own period, by the upper
+// ends of their intervals; of equal errors the cheaper. Null: none fits.
+const JointPoint* BestWithin(const std::vector<JointPoint>& points, double budget_us);
+// "Voxels of 25 um in place of 50 cost 12.1 us a tick (11.2 to 13.4) and buy 0.3 points of felt error; …": the next
+// halving of the voxel and the next doubling of the rate from `from`.
+std::string NextHalvings(const std::vector<JointPoint>& points, const JointPoint& from);
+
+}  // namespace enamel::station::lab

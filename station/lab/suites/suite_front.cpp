@@ -1,0 +1,130 @@
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "station/lab/cutting/cutting_error.h"
+#include "station/lab/suites/joint_front.h"
+#include "station/lab/suites/suites.h"
+
+// Voxel, loop rate, law and estimator together: what a whole tick costs, and what a hand gets for it.
+namespace enamel::station::lab {
+namespace {
+
+constexpr double kHuman_m_per_s = 0.2e-3, kDuration_s = 12;
+constexpr size_t kTicks = 400;
+// In a round. Of each tick the shorter counts, or another program's turn would be in it.
+constexpr int kRuns = 2;
+
+std::vector<int32_t> Voxels(bool quick) {
+  if (quick) return {100'000, 50'000, 25'000};
+  return {200'000, 100'000, 50'000, 25'000};
+}
+
+std::vector<haptics::EstimatorKind> Estimators(bool quick) {
+  // One of each kind: a difference and a window.
+  if (quick)
+    return {haptics::EstimatorKind::kBackwardDifference, haptics::EstimatorKind::kFoawBestFit};
+  std::vector<haptics::EstimatorKind> out;
+  for (const auto& e : haptics::VelocityEstimators()) out.push_back(e.kind);
+  return out;
+}
+
+// The headline's cut: cylinder r 0.6 x 4 mm, half sunk, 5 mm/s.
+CutCase CaseAt(int32_t voxel_nm, double rate_hz) {
+  CutCase c = BurCases()[0];
+  c.voxel_nm = voxel_nm;
+  c.rate_hz = static_cast<uint32_t>(std::lround(rate_hz));
+  return c;
+}
+
+std::vector<std::pair<int32_t, double>> ForceErrors(const std::vector<int32_t>& voxels_nm) {
+  CuttingPlan plan;
+  plan.cases = {CaseAt(voxels_nm[0], 1000)};
+  plan.cases[0].oblique = true;
+  plan.voxels_nm = voxels_nm;
+  plan.ticks = 300;
+  plan.replays = 1;
+  std::vector<std::pair<int32_t, double>> out;
+  for (CuttingFigures& f : MeasureCutting(plan)) {
+    const CuttingRow row{std::move(f), false};
+    out.emplace_back(row.figures.c.voxel_nm, row.RmsOf(&CutErrors::force));
+  }
+  return out;
+}
+
+JointAxes AxesOf(SuiteContext& c, const DeviceModel& m) {
+  JointAxes axes;
+  for (double rate : c.options.quick ? std::vector<double>{1000, 4000}
+                                     : std::vector<double>{1000, 2000, 4000, 8000})
+    axes.at_rates.push_back(AtRate(m, rate, true));
+  const std::vector<int32_t> voxels = Voxels(c.options.quick);
+  for (int32_t voxel : voxels)
+    for (const DeviceModel& at : axes.at_rates) {
+      auto path = std::make_shared<CutPath>(MakeCutPath(CaseAt(voxel, at.rate_hz), kTicks));
+      axes.ticks.push_back({voxel, at.rate_hz, {[path] {
+                              const TickCost cost = TimeTicks(*path, kRuns);
+                              return Spread{cost.mean_us, cost.p99_us};
+                            }}});
+    }
+  axes.force_errors = ForceErrors(voxels);
+  axes.laws = LawChoices(Estimators(c.options.quick));
+  for (uint64_t seed = 1; seed <= (c.options.quick ? 1 : 2); ++seed)
+    axes.ways_m.push_back(WanderingMotion(kHuman_m_per_s, kDuration_s, seed).way_m);
+  axes.threads = c.options.threads;
+  return axes;
+}
+
+std::string Text(const Interval& i) {
+  return F(i.value, "%.1f") + " (" + F(i.low, "%.1f") + "-" + F(i.high, "%.1f") + ")";
+}
+
+Table FrontTable(const std::vector<JointPoint>& points, const DeviceModel& m) {
+  Table t;
+  t.title = "Joint front on " + m.title + ": voxel, rate, law and estimator";
+  t.head = {"law",
+            "voxel um",
+            "rate Hz",
+            "tick us, mean (95 %)",
+            "p99 us (95 %)",
+            "of a core %",
+            "felt error %",
+            "felt error N RMS",
+            ""};
+  const JointPoint* chosen = nullptr;
+  std::vector<const JointPoint*> shown;
+  for (const JointPoint& p : points) {
+    if (p.is_default) chosen = &p;
+    if (p.on_front || p.is_default) shown.push_back(&p);
+  }
+  std::sort(shown.begin(), shown.end(),
+            [](auto* a, auto* b) { return a->felt_error > b->felt_error; });
+  for (const JointPoint* p : shown)
+    t.rows.push_back({p->law.Name(), F(p->voxel_nm * 1e-3, "%g"), F(p->rate_hz, "%g"),
+                      Text(p->tick.mean_us), Text(p->tick.p99_us), F(100 * p->load(), "%.1f"),
+                      F(100 * p->felt_error, "%.2f"), F(p->felt_error_rms_n),
+                      !p->is_default ? ""
+                      : p->on_front  ? "default"
+                                     : "default, dominated"});
+  t.note =
+      (chosen != nullptr ? NextHalvings(points, *chosen) + " " : std::string()) +
+      std::to_string(points.size()) + " combinations, " + std::to_string(shown.size()) +
+      " shown: the front of felt error, tick and share of a core among laws with a proof, and "
+      "the default. Tick: cut, engagement, law, force and hash; cylinder r 0.6 x 4 mm, half "
+      "sunk, 5 mm/s; median of nine rounds in turns, each tick the shorter of two runs. Felt: a "
+      "generated hand of 1 N/mm at 0.2 "
+      "mm/s in B 6.5 N s/mm against an ideal tool; to it the error that the voxel makes of the "
+      "bur's force is added in squares, as a hand feels it that does not give.";
+  return t;
+}
+
+}  // namespace
+
+void RunFrontSuite(SuiteContext& c) {
+  for (const DeviceModel& m : c.findings.models) {
+    std::vector<JointPoint> points = MeasureJointFront(AxesOf(c, m), c.progress);
+    c.findings.tables.push_back(FrontTable(points, m));
+    c.findings.fronts.push_back({m.name, m.title, std::move(points)});
+  }
+}
+
+}  // namespace enamel::station::lab
