@@ -29,11 +29,12 @@ void PrintRow(const GradeRow& r) {
   char found[24] = "-";
   if (r.found) std::snprintf(found, sizeof found, "%.4f", *r.found);
   const bool as_expected = r.critical.empty() == r.critical_expected.empty();
-  std::printf(
-      "%-26s %-20s %9.3f %-4s %6.3f  %-24s %9s %-3s %7.2f %7.2f%s%s%s\n", r.exercise.c_str(),
-      r.fault.c_str(), r.size, r.unit.c_str(), r.voxel_mm, r.metric.c_str(), found,
-      r.AsKnown() ? "" : "off", r.points_lost, r.score, r.CostsEnough() ? "" : "  too little",
-      r.critical.empty() ? "" : ("  " + r.critical).c_str(), as_expected ? "" : "  UNEXPECTED");
+  std::printf("%-26s %-20s %9.3f %-4s %6.3f  %-24s %9s %-3s %7.2f %7.2f%s%s%s%s\n",
+              r.exercise.c_str(), r.fault.c_str(), r.size, r.unit.c_str(), r.voxel_mm,
+              r.metric.c_str(), found, r.AsKnown() ? "" : "off", r.points_lost, r.score,
+              r.CostsEnough() ? "" : "  too little", r.CostsTooMuch() ? "  too much" : "",
+              r.critical.empty() ? "" : ("  " + r.critical).c_str(),
+              as_expected ? "" : "  UNEXPECTED");
 }
 
 Status RunGrades(const GradesCommand& command) {
@@ -41,12 +42,13 @@ Status RunGrades(const GradesCommand& command) {
   bench::Progress progress;
   std::printf("%-26s %-20s %9s %-4s %6s  %-24s %9s %-3s %7s %7s\n", "exercise", "fault", "size",
               "unit", "voxel", "metric", "found", "", "lost", "score");
-  size_t as_known = 0, cheap = 0, expected = 0, found = 0, harmless = 0;
+  size_t as_known = 0, cheap = 0, dear = 0, expected = 0, found = 0, harmless = 0;
   auto print = [&](const GradeRow& row) {
     progress.Clear();
     PrintRow(row);
     as_known += row.AsKnown() ? 1 : 0;
     cheap += row.CostsEnough() ? 0 : 1;
+    dear += row.CostsTooMuch() ? 1 : 0;
     const bool critical = !row.critical.empty(), asked = !row.critical_expected.empty();
     expected += asked ? 1 : 0;
     found += asked && critical ? 1 : 0;
@@ -60,6 +62,7 @@ Status RunGrades(const GradesCommand& command) {
   std::printf("\n%zu of %zu faults found as they are; the others are marked \"off\".\n", as_known,
               rows.size());
   std::printf("%zu faults of a size that has to cost a point cost less.\n", cheap);
+  std::printf("%zu faults too small to be seen cost more than they may.\n", dear);
   std::printf("%zu of %zu critical errors not acceptable; %zu harmless faults not acceptable.\n",
               found, expected, harmless);
   return WriteRows(command.json, GradesJson(rows));

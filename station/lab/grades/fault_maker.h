@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,6 +37,9 @@ class FaultMaker {
   // In mm, found within a quarter of a voxel.
   void AddMm(std::string name, Size size, std::string metric, Hollow taken);
   void AddDegrees(std::string name, Size size, std::string metric, Hollow taken);
+  // All surfaces farther out, or less far, than wanted by what no eye sees. `moved`: the task so.
+  void AddAllSurfaces(std::string metric_over, std::string metric_short,
+                      const std::function<Hollow(double by_m)>& moved);
   Hollow Wanted() const;
   bool Judges(std::string_view metric) const {
     return std::ranges::any_of(exercise_.rubric.criteria,

@@ -74,6 +74,20 @@ void FaultMaker::AddDegrees(std::string name, Size size, std::string metric, Hol
   Add(std::move(name), size, "deg", std::move(metric), kAngleTolerance_deg, std::move(taken));
 }
 
+void FaultMaker::AddAllSurfaces(std::string metric_over, std::string metric_short,
+                                const std::function<Hollow(double by_m)>& moved) {
+  constexpr double kUnseen_mm = 0.08;
+  // Where no wall or floor is judged, as in practice shapes, closeness is most of the points.
+  std::optional<double> may_cost;
+  if (Judges("floor_mm") || task_.kind == Task::Kind::kCrown) may_cost = 3;
+  AddMm("all_over", {kUnseen_mm, false}, std::move(metric_over), moved(kUnseen_mm / kMm));
+  out_.back().may_cost = may_cost;
+  // Too little is + where the metric has no sign.
+  const double size = metric_short == "floor_mm" ? -kUnseen_mm : kUnseen_mm;
+  AddMm("all_short", {size, false}, std::move(metric_short), moved(-kUnseen_mm / kMm));
+  out_.back().may_cost = may_cost;
+}
+
 std::vector<FaultMaker::Size> FaultMaker::Sizes(std::initializer_list<double> all,
                                                 double threshold) const {
   if (few_) return {{threshold, true}};

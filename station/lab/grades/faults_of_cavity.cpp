@@ -57,6 +57,16 @@ void FaultMaker::MakeBox() {
     if (HasCaries()) break;  // its floor is where the lesion ends
     AddDegrees("tilt_floor", s, "tilt_floor_deg", BoxWith(kFloorFace, {.slope = Slope(s.value)}));
   }
+  // Where caries is followed, the volume of sound tissue is judged, and 0.08 mm all round are 3 mm3.
+  if (!HasCaries()) {
+    AddAllSurfaces("floor_mm", "floor_mm", [&](double by_m) -> Hollow {
+      BoxCavity box = task_.box;
+      for (size_t f = 0; f < box.faces.size(); ++f) {
+        if (f == kFloorFace || HasWall(f)) box.faces[f].moved_m = by_m;
+      }
+      return [box](const dvec3& p) { return box.Distance_m(p); };
+    });
+  }
   AddPillars();
   // A pit of 0.6 x 0.6 mm in the floor's corner.
   const dvec3 corner = b.centre_m + dvec3(-b.half_x_m, -b.half_y_m, -b.depth_m);

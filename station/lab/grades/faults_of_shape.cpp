@@ -42,6 +42,8 @@ void FaultMaker::MakeShape() {
             GrownBy(task_.shape, 0, way * s.m()));
     }
   }
+  AddAllSurfaces("floor_mm", "floor_mm",
+                 [&](double by_m) { return GrownBy(task_.shape, by_m, by_m); });
   MakeLeaningShape();
   const dvec3 bottom = LevelFloor_m();
   AddGouges(bottom - dvec3(0.3e-3, 0.3e-3, 0), bottom + dvec3(0.3e-3, 0.3e-3, 0));
@@ -111,6 +113,8 @@ void FaultMaker::MakeFace() {
     AddMm("floor_over", s, "deepest_over_mm", GrownBy(task_.shape, 0, s.m()));
     AddMm("floor_short", s, "most_left_mm", GrownBy(task_.shape, 0, -s.m()));
   }
+  AddAllSurfaces("deepest_over_mm", "most_left_mm",
+                 [&](double by_m) { return GrownBy(task_.shape, 0, by_m); });
   MakeUnevenFace();
   MakeFaceMargin();
   auto over = [part](const dvec3& p) { return scene::HeightOverRelief_m(part, p); };
@@ -216,6 +220,8 @@ void FaultMaker::MakeCrown() {
     AddMm("top_over", s, "deepest_over_mm", Cut(c.Moved(0, s.m())));
     AddMm("top_short", s, "most_left_mm", Cut(c.Moved(0, -s.m())));
   }
+  AddAllSurfaces("deviation_p95_mm", "deviation_p95_mm",
+                 [&](double by_m) { return Cut(c.Moved(by_m, by_m).Deeper(by_m)); });
   for (const Size s : Sizes({20, 30, 45}, 30)) {
     const CrownCut flat = c.Converging(s.value);
     if (flat.HasTop()) AddDegrees("convergence", s, "convergence_mesiodistal_deg", Cut(flat));

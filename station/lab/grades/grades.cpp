@@ -54,6 +54,8 @@ bool GradeRow::AsKnown() const { return found && std::fabs(*found - size) <= tol
 
 bool GradeRow::CostsEnough() const { return !must_cost || points_lost >= 1; }
 
+bool GradeRow::CostsTooMuch() const { return may_cost && points_lost > *may_cost; }
+
 GradedExercise::GradedExercise(const scene::BuiltScene& built, scene::Exercise exercise, Task task,
                                scoring::ProcessRecorder process)
     : built_(&built),
@@ -96,6 +98,7 @@ Result<GradeRow> GradedExercise::Grade(const Fault& fault) const {
   row.metric = fault.metric;
   row.tolerance = fault.tolerance;
   row.must_cost = fault.must_cost;
+  row.may_cost = fault.may_cost;
   for (const scoring::MetricValue& m : score.metrics) {
     if (m.name == fault.metric) row.found = m.value;
   }
@@ -163,6 +166,7 @@ json::object GradesJson(const std::vector<GradeRow>& rows) {
                      {"tolerance", r.tolerance},
                      {"points_lost", r.points_lost},
                      {"must_cost", r.must_cost},
+                     {"may_cost", r.may_cost ? json::value(*r.may_cost) : json::value(nullptr)},
                      {"critical_expected", !r.critical_expected.empty()},
                      {"critical", !r.critical.empty()},
                      {"cause", r.judged.cause},

@@ -32,10 +32,12 @@ struct GradeRow {
   double points_lost = 0, score = 0;
   std::string critical_expected, critical;  // the error that was made and the first found, or none
   bool must_cost = true;                    // at or over its threshold: must cost at least a point
+  std::optional<double> may_cost;           // points, at most
   Judged judged;
 
   bool AsKnown() const;
   bool CostsEnough() const;
+  bool CostsTooMuch() const;
 };
 
 // One tooth and exercise with its task, ready to grade attempts at it.

@@ -94,6 +94,7 @@ TEST_P(Grades, EveryFaultIsFoundAndCostsAndOnlyTheReferenceIsPerfect) {
         EXPECT_EQ(row->score, 0);
       } else {
         EXPECT_TRUE(row->CostsEnough()) << fault.name << ": " << row->points_lost;
+        EXPECT_FALSE(row->CostsTooMuch()) << fault.name << ": " << row->points_lost;
       }
     }
   }
@@ -185,6 +186,9 @@ TEST(GradesTest, TheLargerOfTwoFaultsNeverCostsLess) {
 TEST(GradesTest, ARowSaysWhatItWasAndWhatWasFoundAsTheSchemaHasIt) {
   GradeRow row{"class-1-x", "floor", 0.3, "mm", 0.05, "floor_mm", 0.31, 0.0125, 4, 96};
   EXPECT_TRUE(row.AsKnown());
+  EXPECT_FALSE(row.CostsTooMuch());
+  row.may_cost = 3;
+  EXPECT_TRUE(row.CostsTooMuch());
   GradeRow unseen{"class-1-x",    "nothing",    10,  "deg", 0.05,
                   "undercut_deg", std::nullopt, 0.5, 100,   0};
   unseen.critical_expected = unseen.critical = "nothing_cut";
